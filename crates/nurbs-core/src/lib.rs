@@ -1,0 +1,3 @@
+//! stub
+mod evaluate;
+pub use evaluate::{Derivatives, Differentiate, Evaluate};

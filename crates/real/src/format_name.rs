@@ -1,0 +1,44 @@
+//! The names of number formats.
+
+use core::fmt;
+
+/// The name of a number format: `f64`, or `I16F16` for 16 integer bits with the sign and 16 fraction bits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum FormatName {
+    /// A binary float of this many bits, by the name Rust gives it.
+    Float {
+        /// Width in bits.
+        bits: u32,
+    },
+    /// Two's complement with a binary point, named as the `fixed` crate does.
+    Fixed {
+        /// Bits before the binary point, the sign included.
+        integer_bits: u32,
+        /// Bits after the binary point.
+        fraction_bits: u32,
+    },
+    /// The sum of two `f64`, about 106 bits of precision: the reference.
+    DoubleDouble,
+}
+
+impl FormatName {
+    /// Width in bits.
+    #[must_use]
+    pub const fn bits(self) -> u32 {
+        match self {
+            Self::Float { bits } => bits,
+            Self::Fixed { integer_bits, fraction_bits } => integer_bits + fraction_bits,
+            Self::DoubleDouble => 128,
+        }
+    }
+}
+
+impl fmt::Display for FormatName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Float { bits } => write!(f, "f{bits}"),
+            Self::Fixed { integer_bits, fraction_bits } => write!(f, "I{integer_bits}F{fraction_bits}"),
+            Self::DoubleDouble => f.write_str("double-double"),
+        }
+    }
+}

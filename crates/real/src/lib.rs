@@ -1,0 +1,64 @@
+//! `real`: the numbers that the kernels compute with.
+//!
+//! A kernel is written once, generic over [`Real`], and runs in floats, in fixed point, or in a wrapper that
+//! watches it:
+//!
+//! ```
+//! use real::{Backend, I16F16, Real};
+//!
+//! /// Chord of a step on a circle: 2ρ sin(θ/2) ≈ ρθ(1 - θ²/24).
+//! fn chord<R: Real>(radius: R, angle: R) -> R {
+//!     let correction = R::one() - angle * angle * R::from_ratio(1, 24);
+//!     radius * angle * correction
+//! }
+//!
+//! let exact = chord(10.0_f64, 0.1);
+//! let coarse = chord(I16F16::from_f64(10.0).unwrap(), I16F16::from_f64(0.1).unwrap());
+//! assert!((coarse.to_f64() - exact).abs() < 2e-4);
+//! ```
+//!
+//! | backend | for |
+//! |---|---|
+//! | `f64`, `f32` | controllers with a floating-point unit |
+//! | [`FixedPoint`] over the `fixed` crate's types: [`I16F16`], [`I8F24`], [`I32F32`], … | controllers without, FPGAs |
+//! | [`DoubleDouble`] (feature `reference`) | judging the others: about 106 bits |
+//! | [`Audited`] (feature `std`) around any of them | counting overflows and recording ranges |
+//!
+//! Features: `std` (default), `libm` for floats without std, `reference` for the double-double.
+
+#![cfg_attr(not(feature = "std"), no_std)]
+
+#[cfg(feature = "std")]
+mod audit;
+#[cfg(feature = "reference")]
+mod double_double;
+mod fixed_point;
+mod float;
+mod format_name;
+#[allow(clippy::module_inception, reason = "the trait's file carries the crate's one noun")]
+mod real;
+
+#[cfg(feature = "std")]
+pub use audit::{Audit, Audited, SignalRange};
+#[cfg(feature = "reference")]
+pub use double_double::DoubleDouble;
+pub use fixed_point::{FixedPoint, Word};
+pub use format_name::FormatName;
+pub use real::{Backend, Real};
+
+/// 4 integer and 4 fraction bits: small enough to test every operation on every pair.
+pub type I4F4 = FixedPoint<fixed::types::I4F4>;
+/// 16 integer and 16 fraction bits: ±32 768 in steps of 1.5e-5.
+pub type I16F16 = FixedPoint<fixed::types::I16F16>;
+/// 12 integer and 20 fraction bits: ±2 048 in steps of 9.5e-7.
+pub type I12F20 = FixedPoint<fixed::types::I12F20>;
+/// 8 integer and 24 fraction bits: ±128 in steps of 6.0e-8.
+pub type I8F24 = FixedPoint<fixed::types::I8F24>;
+/// 4 integer and 28 fraction bits: ±8 in steps of 3.7e-9.
+pub type I4F28 = FixedPoint<fixed::types::I4F28>;
+/// 32 integer and 32 fraction bits: ±2.1e9 in steps of 2.3e-10.
+pub type I32F32 = FixedPoint<fixed::types::I32F32>;
+/// 16 integer and 48 fraction bits: ±32 768 in steps of 3.6e-15.
+pub type I16F48 = FixedPoint<fixed::types::I16F48>;
+/// 4 integer and 60 fraction bits: ±8 in steps of 8.7e-19.
+pub type I4F60 = FixedPoint<fixed::types::I4F60>;

@@ -1,0 +1,111 @@
+//! The trait that every kernel is written against.
+
+use core::fmt::Debug;
+use core::ops::{Div, Neg, Sub};
+
+use num_traits::{Bounded, One, Zero};
+
+/// A number that a kernel can compute with: a float, a fixed-point number, or a wrapper around either.
+///
+/// Addition, multiplication, the least and the greatest value come from num-traits (`Zero`, `One`,
+/// `Bounded`), so those words mean here what they mean there. Every operation is total: it returns a value
+/// for all operands, in every build, and never panics.
+///
+/// | operation | float | fixed point |
+/// |---|---|---|
+/// | `+` `-` `*` negation, [`mul_add`](Real::mul_add), [`sum_of_products`](Real::sum_of_products), [`scale`](Real::scale) | IEEE 754 | round to nearest, then wrap |
+/// | `/`, [`sqrt`](Real::sqrt), [`norm`](Real::norm) | IEEE 754 | round to nearest, then saturate |
+/// | division by zero | infinity or NaN | the extreme with the sign of the numerator; `0/0` is 0 |
+/// | root of a negative number | 0 | 0 |
+///
+/// Wrapping is what a controller's adder does. That no value ever needs to wrap is shown beforehand, by a
+/// proven range or by an [audited](crate::Audited) run; saturating each operation would cost several times
+/// more and hide the fault.
+pub trait Real:
+    Copy + Debug + Default + PartialOrd + Zero + One + Bounded + Neg<Output = Self> + Sub<Output = Self> + Div<Output = Self>
+{
+    /// The step between 1 and the next larger number: 2⁻²³ in `f32`, 2⁻ᶠ with f fraction bits.
+    fn resolution() -> Self;
+
+    /// The number nearest to `numerator / denominator`: how kernels write their constants.
+    ///
+    /// Domain: `denominator ≠ 0`, and the quotient fits the format. A quotient that does not fit saturates.
+    fn from_ratio(numerator: i32, denominator: i32) -> Self;
+
+    /// `self · factor + addend`.
+    ///
+    /// Fixed point rounds once. Floats round twice, as a controller without a fused instruction does: the
+    /// result is then the same on every machine.
+    fn mul_add(self, factor: Self, addend: Self) -> Self;
+
+    /// `Σ aᵢ·bᵢ` over the pairs. In fixed point the sum is formed in an accumulator of twice the width, which
+    /// wraps, and is rounded once.
+    fn sum_of_products(pairs: impl IntoIterator<Item = (Self, Self)>) -> Self;
+
+    /// Euclidean length `√(Σ vᵢ²)`. No intermediate overflows: only a result too large for the format does,
+    /// and it saturates. Fixed point rounds once.
+    fn norm<const N: usize>(vector: &[Self; N]) -> Self;
+
+    /// Square root, rounded to nearest; 0 for a negative argument.
+    fn sqrt(self) -> Self;
+
+    /// `self · 2^exponent`: a shift in fixed point, an exponent change in a float. Shifting right rounds to
+    /// nearest, shifting left wraps. Domain: `|exponent| ≤ 126`.
+    fn scale(self, exponent: i32) -> Self;
+
+    /// Whether this is a number: false only for the infinities and NaN of floats.
+    fn is_finite(self) -> bool;
+
+    /// Names this value for an observing wrapper. Every other backend returns it unchanged, at no cost.
+    #[must_use]
+    fn signal(self, _name: &'static str) -> Self {
+        self
+    }
+
+    /// The larger of two numbers.
+    #[must_use]
+    fn max(self, other: Self) -> Self {
+        if other > self { other } else { self }
+    }
+
+    /// The smaller of two numbers.
+    #[must_use]
+    fn min(self, other: Self) -> Self {
+        if other < self { other } else { self }
+    }
+
+    /// `|self|`. In fixed point the least number has no opposite and stays as it is.
+    #[must_use]
+    fn abs(self) -> Self {
+        if self < Self::zero() { -self } else { self }
+    }
+
+    /// `self / 2`.
+    #[must_use]
+    fn half(self) -> Self {
+        self.scale(-1)
+    }
+}
+
+/// A [`Real`] that tools can name, and convert from and to the floats that files hold. Kernels do without.
+pub trait Backend: Real {
+    /// The format's name, as in `f32` or `I16F16`.
+    fn name() -> crate::FormatName;
+
+    /// The number nearest to `high + low`, ties to even; `None` when it is out of range or not a number.
+    /// Two floats carry the 64 bits of the widest formats; `low` is at most half a unit of `high`'s last place.
+    fn from_f64_pair(high: f64, low: f64) -> Option<Self>;
+
+    /// The number nearest to `value`, ties to even; `None` when it is out of range or not a number.
+    fn from_f64(value: f64) -> Option<Self> {
+        Self::from_f64_pair(value, 0.0)
+    }
+
+    /// The exact value, as a sum of two floats.
+    fn to_f64_pair(self) -> (f64, f64);
+
+    /// The float nearest to this number.
+    fn to_f64(self) -> f64 {
+        self.to_f64_pair().0
+    }
+}
