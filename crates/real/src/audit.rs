@@ -197,6 +197,14 @@ impl<R: Backend> Real for Audited<R> {
         Self::checked(self.0.scale(exponent), self.0.to_f64().scale(exponent))
     }
 
+    fn from_phase(phase: u64) -> Self {
+        Self(R::from_phase(phase))
+    }
+
+    fn to_phase(self, exponent: i32) -> u64 {
+        self.0.to_phase(exponent)
+    }
+
     fn is_finite(self) -> bool {
         self.0.is_finite()
     }

@@ -8,7 +8,7 @@
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
 use fixed::traits::{Fixed, FixedSigned};
-use num_traits::{AsPrimitive, Bounded, One, PrimInt, WrappingAdd, Zero};
+use num_traits::{AsPrimitive, Bounded, FromPrimitive, One, PrimInt, ToPrimitive, WrappingAdd, Zero};
 
 use crate::{Backend, FormatName, Real};
 
@@ -20,7 +20,7 @@ use crate::{Backend, FormatName, Real};
 pub struct FixedPoint<F>(pub F);
 
 /// The machine word behind a fixed-point number. Sealed: `i8`, `i16`, `i32` and `i64`.
-pub trait Word: PrimInt + AsPrimitive<Self::Wide> + sealed::Sealed + 'static {
+pub trait Word: PrimInt + FromPrimitive + AsPrimitive<Self::Wide> + sealed::Sealed + 'static {
     /// A word of twice the width; holds every product of two words.
     type Wide: PrimInt + WrappingAdd + AsPrimitive<Self> + AsPrimitive<f64> + 'static;
 
@@ -330,6 +330,24 @@ where
     }
 
     #[inline]
+    fn from_phase(phase: u64) -> Self {
+        // At most 62 fraction bits: the shifted phase fits the word.
+        Bits::<F>::from_u64(phase >> (64 - Self::FRACTION_BITS)).map_or(Self(F::MAX), |bits| Self(F::from_bits(bits)))
+    }
+
+    #[inline]
+    fn to_phase(self, exponent: i32) -> u64 {
+        let bits = self.0.to_bits().to_u64().unwrap_or(0); // a negative number is no u64
+        let shift = 64 + exponent.clamp(-64, 64) - (F::FRAC_NBITS.cast_signed());
+        let left = shift.unsigned_abs();
+        match shift {
+            s if s < 0 => bits.checked_shr(left).unwrap_or(0),
+            _ if left > bits.leading_zeros() => u64::MAX,
+            _ => bits.checked_shl(left).unwrap_or(0),
+        }
+    }
+
+    #[inline]
     fn is_finite(self) -> bool {
         true
     }
@@ -353,5 +371,23 @@ where
         let (high, low) = self.0.to_bits().split();
         let exponent = -i32::try_from(Self::FRACTION_BITS).unwrap_or(0);
         (high.scale(exponent), low.scale(exponent))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{Backend, I4F28, I4F60, I16F16, Real};
+
+    #[test]
+    fn phases_are_fractions() {
+        assert_eq!(I16F16::from_phase(1 << 63).to_f64(), 0.5);
+        assert_eq!(I4F60::from_phase(u64::MAX).to_f64_pair(), (1.0, -1.0 / 2.0_f64.powi(60)));
+        let x = I4F28::from_f64(0.75).unwrap();
+        assert_eq!(x.to_phase(0), 3 << 62);
+        assert_eq!(x.to_phase(-40), 3 << 22);
+        assert_eq!(x.to_phase(-64), 0);
+        assert_eq!((-x).to_phase(0), 0);
+        assert_eq!(I4F28::from_f64(1.0).unwrap().to_phase(0), u64::MAX);
+        assert_eq!(I4F28::from_f64(5.0).unwrap().to_phase(-3), 5 << 61);
     }
 }

@@ -6,7 +6,7 @@ use crate::{Backend, FormatName, Real};
 compile_error!("enable the feature `std` or `libm`: core has no square root of floats");
 
 macro_rules! float_backend {
-    ($float:ident, $half_range:literal) => {
+    ($float:ident, $digits:literal, $half_range:literal) => {
         impl Real for $float {
             #[inline]
             fn resolution() -> Self {
@@ -62,6 +62,22 @@ macro_rules! float_backend {
             }
 
             #[inline]
+            #[allow(clippy::cast_precision_loss, reason = "the shift leaves as many bits as the format has")]
+            fn from_phase(phase: u64) -> Self {
+                ((phase >> (64 - $digits)) as $float).scale(-$digits)
+            }
+
+            #[inline]
+            #[allow(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "the cast rounds toward 0 and saturates, as the contract says"
+            )]
+            fn to_phase(self, exponent: i32) -> u64 {
+                self.scale(64 + exponent.clamp(-64, 58)) as u64
+            }
+
+            #[inline]
             fn is_finite(self) -> bool {
                 $float::is_finite(self)
             }
@@ -69,8 +85,8 @@ macro_rules! float_backend {
     };
 }
 
-float_backend!(f64, 600);
-float_backend!(f32, 75);
+float_backend!(f64, 53, 600);
+float_backend!(f32, 24, 75);
 
 /// Square roots: the machine's instruction through std, or libm's.
 mod square_root {
@@ -145,6 +161,17 @@ mod tests {
             assert!((norm / (5.0 * size) - 1.0).abs() <= 2.0 * f32::EPSILON, "size={size}: {norm}");
         }
         assert_eq!(f64::norm(&[0.0, 0.0, 0.0]), 0.0);
+    }
+
+    #[test]
+    fn phases_are_fractions() {
+        assert_eq!(f64::from_phase(1 << 63), 0.5);
+        assert_eq!(f64::from_phase(u64::MAX), 1.0 - f64::EPSILON / 2.0);
+        assert_eq!(f32::from_phase(u64::MAX), 1.0 - f32::EPSILON / 2.0);
+        assert_eq!(0.75_f64.to_phase(0), 3 << 62);
+        assert_eq!(0.75_f32.to_phase(-10), 3 << 52);
+        assert_eq!((-0.1_f64).to_phase(0), 0);
+        assert_eq!(1.0_f32.to_phase(0), u64::MAX);
     }
 
     #[test]
