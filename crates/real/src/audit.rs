@@ -197,8 +197,8 @@ impl<R: Backend> Real for Audited<R> {
         Self::checked(self.0.scale(exponent), self.0.to_f64().scale(exponent))
     }
 
-    fn from_phase(phase: u64) -> Self {
-        Self(R::from_phase(phase))
+    fn from_phase(phase: u64, exponent: i32) -> Self {
+        Self(R::from_phase(phase, exponent))
     }
 
     fn to_phase(self, exponent: i32) -> u64 {

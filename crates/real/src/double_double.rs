@@ -129,9 +129,9 @@ impl Real for DoubleDouble {
     }
 
     #[allow(clippy::cast_precision_loss, reason = "each half of the phase has 32 bits")]
-    fn from_phase(phase: u64) -> Self {
+    fn from_phase(phase: u64, exponent: i32) -> Self {
         let (high, low) = ((phase >> 32) as f64, (phase & 0xffff_ffff) as f64);
-        Self::new(high.scale(-32), low.scale(-64))
+        Self::new(high.scale(exponent - 32), low.scale(exponent - 64))
     }
 
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates, as the contract says")]

@@ -330,9 +330,15 @@ where
     }
 
     #[inline]
-    fn from_phase(phase: u64) -> Self {
-        // At most 62 fraction bits: the shifted phase fits the word.
-        Bits::<F>::from_u64(phase >> (64 - Self::FRACTION_BITS)).map_or(Self(F::MAX), |bits| Self(F::from_bits(bits)))
+    fn from_phase(phase: u64, exponent: i32) -> Self {
+        let shift = 64 - exponent.clamp(-64, 64) - F::FRAC_NBITS.cast_signed();
+        let distance = shift.unsigned_abs();
+        let bits = match shift {
+            s if s >= 0 => phase.checked_shr(distance).unwrap_or(0),
+            _ if distance > phase.leading_zeros() => u64::MAX,
+            _ => phase.checked_shl(distance).unwrap_or(0),
+        };
+        Bits::<F>::from_u64(bits).map_or(Self(F::MAX), |bits| Self(F::from_bits(bits)))
     }
 
     #[inline]
@@ -377,11 +383,15 @@ where
 #[cfg(test)]
 mod tests {
     use crate::{Backend, I4F28, I4F60, I16F16, Real};
+    use num_traits::Bounded;
 
     #[test]
     fn phases_are_fractions() {
-        assert_eq!(I16F16::from_phase(1 << 63).to_f64(), 0.5);
-        assert_eq!(I4F60::from_phase(u64::MAX).to_f64_pair(), (1.0, -1.0 / 2.0_f64.powi(60)));
+        assert_eq!(I16F16::from_phase(1 << 63, 0).to_f64(), 0.5);
+        assert_eq!(I4F60::from_phase(u64::MAX, 0).to_f64_pair(), (1.0, -1.0 / 2.0_f64.powi(60)));
+        assert_eq!(I4F28::from_phase(1 << 60, 6).to_f64(), 4.0);
+        assert_eq!(I4F28::from_phase(1 << 60, 7), I4F28::max_value());
+        assert_eq!(I4F28::from_phase(5, 36).0.to_bits(), 5);
         let x = I4F28::from_f64(0.75).unwrap();
         assert_eq!(x.to_phase(0), 3 << 62);
         assert_eq!(x.to_phase(-40), 3 << 22);

@@ -62,9 +62,11 @@ macro_rules! float_backend {
             }
 
             #[inline]
-            #[allow(clippy::cast_precision_loss, reason = "the shift leaves as many bits as the format has")]
-            fn from_phase(phase: u64) -> Self {
-                ((phase >> (64 - $digits)) as $float).scale(-$digits)
+            #[allow(clippy::cast_precision_loss, reason = "as many leading bits are kept as the format has")]
+            fn from_phase(phase: u64, exponent: i32) -> Self {
+                let surplus = 64 - $digits;
+                let dropped = surplus - phase.leading_zeros().min(surplus);
+                ((phase >> dropped << dropped) as $float).scale(exponent.clamp(-64, 64) - 64)
             }
 
             #[inline]
@@ -165,9 +167,11 @@ mod tests {
 
     #[test]
     fn phases_are_fractions() {
-        assert_eq!(f64::from_phase(1 << 63), 0.5);
-        assert_eq!(f64::from_phase(u64::MAX), 1.0 - f64::EPSILON / 2.0);
-        assert_eq!(f32::from_phase(u64::MAX), 1.0 - f32::EPSILON / 2.0);
+        assert_eq!(f64::from_phase(1 << 63, 0), 0.5);
+        assert_eq!(f64::from_phase(u64::MAX, 0), 1.0 - f64::EPSILON / 2.0);
+        assert_eq!(f32::from_phase(u64::MAX, 0), 1.0 - f32::EPSILON / 2.0);
+        assert_eq!(f32::from_phase(3, 64), 3.0);
+        assert_eq!(f32::from_phase(1 << 62, -3), 0.25 / 8.0);
         assert_eq!(0.75_f64.to_phase(0), 3 << 62);
         assert_eq!(0.75_f32.to_phase(-10), 3 << 52);
         assert_eq!((-0.1_f64).to_phase(0), 0);

@@ -53,9 +53,10 @@ pub trait Real:
     /// nearest, shifting left wraps. Domain: `|exponent| ≤ 126`.
     fn scale(self, exponent: i32) -> Self;
 
-    /// The number `phase · 2⁻⁶⁴` in [0, 1), rounded toward 0: a fraction held as a 64-bit integer, whose steps are
-    /// equal and so fine that sums of small increments lose nothing, in whatever format they are used.
-    fn from_phase(phase: u64) -> Self;
+    /// The number `phase · 2^(exponent - 64)`, rounded toward 0; saturates. A phase is a fraction in [0, 1) held as
+    /// a 64-bit integer, whose steps are equal and so fine that sums of small increments lose nothing, in
+    /// whatever format they are used. Domain: `|exponent| ≤ 64`.
+    fn from_phase(phase: u64, exponent: i32) -> Self;
 
     /// The fraction `self · 2^exponent` as an integer: `⌊self · 2^(64 + exponent)⌋`, 0 for a negative number and
     /// 2⁶⁴ - 1 from 1 on. Domain: `|exponent| ≤ 64`.
