@@ -1,0 +1,70 @@
+//! Why no plan could be made.
+
+use core::fmt;
+
+/// Why limits, a limit curve or a plan were refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum PlanError {
+    /// An argument must be a positive number and is not.
+    NotPositive {
+        /// The argument's name.
+        what: &'static str,
+    },
+    /// An argument must not be negative and is.
+    Negative {
+        /// The argument's name.
+        what: &'static str,
+    },
+    /// The path has no length: no curve, no span, or a single point.
+    PathEmpty,
+    /// The arc length does not increase up to this curve's end: it overflows the format, or the curve's
+    /// derivatives do.
+    LengthOverflows {
+        /// Index of the curve.
+        curve: usize,
+    },
+    /// Points of a limit curve are not in order of distance, or not numbers.
+    PointsOutOfOrder {
+        /// Index of the first point that is not after its predecessor.
+        index: usize,
+    },
+    /// The limit is zero, or below what the format resolves, over a whole stretch: the path cannot be passed.
+    CannotMove {
+        /// Index of the limit point at the start of the stretch.
+        index: usize,
+    },
+    /// The feed asked for at the start is above the limit there, or too fast to brake for what follows.
+    StartFeedTooHigh,
+    /// The feed asked for at the end is above the limit there, or cannot be reached by then.
+    EndFeedTooHigh,
+    /// The duration, in periods, is more than the format or a `u32` holds.
+    DurationOverflows,
+}
+
+impl fmt::Display for PlanError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotPositive { what } => write!(f, "{what} is not a positive number"),
+            Self::Negative { what } => write!(f, "{what} is negative or not a number"),
+            Self::PathEmpty => write!(f, "the path has no length"),
+            Self::LengthOverflows { curve } => {
+                write!(f, "arc length does not increase along curve {curve}: the number format overflows")
+            }
+            Self::PointsOutOfOrder { index } => {
+                write!(f, "limit point {index} is not a number or lies before point {index} - 1")
+            }
+            Self::CannotMove { index } => {
+                write!(
+                    f,
+                    "the feed limit is zero between limit point {index} and the next: the path cannot be passed"
+                )
+            }
+            Self::StartFeedTooHigh => write!(f, "start feed is above the limit, or too high to brake from"),
+            Self::EndFeedTooHigh => write!(f, "end feed is above the limit, or too high to be reached"),
+            Self::DurationOverflows => write!(f, "duration exceeds the number format or 2^32 - 1 periods"),
+        }
+    }
+}
+
+impl core::error::Error for PlanError {}

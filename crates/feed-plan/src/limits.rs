@@ -1,0 +1,130 @@
+//! What the machine and the part allow.
+
+use real::Real;
+
+use crate::{PlanError, chord_error};
+
+/// The limits of a plan.
+///
+/// Lengths are in mm. The unit of time is the caller's, the same throughout; with the interpolation period as
+/// the unit (`interpolation_period` = 1, feeds in mm/period, accelerations in mm/period², jerks in mm/period³)
+/// all values of a usual machine lie between 10⁻⁴ and 10, which a fixed-point format needs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct KinematicLimits<R> {
+    /// Interpolation period T: one setpoint each.
+    pub interpolation_period: R,
+    /// Command feedrate F, mm per unit of time.
+    pub feedrate: R,
+    /// Largest acceleration A along the path.
+    pub acceleration: R,
+    /// Largest jerk J along the path.
+    pub jerk: R,
+    /// Largest distance E, mm, between the curve and the chord of one period.
+    pub chord_error: R,
+    /// Largest acceleration across the path, if it is limited beside the chord error.
+    pub centripetal_acceleration: Option<R>,
+}
+
+impl<R: Real> KinematicLimits<R> {
+    /// The limits themselves, when each is a positive number.
+    ///
+    /// # Errors
+    /// [`PlanError::NotPositive`] names the first field that is zero, negative, infinite or not a number; in a
+    /// coarse format a small limit may have been rounded to zero.
+    pub fn try_new(self) -> Result<Self, PlanError> {
+        self.validate()?;
+        Ok(self)
+    }
+
+    /// Checks that each limit is a positive number.
+    ///
+    /// # Errors
+    /// As [`try_new`](Self::try_new).
+    pub fn validate(&self) -> Result<(), PlanError> {
+        let fields = [
+            ("interpolation_period", self.interpolation_period),
+            ("feedrate", self.feedrate),
+            ("acceleration", self.acceleration),
+            ("jerk", self.jerk),
+            ("chord_error", self.chord_error),
+            ("centripetal_acceleration", self.centripetal_acceleration.unwrap_or_else(R::one)),
+        ];
+        match fields.into_iter().find(|(_, value)| !(*value > R::zero() && value.is_finite())) {
+            Some((what, _)) => Err(PlanError::NotPositive { what }),
+            None => Ok(()),
+        }
+    }
+
+    /// Largest feedrate on a bend of radius `radius` ρ: `min(F, V_e(ρ), √(a_n ρ))`.
+    ///
+    /// V_e is [`chord_feedrate`](crate::chord_feedrate), a_n the centripetal acceleration. An infinite or saturated radius is a
+    /// straight line, and gives F; radius 0 gives 0, as does a number that is none.
+    #[must_use]
+    pub fn feedrate_at_radius(&self, radius: R) -> R {
+        if !(radius > R::zero()) {
+            return R::zero();
+        }
+        let chord = if radius < self.chord_bound_radius() {
+            chord_error::chord_feedrate(radius, self.chord_error, self.interpolation_period)
+        } else {
+            self.feedrate
+        };
+        let centripetal = match self.centripetal_acceleration {
+            Some(a) if radius < self.feedrate * (self.feedrate / a) => (a * radius).sqrt(),
+            _ => self.feedrate,
+        };
+        chord.min(centripetal).min(self.feedrate)
+    }
+
+    /// The radius below which the chord error limits the feed: `ρ = ((F T/2)² + E²)/(2E)`.
+    fn chord_bound_radius(&self) -> R {
+        let half_step = (self.feedrate * self.interpolation_period).half();
+        half_step * (half_step / self.chord_error).half() + self.chord_error.half()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_paths::paper_limits;
+
+    #[test]
+    fn each_limit_must_be_positive() {
+        assert_eq!(paper_limits().try_new(), Ok(paper_limits()));
+        let cases = [
+            KinematicLimits { interpolation_period: 0.0, ..paper_limits() },
+            KinematicLimits { feedrate: -1.0, ..paper_limits() },
+            KinematicLimits { acceleration: f64::NAN, ..paper_limits() },
+            KinematicLimits { jerk: f64::INFINITY, ..paper_limits() },
+            KinematicLimits { chord_error: 0.0, ..paper_limits() },
+            KinematicLimits { centripetal_acceleration: Some(0.0), ..paper_limits() },
+        ];
+        let names = cases.map(|c| match c.validate() {
+            Err(PlanError::NotPositive { what }) => what,
+            other => panic!("{other:?}"),
+        });
+        let fields = "interpolation_period feedrate acceleration jerk chord_error centripetal_acceleration";
+        assert!(names.iter().copied().eq(fields.split(' ')), "{names:?}");
+    }
+
+    #[test]
+    fn the_tightest_of_three_limits_holds() {
+        let limits = KinematicLimits { centripetal_acceleration: Some(0.001), ..paper_limits() };
+        assert_eq!(limits.feedrate_at_radius(f64::INFINITY), 0.6);
+        assert_eq!(paper_limits().feedrate_at_radius(1e9), 0.6);
+        // Chord: 2 sqrt(0.0005 (2 * 24.857 - 0.0005)) = 0.31533 mm/period, which is 105.11 mm/s.
+        assert!((paper_limits().feedrate_at_radius(24.857) - 0.315_33).abs() < 1e-5);
+        // Centripetal: sqrt(0.001 * 24.857) = 0.157 66 mm/period.
+        assert!((limits.feedrate_at_radius(24.857) - 0.157_66).abs() < 1e-5);
+        assert_eq!(limits.feedrate_at_radius(0.0), 0.0);
+        assert_eq!(limits.feedrate_at_radius(f64::NAN), 0.0);
+    }
+
+    #[test]
+    fn the_limit_is_continuous_where_the_feedrate_takes_over() {
+        let limits = paper_limits();
+        let radius = limits.chord_bound_radius(); // 0.09/0.001 + 0.00025 = 90.000 25 mm
+        assert!((radius - 90.000_25).abs() < 1e-9);
+        assert!((limits.feedrate_at_radius(radius * (1.0 - 1e-12)) - 0.6).abs() < 1e-11);
+    }
+}

@@ -1,0 +1,352 @@
+//! The plan: stages in order, and the cursor that walks them one period at a time.
+
+use alloc::vec::Vec;
+
+use real::Real;
+
+use crate::CubicProfile;
+
+/// What the feed does in a stage.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StageKind {
+    /// The feed rises.
+    Accelerate,
+    /// The feed falls.
+    Decelerate,
+    /// The feed stays.
+    Constant,
+}
+
+/// One row of the acceleration table: a stretch of the path on which the feed is one cubic polynomial of time,
+/// or constant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stage<R> {
+    /// Distance from the path's start to the stage's start, mm.
+    pub start: R,
+    /// Distance over the stage, mm.
+    pub length: R,
+    /// Feed at the start.
+    pub start_feed: R,
+    /// Feed at the end; equal to `start_feed` on a constant stage.
+    pub end_feed: R,
+    /// Time over the stage.
+    pub duration: R,
+    /// Index of the curve that the stage starts on.
+    pub curve_start: usize,
+    /// Parameter where the stage starts, interpolated between limit points: for the table, not for motion.
+    pub u_start: R,
+    /// Index of the curve that the stage ends on.
+    pub curve_end: usize,
+    /// Parameter where the stage ends.
+    pub u_end: R,
+}
+
+impl<R: Real> Stage<R> {
+    /// Whether the feed rises, falls or stays.
+    #[must_use]
+    pub fn kind(&self) -> StageKind {
+        if self.end_feed > self.start_feed {
+            StageKind::Accelerate
+        } else if self.end_feed < self.start_feed {
+            StageKind::Decelerate
+        } else {
+            StageKind::Constant
+        }
+    }
+
+    /// Feed at `time` after the stage's start.
+    #[must_use]
+    pub fn feed_at(&self, time: R) -> R {
+        self.profile().feed(time)
+    }
+
+    /// Acceleration at `time` after the stage's start.
+    #[must_use]
+    pub fn acceleration_at(&self, time: R) -> R {
+        self.profile().acceleration(time)
+    }
+
+    /// Jerk at `time` after the stage's start.
+    #[must_use]
+    pub fn jerk_at(&self, time: R) -> R {
+        self.profile().jerk(time)
+    }
+
+    /// Distance from the stage's start at `time` after it.
+    #[must_use]
+    pub fn distance_at(&self, time: R) -> R {
+        self.profile().distance(time)
+    }
+
+    /// `a₀..a₃` of the feed as a polynomial of the time since the stage's start.
+    #[must_use]
+    pub fn coefficients(&self) -> [R; 4] {
+        self.profile().coefficients()
+    }
+
+    fn profile(&self) -> CubicProfile<R> {
+        CubicProfile::lasting(self.start_feed, self.end_feed, self.duration)
+    }
+}
+
+/// A plan that owns its stages, as [`plan`](crate::plan) makes it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ScheduleBuf<R> {
+    pub(crate) stages: Vec<Stage<R>>,
+    pub(crate) interpolation_period: R,
+    pub(crate) periods: u32,
+}
+
+impl<R: Real> ScheduleBuf<R> {
+    /// The plan, borrowed: everything else is asked of that.
+    #[must_use]
+    pub fn as_schedule(&self) -> Schedule<'_, R> {
+        Schedule {
+            stages: &self.stages,
+            interpolation_period: self.interpolation_period,
+            periods: self.periods,
+        }
+    }
+
+    /// The stages, in order.
+    #[must_use]
+    pub fn stages(&self) -> &[Stage<R>] {
+        &self.stages
+    }
+
+    /// The same plan for setpoints whose chords, not arcs, have the planned lengths.
+    ///
+    /// The chords are shorter than their arcs, by `shortfall` in all ([`FeedLimit::shortfall`]): an interpolator
+    /// that makes each chord as long as the plan says would be at the end with that much of the plan left.
+    /// Here all distances and feeds are scaled by `1 - shortfall/length`; durations stay. Acceleration and jerk
+    /// only fall. A shortfall that is not between 0 and half the length changes nothing.
+    ///
+    /// [`FeedLimit::shortfall`]: crate::FeedLimit::shortfall
+    #[must_use]
+    pub fn shortened(mut self, shortfall: R) -> Self {
+        let length = self.as_schedule().length();
+        if !(shortfall > R::zero() && shortfall < length.half()) {
+            return self;
+        }
+        let share = shortfall / length;
+        for stage in &mut self.stages {
+            for quantity in [&mut stage.start, &mut stage.length, &mut stage.start_feed, &mut stage.end_feed]
+            {
+                *quantity = *quantity - *quantity * share;
+            }
+        }
+        self
+    }
+}
+
+/// A plan over borrowed stages: `Copy`, without heap, and all that the real-time loop needs.
+///
+/// A controller without an allocator can keep the stages of a plan made elsewhere in flash.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Schedule<'a, R> {
+    stages: &'a [Stage<R>],
+    interpolation_period: R,
+    periods: u32,
+}
+
+/// Where a run stands: a few words, and all that changes from period to period.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cursor<R> {
+    stage: usize,
+    time: R,
+    period: u32,
+}
+
+impl<R: Real> Cursor<R> {
+    /// Index of the stage.
+    #[must_use]
+    pub fn stage(&self) -> usize {
+        self.stage
+    }
+
+    /// Time since the stage's start.
+    #[must_use]
+    pub fn time(&self) -> R {
+        self.time
+    }
+
+    /// Number of periods gone.
+    #[must_use]
+    pub fn period(&self) -> u32 {
+        self.period
+    }
+}
+
+impl<'a, R: Real> Schedule<'a, R> {
+    /// A schedule over stages made elsewhere, which take `periods` whole interpolation periods together.
+    #[must_use]
+    pub const fn new(stages: &'a [Stage<R>], interpolation_period: R, periods: u32) -> Self {
+        Self { stages, interpolation_period, periods }
+    }
+
+    /// The stages, in order.
+    #[must_use]
+    pub fn stages(&self) -> &'a [Stage<R>] {
+        self.stages
+    }
+
+    /// Time of the whole plan: `periods()` times the interpolation period, but for rounding.
+    #[must_use]
+    pub fn duration(&self) -> R {
+        self.stages.iter().fold(R::zero(), |sum, stage| sum + stage.duration)
+    }
+
+    /// Distance of the whole plan.
+    #[must_use]
+    pub fn length(&self) -> R {
+        self.stages.iter().fold(R::zero(), |sum, stage| sum + stage.length)
+    }
+
+    /// Duration in interpolation periods, a whole number.
+    #[must_use]
+    pub fn periods(&self) -> u32 {
+        self.periods
+    }
+
+    /// The cursor at the start.
+    #[must_use]
+    pub fn start(&self) -> Cursor<R> {
+        Cursor { stage: 0, time: R::zero(), period: 0 }
+    }
+
+    /// Whether the last period has been given out.
+    #[must_use]
+    pub fn is_over(&self, cursor: &Cursor<R>) -> bool {
+        cursor.period >= self.periods
+    }
+
+    /// The distance to travel in the next period, the exact integral of the feed; `None` after the last.
+    ///
+    /// A period that straddles joints of stages sums its parts. The last period takes all that is left, so
+    /// that rounding of times loses no distance. Takes as many steps as the period has joints.
+    pub fn advance(&self, cursor: &mut Cursor<R>) -> Option<R> {
+        if self.is_over(cursor) {
+            return None;
+        }
+        cursor.period += 1;
+        let takes_the_rest = self.is_over(cursor);
+        let mut distance = R::zero();
+        let mut left = self.interpolation_period;
+        for stage in self.stages.get(cursor.stage..)? {
+            let until_joint = stage.duration - cursor.time;
+            if !takes_the_rest && left < until_joint {
+                let end = cursor.time + left;
+                distance = distance + stage.profile().distance_between(cursor.time, end);
+                cursor.time = end;
+                return Some(distance);
+            }
+            distance = distance + stage.profile().distance_between(cursor.time, stage.duration);
+            left = left - until_joint;
+            cursor.stage += 1;
+            cursor.time = R::zero();
+        }
+        Some(distance)
+    }
+
+    /// Feed at the cursor; at a joint that of the stage that begins there, after the end that at the end.
+    #[must_use]
+    pub fn feed(&self, cursor: &Cursor<R>) -> R {
+        self.at(cursor, Stage::feed_at)
+    }
+
+    /// Acceleration at the cursor.
+    #[must_use]
+    pub fn acceleration(&self, cursor: &Cursor<R>) -> R {
+        self.at(cursor, Stage::acceleration_at)
+    }
+
+    /// Jerk at the cursor; it steps at joints, where that of the stage that begins is given.
+    #[must_use]
+    pub fn jerk(&self, cursor: &Cursor<R>) -> R {
+        self.at(cursor, Stage::jerk_at)
+    }
+
+    /// Distance from the path's start at the cursor.
+    #[must_use]
+    pub fn distance(&self, cursor: &Cursor<R>) -> R {
+        self.at(cursor, |stage, time| stage.start + stage.distance_at(time))
+    }
+
+    fn at(&self, cursor: &Cursor<R>, quantity: impl Fn(&Stage<R>, R) -> R) -> R {
+        match (self.stages.get(cursor.stage), self.stages.last()) {
+            (Some(stage), _) => quantity(stage, cursor.time),
+            (None, Some(last)) => quantity(last, last.duration),
+            (None, None) => R::zero(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 0 to 1 in 2.5, at 1 for 0.4, down to 0.5 in 1.1: four periods of 1 with three joints.
+    fn stages() -> [Stage<f64>; 3] {
+        let mut start = 0.0;
+        [(0.0, 1.0, 2.5), (1.0, 1.0, 0.4), (1.0, 0.5, 1.1)].map(|(start_feed, end_feed, duration)| {
+            let length = (start_feed + end_feed) / 2.0 * duration;
+            let here = start;
+            start += length;
+            Stage {
+                start: here,
+                length,
+                start_feed,
+                end_feed,
+                duration,
+                curve_start: 0,
+                u_start: 0.0,
+                curve_end: 0,
+                u_end: 0.0,
+            }
+        })
+    }
+
+    #[test]
+    fn periods_that_straddle_joints_lose_nothing() {
+        let stages = stages();
+        let schedule = Schedule::new(&stages, 1.0, 4);
+        let mut cursor = schedule.start();
+        let mut travelled = 0.0;
+        while let Some(step) = schedule.advance(&mut cursor) {
+            travelled += step;
+            assert!((schedule.distance(&cursor) - travelled).abs() < 1e-15, "{travelled}");
+        }
+        assert_eq!((cursor.period(), cursor.stage()), (4, 3));
+        assert!((travelled - schedule.length()).abs() < 1e-15);
+        assert_eq!(schedule.feed(&cursor), 0.5);
+        assert_eq!(schedule.advance(&mut cursor), None);
+    }
+
+    #[test]
+    fn a_stage_tells_its_kind() {
+        assert_eq!(
+            stages().map(|s| s.kind()),
+            [StageKind::Accelerate, StageKind::Constant, StageKind::Decelerate]
+        );
+    }
+
+    #[test]
+    fn an_empty_schedule_is_over_at_once() {
+        let schedule = Schedule::<f32>::new(&[], 1.0, 0);
+        assert_eq!(schedule.advance(&mut schedule.start()), None);
+        assert_eq!(schedule.feed(&schedule.start()), 0.0);
+        // A wrong count of periods gives steps of no length, not a panic.
+        let wrong = Schedule::<f32>::new(&[], 1.0, 2);
+        assert_eq!(wrong.advance(&mut wrong.start()), Some(0.0));
+    }
+
+    #[test]
+    fn shortening_scales_distances_and_keeps_times() {
+        let plan = ScheduleBuf { stages: stages().to_vec(), interpolation_period: 1.0, periods: 4 };
+        let length = plan.as_schedule().length();
+        let short = plan.clone().shortened(0.01);
+        assert!((short.as_schedule().length() - (length - 0.01)).abs() < 1e-15);
+        assert_eq!(short.as_schedule().duration(), plan.as_schedule().duration());
+        assert_eq!(plan.clone().shortened(-1.0), plan);
+    }
+}
