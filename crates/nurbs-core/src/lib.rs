@@ -1,7 +1,25 @@
-//! `nurbs-core`: where is the curve and how fast does it pass?
+//! `nurbs-core`: where is the curve, how fast does it pass, how sharply does it bend, and how long is it?
 //!
 //! Answered for NURBS curves in any number format: floats, fixed point, or a wrapper that watches either. No heap, no
 //! panic, no loop without a bound.
+//!
+//! ```
+//! use nurbs_core::{Differentiate, Evaluate, NurbsCurve, arc_length, radius};
+//!
+//! // A quarter circle of radius 10 mm: degree 2, three control points, the middle one of weight 1/√2.
+//! let points = [[10.0, 0.0], [10.0, 10.0], [0.0, 10.0]];
+//! let weights = [1.0, 0.5_f64.sqrt(), 1.0];
+//! let knots = [0.0, 0.0, 0.0, 1.0, 1.0, 1.0];
+//! let curve = NurbsCurve::try_new(2, &points, &weights, &knots)?;
+//!
+//! let [x, y] = curve.point(0.5);
+//! assert!((x - y).abs() < 1e-14 && (x * x + y * y - 100.0).abs() < 1e-13);
+//! assert!((radius(&curve.derivatives(0.3)) - 10.0).abs() < 1e-13);
+//!
+//! let quarter = arc_length(&curve, 0.0, 1.0, 1e-12);
+//! assert!((quarter.length - 5.0 * std::f64::consts::PI).abs() < 1e-12);
+//! # Ok::<(), nurbs_core::CurveError>(())
+//! ```
 //!
 //! | algorithm | where |
 //! |---|---|
@@ -9,6 +27,8 @@
 //! | basis functions that sum to exactly 1 in fixed point (after A2.2) | [`basis_functions`] |
 //! | points (A3.1, A4.1) | [`NurbsCurve`], [`Evaluate`] |
 //! | first and second derivatives (after A3.3, A4.2) | [`Differentiate`] |
+//! | curvature and radius, without cubes | [`curvature()`], [`radius`] |
+//! | arc length and its inverse | [`arc_length()`], [`parameter_at`] |
 #![cfg_attr(
     feature = "alloc",
     doc = "| curves that own their numbers; conversion to another format | [`NurbsBuf`] |"
@@ -30,7 +50,9 @@
 #[cfg(feature = "alloc")]
 extern crate alloc;
 
+mod arc_length;
 mod basis;
+mod curvature;
 mod curve;
 mod derivatives;
 mod error;
@@ -47,7 +69,9 @@ mod oracle;
 #[cfg(feature = "alloc")]
 mod owned;
 
+pub use arc_length::{ArcLength, ParameterSearch, arc_length, parameter_at};
 pub use basis::basis_functions;
+pub use curvature::{curvature, radius};
 pub use curve::NurbsCurve;
 pub use error::{CurveError, End, Quantity};
 pub use evaluate::{Derivatives, Differentiate, Evaluate};

@@ -1,0 +1,141 @@
+//! Curvature `κ = |C' × C''| / |C'|³` and its inverse, the radius `ρ`.
+//!
+//! The printed formula needs the cube of a speed: 1e10 where the curve is 1 m long, beyond any 32-bit fixed-point
+//! format. With the unit tangent `T = C' / |C'|`,
+//!
+//! `κ = |C''⊥| / |C'| / |C'|`, where `C''⊥ = C'' - (T·C'') T` is the part of C'' across the curve,
+//!
+//! and nothing is larger than C'' itself. That part has the length of `T × C''`, in any number of dimensions.
+
+use real::Real;
+
+use crate::Derivatives;
+
+/// Curvature κ, in 1/mm for points in mm; 0 on a straight line.
+///
+/// `C' = 0`, a cusp or coincident control points, has no curvature; it counts as the sharpest bend,
+/// `R::max_value()`.
+///
+/// Accuracy on a circle of radius 10: absolute 5e-16 in `f64`, 2e-7 in `f32`, 1e-9 in `I32F32`, 5e-5 in
+/// `I16F16`.
+/// Where `C''` is almost along the curve the error is a unit of `|C''|/|C'|²`.
+#[must_use]
+pub fn curvature<R: Real, const D: usize>(derivatives: &Derivatives<R, D>) -> R {
+    let speed = R::norm(&derivatives.first);
+    if speed.is_zero() {
+        return R::max_value();
+    }
+    across(derivatives, speed) / speed / speed
+}
+
+/// Radius of curvature ρ = 1/κ, in mm for points in mm; `R::max_value()` on a straight line, 0 where `C' = 0`.
+///
+/// Computed as `|C'| / (|C''⊥| / |C'|)`: in fixed point a large radius keeps the digits that a small curvature has
+/// not got.
+///
+/// Accuracy on a circle of radius 10: relative 3e-15 in `f64`, 2e-6 in `f32`, 1e-9 in `I32F32`, 5e-5 in
+/// `I16F16`.
+#[must_use]
+pub fn radius<R: Real, const D: usize>(derivatives: &Derivatives<R, D>) -> R {
+    let speed = R::norm(&derivatives.first);
+    if speed.is_zero() {
+        return R::zero();
+    }
+    let turning = across(derivatives, speed) / speed;
+    if turning.is_zero() { R::max_value() } else { (speed / turning).min(R::max_value()) }
+}
+
+/// `|C''⊥|`, for a `speed` = |C'| above 0.
+fn across<R: Real, const D: usize>(derivatives: &Derivatives<R, D>, speed: R) -> R {
+    let (first, second) = (&derivatives.first, &derivatives.second);
+    let tangent: [R; D] = first.map(|x| x / speed);
+    let along = R::sum_of_products(tangent.into_iter().zip(*second));
+    let mut across = *second;
+    for (component, direction) in across.iter_mut().zip(tangent) {
+        *component = *component - along * direction;
+    }
+    R::norm(&across)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Differentiate, generate, golden};
+    use proptest::prelude::*;
+    use real::{Backend, I16F16, I32F32};
+
+    /// Worst relative error of the radius and absolute error of the curvature on a circle of radius 10.
+    fn on_a_circle<Q: Backend>() -> (f64, f64) {
+        let circle = golden::circle(10.0).convert::<Q>().unwrap();
+        let errors = (0..=1000).map(|k| {
+            let d = circle.as_curve().derivatives(Q::from_ratio(k, 1000));
+            ((radius(&d).to_f64() / 10.0 - 1.0).abs(), (curvature(&d).to_f64() - 0.1).abs())
+        });
+        errors.fold((0.0, 0.0), |worst, e| (worst.0.max(e.0), worst.1.max(e.1)))
+    }
+
+    #[test]
+    fn a_circle_has_one_radius() {
+        for (name, (radius, curvature), bounds) in [
+            ("f64", on_a_circle::<f64>(), (3e-15, 5e-16)),
+            ("f32", on_a_circle::<f32>(), (2e-6, 2e-7)),
+            ("I32F32", on_a_circle::<I32F32>(), (1e-9, 1e-9)),
+            ("I16F16", on_a_circle::<I16F16>(), (5e-5, 5e-5)),
+        ] {
+            assert!(
+                radius <= bounds.0 && curvature <= bounds.1,
+                "{name}: {radius:e}, {curvature:e} > {bounds:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn the_sharpest_bend_of_seed_000() {
+        let curve = golden::seed_000();
+        let d = curve.as_curve().derivatives(0.303);
+        assert!((radius(&d) - 24.757).abs() < 1e-3, "{}", radius(&d));
+    }
+
+    #[test]
+    fn a_helix_bends_in_three_dimensions() {
+        // (cos t, sin t, t): κ = 1/2.
+        let d = Derivatives { point: [1.0, 0.0, 0.0], first: [0.0, 1.0, 1.0], second: [-1.0, 0.0, 0.0] };
+        assert!((curvature(&d) - 0.5).abs() <= f64::EPSILON, "{}", curvature(&d));
+        assert!((radius(&d) - 2.0).abs() <= 4.0 * f64::EPSILON, "{}", radius(&d));
+    }
+
+    #[test]
+    fn straight_lines_and_points_have_the_documented_values() {
+        let derivatives = |first, second| Derivatives { point: [0.0_f64; 2], first, second };
+        let line = derivatives([2.0, 0.0], [5.0, 0.0]);
+        assert_eq!((curvature(&line), radius(&line)), (0.0, f64::MAX));
+        let cusp = derivatives([0.0, 0.0], [5.0, 0.0]);
+        assert_eq!((curvature(&cusp), radius(&cusp)), (f64::MAX, 0.0));
+        let nearly = derivatives([1e200, 0.0], [0.0, 1e-100]);
+        assert_eq!((curvature(&nearly), radius(&nearly)), (0.0, f64::MAX));
+    }
+
+    proptest! {
+        #[test]
+        fn the_textbook_formula_gives_the_same(first in [-1e3..1e3, -1e3..1e3, -1e3..1e3],
+                                               second in [-1e3..1e3, -1e3..1e3, -1e3..1e3]) {
+            let d = Derivatives { point: [0.0; 3], first, second };
+            let cross: [f64; 3] = core::array::from_fn(|k| {
+                let (a, b) = ((k + 1) % 3, (k + 2) % 3);
+                first[a] * second[b] - first[b] * second[a]
+            });
+            let expected = f64::norm(&cross) / f64::norm(&first).powi(3);
+            let scale = f64::norm(&second) / f64::norm(&first).powi(2);
+            let error = (curvature(&d) - expected).abs();
+            prop_assert!(error <= 16.0 * f64::EPSILON * scale, "{error}");
+        }
+
+        #[test]
+        fn radius_is_the_inverse_of_curvature((curve, u) in generate::curve_and_parameter::<2>()) {
+            let d = curve.as_curve().derivatives(u);
+            let (kappa, rho) = (curvature(&d), radius(&d));
+            let straight = kappa == 0.0 && rho == f64::MAX;
+            prop_assert!(straight || (kappa * rho - 1.0).abs() <= 8.0 * f64::EPSILON, "{kappa} · {rho}");
+        }
+    }
+}
