@@ -29,6 +29,8 @@
 //! | first and second derivatives (after A3.3, A4.2) | [`Differentiate`] |
 //! | curvature and radius, without cubes | [`curvature()`], [`radius`] |
 //! | arc length and its inverse | [`arc_length()`], [`parameter_at`] |
+//! | compiled pieces: what real time evaluates | [`Pieces`] |
+#![cfg_attr(feature = "alloc", doc = "| cutting a path into pieces, with proven ranges | [`compile()`] |")]
 #![cfg_attr(
     feature = "alloc",
     doc = "| curves that own their numbers; conversion to another format | [`NurbsBuf`] |"
@@ -52,6 +54,10 @@ extern crate alloc;
 
 mod arc_length;
 mod basis;
+#[cfg(feature = "alloc")]
+mod bezier;
+#[cfg(feature = "alloc")]
+mod compile;
 mod curvature;
 mod curve;
 mod derivatives;
@@ -64,13 +70,22 @@ mod golden;
 #[cfg(feature = "alloc")]
 mod knot_insertion;
 mod knots;
+#[cfg(feature = "alloc")]
+mod local_piece;
 #[cfg(test)]
 mod oracle;
 #[cfg(feature = "alloc")]
 mod owned;
+mod pieces;
+#[cfg(feature = "alloc")]
+mod polynomial;
+#[cfg(feature = "alloc")]
+mod ranges;
 
 pub use arc_length::{ArcLength, ParameterSearch, arc_length, parameter_at};
 pub use basis::basis_functions;
+#[cfg(feature = "alloc")]
+pub use compile::{CompileError, PieceLimits, PiecesBuf, Place, compile};
 pub use curvature::{curvature, radius};
 pub use curve::NurbsCurve;
 pub use error::{CurveError, End, Quantity};
@@ -78,5 +93,8 @@ pub use evaluate::{Derivatives, Differentiate, Evaluate};
 pub use knots::{KnotVector, MAX_DEGREE};
 #[cfg(feature = "alloc")]
 pub use owned::NurbsBuf;
+pub use pieces::{Piece, Pieces, Shifted};
+#[cfg(feature = "alloc")]
+pub use ranges::SignalBound;
 
 use basis::BasisRows;

@@ -1,0 +1,115 @@
+//! One Bezier segment of a curve, by blossoming.
+//!
+//! The Bezier point j of degree p on [a, b] is the curve's polar form at p-j times a and j times b, p rounds of de
+//! Boor's scheme with one argument each (Ramshaw, "Blossoms are polar forms", Computer Aided Geometric Design 6,
+//! 1989). It needs no knot insertion, and takes sub-intervals of a span as they come.
+
+use alloc::vec::Vec;
+
+use real::{Backend, Real};
+
+use crate::NurbsCurve;
+use crate::local_piece::Speed;
+
+/// A homogeneous Bezier segment: points times weights, and weights.
+pub(crate) struct Bezier<H, const D: usize> {
+    pub(crate) points: Vec<[H; D]>,
+    pub(crate) weights: Vec<H>,
+    pub(crate) rational: bool,
+}
+
+impl<H: Backend, const D: usize> Bezier<H, D> {
+    /// The part [begin, end] of a span, by blossoming.
+    pub(crate) fn of_span(curve: &NurbsCurve<'_, f64, D>, span: usize, begin: H, end: H) -> Self {
+        let (degree, high) = (curve.degree(), |x: f64| H::from_f64(x).unwrap_or_else(H::zero));
+        let first = span - degree;
+        let weight = |i: usize| curve.weights().map_or(1.0, |weights| weights[i]);
+        let weights: Vec<H> = (first..=span).map(|i| high(weight(i))).collect();
+        let points = (first..=span).zip(&weights);
+        let points: Vec<[H; D]> =
+            points.map(|(i, w)| curve.control_points()[i].map(|x| high(x) * *w)).collect();
+        let knots: Vec<H> = (0..2 * degree).map(|k| high(curve.knots().as_slice()[first + 1 + k])).collect();
+        let mut bezier = Self {
+            points: Vec::with_capacity(degree + 1),
+            weights: Vec::with_capacity(degree + 1),
+            rational: curve.weights().is_some(),
+        };
+        for ends in 0..=degree {
+            let argument = |round: usize| if round < ends { end } else { begin };
+            let blossom = |values: &mut Vec<H>| {
+                for round in 0..degree {
+                    for k in 0..degree - round {
+                        let (low, high) = (knots[k + round], knots[k + degree]);
+                        let part = (argument(round) - low) / (high - low);
+                        values[k] = values[k] + (values[k + 1] - values[k]) * part;
+                    }
+                }
+                values[0]
+            };
+            let coordinate = |d: usize| blossom(&mut points.iter().map(|p| p[d]).collect());
+            bezier.points.push(core::array::from_fn(coordinate));
+            bezier.weights.push(blossom(&mut weights.clone()));
+        }
+        bezier
+    }
+
+    pub(crate) fn euclidean(&self, j: usize) -> [H; D] {
+        self.points[j].map(|x| x / self.weights[j])
+    }
+
+    /// The control polygon, no shorter than the arc, is within the limit, and neither speed nor weight varies much.
+    pub(crate) fn is_even_enough(&self, length_mm: f64, max_ratio: f64) -> bool {
+        let polygon: f64 = (1..self.points.len())
+            .map(|j| {
+                let (a, b) = (self.euclidean(j - 1), self.euclidean(j));
+                f64::norm(&core::array::from_fn::<_, D, _>(|d| (b[d] - a[d]).to_f64()))
+            })
+            .sum();
+        let weights = self.weights.iter().map(|w| w.to_f64());
+        let (light, heavy) = weights.fold((f64::MAX, 0.0_f64), |(l, h), w| (l.min(w), h.max(w)));
+        let speed = self.speed();
+        polygon <= length_mm && heavy <= max_ratio * light && speed.greatest <= max_ratio * speed.least
+    }
+
+    /// |C'|, sampled at nine points: it only steers the cutting and the choice of scales; what is proven is proven
+    /// of the coefficients.
+    pub(crate) fn speed(&self) -> Speed {
+        const SAMPLES: i32 = 8;
+        let at = |sample: i32| {
+            let (point, velocity) = self.derivative(f64::from(sample) / f64::from(SAMPLES));
+            debug_assert!(point.iter().all(|x| x.is_finite()), "a Bezier point is a number");
+            f64::norm(&velocity)
+        };
+        let values: Vec<f64> = (0..=SAMPLES).map(at).collect();
+        Speed {
+            least: values.iter().copied().fold(f64::MAX, f64::min),
+            greatest: values.iter().copied().fold(0.0, f64::max),
+            begin: values[0],
+            end: values[values.len() - 1],
+        }
+    }
+
+    /// C and C' at t, by de Casteljau in f64.
+    fn derivative(&self, t: f64) -> ([f64; D], [f64; D]) {
+        let origin = self.euclidean(0).map(|x| x.to_f64());
+        let mut rows: Vec<([f64; D], f64)> = (0..self.points.len())
+            .map(|j| {
+                let w = self.weights[j].to_f64();
+                (core::array::from_fn(|d| self.points[j][d].to_f64() - origin[d] * w), w)
+            })
+            .collect();
+        let degree = rows.len() - 1;
+        for round in (2..=degree).rev() {
+            for k in 0..round {
+                let next = rows[k + 1];
+                rows[k].0 = core::array::from_fn(|d| rows[k].0[d] + (next.0[d] - rows[k].0[d]) * t);
+                rows[k].1 += (next.1 - rows[k].1) * t;
+            }
+        }
+        let ((a, wa), (b, wb)) = (rows[0], rows[1]);
+        let weight = wa + (wb - wa) * t;
+        let point = core::array::from_fn(|d| (a[d] + (b[d] - a[d]) * t) / weight);
+        let rise = (wb - wa) * degree as f64;
+        (point, core::array::from_fn(|d| ((b[d] - a[d]) * degree as f64 - rise * point[d]) / weight))
+    }
+}

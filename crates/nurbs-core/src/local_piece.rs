@@ -1,0 +1,206 @@
+//! A piece before it is rounded: power basis in t, in high precision, with bounds of its polynomials.
+
+use alloc::vec::Vec;
+
+use real::{Backend, Real};
+
+use crate::bezier::Bezier;
+use crate::compile::Place;
+use crate::polynomial::{bound_on_unit_interval, power_basis};
+use crate::ranges::{exponent_below, power_of_two};
+
+/// A piece in high precision: power basis in t, coordinates in mm relative to the piece's first point.
+pub(crate) struct LocalPiece<H, const D: usize> {
+    pub(crate) place: Place,
+    /// Curve and span that it was cut from, and how often that was halved.
+    pub(crate) span: (usize, usize),
+    pub(crate) halvings: i32,
+    pub(crate) origin: [i64; D],
+    pub(crate) numerator: Vec<[H; D]>,
+    pub(crate) weight: Vec<H>,
+    /// Least and greatest weight of the Bezier form: W lies between them.
+    pub(crate) weight_range: (f64, f64),
+    pub(crate) rational: bool,
+    pub(crate) speed: Speed,
+}
+
+/// |C'(t)| of a piece in mm per unit of t.
+#[derive(Clone, Copy)]
+pub(crate) struct Speed {
+    pub(crate) least: f64,
+    pub(crate) greatest: f64,
+    pub(crate) begin: f64,
+    pub(crate) end: f64,
+}
+
+impl<H: Backend, const D: usize> LocalPiece<H, D> {
+    /// Power basis about the first point, with weights about 1. `None` when the origin is out of range.
+    pub(crate) fn new(
+        bezier: &Bezier<H, D>,
+        place: Place,
+        span: (usize, usize),
+        halvings: i32,
+    ) -> Option<Self> {
+        let start = bezier.euclidean(0);
+        let mut origin = [0; D];
+        for (slot, x) in origin.iter_mut().zip(start) {
+            *slot = units_of_2_to_minus_32(x)?;
+        }
+        let (first, last) = (bezier.weights[0], bezier.weights[bezier.weights.len() - 1]);
+        let unit = (first * last).sqrt();
+        let weight: Vec<H> = bezier.weights.iter().map(|w| *w / unit).collect();
+        let points = bezier.points.iter().zip(&bezier.weights);
+        let points: Vec<[H; D]> =
+            points.map(|(p, w)| core::array::from_fn(|d| (p[d] - start[d] * *w) / unit)).collect();
+        let mut numerator = alloc::vec![[H::zero(); D]; points.len()];
+        for d in 0..D {
+            let column = power_basis(&points.iter().map(|p| p[d]).collect::<Vec<_>>());
+            for (row, value) in numerator.iter_mut().zip(column) {
+                row[d] = value;
+            }
+        }
+        numerator.remove(0); // the constant term: 0, for `start` was subtracted
+        Some(Self {
+            place,
+            span,
+            halvings,
+            origin,
+            numerator,
+            weight_range: weight
+                .iter()
+                .map(|w| w.to_f64())
+                .fold((f64::MAX, 0.0), |(l, h), w| (l.min(w), h.max(w))),
+            weight: power_basis(&weight),
+            rational: bezier.rational,
+            speed: bezier.speed(),
+        })
+    }
+
+    /// log₂ of this piece's width over the width of `next`, of the same span, in reverse: |C'| in t doubles with it.
+    pub(crate) fn halvings_fewer_than(&self, next: &Self) -> i32 {
+        next.halvings - self.halvings
+    }
+
+    /// Coordinate `d` of N in f64: `n_1..=n_p`, in mm.
+    fn column(&self, d: usize) -> Vec<f64> {
+        self.numerator.iter().map(|n| n[d].to_f64()).collect()
+    }
+
+    /// `w_1..=w_p`.
+    fn weight_column(&self) -> Vec<f64> {
+        self.weight.iter().skip(1).map(|w| w.to_f64()).collect()
+    }
+
+    /// The largest entry in the synthetic division that shifts N to t, for t in [0, 1], in mm.
+    pub(crate) fn largest_shifted_mm(&self) -> f64 {
+        (0..D).map(|d| largest_shifted(&self.column(d))).fold(0.0, f64::max)
+    }
+
+    /// The same for W without its constant, and W itself.
+    pub(crate) fn largest_weight(&self) -> f64 {
+        largest_shifted(&self.weight_column()).max(self.weight_range.1)
+    }
+
+    /// Bounds of `ω_k / W` for k = 1..=p.
+    pub(crate) fn weight_bounds(&self) -> Vec<f64> {
+        let column = self.weight_column();
+        (1..=column.len())
+            .map(|k| bound_on_unit_interval(&derivative(&column, k)) / self.weight_range.0)
+            .collect()
+    }
+
+    /// The largest |P|, in mm: a point of the piece is within the hull of its Bezier points, but the power basis is
+    /// what is left of them here, so N is bounded and divided by the least W.
+    pub(crate) fn offset_bound_mm(&self) -> f64 {
+        let with_constant = |d: usize| core::iter::once(0.0).chain(self.column(d)).collect::<Vec<_>>();
+        let bounds = (0..D).map(|d| bound_on_unit_interval(&with_constant(d)));
+        bounds.fold(0.0, f64::max) / self.weight_range.0
+    }
+
+    /// Bounds of the chord's coefficients `(c_k - P ω_k)/W` in each coordinate, for k = 1..=p, in mm. Over the common
+    /// denominator W², the numerator is the polynomial `c_k W - N ω_k`.
+    pub(crate) fn chord_bounds_mm(&self) -> Vec<[f64; D]> {
+        let weight: Vec<f64> = self.weight.iter().map(|w| w.to_f64()).collect();
+        let turns = self.weight_column();
+        let bound = |d: usize, k: usize| {
+            let column = self.column(d);
+            let c = derivative(&column, k);
+            if !self.rational {
+                return bound_on_unit_interval(&c);
+            }
+            let point: Vec<f64> = core::iter::once(0.0).chain(column).collect();
+            let mut numerator = product(&c, &weight);
+            let drag = product(&point, &derivative(&turns, k));
+            numerator.resize(numerator.len().max(drag.len()), 0.0);
+            for (n, x) in numerator.iter_mut().zip(drag) {
+                *n -= x;
+            }
+            bound_on_unit_interval(&numerator) / (self.weight_range.0 * self.weight_range.0)
+        };
+        (1..=self.numerator.len()).map(|k| core::array::from_fn(|d| bound(d, k))).collect()
+    }
+
+    /// The largest number in coordinate units, in mm.
+    pub(crate) fn coordinate_bound_mm(&self) -> f64 {
+        let chord = self.chord_bounds_mm().into_iter().flatten();
+        chord.fold(self.largest_shifted_mm().max(self.offset_bound_mm()), f64::max)
+    }
+}
+
+/// The polynomial `Σ_{j≥k} binomial(j, k) a_j t^{j-k}`, the k-th derivative over k!, of `Σ_{j≥1} a_j t^j`.
+fn derivative(column: &[f64], k: usize) -> Vec<f64> {
+    (k..=column.len()).map(|j| binomial(j, k) * column[j - 1]).collect()
+}
+
+/// The largest value of any entry while `Σ_{j≥1} a_j t^j` is shifted to t in [0, 1]. After m divisions the entry of
+/// power k is `Σ_{j≥k} binomial(j - k + m - 1, m - 1) a_j t^{j-k}`.
+fn largest_shifted(column: &[f64]) -> f64 {
+    let degree = column.len();
+    let entry = |k: usize, m: usize| -> f64 {
+        let polynomial: Vec<f64> =
+            (k..=degree).map(|j| binomial(j - k + m - 1, m - 1) * column[j - 1]).collect();
+        bound_on_unit_interval(&polynomial)
+    };
+    let entries = (1..=degree).flat_map(|k| (1..=k + 1).map(move |m| (k, m)));
+    entries.map(|(k, m)| entry(k, m)).fold(0.0, f64::max)
+}
+
+fn binomial(n: usize, k: usize) -> f64 {
+    (0..k.min(n)).fold(1.0, |product, i| product * (n - i) as f64 / (i + 1) as f64)
+}
+
+fn product(a: &[f64], b: &[f64]) -> Vec<f64> {
+    let mut result = alloc::vec![0.0; (a.len() + b.len()).saturating_sub(1)];
+    for (i, x) in a.iter().enumerate() {
+        for (j, y) in b.iter().enumerate() {
+            result[i + j] += x * y;
+        }
+    }
+    result
+}
+
+impl Speed {
+    /// s for which the mean of |C'|·2^(λ - s) lies between 1/√2 and √2.
+    pub(crate) fn step_exponent(&self, chord_exponent: i32) -> i32 {
+        let mean = (self.least * self.greatest).sqrt();
+        (exponent_below(mean * core::f64::consts::SQRT_2) + chord_exponent).clamp(-60, 60)
+    }
+
+    /// The range of steps per chord, `1/|C'|` in the solver's scale, with a margin for trials.
+    pub(crate) fn step_per_chord(&self, exponent: i32) -> [f64; 2] {
+        const MARGIN: f64 = 1.125;
+        let unit = power_of_two(exponent);
+        [1.0 / (self.greatest * unit * MARGIN), MARGIN / (self.least * unit)]
+    }
+}
+
+/// `⌊x · 2³²⌋` as an integer; `None` beyond ±2³¹.
+fn units_of_2_to_minus_32<H: Backend>(x: H) -> Option<i64> {
+    let limit = 1.0_f64.scale(31);
+    if !(-limit < x.to_f64() && x.to_f64() < limit) {
+        return None;
+    }
+    // Moved to [0, 1) as a phase, and back.
+    let shifted = (x + H::from_f64(limit)?).to_phase(-32);
+    Some((shifted ^ (1 << 63)).cast_signed())
+}
