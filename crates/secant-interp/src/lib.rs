@@ -1,1 +1,32 @@
-//! To be written.
+//! `secant-interp`: real time. A curve and a schedule go in, one setpoint per interpolation period comes out.
+//!
+//! Each period wants a chord of a given length; sought is the parameter at which the curve has moved that far.
+//! | algorithm | where |
+//! |---|---|
+//! | the period loop, landing on the end | [`Interpolator`] |
+//! | safeguarded secant iteration | [`secant`] |
+//! | start values (6) and (7) | [`predictor`] |
+//! | Taylor expansions of first and second order | [`taylor`] |
+//! | the period loop on compiled pieces | [`PieceInterpolator`] |
+//! | one chord on a piece, without division | [`Chord`] |
+//! | the distance of each period | [`StepLengths`] |
+//!
+//! No heap, no panic, no loop without a bound; everything is generic over [`real::Real`].
+//!
+//! Features: `std` (default) or `libm`, for the square roots of floats.
+
+#![cfg_attr(not(feature = "std"), no_std)]
+
+mod chord_step;
+mod interpolator;
+mod piece_interpolator;
+pub mod predictor;
+pub mod secant;
+mod step_lengths;
+pub mod taylor;
+
+pub use chord_step::{Chord, ChordTolerance};
+pub use interpolator::{Interpolator, Method, Setpoint, State};
+pub use piece_interpolator::{PieceInterpolator, PieceSetpoint, PieceState};
+pub use secant::{Outcome, Tolerance};
+pub use step_lengths::{LengthCursor, LengthStage, StepLengths};

@@ -1,0 +1,192 @@
+//! The real-time loop on a curve with one global parameter, as the paper has it.
+
+use feed_plan::{Cursor, Schedule};
+use nurbs_core::Differentiate;
+use real::Real;
+
+use crate::predictor::History;
+use crate::secant::{self, Outcome, Tolerance};
+use crate::taylor::{self, Order};
+
+/// How the next parameter is found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// The secant iteration on the chord, from the start values (7) and (6).
+    Secant,
+    /// `u + L/|C'|`: a baseline.
+    Taylor1,
+    /// The second-order expansion: a baseline.
+    Taylor2,
+}
+
+/// One setpoint, of one period.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Setpoint<R, const D: usize> {
+    /// The parameter u_{i+1}.
+    pub u: R,
+    /// The point C(u_{i+1}), which goes to the axes.
+    pub point: [R; D],
+    /// The chord that was wanted, L_i.
+    pub length: R,
+    /// Evaluations of the curve in this period.
+    pub evaluations: u32,
+    /// How the solver ended.
+    pub outcome: Outcome,
+}
+
+/// Curve, schedule and tolerances: what does not change during a run.
+#[derive(Clone, Copy, Debug)]
+pub struct Interpolator<'a, R, C> {
+    /// The curve to follow.
+    pub curve: C,
+    /// The distances to travel, a period each.
+    pub schedule: Schedule<'a, R>,
+    /// How the next parameter is found.
+    pub method: Method,
+    /// When the solver stops.
+    pub tolerance: Tolerance<R>,
+    /// The longest step from which the axes can come to rest within one period, A·T²: the end of the curve is
+    /// taken in one step when what is left is at most this longer than planned.
+    pub landing_step: R,
+}
+
+/// What changes from period to period: small, `Copy`, and all an interrupt routine writes.
+#[derive(Clone, Copy, Debug)]
+pub struct State<R, const D: usize> {
+    cursor: Cursor<R>,
+    history: History<R>,
+    point: [R; D],
+    last_length: R,
+    finished: bool,
+}
+
+impl<R: Real, const D: usize> State<R, D> {
+    /// Whether the end of the curve has been reached.
+    #[must_use]
+    pub fn is_finished(&self) -> bool {
+        self.finished
+    }
+
+    /// Where the schedule stands.
+    #[must_use]
+    pub fn cursor(&self) -> &Cursor<R> {
+        &self.cursor
+    }
+}
+
+impl<R: Real, C> Interpolator<'_, R, C> {
+    /// The state at the start of the curve.
+    pub fn start<const D: usize>(&self) -> State<R, D>
+    where
+        C: Differentiate<R, D>,
+    {
+        let (first, _) = self.curve.domain();
+        State {
+            cursor: self.schedule.start(),
+            history: History::new(first),
+            point: self.curve.point(first),
+            last_length: R::zero(),
+            finished: false,
+        }
+    }
+
+    /// The next setpoint; `None` once the end of the curve has been commanded.
+    ///
+    /// The parameter never decreases and never passes the end. The run ends by landing: a step that would reach
+    /// or pass the end commands exactly the end. When the schedule is over before the curve is, as rounding in
+    /// a coarse format can make it, the rest is travelled in steps of `landing_step`. Neither loop nor heap:
+    /// at most `max_iterations + 3` evaluations of the curve.
+    pub fn step<const D: usize>(&self, state: &mut State<R, D>) -> Option<Setpoint<R, D>>
+    where
+        C: Differentiate<R, D>,
+    {
+        if state.finished {
+            return None;
+        }
+        let planned = self.schedule.advance(&mut state.cursor);
+        let is_last = planned.is_none() || self.schedule.is_over(&state.cursor);
+        let length = planned.unwrap_or(self.landing_step).signal("step_length");
+        let reach = if is_last { length + self.landing_step } else { length };
+
+        let mut found = self.next_parameter(state, reach);
+        let (_, end) = self.curve.domain();
+        if found.u >= end {
+            found.u = end;
+            found.point = self.curve.point(end);
+            found.evaluations += 1;
+            state.finished = true;
+        }
+        state.history.push(found.u);
+        state.last_length = reach;
+        state.point = found.point;
+        Some(Setpoint { length, ..found })
+    }
+
+    fn next_parameter<const D: usize>(&self, state: &State<R, D>, length: R) -> Setpoint<R, D>
+    where
+        C: Differentiate<R, D>,
+    {
+        let u = state.history.newest();
+        let (begin, end) = self.curve.domain();
+        // Trials may pass the end, where the last span is extrapolated, but not far: a 64th of the curve.
+        let ceiling = end + (end - begin).scale(-6);
+        let order = match self.method {
+            Method::Secant => return self.next_by_secant(state, length, ceiling),
+            Method::Taylor1 => Order::First,
+            Method::Taylor2 => Order::Second,
+        };
+        let step = taylor::increment(&self.curve.derivatives(u), length, order);
+        let next = u + step.min(ceiling - u);
+        Setpoint {
+            u: next,
+            point: self.curve.point(next),
+            length,
+            evaluations: 2,
+            outcome: Outcome::Converged,
+        }
+    }
+
+    fn next_by_secant<const D: usize>(&self, state: &State<R, D>, length: R, ceiling: R) -> Setpoint<R, D>
+    where
+        C: Differentiate<R, D>,
+    {
+        let u = state.history.newest();
+        let ((older, newer), evaluations) = self.start_values(state, length, ceiling);
+        let chord_residual = |trial: R| {
+            let point = self.curve.point(trial);
+            let chord: [R; D] = core::array::from_fn(|d| point[d] - state.point[d]);
+            (R::norm(&chord) - length, point)
+        };
+        let root = secant::solve((u, ceiling), (older, newer), length, &self.tolerance, chord_residual);
+        Setpoint {
+            u: root.u,
+            point: root.point,
+            length,
+            evaluations: root.evaluations + evaluations,
+            outcome: root.outcome,
+        }
+    }
+
+    /// The two start values, and the evaluations that they took.
+    ///
+    /// The first steps start from the two Taylor expansions, for want of a history. Later an extrapolation that
+    /// does not point forwards, as (6) does in the last steps of a ramp to rest, gives way to the last increment
+    /// in proportion to the step lengths.
+    fn start_values<const D: usize>(&self, state: &State<R, D>, length: R, ceiling: R) -> ((R, R), u32)
+    where
+        C: Differentiate<R, D>,
+    {
+        let history = &state.history;
+        let u = history.newest();
+        let ahead = |increment: R| u + increment.max(R::resolution()).min(ceiling - u);
+        if !history.is_full() {
+            let at = self.curve.derivatives(u);
+            let first = taylor::increment(&at, length, Order::First);
+            let second = taylor::increment(&at, length, Order::Second);
+            return ((ahead(first), ahead(second)), 1);
+        }
+        let in_proportion = history.last_difference() * (length / state.last_length);
+        let forwards = |value: R| if value > u { value - u } else { in_proportion };
+        ((ahead(forwards(history.adams())), ahead(forwards(history.taylor()))), 0)
+    }
+}

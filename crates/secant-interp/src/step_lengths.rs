@@ -1,0 +1,173 @@
+//! The distance of each period, from a compiled schedule.
+//!
+//! A schedule is a list of stages; in each the feed goes from v to v + Δv as `v + Δv (3x² - 2x³)`, x = t/t₂. What
+//! a period needs is not the feed at an instant but the distance travelled in it. For a cubic speed the mean over
+//! an interval of length τ about m is exactly `v(m) + v''(m) τ²/24`, so in a stage of duration t₂
+//!
+//! `L = τ (v + Δv (x² + 2x²(1 - x) + ¼ (1 - 2x) (τ/t₂)²))`, x at the interval's middle,
+//!
+//! with no difference of two large distances, and no intermediate larger than 1 beside the feeds. A period that
+//! straddles joints adds up its parts.
+//!
+//! Time is counted in integers of 2⁻³² periods. So every format takes the same stages at the same times, and a
+//! run of any length loses nothing.
+
+use real::Real;
+
+/// One period, in units of time.
+const PERIOD: u64 = 1 << 32;
+
+/// A stage with time in periods and distance in the unit of the chords.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LengthStage<R> {
+    /// t₂ in 2⁻³² periods; not 0, and below 2⁶², a thousand million periods.
+    pub duration: u64,
+    /// `2^(64 + reciprocal_exponent) / duration`, rounded down: it turns times into fractions of the stage.
+    pub reciprocal: u64,
+    /// See `reciprocal`; chosen so that `reciprocal` has its top bit set.
+    pub reciprocal_exponent: u32,
+    /// v: the feed at the start, in chord units per period.
+    pub feed: R,
+    /// Δv.
+    pub change: R,
+}
+
+impl<R: Real> LengthStage<R> {
+    /// A stage of this duration, or `None` if it is zero or 2⁶² and more.
+    #[must_use]
+    pub fn new(duration: u64, feed: R, change: R) -> Option<Self> {
+        let numerator = 1_u128 << 127;
+        let exponent = 63_u32.checked_sub(duration.leading_zeros()).filter(|e| *e < 62)?;
+        // 2^exponent <= duration < 2^(exponent+1): the quotient of 2^(64+exponent) lies in (2^63, 2^64].
+        let quotient = (numerator >> (63 - exponent)) / u128::from(duration);
+        let reciprocal = u64::try_from(quotient).unwrap_or(u64::MAX);
+        Some(Self { duration, reciprocal, reciprocal_exponent: exponent, feed, change })
+    }
+
+    /// `half_units / (2 · duration)` as a phase, for `half_units ≤ 2 · duration`: twice the time, so that the middle
+    /// of an odd interval is a whole number too.
+    #[inline]
+    fn fraction(&self, half_units: u64) -> u64 {
+        // time · 2^64 / duration = time · reciprocal / 2^exponent, the product in two words.
+        let product = u128::from(half_units) * u128::from(self.reciprocal);
+        u64::try_from(product >> (self.reciprocal_exponent + 1)).unwrap_or(u64::MAX)
+    }
+
+    /// The mean feed over `interval` from `time` on: what is travelled, over the interval's length.
+    #[inline]
+    fn mean_feed(&self, time: u64, interval: u64) -> R {
+        if self.change.is_zero() {
+            return self.feed;
+        }
+        let x = R::from_phase(self.fraction(2 * time + interval), 0);
+        let share = R::from_phase(self.fraction(2 * interval), 0);
+        let square = x * x;
+        let rest = R::one() - x;
+        let twice = square * rest;
+        let bend = (share * share * (rest - x)).scale(-2);
+        self.change.mul_add(square + twice + twice + bend, self.feed)
+    }
+}
+
+/// Where the run stands in its stages.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LengthCursor {
+    stage: usize,
+    time: u64,
+}
+
+/// A compiled schedule.
+#[derive(Clone, Copy, Debug)]
+pub struct StepLengths<'a, R> {
+    /// The stages, in order.
+    pub stages: &'a [LengthStage<R>],
+}
+
+impl<R: Real> StepLengths<'_, R> {
+    /// The distance of the next period, or `None` when the schedule is over. A schedule whose duration is no whole
+    /// number of periods ends with a shorter step. At most one turn of the loop a stage.
+    pub fn advance(&self, cursor: &mut LengthCursor) -> Option<R> {
+        let mut left = PERIOD;
+        let mut length = R::zero();
+        while let Some(stage) = self.stages.get(cursor.stage) {
+            let interval = left.min(stage.duration - cursor.time);
+            let mean = stage.mean_feed(cursor.time, interval);
+            length =
+                if interval == PERIOD { mean } else { mean.mul_add(R::from_phase(interval, 32), length) };
+            left -= interval;
+            cursor.time += interval;
+            if cursor.time < stage.duration {
+                break;
+            }
+            *cursor = LengthCursor { stage: cursor.stage + 1, time: 0 };
+            if left == 0 {
+                break;
+            }
+        }
+        (left < PERIOD).then_some(length)
+    }
+
+    /// Whether the schedule is over.
+    #[must_use]
+    pub fn is_over(&self, cursor: &LengthCursor) -> bool {
+        cursor.stage >= self.stages.len()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use real::{Backend, I4F28};
+
+    /// Distance travelled up to t in a stage: v t + Δv t₂ (x³ - x⁴/2).
+    fn distance(feed: f64, change: f64, duration: f64, t: f64) -> f64 {
+        let x = t / duration;
+        feed * t + change * duration * (x.powi(3) - x.powi(4) / 2.0)
+    }
+
+    fn in_units(periods: f64) -> u64 {
+        (periods * PERIOD as f64).round() as u64
+    }
+
+    proptest! {
+        /// Period by period, over stages that start and end inside periods.
+        #[test]
+        fn lengths_are_the_integrals_of_the_feed(
+            durations in proptest::collection::vec(0.05_f64..9.0, 1..6),
+            feeds in proptest::collection::vec(0.0_f64..1.0, 7),
+        ) {
+            let durations: Vec<u64> = durations.into_iter().map(in_units).collect();
+            let periods = |units: u64| units as f64 / PERIOD as f64;
+            let stages: Vec<_> = durations.iter().zip(feeds.windows(2))
+                .filter_map(|(&d, v)| LengthStage::new(d, v[0], v[1] - v[0])).collect();
+            let fixed: Vec<_> = durations.iter().zip(feeds.windows(2)).filter_map(|(&d, v)| {
+                let of = |x: f64| I4F28::from_f64(x).unwrap();
+                LengthStage::new(d, of(v[0]), of(v[1]) - of(v[0]))
+            }).collect();
+            let up_to = |time: u64| {
+                let mut rest = time;
+                durations.iter().zip(feeds.windows(2)).map(|(&d, v)| {
+                    let part = rest.min(d);
+                    rest -= part;
+                    distance(v[0], v[1] - v[0], periods(d), periods(part))
+                }).sum::<f64>()
+            };
+            let total: u64 = durations.iter().sum();
+            let (mut cursor, mut coarse) = (LengthCursor::default(), LengthCursor::default());
+            let mut time = 0;
+            while let Some(length) = (StepLengths { stages: &stages }).advance(&mut cursor) {
+                let next = (time + PERIOD).min(total);
+                let expected = up_to(next) - up_to(time);
+                prop_assert!((length - expected).abs() < 1e-12, "{length} for {expected}");
+                let rounded = (StepLengths { stages: &fixed }).advance(&mut coarse).unwrap().to_f64();
+                // Eight roundings of half a unit, and the phases' one unit, at most twice a joint.
+                prop_assert!((rounded - expected).abs() < 48.0 * I4F28::resolution().to_f64(), "{rounded} {expected}");
+                time = next;
+            }
+            prop_assert_eq!(time, total);
+            let schedule = StepLengths { stages: &stages };
+            prop_assert!(schedule.is_over(&cursor), "stage {} of {}", cursor.stage, stages.len());
+        }
+    }
+}
