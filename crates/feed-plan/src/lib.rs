@@ -1,6 +1,7 @@
 //! `feed-plan`: how fast may the tool go, where, and when does it arrive?
 
 #![cfg_attr(not(feature = "std"), no_std)]
+#![allow(clippy::neg_cmp_op_on_partial_ord, reason = "!(x > 0) refuses NaN as well, and is written for that")]
 
 extern crate alloc;
 
@@ -8,9 +9,12 @@ mod chord_error;
 mod cubic_profile;
 mod error;
 mod feed_limit;
+mod flank;
 mod limits;
 mod look_ahead;
 mod lower_bound;
+mod quadrature;
+mod scan;
 mod schedule;
 #[cfg(test)]
 mod test_paths;

@@ -1,5 +1,7 @@
 //! Limits and curves for tests.
 
+use nurbs_core::NurbsBuf;
+
 use crate::KinematicLimits;
 
 /// Wang Y. et al.: T = 3 ms, F = 200 mm/s, A = 5000 mm/s², J = 4e5 mm/s³, E = 0.5 µm, with T as the unit of time.
@@ -23,4 +25,31 @@ pub(crate) fn in_periods(
         chord_error,
         centripetal_acceleration: None,
     }
+}
+
+/// The curve of Wang Y. et al.
+pub(crate) fn seed_000() -> NurbsBuf<f64, 2> {
+    let points = [[150., 150.], [0., 0.], [0., 300.], [150., 150.], [300., 0.], [300., 300.], [150., 150.]];
+    let knots = [0., 0., 0., 0., 0.25, 0.5, 0.75, 1., 1., 1., 1.];
+    NurbsBuf::try_new(3, points.to_vec(), vec![1.0; 7], knots.to_vec()).unwrap()
+}
+
+/// The part program of Liu P. et al.
+pub(crate) fn seed_003() -> NurbsBuf<f64, 2> {
+    let points = [
+        [0.0, 15.0],
+        [10.0, 34.1],
+        [20.0, 10.1],
+        [30.0, 16.1],
+        [40.0, 0.9],
+        [50.0, 38.0],
+        [60.0, 2.9],
+        [65.0, 8.9],
+        [70.0, 26.1],
+        [80.0, 5.9],
+    ];
+    let weights = vec![1.0, 2.0, 1.5, 1.0, 1.0, 2.0, 1.0, 1.0, 2.0, 1.0];
+    let inner = [0.1836, 0.2781, 0.3837, 0.5474, 0.7104, 0.8049];
+    let knots = [&[0.0; 4][..], &inner, &[1.0; 4]].concat();
+    NurbsBuf::try_new(3, points.to_vec(), weights, knots).unwrap()
 }
