@@ -14,7 +14,7 @@ use alloc::vec::Vec;
 
 use real::Real;
 
-use crate::flank::{Arrival, Direction, Flank, RampShape};
+use crate::flank::{Arrival, Direction, Flank, LEVELS, LEVELS_BETWEEN_ENDS, RampShape};
 use crate::{CubicProfile, FeedLimit, KinematicLimits, PlanError, ScheduleBuf, Stage};
 
 /// Minima less deep than 2⁻⁸ of the limit are no key points: a constant limit, sampled, is full of them. The plan
@@ -144,10 +144,13 @@ fn reachable<R: Real>(
         summit_from = key.point;
         let mut is_kept = true;
         while let Some(previous) = kept.last() {
-            let (from, to) = ((previous.distance, previous.feed), (key.distance, key.feed));
-            let is_rising = from.1 <= to.1;
-            let (slow, fast) = if is_rising { (from, to) } else { (to, from) };
-            if shape.fits(limit, slow, fast) {
+            let is_rising = previous.feed <= key.feed;
+            let joined = if is_rising {
+                can_join(limit, shape, Direction::Rising, previous, &key)
+            } else {
+                can_join(limit, shape, Direction::Falling, &key, previous)
+            };
+            if joined {
                 break;
             }
             if is_rising {
@@ -170,6 +173,27 @@ fn reachable<R: Real>(
     Ok(kept)
 }
 
+/// Whether the feed of the faster of two keys can be had on the way between them: from rest by a chain of ramps, else
+/// even by a single one, as close to the fast key as can be.
+fn can_join<R: Real>(
+    limit: &FeedLimit<R>,
+    shape: &RampShape<R>,
+    direction: Direction,
+    slow: &Key<R>,
+    fast: &Key<R>,
+) -> bool {
+    if !(slow.feed < fast.feed) {
+        return true;
+    }
+    if slow.feed > R::zero() {
+        return shape.fits(limit, (slow.distance, slow.feed), (fast.distance, fast.feed));
+    }
+    let mut flank = Flank::new(shape, limit, direction, (slow.point, slow.feed), fast.point);
+    flank.raise_to(fast.feed, LEVELS_BETWEEN_ENDS);
+    let room = (fast.distance - slow.distance).abs();
+    flank.arrival(fast.feed).is_some_and(|arrival| arrival.distance <= room)
+}
+
 /// The way from one key to the next: a rising flank, a cruise, a falling flank.
 fn between<R: Real>(
     limit: &FeedLimit<R>,
@@ -183,8 +207,12 @@ fn between<R: Real>(
         return Ok(());
     }
     let peak = summit(limit, from, to);
-    let rising = Flank::new(shape, limit, Direction::Rising, (from.point, from.feed), peak);
-    let falling = Flank::new(shape, limit, Direction::Falling, (to.point, to.feed), peak);
+    let mut rising = Flank::new(shape, limit, Direction::Rising, (from.point, from.feed), peak);
+    let mut falling = Flank::new(shape, limit, Direction::Falling, (to.point, to.feed), peak);
+    for flank in [&mut rising, &mut falling] {
+        flank.raise_to(from.feed.max(to.feed), LEVELS_BETWEEN_ENDS);
+        flank.raise_to(flank.top(), LEVELS);
+    }
     let (up, down) = cruise(&rising, &falling, room).ok_or(PlanError::CannotMove { index: from.point })?;
 
     let mut at = R::zero();
@@ -233,14 +261,16 @@ fn cruise<R: Real>(
 ) -> Option<(Arrival<R>, Arrival<R>)> {
     // Room for the rounding of distances, so that a transition that just fits still does.
     let rounding = (room + R::one()) * R::resolution().scale(2);
-    let attempt = |feed: R| {
-        let (up, down) = (rising.arrival(feed)?, falling.arrival(feed)?);
-        let fits = feed > R::zero() && up.distance + down.distance <= room + rounding;
+    let if_it_fits = |(up, down): (Arrival<R>, Arrival<R>)| {
+        let fits = up.feed > R::zero() && up.distance + down.distance <= room + rounding;
         fits.then_some((up, down))
     };
+    let attempt = |feed: R| rising.arrival(feed).zip(falling.arrival(feed)).and_then(if_it_fits);
     let floor = rising.base().max(falling.base());
     let height = rising.top().min(falling.top()) - floor;
-    let mut best = attempt(floor);
+    // The chain that loses least may arrive too late; a single ramp then does not.
+    let mut best =
+        attempt(floor).or_else(|| rising.direct(floor).zip(falling.direct(floor)).and_then(if_it_fits));
     if !(height > R::zero()) {
         return best;
     }
@@ -351,4 +381,308 @@ fn round_up<R: Real>(value: R) -> Option<(u32, R)> {
         bit /= 2;
     }
     if whole < value { Some((count.checked_add(1)?, whole + R::one())) } else { Some((count, whole)) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_paths::{
+        circle, in_periods, in_range, paper_limits, polyline, seed_000, seed_003, triple_knot,
+    };
+    use crate::{LimitPoint, jerk_free_duration};
+    use nurbs_core::NurbsBuf;
+    use proptest::prelude::*;
+    use real::{Backend, DoubleDouble, I16F16, I32F32};
+
+    /// Worst of each promise over a plan, as ratios to what is allowed; the last is the jump of feed at joints.
+    #[derive(Debug)]
+    struct Worst {
+        feed: f64,
+        acceleration: f64,
+        jerk: f64,
+        joint: f64,
+    }
+
+    fn worst<R: Backend>(limit: &FeedLimit<R>, limits: &KinematicLimits<R>, plan: &ScheduleBuf<R>) -> Worst {
+        let mut worst = Worst { feed: 0.0, acceleration: 0.0, jerk: 0.0, joint: 0.0 };
+        let mut end: Option<(R, R)> = None;
+        for stage in plan.stages() {
+            if let Some((distance, feed)) = end {
+                let jump =
+                    (stage.start - distance).to_f64().abs().max((stage.start_feed - feed).to_f64().abs());
+                worst.joint = worst.joint.max(jump);
+            }
+            end = Some((stage.start + stage.length, stage.end_feed));
+            for i in 0..=200 {
+                let time = stage.duration * R::from_ratio(i, 200);
+                let allowed = limit.at(stage.start + stage.distance_at(time));
+                let (a, j) = (stage.acceleration_at(time).abs(), stage.jerk_at(time).abs());
+                let feed = stage.feed_at(time);
+                // At a stop both are zero.
+                if feed > R::zero() {
+                    worst.feed = worst.feed.max(feed.to_f64() / allowed.to_f64().max(1e-9));
+                }
+                worst.acceleration = worst.acceleration.max(a.to_f64() / limits.acceleration.to_f64());
+                worst.jerk = worst.jerk.max(j.to_f64() / limits.jerk.to_f64());
+            }
+        }
+        worst
+    }
+
+    /// Every promise of [`plan`], from rest to rest, to rounding of f64.
+    fn assert_kept(limit: &FeedLimit<f64>, limits: &KinematicLimits<f64>, plan: &ScheduleBuf<f64>) {
+        let worst = worst(limit, limits, plan);
+        // A stop's limit is 0 at one point, and the sampled distance may miss that by rounding on either side.
+        assert!(worst.feed <= 1.0 + 1e-9, "{worst:?}");
+        assert!(worst.acceleration <= 1.0 + 1e-12 && worst.jerk <= 1.0 + 1e-12, "{worst:?}");
+        assert!(worst.joint <= 1e-9 * limit.length(), "{worst:?}");
+        let schedule = plan.as_schedule();
+        assert!((schedule.length() - limit.length()).abs() <= 1e-12 * limit.length().max(1.0));
+        let periods = f64::from(schedule.periods());
+        assert!((schedule.duration() / limits.interpolation_period - periods).abs() <= 1e-12 * periods);
+        assert!(plan.stages().iter().all(|stage| stage.duration > 0.0 && stage.length > 0.0));
+        let (first, last) = (plan.stages().first().unwrap(), plan.stages().last().unwrap());
+        assert_eq!((first.start, first.start_feed, last.end_feed), (0.0, 0.0, 0.0));
+        let bound = jerk_free_duration(limit, limits);
+        assert!(
+            schedule.duration() >= bound * (1.0 - 1e-3),
+            "{} is faster than {bound}",
+            schedule.duration()
+        );
+
+        // What the real-time loop sees.
+        let mut cursor = schedule.start();
+        let mut travelled = 0.0;
+        while let Some(step) = schedule.advance(&mut cursor) {
+            assert!(step > 0.0, "{step}");
+            travelled += step;
+        }
+        assert!(
+            (travelled - limit.length()).abs() <= 1e-11 * limit.length(),
+            "{travelled} {} {periods} {:?} {}",
+            limit.length(),
+            worst,
+            schedule.length()
+        );
+        assert_eq!(cursor.period(), schedule.periods());
+    }
+
+    fn planned(
+        curve: &NurbsBuf<f64, 2>,
+        limits: &KinematicLimits<f64>,
+    ) -> (FeedLimit<f64>, ScheduleBuf<f64>) {
+        let limit = FeedLimit::along(&[curve.as_curve()], limits).unwrap();
+        let plan = plan(&limit, limits, EndFeeds::default()).unwrap();
+        assert_kept(&limit, limits, &plan);
+        (limit, plan)
+    }
+
+    #[test]
+    fn the_papers_curves_take_hardly_longer_than_without_a_jerk_limit() {
+        let fast = |t: f64| in_periods(t, 200.0, 5000.0, 4e5, 5e-4);
+        let slow = in_periods(3e-3, 200.0, 1000.0, 2e4, 5e-4);
+        // Curve, limits, periods (what is reached, with 0.2 % to spare), bound in periods.
+        for (name, curve, limits, periods, bound) in [
+            ("seed 000", seed_000(), fast(3e-3), 1632, 1615.9),
+            ("seed 000, 1 ms", seed_000(), fast(1e-3), 4242, 4213.5),
+            // Here the paper's own rows overlap.
+            ("seed 000, short flanks", seed_000(), slow, 1725, 1669.2),
+            ("seed 003", seed_003(), fast(3e-3), 566, 534.9),
+            ("seed 003, short flanks", seed_003(), slow, 739, 638.6),
+            ("circle", circle(10.0), fast(3e-3), 325, 318.7),
+        ] {
+            let (limit, plan) = planned(&curve, &limits);
+            assert!(plan.as_schedule().periods() <= periods, "{name}: {}", plan.as_schedule().periods());
+            let jerk_free = jerk_free_duration(&limit, &limits);
+            assert!((jerk_free - bound).abs() < 0.5, "{name}: {jerk_free}");
+        }
+    }
+
+    #[test]
+    fn a_constant_limit_is_reached_and_held() {
+        let (limit, plan) = planned(&circle(10.0), &paper_limits());
+        let top = plan.stages().iter().map(|stage| stage.start_feed).fold(0.0, f64::max);
+        // 2 sqrt(0.0005 (20 - 0.0005)) = 0.199 9975; the stretch to whole periods takes up to 1/325 of it.
+        assert!((0.1993..=limit.at(30.0)).contains(&top), "{top}");
+    }
+
+    #[test]
+    fn the_plan_stops_at_a_corner() {
+        let curve = triple_knot();
+        let (limit, plan) = planned(&curve, &in_periods(3e-3, 190.0, 5000.0, 4e5, 5e-4));
+        let corner = limit.points().iter().find(|point| point.feedrate == 0.0).unwrap();
+        assert!((corner.u - 0.5).abs() < 1e-12 && (corner.distance - 30.0).abs() < 1e-9, "{corner:?}");
+        let joint = plan.stages().iter().find(|stage| stage.start_feed == 0.0 && stage.start > 0.0).unwrap();
+        assert!((joint.start - corner.distance).abs() < 1e-9);
+        assert!((joint.u_start - 0.5).abs() < 1e-9);
+    }
+
+    #[test]
+    fn curves_in_sequence_are_one_path() {
+        let limits = paper_limits();
+        let path = polyline(&[[0.0, 0.0], [10.0, 0.0], [30.0, 0.0], [30.0, 5.0]]);
+        let curves: Vec<_> = path.iter().map(|line| line.as_curve()).collect();
+        let limit = FeedLimit::along(&curves, &limits).unwrap();
+        let plan = plan(&limit, &limits, EndFeeds::default()).unwrap();
+        assert_kept(&limit, &limits, &plan);
+        // No stop at 10 mm, where the lines have the same direction; one at 30 mm.
+        let stops: Vec<_> = limit.points().iter().filter(|p| p.feedrate == 0.0).map(|p| p.distance).collect();
+        assert_eq!(stops.len(), 1);
+        assert!((stops[0] - 30.0).abs() < 1e-12);
+        let last = plan.stages().last().unwrap();
+        assert_eq!((last.curve_end, last.u_end), (2, 1.0));
+    }
+
+    #[test]
+    fn ends_may_have_a_feed() {
+        let limits = paper_limits();
+        let limit = FeedLimit::along(&[seed_000().as_curve()], &limits).unwrap();
+        let plan_with = |start, end| plan(&limit, &limits, EndFeeds { start, end });
+        let running = plan_with(0.6, 0.6).unwrap();
+        let (first, last) = (running.stages().first().unwrap(), running.stages().last().unwrap());
+        // The stretch to whole periods, of less than 1 in 1600, lowers them.
+        assert!(first.start_feed > 0.6 * (1.0 - 1e-3) && first.start_feed <= 0.6, "{}", first.start_feed);
+        assert!(last.end_feed > 0.6 * (1.0 - 1e-3) && last.end_feed <= 0.6, "{}", last.end_feed);
+        assert!(running.as_schedule().periods() < plan_with(0.0, 0.0).unwrap().as_schedule().periods());
+
+        assert_eq!(plan_with(0.7, 0.0), Err(PlanError::StartFeedTooHigh));
+        assert_eq!(plan_with(0.0, 0.7), Err(PlanError::EndFeedTooHigh));
+        assert_eq!(plan_with(-0.1, 0.0), Err(PlanError::Negative { what: "start feed" }));
+        assert_eq!(plan_with(0.0, f64::NAN), Err(PlanError::Negative { what: "end feed" }));
+    }
+
+    #[test]
+    fn a_feed_that_cannot_be_changed_in_time_is_an_error() {
+        let limits = paper_limits();
+        let point = |distance, feedrate| LimitPoint { distance, curve: 0, u: distance, feedrate };
+        // From 0.6 to rest takes 33 periods and 10 mm, here are 2 mm.
+        let short = FeedLimit::from_points(&[point(0.0, 0.6), point(2.0, 0.6)]).unwrap();
+        let plan_with = |start, end| plan(&short, &limits, EndFeeds { start, end });
+        assert_eq!(plan_with(0.6, 0.0), Err(PlanError::StartFeedTooHigh));
+        assert_eq!(plan_with(0.0, 0.6), Err(PlanError::EndFeedTooHigh));
+        assert!(plan_with(0.6, 0.6).is_ok() && plan_with(0.0, 0.0).is_ok());
+    }
+
+    #[test]
+    fn a_limit_of_zero_over_a_stretch_is_an_error() {
+        let point = |distance, feedrate| LimitPoint { distance, curve: 0, u: distance, feedrate };
+        let blocked = [point(0.0, 0.6), point(5.0, 0.0), point(6.0, 0.0), point(9.0, 0.6)];
+        let limit = FeedLimit::from_points(&blocked).unwrap();
+        assert_eq!(
+            plan(&limit, &paper_limits(), EndFeeds::default()),
+            Err(PlanError::CannotMove { index: 1 })
+        );
+        assert_eq!(jerk_free_duration(&limit, &paper_limits()), f64::MAX);
+    }
+
+    #[test]
+    fn any_length_can_be_travelled() {
+        let limits = paper_limits();
+        for exponent in -9..=5 {
+            let path = polyline(&[[0.0, 0.0], [10.0_f64.powi(exponent), 0.0]]);
+            planned(&path[0], &limits);
+        }
+    }
+
+    #[test]
+    fn chords_of_a_shortened_plan_sum_to_what_the_curve_takes() {
+        let limits = paper_limits();
+        let (limit, plan) = planned(&seed_000(), &limits);
+        let shortfall = limit.shortfall(&plan.as_schedule());
+        // Found independently, with chords solved to 50 digits: 1.37 µm.
+        assert!((shortfall - 1.37e-3).abs() < 1e-5, "{shortfall}");
+        let short = plan.shortened(shortfall);
+        assert!((short.as_schedule().length() - (limit.length() - shortfall)).abs() < 1e-11);
+    }
+
+    /// The same curve planned in another format: periods, and the worst of each promise.
+    fn in_format<Q: Backend>(curve: &NurbsBuf<f64, 2>) -> (u32, f64, Worst) {
+        let curve = curve.convert::<Q>().unwrap();
+        let limits = in_range::<Q>(&paper_limits());
+        let limit = FeedLimit::along(&[curve.as_curve()], &limits).unwrap();
+        let plan = plan(&limit, &limits, EndFeeds::default()).unwrap();
+        let worst = worst(&limit, &limits, &plan);
+        (plan.as_schedule().periods(), plan.as_schedule().length().to_f64(), worst)
+    }
+
+    #[test]
+    fn narrow_formats_plan_almost_the_same() {
+        // Format: by how much periods, length and limits may differ from f64's. The fixed-point limits themselves are
+        // rounded: J is 0.0108 mm/period³ and 708 units of 2⁻¹⁶; E is 33 units.
+        fn assert_close<Q: Backend>(periods: u32, length: f64, excess: f64) {
+            let (found, found_length, worst) = in_format::<Q>(&seed_003());
+            let name = Q::name();
+            assert!(found.abs_diff(566) <= periods, "{name}: {found}");
+            assert!((found_length - 134.006_017).abs() <= length, "{name}: {found_length}");
+            assert!(worst.feed <= 1.0 + excess, "{name}: {worst:?}");
+            assert!(worst.acceleration.max(worst.jerk) <= 1.0 + excess, "{name}: {worst:?}");
+        }
+        assert_close::<DoubleDouble>(2, 1e-6, 1e-12);
+        assert_close::<f32>(2, 1e-3, 1e-3);
+        assert_close::<I32F32>(3, 1e-3, 1e-3);
+    }
+
+    #[test]
+    fn formats_too_coarse_return() {
+        let circle = circle(10.0).convert::<I16F16>().unwrap();
+        let limits = in_range::<I16F16>(&paper_limits());
+        let limit = FeedLimit::along(&[circle.as_curve()], &limits);
+        let outcome = limit.and_then(|limit| plan(&limit, &limits, EndFeeds::default()));
+        println!("{:?}", outcome.map(|p| (p.as_schedule().periods(), p.as_schedule().length())));
+    }
+
+    /// Limit curves of any shape: rises, falls, jumps, plateaus, stops.
+    fn limit_points() -> impl Strategy<Value = Vec<LimitPoint<f64>>> {
+        let step = prop_oneof![1 => Just(0.0), 8 => 0.01..3.0_f64, 1 => 3.0..100.0_f64];
+        let feed = prop_oneof![6 => 0.02..1.0_f64, 2 => Just(0.6), 1 => 1e-4..0.02_f64];
+        let is_stop = prop::bool::weighted(0.08);
+        prop::collection::vec((step, feed, is_stop), 2..60).prop_map(|rows| {
+            let mut distance = 0.0;
+            let mut points: Vec<LimitPoint<f64>> = Vec::new();
+            for (i, (step, feedrate, is_stop)) in rows.into_iter().enumerate() {
+                let previous_stops = points.last().is_some_and(|point| point.feedrate == 0.0);
+                // Between two stops there must be a limit above zero.
+                let is_stop = is_stop && !previous_stops;
+                distance += if i == 0 {
+                    0.0
+                } else if i == 1 {
+                    step.max(0.01)
+                } else {
+                    step
+                };
+                let feedrate = if is_stop { 0.0 } else { feedrate };
+                points.push(LimitPoint { distance, curve: 0, u: distance, feedrate });
+            }
+            points
+        })
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(400))]
+
+        #[test]
+        fn whatever_the_limit_the_plan_keeps_every_promise(
+            points in limit_points(), acceleration in 1e-4..0.2_f64, jerk in 1e-5..0.1_f64,
+        ) {
+            let limits = KinematicLimits { acceleration, jerk, ..paper_limits() };
+            let limit = FeedLimit::from_points(&points).unwrap();
+            let plan = plan(&limit, &limits, EndFeeds::default()).unwrap();
+            assert_kept(&limit, &limits, &plan);
+        }
+
+        #[test]
+        fn whatever_the_numbers_the_planner_returns(
+            points in prop::collection::vec((any::<f32>(), any::<f32>()), 0..20), acceleration in any::<f32>(), jerk in any::<f32>(),
+        ) {
+            let mut points: Vec<_> = points
+                .into_iter()
+                .map(|(distance, feedrate)| LimitPoint { distance, curve: 0, u: 0.0, feedrate })
+                .collect();
+            points.sort_by(|a, b| a.distance.total_cmp(&b.distance));
+            let limits = KinematicLimits { acceleration, jerk, ..in_range::<f32>(&paper_limits()) };
+            if let Ok(limit) = FeedLimit::from_points(&points) {
+                let _ = plan(&limit, &limits, EndFeeds::default());
+            }
+        }
+    }
 }

@@ -153,7 +153,11 @@ pub struct Schedule<'a, R> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cursor<R> {
     stage: usize,
-    time: R,
+    /// Time into the stage of its first setpoint.
+    offset: R,
+    /// Periods since then, a whole number. The time is `offset + count T`: summed period by period, it would lose a unit
+    /// of its last place each.
+    count: R,
     period: u32,
 }
 
@@ -162,12 +166,6 @@ impl<R: Real> Cursor<R> {
     #[must_use]
     pub fn stage(&self) -> usize {
         self.stage
-    }
-
-    /// Time since the stage's start.
-    #[must_use]
-    pub fn time(&self) -> R {
-        self.time
     }
 
     /// Number of periods gone.
@@ -211,7 +209,7 @@ impl<'a, R: Real> Schedule<'a, R> {
     /// The cursor at the start.
     #[must_use]
     pub fn start(&self) -> Cursor<R> {
-        Cursor { stage: 0, time: R::zero(), period: 0 }
+        Cursor { stage: 0, offset: R::zero(), count: R::zero(), period: 0 }
     }
 
     /// Whether the last period has been given out.
@@ -232,20 +230,30 @@ impl<'a, R: Real> Schedule<'a, R> {
         let takes_the_rest = self.is_over(cursor);
         let mut distance = R::zero();
         let mut left = self.interpolation_period;
+        let (begun_in, mut time) = (cursor.stage, self.time(cursor));
         for stage in self.stages.get(cursor.stage..)? {
-            let until_joint = stage.duration - cursor.time;
+            let until_joint = stage.duration - time;
             if !takes_the_rest && left < until_joint {
-                let end = cursor.time + left;
-                distance = distance + stage.profile().distance_between(cursor.time, end);
-                cursor.time = end;
-                return Some(distance);
+                (cursor.offset, cursor.count) = if cursor.stage == begun_in {
+                    (cursor.offset, cursor.count + R::one())
+                } else {
+                    (left, R::zero())
+                };
+                return Some(distance + stage.profile().distance_over(time, left));
             }
-            distance = distance + stage.profile().distance_between(cursor.time, stage.duration);
+            distance = distance + stage.profile().distance_over(time, until_joint);
             left = left - until_joint;
             cursor.stage += 1;
-            cursor.time = R::zero();
+            time = R::zero();
         }
+        (cursor.offset, cursor.count) = (R::zero(), R::zero());
         Some(distance)
+    }
+
+    /// Time since the start of the cursor's stage.
+    #[must_use]
+    pub fn time(&self, cursor: &Cursor<R>) -> R {
+        cursor.count.mul_add(self.interpolation_period, cursor.offset)
     }
 
     /// Feed at the cursor; at a joint that of the stage that begins there, after the end that at the end.
@@ -274,7 +282,7 @@ impl<'a, R: Real> Schedule<'a, R> {
 
     fn at(&self, cursor: &Cursor<R>, quantity: impl Fn(&Stage<R>, R) -> R) -> R {
         match (self.stages.get(cursor.stage), self.stages.last()) {
-            (Some(stage), _) => quantity(stage, cursor.time),
+            (Some(stage), _) => quantity(stage, self.time(cursor)),
             (None, Some(last)) => quantity(last, last.duration),
             (None, None) => R::zero(),
         }

@@ -1,6 +1,7 @@
 //! Limits and curves for tests.
 
 use nurbs_core::NurbsBuf;
+use real::Backend;
 
 use crate::KinematicLimits;
 
@@ -52,4 +53,39 @@ pub(crate) fn seed_003() -> NurbsBuf<f64, 2> {
     let inner = [0.1836, 0.2781, 0.3837, 0.5474, 0.7104, 0.8049];
     let knots = [&[0.0; 4][..], &inner, &[1.0; 4]].concat();
     NurbsBuf::try_new(3, points.to_vec(), weights, knots).unwrap()
+}
+
+/// A full circle about the origin, in four rational arcs.
+pub(crate) fn circle(r: f64) -> NurbsBuf<f64, 2> {
+    let points = [[r, 0.], [r, r], [0., r], [-r, r], [-r, 0.], [-r, -r], [0., -r], [r, -r], [r, 0.]];
+    let w = 0.5_f64.sqrt();
+    let knots = [0., 0., 0., 0.25, 0.25, 0.5, 0.5, 0.75, 0.75, 1., 1., 1.];
+    NurbsBuf::try_new(2, points.to_vec(), vec![1., w, 1., w, 1., w, 1., w, 1.], knots.to_vec()).unwrap()
+}
+
+/// A right angle in one cubic: two lines of 30 mm that meet at a triple knot, where the curvature is 0 on both sides.
+pub(crate) fn triple_knot() -> NurbsBuf<f64, 2> {
+    let points = [[0., 0.], [10., 0.], [20., 0.], [30., 0.], [30., 10.], [30., 20.], [30., 30.]];
+    let knots = [0., 0., 0., 0., 0.5, 0.5, 0.5, 1., 1., 1., 1.];
+    NurbsBuf::try_new(3, points.to_vec(), vec![1.0; 7], knots.to_vec()).unwrap()
+}
+
+/// One line for each pair of neighbouring points.
+pub(crate) fn polyline(points: &[[f64; 2]]) -> Vec<NurbsBuf<f64, 2>> {
+    let line =
+        |ends: &[[f64; 2]]| NurbsBuf::try_new(1, ends.to_vec(), vec![1.0; 2], vec![0., 0., 1., 1.]).unwrap();
+    points.windows(2).map(line).collect()
+}
+
+/// Limits in another format.
+pub(crate) fn in_range<Q: Backend>(limits: &KinematicLimits<f64>) -> KinematicLimits<Q> {
+    let convert = |value: f64| Q::from_f64(value).unwrap();
+    KinematicLimits {
+        interpolation_period: convert(limits.interpolation_period),
+        feedrate: convert(limits.feedrate),
+        acceleration: convert(limits.acceleration),
+        jerk: convert(limits.jerk),
+        chord_error: convert(limits.chord_error),
+        centripetal_acceleration: limits.centripetal_acceleration.map(convert),
+    }
 }
