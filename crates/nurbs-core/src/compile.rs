@@ -51,7 +51,7 @@ pub enum CompileError {
         /// The format.
         format: FormatName,
     },
-    /// A coordinate lies beyond the ±2³¹ mm of a piece's origin.
+    /// A coordinate lies beyond the ±2²⁴ mm of a piece's origin.
     OriginOutOfRange {
         /// Index of the curve in the path.
         curve: usize,
@@ -73,7 +73,7 @@ impl core::fmt::Display for CompileError {
                     "the signal `{signal}` reaches {bound:.4} and needs {integer_bits} integer bits; {format} has fewer"
                 )
             }
-            Self::OriginOutOfRange { curve } => write!(f, "curve {curve} lies beyond ±2^31 mm"),
+            Self::OriginOutOfRange { curve } => write!(f, "curve {curve} lies beyond ±2^24 mm"),
         }
     }
 }
@@ -89,6 +89,7 @@ pub struct PiecesBuf<R, const D: usize> {
     degree: usize,
     coordinate_exponent: i32,
     chord_exponent: i32,
+    range_exponent: i32,
     places: Vec<Place>,
     bounds: Vec<SignalBound>,
 }
@@ -115,6 +116,7 @@ impl<R: Real, const D: usize> PiecesBuf<R, D> {
             degree: self.degree,
             coordinate_exponent: self.coordinate_exponent,
             chord_exponent: self.chord_exponent,
+            range_exponent: self.range_exponent,
         }
     }
 
@@ -137,6 +139,10 @@ const MAX_HALVINGS: i32 = 16;
 /// Largest ratio of the greatest to the least |C'| on a piece, and of weights: it keeps the solver's unknown within
 /// a factor √1.5 of 1, which even two integer bits hold. A smaller ratio means more pieces.
 const MAX_RATIO: f64 = 1.5;
+
+/// Largest chord in its own scale. A step of a quarter of the longest then has the resolution that the step per chord,
+/// which is about 1, has in any case; more would gain nothing.
+const MAX_CHORD_RANGE: f64 = 4.0;
 
 /// |C'| below this part of the piece's mean speed counts as a cusp.
 const CUSP_RATIO: f64 = 1e-4;
@@ -213,14 +219,16 @@ impl<'a, H: Backend, const D: usize> Table<'a, H, D> {
 
     /// Chooses the scales for `R`, proves the bounds, and rounds.
     fn rounded<R: Backend>(&self) -> Result<PiecesBuf<R, D>, CompileError> {
-        // The chords fill half of a fixed format's range; a float is content with numbers of order one.
+        // The chords use half of a fixed format's range; a float is content with numbers of order one.
         let fixed = matches!(R::name(), FormatName::Fixed { .. });
         let range = if fixed { R::max_value().to_f64() } else { 2.0 };
         let widest = self.local.iter().map(|p| p.coordinate_bound_mm()).fold(0.0, f64::max);
-        let chord = exponent_below(range / 2.0 / self.step_mm);
+        let chord_range = (range / 2.0).min(MAX_CHORD_RANGE);
+        let chord = exponent_below(chord_range / self.step_mm);
         let scales = Scales {
             coordinate: -exponent_below(range / widest),
             chord,
+            range: exponent_below(chord_range),
             steps: self.local.iter().map(|p| p.speed.step_exponent(chord)).collect(),
         };
         let bounds = ranges::signal_bounds(self.local, &scales, self.step_mm);
@@ -235,6 +243,7 @@ impl<'a, H: Backend, const D: usize> Table<'a, H, D> {
             degree: self.degree,
             coordinate_exponent: scales.coordinate,
             chord_exponent: scales.chord,
+            range_exponent: scales.range,
             places: self.local.iter().map(|piece| piece.place).collect(),
             bounds,
         };

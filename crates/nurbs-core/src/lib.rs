@@ -93,7 +93,7 @@ pub use evaluate::{Derivatives, Differentiate, Evaluate};
 pub use knots::{KnotVector, MAX_DEGREE};
 #[cfg(feature = "alloc")]
 pub use owned::NurbsBuf;
-pub use pieces::{Piece, Pieces, Shifted};
+pub use pieces::{ORIGIN_EXPONENT, Piece, Pieces, Shifted};
 #[cfg(feature = "alloc")]
 pub use ranges::SignalBound;
 

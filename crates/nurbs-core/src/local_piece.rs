@@ -6,6 +6,7 @@ use real::{Backend, Real};
 
 use crate::bezier::Bezier;
 use crate::compile::Place;
+use crate::pieces::ORIGIN_EXPONENT;
 use crate::polynomial::{bound_on_unit_interval, power_basis};
 use crate::ranges::{exponent_below, power_of_two};
 
@@ -44,7 +45,7 @@ impl<H: Backend, const D: usize> LocalPiece<H, D> {
         let start = bezier.euclidean(0);
         let mut origin = [0; D];
         for (slot, x) in origin.iter_mut().zip(start) {
-            *slot = units_of_2_to_minus_32(x)?;
+            *slot = origin_units(x)?;
         }
         let (first, last) = (bezier.weights[0], bezier.weights[bezier.weights.len() - 1]);
         let unit = (first * last).sqrt();
@@ -188,19 +189,19 @@ impl Speed {
 
     /// The range of steps per chord, `1/|C'|` in the solver's scale, with a margin for trials.
     pub(crate) fn step_per_chord(&self, exponent: i32) -> [f64; 2] {
-        const MARGIN: f64 = 1.125;
+        const MARGIN: f64 = 1.0625;
         let unit = power_of_two(exponent);
         [1.0 / (self.greatest * unit * MARGIN), MARGIN / (self.least * unit)]
     }
 }
 
-/// `⌊x · 2³²⌋` as an integer; `None` beyond ±2³¹.
-fn units_of_2_to_minus_32<H: Backend>(x: H) -> Option<i64> {
-    let limit = 1.0_f64.scale(31);
-    if !(-limit < x.to_f64() && x.to_f64() < limit) {
+/// `x · 2³⁹` as an integer, rounded toward 0; `None` beyond ±2²⁴.
+fn origin_units<H: Backend>(x: H) -> Option<i64> {
+    let range = 1.0_f64.scale(63 + ORIGIN_EXPONENT);
+    if !(-range < x.to_f64() && x.to_f64() < range) {
         return None;
     }
-    // Moved to [0, 1) as a phase, and back.
-    let shifted = (x + H::from_f64(limit)?).to_phase(-32);
-    Some((shifted ^ (1 << 63)).cast_signed())
+    // As a fraction of the range, in 64 bits; one of them is the sign's.
+    let magnitude = (x.abs().to_phase(-(63 + ORIGIN_EXPONENT)) >> 1).cast_signed();
+    Some(if x < H::zero() { -magnitude } else { magnitude })
 }

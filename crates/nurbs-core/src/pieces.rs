@@ -20,10 +20,14 @@ use real::Real;
 
 use crate::MAX_DEGREE;
 
+/// Origins are in units of 2⁻³⁹ mm, which is 1.8e-12 mm: far below what a drive resolves, and with 64 bits a range of
+/// ±2²⁴ mm, which is 16 km.
+pub const ORIGIN_EXPONENT: i32 = -39;
+
 /// One row of the table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Piece<R, const D: usize> {
-    /// O in units of 2⁻³² mm: what the local offset is added to. Range ±2³¹ mm.
+    /// O in units of 2^[`ORIGIN_EXPONENT`] mm: what the local offset is added to.
     pub origin: [i64; D],
     /// s: the solver's step is `η = h·2^s`, of the order of the chord in its own scale.
     pub step_exponent: i32,
@@ -54,6 +58,9 @@ pub struct Pieces<'a, R, const D: usize> {
     pub coordinate_exponent: i32,
     /// λ: chords are in units of 2^-λ mm.
     pub chord_exponent: i32,
+    /// r: chords and steps η reach up to 2^r, to use the format's integer bits; the polynomials go by `x = η·2^-r`,
+    /// which is of order one, so that the roundings of their coefficients are not magnified.
+    pub range_exponent: i32,
 }
 
 /// The coefficients of one piece, shifted to a parameter t.
@@ -62,7 +69,7 @@ pub struct Shifted<R, const D: usize> {
     /// P: the point at t, as an offset from the piece's origin.
     pub offset: [R; D],
     /// The chord polynomial in the solver's scale, q̃_k for k = 1..=degree: the chord to t + h is
-    /// `η Σ q̃_k η^{k-1}`, over `1 + Σ weight_k η^k` if rational.
+    /// `η Σ q̃_k x^{k-1}`, over `1 + Σ weight_k x^k` if rational.
     pub chord: [[R; D]; MAX_DEGREE],
     /// ω̃_k for k = 1..=degree; zeros if not rational.
     pub weight: [R; MAX_DEGREE],
@@ -146,12 +153,12 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
         }
     }
 
-    /// Coefficients of powers of h in coordinate units → coefficients of powers of η in chord units.
+    /// Coefficients of powers of h in coordinate units → of `η x^{k-1}` in chord units, and of `x^k`.
     fn rescale(&self, step_exponent: i32, chord: &mut [[R; D]; MAX_DEGREE], weight: &mut [R; MAX_DEGREE]) {
-        let units = self.coordinate_exponent + self.chord_exponent;
+        let units = self.coordinate_exponent + self.chord_exponent - self.range_exponent;
         let mut power = 0;
         for (c, w) in chord.iter_mut().zip(weight).take(self.degree) {
-            power -= step_exponent;
+            power += self.range_exponent - step_exponent; // h^k = x^k 2^(k (r - s))
             *c = c.map(|x| x.scale(units + power).signal("chord_coefficient"));
             if self.is_rational() {
                 *w = w.scale(power);

@@ -2,7 +2,7 @@
 //!
 //! What depends on t is a polynomial on [0, 1] and bounded by its Bernstein coefficients; W lies between its least and
 //! its greatest one. What the solver tries is clamped to the row's `step_per_chord`, and a chord is no longer than the
-//! longest step, so the sums in η are bounded term by term.
+//! longest step, so the sums in x are bounded term by term.
 
 use alloc::vec::Vec;
 
@@ -24,6 +24,7 @@ pub struct SignalBound {
 pub(crate) struct Scales {
     pub(crate) coordinate: i32,
     pub(crate) chord: i32,
+    pub(crate) range: i32,
     pub(crate) steps: Vec<i32>,
 }
 
@@ -59,23 +60,27 @@ pub(crate) fn signal_bounds<H: Backend, const D: usize>(
         }
         let [_, sigma] = piece.speed.step_per_chord(scales.chord - step);
         let eta = sigma * longest_chord;
+        let x = eta * power_of_two(-scales.range);
         bounds.raise("step_per_chord", sigma);
         bounds.raise("step", eta);
-        let (mut slope, mut turn, mut weight) = ([0.0; D], [0.0; D], 0.0);
+        let (mut slope, mut turn, mut weight) = ([0.0; D], [0.0; D], 0.0_f64);
         for (k, (c, w)) in (1..).zip(piece.chord_bounds_mm().iter().zip(piece.weight_bounds())) {
-            let unit = power_of_two(scales.chord - k * step);
+            let unit = power_of_two(scales.chord - scales.range + k * (scales.range - step));
             for d in 0..D {
                 bounds.raise("chord_coefficient", c[d] * unit);
-                slope[d] += c[d] * unit * eta.powi(k - 1);
-                turn[d] += f64::from(k - 1) * c[d] * unit * eta.powi(k - 1);
+                slope[d] += c[d] * unit * x.powi(k - 1);
+                turn[d] += f64::from(k - 1) * c[d] * unit * x.powi(k - 1);
             }
-            weight += w * power_of_two(-k * step) * eta.powi(k);
+            weight += w * power_of_two(k * (scales.range - step)) * x.powi(k);
         }
         let largest = |vector: &[f64; D]| vector.iter().copied().fold(0.0, f64::max);
         bounds.raise("chord_per_step", largest(&slope));
         bounds.raise("chord_direction", sigma * largest(&slope));
         bounds.raise("chord_turn", largest(&turn));
-        bounds.raise("chord_residual", (sigma * f64::norm(&slope)).powi(2).max((1.0 + weight).powi(2)));
+        // f = |…|² - w², one rounding: both terms of it only ever meet in the wide accumulator.
+        let (lightest, heaviest) = ((1.0 - weight).max(0.0), 1.0 + weight);
+        let longest = (sigma * f64::norm(&slope)).powi(2);
+        bounds.raise("chord_residual", (longest - lightest.powi(2)).max(heaviest.powi(2)));
     }
     bounds.0
 }

@@ -62,5 +62,7 @@ pub type I32F32 = FixedPoint<fixed::types::I32F32>;
 pub type I16F48 = FixedPoint<fixed::types::I16F48>;
 /// 4 integer and 60 fraction bits: ±8 in steps of 8.7e-19.
 pub type I4F60 = FixedPoint<fixed::types::I4F60>;
+/// 3 integer and 29 fraction bits: ±4 in steps of 1.9e-9.
+pub type I3F29 = FixedPoint<fixed::types::I3F29>;
 /// 2 integer and 30 fraction bits: ±2 in steps of 9.3e-10.
 pub type I2F30 = FixedPoint<fixed::types::I2F30>;

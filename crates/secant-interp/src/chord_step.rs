@@ -5,11 +5,11 @@
 //! one, in units of L, and 0 on the common path. The unknown is not η but the step per chord, `σ = η/L`, which is
 //! of order one whatever the feed, and hardly changes from step to step. Its residual
 //!
-//! `f(σ) = |b w + σ q|² - w²`, `q = q̃_1 + η(q̃_2 + η q̃_3 + …)`, `w = 1 + η(ω̃_1 + …)`, `η = σL`
+//! `f(σ) = |b w + σ q|² - w²`, `q = q̃_1 + x(q̃_2 + x q̃_3 + …)`, `w = 1 + x(ω̃_1 + …)`, `x = 2^-r σL`
 //!
 //! is of order one too, takes neither a root nor a division, and its precision relative to the chord does not
 //! shrink with the step. With b = 0 the slope is `df/dσ = (2/σ)(1 + f + g)` with
-//! `g = σ² q·(η q') - w (η w') + w² - 1`, the growth of the speed over the step; to second order in f and g the
+//! `g = σ² q·(x q') - w (x w') + w² - 1`, the growth of the speed over the step; to second order in f and g the
 //! correction is
 //!
 //! `σ ← σ - σ f/2 (1 - g + g² - ¾f)`,
@@ -38,6 +38,8 @@ pub struct Chord<'a, R, const D: usize> {
     pub degree: usize,
     /// Whether W is not 1.
     pub rational: bool,
+    /// r: the polynomials go by the step over 2^r.
+    pub range_exponent: i32,
     /// L, in chord units.
     pub length: R,
     /// b: what has been travelled on pieces before, over L; `None` on the common path.
@@ -92,17 +94,17 @@ impl<R: Real, const D: usize> Chord<'_, R, D> {
 
     #[inline]
     fn evaluate(&self, sigma: R) -> Evaluation<R> {
-        let step = (sigma * self.length).signal("step");
+        let x = (sigma * self.length).signal("step").scale(-self.range_exponent);
         let mut chord = [R::zero(); D];
         let mut turn = [R::zero(); D];
         for c in self.at.chord[..self.degree].iter().rev() {
             for d in 0..D {
-                turn[d] = turn[d].mul_add(step, chord[d]);
-                chord[d] = chord[d].mul_add(step, c[d]).signal("chord_per_step");
+                turn[d] = turn[d].mul_add(x, chord[d]);
+                chord[d] = chord[d].mul_add(x, c[d]).signal("chord_per_step");
             }
         }
-        let turn = turn.map(|x| (x * step).signal("chord_turn"));
-        let (weight, weight_turn) = if self.rational { self.weight(step) } else { (R::one(), R::zero()) };
+        let turn = turn.map(|t| (t * x).signal("chord_turn"));
+        let (weight, weight_turn) = if self.rational { self.weight(x) } else { (R::one(), R::zero()) };
         let direction = core::array::from_fn::<R, D, _>(|d| {
             let along = (sigma * chord[d]).signal("chord_direction");
             match self.before {
@@ -127,15 +129,15 @@ impl<R: Real, const D: usize> Chord<'_, R, D> {
         Evaluation { residual, slope }
     }
 
-    /// W and η W' at the trial step, over W at the present point.
+    /// W and x W' at the trial step, over W at the present point.
     #[inline]
-    fn weight(&self, step: R) -> (R, R) {
+    fn weight(&self, x: R) -> (R, R) {
         let (mut value, mut turn) = (R::zero(), R::zero());
         for w in self.at.weight[..self.degree].iter().rev() {
-            turn = turn.mul_add(step, value);
-            value = value.mul_add(step, *w);
+            turn = turn.mul_add(x, value);
+            value = value.mul_add(x, *w);
         }
-        // value = ω̃_1 + ω̃_2 η + …, so W = 1 + η value and W' = value + η·(its derivative).
-        (value.mul_add(step, R::one()), turn.mul_add(step, value) * step)
+        // value = ω̃_1 + ω̃_2 x + …, so W = 1 + x value and W' = value + x·(its derivative).
+        (value.mul_add(x, R::one()), turn.mul_add(x, value) * x)
     }
 }

@@ -195,18 +195,19 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
 
     /// The chord over the step η, in chord units.
     fn chord_of(&self, at: &Shifted<R, D>, step: R) -> [R; D] {
+        let x = step.scale(-self.pieces.range_exponent);
         let mut chord = [R::zero(); D];
         for c in at.chord[..self.pieces.degree].iter().rev() {
-            chord = core::array::from_fn(|d| chord[d].mul_add(step, c[d]));
+            chord = core::array::from_fn(|d| chord[d].mul_add(x, c[d]));
         }
-        let chord = chord.map(|x| x * step);
+        let chord = chord.map(|c| c * step);
         if !self.pieces.is_rational() {
             return chord;
         }
         let weight =
-            at.weight[..self.pieces.degree].iter().rev().fold(R::zero(), |sum, w| sum.mul_add(step, *w));
-        let weight = weight.mul_add(step, R::one());
-        chord.map(|x| x / weight)
+            at.weight[..self.pieces.degree].iter().rev().fold(R::zero(), |sum, w| sum.mul_add(x, *w));
+        let weight = weight.mul_add(x, R::one());
+        chord.map(|c| c / weight)
     }
 
     fn chord<'b>(
@@ -217,7 +218,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         range: [R; 2],
     ) -> Chord<'b, R, D> {
         let (degree, rational) = (self.pieces.degree.min(MAX_DEGREE), self.pieces.is_rational());
-        Chord { at, degree, rational, length, before, range }
+        Chord { at, degree, rational, range_exponent: self.pieces.range_exponent, length, before, range }
     }
 
     /// `3σ_i - 3σ_{i-1} + σ_{i-2}`; at the start, for want of a history, the middle of the piece's range.
