@@ -7,8 +7,8 @@
 //! converges superlinearly near the root but has no safety of its own: F has a kink at u_i and a second root
 //! before it, and two equal residuals divide by zero, as happens all the time in coarse formats. Here every
 //! residual also narrows a bracket: F < 0 at its lower end (at first u_i, where F = -L), F ≥ 0 at its upper
-//! end. A trial outside the bracket is replaced by the bracket's middle, a vanishing denominator ends the
-//! iteration, and the best trial so far is the result. So ξ never goes behind u_i, and the number of
+//! end. A trial outside the bracket is replaced by the bracket's middle, where the denominator vanishes the secant
+//! through u_i takes its place, and the best trial so far is the result. So ξ never goes behind u_i, and the number of
 //! evaluations is at most `max_iterations + 2`.
 
 use real::Real;
@@ -29,8 +29,7 @@ pub struct Tolerance<R> {
 pub enum Outcome {
     /// Both tolerances are met.
     Converged,
-    /// The residuals of two trials are equal, or no number lies between the bracket's ends: the format's
-    /// resolution is exhausted.
+    /// No further trial lies between the bracket's ends: the format's resolution is exhausted.
     ResolutionReached,
     /// K iterations were not enough.
     LimitReached,
@@ -119,16 +118,12 @@ pub fn solve<R: Real, P: Copy>(
 
     let mut outcome = Outcome::LimitReached;
     for _ in 0..tolerance.max_iterations {
-        let difference = current.residual - previous.residual;
-        if difference.is_zero() && current.u == previous.u {
-            outcome = Outcome::ResolutionReached;
-            break;
+        // Two trials that cannot be told apart have no secant; the one through u_i itself, where F = -L, does.
+        let (mut run, mut rise) = (current.u - previous.u, current.residual - previous.residual);
+        if run.is_zero() || rise.is_zero() {
+            (run, rise) = (current.u - from, current.residual + step_length);
         }
-        let slope_step = if difference.is_zero() {
-            R::zero()
-        } else {
-            current.residual * ((current.u - previous.u) / difference)
-        };
+        let slope_step = if rise.is_zero() { R::zero() } else { current.residual * (run / rise) };
         let next = bracket.admit(current.u - slope_step, from);
         if next == current.u || next <= bracket.lower {
             outcome =
@@ -172,6 +167,14 @@ mod tests {
         let flat = |u: f64| (if u < 3.0 { -1.0 } else { 1.0 }, ());
         let root = solve((1.0, 9.0), (1.5, 2.0), 1.0, &TIGHT, flat);
         assert!(root.u > 1.0 && root.evaluations <= 22);
+    }
+
+    /// Where three increments are equal, as they often are in a coarse format, (6) and (7) give the same start value.
+    /// The iteration once stopped there, with whatever residual that had.
+    #[test]
+    fn equal_start_values_are_no_end() {
+        let root = solve((1.0, 9.0), (1.5, 1.5), 1.0, &TIGHT, |u: f64| (u * u - 4.0, ()));
+        assert!((root.u - 2.0).abs() < 1e-9, "{root:?}");
     }
 
     #[test]

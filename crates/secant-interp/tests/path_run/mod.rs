@@ -1,0 +1,140 @@
+//! Runs a path of compiled pieces at a swinging feed and measures every chord in double-double.
+
+use nurbs_core::{CompileError, Evaluate, NurbsBuf, PieceLimits, PiecesBuf, compile};
+use real::{Backend, DoubleDouble, Real};
+use secant_interp::{ChordTolerance, LengthStage, PieceInterpolator, StepLengths};
+
+/// Curves, one after the other, and the distance of a period at full feed.
+#[derive(Clone, Debug)]
+pub struct Path<const D: usize> {
+    pub curves: Vec<NurbsBuf<f64, D>>,
+    pub feed_mm: f64,
+}
+
+/// How a path is cut, and when the solver stops.
+#[derive(Clone, Copy, Debug)]
+pub struct Settings {
+    pub piece_mm: f64,
+    /// The largest |f| whose one correction is enough; but never less than four units of the format's resolution.
+    pub residual: f64,
+    pub max_evaluations: u32,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self { piece_mm: 32.0, residual: 0.0, max_evaluations: 6 }
+    }
+}
+
+/// What a run was like.
+#[derive(Clone, Debug, Default)]
+pub struct Figures {
+    /// Largest |1 - chord/L| over the steps of at least a quarter of the feed.
+    pub cruise: f64,
+    /// Evaluations per step.
+    pub evaluations: f64,
+    pub steps: usize,
+    /// Steps that touched more than one piece.
+    pub crossings: usize,
+    /// FNV-1a of all pieces, phases and evaluations.
+    pub checksum: u64,
+}
+
+/// The table of a path in the format `R`.
+pub fn compiled<R: Backend, const D: usize>(
+    path: &Path<D>,
+    settings: &Settings,
+) -> Result<PiecesBuf<R, D>, CompileError> {
+    let curves: Vec<_> = path.curves.iter().map(NurbsBuf::as_curve).collect();
+    let limits = PieceLimits { length_mm: settings.piece_mm, step_mm: path.feed_mm * 1.05 };
+    compile::<DoubleDouble, R, D>(&curves, &limits)
+}
+
+/// A feed that rises from rest, then swings between half and full in ramps of twenty periods, as limits make it.
+pub fn swing<R: Backend>(full: f64) -> Vec<LengthStage<R>> {
+    let feed = |part: f64| R::from_f64(part * full).unwrap();
+    let turns = [(1.0, 1.0), (1.0, 0.5), (0.5, 0.5), (0.5, 1.0)];
+    [(0.0, 1.0)]
+        .into_iter()
+        .chain(turns.into_iter().cycle().take(4000))
+        .filter_map(|(v, w)| LengthStage::new(20 << 32, feed(v), feed(w) - feed(v)))
+        .collect()
+}
+
+/// Runs to the end; every step is checked to go forward and to keep its number of evaluations.
+pub fn run<R: Backend, const D: usize>(path: &Path<D>, settings: &Settings) -> Result<Figures, CompileError> {
+    let table: PiecesBuf<R, D> = compiled(path, settings)?;
+    let pieces = table.as_pieces();
+    let unit = 1.0_f64.scale(pieces.chord_exponent);
+    let stages = swing::<R>(path.feed_mm * unit);
+    let interpolator = PieceInterpolator {
+        pieces,
+        lengths: StepLengths { stages: &stages },
+        tolerance: ChordTolerance {
+            residual: R::from_f64(settings.residual).unwrap().max(R::resolution().scale(2)),
+            max_evaluations: settings.max_evaluations,
+        },
+        landing_step: R::from_f64(0.05 * path.feed_mm * unit).unwrap(),
+    };
+
+    let exact: Vec<_> = path.curves.iter().map(|curve| curve.convert::<DoubleDouble>().unwrap()).collect();
+    let place = |piece: usize, phase: u64| {
+        let last = table.places().len() - 1;
+        let at = &table.places()[piece.min(last)];
+        let (begin, end) = (DoubleDouble::new(at.begin.0, at.begin.1), DoubleDouble::new(at.end.0, at.end.1));
+        let t = if piece > last { DoubleDouble::from(1.0) } else { DoubleDouble::from_phase(phase, 0) };
+        exact[at.curve].as_curve().point(begin + (end - begin) * t)
+    };
+    let mut state = interpolator.start();
+    let mut from = place(0, 0);
+    let mut before = (0, 0);
+    let mut figures = Figures { checksum: 0xcbf2_9ce4_8422_2325, ..Figures::default() };
+    let mut evaluations = 0;
+    while let Some(setpoint) = interpolator.step(&mut state) {
+        let at = (setpoint.piece, setpoint.phase);
+        let to = place(at.0, at.1);
+        assert!(at >= before, "{} goes back: {before:?} {at:?}", R::name());
+        let touched = u32::try_from(at.0 - before.0 + 1).unwrap();
+        assert!(
+            setpoint.evaluations <= settings.max_evaluations * touched,
+            "{} evaluations on {touched} pieces",
+            setpoint.evaluations
+        );
+        let chord = DoubleDouble::norm(&core::array::from_fn::<_, D, _>(|d| to[d] - from[d]));
+        let (high, low) = setpoint.length.to_f64_pair();
+        let wanted = DoubleDouble::new(high, low).scale(-table.as_pieces().chord_exponent);
+        if at.0 < table.places().len() && wanted.value() >= 0.25 * path.feed_mm {
+            let delta = (DoubleDouble::from(1.0) - chord / wanted).value().abs();
+            if std::env::var("VERBOSE").is_ok() && delta > 1e-5 {
+                println!("{} step {} {before:?} {at:?} delta {delta} evals {}", R::name(), figures.steps, setpoint.evaluations);
+            }
+            figures.cruise = figures.cruise.max(delta);
+        }
+        evaluations += u64::from(setpoint.evaluations);
+        figures.steps += 1;
+        figures.crossings += usize::from(at.0 > before.0);
+        for word in [at.0 as u64, at.1, u64::from(setpoint.evaluations)] {
+            figures.checksum = (figures.checksum ^ word).wrapping_mul(0x0100_0000_01b3);
+        }
+        assert!(figures.steps < 100_000, "{} does not end", R::name());
+        from = to;
+        before = at;
+    }
+    figures.evaluations = evaluations as f64 / figures.steps as f64;
+    assert_eq!(before, (table.places().len(), 0), "{} ends at the end", R::name());
+    Ok(figures)
+}
+
+/// A generator of test numbers, so that curves are the same everywhere: SplitMix64.
+pub struct Random(pub u64);
+
+impl Random {
+    /// A number in [low, high).
+    pub fn within(&mut self, low: f64, high: f64) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        low + (high - low) * f64::from_phase(z ^ (z >> 31), 0)
+    }
+}
