@@ -117,11 +117,20 @@ impl Real for DoubleDouble {
     }
 
     fn norm<const N: usize>(vector: &[Self; N]) -> Self {
-        Self::sqrt(Self::sum_of_products(vector.iter().map(|v| (*v, *v))))
+        // The largest component decides on a power of two that keeps squares, and what multiplications drop,
+        // far from both ends of the range.
+        let largest = vector.iter().fold(0.0, |largest: f64, v| largest.max(v.value().abs()));
+        let exponent = match largest {
+            x if x > 1e100 => -600,
+            x if x < 1e-100 => 600,
+            _ => 0,
+        };
+        let scaled = vector.iter().map(|v| v.scale(exponent)).map(|v| (v, v));
+        Self::sqrt(Self::sum_of_products(scaled)).scale(-exponent)
     }
 
     fn sqrt(self) -> Self {
-        if self > Self::zero() { Self(self.0.sqrt()) } else { Self::zero() }
+        if self < Self::zero() { Self::zero() } else { Self(self.0.sqrt()) }
     }
 
     fn scale(self, exponent: i32) -> Self {
@@ -171,6 +180,17 @@ mod tests {
     fn division_residual(a: f64, b: f64) -> f64 {
         let (a, b) = (DoubleDouble::from(a), DoubleDouble::from(b));
         ((a / b * b - a) / a).value().abs()
+    }
+
+    #[test]
+    fn norm_survives_components_whose_squares_do_not() {
+        for size in [1e250, 1.0, 1e-250] {
+            let (three, four) = (DoubleDouble::from(3.0 * size), DoubleDouble::from(4.0 * size));
+            let error = (DoubleDouble::norm(&[three, four]) / DoubleDouble::from(size)).value() - 5.0;
+            assert!(error.abs() <= 1e-15, "size={size}: {error}");
+        }
+        assert!(DoubleDouble::norm(&[DoubleDouble::from(f64::NAN), DoubleDouble::one()]).value().is_nan());
+        assert!(DoubleDouble::from(-1.0).sqrt().is_zero());
     }
 
     proptest! {

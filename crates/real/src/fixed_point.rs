@@ -8,9 +8,9 @@
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
 use fixed::traits::{Fixed, FixedSigned};
-use num_traits::{AsPrimitive, Bounded, FromPrimitive, One, PrimInt, ToPrimitive, WrappingAdd, Zero};
+use num_traits::{AsPrimitive, Bounded, FromPrimitive, One, ToPrimitive, WrappingAdd, Zero};
 
-use crate::{Backend, FormatName, Real};
+use crate::{Backend, FormatName, Real, Word};
 
 /// A signed fixed-point number of the `fixed` crate, as a [`Real`].
 ///
@@ -18,113 +18,6 @@ use crate::{Backend, FormatName, Real};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[repr(transparent)]
 pub struct FixedPoint<F>(pub F);
-
-/// The machine word behind a fixed-point number. Sealed: `i8`, `i16`, `i32` and `i64`.
-pub trait Word: PrimInt + FromPrimitive + AsPrimitive<Self::Wide> + sealed::Sealed + 'static {
-    /// A word of twice the width; holds every product of two words.
-    type Wide: PrimInt + WrappingAdd + AsPrimitive<Self> + AsPrimitive<f64> + 'static;
-
-    /// `√square`, rounded to nearest, of a number that is not negative.
-    fn square_root(square: Self::Wide) -> Self::Wide;
-
-    /// `√(Σ vᵢ²)`, rounded to nearest; saturates.
-    fn length(words: impl Iterator<Item = Self>) -> Self;
-
-    /// The word nearest to `high + low`, ties to even, for a sum of two floats; `None` when out of range.
-    fn nearest(high: f64, low: f64) -> Option<Self>;
-
-    /// The exact value as a sum of two floats.
-    fn split(self) -> (f64, f64);
-
-    /// The word nearest to `numerator · 2^fraction_bits / denominator`, ties away from zero; saturates.
-    fn ratio(numerator: i32, denominator: i32, fraction_bits: usize) -> Self;
-}
-
-mod sealed {
-    pub trait Sealed {}
-}
-
-macro_rules! word {
-    ($word:ty, $wide:ty, $unsigned_wide:ty, $ratio:ty) => {
-        impl sealed::Sealed for $word {}
-
-        #[allow(
-            clippy::cast_possible_truncation,
-            clippy::cast_possible_wrap,
-            clippy::cast_sign_loss,
-            clippy::cast_lossless,
-            reason = "the one place where words change width; each cast is bounded in the line before it"
-        )]
-        impl Word for $word {
-            type Wide = $wide;
-
-            #[inline]
-            fn square_root(square: $wide) -> $wide {
-                let square = square.unsigned_abs();
-                let root = square.isqrt();
-                // (root + ½)² = root² + root + ¼: the upper neighbour is nearer from root² + root + 1 on.
-                (root + <$unsigned_wide>::from(square - root * root > root)) as $wide
-            }
-
-            #[inline]
-            fn length(words: impl Iterator<Item = $word>) -> $word {
-                let sum = words
-                    .map(|w| (w as $wide * w as $wide).unsigned_abs())
-                    .fold(0, |sum: $unsigned_wide, square| sum.saturating_add(square));
-                let root = sum.isqrt();
-                let nearest = root + <$unsigned_wide>::from(sum - root * root > root);
-                nearest.min(<$word>::MAX as $unsigned_wide) as $word
-            }
-
-            fn nearest(high: f64, low: f64) -> Option<$word> {
-                // Rounding `high` first would round twice, so its fraction joins `low`.
-                let bound = -(<$word>::MIN as f64);
-                if !(-bound..=bound).contains(&high) {
-                    return None;
-                }
-                let whole = floor(high);
-                let rest = (high - whole) + low;
-                let lost = low - (rest - (high - whole)); // what that addition rounded away decides a tie
-                let floor_word = whole as i128 + floor(rest) as i128;
-                let above_half = (rest - floor(rest)) - 0.5;
-                let up = if above_half == 0.0 && lost == 0.0 {
-                    floor_word & 1 == 1
-                } else {
-                    above_half > 0.0 || (above_half == 0.0 && lost > 0.0)
-                };
-                <$word>::try_from(floor_word + i128::from(up)).ok()
-            }
-
-            fn split(self) -> (f64, f64) {
-                let high = self as f64;
-                (high, (self as i128 - high as i128) as f64)
-            }
-
-            fn ratio(numerator: i32, denominator: i32, fraction_bits: usize) -> $word {
-                let (numerator, denominator) = ((numerator as $ratio) << fraction_bits, denominator as $ratio);
-                if denominator == 0 {
-                    return 0;
-                }
-                let (quotient, remainder) = (numerator / denominator, numerator % denominator);
-                let away = <$ratio>::from(2 * remainder.abs() >= denominator.abs());
-                let sign = numerator.signum() * denominator.signum();
-                (quotient + sign * away).clamp(<$word>::MIN as $ratio, <$word>::MAX as $ratio) as $word
-            }
-        }
-    };
-}
-
-word!(i8, i16, u16, i64);
-word!(i16, i32, u32, i64);
-word!(i32, i64, u64, i64);
-word!(i64, i128, u128, i128);
-
-/// The largest integer not above `x`, for `|x| ≤ 2⁶³`; core has no `floor`.
-#[allow(clippy::cast_possible_truncation, clippy::cast_precision_loss, reason = "bounded by the domain")]
-fn floor(x: f64) -> f64 {
-    let truncated = x as i128 as f64;
-    if truncated > x { truncated - 1.0 } else { truncated }
-}
 
 type Bits<F> = <F as Fixed>::Bits;
 type WideBits<F> = <Bits<F> as Word>::Wide;
@@ -138,6 +31,20 @@ where
         F::FRAC_NBITS as usize
     };
 
+    /// The number `bits · 2⁻ᶠ`.
+    #[inline]
+    #[must_use]
+    pub fn from_bits(bits: F::Bits) -> Self {
+        Self(F::from_bits(bits))
+    }
+
+    /// The word that holds the number.
+    #[inline]
+    #[must_use]
+    pub fn to_bits(self) -> F::Bits {
+        self.0.to_bits()
+    }
+
     #[inline]
     fn wide(self) -> WideBits<F> {
         self.0.to_bits().as_()
@@ -149,19 +56,6 @@ where
         Self(F::from_bits(wide.as_()))
     }
 
-    /// Goes to the nearest extreme when the number does not fit.
-    #[inline]
-    fn saturate(wide: WideBits<F>) -> Self {
-        let (least, greatest) = (F::MIN.to_bits().as_(), F::MAX.to_bits().as_());
-        Self::wrap(if wide < least {
-            least
-        } else if wide > greatest {
-            greatest
-        } else {
-            wide
-        })
-    }
-
     /// Drops `shift` bits, rounding to nearest and ties up. Adding half a unit may wrap; the sum is in wide
     /// bits, of which the caller keeps the low half at most.
     #[inline]
@@ -170,23 +64,6 @@ where
             return wide;
         }
         wide.wrapping_add(&(WideBits::<F>::one() << (shift - 1))) >> shift
-    }
-
-    /// `numerator / denominator`, rounded to nearest and ties away from zero; the denominator is not 0.
-    #[inline]
-    fn quotient(numerator: WideBits<F>, denominator: WideBits<F>) -> WideBits<F> {
-        let zero = WideBits::<F>::zero();
-        let (quotient, remainder) = (numerator / denominator, numerator % denominator);
-        let away_from_zero = |x: WideBits<F>| if x < zero { x } else { zero - x };
-        // Compared as negative numbers, whose range is the larger one: 2|r| >= |d|.
-        if away_from_zero(remainder) > away_from_zero(denominator) - away_from_zero(remainder) {
-            return quotient;
-        }
-        if (numerator < zero) == (denominator < zero) {
-            quotient + WideBits::<F>::one()
-        } else {
-            quotient - WideBits::<F>::one()
-        }
     }
 }
 
@@ -232,15 +109,7 @@ where
     type Output = Self;
     #[inline]
     fn div(self, other: Self) -> Self {
-        let zero = WideBits::<F>::zero();
-        if other.is_zero() {
-            return match self.wide() {
-                n if n > zero => Self(F::MAX),
-                n if n < zero => Self(F::MIN),
-                _ => Self(F::ZERO),
-            };
-        }
-        Self::saturate(Self::quotient(self.wide() << Self::FRACTION_BITS, other.wide()))
+        Self(F::from_bits(self.0.to_bits().quotient(other.0.to_bits(), F::FRAC_NBITS)))
     }
 }
 
@@ -287,7 +156,7 @@ where
 
     #[inline]
     fn from_ratio(numerator: i32, denominator: i32) -> Self {
-        Self(F::from_bits(Bits::<F>::ratio(numerator, denominator, Self::FRACTION_BITS)))
+        Self(F::from_bits(Bits::<F>::ratio(numerator, denominator, F::FRAC_NBITS)))
     }
 
     #[inline]
@@ -313,10 +182,7 @@ where
 
     #[inline]
     fn sqrt(self) -> Self {
-        if self.0 <= F::ZERO {
-            return Self(F::ZERO);
-        }
-        Self::wrap(Bits::<F>::square_root(self.wide() << Self::FRACTION_BITS))
+        Self(F::from_bits(self.0.to_bits().square_root(F::FRAC_NBITS)))
     }
 
     #[inline]
@@ -335,7 +201,7 @@ where
         let distance = shift.unsigned_abs();
         let bits = match shift {
             s if s >= 0 => phase.checked_shr(distance).unwrap_or(0),
-            _ if distance > phase.leading_zeros() => u64::MAX,
+            _ if phase != 0 && distance > phase.leading_zeros() => u64::MAX,
             _ => phase.checked_shl(distance).unwrap_or(0),
         };
         Bits::<F>::from_u64(bits).map_or(Self(F::MAX), |bits| Self(F::from_bits(bits)))
@@ -348,7 +214,7 @@ where
         let left = shift.unsigned_abs();
         match shift {
             s if s < 0 => bits.checked_shr(left).unwrap_or(0),
-            _ if left > bits.leading_zeros() => u64::MAX,
+            _ if bits != 0 && left > bits.leading_zeros() => u64::MAX,
             _ => bits.checked_shl(left).unwrap_or(0),
         }
     }
@@ -368,14 +234,14 @@ where
     }
 
     fn from_f64_pair(high: f64, low: f64) -> Option<Self> {
-        let exponent = i32::try_from(Self::FRACTION_BITS).ok()?;
+        let exponent = F::FRAC_NBITS.cast_signed();
         let word = Bits::<F>::nearest(high.scale(exponent), low.scale(exponent))?;
         Some(Self(F::from_bits(word)))
     }
 
     fn to_f64_pair(self) -> (f64, f64) {
         let (high, low) = self.0.to_bits().split();
-        let exponent = -i32::try_from(Self::FRACTION_BITS).unwrap_or(0);
+        let exponent = -F::FRAC_NBITS.cast_signed();
         (high.scale(exponent), low.scale(exponent))
     }
 }
@@ -397,6 +263,7 @@ mod tests {
         assert_eq!(x.to_phase(-40), 3 << 22);
         assert_eq!(x.to_phase(-64), 0);
         assert_eq!((-x).to_phase(0), 0);
+        assert_eq!(I4F28::default().to_phase(64), 0); // zero has no leading one to lose
         assert_eq!(I4F28::from_f64(1.0).unwrap().to_phase(0), u64::MAX);
         assert_eq!(I4F28::from_f64(5.0).unwrap().to_phase(-3), 5 << 61);
     }

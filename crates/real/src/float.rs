@@ -15,13 +15,7 @@ macro_rules! float_backend {
 
             #[inline]
             fn from_ratio(numerator: i32, denominator: i32) -> Self {
-                #[allow(
-                    clippy::cast_possible_truncation,
-                    reason = "both integers are exact in f64; the quotient is rounded to the format"
-                )]
-                {
-                    (f64::from(numerator) / f64::from(denominator)) as $float
-                }
+                ratio::$float(numerator, denominator)
             }
 
             #[inline]
@@ -53,7 +47,7 @@ macro_rules! float_backend {
 
             #[inline]
             fn sqrt(self) -> Self {
-                if self > 0.0 { square_root::$float(self) } else { 0.0 }
+                if self < 0.0 { 0.0 } else { square_root::$float(self) }
             }
 
             #[inline]
@@ -66,7 +60,7 @@ macro_rules! float_backend {
             fn from_phase(phase: u64, exponent: i32) -> Self {
                 let surplus = 64 - $digits;
                 let dropped = surplus - phase.leading_zeros().min(surplus);
-                ((phase >> dropped << dropped) as $float).scale(exponent.clamp(-64, 64) - 64)
+                ((phase >> dropped << dropped) as $float).scale(-64).scale(exponent.clamp(-64, 64))
             }
 
             #[inline]
@@ -76,7 +70,7 @@ macro_rules! float_backend {
                 reason = "the cast rounds toward 0 and saturates, as the contract says"
             )]
             fn to_phase(self, exponent: i32) -> u64 {
-                self.scale(64 + exponent.clamp(-64, 58)) as u64
+                self.scale(64).scale(exponent.clamp(-64, 64)) as u64
             }
 
             #[inline]
@@ -108,6 +102,30 @@ mod square_root {
     }
 }
 
+/// Quotients of integers, rounded once, ties to even.
+mod ratio {
+    /// Both integers are exact.
+    #[inline]
+    pub(super) fn f64(numerator: i32, denominator: i32) -> f64 {
+        f64::from(numerator) / f64::from(denominator)
+    }
+
+    /// Integers of more than 24 bits are not exact in f32, and a quotient in f64 would be rounded twice. Their
+    /// integer quotient has 32 bits or more; any remainder sets its last bit, which keeps it from looking like a tie.
+    #[inline]
+    #[allow(clippy::cast_precision_loss, reason = "exact in the first case, the one rounding in the second")]
+    pub(super) fn f32(numerator: i32, denominator: i32) -> f32 {
+        let (n, d) = (numerator.unsigned_abs(), denominator.unsigned_abs());
+        if n.max(d) <= 1 << 24 || n == 0 || d == 0 {
+            return numerator as f32 / denominator as f32;
+        }
+        let shift = u64::from(n).leading_zeros();
+        let (n, d) = (u64::from(n) << shift, u64::from(d));
+        let magnitude = (n / d | u64::from(n % d != 0)) as f32 * super::power_of_two::f32(-shift.cast_signed());
+        if (numerator < 0) == (denominator < 0) { magnitude } else { -magnitude }
+    }
+}
+
 /// `2^exponent`, exact; an exponent outside the format's normal range goes to its nearest normal power.
 mod power_of_two {
     pub(super) fn f64(exponent: i32) -> f64 {
@@ -136,12 +154,16 @@ impl Backend for f32 {
     }
     #[allow(clippy::cast_possible_truncation, reason = "rounding to the format is what is asked for")]
     fn from_f64_pair(high: f64, low: f64) -> Option<Self> {
-        // `high + low` is already rounded to 53 bits; a second rounding to 24 goes wrong only when those 53 bits
-        // are a tie that `low` would have broken, so the tie is broken here.
-        let rounded = high as f32;
-        let tie_broken = if low != 0.0 { (high + low * 2.0) as f32 } else { rounded };
-        let nearer = (f64::from(tie_broken) - high - low).abs() < (f64::from(rounded) - high - low).abs();
-        Some(if nearer { tie_broken } else { rounded }).filter(|x| x.is_finite())
+        // A second rounding of a rounded sum goes wrong where the first made it a tie. So the first goes to the
+        // neighbour with an odd last digit, which is never a tie: the sum itself if it needs no rounding.
+        let sum = high + low;
+        let rest = (high - sum) + low; // exact, as |high| >= |low|
+        let odd = match (rest == 0.0 || sum.to_bits() & 1 == 1, (rest > 0.0) == (sum > 0.0)) {
+            (true, _) => sum,
+            (false, true) => f64::from_bits(sum.to_bits() + 1),
+            (false, false) => f64::from_bits(sum.to_bits() - 1),
+        };
+        Some(odd as f32).filter(|x| x.is_finite())
     }
     fn to_f64_pair(self) -> (f64, f64) {
         (f64::from(self), 0.0)
@@ -176,6 +198,11 @@ mod tests {
         assert_eq!(0.75_f32.to_phase(-10), 3 << 52);
         assert_eq!((-0.1_f64).to_phase(0), 0);
         assert_eq!(1.0_f32.to_phase(0), u64::MAX);
+        // The ends of the domain, where 2^(exponent ± 64) is no normal f32.
+        assert_eq!(f32::from_phase(1 << 63, -64), 2.0_f32.powi(-65));
+        assert_eq!(f32::from_phase(3, -64), 3.0 * 2.0_f32.powi(-64).powi(2));
+        assert_eq!(2.0_f32.powi(-100).to_phase(64), 1 << 28);
+        assert_eq!(2.0_f32.powi(70).to_phase(-64), u64::MAX);
     }
 
     #[test]
@@ -189,6 +216,51 @@ mod tests {
         assert_eq!(Real::sqrt(-1.0_f64), 0.0);
         assert_eq!(Real::sqrt(-1.0_f32), 0.0);
         assert_eq!(Real::sqrt(2.0_f64), 2.0_f64.sqrt());
+        assert!(Real::sqrt(f64::NAN).is_nan() && Real::sqrt(f32::NAN).is_nan());
+        assert!(f64::norm(&[f64::NAN, 1.0]).is_nan());
+    }
+
+    /// A quotient may lie 2⁻⁵⁶ beside a tie of f32: rounded to f64 first it would become that tie.
+    #[test]
+    fn ratios_are_rounded_once() {
+        // n/d against m = M·2^e, a tie: |n - m·d| must change sign where the result does. Checked in integers.
+        let nearest = |n: i32, d: i32| {
+            let found = f32::from_ratio(n, d);
+            // found = M·2^e with e < 0 for the quotients below: |n·2^-e - M·d| <= d/2.
+            let bits = found.abs().to_bits();
+            let (mantissa, e) = (i128::from(bits & 0x7f_ffff | 0x80_0000), (bits >> 23).cast_signed() - 150);
+            let (n, d) = (i128::from(n.unsigned_abs()), i128::from(d.unsigned_abs()));
+            let (n, m) = if e < 0 { (n << -e, mantissa * d) } else { (n, (mantissa << e) * d) };
+            let unit = if e < 0 { d } else { d << e };
+            assert!(2 * (n - m).abs() <= unit, "{n} / {d}: {found}");
+        };
+        // Denominators near 2^31 with numerators next to odd multiples of d/2^25.
+        for k in 0..20_000_i64 {
+            let d = i64::from(i32::MAX) - 2 * k;
+            let tie = (1 << 24) + 2 * k + 1; // 25 bits, odd: between two numbers of f32
+            for near in [tie * d >> 25, (tie * d >> 25) + 1] {
+                nearest(i32::try_from(near).unwrap(), i32::try_from(d).unwrap());
+                nearest(i32::try_from(near).unwrap(), -i32::try_from(d).unwrap());
+            }
+        }
+        assert_eq!(f32::from_ratio(1, 3), 1.0 / 3.0);
+        assert_eq!(f32::from_ratio(i32::MIN, i32::MIN), 1.0);
+        assert_eq!(f32::from_ratio(-i32::MAX, 1), -2_147_483_648.0);
+        assert!(f32::from_ratio(i32::MAX, 0).is_infinite());
+    }
+
+    #[test]
+    fn pairs_are_rounded_once() {
+        let tie = 1.0 + f64::from(f32::EPSILON) / 2.0;
+        let (even, odd) = (Some(1.0), Some(1.0 + f32::EPSILON));
+        assert_eq!(f32::from_f64_pair(tie, 0.0), even);
+        assert_eq!(f32::from_f64_pair(tie, 1e-30), odd);
+        assert_eq!(f32::from_f64_pair(-tie, -1e-30), odd.map(|x: f32| -x));
+        assert_eq!(f32::from_f64_pair(tie, -1e-30), even);
+        // One unit of f64 beside the tie, and the rest of it in `low`.
+        assert_eq!(f32::from_f64_pair(tie.next_up(), -1.1e-16), odd);
+        assert_eq!(f32::from_f64_pair(tie.next_down(), 1.1e-16), even);
+        assert_eq!(f32::from_f64_pair(0.0, 1e-300), Some(0.0));
     }
 
     #[test]

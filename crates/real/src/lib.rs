@@ -22,6 +22,8 @@
 //! | `f64`, `f32` | controllers with a floating-point unit |
 //! | [`FixedPoint`] over the `fixed` crate's types: [`I16F16`], [`I8F24`], [`I32F32`], … | controllers without, FPGAs |
 //! | [`DoubleDouble`] (feature `reference`) | judging the others: about 106 bits |
+//! | [`RuntimeFixed`] (feature `std`) | any width up to 64 bits, chosen at run time |
+//! | [`Quantized`] (feature `std`) | registers of mixed widths, signal by signal |
 //! | [`Audited`] (feature `std`) around any of them | counting overflows and recording ranges |
 //!
 //! Features: `std` (default), `libm` for floats without std, `reference` for the double-double.
@@ -32,19 +34,31 @@
 mod audit;
 #[cfg(feature = "reference")]
 mod double_double;
+mod division;
 mod fixed_point;
 mod float;
 mod format_name;
+#[cfg(feature = "std")]
+mod quantized;
 #[allow(clippy::module_inception, reason = "the trait's file carries the crate's one noun")]
 mod real;
+#[cfg(feature = "std")]
+mod runtime_format;
+mod square_root;
+mod word;
 
 #[cfg(feature = "std")]
 pub use audit::{Audit, Audited, SignalRange};
 #[cfg(feature = "reference")]
 pub use double_double::DoubleDouble;
-pub use fixed_point::{FixedPoint, Word};
+pub use fixed_point::FixedPoint;
 pub use format_name::FormatName;
+#[cfg(feature = "std")]
+pub use quantized::Quantized;
 pub use real::{Backend, Real};
+#[cfg(feature = "std")]
+pub use runtime_format::{Overflow, Rounding, RuntimeFixed, RuntimeFormat};
+pub use word::Word;
 
 /// 4 integer and 4 fraction bits: small enough to test every operation on every pair.
 pub type I4F4 = FixedPoint<fixed::types::I4F4>;

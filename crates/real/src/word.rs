@@ -1,0 +1,202 @@
+//! The machine words behind fixed-point numbers, and the integer operations that `fixed` leaves open.
+
+use num_traits::{AsPrimitive, FromPrimitive, PrimInt, WrappingAdd};
+
+use crate::{division, square_root};
+
+/// The machine word behind a fixed-point number. Sealed: `i8`, `i16`, `i32` and `i64`.
+pub trait Word: PrimInt + FromPrimitive + AsPrimitive<Self::Wide> + sealed::Sealed + 'static {
+    /// A word of twice the width; holds every product of two words.
+    type Wide: PrimInt + WrappingAdd + AsPrimitive<Self> + AsPrimitive<f64> + 'static;
+
+    /// `self · 2^fraction_bits / divisor`, rounded to nearest and ties away from zero; saturates. Over zero, the
+    /// extreme with the sign of the numerator; `0/0` is 0.
+    fn quotient(self, divisor: Self, fraction_bits: u32) -> Self;
+
+    /// `√(self · 2^fraction_bits)`, rounded to nearest; 0 for a negative number.
+    fn square_root(self, fraction_bits: u32) -> Self;
+
+    /// `√(Σ vᵢ²)`, rounded to nearest; saturates.
+    fn length(words: impl Iterator<Item = Self>) -> Self;
+
+    /// The word nearest to `high + low`, ties to even, for a sum of two floats; `None` when out of range.
+    fn nearest(high: f64, low: f64) -> Option<Self>;
+
+    /// The exact value as a sum of two floats.
+    fn split(self) -> (f64, f64);
+
+    /// The word nearest to `numerator · 2^fraction_bits / denominator`, ties away from zero; saturates. Over
+    /// zero, the extreme with the sign of the numerator; `0/0` is 0.
+    fn ratio(numerator: i32, denominator: i32, fraction_bits: u32) -> Self;
+}
+
+mod sealed {
+    pub trait Sealed {}
+}
+
+/// Quotient and remainder by the machine's or the compiler's division.
+macro_rules! native {
+    ($n:expr, $d:expr) => {
+        ($n / $d, $n % $d)
+    };
+}
+
+/// A double word over a word of 32 bits, the quotient known to fit a word: by the machine's 64-bit division where
+/// there is one, by Newton's reciprocal where that would be a library routine of some 160 instructions.
+#[inline]
+pub(crate) fn divide_u64(n: u64, d: u64) -> (u64, u64) {
+    #[cfg(target_pointer_width = "64")]
+    return native!(n, d);
+    #[cfg(not(target_pointer_width = "64"))]
+    {
+        #[allow(clippy::cast_possible_truncation, reason = "the divisor is a magnitude of 32 bits")]
+        let (q, r) = division::u32::divide(n, d as u32);
+        (q.into(), r.into())
+    }
+}
+
+/// A double word over a word of 64 bits, the quotient known to fit a word.
+#[inline]
+pub(crate) fn divide_u128(n: u128, d: u128) -> (u128, u128) {
+    #[allow(clippy::cast_possible_truncation, reason = "the divisor is a magnitude of 64 bits")]
+    let (q, r) = division::u64::divide(n, d as u64);
+    (q.into(), r.into())
+}
+
+macro_rules! word {
+    (
+        $word:ident, $wide:ty, $unsigned_wide:ty,
+        divide: $divide:expr, root: $root:expr,
+        ratio: $ratio:ty, divide_ratio: $divide_ratio:expr
+    ) => {
+        impl sealed::Sealed for $word {}
+
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_possible_wrap,
+            clippy::cast_sign_loss,
+            clippy::cast_lossless,
+            clippy::cast_precision_loss,
+            reason = "the one place where words change width; each cast is bounded in the line before it"
+        )]
+        impl Word for $word {
+            type Wide = $wide;
+
+            #[inline]
+            fn quotient(self, divisor: $word, fraction_bits: u32) -> $word {
+                let n = (self.unsigned_abs() as $unsigned_wide) << fraction_bits;
+                let d = divisor.unsigned_abs() as $unsigned_wide;
+                let negative = (self < 0) != (divisor < 0);
+                let magnitude = if (n >> <$word>::BITS) < d {
+                    let (q, r) = $divide(n, d);
+                    q + (r >= d - r) as $unsigned_wide
+                } else if n == 0 {
+                    0 // 0/0
+                } else {
+                    <$unsigned_wide>::MAX // does not fit, or is over zero
+                };
+                signed::$word(magnitude.min(<$word>::MIN.unsigned_abs() as $unsigned_wide) as _, negative)
+            }
+
+            #[inline]
+            fn square_root(self, fraction_bits: u32) -> $word {
+                let root: $unsigned_wide = $root((self.max(0) as $unsigned_wide) << fraction_bits);
+                root.min(<$word>::MAX as $unsigned_wide) as $word
+            }
+
+            #[inline]
+            fn length(words: impl Iterator<Item = $word>) -> $word {
+                let sum = words
+                    .map(|w| (w as $wide * w as $wide).unsigned_abs())
+                    .fold(0, |sum: $unsigned_wide, square| sum.saturating_add(square));
+                let root: $unsigned_wide = $root(sum);
+                root.min(<$word>::MAX as $unsigned_wide) as $word
+            }
+
+            fn nearest(high: f64, low: f64) -> Option<$word> {
+                nearest(high, low).and_then(|word| <$word>::try_from(word).ok())
+            }
+
+            fn split(self) -> (f64, f64) {
+                let high = self as f64;
+                (high, (self as i128 - high as i128) as f64)
+            }
+
+            #[inline]
+            fn ratio(numerator: i32, denominator: i32, fraction_bits: u32) -> $word {
+                let n = (numerator.unsigned_abs() as $ratio) << fraction_bits;
+                let d = denominator.unsigned_abs() as $ratio;
+                let negative = (numerator < 0) != (denominator < 0);
+                let magnitude = if (n >> (<$ratio>::BITS / 2)) < d {
+                    let (q, r) = $divide_ratio(n, d);
+                    q + (r >= d - r) as $ratio
+                } else if n == 0 {
+                    0
+                } else {
+                    <$ratio>::MAX
+                };
+                signed::$word(magnitude.min(<$word>::MIN.unsigned_abs() as $ratio) as _, negative)
+            }
+        }
+    };
+}
+
+fn root_u16(square: u16) -> u16 {
+    let root = square.isqrt();
+    // (k + ½)² = k² + k + ¼: the upper neighbour is nearer from k² + k + 1 on.
+    root + u16::from(square - root * root > root)
+}
+
+fn root_u32(square: u32) -> u32 {
+    let root = square.isqrt();
+    root + u32::from(square - root * root > root)
+}
+
+word!(i8, i16, u16, divide: |n, d| native!(n, d), root: root_u16, ratio: u64, divide_ratio: divide_u64);
+word!(i16, i32, u32, divide: |n, d| native!(n, d), root: root_u32, ratio: u64, divide_ratio: divide_u64);
+word!(i32, i64, u64, divide: divide_u64, root: square_root::u64::nearest, ratio: u64, divide_ratio: divide_u64);
+word!(i64, i128, u128, divide: divide_u128, root: square_root::u128::nearest, ratio: u128, divide_ratio: divide_u128);
+
+/// Words from magnitude and sign: the magnitude is at most that of the least word, and the greatest word is one less.
+mod signed {
+    macro_rules! signed {
+        ($word:ident, $unsigned:ty) => {
+            #[inline]
+            pub(super) fn $word(magnitude: $unsigned, negative: bool) -> $word {
+                if negative {
+                    magnitude.wrapping_neg().cast_signed()
+                } else {
+                    magnitude.min($word::MAX.unsigned_abs()).cast_signed()
+                }
+            }
+        };
+    }
+    signed!(i8, u8);
+    signed!(i16, u16);
+    signed!(i32, u32);
+    signed!(i64, u64);
+}
+
+/// The integer nearest to `high + low`, ties to even; `None` unless both are within ±2⁶³.
+///
+/// Each float is cut to 62 fraction bits, remembering whether anything was lost. Only a float below 2⁻⁹ can
+/// lose something, so the two losses together matter only where `high` is that small and nothing is near a tie.
+#[allow(clippy::cast_possible_truncation, clippy::cast_precision_loss, reason = "bounded by the first check")]
+pub(crate) fn nearest(high: f64, low: f64) -> Option<i128> {
+    const UNIT: i128 = 1 << 62;
+    let bound = (1_u64 << 63) as f64;
+    if !(-bound..=bound).contains(&high) || !(-bound..=bound).contains(&low) {
+        return None;
+    }
+    let cut = |x: f64| {
+        let units = x * UNIT as f64; // a power of two: exact
+        let truncated = units as i128;
+        let lost = truncated as f64 != units;
+        (truncated - i128::from(lost && units < 0.0), lost)
+    };
+    let ((high, high_lost), (low, low_lost)) = (cut(high), cut(low));
+    let (sum, lost) = (high + low, high_lost || low_lost);
+    let (whole, rest) = (sum >> 62, sum & (UNIT - 1));
+    let up = rest > UNIT / 2 || (rest == UNIT / 2 && (lost || whole & 1 == 1));
+    Some(whole + i128::from(up))
+}
