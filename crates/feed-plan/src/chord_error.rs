@@ -4,10 +4,10 @@ use real::Real;
 
 /// Largest feedrate whose chord error stays within `max_chord_error`.
 ///
-/// A chord of length `L = V T` on a circle of radius ρ leaves the arc by `E = ρ - √(ρ² - (L/2)²)`; solved for V:
-/// `V = (2/T) √(E (2ρ - E))`. For `ρ ≤ E` no chord leaves the circle by more than E, and the formula, which falls
-/// again, has no meaning: the limit is then `2ρ/T`, a step no longer than the diameter. The two branches meet
-/// at `ρ = E` with equal slopes.
+/// A chord of length `L = V T` on a circle of radius ρ leaves the arc by `E = ρ - √(ρ² - (L/2)²)`; solved for
+/// V: `V = (2/T) √(E (2ρ - E))`. For `ρ ≤ E` no chord leaves the circle by more than E, and the formula,
+/// which falls again, has no meaning: the limit is then `2ρ/T`, a step no longer than the diameter. The two
+/// branches meet at `ρ = E` with equal slopes.
 ///
 /// Units: `radius` ρ and `max_chord_error` E in mm, `interpolation_period` T in the caller's unit of time.
 /// Domain: all three positive; `V` must fit the format. Anything else gives a value without meaning, never a

@@ -12,8 +12,8 @@
 //!
 //! The acceleration is continuous and zero at both ends; the jerk steps there. The three cases of the source
 //! are in the one line for t₂: `D = 8A²/(3J)` makes both terms equal and reaches both limits, a smaller D
-//! reaches J only, a larger one A only. Everything is computed from x in [0, 1]: the printed coefficients of powers
-//! of t span many orders of magnitude.
+//! reaches J only, a larger one A only. Everything is computed from x in [0, 1]: the printed coefficients of
+//! powers of t span many orders of magnitude.
 //!
 //! Source: Wang Y. et al., section 2.1.1, with the sign of J(0) corrected.
 
@@ -105,8 +105,8 @@ impl<R: Real> CubicProfile<R> {
         width * (self.feed(middle) + bow)
     }
 
-    /// `a₀..a₃` of `V(t) = a₀ + a₁ t + a₂ t² + a₃ t³`, as the source's table prints them. For reading only: a₃ is
-    /// below the resolution of most fixed-point formats.
+    /// `a₀..a₃` of `V(t) = a₀ + a₁ t + a₂ t² + a₃ t³`, as the source's table prints them. For reading only:
+    /// a₃ is below the resolution of most fixed-point formats.
     #[must_use]
     pub fn coefficients(&self) -> [R; 4] {
         if !(self.duration > R::zero()) {

@@ -52,7 +52,7 @@ impl fmt::Display for PlanError {
                 write!(f, "arc length does not increase along curve {curve}: the number format overflows")
             }
             Self::PointsOutOfOrder { index } => {
-                write!(f, "limit point {index} is not a number or lies before point {index} - 1")
+                write!(f, "limit point {index} is not a number or lies before its predecessor")
             }
             Self::CannotMove { index } => {
                 write!(
@@ -68,3 +68,16 @@ impl fmt::Display for PlanError {
 }
 
 impl core::error::Error for PlanError {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn messages_name_argument_and_relation() {
+        let not_positive = PlanError::NotPositive { what: "jerk" };
+        assert_eq!(not_positive.to_string(), "jerk is not a positive number");
+        let out_of_order = PlanError::PointsOutOfOrder { index: 7 };
+        assert_eq!(out_of_order.to_string(), "limit point 7 is not a number or lies before its predecessor");
+    }
+}

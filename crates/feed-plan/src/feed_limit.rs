@@ -1,10 +1,10 @@
 //! The feed limit as a function of the distance along the path.
 //!
 //! What a planner needs from the limit is a promise: *this feed is allowed from here to there*. Samples alone
-//! do not give it, since between two samples the limit may dip. So each sample carries a second value, a little
-//! lower, chosen so that the curve through these lower values stays below the limit in between as well.
-//! Between samples `V²` is taken as linear in the distance: near a sharp bend the chord limit is `√(8Eρ)/T`, so
-//! its square is as smooth as the radius, and a constant acceleration is a straight line.
+//! do not give it, since between two samples the limit may dip. So each sample carries a second value, a
+//! little lower, chosen so that the curve through these lower values stays below the limit in between as
+//! well. Between samples `V²` is taken as linear in the distance: near a sharp bend the chord limit is
+//! `√(8Eρ)/T`, so its square is as smooth as the radius, and a constant acceleration is a straight line.
 //!
 //! At a corner or a cusp, the limit is 0 at one point only: a *stop*. The feed there must be 0, and up to the
 //! neighbouring samples the neighbour's limit holds.
@@ -33,8 +33,8 @@ pub struct LimitPoint<R> {
 /// What belongs to a limit point beside what callers see.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Node<R> {
-    /// Lower value of the limit at the point: 0 at a stop, never more than its `feedrate` elsewhere, except next
-    /// to a stop.
+    /// Lower value of the limit at the point: 0 at a stop, never more than its `feedrate` elsewhere, except
+    /// next to a stop.
     pub(crate) lower: R,
     /// The lower value that the stretch before the point ends with; differs from `lower` at a stop only.
     pub(crate) before: R,
@@ -66,22 +66,22 @@ pub(crate) struct Measured<R> {
 impl<R: Real> FeedLimit<R> {
     /// The limit along curves that follow each other, each starting where the one before ends.
     ///
-    /// The path is sampled at steps of at most about one period at full feed, finer where the limit bends; each
-    /// local minimum of the limit is found and becomes a point. Arc length is integrated along the way.
+    /// The path is sampled at steps of at most about one period at full feed, finer where the limit bends;
+    /// each local minimum of the limit is found and becomes a point. Arc length is integrated along the way.
     /// A break of the tangent becomes a stop when, passed at the feedrate F, it would cut the corner by more
-    /// than the chord error or change the velocity by more than A T: `θ > min(4E/(F T), A T/F)`. A point where C'
-    /// vanishes, as in a cusp, is a stop too, and so is a point whose limit is below F/4096.
+    /// than the chord error or change the velocity by more than A T: `θ > min(4E/(F T), A T/F)`. A point
+    /// where C' vanishes, as in a cusp, is a stop too, and so is a point whose limit is below F/4096.
     ///
-    /// Between two points the limit is tested at three places. What is narrower than a third of the finest step,
-    /// 2⁻¹⁴ of a span, can be missed.
+    /// Between two points the limit is tested at three places. What is narrower than a third of the finest
+    /// step, 2⁻¹⁴ of a span, can be missed.
     ///
-    /// Within the chord error E of a stop, the limit does not bind: no chord that starts and ends there can leave
-    /// the curve by more than E.
+    /// Within the chord error E of a stop, the limit does not bind: no chord that starts and ends there can
+    /// leave the curve by more than E.
     ///
     /// # Errors
     /// [`PlanError::NotPositive`] for limits that [`validate`](KinematicLimits::validate) refuses,
-    /// [`PlanError::PathEmpty`] without curves or length, [`PlanError::LengthOverflows`] when the format cannot
-    /// hold lengths or derivatives.
+    /// [`PlanError::PathEmpty`] without curves or length, [`PlanError::LengthOverflows`] when the format
+    /// cannot hold lengths or derivatives.
     pub fn along<const D: usize, C: Differentiate<R, D>>(
         curves: &[C],
         limits: &KinematicLimits<R>,
@@ -95,7 +95,8 @@ impl<R: Real> FeedLimit<R> {
         Self::assemble(&samples, limits.chord_error)
     }
 
-    /// A limit given by points, `V²` linear in the distance between them; a single point of feedrate 0 is a stop.
+    /// A limit given by points, `V²` linear in the distance between them; a single point of feedrate 0 is a
+    /// stop.
     ///
     /// Two points of the same distance make a jump. The first distance is 0.
     ///
@@ -248,13 +249,14 @@ impl<R: Real> FeedLimit<R> {
         (a.curve, a.u + x * width + bend)
     }
 
-    /// By how much a plan's setpoints would fall short if each chord, not each arc, had the planned length, mm.
+    /// By how much a plan's setpoints would fall short if each chord, not each arc, had the planned length,
+    /// mm.
     ///
-    /// An arc over a chord L of curvature κ is longer by `L³κ²/24`; this is the sum over the plan's periods. Where
-    /// a step is longer than the radius, the formula ends: `L κ` counts as 1.
+    /// An arc over a chord L of curvature κ is longer by `L³κ²/24`; this is the sum over the plan's periods.
+    /// Where a step is longer than the radius, the formula ends: `L κ` counts as 1.
     ///
-    /// See [`ScheduleBuf::shortened`](crate::ScheduleBuf::shortened) for what to do about it. A limit made from
-    /// points knows no curvature, and gives 0.
+    /// See [`ScheduleBuf::shortened`](crate::ScheduleBuf::shortened) for what to do about it. A limit made
+    /// from points knows no curvature, and gives 0.
     #[must_use]
     pub fn shortfall(&self, schedule: &Schedule<'_, R>) -> R {
         let mut cursor = schedule.start();
@@ -290,11 +292,240 @@ pub(crate) fn interpolate<R: Real>(from: (R, R), to: (R, R), distance: R) -> R {
     square.sqrt().max(from.1.min(to.1)).min(from.1.max(to.1))
 }
 
-/// Where on the stretch between two points (distance, feed) the feed is `feed`: the inverse of [`interpolate`].
+/// Where on the stretch between two points (distance, feed) the feed is `feed`: the inverse of
+/// [`interpolate`].
 pub(crate) fn crossing<R: Real>(from: (R, R), to: (R, R), feed: R) -> R {
     if from.1 == to.1 {
         return to.0;
     }
     let x = ((feed - from.1) / (to.1 - from.1)) * ((feed + from.1) / (to.1 + from.1));
     from.0 + (to.0 - from.0) * x.max(R::zero()).min(R::one())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_paths::{Power, circle, paper_limits, polyline, seed_000, seed_003, triple_knot};
+    use nurbs_core::{Evaluate, NurbsBuf, arc_length, radius};
+    use proptest::prelude::*;
+
+    fn along(curve: &NurbsBuf<f64, 2>) -> FeedLimit<f64> {
+        FeedLimit::along(&[curve.as_curve()], &paper_limits()).unwrap()
+    }
+
+    fn point(distance: f64, feedrate: f64) -> LimitPoint<f64> {
+        LimitPoint { distance, curve: 0, u: distance, feedrate }
+    }
+
+    #[test]
+    fn lengths_agree_with_a_reference_of_fifty_digits() {
+        for (curve, length) in [
+            (seed_000(), 834.706_924_931_909),
+            (seed_003(), 134.006_017_053_295),
+            (circle(10.0), 62.831_853_071_795_9),
+        ] {
+            let found = along(&curve).length();
+            assert!((found / length - 1.0).abs() < 2e-15 * 10.0, "{found} against {length}");
+        }
+    }
+
+    #[test]
+    fn local_minima_are_points() {
+        let limit = along(&seed_000());
+        // V in mm/s found independently; u by solving for the extreme of the curvature with 40 digits.
+        for (u, feedrate) in [
+            (0.100_366_38, 111.4817),
+            (0.302_844_95, 104.8954),
+            (0.697_155_05, 104.8954),
+            (0.899_633_62, 111.4817),
+        ] {
+            let near = limit.points().iter().filter(|p| (p.u - u).abs() < 1e-3);
+            let least = near.min_by(|a, b| a.feedrate.total_cmp(&b.feedrate)).unwrap();
+            assert!((least.feedrate / 3e-3 - feedrate).abs() < 1e-4, "u={u}: {}", least.feedrate / 3e-3);
+            assert!((least.u - u).abs() < 2e-8, "u={u}: {}", least.u);
+        }
+    }
+
+    #[test]
+    fn a_span_is_walked_to_its_end_in_small_steps() {
+        // In the fourth span a step of the finest width was refused for ever: rounding had made it a little
+        // wider, and the rest of the span became one stretch of 15 mm.
+        let points = [
+            [0., 0.],
+            [0., 0.],
+            [0., 0.],
+            [37.123, 2.211],
+            [2.295, 28.871],
+            [27.731, 9.455],
+            [33.568, 58.128],
+            [0., 0.],
+        ];
+        let knots = [0., 0., 0., 0., 0.2, 0.4, 0.6, 0.8, 1., 1., 1., 1.];
+        let curve = NurbsBuf::try_new(3, points.to_vec(), vec![1.0; 8], knots.to_vec()).unwrap();
+        let limit = along(&curve);
+        let longest =
+            limit.points().windows(2).map(|pair| pair[1].distance - pair[0].distance).fold(0.0, f64::max);
+        assert!(longest <= 1.2, "{longest}");
+        let reference = arc_length(&curve.as_curve(), 0.0, 1.0, 1e-13).length;
+        assert!((limit.length() / reference - 1.0).abs() < 1e-12, "{} {reference}", limit.length());
+    }
+
+    #[test]
+    fn points_are_about_a_period_apart() {
+        let limit = along(&seed_000());
+        let steps = limit.points().windows(2).map(|pair| pair[1].distance - pair[0].distance);
+        let longest = steps.fold(0.0, f64::max);
+        assert!(longest <= 1.2, "{longest}"); // 2 F T
+        assert!(limit.points().len() < 2 * 834 * 10 / 6, "{}", limit.points().len());
+    }
+
+    #[test]
+    fn the_lower_bound_is_close() {
+        for curve in [seed_000(), seed_003()] {
+            let limit = along(&curve);
+            let share = |(p, node): (&LimitPoint<f64>, &Node<f64>)| node.lower / p.feedrate;
+            let least = limit.points().iter().zip(limit.nodes()).map(share).fold(1.0, f64::min);
+            assert!(least > 1.0 - 0.004, "{least}"); // 2⁻⁸ of V², and a quarter more
+            let mean: f64 = limit.points().iter().zip(limit.nodes()).map(share).sum::<f64>()
+                / limit.points().len() as f64;
+            assert!(mean > 1.0 - 1.5e-3, "{mean}");
+        }
+    }
+
+    #[test]
+    fn the_limit_of_a_circle_is_constant() {
+        let limit = along(&circle(10.0));
+        let expected = 2.0 * (0.0005 * (20.0 - 0.0005_f64)).sqrt();
+        for i in 0..=1000 {
+            let at = limit.at(limit.length() * f64::from(i) / 1000.0);
+            assert!((at / expected - 1.0).abs() < 1e-12, "{at}");
+        }
+    }
+
+    #[test]
+    fn a_line_is_limited_by_the_feedrate_alone() {
+        let line = polyline(&[[0.0, 0.0], [30.0, 40.0]]);
+        let limit = along(&line[0]);
+        assert!((limit.length() - 50.0).abs() < 1e-13);
+        assert!(limit.points().iter().all(|p| p.feedrate == 0.6));
+        assert_eq!((limit.at(-1.0), limit.at(25.0), limit.at(99.0)), (0.6, 0.6, 0.6));
+    }
+
+    #[test]
+    fn a_corner_is_a_stop_between_two_full_feeds() {
+        let limit = along(&triple_knot());
+        let stop = limit.points().iter().position(|p| p.feedrate == 0.0).unwrap();
+        let around = &limit.points()[stop - 1..=stop + 1];
+        assert!(around.iter().all(|p| p.distance == around[0].distance), "{around:?}");
+        assert!((around[0].feedrate, around[2].feedrate) == (0.6, 0.6), "{around:?}");
+        assert_eq!(limit.at(around[1].distance), 0.0);
+        assert_eq!(limit.at(around[1].distance + 1e-9), 0.6);
+    }
+
+    #[test]
+    fn a_break_too_small_to_matter_is_no_stop() {
+        // θ may be 4E/(F T) = 1/300, so that the chord over it leaves the corner by no more than E.
+        let stops = |angle: f64| {
+            let path = polyline(&[[0.0, 0.0], [10.0, 0.0], [20.0, 10.0 * angle]]);
+            let curves: Vec<_> = path.iter().map(NurbsBuf::as_curve).collect();
+            let limit = FeedLimit::along(&curves, &paper_limits()).unwrap();
+            limit.points().iter().filter(|p| p.feedrate == 0.0).count()
+        };
+        assert_eq!((stops(0.0033), stops(0.0034)), (0, 1));
+    }
+
+    #[test]
+    fn a_cusp_is_a_stop_wherever_its_parameter_lies() {
+        // Length of (10 t², 10 t³) from 0 to T: 10/27 ((4 + 9T²)^1.5 - 8).
+        let length = |t: f64| 10.0 / 27.0 * ((4.0 + 9.0 * t * t).powf(1.5) - 8.0);
+        for cusp in [0.5, 0.25, 0.31, 0.777_777, 1.0 / 3.0] {
+            let curve = Power { origin: cusp, exponents: [2, 3], scale: 10.0 };
+            let limit = FeedLimit::along(&[curve], &paper_limits()).unwrap();
+            assert!((limit.length() - length(cusp) - length(1.0 - cusp)).abs() < 1e-6, "{}", limit.length());
+            let stops = limit.nodes().iter().enumerate().filter(|(_, node)| node.lower == 0.0);
+            let stops: Vec<_> = stops.map(|(i, _)| limit.points()[i]).collect();
+            assert_eq!(stops.len(), 1, "cusp at {cusp}: {stops:?}");
+            assert!((stops[0].u - cusp).abs() < 1e-4 && (stops[0].distance - length(cusp)).abs() < 1e-6);
+            let plan = crate::plan(&limit, &paper_limits(), crate::EndFeeds::default()).unwrap();
+            assert!(
+                plan.stages().iter().any(|s| s.start_feed == 0.0 && (s.start - length(cusp)).abs() < 1e-6)
+            );
+        }
+    }
+
+    #[test]
+    fn a_fast_start_of_the_parameter_is_no_cusp() {
+        // (t³, t⁶): C' = 0 at the start, then a parabola.
+        let curve = Power { origin: 0.0, exponents: [3, 6], scale: 10.0 };
+        let limit = FeedLimit::along(&[curve], &paper_limits()).unwrap();
+        assert!(crate::plan(&limit, &paper_limits(), crate::EndFeeds::default()).is_ok());
+        assert_eq!(limit.nodes().iter().filter(|node| node.lower == 0.0).count(), 1);
+    }
+
+    #[test]
+    fn parameters_follow_the_arc_length() {
+        let curve = seed_003();
+        let limit = along(&curve);
+        for i in 0..=500 {
+            let u = f64::from(i) / 500.0;
+            let distance = arc_length(&curve.as_curve(), 0.0, u, 1e-12).length;
+            let (index, found) = limit.parameter_at(distance);
+            assert!(index == 0 && (found - u).abs() < 1e-6, "{u}: {found}");
+        }
+    }
+
+    #[test]
+    fn refused_points_are_named() {
+        let from = |points: &[LimitPoint<f64>]| FeedLimit::from_points(points).map(|limit| limit.length());
+        assert_eq!(from(&[]), Err(PlanError::PathEmpty));
+        assert_eq!(from(&[point(0.0, 1.0)]), Err(PlanError::PathEmpty));
+        assert_eq!(from(&[point(0.5, 1.0), point(2.0, 1.0)]), Err(PlanError::PointsOutOfOrder { index: 0 }));
+        let falling = [point(0.0, 1.0), point(2.0, 1.0), point(1.0, 1.0)];
+        assert_eq!(from(&falling), Err(PlanError::PointsOutOfOrder { index: 2 }));
+        assert_eq!(
+            from(&[point(0.0, 1.0), point(1.0, f64::NAN)]),
+            Err(PlanError::PointsOutOfOrder { index: 1 })
+        );
+        let none: [NurbsBuf<f64, 2>; 0] = [];
+        let curves = none.each_ref().map(NurbsBuf::as_curve);
+        assert_eq!(FeedLimit::along(&curves, &paper_limits()).map(|l| l.length()), Err(PlanError::PathEmpty));
+        let still = polyline(&[[1.0, 1.0], [1.0, 1.0]]);
+        assert_eq!(
+            FeedLimit::along(&[still[0].as_curve()], &paper_limits()).map(|l| l.length()),
+            Err(PlanError::PathEmpty)
+        );
+    }
+
+    #[test]
+    fn a_format_that_overflows_says_so() {
+        use real::I16F16;
+        let curve = seed_000().convert::<I16F16>().unwrap();
+        let limits = crate::test_paths::in_range::<I16F16>(&paper_limits());
+        // C'' is 8e4 mm here: more than the format holds.
+        let outcome = FeedLimit::along(&[curve.as_curve()], &limits);
+        assert!(outcome.is_err() || outcome.is_ok_and(|limit| limit.points().len() > 1));
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(64))]
+
+        #[test]
+        fn the_lower_bound_is_one(
+            points in prop::collection::vec(prop::array::uniform2(0.0..60.0_f64), 4..10), places in prop::collection::vec(0.0..1.0_f64, 20),
+        ) {
+            let inner = points.len() - 4;
+            let knots = [0.0; 4].into_iter().chain((1..=inner).map(|i| i as f64 / (inner + 1) as f64)).chain([1.0; 4]);
+            let curve = NurbsBuf::try_new(3, points.clone(), vec![1.0; points.len()], knots.collect()).unwrap();
+            let curve = curve.as_curve();
+            let Ok(limit) = FeedLimit::along(&[curve], &paper_limits()) else { return Ok(()) };
+            for u in places {
+                let derivatives = nurbs_core::Differentiate::derivatives(&curve, u);
+                let exact = paper_limits().feedrate_at_radius(radius(&derivatives));
+                let distance = arc_length(&curve, curve.domain().0, u, 1e-13).length;
+                let bound = limit.at(distance);
+                let released = limit.points().iter().any(|p| p.feedrate == 0.0 && (p.distance - distance).abs() < 2e-3);
+                prop_assert!(released || bound <= exact * (1.0 + 1e-9), "u={u}: {bound} above {exact}");
+            }
+        }
+    }
 }

@@ -1,12 +1,12 @@
 //! One flank of a plan: the way from a slow point up to cruising feed, under a limit.
 //!
-//! A ramp starts with zero acceleration, so it starts slowly; where the limit rises steadily, a single ramp must wait
-//! until it has room for its steep middle and then wastes the room above its foot. A chain of smaller ramps
-//! follows the limit closer, and costs time in each joint, where the acceleration returns to zero. Which levels of
-//! feed to stop at is found by dynamic programming.
+//! A ramp starts with zero acceleration, so it starts slowly; where the limit rises steadily, a single ramp
+//! must wait until it has room for its steep middle and then wastes the room above its foot. A chain of
+//! smaller ramps follows the limit closer, and costs time in each joint, where the acceleration returns to
+//! zero. Which levels of feed to stop at is found by dynamic programming.
 //!
-//! All distances here are measured from the slow point toward the fast one. A falling flank is the mirror image: the
-//! same chain, measured backward from the slow point at its end.
+//! All distances here are measured from the slow point toward the fast one. A falling flank is the mirror
+//! image: the same chain, measured backward from the slow point at its end.
 
 use alloc::vec::Vec;
 
@@ -15,13 +15,14 @@ use real::Real;
 use crate::feed_limit::crossing;
 use crate::{CubicProfile, FeedLimit, KinematicLimits};
 
-/// Levels above the slow point's own. Twice as many save 0.2 to 0.7 % of time on the papers' curves, for nearly twice
-/// as many stages and three times the work.
+/// Levels above the slow point's own. Twice as many save 0.2 to 0.7 % of time on the papers' curves, for
+/// nearly twice as many stages and three times the work.
 pub(crate) const LEVELS: i32 = 16;
 /// Levels between the slow point's feed and that of the other end of the way, if that is higher.
 pub(crate) const LEVELS_BETWEEN_ENDS: i32 = 4;
-/// Parts of a ramp for comparing it with the limit: in each its largest feed counts, so that it starts later than it
-/// must by at most the last part's length. With 16 parts a plan with long ramps takes up to 2 % longer.
+/// Parts of a ramp for comparing it with the limit: in each its largest feed counts, so that it starts later
+/// than it must by at most the last part's length. With 16 parts a plan with long ramps takes up to 2 %
+/// longer.
 const PARTS: usize = 32;
 
 /// The shape of every ramp, divided into parts of equal time.
@@ -96,8 +97,8 @@ pub(crate) struct Arrival<R> {
     pub(crate) feed: R,
     /// Distance at which the chain arrives there, at the earliest.
     pub(crate) distance: R,
-    /// Time lost until then against passing the same distance at this level. It stays the same however long the level is
-    /// then held, which is what makes the dynamic programme work.
+    /// Time lost until then against passing the same distance at this level. It stays the same however long
+    /// the level is then held, which is what makes the dynamic programme work.
     loss: R,
     /// Index of the level that the last ramp starts from, and the distance at which it starts.
     last_ramp: Option<(usize, R)>,
@@ -122,7 +123,8 @@ pub(crate) struct Flank<'s, R> {
 }
 
 impl<'s, R: Real> Flank<'s, R> {
-    /// The flank from limit point `slow`, passed at `feed`, to limit point `peak`: before it, the flank falls.
+    /// The flank from limit point `slow`, passed at `feed`, to limit point `peak`: before it, the flank
+    /// falls.
     pub(crate) fn new(
         shape: &'s RampShape<R>,
         limit: &FeedLimit<R>,
@@ -255,8 +257,8 @@ struct HullPoint<R> {
     distance_per_square: R,
 }
 
-/// The highest function under the limit that never falls from the slow point to the peak, by distance from the slow
-/// point.
+/// The highest function under the limit that never falls from the slow point to the peak, by distance from
+/// the slow point.
 fn hull<R: Real>(limit: &FeedLimit<R>, direction: Direction, slow: usize, peak: usize) -> Vec<HullPoint<R>> {
     let (Some(origin), Some(foot)) = (limit.points().get(slow), limit.nodes().get(slow)) else {
         return Vec::new();

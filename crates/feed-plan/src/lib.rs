@@ -1,6 +1,63 @@
-//! `feed-plan`: how fast may the tool go, where, and when does it arrive?
+//! `feed-plan`: how fast may the tool go along this path, and when is it where?
+//!
+//! ```
+//! use feed_plan::{EndFeeds, FeedLimit, KinematicLimits, plan};
+//! use nurbs_core::NurbsCurve;
+//!
+//! // A quarter circle of 50 mm, in mm and periods of 1 ms: 200 mm/s, 5 m/s², 400 m/s³, 0.5 µm.
+//! let points = [[50.0, 0.0], [50.0, 50.0], [0.0, 50.0]];
+//! let weights = [1.0, 0.5_f64.sqrt(), 1.0];
+//! let knots = [0.0, 0.0, 0.0, 1.0, 1.0, 1.0];
+//! let curve = NurbsCurve::try_new(2, &points, &weights, &knots)?;
+//! let limits = KinematicLimits {
+//!     interpolation_period: 1.0,
+//!     feedrate: 0.2,
+//!     acceleration: 0.005,
+//!     jerk: 0.0004,
+//!     chord_error: 0.0005,
+//!     centripetal_acceleration: None,
+//! };
+//!
+//! let limit = FeedLimit::along(&[curve], &limits)?;
+//! let plan = plan(&limit, &limits, EndFeeds::default())?;
+//!
+//! // The real-time side: a cursor of a few words, and one call a period.
+//! let schedule = plan.as_schedule();
+//! let mut cursor = schedule.start();
+//! let mut travelled = 0.0;
+//! while let Some(step) = schedule.advance(&mut cursor) {
+//!     travelled += step;
+//! }
+//! assert!((travelled - 25.0 * std::f64::consts::PI).abs() < 1e-10);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! | step | where |
+//! |---|---|
+//! | largest feed for a chord error; on a bend | [`chord_feedrate`], [`KinematicLimits::feedrate_at_radius`] |
+//! | the limit along a path: samples, minima, corners, cusps | [`FeedLimit`] |
+//! | the cubic transition between two feeds | [`CubicProfile`] |
+//! | key points, passes, cruise, whole periods | [`plan`] |
+//! | the result: stages, and the distance of each period | [`ScheduleBuf`], [`Schedule`], [`Cursor`] |
+//! | setpoints by chords instead of arcs | [`FeedLimit::shortfall`], [`ScheduleBuf::shortened`] |
+//! | what no plan can beat | [`jerk_free_duration`] |
+//!
+//! **Units**: mm, and any unit of time, the same in all limits. Take the interpolation period: then T = 1,
+//! feeds are in mm/period, accelerations in mm/period², jerks in mm/period³, and all values suit a
+//! fixed-point format.
+//!
+//! **Formats**: every kernel is generic over [`real::Real`]. Planning wants f64, f32 or 64-bit fixed point:
+//! arc lengths and derivatives of a raw curve overflow or drown in 32 bits, which is an error or a poor plan,
+//! never a panic or an endless loop. Walking a schedule suits any format that holds its numbers.
+//!
+//! **Heap**: planning allocates; a [`Schedule`] and its cursor do not.
+//!
+//! | feature | for |
+//! |---|---|
+//! | `std` (default) | square roots of floats through std |
+//! | `libm` | square roots of floats without std |
 
-#![cfg_attr(not(feature = "std"), no_std)]
+#![cfg_attr(not(any(test, feature = "std")), no_std)]
 #![allow(clippy::neg_cmp_op_on_partial_ord, reason = "!(x > 0) refuses NaN as well, and is written for that")]
 
 extern crate alloc;
@@ -10,6 +67,7 @@ mod cubic_profile;
 mod error;
 mod feed_limit;
 mod flank;
+mod key_points;
 mod limits;
 mod look_ahead;
 mod lower_bound;
@@ -18,12 +76,14 @@ mod scan;
 mod schedule;
 #[cfg(test)]
 mod test_paths;
+mod whole_periods;
 
 pub use chord_error::chord_feedrate;
 pub use cubic_profile::CubicProfile;
 pub use error::PlanError;
 pub use feed_limit::{FeedLimit, LimitPoint};
+pub use key_points::EndFeeds;
 pub use limits::KinematicLimits;
-pub use look_ahead::{EndFeeds, plan};
+pub use look_ahead::plan;
 pub use lower_bound::jerk_free_duration;
 pub use schedule::{Cursor, Schedule, ScheduleBuf, Stage, StageKind};

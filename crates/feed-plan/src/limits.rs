@@ -7,8 +7,8 @@ use crate::{PlanError, chord_error};
 /// The limits of a plan.
 ///
 /// Lengths are in mm. The unit of time is the caller's, the same throughout; with the interpolation period as
-/// the unit (`interpolation_period` = 1, feeds in mm/period, accelerations in mm/period², jerks in mm/period³)
-/// all values of a usual machine lie between 10⁻⁴ and 10, which a fixed-point format needs.
+/// the unit (`interpolation_period` = 1, feeds in mm/period, accelerations in mm/period², jerks in
+/// mm/period³) all values of a usual machine lie between 10⁻⁴ and 10, which a fixed-point format needs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KinematicLimits<R> {
     /// Interpolation period T: one setpoint each.
@@ -29,8 +29,8 @@ impl<R: Real> KinematicLimits<R> {
     /// The limits themselves, when each is a positive number.
     ///
     /// # Errors
-    /// [`PlanError::NotPositive`] names the first field that is zero, negative, infinite or not a number; in a
-    /// coarse format a small limit may have been rounded to zero.
+    /// [`PlanError::NotPositive`] names the first field that is zero, negative, infinite or not a number; in
+    /// a coarse format a small limit may have been rounded to zero.
     pub fn try_new(self) -> Result<Self, PlanError> {
         self.validate()?;
         Ok(self)
@@ -57,8 +57,8 @@ impl<R: Real> KinematicLimits<R> {
 
     /// Largest feedrate on a bend of radius `radius` ρ: `min(F, V_e(ρ), √(a_n ρ))`.
     ///
-    /// V_e is [`chord_feedrate`](crate::chord_feedrate), a_n the centripetal acceleration. An infinite or saturated radius is a
-    /// straight line, and gives F; radius 0 gives 0, as does a number that is none.
+    /// V_e is [`chord_feedrate`](crate::chord_feedrate), a_n the centripetal acceleration. An infinite or
+    /// saturated radius is a straight line, and gives F; radius 0 gives 0, as does a number that is none.
     #[must_use]
     pub fn feedrate_at_radius(&self, radius: R) -> R {
         if !(radius > R::zero()) {

@@ -1,9 +1,9 @@
 //! How fast the path could be passed if jerk were free.
 //!
-//! In the phase plane of distance and `V²`, a constant acceleration is a straight line. The time-optimal motion under
-//! `|a| ≤ A` and a feed limit is found by two sweeps: forward, the feed rises from each point by no more than A allows,
-//! `V² ≤ V₀² + 2 A s`; backward likewise. Below both lines and the limit, faster is always better, so no plan that
-//! also limits the jerk takes less time.
+//! In the phase plane of distance and `V²`, a constant acceleration is a straight line. The time-optimal
+//! motion under `|a| ≤ A` and a feed limit is found by two sweeps: forward, the feed rises from each point by
+//! no more than A allows, `V² ≤ V₀² + 2 A s`; backward likewise. Below both lines and the limit, faster is
+//! always better, so no plan that also limits the jerk takes less time.
 
 use alloc::vec::Vec;
 
@@ -13,9 +13,9 @@ use crate::{FeedLimit, KinematicLimits};
 
 /// Duration of the fastest motion from rest to rest under the limit and `|a| ≤ A`, jerk being free.
 ///
-/// The limit points are taken as they are, without the margin that a plan keeps, and `V²` as linear between them: the
-/// value is a lower bound to within the sampling of the limit, about 10⁻⁴ of the duration.
-/// A limit that is zero over a stretch gives the greatest number of the format.
+/// The limit points are taken as they are, without the margin that a plan keeps, and `V²` as linear between
+/// them: the value is a lower bound to within the sampling of the limit, about 10⁻⁴ of the duration. A limit
+/// that is zero over a stretch gives the greatest number of the format.
 #[must_use]
 pub fn jerk_free_duration<R: Real>(limit: &FeedLimit<R>, limits: &KinematicLimits<R>) -> R {
     let stretches = stretches(limit);
@@ -127,7 +127,8 @@ mod tests {
 
     #[test]
     fn a_limit_that_allows_a_constant_acceleration_is_followed() {
-        // V² from 0.01 to 0.25 over 100 mm: less than A. From rest 0.01/(2A) = 0.11 mm are needed to get there.
+        // V² from 0.01 to 0.25 over 100 mm: less than A. From rest 0.01/(2A) = 0.11 mm are needed to get
+        // there.
         let points = (0..=10_000).map(|i| (f64::from(i) / 100.0, (0.01 + 0.24 * f64::from(i) / 1e4).sqrt()));
         let duration = jerk_free_duration(&limit(&points.collect::<Vec<_>>()), &paper_limits());
         let along_the_limit = 2.0 * 100.0 / (0.1 + 0.5);

@@ -1,8 +1,8 @@
 //! One pass along the path: samples of the feed limit over the arc length.
 //!
 //! Each span is walked in steps of the parameter that are short enough, then the local minima and cusps among
-//! its samples are located, then the samples are appended to the path, with a stop in between where the tangent
-//! breaks.
+//! its samples are located, then the samples are appended to the path, with a stop in between where the
+//! tangent breaks.
 
 use alloc::vec::Vec;
 
@@ -160,7 +160,8 @@ impl<R: Real, C> Span<'_, R, C> {
             let mut next = self.sample(if is_inside { wanted } else { end });
             let stretch = self.measure(&here, &next);
             let width = next.u - here.u;
-            if !stretch.is_fine && width > finest && trial < TRIALS {
+            // A step of `finest` is never refused, even if rounding makes it a little wider.
+            if !stretch.is_fine && width > finest + finest.half() && trial < TRIALS {
                 step = width.half();
                 continue;
             }
@@ -209,7 +210,8 @@ impl<R: Real, C> Span<'_, R, C> {
         vanishes.then_some(Sample { feedrate: R::zero(), ..slowest })
     }
 
-    /// The least limit around the middle one of three samples, if that is below the others by more than rounding.
+    /// The least limit around the middle one of three samples, if that is below the others by more than
+    /// rounding.
     fn minimum<const D: usize>(&self, [from, middle, to]: [&Sample<R, D>; 3]) -> Option<Sample<R, D>>
     where
         C: Differentiate<R, D>,

@@ -17,8 +17,8 @@ pub enum StageKind {
     Constant,
 }
 
-/// One row of the acceleration table: a stretch of the path on which the feed is one cubic polynomial of time,
-/// or constant.
+/// One row of the acceleration table: a stretch of the path on which the feed is one cubic polynomial of
+/// time, or constant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stage<R> {
     /// Distance from the path's start to the stage's start, mm.
@@ -116,10 +116,11 @@ impl<R: Real> ScheduleBuf<R> {
 
     /// The same plan for setpoints whose chords, not arcs, have the planned lengths.
     ///
-    /// The chords are shorter than their arcs, by `shortfall` in all ([`FeedLimit::shortfall`]): an interpolator
-    /// that makes each chord as long as the plan says would be at the end with that much of the plan left.
-    /// Here all distances and feeds are scaled by `1 - shortfall/length`; durations stay. Acceleration and jerk
-    /// only fall. A shortfall that is not between 0 and half the length changes nothing.
+    /// The chords are shorter than their arcs, by `shortfall` in all ([`FeedLimit::shortfall`]): an
+    /// interpolator that makes each chord as long as the plan says would be at the end with that much of the
+    /// plan left. Here all distances and feeds are scaled by `1 - shortfall/length`; durations stay.
+    /// Acceleration and jerk only fall. A shortfall that is not between 0 and half the length changes
+    /// nothing.
     ///
     /// [`FeedLimit::shortfall`]: crate::FeedLimit::shortfall
     #[must_use]
@@ -155,8 +156,8 @@ pub struct Cursor<R> {
     stage: usize,
     /// Time into the stage of its first setpoint.
     offset: R,
-    /// Periods since then, a whole number. The time is `offset + count T`: summed period by period, it would lose a unit
-    /// of its last place each.
+    /// Periods since then, a whole number. The time is `offset + count T`: summed period by period, it would
+    /// lose a unit of its last place each.
     count: R,
     period: u32,
 }
@@ -336,6 +337,36 @@ mod tests {
             stages().map(|s| s.kind()),
             [StageKind::Accelerate, StageKind::Constant, StageKind::Decelerate]
         );
+    }
+
+    #[test]
+    fn long_stages_give_equal_steps_in_narrow_formats() {
+        // 100 000 periods at constant feed, from half a period into the stage: the sum of times would be off
+        // by far more.
+        let first = Stage { duration: 0.5_f32, length: 0.15, ..constant(0.3) };
+        let stages = [first, Stage { duration: 100_000.0, length: 30_000.0, ..constant(0.3) }];
+        let schedule = Schedule::new(&stages, 1.0, 100_001);
+        let mut cursor = schedule.start();
+        for _ in 0..100_000 {
+            let step = schedule.advance(&mut cursor).unwrap();
+            assert!((step - 0.3).abs() <= 3.0 * f32::EPSILON, "{step}");
+        }
+        assert!((schedule.advance(&mut cursor).unwrap() - 0.15).abs() < 0.01);
+        assert!(schedule.is_over(&cursor));
+    }
+
+    fn constant(feed: f32) -> Stage<f32> {
+        Stage {
+            start: 0.0,
+            length: 0.0,
+            start_feed: feed,
+            end_feed: feed,
+            duration: 0.0,
+            curve_start: 0,
+            u_start: 0.0,
+            curve_end: 0,
+            u_end: 0.0,
+        }
     }
 
     #[test]

@@ -1,11 +1,12 @@
 //! Limits and curves for tests.
 
-use nurbs_core::NurbsBuf;
+use nurbs_core::{Derivatives, Differentiate, Evaluate, NurbsBuf};
 use real::Backend;
 
 use crate::KinematicLimits;
 
-/// Wang Y. et al.: T = 3 ms, F = 200 mm/s, A = 5000 mm/s², J = 4e5 mm/s³, E = 0.5 µm, with T as the unit of time.
+/// Wang Y. et al.: T = 3 ms, F = 200 mm/s, A = 5000 mm/s², J = 4e5 mm/s³, E = 0.5 µm, with T as the unit of
+/// time.
 pub(crate) fn paper_limits() -> KinematicLimits<f64> {
     in_periods(3e-3, 200.0, 5000.0, 4e5, 5e-4)
 }
@@ -63,7 +64,8 @@ pub(crate) fn circle(r: f64) -> NurbsBuf<f64, 2> {
     NurbsBuf::try_new(2, points.to_vec(), vec![1., w, 1., w, 1., w, 1., w, 1.], knots.to_vec()).unwrap()
 }
 
-/// A right angle in one cubic: two lines of 30 mm that meet at a triple knot, where the curvature is 0 on both sides.
+/// A right angle in one cubic: two lines of 30 mm that meet at a triple knot, where the curvature is 0 on
+/// both sides.
 pub(crate) fn triple_knot() -> NurbsBuf<f64, 2> {
     let points = [[0., 0.], [10., 0.], [20., 0.], [30., 0.], [30., 10.], [30., 20.], [30., 30.]];
     let knots = [0., 0., 0., 0., 0.5, 0.5, 0.5, 1., 1., 1., 1.];
@@ -87,5 +89,43 @@ pub(crate) fn in_range<Q: Backend>(limits: &KinematicLimits<f64>) -> KinematicLi
         jerk: convert(limits.jerk),
         chord_error: convert(limits.chord_error),
         centripetal_acceleration: limits.centripetal_acceleration.map(convert),
+    }
+}
+
+/// `C(t) = scale ((t - origin)^m, (t - origin)^n)` for t in [0, 1]: a cusp for m = 2, n = 3.
+pub(crate) struct Power {
+    pub(crate) origin: f64,
+    pub(crate) exponents: [i32; 2],
+    pub(crate) scale: f64,
+}
+
+impl Evaluate<f64, 2> for Power {
+    fn domain(&self) -> (f64, f64) {
+        (0.0, 1.0)
+    }
+    fn point(&self, u: f64) -> [f64; 2] {
+        self.derivatives(u).point
+    }
+    fn span_count(&self) -> usize {
+        1
+    }
+    fn span_bounds(&self, _: usize) -> (f64, f64) {
+        self.domain()
+    }
+}
+
+impl Differentiate<f64, 2> for Power {
+    fn derivatives(&self, u: f64) -> Derivatives<f64, 2> {
+        let t = u - self.origin;
+        let power = |k: i32| {
+            self.exponents.map(|n| {
+                let factor: i32 = (0..k).map(|i| n - i).product();
+                self.scale * f64::from(factor) * t.powi(n - k)
+            })
+        };
+        Derivatives { point: power(0), first: power(1), second: power(2) }
+    }
+    fn derivatives_in(&self, _: usize, u: f64) -> Derivatives<f64, 2> {
+        self.derivatives(u)
     }
 }

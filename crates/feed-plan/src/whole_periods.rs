@@ -1,0 +1,70 @@
+//! A plan that takes a whole number of interpolation periods.
+
+use real::Real;
+
+use crate::{PlanError, Stage};
+
+/// Slows the stages down evenly so that together they take a whole number of periods, which is returned.
+pub(crate) fn stretch<R: Real>(stages: &mut [Stage<R>], period: R) -> Result<u32, PlanError> {
+    let duration = stages.iter().fold(R::zero(), |sum, stage| sum + stage.duration);
+    let in_order = stages.iter().all(|stage| stage.duration > R::zero() && stage.duration <= duration);
+    let (periods, rounded) =
+        round_up(duration / period).filter(|_| in_order).ok_or(PlanError::DurationOverflows)?;
+    let factor = rounded * period / duration;
+    for stage in stages {
+        stage.duration = stage.duration * factor;
+        stage.start_feed = stage.start_feed / factor;
+        stage.end_feed = stage.end_feed / factor;
+    }
+    Ok(periods)
+}
+
+/// The least whole number not below `value`, as an integer and as a number; `None` beyond what either can
+/// hold.
+fn round_up<R: Real>(value: R) -> Option<(u32, R)> {
+    if !(value > R::zero() && value < R::max_value().half()) {
+        return None;
+    }
+    let mut power = R::one();
+    let mut bit = 1_u64;
+    while power <= value {
+        power = power + power;
+        bit = bit.checked_mul(2)?;
+    }
+    let (mut count, mut whole) = (0, R::zero());
+    while bit > 0 {
+        if whole + power <= value {
+            whole = whole + power;
+            count += bit;
+        }
+        power = power.half();
+        bit /= 2;
+    }
+    if whole < value {
+        whole = whole + R::one();
+        count += 1;
+    }
+    Some((u32::try_from(count).ok()?, whole))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use real::I16F16;
+
+    #[test]
+    fn numbers_are_rounded_up_in_any_format() {
+        for (value, whole) in
+            [(0.25, 1), (1.0, 1), (1.0001, 2), (1629.9, 1630), (4096.0, 4096), (16_000.5, 16_001)]
+        {
+            assert_eq!(round_up(value), Some((whole, f64::from(whole))));
+            let coarse = <I16F16 as real::Backend>::from_f64(value).unwrap();
+            assert_eq!(round_up(coarse).map(|(count, _)| count), Some(whole), "{value}");
+        }
+        assert_eq!(round_up(4_294_967_295.0_f64).map(|(count, _)| count), Some(u32::MAX));
+        for none in [0.0, -1.0, f64::NAN, f64::INFINITY, 4_294_967_296.0, 1e300] {
+            assert_eq!(round_up(none), None, "{none}");
+        }
+        assert_eq!(round_up(I16F16::from_ratio(20_000, 1)), None); // above half the format's range
+    }
+}
