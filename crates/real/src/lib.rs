@@ -45,6 +45,7 @@ mod real;
 #[cfg(feature = "std")]
 mod runtime_format;
 mod square_root;
+mod trigonometry;
 mod word;
 
 #[cfg(feature = "std")]
@@ -58,6 +59,7 @@ pub use quantized::Quantized;
 pub use real::{Backend, Real};
 #[cfg(feature = "std")]
 pub use runtime_format::{Overflow, Rounding, RuntimeFixed, RuntimeFormat};
+pub use trigonometry::Trigonometric;
 pub use word::Word;
 
 /// 4 integer and 4 fraction bits: small enough to test every operation on every pair.
