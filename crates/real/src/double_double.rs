@@ -143,11 +143,17 @@ impl Real for DoubleDouble {
         Self::new(high.scale(exponent - 32), low.scale(exponent - 64))
     }
 
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates, as the contract says")]
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "saturates, as the contract says"
+    )]
     fn to_phase(self, exponent: i32) -> u64 {
         let scaled = self.scale(64 + exponent);
         let whole = scaled.0.0.clamp(0.0, 2.0_f64.powi(64)).trunc() as u128;
-        let rest = (scaled - Self::new((whole >> 32) as f64 * 2.0_f64.powi(32), (whole & 0xffff_ffff) as f64)).value();
+        let rest = (scaled
+            - Self::new((whole >> 32) as f64 * 2.0_f64.powi(32), (whole & 0xffff_ffff) as f64))
+        .value();
         let floor = whole.saturating_add_signed(rest.floor() as i128);
         u64::try_from(floor).unwrap_or(u64::MAX)
     }

@@ -121,7 +121,8 @@ mod ratio {
         }
         let shift = u64::from(n).leading_zeros();
         let (n, d) = (u64::from(n) << shift, u64::from(d));
-        let magnitude = (n / d | u64::from(n % d != 0)) as f32 * super::power_of_two::f32(-shift.cast_signed());
+        let magnitude =
+            ((n / d) | u64::from(n % d != 0)) as f32 * super::power_of_two::f32(-shift.cast_signed());
         if (numerator < 0) == (denominator < 0) { magnitude } else { -magnitude }
     }
 }
@@ -238,7 +239,7 @@ mod tests {
         for k in 0..20_000_i64 {
             let d = i64::from(i32::MAX) - 2 * k;
             let tie = (1 << 24) + 2 * k + 1; // 25 bits, odd: between two numbers of f32
-            for near in [tie * d >> 25, (tie * d >> 25) + 1] {
+            for near in [(tie * d) >> 25, ((tie * d) >> 25) + 1] {
                 nearest(i32::try_from(near).unwrap(), i32::try_from(d).unwrap());
                 nearest(i32::try_from(near).unwrap(), -i32::try_from(d).unwrap());
             }

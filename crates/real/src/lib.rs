@@ -32,9 +32,9 @@
 
 #[cfg(feature = "std")]
 mod audit;
+mod division;
 #[cfg(feature = "reference")]
 mod double_double;
-mod division;
 mod fixed_point;
 mod float;
 mod format_name;

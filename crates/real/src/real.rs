@@ -13,23 +13,39 @@ use num_traits::{Bounded, One, Zero};
 ///
 /// | operation | float | fixed point |
 /// |---|---|---|
-/// | `+` `-` `*` negation, [`mul_add`](Real::mul_add), [`sum_of_products`](Real::sum_of_products), [`scale`](Real::scale) | IEEE 754 | round to nearest, then wrap |
-/// | `/`, [`sqrt`](Real::sqrt), [`norm`](Real::norm) | IEEE 754 | round to nearest, then saturate |
-/// | division by zero | infinity or NaN | the extreme with the sign of the numerator; `0/0` is 0 |
+/// | `+` `-` negation | IEEE 754 | exact, then wrap |
+/// | `*`, [`mul_add`](Real::mul_add), [`sum_of_products`](Real::sum_of_products), [`scale`](Real::scale) | IEEE 754, each step rounded | to nearest, ties up (toward +∞), once; then wrap |
+/// | `/` | IEEE 754 | to nearest, ties away from zero; then saturate |
+/// | [`sqrt`](Real::sqrt) | IEEE 754 | to nearest (a tie cannot be) |
+/// | [`norm`](Real::norm) | each step rounded | to nearest (a tie cannot be), once; then saturate |
+/// | [`from_ratio`](Real::from_ratio) | to nearest, ties to even | to nearest, ties away from zero; then saturate |
+/// | [`from_f64`](Backend::from_f64), [`from_f64_pair`](Backend::from_f64_pair) | to nearest, ties to even | to nearest, ties to even; `None` out of range |
+/// | [`from_phase`](Real::from_phase), [`to_phase`](Real::to_phase) | cut toward 0, saturate | cut toward 0, saturate |
+/// | division by zero, also in `from_ratio` | infinity or NaN | the extreme with the sign of the numerator; `0/0` is 0 |
 /// | root of a negative number | 0 | 0 |
 ///
 /// Wrapping is what a controller's adder does. That no value ever needs to wrap is shown beforehand, by a
 /// proven range or by an [audited](crate::Audited) run; saturating each operation would cost several times
 /// more and hide the fault.
 pub trait Real:
-    Copy + Debug + Default + PartialOrd + Zero + One + Bounded + Neg<Output = Self> + Sub<Output = Self> + Div<Output = Self>
+    Copy
+    + Debug
+    + Default
+    + PartialOrd
+    + Zero
+    + One
+    + Bounded
+    + Neg<Output = Self>
+    + Sub<Output = Self>
+    + Div<Output = Self>
 {
     /// The step between 1 and the next larger number: 2⁻²³ in `f32`, 2⁻ᶠ with f fraction bits.
     fn resolution() -> Self;
 
     /// The number nearest to `numerator / denominator`: how kernels write their constants.
     ///
-    /// Domain: `denominator ≠ 0`, and the quotient fits the format. A quotient that does not fit saturates.
+    /// A quotient that does not fit saturates. Domain, for a constant that means what it says: `denominator ≠ 0`, and
+    /// the quotient fits the format.
     fn from_ratio(numerator: i32, denominator: i32) -> Self;
 
     /// `self · factor + addend`.
@@ -38,19 +54,19 @@ pub trait Real:
     /// result is then the same on every machine.
     fn mul_add(self, factor: Self, addend: Self) -> Self;
 
-    /// `Σ aᵢ·bᵢ` over the pairs. In fixed point the sum is formed in an accumulator of twice the width, which
-    /// wraps, and is rounded once.
+    /// `Σ aᵢ·bᵢ` over the pairs; 0 for none. In fixed point the sum is formed in an accumulator of twice the width,
+    /// which wraps, and is rounded once: the result is that of the exact sum, wrapped. Floats add from the first pair on.
     fn sum_of_products(pairs: impl IntoIterator<Item = (Self, Self)>) -> Self;
 
-    /// Euclidean length `√(Σ vᵢ²)`. No intermediate overflows: only a result too large for the format does,
-    /// and it saturates. Fixed point rounds once.
+    /// Euclidean length `√(Σ vᵢ²)`; 0 for no components. No intermediate overflows: only a result too large for the
+    /// format does, and it saturates (to infinity in a float). Fixed point rounds once.
     fn norm<const N: usize>(vector: &[Self; N]) -> Self;
 
     /// Square root, rounded to nearest; 0 for a negative argument.
     fn sqrt(self) -> Self;
 
     /// `self · 2^exponent`: a shift in fixed point, an exponent change in a float. Shifting right rounds to
-    /// nearest, shifting left wraps. Domain: `|exponent| ≤ 126`.
+    /// nearest, ties up; shifting left wraps. Domain: `|exponent| ≤ 126`.
     fn scale(self, exponent: i32) -> Self;
 
     /// The number `phase · 2^(exponent - 64)`, rounded toward 0; saturates. A phase is a fraction in [0, 1) held as

@@ -124,7 +124,8 @@ impl RuntimeFormat {
         let away = match self.rounding {
             Rounding::Nearest => twice >= denominator.unsigned_abs(),
             Rounding::NearestEven => {
-                twice > denominator.unsigned_abs() || (twice == denominator.unsigned_abs() && quotient & 1 != 0)
+                twice > denominator.unsigned_abs()
+                    || (twice == denominator.unsigned_abs() && quotient & 1 != 0)
             }
             Rounding::Floor => sign < 0 && remainder != 0,
             Rounding::TowardZero => false,
@@ -291,7 +292,11 @@ impl<const SLOT: usize> Real for RuntimeFixed<SLOT> {
         let format = Self::format();
         let shift = exponent.unsigned_abs();
         if exponent < 0 {
-            return Self(if shift <= format.width { format.fit(format.shift_right(self.wide(), shift)) } else { 0 });
+            return Self(if shift <= format.width {
+                format.fit(format.shift_right(self.wide(), shift))
+            } else {
+                0
+            });
         }
         // What is shifted out beyond 128 bits would be lost to a saturating format too.
         match format.overflow {
@@ -360,6 +365,7 @@ mod tests {
 
     type Runtime = RuntimeFixed<0>;
 
+    #[allow(clippy::cast_possible_truncation, reason = "both parts are integers of 64 bits")]
     fn bits<R: Backend>(x: R, fraction_bits: u32) -> i64 {
         let (high, low) = x.to_f64_pair();
         let units = |part: f64| part.scale(fraction_bits.cast_signed()) as i128;
@@ -386,7 +392,11 @@ mod tests {
             same("product", a * b, x * y);
             same("quotient", a / b, x / y);
             same("mul_add", a.mul_add(b, c), x.mul_add(y, z));
-            same("sum of products", Real::sum_of_products([(a, b), (b, c)]), Real::sum_of_products([(x, y), (y, z)]));
+            same(
+                "sum of products",
+                Real::sum_of_products([(a, b), (b, c)]),
+                Real::sum_of_products([(x, y), (y, z)]),
+            );
             same("norm", Real::norm(&[a, b, c]), Real::norm(&[x, y, z]));
             same("root", a.sqrt(), x.sqrt());
             same("scale", a.scale(exponent), x.scale(exponent));
@@ -401,7 +411,17 @@ mod tests {
     }
 
     fn word() -> impl Strategy<Value = i64> {
-        let edge = prop::sample::select(vec![0, 1, -1, i64::MAX, i64::MIN, i64::MAX - 1, 1 << 31, 1 << 15, 0x7fff_ffff]);
+        let edge = prop::sample::select(vec![
+            0,
+            1,
+            -1,
+            i64::MAX,
+            i64::MIN,
+            i64::MAX - 1,
+            1 << 31,
+            1 << 15,
+            0x7fff_ffff,
+        ]);
         prop_oneof![any::<i64>(), any::<i32>().prop_map(i64::from), any::<i8>().prop_map(i64::from), edge]
     }
 
@@ -451,6 +471,9 @@ mod tests {
         assert_eq!((new(65, 10), new(2, 0), new(20, 19)), (None, None, None));
         assert_eq!(new(18, 13).map(|f| f.name().to_string()).as_deref(), Some("I5F13"));
         assert_eq!(RuntimeFormat::named("I5F13"), new(18, 13));
-        assert_eq!((RuntimeFormat::named("I1F31"), RuntimeFormat::named("f32"), RuntimeFormat::named("I99F9")), (None, None, None));
+        assert_eq!(
+            (RuntimeFormat::named("I1F31"), RuntimeFormat::named("f32"), RuntimeFormat::named("I99F9")),
+            (None, None, None)
+        );
     }
 }

@@ -81,8 +81,7 @@ macro_rules! square_root {
             }
 
             /// `⌊√a⌋`.
-            #[cfg(any(test, feature = "std"))]
-            #[inline]
+            #[cfg(test)]
             pub(crate) fn floor(a: $double) -> $word {
                 if a == 0 {
                     return 0;

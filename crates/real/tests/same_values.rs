@@ -1,0 +1,93 @@
+//! The same values in every build and on every machine: a checksum of a long sequence of operations a format.
+//!
+//! A debug build panics on an overflow that a release build lets pass, a 32-bit machine divides by Newton's reciprocal,
+//! a compiler may fuse or reorder what floats compute; none of that may change a bit. Whichever build runs is
+//! compared with the same numbers. They change only when a rounding rule does.
+
+#![allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
+    clippy::cast_sign_loss,
+    reason = "random bits are cut to what is needed"
+)]
+
+use real::{Backend, I2F30, I4F4, I4F28, I4F60, I8F24, I12F20, I16F16, I16F48, I32F32, Real};
+
+/// Marsaglia's xorshift with 64 bits of state.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> u64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        self.0
+    }
+
+    fn below(&mut self, n: usize) -> usize {
+        (self.next() >> 33) as usize % n
+    }
+}
+
+/// FNV-1a over the exact values of all results.
+fn checksum<R: Backend>() -> u64 {
+    let mut random = Random(0x9e37_79b9_7f4a_7c15);
+    let mut registers = [R::one(); 8];
+    let mut hash = 0xcbf2_9ce4_8422_2325_u64;
+    for _ in 0..50_000 {
+        let [a, b, c, d] = [0; 4].map(|_| registers[random.below(8)]);
+        let exponent = i32::try_from(random.below(9)).unwrap() - 4;
+        let result = match random.below(16) {
+            0 => a + b,
+            1 => a - b,
+            2 => -a,
+            3 | 4 => a * b,
+            5 | 6 => a / b,
+            7 => a.mul_add(b, c),
+            8 => R::sum_of_products([(a, b), (c, d)]),
+            9 => R::norm(&[a, b, c]),
+            10 => a.sqrt(),
+            11 => a.scale(exponent),
+            12 => R::from_ratio(random.next() as i32, random.next() as i32 >> random.below(31)),
+            13 => R::from_phase(a.to_phase(exponent), exponent),
+            14 => Real::min(Real::max(a, b), c.abs()),
+            _ => R::from_phase(random.next(), exponent) - R::from_phase(random.next(), exponent),
+        };
+        let result = if result.is_finite() { result } else { R::resolution() };
+        registers[random.below(8)] = result;
+        let (high, low) = result.to_f64_pair();
+        for byte in [high, low].iter().flat_map(|part| part.to_bits().to_le_bytes()) {
+            hash = (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3);
+        }
+    }
+    hash
+}
+
+macro_rules! checksums {
+    ($($format:ty = $expected:literal)*) => {
+        [$((stringify!($format), checksum::<$format>(), $expected)),*]
+    };
+}
+
+#[test]
+fn every_build_computes_the_same_values() {
+    let checksums = checksums! {
+        f64 = 0xa5d9_bbb3_dc9e_924f
+        f32 = 0xc4b4_fc62_096d_236e
+        I4F4 = 0x0a8c_6046_2fd2_7b83
+        I16F16 = 0xfd9e_4f11_8305_8a61
+        I12F20 = 0x751d_f2c8_e51d_2cdb
+        I8F24 = 0x7e52_b8fb_797f_28c1
+        I4F28 = 0x87bf_3407_f8f4_590b
+        I2F30 = 0xc066_6c2d_39d8_c7f6
+        I32F32 = 0x70ee_c81a_bae6_de23
+        I16F48 = 0x0b8b_ce75_7293_27f7
+        I4F60 = 0x0e2c_57bb_e96b_898f
+    };
+    let changed: Vec<String> = checksums
+        .iter()
+        .filter(|(_, found, expected)| found != expected)
+        .map(|(format, found, _)| format!("{format} = 0x{found:016x}"))
+        .collect();
+    assert!(changed.is_empty(), "other values than those committed:\n{}", changed.join("\n"));
+}
