@@ -1,1 +1,94 @@
-//! To be written.
+//! `part-program`: what does this text say, and where is it wrong?
+//!
+//! | text | reader |
+//! |---|---|
+//! | curve file: TOML, tables `[curve]` and `[machine]` | [`read_part`] |
+//! | FANUC part program with `G06.2` | [`read_part`] |
+//! | machine file: TOML, table `[machine]` | [`read_machine`] |
+//!
+//! ```
+//! let part = part_program::read_part("seed.nc", "G06.2 P2 K0 X0 Y0\nK0 X10 Y5\nK1\nK1\n")?;
+//! assert_eq!((part.curves[0].degree, part.curves[0].knots.len()), (1, 4));
+//!
+//! let fault = part_program::read_part("bad.nc", "G06.2 P2 K0 X0 Y0\nX10 Y5\n").unwrap_err();
+//! assert!(fault.to_string().contains("bad.nc:2:1"));
+//! # Ok::<(), part_program::Diagnostics>(())
+//! ```
+//!
+//! Every fault of a text is said, with line, column, what was expected and a hint; nothing is dropped silently.
+
+mod curve;
+mod diagnostic;
+mod fanuc;
+mod machine;
+mod part;
+mod source;
+mod toml_file;
+
+pub use curve::{Curve, CurveFault, Element, End, MAX_COORDINATE_MM, MAX_DEGREE, MAX_KNOT, MAX_WEIGHT};
+pub use diagnostic::{Diagnostic, Diagnostics, MAX_DIAGNOSTICS, Severity};
+pub use machine::Machine;
+pub use part::Part;
+
+use diagnostic::Report;
+use source::{Source, Span};
+
+/// Longest text that is read, in bytes: 64 MiB.
+pub const MAX_TEXT: usize = 64 << 20;
+
+/// Reads a part: a curve file or a part program, told by its content. `name` is what diagnostics call it.
+///
+/// # Errors
+/// Every fault of the text.
+pub fn read_part(name: &str, text: &str) -> Result<Part, Diagnostics> {
+    let mut report = opened(name, text)?;
+    let (curves, feedrate, machine) = if is_toml(text) {
+        let content = toml_file::read(&mut report);
+        if content.as_ref().is_some_and(|c| c.curve.is_none()) {
+            report.error(Span::new(0, 0), "the file holds no curve").expected("a table [curve]");
+        }
+        let content = content.unwrap_or(toml_file::Content { curve: None, machine: None });
+        (content.curve.into_iter().collect(), None, content.machine)
+    } else {
+        let program = fanuc::read(&mut report);
+        (program.curves, program.feedrate_mm_per_s, None)
+    };
+    let warnings = report.finish()?;
+    Ok(Part { name: name.to_string(), curves, feedrate_mm_per_s: feedrate, machine, warnings })
+}
+
+/// Reads the table `[machine]` of a TOML file.
+///
+/// # Errors
+/// Every fault of the text.
+pub fn read_machine(name: &str, text: &str) -> Result<Machine, Diagnostics> {
+    let mut report = opened(name, text)?;
+    let machine = toml_file::read(&mut report).and_then(|content| content.machine);
+    if machine.is_none() && !report.has_errors() {
+        report.error(Span::new(0, 0), "the file describes no machine").expected("a table [machine]");
+    }
+    let machine = machine.ok_or_else(Diagnostics::default);
+    report.finish()?;
+    machine
+}
+
+/// A report on the text, unless it is too long.
+fn opened<'t>(name: &str, text: &'t str) -> Result<Report<'t>, Diagnostics> {
+    if text.len() <= MAX_TEXT {
+        return Ok(Report::new(Source::new(name, text)));
+    }
+    let mut report = Report::new(Source::new(name, ""));
+    report.error(Span::new(0, 0), format!("the text has {} bytes", text.len())).expected("at most 64 MiB");
+    report.finish().map(|_| Report::new(Source::new(name, "")))
+}
+
+/// A curve file has a line that opens a table or gives a key its value; a part program has neither.
+fn is_toml(text: &str) -> bool {
+    text.lines().map(str::trim_start).any(|line| {
+        let key = line.split('=').next().unwrap_or("").trim_end();
+        let is_key = key.len() < line.len()
+            && !key.is_empty()
+            && key.chars().all(|c| c.is_ascii_lowercase() || c == '_' || c.is_ascii_digit());
+        is_key || (line.starts_with('[') && line.trim_end().ends_with(']'))
+    })
+}

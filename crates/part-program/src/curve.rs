@@ -1,0 +1,378 @@
+//! A NURBS curve as plain numbers, and the rules that make numbers a curve.
+
+use std::fmt;
+
+/// The highest degree of a curve.
+pub const MAX_DEGREE: usize = 9;
+/// The largest coordinate, in mm: 10 km. It keeps squares and sums of coordinates far from the ends of every float.
+pub const MAX_COORDINATE_MM: f64 = 1e7;
+/// The largest weight; the smallest is its inverse.
+pub const MAX_WEIGHT: f64 = 1e9;
+/// The largest knot, by magnitude.
+pub const MAX_KNOT: f64 = 1e12;
+
+/// A clamped NURBS curve in f64. One that a reader of this crate returns obeys every rule of [`CurveFault`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curve {
+    /// Degree p; the order is p + 1.
+    pub degree: usize,
+    /// Control points P_0 … P_n, in mm. A planar curve has z = 0.
+    pub control_points_mm: Vec<[f64; 3]>,
+    /// 2 for a curve in the plane z = 0, else 3.
+    pub dimension: usize,
+    /// Weights w_0 … w_n, positive.
+    pub weights: Vec<f64>,
+    /// Knots u_0 … u_{n+p+1}, non-decreasing, clamped.
+    pub knots: Vec<f64>,
+}
+
+/// Which of a curve's numbers is meant; indices count from 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Element {
+    /// The degree.
+    Degree,
+    /// The list of control points.
+    ControlPoints,
+    /// One control point.
+    ControlPoint(usize),
+    /// The list of weights.
+    Weights,
+    /// One weight.
+    Weight(usize),
+    /// The list of knots.
+    Knots,
+    /// One knot.
+    Knot(usize),
+}
+
+/// Which end of a knot vector.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum End {
+    /// The first knots.
+    First,
+    /// The last knots.
+    Last,
+}
+
+/// A rule that a curve breaks; indices count from 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum CurveFault {
+    /// The degree is not in 1 ..= [`MAX_DEGREE`].
+    DegreeOutOfRange {
+        /// The degree given.
+        degree: usize,
+    },
+    /// There are fewer than degree + 1 control points.
+    TooFewControlPoints {
+        /// Degree + 1.
+        least: usize,
+        /// The number given.
+        found: usize,
+    },
+    /// There is not one weight a control point.
+    WrongWeightCount {
+        /// The number of control points.
+        expected: usize,
+        /// The number given.
+        found: usize,
+    },
+    /// The number of knots is not points + degree + 1.
+    WrongKnotCount {
+        /// Points + degree + 1.
+        expected: usize,
+        /// The number given.
+        found: usize,
+    },
+    /// A coordinate is not a number, infinite, or beyond [`MAX_COORDINATE_MM`].
+    CoordinateOutOfRange {
+        /// The control point.
+        index: usize,
+        /// Its coordinate.
+        value: f64,
+    },
+    /// A weight is not positive, not a number, or beyond [`MAX_WEIGHT`].
+    WeightOutOfRange {
+        /// The weight.
+        index: usize,
+        /// Its value.
+        value: f64,
+    },
+    /// A knot is not a number, infinite, or beyond [`MAX_KNOT`].
+    KnotOutOfRange {
+        /// The knot.
+        index: usize,
+        /// Its value.
+        value: f64,
+    },
+    /// A knot is less than the one before it.
+    KnotsDecrease {
+        /// The smaller, later knot.
+        index: usize,
+        /// Its value.
+        knot: f64,
+        /// The value before it.
+        previous: f64,
+    },
+    /// The first knot equals the last.
+    EmptyDomain {
+        /// The value of them all.
+        knot: f64,
+    },
+    /// An end knot is not there degree + 1 times.
+    NotClamped {
+        /// Which end.
+        end: End,
+        /// Degree + 1.
+        expected: usize,
+        /// How often it is there.
+        multiplicity: usize,
+        /// The first knot, seen from that end, that ought to be equal or to differ.
+        index: usize,
+    },
+    /// An inner knot is there more than degree times: the curve would break.
+    KnotRepeatsTooOften {
+        /// The first knot too many.
+        index: usize,
+        /// How often it is there.
+        multiplicity: usize,
+        /// The degree.
+        degree: usize,
+    },
+    /// All control points are the same: the curve has no length.
+    NoLength,
+}
+
+impl Curve {
+    /// Every rule that the curve breaks. Rules that only make sense once the counts fit are tried only then.
+    #[must_use]
+    pub fn faults(&self) -> Vec<CurveFault> {
+        let mut faults = self.value_faults();
+        let counts = self.count_faults();
+        let sound = counts.is_empty() && faults.is_empty();
+        faults.splice(0..0, counts);
+        if sound {
+            faults.extend(self.multiplicity_faults());
+            if self.control_points_mm.windows(2).all(|pair| pair[0] == pair[1]) {
+                faults.push(CurveFault::NoLength);
+            }
+        }
+        faults
+    }
+
+    fn count_faults(&self) -> Vec<CurveFault> {
+        let (degree, points) = (self.degree, self.control_points_mm.len());
+        let mut faults = Vec::new();
+        if !(1..=MAX_DEGREE).contains(&degree) {
+            return vec![CurveFault::DegreeOutOfRange { degree }];
+        }
+        if points <= degree {
+            faults.push(CurveFault::TooFewControlPoints { least: degree + 1, found: points });
+        }
+        if self.weights.len() != points {
+            faults.push(CurveFault::WrongWeightCount { expected: points, found: self.weights.len() });
+        }
+        let knots = points + degree + 1;
+        if self.knots.len() != knots {
+            faults.push(CurveFault::WrongKnotCount { expected: knots, found: self.knots.len() });
+        }
+        faults
+    }
+
+    fn value_faults(&self) -> Vec<CurveFault> {
+        let mut faults = Vec::new();
+        for (index, point) in self.control_points_mm.iter().enumerate() {
+            let wrong = point.iter().find(|x| x.is_nan() || x.abs() > MAX_COORDINATE_MM);
+            faults.extend(wrong.map(|&value| CurveFault::CoordinateOutOfRange { index, value }));
+        }
+        for (index, &value) in self.weights.iter().enumerate() {
+            if !(1.0 / MAX_WEIGHT..=MAX_WEIGHT).contains(&value) {
+                faults.push(CurveFault::WeightOutOfRange { index, value });
+            }
+        }
+        for (index, &value) in self.knots.iter().enumerate() {
+            if value.is_nan() || value.abs() > MAX_KNOT {
+                faults.push(CurveFault::KnotOutOfRange { index, value });
+            }
+        }
+        for (index, pair) in self.knots.windows(2).enumerate() {
+            if pair[1] < pair[0] {
+                faults.push(CurveFault::KnotsDecrease { index: index + 1, knot: pair[1], previous: pair[0] });
+            }
+        }
+        faults
+    }
+
+    /// The rules of a clamped knot vector whose counts fit and whose knots do not decrease.
+    fn multiplicity_faults(&self) -> Vec<CurveFault> {
+        let order = self.degree + 1;
+        let last = self.knots.len() - 1;
+        if self.knots[0] == self.knots[last] {
+            return vec![CurveFault::EmptyDomain { knot: self.knots[0] }];
+        }
+        let mut faults = Vec::new();
+        let mut index = 0;
+        for equal in self.knots.chunk_by(|a, b| a == b) {
+            let multiplicity = equal.len();
+            let end = match index {
+                0 => Some(End::First),
+                _ if index + multiplicity == last + 1 => Some(End::Last),
+                _ => None,
+            };
+            match end {
+                Some(end) if multiplicity != order => {
+                    let odd = multiplicity.min(order);
+                    let index = if end == End::First { odd } else { last - odd };
+                    faults.push(CurveFault::NotClamped { end, expected: order, multiplicity, index });
+                }
+                None if multiplicity > self.degree => faults.push(CurveFault::KnotRepeatsTooOften {
+                    index: index + self.degree,
+                    multiplicity,
+                    degree: self.degree,
+                }),
+                _ => {}
+            }
+            index += multiplicity;
+        }
+        faults
+    }
+
+    /// The number of coordinates that the points need: 2 if every z is zero.
+    pub(crate) fn dimension_of(points: &[[f64; 3]]) -> usize {
+        if points.iter().all(|point| point[2] == 0.0) { 2 } else { 3 }
+    }
+}
+
+impl CurveFault {
+    /// The number that is at fault.
+    #[must_use]
+    pub fn element(&self) -> Element {
+        match *self {
+            Self::DegreeOutOfRange { .. } => Element::Degree,
+            Self::TooFewControlPoints { .. } | Self::NoLength => Element::ControlPoints,
+            Self::WrongWeightCount { .. } => Element::Weights,
+            Self::WrongKnotCount { .. } | Self::EmptyDomain { .. } => Element::Knots,
+            Self::CoordinateOutOfRange { index, .. } => Element::ControlPoint(index),
+            Self::WeightOutOfRange { index, .. } => Element::Weight(index),
+            Self::KnotOutOfRange { index, .. }
+            | Self::KnotsDecrease { index, .. }
+            | Self::NotClamped { index, .. }
+            | Self::KnotRepeatsTooOften { index, .. } => Element::Knot(index),
+        }
+    }
+
+    /// What would have been right.
+    #[must_use]
+    pub fn expected(&self) -> String {
+        match *self {
+            Self::DegreeOutOfRange { .. } => format!("a degree of 1 to {MAX_DEGREE}"),
+            Self::TooFewControlPoints { least, .. } => {
+                format!("at least degree + 1 = {least} control points")
+            }
+            Self::WrongWeightCount { expected, .. } => format!("one weight a control point: {expected}"),
+            Self::WrongKnotCount { expected, .. } => format!("points + degree + 1 = {expected} knots"),
+            Self::CoordinateOutOfRange { .. } => format!("coordinates within ±{MAX_COORDINATE_MM:e} mm"),
+            Self::WeightOutOfRange { .. } => format!("a weight of {:e} to {MAX_WEIGHT:e}", 1.0 / MAX_WEIGHT),
+            Self::KnotOutOfRange { .. } => format!("a knot within ±{MAX_KNOT:e}"),
+            Self::KnotsDecrease { previous, .. } => format!("a knot of at least {previous}"),
+            Self::EmptyDomain { .. } => "a last knot greater than the first".into(),
+            Self::NotClamped { expected, .. } => format!("end knots repeated degree + 1 = {expected} times"),
+            Self::KnotRepeatsTooOften { degree, .. } => {
+                format!("an inner knot at most degree = {degree} times")
+            }
+            Self::NoLength => "at least two different control points".into(),
+        }
+    }
+}
+
+impl fmt::Display for CurveFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::DegreeOutOfRange { degree } => write!(f, "degree {degree} is not supported"),
+            Self::TooFewControlPoints { found, .. } => write!(f, "too few control points: {found}"),
+            Self::WrongWeightCount { found, .. } => write!(f, "wrong number of weights: {found}"),
+            Self::WrongKnotCount { found, .. } => write!(f, "wrong number of knots: {found}"),
+            Self::CoordinateOutOfRange { index, value } => {
+                write!(f, "control point {index} has the coordinate {value}")
+            }
+            Self::WeightOutOfRange { index, value } => write!(f, "weight {index} is {value}"),
+            Self::KnotOutOfRange { index, value } => write!(f, "knot {index} is {value}"),
+            Self::KnotsDecrease { index, knot, previous } => {
+                write!(f, "knots decrease: knot {index} is {knot}, after {previous}")
+            }
+            Self::EmptyDomain { knot } => write!(f, "all knots are {knot}: the parameter has no range"),
+            Self::NotClamped { end, multiplicity, .. } => {
+                let end = if end == End::First { "first" } else { "last" };
+                write!(f, "the curve is not clamped: its {end} knot is there {multiplicity} times")
+            }
+            Self::KnotRepeatsTooOften { index, multiplicity, .. } => {
+                write!(f, "knot {index} is there {multiplicity} times: the curve would break")
+            }
+            Self::NoLength => f.write_str("all control points are the same: the curve has no length"),
+        }
+    }
+}
+
+impl std::error::Error for CurveFault {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cubic() -> Curve {
+        Curve {
+            degree: 3,
+            control_points_mm: (0..5_u8).map(|i| [f64::from(i), f64::from(i * i), 0.0]).collect(),
+            dimension: 2,
+            weights: vec![1.0; 5],
+            knots: vec![0.0, 0.0, 0.0, 0.0, 0.5, 1.0, 1.0, 1.0, 1.0],
+        }
+    }
+
+    fn faults(change: impl FnOnce(&mut Curve)) -> Vec<String> {
+        let mut curve = cubic();
+        change(&mut curve);
+        curve.faults().iter().map(ToString::to_string).collect()
+    }
+
+    #[test]
+    fn a_valid_curve_has_no_faults() {
+        assert_eq!(cubic().faults(), []);
+    }
+
+    #[test]
+    fn every_rule_is_checked() {
+        type Change = fn(&mut Curve);
+        let cases: [(Change, &str); 14] = [
+            (|c| c.degree = 0, "degree 0 is not supported"),
+            (|c| c.degree = 10, "degree 10 is not supported"),
+            (|c| c.control_points_mm.truncate(3), "too few control points: 3"),
+            (|c| c.weights.truncate(2), "wrong number of weights: 2"),
+            (|c| c.knots.push(1.0), "wrong number of knots: 10"),
+            (|c| c.control_points_mm[2][1] = f64::NAN, "control point 2 has the coordinate NaN"),
+            (|c| c.control_points_mm[2][1] = 2e7, "control point 2 has the coordinate 20000000"),
+            (|c| c.weights[4] = 0.0, "weight 4 is 0"),
+            (|c| c.weights[4] = f64::NAN, "weight 4 is NaN"),
+            (|c| c.knots[4] = f64::INFINITY, "knot 4 is inf"),
+            (|c| c.knots[4] = -0.5, "knots decrease: knot 4 is -0.5, after 0"),
+            (|c| c.knots.fill(3.0), "all knots are 3: the parameter has no range"),
+            (|c| c.knots[3] = 0.1, "the curve is not clamped: its first knot is there 3 times"),
+            (|c| c.knots[4] = 1.0, "the curve is not clamped: its last knot is there 5 times"),
+        ];
+        for (change, message) in cases {
+            let found = faults(change);
+            assert!(found.iter().any(|fault| fault == message), "{message}: {found:?}");
+        }
+        assert_eq!(faults(|c| c.control_points_mm.fill([1.0; 3])).len(), 1);
+    }
+
+    #[test]
+    fn an_inner_knot_breaks_the_curve_when_it_repeats_too_often() {
+        let mut curve = cubic();
+        curve.degree = 1;
+        curve.knots = vec![0.0, 0.0, 0.5, 0.5, 0.6, 1.0, 1.0];
+        let fault = CurveFault::KnotRepeatsTooOften { index: 3, multiplicity: 2, degree: 1 };
+        assert_eq!(curve.faults(), [fault]);
+        assert_eq!(fault.element(), Element::Knot(3));
+    }
+}

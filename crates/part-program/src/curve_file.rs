@@ -1,0 +1,184 @@
+//! A curve file: TOML with the table `[curve]`, and beside it `[machine]` and the figures that a paper printed.
+
+use toml::Spanned;
+use toml::de::{DeArray, DeTable, DeValue};
+
+use crate::curve::{Curve, Element};
+use crate::diagnostic::Report;
+use crate::machine::{self, Machine};
+use crate::source::Span;
+use crate::toml_table::{self, TableReader, wrong_kind};
+
+/// What a curve file holds.
+pub(crate) struct CurveFile {
+    pub(crate) curve: Curve,
+    pub(crate) machine: Option<Machine>,
+    pub(crate) published: Option<toml::Table>,
+}
+
+/// Reads a curve file; `None` if an error was said.
+pub(crate) fn read(report: &mut Report<'_>, text: &str) -> Option<CurveFile> {
+    let document = toml_table::parse(report, text)?;
+    let root = document.get_ref();
+    let mut keys = TableReader::new(report, "the file", Span::default(), root);
+    let curve = keys.table("curve");
+    let machine = keys.table("machine");
+    if curve.is_none() && !keys.report.has_errors() {
+        let expected = "[curve] with degree, control_points_mm and knots";
+        keys.report.error(Span::default(), "the file has no table [curve]").expected(expected);
+    }
+    let published = published(keys.report, root);
+    let curve = curve.and_then(|(header, table)| curve_from(report, header, table));
+    let machine = machine.map(|(header, table)| machine::from_table(report, header, table));
+    let file = CurveFile { curve: curve?, machine: machine.flatten(), published };
+    (!report.has_errors()).then_some(file)
+}
+
+/// The tables `table_…`: what a paper published about the curve. Every other table beside `[curve]` and `[machine]`
+/// is an error.
+fn published(report: &mut Report<'_>, root: &DeTable<'_>) -> Option<toml::Table> {
+    const TABLES: [&str; 2] = ["curve", "machine"];
+    let mut published = toml::Table::new();
+    for (key, value) in root {
+        let name = key.get_ref().as_ref();
+        if name.starts_with("table_") {
+            published.insert(name.to_owned(), owned(value.get_ref(), 0)?);
+        } else if !TABLES.contains(&name) {
+            let diagnostic = report.error(key.span(), format!("unknown key `{name}` in the file"));
+            diagnostic.expected("[curve], [machine] or [table_…] with published figures");
+            if let Some(near) = toml_table::nearest(name, &TABLES) {
+                diagnostic.hint(format!("did you mean `{near}`?"));
+            }
+        }
+    }
+    (!published.is_empty()).then_some(published)
+}
+
+/// A value without its places. Numbers too large for TOML's types are kept as text.
+fn owned(value: &DeValue<'_>, depth: usize) -> Option<toml::Value> {
+    const MAX_DEPTH: usize = 16;
+    if depth > MAX_DEPTH {
+        return None;
+    }
+    Some(match value {
+        DeValue::String(text) => toml::Value::String(text.to_string()),
+        DeValue::Integer(integer) => i64::from_str_radix(integer.as_str(), integer.radix())
+            .map_or_else(|_| toml::Value::String(integer.to_string()), toml::Value::Integer),
+        DeValue::Float(float) => toml::Value::Float(float.as_str().parse().ok()?),
+        DeValue::Boolean(truth) => toml::Value::Boolean(*truth),
+        DeValue::Datetime(datetime) => toml::Value::Datetime(*datetime),
+        DeValue::Array(array) => {
+            toml::Value::Array(array.iter().map(|item| owned(item.get_ref(), depth + 1)).collect::<Option<_>>()?)
+        }
+        DeValue::Table(table) => toml::Value::Table(
+            table
+                .iter()
+                .map(|(key, item)| Some((key.get_ref().to_string(), owned(item.get_ref(), depth + 1)?)))
+                .collect::<Option<_>>()?,
+        ),
+    })
+}
+
+/// Where each number of a curve stands.
+#[derive(Default)]
+struct Places {
+    degree: Span,
+    points: Span,
+    point: Vec<Span>,
+    weights: Span,
+    weight: Vec<Span>,
+    knots: Span,
+    knot: Vec<Span>,
+}
+
+impl Places {
+    fn of(&self, element: Element) -> Span {
+        let one = |places: &[Span], index: usize, all: Span| places.get(index).copied().unwrap_or(all);
+        match element {
+            Element::Degree => self.degree,
+            Element::ControlPoints => self.points,
+            Element::ControlPoint(index) => one(&self.point, index, self.points),
+            Element::Weights => self.weights,
+            Element::Weight(index) => one(&self.weight, index, self.weights),
+            Element::Knots => self.knots,
+            Element::Knot(index) => one(&self.knot, index, self.knots),
+        }
+    }
+}
+
+fn curve_from(report: &mut Report<'_>, header: Span, table: &DeTable<'_>) -> Option<Curve> {
+    let mut keys = TableReader::new(report, "[curve]", header, table);
+    let mut places = Places::default();
+    let degree = keys.whole_number("degree", "a whole number");
+    places.degree = keys.optional("degree").map_or(header, |value| value.span().into());
+    let points = keys.array("control_points_mm");
+    let weights = keys.optional("weights");
+    let knots = keys.array("knots");
+    keys.finish();
+
+    let weights = weights.map(|value| toml_table::array(report, "weights", value));
+    let points = points.and_then(|(span, array)| {
+        places.points = span;
+        control_points(report, array, &mut places.point)
+    });
+    let weights = match weights {
+        None => Some(vec![1.0; points.as_ref().map_or(0, |(points, _)| points.len())]),
+        Some(array) => array.and_then(|(span, array)| {
+            places.weights = span;
+            numbers(report, "weights", array, &mut places.weight)
+        }),
+    };
+    let knots = knots.and_then(|(span, array)| {
+        places.knots = span;
+        numbers(report, "knots", array, &mut places.knot)
+    });
+    let (control_points_mm, dimension) = points?;
+    let degree = usize::try_from(degree?).ok()?;
+    let curve = Curve { degree, control_points_mm, dimension, weights: weights?, knots: knots? };
+    for fault in curve.faults() {
+        report.error(places.of(fault.element()), fault.to_string()).expected(fault.expected());
+    }
+    Some(curve)
+}
+
+fn numbers(report: &mut Report<'_>, key: &str, array: &DeArray<'_>, places: &mut Vec<Span>) -> Option<Vec<f64>> {
+    places.extend(array.iter().map(|item| Span::from(item.span())));
+    let numbers: Vec<_> = array.iter().map(|item| toml_table::number(report, key, item)).collect();
+    numbers.into_iter().collect()
+}
+
+/// The points, and how many coordinates each has.
+fn control_points(
+    report: &mut Report<'_>,
+    array: &DeArray<'_>,
+    places: &mut Vec<Span>,
+) -> Option<(Vec<[f64; 3]>, usize)> {
+    places.extend(array.iter().map(|item| Span::from(item.span())));
+    let dimension = array.first().and_then(|first| first.get_ref().as_array()).map_or(0, DeArray::len);
+    let points: Vec<_> = array.iter().map(|item| control_point(report, item, dimension)).collect();
+    Some((points.into_iter().collect::<Option<_>>()?, dimension.max(2)))
+}
+
+fn control_point(report: &mut Report<'_>, item: &Spanned<DeValue<'_>>, dimension: usize) -> Option<[f64; 3]> {
+    const KEY: &str = "control_points_mm";
+    let DeValue::Array(coordinates) = item.get_ref() else {
+        wrong_kind(report, KEY, item, "points of 2 or 3 coordinates, as [x, y] or [x, y, z]");
+        return None;
+    };
+    let found = coordinates.len();
+    if !(2..=3).contains(&found) {
+        let message = format!("a control point has {found} coordinates");
+        report.error(item.span(), message).expected("2 or 3 coordinates, as [x, y] or [x, y, z]");
+        return None;
+    }
+    if found != dimension && (2..=3).contains(&dimension) {
+        let message = format!("a control point has {found} coordinates, the first has {dimension}");
+        report.error(item.span(), message).expected("the same number of coordinates in every point");
+        return None;
+    }
+    let mut point = [0.0; 3];
+    for (coordinate, value) in point.iter_mut().zip(coordinates.iter()) {
+        *coordinate = toml_table::number(report, KEY, value)?;
+    }
+    Some(point)
+}

@@ -1,0 +1,311 @@
+//! What a reader has to say about a text, printed as a compiler prints it.
+//!
+//! ```text
+//! error: unknown key `weigths`
+//!   --> part.toml:4:1
+//!    |
+//!  4 | weigths = [1, 1]
+//!    | ^^^^^^^
+//!    = expected: degree, control_points_mm, weights or knots
+//!    = help: did you mean `weights`?
+//! ```
+
+use std::fmt;
+use std::sync::Arc;
+
+use unicode_width::UnicodeWidthStr;
+
+use crate::source::{Place, Source, Span};
+
+/// Diagnostics kept of one text; the rest are counted. It bounds memory when a large file of another kind is read.
+pub const MAX_DIAGNOSTICS: usize = 1000;
+
+/// Characters of a source line that are kept around the offending word.
+const EXCERPT: usize = 100;
+
+/// How bad it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Severity {
+    /// The text cannot be used.
+    Error,
+    /// The text can be used, but not all of it was.
+    Warning,
+}
+
+/// One thing to say about one place of a text.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Diagnostic {
+    /// How bad it is.
+    pub severity: Severity,
+    /// Name of the text, as the caller gave it.
+    pub file: Arc<str>,
+    /// Line, from 1.
+    pub line: usize,
+    /// Column of the first offending character, from 1, in characters.
+    pub column: usize,
+    /// Number of offending characters on that line, at least 1.
+    pub length: usize,
+    /// What is wrong, naming the value and the violated relation.
+    pub message: String,
+    /// What would have been right.
+    pub expected: Option<String>,
+    /// What to do about it.
+    pub hint: Option<String>,
+    excerpt: Excerpt,
+}
+
+/// The part of a source line that is shown.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+struct Excerpt {
+    before: String,
+    word: String,
+    after: String,
+}
+
+impl Diagnostic {
+    pub(crate) fn new(severity: Severity, source: &Source<'_>, span: Span, message: String) -> Self {
+        let place = source.place(span);
+        Self {
+            severity,
+            file: Arc::clone(&source.name),
+            line: place.line,
+            column: place.column,
+            length: place.length,
+            message,
+            expected: None,
+            hint: None,
+            excerpt: Excerpt::new(&place),
+        }
+    }
+
+    /// Says what would have been right.
+    pub(crate) fn expected(&mut self, expected: impl Into<String>) -> &mut Self {
+        self.expected = Some(expected.into());
+        self
+    }
+
+    /// Says what to do about it.
+    pub(crate) fn hint(&mut self, hint: impl Into<String>) -> &mut Self {
+        self.hint = Some(hint.into());
+        self
+    }
+}
+
+impl Excerpt {
+    fn new(place: &Place<'_>) -> Self {
+        let (before, rest) = place.line_text.split_at(place.offset);
+        let skipped = before.chars().count().saturating_sub(EXCERPT / 2);
+        let (skip_mark, before) = if skipped > 0 {
+            ("…", before.char_indices().nth(skipped).map_or("", |(at, _)| &before[at..]))
+        } else {
+            ("", before)
+        };
+        let word: String = rest.chars().take(place.length.min(EXCERPT)).map(printable).collect();
+        let mut tail = rest.chars().skip(place.length).map(printable);
+        let mut after: String = tail.by_ref().take(EXCERPT / 2).collect();
+        if place.length > EXCERPT || tail.next().is_some() {
+            after.push('…');
+        }
+        Self { before: skip_mark.chars().chain(before.chars().map(printable)).collect(), word, after }
+    }
+}
+
+/// The character itself, or what stands for it where a terminal would act on it.
+fn printable(c: char) -> char {
+    match c {
+        '\t' => ' ',
+        c if c.is_control() => '\u{fffd}',
+        c => c,
+    }
+}
+
+impl fmt::Display for Severity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Error => "error",
+            Self::Warning => "warning",
+        })
+    }
+}
+
+impl fmt::Display for Diagnostic {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Excerpt { before, word, after } = &self.excerpt;
+        let gutter = self.line.to_string().len().max(2);
+        let indent = before.width();
+        let underline = "^".repeat(word.width().max(1));
+        writeln!(f, "{}: {}", self.severity, self.message)?;
+        writeln!(f, "{:gutter$}--> {}:{}:{}", "", self.file, self.line, self.column)?;
+        writeln!(f, "{:gutter$} |", "")?;
+        writeln!(f, "{:gutter$} | {before}{word}{after}", self.line)?;
+        write!(f, "{:gutter$} | {:indent$}{underline}", "", "")?;
+        for (label, text) in [("expected", &self.expected), ("help", &self.hint)] {
+            if let Some(text) = text {
+                write!(f, "\n{:gutter$} = {label}: {text}", "")?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// All errors of one text: never empty when returned as an error.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Diagnostics {
+    list: Vec<Diagnostic>,
+    omitted: usize,
+}
+
+impl Diagnostics {
+    /// The diagnostics that were kept, in the order of the text where the format allows.
+    pub fn iter(&self) -> std::slice::Iter<'_, Diagnostic> {
+        self.list.iter()
+    }
+
+    /// How many there are, with those beyond [`MAX_DIAGNOSTICS`].
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.list.len() + self.omitted
+    }
+}
+
+impl<'d> IntoIterator for &'d Diagnostics {
+    type Item = &'d Diagnostic;
+    type IntoIter = std::slice::Iter<'d, Diagnostic>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.iter()
+    }
+}
+
+impl fmt::Display for Diagnostics {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, diagnostic) in self.list.iter().enumerate() {
+            if index > 0 {
+                f.write_str("\n\n")?;
+            }
+            diagnostic.fmt(f)?;
+        }
+        if self.omitted > 0 {
+            write!(f, "\n\nand {} more", self.omitted)?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for Diagnostics {}
+
+/// Collects what is said while a text is read.
+pub(crate) struct Report<'t> {
+    pub(crate) source: Source<'t>,
+    errors: Diagnostics,
+    warnings: Diagnostics,
+    /// Takes what is said about a diagnostic that was not kept.
+    scratch: Diagnostic,
+}
+
+impl<'t> Report<'t> {
+    pub(crate) fn new(source: Source<'t>) -> Self {
+        let scratch = Diagnostic::new(Severity::Error, &source, Span::default(), String::new());
+        Self { source, errors: Diagnostics::default(), warnings: Diagnostics::default(), scratch }
+    }
+
+    pub(crate) fn error(&mut self, span: impl Into<Span>, message: impl Into<String>) -> &mut Diagnostic {
+        self.say(Severity::Error, span.into(), message.into())
+    }
+
+    pub(crate) fn warning(&mut self, span: impl Into<Span>, message: impl Into<String>) -> &mut Diagnostic {
+        self.say(Severity::Warning, span.into(), message.into())
+    }
+
+    fn say(&mut self, severity: Severity, span: Span, message: String) -> &mut Diagnostic {
+        let kept = match severity {
+            Severity::Error => &mut self.errors,
+            Severity::Warning => &mut self.warnings,
+        };
+        if kept.list.len() == MAX_DIAGNOSTICS {
+            kept.omitted += 1;
+            return &mut self.scratch;
+        }
+        let diagnostic = Diagnostic::new(severity, &self.source, span, message);
+        let index = kept.list.len();
+        kept.list.push(diagnostic);
+        &mut kept.list[index]
+    }
+
+    /// Whether an error has been said.
+    pub(crate) fn has_errors(&self) -> bool {
+        !self.errors.list.is_empty()
+    }
+
+    /// The warnings, or the errors if there are any, sorted by place.
+    pub(crate) fn finish(mut self) -> Result<Vec<Diagnostic>, Diagnostics> {
+        let place = |diagnostic: &Diagnostic| (diagnostic.line, diagnostic.column);
+        if self.has_errors() {
+            self.errors.list.sort_by_key(place);
+            return Err(self.errors);
+        }
+        self.warnings.list.sort_by_key(place);
+        Ok(self.warnings.list)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn say(text: &str, span: Span) -> Diagnostic {
+        Diagnostic::new(Severity::Error, &Source::new("part.nc", text), span, "wrong word".into())
+    }
+
+    #[test]
+    fn prints_like_a_compiler() {
+        let mut diagnostic = say("G90\nG1 XX10\n", Span::new(7, 8));
+        diagnostic.expected("a number").hint("write X10");
+        let printed = "error: wrong word
+  --> part.nc:2:4
+   |
+ 2 | G1 XX10
+   |    ^
+   = expected: a number
+   = help: write X10";
+        assert_eq!(diagnostic.to_string(), printed);
+    }
+
+    #[test]
+    fn underline_stands_below_wide_characters_and_tabs() {
+        let printed = say("(切削)\tQ1", Span::new(9, 11)).to_string();
+        let lines: Vec<_> = printed.lines().collect();
+        assert_eq!(lines[3], " 1 | (切削) Q1");
+        assert_eq!(lines[4], "   |        ^^");
+    }
+
+    #[test]
+    fn a_long_line_is_cut_around_the_word() {
+        let text = format!("{}Q{}", "X1".repeat(5000), "Y".repeat(5000));
+        let diagnostic = say(&text, Span::new(10_000, 10_001));
+        assert_eq!(diagnostic.column, 10_001);
+        let printed = diagnostic.to_string();
+        assert!(printed.len() < 1000, "{} bytes", printed.len());
+        let lines: Vec<_> = printed.lines().collect();
+        let underlined = lines[4].find('^').map(|at| lines[3].chars().nth(at));
+        assert_eq!(underlined, Some(Some('Q')), "{printed}");
+    }
+
+    #[test]
+    fn control_characters_do_not_reach_the_terminal() {
+        let printed = say("G1 \u{1b}[2J X1", Span::new(3, 4)).to_string();
+        assert!(!printed.contains('\u{1b}'), "{printed:?}");
+    }
+
+    #[test]
+    fn diagnostics_beyond_the_limit_are_counted() {
+        let mut report = Report::new(Source::new("p", "x"));
+        for _ in 0..MAX_DIAGNOSTICS + 7 {
+            report.error(Span::new(0, 1), "no").hint("none");
+        }
+        let errors = report.finish().unwrap_err();
+        assert_eq!(errors.count(), MAX_DIAGNOSTICS + 7);
+        assert_eq!(errors.iter().count(), MAX_DIAGNOSTICS);
+        assert!(errors.to_string().ends_with("and 7 more"));
+    }
+}

@@ -1,0 +1,246 @@
+//! A machine's limits: the table `[machine]` of a TOML file.
+
+use serde::Serialize;
+use toml::de::DeTable;
+
+use crate::diagnostic::{Diagnostics, Report};
+use crate::source::Span;
+use crate::toml_table::{self, Domain, TableReader};
+
+/// The limits that a part is to be run with.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Machine {
+    /// T, time between two setpoints, in ms.
+    pub interpolation_period_ms: f64,
+    /// F, feedrate where the part commands none, in mm/s.
+    pub feedrate_mm_per_s: f64,
+    /// A, acceleration along the path, in mm/s².
+    pub acceleration_mm_per_s2: f64,
+    /// J, jerk along the path, in mm/s³.
+    pub jerk_mm_per_s3: f64,
+    /// E_max, distance allowed between chord and arc, in mm.
+    pub chord_error_mm: f64,
+    /// Δ, feedrate fluctuation allowed, a ratio.
+    pub fluctuation_limit: f64,
+    /// ε, change of the parameter at which a solver may stop.
+    pub parameter_tolerance: f64,
+    /// K, iterations after which a solver must stop.
+    pub max_iterations: u32,
+    /// Acceleration across the path, in mm/s².
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub centripetal_acceleration_mm_per_s2: Option<f64>,
+    /// Limits of single axes.
+    pub axes: Axes,
+}
+
+/// Limits of single axes, where the file gives them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Axes {
+    /// Table `[machine.axes.x]`.
+    pub x: AxisLimits,
+    /// Table `[machine.axes.y]`.
+    pub y: AxisLimits,
+    /// Table `[machine.axes.z]`.
+    pub z: AxisLimits,
+}
+
+/// What one axis can do.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct AxisLimits {
+    /// In mm/s.
+    pub velocity_mm_per_s: Option<f64>,
+    /// In mm/s².
+    pub acceleration_mm_per_s2: Option<f64>,
+    /// In mm/s³.
+    pub jerk_mm_per_s3: Option<f64>,
+}
+
+/// Reads a machine file: TOML with a table `[machine]`. Other tables of a curve file may stand beside it.
+///
+/// # Errors
+/// Everything that is wrong with the text, each at its place.
+pub fn read_machine(name: &str, text: &str) -> Result<Machine, Diagnostics> {
+    let mut report = toml_table::report(name, text);
+    let machine = toml_table::parse(&mut report, text).and_then(|document| {
+        let mut root = TableReader::new(&mut report, "the file", Span::default(), document.get_ref());
+        let Some((header, table)) = root.table("machine") else {
+            if !root.report.has_errors() {
+                root.report
+                    .error(Span::default(), "the file has no table [machine]")
+                    .expected("[machine] with interpolation_period_ms, feedrate_mm_per_s and the other limits");
+            }
+            return None;
+        };
+        from_table(&mut report, header, table)
+    });
+    match (report.finish(), machine) {
+        (Ok(_), Some(machine)) => Ok(machine),
+        (Err(errors), _) => Err(errors),
+        (Ok(_), None) => Err(Diagnostics::default()),
+    }
+}
+
+/// Positive and at most a bound that no machine reaches; a unit mistaken by a factor of a thousand is found here.
+macro_rules! up_to {
+    ($bound:literal, $unit:literal) => {
+        Domain {
+            expected: concat!("a number above 0 and at most ", $bound, " ", $unit),
+            holds: |x| x > 0.0 && x <= $bound,
+        }
+    };
+}
+
+const PERIOD: Domain = up_to!(1e3, "ms");
+const FEEDRATE: Domain = up_to!(1e5, "mm/s");
+const ACCELERATION: Domain = up_to!(1e8, "mm/s²");
+const JERK: Domain = up_to!(1e12, "mm/s³");
+const CHORD_ERROR: Domain = up_to!(1e2, "mm");
+const RATIO: Domain = Domain { expected: "a ratio above 0 and below 1", holds: |x| x > 0.0 && x < 1.0 };
+/// More iterations than this are a loop, not a solver.
+const MAX_ITERATIONS: u32 = 1000;
+
+/// Reads the table `[machine]`; `None` if an error was said.
+pub(crate) fn from_table(report: &mut Report<'_>, header: Span, table: &DeTable<'_>) -> Option<Machine> {
+    let mut keys = TableReader::new(report, "[machine]", header, table);
+    let interpolation_period_ms = keys.number("interpolation_period_ms", PERIOD);
+    let feedrate_mm_per_s = keys.number("feedrate_mm_per_s", FEEDRATE);
+    let acceleration_mm_per_s2 = keys.number("acceleration_mm_per_s2", ACCELERATION);
+    let jerk_mm_per_s3 = keys.number("jerk_mm_per_s3", JERK);
+    let chord_error_mm = keys.number("chord_error_mm", CHORD_ERROR);
+    let fluctuation_limit = keys.number("fluctuation_limit", RATIO);
+    let parameter_tolerance = keys.number("parameter_tolerance", RATIO);
+    let max_iterations = max_iterations(&mut keys);
+    let centripetal_acceleration_mm_per_s2 =
+        keys.optional_number("centripetal_acceleration_mm_per_s2", ACCELERATION);
+    let axes = keys.table("axes");
+    keys.finish();
+    let axes = axes.map_or_else(Axes::default, |(header, table)| axes_from(report, header, table));
+    Some(Machine {
+        interpolation_period_ms: interpolation_period_ms?,
+        feedrate_mm_per_s: feedrate_mm_per_s?,
+        acceleration_mm_per_s2: acceleration_mm_per_s2?,
+        jerk_mm_per_s3: jerk_mm_per_s3?,
+        chord_error_mm: chord_error_mm?,
+        fluctuation_limit: fluctuation_limit?,
+        parameter_tolerance: parameter_tolerance?,
+        max_iterations: max_iterations?,
+        centripetal_acceleration_mm_per_s2,
+        axes,
+    })
+}
+
+fn max_iterations(keys: &mut TableReader<'_, '_, '_>) -> Option<u32> {
+    const KEY: &str = "max_iterations";
+    let expected = format!("a whole number of 1 to {MAX_ITERATIONS}");
+    let iterations = keys.whole_number(KEY, &expected)?;
+    if !(1..=MAX_ITERATIONS).contains(&iterations) {
+        let span = keys.optional(KEY).map_or_else(Span::default, |value| value.span().into());
+        keys.report.error(span, format!("`{KEY}` is {iterations}")).expected(expected);
+        return None;
+    }
+    Some(iterations)
+}
+
+fn axes_from(report: &mut Report<'_>, header: Span, table: &DeTable<'_>) -> Axes {
+    let mut axis = |key: &'static str| {
+        let mut keys = TableReader::new(report, "[machine.axes]", header, table);
+        let Some((header, table)) = keys.table(key) else { return AxisLimits::default() };
+        let mut keys = TableReader::new(report, format!("[machine.axes.{key}]"), header, table);
+        let limits = AxisLimits {
+            velocity_mm_per_s: keys.optional_number("velocity_mm_per_s", FEEDRATE),
+            acceleration_mm_per_s2: keys.optional_number("acceleration_mm_per_s2", ACCELERATION),
+            jerk_mm_per_s3: keys.optional_number("jerk_mm_per_s3", JERK),
+        };
+        keys.finish();
+        limits
+    };
+    let axes = Axes { x: axis("x"), y: axis("y"), z: axis("z") };
+    let mut keys = TableReader::new(report, "[machine.axes]", header, table);
+    for key in ["x", "y", "z"] {
+        keys.optional(key);
+    }
+    keys.finish();
+    axes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const GOOD: &str = "[machine]
+interpolation_period_ms = 3.0
+feedrate_mm_per_s = 200
+acceleration_mm_per_s2 = 5000.0
+jerk_mm_per_s3 = 400_000.0
+chord_error_mm = 0.0005
+fluctuation_limit = 1e-6
+parameter_tolerance = 1e-6
+max_iterations = 5
+";
+
+    #[test]
+    fn reads_limits_and_axes() {
+        let text = format!(
+            "{GOOD}centripetal_acceleration_mm_per_s2 = 2500\n[machine.axes.x]\nvelocity_mm_per_s = 150\n\
+             [machine.axes.z]\njerk_mm_per_s3 = 1e5\n"
+        );
+        let machine = read_machine("m.toml", &text).unwrap();
+        assert_eq!(machine.feedrate_mm_per_s, 200.0);
+        assert_eq!(machine.jerk_mm_per_s3, 400_000.0);
+        assert_eq!(machine.max_iterations, 5);
+        assert_eq!(machine.centripetal_acceleration_mm_per_s2, Some(2500.0));
+        assert_eq!(machine.axes.x.velocity_mm_per_s, Some(150.0));
+        assert_eq!(machine.axes.y, AxisLimits::default());
+        assert_eq!(machine.axes.z.jerk_mm_per_s3, Some(1e5));
+    }
+
+    #[test]
+    fn every_limit_is_checked_and_all_errors_are_said() {
+        let text = "[machine]
+interpolation_period_ms = 0
+feedrate_mm_per_s = nan
+acceleration_mm_per_s2 = -5000.0
+jerk_mm_per_s3 = inf
+chord_error_mm = \"fine\"
+fluctuation_limit = 1.0
+parameter_tolerance = 0.0
+max_iterations = 0
+centripetal_acceleration_mm_per_s2 = -1
+feed_rate = 3
+[machine.axes.x]
+velocity = 3
+[machine.axes.w]
+";
+        let errors = read_machine("m.toml", text).unwrap_err();
+        let said: Vec<_> = errors.iter().map(|e| format!("{}:{} {}", e.line, e.column, e.message)).collect();
+        let expected = [
+            "2:27 `interpolation_period_ms` is 0",
+            "3:21 `feedrate_mm_per_s` is NaN",
+            "4:26 `acceleration_mm_per_s2` is -5000",
+            "5:18 `jerk_mm_per_s3` is inf",
+            "6:18 `chord_error_mm` holds a string",
+            "7:21 `fluctuation_limit` is 1",
+            "8:23 `parameter_tolerance` is 0",
+            "9:18 `max_iterations` is 0",
+            "10:38 `centripetal_acceleration_mm_per_s2` is -1",
+            "11:1 unknown key `feed_rate` in [machine]",
+            "13:1 unknown key `velocity` in [machine.axes.x]",
+            "14:15 unknown key `w` in [machine.axes]",
+        ];
+        assert_eq!(said, expected);
+    }
+
+    #[test]
+    fn a_missing_limit_and_a_missing_table_are_named() {
+        let errors = read_machine("m.toml", &GOOD.replace("feedrate_mm_per_s = 200\n", "")).unwrap_err();
+        assert_eq!(errors.iter().next().unwrap().message, "`feedrate_mm_per_s` is missing in [machine]");
+        let errors = read_machine("m.toml", "").unwrap_err();
+        assert_eq!(errors.iter().next().unwrap().message, "the file has no table [machine]");
+    }
+
+    #[test]
+    fn a_syntax_error_has_a_place() {
+        let errors = read_machine("m.toml", "[machine]\nfeedrate_mm_per_s = = 3\n").unwrap_err();
+        assert_eq!(errors.iter().next().unwrap().line, 2);
+    }
+}

@@ -1,0 +1,58 @@
+//! A part: the curves of one file, in the order in which they are followed.
+
+use crate::curve::Curve;
+use crate::diagnostic::Diagnostic;
+use crate::machine::Machine;
+
+/// What a part program or a curve file says.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Part {
+    /// Name of the text, as the caller gave it.
+    pub name: String,
+    /// The curves, in the order in which they are followed; never empty.
+    pub curves: Vec<Curve>,
+    /// What the program says of each curve: `moves[i]` belongs to `curves[i]`.
+    pub moves: Vec<Move>,
+    /// The feedrate that the program commands, in mm/s; the highest, if it commands several.
+    pub feedrate_mm_per_s: Option<f64>,
+    /// The machine that the file names, if it does.
+    pub machine: Option<Machine>,
+    /// Figures that a paper published about the curve: the tables `[table_…]` of a curve file.
+    pub published: Option<toml::Table>,
+    /// What was read over, and what is odd.
+    pub warnings: Vec<Diagnostic>,
+}
+
+/// How a curve is to be followed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Move {
+    /// At the commanded feedrate, or as fast as the machine can.
+    pub kind: MoveKind,
+    /// What the program wrote.
+    pub shape: Shape,
+    /// The feedrate in force, in mm/s.
+    pub feedrate_mm_per_s: Option<f64>,
+    /// Line of the block that commands it, from 1.
+    pub line: usize,
+}
+
+/// With or without cutting.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MoveKind {
+    /// As fast as the machine can; no feedrate holds.
+    Rapid,
+    /// At the commanded feedrate.
+    Feed,
+}
+
+/// What a program or a drawing calls a curve.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Shape {
+    /// A straight line, degree 1.
+    Line,
+    /// A circular arc or a helix, rational.
+    Arc,
+    /// A spline as it was given.
+    Nurbs,
+}

@@ -1,0 +1,205 @@
+//! A TOML table read key by key, so that each fault is said at its own place and none hides another.
+
+use toml::Spanned;
+use toml::de::{DeArray, DeTable, DeValue};
+
+use crate::diagnostic::Report;
+use crate::source::{Source, Span};
+
+/// What a number must be.
+#[derive(Clone, Copy)]
+pub(crate) struct Domain {
+    /// Said when it is not.
+    pub(crate) expected: &'static str,
+    pub(crate) holds: fn(f64) -> bool,
+}
+
+/// One table and the keys that were asked for.
+pub(crate) struct TableReader<'r, 'd, 't> {
+    pub(crate) report: &'r mut Report<'t>,
+    table: &'d DeTable<'d>,
+    /// Name with brackets, as the user wrote it.
+    name: String,
+    header: Span,
+    known: Vec<&'static str>,
+}
+
+impl<'r, 'd, 't> TableReader<'r, 'd, 't> {
+    pub(crate) fn new(
+        report: &'r mut Report<'t>,
+        name: impl Into<String>,
+        header: Span,
+        table: &'d DeTable<'d>,
+    ) -> Self {
+        Self { report, table, name: name.into(), header, known: Vec::new() }
+    }
+
+    /// The value of a key, if it is there.
+    pub(crate) fn optional(&mut self, key: &'static str) -> Option<&'d Spanned<DeValue<'d>>> {
+        self.known.push(key);
+        self.table.get(key)
+    }
+
+    /// The value of a key; its absence is an error.
+    pub(crate) fn required(&mut self, key: &'static str) -> Option<&'d Spanned<DeValue<'d>>> {
+        let value = self.optional(key);
+        if value.is_none() {
+            let message = format!("`{key}` is missing in {}", self.name);
+            self.report.error(self.header, message).expected(format!("a line `{key} = …`"));
+        }
+        value
+    }
+
+    /// A required number within `domain`.
+    pub(crate) fn number(&mut self, key: &'static str, domain: Domain) -> Option<f64> {
+        let value = self.required(key)?;
+        self.number_of(key, value, domain)
+    }
+
+    /// A number within `domain`, if the key is there.
+    pub(crate) fn optional_number(&mut self, key: &'static str, domain: Domain) -> Option<f64> {
+        let value = self.optional(key)?;
+        self.number_of(key, value, domain)
+    }
+
+    fn number_of(&mut self, key: &str, value: &Spanned<DeValue<'_>>, domain: Domain) -> Option<f64> {
+        let number = number(self.report, key, value)?;
+        if !(domain.holds)(number) {
+            let message = format!("`{key}` is {number}");
+            self.report.error(value.span(), message).expected(domain.expected);
+            return None;
+        }
+        Some(number)
+    }
+
+    /// A required whole number of 0 to 2³² - 1.
+    pub(crate) fn whole_number(&mut self, key: &'static str, expected: &str) -> Option<u32> {
+        let value = self.required(key)?;
+        let whole = match value.get_ref() {
+            DeValue::Integer(integer) => u32::from_str_radix(integer.as_str(), integer.radix()).ok(),
+            _ => None,
+        };
+        if whole.is_none() {
+            let text = self.report.source.slice(value.span().into());
+            self.report.error(value.span(), format!("`{key}` is {text}")).expected(expected);
+        }
+        whole
+    }
+
+    /// A required array.
+    pub(crate) fn array(&mut self, key: &'static str) -> Option<(Span, &'d DeArray<'d>)> {
+        let value = self.required(key)?;
+        array(self.report, key, value)
+    }
+
+    /// A table within this one, if it is there, with its header's place.
+    pub(crate) fn table(&mut self, key: &'static str) -> Option<(Span, &'d DeTable<'d>)> {
+        let value = self.optional(key)?;
+        let DeValue::Table(table) = value.get_ref() else {
+            wrong_kind(self.report, key, value, "a table");
+            return None;
+        };
+        Some((value.span().into(), table))
+    }
+
+    /// Says every key that was not asked for.
+    pub(crate) fn finish(self) {
+        for key in self.table.keys().filter(|key| !self.known.contains(&key.get_ref().as_ref())) {
+            let diagnostic = self.report.error(key.span(), format!("unknown key `{key}` in {}", self.name));
+            diagnostic.expected(listed(&self.known));
+            if let Some(near) = nearest(key.get_ref(), &self.known) {
+                diagnostic.hint(format!("did you mean `{near}`?"));
+            }
+        }
+    }
+}
+
+/// Parses `source`, telling every syntax error at its place.
+pub(crate) fn parse<'t>(report: &mut Report<'_>, source_text: &'t str) -> Option<Spanned<DeTable<'t>>> {
+    let (document, errors) = DeTable::parse_recoverable(source_text);
+    if errors.is_empty() {
+        return Some(document);
+    }
+    for error in errors {
+        report.error(error.span().unwrap_or_default(), error.message());
+    }
+    None
+}
+
+/// A finite or infinite number, whole or with a fraction.
+pub(crate) fn number(report: &mut Report<'_>, key: &str, value: &Spanned<DeValue<'_>>) -> Option<f64> {
+    let number = match value.get_ref() {
+        DeValue::Float(float) => float.as_str().parse().ok(),
+        DeValue::Integer(integer) if integer.radix() == 10 => integer.as_str().parse().ok(),
+        _ => None,
+    };
+    if number.is_none() {
+        wrong_kind(report, key, value, "a number");
+    }
+    number
+}
+
+pub(crate) fn array<'d>(
+    report: &mut Report<'_>,
+    key: &str,
+    value: &'d Spanned<DeValue<'d>>,
+) -> Option<(Span, &'d DeArray<'d>)> {
+    let DeValue::Array(array) = value.get_ref() else {
+        wrong_kind(report, key, value, "an array");
+        return None;
+    };
+    Some((value.span().into(), array))
+}
+
+pub(crate) fn wrong_kind(report: &mut Report<'_>, key: &str, value: &Spanned<DeValue<'_>>, expected: &str) {
+    let kind = value.get_ref().type_str();
+    let article = if kind.starts_with(['a', 'i']) { "an" } else { "a" };
+    report.error(value.span(), format!("`{key}` holds {article} {kind}")).expected(expected);
+}
+
+/// "a, b or c".
+pub(crate) fn listed(words: &[&str]) -> String {
+    match words {
+        [] => "nothing".into(),
+        [word] => (*word).into(),
+        [words @ .., last] => format!("{} or {last}", words.join(", ")),
+    }
+}
+
+/// The known word that `word` was probably meant to be: at most a third of its letters differ.
+pub(crate) fn nearest<'w>(word: &str, known: &[&'w str]) -> Option<&'w str> {
+    let near = |candidate: &&str| {
+        let distance = strsim::damerau_levenshtein(word, candidate);
+        (distance * 3 <= candidate.len().max(3)).then_some(distance)
+    };
+    if word.len() > 64 {
+        return None;
+    }
+    known.iter().filter_map(|candidate| Some((near(candidate)?, *candidate))).min().map(|(_, candidate)| candidate)
+}
+
+/// The text as a report on it.
+pub(crate) fn report<'t>(name: &str, text: &'t str) -> Report<'t> {
+    Report::new(Source::new(name, text))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_near_word_is_suggested_and_a_far_one_is_not() {
+        let known = ["degree", "control_points_mm", "weights", "knots"];
+        assert_eq!(nearest("weigths", &known), Some("weights"));
+        assert_eq!(nearest("control_points", &known), Some("control_points_mm"));
+        assert_eq!(nearest("colour", &known), None);
+        assert_eq!(nearest(&"weights".repeat(100), &known), None);
+    }
+
+    #[test]
+    fn words_are_listed_in_english() {
+        assert_eq!(listed(&["a", "b", "c"]), "a, b or c");
+        assert_eq!(listed(&["a"]), "a");
+        assert_eq!(listed(&[]), "nothing");
+    }
+}
