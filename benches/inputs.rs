@@ -1,0 +1,103 @@
+//! Inputs of the benches: paper A's curve, the 10-point rational one and a long space curve, with their feeds.
+
+use nurbs_core::{NurbsBuf, PieceLimits, PiecesBuf, compile};
+use real::{Backend, DoubleDouble, Real};
+use secant_interp::LengthStage;
+
+/// A curve and the feed that it is followed at, in mm per period.
+#[derive(Clone, Debug)]
+pub struct Path<const D: usize> {
+    /// The name in the bench's own name.
+    pub name: &'static str,
+    /// The curve.
+    pub curve: NurbsBuf<f64, D>,
+    /// The feed.
+    pub feed_mm: f64,
+}
+
+fn path<const D: usize>(
+    name: &'static str,
+    degree: usize,
+    points: Vec<[f64; D]>,
+    weights: Vec<f64>,
+    knots: Vec<f64>,
+    feed_mm: f64,
+) -> Path<D> {
+    let curve =
+        NurbsBuf::try_new(degree, points, weights, knots).unwrap_or_else(|error| panic!("{name}: {error}"));
+    Path { name, curve, feed_mm }
+}
+
+/// Paper A's curve at 200 mm/s and 3 ms: plane, not rational.
+///
+/// # Panics
+/// Never: the numbers are a curve.
+#[must_use]
+pub fn paper_a() -> Path<2> {
+    let points = [[150, 150], [0, 0], [0, 300], [150, 150], [300, 0], [300, 300], [150, 150]];
+    let points = points.map(|p| p.map(f64::from)).to_vec();
+    let knots = vec![0.0, 0.0, 0.0, 0.0, 0.25, 0.5, 0.75, 1.0, 1.0, 1.0, 1.0];
+    path("A", 3, points, vec![1.0; 7], knots, 0.6)
+}
+
+/// Paper D's 10-point curve at 50 mm/s and 3 ms: plane, rational.
+///
+/// # Panics
+/// Never: the numbers are a curve.
+#[must_use]
+pub fn ten_points() -> Path<2> {
+    let x = [0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 65.0, 70.0, 80.0];
+    let y = [15.0, 34.1, 10.1, 16.1, 0.9, 38.0, 2.9, 8.9, 26.1, 5.9];
+    let weights = vec![1.0, 2.0, 1.5, 1.0, 1.0, 2.0, 1.0, 1.0, 2.0, 1.0];
+    let knots = vec![0.0, 0.0, 0.0, 0.0, 0.1836, 0.2781, 0.3837, 0.5474, 0.7104, 0.8049, 1.0, 1.0, 1.0, 1.0];
+    path("B", 3, x.into_iter().zip(y).map(|(x, y)| [x, y]).collect(), weights, knots, 0.15)
+}
+
+/// A space curve of 1000 points on a wound helix, at 200 mm/s and 1 ms: a knot every few steps.
+///
+/// # Panics
+/// Never: the numbers are a curve.
+#[must_use]
+pub fn thousand_points() -> Path<3> {
+    let point = |i: i32| {
+        let t = f64::from(i) * 0.05;
+        [
+            (60.0 + 10.0 * (3.1 * t).cos()) * t.cos(),
+            (60.0 + 10.0 * (3.1 * t).cos()) * t.sin(),
+            10.0 * (3.1 * t).sin() + t,
+        ]
+    };
+    let spacing = |i: i32| f64::from(i) + 0.2 * (f64::from(i) * 0.7).sin();
+    let mut knots = vec![0.0; 4];
+    knots.extend((1..997).map(spacing));
+    knots.extend([997.0; 4]);
+    path("C", 3, (0..1000).map(point).collect(), vec![1.0; 1000], knots, 0.2)
+}
+
+impl<const D: usize> Path<D> {
+    /// The curve compiled for `R`.
+    ///
+    /// # Panics
+    /// If the format cannot hold it.
+    #[must_use]
+    pub fn pieces<R: Backend>(&self) -> PiecesBuf<R, D> {
+        let limits = PieceLimits { length_mm: 32.0, step_mm: 1.05 * self.feed_mm };
+        compile::<DoubleDouble, R, D>(&[self.curve.as_curve()], &limits)
+            .unwrap_or_else(|error| panic!("{}: {error}", self.name))
+    }
+
+    /// A feed that swings between half and full every 256 periods, in the pieces' chord units.
+    ///
+    /// # Panics
+    /// Never: the feed fits every format that the curve was compiled for.
+    #[must_use]
+    pub fn stages<R: Backend>(&self, chord_exponent: i32) -> Vec<LengthStage<R>> {
+        let full = self.feed_mm.scale(chord_exponent);
+        let feed = |part: f64| R::from_f64(full * part).unwrap_or_else(R::zero);
+        let stage = |i: u32| {
+            let (from, to) = if i % 2 == 0 { (0.5, 1.0) } else { (1.0, 0.5) };
+            LengthStage::new(128 << 32, feed(from), feed(to) - feed(from))
+        };
+        (0..4000).filter_map(stage).collect()
+    }
+}

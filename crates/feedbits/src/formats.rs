@@ -1,0 +1,72 @@
+//! `feedbits formats`: the built-in number formats.
+
+use anyhow::Result;
+use clap::Args;
+use comfy_table::{CellAlignment, Table, presets};
+use real::FormatName;
+use serde::Serialize;
+
+use crate::{Ending, output};
+
+/// Options of `formats`.
+#[derive(Args)]
+pub(crate) struct Arguments {
+    #[command(flatten)]
+    output: output::Output,
+}
+
+#[derive(Serialize)]
+struct Listed {
+    format: String,
+    bits: u32,
+    kind: &'static str,
+    largest: f64,
+    resolution_at_1: f64,
+}
+
+/// Prints name, width, range and resolution of each format.
+pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
+    let listed: Vec<Listed> = format_compare::formats::<3>()
+        .iter()
+        .map(|format| Listed {
+            format: format.name().to_string(),
+            bits: format.name().bits(),
+            kind: match format.name() {
+                FormatName::Fixed { .. } => "fixed point",
+                _ => "floating point",
+            },
+            largest: format.largest(),
+            resolution_at_1: format.resolution(),
+        })
+        .collect();
+    let text =
+        if arguments.output.json { serde_json::to_string_pretty(&listed)? + "\n" } else { table(&listed) };
+    output::write(arguments.output.out.as_deref(), &text)?;
+    Ok(Ending::Good)
+}
+
+fn table(listed: &[Listed]) -> String {
+    let mut table = Table::new();
+    table.load_preset(presets::UTF8_FULL_CONDENSED).set_header([
+        "format",
+        "bits",
+        "kind",
+        "range",
+        "step at 1",
+    ]);
+    for format in listed {
+        table.add_row([
+            format.format.clone(),
+            format.bits.to_string(),
+            format.kind.to_string(),
+            format!("±{:.3e}", format.largest),
+            format!("{:.1e}", format.resolution_at_1),
+        ]);
+    }
+    for column in [1, 3, 4] {
+        if let Some(column) = table.column_mut(column) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    format!("{table}\n")
+}

@@ -1,0 +1,99 @@
+//! `feedbits size`: the fewest bits that are enough.
+
+use std::fmt::Write;
+
+use anyhow::Result;
+use clap::Args;
+use comfy_table::{CellAlignment, Table, presets};
+use format_compare::{Mixed, Problem, Sizing};
+
+use crate::compare::{RunArguments, selected};
+use crate::input::{AnyProblem, Input};
+use crate::{Ending, output};
+
+/// Options of `size`.
+#[derive(Args)]
+pub(crate) struct Arguments {
+    #[command(flatten)]
+    input: Input,
+    #[command(flatten)]
+    run: RunArguments,
+    #[command(flatten)]
+    output: output::Output,
+}
+
+/// Searches and prints.
+pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
+    let sizing = match arguments.input.read()? {
+        AnyProblem::Planar(problem) => size(&problem, arguments)?,
+        AnyProblem::Spatial(problem) => size(&problem, arguments)?,
+    };
+    let text =
+        if arguments.output.json { serde_json::to_string_pretty(&sizing)? + "\n" } else { report(&sizing)? };
+    output::write(arguments.output.out.as_deref(), &text)?;
+    Ok(if sizing.uniform.is_some() { Ending::Good } else { Ending::RequirementNotMet })
+}
+
+fn size<const D: usize>(problem: &Problem<D>, arguments: &Arguments) -> Result<Sizing> {
+    let options = arguments.run.options()?;
+    let formats = selected::<D>(&["f64".to_string()])?;
+    let plan = format_compare::plan_for(problem, formats[0].as_ref(), &options)?;
+    Ok(format_compare::size(problem, &plan, &options)?)
+}
+
+fn report(sizing: &Sizing) -> Result<String> {
+    let mut text = String::from("Bits against fluctuation, one format for all signals:\n");
+    let mut table = Table::new();
+    table.load_preset(presets::UTF8_FULL_CONDENSED).set_header(["format", "bits", "fluctuation", ""]);
+    for point in &sizing.front {
+        let good = if point.good { "good enough" } else { "" };
+        table.add_row([&point.format, &point.bits.to_string(), &format!("{:.1e}", point.fluctuation), good]);
+    }
+    for column in [1, 2] {
+        if let Some(column) = table.column_mut(column) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    writeln!(text, "{table}")?;
+    match (&sizing.uniform, sizing.uniform_margin) {
+        (Some(row), Some(margin)) => {
+            writeln!(
+                text,
+                "\nFewest bits, one format: {} ({} bits), {margin:.1} times better than asked.",
+                row.format, row.bits
+            )?;
+        }
+        _ => writeln!(text, "\nNo format of up to 48 bits meets the requirements.")?,
+    }
+    if let Some(mixed) = &sizing.mixed {
+        text += &registers(mixed)?;
+    }
+    writeln!(text, "{} runs of the whole path.", sizing.runs)?;
+    Ok(text)
+}
+
+fn registers(mixed: &Mixed) -> Result<String> {
+    let mut table = Table::new();
+    table.load_preset(presets::UTF8_FULL_CONDENSED).set_header([
+        "signal",
+        "group",
+        "format",
+        "bits",
+        "proven bound",
+    ]);
+    for s in &mixed.signals {
+        table.add_row([s.signal, s.group, &s.format, &s.bits.to_string(), &format!("{:.4}", s.bound)]);
+    }
+    for column in [3, 4] {
+        if let Some(column) = table.column_mut(column) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    let mut text = String::new();
+    writeln!(
+        text,
+        "Fewest bits, a register for each signal: {} bits in all, against {} in one format; fluctuation {:.1e}, {:.1} times better than asked.\n{table}",
+        mixed.bits, mixed.uniform_bits, mixed.fluctuation, mixed.margin
+    )?;
+    Ok(text)
+}

@@ -1,0 +1,183 @@
+//! The command line, as a person or a script uses it.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn feedbits(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_feedbits")).args(arguments).output().expect("the program starts")
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+fn data(name: &str) -> String {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data").join(name).display().to_string()
+}
+
+/// A folder of this test alone, removed at the end.
+fn folder() -> tempfile::TempDir {
+    tempfile::tempdir().expect("a temporary folder")
+}
+
+fn written(folder: &Path, name: &str, content: &str) -> String {
+    let path: PathBuf = folder.join(name);
+    fs::write(&path, content).expect("the folder is writable");
+    path.display().to_string()
+}
+
+#[test]
+fn without_arguments_the_built_in_example_is_compared() {
+    let output = feedbits(&[]);
+    let table = text(&output.stdout);
+    assert_eq!(output.status.code(), Some(0), "{table}{}", text(&output.stderr));
+    for expected in [
+        "834.707 mm",
+        "I16F16",
+        "I8F24",
+        "I32F32",
+        "f32",
+        "f64",
+        "Cheapest format that is good enough: I8F24",
+    ] {
+        assert!(table.contains(expected), "{expected} in\n{table}");
+    }
+}
+
+#[test]
+fn both_example_parts_compare_interpolate_and_plan() {
+    let folder = folder();
+    let machine = data("seed-000.toml");
+    for part in ["seed-000.toml", "seed-003.nc"].map(data) {
+        let compared =
+            feedbits(&["compare", &part, "--machine", &machine, "--formats", "f32,f64,I4F28", "--json"]);
+        assert_eq!(compared.status.code(), Some(0), "{}", text(&compared.stderr));
+        let json: serde_json::Value = serde_json::from_slice(&compared.stdout).expect("JSON");
+        for key in ["part", "machine", "reference", "formats", "recommended"] {
+            assert!(json.get(key).is_some(), "{key}");
+        }
+        let row = &json["formats"][0];
+        for key in
+            ["format", "bits", "fluctuation", "evaluations", "saturations", "integer_bits_needed", "verdict"]
+        {
+            assert!(row.get(key).is_some(), "{key} in {row}");
+        }
+
+        let setpoints = folder.path().join("s.csv").display().to_string();
+        let run = feedbits(&[
+            "interpolate",
+            &part,
+            "--machine",
+            &machine,
+            "--format",
+            "I4F28",
+            "--out",
+            &setpoints,
+        ]);
+        assert_eq!(run.status.code(), Some(0), "{}", text(&run.stderr));
+        let csv = fs::read_to_string(&setpoints).expect("written");
+        let mut lines = csv.lines();
+        assert_eq!(
+            lines.next(),
+            Some("step,time_s,span,t,u,x_mm,y_mm,z_mm,feed_mm_per_s,chord_mm,fluctuation,evaluations")
+        );
+        let last: Vec<f64> =
+            lines.last().expect("setpoints").split(',').map(|x| x.parse().expect("a number")).collect();
+        assert_eq!((last.len(), last[4]), (12, 1.0), "the run ends at u = 1");
+
+        let plan = folder.path().join("p.csv").display().to_string();
+        let planned = feedbits(&["plan", &part, "--machine", &machine, "--out", &plan]);
+        assert_eq!(planned.status.code(), Some(0), "{}", text(&planned.stderr));
+        let csv = fs::read_to_string(&plan).expect("written");
+        let header =
+            "time_s,distance_mm,u,feed_mm_per_s,acceleration_mm_per_s2,jerk_mm_per_s3,limit_mm_per_s";
+        assert_eq!(csv.lines().next(), Some(header));
+    }
+}
+
+/// Numbers are printed so that reading them back gives the same value: two runs give the same file.
+#[test]
+fn a_run_is_the_same_every_time() {
+    let once = feedbits(&["interpolate", "--format", "I8F24"]).stdout;
+    assert_eq!(once, feedbits(&["interpolate", "--format", "I8F24"]).stdout);
+    assert!(once.len() > 100_000);
+}
+
+#[test]
+fn the_fewest_bits_are_found() {
+    let output = feedbits(&["size", "--json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let bits = json["uniform"]["bits"].as_u64().expect("a width");
+    assert!((22..=28).contains(&bits), "{bits}");
+    assert!(json["mixed"]["bits"].as_u64() < json["mixed"]["uniform_bits"].as_u64());
+    assert!(json["mixed"]["margin"].as_f64() >= Some(1.0));
+}
+
+#[test]
+fn formats_are_listed_and_any_fixed_point_format_can_be_named() {
+    let list = text(&feedbits(&["formats"]).stdout);
+    assert!(list.contains("I16F16") && list.contains("f64"), "{list}");
+    let made = feedbits(&["compare", "--formats", "I5F21", "--evaluate", "pieces"]);
+    assert!(text(&made.stdout).contains("I5F21"), "{}", text(&made.stderr));
+}
+
+#[test]
+fn a_requirement_that_no_format_meets_is_exit_status_1() {
+    let output = feedbits(&["compare", "--formats", "I16F16"]);
+    assert_eq!(output.status.code(), Some(1), "{}", text(&output.stdout));
+}
+
+/// Bad input: exit status 2, a message that names what and where, and no file.
+#[test]
+fn bad_input_is_explained() {
+    let folder = folder();
+    let good = fs::read_to_string(data("seed-000.toml")).expect("readable");
+    let cases = [
+        ("not a part at all \u{1F600}", vec![]),
+        (&good.replace("weights = [1, 1", "weights = [1, -1") as &str, vec!["weight"]),
+        (&good.replace("0.25, 0.5,", "0.5, 0.25,"), vec!["knot"]),
+        (&good.replace("feedrate_mm_per_s = 200.0", "feedrate_mm_per_s = 0.0"), vec!["feedrate_mm_per_s"]),
+        (
+            &good.replace("interpolation_period_ms = 3.0", "interpolation_period_ms = 0.0"),
+            vec!["interpolation_period_ms"],
+        ),
+        (&good.replace("jerk_mm_per_s3 = 400000.0", "jerk_mm_per_s3 = nan"), vec!["jerk_mm_per_s3"]),
+        (&good.replace("degree = 3", "degre = 3"), vec!["degre"]),
+        (&good.replace("[0, 300]", "[0, inf]"), vec!["control"]),
+    ];
+    for (index, (content, expected)) in cases.iter().enumerate() {
+        assert_ne!(*content, good, "case {index} changes something");
+        let part = written(folder.path(), &format!("case{index}.toml"), content);
+        let out = folder.path().join("out.csv").display().to_string();
+        let output = feedbits(&["interpolate", &part, "--machine", &part, "--out", &out]);
+        let message = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "case {index}: {message}");
+        assert!(message.contains(&format!("case{index}.toml")), "case {index}: {message}");
+        for word in expected {
+            assert!(message.contains(word), "case {index}: {word} in {message}");
+        }
+        assert!(!Path::new(&out).exists(), "case {index} wrote a file");
+    }
+}
+
+#[test]
+fn bad_usage_is_explained() {
+    let machine = data("seed-003.nc");
+    for (arguments, word) in [
+        (vec!["compare", "no-such-file.toml"], "no-such-file.toml"),
+        (vec!["compare", machine.as_str()], "--machine"),
+        (vec!["compare", "--formats", "Q31"], "Q31"),
+        (vec!["compare", "--plan-in", "f16"], "f16"),
+        (vec!["compare", "--fluctuation", "2"], "--fluctuation"),
+        (vec!["interpolate", "--piece-length", "0"], "--piece-length"),
+        (vec!["interpolate", "--evaluate", "pieces", "--solver", "secant"], "de-boor"),
+        (vec!["interpolate", "--out", "no/such/folder/s.csv"], "no/such/folder/s.csv"),
+    ] {
+        let output = feedbits(&arguments);
+        let message = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
+        assert!(message.contains(word), "{arguments:?}: {message}");
+    }
+}

@@ -1,0 +1,236 @@
+//! Many formats side by side, with a verdict each and a recommendation.
+
+use part_program::Machine;
+use real::FormatName;
+use serde::Serialize;
+
+use crate::formats::{Format, plan_for};
+use crate::metrics::{Fluctuation, JudgedStep, PerPeriod};
+use crate::problem::Problem;
+use crate::reference::Reference;
+use crate::run::{Engine, Options, PlanIn, Refusal, Run};
+
+/// The result of a comparison.
+#[derive(Clone, Debug, Serialize)]
+pub struct Comparison {
+    /// What was run.
+    pub part: PartSummary,
+    /// The machine's limits.
+    pub machine: Machine,
+    /// What the formats are judged by.
+    pub reference: &'static str,
+    /// A row a format, in the order of rising cost.
+    pub formats: Vec<Row>,
+    /// The first format whose verdict is good.
+    pub recommended: Option<String>,
+    /// How that format is to be run.
+    pub recommended_engine: Option<Engine>,
+}
+
+/// What was run.
+#[derive(Clone, Debug, Serialize)]
+pub struct PartSummary {
+    /// Name of the part.
+    pub name: String,
+    /// Number of curves.
+    pub curves: usize,
+    /// Arc length, in mm.
+    pub length_mm: f64,
+    /// Planned time, in s; absent when each format plans for itself.
+    pub planned_time_s: Option<f64>,
+}
+
+/// One format's figures. They are absent when the format was refused.
+#[derive(Clone, Debug, Serialize)]
+pub struct Row {
+    /// The format's name.
+    pub format: String,
+    /// Its width.
+    pub bits: u32,
+    /// The form of the path and the solver.
+    pub engine: Engine,
+    /// Feedrate fluctuation.
+    pub fluctuation: Option<Fluctuation>,
+    /// Evaluations of the curve per period.
+    pub evaluations: Option<PerPeriod>,
+    /// Results that did not fit the format, and divisions by zero.
+    pub saturations: Option<u64>,
+    /// Integer bits, with the sign, that the largest named signal took.
+    pub integer_bits_needed: Option<u32>,
+    /// Largest distance of the curve from a chord, in mm.
+    pub chord_error_mm_max: Option<f64>,
+    /// Largest distance of a commanded point from the exact curve at its parameter, in mm.
+    pub position_error_mm_max: Option<f64>,
+    /// Distance of the last commanded point from the curve's end, in mm.
+    pub end_error_mm: Option<f64>,
+    /// Periods run.
+    pub periods: Option<u32>,
+    /// Good, or what is broken.
+    pub verdict: Verdict,
+}
+
+/// Whether a format meets the machine file's requirements.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case", tag = "result", content = "reasons")]
+pub enum Verdict {
+    /// Every requirement is met.
+    Good,
+    /// Requirements that are not met, each with figure and limit.
+    Bad(Vec<String>),
+    /// The part cannot be run in the format.
+    Refused(String),
+}
+
+impl Verdict {
+    /// Whether every requirement is met.
+    #[must_use]
+    pub fn is_good(&self) -> bool {
+        *self == Self::Good
+    }
+}
+
+/// Runs `problem` in each format by each of `engines`, on as many threads as the machine has cores, and judges each
+/// run.
+///
+/// The f64 plan is made once for all, unless the options let each format plan for itself.
+///
+/// # Errors
+/// [`Refusal`] when the reference itself cannot be made or planned: the part or the limits are at fault, not a
+/// format.
+pub fn compare<const D: usize>(
+    problem: &Problem<D>,
+    formats: &[Box<dyn Format<D>>],
+    engines: &[Engine],
+    options: &Options,
+) -> Result<Comparison, Refusal> {
+    let reference = Reference::new(problem)?;
+    let common = match options.plan_in {
+        PlanIn::Same => None,
+        PlanIn::Format(_) => match formats.first() {
+            Some(any) => Some(plan_for(problem, any.as_ref(), options)?),
+            None => None,
+        },
+    };
+    let row = |(format, engine): (&dyn Format<D>, Engine)| -> Row {
+        let options = &Options { engine, ..options.clone() };
+        let plan = match &common {
+            Some(plan) => Ok(plan.clone()),
+            None => format.plan(problem, options),
+        };
+        match plan.and_then(|plan| format.run(problem, &plan, options)) {
+            Ok(run) => judged((format.name(), engine), problem, &reference, &run),
+            Err(refusal) => refused((format.name(), engine), &refusal),
+        }
+    };
+    let runs: Vec<(&dyn Format<D>, Engine)> =
+        formats.iter().flat_map(|format| engines.iter().map(|engine| (format.as_ref(), *engine))).collect();
+    let rows = in_parallel(&runs, |run| row(*run));
+    let recommended = rows.iter().find(|row| row.verdict.is_good());
+    Ok(Comparison {
+        part: PartSummary {
+            name: problem.name.clone(),
+            curves: problem.curves.len(),
+            length_mm: reference.length_mm(),
+            planned_time_s: common.map(|plan| problem.period_s() * f64::from(plan.periods())),
+        },
+        machine: problem.machine.clone(),
+        reference: "double-double, 106 bits",
+        recommended: recommended.map(|row| row.format.clone()),
+        recommended_engine: recommended.map(|row| row.engine),
+        formats: rows,
+    })
+}
+
+/// Maps `work` over `items`, in order, on all cores.
+pub(crate) fn in_parallel<T: Sync, U: Send>(items: &[T], work: impl Fn(&T) -> U + Sync) -> Vec<U> {
+    let workers = std::thread::available_parallelism().map_or(1, usize::from).min(items.len().max(1));
+    let next = std::sync::atomic::AtomicUsize::new(0);
+    let results = std::sync::Mutex::new(Vec::new());
+    std::thread::scope(|scope| {
+        for _ in 0..workers {
+            scope.spawn(|| {
+                loop {
+                    let index = next.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+                    let Some(item) = items.get(index) else { break };
+                    let result = work(item);
+                    results.lock().unwrap_or_else(std::sync::PoisonError::into_inner).push((index, result));
+                }
+            });
+        }
+    });
+    let mut results = results.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
+    results.sort_by_key(|(index, _)| *index);
+    results.into_iter().map(|(_, result)| result).collect()
+}
+
+pub(crate) fn refused((name, engine): (FormatName, Engine), refusal: &Refusal) -> Row {
+    Row {
+        format: name.to_string(),
+        bits: name.bits(),
+        engine,
+        fluctuation: None,
+        evaluations: None,
+        saturations: None,
+        integer_bits_needed: None,
+        chord_error_mm_max: None,
+        position_error_mm_max: None,
+        end_error_mm: None,
+        periods: None,
+        verdict: Verdict::Refused(refusal.to_string()),
+    }
+}
+
+pub(crate) fn judged<const D: usize>(
+    (name, engine): (FormatName, Engine),
+    problem: &Problem<D>,
+    reference: &Reference<D>,
+    run: &Run,
+) -> Row {
+    let steps = reference.judge(run);
+    let fluctuation = Fluctuation::of(&steps, problem.machine.feedrate_mm_per_s * problem.period_s());
+    let largest = |figure: fn(&JudgedStep) -> f64| steps.iter().map(figure).fold(0.0, f64::max);
+    let chord_error = largest(|step| step.chord_error_mm);
+    let position_error = largest(|step| step.position_error_mm);
+    let end_error = reference.end_error_mm(run);
+    let saturations = run.audit.overflows + run.audit.divisions_by_zero;
+
+    let machine = &problem.machine;
+    let mut broken = Vec::new();
+    let mut demand = |holds: bool, what: String| {
+        if !holds {
+            broken.push(what);
+        }
+    };
+    demand(run.finished, format!("stops before the end of the path, after {} periods", run.steps.len()));
+    demand(saturations == 0, format!("{saturations} overflows"));
+    demand(
+        fluctuation.cruise_max_abs <= machine.fluctuation_limit,
+        format!("fluctuation {:.1e} > {:.1e}", fluctuation.cruise_max_abs, machine.fluctuation_limit),
+    );
+    let allowed = machine.chord_error_mm * (1.0 + CHORD_ERROR_SLACK);
+    demand(
+        chord_error <= allowed,
+        format!("chord error {chord_error:.2e} > {:.2e} mm", machine.chord_error_mm),
+    );
+    demand(position_error <= machine.chord_error_mm, format!("position error {position_error:.1e} mm"));
+    demand(end_error <= machine.chord_error_mm, format!("ends {end_error:.1e} mm from the end"));
+
+    Row {
+        format: name.to_string(),
+        bits: name.bits(),
+        engine,
+        fluctuation: Some(fluctuation),
+        evaluations: Some(PerPeriod::of(run.steps.iter().map(|step| step.evaluations))),
+        saturations: Some(saturations),
+        integer_bits_needed: Some(run.audit.integer_bits_needed()),
+        chord_error_mm_max: Some(chord_error),
+        position_error_mm_max: Some(position_error),
+        end_error_mm: Some(end_error),
+        periods: u32::try_from(run.steps.len()).ok(),
+        verdict: if broken.is_empty() { Verdict::Good } else { Verdict::Bad(broken) },
+    }
+}
+
+/// The chord-error limit takes the curve of a step as a circle of the radius at one point; where the radius changes
+/// within the step the true distance differs by a few parts in a thousand.
+const CHORD_ERROR_SLACK: f64 = 5e-3;

@@ -1,0 +1,151 @@
+//! A plan as every format can take it: the stages in double-double, which holds each format's numbers exactly.
+
+use feed_plan::{EndFeeds, FeedLimit, KinematicLimits, Schedule, ScheduleBuf, Stage, plan};
+use nurbs_core::NurbsBuf;
+use real::{Backend, DoubleDouble, Real};
+
+use crate::problem::Problem;
+use crate::run::Refusal;
+
+/// A plan made in some format, with exactly the numbers that the format found.
+#[derive(Clone, Debug)]
+pub struct ExactPlan {
+    stages: Vec<Stage<DoubleDouble>>,
+    periods: u32,
+}
+
+impl ExactPlan {
+    /// Plans `problem` in the format `R`, with the interpolation period as the unit of time.
+    ///
+    /// # Errors
+    /// [`Refusal`] when the curves or a limit do not fit the format, or no plan exists.
+    pub fn in_format<R: Backend, const D: usize>(
+        problem: &Problem<D>,
+        end_feeds_mm_per_s: [f64; 2],
+    ) -> Result<Self, Refusal> {
+        let limits = limits_in_format::<R>(&problem.limits_per_period()?)?;
+        let curves = problem.curves.iter().map(NurbsBuf::convert::<R>).collect::<Result<Vec<_>, _>>()?;
+        let curves: Vec<_> = curves.iter().map(NurbsBuf::as_curve).collect();
+        let feed_limit = FeedLimit::along(&curves, &limits)?;
+        let [start, end] = end_feeds_mm_per_s.map(|feed| feed * problem.period_s());
+        let ends = EndFeeds { start: in_format("start feed", start)?, end: in_format("end feed", end)? };
+        let schedule = plan(&feed_limit, &limits, ends)?;
+        let shortfall = feed_limit.shortfall(&schedule.as_schedule());
+        Ok(Self::of(&schedule.shortened(shortfall)))
+    }
+
+    fn of<R: Backend>(schedule: &ScheduleBuf<R>) -> Self {
+        let exact = |x: R| {
+            let (high, low) = x.to_f64_pair();
+            DoubleDouble::new(high, low)
+        };
+        let mut stages: Vec<_> = schedule.stages().iter().map(|stage| map_stage(stage, exact)).collect();
+        put_joints_on_the_grid(&mut stages);
+        Self { stages, periods: schedule.as_schedule().periods() }
+    }
+
+    /// The plan itself.
+    #[must_use]
+    pub fn schedule(&self) -> Schedule<'_, DoubleDouble> {
+        Schedule::new(&self.stages, DoubleDouble::from(1.0), self.periods)
+    }
+
+    /// Whole number of interpolation periods that the plan takes.
+    #[must_use]
+    pub fn periods(&self) -> u32 {
+        self.periods
+    }
+
+    /// The stages in the format `R`.
+    ///
+    /// Feeds and durations, by which real time goes, must fit. Distances and parameters are for the table only, and
+    /// a value out of range goes to the nearest extreme.
+    ///
+    /// # Errors
+    /// [`Refusal::Limit`] naming the quantity that does not fit.
+    pub fn stages_in<R: Backend>(&self) -> Result<Vec<Stage<R>>, Refusal> {
+        let refusal =
+            |what, value: DoubleDouble| Refusal::Limit { what, value: value.value(), format: R::name() };
+        for stage in &self.stages {
+            for (what, value) in [
+                ("stage feed", stage.start_feed),
+                ("stage feed", stage.end_feed),
+                ("stage duration", stage.duration),
+            ] {
+                nearest::<R>(value).ok_or_else(|| refusal(what, value))?;
+            }
+        }
+        let saturated = |x: DoubleDouble| {
+            nearest(x).unwrap_or(if x.value() > 0.0 { R::max_value() } else { R::min_value() })
+        };
+        Ok(self.stages.iter().map(|stage| map_stage(stage, saturated)).collect())
+    }
+
+    /// The distance of each period, in mm, exact to the reference's precision, and the feed at its end, in mm per
+    /// period.
+    pub fn lengths(&self) -> impl Iterator<Item = (DoubleDouble, f64)> {
+        let schedule = self.schedule();
+        let mut cursor = schedule.start();
+        std::iter::from_fn(move || {
+            let length = schedule.advance(&mut cursor)?;
+            Some((length, schedule.feed(&cursor).value()))
+        })
+    }
+}
+
+/// Moves each joint to the nearest multiple of 2⁻³² periods, the unit in which a controller counts time
+/// ([`secant_interp::StepLengths`]). The whole keeps its duration; a distance moves by 1e-10 of a step at most.
+fn put_joints_on_the_grid(stages: &mut [Stage<DoubleDouble>]) {
+    let half_unit = DoubleDouble::from(0.5.scale(-32));
+    let mut time = DoubleDouble::from(0.0);
+    let mut begin = 0;
+    for stage in stages {
+        time = time + stage.duration;
+        let end = (time + half_unit).to_phase(-32);
+        stage.duration = DoubleDouble::from_phase(end.saturating_sub(begin), 32);
+        begin = end;
+    }
+}
+
+/// The number of `R` nearest to `x`.
+pub(crate) fn nearest<R: Backend>(x: DoubleDouble) -> Option<R> {
+    let (high, low) = x.to_f64_pair();
+    R::from_f64_pair(high, low)
+}
+
+fn map_stage<R: Copy, Q>(stage: &Stage<R>, map: impl Fn(R) -> Q) -> Stage<Q> {
+    Stage {
+        start: map(stage.start),
+        length: map(stage.length),
+        start_feed: map(stage.start_feed),
+        end_feed: map(stage.end_feed),
+        duration: map(stage.duration),
+        curve_start: stage.curve_start,
+        u_start: map(stage.u_start),
+        curve_end: stage.curve_end,
+        u_end: map(stage.u_end),
+    }
+}
+
+/// `value` in the format `R`: refused when it is out of range, or positive and rounds to zero.
+pub(crate) fn in_format<R: Backend>(what: &'static str, value: f64) -> Result<R, Refusal> {
+    R::from_f64(value).filter(|x| value <= 0.0 || *x > R::zero()).ok_or(Refusal::Limit {
+        what,
+        value,
+        format: R::name(),
+    })
+}
+
+fn limits_in_format<R: Backend>(limits: &KinematicLimits<f64>) -> Result<KinematicLimits<R>, Refusal> {
+    Ok(KinematicLimits {
+        interpolation_period: in_format("interpolation period", limits.interpolation_period)?,
+        feedrate: in_format("feedrate", limits.feedrate)?,
+        acceleration: in_format("acceleration", limits.acceleration)?,
+        jerk: in_format("jerk", limits.jerk)?,
+        chord_error: in_format("chord error", limits.chord_error)?,
+        centripetal_acceleration: limits
+            .centripetal_acceleration
+            .map(|a| in_format("centripetal acceleration", a))
+            .transpose()?,
+    })
+}

@@ -1,0 +1,170 @@
+//! The formats that can be compared, by name.
+
+use std::marker::PhantomData;
+
+use real::{Audited, Backend, FormatName, RuntimeFixed, RuntimeFormat};
+
+use crate::exact_plan::ExactPlan;
+use crate::problem::Problem;
+use crate::run::{self, Options, PlanIn, Refusal, Run};
+
+/// A number format that a part of dimension `D` can be run in.
+pub trait Format<const D: usize>: Send + Sync {
+    /// The format's name.
+    fn name(&self) -> FormatName;
+
+    /// The largest number.
+    fn largest(&self) -> f64;
+
+    /// The step from 1 to the next larger number.
+    fn resolution(&self) -> f64;
+
+    /// Plans in this format.
+    ///
+    /// # Errors
+    /// [`Refusal`] when the part or a limit does not fit the format, or no plan exists.
+    fn plan(&self, problem: &Problem<D>, options: &Options) -> Result<ExactPlan, Refusal>;
+
+    /// Interpolates in this format, by a plan made in any.
+    ///
+    /// # Errors
+    /// [`Refusal`] when the part, the plan or a limit does not fit the format.
+    fn run(&self, problem: &Problem<D>, plan: &ExactPlan, options: &Options) -> Result<Run, Refusal>;
+}
+
+struct Of<R>(PhantomData<fn() -> R>);
+
+impl<R: Backend, const D: usize> Format<D> for Of<R> {
+    fn name(&self) -> FormatName {
+        R::name()
+    }
+
+    fn largest(&self) -> f64 {
+        largest::<R>()
+    }
+
+    fn resolution(&self) -> f64 {
+        resolution::<R>()
+    }
+
+    fn plan(&self, problem: &Problem<D>, options: &Options) -> Result<ExactPlan, Refusal> {
+        ExactPlan::in_format::<R, D>(problem, options.end_feeds_mm_per_s)
+    }
+
+    fn run(&self, problem: &Problem<D>, plan: &ExactPlan, options: &Options) -> Result<Run, Refusal> {
+        run::audited::<R, Audited<R>, D>(problem, plan, options)
+    }
+}
+
+fn largest<R: Backend>() -> f64 {
+    R::max_value().to_f64()
+}
+
+fn resolution<R: Backend>() -> f64 {
+    R::resolution().to_f64()
+}
+
+/// A fixed-point format chosen at run time.
+struct AtRunTime(RuntimeFormat);
+
+impl<const D: usize> Format<D> for AtRunTime {
+    fn name(&self) -> FormatName {
+        self.0.name()
+    }
+
+    fn largest(&self) -> f64 {
+        self.0.run::<0, _>(largest::<RuntimeFixed<0>>)
+    }
+
+    fn resolution(&self) -> f64 {
+        self.0.run::<0, _>(resolution::<RuntimeFixed<0>>)
+    }
+
+    fn plan(&self, problem: &Problem<D>, options: &Options) -> Result<ExactPlan, Refusal> {
+        self.0.run::<0, _>(|| ExactPlan::in_format::<RuntimeFixed<0>, D>(problem, options.end_feeds_mm_per_s))
+    }
+
+    fn run(&self, problem: &Problem<D>, plan: &ExactPlan, options: &Options) -> Result<Run, Refusal> {
+        self.0.run::<0, _>(|| {
+            run::audited::<RuntimeFixed<0>, Audited<RuntimeFixed<0>>, D>(problem, plan, options)
+        })
+    }
+}
+
+/// A format chosen at run time, to be compared like any other.
+#[must_use]
+pub fn at_run_time<const D: usize>(format: RuntimeFormat) -> Box<dyn Format<D>> {
+    Box::new(AtRunTime(format))
+}
+
+/// Every built-in format, narrow before wide, fixed point before float: the order of rising cost where
+/// nothing is known of the target.
+#[must_use]
+pub fn formats<const D: usize>() -> Vec<Box<dyn Format<D>>> {
+    fn of<R: Backend + 'static, const D: usize>() -> Box<dyn Format<D>> {
+        Box::new(Of::<R>(PhantomData))
+    }
+    vec![
+        of::<real::I16F16, D>(),
+        of::<real::I8F24, D>(),
+        of::<real::I4F28, D>(),
+        of::<real::I3F29, D>(),
+        of::<real::I2F30, D>(),
+        of::<f32, D>(),
+        of::<real::I32F32, D>(),
+        of::<real::I16F48, D>(),
+        of::<real::I4F60, D>(),
+        of::<f64, D>(),
+    ]
+}
+
+/// The formats with these names, narrow before wide. A name like `I5F13` that no built-in format has is made at run
+/// time.
+///
+/// # Errors
+/// The first name that is none of a format.
+pub fn select<const D: usize>(names: &[String]) -> Result<Vec<Box<dyn Format<D>>>, String> {
+    let rank =
+        |format: &dyn Format<D>| (format.name().bits(), matches!(format.name(), FormatName::Float { .. }));
+    let mut selected = Vec::with_capacity(names.len());
+    for name in names {
+        let built_in = formats::<D>().into_iter().find(|format| format.name().to_string() == *name);
+        let format = built_in.or_else(|| RuntimeFormat::named(name).map(at_run_time));
+        selected.push(format.ok_or_else(|| name.clone())?);
+    }
+    selected.sort_by_key(|format| rank(format.as_ref()));
+    Ok(selected)
+}
+
+/// The plan that `format` follows under these options.
+///
+/// # Errors
+/// As [`Format::plan`].
+pub fn plan_for<const D: usize>(
+    problem: &Problem<D>,
+    format: &dyn Format<D>,
+    options: &Options,
+) -> Result<ExactPlan, Refusal> {
+    match options.plan_in {
+        PlanIn::Same => format.plan(problem, options),
+        PlanIn::Format(name) => {
+            let planner = select::<D>(&[name.to_string()]).ok().and_then(|mut found| found.pop());
+            planner.as_deref().unwrap_or(format).plan(problem, options)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn formats_come_in_order_of_width_and_are_found_by_name() {
+        let widths: Vec<u32> = formats::<2>().iter().map(|f| f.name().bits()).collect();
+        assert!(widths.is_sorted(), "{widths:?}");
+        let found = select::<2>(&["f64".into(), "I16F16".into()]).expect("both exist");
+        assert_eq!(found[0].name().to_string(), "I16F16");
+        assert_eq!(select::<3>(&["I5F7".into()]).map(|f| f[0].name().bits()).ok(), Some(12));
+        assert_eq!(select::<3>(&["F5I7".into()]).err().as_deref(), Some("F5I7"));
+    }
+}

@@ -1,0 +1,35 @@
+//! `format-compare`: one part, many number formats, a verdict each.
+//!
+//! | question | answer |
+//! |---|---|
+//! | what is run, within which limits? | [`Problem`] |
+//! | what is the plan, exactly? | [`ExactPlan`] |
+//! | which formats are there? | [`formats`], [`select`] |
+//! | what does one format make of it? | [`Format::run`] → [`Run`] |
+//! | how good is that? | [`Reference::judge`] → [`JudgedStep`], [`Fluctuation`] |
+//! | which format is good enough? | [`compare`] → [`Comparison`] |
+//! | how few bits are enough? | [`size`] → [`Sizing`] |
+
+mod compare;
+mod exact_plan;
+mod formats;
+mod metrics;
+mod on_global_parameter;
+mod on_pieces;
+mod plan_table;
+mod problem;
+mod reference;
+mod run;
+mod setpoints;
+mod size;
+
+pub use compare::{Comparison, PartSummary, Row, Verdict, compare};
+pub use exact_plan::ExactPlan;
+pub use formats::{Format, at_run_time, formats, plan_for, select};
+pub use metrics::{Fluctuation, JudgedStep, PerPeriod};
+pub use plan_table::{FeedSample, PlanSummary, StageRow};
+pub use problem::Problem;
+pub use reference::Reference;
+pub use run::{Engine, Options, PlanIn, Refusal, Run, RunStep};
+pub use setpoints::{SetpointRow, SetpointTable};
+pub use size::{FrontPoint, Mixed, Register, Sizing, size};

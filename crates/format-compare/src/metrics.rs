@@ -1,0 +1,119 @@
+//! Figures over a whole run.
+
+use serde::Serialize;
+
+/// Feedrate fluctuation δ_i = 1 - |C(u_{i+1}) - C(u_i)|/(V_i T) over a run, as ratios.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Fluctuation {
+    /// Largest δ: the step that falls furthest short.
+    pub max: f64,
+    /// Smallest δ: the step that goes furthest too far.
+    pub min: f64,
+    /// Mean of |δ|.
+    pub mean_abs: f64,
+    /// Largest |δ| over the steps of at least a quarter of F·T. A relative figure of a micrometre step near
+    /// rest says nothing about the cut; this one is what a requirement is judged by.
+    pub cruise_max_abs: f64,
+    /// Largest |chord - wanted chord| over all steps, in mm: what says something about the steps near rest.
+    pub length_error_mm_max: f64,
+}
+
+/// One step as the reference sees it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JudgedStep {
+    /// The chord that the plan wants, in mm.
+    pub wanted_mm: f64,
+    /// The chord between the exact points, in mm.
+    pub chord_mm: f64,
+    /// `wanted - chord`, in mm, formed before rounding to f64.
+    pub shortfall_mm: f64,
+    /// Largest distance of the curve from the chord, in mm.
+    pub chord_error_mm: f64,
+    /// Distance of the commanded point from the exact one, in mm.
+    pub position_error_mm: f64,
+}
+
+impl JudgedStep {
+    /// The feedrate fluctuation δ; 0 for a step that is wanted to be nothing and is nothing.
+    #[must_use]
+    pub fn fluctuation(&self) -> f64 {
+        if self.shortfall_mm == 0.0 { 0.0 } else { self.shortfall_mm / self.wanted_mm }
+    }
+}
+
+impl Fluctuation {
+    /// The figures of a run whose full step is `full_step_mm`, F·T. An empty run has none: all 0.
+    #[must_use]
+    pub fn of(steps: &[JudgedStep], full_step_mm: f64) -> Self {
+        let mut result =
+            Self { max: 0.0, min: 0.0, mean_abs: 0.0, cruise_max_abs: 0.0, length_error_mm_max: 0.0 };
+        for (index, step) in steps.iter().enumerate() {
+            let delta = step.fluctuation();
+            if index == 0 {
+                (result.max, result.min) = (delta, delta);
+            }
+            result.max = result.max.max(delta);
+            result.min = result.min.min(delta);
+            result.mean_abs += delta.abs();
+            result.length_error_mm_max = result.length_error_mm_max.max(step.shortfall_mm.abs());
+            if step.wanted_mm >= 0.25 * full_step_mm {
+                result.cruise_max_abs = result.cruise_max_abs.max(delta.abs());
+            }
+        }
+        result.mean_abs /= steps.len().max(1) as f64;
+        result
+    }
+}
+
+/// Mean and largest of a count per period.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct PerPeriod {
+    /// Mean over the periods.
+    pub mean: f64,
+    /// Largest in a period.
+    pub max: u32,
+}
+
+impl PerPeriod {
+    /// Mean and largest of `counts`.
+    #[must_use]
+    pub fn of(counts: impl IntoIterator<Item = u32>) -> Self {
+        let (mut sum, mut number, mut max) = (0.0, 0.0, 0);
+        for count in counts {
+            sum += f64::from(count);
+            number += 1.0;
+            max = max.max(count);
+        }
+        Self { mean: if number > 0.0 { sum / number } else { 0.0 }, max }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn step(wanted: f64, shortfall: f64) -> JudgedStep {
+        JudgedStep {
+            wanted_mm: wanted,
+            chord_mm: wanted - shortfall,
+            shortfall_mm: shortfall,
+            chord_error_mm: 0.0,
+            position_error_mm: 0.0,
+        }
+    }
+
+    #[test]
+    fn short_steps_count_in_all_figures_but_the_cruise() {
+        let run = [step(0.6, 0.0006), step(0.6, -0.0012), step(0.001, 0.0005)];
+        let figures = Fluctuation::of(&run, 0.6);
+        assert_eq!((figures.max, figures.min), (0.5, -0.002));
+        assert_eq!((figures.cruise_max_abs, figures.length_error_mm_max), (0.002, 0.0012));
+        assert!((figures.mean_abs - (0.001 + 0.002 + 0.5) / 3.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn counts_have_mean_and_maximum() {
+        assert_eq!(PerPeriod::of([3, 4, 5]), PerPeriod { mean: 4.0, max: 5 });
+        assert_eq!(PerPeriod::of([]), PerPeriod { mean: 0.0, max: 0 });
+    }
+}

@@ -1,0 +1,71 @@
+//! A run on one curve with a global parameter: the textbook way, raw in every format.
+
+use feed_plan::Schedule;
+use nurbs_core::Differentiate;
+use real::{Audit, Backend};
+use secant_interp::{Interpolator, Method, Tolerance};
+
+use crate::exact_plan::{ExactPlan, in_format};
+use crate::problem::Problem;
+use crate::run::{Options, Refusal, Run, RunStep, most_periods};
+
+/// Converts curve, plan and limits to `R` and runs.
+pub(crate) fn run<R: Backend, const D: usize>(
+    problem: &Problem<D>,
+    plan: &ExactPlan,
+    options: &Options,
+    method: Method,
+) -> Result<Run, Refusal> {
+    let [curve] = problem.curves.as_slice() else {
+        return Err(Refusal::ManyCurves(problem.curves.len()));
+    };
+    let limits = problem.limits_per_period()?;
+    let machine = &problem.machine;
+    let fluctuation = options.fluctuation.unwrap_or(machine.fluctuation_limit);
+    let curve = curve.convert::<R>()?;
+    let stages = plan.stages_in::<R>()?;
+    let interpolator = Interpolator {
+        curve: curve.as_curve(),
+        schedule: Schedule::new(&stages, R::one(), plan.periods()),
+        method,
+        tolerance: Tolerance {
+            // Below the format's resolution a tolerance is 0, and the solver goes on to the last digit.
+            parameter: R::from_f64(machine.parameter_tolerance).unwrap_or_else(R::zero),
+            fluctuation: R::from_f64(fluctuation).unwrap_or_else(R::zero),
+            max_iterations: machine.max_iterations,
+        },
+        landing_step: in_format("acceleration", limits.acceleration)?,
+    };
+    Ok(drive(&interpolator, plan, problem))
+}
+
+fn drive<R: Backend, C: Differentiate<R, D>, const D: usize>(
+    interpolator: &Interpolator<'_, R, C>,
+    plan: &ExactPlan,
+    problem: &Problem<D>,
+) -> Run {
+    let per_second = 1.0 / problem.period_s();
+    let mut planned = plan.lengths();
+    let mut state = interpolator.start();
+    let mut steps = Vec::with_capacity(plan.periods() as usize + 1);
+    while steps.len() < most_periods(plan) {
+        let Some(setpoint) = interpolator.step(&mut state) else { break };
+        let (wanted_mm, feed) = match planned.next() {
+            Some((length, feed)) => (length.to_f64_pair(), feed),
+            None => (setpoint.length.to_f64_pair(), setpoint.length.to_f64()),
+        };
+        let mut point_mm = [0.0; 3];
+        for (slot, x) in point_mm.iter_mut().zip(setpoint.point) {
+            *slot = x.to_f64();
+        }
+        steps.push(RunStep {
+            curve: 0,
+            u: setpoint.u.to_f64_pair(),
+            point_mm,
+            wanted_mm,
+            feed_mm_per_s: feed * per_second,
+            evaluations: setpoint.evaluations,
+        });
+    }
+    Run { steps, finished: state.is_finished(), planned_periods: plan.periods(), audit: Audit::default() }
+}

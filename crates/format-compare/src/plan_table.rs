@@ -1,0 +1,190 @@
+//! A plan as people read it: the stage table in mm and s, a summary, and samples.
+
+use feed_plan::{FeedLimit, StageKind, jerk_free_duration};
+use nurbs_core::{Evaluate, NurbsBuf};
+use real::DoubleDouble;
+use serde::Serialize;
+
+use crate::exact_plan::ExactPlan;
+use crate::problem::Problem;
+use crate::run::Refusal;
+
+/// One stage: paper A's {u_s, u_e, v_s, v_e, flag, a_0..a_3}, with length and time.
+#[derive(Clone, Debug, Serialize)]
+pub struct StageRow {
+    /// `accelerate`, `decelerate` or `constant`.
+    pub kind: &'static str,
+    /// Parameter where the stage starts, of the curve it starts on.
+    pub u_start: f64,
+    /// Parameter where it ends.
+    pub u_end: f64,
+    /// Feed at the start, in mm/s.
+    pub start_feed_mm_per_s: f64,
+    /// Feed at the end, in mm/s.
+    pub end_feed_mm_per_s: f64,
+    /// Length, in mm.
+    pub length_mm: f64,
+    /// Time, in s.
+    pub time_s: f64,
+    /// a_0 to a_3 of the feed as a polynomial of the time in s.
+    pub coefficients: [f64; 4],
+}
+
+/// A plan in figures.
+#[derive(Clone, Debug, Serialize)]
+pub struct PlanSummary {
+    /// Arc length, in mm.
+    pub length_mm: f64,
+    /// Total time, in s.
+    pub time_s: f64,
+    /// Whole number of interpolation periods.
+    pub periods: u32,
+    /// The least time that a plan without a jerk limit needs, in s.
+    pub jerk_free_time_s: f64,
+    /// Largest acceleration along the path, in mm/s².
+    pub acceleration_max_mm_per_s2: f64,
+    /// Its limit.
+    pub acceleration_limit_mm_per_s2: f64,
+    /// Largest jerk along the path, in mm/s³.
+    pub jerk_max_mm_per_s3: f64,
+    /// Its limit.
+    pub jerk_limit_mm_per_s3: f64,
+    /// Share of the path that is travelled at the commanded feed.
+    pub share_at_commanded_feed: f64,
+    /// The stages.
+    pub stages: Vec<StageRow>,
+}
+
+/// The plan at one instant.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct FeedSample {
+    /// Time, in s.
+    pub time_s: f64,
+    /// Distance along the path, in mm.
+    pub distance_mm: f64,
+    /// Parameter of the curve there.
+    pub u: f64,
+    /// Feed, in mm/s.
+    pub feed_mm_per_s: f64,
+    /// Acceleration along the path, in mm/s².
+    pub acceleration_mm_per_s2: f64,
+    /// Jerk along the path, in mm/s³.
+    pub jerk_mm_per_s3: f64,
+    /// The feed limit there, in mm/s.
+    pub limit_mm_per_s: f64,
+}
+
+impl PlanSummary {
+    /// The figures of a plan of `problem`.
+    ///
+    /// # Errors
+    /// [`Refusal::Plan`] when the limit curve cannot be made.
+    pub fn of<const D: usize>(plan: &ExactPlan, problem: &Problem<D>) -> Result<Self, Refusal> {
+        let t = problem.period_s();
+        let limits = problem.limits_per_period()?;
+        let feed_limit = feed_limit(problem)?;
+        let stages: Vec<StageRow> = plan
+            .schedule()
+            .stages()
+            .iter()
+            .map(|stage| {
+                let [a0, a1, a2, a3] = stage.coefficients().map(DoubleDouble::value);
+                StageRow {
+                    kind: match stage.kind() {
+                        StageKind::Accelerate => "accelerate",
+                        StageKind::Decelerate => "decelerate",
+                        StageKind::Constant => "constant",
+                    },
+                    u_start: stage.u_start.value(),
+                    u_end: stage.u_end.value(),
+                    start_feed_mm_per_s: stage.start_feed.value() / t,
+                    end_feed_mm_per_s: stage.end_feed.value() / t,
+                    length_mm: stage.length.value(),
+                    time_s: stage.duration.value() * t,
+                    coefficients: [a0 / t, a1 / t.powi(2), a2 / t.powi(3), a3 / t.powi(4)],
+                }
+            })
+            .collect();
+        // Speed 3x² - 2x³ of a change D over t₂: its steepest slope is 3D/(2t₂), its sharpest bend 6D/t₂².
+        let ramps = || stages.iter().filter(|s| s.kind != "constant");
+        let change = |s: &StageRow| (s.end_feed_mm_per_s - s.start_feed_mm_per_s).abs();
+        let length_mm: f64 = stages.iter().map(|s| s.length_mm).sum();
+        let full = problem.machine.feedrate_mm_per_s * (1.0 - AT_FEED);
+        let at_feed = stages.iter().filter(|s| s.kind == "constant" && s.start_feed_mm_per_s >= full);
+        Ok(Self {
+            length_mm: feed_limit.length(),
+            time_s: f64::from(plan.periods()) * t,
+            periods: plan.periods(),
+            jerk_free_time_s: jerk_free_duration(&feed_limit, &limits) * t,
+            acceleration_max_mm_per_s2: ramps().map(|s| 1.5 * change(s) / s.time_s).fold(0.0, f64::max),
+            acceleration_limit_mm_per_s2: problem.machine.acceleration_mm_per_s2,
+            jerk_max_mm_per_s3: ramps().map(|s| 6.0 * change(s) / s.time_s.powi(2)).fold(0.0, f64::max),
+            jerk_limit_mm_per_s3: problem.machine.jerk_mm_per_s3,
+            share_at_commanded_feed: at_feed.map(|s| s.length_mm).sum::<f64>() / length_mm,
+            stages,
+        })
+    }
+}
+
+/// A stage this close to the commanded feed counts as at it: stretching the time to a whole number of periods
+/// lowers every feed by a part in a thousand or so.
+const AT_FEED: f64 = 0.005;
+
+fn feed_limit<const D: usize>(problem: &Problem<D>) -> Result<FeedLimit<f64>, Refusal> {
+    let curves: Vec<_> = problem.curves.iter().map(NurbsBuf::as_curve).collect();
+    Ok(FeedLimit::along(&curves, &problem.limits_per_period()?)?)
+}
+
+impl ExactPlan {
+    /// The plan sampled `per_period` times a period, both ends included.
+    ///
+    /// # Errors
+    /// [`Refusal::Plan`] when the limit curve cannot be made.
+    pub fn sampled<const D: usize>(
+        &self,
+        problem: &Problem<D>,
+        per_period: u32,
+    ) -> Result<Vec<FeedSample>, Refusal> {
+        let t = problem.period_s();
+        let feed_limit = feed_limit(problem)?;
+        let schedule = self.schedule();
+        let step = 1.0 / f64::from(per_period);
+        let samples = self.periods() * per_period;
+        let (mut stage, mut before) = (0, 0.0);
+        let stages = schedule.stages();
+        Ok((0..=samples)
+            .map(|sample| {
+                let time = f64::from(sample) * step;
+                while stage + 1 < stages.len() && time >= before + stages[stage].duration.value() {
+                    before += stages[stage].duration.value();
+                    stage += 1;
+                }
+                let here = &stages[stage];
+                let local = DoubleDouble::from((time - before).min(here.duration.value()));
+                let distance = (here.start + here.distance_at(local)).value();
+                FeedSample {
+                    time_s: time * t,
+                    distance_mm: distance,
+                    u: parameter_at(&feed_limit, problem, distance),
+                    feed_mm_per_s: here.feed_at(local).value() / t,
+                    acceleration_mm_per_s2: here.acceleration_at(local).value() / t.powi(2),
+                    jerk_mm_per_s3: here.jerk_at(local).value() / t.powi(3),
+                    limit_mm_per_s: feed_limit.at(distance) / t,
+                }
+            })
+            .collect())
+    }
+}
+
+/// The parameter at a distance, interpolated between the points of the limit curve; at the end of the path its last.
+fn parameter_at<const D: usize>(limit: &FeedLimit<f64>, problem: &Problem<D>, distance: f64) -> f64 {
+    let points = limit.points();
+    let after = points.partition_point(|point| point.distance <= distance);
+    match (points.get(after.wrapping_sub(1)), points.get(after)) {
+        (Some(a), Some(b)) if a.curve == b.curve => {
+            a.u + (b.u - a.u) * (distance - a.distance) / (b.distance - a.distance)
+        }
+        (_, Some(b)) => b.u,
+        _ => problem.curves.last().map_or(0.0, |curve| curve.as_curve().domain().1),
+    }
+}

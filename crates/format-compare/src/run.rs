@@ -1,0 +1,188 @@
+//! One part in one format: what is asked, what comes out, why it may be refused.
+
+use std::fmt;
+
+use feed_plan::PlanError;
+use nurbs_core::{CompileError, CurveError};
+use real::{Audit, Backend, FormatName};
+use secant_interp::Method;
+use serde::Serialize;
+
+use crate::exact_plan::ExactPlan;
+use crate::problem::Problem;
+use crate::{on_global_parameter, on_pieces};
+
+/// The form in which real time has the path, and what solves on it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Engine {
+    /// The textbook way: one global parameter, de Boor's scheme each time, the paper's secant iteration.
+    DeBoorSecant,
+    /// The same with a first-order Taylor step.
+    DeBoorTaylor1,
+    /// The same with a second-order Taylor step.
+    DeBoorTaylor2,
+    /// Compiled pieces, the chord without loss, Newton's correction without division.
+    Pieces,
+}
+
+/// How a part is run.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// The form of the path and the solver.
+    pub engine: Engine,
+    /// Longest compiled piece, in mm.
+    pub piece_length_mm: f64,
+    /// The format to plan in.
+    pub plan_in: PlanIn,
+    /// Feeds at the two ends of the path, in mm/s.
+    pub end_feeds_mm_per_s: [f64; 2],
+    /// The fluctuation that the solver stops at. By default the machine file's Δ on the global parameter, and the
+    /// format's resolution on pieces.
+    pub fluctuation: Option<f64>,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            engine: Engine::Pieces,
+            piece_length_mm: 32.0,
+            plan_in: PlanIn::default(),
+            end_feeds_mm_per_s: [0.0; 2],
+            fluctuation: None,
+        }
+    }
+}
+
+/// The format that a plan is made in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PlanIn {
+    /// The same for all rows.
+    Format(FormatName),
+    /// Each format plans for itself.
+    Same,
+}
+
+impl Default for PlanIn {
+    fn default() -> Self {
+        Self::Format(f64::name())
+    }
+}
+
+/// Why a part is not run in a format.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Refusal {
+    /// The curve does not fit the format, or is none after rounding.
+    Curve(CurveError),
+    /// A limit of the machine, in mm and periods, is beyond the format's range or rounds to zero.
+    Limit {
+        /// The limit.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+        /// The format.
+        format: FormatName,
+    },
+    /// No plan exists.
+    Plan(PlanError),
+    /// The pieces do not fit the format.
+    Compile(CompileError),
+    /// The interpolator with one global parameter runs one curve.
+    ManyCurves(usize),
+}
+
+impl fmt::Display for Refusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Curve(error) => error.fmt(f),
+            Self::Limit { what, value, format } => {
+                write!(f, "{what} = {value:.3e} (mm, periods) is out of range or zero in {format}")
+            }
+            Self::Plan(error) => write!(f, "planning failed: {error}"),
+            Self::Compile(error) => error.fmt(f),
+            Self::ManyCurves(count) => write!(f, "one global parameter runs one curve, not {count}"),
+        }
+    }
+}
+
+impl std::error::Error for Refusal {}
+
+impl From<CurveError> for Refusal {
+    fn from(error: CurveError) -> Self {
+        Self::Curve(error)
+    }
+}
+
+impl From<PlanError> for Refusal {
+    fn from(error: PlanError) -> Self {
+        Self::Plan(error)
+    }
+}
+
+impl From<CompileError> for Refusal {
+    fn from(error: CompileError) -> Self {
+        Self::Compile(error)
+    }
+}
+
+/// One setpoint, exactly as the format holds it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RunStep {
+    /// Index of the curve.
+    pub curve: usize,
+    /// The parameter, as a sum of two floats.
+    pub u: (f64, f64),
+    /// The commanded point, in mm.
+    pub point_mm: [f64; 3],
+    /// The chord that the plan wanted, in mm, as a sum of two floats.
+    pub wanted_mm: (f64, f64),
+    /// The planned feed at the end of the period, in mm/s.
+    pub feed_mm_per_s: f64,
+    /// Evaluations of the curve.
+    pub evaluations: u32,
+}
+
+/// A run from the start of a path to its end.
+#[derive(Clone, Debug)]
+pub struct Run {
+    /// The setpoints, a period each.
+    pub steps: Vec<RunStep>,
+    /// Whether the last setpoint is the path's end.
+    pub finished: bool,
+    /// Periods that the plan takes; the run may take more or fewer when rounding delays or hastens it.
+    pub planned_periods: u32,
+    /// What the format's arithmetic met.
+    pub audit: Audit,
+}
+
+/// Runs `problem` in the format `R`, and once more in the auditing form `A` of the same format.
+pub(crate) fn audited<R: Backend, A: Backend, const D: usize>(
+    problem: &Problem<D>,
+    plan: &ExactPlan,
+    options: &Options,
+) -> Result<Run, Refusal> {
+    let mut run = once::<R, D>(problem, plan, options)?;
+    let (again, audit) = Audit::of(|| once::<A, D>(problem, plan, options));
+    debug_assert!(again.is_ok_and(|again| again.steps == run.steps), "an audit changes no value");
+    run.audit = audit;
+    Ok(run)
+}
+
+fn once<R: Backend, const D: usize>(
+    problem: &Problem<D>,
+    plan: &ExactPlan,
+    options: &Options,
+) -> Result<Run, Refusal> {
+    match options.engine {
+        Engine::DeBoorSecant => on_global_parameter::run::<R, D>(problem, plan, options, Method::Secant),
+        Engine::DeBoorTaylor1 => on_global_parameter::run::<R, D>(problem, plan, options, Method::Taylor1),
+        Engine::DeBoorTaylor2 => on_global_parameter::run::<R, D>(problem, plan, options, Method::Taylor2),
+        Engine::Pieces => on_pieces::run::<R, D>(problem, plan, options),
+    }
+}
+
+/// Periods after which a run is given up: the format cannot run this plan.
+pub(crate) fn most_periods(plan: &ExactPlan) -> usize {
+    2 * plan.periods() as usize + 16
+}

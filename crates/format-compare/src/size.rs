@@ -1,0 +1,281 @@
+//! The fewest bits that are enough: one format for all, and a register width for each signal.
+//!
+//! *Uniform.* Every width in the range is tried, with as few integer bits as the proven ranges of the compiled path
+//! leave it; the narrowest that meets every requirement is confirmed by the rows around it, which are all in the front.
+//!
+//! *Mixed.* Each named signal of the step is a register. Its integer bits follow from its proven bound; its fraction
+//! bits start from the uniform winner's and are taken away, first from whole groups, then one by one, as long as the
+//! requirements are met. Between registers the operators are exact to 53 bits.
+
+use nurbs_core::{CompileError, NurbsBuf, PieceLimits, SignalBound, compile};
+use real::{Audit, DoubleDouble, FormatName, Overflow, Quantized, Rounding, RuntimeFormat};
+use serde::Serialize;
+
+use crate::compare::{Row, in_parallel, judged, refused};
+use crate::exact_plan::ExactPlan;
+use crate::formats::at_run_time;
+use crate::on_pieces;
+use crate::problem::Problem;
+use crate::reference::Reference;
+use crate::run::{Engine, Options, Refusal};
+
+/// Widths that the search tries, in bits.
+const WIDTHS: std::ops::RangeInclusive<u32> = 12..=48;
+
+/// The result of a search.
+#[derive(Clone, Debug, Serialize)]
+pub struct Sizing {
+    /// The narrowest format that is good enough for all signals alike.
+    pub uniform: Option<Row>,
+    /// Its requirement over its figure: how much worse the fluctuation might be.
+    pub uniform_margin: Option<f64>,
+    /// A register for each signal.
+    pub mixed: Option<Mixed>,
+    /// Every uniform format that was tried, in order of width.
+    pub tried: Vec<Row>,
+    /// Those of them that no narrower format beats in fluctuation.
+    pub front: Vec<FrontPoint>,
+    /// Runs of the whole path that the search took.
+    pub runs: usize,
+}
+
+/// A point of the front of bits against fluctuation.
+#[derive(Clone, Debug, Serialize)]
+pub struct FrontPoint {
+    /// The format.
+    pub format: String,
+    /// Its width.
+    pub bits: u32,
+    /// Largest fluctuation at cruise.
+    pub fluctuation: f64,
+    /// Whether every requirement is met.
+    pub good: bool,
+}
+
+/// A format for each signal.
+#[derive(Clone, Debug, Serialize)]
+pub struct Mixed {
+    /// The registers.
+    pub signals: Vec<Register>,
+    /// The widths of all registers together, in bits, each signal once.
+    pub bits: u32,
+    /// The same if every signal had the uniform winner's width.
+    pub uniform_bits: u32,
+    /// Largest fluctuation at cruise, in the run that confirms it.
+    pub fluctuation: f64,
+    /// Its requirement over that figure.
+    pub margin: f64,
+}
+
+/// One signal and its format.
+#[derive(Clone, Debug, Serialize)]
+pub struct Register {
+    /// Name of the signal.
+    pub signal: &'static str,
+    /// What it belongs to: parameter, coordinates, step or weight.
+    pub group: &'static str,
+    /// The format's name.
+    pub format: String,
+    /// Its width.
+    pub bits: u32,
+    /// The proven bound that its integer bits follow from.
+    pub bound: f64,
+}
+
+/// The group of a signal.
+fn group(signal: &str) -> &'static str {
+    match signal {
+        "parameter" => "parameter",
+        "coefficient" | "shifted_coefficient" | "offset" | "chord_coefficient" => "coordinates",
+        "weight" | "weight_reciprocal" => "weight",
+        _ => "step",
+    }
+}
+
+/// Searches for the fewest bits on which `problem` runs within the machine's requirements.
+///
+/// # Errors
+/// [`Refusal`] when the part cannot be planned or compiled at all.
+pub fn size<const D: usize>(
+    problem: &Problem<D>,
+    plan: &ExactPlan,
+    options: &Options,
+) -> Result<Sizing, Refusal> {
+    let reference = Reference::new(problem)?;
+    let options = Options {
+        engine: Engine::Pieces,
+        fluctuation: Some(options.fluctuation.unwrap_or(problem.machine.fluctuation_limit)),
+        ..options.clone()
+    };
+    let widths: Vec<u32> = WIDTHS.collect();
+    let tried =
+        in_parallel(&widths, |width| narrowest_integer_part(*width, problem, plan, &options, &reference));
+    let uniform = tried.iter().find(|row| row.verdict.is_good()).cloned();
+    let mut runs = tried.len();
+    let mixed = match &uniform {
+        Some(row) => Search::new(problem, plan, &options, &reference)?.mixed(row, &mut runs),
+        None => None,
+    };
+    let limit = problem.machine.fluctuation_limit;
+    Ok(Sizing {
+        uniform_margin: uniform.as_ref().and_then(|row| Some(limit / row.fluctuation?.cruise_max_abs)),
+        uniform,
+        mixed,
+        front: front(&tried),
+        tried,
+        runs,
+    })
+}
+
+/// The run with as few integer bits as the path can be compiled for, at this width.
+fn narrowest_integer_part<const D: usize>(
+    width: u32,
+    problem: &Problem<D>,
+    plan: &ExactPlan,
+    options: &Options,
+    reference: &Reference<D>,
+) -> Row {
+    let mut integer_bits = 2;
+    loop {
+        let fraction_bits = width.saturating_sub(integer_bits);
+        let Some(format) = RuntimeFormat::new(width, fraction_bits, Rounding::Nearest, Overflow::Wrap) else {
+            let name = FormatName::Fixed { integer_bits, fraction_bits };
+            let refusal =
+                Refusal::Limit { what: "integer bits", value: f64::from(integer_bits), format: name };
+            return refused((name, Engine::Pieces), &refusal);
+        };
+        match at_run_time::<D>(format).run(problem, plan, options) {
+            Ok(run) => return judged((format.name(), Engine::Pieces), problem, reference, &run),
+            Err(Refusal::Compile(CompileError::DoesNotFit { integer_bits: needed, .. }))
+                if needed > integer_bits =>
+            {
+                integer_bits = needed;
+            }
+            Err(Refusal::Limit { .. }) if integer_bits < 8 => integer_bits += 1,
+            Err(refusal) => return refused((format.name(), Engine::Pieces), &refusal),
+        }
+    }
+}
+
+/// The rows that no narrower one beats.
+fn front(tried: &[Row]) -> Vec<FrontPoint> {
+    let mut best = f64::INFINITY;
+    let mut front = Vec::new();
+    for row in tried {
+        let Some(fluctuation) = row.fluctuation else { continue };
+        if fluctuation.cruise_max_abs < best {
+            best = fluctuation.cruise_max_abs;
+            front.push(FrontPoint {
+                format: row.format.clone(),
+                bits: row.bits,
+                fluctuation: best,
+                good: row.verdict.is_good(),
+            });
+        }
+    }
+    front
+}
+
+/// The search for register widths.
+struct Search<'a, const D: usize> {
+    problem: &'a Problem<D>,
+    plan: &'a ExactPlan,
+    options: &'a Options,
+    reference: &'a Reference<D>,
+    bounds: Vec<SignalBound>,
+}
+
+impl<'a, const D: usize> Search<'a, D> {
+    fn new(
+        problem: &'a Problem<D>,
+        plan: &'a ExactPlan,
+        options: &'a Options,
+        reference: &'a Reference<D>,
+    ) -> Result<Self, Refusal> {
+        let limits = problem.limits_per_period()?;
+        let curves: Vec<_> = problem.curves.iter().map(NurbsBuf::as_curve).collect();
+        let piece_limits = PieceLimits {
+            length_mm: options.piece_length_mm,
+            step_mm: limits.feedrate + limits.acceleration,
+        };
+        let bounds = compile::<DoubleDouble, Quantized, D>(&curves, &piece_limits)?.bounds().to_vec();
+        Ok(Self { problem, plan, options, reference, bounds })
+    }
+
+    fn run(&self, fraction_bits: &[i32]) -> Option<Row> {
+        let registers: Vec<_> =
+            self.bounds.iter().map(|b| b.signal).zip(fraction_bits.iter().copied()).collect();
+        let run = Quantized::run(&registers, || {
+            on_pieces::run::<Quantized, D>(self.problem, self.plan, self.options)
+        });
+        let name = FormatName::Float { bits: 64 };
+        let mut run = run.ok()?;
+        run.audit = Audit::default();
+        Some(judged((name, Engine::Pieces), self.problem, self.reference, &run))
+    }
+
+    fn is_good(&self, fraction_bits: &[i32], runs: &mut usize) -> bool {
+        *runs += 1;
+        self.run(fraction_bits).is_some_and(|row| row.verdict.is_good())
+    }
+
+    /// Takes bits away while the requirements are met: groups first, then single signals, until no bit can go.
+    fn mixed(&self, uniform: &Row, runs: &mut usize) -> Option<Mixed> {
+        let fraction: i32 = uniform.format.split_once('F')?.1.parse().ok()?;
+        let mut bits = vec![fraction; self.bounds.len()];
+        // Unrounded operators between registers differ from a uniform format's rounding; a bit more makes up for it.
+        while !self.is_good(&bits, runs) {
+            bits.iter_mut().for_each(|b| *b += 1);
+            if bits[0] > 52 {
+                return None;
+            }
+        }
+        for name in ["coordinates", "step", "parameter", "weight"] {
+            let members: Vec<usize> =
+                (0..bits.len()).filter(|&i| group(self.bounds[i].signal) == name).collect();
+            self.lower(&mut bits, &members, runs);
+        }
+        for signal in 0..bits.len() {
+            self.lower(&mut bits, &[signal], runs);
+        }
+        self.confirmed(&bits, uniform, runs)
+    }
+
+    /// Takes one bit at a time from the members together, as long as the requirements are met.
+    fn lower(&self, bits: &mut [i32], members: &[usize], runs: &mut usize) {
+        while members.iter().all(|&i| bits[i] > 1) && !members.is_empty() {
+            members.iter().for_each(|&i| bits[i] -= 1);
+            if !self.is_good(bits, runs) {
+                members.iter().for_each(|&i| bits[i] += 1);
+                break;
+            }
+        }
+    }
+
+    fn confirmed(&self, bits: &[i32], uniform: &Row, runs: &mut usize) -> Option<Mixed> {
+        *runs += 1;
+        let row = self.run(bits).filter(|row| row.verdict.is_good())?;
+        let fluctuation = row.fluctuation?.cruise_max_abs;
+        let signals: Vec<Register> = self.bounds.iter().zip(bits).map(register).collect();
+        Some(Mixed {
+            bits: signals.iter().map(|s| s.bits).sum(),
+            uniform_bits: uniform.bits * u32::try_from(signals.len()).ok()?,
+            signals,
+            fluctuation,
+            margin: self.problem.machine.fluctuation_limit / fluctuation,
+        })
+    }
+}
+
+fn register((bound, fraction_bits): (&SignalBound, &i32)) -> Register {
+    // -2^(n-1) ≤ v < 2^(n-1) for n integer bits.
+    let integer_bits = (1..64).find(|n| bound.bound < f64::powi(2.0, n - 1)).unwrap_or(64).unsigned_abs();
+    let fraction_bits = fraction_bits.unsigned_abs();
+    Register {
+        signal: bound.signal,
+        group: group(bound.signal),
+        format: FormatName::Fixed { integer_bits, fraction_bits }.to_string(),
+        bits: integer_bits + fraction_bits,
+        bound: bound.bound,
+    }
+}
