@@ -2,7 +2,7 @@
 //!
 //! A processor of W bits multiplies two words into a double word in a few cycles, but divides a double word by
 //! a word, if at all, by a library routine that yields a bit or two per turn. The reciprocal costs
-//! 2·log₂W − 2 multiplications instead, and the quotient four more; the remainder then makes it exact.
+//! 2·log₂W − 3 multiplications instead, and the quotient four more; the remainder then makes it exact.
 //!
 //! # Derivation
 //! Let `β = 2^W` and let the divisor be shifted left until its top bit is set, the numerator with it, so that
@@ -19,6 +19,11 @@
 //! 5. *The last unit.* If the remainder is still at least d, one more. Quotient and remainder are exact.
 //!
 //! There is no loop whose length depends on the operands, no table, and one condition.
+//!
+//! Where a product of 64-bit words is made of four of 32 bits, the early steps would waste it. So for W = 64 the
+//! reciprocal of the divisor's upper half is the start: off by at most 4 units of `2^-31` to either side, half a
+//! unit of the divisor included. One step leaves 64 units of `2^-63`, and 3 by rounding. The quotient is then too
+//! small by less than 2·67 + 3 < 2⁸, and the rest leaves out eight bits instead of four.
 
 #![allow(
     clippy::cast_possible_truncation,
@@ -27,29 +32,36 @@
 )]
 
 macro_rules! division {
-    ($word:ident, $double:ident) => {
+    ($word:ident, $double:ident, start: $start:expr, steps: $steps:expr, slack: $slack:literal) => {
         pub(crate) mod $word {
             const WIDTH: u32 = $word::BITS;
-            /// `48/17` and `32/17` in units of `2^(1-W)`; the first modulo β, as the difference fits a word again.
-            const INTERCEPT: $word = (48 * (1_u128 << (WIDTH - 1)) / 17) as $word;
-            const SLOPE: $word = (32 * (1_u128 << (WIDTH - 1)) / 17 + 1) as $word;
-            /// `log₂W − 2`: the error falls from `2^-4.08` to below `2^-W`.
-            const STEPS: u32 = WIDTH.ilog2() - 2;
+            /// Bits that the remainder of the first quotient has more than a word.
+            const SLACK: u32 = $slack;
 
             #[inline]
             const fn high(a: $word, b: $word) -> $word {
                 ((a as $double * b as $double) >> WIDTH) as $word
             }
 
-            /// `1/D` in units of `2^(1-W)` for `D = divisor/2^W`: at most 4 units too small, never too large.
+            /// `48/17 − 32/17·D` in units of `2^(1-W)`. The first term is taken modulo β: the difference fits again.
+            #[allow(dead_code, reason = "64 bits start from the reciprocal of 32")]
+            #[inline]
+            pub(super) const fn line(divisor: $word) -> $word {
+                const INTERCEPT: $word = (48 * (1_u128 << (WIDTH - 1)) / 17) as $word;
+                const SLOPE: $word = (32 * (1_u128 << (WIDTH - 1)) / 17) as $word;
+                INTERCEPT.wrapping_sub(high(SLOPE, divisor))
+            }
+
+            /// `1/D` in units of `2^(1-W)` for `D = divisor/2^W`, never too large; too small by at most 4 units, or
+            /// 67 for 64 bits.
             ///
             /// Domain: the top bit of `divisor` is set.
             #[inline]
             pub(crate) const fn reciprocal(divisor: $word) -> $word {
                 debug_assert!(divisor >> (WIDTH - 1) == 1, "the divisor is normalised");
-                let mut x = INTERCEPT.wrapping_sub(high(SLOPE, divisor)).wrapping_sub(1);
+                let mut x = $start(divisor);
                 let mut step = 0;
-                while step < STEPS {
+                while step < $steps {
                     let bracket = !high(divisor, x);
                     x = ((x as $double * bracket as $double) >> (WIDTH - 1)) as $word;
                     step += 1;
@@ -65,25 +77,57 @@ macro_rules! division {
                 debug_assert!(numerator >> WIDTH < divisor as $double, "the quotient fits a word");
                 let shift = divisor.leading_zeros();
                 let (n, d) = (numerator << shift, divisor << shift);
-                let x = reciprocal(d) as $double;
-                let estimate = (((n >> WIDTH) * x) >> (WIDTH - 1)) as $word;
-                let rest = n - estimate as $double * d as $double;
-                let correction = (((rest >> 4) * x) >> (2 * WIDTH - 5)) as $word;
-                let rest = rest - correction as $double * d as $double;
+                let x = reciprocal(d);
+                let first = (((n >> WIDTH) as $word as $double * x as $double) >> (WIDTH - 1)) as $word;
+                let rest = n - first as $double * d as $double;
+                let second = (rest >> SLACK) as $word as $double * x as $double;
+                let second = (second >> (2 * WIDTH - 1 - SLACK)) as $word;
+                let rest = rest - second as $double * d as $double;
                 let more = rest >= d as $double;
                 let rest = if more { rest - d as $double } else { rest };
-                (estimate + correction + more as $word, (rest >> shift) as $word)
+                (first + second + more as $word, (rest >> shift) as $word)
             }
         }
     };
 }
 
 #[cfg(test)]
-division!(u8, u16);
+division!(u8, u16, start: line, steps: 1, slack: 4);
 #[cfg(test)]
-division!(u16, u32);
-division!(u32, u64);
-division!(u64, u128);
+division!(u16, u32, start: line, steps: 2, slack: 4);
+division!(u32, u64, start: line, steps: 3, slack: 4);
+division!(u64, u128, start: super::upper_half, steps: 1, slack: 8);
+
+/// The reciprocal of the upper half of a divisor, in units of `2^-63`.
+#[inline]
+const fn upper_half(divisor: u64) -> u64 {
+    (u32::reciprocal((divisor >> 32) as _) as u64) << 32
+}
+
+/// Quotient and remainder of a double word over a word of 32 bits, the quotient known to fit a word: by the machine
+/// where it divides 64 bits, by Newton's reciprocal where that is a library routine.
+#[inline]
+pub(crate) fn divide_u64(numerator: u64, divisor: u64) -> (u64, u64) {
+    if cfg!(target_pointer_width = "64") {
+        (numerator / divisor, numerator % divisor)
+    } else {
+        let (quotient, remainder) = u32::divide(numerator, divisor as _);
+        (quotient.into(), remainder.into())
+    }
+}
+
+/// Quotient and remainder of a double word over a word of 64 bits, the quotient known to fit a word. Only x86-64
+/// divides 128 bits by an instruction.
+#[inline]
+pub(crate) fn divide_u128(numerator: u128, divisor: u128) -> (u128, u128) {
+    if cfg!(target_arch = "x86_64") {
+        let quotient = numerator / divisor;
+        (quotient, numerator - quotient * divisor)
+    } else {
+        let (quotient, remainder) = u64::divide(numerator, divisor as _);
+        (quotient.into(), remainder.into())
+    }
+}
 
 #[cfg(test)]
 mod tests {
@@ -132,11 +176,11 @@ mod tests {
         #![proptest_config(ProptestConfig::with_cases(20_000))]
 
         #[test]
-        fn the_wide_reciprocals_are_four_units_low_at_most(d: u64) {
+        fn the_wide_reciprocals_are_low_by_what_is_promised(d: u64) {
             let d64 = d | 1 << 63;
             let x = u128::from(super::u64::reciprocal(d64));
-            // x < 2¹²⁷/d ≤ x + 4, without division.
-            prop_assert!(x * u128::from(d64) < 1 << 127 && (x + 4) * u128::from(d64) >= 1 << 127, "1/{d64}: {x}");
+            // x < 2¹²⁷/d ≤ x + 67, without division.
+            prop_assert!(x * u128::from(d64) < 1 << 127 && (x + 67) * u128::from(d64) >= 1 << 127, "1/{d64}: {x}");
             let d32 = (d64 >> 32) as u32;
             let x = u64::from(super::u32::reciprocal(d32));
             prop_assert!(x * u64::from(d32) < 1 << 63 && (x + 4) * u64::from(d32) >= 1 << 63, "1/{d32}: {x}");

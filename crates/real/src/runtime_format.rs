@@ -365,7 +365,7 @@ mod tests {
 
     type Runtime = RuntimeFixed<0>;
 
-    #[allow(clippy::cast_possible_truncation, reason = "both parts are integers of 64 bits")]
+    #[allow(clippy::cast_possible_truncation, reason = "both parts are whole numbers below 2^64")]
     fn bits<R: Backend>(x: R, fraction_bits: u32) -> i64 {
         let (high, low) = x.to_f64_pair();
         let units = |part: f64| part.scale(fraction_bits.cast_signed()) as i128;

@@ -24,7 +24,7 @@
     reason = "words are split into halves and joined again; each cast takes the half it names"
 )]
 
-use crate::division;
+use crate::division::divide_u64;
 
 /// `⌊2⁸/√A⌋ − 2⁸` in the middle of each 64th of [¼, 1): entry i is for `A ∈ [(16+i)/64, (17+i)/64)`.
 ///
@@ -44,17 +44,19 @@ const RECIPROCAL_ROOTS: [u8; 48] = {
 #[inline]
 fn normalised_u64(a: u64) -> (u32, u64) {
     debug_assert!(a >> 62 != 0, "the radicand is normalised");
-    let high = a >> 32;
+    let square = |x: u32| x as u64 * x as u64;
+    let product = |x: u32, y: u32, shift: u32| ((x as u64 * y as u64) >> shift) as u32;
+    let high = (a >> 32) as u32;
     // Units: y0 2^-8, product and bracket 2^-31, y 2^-30, s 2^-32.
-    let y0 = 256 + u64::from(RECIPROCAL_ROOTS[((a >> 58) as usize).clamp(16, 63) - 16]);
-    let product = (high * (y0 * y0)) >> 17;
-    let bracket = (3 << 30) - (product >> 1) - 2; // less 2, what rounding A and the product down added at most
-    let y = (y0 * bracket) >> 9;
-    let s = (high * y) >> 30;
-    let s = s + ((((a - s * s) >> 32) * y) >> 31);
-    let s = s + ((((a - s * s) >> 16) * y) >> 47);
-    let rest = a - s * s;
-    if rest > 2 * s { ((s + 1) as u32, rest - 2 * s - 1) } else { (s as u32, rest) }
+    let y0 = 256 + RECIPROCAL_ROOTS[((high >> 26) as usize).clamp(16, 63) - 16] as u32;
+    // Less 2, what rounding A and the product down added at most.
+    let bracket = (3 << 30) - (product(high, y0 * y0, 17) >> 1) - 2;
+    let y = product(y0, bracket, 9);
+    let s = product(high, y, 30);
+    let s = s + product(((a - square(s)) >> 32) as u32, y, 31);
+    let s = s + product(((a - square(s)) >> 16) as u32, y, 47);
+    let (rest, twice) = (a - square(s), 2 * s as u64);
+    if rest > twice { (s + 1, rest - twice - 1) } else { (s, rest) }
 }
 
 /// `⌊√a⌋` and `a − ⌊√a⌋²`. Domain: one of the two top bits of `a` is set.
@@ -64,7 +66,7 @@ fn normalised_u128(a: u128) -> (u64, u128) {
     let next = (a >> 32) as u32;
     let half = (r1 << 31) | (next >> 1) as u64; // (r₁·2³² + a₁)/2, over s₁
     // At r₁ = 2·s₁ the quotient is 2³², one more than the low half can be.
-    let low = if half >> 32 >= s1 as u64 { u32::MAX } else { division::u32::divide(half, s1).0 };
+    let low = if half >> 32 >= s1 as u64 { u32::MAX } else { divide_u64(half, s1 as u64).0 as u32 };
     let s = (s1 as u64) << 32 | low as u64;
     let square = s as u128 * s as u128;
     if square > a { (s - 1, a - (square - (2 * s as u128 - 1))) } else { (s, a - square) }

@@ -2,7 +2,8 @@
 
 use num_traits::{AsPrimitive, FromPrimitive, PrimInt, WrappingAdd};
 
-use crate::{division, square_root};
+use crate::division::{divide_u64, divide_u128};
+use crate::square_root;
 
 /// The machine word behind a fixed-point number. Sealed: `i8`, `i16`, `i32` and `i64`.
 pub trait Word: PrimInt + FromPrimitive + AsPrimitive<Self::Wide> + sealed::Sealed + 'static {
@@ -32,35 +33,6 @@ pub trait Word: PrimInt + FromPrimitive + AsPrimitive<Self::Wide> + sealed::Seal
 
 mod sealed {
     pub trait Sealed {}
-}
-
-/// Quotient and remainder by the machine's or the compiler's division.
-macro_rules! native {
-    ($n:expr, $d:expr) => {
-        ($n / $d, $n % $d)
-    };
-}
-
-/// A double word over a word of 32 bits, the quotient known to fit a word: by the machine's 64-bit division where
-/// there is one, by Newton's reciprocal where that would be a library routine of some 160 instructions.
-#[inline]
-pub(crate) fn divide_u64(n: u64, d: u64) -> (u64, u64) {
-    #[cfg(target_pointer_width = "64")]
-    return native!(n, d);
-    #[cfg(not(target_pointer_width = "64"))]
-    {
-        #[allow(clippy::cast_possible_truncation, reason = "the divisor is a magnitude of 32 bits")]
-        let (q, r) = division::u32::divide(n, d as u32);
-        (q.into(), r.into())
-    }
-}
-
-/// A double word over a word of 64 bits, the quotient known to fit a word.
-#[inline]
-pub(crate) fn divide_u128(n: u128, d: u128) -> (u128, u128) {
-    #[allow(clippy::cast_possible_truncation, reason = "the divisor is a magnitude of 64 bits")]
-    let (q, r) = division::u64::divide(n, d as u64);
-    (q.into(), r.into())
 }
 
 macro_rules! word {
@@ -152,8 +124,8 @@ fn root_u32(square: u32) -> u32 {
     root + u32::from(square - root * root > root)
 }
 
-word!(i8, i16, u16, divide: |n, d| native!(n, d), root: root_u16, ratio: u64, divide_ratio: divide_u64);
-word!(i16, i32, u32, divide: |n, d| native!(n, d), root: root_u32, ratio: u64, divide_ratio: divide_u64);
+word!(i8, i16, u16, divide: |n, d| (n / d, n % d), root: root_u16, ratio: u64, divide_ratio: divide_u64);
+word!(i16, i32, u32, divide: |n, d| (n / d, n % d), root: root_u32, ratio: u64, divide_ratio: divide_u64);
 word!(i32, i64, u64, divide: divide_u64, root: square_root::u64::nearest, ratio: u64, divide_ratio: divide_u64);
 word!(i64, i128, u128, divide: divide_u128, root: square_root::u128::nearest, ratio: u128, divide_ratio: divide_u128);
 
