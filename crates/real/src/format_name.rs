@@ -17,6 +17,14 @@ pub enum FormatName {
         /// Bits after the binary point.
         fraction_bits: u32,
     },
+    /// Two's complement with the binary point left of all digits: the value is below one half. Written with a negative
+    /// number of integer bits, as in `I-4F12` for 8 bits, 2⁻⁵ down to 2⁻¹² with the sign.
+    Fraction {
+        /// Width in bits, the sign included.
+        bits: u32,
+        /// Bits after the binary point, more than `bits`.
+        fraction_bits: u32,
+    },
     /// The sum of two `f64`, about 106 bits of precision: the reference.
     DoubleDouble,
 }
@@ -26,7 +34,7 @@ impl FormatName {
     #[must_use]
     pub const fn bits(self) -> u32 {
         match self {
-            Self::Float { bits } => bits,
+            Self::Float { bits } | Self::Fraction { bits, .. } => bits,
             Self::Fixed { integer_bits, fraction_bits } => integer_bits + fraction_bits,
             Self::DoubleDouble => 128,
         }
@@ -38,6 +46,7 @@ impl fmt::Display for FormatName {
         match self {
             Self::Float { bits } => write!(f, "f{bits}"),
             Self::Fixed { integer_bits, fraction_bits } => write!(f, "I{integer_bits}F{fraction_bits}"),
+            Self::Fraction { bits, fraction_bits } => write!(f, "I-{}F{fraction_bits}", fraction_bits - bits),
             Self::DoubleDouble => f.write_str("double-double"),
         }
     }

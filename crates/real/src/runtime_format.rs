@@ -9,10 +9,13 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use num_traits::{Bounded, One, Zero};
 
+use crate::division::{divide_u64, divide_u128};
 use crate::word::Word;
-use crate::{Backend, FormatName, Real};
+use crate::{Backend, FormatName, Real, square_root};
 
-/// What happens to the bits that a result has too many of.
+/// What happens to the bits that a result has too many of, in products, quotients, roots and shifts.
+///
+/// Conversions always go to nearest, as the [`Real`] table says: constants and inputs are not made by the datapath.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rounding {
     /// To the nearest number; ties up in products and shifts, away from zero in quotients, as `FixedPoint` does.
@@ -64,90 +67,154 @@ impl RuntimeFormat {
         Self::new(width, fraction_bits, Rounding::Nearest, Overflow::Wrap)
     }
 
+    /// The format with `width` bits in all, the sign included, whose resolution is `2^-fraction_bits`.
+    ///
+    /// `None` unless `2 ≤ width ≤ 64` and `fraction_bits ≤ 62`. The point may lie left of all digits; where 1 does not
+    /// fit, `one` is the greatest number.
+    #[must_use]
+    pub const fn with_any_point(
+        width: u32,
+        fraction_bits: u32,
+        rounding: Rounding,
+        overflow: Overflow,
+    ) -> Option<Self> {
+        if width < 2 || width > 64 || fraction_bits > 62 {
+            return None;
+        }
+        Some(Self { width, fraction_bits, rounding, overflow })
+    }
+
     /// The format's name.
     #[must_use]
     pub const fn name(&self) -> FormatName {
-        FormatName::Fixed { integer_bits: self.width - self.fraction_bits, fraction_bits: self.fraction_bits }
-    }
-
-    /// Runs `work`, in which [`RuntimeFixed<SLOT>`] on this thread has this format.
-    pub fn run<const SLOT: usize, T>(self, work: impl FnOnce() -> T) -> T {
-        let outer = FORMATS.with(|formats| formats[SLOT % SLOTS].replace(self));
-        let result = work();
-        FORMATS.with(|formats| formats[SLOT % SLOTS].set(outer));
-        result
-    }
-
-    fn least(&self) -> i128 {
-        -(1 << (self.width - 1))
-    }
-
-    fn greatest(&self) -> i128 {
-        (1 << (self.width - 1)) - 1
-    }
-
-    fn fit(&self, wide: i128) -> i64 {
-        match self.overflow {
-            Overflow::Saturate => self.saturate(wide),
-            Overflow::Wrap => {
-                let unused = 128 - self.width;
-                narrow(wide << unused >> unused)
-            }
+        match self.width.checked_sub(self.fraction_bits) {
+            Some(integer_bits) => FormatName::Fixed { integer_bits, fraction_bits: self.fraction_bits },
+            None => FormatName::Fraction { bits: self.width, fraction_bits: self.fraction_bits },
         }
     }
 
-    fn saturate(&self, wide: i128) -> i64 {
-        narrow(wide.clamp(self.least(), self.greatest()))
+    /// Width in bits, the sign included.
+    #[must_use]
+    pub const fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Bits after the point: the resolution is `2^-fraction_bits`.
+    #[must_use]
+    pub const fn fraction_bits(&self) -> u32 {
+        self.fraction_bits
+    }
+
+    /// How results are rounded.
+    #[must_use]
+    pub const fn rounding(&self) -> Rounding {
+        self.rounding
+    }
+
+    /// What happens to sums and products that do not fit.
+    #[must_use]
+    pub const fn overflow(&self) -> Overflow {
+        self.overflow
+    }
+
+    /// Runs `work`, in which [`RuntimeFixed<SLOT>`] on this thread has this format. Afterwards, also by a panic, it has
+    /// the one it had before: runs nest.
+    pub fn run<const SLOT: usize, T>(self, work: impl FnOnce() -> T) -> T {
+        struct Restore<const SLOT: usize>(RuntimeFormat);
+        impl<const SLOT: usize> Drop for Restore<SLOT> {
+            fn drop(&mut self) {
+                FORMATS.with(|formats| formats[SLOT].set(self.0));
+            }
+        }
+        let _restore = Restore::<SLOT>(slot::<SLOT>(|format| format.replace(self)));
+        work()
+    }
+
+    #[inline]
+    fn least(self) -> i64 {
+        i64::MIN >> (64 - self.width)
+    }
+
+    #[inline]
+    fn greatest(self) -> i64 {
+        i64::MAX >> (64 - self.width)
+    }
+
+    #[inline]
+    #[allow(clippy::cast_possible_truncation, reason = "the bits that wrapping loses")]
+    fn fit(self, wide: i128) -> i64 {
+        match self.overflow {
+            Overflow::Saturate => self.saturate(wide),
+            Overflow::Wrap => ((wide as i64) << (64 - self.width)) >> (64 - self.width),
+        }
+    }
+
+    #[inline]
+    #[allow(clippy::cast_possible_truncation, reason = "clamped to 64 bits")]
+    fn saturate(self, wide: i128) -> i64 {
+        wide.clamp(self.least().into(), self.greatest().into()) as i64
     }
 
     /// Drops `shift` bits, `shift ≤ 126`.
-    fn shift_right(&self, wide: i128, shift: u32) -> i128 {
+    #[inline]
+    fn shift_right(self, wide: i128, shift: u32) -> i128 {
         if shift == 0 {
             return wide;
         }
         let floor = wide >> shift;
-        let dropped = wide - (floor << shift);
-        let half = 1_i128 << (shift - 1);
-        let up = match self.rounding {
-            Rounding::Nearest => dropped >= half,
-            Rounding::NearestEven => dropped > half || (dropped == half && floor & 1 == 1),
-            Rounding::Floor => false,
-            Rounding::TowardZero => floor < 0 && dropped != 0,
-        };
-        floor + i128::from(up)
+        let first_dropped = (wide >> (shift - 1)) & 1;
+        floor
+            + match self.rounding {
+                Rounding::Nearest => first_dropped,
+                // A tie when the first bit dropped was the last one set.
+                Rounding::NearestEven => {
+                    first_dropped & i128::from(floor & 1 == 1 || wide.trailing_zeros() != shift - 1)
+                }
+                Rounding::Floor => 0,
+                Rounding::TowardZero => i128::from(floor < 0 && floor << shift != wide),
+            }
     }
 
-    fn quotient(&self, numerator: i128, denominator: i128) -> i128 {
-        let (quotient, remainder) = (numerator / denominator, numerator % denominator);
-        let sign = if (numerator < 0) == (denominator < 0) { 1 } else { -1 };
-        let twice = remainder.unsigned_abs().saturating_mul(2);
-        let away = match self.rounding {
-            Rounding::Nearest => twice >= denominator.unsigned_abs(),
-            Rounding::NearestEven => {
-                twice > denominator.unsigned_abs()
-                    || (twice == denominator.unsigned_abs() && quotient & 1 != 0)
+    /// `(±numerator) / divisor`, saturated. Over zero, the extreme with the sign of the numerator; `0/0` is 0.
+    #[inline]
+    fn quotient(self, numerator: u128, divisor: u64, negative: bool) -> i64 {
+        let extreme = if negative { self.least() } else { self.greatest() };
+        let (quotient, rest) = match (u64::try_from(numerator), u128::from(divisor)) {
+            (Ok(0), _) => return 0,
+            (Ok(n), d) if n >> 32 < divisor && d >> 32 == 0 => {
+                let (q, r) = divide_u64(n, divisor);
+                (u128::from(q), u128::from(r))
             }
-            Rounding::Floor => sign < 0 && remainder != 0,
+            (_, d) if numerator >> 64 < d => divide_u128(numerator, d),
+            _ => return extreme, // does not fit, or is over zero
+        };
+        let left = u128::from(divisor) - rest;
+        let away = match self.rounding {
+            Rounding::Nearest => rest >= left,
+            Rounding::NearestEven => rest > left || (rest == left && quotient & 1 == 1),
+            Rounding::Floor => negative && rest != 0,
             Rounding::TowardZero => false,
         };
-        if away { quotient + sign } else { quotient }
+        let magnitude = i128::try_from(quotient + u128::from(away)).unwrap_or(i128::MAX);
+        self.saturate(if negative { -magnitude } else { magnitude })
     }
 
-    /// `√square` for a square below 2¹²⁸.
-    fn root(&self, square: u128) -> i128 {
-        let floor = square.isqrt();
+    /// `√square`, saturated.
+    #[inline]
+    fn root(self, square: u128) -> i64 {
         let nearest = matches!(self.rounding, Rounding::Nearest | Rounding::NearestEven);
-        let root = floor + u128::from(nearest && square - floor * floor > floor);
-        i128::try_from(root).unwrap_or(i128::MAX)
+        let root: u128 = match (u64::try_from(square), nearest) {
+            (Ok(square), true) => square_root::u64::nearest(square).into(),
+            (Ok(square), false) => square_root::u64::floor(square).into(),
+            (Err(_), true) => square_root::u128::nearest(square),
+            (Err(_), false) => square_root::u128::floor(square).into(),
+        };
+        self.saturate(i128::try_from(root).unwrap_or(i128::MAX))
     }
-}
-
-fn narrow(x: i128) -> i64 {
-    i64::try_from(x).unwrap_or(0) // at most 64 bits: it fits
 }
 
 /// Number of formats that can be in force at once.
-const SLOTS: usize = 4;
+const SLOTS: usize = 8;
 
 thread_local! {
     static FORMATS: [Cell<RuntimeFormat>; SLOTS] = const {
@@ -162,13 +229,29 @@ thread_local! {
     };
 }
 
-/// A number in the format that [`RuntimeFormat::run`] has put in force for `SLOT`, 0 to 3; I16F16 outside of it.
+#[inline]
+fn slot<const SLOT: usize>(act: impl FnOnce(&Cell<RuntimeFormat>) -> RuntimeFormat) -> RuntimeFormat {
+    const { assert!(SLOT < SLOTS, "slots are numbered from 0 to 7") };
+    FORMATS.with(|formats| act(&formats[SLOT]))
+}
+
+/// A number in the format that [`RuntimeFormat::run`] has put in force for `SLOT`, 0 to 7; I16F16 outside of it.
+///
+/// The value is an integer in units of the resolution, and means nothing to another format: numbers are made and used
+/// within the same run. Signals of different formats have slots of their own.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct RuntimeFixed<const SLOT: usize>(i64);
 
 impl<const SLOT: usize> RuntimeFixed<SLOT> {
+    #[inline]
     fn format() -> RuntimeFormat {
-        FORMATS.with(|formats| formats[SLOT % SLOTS].get())
+        slot::<SLOT>(Cell::get)
+    }
+
+    /// The number of so many units of the format's resolution; what does not fit wraps or saturates.
+    #[must_use]
+    pub fn from_bits(bits: i64) -> Self {
+        Self(Self::format().fit(bits.into()))
     }
 
     /// The number as an integer, in units of the format's resolution.
@@ -215,14 +298,8 @@ impl<const SLOT: usize> Div for RuntimeFixed<SLOT> {
     type Output = Self;
     fn div(self, other: Self) -> Self {
         let format = Self::format();
-        if other.0 == 0 {
-            return match self.0.signum() {
-                1 => Self::max_value(),
-                -1 => Self::min_value(),
-                _ => Self(0),
-            };
-        }
-        Self(format.saturate(format.quotient(self.wide() << format.fraction_bits, other.wide())))
+        let numerator = u128::from(self.0.unsigned_abs()) << format.fraction_bits;
+        Self(format.quotient(numerator, other.0.unsigned_abs(), (self.0 < 0) != (other.0 < 0)))
     }
 }
 
@@ -237,16 +314,17 @@ impl<const SLOT: usize> Zero for RuntimeFixed<SLOT> {
 
 impl<const SLOT: usize> One for RuntimeFixed<SLOT> {
     fn one() -> Self {
-        Self(1 << Self::format().fraction_bits)
+        let format = Self::format();
+        Self(format.saturate(1 << format.fraction_bits))
     }
 }
 
 impl<const SLOT: usize> Bounded for RuntimeFixed<SLOT> {
     fn min_value() -> Self {
-        Self(narrow(Self::format().least()))
+        Self(Self::format().least())
     }
     fn max_value() -> Self {
-        Self(narrow(Self::format().greatest()))
+        Self(Self::format().greatest())
     }
 }
 
@@ -256,54 +334,59 @@ impl<const SLOT: usize> Real for RuntimeFixed<SLOT> {
     }
 
     fn from_ratio(numerator: i32, denominator: i32) -> Self {
-        if denominator == 0 {
-            return Self(0);
-        }
         let nearest = RuntimeFormat { rounding: Rounding::Nearest, ..Self::format() };
-        let numerator = i128::from(numerator) << nearest.fraction_bits;
-        Self(nearest.saturate(nearest.quotient(numerator, i128::from(denominator))))
+        let magnitude = u128::from(numerator.unsigned_abs()) << nearest.fraction_bits;
+        let negative = (numerator < 0) != (denominator < 0);
+        Self(nearest.quotient(magnitude, denominator.unsigned_abs().into(), negative))
     }
 
     fn mul_add(self, factor: Self, addend: Self) -> Self {
         let format = Self::format();
-        let sum = (self.wide() * factor.wide()).wrapping_add(addend.wide() << format.fraction_bits);
+        let sum = self.wide() * factor.wide() + (addend.wide() << format.fraction_bits); // below 2^127
         Self(format.fit(format.shift_right(sum, format.fraction_bits)))
     }
 
     fn sum_of_products(pairs: impl IntoIterator<Item = (Self, Self)>) -> Self {
         let format = Self::format();
-        let sum = pairs.into_iter().fold(0_i128, |sum, (a, b)| sum.wrapping_add(a.wide() * b.wide()));
+        let products = pairs.into_iter().map(|(a, b)| a.wide() * b.wide());
+        let sum = match format.overflow {
+            Overflow::Wrap => products.fold(0, i128::wrapping_add),
+            // Once beyond 128 bits the sum may still come back: its high part is kept by itself.
+            Overflow::Saturate => {
+                let (low, carries) = products.fold((0_i128, 0_i64), |(low, carries), product| {
+                    let (low, overflowed) = low.overflowing_add(product);
+                    (low, carries + i64::from(overflowed) * if product < 0 { -1 } else { 1 })
+                });
+                match carries {
+                    0 => low,
+                    1.. => return Self::max_value(),
+                    _ => return Self::min_value(),
+                }
+            }
+        };
         Self(format.fit(format.shift_right(sum, format.fraction_bits)))
     }
 
     fn norm<const N: usize>(vector: &[Self; N]) -> Self {
-        let format = Self::format();
-        let squares = vector.iter().map(|v| v.wide().unsigned_abs().pow(2));
-        Self(format.saturate(format.root(squares.fold(0, u128::saturating_add))))
+        let squares = vector.iter().map(|v| u128::from(v.0.unsigned_abs()).pow(2));
+        Self(Self::format().root(squares.fold(0, u128::saturating_add)))
     }
 
     fn sqrt(self) -> Self {
         let format = Self::format();
-        let Ok(bits) = u128::try_from(self.0) else { return Self(0) };
-        Self(format.saturate(format.root(bits << format.fraction_bits)))
+        Self(format.root(u128::from(self.0.max(0).unsigned_abs()) << format.fraction_bits))
     }
 
     fn scale(self, exponent: i32) -> Self {
         let format = Self::format();
         let shift = exponent.unsigned_abs();
-        if exponent < 0 {
-            return Self(if shift <= format.width {
-                format.fit(format.shift_right(self.wide(), shift))
-            } else {
-                0
-            });
-        }
-        // What is shifted out beyond 128 bits would be lost to a saturating format too.
-        match format.overflow {
-            Overflow::Wrap if shift >= format.width => Self(0),
-            Overflow::Saturate if shift >= 64 => Self(format.saturate(self.wide().signum() << 100)),
-            _ => Self(format.fit(self.wide() << shift.min(63))),
-        }
+        Self(match format.overflow {
+            _ if exponent < 0 => format.fit(format.shift_right(self.wide(), shift.min(126))),
+            Overflow::Wrap if shift >= format.width => 0,
+            // Beyond 2^64 every number but zero saturates.
+            Overflow::Saturate => format.saturate(self.wide() << shift.min(63) << u32::from(shift > 63)),
+            Overflow::Wrap => format.fit(self.wide() << shift),
+        })
     }
 
     fn from_phase(phase: u64, exponent: i32) -> Self {
@@ -346,7 +429,7 @@ impl<const SLOT: usize> Backend for RuntimeFixed<SLOT> {
         let format = Self::format();
         let exponent = format.fraction_bits.cast_signed();
         let bits = i64::nearest(high.scale(exponent), low.scale(exponent))?;
-        (format.least()..=format.greatest()).contains(&i128::from(bits)).then_some(Self(bits))
+        (format.least()..=format.greatest()).contains(&bits).then_some(Self(bits))
     }
 
     fn to_f64_pair(self) -> (f64, f64) {

@@ -83,7 +83,8 @@ macro_rules! square_root {
             }
 
             /// `⌊√a⌋`.
-            #[cfg(test)]
+            #[cfg(any(test, feature = "std"))]
+            #[inline]
             pub(crate) fn floor(a: $double) -> $word {
                 if a == 0 {
                     return 0;
