@@ -12,6 +12,8 @@ use crate::toml_table::{self, TableReader, wrong_kind};
 /// What a curve file holds.
 pub(crate) struct CurveFile {
     pub(crate) curve: Curve,
+    /// Line of the header `[curve]`, from 1.
+    pub(crate) line: usize,
     pub(crate) machine: Option<Machine>,
     pub(crate) published: Option<toml::Table>,
 }
@@ -28,9 +30,10 @@ pub(crate) fn read(report: &mut Report<'_>, text: &str) -> Option<CurveFile> {
         keys.report.error(Span::default(), "the file has no table [curve]").expected(expected);
     }
     let published = published(keys.report, root);
+    let line = curve.map_or(1, |(header, _)| report.source.line_number(header.start));
     let curve = curve.and_then(|(header, table)| curve_from(report, header, table));
     let machine = machine.map(|(header, table)| machine::from_table(report, header, table));
-    let file = CurveFile { curve: curve?, machine: machine.flatten(), published };
+    let file = CurveFile { curve: curve?, line, machine: machine.flatten(), published };
     (!report.has_errors()).then_some(file)
 }
 
@@ -67,9 +70,9 @@ fn owned(value: &DeValue<'_>, depth: usize) -> Option<toml::Value> {
         DeValue::Float(float) => toml::Value::Float(float.as_str().parse().ok()?),
         DeValue::Boolean(truth) => toml::Value::Boolean(*truth),
         DeValue::Datetime(datetime) => toml::Value::Datetime(*datetime),
-        DeValue::Array(array) => {
-            toml::Value::Array(array.iter().map(|item| owned(item.get_ref(), depth + 1)).collect::<Option<_>>()?)
-        }
+        DeValue::Array(array) => toml::Value::Array(
+            array.iter().map(|item| owned(item.get_ref(), depth + 1)).collect::<Option<_>>()?,
+        ),
         DeValue::Table(table) => toml::Value::Table(
             table
                 .iter()
@@ -141,7 +144,12 @@ fn curve_from(report: &mut Report<'_>, header: Span, table: &DeTable<'_>) -> Opt
     Some(curve)
 }
 
-fn numbers(report: &mut Report<'_>, key: &str, array: &DeArray<'_>, places: &mut Vec<Span>) -> Option<Vec<f64>> {
+fn numbers(
+    report: &mut Report<'_>,
+    key: &str,
+    array: &DeArray<'_>,
+    places: &mut Vec<Span>,
+) -> Option<Vec<f64>> {
     places.extend(array.iter().map(|item| Span::from(item.span())));
     let numbers: Vec<_> = array.iter().map(|item| toml_table::number(report, key, item)).collect();
     numbers.into_iter().collect()
@@ -154,7 +162,7 @@ fn control_points(
     places: &mut Vec<Span>,
 ) -> Option<(Vec<[f64; 3]>, usize)> {
     places.extend(array.iter().map(|item| Span::from(item.span())));
-    let dimension = array.first().and_then(|first| first.get_ref().as_array()).map_or(0, DeArray::len);
+    let dimension = array.first().and_then(|first| first.get_ref().as_array()).map_or(0, |point| point.len());
     let points: Vec<_> = array.iter().map(|item| control_point(report, item, dimension)).collect();
     Some((points.into_iter().collect::<Option<_>>()?, dimension.max(2)))
 }

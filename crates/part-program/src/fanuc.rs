@@ -9,6 +9,7 @@
 
 use crate::curve::{Curve, Element};
 use crate::diagnostic::Report;
+use crate::part::{Move, MoveKind, Part, Shape};
 use crate::source::Span;
 
 /// A word: its letter, number and place.
@@ -17,13 +18,6 @@ struct Word {
     letter: char,
     value: f64,
     span: Span,
-}
-
-/// What a program commands.
-#[derive(Default)]
-pub(crate) struct Program {
-    pub(crate) curves: Vec<Curve>,
-    pub(crate) feedrate_mm_per_s: Option<f64>,
 }
 
 /// The curve that is being read.
@@ -35,9 +29,9 @@ struct Open {
     start: Span,
 }
 
-/// Reads a whole program. What is wrong goes to the report.
-pub(crate) fn read(report: &mut Report<'_>) -> Program {
-    let mut reader = Reader { program: Program::default(), position: [None; 3], open: None };
+/// Reads a whole program into `part`. What is wrong goes to the report.
+pub(crate) fn read(report: &mut Report<'_>, part: &mut Part) {
+    let mut reader = Reader { part, position: [None; 3], open: None };
     let text = report.source.text;
     let mut at = 0;
     for line in text.split_inclusive('\n') {
@@ -47,10 +41,9 @@ pub(crate) fn read(report: &mut Report<'_>) -> Program {
         at += line.len();
     }
     reader.close(report);
-    if reader.program.curves.is_empty() && !report.has_errors() {
+    if reader.part.curves.is_empty() && !report.has_errors() {
         report.error(Span::new(0, 0), "the program holds no NURBS curve").expected("a block with G06.2");
     }
-    reader.program
 }
 
 /// The words of a line; `None` if it holds none. Comments, block numbers and program delimiters are passed over.
@@ -102,13 +95,13 @@ fn words(report: &mut Report<'_>, start: usize, line: &str) -> Option<Vec<Word>>
     (!found.is_empty()).then_some(found)
 }
 
-struct Reader {
-    program: Program,
+struct Reader<'p> {
+    part: &'p mut Part,
     position: [Option<f64>; 3],
     open: Option<Open>,
 }
 
-impl Reader {
+impl Reader<'_> {
     fn block(&mut self, report: &mut Report<'_>, words: &[Word]) {
         let g = words.iter().find(|word| word.letter == 'G');
         match g.map(|word| word.value) {
@@ -171,7 +164,7 @@ impl Reader {
                 }
                 'K' => knot = Some((word.value, word.span)),
                 'R' => weight = Some((word.value, word.span)),
-                'F' if word.value > 0.0 => self.program.feedrate_mm_per_s = Some(word.value / 60.0),
+                'F' if word.value > 0.0 => self.part.feedrate_mm_per_s = Some(word.value / 60.0),
                 'F' => {
                     report
                         .error(word.span, format!("feed {} mm/min", word.value))
@@ -242,7 +235,10 @@ impl Reader {
             report.error(span.unwrap_or(open.start), fault.to_string()).expected(fault.expected());
         }
         if faults.is_empty() {
-            self.program.curves.push(curve);
+            let line = report.source.line_number(open.start.start);
+            let feedrate_mm_per_s = self.part.feedrate_mm_per_s;
+            self.part.moves.push(Move { kind: MoveKind::Feed, shape: Shape::Nurbs, feedrate_mm_per_s, line });
+            self.part.curves.push(curve);
         }
     }
 }

@@ -18,17 +18,18 @@
 //! Every fault of a text is said, with line, column, what was expected and a hint; nothing is dropped silently.
 
 mod curve;
+mod curve_file;
 mod diagnostic;
 mod fanuc;
 mod machine;
 mod part;
 mod source;
-mod toml_file;
+mod toml_table;
 
 pub use curve::{Curve, CurveFault, Element, End, MAX_COORDINATE_MM, MAX_DEGREE, MAX_KNOT, MAX_WEIGHT};
 pub use diagnostic::{Diagnostic, Diagnostics, MAX_DIAGNOSTICS, Severity};
-pub use machine::Machine;
-pub use part::Part;
+pub use machine::{Axes, AxisLimits, Machine, read_machine};
+pub use part::{Move, MoveKind, Part, Shape};
 
 use diagnostic::Report;
 use source::{Source, Span};
@@ -42,44 +43,34 @@ pub const MAX_TEXT: usize = 64 << 20;
 /// Every fault of the text.
 pub fn read_part(name: &str, text: &str) -> Result<Part, Diagnostics> {
     let mut report = opened(name, text)?;
-    let (curves, feedrate, machine) = if is_toml(text) {
-        let content = toml_file::read(&mut report);
-        if content.as_ref().is_some_and(|c| c.curve.is_none()) {
-            report.error(Span::new(0, 0), "the file holds no curve").expected("a table [curve]");
+    let mut part = Part { name: name.to_owned(), ..Part::default() };
+    if is_toml(text) {
+        if let Some(file) = curve_file::read(&mut report, text) {
+            part.moves.push(Move {
+                kind: MoveKind::Feed,
+                shape: Shape::Nurbs,
+                feedrate_mm_per_s: None,
+                line: file.line,
+            });
+            part.curves.push(file.curve);
+            part.machine = file.machine;
+            part.published = file.published;
         }
-        let content = content.unwrap_or(toml_file::Content { curve: None, machine: None });
-        (content.curve.into_iter().collect(), None, content.machine)
     } else {
-        let program = fanuc::read(&mut report);
-        (program.curves, program.feedrate_mm_per_s, None)
-    };
-    let warnings = report.finish()?;
-    Ok(Part { name: name.to_string(), curves, feedrate_mm_per_s: feedrate, machine, warnings })
-}
-
-/// Reads the table `[machine]` of a TOML file.
-///
-/// # Errors
-/// Every fault of the text.
-pub fn read_machine(name: &str, text: &str) -> Result<Machine, Diagnostics> {
-    let mut report = opened(name, text)?;
-    let machine = toml_file::read(&mut report).and_then(|content| content.machine);
-    if machine.is_none() && !report.has_errors() {
-        report.error(Span::new(0, 0), "the file describes no machine").expected("a table [machine]");
+        fanuc::read(&mut report, &mut part);
     }
-    let machine = machine.ok_or_else(Diagnostics::default);
-    report.finish()?;
-    machine
+    part.warnings = report.finish()?;
+    Ok(part)
 }
 
 /// A report on the text, unless it is too long.
-fn opened<'t>(name: &str, text: &'t str) -> Result<Report<'t>, Diagnostics> {
+pub(crate) fn opened<'t>(name: &str, text: &'t str) -> Result<Report<'t>, Diagnostics> {
     if text.len() <= MAX_TEXT {
         return Ok(Report::new(Source::new(name, text)));
     }
     let mut report = Report::new(Source::new(name, ""));
     report.error(Span::new(0, 0), format!("the text has {} bytes", text.len())).expected("at most 64 MiB");
-    report.finish().map(|_| Report::new(Source::new(name, "")))
+    Err(report.finish().err().unwrap_or_default())
 }
 
 /// A curve file has a line that opens a table or gives a key its value; a part program has neither.

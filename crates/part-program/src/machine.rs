@@ -60,14 +60,14 @@ pub struct AxisLimits {
 /// # Errors
 /// Everything that is wrong with the text, each at its place.
 pub fn read_machine(name: &str, text: &str) -> Result<Machine, Diagnostics> {
-    let mut report = toml_table::report(name, text);
+    let mut report = crate::opened(name, text)?;
     let machine = toml_table::parse(&mut report, text).and_then(|document| {
         let mut root = TableReader::new(&mut report, "the file", Span::default(), document.get_ref());
         let Some((header, table)) = root.table("machine") else {
             if !root.report.has_errors() {
-                root.report
-                    .error(Span::default(), "the file has no table [machine]")
-                    .expected("[machine] with interpolation_period_ms, feedrate_mm_per_s and the other limits");
+                root.report.error(Span::default(), "the file has no table [machine]").expected(
+                    "[machine] with interpolation_period_ms, feedrate_mm_per_s and the other limits",
+                );
             }
             return None;
         };

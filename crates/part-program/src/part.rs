@@ -5,11 +5,11 @@ use crate::diagnostic::Diagnostic;
 use crate::machine::Machine;
 
 /// What a part program or a curve file says.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Part {
     /// Name of the text, as the caller gave it.
     pub name: String,
-    /// The curves, in the order in which they are followed; never empty.
+    /// The curves, in the order in which they are followed. Never empty in a part that a reader returns.
     pub curves: Vec<Curve>,
     /// What the program says of each curve: `moves[i]` belongs to `curves[i]`.
     pub moves: Vec<Move>,

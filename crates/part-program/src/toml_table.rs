@@ -4,7 +4,7 @@ use toml::Spanned;
 use toml::de::{DeArray, DeTable, DeValue};
 
 use crate::diagnostic::Report;
-use crate::source::{Source, Span};
+use crate::source::Span;
 
 /// What a number must be.
 #[derive(Clone, Copy)]
@@ -175,12 +175,11 @@ pub(crate) fn nearest<'w>(word: &str, known: &[&'w str]) -> Option<&'w str> {
     if word.len() > 64 {
         return None;
     }
-    known.iter().filter_map(|candidate| Some((near(candidate)?, *candidate))).min().map(|(_, candidate)| candidate)
-}
-
-/// The text as a report on it.
-pub(crate) fn report<'t>(name: &str, text: &'t str) -> Report<'t> {
-    Report::new(Source::new(name, text))
+    known
+        .iter()
+        .filter_map(|candidate| Some((near(candidate)?, *candidate)))
+        .min()
+        .map(|(_, candidate)| candidate)
 }
 
 #[cfg(test)]
