@@ -3,7 +3,7 @@
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
-use format_compare::{Comparison, Engine, Options, PlanIn, Problem, Row, Verdict};
+use format_compare::{Comparison, Dimension, Engine, Options, PlanIn, Problem, Row, Space, Verdict};
 
 use crate::input::{AnyProblem, Input};
 use crate::{Ending, output};
@@ -141,13 +141,19 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     Ok(if comparison.recommended.is_some() { Ending::Good } else { Ending::RequirementNotMet })
 }
 
-fn compare<const D: usize>(problem: &Problem<D>, arguments: &Arguments) -> Result<Comparison> {
+fn compare<const D: usize>(problem: &Problem<D>, arguments: &Arguments) -> Result<Comparison>
+where
+    Space: Dimension<D>,
+{
     let formats = selected(&arguments.formats)?;
     Ok(format_compare::compare(problem, &formats, &arguments.run.engines()?, &arguments.run.options()?)?)
 }
 
 /// The formats of these names, or all if none is given.
-pub(crate) fn selected<const D: usize>(names: &[String]) -> Result<Vec<Box<dyn format_compare::Format<D>>>> {
+pub(crate) fn selected<const D: usize>(names: &[String]) -> Result<Vec<Box<dyn format_compare::Format<D>>>>
+where
+    Space: Dimension<D>,
+{
     if names.is_empty() {
         return Ok(format_compare::formats());
     }

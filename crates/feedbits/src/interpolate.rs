@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use anyhow::{Result, bail};
 use clap::Args;
-use format_compare::{Problem, Reference, SetpointTable};
+use format_compare::{Dimension, Problem, Reference, SetpointTable, Space};
 
 use crate::compare::{RunArguments, selected};
 use crate::input::{AnyProblem, Input};
@@ -39,7 +39,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     Ok(if finished { Ending::Good } else { Ending::RequirementNotMet })
 }
 
-fn setpoints<const D: usize>(problem: &Problem<D>, arguments: &Arguments) -> Result<(SetpointTable, bool)> {
+fn setpoints<const D: usize>(problem: &Problem<D>, arguments: &Arguments) -> Result<(SetpointTable, bool)>
+where
+    Space: Dimension<D>,
+{
     let options = arguments.run.options()?;
     let formats = selected::<D>(std::slice::from_ref(&arguments.format))?;
     let Some(format) = formats.first() else { bail!("no format") };

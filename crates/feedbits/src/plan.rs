@@ -5,7 +5,7 @@ use std::fmt::Write;
 use anyhow::Result;
 use clap::Args;
 use comfy_table::{CellAlignment, Table, presets};
-use format_compare::{ExactPlan, FeedSample, PlanSummary, Problem, StageRow};
+use format_compare::{Dimension, ExactPlan, FeedSample, PlanSummary, Problem, Space, StageRow};
 
 use crate::compare::{RunArguments, selected};
 use crate::input::{AnyProblem, Input};
@@ -33,7 +33,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     }
 }
 
-fn plan<const D: usize>(problem: &Problem<D>, arguments: &Arguments) -> Result<Ending> {
+fn plan<const D: usize>(problem: &Problem<D>, arguments: &Arguments) -> Result<Ending>
+where
+    Space: Dimension<D>,
+{
     let options = arguments.run.options()?;
     let formats = selected::<D>(&["f64".to_string()])?;
     let plan: ExactPlan = format_compare::plan_for(problem, formats[0].as_ref(), &options)?;

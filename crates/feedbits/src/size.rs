@@ -5,7 +5,7 @@ use std::fmt::Write;
 use anyhow::Result;
 use clap::Args;
 use comfy_table::{CellAlignment, Table, presets};
-use format_compare::{Mixed, Problem, Sizing};
+use format_compare::{Dimension, Mixed, Problem, Sizing, Space};
 
 use crate::compare::{RunArguments, selected};
 use crate::input::{AnyProblem, Input};
@@ -34,7 +34,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     Ok(if sizing.uniform.is_some() { Ending::Good } else { Ending::RequirementNotMet })
 }
 
-fn size<const D: usize>(problem: &Problem<D>, arguments: &Arguments) -> Result<Sizing> {
+fn size<const D: usize>(problem: &Problem<D>, arguments: &Arguments) -> Result<Sizing>
+where
+    Space: Dimension<D>,
+{
     let options = arguments.run.options()?;
     let formats = selected::<D>(&["f64".to_string()])?;
     let plan = format_compare::plan_for(problem, formats[0].as_ref(), &options)?;

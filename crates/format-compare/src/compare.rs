@@ -4,7 +4,7 @@ use part_program::Machine;
 use real::FormatName;
 use serde::Serialize;
 
-use crate::formats::{Format, plan_for};
+use crate::formats::{Dimension, Format, Space, plan_for};
 use crate::metrics::{Fluctuation, JudgedStep, PerPeriod};
 use crate::problem::Problem;
 use crate::reference::Reference;
@@ -102,7 +102,10 @@ pub fn compare<const D: usize>(
     formats: &[Box<dyn Format<D>>],
     engines: &[Engine],
     options: &Options,
-) -> Result<Comparison, Refusal> {
+) -> Result<Comparison, Refusal>
+where
+    Space: Dimension<D>,
+{
     let reference = Reference::new(problem)?;
     let common = match options.plan_in {
         PlanIn::Same => None,

@@ -91,16 +91,44 @@ impl<const D: usize> Format<D> for AtRunTime {
     }
 }
 
-/// A format chosen at run time, to be compared like any other.
-#[must_use]
-pub fn at_run_time<const D: usize>(format: RuntimeFormat) -> Box<dyn Format<D>> {
-    Box::new(AtRunTime(format))
+/// The spaces that formats are built for: the plane, `D = 2`, and space, `D = 3`.
+///
+/// Both are instantiated here, once, and not again in every crate that compares: a format is the planner and two
+/// interpolators, plain and audited.
+pub trait Dimension<const D: usize> {
+    /// Every built-in format, narrow before wide, fixed point before float: the order of rising cost where nothing is
+    /// known of the target.
+    fn formats() -> Vec<Box<dyn Format<D>>>;
+
+    /// A format chosen at run time, to be compared like any other.
+    fn at_run_time(format: RuntimeFormat) -> Box<dyn Format<D>>;
 }
 
-/// Every built-in format, narrow before wide, fixed point before float: the order of rising cost where
-/// nothing is known of the target.
-#[must_use]
-pub fn formats<const D: usize>() -> Vec<Box<dyn Format<D>>> {
+/// The implementor of [`Dimension<2>`] and [`Dimension<3>`].
+#[derive(Clone, Copy, Debug)]
+pub struct Space;
+
+impl Dimension<2> for Space {
+    fn formats() -> Vec<Box<dyn Format<2>>> {
+        built_in()
+    }
+
+    fn at_run_time(format: RuntimeFormat) -> Box<dyn Format<2>> {
+        Box::new(AtRunTime(format))
+    }
+}
+
+impl Dimension<3> for Space {
+    fn formats() -> Vec<Box<dyn Format<3>>> {
+        built_in()
+    }
+
+    fn at_run_time(format: RuntimeFormat) -> Box<dyn Format<3>> {
+        Box::new(AtRunTime(format))
+    }
+}
+
+fn built_in<const D: usize>() -> Vec<Box<dyn Format<D>>> {
     fn of<R: Backend + 'static, const D: usize>() -> Box<dyn Format<D>> {
         Box::new(Of::<R>(PhantomData))
     }
@@ -118,18 +146,30 @@ pub fn formats<const D: usize>() -> Vec<Box<dyn Format<D>>> {
     ]
 }
 
+/// [`Dimension::formats`] of the space of `D` dimensions.
+#[must_use]
+pub fn formats<const D: usize>() -> Vec<Box<dyn Format<D>>>
+where
+    Space: Dimension<D>,
+{
+    Space::formats()
+}
+
 /// The formats with these names, narrow before wide. A name like `I5F13` that no built-in format has is made at run
 /// time.
 ///
 /// # Errors
 /// The first name that is none of a format.
-pub fn select<const D: usize>(names: &[String]) -> Result<Vec<Box<dyn Format<D>>>, String> {
+pub fn select<const D: usize>(names: &[String]) -> Result<Vec<Box<dyn Format<D>>>, String>
+where
+    Space: Dimension<D>,
+{
     let rank =
         |format: &dyn Format<D>| (format.name().bits(), matches!(format.name(), FormatName::Float { .. }));
     let mut selected = Vec::with_capacity(names.len());
     for name in names {
         let built_in = formats::<D>().into_iter().find(|format| format.name().to_string() == *name);
-        let format = built_in.or_else(|| RuntimeFormat::named(name).map(at_run_time));
+        let format = built_in.or_else(|| RuntimeFormat::named(name).map(Space::at_run_time));
         selected.push(format.ok_or_else(|| name.clone())?);
     }
     selected.sort_by_key(|format| rank(format.as_ref()));
@@ -144,7 +184,10 @@ pub fn plan_for<const D: usize>(
     problem: &Problem<D>,
     format: &dyn Format<D>,
     options: &Options,
-) -> Result<ExactPlan, Refusal> {
+) -> Result<ExactPlan, Refusal>
+where
+    Space: Dimension<D>,
+{
     match options.plan_in {
         PlanIn::Same => format.plan(problem, options),
         PlanIn::Format(name) => {

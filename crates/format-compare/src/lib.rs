@@ -25,7 +25,7 @@ mod size;
 
 pub use compare::{Comparison, PartSummary, Row, Verdict, compare};
 pub use exact_plan::ExactPlan;
-pub use formats::{Format, at_run_time, formats, plan_for, select};
+pub use formats::{Dimension, Format, Space, formats, plan_for, select};
 pub use metrics::{Fluctuation, JudgedStep, PerPeriod};
 pub use plan_table::{FeedSample, PlanSummary, StageRow};
 pub use problem::Problem;

@@ -13,7 +13,7 @@ use serde::Serialize;
 
 use crate::compare::{Row, in_parallel, judged, refused};
 use crate::exact_plan::ExactPlan;
-use crate::formats::at_run_time;
+use crate::formats::{Dimension, Space};
 use crate::on_pieces;
 use crate::problem::Problem;
 use crate::reference::Reference;
@@ -100,7 +100,10 @@ pub fn size<const D: usize>(
     problem: &Problem<D>,
     plan: &ExactPlan,
     options: &Options,
-) -> Result<Sizing, Refusal> {
+) -> Result<Sizing, Refusal>
+where
+    Space: Dimension<D>,
+{
     let reference = Reference::new(problem)?;
     let options = Options {
         engine: Engine::Pieces,
@@ -134,7 +137,10 @@ fn narrowest_integer_part<const D: usize>(
     plan: &ExactPlan,
     options: &Options,
     reference: &Reference<D>,
-) -> Row {
+) -> Row
+where
+    Space: Dimension<D>,
+{
     let mut integer_bits = 2;
     loop {
         let fraction_bits = width.saturating_sub(integer_bits);
@@ -144,7 +150,7 @@ fn narrowest_integer_part<const D: usize>(
                 Refusal::Limit { what: "integer bits", value: f64::from(integer_bits), format: name };
             return refused((name, Engine::Pieces), &refusal);
         };
-        match at_run_time::<D>(format).run(problem, plan, options) {
+        match <Space as Dimension<D>>::at_run_time(format).run(problem, plan, options) {
             Ok(run) => return judged((format.name(), Engine::Pieces), problem, reference, &run),
             Err(Refusal::Compile(CompileError::DoesNotFit { integer_bits: needed, .. }))
                 if needed > integer_bits =>
