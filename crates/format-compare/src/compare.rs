@@ -61,6 +61,8 @@ pub struct Row {
     pub chord_error_mm_max: Option<f64>,
     /// Largest distance of a commanded point from the exact curve at its parameter, in mm.
     pub position_error_mm_max: Option<f64>,
+    /// The step between two neighbouring commanded points, in mm: no position can be better than half of it.
+    pub position_resolution_mm: Option<f64>,
     /// Distance of the last commanded point from the curve's end, in mm.
     pub end_error_mm: Option<f64>,
     /// Periods run.
@@ -177,6 +179,7 @@ pub(crate) fn refused((name, engine): (FormatName, Engine), refusal: &Refusal) -
         integer_bits_needed: None,
         chord_error_mm_max: None,
         position_error_mm_max: None,
+        position_resolution_mm: None,
         end_error_mm: None,
         periods: None,
         verdict: Verdict::Refused(refusal.to_string()),
@@ -228,6 +231,7 @@ pub(crate) fn judged<const D: usize>(
         integer_bits_needed: Some(run.audit.integer_bits_needed()),
         chord_error_mm_max: Some(chord_error),
         position_error_mm_max: Some(position_error),
+        position_resolution_mm: Some(run.resolution_mm),
         end_error_mm: Some(end_error),
         periods: u32::try_from(run.steps.len()).ok(),
         verdict: if broken.is_empty() { Verdict::Good } else { Verdict::Bad(broken) },

@@ -7,7 +7,7 @@ use secant_interp::{Interpolator, Method, Tolerance};
 
 use crate::exact_plan::{ExactPlan, in_format};
 use crate::problem::Problem;
-use crate::run::{Options, Refusal, Run, RunStep, most_periods};
+use crate::run::{Options, Refusal, Run, RunStep, most_periods, resolution_at};
 
 /// Converts curve, plan and limits to `R` and runs.
 pub(crate) fn run<R: Backend, const D: usize>(
@@ -67,5 +67,12 @@ fn drive<R: Backend, C: Differentiate<R, D>, const D: usize>(
             evaluations: setpoint.evaluations,
         });
     }
-    Run { steps, finished: state.is_finished(), planned_periods: plan.periods(), audit: Audit::default() }
+    let points = problem.curves.iter().flat_map(|curve| curve.control_points().iter().flatten());
+    Run {
+        steps,
+        finished: state.is_finished(),
+        planned_periods: plan.periods(),
+        resolution_mm: resolution_at::<R>(points.fold(0.0, |largest: f64, x| largest.max(x.abs()))),
+        audit: Audit::default(),
+    }
 }

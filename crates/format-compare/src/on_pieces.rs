@@ -6,7 +6,7 @@ use secant_interp::{ChordTolerance, LengthStage, PieceInterpolator, PieceSetpoin
 
 use crate::exact_plan::{ExactPlan, nearest};
 use crate::problem::Problem;
-use crate::run::{Options, Refusal, Run, RunStep, most_periods};
+use crate::run::{Options, Refusal, Run, RunStep, most_periods, resolution_at};
 
 /// Compiles path and plan for `R` and runs.
 pub(crate) fn run<R: Backend, const D: usize>(
@@ -96,7 +96,15 @@ fn drive<R: Backend, const D: usize>(
             evaluations: setpoint.evaluations,
         });
     }
-    Run { steps, finished, planned_periods: plan.periods(), audit: Audit::default() }
+    // An offset is at most about a piece long, which is the unit.
+    let unit = 1.0.scale(pieces.coordinate_exponent);
+    Run {
+        steps,
+        finished,
+        planned_periods: plan.periods(),
+        resolution_mm: unit * resolution_at::<R>(1.0),
+        audit: Audit::default(),
+    }
 }
 
 fn exact<R: Backend>(x: R) -> DoubleDouble {

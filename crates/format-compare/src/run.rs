@@ -152,8 +152,18 @@ pub struct Run {
     pub finished: bool,
     /// Periods that the plan takes; the run may take more or fewer when rounding delays or hastens it.
     pub planned_periods: u32,
+    /// The step between two neighbouring commanded points, in mm: of a float, at the largest coordinate.
+    pub resolution_mm: f64,
     /// What the format's arithmetic met.
     pub audit: Audit,
+}
+
+/// The step between neighbouring numbers of `R` at the magnitude of `largest`.
+pub(crate) fn resolution_at<R: Backend>(largest: f64) -> f64 {
+    match R::name() {
+        FormatName::Fixed { .. } => R::resolution().to_f64(),
+        _ => R::resolution().to_f64() * largest,
+    }
 }
 
 /// Runs `problem` in the format `R`, and once more in the auditing form `A` of the same format.
