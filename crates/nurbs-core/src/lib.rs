@@ -30,10 +30,17 @@
 //! | curvature and radius, without cubes | [`curvature()`], [`radius`] |
 //! | arc length and its inverse | [`arc_length()`], [`parameter_at`] |
 //! | compiled pieces: what real time evaluates | [`Pieces`] |
+//! | straight moves, circular arcs | [`Line`], [`Arc`] |
+//! | cubic trigonometric splines: the basis, a segment, a curve | [`trig_basis()`], [`TrigSegment`], [`TrigSpline`] |
 #![cfg_attr(feature = "alloc", doc = "| cutting a path into pieces, with proven ranges | [`compile()`] |")]
 #![cfg_attr(
     feature = "alloc",
     doc = "| curves that own their numbers; conversion to another format | [`NurbsBuf`] |"
+)]
+#![cfg_attr(feature = "alloc", doc = "| a curve of any kind; conversion to NURBS | [`PathCurve`] |")]
+#![cfg_attr(
+    feature = "alloc",
+    doc = "| trigonometric splines as polynomials, with a proven error | [`TrigSplineBuf::to_polynomials`] |"
 )]
 #![cfg_attr(feature = "alloc", doc = "| knot insertion (A5.1) | [`NurbsBuf::insert_knot`] |")]
 #![cfg_attr(any(test, feature = "generate"), doc = "| random valid curves for tests | [`generate`] |")]
@@ -52,6 +59,7 @@
 #[cfg(feature = "alloc")]
 extern crate alloc;
 
+mod arc;
 mod arc_length;
 mod basis;
 #[cfg(feature = "alloc")]
@@ -70,18 +78,27 @@ mod golden;
 #[cfg(feature = "alloc")]
 mod knot_insertion;
 mod knots;
+mod line;
 #[cfg(feature = "alloc")]
 mod local_piece;
 #[cfg(test)]
 mod oracle;
 #[cfg(feature = "alloc")]
 mod owned;
+#[cfg(feature = "alloc")]
+mod path_curve;
 mod pieces;
 #[cfg(feature = "alloc")]
 mod polynomial;
 #[cfg(feature = "alloc")]
 mod ranges;
+mod shape_error;
+mod trig_basis;
+#[cfg(feature = "alloc")]
+mod trig_polynomial;
+mod trig_spline;
 
+pub use arc::{Arc, Sense};
 pub use arc_length::{ArcLength, ParameterSearch, arc_length, parameter_at};
 pub use basis::basis_functions;
 #[cfg(feature = "alloc")]
@@ -91,10 +108,20 @@ pub use curve::NurbsCurve;
 pub use error::{CurveError, End, Quantity};
 pub use evaluate::{Derivatives, Differentiate, Evaluate};
 pub use knots::{KnotVector, MAX_DEGREE};
+pub use line::Line;
 #[cfg(feature = "alloc")]
 pub use owned::NurbsBuf;
+#[cfg(feature = "alloc")]
+pub use path_curve::PathCurve;
 pub use pieces::{ORIGIN_EXPONENT, Piece, Pieces, Shifted};
 #[cfg(feature = "alloc")]
 pub use ranges::SignalBound;
+pub use shape_error::ShapeError;
+pub use trig_basis::{ShapeFactors, trig_basis, trig_basis_derivatives};
+#[cfg(feature = "alloc")]
+pub use trig_polynomial::TrigPolynomials;
+#[cfg(feature = "alloc")]
+pub use trig_spline::TrigSplineBuf;
+pub use trig_spline::{Ends, TrigSegment, TrigSpline};
 
 use basis::BasisRows;

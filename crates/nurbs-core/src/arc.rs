@@ -1,0 +1,381 @@
+//! Circular arcs: `P(u) = O + cos(πu/2) a + sin(πu/2) b`, u in quarter turns.
+//!
+//! O is the centre, a the radius to the start and b the radius a quarter turn on. One unit of the parameter is a quarter
+//! turn, and one span, except the last, which may be shorter.
+
+#[cfg(feature = "alloc")]
+use real::Backend;
+use real::{Real, Trigonometric};
+
+use crate::{Derivatives, Differentiate, Evaluate, ShapeError};
+
+/// A circular arc of up to a full turn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Arc<R, const D: usize> {
+    centre: [R; D],
+    /// a and b.
+    radii: [[R; D]; 2],
+    quarters: R,
+}
+
+/// Which way an arc turns, seen against the third axis: from the first axis of its plane toward the second, or back.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sense {
+    /// From the first axis toward the second: G3 in the XY plane.
+    Counterclockwise,
+    /// From the second axis toward the first: G2 in the XY plane.
+    Clockwise,
+}
+
+impl<R: Real, const D: usize> Arc<R, D> {
+    /// The arc about `centre` from the radius a over `quarters` quarter turns toward the radius b.
+    ///
+    /// That a and b are perpendicular and equally long is the caller's business: else it is an arc of an ellipse.
+    ///
+    /// # Errors
+    /// [`ShapeError::NotFinite`]; [`ShapeError::NoArc`] unless `0 < quarters ≤ 4`.
+    pub fn try_new(centre: [R; D], radii: [[R; D]; 2], quarters: R) -> Result<Self, ShapeError> {
+        if !centre.iter().chain(radii.iter().flatten()).all(|x| x.is_finite()) {
+            return Err(ShapeError::NotFinite { what: "the centre or a radius of an arc" });
+        }
+        // A fourth of the angle is compared, so that the bound needs no more integer bits than the domain itself.
+        if !(quarters > R::zero() && quarters.scale(-2) <= R::one()) {
+            return Err(ShapeError::NoArc);
+        }
+        Ok(Self { centre, radii, quarters })
+    }
+
+    /// The centre O.
+    #[must_use]
+    pub fn centre(&self) -> &[R; D] {
+        &self.centre
+    }
+
+    /// The radii a, to the start, and b, a quarter turn on.
+    #[must_use]
+    pub fn radii(&self) -> &[[R; D]; 2] {
+        &self.radii
+    }
+
+    /// The angle in quarter turns.
+    #[must_use]
+    pub fn quarters(&self) -> R {
+        self.quarters
+    }
+
+    /// `|a|`.
+    #[must_use]
+    pub fn radius(&self) -> R {
+        R::norm(&self.radii[0])
+    }
+
+    /// Arc length.
+    #[must_use]
+    pub fn length(&self) -> R {
+        R::half_pi() * (self.quarters * self.radius())
+    }
+
+    /// The radius to the point at `u`, and that a quarter turn on: a and b, turned.
+    pub(crate) fn turned(&self, u: R) -> [[R; D]; 2] {
+        // Whole quarters exchange the radii, which is exact; what is left is between 0 and 1, but for extrapolation.
+        let ([mut a, mut b], mut u) = (self.radii, u);
+        for _ in 0..3 {
+            if u > R::one() {
+                (a, b, u) = (b, a.map(|x| -x), u - R::one());
+            }
+        }
+        let (s, c) = R::sin_cos_quarter(u);
+        let combine = |x: R, y: R| core::array::from_fn(|d| R::sum_of_products([(x, a[d]), (y, b[d])]));
+        [combine(c, s), combine(-s, c)]
+    }
+
+    fn at(&self, radius: &[R; D]) -> [R; D] {
+        core::array::from_fn(|d| self.centre[d] + radius[d])
+    }
+}
+
+impl<R: Real, const D: usize> Evaluate<R, D> for Arc<R, D> {
+    /// From 0 to the angle in quarter turns.
+    fn domain(&self) -> (R, R) {
+        (R::zero(), self.quarters)
+    }
+
+    /// Accuracy: sine and cosine are within two units of the last place, so in fixed point each axis is within
+    /// `2 √2 r + 1` units for a radius r, in floats within `6 ε r + ε |O|`.
+    fn point(&self, u: R) -> [R; D] {
+        self.at(&self.turned(u)[0])
+    }
+
+    fn span_count(&self) -> usize {
+        let (one, two) = (R::one(), R::one() + R::one());
+        // Halves, because three quarter turns need an integer bit more than the others.
+        match self.quarters {
+            q if q <= one => 1,
+            q if q.half() <= one => 2,
+            q if q - one <= two => 3,
+            _ => 4,
+        }
+    }
+
+    fn span_bounds(&self, span: usize) -> (R, R) {
+        let begin = (0..span.min(self.span_count() - 1)).fold(R::zero(), |sum, _| sum + R::one());
+        (begin, self.quarters.min(begin + R::one()))
+    }
+}
+
+impl<R: Real, const D: usize> Differentiate<R, D> for Arc<R, D> {
+    /// `P' = (π/2) b_u`, `P'' = -(π/2)² a_u`, a_u and b_u being the radii at u.
+    fn derivatives(&self, u: R) -> Derivatives<R, D> {
+        let half_pi = R::half_pi();
+        let [a, b] = self.turned(u);
+        Derivatives {
+            point: self.at(&a),
+            first: b.map(|x| half_pi * x),
+            second: a.map(|x| -(half_pi * (half_pi * x))),
+        }
+    }
+
+    fn derivatives_in(&self, _: usize, u: R) -> Derivatives<R, D> {
+        self.derivatives(u)
+    }
+}
+
+#[cfg(feature = "alloc")]
+impl<const D: usize> Arc<f64, D> {
+    /// The arc from `start` to `end` about `centre` in the plane of two coordinate axes; a full turn if both points are the
+    /// same in that plane. Other coordinates stay those of `start`.
+    ///
+    /// A centre as files hold it, rounded, is not equally far from both ends. It is moved onto the line of points that are,
+    /// along the chord, so that the arc meets both ends.
+    ///
+    /// # Errors
+    /// [`ShapeError::RadiiDiffer`] when the radii differ by more than `tolerance_mm`; [`ShapeError::NoArc`] without a
+    /// radius; [`ShapeError::NotFinite`]. Domain: two different axes, both below D; else [`ShapeError::NoArc`].
+    pub fn in_plane(
+        [start, end, centre]: [[f64; D]; 3],
+        axes: [usize; 2],
+        sense: Sense,
+        tolerance_mm: f64,
+    ) -> Result<Self, ShapeError> {
+        let [x, y] = axes;
+        if x == y || x >= D || y >= D {
+            return Err(ShapeError::NoArc);
+        }
+        let flat = |p: &[f64; D]| [p[x], p[y]];
+        let minus = |p: [f64; 2], q: [f64; 2]| [p[0] - q[0], p[1] - q[1]];
+        let dot = |p: [f64; 2], q: [f64; 2]| p[0] * q[0] + p[1] * q[1];
+        let (from, to, given) = (flat(&start), flat(&end), flat(&centre));
+        let difference = f64::norm(&minus(from, given)) - f64::norm(&minus(to, given));
+        if difference.is_nan() || difference.abs() > tolerance_mm {
+            return Err(ShapeError::RadiiDiffer);
+        }
+        let chord = minus(to, from);
+        let middle = [(from[0] + to[0]) / 2.0, (from[1] + to[1]) / 2.0];
+        let square = dot(chord, chord);
+        let off = if square > 0.0 { dot(minus(middle, given), chord) / square } else { 0.0 };
+        let moved = [given[0] + off * chord[0], given[1] + off * chord[1]];
+        let (a, to_end) = (minus(from, moved), minus(to, moved));
+        if f64::norm(&a) <= 0.0 {
+            return Err(ShapeError::NoArc);
+        }
+        let b = match sense {
+            Sense::Counterclockwise => [-a[1], a[0]],
+            Sense::Clockwise => [a[1], -a[0]],
+        };
+        let quarters = if square > 0.0 { quarter_turns(dot(to_end, a), dot(to_end, b)) } else { 4.0 };
+        let mut circle_centre = start;
+        (circle_centre[x], circle_centre[y]) = (moved[0], moved[1]);
+        let lift = |p: [f64; 2]| {
+            let mut radius = [0.0; D];
+            (radius[x], radius[y]) = (p[0], p[1]);
+            radius
+        };
+        // An end within rounding of the start, on the far side of a full turn, is an arc of next to nothing.
+        Self::try_new(circle_centre, [lift(a), lift(b)], quarters.max(f64::MIN_POSITIVE))
+    }
+
+    /// The part over u in [begin, end], turned so that its own parameter begins with 0.
+    ///
+    /// # Errors
+    /// [`ShapeError::NoArc`] unless `begin < end`.
+    pub fn part(&self, begin: f64, end: f64) -> Result<Self, ShapeError> {
+        Self::try_new(self.centre, self.turned(begin), end - begin)
+    }
+
+    /// The arc with every number rounded to the nearest of another format.
+    ///
+    /// # Errors
+    /// [`ShapeError::OutOfRange`], also for an angle that becomes 0.
+    pub fn convert<Q: Backend>(&self) -> Result<Arc<Q, D>, ShapeError> {
+        use crate::path_curve::round_all;
+        let centre = round_all(&self.centre, "the centre of an arc")?;
+        let [a, b] = self.radii.map(|radius| round_all(&radius, "a radius of an arc"));
+        let [quarters] = round_all(&[self.quarters], "the angle of an arc")?;
+        Arc::try_new(centre, [a?, b?], quarters).map_err(|error| match error {
+            ShapeError::NoArc => ShapeError::OutOfRange { what: "the angle of an arc" },
+            other => other,
+        })
+    }
+}
+
+/// The angle of the vector `(x, y)` in quarter turns, in [0, 4): the inverse of [`Trigonometric::sin_cos_quarter`].
+///
+/// Within the first half of a quarter a rational guess is right to 5e-3, and each correction by the sine of what is missing,
+/// `δ + δ³/6`, takes the error to its fifth power. Error below 1e-15. Domain: not both 0.
+#[cfg(feature = "alloc")]
+pub(crate) fn quarter_turns(x: f64, y: f64) -> f64 {
+    let length = f64::norm(&[x, y]);
+    let (c, s) = (x / length, y / length);
+    let (small, large) = if s.abs() < c.abs() { (s.abs(), c.abs()) } else { (c.abs(), s.abs()) };
+    let ratio = small / large;
+    let mut u = f64::two_over_pi() * ratio / (1.0 + 0.28 * ratio * ratio);
+    for _ in 0..3 {
+        let (sine, cosine) = f64::sin_cos_quarter(u);
+        let missing = small * cosine - large * sine;
+        u += f64::two_over_pi() * (missing + missing * missing * missing / 6.0);
+    }
+    let first_quarter = if s.abs() < c.abs() { u } else { 1.0 - u };
+    match (c < 0.0, s < 0.0) {
+        (false, false) => first_quarter,
+        (true, false) => 2.0 - first_quarter,
+        (true, true) => 2.0 + first_quarter,
+        (false, true) => 4.0 - first_quarter,
+    }
+}
+
+#[cfg(all(test, feature = "alloc"))]
+mod tests {
+    use super::*;
+    use crate::{PathCurve, curvature};
+    use proptest::prelude::*;
+    use real::{I8F24, I16F16, I16F48};
+
+    fn unit_arc(quarters: f64) -> Arc<f64, 2> {
+        Arc::try_new([1.0, 2.0], [[3.0, 0.0], [0.0, 3.0]], quarters).unwrap()
+    }
+
+    /// Largest deviation from the circle of radius 3 about (1, 2).
+    fn off_circle<R: Backend, C: Evaluate<R, 2>>(curve: &C) -> f64 {
+        let (begin, end) = curve.domain();
+        let at = |step: i32| {
+            let [x, y] = curve.point(begin + (end - begin) * R::from_ratio(step, 100)).map(|v| v.to_f64());
+            ((x - 1.0).hypot(y - 2.0) - 3.0).abs()
+        };
+        (0..=100).map(at).fold(0.0, f64::max)
+    }
+
+    proptest! {
+        #[test]
+        fn every_angle_in_every_form_is_the_same_circle(quarters in 0.01..=4.0_f64) {
+            let arc = unit_arc(quarters);
+            prop_assert!(off_circle(&arc) <= 2e-15);
+            let nurbs = arc.to_nurbs().unwrap();
+            prop_assert!(off_circle(&nurbs.as_curve()) <= 4e-15, "{}", off_circle(&nurbs.as_curve()));
+            let spline = arc.to_trig_spline().unwrap();
+            prop_assert!(off_circle(&spline.as_spline()) <= 2e-14, "{}", off_circle(&spline.as_spline()));
+            for (curve, bound) in [(PathCurve::from(nurbs), 4e-15), (PathCurve::from(spline), 2e-14)] {
+                for (mine, its) in [(0.0, curve.domain().0), (quarters, curve.domain().1)] {
+                    let (mine, its) = (arc.point(mine), curve.point(its));
+                    prop_assert!((mine[0] - its[0]).abs().max((mine[1] - its[1]).abs()) <= bound);
+                }
+            }
+            fn in_format<R: Backend>(arc: &Arc<f64, 2>) -> Result<(), TestCaseError> {
+                let units = off_circle(&arc.convert::<R>().unwrap()) / R::resolution().to_f64();
+                prop_assert!(units <= 2.0 * 2.0_f64.sqrt() * 3.0 + 1.0, "{}: {units}", R::name());
+                Ok(())
+            }
+            in_format::<I16F16>(&arc)?;
+            in_format::<I8F24>(&arc)?;
+            in_format::<I16F48>(&arc)?;
+            in_format::<f32>(&arc)?;
+        }
+
+        #[test]
+        fn derivatives_turn_with_the_arc(quarters in 0.1..=4.0_f64, at in 0.0..=1.0) {
+            let (arc, h) = (unit_arc(quarters), 1e-5);
+            let u = at * quarters;
+            let d = arc.derivatives(u);
+            prop_assert!((curvature(&d) * 3.0 - 1.0).abs() <= 1e-14);
+            for axis in 0..2 {
+                let difference = (arc.point(u + h)[axis] - arc.point(u - h)[axis]) / (2.0 * h);
+                prop_assert!((difference - d.first[axis]).abs() < 1e-8);
+            }
+        }
+
+        #[test]
+        fn an_angle_is_found_from_its_vector(quarters in 0.0..4.0_f64, length in 1e-3..1e3_f64) {
+            let angle = quarters * core::f64::consts::FRAC_PI_2;
+            let found = quarter_turns(length * angle.cos(), length * angle.sin());
+            let error = (found - quarters).abs();
+            prop_assert!(error.min(4.0 - error) <= 1e-15 * 4.0, "{quarters}: {found}");
+        }
+
+        #[test]
+        fn an_arc_of_a_program_meets_its_ends(from in 0.0..4.0_f64, by in 0.01..3.99_f64, radius in 0.1..100.0_f64,
+                                              clockwise: bool, noise in [-5e-4..5e-4, -5e-4..5e-4]) {
+            // A program's centre is rounded: here it is off by up to half a micrometre each way.
+            let at = |quarters: f64| {
+                let angle = quarters * core::f64::consts::FRAC_PI_2;
+                [7.0, radius * angle.cos(), radius * angle.sin()]
+            };
+            let (sense, to) = if clockwise { (Sense::Clockwise, from - by) } else { (Sense::Counterclockwise, from + by) };
+            let centre = [99.0, noise[0], noise[1]];
+            let arc = Arc::in_plane([at(from), at(to), centre], [1, 2], sense, 2e-3).unwrap();
+            for (found, expected) in [(arc.point(0.0), at(from)), (arc.point(arc.quarters()), at(to))] {
+                let off = f64::norm(&core::array::from_fn::<_, 3, _>(|d| found[d] - expected[d]));
+                prop_assert!(off <= 1e-14 * radius.max(1.0) * 8.0, "{off}");
+            }
+            let half_chord = radius * (by * core::f64::consts::FRAC_PI_4).sin().abs();
+            prop_assert!((arc.quarters() - by).abs() <= 4e-3 / half_chord.max(1e-3) + 1e-14, "{} {by}", arc.quarters());
+        }
+    }
+
+    #[test]
+    fn axes_and_quarters_have_their_angles() {
+        for (vector, quarters) in
+            [((1.0, 0.0), 0.0), ((0.0, 2.0), 1.0), ((-3.0, 0.0), 2.0), ((0.0, -1.0), 3.0)]
+        {
+            assert_eq!(quarter_turns(vector.0, vector.1), quarters);
+        }
+        assert!((quarter_turns(1.0, 1.0) - 0.5).abs() <= f64::EPSILON);
+    }
+
+    #[test]
+    fn spans_are_quarters_and_a_rest() {
+        for (quarters, count, last) in
+            [(0.5, 1, 0.0), (1.0, 1, 0.0), (2.0, 2, 1.0), (2.25, 3, 2.0), (3.0, 3, 2.0), (4.0, 4, 3.0)]
+        {
+            let arc = unit_arc(quarters);
+            assert_eq!((arc.span_count(), arc.span_bounds(9)), (count, (last, quarters)));
+        }
+    }
+
+    #[test]
+    fn a_full_turn_and_what_is_no_arc() {
+        let full =
+            Arc::in_plane([[5.0, 0.0], [5.0, 0.0], [0.0, 0.0]], [0, 1], Sense::Clockwise, 1e-3).unwrap();
+        assert_eq!(full.quarters(), 4.0);
+        assert!(full.point(1.0)[1] < -4.9);
+        let arc = |points, axes| Arc::<f64, 2>::in_plane(points, axes, Sense::Clockwise, 1e-3).unwrap_err();
+        assert_eq!(arc([[5.0, 0.0], [0.0, 6.0], [0.0, 0.0]], [0, 1]), ShapeError::RadiiDiffer);
+        assert_eq!(arc([[0.0, 0.0]; 3], [0, 1]), ShapeError::NoArc);
+        assert_eq!(arc([[5.0, 0.0], [0.0, 5.0], [0.0, 0.0]], [0, 2]), ShapeError::NoArc);
+        assert_eq!(arc([[f64::NAN, 0.0], [0.0, 5.0], [0.0, 0.0]], [0, 1]), ShapeError::RadiiDiffer);
+        assert_eq!(Arc::try_new([0.0], [[1.0], [1.0]], 4.5), Err(ShapeError::NoArc));
+        assert_eq!(
+            unit_arc(1e-9).convert::<I16F16>(),
+            Err(ShapeError::OutOfRange { what: "the angle of an arc" })
+        );
+    }
+
+    #[test]
+    fn a_part_lies_on_the_arc() {
+        let (arc, part) = (unit_arc(3.5), unit_arc(3.5).part(1.25, 3.0).unwrap());
+        assert_eq!(part.quarters(), 1.75);
+        let off = |u: f64| {
+            f64::norm(&core::array::from_fn::<_, 2, _>(|d| part.point(u)[d] - arc.point(1.25 + u)[d]))
+        };
+        assert!([0.0, 0.5, 1.75].into_iter().all(|u| off(u) <= 4e-15));
+        assert!(arc.part(2.0, 2.0).is_err());
+    }
+}

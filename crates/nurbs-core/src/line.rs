@@ -1,0 +1,129 @@
+//! Straight moves.
+
+#[cfg(feature = "alloc")]
+use real::Backend;
+use real::Real;
+
+use crate::{Derivatives, Differentiate, Evaluate, ShapeError};
+
+/// The line `(1 - u) A + u B`, u in [0, 1].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Line<R, const D: usize> {
+    ends: [[R; D]; 2],
+}
+
+impl<R: Real, const D: usize> Line<R, D> {
+    /// The line from A to B.
+    ///
+    /// # Errors
+    /// [`ShapeError::NotFinite`].
+    pub fn try_new(a: [R; D], b: [R; D]) -> Result<Self, ShapeError> {
+        let ends = [a, b];
+        if ends.iter().flatten().all(|x| x.is_finite()) {
+            Ok(Self { ends })
+        } else {
+            Err(ShapeError::NotFinite { what: "an end of a line" })
+        }
+    }
+
+    /// A and B.
+    #[must_use]
+    pub fn ends(&self) -> &[[R; D]; 2] {
+        &self.ends
+    }
+
+    /// `|B - A|`.
+    #[must_use]
+    pub fn length(&self) -> R {
+        R::norm(&self.difference())
+    }
+
+    /// B - A.
+    fn difference(&self) -> [R; D] {
+        core::array::from_fn(|d| self.ends[1][d] - self.ends[0][d])
+    }
+}
+
+#[cfg(feature = "alloc")]
+impl<const D: usize> Line<f64, D> {
+    /// The line with every number rounded to the nearest of another format.
+    ///
+    /// # Errors
+    /// [`ShapeError::OutOfRange`].
+    pub fn convert<Q: Backend>(&self) -> Result<Line<Q, D>, ShapeError> {
+        let [a, b] = self.ends.map(|end| crate::path_curve::round_all(&end, "an end of a line"));
+        Line::try_new(a?, b?)
+    }
+}
+
+impl<R: Real, const D: usize> Evaluate<R, D> for Line<R, D> {
+    fn domain(&self) -> (R, R) {
+        (R::zero(), R::one())
+    }
+
+    /// Exactly A and B at the ends; in between within one unit of the last place, in fixed point, or `2 ε` of the larger end.
+    fn point(&self, u: R) -> [R; D] {
+        let [a, b] = &self.ends;
+        core::array::from_fn(|d| R::sum_of_products([(R::one() - u, a[d]), (u, b[d])]))
+    }
+
+    fn span_count(&self) -> usize {
+        1
+    }
+
+    fn span_bounds(&self, _: usize) -> (R, R) {
+        self.domain()
+    }
+}
+
+impl<R: Real, const D: usize> Differentiate<R, D> for Line<R, D> {
+    fn derivatives(&self, u: R) -> Derivatives<R, D> {
+        Derivatives { point: self.point(u), first: self.difference(), second: [R::zero(); D] }
+    }
+
+    fn derivatives_in(&self, _: usize, u: R) -> Derivatives<R, D> {
+        self.derivatives(u)
+    }
+}
+
+#[cfg(all(test, feature = "alloc"))]
+mod tests {
+    use super::*;
+    use crate::{curvature, radius};
+    use real::{I8F24, I16F16, I16F48};
+
+    #[test]
+    fn a_line_is_straight_in_every_format() {
+        fn check<R: Backend>() {
+            let ends = [[0.3, -7.7, 2.0], [11.9, 3.1, 2.0]];
+            let line = Line::try_new(ends[0], ends[1]).unwrap().convert::<R>().unwrap();
+            let [a, b] = *line.ends();
+            assert!(line.point(R::zero()) == a && line.point(R::one()) == b);
+            for step in 0..=32 {
+                let u = R::from_ratio(step, 32);
+                let found = line.point(u);
+                for d in 0..3 {
+                    let exact = a[d].to_f64() + (b[d].to_f64() - a[d].to_f64()) * f64::from(step) / 32.0;
+                    let units = (found[d].to_f64() - exact).abs() / R::resolution().to_f64();
+                    let fixed = matches!(R::name(), real::FormatName::Fixed { .. });
+                    assert!(units <= if fixed { 1.0 } else { 24.0 }, "{} {step}: {units}", R::name());
+                }
+                let derivatives = line.derivatives(u);
+                assert!(curvature(&derivatives).is_zero() && radius(&derivatives) == R::max_value());
+            }
+        }
+        check::<f64>();
+        check::<f32>();
+        check::<I8F24>();
+        check::<I16F16>();
+        check::<I16F48>();
+    }
+
+    #[test]
+    fn length_and_refusals() {
+        assert_eq!(Line::try_new([1.0, 1.0], [4.0, 5.0]).unwrap().length(), 5.0);
+        assert_eq!(Line::try_new([f64::NAN], [0.0]), Err(ShapeError::NotFinite { what: "an end of a line" }));
+        let far = Line::try_new([0.0], [400.0]).unwrap();
+        assert_eq!(far.convert::<I8F24>(), Err(ShapeError::OutOfRange { what: "an end of a line" }));
+    }
+}
