@@ -178,9 +178,6 @@ fn table(comparison: &Comparison) -> String {
     }
     let mut table = Table::new();
     table.load_preset(presets::UTF8_FULL_CONDENSED).set_content_arrangement(ContentArrangement::Dynamic);
-    if table.width().is_none() {
-        table.set_width(WIDTH_WITHOUT_TERMINAL);
-    }
     table.set_header([
         "format",
         "bits",
@@ -209,9 +206,6 @@ fn table(comparison: &Comparison) -> String {
     };
     format!("{text}\n{table}\n{answer}\n")
 }
-
-/// Columns of a table that goes to a file or another program.
-const WIDTH_WITHOUT_TERMINAL: u16 = 170;
 
 fn cells(row: &Row) -> Vec<String> {
     let figure = |value: Option<f64>| value.map_or_else(String::new, |x| format!("{x:.1e}"));

@@ -14,7 +14,8 @@ pub struct Fluctuation {
     /// Largest |δ| over the steps of at least a quarter of F·T. A relative figure of a micrometre step near
     /// rest says nothing about the cut; this one is what a requirement is judged by.
     pub cruise_max_abs: f64,
-    /// Largest |chord - wanted chord| over all steps, in mm: what says something about the steps near rest.
+    /// Largest |chord - wanted chord| in mm, over all steps but the last: what says something about the steps near
+    /// rest. The last step lands on the end and takes what is left.
     pub length_error_mm_max: f64,
 }
 
@@ -55,7 +56,9 @@ impl Fluctuation {
             result.max = result.max.max(delta);
             result.min = result.min.min(delta);
             result.mean_abs += delta.abs();
-            result.length_error_mm_max = result.length_error_mm_max.max(step.shortfall_mm.abs());
+            if index + 1 < steps.len() {
+                result.length_error_mm_max = result.length_error_mm_max.max(step.shortfall_mm.abs());
+            }
             if step.wanted_mm >= 0.25 * full_step_mm {
                 result.cruise_max_abs = result.cruise_max_abs.max(delta.abs());
             }
