@@ -95,7 +95,7 @@ impl<const D: usize> Path<D> {
         let full = self.feed_mm.scale(chord_exponent);
         let feed = |part: f64| R::from_f64(full * part).unwrap_or_else(R::zero);
         let stage = |i: u32| {
-            let (from, to) = if i % 2 == 0 { (0.5, 1.0) } else { (1.0, 0.5) };
+            let (from, to) = if i.is_multiple_of(2) { (0.5, 1.0) } else { (1.0, 0.5) };
             LengthStage::new(128 << 32, feed(from), feed(to) - feed(from))
         };
         (0..4000).filter_map(stage).collect()
