@@ -42,6 +42,7 @@
     feature = "alloc",
     doc = "| trigonometric splines as polynomials, with a proven error | [`TrigSplineBuf::to_polynomials`] |"
 )]
+#![cfg_attr(feature = "alloc", doc = "| corners of straight moves and arcs: cut or looped, within a tolerance | [`smooth_corners`] |")]
 #![cfg_attr(feature = "alloc", doc = "| knot insertion (A5.1) | [`NurbsBuf::insert_knot`] |")]
 #![cfg_attr(any(test, feature = "generate"), doc = "| random valid curves for tests | [`generate`] |")]
 //!
@@ -66,6 +67,8 @@ mod basis;
 mod bezier;
 #[cfg(feature = "alloc")]
 mod compile;
+#[cfg(feature = "alloc")]
+mod corner;
 mod curvature;
 mod curve;
 mod derivatives;
@@ -103,6 +106,8 @@ pub use arc_length::{ArcLength, ParameterSearch, arc_length, parameter_at};
 pub use basis::basis_functions;
 #[cfg(feature = "alloc")]
 pub use compile::{CompileError, PieceLimits, PiecesBuf, Place, compile};
+#[cfg(feature = "alloc")]
+pub use corner::{Corner, CornerOutcome, CornerStyle, Reason, SmoothPath, Turn, smooth_corners};
 pub use curvature::{curvature, radius};
 pub use curve::NurbsCurve;
 pub use error::{CurveError, End, Quantity};
