@@ -1,46 +1,61 @@
-//! The auditing wrapper: the same values, with overflows counted and the range of every named signal recorded.
+//! The auditing wrapper: the same values, with overflows and underflows counted and the range of every named signal recorded.
 //!
-//! Each operation is done twice: by the backend, whose result is handed on unchanged, and in `f64`, whose
-//! result tells whether the exact one lies within the backend's range. The records live in thread-local
-//! storage, so that a value stays as small as the backend's own and a kernel needs no extra argument.
+//! The backend's result is handed on unchanged; beside it the exact one is formed, in integers for fixed point, to tell
+//! whether rounding alone lies between them. The records live in thread-local storage, so that a value stays as small as
+//! the backend's own and a kernel needs no extra argument.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
-use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use num_traits::{Bounded, One, Zero};
-
-use crate::{Backend, FormatName, Real};
+use crate::wrapper::{Wrapper, with_each, wrapper};
+use crate::{Backend, FormatName, Histogram, Operation, Real};
 
 /// What happened while [`Audit::of`] watched.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Audit {
-    /// Results too large for the format: they wrapped, saturated, or became infinite or NaN.
+    /// Results too large for the format: they wrapped, saturated, or became infinite or NaN. In fixed point, those that
+    /// differ from the exact result by a unit of the last place or more, which no rounding does.
     pub overflows: u64,
+    /// Results too small for the format: zero, where the exact result is not.
+    pub underflows: u64,
     /// Divisions by zero.
     pub divisions_by_zero: u64,
     /// The range of each named signal.
     pub signals: BTreeMap<&'static str, SignalRange>,
+    /// How large the values of each named signal were.
+    pub histograms: BTreeMap<&'static str, Histogram>,
+    /// Overflows and underflows that a signal has been charged with.
+    charged: (u64, u64),
 }
 
 /// The values that a named signal took.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SignalRange {
-    /// Least value.
+    /// Least value; cut toward zero if it has more bits than an f64.
     pub min: f64,
-    /// Greatest value.
+    /// Greatest value; cut toward zero if it has more bits than an f64.
     pub max: f64,
     /// Smallest magnitude that is not zero; infinite if every value was zero.
     pub min_magnitude: f64,
     /// How many values.
     pub count: u64,
+    /// How many of them were zero.
+    pub zeros: u64,
+    /// Overflows on the way to this signal: after the signal named before it, whichever that was.
+    pub overflows: u64,
+    /// Underflows to zero on the way to this signal, in the same sense.
+    pub underflows: u64,
+    /// Largest distance to the shadow; `None` if the signal was not [`Shadowed`](crate::Shadowed).
+    pub max_error: Option<f64>,
 }
 
 impl SignalRange {
     fn include(&mut self, value: f64) {
         self.min = self.min.min(value);
         self.max = self.max.max(value);
-        if value != 0.0 {
+        if value == 0.0 {
+            self.zeros += 1;
+        } else {
             self.min_magnitude = self.min_magnitude.min(value.abs());
         }
         self.count += 1;
@@ -49,7 +64,16 @@ impl SignalRange {
 
 impl Default for SignalRange {
     fn default() -> Self {
-        Self { min: f64::INFINITY, max: f64::NEG_INFINITY, min_magnitude: f64::INFINITY, count: 0 }
+        Self {
+            min: f64::INFINITY,
+            max: f64::NEG_INFINITY,
+            min_magnitude: f64::INFINITY,
+            count: 0,
+            zeros: 0,
+            overflows: 0,
+            underflows: 0,
+            max_error: None,
+        }
     }
 }
 
@@ -59,6 +83,8 @@ thread_local! {
 
 impl Audit {
     /// Runs `work` and returns its result with what its [`Audited`] numbers met on this thread.
+    ///
+    /// What an inner call records, the outer one does not.
     pub fn of<T>(work: impl FnOnce() -> T) -> (T, Audit) {
         let outer = AUDIT.with(RefCell::take);
         let result = work();
@@ -79,160 +105,217 @@ impl Audit {
         widest.unsigned_abs()
     }
 
+    /// Notes the distance of a signal from its shadow.
+    pub(crate) fn note_error(name: &'static str, error: f64) {
+        Self::note(|audit| {
+            let largest = &mut audit.signals.entry(name).or_default().max_error;
+            *largest = Some(largest.map_or(error, |largest| largest.max(error)));
+        });
+    }
+
     fn note(change: impl FnOnce(&mut Audit)) {
         AUDIT.with(|audit| change(&mut audit.borrow_mut()));
     }
+
+    fn include(&mut self, name: &'static str, (high, low): (f64, f64)) {
+        let range = self.signals.entry(name).or_default();
+        // Rounding to `high` went away from zero if `low` points back.
+        range.include(if low != 0.0 && (low < 0.0) != (high < 0.0) { toward_zero(high) } else { high });
+        range.overflows += self.overflows - self.charged.0;
+        range.underflows += self.underflows - self.charged.1;
+        self.charged = (self.overflows, self.underflows);
+        self.histograms.entry(name).or_default().include((high, low));
+    }
+}
+
+/// The neighbour of a number that is not zero.
+fn toward_zero(x: f64) -> f64 {
+    f64::from_bits(x.to_bits() - 1)
+}
+
+/// What became of a result.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Fate {
+    /// It is the exact one, rounded.
+    Rounded,
+    /// It is zero, and the exact one is not.
+    Vanished,
+    /// It is not the exact one.
+    Overflowed,
+}
+
+impl Fate {
+    /// `result·unit` against `exact`, on a common scale where `unit > 0`.
+    fn of(result: i128, exact: i128, unit: i128) -> Self {
+        match result * unit - exact {
+            distance if distance.abs() >= unit => Self::Overflowed,
+            _ if result == 0 && exact != 0 => Self::Vanished,
+            _ => Self::Rounded,
+        }
+    }
+
+    /// A result in fixed point, all numbers in units of the resolution `2^-fraction_bits`. No division by zero.
+    fn in_fixed_point(operation: Operation, x: &[i128], result: i128, fraction_bits: u32) -> Self {
+        let one = 1_i128 << fraction_bits;
+        match operation {
+            Operation::Add => Self::of(result, x[0] + x[1], 1),
+            Operation::Sub => Self::of(result, x[0] - x[1], 1),
+            Operation::Neg => Self::of(result, -x[0], 1),
+            Operation::Mul => Self::of(result, x[0] * x[1], one),
+            Operation::MulAdd => Self::of(result, x[0] * x[1] + x[2] * one, one),
+            Operation::SumOfProducts => {
+                // The sum may leave 128 bits, but not unnoticed by the floats; the format it has left by then, too.
+                let products = || x.chunks_exact(2).map(|pair| (pair[0], pair[1]));
+                let about: f64 = products().map(|(a, b)| approximately(a) * approximately(b)).sum();
+                if about.abs() >= 2.0_f64.powi(126) {
+                    return Self::Overflowed;
+                }
+                Self::of(result, products().fold(0, |sum, (a, b)| sum.wrapping_add(a * b)), one)
+            }
+            Operation::Div => Self::of(result * x[1].signum(), x[0] * one, x[1].abs()),
+            Operation::Sqrt => Self::of_root(result, x[0].max(0).unsigned_abs() << fraction_bits),
+            Operation::Norm => {
+                let squares = x.iter().map(|x| x.unsigned_abs().pow(2));
+                Self::of_root(result, squares.fold(0, u128::saturating_add))
+            }
+            Operation::Scale { exponent } => match exponent.unsigned_abs() {
+                shift if exponent < 0 => Self::of(result, x[0], 1 << shift.min(100)),
+                shift if shift < 63 => Self::of(result, x[0] << shift, 1),
+                _ => Self::of(i128::from(x[0] != 0), 0, 1), // nothing but zero fits
+            },
+        }
+    }
+
+    /// `result` against `√square`: a root can only be too small.
+    fn of_root(result: i128, square: u128) -> Self {
+        let next = result.unsigned_abs() + 1;
+        if next * next <= square { Self::Overflowed } else { Self::Rounded }
+    }
+
+    /// A result in a float. No division by zero.
+    fn in_float<R: Real>(operation: Operation, x: &[R], result: R) -> Self {
+        if !result.is_finite() {
+            return Self::Overflowed;
+        }
+        if !result.is_zero() {
+            return Self::Rounded;
+        }
+        let vanishes = |a: R, b: R| !a.is_zero() && !b.is_zero();
+        let vanished = match operation {
+            Operation::Mul => vanishes(x[0], x[1]),
+            Operation::MulAdd => x[2].is_zero() && vanishes(x[0], x[1]),
+            Operation::SumOfProducts => {
+                let mut products = x.chunks_exact(2).map(|pair| (pair[0], pair[1]));
+                products.clone().all(|(a, b)| (a * b).is_zero()) && products.any(|(a, b)| vanishes(a, b))
+            }
+            Operation::Div => !x[0].is_zero() && x[1].is_finite(),
+            Operation::Scale { .. } => !x[0].is_zero(),
+            _ => false,
+        };
+        if vanished { Self::Vanished } else { Self::Rounded }
+    }
+
+    fn note(self) {
+        match self {
+            Self::Rounded => {}
+            Self::Vanished => Audit::note(|audit| audit.underflows += 1),
+            Self::Overflowed => Audit::note(|audit| audit.overflows += 1),
+        }
+    }
+}
+
+#[allow(clippy::cast_precision_loss, reason = "53 bits are enough to see a sum leave its range")]
+fn approximately(x: i128) -> f64 {
+    x as f64
+}
+
+/// The fraction bits of a backend in fixed point.
+fn fraction_bits<R: Backend>() -> Option<u32> {
+    match R::name() {
+        FormatName::Fixed { fraction_bits, .. } | FormatName::Fraction { fraction_bits, .. } => {
+            Some(fraction_bits)
+        }
+        FormatName::Float { .. } | FormatName::DoubleDouble => None,
+    }
+}
+
+/// A number in units of `2^-fraction_bits`, of which it has at most 64 bits.
+#[allow(clippy::cast_possible_truncation, reason = "both parts are integers of 64 bits")]
+fn units<R: Backend>(number: R, fraction_bits: u32) -> i128 {
+    let (high, low) = number.to_f64_pair();
+    let exponent = fraction_bits.cast_signed();
+    high.scale(exponent) as i128 + i128::from(low.scale(exponent) as i64)
 }
 
 /// A backend under audit: computes exactly as `R` does, and counts in the [`Audit`] of its thread.
-#[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Audited<R>(pub R);
 
-impl<R: Backend> Audited<R> {
-    /// Hands on `result`, noting whether the exact value lies outside the format.
-    fn checked(result: R, exact: f64) -> Self {
-        let range = R::min_value().to_f64()..=R::max_value().to_f64();
-        if !result.is_finite() || !range.contains(&exact) {
-            Audit::note(|audit| audit.overflows += 1);
+impl<R: Backend> Wrapper for Audited<R> {
+    type Inner = R;
+
+    fn inner(self) -> R {
+        self.0
+    }
+
+    fn constant(value: R) -> Self {
+        Self(value)
+    }
+
+    fn observe(operation: Operation, operands: &[Self], result: R) -> Self {
+        if operation == Operation::Div && operands[1].0.is_zero() {
+            Audit::note(|audit| audit.divisions_by_zero += 1);
+        } else if let Some(fraction_bits) = fraction_bits::<R>() {
+            with_each(
+                operands,
+                |x| units(x.0, fraction_bits),
+                |x| {
+                    Fate::in_fixed_point(operation, x, units(result, fraction_bits), fraction_bits).note();
+                },
+            );
+        } else {
+            with_each(operands, |x| x.0, |x| Fate::in_float(operation, x, result).note());
         }
         Self(result)
     }
-}
 
-impl<R: Backend> Add for Audited<R> {
-    type Output = Self;
-    fn add(self, other: Self) -> Self {
-        Self::checked(self.0 + other.0, self.0.to_f64() + other.0.to_f64())
-    }
-}
-
-impl<R: Backend> Sub for Audited<R> {
-    type Output = Self;
-    fn sub(self, other: Self) -> Self {
-        Self::checked(self.0 - other.0, self.0.to_f64() - other.0.to_f64())
-    }
-}
-
-impl<R: Backend> Mul for Audited<R> {
-    type Output = Self;
-    fn mul(self, other: Self) -> Self {
-        Self::checked(self.0 * other.0, self.0.to_f64() * other.0.to_f64())
-    }
-}
-
-impl<R: Backend> Div for Audited<R> {
-    type Output = Self;
-    fn div(self, other: Self) -> Self {
-        if other.0.is_zero() {
+    fn ratio(numerator: i32, denominator: i32, result: R) -> Self {
+        if denominator == 0 {
             Audit::note(|audit| audit.divisions_by_zero += 1);
-            return Self(self.0 / other.0);
+        } else if let Some(fraction_bits) = fraction_bits::<R>() {
+            let x = [numerator.into(), denominator.into()];
+            Fate::in_fixed_point(Operation::Div, &x, units(result, fraction_bits), fraction_bits).note();
         }
-        Self::checked(self.0 / other.0, self.0.to_f64() / other.0.to_f64())
+        Self(result)
+    }
+
+    fn phase(phase: u64, exponent: i32, result: R) -> Self {
+        if let Some(fraction_bits) = fraction_bits::<R>() {
+            // In units: phase · 2^(exponent - 64 + f), of which the integer part has 126 bits at most.
+            let shift = exponent.clamp(-64, 64) - 64 + fraction_bits.cast_signed();
+            let (phase, result) = (i128::from(phase), units(result, fraction_bits));
+            if shift < 0 {
+                Fate::of(result, phase, 1 << shift.unsigned_abs().min(100)).note();
+            } else {
+                Fate::of(result, phase << shift, 1).note();
+            }
+        }
+        Self(result)
+    }
+
+    fn named(self, name: &'static str) -> Self {
+        Audit::note(|audit| audit.include(name, self.0.to_f64_pair()));
+        Self(self.0.signal(name))
     }
 }
 
-impl<R: Backend> Neg for Audited<R> {
-    type Output = Self;
-    fn neg(self) -> Self {
-        Self::checked(-self.0, -self.0.to_f64())
-    }
-}
-
-impl<R: Backend> Zero for Audited<R> {
-    fn zero() -> Self {
-        Self(R::zero())
-    }
-    fn is_zero(&self) -> bool {
-        self.0.is_zero()
-    }
-}
-
-impl<R: Backend> One for Audited<R> {
-    fn one() -> Self {
-        Self(R::one())
-    }
-}
-
-impl<R: Backend> Bounded for Audited<R> {
-    fn min_value() -> Self {
-        Self(R::min_value())
-    }
-    fn max_value() -> Self {
-        Self(R::max_value())
-    }
-}
-
-impl<R: Backend> Real for Audited<R> {
-    fn resolution() -> Self {
-        Self(R::resolution())
-    }
-
-    fn from_ratio(numerator: i32, denominator: i32) -> Self {
-        Self::checked(R::from_ratio(numerator, denominator), f64::from_ratio(numerator, denominator))
-    }
-
-    fn mul_add(self, factor: Self, addend: Self) -> Self {
-        let exact = self.0.to_f64() * factor.0.to_f64() + addend.0.to_f64();
-        Self::checked(self.0.mul_add(factor.0, addend.0), exact)
-    }
-
-    fn sum_of_products(pairs: impl IntoIterator<Item = (Self, Self)>) -> Self {
-        let mut exact = 0.0;
-        let sum = R::sum_of_products(pairs.into_iter().map(|(a, b)| {
-            exact += a.0.to_f64() * b.0.to_f64();
-            (a.0, b.0)
-        }));
-        Self::checked(sum, exact)
-    }
-
-    fn norm<const N: usize>(vector: &[Self; N]) -> Self {
-        Self::checked(R::norm(&vector.map(|v| v.0)), f64::norm(&vector.map(|v| v.0.to_f64())))
-    }
-
-    fn sqrt(self) -> Self {
-        Self(self.0.sqrt())
-    }
-
-    fn scale(self, exponent: i32) -> Self {
-        Self::checked(self.0.scale(exponent), self.0.to_f64().scale(exponent))
-    }
-
-    fn from_phase(phase: u64, exponent: i32) -> Self {
-        Self(R::from_phase(phase, exponent))
-    }
-
-    fn to_phase(self, exponent: i32) -> u64 {
-        self.0.to_phase(exponent)
-    }
-
-    fn is_finite(self) -> bool {
-        self.0.is_finite()
-    }
-
-    fn signal(self, name: &'static str) -> Self {
-        Audit::note(|audit| audit.signals.entry(name).or_default().include(self.0.to_f64()));
-        self
-    }
-}
-
-impl<R: Backend> Backend for Audited<R> {
-    fn name() -> FormatName {
-        R::name()
-    }
-
-    fn from_f64_pair(high: f64, low: f64) -> Option<Self> {
-        R::from_f64_pair(high, low).map(Self)
-    }
-
-    fn to_f64_pair(self) -> (f64, f64) {
-        self.0.to_f64_pair()
-    }
-}
+wrapper!(impl[R: Backend] Audited<R>);
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::I16F16;
+    use crate::{I4F4, I4F60, I16F16};
+    use num_traits::Bounded;
 
     fn audited(value: f64) -> Audited<I16F16> {
         Audited::from_f64(value).expect("the value fits")
@@ -277,5 +360,170 @@ mod tests {
     fn audits_nest() {
         let (inner, outer) = Audit::of(|| Audit::of(|| audited(300.0) * audited(300.0)).1);
         assert_eq!((inner.overflows, outer.overflows), (1, 0));
+    }
+
+    /// Every pair of I4F4: an overflow is counted where the rounded exact result is outside the range, an underflow where
+    /// zero stands for something else. Quotients saturate: clipped by less than a unit they are as good as rounded.
+    #[test]
+    fn events_are_counted_exactly() {
+        let check = |what: &str, operation: &dyn Fn() -> Audited<I4F4>, exact_16ths: f64, clip: f64| {
+            let (result, audit) = Audit::of(operation);
+            let overflow = exact_16ths < -128.0 - clip || exact_16ths >= 127.0 + clip;
+            let underflow = !overflow && exact_16ths != 0.0 && result.0.to_bits() == 0;
+            assert_eq!((audit.overflows, audit.underflows), (overflow.into(), underflow.into()), "{what}");
+        };
+        for (a, b) in (i8::MIN..=i8::MAX).flat_map(|a| (i8::MIN..=i8::MAX).map(move |b| (a, b))) {
+            let [x, y] = [a, b].map(|bits| Audited(I4F4::from_bits(bits)));
+            let [a, b] = [a, b].map(f64::from);
+            check("+", &|| x + y, a + b, 0.5);
+            check("-", &|| x - y, a - b, 0.5);
+            check("*", &|| x * y, a * b / 16.0, 0.5);
+            check("mul_add", &|| x.mul_add(y, y), a * b / 16.0 + b, 0.5);
+            check("sum", &|| Real::sum_of_products([(x, y), (x, x)]), (a * b + a * a) / 16.0, 0.5);
+            if b != 0.0 {
+                // -129 is one unit off, +128 too.
+                let exact = a / b * 16.0;
+                check("/", &|| x / y, if exact <= -129.0 { -200.0 } else { exact.max(-128.0) }, 1.0);
+            }
+            check("norm", &|| Real::norm(&[x, y]), a.hypot(b), 1.0);
+            if b == 0.0 {
+                check("-", &|| -x, -a, 0.5);
+                check("√", &|| x.sqrt(), (a.max(0.0) * 16.0).sqrt(), 0.5);
+                for exponent in -126..=126 {
+                    check("scale", &|| x.scale(exponent), a * 2.0_f64.powi(exponent), 0.5);
+                }
+            }
+        }
+        for (n, d) in (-200..200).flat_map(|n| (1..40).map(move |d| (n, d))) {
+            let exact = f64::from(n) / f64::from(d) * 16.0;
+            let exact = if exact <= -129.0 { -200.0 } else { exact.max(-128.0) };
+            check("ratio", &|| Audited::from_ratio(n, d), exact, 1.0);
+        }
+        for (phase, exponent) in
+            [0, 1, 3 << 58, 1 << 62, u64::MAX << 11].into_iter().flat_map(|p| (-64..=64).map(move |e| (p, e)))
+        {
+            let exact = phase as f64 * 2.0_f64.powi(exponent - 60);
+            check("phase", &|| Audited::from_phase(phase, exponent), exact, 1.0);
+        }
+    }
+
+    /// The widest words: products of 128 bits, sums of them beyond, values that f64 rounds.
+    #[test]
+    fn events_are_counted_exactly_in_64_bits() {
+        let number = |bits: i64| Audited(I4F60::from_bits(bits));
+        let events = |operation: &dyn Fn() -> Audited<I4F60>| {
+            let (_, audit) = Audit::of(operation);
+            (audit.overflows, audit.underflows)
+        };
+        let (least, greatest, one) = (number(i64::MIN), number(i64::MAX), number(1 << 60));
+        assert_eq!(events(&|| greatest + number(1)), (1, 0));
+        assert_eq!(events(&|| greatest - number(1)), (0, 0));
+        assert_eq!(events(&|| greatest * one), (0, 0));
+        assert_eq!(events(&|| greatest.mul_add(one, number(1))), (1, 0));
+        assert_eq!(events(&|| greatest / one), (0, 0));
+        assert_eq!(events(&|| least / -one), (1, 0));
+        assert_eq!(events(&|| -least), (1, 0));
+        assert_eq!(events(&|| Real::sum_of_products([(least, least); 5])), (1, 0));
+        assert_eq!(
+            events(&|| Real::sum_of_products([(greatest, one), (number(1), one), (number(-1), one)])),
+            (0, 0)
+        );
+        assert_eq!(events(&|| number(1 << 30).mul_add(number(1 << 29), number(0))), (0, 0)); // half a unit goes up
+        assert_eq!(events(&|| number(1 << 30).mul_add(number(1 << 28), number(0))), (0, 1));
+        assert_eq!(events(&|| Real::norm(&[least; 20])), (1, 0));
+    }
+
+    #[test]
+    fn a_saturating_format_overflows_like_a_wrapping_one() {
+        use crate::{Overflow, Rounding, RuntimeFixed, RuntimeFormat};
+        for overflow in [Overflow::Wrap, Overflow::Saturate] {
+            let format = RuntimeFormat::with_any_point(8, 10, Rounding::Floor, overflow).unwrap();
+            let (_, audit) = format.run::<0, _>(|| {
+                let x = Audited(RuntimeFixed::<0>::max_value());
+                Audit::of(|| (x + x, x * x)) // 127·127/1024 = 15.75 units
+            });
+            assert_eq!(audit.overflows, 1);
+        }
+    }
+
+    #[test]
+    fn floats_underflow_to_zero() {
+        let tiny = Audited(1e-30_f32);
+        let events = |operation: &dyn Fn() -> Audited<f32>| {
+            let (_, audit) = Audit::of(operation);
+            (audit.overflows, audit.underflows)
+        };
+        assert_eq!(events(&|| tiny * tiny), (0, 1));
+        assert_eq!(events(&|| tiny / Audited(1e30)), (0, 1));
+        assert_eq!(events(&|| tiny.scale(-126)), (0, 1));
+        assert_eq!(events(&|| tiny.mul_add(tiny, Audited(0.0))), (0, 1));
+        assert_eq!(events(&|| Real::sum_of_products([(tiny, tiny), (tiny, Audited(0.0))])), (0, 1));
+        assert_eq!(events(&|| Real::sum_of_products([(tiny, Audited(1.0)), (tiny, Audited(-1.0))])), (0, 0));
+        assert_eq!(events(&|| tiny - tiny), (0, 0));
+        assert_eq!(events(&|| Audited(0.0) * tiny), (0, 0));
+        assert_eq!(events(&|| tiny.mul_add(Audited(1.0), -tiny)), (0, 0));
+        assert_eq!(events(&|| Audited(1.0) / (Audited(1e30) * Audited(1e30))), (1, 0)); // 1/∞ is exactly 0
+    }
+
+    #[test]
+    fn a_signal_is_charged_with_what_led_to_it() {
+        let (_, audit) = Audit::of(|| {
+            let x = audited(0.001).signal("x");
+            let squared = (x * x).signal("x²"); // 1e-6 vanishes in steps of 1.5e-5
+            let big = (audited(300.0) * audited(300.0)).signal("big");
+            (squared + big).signal("sum")
+        });
+        let events = |name: &str| (audit.signals[name].overflows, audit.signals[name].underflows);
+        assert_eq!(
+            [events("x"), events("x²"), events("big"), events("sum")],
+            [(0, 0), (0, 1), (1, 0), (0, 0)]
+        );
+        assert_eq!((audit.overflows, audit.underflows), (1, 1));
+        assert_eq!((audit.signals["x²"].zeros, audit.signals["x"].zeros), (1, 0));
+    }
+
+    #[test]
+    fn a_signal_has_a_histogram() {
+        let ((), audit) = Audit::of(|| {
+            for value in [0.25, 0.3, -0.49, 0.0, 1.0, -8.0] {
+                let _ = audited(value).signal("x");
+            }
+        });
+        let histogram = &audit.histograms["x"];
+        assert_eq!(histogram.bins().collect::<Vec<_>>(), [(-2, 3), (0, 1), (3, 1)]);
+        assert_eq!((histogram.count(-2), histogram.count(5), audit.signals["x"].zeros), (3, 0, 1));
+    }
+
+    /// 8 - 2⁻⁶⁰ is 8 as a float, which would need one bit more.
+    #[test]
+    fn the_extremes_of_64_bits_are_cut_and_not_rounded() {
+        let ((), audit) = Audit::of(|| {
+            for bits in [i64::MAX, i64::MIN] {
+                let _ = Audited(I4F60::from_bits(bits)).signal("x");
+            }
+        });
+        assert_eq!((audit.signals["x"].min, audit.signals["x"].max), (-8.0, 8.0_f64.next_down()));
+        assert_eq!(audit.integer_bits_needed(), 4);
+    }
+
+    #[test]
+    fn no_value_is_changed() {
+        let numbers = |x: i32, y: i32| [I16F16::from_bits(x), I16F16::from_bits(y)];
+        let mut random = 1_i32;
+        for _ in 0..10_000 {
+            random = random.wrapping_mul(1_103_515_245).wrapping_add(12_345);
+            let [x, y] = numbers(random, random.rotate_left(11) >> (random & 15));
+            let [a, b] = [x, y].map(Audited);
+            let audited = [a + b, a - b, -a, a * b, a / b, a.mul_add(b, a), a.sqrt(), a.scale(random % 20)];
+            assert_eq!(
+                audited.map(|r| r.0),
+                [x + y, x - y, -x, x * y, x / y, x.mul_add(y, x), x.sqrt(), x.scale(random % 20)]
+            );
+            assert_eq!(Real::norm(&[a, b]).0, Real::norm(&[x, y]));
+            let terms = 1 + (random & 31).unsigned_abs() as usize; // also more than the stack holds
+            let sum = Audited::sum_of_products(std::iter::repeat_n((a, b), terms));
+            assert_eq!(sum.0, I16F16::sum_of_products(std::iter::repeat_n((x, y), terms)));
+            assert_eq!((a < b, a == b, a.to_phase(-9)), (x < y, x == y, x.to_phase(-9)));
+        }
     }
 }

@@ -24,7 +24,18 @@
 //! | [`DoubleDouble`] (feature `reference`) | judging the others: about 106 bits |
 //! | [`RuntimeFixed`] (feature `std`) | any width up to 64 bits, chosen at run time |
 //! | [`Quantized`] (feature `std`) | registers of mixed widths, signal by signal |
-//! | [`Audited`] (feature `std`) around any of them | counting overflows and recording ranges |
+//!
+//! Around any of them, with the feature `std`, a wrapper that changes no value:
+//!
+//! | wrapper | sees |
+//! |---|---|
+//! | [`Audited`], read by [`Audit::of`] | overflows, underflows, and the range and [`Histogram`] of every named signal |
+//! | [`Shadowed`], read by [`Audit::of`] too | how far every named signal is from what a better format makes of it |
+//! | [`Counted`], read by [`OperationCounts::of`] | how many operations of each kind are done |
+//! | [`Recorded`], read by [`Graph::of`] | which operation takes its operands from which |
+//!
+//! The integer algorithms beneath fixed point, with their derivations: division by Newton's reciprocal in `division.rs`,
+//! roots in `square_root.rs`, conversion and rounding of words in `word.rs`.
 //!
 //! Features: `std` (default), `libm` for floats without std, `reference` for the double-double.
 
@@ -32,6 +43,8 @@
 
 #[cfg(feature = "std")]
 mod audit;
+#[cfg(feature = "std")]
+mod count;
 mod division;
 #[cfg(feature = "reference")]
 mod double_double;
@@ -39,26 +52,44 @@ mod fixed_point;
 mod float;
 mod format_name;
 #[cfg(feature = "std")]
+mod histogram;
+mod operation;
+#[cfg(feature = "std")]
 mod quantized;
 #[allow(clippy::module_inception, reason = "the trait's file carries the crate's one noun")]
 mod real;
 #[cfg(feature = "std")]
+mod record;
+#[cfg(feature = "std")]
 mod runtime_format;
+#[cfg(feature = "std")]
+mod shadow;
 mod square_root;
 mod trigonometry;
 mod word;
+#[cfg(feature = "std")]
+mod wrapper;
 
 #[cfg(feature = "std")]
 pub use audit::{Audit, Audited, SignalRange};
+#[cfg(feature = "std")]
+pub use count::{Counted, OperationCounts};
 #[cfg(feature = "reference")]
 pub use double_double::DoubleDouble;
 pub use fixed_point::FixedPoint;
 pub use format_name::FormatName;
 #[cfg(feature = "std")]
+pub use histogram::Histogram;
+pub use operation::Operation;
+#[cfg(feature = "std")]
 pub use quantized::Quantized;
 pub use real::{Backend, Real};
 #[cfg(feature = "std")]
+pub use record::{Graph, Node, NodeId, NodeKind, Recorded};
+#[cfg(feature = "std")]
 pub use runtime_format::{Overflow, Rounding, RuntimeFixed, RuntimeFormat};
+#[cfg(feature = "std")]
+pub use shadow::Shadowed;
 pub use trigonometry::Trigonometric;
 pub use word::Word;
 

@@ -1,0 +1,237 @@
+//! What the wrappers have in common: each operation is done by the backend inside, and shown to the wrapper.
+//!
+//! A wrapper says in [`Wrapper`] what it does with an operation; the macro `wrapper!` makes a
+//! [`Backend`](crate::Backend) of it. The operators belong to core, so that a blanket implementation is not possible.
+
+use core::cmp::Ordering;
+use core::fmt::Debug;
+
+use crate::{Backend, Operation, Real};
+
+/// A value of a backend, with what is known about it besides.
+pub(crate) trait Wrapper: Copy + Debug + Default {
+    /// The backend inside.
+    type Inner: Backend;
+
+    /// The backend's value.
+    fn inner(self) -> Self::Inner;
+
+    /// A number that comes from no operation, exactly as it is.
+    fn constant(value: Self::Inner) -> Self;
+
+    /// The backend has done `operation` on the values of `operands`.
+    fn observe(operation: Operation, operands: &[Self], result: Self::Inner) -> Self;
+
+    /// The backend has compared two values.
+    fn compared(_left: Self, _right: Self, _outcome: Option<Ordering>) {}
+
+    /// The backend has rounded a constant.
+    fn ratio(_numerator: i32, _denominator: i32, result: Self::Inner) -> Self {
+        Self::constant(result)
+    }
+
+    /// The backend has rounded an input.
+    fn converted(_high: f64, _low: f64, result: Self::Inner) -> Self {
+        Self::constant(result)
+    }
+
+    /// The backend has made a number of a phase.
+    fn phase(_phase: u64, _exponent: i32, result: Self::Inner) -> Self {
+        Self::constant(result)
+    }
+
+    /// The backend has made a phase of a number.
+    fn to_phase(_value: Self, _exponent: i32, _result: u64) {}
+
+    /// A kernel has named a value.
+    fn named(self, name: &'static str) -> Self {
+        let _ = self.inner().signal(name);
+        self
+    }
+}
+
+/// Calls `act` with the operands of a sum of products, in the order a₀, b₀, a₁, b₁, …; up to 16 pairs need no heap.
+pub(crate) fn with_operands<W: Wrapper, T>(
+    pairs: impl IntoIterator<Item = (W, W)>,
+    act: impl FnOnce(&[W]) -> T,
+) -> T {
+    let mut few = [W::default(); 32];
+    let mut many = Vec::new();
+    let mut count = 0;
+    for operand in pairs.into_iter().flat_map(|(a, b)| [a, b]) {
+        if let Some(place) = few.get_mut(count) {
+            *place = operand;
+        } else {
+            if many.is_empty() {
+                many.extend_from_slice(&few);
+            }
+            many.push(operand);
+        }
+        count += 1;
+    }
+    act(if many.is_empty() { &few[..count] } else { &many })
+}
+
+/// Calls `act` with `of` each number; up to eight need no heap.
+pub(crate) fn with_each<T, U: Copy + Default, V>(
+    numbers: &[T],
+    of: impl Fn(&T) -> U,
+    act: impl FnOnce(&[U]) -> V,
+) -> V {
+    let mut few = [U::default(); 8];
+    match few.get_mut(..numbers.len()) {
+        Some(few) => {
+            few.iter_mut().zip(numbers).for_each(|(place, number)| *place = of(number));
+            act(few)
+        }
+        None => act(&numbers.iter().map(of).collect::<Vec<U>>()),
+    }
+}
+
+/// Makes a `Backend` of a `Wrapper`.
+macro_rules! wrapper {
+    (impl[$($generics:tt)*] $wrapper:ty) => {
+        impl<$($generics)*> core::ops::Add for $wrapper {
+            type Output = Self;
+            fn add(self, other: Self) -> Self {
+                Self::observe(Operation::Add, &[self, other], self.inner() + other.inner())
+            }
+        }
+
+        impl<$($generics)*> core::ops::Sub for $wrapper {
+            type Output = Self;
+            fn sub(self, other: Self) -> Self {
+                Self::observe(Operation::Sub, &[self, other], self.inner() - other.inner())
+            }
+        }
+
+        impl<$($generics)*> core::ops::Mul for $wrapper {
+            type Output = Self;
+            fn mul(self, other: Self) -> Self {
+                Self::observe(Operation::Mul, &[self, other], self.inner() * other.inner())
+            }
+        }
+
+        impl<$($generics)*> core::ops::Div for $wrapper {
+            type Output = Self;
+            fn div(self, other: Self) -> Self {
+                Self::observe(Operation::Div, &[self, other], self.inner() / other.inner())
+            }
+        }
+
+        impl<$($generics)*> core::ops::Neg for $wrapper {
+            type Output = Self;
+            fn neg(self) -> Self {
+                Self::observe(Operation::Neg, &[self], -self.inner())
+            }
+        }
+
+        impl<$($generics)*> PartialEq for $wrapper {
+            fn eq(&self, other: &Self) -> bool {
+                self.partial_cmp(other) == Some(core::cmp::Ordering::Equal)
+            }
+        }
+
+        impl<$($generics)*> PartialOrd for $wrapper {
+            fn partial_cmp(&self, other: &Self) -> Option<core::cmp::Ordering> {
+                let outcome = self.inner().partial_cmp(&other.inner());
+                Self::compared(*self, *other, outcome);
+                outcome
+            }
+        }
+
+        impl<$($generics)*> num_traits::Zero for $wrapper {
+            fn zero() -> Self {
+                Self::constant(num_traits::Zero::zero())
+            }
+            fn is_zero(&self) -> bool {
+                *self == Self::zero()
+            }
+        }
+
+        impl<$($generics)*> num_traits::One for $wrapper {
+            fn one() -> Self {
+                Self::constant(num_traits::One::one())
+            }
+        }
+
+        impl<$($generics)*> num_traits::Bounded for $wrapper {
+            fn min_value() -> Self {
+                Self::constant(num_traits::Bounded::min_value())
+            }
+            fn max_value() -> Self {
+                Self::constant(num_traits::Bounded::max_value())
+            }
+        }
+
+        impl<$($generics)*> crate::Real for $wrapper {
+            fn resolution() -> Self {
+                Self::constant(<Self as Wrapper>::Inner::resolution())
+            }
+
+            fn from_ratio(numerator: i32, denominator: i32) -> Self {
+                Self::ratio(numerator, denominator, <Self as Wrapper>::Inner::from_ratio(numerator, denominator))
+            }
+
+            fn mul_add(self, factor: Self, addend: Self) -> Self {
+                let result = self.inner().mul_add(factor.inner(), addend.inner());
+                Self::observe(Operation::MulAdd, &[self, factor, addend], result)
+            }
+
+            fn sum_of_products(pairs: impl IntoIterator<Item = (Self, Self)>) -> Self {
+                crate::wrapper::with_operands(pairs, |operands: &[Self]| {
+                    let pairs = operands.chunks_exact(2).map(|pair| (pair[0].inner(), pair[1].inner()));
+                    let result = <Self as Wrapper>::Inner::sum_of_products(pairs);
+                    Self::observe(Operation::SumOfProducts, operands, result)
+                })
+            }
+
+            fn norm<const N: usize>(vector: &[Self; N]) -> Self {
+                let result = <Self as Wrapper>::Inner::norm(&vector.map(Self::inner));
+                Self::observe(Operation::Norm, vector, result)
+            }
+
+            fn sqrt(self) -> Self {
+                Self::observe(Operation::Sqrt, &[self], self.inner().sqrt())
+            }
+
+            fn scale(self, exponent: i32) -> Self {
+                Self::observe(Operation::Scale { exponent }, &[self], self.inner().scale(exponent))
+            }
+
+            fn from_phase(phase: u64, exponent: i32) -> Self {
+                Self::phase(phase, exponent, <Self as Wrapper>::Inner::from_phase(phase, exponent))
+            }
+
+            fn to_phase(self, exponent: i32) -> u64 {
+                let result = self.inner().to_phase(exponent);
+                <Self as Wrapper>::to_phase(self, exponent, result);
+                result
+            }
+
+            fn is_finite(self) -> bool {
+                self.inner().is_finite()
+            }
+
+            fn signal(self, name: &'static str) -> Self {
+                self.named(name)
+            }
+        }
+
+        impl<$($generics)*> Backend for $wrapper {
+            fn name() -> crate::FormatName {
+                <Self as Wrapper>::Inner::name()
+            }
+
+            fn from_f64_pair(high: f64, low: f64) -> Option<Self> {
+                <Self as Wrapper>::Inner::from_f64_pair(high, low).map(|result| Self::converted(high, low, result))
+            }
+
+            fn to_f64_pair(self) -> (f64, f64) {
+                self.inner().to_f64_pair()
+            }
+        }
+    };
+}
+
+pub(crate) use wrapper;
