@@ -3,7 +3,7 @@
 //! | text | reader |
 //! |---|---|
 //! | curve file: TOML, tables `[curve]` and `[machine]` | [`read_part`] |
-//! | FANUC part program with `G06.2` | [`read_part`] |
+//! | part program: G0 to G3, and splines as FANUC, LinuxCNC and Siemens write them | [`read_part`], [`read_part_with`] |
 //! | machine file: TOML, table `[machine]` | [`read_machine`] |
 //!
 //! ```
@@ -17,19 +17,30 @@
 //!
 //! Every fault of a text is said, with line, column, what was expected and a hint; nothing is dropped silently.
 
+mod arc;
+mod block;
 mod curve;
 mod curve_file;
 mod diagnostic;
 mod fanuc;
+mod gcode;
+mod gcode_word;
+mod linuxcnc;
 mod machine;
+mod modal;
+mod options;
 mod part;
+mod siemens;
 mod source;
+mod spline_blocks;
 mod toml_table;
 
+pub use arc::HELIX_TOLERANCE_MM;
 pub use curve::{Curve, CurveFault, Element, End, MAX_COORDINATE_MM, MAX_DEGREE, MAX_KNOT, MAX_WEIGHT};
 pub use diagnostic::{Diagnostic, Diagnostics, MAX_DIAGNOSTICS, Severity};
 pub use machine::{Axes, AxisLimits, Machine, read_machine};
-pub use part::{Move, MoveKind, Part, Shape};
+pub use options::{Dialect, ReadOptions};
+pub use part::{Auxiliary, Move, MoveKind, Part, Shape};
 
 use diagnostic::Report;
 use source::{Source, Span};
@@ -42,6 +53,14 @@ pub const MAX_TEXT: usize = 64 << 20;
 /// # Errors
 /// Every fault of the text.
 pub fn read_part(name: &str, text: &str) -> Result<Part, Diagnostics> {
+    read_part_with(name, text, ReadOptions::default())
+}
+
+/// Reads a part as [`read_part`] does, with choices.
+///
+/// # Errors
+/// Every fault of the text; with `lenient`, unknown words are warnings instead.
+pub fn read_part_with(name: &str, text: &str, options: ReadOptions) -> Result<Part, Diagnostics> {
     let mut report = opened(name, text)?;
     let mut part = Part { name: name.to_owned(), ..Part::default() };
     if is_toml(text) {
@@ -57,7 +76,7 @@ pub fn read_part(name: &str, text: &str) -> Result<Part, Diagnostics> {
             part.published = file.published;
         }
     } else {
-        fanuc::read(&mut report, &mut part);
+        gcode::read(&mut report, &mut part, options);
     }
     part.warnings = report.finish()?;
     Ok(part)

@@ -13,6 +13,8 @@ pub struct Part {
     pub curves: Vec<Curve>,
     /// What the program says of each curve: `moves[i]` belongs to `curves[i]`.
     pub moves: Vec<Move>,
+    /// Words that do not move the tool: M, S, T, D and H, in the order of the program.
+    pub auxiliary: Vec<Auxiliary>,
     /// The feedrate that the program commands, in mm/s; the highest, if it commands several.
     pub feedrate_mm_per_s: Option<f64>,
     /// The machine that the file names, if it does.
@@ -33,6 +35,17 @@ pub struct Move {
     /// The feedrate in force, in mm/s.
     pub feedrate_mm_per_s: Option<f64>,
     /// Line of the block that commands it, from 1.
+    pub line: usize,
+}
+
+/// A word that does not move the tool.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Auxiliary {
+    /// M, S, T, D or H.
+    pub letter: char,
+    /// Its number.
+    pub value: f64,
+    /// Line of its block, from 1.
     pub line: usize,
 }
 

@@ -58,14 +58,14 @@ fn faults_are_named_by_place() {
         (nc("K0X10.0", "X10.0"), "p.nc:4:1", "without a knot"),
         (nc("R2.0", "R-2.0"), "p.nc:4:", "weight 1 is -2"),
         (nc("K0.2781", "K0.1"), "p.nc:8:1", "knots decrease"),
-        (nc("K1.0;\n", ""), "p.nc:", "wrong number of knots"),
+        (nc("K1.0;\n", ""), "p.nc:16:1", "PS1004: the curve ends after 3 closing knots"),
         (nc("P4", "P1"), "p.nc:3:", "order 1 is not supported"),
         (nc("X10.0", "XY"), "p.nc:4:", "`X` has no number"),
         (nc("Y34.1", "Q34.1"), "p.nc:4:", "no word of G06.2"),
-        (nc("G90;", "G91;"), "p.nc:2:", "G91 is not read"),
+        (nc("G90;", "G81;"), "p.nc:2:1", "`G81` is not read"),
         (nc("G90;", "(open;"), "p.nc:2:1", "no end"),
-        (nc("G90;", "#100=3;"), "p.nc:2:1", "no part of a word"),
-        (("".into(), "p.nc"), "p.nc:1:1", "no NURBS curve"),
+        (nc("G90;", "#100=3;"), "p.nc:2:1", "variables and expressions"),
+        (("".into(), "p.nc"), "p.nc:1:1", "holds no curve"),
         (("\u{1F600}".into(), "p.nc"), "p.nc:1:1", "no part of a word"),
     ] {
         let said_of_it = read_part(name, &text).map(|_| ()).expect_err(said).to_string();
@@ -83,7 +83,8 @@ fn all_faults_of_a_file_are_said() {
 #[test]
 fn words_without_effect_are_listed() {
     let part = read_part("p.nc", &PAPER_D.replace("G90;", "G90;\nM3 S1200;")).unwrap();
-    assert_eq!(part.warnings.len(), 2);
+    let listed: Vec<_> = part.auxiliary.iter().map(|word| (word.letter, word.value, word.line)).collect();
+    assert_eq!(listed, [('M', 3.0, 3), ('S', 1200.0, 3)]);
 }
 
 proptest! {

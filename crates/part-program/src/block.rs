@@ -1,0 +1,76 @@
+//! One block of a part program: its words, by what they address.
+
+use crate::diagnostic::Report;
+use crate::gcode_word::{Key, Word};
+use crate::source::Span;
+
+/// The words of a line, each taken by the first who asks for it.
+pub(crate) struct Block<'w> {
+    words: &'w mut Vec<Word>,
+    /// From the first word to the last.
+    pub(crate) span: Span,
+}
+
+impl<'w> Block<'w> {
+    /// The block of `words`; a letter other than G and M that stands there twice is an error.
+    pub(crate) fn new(report: &mut Report<'_>, words: &'w mut Vec<Word>) -> Option<Self> {
+        let span = words.first()?.span.to(words.last()?.span);
+        for (index, word) in words.iter().enumerate() {
+            let repeats = !matches!(word.key, Key::Letter(b'G' | b'M'));
+            // A line of a million words would make this quadratic: no block needs more than a few.
+            if index > MAX_WORDS {
+                report.error(word.span, format!("the block has more than {MAX_WORDS} words"));
+                return None;
+            }
+            if repeats && words[..index].iter().any(|earlier| earlier.key == word.key) {
+                let text = report.source.slice(word.span).to_owned();
+                report
+                    .error(word.span, format!("`{text}`: this address is there twice"))
+                    .expected("each once a block");
+                return None;
+            }
+        }
+        Some(Self { words, span })
+    }
+
+    /// Takes the next word of `key`.
+    pub(crate) fn take(&mut self, key: Key) -> Option<Word> {
+        let index = self.words.iter().position(|word| word.key == key)?;
+        Some(self.words.remove(index))
+    }
+
+    pub(crate) fn take_letter(&mut self, letter: u8) -> Option<Word> {
+        self.take(Key::Letter(letter))
+    }
+
+    pub(crate) fn has(&self, letter: u8) -> bool {
+        self.words.iter().any(|word| word.key == Key::Letter(letter))
+    }
+
+    /// Whether a word names an axis.
+    pub(crate) fn has_axis(&self) -> bool {
+        b"XYZ".iter().any(|axis| self.has(*axis))
+    }
+
+    /// Takes X, Y and Z as they are written.
+    pub(crate) fn take_axes(&mut self) -> [Option<f64>; 3] {
+        [b'X', b'Y', b'Z'].map(|axis| self.take_letter(axis).map(|word| word.value))
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.words.is_empty()
+    }
+
+    /// Gives up the words that are left: what is wrong with the block has been said.
+    pub(crate) fn clear(&mut self) {
+        self.words.clear();
+    }
+
+    /// The words that nobody took.
+    pub(crate) fn rest(self) -> &'w mut Vec<Word> {
+        self.words
+    }
+}
+
+/// Words of one block.
+const MAX_WORDS: usize = 200;

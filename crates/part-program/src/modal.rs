@@ -1,0 +1,84 @@
+//! Modal state of a program: what holds until another word changes it.
+
+use crate::arc::Plane;
+
+/// Millimetres of an inch.
+pub(crate) const INCH: f64 = 25.4;
+
+/// The motion in force.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Motion {
+    /// None yet, or cancelled.
+    #[default]
+    None,
+    /// G0.
+    Rapid,
+    /// G1.
+    Line,
+    /// G2, G3.
+    Arc { clockwise: bool },
+    /// G06.2.
+    FanucNurbs,
+    /// G5.
+    Cubic,
+    /// G5.1.
+    Quadratic,
+    /// G5.2.
+    LinuxCncNurbs,
+    /// BSPLINE.
+    Bspline,
+}
+
+/// What F means.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum FeedMode {
+    /// G94: length a minute.
+    #[default]
+    PerMinute,
+    /// G93: 1/F minutes a move.
+    InverseTime,
+}
+
+/// What holds until another word changes it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Modal {
+    pub(crate) motion: Motion,
+    pub(crate) plane: Plane,
+    /// G91: coordinates count from the current position.
+    pub(crate) incremental: bool,
+    /// G90.1: arc centres are coordinates, not distances from the start.
+    pub(crate) absolute_centres: bool,
+    /// G20.
+    pub(crate) inches: bool,
+    pub(crate) feed_mode: FeedMode,
+    /// Feedrate of G94, in mm/s.
+    pub(crate) feedrate_mm_per_s: Option<f64>,
+    /// Where the tool is, in mm; an axis that was never named is unknown.
+    pub(crate) position: [Option<f64>; 3],
+}
+
+impl Modal {
+    /// Millimetres of a length word.
+    pub(crate) fn mm(&self, length: f64) -> f64 {
+        if self.inches { length * INCH } else { length }
+    }
+
+    /// The position in numbers; unknown coordinates are 0.
+    pub(crate) fn here(&self) -> [f64; 3] {
+        self.position.map(|x| x.unwrap_or(0.0))
+    }
+
+    /// Where coordinates as written lead from `from`: those not written are kept, those never known are 0.
+    pub(crate) fn target(&self, from: [f64; 3], written: [Option<f64>; 3]) -> [f64; 3] {
+        std::array::from_fn(|axis| match written[axis] {
+            Some(value) if self.incremental => from[axis] + self.mm(value),
+            Some(value) => self.mm(value),
+            None => from[axis],
+        })
+    }
+
+    /// Start of a move to `target`: an axis whose position is unknown starts where it is sent.
+    pub(crate) fn start(&self, target: [f64; 3]) -> [f64; 3] {
+        std::array::from_fn(|axis| self.position[axis].unwrap_or(target[axis]))
+    }
+}

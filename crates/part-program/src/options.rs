@@ -1,0 +1,54 @@
+//! How a text is to be read, where its content does not say.
+
+use std::fmt;
+use std::str::FromStr;
+
+/// Choices of a reader; the default finds the dialect out and refuses unknown words.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ReadOptions {
+    /// The control that a program is for. `None`: told by the words of its splines.
+    pub dialect: Option<Dialect>,
+    /// Read over unknown words, with a warning each.
+    pub lenient: bool,
+}
+
+/// A control, by the words of its splines.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Dialect {
+    /// `G06.2 P K X Y Z R`.
+    Fanuc,
+    /// `G5.2 X Y P L` … `G5.3`, and `G5`, `G5.1`.
+    LinuxCnc,
+    /// `BSPLINE` with `SD=`, `PW=` and `PL=`.
+    Siemens,
+}
+
+impl Dialect {
+    /// Every dialect.
+    pub const ALL: [Self; 3] = [Self::Fanuc, Self::LinuxCnc, Self::Siemens];
+
+    /// The name on the command line.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Fanuc => "fanuc",
+            Self::LinuxCnc => "linuxcnc",
+            Self::Siemens => "siemens",
+        }
+    }
+}
+
+impl fmt::Display for Dialect {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for Dialect {
+    type Err = String;
+
+    fn from_str(name: &str) -> Result<Self, Self::Err> {
+        let named = Self::ALL.into_iter().find(|dialect| dialect.name().eq_ignore_ascii_case(name));
+        named.ok_or_else(|| format!("`{name}` is no dialect: expected fanuc, linuxcnc or siemens"))
+    }
+}

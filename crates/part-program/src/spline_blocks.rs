@@ -1,0 +1,58 @@
+//! A spline that is being read, block by block: its numbers and where each stands.
+
+use crate::curve::{Curve, CurveFault, Element};
+use crate::diagnostic::Report;
+use crate::source::Span;
+
+/// The numbers of a spline so far, with their places.
+#[derive(Default)]
+pub(crate) struct SplineBlocks {
+    pub(crate) points: Vec<([f64; 3], Span)>,
+    pub(crate) weights: Vec<(f64, Span)>,
+    pub(crate) knots: Vec<(f64, Span)>,
+    /// The block that opened it.
+    pub(crate) start: Span,
+}
+
+impl SplineBlocks {
+    pub(crate) fn point(&mut self, point: [f64; 3], weight: f64, span: Span) {
+        self.points.push((point, span));
+        self.weights.push((weight, span));
+    }
+
+    /// The curve, if it breaks no rule. `named` is the control's word for a fault, put before the message.
+    pub(crate) fn finish(
+        self,
+        degree: usize,
+        report: &mut Report<'_>,
+        named: impl Fn(&CurveFault) -> Option<&'static str>,
+    ) -> Option<Curve> {
+        let (control_points_mm, point_spans): (Vec<_>, Vec<_>) = self.points.into_iter().unzip();
+        let (weights, weight_spans): (Vec<_>, Vec<_>) = self.weights.into_iter().unzip();
+        let (knots, knot_spans): (Vec<_>, Vec<_>) = self.knots.into_iter().unzip();
+        let dimension = Curve::dimension_of(&control_points_mm);
+        let curve = Curve { degree, control_points_mm, dimension, weights, knots };
+        let faults = curve.faults();
+        for fault in &faults {
+            let span = match fault.element() {
+                Element::ControlPoint(i) => point_spans.get(i),
+                Element::Weight(i) => weight_spans.get(i),
+                Element::Knot(i) => knot_spans.get(i),
+                Element::Degree | Element::ControlPoints | Element::Weights | Element::Knots => None,
+            };
+            let message = match named(fault) {
+                Some(name) => format!("{name}: {fault}"),
+                None => fault.to_string(),
+            };
+            report.error(span.copied().unwrap_or(self.start), message).expected(fault.expected());
+        }
+        faults.is_empty().then_some(curve)
+    }
+}
+
+/// Uniform clamped knots `0 … 0, 1, 2, …, m … m` of a curve with `points` control points.
+pub(crate) fn uniform_knots(points: usize, degree: usize) -> impl Iterator<Item = f64> {
+    let spans = points.saturating_sub(degree);
+    #[allow(clippy::cast_precision_loss, reason = "a program has fewer than 2⁵³ points")]
+    (0..points + degree + 1).map(move |i| i.saturating_sub(degree).min(spans) as f64)
+}

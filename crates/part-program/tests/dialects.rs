@@ -1,0 +1,151 @@
+//! One curve in three dialects and two files is one curve.
+
+use part_program::{Curve, Dialect, MoveKind, Part, ReadOptions, Shape, read_part, read_part_with};
+
+fn part(text: &str) -> Part {
+    read_part("p.nc", text).unwrap_or_else(|errors| panic!("{errors}"))
+}
+
+const FANUC: &str = "G90 G0 X0 Y0
+G06.2 P4 K0 X0 Y0 R1.5 F6000
+K0 X10 Y20 R2
+K0 X20.5 Y-3 R0.7
+K0 X30 Y16
+K1 X40.125 Y1 R1
+K2 X50 Y38 R2.5
+K3
+K3
+K3
+K3
+G0 X60
+";
+
+const LINUXCNC: &str = "G90 G0 X0 Y0 F6000
+G5.2 P1.5 L4
+X10 Y20 P2
+X20.5 Y-3 P0.7
+X30 Y16 P1
+X40.125 Y1 P1
+X50 Y38 P2.5
+G5.3
+G0 X60
+";
+
+const SIEMENS: &str = "G90 G0 X0 Y0 F6000
+BSPLINE SD=3
+X0 Y0 PW=1.5 PL=0
+X10 Y20 PW=2 PL=1
+X=20.5 Y=-3 PW=0.7 PL=1
+X30 Y16 PL=1
+X40.125 Y1 PL=0
+X50 Y38 PW=2.5
+G0 X60
+";
+
+const TOML: &str = "[curve]
+degree = 3
+control_points_mm = [[0, 0], [10, 20], [20.5, -3], [30, 16], [40.125, 1], [50, 38]]
+weights = [1.5, 2, 0.7, 1, 1, 2.5]
+knots = [0, 0, 0, 0, 1, 2, 3, 3, 3, 3]
+";
+
+#[test]
+fn the_same_curve_in_every_dialect_has_the_same_numbers() {
+    let reference = part(TOML).curves.remove(0);
+    for text in [FANUC, LINUXCNC, SIEMENS] {
+        let part = part(text);
+        assert_eq!(part.curves[0], reference, "{text}");
+        assert_eq!((part.moves[0].kind, part.moves[0].shape), (MoveKind::Feed, Shape::Nurbs));
+        assert_eq!(part.moves[0].feedrate_mm_per_s, Some(100.0));
+        assert_eq!(part.curves[1].control_points_mm, [[50.0, 38.0, 0.0], [60.0, 38.0, 0.0]], "{text}");
+        assert_eq!(part.warnings, []);
+    }
+}
+
+#[test]
+fn a_given_dialect_refuses_the_others() {
+    let texts = [(Dialect::Fanuc, FANUC), (Dialect::LinuxCnc, LINUXCNC), (Dialect::Siemens, SIEMENS)];
+    for given in Dialect::ALL {
+        for (own, text) in texts {
+            let options = ReadOptions { dialect: Some(given), lenient: false };
+            let read = read_part_with("p.nc", text, options);
+            assert_eq!(read.is_ok(), given == own, "{given} reads {own}");
+            if let Err(errors) = read {
+                let said = format!("is a spline of {own}, and the program is read as {given}");
+                assert!(errors.to_string().contains(&said), "{errors}");
+            }
+        }
+    }
+    let mixed = format!("{FANUC}{LINUXCNC}");
+    assert!(read_part("p.nc", &mixed).unwrap_err().to_string().contains("is a spline of linuxcnc"));
+}
+
+#[test]
+fn dialect_names_are_read_back() {
+    for dialect in Dialect::ALL {
+        assert_eq!(dialect.name().parse(), Ok(dialect));
+    }
+    assert!("heidenhain".parse::<Dialect>().is_err());
+}
+
+#[test]
+fn knots_of_linuxcnc_are_uniform_and_its_order_at_least_3() {
+    let knots = |order: &str| {
+        let text = format!("G0 X0 Y0\nG5.2 {order} X1 Y1 P1\nX2 Y0 P1\nX3 Y1 P1\nX4 Y0 P1\nG5.3\n");
+        part(&text).curves.remove(0).knots
+    };
+    assert_eq!(knots(""), [0.0, 0.0, 0.0, 1.0, 2.0, 3.0, 3.0, 3.0]);
+    assert_eq!(knots("L2"), knots("L3"));
+    assert_eq!(knots("L4"), [0.0, 0.0, 0.0, 0.0, 1.0, 2.0, 2.0, 2.0, 2.0]);
+}
+
+#[test]
+fn cubics_and_quadratics_are_single_bezier_curves() {
+    let part = part("G0 X0 Y0\nG5 I0 J3 P0 Q-3 X1 Y1\nX2 Y2 P0 Q-3\nG5.1 X4 Y2 I1 J2\n");
+    let points: Vec<_> = part.curves.iter().map(|c| c.control_points_mm.clone()).collect();
+    assert_eq!(points[0], [[0.0, 0.0, 0.0], [0.0, 3.0, 0.0], [1.0, -2.0, 0.0], [1.0, 1.0, 0.0]]);
+    assert_eq!(points[1], [[1.0, 1.0, 0.0], [1.0, 4.0, 0.0], [2.0, -1.0, 0.0], [2.0, 2.0, 0.0]]);
+    assert_eq!(points[2], [[2.0, 2.0, 0.0], [3.0, 4.0, 0.0], [4.0, 2.0, 0.0]]);
+}
+
+#[test]
+fn siemens_without_intervals_is_uniform_with_a_warning() {
+    let part = part("G0 X0 Y0\nBSPLINE SD=2 X1 Y1\nX2 Y0\nX3 Y1\n");
+    assert_eq!(part.curves[0].knots, [0.0, 0.0, 0.0, 1.0, 2.0, 2.0, 2.0]);
+    assert_eq!(part.warnings.len(), 1);
+}
+
+/// High-precision contouring, comments, incremental points, two curves under one G06.2, M words in between.
+#[test]
+fn fanuc_programs_as_they_come() {
+    let text =
+        "G05 P10000\nG91\nG06.2 P2 K0 X0 Y0\nM8\nK0 X10 (up) Y5\nK1\nK1\nK0 X0 Y0\nK0 X5\nK1\nK1\nG05 P0\n";
+    let part = part(text);
+    let ends: Vec<_> = part.curves.iter().map(|c| c.control_points_mm.clone()).collect();
+    assert_eq!(ends, [vec![[0.0; 3], [10.0, 5.0, 0.0]], vec![[10.0, 5.0, 0.0], [15.0, 5.0, 0.0]]]);
+    assert_eq!(part.moves.iter().map(|m| m.line).collect::<Vec<_>>(), [3, 8]);
+}
+
+#[test]
+fn a_coordinate_that_is_not_written_keeps_its_value() {
+    let part = part("G0 X0 Y0 Z4\nG06.2 P3 K0\nK0 X10\nK0 Y10 Z5\nK1\nK1\nK1\n");
+    let curve: &Curve = &part.curves[0];
+    assert_eq!(curve.control_points_mm, [[0.0, 0.0, 4.0], [10.0, 0.0, 4.0], [10.0, 10.0, 5.0]]);
+    assert_eq!(curve.dimension, 3);
+}
+
+#[test]
+fn lenient_reading_lists_what_it_reads_over() {
+    let text = "G0 X0 Y0\nG1 X10 Q7 A5\nCOMPCAD\nG64.7\nX20\n";
+    assert_eq!(read_part("p.nc", text).unwrap_err().count(), 4);
+    let part = read_part_with("p.nc", text, ReadOptions { lenient: true, dialect: None }).unwrap();
+    assert_eq!(part.curves.len(), 2);
+    let said: Vec<_> = part.warnings.iter().map(|w| (w.line, w.message.as_str())).collect();
+    let expected = [
+        (2, "`Q7` is no word of G1"),
+        (2, "`A5` is no word of G1"),
+        (3, "unknown word `COMPCAD`"),
+        (4, "`G64.7` is not read: the block is left out"),
+    ];
+    assert_eq!(said, expected);
+}

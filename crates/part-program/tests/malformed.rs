@@ -1,0 +1,110 @@
+//! Programs that are wrong, each with the place and the words of what is said.
+
+use part_program::read_part;
+
+/// Program, where the fault is, what is said.
+const MALFORMED: [(&str, &str, &str); 66] = [
+    // Words.
+    ("G0 X", "1:4", "`X` has no number"),
+    ("G0 XY5", "1:4", "`X` has no number"),
+    ("G0 X1.2.3", "1:5", "`1.2.3` is no number"),
+    ("G0 X--5", "1:5", "`--5` is no number"),
+    ("G0 X5 12", "1:7", "the number `12` has no letter"),
+    ("G0 X5 *", "1:7", "`*` is no part of a word"),
+    ("G0 X5 é", "1:7", "`é` is no part of a word"),
+    ("G0 X5 \0", "1:7", "`\\0` is no part of a word"),
+    ("G0 (open", "1:4", "this comment has no end"),
+    ("G0 X1 X2", "1:7", "`X2`: this address is there twice"),
+    ("G0 X1 \nG1 F1 F2", "2:7", "`F2`: this address is there twice"),
+    ("BSPLIN SD=3", "1:1", "did you mean `BSPLINE`"),
+    ("COMPRESSOR", "1:1", "unknown word `COMPRESSOR`"),
+    // What is computed.
+    ("#1=5", "1:1", "variables and expressions are not evaluated"),
+    ("G0 X#1", "1:4", "variables and expressions are not evaluated"),
+    ("G0 X[1+2]", "1:4", "variables and expressions are not evaluated"),
+    ("G0 X=R5", "1:4", "variables and expressions are not evaluated"),
+    ("IF [#1 EQ 2] GOTO 5", "1:1", "variables and expressions are not evaluated"),
+    ("WHILE 1", "1:1", "variables and expressions are not evaluated"),
+    // Blocks.
+    ("X5 Y5", "1:1", "coordinates without a motion"),
+    ("G0 G1 X5", "1:4", "two motions in one block"),
+    ("G81 X5 Z-3 R2", "1:1", "`G81` is not read"),
+    ("G1.23 X5", "1:1", "`G1.23` is not read"),
+    ("G0 X0\nG1 X5 Q3", "2:7", "`Q3` is no word of G1"),
+    ("G0 X0\nG1 X5 F0", "2:7", "the feed is 0"),
+    ("G0 X0\nG1 X5 F-100", "2:7", "the feed is -100"),
+    ("G0 X0\nG1 X5 F99999999", "2:7", "mm/s"),
+    ("G93 G0 X0\nG1 X5", "2:1", "a move in inverse time feed without F"),
+    ("G0 X0\nG1 X1e9", "2:6", "`e9` is no word of G1"),
+    ("G0 X0\nG1 X99999999", "2:1", "a coordinate is out of range"),
+    ("", "1:1", "the program holds no curve"),
+    ("(nothing)\nM30", "1:1", "the program holds no curve"),
+    // Arcs.
+    ("G0 X0 Y0\nG2 X5 Y5", "2:1", "an arc without centre or radius"),
+    ("G0 X0 Y0\nG2 X5 Y5 I5 R5", "2:13", "an arc with both centre and radius"),
+    ("G0 X0 Y0\nG2 X5 Y5 I5 K1", "2:13", "this centre word is not in the plane"),
+    ("G0 X0 Y0\nG18 G2 X5 J1", "2:11", "this centre word is not in the plane"),
+    ("G0 X0 Y0\nG2 X0 Y0 R5", "2:1", "an arc by radius ends where it starts"),
+    ("G0 X0 Y0\nG2 X20 R5", "2:1", "radius 5 does not reach: start and end are 20.0000 mm apart"),
+    (
+        "G0 X0 Y0\nG2 X10 I3",
+        "2:1",
+        "the end is off the circle: radius 3.0000 at the start, 7.0000 at the end",
+    ),
+    ("G0 X0 Y0\nG2 X10 I0 J0", "2:1", "the centre of the arc is its start"),
+    // FANUC.
+    ("G06.2 P4 X0 Y0\n", "1:1", "PS1002"),
+    ("G06.2 P1 K0 X0 Y0\n", "1:7", "order 1 is not supported"),
+    ("G06.2 P2.5 K0 X0 Y0\n", "1:7", "order 2.5 is not supported"),
+    ("G06.2 P2 K0 X0\nK0 X1\nK1\nG0 X5", "4:1", "PS1004: the curve ends after 1 closing knots"),
+    ("G06.2 P2 K0 X0\nK0 X1\nG0 X5", "3:1", "PS1005: the curve ends without closing knots"),
+    ("G06.2 P2 K0 X0\nK0 X1\nK1\nK1 X5", "4:1", "PS1004: a control point after closing knots"),
+    ("G06.2 P2 K0 X0\nK0.5 X1\nK1\nK1", "2:1", "PS1007"),
+    ("G06.2 P2 K0 X0\nK0 X1\nK0 X2\nK1\nK1", "3:1", "PS1008"),
+    ("G0 X1\nG06.2 P2 K0 X0\nK0 X2\nK1\nK1", "2:1", "PS1009: the first control point is off"),
+    ("G93 G06.2 P2 K0 X0", "1:1", "PS1006: a spline in inverse time feed"),
+    ("G06.2 P2 K0 X0\nK0 X1\nK1\nK1\nK1", "5:1", "a knot after the closing knots"),
+    ("G06.2 P2 K2 X0\nK2 X1\nK1\nK1", "3:1", "knots decrease"),
+    ("G06.2 P2 K0 X0 R0\nK0 X1\nK1\nK1", "1:1", "weight 0 is 0"),
+    ("G05 P5000", "1:5", "high-precision contouring P5000"),
+    ("G05", "1:1", "G5 without its words"),
+    // LinuxCNC.
+    ("G0 X0 Y0\nG5.2 X1 Y1\nX2 Y2 P1\nG5.3", "2:1", "a control point of G5.2 without a weight"),
+    ("G0 X0 Y0\nG5.2 X1 P1\nG5.3", "2:1", "a control point of G5.2 with one coordinate"),
+    ("G0 X0 Y0\nG5.2 X1 Y1 P1\nG5.3", "2:1", "too few control points: 2"),
+    ("G5.3", "1:1", "G5.3 without G5.2"),
+    ("G0 X0 Y0\nG5.2 X1 Y1 P1\nX2 Y2 P1\nG0 X5", "4:1", "the curve of G5.2 is not ended"),
+    ("G0 X0 Y0\nG5 X1 Y1 I1 P1 Q1", "2:1", "I without J"),
+    // Siemens.
+    ("G0 X0 Y0\nBSPLINE SD=3 X1 PL=1\nX2\nX3 Y1\nX4\n", "3:1", "a block of BSPLINE without a knot interval"),
+    ("G0 X0 Y0\nBSPLINE SD=2 X1 PL=1\nX2 PL=2", "3:4", "a knot interval of 2 too many"),
+    ("G0 X0 Y0\nBSPLINE SD=2 X1 PL=-1\nX2", "2:17", "the knot interval is -1"),
+    ("G0 X0 Y0\nBSPLINE SD=12 X1 PL=1\nX2", "2:9", "degree 12 is not supported"),
+    ("G0 X0 Y0\nBSPLINE SD=3 X1 PL=1\nX2 PL=1\n", "2:1", "too few control points: 3"),
+];
+
+#[test]
+fn each_malformed_program_is_explained_at_its_place() {
+    for (text, place, said) in MALFORMED {
+        let errors = match read_part("p", text) {
+            Ok(part) => panic!("{text:?} was read: {part:?}"),
+            Err(errors) => errors.to_string(),
+        };
+        assert!(errors.contains(said), "{text:?}: {said:?} is not in\n{errors}");
+        assert!(errors.contains(&format!("p:{place}\n")), "{text:?}: not at {place}\n{errors}");
+    }
+}
+
+#[test]
+fn every_error_of_a_program_is_said() {
+    let text = "G0 X0 Y0\nG1 X5 Q1\nG1 X#3\nG2 X20 R1\nG77\nG1 Y\n";
+    let errors = read_part("p", text).unwrap_err();
+    assert_eq!(errors.iter().map(|error| error.line).collect::<Vec<_>>(), [2, 3, 4, 5, 6]);
+}
+
+#[test]
+fn a_text_beyond_the_limit_is_refused() {
+    let text = " ".repeat(part_program::MAX_TEXT + 1);
+    let errors = read_part("p", &text).unwrap_err().to_string();
+    assert!(errors.contains("the text has 67108865 bytes") && errors.contains("at most 64 MiB"), "{errors}");
+}
