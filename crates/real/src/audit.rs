@@ -147,10 +147,15 @@ enum Fate {
 impl Fate {
     /// `result·unit` against `exact`, on a common scale where `unit > 0`.
     fn of(result: i128, exact: i128, unit: i128) -> Self {
-        match result * unit - exact {
-            distance if distance.abs() >= unit => Self::Overflowed,
-            _ if result == 0 && exact != 0 => Self::Vanished,
-            _ => Self::Rounded,
+        match (result * unit).checked_sub(exact) {
+            Some(distance) if -unit < distance && distance < unit => {
+                if result == 0 && exact != 0 {
+                    Self::Vanished
+                } else {
+                    Self::Rounded
+                }
+            }
+            _ => Self::Overflowed,
         }
     }
 
@@ -164,13 +169,13 @@ impl Fate {
             Operation::Mul => Self::of(result, x[0] * x[1], one),
             Operation::MulAdd => Self::of(result, x[0] * x[1] + x[2] * one, one),
             Operation::SumOfProducts => {
-                // The sum may leave 128 bits, but not unnoticed by the floats; the format it has left by then, too.
-                let products = || x.chunks_exact(2).map(|pair| (pair[0], pair[1]));
-                let about: f64 = products().map(|(a, b)| approximately(a) * approximately(b)).sum();
-                if about.abs() >= 2.0_f64.powi(126) {
-                    return Self::Overflowed;
-                }
-                Self::of(result, products().fold(0, |sum, (a, b)| sum.wrapping_add(a * b)), one)
+                // The sum may leave 128 bits and come back: every carry is counted.
+                let products = x.chunks_exact(2).map(|pair| pair[0] * pair[1]);
+                let (sum, carries) = products.fold((0_i128, 0_i64), |(sum, carries), product| {
+                    let (sum, carry) = sum.overflowing_add(product);
+                    (sum, carries + i64::from(carry) * if product < 0 { -1 } else { 1 })
+                });
+                if carries == 0 { Self::of(result, sum, one) } else { Self::Overflowed }
             }
             Operation::Div => Self::of(result * x[1].signum(), x[0] * one, x[1].abs()),
             Operation::Sqrt => Self::of_root(result, x[0].max(0).unsigned_abs() << fraction_bits),
@@ -224,11 +229,6 @@ impl Fate {
     }
 }
 
-#[allow(clippy::cast_precision_loss, reason = "53 bits are enough to see a sum leave its range")]
-fn approximately(x: i128) -> f64 {
-    x as f64
-}
-
 /// The fraction bits of a backend in fixed point.
 fn fraction_bits<R: Backend>() -> Option<u32> {
     match R::name() {
@@ -243,8 +243,11 @@ fn fraction_bits<R: Backend>() -> Option<u32> {
 #[allow(clippy::cast_possible_truncation, reason = "both parts are integers of 64 bits")]
 fn units<R: Backend>(number: R, fraction_bits: u32) -> i128 {
     let (high, low) = number.to_f64_pair();
-    let exponent = fraction_bits.cast_signed();
-    high.scale(exponent) as i128 + i128::from(low.scale(exponent) as i64)
+    let units = |part: f64| part.scale(fraction_bits.cast_signed());
+    let (high, low) = (units(high), units(low) as i64);
+    // Of all words only the greatest ones round up to 2^63, where the cast saturates at 2^63 - 1.
+    let beyond = i128::from(high >= 9_223_372_036_854_775_808.0);
+    i128::from(high as i64) + beyond + i128::from(low)
 }
 
 /// A backend under audit: computes exactly as `R` does, and counts in the [`Audit`] of its thread.

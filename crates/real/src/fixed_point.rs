@@ -239,6 +239,7 @@ where
         Some(Self(F::from_bits(word)))
     }
 
+    #[inline]
     fn to_f64_pair(self) -> (f64, f64) {
         let (high, low) = self.0.to_bits().split();
         let exponent = -F::FRAC_NBITS.cast_signed();

@@ -129,9 +129,11 @@ mod ratio {
 
 /// `2^exponent`, exact; an exponent outside the format's normal range goes to its nearest normal power.
 mod power_of_two {
+    #[inline]
     pub(super) fn f64(exponent: i32) -> f64 {
         f64::from_bits(u64::from((exponent.clamp(-1022, 1023) + 1023).unsigned_abs()) << 52)
     }
+    #[inline]
     pub(super) fn f32(exponent: i32) -> f32 {
         f32::from_bits((exponent.clamp(-126, 127) + 127).unsigned_abs() << 23)
     }

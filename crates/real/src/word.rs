@@ -89,9 +89,12 @@ macro_rules! word {
                 nearest(high, low).and_then(|word| <$word>::try_from(word).ok())
             }
 
+            #[inline]
             fn split(self) -> (f64, f64) {
                 let high = self as f64;
-                (high, (self as i128 - high as i128) as f64)
+                // The greatest words round up to 2^63, where the cast back saturates one below.
+                let rest = self as i64 - high as i64 - (high >= 9_223_372_036_854_775_808.0) as i64;
+                (high, rest as f64)
             }
 
             #[inline]
