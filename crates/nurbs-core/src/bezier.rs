@@ -91,12 +91,11 @@ impl<H: Backend, const D: usize> Bezier<H, D> {
 
     /// C and C' at t, by de Casteljau in f64.
     fn derivative(&self, t: f64) -> ([f64; D], [f64; D]) {
-        let origin = self.euclidean(0).map(|x| x.to_f64());
+        // The differences are taken before the rounding: of a span of one ulp they are all there is.
+        let origin = self.euclidean(0);
+        let relative = |j: usize, d: usize| self.points[j][d] - origin[d] * self.weights[j];
         let mut rows: Vec<([f64; D], f64)> = (0..self.points.len())
-            .map(|j| {
-                let w = self.weights[j].to_f64();
-                (core::array::from_fn(|d| self.points[j][d].to_f64() - origin[d] * w), w)
-            })
+            .map(|j| (core::array::from_fn(|d| relative(j, d).to_f64()), self.weights[j].to_f64()))
             .collect();
         let degree = rows.len() - 1;
         for round in (2..=degree).rev() {

@@ -9,7 +9,7 @@ use real::{Backend, FormatName, Real};
 use crate::bezier::Bezier;
 use crate::local_piece::LocalPiece;
 use crate::pieces::{Piece, Pieces};
-use crate::ranges::{self, Scales, SignalBound, exponent_below, fraction_and_exponent, power_of_two};
+use crate::ranges::{self, Scales, SignalBound, exponent_below, power_of_two};
 use crate::{MAX_DEGREE, NurbsCurve};
 
 /// How finely to cut.
@@ -89,7 +89,6 @@ pub struct PiecesBuf<R, const D: usize> {
     degree: usize,
     coordinate_exponent: i32,
     chord_exponent: i32,
-    range_exponent: i32,
     places: Vec<Place>,
     bounds: Vec<SignalBound>,
 }
@@ -116,7 +115,6 @@ impl<R: Real, const D: usize> PiecesBuf<R, D> {
             degree: self.degree,
             coordinate_exponent: self.coordinate_exponent,
             chord_exponent: self.chord_exponent,
-            range_exponent: self.range_exponent,
         }
     }
 
@@ -164,7 +162,7 @@ pub fn compile<H: Backend, R: Backend, const D: usize>(
     for (index, curve) in curves.iter().enumerate() {
         cut::<H, D>(index, curve, limits, &mut local)?;
     }
-    Table::new(&local, limits).rounded::<R>()
+    rounded::<H, R, D>(local, limits.step_mm)
 }
 
 /// Cuts one curve, span by span, halving until a piece is short and even enough.
@@ -202,89 +200,85 @@ fn cut<H: Backend, const D: usize>(
     Ok(())
 }
 
-/// The pieces with what is common to all.
-struct Table<'a, H, const D: usize> {
-    local: &'a [LocalPiece<H, D>],
+/// Chooses the scales for `R`, proves the bounds, and rounds.
+fn rounded<H: Backend, R: Backend, const D: usize>(
+    local: Vec<LocalPiece<H, D>>,
     step_mm: f64,
-    degree: usize,
-    rational: bool,
+) -> Result<PiecesBuf<R, D>, CompileError> {
+    let degree = local.iter().map(|piece| piece.numerator.len()).max().unwrap_or(1).min(MAX_DEGREE);
+    let rational = local.iter().any(|piece| piece.rational);
+    let local = scaled::<H, R, D>(local, step_mm);
+    let fixed = matches!(R::name(), FormatName::Fixed { .. });
+    let resolution = if fixed { R::resolution().to_f64() } else { 0.0 };
+    let bounds = ranges::signal_bounds(&local, rational, step_mm, resolution);
+    if fixed {
+        ranges::refuse_what_does_not_fit::<R>(&bounds)?;
+    }
+    let mut table = PiecesBuf {
+        pieces: Vec::with_capacity(local.len()),
+        numerators: Vec::with_capacity(local.len() * degree),
+        weights: Vec::new(),
+        degree,
+        coordinate_exponent: local.iter().map(|(_, scales)| scales.coordinate).max().unwrap_or(0),
+        chord_exponent: local.first().map_or(0, |(_, scales)| scales.chord),
+        places: local.iter().map(|(piece, _)| piece.place).collect(),
+        bounds,
+    };
+    let round = |x: H| R::from_f64_pair(x.to_f64_pair().0, x.to_f64_pair().1).unwrap_or_else(R::zero);
+    for (index, (piece, scales)) in local.iter().enumerate() {
+        for k in 0..degree {
+            let row = piece.numerator.get(k).copied().unwrap_or([H::zero(); D]);
+            table.numerators.push(row.map(|x| round(x.scale(-scales.coordinate))));
+        }
+        for k in (0..=degree).filter(|_| rational) {
+            table.weights.push(round(piece.weight.get(k).copied().unwrap_or_else(H::zero)));
+        }
+        table.pieces.push(row(piece, scales, local.get(index + 1)));
+    }
+    Ok(table)
 }
 
-impl<'a, H: Backend, const D: usize> Table<'a, H, D> {
-    fn new(local: &'a [LocalPiece<H, D>], limits: &PieceLimits) -> Self {
-        let degree = local.iter().map(|piece| piece.numerator.len()).max().unwrap_or(1);
-        let rational = local.iter().any(|piece| piece.rational);
-        Self { local, step_mm: limits.step_mm, degree: degree.min(MAX_DEGREE), rational }
-    }
+/// Joins the scales to the pieces.
+fn scaled<H: Backend, R: Backend, const D: usize>(
+    local: Vec<LocalPiece<H, D>>,
+    step_mm: f64,
+) -> Vec<(LocalPiece<H, D>, Scales)> {
+    // The chords use half of a fixed format's range; a float is content with numbers of order one.
+    let fixed = matches!(R::name(), FormatName::Fixed { .. });
+    let range = if fixed { R::max_value().to_f64() } else { 2.0 };
+    let chord_range = (range / 2.0).min(MAX_CHORD_RANGE);
+    let chord = exponent_below(chord_range / step_mm);
+    let scales = |piece: &LocalPiece<H, D>| {
+        let step = piece.speed.step_exponent(chord);
+        let coordinate = (-exponent_below(range / piece.coordinate_bound_mm())).clamp(-120, 120);
+        Scales { coordinate, chord, step, range: exponent_below(chord_range).min(step) }
+    };
+    local
+        .into_iter()
+        .map(|piece| {
+            let scales = scales(&piece);
+            (piece, scales)
+        })
+        .collect()
+}
 
-    /// Chooses the scales for `R`, proves the bounds, and rounds.
-    fn rounded<R: Backend>(&self) -> Result<PiecesBuf<R, D>, CompileError> {
-        // The chords use half of a fixed format's range; a float is content with numbers of order one.
-        let fixed = matches!(R::name(), FormatName::Fixed { .. });
-        let range = if fixed { R::max_value().to_f64() } else { 2.0 };
-        let widest = self.local.iter().map(|p| p.coordinate_bound_mm()).fold(0.0, f64::max);
-        let chord_range = (range / 2.0).min(MAX_CHORD_RANGE);
-        let chord = exponent_below(chord_range / self.step_mm);
-        let scales = Scales {
-            coordinate: -exponent_below(range / widest),
-            chord,
-            range: exponent_below(chord_range),
-            steps: self.local.iter().map(|p| p.speed.step_exponent(chord)).collect(),
-        };
-        let bounds = ranges::signal_bounds(self.local, &scales, self.step_mm);
-        if fixed {
-            ranges::refuse_what_does_not_fit::<R>(&bounds)?;
-        }
-        let round = |x: H| R::from_f64_pair(x.to_f64_pair().0, x.to_f64_pair().1).unwrap_or_else(R::zero);
-        let mut table = PiecesBuf {
-            pieces: Vec::with_capacity(self.local.len()),
-            numerators: Vec::with_capacity(self.local.len() * self.degree),
-            weights: Vec::new(),
-            degree: self.degree,
-            coordinate_exponent: scales.coordinate,
-            chord_exponent: scales.chord,
-            range_exponent: scales.range,
-            places: self.local.iter().map(|piece| piece.place).collect(),
-            bounds,
-        };
-        for (index, piece) in self.local.iter().enumerate() {
-            for k in 0..self.degree {
-                let row = piece.numerator.get(k).copied().unwrap_or([H::zero(); D]);
-                table.numerators.push(row.map(|x| round(x.scale(-scales.coordinate))));
-            }
-            for k in (0..=self.degree).filter(|_| self.rational) {
-                table.weights.push(round(piece.weight.get(k).copied().unwrap_or_else(H::zero)));
-            }
-            table.pieces.push(self.row(index, &scales));
-        }
-        Ok(table)
-    }
-
-    fn row<R: Backend>(&self, index: usize, scales: &Scales) -> Piece<R, D> {
-        let piece = &self.local[index];
-        let near = |x: f64| R::from_f64(x).unwrap_or_else(R::zero);
-        let next = self.local.get(index + 1);
-        // Pieces of one span are halves of halves of it: the ratio of their widths is a power of two, exactly.
-        let continues = next.is_some_and(|next| next.span == piece.span);
-        let (joint_ratio, joint_exponent) = match next {
-            Some(next) => {
-                let shift = scales.steps[index + 1] - scales.steps[index];
-                let ratio = if continues {
-                    power_of_two(piece.halvings_fewer_than(next))
-                } else {
-                    piece.speed.end / next.speed.begin
-                };
-                fraction_and_exponent(ratio * power_of_two(shift))
-            }
-            None => (0.5, 1),
-        };
-        Piece {
-            origin: piece.origin,
-            step_exponent: scales.steps[index],
-            joint_ratio: near(joint_ratio),
-            joint_exponent,
-            continues,
-            step_per_chord: piece.speed.step_per_chord(scales.chord - scales.steps[index]).map(near),
-        }
+fn row<H: Backend, R: Backend, const D: usize>(
+    piece: &LocalPiece<H, D>,
+    scales: &Scales,
+    next: Option<&(LocalPiece<H, D>, Scales)>,
+) -> Piece<R, D> {
+    let near = |x: f64| R::from_f64(x).unwrap_or_else(R::zero);
+    let (joint_ratio, joint_exponent) =
+        next.map_or((0.5, 1), |(next, next_scales)| piece.joint(scales, next, next_scales));
+    Piece {
+        origin: piece.origin,
+        coordinate_exponent: scales.coordinate,
+        step_exponent: scales.step,
+        whole: R::from_f64(power_of_two(scales.step)).unwrap_or_else(R::max_value),
+        range_exponent: scales.range,
+        joint_ratio: near(joint_ratio),
+        joint_exponent,
+        continues: next.is_some_and(|(next, _)| piece.continues_in(next)),
+        step_per_chord: piece.step_per_chord(scales).map(near),
     }
 }

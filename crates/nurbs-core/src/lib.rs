@@ -42,7 +42,10 @@
     feature = "alloc",
     doc = "| trigonometric splines as polynomials, with a proven error | [`TrigSplineBuf::to_polynomials`] |"
 )]
-#![cfg_attr(feature = "alloc", doc = "| corners of straight moves and arcs: cut or looped, within a tolerance | [`smooth_corners`] |")]
+#![cfg_attr(
+    feature = "alloc",
+    doc = "| corners of straight moves and arcs: cut or looped, within a tolerance | [`smooth_corners`] |"
+)]
 #![cfg_attr(feature = "alloc", doc = "| knot insertion (A5.1) | [`NurbsBuf::insert_knot`] |")]
 #![cfg_attr(any(test, feature = "generate"), doc = "| random valid curves for tests | [`generate`] |")]
 //!

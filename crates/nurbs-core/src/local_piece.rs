@@ -7,8 +7,8 @@ use real::{Backend, Real};
 use crate::bezier::Bezier;
 use crate::compile::Place;
 use crate::pieces::ORIGIN_EXPONENT;
-use crate::polynomial::{bound_on_unit_interval, power_basis};
-use crate::ranges::{exponent_below, power_of_two};
+use crate::polynomial::{PARTS, bound_on_unit_interval, hull, on_part, power_basis};
+use crate::ranges::{Scales, exponent_below, fraction_and_exponent, power_of_two};
 
 /// A piece in high precision: power basis in t, coordinates in mm relative to the piece's first point.
 pub(crate) struct LocalPiece<H, const D: usize> {
@@ -77,9 +77,26 @@ impl<H: Backend, const D: usize> LocalPiece<H, D> {
         })
     }
 
-    /// log₂ of this piece's width over the width of `next`, of the same span, in reverse: |C'| in t doubles with it.
-    pub(crate) fn halvings_fewer_than(&self, next: &Self) -> i32 {
-        next.halvings - self.halvings
+    /// Least and greatest step per chord, in the solver's scale.
+    pub(crate) fn step_per_chord(&self, scales: &Scales) -> [f64; 2] {
+        self.speed.step_per_chord(scales.chord - scales.step)
+    }
+
+    /// |C'| at the end over |C'| at the start of `next`, in the solver's scales, as a fraction in [½, 1) and an
+    /// exponent.
+    pub(crate) fn joint(&self, scales: &Scales, next: &Self, next_scales: &Scales) -> (f64, i32) {
+        let ratio = if self.continues_in(next) {
+            // Halves of halves of one span: the ratio of their widths is a power of two, exactly.
+            power_of_two(next.halvings - self.halvings)
+        } else {
+            self.speed.end / next.speed.begin
+        };
+        fraction_and_exponent(ratio * power_of_two(next_scales.step - scales.step))
+    }
+
+    /// Whether `next` is the same polynomial further on.
+    pub(crate) fn continues_in(&self, next: &Self) -> bool {
+        self.span == next.span
     }
 
     /// Coordinate `d` of N in f64: `n_1..=n_p`, in mm.
@@ -105,29 +122,27 @@ impl<H: Backend, const D: usize> LocalPiece<H, D> {
     /// Bounds of `ω_k / W` for k = 1..=p.
     pub(crate) fn weight_bounds(&self) -> Vec<f64> {
         let column = self.weight_column();
-        (1..=column.len())
-            .map(|k| bound_on_unit_interval(&derivative(&column, k)) / self.weight_range.0)
-            .collect()
+        (1..=column.len()).map(|k| self.bound_over_weight(&[derivative(&column, k)], 1)).collect()
     }
 
-    /// The largest |P|, in mm: a point of the piece is within the hull of its Bezier points, but the power basis is
-    /// what is left of them here, so N is bounded and divided by the least W.
+    /// The largest coordinate of |N| and of |P|, in mm.
     pub(crate) fn offset_bound_mm(&self) -> f64 {
         let with_constant = |d: usize| core::iter::once(0.0).chain(self.column(d)).collect::<Vec<_>>();
-        let bounds = (0..D).map(|d| bound_on_unit_interval(&with_constant(d)));
-        bounds.fold(0.0, f64::max) / self.weight_range.0
+        let both =
+            |column: Vec<f64>| bound_on_unit_interval(&column).max(self.bound_over_weight(&[column], 1));
+        (0..D).map(|d| both(with_constant(d))).fold(0.0, f64::max)
     }
 
-    /// Bounds of the chord's coefficients `(c_k - P ω_k)/W` in each coordinate, for k = 1..=p, in mm. Over the common
+    /// Bounds of the length of the chord's coefficients `(c_k - P ω_k)/W`, for k = 1..=p, in mm. Over the common
     /// denominator W², the numerator is the polynomial `c_k W - N ω_k`.
-    pub(crate) fn chord_bounds_mm(&self) -> Vec<[f64; D]> {
+    pub(crate) fn chord_bounds_mm(&self) -> Vec<f64> {
         let weight: Vec<f64> = self.weight.iter().map(|w| w.to_f64()).collect();
         let turns = self.weight_column();
-        let bound = |d: usize, k: usize| {
+        let numerator = |d: usize, k: usize| {
             let column = self.column(d);
             let c = derivative(&column, k);
             if !self.rational {
-                return bound_on_unit_interval(&c);
+                return c;
             }
             let point: Vec<f64> = core::iter::once(0.0).chain(column).collect();
             let mut numerator = product(&c, &weight);
@@ -136,14 +151,29 @@ impl<H: Backend, const D: usize> LocalPiece<H, D> {
             for (n, x) in numerator.iter_mut().zip(drag) {
                 *n -= x;
             }
-            bound_on_unit_interval(&numerator) / (self.weight_range.0 * self.weight_range.0)
+            numerator
         };
-        (1..=self.numerator.len()).map(|k| core::array::from_fn(|d| bound(d, k))).collect()
+        let bound = |k| self.bound_over_weight(&(0..D).map(|d| numerator(d, k)).collect::<Vec<_>>(), 2);
+        (1..=self.numerator.len()).map(bound).collect()
+    }
+
+    /// The largest length of a vector of polynomials over W^`power`, part by part: numerator and weight rise and
+    /// fall together, and one hull for each over the whole piece would forget that.
+    fn bound_over_weight(&self, vector: &[Vec<f64>], power: i32) -> f64 {
+        let weight: Vec<f64> = self.weight.iter().map(|w| w.to_f64()).collect();
+        let on = |part: u32| {
+            let lengths = vector.iter().map(|row| bound_on_unit_interval(&on_part(row, part)));
+            let lightest =
+                if self.rational { hull(&on_part(&weight, part)).0.max(self.weight_range.0) } else { 1.0 };
+            let length = Real::sqrt(lengths.map(|x| x * x).sum::<f64>());
+            (0..power).fold(length, |quotient, _| quotient / lightest)
+        };
+        (0..PARTS).map(on).fold(0.0, f64::max)
     }
 
     /// The largest number in coordinate units, in mm.
     pub(crate) fn coordinate_bound_mm(&self) -> f64 {
-        let chord = self.chord_bounds_mm().into_iter().flatten();
+        let chord = self.chord_bounds_mm().into_iter();
         chord.fold(self.largest_shifted_mm().max(self.offset_bound_mm()), f64::max)
     }
 }

@@ -6,8 +6,7 @@
 //!
 //! `C(t) = O + 2^e N(t)/W(t)`, `N(t) = Σ_{k≥1} n_k t^k`, `W(t) = Σ_{k≥0} w_k t^k`
 //!
-//! where O is the piece's first point, e the table's one coordinate exponent (n_k are in units of 2^e mm) and W stays
-//! near 1. A non-rational piece has W = 1 and stores no weights. N has no constant term, so a chord from t is formed
+//! where O is the piece's first point, e its coordinate exponent (n_k are in units of 2^e mm) and W stays near 1. A non-rational piece has W = 1 and stores no weights. N has no constant term, so a chord from t is formed
 //! without subtracting two nearly equal points:
 //!
 //! `C(t+h) - C(t) = 2^e h Q(h)/W(t+h)`, `Q(h) = Σ_{k≥1} (c_k - P ω_k) h^{k-1}`
@@ -29,8 +28,17 @@ pub const ORIGIN_EXPONENT: i32 = -39;
 pub struct Piece<R, const D: usize> {
     /// O in units of 2^[`ORIGIN_EXPONENT`] mm: what the local offset is added to.
     pub origin: [i64; D],
+    /// e: this piece's coefficients are in units of 2^e mm. A short piece has as many significant bits as a long one.
+    pub coordinate_exponent: i32,
     /// s: the solver's step is `η = h·2^s`, of the order of the chord in its own scale.
     pub step_exponent: i32,
+    /// 2^s, the step over the whole piece; the format's greatest number where that does not fit, for no step comes
+    /// near it then.
+    pub whole: R,
+    /// r: the polynomials go by `x = η·2^-r`, which is of order one, so that the roundings of their coefficients are
+    /// not magnified. Chords and steps reach up to 2^r, to use the format's integer bits, but where the piece is
+    /// shorter than that, x = 1 is its whole length.
+    pub range_exponent: i32,
     /// |C'| at the end of this piece over |C'| at the start of the next, in the solver's scales: by this a step
     /// per chord of this piece becomes one of the next. At most 1 in magnitude; `· 2^joint_exponent`.
     pub joint_ratio: R,
@@ -48,25 +56,22 @@ pub struct Piece<R, const D: usize> {
 pub struct Pieces<'a, R, const D: usize> {
     /// The rows.
     pub pieces: &'a [Piece<R, D>],
-    /// n_1 to n_p of each piece, one after the other, in units of `2^coordinate_exponent` mm.
+    /// n_1 to n_p of each piece, one after the other, in units of the piece's `2^coordinate_exponent` mm.
     pub numerators: &'a [[R; D]],
     /// w_0 to w_p of each piece, one after the other; empty for a path without rational pieces.
     pub weights: &'a [R],
     /// p, the same for all pieces: lower degrees are padded with zeros.
     pub degree: usize,
-    /// e: coordinates are in units of 2^e mm.
+    /// The points given out are in units of 2^this mm: the greatest exponent of all pieces.
     pub coordinate_exponent: i32,
     /// λ: chords are in units of 2^-λ mm.
     pub chord_exponent: i32,
-    /// r: chords and steps η reach up to 2^r, to use the format's integer bits; the polynomials go by `x = η·2^-r`,
-    /// which is of order one, so that the roundings of their coefficients are not magnified.
-    pub range_exponent: i32,
 }
 
 /// The coefficients of one piece, shifted to a parameter t.
 #[derive(Clone, Copy, Debug)]
 pub struct Shifted<R, const D: usize> {
-    /// P: the point at t, as an offset from the piece's origin.
+    /// P: the point at t, as an offset from the piece's origin, in the piece's own units.
     pub offset: [R; D],
     /// The chord polynomial in the solver's scale, q̃_k for k = 1..=degree: the chord to t + h is
     /// `η Σ q̃_k x^{k-1}`, over `1 + Σ weight_k x^k` if rational.
@@ -83,13 +88,14 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
     }
 
     fn numerator(&self, piece: usize) -> &'a [[R; D]] {
-        let first = piece * self.degree;
-        self.numerators.get(first..first + self.degree).unwrap_or(&[])
+        let first = piece.saturating_mul(self.degree);
+        self.numerators.get(first..).and_then(|rest| rest.get(..self.degree)).unwrap_or(&[])
     }
 
     fn weight(&self, piece: usize) -> &'a [R] {
-        let first = piece * (self.degree + 1);
-        self.weights.get(first..first + self.degree + 1).unwrap_or(&[])
+        let count = self.degree.saturating_add(1);
+        let first = piece.saturating_mul(count);
+        self.weights.get(first..).and_then(|rest| rest.get(..count)).unwrap_or(&[])
     }
 
     /// The point at the local parameter `t` of `piece`, as an offset from the piece's origin, in units of
@@ -99,14 +105,16 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
     pub fn offset(&self, piece: usize, t: R) -> [R; D] {
         let numerator = self.numerator(piece);
         let point = core::array::from_fn(|d| {
-            numerator.iter().rev().fold(R::zero(), |sum, n| sum.mul_add(t, n[d])) * t
+            numerator.iter().rev().fold(R::zero(), |sum, n| sum.mul_add(t, n[d].signal("coefficient"))) * t
         });
+        let units =
+            self.pieces.get(piece).map_or(0, |row| row.coordinate_exponent - self.coordinate_exponent);
         if !self.is_rational() {
-            return point;
+            return point.map(|x: R| x.scale(units).signal("offset"));
         }
         let weight = self.weight(piece).iter().rev().fold(R::zero(), |sum, w| sum.mul_add(t, *w));
         let reciprocal = R::one() / weight.signal("weight");
-        point.map(|x| x * reciprocal)
+        point.map(|x| (x * reciprocal).scale(units).signal("offset"))
     }
 
     /// The piece's polynomials about `t`: all that a step from there needs.
@@ -115,17 +123,18 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
         let mut chord = [[R::zero(); D]; MAX_DEGREE];
         let mut offset = [R::zero(); D];
         for (slot, n) in chord.iter_mut().zip(self.numerator(piece)) {
-            *slot = *n;
+            *slot = n.map(|x| x.signal("coefficient"));
         }
         for d in 0..D {
-            offset[d] = shift(&mut chord[..self.degree], t, |row| &mut row[d]).signal("offset");
+            offset[d] = shift(first(&mut chord, self.degree), t, |row| &mut row[d]).signal("offset");
         }
         let mut weight = [R::zero(); MAX_DEGREE];
         if self.is_rational() {
             self.divide_by_weight(piece, t, &mut offset, &mut chord, &mut weight);
         }
-        let step_exponent = self.pieces.get(piece).map_or(0, |p| p.step_exponent);
-        self.rescale(step_exponent, &mut chord, &mut weight);
+        if let Some(row) = self.pieces.get(piece) {
+            self.rescale(row, &mut chord, &mut weight);
+        }
         Shifted { offset, chord, weight }
     }
 
@@ -142,11 +151,11 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
         for (slot, w) in weight.iter_mut().zip(rest) {
             *slot = *w;
         }
-        let weight_at_t = (*constant + shift(&mut weight[..self.degree], t, |w| w)).signal("weight");
+        let weight_at_t = (*constant + shift(first(weight, self.degree), t, |w| w)).signal("weight");
         let reciprocal = (R::one() / weight_at_t).signal("weight_reciprocal");
         *offset = offset.map(|x| (x * reciprocal).signal("offset"));
         for (c, w) in chord.iter_mut().zip(weight).take(self.degree) {
-            *w = *w * reciprocal;
+            *w = (*w * reciprocal).signal("weight_coefficient");
             for d in 0..D {
                 c[d] = R::sum_of_products([(c[d], reciprocal), (-offset[d], *w)]);
             }
@@ -154,17 +163,22 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
     }
 
     /// Coefficients of powers of h in coordinate units → of `η x^{k-1}` in chord units, and of `x^k`.
-    fn rescale(&self, step_exponent: i32, chord: &mut [[R; D]; MAX_DEGREE], weight: &mut [R; MAX_DEGREE]) {
-        let units = self.coordinate_exponent + self.chord_exponent - self.range_exponent;
+    fn rescale(&self, row: &Piece<R, D>, chord: &mut [[R; D]; MAX_DEGREE], weight: &mut [R; MAX_DEGREE]) {
+        let units = row.coordinate_exponent + self.chord_exponent - row.range_exponent;
         let mut power = 0;
         for (c, w) in chord.iter_mut().zip(weight).take(self.degree) {
-            power += self.range_exponent - step_exponent; // h^k = x^k 2^(k (r - s))
+            power += row.range_exponent - row.step_exponent; // h^k = x^k 2^(k (r - s))
             *c = c.map(|x| x.scale(units + power).signal("chord_coefficient"));
             if self.is_rational() {
-                *w = w.scale(power);
+                *w = w.scale(power).signal("chord_weight");
             }
         }
     }
+}
+
+/// The first `count` of the coefficients, or all.
+fn first<T>(rows: &mut [T; MAX_DEGREE], count: usize) -> &mut [T] {
+    &mut rows[..count.min(MAX_DEGREE)]
 }
 
 /// Shifts the polynomial `Σ_{k≥1} row_{k-1} x^k` to `t` in place, by repeated synthetic division; returns its value

@@ -2,7 +2,8 @@
 //!
 //! What depends on t is a polynomial on [0, 1] and bounded by its Bernstein coefficients; W lies between its least and
 //! its greatest one. What the solver tries is clamped to the row's `step_per_chord`, and a chord is no longer than the
-//! longest step, so the sums in x are bounded term by term.
+//! longest step, so the sums in x are bounded term by term. Whatever else a step computes is one of these signals, or
+//! a difference of two of them that is no larger.
 
 use alloc::vec::Vec;
 
@@ -20,12 +21,17 @@ pub struct SignalBound {
     pub bound: f64,
 }
 
-/// The powers of two of a table: of coordinates, of chords, and of each piece's step.
+/// The powers of two of one piece.
+#[derive(Clone, Copy)]
 pub(crate) struct Scales {
+    /// Coordinates are in units of 2^coordinate mm.
     pub(crate) coordinate: i32,
+    /// Chords are in units of 2^-chord mm; the same for all pieces.
     pub(crate) chord: i32,
+    /// The whole piece is a step of 2^step.
+    pub(crate) step: i32,
+    /// The polynomials go by the step over 2^range; at most `step`, so that it is no more than the piece.
     pub(crate) range: i32,
-    pub(crate) steps: Vec<i32>,
 }
 
 /// The bounds over all pieces, a signal each.
@@ -41,48 +47,109 @@ impl Bounds {
     }
 }
 
-/// The bound of every named signal of a step whose chord is at most `step_mm`.
+/// The bound of every named signal of a step whose chord is at most `step_mm`, where numbers are rounded to
+/// multiples of `resolution`.
 pub(crate) fn signal_bounds<H: Backend, const D: usize>(
-    local: &[LocalPiece<H, D>],
-    scales: &Scales,
+    local: &[(LocalPiece<H, D>, Scales)],
+    rational: bool,
     step_mm: f64,
+    resolution: f64,
 ) -> Vec<SignalBound> {
     let mut bounds = Bounds::default();
-    let longest_chord = step_mm * power_of_two(scales.chord);
-    let coordinate = power_of_two(-scales.coordinate);
-    bounds.raise("chord_length", longest_chord);
-    for (piece, &step) in local.iter().zip(&scales.steps) {
-        bounds.raise("shifted_coefficient", piece.largest_shifted_mm() * coordinate);
-        bounds.raise("offset", piece.offset_bound_mm() * coordinate);
-        if piece.rational {
-            bounds.raise("weight", piece.largest_weight());
-            bounds.raise("weight_reciprocal", 1.0 / piece.weight_range.0);
+    bounds.raise("parameter", 1.0);
+    for (piece, scales) in local {
+        // p sweeps of the shift, each rounded, add up to 2^p units; so do the few roundings elsewhere.
+        let rounding = resolution * power_of_two(i32::try_from(piece.numerator.len()).unwrap_or(0) + 1);
+        let coordinate = power_of_two(-scales.coordinate);
+        let shifted = piece.largest_shifted_mm() * coordinate + rounding;
+        bounds.raise("coefficient", shifted);
+        bounds.raise("shifted_coefficient", shifted);
+        bounds.raise("offset", piece.offset_bound_mm() * coordinate + rounding);
+        if rational {
+            bounds.raise("weight", piece.largest_weight() + rounding);
+            bounds
+                .raise("weight_reciprocal", 1.0 / (piece.weight_range.0 - rounding).max(rounding) + rounding);
         }
-        let [_, sigma] = piece.speed.step_per_chord(scales.chord - step);
-        let eta = sigma * longest_chord;
-        let x = eta * power_of_two(-scales.range);
-        bounds.raise("step_per_chord", sigma);
-        bounds.raise("step", eta);
-        let (mut slope, mut turn, mut weight) = ([0.0; D], [0.0; D], 0.0_f64);
-        for (k, (c, w)) in (1..).zip(piece.chord_bounds_mm().iter().zip(piece.weight_bounds())) {
-            let unit = power_of_two(scales.chord - scales.range + k * (scales.range - step));
-            for d in 0..D {
-                bounds.raise("chord_coefficient", c[d] * unit);
-                slope[d] += c[d] * unit * x.powi(k - 1);
-                turn[d] += f64::from(k - 1) * c[d] * unit * x.powi(k - 1);
-            }
-            weight += w * power_of_two(k * (scales.range - step)) * x.powi(k);
-        }
-        let largest = |vector: &[f64; D]| vector.iter().copied().fold(0.0, f64::max);
-        bounds.raise("chord_per_step", largest(&slope));
-        bounds.raise("chord_direction", sigma * largest(&slope));
-        bounds.raise("chord_turn", largest(&turn));
-        // f = |…|² - w², one rounding: both terms of it only ever meet in the wide accumulator.
-        let (lightest, heaviest) = ((1.0 - weight).max(0.0), 1.0 + weight);
-        let longest = (sigma * f64::norm(&slope)).powi(2);
-        bounds.raise("chord_residual", (longest - lightest.powi(2)).max(heaviest.powi(2)));
+        raise_chord_bounds(&mut bounds, piece, scales, rational, step_mm, rounding);
+    }
+    for pair in local.windows(2) {
+        let [(piece, scales), (next, next_scales)] = pair else { continue };
+        let (ratio, exponent) = piece.joint(scales, next, next_scales);
+        let [_, sigma] = piece.step_per_chord(scales);
+        bounds.raise("joint_step_per_chord", (sigma * ratio * power_of_two(exponent)).max(2.0 * sigma));
     }
     bounds.0
+}
+
+/// The signals of one chord on one piece.
+fn raise_chord_bounds<H: Backend, const D: usize>(
+    bounds: &mut Bounds,
+    piece: &LocalPiece<H, D>,
+    scales: &Scales,
+    rational: bool,
+    step_mm: f64,
+    rounding: f64,
+) {
+    let longest_chord = step_mm * power_of_two(scales.chord);
+    let [least, sigma] = piece.step_per_chord(scales);
+    let eta = sigma * longest_chord;
+    let unit = power_of_two(-scales.range);
+    let x = eta.min(power_of_two(scales.step)) * unit;
+    bounds.raise("chord_length", longest_chord);
+    bounds.raise("step_per_chord", sigma);
+    bounds.raise("step_per_chord_trial", 1.5 * sigma); // a correction is no more than a half
+    bounds.raise("step_per_chord_guess", (4.0 * sigma - 3.0 * least).max(3.0 * sigma - 4.0 * least));
+    bounds.raise("step", eta);
+
+    // Horner's scheme for q and x q', and for (W - 1)/x and its derivative: every partial sum counts.
+    let (mut chord, mut turn, mut weight, mut weight_turn) = (0.0_f64, 0.0, 0.0, 0.0);
+    let chords = piece.chord_bounds_mm();
+    let weights = piece.weight_bounds();
+    let mut power = i32::try_from(chords.len()).unwrap_or(0) * (scales.range - scales.step);
+    for (c, w) in chords.iter().zip(&weights).rev() {
+        let to_chord_units = power_of_two(scales.chord - scales.range + power);
+        let gain = power_of_two((scales.coordinate + scales.chord - scales.range + power).max(0));
+        let c = c * to_chord_units + rounding * gain;
+        bounds.raise("chord_coefficient", c);
+        (turn, chord) = (turn * x + chord, chord * x + c);
+        bounds.raise("chord_per_step", chord);
+        bounds.raise("chord_turn", turn);
+        if rational {
+            bounds.raise("weight_coefficient", *w + rounding);
+            let w = w * power_of_two(power) + rounding;
+            (weight_turn, weight) = (weight_turn * x + weight, weight * x + w);
+            bounds.raise("chord_weight", weight.max(weight_turn).max(w));
+        }
+        power -= scales.range - scales.step; // h^k = x^k 2^(k (r - s))
+    }
+    let (lightest, heaviest) = ((1.0 - weight * x).max(0.0), 1.0 + weight * x);
+    let slope = weight + weight_turn * x;
+    turn *= x;
+    if rational {
+        bounds.raise("chord_weight", heaviest.max(slope));
+    }
+    let direction = sigma * chord;
+    bounds.raise("chord_turn", turn.max(sigma * turn));
+    bounds.raise("chord_direction", direction);
+    // f = |…|² - w², rounded once: the two squares meet only in the wide accumulator. So do the terms of g.
+    let residual = direction * direction - lightest * lightest;
+    bounds.raise("chord_residual", residual.max(heaviest * heaviest));
+    let growth = direction * sigma * turn + heaviest * slope * x;
+    bounds.raise("chord_growth", growth + (heaviest * heaviest - 1.0).max(1.0 - lightest * lightest));
+    // Over a joint b, no longer than 1, comes in, everything is halved, and W is divided out. The step begins at
+    // t = 0 and does not leave the piece, on which W lies between its least and greatest Bernstein weight.
+    let lightest = piece.weight_range.0 / piece.weight_range.1;
+    let chord = chord / lightest;
+    let direction = 1.0 + sigma * chord;
+    let pull = chord + (turn + chord * slope * x) / lightest;
+    bounds.raise("joint_direction", direction);
+    bounds.raise("joint_residual", 0.25 * direction * direction);
+    bounds.raise("joint_pull", pull);
+    bounds.raise("joint_growth", 0.25 * direction * pull);
+    // A chord across the whole piece, and with what was travelled before.
+    let across = eta.min(power_of_two(scales.step));
+    bounds.raise("chord_travelled", chord * across);
+    bounds.raise("joint_travelled", direction);
 }
 
 /// The first signal whose bound the format cannot hold.

@@ -1,21 +1,28 @@
 //! The step without loss: the parameter increment of a chord, on one compiled piece.
 //!
 //! Sought is the step η that makes the chord L long. The chord from the present point is `η q(η)/w(η)`, known
-//! without cancellation (see [`Pieces`](nurbs_core::Pieces)); b is what has been travelled on pieces before this
-//! one, in units of L, and 0 on the common path. The unknown is not η but the step per chord, `σ = η/L`, which is
-//! of order one whatever the feed, and hardly changes from step to step. Its residual
+//! without cancellation (see [`Pieces`](nurbs_core::Pieces)). The unknown is not η but the step per chord,
+//! `σ = η/L`, which is of order one whatever the feed, and hardly changes from step to step. Its residual
 //!
-//! `f(σ) = |b w + σ q|² - w²`, `q = q̃_1 + x(q̃_2 + x q̃_3 + …)`, `w = 1 + x(ω̃_1 + …)`, `x = 2^-r σL`
+//! `f(σ) = |σ q|² - w²`, `q = q̃_1 + x(q̃_2 + x q̃_3 + …)`, `w = 1 + x(ω̃_1 + …)`, `x = 2^-r σL`
 //!
 //! is of order one too, takes neither a root nor a division, and its precision relative to the chord does not
-//! shrink with the step. With b = 0 the slope is `df/dσ = (2/σ)(1 + f + g)` with
+//! shrink with the step. Its slope is `df/dσ = (2/σ)(1 + f + g)` with
 //! `g = σ² q·(x q') - w (x w') + w² - 1`, the growth of the speed over the step; to second order in f and g the
 //! correction is
 //!
 //! `σ ← σ - σ f/2 (1 - g + g² - ¾f)`,
 //!
 //! again without a division. It leaves an error of the order of |f| (|f| + |g|)³, so a second evaluation is owed only
-//! when |f| is above a threshold that the wanted fluctuation sets.
+//! when |f| is above a threshold that the wanted fluctuation sets. Measured, over nine curves of the tests:
+//!
+//! | threshold | 4e-3 | 1e-3 | 1e-4 | 3e-5 | 3e-6 |
+//! |---|---|---|---|---|---|
+//! | fluctuation | 2e-6 | 1.2e-7 | 1.1e-9 | 5e-10 | 2.3e-11 |
+//! | evaluations | 1.00–1.02 | 1.00–1.06 | 1.01–1.36 | 1.18–1.63 | 1.55–1.93 |
+//!
+//! Where a part b of the chord, in units of L, lies on pieces before this one, a division does no harm, for joints are
+//! rare: it is Newton's step on `|b + σ q/w|² - 1`.
 
 use nurbs_core::Shifted;
 use real::Real;
@@ -40,9 +47,12 @@ pub struct Chord<'a, R, const D: usize> {
     pub rational: bool,
     /// r: the polynomials go by the step over 2^r.
     pub range_exponent: i32,
+    /// The whole piece, as a step. Beyond it the chord is taken to grow in proportion to the step: no root is sought
+    /// there, only the knowledge that it is there.
+    pub whole: R,
     /// L, in chord units.
     pub length: R,
-    /// b: what has been travelled on pieces before, over L; `None` on the common path.
+    /// b: what has been travelled on pieces before, over L, no longer than 1; `None` on the common path.
     pub before: Option<[R; D]>,
     /// Least and greatest σ.
     pub range: [R; 2],
@@ -50,8 +60,9 @@ pub struct Chord<'a, R, const D: usize> {
 
 /// The values of one evaluation.
 struct Evaluation<R> {
+    /// f; over a joint f/4.
     residual: R,
-    /// g, for b = 0; ½ df/dσ for b ≠ 0.
+    /// g; over a joint ⅛ df/dσ.
     slope: R,
 }
 
@@ -59,85 +70,133 @@ impl<R: Real, const D: usize> Chord<'_, R, D> {
     /// Solves for σ from the start value `sigma`; returns it with the evaluations made.
     #[must_use]
     pub fn solve(&self, sigma: R, tolerance: &ChordTolerance<R>) -> (R, u32) {
+        let threshold = if self.before.is_some() { tolerance.residual.scale(-2) } else { tolerance.residual };
         let mut sigma = self.clamp(sigma);
         let mut evaluations = 0;
         while evaluations < tolerance.max_evaluations.max(1) {
             evaluations += 1;
             let value = self.evaluate(sigma);
-            let next = self.clamp(sigma - self.correction(sigma, &value));
+            let correction = match self.before {
+                None => correction(sigma, &value),
+                Some(_) => joint_correction(&value, self.range[1].half()),
+            };
+            let next = self.clamp((sigma - correction).signal("step_per_chord_trial"));
             let unchanged = next == sigma;
             sigma = next;
-            if value.residual.abs() <= tolerance.residual || unchanged {
+            if value.residual.abs() <= threshold || unchanged {
                 break;
             }
         }
         (sigma, evaluations)
     }
 
+    /// Into the range; what is not a number, to its lower end.
     #[inline]
     fn clamp(&self, sigma: R) -> R {
-        sigma.max(self.range[0]).min(self.range[1]).signal("step_per_chord")
-    }
-
-    #[inline]
-    fn correction(&self, sigma: R, value: &Evaluation<R>) -> R {
-        let f = value.residual.max(-R::one()).min(R::one());
-        if self.before.is_some() {
-            // Only where a joint is crossed: one division.
-            let bound = self.range[1].half();
-            return (f.half() / value.slope).max(-bound).min(bound);
-        }
-        let g = value.slope;
-        let factor = R::one() - g + g * g - f.half() - f.scale(-2);
-        (sigma * f).half() * factor
+        self.range[0].max(sigma).min(self.range[1]).signal("step_per_chord")
     }
 
     #[inline]
     fn evaluate(&self, sigma: R) -> Evaluation<R> {
-        let x = (sigma * self.length).signal("step").scale(-self.range_exponent);
-        let mut chord = [R::zero(); D];
-        let mut turn = [R::zero(); D];
-        for c in self.at.chord[..self.degree].iter().rev() {
-            for d in 0..D {
-                turn[d] = turn[d].mul_add(x, chord[d]);
-                chord[d] = chord[d].mul_add(x, c[d]).signal("chord_per_step");
-            }
+        let x = (sigma * self.length).signal("step").min(self.whole).scale(-self.range_exponent);
+        let (chord, turn) = self.chord_per_step(x);
+        let (weight, weight_slope) = if self.rational { self.weight(x) } else { (R::one(), R::zero()) };
+        if let Some(before) = self.before {
+            return self.evaluate_past_joint(sigma, &before, &chord, &turn, weight, weight_slope * x);
         }
-        let turn = turn.map(|t| (t * x).signal("chord_turn"));
-        let (weight, weight_turn) = if self.rational { self.weight(x) } else { (R::one(), R::zero()) };
-        let direction = core::array::from_fn::<R, D, _>(|d| {
-            let along = (sigma * chord[d]).signal("chord_direction");
-            match self.before {
-                Some(before) => before[d].mul_add(weight, along),
-                None => along,
-            }
-        });
-        let squares = direction.iter().map(|x| (*x, *x));
+        let along = chord.map(|q| (sigma * q).signal("chord_direction"));
+        let squares = along.iter().map(|v| (*v, *v));
         let residual = R::sum_of_products(squares.chain([(-weight, weight)])).signal("chord_residual");
-        let slope = match self.before {
-            None => {
-                let growth = (0..D).map(|d| (direction[d], sigma * turn[d]));
-                let lightening = [(-weight, weight_turn), (weight, weight), (-R::one(), R::one())];
-                R::sum_of_products(growth.chain(lightening))
-            }
-            Some(before) => {
-                let rise = if self.rational { weight_turn / sigma } else { R::zero() };
-                let growth = (0..D).map(|d| (direction[d], before[d].mul_add(rise, chord[d] + turn[d])));
-                R::sum_of_products(growth.chain([(-weight, rise)]))
-            }
-        };
+        let growth = (0..D).map(|d| (along[d], (sigma * turn[d]).signal("chord_turn")));
+        let lightening = [(-weight, weight_slope * x), (weight, weight), (-R::one(), R::one())];
+        let slope = R::sum_of_products(growth.chain(lightening)).signal("chord_growth");
         Evaluation { residual, slope }
     }
 
-    /// W and x W' at the trial step, over W at the present point.
+    /// `f/4` and `⅛ df/dσ` of `f = |b + σ v|² - 1`, `v = q/w`: only where a joint is crossed, with a division if
+    /// rational. Halved, for |b + σ v| may come near to 2.
+    fn evaluate_past_joint(
+        &self,
+        sigma: R,
+        before: &[R; D],
+        chord: &[R; D],
+        turn: &[R; D],
+        weight: R,
+        weight_turn: R,
+    ) -> Evaluation<R> {
+        let reciprocal = if self.rational { R::one() / weight } else { weight };
+        let chord = chord.map(|q| (q * reciprocal).signal("joint_pull"));
+        let pull = |d: usize| {
+            (chord[d] + (turn[d] - chord[d] * weight_turn) * reciprocal).signal("joint_pull").half()
+        };
+        let direction: [R; D] =
+            core::array::from_fn(|d| sigma.mul_add(chord[d], before[d]).signal("joint_direction").half());
+        let half = R::one().half();
+        let squares = direction.iter().map(|v| (*v, *v));
+        let residual = R::sum_of_products(squares.chain([(-half, half)])).signal("joint_residual");
+        let slope = R::sum_of_products((0..D).map(|d| (direction[d], pull(d)))).signal("joint_growth");
+        Evaluation { residual, slope }
+    }
+
+    /// q and x q' at the trial step.
+    #[inline]
+    fn chord_per_step(&self, x: R) -> ([R; D], [R; D]) {
+        let mut chord = [R::zero(); D];
+        let mut turn = [R::zero(); D];
+        for c in self.at.chord.iter().take(self.degree).rev() {
+            for d in 0..D {
+                turn[d] = turn[d].mul_add(x, chord[d]).signal("chord_turn");
+                chord[d] = chord[d].mul_add(x, c[d]).signal("chord_per_step");
+            }
+        }
+        (chord, turn.map(|t| t * x))
+    }
+
+    /// W and dW/dx at the trial step, over W at the present point.
     #[inline]
     fn weight(&self, x: R) -> (R, R) {
         let (mut value, mut turn) = (R::zero(), R::zero());
-        for w in self.at.weight[..self.degree].iter().rev() {
-            turn = turn.mul_add(x, value);
-            value = value.mul_add(x, *w);
+        for w in self.at.weight.iter().take(self.degree).rev() {
+            turn = turn.mul_add(x, value).signal("chord_weight");
+            value = value.mul_add(x, *w).signal("chord_weight");
         }
         // value = ω̃_1 + ω̃_2 x + …, so W = 1 + x value and W' = value + x·(its derivative).
-        (value.mul_add(x, R::one()), turn.mul_add(x, value) * x)
+        (value.mul_add(x, R::one()), turn.mul_add(x, value).signal("chord_weight"))
     }
+
+    /// The chord over the step η, in chord units.
+    #[must_use]
+    pub fn over(&self, step: R) -> [R; D] {
+        let x = step.scale(-self.range_exponent);
+        let (chord, _) = self.chord_per_step(x);
+        let chord = chord.map(|c| (c * step).signal("chord_travelled"));
+        if !self.rational {
+            return chord;
+        }
+        let (weight, _) = self.weight(x);
+        chord.map(|c| c / weight)
+    }
+}
+
+/// `σ f/2 (1 - g + g² - ¾f)`. f and g are limited to where the series holds, which keeps the factor below 2 and the
+/// correction below σ/2.
+#[inline]
+fn correction<R: Real>(sigma: R, value: &Evaluation<R>) -> R {
+    let half = R::one().half();
+    let largest_growth = half - half.scale(-2); // ⅜
+    let f = value.residual.max(-half).min(half);
+    let g = value.slope.max(-largest_growth).min(largest_growth);
+    let factor = R::one() - g + g * g - f.half() - f.scale(-2);
+    (sigma * f).half() * factor
+}
+
+/// `f / (df/dσ)`, at most `bound`. Where the chord shrinks along the step, as behind a sharp corner, the root lies
+/// beyond the shrinking, so the trial goes on.
+#[inline]
+fn joint_correction<R: Real>(value: &Evaluation<R>, bound: R) -> R {
+    let f = value.residual;
+    if value.slope > f.abs().scale(-2) {
+        return (f.half() / value.slope).max(-bound).min(bound);
+    }
+    if f < R::zero() { -bound } else { bound }
 }

@@ -53,14 +53,23 @@ impl<R: Real, const D: usize> PieceState<R, D> {
     }
 }
 
-/// A step, or a step per chord, of one piece in the scale of the next.
-fn into_next<R: Real, const D: usize>(row: &Piece<R, D>, x: R) -> R {
-    (x * row.joint_ratio).scale(row.joint_exponent)
+/// A step per chord on one piece in the scale of the next, and within its range.
+fn into_next<R: Real, const D: usize>(row: &Piece<R, D>, next: &Piece<R, D>, sigma: R) -> R {
+    let [least, greatest] = next.step_per_chord;
+    let sigma = (sigma * row.joint_ratio).scale(row.joint_exponent).signal("joint_step_per_chord");
+    least.max(sigma).min(greatest).signal("step_per_chord")
 }
 
-/// The step η over a whole piece, 2^s; saturates, where no step comes near it.
-fn whole<R: Real>(step_exponent: i32) -> R {
-    R::from_phase(1 << 63, step_exponent + 1)
+/// A part of one piece, as a part of the next one of the same span: their widths are as 1 to a power of two.
+/// `None` if it is longer than that.
+fn part_of_next<R: Real, const D: usize>(row: &Piece<R, D>, next: &Piece<R, D>, phase: u64) -> Option<u64> {
+    // joint_ratio is ½, so that 2^(joint_exponent - 1) takes steps η = h 2^s to steps.
+    let exponent = row.joint_exponent - 1 + row.step_exponent - next.step_exponent;
+    let distance = exponent.unsigned_abs();
+    if exponent <= 0 {
+        return Some(phase.checked_shr(distance).unwrap_or(0));
+    }
+    if phase.leading_zeros() < distance { None } else { Some(phase.checked_shl(distance).unwrap_or(0)) }
 }
 
 /// The position reached by a step, and σ there.
@@ -83,18 +92,15 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     /// The position never goes back and never passes the end. As in [`Interpolator`](crate::Interpolator), a step
     /// that would reach the end lands on it, and a rest that rounding has left after the schedule's end is
     /// travelled in landing steps. On one piece a step takes one re-expansion and at most `max_evaluations`
-    /// evaluations, and each further piece that it touches takes the same again.
+    /// evaluations, and each further piece that it touches takes no more than that again.
     pub fn step(&self, state: &mut PieceState<R, D>) -> Option<PieceSetpoint<R, D>> {
-        if state.piece >= self.pieces.pieces.len() {
-            return None;
-        }
+        let row = self.pieces.pieces.get(state.piece)?;
         let planned = self.lengths.advance(&mut state.cursor);
-        let length = planned.unwrap_or(self.landing_step).signal("chord_length");
+        let length = planned.unwrap_or(self.landing_step.max(R::resolution())).signal("chord_length");
         let is_last = planned.is_none() || self.lengths.is_over(&state.cursor);
         let reach = if is_last { length + self.landing_step } else { length };
 
-        let at = self.pieces.shifted(state.piece, R::from_phase(state.phase, 0));
-        let reached = self.travel(state, &at, reach);
+        let reached = self.travel(state, row, reach);
         let [newest, middle, _] = state.sigma;
         state.sigma = [reached.sigma, newest, middle];
         (state.piece, state.phase) = (reached.piece, reached.phase);
@@ -114,121 +120,139 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     }
 
     /// The chord on the present piece, and where it reaches past its end on the next ones.
-    fn travel(&self, state: &mut PieceState<R, D>, at: &Shifted<R, D>, length: R) -> Reached<R> {
-        let row = &self.pieces.pieces[state.piece];
-        let guess = self.predict(state);
-        let rest = state.phase.wrapping_neg(); // 2⁶⁴ - phase; 0 stands for a whole piece
-        let to_end =
-            if rest == 0 { whole(row.step_exponent) } else { R::from_phase(rest, row.step_exponent) };
-        let chord = self.chord(at, length, None, row.step_per_chord);
+    fn travel(&self, state: &mut PieceState<R, D>, row: &Piece<R, D>, length: R) -> Reached<R> {
+        let at = self.pieces.shifted(state.piece, R::from_phase(state.phase, 0).signal("parameter"));
+        let chord = self.chord(row, &at, length);
+        let guess = chord.range[0].max(self.predict(state, row)).min(chord.range[1]);
         let mut evaluations = 0;
-        // A guess well past a knot is not worth an evaluation on this piece.
-        if row.continues || guess * length - to_end <= to_end.scale(-4) {
-            let (sigma, count) = chord.solve(guess, &self.tolerance);
-            evaluations = count;
-            let step = sigma * length;
-            if let Some(phase) = state.phase.checked_add(step.to_phase(-row.step_exponent)) {
-                return Reached { piece: state.piece, phase, sigma, evaluations };
-            }
-            if let (true, Some(next)) = (row.continues, self.pieces.pieces.get(state.piece + 1)) {
-                let phase = into_next(row, step - to_end).to_phase(-next.step_exponent);
-                if phase < u64::MAX {
-                    state.sigma = state.sigma.map(|x| into_next(row, x));
-                    return Reached {
-                        piece: state.piece + 1,
-                        phase,
-                        sigma: into_next(row, sigma),
-                        evaluations,
-                    };
-                }
-            }
+        let mut to_cross = None;
+        if !self.is_on_piece(state, row, guess * length) {
+            let (before, part) = to_end(state, row, &chord);
+            // The guess may be wrong: an end farther than the length is not passed.
+            to_cross = (R::norm(&before) < R::one()).then_some((before, part));
         }
-        self.cross(state, at, to_end, length, evaluations)
+        let (before, part) = match to_cross {
+            Some(passed) => passed,
+            None => {
+                let (sigma, count) = chord.solve(guess, &self.tolerance);
+                evaluations = count;
+                let phase = (sigma * length).to_phase(-row.step_exponent);
+                if let Some(phase) = state.phase.checked_add(phase) {
+                    return Reached { piece: state.piece, phase, sigma, evaluations };
+                }
+                let next = self.pieces.pieces.get(state.piece + 1);
+                if let Some(next) = next.filter(|_| row.continues && phase < u64::MAX) {
+                    // The sum has wrapped: what is left of it lies beyond the end.
+                    if let Some(phase) = part_of_next(row, next, state.phase.wrapping_add(phase)) {
+                        state.sigma = state.sigma.map(|x| into_next(row, next, x));
+                        let sigma = into_next(row, next, sigma);
+                        return Reached { piece: state.piece + 1, phase, sigma, evaluations };
+                    }
+                }
+                to_end(state, row, &chord)
+            }
+        };
+        let reached = self.cross(state, row, before, part, length);
+        Reached { evaluations: evaluations + reached.evaluations, ..reached }
     }
 
-    /// A step over one or more joints: the chord to the end of each piece, then the rest on the last.
+    /// Whether a step of `guessed` is worth an evaluation on the present piece: not if it reaches well past a knot, nor
+    /// past the whole piece.
+    fn is_on_piece(&self, state: &PieceState<R, D>, row: &Piece<R, D>, guessed: R) -> bool {
+        let rest = state.phase.wrapping_neg().wrapping_sub(1); // 2⁶⁴ - 1 - phase
+        let past = guessed.to_phase(-row.step_exponent).saturating_sub(rest);
+        guessed <= row.whole && (row.continues || past <= rest / 16)
+    }
+
+    /// A step over one joint or more, of which `before` times the length is travelled at the first, with a step per
+    /// chord of `part`. Pieces that end nearer than the length are passed, and the rest is solved on the next.
     fn cross(
         &self,
         state: &mut PieceState<R, D>,
-        at: &Shifted<R, D>,
-        to_end: R,
+        row: &Piece<R, D>,
+        mut before: [R; D],
+        mut part: R,
         length: R,
-        mut evaluations: u32,
     ) -> Reached<R> {
-        let mut travelled = self.chord_of(at, to_end);
-        let mut step_here = to_end;
-        let mut piece = state.piece;
-        loop {
-            let row = &self.pieces.pieces[piece];
-            piece += 1;
-            let Some(next_row) = self.pieces.pieces.get(piece) else {
-                return Reached { piece, phase: 0, sigma: state.sigma[0], evaluations: evaluations + 1 };
-            };
-            state.sigma = state.sigma.map(|x| into_next(row, x));
-            step_here = into_next(row, step_here);
-
-            let before = travelled.map(|x| x / length);
-            let left = (R::one() - R::norm(&before)).max(R::zero());
-            let next_at = self.pieces.shifted(piece, R::zero());
-            let range = [R::zero(), next_row.step_per_chord[1]];
-            let chord = self.chord(&next_at, length, Some(before), range);
-            let (sigma, count) = chord.solve(state.sigma[0] * left, &self.tolerance);
+        let mut row = row;
+        let mut evaluations = 0;
+        for (piece, next) in self.pieces.pieces.iter().enumerate().skip(state.piece + 1) {
+            let greatest = next.step_per_chord[1];
+            state.sigma = state.sigma.map(|x| into_next(row, next, x));
+            part =
+                (part.min(row.step_per_chord[1]) * row.joint_ratio).scale(row.joint_exponent).min(greatest);
+            let left = R::one() - R::norm(&before);
+            let newest = state.sigma[0];
+            if left <= R::zero() {
+                return Reached { piece, phase: 0, sigma: newest, evaluations };
+            }
+            let at = self.pieces.shifted(piece, R::zero());
+            let on_next = self.chord(next, &at, length);
+            let guess = newest * left;
+            let mut across = None;
+            if guess * length >= on_next.whole {
+                let beyond = past(&before, &on_next, length);
+                if R::norm(&beyond) < R::one() {
+                    (row, part, before) =
+                        (next, (part + on_next.whole / length).signal("joint_step_per_chord"), beyond);
+                    continue;
+                }
+                across = Some(beyond);
+            }
+            let chord = Chord { before: Some(before), range: [R::zero(), greatest], ..on_next };
+            let (sigma, count) = chord.solve(guess, &self.tolerance);
             evaluations += count;
             let step = sigma * length;
-            let whole = whole(next_row.step_exponent);
-            if step < whole {
-                let over_both = (step_here + step) / length;
-                return Reached {
-                    piece,
-                    phase: step.to_phase(-next_row.step_exponent),
-                    sigma: over_both,
-                    evaluations,
-                };
+            if step < on_next.whole || across.is_some() {
+                let phase = step.to_phase(-next.step_exponent);
+                let sigma = next.step_per_chord[0].max(part + sigma).min(greatest);
+                return Reached { piece, phase, sigma, evaluations };
             }
-            let across = self.chord_of(&next_at, whole);
-            for d in 0..D {
-                travelled[d] = travelled[d] + across[d];
-            }
-            step_here = step_here + whole;
+            before = past(&before, &on_next, length);
+            (row, part) = (next, (part + on_next.whole / length).signal("joint_step_per_chord"));
         }
+        Reached { piece: self.pieces.pieces.len(), phase: 0, sigma: state.sigma[0], evaluations }
     }
 
-    /// The chord over the step η, in chord units.
-    fn chord_of(&self, at: &Shifted<R, D>, step: R) -> [R; D] {
-        let x = step.scale(-self.pieces.range_exponent);
-        let mut chord = [R::zero(); D];
-        for c in at.chord[..self.pieces.degree].iter().rev() {
-            chord = core::array::from_fn(|d| chord[d].mul_add(x, c[d]));
+    /// The chord on a piece, from the point about which it was shifted.
+    fn chord<'b>(&self, row: &Piece<R, D>, at: &'b Shifted<R, D>, length: R) -> Chord<'b, R, D> {
+        Chord {
+            at,
+            degree: self.pieces.degree.min(MAX_DEGREE),
+            rational: self.pieces.is_rational(),
+            range_exponent: row.range_exponent,
+            whole: row.whole,
+            length,
+            before: None,
+            range: row.step_per_chord,
         }
-        let chord = chord.map(|c| c * step);
-        if !self.pieces.is_rational() {
-            return chord;
-        }
-        let weight =
-            at.weight[..self.pieces.degree].iter().rev().fold(R::zero(), |sum, w| sum.mul_add(x, *w));
-        let weight = weight.mul_add(x, R::one());
-        chord.map(|c| c / weight)
-    }
-
-    fn chord<'b>(
-        &self,
-        at: &'b Shifted<R, D>,
-        length: R,
-        before: Option<[R; D]>,
-        range: [R; 2],
-    ) -> Chord<'b, R, D> {
-        let (degree, rational) = (self.pieces.degree.min(MAX_DEGREE), self.pieces.is_rational());
-        Chord { at, degree, rational, range_exponent: self.pieces.range_exponent, length, before, range }
     }
 
     /// `3σ_i - 3σ_{i-1} + σ_{i-2}`; at the start, for want of a history, the middle of the piece's range.
-    fn predict(&self, state: &mut PieceState<R, D>) -> R {
+    fn predict(&self, state: &mut PieceState<R, D>, row: &Piece<R, D>) -> R {
         if state.sigma[0].is_zero() {
-            let [low, high] = self.pieces.pieces[state.piece].step_per_chord;
+            let [low, high] = row.step_per_chord;
             state.sigma = [low + (high - low).half(); 3];
         }
         let [a, b, c] = state.sigma;
         let (newer, older) = (a - b, b - c);
-        a + newer + newer - older
+        (a + newer + newer - older).signal("step_per_chord_guess")
     }
+}
+
+/// The chord to the end of the present piece and the step there, over the length.
+fn to_end<R: Real, const D: usize>(
+    state: &PieceState<R, D>,
+    row: &Piece<R, D>,
+    chord: &Chord<'_, R, D>,
+) -> ([R; D], R) {
+    let rest = state.phase.wrapping_neg(); // 2⁶⁴ - phase; 0 stands for a whole piece
+    let step = if rest == 0 { row.whole } else { R::from_phase(rest, row.step_exponent) };
+    (chord.over(step).map(|x| x / chord.length), step / chord.length)
+}
+
+/// What is travelled at the end of a piece, over the length.
+fn past<R: Real, const D: usize>(before: &[R; D], chord: &Chord<'_, R, D>, length: R) -> [R; D] {
+    let across = chord.over(chord.whole);
+    core::array::from_fn(|d| (before[d] + across[d] / length).signal("joint_travelled"))
 }

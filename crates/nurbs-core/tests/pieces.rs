@@ -1,0 +1,206 @@
+//! Compiled pieces against the curve they were cut from, in every kind of format.
+
+use nurbs_core::{
+    CompileError, Evaluate, NurbsBuf, ORIGIN_EXPONENT, PieceLimits, PiecesBuf, compile, generate,
+};
+use proptest::prelude::*;
+use real::{Backend, DoubleDouble, FormatName, I3F29, I4F28, I4F60, I8F24, I16F48, Real};
+
+const LIMITS: PieceLimits = PieceLimits { length_mm: 32.0, step_mm: 0.7 };
+
+/// `cases` unless the environment asks for a long run.
+fn config(cases: u32) -> ProptestConfig {
+    let cases = std::env::var("PROPTEST_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(cases);
+    ProptestConfig { cases, ..ProptestConfig::default() }
+}
+
+fn exactly<R: Backend>(x: R) -> DoubleDouble {
+    let (high, low) = x.to_f64_pair();
+    DoubleDouble::new(high, low)
+}
+
+/// The point of a piece in mm.
+fn point<R: Backend, const D: usize>(table: &PiecesBuf<R, D>, piece: usize, t: R) -> [DoubleDouble; D] {
+    let pieces = table.as_pieces();
+    let (origin, offset) = (pieces.pieces[piece].origin, pieces.offset(piece, t));
+    core::array::from_fn(|d| {
+        let units =
+            DoubleDouble::new((origin[d] >> 32) as f64 * 1.0_f64.scale(32), (origin[d] & 0xffff_ffff) as f64);
+        units.scale(ORIGIN_EXPONENT) + exactly(offset[d]).scale(pieces.coordinate_exponent)
+    })
+}
+
+/// How far a point of a piece may be from the curve, in mm.
+///
+/// With u the unit of the last place of the piece's coordinates, p coefficients and p + 1 steps of Horner's scheme are
+/// each rounded by u/2 in fixed point; in a float, whose partial sums are below 2(p+1), by (p+1)u. So N is off by
+/// (p+1)² u. If rational, W is off by as much, and P = N/W with W above ½, for the weights within a piece differ by
+/// a factor 1.5; the reciprocal is rounded once, which |N| magnifies. Then the offset is rounded to the units
+/// that all pieces share, and the origin to its own.
+fn bound<R: Backend, const D: usize>(table: &PiecesBuf<R, D>, piece: usize) -> f64 {
+    let pieces = table.as_pieces();
+    let p = pieces.degree as f64;
+    let largest = table.bounds().iter().find(|b| b.signal == "offset").unwrap().bound;
+    let unit = R::resolution().to_f64() * 1.0_f64.scale(pieces.pieces[piece].coordinate_exponent);
+    let rational = if pieces.is_rational() { 2.0 * (1.0 + largest) } else { 1.0 };
+    let fixed = matches!(R::name(), FormatName::Fixed { .. });
+    let shared =
+        if fixed { R::resolution().to_f64() * 1.0_f64.scale(pieces.coordinate_exponent) } else { 0.0 };
+    (p + 1.0) * (p + 1.0) * unit * rational + shared + 1.0_f64.scale(ORIGIN_EXPONENT)
+}
+
+fn distance<const D: usize>(a: &[DoubleDouble; D], b: &[DoubleDouble; D]) -> f64 {
+    let away = |d: usize| (a[d] - b[d]).value().abs();
+    (0..D).map(away).fold(0.0, f64::max)
+}
+
+/// Pieces lie on the curve and each begins where the one before it ends; whether the format was accepted.
+fn lies_on_the_curve<R: Backend, const D: usize>(
+    curve: &NurbsBuf<f64, D>,
+    limits: &PieceLimits,
+) -> Result<bool, TestCaseError> {
+    let table: PiecesBuf<R, D> = match compile::<DoubleDouble, R, D>(&[curve.as_curve()], limits) {
+        Ok(table) => table,
+        Err(CompileError::DoesNotFit { bound, integer_bits, format, .. }) => {
+            prop_assert!(matches!(format, FormatName::Fixed { .. }), "{format} holds everything");
+            prop_assert!(bound >= R::max_value().to_f64(), "{format} refused {bound}");
+            prop_assert!(
+                bound < 1.0_f64.scale(i32::try_from(integer_bits).unwrap() - 1),
+                "{bound}: {integer_bits}"
+            );
+            return Ok(false);
+        }
+        Err(CompileError::Cusp { .. }) => return Ok(false),
+        Err(error) => return Err(TestCaseError::fail(error.to_string())),
+    };
+    let exact = curve.convert::<DoubleDouble>().unwrap();
+    let count = table.places().len();
+    for (piece, place) in table.places().iter().enumerate() {
+        let begin = DoubleDouble::new(place.begin.0, place.begin.1);
+        let width = DoubleDouble::new(place.end.0, place.end.1) - begin;
+        let bound = bound(&table, piece);
+        for eighth in 0..=8 {
+            let found = point(&table, piece, R::from_ratio(eighth, 8));
+            let expected = exact.as_curve().point(begin + width * DoubleDouble::from_ratio(eighth, 8));
+            let error = distance(&found, &expected);
+            prop_assert!(
+                error <= bound,
+                "{} piece {piece} of {count}, t = {eighth}/8: {error} > {bound}",
+                R::name()
+            );
+        }
+        if piece + 1 < count {
+            let gap = distance(&point(&table, piece, R::one()), &point(&table, piece + 1, R::zero()));
+            let bound = bound + 1.0_f64.scale(ORIGIN_EXPONENT);
+            prop_assert!(gap <= bound, "{} after piece {piece}: {gap} > {bound}", R::name());
+        }
+    }
+    Ok(true)
+}
+
+fn in_every_format<const D: usize>(
+    curve: &NurbsBuf<f64, D>,
+    limits: &PieceLimits,
+) -> Result<(), TestCaseError> {
+    lies_on_the_curve::<DoubleDouble, D>(curve, limits)?;
+    lies_on_the_curve::<f64, D>(curve, limits)?;
+    lies_on_the_curve::<f32, D>(curve, limits)?;
+    lies_on_the_curve::<I4F28, D>(curve, limits)?;
+    lies_on_the_curve::<I8F24, D>(curve, limits)?;
+    lies_on_the_curve::<I16F48, D>(curve, limits)?;
+    lies_on_the_curve::<I4F60, D>(curve, limits)?;
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(config(8))]
+
+    #[test]
+    fn plane_pieces_lie_on_their_curve(curve in generate::curve::<2>(), step_mm in 0.05..20.0_f64) {
+        in_every_format(&curve, &PieceLimits { step_mm, ..LIMITS })?;
+    }
+
+    #[test]
+    fn space_pieces_lie_on_their_curve(curve in generate::curve::<3>(), length_mm in 8.0..128.0_f64) {
+        in_every_format(&curve, &PieceLimits { length_mm, ..LIMITS })?;
+    }
+
+    /// The expansion about t gives the chord from there.
+    #[test]
+    fn the_shifted_chord_is_a_difference_of_points(
+        curve in generate::curve::<2>(),
+        piece in any::<prop::sample::Index>(),
+        (t, h) in (0.0..1.0_f64, 0.0..1.0_f64),
+    ) {
+        let Ok(table) = compile::<DoubleDouble, DoubleDouble, 2>(&[curve.as_curve()], &LIMITS) else { return Ok(()) };
+        let pieces = table.as_pieces();
+        let piece = piece.index(pieces.pieces.len());
+        let row = &pieces.pieces[piece];
+        let (t, h) = (DoubleDouble::from(t), DoubleDouble::from(h * (1.0 - t)));
+        let at = pieces.shifted(piece, t);
+        let step = h.scale(row.step_exponent);
+        let x = step.scale(-row.range_exponent);
+        let zero = DoubleDouble::from(0.0);
+        let weight = at.weight.iter().rev().fold(zero, |sum, w| sum.mul_add(x, *w));
+        let weight = weight.mul_add(x, DoubleDouble::from(1.0));
+        let (from, to) = (point(&table, piece, t), point(&table, piece, t + h));
+        for d in 0..2 {
+            let chord = at.chord.iter().rev().fold(zero, |sum, c| sum.mul_add(x, c[d]));
+            let chord = (chord * step / weight).scale(-pieces.chord_exponent);
+            let error = (chord - (to[d] - from[d])).value().abs();
+            // 106 bits of at most 500 mm, that is 6e-30 mm, magnified by 2^p and the sums of a dozen roundings.
+            prop_assert!(error <= 1e-26, "{error}");
+        }
+    }
+}
+
+/// The formats of the test accept an ordinary curve, so that the properties above are not idle.
+#[test]
+fn ordinary_curves_fit_every_format() {
+    let points = [[1, 0], [1, 1], [0, 1]].map(|p| p.map(|x| 30.0 * f64::from(x))).to_vec();
+    let knots = vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0];
+    let quarter = NurbsBuf::try_new(2, points, vec![1.0, 0.5_f64.sqrt(), 1.0], knots).unwrap();
+    for limits in [LIMITS, PieceLimits { length_mm: 64.0, step_mm: 0.1 }] {
+        assert!(lies_on_the_curve::<f32, 2>(&quarter, &limits).unwrap());
+        assert!(lies_on_the_curve::<I3F29, 2>(&quarter, &limits).unwrap());
+        assert!(lies_on_the_curve::<I4F28, 2>(&quarter, &limits).unwrap());
+        assert!(lies_on_the_curve::<I8F24, 2>(&quarter, &limits).unwrap());
+        assert!(lies_on_the_curve::<I16F48, 2>(&quarter, &limits).unwrap());
+        assert!(lies_on_the_curve::<I4F60, 2>(&quarter, &limits).unwrap());
+    }
+}
+
+/// A format too narrow is refused with the signal and the bits it needs; a wider one takes the same path.
+#[test]
+fn a_refusal_names_signal_and_bits() {
+    // All of it is shorter than one step, and winds.
+    let points = vec![[0.0, 0.0], [0.02, 0.0], [0.06, 0.4], [0.4, -0.4], [0.5, 0.5], [0.5, 0.0]];
+    let knots = vec![0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0];
+    let curve = NurbsBuf::try_new_nonrational(5, points, knots).unwrap();
+    let limits = PieceLimits { length_mm: 32.0, step_mm: 2.0 };
+    let narrow = compile::<DoubleDouble, real::I2F30, 2>(&[curve.as_curve()], &limits).err();
+    let Some(CompileError::DoesNotFit { signal, bound, integer_bits, .. }) = narrow else {
+        panic!("{narrow:?}")
+    };
+    assert!(!signal.is_empty() && bound >= 2.0 && integer_bits > 2, "{signal} {bound} {integer_bits}");
+    assert!(compile::<DoubleDouble, I16F48, 2>(&[curve.as_curve()], &limits).is_ok());
+}
+
+#[test]
+fn what_is_no_limit_is_refused() {
+    let curve = NurbsBuf::try_new_nonrational(1, vec![[0.0], [9.0]], vec![0.0, 0.0, 1.0, 1.0]).unwrap();
+    for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        for limits in [PieceLimits { length_mm: bad, ..LIMITS }, PieceLimits { step_mm: bad, ..LIMITS }] {
+            let error = compile::<DoubleDouble, f64, 1>(&[curve.as_curve()], &limits).err();
+            assert!(matches!(error, Some(CompileError::LimitNotPositive { .. })), "{error:?}");
+        }
+    }
+}
+
+#[test]
+fn coordinates_beyond_the_origins_range_are_refused() {
+    let far = NurbsBuf::try_new_nonrational(1, vec![[0.0], [4e7]], vec![0.0, 0.0, 1.0, 1.0]).unwrap();
+    let limits = PieceLimits { length_mm: 1e6, step_mm: 1.0 };
+    let error = compile::<DoubleDouble, f64, 1>(&[far.as_curve()], &limits).err();
+    assert_eq!(error, Some(CompileError::OriginOutOfRange { curve: 0 }));
+}
