@@ -126,6 +126,11 @@ mod tests {
         feed * t + change * duration * (x.powi(3) - x.powi(4) / 2.0)
     }
 
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a few periods, none negative"
+    )]
     fn in_units(periods: f64) -> u64 {
         (periods * PERIOD as f64).round() as u64
     }

@@ -1,23 +1,23 @@
 //! Runs a path of compiled pieces at a swinging feed and measures every chord in double-double.
 
-use nurbs_core::{CompileError, Evaluate, NurbsBuf, PieceLimits, PiecesBuf, compile};
+use nurbs_core::{CompileError, Evaluate, NurbsBuf, PieceLimits, PiecesBuf, SignalBound, compile};
 use real::{Backend, DoubleDouble, Real};
 use secant_interp::{ChordTolerance, LengthStage, PieceInterpolator, StepLengths};
 
 /// Curves, one after the other, and the distance of a period at full feed.
 #[derive(Clone, Debug)]
-pub struct Path<const D: usize> {
-    pub curves: Vec<NurbsBuf<f64, D>>,
-    pub feed_mm: f64,
+pub(crate) struct Path<const D: usize> {
+    pub(crate) curves: Vec<NurbsBuf<f64, D>>,
+    pub(crate) feed_mm: f64,
 }
 
 /// How a path is cut, and when the solver stops.
 #[derive(Clone, Copy, Debug)]
-pub struct Settings {
-    pub piece_mm: f64,
+pub(crate) struct Settings {
+    pub(crate) piece_mm: f64,
     /// The largest |f| whose one correction is enough; but never less than four units of the format's resolution.
-    pub residual: f64,
-    pub max_evaluations: u32,
+    pub(crate) residual: f64,
+    pub(crate) max_evaluations: u32,
 }
 
 impl Default for Settings {
@@ -28,20 +28,24 @@ impl Default for Settings {
 
 /// What a run was like.
 #[derive(Clone, Debug, Default)]
-pub struct Figures {
+pub(crate) struct Figures {
     /// Largest |1 - chord/L| over the steps of at least a quarter of the feed.
-    pub cruise: f64,
+    pub(crate) cruise: f64,
     /// Evaluations per step.
-    pub evaluations: f64,
-    pub steps: usize,
-    /// Steps that touched more than one piece.
-    pub crossings: usize,
+    pub(crate) evaluations: f64,
+    pub(crate) steps: usize,
+    /// Joints passed.
+    pub(crate) joints: usize,
+    /// Steps that passed a joint, or several.
+    pub(crate) crossings: usize,
+    /// What was proven of the table.
+    pub(crate) bounds: Vec<SignalBound>,
     /// FNV-1a of all pieces, phases and evaluations.
-    pub checksum: u64,
+    pub(crate) checksum: u64,
 }
 
 /// The table of a path in the format `R`.
-pub fn compiled<R: Backend, const D: usize>(
+pub(crate) fn compiled<R: Backend, const D: usize>(
     path: &Path<D>,
     settings: &Settings,
 ) -> Result<PiecesBuf<R, D>, CompileError> {
@@ -51,7 +55,7 @@ pub fn compiled<R: Backend, const D: usize>(
 }
 
 /// A feed that rises from rest, then swings between half and full in ramps of twenty periods, as limits make it.
-pub fn swing<R: Backend>(full: f64) -> Vec<LengthStage<R>> {
+pub(crate) fn swing<R: Backend>(full: f64) -> Vec<LengthStage<R>> {
     let feed = |part: f64| R::from_f64(part * full).unwrap();
     let turns = [(1.0, 1.0), (1.0, 0.5), (0.5, 0.5), (0.5, 1.0)];
     [(0.0, 1.0)]
@@ -62,7 +66,10 @@ pub fn swing<R: Backend>(full: f64) -> Vec<LengthStage<R>> {
 }
 
 /// Runs to the end; every step is checked to go forward and to keep its number of evaluations.
-pub fn run<R: Backend, const D: usize>(path: &Path<D>, settings: &Settings) -> Result<Figures, CompileError> {
+pub(crate) fn run<R: Backend, const D: usize>(
+    path: &Path<D>,
+    settings: &Settings,
+) -> Result<Figures, CompileError> {
     let table: PiecesBuf<R, D> = compiled(path, settings)?;
     let pieces = table.as_pieces();
     let unit = 1.0_f64.scale(pieces.chord_exponent);
@@ -97,7 +104,8 @@ pub fn run<R: Backend, const D: usize>(path: &Path<D>, settings: &Settings) -> R
         let touched = u32::try_from(at.0 - before.0 + 1).unwrap();
         assert!(
             setpoint.evaluations <= settings.max_evaluations * touched,
-            "{} evaluations on {touched} pieces",
+            "{}: {} evaluations on {touched} pieces",
+            R::name(),
             setpoint.evaluations
         );
         let chord = DoubleDouble::norm(&core::array::from_fn::<_, D, _>(|d| to[d] - from[d]));
@@ -105,13 +113,11 @@ pub fn run<R: Backend, const D: usize>(path: &Path<D>, settings: &Settings) -> R
         let wanted = DoubleDouble::new(high, low).scale(-table.as_pieces().chord_exponent);
         if at.0 < table.places().len() && wanted.value() >= 0.25 * path.feed_mm {
             let delta = (DoubleDouble::from(1.0) - chord / wanted).value().abs();
-            if std::env::var("VERBOSE").is_ok() && delta > 1e-5 {
-                println!("{} step {} {before:?} {at:?} delta {delta} evals {}", R::name(), figures.steps, setpoint.evaluations);
-            }
             figures.cruise = figures.cruise.max(delta);
         }
         evaluations += u64::from(setpoint.evaluations);
         figures.steps += 1;
+        figures.joints += at.0 - before.0;
         figures.crossings += usize::from(at.0 > before.0);
         for word in [at.0 as u64, at.1, u64::from(setpoint.evaluations)] {
             figures.checksum = (figures.checksum ^ word).wrapping_mul(0x0100_0000_01b3);
@@ -120,21 +126,8 @@ pub fn run<R: Backend, const D: usize>(path: &Path<D>, settings: &Settings) -> R
         from = to;
         before = at;
     }
+    figures.bounds = table.bounds().to_vec();
     figures.evaluations = evaluations as f64 / figures.steps as f64;
     assert_eq!(before, (table.places().len(), 0), "{} ends at the end", R::name());
     Ok(figures)
-}
-
-/// A generator of test numbers, so that curves are the same everywhere: SplitMix64.
-pub struct Random(pub u64);
-
-impl Random {
-    /// A number in [low, high).
-    pub fn within(&mut self, low: f64, high: f64) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        low + (high - low) * f64::from_phase(z ^ (z >> 31), 0)
-    }
 }
