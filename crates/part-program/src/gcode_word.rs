@@ -160,7 +160,8 @@ impl Lexer<'_, '_, '_> {
     fn number(&mut self, begin: usize, key: Key, words: &mut Vec<Word>) -> Option<()> {
         let name_end = self.at;
         self.skip(|c| c == b' ' || c == b'\t');
-        if self.peek() == Some(b'=') {
+        let assigned = self.peek() == Some(b'=');
+        if assigned {
             self.at += 1;
             self.skip(|c| c == b' ' || c == b'\t');
         }
@@ -175,7 +176,9 @@ impl Lexer<'_, '_, '_> {
                 }
             }
             _ if text.is_empty()
-                && self.peek().is_some_and(|c| c.is_ascii_alphabetic() || b"#[$<".contains(&c)) =>
+                && self
+                    .peek()
+                    .is_some_and(|c| b"#[$<".contains(&c) || assigned && c.is_ascii_alphabetic()) =>
             {
                 return self.refuse_rest(begin, VARIABLES, Some(EXPAND));
             }

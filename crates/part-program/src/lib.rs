@@ -25,6 +25,7 @@ mod diagnostic;
 mod fanuc;
 mod gcode;
 mod gcode_word;
+mod inspect;
 mod linuxcnc;
 mod machine;
 mod modal;
@@ -34,13 +35,16 @@ mod siemens;
 mod source;
 mod spline_blocks;
 mod toml_table;
+mod write;
 
 pub use arc::HELIX_TOLERANCE_MM;
 pub use curve::{Curve, CurveFault, Element, End, MAX_COORDINATE_MM, MAX_DEGREE, MAX_KNOT, MAX_WEIGHT};
 pub use diagnostic::{Diagnostic, Diagnostics, MAX_DIAGNOSTICS, Severity};
+pub use inspect::{GAP_MM, Inspection, Joint, Oddity, Remark, TANGENT_BREAK_RAD, inspect};
 pub use machine::{Axes, AxisLimits, Machine, read_machine};
 pub use options::{Dialect, ReadOptions};
 pub use part::{Auxiliary, Move, MoveKind, Part, Shape};
+pub use write::{WriteError, write_g1, write_g5_2, write_g06_2};
 
 use diagnostic::Report;
 use source::{Source, Span};
@@ -56,11 +60,27 @@ pub fn read_part(name: &str, text: &str) -> Result<Part, Diagnostics> {
     read_part_with(name, text, ReadOptions::default())
 }
 
+/// Reads a part from a file's bytes: UTF-8, or else Latin-1, as older controls and editors write their comments.
+///
+/// # Errors
+/// As [`read_part_with`].
+pub fn read_part_bytes(name: &str, bytes: &[u8], options: ReadOptions) -> Result<Part, Diagnostics> {
+    match std::str::from_utf8(bytes) {
+        Ok(text) => read_part_with(name, text, options),
+        // Latin-1 doubles at most: refuse before the copy is made.
+        Err(_) if bytes.len() > MAX_TEXT => Err(too_long(name, bytes.len())),
+        Err(_) => {
+            read_part_with(name, &bytes.iter().map(|byte| char::from(*byte)).collect::<String>(), options)
+        }
+    }
+}
+
 /// Reads a part as [`read_part`] does, with choices.
 ///
 /// # Errors
 /// Every fault of the text; with `lenient`, unknown words are warnings instead.
 pub fn read_part_with(name: &str, text: &str, options: ReadOptions) -> Result<Part, Diagnostics> {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut report = opened(name, text)?;
     let mut part = Part { name: name.to_owned(), ..Part::default() };
     if is_toml(text) {
@@ -84,12 +104,16 @@ pub fn read_part_with(name: &str, text: &str, options: ReadOptions) -> Result<Pa
 
 /// A report on the text, unless it is too long.
 pub(crate) fn opened<'t>(name: &str, text: &'t str) -> Result<Report<'t>, Diagnostics> {
-    if text.len() <= MAX_TEXT {
-        return Ok(Report::new(Source::new(name, text)));
+    if text.len() > MAX_TEXT {
+        return Err(too_long(name, text.len()));
     }
+    Ok(Report::new(Source::new(name, text)))
+}
+
+fn too_long(name: &str, length: usize) -> Diagnostics {
     let mut report = Report::new(Source::new(name, ""));
-    report.error(Span::new(0, 0), format!("the text has {} bytes", text.len())).expected("at most 64 MiB");
-    Err(report.finish().err().unwrap_or_default())
+    report.error(Span::default(), format!("the text has {length} bytes")).expected("at most 64 MiB");
+    report.finish().err().unwrap_or_default()
 }
 
 /// A curve file has a line that opens a table or gives a key its value; a part program has neither.
@@ -97,7 +121,7 @@ fn is_toml(text: &str) -> bool {
     text.lines().map(str::trim_start).any(|line| {
         let key = line.split('=').next().unwrap_or("").trim_end();
         let is_key = key.len() < line.len()
-            && !key.is_empty()
+            && key.len() > 2
             && key.chars().all(|c| c.is_ascii_lowercase() || c == '_' || c.is_ascii_digit());
         is_key || (line.starts_with('[') && line.trim_end().ends_with(']'))
     })

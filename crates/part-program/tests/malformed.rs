@@ -3,10 +3,11 @@
 use part_program::read_part;
 
 /// Program, where the fault is, what is said.
-const MALFORMED: [(&str, &str, &str); 66] = [
+const MALFORMED: [(&str, &str, &str); 67] = [
     // Words.
     ("G0 X", "1:4", "`X` has no number"),
     ("G0 XY5", "1:4", "`X` has no number"),
+    ("G0 X Y5", "1:4", "`X` has no number"),
     ("G0 X1.2.3", "1:5", "`1.2.3` is no number"),
     ("G0 X--5", "1:5", "`--5` is no number"),
     ("G0 X5 12", "1:7", "the number `12` has no letter"),

@@ -1,0 +1,118 @@
+//! Whatever the bytes: the readers return, and what they return is valid.
+
+use part_program::{
+    Dialect, ReadOptions, inspect, read_machine, read_part, read_part_bytes, write_g5_2, write_g06_2,
+};
+use proptest::prelude::*;
+
+/// Pieces of programs and files, which reach further in than random bytes do.
+const PIECES: [&str; 44] = [
+    "G0",
+    "G1",
+    "G2",
+    "G3",
+    "G5",
+    "G5.1",
+    "G5.2",
+    "G5.3",
+    "G06.2",
+    "G05P10000",
+    "G17",
+    "G18",
+    "G19",
+    "G20",
+    "G90",
+    "G91",
+    "G93",
+    "G90.1",
+    "BSPLINE",
+    "SD=2",
+    "PW=2",
+    "PL=1",
+    "CR=5",
+    "X",
+    "Y",
+    "Z",
+    "I",
+    "J",
+    "K",
+    "R",
+    "P",
+    "L",
+    "F",
+    "0",
+    "1",
+    "-2.5",
+    "99999999999",
+    "1e5",
+    "(",
+    ")",
+    ";",
+    "\n",
+    "\n",
+    " ",
+];
+
+fn options() -> impl Strategy<Value = ReadOptions> {
+    let dialect = prop::option::of(prop::sample::select(Dialect::ALL.to_vec()));
+    (dialect, any::<bool>()).prop_map(|(dialect, lenient)| ReadOptions { dialect, lenient })
+}
+
+fn returns(bytes: &[u8], options: ReadOptions) -> Result<(), TestCaseError> {
+    match read_part_bytes("any", bytes, options) {
+        Ok(part) => {
+            prop_assert!(!part.curves.is_empty());
+            prop_assert_eq!(part.curves.len(), part.moves.len());
+            for curve in &part.curves {
+                prop_assert_eq!(curve.faults(), []);
+            }
+            drop(inspect(&part));
+            drop(write_g06_2(&part.curves, part.feedrate_mm_per_s));
+            drop(write_g5_2(&part.curves, part.feedrate_mm_per_s));
+        }
+        Err(errors) => {
+            prop_assert!(errors.count() > 0);
+            prop_assert!(!errors.to_string().is_empty());
+        }
+    }
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(1000))]
+
+    #[test]
+    fn bytes(bytes in prop::collection::vec(any::<u8>(), 0..300), options in options()) {
+        returns(&bytes, options)?;
+    }
+
+    #[test]
+    fn pieces(pieces in prop::collection::vec(prop::sample::select(PIECES.to_vec()), 0..120), options in options()) {
+        returns(pieces.concat().as_bytes(), options)?;
+    }
+
+    #[test]
+    fn numbered_pieces(
+        pieces in prop::collection::vec((prop::sample::select(PIECES.to_vec()), -30..30_i32), 0..120),
+        options in options(),
+    ) {
+        let text: String = pieces.iter().map(|(piece, n)| match piece.len() {
+            1 if piece.chars().all(char::is_alphabetic) => format!("{piece}{n}"),
+            _ => format!("{piece} "),
+        }).collect();
+        returns(text.as_bytes(), options)?;
+    }
+
+    #[test]
+    fn toml(text in "(\\[curve\\]|\\[machine\\]|degree|knots|weights|control_points_mm|=|\\[|\\]|[0-9.,e\\-]|nan|inf|\n|\\{|\\}|\"| ){0,60}") {
+        returns(format!("[curve]\n{text}").as_bytes(), ReadOptions::default())?;
+        drop(read_machine("any", &text));
+    }
+}
+
+#[test]
+fn latin_1_comments_are_read() {
+    let program = b"(Fr\xe4sen)\nG0 X0\nG1 X5 (\xb0)\n";
+    assert_eq!(read_part_bytes("p.nc", program, ReadOptions::default()).unwrap().curves.len(), 1);
+    assert!(read_part("p.nc", "\u{feff}G0 X0\nG1 X5\n").is_ok());
+}

@@ -1,0 +1,157 @@
+//! What is written is read back, bit by bit.
+
+use part_program::{Curve, Part, WriteError, read_part, write_g1, write_g5_2, write_g06_2};
+use proptest::prelude::*;
+
+fn part(text: &str) -> Part {
+    read_part("p.nc", text).unwrap_or_else(|errors| panic!("{errors}\n{text}"))
+}
+
+/// Any coordinate that a curve may have, with all its bits.
+fn coordinate() -> impl Strategy<Value = f64> {
+    prop_oneof![-1e3..1e3, Just(0.0), -1e-9..1e-9, (-1000..1000_i32).prop_map(f64::from), -1e7..1e7]
+}
+
+/// Curves of every degree with random bits in points, weights and knots.
+fn curves(planar: bool, least_degree: usize) -> impl Strategy<Value = Curve> {
+    (least_degree..=9_usize, 0..8_usize)
+        .prop_flat_map(move |(degree, extra)| {
+            let points = degree + 1 + extra;
+            let z = if planar { Just(0.0).boxed() } else { coordinate().boxed() };
+            let point = (coordinate(), coordinate(), z).prop_map(|(x, y, z)| [x, y, z]);
+            (
+                prop::collection::vec(point, points),
+                prop::collection::vec(1e-3..1e3_f64, points),
+                prop::collection::vec(0.01..1.0_f64, extra + 1),
+                -5.0..5.0_f64,
+            )
+                .prop_map(move |(control_points_mm, weights, steps, first)| {
+                    let mut knots = vec![first; degree + 1];
+                    let mut u = first;
+                    for step in &steps {
+                        u += step;
+                        knots.push(u);
+                    }
+                    knots.extend(vec![u; degree]);
+                    let flat = control_points_mm.iter().all(|p| p[2] == 0.0);
+                    Curve { degree, control_points_mm, dimension: if flat { 2 } else { 3 }, weights, knots }
+                })
+        })
+        .prop_filter("a curve of some length", |curve| curve.faults().is_empty())
+}
+
+proptest! {
+    #[test]
+    fn g06_2_keeps_every_bit(curve in curves(false, 1)) {
+        let part = part(&write_g06_2(std::slice::from_ref(&curve), None));
+        prop_assert_eq!(part.curves, [curve]);
+    }
+
+    #[test]
+    fn g5_2_keeps_every_bit_of_a_curve_with_its_own_knots(mut curve in curves(true, 2)) {
+        let spans = curve.control_points_mm.len() - curve.degree;
+        for (i, knot) in curve.knots.iter_mut().enumerate() {
+            *knot = i.saturating_sub(curve.degree).min(spans) as f64;
+        }
+        let part = part(&write_g5_2(std::slice::from_ref(&curve), None).unwrap());
+        prop_assert_eq!(part.curves, [curve]);
+    }
+
+    /// A curve of other knots is cut into Bézier curves: the ends are exact and the joints closed.
+    #[test]
+    fn g5_2_of_other_knots_is_the_same_path(curve in curves(true, 2)) {
+        let part = part(&write_g5_2(std::slice::from_ref(&curve), None).unwrap());
+        let spans = curve.knots.windows(2).filter(|pair| pair[0] < pair[1]).count();
+        prop_assert!(part.curves.len() == spans || part.curves.len() == 1, "{} of {spans}", part.curves.len());
+        prop_assert_eq!(part.curves[0].control_points_mm.first(), curve.control_points_mm.first());
+        prop_assert_eq!(part.curves.last().unwrap().control_points_mm.last(), curve.control_points_mm.last());
+        for pair in part.curves.windows(2) {
+            prop_assert_eq!(pair[0].control_points_mm.last(), pair[1].control_points_mm.first());
+        }
+    }
+
+    #[test]
+    fn g1_keeps_every_bit(points in prop::collection::vec([coordinate(), coordinate(), coordinate()], 2..20)) {
+        let text = write_g1(&points, Some(100.0));
+        let Ok(part) = read_part("p.nc", &text) else {
+            prop_assert!(points.windows(2).all(|pair| pair[0] == pair[1]));
+            return Ok(());
+        };
+        let mut read = vec![part.curves[0].control_points_mm[0]];
+        read.extend(part.curves.iter().map(|curve| curve.control_points_mm[1]));
+        let mut distinct = points.clone();
+        distinct.dedup();
+        prop_assert_eq!(read, distinct);
+    }
+}
+
+#[test]
+fn what_is_cut_for_g5_2_has_the_points_of_the_curve() {
+    let paper = read_part("d.nc", include_str!("../../../data/seed-003.nc")).unwrap();
+    let cut = part(&write_g5_2(&paper.curves, Some(50.0)).unwrap());
+    assert_eq!(cut.curves.len(), 7);
+    assert_eq!(cut.feedrate_mm_per_s, Some(50.0));
+    // The middle of each Bézier cubic, (P0 w0 + 3 P1 w1 + 3 P2 w2 + P3 w3)/Σ, on the curve by de Boor.
+    let curve = &paper.curves[0];
+    let knots: Vec<f64> = {
+        let mut k = curve.knots.clone();
+        k.dedup();
+        k
+    };
+    for (piece, pair) in cut.curves.iter().zip(knots.windows(2)) {
+        let middle = de_boor(piece, 0.5);
+        let expected = de_boor(curve, f64::midpoint(pair[0], pair[1]));
+        let off = (middle[0] - expected[0]).hypot(middle[1] - expected[1]);
+        assert!(off < 1e-12, "{pair:?}: {off}");
+    }
+}
+
+fn de_boor(curve: &Curve, u: f64) -> [f64; 2] {
+    let (p, knots) = (curve.degree, &curve.knots);
+    let span = knots.iter().rposition(|knot| *knot <= u).unwrap();
+    let mut work: Vec<[f64; 3]> = (span - p..=span)
+        .map(|i| {
+            let ([x, y, _], w) = (curve.control_points_mm[i], curve.weights[i]);
+            [w * x, w * y, w]
+        })
+        .collect();
+    for level in 1..=p {
+        for j in (level..=p).rev() {
+            let i = span - p + j;
+            let t = (u - knots[i]) / (knots[i + p + 1 - level] - knots[i]);
+            work[j] = std::array::from_fn(|axis| (1.0 - t) * work[j - 1][axis] + t * work[j][axis]);
+        }
+    }
+    [work[p][0] / work[p][2], work[p][1] / work[p][2]]
+}
+
+#[test]
+fn g06_2_is_written_as_people_write_it() {
+    let part = part("G0 X0 Y0\nG06.2 P2 K0 X0 Y0 R1\nK0 X10.25 Y5 R0.5\nK1\nK1\n");
+    let written = "G21 G90 G94
+G05 P10000
+G0 X0. Y0.
+G06.2 P2 K0. X0. Y0. R1. F1200.
+K0. X10.25 Y5. R0.5
+K1.
+K1.
+G05 P0
+M30
+";
+    assert_eq!(write_g06_2(&part.curves, Some(20.0)), written);
+}
+
+#[test]
+fn g5_2_refuses_a_curve_that_leaves_its_plane() {
+    let part = part("G0 X0 Y0 Z0\nG1 X5 Z5\n");
+    assert_eq!(write_g5_2(&part.curves, None), Err(WriteError::NotPlanar { curve: 0 }));
+}
+
+#[test]
+fn curves_that_do_not_join_are_reached_by_a_rapid() {
+    let one = part("G0 X0 Y0\nG3 X10 Y0 R5\n").curves.remove(0);
+    let two = part("G0 X20 Y0\nG3 X30 Y0 R5\n").curves.remove(0);
+    let read = part(&write_g06_2(&[one.clone(), two.clone()], None));
+    assert_eq!(read.curves.len(), 3);
+    assert_eq!([&read.curves[0], &read.curves[2]], [&one, &two]);
+}
