@@ -113,7 +113,7 @@ fn in_every_format<const D: usize>(
 }
 
 proptest! {
-    #![proptest_config(config(8))]
+    #![proptest_config(config(6))]
 
     #[test]
     fn plane_pieces_lie_on_their_curve(curve in generate::curve::<2>(), step_mm in 0.05..20.0_f64) {

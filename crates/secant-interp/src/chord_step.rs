@@ -14,12 +14,12 @@
 //! `σ ← σ - σ f/2 (1 - g + g² - ¾f)`,
 //!
 //! again without a division. It leaves an error of the order of |f| (|f| + |g|)³, so a second evaluation is owed only
-//! when |f| is above a threshold that the wanted fluctuation sets. Measured, over nine curves of the tests:
+//! when |f| is above a threshold that the wanted fluctuation sets. Measured, over ten curves of the tests:
 //!
 //! | threshold | 4e-3 | 1e-3 | 1e-4 | 3e-5 | 3e-6 |
 //! |---|---|---|---|---|---|
-//! | fluctuation | 2e-6 | 1.2e-7 | 1.1e-9 | 5e-10 | 2.3e-11 |
-//! | evaluations | 1.00–1.02 | 1.00–1.06 | 1.01–1.36 | 1.18–1.63 | 1.55–1.93 |
+//! | fluctuation | 2e-6 | 1.2e-7 | 1.2e-9 | 5e-10 | 2.3e-11 |
+//! | evaluations | 1.00–1.03 | 1.00–1.06 | 1.01–1.36 | 1.18–1.63 | 1.55–1.93 |
 //!
 //! Where a part b of the chord, in units of L, lies on pieces before this one, a division does no harm, for joints are
 //! rare: it is Newton's step on `|b + σ q/w|² - 1`.

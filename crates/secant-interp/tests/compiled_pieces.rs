@@ -162,7 +162,7 @@ fn fluctuation_on_paper_a() {
 
 #[test]
 fn fluctuation_in_space() {
-    // Steps are longer against the bends than on paper A's curve, so the 32-bit formats lose a factor of three.
+    // Measured: 2.1e-8 and 5.0e-8 with five sweeps of the shift where a cubic has three, 1.2e-8 and 2.3e-8 with a third axis.
     check_every_format("quintic", &quintic(), &Bounds { i3f29: 3e-8, fixed_32: 7e-8, ..PLAIN });
     check_every_format("1000", &thousand_points(), &Bounds { i3f29: 2e-8, ..PLAIN });
 }
