@@ -16,7 +16,7 @@ const EXAMPLE: &str = include_str!("../../../data/seed-000.toml");
 pub(crate) struct Input {
     /// Part: a curve file (TOML) or a part program, told by its content. Default: the built-in example.
     part: Option<PathBuf>,
-    /// Machine file (TOML, table [machine]). Default: the machine in the part's own file.
+    /// Machine file (TOML with a table `machine`). Default: the machine in the part's own file.
     #[arg(long, value_name = "FILE")]
     machine: Option<PathBuf>,
 }
