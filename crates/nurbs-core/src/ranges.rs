@@ -74,9 +74,10 @@ pub(crate) fn signal_bounds<H: Backend, const D: usize>(
     }
     for pair in local.windows(2) {
         let [(piece, scales), (next, next_scales)] = pair else { continue };
-        let (ratio, exponent) = piece.joint(scales, next, next_scales);
-        let [_, sigma] = piece.step_per_chord(scales);
-        bounds.raise("joint_step_per_chord", (sigma * ratio * power_of_two(exponent)).max(2.0 * sigma));
+        let [_, sigma] = next.step_per_chord(next_scales);
+        let (_, exponent) = piece.joint(scales, next, next_scales);
+        // The greatest is compared in the smaller scale, rounded there.
+        bounds.raise("joint_step_per_chord", sigma + resolution * power_of_two(exponent.max(0)));
     }
     bounds.0
 }
@@ -97,8 +98,7 @@ fn raise_chord_bounds<H: Backend, const D: usize>(
     let x = eta.min(power_of_two(scales.step)) * unit;
     bounds.raise("chord_length", longest_chord);
     bounds.raise("step_per_chord", sigma);
-    bounds.raise("step_per_chord_trial", 1.5 * sigma); // a correction is no more than a half
-    bounds.raise("step_per_chord_guess", (4.0 * sigma - 3.0 * least).max(3.0 * sigma - 4.0 * least));
+    bounds.raise("step_per_chord_fall", 3.0 * (sigma - least));
     bounds.raise("step", eta);
 
     // Horner's scheme for q and x q', and for (W - 1)/x and its derivative: every partial sum counts.
@@ -140,16 +140,16 @@ fn raise_chord_bounds<H: Backend, const D: usize>(
     // t = 0 and does not leave the piece, on which W lies between its least and greatest Bernstein weight.
     let lightest = piece.weight_range.0 / piece.weight_range.1;
     let chord = chord / lightest;
-    let direction = 1.0 + sigma * chord;
+    let direction = 0.5 * (1.0 + sigma * chord);
     let pull = chord + (turn + chord * slope * x) / lightest;
     bounds.raise("joint_direction", direction);
-    bounds.raise("joint_residual", 0.25 * direction * direction);
+    bounds.raise("joint_residual", direction * direction);
     bounds.raise("joint_pull", pull);
-    bounds.raise("joint_growth", 0.25 * direction * pull);
+    bounds.raise("joint_growth", 0.5 * direction * pull);
     // A chord across the whole piece, and with what was travelled before.
     let across = eta.min(power_of_two(scales.step));
     bounds.raise("chord_travelled", chord * across);
-    bounds.raise("joint_travelled", direction);
+    bounds.raise("joint_travelled", 1.0 + 2.0 * rounding); // no more is ever added up
 }
 
 /// The first signal whose bound the format cannot hold.

@@ -71,7 +71,7 @@ impl<R: Real, const D: usize> Chord<'_, R, D> {
     #[must_use]
     pub fn solve(&self, sigma: R, tolerance: &ChordTolerance<R>) -> (R, u32) {
         let threshold = if self.before.is_some() { tolerance.residual.scale(-2) } else { tolerance.residual };
-        let mut sigma = self.clamp(sigma);
+        let mut sigma = self.range[0].max(sigma).min(self.range[1]).signal("step_per_chord");
         let mut evaluations = 0;
         while evaluations < tolerance.max_evaluations.max(1) {
             evaluations += 1;
@@ -80,20 +80,14 @@ impl<R: Real, const D: usize> Chord<'_, R, D> {
                 None => correction(sigma, &value),
                 Some(_) => joint_correction(&value, self.range[1].half()),
             };
-            let next = self.clamp((sigma - correction).signal("step_per_chord_trial"));
+            let next = sigma - within(correction, sigma, &self.range);
             let unchanged = next == sigma;
-            sigma = next;
+            sigma = next.signal("step_per_chord");
             if value.residual.abs() <= threshold || unchanged {
                 break;
             }
         }
         (sigma, evaluations)
-    }
-
-    /// Into the range; what is not a number, to its lower end.
-    #[inline]
-    fn clamp(&self, sigma: R) -> R {
-        self.range[0].max(sigma).min(self.range[1]).signal("step_per_chord")
     }
 
     #[inline]
@@ -129,9 +123,10 @@ impl<R: Real, const D: usize> Chord<'_, R, D> {
         let pull = |d: usize| {
             (chord[d] + (turn[d] - chord[d] * weight_turn) * reciprocal).signal("joint_pull").half()
         };
-        let direction: [R; D] =
-            core::array::from_fn(|d| sigma.mul_add(chord[d], before[d]).signal("joint_direction").half());
         let half = R::one().half();
+        let direction: [R; D] = core::array::from_fn(|d| {
+            R::sum_of_products([(sigma.half(), chord[d]), (half, before[d])]).signal("joint_direction")
+        });
         let squares = direction.iter().map(|v| (*v, *v));
         let residual = R::sum_of_products(squares.chain([(-half, half)])).signal("joint_residual");
         let slope = R::sum_of_products((0..D).map(|d| (direction[d], pull(d)))).signal("joint_growth");
@@ -188,6 +183,13 @@ fn correction<R: Real>(sigma: R, value: &Evaluation<R>) -> R {
     let g = value.slope.max(-largest_growth).min(largest_growth);
     let factor = R::one() - g + g * g - f.half() - f.scale(-2);
     (sigma * f).half() * factor
+}
+
+/// What of `correction` does not take σ out of its range: the trial itself might not fit the format. What is not a
+/// number leads to the lower end.
+#[inline]
+pub(crate) fn within<R: Real>(correction: R, sigma: R, range: &[R; 2]) -> R {
+    (sigma - range[0]).min(correction).max(sigma - range[1])
 }
 
 /// `f / (df/dσ)`, at most `bound`. Where the chord shrinks along the step, as behind a sharp corner, the root lies

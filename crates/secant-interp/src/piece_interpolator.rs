@@ -3,7 +3,7 @@
 use nurbs_core::{MAX_DEGREE, Piece, Pieces, Shifted};
 use real::Real;
 
-use crate::chord_step::{Chord, ChordTolerance};
+use crate::chord_step::{Chord, ChordTolerance, within};
 use crate::step_lengths::{LengthCursor, StepLengths};
 
 /// One setpoint on a path of pieces.
@@ -55,9 +55,20 @@ impl<R: Real, const D: usize> PieceState<R, D> {
 
 /// A step per chord on one piece in the scale of the next, and within its range.
 fn into_next<R: Real, const D: usize>(row: &Piece<R, D>, next: &Piece<R, D>, sigma: R) -> R {
-    let [least, greatest] = next.step_per_chord;
-    let sigma = (sigma * row.joint_ratio).scale(row.joint_exponent).signal("joint_step_per_chord");
-    least.max(sigma).min(greatest).signal("step_per_chord")
+    next.step_per_chord[0].max(part_into_next(row, next, sigma)).signal("step_per_chord")
+}
+
+/// A part of a step per chord in the scale of the next piece, and no more than its greatest.
+fn part_into_next<R: Real, const D: usize>(row: &Piece<R, D>, next: &Piece<R, D>, part: R) -> R {
+    let greatest = next.step_per_chord[1];
+    // Compared in the smaller scale, for in the larger it might not fit.
+    let most = greatest.scale(-row.joint_exponent.max(0));
+    (part * row.joint_ratio).min(most).scale(row.joint_exponent).min(greatest).signal("joint_step_per_chord")
+}
+
+/// `part + more`, but no more than `greatest`, which `part` is not above.
+fn sum_within<R: Real>(part: R, more: R, greatest: R) -> R {
+    part + more.min(greatest - part)
 }
 
 /// A part of one piece, as a part of the next one of the same span: their widths are as 1 to a power of two.
@@ -123,7 +134,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     fn travel(&self, state: &mut PieceState<R, D>, row: &Piece<R, D>, length: R) -> Reached<R> {
         let at = self.pieces.shifted(state.piece, R::from_phase(state.phase, 0).signal("parameter"));
         let chord = self.chord(row, &at, length);
-        let guess = chord.range[0].max(self.predict(state, row)).min(chord.range[1]);
+        let guess = self.predict(state, row);
         let mut evaluations = 0;
         let mut to_cross = None;
         if !self.is_on_piece(state, row, guess * length) {
@@ -179,8 +190,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         for (piece, next) in self.pieces.pieces.iter().enumerate().skip(state.piece + 1) {
             let greatest = next.step_per_chord[1];
             state.sigma = state.sigma.map(|x| into_next(row, next, x));
-            part =
-                (part.min(row.step_per_chord[1]) * row.joint_ratio).scale(row.joint_exponent).min(greatest);
+            part = part_into_next(row, next, part.min(row.step_per_chord[1]));
             let left = R::one() - R::norm(&before);
             let newest = state.sigma[0];
             if left <= R::zero() {
@@ -189,27 +199,24 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
             let at = self.pieces.shifted(piece, R::zero());
             let on_next = self.chord(next, &at, length);
             let guess = newest * left;
-            let mut across = None;
-            if guess * length >= on_next.whole {
-                let beyond = past(&before, &on_next, length);
-                if R::norm(&beyond) < R::one() {
-                    (row, part, before) =
-                        (next, (part + on_next.whole / length).signal("joint_step_per_chord"), beyond);
-                    continue;
-                }
-                across = Some(beyond);
+            let is_long = guess * length >= on_next.whole;
+            if is_long && let Some(beyond) = past(&before, &on_next, length) {
+                (row, before) = (next, beyond);
+                part = sum_within(part, on_next.whole / length, greatest);
+                continue;
             }
             let chord = Chord { before: Some(before), range: [R::zero(), greatest], ..on_next };
             let (sigma, count) = chord.solve(guess, &self.tolerance);
             evaluations += count;
             let step = sigma * length;
-            if step < on_next.whole || across.is_some() {
+            let beyond = if step < on_next.whole || is_long { None } else { past(&before, &on_next, length) };
+            let Some(beyond) = beyond else {
                 let phase = step.to_phase(-next.step_exponent);
-                let sigma = next.step_per_chord[0].max(part + sigma).min(greatest);
+                let sigma = next.step_per_chord[0].max(sum_within(part, sigma, greatest));
                 return Reached { piece, phase, sigma, evaluations };
-            }
-            before = past(&before, &on_next, length);
-            (row, part) = (next, (part + on_next.whole / length).signal("joint_step_per_chord"));
+            };
+            (row, before) = (next, beyond);
+            part = sum_within(part, on_next.whole / length, greatest);
         }
         Reached { piece: self.pieces.pieces.len(), phase: 0, sigma: state.sigma[0], evaluations }
     }
@@ -228,7 +235,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         }
     }
 
-    /// `3σ_i - 3σ_{i-1} + σ_{i-2}`; at the start, for want of a history, the middle of the piece's range.
+    /// `3σ_i - 3σ_{i-1} + σ_{i-2}`, within the piece's range; at the start, for want of a history, its middle.
     fn predict(&self, state: &mut PieceState<R, D>, row: &Piece<R, D>) -> R {
         if state.sigma[0].is_zero() {
             let [low, high] = row.step_per_chord;
@@ -236,7 +243,8 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         }
         let [a, b, c] = state.sigma;
         let (newer, older) = (a - b, b - c);
-        (a + newer + newer - older).signal("step_per_chord_guess")
+        let fall = (older - newer - newer).signal("step_per_chord_fall");
+        a - within(fall, a, &row.step_per_chord)
     }
 }
 
@@ -251,8 +259,11 @@ fn to_end<R: Real, const D: usize>(
     (chord.over(step).map(|x| x / chord.length), step / chord.length)
 }
 
-/// What is travelled at the end of a piece, over the length.
-fn past<R: Real, const D: usize>(before: &[R; D], chord: &Chord<'_, R, D>, length: R) -> [R; D] {
-    let across = chord.over(chord.whole);
-    core::array::from_fn(|d| (before[d] + across[d] / length).signal("joint_travelled"))
+/// What is travelled at the end of a piece, over the length; `None` if that is the whole length or more.
+fn past<R: Real, const D: usize>(before: &[R; D], chord: &Chord<'_, R, D>, length: R) -> Option<[R; D]> {
+    let across = chord.over(chord.whole).map(|x| x / length);
+    // In halves, for the sum may not fit the format before it is known to be short.
+    let half: [R; D] = core::array::from_fn(|d| before[d].half() + across[d].half());
+    let sum = || core::array::from_fn(|d| (before[d] + across[d]).signal("joint_travelled"));
+    (R::norm(&half) < R::one().half()).then(sum)
 }
