@@ -1,4 +1,5 @@
-//! A curve file: TOML with the table `[curve]`, and beside it `[machine]` and the figures that a paper printed.
+//! A curve file: TOML with the table `[curve]`, or several `[[curve]]` that are followed in this order, and beside them
+//! `[machine]` and the figures that a paper printed.
 
 use toml::Spanned;
 use toml::de::{DeArray, DeTable, DeValue};
@@ -6,14 +7,13 @@ use toml::de::{DeArray, DeTable, DeValue};
 use crate::curve::{Curve, Element};
 use crate::diagnostic::Report;
 use crate::machine::{self, Machine};
+use crate::part::{Move, MoveKind, Shape};
 use crate::source::Span;
 use crate::toml_table::{self, TableReader, wrong_kind};
 
 /// What a curve file holds.
 pub(crate) struct CurveFile {
-    pub(crate) curve: Curve,
-    /// Line of the header `[curve]`, from 1.
-    pub(crate) line: usize,
+    pub(crate) curves: Vec<(Curve, Move)>,
     pub(crate) machine: Option<Machine>,
     pub(crate) published: Option<toml::Table>,
 }
@@ -23,17 +23,16 @@ pub(crate) fn read(report: &mut Report<'_>, text: &str) -> Option<CurveFile> {
     let document = toml_table::parse(report, text)?;
     let root = document.get_ref();
     let mut keys = TableReader::new(report, "the file", Span::default(), root);
-    let curve = keys.table("curve");
+    let tables = keys.tables("curve");
     let machine = keys.table("machine");
-    if curve.is_none() && !keys.report.has_errors() {
+    if tables.is_empty() && !keys.report.has_errors() {
         let expected = "[curve] with degree, control_points_mm and knots";
         keys.report.error(Span::default(), "the file has no table [curve]").expected(expected);
     }
     let published = published(keys.report, root);
-    let line = curve.map_or(1, |(header, _)| report.source.line_number(header.start));
-    let curve = curve.and_then(|(header, table)| curve_from(report, header, table));
+    let curves = tables.into_iter().filter_map(|(header, table)| curve_from(report, header, table)).collect();
     let machine = machine.map(|(header, table)| machine::from_table(report, header, table));
-    let file = CurveFile { curve: curve?, line, machine: machine.flatten(), published };
+    let file = CurveFile { curves, machine: machine.flatten(), published };
     (!report.has_errors()).then_some(file)
 }
 
@@ -109,7 +108,7 @@ impl Places {
     }
 }
 
-fn curve_from(report: &mut Report<'_>, header: Span, table: &DeTable<'_>) -> Option<Curve> {
+fn curve_from(report: &mut Report<'_>, header: Span, table: &DeTable<'_>) -> Option<(Curve, Move)> {
     let mut keys = TableReader::new(report, "[curve]", header, table);
     let mut places = Places::default();
     let degree = keys.whole_number("degree", "a whole number");
@@ -117,6 +116,8 @@ fn curve_from(report: &mut Report<'_>, header: Span, table: &DeTable<'_>) -> Opt
     let points = keys.array("control_points_mm");
     let weights = keys.optional("weights");
     let knots = keys.array("knots");
+    let feedrate_mm_per_s = keys.optional_number("feedrate_mm_per_s", machine::FEEDRATE);
+    let kind = kind_from(&mut keys);
     keys.finish();
 
     let weights = weights.map(|value| toml_table::array(report, "weights", value));
@@ -141,7 +142,25 @@ fn curve_from(report: &mut Report<'_>, header: Span, table: &DeTable<'_>) -> Opt
     for fault in curve.faults() {
         report.error(places.of(fault.element()), fault.to_string()).expected(fault.expected());
     }
-    Some(curve)
+    let shape =
+        if curve.degree == 1 && curve.control_points_mm.len() == 2 { Shape::Line } else { Shape::Nurbs };
+    let line = report.source.line_number(header.start);
+    Some((curve, Move { kind, shape, feedrate_mm_per_s, line }))
+}
+
+/// `move = "feed"`, which is the default, or `"rapid"`.
+fn kind_from(keys: &mut TableReader<'_, '_, '_>) -> MoveKind {
+    const KEY: &str = "move";
+    let Some(value) = keys.optional(KEY) else { return MoveKind::Feed };
+    match value.get_ref() {
+        DeValue::String(text) if text == "feed" => MoveKind::Feed,
+        DeValue::String(text) if text == "rapid" => MoveKind::Rapid,
+        _ => {
+            let text = keys.report.source.slice(value.span().into()).to_owned();
+            keys.report.error(value.span(), format!("`{KEY}` is {text}")).expected("\"feed\" or \"rapid\"");
+            MoveKind::Feed
+        }
+    }
 }
 
 fn numbers(

@@ -48,9 +48,7 @@ pub(crate) fn read(report: &mut Report<'_>, part: &mut Part, options: ReadOption
         reader.block(&mut words);
     }
     reader.close(Span::new(text.len(), text.len()));
-    let feeds = part.moves.iter().filter_map(|one| one.feedrate_mm_per_s);
-    part.feedrate_mm_per_s =
-        feeds.fold(None, |most, feed| Some(most.map_or(feed, |most: f64| most.max(feed))));
+    part.feedrate_mm_per_s = part.highest_feedrate();
     if part.curves.is_empty() && !report.has_errors() {
         report
             .error(Span::new(0, 0), "the program holds no curve")

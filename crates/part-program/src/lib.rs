@@ -2,7 +2,7 @@
 //!
 //! | text | reader |
 //! |---|---|
-//! | curve file: TOML, tables `[curve]` and `[machine]` | [`read_part`] |
+//! | curve file: TOML, tables `[curve]` or `[[curve]]`, and `[machine]` | [`read_part`] |
 //! | part program: G0 to G3, and splines as FANUC, LinuxCNC and Siemens write them | [`read_part`], [`read_part_with`] |
 //! | machine file: TOML, table `[machine]` | [`read_machine`] |
 //!
@@ -36,6 +36,7 @@ mod source;
 mod spline_blocks;
 mod toml_table;
 mod write;
+mod write_curves;
 
 pub use arc::HELIX_TOLERANCE_MM;
 pub use curve::{Curve, CurveFault, Element, End, MAX_COORDINATE_MM, MAX_DEGREE, MAX_KNOT, MAX_WEIGHT};
@@ -45,6 +46,7 @@ pub use machine::{Axes, AxisLimits, Machine, read_machine};
 pub use options::{Dialect, ReadOptions};
 pub use part::{Auxiliary, Move, MoveKind, Part, Shape};
 pub use write::{WriteError, write_g1, write_g5_2, write_g06_2};
+pub use write_curves::write_curves;
 
 use diagnostic::Report;
 use source::{Source, Span};
@@ -85,13 +87,8 @@ pub fn read_part_with(name: &str, text: &str, options: ReadOptions) -> Result<Pa
     let mut part = Part { name: name.to_owned(), ..Part::default() };
     if is_toml(text) {
         if let Some(file) = curve_file::read(&mut report, text) {
-            part.moves.push(Move {
-                kind: MoveKind::Feed,
-                shape: Shape::Nurbs,
-                feedrate_mm_per_s: None,
-                line: file.line,
-            });
-            part.curves.push(file.curve);
+            (part.curves, part.moves) = file.curves.into_iter().unzip();
+            part.feedrate_mm_per_s = part.highest_feedrate();
             part.machine = file.machine;
             part.published = file.published;
         }

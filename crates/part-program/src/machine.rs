@@ -91,7 +91,7 @@ macro_rules! up_to {
 }
 
 const PERIOD: Domain = up_to!(1e3, "ms");
-const FEEDRATE: Domain = up_to!(1e5, "mm/s");
+pub(crate) const FEEDRATE: Domain = up_to!(1e5, "mm/s");
 const ACCELERATION: Domain = up_to!(1e8, "mm/s²");
 const JERK: Domain = up_to!(1e12, "mm/s³");
 const CHORD_ERROR: Domain = up_to!(1e2, "mm");

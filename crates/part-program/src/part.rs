@@ -25,6 +25,14 @@ pub struct Part {
     pub warnings: Vec<Diagnostic>,
 }
 
+impl Part {
+    /// The highest feedrate that a move commands, in mm/s.
+    #[must_use]
+    pub fn highest_feedrate(&self) -> Option<f64> {
+        self.moves.iter().filter_map(|one| one.feedrate_mm_per_s).reduce(f64::max)
+    }
+}
+
 /// How a curve is to be followed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Move {

@@ -102,6 +102,23 @@ impl<'r, 'd, 't> TableReader<'r, 'd, 't> {
         Some((value.span().into(), table))
     }
 
+    /// One table within this one, or an array of them, each with its header's place; none if the key is not there.
+    pub(crate) fn tables(&mut self, key: &'static str) -> Vec<(Span, &'d DeTable<'d>)> {
+        let Some(value) = self.optional(key) else { return Vec::new() };
+        let items = match value.get_ref() {
+            DeValue::Array(items) => items.iter().collect(),
+            _ => vec![value],
+        };
+        let mut tables = Vec::with_capacity(items.len());
+        for item in items {
+            match item.get_ref() {
+                DeValue::Table(table) => tables.push((item.span().into(), table)),
+                _ => wrong_kind(self.report, key, item, "a table"),
+            }
+        }
+        tables
+    }
+
     /// Says every key that was not asked for.
     pub(crate) fn finish(self) {
         for key in self.table.keys().filter(|key| !self.known.contains(&key.get_ref().as_ref())) {

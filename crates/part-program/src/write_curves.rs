@@ -1,0 +1,104 @@
+//! A part as a curve file, which reads back as the same curves, moves and machine.
+
+use std::fmt::Write;
+
+use serde::Serialize;
+
+use crate::curve::Curve;
+use crate::machine::Machine;
+use crate::part::{MoveKind, Part};
+
+/// Writes the curves of a part, each a table `[[curve]]`, and its machine.
+///
+/// Numbers are the shortest decimals that read back as the same f64. Words that do not move the tool are no part of
+/// a curve file, and the lines of its moves are its own.
+#[must_use]
+pub fn write_curves(part: &Part) -> String {
+    let mut text = String::new();
+    let planar = part.curves.iter().all(|curve| curve.dimension == 2);
+    for (curve, one) in part.curves.iter().zip(&part.moves) {
+        text.push_str("[[curve]]\n");
+        if one.kind == MoveKind::Rapid {
+            text.push_str("move = \"rapid\"\n");
+        }
+        if let Some(feedrate) = one.feedrate_mm_per_s {
+            // Writing to a String does not fail.
+            let _ = writeln!(text, "feedrate_mm_per_s = {feedrate:?}");
+        }
+        numbers(&mut text, curve, planar);
+    }
+    text.push_str(&part.machine.as_ref().map(machine).unwrap_or_default());
+    text
+}
+
+fn numbers(text: &mut String, curve: &Curve, planar: bool) {
+    let axes = if planar { 2 } else { 3 };
+    let points: Vec<_> = curve.control_points_mm.iter().map(|point| &point[..axes]).collect();
+    let _ = writeln!(text, "degree = {}\ncontrol_points_mm = {points:?}", curve.degree);
+    if curve.weights.iter().any(|weight| *weight != 1.0) {
+        let _ = writeln!(text, "weights = {:?}", curve.weights);
+    }
+    let _ = writeln!(text, "knots = {:?}\n", curve.knots);
+}
+
+fn machine(machine: &Machine) -> String {
+    #[derive(Serialize)]
+    struct File<'m> {
+        machine: &'m Machine,
+    }
+    // A struct of numbers is always a table.
+    toml::to_string(&File { machine }).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Move, Shape, read_part};
+
+    const PROGRAM: &str = "G0 X1 Y2 Z5\nG0 X0.1\nG1 Z-0.2 F300\nG1 X10 F2400\nG3 X20 Y12 R10\nG06.2 P3 K0 X20 Y12\nK0 X30 R2\nK0 X30 Y0 Z0.0000001\nK1\nK1\nK1\nM30\n";
+
+    #[test]
+    fn what_is_written_reads_back() {
+        let machine = crate::read_machine("m", include_str!("../../../data/seed-000.toml")).unwrap();
+        let axes = crate::Axes {
+            y: crate::AxisLimits { velocity_mm_per_s: Some(250.0), ..crate::AxisLimits::default() },
+            ..crate::Axes::default()
+        };
+        for machine in [None, Some(Machine { axes, ..machine })] {
+            let part = Part { machine, ..read_part("p.nc", PROGRAM).unwrap() };
+            let again = read_part("p.toml", &write_curves(&part)).unwrap();
+            assert_eq!(
+                again.curves,
+                part.curves.iter().map(|c| Curve { dimension: 3, ..c.clone() }).collect::<Vec<_>>()
+            );
+            assert_eq!((&again.machine, again.feedrate_mm_per_s), (&part.machine, part.feedrate_mm_per_s));
+            let said = |m: &Move| (m.kind, m.feedrate_mm_per_s);
+            assert!(again.moves.iter().map(said).eq(part.moves.iter().map(said)));
+            assert_eq!((again.moves[0].shape, again.moves[0].line), (Shape::Line, 1));
+        }
+    }
+
+    #[test]
+    fn a_planar_part_stays_planar() {
+        let part = read_part("p.nc", "G1 X0 Y0 F60\nG1 X1 Y2\n").unwrap();
+        let text = write_curves(&part);
+        assert!(text.contains("control_points_mm = [[0.0, 0.0], [1.0, 2.0]]"), "{text}");
+        assert_eq!(read_part("p.toml", &text).unwrap().curves, part.curves);
+    }
+
+    #[test]
+    fn what_is_wrong_with_one_of_several_curves_is_said_at_its_place() {
+        let one = "[[curve]]\ndegree = 1\ncontrol_points_mm = [[0, 0], [1, 0]]\nknots = [0, 0, 1, 1]\n";
+        let said = |last: &str| read_part("p.toml", &format!("{one}{one}{last}")).unwrap_err().to_string();
+        for (last, expected) in [
+            ("move = 3\n", "p.toml:9:8"),
+            ("move = \"quick\"\n", "\"feed\" or \"rapid\""),
+            ("feedrate_mm_per_s = 0\n", "`feedrate_mm_per_s` is 0"),
+            ("feed = 3\n", "unknown key `feed` in [curve]"),
+            ("[[curve]]\ndegree = 1\n", "p.toml:9:1"),
+        ] {
+            assert!(said(last).contains(expected), "{last}: {}", said(last));
+        }
+        assert!(read_part("p.toml", "curve = [1]\n").unwrap_err().to_string().contains("`curve` holds"));
+    }
+}
