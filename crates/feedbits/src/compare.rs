@@ -213,13 +213,7 @@ fn cells(row: &Row) -> Vec<String> {
     vec![
         row.format.clone(),
         row.bits.to_string(),
-        match row.engine {
-            Engine::DeBoorSecant => "raw",
-            Engine::DeBoorTaylor1 => "raw, taylor 1",
-            Engine::DeBoorTaylor2 => "raw, taylor 2",
-            Engine::Pieces => "pieces",
-        }
-        .to_string(),
+        row.engine.to_string(),
         fluctuation(|f| f.max),
         fluctuation(|f| f.min),
         fluctuation(|f| f.mean_abs),

@@ -56,7 +56,8 @@ impl Input {
     }
 }
 
-fn text(path: &Path) -> Result<String> {
+/// A whole file as text.
+pub(crate) fn text(path: &Path) -> Result<String> {
     let bytes = fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
     String::from_utf8(bytes).map_err(|error| {
         let at = error.utf8_error().valid_up_to();

@@ -6,6 +6,7 @@ mod input;
 mod interpolate;
 mod output;
 mod plan;
+mod servo;
 mod size;
 
 use std::process::ExitCode;
@@ -38,6 +39,8 @@ enum Command {
     Plan(plan::Arguments),
     /// Find the fewest bits that are enough.
     Size(size::Arguments),
+    /// Simulate the axis servo loops: following and contour error per format, circle test, tuning table.
+    Servo(servo::Arguments),
     /// List the number formats.
     Formats(formats::Arguments),
 }
@@ -59,6 +62,7 @@ fn main() -> ExitCode {
         Command::Interpolate(arguments) => interpolate::run(&arguments),
         Command::Plan(arguments) => plan::run(&arguments),
         Command::Size(arguments) => size::run(&arguments),
+        Command::Servo(arguments) => servo::run(&arguments),
         Command::Formats(arguments) => formats::run(&arguments),
     };
     match ending {

@@ -26,6 +26,17 @@ pub enum Engine {
     Pieces,
 }
 
+impl core::fmt::Display for Engine {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.pad(match self {
+            Self::DeBoorSecant => "raw",
+            Self::DeBoorTaylor1 => "raw, taylor 1",
+            Self::DeBoorTaylor2 => "raw, taylor 2",
+            Self::Pieces => "pieces",
+        })
+    }
+}
+
 /// How a part is run.
 #[derive(Clone, Debug)]
 pub struct Options {

@@ -1,0 +1,285 @@
+//! `feedbits servo`: what the machine makes of each format's setpoints.
+
+use std::path::PathBuf;
+
+use anyhow::{Context, Result};
+use clap::Args;
+use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
+use format_compare::{Dimension, Engine, ExactPlan, Format, Options, Problem, Space};
+use nurbs_core::{Evaluate, NurbsBuf};
+use serde::Serialize;
+use servo_sim::{
+    CircleTest, ErrorSize, Roundness, Servo, ServoParameters, TuningRow, contour_error, roundness_plot,
+    tuning_table,
+};
+
+use crate::compare::{RunArguments, selected};
+use crate::input::{self, AnyProblem, Input};
+use crate::{Ending, output};
+
+/// The drive that runs when no servo file is given: fitted to paper D's circle test.
+const EXAMPLE: &str = include_str!("../../../data/servo.toml");
+
+/// Options of `servo`.
+#[derive(Args)]
+pub(crate) struct Arguments {
+    #[command(flatten)]
+    input: Input,
+    /// Servo file (TOML with a table `servo`). Default: the built-in example, data/servo.toml.
+    #[arg(long, value_name = "FILE")]
+    servo: Option<PathBuf>,
+    #[command(flatten)]
+    run: RunArguments,
+    /// The formats to run, comma-separated. Default: all; see `feedbits formats`.
+    #[arg(long, visible_alias = "format", value_delimiter = ',', value_name = "F,F")]
+    formats: Vec<String>,
+    /// Radius of the circle test, in mm.
+    #[arg(long, value_name = "MM", default_value_t = 10.0)]
+    circle: f64,
+    /// Feedrate of the circle test, in mm/min, as an F word has it.
+    #[arg(long, value_name = "MM_PER_MIN", default_value_t = 4000.0)]
+    feed: f64,
+    /// Write the magnified roundness plot of the circle test to this SVG file.
+    #[arg(long, value_name = "FILE.svg")]
+    plot: Option<PathBuf>,
+    #[command(flatten)]
+    output: output::Output,
+}
+
+/// What `--json` prints.
+#[derive(Serialize)]
+struct Report {
+    part: String,
+    interpolation_period_ms: f64,
+    servo: ServoParameters,
+    formats: Vec<FormatRow>,
+    circle: CircleReport,
+    tuning: Vec<TuningRow>,
+}
+
+/// The part in one format, by one engine.
+#[derive(Serialize)]
+struct FormatRow {
+    format: String,
+    engine: Engine,
+    #[serde(flatten)]
+    outcome: Outcome,
+}
+
+#[derive(Serialize)]
+#[serde(rename_all = "snake_case", untagged)]
+enum Outcome {
+    Ran {
+        /// Distance of the setpoints from the curve.
+        setpoint_error_mm: ErrorSize,
+        /// Command minus table, an axis each.
+        following_error_mm: Vec<ErrorSize>,
+        /// Distance of the table from the curve.
+        contour_error_mm: ErrorSize,
+        reached_the_end: bool,
+    },
+    /// Why the format was not run.
+    Refused { refused: String },
+}
+
+#[derive(Serialize)]
+struct CircleReport {
+    radius_mm: f64,
+    feedrate_mm_per_min: f64,
+    #[serde(flatten)]
+    result: Roundness,
+}
+
+/// Simulates and prints.
+pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
+    let servo = parameters(arguments.servo.as_ref())?;
+    let (part, period, formats) = match arguments.input.read()? {
+        AnyProblem::Planar(problem) => {
+            (problem.name.clone(), problem.period_s(), rows(&problem, &servo, arguments)?)
+        }
+        AnyProblem::Spatial(problem) => {
+            (problem.name.clone(), problem.period_s(), rows(&problem, &servo, arguments)?)
+        }
+    };
+    let test = CircleTest { radius: arguments.circle, feedrate: arguments.feed / 60.0, period };
+    let circle = test.run::<f64>(&[servo; 2]).context("circle test")?;
+    let tuning = tuning_table(&[servo; 2], &test).context("tuning table")?;
+    if let Some(path) = &arguments.plot {
+        let title = format!(
+            "Circle test: feed-forward {} %, velocity gain {} %",
+            servo.feed_forward * 100.0,
+            servo.velocity_gain_percent
+        );
+        output::write(Some(path), &(roundness_plot(&test, &circle, &title) + "\n"))?;
+    }
+    let report = Report {
+        part,
+        interpolation_period_ms: period * 1000.0,
+        servo,
+        formats,
+        circle: CircleReport { radius_mm: test.radius, feedrate_mm_per_min: arguments.feed, result: circle },
+        tuning,
+    };
+    let text =
+        if arguments.output.json { serde_json::to_string_pretty(&report)? + "\n" } else { tables(&report) };
+    output::write(arguments.output.out.as_deref(), &text)?;
+    // A format that cannot run the raw problem is an answer, not a failure; one that runs neither way is.
+    let ran = |row: &&FormatRow| matches!(row.outcome, Outcome::Ran { reached_the_end: true, .. });
+    let any_ran = |format: &str| report.formats.iter().filter(ran).any(|row| row.format == format);
+    let all_ran = report.formats.iter().all(|row| any_ran(&row.format));
+    Ok(if all_ran { Ending::Good } else { Ending::RequirementNotMet })
+}
+
+fn parameters(path: Option<&PathBuf>) -> Result<ServoParameters> {
+    match path {
+        Some(path) => {
+            ServoParameters::from_toml(&input::text(path)?).with_context(|| path.display().to_string())
+        }
+        None => ServoParameters::from_toml(EXAMPLE).context("built-in servo example"),
+    }
+}
+
+fn rows<const D: usize>(
+    problem: &Problem<D>,
+    servo: &ServoParameters,
+    arguments: &Arguments,
+) -> Result<Vec<FormatRow>>
+where
+    Space: Dimension<D>,
+{
+    servo.validate(problem.period_s())?;
+    let engines = arguments.run.engines()?;
+    let options = arguments.run.options()?;
+    let mut rows = Vec::new();
+    for format in selected::<D>(&arguments.formats)? {
+        let plan = format_compare::plan_for(problem, format.as_ref(), &options);
+        for &engine in &engines {
+            let outcome = match &plan {
+                Ok(plan) => {
+                    simulate(problem, format.as_ref(), plan, &Options { engine, ..options.clone() }, servo)?
+                }
+                Err(reason) => Outcome::Refused { refused: reason.to_string() },
+            };
+            rows.push(FormatRow { format: format.name().to_string(), engine, outcome });
+        }
+    }
+    Ok(rows)
+}
+
+/// The part in one format, on a machine whose drives are exact: what differs between rows is the setpoints.
+fn simulate<const D: usize>(
+    problem: &Problem<D>,
+    format: &dyn Format<D>,
+    plan: &ExactPlan,
+    options: &Options,
+    servo: &ServoParameters,
+) -> Result<Outcome> {
+    let run = match format.run(problem, plan, options) {
+        Ok(run) => run,
+        Err(reason) => return Ok(Outcome::Refused { refused: reason.to_string() }),
+    };
+    let setpoints: Vec<[f64; D]> =
+        run.steps.iter().map(|step| core::array::from_fn(|d| step.point_mm[d])).collect();
+    let curves: Vec<_> = problem.curves.iter().map(NurbsBuf::as_curve).collect();
+    let first = curves.first().context("the path has no curve")?;
+    let start = first.point(first.domain().0);
+    let trace =
+        Servo::<f64, D>::try_new(&[*servo; D], problem.period_s(), start)?.run(setpoints.iter().copied())?;
+    Ok(Outcome::Ran {
+        setpoint_error_mm: contour_error(&curves, setpoints)?,
+        following_error_mm: trace.following_error().to_vec(),
+        contour_error_mm: contour_error(&curves, trace.samples.iter().map(|sample| sample.table))?,
+        reached_the_end: run.finished,
+    })
+}
+
+fn tables(report: &Report) -> String {
+    let servo = &report.servo;
+    let heading = format!(
+        "{}: period {} ms, position gain {} 1/s, lag {} ms, feed-forward {} %, velocity gain {} %",
+        report.part,
+        report.interpolation_period_ms,
+        servo.position_gain_per_s,
+        servo.velocity_lag_ms,
+        servo.feed_forward * 100.0,
+        servo.velocity_gain_percent,
+    );
+    let circle = &report.circle;
+    let circle_line = format!(
+        "Circle R{} F{}: mean radial error {} µm (linear loop in closed form: {} µm), roundness {} µm",
+        circle.radius_mm,
+        circle.feedrate_mm_per_min,
+        micrometres(circle.result.radial_error_mean_mm),
+        micrometres(circle.result.continuous_closed_form_mm),
+        micrometres(circle.result.roundness_mm),
+    );
+    format!("{heading}\n{}\n\n{circle_line}\n{}\n", format_table(report), tuning(report))
+}
+
+fn format_table(report: &Report) -> Table {
+    let size = |size: &ErrorSize| format!("{} / {}", micrometres(size.max), micrometres(size.rms));
+    let axes = report.formats.iter().find_map(|row| match &row.outcome {
+        Outcome::Ran { following_error_mm, .. } => Some(following_error_mm.len()),
+        Outcome::Refused { .. } => None,
+    });
+    let axes = axes.unwrap_or(0);
+    let mut header = ["format", "path", "setpoints off the\ncurve, max / rms µm"].map(String::from).to_vec();
+    header.extend(
+        ["X", "Y", "Z"].iter().take(axes).map(|axis| format!("following error {axis}\nmax / rms µm")),
+    );
+    header.extend(["contour error\nmax / rms µm", "note"].map(String::from));
+    let columns = header.len();
+    let mut table = new_table(header);
+    for row in &report.formats {
+        let mut cells = vec![row.format.clone(), row.engine.to_string()];
+        match &row.outcome {
+            Outcome::Ran { setpoint_error_mm, following_error_mm, contour_error_mm, reached_the_end } => {
+                cells.push(size(setpoint_error_mm));
+                cells.extend(following_error_mm.iter().map(size));
+                cells.push(size(contour_error_mm));
+                cells.push(if *reached_the_end { String::new() } else { "stops before the end".to_string() });
+            }
+            Outcome::Refused { refused } => {
+                cells.resize(columns - 1, String::new());
+                cells.push(format!("refused: {refused}"));
+            }
+        }
+        table.add_row(cells);
+    }
+    for column in table.column_iter_mut().skip(2).take(columns - 3) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    table
+}
+
+fn tuning(report: &Report) -> Table {
+    let mut table = new_table(
+        ["feed-forward\n%", "velocity gain\n%", "radial error\nmean µm", "roundness\nµm"]
+            .map(String::from)
+            .to_vec(),
+    );
+    for row in &report.tuning {
+        table.add_row([
+            format!("{}", row.feed_forward * 100.0),
+            format!("{}", row.velocity_gain_percent),
+            micrometres(row.radial_error_mean_mm),
+            micrometres(row.roundness_mm),
+        ]);
+    }
+    for column in table.column_iter_mut() {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    table
+}
+
+fn new_table(header: Vec<String>) -> Table {
+    let mut table = Table::new();
+    table.load_preset(presets::UTF8_FULL_CONDENSED).set_content_arrangement(ContentArrangement::Dynamic);
+    table.set_header(header);
+    table
+}
+
+/// A length in mm as text in µm; three places are nanometres.
+fn micrometres(mm: f64) -> String {
+    format!("{:.3}", mm * 1000.0)
+}

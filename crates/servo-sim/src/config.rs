@@ -1,0 +1,266 @@
+//! The servo file: what a drive engineer would write on one page.
+//!
+//! ```toml
+//! [servo]
+//! position_gain_per_s = 50.7
+//! velocity_lag_ms = 0.39
+//! feed_forward = 0.98
+//! ```
+
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+use crate::error::{positive, within};
+use crate::{SampledLoop, ServoError};
+
+/// Parameters of one axis, in the units of the servo file. Those left out of the file are zero or as stated.
+///
+/// The loop: the position loop asks for a velocity, in proportion to its error, plus the feed-forward; the velocity
+/// loop follows as a first-order lag; friction and the acceleration limit stand in its way; the table follows the
+/// motor through the backlash, and the encoder sits on the motor.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct ServoParameters {
+    /// Position loop gain Kp, in 1/s: velocity asked for per position error.
+    pub position_gain_per_s: f64,
+    /// Lag τ of the velocity loop at a velocity gain of 100 %, in ms: its bandwidth is 1/(2πτ).
+    pub velocity_lag_ms: f64,
+    /// Velocity feed-forward α: the fraction of the commanded velocity that is added. 98 % is 0.98.
+    #[serde(default)]
+    pub feed_forward: f64,
+    /// Acceleration feed-forward β: the fraction of `τ · commanded acceleration` that is added to the velocity.
+    #[serde(default)]
+    pub acceleration_feed_forward: f64,
+    /// Velocity loop gain g, in per cent. The lag is τ/g.
+    #[serde(default = "velocity_gain_percent")]
+    pub velocity_gain_percent: f64,
+    /// The velocity gain at which the velocity loop oscillates, in per cent. A lag does not: the limit is measured on
+    /// the machine. By default 429 %: the paper has 300 % at 70 % of the limit.
+    #[serde(default = "velocity_gain_limit_percent")]
+    pub velocity_gain_limit_percent: f64,
+    /// The current limit: the largest acceleration of the drive, in mm/s². Without it there is none.
+    #[serde(default)]
+    pub acceleration_limit_mm_per_s2: Option<f64>,
+    /// Coulomb friction, as the deceleration that it causes, in mm/s².
+    #[serde(default)]
+    pub friction_mm_per_s2: f64,
+    /// Play between motor and table, in mm.
+    #[serde(default)]
+    pub backlash_mm: f64,
+    /// What the control adds to the command at a reversal, to make up for the play, in mm.
+    #[serde(default)]
+    pub backlash_compensation_mm: f64,
+    /// Acceleration that the control adds after a reversal, in mm/s².
+    #[serde(default)]
+    pub backlash_acceleration_mm_per_s2: f64,
+    /// How long it does, in ms; rounded to whole sub-steps.
+    #[serde(default)]
+    pub backlash_acceleration_ms: f64,
+    /// Step of the encoder, in mm; 0 for an exact one.
+    #[serde(default)]
+    pub encoder_resolution_mm: f64,
+    /// Length of the moving average over the setpoints of each axis (linear acceleration after interpolation), in ms;
+    /// 0 for none. It takes `R(ωt)²/24` off the radius of a circle: acceleration before interpolation, which the
+    /// planner does, does not.
+    #[serde(default)]
+    pub command_filter_ms: f64,
+    /// Position loop cycles in one interpolation period.
+    #[serde(default = "sub_steps")]
+    pub sub_steps: u32,
+}
+
+fn velocity_gain_percent() -> f64 {
+    100.0
+}
+
+/// The paper runs at 300 % and calls that 70 % of the gain that oscillates.
+fn velocity_gain_limit_percent() -> f64 {
+    300.0 / 0.7
+}
+
+/// A position loop of 0.125 ms at a period of 1 ms.
+fn sub_steps() -> u32 {
+    8
+}
+
+impl ServoParameters {
+    /// An ideal drive but for the gain Kp and the lag τ: no feed-forward, friction, backlash or limit.
+    #[must_use]
+    pub fn new(position_gain_per_s: f64, velocity_lag_ms: f64) -> Self {
+        Self {
+            position_gain_per_s,
+            velocity_lag_ms,
+            feed_forward: 0.0,
+            acceleration_feed_forward: 0.0,
+            velocity_gain_percent: velocity_gain_percent(),
+            velocity_gain_limit_percent: velocity_gain_limit_percent(),
+            acceleration_limit_mm_per_s2: None,
+            friction_mm_per_s2: 0.0,
+            backlash_mm: 0.0,
+            backlash_compensation_mm: 0.0,
+            backlash_acceleration_mm_per_s2: 0.0,
+            backlash_acceleration_ms: 0.0,
+            encoder_resolution_mm: 0.0,
+            command_filter_ms: 0.0,
+            sub_steps: sub_steps(),
+        }
+    }
+
+    /// Reads the table `[servo]` of a TOML text and checks it, but for stability, which depends on the
+    /// interpolation period: see [`validate`](Self::validate).
+    ///
+    /// # Errors
+    /// [`ReadError`], with line and column of a key that is unknown, missing or no number, or the key and value that
+    /// break a rule.
+    pub fn from_toml(text: &str) -> Result<Self, ReadError> {
+        #[derive(Deserialize)]
+        struct File {
+            servo: ServoParameters,
+        }
+        let parameters = toml::from_str::<File>(text).map_err(ReadError::Toml)?.servo;
+        parameters.check_values().map_err(ReadError::Value)?;
+        Ok(parameters)
+    }
+
+    /// Checks every value, and the stability of the position loop at this interpolation period T (s).
+    ///
+    /// # Errors
+    /// [`ServoError`], naming key, value and the relation that does not hold.
+    pub fn validate(&self, period_s: f64) -> Result<(), ServoError> {
+        self.check_values()?;
+        let sub_step_s = self.sub_step_s(positive("interpolation period", period_s)?);
+        SampledLoop { position_gain: self.position_gain_per_s, lag: self.lag_s(), sub_step: sub_step_s }
+            .validate()
+    }
+
+    fn check_values(&self) -> Result<(), ServoError> {
+        /// No key has a meaningful value beyond this; squares of such numbers are still far from overflow.
+        const HUGE: f64 = 1e12;
+        let parameters = *self;
+        within("position_gain_per_s", positive("position_gain_per_s", self.position_gain_per_s)?, 0.0, HUGE)?;
+        within("velocity_lag_ms", positive("velocity_lag_ms", self.velocity_lag_ms)?, 1e-9, HUGE)?;
+        within("feed_forward", self.feed_forward, 0.0, 1.5)?;
+        within("acceleration_feed_forward", self.acceleration_feed_forward, 0.0, 1.5)?;
+        positive("velocity_gain_percent", self.velocity_gain_percent)?;
+        positive("velocity_gain_limit_percent", self.velocity_gain_limit_percent)?;
+        for (key, value) in [
+            ("friction_mm_per_s2", parameters.friction_mm_per_s2),
+            ("backlash_mm", parameters.backlash_mm),
+            ("backlash_compensation_mm", parameters.backlash_compensation_mm),
+            ("backlash_acceleration_mm_per_s2", parameters.backlash_acceleration_mm_per_s2),
+            ("backlash_acceleration_ms", parameters.backlash_acceleration_ms),
+            ("encoder_resolution_mm", parameters.encoder_resolution_mm),
+        ] {
+            within(key, value, 0.0, HUGE)?;
+        }
+        within("command_filter_ms", self.command_filter_ms, 0.0, 1e4)?;
+        within("sub_steps", f64::from(self.sub_steps), 1.0, 10_000.0)?;
+        if self.velocity_gain_percent >= self.velocity_gain_limit_percent {
+            return Err(ServoError::VelocityLoopOscillates {
+                velocity_gain_percent: self.velocity_gain_percent,
+                limit_percent: self.velocity_gain_limit_percent,
+            });
+        }
+        if let Some(limit) = self.acceleration_limit_mm_per_s2 {
+            positive("acceleration_limit_mm_per_s2", limit)?;
+            if self.friction_mm_per_s2 >= limit {
+                return Err(ServoError::CannotMove {
+                    friction_mm_per_s2: self.friction_mm_per_s2,
+                    acceleration_limit_mm_per_s2: limit,
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// The lag of the velocity loop at its gain, τ/g, in s.
+    #[must_use]
+    pub fn lag_s(&self) -> f64 {
+        self.velocity_lag_ms / 1000.0 / (self.velocity_gain_percent / 100.0)
+    }
+
+    /// Time between two cycles of the position loop, in s, at an interpolation period T (s).
+    #[must_use]
+    pub fn sub_step_s(&self, period_s: f64) -> f64 {
+        period_s / f64::from(self.sub_steps)
+    }
+}
+
+/// Why a servo file was refused.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ReadError {
+    /// It is not TOML, or a key is unknown, missing or of the wrong type.
+    Toml(toml::de::Error),
+    /// A value breaks a rule.
+    Value(ServoError),
+}
+
+impl fmt::Display for ReadError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Toml(error) => error.fmt(f),
+            Self::Value(error) => error.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for ReadError {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn message(text: &str) -> String {
+        ServoParameters::from_toml(text).unwrap_err().to_string()
+    }
+
+    const MINIMAL: &str = "[servo]\nposition_gain_per_s = 30\nvelocity_lag_ms = 1.0\n";
+
+    #[test]
+    fn the_sample_file_is_read() {
+        let sample = ServoParameters::from_toml(include_str!("../../../data/servo.toml")).unwrap();
+        assert_eq!((sample.position_gain_per_s, sample.velocity_lag_ms), (50.7, 0.39));
+        assert_eq!(sample.validate(1e-3), Ok(()));
+    }
+
+    #[test]
+    fn keys_left_out_mean_an_ideal_drive() {
+        assert_eq!(ServoParameters::from_toml(MINIMAL), Ok(ServoParameters::new(30.0, 1.0)));
+    }
+
+    #[test]
+    fn a_key_that_is_unknown_or_missing_is_named_with_its_line() {
+        let unknown = message(&(MINIMAL.to_string() + "feedforward = 0.9\n"));
+        assert!(unknown.contains("feedforward") && unknown.contains("line 4"), "{unknown}");
+        let missing = message("[servo]\nposition_gain_per_s = 30\n");
+        assert!(missing.contains("velocity_lag_ms"), "{missing}");
+    }
+
+    #[test]
+    fn a_value_that_breaks_a_rule_is_named() {
+        for (line, expected) in [
+            ("feed_forward = 98", "feed_forward = 98: expected a number from 0 to 1.5"),
+            ("feed_forward = nan", "feed_forward = NaN: expected a number from 0 to 1.5"),
+            ("backlash_mm = -1e-3", "backlash_mm = -0.001: expected a number from 0 to 1000000000000"),
+            ("sub_steps = 0", "sub_steps = 0: expected a number from 1 to 10000"),
+            (
+                "acceleration_limit_mm_per_s2 = 0",
+                "acceleration_limit_mm_per_s2 = 0: expected a positive number",
+            ),
+            ("velocity_gain_percent = 450", "oscillates from velocity_gain_limit_percent = 429 on"),
+            ("friction_mm_per_s2 = 9\nacceleration_limit_mm_per_s2 = 9", "the axis cannot move"),
+        ] {
+            let text = MINIMAL.to_string() + line;
+            assert!(message(&text).contains(expected), "{line}: {}", message(&text));
+        }
+    }
+
+    #[test]
+    fn more_velocity_gain_is_less_lag() {
+        let at =
+            |percent| ServoParameters { velocity_gain_percent: percent, ..ServoParameters::new(30.0, 3.0) };
+        assert!((at(300.0).lag_s() - 0.001).abs() < 1e-15);
+        assert!((at(100.0).lag_s() - 0.003).abs() < 1e-15);
+    }
+}

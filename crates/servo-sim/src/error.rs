@@ -1,0 +1,161 @@
+//! Why a servo or a test of it was refused.
+
+use std::fmt;
+
+use real::FormatName;
+
+/// Why parameters, a loop, a run or a circle test were refused. Keys are those of the servo file.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum ServoError {
+    /// A value must be positive and finite, and is not.
+    NotPositive {
+        /// Name of the argument or key.
+        key: &'static str,
+        /// The value given.
+        value: f64,
+    },
+    /// A value is outside its range, or not a number.
+    OutOfRange {
+        /// Name of the argument or key.
+        key: &'static str,
+        /// The value given.
+        value: f64,
+        /// The least value allowed.
+        least: f64,
+        /// The greatest value allowed.
+        most: f64,
+    },
+    /// The velocity loop's gain is at or beyond the one at which it oscillates.
+    VelocityLoopOscillates {
+        /// The gain given, in per cent.
+        velocity_gain_percent: f64,
+        /// The gain at which the loop oscillates, in per cent.
+        limit_percent: f64,
+    },
+    /// The axes of a machine differ in their sub-steps.
+    SubStepsDiffer {
+        /// Those of the first axis.
+        first: u32,
+        /// Those of another.
+        other: u32,
+    },
+    /// Friction takes all of the acceleration that the drive has.
+    CannotMove {
+        /// Deceleration by friction, in mm/s².
+        friction_mm_per_s2: f64,
+        /// The drive's limit, in mm/s².
+        acceleration_limit_mm_per_s2: f64,
+    },
+    /// The sampled position loop is not stable.
+    Unstable {
+        /// The gain given, in 1/s.
+        position_gain_per_s: f64,
+        /// The gain at which the loop begins to oscillate, in 1/s.
+        largest_gain_per_s: f64,
+        /// Factor by which an error grows from one sub-step to the next.
+        spectral_radius: f64,
+        /// Time between two sub-steps, in ms.
+        sub_step_ms: f64,
+    },
+    /// A parameter does not fit the number format of the control law, or becomes zero in it.
+    ParameterNotInFormat {
+        /// The parameter, per sub-step.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+        /// The format.
+        format: FormatName,
+    },
+    /// A setpoint or a position does not fit the number format of the control law.
+    PositionNotInFormat {
+        /// Index of the axis.
+        axis: usize,
+        /// The position, in mm.
+        value: f64,
+        /// The format.
+        format: FormatName,
+    },
+    /// A circle is passed in so few periods that its setpoints are no circle.
+    CircleTooFast {
+        /// Setpoints on a turn.
+        setpoints_per_turn: f64,
+        /// The fewest allowed.
+        least: f64,
+    },
+    /// A path has no curve, or a curve that has no length.
+    PathEmpty,
+}
+
+impl fmt::Display for ServoError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::NotPositive { key, value } => write!(f, "{key} = {value}: expected a positive number"),
+            Self::OutOfRange { key, value, least, most } => {
+                write!(f, "{key} = {value}: expected a number from {least} to {most}")
+            }
+            Self::VelocityLoopOscillates { velocity_gain_percent, limit_percent } => write!(
+                f,
+                "velocity_gain_percent = {velocity_gain_percent}: the velocity loop oscillates from \
+                 velocity_gain_limit_percent = {limit_percent:.0} on; 70 % of that is usual"
+            ),
+            Self::SubStepsDiffer { first, other } => {
+                write!(f, "sub_steps = {other}: expected {first} as on the first axis")
+            }
+            Self::CannotMove { friction_mm_per_s2, acceleration_limit_mm_per_s2 } => write!(
+                f,
+                "friction_mm_per_s2 = {friction_mm_per_s2}: expected less than \
+                 acceleration_limit_mm_per_s2 = {acceleration_limit_mm_per_s2}, or the axis cannot move"
+            ),
+            Self::Unstable { position_gain_per_s, largest_gain_per_s, spectral_radius, sub_step_ms } => {
+                write!(
+                    f,
+                    "position_gain_per_s = {position_gain_per_s}: the position loop, closed every {sub_step_ms} ms, is \
+                 unstable: an error grows by {spectral_radius:.3} a sub-step; expected less than \
+                 {largest_gain_per_s:.1} 1/s, or more sub_steps"
+                )
+            }
+            Self::ParameterNotInFormat { what, value, format } => {
+                write!(f, "{what} = {value:.3e} is out of range or zero in {format}")
+            }
+            Self::PositionNotInFormat { axis, value, format } => {
+                write!(f, "axis {axis}: position {value} mm is out of range in {format}")
+            }
+            Self::CircleTooFast { setpoints_per_turn, least } => write!(
+                f,
+                "the circle is passed in {setpoints_per_turn:.1} interpolation periods: expected at least {least}"
+            ),
+            Self::PathEmpty => write!(f, "the path has no curve, or one without length"),
+        }
+    }
+}
+
+impl std::error::Error for ServoError {}
+
+/// Refuses a value that is not positive and finite.
+pub(crate) fn positive(key: &'static str, value: f64) -> Result<f64, ServoError> {
+    if value > 0.0 && value.is_finite() { Ok(value) } else { Err(ServoError::NotPositive { key, value }) }
+}
+
+/// Refuses a value that is not in `least ..= most`.
+pub(crate) fn within(key: &'static str, value: f64, least: f64, most: f64) -> Result<f64, ServoError> {
+    if (least..=most).contains(&value) {
+        Ok(value)
+    } else {
+        Err(ServoError::OutOfRange { key, value, least, most })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn messages_name_key_value_and_relation() {
+        let error = positive("velocity_lag_ms", -1.0).unwrap_err();
+        assert_eq!(error.to_string(), "velocity_lag_ms = -1: expected a positive number");
+        let error = within("feed_forward", 98.0, 0.0, 1.5).unwrap_err();
+        assert_eq!(error.to_string(), "feed_forward = 98: expected a number from 0 to 1.5");
+        assert!(positive("x", f64::NAN).is_err() && within("x", f64::NAN, 0.0, 1.0).is_err());
+    }
+}

@@ -1,0 +1,205 @@
+//! When the sampled position loop is stable, and what sampling does to it.
+//!
+//! The error of the loop, without input, is `x'' τ + x' + Kp x = 0` in continuous time: stable for every gain, and free
+//! of overshoot up to `Kp = 1/(4τ)`. Closed every h, with the control law's extrapolation, it is a linear map of
+//! (x_k, h·v_k, x_{k-1}). With k = Kp h, e = exp(-h/τ), p = τ(1 - e)/h and the held command
+//! `h v_c = -k (3x_k - x_{k-1})/2`:
+//!
+//! `x_{k+1} = x_k + p h v_k + (1 - p) h v_c`, `h v_{k+1} = e h v_k + (1 - e) h v_c`.
+//!
+//! The loop is stable while every eigenvalue of that matrix is less than 1 in magnitude.
+
+use nalgebra::Matrix3;
+
+use crate::ServoError;
+
+/// A position loop that is closed every `sub_step`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SampledLoop {
+    /// Position gain Kp, in 1/s.
+    pub position_gain: f64,
+    /// Lag τ of the velocity loop, in s.
+    pub lag: f64,
+    /// Time h between two cycles, in s.
+    pub sub_step: f64,
+}
+
+impl SampledLoop {
+    /// The factor by which an error grows or decays from one sub-step to the next, in the long run: the largest
+    /// magnitude of the eigenvalues. Infinite if a parameter is not a positive number.
+    #[must_use]
+    pub fn spectral_radius(&self) -> f64 {
+        let system = self.system();
+        if !system.iter().all(|x| x.is_finite()) {
+            return f64::INFINITY;
+        }
+        system.complex_eigenvalues().iter().map(|z| z.re.hypot(z.im)).fold(0.0, f64::max)
+    }
+
+    /// Damping ratio ζ = 1/(2√(Kp τ)) of the continuous loop; below 1 it overshoots.
+    #[must_use]
+    pub fn damping_ratio(&self) -> f64 {
+        0.5 / (self.position_gain * self.lag).sqrt()
+    }
+
+    /// The gain Kp at which the loop begins to oscillate, in 1/s, to a relative 1e-9.
+    #[must_use]
+    pub fn largest_position_gain(&self) -> f64 {
+        let unstable = |position_gain: f64| Self { position_gain, ..*self }.spectral_radius() >= 1.0;
+        let mut high = 1.0 / self.sub_step;
+        // k = Kp h is at most of the order of 1 + τ/h; the bound only guards against parameters that are not numbers.
+        for _ in 0..1000 {
+            if unstable(high) {
+                break;
+            }
+            high *= 2.0;
+        }
+        let mut low = 0.0;
+        for _ in 0..60 {
+            let middle = low + (high - low) / 2.0;
+            if unstable(middle) {
+                high = middle;
+            } else {
+                low = middle;
+            }
+        }
+        low
+    }
+
+    /// Sub-steps in which an error decays to e⁻²⁰ of what it was; at most 1e6.
+    pub(crate) fn settling_sub_steps(&self) -> f64 {
+        (-20.0 / self.spectral_radius().ln()).clamp(1.0, 1e6)
+    }
+
+    /// Refuses a loop that is not stable.
+    ///
+    /// # Errors
+    /// [`ServoError::Unstable`], with the gain that would just be stable.
+    pub fn validate(&self) -> Result<(), ServoError> {
+        let spectral_radius = self.spectral_radius();
+        if spectral_radius < 1.0 {
+            return Ok(());
+        }
+        Err(ServoError::Unstable {
+            position_gain_per_s: self.position_gain,
+            largest_gain_per_s: self.largest_position_gain(),
+            spectral_radius,
+            sub_step_ms: self.sub_step * 1000.0,
+        })
+    }
+
+    fn system(&self) -> Matrix3<f64> {
+        let PerSubStep { gain: k, decay: e, path: p } = self.per_sub_step();
+        let (now, before) = (-1.5 * k, 0.5 * k);
+        Matrix3::new(
+            1.0 + (1.0 - p) * now,
+            p,
+            (1.0 - p) * before, //
+            (1.0 - e) * now,
+            e,
+            (1.0 - e) * before, //
+            1.0,
+            0.0,
+            0.0,
+        )
+    }
+
+    pub(crate) fn per_sub_step(&self) -> PerSubStep {
+        let ratio = self.sub_step / self.lag;
+        PerSubStep {
+            gain: self.position_gain * self.sub_step,
+            decay: (-ratio).exp(),
+            path: -(-ratio).exp_m1() / ratio,
+        }
+    }
+}
+
+/// A loop with the sub-step as the unit of time.
+pub(crate) struct PerSubStep {
+    /// k = Kp h.
+    pub(crate) gain: f64,
+    /// e = exp(-h/τ): what is left of the velocity error.
+    pub(crate) decay: f64,
+    /// p = τ(1 - e)/h: the path that a velocity of 1 runs on while it decays.
+    pub(crate) path: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::drive::{Drive, MotorState};
+    use proptest::prelude::*;
+
+    fn fitted(sub_step: f64) -> SampledLoop {
+        SampledLoop { position_gain: 50.7, lag: 0.39e-3, sub_step }
+    }
+
+    #[test]
+    fn a_short_lag_leaves_the_limit_of_extrapolation() {
+        // τ → 0: z³ - z² + k(3z² - z)/2 = 0, and at z = -1: -2 + 2k = 0, so Kp h = 1; a lag adds 2τ/h to that.
+        let limit = SampledLoop { position_gain: 1.0, lag: 1e-9, sub_step: 1e-3 }.largest_position_gain();
+        assert!((limit - 1000.0 * (1.0 + 2e-6)).abs() < 1e-6, "{limit}");
+    }
+
+    #[test]
+    fn a_short_sub_step_decays_as_the_continuous_loop() {
+        // The slow root of τs² + s + Kp = 0.
+        let slow = (-1.0 + (1.0_f64 - 4.0 * 50.7 * 0.39e-3).sqrt()) / (2.0 * 0.39e-3);
+        let sampled = fitted(1e-5);
+        let found = sampled.spectral_radius().ln() / 1e-5;
+        assert!((found / slow - 1.0).abs() < 1e-6, "{found} {slow}");
+        assert!((sampled.damping_ratio() - 3.5557).abs() < 1e-3);
+    }
+
+    #[test]
+    fn a_gain_beyond_the_limit_is_refused_and_the_limit_named() {
+        let limit = fitted(1e-3).largest_position_gain();
+        let at = |factor: f64| SampledLoop { position_gain: factor * limit, ..fitted(1e-3) };
+        assert_eq!(at(0.999).validate(), Ok(()));
+        let message = at(1.001).validate().unwrap_err().to_string();
+        assert!(message.contains("is unstable") && message.contains(&format!("{limit:.1} 1/s")), "{message}");
+    }
+
+    #[test]
+    fn parameters_that_are_no_numbers_are_unstable() {
+        for gain in [f64::NAN, f64::INFINITY] {
+            let no_loop = SampledLoop { position_gain: gain, ..fitted(1e-3) };
+            assert!(no_loop.validate().is_err());
+        }
+    }
+
+    /// The largest position of the loop, let go at 1 mm, over the last of `cycles`.
+    fn amplitude_after(sampled: &SampledLoop, cycles: f64) -> f64 {
+        let drive = Drive { lag: sampled.lag, acceleration_limit: f64::INFINITY, friction: 0.0 };
+        let mut motor = MotorState { position: 1.0, velocity: 0.0 };
+        let mut before = 1.0;
+        let mut largest = 0.0_f64;
+        let mut left = cycles;
+        while left > 0.0 {
+            left -= 1.0;
+            let command = -sampled.position_gain * (3.0 * motor.position - before) / 2.0;
+            before = motor.position;
+            motor = drive.advance(motor, command, sampled.sub_step);
+            if motor.position.abs() > 1e6 {
+                return motor.position.abs(); // on its way out of all numbers
+            }
+            if left < 50.0 {
+                largest = largest.max(motor.position.abs());
+            }
+        }
+        largest
+    }
+
+    proptest! {
+        /// The limit is where the simulated loop turns from decay to growth.
+        #[test]
+        fn the_limit_is_that_of_the_simulation(lag in 1e-4..1e-2_f64, sub_step in 5e-5..2e-3_f64) {
+            let at = |position_gain| SampledLoop { position_gain, lag, sub_step };
+            let limit = at(1.0).largest_position_gain();
+            // Three per cent from the limit, an error takes some hundred lags to decay or grow.
+            let cycles = f64::max(4000.0, 1000.0 * lag / sub_step);
+            prop_assert!(amplitude_after(&at(0.97 * limit), cycles) < 0.1);
+            prop_assert!(amplitude_after(&at(1.03 * limit), cycles) > 10.0);
+        }
+    }
+}
