@@ -28,8 +28,18 @@ pub(crate) enum AnyProblem {
 }
 
 impl Input {
-    /// Reads both files.
+    /// Reads both files as a problem to plan and run.
     pub(crate) fn read(&self) -> Result<AnyProblem> {
+        let (part, machine) = self.part_and_machine()?;
+        Ok(if part.curves.iter().all(|curve| curve.dimension == 2) {
+            AnyProblem::Planar(Problem::new(&part, &machine)?)
+        } else {
+            AnyProblem::Spatial(Problem::new(&part, &machine)?)
+        })
+    }
+
+    /// Reads both files.
+    pub(crate) fn part_and_machine(&self) -> Result<(Part, Machine)> {
         let part = match &self.part {
             Some(path) => part_program::read_part(&path.display().to_string(), &text(path)?)?,
             None => part_program::read_part("built-in example", EXAMPLE)?,
@@ -38,11 +48,7 @@ impl Input {
             eprintln!("{warning}");
         }
         let machine = self.machine(&part)?;
-        Ok(if part.curves.iter().all(|curve| curve.dimension == 2) {
-            AnyProblem::Planar(Problem::new(&part, &machine)?)
-        } else {
-            AnyProblem::Spatial(Problem::new(&part, &machine)?)
-        })
+        Ok((part, machine))
     }
 
     fn machine(&self, part: &Part) -> Result<Machine> {

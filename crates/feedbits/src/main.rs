@@ -8,6 +8,7 @@ mod output;
 mod plan;
 mod servo;
 mod size;
+mod smooth;
 
 use std::process::ExitCode;
 
@@ -41,6 +42,8 @@ enum Command {
     Size(size::Arguments),
     /// Simulate the axis servo loops: following and contour error per format, circle test, tuning table.
     Servo(servo::Arguments),
+    /// Smooth the corners of straight moves and arcs within a tolerance: corner by corner, and the time it saves.
+    Smooth(smooth::Arguments),
     /// List the number formats.
     Formats(formats::Arguments),
 }
@@ -63,6 +66,7 @@ fn main() -> ExitCode {
         Command::Plan(arguments) => plan::run(&arguments),
         Command::Size(arguments) => size::run(&arguments),
         Command::Servo(arguments) => servo::run(&arguments),
+        Command::Smooth(arguments) => smooth::run(&arguments),
         Command::Formats(arguments) => formats::run(&arguments),
     };
     match ending {

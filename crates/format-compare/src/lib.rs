@@ -23,7 +23,7 @@ mod run;
 mod setpoints;
 mod size;
 
-pub use compare::{Comparison, PartSummary, Row, Verdict, compare};
+pub use compare::{Comparison, PartSummary, Row, Verdict, compare, in_parallel};
 pub use exact_plan::ExactPlan;
 pub use formats::{Dimension, Format, Space, formats, plan_for, select};
 pub use metrics::{Fluctuation, JudgedStep, PerPeriod};

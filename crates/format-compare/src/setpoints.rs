@@ -39,9 +39,10 @@ impl<const D: usize> Reference<D> {
     /// The table of a run.
     #[must_use]
     pub fn setpoints(&self, problem: &Problem<D>, run: &Run) -> SetpointTable {
-        let spans_before = |curve: usize| -> usize {
-            problem.curves.iter().take(curve).map(|c| c.as_curve().span_count()).sum()
-        };
+        let mut spans_before = vec![0];
+        for curve in &problem.curves {
+            spans_before.push(spans_before[spans_before.len() - 1] + curve.as_curve().span_count());
+        }
         let rows = run.steps.iter().zip(self.judge(run)).enumerate();
         rows.map(|(index, (step, judged))| {
             let curve = problem.curves[step.curve].as_curve();
@@ -52,7 +53,7 @@ impl<const D: usize> Reference<D> {
             SetpointRow {
                 step: index + 1,
                 time_s: (index + 1) as f64 * problem.period_s(),
-                span: spans_before(step.curve) + span,
+                span: spans_before[step.curve] + span,
                 t: (u - begin) / (end - begin),
                 u,
                 point_mm: step.point_mm,

@@ -1,0 +1,165 @@
+//! `feedbits smooth`: corners of straight moves and arcs, cut or looped, within a tolerance.
+
+mod deviation;
+mod fine_moves;
+mod followed;
+mod report;
+mod smooth_stretch;
+mod stretch;
+mod timing;
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
+use clap::{Args, ValueEnum};
+use nurbs_core::CornerStyle;
+use part_program::{Machine, MoveKind, Part};
+
+use crate::input::Input;
+use crate::{Ending, output};
+use followed::Followed;
+use report::{Forms, Kind, Report, SetpointCheck};
+use smooth_stretch::CHORD_SHARE;
+use stretch::{rest_before, stretches, with_polygons_as_lines};
+
+/// Options of `smooth`.
+#[derive(Args)]
+pub(crate) struct Arguments {
+    #[command(flatten)]
+    input: Input,
+    /// Largest distance between the smoothed path and the program's moves, both ways, in mm.
+    #[arg(long, value_name = "MM")]
+    tolerance: f64,
+    /// Outer corners, which turn the way that their outline turns: in a loop around the corner, or cut like the others.
+    #[arg(long, value_enum, default_value_t = Outer::Cut)]
+    outer: Outer,
+    /// Write the smoothed path: curves if the name ends in .toml, else a program of fine straight moves.
+    #[arg(long, value_name = "PATH")]
+    out: Option<PathBuf>,
+    /// JSON instead of a table: every corner, and the totals.
+    #[arg(long)]
+    json: bool,
+}
+
+/// What becomes of outer corners.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Outer {
+    /// Left along the first move, and met again along the second; the corner stays sharp.
+    Loop,
+    /// Cut off on the inside.
+    Cut,
+}
+
+/// Smooths, measures and prints.
+pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
+    let tolerance = arguments.tolerance;
+    if !(tolerance > 0.0 && tolerance.is_finite()) {
+        bail!("--tolerance {tolerance}: expected a positive length in mm");
+    }
+    let (part, machine) = arguments.input.part_and_machine()?;
+    let outer = match arguments.outer {
+        Outer::Loop => CornerStyle::Loop,
+        Outer::Cut => CornerStyle::Cut,
+    };
+    let (report, smoothed) = smooth(&with_polygons_as_lines(&part), &machine, tolerance, outer)?;
+    if let Some(path) = &arguments.out {
+        output::write(Some(path), &written(path, &smoothed, tolerance))?;
+    }
+    let text = if arguments.json { serde_json::to_string_pretty(&report)? + "\n" } else { report.text() };
+    output::write(None, &text)?;
+    Ok(if report.faults().is_empty() { Ending::Good } else { Ending::RequirementNotMet })
+}
+
+fn written(path: &Path, smoothed: &Part, tolerance_mm: f64) -> String {
+    if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml")) {
+        part_program::write_curves(smoothed)
+    } else {
+        fine_moves::program(smoothed, tolerance_mm * CHORD_SHARE)
+    }
+}
+
+/// Smooths every stretch of a part, and says what came of it.
+fn smooth(part: &Part, machine: &Machine, tolerance_mm: f64, outer: CornerStyle) -> Result<(Report, Part)> {
+    let stretches = stretches(part);
+    let followed = format_compare::in_parallel(&stretches, |range| {
+        let first = part.moves[range.start];
+        let outer = (first.kind == MoveKind::Feed).then_some(outer);
+        Followed::new(part, range.clone(), machine, tolerance_mm, outer)
+            .with_context(|| format!("{}: the moves from line {} on", part.name, first.line))
+    });
+    let followed = followed.into_iter().collect::<Result<Vec<_>>>()?;
+
+    let mut smoothed =
+        Part { curves: Vec::new(), moves: Vec::new(), machine: Some(machine.clone()), ..part.clone() };
+    let mut report = Report {
+        part: part.name.clone(),
+        tolerance_mm,
+        machine: machine.clone(),
+        moves: part.moves.len(),
+        stretches: stretches.len(),
+        cuts: 0,
+        loops: 0,
+        left: BTreeMap::new(),
+        error_mm_max: 0.0,
+        exact_stop: report::Path::default(),
+        smoothed: report::Path::default(),
+        speedup: 1.0,
+        forms: Forms::default(),
+        setpoints: SetpointCheck { finished: true, ..SetpointCheck::default() },
+        corners: Vec::new(),
+    };
+    for one in followed {
+        let next = one.range.end;
+        smoothed.moves.extend(one.path.move_of.iter().map(|index| part.moves[one.range.start + index]));
+        report.add(&one);
+        smoothed.curves.extend(one.path.curves);
+        if let Some(rest) = rest_before(part, next) {
+            report.corners.extend(followed::between(part, next, rest)?);
+        }
+    }
+    report.count();
+    Ok((report, smoothed))
+}
+
+impl Report {
+    /// Adds a stretch.
+    fn add(&mut self, followed: &Followed) {
+        let sum = |sum: &mut report::Path, path: &report::Path| {
+            sum.curves += path.curves;
+            sum.length_mm += path.length_mm;
+            sum.time_s += path.time_s;
+        };
+        sum(&mut self.exact_stop, &followed.exact_stop);
+        sum(&mut self.smoothed, &followed.smoothed);
+        self.error_mm_max = self.error_mm_max.max(followed.error_mm_max);
+        self.corners.extend_from_slice(&followed.corners);
+
+        let (forms, other) = (&mut self.forms, &followed.forms);
+        forms.polynomials += other.polynomials;
+        forms.distance_mm_max = forms.distance_mm_max.max(other.distance_mm_max);
+        forms.distance_bound_mm = forms.distance_bound_mm.max(other.distance_bound_mm);
+        if other.polynomials > 0 {
+            forms.polynomial_degree = other.polynomial_degree;
+            forms.trigonometric_operations = other.trigonometric_operations;
+            forms.polynomial_operations = other.polynomial_operations;
+        }
+        let (setpoints, other) = (&mut self.setpoints, &followed.setpoints);
+        setpoints.count += other.count;
+        setpoints.off_path_mm_max = setpoints.off_path_mm_max.max(other.off_path_mm_max);
+        setpoints.off_moves_mm_max = setpoints.off_moves_mm_max.max(other.off_moves_mm_max);
+        setpoints.finished &= other.finished;
+    }
+
+    /// Counts the corners by kind, and compares the times.
+    fn count(&mut self) {
+        for corner in &self.corners {
+            match corner.kind {
+                Kind::Cut => self.cuts += 1,
+                Kind::Loop => self.loops += 1,
+                Kind::Left => *self.left.entry(corner.reason.clone().unwrap_or_default()).or_default() += 1,
+            }
+        }
+        self.speedup = self.exact_stop.time_s / self.smoothed.time_s;
+    }
+}

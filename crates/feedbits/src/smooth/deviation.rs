@@ -1,0 +1,205 @@
+//! How far is one path from another? Measured on the curves as they are written, by sampling, whatever made them.
+//!
+//! Nothing here knows how a corner was smoothed: only which moves a curve lies between, so that a distance is taken to the
+//! moves nearby and not to another outline that happens to pass.
+
+use nurbs_core::{CurveError, Evaluate, NurbsBuf};
+use part_program::Curve;
+
+use super::stretch::{length, nurbs_of};
+
+/// Samples of a span that is bent; the distance between two of them is refined.
+const SAMPLES: u32 = 64;
+/// Samples of a straight move besides its ends.
+const STRAIGHT_SAMPLES: u32 = 8;
+/// Golden sections of a refinement: each leaves 0.618 of the range, all together 1e-6 of two sample widths, whose square is
+/// what the distance is off.
+const SECTIONS: usize = 28;
+/// A curve is compared with as many moves before and after its own.
+const NEAR: usize = 3;
+
+/// A curve to which distances are measured.
+pub(crate) struct Track {
+    curve: NurbsBuf<f64, 3>,
+    /// Parameters and points.
+    samples: Vec<(f64, [f64; 3])>,
+    is_straight: bool,
+    low: [f64; 3],
+    high: [f64; 3],
+}
+
+impl Track {
+    pub(crate) fn new(curve: &Curve) -> Result<Self, CurveError> {
+        let nurbs = nurbs_of(curve)?;
+        let is_straight = curve.degree == 1 && curve.control_points_mm.len() == 2;
+        let count = if is_straight { STRAIGHT_SAMPLES } else { SAMPLES };
+        let evaluated = nurbs.as_curve();
+        let mut samples = Vec::new();
+        for span in 0..evaluated.span_count() {
+            let (begin, end) = evaluated.span_bounds(span);
+            for step in u32::from(span > 0)..=count {
+                let share = f64::from(step) / f64::from(count);
+                let u = begin * (1.0 - share) + end * share;
+                samples.push((u, evaluated.point(u)));
+            }
+        }
+        let over = |pick: fn(f64, f64) -> f64| {
+            let points = &curve.control_points_mm;
+            std::array::from_fn(|d| points.iter().map(|p| p[d]).reduce(pick).unwrap_or(0.0))
+        };
+        let (low, high) = (over(f64::min), over(f64::max));
+        Ok(Self { curve: nurbs, samples, is_straight, low, high })
+    }
+
+    /// The distance from `point` to the curve, unless it is not less than `limit`, which is then the answer.
+    pub(crate) fn distance_below(&self, point: &[f64; 3], limit: f64) -> f64 {
+        // The curve lies within the box of its control points.
+        let outside = std::array::from_fn(|d| (self.low[d] - point[d]).max(point[d] - self.high[d]).max(0.0));
+        if length(&outside) >= limit {
+            return limit;
+        }
+        let sides = self.samples.windows(2).map(|side| to_side(point, &side[0].1, &side[1].1)).enumerate();
+        let Some((nearest, distance)) = sides.min_by(|a, b| a.1.total_cmp(&b.1)) else { return limit };
+        if self.is_straight {
+            return distance.min(limit);
+        }
+        let at = |index: usize| self.samples[index.min(self.samples.len() - 1)].0;
+        self.refined(point, at(nearest.saturating_sub(1)), at(nearest + 2)).min(limit)
+    }
+
+    /// The least distance over [from, to], by golden section, and at its ends.
+    fn refined(&self, point: &[f64; 3], mut from: f64, mut to: f64) -> f64 {
+        const RATIO: f64 = 0.618_033_988_749_895;
+        let curve = self.curve.as_curve();
+        let distance = |u: f64| {
+            let on = curve.point(u);
+            length(&std::array::from_fn(|d| on[d] - point[d]))
+        };
+        let ends = distance(from).min(distance(to));
+        let (mut a, mut b) = (to - (to - from) * RATIO, from + (to - from) * RATIO);
+        let (mut at_a, mut at_b) = (distance(a), distance(b));
+        for _ in 0..SECTIONS {
+            if at_a < at_b {
+                (to, b, at_b) = (b, a, at_a);
+                a = to - (to - from) * RATIO;
+                at_a = distance(a);
+            } else {
+                (from, a, at_a) = (a, b, at_b);
+                b = from + (to - from) * RATIO;
+                at_b = distance(b);
+            }
+        }
+        at_a.min(at_b).min(ends)
+    }
+}
+
+/// Distance from a point to a straight line between two others.
+fn to_side(point: &[f64; 3], a: &[f64; 3], b: &[f64; 3]) -> f64 {
+    let (mut along, mut square) = (0.0, 0.0);
+    for d in 0..3 {
+        along += (point[d] - a[d]) * (b[d] - a[d]);
+        square += (b[d] - a[d]) * (b[d] - a[d]);
+    }
+    let u = if square > 0.0 { (along / square).clamp(0.0, 1.0) } else { 0.0 };
+    length(&std::array::from_fn(|d| a[d] + u * (b[d] - a[d]) - point[d]))
+}
+
+/// Two versions of a path, and which move each curve of the second belongs to.
+pub(crate) struct Paths<'p> {
+    moves: Vec<Track>,
+    curves: Vec<Track>,
+    move_of: &'p [usize],
+}
+
+impl<'p> Paths<'p> {
+    /// `move_of` must not decrease.
+    pub(crate) fn new(moves: &[Curve], curves: &[Curve], move_of: &'p [usize]) -> Result<Self, CurveError> {
+        let tracks = |curves: &[Curve]| curves.iter().map(Track::new).collect::<Result<_, _>>();
+        Ok(Self { moves: tracks(moves)?, curves: tracks(curves)?, move_of })
+    }
+
+    /// Distance from a point of curve `curve` to the moves around its own.
+    pub(crate) fn to_moves(&self, curve: usize, point: &[f64; 3]) -> f64 {
+        let own = self.move_of.get(curve).copied().unwrap_or(0);
+        let near = own.saturating_sub(NEAR)..(own + NEAR + 1).min(self.moves.len());
+        least_distance(&self.moves[near], point)
+    }
+
+    /// Distance from a point of move `index` to the curves around it.
+    pub(crate) fn to_curves(&self, index: usize, point: &[f64; 3]) -> f64 {
+        let begin = self.move_of.partition_point(|own| own + NEAR < index);
+        let end = self.move_of.partition_point(|own| *own <= index + NEAR);
+        least_distance(&self.curves[begin..end], point)
+    }
+
+    /// For each curve the largest distance of its points from the moves.
+    pub(crate) fn of_curves(&self) -> Vec<f64> {
+        let of = |(index, track): (usize, &Track)| {
+            track.samples.iter().map(|(_, point)| self.to_moves(index, point)).fold(0.0, f64::max)
+        };
+        self.curves.iter().enumerate().map(of).collect()
+    }
+
+    /// The largest distance of the points of the moves from the curves.
+    pub(crate) fn of_moves(&self) -> f64 {
+        let of = |(index, track): (usize, &Track)| {
+            track.samples.iter().map(|(_, point)| self.to_curves(index, point)).fold(0.0, f64::max)
+        };
+        self.moves.iter().enumerate().map(of).fold(0.0, f64::max)
+    }
+}
+
+fn least_distance(tracks: &[Track], point: &[f64; 3]) -> f64 {
+    tracks.iter().fold(f64::INFINITY, |least, track| track.distance_below(point, least))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn line(a: [f64; 3], b: [f64; 3]) -> Curve {
+        Curve {
+            degree: 1,
+            control_points_mm: vec![a, b],
+            dimension: 2,
+            weights: vec![1.0; 2],
+            knots: vec![0., 0., 1., 1.],
+        }
+    }
+
+    #[test]
+    fn distances_to_a_circle_and_a_line_are_known() {
+        let program = "G1 X5 Y0 F60\nG3 X-5 Y0 I-5 J0\n";
+        let part = part_program::read_part("p.nc", program).unwrap();
+        let half = Track::new(part.curves.last().unwrap()).unwrap();
+        for (point, expected) in [
+            ([0.0, 0.0, 0.0], 5.0),
+            ([3.0, 4.0, 0.0], 0.0),
+            ([6.0, 8.0, 0.0], 5.0),
+            ([0.3, 0.4, 2.0], 4.5_f64.hypot(2.0)),
+            ([7.0, -1.0, 0.0], 5.0_f64.sqrt()),
+        ] {
+            let found = half.distance_below(&point, f64::INFINITY);
+            assert!((found - expected).abs() < 1e-9, "{point:?}: {found}");
+        }
+        assert_eq!(half.distance_below(&[20.0, 0.0, 0.0], 3.0), 3.0);
+        let side = Track::new(&line([0.0; 3], [10.0, 0.0, 0.0])).unwrap();
+        assert_eq!(side.distance_below(&[4.0, 3.0, 4.0], 9.0), 5.0);
+        assert_eq!(side.distance_below(&[13.0, 4.0, 0.0], 9.0), 5.0);
+    }
+
+    #[test]
+    fn a_path_that_leaves_out_a_corner_is_found_out() {
+        let moves = [line([0.0; 3], [10.0, 0.0, 0.0]), line([10.0, 0.0, 0.0], [10.0, 10.0, 0.0])];
+        let short = [
+            line([0.0; 3], [9.0, 0.0, 0.0]),
+            line([9.0, 0.0, 0.0], [10.0, 1.0, 0.0]),
+            line([10.0, 1.0, 0.0], [10.0, 10.0, 0.0]),
+        ];
+        let paths = Paths::new(&moves, &short, &[0, 0, 1]).unwrap();
+        let off = paths.of_curves();
+        assert!(off[0] == 0.0 && (off[1] - 0.5).abs() < 1e-12 && off[2] == 0.0, "{off:?}");
+        // The corner itself is √½ from the short cut.
+        assert!((paths.of_moves() - 0.5_f64.sqrt()).abs() < 1e-12);
+    }
+}

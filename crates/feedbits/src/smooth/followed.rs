@@ -1,0 +1,187 @@
+//! One stretch, followed twice: stopping at its corners, and smoothed.
+
+use std::ops::Range;
+
+use anyhow::Result;
+use nurbs_core::{
+    Corner, CornerOutcome, CornerStyle, Evaluate, PathCurve, PieceLimits, Reason, TrigSplineBuf, compile,
+};
+use part_program::{Curve, Machine, Move, Part};
+use real::{Counted, OperationCounts};
+
+use super::deviation::Paths;
+use super::report::{self, CornerRow, Forms, Kind, SetpointCheck};
+use super::smooth_stretch::SmoothStretch;
+use super::stretch::{Rest, length, nurbs_of};
+use super::timing::Timed;
+
+/// Parameters at which the two forms of a corner are compared, besides its begin.
+const COMPARED: u32 = 64;
+
+/// What became of a stretch.
+pub(crate) struct Followed {
+    pub(crate) range: Range<usize>,
+    pub(crate) path: Written,
+    pub(crate) corners: Vec<CornerRow>,
+    pub(crate) exact_stop: report::Path,
+    pub(crate) smoothed: report::Path,
+    pub(crate) error_mm_max: f64,
+    pub(crate) forms: Forms,
+    pub(crate) setpoints: SetpointCheck,
+}
+
+/// The smoothed curves, and for each the move of the stretch that it belongs to.
+pub(crate) struct Written {
+    pub(crate) curves: Vec<Curve>,
+    pub(crate) move_of: Vec<usize>,
+}
+
+impl Followed {
+    /// Smooths the moves of `range`, plans and follows them.
+    pub(crate) fn new(
+        part: &Part,
+        range: Range<usize>,
+        machine: &Machine,
+        tolerance_mm: f64,
+        outer: Option<CornerStyle>,
+    ) -> Result<Self> {
+        let (curves, moves) = (&part.curves[range.clone()], &part.moves[range.clone()]);
+        let smooth = SmoothStretch::new(curves, tolerance_mm, outer)?;
+        let paths = Paths::new(curves, &smooth.curves, &smooth.path.moves)?;
+        let off_curves = paths.of_curves();
+        let before = Timed::new(curves, &smooth.moves, &moves[0], machine)?;
+        let after = Timed::new(&smooth.curves, &smooth.path.curves, &moves[0], machine)?;
+        let row = |corner: &Corner<3>| {
+            let mut row = CornerRow {
+                line: moves[corner.turn.before].line,
+                point_mm: corner.turn.point,
+                angle_deg: corner.turn.turn_rad.to_degrees(),
+                kind: Kind::Left,
+                reason: None,
+                error_mm: 0.0,
+                measured_error_mm: 0.0,
+                feed_before_mm_per_s: before.feed_at_end_of(corner.turn.before),
+                feed_after_mm_per_s: 0.0,
+            };
+            match corner.outcome {
+                CornerOutcome::Smoothed { style, curve, error_mm } => {
+                    row.kind = if style == CornerStyle::Loop { Kind::Loop } else { Kind::Cut };
+                    row.error_mm = error_mm;
+                    let of_corner = paths.to_curves(corner.turn.before, &corner.turn.point);
+                    row.measured_error_mm = off_curves[curve].max(of_corner);
+                    row.feed_after_mm_per_s = after.lowest_feed_along(curve);
+                }
+                CornerOutcome::Left(reason) => {
+                    row.reason = Some(reason_of(reason));
+                    let next = smooth.path.moves.partition_point(|own| *own <= corner.turn.before);
+                    row.feed_after_mm_per_s = after.feed_at_end_of(next.saturating_sub(1));
+                }
+            }
+            row
+        };
+        let corners = smooth.path.corners.iter().map(row).collect();
+        let setpoints = setpoints(&smooth, &paths, &after)?;
+        let of = |curves: usize, timed: &Timed| report::Path {
+            curves,
+            length_mm: timed.length_mm(),
+            time_s: timed.time_s(),
+        };
+        Ok(Self {
+            range,
+            corners,
+            exact_stop: of(curves.len(), &before),
+            smoothed: of(smooth.curves.len(), &after),
+            error_mm_max: off_curves.iter().copied().fold(paths.of_moves(), f64::max),
+            forms: forms(&smooth)?,
+            setpoints,
+            path: Written { curves: smooth.curves, move_of: smooth.path.moves },
+        })
+    }
+}
+
+/// The corner before move `next`, at which the tool rests.
+pub(crate) fn between(part: &Part, next: usize, rest: Rest) -> Result<Option<CornerRow>> {
+    let ends = |index: usize| super::stretch::shape_of(&part.curves[index]);
+    // Two moves alone: smoothing them says where they meet, and how sharply.
+    let path = nurbs_core::smooth_corners(&[ends(next - 1)?, ends(next)?], 1.0, |_| None)?;
+    let before: &Move = &part.moves[next - 1];
+    Ok(path.corners.first().map(|corner| CornerRow {
+        line: before.line,
+        point_mm: corner.turn.point,
+        angle_deg: corner.turn.turn_rad.to_degrees(),
+        kind: Kind::Left,
+        reason: Some(rest.to_string()),
+        error_mm: 0.0,
+        measured_error_mm: 0.0,
+        feed_before_mm_per_s: 0.0,
+        feed_after_mm_per_s: 0.0,
+    }))
+}
+
+fn reason_of(reason: Reason) -> String {
+    match reason {
+        // Only corners of rapid moves are not asked for.
+        Reason::Wanted => Rest::Rapid.to_string(),
+        other => other.to_string(),
+    }
+}
+
+/// Follows the smoothed stretch in f64, and measures each setpoint.
+fn setpoints(smooth: &SmoothStretch, paths: &Paths<'_>, timed: &Timed) -> Result<SetpointCheck> {
+    let run = timed.setpoints()?;
+    let nurbs = smooth.curves.iter().map(nurbs_of).collect::<Result<Vec<_>, _>>()?;
+    let mut check =
+        SetpointCheck { count: run.steps.len(), finished: run.finished, ..SetpointCheck::default() };
+    for step in &run.steps {
+        // Any point of the path at all is no nearer than the nearest one.
+        let on_path = match &smooth.path.curves[step.curve] {
+            PathCurve::TrigSpline(spline) => spline.as_spline().point(step.u.0),
+            _ => nurbs[step.curve].as_curve().point(step.u.0),
+        };
+        let off = length(&std::array::from_fn(|d| on_path[d] - step.point_mm[d]));
+        check.off_path_mm_max = check.off_path_mm_max.max(off);
+        check.off_moves_mm_max = check.off_moves_mm_max.max(paths.to_moves(step.curve, &step.point_mm));
+    }
+    Ok(check)
+}
+
+/// Compares the two forms of every corner.
+fn forms(smooth: &SmoothStretch) -> Result<Forms> {
+    let mut forms = Forms { distance_bound_mm: smooth.polynomial_bound_mm, ..Forms::default() };
+    for (curve, written) in smooth.path.curves.iter().zip(&smooth.curves) {
+        let PathCurve::TrigSpline(spline) = curve else { continue };
+        let nurbs = nurbs_of(written)?;
+        let (exact, polynomials) = (spline.as_spline(), nurbs.as_curve());
+        forms.polynomials += polynomials.span_count();
+        let (begin, end) = exact.domain();
+        for step in 0..=COMPARED {
+            let u = begin + (end - begin) * f64::from(step) / f64::from(COMPARED);
+            let (a, b) = (exact.point(u), polynomials.point(u));
+            forms.distance_mm_max = forms.distance_mm_max.max(length(&std::array::from_fn(|d| a[d] - b[d])));
+        }
+        if forms.polynomial_degree == 0 {
+            forms.polynomial_degree = nurbs.degree();
+            (forms.trigonometric_operations, forms.polynomial_operations) = operations(spline, &nurbs)?;
+        }
+    }
+    Ok(forms)
+}
+
+/// Operations that a point takes by sine and cosine, and on a compiled piece.
+fn operations(spline: &TrigSplineBuf<f64, 3>, nurbs: &nurbs_core::NurbsBuf<f64, 3>) -> Result<(u64, u64)> {
+    let segment = spline.as_spline().segments()[0].convert::<Counted<f64>>()?;
+    let limits = PieceLimits { length_mm: 32.0, step_mm: 1.0 };
+    let table = compile::<f64, Counted<f64>, 3>(&[nurbs.as_curve()], &limits)?;
+    let third = Counted(1.0 / 3.0);
+    let (_, by_sine_and_cosine) = OperationCounts::of(|| segment.point(third));
+    let (_, by_polynomial) = OperationCounts::of(|| table.as_pieces().offset(0, third));
+    Ok((total(&by_sine_and_cosine), total(&by_polynomial)))
+}
+
+/// Arithmetic of any kind; a sum of products counts by its terms.
+fn total(counts: &OperationCounts) -> u64 {
+    let OperationCounts {
+        add, sub, neg, mul, mul_add, sum_of_products_terms, div, sqrt, scale, compare, ..
+    } = counts;
+    add + sub + neg + mul + mul_add + sum_of_products_terms + div + sqrt + scale + compare
+}

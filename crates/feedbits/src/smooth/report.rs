@@ -1,0 +1,226 @@
+//! What smoothing did: each corner, and the totals.
+
+use std::collections::BTreeMap;
+
+use comfy_table::{CellAlignment, Table, presets};
+use part_program::Machine;
+use serde::Serialize;
+
+/// What became of a corner.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum Kind {
+    Cut,
+    Loop,
+    Left,
+}
+
+/// One corner.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct CornerRow {
+    /// Line of the block that ends in it.
+    pub(crate) line: usize,
+    pub(crate) point_mm: [f64; 3],
+    /// Angle by which the direction turns.
+    pub(crate) angle_deg: f64,
+    pub(crate) kind: Kind,
+    /// Why it is left.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) reason: Option<String>,
+    /// Distance from the moves, both ways, as the smoothing found it; 0 of one that is left.
+    pub(crate) error_mm: f64,
+    /// The same, as measured on the curves that are written.
+    pub(crate) measured_error_mm: f64,
+    /// Feed in the corner when every corner is a stop.
+    pub(crate) feed_before_mm_per_s: f64,
+    /// Lowest feed in the corner of the smoothed path.
+    pub(crate) feed_after_mm_per_s: f64,
+}
+
+/// The setpoints of the smoothed path, interpolated in f64.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub(crate) struct SetpointCheck {
+    pub(crate) count: usize,
+    /// Largest distance from the smoothed path, its corners by sine and cosine.
+    pub(crate) off_path_mm_max: f64,
+    /// Largest distance from the program's moves.
+    pub(crate) off_moves_mm_max: f64,
+    /// Whether every stretch was followed to its end.
+    pub(crate) finished: bool,
+}
+
+/// The corners' two forms: by sine and cosine, and as the polynomials that real time evaluates.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub(crate) struct Forms {
+    pub(crate) polynomial_degree: usize,
+    /// Polynomials of all corners.
+    pub(crate) polynomials: usize,
+    /// Largest distance of the two forms at the same parameter, both evaluated in f64.
+    pub(crate) distance_mm_max: f64,
+    /// Proven bound of it, but for rounding.
+    pub(crate) distance_bound_mm: f64,
+    /// Operations for a point by sine and cosine.
+    pub(crate) trigonometric_operations: u64,
+    /// Operations for a point of a compiled piece.
+    pub(crate) polynomial_operations: u64,
+}
+
+/// The whole result.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct Report {
+    pub(crate) part: String,
+    pub(crate) tolerance_mm: f64,
+    pub(crate) machine: Machine,
+    pub(crate) moves: usize,
+    /// Runs of moves from rest to rest.
+    pub(crate) stretches: usize,
+    pub(crate) cuts: usize,
+    pub(crate) loops: usize,
+    /// Corners that are left, by reason.
+    pub(crate) left: BTreeMap<String, usize>,
+    /// Largest distance between the two paths, both ways, measured on the curves that are written.
+    pub(crate) error_mm_max: f64,
+    pub(crate) exact_stop: Path,
+    pub(crate) smoothed: Path,
+    /// How many times faster the smoothed path is.
+    pub(crate) speedup: f64,
+    pub(crate) forms: Forms,
+    pub(crate) setpoints: SetpointCheck,
+    pub(crate) corners: Vec<CornerRow>,
+}
+
+/// One of the two paths, planned from rest to rest stretch by stretch.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub(crate) struct Path {
+    pub(crate) curves: usize,
+    pub(crate) length_mm: f64,
+    pub(crate) time_s: f64,
+}
+
+/// Largest distance of a setpoint from the path that it is on, in mm: twice what the polynomials may be off, and rounding.
+const ON_PATH_MM: f64 = 1e-8;
+
+impl Report {
+    /// What is broken; nothing if all is well.
+    pub(crate) fn faults(&self) -> Vec<String> {
+        let mut faults = Vec::new();
+        let mut demand = |holds: bool, fault: String| {
+            if !holds {
+                faults.push(fault);
+            }
+        };
+        let (error, tolerance) = (self.error_mm_max, self.tolerance_mm);
+        demand(error <= tolerance, format!("the path is {error:.3e} mm off, more than {tolerance} mm"));
+        let setpoints = &self.setpoints;
+        let off = setpoints.off_path_mm_max;
+        demand(
+            off <= self.forms.distance_bound_mm + ON_PATH_MM,
+            format!("a setpoint is {off:.3e} mm off the path"),
+        );
+        let off = setpoints.off_moves_mm_max;
+        demand(off <= tolerance, format!("a setpoint is {off:.3e} mm off the program's moves"));
+        demand(setpoints.finished, "interpolation stops before the end".into());
+        faults
+    }
+
+    /// The report for the terminal: every corner if they are few, else the slowest, and the totals.
+    pub(crate) fn text(&self) -> String {
+        const MOST_ROWS: usize = 30;
+        const SLOWEST: usize = 10;
+        let mut rows: Vec<&CornerRow> = self.corners.iter().collect();
+        let mut text = format!(
+            "{}: {} moves in {} stretches from rest to rest, {} corners; tolerance {} mm\n",
+            self.part,
+            self.moves,
+            self.stretches,
+            self.corners.len(),
+            self.tolerance_mm
+        );
+        if rows.len() > MOST_ROWS {
+            rows.retain(|row| row.kind != Kind::Left);
+            rows.sort_by(|a, b| a.feed_after_mm_per_s.total_cmp(&b.feed_after_mm_per_s));
+            rows.truncate(SLOWEST);
+            text += &format!("The {} slowest of the smoothed corners (--json lists all):\n", rows.len());
+        }
+        if !rows.is_empty() {
+            text += &format!("{}\n", table(&rows));
+        }
+        text + &self.totals()
+    }
+
+    fn totals(&self) -> String {
+        let left: usize = self.left.values().sum();
+        let reasons: Vec<_> = self.left.iter().map(|(reason, count)| format!("{count} {reason}")).collect();
+        let reasons = if reasons.is_empty() { String::new() } else { format!(" ({})", reasons.join(", ")) };
+        let mut text =
+            format!("corners     {} cut, {} looped, {left} left{reasons}\n", self.cuts, self.loops);
+        text += &format!(
+            "distance    {:.6} mm at most of {} mm, measured both ways on what is written\n",
+            self.error_mm_max, self.tolerance_mm
+        );
+        text += &format!(
+            "time        {:.3} s stopping at corners, {:.3} s smoothed: {:.2} times faster\n",
+            self.exact_stop.time_s, self.smoothed.time_s, self.speedup
+        );
+        if self.cuts + self.loops > 0 {
+            let forms = &self.forms;
+            text += &format!(
+                "real time   {} polynomials of degree {}, {:.1e} mm from sine and cosine (proven: {:.1e}); {} operations a point in place of {}\n",
+                forms.polynomials,
+                forms.polynomial_degree,
+                forms.distance_mm_max,
+                forms.distance_bound_mm,
+                forms.polynomial_operations,
+                forms.trigonometric_operations
+            );
+        }
+        text += &format!(
+            "setpoints   {} in f64, at most {:.1e} mm off the smoothed path and {:.6} mm off the program\n",
+            self.setpoints.count, self.setpoints.off_path_mm_max, self.setpoints.off_moves_mm_max
+        );
+        for fault in self.faults() {
+            text += &format!("not met: {fault}\n");
+        }
+        text
+    }
+}
+
+fn table(rows: &[&CornerRow]) -> Table {
+    let mut table = Table::new();
+    table.load_preset(presets::UTF8_FULL_CONDENSED).set_header([
+        "line",
+        "x\nmm",
+        "y\nmm",
+        "z\nmm",
+        "angle\n°",
+        "corner",
+        "error\nmm",
+        "feed before\nmm/s",
+        "after\nmm/s",
+    ]);
+    for row in rows {
+        let [x, y, z] = row.point_mm.map(|x| format!("{x:.3}"));
+        let kind = match (row.kind, &row.reason) {
+            (Kind::Cut, _) => "cut".to_string(),
+            (Kind::Loop, _) => "loop".to_string(),
+            (Kind::Left, reason) => format!("left: {}", reason.as_deref().unwrap_or_default()),
+        };
+        table.add_row([
+            row.line.to_string(),
+            x,
+            y,
+            z,
+            format!("{:.2}", row.angle_deg),
+            kind,
+            format!("{:.5}", row.measured_error_mm),
+            format!("{:.2}", row.feed_before_mm_per_s),
+            format!("{:.2}", row.feed_after_mm_per_s),
+        ]);
+    }
+    for index in [0, 1, 2, 3, 4, 6, 7, 8] {
+        if let Some(column) = table.column_mut(index) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    table
+}

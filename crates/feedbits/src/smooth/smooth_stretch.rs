@@ -1,0 +1,149 @@
+//! One stretch with its corners smoothed: as lines, arcs and trigonometric splines, and as real time evaluates it.
+
+use std::f64::consts::FRAC_PI_2;
+
+use nurbs_core::{
+    CornerStyle, Differentiate, Evaluate, PathCurve, ShapeError, SmoothPath, Turn, smooth_corners,
+};
+use part_program::Curve;
+
+use super::stretch::{curve_of, length, shape_of};
+
+/// Share of the tolerance that is left to the chords of fine straight moves.
+pub(crate) const CHORD_SHARE: f64 = 0.02;
+/// Share of it that is left to the polynomials, and the most that they need, in mm.
+const POLYNOMIAL_SHARE: f64 = 1e-3;
+const POLYNOMIAL_MM: f64 = 1e-6;
+/// Their degree: a corner takes a handful, and second derivatives at their joints are the spline's own.
+const POLYNOMIAL_DEGREE: usize = 5;
+
+/// A stretch, smoothed.
+pub(crate) struct SmoothStretch {
+    /// The moves as they were.
+    pub(crate) moves: Vec<PathCurve<f64, 3>>,
+    /// The smooth path, its corners trigonometric splines.
+    pub(crate) path: SmoothPath<3>,
+    /// The same curves as NURBS: lines and arcs exactly, corners as polynomials of the same parameter.
+    pub(crate) curves: Vec<Curve>,
+    /// No polynomial is farther from its spline than this, in mm; proven.
+    pub(crate) polynomial_bound_mm: f64,
+}
+
+impl SmoothStretch {
+    /// Smooths the corners of moves, but for those of `style` `None`.
+    pub(crate) fn new(
+        curves: &[Curve],
+        tolerance_mm: f64,
+        outer: Option<CornerStyle>,
+    ) -> Result<Self, ShapeError> {
+        let moves = curves.iter().map(shape_of).collect::<Result<Vec<_>, _>>()?;
+        let polynomial_mm = (tolerance_mm * POLYNOMIAL_SHARE).min(POLYNOMIAL_MM);
+        let sides = Sides::of(&moves);
+        let style = |turn: &Turn<3>| match outer {
+            Some(CornerStyle::Loop) if !sides.is_outer(turn) => Some(CornerStyle::Cut),
+            outer => outer,
+        };
+        let path = smooth_corners(&moves, tolerance_mm * (1.0 - CHORD_SHARE) - polynomial_mm, style)?;
+        let dimension = curves.iter().map(|curve| curve.dimension).max().unwrap_or(3);
+        let (mut written, mut bound) = (Vec::with_capacity(path.curves.len()), 0.0_f64);
+        for curve in &path.curves {
+            let nurbs = match curve {
+                PathCurve::TrigSpline(spline) => {
+                    let polynomials = spline.to_polynomials(polynomial_mm, POLYNOMIAL_DEGREE)?;
+                    bound = bound.max(polynomials.error_bound_mm);
+                    polynomials.curve
+                }
+                other => other.to_nurbs(polynomial_mm)?,
+            };
+            written.push(curve_of(&nurbs, dimension));
+        }
+        Ok(Self { moves, path, curves: written, polynomial_bound_mm: bound })
+    }
+}
+
+/// Which way a stretch turns on the whole, and each of its corners.
+struct Sides {
+    /// Directions at both ends of each move.
+    directions: Vec<[[f64; 3]; 2]>,
+    /// The sum of all turns, each along its axis, in rad.
+    total: [f64; 3],
+}
+
+impl Sides {
+    fn of(moves: &[PathCurve<f64, 3>]) -> Self {
+        let directions: Vec<_> = moves.iter().map(end_directions).collect();
+        let mut total = [0.0; 3];
+        let mut add = |turn: [f64; 3]| (0..3).for_each(|d| total[d] += turn[d]);
+        for pair in directions.windows(2) {
+            add(turn_vector(&pair[0][1], &pair[1][0]));
+        }
+        for curve in moves {
+            if let PathCurve::Arc(arc) = curve {
+                let [a, b] = arc.radii();
+                let axis = cross(a, b);
+                let angle = arc.quarters() * FRAC_PI_2;
+                add(axis.map(|x| x / length(&axis) * angle));
+            }
+        }
+        Self { directions, total }
+    }
+
+    /// Whether a corner turns the way that its stretch turns: a convex corner of an outline.
+    fn is_outer(&self, turn: &Turn<3>) -> bool {
+        let direction =
+            |index: usize, end: usize| self.directions.get(index).map_or([0.0; 3], |ends| ends[end]);
+        let own = turn_vector(&direction(turn.before, 1), &direction(turn.after, 0));
+        (0..3).map(|d| own[d] * self.total[d]).sum::<f64>() > 0.0
+    }
+}
+
+fn end_directions(curve: &PathCurve<f64, 3>) -> [[f64; 3]; 2] {
+    let (begin, end) = curve.domain();
+    [(0, begin), (usize::MAX, end)].map(|(span, u)| {
+        let first = curve.derivatives_in(span, u).first;
+        let speed = length(&first);
+        first.map(|x| if speed > 0.0 { x / speed } else { 0.0 })
+    })
+}
+
+/// The angle from one unit vector to another, along the axis of the turn.
+fn turn_vector(from: &[f64; 3], to: &[f64; 3]) -> [f64; 3] {
+    let axis = cross(from, to);
+    let sine = length(&axis);
+    let cosine: f64 = (0..3).map(|d| from[d] * to[d]).sum();
+    axis.map(|x| if sine > 0.0 { x / sine * sine.atan2(cosine) } else { 0.0 })
+}
+
+fn cross(a: &[f64; 3], b: &[f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nurbs_core::CornerOutcome;
+
+    fn styles(program: &str) -> Vec<Option<CornerStyle>> {
+        let part = part_program::read_part("p.nc", program).unwrap();
+        let smooth = SmoothStretch::new(&part.curves, 0.1, Some(CornerStyle::Loop)).unwrap();
+        let style = |outcome| match outcome {
+            CornerOutcome::Smoothed { style, .. } => Some(style),
+            CornerOutcome::Left(_) => None,
+        };
+        smooth.path.corners.iter().map(|corner| style(corner.outcome)).collect()
+    }
+
+    #[test]
+    fn outer_corners_are_the_convex_ones_of_an_outline_whichever_way_it_is_followed() {
+        use CornerStyle::{Cut, Loop};
+        // An L: the fourth of its corners points inward.
+        let points = [[0, 0], [20, 0], [20, 10], [10, 10], [10, 20], [0, 20], [0, 0]];
+        let program = |points: &mut dyn Iterator<Item = &[i32; 2]>| {
+            points.map(|p| format!("G1 X{} Y{} F60\n", p[0], p[1])).collect::<String>()
+        };
+        assert_eq!(styles(&program(&mut points.iter())), [Loop, Loop, Cut, Loop, Loop].map(Some));
+        assert_eq!(styles(&program(&mut points.iter().rev())), [Loop, Loop, Cut, Loop, Loop].map(Some));
+        // A half circle turns the path on the whole, and the corner behind it the other way.
+        assert_eq!(styles("G1 X0 Y0 F60\nX10\nG3 X10 Y10 J5\nG1 X5\nY20\n"), [None, None, Some(Cut)]);
+    }
+}

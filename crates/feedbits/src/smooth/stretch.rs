@@ -1,0 +1,206 @@
+//! A program as stretches: runs of moves that the tool passes from rest to rest, with one feed and nothing in between.
+
+use std::fmt;
+use std::ops::Range;
+
+use nurbs_core::{Arc, CurveError, Evaluate, Line, NurbsBuf, PathCurve, ShapeError};
+use part_program::{Curve, Move, MoveKind, Part, Shape};
+
+/// Why the tool rests between two moves, whatever their directions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Rest {
+    /// One of them is rapid.
+    Rapid,
+    /// A word between them acts: a spindle, a tool, a coolant.
+    Auxiliary,
+    /// They have different feeds.
+    FeedChange,
+}
+
+impl fmt::Display for Rest {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Rapid => "next to a rapid move",
+            Self::Auxiliary => "at an M, S, T, D or H word",
+            Self::FeedChange => "the feed changes",
+        })
+    }
+}
+
+/// The part with every polygon, a curve of degree 1 with more than two points, as a straight move for each side.
+pub(crate) fn with_polygons_as_lines(part: &Part) -> Part {
+    let (mut curves, mut moves) = (Vec::new(), Vec::new());
+    for (curve, one) in part.curves.iter().zip(&part.moves) {
+        if curve.degree != 1 {
+            curves.push(curve.clone());
+            moves.push(*one);
+            continue;
+        }
+        for side in curve.control_points_mm.windows(2).filter(|side| side[0] != side[1]) {
+            let knots = vec![0.0, 0.0, 1.0, 1.0];
+            let control_points_mm = side.to_vec();
+            curves.push(Curve {
+                degree: 1,
+                control_points_mm,
+                dimension: curve.dimension,
+                weights: vec![1.0; 2],
+                knots,
+            });
+            moves.push(Move { shape: Shape::Line, ..*one });
+        }
+    }
+    Part { curves, moves, ..part.clone() }
+}
+
+/// The stretches of a part, in order, as ranges of its moves.
+pub(crate) fn stretches(part: &Part) -> Vec<Range<usize>> {
+    let mut found = Vec::new();
+    let mut begin = 0;
+    for next in 1..=part.moves.len() {
+        if next == part.moves.len() || rest_before(part, next).is_some() {
+            found.push(begin..next);
+            begin = next;
+        }
+    }
+    found
+}
+
+/// Why the tool rests before a move, if it does.
+pub(crate) fn rest_before(part: &Part, next: usize) -> Option<Rest> {
+    let (before, after) = (part.moves.get(next.checked_sub(1)?)?, part.moves.get(next)?);
+    let first = part.auxiliary.partition_point(|word| word.line < before.line);
+    if part.auxiliary.get(first).is_some_and(|word| word.line <= after.line) {
+        Some(Rest::Auxiliary)
+    } else if before.kind == MoveKind::Rapid || after.kind == MoveKind::Rapid {
+        Some(Rest::Rapid)
+    } else if before.feedrate_mm_per_s != after.feedrate_mm_per_s {
+        Some(Rest::FeedChange)
+    } else {
+        None
+    }
+}
+
+/// A move as the smoothing knows it: a line, an arc of a circle, or whatever curve it is.
+pub(crate) fn shape_of(curve: &Curve) -> Result<PathCurve<f64, 3>, ShapeError> {
+    if let ([a, b], 1) = (curve.control_points_mm.as_slice(), curve.degree) {
+        return Ok(Line::try_new(*a, *b)?.into());
+    }
+    let nurbs = nurbs_of(curve)?;
+    Ok(match circle_of(&nurbs) {
+        Some(arc) => arc.into(),
+        None => nurbs.into(),
+    })
+}
+
+/// The curve for evaluation.
+pub(crate) fn nurbs_of(curve: &Curve) -> Result<NurbsBuf<f64, 3>, CurveError> {
+    NurbsBuf::try_new(
+        curve.degree,
+        curve.control_points_mm.clone(),
+        curve.weights.clone(),
+        curve.knots.clone(),
+    )
+}
+
+/// The curve as a part program holds it.
+pub(crate) fn curve_of(nurbs: &NurbsBuf<f64, 3>, dimension: usize) -> Curve {
+    Curve {
+        degree: nurbs.degree(),
+        control_points_mm: nurbs.control_points().to_vec(),
+        dimension,
+        weights: nurbs.weights().to_vec(),
+        knots: nurbs.knots().to_vec(),
+    }
+}
+
+/// How far a rational curve may be from the circle that it is taken for, in mm.
+const CIRCLE_TOLERANCE_MM: f64 = 1e-7;
+
+/// The circular arc that a rational curve of degree 2 is, if it is one whose spans are equal, as readers make them.
+///
+/// A span from S to E whose tangents meet in M has the weight w = cos α in the middle, α being half its angle. Its centre
+/// lies on the line through M and the middle Q of the chord, `Q - (M - Q) w²/(1 - w²)`.
+fn circle_of(nurbs: &NurbsBuf<f64, 3>) -> Option<Arc<f64, 3>> {
+    let (points, weights) = (nurbs.control_points(), nurbs.weights());
+    if nurbs.degree() != 2 || points.len().is_multiple_of(2) {
+        return None;
+    }
+    let (&[start, meet, end, ..], &[_, weight, ..]) = (points, weights) else { return None };
+    let share = weight * weight / (1.0 - weight * weight);
+    let centre: [f64; 3] = std::array::from_fn(|d| {
+        let middle = f64::midpoint(start[d], end[d]);
+        middle - (meet[d] - middle) * share
+    });
+    let arm: [f64; 3] = std::array::from_fn(|d| start[d] - centre[d]);
+    let tangent: [f64; 3] = std::array::from_fn(|d| meet[d] - start[d]);
+    let tangent_of_half = length(&tangent) / length(&arm);
+    let spans = f64::from(u32::try_from(points.len() / 2).ok()?);
+    let quarters = (spans * tangent_of_half.atan() * 4.0 / std::f64::consts::PI).min(4.0);
+    let arc = Arc::try_new(centre, [arm, tangent.map(|x| x / tangent_of_half)], quarters).ok()?;
+    // At the ends and in the middle of a span the parameters run together.
+    let curve = nurbs.as_curve();
+    let (first, last) = curve.domain();
+    let checks = 2 * u32::try_from(points.len() / 2).ok()?;
+    let is_on = |check: u32| {
+        let share = f64::from(check) / f64::from(checks);
+        let (a, b) = (curve.point(first + (last - first) * share), arc.point(quarters * share));
+        length(&std::array::from_fn(|d| a[d] - b[d])) <= CIRCLE_TOLERANCE_MM
+    };
+    (0..=checks).all(is_on).then_some(arc)
+}
+
+/// The length of a vector.
+pub(crate) fn length(v: &[f64; 3]) -> f64 {
+    v[0].hypot(v[1]).hypot(v[2])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn part(program: &str) -> Part {
+        part_program::read_part("p.nc", program).unwrap()
+    }
+
+    #[test]
+    fn a_stretch_ends_where_the_tool_rests() {
+        let part = part(
+            "G0 X0 Y0 Z5\nG0 X1\nG1 Z0 F300\nG1 X5 F2400\nG1 Y5\nM8\nG1 X0\nG1 Y9 M9\nG1 X3\nG1 X4\nG0 Z5\nM30\n",
+        );
+        // Moves: rapid X1 | Z0 | X5, Y5 | X0 | Y9 | X3, X4 | rapid.
+        assert_eq!(stretches(&part), [0..1, 1..2, 2..4, 4..5, 5..6, 6..8, 8..9]);
+        let rests: Vec<_> = (0..9).map(|next| rest_before(&part, next)).collect();
+        let (rapid, feed, word) = (Some(Rest::Rapid), Some(Rest::FeedChange), Some(Rest::Auxiliary));
+        assert_eq!(rests, [None, rapid, feed, None, word, word, word, None, rapid]);
+    }
+
+    #[test]
+    fn arcs_are_recognised_and_helices_are_not() {
+        for (program, quarters) in [
+            ("G1 X0 Y0 F60\nG3 X-10 Y10 I-10 J0\n", Some(1.0)),
+            ("G1 X0 Y0 F60\nG2 X0 Y0 I4 J3\n", Some(4.0)),
+            ("G18 G1 X0 Y0 Z0 F60\nG2 X0.001 Z0 R100\n", Some(0.001 / 100.0 * 2.0 / std::f64::consts::PI)),
+            ("G1 X0 Y0 F60\nG3 X1 Y1 R-1\n", Some(3.0)),
+            ("G1 X0 Y0 Z0 F60\nG3 X-10 Y10 Z1 I-10 J0\n", None),
+        ] {
+            let part = part(program);
+            match (shape_of(part.curves.last().unwrap()).unwrap(), quarters) {
+                (PathCurve::Arc(arc), Some(quarters)) => {
+                    assert!((arc.quarters() - quarters).abs() < 1e-9, "{program}: {}", arc.quarters());
+                }
+                (PathCurve::Nurbs(_), None) => {}
+                other => panic!("{program}: {other:?}"),
+            }
+        }
+    }
+
+    #[test]
+    fn a_polygon_is_its_sides() {
+        let text =
+            "[curve]\ndegree = 1\ncontrol_points_mm = [[0,0],[1,0],[1,1],[0,1]]\nknots = [0,0,1,2,3,3]\n";
+        let part = with_polygons_as_lines(&part_program::read_part("p.toml", text).unwrap());
+        assert_eq!((part.curves.len(), part.moves.len()), (3, 3));
+        assert!(part.curves.iter().all(|curve| curve.faults().is_empty()));
+        assert_eq!(stretches(&part), [0..3]);
+    }
+}

@@ -1,0 +1,136 @@
+//! How long a stretch takes from rest to rest, and how fast each place of it is passed.
+
+use anyhow::Result;
+use feed_plan::Stage;
+use format_compare::{ExactPlan, Options, Problem, Run};
+use nurbs_core::{PathCurve, arc_length};
+use part_program::{Curve, Machine, Move, Part};
+use real::DoubleDouble;
+
+/// A place is taken this wide, in mm, so that rounding does not miss the rest in its middle.
+const PLACE_MM: f64 = 1e-6;
+
+/// A stretch with its plan, in f64.
+pub(crate) struct Timed {
+    problem: Problem<3>,
+    plan: ExactPlan,
+    /// Distance from the start to the end of each curve, in mm.
+    ends: Vec<f64>,
+    stages: Vec<Stage<f64>>,
+}
+
+impl Timed {
+    /// Plans curves of which every one is followed as `one` says; `shapes` are the same curves, for their lengths.
+    pub(crate) fn new(
+        curves: &[Curve],
+        shapes: &[PathCurve<f64, 3>],
+        one: &Move,
+        machine: &Machine,
+    ) -> Result<Self> {
+        let part = Part {
+            curves: curves.to_vec(),
+            moves: vec![*one; curves.len()],
+            feedrate_mm_per_s: one.feedrate_mm_per_s,
+            ..Part::default()
+        };
+        let problem = Problem::new(&part, machine)?;
+        let plan = ExactPlan::in_format::<f64, 3>(&problem, [0.0; 2])?;
+        let mut distance = 0.0;
+        let mut ends: Vec<f64> = Vec::with_capacity(shapes.len());
+        for shape in shapes {
+            distance += length_mm(shape);
+            ends.push(distance);
+        }
+        // The plan counts chords, which are a little shorter.
+        let planned = plan.schedule().length().value();
+        ends.iter_mut().for_each(|end| *end *= planned / distance);
+        let stages = plan.schedule().stages().iter().map(in_f64).collect();
+        Ok(Self { problem, plan, ends, stages })
+    }
+
+    /// Time in s.
+    pub(crate) fn time_s(&self) -> f64 {
+        f64::from(self.plan.periods()) * self.problem.period_s()
+    }
+
+    /// Length in mm.
+    pub(crate) fn length_mm(&self) -> f64 {
+        self.ends.last().copied().unwrap_or(0.0)
+    }
+
+    /// The lowest feed along curve `curve`, in mm/s.
+    pub(crate) fn lowest_feed_along(&self, curve: usize) -> f64 {
+        let begin = curve.checked_sub(1).map_or(0.0, |before| self.end_of(before));
+        self.lowest_feed(begin, self.end_of(curve))
+    }
+
+    /// The feed where curve `curve` ends, in mm/s.
+    pub(crate) fn feed_at_end_of(&self, curve: usize) -> f64 {
+        let place = self.end_of(curve);
+        self.lowest_feed(place - PLACE_MM, place + PLACE_MM)
+    }
+
+    fn end_of(&self, curve: usize) -> f64 {
+        self.ends.get(curve).copied().unwrap_or_else(|| self.length_mm())
+    }
+
+    /// The lowest feed over a range of distances: feeds rise or fall within a stage, so it is at an end of one, or of
+    /// the range.
+    fn lowest_feed(&self, from: f64, to: f64) -> f64 {
+        let first = self.stages.partition_point(|stage| stage.start + stage.length < from);
+        let over = self.stages[first..].iter().take_while(|stage| stage.start <= to);
+        let lowest =
+            over.map(|stage| feed_in(stage, from).min(feed_in(stage, to))).fold(f64::INFINITY, f64::min);
+        if lowest.is_finite() { lowest / self.problem.period_s() } else { 0.0 }
+    }
+
+    /// The setpoints of the plan, interpolated on compiled pieces in f64.
+    pub(crate) fn setpoints(&self) -> Result<Run> {
+        let formats = crate::compare::selected::<3>(&["f64".to_string()])?;
+        let Some(format) = formats.first() else { anyhow::bail!("no format f64") };
+        Ok(format.run(&self.problem, &self.plan, &Options::default())?)
+    }
+}
+
+fn length_mm(curve: &PathCurve<f64, 3>) -> f64 {
+    use nurbs_core::Evaluate;
+    match curve {
+        PathCurve::Line(line) => line.length(),
+        PathCurve::Arc(arc) => arc.length(),
+        other => {
+            let (begin, end) = other.domain();
+            arc_length(other, begin, end, 1e-9).length
+        }
+    }
+}
+
+fn in_f64(stage: &Stage<DoubleDouble>) -> Stage<f64> {
+    Stage {
+        start: stage.start.value(),
+        length: stage.length.value(),
+        start_feed: stage.start_feed.value(),
+        end_feed: stage.end_feed.value(),
+        duration: stage.duration.value(),
+        curve_start: stage.curve_start,
+        u_start: stage.u_start.value(),
+        curve_end: stage.curve_end,
+        u_end: stage.u_end.value(),
+    }
+}
+
+/// The feed of a stage at a distance from the path's start, or at the nearer end of the stage.
+fn feed_in(stage: &Stage<f64>, distance: f64) -> f64 {
+    let along = distance - stage.start;
+    if along <= 0.0 {
+        return stage.start_feed;
+    }
+    if along >= stage.length {
+        return stage.end_feed;
+    }
+    let (mut low, mut high) = (0.0, stage.duration);
+    for _ in 0..50 {
+        let middle = f64::midpoint(low, high);
+        if stage.distance_at(middle) < along { low = middle } else { high = middle }
+    }
+    stage.feed_at(low)
+}
