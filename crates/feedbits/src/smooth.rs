@@ -148,6 +148,7 @@ impl Report {
         setpoints.count += other.count;
         setpoints.off_path_mm_max = setpoints.off_path_mm_max.max(other.off_path_mm_max);
         setpoints.off_moves_mm_max = setpoints.off_moves_mm_max.max(other.off_moves_mm_max);
+        setpoints.chord_error_mm_max = setpoints.chord_error_mm_max.max(other.chord_error_mm_max);
         setpoints.finished &= other.finished;
     }
 

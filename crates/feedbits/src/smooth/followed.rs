@@ -142,6 +142,11 @@ fn setpoints(smooth: &SmoothStretch, paths: &Paths<'_>, timed: &Timed) -> Result
         check.off_path_mm_max = check.off_path_mm_max.max(off);
         check.off_moves_mm_max = check.off_moves_mm_max.max(paths.to_moves(step.curve, &step.point_mm));
     }
+    for pair in run.steps.windows(2) {
+        let ends = [&pair[0].point_mm, &pair[1].point_mm];
+        let off = paths.chord_to_curves((pair[0].curve, pair[1].curve), ends);
+        check.chord_error_mm_max = check.chord_error_mm_max.max(off);
+    }
     Ok(check)
 }
 

@@ -45,6 +45,8 @@ pub(crate) struct SetpointCheck {
     pub(crate) off_path_mm_max: f64,
     /// Largest distance from the program's moves.
     pub(crate) off_moves_mm_max: f64,
+    /// Largest distance of the chord between two setpoints from the smoothed path.
+    pub(crate) chord_error_mm_max: f64,
     /// Whether every stretch was followed to its end.
     pub(crate) finished: bool,
 }
@@ -175,8 +177,11 @@ impl Report {
             );
         }
         text += &format!(
-            "setpoints   {} in f64, at most {:.1e} mm off the smoothed path and {:.6} mm off the program\n",
-            self.setpoints.count, self.setpoints.off_path_mm_max, self.setpoints.off_moves_mm_max
+            "setpoints   {} in f64, at most {:.1e} mm off the smoothed path and {:.6} mm off the program; chord error {:.1e} mm\n",
+            self.setpoints.count,
+            self.setpoints.off_path_mm_max,
+            self.setpoints.off_moves_mm_max,
+            self.setpoints.chord_error_mm_max
         );
         for fault in self.faults() {
             text += &format!("not met: {fault}\n");

@@ -151,7 +151,7 @@ fn circle_of(nurbs: &NurbsBuf<f64, 3>) -> Option<Arc<f64, 3>> {
 
 /// The length of a vector.
 pub(crate) fn length(v: &[f64; 3]) -> f64 {
-    v[0].hypot(v[1]).hypot(v[2])
+    v.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
 #[cfg(test)]

@@ -1,0 +1,211 @@
+//! `feedbits smooth`, as a person or a script uses it.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+fn feedbits(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_feedbits")).args(arguments).output().expect("the program starts")
+}
+
+fn data(name: &str) -> String {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data").join(name).display().to_string()
+}
+
+/// A folder with a program in it.
+struct Folder(tempfile::TempDir);
+
+impl Folder {
+    fn with(program: &str) -> Self {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        fs::write(folder.path().join("part.nc"), program).expect("the folder is writable");
+        Self(folder)
+    }
+
+    fn path(&self, name: &str) -> String {
+        self.0.path().join(name).display().to_string()
+    }
+
+    fn read(&self, name: &str) -> String {
+        fs::read_to_string(self.path(name)).expect("the file is there")
+    }
+
+    /// Smooths the program on paper A's machine, and gives the report.
+    fn smooth(&self, options: &[&str]) -> Value {
+        let (part, machine) = (self.path("part.nc"), data("seed-000.toml"));
+        let output = feedbits(&[&["smooth", &part, "--machine", &machine, "--json"], options].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+        serde_json::from_slice(&output.stdout).expect("JSON")
+    }
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().expect("a number")
+}
+
+fn kinds(report: &Value) -> Vec<String> {
+    let corners = report["corners"].as_array().expect("corners");
+    let kind = |corner: &Value| {
+        let reason = corner["reason"].as_str().map(|reason| format!(": {reason}")).unwrap_or_default();
+        format!("{}{reason}", corner["kind"].as_str().expect("a kind"))
+    };
+    corners.iter().map(kind).collect()
+}
+
+/// The end points of a program's G1 blocks, read by hand: absolute, in mm.
+fn points(program: &str) -> Vec<(bool, [f64; 3])> {
+    let (mut at, mut points) = ([0.0; 3], Vec::new());
+    for line in program.lines().filter(|line| line.starts_with("G0 ") || line.starts_with("G1 ")) {
+        for word in line.split_whitespace().skip(1) {
+            if let Some(axis) = "XYZ".find(&word[..1]) {
+                at[axis] = word[1..].parse().expect("a number");
+            }
+        }
+        points.push((line.starts_with("G1"), at));
+    }
+    points
+}
+
+fn to_side(point: [f64; 3], a: [f64; 3], b: [f64; 3]) -> f64 {
+    let (mut along, mut square) = (0.0, 0.0);
+    for d in 0..3 {
+        along += (point[d] - a[d]) * (b[d] - a[d]);
+        square += (b[d] - a[d]).powi(2);
+    }
+    let u = if square > 0.0 { (along / square).clamp(0.0, 1.0) } else { 0.0 };
+    (0..3).map(|d| (a[d] + u * (b[d] - a[d]) - point[d]).powi(2)).sum::<f64>().sqrt()
+}
+
+/// The largest distance of the points of one polygon from another.
+fn farthest(points: &[(bool, [f64; 3])], from: &[(bool, [f64; 3])]) -> f64 {
+    let distance = |point: [f64; 3]| {
+        from.windows(2).map(|side| to_side(point, side[0].1, side[1].1)).fold(f64::INFINITY, f64::min)
+    };
+    points.iter().map(|(_, point)| distance(*point)).fold(0.0, f64::max)
+}
+
+/// The first outlines of the engraving.
+fn engraving() -> String {
+    let text = fs::read_to_string(data("engraving.nc")).expect("the example");
+    text.lines().take(160).map(|line| format!("{line}\n")).collect::<String>() + "G0 Z5.000\nM5\nM30\n"
+}
+
+#[test]
+fn an_engraving_becomes_faster_within_the_tolerance() {
+    let folder = Folder::with(&engraving());
+    let (curves, moves) = (folder.path("smoothed.toml"), folder.path("smoothed.nc"));
+    let report = folder.smooth(&["--tolerance", "0.01", "--out", &curves]);
+    assert!(number(&report["cuts"]) > 100.0, "{}", report["cuts"]);
+    let error = number(&report["error_mm_max"]);
+    assert!((0.0095..=0.01).contains(&error), "{error}");
+    let [before, after] = ["exact_stop", "smoothed"].map(|path| number(&report[path]["time_s"]));
+    assert!(
+        (number(&report["speedup"]) - before / after).abs() < 1e-12 && before > 1.3 * after,
+        "{before} {after}"
+    );
+    let corners = report["corners"].as_array().expect("corners");
+    assert_eq!(corners.len() as f64, number(&report["moves"]) - 1.0);
+    for corner in corners {
+        let [chosen, measured] = ["error_mm", "measured_error_mm"].map(|key| number(&corner[key]));
+        assert!(measured <= 0.01 && (chosen - measured).abs() <= 1e-5, "{corner}");
+        let feeds = ["feed_before_mm_per_s", "feed_after_mm_per_s"].map(|key| number(&corner[key]));
+        assert_eq!(feeds[1] > 0.0, corner["kind"] == "cut", "{corner}");
+        assert!(feeds[0] == 0.0 || number(&corner["angle_deg"]) < 1.0, "{corner}");
+    }
+    let setpoints = &report["setpoints"];
+    assert!(number(&setpoints["off_path_mm_max"]) <= 1.1e-6 && setpoints["finished"] == true, "{setpoints}");
+    assert!(number(&setpoints["off_moves_mm_max"]) <= 0.01, "{setpoints}");
+    let forms = &report["forms"];
+    assert!(number(&forms["distance_mm_max"]) <= number(&forms["distance_bound_mm"]), "{forms}");
+    assert!(number(&forms["polynomial_operations"]) < number(&forms["trigonometric_operations"]), "{forms}");
+
+    // The curves are a part like any other.
+    let machine = data("seed-000.toml");
+    let periods =
+        |arguments: &[&str]| feedbits(&[arguments, &[curves.as_str(), "--machine", &machine]].concat());
+    let compared = periods(&["compare", "--formats", "I4F28,f64", "--evaluate", "pieces", "--json"]);
+    let compared: Value = serde_json::from_slice(&compared.stdout).expect("JSON");
+    assert_eq!(compared["part"]["curves"], report["smoothed"]["curves"]);
+    for row in compared["formats"].as_array().expect("rows") {
+        assert!(number(&row["position_error_mm_max"]) < 1e-6 && number(&row["end_error_mm"]) < 1e-6, "{row}");
+    }
+    assert_eq!(periods(&["plan", "--json"]).status.code(), Some(0));
+    let table = folder.path("setpoints.csv");
+    assert_eq!(periods(&["interpolate", "--format", "I4F28", "--out", &table]).status.code(), Some(0));
+
+    // And so are the fine moves, with all that stood between them.
+    folder.smooth(&["--tolerance", "0.01", "--out", &moves]);
+    let (program, fine) = (engraving(), folder.read("smoothed.nc"));
+    let (was, is) = (points(&program), points(&fine));
+    for [from, to] in [[&was[1..], &is[1..]], [&is[1..], &was[1..]]] {
+        let off = farthest(from, to);
+        assert!(off <= 0.01, "{off}");
+    }
+    let rapids = |text: &str| text.lines().filter(|line| line.starts_with("G0 ")).count();
+    assert_eq!(rapids(&fine), rapids(&program));
+    let spindle = fine.find("M3 S12000").expect("the spindle starts");
+    assert!(spindle < fine.find("G1").expect("a cut") && fine.ends_with("M5\nM30\n"), "{fine}");
+}
+
+#[test]
+fn outer_corners_are_looped_on_demand_and_inner_ones_cut() {
+    // An L, counterclockwise: the fourth corner points inward.
+    let folder = Folder::with("G0 X0 Y0\nG1 X20 F2400\nY10\nX10\nY20\nX0\nY0\nM30\n");
+    let report = folder.smooth(&["--tolerance", "0.1", "--outer", "loop"]);
+    assert_eq!(kinds(&report), ["loop", "loop", "cut", "loop", "loop"]);
+    assert!(number(&report["error_mm_max"]) <= 0.1);
+    assert!(number(&report["setpoints"]["off_path_mm_max"]) < 1.1e-6);
+    let report = folder.smooth(&["--tolerance", "0.1"]);
+    assert_eq!(kinds(&report), ["cut"; 5]);
+}
+
+#[test]
+fn corners_that_are_none_and_moves_that_are_none() {
+    // A move of no length, collinear moves, a reversal, steps far shorter than the tolerance, an arc, a word between moves.
+    let program = "G0 X0 Y0\nG1 X10 F2400\nX10\nX20\nX5\nX5.01\nY0.01\nX5.02\nY0.02\nX9\nG2 X14 Y5.02 I5\nG1 X16\nY9\nX20\nM8\nY12\nM30\n";
+    let report = Folder::with(program).smooth(&["--tolerance", "0.05"]);
+    let (smooth, back) = ("left: smooth as it is", "left: turns back on itself");
+    let word = "left: at an M, S, T, D or H word";
+    let expected = [smooth, back, back, "cut", "cut", "cut", "cut", "cut", smooth, "cut", "cut", word];
+    assert_eq!(kinds(&report), expected, "{report:#}");
+    assert!(number(&report["error_mm_max"]) <= 0.05 && report["setpoints"]["finished"] == true, "{report:#}");
+}
+
+#[test]
+fn rapid_moves_and_changes_of_feed_stay_sharp() {
+    let program = "G0 X0 Y0 Z5\nG0 X5\nY5\nG1 Z0 F300\nG1 X9 F600\nY9\nG0 Z5\nM30\n";
+    let folder = Folder::with(program);
+    let fine = folder.path("fine.nc");
+    let report = folder.smooth(&["--tolerance", "0.05", "--out", &fine]);
+    let (rapid, feed) = ("left: next to a rapid move", "left: the feed changes");
+    assert_eq!(kinds(&report), [rapid, rapid, feed, "cut", rapid]);
+    let text = folder.read("fine.nc");
+    assert!(text.contains("G0 X5.\nG0 Y5.\nG1 Z0. F300\nG1 X8."), "{text}");
+}
+
+#[test]
+fn splines_are_followed_as_they_are() {
+    let report = feedbits(&["smooth", &data("seed-000.toml"), "--tolerance", "0.1", "--json"]);
+    let report: Value = serde_json::from_slice(&report.stdout).expect("JSON");
+    assert_eq!((number(&report["speedup"]), number(&report["cuts"])), (1.0, 0.0));
+}
+
+#[test]
+fn what_cannot_be_smoothed_is_said() {
+    let folder = Folder::with("G1 X0 Y0 F600\nX5\nY5\n");
+    let (part, machine) = (folder.path("part.nc"), data("seed-000.toml"));
+    for (options, expected) in [
+        (&["--tolerance", "0"][..], "expected a positive length in mm"),
+        (&["--tolerance", "nan"], "expected a positive length in mm"),
+        (&["--tolerance", "0.1", "--outer", "round"], "possible values: loop, cut"),
+        (&[], "--tolerance <MM>"),
+    ] {
+        let output = feedbits(&[&["smooth", &part, "--machine", &machine], options].concat());
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.code() == Some(2) && said.contains(expected), "{said}");
+    }
+    let output = feedbits(&["smooth", &part, "--tolerance", "0.1"]);
+    assert!(String::from_utf8_lossy(&output.stderr).contains("names no machine"));
+}
