@@ -1,0 +1,87 @@
+//! `kernel`: the real-time kernels as a controller runs them, in every number format, with a known sequence of calls.
+//!
+//! | what is called | where |
+//! |---|---|
+//! | each operation of [`real::Real`] on sixteen sets of operands | [`operations`] |
+//! | one period of a run along a compiled path, from its start to its end | [`path_run`] |
+//!
+//! [`run_all`] makes all calls and reports a [`Record`] for each group of them. On a target the records are printed; a
+//! host makes the same calls and must come to the same checksums. Every called kernel is an exported symbol that is not
+//! inlined, so that a trace can tell where a call begins and ends.
+
+#![no_std]
+
+pub mod operations;
+pub mod path_run;
+
+mod checksum;
+mod compiled {
+    //! The compiled paths.
+    use nurbs_core::{Piece, Pieces};
+    use real::{FixedPoint, I3F29, I4F28, I4F60};
+    use secant_interp::{ChordTolerance, LengthStage, PieceInterpolator, StepLengths};
+    include!(concat!(env!("OUT_DIR"), "/paths.rs"));
+}
+
+/// A group of calls to one kernel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Record {
+    /// The number format.
+    pub format: &'static str,
+    /// The operation, or the path that was run.
+    pub item: &'static str,
+    /// The symbol of the kernel.
+    pub symbol: &'static str,
+    /// How often it was called.
+    pub calls: u32,
+    /// FNV-1a of all results, bit for bit.
+    pub checksum: u64,
+    /// Stack that the calls used, in bytes; 0 where that is not measured.
+    pub stack_bytes: usize,
+}
+
+/// What the kernels run on.
+pub trait Board {
+    /// Makes the unused stack recognisable.
+    fn paint_stack(&mut self);
+    /// How much of the painted stack has been used since.
+    fn used_stack(&mut self) -> usize;
+    /// Takes a group's result.
+    fn record(&mut self, record: Record);
+}
+
+/// The bits of a number, for checksums.
+pub trait Bits: real::Real {
+    /// All bits, zero-extended.
+    fn bits(self) -> u64;
+}
+
+impl Bits for f64 {
+    fn bits(self) -> u64 {
+        self.to_bits()
+    }
+}
+
+impl Bits for f32 {
+    fn bits(self) -> u64 {
+        u64::from(self.to_bits())
+    }
+}
+
+macro_rules! fixed_bits {
+    ($($format:ident),*) => {$(
+        impl Bits for real::$format {
+            fn bits(self) -> u64 {
+                u64::from(self.to_bits().cast_unsigned())
+            }
+        }
+    )*};
+}
+
+fixed_bits!(I16F16, I8F24, I4F28, I3F29, I2F30, I32F32, I16F48, I4F60);
+
+/// Makes all calls, in an order that is the same everywhere.
+pub fn run_all(board: &mut impl Board) {
+    operations::run_all(board);
+    path_run::run_all(board);
+}

@@ -1,0 +1,110 @@
+//! `trace`: runs a firmware image in QEMU and counts its instructions, every one.
+//!
+//! | step | where |
+//! |---|---|
+//! | the emulator's stream of executed instructions | [`emulator`] |
+//! | addresses of the kernels in the image | [`symbols`] |
+//! | what kind of instruction each is | [`instruction`] |
+//! | which instructions belong to which call | [`calls`] |
+//! | cycles by a processor manual's table | [`cycles`] |
+//! | the data file and the table in the documentation | [`report`] |
+//!
+//! `trace --image IMAGE --target NAME --out FILE.toml` measures one target and fails when a checksum is not the host's;
+//! `trace --render FILE.toml DOCUMENT.md` writes the table of all targets in the file.
+
+mod calls;
+mod cycles;
+mod emulator;
+mod instruction;
+mod report;
+mod symbols;
+mod target;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::time::Instant;
+
+use kernel::{Board, Record};
+
+/// An error that the user is to read.
+type Failure = Box<dyn std::error::Error>;
+
+/// The host's own run of the same calls.
+#[derive(Default)]
+struct Host(Vec<Record>);
+
+impl Board for Host {
+    fn paint_stack(&mut self) {}
+    fn used_stack(&mut self) -> usize {
+        0
+    }
+    fn record(&mut self, record: Record) {
+        self.0.push(record);
+    }
+}
+
+const USAGE: &str = "usage: trace --image IMAGE --target NAME --out FILE.toml [--toolchain KEY=VALUE]... [--one-at-a-time]\n       \
+                     trace --render FILE.toml DOCUMENT.md\n       \
+                     trace --compare FILE.toml FILE.toml";
+
+fn main() -> ExitCode {
+    match run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            eprintln!("trace: {failure}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run() -> Result<(), Failure> {
+    let mut arguments = std::env::args().skip(1);
+    let (mut image, mut target, mut out) = (None, None, None);
+    let mut toolchain = Vec::new();
+    let mut singly = false;
+    while let Some(name) = arguments.next() {
+        let mut value = || arguments.next().ok_or(USAGE);
+        match name.as_str() {
+            "--image" => image = Some(PathBuf::from(value()?)),
+            "--target" => target = Some(value()?),
+            "--out" => out = Some(PathBuf::from(value()?)),
+            "--toolchain" => {
+                let pair = value()?;
+                let (key, value) = pair.split_once('=').ok_or(USAGE)?;
+                toolchain.push((key.to_owned(), value.to_owned()));
+            }
+            "--one-at-a-time" => singly = true,
+            "--render" => return report::render(value()?.as_ref(), value()?.as_ref()),
+            "--compare" => return report::compare(value()?.as_ref(), value()?.as_ref()),
+            _ => return Err(USAGE.into()),
+        }
+    }
+    let (Some(image), Some(target), Some(out)) = (image, target, out) else { return Err(USAGE.into()) };
+    measure(&image, &target, &out, toolchain, singly)
+}
+
+fn measure(
+    image: &std::path::Path,
+    name: &str,
+    out: &std::path::Path,
+    toolchain: Vec<(String, String)>,
+    singly: bool,
+) -> Result<(), Failure> {
+    let target = target::find(name)?;
+    let mut host = Host::default();
+    kernel::run_all(&mut host);
+    let symbols = symbols::read(image)?;
+    let start = Instant::now();
+    let mut walk = calls::Walk::new(&host.0, &symbols)?;
+    let (printed, emulator) = emulator::run(&target, image, singly, |executed| walk.step(executed))?;
+    let counts = walk.finish()?;
+    let stack = report::check(&host.0, &printed)?;
+    let seconds = start.elapsed().as_secs_f64();
+    let measured = report::Target::new(&target, &host.0, &counts, &stack)?;
+    println!(
+        "{name}: {} groups of calls, every checksum as on the host; {:.1} million instructions in {seconds:.0} s",
+        host.0.len(),
+        counts.iter().map(|c| c.total()).sum::<u64>() as f64 / 1e6,
+    );
+    report::merge(out, measured, toolchain, &emulator)
+}
