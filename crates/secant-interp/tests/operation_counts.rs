@@ -1,0 +1,85 @@
+//! The operations of a step, counted by hand and by the counting wrapper.
+
+use nurbs_core::{NurbsBuf, PieceLimits, PiecesBuf, compile};
+use real::{Backend, Counted, DoubleDouble, I4F28, OperationCounts, Real};
+use secant_interp::{ChordTolerance, LengthStage, PieceInterpolator, StepLengths};
+
+/// A step at constant feed on a non-rational plane cubic that stays on its piece and takes one evaluation.
+///
+/// | what | mul_add | mul | sums of products | scale | add, sub, neg | compare | convert |
+/// |---|---|---|---|---|---|---|---|
+/// | the period's distance: no change of feed; the landing step is at least a unit | | | | | | 2 | |
+/// | shift to t, a coordinate: 2 + 2 + 1 products of synthetic division, value·t | 10 | 2 | | | | | 1 |
+/// | rescale three coefficients a coordinate | | | | 6 | | | |
+/// | start value: two differences, their extrapolation, limited to the range | | | | | 4 + 2 + 1 | 1 + 2 | |
+/// | does the guess stay on the piece? | | 1 | | | | 1 | 1 |
+/// | the start value limited to the range | | | | | | 2 | |
+/// | x = σL, no more than the piece | | 1 | | 1 | | 1 | |
+/// | Horner's scheme for q and q', three coefficients a coordinate; x q' | 12 | 2 | | | | | |
+/// | σq, σxq', W'x, the signs in f and g, f, g | | 2 + 2 + 1 | 2 of 3 and 5 terms | | 3 | | |
+/// | the correction: ½, ⅜, limits of f and g, the polynomial, its halves | | 3 | | 5 | 1 + 2 + 4 | 4 | |
+/// | limited, subtracted, unchanged?, small? | | | | | 2 + 1 | 2 + 1 + 2 | |
+/// | the phase of the step | | 1 | | | | | 1 |
+/// | the point: Horner's scheme a coordinate | 6 | 2 | | 2 | | | 1 |
+/// | **sum** | **28** | **17** | **2** | **14** | **20** | **18** | **4** |
+const BY_HAND: OperationCounts = OperationCounts {
+    add: 0, // with `sub` and `neg`, in `sub`
+    sub: 20,
+    neg: 0,
+    mul: 17,
+    mul_add: 28,
+    sum_of_products: 2,
+    sum_of_products_terms: 8,
+    div: 0,
+    sqrt: 0,
+    norm: 0,
+    norm_terms: 0,
+    scale: 14,
+    compare: 18,
+    convert: 4,
+};
+
+fn counts_of_common_steps<R: Backend>() -> Vec<OperationCounts> {
+    let points = [[150, 150], [0, 0], [0, 300], [150, 150], [300, 0], [300, 300], [150, 150]];
+    let knots = vec![0.0, 0.0, 0.0, 0.0, 0.25, 0.5, 0.75, 1.0, 1.0, 1.0, 1.0];
+    let points = points.map(|p| p.map(f64::from)).to_vec();
+    let curve = NurbsBuf::try_new_nonrational(3, points, knots).unwrap();
+    let limits = PieceLimits { length_mm: 32.0, step_mm: 0.6 };
+    let table: PiecesBuf<Counted<R>, 2> =
+        compile::<DoubleDouble, _, 2>(&[curve.as_curve()], &limits).unwrap();
+    let pieces = table.as_pieces();
+    let number = |x: f64| Counted::<R>::from_f64(x).unwrap();
+    let unit = 1.0.scale(pieces.chord_exponent);
+    let stages = [LengthStage::new(1500 << 32, number(0.5 * unit), number(0.0)).unwrap()];
+    let interpolator = PieceInterpolator {
+        pieces,
+        lengths: StepLengths { stages: &stages },
+        tolerance: ChordTolerance { residual: number(1e-3), max_evaluations: 6 },
+        landing_step: number(0.01 * unit),
+    };
+    let mut state = interpolator.start();
+    let mut piece = usize::MAX;
+    let mut counts = Vec::new();
+    for _ in 0..1400 {
+        let (setpoint, of_step) = OperationCounts::of(|| interpolator.step(&mut state));
+        let setpoint = setpoint.unwrap();
+        if setpoint.piece == piece && setpoint.evaluations == 1 {
+            counts.push(of_step);
+        }
+        piece = setpoint.piece;
+    }
+    counts
+}
+
+#[test]
+fn a_step_makes_the_operations_that_were_counted_by_hand() {
+    for counts in [counts_of_common_steps::<f64>(), counts_of_common_steps::<I4F28>()] {
+        assert!(counts.len() > 1300, "the common step is the common one: {}", counts.len());
+        for step in counts {
+            // The absolute value of a negative residual is one sign more.
+            let sums = step.add + step.sub + step.neg;
+            assert!((BY_HAND.sub..=BY_HAND.sub + 1).contains(&sums), "{sums}");
+            assert_eq!(OperationCounts { add: 0, sub: BY_HAND.sub, neg: 0, ..step }, BY_HAND);
+        }
+    }
+}
