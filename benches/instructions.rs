@@ -1,0 +1,110 @@
+//! Host instructions of the kernels, exactly: `<group>::<kernel>_<format> <curve>`. `scripts/instructions` compares them
+//! with the committed ones.
+
+#![allow(missing_docs, reason = "the benchmark macros make public items without documentation")]
+
+use std::hint::black_box;
+
+use feed_plan::{EndFeeds, FeedLimit, KinematicLimits};
+use feedbits_benches::{Path, paper_a, ten_points};
+use iai_callgrind::{library_benchmark, library_benchmark_group, main};
+use nurbs_core::{Evaluate, NurbsBuf, PiecesBuf};
+use real::{Backend, I8F24, I16F16, I16F48, I32F32, Real};
+use secant_interp::{ChordTolerance, LengthStage, PieceInterpolator, StepLengths};
+
+/// Points of an evaluation, steps of a run.
+const CALLS: u32 = 256;
+
+fn curve<R: Backend>(path: &Path<2>) -> NurbsBuf<R, 2> {
+    path.curve.convert::<R>().unwrap_or_else(|error| panic!("{}: {error}", path.name))
+}
+
+fn points<R: Backend>(curve: &NurbsBuf<R, 2>) -> R {
+    let curve = curve.as_curve();
+    let at = |i: i32| curve.point(R::from_ratio(2 * i + 1, 512));
+    (0..CALLS.cast_signed()).map(|i| at(black_box(i))[0]).fold(R::zero(), Real::max)
+}
+
+type Compiled<R> = (PiecesBuf<R, 2>, Vec<LengthStage<R>>);
+
+fn compiled<R: Backend>(path: &Path<2>) -> Compiled<R> {
+    let table = path.pieces::<R>();
+    let stages = path.stages::<R>(table.as_pieces().chord_exponent);
+    (table, stages)
+}
+
+fn steps<R: Backend>((table, stages): &Compiled<R>) -> u64 {
+    let interpolator = PieceInterpolator {
+        pieces: table.as_pieces(),
+        lengths: StepLengths { stages },
+        tolerance: ChordTolerance {
+            residual: R::from_f64(1e-3).unwrap_or_else(R::resolution),
+            max_evaluations: 5,
+        },
+        landing_step: R::zero(),
+    };
+    let mut state = interpolator.start();
+    (0..CALLS).filter_map(|_| interpolator.step(&mut state)).map(|setpoint| setpoint.phase).fold(0, u64::max)
+}
+
+fn planned(path: &Path<2>) -> (NurbsBuf<f64, 2>, KinematicLimits<f64>) {
+    let limits = KinematicLimits {
+        interpolation_period: 1.0,
+        feedrate: path.feed_mm,
+        acceleration: 0.009,
+        jerk: 0.001_35,
+        chord_error: 5e-4,
+        centripetal_acceleration: None,
+    };
+    (path.curve.clone(), limits)
+}
+
+fn plan((curve, limits): &(NurbsBuf<f64, 2>, KinematicLimits<f64>)) -> usize {
+    let planned = FeedLimit::along(&[curve.as_curve()], limits)
+        .and_then(|limit| feed_plan::plan(&limit, limits, EndFeeds { start: 0.0, end: 0.0 }));
+    planned.map_or(0, |schedule| schedule.as_schedule().stages().len())
+}
+
+macro_rules! point {
+    ($($name:ident: $format:ty),+) => {$(
+        #[library_benchmark]
+        #[bench::a(curve::<$format>(&paper_a()))]
+        #[bench::b(curve::<$format>(&ten_points()))]
+        fn $name(curve: NurbsBuf<$format, 2>) -> $format {
+            black_box(points(black_box(&curve)))
+        }
+    )+};
+}
+
+macro_rules! step {
+    ($($name:ident: $format:ty),+) => {$(
+        #[library_benchmark]
+        #[bench::a(compiled::<$format>(&paper_a()))]
+        #[bench::b(compiled::<$format>(&ten_points()))]
+        fn $name(path: Compiled<$format>) -> u64 {
+            black_box(steps(black_box(&path)))
+        }
+    )+};
+}
+
+point!(point_f64: f64, point_f32: f32, point_i16f16: I16F16, point_i32f32: I32F32, point_i16f48: I16F48);
+step!(
+    step_f64: f64, step_f32: f32, step_i8f24: I8F24, step_i16f16: I16F16, step_i32f32: I32F32, step_i16f48: I16F48
+);
+
+#[library_benchmark]
+#[bench::a(planned(&paper_a()))]
+fn plan_f64(input: (NurbsBuf<f64, 2>, KinematicLimits<f64>)) -> usize {
+    black_box(plan(black_box(&input)))
+}
+
+library_benchmark_group!(
+    name = evaluation;
+    benchmarks = point_f64, point_f32, point_i16f16, point_i32f32, point_i16f48
+);
+library_benchmark_group!(
+    name = interpolation;
+    benchmarks = step_f64, step_f32, step_i8f24, step_i16f16, step_i32f32, step_i16f48
+);
+library_benchmark_group!(name = planning; benchmarks = plan_f64);
+main!(library_benchmark_groups = evaluation, interpolation, planning);
