@@ -4,8 +4,10 @@ use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
 use format_compare::{Comparison, Dimension, Engine, Options, PlanIn, Problem, Row, Space, Verdict};
+use target_cost::Target;
 
 use crate::input::{AnyProblem, Input};
+use crate::targets::{self, TargetArguments};
 use crate::{Ending, output};
 
 /// Options of `compare`.
@@ -18,6 +20,8 @@ pub(crate) struct Arguments {
     /// The formats to compare, comma-separated. Default: all; see `feedbits formats`.
     #[arg(long, visible_alias = "format", value_delimiter = ',', value_name = "F,F")]
     formats: Vec<String>,
+    #[command(flatten)]
+    targets: TargetArguments,
     #[command(flatten)]
     output: output::Output,
 }
@@ -128,25 +132,35 @@ impl RunArguments {
 
 /// Compares and prints.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
+    let targets = arguments.targets.read()?;
     let comparison = match arguments.input.read()? {
-        AnyProblem::Planar(problem) => compare(&problem, arguments)?,
-        AnyProblem::Spatial(problem) => compare(&problem, arguments)?,
+        AnyProblem::Planar(problem) => compare(&problem, &targets, arguments)?,
+        AnyProblem::Spatial(problem) => compare(&problem, &targets, arguments)?,
     };
     let text = if arguments.output.json {
         serde_json::to_string_pretty(&comparison)? + "\n"
     } else {
-        table(&comparison)
+        table(&comparison) + &targets::costs(&comparison, &targets)
     };
     output::write(arguments.output.out.as_deref(), &text)?;
     Ok(if comparison.recommended.is_some() { Ending::Good } else { Ending::RequirementNotMet })
 }
 
-fn compare<const D: usize>(problem: &Problem<D>, arguments: &Arguments) -> Result<Comparison>
+fn compare<const D: usize>(
+    problem: &Problem<D>,
+    targets: &[Target],
+    arguments: &Arguments,
+) -> Result<Comparison>
 where
     Space: Dimension<D>,
 {
     let formats = selected(&arguments.formats)?;
-    Ok(format_compare::compare(problem, &formats, &arguments.run.engines()?, &arguments.run.options()?)?)
+    let (engines, options) = (arguments.run.engines()?, arguments.run.options()?);
+    let mut comparison = format_compare::compare(problem, &formats, &engines, &options)?;
+    if !targets.is_empty() {
+        format_compare::price(&mut comparison, problem, targets, &options)?;
+    }
+    Ok(comparison)
 }
 
 /// The formats of these names, or all if none is given.

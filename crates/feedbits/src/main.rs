@@ -9,6 +9,7 @@ mod plan;
 mod servo;
 mod size;
 mod smooth;
+mod targets;
 
 use std::process::ExitCode;
 
@@ -44,6 +45,8 @@ enum Command {
     Servo(servo::Arguments),
     /// Smooth the corners of straight moves and arcs within a tolerance: corner by corner, and the time it saves.
     Smooth(smooth::Arguments),
+    /// List the targets that a period is priced on, with every number's source.
+    Targets(targets::Arguments),
     /// List the number formats.
     Formats(formats::Arguments),
 }
@@ -67,6 +70,7 @@ fn main() -> ExitCode {
         Command::Size(arguments) => size::run(&arguments),
         Command::Servo(arguments) => servo::run(&arguments),
         Command::Smooth(arguments) => smooth::run(&arguments),
+        Command::Targets(arguments) => targets::run(&arguments),
         Command::Formats(arguments) => formats::run(&arguments),
     };
     match ending {

@@ -1,9 +1,12 @@
 //! Many formats side by side, with a verdict each and a recommendation.
 
+use std::collections::BTreeMap;
+
 use part_program::Machine;
 use real::FormatName;
 use serde::Serialize;
 
+use crate::cost::Cost;
 use crate::formats::{Dimension, Format, Space, plan_for};
 use crate::metrics::{Fluctuation, JudgedStep, PerPeriod};
 use crate::problem::Problem;
@@ -21,10 +24,13 @@ pub struct Comparison {
     pub reference: &'static str,
     /// A row a format, in the order of rising cost.
     pub formats: Vec<Row>,
-    /// The first format whose verdict is good.
+    /// The first format whose verdict is good; priced on targets, the cheapest on the first of them.
     pub recommended: Option<String>,
     /// How that format is to be run.
     pub recommended_engine: Option<Engine>,
+    /// The cheapest good format on each target, and how it is to be run.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub recommended_on: BTreeMap<String, (String, Engine)>,
 }
 
 /// What was run.
@@ -67,6 +73,10 @@ pub struct Row {
     pub end_error_mm: Option<f64>,
     /// Periods run.
     pub periods: Option<u32>,
+    /// Mean operations of a period, by kind; absent unless priced on targets.
+    pub operations: Option<BTreeMap<&'static str, f64>>,
+    /// What a period costs, by target.
+    pub cycles: BTreeMap<String, Cost>,
     /// Good, or what is broken.
     pub verdict: Verdict,
 }
@@ -142,6 +152,7 @@ where
         reference: "double-double, 106 bits",
         recommended: recommended.map(|row| row.format.clone()),
         recommended_engine: recommended.map(|row| row.engine),
+        recommended_on: BTreeMap::new(),
         formats: rows,
     })
 }
@@ -182,6 +193,8 @@ pub(crate) fn refused((name, engine): (FormatName, Engine), refusal: &Refusal) -
         position_resolution_mm: None,
         end_error_mm: None,
         periods: None,
+        operations: None,
+        cycles: BTreeMap::new(),
         verdict: Verdict::Refused(refusal.to_string()),
     }
 }
@@ -234,6 +247,8 @@ pub(crate) fn judged<const D: usize>(
         position_resolution_mm: Some(run.resolution_mm),
         end_error_mm: Some(end_error),
         periods: u32::try_from(run.steps.len()).ok(),
+        operations: None,
+        cycles: BTreeMap::new(),
         verdict: if broken.is_empty() { Verdict::Good } else { Verdict::Bad(broken) },
     }
 }

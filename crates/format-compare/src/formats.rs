@@ -6,6 +6,7 @@ use real::{Audited, Backend, FormatName, RuntimeFixed, RuntimeFormat};
 
 use crate::exact_plan::ExactPlan;
 use crate::problem::Problem;
+use crate::recorded::{self, RecordedRun};
 use crate::run::{self, Options, PlanIn, Refusal, Run};
 
 /// A number format that a part of dimension `D` can be run in.
@@ -102,6 +103,17 @@ pub trait Dimension<const D: usize> {
 
     /// A format chosen at run time, to be compared like any other.
     fn at_run_time(format: RuntimeFormat) -> Box<dyn Format<D>>;
+
+    /// The operations of each step of a run in the format of this name.
+    ///
+    /// # Errors
+    /// As [`Format::run`].
+    fn record(
+        format: FormatName,
+        problem: &Problem<D>,
+        plan: &ExactPlan,
+        options: &Options,
+    ) -> Result<RecordedRun, Refusal>;
 }
 
 /// The implementor of [`Dimension<2>`] and [`Dimension<3>`].
@@ -116,6 +128,15 @@ impl Dimension<2> for Space {
     fn at_run_time(format: RuntimeFormat) -> Box<dyn Format<2>> {
         Box::new(AtRunTime(format))
     }
+
+    fn record(
+        format: FormatName,
+        problem: &Problem<2>,
+        plan: &ExactPlan,
+        options: &Options,
+    ) -> Result<RecordedRun, Refusal> {
+        recorded::record(format, problem, plan, options)
+    }
 }
 
 impl Dimension<3> for Space {
@@ -125,6 +146,15 @@ impl Dimension<3> for Space {
 
     fn at_run_time(format: RuntimeFormat) -> Box<dyn Format<3>> {
         Box::new(AtRunTime(format))
+    }
+
+    fn record(
+        format: FormatName,
+        problem: &Problem<3>,
+        plan: &ExactPlan,
+        options: &Options,
+    ) -> Result<RecordedRun, Refusal> {
+        recorded::record(format, problem, plan, options)
     }
 }
 

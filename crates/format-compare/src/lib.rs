@@ -8,9 +8,11 @@
 //! | what does one format make of it? | [`Format::run`] → [`Run`] |
 //! | how good is that? | [`Reference::judge`] → [`JudgedStep`], [`Fluctuation`] |
 //! | which format is good enough? | [`compare`] → [`Comparison`] |
+//! | what does a period cost on a target? | [`price`] → [`Cost`] |
 //! | how few bits are enough? | [`size`] → [`Sizing`] |
 
 mod compare;
+mod cost;
 mod exact_plan;
 mod formats;
 mod metrics;
@@ -18,17 +20,20 @@ mod on_global_parameter;
 mod on_pieces;
 mod plan_table;
 mod problem;
+mod recorded;
 mod reference;
 mod run;
 mod setpoints;
 mod size;
 
 pub use compare::{Comparison, PartSummary, Row, Verdict, compare, in_parallel};
+pub use cost::{Cost, Level, PeriodCost, price};
 pub use exact_plan::ExactPlan;
 pub use formats::{Dimension, Format, Space, formats, plan_for, select};
 pub use metrics::{Fluctuation, JudgedStep, PerPeriod};
 pub use plan_table::{FeedSample, PlanSummary, StageRow};
 pub use problem::Problem;
+pub use recorded::RecordedRun;
 pub use reference::Reference;
 pub use run::{Engine, Options, PlanIn, Refusal, Run, RunStep};
 pub use setpoints::{SetpointRow, SetpointTable};

@@ -1,12 +1,13 @@
 //! A run on one curve with a global parameter: the textbook way, raw in every format.
 
 use feed_plan::Schedule;
-use nurbs_core::Differentiate;
-use real::{Audit, Backend};
+use nurbs_core::{Differentiate, NurbsCurve};
+use real::{Audit, Backend, Recorded};
 use secant_interp::{Interpolator, Method, Tolerance};
 
 use crate::exact_plan::{ExactPlan, in_format};
 use crate::problem::Problem;
+use crate::recorded::RecordedRun;
 use crate::run::{Options, Refusal, Run, RunStep, most_periods, resolution_at};
 
 /// Converts curve, plan and limits to `R` and runs.
@@ -16,6 +17,30 @@ pub(crate) fn run<R: Backend, const D: usize>(
     options: &Options,
     method: Method,
 ) -> Result<Run, Refusal> {
+    prepared::<R, D, _>(problem, plan, options, method, |interpolator| drive(interpolator, plan, problem))
+}
+
+/// The operations of each step of the same run.
+pub(crate) fn record<R: Backend, const D: usize>(
+    problem: &Problem<D>,
+    plan: &ExactPlan,
+    options: &Options,
+    method: Method,
+) -> Result<RecordedRun, Refusal> {
+    prepared::<Recorded<R>, D, _>(problem, plan, options, method, |interpolator| {
+        let mut state = interpolator.start();
+        RecordedRun::of(most_periods(plan), || interpolator.step(&mut state).is_some())
+    })
+}
+
+/// Hands what the run needs, in `R`, to `work`.
+fn prepared<R: Backend, const D: usize, T>(
+    problem: &Problem<D>,
+    plan: &ExactPlan,
+    options: &Options,
+    method: Method,
+    work: impl FnOnce(&Interpolator<'_, R, NurbsCurve<'_, R, D>>) -> T,
+) -> Result<T, Refusal> {
     let [curve] = problem.curves.as_slice() else {
         return Err(Refusal::ManyCurves(problem.curves.len()));
     };
@@ -36,7 +61,7 @@ pub(crate) fn run<R: Backend, const D: usize>(
         },
         landing_step: in_format("acceleration", limits.acceleration)?,
     };
-    Ok(drive(&interpolator, plan, problem))
+    Ok(work(&interpolator))
 }
 
 fn drive<R: Backend, C: Differentiate<R, D>, const D: usize>(

@@ -1,11 +1,12 @@
 //! A run on compiled pieces.
 
 use nurbs_core::{NurbsBuf, ORIGIN_EXPONENT, PieceLimits, PiecesBuf, compile};
-use real::{Audit, Backend, DoubleDouble, Real};
+use real::{Audit, Backend, DoubleDouble, Real, Recorded};
 use secant_interp::{ChordTolerance, LengthStage, PieceInterpolator, PieceSetpoint, StepLengths};
 
 use crate::exact_plan::{ExactPlan, nearest};
 use crate::problem::Problem;
+use crate::recorded::RecordedRun;
 use crate::run::{Options, Refusal, Run, RunStep, most_periods, resolution_at};
 
 /// Compiles path and plan for `R` and runs.
@@ -14,25 +15,59 @@ pub(crate) fn run<R: Backend, const D: usize>(
     plan: &ExactPlan,
     options: &Options,
 ) -> Result<Run, Refusal> {
-    let limits = problem.limits_per_period()?;
-    let landing_step_mm = limits.acceleration;
-    let curves: Vec<_> = problem.curves.iter().map(NurbsBuf::as_curve).collect();
-    let piece_limits =
-        PieceLimits { length_mm: options.piece_length_mm, step_mm: limits.feedrate + landing_step_mm };
-    let table: PiecesBuf<R, D> = compile::<DoubleDouble, R, D>(&curves, &piece_limits)?;
-    let pieces = table.as_pieces();
-    let chord_unit = 1.0.scale(pieces.chord_exponent);
-    let stages = compiled_stages::<R>(plan, pieces.chord_exponent)?;
-    let interpolator = PieceInterpolator {
-        pieces,
-        lengths: StepLengths { stages: &stages },
-        tolerance: ChordTolerance {
-            residual: residual::<R>(options.fluctuation),
-            max_evaluations: problem.machine.max_iterations,
-        },
-        landing_step: crate::exact_plan::in_format("acceleration", landing_step_mm * chord_unit)?,
-    };
-    Ok(drive(&interpolator, &table, plan, problem))
+    let prepared = Prepared::<R, D>::new(problem, plan, options)?;
+    Ok(drive(&prepared.interpolator(), &prepared.table, plan, problem))
+}
+
+/// The operations of each step of the same run.
+pub(crate) fn record<R: Backend, const D: usize>(
+    problem: &Problem<D>,
+    plan: &ExactPlan,
+    options: &Options,
+) -> Result<RecordedRun, Refusal> {
+    let prepared = Prepared::<Recorded<R>, D>::new(problem, plan, options)?;
+    let interpolator = prepared.interpolator();
+    let mut state = interpolator.start();
+    Ok(RecordedRun::of(most_periods(plan), || interpolator.step(&mut state).is_some()))
+}
+
+/// Path, stages and tolerances in `R`: what lies in a controller's flash.
+struct Prepared<R, const D: usize> {
+    table: PiecesBuf<R, D>,
+    stages: Vec<LengthStage<R>>,
+    tolerance: ChordTolerance<R>,
+    landing_step: R,
+}
+
+impl<R: Backend, const D: usize> Prepared<R, D> {
+    fn new(problem: &Problem<D>, plan: &ExactPlan, options: &Options) -> Result<Self, Refusal> {
+        let limits = problem.limits_per_period()?;
+        let landing_step_mm = limits.acceleration;
+        let curves: Vec<_> = problem.curves.iter().map(NurbsBuf::as_curve).collect();
+        let piece_limits =
+            PieceLimits { length_mm: options.piece_length_mm, step_mm: limits.feedrate + landing_step_mm };
+        let table: PiecesBuf<R, D> = compile::<DoubleDouble, R, D>(&curves, &piece_limits)?;
+        let chord_exponent = table.as_pieces().chord_exponent;
+        let chord_unit = 1.0.scale(chord_exponent);
+        Ok(Self {
+            stages: compiled_stages::<R>(plan, chord_exponent)?,
+            tolerance: ChordTolerance {
+                residual: residual::<R>(options.fluctuation),
+                max_evaluations: problem.machine.max_iterations,
+            },
+            landing_step: crate::exact_plan::in_format("acceleration", landing_step_mm * chord_unit)?,
+            table,
+        })
+    }
+
+    fn interpolator(&self) -> PieceInterpolator<'_, R, D> {
+        PieceInterpolator {
+            pieces: self.table.as_pieces(),
+            lengths: StepLengths { stages: &self.stages },
+            tolerance: self.tolerance,
+            landing_step: self.landing_step,
+        }
+    }
 }
 
 /// The residual whose one correction leaves at most this fluctuation.

@@ -1,0 +1,331 @@
+//! `feedbits targets`, and the choice of targets for `compare`.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use anyhow::{Result, bail};
+use clap::Args;
+use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
+use format_compare::{Comparison, Cost, PeriodCost, Row, Verdict};
+use serde::Serialize;
+use target_cost::{Calibration, Confidence, Kind, Known, Measure, Prediction, Target, built_in};
+
+use crate::{Ending, input, output};
+
+/// Options of `targets`.
+#[derive(Args)]
+pub(crate) struct Arguments {
+    /// The target whose every number is to be listed, with its source. Default: all targets, a line each.
+    target: Option<String>,
+    /// Target files to list beside the built-in ones.
+    #[arg(long, value_name = "FILE")]
+    target_file: Vec<PathBuf>,
+    /// Predict the steps that were traced in the emulator, and print the ratios.
+    #[arg(long, conflicts_with = "target")]
+    check: bool,
+    #[command(flatten)]
+    output: output::Output,
+}
+
+/// Targets to price a comparison on.
+#[derive(Args)]
+pub(crate) struct TargetArguments {
+    /// Targets to price a period on, comma-separated; the recommendation is for the first. See `feedbits targets`.
+    #[arg(long, value_delimiter = ',', value_name = "T,T")]
+    targets: Vec<String>,
+    /// A target file (TOML); may be given more than once.
+    #[arg(long, value_name = "FILE")]
+    target_file: Vec<PathBuf>,
+    /// Multipliers on an FPGA.
+    #[arg(long, value_name = "N")]
+    multipliers: Option<u32>,
+    /// Dividers on an FPGA.
+    #[arg(long, value_name = "N")]
+    dividers: Option<u32>,
+}
+
+impl TargetArguments {
+    /// The targets in the order given, those of files that are not named after them.
+    pub(crate) fn read(&self) -> Result<Vec<Target>> {
+        for (option, value) in [("--multipliers", self.multipliers), ("--dividers", self.dividers)] {
+            if value == Some(0) {
+                bail!("{option} 0: expected at least 1");
+            }
+        }
+        let from_files = files(&self.target_file)?;
+        let known: Vec<Target> = from_files.iter().cloned().chain(built_in()?).collect();
+        let mut chosen = Vec::new();
+        for name in &self.targets {
+            match known.iter().find(|target| target.name == *name) {
+                Some(target) => chosen.push(target.clone()),
+                None => bail!("unknown target {name:?}: expected {}", names(&known)),
+            }
+        }
+        let unnamed = from_files.into_iter().filter(|target| !self.targets.contains(&target.name));
+        chosen.extend(unnamed);
+        let units = [("multiplier", self.multipliers), ("divider", self.dividers)];
+        let with = |target: Target| {
+            units.iter().fold(target, |target, (name, count)| match count {
+                Some(count) => target.with_units(name, *count),
+                None => target,
+            })
+        };
+        Ok(chosen.into_iter().map(with).collect())
+    }
+}
+
+fn files(paths: &[PathBuf]) -> Result<Vec<Target>> {
+    paths.iter().map(|path| Ok(Target::read(&path.display().to_string(), &input::text(path)?)?)).collect()
+}
+
+fn names(targets: &[Target]) -> String {
+    targets.iter().map(|target| target.name.as_str()).collect::<Vec<_>>().join(", ")
+}
+
+/// Lists targets, or one target's numbers, or the predictions.
+pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
+    let known: Vec<Target> = files(&arguments.target_file)?.into_iter().chain(built_in()?).collect();
+    let json = arguments.output.json;
+    let text = if arguments.check {
+        let checked = checks(&known)?;
+        if json { serde_json::to_string_pretty(&checked)? + "\n" } else { check_table(&checked) }
+    } else if let Some(name) = &arguments.target {
+        let Some(target) = known.iter().find(|target| target.name == *name) else {
+            bail!("unknown target {name:?}: expected {}", names(&known));
+        };
+        if json { serde_json::to_string_pretty(target)? + "\n" } else { numbers(target) }
+    } else if json {
+        serde_json::to_string_pretty(&known)? + "\n"
+    } else {
+        list(&known)
+    };
+    output::write(arguments.output.out.as_deref(), &text)?;
+    Ok(Ending::Good)
+}
+
+fn table(header: &[&str]) -> Table {
+    let mut table = Table::new();
+    table.load_preset(presets::UTF8_FULL_CONDENSED).set_content_arrangement(ContentArrangement::Dynamic);
+    table.set_header(header.to_vec());
+    table
+}
+
+fn list(targets: &[Target]) -> String {
+    let mut table = table(&["target", "what it is", "order", "clock MHz", "costs of operations"]);
+    for target in targets {
+        let order = match target.kind {
+            Kind::Processor => "in program order",
+            Kind::Vliw => "list schedule, several a cycle",
+            Kind::Fpga => "list schedule on bought units",
+        };
+        let clock = target.clock.iter().map(|clock| match clock.max_bits {
+            Some(bits) => format!("{} to {bits} bits", clock.mhz),
+            None => clock.mhz.to_string(),
+        });
+        let clock = clock.collect::<Vec<_>>().join(", ");
+        let costs = match (target.calibrated, target.measure) {
+            (true, Measure::Cycles) => "instructions counted in an emulator, cycles of the manual",
+            (true, Measure::Instructions) => "instructions counted in an emulator; cycles unknown",
+            (false, _) => "manuals",
+        };
+        let clock = if clock.is_empty() { "unknown".to_string() } else { clock };
+        table.add_row([target.name.as_str(), target.title.as_str(), order, clock.as_str(), costs]);
+    }
+    format!("{table}\nEvery number of a target with its source: feedbits targets NAME\n")
+}
+
+fn numbers(target: &Target) -> String {
+    let mut table =
+        table(&["operation", "formats", "cycles\nlow", "\ntypical", "\nhigh", "unit", "source", "trust"]);
+    for row in &target.operation {
+        let formats = match row.max_bits {
+            Some(bits) => format!("{} to {bits} bits", row.numbers),
+            None => row.numbers.clone(),
+        };
+        let per_bit = match (row.per_bit, row.per_fraction_bit) {
+            (0.0, 0.0) => String::new(),
+            (bit, fraction) => format!(" + {bit}·bits + {fraction}·fraction"),
+        };
+        let cycles = match row.cycles {
+            Known::Cycles(c) => [c.low, c.typical, c.high].map(|cycles| format!("{cycles:.1}{per_bit}")),
+            Known::Not(_) => ["unknown"; 3].map(String::from),
+        };
+        let trust = match row.confidence {
+            Confidence::High => "high",
+            Confidence::Medium => "medium",
+            Confidence::Low => "low",
+        };
+        let [low, typical, high] = cycles;
+        let unit = row.unit.clone().unwrap_or_default();
+        let cells = [row.name.name().to_string(), formats, low, typical, high, unit, row.source.clone()];
+        table.add_row(cells.into_iter().chain([trust.to_string()]));
+    }
+    let clocks = target.clock.iter().map(|clock| format!("clock {} MHz: {}\n", clock.mhz, clock.source));
+    format!("{}: {}\n{}{table}\n", target.name, target.title, clocks.collect::<String>())
+}
+
+/// A target's predictions.
+#[derive(Serialize)]
+struct Check {
+    target: String,
+    format: String,
+    path: String,
+    traced: f64,
+    predicted: f64,
+    ratio: f64,
+}
+
+fn checks(targets: &[Target]) -> Result<Vec<Check>> {
+    let calibration = Calibration::committed()?;
+    let of = |target: &Target| {
+        let check = |p: Prediction| Check {
+            target: target.name.clone(),
+            format: p.format,
+            path: p.path,
+            traced: p.traced.typical,
+            predicted: p.predicted.typical,
+            ratio: p.predicted.typical / p.traced.typical,
+        };
+        calibration.predictions(&target.name, target.measure).into_iter().map(check).collect::<Vec<_>>()
+    };
+    Ok(targets.iter().filter(|target| target.calibrated).flat_map(of).collect())
+}
+
+fn check_table(checks: &[Check]) -> String {
+    let mut table = table(&["target", "format", "path", "traced", "predicted", "ratio"]);
+    for check in checks {
+        table.add_row([
+            check.target.clone(),
+            check.format.clone(),
+            check.path.clone(),
+            format!("{:.0}", check.traced),
+            format!("{:.0}", check.predicted),
+            format!("{:.3}", check.ratio),
+        ]);
+    }
+    for column in table.column_iter_mut().skip(3) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    format!(
+        "A step, mean: traced in the emulator, and predicted from the costs of its operations.\n{table}\n"
+    )
+}
+
+/// The costs of a comparison that was priced, and what they say.
+pub(crate) fn costs(comparison: &Comparison, targets: &[Target]) -> String {
+    let mut text = String::new();
+    for target in targets {
+        text += &format!("\n{}\n{}\n", heading(target), cost_table(comparison, target));
+        for line in findings(comparison, target) {
+            text += &format!("- {line}\n");
+        }
+    }
+    text
+}
+
+fn heading(target: &Target) -> String {
+    let level = match (target.calibrated, target.kind) {
+        (true, _) => "recorded steps, costs of operations counted in an emulator",
+        (false, Kind::Processor) => "recorded steps in program order, costs of operations from manuals",
+        (false, _) => "recorded steps, list schedule, costs of operations from manuals",
+    };
+    let units: Vec<_> = target.unit.iter().map(|unit| format!("{} {}", unit.count, unit.name)).collect();
+    let units = if units.is_empty() { String::new() } else { format!("; {}", units.join(", ")) };
+    format!("{} ({level}{units})", target.title)
+}
+
+fn cost_table(comparison: &Comparison, target: &Target) -> Table {
+    let what = match target.measure {
+        Measure::Cycles => "cycles",
+        Measure::Instructions => "instructions",
+    };
+    let mean = format!("{what} a period\nmean (low–high)");
+    let max = format!("{what} a period\nworst (low–high)");
+    let fpga = target.kind == Kind::Fpga;
+    let mut header = vec!["format", "path", &mean, &max, "µs\nworst", "of the\nperiod", "most work in"];
+    if fpga {
+        header.extend(["DSP\nblocks", "cycles to the\nnext axis"]);
+    }
+    let mut table = table(&header);
+    for row in comparison.formats.iter().filter(|row| !matches!(row.verdict, Verdict::Refused(_))) {
+        let mut cells = vec![row.format.clone(), row.engine.to_string()];
+        match row.cycles.get(&target.name) {
+            Some(Cost::Known(cost)) => {
+                let range = |middle: f64, [low, high]: [f64; 2]| format!("{middle:.0} ({low:.0}–{high:.0})");
+                cells.push(range(cost.mean, cost.mean_range));
+                cells.push(range(cost.max, cost.max_range));
+                cells.push(
+                    cost.microseconds_max.map_or_else(|| "unknown".to_string(), |us| format!("{us:.1}")),
+                );
+                let share = cost.share_of_period.map(|share| format!("{:.2} %", share * 100.0));
+                cells.push(share.unwrap_or_default());
+                cells.push(format!("{} {:.0} %", cost.dominating, cost.dominating_share * 100.0));
+                if fpga {
+                    cells.push(cost.dsp_blocks.map_or_else(String::new, |blocks| blocks.to_string()));
+                    cells.push(cost.initiation_interval_max.map_or_else(String::new, |i| format!("{i:.0}")));
+                }
+            }
+            Some(Cost::Unknown { unknown }) => cells.push(format!("unknown: nobody publishes its {unknown}")),
+            None => {}
+        }
+        table.add_row(cells);
+    }
+    for column in table.column_iter_mut().skip(2).take(4) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    table
+}
+
+/// What the figures say on this target.
+fn findings(comparison: &Comparison, target: &Target) -> Vec<String> {
+    let known = |row: &Row| match row.cycles.get(&target.name) {
+        Some(Cost::Known(cost)) => Some(cost.clone()),
+        _ => None,
+    };
+    let good: Vec<(&Row, PeriodCost)> = comparison
+        .formats
+        .iter()
+        .filter(|row| row.verdict.is_good())
+        .filter_map(|row| Some((row, known(row)?)))
+        .collect();
+    let mut lines = Vec::new();
+    if let Some((format, engine)) = comparison.recommended_on.get(&target.name) {
+        lines.push(format!("Cheapest good format on {}: {format} ({engine})", target.name));
+    } else {
+        lines.push(format!("No format is known to be good and fast enough on {}", target.name));
+    }
+    // Fixed point against float: the cheapest good one of each.
+    let cheapest = |fixed: bool| {
+        let of_kind = good.iter().filter(|(row, _)| row.format.starts_with('I') == fixed);
+        of_kind.min_by(|a, b| a.1.max.total_cmp(&b.1.max))
+    };
+    if let (Some((fixed, q)), Some((float, f))) = (cheapest(true), cheapest(false)) {
+        let (cheap, dear, ratio) = if q.max <= f.max {
+            (&fixed.format, &float.format, f.max / q.max)
+        } else {
+            (&float.format, &fixed.format, q.max / f.max)
+        };
+        lines.push(format!("{cheap} takes {ratio:.1} times less than {dear}, the best of the other kind"));
+    }
+    lines.extend(divisions(comparison, &known));
+    lines
+}
+
+/// What compiling buys where both forms were priced, and how much of the raw form is division and roots.
+fn divisions(comparison: &Comparison, known: &impl Fn(&Row) -> Option<PeriodCost>) -> Option<String> {
+    let mut by_format: BTreeMap<&str, Vec<(&Row, PeriodCost)>> = BTreeMap::new();
+    for row in &comparison.formats {
+        if let Some(cost) = known(row) {
+            by_format.entry(&row.format).or_default().push((row, cost));
+        }
+    }
+    let gains = by_format.into_iter().filter_map(|(format, rows)| {
+        let [(_, raw), (_, pieces)] = rows.as_slice() else { return None };
+        Some((raw.mean / pieces.mean, format, raw.dominating, raw.dominating_share))
+    });
+    let (gain, format, dominating, share) = gains.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    Some(format!(
+        "Compiled pieces take up to {gain:.1} times less than the raw path ({format}), {:.0} % of which is {dominating}",
+        share * 100.0
+    ))
+}

@@ -1,0 +1,98 @@
+//! `feedbits targets` and `compare --targets`, as a person or a script uses them.
+
+use std::fs;
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+fn feedbits(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_feedbits")).args(arguments).output().expect("the program starts")
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+fn json(arguments: &[&str]) -> Value {
+    let output = feedbits(&[arguments, &["--json"]].concat());
+    serde_json::from_slice(&output.stdout).unwrap_or_else(|_| panic!("{}", text(&output.stderr)))
+}
+
+#[test]
+fn every_target_is_listed_and_every_number_has_a_source() {
+    let listed = text(&feedbits(&["targets"]).stdout);
+    for target in
+        ["cortex-m0plus", "cortex-m4f", "cortex-m7", "c28x-tmu", "c674x", "dsp48", "ice40up", "ecp5"]
+    {
+        assert!(listed.contains(target), "{target} in\n{listed}");
+    }
+    let one = json(&["targets", "c28x-tmu"]);
+    for row in one["operation"].as_array().expect("rows") {
+        assert!(row["source"].as_str().is_some_and(|source| source.len() > 10), "{row}");
+    }
+    let check = json(&["targets", "--check"]);
+    assert!(
+        check.as_array().expect("rows").iter().all(|row| (row["ratio"].as_f64().unwrap() - 1.0).abs() < 0.15)
+    );
+    let unknown = feedbits(&["targets", "z80"]);
+    assert_eq!(unknown.status.code(), Some(2));
+    assert!(text(&unknown.stderr).contains("cortex-m3"), "{}", text(&unknown.stderr));
+}
+
+/// Fixed point pays where there is no FPU, and f32 where there is one.
+#[test]
+fn the_recommendation_is_the_cheapest_on_the_first_target() {
+    let report =
+        json(&["compare", "--formats", "f32,I4F28,f64", "--targets", "cortex-m0plus,cortex-m4f,cortex-m7"]);
+    assert_eq!(report["recommended"], "I4F28");
+    assert_eq!(report["recommended_on"]["cortex-m0plus"][0], "I4F28");
+    assert_eq!(report["recommended_on"]["cortex-m4f"][0], "f32");
+    let rows = report["formats"].as_array().expect("rows");
+    let row = rows.iter().find(|r| r["format"] == "f32" && r["engine"] == "pieces").expect("a row");
+    let cost = &row["cycles"]["cortex-m4f"];
+    assert_eq!(cost["level"], "scheduled_on_counted_costs");
+    let (mean, max) = (cost["mean"].as_f64().unwrap(), cost["max"].as_f64().unwrap());
+    assert!(500.0 < mean && mean < max, "{cost}");
+    assert!(cost["share_of_period"].as_f64().is_some_and(|share| share > 0.0 && share < 1.0), "{cost}");
+    assert!(row["cycles"]["cortex-m7"]["microseconds_max"].is_null(), "no published timing, no time");
+    assert!(row["operations"]["mul_add"].as_f64().is_some_and(|count| count >= 28.0), "{row}");
+}
+
+const SLOW: &str = r#"
+name = "relay"
+title = "A computer of relays"
+kind = "processor"
+[[clock]]
+mhz = 0.001
+source = "a guess"
+"#;
+
+#[test]
+fn a_target_of_ones_own_is_read_and_a_format_that_does_not_fit_the_period_fails() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("relay.toml");
+    let row = |name: &str| {
+        format!(
+            "[[operation]]\nname = \"{name}\"\nnumbers = \"f64\"\ncycles = {{ low = 1, typical = 2, high = 3 }}\n\
+             source = \"a guess\"\nconfidence = \"low\"\n"
+        )
+    };
+    let rows = ["add", "mul", "compare", "scale", "div", "convert", "sqrt"].map(row).concat();
+    fs::write(&path, format!("{SLOW}{rows}")).expect("the folder is writable");
+    let file = path.to_str().unwrap();
+    let output = feedbits(&["compare", "--formats", "f64", "--evaluate", "pieces", "--target-file", file]);
+    assert_eq!(output.status.code(), Some(1), "{}", text(&output.stderr));
+    assert!(text(&output.stdout).contains("times the interpolation period"), "{}", text(&output.stdout));
+
+    fs::write(&path, format!("{SLOW}{rows}").replace("typical = 2", "typical = 0")).expect("writable");
+    let output = feedbits(&["compare", "--formats", "f64", "--target-file", file]);
+    assert_eq!(output.status.code(), Some(2));
+    let message = text(&output.stderr);
+    assert!(
+        message.contains("relay.toml")
+            && message.contains("operation add")
+            && message.contains("typical = 0")
+    );
+    let output = feedbits(&["compare", "--targets", "relay"]);
+    assert!(text(&output.stderr).contains("unknown target \"relay\""), "{}", text(&output.stderr));
+}

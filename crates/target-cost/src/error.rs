@@ -1,0 +1,53 @@
+//! Why a target file was refused.
+
+use std::fmt;
+
+/// What is wrong with a target file.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum TargetError {
+    /// It is no TOML, or lacks a key, or has one that is not known.
+    Toml {
+        /// The file.
+        file: String,
+        /// Line, column and what was expected.
+        error: toml::de::Error,
+    },
+    /// A value breaks a rule.
+    Value {
+        /// The file.
+        file: String,
+        /// The key.
+        key: String,
+        /// Its value.
+        value: String,
+        /// The rule.
+        expected: &'static str,
+    },
+    /// `calibrated = true`, and nothing was counted for a target of this name.
+    NotCalibrated {
+        /// The file.
+        file: String,
+        /// The name.
+        name: String,
+    },
+}
+
+impl fmt::Display for TargetError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Toml { file, error } => write!(f, "{file}: {error}"),
+            Self::Value { file, key, value, expected } => {
+                write!(f, "{file}: {key} = {value}: expected {expected}")
+            }
+            Self::NotCalibrated { file, name } => {
+                write!(
+                    f,
+                    "{file}: name = {name:?} with calibrated = true: expected a target that was counted"
+                )
+            }
+        }
+    }
+}
+
+impl std::error::Error for TargetError {}

@@ -1,0 +1,44 @@
+//! `target-cost`: what does a recorded real-time step cost on a processor or an FPGA?
+//!
+//! A step's data-flow graph ([`real::Graph`]) becomes a [`Step`] of operations, and a [`Target`] schedules it: in program
+//! order on a processor, by list scheduling on a VLIW's or an FPGA's units. Targets are data files; every number in
+//! them names its source and how far to trust it, and what nobody has published is `unknown`.
+//!
+//! ```
+//! use real::{Graph, I4F28, Real, Recorded};
+//! use target_cost::{Step, StepCost, built_in};
+//!
+//! let number = |name| Recorded::<I4F28>::input(name, I4F28::from_ratio(1, 3));
+//! let (_, graph) = Graph::of(|| number("a").mul_add(number("x"), number("b")));
+//! let step = Step::of(&graph);
+//! for target in built_in()? {
+//!     match StepCost::of(&step, &target, real::FormatName::Fixed { integer_bits: 4, fraction_bits: 28 }) {
+//!         Ok(cost) => println!("{}: {:.0} cycles", target.title, cost.length.typical),
+//!         Err(none) => println!("{}: {} is unknown", target.title, none.operation.name()),
+//!     }
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! | question | where |
+//! |---|---|
+//! | what operations has a step? | [`Step`], [`Task`], [`Priced`] |
+//! | what does one cost, and who says so? | [`Target`], [`Row`] |
+//! | what was counted on the instruction set? | [`Calibration`] |
+//! | how long is the step? what bounds it? | [`StepCost`] |
+
+mod built_in;
+mod calibration;
+mod cycles;
+mod error;
+mod schedule;
+mod target;
+mod task;
+
+pub use built_in::built_in;
+pub use calibration::{Calibration, Prediction};
+pub use cycles::{Cycles, Level};
+pub use error::TargetError;
+pub use schedule::{NoPrice, Placed, StepCost};
+pub use target::{Clock, Confidence, Kind, Known, Measure, Price, Row, Target, Unit, Unknown};
+pub use task::{Priced, Step, Task};

@@ -1,0 +1,298 @@
+//! A target: what it is, its units, and what each operation costs on it.
+
+use real::FormatName;
+use serde::{Deserialize, Serialize};
+
+use crate::calibration::Calibration;
+use crate::cycles::Cycles;
+use crate::error::TargetError;
+use crate::task::Priced;
+
+/// A processor or an FPGA.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Target {
+    /// The name on the command line.
+    pub name: String,
+    /// The name for people.
+    pub title: String,
+    /// How a step is put in order.
+    pub kind: Kind,
+    /// What the figures count.
+    #[serde(default)]
+    pub measure: Measure,
+    /// Operations that may begin in the same cycle; absent for no bound.
+    #[serde(default)]
+    pub issue_per_cycle: Option<u32>,
+    /// Clocks, the first that is wide enough for a format; a processor has one. None: unknown.
+    #[serde(default)]
+    pub clock: Vec<Clock>,
+    /// Units that several operations share.
+    #[serde(default)]
+    pub unit: Vec<Unit>,
+    /// Whether the costs of the operations are those counted on the instruction set.
+    #[serde(default)]
+    pub calibrated: bool,
+    /// The costs.
+    #[serde(default)]
+    pub operation: Vec<Row>,
+}
+
+/// How a step is put in order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Kind {
+    /// In program order: an operation begins no earlier than the one before it.
+    Processor,
+    /// A compiler orders it, for several units that begin in the same cycle.
+    Vliw,
+    /// A list schedule on units that are bought for the step.
+    Fpga,
+}
+
+/// What the figures of a target count.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Measure {
+    /// Clock cycles.
+    #[default]
+    Cycles,
+    /// Executed instructions, where the processor's timing is not published.
+    Instructions,
+}
+
+/// A clock, for formats up to a width.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Clock {
+    /// The widest format; absent for every width.
+    #[serde(default)]
+    pub max_bits: Option<u32>,
+    /// In MHz.
+    pub mhz: f64,
+    /// Where the number is from.
+    pub source: String,
+}
+
+/// Units that several operations share.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Unit {
+    /// Its name.
+    pub name: String,
+    /// How many there are.
+    pub count: u32,
+}
+
+/// The cost of one operation in some formats.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Row {
+    /// The operation.
+    pub name: Priced,
+    /// The formats: `fixed`, or one format by its name.
+    pub numbers: String,
+    /// The widest fixed-point format.
+    #[serde(default)]
+    pub max_bits: Option<u32>,
+    /// Until the result is there.
+    pub cycles: Known,
+    /// More cycles for each bit of the format.
+    #[serde(default)]
+    pub per_bit: f64,
+    /// More cycles for each fraction bit of the format.
+    #[serde(default)]
+    pub per_fraction_bit: f64,
+    /// Cycles for which its unit, or the issue of the next operation, is held up; absent: until the result is there on a
+    /// processor, one cycle elsewhere.
+    #[serde(default)]
+    pub busy: Option<f64>,
+    /// The unit that does it; absent if there are as many as one wants.
+    #[serde(default)]
+    pub unit: Option<String>,
+    /// DSP blocks in a unit.
+    #[serde(default)]
+    pub dsp_blocks: u32,
+    /// Manual and table, or the derivation.
+    pub source: String,
+    /// How far to trust it.
+    pub confidence: Confidence,
+}
+
+/// Cycles, or that nobody has published them.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Known {
+    /// Known.
+    Cycles(Cycles),
+    /// The word `unknown`.
+    Not(Unknown),
+}
+
+/// The word `unknown`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Unknown {
+    /// Nobody has published it.
+    Unknown,
+}
+
+/// How far to trust a number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Confidence {
+    /// Read in the source, or measured.
+    High,
+    /// From the source by a derivation, or from a second hand.
+    Medium,
+    /// An estimate.
+    Low,
+}
+
+/// The cost of an operation in one format.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Price {
+    /// Until the result is there.
+    pub latency: Cycles,
+    /// How long its unit is taken.
+    pub busy: Option<f64>,
+    /// The unit, by its place in [`Target::unit`].
+    pub unit: Option<usize>,
+    /// DSP blocks in the unit.
+    pub dsp_blocks: u32,
+}
+
+impl Target {
+    /// Reads a target file.
+    ///
+    /// # Errors
+    /// [`TargetError`], naming the file and line, key and value.
+    pub fn read(file: &str, text: &str) -> Result<Self, TargetError> {
+        let target: Self =
+            toml::from_str(text).map_err(|error| TargetError::Toml { file: file.to_string(), error })?;
+        target.validate(file)?;
+        if target.calibrated { Calibration::committed()?.complete(file, target) } else { Ok(target) }
+    }
+
+    fn validate(&self, file: &str) -> Result<(), TargetError> {
+        let wrong = |key: String, value: String, expected: &'static str| {
+            Err(TargetError::Value { file: file.to_string(), key, value, expected })
+        };
+        for (key, value) in [("name", &self.name), ("title", &self.title)] {
+            if value.trim().is_empty() {
+                return wrong(key.to_string(), format!("{value:?}"), "a name");
+            }
+        }
+        if self.issue_per_cycle == Some(0) {
+            return wrong("issue_per_cycle".to_string(), "0".to_string(), "at least 1");
+        }
+        for clock in &self.clock {
+            if !(clock.mhz > 0.0 && clock.mhz.is_finite()) {
+                return wrong("clock.mhz".to_string(), clock.mhz.to_string(), "a positive number");
+            }
+        }
+        for unit in &self.unit {
+            if unit.count == 0 {
+                return wrong(format!("unit {}: count", unit.name), "0".to_string(), "at least 1");
+            }
+        }
+        for row in &self.operation {
+            let key = |what: &str| format!("operation {} for {}: {what}", row.name.name(), row.numbers);
+            if row.numbers != "fixed" && parse_format(&row.numbers).is_none() {
+                return wrong(
+                    key("numbers"),
+                    row.numbers.clone(),
+                    "`fixed` or a format such as f32 or I4F28",
+                );
+            }
+            if let Known::Cycles(Cycles { low, typical, high }) = row.cycles
+                && !(0.0 <= low && low <= typical && typical <= high && high.is_finite())
+            {
+                let value = format!("{{ low = {low}, typical = {typical}, high = {high} }}");
+                return wrong(key("cycles"), value, "0 <= low <= typical <= high");
+            }
+            for (what, value) in [
+                ("per_bit", row.per_bit),
+                ("per_fraction_bit", row.per_fraction_bit),
+                ("busy", row.busy.unwrap_or(0.0)),
+            ] {
+                if !(value >= 0.0 && value.is_finite()) {
+                    return wrong(key(what), value.to_string(), "a number of at least 0");
+                }
+            }
+            if let Some(name) = &row.unit
+                && !self.unit.iter().any(|unit| unit.name == *name)
+            {
+                return wrong(key("unit"), format!("{name:?}"), "a unit of the list `unit`");
+            }
+        }
+        Ok(())
+    }
+
+    /// The same target with so many of the units of this name.
+    #[must_use]
+    pub fn with_units(mut self, name: &str, count: u32) -> Self {
+        for unit in self.unit.iter_mut().filter(|unit| unit.name == name) {
+            unit.count = count.max(1);
+        }
+        self
+    }
+
+    /// The clock in MHz for formats of this width.
+    #[must_use]
+    pub fn clock_mhz(&self, bits: u32) -> Option<f64> {
+        self.clock.iter().find(|clock| clock.max_bits.is_none_or(|most| bits <= most)).map(|clock| clock.mhz)
+    }
+
+    /// The row that prices an operation in a format: the format's own, else the narrowest fixed-point row that is
+    /// wide enough.
+    #[must_use]
+    pub fn row(&self, operation: Priced, format: FormatName) -> Option<&Row> {
+        let name = format.to_string();
+        let own = self.operation.iter().find(|row| row.name == operation && row.numbers == name);
+        if own.is_some() || matches!(format, FormatName::Float { .. } | FormatName::DoubleDouble) {
+            return own;
+        }
+        let fits = |row: &&Row| {
+            row.name == operation
+                && row.numbers == "fixed"
+                && row.max_bits.is_none_or(|most| format.bits() <= most)
+        };
+        self.operation.iter().filter(fits).min_by_key(|row| row.max_bits.unwrap_or(u32::MAX))
+    }
+
+    /// The price of an operation in a format; `None` if there is no row, or its cycles are unknown.
+    #[must_use]
+    pub fn price(&self, operation: Priced, format: FormatName) -> Option<Price> {
+        let row = self.row(operation, format)?;
+        let Known::Cycles(cycles) = row.cycles else { return None };
+        let bits =
+            f64::from(format.bits()) * row.per_bit + f64::from(fraction_bits(format)) * row.per_fraction_bit;
+        Some(Price {
+            latency: cycles + Cycles::exactly(bits),
+            busy: row.busy.map(|busy| if bits > 0.0 { busy.max(bits) } else { busy }),
+            unit: row.unit.as_ref().and_then(|name| self.unit.iter().position(|unit| unit.name == *name)),
+            dsp_blocks: row.dsp_blocks,
+        })
+    }
+}
+
+fn fraction_bits(format: FormatName) -> u32 {
+    match format {
+        FormatName::Fixed { fraction_bits, .. } | FormatName::Fraction { fraction_bits, .. } => fraction_bits,
+        _ => 0,
+    }
+}
+
+/// A format by its name.
+pub(crate) fn parse_format(name: &str) -> Option<FormatName> {
+    match name {
+        "f32" => Some(FormatName::Float { bits: 32 }),
+        "f64" => Some(FormatName::Float { bits: 64 }),
+        _ => {
+            let (integer_bits, fraction_bits) = name.strip_prefix('I')?.split_once('F')?;
+            let bits = |text: &str| text.parse().ok().filter(|bits| *bits <= 64);
+            Some(FormatName::Fixed { integer_bits: bits(integer_bits)?, fraction_bits: bits(fraction_bits)? })
+        }
+    }
+}
