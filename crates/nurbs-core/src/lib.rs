@@ -72,6 +72,8 @@ mod bezier;
 mod compile;
 #[cfg(feature = "alloc")]
 mod corner;
+#[cfg(feature = "alloc")]
+mod corner_segment;
 mod curvature;
 mod curve;
 mod derivatives;
@@ -84,6 +86,8 @@ mod golden;
 #[cfg(feature = "alloc")]
 mod knot_insertion;
 mod knots;
+#[cfg(feature = "alloc")]
+mod leg;
 mod line;
 #[cfg(feature = "alloc")]
 mod local_piece;
@@ -99,6 +103,8 @@ mod polynomial;
 #[cfg(feature = "alloc")]
 mod ranges;
 mod shape_error;
+#[cfg(feature = "alloc")]
+mod smooth_path;
 mod trig_basis;
 #[cfg(feature = "alloc")]
 mod trig_polynomial;
@@ -110,7 +116,7 @@ pub use basis::basis_functions;
 #[cfg(feature = "alloc")]
 pub use compile::{CompileError, PieceLimits, PiecesBuf, Place, compile};
 #[cfg(feature = "alloc")]
-pub use corner::{Corner, CornerOutcome, CornerStyle, Reason, SmoothPath, Turn, smooth_corners};
+pub use corner::{Corner, CornerOutcome, CornerStyle, Reason, Turn};
 pub use curvature::{curvature, radius};
 pub use curve::NurbsCurve;
 pub use error::{CurveError, End, Quantity};
@@ -125,6 +131,8 @@ pub use pieces::{ORIGIN_EXPONENT, Piece, Pieces, Shifted};
 #[cfg(feature = "alloc")]
 pub use ranges::SignalBound;
 pub use shape_error::ShapeError;
+#[cfg(feature = "alloc")]
+pub use smooth_path::{SmoothPath, smooth_corners};
 pub use trig_basis::{ShapeFactors, trig_basis, trig_basis_derivatives};
 #[cfg(feature = "alloc")]
 pub use trig_polynomial::TrigPolynomials;
