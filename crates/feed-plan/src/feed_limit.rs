@@ -15,7 +15,7 @@ use nurbs_core::Differentiate;
 use real::Real;
 
 use crate::scan::Scan;
-use crate::{KinematicLimits, PlanError, Schedule};
+use crate::{KinematicLimits, PlanError};
 
 /// The feed limit at one point of the path.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,8 +42,6 @@ pub(crate) struct Node<R> {
     pub(crate) after: R,
     /// `|C'|`, mm; 0 if unknown.
     pub(crate) speed: R,
-    /// Curvature, 1/mm.
-    pub(crate) curvature: R,
 }
 
 /// The largest feed that a path allows, as a function of the distance along it.
@@ -58,7 +56,6 @@ pub struct FeedLimit<R> {
 pub(crate) struct Measured<R> {
     pub(crate) point: LimitPoint<R>,
     pub(crate) speed: R,
-    pub(crate) curvature: R,
     /// By how much `V²` may dip below the straight line over the stretch from the previous sample.
     pub(crate) margin: R,
 }
@@ -116,12 +113,8 @@ impl<R: Real> FeedLimit<R> {
             }
             previous = point.distance;
         }
-        let measured = |point: &LimitPoint<R>| Measured {
-            point: *point,
-            speed: R::zero(),
-            curvature: R::zero(),
-            margin: R::zero(),
-        };
+        let measured =
+            |point: &LimitPoint<R>| Measured { point: *point, speed: R::zero(), margin: R::zero() };
         let samples: Vec<_> = points.iter().map(measured).collect();
         Self::assemble(&samples, R::zero())
     }
@@ -133,7 +126,7 @@ impl<R: Real> FeedLimit<R> {
         let margin_after = |i: usize| samples.get(i + 1).map_or_else(R::zero, |next| next.margin);
         let node = |(i, sample): (usize, &Measured<R>)| {
             let lower = lowered(sample.point.feedrate, sample.margin.max(margin_after(i)));
-            Node { lower, before: lower, after: lower, speed: sample.speed, curvature: sample.curvature }
+            Node { lower, before: lower, after: lower, speed: sample.speed }
         };
         let nodes = samples.iter().enumerate().map(node).collect();
         let points = samples.iter().map(|sample| sample.point).collect();
@@ -247,29 +240,6 @@ impl<R: Real> FeedLimit<R> {
         let (rest_a, rest_b) = (slope(from.speed) - width, slope(to.speed) - width);
         let bend = x * (R::one() - x) * ((R::one() - x) * rest_a - x * rest_b);
         (a.curve, a.u + x * width + bend)
-    }
-
-    /// By how much a plan's setpoints would fall short if each chord, not each arc, had the planned length,
-    /// mm.
-    ///
-    /// An arc over a chord L of curvature κ is longer by `L³κ²/24`; this is the sum over the plan's periods.
-    /// Where a step is longer than the radius, the formula ends: `L κ` counts as 1.
-    ///
-    /// See [`ScheduleBuf::shortened`](crate::ScheduleBuf::shortened) for what to do about it. A limit made
-    /// from points knows no curvature, and gives 0.
-    #[must_use]
-    pub fn shortfall(&self, schedule: &Schedule<'_, R>) -> R {
-        let mut cursor = schedule.start();
-        let (mut travelled, mut point, mut sum) = (R::zero(), 0, R::zero());
-        while let Some(step) = schedule.advance(&mut cursor) {
-            let middle = travelled + step.half();
-            travelled = travelled + step;
-            point += self.points[point..].partition_point(|p| p.distance < middle);
-            let curvature = self.nodes.get(point).map_or_else(R::zero, |node| node.curvature);
-            let angle = (step * curvature).min(R::one());
-            sum = sum + angle * angle * step;
-        }
-        sum / R::from_ratio(24, 1)
     }
 }
 

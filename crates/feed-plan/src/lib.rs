@@ -39,7 +39,7 @@
 //! | the cubic transition between two feeds | [`CubicProfile`] |
 //! | key points, passes, cruise, whole periods | [`plan`] |
 //! | the result: stages, and the distance of each period | [`ScheduleBuf`], [`Schedule`], [`Cursor`] |
-//! | setpoints by chords instead of arcs | [`FeedLimit::shortfall`], [`ScheduleBuf::shortened`] |
+//! | setpoints by chords instead of arcs | [`FeedLimit::shortfalls`], [`ScheduleBuf::shortened`] |
 //! | what no plan can beat | [`jerk_free_duration`] |
 //!
 //! **Units**: mm, and any unit of time, the same in all limits. Take the interpolation period: then T = 1,
@@ -63,6 +63,7 @@
 extern crate alloc;
 
 mod chord_error;
+mod chord_shortfall;
 mod cubic_profile;
 mod error;
 mod feed_limit;

@@ -96,10 +96,9 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
     fn push(&mut self, curve: usize, sample: &Sample<R, D>) {
         let is_stop = sample.feedrate < self.limits.feedrate.scale(STOP);
         let feedrate = if is_stop { R::zero() } else { sample.feedrate };
-        let curvature = if is_stop { R::zero() } else { R::one() / sample.radius };
         let point = LimitPoint { distance: self.distance, curve, u: sample.u, feedrate };
         let margin = sample.stretch.map_or_else(R::zero, |stretch| stretch.margin);
-        self.samples.push(Measured { point, speed: sample.speed, curvature, margin });
+        self.samples.push(Measured { point, speed: sample.speed, margin });
     }
 
     /// Whether the path has a corner where this sample begins a span.
@@ -118,7 +117,6 @@ struct Sample<R, const D: usize> {
     /// `|C'|`.
     speed: R,
     tangent: [R; D],
-    radius: R,
     feedrate: R,
     /// The stretch from the previous sample, once measured.
     stretch: Option<Stretch<R>>,
@@ -262,8 +260,8 @@ impl<R: Real, C> Span<'_, R, C> {
     {
         let at = self.shape.derivatives_in(self.index, u);
         let (speed, tangent) = direction(&at.first);
-        let radius = nurbs_core::radius(&at);
-        Sample { u, speed, tangent, radius, feedrate: self.limits.feedrate_at_radius(radius), stretch: None }
+        let feedrate = self.limits.feedrate_at_radius(nurbs_core::radius(&at));
+        Sample { u, speed, tangent, feedrate, stretch: None }
     }
 
     /// Length of the path between two samples, and how far the limit dips in between.

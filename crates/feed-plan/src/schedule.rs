@@ -116,27 +116,37 @@ impl<R: Real> ScheduleBuf<R> {
 
     /// The same plan for setpoints whose chords, not arcs, have the planned lengths.
     ///
-    /// The chords are shorter than their arcs, by `shortfall` in all ([`FeedLimit::shortfall`]): an
-    /// interpolator that makes each chord as long as the plan says would be at the end with that much of the
-    /// plan left. Here all distances and feeds are scaled by `1 - shortfall/length`; durations stay.
-    /// Acceleration and jerk only fall. A shortfall that is not between 0 and half the length changes
-    /// nothing.
+    /// The chords are shorter than their arcs, in each stage by what `shortfalls` says
+    /// ([`FeedLimit::shortfalls`]): an interpolator that makes each chord as long as the plan says would be
+    /// ahead of the plan by that much, and pass the next bend where the feed is still, or again, that of the
+    /// straight. Here the distances and feeds of each stage are scaled by `1 - shortfall/length`; durations
+    /// stay. Acceleration and jerk within a stage only fall; from one stage to the next the planned chord steps
+    /// with the curvature, and the feed along the curve does not. What is more than half of a stage is taken
+    /// off the next ones.
     ///
-    /// [`FeedLimit::shortfall`]: crate::FeedLimit::shortfall
+    /// [`FeedLimit::shortfalls`]: crate::FeedLimit::shortfalls
     #[must_use]
-    pub fn shortened(mut self, shortfall: R) -> Self {
-        let length = self.as_schedule().length();
-        if !(shortfall > R::zero() && shortfall < length.half()) {
-            return self;
-        }
-        let share = shortfall / length;
-        for stage in &mut self.stages {
-            for quantity in [&mut stage.start, &mut stage.length, &mut stage.start_feed, &mut stage.end_feed]
-            {
-                *quantity = *quantity - *quantity * share;
-            }
-        }
+    pub fn shortened(mut self, shortfalls: &[R]) -> Self {
+        shorten(&mut self.stages, shortfalls);
         self
+    }
+}
+
+/// Scales stages as [`ScheduleBuf::shortened`] says.
+pub(crate) fn shorten<R: Real>(stages: &mut [Stage<R>], shortfalls: &[R]) {
+    let (mut due, mut taken) = (R::zero(), R::zero());
+    for (stage, shortfall) in stages.iter_mut().zip(shortfalls) {
+        due = due + *shortfall;
+        stage.start = stage.start - taken;
+        let off = due.min(stage.length.half());
+        if !(off > R::zero()) {
+            continue;
+        }
+        let share = off / stage.length;
+        for quantity in [&mut stage.length, &mut stage.start_feed, &mut stage.end_feed] {
+            *quantity = *quantity - *quantity * share;
+        }
+        (due, taken) = (due - off, taken + off);
     }
 }
 
@@ -146,7 +156,7 @@ impl<R: Real> ScheduleBuf<R> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Schedule<'a, R> {
     stages: &'a [Stage<R>],
-    interpolation_period: R,
+    pub(crate) interpolation_period: R,
     periods: u32,
 }
 
@@ -380,12 +390,25 @@ mod tests {
     }
 
     #[test]
-    fn shortening_scales_distances_and_keeps_times() {
+    fn shortening_scales_each_stage_and_keeps_times() {
         let plan = ScheduleBuf { stages: stages().to_vec(), interpolation_period: 1.0, periods: 4 };
-        let length = plan.as_schedule().length();
-        let short = plan.clone().shortened(0.01);
-        assert!((short.as_schedule().length() - (length - 0.01)).abs() < 1e-15);
+        let lengths = plan.stages.iter().map(|stage| stage.length);
+        let short = plan.clone().shortened(&[0.01, 0.0, 0.02]);
         assert_eq!(short.as_schedule().duration(), plan.as_schedule().duration());
-        assert_eq!(plan.clone().shortened(-1.0), plan);
+        let mut start = 0.0;
+        for ((stage, length), shortfall) in short.stages().iter().zip(lengths).zip([0.01, 0.0, 0.02]) {
+            assert!(
+                (stage.length - (length - shortfall)).abs() < 1e-15 && (stage.start - start).abs() < 1e-15
+            );
+            let mean = f64::midpoint(stage.start_feed, stage.end_feed);
+            assert!((mean * stage.duration - stage.length).abs() < 1e-15);
+            start += stage.length;
+        }
+        // What a stage cannot give is taken off the next; less than nothing is nothing.
+        let short = plan.clone().shortened(&[0.0, 0.3, 0.0]);
+        assert!((short.stages()[1].length - 0.2).abs() < 1e-15);
+        assert!((short.as_schedule().length() - (plan.as_schedule().length() - 0.3)).abs() < 1e-15);
+        assert_eq!(plan.clone().shortened(&[-1.0, 0.5, 0.0]), plan);
+        assert_eq!(plan.clone().shortened(&[]), plan);
     }
 }

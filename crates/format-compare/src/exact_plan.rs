@@ -30,8 +30,8 @@ impl ExactPlan {
         let [start, end] = end_feeds_mm_per_s.map(|feed| feed * problem.period_s());
         let ends = EndFeeds { start: in_format("start feed", start)?, end: in_format("end feed", end)? };
         let schedule = plan(&feed_limit, &limits, ends)?;
-        let shortfall = feed_limit.shortfall(&schedule.as_schedule());
-        Ok(Self::of(&schedule.shortened(shortfall)))
+        let shortfalls = feed_limit.shortfalls(&curves, &schedule.as_schedule());
+        Ok(Self::of(&schedule.shortened(&shortfalls)))
     }
 
     fn of<R: Backend>(schedule: &ScheduleBuf<R>) -> Self {

@@ -1,11 +1,10 @@
 //! How long a stretch takes from rest to rest, and how fast each place of it is passed.
 
 use anyhow::Result;
-use feed_plan::Stage;
+use feed_plan::{EndFeeds, FeedLimit, ScheduleBuf, Stage, plan};
 use format_compare::{ExactPlan, Options, Problem, Run};
-use nurbs_core::{PathCurve, arc_length};
+use nurbs_core::{NurbsBuf, PathCurve, arc_length};
 use part_program::{Curve, Machine, Move, Part};
-use real::DoubleDouble;
 
 /// A place is taken this wide, in mm, so that rounding does not miss the rest in its middle.
 const PLACE_MM: f64 = 1e-6;
@@ -13,10 +12,10 @@ const PLACE_MM: f64 = 1e-6;
 /// A stretch with its plan, in f64.
 pub(crate) struct Timed {
     problem: Problem<3>,
-    plan: ExactPlan,
+    /// Arc lengths and times, in mm and periods.
+    plan: ScheduleBuf<f64>,
     /// Distance from the start to the end of each curve, in mm.
     ends: Vec<f64>,
-    stages: Vec<Stage<f64>>,
 }
 
 impl Timed {
@@ -34,23 +33,21 @@ impl Timed {
             ..Part::default()
         };
         let problem = Problem::new(&part, machine)?;
-        let plan = ExactPlan::in_format::<f64, 3>(&problem, [0.0; 2])?;
+        let limits = problem.limits_per_period()?;
+        let along: Vec<_> = problem.curves.iter().map(NurbsBuf::as_curve).collect();
+        let plan = plan(&FeedLimit::along(&along, &limits)?, &limits, EndFeeds::default())?;
         let mut distance = 0.0;
         let mut ends: Vec<f64> = Vec::with_capacity(shapes.len());
         for shape in shapes {
             distance += length_mm(shape);
             ends.push(distance);
         }
-        // The plan counts chords, which are a little shorter.
-        let planned = plan.schedule().length().value();
-        ends.iter_mut().for_each(|end| *end *= planned / distance);
-        let stages = plan.schedule().stages().iter().map(in_f64).collect();
-        Ok(Self { problem, plan, ends, stages })
+        Ok(Self { problem, plan, ends })
     }
 
     /// Time in s.
     pub(crate) fn time_s(&self) -> f64 {
-        f64::from(self.plan.periods()) * self.problem.period_s()
+        f64::from(self.plan.as_schedule().periods()) * self.problem.period_s()
     }
 
     /// Length in mm.
@@ -77,8 +74,9 @@ impl Timed {
     /// The lowest feed over a range of distances: feeds rise or fall within a stage, so it is at an end of one, or of
     /// the range.
     fn lowest_feed(&self, from: f64, to: f64) -> f64 {
-        let first = self.stages.partition_point(|stage| stage.start + stage.length < from);
-        let over = self.stages[first..].iter().take_while(|stage| stage.start <= to);
+        let stages = self.plan.stages();
+        let first = stages.partition_point(|stage| stage.start + stage.length < from);
+        let over = stages[first..].iter().take_while(|stage| stage.start <= to);
         let lowest =
             over.map(|stage| feed_in(stage, from).min(feed_in(stage, to))).fold(f64::INFINITY, f64::min);
         if lowest.is_finite() { lowest / self.problem.period_s() } else { 0.0 }
@@ -88,7 +86,8 @@ impl Timed {
     pub(crate) fn setpoints(&self) -> Result<Run> {
         let formats = crate::compare::selected::<3>(&["f64".to_string()])?;
         let Some(format) = formats.first() else { anyhow::bail!("no format f64") };
-        Ok(format.run(&self.problem, &self.plan, &Options::default())?)
+        let plan = ExactPlan::in_format::<f64, 3>(&self.problem, [0.0; 2])?;
+        Ok(format.run(&self.problem, &plan, &Options::default())?)
     }
 }
 
@@ -101,20 +100,6 @@ fn length_mm(curve: &PathCurve<f64, 3>) -> f64 {
             let (begin, end) = other.domain();
             arc_length(other, begin, end, 1e-9).length
         }
-    }
-}
-
-fn in_f64(stage: &Stage<DoubleDouble>) -> Stage<f64> {
-    Stage {
-        start: stage.start.value(),
-        length: stage.length.value(),
-        start_feed: stage.start_feed.value(),
-        end_feed: stage.end_feed.value(),
-        duration: stage.duration.value(),
-        curve_start: stage.curve_start,
-        u_start: stage.u_start.value(),
-        curve_end: stage.curve_end,
-        u_end: stage.u_end.value(),
     }
 }
 
