@@ -19,118 +19,43 @@
 
 use real::Real;
 
+use crate::{FeedPiece, Profile, StageShape};
+
 /// A speed profile `V(t)` on `[0, duration]`, a cubic in t with zero acceleration at both ends.
-///
-/// Times outside the interval are the caller's fault, and are extrapolated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CubicProfile<R> {
     start_feed: R,
-    change: R,
+    end_feed: R,
     duration: R,
 }
 
-impl<R: Real> CubicProfile<R> {
-    /// The fastest transition from `start_feed` to `end_feed` within `acceleration` A and `jerk` J.
-    #[must_use]
-    pub fn fastest(start_feed: R, end_feed: R, acceleration: R, jerk: R) -> Self {
-        let change = end_feed - start_feed;
-        let difference = change.abs();
+impl<R: Real> Profile<R> for CubicProfile<R> {
+    fn fastest(start_feed: R, end_feed: R, acceleration: R, jerk: R) -> Self {
+        let difference = (end_feed - start_feed).abs();
         let by_acceleration = (difference + difference.half()) / acceleration;
         let by_jerk = (difference * R::from_ratio(6, 1) / jerk).sqrt();
-        Self { start_feed, change, duration: by_acceleration.max(by_jerk) }
+        Self { start_feed, end_feed, duration: by_acceleration.max(by_jerk) }
     }
 
-    /// The transition from `start_feed` to `end_feed` that takes `duration`; constant when they are equal.
-    #[must_use]
-    pub fn lasting(start_feed: R, end_feed: R, duration: R) -> Self {
-        Self { start_feed, change: end_feed - start_feed, duration }
+    fn pieces(&self) -> [FeedPiece<R>; 3] {
+        let Self { start_feed, end_feed, duration } = *self;
+        let none = FeedPiece { start_feed: end_feed, end_feed, ..FeedPiece::default() };
+        [FeedPiece { shape: StageShape::Cubic, start_feed, end_feed, duration }, none, none]
     }
 
-    /// t₂.
-    #[must_use]
-    pub fn duration(&self) -> R {
+    fn duration(&self) -> R {
         self.duration
     }
 
-    /// Distance over the whole transition, `t₂ (V_s + V_e)/2`.
-    #[must_use]
-    pub fn length(&self) -> R {
-        self.duration * (self.start_feed + self.change.half())
-    }
-
-    /// V(t).
-    #[must_use]
-    pub fn feed(&self, time: R) -> R {
-        let x = self.share(time);
-        self.start_feed + self.change * (x * x * (R::from_ratio(3, 1) - x - x))
-    }
-
-    /// a(t).
-    #[must_use]
-    pub fn acceleration(&self, time: R) -> R {
-        let x = self.share(time);
-        self.slope() * (R::from_ratio(6, 1) * x * (R::one() - x))
-    }
-
-    /// j(t).
-    #[must_use]
-    pub fn jerk(&self, time: R) -> R {
-        let x = self.share(time);
-        if self.duration > R::zero() {
-            self.slope() * R::from_ratio(6, 1) * (R::one() - x - x) / self.duration
-        } else {
-            R::zero()
-        }
-    }
-
-    /// S(t).
-    #[must_use]
-    pub fn distance(&self, time: R) -> R {
-        let x = self.share(time);
-        let cubed = x * x * x;
-        self.duration * (self.start_feed * x + self.change * (cubed - (cubed * x).half()))
-    }
-
-    /// `S(from + width) - S(from)` without cancellation.
-    ///
-    /// The integral of a cubic over an interval of width w about m is `w (V(m) + V''(m) w²/24)`, exactly;
-    /// `V''` is the jerk.
-    #[must_use]
-    pub fn distance_over(&self, from: R, width: R) -> R {
-        let middle = from + width.half();
-        let x = self.share(middle);
-        let width_share = self.share(width);
-        // V'' w²/24 = (V_e - V_s) (1 - 2x) (w/t₂)²/4
-        let bow = self.change * ((R::one() - x - x) * (width_share * width_share).scale(-2));
-        width * (self.feed(middle) + bow)
-    }
-
-    /// `a₀..a₃` of `V(t) = a₀ + a₁ t + a₂ t² + a₃ t³`, as the source's table prints them. For reading only:
-    /// a₃ is below the resolution of most fixed-point formats.
-    #[must_use]
-    pub fn coefficients(&self) -> [R; 4] {
-        if !(self.duration > R::zero()) {
-            return [self.start_feed, R::zero(), R::zero(), R::zero()];
-        }
-        let a2 = R::from_ratio(3, 1) * self.slope() / self.duration;
-        let a3 = -(R::from_ratio(2, 1) * self.slope() / self.duration / self.duration);
-        [self.start_feed, R::zero(), a2, a3]
-    }
-
-    /// `x = t/t₂`; 0 when the profile has no duration.
-    fn share(&self, time: R) -> R {
-        if self.duration > R::zero() { time / self.duration } else { R::zero() }
-    }
-
-    /// Mean acceleration.
-    fn slope(&self) -> R {
-        if self.duration > R::zero() { self.change / self.duration } else { R::zero() }
+    fn length(&self) -> R {
+        self.duration * (self.start_feed + (self.end_feed - self.start_feed).half())
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::profile::promises;
     use proptest::prelude::*;
 
     const A: f64 = 5000.0;
@@ -176,7 +101,7 @@ mod tests {
     fn the_table_entry_is_the_source_s_polynomial() {
         // Falling, D < 8A²/(3J): V = V_s - (J/2 t² - J²/(12 A₁) t³).
         let reached = (3.0 * J * 100.0 / 8.0_f64).sqrt();
-        let [a0, a1, a2, a3] = CubicProfile::fastest(200.0, 100.0, A, J).coefficients();
+        let [a0, a1, a2, a3] = CubicProfile::fastest(200.0, 100.0, A, J).pieces()[0].coefficients().unwrap();
         assert_eq!((a0, a1), (200.0, 0.0));
         assert!((a2 / (-J / 2.0) - 1.0).abs() < 1e-12, "{a2}");
         assert!((a3 / (J * J / (12.0 * reached)) - 1.0).abs() < 1e-12, "{a3}");
@@ -186,8 +111,9 @@ mod tests {
     fn without_a_change_of_feed_everything_is_finite() {
         let profile = CubicProfile::fastest(5.0, 5.0, A, J);
         assert_eq!((profile.duration(), profile.length()), (0.0, 0.0));
-        assert_eq!((profile.feed(0.0), profile.acceleration(0.0), profile.jerk(0.0)), (5.0, 0.0, 0.0));
-        assert_eq!(CubicProfile::lasting(5.0, 5.0, 2.0).distance_over(0.5, 0.5), 2.5);
+        assert_eq!((profile.acceleration(0.0), profile.jerk(0.0)), (0.0, 0.0));
+        let constant = FeedPiece { start_feed: 5.0, end_feed: 5.0, duration: 2.0, ..FeedPiece::default() };
+        assert_eq!(constant.distance_over(0.5, 0.5), 2.5);
     }
 
     proptest! {
@@ -195,31 +121,28 @@ mod tests {
         fn distance_is_the_integral_of_the_feed(
             start in 0.0..1.0_f64, end in 0.0..1.0_f64, duration in 0.1..100.0_f64, from in 0.0..1.0_f64, to in 0.0..1.0_f64,
         ) {
-            let profile = CubicProfile::lasting(start, end, duration);
+            let piece = FeedPiece { shape: StageShape::Cubic, start_feed: start, end_feed: end, duration };
             let (from, to) = (from * duration, to * duration);
             // Simpson's rule is exact for a cubic; a hundred panels show that the closed form is the same.
             let h = (to - from) / 100.0;
             let panel = |i: i32| {
                 let t = from + h * f64::from(i);
-                h / 6.0 * (profile.feed(t) + 4.0 * profile.feed(t + h / 2.0) + profile.feed(t + h))
+                h / 6.0 * (piece.feed(t) + 4.0 * piece.feed(t + h / 2.0) + piece.feed(t + h))
             };
             let integral: f64 = (0..100).map(panel).sum();
             let tolerance = 1e-13 * duration;
-            prop_assert!((profile.distance_over(from, to - from) - integral).abs() < tolerance);
-            prop_assert!((profile.distance(to) - profile.distance(from) - integral).abs() < tolerance);
+            prop_assert!((piece.distance_over(from, to - from) - integral).abs() < tolerance);
+            prop_assert!((piece.distance(to) - piece.distance(from) - integral).abs() < tolerance);
         }
 
         #[test]
-        fn the_fastest_transition_keeps_both_limits_and_reaches_one(
-            start in 0.0..500.0_f64, end in 0.0..500.0_f64, acceleration in 1.0..1e4_f64, jerk in 1.0..1e6_f64,
+        fn promises_hold(
+            start in 0.0..500.0_f64, end in 0.0..500.0_f64, acceleration in 10.0..1e4_f64, jerk in 100.0..1e6_f64,
+            length in 0.0..1000.0_f64,
         ) {
             prop_assume!((start - end).abs() > 1e-3);
-            let profile = CubicProfile::fastest(start, end, acceleration, jerk);
-            let (a, j) = peaks(&profile);
-            let (a, j) = (a / acceleration, j / jerk);
-            prop_assert!(a <= 1.0 + 1e-12 && j <= 1.0 + 1e-12 && a.max(j) > 1.0 - 1e-12, "{a} {j}");
-            prop_assert!((profile.feed(profile.duration()) - end).abs() < 1e-10);
-            prop_assert!((profile.distance(profile.duration()) - profile.length()).abs() <= 1e-12 * profile.length());
+            promises::assert_kept::<CubicProfile<f64>>([start, end], acceleration, jerk);
+            promises::assert_peak::<CubicProfile<f64>>([start, end], length, acceleration, jerk);
         }
     }
 }

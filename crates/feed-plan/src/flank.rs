@@ -13,7 +13,8 @@ use alloc::vec::Vec;
 use real::Real;
 
 use crate::feed_limit::crossing;
-use crate::{CubicProfile, FeedLimit, KinematicLimits};
+use crate::profile::Transition;
+use crate::{FeedLimit, KinematicLimits, ProfileKind, StageShape};
 
 /// Levels above the slow point's own. Twice as many save 0.2 to 0.7 % of time on the papers' curves, for
 /// nearly twice as many stages and three times the work.
@@ -25,9 +26,10 @@ pub(crate) const LEVELS_BETWEEN_ENDS: i32 = 4;
 /// longer.
 const PARTS: usize = 32;
 
-/// The shape of every ramp, divided into parts of equal time.
+/// The family of every ramp, divided into parts of equal time.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RampShape<R> {
+    kind: ProfileKind,
     acceleration: R,
     jerk: R,
     parts: [Part<R>; PARTS],
@@ -37,36 +39,41 @@ pub(crate) struct RampShape<R> {
 #[derive(Clone, Copy, Debug, Default)]
 struct Part<R> {
     x: R,
-    /// `x³ - x⁴/2` at its start: the share of the change of feed in the distance.
+    end: R,
+    /// G at its start: the share of the change of feed in the distance.
     bow: R,
-    /// `3x² - 2x³` at its end: the share of the change of feed reached.
+    /// g at its end: the share of the change of feed reached.
     rise: R,
 }
 
 impl<R: Real> RampShape<R> {
-    pub(crate) fn new(limits: &KinematicLimits<R>) -> Self {
+    pub(crate) fn new(kind: ProfileKind, limits: &KinematicLimits<R>) -> Self {
+        // An S-curve has a shape for each pair of feeds, so that its shares are found each time.
+        let shape = if kind == ProfileKind::Cubic { StageShape::Cubic } else { StageShape::Cosine };
         let mut parts = [Part::default(); PARTS];
         let width = R::one() / (0..PARTS).fold(R::zero(), |sum, _| sum + R::one());
         let mut x = R::zero();
         for part in &mut parts {
             let end = x + width;
-            let bow = x * x * x * (R::one() - x.half());
-            let rise = end * end * (R::from_ratio(3, 1) - end - end);
-            *part = Part { x, bow, rise };
+            *part = Part { x, end, bow: shape.travelled(x), rise: shape.reached(end) };
             x = end;
         }
-        Self { acceleration: limits.acceleration, jerk: limits.jerk, parts }
+        Self { kind, acceleration: limits.acceleration, jerk: limits.jerk, parts }
     }
 
-    pub(crate) fn ramp(&self, low: R, high: R) -> CubicProfile<R> {
-        CubicProfile::fastest(low, high, self.acceleration, self.jerk)
+    pub(crate) fn ramp(&self, from: R, to: R) -> Transition<R> {
+        Transition::fastest(self.kind, [from, to], self.acceleration, self.jerk)
     }
 
-    /// Over each part of the ramp from `low` to `high`: distance to its start, and the largest feed in it.
-    fn staircase(&self, low: R, high: R, duration: R) -> impl Iterator<Item = (R, R)> {
-        let change = high - low;
+    /// Over each part of a ramp from `low` to `high`: distance to its start, and the largest feed in it.
+    fn staircase(&self, low: R, high: R, ramp: Transition<R>) -> impl Iterator<Item = (R, R)> {
+        let (change, duration) = (high - low, ramp.duration());
         self.parts.iter().map(move |part| {
-            (duration * (low * part.x + change * part.bow), (low + change * part.rise).min(high))
+            let (bow, rise) = match &ramp {
+                Transition::SCurve(profile) => (profile.shares(part.x).1, profile.shares(part.end).0),
+                _ => (part.bow, part.rise),
+            };
+            (duration * (low * part.x + change * bow), (low + change * rise).min(high))
         })
     }
 
@@ -80,9 +87,9 @@ impl<R: Real> RampShape<R> {
         }
         let wait = room - ramp.length();
         let place = |along: R| if fast.0 < slow.0 { slow.0 - wait - along } else { slow.0 + wait + along };
-        let ends = self.staircase(slow.1, fast.1, ramp.duration()).skip(1).map(|(start, _)| start);
+        let ends = self.staircase(slow.1, fast.1, ramp).skip(1).map(|(start, _)| start);
         let ends = ends.chain([ramp.length()]);
-        self.staircase(slow.1, fast.1, ramp.duration()).zip(ends).all(|((start, feed), end)| {
+        self.staircase(slow.1, fast.1, ramp).zip(ends).all(|((start, feed), end)| {
             let (a, b) = (place(start), place(end));
             let (least, greatest) = (slow.0.min(fast.0), slow.0.max(fast.0));
             limit.minimum_over(a.min(b).max(least), a.max(b).min(greatest)) >= feed
@@ -191,7 +198,7 @@ impl<'s, R: Real> Flank<'s, R> {
         if !(loss_from(level.distance) < bound) {
             return None; // Waiting for room would only add to it.
         }
-        let start = self.earliest_start(level.feed, feed, ramp.duration())?.max(level.distance);
+        let start = self.earliest_start(level.feed, feed, ramp)?.max(level.distance);
         if start > R::zero() && !(level.feed > R::zero()) {
             return None; // Standing still leads nowhere.
         }
@@ -206,9 +213,9 @@ impl<'s, R: Real> Flank<'s, R> {
     }
 
     /// The least distance at which a ramp can start and stay under the limit.
-    fn earliest_start(&self, low: R, high: R, duration: R) -> Option<R> {
+    fn earliest_start(&self, low: R, high: R, ramp: Transition<R>) -> Option<R> {
         let mut start = R::zero();
-        for (travelled, feed) in self.shape.staircase(low, high, duration) {
+        for (travelled, feed) in self.shape.staircase(low, high, ramp) {
             start = start.max(self.first_distance_with(feed)? - travelled);
         }
         Some(start)

@@ -36,8 +36,8 @@
 //! |---|---|
 //! | largest feed for a chord error; on a bend | [`chord_feedrate`], [`KinematicLimits::feedrate_at_radius`] |
 //! | the limit along a path: samples, minima, corners, cusps | [`FeedLimit`] |
-//! | the cubic transition between two feeds | [`CubicProfile`] |
-//! | key points, passes, cruise, whole periods | [`plan`] |
+//! | transitions between two feeds | [`Profile`]: [`CubicProfile`], [`SCurveProfile`], [`TrigonometricProfile`] |
+//! | key points, passes, cruise, whole periods | [`plan`], [`plan_with`] a [`ProfileKind`] |
 //! | the result: stages, and the distance of each period | [`ScheduleBuf`], [`Schedule`], [`Cursor`] |
 //! | setpoints by chords instead of arcs | [`FeedLimit::shortfalls`], [`ScheduleBuf::shortened`] |
 //! | what no plan can beat | [`jerk_free_duration`] |
@@ -68,15 +68,20 @@ mod cubic_profile;
 mod error;
 mod feed_limit;
 mod flank;
+mod flexible;
 mod key_points;
 mod limits;
 mod look_ahead;
 mod lower_bound;
+mod profile;
 mod quadrature;
+mod s_curve_profile;
 mod scan;
 mod schedule;
+mod stage_shape;
 #[cfg(test)]
 mod test_paths;
+mod trigonometric_profile;
 mod whole_periods;
 
 pub use chord_error::chord_feedrate;
@@ -85,6 +90,10 @@ pub use error::PlanError;
 pub use feed_limit::{FeedLimit, LimitPoint};
 pub use key_points::EndFeeds;
 pub use limits::KinematicLimits;
-pub use look_ahead::plan;
+pub use look_ahead::{plan, plan_with};
 pub use lower_bound::jerk_free_duration;
+pub use profile::{FeedPiece, Profile, ProfileKind};
+pub use s_curve_profile::SCurveProfile;
 pub use schedule::{Cursor, Schedule, ScheduleBuf, Stage, StageKind};
+pub use stage_shape::StageShape;
+pub use trigonometric_profile::TrigonometricProfile;

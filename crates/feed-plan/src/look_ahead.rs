@@ -18,9 +18,13 @@ use alloc::vec::Vec;
 use real::Real;
 
 use crate::flank::{Arrival, Direction, Flank, LEVELS, LEVELS_BETWEEN_ENDS, RampShape};
+use crate::flexible::merge;
 use crate::key_points::{Key, key_points};
+use crate::profile::Transition;
 use crate::whole_periods::stretch;
-use crate::{CubicProfile, EndFeeds, FeedLimit, KinematicLimits, PlanError, ScheduleBuf, Stage};
+use crate::{
+    EndFeeds, FeedLimit, FeedPiece, KinematicLimits, PlanError, ProfileKind, ScheduleBuf, Stage, StageShape,
+};
 
 /// Halvings of the range of cruising feeds until one is found that can be reached, and then to refine it.
 const CRUISE_HALVINGS: usize = 40;
@@ -49,14 +53,30 @@ pub fn plan<R: Real>(
     limits: &KinematicLimits<R>,
     ends: EndFeeds<R>,
 ) -> Result<ScheduleBuf<R>, PlanError> {
+    plan_with(limit, limits, ends, ProfileKind::Cubic)
+}
+
+/// [`plan`] with transitions of a given kind.
+///
+/// # Errors
+/// As [`plan`].
+pub fn plan_with<R: Real>(
+    limit: &FeedLimit<R>,
+    limits: &KinematicLimits<R>,
+    ends: EndFeeds<R>,
+    kind: ProfileKind,
+) -> Result<ScheduleBuf<R>, PlanError> {
     limits.validate()?;
-    let shape = RampShape::new(limits);
+    let shape = RampShape::new(kind, limits);
     let keys = reachable(limit, &shape, &key_points(limit, ends)?)?;
     let mut stages = Stages { limit, stages: Vec::new() };
     for pair in keys.windows(2) {
         if let [from, to] = pair {
             between(limit, &shape, from, to, &mut stages)?;
         }
+    }
+    if kind == ProfileKind::Flexible {
+        stages.stages = merge(limit, limits, &stages.stages);
     }
     let mut stages = stages.with_parameters();
     let periods = stretch(&mut stages, limits.interpolation_period)?;
@@ -152,7 +172,7 @@ fn between<R: Real>(
     for ramp in rising.chain(&up) {
         let profile = shape.ramp(ramp.low, ramp.high);
         stages.constant(from.distance + at, ramp.start - at, ramp.low);
-        stages.push(from.distance + ramp.start, &profile, ramp.low, ramp.high);
+        stages.transition(from.distance + ramp.start, &profile);
         at = ramp.start + profile.length();
     }
     let mut chain = falling.chain(&down);
@@ -160,7 +180,7 @@ fn between<R: Real>(
     stages.constant(from.distance + at, cruise_length, up.feed);
     while let Some(ramp) = chain.pop() {
         let profile = shape.ramp(ramp.high, ramp.low);
-        stages.push(to.distance - ramp.start - profile.length(), &profile, ramp.high, ramp.low);
+        stages.transition(to.distance - ramp.start - profile.length(), &profile);
         let slower_until =
             chain.last().map_or_else(R::zero, |next| next.start + shape.ramp(next.low, next.high).length());
         stages.constant(to.distance - ramp.start, ramp.start - slower_until, ramp.low);
@@ -249,12 +269,25 @@ impl<R: Real> Stages<'_, R> {
                 last.length = last.length + length;
                 last.duration = last.duration + duration;
             }
-            _ => self.push(start, &CubicProfile::lasting(feed, feed, duration), feed, feed),
+            _ => {
+                let shape = StageShape::Steady;
+                self.push(start, length, &FeedPiece { shape, start_feed: feed, end_feed: feed, duration });
+            }
         }
     }
 
-    fn push(&mut self, start: R, profile: &CubicProfile<R>, start_feed: R, end_feed: R) {
-        let (length, duration) = (profile.length(), profile.duration());
+    /// The pieces of a transition.
+    fn transition(&mut self, start: R, transition: &Transition<R>) {
+        let mut at = start;
+        for piece in transition.pieces().iter().filter(|piece| piece.duration > R::zero()) {
+            let length = piece.length();
+            self.push(at, length, piece);
+            at = at + length;
+        }
+    }
+
+    fn push(&mut self, start: R, length: R, piece: &FeedPiece<R>) {
+        let &FeedPiece { shape, start_feed, end_feed, duration } = piece;
         let (curve, u) = (0, R::zero());
         self.stages.push(Stage {
             start,
@@ -262,6 +295,7 @@ impl<R: Real> Stages<'_, R> {
             start_feed,
             end_feed,
             duration,
+            shape,
             curve_start: curve,
             u_start: u,
             curve_end: curve,
@@ -325,6 +359,9 @@ mod tests {
         }
         worst
     }
+
+    const KINDS: [ProfileKind; 4] =
+        [ProfileKind::Cubic, ProfileKind::SCurve, ProfileKind::Trigonometric, ProfileKind::Flexible];
 
     /// Every promise of [`plan`], from rest to rest, to rounding of f64.
     fn assert_kept(limit: &FeedLimit<f64>, limits: &KinematicLimits<f64>, plan: &ScheduleBuf<f64>) {
@@ -632,8 +669,10 @@ mod tests {
         ) {
             let limits = KinematicLimits { acceleration, jerk, ..paper_limits() };
             let limit = FeedLimit::from_points(&points).unwrap();
-            let plan = plan(&limit, &limits, EndFeeds::default()).unwrap();
-            assert_kept(&limit, &limits, &plan);
+            for kind in KINDS {
+                let plan = plan_with(&limit, &limits, EndFeeds::default(), kind).unwrap();
+                assert_kept(&limit, &limits, &plan);
+            }
         }
 
         #[test]

@@ -4,7 +4,7 @@ use alloc::vec::Vec;
 
 use real::Real;
 
-use crate::CubicProfile;
+use crate::{FeedPiece, StageShape};
 
 /// What the feed does in a stage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,8 +17,8 @@ pub enum StageKind {
     Constant,
 }
 
-/// One row of the acceleration table: a stretch of the path on which the feed is one cubic polynomial of
-/// time, or constant.
+/// One row of the acceleration table: a stretch of the path on which the feed goes from one value to another along one
+/// shape, or is constant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stage<R> {
     /// Distance from the path's start to the stage's start, mm.
@@ -31,6 +31,8 @@ pub struct Stage<R> {
     pub end_feed: R,
     /// Time over the stage.
     pub duration: R,
+    /// How the feed changes over that time.
+    pub shape: StageShape,
     /// Index of the curve that the stage starts on.
     pub curve_start: usize,
     /// Parameter where the stage starts, interpolated between limit points: for the table, not for motion.
@@ -57,35 +59,32 @@ impl<R: Real> Stage<R> {
     /// Feed at `time` after the stage's start.
     #[must_use]
     pub fn feed_at(&self, time: R) -> R {
-        self.profile().feed(time)
+        self.piece().feed(time)
     }
 
     /// Acceleration at `time` after the stage's start.
     #[must_use]
     pub fn acceleration_at(&self, time: R) -> R {
-        self.profile().acceleration(time)
+        self.piece().acceleration(time)
     }
 
     /// Jerk at `time` after the stage's start.
     #[must_use]
     pub fn jerk_at(&self, time: R) -> R {
-        self.profile().jerk(time)
+        self.piece().jerk(time)
     }
 
     /// Distance from the stage's start at `time` after it.
     #[must_use]
     pub fn distance_at(&self, time: R) -> R {
-        self.profile().distance(time)
+        self.piece().distance(time)
     }
 
-    /// `a₀..a₃` of the feed as a polynomial of the time since the stage's start.
+    /// Feed, shape and duration alone, which say everything else.
     #[must_use]
-    pub fn coefficients(&self) -> [R; 4] {
-        self.profile().coefficients()
-    }
-
-    fn profile(&self) -> CubicProfile<R> {
-        CubicProfile::lasting(self.start_feed, self.end_feed, self.duration)
+    pub fn piece(&self) -> FeedPiece<R> {
+        let &Self { shape, start_feed, end_feed, duration, .. } = self;
+        FeedPiece { shape, start_feed, end_feed, duration }
     }
 }
 
@@ -250,9 +249,9 @@ impl<'a, R: Real> Schedule<'a, R> {
                 } else {
                     (left, R::zero())
                 };
-                return Some(distance + stage.profile().distance_over(time, left));
+                return Some(distance + stage.piece().distance_over(time, left));
             }
-            distance = distance + stage.profile().distance_over(time, until_joint);
+            distance = distance + stage.piece().distance_over(time, until_joint);
             left = left - until_joint;
             cursor.stage += 1;
             time = R::zero();
@@ -317,6 +316,7 @@ mod tests {
                 start_feed,
                 end_feed,
                 duration,
+                shape: StageShape::Cubic,
                 curve_start: 0,
                 u_start: 0.0,
                 curve_end: 0,
@@ -372,6 +372,7 @@ mod tests {
             start_feed: feed,
             end_feed: feed,
             duration: 0.0,
+            shape: StageShape::Steady,
             curve_start: 0,
             u_start: 0.0,
             curve_end: 0,

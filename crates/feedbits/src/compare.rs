@@ -3,7 +3,9 @@
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
-use format_compare::{Comparison, Dimension, Engine, Options, PlanIn, Problem, Row, Space, Verdict};
+use format_compare::{
+    Comparison, Dimension, Engine, Options, PlanIn, Problem, ProfileKind, Row, Space, Verdict,
+};
 use target_cost::Target;
 
 use crate::input::{AnyProblem, Input};
@@ -41,6 +43,9 @@ pub(crate) struct RunArguments {
     /// The format to plan in: a format's name, or `same` for each its own.
     #[arg(long, value_name = "F", default_value = "f64")]
     plan_in: String,
+    /// The transitions that the plan is made of.
+    #[arg(long, value_enum, default_value_t = ProfileName::Cubic)]
+    profile: ProfileName,
     /// Feed at the start of the path, in mm/s.
     #[arg(long, value_name = "MM_PER_S", default_value_t = 0.0)]
     start_feed: f64,
@@ -76,7 +81,34 @@ enum SolverName {
     Newton,
 }
 
+/// Kinds of transitions, by their names on the command line.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum ProfileName {
+    /// Cubic polynomials of time.
+    Cubic,
+    /// Pieces of constant jerk.
+    SCurve,
+    /// Half-cosines.
+    Trigonometric,
+    /// S-curves, and half-cosines over stretches whose limit changes again before a transition has ended.
+    Flexible,
+    /// All of them side by side; for `plan` only.
+    All,
+}
+
 impl RunArguments {
+    /// The kinds of transitions that the options name.
+    pub(crate) fn profiles(&self) -> &'static [ProfileKind] {
+        use ProfileKind::{Cubic, Flexible, SCurve, Trigonometric};
+        match self.profile {
+            ProfileName::Cubic => &[Cubic],
+            ProfileName::SCurve => &[SCurve],
+            ProfileName::Trigonometric => &[Trigonometric],
+            ProfileName::Flexible => &[Flexible],
+            ProfileName::All => &[Cubic, SCurve, Trigonometric, Flexible],
+        }
+    }
+
     /// The engines that the options name; both forms of the path if they name none.
     pub(crate) fn engines(&self) -> Result<Vec<Engine>> {
         use EvaluateName::{DeBoor, Pieces};
@@ -96,6 +128,14 @@ impl RunArguments {
 
     /// The options of a run, with the last of the engines.
     pub(crate) fn options(&self) -> Result<Options> {
+        let [profile] = *self.profiles() else {
+            bail!("--profile all goes with `plan`: expected one kind of transitions here");
+        };
+        self.options_with(profile)
+    }
+
+    /// The same with a kind of transitions in place of the one that the options name.
+    pub(crate) fn options_with(&self, profile: ProfileKind) -> Result<Options> {
         let plan_in = match self.plan_in.as_str() {
             "" | "f64" => PlanIn::default(),
             "same" => PlanIn::Same,
@@ -124,6 +164,7 @@ impl RunArguments {
             engine: self.engines()?.pop().unwrap_or(Engine::Pieces),
             piece_length_mm: self.piece_length,
             plan_in,
+            profile,
             end_feeds_mm_per_s: [self.start_feed, self.end_feed],
             fluctuation: self.fluctuation,
         })

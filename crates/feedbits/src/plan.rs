@@ -37,13 +37,23 @@ fn plan<const D: usize>(problem: &Problem<D>, arguments: &Arguments) -> Result<E
 where
     Space: Dimension<D>,
 {
-    let options = arguments.run.options()?;
     let formats = selected::<D>(&["f64".to_string()])?;
-    let plan: ExactPlan = format_compare::plan_for(problem, formats[0].as_ref(), &options)?;
-    let summary = PlanSummary::of(&plan, problem)?;
-    let text =
-        if arguments.output.json { serde_json::to_string_pretty(&summary)? + "\n" } else { table(&summary) };
-    match arguments.output.out.as_deref() {
+    let planned = |&profile| -> Result<(ExactPlan, PlanSummary)> {
+        let options = arguments.run.options_with(profile)?;
+        let plan = format_compare::plan_for(problem, formats[0].as_ref(), &options)?;
+        let summary = PlanSummary::of(&plan, problem)?;
+        Ok((plan, summary))
+    };
+    let plans = arguments.run.profiles().iter().map(planned).collect::<Result<Vec<_>>>()?;
+    let out = arguments.output.out.as_deref();
+    let [(plan, summary)] = plans.as_slice() else {
+        let summaries: Vec<_> = plans.into_iter().map(|(_, summary)| summary).collect();
+        let text = if arguments.output.json { json(&summaries)? } else { side_by_side(&summaries) };
+        output::write(out, &text)?;
+        return Ok(Ending::Good);
+    };
+    let text = if arguments.output.json { json(summary)? } else { table(summary) };
+    match out {
         None => output::write(None, &text)?,
         path if arguments.output.json => output::write(path, &text)?,
         path => {
@@ -54,10 +64,55 @@ where
     Ok(Ending::Good)
 }
 
+fn json(value: &impl serde::Serialize) -> Result<String> {
+    Ok(serde_json::to_string_pretty(value)? + "\n")
+}
+
+/// One row a kind of transitions.
+fn side_by_side(summaries: &[PlanSummary]) -> String {
+    let mut table = Table::new();
+    table.load_preset(presets::UTF8_FULL_CONDENSED).set_header([
+        "profile",
+        "time\ns",
+        "periods",
+        "over the\nbound",
+        "at commanded\nfeed",
+        "peak acceleration\nmm/s²",
+        "peak jerk\nmm/s³",
+        "stages",
+    ]);
+    for summary in summaries {
+        table.add_row([
+            summary.profile.to_string(),
+            format!("{:.4}", summary.time_s),
+            summary.periods.to_string(),
+            format!("{:.2} %", 100.0 * summary.over_jerk_free),
+            format!("{:.1} %", 100.0 * summary.share_at_commanded_feed),
+            format!("{:.0}", summary.acceleration_max_mm_per_s2),
+            format!("{:.3e}", summary.jerk_max_mm_per_s3),
+            summary.stage_count.to_string(),
+        ]);
+    }
+    for column in table.column_iter_mut().skip(1) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    let bound = summaries.first().map_or_else(String::new, |summary| {
+        format!(
+            "{:.3} mm; without a jerk limit {:.4} s at least. Limits {:.0} mm/s² and {:.3e} mm/s³.\n",
+            summary.length_mm,
+            summary.jerk_free_time_s,
+            summary.acceleration_limit_mm_per_s2,
+            summary.jerk_limit_mm_per_s3,
+        )
+    });
+    format!("{table}\n{bound}")
+}
+
 fn table(summary: &PlanSummary) -> String {
     let mut table = Table::new();
     table.load_preset(presets::UTF8_FULL_CONDENSED).set_header([
         "stage",
+        "shape",
         "u start",
         "u end",
         "v start\nmm/s",
@@ -72,17 +127,18 @@ fn table(summary: &PlanSummary) -> String {
     for stage in &summary.stages {
         table.add_row(cells(stage));
     }
-    for column in table.column_iter_mut().skip(1) {
+    for column in table.column_iter_mut().skip(2) {
         column.set_cell_alignment(CellAlignment::Right);
     }
     format!(
-        "{table}\n{} stages, {:.3} mm in {:.4} s ({} periods); without a jerk limit {:.4} s at least.\n\
+        "{table}\n{} stages, {:.3} mm in {:.4} s ({} periods); without a jerk limit {:.4} s at least, {:.2} % less.\n\
          Peak acceleration {:.0} of {:.0} mm/s², peak jerk {:.3e} of {:.3e} mm/s³, {:.0} % of the path at the commanded feed.\n",
         summary.stages.len(),
         summary.length_mm,
         summary.time_s,
         summary.periods,
         summary.jerk_free_time_s,
+        100.0 * (1.0 - summary.jerk_free_time_s / summary.time_s),
         summary.acceleration_max_mm_per_s2,
         summary.acceleration_limit_mm_per_s2,
         summary.jerk_max_mm_per_s3,
@@ -92,20 +148,20 @@ fn table(summary: &PlanSummary) -> String {
 }
 
 fn cells(stage: &StageRow) -> Vec<String> {
-    let [a0, a1, a2, a3] = stage.coefficients;
-    vec![
+    let mut cells = vec![
         stage.kind.to_string(),
+        stage.shape.to_string(),
         format!("{:.6}", stage.u_start),
         format!("{:.6}", stage.u_end),
         format!("{:.3}", stage.start_feed_mm_per_s),
         format!("{:.3}", stage.end_feed_mm_per_s),
         format!("{:.3}", stage.length_mm),
         format!("{:.4}", stage.time_s),
-        format!("{a0:.3}"),
-        format!("{a1:.0}"),
-        format!("{a2:.3e}"),
-        format!("{a3:.3e}"),
-    ]
+    ];
+    if let Some([a0, a1, a2, a3]) = stage.coefficients {
+        cells.extend([format!("{a0:.3}"), format!("{a1:.0}"), format!("{a2:.3e}"), format!("{a3:.3e}")]);
+    }
+    cells
 }
 
 fn csv(samples: &[FeedSample]) -> Result<String> {

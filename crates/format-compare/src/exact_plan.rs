@@ -1,6 +1,6 @@
 //! A plan as every format can take it: the stages in double-double, which holds each format's numbers exactly.
 
-use feed_plan::{EndFeeds, FeedLimit, KinematicLimits, Schedule, ScheduleBuf, Stage, plan};
+use feed_plan::{EndFeeds, FeedLimit, KinematicLimits, ProfileKind, Schedule, ScheduleBuf, Stage, plan_with};
 use nurbs_core::NurbsBuf;
 use real::{Backend, DoubleDouble, Real};
 
@@ -12,10 +12,11 @@ use crate::run::Refusal;
 pub struct ExactPlan {
     stages: Vec<Stage<DoubleDouble>>,
     periods: u32,
+    profile: ProfileKind,
 }
 
 impl ExactPlan {
-    /// Plans `problem` in the format `R`, with the interpolation period as the unit of time.
+    /// Plans `problem` in the format `R` by cubic transitions, with the interpolation period as the unit of time.
     ///
     /// # Errors
     /// [`Refusal`] when the curves or a limit do not fit the format, or no plan exists.
@@ -23,31 +24,49 @@ impl ExactPlan {
         problem: &Problem<D>,
         end_feeds_mm_per_s: [f64; 2],
     ) -> Result<Self, Refusal> {
+        Self::in_format_with::<R, D>(problem, end_feeds_mm_per_s, ProfileKind::Cubic)
+    }
+
+    /// The same by transitions of another kind.
+    ///
+    /// # Errors
+    /// As [`in_format`](Self::in_format).
+    pub fn in_format_with<R: Backend, const D: usize>(
+        problem: &Problem<D>,
+        end_feeds_mm_per_s: [f64; 2],
+        profile: ProfileKind,
+    ) -> Result<Self, Refusal> {
         let limits = limits_in_format::<R>(&problem.limits_per_period()?)?;
         let curves = problem.curves.iter().map(NurbsBuf::convert::<R>).collect::<Result<Vec<_>, _>>()?;
         let curves: Vec<_> = curves.iter().map(NurbsBuf::as_curve).collect();
         let feed_limit = FeedLimit::along(&curves, &limits)?;
         let [start, end] = end_feeds_mm_per_s.map(|feed| feed * problem.period_s());
         let ends = EndFeeds { start: in_format("start feed", start)?, end: in_format("end feed", end)? };
-        let schedule = plan(&feed_limit, &limits, ends)?;
+        let schedule = plan_with(&feed_limit, &limits, ends, profile)?;
         let shortfalls = feed_limit.shortfalls(&curves, &schedule.as_schedule());
-        Ok(Self::of(&schedule.shortened(&shortfalls)))
+        Ok(Self::of(&schedule.shortened(&shortfalls), profile))
     }
 
-    fn of<R: Backend>(schedule: &ScheduleBuf<R>) -> Self {
+    fn of<R: Backend>(schedule: &ScheduleBuf<R>, profile: ProfileKind) -> Self {
         let exact = |x: R| {
             let (high, low) = x.to_f64_pair();
             DoubleDouble::new(high, low)
         };
         let mut stages: Vec<_> = schedule.stages().iter().map(|stage| map_stage(stage, exact)).collect();
         put_joints_on_the_grid(&mut stages);
-        Self { stages, periods: schedule.as_schedule().periods() }
+        Self { stages, periods: schedule.as_schedule().periods(), profile }
     }
 
     /// The plan itself.
     #[must_use]
     pub fn schedule(&self) -> Schedule<'_, DoubleDouble> {
         Schedule::new(&self.stages, DoubleDouble::from(1.0), self.periods)
+    }
+
+    /// The transitions that the plan is made of.
+    #[must_use]
+    pub fn profile(&self) -> ProfileKind {
+        self.profile
     }
 
     /// Whole number of interpolation periods that the plan takes.
@@ -120,6 +139,7 @@ fn map_stage<R: Copy, Q>(stage: &Stage<R>, map: impl Fn(R) -> Q) -> Stage<Q> {
         start_feed: map(stage.start_feed),
         end_feed: map(stage.end_feed),
         duration: map(stage.duration),
+        shape: stage.shape,
         curve_start: stage.curve_start,
         u_start: map(stage.u_start),
         curve_end: stage.curve_end,

@@ -49,7 +49,7 @@ impl<R: Backend, const D: usize> Format<D> for Of<R> {
     }
 
     fn plan(&self, problem: &Problem<D>, options: &Options) -> Result<ExactPlan, Refusal> {
-        ExactPlan::in_format::<R, D>(problem, options.end_feeds_mm_per_s)
+        ExactPlan::in_format_with::<R, D>(problem, options.end_feeds_mm_per_s, options.profile)
     }
 
     fn run(&self, problem: &Problem<D>, plan: &ExactPlan, options: &Options) -> Result<Run, Refusal> {
@@ -82,7 +82,8 @@ impl<const D: usize> Format<D> for AtRunTime {
     }
 
     fn plan(&self, problem: &Problem<D>, options: &Options) -> Result<ExactPlan, Refusal> {
-        self.0.run::<0, _>(|| ExactPlan::in_format::<RuntimeFixed<0>, D>(problem, options.end_feeds_mm_per_s))
+        let ends = options.end_feeds_mm_per_s;
+        self.0.run::<0, _>(|| ExactPlan::in_format_with::<RuntimeFixed<0>, D>(problem, ends, options.profile))
     }
 
     fn run(&self, problem: &Problem<D>, plan: &ExactPlan, options: &Options) -> Result<Run, Refusal> {

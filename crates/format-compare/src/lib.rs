@@ -29,6 +29,7 @@ mod size;
 pub use compare::{Comparison, PartSummary, Row, Verdict, compare, in_parallel};
 pub use cost::{Cost, Level, PeriodCost, price};
 pub use exact_plan::ExactPlan;
+pub use feed_plan::ProfileKind;
 pub use formats::{Dimension, Format, Space, formats, plan_for, select};
 pub use metrics::{Fluctuation, JudgedStep, PerPeriod};
 pub use plan_table::{FeedSample, PlanSummary, StageRow};

@@ -97,7 +97,8 @@ fn compiled_stages<R: Backend>(
     let mut stages = Vec::with_capacity(plan.schedule().stages().len());
     for stage in plan.schedule().stages() {
         let (from, to) = (feed(stage.start_feed)?, feed(stage.end_feed)?);
-        stages.extend(LengthStage::new(stage.duration.to_phase(-32), from, to - from));
+        let compiled = LengthStage::new(stage.duration.to_phase(-32), from, to - from);
+        stages.extend(compiled.map(|compiled| compiled.shaped(stage.shape)));
     }
     Ok(stages)
 }

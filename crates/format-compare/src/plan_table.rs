@@ -1,6 +1,6 @@
 //! A plan as people read it: the stage table in mm and s, a summary, and samples.
 
-use feed_plan::{FeedLimit, StageKind, jerk_free_duration};
+use feed_plan::{FeedLimit, ProfileKind, Stage, StageKind, StageShape, jerk_free_duration};
 use nurbs_core::{Evaluate, NurbsBuf};
 use real::DoubleDouble;
 use serde::Serialize;
@@ -14,6 +14,9 @@ use crate::run::Refusal;
 pub struct StageRow {
     /// `accelerate`, `decelerate` or `constant`.
     pub kind: &'static str,
+    /// How the feed changes: `cubic`, `onset` (constant jerk from no acceleration), `steady` (constant acceleration or
+    /// feed), `easing` (constant jerk to no acceleration) or `cosine`.
+    pub shape: &'static str,
     /// Parameter where the stage starts, of the curve it starts on.
     pub u_start: f64,
     /// Parameter where it ends.
@@ -26,13 +29,15 @@ pub struct StageRow {
     pub length_mm: f64,
     /// Time, in s.
     pub time_s: f64,
-    /// a_0 to a_3 of the feed as a polynomial of the time in s.
-    pub coefficients: [f64; 4],
+    /// a_0 to a_3 of the feed as a polynomial of the time in s; none for a cosine.
+    pub coefficients: Option<[f64; 4]>,
 }
 
 /// A plan in figures.
 #[derive(Clone, Debug, Serialize)]
 pub struct PlanSummary {
+    /// The transitions that the plan is made of: `cubic`, `s-curve`, `trigonometric` or `flexible`.
+    pub profile: &'static str,
     /// Arc length, in mm.
     pub length_mm: f64,
     /// Total time, in s.
@@ -41,6 +46,8 @@ pub struct PlanSummary {
     pub periods: u32,
     /// The least time that a plan without a jerk limit needs, in s.
     pub jerk_free_time_s: f64,
+    /// By which part of that time the plan takes longer.
+    pub over_jerk_free: f64,
     /// Largest acceleration along the path, in mm/s².
     pub acceleration_max_mm_per_s2: f64,
     /// Its limit.
@@ -51,6 +58,8 @@ pub struct PlanSummary {
     pub jerk_limit_mm_per_s3: f64,
     /// Share of the path that is travelled at the commanded feed.
     pub share_at_commanded_feed: f64,
+    /// Number of stages.
+    pub stage_count: usize,
     /// The stages.
     pub stages: Vec<StageRow>,
 }
@@ -87,42 +96,68 @@ impl PlanSummary {
             .schedule()
             .stages()
             .iter()
-            .map(|stage| {
-                let [a0, a1, a2, a3] = stage.coefficients().map(DoubleDouble::value);
-                StageRow {
-                    kind: match stage.kind() {
-                        StageKind::Accelerate => "accelerate",
-                        StageKind::Decelerate => "decelerate",
-                        StageKind::Constant => "constant",
-                    },
-                    u_start: stage.u_start.value(),
-                    u_end: stage.u_end.value(),
-                    start_feed_mm_per_s: stage.start_feed.value() / t,
-                    end_feed_mm_per_s: stage.end_feed.value() / t,
-                    length_mm: stage.length.value(),
-                    time_s: stage.duration.value() * t,
-                    coefficients: [a0 / t, a1 / t.powi(2), a2 / t.powi(3), a3 / t.powi(4)],
-                }
+            .map(|stage| StageRow {
+                kind: match stage.kind() {
+                    StageKind::Accelerate => "accelerate",
+                    StageKind::Decelerate => "decelerate",
+                    StageKind::Constant => "constant",
+                },
+                shape: shape_name(stage.shape),
+                u_start: stage.u_start.value(),
+                u_end: stage.u_end.value(),
+                start_feed_mm_per_s: stage.start_feed.value() / t,
+                end_feed_mm_per_s: stage.end_feed.value() / t,
+                length_mm: stage.length.value(),
+                time_s: stage.duration.value() * t,
+                coefficients: stage.piece().coefficients().map(|a| {
+                    let [a0, a1, a2, a3] = a.map(DoubleDouble::value);
+                    [a0 / t, a1 / t.powi(2), a2 / t.powi(3), a3 / t.powi(4)]
+                }),
             })
             .collect();
-        // Speed 3x² - 2x³ of a change D over t₂: its steepest slope is 3D/(2t₂), its sharpest bend 6D/t₂².
-        let ramps = || stages.iter().filter(|s| s.kind != "constant");
-        let change = |s: &StageRow| (s.end_feed_mm_per_s - s.start_feed_mm_per_s).abs();
+        let pieces = || plan.schedule().stages().iter().map(Stage::piece);
+        let acceleration = pieces().map(|piece| piece.peak_acceleration().value()).fold(0.0, f64::max);
+        let jerk = pieces().map(|piece| piece.peak_jerk().value()).fold(0.0, f64::max);
+        let time_s = f64::from(plan.periods()) * t;
+        let jerk_free_time_s = jerk_free_duration(&feed_limit, &limits) * t;
         let length_mm: f64 = stages.iter().map(|s| s.length_mm).sum();
         let full = problem.machine.feedrate_mm_per_s * (1.0 - AT_FEED);
         let at_feed = stages.iter().filter(|s| s.kind == "constant" && s.start_feed_mm_per_s >= full);
         Ok(Self {
             length_mm: feed_limit.length(),
-            time_s: f64::from(plan.periods()) * t,
+            profile: profile_name(plan.profile()),
+            time_s,
             periods: plan.periods(),
-            jerk_free_time_s: jerk_free_duration(&feed_limit, &limits) * t,
-            acceleration_max_mm_per_s2: ramps().map(|s| 1.5 * change(s) / s.time_s).fold(0.0, f64::max),
+            jerk_free_time_s,
+            over_jerk_free: time_s / jerk_free_time_s - 1.0,
+            acceleration_max_mm_per_s2: acceleration / t.powi(2),
             acceleration_limit_mm_per_s2: problem.machine.acceleration_mm_per_s2,
-            jerk_max_mm_per_s3: ramps().map(|s| 6.0 * change(s) / s.time_s.powi(2)).fold(0.0, f64::max),
+            jerk_max_mm_per_s3: jerk / t.powi(3),
             jerk_limit_mm_per_s3: problem.machine.jerk_mm_per_s3,
             share_at_commanded_feed: at_feed.map(|s| s.length_mm).sum::<f64>() / length_mm,
+            stage_count: stages.len(),
             stages,
         })
+    }
+}
+
+/// A kind of transition by its name on the command line.
+fn profile_name(kind: ProfileKind) -> &'static str {
+    match kind {
+        ProfileKind::Cubic => "cubic",
+        ProfileKind::SCurve => "s-curve",
+        ProfileKind::Trigonometric => "trigonometric",
+        ProfileKind::Flexible => "flexible",
+    }
+}
+
+fn shape_name(shape: StageShape) -> &'static str {
+    match shape {
+        StageShape::Cubic => "cubic",
+        StageShape::Onset => "onset",
+        StageShape::Steady => "steady",
+        StageShape::Easing => "easing",
+        StageShape::Cosine => "cosine",
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use feed_plan::PlanError;
+use feed_plan::{PlanError, ProfileKind};
 use nurbs_core::{CompileError, CurveError};
 use real::{Audit, Backend, FormatName};
 use secant_interp::Method;
@@ -46,6 +46,8 @@ pub struct Options {
     pub piece_length_mm: f64,
     /// The format to plan in.
     pub plan_in: PlanIn,
+    /// The transitions that the plan is made of.
+    pub profile: ProfileKind,
     /// Feeds at the two ends of the path, in mm/s.
     pub end_feeds_mm_per_s: [f64; 2],
     /// The fluctuation that the solver stops at. By default the machine file's Δ on the global parameter, and the
@@ -59,6 +61,7 @@ impl Default for Options {
             engine: Engine::Pieces,
             piece_length_mm: 32.0,
             plan_in: PlanIn::default(),
+            profile: ProfileKind::default(),
             end_feeds_mm_per_s: [0.0; 2],
             fluctuation: None,
         }

@@ -1,17 +1,15 @@
 //! The distance of each period, from a compiled schedule.
 //!
-//! A schedule is a list of stages; in each the feed goes from v to v + Δv as `v + Δv (3x² - 2x³)`, x = t/t₂. What
-//! a period needs is not the feed at an instant but the distance travelled in it. For a cubic speed the mean over
-//! an interval of length τ about m is exactly `v(m) + v''(m) τ²/24`, so in a stage of duration t₂
-//!
-//! `L = τ (v + Δv (x² + 2x²(1 - x) + ¼ (1 - 2x) (τ/t₂)²))`, x at the interval's middle,
-//!
-//! with no difference of two large distances, and no intermediate larger than 1 beside the feeds. A period that
-//! straddles joints adds up its parts.
+//! A schedule is a list of stages; in each the feed goes from v to v + Δv as `v + Δv g(x)`, x = t/t₂, g one of a few
+//! shapes. What a period needs is not the feed at an instant but the distance travelled in it, `L = τ (v + Δv ḡ)` with
+//! the mean ḡ of g over the interval of length τ. [`StageShape::mean`] gives that with no difference of two large
+//! distances, and no intermediate larger than 2; for a cubic speed it is `x² + 2x²(1 - x) + ¼ (1 - 2x) (τ/t₂)²`, x at the
+//! interval's middle. A period that straddles joints adds up its parts.
 //!
 //! Time is counted in integers of 2⁻³² periods. So every format takes the same stages at the same times, and a
 //! run of any length loses nothing.
 
+use feed_plan::StageShape;
 use real::Real;
 
 /// One period, in units of time.
@@ -30,10 +28,12 @@ pub struct LengthStage<R> {
     pub feed: R,
     /// Δv.
     pub change: R,
+    /// g.
+    pub shape: StageShape,
 }
 
 impl<R: Real> LengthStage<R> {
-    /// A stage of this duration, or `None` if it is zero or 2⁶² and more.
+    /// A stage of this duration whose feed is a cubic, or `None` if the duration is zero or 2⁶² and more.
     #[must_use]
     pub fn new(duration: u64, feed: R, change: R) -> Option<Self> {
         let numerator = 1_u128 << 127;
@@ -41,7 +41,14 @@ impl<R: Real> LengthStage<R> {
         // 2^exponent <= duration < 2^(exponent+1): the quotient of 2^(64+exponent) lies in (2^63, 2^64].
         let quotient = (numerator >> (63 - exponent)) / u128::from(duration);
         let reciprocal = u64::try_from(quotient).unwrap_or(u64::MAX);
-        Some(Self { duration, reciprocal, reciprocal_exponent: exponent, feed, change })
+        let shape = StageShape::Cubic;
+        Some(Self { duration, reciprocal, reciprocal_exponent: exponent, feed, change, shape })
+    }
+
+    /// The same stage with its feed along another shape.
+    #[must_use]
+    pub fn shaped(self, shape: StageShape) -> Self {
+        Self { shape, ..self }
     }
 
     /// `half_units / (2 · duration)` as a phase, for `half_units ≤ 2 · duration`: twice the time, so that the middle
@@ -61,11 +68,7 @@ impl<R: Real> LengthStage<R> {
         }
         let x = R::from_phase(self.fraction(2 * time + interval), 0);
         let share = R::from_phase(self.fraction(2 * interval), 0);
-        let square = x * x;
-        let rest = R::one() - x;
-        let twice = square * rest;
-        let bend = (share * share * (rest - x)).scale(-2);
-        self.change.mul_add(square + twice + twice + bend, self.feed)
+        self.change.mul_add(self.shape.mean(x, share), self.feed)
     }
 }
 
@@ -119,11 +122,22 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
     use real::{Backend, I4F28};
+    use std::f64::consts::PI;
 
-    /// Distance travelled up to t in a stage: v t + Δv t₂ (x³ - x⁴/2).
-    fn distance(feed: f64, change: f64, duration: f64, t: f64) -> f64 {
+    const SHAPES: [StageShape; 5] =
+        [StageShape::Cubic, StageShape::Onset, StageShape::Steady, StageShape::Easing, StageShape::Cosine];
+
+    /// Distance travelled up to t in a stage: v t + Δv t₂ G(x), G the integral of the shape.
+    fn distance(shape: StageShape, feed: f64, change: f64, duration: f64, t: f64) -> f64 {
         let x = t / duration;
-        feed * t + change * duration * (x.powi(3) - x.powi(4) / 2.0)
+        let integral = match shape {
+            StageShape::Cubic => x.powi(3) - x.powi(4) / 2.0,
+            StageShape::Onset => x.powi(3) / 3.0,
+            StageShape::Steady => x * x / 2.0,
+            StageShape::Easing => x * x - x.powi(3) / 3.0,
+            StageShape::Cosine => x / 2.0 - (PI * x).sin() / (2.0 * PI),
+        };
+        feed * t + change * duration * integral
     }
 
     #[allow(
@@ -141,21 +155,22 @@ mod tests {
         fn lengths_are_the_integrals_of_the_feed(
             durations in proptest::collection::vec(0.05_f64..9.0, 1..6),
             feeds in proptest::collection::vec(0.0_f64..1.0, 7),
+            shape in (0..5_usize).prop_map(|i| SHAPES[i]),
         ) {
             let durations: Vec<u64> = durations.into_iter().map(in_units).collect();
             let periods = |units: u64| units as f64 / PERIOD as f64;
             let stages: Vec<_> = durations.iter().zip(feeds.windows(2))
-                .filter_map(|(&d, v)| LengthStage::new(d, v[0], v[1] - v[0])).collect();
+                .filter_map(|(&d, v)| LengthStage::new(d, v[0], v[1] - v[0])).map(|stage| stage.shaped(shape)).collect();
             let fixed: Vec<_> = durations.iter().zip(feeds.windows(2)).filter_map(|(&d, v)| {
                 let of = |x: f64| I4F28::from_f64(x).unwrap();
-                LengthStage::new(d, of(v[0]), of(v[1]) - of(v[0]))
+                LengthStage::new(d, of(v[0]), of(v[1]) - of(v[0])).map(|stage| stage.shaped(shape))
             }).collect();
             let up_to = |time: u64| {
                 let mut rest = time;
                 durations.iter().zip(feeds.windows(2)).map(|(&d, v)| {
                     let part = rest.min(d);
                     rest -= part;
-                    distance(v[0], v[1] - v[0], periods(d), periods(part))
+                    distance(shape, v[0], v[1] - v[0], periods(d), periods(part))
                 }).sum::<f64>()
             };
             let total: u64 = durations.iter().sum();
