@@ -3,7 +3,7 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use feed_plan::{Schedule, Stage};
+use feed_plan::{Schedule, Stage, StageShape};
 use feedbits_benches::{Path, paper_a, ten_points, thousand_points};
 use real::{Backend, I2F30, I3F29, I4F28, I8F24, I16F16, I16F48, I32F32};
 use secant_interp::{ChordTolerance, Interpolator, Method, PieceInterpolator, StepLengths, Tolerance};
@@ -48,6 +48,7 @@ fn on_global_parameter<R: Backend, const D: usize>(criterion: &mut Criterion, pa
         start_feed: number(path.feed_mm),
         end_feed: number(path.feed_mm),
         duration: R::from_f64(f64::from(periods)).unwrap_or_else(R::max_value),
+        shape: StageShape::Steady,
         curve_start: 0,
         u_start: R::zero(),
         curve_end: 0,

@@ -29,8 +29,9 @@ use crate::{
 const PARTS: i32 = 32;
 /// Segments that one merge can take in, so that planning costs in proportion to the path.
 const MOST_SEGMENTS: usize = 16;
-/// A merge may take longer than what it replaces by 2⁻³ of that: it gives up the small peaks in between.
-const TIME_ALLOWANCE: i32 = -3;
+/// A merge may take longer than what it replaces by 2⁻⁶ of that: it gives up the small peaks in between. With 2⁻³ the
+/// curve of Wang Y. et al. takes 6 % longer, with a sixth of the stages; with 2⁻⁶ nothing there is merged.
+const TIME_ALLOWANCE: i32 = -6;
 
 /// Why a stretch keeps its S-curves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -267,7 +268,7 @@ mod tests {
         let of = |duration| merged_piece(&free, &limits(), &Stretch { duration, ..stretch });
         let duration = 2.0 * stretch.length / 110.0;
         assert!(of(duration).is_ok());
-        assert_eq!(of(duration / 1.13), Err(Refusal::Time));
+        assert_eq!(of(duration / 1.02), Err(Refusal::Time));
         let still = Stretch { feeds: [0.0, 0.0], ..stretch };
         assert_eq!(merged_piece(&free, &limits(), &still), Err(Refusal::Rest));
     }
@@ -277,7 +278,7 @@ mod tests {
     fn ripple_is_merged_and_a_sharp_bend_is_not() {
         let mut points = vec![point(0.0, 100.0), point(20.0, 100.0)];
         for bend in 0..6 {
-            let at = 20.0 + 0.5 * f64::from(bend);
+            let at = 20.0 + 0.7 * f64::from(bend);
             points.extend([
                 point(at + 0.2, 50.0 + f64::from(bend)),
                 point(at + 0.21, 70.0),
@@ -297,10 +298,12 @@ mod tests {
             flexible.stages().len(),
             plain.stages().len()
         );
-        let sharp = flexible.stages().iter().any(|s| (s.start - 41.0).abs() < 1e-9 && s.start_feed <= 20.0);
-        assert!(sharp, "the sharp bend is no joint any more");
+        // Rounding of the waits around it aside, the plan passes the sharp bend at its limit.
+        let passes = |s: &&Stage<f64>| s.start < 41.0 && s.start + s.length > 41.0;
+        let there = flexible.stages().iter().find(passes).unwrap();
+        assert!(there.start_feed <= 20.0 && there.end_feed <= 20.0, "{there:?}");
         let slower = flexible.as_schedule().duration() / plain.as_schedule().duration();
-        assert!(slower <= 1.0 + 1.0 / 8.0, "{slower}");
+        assert!(slower <= 1.0 + 1.0 / 64.0, "{slower}");
         assert!(flexible.as_schedule().duration() >= jerk_free_duration(&limit, &limits));
     }
 }

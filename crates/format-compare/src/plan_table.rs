@@ -134,7 +134,7 @@ impl PlanSummary {
             acceleration_limit_mm_per_s2: problem.machine.acceleration_mm_per_s2,
             jerk_max_mm_per_s3: jerk / t.powi(3),
             jerk_limit_mm_per_s3: problem.machine.jerk_mm_per_s3,
-            share_at_commanded_feed: at_feed.map(|s| s.length_mm).sum::<f64>() / length_mm,
+            share_at_commanded_feed: at_feed.map(|s| s.length_mm).fold(0.0, |sum, x| sum + x) / length_mm,
             stage_count: stages.len(),
             stages,
         })

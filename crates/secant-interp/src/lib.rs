@@ -26,6 +26,7 @@ mod step_lengths;
 pub mod taylor;
 
 pub use chord_step::{Chord, ChordTolerance};
+pub use feed_plan::StageShape;
 pub use interpolator::{Interpolator, Method, Setpoint, State};
 pub use piece_interpolator::{PieceInterpolator, PieceSetpoint, PieceState};
 pub use secant::{Outcome, Tolerance};

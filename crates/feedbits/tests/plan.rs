@@ -1,0 +1,68 @@
+//! `feedbits plan`, as a person runs it.
+
+use std::process::{Command, Output};
+
+fn feedbits(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_feedbits")).args(arguments).output().expect("feedbits runs")
+}
+
+fn data(name: &str) -> String {
+    format!("{}/../../data/{name}", env!("CARGO_MANIFEST_DIR"))
+}
+
+fn stdout(output: &Output) -> String {
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+#[test]
+fn profiles_stand_side_by_side() {
+    let table = stdout(&feedbits(&["plan", "--profile", "all"]));
+    for name in ["cubic", "s-curve", "trigonometric", "flexible"] {
+        assert!(table.contains(name), "{table}");
+    }
+    let json = stdout(&feedbits(&["plan", "--profile", "all", "--json"]));
+    let summaries: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+    let summaries = summaries.as_array().expect("an array");
+    assert_eq!(summaries.len(), 4);
+    for summary in summaries {
+        let figure = |key: &str| summary[key].as_f64().unwrap_or_else(|| panic!("{key} in {summary}"));
+        assert!(figure("time_s") >= figure("jerk_free_time_s"));
+        assert!(figure("over_jerk_free") < 0.02, "{summary}");
+        assert!(figure("acceleration_max_mm_per_s2") <= figure("acceleration_limit_mm_per_s2"));
+        assert!(figure("jerk_max_mm_per_s3") <= figure("jerk_limit_mm_per_s3"));
+        assert!((0.5..1.0).contains(&figure("share_at_commanded_feed")));
+        assert_eq!(
+            summary["stages"].as_array().map(Vec::len),
+            summary["stage_count"].as_u64().map(|n| n as usize)
+        );
+    }
+}
+
+#[test]
+fn each_profile_runs_to_the_end_of_the_path() {
+    for profile in ["cubic", "s-curve", "trigonometric", "flexible"] {
+        let run = feedbits(&[
+            "compare",
+            &data("seed-000.toml"),
+            "--profile",
+            profile,
+            "--formats",
+            "I4F28,f64",
+            "--json",
+        ]);
+        let comparison: serde_json::Value = serde_json::from_str(&stdout(&run)).expect("JSON");
+        for row in comparison["formats"].as_array().expect("rows") {
+            if row["engine"] == "pieces" {
+                assert_eq!(row["verdict"]["result"], "good", "{profile}: {row}");
+            }
+        }
+    }
+}
+
+#[test]
+fn all_profiles_at_once_are_for_plan_only() {
+    let refused = feedbits(&["compare", "--profile", "all"]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&refused.stderr).contains("--profile all goes with `plan`"));
+}
