@@ -33,8 +33,8 @@ fn profiles_stand_side_by_side() {
         assert!(figure("jerk_max_mm_per_s3") <= figure("jerk_limit_mm_per_s3"));
         assert!((0.5..1.0).contains(&figure("share_at_commanded_feed")));
         assert_eq!(
-            summary["stages"].as_array().map(Vec::len),
-            summary["stage_count"].as_u64().map(|n| n as usize)
+            summary["stages"].as_array().map(|stages| stages.len() as u64),
+            summary["stage_count"].as_u64()
         );
     }
 }
