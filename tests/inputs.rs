@@ -32,7 +32,13 @@ pub fn problem<const D: usize>(name: &str, text: &str) -> Problem<D> {
 /// A problem of one curve on paper A's machine.
 #[must_use]
 pub fn on_paper_as_machine<const D: usize>(name: &str, curve: NurbsBuf<f64, D>) -> Problem<D> {
-    Problem { name: name.to_string(), curves: vec![curve], machine: machine() }
+    Problem {
+        name: name.to_string(),
+        curves: vec![curve],
+        moved_mm: Vec::new(),
+        rapids_left_out: 0,
+        machine: machine(),
+    }
 }
 
 fn curve<const D: usize>(

@@ -1,12 +1,13 @@
 //! What every subcommand reads: a part, and the machine that is to follow it.
 
-use std::fs;
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use format_compare::Problem;
-use part_program::{Machine, Part};
+use part_program::{Diagnostics, Dialect, MAX_TEXT, Machine, Part, ReadOptions};
 
 /// The example that runs when no part is named: paper A's curve and machine.
 const EXAMPLE: &str = include_str!("../../../data/seed-000.toml");
@@ -14,11 +15,18 @@ const EXAMPLE: &str = include_str!("../../../data/seed-000.toml");
 /// The part and its machine.
 #[derive(Args)]
 pub(crate) struct Input {
-    /// Part: a curve file (TOML) or a part program, told by its content. Default: the built-in example.
+    /// Part: a curve file (TOML), a part program, a drawing (DXF) or geomdl's JSON, told by its content; at most
+    /// 64 MiB. Default: the built-in example.
     part: Option<PathBuf>,
     /// Machine file (TOML with a table `machine`). Default: the machine in the part's own file.
     #[arg(long, value_name = "FILE")]
     machine: Option<PathBuf>,
+    /// The control that a part program is for: fanuc, linuxcnc or siemens. Default: told by its splines.
+    #[arg(long, value_name = "CONTROL")]
+    dialect: Option<Dialect>,
+    /// Read over unknown words of a part program, with a warning each.
+    #[arg(long)]
+    lenient: bool,
 }
 
 /// A problem in the number of dimensions that its part has.
@@ -28,9 +36,14 @@ pub(crate) enum AnyProblem {
 }
 
 impl Input {
-    /// Reads both files as a problem to plan and run.
+    /// Reads both files as a problem to plan and run. What is left out of the run is said.
     pub(crate) fn read(&self) -> Result<AnyProblem> {
         let (part, machine) = self.part_and_machine()?;
+        let rapids = format_compare::rapid_moves(&part);
+        if rapids > 0 {
+            let moves = if rapids == 1 { "rapid move is" } else { "rapid moves are" };
+            eprintln!("feedbits: {rapids} {moves} left out: nothing is cut on the way");
+        }
         Ok(if part.curves.iter().all(|curve| curve.dimension == 2) {
             AnyProblem::Planar(Problem::new(&part, &machine)?)
         } else {
@@ -40,36 +53,60 @@ impl Input {
 
     /// Reads both files.
     pub(crate) fn part_and_machine(&self) -> Result<(Part, Machine)> {
-        let part = match &self.part {
-            Some(path) => part_program::read_part(&path.display().to_string(), &text(path)?)?,
-            None => part_program::read_part("built-in example", EXAMPLE)?,
-        };
+        let part = self.part()?;
+        match self.machine_of(&part)? {
+            Some(machine) => Ok((part, machine)),
+            None => bail!("{} names no machine: give its limits with --machine FILE.toml", part.name),
+        }
+    }
+
+    /// Reads the part. Its warnings are printed.
+    pub(crate) fn part(&self) -> Result<Part> {
+        let part = self.parsed()??;
         for warning in &part.warnings {
             eprintln!("{warning}");
         }
-        let machine = self.machine(&part)?;
-        Ok((part, machine))
+        Ok(part)
     }
 
-    fn machine(&self, part: &Part) -> Result<Machine> {
-        if let Some(path) = &self.machine {
-            return Ok(part_program::read_machine(&path.display().to_string(), &text(path)?)?);
-        }
-        match &part.machine {
-            Some(machine) => Ok(machine.clone()),
-            None => bail!("{} names no machine: give its limits with --machine FILE.toml", part.name),
+    /// The part, or what is wrong with its text.
+    pub(crate) fn parsed(&self) -> Result<Result<Part, Diagnostics>> {
+        let options = ReadOptions { dialect: self.dialect, lenient: self.lenient };
+        Ok(match &self.part {
+            Some(path) => part_program::read_part_bytes(&path.display().to_string(), &bytes(path)?, options),
+            None => part_program::read_part_with("built-in example", EXAMPLE, options),
+        })
+    }
+
+    /// The machine that is given or that the part's file names.
+    pub(crate) fn machine_of(&self, part: &Part) -> Result<Option<Machine>> {
+        match &self.machine {
+            Some(path) => Ok(Some(part_program::read_machine(&path.display().to_string(), &text(path)?)?)),
+            None => Ok(part.machine.clone()),
         }
     }
 }
 
 /// A whole file as text.
 pub(crate) fn text(path: &Path) -> Result<String> {
-    let bytes = fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
-    String::from_utf8(bytes).map_err(|error| {
+    String::from_utf8(bytes(path)?).map_err(|error| {
         let at = error.utf8_error().valid_up_to();
-        anyhow::anyhow!(
-            "{}: byte {at} is not UTF-8 text: expected a curve file or a part program",
-            path.display()
-        )
+        anyhow::anyhow!("{}: byte {at} is not UTF-8 text: expected a TOML file", path.display())
     })
+}
+
+/// A whole file. One that is too long to be read is refused before memory is taken for it; a pipe, once it is.
+fn bytes(path: &Path) -> Result<Vec<u8>> {
+    let cannot = || format!("cannot read {}", path.display());
+    let file = File::open(path).with_context(cannot)?;
+    let mut bytes = Vec::new();
+    let most = u64::try_from(MAX_TEXT)?;
+    let length = file.metadata().with_context(cannot)?.len();
+    if length <= most {
+        file.take(most + 1).read_to_end(&mut bytes).with_context(cannot)?;
+    }
+    if length > most || bytes.len() > MAX_TEXT {
+        bail!("{} is longer than {} MiB, the most that is read", path.display(), MAX_TEXT >> 20);
+    }
+    Ok(bytes)
 }

@@ -1,6 +1,8 @@
 //! `feedbits`: how many bits does your feed need?
 
+mod check;
 mod compare;
+mod convert;
 mod formats;
 mod input;
 mod interpolate;
@@ -47,6 +49,10 @@ enum Command {
     Smooth(smooth::Arguments),
     /// List the targets that a period is priced on, with every number's source.
     Targets(targets::Arguments),
+    /// Say what a part holds, its joints and bends, and what in it is suspicious.
+    Check(check::Arguments),
+    /// Write a part in another dialect, as straight moves within a tolerance, or as a curve file.
+    Convert(convert::Arguments),
     /// List the number formats.
     Formats(formats::Arguments),
 }
@@ -71,6 +77,8 @@ fn main() -> ExitCode {
         Command::Servo(arguments) => servo::run(&arguments),
         Command::Smooth(arguments) => smooth::run(&arguments),
         Command::Targets(arguments) => targets::run(&arguments),
+        Command::Check(arguments) => check::run(&arguments),
+        Command::Convert(arguments) => convert::run(&arguments),
         Command::Formats(arguments) => formats::run(&arguments),
     };
     match ending {

@@ -40,6 +40,8 @@ pub struct PartSummary {
     pub name: String,
     /// Number of curves.
     pub curves: usize,
+    /// Number of rapid moves that are not run.
+    pub rapids_left_out: usize,
     /// Arc length, in mm.
     pub length_mm: f64,
     /// Planned time, in s; absent when each format plans for itself.
@@ -145,6 +147,7 @@ where
         part: PartSummary {
             name: problem.name.clone(),
             curves: problem.curves.len(),
+            rapids_left_out: problem.rapids_left_out,
             length_mm: reference.length_mm(),
             planned_time_s: common.map(|plan| problem.period_s() * f64::from(plan.periods())),
         },

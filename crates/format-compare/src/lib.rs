@@ -33,7 +33,7 @@ pub use feed_plan::ProfileKind;
 pub use formats::{Dimension, Format, Space, formats, plan_for, select};
 pub use metrics::{Fluctuation, JudgedStep, PerPeriod};
 pub use plan_table::{FeedSample, PlanSummary, StageRow};
-pub use problem::Problem;
+pub use problem::{Problem, rapid_moves};
 pub use recorded::RecordedRun;
 pub use reference::Reference;
 pub use run::{Engine, Options, PlanIn, Refusal, Run, RunStep};

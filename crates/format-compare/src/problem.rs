@@ -1,8 +1,13 @@
 //! What is to be run: a path and a machine's limits, in f64.
+//!
+//! Rapid moves cut nothing, so they are left out: what is compared are the moves at feed. Where one of those begins
+//! elsewhere than the one before it ends, be it for a rapid move or for a gap in a drawing, it is moved there, with all
+//! that follows: a plan and a step have a path without jumps, and its shapes are the part's. How far each curve was
+//! moved is kept, so that setpoints can be given where the part has them.
 
 use feed_plan::{KinematicLimits, PlanError};
 use nurbs_core::{CurveError, NurbsBuf};
-use part_program::{Machine, Part};
+use part_program::{Curve, GAP_MM, Machine, MoveKind, Part};
 
 /// A path of curves in mm and the machine that is to follow it.
 #[derive(Clone, Debug)]
@@ -11,26 +16,48 @@ pub struct Problem<const D: usize> {
     pub name: String,
     /// The curves, in the order in which they are followed.
     pub curves: Vec<NurbsBuf<f64, D>>,
+    /// How far each curve was moved, in mm; empty if none was.
+    pub moved_mm: Vec<[f64; D]>,
+    /// The number of rapid moves that were left out.
+    pub rapids_left_out: usize,
     /// The machine's limits, with the feedrate that the part commands, if it does.
     pub machine: Machine,
 }
 
 impl<const D: usize> Problem<D> {
-    /// Takes the curves of `part` in `D` dimensions; coordinates beyond are dropped, so `D` must be at least the
-    /// part's own dimension.
+    /// Takes the moves at feed of `part` in `D` dimensions; coordinates beyond are dropped, so `D` must be at least
+    /// the part's own dimension. A part of rapid moves alone is taken as it stands.
     ///
     /// # Errors
     /// [`CurveError`] of the first curve that is not valid.
     pub fn new(part: &Part, machine: &Machine) -> Result<Self, CurveError> {
-        let curves = part.curves.iter().map(|curve| {
-            let points = curve.control_points_mm.iter().map(|p| core::array::from_fn(|d| p[d])).collect();
+        let rapids_left_out = rapid_moves(part);
+        let taken = part.curves.iter().enumerate().filter(|(index, _)| {
+            let is_rapid = part.moves.get(*index).is_some_and(|one| one.kind == MoveKind::Rapid);
+            rapids_left_out == 0 || !is_rapid
+        });
+        let taken: Vec<_> = taken.map(|(_, curve)| curve).collect();
+        let moved_mm = closing_moves(&taken);
+        let still = [0.0; D];
+        let curves = taken.iter().enumerate().map(|(index, curve)| {
+            let by = moved_mm.get(index).unwrap_or(&still);
+            let moved = |point: &[f64; 3]| core::array::from_fn(|d| point[d] + by[d]);
+            let points = curve.control_points_mm.iter().map(moved).collect();
             NurbsBuf::try_new(curve.degree, points, curve.weights.clone(), curve.knots.clone())
         });
+        let curves = curves.collect::<Result<_, _>>()?;
         let mut machine = machine.clone();
         if let Some(feedrate) = part.feedrate_mm_per_s {
             machine.feedrate_mm_per_s = feedrate;
         }
-        Ok(Self { name: part.name.clone(), curves: curves.collect::<Result<_, _>>()?, machine })
+        Ok(Self { name: part.name.clone(), curves, moved_mm, rapids_left_out, machine })
+    }
+
+    /// Where the part has a point of curve `curve`; coordinates that the problem does not have are 0.
+    #[must_use]
+    pub fn in_the_part(&self, curve: usize, point_mm: [f64; 3]) -> [f64; 3] {
+        let by = self.moved_mm.get(curve).copied().unwrap_or([0.0; D]);
+        core::array::from_fn(|axis| point_mm[axis] - by.get(axis).copied().unwrap_or(0.0))
     }
 
     /// The interpolation period T, in s.
@@ -57,5 +84,67 @@ impl<const D: usize> Problem<D> {
         };
         limits.validate()?;
         Ok(limits)
+    }
+}
+
+/// The number of rapid moves that a [`Problem`] leaves out: all of them, or none of a part that has nothing else.
+#[must_use]
+pub fn rapid_moves(part: &Part) -> usize {
+    let rapids = part.moves.iter().filter(|one| one.kind == MoveKind::Rapid).count();
+    if rapids == part.moves.len() { 0 } else { rapids }
+}
+
+/// How far each curve has to be moved to begin where the one before it ends; empty if none has to.
+fn closing_moves<const D: usize>(curves: &[&Curve]) -> Vec<[f64; D]> {
+    let mut by = [0.0; D];
+    let mut moves = vec![by];
+    for pair in curves.windows(2) {
+        if let (Some(end), Some(start)) =
+            (pair[0].control_points_mm.last(), pair[1].control_points_mm.first())
+        {
+            let gap: [f64; D] = core::array::from_fn(|d| end[d] - start[d]);
+            if gap.iter().fold(0.0_f64, |length, x| length.hypot(*x)) > GAP_MM {
+                by = core::array::from_fn(|d| by[d] + gap[d]);
+            }
+        }
+        moves.push(by);
+    }
+    if moves.iter().flatten().all(|x| *x == 0.0) { Vec::new() } else { moves }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use part_program::{read_machine, read_part};
+
+    fn problem(text: &str) -> Problem<3> {
+        let machine = read_machine("m", include_str!("../../../data/seed-000.toml")).unwrap();
+        Problem::new(&read_part("p.nc", text).unwrap(), &machine).unwrap()
+    }
+
+    #[test]
+    fn rapid_moves_are_left_out_and_the_path_is_closed_up() {
+        let problem = problem("G0 X0 Y0 Z5\nG0 X3 Y0\nG1 X10 F600\nG0 X20 Y7\nG1 X25 Z6\nG1 X25 Y9\nG0 Z5\n");
+        assert_eq!((problem.rapids_left_out, problem.curves.len()), (3, 3));
+        let ends: Vec<_> =
+            problem.curves.iter().map(|c| (c.control_points()[0], c.control_points()[1])).collect();
+        assert_eq!(ends[0], ([3.0, 0.0, 5.0], [10.0, 0.0, 5.0]));
+        assert_eq!(ends[1], ([10.0, 0.0, 5.0], [15.0, 0.0, 6.0]));
+        assert_eq!(ends[2], ([15.0, 0.0, 6.0], [15.0, 2.0, 6.0]));
+        assert_eq!(problem.in_the_part(2, [15.0, 1.0, 6.0]), [25.0, 8.0, 6.0]);
+        assert_eq!(problem.in_the_part(0, [4.0, 0.0, 5.0]), [4.0, 0.0, 5.0]);
+    }
+
+    #[test]
+    fn a_path_without_jumps_is_taken_as_it_stands() {
+        let problem = problem("G0 X0 Y0\nG1 X10.1 Y0.3\nG1 X20.2\n");
+        assert_eq!((problem.rapids_left_out, problem.moved_mm.len()), (0, 0));
+        assert_eq!(problem.in_the_part(1, [1.1, 2.2, 3.3]), [1.1, 2.2, 3.3]);
+    }
+
+    #[test]
+    fn rapid_moves_alone_are_followed() {
+        let problem = problem("G0 X0 Y0\nG0 X10\nG0 Y10\n");
+        assert_eq!((problem.rapids_left_out, problem.curves.len()), (0, 2));
     }
 }

@@ -237,6 +237,27 @@ impl Curve {
         faults
     }
 
+    /// A straight line, of degree 1.
+    pub(crate) fn line(from: [f64; 3], to: [f64; 3]) -> Self {
+        let control_points_mm = vec![from, to];
+        let dimension = Self::dimension_of(&control_points_mm);
+        Self {
+            degree: 1,
+            control_points_mm,
+            dimension,
+            weights: vec![1.0; 2],
+            knots: vec![0.0, 0.0, 1.0, 1.0],
+        }
+    }
+
+    /// The length of the control polygon, in mm; no curve is longer.
+    #[must_use]
+    pub fn polygon_length_mm(&self) -> f64 {
+        let legs = self.control_points_mm.windows(2);
+        legs.map(|leg| (leg[1][0] - leg[0][0]).hypot(leg[1][1] - leg[0][1]).hypot(leg[1][2] - leg[0][2]))
+            .sum()
+    }
+
     /// The number of coordinates that the points need: 2 if every z is zero.
     pub(crate) fn dimension_of(points: &[[f64; 3]]) -> usize {
         if points.iter().all(|point| point[2] == 0.0) { 2 } else { 3 }

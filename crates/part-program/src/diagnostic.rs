@@ -13,6 +13,7 @@
 use std::fmt;
 use std::sync::Arc;
 
+use serde::Serialize;
 use unicode_width::UnicodeWidthStr;
 
 use crate::source::{Place, Source, Span};
@@ -24,7 +25,8 @@ pub const MAX_DIAGNOSTICS: usize = 1000;
 const EXCERPT: usize = 100;
 
 /// How bad it is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Severity {
     /// The text cannot be used.
     Error,
@@ -33,11 +35,12 @@ pub enum Severity {
 }
 
 /// One thing to say about one place of a text.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Diagnostic {
     /// How bad it is.
     pub severity: Severity,
     /// Name of the text, as the caller gave it.
+    #[serde(serialize_with = "as_text")]
     pub file: Arc<str>,
     /// Line, from 1.
     pub line: usize,
@@ -51,7 +54,13 @@ pub struct Diagnostic {
     pub expected: Option<String>,
     /// What to do about it.
     pub hint: Option<String>,
+    #[serde(skip)]
     excerpt: Excerpt,
+}
+
+/// Serde has shared text only behind a feature.
+fn as_text<S: serde::Serializer>(name: &Arc<str>, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(name)
 }
 
 /// The part of a source line that is shown.

@@ -1,10 +1,18 @@
 //! `part-program`: what does this text say, and where is it wrong?
 //!
-//! | text | reader |
-//! |---|---|
-//! | curve file: TOML, tables `[curve]` or `[[curve]]`, and `[machine]` | [`read_part`] |
-//! | part program: G0 to G3, and splines as FANUC, LinuxCNC and Siemens write them | [`read_part`], [`read_part_with`] |
-//! | machine file: TOML, table `[machine]` | [`read_machine`] |
+//! | text | reader | writer |
+//! |---|---|---|
+//! | curve file: TOML, tables `[curve]` or `[[curve]]`, and `[machine]` | [`read_part`] | [`write_curves`] |
+//! | part program: G0 to G3 | [`read_part`] | [`write_g1`], [`write_points`] |
+//! | splines as FANUC writes them, G06.2 | [`read_part`] | [`write_g06_2`] |
+//! | splines as LinuxCNC writes them, G5.2, G5, G5.1 | [`read_part`] | [`write_g5_2`] |
+//! | splines as Siemens writes them, BSPLINE | [`read_part`] | |
+//! | drawing: DXF with SPLINE, LINE, ARC, CIRCLE, LWPOLYLINE | [`read_part`] | |
+//! | JSON as geomdl exports it | [`read_part`] | |
+//! | machine file: TOML, table `[machine]` | [`read_machine`] | |
+//!
+//! What a text is, its content tells; [`read_part_with`] takes a dialect that is known, and reads over unknown words;
+//! [`read_part_bytes`] takes a file as it is. [`inspect`] looks a part over: lengths, bends, joints, and what is odd.
 //!
 //! ```
 //! let part = part_program::read_part("seed.nc", "G06.2 P2 K0 X0 Y0\nK0 X10 Y5\nK1\nK1\n")?;
@@ -16,24 +24,38 @@
 //! ```
 //!
 //! Every fault of a text is said, with line, column, what was expected and a hint; nothing is dropped silently.
+//!
+//! STEP is not read. The one parser there is for its text, `ruststep` (0.4, which `truck-stepio` uses too), panics at a
+//! whole number beyond 64 bits, overflows the stack at nested brackets and refuses every file with an apostrophe in a
+//! name, so it cannot be given files that it has not seen; CAD systems export the same curves as DXF.
 
 mod arc;
+mod bend;
+mod bezier;
 mod block;
 mod curve;
 mod curve_file;
 mod diagnostic;
+mod drawing;
+mod dxf;
 mod fanuc;
 mod gcode;
 mod gcode_word;
+mod geomdl;
 mod inspect;
+mod joint;
 mod linuxcnc;
 mod machine;
 mod modal;
 mod options;
 mod part;
+mod path_move;
+mod preparatory;
+mod remark;
 mod siemens;
 mod source;
 mod spline_blocks;
+mod spline_move;
 mod toml_table;
 mod write;
 mod write_curves;
@@ -41,11 +63,13 @@ mod write_curves;
 pub use arc::HELIX_TOLERANCE_MM;
 pub use curve::{Curve, CurveFault, Element, End, MAX_COORDINATE_MM, MAX_DEGREE, MAX_KNOT, MAX_WEIGHT};
 pub use diagnostic::{Diagnostic, Diagnostics, MAX_DIAGNOSTICS, Severity};
-pub use inspect::{GAP_MM, Inspection, Joint, Oddity, Remark, TANGENT_BREAK_RAD, inspect};
+pub use inspect::{Bend, Inspection, inspect};
+pub use joint::{GAP_MM, Joint, TANGENT_BREAK_RAD};
 pub use machine::{Axes, AxisLimits, Machine, read_machine};
 pub use options::{Dialect, ReadOptions};
 pub use part::{Auxiliary, Move, MoveKind, Part, Shape};
-pub use write::{WriteError, write_g1, write_g5_2, write_g06_2};
+pub use remark::{Oddity, Remark, SHORT_SPAN, TINY_MM, WEIGHT_RATIO};
+pub use write::{WriteError, write_g1, write_g5_2, write_g06_2, write_points};
 pub use write_curves::write_curves;
 
 use diagnostic::Report;
@@ -54,7 +78,7 @@ use source::{Source, Span};
 /// Longest text that is read, in bytes: 64 MiB.
 pub const MAX_TEXT: usize = 64 << 20;
 
-/// Reads a part: a curve file or a part program, told by its content. `name` is what diagnostics call it.
+/// Reads a part: a curve file, a part program or a drawing, told by its content. `name` is what diagnostics call it.
 ///
 /// # Errors
 /// Every fault of the text.
@@ -85,7 +109,16 @@ pub fn read_part_with(name: &str, text: &str, options: ReadOptions) -> Result<Pa
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut report = opened(name, text)?;
     let mut part = Part { name: name.to_owned(), ..Part::default() };
-    if is_toml(text) {
+    if let Some((format, hint)) = unread(text) {
+        report
+            .error(Span::default(), format!("this is {format}, which is not read"))
+            .expected(READ)
+            .hint(hint);
+    } else if text.trim_start().starts_with('{') {
+        geomdl::read(&mut report, &mut part);
+    } else if drawing::is_drawing(text) {
+        drawing::read(&mut report, &mut part);
+    } else if is_toml(text) {
         if let Some(file) = curve_file::read(&mut report, text) {
             (part.curves, part.moves) = file.curves.into_iter().unzip();
             part.feedrate_mm_per_s = part.highest_feedrate();
@@ -97,6 +130,18 @@ pub fn read_part_with(name: &str, text: &str, options: ReadOptions) -> Result<Pa
     }
     part.warnings = report.finish()?;
     Ok(part)
+}
+
+/// What a text may be.
+const READ: &str = "a part program, a curve file (TOML), a drawing (DXF) or geomdl's JSON";
+
+/// What a text of another kind is, and what to do about it.
+fn unread(text: &str) -> Option<(&'static str, &'static str)> {
+    const EXPORT: &str = "export the curves as DXF (text), where a spline is an entity SPLINE";
+    [("ISO-10303-21", "a STEP file"), ("AutoCAD Binary DXF", "a binary DXF file"), ("AC10", "a DWG file")]
+        .into_iter()
+        .find(|(begin, _)| text.trim_start().starts_with(begin))
+        .map(|(_, format)| (format, EXPORT))
 }
 
 /// A report on the text, unless it is too long.

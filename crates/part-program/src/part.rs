@@ -15,6 +15,8 @@ pub struct Part {
     pub moves: Vec<Move>,
     /// Words that do not move the tool: M, S, T, D and H, in the order of the program.
     pub auxiliary: Vec<Auxiliary>,
+    /// Lines of moves at feed that end where they start, and so are no curves.
+    pub standstills: Vec<usize>,
     /// The feedrate that the program commands, in mm/s; the highest, if it commands several.
     pub feedrate_mm_per_s: Option<f64>,
     /// The machine that the file names, if it does.

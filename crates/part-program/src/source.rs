@@ -61,6 +61,13 @@ impl<'t> Source<'t> {
         self.text.get(span.start..span.end).unwrap_or("")
     }
 
+    /// One character at a line and a column that count from 1, in bytes.
+    pub(crate) fn span_at(&self, line: usize, column: usize) -> Span {
+        let start =
+            self.line_starts.get(line.saturating_sub(1)).map_or(0, |start| start + column.saturating_sub(1));
+        Span::new(start, start + 1)
+    }
+
     pub(crate) fn place(&self, span: Span) -> Place<'t> {
         let at = span.start.min(self.text.len());
         let line = self.line_number(at);

@@ -1,15 +1,23 @@
-//! Curves to part programs. Numbers are written as the shortest decimals that read back as the same f64, and with a
+//! Parts to part programs. Numbers are written as the shortest decimals that read back as the same f64, and with a
 //! decimal point, since a control may take a number without one as micrometres.
+//!
+//! Rapid moves stay G0 and straight moves G1, whatever becomes of the curves between them. Words that do not move the
+//! tool stay at their moves: M0, M1, M5 and M9 of a move's own block behind it, all others before it.
 
 use std::fmt::{self, Write};
 
-use nurbs_core::{CurveError, NurbsBuf};
-
+use crate::bezier;
 use crate::curve::Curve;
 use crate::linuxcnc::LEAST_ORDER;
+use crate::part::{Auxiliary, Move, MoveKind, Part};
 use crate::spline_blocks::uniform_knots;
 
-/// Why curves cannot be written.
+/// Most points of one program of chords.
+const MAX_CHORDS: usize = 5_000_000;
+/// Halvings of a span at most: 2²⁰ chords.
+const MAX_HALVINGS: u32 = 20;
+
+/// Why a part cannot be written.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum WriteError {
@@ -18,20 +26,28 @@ pub enum WriteError {
         /// Index of the curve.
         curve: usize,
     },
-    /// The curve breaks a rule.
-    Invalid {
+    /// A rapid move that is not straight.
+    CurvedRapid {
         /// Index of the curve.
         curve: usize,
-        /// The rule.
-        error: CurveError,
+    },
+    /// The tolerance asks for more chords than make a program.
+    TooManyChords {
+        /// Index of the curve.
+        curve: usize,
     },
 }
 
 impl fmt::Display for WriteError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::NotPlanar { curve } => write!(f, "curve {curve} is not planar: G5.2 takes X and Y only"),
-            Self::Invalid { curve, error } => write!(f, "curve {curve}: {error}"),
+            Self::NotPlanar { curve } => write!(f, "curve {curve} leaves its plane: G5.2 takes X and Y only"),
+            Self::CurvedRapid { curve } => {
+                write!(f, "curve {curve} is a rapid move that is not straight: G0 is")
+            }
+            Self::TooManyChords { curve } => {
+                write!(f, "the tolerance cuts curve {curve} into too many chords: give a larger one")
+            }
         }
     }
 }
@@ -40,24 +56,59 @@ impl std::error::Error for WriteError {}
 
 /// Writes points, such as the setpoints of an interpolator, as fine G1 moves in millimetres.
 #[must_use]
-pub fn write_g1(points_mm: &[[f64; 3]], feedrate_mm_per_s: Option<f64>) -> String {
-    let mut program = Program::new(points_mm.iter().all(|point| point[2] == 0.0), feedrate_mm_per_s);
+pub fn write_points(points_mm: &[[f64; 3]], feedrate_mm_per_s: Option<f64>) -> String {
+    let mut program = Program::new(points_mm.iter().all(|point| point[2] == 0.0));
+    program.set_feed(feedrate_mm_per_s);
     if let Some((first, rest)) = points_mm.split_first() {
         program.rapid_to(*first);
-        program.line_through(rest);
+        program.line_through("G1", rest);
     }
     program.end()
 }
 
-/// Writes curves as FANUC's G06.2. Reading it back gives every control point, weight and knot bit by bit.
+/// Writes a part as G1 moves that leave its curves by no more than `tolerance_mm`.
+///
+/// The bound is proven, by the convex hulls of Bézier pieces. Ends of curves are written to the last bit; points
+/// between them are rounded to a thousandth of the tolerance, or to less.
+///
+/// # Errors
+/// [`WriteError::CurvedRapid`], and [`WriteError::TooManyChords`] where a span needs more than 2²⁰ chords or the part
+/// more than five million.
+pub fn write_g1(part: &Part, tolerance_mm: f64) -> Result<String, WriteError> {
+    let decimals = (0..15).find(|decimals| 0.1_f64.powi(*decimals) <= 1e-3 * tolerance_mm).unwrap_or(15);
+    let unit = 10.0_f64.powi(decimals);
+    let mut count = 0;
+    write(part, None, |program, index, curve| {
+        let mut ends = Vec::new();
+        for piece in bezier::pieces(curve) {
+            // Rounding moves each coordinate by half a unit at most.
+            let chords = piece.chords(tolerance_mm - 1.0 / unit, MAX_HALVINGS, &mut ends);
+            count += 1;
+            if chords.is_none() || count + ends.len() > MAX_CHORDS {
+                return Err(WriteError::TooManyChords { curve: index });
+            }
+        }
+        count += ends.len();
+        ends.pop();
+        for end in &mut ends {
+            *end = end.map(|x| (x * unit).round() / unit);
+        }
+        ends.extend(curve.control_points_mm.last());
+        program.line_through("G1", &ends);
+        Ok(())
+    })
+}
+
+/// Writes a part with its curves as FANUC's G06.2. Reading it back gives every control point, weight and knot bit by
+/// bit.
 ///
 /// Between curves that do not join stands a G0, which is read back as a rapid move.
-#[must_use]
-pub fn write_g06_2(curves: &[Curve], feedrate_mm_per_s: Option<f64>) -> String {
-    let mut program = Program::new(is_planar(curves), feedrate_mm_per_s);
-    program.line("G05 P10000");
-    for curve in curves {
-        program.rapid_to(curve.control_points_mm.first().copied().unwrap_or_default());
+///
+/// # Errors
+/// [`WriteError::CurvedRapid`].
+pub fn write_g06_2(part: &Part) -> Result<String, WriteError> {
+    let has_curves = part.curves.iter().any(|curve| !is_line(curve));
+    write(part, has_curves.then_some(["G05 P10000", "G05 P0"]), |program, _, curve| {
         for (i, ((point, weight), knot)) in
             curve.control_points_mm.iter().zip(&curve.weights).zip(&curve.knots).enumerate()
         {
@@ -73,49 +124,86 @@ pub fn write_g06_2(curves: &[Curve], feedrate_mm_per_s: Option<f64>) -> String {
             program.number("K", *knot);
             program.end_block();
         }
-        program.position = curve.control_points_mm.last().copied();
-    }
-    program.line("G05 P0");
-    program.end()
+        Ok(())
+    })
 }
 
-/// Writes planar curves as LinuxCNC's G5.2, which has no word for knots.
+/// Writes a part with its curves, which have to be planar, as LinuxCNC's G5.2, which has no word for knots.
 ///
 /// A curve of knots 0 …, 1, 2, … is read back bit by bit; one of other uniform knots is the same curve with those
 /// knots. Any other is cut at its knots into Bézier curves, which are the same points to rounding. Degree 1, which
 /// G5.2 does not have, becomes G1 moves.
 ///
 /// # Errors
-/// [`WriteError::NotPlanar`] when z changes along a curve.
-pub fn write_g5_2(curves: &[Curve], feedrate_mm_per_s: Option<f64>) -> Result<String, WriteError> {
-    let mut program = Program::new(is_planar(curves), feedrate_mm_per_s);
-    for (index, curve) in curves.iter().enumerate() {
+/// [`WriteError::NotPlanar`] when z changes along a curve, [`WriteError::CurvedRapid`].
+pub fn write_g5_2(part: &Part) -> Result<String, WriteError> {
+    write(part, None, |program, index, curve| {
         let height = curve.control_points_mm.first().map_or(0.0, |point| point[2]);
-        if curve.control_points_mm.iter().any(|point| point[2] != height) {
-            return Err(WriteError::NotPlanar { curve: index });
-        }
-        program.rapid_to(curve.control_points_mm.first().copied().unwrap_or_default());
         if curve.degree + 1 < LEAST_ORDER {
-            program.line_through(curve.control_points_mm.get(1..).unwrap_or_default());
+            program.line_through("G1", curve.control_points_mm.get(1..).unwrap_or_default());
+        } else if curve.control_points_mm.iter().any(|point| point[2] != height) {
+            return Err(WriteError::NotPlanar { curve: index });
         } else if has_uniform_knots(curve) {
             program.g5_2(curve.degree, &curve.control_points_mm, &curve.weights);
         } else {
-            let error = |error| WriteError::Invalid { curve: index, error };
-            let cut = cut_at_knots(curve).map_err(error)?;
-            for start in (0..cut.control_points().len() - 1).step_by(curve.degree) {
-                let piece = start..=start + curve.degree;
-                let points: Vec<_> =
-                    cut.control_points()[piece.clone()].iter().map(|p| [p[0], p[1], height]).collect();
-                program.g5_2(curve.degree, &points, &cut.weights()[piece]);
+            let pieces = bezier::pieces(curve);
+            for (number, piece) in pieces.iter().enumerate() {
+                let mut points = piece.points_mm();
+                if points.windows(2).all(|pair| pair[0] == pair[1]) {
+                    // The curve stands still over this span, and G5.2 has no such curve.
+                    continue;
+                }
+                if let (true, Some(end), Some(last)) =
+                    (number + 1 == pieces.len(), points.last_mut(), curve.control_points_mm.last())
+                {
+                    *end = *last;
+                }
+                program.g5_2(curve.degree, &points, &piece.weights());
             }
         }
-        program.position = curve.control_points_mm.last().copied();
+        Ok(())
+    })
+}
+
+/// Writes a part, with `write_curve` for what is neither rapid nor a straight move, between a first and a last line.
+fn write(
+    part: &Part,
+    around: Option<[&str; 2]>,
+    mut write_curve: impl FnMut(&mut Program, usize, &Curve) -> Result<(), WriteError>,
+) -> Result<String, WriteError> {
+    let is_planar = part.curves.iter().all(|curve| Curve::dimension_of(&curve.control_points_mm) == 2);
+    let mut program = Program::new(is_planar);
+    around.into_iter().for_each(|[first, _]| program.line(first));
+    let all: Vec<_> = part.auxiliary.iter().collect();
+    let mut words = all.as_slice();
+    for (index, (curve, one)) in part.curves.iter().zip(&part.moves).enumerate() {
+        let before = words.partition_point(|word| word.line < one.line);
+        program.auxiliary(&words[..before]);
+        // Several curves may come from one block: its words are written once, at the last of them.
+        let is_last = part.moves.get(index + 1).is_none_or(|next| next.line > one.line);
+        let own = if is_last { words.partition_point(|word| word.line <= one.line) } else { before };
+        let (behind, ahead): (Vec<&Auxiliary>, Vec<&Auxiliary>) =
+            words[before..own].iter().copied().partition(|word| word.is_behind());
+        words = &words[own..];
+        program.auxiliary(&ahead);
+        program.curve(index, curve, one, &mut write_curve)?;
+        program.auxiliary(&behind);
     }
+    program.auxiliary(words);
+    around.into_iter().for_each(|[_, last]| program.line(last));
     Ok(program.end())
 }
 
-fn is_planar(curves: &[Curve]) -> bool {
-    curves.iter().all(|curve| Curve::dimension_of(&curve.control_points_mm) == 2)
+impl Auxiliary {
+    /// Whether the word acts when the move of its block is over.
+    fn is_behind(&self) -> bool {
+        self.letter == 'M' && [0.0, 1.0, 5.0, 9.0].contains(&self.value)
+    }
+}
+
+/// Whether a curve is a straight move as G1 is read.
+fn is_line(curve: &Curve) -> bool {
+    curve.degree == 1 && curve.weights == [1.0; 2] && curve.knots == [0.0, 0.0, 1.0, 1.0]
 }
 
 /// Whether the knots are those of G5.2, up to origin and unit.
@@ -126,17 +214,11 @@ fn has_uniform_knots(curve: &Curve) -> bool {
     uniform().zip(&curve.knots).all(|(u, knot)| first + u * unit == *knot)
 }
 
-/// The curve with every inner knot inserted until its multiplicity is the degree.
-fn cut_at_knots(curve: &Curve) -> Result<NurbsBuf<f64, 2>, CurveError> {
-    let points = curve.control_points_mm.iter().map(|point| [point[0], point[1]]).collect();
-    let mut cut = NurbsBuf::try_new(curve.degree, points, curve.weights.clone(), curve.knots.clone())?;
-    let inner = curve.knots.get(curve.degree + 1..curve.control_points_mm.len()).unwrap_or_default();
-    for equal in inner.chunk_by(|a, b| a == b) {
-        for _ in equal.len()..curve.degree {
-            cut = cut.insert_knot(equal[0])?;
-        }
-    }
-    Ok(cut)
+/// The F word, in mm/min, that reads back as a feedrate in mm/s.
+fn feed_word(feedrate_mm_per_s: f64) -> f64 {
+    let near = feedrate_mm_per_s * 60.0;
+    let reads_back = |feed: &f64| feed / 60.0 == feedrate_mm_per_s;
+    [near, near.next_down(), near.next_up()].into_iter().find(reads_back).unwrap_or(near)
 }
 
 /// A program that is being written.
@@ -144,15 +226,65 @@ struct Program {
     text: String,
     planar: bool,
     position: Option<[f64; 3]>,
+    /// In mm/s: the feedrate that holds, as written.
+    feedrate: Option<f64>,
     /// F, in mm/min, until it is written.
     feed: Option<f64>,
     block: String,
 }
 
 impl Program {
-    fn new(planar: bool, feedrate_mm_per_s: Option<f64>) -> Self {
-        let feed = feedrate_mm_per_s.map(|feedrate| feedrate * 60.0);
-        Self { text: "G21 G90 G94\n".into(), planar, position: None, feed, block: String::new() }
+    fn new(planar: bool) -> Self {
+        let text = "G21 G90 G94\n".into();
+        Self { text, planar, position: None, feedrate: None, feed: None, block: String::new() }
+    }
+
+    fn set_feed(&mut self, feedrate_mm_per_s: Option<f64>) {
+        if let Some(feedrate) = feedrate_mm_per_s.filter(|feedrate| self.feedrate != Some(*feedrate)) {
+            self.feedrate = Some(feedrate);
+            self.feed = Some(feed_word(feedrate));
+        }
+    }
+
+    /// Words that do not move the tool, those of one line in one block. The end of the program is written at its end.
+    fn auxiliary(&mut self, words: &[&Auxiliary]) {
+        let ends = |word: &Auxiliary| word.letter == 'M' && (word.value == 2.0 || word.value == 30.0);
+        for block in words.chunk_by(|a, b| a.line == b.line) {
+            for word in block.iter().filter(|word| !ends(word)) {
+                self.word(word.letter.encode_utf8(&mut [0; 4]), word.value);
+            }
+            if !self.block.is_empty() {
+                self.text.push_str(&self.block);
+                self.text.push('\n');
+                self.block.clear();
+            }
+        }
+    }
+
+    fn curve(
+        &mut self,
+        index: usize,
+        curve: &Curve,
+        one: &Move,
+        write_curve: &mut impl FnMut(&mut Self, usize, &Curve) -> Result<(), WriteError>,
+    ) -> Result<(), WriteError> {
+        let Some((first, rest)) = curve.control_points_mm.split_first() else { return Ok(()) };
+        self.rapid_to(*first);
+        if one.kind == MoveKind::Rapid {
+            if curve.degree > 1 {
+                return Err(WriteError::CurvedRapid { curve: index });
+            }
+            self.line_through("G0", rest);
+            return Ok(());
+        }
+        self.set_feed(one.feedrate_mm_per_s);
+        if is_line(curve) {
+            self.line_through("G1", rest);
+        } else {
+            write_curve(self, index, curve)?;
+        }
+        self.position = rest.last().copied();
+        Ok(())
     }
 
     fn line(&mut self, line: &str) {
@@ -193,18 +325,29 @@ impl Program {
         self.block.clear();
     }
 
-    fn rapid_to(&mut self, point: [f64; 3]) {
-        if self.position != Some(point) {
-            self.block.push_str("G0");
-            self.point(point);
-            self.end_block();
-            self.position = Some(point);
-        }
+    /// Whether the tool is at a point, to the last bit.
+    fn is_at(&self, point: [f64; 3]) -> bool {
+        self.position.is_some_and(|here| here.map(f64::to_bits) == point.map(f64::to_bits))
     }
 
-    fn line_through(&mut self, points: &[[f64; 3]]) {
+    /// A rapid move to where a curve begins, unless the tool is there.
+    fn rapid_to(&mut self, point: [f64; 3]) {
+        if self.position.is_none() && !self.planar {
+            // Up first: where the tool is before the program, nobody knows.
+            self.block.push_str("G0");
+            self.number("Z", point[2]);
+            self.end_block();
+        }
+        self.line_through("G0", &[point]);
+    }
+
+    /// Straight moves from point to point; none to where the tool is.
+    fn line_through(&mut self, motion: &str, points: &[[f64; 3]]) {
         for point in points {
-            self.block.push_str("G1");
+            if self.is_at(*point) {
+                continue;
+            }
+            self.block.push_str(motion);
             self.point(*point);
             self.end_block();
             self.position = Some(*point);

@@ -1,7 +1,8 @@
 //! Whatever the bytes: the readers return, and what they return is valid.
 
 use part_program::{
-    Dialect, ReadOptions, inspect, read_machine, read_part, read_part_bytes, write_g5_2, write_g06_2,
+    Curve, Dialect, MoveKind, Part, ReadOptions, inspect, read_machine, read_part, read_part_bytes,
+    write_g5_2, write_g06_2,
 };
 use proptest::prelude::*;
 
@@ -58,6 +59,11 @@ fn options() -> impl Strategy<Value = ReadOptions> {
     (dialect, any::<bool>()).prop_map(|(dialect, lenient)| ReadOptions { dialect, lenient })
 }
 
+fn curves_at_feed(part: &Part) -> Vec<&Curve> {
+    let feed = part.curves.iter().zip(&part.moves).filter(|(_, one)| one.kind == MoveKind::Feed);
+    feed.map(|(curve, _)| curve).collect()
+}
+
 fn returns(bytes: &[u8], options: ReadOptions) -> Result<(), TestCaseError> {
     match read_part_bytes("any", bytes, options) {
         Ok(part) => {
@@ -67,8 +73,16 @@ fn returns(bytes: &[u8], options: ReadOptions) -> Result<(), TestCaseError> {
                 prop_assert_eq!(curve.faults(), []);
             }
             drop(inspect(&part));
-            drop(write_g06_2(&part.curves, part.feedrate_mm_per_s));
-            drop(write_g5_2(&part.curves, part.feedrate_mm_per_s));
+            drop(write_g5_2(&part));
+            // What is written is a program, and says the same.
+            if let Ok(text) = write_g06_2(&part) {
+                match read_part("again", &text) {
+                    Ok(again) => {
+                        prop_assert_eq!(curves_at_feed(&again), curves_at_feed(&part), "{}", text)
+                    }
+                    Err(errors) => prop_assert!(curves_at_feed(&part).is_empty(), "{errors}\n{text}"),
+                }
+            }
         }
         Err(errors) => {
             prop_assert!(errors.count() > 0);

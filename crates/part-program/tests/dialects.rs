@@ -1,6 +1,9 @@
 //! One curve in three dialects and two files is one curve.
 
-use part_program::{Curve, Dialect, MoveKind, Part, ReadOptions, Shape, read_part, read_part_with};
+use part_program::{
+    Curve, Dialect, MoveKind, Part, ReadOptions, Shape, read_part, read_part_with, write_curves, write_g5_2,
+    write_g06_2,
+};
 
 fn part(text: &str) -> Part {
     read_part("p.nc", text).unwrap_or_else(|errors| panic!("{errors}"))
@@ -48,6 +51,41 @@ control_points_mm = [[0, 0], [10, 20], [20.5, -3], [30, 16], [40.125, 1], [50, 3
 weights = [1.5, 2, 0.7, 1, 1, 2.5]
 knots = [0, 0, 0, 0, 1, 2, 3, 3, 3, 3]
 ";
+
+const JSON: &str = r#"{"shape": {"type": "curve", "count": 1, "data": [{"type": "spline", "rational": true,
+"dimension": 2, "degree": 3, "knotvector": [0.0, 0.0, 0.0, 0.0, 1.0, 2.0, 3.0, 3.0, 3.0, 3.0], "control_points": {
+"points": [[0, 0], [10, 20], [20.5, -3], [30, 16], [40.125, 1], [50, 38]], "weights": [1.5, 2, 0.7, 1, 1, 2.5]}}]}}"#;
+
+const DXF: &str = "  0 SECTION   2 HEADER 9 $INSUNITS 70 4 0 ENDSEC 0 SECTION 2 ENTITIES
+0 SPLINE 8 0 100 AcDbSpline 210 0 220 0 230 1 70 12 71 3 72 10 73 6 74 0
+40 0 40 0 40 0 40 0 40 1 40 2 40 3 40 3 40 3 40 3 41 1.5 41 2 41 0.7 41 1 41 1 41 2.5
+10 0 20 0 30 0 10 10 20 20 30 0 10 20.5 20 -3 30 0 10 30 20 16 30 0 10 40.125 20 1 30 0 10 50 20 38 30 0
+0 ENDSEC 0 EOF";
+
+/// The same curve in every format that is read, and in every format that is written from any of them.
+#[test]
+fn the_same_curve_in_every_format_has_the_same_bits() {
+    let dxf = DXF.split_whitespace().collect::<Vec<_>>().join("\r\n");
+    let reference = part(TOML).curves.remove(0);
+    for text in [FANUC, LINUXCNC, SIEMENS, TOML, JSON, &dxf] {
+        let mut read = part(text);
+        assert_eq!(read.warnings, [], "{text}");
+        read.curves.truncate(1);
+        read.moves.truncate(1);
+        assert_same_bits(&read.curves[0], &reference);
+        for written in [write_g06_2(&read).unwrap(), write_g5_2(&read).unwrap(), write_curves(&read)] {
+            assert_same_bits(&part(&written).curves[0], &reference);
+        }
+    }
+}
+
+fn assert_same_bits(one: &Curve, other: &Curve) {
+    let bits = |curve: &Curve| {
+        let numbers = curve.control_points_mm.iter().flatten().chain(&curve.weights).chain(&curve.knots);
+        numbers.map(|number| number.to_bits()).collect::<Vec<_>>()
+    };
+    assert_eq!((one.degree, one.dimension, bits(one)), (other.degree, other.dimension, bits(other)));
+}
 
 #[test]
 fn the_same_curve_in_every_dialect_has_the_same_numbers() {

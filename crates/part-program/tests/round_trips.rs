@@ -1,10 +1,19 @@
 //! What is written is read back, bit by bit.
 
-use part_program::{Curve, Part, WriteError, read_part, write_g1, write_g5_2, write_g06_2};
+use part_program::{
+    Curve, Move, MoveKind, Part, Shape, WriteError, inspect, read_part, write_curves, write_g1, write_g5_2,
+    write_g06_2, write_points,
+};
 use proptest::prelude::*;
 
 fn part(text: &str) -> Part {
     read_part("p.nc", text).unwrap_or_else(|errors| panic!("{errors}\n{text}"))
+}
+
+/// A part of curves that are all followed at one feedrate.
+fn at_feed(curves: &[Curve], feedrate_mm_per_s: Option<f64>) -> Part {
+    let one = Move { kind: MoveKind::Feed, shape: Shape::Nurbs, feedrate_mm_per_s, line: 1 };
+    Part { curves: curves.to_vec(), moves: vec![one; curves.len()], ..Part::default() }
 }
 
 /// Any coordinate that a curve may have, with all its bits.
@@ -43,7 +52,7 @@ fn curves(planar: bool, least_degree: usize) -> impl Strategy<Value = Curve> {
 proptest! {
     #[test]
     fn g06_2_keeps_every_bit(curve in curves(false, 1)) {
-        let part = part(&write_g06_2(std::slice::from_ref(&curve), None));
+        let part = part(&write_g06_2(&at_feed(std::slice::from_ref(&curve), None)).unwrap());
         prop_assert_eq!(part.curves, [curve]);
     }
 
@@ -53,14 +62,14 @@ proptest! {
         for (i, knot) in curve.knots.iter_mut().enumerate() {
             *knot = i.saturating_sub(curve.degree).min(spans) as f64;
         }
-        let part = part(&write_g5_2(std::slice::from_ref(&curve), None).unwrap());
+        let part = part(&write_g5_2(&at_feed(std::slice::from_ref(&curve), None)).unwrap());
         prop_assert_eq!(part.curves, [curve]);
     }
 
     /// A curve of other knots is cut into Bézier curves: the ends are exact and the joints closed.
     #[test]
     fn g5_2_of_other_knots_is_the_same_path(curve in curves(true, 2)) {
-        let part = part(&write_g5_2(std::slice::from_ref(&curve), None).unwrap());
+        let part = part(&write_g5_2(&at_feed(std::slice::from_ref(&curve), None)).unwrap());
         let spans = curve.knots.windows(2).filter(|pair| pair[0] < pair[1]).count();
         prop_assert!(part.curves.len() == spans || part.curves.len() == 1, "{} of {spans}", part.curves.len());
         prop_assert_eq!(part.curves[0].control_points_mm.first(), curve.control_points_mm.first());
@@ -72,7 +81,7 @@ proptest! {
 
     #[test]
     fn g1_keeps_every_bit(points in prop::collection::vec([coordinate(), coordinate(), coordinate()], 2..20)) {
-        let text = write_g1(&points, Some(100.0));
+        let text = write_points(&points, Some(100.0));
         let Ok(part) = read_part("p.nc", &text) else {
             prop_assert!(points.windows(2).all(|pair| pair[0] == pair[1]));
             return Ok(());
@@ -88,7 +97,7 @@ proptest! {
 #[test]
 fn what_is_cut_for_g5_2_has_the_points_of_the_curve() {
     let paper = read_part("d.nc", include_str!("../../../data/seed-003.nc")).unwrap();
-    let cut = part(&write_g5_2(&paper.curves, Some(50.0)).unwrap());
+    let cut = part(&write_g5_2(&at_feed(&paper.curves, Some(50.0))).unwrap());
     assert_eq!(cut.curves.len(), 7);
     assert_eq!(cut.feedrate_mm_per_s, Some(50.0));
     // The middle of each Bézier cubic, (P0 w0 + 3 P1 w1 + 3 P2 w2 + P3 w3)/Σ, on the curve by de Boor.
@@ -138,20 +147,121 @@ K1.
 G05 P0
 M30
 ";
-    assert_eq!(write_g06_2(&part.curves, Some(20.0)), written);
+    assert_eq!(write_g06_2(&at_feed(&part.curves, Some(20.0))).unwrap(), written);
 }
 
 #[test]
 fn g5_2_refuses_a_curve_that_leaves_its_plane() {
-    let part = part("G0 X0 Y0 Z0\nG1 X5 Z5\n");
-    assert_eq!(write_g5_2(&part.curves, None), Err(WriteError::NotPlanar { curve: 0 }));
+    let part = part("G0 X0 Y0 Z0\nG18 G3 X5 Z5 R5\n");
+    assert_eq!(write_g5_2(&part), Err(WriteError::NotPlanar { curve: 0 }));
 }
 
 #[test]
 fn curves_that_do_not_join_are_reached_by_a_rapid() {
     let one = part("G0 X0 Y0\nG3 X10 Y0 R5\n").curves.remove(0);
     let two = part("G0 X20 Y0\nG3 X30 Y0 R5\n").curves.remove(0);
-    let read = part(&write_g06_2(&[one.clone(), two.clone()], None));
+    let read = part(&write_g06_2(&at_feed(&[one.clone(), two.clone()], None)).unwrap());
     assert_eq!(read.curves.len(), 3);
     assert_eq!([&read.curves[0], &read.curves[2]], [&one, &two]);
+}
+
+const PROGRAM: &str = "(three kinds of move, at three feeds)
+T1 M6
+S1200 M3
+G0 X1.5 Y-2 Z5
+G1 Z-0.2 F300
+G1 X10.1 F2400.7 M8
+G3 X20.1 Y8 R10
+G06.2 P3 K0 X20.1 Y8 F777
+K0 X30.3 R2
+K0 X30 Y0 Z-0.3
+K0.3 X31
+K1
+K1
+K1
+G1 X40 M9
+G0 Z5 M5
+M30
+";
+
+/// Moves, feeds and words are where they were, and every number is the same.
+#[test]
+fn a_whole_program_makes_the_round_trip() {
+    let before = part(PROGRAM);
+    for text in [write_g06_2(&before).unwrap(), write_curves(&before)] {
+        let after = part(&text);
+        assert_eq!(after.curves, before.curves, "{text}");
+        let said = |part: &Part| part.moves.iter().map(|m| (m.kind, m.feedrate_mm_per_s)).collect::<Vec<_>>();
+        assert_eq!(said(&after), said(&before), "{text}");
+    }
+    let after = part(&write_g06_2(&before).unwrap());
+    let words = |part: &Part| part.auxiliary.iter().map(|w| (w.letter, w.value)).collect::<Vec<_>>();
+    assert_eq!(words(&after), words(&before));
+    // Each word stands before or behind the same move as it did.
+    let place = |part: &Part, letter: char, value: f64| {
+        let line = part.auxiliary.iter().find(|w| (w.letter, w.value) == (letter, value)).unwrap().line;
+        part.moves.iter().filter(|one| one.line < line).count()
+    };
+    for (letter, value, moves_before) in [('M', 3.0, 0), ('M', 8.0, 1), ('M', 9.0, 5), ('M', 5.0, 6)] {
+        assert_eq!(
+            place(&after, letter, value),
+            moves_before,
+            "{letter}{value}\n{}",
+            write_g06_2(&before).unwrap()
+        );
+    }
+}
+
+#[test]
+fn chords_are_as_near_as_asked_and_keep_the_ends() {
+    let before = part(PROGRAM);
+    let coarse = part(&write_g1(&before, 0.1).unwrap());
+    let fine = part(&write_g1(&before, 0.001).unwrap());
+    assert!(fine.curves.len() > 5 * coarse.curves.len() / 2, "{} {}", fine.curves.len(), coarse.curves.len());
+    assert!(fine.curves.iter().all(|curve| curve.degree == 1));
+    let (curve, chords) = (inspect(&before).length_mm, inspect(&fine).length_mm);
+    assert!(curve - chords > 0.0 && curve - chords < 0.01, "{curve} {chords}");
+    for curve in &before.curves {
+        let end = curve.control_points_mm.last();
+        assert!(fine.curves.iter().any(|chord| chord.control_points_mm.last() == end), "{end:?}");
+    }
+    assert_eq!(fine.feedrate_mm_per_s, before.feedrate_mm_per_s);
+    assert!(
+        matches!(write_g1(&before, 1e-14), Err(WriteError::TooManyChords { curve: 2 })),
+        "{:?}",
+        write_g1(&before, 1e-14)
+    );
+}
+
+/// Four equal control points of a cubic: the curve stands still over a span.
+#[test]
+fn a_curve_that_stands_still_for_a_span_is_written_without_it() {
+    let text = "[curve]\ndegree = 3\ncontrol_points_mm = [[0, 0], [2, 2], [2, 2], [2, 2], [2, 2], [4, 0], [5, 0]]\n\
+                knots = [0, 0, 0, 0, 0.1, 0.2, 0.7, 1, 1, 1, 1]\n";
+    let before = read_part("p.toml", text).unwrap();
+    let cut = part(&write_g5_2(&before).unwrap());
+    assert_eq!(cut.curves.len(), 3, "of four spans");
+    let chords = part(&write_g1(&before, 0.01).unwrap());
+    assert!(chords.standstills.is_empty());
+    assert!((inspect(&chords).length_mm - inspect(&before).length_mm).abs() < 0.01);
+}
+
+#[test]
+fn a_rapid_move_that_is_not_straight_is_refused() {
+    let mut part = part("G0 X0 Y0\nG3 X10 Y0 R5\n");
+    part.moves[0].kind = MoveKind::Rapid;
+    for written in [write_g06_2(&part), write_g5_2(&part), write_g1(&part, 0.01)] {
+        assert_eq!(written, Err(WriteError::CurvedRapid { curve: 0 }));
+    }
+}
+
+proptest! {
+    /// Feedrates too.
+    #[test]
+    fn feedrates_are_read_back(feed in 0.001..2e5_f64, inches in any::<bool>()) {
+        let unit = if inches { "G20" } else { "G21" };
+        let before = part(&format!("{unit} G0 X0 Y0\nG1 X1 F{feed}\n"));
+        let after = part(&write_g06_2(&before).unwrap());
+        prop_assert_eq!(after.feedrate_mm_per_s, before.feedrate_mm_per_s);
+    }
 }

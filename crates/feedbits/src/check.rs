@@ -1,0 +1,336 @@
+//! `feedbits check`: what a file holds, and what in it is suspicious.
+//!
+//! *Suspicious* is what is rarely meant: a gap, a move without length or below what axes resolve, a spline with a corner
+//! or a cusp inside, weights or knots over many decades, a feedrate that is missing, a bend that takes nine tenths of
+//! the feed, words that were read over. Corners between moves, moves shorter than a period's travel and bends that slow
+//! the machine down are what programs are made of: they are counted, not judged.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+use anyhow::Result;
+use clap::Args;
+use comfy_table::{CellAlignment, Table, presets};
+use feed_plan::chord_feedrate;
+use part_program::{
+    Bend, Diagnostic, GAP_MM, Inspection, Joint, Machine, MoveKind, Oddity, Part, Remark, inspect,
+};
+use serde::Serialize;
+
+use crate::input::Input;
+use crate::{Ending, output};
+
+/// Options of `check`.
+#[derive(Args)]
+#[command(
+    after_help = "Exit status: 0 nothing suspicious, 1 something suspicious, 2 bad input (every error is printed) or usage."
+)]
+pub(crate) struct Arguments {
+    #[command(flatten)]
+    input: Input,
+    #[command(flatten)]
+    output: output::Output,
+}
+
+/// Rows of a table of the worst.
+const WORST: usize = 5;
+/// A bend that leaves less than this share of the feed is suspicious.
+const LEAST_SHARE_OF_FEED: f64 = 0.1;
+
+/// Reads, looks over and prints.
+pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
+    let output = &arguments.output;
+    let part = match arguments.input.parsed()? {
+        Ok(part) => part,
+        Err(errors) => {
+            if output.json {
+                let bad = BadInput { errors: errors.iter().collect(), count: errors.count() };
+                output::write(output.out.as_deref(), &(serde_json::to_string_pretty(&bad)? + "\n"))?;
+            }
+            return Err(errors.into());
+        }
+    };
+    let machine = arguments.input.machine_of(&part)?;
+    let report = Report::new(&part, machine.as_ref());
+    let text = if output.json { serde_json::to_string_pretty(&report)? + "\n" } else { report.text()? };
+    if !output.json {
+        part.warnings.iter().for_each(|warning| eprintln!("{warning}"));
+    }
+    output::write(output.out.as_deref(), &text)?;
+    Ok(if report.suspicious.is_empty() { Ending::Good } else { Ending::RequirementNotMet })
+}
+
+/// What `--json` prints of a text that cannot be read.
+#[derive(Serialize)]
+struct BadInput<'d> {
+    errors: Vec<&'d Diagnostic>,
+    /// With those beyond the first thousand, which are not kept.
+    count: usize,
+}
+
+/// What `--json` prints.
+#[derive(Serialize)]
+struct Report<'p> {
+    part: &'p str,
+    machine: Option<&'p Machine>,
+    #[serde(flatten)]
+    seen: Inspection,
+    /// Bends where the machine must be slower than commanded, the slowest first.
+    slow_bends: Vec<SlowBend>,
+    /// Moves at feed that are shorter than the travel of one period.
+    shorter_than_a_period: Option<usize>,
+    warnings: &'p [Diagnostic],
+    /// What decides the exit status, a sentence each.
+    suspicious: Vec<String>,
+}
+
+/// A bend that does not allow the commanded feed.
+#[derive(Clone, Copy, Serialize)]
+struct SlowBend {
+    #[serde(flatten)]
+    bend: Bend,
+    commanded_mm_per_s: f64,
+    allowed_mm_per_s: f64,
+}
+
+impl<'p> Report<'p> {
+    fn new(part: &'p Part, machine: Option<&'p Machine>) -> Self {
+        let seen = inspect(part);
+        let mut report = Self {
+            part: &part.name,
+            machine,
+            slow_bends: machine.map(|machine| slow_bends(part, &seen, machine)).unwrap_or_default(),
+            shorter_than_a_period: machine.map(|machine| shorter_than_a_period(part, machine)),
+            warnings: &part.warnings,
+            seen,
+            suspicious: Vec::new(),
+        };
+        report.suspicious = report.suspicions(part);
+        report
+    }
+
+    fn suspicions(&self, part: &Part) -> Vec<String> {
+        let mut found = Vec::new();
+        let mut say = |what: &str, lines: &mut dyn Iterator<Item = usize>| {
+            let lines: Vec<_> = lines.collect();
+            found.extend(line_list(&lines).map(|list| format!("{} × {what}: {list}", lines.len())));
+        };
+        let (seen, joints) = (&self.seen, || self.seen.joints.iter());
+        say("gap in the path", &mut joints().filter(|joint| joint.gap_mm > GAP_MM).map(|joint| joint.line));
+        let in_spline = |joint: &&Joint| joint.knot.is_some() && part.curves[joint.curve].degree > 1;
+        say("corner inside a spline", &mut joints().filter(in_spline).map(|joint| joint.line));
+        say("move at feed that ends where it starts", &mut seen.standstills.iter().copied());
+        let slow = self.slow_bends.iter();
+        let slow = slow.filter(|slow| slow.allowed_mm_per_s < LEAST_SHARE_OF_FEED * slow.commanded_mm_per_s);
+        say("bend that leaves less than a tenth of the feed", &mut slow.map(|slow| slow.bend.line));
+        say("word or setting that was read over", &mut self.warnings.iter().map(|warning| warning.line));
+        let feed_is_known = self.machine.is_some() && seen.feedrates_mm_per_s.is_none();
+        let mut odd: BTreeMap<&str, Vec<&Remark>> = BTreeMap::new();
+        for remark in &seen.remarks {
+            if remark.oddity != Oddity::NoFeedrate || !feed_is_known {
+                odd.entry(kind(&remark.oddity)).or_default().push(remark);
+            }
+        }
+        for (kind, remarks) in odd {
+            let lines: Vec<_> = remarks.iter().map(|remark| remark.line).collect();
+            match remarks.as_slice() {
+                [one] => found.push(format!("line {}: {}", one.line, one.oddity)),
+                _ => found.extend(line_list(&lines).map(|list| format!("{} × {kind}: {list}", lines.len()))),
+            }
+        }
+        found
+    }
+
+    fn text(&self) -> Result<String> {
+        const MOST_SUSPICIONS: usize = 20;
+        let mut text = self.summary()?;
+        self.joints(&mut text)?;
+        self.bends(&mut text)?;
+        match self.suspicious.len() {
+            0 => writeln!(text, "suspicious  nothing")?,
+            count => {
+                for one in self.suspicious.iter().take(MOST_SUSPICIONS) {
+                    writeln!(text, "suspicious  {one}")?;
+                }
+                if count > MOST_SUSPICIONS {
+                    writeln!(text, "suspicious  and {} more (--json lists all)", count - MOST_SUSPICIONS)?;
+                }
+            }
+        }
+        Ok(text)
+    }
+
+    fn summary(&self) -> Result<String> {
+        let seen = &self.seen;
+        let mut text = format!("{}\n", self.part);
+        let kinds =
+            [(seen.lines, "line"), (seen.arcs, "arc"), (seen.splines, "spline"), (seen.rapids, "rapid move")];
+        let kinds = kinds.into_iter().filter(|(count, _)| *count > 0).map(|(count, kind)| many(count, kind));
+        writeln!(text, "moves       {}", kinds.collect::<Vec<_>>().join(", "))?;
+        if let Some((least, most)) = seen.degrees {
+            let degrees = if least == most { format!("{least}") } else { format!("{least} to {most}") };
+            writeln!(text, "curves      degree {degrees}, {}", many(seen.control_points, "control point"))?;
+        }
+        let rapid = match seen.rapids {
+            0 => String::new(),
+            _ => format!(", {:.3} mm in rapid moves", seen.rapid_length_mm),
+        };
+        writeln!(text, "length      {:.3} mm at feed{rapid}", seen.length_mm)?;
+        if let Some((least, most)) = seen.bounding_box_mm {
+            let ranges = ["X", "Y", "Z"].into_iter().zip(least.into_iter().zip(most));
+            let ranges = ranges.map(|(axis, (least, most))| format!("{axis} {least:.3} to {most:.3}"));
+            writeln!(text, "within      {} mm", ranges.collect::<Vec<_>>().join(", "))?;
+        }
+        match seen.feedrates_mm_per_s {
+            Some((least, most)) if least == most => writeln!(text, "feed        {least:.3} mm/s")?,
+            Some((least, most)) => writeln!(text, "feed        {least:.3} to {most:.3} mm/s")?,
+            None => match self.machine {
+                Some(machine) => {
+                    writeln!(text, "feed        the machine's, {:.3} mm/s", machine.feedrate_mm_per_s)?;
+                }
+                None => writeln!(text, "feed        none commanded")?,
+            },
+        }
+        if let Some(count) = self.shorter_than_a_period.filter(|count| *count > 0) {
+            writeln!(text, "short       {} shorter than the travel of one period", many(count, "move"))?;
+        }
+        Ok(text)
+    }
+
+    fn joints(&self, text: &mut String) -> Result<()> {
+        let breaks: Vec<_> = self.seen.joints.iter().collect();
+        let between = (self.seen.lines + self.seen.arcs + self.seen.splines + self.seen.rapids).max(1) - 1;
+        writeln!(text, "joints      {between} between moves; {} with a corner or a gap", breaks.len())?;
+        let mut worst = breaks;
+        worst.sort_by(|a, b| {
+            b.gap_mm.total_cmp(&a.gap_mm).then(b.tangent_break_rad.total_cmp(&a.tangent_break_rad))
+        });
+        let rows = worst.iter().take(WORST).map(|joint| {
+            let place = joint.knot.map_or(String::new(), |knot| format!("inside, at knot {knot}"));
+            let mut cells = row(joint.line, joint.point_mm);
+            cells.extend([
+                format!("{:.2}", joint.tangent_break_rad.to_degrees()),
+                if joint.gap_mm > 0.0 { format!("{:.6}", joint.gap_mm) } else { String::new() },
+                place,
+            ]);
+            cells
+        });
+        table(text, worst.len(), &["break\n°", "gap\nmm", ""], rows.collect())
+    }
+
+    fn bends(&self, text: &mut String) -> Result<()> {
+        if let Some(bend) = self.seen.sharpest() {
+            let [x, y, z] = bend.point_mm;
+            writeln!(
+                text,
+                "radius      {:.6} mm at least: line {}, X {x:.3} Y {y:.3} Z {z:.3}, u = {:.6}",
+                bend.radius_mm, bend.line, bend.parameter
+            )?;
+        }
+        if self.slow_bends.is_empty() {
+            return Ok(());
+        }
+        let slow = &self.slow_bends;
+        writeln!(
+            text,
+            "bends       {} must be passed more slowly than commanded",
+            many(slow.len(), "curve")
+        )?;
+        let rows = slow.iter().take(WORST).map(|slow| {
+            let mut cells = row(slow.bend.line, slow.bend.point_mm);
+            cells.extend([
+                format!("{:.4}", slow.bend.radius_mm),
+                format!("{:.3}", slow.commanded_mm_per_s),
+                format!("{:.3}", slow.allowed_mm_per_s),
+            ]);
+            cells
+        });
+        table(text, slow.len(), &["radius\nmm", "commanded\nmm/s", "allowed\nmm/s"], rows.collect())
+    }
+}
+
+/// The bends where chord error or centripetal acceleration allow less than the feed, the slowest first.
+fn slow_bends(part: &Part, seen: &Inspection, machine: &Machine) -> Vec<SlowBend> {
+    let period_s = machine.interpolation_period_ms / 1000.0;
+    let slow = seen.bends.iter().map(|bend| {
+        let chord = chord_feedrate(bend.radius_mm, machine.chord_error_mm, period_s);
+        let across = machine.centripetal_acceleration_mm_per_s2;
+        let across = across.map_or(f64::INFINITY, |across| (across * bend.radius_mm).sqrt());
+        SlowBend {
+            bend: *bend,
+            commanded_mm_per_s: commanded(part, bend.curve, machine),
+            allowed_mm_per_s: chord.min(across),
+        }
+    });
+    let mut slow: Vec<_> = slow.filter(|slow| slow.allowed_mm_per_s < slow.commanded_mm_per_s).collect();
+    slow.sort_by(|a, b| a.allowed_mm_per_s.total_cmp(&b.allowed_mm_per_s));
+    slow
+}
+
+fn shorter_than_a_period(part: &Part, machine: &Machine) -> usize {
+    let period_s = machine.interpolation_period_ms / 1000.0;
+    let feeds = part.moves.iter().enumerate().filter(|(_, one)| one.kind == MoveKind::Feed);
+    let short = feeds.filter(|(index, _)| {
+        // A control polygon is at least as long as its curve: what counts is shorter for certain.
+        part.curves[*index].polygon_length_mm() < commanded(part, *index, machine) * period_s
+    });
+    short.count()
+}
+
+fn commanded(part: &Part, curve: usize, machine: &Machine) -> f64 {
+    part.moves[curve].feedrate_mm_per_s.unwrap_or(machine.feedrate_mm_per_s)
+}
+
+fn kind(oddity: &Oddity) -> &'static str {
+    match oddity {
+        Oddity::NoFeedrate => "move without a feedrate",
+        Oddity::Tiny(_) => "move below a micrometre",
+        Oddity::Cusp(_) => "cusp",
+        Oddity::RepeatedControlPoint(_) => "control point given twice",
+        Oddity::WeightRatio(_) => "curve with weights over decades",
+        Oddity::ShortKnotSpan(..) => "knot span of next to nothing",
+        _ => "curve that is odd",
+    }
+}
+
+/// "3 lines": a count with its noun.
+fn many(count: usize, noun: &str) -> String {
+    format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
+}
+
+/// "lines 3, 4, 9 and 12 more"; `None` of an empty list.
+fn line_list(lines: &[usize]) -> Option<String> {
+    const MOST: usize = 5;
+    let (shown, rest) = lines.split_at(lines.len().min(MOST));
+    let numbers: Vec<_> = shown.iter().map(ToString::to_string).collect();
+    let more = if rest.is_empty() { String::new() } else { format!(" and {} more", rest.len()) };
+    let noun = if lines.len() == 1 { "line" } else { "lines" };
+    (!lines.is_empty()).then(|| format!("{noun} {}{more}", numbers.join(", ")))
+}
+
+fn row(line: usize, point_mm: [f64; 3]) -> Vec<String> {
+    let mut cells = vec![line.to_string()];
+    cells.extend(point_mm.map(|x| format!("{x:.3}")));
+    cells
+}
+
+/// A table of places; nothing if there are none.
+fn table(text: &mut String, count: usize, columns: &[&str], rows: Vec<Vec<String>>) -> Result<()> {
+    if rows.is_empty() {
+        return Ok(());
+    }
+    let mut table = Table::new();
+    let header = ["line", "x\nmm", "y\nmm", "z\nmm"].iter().chain(columns).copied();
+    table.load_preset(presets::UTF8_FULL_CONDENSED).set_header(header);
+    for column in 0..6 {
+        if let Some(column) = table.column_mut(column) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    if count > rows.len() {
+        writeln!(text, "The worst {} of {count} (--json lists all):", rows.len())?;
+    }
+    table.add_rows(rows);
+    writeln!(text, "{table}")?;
+    Ok(())
+}

@@ -1,0 +1,219 @@
+//! `feedbits check`: what a part holds, and what in it is suspicious.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn check(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_feedbits")).arg("check").args(arguments).output().expect("starts")
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+fn data(name: &str) -> String {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data").join(name).display().to_string()
+}
+
+struct Folder(tempfile::TempDir);
+
+impl Folder {
+    fn new() -> Self {
+        Self(tempfile::tempdir().expect("a temporary folder"))
+    }
+
+    fn file(&self, name: &str, content: impl AsRef<[u8]>) -> String {
+        let path = self.0.path().join(name);
+        fs::write(&path, content).expect("the folder is writable");
+        path.display().to_string()
+    }
+}
+
+/// Paper A's curve: length and sharpest bend are those that other commands and tests know.
+#[test]
+fn the_built_in_example_is_good_and_its_bends_are_slow() {
+    let output = check(&[]);
+    let said = text(&output.stdout);
+    assert_eq!(output.status.code(), Some(0), "{said}{}", text(&output.stderr));
+    for expected in [
+        "1 spline",
+        "degree 3, 7 control points",
+        "834.707 mm at feed",
+        "X 0.000 to 300.000, Y 0.000 to 300.000",
+        "the machine's, 200.000 mm/s",
+        "radius      24.7",
+        "1 curve must be passed more slowly",
+        "suspicious  nothing",
+    ] {
+        assert!(said.contains(expected), "{expected} in\n{said}");
+    }
+}
+
+#[test]
+fn corners_are_counted_and_the_worst_are_listed() {
+    let output = check(&[&data("engraving.nc")]);
+    let said = text(&output.stdout);
+    assert_eq!(output.status.code(), Some(0), "{said}{}", text(&output.stderr));
+    for expected in
+        ["rapid moves", "The worst 5 of", "feed        5.000 to 40.000 mm/s", "suspicious  nothing"]
+    {
+        assert!(said.contains(expected), "{expected} in\n{said}");
+    }
+    let json = check(&[&data("engraving.nc"), "--json"]).stdout;
+    let json: serde_json::Value = serde_json::from_slice(&json).expect("JSON");
+    assert!(json["joints"].as_array().is_some_and(|joints| joints.len() > 100), "{}", json["joints"]);
+    assert!(json["joints"][0]["tangent_break_rad"].as_f64() > Some(0.001));
+    assert_eq!(json["suspicious"].as_array().map(Vec::len), Some(0));
+}
+
+/// Each with the machine, so that only what is meant is suspicious.
+#[test]
+fn what_is_suspicious_is_exit_status_1() {
+    let folder = Folder::new();
+    let machine = data("seed-000.toml");
+    let curve = |points: &str, rest: &str| {
+        format!("[[curve]]\ncontrol_points_mm = {points}\nknots = [0, 0, 0, 1, 1, 1]\ndegree = 2\n{rest}\n")
+    };
+    let bow = curve("[[0, 0], [50, 50], [100, 0]]", "");
+    for (name, content, expected) in [
+        (
+            "gap.toml",
+            bow.clone() + &curve("[[100, 1], [150, 50], [200, 0]]", ""),
+            "1 × gap in the path: line 6",
+        ),
+        (
+            "weights.toml",
+            curve("[[0, 0], [50, 0], [100, 0]]", "weights = [1, 1000, 1]"),
+            "1000 times the least",
+        ),
+        ("twice.toml", curve("[[0, 0], [0, 0], [100, 0]]", ""), "control points 0 and 1 are the same"),
+        ("still.nc", "G0 X0 Y0 F600\nG1 X9\nG1 X9\nG1 Y9\n".into(), "ends where it starts: line 3"),
+        ("short.nc", "G0 X0 Y0 F600\nG1 X9\nG1 X9.0002\n".into(), "line 3: the move is 2.0e-4 mm long"),
+        ("late.nc", "G0 X0 Y0\nG1 X9\nG1 X19 F600\n".into(), "line 2: no feedrate is commanded"),
+        ("sharp.nc", "G0 X0 Y0 F12000\nG3 X0.02 R0.01\n".into(), "less than a tenth of the feed: line 2"),
+        ("dwell.nc", "G0 X0 Y0 F600\nG4 P1\nG1 X9\n".into(), "was read over: line 2"),
+        (
+            "corner.nc",
+            "G0 X0 Y0 F600\nG06.2 P3 K0 X0 Y0\nK0 X5\nK0 X9\nK1 X9 Y2\nK1 Y9\nK2\nK2\nK2\n".into(),
+            "corner inside a spline: line 2",
+        ),
+    ] {
+        let file = folder.file(name, content);
+        let output = check(&[&file, "--machine", &machine]);
+        let said = text(&output.stdout);
+        assert_eq!(output.status.code(), Some(1), "{name}: {said}{}", text(&output.stderr));
+        assert_eq!(said.matches("suspicious").count(), 1, "{name}: {said}");
+        assert!(said.contains(expected), "{name}: {expected} in\n{said}");
+    }
+}
+
+#[test]
+fn without_a_machine_a_missing_feedrate_is_suspicious() {
+    let output = check(&[&data("seed-003.nc")]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(text(&output.stdout).contains("no feedrate is commanded"), "{}", text(&output.stdout));
+    // With one, its feed holds; on paper D's curve it is too high for the sharpest bend.
+    let output = check(&[&data("seed-003.nc"), "--machine", &data("seed-000.toml")]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(!text(&output.stdout).contains("no feedrate is commanded"), "{}", text(&output.stdout));
+    assert!(
+        text(&output.stdout).contains("less than a tenth of the feed: line 3"),
+        "{}",
+        text(&output.stdout)
+    );
+}
+
+#[test]
+fn every_error_of_a_file_is_printed() {
+    let folder = Folder::new();
+    let file = folder.file("bad.nc", "G0 X0\nG1 XX5\nG81 X3\nG2 X5\nG1 Q4\n");
+    let output = check(&[&file]);
+    let said = text(&output.stderr);
+    assert_eq!((output.status.code(), said.matches("error: ").count()), (Some(2), 4), "{said}");
+    for place in ["bad.nc:2:", "bad.nc:3:", "bad.nc:4:", "bad.nc:5:", "^"] {
+        assert!(said.contains(place), "{place} in\n{said}");
+    }
+    let output = check(&[&file, "--json"]);
+    assert_eq!(output.status.code(), Some(2));
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!((json["count"].as_u64(), json["errors"].as_array().map(Vec::len)), (Some(4), Some(4)));
+    assert_eq!(
+        (json["errors"][1]["line"].as_u64(), json["errors"][1]["severity"].as_str()),
+        (Some(3), Some("error"))
+    );
+}
+
+#[test]
+fn dialect_and_lenience_are_options_of_every_command_that_reads_a_part() {
+    let folder = Folder::new();
+    let strange = folder.file("strange.nc", "G0 X0 Y0 F6000\nCOMPCAD\nG1 X20 Q7\n");
+    let machine = data("seed-000.toml");
+    for command in ["check", "compare", "plan"] {
+        let run = |more: &[&str]| {
+            let mut arguments = vec![command, &strange, "--machine", &machine];
+            arguments.extend(more);
+            if command == "compare" {
+                arguments.extend(["--formats", "f64"]);
+            }
+            Command::new(env!("CARGO_BIN_EXE_feedbits")).args(arguments).output().expect("starts")
+        };
+        assert_eq!(run(&[]).status.code(), Some(2), "{command}");
+        let lenient = run(&["--lenient"]);
+        assert_eq!(lenient.status.code(), Some(i32::from(command == "check")), "{command}");
+        assert_eq!(text(&lenient.stderr).matches("warning: ").count(), 2, "{}", text(&lenient.stderr));
+    }
+    let fanuc = data("seed-003.nc");
+    assert!(text(&check(&[&fanuc, "--machine", &machine, "--dialect", "fanuc"]).stdout).contains("1 spline"));
+    let other = check(&[&fanuc, "--dialect", "siemens"]);
+    assert_eq!(other.status.code(), Some(2));
+    assert!(text(&other.stderr).contains("is a spline of fanuc"), "{}", text(&other.stderr));
+    assert!(text(&check(&["--dialect", "klingon"]).stderr).contains("fanuc, linuxcnc or siemens"));
+}
+
+#[test]
+fn bytes_that_are_no_text_and_files_that_are_too_long_are_refused() {
+    let folder = Folder::new();
+    let latin = folder.file("latin.nc", b"(Fr\xe4sen)\nG0 X0 Y0 F600\nG1 X5\n");
+    assert_eq!(check(&[&latin]).status.code(), Some(0));
+    let long = folder.0.path().join("long.nc");
+    // A file of zeros that takes no room.
+    fs::File::create(&long).and_then(|file| file.set_len((64 << 20) + 1)).expect("a sparse file");
+    let output = check(&[&long.display().to_string()]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).contains("longer than 64 MiB"), "{}", text(&output.stderr));
+}
+
+/// What is not cut is not compared, and that is said.
+#[test]
+fn rapid_moves_are_left_out_of_a_comparison() {
+    let folder = Folder::new();
+    let machine = data("seed-000.toml");
+    let part = folder.file("two.nc", "G0 X0 Y0 F6000\nG3 X20 R10\nG0 X50\nG3 X90 R20\nG0 X0\n");
+    let run = |arguments: &[&str]| {
+        let mut all = vec![arguments[0], &part, "--machine", &machine];
+        all.extend(&arguments[1..]);
+        Command::new(env!("CARGO_BIN_EXE_feedbits")).args(all).output().expect("starts")
+    };
+    let output = run(&["compare", "--formats", "f64,I4F28", "--evaluate", "pieces", "--json"]);
+    assert_eq!(output.status.code(), Some(0), "{}{}", text(&output.stdout), text(&output.stderr));
+    assert!(text(&output.stderr).contains("2 rapid moves are left out"), "{}", text(&output.stderr));
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!(
+        (json["part"]["curves"].as_u64(), json["part"]["rapids_left_out"].as_u64()),
+        (Some(2), Some(2))
+    );
+    let length = json["part"]["length_mm"].as_f64().expect("a length");
+    assert!((length - 30.0 * std::f64::consts::PI).abs() < 1e-9, "{length}");
+    assert_eq!(run(&["plan"]).status.code(), Some(0));
+    // Setpoints are where the part has them: the second arc ends at (90, 0).
+    let setpoints = text(&run(&["interpolate"]).stdout);
+    let last: Vec<f64> = setpoints
+        .lines()
+        .last()
+        .unwrap_or_default()
+        .split(',')
+        .map(|x| x.parse().expect("a number"))
+        .collect();
+    assert!((last[5] - 90.0).abs() < 1e-9 && last[6].abs() < 1e-9, "{last:?}");
+}

@@ -1,0 +1,209 @@
+//! How long a curve is, and where it bends most.
+//!
+//! The curvature has no formula for its maximum. Each knot span is sampled at [`SAMPLES`] + 1 parameters; around each
+//! sample that bends more than its neighbours, and around each at which the curve passes more slowly than at its
+//! neighbours (a bend too narrow for the samples is where the speed dips), the maximum is narrowed down by golden
+//! sections. An arc bends alike everywhere, so one look a span is enough.
+
+use nurbs_core::{Differentiate, Evaluate, NurbsBuf, arc_length, radius};
+
+use crate::curve::Curve;
+use crate::part::Shape;
+
+/// Intervals of a knot span between samples.
+const SAMPLES: u8 = 16;
+/// Golden sections: 40 shrink an interval by 4e-9.
+const SECTIONS: usize = 40;
+/// Lengths are integrated to this, in mm a knot span.
+const LENGTH_TOLERANCE_MM: f64 = 1e-7;
+/// Where an end control point is there twice, the curve leaves it with no speed, and rounding decides how it bends:
+/// within this share of a span from the end of the curve, a speed below [`NO_DIRECTION`] of the fastest is not judged.
+const NEAR_END: f64 = 1e-3;
+/// See [`NEAR_END`].
+const NO_DIRECTION: f64 = 1e-5;
+/// A radius beyond which a bend is the rounding of a straight line, in mm: 1000 km.
+const STRAIGHT_MM: f64 = 1e9;
+
+/// The length of a curve and its sharpest bend.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Measure {
+    /// In mm, within 1e-7 mm a knot span.
+    pub(crate) length_mm: f64,
+    /// `None` on a straight line.
+    pub(crate) sharpest: Option<Place>,
+}
+
+/// A place of a curve with the radius of its bend there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Place {
+    pub(crate) parameter: f64,
+    pub(crate) point_mm: [f64; 3],
+    pub(crate) radius_mm: f64,
+}
+
+/// Measures a curve that breaks no rule.
+pub(crate) fn measure(curve: &Curve, shape: Shape) -> Measure {
+    if curve.degree == 1 {
+        return Measure { length_mm: curve.polygon_length_mm(), sharpest: None };
+    }
+    let parts = (curve.control_points_mm.clone(), curve.weights.clone(), curve.knots.clone());
+    let Ok(nurbs) = NurbsBuf::<f64, 3>::try_new(curve.degree, parts.0, parts.1, parts.2) else {
+        return Measure::default();
+    };
+    let nurbs = nurbs.as_curve();
+    let (first, last) = nurbs.domain();
+    let length_mm = arc_length(&nurbs, first, last, LENGTH_TOLERANCE_MM).length;
+    let mut sharpest: Option<Place> = None;
+    for span in 0..nurbs.span_count() {
+        let place = match shape {
+            Shape::Arc => {
+                place(&nurbs, span, f64::midpoint(nurbs.span_bounds(span).0, nurbs.span_bounds(span).1))
+            }
+            _ => sharpest_in(&nurbs, span),
+        };
+        if place.radius_mm < sharpest.map_or(STRAIGHT_MM, |so_far| so_far.radius_mm) {
+            sharpest = Some(place);
+        }
+    }
+    Measure { length_mm, sharpest }
+}
+
+fn place(curve: &impl Differentiate<f64, 3>, span: usize, parameter: f64) -> Place {
+    let derivatives = curve.derivatives_in(span, parameter);
+    Place { parameter, point_mm: derivatives.point, radius_mm: radius(&derivatives) }
+}
+
+fn sharpest_in(curve: &impl Differentiate<f64, 3>, span: usize) -> Place {
+    let (from, to) = curve.span_bounds(span);
+    let at = |k: u8| from + (to - from) * (f64::from(k) / f64::from(SAMPLES));
+    let speed = |u: f64| {
+        let [x, y, z] = curve.derivatives_in(span, u).first;
+        x.hypot(y).hypot(z)
+    };
+    let bend = |u: f64| place(curve, span, u).radius_mm;
+    let samples: Vec<_> = (0..=SAMPLES).map(|k| (bend(at(k)), speed(at(k)))).collect();
+    let fastest = samples.iter().fold(0.0_f64, |fastest, (_, speed)| fastest.max(*speed));
+    let (first, last) = curve.domain();
+    let near = NEAR_END * (to - from);
+    let mut sharpest = place(curve, span, f64::midpoint(from, to));
+    let mut look = |u: f64| {
+        if (u - first < near || last - u < near) && speed(u) < NO_DIRECTION * fastest {
+            return;
+        }
+        let seen = place(curve, span, u);
+        if seen.radius_mm < sharpest.radius_mm {
+            sharpest = seen;
+        }
+    };
+    look(from + near / 10.0);
+    look(to - near / 10.0);
+    for k in 0..=SAMPLES {
+        let (before, after) = (k.saturating_sub(1), (k + 1).min(SAMPLES));
+        let sample = |k: u8| samples[usize::from(k)];
+        let is_least = |of: fn((f64, f64)) -> f64| {
+            of(sample(k)) <= of(sample(before)) && of(sample(k)) <= of(sample(after))
+        };
+        look(at(k));
+        if is_least(|(bend, _)| bend) && sample(k).0 < STRAIGHT_MM {
+            look(least(at(before), at(after), bend));
+        }
+        if is_least(|(_, speed)| speed) {
+            let slowest = least(at(before), at(after), speed);
+            let beside = (to - from) / f64::from(SAMPLES) / 16.0;
+            look(slowest);
+            look(least((slowest - beside).max(from), (slowest + beside).min(to), bend));
+        }
+    }
+    sharpest
+}
+
+/// Where a function of one minimum in [from, to] has it, by golden sections.
+fn least(mut from: f64, mut to: f64, of: impl Fn(f64) -> f64) -> f64 {
+    let golden = (5.0_f64.sqrt() - 1.0) / 2.0;
+    let (mut low, mut high) = (to - golden * (to - from), from + golden * (to - from));
+    let (mut at_low, mut at_high) = (of(low), of(high));
+    for _ in 0..SECTIONS {
+        if at_low <= at_high {
+            (to, high, at_high) = (high, low, at_low);
+            low = to - golden * (to - from);
+            at_low = of(low);
+        } else {
+            (from, low, at_low) = (low, high, at_high);
+            high = from + golden * (to - from);
+            at_high = of(high);
+        }
+    }
+    f64::midpoint(from, to)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn bezier(points: Vec<[f64; 3]>, weights: Vec<f64>) -> Curve {
+        let degree = points.len() - 1;
+        let knots = [vec![0.0; degree + 1], vec![1.0; degree + 1]].concat();
+        Curve { degree, dimension: 3, control_points_mm: points, weights, knots }
+    }
+
+    #[test]
+    fn the_vertex_of_a_parabola_is_its_sharpest_bend() {
+        // y = x² from -1 to 3: the radius at the vertex is 1/2, at u = 1/4.
+        let parabola = bezier(vec![[-1.0, 1.0, 0.0], [1.0, -3.0, 0.0], [3.0, 9.0, 0.0]], vec![1.0; 3]);
+        let seen = measure(&parabola, Shape::Nurbs);
+        let place = seen.sharpest.unwrap();
+        assert!((place.radius_mm - 0.5).abs() < 1e-12 && (place.parameter - 0.25).abs() < 1e-6, "{place:?}");
+        // ∫ √(1 + 4x²) dx = x √(1 + 4x²) / 2 + asinh(2x) / 4.
+        let part = |x: f64| x * (1.0 + 4.0 * x * x).sqrt() / 2.0 + (2.0 * x).asinh() / 4.0;
+        assert!((seen.length_mm - (part(3.0) - part(-1.0))).abs() < 1e-9, "{}", seen.length_mm);
+    }
+
+    #[test]
+    fn a_straight_spline_has_no_bend_and_a_cusp_has_the_radius_0() {
+        let straight = bezier(vec![[0.0; 3], [1.0, 1.0, 1.0], [4.0, 4.0, 4.0]], vec![1.0, 2.0, 1.0]);
+        assert_eq!(measure(&straight, Shape::Nurbs).sharpest, None);
+        // A cusp off the samples: C' = 0 at u = 0.3, where both coordinates have a double root or a triple one.
+        let cusp: Vec<[f64; 3]> = (0..4_u8)
+            .map(|j| {
+                // Blossoms of (u - 0.3)² and (u - 0.3)³ at 3 - j zeros and j ones.
+                let ones = f64::from(j);
+                let (zeros, a, b) = (3.0 - ones, 0.7, -0.3);
+                let pairs = (ones * (ones - 1.0) * a * a
+                    + 2.0 * ones * zeros * a * b
+                    + zeros * (zeros - 1.0) * b * b)
+                    / 6.0;
+                [pairs, f64::powf(a, ones) * f64::powi(b, 3 - i32::from(j)), 0.0]
+            })
+            .collect();
+        let place = measure(&bezier(cusp, vec![1.0; 4]), Shape::Nurbs).sharpest.unwrap();
+        assert!((place.parameter - 0.3).abs() < 1e-5 && place.radius_mm < 1e-6, "{place:?}");
+    }
+
+    #[test]
+    fn an_end_without_speed_is_no_bend() {
+        for end in [[9.0, 7.0, 3.0], [1.0, 1.0, 1.0], [0.3, -0.7, 100.0]] {
+            let twice = bezier(vec![[0.1, 0.2, 0.3], [0.1, 0.2, 0.3], end], vec![1.0; 3]);
+            let bend = measure(&twice, Shape::Nurbs).sharpest;
+            assert!(bend.is_none_or(|place| place.radius_mm > 1e3), "{bend:?}");
+        }
+    }
+
+    proptest! {
+        /// No bend of 5000 that are looked at is sharper by more than a hundredth.
+        #[test]
+        fn no_sharper_bend_is_found_by_looking_everywhere(
+            points in prop::collection::vec([-10.0..10.0_f64, -10.0..10.0_f64, -3.0..3.0_f64], 3..6),
+            weights in prop::collection::vec(0.2..5.0_f64, 6),
+        ) {
+            let weights = weights[..points.len()].to_vec();
+            let curve = bezier(points, weights);
+            let found = measure(&curve, Shape::Nurbs).sharpest.map_or(STRAIGHT_MM, |place| place.radius_mm);
+            let nurbs = NurbsBuf::<f64, 3>::try_new(curve.degree, curve.control_points_mm, curve.weights, curve.knots);
+            let nurbs = nurbs.unwrap();
+            let seen = (0..=5000).map(|k| place(&nurbs.as_curve(), 0, f64::from(k) / 5000.0).radius_mm);
+            let least = seen.fold(STRAIGHT_MM, f64::min);
+            prop_assert!(found <= 1.01 * least, "{found} of {least}");
+        }
+    }
+}

@@ -1,0 +1,186 @@
+//! A curve as Bézier pieces, and a piece as chords.
+//!
+//! The piece of degree p over the knot span [a, b] has the polar forms of the curve as its points: point j is the polar
+//! form at p - j times a and j times b, p rounds of de Boor's scheme with one argument each (Ramshaw, "Blossoms are
+//! polar forms", Computer Aided Geometric Design 6, 1989).
+//!
+//! With positive weights a piece lies in the convex hull of its control points, and a point within a tolerance of a
+//! segment is so for the whole hull if it is for its corners: a piece whose control points are all near its chord is
+//! near its chord everywhere.
+
+use crate::curve::{Curve, MAX_COORDINATE_MM, MAX_WEIGHT};
+
+/// A piece in homogeneous coordinates: each point times its weight, and the weight.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Bezier {
+    points: Vec<[f64; 4]>,
+}
+
+/// The pieces of a curve that breaks no rule, one a knot span. They join to the last bit, and begin and end where the
+/// curve does.
+pub(crate) fn pieces(curve: &Curve) -> Vec<Bezier> {
+    let degree = curve.degree;
+    let mut pieces: Vec<Bezier> = Vec::new();
+    for span in degree..curve.control_points_mm.len() {
+        if curve.knots[span] == curve.knots[span + 1] {
+            continue;
+        }
+        let mut piece = Bezier::of_span(curve, span);
+        piece.points[0] = match pieces.last() {
+            Some(before) => before.points[degree],
+            None => homogeneous(curve, 0),
+        };
+        pieces.push(piece);
+    }
+    if let Some(last) = pieces.last_mut() {
+        last.points[degree] = homogeneous(curve, curve.control_points_mm.len() - 1);
+    }
+    pieces
+}
+
+fn homogeneous(curve: &Curve, index: usize) -> [f64; 4] {
+    let ([x, y, z], w) = (curve.control_points_mm[index], curve.weights[index]);
+    [x * w, y * w, z * w, w]
+}
+
+fn between(from: [f64; 4], to: [f64; 4], share: f64) -> [f64; 4] {
+    std::array::from_fn(|axis| from[axis] + (to[axis] - from[axis]) * share)
+}
+
+impl Bezier {
+    fn of_span(curve: &Curve, span: usize) -> Self {
+        let (degree, first) = (curve.degree, span - curve.degree);
+        let (a, b) = (curve.knots[span], curve.knots[span + 1]);
+        let knots = &curve.knots[first + 1..];
+        let blossom = |ends: usize| {
+            let mut points: Vec<_> = (first..=span).map(|index| homogeneous(curve, index)).collect();
+            for round in 0..degree {
+                let argument = if round < ends { b } else { a };
+                for k in 0..degree - round {
+                    let (low, high) = (knots[k + round], knots[k + degree]);
+                    points[k] = between(points[k], points[k + 1], (argument - low) / (high - low));
+                }
+            }
+            points[0]
+        };
+        Self { points: (0..=degree).map(blossom).collect() }
+    }
+
+    /// The weights, within the bounds that a curve has: rounding may leave them.
+    pub(crate) fn weights(&self) -> Vec<f64> {
+        self.points.iter().map(|point| point[3].clamp(1.0 / MAX_WEIGHT, MAX_WEIGHT)).collect()
+    }
+
+    /// The control points, in mm, within the same bounds.
+    pub(crate) fn points_mm(&self) -> Vec<[f64; 3]> {
+        let bounded = |x: f64| x.clamp(-MAX_COORDINATE_MM, MAX_COORDINATE_MM);
+        self.points.iter().map(|[x, y, z, w]| [x / w, y / w, z / w].map(bounded)).collect()
+    }
+
+    fn halves(&self) -> (Self, Self) {
+        let degree = self.points.len() - 1;
+        let (mut row, mut left, mut right) = (self.points.clone(), Vec::new(), Vec::new());
+        for round in 0..=degree {
+            left.push(row[0]);
+            right.push(row[degree - round]);
+            for k in 0..degree - round {
+                row[k] = between(row[k], row[k + 1], 0.5);
+            }
+        }
+        right.reverse();
+        (Self { points: left }, Self { points: right })
+    }
+
+    /// Adds the ends of chords that leave the piece by no more than `tolerance_mm`; `None` if `most` halvings of it are
+    /// not enough.
+    pub(crate) fn chords(&self, tolerance_mm: f64, most: u32, ends: &mut Vec<[f64; 3]>) -> Option<()> {
+        let points = self.points_mm();
+        let (first, last) = (points[0], points[points.len() - 1]);
+        if points.iter().all(|point| distance_to_segment(*point, first, last) <= tolerance_mm) {
+            ends.push(last);
+            return Some(());
+        }
+        let most = most.checked_sub(1)?;
+        let (left, right) = self.halves();
+        left.chords(tolerance_mm, most, ends)?;
+        right.chords(tolerance_mm, most, ends)
+    }
+}
+
+fn distance_to_segment(point: [f64; 3], from: [f64; 3], to: [f64; 3]) -> f64 {
+    let along: [f64; 3] = std::array::from_fn(|axis| to[axis] - from[axis]);
+    let offset: [f64; 3] = std::array::from_fn(|axis| point[axis] - from[axis]);
+    let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    let square = dot(along, along);
+    let share = if square > 0.0 { (dot(offset, along) / square).clamp(0.0, 1.0) } else { 0.0 };
+    let rest: [f64; 3] = std::array::from_fn(|axis| offset[axis] - share * along[axis]);
+    dot(rest, rest).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::read_part;
+
+    fn paper_d() -> Curve {
+        read_part("d.nc", include_str!("../../../data/seed-003.nc")).unwrap().curves.remove(0)
+    }
+
+    #[test]
+    fn a_curve_of_one_span_is_its_own_piece() {
+        let text = "[curve]\ndegree = 3\ncontrol_points_mm = [[0, 0], [1, 2], [3, 1], [4, 4]]\nweights = [1, 2, 4, 1]\nknots = [0, 0, 0, 0, 1, 1, 1, 1]\n";
+        let curve = read_part("p.toml", text).unwrap().curves.remove(0);
+        let pieces = pieces(&curve);
+        assert_eq!(
+            (pieces.len(), pieces[0].points_mm(), pieces[0].weights()),
+            (1, curve.control_points_mm, curve.weights)
+        );
+    }
+
+    #[test]
+    fn pieces_join_and_keep_the_ends() {
+        let curve = paper_d();
+        let pieces = pieces(&curve);
+        assert_eq!(pieces.len(), 7);
+        for pair in pieces.windows(2) {
+            assert_eq!(pair[0].points.last(), pair[1].points.first());
+        }
+        assert_eq!(pieces[0].points_mm()[0], curve.control_points_mm[0]);
+        assert_eq!(pieces[6].points_mm().last(), curve.control_points_mm.last());
+    }
+
+    /// Every point of the curve, seen at 200 parameters a span, is as near to the chords as was asked, and a tenth of the
+    /// tolerance needs about √10 times the chords.
+    #[test]
+    fn chords_keep_their_distance() {
+        let pieces = pieces(&paper_d());
+        let mut counts = Vec::new();
+        for tolerance in [0.1, 0.01, 0.001] {
+            let mut ends = vec![pieces[0].points_mm()[0]];
+            for piece in &pieces {
+                let before = ends.len() - 1;
+                piece.chords(tolerance, 20, &mut ends).unwrap();
+                for k in 0..=200 {
+                    let mut row = piece.points.clone();
+                    for round in 1..row.len() {
+                        for k_row in 0..row.len() - round {
+                            row[k_row] = between(row[k_row], row[k_row + 1], f64::from(k) / 200.0);
+                        }
+                    }
+                    let [x, y, z, w] = row[0];
+                    let off = ends[before..].windows(2);
+                    let off = off.map(|chord| distance_to_segment([x / w, y / w, z / w], chord[0], chord[1]));
+                    let off = off.fold(f64::MAX, f64::min);
+                    assert!(off <= tolerance, "{off} > {tolerance}");
+                }
+            }
+            counts.push(ends.len());
+        }
+        assert!(counts[2] < 15 * counts[0] && counts[2] > 5 * counts[0], "{counts:?}");
+    }
+
+    #[test]
+    fn what_cannot_be_reached_is_no_chord() {
+        assert_eq!(pieces(&paper_d())[0].chords(1e-9, 3, &mut Vec::new()), None);
+    }
+}

@@ -1,0 +1,132 @@
+//! Straight moves, arcs and helices of a part program.
+
+use crate::arc::{ArcFault, ArcMove, Circle};
+use crate::block::Block;
+use crate::curve::{Curve, MAX_COORDINATE_MM};
+use crate::gcode::Reader;
+use crate::gcode_word::{Key, Word};
+use crate::modal::{FeedMode, Motion};
+use crate::part::{MoveKind, Shape};
+use crate::source::Span;
+
+impl Reader<'_, '_, '_> {
+    pub(crate) fn straight(&mut self, block: &mut Block<'_>, inverse_feed: Option<f64>) {
+        let (before, span) = (self.modal.position, block.span);
+        let Some((start, end)) = self.ends(block) else { return };
+        if start == end {
+            // A first move says where the tool is; a later one to the same place was meant to go somewhere.
+            if self.modal.motion == Motion::Line && self.modal.position == before {
+                let line = self.line(span);
+                self.part.standstills.push(line);
+            }
+            return;
+        }
+        let length = (0..3).map(|axis| (end[axis] - start[axis]).powi(2)).sum::<f64>().sqrt();
+        let curve = Curve::line(start, end);
+        let (kind, feed) = match self.modal.motion {
+            Motion::Rapid => (MoveKind::Rapid, None),
+            _ => (MoveKind::Feed, self.feedrate(length, inverse_feed, block.span)),
+        };
+        self.push(curve, kind, Shape::Line, feed, block.span);
+        self.modal.position = end.map(Some);
+    }
+
+    /// Start and end of a move by the block's coordinates; the position is brought to the end.
+    fn ends(&mut self, block: &mut Block<'_>) -> Option<([f64; 3], [f64; 3])> {
+        let written = block.take_axes();
+        let end = self.modal.target(self.modal.here(), written);
+        if end.iter().any(|x| x.abs() > MAX_COORDINATE_MM) {
+            self.report
+                .error(block.span, "a coordinate is out of range")
+                .expected(format!("coordinates within ±{MAX_COORDINATE_MM:e} mm"));
+            return None;
+        }
+        let start = self.modal.start(end);
+        for axis in 0..3 {
+            if written[axis].is_some() {
+                self.modal.position[axis] = Some(end[axis]);
+            }
+        }
+        Some((start, end))
+    }
+
+    pub(crate) fn arc(&mut self, block: &mut Block<'_>, clockwise: bool, inverse_feed: Option<f64>) {
+        let plane = self.modal.plane;
+        let [first, second, normal] = plane.axes();
+        let offset = |axis: usize| [b'I', b'J', b'K'][axis];
+        let radius = block.take_letter(b'R').or_else(|| block.take(Key::CircleRadius));
+        let (i, j) = (block.take_letter(offset(first)), block.take_letter(offset(second)));
+        if let Some(word) = block.take_letter(offset(normal)) {
+            let letters = [first, second].map(|axis| char::from(offset(axis)));
+            self.report
+                .error(word.span, "this centre word is not in the plane of the arc")
+                .expected(format!("{} and {}, or R", letters[0], letters[1]))
+                .hint("G17, G18 and G19 choose the plane");
+            return;
+        }
+        let Some((start, end)) = self.ends(block) else { return };
+        let centre = |word: Option<Word>, axis: usize| match word {
+            Some(word) if self.modal.absolute_centres => self.modal.mm(word.value),
+            Some(word) => start[axis] + self.modal.mm(word.value),
+            None => start[axis],
+        };
+        let circle = match (radius, i.or(j)) {
+            (Some(radius), None) => Circle::Radius(self.modal.mm(radius.value)),
+            (None, Some(_)) => Circle::Centre([centre(i, first), centre(j, second)]),
+            (Some(radius), Some(_)) => {
+                self.report.error(radius.span, "an arc with both centre and radius").expected("one of them");
+                return;
+            }
+            (None, None) => {
+                self.report
+                    .error(block.span, "an arc without centre or radius")
+                    .expected("two of I, J and K in the plane of the arc, or R");
+                return;
+            }
+        };
+        match (ArcMove { plane, clockwise, start, end, circle }).curve() {
+            Ok((curve, length)) => {
+                let feed = self.feedrate(length, inverse_feed, block.span);
+                if let Some(fault) = curve.faults().first() {
+                    self.report.error(block.span, fault.to_string()).expected(fault.expected());
+                    return;
+                }
+                self.push(curve, MoveKind::Feed, Shape::Arc, feed, block.span);
+                self.modal.position = end.map(Some);
+            }
+            Err(fault) => self.refuse_arc(fault, block.span),
+        }
+    }
+
+    fn refuse_arc(&mut self, fault: ArcFault, span: Span) {
+        let (message, expected) = match fault {
+            ArcFault::NoRadius => ("the centre of the arc is its start".into(), "a centre off the start"),
+            ArcFault::EndOffCircle { start, end } => (
+                format!("the end is off the circle: radius {start:.4} at the start, {end:.4} at the end"),
+                "equal distances of start and end from the centre",
+            ),
+            ArcFault::RadiusTooSmall { radius, chord } => (
+                format!("radius {radius} does not reach: start and end are {chord:.4} mm apart"),
+                "a radius of at least half that distance",
+            ),
+            ArcFault::FullCircleByRadius => {
+                ("an arc by radius ends where it starts".into(), "a full circle by its centre I, J, K")
+            }
+            ArcFault::TooLong => ("the helix is too high".into(), "a rise that a machine has"),
+        };
+        self.report.error(span, message).expected(expected);
+    }
+    /// The feedrate of a move of `length` mm.
+    fn feedrate(&mut self, length: f64, inverse_feed: Option<f64>, span: Span) -> Option<f64> {
+        match (self.modal.feed_mode, inverse_feed) {
+            (FeedMode::PerMinute, _) => self.modal.feedrate_mm_per_s,
+            (FeedMode::InverseTime, Some(per_minute)) => Some(length * per_minute / 60.0),
+            (FeedMode::InverseTime, None) => {
+                self.report
+                    .error(span, "a move in inverse time feed without F")
+                    .expected("F in every block of G93");
+                None
+            }
+        }
+    }
+}

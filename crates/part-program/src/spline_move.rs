@@ -1,0 +1,115 @@
+//! Splines of a part program, over as many blocks as they take.
+
+use crate::block::Block;
+use crate::curve::Curve;
+use crate::fanuc::FanucNurbs;
+use crate::gcode::Reader;
+use crate::linuxcnc::{self, LinuxCncNurbs};
+use crate::modal::{FeedMode, Motion};
+use crate::part::{MoveKind, Shape};
+use crate::siemens::SiemensSpline;
+use crate::source::Span;
+
+/// A spline of which more blocks may come.
+pub(crate) enum Spline {
+    Fanuc(FanucNurbs),
+    LinuxCnc(LinuxCncNurbs),
+    Siemens(SiemensSpline),
+}
+
+impl Reader<'_, '_, '_> {
+    /// Splines have no feed by time: their length is not known while they are read.
+    fn spline_allowed(&mut self, span: Span) -> Option<()> {
+        if self.modal.feed_mode == FeedMode::InverseTime {
+            self.report
+                .error(span, "PS1006: a spline in inverse time feed, G93")
+                .expected("G94 before the spline");
+            return None;
+        }
+        Some(())
+    }
+
+    pub(crate) fn spline_block(&mut self, block: &mut Block<'_>, is_new: bool) {
+        if is_new && self.spline_allowed(block.span).is_none() {
+            self.modal.motion = Motion::None;
+            return;
+        }
+        if self.spline.is_none() {
+            let spline = match self.modal.motion {
+                Motion::FanucNurbs => FanucNurbs::open(self.report, block).map(Spline::Fanuc),
+                Motion::LinuxCncNurbs => Some(Spline::LinuxCnc(LinuxCncNurbs::open(block.span))),
+                _ => Some(Spline::Siemens(SiemensSpline::open(&self.modal, block.span))),
+            };
+            let Some(spline) = spline else {
+                self.modal.motion = Motion::None;
+                block.clear();
+                return;
+            };
+            self.spline = Some((spline, block.span));
+        }
+        if let Some((Spline::Fanuc(nurbs), _)) = &self.spline
+            && nurbs.is_complete()
+        {
+            if !block.has_axis() {
+                self.report
+                    .error(block.span, "a knot after the closing knots")
+                    .expected("as many blocks with a K alone as the order");
+                block.clear();
+                return;
+            }
+            let next = nurbs.next(block.span);
+            self.close(block.span);
+            self.spline = Some((Spline::Fanuc(next), block.span));
+        }
+        match &mut self.spline {
+            Some((Spline::Fanuc(nurbs), _)) => nurbs.block(self.report, &mut self.modal, block),
+            Some((Spline::LinuxCnc(nurbs), _)) => nurbs.block(self.report, &mut self.modal, block),
+            Some((Spline::Siemens(spline), _)) => spline.block(self.report, &mut self.modal, block),
+            None => {}
+        }
+    }
+
+    /// Ends the spline that is open, if one is; `after` is the word that ends it.
+    pub(crate) fn close(&mut self, after: Span) {
+        let Some((spline, start)) = self.spline.take() else { return };
+        let curve = match spline {
+            Spline::Fanuc(nurbs) => nurbs.finish(self.report, after),
+            Spline::Siemens(spline) => spline.finish(self.report),
+            Spline::LinuxCnc(_) => {
+                self.report.error(after, "the curve of G5.2 is not ended").expected("G5.3 before this");
+                None
+            }
+        };
+        self.push_spline(curve, start);
+    }
+
+    fn push_spline(&mut self, curve: Option<Curve>, start: Span) {
+        if let Some(curve) = curve {
+            self.modal.position = curve.control_points_mm.last().map_or(self.modal.position, |p| p.map(Some));
+            self.push(curve, MoveKind::Feed, Shape::Nurbs, self.modal.feedrate_mm_per_s, start);
+        }
+    }
+
+    /// A Bézier curve of G5 or G5.1, whole in one block.
+    pub(crate) fn bezier(&mut self, block: &mut Block<'_>, continues: Option<[f64; 2]>) {
+        let (span, is_cubic) = (block.span, self.modal.motion == Motion::Cubic);
+        if self.spline_allowed(span).is_none() {
+            return;
+        }
+        let read = linuxcnc::bezier(self.report, &self.modal, block, is_cubic, continues);
+        if let Some((curve, smooth)) = read {
+            self.smooth = smooth;
+            self.push_spline(Some(curve), span);
+        }
+    }
+
+    pub(crate) fn end_of_linuxcnc_nurbs(&mut self, span: Span) {
+        if let Some((Spline::LinuxCnc(nurbs), start)) = self.spline.take() {
+            let curve = nurbs.finish(self.report);
+            self.push_spline(curve, start);
+        } else {
+            self.report.error(span, "G5.3 without G5.2").expected("a curve that G5.2 opened");
+        }
+        self.modal.motion = Motion::None;
+    }
+}

@@ -1,0 +1,50 @@
+//! What every reader promises of any bytes: it returns; what it returns is valid, and reads back when it is written.
+
+#![forbid(unsafe_code)]
+
+use part_program::{
+    Curve, Dialect, MoveKind, Part, ReadOptions, inspect, read_part, read_part_bytes, write_curves,
+    write_g5_2, write_g06_2,
+};
+
+/// Reads `bytes` and holds the reader to its word.
+///
+/// # Panics
+/// When it breaks it.
+pub fn holds(bytes: &[u8], dialect: Option<Dialect>, lenient: bool) {
+    let part = match read_part_bytes("any", bytes, ReadOptions { dialect, lenient }) {
+        Ok(part) => part,
+        Err(errors) => {
+            assert!(errors.count() > 0, "refused without a word");
+            assert!(!errors.to_string().is_empty());
+            return;
+        }
+    };
+    assert_eq!(part.curves.len(), part.moves.len());
+    for curve in &part.curves {
+        assert_eq!(curve.faults(), []);
+    }
+    let seen = inspect(&part);
+    assert!(seen.length_mm.is_finite() && seen.rapid_length_mm.is_finite());
+    if let Ok(text) = write_g5_2(&part) {
+        reads_back(&text, None);
+    }
+    let curves = at_feed(&part);
+    if let Ok(text) = write_g06_2(&part) {
+        reads_back(&text, Some(&curves));
+    }
+    reads_back(&write_curves(&part), None);
+}
+
+fn reads_back(text: &str, curves: Option<&[&Curve]>) {
+    match (read_part("again", text), curves) {
+        (Ok(again), Some(curves)) => assert_eq!(at_feed(&again), curves, "{text}"),
+        (Ok(_), None) => {}
+        (Err(errors), _) => panic!("{errors}\n{text}"),
+    }
+}
+
+fn at_feed(part: &Part) -> Vec<&Curve> {
+    let feed = part.curves.iter().zip(&part.moves).filter(|(_, one)| one.kind == MoveKind::Feed);
+    feed.map(|(curve, _)| curve).collect()
+}
