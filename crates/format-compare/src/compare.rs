@@ -71,6 +71,9 @@ pub struct Row {
     pub position_error_mm_max: Option<f64>,
     /// The step between two neighbouring commanded points, in mm: no position can be better than half of it.
     pub position_resolution_mm: Option<f64>,
+    /// What rounding the solved quantity alone may cost at cruise, as a fluctuation; see
+    /// [`Run::fluctuation_resolution`].
+    pub fluctuation_resolution: Option<f64>,
     /// Distance of the last commanded point from the curve's end, in mm.
     pub end_error_mm: Option<f64>,
     /// Periods run.
@@ -120,6 +123,25 @@ pub fn compare<const D: usize>(
 where
     Space: Dimension<D>,
 {
+    compare_with(problem, formats, engines, options, |_, _| ()).map(|(comparison, _)| comparison)
+}
+
+/// The same, and what `keep` makes of each row, of its run and of the steps as the reference judged them. There is no
+/// run where the format was refused. `keep` is called as the runs end, on the thread that ran them, so that what a
+/// run takes in memory can be given back before the next.
+///
+/// # Errors
+/// As [`compare`].
+pub fn compare_with<T: Send, const D: usize>(
+    problem: &Problem<D>,
+    formats: &[Box<dyn Format<D>>],
+    engines: &[Engine],
+    options: &Options,
+    keep: impl Fn(&Row, Option<(&Run, &[JudgedStep])>) -> T + Sync,
+) -> Result<(Comparison, Vec<T>), Refusal>
+where
+    Space: Dimension<D>,
+{
     let reference = Reference::new(problem)?;
     let common = match options.plan_in {
         PlanIn::Same => None,
@@ -128,22 +150,31 @@ where
             None => None,
         },
     };
-    let row = |(format, engine): (&dyn Format<D>, Engine)| -> Row {
+    let row = |(format, engine): (&dyn Format<D>, Engine)| -> (Row, T) {
         let options = &Options { engine, ..options.clone() };
         let plan = match &common {
             Some(plan) => Ok(plan.clone()),
             None => format.plan(problem, options),
         };
         match plan.and_then(|plan| format.run(problem, &plan, options)) {
-            Ok(run) => judged((format.name(), engine), problem, &reference, &run),
-            Err(refusal) => refused((format.name(), engine), &refusal),
+            Ok(run) => {
+                let steps = reference.judge(&run);
+                let row = judged((format.name(), engine), problem, &reference, (&run, &steps));
+                let kept = keep(&row, Some((&run, &steps)));
+                (row, kept)
+            }
+            Err(refusal) => {
+                let row = refused((format.name(), engine), &refusal);
+                let kept = keep(&row, None);
+                (row, kept)
+            }
         }
     };
     let runs: Vec<(&dyn Format<D>, Engine)> =
         formats.iter().flat_map(|format| engines.iter().map(|engine| (format.as_ref(), *engine))).collect();
-    let rows = in_parallel(&runs, |run| row(*run));
+    let (rows, kept): (Vec<Row>, Vec<T>) = in_parallel(&runs, |run| row(*run)).into_iter().unzip();
     let recommended = rows.iter().find(|row| row.verdict.is_good());
-    Ok(Comparison {
+    let comparison = Comparison {
         part: PartSummary {
             name: problem.name.clone(),
             curves: problem.curves.len(),
@@ -157,7 +188,8 @@ where
         recommended_engine: recommended.map(|row| row.engine),
         recommended_on: BTreeMap::new(),
         formats: rows,
-    })
+    };
+    Ok((comparison, kept))
 }
 
 /// Maps `work` over `items`, in order, on all cores.
@@ -194,6 +226,7 @@ pub(crate) fn refused((name, engine): (FormatName, Engine), refusal: &Refusal) -
         chord_error_mm_max: None,
         position_error_mm_max: None,
         position_resolution_mm: None,
+        fluctuation_resolution: None,
         end_error_mm: None,
         periods: None,
         operations: None,
@@ -206,10 +239,9 @@ pub(crate) fn judged<const D: usize>(
     (name, engine): (FormatName, Engine),
     problem: &Problem<D>,
     reference: &Reference<D>,
-    run: &Run,
+    (run, steps): (&Run, &[JudgedStep]),
 ) -> Row {
-    let steps = reference.judge(run);
-    let fluctuation = Fluctuation::of(&steps, problem.machine.feedrate_mm_per_s * problem.period_s());
+    let fluctuation = Fluctuation::of(steps, problem.machine.feedrate_mm_per_s * problem.period_s());
     let largest = |figure: fn(&JudgedStep) -> f64| steps.iter().map(figure).fold(0.0, f64::max);
     let chord_error = largest(|step| step.chord_error_mm);
     let position_error = largest(|step| step.position_error_mm);
@@ -248,6 +280,7 @@ pub(crate) fn judged<const D: usize>(
         chord_error_mm_max: Some(chord_error),
         position_error_mm_max: Some(position_error),
         position_resolution_mm: Some(run.resolution_mm),
+        fluctuation_resolution: Some(run.fluctuation_resolution),
         end_error_mm: Some(end_error),
         periods: u32::try_from(run.steps.len()).ok(),
         operations: None,

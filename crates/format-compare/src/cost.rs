@@ -89,7 +89,28 @@ pub fn price<const D: usize>(
 where
     Space: Dimension<D>,
 {
-    let recorded = in_parallel(&comparison.formats, |row| record(row, problem, options));
+    price_with(comparison, problem, targets, options, || ())
+}
+
+/// The same, calling `recorded` as each row has been recorded, which is what takes the time.
+///
+/// # Errors
+/// As [`price`].
+pub fn price_with<const D: usize>(
+    comparison: &mut Comparison,
+    problem: &Problem<D>,
+    targets: &[Target],
+    options: &Options,
+    recorded: impl Fn() + Sync,
+) -> Result<(), Refusal>
+where
+    Space: Dimension<D>,
+{
+    let recorded = in_parallel(&comparison.formats, |row| {
+        let run = record(row, problem, options);
+        recorded();
+        run
+    });
     for (row, recorded) in comparison.formats.iter_mut().zip(recorded) {
         let Some((name, run)) = recorded? else { continue };
         row.operations = Some(operations(&run));
@@ -117,7 +138,7 @@ where
     };
     let options = Options { engine: row.engine, ..options.clone() };
     let plan = plan_for(problem, format.as_ref(), &options)?;
-    Ok(Some((format.name(), Space::record(format.name(), problem, &plan, &options)?)))
+    Ok(Some((format.name(), Space::record(format.name(), problem, &plan, &options, usize::MAX)?)))
 }
 
 /// Mean operations of a step, by kind.

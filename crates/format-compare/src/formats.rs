@@ -105,7 +105,7 @@ pub trait Dimension<const D: usize> {
     /// A format chosen at run time, to be compared like any other.
     fn at_run_time(format: RuntimeFormat) -> Box<dyn Format<D>>;
 
-    /// The operations of each step of a run in the format of this name.
+    /// The operations of each of the first `most` steps of a run in the format of this name.
     ///
     /// # Errors
     /// As [`Format::run`].
@@ -114,6 +114,7 @@ pub trait Dimension<const D: usize> {
         problem: &Problem<D>,
         plan: &ExactPlan,
         options: &Options,
+        most: usize,
     ) -> Result<RecordedRun, Refusal>;
 }
 
@@ -135,8 +136,9 @@ impl Dimension<2> for Space {
         problem: &Problem<2>,
         plan: &ExactPlan,
         options: &Options,
+        most: usize,
     ) -> Result<RecordedRun, Refusal> {
-        recorded::record(format, problem, plan, options)
+        recorded::record(format, problem, plan, options, most)
     }
 }
 
@@ -154,8 +156,9 @@ impl Dimension<3> for Space {
         problem: &Problem<3>,
         plan: &ExactPlan,
         options: &Options,
+        most: usize,
     ) -> Result<RecordedRun, Refusal> {
-        recorded::record(format, problem, plan, options)
+        recorded::record(format, problem, plan, options, most)
     }
 }
 

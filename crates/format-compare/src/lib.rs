@@ -8,6 +8,7 @@
 //! | what does one format make of it? | [`Format::run`] → [`Run`] |
 //! | how good is that? | [`Reference::judge`] → [`JudgedStep`], [`Fluctuation`] |
 //! | which format is good enough? | [`compare`] → [`Comparison`] |
+//! | what happened in each period? | [`compare_with`] → [`Trace`] |
 //! | what does a period cost on a target? | [`price`] → [`Cost`] |
 //! | how few bits are enough? | [`size`] → [`Sizing`] |
 
@@ -25,17 +26,20 @@ mod reference;
 mod run;
 mod setpoints;
 mod size;
+mod trace;
 
-pub use compare::{Comparison, PartSummary, Row, Verdict, compare, in_parallel};
-pub use cost::{Cost, Level, PeriodCost, price};
+pub use compare::{Comparison, PartSummary, Row, Verdict, compare, compare_with, in_parallel};
+pub use cost::{Cost, Level, PeriodCost, price, price_with};
 pub use exact_plan::ExactPlan;
 pub use feed_plan::ProfileKind;
 pub use formats::{Dimension, Format, Space, formats, plan_for, select};
 pub use metrics::{Fluctuation, JudgedStep, PerPeriod};
 pub use plan_table::{FeedSample, PlanSummary, StageRow};
+pub use part_program::Machine;
 pub use problem::{Problem, rapid_moves};
 pub use recorded::RecordedRun;
 pub use reference::Reference;
 pub use run::{Engine, Options, PlanIn, Refusal, Run, RunStep};
 pub use setpoints::{SetpointRow, SetpointTable};
 pub use size::{FrontPoint, Mixed, Register, Sizing, size};
+pub use trace::Trace;

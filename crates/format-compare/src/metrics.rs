@@ -2,6 +2,9 @@
 
 use serde::Serialize;
 
+/// The share of the full step F·T from which on a step counts as one at cruise.
+pub(crate) const AT_CRUISE: f64 = 0.25;
+
 /// Feedrate fluctuation δ_i = 1 - |C(u_{i+1}) - C(u_i)|/(V_i T) over a run, as ratios.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Fluctuation {
@@ -59,7 +62,7 @@ impl Fluctuation {
             if index + 1 < steps.len() {
                 result.length_error_mm_max = result.length_error_mm_max.max(step.shortfall_mm.abs());
             }
-            if step.wanted_mm >= 0.25 * full_step_mm {
+            if step.wanted_mm >= AT_CRUISE * full_step_mm {
                 result.cruise_max_abs = result.cruise_max_abs.max(delta.abs());
             }
         }

@@ -1,14 +1,15 @@
 //! A run on one curve with a global parameter: the textbook way, raw in every format.
 
 use feed_plan::Schedule;
-use nurbs_core::{Differentiate, NurbsCurve};
+use nurbs_core::{Differentiate, Evaluate, NurbsCurve};
 use real::{Audit, Backend, Recorded};
 use secant_interp::{Interpolator, Method, Tolerance};
 
 use crate::exact_plan::{ExactPlan, in_format};
+use crate::metrics::AT_CRUISE;
 use crate::problem::Problem;
 use crate::recorded::RecordedRun;
-use crate::run::{Options, Refusal, Run, RunStep, most_periods, resolution_at};
+use crate::run::{Options, Refusal, Run, RunStep, most_periods, resolution_at, unit_in_last_place};
 
 /// Converts curve, plan and limits to `R` and runs.
 pub(crate) fn run<R: Backend, const D: usize>(
@@ -20,16 +21,17 @@ pub(crate) fn run<R: Backend, const D: usize>(
     prepared::<R, D, _>(problem, plan, options, method, |interpolator| drive(interpolator, plan, problem))
 }
 
-/// The operations of each step of the same run.
+/// The operations of each of the first `most` steps of the same run.
 pub(crate) fn record<R: Backend, const D: usize>(
     problem: &Problem<D>,
     plan: &ExactPlan,
     options: &Options,
     method: Method,
+    most: usize,
 ) -> Result<RecordedRun, Refusal> {
     prepared::<Recorded<R>, D, _>(problem, plan, options, method, |interpolator| {
         let mut state = interpolator.start();
-        RecordedRun::of(most_periods(plan), || interpolator.step(&mut state).is_some())
+        RecordedRun::of(most.min(most_periods(plan)), || interpolator.step(&mut state).is_some())
     })
 }
 
@@ -92,12 +94,27 @@ fn drive<R: Backend, C: Differentiate<R, D>, const D: usize>(
             evaluations: setpoint.evaluations,
         });
     }
+    let start = problem.curves.first().map_or(0.0, |curve| curve.as_curve().domain().0);
     let points = problem.curves.iter().flat_map(|curve| curve.control_points().iter().flatten());
     Run {
+        fluctuation_resolution: fluctuation_resolution::<R, D>(start, &steps, problem),
         steps,
         finished: state.is_finished(),
         planned_periods: plan.periods(),
         resolution_mm: resolution_at::<R>(points.fold(0.0, |largest: f64, x| largest.max(x.abs()))),
         audit: Audit::default(),
     }
+}
+
+/// `½ ulp(u)/(u_{i+1} - u_i)`, the largest over the steps that a fluctuation at cruise is judged by.
+fn fluctuation_resolution<R: Backend, const D: usize>(
+    start: f64,
+    steps: &[RunStep],
+    problem: &Problem<D>,
+) -> f64 {
+    let full_step = problem.machine.feedrate_mm_per_s * problem.period_s();
+    let from = std::iter::once(start).chain(steps.iter().map(|step| step.u.0));
+    let at_cruise = from.zip(steps).filter(|(_, step)| step.wanted_mm.0 >= AT_CRUISE * full_step);
+    let share = at_cruise.map(|(from, step)| 0.5 * unit_in_last_place::<R>(step.u.0) / (step.u.0 - from));
+    share.filter(|share| share.is_finite()).fold(0.0, f64::max)
 }

@@ -7,7 +7,7 @@ use secant_interp::{ChordTolerance, LengthStage, PieceInterpolator, PieceSetpoin
 use crate::exact_plan::{ExactPlan, nearest};
 use crate::problem::Problem;
 use crate::recorded::RecordedRun;
-use crate::run::{Options, Refusal, Run, RunStep, most_periods, resolution_at};
+use crate::run::{Options, Refusal, Run, RunStep, most_periods, resolution_at, unit_in_last_place};
 
 /// Compiles path and plan for `R` and runs.
 pub(crate) fn run<R: Backend, const D: usize>(
@@ -19,16 +19,17 @@ pub(crate) fn run<R: Backend, const D: usize>(
     Ok(drive(&prepared.interpolator(), &prepared.table, plan, problem))
 }
 
-/// The operations of each step of the same run.
+/// The operations of each of the first `most` steps of the same run.
 pub(crate) fn record<R: Backend, const D: usize>(
     problem: &Problem<D>,
     plan: &ExactPlan,
     options: &Options,
+    most: usize,
 ) -> Result<RecordedRun, Refusal> {
     let prepared = Prepared::<Recorded<R>, D>::new(problem, plan, options)?;
     let interpolator = prepared.interpolator();
     let mut state = interpolator.start();
-    Ok(RecordedRun::of(most_periods(plan), || interpolator.step(&mut state).is_some()))
+    Ok(RecordedRun::of(most.min(most_periods(plan)), || interpolator.step(&mut state).is_some()))
 }
 
 /// Path, stages and tolerances in `R`: what lies in a controller's flash.
@@ -132,6 +133,7 @@ fn drive<R: Backend, const D: usize>(
             evaluations: setpoint.evaluations,
         });
     }
+    let full_step = problem.machine.feedrate_mm_per_s * problem.period_s() * 1.0.scale(pieces.chord_exponent);
     // An offset is at most about a piece long, which is the unit.
     let unit = 1.0.scale(pieces.coordinate_exponent);
     Run {
@@ -139,6 +141,7 @@ fn drive<R: Backend, const D: usize>(
         finished,
         planned_periods: plan.periods(),
         resolution_mm: unit * resolution_at::<R>(1.0),
+        fluctuation_resolution: 0.5 * unit_in_last_place::<R>(full_step) / full_step,
         audit: Audit::default(),
     }
 }

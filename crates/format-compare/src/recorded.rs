@@ -52,21 +52,24 @@ impl RecordedRun {
     }
 }
 
-/// Records a run in the format of this name, in which it is bit for bit the compared one: fixed-point formats of every
+/// Records the first `most` steps of a run in the format of this name, in which it is bit for bit the compared one: fixed-point formats of every
 /// kind by the run-time format, so that three instances serve all.
 pub(crate) fn record<const D: usize>(
     format: FormatName,
     problem: &Problem<D>,
     plan: &ExactPlan,
     options: &Options,
+    most: usize,
 ) -> Result<RecordedRun, Refusal> {
     match format {
-        FormatName::Float { bits: 32 } => in_backend::<f32, D>(problem, plan, options),
+        FormatName::Float { bits: 32 } => in_backend::<f32, D>(problem, plan, options, most),
         FormatName::Fixed { .. } => match RuntimeFormat::named(&format.to_string()) {
-            Some(format) => format.run::<1, _>(|| in_backend::<RuntimeFixed<1>, D>(problem, plan, options)),
-            None => in_backend::<f64, D>(problem, plan, options),
+            Some(format) => {
+                format.run::<1, _>(|| in_backend::<RuntimeFixed<1>, D>(problem, plan, options, most))
+            }
+            None => in_backend::<f64, D>(problem, plan, options, most),
         },
-        _ => in_backend::<f64, D>(problem, plan, options),
+        _ => in_backend::<f64, D>(problem, plan, options, most),
     }
 }
 
@@ -74,12 +77,13 @@ fn in_backend<R: Backend, const D: usize>(
     problem: &Problem<D>,
     plan: &ExactPlan,
     options: &Options,
+    most: usize,
 ) -> Result<RecordedRun, Refusal> {
-    let global = |method| on_global_parameter::record::<R, D>(problem, plan, options, method);
+    let global = |method| on_global_parameter::record::<R, D>(problem, plan, options, method, most);
     match options.engine {
         Engine::DeBoorSecant => global(Method::Secant),
         Engine::DeBoorTaylor1 => global(Method::Taylor1),
         Engine::DeBoorTaylor2 => global(Method::Taylor2),
-        Engine::Pieces => on_pieces::record::<R, D>(problem, plan, options),
+        Engine::Pieces => on_pieces::record::<R, D>(problem, plan, options, most),
     }
 }

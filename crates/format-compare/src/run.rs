@@ -168,6 +168,11 @@ pub struct Run {
     pub planned_periods: u32,
     /// The step between two neighbouring commanded points, in mm: of a float, at the largest coordinate.
     pub resolution_mm: f64,
+    /// Half a unit in the last place of what the solver seeks, over the step: what rounding it alone may cost, as a
+    /// fluctuation. On the global parameter, `½ ulp(u)/(u_{i+1} - u_i)`, the largest over the steps at cruise; on
+    /// pieces, `½ ulp(L)/L` of the full step `L = F·T`, for there the parameter is a 64-bit phase and the length the
+    /// coarser of the two. Other roundings of a step add to it.
+    pub fluctuation_resolution: f64,
     /// What the format's arithmetic met.
     pub audit: Audit,
 }
@@ -177,6 +182,14 @@ pub(crate) fn resolution_at<R: Backend>(largest: f64) -> f64 {
     match R::name() {
         FormatName::Fixed { .. } => R::resolution().to_f64(),
         _ => R::resolution().to_f64() * largest,
+    }
+}
+
+/// The distance of `value` from the next larger number of `R`.
+pub(crate) fn unit_in_last_place<R: Backend>(value: f64) -> f64 {
+    match R::name() {
+        FormatName::Fixed { .. } => R::resolution().to_f64(),
+        _ => R::resolution().to_f64() * value.abs().log2().floor().exp2(),
     }
 }
 

@@ -151,7 +151,10 @@ where
             return refused((name, Engine::Pieces), &refusal);
         };
         match <Space as Dimension<D>>::at_run_time(format).run(problem, plan, options) {
-            Ok(run) => return judged((format.name(), Engine::Pieces), problem, reference, &run),
+            Ok(run) => {
+                let steps = reference.judge(&run);
+                return judged((format.name(), Engine::Pieces), problem, reference, (&run, &steps));
+            }
             Err(Refusal::Compile(CompileError::DoesNotFit { integer_bits: needed, .. }))
                 if needed > integer_bits =>
             {
@@ -217,7 +220,8 @@ impl<'a, const D: usize> Search<'a, D> {
         let name = FormatName::Float { bits: 64 };
         let mut run = run.ok()?;
         run.audit = Audit::default();
-        Some(judged((name, Engine::Pieces), self.problem, self.reference, &run))
+        let steps = self.reference.judge(&run);
+        Some(judged((name, Engine::Pieces), self.problem, self.reference, (&run, &steps)))
     }
 
     fn is_good(&self, fraction_bits: &[i32], runs: &mut usize) -> bool {
