@@ -1,0 +1,170 @@
+//! A finished picture: in the page, and as a file of its own.
+
+use svg::Document;
+use svg::node::element::{Group, Path, Rectangle, Style, Text, Title};
+
+use crate::palette;
+use crate::runs::RunView;
+
+/// A finished picture.
+#[derive(Clone, Debug)]
+pub struct Figure {
+    /// The name of its file, without ending.
+    pub name: String,
+    /// What it shows.
+    pub title: String,
+    /// How it is to be read.
+    pub caption: String,
+    /// Which of several pictures of its kind: that of the run with this number; none if there is only one.
+    pub of_run: Option<usize>,
+    size: (u32, u32),
+    content: Group,
+    axes: (String, String),
+    follows_pointer: bool,
+    legend: Vec<Entry>,
+    legend_only_in_file: bool,
+}
+
+/// A sample and what it stands for.
+#[derive(Clone, Debug)]
+pub(crate) struct Entry {
+    class: String,
+    is_line: bool,
+    /// What it stands for.
+    pub(crate) name: String,
+}
+
+impl Entry {
+    /// A line of this class.
+    pub(crate) fn line(class: &str, name: &str) -> Self {
+        Self { class: class.to_string(), is_line: true, name: name.to_string() }
+    }
+
+    /// An area of this class.
+    pub(crate) fn area(class: &str, name: &str) -> Self {
+        Self { class: class.to_string(), is_line: false, name: name.to_string() }
+    }
+
+    fn drawn(&self, (x, y): (u32, u32)) -> Group {
+        let sample = if self.is_line {
+            let data = format!("M{x} {y}h26");
+            Group::new()
+                .set("class", self.class.as_str())
+                .add(Path::new().set("class", "line").set("d", data))
+        } else {
+            let data = format!("M{x} {}h26v8h-26z", y - 4);
+            Group::new().add(Path::new().set("class", self.class.as_str()).set("d", data))
+        };
+        let text = Text::new(self.name.as_str())
+            .set("class", "tick")
+            .set("x", x + 32)
+            .set("y", y)
+            .set("dy", "0.35em");
+        sample.add(text)
+    }
+}
+
+/// Entries of a legend in a line.
+const ENTRIES_A_LINE: usize = 4;
+/// Height of such a line, in pixels.
+const ENTRY_HEIGHT: u32 = 20;
+
+impl Figure {
+    pub(crate) fn new(width: u32, height: u32, content: Group, axes: (String, String)) -> Self {
+        Self {
+            name: String::new(),
+            title: String::new(),
+            caption: String::new(),
+            of_run: None,
+            size: (width, height),
+            content,
+            axes,
+            follows_pointer: false,
+            legend: Vec::new(),
+            legend_only_in_file: false,
+        }
+    }
+
+    pub(crate) fn empty(width: u32, height: u32) -> Self {
+        Self::new(width, height, Group::new(), (String::new(), String::new()))
+    }
+
+    pub(crate) fn named(mut self, name: &str, title: &str, caption: &str) -> Self {
+        self.name = name.to_string();
+        self.title = title.to_string();
+        self.caption = caption.to_string();
+        self
+    }
+
+    /// Lets the page show the values of all lines where the pointer is.
+    pub(crate) fn following_the_pointer(mut self) -> Self {
+        self.follows_pointer = true;
+        self
+    }
+
+    /// Says below the picture what its colours and dashes stand for.
+    pub(crate) fn with_legend(mut self, legend: Vec<Entry>) -> Self {
+        self.legend = legend;
+        self
+    }
+
+    /// The same, but not in the page, which has the runs beside their switches.
+    pub(crate) fn with_runs(mut self, runs: &[RunView<'_>]) -> Self {
+        let ran = runs.iter().filter(|run| run.trace.is_some());
+        self.legend = ran.map(|run| Entry::line(&run.class(), &run.name())).collect();
+        self.legend_only_in_file = true;
+        self
+    }
+
+    pub(crate) fn of_run(mut self, run: usize) -> Self {
+        self.of_run = Some(run);
+        self
+    }
+
+    /// The element for the page, which has the styles.
+    #[must_use]
+    pub fn inline(&self) -> String {
+        let mut document = self.document(!self.legend_only_in_file);
+        if self.follows_pointer {
+            document = document.set("data-x", self.axes.0.as_str()).set("data-y", self.axes.1.as_str());
+        }
+        document.to_string()
+    }
+
+    /// The file: the same with its styles, on white.
+    #[must_use]
+    pub fn file(&self) -> String {
+        let paper = Rectangle::new().set("width", "100%").set("height", "100%").set("fill", "#ffffff");
+        let (width, height) = (self.size.0, self.size.1 + self.legend_height());
+        let mut document = self.document(true).set("width", width).set("height", height);
+        let children = document.get_children_mut();
+        children.insert(1, Box::new(Style::new(palette::styles_of_a_file())));
+        children.insert(2, Box::new(paper));
+        document.to_string()
+    }
+
+    fn legend_height(&self) -> u32 {
+        u32::try_from(self.legend.len().div_ceil(ENTRIES_A_LINE)).unwrap_or(0) * ENTRY_HEIGHT
+    }
+
+    fn document(&self, with_legend: bool) -> Document {
+        let (width, height) = self.size;
+        let legend = if with_legend { self.legend.as_slice() } else { &[] };
+        let below = if with_legend { self.legend_height() } else { 0 };
+        let mut document = Document::new()
+            .set("viewBox", (0, 0, width, height + below))
+            .set("role", "img")
+            .add(Title::new(self.title.as_str()))
+            .add(self.content.clone());
+        let column = (width - 40) / u32::try_from(ENTRIES_A_LINE).unwrap_or(1);
+        let mut place = (20, height + ENTRY_HEIGHT / 2);
+        for (index, entry) in legend.iter().enumerate() {
+            document = document.add(entry.drawn(place));
+            place.0 += column;
+            if (index + 1) % ENTRIES_A_LINE == 0 {
+                place = (20, place.1 + ENTRY_HEIGHT);
+            }
+        }
+        document
+    }
+}

@@ -1,0 +1,37 @@
+//! Chord error a period in each format.
+
+use crate::chart::{Axis, Layout, draw};
+use crate::figure::Figure;
+use crate::figures::over_time;
+use crate::material::Material;
+use crate::runs::RunView;
+
+/// One picture of all runs.
+pub(crate) fn figures(material: &Material<'_>, runs: &[RunView<'_>]) -> Vec<Figure> {
+    let period = material.period_s();
+    let limit = material.comparison.machine.chord_error_mm * 1000.0;
+    let longest = runs.iter().filter_map(|run| Some(run.trace?.periods())).max().unwrap_or(0);
+    if longest == 0 {
+        return Vec::new();
+    }
+    // A format that is far off must not squeeze the others into a line.
+    let values = runs.iter().filter_map(|run| run.trace).flat_map(|trace| trace.chord_error_mm.iter());
+    let y = Axis::over("chord error [µm]", values.map(|mm| (mm * 1000.0).min(3.0 * limit)).chain([limit]));
+    let x = Axis::linear("time [s]", 0.0..longest as f64 * period);
+    let figure = draw((x, y), &Layout::default(), |plot| {
+        plot.limit(limit, "limit");
+        for run in runs {
+            let Some(trace) = run.trace else { continue };
+            let micrometres: Vec<f64> = trace.chord_error_mm.iter().map(|mm| mm * 1000.0).collect();
+            plot.group(&run.class(), &run.name(), |plot| plot.line(&over_time(&micrometres, period)));
+        }
+    });
+    let caption = "The largest distance of the exact curve from the chord of each period. Where it follows the limit, the \
+                   chord error is what holds the feed down; that is the plan's doing and much the same in every format.";
+    vec![
+        figure
+            .named("chord-error", "Chord error over time, by format", caption)
+            .following_the_pointer()
+            .with_runs(runs),
+    ]
+}

@@ -1,0 +1,56 @@
+//! How many evaluations of the curve a period takes, as a histogram.
+
+use crate::chart::{Axis, Layout, draw};
+use crate::figure::Figure;
+use crate::number;
+use crate::runs::RunView;
+
+/// One picture of all runs.
+pub(crate) fn figures(runs: &[RunView<'_>]) -> Vec<Figure> {
+    let counted: Vec<(&RunView<'_>, Vec<f64>)> =
+        runs.iter().filter_map(|run| Some((run, shares(&run.trace?.evaluations)))).collect();
+    let most = counted.iter().map(|(_, shares)| shares.len()).max().unwrap_or(0);
+    if most == 0 {
+        return Vec::new();
+    }
+    let names = (0..most).map(|count| count.to_string()).collect();
+    let x = Axis::of_names("evaluations of the curve in a period [count]", names);
+    let y = Axis::linear("share of the periods [%]", 0.0..100.0);
+    // The bars of all runs side by side, in eight tenths of the room.
+    let width = 0.8 / counted.len() as f64;
+    let figure = draw((x, y), &Layout::default(), |plot| {
+        for (place, (run, shares)) in counted.iter().enumerate() {
+            plot.group(&run.class(), &run.name(), |plot| {
+                for (count, share) in shares.iter().enumerate().filter(|(_, share)| **share > 0.0) {
+                    let left = count as f64 - 0.4 + width * place as f64;
+                    let tip = format!(
+                        "{}: {count} in {} % of the periods",
+                        run.name(),
+                        number::short(share * 100.0)
+                    );
+                    plot.boxes("fill", &[[left, left + 0.9 * width, 0.0, share * 100.0]], &tip);
+                }
+            });
+        }
+    });
+    let caption = "Evaluations are what a period's time goes into. The worst period counts for a controller, not the mean.";
+    vec![figure.named("evaluations", "Evaluations a period, by format", caption).with_runs(runs)]
+}
+
+/// The share of the periods with 0, 1, 2, … evaluations.
+fn shares(evaluations: &[u32]) -> Vec<f64> {
+    let most = evaluations.iter().max().map_or(0, |most| *most as usize);
+    let mut shares = vec![0.0; most + 1];
+    for count in evaluations {
+        shares[*count as usize] += 1.0 / evaluations.len() as f64;
+    }
+    shares
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn shares_add_up() {
+        assert_eq!(super::shares(&[1, 3, 3, 1]), [0.0, 0.5, 0.0, 0.5]);
+    }
+}

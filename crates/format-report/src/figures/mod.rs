@@ -1,0 +1,56 @@
+//! The figures, one a file.
+
+mod bits;
+mod chord_error;
+mod cycles;
+mod evaluations;
+mod fluctuation;
+pub(crate) mod path;
+mod plan;
+mod ranges;
+mod schedule;
+mod solvers;
+
+use crate::figure::Figure;
+use crate::material::Material;
+use crate::runs::RunView;
+
+/// A chapter of the report: pictures that answer one question.
+pub(crate) struct Chapter {
+    /// Its name in links.
+    pub(crate) id: &'static str,
+    /// The question.
+    pub(crate) title: &'static str,
+    /// The pictures. If they belong to runs, one is shown at a time.
+    pub(crate) figures: Vec<Figure>,
+}
+
+impl Chapter {
+    /// Whether a run is chosen.
+    pub(crate) fn one_at_a_time(&self) -> bool {
+        self.figures.iter().any(|figure| figure.of_run.is_some())
+    }
+}
+
+/// All chapters that the material has something for.
+pub(crate) fn chapters(material: &Material<'_>, runs: &[RunView<'_>]) -> Vec<Chapter> {
+    let chapter = |id, title, figures| Chapter { id, title, figures };
+    let chapters = vec![
+        chapter("fluctuation", "How much does the feed fluctuate?", fluctuation::figures(material, runs)),
+        chapter("path", "Where on the path?", path::figures(material, runs)),
+        chapter("plan", "What is the feed plan?", plan::figures(material)),
+        chapter("chord", "How far is the path from the chords?", chord_error::figures(material, runs)),
+        chapter("solvers", "What does the secant iteration buy?", solvers::figures(material)),
+        chapter("evaluations", "How often is the curve evaluated?", evaluations::figures(runs)),
+        chapter("ranges", "Which bits are used?", ranges::figures(runs)),
+        chapter("bits", "What do more bits buy?", bits::figures(material, runs)),
+        chapter("cycles", "What does a period cost?", cycles::figures(material, runs)),
+        chapter("schedule", "What does the target do in a period?", schedule::figures(material)),
+    ];
+    chapters.into_iter().filter(|chapter| !chapter.figures.is_empty()).collect()
+}
+
+/// A value a period against time in s; the first is that of the first period's end.
+fn over_time(values: &[f64], period_s: f64) -> Vec<(f64, f64)> {
+    values.iter().enumerate().map(|(index, value)| ((index + 1) as f64 * period_s, *value)).collect()
+}

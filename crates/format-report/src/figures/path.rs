@@ -1,0 +1,175 @@
+//! The path, coloured by fluctuation.
+
+use format_compare::Trace;
+
+use crate::chart::{Axis, Layout, WIDTH, draw};
+use crate::figure::{Entry, Figure};
+use crate::material::Material;
+use crate::number;
+use crate::palette::LEVEL_COUNT;
+use crate::runs::RunView;
+
+/// Stretches that a path is cut into, at most: each has the colour of its worst period.
+const STRETCHES: usize = 400;
+
+/// A step below this share of the full step is near rest, and not judged by its ratio.
+const AT_CRUISE: f64 = 0.25;
+
+/// A picture for each run, from above; one more from the front if the path leaves its plane.
+pub(crate) fn figures(material: &Material<'_>, runs: &[RunView<'_>]) -> Vec<Figure> {
+    let flat = runs.iter().filter_map(|run| run.trace).all(|trace| {
+        let heights = trace.point_mm.iter().map(|point| point[2]);
+        let (low, high) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), z| (l.min(z), h.max(z)));
+        high - low <= 1e-6
+    });
+    let views: &[(usize, usize, &str)] = if flat { &[(0, 1, "")] } else { &[(0, 1, "-xy"), (0, 2, "-xz")] };
+    let view = |run, view| figure(material, run, view);
+    runs.iter().flat_map(|run| views.iter().filter_map(move |one| view(run, *one))).collect()
+}
+
+fn figure(
+    material: &Material<'_>,
+    run: &RunView<'_>,
+    (across, up, view): (usize, usize, &str),
+) -> Option<Figure> {
+    let trace = run.trace.filter(|trace| trace.periods() > 1)?;
+    let points: Vec<(f64, f64)> = trace.point_mm.iter().map(|point| (point[across], point[up])).collect();
+    let (axes, height) =
+        equal_scales(&points, ["X [mm]", "Y [mm]", "Z [mm]"][across], ["X [mm]", "Y [mm]", "Z [mm]"][up]);
+    let limit = material.comparison.machine.fluctuation_limit;
+    let full_step = material.comparison.machine.feedrate_mm_per_s * material.period_s();
+    let drawn = draw(axes, &Layout { height, ..Layout::default() }, |plot| {
+        for stretch in stretches(trace, full_step, limit) {
+            let points = &points[stretch.first..=stretch.last];
+            let from = (stretch.first as f64 + 1.0) * material.period_s();
+            let to = (stretch.last as f64 + 1.0) * material.period_s();
+            let times = format!("{} to {} s", number::short(from), number::short(to));
+            match stretch.level {
+                Some(level) => {
+                    let tip = format!("{times}: fluctuation up to {}", number::short(stretch.largest));
+                    plot.trail(&format!("trail v{level}"), points, &tip);
+                }
+                None => {
+                    plot.trail("rest", points, &format!("{times}: near rest, below a quarter of the feed"))
+                }
+            }
+        }
+    });
+    let caption = format!(
+        "Each stretch has the colour of its largest |δ|. The limit is {}; the thin grey ends are near rest, where it does \
+         not hold.",
+        number::short(limit)
+    );
+    let title = format!("The path, coloured by the fluctuation of {}", run.name());
+    let name = format!("path-{}{view}", run.file_part());
+    Some(drawn.named(&name, &title, &caption).of_run(run.index).with_legend(legend(limit, "near rest")))
+}
+
+/// Axes on which a circle is round, and the height that takes.
+fn equal_scales(points: &[(f64, f64)], x: &str, y: &str) -> ((Axis, Axis), u32) {
+    let bounds = |of: fn(&(f64, f64)) -> f64| {
+        let ends =
+            points.iter().map(of).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+        (0.5 * (ends.0 + ends.1), ends.1 - ends.0)
+    };
+    let ((x_middle, x_size), (y_middle, y_size)) = (bounds(|p| p.0), bounds(|p| p.1));
+    // The frame's width is the picture's less the vertical axis and the margins, its height less the horizontal one.
+    let (frame_width, least, most) = (f64::from(WIDTH) - 92.0, 160.0, 520.0);
+    let x_room = (1.1 * x_size).max(1e-6);
+    let y_room = (1.1 * y_size).max(1e-6);
+    let frame_height = (frame_width * y_room / x_room).clamp(least, most);
+    let per_pixel = (x_room / frame_width).max(y_room / frame_height);
+    let half = |pixels: f64| 0.5 * per_pixel * pixels;
+    let (across, up) = (half(frame_width), half(frame_height));
+    let axes = (
+        Axis::linear(x, x_middle - across..x_middle + across),
+        Axis::linear(y, y_middle - up..y_middle + up),
+    );
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "between 160 and 520")]
+    let height = frame_height as u32 + 60;
+    (axes, height)
+}
+
+/// A part of the path in one colour.
+#[derive(Debug, PartialEq)]
+struct Stretch {
+    first: usize,
+    last: usize,
+    /// None near rest.
+    level: Option<usize>,
+    largest: f64,
+}
+
+/// The path in stretches of equal colour, each a whole number of groups of periods.
+fn stretches(trace: &Trace, full_step: f64, limit: f64) -> Vec<Stretch> {
+    let group = trace.periods().div_ceil(STRETCHES).max(1);
+    let mut stretches: Vec<Stretch> = Vec::new();
+    for first in (0..trace.periods()).step_by(group) {
+        let last = (first + group).min(trace.periods() - 1);
+        let periods = first..(first + group).min(trace.periods());
+        let judged = periods.filter(|period| trace.wanted_mm[*period] >= AT_CRUISE * full_step);
+        let largest = judged.map(|period| trace.fluctuation[period].abs()).fold(f64::NAN, f64::max);
+        let level = (!largest.is_nan()).then(|| level(largest, limit));
+        match stretches.last_mut() {
+            Some(before) if before.level == level => {
+                before.last = last;
+                before.largest = before.largest.max(largest);
+            }
+            _ => stretches.push(Stretch { first, last, level, largest }),
+        }
+    }
+    stretches
+}
+
+/// The colour of a fluctuation: a step a decade, the limit in the middle.
+pub(crate) fn level(fluctuation: f64, limit: f64) -> usize {
+    let beyond = (fluctuation / limit).log10().ceil();
+    let levels = || (0..LEVEL_COUNT).map(|level| (level, level as f64 - LEVEL_COUNT as f64 / 2.0 + 1.0));
+    levels().find(|(_, upper)| beyond <= *upper).map_or(LEVEL_COUNT - 1, |(level, _)| level)
+}
+
+/// What the colours stand for; grey, for what has no fluctuation.
+pub(crate) fn legend(limit: f64, grey: &str) -> Vec<Entry> {
+    let middle = LEVEL_COUNT / 2;
+    let name = |level: usize| {
+        let power = |offset: usize| 10.0_f64.powf(offset as f64 - middle as f64 + 1.0) * limit;
+        match level {
+            0 => format!("up to {}", number::short(power(0))),
+            _ if level + 1 == LEVEL_COUNT => format!("above {}", number::short(power(level - 1))),
+            _ if level + 1 == middle => format!("up to {}, the limit", number::short(power(level))),
+            _ => format!("up to {}", number::short(power(level))),
+        }
+    };
+    let levels = (0..LEVEL_COUNT).map(|level| Entry::area(&format!("f{level}"), &name(level)));
+    levels.chain([Entry::area("rest-fill", grey)]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_level_is_a_decade_and_the_limit_is_the_middle() {
+        let levels = [1e-12, 5e-8, 1e-6, 1.01e-6, 1e-5, 2e-5, 1.0].map(|x| level(x, 1e-6));
+        assert_eq!(levels, [0, 2, 3, 4, 4, 5, 7]);
+        assert_eq!(legend(1e-6, "")[3].name, "up to 1.0·10⁻⁶, the limit");
+        assert_eq!(legend(1e-6, "")[7].name, "above 10.0·10⁻⁴".replace("10.0·10⁻⁴", "0.001"));
+    }
+
+    /// Stretches meet, cover the path, and each has the colour of its worst period.
+    #[test]
+    fn stretches_cover_the_path() {
+        let periods = 1000;
+        let trace = Trace {
+            wanted_mm: (0..periods).map(|i| if i < 10 { 0.01 } else { 0.6 }).collect(),
+            fluctuation: (0..periods).map(|i| if i == 500 { 1e-4 } else { 1e-8 }).collect(),
+            ..Trace::default()
+        };
+        let found = stretches(&trace, 0.6, 1e-6);
+        assert_eq!((found[0].level, found[0].first), (None, 0));
+        assert!(found.windows(2).all(|pair| pair[0].last == pair[1].first));
+        assert_eq!(found.last().map(|stretch| stretch.last), Some(periods - 1));
+        let worst = found.iter().find(|s| s.first <= 500 && 500 < s.last).expect("a stretch");
+        assert_eq!((worst.level, worst.largest), (Some(5), 1e-4));
+    }
+}

@@ -1,0 +1,35 @@
+//! `format-report`: a comparison of number formats as a page that people look at.
+//!
+//! One file, `index.html`, opens anywhere without a network: the answer, the formats with their verdicts, and pictures
+//! whose formats can be switched on and off. Beside it lies each picture as SVG and each table as CSV and JSON.
+//!
+//! | question | where |
+//! |---|---|
+//! | what is a report made of? | [`Material`], [`Solver`], [`Schedule`] |
+//! | where does a format stay good? | [`Sweep`], [`SweepCell`] |
+//! | what does it consist of? | [`Report`], [`Figure`], [`Table`] |
+//!
+//! Axes, ticks and grids are drawn by `plotters`, on a canvas of SVG elements that have classes in place of colours. A
+//! long series is drawn by the least and the greatest value of each pixel column, so a picture of a million periods takes
+//! no more room than one of a thousand, and no extreme is lost.
+
+mod canvas;
+mod chart;
+mod envelope;
+mod figure;
+mod figures;
+mod margins;
+mod material;
+mod number;
+mod palette;
+mod report;
+mod runs;
+mod sweep;
+mod table;
+mod tables;
+
+pub use figure::Figure;
+pub use material::{Material, Schedule, Solver};
+pub use report::Report;
+pub use sweep::{Sweep, SweepCell, SweepResult};
+pub use table::{Cell, Column, Table};

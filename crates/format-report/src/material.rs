@@ -1,0 +1,50 @@
+//! What a report is made of.
+
+use format_compare::{Comparison, FeedSample, Trace};
+use target_cost::{StepCost, Target};
+
+/// What a report is made of: a comparison, and what was kept of its runs.
+#[derive(Clone, Copy, Debug)]
+pub struct Material<'a> {
+    /// The comparison.
+    pub comparison: &'a Comparison,
+    /// The trace of each of its rows; none where the format was refused.
+    pub traces: &'a [Option<Trace>],
+    /// The plan, sampled; empty if each format plans for itself.
+    pub plan: &'a [FeedSample],
+    /// The papers' solvers on the raw path in f64; empty if there is none.
+    pub solvers: &'a [Solver],
+    /// The targets that the comparison was priced on.
+    pub targets: &'a [Target],
+    /// Periods on targets.
+    pub schedules: &'a [Schedule<'a>],
+    /// The command that makes the report again.
+    pub command: &'a str,
+}
+
+/// A run by one of the papers' solvers.
+#[derive(Clone, Debug)]
+pub struct Solver {
+    /// What it is called.
+    pub name: String,
+    /// What it did.
+    pub trace: Trace,
+}
+
+/// A period on a target.
+#[derive(Clone, Debug)]
+pub struct Schedule<'a> {
+    /// The target.
+    pub target: &'a Target,
+    /// Format and form of the path.
+    pub run: String,
+    /// When each operation runs.
+    pub cost: StepCost,
+}
+
+impl Material<'_> {
+    /// The interpolation period, in s.
+    pub(crate) fn period_s(&self) -> f64 {
+        self.comparison.machine.interpolation_period_ms / 1000.0
+    }
+}

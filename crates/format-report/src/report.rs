@@ -1,0 +1,314 @@
+//! The whole report: a page, and a file for each picture and table.
+
+use askama::Template;
+use format_compare::{Comparison, Verdict};
+
+use crate::figure::Figure;
+use crate::figures::{self, Chapter};
+use crate::margins::{self, Margin};
+use crate::material::Material;
+use crate::number;
+use crate::palette;
+use crate::runs::{self, RunView};
+use crate::table::Table;
+use crate::tables;
+
+/// A report, ready to be written.
+#[derive(Clone, Debug)]
+pub struct Report {
+    /// The files by name, `index.html` first.
+    pub files: Vec<(String, String)>,
+}
+
+#[derive(Template)]
+#[template(path = "index.html")]
+struct Page<'a> {
+    title: String,
+    part: &'a format_compare::PartSummary,
+    machine: &'a format_compare::Machine,
+    answer: Answer,
+    margins: Vec<MarginView>,
+    runs: Vec<Switch>,
+    formats: &'a Table,
+    costs: Option<&'a Table>,
+    chapters: &'a [Chapter],
+    files: Vec<String>,
+    command: &'a str,
+    reference: &'a str,
+    style: &'static str,
+    figure_style: String,
+    script: &'static str,
+}
+
+struct Answer {
+    format: Option<String>,
+    why: Vec<String>,
+}
+
+struct MarginView {
+    requirement: &'static str,
+    found: String,
+    limit: String,
+    width: f64,
+    used: String,
+}
+
+struct Switch {
+    index: usize,
+    name: String,
+    light: &'static str,
+    dark: &'static str,
+    dash: &'static str,
+    shown: bool,
+    ran: bool,
+    good: bool,
+    recommended: bool,
+}
+
+impl Report {
+    /// Draws all that the material has something for.
+    ///
+    /// # Errors
+    /// [`askama::Error`] if the page cannot be put together; no material is known that leads to one.
+    pub fn of(material: &Material<'_>) -> Result<Self, askama::Error> {
+        let comparison = material.comparison;
+        let runs = runs::views(comparison, material.traces);
+        let chapters = figures::chapters(material, &runs);
+        let recommended = runs::recommended(comparison);
+        let margins: Vec<Margin> = recommended
+            .map_or_else(Vec::new, |index| margins::margins(&comparison.formats[index], &comparison.machine));
+        let formats = tables::formats(&runs);
+        let costs = tables::costs(material, &runs);
+        let tables: Vec<Table> = [Some(formats.clone()), Some(tables::margins(&margins)), costs.clone()]
+            .into_iter()
+            .flatten()
+            .collect();
+        let mut files = Vec::new();
+        for figure in chapters.iter().flat_map(|chapter| &chapter.figures) {
+            files.push((format!("{}.svg", figure.name), figure.file()));
+        }
+        for table in &tables {
+            files.push((format!("{}.csv", table.name), table.csv()));
+            files.push((format!("{}.json", table.name), table.json()));
+        }
+        let page = Page {
+            title: format!("feedbits: {}", comparison.part.name),
+            part: &comparison.part,
+            machine: &comparison.machine,
+            answer: answer(comparison, &margins),
+            margins: margins.iter().map(MarginView::of).collect(),
+            runs: runs.iter().map(|run| Switch::of(run, recommended)).collect(),
+            formats: &formats,
+            costs: costs.as_ref(),
+            chapters: &chapters,
+            files: files.iter().map(|(name, _)| name.clone()).collect(),
+            command: material.command,
+            reference: comparison.reference,
+            style: include_str!("../templates/page.css"),
+            figure_style: palette::styles_of_the_page(),
+            script: include_str!("../templates/page.js"),
+        };
+        files.insert(0, ("index.html".to_string(), page.render()?));
+        Ok(Self { files })
+    }
+}
+
+impl MarginView {
+    fn of(margin: &Margin) -> Self {
+        let (found, limit) = (number::short(margin.found), number::short(margin.limit));
+        let unit = if matches!(margin.unit, "mm") { " mm" } else { "" };
+        Self {
+            requirement: margin.requirement,
+            found: format!("{found}{unit}"),
+            limit: format!("{limit}{unit}"),
+            width: margin.used().map_or(0.0, |used| (used * 100.0).clamp(0.0, 100.0)),
+            used: margin
+                .used()
+                .map_or_else(String::new, |used| format!("{} % used", number::short(used * 100.0))),
+        }
+    }
+}
+
+impl Switch {
+    fn of(run: &RunView<'_>, recommended: Option<usize>) -> Self {
+        let (light, dark) = palette::hue(run.hue);
+        Self {
+            index: run.index,
+            name: run.name(),
+            light,
+            dark,
+            dash: palette::dash(run.dash),
+            shown: run.shown,
+            ran: run.trace.is_some(),
+            good: run.row.verdict.is_good(),
+            recommended: recommended == Some(run.index),
+        }
+    }
+}
+
+/// Which format, and why.
+fn answer(comparison: &Comparison, margins: &[Margin]) -> Answer {
+    let Some(index) = runs::recommended(comparison) else {
+        return Answer { format: None, why: why_none(comparison) };
+    };
+    let row = &comparison.formats[index];
+    let priced = comparison.recommended_on.len();
+    let mut why = vec![if priced == 0 {
+        format!(
+            "The narrowest of the formats compared that meets every requirement: {} bits, on the {} path.",
+            row.bits,
+            path(row)
+        )
+    } else {
+        format!(
+            "The cheapest of the formats compared that meets every requirement, on the {} path.",
+            path(row)
+        )
+    }];
+    let tightest = margins.iter().filter_map(|margin| Some((margin.used()?, margin)));
+    if let Some(fluctuation) = margins.first().and_then(Margin::used).filter(|used| *used > 0.0) {
+        why.push(format!(
+            "Its feed fluctuates {} times less than is allowed.",
+            number::short(1.0 / fluctuation)
+        ));
+    }
+    if let Some((used, margin)) = tightest.max_by(|a, b| a.0.total_cmp(&b.0)) {
+        why.push(format!(
+            "Closest to its limit is the {}: {} % of it are used.",
+            margin.requirement,
+            number::short(used * 100.0)
+        ));
+    }
+    let rejected: Vec<&format_compare::Row> =
+        comparison.formats.iter().take(index).filter(|row| matches!(row.verdict, Verdict::Bad(_))).collect();
+    if let Some(row) = rejected.last().filter(|_| priced == 0) {
+        let reason = tables::verdict(&row.verdict);
+        why.push(format!("{} {}, listed before it, does not do: {reason}.", row.format, row.engine));
+    }
+    for (target, (format, engine)) in &comparison.recommended_on {
+        why.push(format!("Cheapest on {target}: {format} {engine}."));
+    }
+    Answer { format: Some(row.format.clone()), why }
+}
+
+fn path(row: &format_compare::Row) -> &'static str {
+    if row.engine == format_compare::Engine::Pieces { "compiled (pieces)" } else { "raw" }
+}
+
+fn why_none(comparison: &Comparison) -> Vec<String> {
+    let bad = comparison.formats.iter().rev().filter(|row| matches!(row.verdict, Verdict::Bad(_)));
+    let refused = comparison.formats.iter().rev().filter(|row| matches!(row.verdict, Verdict::Refused(_)));
+    bad.chain(refused)
+        .take(3)
+        .map(|row| format!("{} {}: {}.", row.format, row.engine, tables::verdict(&row.verdict)))
+        .collect()
+}
+
+impl Chapter {
+    /// A picture for the page, in whose template it stands as it is.
+    fn shown(&self) -> impl Iterator<Item = (&Figure, String)> {
+        self.figures.iter().map(|figure| (figure, figure.inline()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use format_compare::{Engine, Options, Problem, Trace, compare_with, plan_for, select};
+    use part_program::{read_machine, read_part};
+
+    use super::*;
+
+    const EXAMPLE: &str = include_str!("../../../data/seed-000.toml");
+
+    fn example(part: &str, formats: &[&str]) -> Report {
+        let machine = read_machine("m", EXAMPLE).expect("a machine");
+        let problem =
+            Problem::<3>::new(&read_part("p.nc", part).expect("a part"), &machine).expect("a problem");
+        let names: Vec<String> = formats.iter().map(ToString::to_string).collect();
+        let formats = select::<3>(&names).expect("formats");
+        let options = Options::default();
+        let keep = |_: &format_compare::Row,
+                    run: Option<(&format_compare::Run, &[format_compare::JudgedStep])>| {
+            run.map(|(run, steps)| Trace::of(&problem, run, steps))
+        };
+        let engines = [Engine::DeBoorSecant, Engine::Pieces];
+        let (comparison, traces) =
+            compare_with(&problem, &formats, &engines, &options, keep).expect("a comparison");
+        let plan = plan_for(&problem, formats[0].as_ref(), &options).expect("a plan");
+        let material = Material {
+            comparison: &comparison,
+            traces: &traces,
+            plan: &plan.sampled(&problem, 1).expect("samples"),
+            solvers: &[],
+            targets: &[],
+            schedules: &[],
+            command: "feedbits <compare> & \"more\"",
+        };
+        Report::of(&material).expect("a report")
+    }
+
+    fn file<'a>(report: &'a Report, name: &str) -> &'a str {
+        report.files.iter().find(|file| file.0 == name).map_or_else(|| panic!("{name}"), |file| &file.1)
+    }
+
+    /// The page stands alone, links to files that are there, and says what cannot be a tag.
+    #[test]
+    fn the_page_needs_nothing_but_the_files_beside_it() {
+        let report = example(EXAMPLE, &["I16F16", "I4F28", "f64"]);
+        let page = file(&report, "index.html");
+        assert_eq!(report.files[0].0, "index.html");
+        for reference in page.match_indices("href=\"").chain(page.match_indices("src=\"")) {
+            let target = &page[reference.0..].split('"').nth(1).expect("a target");
+            let here = *target == "data:," || report.files.iter().any(|(name, _)| name == target);
+            assert!(here, "{target}");
+        }
+        assert!(
+            page.contains("feedbits &#60;compare&#62; &#38;")
+                || page.contains("feedbits &lt;compare&gt; &amp;")
+        );
+        assert!(page.contains("Use <strong>I4F28</strong>"), "the answer is I4F28");
+        assert!(page.len() < 3_000_000, "{}", page.len());
+    }
+
+    /// Both axes of each picture say what they show and in which unit; names need none.
+    #[test]
+    fn every_axis_has_a_unit() {
+        let report = example(EXAMPLE, &["I4F28"]);
+        let mut pictures = 0;
+        for (name, content) in report.files.iter().filter(|(name, _)| name.ends_with(".svg")) {
+            let flat: String = content.lines().collect();
+            let labels: Vec<&str> = flat
+                .split("class=\"label\"")
+                .skip(1)
+                .filter_map(|rest| rest.split(['>', '<']).nth(1))
+                .collect();
+            let wanted = if name.starts_with("ranges") || name.starts_with("schedule") { 1 } else { 2 };
+            assert_eq!(labels.len(), wanted, "{name}: {labels:?}");
+            assert!(
+                labels.iter().all(|label| label.contains('[') && label.ends_with(']')),
+                "{name}: {labels:?}"
+            );
+            pictures += 1;
+        }
+        assert!(pictures >= 10, "{pictures}");
+    }
+
+    /// A path in space is shown from two sides, and a verdict of none is said first.
+    #[test]
+    fn a_path_in_space_and_no_format_that_does() {
+        let report = example("G0 X0 Y0 Z0\nG1 X10 Y0 F6000\nG1 X20 Y5 Z10\n", &["I16F16"]);
+        assert!(report.files.iter().any(|(name, _)| name == "path-I16F16_pieces-xz.svg"));
+        assert!(file(&report, "index.html").contains("meets the requirements"));
+    }
+
+    #[test]
+    fn tables_have_a_row_a_run() {
+        let report = example(EXAMPLE, &["I4F28", "f64"]);
+        let csv = file(&report, "formats.csv");
+        assert_eq!(csv.lines().count(), 5, "{csv}");
+        assert!(csv.starts_with("format,bits,path,verdict,fluctuation_at_cruise,"), "{csv}");
+        let margins: serde_json::Value = serde_json::from_str(file(&report, "margins.json")).expect("JSON");
+        assert_eq!(margins[1]["requirement"], "chord error");
+        assert!(margins[0]["used_percent"].as_f64().is_some_and(|used| used > 0.0 && used < 100.0));
+    }
+}

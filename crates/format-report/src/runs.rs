@@ -1,0 +1,100 @@
+//! The runs of a comparison as the report shows them: names, colours, which are shown at first.
+
+use format_compare::{Comparison, Engine, Row, Trace, Verdict};
+
+use crate::palette::{DASH_COUNT, HUE_COUNT};
+
+/// One run: a format with a form of the path.
+pub(crate) struct RunView<'a> {
+    /// Its place in the comparison.
+    pub(crate) index: usize,
+    /// Its figures.
+    pub(crate) row: &'a Row,
+    /// What happened in each period; none if the format was refused.
+    pub(crate) trace: Option<&'a Trace>,
+    /// Its colour: a format has one.
+    pub(crate) hue: usize,
+    /// Its dashes: whole on pieces.
+    pub(crate) dash: usize,
+    /// Whether it is shown before anyone chooses.
+    pub(crate) shown: bool,
+}
+
+impl RunView<'_> {
+    /// Format and form of the path.
+    pub(crate) fn name(&self) -> String {
+        format!("{} {}", self.row.format, self.row.engine)
+    }
+
+    /// The same as a part of a file's name.
+    pub(crate) fn file_part(&self) -> String {
+        let name = self.name();
+        name.chars()
+            .map(|c| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' })
+            .collect::<String>()
+            .replace("__", "_")
+    }
+
+    /// The classes of what belongs to it in a picture.
+    pub(crate) fn class(&self) -> String {
+        format!("series run{} c{} d{}", self.index, self.hue, self.dash)
+    }
+
+    /// The same in a picture that always shows all runs: a mark is hollow if a requirement is not met.
+    pub(crate) fn look(&self) -> String {
+        let hollow = if self.row.verdict.is_good() { "" } else { " hollow" };
+        format!("c{} d0{hollow}", self.hue)
+    }
+}
+
+/// The runs in the comparison's order.
+pub(crate) fn views<'a>(comparison: &'a Comparison, traces: &'a [Option<Trace>]) -> Vec<RunView<'a>> {
+    let mut formats: Vec<&str> = Vec::new();
+    let mut runs: Vec<RunView<'_>> = Vec::new();
+    for (index, row) in comparison.formats.iter().enumerate() {
+        let place = formats.iter().position(|name| *name == row.format).unwrap_or_else(|| {
+            formats.push(&row.format);
+            formats.len() - 1
+        });
+        let family = usize::from(row.engine != Engine::Pieces);
+        runs.push(RunView {
+            index,
+            row,
+            trace: traces.get(index).and_then(Option::as_ref),
+            hue: place % HUE_COUNT,
+            dash: (2 * (place / HUE_COUNT) + family) % DASH_COUNT,
+            shown: false,
+        });
+    }
+    let wanted = at_first(comparison);
+    runs.iter_mut().for_each(|run| run.shown = wanted.contains(&run.index));
+    runs
+}
+
+/// The run that the comparison recommends.
+pub(crate) fn recommended(comparison: &Comparison) -> Option<usize> {
+    let (format, engine) = (comparison.recommended.as_ref()?, comparison.recommended_engine?);
+    comparison.formats.iter().position(|row| row.format == *format && row.engine == engine)
+}
+
+/// At most six runs: more lines than that hide each other. The recommended one, those of its format, of the narrowest and
+/// of the floats.
+fn at_first(comparison: &Comparison) -> Vec<usize> {
+    const MOST: usize = 6;
+    let rows = &comparison.formats;
+    let ran = |row: &Row| !matches!(row.verdict, Verdict::Refused(_));
+    let mut wanted: Vec<usize> = recommended(comparison).into_iter().collect();
+    let chosen = comparison.recommended.as_deref().unwrap_or_default();
+    let narrowest = rows.iter().find(|row| ran(row)).map_or("", |row| row.format.as_str());
+    for name in [chosen, "f32", "f64", narrowest] {
+        wanted.extend(rows.iter().enumerate().filter(|(_, row)| row.format == name).map(|(index, _)| index));
+    }
+    wanted.extend(0..rows.len());
+    let mut first = Vec::new();
+    for index in wanted {
+        if first.len() < MOST && !first.contains(&index) && ran(&rows[index]) {
+            first.push(index);
+        }
+    }
+    first
+}

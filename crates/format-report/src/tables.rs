@@ -1,0 +1,151 @@
+//! The tables of the report.
+
+use format_compare::{Cost, Fluctuation, Row, Verdict};
+
+use crate::margins::Margin;
+use crate::material::Material;
+use crate::runs::RunView;
+use crate::table::{Cell, Column, Table};
+
+/// The formats with their figures and verdicts.
+pub(crate) fn formats(runs: &[RunView<'_>]) -> Table {
+    let columns = [
+        ("format", "format"),
+        ("bits", "bits"),
+        ("path", "path"),
+        ("verdict", "verdict"),
+        ("fluctuation_at_cruise", "|δ| at cruise"),
+        ("fluctuation_resolution", "|δ| of rounding"),
+        ("fluctuation_mean", "|δ| mean"),
+        ("fluctuation_max", "δ max"),
+        ("fluctuation_min", "δ min"),
+        ("length_error_mm", "length error [mm]"),
+        ("evaluations_mean", "evaluations, mean"),
+        ("evaluations_max", "evaluations, max"),
+        ("overflows", "overflows"),
+        ("integer_bits_needed", "integer bits needed"),
+        ("chord_error_mm", "chord error [mm]"),
+        ("position_error_mm", "position error [mm]"),
+        ("end_error_mm", "end error [mm]"),
+    ];
+    Table {
+        name: "formats".into(),
+        title: "All formats".into(),
+        columns: columns.map(|(key, heading)| Column { key, heading }).to_vec(),
+        rows: runs.iter().map(|run| format_row(run.row)).collect(),
+    }
+}
+
+fn format_row(row: &Row) -> Vec<Cell> {
+    let fluctuation = |of: fn(&Fluctuation) -> f64| Cell::maybe(row.fluctuation.as_ref().map(of));
+    vec![
+        Cell::text(&row.format),
+        Cell::Number(row.bits.into()),
+        Cell::text(row.engine.to_string()),
+        Cell::text(verdict(&row.verdict)),
+        fluctuation(|f| f.cruise_max_abs),
+        Cell::maybe(row.fluctuation_resolution),
+        fluctuation(|f| f.mean_abs),
+        fluctuation(|f| f.max),
+        fluctuation(|f| f.min),
+        fluctuation(|f| f.length_error_mm_max),
+        Cell::maybe(row.evaluations.map(|e| e.mean)),
+        Cell::maybe(row.evaluations.map(|e| e.max.into())),
+        Cell::maybe(row.saturations.map(|count| count as f64)),
+        Cell::maybe(row.integer_bits_needed.map(Into::into)),
+        Cell::maybe(row.chord_error_mm_max),
+        Cell::maybe(row.position_error_mm_max),
+        Cell::maybe(row.end_error_mm),
+    ]
+}
+
+/// A verdict in words.
+pub(crate) fn verdict(verdict: &Verdict) -> String {
+    match verdict {
+        Verdict::Good => "good".to_string(),
+        Verdict::Bad(reasons) => reasons.join("; "),
+        Verdict::Refused(reason) => format!("refused: {reason}"),
+    }
+}
+
+/// The recommended run against each requirement.
+pub(crate) fn margins(margins: &[Margin]) -> Table {
+    let columns = [
+        ("requirement", "requirement"),
+        ("found", "found"),
+        ("limit", "limit"),
+        ("unit", "unit"),
+        ("used_percent", "used [%]"),
+    ];
+    let row = |margin: &Margin| {
+        vec![
+            Cell::text(margin.requirement),
+            Cell::Number(margin.found),
+            Cell::Number(margin.limit),
+            Cell::text(margin.unit),
+            Cell::maybe(margin.used().map(|used| used * 100.0)),
+        ]
+    };
+    Table {
+        name: "margins".into(),
+        title: "The recommended format against each requirement".into(),
+        columns: columns.map(|(key, heading)| Column { key, heading }).to_vec(),
+        rows: margins.iter().map(row).collect(),
+    }
+}
+
+/// What a period costs, a row a run and target; none if the comparison was not priced.
+pub(crate) fn costs(material: &Material<'_>, runs: &[RunView<'_>]) -> Option<Table> {
+    let columns = [
+        ("target", "target"),
+        ("format", "format"),
+        ("path", "path"),
+        ("mean", "a period, mean"),
+        ("worst", "worst"),
+        ("worst_low", "worst, low"),
+        ("worst_high", "worst, high"),
+        ("unit", "counted"),
+        ("worst_us", "worst [µs]"),
+        ("share_of_period", "share of the period"),
+        ("dsp_blocks", "DSP blocks"),
+        ("most_work_in", "most work in"),
+    ];
+    let mut rows = Vec::new();
+    for target in material.targets {
+        for run in runs {
+            let Some(cost) = run.row.cycles.get(&target.name) else { continue };
+            let mut cells = vec![
+                Cell::text(&target.name),
+                Cell::text(&run.row.format),
+                Cell::text(run.row.engine.to_string()),
+            ];
+            match cost {
+                Cost::Known(cost) => cells.extend([
+                    Cell::Number(cost.mean),
+                    Cell::Number(cost.max),
+                    Cell::Number(cost.max_range[0]),
+                    Cell::Number(cost.max_range[1]),
+                    Cell::text(match cost.measure {
+                        target_cost::Measure::Cycles => "cycles",
+                        target_cost::Measure::Instructions => "instructions",
+                    }),
+                    Cell::maybe(cost.microseconds_max),
+                    Cell::maybe(cost.share_of_period),
+                    Cell::maybe(cost.dsp_blocks.map(Into::into)),
+                    Cell::text(cost.dominating),
+                ]),
+                Cost::Unknown { unknown } => {
+                    cells.extend(vec![Cell::Nothing; 8]);
+                    cells.push(Cell::text(format!("unknown: nobody publishes its {unknown}")));
+                }
+            }
+            rows.push(cells);
+        }
+    }
+    (!rows.is_empty()).then(|| Table {
+        name: "costs".into(),
+        title: "What a period costs".into(),
+        columns: columns.map(|(key, heading)| Column { key, heading }).to_vec(),
+        rows,
+    })
+}
