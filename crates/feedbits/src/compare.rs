@@ -1,16 +1,20 @@
 //! `feedbits compare`: formats side by side.
 
+use std::path::PathBuf;
+
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
 use format_compare::{
-    Comparison, Dimension, Engine, Options, PlanIn, Problem, ProfileKind, Row, Space, Verdict,
+    Comparison, Dimension, Engine, JudgedStep, Options, PlanIn, Problem, ProfileKind, Row, Run, Space, Trace,
+    Verdict,
 };
 use target_cost::Target;
 
 use crate::input::{AnyProblem, Input};
+use crate::progress::Progress;
 use crate::targets::{self, TargetArguments};
-use crate::{Ending, output};
+use crate::{Ending, output, report};
 
 /// Options of `compare`.
 #[derive(Args)]
@@ -24,6 +28,9 @@ pub(crate) struct Arguments {
     formats: Vec<String>,
     #[command(flatten)]
     targets: TargetArguments,
+    /// Write a report into this folder: index.html, each picture as SVG, each table as CSV and JSON.
+    #[arg(long, value_name = "DIR")]
+    report: Option<PathBuf>,
     #[command(flatten)]
     output: output::Output,
 }
@@ -171,37 +178,46 @@ impl RunArguments {
     }
 }
 
-/// Compares and prints.
+/// Compares and prints; writes the report if one is asked for.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     let targets = arguments.targets.read()?;
-    let comparison = match arguments.input.read()? {
-        AnyProblem::Planar(problem) => compare(&problem, &targets, arguments)?,
-        AnyProblem::Spatial(problem) => compare(&problem, &targets, arguments)?,
-    };
-    let text = if arguments.output.json {
-        serde_json::to_string_pretty(&comparison)? + "\n"
-    } else {
-        table(&comparison) + &targets::costs(&comparison, &targets)
-    };
-    output::write(arguments.output.out.as_deref(), &text)?;
-    Ok(if comparison.recommended.is_some() { Ending::Good } else { Ending::RequirementNotMet })
+    match arguments.input.read()? {
+        AnyProblem::Planar(problem) => compare(&problem, &targets, arguments),
+        AnyProblem::Spatial(problem) => compare(&problem, &targets, arguments),
+    }
 }
 
-fn compare<const D: usize>(
-    problem: &Problem<D>,
-    targets: &[Target],
-    arguments: &Arguments,
-) -> Result<Comparison>
+fn compare<const D: usize>(problem: &Problem<D>, targets: &[Target], arguments: &Arguments) -> Result<Ending>
 where
     Space: Dimension<D>,
 {
     let formats = selected(&arguments.formats)?;
     let (engines, options) = (arguments.run.engines()?, arguments.run.options()?);
-    let mut comparison = format_compare::compare(problem, &formats, &engines, &options)?;
+    let progress = Progress::of("runs", formats.len() * engines.len());
+    let wanted = arguments.report.is_some();
+    let keep = |_: &Row, run: Option<(&Run, &[JudgedStep])>| {
+        let trace = run.filter(|_| wanted).map(|(run, steps)| Trace::of(problem, run, steps));
+        progress.step();
+        trace
+    };
+    let (mut comparison, traces) = format_compare::compare_with(problem, &formats, &engines, &options, keep)?;
+    progress.finish();
     if !targets.is_empty() {
-        format_compare::price(&mut comparison, problem, targets, &options)?;
+        let progress = Progress::of("runs recorded for the targets", comparison.formats.len());
+        format_compare::price_with(&mut comparison, problem, targets, &options, || progress.step())?;
+        progress.finish();
     }
-    Ok(comparison)
+    let text = if arguments.output.json {
+        serde_json::to_string_pretty(&comparison)? + "\n"
+    } else {
+        table(&comparison) + &targets::costs(&comparison, targets)
+    };
+    output::write(arguments.output.out.as_deref(), &text)?;
+    if let Some(folder) = &arguments.report {
+        let page = report::write(folder, problem, &comparison, (&traces, targets), &options)?;
+        output::note(&format!("report in {}", page.display()));
+    }
+    Ok(if comparison.recommended.is_some() { Ending::Good } else { Ending::RequirementNotMet })
 }
 
 /// The formats of these names, or all if none is given.

@@ -6,11 +6,15 @@ mod convert;
 mod formats;
 mod input;
 mod interpolate;
+mod merge;
 mod output;
 mod plan;
+mod progress;
+mod report;
 mod servo;
 mod size;
 mod smooth;
+mod sweep;
 mod targets;
 
 use std::process::ExitCode;
@@ -21,7 +25,7 @@ use clap::{Parser, Subcommand};
 ///
 /// Runs a NURBS part program with a machine's limits in many number formats, through the same planner and the same
 /// real-time interpolator, and says which format is the cheapest that is good enough. Without arguments it compares the
-/// built-in example.
+/// built-in example and writes a report into feedbits-report/.
 #[derive(Parser)]
 #[command(
     version,
@@ -29,6 +33,9 @@ use clap::{Parser, Subcommand};
     after_help = "Exit status: 0 good, 1 a stated requirement is not met, 2 bad input or usage."
 )]
 struct Arguments {
+    /// Print nothing but results, warnings and errors: no progress, no notes.
+    #[arg(long, short, global = true)]
+    quiet: bool,
     #[command(subcommand)]
     command: Option<Command>,
 }
@@ -43,6 +50,10 @@ enum Command {
     Plan(plan::Arguments),
     /// Find the fewest bits that are enough.
     Size(size::Arguments),
+    /// Compare over interpolation periods, feeds and part sizes: where does a format stay good?
+    Sweep(sweep::Arguments),
+    /// Join the files of a sweep's shards.
+    Merge(merge::Arguments),
     /// Simulate the axis servo loops: following and contour error per format, circle test, tuning table.
     Servo(servo::Arguments),
     /// Smooth the corners of straight moves and arcs within a tolerance: corner by corner, and the time it saves.
@@ -65,8 +76,12 @@ enum Ending {
 }
 
 fn main() -> ExitCode {
-    let by_default = || Arguments::parse_from(["feedbits", "compare"]).command;
-    let Some(command) = Arguments::parse().command.or_else(by_default) else {
+    let arguments = Arguments::parse();
+    if arguments.quiet {
+        output::be_quiet();
+    }
+    let by_default = || Arguments::parse_from(["feedbits", "compare", "--report", report::FOLDER]).command;
+    let Some(command) = arguments.command.or_else(by_default) else {
         return ExitCode::from(2);
     };
     let ending = match command {
@@ -74,6 +89,8 @@ fn main() -> ExitCode {
         Command::Interpolate(arguments) => interpolate::run(&arguments),
         Command::Plan(arguments) => plan::run(&arguments),
         Command::Size(arguments) => size::run(&arguments),
+        Command::Sweep(arguments) => sweep::run(&arguments),
+        Command::Merge(arguments) => merge::run(&arguments),
         Command::Servo(arguments) => servo::run(&arguments),
         Command::Smooth(arguments) => smooth::run(&arguments),
         Command::Targets(arguments) => targets::run(&arguments),

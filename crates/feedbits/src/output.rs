@@ -2,6 +2,7 @@
 
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::{Context, Result};
 use clap::Args;
@@ -15,6 +16,26 @@ pub(crate) struct Output {
     /// JSON instead of a table.
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+/// Whether nothing but results, warnings and errors is to be printed.
+static QUIET: AtomicBool = AtomicBool::new(false);
+
+/// Prints nothing but results, warnings and errors from here on.
+pub(crate) fn be_quiet() {
+    QUIET.store(true, Ordering::Relaxed);
+}
+
+/// Whether nothing but results, warnings and errors is to be printed.
+pub(crate) fn is_quiet() -> bool {
+    QUIET.load(Ordering::Relaxed)
+}
+
+/// Says something beside the result.
+pub(crate) fn note(text: &str) {
+    if !is_quiet() {
+        eprintln!("feedbits: {text}");
+    }
 }
 
 /// Writes `text` to `path`, or to the terminal if there is none. The file is written under another name beside its

@@ -9,6 +9,7 @@ use format_compare::{Dimension, Mixed, Problem, Sizing, Space};
 
 use crate::compare::{RunArguments, selected};
 use crate::input::{AnyProblem, Input};
+use crate::progress::Progress;
 use crate::{Ending, output};
 
 /// Options of `size`.
@@ -24,10 +25,12 @@ pub(crate) struct Arguments {
 
 /// Searches and prints.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
+    let progress = Progress::spinning("running the path in formats of 12 to 48 bits");
     let sizing = match arguments.input.read()? {
         AnyProblem::Planar(problem) => size(&problem, arguments)?,
         AnyProblem::Spatial(problem) => size(&problem, arguments)?,
     };
+    progress.finish();
     let text =
         if arguments.output.json { serde_json::to_string_pretty(&sizing)? + "\n" } else { report(&sizing)? };
     output::write(arguments.output.out.as_deref(), &text)?;

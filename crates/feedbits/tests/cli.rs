@@ -29,7 +29,9 @@ fn written(folder: &Path, name: &str, content: &str) -> String {
 
 #[test]
 fn without_arguments_the_built_in_example_is_compared() {
-    let output = feedbits(&[]);
+    let folder = folder();
+    let output = Command::new(env!("CARGO_BIN_EXE_feedbits")).current_dir(folder.path()).output();
+    let output = output.expect("the program starts");
     let table = text(&output.stdout);
     assert_eq!(output.status.code(), Some(0), "{table}{}", text(&output.stderr));
     for expected in [

@@ -1,0 +1,59 @@
+//! `feedbits merge`: the files of a sweep's shards as one.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use anyhow::{Result, bail};
+use clap::Args;
+use format_report::SweepCell;
+
+use crate::{Ending, input, output, sweep};
+
+/// Options of `merge`.
+#[derive(Args)]
+pub(crate) struct Arguments {
+    /// Files that `feedbits sweep` wrote, of the same sweep.
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<PathBuf>,
+    /// The file of all their cells.
+    #[arg(long, value_name = "PATH")]
+    out: PathBuf,
+    /// Write a report into this folder, with a heat map for each format.
+    #[arg(long, value_name = "DIR")]
+    report: Option<PathBuf>,
+}
+
+/// Joins and writes.
+pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
+    let mut joined = None;
+    let mut cells: BTreeMap<usize, (SweepCell, String)> = BTreeMap::new();
+    for path in &arguments.files {
+        let name = path.display().to_string();
+        let text = input::text(path)?;
+        // The last line may be torn, or its cell may still be written.
+        let (plan, found) = sweep::parsed(&name, text.rfind('\n').map_or("", |end| &text[..=end]))?;
+        match &joined {
+            None => joined = Some((plan, name.clone())),
+            Some((first, of)) if *first != plan => bail!(
+                "{of} and {name} are of different sweeps: expected the same part, machine, grid, formats and options"
+            ),
+            Some(_) => {}
+        }
+        for cell in found {
+            if let Some((known, of)) = cells.get(&cell.cell)
+                && *known != cell
+            {
+                bail!("{of} and {name} contradict each other on cell {}", cell.cell);
+            }
+            cells.entry(cell.cell).or_insert((cell, name.clone()));
+        }
+    }
+    let Some((plan, _)) = joined else { bail!("expected at least one file") };
+    let cells: Vec<SweepCell> = cells.into_values().map(|(cell, _)| cell).collect();
+    let mut text = serde_json::to_string(&plan)? + "\n";
+    for cell in &cells {
+        text += &(serde_json::to_string(cell)? + "\n");
+    }
+    output::write(Some(&arguments.out), &text)?;
+    sweep::conclude(&plan, &cells, &arguments.out, arguments.report.as_deref())
+}

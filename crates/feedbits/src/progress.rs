@@ -1,0 +1,49 @@
+//! How far a long command is: a bar on a terminal, nothing elsewhere.
+
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::output;
+
+/// A bar on the terminal's error stream. What is over within half a second is not drawn.
+pub(crate) struct Progress(ProgressBar);
+
+impl Progress {
+    /// A bar of so many steps.
+    pub(crate) fn of(what: &'static str, steps: usize) -> Self {
+        let bar = if output::is_quiet() { ProgressBar::hidden() } else { ProgressBar::new(steps as u64) };
+        if let Ok(style) = ProgressStyle::with_template("{bar:30} {pos}/{len} {msg}, {elapsed} (eta {eta})") {
+            bar.set_style(style);
+        }
+        Self(bar.with_message(what))
+    }
+
+    /// The same where nobody knows how many steps there will be.
+    pub(crate) fn spinning(what: &'static str) -> Self {
+        let bar = if output::is_quiet() { ProgressBar::hidden() } else { ProgressBar::new_spinner() };
+        bar.enable_steady_tick(Duration::from_millis(200));
+        Self(bar.with_message(what))
+    }
+
+    /// One step is done.
+    pub(crate) fn step(&self) {
+        self.0.inc(1);
+    }
+
+    /// So many steps were done before.
+    pub(crate) fn start_at(&self, steps: usize) {
+        self.0.set_position(steps as u64);
+    }
+
+    /// Takes the bar away.
+    pub(crate) fn finish(&self) {
+        self.0.finish_and_clear();
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.finish();
+    }
+}

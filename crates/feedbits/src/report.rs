@@ -1,0 +1,129 @@
+//! The report of a comparison, as a folder.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+use format_compare::{
+    Comparison, Dimension, Engine, FeedSample, JudgedStep, Options, PlanIn, Problem, Run, Space, Trace,
+    Verdict,
+};
+use format_report::{Material, Report, Schedule, Solver};
+use target_cost::{StepCost, Target, built_in};
+
+use crate::output;
+
+/// Where the report goes when no command is given.
+pub(crate) const FOLDER: &str = "feedbits-report";
+
+/// Targets whose schedule is shown when none is named: one that does a thing at a time, one that does many.
+const SHOWN_TARGETS: [&str; 2] = ["cortex-m4f", "dsp48"];
+
+/// Periods among which the most common one is scheduled.
+const RECORDED_PERIODS: usize = 200;
+
+/// Writes the report and returns the page's path. The page is written last, so it never names a file that is not there.
+pub(crate) fn write<const D: usize>(
+    folder: &Path,
+    problem: &Problem<D>,
+    comparison: &Comparison,
+    (traces, targets): (&[Option<Trace>], &[Target]),
+    options: &Options,
+) -> Result<PathBuf>
+where
+    Space: Dimension<D>,
+{
+    let plan = sampled_plan(problem, options)?;
+    let solvers = solvers(problem, options)?;
+    let known: Vec<Target> = if targets.is_empty() {
+        built_in()?.into_iter().filter(|target| SHOWN_TARGETS.contains(&target.name.as_str())).collect()
+    } else {
+        targets.to_vec()
+    };
+    let schedules = schedules(problem, comparison, &known, options)?;
+    let command = std::env::args().skip(1).collect::<Vec<_>>().join(" ");
+    let report = Report::of(&Material {
+        comparison,
+        traces,
+        plan: &plan,
+        solvers: &solvers,
+        targets,
+        schedules: &schedules,
+        command: format!("feedbits {command}").trim_end(),
+    })?;
+    into(folder, &report.files)
+}
+
+/// Writes files into a folder, which is made if there is none; the first of them last. Returns that one's path.
+pub(crate) fn into(folder: &Path, files: &[(String, String)]) -> Result<PathBuf> {
+    fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
+    for (name, content) in files.iter().rev() {
+        output::write(Some(&folder.join(name)), content)?;
+    }
+    Ok(folder.join(files.first().map_or("", |(name, _)| name)))
+}
+
+/// The plan, a sample a period; nothing if each format plans for itself.
+fn sampled_plan<const D: usize>(problem: &Problem<D>, options: &Options) -> Result<Vec<FeedSample>>
+where
+    Space: Dimension<D>,
+{
+    let PlanIn::Format(name) = options.plan_in else { return Ok(Vec::new()) };
+    let Some(format) = by_name(&name.to_string()) else { return Ok(Vec::new()) };
+    Ok(format_compare::plan_for(problem, format.as_ref(), options)?.sampled(problem, 1)?)
+}
+
+/// The papers' solvers in f64, by the same plan; they run on a single curve only.
+fn solvers<const D: usize>(problem: &Problem<D>, options: &Options) -> Result<Vec<Solver>>
+where
+    Space: Dimension<D>,
+{
+    let Some(format) = by_name("f64").filter(|_| problem.curves.len() == 1) else { return Ok(Vec::new()) };
+    let engines = [Engine::DeBoorSecant, Engine::DeBoorTaylor1, Engine::DeBoorTaylor2];
+    let keep = |_: &format_compare::Row, run: Option<(&Run, &[JudgedStep])>| {
+        run.map(|(run, steps)| Trace::of(problem, run, steps))
+    };
+    let (_, traces) = format_compare::compare_with(problem, &[format], &engines, options, keep)?;
+    let named = ["secant", "Taylor, first order", "Taylor, second order"].into_iter().zip(traces);
+    Ok(named.filter_map(|(name, trace)| Some(Solver { name: name.to_string(), trace: trace? })).collect())
+}
+
+/// The most common period of the recommended run, or of the last that was not refused, on each target that has a price
+/// for it.
+fn schedules<'a, const D: usize>(
+    problem: &Problem<D>,
+    comparison: &Comparison,
+    targets: &'a [Target],
+    options: &Options,
+) -> Result<Vec<Schedule<'a>>>
+where
+    Space: Dimension<D>,
+{
+    let recommended = |row: &&format_compare::Row| {
+        Some(&row.format) == comparison.recommended.as_ref()
+            && Some(row.engine) == comparison.recommended_engine
+    };
+    let mut ran = comparison.formats.iter().filter(|row| !matches!(row.verdict, Verdict::Refused(_)));
+    let Some(row) = comparison.formats.iter().find(recommended).or_else(|| ran.next_back()) else {
+        return Ok(Vec::new());
+    };
+    let Some(format) = by_name::<D>(&row.format) else { return Ok(Vec::new()) };
+    let options = Options { engine: row.engine, ..options.clone() };
+    let plan = format_compare::plan_for(problem, format.as_ref(), &options)?;
+    let recorded = Space::record(format.name(), problem, &plan, &options, RECORDED_PERIODS)?;
+    let Some((step, _)) = recorded.steps.iter().max_by_key(|(_, count)| *count) else {
+        return Ok(Vec::new());
+    };
+    let schedule = |target: &'a Target| {
+        let cost = StepCost::of(step, target, format.name()).ok()?;
+        Some(Schedule { target, run: format!("{} {}", row.format, row.engine), cost })
+    };
+    Ok(targets.iter().filter_map(schedule).collect())
+}
+
+fn by_name<const D: usize>(name: &str) -> Option<Box<dyn format_compare::Format<D>>>
+where
+    Space: Dimension<D>,
+{
+    format_compare::select(&[name.to_string()]).ok().and_then(|mut found| found.pop())
+}

@@ -1,0 +1,419 @@
+//! `feedbits sweep`: for which periods, feeds and part sizes does a format stay good?
+
+use std::fs::{File, OpenOptions};
+use std::io::{Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+use std::sync::Mutex;
+
+use anyhow::{Context, Result, bail};
+use clap::Args;
+use format_compare::{Dimension, Engine, Format, Options, Problem, Reference, Row, Space, Verdict};
+use format_report::{Sweep, SweepCell, SweepResult};
+use part_program::{Machine, Part};
+
+use crate::compare::{RunArguments, selected};
+use crate::input::Input;
+use crate::progress::Progress;
+use crate::{Ending, output, report};
+
+/// Options of `sweep`.
+#[derive(Args)]
+pub(crate) struct Arguments {
+    #[command(flatten)]
+    input: Input,
+    #[command(flatten)]
+    run: RunArguments,
+    /// Interpolation periods, in ms: `lo..hi` in equal ratios, `lo..hi/N` with N points, or one value. Default: the
+    /// machine's.
+    #[arg(long, value_name = "LO..HI")]
+    period: Option<Span>,
+    /// Commanded feeds, in mm/s, in the same form. Default: the part's or the machine's.
+    #[arg(long, value_name = "LO..HI")]
+    feed: Option<Span>,
+    /// Sizes of the part, in mm, in the same form: it is scaled until its largest extent is that. Default: as it is.
+    #[arg(long, value_name = "LO..HI")]
+    scale: Option<Span>,
+    /// Points of each span that does not say.
+    #[arg(long, value_name = "N", default_value_t = 5)]
+    points: usize,
+    /// The formats to run, comma-separated. Default: all; see `feedbits formats`.
+    #[arg(long, visible_alias = "format", value_delimiter = ',', value_name = "F,F")]
+    formats: Vec<String>,
+    /// The most periods of a run; a cell that needs more is left out, and says so.
+    #[arg(long, value_name = "N", default_value_t = 100_000)]
+    most_periods: u32,
+    /// Run only the cells of shard i of n, as in 1/4; the first is 1. `feedbits merge` joins the files.
+    #[arg(long, value_name = "I/N", default_value = "1/1")]
+    shard: Shard,
+    /// The file of results, a line of JSON a cell. Cells that it has are not run again.
+    #[arg(long, value_name = "PATH", default_value = "sweep.jsonl")]
+    out: PathBuf,
+    /// Write a report into this folder, with a heat map for each format.
+    #[arg(long, value_name = "DIR")]
+    report: Option<PathBuf>,
+}
+
+/// A range of values in equal ratios.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Span {
+    low: f64,
+    high: f64,
+    points: Option<usize>,
+}
+
+impl FromStr for Span {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let expected =
+            || format!("{text:?}: expected a positive number, LO..HI or LO..HI/N, as in 0.25..4/8");
+        let number = |text: &str| {
+            text.trim().parse::<f64>().ok().filter(|x| *x > 0.0 && x.is_finite()).ok_or_else(expected)
+        };
+        let (range, points) = match text.split_once('/') {
+            Some((range, points)) => (
+                range,
+                Some(points.trim().parse().ok().filter(|n| (1..=1000).contains(n)).ok_or_else(expected)?),
+            ),
+            None => (text, None),
+        };
+        let Some((low, high)) = range.split_once("..") else {
+            let value = number(range)?;
+            return Ok(Self { low: value, high: value, points: Some(1) });
+        };
+        let (low, high) = (number(low)?, number(high)?);
+        if low > high { Err(expected()) } else { Ok(Self { low, high, points }) }
+    }
+}
+
+impl Span {
+    /// The values, both ends included.
+    fn values(self, points: usize) -> Vec<f64> {
+        let points = if self.low < self.high { self.points.unwrap_or(points).max(1) } else { 1 };
+        let last = points - 1;
+        let value = |place: usize| match place {
+            0 => self.low,
+            _ if place == last => self.high,
+            _ => rounded(self.low * (self.high / self.low).powf(place as f64 / last as f64)),
+        };
+        (0..points).map(value).collect()
+    }
+}
+
+/// Six digits: a grid's values are read by people.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.5e}").parse().unwrap_or(value)
+}
+
+/// Shard i of n, from 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Shard {
+    index: usize,
+    count: usize,
+}
+
+impl FromStr for Shard {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let parts = text.split_once('/').and_then(|(i, n)| Some((i.parse().ok()?, n.parse().ok()?)));
+        parts
+            .filter(|(index, count)| 1 <= *index && index <= count)
+            .map(|(index, count)| Self { index, count })
+            .ok_or_else(|| format!("{text:?}: expected I/N with 1 ≤ I ≤ N, as in 2/8"))
+    }
+}
+
+impl Shard {
+    fn has(self, cell: usize) -> bool {
+        cell % self.count == self.index - 1
+    }
+}
+
+/// What every cell is made from.
+struct Base {
+    part: Part,
+    machine: Machine,
+    /// Largest extent, in mm.
+    extent_mm: f64,
+    /// Arc length, in mm.
+    length_mm: f64,
+}
+
+/// Sweeps, or goes on where an earlier run ended.
+pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
+    let (part, machine) = arguments.input.part_and_machine()?;
+    if part.curves.iter().all(|curve| curve.dimension == 2) {
+        sweep::<2>(part, machine, arguments)
+    } else {
+        sweep::<3>(part, machine, arguments)
+    }
+}
+
+fn sweep<const D: usize>(part: Part, machine: Machine, arguments: &Arguments) -> Result<Ending>
+where
+    Space: Dimension<D>,
+{
+    let formats = selected::<D>(&arguments.formats)?;
+    let (engines, options) = (arguments.run.engines()?, arguments.run.options()?);
+    let base = Base::new::<D>(part, machine)?;
+    let plan = base.sweep(arguments, &formats, &engines, &options)?;
+    let (mut file, done) = resume(&arguments.out, &plan)?;
+    let left: Vec<usize> = (0..plan.len())
+        .filter(|cell| arguments.shard.has(*cell) && !done.iter().any(|known| known.cell == *cell))
+        .collect();
+    let progress = Progress::of("cells", left.len() + done.len());
+    progress.start_at(done.len());
+    file.seek(SeekFrom::End(0))?;
+    let file = Mutex::new(file);
+    let cells = format_compare::in_parallel(&left, |number| -> Result<SweepCell> {
+        let cell = base.cell(&plan, *number, arguments.most_periods, (&formats, &engines, &options))?;
+        let line = serde_json::to_string(&cell)? + "\n";
+        // A line is written at once, so that an interrupted sweep tears the last one at most.
+        let mut file = file.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        file.write_all(line.as_bytes())
+            .and_then(|()| file.flush())
+            .context("cannot write a finished cell")?;
+        progress.step();
+        Ok(cell)
+    });
+    progress.finish();
+    let mut cells: Vec<SweepCell> =
+        cells.into_iter().chain(done.into_iter().map(Ok)).collect::<Result<_>>()?;
+    cells.sort_by_key(|cell| cell.cell);
+    conclude(&plan, &cells, &arguments.out, arguments.report.as_deref())
+}
+
+/// Says what came out, and writes the report if one is asked for.
+pub(crate) fn conclude(
+    plan: &Sweep,
+    cells: &[SweepCell],
+    file: &Path,
+    folder: Option<&Path>,
+) -> Result<Ending> {
+    let mut text = format!("{} of {} cells in {}\n", cells.len(), plan.len(), file.display());
+    for (run, name) in plan.runs.iter().enumerate() {
+        let results = || cells.iter().filter_map(|cell| cell.results.get(run));
+        let (good, all) = (results().filter(|result| result.good).count(), results().count());
+        text += &format!("{name}: good in {good} of {all}\n");
+    }
+    let skipped = cells.iter().filter(|cell| cell.skipped.is_some()).count();
+    if skipped > 0 {
+        text += &format!("{skipped} cells were not run; the file says why\n");
+    }
+    output::write(None, &text)?;
+    if let Some(folder) = folder {
+        let command = format!("feedbits {}", std::env::args().skip(1).collect::<Vec<_>>().join(" "));
+        let page = report::into(folder, &plan.report(cells, &command)?.files)?;
+        output::note(&format!("report in {}", page.display()));
+    }
+    Ok(Ending::Good)
+}
+
+impl Base {
+    fn new<const D: usize>(part: Part, machine: Machine) -> Result<Self> {
+        let problem = Problem::<D>::new(&part, &machine)?;
+        let mut extent_mm = 0.0_f64;
+        for axis in 0..D {
+            let points = problem.curves.iter().flat_map(|curve| curve.control_points());
+            let (low, high) = points
+                .map(|point| point[axis])
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+            extent_mm = extent_mm.max(high - low);
+        }
+        if extent_mm <= 0.0 || !extent_mm.is_finite() {
+            bail!("{}: the part has no extent", part.name);
+        }
+        let length_mm = Reference::new(&problem)?.length_mm();
+        Ok(Self { part, machine, extent_mm, length_mm })
+    }
+
+    fn sweep<const D: usize>(
+        &self,
+        arguments: &Arguments,
+        formats: &[Box<dyn Format<D>>],
+        engines: &[Engine],
+        options: &Options,
+    ) -> Result<Sweep> {
+        let values = |span: Option<Span>, own: f64| {
+            span.map_or_else(|| vec![own], |span| span.values(arguments.points))
+        };
+        let own_feed = self.part.feedrate_mm_per_s.unwrap_or(self.machine.feedrate_mm_per_s);
+        let runs = formats.iter().flat_map(|format| engines.iter().map(move |engine| (format, engine)));
+        let plan = Sweep {
+            part: self.part.name.clone(),
+            fingerprint: fingerprint(&format!(
+                "{:?}{}{options:?}{}{}",
+                self.part.curves,
+                serde_json::to_string(&self.machine)?,
+                arguments.most_periods,
+                env!("CARGO_PKG_VERSION"),
+            )),
+            fluctuation_limit: self.machine.fluctuation_limit,
+            periods_ms: values(arguments.period, self.machine.interpolation_period_ms),
+            feeds_mm_per_s: values(arguments.feed, own_feed),
+            sizes_mm: values(arguments.scale, self.extent_mm),
+            runs: runs.map(|(format, engine)| format!("{} {engine}", format.name())).collect(),
+        };
+        if plan.len() > 1_000_000 {
+            bail!("{} cells: expected at most a million", plan.len());
+        }
+        Ok(plan)
+    }
+
+    fn cell<const D: usize>(
+        &self,
+        plan: &Sweep,
+        number: usize,
+        most_periods: u32,
+        (formats, engines, options): (&[Box<dyn Format<D>>], &[Engine], &Options),
+    ) -> Result<SweepCell>
+    where
+        Space: Dimension<D>,
+    {
+        let Some((period_ms, feed_mm_per_s, size_mm)) = plan.place(number) else {
+            bail!("cell {number} of {}: there is none", plan.len());
+        };
+        let mut cell =
+            SweepCell { cell: number, period_ms, feed_mm_per_s, size_mm, skipped: None, results: Vec::new() };
+        let scale = size_mm / self.extent_mm;
+        let periods = self.length_mm * scale / (feed_mm_per_s * period_ms * 1e-3);
+        if periods > f64::from(most_periods) {
+            cell.skipped = Some(format!("takes {periods:.0} periods, more than {most_periods}"));
+            return Ok(cell);
+        }
+        let problem = self.scaled::<D>(scale, period_ms, feed_mm_per_s)?;
+        // A format at a time: the cells are what all cores work on.
+        for format in formats {
+            let name = [format.name().to_string()];
+            for engine in engines {
+                match format_compare::compare(&problem, &selected::<D>(&name)?, &[*engine], options) {
+                    Ok(comparison) => cell.results.extend(comparison.formats.first().map(result)),
+                    Err(refusal) => {
+                        cell.skipped = Some(refusal.to_string());
+                        cell.results.clear();
+                        return Ok(cell);
+                    }
+                }
+            }
+        }
+        Ok(cell)
+    }
+
+    fn scaled<const D: usize>(&self, scale: f64, period_ms: f64, feed_mm_per_s: f64) -> Result<Problem<D>> {
+        let mut part = self.part.clone();
+        for point in part.curves.iter_mut().flat_map(|curve| &mut curve.control_points_mm) {
+            *point = point.map(|x| x * scale);
+        }
+        part.feedrate_mm_per_s = Some(feed_mm_per_s);
+        let mut machine = self.machine.clone();
+        machine.interpolation_period_ms = period_ms;
+        Ok(Problem::new(&part, &machine)?)
+    }
+}
+
+fn result(row: &Row) -> SweepResult {
+    SweepResult {
+        good: row.verdict.is_good(),
+        fluctuation: row.fluctuation.map(|fluctuation| fluctuation.cruise_max_abs),
+        reason: match &row.verdict {
+            Verdict::Good => String::new(),
+            Verdict::Bad(reasons) => reasons.join("; "),
+            Verdict::Refused(reason) => format!("refused: {reason}"),
+        },
+    }
+}
+
+/// A number of 64 bits that differs for different texts, all but certainly: the hash of Fowler, Noll and Vo, version 1a,
+/// which is the same everywhere and always.
+fn fingerprint(text: &str) -> String {
+    let hash = text.bytes().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
+        (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)
+    });
+    format!("{hash:016x}")
+}
+
+/// Opens a sweep's file, with the cells that it has. A last line that was torn is cut off.
+fn resume(path: &Path, plan: &Sweep) -> Result<(File, Vec<SweepCell>)> {
+    let cannot = || format!("cannot open {}", path.display());
+    let mut file = OpenOptions::new()
+        .read(true)
+        .write(true)
+        .create(true)
+        .truncate(false)
+        .open(path)
+        .with_context(cannot)?;
+    let mut text = String::new();
+    file.read_to_string(&mut text).with_context(cannot)?;
+    let whole = text.rfind('\n').map_or(0, |end| end + 1);
+    if whole < text.len() {
+        output::note(&format!("the last line of {} was torn and is run again", path.display()));
+    }
+    file.set_len(whole as u64).with_context(cannot)?;
+    if whole == 0 {
+        file.seek(SeekFrom::Start(0))?;
+        file.write_all((serde_json::to_string(plan)? + "\n").as_bytes()).with_context(cannot)?;
+        return Ok((file, Vec::new()));
+    }
+    let (found, cells) = parsed(&path.display().to_string(), &text[..whole])?;
+    if found != *plan {
+        bail!(
+            "{} is of another sweep (another part, machine, grid, list of formats or options): give another --out, or the \
+             arguments it was begun with",
+            path.display()
+        );
+    }
+    Ok((file, cells))
+}
+
+/// What a sweep's file says. Every cell is where its number says, and has a result for each run or a reason.
+pub(crate) fn parsed(name: &str, text: &str) -> Result<(Sweep, Vec<SweepCell>)> {
+    let mut lines = text.lines().enumerate();
+    let Some((_, first)) = lines.next() else { bail!("{name}: expected the file of a sweep, found nothing") };
+    let plan: Sweep = serde_json::from_str(first)
+        .with_context(|| format!("{name}, line 1: expected what is swept, as `feedbits sweep` writes it"))?;
+    let mut cells = Vec::new();
+    for (index, line) in lines {
+        let cell: SweepCell = serde_json::from_str(line)
+            .with_context(|| format!("{name}, line {}: expected a cell of the sweep", index + 1))?;
+        let place = Some((cell.period_ms, cell.feed_mm_per_s, cell.size_mm));
+        let complete = cell.skipped.is_some() || cell.results.len() == plan.runs.len();
+        if plan.place(cell.cell) != place || !complete {
+            bail!("{name}, line {}: cell {} does not belong to the grid of line 1", index + 1, cell.cell);
+        }
+        cells.push(cell);
+    }
+    Ok((plan, cells))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_span_has_equal_ratios_and_its_ends() {
+        let span: Span = "0.25..4/5".parse().expect("a span");
+        assert_eq!(span.values(8), [0.25, 0.5, 1.0, 2.0, 4.0]);
+        assert_eq!("10..1000".parse::<Span>().expect("a span").values(3), [10.0, 100.0, 1000.0]);
+        assert_eq!("3".parse::<Span>().expect("a span").values(9), [3.0]);
+        assert_eq!("1..7/1".parse::<Span>().expect("a span").values(9), [1.0]);
+        for wrong in ["", "..", "4..1", "0..1", "-1", "1..2/0", "1..2/x", "nan", "1..inf"] {
+            assert!(wrong.parse::<Span>().is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn shards_share_the_cells_without_rest() {
+        let shards: Vec<Shard> = (1..=3).map(|i| format!("{i}/3").parse().expect("a shard")).collect();
+        assert!((0..100).all(|cell| shards.iter().filter(|shard| shard.has(cell)).count() == 1));
+        assert!(["0/2", "3/2", "1", "a/b", "1/0"].iter().all(|wrong| wrong.parse::<Shard>().is_err()));
+    }
+
+    /// The published test values of the hash.
+    #[test]
+    fn fingerprints_are_those_of_fnv_1a() {
+        assert_eq!([fingerprint(""), fingerprint("a")], ["cbf29ce484222325", "af63dc4c8601ec8c"]);
+        assert_eq!(fingerprint("foobar"), "85944171f73967e8");
+    }
+}

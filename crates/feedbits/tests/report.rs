@@ -1,0 +1,99 @@
+//! `feedbits compare --report`, as a folder on the disk.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn feedbits(folder: &Path, arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_feedbits"));
+    command.args(arguments).current_dir(folder).output().expect("the program starts")
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+fn files(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).expect("a folder");
+    let mut names: Vec<_> =
+        entries.map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned()).collect();
+    names.sort();
+    names
+}
+
+/// The report stands beside what the command prints, which is the same with it and without.
+#[test]
+fn a_report_is_a_folder_and_changes_nothing_that_is_printed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let arguments = ["compare", "--formats", "I16F16,I8F24,I4F28,f32,f64"];
+    let plain = feedbits(folder.path(), &arguments);
+    let with = feedbits(folder.path(), &[&arguments[..], &["--report", "a/b"]].concat());
+    assert_eq!(with.status.code(), Some(0), "{}", text(&with.stderr));
+    assert_eq!(text(&plain.stdout), text(&with.stdout));
+    assert!(text(&with.stderr).contains("report in a/b/index.html"), "{}", text(&with.stderr));
+    let names = files(&folder.path().join("a/b"));
+    for name in [
+        "index.html",
+        "formats.csv",
+        "formats.json",
+        "margins.csv",
+        "fluctuation.svg",
+        "feed.svg",
+        "acceleration.svg",
+        "jerk.svg",
+        "feed-limit.svg",
+        "chord-error.svg",
+        "solvers.svg",
+        "evaluations.svg",
+        "bits.svg",
+        "path-I8F24_pieces.svg",
+        "ranges-I8F24_pieces.svg",
+        "schedule-dsp48.svg",
+    ] {
+        assert!(names.iter().any(|found| found == name), "{name} in {names:?}");
+    }
+    let size: u64 = names
+        .iter()
+        .map(|name| fs::metadata(folder.path().join("a/b").join(name)).expect("a file").len())
+        .sum();
+    assert!(size < 3_000_000, "the whole folder: {size}");
+    let quiet = feedbits(folder.path(), &[&arguments[..], &["--report", "a/b", "--quiet"]].concat());
+    assert_eq!((text(&quiet.stderr), quiet.status.code()), (String::new(), Some(0)));
+}
+
+/// A priced comparison shows its targets.
+#[test]
+fn a_priced_report_has_costs() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let arguments =
+        ["compare", "--formats", "I4F28", "--evaluate", "pieces", "--targets", "cortex-m3", "--report", "r"];
+    let run = feedbits(folder.path(), &arguments);
+    assert_eq!(run.status.code(), Some(0), "{}", text(&run.stderr));
+    let names = files(&folder.path().join("r"));
+    for name in ["costs.csv", "costs.json", "cycles-cortex-m3.svg", "schedule-cortex-m3.svg"] {
+        assert!(names.iter().any(|found| found == name), "{name} in {names:?}");
+    }
+}
+
+#[test]
+fn a_folder_that_cannot_be_made_is_an_error() {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("file"), "kept").expect("a file");
+    let run = feedbits(folder.path(), &["compare", "--formats", "f64", "--report", "file"]);
+    assert_eq!(run.status.code(), Some(2));
+    assert!(text(&run.stderr).contains("cannot make the folder file"), "{}", text(&run.stderr));
+    assert_eq!(fs::read_to_string(folder.path().join("file")).expect("a file"), "kept");
+}
+
+/// Without a command the built-in example is compared, and the report lies in a folder of a known name.
+#[test]
+fn the_default_run_leaves_a_report() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = feedbits(folder.path(), &[]);
+    assert_eq!(run.status.code(), Some(0), "{}", text(&run.stderr));
+    assert_eq!(
+        text(&run.stderr).lines().collect::<Vec<_>>(),
+        ["feedbits: report in feedbits-report/index.html"]
+    );
+    assert!(folder.path().join("feedbits-report/index.html").exists());
+}

@@ -1,0 +1,149 @@
+//! `feedbits sweep` and `feedbits merge`, as a person or a job array uses them.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+/// A small part, so that many cells are soon run.
+const PART: &str = "[curve]\ndegree = 2\ncontrol_points_mm = [[0, 0], [10, 0], [10, 10]]\nweights = [1, 0.8, 1]\n\
+                    knots = [0, 0, 0, 1, 1, 1]\n\n[machine]\ninterpolation_period_ms = 2.0\nfeedrate_mm_per_s = 100.0\n\
+                    acceleration_mm_per_s2 = 5000.0\njerk_mm_per_s3 = 400000.0\nchord_error_mm = 0.0005\n\
+                    fluctuation_limit = 1e-6\nparameter_tolerance = 1e-6\nmax_iterations = 5\n";
+
+const GRID: [&str; 10] = [
+    "sweep",
+    "p.toml",
+    "--period",
+    "1..4/3",
+    "--feed",
+    "50..100/2",
+    "--scale",
+    "10..100/2",
+    "--formats",
+    "I16F16,I4F28",
+];
+
+fn folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("p.toml"), PART).expect("a part");
+    folder
+}
+
+fn feedbits(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_feedbits"))
+        .args(arguments)
+        .current_dir(folder)
+        .output()
+        .expect("it starts")
+}
+
+fn sweep(folder: &Path, more: &[&str]) -> Output {
+    let output = feedbits(folder, &[&GRID[..], more].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    output
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+/// The lines of a sweep's file but the first, in the order of the cells.
+fn cells(path: &Path) -> Vec<String> {
+    let mut lines: Vec<String> =
+        fs::read_to_string(path).expect("a file").lines().skip(1).map(String::from).collect();
+    let number = |line: &str| serde_json::from_str::<Value>(line).expect("JSON")["cell"].as_u64();
+    lines.sort_by_key(|line| number(line));
+    lines
+}
+
+/// Whatever was finished is kept as it is, a torn line is run again, and the result is that of one run.
+#[test]
+fn an_interrupted_sweep_goes_on_where_it_was() {
+    let folder = folder();
+    let path = folder.path().join("s.jsonl");
+    let whole = sweep(folder.path(), &["--out", "s.jsonl"]);
+    assert!(text(&whole.stdout).starts_with("12 of 12 cells in s.jsonl\n"), "{}", text(&whole.stdout));
+    let all = cells(&path);
+    assert_eq!(all.len(), 12);
+    let first: Value = serde_json::from_str(&all[0]).expect("JSON");
+    assert_eq!(
+        (first["period_ms"].as_f64(), first["results"].as_array().map(Vec::len)),
+        (Some(1.0), Some(4))
+    );
+    assert_eq!(first["results"][3]["good"], true, "I4F28 on pieces: {first}");
+
+    let content = fs::read_to_string(&path).expect("a file");
+    let lines: Vec<&str> = content.lines().collect();
+    let torn = format!("{}\n{}", lines[..5].join("\n"), &lines[5][..lines[5].len() / 2]);
+    fs::write(&path, &torn).expect("a file");
+    let resumed = sweep(folder.path(), &["--out", "s.jsonl"]);
+    assert!(text(&resumed.stderr).contains("torn"), "{}", text(&resumed.stderr));
+    assert_eq!(cells(&path), all);
+    let now = fs::read_to_string(&path).expect("a file");
+    assert!(now.starts_with(&(lines[..5].join("\n") + "\n")), "finished cells stay where they were");
+
+    // A sweep that is finished runs nothing.
+    sweep(folder.path(), &["--out", "s.jsonl"]);
+    assert_eq!(fs::read_to_string(&path).expect("a file"), now);
+}
+
+#[test]
+fn shards_together_are_the_whole() {
+    let folder = folder();
+    sweep(folder.path(), &["--out", "whole.jsonl"]);
+    for shard in ["1/3", "2/3", "3/3"] {
+        sweep(folder.path(), &["--shard", shard, "--out", &format!("{}.jsonl", &shard[..1])]);
+    }
+    let arguments = ["merge", "3.jsonl", "1.jsonl", "2.jsonl", "--out", "joined.jsonl", "--report", "maps"];
+    let merged = feedbits(folder.path(), &arguments);
+    assert_eq!(merged.status.code(), Some(0), "{}", text(&merged.stderr));
+    assert_eq!(cells(&folder.path().join("joined.jsonl")), cells(&folder.path().join("whole.jsonl")));
+    let page = fs::read_to_string(folder.path().join("maps/index.html")).expect("a page");
+    assert!(page.contains("heat-I4F28_pieces-1.svg") && !page.contains("are missing"));
+
+    // A joined file is a sweep's file: nothing is left to run.
+    let resumed = sweep(folder.path(), &["--out", "joined.jsonl"]);
+    assert!(text(&resumed.stdout).starts_with("12 of 12"), "{}", text(&resumed.stdout));
+}
+
+#[test]
+fn what_does_not_belong_together_is_refused() {
+    let folder = folder();
+    sweep(folder.path(), &["--shard", "1/6", "--out", "a.jsonl"]);
+    let other = feedbits(
+        folder.path(),
+        &[&GRID[..8], &["--formats", "f64", "--shard", "1/6", "--out", "a.jsonl"]].concat(),
+    );
+    assert_eq!(other.status.code(), Some(2));
+    assert!(text(&other.stderr).contains("of another sweep"), "{}", text(&other.stderr));
+
+    let content = fs::read_to_string(folder.path().join("a.jsonl")).expect("a file");
+    fs::write(folder.path().join("b.jsonl"), content.replacen("\"good\":true", "\"good\":false", 1))
+        .expect("a file");
+    let merged = feedbits(folder.path(), &["merge", "a.jsonl", "b.jsonl", "--out", "c.jsonl"]);
+    assert_eq!(merged.status.code(), Some(2));
+    assert!(text(&merged.stderr).contains("contradict each other on cell"), "{}", text(&merged.stderr));
+    assert!(!folder.path().join("c.jsonl").exists());
+
+    fs::write(folder.path().join("d.jsonl"), content.replacen("\"cell\":0", "\"cell\":1", 1))
+        .expect("a file");
+    let moved = feedbits(folder.path(), &["merge", "d.jsonl", "--out", "c.jsonl"]);
+    assert!(
+        text(&moved.stderr).contains("d.jsonl, line 2: cell 1 does not belong"),
+        "{}",
+        text(&moved.stderr)
+    );
+}
+
+/// A cell that would take too long is said to be left out, not forgotten.
+#[test]
+fn a_cell_of_too_many_periods_says_so() {
+    let folder = folder();
+    let run = sweep(folder.path(), &["--most-periods", "20", "--out", "s.jsonl"]);
+    assert!(text(&run.stdout).contains("cells were not run; the file says why"), "{}", text(&run.stdout));
+    let skipped =
+        cells(&folder.path().join("s.jsonl")).into_iter().filter(|line| line.contains("more than 20"));
+    assert!(skipped.count() > 0);
+}
