@@ -294,7 +294,7 @@ mod tests {
     fn cell(sweep: &Sweep, number: usize) -> SweepCell {
         let (period_ms, feed_mm_per_s, size_mm) = sweep.place(number).expect("a cell");
         let result = |good, fluctuation| SweepResult { good, fluctuation, reason: String::new() };
-        let results = vec![result(true, Some(1e-8)), result(number % 2 == 0, Some(1e-3))];
+        let results = vec![result(true, Some(1e-8)), result(number.is_multiple_of(2), Some(1e-3))];
         SweepCell { cell: number, period_ms, feed_mm_per_s, size_mm, skipped: None, results }
     }
 
