@@ -8,6 +8,7 @@ use format_compare::{Dimension, Problem, Reference, SetpointTable, Space};
 
 use crate::compare::{RunArguments, selected};
 use crate::input::{AnyProblem, Input};
+use crate::progress::Progress;
 use crate::{Ending, output};
 
 /// Options of `interpolate`.
@@ -26,10 +27,12 @@ pub(crate) struct Arguments {
 
 /// Interpolates and writes a line a period.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
+    let progress = Progress::spinning("interpolating");
     let (table, finished) = match arguments.input.read()? {
         AnyProblem::Planar(problem) => setpoints(&problem, arguments)?,
         AnyProblem::Spatial(problem) => setpoints(&problem, arguments)?,
     };
+    progress.finish();
     let text =
         if arguments.output.json { serde_json::to_string_pretty(&table)? + "\n" } else { csv(&table)? };
     output::write(arguments.output.out.as_deref(), &text)?;

@@ -2,7 +2,9 @@
 
 mod check;
 mod compare;
+mod completions;
 mod convert;
+mod examples;
 mod formats;
 mod input;
 mod interpolate;
@@ -43,29 +45,44 @@ struct Arguments {
 #[derive(Subcommand)]
 enum Command {
     /// Compare number formats: fluctuation, overflow, chord error, verdict, recommendation.
+    #[command(after_help = examples::COMPARE)]
     Compare(compare::Arguments),
     /// Interpolate in one format and write a setpoint a period.
+    #[command(after_help = examples::INTERPOLATE)]
     Interpolate(interpolate::Arguments),
     /// Plan the feed and print the stages, or write them sampled.
+    #[command(after_help = examples::PLAN)]
     Plan(plan::Arguments),
     /// Find the fewest bits that are enough.
+    #[command(after_help = examples::SIZE)]
     Size(size::Arguments),
     /// Compare over interpolation periods, feeds and part sizes: where does a format stay good?
+    #[command(after_help = examples::SWEEP)]
     Sweep(sweep::Arguments),
     /// Join the files of a sweep's shards.
+    #[command(after_help = examples::MERGE)]
     Merge(merge::Arguments),
     /// Simulate the axis servo loops: following and contour error per format, circle test, tuning table.
+    #[command(after_help = examples::SERVO)]
     Servo(servo::Arguments),
     /// Smooth the corners of straight moves and arcs within a tolerance: corner by corner, and the time it saves.
+    #[command(after_help = examples::SMOOTH)]
     Smooth(smooth::Arguments),
     /// List the targets that a period is priced on, with every number's source.
+    #[command(after_help = examples::TARGETS)]
     Targets(targets::Arguments),
     /// Say what a part holds, its joints and bends, and what in it is suspicious.
+    #[command(after_help = examples::CHECK)]
     Check(check::Arguments),
     /// Write a part in another dialect, as straight moves within a tolerance, or as a curve file.
+    #[command(after_help = examples::CONVERT)]
     Convert(convert::Arguments),
     /// List the number formats.
+    #[command(after_help = examples::FORMATS)]
     Formats(formats::Arguments),
+    /// Print a script by which a shell completes this command's words.
+    #[command(after_help = examples::COMPLETIONS)]
+    Completions(completions::Arguments),
 }
 
 /// How a command that did not fail ended.
@@ -97,6 +114,7 @@ fn main() -> ExitCode {
         Command::Check(arguments) => check::run(&arguments),
         Command::Convert(arguments) => convert::run(&arguments),
         Command::Formats(arguments) => formats::run(&arguments),
+        Command::Completions(arguments) => completions::run(&arguments),
     };
     match ending {
         Ok(Ending::Good) => ExitCode::SUCCESS,

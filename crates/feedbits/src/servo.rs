@@ -15,6 +15,7 @@ use servo_sim::{
 
 use crate::compare::{RunArguments, selected};
 use crate::input::{self, AnyProblem, Input};
+use crate::progress::Progress;
 use crate::{Ending, output};
 
 /// The drive that runs when no servo file is given: fitted to paper D's circle test.
@@ -93,6 +94,7 @@ struct CircleReport {
 /// Simulates and prints.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     let servo = parameters(arguments.servo.as_ref())?;
+    let progress = Progress::spinning("simulating the axes");
     let (part, period, formats) = match arguments.input.read()? {
         AnyProblem::Planar(problem) => {
             (problem.name.clone(), problem.period_s(), rows(&problem, &servo, arguments)?)
@@ -104,6 +106,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     let test = CircleTest { radius: arguments.circle, feedrate: arguments.feed / 60.0, period };
     let circle = test.run::<f64>(&[servo; 2]).context("circle test")?;
     let tuning = tuning_table(&[servo; 2], &test).context("tuning table")?;
+    progress.finish();
     if let Some(path) = &arguments.plot {
         let title = format!(
             "Circle test: feed-forward {} %, velocity gain {} %",

@@ -17,6 +17,7 @@ use nurbs_core::CornerStyle;
 use part_program::{Machine, MoveKind, Part};
 
 use crate::input::Input;
+use crate::progress::Progress;
 use crate::{Ending, output};
 use followed::Followed;
 use report::{Forms, Kind, Report, SetpointCheck};
@@ -62,7 +63,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
         Outer::Loop => CornerStyle::Loop,
         Outer::Cut => CornerStyle::Cut,
     };
+    let progress = Progress::spinning("smoothing and planning");
     let (report, smoothed) = smooth(&with_polygons_as_lines(&part), &machine, tolerance, outer)?;
+    progress.finish();
     if let Some(path) = &arguments.out {
         output::write(Some(path), &written(path, &smoothed, tolerance))?;
     }
