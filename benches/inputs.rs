@@ -74,6 +74,22 @@ pub fn thousand_points() -> Path<3> {
     path("C", 3, (0..1000).map(point).collect(), vec![1.0; 1000], knots, 0.2)
 }
 
+/// A winding cubic in the plane of so many spans, some 12 mm each, at 200 mm/s and 3 ms.
+///
+/// # Panics
+/// Without a span.
+#[must_use]
+pub fn winding(spans: u32) -> Path<2> {
+    let point = |i: u32| {
+        let t = f64::from(i);
+        [10.0 * t, 8.0 * (1.7 * t).sin() + 4.0 * (0.37 * t).cos()]
+    };
+    let knots = [0.0; 4].into_iter().chain((1..spans).map(f64::from)).chain([f64::from(spans); 4]).collect();
+    let points: Vec<_> = (0..spans + 3).map(point).collect();
+    let weights = vec![1.0; points.len()];
+    path("winding", 3, points, weights, knots, 0.6)
+}
+
 impl<const D: usize> Path<D> {
     /// The curve compiled for `R`.
     ///

@@ -5,8 +5,8 @@
 
 use std::hint::black_box;
 
-use feed_plan::{EndFeeds, FeedLimit, KinematicLimits};
-use feedbits_benches::{Path, paper_a, ten_points};
+use feed_plan::{EndFeeds, FeedLimit, Junction, KinematicLimits};
+use feedbits_benches::{Path, paper_a, ten_points, winding};
 use iai_callgrind::{library_benchmark, library_benchmark_group, main};
 use nurbs_core::{Evaluate, NurbsBuf, PiecesBuf};
 use real::{Backend, I8F24, I16F16, I16F48, I32F32, Real};
@@ -55,6 +55,8 @@ fn planned(path: &Path<2>) -> (NurbsBuf<f64, 2>, KinematicLimits<f64>) {
         jerk: 0.001_35,
         chord_error: 5e-4,
         centripetal_acceleration: None,
+        axes: Default::default(),
+        junction: Junction::Stop,
     };
     (path.curve.clone(), limits)
 }
@@ -94,6 +96,9 @@ step!(
 
 #[library_benchmark]
 #[bench::a(planned(&paper_a()))]
+#[bench::spans_10(planned(&winding(10)))]
+#[bench::spans_100(planned(&winding(100)))]
+#[bench::spans_1000(planned(&winding(1000)))]
 fn plan_f64(input: (NurbsBuf<f64, 2>, KinematicLimits<f64>)) -> usize {
     black_box(plan(black_box(&input)))
 }

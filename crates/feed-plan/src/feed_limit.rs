@@ -14,6 +14,7 @@ use alloc::vec::Vec;
 use nurbs_core::Differentiate;
 use real::Real;
 
+use crate::axis_budget::Allowance;
 use crate::scan::Scan;
 use crate::{KinematicLimits, PlanError};
 
@@ -42,6 +43,10 @@ pub(crate) struct Node<R> {
     pub(crate) after: R,
     /// `|C'|`, mm; 0 if unknown.
     pub(crate) speed: R,
+    /// Whether the limit holds at this point alone, not beside it.
+    pub(crate) is_single: bool,
+    /// What the axes leave for the path on the stretch before.
+    pub(crate) allowance: Allowance<R>,
 }
 
 /// The largest feed that a path allows, as a function of the distance along it.
@@ -58,6 +63,10 @@ pub(crate) struct Measured<R> {
     pub(crate) speed: R,
     /// By how much `V²` may dip below the straight line over the stretch from the previous sample.
     pub(crate) margin: R,
+    /// What the axes leave for the path on that stretch.
+    pub(crate) allowance: Allowance<R>,
+    /// Whether the limit holds at this point alone.
+    pub(crate) is_single: bool,
 }
 
 impl<R: Real> FeedLimit<R> {
@@ -65,9 +74,9 @@ impl<R: Real> FeedLimit<R> {
     ///
     /// The path is sampled at steps of at most about one period at full feed, finer where the limit bends;
     /// each local minimum of the limit is found and becomes a point. Arc length is integrated along the way.
-    /// A break of the tangent becomes a stop when, passed at the feedrate F, it would cut the corner by more
-    /// than the chord error or change the velocity by more than A T: `θ > min(4E/(F T), A T/F)`. A point
-    /// where C' vanishes, as in a cusp, is a stop too, and so is a point whose limit is below F/4096.
+    /// A break of the tangent becomes a stop, or a point with the feed of another [`Junction`](crate::Junction), when,
+    /// passed at the feedrate F, it would cut the corner by more than the chord error or change the velocity
+    /// by more than A T: `θ > min(4E/(F T), A T/F)`. A point where C' vanishes, as in a cusp, is a stop too, and so is a point whose limit is below F/4096.
     ///
     /// Between two points the limit is tested at three places. What is narrower than a third of the finest
     /// step, 2⁻¹⁴ of a span, can be missed.
@@ -88,8 +97,7 @@ impl<R: Real> FeedLimit<R> {
         for (index, curve) in curves.iter().enumerate() {
             scan.pass(index, curve)?;
         }
-        let samples = scan.finish();
-        Self::assemble(&samples, limits.chord_error)
+        Self::assemble(scan.samples(), limits.chord_error)
     }
 
     /// A limit given by points, `V²` linear in the distance between them; a single point of feedrate 0 is a
@@ -113,20 +121,28 @@ impl<R: Real> FeedLimit<R> {
             }
             previous = point.distance;
         }
-        let measured =
-            |point: &LimitPoint<R>| Measured { point: *point, speed: R::zero(), margin: R::zero() };
+        let measured = |point: &LimitPoint<R>| Measured {
+            point: *point,
+            speed: R::zero(),
+            margin: R::zero(),
+            allowance: Allowance::unlimited(),
+            is_single: point.feedrate.is_zero(),
+        };
         let samples: Vec<_> = points.iter().map(measured).collect();
         Self::assemble(&samples, R::zero())
     }
 
-    fn assemble(samples: &[Measured<R>], chord_error: R) -> Result<Self, PlanError> {
+    pub(crate) fn assemble(samples: &[Measured<R>], chord_error: R) -> Result<Self, PlanError> {
         if !samples.last().is_some_and(|last| last.point.distance > R::zero()) {
             return Err(PlanError::PathEmpty);
         }
         let margin_after = |i: usize| samples.get(i + 1).map_or_else(R::zero, |next| next.margin);
         let node = |(i, sample): (usize, &Measured<R>)| {
             let lower = lowered(sample.point.feedrate, sample.margin.max(margin_after(i)));
-            Node { lower, before: lower, after: lower, speed: sample.speed }
+            let &Measured { speed, is_single, allowance, .. } = sample;
+            // A single point is no end of a stretch over which the limit could dip.
+            let lower = if is_single { sample.point.feedrate } else { lower };
+            Node { lower, before: lower, after: lower, speed, is_single, allowance }
         };
         let nodes = samples.iter().enumerate().map(node).collect();
         let points = samples.iter().map(|sample| sample.point).collect();
@@ -151,7 +167,7 @@ impl<R: Real> FeedLimit<R> {
             self.lift(previous.map_or(0, |k| k + 1)..i, release);
         }
         for i in 0..self.nodes.len() {
-            if !(self.nodes[i].lower > R::zero()) {
+            if self.nodes[i].is_single {
                 self.nodes[i].before = i.checked_sub(1).map_or_else(R::zero, |k| self.nodes[k].lower);
                 self.nodes[i].after = self.nodes.get(i + 1).map_or_else(R::zero, |node| node.lower);
             }
@@ -159,9 +175,11 @@ impl<R: Real> FeedLimit<R> {
     }
 
     fn lift(&mut self, range: core::ops::Range<usize>, at_least: R) {
-        for node in self.nodes.get_mut(range).unwrap_or_default() {
+        let nodes = self.nodes.get_mut(range).unwrap_or_default();
+        for node in nodes.iter_mut().filter(|node| !(node.is_single && node.lower > R::zero())) {
             let lower = node.lower.max(at_least);
             (node.lower, node.before, node.after) = (lower, lower, lower);
+            node.is_single &= !(lower > R::zero());
         }
     }
 
@@ -214,6 +232,36 @@ impl<R: Real> FeedLimit<R> {
         let (a, b) = (self.points.get(cell)?, self.points.get(cell + 1)?);
         let (from, to) = (self.nodes.get(cell)?, self.nodes.get(cell + 1)?);
         Some(((a.distance, from.after), (b.distance, to.before)))
+    }
+
+    /// The limit from `distance` on, distances as before.
+    pub(crate) fn beginning_at(mut self, distance: R) -> Self {
+        let next = self.points.partition_point(|point| point.distance <= distance);
+        if next == 0 || next >= self.points.len() || !(distance > R::zero()) {
+            return self;
+        }
+        let (curve, u) = self.parameter_at(distance);
+        let lower = self.minimum_over(distance, distance);
+        let after = self.in_cell(next - 1, distance);
+        let Some(node) = self.nodes.get(next - 1) else { return self };
+        let point = LimitPoint { distance, curve, u, feedrate: lower };
+        let node = Node { lower, before: lower, after, is_single: lower < after, ..*node };
+        self.points.splice(..next, [point]);
+        self.nodes.splice(..next, [node]);
+        self
+    }
+
+    /// What the axes leave for the path between two points.
+    pub(crate) fn allowance(&self, from: usize, to: usize) -> Allowance<R> {
+        let nodes = self.nodes.get(from + 1..to + 1).unwrap_or_default();
+        nodes.iter().fold(Allowance::unlimited(), |least, node| least.min(node.allowance))
+    }
+
+    /// The same between two distances.
+    pub(crate) fn allowance_over(&self, from: R, to: R) -> Allowance<R> {
+        let before = self.points.partition_point(|point| point.distance < from).saturating_sub(1);
+        let after = self.points.partition_point(|point| point.distance < to);
+        self.allowance(before, after.min(self.points.len().saturating_sub(1)))
     }
 
     /// Curve and parameter at `distance`: the inverse of the arc length, between points by the cubic that has

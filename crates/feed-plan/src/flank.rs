@@ -12,6 +12,7 @@ use alloc::vec::Vec;
 
 use real::Real;
 
+use crate::axis_budget::Allowance;
 use crate::feed_limit::crossing;
 use crate::profile::Transition;
 use crate::{FeedLimit, KinematicLimits, ProfileKind, StageShape};
@@ -59,6 +60,12 @@ impl<R: Real> RampShape<R> {
             x = end;
         }
         Self { kind, acceleration: limits.acceleration, jerk: limits.jerk, parts }
+    }
+
+    /// The same on a stretch where the axes leave less.
+    pub(crate) fn within(&self, allowance: Allowance<R>) -> Self {
+        let least = allowance.min(Allowance { acceleration: self.acceleration, jerk: self.jerk });
+        Self { acceleration: least.acceleration, jerk: least.jerk, ..*self }
     }
 
     pub(crate) fn ramp(&self, from: R, to: R) -> Transition<R> {
@@ -175,7 +182,8 @@ impl<'s, R: Real> Flank<'s, R> {
             return Some(*base);
         }
         let mut best = None;
-        for (index, level) in self.levels.iter().enumerate().filter(|(_, level)| level.feed < feed) {
+        // The nearest levels lose least as a rule, and what they lose soon rules out the others.
+        for (index, level) in self.levels.iter().enumerate().rev().filter(|(_, level)| level.feed < feed) {
             let bound = best.map_or_else(R::max_value, |best: Arrival<R>| best.loss);
             best = self.arrival_from(index, level, feed, bound).or(best);
         }
@@ -198,7 +206,12 @@ impl<'s, R: Real> Flank<'s, R> {
         if !(loss_from(level.distance) < bound) {
             return None; // Waiting for room would only add to it.
         }
-        let start = self.earliest_start(level.feed, feed, ramp)?.max(level.distance);
+        let latest = if bound < R::max_value() {
+            latest_start((level.feed, feed), bound - loss_from(R::zero()))
+        } else {
+            bound
+        };
+        let start = self.earliest_start(level.feed, feed, ramp, latest)?.max(level.distance);
         if start > R::zero() && !(level.feed > R::zero()) {
             return None; // Standing still leads nowhere.
         }
@@ -212,18 +225,25 @@ impl<'s, R: Real> Flank<'s, R> {
         })
     }
 
-    /// The least distance at which a ramp can start and stay under the limit.
-    fn earliest_start(&self, low: R, high: R, ramp: Transition<R>) -> Option<R> {
+    /// The least distance at which a ramp can start and stay under the limit; `None` when there is none up to `latest`.
+    fn earliest_start(&self, low: R, high: R, ramp: Transition<R>, latest: R) -> Option<R> {
         let mut start = R::zero();
+        let mut next = self.hull.partition_point(|point| point.feed < low);
         for (travelled, feed) in self.shape.staircase(low, high, ramp) {
-            start = start.max(self.first_distance_with(feed)? - travelled);
+            // The staircase rises, so that the place in the hull only ever moves on.
+            while self.hull.get(next).is_some_and(|point| point.feed < feed) {
+                next += 1;
+            }
+            start = start.max(self.distance_with(feed, next)? - travelled);
+            if start > latest {
+                return None;
+            }
         }
         Some(start)
     }
 
-    /// The distance from which on the limit is at least `feed`.
-    fn first_distance_with(&self, feed: R) -> Option<R> {
-        let next = self.hull.partition_point(|point| point.feed < feed);
+    /// The distance from which on the limit is at least `feed`, `next` being the first point that is.
+    fn distance_with(&self, feed: R, next: usize) -> Option<R> {
         let to = self.hull.get(next)?;
         let Some(from) = next.checked_sub(1).and_then(|i| self.hull.get(i)) else {
             return Some(R::zero());
@@ -244,6 +264,15 @@ impl<'s, R: Real> Flank<'s, R> {
         ramps.reverse();
         ramps
     }
+}
+
+/// The distance that can be travelled at the lower of two feeds in place of the higher one at a loss of `spare`, rounded up
+/// by far more than rounding: `s/low - s/high = spare`.
+fn latest_start<R: Real>((low, high): (R, R), spare: R) -> R {
+    let latest = spare * low / ((high - low) / high);
+    let above = latest + latest.scale(-6) + R::resolution().scale(6);
+    // Where it does not fit the format, it is no limit.
+    if above >= latest { above } else { R::max_value() }
 }
 
 /// What the feed does along the path.
@@ -273,11 +302,17 @@ fn hull<R: Real>(limit: &FeedLimit<R>, direction: Direction, slow: usize, peak: 
     let mut hull = Descent { origin: origin.distance, points: Vec::new() };
     let at_foot = match direction {
         Direction::Rising => {
-            (slow..peak).rev().filter_map(|i| limit.cell(i)).for_each(|(near, far)| hull.descend(near, far));
+            for i in (slow..peak).rev() {
+                hull.pass(limit, i + 1);
+                limit.cell(i).into_iter().for_each(|(near, far)| hull.descend(near, far));
+            }
             foot.after
         }
         Direction::Falling => {
-            (peak..slow).filter_map(|i| limit.cell(i)).for_each(|(far, near)| hull.descend(near, far));
+            for i in peak..slow {
+                hull.pass(limit, i);
+                limit.cell(i).into_iter().for_each(|(far, near)| hull.descend(near, far));
+            }
             foot.before
         }
     };
@@ -308,6 +343,23 @@ impl<R: Real> Descent<R> {
         if near.1 < least {
             self.push(crossing(near, far, least), least);
             self.push(near.0, near.1);
+        }
+    }
+
+    /// Jumps down at a point whose limit holds for itself alone.
+    fn pass(&mut self, limit: &FeedLimit<R>, point: usize) {
+        let (Some(at), Some(node)) = (limit.points().get(point), limit.nodes().get(point)) else { return };
+        if !node.is_single {
+            return;
+        }
+        let distance = (at.distance - self.origin).abs();
+        match self.points.last().map(|last| last.feed) {
+            Some(least) if node.lower < least => {
+                self.push(distance, least);
+                self.push(distance, node.lower);
+            }
+            // The peak itself counts as seen from inside.
+            _ => {}
         }
     }
 

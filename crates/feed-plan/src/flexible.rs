@@ -157,16 +157,17 @@ pub(crate) fn merged_piece<R: Real>(
     if from == to {
         piece.shape = StageShape::Steady;
     }
-    if !(piece.peak_acceleration() <= limits.acceleration) {
+    let end = stretch.start + stretch.length;
+    let left = limit.allowance_over(stretch.start, end);
+    if !(piece.peak_acceleration() <= limits.acceleration.min(left.acceleration)) {
         return Err(Refusal::Acceleration);
     }
-    if !(piece.peak_jerk() <= limits.jerk) {
+    if !(piece.peak_jerk() <= limits.jerk.min(left.jerk)) {
         return Err(Refusal::Jerk);
     }
     if !(piece.duration <= stretch.duration + stretch.duration.scale(TIME_ALLOWANCE)) {
         return Err(Refusal::Time);
     }
-    let end = stretch.start + stretch.length;
     let mut begin = (stretch.start, from);
     for part in 1..=PARTS {
         let time = piece.duration * R::from_ratio(part, PARTS);

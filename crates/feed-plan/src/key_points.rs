@@ -4,6 +4,7 @@ use alloc::vec::Vec;
 
 use real::Real;
 
+use crate::axis_budget::Allowance;
 use crate::{FeedLimit, PlanError};
 
 /// Minima less deep than 2⁻⁸ of the limit are no key points: a constant limit, sampled, is full of them. The
@@ -27,6 +28,8 @@ pub(crate) struct Key<R> {
     pub(crate) feed: R,
     /// The limit points between which the feed is highest on the way from the key before.
     pub(crate) summit: (usize, usize),
+    /// What the axes leave for the path on the way from the key before.
+    pub(crate) allowance: Allowance<R>,
 }
 
 /// The ends and the significant minima of the limit.
@@ -35,7 +38,7 @@ pub(crate) fn key_points<R: Real>(limit: &FeedLimit<R>, ends: EndFeeds<R>) -> Re
     let last = nodes.len().saturating_sub(1);
     let key = |point: usize, feed: R| {
         let distance = points.get(point).map_or_else(R::zero, |p| p.distance);
-        Key { point, distance, feed, summit: (point, point) }
+        Key { point, distance, feed, summit: (point, point), allowance: Allowance::unlimited() }
     };
     let start = end_feed(limit, 0, ("start feed", ends.start), PlanError::StartFeedTooHigh)?;
     let mut keys = Vec::from([key(0, start)]);

@@ -16,6 +16,8 @@
 //!     jerk: 0.0004,
 //!     chord_error: 0.0005,
 //!     centripetal_acceleration: None,
+//!     axes: Default::default(),
+//!     junction: Default::default(),
 //! };
 //!
 //! let limit = FeedLimit::along(&[curve], &limits)?;
@@ -38,6 +40,7 @@
 //! | the limit along a path: samples, minima, corners, cusps | [`FeedLimit`] |
 //! | transitions between two feeds | [`Profile`]: [`CubicProfile`], [`SCurveProfile`], [`TrigonometricProfile`] |
 //! | key points, passes, cruise, whole periods | [`plan`], [`plan_with`] a [`ProfileKind`] |
+//! | the same through a window, for a path of any length | [`plan_through_window`] |
 //! | the result: stages, and the distance of each period | [`ScheduleBuf`], [`Schedule`], [`Cursor`] |
 //! | setpoints by chords instead of arcs | [`FeedLimit::shortfalls`], [`ScheduleBuf::shortened`] |
 //! | what no plan can beat | [`jerk_free_duration`] |
@@ -62,6 +65,7 @@
 
 extern crate alloc;
 
+mod axis_budget;
 mod chord_error;
 mod chord_shortfall;
 mod cubic_profile;
@@ -83,13 +87,14 @@ mod stage_shape;
 mod test_paths;
 mod trigonometric_profile;
 mod whole_periods;
+mod window;
 
 pub use chord_error::chord_feedrate;
 pub use cubic_profile::CubicProfile;
 pub use error::PlanError;
 pub use feed_limit::{FeedLimit, LimitPoint};
 pub use key_points::EndFeeds;
-pub use limits::KinematicLimits;
+pub use limits::{AxisLimits, Junction, KinematicLimits};
 pub use look_ahead::{plan, plan_with};
 pub use lower_bound::jerk_free_duration;
 pub use profile::{FeedPiece, Profile, ProfileKind};
@@ -97,3 +102,4 @@ pub use s_curve_profile::SCurveProfile;
 pub use schedule::{Cursor, Schedule, ScheduleBuf, Stage, StageKind};
 pub use stage_shape::StageShape;
 pub use trigonometric_profile::TrigonometricProfile;
+pub use window::{WindowedPlan, plan_through_window};

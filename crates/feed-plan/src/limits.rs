@@ -23,6 +23,38 @@ pub struct KinematicLimits<R> {
     pub chord_error: R,
     /// Largest acceleration across the path, if it is limited beside the chord error.
     pub centripetal_acceleration: Option<R>,
+    /// What single axes can do, x first; a curve in the plane has the first two.
+    pub axes: [AxisLimits<R>; 3],
+    /// How a break of the tangent is passed.
+    pub junction: Junction<R>,
+}
+
+/// Axes that can have limits of their own. (Public types say 3: with the constant there, rustc 1.95 breaks off compiling
+/// a closure that captures one of their fields.)
+pub(crate) const AXES: usize = 3;
+
+/// What one axis can do, as far as it is limited.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct AxisLimits<R> {
+    /// Largest velocity.
+    pub velocity: Option<R>,
+    /// Largest acceleration.
+    pub acceleration: Option<R>,
+    /// Largest jerk.
+    pub jerk: Option<R>,
+}
+
+/// How a break of the tangent is passed, where curves join and inside one.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Junction<R> {
+    /// At rest.
+    #[default]
+    Stop,
+    /// As if rounded within this distance δ, mm, at the acceleration A: `V² = A δ cos(φ/2) / (1 - cos(φ/2))` for a turn by
+    /// φ, and no faster than `4δ/(T |e₂ - e₁|)`, at which the chord of one period over the corner stays within δ of it.
+    Deviation(R),
+    /// With a jump of each axis's velocity by at most this: `V |e₂ - e₁|ᵢ ≤ Δvᵢ`, e the unit tangents.
+    VelocityJump([R; 3]),
 }
 
 impl<R: Real> KinematicLimits<R> {
@@ -49,7 +81,22 @@ impl<R: Real> KinematicLimits<R> {
             ("chord_error", self.chord_error),
             ("centripetal_acceleration", self.centripetal_acceleration.unwrap_or_else(R::one)),
         ];
-        match fields.into_iter().find(|(_, value)| !(*value > R::zero() && value.is_finite())) {
+        let axes = self.axes.iter().flat_map(|axis| {
+            let or_one = |limit: Option<R>| limit.unwrap_or_else(R::one);
+            [
+                ("axis velocity", or_one(axis.velocity)),
+                ("axis acceleration", or_one(axis.acceleration)),
+                ("axis jerk", or_one(axis.jerk)),
+            ]
+        });
+        let junction = match self.junction {
+            Junction::Stop => [R::one(); AXES],
+            Junction::Deviation(deviation) => [deviation; AXES],
+            Junction::VelocityJump(jumps) => jumps,
+        };
+        let junction = junction.into_iter().map(|value| ("junction", value));
+        let mut all = fields.into_iter().chain(axes).chain(junction);
+        match all.find(|(_, value)| !(*value > R::zero() && value.is_finite())) {
             Some((what, _)) => Err(PlanError::NotPositive { what }),
             None => Ok(()),
         }
@@ -98,13 +145,23 @@ mod tests {
             KinematicLimits { jerk: f64::INFINITY, ..paper_limits() },
             KinematicLimits { chord_error: 0.0, ..paper_limits() },
             KinematicLimits { centripetal_acceleration: Some(0.0), ..paper_limits() },
+            with_axis(AxisLimits { velocity: Some(0.0), ..AxisLimits::default() }),
+            with_axis(AxisLimits { acceleration: Some(f64::NAN), ..AxisLimits::default() }),
+            with_axis(AxisLimits { jerk: Some(-1.0), ..AxisLimits::default() }),
+            KinematicLimits { junction: Junction::Deviation(0.0), ..paper_limits() },
+            KinematicLimits { junction: Junction::VelocityJump([1.0, 0.0, 1.0]), ..paper_limits() },
         ];
         let names = cases.map(|c| match c.validate() {
             Err(PlanError::NotPositive { what }) => what,
             other => panic!("{other:?}"),
         });
-        let fields = "interpolation_period feedrate acceleration jerk chord_error centripetal_acceleration";
-        assert!(names.iter().copied().eq(fields.split(' ')), "{names:?}");
+        let fields = "interpolation_period,feedrate,acceleration,jerk,chord_error,centripetal_acceleration,\
+                      axis velocity,axis acceleration,axis jerk,junction,junction";
+        assert!(names.iter().copied().eq(fields.split(',')), "{names:?}");
+    }
+
+    fn with_axis(axis: AxisLimits<f64>) -> KinematicLimits<f64> {
+        KinematicLimits { axes: [AxisLimits::default(), axis, AxisLimits::default()], ..paper_limits() }
     }
 
     #[test]

@@ -17,6 +17,7 @@ use alloc::vec::Vec;
 
 use real::Real;
 
+use crate::axis_budget::Allowance;
 use crate::flank::{Arrival, Direction, Flank, LEVELS, LEVELS_BETWEEN_ENDS, RampShape};
 use crate::flexible::merge;
 use crate::key_points::{Key, key_points};
@@ -66,21 +67,31 @@ pub fn plan_with<R: Real>(
     ends: EndFeeds<R>,
     kind: ProfileKind,
 ) -> Result<ScheduleBuf<R>, PlanError> {
+    let mut stages = stages(limit, limits, ends, kind)?;
+    let periods = stretch(&mut stages, limits.interpolation_period)?;
+    Ok(ScheduleBuf { stages, interpolation_period: limits.interpolation_period, periods })
+}
+
+/// The stages before they are stretched to whole periods.
+pub(crate) fn stages<R: Real>(
+    limit: &FeedLimit<R>,
+    limits: &KinematicLimits<R>,
+    ends: EndFeeds<R>,
+    kind: ProfileKind,
+) -> Result<Vec<Stage<R>>, PlanError> {
     limits.validate()?;
     let shape = RampShape::new(kind, limits);
     let keys = reachable(limit, &shape, &key_points(limit, ends)?)?;
     let mut stages = Stages { limit, stages: Vec::new() };
     for pair in keys.windows(2) {
         if let [from, to] = pair {
-            between(limit, &shape, from, to, &mut stages)?;
+            between(limit, &shape.within(to.allowance), from, to, &mut stages)?;
         }
     }
     if kind == ProfileKind::Flexible {
         stages.stages = merge(limit, limits, &stages.stages);
     }
-    let mut stages = stages.with_parameters();
-    let periods = stretch(&mut stages, limits.interpolation_period)?;
-    Ok(ScheduleBuf { stages, interpolation_period: limits.interpolation_period, periods })
+    Ok(stages.with_parameters())
 }
 
 /// The keys that can be reached from each other, in order.
@@ -92,12 +103,16 @@ fn reachable<R: Real>(
     let mut kept: Vec<Key<R>> = Vec::with_capacity(keys.len());
     // Keys dropped as too fast lie on the rising side of the next summit: it begins at the last of them.
     let mut summit_from = 0;
+    // What the axes leave on the way from the last key kept.
+    let mut allowance = Allowance::unlimited();
     for (index, key) in keys.iter().enumerate() {
-        let mut key = Key { summit: (summit_from, key.point), ..*key };
+        allowance = allowance.min(limit.allowance(summit_from, key.point));
+        let mut key = Key { summit: (summit_from, key.point), allowance, ..*key };
         summit_from = key.point;
         let mut is_kept = true;
         while let Some(previous) = kept.last() {
             let is_rising = previous.feed <= key.feed;
+            let shape = &shape.within(key.allowance);
             let joined = if is_rising {
                 can_join(limit, shape, Direction::Rising, previous, &key)
             } else {
@@ -112,6 +127,7 @@ fn reachable<R: Real>(
             }
             // Too fast to brake from: what was the way there becomes part of the way here.
             key.summit = previous.summit;
+            key.allowance = key.allowance.min(previous.allowance);
             kept.pop();
             if kept.is_empty() {
                 return Err(PlanError::StartFeedTooHigh);
@@ -119,6 +135,7 @@ fn reachable<R: Real>(
         }
         if is_kept {
             kept.push(key);
+            allowance = Allowance::unlimited();
         } else if index + 1 == keys.len() {
             return Err(PlanError::EndFeedTooHigh);
         }
@@ -316,6 +333,7 @@ impl<R: Real> Stages<'_, R> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::AxisLimits;
     use crate::test_paths::{
         circle, in_periods, in_range, paper_limits, polyline, seed_000, seed_003, triple_knot,
     };
@@ -587,29 +605,42 @@ mod tests {
     }
 
     /// The same curve planned in another format: periods, and the worst of each promise.
-    fn in_format<Q: Backend>(curve: &NurbsBuf<f64, 2>) -> (u32, f64, Worst) {
+    fn in_format<Q: Backend>(
+        curve: &NurbsBuf<f64, 2>,
+        limits: &KinematicLimits<f64>,
+        kind: ProfileKind,
+    ) -> (u32, f64, Worst) {
         let curve = curve.convert::<Q>().unwrap();
-        let limits = in_range::<Q>(&paper_limits());
+        let limits = in_range::<Q>(limits);
         let limit = FeedLimit::along(&[curve.as_curve()], &limits).unwrap();
-        let plan = plan(&limit, &limits, EndFeeds::default()).unwrap();
+        let plan = plan_with(&limit, &limits, EndFeeds::default(), kind).unwrap();
         let worst = worst(&limit, &limits, &plan);
         (plan.as_schedule().periods(), plan.as_schedule().length().to_f64(), worst)
     }
 
     #[test]
     fn narrow_formats_plan_almost_the_same() {
-        // By how much periods, length in mm, and the limits as ratios may differ from f64's.
-        fn assert_close<Q: Backend>(periods: u32, length: f64, excess: f64) {
-            let (found, found_length, worst) = in_format::<Q>(&seed_003());
-            let name = Q::name();
-            assert!(found.abs_diff(566) <= periods, "{name}: {found}");
-            assert!((found_length - 134.006_017).abs() <= length, "{name}: {found_length}");
-            assert!(worst.feed <= 1.0 + excess, "{name}: {worst:?}");
-            assert!(worst.acceleration.max(worst.jerk) <= 1.0 + excess, "{name}: {worst:?}");
+        // By how much periods as a ratio, length in mm, and the limits as ratios may differ from f64's.
+        fn assert_close<Q: Backend>(limits: &KinematicLimits<f64>, periods: f64, length: f64, excess: f64) {
+            for kind in KINDS {
+                let (reference, _, _) = in_format::<f64>(&seed_003(), limits, kind);
+                let (found, found_length, worst) = in_format::<Q>(&seed_003(), limits, kind);
+                let name = Q::name();
+                let difference = f64::from(found) / f64::from(reference) - 1.0;
+                assert!(difference.abs() <= periods, "{name}, {kind:?}: {found} for {reference}");
+                assert!((found_length - 134.006_017).abs() <= length, "{name}, {kind:?}: {found_length}");
+                assert!(worst.feed <= 1.0 + excess, "{name}, {kind:?}: {worst:?}");
+                assert!(worst.acceleration.max(worst.jerk) <= 1.0 + excess, "{name}, {kind:?}: {worst:?}");
+            }
         }
-        assert_close::<DoubleDouble>(2, 1e-6, 1e-12);
-        assert_close::<f32>(2, 1e-3, 1e-3);
-        assert_close::<I32F32>(3, 1e-3, 1e-3);
+        let path_only = paper_limits();
+        let axis = AxisLimits { velocity: Some(0.3), acceleration: Some(0.02), jerk: Some(0.006) };
+        let with_axes = KinematicLimits { axes: [axis; 3], ..path_only };
+        for limits in [path_only, with_axes] {
+            assert_close::<DoubleDouble>(&limits, 0.005, 1e-6, 1e-12);
+            assert_close::<f32>(&limits, 0.01, 1e-3, 1e-3);
+            assert_close::<I32F32>(&limits, 0.01, 1e-3, 1e-3);
+        }
     }
 
     #[test]

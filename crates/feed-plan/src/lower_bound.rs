@@ -54,7 +54,7 @@ fn stretches<R: Real>(limit: &FeedLimit<R>) -> Vec<Stretch<R>> {
     let square = |feed: R| feed * feed;
     // Without the margin; but next to a stop, where the limit is released, the lower value is the higher one.
     let feed = |i: usize, inside: R| {
-        if nodes[i].lower > R::zero() { points[i].feedrate.max(inside) } else { inside }
+        if nodes[i].is_single { inside } else { points[i].feedrate.max(inside) }
     };
     let stretch = |i: usize| Stretch {
         length: points[i + 1].distance - points[i].distance,

@@ -284,7 +284,7 @@ pub(crate) mod promises {
         let times = || (0..=500).map(|i| duration * f64::from(i) / 500.0);
         let a = times().map(|t| profile.acceleration(t).abs()).fold(0.0, f64::max) / acceleration;
         let j = times().map(|t| profile.jerk(t).abs()).fold(0.0, f64::max) / jerk;
-        assert!(a <= 1.0 + 1e-12 && j <= 1.0 + 1e-12 && a.max(j) > 1.0 - 1e-6, "a {a} j {j}");
+        assert!(a <= 1.0 + 1e-9 && j <= 1.0 + 1e-9 && a.max(j) > 1.0 - 1e-5, "a {a} j {j}");
         assert!((profile.feed(0.0) - feeds[0]).abs() < 1e-12 * (feeds[0] + change));
         assert!((profile.feed(duration) - feeds[1]).abs() < 1e-12 * (feeds[0] + change));
         assert!(profile.acceleration(0.0).abs() + profile.acceleration(duration).abs() < 1e-6 * acceleration);

@@ -24,6 +24,9 @@ use real::Real;
 
 use crate::{FeedPiece, Profile, StageShape};
 
+/// A hold shorter than 2⁻²⁰ of the build-up is left out, at hardly less jerk: its feeds would be the same but for rounding.
+const SHORTEST_HOLD: i32 = -20;
+
 /// A speed profile of constant jerk, constant acceleration and constant jerk again.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SCurveProfile<R> {
@@ -45,8 +48,11 @@ impl<R: Real> Profile<R> for SCurveProfile<R> {
         let difference = exact + rounding;
         let by_acceleration = difference / acceleration;
         let build_up = acceleration / jerk + (rounding + rounding) / acceleration;
-        let (jerk_time, hold_time) = if by_acceleration > build_up {
-            (build_up, by_acceleration - build_up)
+        let hold = by_acceleration - build_up;
+        let (jerk_time, hold_time) = if hold > build_up.scale(SHORTEST_HOLD) {
+            (build_up, hold)
+        } else if hold > R::zero() {
+            (by_acceleration, R::zero())
         } else {
             ((difference / jerk).sqrt(), R::zero())
         };

@@ -9,7 +9,9 @@ use alloc::vec::Vec;
 use nurbs_core::Differentiate;
 use real::Real;
 
+use crate::axis_budget::{Allowance, AxisBudget, Turning};
 use crate::feed_limit::Measured;
+use crate::limits::{AXES, Junction};
 use crate::quadrature::{self, GaussLegendre};
 use crate::{KinematicLimits, LimitPoint, PlanError};
 
@@ -32,13 +34,15 @@ const CUSP: i32 = -6;
 /// The samples of the path so far.
 pub(crate) struct Scan<'l, R, const D: usize> {
     limits: &'l KinematicLimits<R>,
+    budget: Option<AxisBudget<R>>,
     rule: GaussLegendre<R>,
     /// Longest stretch: the distance of one period at full feed.
     longest: R,
     /// Largest difference of unit tangents that is no corner.
     break_tolerance: R,
     distance: R,
-    end_tangent: Option<[R; D]>,
+    /// Tangent and curvature vector at the end so far.
+    end: Option<([R; D], [R; D])>,
     samples: Vec<Measured<R>>,
 }
 
@@ -50,30 +54,60 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
         // The tangents' own rounding error is a few units.
         let break_tolerance = by_chord_error.min(by_acceleration).max(R::resolution().scale(4));
         let rule = GaussLegendre::new();
-        let (distance, end_tangent, samples) = (R::zero(), None, Vec::new());
-        Self { limits, rule, longest, break_tolerance, distance, end_tangent, samples }
+        let budget = AxisBudget::new(limits);
+        let (distance, end, samples) = (R::zero(), None, Vec::new());
+        Self { limits, budget, rule, longest, break_tolerance, distance, end, samples }
     }
 
     /// Samples one curve.
     pub(crate) fn pass<C: Differentiate<R, D>>(&mut self, curve: usize, shape: &C) -> Result<(), PlanError> {
-        for index in 0..shape.span_count() {
-            let span = Span { shape, index, limits: self.limits, rule: &self.rule, longest: self.longest };
-            let mut samples = span.walk();
-            span.locate_extremes(&mut samples);
-            self.append(curve, &samples).ok_or(PlanError::LengthOverflows { curve })?;
-        }
-        Ok(())
+        (0..shape.span_count()).try_for_each(|index| self.pass_span(curve, shape, index))
     }
 
-    pub(crate) fn finish(self) -> Vec<Measured<R>> {
-        self.samples
+    /// Samples one span of a curve.
+    pub(crate) fn pass_span<C: Differentiate<R, D>>(
+        &mut self,
+        curve: usize,
+        shape: &C,
+        index: usize,
+    ) -> Result<(), PlanError> {
+        let (limits, budget, rule) = (self.limits, self.budget.as_ref(), &self.rule);
+        let span = Span { shape, index, limits, budget, rule, longest: self.longest };
+        let mut samples = span.walk();
+        span.locate_extremes(&mut samples);
+        // A stop is one by its geometry; where only an axis's jerk asks for a creep, the path is crept along.
+        let least = self.limits.feedrate.scale(STOP);
+        for sample in samples.iter_mut().filter(|sample| sample.feedrate < least) {
+            sample.feedrate = R::zero();
+        }
+        self.limit_by_jerk(&mut samples);
+        self.append(curve, &samples).ok_or(PlanError::LengthOverflows { curve })
+    }
+
+    /// The samples so far, but for those forgotten.
+    pub(crate) fn samples(&self) -> &[Measured<R>] {
+        &self.samples
+    }
+
+    /// Arc length of what was sampled.
+    pub(crate) fn length(&self) -> R {
+        self.distance
+    }
+
+    /// Drops the samples before the last one that is no farther than `distance`.
+    pub(crate) fn forget_before(&mut self, distance: R) {
+        let kept = self.samples.partition_point(|sample| sample.point.distance <= distance);
+        self.samples.drain(..kept.saturating_sub(1));
     }
 
     /// Appends a span; `None` when a distance does not increase as numbers of the format should.
     fn append(&mut self, curve: usize, samples: &[Sample<R, D>]) -> Option<()> {
         let (first, last) = (samples.first()?, samples.last()?);
-        if self.breaks_at(first) {
-            self.push(curve, &Sample { feedrate: R::zero(), ..*first });
+        if let Some(feedrate) = self.junction_feed(first) {
+            self.push(curve, &Sample { feedrate, ..*first });
+            if let Some(junction) = self.samples.last_mut() {
+                junction.is_single = true;
+            }
         }
         let is_continuation =
             |end: &Measured<R>| end.point.curve == curve && end.point.feedrate == first.feedrate;
@@ -89,25 +123,78 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
             self.distance = next;
             self.push(curve, sample);
         }
-        self.end_tangent = Some(last.tangent);
+        self.end = Some((last.tangent, last.bend));
         Some(())
     }
 
     fn push(&mut self, curve: usize, sample: &Sample<R, D>) {
-        let is_stop = sample.feedrate < self.limits.feedrate.scale(STOP);
-        let feedrate = if is_stop { R::zero() } else { sample.feedrate };
+        let feedrate = sample.feedrate;
         let point = LimitPoint { distance: self.distance, curve, u: sample.u, feedrate };
         let margin = sample.stretch.map_or_else(R::zero, |stretch| stretch.margin);
-        self.samples.push(Measured { point, speed: sample.speed, margin });
+        let allowance = sample.stretch.map_or_else(Allowance::unlimited, |stretch| stretch.allowance);
+        let speed = sample.speed;
+        self.samples.push(Measured { point, speed, margin, allowance, is_single: feedrate.is_zero() });
     }
 
-    /// Whether the path has a corner where this sample begins a span.
-    fn breaks_at(&self, first: &Sample<R, D>) -> bool {
-        self.end_tangent.is_some_and(|end| {
-            let difference: [R; D] = core::array::from_fn(|d| first.tangent[d] - end[d]);
-            R::norm(&difference) > self.break_tolerance
-        })
+    /// The feed at the point where this sample begins a span, if the tangent breaks there, or the curvature steps more
+    /// than the axes can follow.
+    fn junction_feed(&self, first: &Sample<R, D>) -> Option<R> {
+        let (end_tangent, end_bend) = self.end?;
+        let difference: [R; D] = core::array::from_fn(|d| first.tangent[d] - end_tangent[d]);
+        let turn = R::norm(&difference);
+        let feedrate = self.limits.feedrate;
+        let feed = if turn > self.break_tolerance {
+            match self.limits.junction {
+                Junction::Stop => R::zero(),
+                Junction::Deviation(deviation) => self.feed_by_deviation(turn, deviation),
+                Junction::VelocityJump(jumps) => {
+                    let pairs = difference.iter().zip(jumps);
+                    pairs.fold(
+                        feedrate,
+                        |feed, (turn, jump)| {
+                            if turn.abs() * feed > jump { jump / turn.abs() } else { feed }
+                        },
+                    )
+                }
+            }
+        } else {
+            let step = components::<R, D>(&core::array::from_fn(|d| first.bend[d] - end_bend[d]));
+            self.budget.map_or(feedrate, |budget| budget.feed_over(&step, feedrate))
+        };
+        (feed < feedrate).then_some(feed)
     }
+
+    /// [`Junction::Deviation`], `turn` = |e₂ - e₁| = 2 sin(φ/2).
+    fn feed_by_deviation(&self, turn: R, deviation: R) -> R {
+        let sine = turn.half();
+        let cosine = (R::one() - sine * sine).sqrt();
+        // cos / (1 - cos) = cos (1 + cos) / sin², without cancellation.
+        let ratio = (deviation / sine) * (cosine * (R::one() + cosine) / sine);
+        let by_acceleration = (self.limits.acceleration * ratio).sqrt();
+        let by_chord = (deviation + deviation) / (sine * self.limits.interpolation_period);
+        by_acceleration.min(by_chord).min(self.limits.feedrate)
+    }
+
+    /// Lowers the samples' feeds to what the jerk of the axes allows on the stretches at both sides, and finds what these
+    /// leave for the path.
+    fn limit_by_jerk(&self, samples: &mut [Sample<R, D>]) {
+        let Some(budget) = &self.budget else { return };
+        for i in 1..samples.len() {
+            let Some(stretch) = samples[i].stretch else { continue };
+            let most = samples[i - 1].feedrate.max(samples[i].feedrate).max(stretch.highest);
+            let feed = budget.feed_on(&stretch.turning, most);
+            for k in [i - 1, i] {
+                samples[k].feedrate = samples[k].feedrate.min(feed);
+            }
+            let allowance = budget.allowance(&stretch.turning, feed);
+            samples[i].stretch = Some(Stretch { allowance, ..stretch });
+        }
+    }
+}
+
+/// Magnitudes of the components, axis by axis.
+fn components<R: Real, const D: usize>(vector: &[R; D]) -> [R; AXES] {
+    core::array::from_fn(|i| vector.get(i).map_or_else(R::zero, |component| component.abs()))
 }
 
 /// The curve at one parameter.
@@ -117,6 +204,8 @@ struct Sample<R, const D: usize> {
     /// `|C'|`.
     speed: R,
     tangent: [R; D],
+    /// Curvature vector; 0 unless an axis is limited.
+    bend: [R; D],
     feedrate: R,
     /// The stretch from the previous sample, once measured.
     stretch: Option<Stretch<R>>,
@@ -130,6 +219,12 @@ struct Stretch<R> {
     margin: R,
     /// Whether it is straight and short enough not to be halved.
     is_fine: bool,
+    /// The largest limit seen inside.
+    highest: R,
+    /// The sharpest turning seen inside and at both ends.
+    turning: Turning<R>,
+    /// What the axes leave for the path.
+    allowance: Allowance<R>,
 }
 
 /// One span of a curve, under given limits.
@@ -137,6 +232,7 @@ struct Span<'a, R, C> {
     shape: &'a C,
     index: usize,
     limits: &'a KinematicLimits<R>,
+    budget: Option<&'a AxisBudget<R>>,
     rule: &'a GaussLegendre<R>,
     longest: R,
 }
@@ -261,7 +357,16 @@ impl<R: Real, C> Span<'_, R, C> {
         let at = self.shape.derivatives_in(self.index, u);
         let (speed, tangent) = direction(&at.first);
         let feedrate = self.limits.feedrate_at_radius(nurbs_core::radius(&at));
-        Sample { u, speed, tangent, feedrate, stretch: None }
+        let Some(budget) = self.budget.filter(|_| speed > R::zero()) else {
+            return Sample { u, speed, tangent, bend: [R::zero(); D], feedrate, stretch: None };
+        };
+        // k = (C'' - (e C'') e) / |C'|²
+        let along = R::sum_of_products(tangent.into_iter().zip(at.second));
+        let bend = core::array::from_fn(|d| (at.second[d] - along * tangent[d]) / speed / speed);
+        let change = [R::zero(); AXES];
+        let turning = Turning { tangent: components(&tangent), curvature: components(&bend), change };
+        let feedrate = budget.feed_at(&turning, feedrate);
+        Sample { u, speed, tangent, bend, feedrate, stretch: None }
     }
 
     /// Length of the path between two samples, and how far the limit dips in between.
@@ -291,7 +396,44 @@ impl<R: Real, C> Span<'_, R, C> {
             length,
             margin: margin + margin.scale(-2),
             is_fine: is_straight && is_short && is_turning_little,
+            highest: inner.iter().fold(R::zero(), |most, sample| most.max(sample.feedrate)),
+            turning: self.turning(from, &inner, to),
+            allowance: Allowance::unlimited(),
         }
+    }
+}
+
+impl<R: Real, C> Span<'_, R, C> {
+    /// The largest components of tangent, curvature and its change on a stretch; the change from differences between
+    /// neighbours, an eighth added for what it may be in between.
+    fn turning<const D: usize>(
+        &self,
+        from: &Sample<R, D>,
+        inner: &[Sample<R, D>; quadrature::POINTS],
+        to: &Sample<R, D>,
+    ) -> Turning<R> {
+        let none = [R::zero(); AXES];
+        let mut turning = Turning { tangent: none, curvature: none, change: none };
+        if self.budget.is_none() {
+            return turning;
+        }
+        let mut previous = from;
+        for sample in core::iter::once(from).chain(inner).chain(core::iter::once(to)) {
+            let length = (sample.u - previous.u) * (sample.speed + previous.speed).half();
+            let difference =
+                components(&core::array::from_fn::<R, D, _>(|d| sample.bend[d] - previous.bend[d]));
+            let (tangent, bend) = (components(&sample.tangent), components(&sample.bend));
+            for i in 0..AXES {
+                turning.tangent[i] = turning.tangent[i].max(tangent[i]);
+                turning.curvature[i] = turning.curvature[i].max(bend[i]);
+                if length > R::zero() {
+                    let change = difference[i] / length;
+                    turning.change[i] = turning.change[i].max(change + change.scale(-3));
+                }
+            }
+            previous = sample;
+        }
+        turning
     }
 }
 

@@ -3,7 +3,7 @@
 use nurbs_core::{Derivatives, Differentiate, Evaluate, NurbsBuf};
 use real::Backend;
 
-use crate::KinematicLimits;
+use crate::{AxisLimits, Junction, KinematicLimits};
 
 /// Wang Y. et al.: T = 3 ms, F = 200 mm/s, A = 5000 mm/s², J = 4e5 mm/s³, E = 0.5 µm, with T as the unit of
 /// time.
@@ -26,6 +26,8 @@ pub(crate) fn in_periods(
         jerk: jerk * t * t * t,
         chord_error,
         centripetal_acceleration: None,
+        axes: Default::default(),
+        junction: Junction::Stop,
     }
 }
 
@@ -89,6 +91,12 @@ pub(crate) fn in_range<Q: Backend>(limits: &KinematicLimits<f64>) -> KinematicLi
         jerk: convert(limits.jerk),
         chord_error: convert(limits.chord_error),
         centripetal_acceleration: limits.centripetal_acceleration.map(convert),
+        axes: limits.axes.map(|axis| AxisLimits {
+            velocity: axis.velocity.map(convert),
+            acceleration: axis.acceleration.map(convert),
+            jerk: axis.jerk.map(convert),
+        }),
+        junction: Junction::Stop,
     }
 }
 

@@ -2,10 +2,10 @@
 
 use std::fmt::Write;
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 use clap::Args;
 use comfy_table::{CellAlignment, Table, presets};
-use format_compare::{Dimension, ExactPlan, FeedSample, PlanSummary, Problem, Space, StageRow};
+use format_compare::{AxisPeak, Dimension, ExactPlan, FeedSample, PlanSummary, Problem, Space, StageRow};
 
 use crate::compare::{RunArguments, selected};
 use crate::input::{AnyProblem, Input};
@@ -21,6 +21,10 @@ pub(crate) struct Arguments {
     /// Samples per interpolation period in the file that --out names.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
     oversample: u32,
+    /// Look ahead no further than this, in mm, as a controller does that streams a long program. Plans in f64, from rest
+    /// to rest.
+    #[arg(long, value_name = "MM", conflicts_with_all = ["plan_in", "start_feed", "end_feed"])]
+    window: Option<f64>,
     #[command(flatten)]
     output: output::Output,
 }
@@ -40,7 +44,13 @@ where
     let formats = selected::<D>(&["f64".to_string()])?;
     let planned = |&profile| -> Result<(ExactPlan, PlanSummary)> {
         let options = arguments.run.options_with(profile)?;
-        let plan = format_compare::plan_for(problem, formats[0].as_ref(), &options)?;
+        let plan = match arguments.window {
+            Some(window) if window > 0.0 && window.is_finite() => {
+                ExactPlan::through_window(problem, window, profile)?
+            }
+            Some(window) => bail!("--window {window}: expected a positive length in mm"),
+            None => format_compare::plan_for(problem, formats[0].as_ref(), &options)?,
+        };
         let summary = PlanSummary::of(&plan, problem)?;
         Ok((plan, summary))
     };
@@ -144,7 +154,29 @@ fn table(summary: &PlanSummary) -> String {
         summary.jerk_max_mm_per_s3,
         summary.jerk_limit_mm_per_s3,
         100.0 * summary.share_at_commanded_feed,
-    )
+    ) + &axes(summary)
+}
+
+/// A line for each axis that has a limit of its own.
+fn axes(summary: &PlanSummary) -> String {
+    let of = |limit: Option<f64>| limit.map_or_else(String::new, |limit| format!(" of {limit}"));
+    let line = |peak: &AxisPeak| {
+        format!(
+            "{} axis: velocity {:.1}{} mm/s, acceleration {:.0}{} mm/s², jerk {:.0}{} mm/s³ at most.\n",
+            peak.axis.to_ascii_uppercase(),
+            peak.velocity_max_mm_per_s,
+            of(peak.limits.velocity_mm_per_s),
+            peak.acceleration_max_mm_per_s2,
+            of(peak.limits.acceleration_mm_per_s2),
+            peak.jerk_max_mm_per_s3,
+            of(peak.limits.jerk_mm_per_s3),
+        )
+    };
+    let is_limited = |peak: &&AxisPeak| {
+        let limits = peak.limits;
+        limits.velocity_mm_per_s.or(limits.acceleration_mm_per_s2).or(limits.jerk_mm_per_s3).is_some()
+    };
+    summary.axes.iter().filter(is_limited).map(line).collect()
 }
 
 fn cells(stage: &StageRow) -> Vec<String> {

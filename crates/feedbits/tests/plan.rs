@@ -66,3 +66,18 @@ fn all_profiles_at_once_are_for_plan_only() {
     assert_eq!(refused.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&refused.stderr).contains("--profile all goes with `plan`"));
 }
+
+#[test]
+fn a_window_is_hardly_slower_when_it_is_long_enough() {
+    let time = |window: &[&str]| {
+        let arguments = [&["plan", "--profile", "s-curve", "--json"], window].concat();
+        let summary: serde_json::Value = serde_json::from_str(&stdout(&feedbits(&arguments))).expect("JSON");
+        summary["time_s"].as_f64().expect("a time")
+    };
+    let (whole, wide, narrow) = (time(&[]), time(&["--window", "100"]), time(&["--window", "3"]));
+    assert!(wide >= whole - 0.006 && wide < 1.02 * whole, "{wide} against {whole}");
+    assert!(narrow >= whole - 0.006, "{narrow} against {whole}");
+    let refused = feedbits(&["plan", "--window", "0"]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&refused.stderr).contains("--window 0: expected a positive length"));
+}

@@ -1,6 +1,9 @@
 //! A plan as every format can take it: the stages in double-double, which holds each format's numbers exactly.
 
-use feed_plan::{EndFeeds, FeedLimit, KinematicLimits, ProfileKind, Schedule, ScheduleBuf, Stage, plan_with};
+use feed_plan::{
+    AxisLimits, EndFeeds, FeedLimit, Junction, KinematicLimits, PlanError, ProfileKind, Schedule,
+    ScheduleBuf, Stage, StageShape, plan_through_window, plan_with,
+};
 use nurbs_core::NurbsBuf;
 use real::{Backend, DoubleDouble, Real};
 
@@ -47,14 +50,56 @@ impl ExactPlan {
         Ok(Self::of(&schedule.shortened(&shortfalls), profile))
     }
 
+    /// Plans `problem` in f64 with no more than `window_mm` and one curve in view at a time, from rest to rest. The plan
+    /// ends with a wait of less than a period, at rest.
+    ///
+    /// # Errors
+    /// As [`in_format`](Self::in_format).
+    pub fn through_window<const D: usize>(
+        problem: &Problem<D>,
+        window_mm: f64,
+        profile: ProfileKind,
+    ) -> Result<Self, Refusal> {
+        let limits = problem.limits_per_period()?;
+        let mut stages = Vec::new();
+        let curves = problem.curves.iter().map(NurbsBuf::as_curve);
+        let done = plan_through_window(curves, &limits, window_mm, profile, |stage| stages.push(*stage))?;
+        let periods = done.duration.ceil();
+        if let Some(last) = stages.last().copied().filter(|_| periods > done.duration) {
+            stages.push(Stage {
+                start: done.length,
+                length: 0.0,
+                start_feed: 0.0,
+                end_feed: 0.0,
+                duration: periods - done.duration,
+                shape: StageShape::Steady,
+                curve_start: last.curve_end,
+                u_start: last.u_end,
+                ..last
+            });
+        }
+        let too_long = || Refusal::Plan(PlanError::DurationOverflows);
+        if periods > f64::from(u32::MAX) {
+            return Err(too_long());
+        }
+        let periods = DoubleDouble::from(periods).scale(-32).to_phase(0) >> 32;
+        let periods = u32::try_from(periods).map_err(|_| too_long())?;
+        let stages = stages.iter().map(|stage| map_stage(stage, DoubleDouble::from)).collect();
+        Ok(Self::on_the_grid(stages, periods, profile))
+    }
+
+    fn on_the_grid(mut stages: Vec<Stage<DoubleDouble>>, periods: u32, profile: ProfileKind) -> Self {
+        put_joints_on_the_grid(&mut stages);
+        Self { stages, periods, profile }
+    }
+
     fn of<R: Backend>(schedule: &ScheduleBuf<R>, profile: ProfileKind) -> Self {
         let exact = |x: R| {
             let (high, low) = x.to_f64_pair();
             DoubleDouble::new(high, low)
         };
-        let mut stages: Vec<_> = schedule.stages().iter().map(|stage| map_stage(stage, exact)).collect();
-        put_joints_on_the_grid(&mut stages);
-        Self { stages, periods: schedule.as_schedule().periods(), profile }
+        let stages = schedule.stages().iter().map(|stage| map_stage(stage, exact)).collect();
+        Self::on_the_grid(stages, schedule.as_schedule().periods(), profile)
     }
 
     /// The plan itself.
@@ -167,5 +212,29 @@ fn limits_in_format<R: Backend>(limits: &KinematicLimits<f64>) -> Result<Kinemat
             .centripetal_acceleration
             .map(|a| in_format("centripetal acceleration", a))
             .transpose()?,
+        axes: axes_in_format(&limits.axes)?,
+        junction: match limits.junction {
+            Junction::Stop => Junction::Stop,
+            Junction::Deviation(deviation) => {
+                Junction::Deviation(in_format("junction deviation", deviation)?)
+            }
+            // What rounds to nothing is a stop all the same.
+            Junction::VelocityJump(jumps) => Junction::VelocityJump(
+                jumps.map(|jump| R::from_f64(jump).unwrap_or_default().max(R::resolution())),
+            ),
+        },
     })
+}
+
+fn axes_in_format<R: Backend>(axes: &[AxisLimits<f64>; 3]) -> Result<[AxisLimits<R>; 3], Refusal> {
+    let mut converted = [AxisLimits::default(); 3];
+    for (slot, axis) in converted.iter_mut().zip(axes) {
+        let limit = |what, value: Option<f64>| value.map(|value| in_format(what, value)).transpose();
+        *slot = AxisLimits {
+            velocity: limit("axis velocity", axis.velocity)?,
+            acceleration: limit("axis acceleration", axis.acceleration)?,
+            jerk: limit("axis jerk", axis.jerk)?,
+        };
+    }
+    Ok(converted)
 }

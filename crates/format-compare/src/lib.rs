@@ -12,6 +12,7 @@
 //! | what does a period cost on a target? | [`price`] → [`Cost`] |
 //! | how few bits are enough? | [`size`] → [`Sizing`] |
 
+mod axis_peaks;
 mod compare;
 mod cost;
 mod exact_plan;
@@ -28,6 +29,7 @@ mod setpoints;
 mod size;
 mod trace;
 
+pub use axis_peaks::AxisPeak;
 pub use compare::{Comparison, PartSummary, Row, Verdict, compare, compare_with, in_parallel};
 pub use cost::{Cost, Level, PeriodCost, price, price_with};
 pub use exact_plan::ExactPlan;

@@ -5,6 +5,7 @@ use nurbs_core::{Evaluate, NurbsBuf};
 use real::DoubleDouble;
 use serde::Serialize;
 
+use crate::axis_peaks::{AxisPeak, axis_peaks};
 use crate::exact_plan::ExactPlan;
 use crate::problem::Problem;
 use crate::run::Refusal;
@@ -58,6 +59,8 @@ pub struct PlanSummary {
     pub jerk_limit_mm_per_s3: f64,
     /// Share of the path that is travelled at the commanded feed.
     pub share_at_commanded_feed: f64,
+    /// What the plan asks of each axis.
+    pub axes: Vec<AxisPeak>,
     /// Number of stages.
     pub stage_count: usize,
     /// The stages.
@@ -135,6 +138,7 @@ impl PlanSummary {
             jerk_max_mm_per_s3: jerk / t.powi(3),
             jerk_limit_mm_per_s3: problem.machine.jerk_mm_per_s3,
             share_at_commanded_feed: at_feed.map(|s| s.length_mm).fold(0.0, |sum, x| sum + x) / length_mm,
+            axes: axis_peaks(plan, problem, &feed_limit),
             stage_count: stages.len(),
             stages,
         })
@@ -170,6 +174,38 @@ fn feed_limit<const D: usize>(problem: &Problem<D>) -> Result<FeedLimit<f64>, Re
     Ok(FeedLimit::along(&curves, &problem.limits_per_period()?)?)
 }
 
+/// The plan at one instant, in mm and periods.
+pub(crate) struct Sample {
+    time: f64,
+    pub(crate) distance: f64,
+    pub(crate) feed: f64,
+    pub(crate) acceleration: f64,
+    pub(crate) jerk: f64,
+}
+
+/// The plan `per_period` times a period, both ends included.
+pub(crate) fn samples(plan: &ExactPlan, per_period: u32) -> impl Iterator<Item = Sample> {
+    let stages = plan.schedule().stages();
+    let step = 1.0 / f64::from(per_period);
+    let (mut stage, mut before) = (0, 0.0);
+    (0..=plan.periods() * per_period).map(move |sample| {
+        let time = f64::from(sample) * step;
+        while stage + 1 < stages.len() && time >= before + stages[stage].duration.value() {
+            before += stages[stage].duration.value();
+            stage += 1;
+        }
+        let here = &stages[stage];
+        let local = DoubleDouble::from((time - before).min(here.duration.value()));
+        Sample {
+            time,
+            distance: (here.start + here.distance_at(local)).value(),
+            feed: here.feed_at(local).value(),
+            acceleration: here.acceleration_at(local).value(),
+            jerk: here.jerk_at(local).value(),
+        }
+    })
+}
+
 impl ExactPlan {
     /// The plan sampled `per_period` times a period, both ends included.
     ///
@@ -182,44 +218,35 @@ impl ExactPlan {
     ) -> Result<Vec<FeedSample>, Refusal> {
         let t = problem.period_s();
         let feed_limit = feed_limit(problem)?;
-        let schedule = self.schedule();
-        let step = 1.0 / f64::from(per_period);
-        let samples = self.periods() * per_period;
-        let (mut stage, mut before) = (0, 0.0);
-        let stages = schedule.stages();
-        Ok((0..=samples)
-            .map(|sample| {
-                let time = f64::from(sample) * step;
-                while stage + 1 < stages.len() && time >= before + stages[stage].duration.value() {
-                    before += stages[stage].duration.value();
-                    stage += 1;
-                }
-                let here = &stages[stage];
-                let local = DoubleDouble::from((time - before).min(here.duration.value()));
-                let distance = (here.start + here.distance_at(local)).value();
-                FeedSample {
-                    time_s: time * t,
-                    distance_mm: distance,
-                    u: parameter_at(&feed_limit, problem, distance),
-                    feed_mm_per_s: here.feed_at(local).value() / t,
-                    acceleration_mm_per_s2: here.acceleration_at(local).value() / t.powi(2),
-                    jerk_mm_per_s3: here.jerk_at(local).value() / t.powi(3),
-                    limit_mm_per_s: feed_limit.at(distance) / t,
-                }
-            })
-            .collect())
+        let rows = samples(self, per_period).map(|sample| FeedSample {
+            time_s: sample.time * t,
+            distance_mm: sample.distance,
+            u: place_at(&feed_limit, problem, sample.distance).1,
+            feed_mm_per_s: sample.feed / t,
+            acceleration_mm_per_s2: sample.acceleration / t.powi(2),
+            jerk_mm_per_s3: sample.jerk / t.powi(3),
+            limit_mm_per_s: feed_limit.at(sample.distance) / t,
+        });
+        Ok(rows.collect())
     }
 }
 
-/// The parameter at a distance, interpolated between the points of the limit curve; at the end of the path its last.
-fn parameter_at<const D: usize>(limit: &FeedLimit<f64>, problem: &Problem<D>, distance: f64) -> f64 {
+/// Curve and parameter at a distance, interpolated between the points of the limit curve; at the end of the path its last.
+pub(crate) fn place_at<const D: usize>(
+    limit: &FeedLimit<f64>,
+    problem: &Problem<D>,
+    distance: f64,
+) -> (usize, f64) {
     let points = limit.points();
     let after = points.partition_point(|point| point.distance <= distance);
     match (points.get(after.wrapping_sub(1)), points.get(after)) {
         (Some(a), Some(b)) if a.curve == b.curve => {
-            a.u + (b.u - a.u) * (distance - a.distance) / (b.distance - a.distance)
+            (a.curve, a.u + (b.u - a.u) * (distance - a.distance) / (b.distance - a.distance))
         }
-        (_, Some(b)) => b.u,
-        _ => problem.curves.last().map_or(0.0, |curve| curve.as_curve().domain().1),
+        (_, Some(b)) => (b.curve, b.u),
+        _ => match problem.curves.split_last() {
+            Some((last, before)) => (before.len(), last.as_curve().domain().1),
+            None => (0, 0.0),
+        },
     }
 }

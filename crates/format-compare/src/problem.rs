@@ -5,7 +5,7 @@
 //! that follows: a plan and a step have a path without jumps, and its shapes are the part's. How far each curve was
 //! moved is kept, so that setpoints can be given where the part has them.
 
-use feed_plan::{KinematicLimits, PlanError};
+use feed_plan::{AxisLimits, Junction, KinematicLimits, PlanError};
 use nurbs_core::{CurveError, NurbsBuf};
 use part_program::{Curve, GAP_MM, Machine, MoveKind, Part};
 
@@ -23,6 +23,9 @@ pub struct Problem<const D: usize> {
     /// The machine's limits, with the feedrate that the part commands, if it does.
     pub machine: Machine,
 }
+
+/// The jump of velocity, in mm per period, of an axis that may not jump: so little that any break stops it.
+const NO_JUMP: f64 = 1e-9;
 
 impl<const D: usize> Problem<D> {
     /// Takes the moves at feed of `part` in `D` dimensions; coordinates beyond are dropped, so `D` must be at least
@@ -74,6 +77,7 @@ impl<const D: usize> Problem<D> {
     /// [`PlanError`] when a limit is not positive.
     pub fn limits_per_period(&self) -> Result<KinematicLimits<f64>, PlanError> {
         let (machine, t) = (&self.machine, self.period_s());
+        let axes = [machine.axes.x, machine.axes.y, machine.axes.z];
         let limits = KinematicLimits {
             interpolation_period: 1.0,
             feedrate: machine.feedrate_mm_per_s * t,
@@ -81,6 +85,18 @@ impl<const D: usize> Problem<D> {
             jerk: machine.jerk_mm_per_s3 * t.powi(3),
             chord_error: machine.chord_error_mm,
             centripetal_acceleration: machine.centripetal_acceleration_mm_per_s2.map(|a| a * t.powi(2)),
+            axes: axes.map(|axis| AxisLimits {
+                velocity: axis.velocity_mm_per_s.map(|v| v * t),
+                acceleration: axis.acceleration_mm_per_s2.map(|a| a * t.powi(2)),
+                jerk: axis.jerk_mm_per_s3.map(|j| j * t.powi(3)),
+            }),
+            junction: match machine.junction {
+                part_program::Junction::Stop => Junction::Stop,
+                part_program::Junction::DeviationMm(deviation) => Junction::Deviation(deviation),
+                part_program::Junction::VelocityJump => Junction::VelocityJump(
+                    axes.map(|axis| axis.velocity_jump_mm_per_s.map_or(NO_JUMP, |jump| jump * t)),
+                ),
+            },
         };
         limits.validate()?;
         Ok(limits)

@@ -65,7 +65,7 @@ pub use curve::{Curve, CurveFault, Element, End, MAX_COORDINATE_MM, MAX_DEGREE, 
 pub use diagnostic::{Diagnostic, Diagnostics, MAX_DIAGNOSTICS, Severity};
 pub use inspect::{Bend, Inspection, inspect};
 pub use joint::{GAP_MM, Joint, TANGENT_BREAK_RAD};
-pub use machine::{Axes, AxisLimits, Machine, read_machine};
+pub use machine::{Axes, AxisLimits, Junction, Machine, read_machine};
 pub use options::{Dialect, ReadOptions};
 pub use part::{Auxiliary, Move, MoveKind, Part, Shape};
 pub use remark::{Oddity, Remark, SHORT_SPAN, TINY_MM, WEIGHT_RATIO};

@@ -29,8 +29,24 @@ pub struct Machine {
     /// Acceleration across the path, in mm/s².
     #[serde(skip_serializing_if = "Option::is_none")]
     pub centripetal_acceleration_mm_per_s2: Option<f64>,
+    /// How a break of the tangent is passed.
+    pub junction: Junction,
     /// Limits of single axes.
     pub axes: Axes,
+}
+
+/// How a break of the tangent is passed: key `junction`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Junction {
+    /// `"stop"`, also without the key: at rest.
+    #[default]
+    Stop,
+    /// `"deviation"`: as if rounded within this many mm, key `junction_deviation_mm`.
+    DeviationMm(f64),
+    /// `"velocity-jump"`: with a jump of each axis's velocity by at most `velocity_jump_mm_per_s` of its table; one
+    /// that gives none may not jump at all.
+    VelocityJump,
 }
 
 /// Limits of single axes, where the file gives them.
@@ -53,6 +69,8 @@ pub struct AxisLimits {
     pub acceleration_mm_per_s2: Option<f64>,
     /// In mm/s³.
     pub jerk_mm_per_s3: Option<f64>,
+    /// At a break of the tangent, in mm/s.
+    pub velocity_jump_mm_per_s: Option<f64>,
 }
 
 /// Reads a machine file: TOML with a table `[machine]`. Other tables of a curve file may stand beside it.
@@ -112,9 +130,24 @@ pub(crate) fn from_table(report: &mut Report<'_>, header: Span, table: &DeTable<
     let max_iterations = max_iterations(&mut keys);
     let centripetal_acceleration_mm_per_s2 =
         keys.optional_number("centripetal_acceleration_mm_per_s2", ACCELERATION);
+    let junction = junction(&mut keys);
     let axes = keys.table("axes");
     keys.finish();
     let axes = axes.map_or_else(Axes::default, |(header, table)| axes_from(report, header, table));
+    let jumps = [axes.x, axes.y, axes.z].map(|axis| axis.velocity_jump_mm_per_s);
+    match junction {
+        Junction::VelocityJump if jumps == [None; 3] => {
+            let message = "`junction` is \"velocity-jump\", but no axis has `velocity_jump_mm_per_s`";
+            report
+                .error(header, message)
+                .expected("a table [machine.axes.x] with it, for each axis that may jump");
+        }
+        Junction::Stop | Junction::DeviationMm(_) if jumps != [None; 3] => {
+            let message = "`velocity_jump_mm_per_s` says nothing unless `junction` is \"velocity-jump\"";
+            report.error(header, message).expected("a line `junction = \"velocity-jump\"` in [machine]");
+        }
+        _ => {}
+    }
     Some(Machine {
         interpolation_period_ms: interpolation_period_ms?,
         feedrate_mm_per_s: feedrate_mm_per_s?,
@@ -125,8 +158,38 @@ pub(crate) fn from_table(report: &mut Report<'_>, header: Span, table: &DeTable<
         parameter_tolerance: parameter_tolerance?,
         max_iterations: max_iterations?,
         centripetal_acceleration_mm_per_s2,
+        junction,
         axes,
     })
+}
+
+fn junction(keys: &mut TableReader<'_, '_, '_>) -> Junction {
+    const KEY: &str = "junction";
+    const DEVIATION: &str = "junction_deviation_mm";
+    let expected = "\"stop\", \"deviation\" or \"velocity-jump\"";
+    let value = keys.optional(KEY);
+    let named = value.map(|value| (value.span(), value.get_ref().as_str()));
+    match named {
+        Some((_, Some("deviation"))) => {
+            keys.number(DEVIATION, CHORD_ERROR).map_or(Junction::Stop, Junction::DeviationMm)
+        }
+        other => {
+            if keys.optional_number(DEVIATION, CHORD_ERROR).is_some() {
+                let span = keys.optional(DEVIATION).map_or_else(Span::default, |value| value.span().into());
+                let message = format!("`{DEVIATION}` says nothing unless `junction` is \"deviation\"");
+                keys.report.error(span, message).expected("a line `junction = \"deviation\"`");
+            }
+            match other {
+                None | Some((_, Some("stop"))) => Junction::Stop,
+                Some((_, Some("velocity-jump"))) => Junction::VelocityJump,
+                Some((span, found)) => {
+                    let found = found.map_or_else(|| "no text".into(), |found| format!("{found:?}"));
+                    keys.report.error(span, format!("`{KEY}` is {found}")).expected(expected);
+                    Junction::Stop
+                }
+            }
+        }
+    }
 }
 
 fn max_iterations(keys: &mut TableReader<'_, '_, '_>) -> Option<u32> {
@@ -150,6 +213,7 @@ fn axes_from(report: &mut Report<'_>, header: Span, table: &DeTable<'_>) -> Axes
             velocity_mm_per_s: keys.optional_number("velocity_mm_per_s", FEEDRATE),
             acceleration_mm_per_s2: keys.optional_number("acceleration_mm_per_s2", ACCELERATION),
             jerk_mm_per_s3: keys.optional_number("jerk_mm_per_s3", JERK),
+            velocity_jump_mm_per_s: keys.optional_number("velocity_jump_mm_per_s", FEEDRATE),
         };
         keys.finish();
         limits
@@ -228,6 +292,35 @@ velocity = 3
             "14:15 unknown key `w` in [machine.axes]",
         ];
         assert_eq!(said, expected);
+    }
+
+    #[test]
+    fn junctions_are_chosen_and_contradictions_are_said() {
+        let read = |more: &str| read_machine("m.toml", &format!("{GOOD}{more}"));
+        assert_eq!(read("").unwrap().junction, Junction::Stop);
+        assert_eq!(read("junction = \"stop\"\n").unwrap().junction, Junction::Stop);
+        let deviation = read("junction = \"deviation\"\njunction_deviation_mm = 0.01\n").unwrap();
+        assert_eq!(deviation.junction, Junction::DeviationMm(0.01));
+        let jump = "junction = \"velocity-jump\"\n";
+        let axis = "[machine.axes.y]\nvelocity_jump_mm_per_s = 5\n";
+        let machine = read(&format!("{jump}{axis}")).unwrap();
+        assert_eq!(machine.junction, Junction::VelocityJump);
+        assert_eq!(machine.axes.y.velocity_jump_mm_per_s, Some(5.0));
+        for (more, message) in [
+            ("junction = \"fast\"\n", "`junction` is \"fast\""),
+            ("junction = 3\n", "`junction` is no text"),
+            ("junction = \"deviation\"\n", "`junction_deviation_mm` is missing in [machine]"),
+            ("junction = \"deviation\"\njunction_deviation_mm = 0\n", "`junction_deviation_mm` is 0"),
+            (
+                "junction_deviation_mm = 0.01\n",
+                "`junction_deviation_mm` says nothing unless `junction` is \"deviation\"",
+            ),
+            (jump, "`junction` is \"velocity-jump\", but no axis has `velocity_jump_mm_per_s`"),
+            (axis, "`velocity_jump_mm_per_s` says nothing unless `junction` is \"velocity-jump\""),
+        ] {
+            let errors = read(more).unwrap_err();
+            assert_eq!(errors.iter().next().unwrap().message, message, "{more}");
+        }
     }
 
     #[test]

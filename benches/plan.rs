@@ -1,0 +1,45 @@
+//! How long planning takes, by the number of spans: it grows with the path, and stays far below the path's own time.
+
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use feed_plan::{EndFeeds, FeedLimit, Junction, KinematicLimits, ProfileKind, jerk_free_duration, plan_with};
+use feedbits_benches::winding;
+
+const PERIOD_S: f64 = 3e-3;
+
+fn planning(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("feed-plan");
+    group.sample_size(10);
+    for spans in [10, 100, 1000, 10_000] {
+        let path = winding(spans);
+        let limits = KinematicLimits {
+            interpolation_period: 1.0,
+            feedrate: path.feed_mm,
+            acceleration: 5000.0 * PERIOD_S.powi(2),
+            jerk: 4e5 * PERIOD_S.powi(3),
+            chord_error: 5e-4,
+            centripetal_acceleration: None,
+            axes: Default::default(),
+            junction: Junction::Stop,
+        };
+        let curves = [path.curve.as_curve()];
+        let limit = FeedLimit::along(&curves, &limits).expect("a limit");
+        let own_time = jerk_free_duration(&limit, &limits) * PERIOD_S;
+        println!("{spans} spans: {} limit points, at least {own_time:.2} s of motion", limit.points().len());
+        group.throughput(Throughput::Elements(limit.points().len() as u64));
+        let limit_of = || FeedLimit::along(&curves, &limits);
+        group.bench_function(BenchmarkId::new("limit", spans), |b| b.iter(limit_of));
+        for (name, kind) in [
+            ("cubic", ProfileKind::Cubic),
+            ("s-curve", ProfileKind::SCurve),
+            ("trigonometric", ProfileKind::Trigonometric),
+            ("flexible", ProfileKind::Flexible),
+        ] {
+            let plan = || plan_with(&limit, &limits, EndFeeds::default(), kind);
+            group.bench_function(BenchmarkId::new(name, spans), |b| b.iter(plan));
+        }
+    }
+    group.finish();
+}
+
+criterion_group!(benches, planning);
+criterion_main!(benches);

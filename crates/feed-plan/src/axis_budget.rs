@@ -1,0 +1,234 @@
+//! What limits of single axes leave for the path.
+//!
+//! With the unit tangent e, the curvature vector `k = de/ds`, and `c = dk/ds`, the motion of the axes at the feed V is
+//!
+//! ```text
+//! velocity      e V
+//! acceleration  e a + k V²
+//! jerk          e j + 3 k V a + c V³
+//! ```
+//!
+//! Part of what an axis can do goes into turning the path, the rest into changing the feed. How it is shared out is
+//! decided before the feed is known: a reserve `a₀ = min(A, 0.7 min Aᵢ)` and `j₀ = min(J, ½ min Jᵢ)` for the path is kept
+//! everywhere, and the feed limited so that the axes can turn with what is left:
+//!
+//! ```text
+//! V |eᵢ| ≤ Vᵢ        V² |kᵢ| ≤ Aᵢ - |eᵢ| a₀        3 |kᵢ| V a₀ + |cᵢ| V³ ≤ Jᵢ - |eᵢ| j₀
+//! ```
+//!
+//! With 0.7 the second one leaves at least 0.7 Aᵢ for turning, whatever the direction: `(1 - 0.7 cos θ)/sin θ` is least at
+//! `cos θ = 0.7`. With all of Aᵢ in reserve, the feed would have to vanish where a bend begins along the axis. Where the path is
+//! straighter or slower than that, more than the reserve is left: the path's acceleration and jerk on a stretch between
+//! two key points are the least allowance found on it, by 2⁻⁶ of the surplus less since it is found at samples.
+//!
+//! Where the curvature steps, as from a line to an arc, the jerk of an axis is infinite at any feed. The step of its
+//! acceleration is then limited to what its jerk allows in one period: `V² |k₂ - k₁|ᵢ ≤ Jᵢ T`.
+
+use real::Real;
+
+use crate::limits::AXES;
+use crate::{AxisLimits, KinematicLimits};
+
+/// Newton steps for the root of a cubic; it is approached from above, by a factor of at most 2/3 and then quadratically.
+const NEWTON_STEPS: usize = 24;
+/// Taken off what samples leave beyond the reserve.
+const SURPLUS_MARGIN: i32 = -6;
+
+/// Direction and curvature of the path at one point, or the largest of each component on a stretch.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Turning<R> {
+    /// |eᵢ|.
+    pub(crate) tangent: [R; AXES],
+    /// |kᵢ|.
+    pub(crate) curvature: [R; AXES],
+    /// |cᵢ|.
+    pub(crate) change: [R; AXES],
+}
+
+/// The path's acceleration and jerk on a stretch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Allowance<R> {
+    pub(crate) acceleration: R,
+    pub(crate) jerk: R,
+}
+
+impl<R: Real> Allowance<R> {
+    pub(crate) fn unlimited() -> Self {
+        Self { acceleration: R::max_value(), jerk: R::max_value() }
+    }
+
+    pub(crate) fn min(self, other: Self) -> Self {
+        Self { acceleration: self.acceleration.min(other.acceleration), jerk: self.jerk.min(other.jerk) }
+    }
+}
+
+/// Limits of the axes, with the path's reserve.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct AxisBudget<R> {
+    axes: [AxisLimits<R>; AXES],
+    path: Allowance<R>,
+    reserve: Allowance<R>,
+    period: R,
+}
+
+impl<R: Real> AxisBudget<R> {
+    /// `None` when no axis has a limit.
+    pub(crate) fn new(limits: &KinematicLimits<R>) -> Option<Self> {
+        let least =
+            |of: fn(&AxisLimits<R>) -> Option<R>| limits.axes.iter().filter_map(of).reduce(|a, b| a.min(b));
+        let (acceleration, jerk) = (least(|axis| axis.acceleration), least(|axis| axis.jerk));
+        acceleration.or(jerk).or(least(|axis| axis.velocity))?;
+        let path = Allowance { acceleration: limits.acceleration, jerk: limits.jerk };
+        let share = R::from_ratio(7, 10);
+        let reserve = Allowance {
+            acceleration: acceleration.map_or(path.acceleration, |a| path.acceleration.min(a * share)),
+            jerk: jerk.map_or(path.jerk, |j| path.jerk.min(j.half())),
+        };
+        Some(Self { axes: limits.axes, path, reserve, period: limits.interpolation_period })
+    }
+
+    /// The largest feed up to `feed` at which velocities and accelerations leave the reserve, at a point.
+    pub(crate) fn feed_at(&self, turning: &Turning<R>, feed: R) -> R {
+        let mut feed = feed;
+        for (i, axis) in self.axes.iter().enumerate() {
+            let (tangent, curvature) = (turning.tangent[i], turning.curvature[i]);
+            if let Some(most) = axis.velocity.filter(|most| tangent * feed > *most) {
+                feed = most / tangent;
+            }
+            if let Some(most) = axis.acceleration {
+                let left = most - tangent * self.reserve.acceleration;
+                if curvature * feed * feed > left {
+                    feed = feed.min((left / curvature).sqrt());
+                }
+            }
+        }
+        feed
+    }
+
+    /// The largest feed up to `feed` at which jerks leave the reserve, on a stretch.
+    pub(crate) fn feed_on(&self, turning: &Turning<R>, feed: R) -> R {
+        let mut feed = feed;
+        for (i, axis) in self.axes.iter().enumerate() {
+            let Some(most) = axis.jerk else { continue };
+            let left = most - turning.tangent[i] * self.reserve.jerk;
+            let linear = turning.curvature[i] * self.reserve.acceleration * R::from_ratio(3, 1);
+            let cubic = turning.change[i];
+            for _ in 0..NEWTON_STEPS {
+                // f(V) = l V + c V³ - left rises and is convex: from above, Newton's step never passes the root.
+                let square = feed * feed;
+                let excess = linear * feed + cubic * square * feed - left;
+                if !(excess > R::zero()) {
+                    break;
+                }
+                feed = feed - excess / (linear + cubic * square * R::from_ratio(3, 1));
+            }
+            // What rounding leaves above the root.
+            if linear * feed + cubic * feed * feed * feed > left {
+                feed = feed - feed * R::resolution().scale(4);
+            }
+        }
+        feed.max(R::zero())
+    }
+
+    /// The largest feed up to `feed` for a step of the curvature.
+    pub(crate) fn feed_over(&self, step: &[R; AXES], feed: R) -> R {
+        let pairs = self.axes.iter().zip(step);
+        pairs.fold(feed, |feed, (axis, step)| match axis.jerk {
+            Some(most) if *step * feed * feed > most * self.period => {
+                feed.min((most * self.period / *step).sqrt())
+            }
+            _ => feed,
+        })
+    }
+
+    /// What is left for the path on a stretch that is passed at up to `feed`.
+    pub(crate) fn allowance(&self, turning: &Turning<R>, feed: R) -> Allowance<R> {
+        let mut acceleration = self.path.acceleration;
+        for (i, axis) in self.axes.iter().enumerate() {
+            let (tangent, curvature) = (turning.tangent[i], turning.curvature[i]);
+            if let Some(most) = axis.acceleration {
+                acceleration = acceleration.min(quotient(most - curvature * feed * feed, tangent));
+            }
+            if let Some(most) = axis.jerk {
+                let left = most - tangent * self.reserve.jerk - turning.change[i] * feed * feed * feed;
+                acceleration = acceleration.min(quotient(left, curvature * feed * R::from_ratio(3, 1)));
+            }
+        }
+        let acceleration = above(self.reserve.acceleration, acceleration);
+        let mut jerk = self.path.jerk;
+        for (i, axis) in self.axes.iter().enumerate() {
+            let Some(most) = axis.jerk else { continue };
+            let by_acceleration = turning.curvature[i] * feed * acceleration * R::from_ratio(3, 1);
+            let left = most - by_acceleration - turning.change[i] * feed * feed * feed;
+            jerk = jerk.min(quotient(left, turning.tangent[i]));
+        }
+        Allowance { acceleration, jerk: above(self.reserve.jerk, jerk) }
+    }
+}
+
+/// `value / divisor`; the largest number where that would be no limit.
+fn quotient<R: Real>(value: R, divisor: R) -> R {
+    if divisor > R::zero() { value / divisor } else { R::max_value() }
+}
+
+/// The reserve, and most of what is left beyond it.
+fn above<R: Real>(reserve: R, found: R) -> R {
+    let surplus = found - reserve;
+    if surplus > R::zero() { reserve + (surplus - surplus.scale(SURPLUS_MARGIN)) } else { reserve }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_paths::paper_limits;
+    use proptest::prelude::*;
+
+    fn budget(velocity: f64, acceleration: f64, jerk: f64) -> AxisBudget<f64> {
+        let axis =
+            AxisLimits { velocity: Some(velocity), acceleration: Some(acceleration), jerk: Some(jerk) };
+        AxisBudget::new(&KinematicLimits { axes: [axis; AXES], ..paper_limits() }).unwrap()
+    }
+
+    #[test]
+    fn without_a_limit_there_is_no_budget() {
+        assert!(AxisBudget::new(&paper_limits()).is_none());
+    }
+
+    #[test]
+    fn a_straight_line_along_an_axis_leaves_nearly_all_of_it() {
+        let turning = Turning { tangent: [1.0, 0.0, 0.0], curvature: [0.0; 3], change: [0.0; 3] };
+        let budget = budget(0.3, 0.01, 0.001);
+        assert!((budget.feed_at(&turning, 0.6) - 0.3).abs() < 1e-15);
+        let left = budget.allowance(&turning, 0.3);
+        assert!((0.009_9..=0.01).contains(&left.acceleration), "{left:?}");
+        assert!((0.000_98..=0.001).contains(&left.jerk), "{left:?}");
+    }
+
+    proptest! {
+        /// Whatever feed up to the limit, acceleration and jerk up to the allowance a plan takes, each axis keeps its own.
+        #[test]
+        fn the_axes_keep_their_limits(
+            angle in 0.0..1.6_f64, curvature in 0.0..2.0_f64, change in 0.0..2.0_f64, velocity in 0.01..1.0_f64,
+            acceleration in 1e-4..0.1_f64, jerk in 1e-5..0.02_f64, shares in prop::array::uniform3(0.0..=1.0_f64),
+        ) {
+            let budget = budget(velocity, acceleration, jerk);
+            let (sine, cosine) = angle.sin_cos();
+            let turning = Turning {
+                tangent: [cosine.abs(), sine.abs(), 0.0],
+                curvature: [sine.abs() * curvature, cosine.abs() * curvature, 0.0],
+                change: [change, change / 2.0, 0.0],
+            };
+            let feed = budget.feed_on(&turning, budget.feed_at(&turning, 0.6));
+            let left = budget.allowance(&turning, feed);
+            prop_assert!(left.acceleration >= budget.reserve.acceleration && left.jerk >= budget.reserve.jerk);
+            prop_assert!(left.acceleration <= 0.045 && left.jerk <= 0.0108);
+            let (v, a, j) = (feed * shares[0], left.acceleration * shares[1], left.jerk * shares[2]);
+            for i in 0..2 {
+                let (e, k, c) = (turning.tangent[i], turning.curvature[i], turning.change[i]);
+                prop_assert!(e * v <= velocity * (1.0 + 1e-12));
+                prop_assert!(e * a + k * v * v <= acceleration * (1.0 + 1e-12));
+                prop_assert!(e * j + 3.0 * k * v * a + c * v * v * v <= jerk * (1.0 + 1e-12));
+            }
+        }
+    }
+}

@@ -1,0 +1,311 @@
+//! Streaming: a path of any length, planned through a window.
+//!
+//! So many millimetres of path are looked at at a time. They are planned as if the path ended in rest at the window's
+//! end, which is always possible, and of that plan the stages up to the middle of the window are final: the next window
+//! begins where the acceleration is zero, at constant feed or at a joint of stages, with the feed that the plan has there. What lies
+//! behind a window can only let the plan go on faster, so every limit holds; but where half the window is shorter than
+//! the distance that the machine needs to stop, the plan is slower than with the whole path in view.
+//!
+//! Should the planner find no way from that joint, where its search is coarser than the plan it came from, the rest of
+//! that plan is taken, to rest: there is always a way on.
+//!
+//! Spans are sampled once, as the window reaches them, and their samples forgotten behind it: memory holds the samples
+//! of one window and one span, whatever the length of the path. The total is made a whole number of periods by a wait of
+//! less than a period at the end, at rest.
+
+use alloc::vec::Vec;
+
+use nurbs_core::Differentiate;
+use real::Real;
+
+use crate::scan::Scan;
+use crate::{EndFeeds, FeedLimit, KinematicLimits, PlanError, ProfileKind, Stage, StageKind, look_ahead};
+
+/// A window's plan is followed over at least 2⁻⁶ of the window.
+const LEAST_ADVANCE: i32 = -6;
+
+/// What a plan through a window came to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WindowedPlan<R> {
+    /// Arc length of the path, mm.
+    pub length: R,
+    /// Duration, in the unit of the limits.
+    pub duration: R,
+    /// Most limit points held at a time.
+    pub most_points: usize,
+    /// Windows planned.
+    pub windows: usize,
+}
+
+/// Plans curves that follow each other, from rest to rest, with `window` mm in view; `emit` takes the stages, in order
+/// and for good.
+///
+/// Distances count from the path's start and curves from the first one. The feed is continuous over windows, and all
+/// limits of [`plan`](crate::plan) hold. Planning costs in proportion to the path: each span is sampled once, and each
+/// sample planned over about twice.
+///
+/// # Errors
+/// As [`plan`](crate::plan); [`PlanError::NotPositive`] for a window that is none. What was emitted before an error stands.
+pub fn plan_through_window<R: Real, const D: usize, C: Differentiate<R, D>>(
+    curves: impl IntoIterator<Item = C>,
+    limits: &KinematicLimits<R>,
+    window: R,
+    kind: ProfileKind,
+    mut emit: impl FnMut(&Stage<R>),
+) -> Result<WindowedPlan<R>, PlanError> {
+    limits.validate()?;
+    if !(window > R::zero()) {
+        return Err(PlanError::NotPositive { what: "window" });
+    }
+    let mut view = View { source: Source::new(curves), scan: Scan::new(limits), limits, window };
+    let mut done = WindowedPlan { length: R::zero(), duration: R::zero(), most_points: 0, windows: 0 };
+    let mut feed = R::zero();
+    let mut rest: Vec<Stage<R>> = Vec::new();
+    while view.advance(done.length)? {
+        let limit = view.limit(done.length)?;
+        done.most_points = done.most_points.max(view.scan.samples().len());
+        done.windows += 1;
+        let ends = EndFeeds { start: feed, end: R::zero() };
+        let (mut stages, is_new) = match look_ahead::stages(&limit, limits, ends, kind) {
+            Ok(stages) => (stages, true),
+            // The rest of the plan before leads to rest, at the end of the window before.
+            Err(_) if !rest.is_empty() => (rest, false),
+            Err(error) => return Err(error),
+        };
+        let ends_here = is_new && view.source.is_over() && limit.length() >= view.scan.length();
+        rest = if ends_here { Vec::new() } else { split_rest(&mut stages, &limit, done.length) };
+        for stage in &stages {
+            emit(stage);
+            done.duration = done.duration + stage.duration;
+            (done.length, feed) = (stage.start + stage.length, stage.end_feed);
+        }
+        if ends_here {
+            return Ok(done);
+        }
+    }
+    if done.length > R::zero() { Ok(done) } else { Err(PlanError::PathEmpty) }
+}
+
+/// Splits off what of a window's plan is not final. Final is what lies before the middle of the window, if the feed is
+/// constant there, or else before the last joint in the window's first half from which the next window can go on, or else
+/// before the first such joint that brings the plan on.
+///
+/// At such a joint the acceleration is zero and the next stage does not fall: where braking begins, the next plan would have
+/// to brake at that very point, and rounding may have moved it past.
+fn split_rest<R: Real>(stages: &mut Vec<Stage<R>>, limit: &FeedLimit<R>, begin: R) -> Vec<Stage<R>> {
+    let window = limit.length() - begin;
+    let (least, middle) = (begin + window.scale(LEAST_ADVANCE), begin + window.half());
+    let at_middle = stages.partition_point(|stage| stage.start + stage.length <= middle);
+    if let Some(stage) = stages.get_mut(at_middle).filter(|stage| stage.kind() == StageKind::Constant) {
+        let (before, after) = cut(stage, middle, limit);
+        *stage = after;
+        let rest = stages.split_off(at_middle);
+        stages.push(before);
+        return rest;
+    }
+    let joints = stages.windows(2).enumerate().filter_map(|(i, pair)| {
+        let [stage, next] = pair else { return None };
+        let is_level = stage.acceleration_at(stage.duration).abs() <= R::resolution();
+        let place = stage.start + stage.length;
+        (is_level && next.end_feed >= next.start_feed && place >= least).then_some((i + 1, place))
+    });
+    let in_half = joints.clone().take_while(|(_, place)| *place <= middle).last();
+    let count = in_half.or_else(|| joints.clone().next()).map_or(stages.len(), |(count, _)| count);
+    stages.split_off(count)
+}
+
+/// A stage of constant feed in two, at a distance within it.
+fn cut<R: Real>(stage: &Stage<R>, distance: R, limit: &FeedLimit<R>) -> (Stage<R>, Stage<R>) {
+    let length = distance - stage.start;
+    let duration = stage.duration * (length / stage.length);
+    let (curve, u) = limit.parameter_at(distance);
+    let before = Stage { length, duration, curve_end: curve, u_end: u, ..*stage };
+    let after = Stage {
+        start: distance,
+        length: stage.length - length,
+        duration: stage.duration - duration,
+        curve_start: curve,
+        u_start: u,
+        ..*stage
+    };
+    (before, after)
+}
+
+/// The curves still to come, span by span.
+struct Source<C, I> {
+    curves: I,
+    /// The curve at hand, its index, and its next span.
+    at: Option<(C, usize, usize)>,
+    taken: usize,
+}
+
+impl<C, I: Iterator<Item = C>> Source<C, I> {
+    fn new(curves: impl IntoIterator<Item = C, IntoIter = I>) -> Self {
+        let mut curves = curves.into_iter();
+        let at = curves.next().map(|curve| (curve, 0, 0));
+        Self { curves, at, taken: 1 }
+    }
+
+    fn is_over(&self) -> bool {
+        self.at.is_none()
+    }
+
+    /// Samples the next span.
+    fn pass<R: Real, const D: usize>(&mut self, scan: &mut Scan<'_, R, D>) -> Result<(), PlanError>
+    where
+        C: Differentiate<R, D>,
+    {
+        let Some((curve, index, span)) = &mut self.at else { return Ok(()) };
+        if *span < curve.span_count() {
+            scan.pass_span(*index, curve, *span)?;
+            *span += 1;
+        }
+        if *span >= curve.span_count() {
+            self.at = self.curves.next().map(|curve| (curve, self.taken, 0));
+            self.taken += 1;
+        }
+        Ok(())
+    }
+}
+
+/// What is in view: the samples from the window's begin to its end.
+struct View<'l, R, const D: usize, C, I> {
+    source: Source<C, I>,
+    scan: Scan<'l, R, D>,
+    limits: &'l KinematicLimits<R>,
+    window: R,
+}
+
+impl<R: Real, const D: usize, C: Differentiate<R, D>, I: Iterator<Item = C>> View<'_, R, D, C, I> {
+    /// Moves the window's begin; whether there is any path left.
+    fn advance(&mut self, begin: R) -> Result<bool, PlanError> {
+        // A stop lets the limit jump within the chord error of it: as far back, samples still matter.
+        self.scan.forget_before(begin - self.limits.chord_error.scale(1));
+        while self.scan.length() - begin < self.window && !self.source.is_over() {
+            self.source.pass(&mut self.scan)?;
+        }
+        Ok(self.scan.length() > begin)
+    }
+
+    /// The limit from the window's begin to the first sample at or beyond its end.
+    fn limit(&self, begin: R) -> Result<FeedLimit<R>, PlanError> {
+        let samples = self.scan.samples();
+        let count = samples.partition_point(|sample| sample.point.distance - begin < self.window);
+        let samples = samples.get(..=count).unwrap_or(samples);
+        Ok(FeedLimit::assemble(samples, self.limits.chord_error)?.beginning_at(begin))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plan_with;
+    use crate::test_paths::{paper_limits, polyline, seed_000, seed_003};
+    use nurbs_core::NurbsBuf;
+
+    const KINDS: [ProfileKind; 4] =
+        [ProfileKind::Cubic, ProfileKind::SCurve, ProfileKind::Trigonometric, ProfileKind::Flexible];
+
+    /// A staircase of short lines and, in between, the papers' curves moved to where the path is.
+    fn long_path(repeats: usize) -> Vec<NurbsBuf<f64, 2>> {
+        let mut path = Vec::new();
+        for i in 0..repeats {
+            let x = 10.0 * i as f64;
+            path.extend(polyline(&[[x, 0.0], [x + 4.0, 0.01], [x + 9.0, 0.015], [x + 10.0, 0.0]]));
+        }
+        path
+    }
+
+    fn streamed(
+        curves: &[NurbsBuf<f64, 2>],
+        window: f64,
+        kind: ProfileKind,
+    ) -> (Vec<Stage<f64>>, WindowedPlan<f64>) {
+        let limits = paper_limits();
+        let mut stages = Vec::new();
+        let views = curves.iter().map(NurbsBuf::as_curve);
+        let done = plan_through_window(views, &limits, window, kind, |stage| stages.push(*stage)).unwrap();
+        (stages, done)
+    }
+
+    fn assert_kept(curves: &[NurbsBuf<f64, 2>], stages: &[Stage<f64>]) -> FeedLimit<f64> {
+        let limits = paper_limits();
+        let views: Vec<_> = curves.iter().map(NurbsBuf::as_curve).collect();
+        let limit = FeedLimit::along(&views, &limits).unwrap();
+        let mut end = (0.0, 0.0);
+        for stage in stages {
+            assert!(
+                (stage.start - end.0).abs() < 1e-9 && (stage.start_feed - end.1).abs() < 1e-12,
+                "{end:?} {stage:?}"
+            );
+            end = (stage.start + stage.length, stage.end_feed);
+            for i in 0..=50 {
+                let time = stage.duration * f64::from(i) / 50.0;
+                let (feed, at) = (stage.feed_at(time), stage.start + stage.distance_at(time));
+                let allowed = limit.minimum_over((at - 1e-9).max(0.0), (at + 1e-9).min(limit.length()));
+                assert!(feed <= limit.at(at).max(allowed) * (1.0 + 1e-9) + 1e-7, "{feed} {allowed} at {at}");
+                assert!(stage.acceleration_at(time).abs() <= limits.acceleration * (1.0 + 1e-9));
+                assert!(stage.jerk_at(time).abs() <= limits.jerk * (1.0 + 1e-9));
+            }
+        }
+        assert!((end.0 - limit.length()).abs() < 1e-9 * limit.length() && end.1 == 0.0, "{end:?}");
+        limit
+    }
+
+    #[test]
+    fn through_a_window_every_limit_holds() {
+        let lines = long_path(12);
+        for kind in KINDS {
+            for (curves, windows) in [
+                (&lines[..], [5.0, 30.0, 1e4]),
+                (&[seed_000()][..], [50.0, 200.0, 1e4]),
+                (&[seed_003()], [5.0, 40.0, 1e4]),
+            ] {
+                for window in windows {
+                    let (stages, done) = streamed(curves, window, kind);
+                    let limit = assert_kept(curves, &stages);
+                    assert!((done.length - limit.length()).abs() < 1e-9 * limit.length());
+                    let sum: f64 = stages.iter().map(|stage| stage.duration).sum();
+                    assert!((done.duration - sum).abs() < 1e-9 * sum);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_window_of_twice_the_stopping_distance_loses_little() {
+        let curves = long_path(60);
+        let views: Vec<_> = curves.iter().map(NurbsBuf::as_curve).collect();
+        let limit = FeedLimit::along(&views, &paper_limits()).unwrap();
+        let whole = plan_with(&limit, &paper_limits(), EndFeeds::default(), ProfileKind::SCurve).unwrap();
+        let whole = whole.as_schedule().duration();
+        let (_, done) = streamed(&curves, 60.0, ProfileKind::SCurve);
+        assert!(done.duration < 1.03 * whole, "{} {whole}", done.duration);
+        assert!(done.windows > 10);
+
+        // On paper A's curve, whose stopping distance is 6 mm.
+        let whole = streamed(&[seed_000()], 1e4, ProfileKind::SCurve).1;
+        for (window, slower) in [(20.0, 1.05), (100.0, 1.01), (400.0, 1.01)] {
+            let (_, done) = streamed(&[seed_000()], window, ProfileKind::SCurve);
+            let ratio = done.duration / whole.duration;
+            assert!((1.0 - 1e-4..slower).contains(&ratio), "{window}: {ratio}");
+        }
+    }
+
+    #[test]
+    fn memory_does_not_grow_with_the_path() {
+        let points = |repeats| streamed(&long_path(repeats), 40.0, ProfileKind::SCurve).1.most_points;
+        let (short, long) = (points(20), points(200));
+        assert!(long <= short + 40, "{short} {long}");
+    }
+
+    #[test]
+    fn a_window_that_is_none_is_refused() {
+        let curves = long_path(1);
+        for window in [0.0, -1.0, f64::NAN] {
+            let views = curves.iter().map(NurbsBuf::as_curve);
+            let refused = plan_through_window(views, &paper_limits(), window, ProfileKind::Cubic, |_| ());
+            assert_eq!(refused, Err(PlanError::NotPositive { what: "window" }));
+        }
+    }
+}

@@ -1,0 +1,135 @@
+//! What a plan asks of each axis.
+//!
+//! With the unit tangent e, the curvature vector `k = de/ds` and `c = dk/ds`, an axis has the velocity `e V`, the
+//! acceleration `e a + k V²` and the jerk `e j + 3 k V a + c V³`. They are sampled, c by central differences.
+
+use feed_plan::FeedLimit;
+use nurbs_core::{Derivatives, Differentiate, Evaluate, NurbsBuf};
+use part_program::AxisLimits;
+use real::Real;
+use serde::Serialize;
+
+use crate::exact_plan::ExactPlan;
+use crate::plan_table::{place_at, samples};
+use crate::problem::Problem;
+
+/// Samples a period.
+const PER_PERIOD: u32 = 4;
+/// Distance of a central difference, as a part of the span.
+const DIFFERENCE: f64 = 1e-5;
+
+/// The largest values of one axis over a plan, and the machine's limits.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct AxisPeak {
+    /// `x`, `y` or `z`.
+    pub axis: char,
+    /// Largest velocity, in mm/s.
+    pub velocity_max_mm_per_s: f64,
+    /// Largest acceleration, in mm/s².
+    pub acceleration_max_mm_per_s2: f64,
+    /// Largest jerk, in mm/s³.
+    pub jerk_max_mm_per_s3: f64,
+    /// The machine's limits of this axis.
+    pub limits: AxisLimits,
+}
+
+/// The peaks of each axis that the path has.
+pub(crate) fn axis_peaks<const D: usize>(
+    plan: &ExactPlan,
+    problem: &Problem<D>,
+    limit: &FeedLimit<f64>,
+) -> Vec<AxisPeak> {
+    let axes = &problem.machine.axes;
+    let named = [('x', axes.x), ('y', axes.y), ('z', axes.z)];
+    let mut peaks: Vec<_> = named
+        .into_iter()
+        .take(D)
+        .map(|(axis, limits)| AxisPeak {
+            axis,
+            velocity_max_mm_per_s: 0.0,
+            acceleration_max_mm_per_s2: 0.0,
+            jerk_max_mm_per_s3: 0.0,
+            limits,
+        })
+        .collect();
+    let t = problem.period_s();
+    for sample in samples(plan, PER_PERIOD) {
+        let (curve, u) = place_at(limit, problem, sample.distance);
+        let Some((e, k, c)) = problem.curves.get(curve).and_then(|curve| turning(curve, u)) else { continue };
+        let (v, a, j) = (sample.feed / t, sample.acceleration / t.powi(2), sample.jerk / t.powi(3));
+        for (d, peak) in peaks.iter_mut().enumerate() {
+            let most = |slot: &mut f64, value: f64| *slot = slot.max(value.abs());
+            most(&mut peak.velocity_max_mm_per_s, e[d] * v);
+            most(&mut peak.acceleration_max_mm_per_s2, e[d] * a + k[d] * v * v);
+            most(&mut peak.jerk_max_mm_per_s3, e[d] * j + 3.0 * k[d] * v * a + c[d] * v.powi(3));
+        }
+    }
+    peaks
+}
+
+/// e, k and c at a parameter; `None` where the curve stands still.
+fn turning<const D: usize>(curve: &NurbsBuf<f64, D>, u: f64) -> Option<([f64; D], [f64; D], [f64; D])> {
+    let curve = curve.as_curve();
+    let last = curve.span_count().checked_sub(1)?;
+    let span = (0..last).find(|&span| u < curve.span_bounds(span).1).unwrap_or(last);
+    let (begin, end) = curve.span_bounds(span);
+    let h = (end - begin) * DIFFERENCE;
+    let middle = u.clamp(begin + h, end - h);
+    let bend_at = |u: f64| bend(&curve.derivatives_in(span, u)).map(|(_, k, _)| k);
+    let (before, after) = (bend_at(middle - h)?, bend_at(middle + h)?);
+    let (e, k, speed) = bend(&curve.derivatives_in(span, u))?;
+    Some((e, k, core::array::from_fn(|d| (after[d] - before[d]) / (2.0 * h * speed))))
+}
+
+/// Unit tangent, curvature vector and |C'|.
+fn bend<const D: usize>(at: &Derivatives<f64, D>) -> Option<([f64; D], [f64; D], f64)> {
+    let speed = f64::norm(&at.first);
+    let e = at.first.map(|x| x / speed);
+    let along = f64::sum_of_products(e.into_iter().zip(at.second));
+    let k = core::array::from_fn(|d| (at.second[d] - along * e[d]) / (speed * speed));
+    (speed > 0.0).then_some((e, k, speed))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{PlanSummary, ProfileKind};
+    use part_program::{read_machine, read_part};
+
+    fn summary(part: &str, axes: &str) -> PlanSummary {
+        let machine = include_str!("../../../data/seed-000.toml");
+        let machine =
+            machine[machine.find("[machine]").unwrap()..].split("[[").next().unwrap().to_string() + axes;
+        let machine = read_machine("m", &machine).unwrap();
+        let problem = Problem::<2>::new(&read_part("p.nc", part).unwrap(), &machine).unwrap();
+        let plan = ExactPlan::in_format_with::<f64, 2>(&problem, [0.0; 2], ProfileKind::SCurve).unwrap();
+        PlanSummary::of(&plan, &problem).unwrap()
+    }
+
+    #[test]
+    fn along_an_axis_the_path_s_values_are_the_axis_s() {
+        let summary = summary("G0 X0 Y0\nG1 X100 F6000\n", "");
+        let [x, y] = summary.axes.as_slice() else { panic!("two axes") };
+        assert!((x.velocity_max_mm_per_s - 100.0).abs() < 0.2, "{x:?}");
+        assert!(
+            (x.acceleration_max_mm_per_s2 / summary.acceleration_max_mm_per_s2 - 1.0).abs() < 0.01,
+            "{x:?}"
+        );
+        assert!((x.jerk_max_mm_per_s3 / summary.jerk_max_mm_per_s3 - 1.0).abs() < 1e-9, "{x:?}");
+        assert_eq!((y.velocity_max_mm_per_s, y.jerk_max_mm_per_s3), (0.0, 0.0));
+    }
+
+    #[test]
+    fn on_a_circle_an_axis_turns_and_keeps_its_limits() {
+        let circle = "G0 X0 Y0\nG2 I30 J0 F6000\n";
+        let free = summary(circle, "");
+        // At F on radius 30: a = V²/r, j = V³/r².
+        let y = free.axes[1];
+        assert!((y.acceleration_max_mm_per_s2 / (100.0_f64.powi(2) / 30.0) - 1.0).abs() < 0.02, "{y:?}");
+        let limits = "\n[machine.axes.x]\nvelocity_mm_per_s = 60\nacceleration_mm_per_s2 = 200\njerk_mm_per_s3 = 5000\n";
+        let x = summary(circle, limits).axes[0];
+        assert!(x.velocity_max_mm_per_s <= 60.0 * (1.0 + 1e-9) && x.velocity_max_mm_per_s > 30.0, "{x:?}");
+        assert!(x.acceleration_max_mm_per_s2 <= 200.0 * (1.0 + 1e-9), "{x:?}");
+        assert!(x.jerk_max_mm_per_s3 <= 5000.0 * (1.0 + 1e-6), "{x:?}");
+    }
+}
