@@ -174,6 +174,7 @@ impl RunArguments {
             profile,
             end_feeds_mm_per_s: [self.start_feed, self.end_feed],
             fluctuation: self.fluctuation,
+            overrides: None,
         })
     }
 }

@@ -4,7 +4,9 @@ use std::fmt::Write;
 
 use anyhow::{Result, bail};
 use clap::Args;
-use format_compare::{Dimension, Problem, Reference, SetpointTable, Space};
+use format_compare::{
+    Dimension, Engine, Options, OverrideTarget, Overrides, Problem, Reference, SetpointTable, Space,
+};
 
 use crate::compare::{RunArguments, selected};
 use crate::input::{AnyProblem, Input};
@@ -21,6 +23,12 @@ pub(crate) struct Arguments {
     /// The number format.
     #[arg(long, value_name = "F", default_value = "f64")]
     format: String,
+    /// Feed overrides on the way: from this time on, in s, this share of the commanded feed, 0 to 200 %. 0 is feed hold.
+    #[arg(long = "override", value_name = "S:PERCENT,...", value_delimiter = ',', value_parser = override_target)]
+    overrides: Vec<OverrideTarget>,
+    /// Share of acceleration and jerk that the plan leaves for changes of the override, in per cent.
+    #[arg(long, value_name = "PERCENT", default_value_t = 20.0, requires = "overrides")]
+    reserve: f64,
     #[command(flatten)]
     output: output::Output,
 }
@@ -49,9 +57,49 @@ where
     let options = arguments.run.options()?;
     let formats = selected::<D>(std::slice::from_ref(&arguments.format))?;
     let Some(format) = formats.first() else { bail!("no format") };
-    let plan = format_compare::plan_for(problem, format.as_ref(), &options)?;
-    let run = format.run(problem, &plan, &options)?;
-    Ok((Reference::new(problem)?.setpoints(problem, &run), run.finished))
+    if arguments.overrides.is_empty() {
+        let plan = format_compare::plan_for(problem, format.as_ref(), &options)?;
+        let run = format.run(problem, &plan, &options)?;
+        return Ok((Reference::new(problem)?.setpoints(problem, &run), run.finished));
+    }
+    if options.engine != Engine::Pieces {
+        bail!("--override goes with pieces: give --evaluate pieces");
+    }
+    let overrides = Overrides::try_new(arguments.overrides.clone(), arguments.reserve / 100.0)?;
+    let to_plan = overrides.to_plan(problem);
+    let plan = format_compare::plan_for(&to_plan, format.as_ref(), &options)?;
+    let options = Options { overrides: Some(overrides.commands(problem, &plan)?), ..options };
+    let run = format.run(&to_plan, &plan, &options)?;
+    let table = Reference::new(problem)?.setpoints(problem, &run);
+    eprint!("{}", kept(&table, problem));
+    Ok((table, run.finished))
+}
+
+/// A time and an override, as in `0.5:150`.
+fn override_target(text: &str) -> Result<OverrideTarget, String> {
+    let number = |text: &str| text.trim().parse::<f64>().ok();
+    let parsed = text.split_once(':').and_then(|(time, percent)| Some((number(time)?, number(percent)?)));
+    let (time_s, percent) = parsed.ok_or("expected S:PERCENT, as in 0.5:150")?;
+    Ok(OverrideTarget { time_s, share: percent / 100.0 })
+}
+
+/// What the setpoints take of acceleration and jerk, from the chords of neighbouring periods. The last step, which takes
+/// what rounding has left, is not counted.
+fn kept<const D: usize>(table: &SetpointTable, problem: &Problem<D>) -> String {
+    let t = problem.period_s();
+    let rest = [0.0, 0.0].into_iter();
+    let counted = table.len().saturating_sub(1);
+    let chords: Vec<f64> = rest.chain(table.iter().take(counted).map(|row| row.chord_mm)).collect();
+    let changes: Vec<f64> = chords.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let acceleration = changes.iter().fold(0.0_f64, |most, a| most.max(a.abs())) / t.powi(2);
+    let jerk = changes.windows(2).fold(0.0_f64, |most, pair| most.max((pair[1] - pair[0]).abs())) / t.powi(3);
+    let machine = &problem.machine;
+    format!(
+        "feedbits: {} periods; acceleration {acceleration:.1} of {} mm/s², jerk {jerk:.0} of {} mm/s³ at most\n",
+        table.len(),
+        machine.acceleration_mm_per_s2,
+        machine.jerk_mm_per_s3,
+    )
 }
 
 /// The table as CSV; numbers as short as they can be and still be read back as the same.

@@ -6,6 +6,7 @@
 //! | what is the plan, exactly? | [`ExactPlan`] |
 //! | which formats are there? | [`formats`], [`select`] |
 //! | what does one format make of it? | [`Format::run`] → [`Run`] |
+//! | the same with the feed overridden on the way? | [`Overrides`] |
 //! | how good is that? | [`Reference::judge`] → [`JudgedStep`], [`Fluctuation`] |
 //! | which format is good enough? | [`compare`] → [`Comparison`] |
 //! | what happened in each period? | [`compare_with`] → [`Trace`] |
@@ -20,6 +21,7 @@ mod formats;
 mod metrics;
 mod on_global_parameter;
 mod on_pieces;
+mod overrides;
 mod plan_table;
 mod problem;
 mod recorded;
@@ -37,6 +39,7 @@ pub use feed_plan::ProfileKind;
 pub use formats::{Dimension, Format, Space, formats, plan_for, select};
 pub use metrics::{Fluctuation, JudgedStep, PerPeriod};
 pub use part_program::Machine;
+pub use overrides::{OverrideCommands, OverrideError, OverrideTarget, Overrides};
 pub use plan_table::{FeedSample, PlanSummary, StageRow};
 pub use problem::{Problem, rapid_moves};
 pub use recorded::RecordedRun;

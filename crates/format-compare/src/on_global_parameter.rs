@@ -31,7 +31,7 @@ pub(crate) fn record<R: Backend, const D: usize>(
 ) -> Result<RecordedRun, Refusal> {
     prepared::<Recorded<R>, D, _>(problem, plan, options, method, |interpolator| {
         let mut state = interpolator.start();
-        RecordedRun::of(most.min(most_periods(plan)), || interpolator.step(&mut state).is_some())
+        RecordedRun::of(most.min(most_periods(plan.periods())), || interpolator.step(&mut state).is_some())
     })
 }
 
@@ -75,7 +75,7 @@ fn drive<R: Backend, C: Differentiate<R, D>, const D: usize>(
     let mut planned = plan.lengths();
     let mut state = interpolator.start();
     let mut steps = Vec::with_capacity(plan.periods() as usize + 1);
-    while steps.len() < most_periods(plan) {
+    while steps.len() < most_periods(plan.periods()) {
         let Some(setpoint) = interpolator.step(&mut state) else { break };
         let (wanted_mm, feed) = match planned.next() {
             Some((length, feed)) => (length.to_f64_pair(), feed),

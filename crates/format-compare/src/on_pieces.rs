@@ -16,7 +16,24 @@ pub(crate) fn run<R: Backend, const D: usize>(
     options: &Options,
 ) -> Result<Run, Refusal> {
     let prepared = Prepared::<R, D>::new(problem, plan, options)?;
-    Ok(drive(&prepared.interpolator(), &prepared.table, plan, problem))
+    let interpolator = prepared.interpolator();
+    let mut state = interpolator.start();
+    let drive = Drive {
+        table: &prepared.table,
+        per_second: 1.0 / problem.period_s(),
+        full_step_mm: problem.machine.feedrate_mm_per_s * problem.period_s(),
+    };
+    let Some(commands) = &options.overrides else {
+        return Ok(drive.run(plan.periods(), plan.lengths(), |_| interpolator.step(&mut state)));
+    };
+    let mut rates = commands.start();
+    let lengths = commands.lengths.iter().map(|length| (*length, length.value()));
+    // At most 2^24.
+    let periods = u32::try_from(lengths.len()).unwrap_or(u32::MAX);
+    Ok(drive.run(periods, lengths, |period| {
+        commands.command(period, &mut rates);
+        interpolator.step_overridden(&mut state, &commands.feeds, &mut rates)
+    }))
 }
 
 /// The operations of each of the first `most` steps of the same run.
@@ -29,7 +46,7 @@ pub(crate) fn record<R: Backend, const D: usize>(
     let prepared = Prepared::<Recorded<R>, D>::new(problem, plan, options)?;
     let interpolator = prepared.interpolator();
     let mut state = interpolator.start();
-    Ok(RecordedRun::of(most.min(most_periods(plan)), || interpolator.step(&mut state).is_some()))
+    Ok(RecordedRun::of(most.min(most_periods(plan.periods())), || interpolator.step(&mut state).is_some()))
 }
 
 /// Path, stages and tolerances in `R`: what lies in a controller's flash.
@@ -104,45 +121,53 @@ fn compiled_stages<R: Backend>(
     Ok(stages)
 }
 
-fn drive<R: Backend, const D: usize>(
-    interpolator: &PieceInterpolator<'_, R, D>,
-    table: &PiecesBuf<R, D>,
-    plan: &ExactPlan,
-    problem: &Problem<D>,
-) -> Run {
-    let per_second = 1.0 / problem.period_s();
-    let pieces = table.as_pieces();
-    let mut planned = plan.lengths();
-    let mut state = interpolator.start();
-    let mut steps = Vec::with_capacity(plan.periods() as usize + 1);
-    let mut finished = false;
-    while steps.len() < most_periods(plan) {
-        let Some(setpoint) = interpolator.step(&mut state) else {
-            finished = true;
-            break;
-        };
-        let length = exact(setpoint.length).scale(-pieces.chord_exponent);
-        let (wanted, feed) = planned.next().unwrap_or((length, length.value()));
-        let (curve, u) = parameter(table, &setpoint);
-        steps.push(RunStep {
-            curve,
-            u,
-            point_mm: point_mm(table, &setpoint),
-            wanted_mm: wanted.to_f64_pair(),
-            feed_mm_per_s: feed * per_second,
-            evaluations: setpoint.evaluations,
-        });
-    }
-    let full_step = problem.machine.feedrate_mm_per_s * problem.period_s() * 1.0.scale(pieces.chord_exponent);
-    // An offset is at most about a piece long, which is the unit.
-    let unit = 1.0.scale(pieces.coordinate_exponent);
-    Run {
-        steps,
-        finished,
-        planned_periods: plan.periods(),
-        resolution_mm: unit * resolution_at::<R>(1.0),
-        fluctuation_resolution: 0.5 * unit_in_last_place::<R>(full_step) / full_step,
-        audit: Audit::default(),
+/// Setpoints become steps in mm.
+struct Drive<'a, R, const D: usize> {
+    table: &'a PiecesBuf<R, D>,
+    per_second: f64,
+    /// F·T.
+    full_step_mm: f64,
+}
+
+impl<R: Backend, const D: usize> Drive<'_, R, D> {
+    /// Takes setpoints until there are none, beside the distance that each period wants and the feed at its end.
+    fn run(
+        &self,
+        planned_periods: u32,
+        mut planned: impl Iterator<Item = (DoubleDouble, f64)>,
+        mut step: impl FnMut(usize) -> Option<PieceSetpoint<R, D>>,
+    ) -> Run {
+        let pieces = self.table.as_pieces();
+        let mut steps = Vec::with_capacity(planned_periods as usize + 1);
+        let mut finished = false;
+        while steps.len() < most_periods(planned_periods) {
+            let Some(setpoint) = step(steps.len()) else {
+                finished = true;
+                break;
+            };
+            let length = exact(setpoint.length).scale(-pieces.chord_exponent);
+            let (wanted, feed) = planned.next().unwrap_or((length, length.value()));
+            let (curve, u) = parameter(self.table, &setpoint);
+            steps.push(RunStep {
+                curve,
+                u,
+                point_mm: point_mm(self.table, &setpoint),
+                wanted_mm: wanted.to_f64_pair(),
+                feed_mm_per_s: feed * self.per_second,
+                evaluations: setpoint.evaluations,
+            });
+        }
+        // An offset is at most about a piece long, which is the unit.
+        let unit = 1.0.scale(pieces.coordinate_exponent);
+        let full_step = self.full_step_mm * 1.0.scale(pieces.chord_exponent);
+        Run {
+            steps,
+            finished,
+            planned_periods,
+            resolution_mm: unit * resolution_at::<R>(1.0),
+            fluctuation_resolution: 0.5 * unit_in_last_place::<R>(full_step) / full_step,
+            audit: Audit::default(),
+        }
     }
 }
 

@@ -9,6 +9,7 @@ use secant_interp::Method;
 use serde::Serialize;
 
 use crate::exact_plan::ExactPlan;
+use crate::overrides::OverrideCommands;
 use crate::problem::Problem;
 use crate::{on_global_parameter, on_pieces};
 
@@ -53,6 +54,8 @@ pub struct Options {
     /// The fluctuation that the solver stops at. By default the machine file's Δ on the global parameter, and the
     /// format's resolution on pieces.
     pub fluctuation: Option<f64>,
+    /// Changes of the feed while the plan runs, on pieces.
+    pub overrides: Option<OverrideCommands>,
 }
 
 impl Default for Options {
@@ -64,6 +67,7 @@ impl Default for Options {
             profile: ProfileKind::default(),
             end_feeds_mm_per_s: [0.0; 2],
             fluctuation: None,
+            overrides: None,
         }
     }
 }
@@ -151,7 +155,7 @@ pub struct RunStep {
     pub point_mm: [f64; 3],
     /// The chord that the plan wanted, in mm, as a sum of two floats.
     pub wanted_mm: (f64, f64),
-    /// The planned feed at the end of the period, in mm/s.
+    /// The planned feed at the end of the period, in mm/s; with an override, the mean over the period.
     pub feed_mm_per_s: f64,
     /// Evaluations of the curve.
     pub evaluations: u32,
@@ -220,6 +224,6 @@ fn once<R: Backend, const D: usize>(
 }
 
 /// Periods after which a run is given up: the format cannot run this plan.
-pub(crate) fn most_periods(plan: &ExactPlan) -> usize {
-    2 * plan.periods() as usize + 16
+pub(crate) fn most_periods(planned: u32) -> usize {
+    2 * planned as usize + 16
 }

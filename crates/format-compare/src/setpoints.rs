@@ -22,7 +22,7 @@ pub struct SetpointRow {
     pub u: f64,
     /// The commanded point, in mm.
     pub point_mm: [f64; 3],
-    /// The planned feed at the end of the period, in mm/s.
+    /// The planned feed at the end of the period, in mm/s; with an override, the mean over the period.
     pub feed_mm_per_s: f64,
     /// The chord of this period, in mm.
     pub chord_mm: f64,

@@ -10,6 +10,7 @@
 //! | the period loop on compiled pieces | [`PieceInterpolator`] |
 //! | one chord on a piece, without division | [`Chord`] |
 //! | the distance of each period | [`StepLengths`] |
+//! | feed override and feed hold while a plan runs | [`FeedOverride`] |
 //!
 //! No heap, no panic, no loop without a bound; everything is generic over [`real::Real`].
 //!
@@ -18,6 +19,7 @@
 #![cfg_attr(not(feature = "std"), no_std)]
 
 mod chord_step;
+mod feed_override;
 mod interpolator;
 mod piece_interpolator;
 pub mod predictor;
@@ -26,6 +28,7 @@ mod step_lengths;
 pub mod taylor;
 
 pub use chord_step::{Chord, ChordTolerance};
+pub use feed_override::{FeedOverride, OverrideLimits, OverrideState, Rate};
 pub use feed_plan::StageShape;
 pub use interpolator::{Interpolator, Method, Setpoint, State};
 pub use piece_interpolator::{PieceInterpolator, PieceSetpoint, PieceState};

@@ -4,6 +4,7 @@ use nurbs_core::{MAX_DEGREE, Piece, Pieces, Shifted};
 use real::Real;
 
 use crate::chord_step::{Chord, ChordTolerance, within};
+use crate::feed_override::{FeedOverride, OverrideState};
 use crate::step_lengths::{LengthCursor, StepLengths};
 
 /// One setpoint on a path of pieces.
@@ -107,6 +108,34 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     pub fn step(&self, state: &mut PieceState<R, D>) -> Option<PieceSetpoint<R, D>> {
         let row = self.pieces.pieces.get(state.piece)?;
         let planned = self.lengths.advance(&mut state.cursor);
+        Some(self.follow(state, row, planned))
+    }
+
+    /// The same with the plan's time stretched, as [`FeedOverride::advance`] has it: feed override and feed hold. In
+    /// a period of hold the setpoint is that of the period before.
+    pub fn step_overridden(
+        &self,
+        state: &mut PieceState<R, D>,
+        feeds: &FeedOverride,
+        rates: &mut OverrideState,
+    ) -> Option<PieceSetpoint<R, D>> {
+        let row = self.pieces.pieces.get(state.piece)?;
+        let planned = feeds.advance(&self.lengths, &mut state.cursor, rates);
+        // A rest after the schedule's end is landed on even so.
+        if planned.is_some_and(|length| length.is_zero()) && !self.lengths.is_over(&state.cursor) {
+            return Some(self.setpoint(state, R::zero(), 0));
+        }
+        Some(self.follow(state, row, planned))
+    }
+
+    /// One period of the planned length, or of landing.
+    #[inline]
+    fn follow(
+        &self,
+        state: &mut PieceState<R, D>,
+        row: &Piece<R, D>,
+        planned: Option<R>,
+    ) -> PieceSetpoint<R, D> {
         let length = planned.unwrap_or(self.landing_step.max(R::resolution())).signal("chord_length");
         let is_last = planned.is_none() || self.lengths.is_over(&state.cursor);
         let reach = if is_last { length + self.landing_step } else { length };
@@ -115,19 +144,20 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         let [newest, middle, _] = state.sigma;
         state.sigma = [reached.sigma, newest, middle];
         (state.piece, state.phase) = (reached.piece, reached.phase);
+        self.setpoint(state, length, reached.evaluations)
+    }
+
+    /// The point where the state stands.
+    #[inline]
+    fn setpoint(&self, state: &PieceState<R, D>, length: R, evaluations: u32) -> PieceSetpoint<R, D> {
+        let (piece, phase) = (state.piece, state.phase);
         let last = self.pieces.pieces.len().saturating_sub(1);
-        let offset = if state.piece > last {
+        let offset = if piece > last {
             self.pieces.offset(last, R::one())
         } else {
-            self.pieces.offset(state.piece, R::from_phase(state.phase, 0))
+            self.pieces.offset(piece, R::from_phase(phase, 0))
         };
-        Some(PieceSetpoint {
-            piece: state.piece,
-            phase: state.phase,
-            offset,
-            length,
-            evaluations: reached.evaluations,
-        })
+        PieceSetpoint { piece, phase, offset, length, evaluations }
     }
 
     /// The chord on the present piece, and where it reaches past its end on the next ones.

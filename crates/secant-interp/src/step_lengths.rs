@@ -90,7 +90,13 @@ impl<R: Real> StepLengths<'_, R> {
     /// The distance of the next period, or `None` when the schedule is over. A schedule whose duration is no whole
     /// number of periods ends with a shorter step. At most one turn of the loop a stage.
     pub fn advance(&self, cursor: &mut LengthCursor) -> Option<R> {
-        let mut left = PERIOD;
+        self.advance_by(cursor, PERIOD)
+    }
+
+    /// The same over `units` of 2⁻³² periods of the schedule's time, at most one period: a period at a lower feed.
+    pub fn advance_by(&self, cursor: &mut LengthCursor, units: u64) -> Option<R> {
+        let units = units.min(PERIOD);
+        let mut left = units;
         let mut length = R::zero();
         while let Some(stage) = self.stages.get(cursor.stage) {
             let interval = left.min(stage.duration - cursor.time);
@@ -107,7 +113,7 @@ impl<R: Real> StepLengths<'_, R> {
                 break;
             }
         }
-        (left < PERIOD).then_some(length)
+        (left < units).then_some(length)
     }
 
     /// Whether the schedule is over.

@@ -1,0 +1,75 @@
+//! Feed override and feed hold while a plan runs.
+
+use std::process::{Command, Output};
+
+fn interpolate(arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_feedbits"));
+    command.arg("interpolate").args(arguments).output().expect("it runs")
+}
+
+/// Chords of each period in mm, and the time of the run in s.
+fn chords(arguments: &[&str]) -> (Vec<f64>, f64) {
+    let output = interpolate(&[arguments, &["--json"]].concat());
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let rows: Vec<serde_json::Value> = serde_json::from_slice(&output.stdout).expect("JSON");
+    let chord = |row: &serde_json::Value| row["chord_mm"].as_f64().expect("a chord");
+    (rows.iter().map(chord).collect(), rows.last().expect("rows")["time_s"].as_f64().expect("a time"))
+}
+
+/// Paper A's machine, with a period of 3 ms.
+const ACCELERATION: f64 = 5000.0 * 3e-3 * 3e-3;
+const JERK: f64 = 4e5 * 3e-3 * 3e-3 * 3e-3;
+
+fn assert_kept(chords: &[f64], slack: f64) {
+    let steps: Vec<_> = [0.0, 0.0].iter().chain(&chords[..chords.len() - 1]).collect();
+    let acceleration = steps.windows(2).map(|w| (w[1] - w[0]).abs()).fold(0.0, f64::max);
+    let jerk = steps.windows(3).map(|w| (w[2] - 2.0 * w[1] + w[0]).abs()).fold(0.0, f64::max);
+    assert!(acceleration <= ACCELERATION + slack, "{}", acceleration / ACCELERATION);
+    assert!(jerk <= JERK + slack, "{}", jerk / JERK);
+}
+
+#[test]
+fn a_hold_stops_the_feed_and_the_path_is_finished_all_the_same() {
+    for (format, slack) in [("f64", 1e-7), ("I4F28", 1e-6)] {
+        let overrides = ["--format", format, "--override", "0.9:50,1.8:0,3.5:150"];
+        let (chords, time) = chords(&overrides);
+        assert_kept(&chords, slack);
+        // At half the feed of 200 mm/s at most, then held, and released at period 1167.
+        let slow = chords[400..600].iter().copied().fold(0.0, f64::max);
+        assert!(slow <= 0.3 * (1.0 + 1e-6), "{format}: {slow}");
+        let held = chords.iter().take_while(|chord| **chord > 0.0).count();
+        assert!((600..800).contains(&held), "{format}: held from period {held}");
+        assert!(chords[held..1166].iter().all(|chord| *chord == 0.0), "{format}");
+        assert!(chords[1170] > 0.0, "{format}");
+        let fastest = chords.iter().copied().fold(0.0, f64::max);
+        assert!(fastest > 0.85 && fastest < 0.9 + 1e-6, "{format}: {fastest}");
+        let travelled: f64 = chords.iter().sum();
+        assert!((travelled - 834.706).abs() < 2e-2 && time > 6.0, "{format}: {travelled} mm in {time} s");
+    }
+}
+
+#[test]
+fn without_a_change_the_feed_is_the_plan_s() {
+    let (chords, _) = chords(&["--override", "0:100"]);
+    assert_kept(&chords, 1e-7);
+    let fastest = chords.iter().copied().fold(0.0, f64::max);
+    // The plan takes a whole number of periods, so it is a little slower than it might be.
+    assert!((0.599..=0.6).contains(&fastest), "{fastest}");
+}
+
+#[test]
+fn overrides_out_of_range_are_refused() {
+    for (arguments, reason) in [
+        (&["--override", "1:0"][..], "the last override is 0 %"),
+        (&["--override", "1:250"], "override 250 %: expected 0 to 200 %"),
+        (&["--override", "2:50,1:100"], "override at 1 s: expected times from 0 on, in order"),
+        (&["--override", "1"], "expected S:PERCENT, as in 0.5:150"),
+        (&["--override", "1:50", "--reserve", "0"], "reserve 0 %: expected more than 0 and less than 100 %"),
+        (&["--override", "1:50", "--solver", "secant"], "--override goes with pieces"),
+    ] {
+        let refused = interpolate(arguments);
+        let message = String::from_utf8_lossy(&refused.stderr).into_owned();
+        assert_eq!(refused.status.code(), Some(2), "{arguments:?}");
+        assert!(message.contains(reason) && refused.stdout.is_empty(), "{arguments:?}: {message}");
+    }
+}

@@ -1,0 +1,202 @@
+//! Feed overrides that are commanded while a plan runs.
+//!
+//! The plan is made with a reserve: within less acceleration and jerk than the machine has, and for the highest override
+//! asked for. What is kept back is what changes of the rate may take ([`FeedOverride`]). Rates are integers, so that
+//! every format runs the same plan at the same rates, and the distance that each period wants is known exactly.
+
+use std::fmt;
+
+use feed_plan::FeedPiece;
+use real::DoubleDouble;
+use secant_interp::{
+    FeedOverride, LengthCursor, LengthStage, OverrideLimits, OverrideState, Rate, StepLengths,
+};
+
+use crate::exact_plan::ExactPlan;
+use crate::problem::Problem;
+
+/// Periods after which a run is given up.
+const MOST_PERIODS: usize = 1 << 24;
+
+/// A new override from some time on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OverrideTarget {
+    /// Time from the start of the run, in s.
+    pub time_s: f64,
+    /// Share of the commanded feed: 0 is feed hold, 1 is 100 %, at most 2.
+    pub share: f64,
+}
+
+/// The overrides of a run, and how much of the machine is kept for them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Overrides {
+    targets: Vec<OverrideTarget>,
+    reserve: f64,
+}
+
+/// Why overrides cannot be run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum OverrideError {
+    /// A share below 0, above 2, or no number.
+    Share(f64),
+    /// A time below 0, or before the one before it.
+    Time(f64),
+    /// The last override is 0: the run would stand for ever.
+    EndsInHold,
+    /// No share of the acceleration and jerk between 0 and 1.
+    Reserve(f64),
+    /// The plan leaves less than the unit of the rate.
+    NothingLeft,
+    /// More periods than are run.
+    TooLong,
+}
+
+impl fmt::Display for OverrideError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Share(share) => write!(f, "override {} %: expected 0 to 200 %", share * 100.0),
+            Self::Time(time) => write!(f, "override at {time} s: expected times from 0 on, in order"),
+            Self::EndsInHold => {
+                f.write_str("the last override is 0 %: expected one above it, or the run never ends")
+            }
+            Self::Reserve(reserve) => {
+                write!(f, "reserve {} %: expected more than 0 and less than 100 %", reserve * 100.0)
+            }
+            Self::NothingLeft => f.write_str("the reserve is too small to change the rate in steps of 2^-32"),
+            Self::TooLong => write!(f, "the run takes more than {MOST_PERIODS} periods"),
+        }
+    }
+}
+
+impl std::error::Error for OverrideError {}
+
+impl Overrides {
+    /// Overrides in order of time, at 100 % before the first; `reserve` is the share of acceleration and jerk that the plan
+    /// leaves.
+    ///
+    /// # Errors
+    /// [`OverrideError`] naming the number that is out of range.
+    pub fn try_new(targets: Vec<OverrideTarget>, reserve: f64) -> Result<Self, OverrideError> {
+        let mut before = 0.0;
+        for target in &targets {
+            if !(0.0..=2.0).contains(&target.share) {
+                return Err(OverrideError::Share(target.share));
+            }
+            if !(target.time_s >= before && target.time_s.is_finite()) {
+                return Err(OverrideError::Time(target.time_s));
+            }
+            before = target.time_s;
+        }
+        if targets.last().is_some_and(|last| last.share <= 0.0) {
+            return Err(OverrideError::EndsInHold);
+        }
+        if !(reserve > 0.0 && reserve < 1.0) {
+            return Err(OverrideError::Reserve(reserve));
+        }
+        Ok(Self { targets, reserve })
+    }
+
+    /// The highest override, at least 1: the plan is made for that multiple of the commanded feed.
+    #[must_use]
+    pub fn highest(&self) -> f64 {
+        self.targets.iter().fold(1.0, |most, target| most.max(target.share))
+    }
+
+    /// The problem to plan: its feed the highest override's, its accelerations and jerks without the reserve.
+    #[must_use]
+    pub fn to_plan<const D: usize>(&self, problem: &Problem<D>) -> Problem<D> {
+        let mut problem = problem.clone();
+        let (machine, kept) = (&mut problem.machine, 1.0 - self.reserve);
+        machine.feedrate_mm_per_s *= self.highest();
+        machine.acceleration_mm_per_s2 *= kept;
+        machine.jerk_mm_per_s3 *= kept;
+        for axis in [&mut machine.axes.x, &mut machine.axes.y, &mut machine.axes.z] {
+            axis.acceleration_mm_per_s2 = axis.acceleration_mm_per_s2.map(|a| a * kept);
+            axis.jerk_mm_per_s3 = axis.jerk_mm_per_s3.map(|j| j * kept);
+        }
+        problem
+    }
+
+    /// The rates period by period for a plan of [`to_plan`](Self::to_plan)'s problem, on the machine of `problem`.
+    ///
+    /// # Errors
+    /// [`OverrideError::NothingLeft`] and [`OverrideError::TooLong`].
+    pub fn commands<const D: usize>(
+        &self,
+        problem: &Problem<D>,
+        plan: &ExactPlan,
+    ) -> Result<OverrideCommands, OverrideError> {
+        let limits = problem.limits_per_period().map_err(|_| OverrideError::NothingLeft)?;
+        let stages = plan.schedule().stages();
+        let most = |of: fn(&FeedPiece<DoubleDouble>) -> DoubleDouble| {
+            stages.iter().map(|stage| of(&stage.piece()).value()).fold(f64::MIN_POSITIVE, f64::max)
+        };
+        // A limit on a change of the rate follows from the plan's own peaks, rounded up.
+        let up = 1.0 + 1e-12;
+        let feeds = FeedOverride::new(&OverrideLimits {
+            acceleration: limits.acceleration,
+            jerk: limits.jerk,
+            planned_acceleration: most(FeedPiece::peak_acceleration) * up,
+            planned_jerk: most(FeedPiece::peak_jerk) * up,
+            planned_feed: stages.iter().fold(f64::MIN_POSITIVE, |most, stage| {
+                most.max(stage.start_feed.value()).max(stage.end_feed.value())
+            }) * up,
+        })
+        .ok_or(OverrideError::NothingLeft)?;
+        let rate = |share: f64| Rate::of(share / self.highest());
+        let period_of = |target: &OverrideTarget| (target.time_s / problem.period_s()).round();
+        let targets = self.targets.iter().map(|target| (period_of(target), rate(target.share))).collect();
+        let mut commands = OverrideCommands { feeds, start: rate(1.0), targets, lengths: Vec::new() };
+        commands.lengths = commands.lengths_of(stages).ok_or(OverrideError::TooLong)?;
+        Ok(commands)
+    }
+}
+
+/// What is commanded in each period.
+#[derive(Clone, Debug)]
+pub struct OverrideCommands {
+    /// How fast the rate may change.
+    pub(crate) feeds: FeedOverride,
+    start: Rate,
+    /// Rates, each from a number of periods on.
+    targets: Vec<(f64, Rate)>,
+    /// The distance that each period wants, in mm.
+    pub(crate) lengths: Vec<DoubleDouble>,
+}
+
+impl OverrideCommands {
+    /// The rate before the first period.
+    pub(crate) fn start(&self) -> OverrideState {
+        OverrideState::at(self.start)
+    }
+
+    /// Sets what is commanded from this period on.
+    pub(crate) fn command(&self, period: usize, rates: &mut OverrideState) {
+        let passed = self.targets.iter().take_while(|(from, _)| *from <= period as f64);
+        if let Some((_, rate)) = passed.last() {
+            rates.set(*rate);
+        }
+    }
+
+    /// `None` when the run is too long.
+    fn lengths_of(&self, stages: &[feed_plan::Stage<DoubleDouble>]) -> Option<Vec<DoubleDouble>> {
+        let compiled = stages.iter().filter_map(|stage| {
+            let change = stage.end_feed - stage.start_feed;
+            let compiled =
+                LengthStage::new(real::Real::to_phase(stage.duration, -32), stage.start_feed, change)?;
+            Some(compiled.shaped(stage.shape))
+        });
+        let compiled: Vec<_> = compiled.collect();
+        let (own, mut cursor) = (StepLengths { stages: &compiled }, LengthCursor::default());
+        let (mut rates, mut lengths) = (self.start(), Vec::new());
+        while lengths.len() < MOST_PERIODS {
+            self.command(lengths.len(), &mut rates);
+            match self.feeds.advance(&own, &mut cursor, &mut rates) {
+                Some(length) => lengths.push(length),
+                None => return Some(lengths),
+            }
+        }
+        None
+    }
+}

@@ -1,0 +1,389 @@
+//! Feed override and feed hold while a plan runs: its time is stretched.
+//!
+//! With the plan's own time τ running at the rate `r = dτ/dt`, the feed is `r V(τ)`, and
+//!
+//! ```text
+//! acceleration  r² a + r' V
+//! jerk          r³ j + 3 r r' a + r'' V
+//! ```
+//!
+//! A plan that uses up its limits has nothing left for r' and r'' where it accelerates. So it is made with less than the
+//! machine can do: within A_p < A and J_p < J, at feeds up to V_p. The bounds ρ₁ of |r'| and ρ₂ of |r''| that keep A and J
+//! everywhere, r being at most 1, are then
+//!
+//! ```text
+//! ρ₁ = min((A - A_p)/V_p, (J - J_p)/(6 A_p))        ρ₂ = (J - J_p - 3 ρ₁ A_p)/V_p
+//! ```
+//!
+//! An override above 100 % needs a plan for the highest one: plan with that multiple of the commanded feed as the
+//! feedrate, under the same limits, and take r = 1 as that override. What is commanded at 100 % is then the plan at the
+//! rate 1/multiple. Chord error, centripetal acceleration and the axes' limits hold at every rate up to 1, since
+//! each falls with the rate; for the axes' own accelerations and jerks the same reserve is to be kept.
+//!
+//! Hold is the rate 0. The rate is constant over a period, and goes to a new target as a position goes to rest: from
+//! period to period it changes by at most ρ₁, and that change by at most ρ₂, braked in time so that it is 0 at the target.
+//! A and J are kept in the same sense: by the distance of a period, its change from period to period, and the change of
+//! that. All are counted in whole units, so that rate and time are exact in every format, and the plan ends where it ends.
+
+use real::Real;
+
+use crate::step_lengths::{LengthCursor, StepLengths};
+
+/// The rate 1, in its unit.
+const ONE: u64 = 1 << 32;
+
+/// A share of the plan's own speed, from 0 to 1, in units of 2⁻³²: the same in every format.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Rate(u64);
+
+impl Rate {
+    /// Feed hold.
+    pub const HOLD: Self = Self(0);
+    /// The plan as it is.
+    pub const FULL: Self = Self(ONE);
+
+    /// A share as a rate, rounded down. More than 1 is 1, less than 0 and what is no number are 0.
+    #[must_use]
+    pub fn of<R: Real>(share: R) -> Self {
+        Self(units(share))
+    }
+
+    /// The rate as a share.
+    #[must_use]
+    pub fn share<R: Real>(self) -> R {
+        if self.0 >= ONE { R::one() } else { R::from_phase(self.0 << 32, 0) }
+    }
+}
+
+/// Machine and plan, as far as an override needs to know them, with the period as the unit of time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OverrideLimits<R> {
+    /// A, which acceleration and override together keep.
+    pub acceleration: R,
+    /// J.
+    pub jerk: R,
+    /// A_p, the largest acceleration in the plan; less than A.
+    pub planned_acceleration: R,
+    /// J_p, less than J.
+    pub planned_jerk: R,
+    /// V_p, the largest feed in the plan.
+    pub planned_feed: R,
+}
+
+/// How fast the rate may change: ρ₁ and ρ₂ in units of 2⁻³² per period and per period².
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FeedOverride {
+    slope: u64,
+    bend: u64,
+}
+
+/// The rate as it stands: all that changes from period to period.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OverrideState {
+    /// r, in units of 2⁻³².
+    rate: u64,
+    /// r' in units per period.
+    slope: i64,
+    target: u64,
+}
+
+impl OverrideState {
+    /// At this rate, and staying there.
+    #[must_use]
+    pub fn at(rate: Rate) -> Self {
+        Self { rate: rate.0, slope: 0, target: rate.0 }
+    }
+
+    /// Asks for another rate.
+    pub fn set(&mut self, target: Rate) {
+        self.target = target.0;
+    }
+
+    /// The rate of the period that [`FeedOverride::advance`] gave last.
+    #[must_use]
+    pub fn rate(&self) -> Rate {
+        Rate(self.rate)
+    }
+
+    /// Whether the rate is what was asked for, and stays.
+    #[must_use]
+    pub fn is_settled(&self) -> bool {
+        self.rate == self.target && self.slope == 0
+    }
+}
+
+/// A share in units of the rate.
+fn units<R: Real>(share: R) -> u64 {
+    if share >= R::one() { ONE } else { share.to_phase(0) >> 32 }
+}
+
+impl FeedOverride {
+    /// The bounds ρ₁ and ρ₂; `None` when a number is not positive or the plan leaves nothing, and when what it leaves is
+    /// less than the unit, 2⁻³².
+    #[must_use]
+    pub fn new<R: Real>(limits: &OverrideLimits<R>) -> Option<Self> {
+        let spare_acceleration = limits.acceleration - limits.planned_acceleration;
+        let spare_jerk = limits.jerk - limits.planned_jerk;
+        let planned = [limits.planned_acceleration, limits.planned_jerk, limits.planned_feed];
+        let all_positive = planned.iter().chain([&spare_acceleration, &spare_jerk]).all(|x| *x > R::zero());
+        if !all_positive {
+            return None;
+        }
+        let slope = (spare_acceleration / limits.planned_feed)
+            .min(spare_jerk / limits.planned_acceleration / R::from_ratio(6, 1));
+        let by_slope = R::from_ratio(3, 1) * slope * limits.planned_acceleration;
+        let bend = (spare_jerk - by_slope) / limits.planned_feed;
+        let (slope, bend) = (units(slope), units(bend));
+        (slope > 0 && bend > 0).then_some(Self { slope, bend })
+    }
+
+    /// The distance of the next period, or `None` when the plan is over. At hold it is 0.
+    ///
+    /// Neither heap nor a loop beyond the stages that the period touches.
+    pub fn advance<R: Real>(
+        &self,
+        lengths: &StepLengths<'_, R>,
+        cursor: &mut LengthCursor,
+        state: &mut OverrideState,
+    ) -> Option<R> {
+        if lengths.is_over(cursor) {
+            return None;
+        }
+        self.approach(state);
+        if state.rate == 0 { Some(R::zero()) } else { lengths.advance_by(cursor, state.rate) }
+    }
+
+    /// One period toward the target.
+    ///
+    /// At the slope s, braking by ρ₂ each period adds `(s - ρ₂) + (s - 2ρ₂) + …` to the rate until s is 0. The slope is the
+    /// largest one, at most ρ₂ above the last, whose sum does not pass the target.
+    fn approach(&self, state: &mut OverrideState) {
+        let rises = state.target > state.rate || (state.target == state.rate && state.slope < 0);
+        let (distance, toward) = if rises {
+            (state.target.abs_diff(state.rate), state.slope)
+        } else {
+            (state.target.abs_diff(state.rate), -state.slope)
+        };
+        let bend = self.bend.cast_signed();
+        let fastest = (toward + bend).min(self.slope.cast_signed());
+        let slowest = toward - bend;
+        let slope = largest_that_stops(distance, self.bend).min(fastest).max(slowest);
+        state.slope = if rises { slope } else { -slope };
+        state.rate = state.rate.saturating_add_signed(state.slope).min(ONE);
+    }
+}
+
+/// The largest s with `s + (s - ρ) + (s - 2ρ) + … ≤ distance`, the terms positive.
+fn largest_that_stops(distance: u64, bend: u64) -> i64 {
+    let sum = |slope: u64| {
+        let (terms, slope, bend) = (u128::from(slope / bend), u128::from(slope), u128::from(bend));
+        slope * (terms + 1) - bend * (terms * (terms + 1) / 2)
+    };
+    let (mut low, mut high) = (0_u64, distance.saturating_add(1).min(ONE + 1));
+    // 33 halvings of a range of 2³².
+    while high - low > 1 {
+        let middle = low.midpoint(high);
+        if sum(middle) <= u128::from(distance) { low = middle } else { high = middle }
+    }
+    low.cast_signed()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::LengthStage;
+    use feed_plan::{EndFeeds, FeedLimit, KinematicLimits, LimitPoint, ProfileKind, plan_with};
+    use proptest::prelude::*;
+    use real::{Backend, I4F28};
+
+    const A: f64 = 0.045;
+    const J: f64 = 0.0108;
+
+    /// A plan within `share` of A and J, and what an override may do with it.
+    fn planned(share: f64, kind: ProfileKind) -> (Vec<LengthStage<f64>>, FeedOverride, f64) {
+        let limits = KinematicLimits {
+            interpolation_period: 1.0,
+            feedrate: 0.6,
+            acceleration: share * A,
+            jerk: share * J,
+            chord_error: 5e-4,
+            centripetal_acceleration: None,
+            axes: Default::default(),
+            junction: Default::default(),
+        };
+        let point = |distance, feedrate| LimitPoint { distance, curve: 0, u: distance, feedrate };
+        let points =
+            [(0.0, 0.6), (20.0, 0.6), (22.0, 0.2), (24.0, 0.5), (26.0, 0.0), (40.0, 0.6), (60.0, 0.6)];
+        let limit = FeedLimit::from_points(&points.map(|(s, v)| point(s, v))).unwrap();
+        let plan = plan_with(&limit, &limits, EndFeeds::default(), kind).unwrap();
+        let stages = plan.stages().iter().filter_map(|stage| {
+            let duration = stage.duration.to_phase(-32);
+            Some(
+                LengthStage::new(duration, stage.start_feed, stage.end_feed - stage.start_feed)?
+                    .shaped(stage.shape),
+            )
+        });
+        let most = |of: fn(&feed_plan::FeedPiece<f64>) -> f64| {
+            plan.stages().iter().map(|stage| of(&stage.piece())).fold(0.0, f64::max)
+        };
+        let feeds = FeedOverride::new(&OverrideLimits {
+            acceleration: A,
+            jerk: J,
+            planned_acceleration: most(feed_plan::FeedPiece::peak_acceleration),
+            planned_jerk: most(feed_plan::FeedPiece::peak_jerk),
+            planned_feed: most(|piece| piece.start_feed.max(piece.end_feed)),
+        });
+        (stages.collect(), feeds.unwrap(), limit.length())
+    }
+
+    /// Runs with a target for each stretch of periods, and then at the plan's own speed, to the end.
+    fn run(stages: &[LengthStage<f64>], feeds: &FeedOverride, targets: &[(u32, f64)]) -> Vec<f64> {
+        let lengths = StepLengths { stages };
+        let (mut cursor, mut state) = (LengthCursor::default(), OverrideState::at(Rate::FULL));
+        let mut steps = vec![0.0];
+        let mut targets = targets.iter();
+        let mut left = 0;
+        for _ in 0..200_000 {
+            if left == 0 {
+                let (periods, target) = targets.next().copied().unwrap_or((u32::MAX, 1.0));
+                left = periods;
+                state.set(Rate::of(target));
+            }
+            left -= 1;
+            let Some(step) = feeds.advance(&lengths, &mut cursor, &mut state) else { return steps };
+            steps.push(step);
+        }
+        panic!("the plan does not end");
+    }
+
+    fn assert_kept(steps: &[f64]) {
+        let acceleration = steps.windows(2).map(|w| (w[1] - w[0]).abs()).fold(0.0, f64::max);
+        let jerk = steps.windows(3).map(|w| (w[2] - 2.0 * w[1] + w[0]).abs()).fold(0.0, f64::max);
+        assert!(
+            acceleration <= A * (1.0 + 1e-9) && jerk <= J * (1.0 + 1e-9),
+            "{} {}",
+            acceleration / A,
+            jerk / J
+        );
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(300))]
+
+        #[test]
+        fn whatever_is_asked_for_acceleration_and_jerk_are_kept(
+            targets in prop::collection::vec((1_u32..120, prop_oneof![Just(0.0), Just(1.0), 0.0..1.0_f64]), 0..20),
+            share in 0.3..0.9_f64, kind in prop_oneof![Just(ProfileKind::Cubic), Just(ProfileKind::SCurve), Just(ProfileKind::Trigonometric)],
+        ) {
+            let (stages, feeds, length) = planned(share, kind);
+            let steps = run(&stages, &feeds, &targets);
+            // The last step is what is left of the plan, and the plan ends at rest. Stages are rounded to 2⁻³² periods.
+            assert_kept(&steps[..steps.len() - 1]);
+            prop_assert!(steps.iter().all(|step| *step >= 0.0));
+            prop_assert!((steps.iter().sum::<f64>() - length).abs() < 1e-7);
+        }
+
+        #[test]
+        fn the_rate_changes_no_faster_than_allowed_and_settles(
+            slope in 1_u64..1 << 31, bend in 1_u64..1 << 30, targets in prop::collection::vec((1_u32..200, 0.0..=1.0_f64), 1..10),
+        ) {
+            let feeds = FeedOverride { slope, bend };
+            let mut state = OverrideState::at(Rate::FULL);
+            let mut rates = vec![ONE.cast_signed(); 2];
+            for (periods, target) in targets {
+                state.set(Rate::of(target));
+                for _ in 0..periods {
+                    feeds.approach(&mut state);
+                    rates.push(state.rate.cast_signed());
+                }
+            }
+            for w in rates.windows(3) {
+                prop_assert!((w[2] - w[1]).unsigned_abs() <= slope);
+                prop_assert!((w[2] - 2 * w[1] + w[0]).unsigned_abs() <= bend);
+            }
+        }
+    }
+
+    #[test]
+    fn hold_stops_and_release_goes_on() {
+        let (stages, feeds, length) = planned(0.7, ProfileKind::SCurve);
+        let steps = run(&stages, &feeds, &[(40, 1.0), (200, 0.0), (100, 0.5)]);
+        let still = steps[40..240].iter().filter(|step| **step == 0.0).count();
+        assert!(still > 100, "{still} periods at rest");
+        assert!((steps.iter().sum::<f64>() - length).abs() < 1e-7);
+        assert_kept(&steps[..steps.len() - 1]);
+        // Without an override the plan itself.
+        let (plain, own) = (run(&stages, &feeds, &[]), StepLengths { stages: &stages });
+        let mut cursor = LengthCursor::default();
+        assert!(plain[1..].iter().all(|step| own.advance(&mut cursor) == Some(*step)));
+        assert_eq!(own.advance(&mut cursor), None);
+    }
+
+    #[test]
+    fn a_rate_of_two_hundred_per_cent_is_a_plan_for_twice_the_feed_at_half_rate() {
+        let (stages, feeds, length) = planned(0.7, ProfileKind::SCurve);
+        let lengths = StepLengths { stages: &stages };
+        let (mut cursor, mut state) = (LengthCursor::default(), OverrideState::at(Rate::of(0.5)));
+        let mut steps = vec![0.0];
+        while let Some(step) = feeds.advance(&lengths, &mut cursor, &mut state) {
+            if steps.len() == 60 {
+                state.set(Rate::FULL); // 200 %
+            }
+            steps.push(step);
+        }
+        let (slow, fast) = (steps[50], steps.iter().fold(0.0_f64, |most, step| most.max(*step)));
+        assert!(slow < 0.31 && fast > 0.59, "{slow} {fast}");
+        assert_kept(&steps[..steps.len() - 1]);
+        assert!((steps.iter().sum::<f64>() - length).abs() < 1e-7);
+    }
+
+    #[test]
+    fn shares_beyond_the_ends_are_the_ends() {
+        assert_eq!(
+            [2.0, 1.0, -1.0, f64::NAN].map(Rate::of),
+            [Rate::FULL, Rate::FULL, Rate::HOLD, Rate::HOLD]
+        );
+        assert_eq!((Rate::of(0.5).share::<f64>(), Rate::FULL.share::<f64>()), (0.5, 1.0));
+        // A resolution of 2⁻¹⁶ does not hold 0.3, but the rate is the same when it comes from elsewhere.
+        assert_eq!(Rate::of(0.3).share::<real::I16F16>().to_f64(), (0.3 * 65536.0_f64).floor() / 65536.0);
+    }
+
+    #[test]
+    fn a_plan_that_leaves_nothing_cannot_be_overridden() {
+        let limits = OverrideLimits {
+            acceleration: A,
+            jerk: J,
+            planned_acceleration: A,
+            planned_jerk: 0.5 * J,
+            planned_feed: 0.6,
+        };
+        assert_eq!(FeedOverride::new(&limits), None);
+        assert_eq!(FeedOverride::new(&OverrideLimits { planned_acceleration: f64::NAN, ..limits }), None);
+        assert!(FeedOverride::new(&OverrideLimits { planned_acceleration: 0.9 * A, ..limits }).is_some());
+    }
+
+    #[test]
+    fn narrow_formats_take_the_same_time() {
+        let (stages, feeds, length) = planned(0.7, ProfileKind::Trigonometric);
+        let steps = run(&stages, &feeds, &[(40, 0.3), (60, 0.0)]);
+        let of = |x: f64| I4F28::from_f64(x).unwrap();
+        let coarse: Vec<_> = stages
+            .iter()
+            .filter_map(|s| Some(LengthStage::new(s.duration, of(s.feed), of(s.change))?.shaped(s.shape)))
+            .collect();
+        let lengths = StepLengths { stages: &coarse };
+        let (mut cursor, mut state) = (LengthCursor::default(), OverrideState::at(Rate::FULL));
+        let mut travelled = 0.0;
+        for period in 0..steps.len() - 1 {
+            match period {
+                0 => state.set(Rate::of(0.3)),
+                40 => state.set(Rate::HOLD),
+                100 => state.set(Rate::FULL),
+                _ => {}
+            }
+            travelled += feeds.advance(&lengths, &mut cursor, &mut state).unwrap().to_f64();
+        }
+        assert!(lengths.is_over(&cursor));
+        assert!((travelled - length).abs() < 1e-5, "{travelled}");
+    }
+}
