@@ -111,6 +111,9 @@ impl<R: Backend> Axis<R> {
             let command = self.law.velocity_command(&motion, encoder, state.encoder) + added.velocity;
             state.encoder = encoder;
             state.motor = self.drive.advance(state.motor, command.to_f64() / self.sub_step, self.sub_step);
+            if !state.motor.position.is_finite() {
+                return None;
+            }
             state.table = self.play.follow(state.table, state.motor.position);
             let reached = if sub_step + 1 == self.sub_steps { setpoint } else { at(sub_step + 1) };
             record(AxisSample { command: reached.to_f64(), motor: state.motor.position, table: state.table });

@@ -15,11 +15,11 @@ pub struct Play {
 }
 
 impl Play {
-    /// Where the table is once the motor is at `motor`, all in mm.
+    /// Where the table is once the motor is at `motor`, all in mm. A motor at no number leaves the table where it is.
     #[must_use]
     pub fn follow(&self, table: f64, motor: f64) -> f64 {
         let half = self.width / 2.0;
-        table.clamp(motor - half, motor + half)
+        table.max(motor - half).min(motor + half)
     }
 }
 

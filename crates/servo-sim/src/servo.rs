@@ -183,6 +183,15 @@ mod tests {
         assert!(servo.step([f64::NAN], &mut Vec::new()).is_err());
     }
 
+    /// A setpoint that fits the format, but whose velocity does not: the motor's position is then no number.
+    #[test]
+    fn a_motor_that_leaves_the_numbers_is_an_error() {
+        let mut servo = Servo::<f64, 1>::try_new(&[ServoParameters::new(50.7, 0.39)], T, [0.0]).unwrap();
+        let mut samples = Vec::new();
+        let ended = [f64::MAX, -f64::MAX, f64::MAX].map(|setpoint| servo.step([setpoint], &mut samples));
+        assert!(ended.iter().any(Result::is_err));
+    }
+
     #[test]
     fn an_unstable_loop_is_refused() {
         let refused = Servo::<f64, 1>::try_new(&[ServoParameters::new(1e5, 0.39)], T, [0.0]).unwrap_err();
