@@ -182,7 +182,8 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
                     return Reached { piece: state.piece, phase, sigma, evaluations };
                 }
                 let next = self.pieces.pieces.get(state.piece + 1);
-                if let Some(next) = next.filter(|_| row.continues && phase < u64::MAX) {
+                let is_found = is_inside(sigma, &row.step_per_chord);
+                if let Some(next) = next.filter(|_| row.continues && is_found && phase < u64::MAX) {
                     // The sum has wrapped: what is left of it lies beyond the end.
                     if let Some(phase) = part_of_next(row, next, state.phase.wrapping_add(phase)) {
                         state.sigma = state.sigma.map(|x| into_next(row, next, x));
@@ -287,6 +288,12 @@ fn to_end<R: Real, const D: usize>(
     let rest = state.phase.wrapping_neg(); // 2⁶⁴ - phase; 0 stands for a whole piece
     let step = if rest == 0 { row.whole } else { R::from_phase(rest, row.step_exponent) };
     (chord.over(step).map(|x| x / chord.length), step / chord.length)
+}
+
+/// Whether a root was found rather than the end of its range. The range is that of one piece: over a joint, the mean
+/// step per chord may lie beyond it.
+fn is_inside<R: Real>(sigma: R, range: &[R; 2]) -> bool {
+    range[0] < sigma && sigma < range[1]
 }
 
 /// What is travelled at the end of a piece, over the length; `None` if that is the whole length or more.
