@@ -1,4 +1,5 @@
-//! What every reader promises of any bytes: it returns; what it returns is valid, and reads back when it is written.
+//! What is promised of any bytes. A reader returns; what it returns is valid, and reads back when it is written. A run
+//! along the path that the bytes stand for keeps the promises of `stress`.
 
 #![forbid(unsafe_code)]
 
@@ -6,6 +7,37 @@ use part_program::{
     Curve, Dialect, MoveKind, Part, ReadOptions, inspect, read_part, read_part_bytes, write_curves,
     write_g5_2, write_g06_2,
 };
+use real::Backend;
+use secant_interp::Method;
+use stress::{OnCurve, OnPieces, Planned, RandomPath, Violation};
+
+/// The longest plan that a fuzzer has time for.
+pub const MOST_PERIODS: u32 = 2_000;
+
+/// The value of a check.
+///
+/// # Panics
+/// When a promise is broken.
+pub fn expect<T>(checked: Result<T, Violation>) -> T {
+    checked.unwrap_or_else(|violation| panic!("{violation}"))
+}
+
+/// Plans and runs the path that `bytes` stand for in the format `R`, on pieces and on the global parameter.
+///
+/// # Panics
+/// When a step breaks a promise.
+pub fn runs<R: Backend>(bytes: &[u8]) {
+    let Some(path) = RandomPath::<2>::from_bytes(bytes) else { return };
+    let Some(planned) = Planned::new(&path, MOST_PERIODS) else { return };
+    if let Ok(run) = OnPieces::<R, 2>::new(&planned) {
+        expect(run.run());
+    }
+    if let Ok(run) = OnCurve::<R, 2>::new(&planned) {
+        for method in [Method::Secant, Method::Taylor1, Method::Taylor2] {
+            expect(run.run(method));
+        }
+    }
+}
 
 /// Reads `bytes` and holds the reader to its word.
 ///

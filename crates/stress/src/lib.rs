@@ -1,0 +1,35 @@
+//! `stress`: random paths and limits, and what must hold of every step on them.
+//!
+//! | question | answer |
+//! |---|---|
+//! | which path, within which limits? | [`RandomPath`], made from bytes: of a fuzzer, of a property test, of a seeded generator |
+//! | which numbers, valid or not? | [`any_curve`], [`any_number`] |
+//! | what does the plan promise? | [`Planned`], [`Planned::check`] |
+//! | what does each step on pieces promise? | [`OnPieces`] |
+//! | what does each step on the global parameter promise? | [`OnCurve`] |
+//! | are pieces the curve that they were compiled from? | [`check_pieces`] |
+//! | does a fixed format follow a float? | [`check_against_float`] |
+//! | does all of that hold for a hundred million periods? | [`soak_path`] |
+//! | what may a step take at most? | [`StepBound::of`] |
+//!
+//! A promise that is broken is a [`Violation`]; a path that is refused is not.
+
+mod generate;
+mod on_curve;
+mod on_pieces;
+mod piece_points;
+mod planned;
+mod side_by_side;
+mod soak;
+mod step_bound;
+mod violation;
+
+pub use generate::{RandomPath, any_curve, any_number};
+pub use on_curve::{CurveFigures, OnCurve};
+pub use on_pieces::{OnPieces, PieceFigures};
+pub use piece_points::check_pieces;
+pub use planned::Planned;
+pub use side_by_side::check_against_float;
+pub use soak::{SOAK_FORMATS, SoakFormat, SoakViolation, Soaked, SoakedPath, soak_path};
+pub use step_bound::{StepBound, StepShape};
+pub use violation::{Outcome, Violation};

@@ -1,0 +1,321 @@
+//! A run on compiled pieces, each step held to its promises.
+
+use nurbs_core::{ORIGIN_EXPONENT, PiecesBuf};
+use real::{Backend, Counted, FormatName, OperationCounts, Real};
+use secant_interp::{ChordTolerance, LengthStage, PieceInterpolator, PieceSetpoint, PieceState, StepLengths};
+
+use crate::Planned;
+use crate::piece_points::{Judge, compiled};
+use crate::step_bound::{StepBound, StepShape};
+use crate::violation::{Outcome, Violation, demand};
+
+/// Path, plan and tolerances in `R`, ready to run.
+pub struct OnPieces<'a, R, const D: usize> {
+    planned: &'a Planned<'a, D>,
+    table: PiecesBuf<R, D>,
+    stages: Vec<LengthStage<R>>,
+    tolerance: ChordTolerance<R>,
+    landing_step: R,
+}
+
+/// The worst of a run, in parts of what is promised: all at most 1.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct PieceFigures {
+    /// Steps.
+    pub periods: u64,
+    /// Most evaluations in a step.
+    pub evaluations: u64,
+    /// Evaluations over their bound.
+    pub evaluations_share: f64,
+    /// Operations over their bound; 0 where they were not counted.
+    pub operations_share: f64,
+    /// Most operations in a step.
+    pub operations: u64,
+    /// Difference of chord and wanted chord over its bound.
+    pub length_share: f64,
+    /// Chord error over the limit.
+    pub chord_error_share: f64,
+    /// Steps over three pieces or more whose chord error is above the limit: what is narrower than 2⁻¹⁴ of a span, a
+    /// plan may miss ([`feed_plan::FeedLimit::along`]).
+    pub narrow_bends: u64,
+    /// Their worst, over the limit.
+    pub narrow_bend_share: f64,
+    /// Wanted chord over the longest.
+    pub feed_share: f64,
+}
+
+impl PieceFigures {
+    /// The worse of two, and the periods of both.
+    #[must_use]
+    pub fn with(self, other: &Self) -> Self {
+        Self {
+            periods: self.periods + other.periods,
+            evaluations: self.evaluations.max(other.evaluations),
+            operations: self.operations.max(other.operations),
+            evaluations_share: self.evaluations_share.max(other.evaluations_share),
+            operations_share: self.operations_share.max(other.operations_share),
+            length_share: self.length_share.max(other.length_share),
+            chord_error_share: self.chord_error_share.max(other.chord_error_share),
+            narrow_bends: self.narrow_bends + other.narrow_bends,
+            narrow_bend_share: self.narrow_bend_share.max(other.narrow_bend_share),
+            feed_share: self.feed_share.max(other.feed_share),
+        }
+    }
+}
+
+impl<'a, R: Backend, const D: usize> OnPieces<'a, R, D> {
+    /// Compiles path and plan for `R`.
+    ///
+    /// # Errors
+    /// In words, what does not fit.
+    pub fn new(planned: &'a Planned<'a, D>) -> Result<Self, String> {
+        let table = compiled::<R, D>(planned.path)?;
+        let exponent = table.as_pieces().chord_exponent;
+        let landing = R::from_f64(planned.path.limits.acceleration.scale(exponent));
+        let (Some(stages), Some(landing_step)) = (planned.stages(exponent), landing) else {
+            return Err(format!("a feed of the plan does not fit {}", R::name()));
+        };
+        let finest = R::resolution() + R::resolution();
+        let tolerance = ChordTolerance { residual: finest, max_evaluations: planned.path.max_evaluations };
+        Ok(Self { planned, table, stages, tolerance, landing_step })
+    }
+
+    /// What steps.
+    #[must_use]
+    pub fn interpolator(&self) -> PieceInterpolator<'_, R, D> {
+        PieceInterpolator {
+            pieces: self.table.as_pieces(),
+            lengths: StepLengths { stages: &self.stages },
+            tolerance: self.tolerance,
+            landing_step: self.landing_step,
+        }
+    }
+
+    /// Runs to the end and holds every step to its promises.
+    ///
+    /// # Errors
+    /// The first promise that is broken.
+    pub fn run(&self) -> Result<Outcome<PieceFigures>, Violation> {
+        match Judge::new(self.planned) {
+            Ok(judge) => self.run_judged(&judge),
+            Err(refusal) => Ok(Outcome::Refused(refusal)),
+        }
+    }
+
+    /// The same with a judge that is there already.
+    pub(crate) fn run_judged(&self, judge: &Judge<D>) -> Result<Outcome<PieceFigures>, Violation> {
+        let interpolator = self.interpolator();
+        let mut steps = Steps::new(self, judge);
+        let mut state: PieceState<R, D> = interpolator.start();
+        while let Some(setpoint) = interpolator.step(&mut state) {
+            steps.check(&setpoint, interpolator.lengths.is_over(state.cursor()))?;
+        }
+        steps.finish().map(Outcome::Ran)
+    }
+}
+
+impl<const D: usize> OnPieces<'_, Counted<f64>, D> {
+    /// Runs to the end and counts the operations of each step.
+    ///
+    /// # Errors
+    /// The first step that takes more than [`StepBound`] says.
+    pub fn count(&self) -> Result<Outcome<PieceFigures>, Violation> {
+        let interpolator = self.interpolator();
+        let stages = most_stages_in_a_period(&self.stages);
+        let pieces = self.table.as_pieces();
+        let mut state = interpolator.start();
+        let mut at = 0;
+        let mut worst = PieceFigures::default();
+        let mut step = 0;
+        loop {
+            let (setpoint, counts) = OperationCounts::of(|| interpolator.step(&mut state));
+            let Some(setpoint) = setpoint else { return Ok(Outcome::Ran(worst)) };
+            let bound = StepBound::of(&StepShape {
+                degree: pieces.degree,
+                dimensions: D,
+                rational: pieces.is_rational(),
+                max_evaluations: self.tolerance.max_evaluations,
+                pieces: setpoint.piece + 1 - at,
+                stages,
+            });
+            at = setpoint.piece;
+            let total = counts.total();
+            let share = demand("operations", "f64", step, total as f64, bound.operations as f64)?;
+            worst.operations_share = worst.operations_share.max(share);
+            worst.operations = worst.operations.max(total);
+            step += 1;
+            demand("steps until the end", "f64", step, step as f64, self.planned.most_periods() as f64)?;
+        }
+    }
+}
+
+/// The most stages that any one period touches.
+fn most_stages_in_a_period<R>(stages: &[LengthStage<R>]) -> usize {
+    let (mut time, mut first, mut most) = (0_u64, 0_u64, 1);
+    let mut touched = 0;
+    for stage in stages {
+        if time >> 32 != first {
+            (first, touched) = (time >> 32, 0);
+        }
+        touched += 1;
+        most = most.max(touched);
+        time += stage.duration;
+        let last = time.saturating_sub(1) >> 32;
+        if last != first {
+            (first, touched) = (last, 1);
+        }
+    }
+    // The rest after the schedule's end is one more.
+    most + 1
+}
+
+/// Checks step after step.
+struct Steps<'a, R, const D: usize> {
+    run: &'a OnPieces<'a, R, D>,
+    judge: &'a Judge<D>,
+    name: String,
+    at: (usize, u64),
+    worst: PieceFigures,
+    units: LengthUnits,
+    /// Periods in which the plan rests.
+    stops: Vec<usize>,
+}
+
+/// In what the difference of a chord and the wanted chord is measured.
+///
+/// A chord of L units (of 2⁻λ mm) is the root of a residual of order one, formed of terms that are each rounded to the
+/// format's resolution r. So it is found to a few r relative to itself, and L itself is a multiple of r, or in a float
+/// r relative to itself: `|chord - L| ≤ (ABSOLUTE + RELATIVE L) r` in fixed point, `RELATIVE L r` in a float.
+struct LengthUnits {
+    resolution: f64,
+    is_fixed: bool,
+    chord: f64,
+}
+
+/// See [`LengthUnits`].
+const ABSOLUTE: f64 = 8.0;
+/// See [`LengthUnits`].
+const RELATIVE: f64 = 64.0;
+/// Cosine of the turn within a step from which on its chord is not always found: the path comes back, and the chord
+/// shrinks before it grows.
+const RIGHT_ANGLE: f64 = 0.0;
+/// Cosine of the turn up to which a joint is passed without a stop, 0.1°. The period in which the plan comes to a stop
+/// and leaves it again may have its setpoints on both sides of the corner.
+const SMOOTH: f64 = 1.0 - 1.5e-6;
+/// The plan takes the curve of a step as a circle of the radius at one point: what the chord error may be above its
+/// limit where the radius changes within the step.
+const CHORD_ERROR_SHARE: f64 = 1.5;
+/// The judge's own rounding, relative to a piece.
+const JUDGE: f64 = 1e-13;
+/// What a chord may be longer or shorter than one of its period's feed, for rounding.
+const FEED_SLACK: f64 = 1e-6;
+
+fn fraction(phase: u64) -> f64 {
+    f64::from_phase(phase, 0)
+}
+
+impl<'a, R: Backend, const D: usize> Steps<'a, R, D> {
+    fn new(run: &'a OnPieces<'a, R, D>, judge: &'a Judge<D>) -> Self {
+        let pieces = run.table.as_pieces();
+        let units = LengthUnits {
+            resolution: R::resolution().to_f64(),
+            is_fixed: matches!(R::name(), FormatName::Fixed { .. }),
+            chord: 1.0_f64.scale(-pieces.chord_exponent),
+        };
+        let worst = PieceFigures::default();
+        Self { run, judge, name: R::name().to_string(), at: (0, 0), worst, units, stops: run.planned.stops() }
+    }
+
+    fn check(&mut self, setpoint: &PieceSetpoint<R, D>, is_over: bool) -> Result<(), Violation> {
+        let step = usize::try_from(self.worst.periods).unwrap_or(usize::MAX);
+        let planned = self.run.planned;
+        let most = planned.most_periods() as f64;
+        demand("steps until the end", &self.name, step, step as f64 + 1.0, most)?;
+        let (from, to) = (self.at, (setpoint.piece, setpoint.phase));
+        let back = f64::from(u8::from(to < from));
+        demand("the position goes back", &self.name, step, back, 0.0)?;
+        let touched = to.0 - from.0 + 1;
+        let bound = u64::from(self.run.tolerance.max_evaluations) * touched as u64;
+        let evaluations = u64::from(setpoint.evaluations);
+        let share = demand("evaluations", &self.name, step, evaluations as f64, bound as f64)?;
+        let finite = setpoint.offset.iter().all(|x| x.is_finite()) && setpoint.length.is_finite();
+        demand("a setpoint that is no number", &self.name, step, f64::from(u8::from(!finite)), 0.0)?;
+
+        let limits = &planned.path.limits;
+        let wanted = setpoint.length.to_f64() * self.units.chord;
+        let resolution = self.units.resolution * if self.units.is_fixed { self.units.chord } else { wanted };
+        let longest = limits.feedrate * (1.0 + FEED_SLACK) + 2.0 * resolution;
+        let feed = demand(
+            "wanted chord, mm",
+            &self.name,
+            step,
+            wanted,
+            longest.max(limits.acceleration + resolution),
+        )?;
+
+        let worst = &mut self.worst;
+        worst.periods += 1;
+        worst.evaluations = worst.evaluations.max(evaluations);
+        worst.evaluations_share = worst.evaluations_share.max(share);
+        worst.feed_share = worst.feed_share.max(feed);
+        self.at = to;
+        if to.0 < self.judge.len() {
+            let converged = setpoint.evaluations < self.run.tolerance.max_evaluations;
+            self.check_chord(step, from, to, wanted, converged && !is_over)?;
+        }
+        Ok(())
+    }
+
+    /// Length and error of a chord that does not land on the end.
+    fn check_chord(
+        &mut self,
+        step: usize,
+        from: (usize, u64),
+        to: (usize, u64),
+        wanted: f64,
+        converged: bool,
+    ) -> Result<(), Violation> {
+        let (from, to) = ((from.0, fraction(from.1)), (to.0, fraction(to.1)));
+        let (start, end) = (self.judge.point(from.0, from.1, from.0), self.judge.point(to.0, to.1, from.0));
+        let chord = f64::norm(&core::array::from_fn::<_, D, _>(|d| end[d] - start[d]));
+        let units = &self.units;
+        let absolute = if units.is_fixed { ABSOLUTE * units.chord } else { 0.0 };
+        let joints = (to.0 - from.0) as f64;
+        let resolution = units.resolution * if units.is_fixed { units.chord } else { wanted };
+        let piece = self.run.planned.path.piece_mm;
+        let bound = (absolute + RELATIVE * wanted) * units.resolution * (1.0 + joints)
+            + JUDGE * piece
+            + if joints > 0.0 { 4.0 * 1.0_f64.scale(ORIGIN_EXPONENT) } else { 0.0 };
+        let (turn, in_all) = self.judge.turns(from.0, to.0);
+        if converged && in_all > RIGHT_ANGLE {
+            let share =
+                demand("chord off the wanted one, mm", &self.name, step, (chord - wanted).abs(), bound)?;
+            self.worst.length_share = self.worst.length_share.max(share);
+        }
+        let limits = &self.run.planned.path.limits;
+        let near = |stop: usize| step.abs_diff(stop) <= 1;
+        let first = self.stops.partition_point(|stop| *stop + 1 < step);
+        let stops = self.stops.get(first).is_some_and(|stop| near(*stop));
+        if turn > SMOOTH && !stops {
+            let error = self.judge.chord_error(from, to);
+            let share = error / limits.chord_error;
+            if to.0 - from.0 > 1 {
+                // The path bends within a fraction of a step: the plan may not have seen it.
+                self.worst.narrow_bends += u64::from(share > CHORD_ERROR_SHARE);
+                self.worst.narrow_bend_share = self.worst.narrow_bend_share.max(share);
+            } else {
+                let allowed = limits.chord_error * CHORD_ERROR_SHARE + 4.0 * resolution + JUDGE * piece;
+                demand("chord error, mm", &self.name, step, error, allowed)?;
+                self.worst.chord_error_share = self.worst.chord_error_share.max(share);
+            }
+        }
+        Ok(())
+    }
+
+    fn finish(self) -> Result<PieceFigures, Violation> {
+        let steps = usize::try_from(self.worst.periods).unwrap_or(usize::MAX);
+        let missing = f64::from(u8::from(self.at != (self.judge.len(), 0)));
+        demand("the end is missed", &self.name, steps, missing, 0.0)?;
+        Ok(self.worst)
+    }
+}

@@ -1,0 +1,168 @@
+//! Points of compiled pieces, and whether they are points of the curve.
+
+use nurbs_core::{Evaluate, NurbsBuf, ORIGIN_EXPONENT, PieceLimits, Pieces, PiecesBuf, compile};
+use real::{Backend, DoubleDouble, Real};
+
+use crate::violation::{Outcome, Violation, demand};
+use crate::{Planned, RandomPath};
+
+/// How the pieces of a path are cut: for steps at full feed and a landing step.
+pub(crate) fn piece_limits<const D: usize>(path: &RandomPath<D>) -> PieceLimits {
+    PieceLimits { length_mm: path.piece_mm, step_mm: path.limits.feedrate + path.limits.acceleration }
+}
+
+/// The pieces of a path in `R`, or why there are none.
+pub(crate) fn compiled<R: Backend, const D: usize>(path: &RandomPath<D>) -> Result<PiecesBuf<R, D>, String> {
+    let curves: Vec<_> = path.curves.iter().map(NurbsBuf::as_curve).collect();
+    compile::<DoubleDouble, R, D>(&curves, &piece_limits(path)).map_err(|error| error.to_string())
+}
+
+/// The same pieces in f64: every format is measured against them. They are exact to 1e-15 of a piece, and
+/// [`check_pieces`] holds them to the curve.
+pub(crate) struct Judge<const D: usize> {
+    table: PiecesBuf<f64, D>,
+}
+
+impl<const D: usize> Judge<D> {
+    pub(crate) fn new(planned: &Planned<'_, D>) -> Result<Self, String> {
+        Ok(Self { table: compiled::<f64, D>(planned.path)? })
+    }
+
+    /// Number of pieces.
+    pub(crate) fn len(&self) -> usize {
+        self.table.places().len()
+    }
+
+    /// The point at the fraction `t` of `piece`, from the origin of the piece `about`, in mm; past the last piece, the
+    /// end.
+    pub(crate) fn point(&self, piece: usize, t: f64, about: usize) -> [f64; D] {
+        let last = self.len().saturating_sub(1);
+        let (piece, t) = if piece > last { (last, 1.0) } else { (piece, t) };
+        let pieces = self.table.as_pieces();
+        let offset = pieces.offset(piece, t);
+        let (from, to) = (pieces.pieces[about.min(last)].origin, pieces.pieces[piece].origin);
+        core::array::from_fn(|d| {
+            let origin = (to[d] - from[d]) as f64;
+            origin.scale(ORIGIN_EXPONENT) + offset[d].scale(pieces.coordinate_exponent)
+        })
+    }
+
+    /// Cosines of two turns between two pieces: the sharpest at any joint, and the largest from the first piece's end to
+    /// any later place. Both are 1 on one piece.
+    pub(crate) fn turns(&self, from: usize, to: usize) -> (f64, f64) {
+        let last = self.len().saturating_sub(1);
+        let direction = |piece: usize, begin: f64, end: f64| {
+            let (a, b) = (self.point(piece, begin, piece), self.point(piece, end, piece));
+            let way: [f64; D] = core::array::from_fn(|d| b[d] - a[d]);
+            let length = f64::norm(&way);
+            way.map(|x| x / length)
+        };
+        let cosine = |a: &[f64; D], b: &[f64; D]| (0..D).map(|d| a[d] * b[d]).sum::<f64>();
+        let first = direction(from.min(last), 0.0, 1e-6);
+        let (mut at_joint, mut in_all) = (1.0_f64, 1.0_f64);
+        for piece in from.min(last)..to.min(last) {
+            let (before, after) = (direction(piece, 1.0 - 1e-6, 1.0), direction(piece + 1, 0.0, 1e-6));
+            at_joint = at_joint.min(cosine(&before, &after));
+            in_all = in_all.min(cosine(&first, &before)).min(cosine(&first, &after));
+        }
+        (at_joint, in_all)
+    }
+
+    /// Largest distance of the path from the chord between two positions, in mm, at three places of each piece and at
+    /// the joints.
+    pub(crate) fn chord_error(&self, from: (usize, f64), to: (usize, f64)) -> f64 {
+        let start = self.point(from.0, from.1, from.0);
+        let end = self.point(to.0, to.1, from.0);
+        let chord: [f64; D] = core::array::from_fn(|d| end[d] - start[d]);
+        let length = f64::norm(&chord);
+        let distance = |at: [f64; D]| {
+            let arm: [f64; D] = core::array::from_fn(|d| at[d] - start[d]);
+            if length <= 0.0 {
+                return f64::norm(&arm);
+            }
+            let along = f64::sum_of_products((0..D).map(|d| (arm[d], chord[d]))) / length;
+            let along = along.max(0.0).min(length) / length;
+            f64::norm(&core::array::from_fn::<_, D, _>(|d| arm[d] - along * chord[d]))
+        };
+        let mut worst = 0.0_f64;
+        for piece in from.0..=to.0.min(self.len() - 1) {
+            let begin = if piece == from.0 { from.1 } else { 0.0 };
+            let end = if piece == to.0 { to.1 } else { 1.0 };
+            let places: &[f64] = if piece == to.0 { &[0.25, 0.5, 0.75] } else { &[0.25, 0.5, 0.75, 1.0] };
+            for share in places {
+                worst = worst.max(distance(self.point(piece, begin + (end - begin) * share, from.0)));
+            }
+        }
+        worst
+    }
+}
+
+/// Pieces of `path` in `R` against de Boor's scheme in double-double, at `samples` places of each piece: no further
+/// apart than a few units of the format's resolution.
+///
+/// With r the resolution, a point P = N/W is a Horner chain of p coefficients, each rounded to r times the piece's
+/// `2^coordinate_exponent` mm, and so is W where it is rational; what both are off is divided by W, and the reciprocal
+/// is off by r/2 and multiplied by N = P W. Together `(p + 2) (1 + |P|) (1 + (1 + |P|) W)/min(W, 1)` units at most; to
+/// which comes half a unit of the largest `2^coordinate_exponent`, in which points are given out, and one of the
+/// origin's, 2⁻³⁹ mm.
+///
+/// # Errors
+/// The first point that is further off.
+pub fn check_pieces<R: Backend, const D: usize>(
+    path: &RandomPath<D>,
+    samples: u32,
+) -> Result<Outcome<usize>, Violation> {
+    let table = match compiled::<R, D>(path) {
+        Ok(table) => table,
+        Err(refusal) => return Ok(Outcome::Refused(refusal)),
+    };
+    let name = R::name().to_string();
+    let exact: Vec<NurbsBuf<DoubleDouble, D>> =
+        path.curves.iter().filter_map(|curve| curve.convert().ok()).collect();
+    let pieces = table.as_pieces();
+    let resolution = R::resolution().to_f64();
+    let degree = pieces.degree as f64;
+    let origin = 1.01_f64.scale(ORIGIN_EXPONENT);
+    for (piece, (row, place)) in pieces.pieces.iter().zip(table.places()).enumerate() {
+        let Some(curve) = exact.get(place.curve) else { continue };
+        let (begin, end) =
+            (DoubleDouble::new(place.begin.0, place.begin.1), DoubleDouble::new(place.end.0, place.end.1));
+        for sample in 0..=samples {
+            let phase = (u64::MAX / u64::from(samples.max(1))).saturating_mul(u64::from(sample));
+            // The format cuts the phase to its own digits, and the point belongs to what is left.
+            let t = R::from_phase(phase, 0);
+            let offset = pieces.offset(piece, t);
+            let unit = resolution * 1.0_f64.scale(row.coordinate_exponent);
+            let last = resolution * 1.0_f64.scale(pieces.coordinate_exponent);
+            let weight = weight_at(&pieces, piece, t.to_f64());
+            let (high, low) = t.to_f64_pair();
+            let at = curve.as_curve().point(begin + (end - begin) * DoubleDouble::new(high, low));
+            for d in 0..D {
+                let (high, low) = offset[d].to_f64_pair();
+                let offset = DoubleDouble::new(high, low).scale(pieces.coordinate_exponent);
+                let (high, low) = (row.origin[d] >> 32, row.origin[d] & 0xffff_ffff);
+                let base = DoubleDouble::new(
+                    (high as f64).scale(32 + ORIGIN_EXPONENT),
+                    (low as f64).scale(ORIGIN_EXPONENT),
+                );
+                let off = (base + offset - at[d]).value().abs();
+                let size = 1.0 + (offset.value() / 1.0_f64.scale(row.coordinate_exponent)).abs();
+                let units = (degree + 2.0) * size * (1.0 + size * weight) / weight.min(1.0);
+                let bound = units * unit + 0.5 * last + origin;
+                demand("a piece's point off the curve, mm", &name, piece, off, bound)?;
+            }
+        }
+    }
+    Ok(Outcome::Ran(pieces.pieces.len()))
+}
+
+/// W of a piece at t; 1 if it has none.
+fn weight_at<R: Backend, const D: usize>(pieces: &Pieces<'_, R, D>, piece: usize, t: f64) -> f64 {
+    let count = pieces.degree + 1;
+    match pieces.weights.get(piece * count..(piece + 1) * count) {
+        Some(weights) if pieces.is_rational() => {
+            weights.iter().rev().fold(0.0, |sum, w| sum * t + w.to_f64())
+        }
+        _ => 1.0,
+    }
+}

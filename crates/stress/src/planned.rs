@@ -1,0 +1,158 @@
+//! The plan of a random path, and what it promises.
+
+use feed_plan::{EndFeeds, FeedLimit, ScheduleBuf, plan_with};
+use nurbs_core::{NurbsBuf, NurbsCurve};
+use real::Real;
+use secant_interp::LengthStage;
+
+use crate::RandomPath;
+use crate::violation::{Violation, demand};
+
+/// A path with its plan, made in f64.
+#[derive(Debug)]
+pub struct Planned<'a, const D: usize> {
+    /// The path.
+    pub path: &'a RandomPath<D>,
+    /// The largest feed at each distance.
+    pub limit: FeedLimit<f64>,
+    /// The plan along the curve.
+    pub arcs: ScheduleBuf<f64>,
+    /// The same for setpoints whose chords have the planned lengths.
+    pub chords: ScheduleBuf<f64>,
+}
+
+/// What rounding may add to a quantity of the plan: 10⁻¹² is promised, over some hundred stages.
+const ROUNDING: f64 = 1e-9;
+
+impl<'a, const D: usize> Planned<'a, D> {
+    /// Plans from rest to rest; `None` for a path that is refused or takes more than `most_periods`.
+    #[must_use]
+    pub fn new(path: &'a RandomPath<D>, most_periods: u32) -> Option<Self> {
+        let curves: Vec<NurbsCurve<'_, f64, D>> = path.curves.iter().map(NurbsBuf::as_curve).collect();
+        let limit = FeedLimit::along(&curves, &path.limits).ok()?;
+        let arcs = plan_with(&limit, &path.limits, EndFeeds { start: 0.0, end: 0.0 }, path.profile).ok()?;
+        if arcs.as_schedule().periods() > most_periods {
+            return None;
+        }
+        let shortfalls = limit.shortfalls(&curves, &arcs.as_schedule());
+        let chords = arcs.clone().shortened(&shortfalls);
+        Some(Self { path, limit, arcs, chords })
+    }
+
+    /// Periods of the plan.
+    #[must_use]
+    pub fn periods(&self) -> u32 {
+        self.chords.as_schedule().periods()
+    }
+
+    /// Periods after which a run has to be over.
+    #[must_use]
+    pub fn most_periods(&self) -> usize {
+        2 * self.periods() as usize + 16
+    }
+
+    /// The periods in which the plan comes to rest on the way, in order.
+    #[must_use]
+    pub fn stops(&self) -> Vec<usize> {
+        let mut time = 0.0;
+        let ends = self.chords.stages().iter().map(|stage| {
+            time += stage.duration;
+            (time, stage.end_feed)
+        });
+        ends.filter(|(_, feed)| *feed <= 0.0)
+            .filter_map(|(time, _)| usize::try_from(time.to_phase(-32) >> 32).ok())
+            .collect()
+    }
+
+    /// The plan keeps feed, acceleration and jerk at every stage, joins its stages, ends at rest at the end, and stays
+    /// under the limit at a hundred places of each stage.
+    ///
+    /// # Errors
+    /// What it does not.
+    pub fn check(&self) -> Result<(), Violation> {
+        let limits = &self.path.limits;
+        let plan = self.arcs.as_schedule();
+        let rounded = |bound: f64| bound * (1.0 + ROUNDING);
+        let (mut feed, mut distance) = (0.0, 0.0);
+        let feed_unit = ROUNDING * limits.feedrate;
+        for (index, stage) in plan.stages().iter().enumerate() {
+            let piece = stage.piece();
+            demand(
+                "a stage begins with the feed before it",
+                "f64",
+                index,
+                (stage.start_feed - feed).abs(),
+                feed_unit,
+            )?;
+            demand(
+                "a stage begins where the one before ends",
+                "f64",
+                index,
+                (stage.start - distance).abs(),
+                ROUNDING * (1.0 + plan.length()),
+            )?;
+            demand("feed", "f64", index, stage.start_feed.max(stage.end_feed), rounded(limits.feedrate))?;
+            demand("no feed is negative", "f64", index, -stage.start_feed.min(stage.end_feed), 0.0)?;
+            demand(
+                "acceleration",
+                "f64",
+                index,
+                piece.peak_acceleration().abs(),
+                rounded(limits.acceleration),
+            )?;
+            demand("jerk", "f64", index, piece.peak_jerk().abs(), rounded(limits.jerk))?;
+            (feed, distance) = (stage.end_feed, stage.start + stage.length);
+            for sample in 0..=100 {
+                let time = stage.duration * f64::from(sample) / 100.0;
+                let at = stage.start + stage.distance_at(time);
+                // At a jump of the limit both sides hold; rounding decides on which a place lies.
+                let near = ROUNDING * (1.0 + plan.length());
+                let allowed =
+                    self.limit.at(at).max(self.limit.at((at - near).max(0.0))).max(self.limit.at(at + near));
+                demand(
+                    "feed under the limit",
+                    "f64",
+                    index,
+                    stage.feed_at(time),
+                    allowed * (1.0 + 1e-6) + feed_unit,
+                )?;
+            }
+        }
+        demand("the plan ends at rest", "f64", plan.stages().len(), feed, feed_unit)?;
+        let length = self.limit.length();
+        demand(
+            "the plan ends at the end",
+            "f64",
+            plan.stages().len(),
+            (distance - length).abs(),
+            ROUNDING * (1.0 + length),
+        )?;
+        let periods = f64::from(plan.periods());
+        demand(
+            "the plan takes whole periods",
+            "f64",
+            0,
+            (plan.duration() - periods).abs(),
+            ROUNDING * (1.0 + periods),
+        )?;
+        Ok(())
+    }
+
+    /// The stages for compiled pieces in `R`, whose chords are in units of `2^-chord_exponent` mm; `None` where a feed
+    /// does not fit.
+    #[must_use]
+    pub fn stages<R: real::Backend>(&self, chord_exponent: i32) -> Option<Vec<LengthStage<R>>> {
+        let mut stages = Vec::with_capacity(self.chords.stages().len());
+        let (mut time, mut begin) = (0.0_f64, 0_u64);
+        for stage in self.chords.stages() {
+            time += stage.duration;
+            let end = (time + 0.5_f64.scale(-32)).to_phase(-32);
+            let feed = |x: f64| R::from_f64(x.scale(chord_exponent));
+            let (from, to) = (feed(stage.start_feed)?, feed(stage.end_feed)?);
+            let compiled = LengthStage::new(end.saturating_sub(begin), from, to - from);
+            stages.extend(compiled.map(|compiled| compiled.shaped(stage.shape)));
+            begin = end;
+        }
+        Some(stages)
+    }
+}

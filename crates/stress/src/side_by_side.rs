@@ -1,0 +1,53 @@
+//! A fixed format beside a float, period by period.
+
+use real::{Backend, FormatName, Real};
+
+use crate::piece_points::Judge;
+use crate::violation::{Outcome, Violation, demand};
+use crate::{OnPieces, Planned};
+
+/// Runs `R` and f64 along the same pieces by the same plan, and holds them together: after n steps they are apart by no
+/// more than n differences of a chord and the wanted chord, and by what the path's bends make of that, a half. Behind a corner of a
+/// right angle or more they are not compared: there a chord may be found on either side.
+///
+/// # Errors
+/// The first step at which they are further apart.
+pub fn check_against_float<R: Backend, const D: usize>(
+    planned: &Planned<'_, D>,
+) -> Result<Outcome<f64>, Violation> {
+    let (fixed, float) = match (OnPieces::<R, D>::new(planned), OnPieces::<f64, D>::new(planned)) {
+        (Ok(fixed), Ok(float)) => (fixed, float),
+        (Err(refusal), _) | (_, Err(refusal)) => return Ok(Outcome::Refused(refusal)),
+    };
+    let judge = match Judge::new(planned) {
+        Ok(judge) => judge,
+        Err(refusal) => return Ok(Outcome::Refused(refusal)),
+    };
+    let name = R::name().to_string();
+    let (one, other) = (fixed.interpolator(), float.interpolator());
+    let (mut one_state, mut other_state) = (one.start(), other.start());
+    let is_fixed = matches!(R::name(), FormatName::Fixed { .. });
+    let unit = 1.0_f64.scale(-one.pieces.chord_exponent);
+    let resolution = R::resolution().to_f64();
+    let (mut joints, mut travelled, mut worst) = (0.0, 0.0, 0.0_f64);
+    let mut piece = 0;
+    for step in 0..planned.most_periods() {
+        let (Some(a), Some(b)) = (one.step(&mut one_state), other.step(&mut other_state)) else { break };
+        travelled += b.length * 1.0_f64.scale(-other.pieces.chord_exponent);
+        joints += (b.piece - piece) as f64;
+        let ahead = a.piece.max(b.piece);
+        if ahead >= judge.len() || judge.turns(piece, ahead).1 <= 0.0 {
+            break;
+        }
+        piece = b.piece;
+        let at = |piece: usize, phase: u64| judge.point(piece, f64::from_phase(phase, 0), b.piece);
+        let (p, q) = (at(a.piece, a.phase), at(b.piece, b.phase));
+        let apart = f64::norm(&core::array::from_fn::<_, D, _>(|d| p[d] - q[d]));
+        let steps = step as f64 + 1.0;
+        let absolute = if is_fixed { 8.0 * unit * (steps + joints) } else { 0.0 };
+        let longest = planned.path.limits.feedrate;
+        let bound = 1.5 * resolution * (absolute + 64.0 * (travelled + joints * longest)) + 1e-11 * travelled;
+        worst = worst.max(demand("apart from the float, mm", &name, step, apart, bound)?);
+    }
+    Ok(Outcome::Ran(worst))
+}

@@ -1,0 +1,60 @@
+//! What a step may take at most, read off the code's loops.
+
+/// The most that one step on compiled pieces may take.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StepBound {
+    /// Evaluations of the chord.
+    pub evaluations: u64,
+    /// Operations of [`real::Real`], comparisons and conversions among them.
+    pub operations: u64,
+}
+
+/// What the loops of a step run over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StepShape {
+    /// p.
+    pub degree: usize,
+    /// D.
+    pub dimensions: usize,
+    /// Whether points take a division.
+    pub rational: bool,
+    /// K: evaluations on a piece, at most.
+    pub max_evaluations: u32,
+    /// Pieces that the step touches: those that it leaves, and the one that it ends on.
+    pub pieces: usize,
+    /// Stages of the plan that its period touches.
+    pub stages: usize,
+}
+
+impl StepBound {
+    /// The bound of a step of this shape.
+    ///
+    /// With p the degree, D the dimensions, K the evaluations allowed, each line counted in the code that it names:
+    ///
+    /// | what | operations | times |
+    /// |---|---|---|
+    /// | the mean feed over a part of a period (`step_lengths`); the most for a cosine, of 9 terms and 11 | 180 | stages |
+    /// | one evaluation and its correction (`chord_step`): two Horner chains a coordinate, two for the weight | 2pD + 2p + 9D + 48 | K a piece |
+    /// | re-expansion about the point (`Pieces::shifted`): p(p+1)/2 products a coordinate, as many for the weight; the division by the weight; scaling | (D + 1) (p(p+1)/2 + 6p + 4) | pieces |
+    /// | to the end of a piece, and past a whole one (`over`, twice) | 2 (2pD + 2p + 5D + 8) | pieces |
+    /// | start value, range, joint: the rest of `travel` and `cross` | 80 | pieces |
+    /// | the point itself (`Pieces::offset`) | (p + 4) (D + 1) | 1 |
+    /// | landing step, reach, and the calls between | 10 | 1 |
+    #[must_use]
+    pub fn of(shape: &StepShape) -> Self {
+        let StepShape { degree, dimensions, rational, max_evaluations, pieces, stages } = *shape;
+        let (p, d) = (degree as u64, dimensions as u64);
+        let (pieces, stages, most) = (pieces as u64, stages as u64, u64::from(max_evaluations.max(1)));
+        let weight = u64::from(rational);
+        let evaluation = 2 * p * d + 2 * p * weight + 9 * d + 48;
+        let expansion = (d + weight) * (p * (p + 1) / 2 + 6 * p + 4);
+        let over = 2 * p * d + 2 * p * weight + 5 * d + 8;
+        Self {
+            evaluations: most * pieces,
+            operations: stages * 180
+                + pieces * (most * evaluation + expansion + 2 * over + 80)
+                + (p + 4) * (d + weight)
+                + 10,
+        }
+    }
+}

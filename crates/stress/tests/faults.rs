@@ -1,0 +1,33 @@
+//! Paths on which a fault was once found, as they were drawn.
+
+use stress::{OnCurve, OnPieces, Planned, RandomPath};
+
+/// Bytes from a seed: SplitMix64.
+fn bytes(seed: u64) -> Vec<u8> {
+    let mut state = seed.wrapping_mul(0xd134_2543_de82_ef95);
+    let mut next = || {
+        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mixed = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        (mixed ^ (mixed >> 31)).to_le_bytes()[0]
+    };
+    (0..1500).map(|_| next()).collect()
+}
+
+/// A root beyond the range of the piece on which the step began was taken for the end of that range.
+#[test]
+fn a_smooth_joint_is_passed_at_the_right_length() {
+    for seed in [15, 22, 42] {
+        let path = RandomPath::<2>::from_bytes(&bytes(seed)).unwrap();
+        let planned = Planned::new(&path, 5000).unwrap();
+        OnPieces::<f64, 2>::new(&planned).unwrap().run().unwrap();
+    }
+}
+
+/// The landing's evaluation was missing in the documented bound, in the first steps of a run: K + 4.
+#[test]
+fn a_short_run_takes_no_more_evaluations_than_documented() {
+    let path = RandomPath::<2>::from_bytes(&bytes(264)).unwrap();
+    let planned = Planned::new(&path, 5000).unwrap();
+    OnCurve::<f64, 2>::new(&planned).unwrap().run(secant_interp::Method::Secant).unwrap();
+}
