@@ -1,7 +1,7 @@
 #![no_main]
 
 use arbitrary::Unstructured;
-use feed_plan::{EndFeeds, FeedLimit, KinematicLimits, plan_with};
+use feed_plan::{AxisLimits, EndFeeds, FeedLimit, Junction, KinematicLimits, plan_with};
 use feedbits_fuzz::{MOST_PERIODS, expect};
 use libfuzzer_sys::fuzz_target;
 use nurbs_core::NurbsBuf;
@@ -43,6 +43,8 @@ fn in_format<R: Backend>(path: &RandomPath<2>, limits: &KinematicLimits<f64>, en
         jerk: number(limits.jerk),
         chord_error: number(limits.chord_error),
         centripetal_acceleration: limits.centripetal_acceleration.map(number),
+        axes: [AxisLimits::default(); 3],
+        junction: Junction::default(),
     };
     // A step much shorter than the curve makes more limit points than a fuzzer has time for.
     let polygon = path.limits.feedrate * 2000.0;

@@ -12,7 +12,7 @@
 use std::f64::consts::PI;
 
 use arbitrary::Unstructured;
-use feed_plan::{KinematicLimits, ProfileKind};
+use feed_plan::{AxisLimits, Junction, KinematicLimits, ProfileKind};
 use nurbs_core::{CurveError, MAX_DEGREE, NurbsBuf};
 use real::Real;
 
@@ -128,6 +128,8 @@ fn limits(draws: &mut Draws<'_, '_>, feedrate: f64) -> KinematicLimits<f64> {
         jerk: acceleration * draws.power(-2.0, 0.0),
         chord_error: feedrate * draws.power(-5.0, -0.5),
         centripetal_acceleration: draws.one_in(4).then(|| acceleration * draws.power(-0.5, 0.5)),
+        axes: [AxisLimits::default(); 3],
+        junction: Junction::default(),
     }
 }
 
