@@ -97,7 +97,7 @@ fn main() -> ExitCode {
     if arguments.quiet {
         output::be_quiet();
     }
-    let by_default = || Arguments::parse_from(["feedbits", "compare", "--report", report::FOLDER]).command;
+    let by_default = || Arguments::parse_from(report::default_command()).command;
     let Some(command) = arguments.command.or_else(by_default) else {
         return ExitCode::from(2);
     };

@@ -22,6 +22,17 @@ const SHOWN_TARGETS: [&str; 2] = ["cortex-m4f", "dsp48"];
 /// Periods among which the most common one is scheduled.
 const RECORDED_PERIODS: usize = 200;
 
+/// What is run when no command is given: the built-in example, with a report where a folder for it can be made.
+pub(crate) fn default_command() -> Vec<&'static str> {
+    match fs::create_dir_all(FOLDER) {
+        Ok(()) => vec!["feedbits", "compare", "--report", FOLDER],
+        Err(error) => {
+            output::note(&format!("no report: cannot make the folder {FOLDER}: {error}"));
+            vec!["feedbits", "compare"]
+        }
+    }
+}
+
 /// Writes the report and returns the page's path. The page is written last, so it never names a file that is not there.
 pub(crate) fn write<const D: usize>(
     folder: &Path,

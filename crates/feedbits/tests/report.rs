@@ -96,4 +96,11 @@ fn the_default_run_leaves_a_report() {
         ["feedbits: report in feedbits-report/index.html"]
     );
     assert!(folder.path().join("feedbits-report/index.html").exists());
+
+    // Where no folder can be made, the answer is given all the same.
+    let taken = tempfile::tempdir().expect("a folder");
+    fs::write(taken.path().join("feedbits-report"), "kept").expect("a file");
+    let without = feedbits(taken.path(), &[]);
+    assert_eq!((without.status.code(), text(&without.stdout)), (Some(0), text(&run.stdout)));
+    assert!(text(&without.stderr).contains("no report: cannot make the folder"), "{}", text(&without.stderr));
 }

@@ -251,10 +251,11 @@ impl Plot<'_> {
         self.draw(PathElement::new(shown, Pen::Line.color()));
     }
 
-    /// A line through points in any order, with a tip.
-    pub(crate) fn trail(&mut self, class: &str, points: &[(f64, f64)], tip: &str) {
-        let placed = points.iter().map(|(x, y)| self.pixel(*x, *y));
-        self.canvas.add(tipped(Path::new().set("class", class).set("d", path_data(placed)), tip));
+    /// Lines through points in any order, with one tip.
+    pub(crate) fn trails(&mut self, class: &str, lines: &[&[(f64, f64)]], tip: &str) {
+        let line = |points: &&[(f64, f64)]| path_data(points.iter().map(|(x, y)| self.pixel(*x, *y)));
+        let data: String = lines.iter().map(line).collect();
+        self.canvas.add(tipped(Path::new().set("class", class).set("d", data), tip));
     }
 
     /// A mark at a point, with a tip.

@@ -174,7 +174,7 @@ fn answer(comparison: &Comparison, margins: &[Margin]) -> Answer {
     }
     if let Some((used, margin)) = tightest.max_by(|a, b| a.0.total_cmp(&b.0)) {
         why.push(format!(
-            "Closest to its limit is the {}: {} % of it are used.",
+            "Closest to its limit is the {}: {} % of it is used.",
             margin.requirement,
             number::short(used * 100.0)
         ));

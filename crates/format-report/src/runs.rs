@@ -16,6 +16,8 @@ pub(crate) struct RunView<'a> {
     pub(crate) hue: usize,
     /// Its dashes: whole on pieces.
     pub(crate) dash: usize,
+    /// Whether it is the one that the comparison recommends.
+    pub(crate) recommended: bool,
     /// Whether it is shown before anyone chooses.
     pub(crate) shown: bool,
 }
@@ -63,6 +65,7 @@ pub(crate) fn views<'a>(comparison: &'a Comparison, traces: &'a [Option<Trace>])
             trace: traces.get(index).and_then(Option::as_ref),
             hue: place % HUE_COUNT,
             dash: (2 * (place / HUE_COUNT) + family) % DASH_COUNT,
+            recommended: recommended(comparison) == Some(index),
             shown: false,
         });
     }

@@ -6,6 +6,13 @@ use crate::figures::over_time;
 use crate::material::Material;
 use crate::runs::RunView;
 
+/// The recommended run last, before it the others from wide to narrow: what is drawn last is seen.
+fn in_front<'a, 'b>(series: &'b [(&'a RunView<'a>, Vec<f64>)]) -> Vec<&'b (&'a RunView<'a>, Vec<f64>)> {
+    let mut ordered: Vec<_> = series.iter().collect();
+    ordered.sort_by_key(|(run, _)| (run.recommended, std::cmp::Reverse(run.index)));
+    ordered
+}
+
 /// One picture of all runs.
 pub(crate) fn figures(material: &Material<'_>, runs: &[RunView<'_>]) -> Vec<Figure> {
     let period = material.period_s();
@@ -27,7 +34,7 @@ pub(crate) fn figures(material: &Material<'_>, runs: &[RunView<'_>]) -> Vec<Figu
     let end = x.range.end;
     let figure = draw((x, y), &Layout { height: 440, ..Layout::default() }, |plot| {
         plot.limit(limit, "limit at cruise");
-        for (run, values) in &series {
+        for (run, values) in in_front(&series) {
             plot.group(&run.class(), &run.name(), |plot| {
                 plot.line(&over_time(values, period));
             });
@@ -38,8 +45,9 @@ pub(crate) fn figures(material: &Material<'_>, runs: &[RunView<'_>]) -> Vec<Figu
             }
         }
     });
-    let caption = "δ = 1 − chord/(V·T) of each period, as a magnitude. The level line of a format is what rounding the \
-                   solved quantity to its resolution may cost at full feed; no format stays far below it. Near rest, at \
+    let caption = "δ = 1 − chord/(V·T) of each period, as a magnitude. The level line of a format is the most that \
+                   rounding the solved quantity to its resolution may cost at cruise; its worst period comes near that or \
+                   lies above. Near rest, at \
                    both ends, the wanted step is a micrometre or less and the ratio says little; the limit holds at \
                    cruise, for steps of at least a quarter of F·T.";
     vec![

@@ -1,5 +1,7 @@
 //! The path, coloured by fluctuation.
 
+use std::ops::Range;
+
 use format_compare::Trace;
 
 use crate::chart::{Axis, Layout, WIDTH, draw};
@@ -38,19 +40,20 @@ fn figure(
         equal_scales(&points, ["X [mm]", "Y [mm]", "Z [mm]"][across], ["X [mm]", "Y [mm]", "Z [mm]"][up]);
     let limit = material.comparison.machine.fluctuation_limit;
     let full_step = material.comparison.machine.feedrate_mm_per_s * material.period_s();
+    let jumps = jumps(trace);
     let drawn = draw(axes, &Layout { height, ..Layout::default() }, |plot| {
         for stretch in stretches(trace, full_step, limit) {
-            let points = &points[stretch.first..=stretch.last];
+            let lines = without_jumps(&points, &jumps, stretch.first..stretch.last + 1);
             let from = (stretch.first as f64 + 1.0) * material.period_s();
             let to = (stretch.last as f64 + 1.0) * material.period_s();
             let times = format!("{} to {} s", number::short(from), number::short(to));
             match stretch.level {
                 Some(level) => {
                     let tip = format!("{times}: fluctuation up to {}", number::short(stretch.largest));
-                    plot.trail(&format!("trail v{level}"), points, &tip);
+                    plot.trails(&format!("trail v{level}"), &lines, &tip);
                 }
                 None => {
-                    plot.trail("rest", points, &format!("{times}: near rest, below a quarter of the feed"))
+                    plot.trails("rest", &lines, &format!("{times}: near rest, below a quarter of the feed"))
                 }
             }
         }
@@ -60,7 +63,12 @@ fn figure(
          not hold.",
         number::short(limit)
     );
-    let title = format!("The path, coloured by the fluctuation of {}", run.name());
+    let side = match view {
+        "-xy" => " from above",
+        "-xz" => " from the front",
+        _ => "",
+    };
+    let title = format!("The path{side}, coloured by the fluctuation of {}", run.name());
     let name = format!("path-{}{view}", run.file_part());
     Some(drawn.named(&name, &title, &caption).of_run(run.index).with_legend(legend(limit, "near rest")))
 }
@@ -88,6 +96,31 @@ fn equal_scales(points: &[(f64, f64)], x: &str, y: &str) -> ((Axis, Axis), u32) 
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "between 160 and 520")]
     let height = frame_height as u32 + 60;
     (axes, height)
+}
+
+/// The periods at whose beginning the part is elsewhere than at the end of the one before: a rapid move was left out.
+fn jumps(trace: &Trace) -> Vec<usize> {
+    let distance = |pair: &[[f64; 3]]| pair[1].iter().zip(&pair[0]).fold(0.0_f64, |d, (a, b)| d.hypot(a - b));
+    let is_jump = |(index, pair): (usize, &[[f64; 3]])| {
+        // A chord is as long as it is wanted to be, but for rounding.
+        let allowed = 2.0 * trace.wanted_mm[index + 1] + GAP_MM;
+        (distance(pair) > allowed).then_some(index + 1)
+    };
+    trace.point_mm.windows(2).enumerate().filter_map(is_jump).collect()
+}
+
+/// What no chord is longer than by rounding alone, in mm.
+const GAP_MM: f64 = 0.05;
+
+/// The points of these periods, as a line from each jump to the next.
+fn without_jumps<'a>(
+    points: &'a [(f64, f64)],
+    jumps: &[usize],
+    periods: Range<usize>,
+) -> Vec<&'a [(f64, f64)]> {
+    let within = jumps.iter().copied().filter(|jump| periods.start < *jump && *jump < periods.end);
+    let ends: Vec<usize> = std::iter::once(periods.start).chain(within).chain([periods.end]).collect();
+    ends.windows(2).map(|ends| &points[ends[0]..ends[1]]).collect()
 }
 
 /// A part of the path in one colour.
@@ -154,6 +187,22 @@ mod tests {
         assert_eq!(levels, [0, 2, 3, 4, 4, 5, 7]);
         assert_eq!(legend(1e-6, "")[3].name, "up to 1.0·10⁻⁶, the limit");
         assert_eq!(legend(1e-6, "")[7].name, "above 10.0·10⁻⁴".replace("10.0·10⁻⁴", "0.001"));
+    }
+
+    /// What the tool does not cut is not drawn.
+    #[test]
+    fn a_rapid_move_that_was_left_out_is_a_gap() {
+        let along = |x: f64| [x, 0.0, 0.0];
+        let trace = Trace {
+            point_mm: [0.5, 1.0, 1.5, 40.0, 40.5].map(along).into(),
+            wanted_mm: vec![0.5; 5],
+            fluctuation: vec![0.0; 5],
+            ..Trace::default()
+        };
+        assert_eq!(jumps(&trace), [3]);
+        let points: Vec<_> = trace.point_mm.iter().map(|point| (point[0], point[1])).collect();
+        let lines = without_jumps(&points, &jumps(&trace), 1..5);
+        assert_eq!(lines, [&[(1.0, 0.0), (1.5, 0.0)], &[(40.0, 0.0), (40.5, 0.0)]]);
     }
 
     /// Stretches meet, cover the path, and each has the colour of its worst period.
