@@ -7,7 +7,7 @@ use feed_plan::{
 use feedbits_tests::{
     PAPER_A, PAPER_D, circle, corner, cusp, degree_5, double_knot, on_paper_as_machine, problem,
 };
-use format_compare::{ExactPlan, PlanSummary, Problem};
+use format_compare::{ExactPlan, Options, PlanSummary, Problem, Reference};
 use nurbs_core::{Derivatives, Differentiate, Evaluate, NurbsBuf, arc_length, radius};
 
 /// Relative slack: rounding only.
@@ -384,5 +384,20 @@ fn corners_and_cusps_inside_a_curve_are_stopped_at() {
             let stop = stop.unwrap_or_else(|| panic!("{name}, {kind:?}: no stop"));
             assert!((stop.u_start.value() - at).abs() < 1e-4, "{name}: {stop:?}");
         }
+    }
+}
+
+/// Stops are setpoints: otherwise the chord of the period that passes one would cut the corner.
+#[test]
+fn no_chord_cuts_a_corner() {
+    let problem = on_paper_as_machine("corner", corner());
+    let formats = format_compare::select::<2>(&["f64".to_string()]).expect("f64");
+    for kind in KINDS {
+        let options = Options { profile: kind, ..Options::default() };
+        let plan = format_compare::plan_for(&problem, formats[0].as_ref(), &options).expect("a plan");
+        let run = formats[0].run(&problem, &plan, &options).expect("a run");
+        let judged = Reference::new(&problem).expect("a curve").judge(&run);
+        let worst = judged.iter().map(|step| step.chord_error_mm).fold(0.0, f64::max);
+        assert!(worst <= 1.01 * problem.machine.chord_error_mm, "{kind:?}: {worst} mm");
     }
 }

@@ -7,7 +7,7 @@
 //!    and looks at the one before.
 //! 3. *Between two keys*: the highest cruising feed for which the rising flank ends before the falling one
 //!    starts.
-//! 4. *Whole periods*: the plan is stretched in time, by less than one period, to a whole number of them.
+//! 4. *Whole periods*: from stop to stop the plan is stretched in time, by less than one period, to a whole number of them.
 //!
 //! Source: the passes are those of Wang H. et al., section 2; the transitions those of Wang Y. et al., whose
 //! own procedure lets neighbouring transitions overlap and start too late to stay under a limit that already
@@ -36,8 +36,9 @@ const CRUISE_REFINEMENTS: usize = 14;
 /// cubic transitions between a few levels of feed is.
 ///
 /// The feed is continuous and so is the acceleration, which is zero at both ends of each stage. The whole
-/// takes a whole number of interpolation periods: it is slowed down evenly by the part of a period that it
-/// takes to get there, so the end feeds are a little below those asked for, unless at rest.
+/// takes a whole number of interpolation periods, and so does each part between two stops: it is slowed down evenly
+/// by the part of a period that it takes to get there, so the end feeds are a little below those asked for, unless at
+/// rest.
 ///
 /// Units: those of `limits`, which must be those that `limit` was made with. Of the limits, only
 /// acceleration, jerk and interpolation period are used here; the others are in the limit curve. Accuracy: in
@@ -486,6 +487,14 @@ mod tests {
         let joint = plan.stages().iter().find(|stage| stage.start_feed == 0.0 && stage.start > 0.0).unwrap();
         assert!((joint.start - corner.distance).abs() < 1e-9);
         assert!((joint.u_start - 0.5).abs() < 1e-9);
+        // The stop is at the end of a period: a chord over it would cut the corner.
+        let before: f64 = plan
+            .stages()
+            .iter()
+            .take_while(|stage| stage.start < joint.start)
+            .map(|stage| stage.duration)
+            .sum();
+        assert!((before - before.round()).abs() < 1e-9 && before > 10.0, "{before}");
     }
 
     #[test]

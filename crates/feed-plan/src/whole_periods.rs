@@ -1,11 +1,24 @@
 //! A plan that takes a whole number of interpolation periods.
+//!
+//! From rest to rest each section of it does, so that every stop on the way is a setpoint: the chord of a period that
+//! passed a corner in its middle would cut it.
 
 use real::Real;
 
 use crate::{PlanError, Stage};
 
-/// Slows the stages down evenly so that together they take a whole number of periods, which is returned.
+/// Slows each section between two stops down evenly to a whole number of periods; their sum is returned.
 pub(crate) fn stretch<R: Real>(stages: &mut [Stage<R>], period: R) -> Result<u32, PlanError> {
+    let sections = stages.split_inclusive_mut(|stage| stage.end_feed.is_zero());
+    let mut periods = Some(0_u32);
+    for section in sections {
+        let taken = stretch_section(section, period)?;
+        periods = periods.and_then(|sum| sum.checked_add(taken));
+    }
+    periods.filter(|sum| *sum > 0).ok_or(PlanError::DurationOverflows)
+}
+
+fn stretch_section<R: Real>(stages: &mut [Stage<R>], period: R) -> Result<u32, PlanError> {
     let duration = stages.iter().fold(R::zero(), |sum, stage| sum + stage.duration);
     let in_order = stages.iter().all(|stage| stage.duration > R::zero() && stage.duration <= duration);
     let (periods, rounded) =

@@ -10,8 +10,8 @@
 //! that plan is taken, to rest: there is always a way on.
 //!
 //! Spans are sampled once, as the window reaches them, and their samples forgotten behind it: memory holds the samples
-//! of one window and one span, whatever the length of the path. The total is made a whole number of periods by a wait of
-//! less than a period at the end, at rest.
+//! of one window and one span, whatever the length of the path. Stages are not stretched to whole periods; who runs them
+//! can wait at a stop until the period is over.
 
 use alloc::vec::Vec;
 

@@ -50,8 +50,8 @@ impl ExactPlan {
         Ok(Self::of(&schedule.shortened(&shortfalls), profile))
     }
 
-    /// Plans `problem` in f64 with no more than `window_mm` and one curve in view at a time, from rest to rest. The plan
-    /// ends with a wait of less than a period, at rest.
+    /// Plans `problem` in f64 with no more than `window_mm` in view at a time, from rest to rest. At each stop the plan
+    /// waits for the end of the period.
     ///
     /// # Errors
     /// As [`in_format`](Self::in_format).
@@ -61,23 +61,17 @@ impl ExactPlan {
         profile: ProfileKind,
     ) -> Result<Self, Refusal> {
         let limits = problem.limits_per_period()?;
-        let mut stages = Vec::new();
+        let (mut stages, mut periods) = (Vec::new(), 0.0_f64);
         let curves = problem.curves.iter().map(NurbsBuf::as_curve);
-        let done = plan_through_window(curves, &limits, window_mm, profile, |stage| stages.push(*stage))?;
-        let periods = done.duration.ceil();
-        if let Some(last) = stages.last().copied().filter(|_| periods > done.duration) {
-            stages.push(Stage {
-                start: done.length,
-                length: 0.0,
-                start_feed: 0.0,
-                end_feed: 0.0,
-                duration: periods - done.duration,
-                shape: StageShape::Steady,
-                curve_start: last.curve_end,
-                u_start: last.u_end,
-                ..last
-            });
-        }
+        plan_through_window(curves, &limits, window_mm, profile, |stage| {
+            stages.push(*stage);
+            periods += stage.duration;
+            let wait = periods.ceil() - periods;
+            if stage.end_feed == 0.0 && wait > 0.0 {
+                stages.push(waiting(stage, wait));
+                periods = periods.ceil();
+            }
+        })?;
         let too_long = || Refusal::Plan(PlanError::DurationOverflows);
         if periods > f64::from(u32::MAX) {
             return Err(too_long());
@@ -175,6 +169,21 @@ fn put_joints_on_the_grid(stages: &mut [Stage<DoubleDouble>]) {
 pub(crate) fn nearest<R: Backend>(x: DoubleDouble) -> Option<R> {
     let (high, low) = x.to_f64_pair();
     R::from_f64_pair(high, low)
+}
+
+/// A stop after `stage`.
+fn waiting(stage: &Stage<f64>, duration: f64) -> Stage<f64> {
+    Stage {
+        start: stage.start + stage.length,
+        length: 0.0,
+        start_feed: 0.0,
+        end_feed: 0.0,
+        duration,
+        shape: StageShape::Steady,
+        curve_start: stage.curve_end,
+        u_start: stage.u_end,
+        ..*stage
+    }
 }
 
 fn map_stage<R: Copy, Q>(stage: &Stage<R>, map: impl Fn(R) -> Q) -> Stage<Q> {
