@@ -2,15 +2,15 @@
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use feed_plan::{EndFeeds, FeedLimit, Junction, KinematicLimits, ProfileKind, jerk_free_duration, plan_with};
-use feedbits_benches::winding;
+use feedbits_benches::{paper_a, winding};
 
 const PERIOD_S: f64 = 3e-3;
 
 fn planning(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("feed-plan");
     group.sample_size(10);
-    for spans in [10, 100, 1000, 10_000] {
-        let path = winding(spans);
+    let windings = [10, 100, 1000, 10_000].map(|spans| (format!("{spans} spans"), winding(spans)));
+    for (what, path) in [("A".to_string(), paper_a())].into_iter().chain(windings) {
         let limits = KinematicLimits {
             interpolation_period: 1.0,
             feedrate: path.feed_mm,
@@ -24,10 +24,10 @@ fn planning(criterion: &mut Criterion) {
         let curves = [path.curve.as_curve()];
         let limit = FeedLimit::along(&curves, &limits).expect("a limit");
         let own_time = jerk_free_duration(&limit, &limits) * PERIOD_S;
-        println!("{spans} spans: {} limit points, at least {own_time:.2} s of motion", limit.points().len());
+        println!("{what}: {} limit points, at least {own_time:.2} s of motion", limit.points().len());
         group.throughput(Throughput::Elements(limit.points().len() as u64));
         let limit_of = || FeedLimit::along(&curves, &limits);
-        group.bench_function(BenchmarkId::new("limit", spans), |b| b.iter(limit_of));
+        group.bench_function(BenchmarkId::new("limit", &what), |b| b.iter(limit_of));
         for (name, kind) in [
             ("cubic", ProfileKind::Cubic),
             ("s-curve", ProfileKind::SCurve),
@@ -35,7 +35,7 @@ fn planning(criterion: &mut Criterion) {
             ("flexible", ProfileKind::Flexible),
         ] {
             let plan = || plan_with(&limit, &limits, EndFeeds::default(), kind);
-            group.bench_function(BenchmarkId::new(name, spans), |b| b.iter(plan));
+            group.bench_function(BenchmarkId::new(name, &what), |b| b.iter(plan));
         }
     }
     group.finish();

@@ -239,8 +239,16 @@ mod tests {
             is_continuous(&path)?;
             // Polygons of 400 sides leave an arc of 20 mm and a full turn by 6e-4 mm at most.
             prop_assert!(deviation(&moves, &path) <= tolerance + 7e-4, "{}", deviation(&moves, &path));
-            let expected = [None, Some(Reason::Reversal), Some(Reason::Tangent)];
-            prop_assert!(expected.contains(&reason(&path, 0)) && expected.contains(&reason(&path, 1)), "{:?}", path.corners);
+            for corner in 0..2 {
+                // An arc that all but turns back, or bends a lot within what the tolerance would cut off, may leave no room.
+                let turn = path.corners[corner].turn.turn_rad;
+                let may_lack_room = radius < 10.0 * tolerance || turn > 160.0_f64.to_radians();
+                let is_expected = match reason(&path, corner) {
+                    None | Some(Reason::Reversal | Reason::Tangent) => true,
+                    found => found == Some(Reason::NoRoom) && may_lack_room,
+                };
+                prop_assert!(is_expected, "{:?}", path.corners);
+            }
         }
     }
 
