@@ -13,9 +13,6 @@ use nurbs_core::{Derivatives, Differentiate, Evaluate, NurbsBuf, arc_length, rad
 /// Relative slack: rounding only.
 const SLACK: f64 = 1e-9;
 
-const KINDS: [ProfileKind; 4] =
-    [ProfileKind::Cubic, ProfileKind::SCurve, ProfileKind::Trigonometric, ProfileKind::Flexible];
-
 /// A path of one or more curves by its arc length, found independently of the planner's own scan.
 struct Path<'a, const D: usize> {
     curves: &'a [NurbsBuf<f64, D>],
@@ -143,7 +140,7 @@ fn keeps<const D: usize>(name: &str, curves: &[NurbsBuf<f64, D>], limits: &Kinem
     let limit = FeedLimit::along(&views, limits).unwrap_or_else(|error| panic!("{name}: {error}"));
     assert!((limit.length() - path.length()).abs() < 1e-9 * path.length(), "{name}");
     let bound = feed_plan::jerk_free_duration(&limit, limits);
-    KINDS
+    ProfileKind::ALL
         .iter()
         .map(|&kind| {
             let plan = plan_with(&limit, limits, EndFeeds::default(), kind)
@@ -377,7 +374,7 @@ fn short_flanks_on_which_paper_a_s_procedure_breaks_a_limit() {
 fn corners_and_cusps_inside_a_curve_are_stopped_at() {
     for (name, curve, at) in [("corner", corner(), 0.5), ("cusp", cusp(), 0.5)] {
         let problem = on_paper_as_machine(name, curve);
-        for kind in KINDS {
+        for kind in ProfileKind::ALL {
             let plan = ExactPlan::in_format_with::<f64, 2>(&problem, [0.0; 2], kind).expect("a plan");
             let stages = plan.schedule().stages();
             let stop = stages.iter().find(|s| s.start.value() > 0.0 && s.start_feed.value() == 0.0);
@@ -392,7 +389,7 @@ fn corners_and_cusps_inside_a_curve_are_stopped_at() {
 fn no_chord_cuts_a_corner() {
     let problem = on_paper_as_machine("corner", corner());
     let formats = format_compare::select::<2>(&["f64".to_string()]).expect("f64");
-    for kind in KINDS {
+    for kind in ProfileKind::ALL {
         let options = Options { profile: kind, ..Options::default() };
         let plan = format_compare::plan_for(&problem, formats[0].as_ref(), &options).expect("a plan");
         let run = formats[0].run(&problem, &plan, &options).expect("a run");

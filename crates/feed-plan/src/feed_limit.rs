@@ -16,6 +16,7 @@ use real::Real;
 
 use crate::axis_budget::Allowance;
 use crate::scan::Scan;
+use crate::stops::release_stops;
 use crate::{KinematicLimits, PlanError};
 
 /// The feed limit at one point of the path.
@@ -75,8 +76,9 @@ impl<R: Real> FeedLimit<R> {
     /// The path is sampled at steps of at most about one period at full feed, finer where the limit bends;
     /// each local minimum of the limit is found and becomes a point. Arc length is integrated along the way.
     /// A break of the tangent becomes a stop, or a point with the feed of another [`Junction`](crate::Junction), when,
-    /// passed at the feedrate F, it would cut the corner by more than the chord error or change the velocity
-    /// by more than A T: `θ > min(4E/(F T), A T/F)`. A point where C' vanishes, as in a cusp, is a stop too, and so is a point whose limit is below F/4096.
+    /// passed at the feedrate F, it would cut the corner by more than the chord error or change the velocity by more
+    /// than A T: `θ > min(4E/(F T), A T/F)`. A point where C' vanishes, as in a cusp, is a stop too, and so is a point
+    /// whose limit is below F/4096.
     ///
     /// Between two points the limit is tested at three places. What is narrower than a third of the finest
     /// step, 2⁻¹⁴ of a span, can be missed.
@@ -144,59 +146,10 @@ impl<R: Real> FeedLimit<R> {
             let lower = if is_single { sample.point.feedrate } else { lower };
             Node { lower, before: lower, after: lower, speed, is_single, allowance }
         };
-        let nodes = samples.iter().enumerate().map(node).collect();
-        let points = samples.iter().map(|sample| sample.point).collect();
-        let mut limit = Self { points, nodes };
-        limit.release_stops(chord_error);
-        Ok(limit)
-    }
-
-    /// Lets the limit jump at stops: within `reach` of one, the first limit beyond holds.
-    ///
-    /// The time is linear in the points as long as few stops have a higher limit behind them than the stop before: what
-    /// lies within reach of a stop is looked for from where it was found last, and what has been lifted is not lifted
-    /// again.
-    fn release_stops(&mut self, reach: R) {
-        let (mut behind, mut next) = (0, 0); // Points before `behind` are beyond reach, and so are those from `next` on.
-        let (mut lifted, mut lifted_to) = (0, R::zero());
-        for i in 0..self.nodes.len() {
-            if self.nodes[i].lower > R::zero() {
-                continue;
-            }
-            let here = self.points[i].distance;
-            let is_beyond = |point: &LimitPoint<R>| (point.distance - here).abs() > reach;
-            next = next.max(i);
-            while self.points.get(next).is_some_and(|point| !is_beyond(point)) {
-                next += 1;
-            }
-            let release = self.nodes.get(next).map_or_else(R::zero, |node| node.lower);
-            self.lift(i + 1..next, release);
-            while behind < i && is_beyond(&self.points[behind]) {
-                behind += 1;
-            }
-            let release = behind.checked_sub(1).map_or_else(R::zero, |k| self.nodes[k].lower);
-            let from = if release <= lifted_to { behind.max(lifted) } else { behind };
-            self.lift(from..i, release);
-            (lifted, lifted_to) = (i, release);
-        }
-        for i in 0..self.nodes.len() {
-            if self.nodes[i].is_single {
-                self.nodes[i].before = i.checked_sub(1).map_or_else(R::zero, |k| self.nodes[k].lower);
-                self.nodes[i].after = self.nodes.get(i + 1).map_or_else(R::zero, |node| node.lower);
-            }
-        }
-    }
-
-    fn lift(&mut self, range: core::ops::Range<usize>, at_least: R) {
-        if !(at_least > R::zero()) {
-            return;
-        }
-        let nodes = self.nodes.get_mut(range).unwrap_or_default();
-        for node in nodes.iter_mut().filter(|node| !(node.is_single && node.lower > R::zero())) {
-            let lower = node.lower.max(at_least);
-            (node.lower, node.before, node.after) = (lower, lower, lower);
-            node.is_single &= !(lower > R::zero());
-        }
+        let mut nodes: Vec<_> = samples.iter().enumerate().map(node).collect();
+        let points: Vec<_> = samples.iter().map(|sample| sample.point).collect();
+        release_stops(&points, &mut nodes, chord_error);
+        Ok(Self { points, nodes })
     }
 
     /// The points, in order of distance. Points of the same distance are one-sided limits at a joint, with a
@@ -508,49 +461,6 @@ mod tests {
         }
     }
 
-    fn measured(steps: &[(f64, f64)]) -> Vec<Measured<f64>> {
-        let mut distance = 0.0;
-        let sample = |&(step, feedrate): &(f64, f64)| {
-            distance += step;
-            Measured {
-                point: point(distance, feedrate),
-                speed: 0.0,
-                margin: 0.0,
-                allowance: Allowance::unlimited(),
-                is_single: feedrate == 0.0,
-            }
-        };
-        steps.iter().map(sample).collect()
-    }
-
-    /// A bend so tight that the limit is zero at each of its points, within reach of each other: every one looked for
-    /// all others, which a fuzzer timed at minutes.
-    #[test]
-    fn a_hundred_thousand_stops_within_reach_are_released_at_once() {
-        let mut steps: Vec<_> = (0..200_000).map(|i| (1e-9, if i < 100_000 { 1.0 } else { 0.0 })).collect();
-        steps[0].0 = 1.0;
-        let limit = FeedLimit::assemble(&measured(&steps), 0.5).unwrap();
-        assert_eq!(limit.nodes().len(), 200_000);
-    }
-
-    /// What the pointers of `release_stops` find, looked for anew at every stop.
-    fn released_one_by_one(mut lowers: Vec<f64>, distances: &[f64], reach: f64) -> Vec<f64> {
-        for i in 0..lowers.len() {
-            if lowers[i] > 0.0 {
-                continue;
-            }
-            let is_beyond = |k: &usize| (distances[*k] - distances[i]).abs() > reach;
-            let next = (i..lowers.len()).find(is_beyond).unwrap_or(lowers.len());
-            let release = lowers.get(next).copied().unwrap_or(0.0);
-            lowers[i..next].iter_mut().skip(1).for_each(|lower| *lower = lower.max(release));
-            let previous = (0..i).rev().find(is_beyond);
-            let release = previous.map_or(0.0, |k| lowers[k]);
-            let from = previous.map_or(0, |k| k + 1);
-            lowers[from..i].iter_mut().for_each(|lower| *lower = lower.max(release));
-        }
-        lowers
-    }
-
     #[test]
     fn refused_points_are_named() {
         let from = |points: &[LimitPoint<f64>]| FeedLimit::from_points(points).map(|limit| limit.length());
@@ -585,19 +495,6 @@ mod tests {
 
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(64))]
-
-        #[test]
-        fn stops_are_released_as_one_by_one(
-            steps in proptest::collection::vec((0.0..1.0_f64, prop_oneof![Just(0.0), 0.1..3.0_f64]), 2..60),
-            reach in 0.0..3.0_f64,
-        ) {
-            let samples = measured(&steps);
-            let limit = FeedLimit::assemble(&samples, reach).unwrap();
-            let distances: Vec<_> = samples.iter().map(|sample| sample.point.distance).collect();
-            let lowers = samples.iter().map(|sample| lowered(sample.point.feedrate, 0.0)).collect();
-            let found: Vec<_> = limit.nodes().iter().map(|node| node.lower).collect();
-            prop_assert_eq!(found, released_one_by_one(lowers, &distances, reach));
-        }
 
         #[test]
         fn the_lower_bound_is_one(

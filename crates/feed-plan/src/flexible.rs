@@ -29,8 +29,8 @@ use crate::{
 const PARTS: i32 = 32;
 /// Segments that one merge can take in, so that planning costs in proportion to the path.
 const MOST_SEGMENTS: usize = 16;
-/// A merge may take longer than what it replaces by 2⁻⁶ of that: it gives up the small peaks in between. With 2⁻³ the
-/// curve of Wang Y. et al. takes 6 % longer, with a sixth of the stages; with 2⁻⁶ nothing there is merged.
+/// A merge may take longer than what it replaces by 2⁻⁶ of that: it gives up the small peaks in between. The curve of
+/// Wang Y. et al. then takes 0.2 % longer than with S-curves alone, with 93 stages in place of 425.
 const TIME_ALLOWANCE: i32 = -6;
 
 /// Why a stretch keeps its S-curves.

@@ -83,6 +83,8 @@ mod s_curve_profile;
 mod scan;
 mod schedule;
 mod stage_shape;
+mod stages;
+mod stops;
 #[cfg(test)]
 mod test_paths;
 mod trigonometric_profile;

@@ -19,13 +19,10 @@ use real::Real;
 
 use crate::axis_budget::Allowance;
 use crate::flank::{Arrival, Direction, Flank, LEVELS, LEVELS_BETWEEN_ENDS, RampShape};
-use crate::flexible::merge;
 use crate::key_points::{Key, key_points};
-use crate::profile::Transition;
+use crate::stages::Stages;
 use crate::whole_periods::stretch;
-use crate::{
-    EndFeeds, FeedLimit, FeedPiece, KinematicLimits, PlanError, ProfileKind, ScheduleBuf, Stage, StageShape,
-};
+use crate::{EndFeeds, FeedLimit, KinematicLimits, PlanError, ProfileKind, ScheduleBuf, Stage};
 
 /// Halvings of the range of cruising feeds until one is found that can be reached, and then to refine it.
 const CRUISE_HALVINGS: usize = 40;
@@ -83,14 +80,14 @@ pub(crate) fn stages<R: Real>(
     limits.validate()?;
     let shape = RampShape::new(kind, limits);
     let keys = reachable(limit, &shape, &key_points(limit, ends)?)?;
-    let mut stages = Stages { limit, stages: Vec::new() };
+    let mut stages = Stages::new(limit);
     for pair in keys.windows(2) {
         if let [from, to] = pair {
             between(limit, &shape.within(to.allowance), from, to, &mut stages)?;
         }
     }
     if kind == ProfileKind::Flexible {
-        stages.stages = merge(limit, limits, &stages.stages);
+        stages.merge(limits);
     }
     Ok(stages.with_parameters())
 }
@@ -268,69 +265,6 @@ fn cruise<R: Real>(
     best
 }
 
-/// The stages as they are put together.
-struct Stages<'l, R> {
-    limit: &'l FeedLimit<R>,
-    stages: Vec<Stage<R>>,
-}
-
-impl<R: Real> Stages<'_, R> {
-    /// A stretch of constant feed, joined to the last stage if that is at the same; nothing if it has no
-    /// length.
-    fn constant(&mut self, start: R, length: R, feed: R) {
-        if !(length > R::zero() && feed > R::zero()) {
-            return;
-        }
-        let duration = length / feed;
-        match self.stages.last_mut() {
-            Some(last) if last.start_feed == feed && last.end_feed == feed => {
-                last.length = last.length + length;
-                last.duration = last.duration + duration;
-            }
-            _ => {
-                let shape = StageShape::Steady;
-                self.push(start, length, &FeedPiece { shape, start_feed: feed, end_feed: feed, duration });
-            }
-        }
-    }
-
-    /// The pieces of a transition.
-    fn transition(&mut self, start: R, transition: &Transition<R>) {
-        let mut at = start;
-        for piece in transition.pieces().iter().filter(|piece| piece.duration > R::zero()) {
-            let length = piece.length();
-            self.push(at, length, piece);
-            at = at + length;
-        }
-    }
-
-    fn push(&mut self, start: R, length: R, piece: &FeedPiece<R>) {
-        let &FeedPiece { shape, start_feed, end_feed, duration } = piece;
-        let (curve, u) = (0, R::zero());
-        self.stages.push(Stage {
-            start,
-            length,
-            start_feed,
-            end_feed,
-            duration,
-            shape,
-            curve_start: curve,
-            u_start: u,
-            curve_end: curve,
-            u_end: u,
-        });
-    }
-
-    /// The finished stages, with the parameters that they start and end at.
-    fn with_parameters(mut self) -> Vec<Stage<R>> {
-        for stage in &mut self.stages {
-            (stage.curve_start, stage.u_start) = self.limit.parameter_at(stage.start);
-            (stage.curve_end, stage.u_end) = self.limit.parameter_at(stage.start + stage.length);
-        }
-        self.stages
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -378,9 +312,6 @@ mod tests {
         }
         worst
     }
-
-    const KINDS: [ProfileKind; 4] =
-        [ProfileKind::Cubic, ProfileKind::SCurve, ProfileKind::Trigonometric, ProfileKind::Flexible];
 
     /// Every promise of [`plan`], from rest to rest, to rounding of f64.
     fn assert_kept(limit: &FeedLimit<f64>, limits: &KinematicLimits<f64>, plan: &ScheduleBuf<f64>) {
@@ -631,7 +562,7 @@ mod tests {
     fn narrow_formats_plan_almost_the_same() {
         // By how much periods as a ratio, length in mm, and the limits as ratios may differ from f64's.
         fn assert_close<Q: Backend>(limits: &KinematicLimits<f64>, periods: f64, length: f64, excess: f64) {
-            for kind in KINDS {
+            for kind in ProfileKind::ALL {
                 let (reference, _, _) = in_format::<f64>(&seed_003(), limits, kind);
                 let (found, found_length, worst) = in_format::<Q>(&seed_003(), limits, kind);
                 let name = Q::name();
@@ -709,7 +640,7 @@ mod tests {
         ) {
             let limits = KinematicLimits { acceleration, jerk, ..paper_limits() };
             let limit = FeedLimit::from_points(&points).unwrap();
-            for kind in KINDS {
+            for kind in ProfileKind::ALL {
                 let plan = plan_with(&limit, &limits, EndFeeds::default(), kind).unwrap();
                 assert_kept(&limit, &limits, &plan);
             }

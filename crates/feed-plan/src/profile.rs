@@ -225,6 +225,11 @@ pub enum ProfileKind {
     Flexible,
 }
 
+impl ProfileKind {
+    /// Every kind.
+    pub const ALL: [Self; 4] = [Self::Cubic, Self::SCurve, Self::Trigonometric, Self::Flexible];
+}
+
 /// A transition of the family that a plan is made of.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Transition<R> {

@@ -6,7 +6,7 @@
 
 use alloc::vec::Vec;
 
-use nurbs_core::Differentiate;
+use nurbs_core::{Differentiate, curvature_vector};
 use real::Real;
 
 use crate::axis_budget::{Allowance, AxisBudget, Turning};
@@ -357,12 +357,10 @@ impl<R: Real, C> Span<'_, R, C> {
         let at = self.shape.derivatives_in(self.index, u);
         let (speed, tangent) = direction(&at.first);
         let feedrate = self.limits.feedrate_at_radius(nurbs_core::radius(&at));
-        let Some(budget) = self.budget.filter(|_| speed > R::zero()) else {
+        let limited = self.budget.and_then(|budget| Some((budget, curvature_vector(&at)?)));
+        let Some((budget, bend)) = limited else {
             return Sample { u, speed, tangent, bend: [R::zero(); D], feedrate, stretch: None };
         };
-        // k = (C'' - (e C'') e) / |C'|²
-        let along = R::sum_of_products(tangent.into_iter().zip(at.second));
-        let bend = core::array::from_fn(|d| (at.second[d] - along * tangent[d]) / speed / speed);
         let change = [R::zero(); AXES];
         let turning = Turning { tangent: components(&tangent), curvature: components(&bend), change };
         let feedrate = budget.feed_at(&turning, feedrate);

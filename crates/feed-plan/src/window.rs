@@ -136,14 +136,13 @@ struct Source<C, I> {
     curves: I,
     /// The curve at hand, its index, and its next span.
     at: Option<(C, usize, usize)>,
-    taken: usize,
 }
 
 impl<C, I: Iterator<Item = C>> Source<C, I> {
     fn new(curves: impl IntoIterator<Item = C, IntoIter = I>) -> Self {
         let mut curves = curves.into_iter();
         let at = curves.next().map(|curve| (curve, 0, 0));
-        Self { curves, at, taken: 1 }
+        Self { curves, at }
     }
 
     fn is_over(&self) -> bool {
@@ -161,8 +160,8 @@ impl<C, I: Iterator<Item = C>> Source<C, I> {
             *span += 1;
         }
         if *span >= curve.span_count() {
-            self.at = self.curves.next().map(|curve| (curve, self.taken, 0));
-            self.taken += 1;
+            let following = *index + 1;
+            self.at = self.curves.next().map(|curve| (curve, following, 0));
         }
         Ok(())
     }
@@ -202,9 +201,6 @@ mod tests {
     use crate::plan_with;
     use crate::test_paths::{paper_limits, polyline, seed_000, seed_003};
     use nurbs_core::NurbsBuf;
-
-    const KINDS: [ProfileKind; 4] =
-        [ProfileKind::Cubic, ProfileKind::SCurve, ProfileKind::Trigonometric, ProfileKind::Flexible];
 
     /// A staircase of short lines and, in between, the papers' curves moved to where the path is.
     fn long_path(repeats: usize) -> Vec<NurbsBuf<f64, 2>> {
@@ -255,7 +251,7 @@ mod tests {
     #[test]
     fn through_a_window_every_limit_holds() {
         let lines = long_path(12);
-        for kind in KINDS {
+        for kind in ProfileKind::ALL {
             for (curves, windows) in [
                 (&lines[..], [5.0, 30.0, 1e4]),
                 (&[seed_000()][..], [50.0, 200.0, 1e4]),

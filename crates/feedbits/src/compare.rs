@@ -112,7 +112,7 @@ impl RunArguments {
             ProfileName::SCurve => &[SCurve],
             ProfileName::Trigonometric => &[Trigonometric],
             ProfileName::Flexible => &[Flexible],
-            ProfileName::All => &[Cubic, SCurve, Trigonometric, Flexible],
+            ProfileName::All => &ProfileKind::ALL,
         }
     }
 
@@ -146,15 +146,12 @@ impl RunArguments {
         let plan_in = match self.plan_in.as_str() {
             "" | "f64" => PlanIn::default(),
             "same" => PlanIn::Same,
-            name => {
-                match format_compare::select::<3>(&[name.to_string()]).ok().and_then(|mut found| found.pop())
-                {
-                    Some(format) => PlanIn::Format(format.name()),
-                    None => bail!(
-                        "--plan-in {name}: no such format; `feedbits formats` lists them, `same` is each its own"
-                    ),
-                }
-            }
+            name => match by_name::<3>(name) {
+                Some(format) => PlanIn::Format(format.name()),
+                None => bail!(
+                    "--plan-in {name}: no such format; `feedbits formats` lists them, `same` is each its own"
+                ),
+            },
         };
         for (option, value) in [("--start-feed", self.start_feed), ("--end-feed", self.end_feed)] {
             if !(value.is_finite() && value >= 0.0) {
@@ -231,6 +228,14 @@ where
     }
     format_compare::select(names)
         .map_err(|name| anyhow::anyhow!("unknown format {name:?}: expected one that `feedbits formats` lists, or any fixed-point format such as I5F13"))
+}
+
+/// The format of this name.
+pub(crate) fn by_name<const D: usize>(name: &str) -> Option<Box<dyn format_compare::Format<D>>>
+where
+    Space: Dimension<D>,
+{
+    format_compare::select(&[name.to_string()]).ok().and_then(|mut found| found.pop())
 }
 
 fn table(comparison: &Comparison) -> String {

@@ -4,19 +4,19 @@
 //! acceleration `e a + k V²` and the jerk `e j + 3 k V a + c V³`. They are sampled, c by central differences.
 
 use feed_plan::FeedLimit;
-use nurbs_core::{Derivatives, Differentiate, Evaluate, NurbsBuf};
+use nurbs_core::{Differentiate, NurbsBuf, curvature_vector};
 use part_program::AxisLimits;
 use real::Real;
 use serde::Serialize;
 
 use crate::exact_plan::ExactPlan;
-use crate::plan_table::{place_at, samples};
+use crate::plan_table::{Place, place_at, samples};
 use crate::problem::Problem;
 
 /// Samples a period.
 const PER_PERIOD: u32 = 4;
-/// Distance of a central difference, as a part of the span.
-const DIFFERENCE: f64 = 1e-5;
+/// Distance of a central difference, as a part of the way between two points of the limit.
+const DIFFERENCE: f64 = 1e-2;
 
 /// The largest values of one axis over a plan, and the machine's limits.
 #[derive(Clone, Copy, Debug, Serialize)]
@@ -54,8 +54,9 @@ pub(crate) fn axis_peaks<const D: usize>(
         .collect();
     let t = problem.period_s();
     for sample in samples(plan, PER_PERIOD) {
-        let (curve, u) = place_at(limit, problem, sample.distance);
-        let Some((e, k, c)) = problem.curves.get(curve).and_then(|curve| turning(curve, u)) else { continue };
+        let place = place_at(limit, problem, sample.distance);
+        let found = problem.curves.get(place.curve).and_then(|curve| turning(curve, &place));
+        let Some((e, k, c)) = found else { continue };
         let (v, a, j) = (sample.feed / t, sample.acceleration / t.powi(2), sample.jerk / t.powi(3));
         for (d, peak) in peaks.iter_mut().enumerate() {
             let most = |slot: &mut f64, value: f64| *slot = slot.max(value.abs());
@@ -67,27 +68,25 @@ pub(crate) fn axis_peaks<const D: usize>(
     peaks
 }
 
-/// e, k and c at a parameter; `None` where the curve stands still.
-fn turning<const D: usize>(curve: &NurbsBuf<f64, D>, u: f64) -> Option<([f64; D], [f64; D], [f64; D])> {
+/// e, k and c at a place; `None` where the curve stands still.
+fn turning<const D: usize>(
+    curve: &NurbsBuf<f64, D>,
+    place: &Place,
+) -> Option<([f64; D], [f64; D], [f64; D])> {
     let curve = curve.as_curve();
-    let last = curve.span_count().checked_sub(1)?;
-    let span = (0..last).find(|&span| u < curve.span_bounds(span).1).unwrap_or(last);
-    let (begin, end) = curve.span_bounds(span);
+    let at = curve.derivatives(place.u);
+    let (k, speed) = (curvature_vector(&at)?, f64::norm(&at.first));
+    let (begin, end) = place.around;
     let h = (end - begin) * DIFFERENCE;
-    let middle = u.clamp(begin + h, end - h);
-    let bend_at = |u: f64| bend(&curve.derivatives_in(span, u)).map(|(_, k, _)| k);
-    let (before, after) = (bend_at(middle - h)?, bend_at(middle + h)?);
-    let (e, k, speed) = bend(&curve.derivatives_in(span, u))?;
-    Some((e, k, core::array::from_fn(|d| (after[d] - before[d]) / (2.0 * h * speed))))
-}
-
-/// Unit tangent, curvature vector and |C'|.
-fn bend<const D: usize>(at: &Derivatives<f64, D>) -> Option<([f64; D], [f64; D], f64)> {
-    let speed = f64::norm(&at.first);
-    let e = at.first.map(|x| x / speed);
-    let along = f64::sum_of_products(e.into_iter().zip(at.second));
-    let k = core::array::from_fn(|d| (at.second[d] - along * e[d]) / (speed * speed));
-    (speed > 0.0).then_some((e, k, speed))
+    let middle = place.u.clamp(begin + h, end - h);
+    let bend = |u: f64| curvature_vector(&curve.derivatives(u));
+    let c = if h > 0.0 {
+        let (before, after) = (bend(middle - h)?, bend(middle + h)?);
+        core::array::from_fn(|d| (after[d] - before[d]) / (2.0 * h * speed))
+    } else {
+        [0.0; D] // At a joint or an end; the samples on both sides have it.
+    };
+    Some((at.first.map(|x| x / speed), k, c))
 }
 
 #[cfg(test)]

@@ -72,12 +72,10 @@ impl ExactPlan {
                 periods = periods.ceil();
             }
         })?;
-        let too_long = || Refusal::Plan(PlanError::DurationOverflows);
         if periods > f64::from(u32::MAX) {
-            return Err(too_long());
+            return Err(Refusal::Plan(PlanError::DurationOverflows));
         }
-        let periods = DoubleDouble::from(periods).scale(-32).to_phase(0) >> 32;
-        let periods = u32::try_from(periods).map_err(|_| too_long())?;
+        let periods = u32::try_from(periods.to_phase(-32) >> 32).unwrap_or(u32::MAX);
         let stages = stages.iter().map(|stage| map_stage(stage, DoubleDouble::from)).collect();
         Ok(Self::on_the_grid(stages, periods, profile))
     }

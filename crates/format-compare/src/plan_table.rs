@@ -221,7 +221,7 @@ impl ExactPlan {
         let rows = samples(self, per_period).map(|sample| FeedSample {
             time_s: sample.time * t,
             distance_mm: sample.distance,
-            u: place_at(&feed_limit, problem, sample.distance).1,
+            u: place_at(&feed_limit, problem, sample.distance).u,
             feed_mm_per_s: sample.feed / t,
             acceleration_mm_per_s2: sample.acceleration / t.powi(2),
             jerk_mm_per_s3: sample.jerk / t.powi(3),
@@ -231,22 +231,28 @@ impl ExactPlan {
     }
 }
 
-/// Curve and parameter at a distance, interpolated between the points of the limit curve; at the end of the path its last.
-pub(crate) fn place_at<const D: usize>(
-    limit: &FeedLimit<f64>,
-    problem: &Problem<D>,
-    distance: f64,
-) -> (usize, f64) {
+/// A place on the path.
+pub(crate) struct Place {
+    pub(crate) curve: usize,
+    pub(crate) u: f64,
+    /// The parameters of the limit's points around it, between which the curve is smooth.
+    pub(crate) around: (f64, f64),
+}
+
+/// The place at a distance, interpolated between the points of the limit curve; at the end of the path its last.
+pub(crate) fn place_at<const D: usize>(limit: &FeedLimit<f64>, problem: &Problem<D>, distance: f64) -> Place {
     let points = limit.points();
     let after = points.partition_point(|point| point.distance <= distance);
     match (points.get(after.wrapping_sub(1)), points.get(after)) {
         (Some(a), Some(b)) if a.curve == b.curve => {
-            (a.curve, a.u + (b.u - a.u) * (distance - a.distance) / (b.distance - a.distance))
+            let u = a.u + (b.u - a.u) * (distance - a.distance) / (b.distance - a.distance);
+            Place { curve: a.curve, u, around: (a.u, b.u) }
         }
-        (_, Some(b)) => (b.curve, b.u),
-        _ => match problem.curves.split_last() {
-            Some((last, before)) => (before.len(), last.as_curve().domain().1),
-            None => (0, 0.0),
-        },
+        (_, Some(b)) => Place { curve: b.curve, u: b.u, around: (b.u, b.u) },
+        _ => {
+            let curve = problem.curves.len().saturating_sub(1);
+            let u = problem.curves.last().map_or(0.0, |last| last.as_curve().domain().1);
+            Place { curve, u, around: (u, u) }
+        }
     }
 }

@@ -25,7 +25,17 @@ pub fn curvature<R: Real, const D: usize>(derivatives: &Derivatives<R, D>) -> R 
     if speed.is_zero() {
         return R::max_value();
     }
-    across(derivatives, speed) / speed / speed
+    R::norm(&across(derivatives, speed)) / speed / speed
+}
+
+/// The curvature vector `dT/ds = C''⊥ / |C'|²`, in 1/mm for points in mm: as long as κ, toward the centre of the bend. `None`
+/// where `C' = 0`.
+///
+/// Accuracy: each component as that of [`curvature`].
+#[must_use]
+pub fn curvature_vector<R: Real, const D: usize>(derivatives: &Derivatives<R, D>) -> Option<[R; D]> {
+    let speed = R::norm(&derivatives.first);
+    (speed > R::zero()).then(|| across(derivatives, speed).map(|x| x / speed / speed))
 }
 
 /// Radius of curvature ρ = 1/κ, in mm for points in mm; `R::max_value()` on a straight line, 0 where `C' = 0`.
@@ -41,12 +51,12 @@ pub fn radius<R: Real, const D: usize>(derivatives: &Derivatives<R, D>) -> R {
     if speed.is_zero() {
         return R::zero();
     }
-    let turning = across(derivatives, speed) / speed;
+    let turning = R::norm(&across(derivatives, speed)) / speed;
     if turning.is_zero() { R::max_value() } else { (speed / turning).min(R::max_value()) }
 }
 
-/// `|C''⊥|`, for a `speed` = |C'| above 0.
-fn across<R: Real, const D: usize>(derivatives: &Derivatives<R, D>, speed: R) -> R {
+/// `C''⊥`, for a `speed` = |C'| above 0.
+fn across<R: Real, const D: usize>(derivatives: &Derivatives<R, D>, speed: R) -> [R; D] {
     let (first, second) = (&derivatives.first, &derivatives.second);
     let tangent: [R; D] = first.map(|x| x / speed);
     let along = R::sum_of_products(tangent.into_iter().zip(*second));
@@ -54,7 +64,7 @@ fn across<R: Real, const D: usize>(derivatives: &Derivatives<R, D>, speed: R) ->
     for (component, direction) in across.iter_mut().zip(tangent) {
         *component = *component - along * direction;
     }
-    R::norm(&across)
+    across
 }
 
 #[cfg(test)]
@@ -63,6 +73,21 @@ mod tests {
     use crate::{Differentiate, generate, golden};
     use proptest::prelude::*;
     use real::{Backend, I16F16, I32F32};
+
+    #[test]
+    fn the_curvature_vector_points_to_the_centre() {
+        let circle = golden::circle(10.0);
+        for k in 0..=1000 {
+            let d = circle.as_curve().derivatives(f64::from(k) / 1000.0);
+            let vector = curvature_vector(&d).unwrap();
+            // The centre is the origin: dT/ds = -C/r².
+            let off = [vector[0] + d.point[0] / 100.0, vector[1] + d.point[1] / 100.0];
+            assert!(f64::norm(&off) < 1e-15, "{vector:?} at {:?}", d.point);
+            assert!((f64::norm(&vector) - curvature(&d)).abs() < 1e-16);
+        }
+        let still = Derivatives { point: [0.0; 2], first: [0.0; 2], second: [1.0; 2] };
+        assert_eq!(curvature_vector(&still), None);
+    }
 
     /// Worst relative error of the radius and absolute error of the curvature on a circle of radius 10.
     fn on_a_circle<Q: Backend>() -> (f64, f64) {

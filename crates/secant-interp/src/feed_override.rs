@@ -159,11 +159,8 @@ impl FeedOverride {
     /// largest one, at most ρ₂ above the last, whose sum does not pass the target.
     fn approach(&self, state: &mut OverrideState) {
         let rises = state.target > state.rate || (state.target == state.rate && state.slope < 0);
-        let (distance, toward) = if rises {
-            (state.target.abs_diff(state.rate), state.slope)
-        } else {
-            (state.target.abs_diff(state.rate), -state.slope)
-        };
+        let distance = state.target.abs_diff(state.rate);
+        let toward = if rises { state.slope } else { -state.slope };
         let bend = self.bend.cast_signed();
         let fastest = (toward + bend).min(self.slope.cast_signed());
         let slowest = toward - bend;

@@ -106,11 +106,9 @@ impl<const D: usize> RandomPath<D> {
             return None;
         }
         let feedrate = polygon_mm / draws.power(0.7, 3.0);
-        let profile =
-            [ProfileKind::Cubic, ProfileKind::SCurve, ProfileKind::Trigonometric, ProfileKind::Flexible];
         Some(Self {
             limits: limits(&mut draws, feedrate),
-            profile: profile[usize::from(draws.below(4))],
+            profile: ProfileKind::ALL[usize::from(draws.below(4))],
             max_evaluations: 1 + u32::from(draws.below(8)),
             piece_mm: if draws.one_in(4) { draws.power(0.0, 2.0) } else { 32.0 },
             curves,
