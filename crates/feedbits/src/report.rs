@@ -11,6 +11,7 @@ use format_compare::{
 use format_report::{Material, Report, Schedule, Solver};
 use target_cost::{StepCost, Target, built_in};
 
+use crate::compare::by_name;
 use crate::output;
 
 /// Where the report goes when no command is given.
@@ -52,7 +53,7 @@ where
         targets.to_vec()
     };
     let schedules = schedules(problem, comparison, &known, options)?;
-    let command = std::env::args().skip(1).collect::<Vec<_>>().join(" ");
+    let command = command();
     let report = Report::of(&Material {
         comparison,
         traces,
@@ -60,9 +61,15 @@ where
         solvers: &solvers,
         targets,
         schedules: &schedules,
-        command: format!("feedbits {command}").trim_end(),
+        command: &command,
     })?;
     into(folder, &report.files)
+}
+
+/// The command as it was given.
+pub(crate) fn command() -> String {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    format!("feedbits {}", arguments.join(" ")).trim_end().to_string()
 }
 
 /// Writes files into a folder, which is made if there is none; the first of them last. Returns that one's path.
@@ -130,11 +137,4 @@ where
         Some(Schedule { target, run: format!("{} {}", row.format, row.engine), cost })
     };
     Ok(targets.iter().filter_map(schedule).collect())
-}
-
-fn by_name<const D: usize>(name: &str) -> Option<Box<dyn format_compare::Format<D>>>
-where
-    Space: Dimension<D>,
-{
-    format_compare::select(&[name.to_string()]).ok().and_then(|mut found| found.pop())
 }

@@ -1,5 +1,6 @@
 //! `feedbits sweep`: for which periods, feeds and part sizes does a format stay good?
 
+use std::collections::HashSet;
 use std::fs::{File, OpenOptions};
 use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -160,9 +161,9 @@ where
     let base = Base::new::<D>(part, machine)?;
     let plan = base.sweep(arguments, &formats, &engines, &options)?;
     let (mut file, done) = resume(&arguments.out, &plan)?;
-    let left: Vec<usize> = (0..plan.len())
-        .filter(|cell| arguments.shard.has(*cell) && !done.iter().any(|known| known.cell == *cell))
-        .collect();
+    let known: HashSet<usize> = done.iter().map(|cell| cell.cell).collect();
+    let left: Vec<usize> =
+        (0..plan.len()).filter(|cell| arguments.shard.has(*cell) && !known.contains(cell)).collect();
     let progress = Progress::of("cells", left.len() + done.len());
     progress.start_at(done.len());
     file.seek(SeekFrom::End(0))?;
@@ -194,8 +195,7 @@ pub(crate) fn conclude(
 ) -> Result<Ending> {
     let mut text = format!("{} of {} cells in {}\n", cells.len(), plan.len(), file.display());
     for (run, name) in plan.runs.iter().enumerate() {
-        let results = || cells.iter().filter_map(|cell| cell.results.get(run));
-        let (good, all) = (results().filter(|result| result.good).count(), results().count());
+        let (good, all) = plan.good(cells, run);
         text += &format!("{name}: good in {good} of {all}\n");
     }
     let skipped = cells.iter().filter(|cell| cell.skipped.is_some()).count();
@@ -204,8 +204,7 @@ pub(crate) fn conclude(
     }
     output::write(None, &text)?;
     if let Some(folder) = folder {
-        let command = format!("feedbits {}", std::env::args().skip(1).collect::<Vec<_>>().join(" "));
-        let page = report::into(folder, &plan.report(cells, &command)?.files)?;
+        let page = report::into(folder, &plan.report(cells, &report::command())?.files)?;
         output::note(&format!("report in {}", page.display()));
     }
     Ok(Ending::Good)
@@ -284,19 +283,9 @@ impl Base {
             return Ok(cell);
         }
         let problem = self.scaled::<D>(scale, period_ms, feed_mm_per_s)?;
-        // A format at a time: the cells are what all cores work on.
-        for format in formats {
-            let name = [format.name().to_string()];
-            for engine in engines {
-                match format_compare::compare(&problem, &selected::<D>(&name)?, &[*engine], options) {
-                    Ok(comparison) => cell.results.extend(comparison.formats.first().map(result)),
-                    Err(refusal) => {
-                        cell.skipped = Some(refusal.to_string());
-                        cell.results.clear();
-                        return Ok(cell);
-                    }
-                }
-            }
+        match format_compare::compare(&problem, formats, engines, options) {
+            Ok(comparison) => cell.results = comparison.formats.iter().map(result).collect(),
+            Err(refusal) => cell.skipped = Some(refusal.to_string()),
         }
         Ok(cell)
     }

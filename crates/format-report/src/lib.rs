@@ -18,6 +18,7 @@ mod chart;
 mod envelope;
 mod figure;
 mod figures;
+mod frame;
 mod margins;
 mod material;
 mod number;

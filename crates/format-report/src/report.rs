@@ -5,6 +5,7 @@ use format_compare::{Comparison, Verdict};
 
 use crate::figure::Figure;
 use crate::figures::{self, Chapter};
+use crate::frame::Frame;
 use crate::margins::{self, Margin};
 use crate::material::Material;
 use crate::number;
@@ -23,7 +24,7 @@ pub struct Report {
 #[derive(Template)]
 #[template(path = "index.html")]
 struct Page<'a> {
-    title: String,
+    frame: Frame<'a>,
     part: &'a format_compare::PartSummary,
     machine: &'a format_compare::Machine,
     answer: Answer,
@@ -32,12 +33,7 @@ struct Page<'a> {
     formats: &'a Table,
     costs: Option<&'a Table>,
     chapters: &'a [Chapter],
-    files: Vec<String>,
-    command: &'a str,
     reference: &'a str,
-    style: &'static str,
-    figure_style: String,
-    script: &'static str,
 }
 
 struct Answer {
@@ -79,20 +75,13 @@ impl Report {
             .map_or_else(Vec::new, |index| margins::margins(&comparison.formats[index], &comparison.machine));
         let formats = tables::formats(&runs);
         let costs = tables::costs(material, &runs);
-        let tables: Vec<Table> = [Some(formats.clone()), Some(tables::margins(&margins)), costs.clone()]
-            .into_iter()
-            .flatten()
-            .collect();
-        let mut files = Vec::new();
-        for figure in chapters.iter().flat_map(|chapter| &chapter.figures) {
-            files.push((format!("{}.svg", figure.name), figure.file()));
-        }
-        for table in &tables {
-            files.push((format!("{}.csv", table.name), table.csv()));
-            files.push((format!("{}.json", table.name), table.json()));
-        }
+        let margin_table = tables::margins(&margins);
+        let tables = [Some(&formats), Some(&margin_table), costs.as_ref()].into_iter().flatten();
+        let files = files(chapters.iter().flat_map(|chapter| &chapter.figures), tables);
+        let title = format!("feedbits: {}", comparison.part.name);
+        let question = "How many bits does your feed need?";
         let page = Page {
-            title: format!("feedbits: {}", comparison.part.name),
+            frame: Frame::new((title, question), &comparison.part.name, &files, material.command),
             part: &comparison.part,
             machine: &comparison.machine,
             answer: answer(comparison, &margins),
@@ -101,16 +90,29 @@ impl Report {
             formats: &formats,
             costs: costs.as_ref(),
             chapters: &chapters,
-            files: files.iter().map(|(name, _)| name.clone()).collect(),
-            command: material.command,
             reference: comparison.reference,
-            style: include_str!("../templates/page.css"),
-            figure_style: palette::styles_of_the_page(),
-            script: include_str!("../templates/page.js"),
         };
-        files.insert(0, ("index.html".to_string(), page.render()?));
-        Ok(Self { files })
+        Ok(Self::new(page.render()?, files))
     }
+
+    /// The page and the files beside it.
+    pub(crate) fn new(page: String, beside: Vec<(String, String)>) -> Self {
+        let index = ("index.html".to_string(), page);
+        Self { files: std::iter::once(index).chain(beside).collect() }
+    }
+}
+
+/// A file for each picture, and two for each table.
+pub(crate) fn files<'a>(
+    figures: impl Iterator<Item = &'a Figure>,
+    tables: impl Iterator<Item = &'a Table>,
+) -> Vec<(String, String)> {
+    let pictures = figures.map(|figure| (format!("{}.svg", figure.name), figure.file()));
+    let tables = tables.flat_map(|table| {
+        let name = &table.name;
+        [(format!("{name}.csv"), table.csv()), (format!("{name}.json"), table.json())]
+    });
+    pictures.chain(tables).collect()
 }
 
 impl MarginView {

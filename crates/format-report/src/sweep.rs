@@ -9,9 +9,9 @@ use serde::{Deserialize, Serialize};
 use crate::chart::{Axis, Layout, draw};
 use crate::figure::Figure;
 use crate::figures::path::{legend, level};
+use crate::frame::Frame;
 use crate::number;
-use crate::palette;
-use crate::report::Report;
+use crate::report::{Report, files};
 use crate::table::{Cell, Column, Table};
 
 /// What is swept: the first line of a sweep's file. Two files with the same first line are parts of one sweep.
@@ -98,30 +98,23 @@ impl Sweep {
         let maps = (0..self.runs.len()).flat_map(|run| (0..self.sizes_mm.len()).map(move |size| (run, size)));
         let figures: Vec<Figure> = maps.map(|(run, size)| self.heat_map(run, size, &by_number)).collect();
         let (summary, all) = (self.summary(cells), self.table(cells));
-        let mut files: Vec<(String, String)> =
-            figures.iter().map(|figure| (format!("{}.svg", figure.name), figure.file())).collect();
-        for table in [&summary, &all] {
-            files.push((format!("{}.csv", table.name), table.csv()));
-            files.push((format!("{}.json", table.name), table.json()));
-        }
+        let files = files(figures.iter(), [&summary, &all].into_iter());
+        let title = format!("feedbits sweep: {}", self.part);
+        let question = "For which periods, feeds and sizes does a format stay good?";
         let page = SweepPage {
+            frame: Frame::new((title, question), &self.part, &files, command),
             sweep: self,
             answer: self.answer(cells),
             missing: self.len().saturating_sub(by_number.len()),
             summary: &summary,
             figures: figures.iter().map(|figure| (figure, figure.inline())).collect(),
-            files: files.iter().map(|(name, _)| name.clone()).collect(),
-            command,
-            style: include_str!("../templates/page.css"),
-            figure_style: palette::styles_of_the_page(),
-            script: include_str!("../templates/page.js"),
         };
-        files.insert(0, ("index.html".to_string(), page.render()?));
-        Ok(Report { files })
+        Ok(Report::new(page.render()?, files))
     }
 
-    /// How many of the cells that were run a run is good in.
-    fn good(&self, cells: &[SweepCell], run: usize) -> (usize, usize) {
+    /// How many of the cells that were run a run is good in, and how many those are.
+    #[must_use]
+    pub fn good(&self, cells: &[SweepCell], run: usize) -> (usize, usize) {
         let results = || cells.iter().filter_map(|cell| cell.results.get(run));
         (results().filter(|result| result.good).count(), results().count())
     }
@@ -263,16 +256,12 @@ impl Sweep {
 #[derive(Template)]
 #[template(path = "sweep.html")]
 struct SweepPage<'a> {
+    frame: Frame<'a>,
     sweep: &'a Sweep,
     answer: Vec<String>,
     missing: usize,
     summary: &'a Table,
     figures: Vec<(&'a Figure, String)>,
-    files: Vec<String>,
-    command: &'a str,
-    style: &'static str,
-    figure_style: String,
-    script: &'static str,
 }
 
 #[cfg(test)]

@@ -21,13 +21,12 @@ pub(crate) fn figures(material: &Material<'_>) -> Vec<Figure> {
             limits.iter().enumerate().for_each(|(place, limit)| {
                 plot.limit(*limit, if place == 0 { figure.limit_name } else { "" });
             });
-            plot.group("c0 d0", figure.what, |plot| plot.line(&points));
+            plot.group("c0 d0", figure.name, |plot| plot.line(&points));
         });
         drawn.named(figure.name, figure.title, figure.caption).following_the_pointer()
     };
     let feed = Over {
         name: "feed",
-        what: "feed",
         title: "Feed over time",
         caption: "The planned feedrate along the path.",
         label: "feed [mm/s]",
@@ -38,7 +37,6 @@ pub(crate) fn figures(material: &Material<'_>) -> Vec<Figure> {
     };
     let acceleration = Over {
         name: "acceleration",
-        what: "acceleration",
         title: "Acceleration over time",
         caption: "Along the path; what the curvature adds across it is bounded by the chord error's limit.",
         label: "acceleration [mm/s²]",
@@ -49,7 +47,6 @@ pub(crate) fn figures(material: &Material<'_>) -> Vec<Figure> {
     };
     let jerk = Over {
         name: "jerk",
-        what: "jerk",
         title: "Jerk over time",
         caption: "Along the path. It steps where a stage begins and ends.",
         label: "jerk [mm/s³]",
@@ -64,7 +61,6 @@ pub(crate) fn figures(material: &Material<'_>) -> Vec<Figure> {
 /// A quantity over time.
 struct Over<'a> {
     name: &'a str,
-    what: &'a str,
     title: &'a str,
     caption: &'a str,
     label: &'a str,
