@@ -398,3 +398,42 @@ fn no_chord_cuts_a_corner() {
         assert!(worst <= 1.01 * problem.machine.chord_error_mm, "{kind:?}: {worst} mm");
     }
 }
+
+/// A run of the whole path once came to its stops early or late, and cut the corners that came after: after a hundred of
+/// them by ten times the chord error.
+#[test]
+fn each_of_many_stops_is_landed_on() {
+    let bulge = |i: usize, x: f64| {
+        let side = if i.is_multiple_of(2) { 1.5 } else { -1.5 };
+        vec![[x, 0.0], [x + 0.7, side], [x + 1.3, side], [x + 2.0, 0.0]]
+    };
+    let knots = vec![0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0];
+    let mut curves = vec![corner()];
+    let end = curves[0].control_points()[curves[0].control_points().len() - 1];
+    for i in 0..100 {
+        let points = bulge(i, 2.0 * i as f64).into_iter().map(|p| [end[0] + p[0], end[1] + p[1].abs()]);
+        curves.push(NurbsBuf::try_new_nonrational(3, points.collect(), knots.clone()).expect("a curve"));
+    }
+    let problem = Problem { curves, ..on_paper_as_machine("bulges", corner()) };
+    for name in ["f64", "I4F28"] {
+        let format = &format_compare::select::<2>(&[name.to_string()]).expect("a format")[0];
+        let options = Options::default();
+        let plan = format_compare::plan_for(&problem, format.as_ref(), &options).expect("a plan");
+        let stages = plan.schedule().stages();
+        let stops: Vec<_> = stages.iter().filter(|s| s.end_feed.value() <= 0.0).collect();
+        assert!(stops.len() > 100, "{}", stops.len());
+        let run = format.run(&problem, &plan, &options).expect("a run");
+        for stop in stops {
+            let landed = run.steps.iter().any(|step| {
+                let same = (step.curve, step.u.0) == (stop.curve_end, stop.u_end.value());
+                let ends_before = step.curve + 1 == stop.curve_end && step.u == (1.0, 0.0);
+                same || (ends_before && stop.u_end.value() == 0.0)
+            });
+            assert!(landed, "{name}: {stop:?}");
+        }
+        let judged = Reference::new(&problem).expect("a path").judge(&run);
+        let worst = judged.iter().map(|step| step.chord_error_mm).fold(0.0, f64::max);
+        assert!(worst <= 1.01 * problem.machine.chord_error_mm, "{name}: {worst} mm");
+        assert_eq!(run.steps.len(), plan.periods() as usize, "{name}");
+    }
+}

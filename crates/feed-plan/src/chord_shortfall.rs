@@ -29,9 +29,8 @@ impl<R: Real> FeedLimit<R> {
     ///
     /// `curves` are those that this limit was made of; where they are missing, nothing falls short. Parameters
     /// are interpolated between limit points, and what one is off does not add up: it is gone in the next
-    /// period. At the ends of its stages a run by these chords is within 1e-5 mm of the plan, in f64 and without
-    /// stops on the way; a chord over a stop is taken as straight as an interpolator takes it, but how many
-    /// there are, and what each is off, adds up.
+    /// period. At the ends of its stages a run by these chords is within 1e-5 mm of the plan, in f64. A stop on the
+    /// way is taken to be landed on, as the end is: nothing that a run is off there goes beyond it.
     ///
     /// See [`ScheduleBuf::shortened`](crate::ScheduleBuf::shortened) for what to do about it.
     #[must_use]
@@ -88,7 +87,7 @@ impl<R: Real, C> Path<'_, R, C> {
     }
 
     /// Follows the shortened plan by chords, and adds to each stage what it ends ahead of the arcs, beyond what the
-    /// stage before did.
+    /// stage before did. Each stop is landed on.
     fn correct<const D: usize>(&self, arcs: &Schedule<'_, R>, short: &Schedule<'_, R>, shortfalls: &mut [R])
     where
         C: Evaluate<R, D>,
@@ -104,7 +103,11 @@ impl<R: Real, C> Path<'_, R, C> {
                 if let Some(shortfall) = shortfalls.get_mut(begun_in) {
                     *shortfall = *shortfall + (ahead - known);
                 }
+                let passed = arcs.stages().get(begun_in..along.stage()).unwrap_or_default();
                 (known, begun_in) = (ahead, along.stage());
+                if passed.iter().any(|stage| stage.end_feed.is_zero()) {
+                    (known, reached) = (R::zero(), planned);
+                }
             }
         }
     }

@@ -81,7 +81,7 @@ impl<R: Real> FeedLimit<R> {
     /// whose limit is below F/4096.
     ///
     /// Between two points the limit is tested at three places. What is narrower than a third of the finest
-    /// step, 2⁻¹⁴ of a span, can be missed.
+    /// step, 2⁻²⁰ of a span, can be missed.
     ///
     /// Within the chord error E of a stop, the limit does not bind: no chord that starts and ends there can
     /// leave the curve by more than E.
@@ -231,6 +231,21 @@ impl<R: Real> FeedLimit<R> {
         let before = self.points.partition_point(|point| point.distance < from).saturating_sub(1);
         let after = self.points.partition_point(|point| point.distance < to);
         self.allowance(before, after.min(self.points.len().saturating_sub(1)))
+    }
+
+    /// Curve and parameter where a plan comes to rest: at the stop, or the path's end, nearest to `distance` where rounding
+    /// may have moved that.
+    pub(crate) fn rest_at(&self, distance: R) -> (usize, R) {
+        let rounding = R::resolution().scale(6) * self.length().max(R::one());
+        let first = self.points.partition_point(|point| point.distance < distance - rounding);
+        let off = |point: &LimitPoint<R>| (point.distance - distance).abs();
+        let is_rest = |point: &LimitPoint<R>| point.feedrate.is_zero() || point.distance >= self.length();
+        let near = self.points.iter().skip(first).take_while(|point| point.distance <= distance + rounding);
+        let nearest = near.filter(|point| is_rest(point)).fold(None, |nearest, point| match nearest {
+            Some(other) if off(other) < off(point) => nearest,
+            _ => Some(point),
+        });
+        nearest.map_or_else(|| self.parameter_at(distance), |point| (point.curve, point.u))
     }
 
     /// Curve and parameter at `distance`: the inverse of the arc length, between points by the cubic that has
@@ -458,6 +473,23 @@ mod tests {
             let distance = arc_length(&curve.as_curve(), 0.0, u, 1e-12).length;
             let (index, found) = limit.parameter_at(distance);
             assert!(index == 0 && (found - u).abs() < 1e-6, "{u}: {found}");
+        }
+    }
+
+    /// Where the speed along a curve changes a thousandfold within a span, distances were once off by half of a stretch, and
+    /// what a stage was shortened by with them.
+    #[test]
+    fn parameters_follow_the_arc_length_where_the_speed_changes_much() {
+        let points = vec![[0.0, 0.0], [40.0, 30.0], [80.0, 0.0]];
+        let knots = vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0];
+        let curve = NurbsBuf::try_new(2, points, vec![1e-3, 1.0, 1e3], knots).unwrap();
+        let limit = along(&curve);
+        for i in 1..=400 {
+            let u = (f64::from(i) / 400.0).powi(4);
+            let distance = arc_length(&curve.as_curve(), 0.0, u, 1e-12).length;
+            let (_, found) = limit.parameter_at(distance);
+            let off = arc_length(&curve.as_curve(), u.min(found), u.max(found), 1e-12).length;
+            assert!(off < 1e-3, "{u}: {off} mm at {distance} mm");
         }
     }
 

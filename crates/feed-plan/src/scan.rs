@@ -17,8 +17,8 @@ use crate::{KinematicLimits, LimitPoint, PlanError};
 
 /// At least 2⁴ stretches a span.
 const COARSEST: i32 = -4;
-/// No stretch shorter than 2⁻¹⁴ of a span.
-const FINEST: i32 = -14;
+/// No stretch shorter than 2⁻²⁰ of a span, or than eight units of the format's resolution.
+const FINEST: i32 = -20;
 /// Stretches tried in a span, those refused among them; what is left of the span is then one stretch.
 const TRIALS: usize = 1 << 16;
 /// A stretch over which `V²` leaves the straight line by more than 2⁻⁸ of itself is halved.
@@ -217,7 +217,7 @@ struct Stretch<R> {
     length: R,
     /// By how much `V²` dips below the straight line.
     margin: R,
-    /// Whether it is straight and short enough not to be halved.
+    /// Whether it is straight, short and even enough not to be halved.
     is_fine: bool,
     /// The largest limit seen inside.
     highest: R,
@@ -244,7 +244,8 @@ impl<R: Real, C> Span<'_, R, C> {
         C: Differentiate<R, D>,
     {
         let (begin, end) = self.shape.span_bounds(self.index);
-        let (coarsest, finest) = ((end - begin).scale(COARSEST), (end - begin).scale(FINEST));
+        let coarsest = (end - begin).scale(COARSEST);
+        let finest = (end - begin).scale(FINEST).max(R::resolution().scale(3)).min(coarsest);
         let mut here = self.sample(begin);
         let mut samples = Vec::from([here]);
         let mut step = coarsest;
@@ -389,11 +390,16 @@ impl<R: Real, C> Span<'_, R, C> {
         }
         let is_short = length <= self.longest + self.longest;
         let is_turning_little = cosine(from, to) >= R::one().half();
+        // Or else no parameter can be told from a distance.
+        let (slowest, fastest) = speeds
+            .iter()
+            .fold((speeds[0], speeds[0]), |(least, most), speed| (least.min(*speed), most.max(*speed)));
+        let is_even = fastest <= slowest + slowest;
         // The dip between the three places is at most a little deeper than at the deepest of them.
         Stretch {
             length,
             margin: margin + margin.scale(-2),
-            is_fine: is_straight && is_short && is_turning_little,
+            is_fine: is_straight && is_short && is_turning_little && is_even,
             highest: inner.iter().fold(R::zero(), |most, sample| most.max(sample.feedrate)),
             turning: self.turning(from, &inner, to),
             allowance: Allowance::unlimited(),

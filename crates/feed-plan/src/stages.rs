@@ -74,7 +74,10 @@ impl<'l, R: Real> Stages<'l, R> {
     pub(crate) fn with_parameters(mut self) -> Vec<Stage<R>> {
         for stage in &mut self.stages {
             (stage.curve_start, stage.u_start) = self.limit.parameter_at(stage.start);
-            (stage.curve_end, stage.u_end) = self.limit.parameter_at(stage.start + stage.length);
+            let end = stage.start + stage.length;
+            let rests = stage.end_feed.is_zero();
+            (stage.curve_end, stage.u_end) =
+                if rests { self.limit.rest_at(end) } else { self.limit.parameter_at(end) };
         }
         self.stages
     }

@@ -18,6 +18,9 @@ pub struct ExactPlan {
     profile: ProfileKind,
 }
 
+/// Curve and parameter at which a stage comes to rest, if it does.
+pub(crate) type Rest = Option<(usize, f64)>;
+
 impl ExactPlan {
     /// Plans `problem` in the format `R` by cubic transitions, with the interpolation period as the unit of time.
     ///
@@ -98,6 +101,12 @@ impl ExactPlan {
     #[must_use]
     pub fn schedule(&self) -> Schedule<'_, DoubleDouble> {
         Schedule::new(&self.stages, DoubleDouble::from(1.0), self.periods)
+    }
+
+    /// Where each stage comes to rest, if it does.
+    pub(crate) fn rests(&self) -> impl Iterator<Item = Rest> {
+        let rest = |stage: &Stage<DoubleDouble>| (stage.curve_end, stage.u_end.value());
+        self.stages.iter().map(move |stage| (stage.end_feed.value() <= 0.0).then(|| rest(stage)))
     }
 
     /// The transitions that the plan is made of.

@@ -74,7 +74,9 @@ fn raise_degree<R: Real>(functions: &mut [R; SCRATCH], knots: LocalKnots<'_, R>,
         *function = from_left + stays;
         from_left = moves;
     }
-    functions[degree] = from_left;
+    if let Some(last) = functions.get_mut(degree) {
+        *last = from_left;
+    }
 }
 
 /// `numerator / denominator` with the convention of the recurrence, 0/0 = 0. Only a span that is empty, which no

@@ -124,6 +124,22 @@ impl<R: Real, const D: usize> PiecesBuf<R, D> {
         &self.places
     }
 
+    /// The number of the piece that begins at the parameter `u` of curve number `curve`, or that follows the one that
+    /// ends there; `None` where no joint is. `u` may be off by rounding, 2⁻²⁴ of a piece.
+    #[must_use]
+    pub fn joint(&self, curve: usize, u: f64) -> Option<usize> {
+        let is_near = |place: &Place, end: f64| {
+            place.curve == curve
+                && (end - u).abs() <= (place.end.0 - place.begin.0).scale(SLIVER + MAX_HALVINGS)
+        };
+        let next = self.places.partition_point(|place| (place.curve, place.end.0) < (curve, u));
+        let around = next.saturating_sub(1)..self.places.len().min(next + 2);
+        let ends = |piece: &usize| is_near(&self.places[*piece], self.places[*piece].end.0);
+        let begins = |piece: &usize| is_near(&self.places[*piece], self.places[*piece].begin.0);
+        let after = around.clone().find(ends).map(|piece| piece + 1);
+        after.or_else(|| around.clone().find(begins))
+    }
+
     /// The proven bounds, a signal each.
     #[must_use]
     pub fn bounds(&self) -> &[SignalBound] {
@@ -133,6 +149,9 @@ impl<R: Real, const D: usize> PiecesBuf<R, D> {
 
 /// Longest chain of halvings of a span.
 const MAX_HALVINGS: i32 = 16;
+
+/// Less than 2⁻⁴⁰ of a span is rounding.
+const SLIVER: i32 = -40;
 
 /// Largest ratio of the greatest to the least |C'| on a piece, and of weights: it keeps the solver's unknown within
 /// a factor √1.5 of 1, which even two integer bits hold. A smaller ratio means more pieces.
@@ -153,6 +172,19 @@ pub fn compile<H: Backend, R: Backend, const D: usize>(
     curves: &[NurbsCurve<'_, f64, D>],
     limits: &PieceLimits,
 ) -> Result<PiecesBuf<R, D>, CompileError> {
+    compile_with_stops::<H, R, D>(curves, limits, &[])
+}
+
+/// The same with a joint at each of `stops`, pairs of a curve's number and a parameter in order, so that a run can land
+/// there: a plan also rests in bends inside a span that are all but cusps.
+///
+/// # Errors
+/// As [`compile`].
+pub fn compile_with_stops<H: Backend, R: Backend, const D: usize>(
+    curves: &[NurbsCurve<'_, f64, D>],
+    limits: &PieceLimits,
+    stops: &[(usize, f64)],
+) -> Result<PiecesBuf<R, D>, CompileError> {
     for (what, value) in [("the longest piece", limits.length_mm), ("the longest step", limits.step_mm)] {
         if !(value > 0.0 && value.is_finite()) {
             return Err(CompileError::LimitNotPositive { what, value });
@@ -160,25 +192,39 @@ pub fn compile<H: Backend, R: Backend, const D: usize>(
     }
     let mut local = Vec::new();
     for (index, curve) in curves.iter().enumerate() {
-        cut::<H, D>(index, curve, limits, &mut local)?;
+        let first = stops.partition_point(|stop| stop.0 < index);
+        let stops = stops.iter().skip(first).take_while(|stop| stop.0 == index).map(|stop| stop.1);
+        cut::<H, D>((index, curve), limits, stops, &mut local)?;
     }
     rounded::<H, R, D>(local, limits.step_mm)
 }
 
-/// Cuts one curve, span by span, halving until a piece is short and even enough.
+/// Cuts one curve, span by span and stop by stop, halving until a piece is short and even enough.
 fn cut<H: Backend, const D: usize>(
-    index: usize,
-    curve: &NurbsCurve<'_, f64, D>,
+    (index, curve): (usize, &NurbsCurve<'_, f64, D>),
     limits: &PieceLimits,
+    stops: impl Iterator<Item = f64>,
     out: &mut Vec<LocalPiece<H, D>>,
 ) -> Result<(), CompileError> {
     let high = |x: f64| H::from_f64(x).unwrap_or_else(H::zero);
     let knots = curve.knots().as_slice();
-    for span in curve.degree()..curve.control_points().len() {
-        if knots[span] >= knots[span + 1] {
-            continue;
+    let spans = curve.degree()..curve.control_points().len();
+    let ends = spans.map(|span| (span, knots[span], knots[span + 1])).filter(|(_, begin, end)| begin < end);
+    let mut stops = stops.peekable();
+    let mut sections = Vec::new();
+    for (span, mut begin, end) in ends {
+        // Nearer to a joint than rounding, a stop is that joint.
+        let sliver = (end - begin).scale(SLIVER);
+        while let Some(stop) = stops.next_if(|stop| *stop < end) {
+            if stop - begin > sliver && end - stop > sliver {
+                sections.push((span, begin, stop));
+                begin = stop;
+            }
         }
-        let mut rest = Vec::from([(high(knots[span]), high(knots[span + 1]), 0)]);
+        sections.push((span, begin, end));
+    }
+    for (section, (span, begin, end)) in sections.into_iter().enumerate() {
+        let mut rest = Vec::from([(high(begin), high(end), 0)]);
         while let Some((begin, end, halvings)) = rest.pop() {
             let bezier = Bezier::of_span(curve, span, begin, end);
             let even = bezier.is_even_enough(limits.length_mm, MAX_RATIO);
@@ -189,7 +235,7 @@ fn cut<H: Backend, const D: usize>(
                 continue;
             }
             let place = Place { curve: index, begin: begin.to_f64_pair(), end: end.to_f64_pair() };
-            let piece = LocalPiece::new(&bezier, place, (index, span), halvings)
+            let piece = LocalPiece::new(&bezier, place, (index, section), halvings)
                 .ok_or(CompileError::OriginOutOfRange { curve: index })?;
             if piece.speed.least <= CUSP_RATIO * piece.speed.greatest {
                 return Err(CompileError::Cusp { curve: index, parameter: place.begin.0 });
@@ -251,7 +297,11 @@ fn scaled<H: Backend, R: Backend, const D: usize>(
     let scales = |piece: &LocalPiece<H, D>| {
         let step = piece.speed.step_exponent(chord);
         let coordinate = (-exponent_below(range / piece.coordinate_bound_mm())).clamp(-120, 120);
-        Scales { coordinate, chord, step, range: exponent_below(chord_range).min(step) }
+        let mut scales = Scales { coordinate, chord, step, range: exponent_below(chord_range) };
+        // x is at most so much; the finer its unit the better, but it must fit.
+        let eta = piece.step_per_chord(&scales)[1] * step_mm * power_of_two(chord);
+        scales.range += i32::from(eta * power_of_two(-scales.range) >= range);
+        Scales { range: scales.range.min(step), ..scales }
     };
     local
         .into_iter()

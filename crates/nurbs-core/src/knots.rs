@@ -103,7 +103,9 @@ impl<'a, R: Real> KnotVector<'a, R> {
     /// First and last parameter, `u_p` and `u_{n+1}`.
     #[must_use]
     pub fn domain(&self) -> (R, R) {
-        (self.knots[self.degree], self.knots[self.point_count()])
+        // Clamped: the outer knots are those of the ends.
+        let end = |knot: Option<&R>| knot.copied().unwrap_or_else(R::zero);
+        (end(self.knots.first()), end(self.knots.last()))
     }
 
     /// The index i with `u_i ≤ u < u_{i+1}`, by binary search; the span is never empty.
@@ -116,7 +118,7 @@ impl<'a, R: Real> KnotVector<'a, R> {
     #[must_use]
     pub fn find_span(&self, u: R) -> usize {
         // Each inner knot that is not above u lies one span further on.
-        let inner = &self.knots[self.degree + 1..self.point_count()];
+        let inner = self.knots.get(self.degree + 1..self.point_count()).unwrap_or_default();
         self.degree + inner.partition_point(|knot| *knot <= u)
     }
 
@@ -151,15 +153,18 @@ impl<'a, R: Real> KnotVector<'a, R> {
 
     /// The knots that matter in the span at knot index `span`.
     pub(crate) fn around(&self, span: usize) -> LocalKnots<'a, R> {
-        let span = span.clamp(self.degree, self.point_count() - 1);
-        LocalKnots { knots: &self.knots[span + 1 - self.degree..=span + self.degree], degree: self.degree }
+        let span = span.min(self.point_count() - 1).max(self.degree);
+        // A vector that was found valid has both.
+        let part = |from: usize| self.knots.get(from..from + self.degree).unwrap_or_default();
+        LocalKnots { left: part(span + 1 - self.degree), right: part(span + 1), degree: self.degree }
     }
 }
 
-/// `u_{i-p+1} … u_{i+p}`, the 2p knots on which the basis functions in span i depend.
+/// `u_{i-p+1} … u_i` and `u_{i+1} … u_{i+p}`, the 2p knots on which the basis functions in span i depend.
 #[derive(Clone, Copy)]
 pub(crate) struct LocalKnots<'a, R> {
-    knots: &'a [R],
+    left: &'a [R],
+    right: &'a [R],
     degree: usize,
 }
 
@@ -172,8 +177,7 @@ impl<R: Real> LocalKnots<'_, R> {
     /// The pairs `(u_{i-q+1+r}, u_{i+1+r})`, r = 0 … q-1: the supports, in span i, of the q basis functions of
     /// degree q - 1. No pair is empty when span i is not. `q ≤ p`.
     pub(crate) fn supports(&self, q: usize) -> impl Iterator<Item = (R, R)> {
-        let (left, right) = self.knots.split_at(self.degree);
-        left.iter().skip(self.degree.saturating_sub(q)).copied().zip(right.iter().copied())
+        self.left.iter().skip(self.degree.saturating_sub(q)).copied().zip(self.right.iter().copied())
     }
 }
 

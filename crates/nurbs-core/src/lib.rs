@@ -114,7 +114,7 @@ pub use arc::{Arc, Sense};
 pub use arc_length::{ArcLength, ParameterSearch, arc_length, parameter_at};
 pub use basis::basis_functions;
 #[cfg(feature = "alloc")]
-pub use compile::{CompileError, PieceLimits, PiecesBuf, Place, compile};
+pub use compile::{CompileError, PieceLimits, PiecesBuf, Place, compile, compile_with_stops};
 #[cfg(feature = "alloc")]
 pub use corner::{Corner, CornerOutcome, CornerStyle, Reason, Turn};
 pub use curvature::{curvature, curvature_vector, radius};

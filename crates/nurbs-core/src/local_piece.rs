@@ -13,8 +13,8 @@ use crate::ranges::{Scales, exponent_below, fraction_and_exponent, power_of_two}
 /// A piece in high precision: power basis in t, coordinates in mm relative to the piece's first point.
 pub(crate) struct LocalPiece<H, const D: usize> {
     pub(crate) place: Place,
-    /// Curve and span that it was cut from, and how often that was halved.
-    pub(crate) span: (usize, usize),
+    /// Curve, and span or part of one, that it was cut from, and how often that was halved.
+    pub(crate) section: (usize, usize),
     pub(crate) halvings: i32,
     pub(crate) origin: [i64; D],
     pub(crate) numerator: Vec<[H; D]>,
@@ -39,7 +39,7 @@ impl<H: Backend, const D: usize> LocalPiece<H, D> {
     pub(crate) fn new(
         bezier: &Bezier<H, D>,
         place: Place,
-        span: (usize, usize),
+        section: (usize, usize),
         halvings: i32,
     ) -> Option<Self> {
         let start = bezier.euclidean(0);
@@ -63,7 +63,7 @@ impl<H: Backend, const D: usize> LocalPiece<H, D> {
         numerator.remove(0); // the constant term: 0, for `start` was subtracted
         Some(Self {
             place,
-            span,
+            section,
             halvings,
             origin,
             numerator,
@@ -96,7 +96,7 @@ impl<H: Backend, const D: usize> LocalPiece<H, D> {
 
     /// Whether `next` is the same polynomial further on.
     pub(crate) fn continues_in(&self, next: &Self) -> bool {
-        self.span == next.span
+        self.section == next.section
     }
 
     /// Coordinate `d` of N in f64: `n_1..=n_p`, in mm.

@@ -15,6 +15,8 @@
 //!
 //! The table is plain data in borrowed slices: on a controller it lies in flash.
 
+use core::ops::Range;
+
 use real::Real;
 
 use crate::MAX_DEGREE;
@@ -85,6 +87,19 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
     #[must_use]
     pub fn is_rational(&self) -> bool {
         !self.weights.is_empty()
+    }
+
+    /// Some pieces of the path, as a path of their own; without those that do not exist.
+    #[must_use]
+    pub fn part(&self, pieces: Range<usize>) -> Self {
+        let rows = |width: usize| pieces.start.saturating_mul(width)..pieces.end.saturating_mul(width);
+        let coefficients = if self.is_rational() { self.degree.saturating_add(1) } else { 0 };
+        Self {
+            pieces: self.pieces.get(pieces.clone()).unwrap_or_default(),
+            numerators: self.numerators.get(rows(self.degree)).unwrap_or_default(),
+            weights: self.weights.get(rows(coefficients)).unwrap_or_default(),
+            ..*self
+        }
     }
 
     fn numerator(&self, piece: usize) -> &'a [[R; D]] {

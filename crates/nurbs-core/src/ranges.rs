@@ -100,6 +100,7 @@ fn raise_chord_bounds<H: Backend, const D: usize>(
     bounds.raise("step_per_chord", sigma);
     bounds.raise("step_per_chord_fall", 3.0 * (sigma - least));
     bounds.raise("step", eta);
+    bounds.raise("chord_variable", x);
 
     // Horner's scheme for q and x q', and for (W - 1)/x and its derivative: every partial sum counts.
     let (mut chord, mut turn, mut weight, mut weight_turn) = (0.0_f64, 0.0, 0.0, 0.0);

@@ -204,3 +204,48 @@ fn coordinates_beyond_the_origins_range_are_refused() {
     let error = compile::<DoubleDouble, f64, 1>(&[far.as_curve()], &limits).err();
     assert_eq!(error, Some(CompileError::OriginOutOfRange { curve: 0 }));
 }
+
+/// In a format of two integer bits the variable of the chord polynomials was once twice as long as the format reaches: a step
+/// on a straight line at full feed was 5e-4 too short, and no audit saw it, for the bound was not among the proven ones.
+#[test]
+fn the_variable_of_the_chord_fits_two_integer_bits() {
+    let line = NurbsBuf::try_new_nonrational(1, vec![[0.0], [90.0]], vec![0.0, 0.0, 1.0, 1.0]).unwrap();
+    let arc =
+        NurbsBuf::try_new_nonrational(2, vec![[0.0], [7.0], [9.0]], vec![0., 0., 0., 1., 1., 1.]).unwrap();
+    for curve in [line, arc] {
+        for step_mm in [0.4, 0.49, 0.51, 0.99] {
+            let limits = PieceLimits { length_mm: 32.0, step_mm };
+            let table = compile::<DoubleDouble, real::I2F30, 1>(&[curve.as_curve()], &limits).unwrap();
+            let bound = table.bounds().iter().find(|b| b.signal == "chord_variable").unwrap().bound;
+            assert!((0.3..2.0).contains(&bound), "{step_mm} mm: {bound}");
+        }
+    }
+}
+
+#[test]
+fn a_stop_inside_a_span_becomes_a_joint() {
+    let points = [[0, 0], [10, 30], [40, 30], [50, 0], [90, 10]].map(|p| p.map(f64::from)).to_vec();
+    let curve =
+        NurbsBuf::try_new_nonrational(3, points, vec![0.0, 0.0, 0.0, 0.0, 0.5, 1.0, 1.0, 1.0, 1.0]).unwrap();
+    let curves = [curve.as_curve()];
+    let stops = [(0, 0.0), (0, 0.123), (0, 0.5), (0, 0.7), (0, 1.0), (3, 0.2)];
+    let table = nurbs_core::compile_with_stops::<DoubleDouble, f64, 2>(&curves, &LIMITS, &stops).unwrap();
+    let places = table.places();
+    for (stop, begins) in [(0.0, true), (0.123, true), (0.5, true), (0.7, true), (1.0, false)] {
+        let joint = table.joint(0, stop).unwrap();
+        assert_eq!(places.get(joint).is_some_and(|place| place.begin.0 == stop), begins, "{stop}");
+        assert!(joint == 0 || places[joint - 1].end.0 == stop, "{stop}");
+        assert!(joint == 0 || !table.as_pieces().pieces[joint - 1].continues, "{stop}");
+    }
+    assert_eq!((table.joint(0, 0.2), table.joint(1, 0.5)), (None, None));
+    for (before, after) in places.iter().zip(&places[1..]) {
+        assert_eq!(before.end, after.begin);
+    }
+
+    // A part of the path is the same pieces.
+    let (all, first) = (table.as_pieces(), table.joint(0, 0.5).unwrap());
+    let part = all.part(first..places.len());
+    assert_eq!(part.pieces.len(), places.len() - first);
+    assert_eq!(part.offset(0, 0.25), all.offset(first, 0.25));
+    assert_eq!(all.part(3..99).pieces.len(), 0);
+}

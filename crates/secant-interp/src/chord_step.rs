@@ -92,7 +92,8 @@ impl<R: Real, const D: usize> Chord<'_, R, D> {
 
     #[inline]
     fn evaluate(&self, sigma: R) -> Evaluation<R> {
-        let x = (sigma * self.length).signal("step").min(self.whole).scale(-self.range_exponent);
+        let step = (sigma * self.length).signal("step").min(self.whole);
+        let x = step.scale(-self.range_exponent).signal("chord_variable");
         let (chord, turn) = self.chord_per_step(x);
         let (weight, weight_slope) = if self.rational { self.weight(x) } else { (R::one(), R::zero()) };
         if let Some(before) = self.before {
@@ -162,7 +163,7 @@ impl<R: Real, const D: usize> Chord<'_, R, D> {
     /// The chord over the step η, in chord units.
     #[must_use]
     pub fn over(&self, step: R) -> [R; D] {
-        let x = step.scale(-self.range_exponent);
+        let x = step.scale(-self.range_exponent).signal("chord_variable");
         let (chord, _) = self.chord_per_step(x);
         let chord = chord.map(|c| (c * step).signal("chord_travelled"));
         if !self.rational {

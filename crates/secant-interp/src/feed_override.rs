@@ -25,6 +25,8 @@
 //! A and J are kept in the same sense: by the distance of a period, its change from period to period, and the change of
 //! that. All are counted in whole units, so that rate and time are exact in every format, and the plan ends where it ends.
 
+use core::num::NonZeroU64;
+
 use real::Real;
 
 use crate::step_lengths::{LengthCursor, StepLengths};
@@ -74,7 +76,7 @@ pub struct OverrideLimits<R> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FeedOverride {
     slope: u64,
-    bend: u64,
+    bend: NonZeroU64,
 }
 
 /// The rate as it stands: all that changes from period to period.
@@ -133,8 +135,8 @@ impl FeedOverride {
             .min(spare_jerk / limits.planned_acceleration / R::from_ratio(6, 1));
         let by_slope = R::from_ratio(3, 1) * slope * limits.planned_acceleration;
         let bend = (spare_jerk - by_slope) / limits.planned_feed;
-        let (slope, bend) = (units(slope), units(bend));
-        (slope > 0 && bend > 0).then_some(Self { slope, bend })
+        let (slope, bend) = (units(slope), NonZeroU64::new(units(bend))?);
+        (slope > 0).then_some(Self { slope, bend })
     }
 
     /// The distance of the next period, or `None` when the plan is over. At hold it is 0.
@@ -161,7 +163,7 @@ impl FeedOverride {
         let rises = state.target > state.rate || (state.target == state.rate && state.slope < 0);
         let distance = state.target.abs_diff(state.rate);
         let toward = if rises { state.slope } else { -state.slope };
-        let bend = self.bend.cast_signed();
+        let bend = self.bend.get().cast_signed();
         let fastest = (toward + bend).min(self.slope.cast_signed());
         let slowest = toward - bend;
         let slope = largest_that_stops(distance, self.bend).min(fastest).max(slowest);
@@ -171,9 +173,9 @@ impl FeedOverride {
 }
 
 /// The largest s with `s + (s - ρ) + (s - 2ρ) + … ≤ distance`, the terms positive.
-fn largest_that_stops(distance: u64, bend: u64) -> i64 {
+fn largest_that_stops(distance: u64, bend: NonZeroU64) -> i64 {
     let sum = |slope: u64| {
-        let (terms, slope, bend) = (u128::from(slope / bend), u128::from(slope), u128::from(bend));
+        let (terms, slope, bend) = (u128::from(slope / bend), u128::from(slope), u128::from(bend.get()));
         slope * (terms + 1) - bend * (terms * (terms + 1) / 2)
     };
     let (mut low, mut high) = (0_u64, distance.saturating_add(1).min(ONE + 1));
@@ -284,7 +286,7 @@ mod tests {
         fn the_rate_changes_no_faster_than_allowed_and_settles(
             slope in 1_u64..1 << 31, bend in 1_u64..1 << 30, targets in prop::collection::vec((1_u32..200, 0.0..=1.0_f64), 1..10),
         ) {
-            let feeds = FeedOverride { slope, bend };
+            let feeds = FeedOverride { slope, bend: NonZeroU64::new(bend).unwrap() };
             let mut state = OverrideState::at(Rate::FULL);
             let mut rates = vec![ONE.cast_signed(); 2];
             for (periods, target) in targets {

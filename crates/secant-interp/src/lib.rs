@@ -10,6 +10,7 @@
 //! | the period loop on compiled pieces | [`PieceInterpolator`] |
 //! | one chord on a piece, without division | [`Chord`] |
 //! | the distance of each period | [`StepLengths`] |
+//! | a run that lands on each stop on the way | [`stretches`], [`PieceInterpolator::on`] |
 //! | feed override and feed hold while a plan runs | [`FeedOverride`] |
 //!
 //! No heap, no panic, no loop without a bound; everything is generic over [`real::Real`].
@@ -25,6 +26,7 @@ mod piece_interpolator;
 pub mod predictor;
 pub mod secant;
 mod step_lengths;
+mod stretches;
 pub mod taylor;
 
 pub use chord_step::{Chord, ChordTolerance};
@@ -34,3 +36,4 @@ pub use interpolator::{Interpolator, Method, Setpoint, State};
 pub use piece_interpolator::{PieceInterpolator, PieceSetpoint, PieceState};
 pub use secant::{Outcome, Tolerance};
 pub use step_lengths::{LengthCursor, LengthStage, StepLengths};
+pub use stretches::{Stretch, stretches};

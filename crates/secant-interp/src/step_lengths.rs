@@ -116,6 +116,13 @@ impl<R: Real> StepLengths<'_, R> {
         (left < units).then_some(length)
     }
 
+    /// Number of periods that the schedule takes, the last one perhaps not whole.
+    #[must_use]
+    pub fn periods(&self) -> usize {
+        let units: u128 = self.stages.iter().map(|stage| u128::from(stage.duration)).sum();
+        usize::try_from(units.div_ceil(u128::from(PERIOD))).unwrap_or(usize::MAX)
+    }
+
     /// Whether the schedule is over.
     #[must_use]
     pub fn is_over(&self, cursor: &LengthCursor) -> bool {

@@ -209,3 +209,31 @@ fn one_evaluation_is_enough_to_end() {
     let figures = run::<I4F28, 2>(&path, &settings).unwrap();
     assert!(figures.cruise < 1e-3, "{}", figures.cruise);
 }
+
+/// In the middle of an S the curvature is 0 and changes its sign.
+#[test]
+fn an_inflection_is_passed() {
+    let points = vec![[0.0, 0.0], [20.0, 20.0], [20.0, -20.0], [40.0, 0.0]];
+    let cruise = runs_in_every_format(&path(plain(3, points, &[]), 0.2));
+    assert!(cruise < 1e-12, "{cruise}");
+}
+
+/// A loop that crosses itself: a place is a parameter, not a point.
+#[test]
+fn a_self_intersection_is_passed() {
+    let points = vec![[0.0, 0.0], [60.0, 40.0], [-20.0, 40.0], [40.0, 0.0]];
+    let cruise = runs_in_every_format(&path(plain(3, points, &[]), 0.2));
+    assert!(cruise < 1e-12, "{cruise}");
+}
+
+#[test]
+fn a_hundred_thousand_control_points_are_compiled_and_run() {
+    let count = 100_000_u32;
+    let points = (0..count).map(|i| [0.25 * f64::from(i), (0.3 * f64::from(i)).sin()]).collect();
+    let inner: Vec<_> = (1..count - 3).map(|i| f64::from(i) / f64::from(count - 3)).collect();
+    let long = path(plain(3, points, &inner), 5.0);
+    let figures = run::<f64, 2>(&long, &Settings::default()).unwrap();
+    assert!(figures.steps > 5000 && figures.joints >= 99_990, "{} {}", figures.steps, figures.joints);
+    let coarse = run::<I8F24, 2>(&long, &Settings::default()).unwrap();
+    assert!(coarse.steps.abs_diff(figures.steps) <= 2, "{} {}", coarse.steps, figures.steps);
+}

@@ -75,17 +75,6 @@ impl<const D: usize> RandomPath<D> {
         Self::draw(&mut Unstructured::new(bytes))
     }
 
-    /// The same path at a fraction of the feed, its limits in proportion: a plan of so many times more periods.
-    pub fn slow_down(&mut self, by: f64) {
-        let limits = &mut self.limits;
-        for quantity in
-            [&mut limits.feedrate, &mut limits.acceleration, &mut limits.jerk, &mut limits.chord_error]
-        {
-            *quantity /= by;
-        }
-        limits.centripetal_acceleration = limits.centripetal_acceleration.map(|a| a / by);
-    }
-
     /// The path that the next bytes stand for.
     pub fn draw(bytes: &mut Unstructured<'_>) -> Option<Self> {
         let mut draws = Draws(bytes);

@@ -2,7 +2,9 @@
 
 use nurbs_core::{ORIGIN_EXPONENT, PiecesBuf};
 use real::{Backend, Counted, FormatName, OperationCounts, Real};
-use secant_interp::{ChordTolerance, LengthStage, PieceInterpolator, PieceSetpoint, PieceState, StepLengths};
+use secant_interp::{
+    ChordTolerance, LengthStage, PieceInterpolator, PieceSetpoint, StepLengths, Stretch, stretches,
+};
 
 use crate::Planned;
 use crate::piece_points::{Judge, compiled};
@@ -14,6 +16,7 @@ pub struct OnPieces<'a, R, const D: usize> {
     planned: &'a Planned<'a, D>,
     table: PiecesBuf<R, D>,
     stages: Vec<LengthStage<R>>,
+    stretches: Vec<Stretch>,
     tolerance: ChordTolerance<R>,
     landing_step: R,
 }
@@ -35,7 +38,7 @@ pub struct PieceFigures {
     pub length_share: f64,
     /// Chord error over the limit.
     pub chord_error_share: f64,
-    /// Steps over three pieces or more whose chord error is above the limit: what is narrower than 2⁻¹⁴ of a span, a
+    /// Steps over three pieces or more whose chord error is above the limit: what is narrower than 2⁻²⁰ of a span, a
     /// plan may miss ([`feed_plan::FeedLimit::along`]).
     pub narrow_bends: u64,
     /// Their worst, over the limit.
@@ -69,18 +72,20 @@ impl<'a, R: Backend, const D: usize> OnPieces<'a, R, D> {
     /// # Errors
     /// In words, what does not fit.
     pub fn new(planned: &'a Planned<'a, D>) -> Result<Self, String> {
-        let table = compiled::<R, D>(planned.path)?;
+        let table = compiled::<R, D>(planned.path, &planned.stops())?;
         let exponent = table.as_pieces().chord_exponent;
         let landing = R::from_f64(planned.path.limits.acceleration.scale(exponent));
-        let (Some(stages), Some(landing_step)) = (planned.stages(exponent), landing) else {
+        let (Some((stages, rests)), Some(landing_step)) = (planned.stages(exponent), landing) else {
             return Err(format!("a feed of the plan does not fit {}", R::name()));
         };
         let finest = R::resolution() + R::resolution();
         let tolerance = ChordTolerance { residual: finest, max_evaluations: planned.path.max_evaluations };
-        Ok(Self { planned, table, stages, tolerance, landing_step })
+        let joints = rests.into_iter().map(|rest| rest.and_then(|(curve, u)| table.joint(curve, u)));
+        let stretches = stretches(joints, table.places().len()).collect();
+        Ok(Self { planned, table, stages, stretches, tolerance, landing_step })
     }
 
-    /// What steps.
+    /// What steps, over stops as over anything else.
     #[must_use]
     pub fn interpolator(&self) -> PieceInterpolator<'_, R, D> {
         PieceInterpolator {
@@ -91,7 +96,7 @@ impl<'a, R: Backend, const D: usize> OnPieces<'a, R, D> {
         }
     }
 
-    /// Runs to the end and holds every step to its promises.
+    /// Runs to the end, from stop to stop, and holds every step to its promises.
     ///
     /// # Errors
     /// The first promise that is broken.
@@ -104,11 +109,16 @@ impl<'a, R: Backend, const D: usize> OnPieces<'a, R, D> {
 
     /// The same with a judge that is there already.
     pub(crate) fn run_judged(&self, judge: &Judge<D>) -> Result<Outcome<PieceFigures>, Violation> {
-        let interpolator = self.interpolator();
+        let path = self.interpolator();
         let mut steps = Steps::new(self, judge);
-        let mut state: PieceState<R, D> = interpolator.start();
-        while let Some(setpoint) = interpolator.step(&mut state) {
-            steps.check(&setpoint, interpolator.lengths.is_over(state.cursor()))?;
+        for stretch in &self.stretches {
+            let interpolator = path.on(stretch);
+            let mut state = interpolator.start();
+            while let Some(setpoint) = interpolator.step(&mut state) {
+                let piece = stretch.pieces.start + setpoint.piece;
+                let lands = piece >= stretch.pieces.end || interpolator.lengths.is_over(state.cursor());
+                steps.check(&PieceSetpoint { piece, ..setpoint }, lands)?;
+            }
         }
         steps.finish().map(Outcome::Ran)
     }
@@ -177,8 +187,6 @@ struct Steps<'a, R, const D: usize> {
     at: (usize, u64),
     worst: PieceFigures,
     units: LengthUnits,
-    /// Periods in which the plan rests.
-    stops: Vec<usize>,
 }
 
 /// In what the difference of a chord and the wanted chord is measured.
@@ -199,12 +207,17 @@ const RELATIVE: f64 = 64.0;
 /// Cosine of the turn within a step from which on its chord is not always found: the path comes back, and the chord
 /// shrinks before it grows.
 const RIGHT_ANGLE: f64 = 0.0;
-/// Cosine of the turn up to which a joint is passed without a stop, 0.1°. The period in which the plan comes to a stop
-/// and leaves it again may have its setpoints on both sides of the corner.
+/// Cosine of the turn up to which the chord over a joint is held to the chord error, 0.1°. Where the turn is sharper and
+/// the plan does not stop, the joint takes as much again ([`feed_plan::FeedLimit::along`]).
 const SMOOTH: f64 = 1.0 - 1.5e-6;
 /// The plan takes the curve of a step as a circle of the radius at one point: what the chord error may be above its
 /// limit where the radius changes within the step.
 const CHORD_ERROR_SHARE: f64 = 1.5;
+/// The chord error of shorter chords is not judged: a run is within 1e-5 mm of its plan, and in a bend so narrow that the
+/// plan passes it with steps as short as that, not at its place.
+const SHORT_MM: f64 = 1e-4;
+/// With fewer evaluations at most, chords are not found, and the run drifts from its plan.
+const ENOUGH: u32 = 3;
 /// The judge's own rounding, relative to a piece.
 const JUDGE: f64 = 1e-13;
 /// What a chord may be longer or shorter than one of its period's feed, for rounding.
@@ -223,10 +236,10 @@ impl<'a, R: Backend, const D: usize> Steps<'a, R, D> {
             chord: 1.0_f64.scale(-pieces.chord_exponent),
         };
         let worst = PieceFigures::default();
-        Self { run, judge, name: R::name().to_string(), at: (0, 0), worst, units, stops: run.planned.stops() }
+        Self { run, judge, name: R::name().to_string(), at: (0, 0), worst, units }
     }
 
-    fn check(&mut self, setpoint: &PieceSetpoint<R, D>, is_over: bool) -> Result<(), Violation> {
+    fn check(&mut self, setpoint: &PieceSetpoint<R, D>, lands: bool) -> Result<(), Violation> {
         let step = usize::try_from(self.worst.periods).unwrap_or(usize::MAX);
         let planned = self.run.planned;
         let most = planned.most_periods() as f64;
@@ -261,7 +274,7 @@ impl<'a, R: Backend, const D: usize> Steps<'a, R, D> {
         self.at = to;
         if to.0 < self.judge.len() {
             let converged = setpoint.evaluations < self.run.tolerance.max_evaluations;
-            self.check_chord(step, from, to, wanted, converged && !is_over)?;
+            self.check_chord(step, from, to, wanted, converged && !lands)?;
         }
         Ok(())
     }
@@ -293,11 +306,9 @@ impl<'a, R: Backend, const D: usize> Steps<'a, R, D> {
             self.worst.length_share = self.worst.length_share.max(share);
         }
         let limits = &self.run.planned.path.limits;
-        let near = |stop: usize| step.abs_diff(stop) <= 1;
-        let first = self.stops.partition_point(|stop| *stop + 1 < step);
-        let stops = self.stops.get(first).is_some_and(|stop| near(*stop));
-        if turn > SMOOTH && !stops {
-            let error = self.judge.chord_error(from, to);
+        let is_judged = turn > SMOOTH && wanted > SHORT_MM && self.run.tolerance.max_evaluations >= ENOUGH;
+        if is_judged {
+            let error = self.judge.chord_error((from, &start), (to, &end));
             let share = error / limits.chord_error;
             if to.0 - from.0 > 1 {
                 // The path bends within a fraction of a step: the plan may not have seen it.

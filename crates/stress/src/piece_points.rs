@@ -1,6 +1,6 @@
 //! Points of compiled pieces, and whether they are points of the curve.
 
-use nurbs_core::{Evaluate, NurbsBuf, ORIGIN_EXPONENT, PieceLimits, Pieces, PiecesBuf, compile};
+use nurbs_core::{Evaluate, NurbsBuf, ORIGIN_EXPONENT, PieceLimits, Pieces, PiecesBuf, compile_with_stops};
 use real::{Backend, DoubleDouble, Real};
 
 use crate::violation::{Outcome, Violation, demand};
@@ -11,10 +11,14 @@ pub(crate) fn piece_limits<const D: usize>(path: &RandomPath<D>) -> PieceLimits 
     PieceLimits { length_mm: path.piece_mm, step_mm: path.limits.feedrate + path.limits.acceleration }
 }
 
-/// The pieces of a path in `R`, or why there are none.
-pub(crate) fn compiled<R: Backend, const D: usize>(path: &RandomPath<D>) -> Result<PiecesBuf<R, D>, String> {
+/// The pieces of a path in `R` with joints at these stops, or why there are none.
+pub(crate) fn compiled<R: Backend, const D: usize>(
+    path: &RandomPath<D>,
+    stops: &[(usize, f64)],
+) -> Result<PiecesBuf<R, D>, String> {
     let curves: Vec<_> = path.curves.iter().map(NurbsBuf::as_curve).collect();
-    compile::<DoubleDouble, R, D>(&curves, &piece_limits(path)).map_err(|error| error.to_string())
+    compile_with_stops::<DoubleDouble, R, D>(&curves, &piece_limits(path), stops)
+        .map_err(|error| error.to_string())
 }
 
 /// The same pieces in f64: every format is measured against them. They are exact to 1e-15 of a piece, and
@@ -25,7 +29,7 @@ pub(crate) struct Judge<const D: usize> {
 
 impl<const D: usize> Judge<D> {
     pub(crate) fn new(planned: &Planned<'_, D>) -> Result<Self, String> {
-        Ok(Self { table: compiled::<f64, D>(planned.path)? })
+        Ok(Self { table: compiled::<f64, D>(planned.path, &planned.stops())? })
     }
 
     /// Number of pieces.
@@ -69,10 +73,12 @@ impl<const D: usize> Judge<D> {
     }
 
     /// Largest distance of the path from the chord between two positions, in mm, at three places of each piece and at
-    /// the joints.
-    pub(crate) fn chord_error(&self, from: (usize, f64), to: (usize, f64)) -> f64 {
-        let start = self.point(from.0, from.1, from.0);
-        let end = self.point(to.0, to.1, from.0);
+    /// the joints. Each position comes with its point, from the origin of the first one's piece.
+    pub(crate) fn chord_error(
+        &self,
+        (from, start): ((usize, f64), &[f64; D]),
+        (to, end): ((usize, f64), &[f64; D]),
+    ) -> f64 {
         let chord: [f64; D] = core::array::from_fn(|d| end[d] - start[d]);
         let length = f64::norm(&chord);
         let distance = |at: [f64; D]| {
@@ -112,7 +118,7 @@ pub fn check_pieces<R: Backend, const D: usize>(
     path: &RandomPath<D>,
     samples: u32,
 ) -> Result<Outcome<usize>, Violation> {
-    let table = match compiled::<R, D>(path) {
+    let table = match compiled::<R, D>(path, &[]) {
         Ok(table) => table,
         Err(refusal) => return Ok(Outcome::Refused(refusal)),
     };

@@ -1,6 +1,6 @@
 //! The plan of a random path, and what it promises.
 
-use feed_plan::{EndFeeds, FeedLimit, ScheduleBuf, plan_with};
+use feed_plan::{EndFeeds, FeedLimit, ScheduleBuf, Stage, plan_with};
 use nurbs_core::{NurbsBuf, NurbsCurve};
 use real::Real;
 use secant_interp::LengthStage;
@@ -19,6 +19,8 @@ pub struct Planned<'a, const D: usize> {
     pub arcs: ScheduleBuf<f64>,
     /// The same for setpoints whose chords have the planned lengths.
     pub chords: ScheduleBuf<f64>,
+    /// How many times slower than planned the path is run.
+    slower: u32,
 }
 
 /// What rounding may add to a quantity of the plan: 10⁻¹² is promised, over some hundred stages.
@@ -36,13 +38,20 @@ impl<'a, const D: usize> Planned<'a, D> {
         }
         let shortfalls = limit.shortfalls(&curves, &arcs.as_schedule());
         let chords = arcs.clone().shortened(&shortfalls);
-        Some(Self { path, limit, arcs, chords })
+        Some(Self { path, limit, arcs, chords, slower: 1 })
     }
 
-    /// Periods of the plan.
+    /// The same path and plan, run so many times slower, as by an override: a run of so many times more periods, whose chords
+    /// are as long as their arcs but for a square of that.
+    #[must_use]
+    pub fn slower(self, times: u32) -> Self {
+        Self { slower: times, chords: self.arcs.clone(), ..self }
+    }
+
+    /// Periods of a run.
     #[must_use]
     pub fn periods(&self) -> u32 {
-        self.chords.as_schedule().periods()
+        self.chords.as_schedule().periods().saturating_mul(self.slower)
     }
 
     /// Periods after which a run has to be over.
@@ -51,17 +60,10 @@ impl<'a, const D: usize> Planned<'a, D> {
         2 * self.periods() as usize + 16
     }
 
-    /// The periods in which the plan comes to rest on the way, in order.
+    /// Curve and parameter of each rest, in order.
     #[must_use]
-    pub fn stops(&self) -> Vec<usize> {
-        let mut time = 0.0;
-        let ends = self.chords.stages().iter().map(|stage| {
-            time += stage.duration;
-            (time, stage.end_feed)
-        });
-        ends.filter(|(_, feed)| *feed <= 0.0)
-            .filter_map(|(time, _)| usize::try_from(time.to_phase(-32) >> 32).ok())
-            .collect()
+    pub fn stops(&self) -> Vec<(usize, f64)> {
+        self.chords.stages().iter().filter_map(rest).collect()
     }
 
     /// The plan keeps feed, acceleration and jerk at every stage, joins its stages, ends at rest at the end, and stays
@@ -138,21 +140,31 @@ impl<'a, const D: usize> Planned<'a, D> {
         Ok(())
     }
 
-    /// The stages for compiled pieces in `R`, whose chords are in units of `2^-chord_exponent` mm; `None` where a feed
-    /// does not fit.
+    /// The stages for compiled pieces in `R`, whose chords are in units of `2^-chord_exponent` mm, each with curve and
+    /// parameter where it comes to rest; `None` where a feed does not fit.
     #[must_use]
-    pub fn stages<R: real::Backend>(&self, chord_exponent: i32) -> Option<Vec<LengthStage<R>>> {
-        let mut stages = Vec::with_capacity(self.chords.stages().len());
+    pub fn stages<R: real::Backend>(&self, chord_exponent: i32) -> Option<(Vec<LengthStage<R>>, Vec<Rest>)> {
+        let slower = f64::from(self.slower);
+        let (mut stages, mut rests) = (Vec::new(), Vec::new());
         let (mut time, mut begin) = (0.0_f64, 0_u64);
         for stage in self.chords.stages() {
-            time += stage.duration;
+            time += stage.duration * slower;
             let end = (time + 0.5_f64.scale(-32)).to_phase(-32);
-            let feed = |x: f64| R::from_f64(x.scale(chord_exponent));
+            let feed = |x: f64| R::from_f64((x / slower).scale(chord_exponent));
             let (from, to) = (feed(stage.start_feed)?, feed(stage.end_feed)?);
-            let compiled = LengthStage::new(end.saturating_sub(begin), from, to - from);
-            stages.extend(compiled.map(|compiled| compiled.shaped(stage.shape)));
+            if let Some(compiled) = LengthStage::new(end.saturating_sub(begin), from, to - from) {
+                stages.push(compiled.shaped(stage.shape));
+                rests.push(rest(stage));
+            }
             begin = end;
         }
-        Some(stages)
+        Some((stages, rests))
     }
 }
+
+fn rest(stage: &Stage<f64>) -> Rest {
+    (stage.end_feed <= 0.0).then_some((stage.curve_end, stage.u_end))
+}
+
+/// Curve and parameter at which a stage comes to rest, if it does.
+pub type Rest = Option<(usize, f64)>;
