@@ -25,6 +25,10 @@ pub(crate) const SERVO: &str = "Examples:
   feedbits servo part.nc --machine mill.toml --formats I4F28,f32";
 pub(crate) const SMOOTH: &str = "Examples:
   feedbits smooth part.nc --machine mill.toml --tolerance 0.01 --out smooth.toml";
+pub(crate) const SOAK: &str = "Examples:
+  feedbits soak --periods 1M
+  feedbits soak --periods 100M --seed 7 --resume soak.json
+  feedbits soak --seed 7 --path 1234 --formats I4F28";
 pub(crate) const TARGETS: &str = "Examples:
   feedbits targets
   feedbits targets cortex-m4f

@@ -9,7 +9,7 @@
 //! | what does each step on the global parameter promise? | [`OnCurve`] |
 //! | are pieces the curve that they were compiled from? | [`check_pieces`] |
 //! | does a fixed format follow a float? | [`check_against_float`] |
-//! | does all of that hold for a hundred million periods? | [`soak_path`] |
+//! | does all of that hold for a hundred million periods? | [`soak_path`], [`Soak`] |
 //! | what may a step take at most? | [`StepBound::of`] |
 //!
 //! A promise that is broken is a [`Violation`]; a path that is refused is not.
@@ -28,8 +28,8 @@ pub use generate::{RandomPath, any_curve, any_number};
 pub use on_curve::{CurveFigures, OnCurve};
 pub use on_pieces::{OnPieces, PieceFigures};
 pub use piece_points::check_pieces;
-pub use planned::Planned;
+pub use planned::{Planned, Rest};
 pub use side_by_side::check_against_float;
-pub use soak::{SOAK_FORMATS, SoakFormat, SoakViolation, Soaked, SoakedPath, soak_path};
+pub use soak::{SOAK_FORMATS, Soak, SoakFormat, SoakViolation, Soaked, SoakedPath, SoakedRun, soak_path};
 pub use step_bound::{StepBound, StepShape};
 pub use violation::{Outcome, Violation};

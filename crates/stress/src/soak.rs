@@ -12,17 +12,19 @@ use crate::{OnPieces, PieceFigures, Planned, RandomPath};
 /// Bytes a path is drawn from.
 const BYTES: usize = 1500;
 /// Longest plan.
-const MOST_PERIODS: u32 = 100_000;
-/// By how much three of four paths are slowed down, for a run of many periods; the fourth crosses many joints.
-const SLOWER: f64 = 24.0;
+const MOST_PERIODS: u32 = 20_000;
+/// By how much paths are slowed down, in turn: the first kind crosses many joints, the others make many periods.
+const SLOWER: [u32; 4] = [1, 16, 64, 256];
 
-type Run = fn(&Planned<'_, 2>, &Judge<2>, Option<RuntimeFormat>) -> Result<Outcome<PieceFigures>, Violation>;
+type Run<const D: usize> =
+    fn(&Planned<'_, D>, &Judge<D>, Option<RuntimeFormat>) -> Result<Outcome<PieceFigures>, Violation>;
 
 /// A format that is soaked.
 #[derive(Clone, Copy)]
 pub struct SoakFormat {
     name: &'static str,
-    run: Run,
+    plane: Run<2>,
+    space: Run<3>,
 }
 
 impl SoakFormat {
@@ -31,56 +33,62 @@ impl SoakFormat {
     pub fn name(&self) -> &'static str {
         self.name
     }
+
+    const fn of<R: Backend>(name: &'static str) -> Self {
+        Self { name, plane: in_format::<R, 2>, space: in_format::<R, 3> }
+    }
 }
 
 /// The formats that can be soaked: the built-in ones, and one that is chosen at run time.
 pub const SOAK_FORMATS: [SoakFormat; 11] = [
-    SoakFormat { name: "f64", run: in_format::<f64> },
-    SoakFormat { name: "f32", run: in_format::<f32> },
-    SoakFormat { name: "I16F16", run: in_format::<I16F16> },
-    SoakFormat { name: "I8F24", run: in_format::<I8F24> },
-    SoakFormat { name: "I4F28", run: in_format::<I4F28> },
-    SoakFormat { name: "I3F29", run: in_format::<I3F29> },
-    SoakFormat { name: "I2F30", run: in_format::<I2F30> },
-    SoakFormat { name: "I32F32", run: in_format::<I32F32> },
-    SoakFormat { name: "I16F48", run: in_format::<I16F48> },
-    SoakFormat { name: "I4F60", run: in_format::<I4F60> },
-    SoakFormat { name: "I5F21", run: at_run_time },
+    SoakFormat::of::<f64>("f64"),
+    SoakFormat::of::<f32>("f32"),
+    SoakFormat::of::<I16F16>("I16F16"),
+    SoakFormat::of::<I8F24>("I8F24"),
+    SoakFormat::of::<I4F28>("I4F28"),
+    SoakFormat::of::<I3F29>("I3F29"),
+    SoakFormat::of::<I2F30>("I2F30"),
+    SoakFormat::of::<I32F32>("I32F32"),
+    SoakFormat::of::<I16F48>("I16F48"),
+    SoakFormat::of::<I4F60>("I4F60"),
+    SoakFormat { name: "I5F21", plane: at_run_time::<2>, space: at_run_time::<3> },
 ];
 
-fn in_format<R: Backend>(
-    planned: &Planned<'_, 2>,
-    judge: &Judge<2>,
+fn in_format<R: Backend, const D: usize>(
+    planned: &Planned<'_, D>,
+    judge: &Judge<D>,
     _: Option<RuntimeFormat>,
 ) -> Result<Outcome<PieceFigures>, Violation> {
-    match OnPieces::<R, 2>::new(planned) {
+    match OnPieces::<R, D>::new(planned) {
         Ok(run) => run.run_judged(judge),
         Err(refusal) => Ok(Outcome::Refused(refusal)),
     }
 }
 
-fn at_run_time(
-    planned: &Planned<'_, 2>,
-    judge: &Judge<2>,
+fn at_run_time<const D: usize>(
+    planned: &Planned<'_, D>,
+    judge: &Judge<D>,
     format: Option<RuntimeFormat>,
 ) -> Result<Outcome<PieceFigures>, Violation> {
     let Some(format) = format else { return Ok(Outcome::Refused("no such format".to_string())) };
-    format.run::<0, _>(|| in_format::<RuntimeFixed<0>>(planned, judge, None))
+    format.run::<0, _>(|| in_format::<RuntimeFixed<0>, D>(planned, judge, None))
 }
 
 /// What a format has gone through.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Soaked {
+    /// The format's name.
+    pub format: String,
     /// Paths that were run to their end.
     pub paths: u64,
-    /// Paths whose pieces do not fit the format.
+    /// Paths that are refused: degenerate, too long, or with pieces that do not fit the format.
     pub refused: u64,
     /// The worst of all runs, and their periods.
     pub worst: PieceFigures,
 }
 
 /// A violation and the path on which it came up.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SoakViolation {
     /// Number of the path; with the seed it says everything.
     pub path: u64,
@@ -88,26 +96,123 @@ pub struct SoakViolation {
     pub what: String,
 }
 
+/// Where a soak stands: it can be written down and gone on with.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Soak {
+    /// Draws the paths.
+    pub seed: u64,
+    /// Number of the next path.
+    pub next_path: u64,
+    /// What each format has gone through, in the order of [`SOAK_FORMATS`].
+    pub formats: Vec<Soaked>,
+    /// The same paths with the operations of each step counted, one path in sixteen.
+    pub counted: PieceFigures,
+    /// Promises broken in all.
+    pub violations: u64,
+    /// The first of them.
+    pub first_violations: Vec<SoakViolation>,
+}
+
+/// Violations that are kept in full.
+const MOST_KEPT: usize = 100;
+
+impl Soak {
+    /// Before the first path.
+    #[must_use]
+    pub fn new(seed: u64, formats: &[SoakFormat]) -> Self {
+        let soaked = |format: &SoakFormat| Soaked { format: format.name.to_string(), ..Soaked::default() };
+        Self {
+            seed,
+            next_path: 0,
+            formats: formats.iter().map(soaked).collect(),
+            counted: PieceFigures::default(),
+            violations: 0,
+            first_violations: Vec::new(),
+        }
+    }
+
+    /// Takes in what came of the next path.
+    pub fn add(&mut self, path: SoakedPath) {
+        for (soaked, figures) in self.formats.iter_mut().zip(path.runs) {
+            match figures {
+                SoakedRun::Ran(figures) => {
+                    soaked.paths += 1;
+                    soaked.worst = soaked.worst.with(&figures);
+                }
+                SoakedRun::Refused => soaked.refused += 1,
+                SoakedRun::Spared => {}
+            }
+        }
+        if let Some(counted) = path.counted {
+            self.counted = self.counted.with(&counted);
+        }
+        self.violations += path.violations.len() as u64;
+        let room = MOST_KEPT.saturating_sub(self.first_violations.len());
+        self.first_violations.extend(path.violations.into_iter().take(room));
+        self.next_path += 1;
+    }
+
+    /// Whether format number `format` has made so many periods.
+    #[must_use]
+    pub fn has(&self, format: usize, periods: u64) -> bool {
+        self.formats.get(format).is_some_and(|soaked| soaked.worst.periods >= periods)
+    }
+
+    /// Periods of the format that has made the fewest.
+    #[must_use]
+    pub fn least_periods(&self) -> u64 {
+        self.formats.iter().map(|soaked| soaked.worst.periods).min().unwrap_or(0)
+    }
+}
+
+/// What came of one path in one format.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum SoakedRun {
+    /// Not run, for the format has its periods.
+    #[default]
+    Spared,
+    /// Refused, or a promise was broken.
+    Refused,
+    /// Run to its end.
+    Ran(PieceFigures),
+}
+
 /// What came of one path.
 #[derive(Clone, Debug, Default)]
 pub struct SoakedPath {
-    /// A row a format, in the order given; `None` where it was refused.
-    pub runs: Vec<Option<PieceFigures>>,
+    /// An entry a format, in the order given.
+    pub runs: Vec<SoakedRun>,
     /// The same path in f64 with its operations counted.
     pub counted: Option<PieceFigures>,
     /// What was broken.
     pub violations: Vec<SoakViolation>,
 }
 
-/// Runs path number `path` of `seed` in each of `formats`, by a plan whose own promises are checked too.
+/// Runs path number `path` of `seed` in each of `formats` but those that are `spared`, by a plan whose own promises are
+/// checked too. Every fifth path is one in space.
 #[must_use]
-pub fn soak_path(seed: u64, path: u64, formats: &[SoakFormat]) -> SoakedPath {
-    let mut soaked = SoakedPath { runs: vec![None; formats.len()], ..SoakedPath::default() };
-    let Some(mut drawn) = RandomPath::<2>::from_bytes(&bytes(seed, path)) else { return soaked };
-    if !path.is_multiple_of(4) {
-        drawn.slow_down(SLOWER);
+pub fn soak_path(seed: u64, path: u64, formats: &[SoakFormat], spared: impl Fn(usize) -> bool) -> SoakedPath {
+    let wanted = |format: usize| !spared(format);
+    if path % 5 == 4 {
+        soaked::<3>((seed, path), formats, wanted, |format| format.space)
+    } else {
+        soaked::<2>((seed, path), formats, wanted, |format| format.plane)
     }
+}
+
+fn soaked<const D: usize>(
+    (seed, path): (u64, u64),
+    formats: &[SoakFormat],
+    wanted: impl Fn(usize) -> bool,
+    run: impl Fn(&SoakFormat) -> Run<D>,
+) -> SoakedPath {
+    let refused = |format| if wanted(format) { SoakedRun::Refused } else { SoakedRun::Spared };
+    let runs = (0..formats.len()).map(refused).collect();
+    let mut soaked = SoakedPath { runs, ..SoakedPath::default() };
+    let Some(drawn) = RandomPath::<D>::from_bytes(&bytes(seed, path)) else { return soaked };
     let Some(planned) = Planned::new(&drawn, MOST_PERIODS) else { return soaked };
+    let kind = usize::try_from(path % SLOWER.len() as u64).unwrap_or(0);
+    let planned = if kind > 0 { planned.slower(SLOWER[kind]) } else { planned };
     let mut broken = |violation: &Violation| {
         soaked.violations.push(SoakViolation { path, what: violation.to_string() });
     };
@@ -115,15 +220,16 @@ pub fn soak_path(seed: u64, path: u64, formats: &[SoakFormat]) -> SoakedPath {
         broken(&violation);
     }
     let Ok(judge) = Judge::new(&planned) else { return soaked };
-    for (format, slot) in formats.iter().zip(&mut soaked.runs) {
-        match (format.run)(&planned, &judge, RuntimeFormat::named(format.name)) {
-            Ok(Outcome::Ran(figures)) => *slot = Some(figures),
+    for (format, slot) in formats.iter().zip(&mut soaked.runs).filter(|(_, slot)| **slot != SoakedRun::Spared)
+    {
+        match run(format)(&planned, &judge, RuntimeFormat::named(format.name)) {
+            Ok(Outcome::Ran(figures)) => *slot = SoakedRun::Ran(figures),
             Ok(Outcome::Refused(_)) => {}
             Err(violation) => broken(&violation),
         }
     }
     if path.is_multiple_of(16)
-        && let Ok(run) = OnPieces::<Counted<f64>, 2>::new(&planned)
+        && let Ok(run) = OnPieces::<Counted<f64>, D>::new(&planned)
     {
         match run.count() {
             Ok(Outcome::Ran(figures)) => soaked.counted = Some(figures),
@@ -150,13 +256,32 @@ fn bytes(seed: u64, path: u64) -> Vec<u8> {
 mod tests {
     use super::*;
 
+    const SOME: [SoakFormat; 3] = [SOAK_FORMATS[0], SOAK_FORMATS[3], SOAK_FORMATS[10]];
+
     #[test]
     fn a_path_is_the_same_each_time_and_runs_in_several_formats() {
-        let formats = [SOAK_FORMATS[0], SOAK_FORMATS[3], SOAK_FORMATS[10]];
-        let (one, again) = (soak_path(7, 4, &formats), soak_path(7, 4, &formats));
-        assert_eq!(one.runs, again.runs);
-        let periods: Vec<_> =
-            (0..6).filter_map(|path| soak_path(7, path, &formats).runs[0]).map(|f| f.periods).collect();
-        assert!(periods.iter().sum::<u64>() > 1000, "{periods:?}");
+        let (one, again) = (soak_path(7, 4, &SOME, |_| false), soak_path(7, 4, &SOME, |format| format == 1));
+        assert_eq!((one.runs[0], one.runs[2]), (again.runs[0], again.runs[2]));
+        assert_eq!(again.runs[1], SoakedRun::Spared);
+        let mut soak = Soak::new(7, &SOME);
+        for path in 0..10 {
+            soak.add(soak_path(7, path, &SOME, |_| false));
+        }
+        assert!(soak.least_periods() > 1000, "{soak:?}");
+        assert_eq!((soak.next_path, soak.violations), (10, 0), "{:?}", soak.first_violations);
+        assert!(soak.formats.iter().all(|soaked| soaked.paths + soaked.refused == 10));
+    }
+
+    #[test]
+    fn what_was_broken_is_counted_and_the_first_of_it_kept() {
+        let mut soak = Soak::new(1, &SOME);
+        for path in 0..MOST_KEPT as u64 + 5 {
+            let violation = SoakViolation { path, what: "chord error".to_string() };
+            let runs = vec![SoakedRun::Refused; SOME.len()];
+            soak.add(SoakedPath { runs, violations: vec![violation], ..SoakedPath::default() });
+        }
+        assert_eq!(soak.violations, MOST_KEPT as u64 + 5);
+        assert_eq!(soak.first_violations.len(), MOST_KEPT);
+        assert_eq!(soak.first_violations.last().map(|last| last.path), Some(MOST_KEPT as u64 - 1));
     }
 }

@@ -1,0 +1,207 @@
+//! `feedbits soak`: random paths in every format, until each format has made so many periods.
+
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, Result, bail, ensure};
+use clap::Args;
+use comfy_table::{CellAlignment, Table, presets};
+use format_compare::in_parallel;
+use serde::{Deserialize, Serialize};
+use stress::{SOAK_FORMATS, Soak, SoakFormat, soak_path};
+use time::OffsetDateTime;
+
+use crate::progress::Progress;
+use crate::{Ending, input, output};
+
+/// Options of `soak`.
+#[derive(Args)]
+pub(crate) struct Arguments {
+    /// Periods that each format is to make, as in 100M, 250k or 5000.
+    #[arg(long, value_name = "N", default_value = "1M", value_parser = count)]
+    periods: u64,
+    /// The formats, comma-separated. Default: the ten built-in ones, and I5F21 as one chosen at run time.
+    #[arg(long, visible_alias = "format", value_delimiter = ',', value_name = "F,F")]
+    formats: Vec<String>,
+    /// Which paths are drawn.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// Run this path only, as a violation names it.
+    #[arg(long, value_name = "N", conflicts_with = "resume")]
+    path: Option<u64>,
+    /// Keep the state in this file, and go on from it if it is there.
+    #[arg(long, value_name = "PATH")]
+    resume: Option<PathBuf>,
+    #[command(flatten)]
+    output: output::Output,
+}
+
+/// A soak with when and how long.
+#[derive(Serialize, Deserialize)]
+struct Record {
+    /// Of the last path, UTC.
+    date: String,
+    /// The version that ran.
+    version: String,
+    /// Time taken, in seconds.
+    seconds: f64,
+    #[serde(flatten)]
+    soak: Soak,
+}
+
+/// Paths that are run at a time.
+const BATCH: u64 = 32;
+/// Paths after which a format that has refused them all is given up.
+const PATIENCE: u64 = 4096;
+/// Time between two states.
+const BETWEEN_STATES: Duration = Duration::from_secs(5);
+
+/// Runs until every format has its periods.
+pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
+    let formats = selected(&arguments.formats)?;
+    let mut record = match &arguments.resume {
+        Some(path) if path.exists() => resumed(path, arguments.seed, &formats)?,
+        _ => Record::new(Soak::new(arguments.seed, &formats)),
+    };
+    match arguments.path {
+        Some(path) => record.soak.add(soak_path(arguments.seed, path, &formats, |_| false)),
+        None => soak(arguments, &formats, &mut record)?,
+    }
+    let text = match arguments.output.json {
+        true => record.to_json()?,
+        false => record.to_text(arguments.path),
+    };
+    output::write(arguments.output.out.as_deref(), &text)?;
+    Ok(if record.soak.violations == 0 { Ending::Good } else { Ending::RequirementNotMet })
+}
+
+fn soak(arguments: &Arguments, formats: &[SoakFormat], record: &mut Record) -> Result<()> {
+    let thousands = |periods: u64| usize::try_from(periods / 1000).unwrap_or(usize::MAX);
+    let progress = Progress::of("thousand periods in each format", thousands(arguments.periods));
+    let (started, before) = (Instant::now(), record.seconds);
+    let mut written = started;
+    while record.soak.least_periods() < arguments.periods {
+        let next = record.soak.next_path;
+        let paths: Vec<u64> = (next..next + BATCH).collect();
+        let has = |format| record.soak.has(format, arguments.periods);
+        for path in in_parallel(&paths, |path| soak_path(arguments.seed, *path, formats, has)) {
+            record.soak.add(path);
+        }
+        record.seconds = before + started.elapsed().as_secs_f64();
+        record.date = today();
+        let is_over = record.soak.least_periods() >= arguments.periods;
+        if let Some(path) =
+            arguments.resume.as_deref().filter(|_| is_over || written.elapsed() > BETWEEN_STATES)
+        {
+            output::write(Some(path), &record.to_json()?)?;
+            written = Instant::now();
+        }
+        progress.start_at(thousands(record.soak.least_periods()));
+        let hopeless = record.soak.formats.iter().find(|soaked| soaked.paths == 0);
+        if let Some(soaked) = hopeless.filter(|_| record.soak.next_path >= PATIENCE) {
+            bail!("{} has refused each of {} paths", soaked.format, record.soak.next_path);
+        }
+    }
+    Ok(())
+}
+
+fn selected(names: &[String]) -> Result<Vec<SoakFormat>> {
+    if names.is_empty() {
+        return Ok(SOAK_FORMATS.to_vec());
+    }
+    let find = |name: &String| {
+        let found = SOAK_FORMATS.iter().find(|format| format.name() == name).copied();
+        found.with_context(|| {
+            let known: Vec<_> = SOAK_FORMATS.iter().map(SoakFormat::name).collect();
+            format!("{name:?} cannot be soaked; known are {}", known.join(", "))
+        })
+    };
+    names.iter().map(find).collect()
+}
+
+/// The state that an earlier run has left.
+fn resumed(path: &Path, seed: u64, formats: &[SoakFormat]) -> Result<Record> {
+    let name = path.display();
+    let record: Record =
+        serde_json::from_str(&input::text(path)?).with_context(|| format!("{name} is no state of a soak"))?;
+    let soak = &record.soak;
+    ensure!(soak.seed == seed, "{name} is the state of a soak with seed {}", soak.seed);
+    let same = soak.formats.iter().map(|one| one.format.as_str()).eq(formats.iter().map(SoakFormat::name));
+    ensure!(same, "{name} is the state of a soak in other formats");
+    let version = env!("CARGO_PKG_VERSION");
+    ensure!(record.version == version, "{name} is the state of a soak by version {}", record.version);
+    Ok(record)
+}
+
+impl Record {
+    fn new(soak: Soak) -> Self {
+        Self { date: today(), version: env!("CARGO_PKG_VERSION").to_string(), seconds: 0.0, soak }
+    }
+
+    fn to_json(&self) -> Result<String> {
+        Ok(serde_json::to_string_pretty(self)? + "\n")
+    }
+
+    fn to_text(&self, only: Option<u64>) -> String {
+        let Self { soak, seconds, date, .. } = self;
+        let counted = &soak.counted;
+        let paths = only.map_or_else(|| format!("{} paths", soak.next_path), |path| format!("path {path}"));
+        let mut text = format!("{}\n", self.table());
+        if counted.operations > 0 {
+            text += &format!(
+                "operations  {} at most in a step, {:.2} of the bound that the code's loops prove\n",
+                counted.operations, counted.operations_share
+            );
+        }
+        text += &format!("seed        {}, {paths}, {seconds:.0} s, {date}\n", soak.seed);
+        text += &format!("violations  {}\n", soak.violations);
+        for violation in &soak.first_violations {
+            text += &format!("  path {}: {}\n", only.unwrap_or(violation.path), violation.what);
+        }
+        text
+    }
+
+    fn table(&self) -> Table {
+        let mut table = Table::new();
+        table.load_preset(presets::UTF8_FULL_CONDENSED).set_header([
+            "format",
+            "periods",
+            "paths",
+            "refused",
+            "evaluations, most",
+            "chord off, of its bound",
+            "chord error, of its limit",
+        ]);
+        for soaked in &self.soak.formats {
+            let worst = &soaked.worst;
+            table.add_row([
+                soaked.format.clone(),
+                worst.periods.to_string(),
+                soaked.paths.to_string(),
+                soaked.refused.to_string(),
+                worst.evaluations.to_string(),
+                format!("{:.2}", worst.length_share),
+                format!("{:.2}", worst.chord_error_share),
+            ]);
+        }
+        for column in table.column_iter_mut().skip(1) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+        table
+    }
+}
+
+/// A number with k, M or G behind it.
+fn count(text: &str) -> Result<u64, String> {
+    let units = [('k', 1_000), ('M', 1_000_000), ('G', 1_000_000_000)];
+    let (digits, unit) = units
+        .into_iter()
+        .find_map(|(letter, unit)| Some((text.strip_suffix(letter)?, unit)))
+        .unwrap_or((text, 1_u64));
+    let number = digits.parse::<u64>().ok().and_then(|n| n.checked_mul(unit)).filter(|n| *n > 0);
+    number.ok_or_else(|| format!("{text:?}: expected a count above 0, as in 100M, 250k or 5000"))
+}
+
+fn today() -> String {
+    OffsetDateTime::now_utc().date().to_string()
+}
