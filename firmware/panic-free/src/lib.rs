@@ -1,16 +1,16 @@
-//! The real-time step on compiled pieces in each number format, exported, over a panic handler and a heap that call
+//! The real-time steps in each number format, on compiled pieces and on the global parameter, exported, over a panic handler and a heap that call
 //! functions which do not exist.
 //!
 //! The linker drops what no export can reach. If a panic can be reached from a step, so can the handler, and then its
 //! function is missing and nothing is linked; so with the heap. `scripts/no-panic` builds this once as it is and once with
 //! an unwrap in it.
-//!
-//! The step on the global parameter is not among them: de Boor's scheme takes slices of knots whose bounds a valid curve
-//! keeps, but the compiler does not see that.
 
 #![no_std]
 
-use secant_interp::{PieceInterpolator, PieceSetpoint, PieceState};
+use nurbs_core::NurbsCurve;
+use secant_interp::{
+    FeedOverride, Interpolator, OverrideState, PieceInterpolator, PieceSetpoint, PieceState, Setpoint, State,
+};
 
 unsafe extern "C" {
     fn the_heap_can_be_reached_from_a_real_time_step() -> !;
@@ -59,6 +59,28 @@ macro_rules! steps {
                 interpolator: &PieceInterpolator<'_, $format, $dimensions>,
                 state: &mut PieceState<$format, $dimensions>,
                 setpoint: &mut PieceSetpoint<$format, $dimensions>,
+            ) -> bool {
+                give(setpoint, interpolator.step(state))
+            }
+
+            /// The same with the plan's time stretched.
+            #[unsafe(export_name = concat!("overridden_", stringify!($module)))]
+            pub fn overridden(
+                interpolator: &PieceInterpolator<'_, $format, $dimensions>,
+                state: &mut PieceState<$format, $dimensions>,
+                feeds: &FeedOverride,
+                rates: &mut OverrideState,
+                setpoint: &mut PieceSetpoint<$format, $dimensions>,
+            ) -> bool {
+                give(setpoint, interpolator.step_overridden(state, feeds, rates))
+            }
+
+            /// A period on the global parameter.
+            #[unsafe(export_name = concat!("raw_", stringify!($module)))]
+            pub fn on_curve<'a>(
+                interpolator: &Interpolator<'a, $format, NurbsCurve<'a, $format, $dimensions>>,
+                state: &mut State<$format, $dimensions>,
+                setpoint: &mut Setpoint<$format, $dimensions>,
             ) -> bool {
                 give(setpoint, interpolator.step(state))
             }
