@@ -4,6 +4,7 @@ use feedbits_tests::{
     PAPER_D, circle, closed, corner, cusp, degree_5, double_knot, line, on_paper_as_machine, problem,
 };
 use format_compare::{Dimension, Engine, Options, Problem, Space, Verdict, compare, formats};
+use nurbs_core::NurbsBuf;
 
 fn runs_or_is_refused<const D: usize>(problem: &Problem<D>) -> (usize, usize)
 where
@@ -79,4 +80,23 @@ fn straight_line() {
 fn the_ten_point_program() {
     let (finished, _) = runs_or_is_refused(&problem::<2>("paper D", PAPER_D));
     assert!(finished >= 12, "{finished}");
+}
+
+/// 0.004 mm/s are 1.2e-5 mm a period, and one step of I16F16 is 1.5e-5 mm.
+#[test]
+fn a_feed_below_one_step_a_period_is_said_to_be_impossible() {
+    let short = NurbsBuf::try_new_nonrational(1, vec![[0.0, 0.0], [0.012, 0.005]], vec![0.0, 0.0, 1.0, 1.0]);
+    let mut slow = on_paper_as_machine("slow", short.unwrap_or_else(|error| panic!("{error}")));
+    slow.machine.feedrate_mm_per_s = 0.004;
+    let comparison = compare(&slow, &formats(), &[Engine::DeBoorSecant], &Options::default())
+        .unwrap_or_else(|refusal| panic!("{refusal}"));
+    let said = |format: &str| {
+        let row = comparison.formats.iter().find(|row| row.format == format);
+        row.map(|row| format!("{:?}", row.verdict)).unwrap_or_default()
+    };
+    let refusal = "cannot run this feed: 1.2e-5 mm a period is less than one step of 1.5e-5 mm";
+    assert!(said("I16F16").contains(refusal), "{}", said("I16F16"));
+    for format in ["f64", "I32F32"] {
+        assert!(!said(format).contains("cannot run"), "{}", said(format));
+    }
 }

@@ -256,6 +256,14 @@ pub(crate) fn judged<const D: usize>(
         }
     };
     demand(run.finished, format!("stops before the end of the path, after {} periods", run.steps.len()));
+    let full_step = machine.feedrate_mm_per_s * problem.period_s();
+    demand(
+        run.resolution_mm <= full_step && run.fluctuation_resolution < 1.0,
+        format!(
+            "cannot run this feed: {full_step:.1e} mm a period is less than one step of {:.1e} mm",
+            run.resolution_mm.max(full_step * run.fluctuation_resolution)
+        ),
+    );
     demand(saturations == 0, format!("{saturations} overflows"));
     demand(
         fluctuation.cruise_max_abs <= machine.fluctuation_limit,
