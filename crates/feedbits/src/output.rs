@@ -1,5 +1,6 @@
 //! Where results go: to the terminal, or into a file that appears whole or not at all.
 
+use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -39,7 +40,8 @@ pub(crate) fn note(text: &str) {
 }
 
 /// Writes `text` to `path`, or to the terminal if there is none. The file is written under another name beside its
-/// place and renamed when complete, so an error leaves what was there before.
+/// place and renamed when complete, so an error leaves what was there before. What a link points to is written; what is
+/// no file, as a device or a pipe, takes the text as it comes.
 pub(crate) fn write(path: Option<&Path>, text: &str) -> Result<()> {
     let Some(path) = path else {
         return match io::stdout().lock().write_all(text.as_bytes()) {
@@ -47,8 +49,14 @@ pub(crate) fn write(path: Option<&Path>, text: &str) -> Result<()> {
             other => other.context("cannot write to the terminal"),
         };
     };
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let cannot = || format!("cannot write {}", path.display());
+    let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
+    let is_other = fs::metadata(&target).is_ok_and(|found| !found.is_file() && !found.is_dir());
+    if is_other {
+        let mut device = fs::OpenOptions::new().write(true).open(&target).with_context(cannot)?;
+        return device.write_all(text.as_bytes()).with_context(cannot);
+    }
+    let folder = target.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut file = tempfile::NamedTempFile::new_in(folder).with_context(cannot)?;
     file.write_all(text.as_bytes()).with_context(cannot)?;
     file.as_file().sync_all().with_context(cannot)?;
@@ -57,6 +65,6 @@ pub(crate) fn write(path: Option<&Path>, text: &str) -> Result<()> {
         use std::os::unix::fs::PermissionsExt;
         file.as_file().set_permissions(std::fs::Permissions::from_mode(0o644)).with_context(cannot)?;
     }
-    file.persist(path).with_context(cannot)?;
+    file.persist(&target).with_context(cannot)?;
     Ok(())
 }

@@ -1,0 +1,169 @@
+//! What files can do: be full, locked, huge, binary, no files at all. Nothing is half-written, and each error says what
+//! and where.
+#![cfg(unix)]
+
+use std::fs;
+use std::os::unix::fs::{FileTypeExt, symlink};
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn feedbits(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_feedbits")).args(arguments).output().expect("the program starts")
+}
+
+/// In a shell, after `setup`, the program takes the shell's place.
+fn in_shell(setup: &str, arguments: &str, folder: &Path) -> Output {
+    let script = format!("{setup}; exec {} {arguments}", env!("CARGO_BIN_EXE_feedbits"));
+    Command::new("sh").args(["-c", &script]).current_dir(folder).output().expect("a shell")
+}
+
+fn said(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+fn is_refused(output: &Output, words: &[&str]) {
+    let said = said(output);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(output.stdout.is_empty(), "{}", String::from_utf8_lossy(&output.stdout));
+    for word in words {
+        assert!(said.contains(word), "{word:?} is missing in {said}");
+    }
+    assert!(!said.contains("panicked"), "{said}");
+}
+
+fn names(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).expect("a folder");
+    let mut names: Vec<String> =
+        entries.map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned()).collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn a_full_disk_is_an_error_wherever_it_shows() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let output = in_shell(":", "formats > /dev/full", folder.path());
+    assert_eq!(output.status.code(), Some(2));
+    assert!(said(&output).contains("cannot write to the terminal"), "{}", said(&output));
+    is_refused(&feedbits(&["formats", "--out", "/dev/full"]), &["cannot write /dev/full", "No space left"]);
+}
+
+/// A device is written to, never replaced.
+#[test]
+fn what_is_no_file_is_not_replaced_by_one() {
+    let output = feedbits(&["formats", "--out", "/dev/null"]);
+    assert!(output.status.success(), "{}", said(&output));
+    assert!(fs::metadata("/dev/null").expect("a device").file_type().is_char_device());
+
+    let folder = tempfile::tempdir().expect("a folder");
+    let (file, link) = (folder.path().join("file"), folder.path().join("link"));
+    fs::write(&file, "old").expect("a file");
+    symlink(&file, &link).expect("a link");
+    let output = feedbits(&["formats", "--out", link.to_str().expect("a name")]);
+    assert!(output.status.success(), "{}", said(&output));
+    assert!(fs::symlink_metadata(&link).expect("a link").file_type().is_symlink());
+    assert!(fs::read_to_string(&file).expect("a file").contains("I4F28"));
+    assert_eq!(names(folder.path()), ["file", "link"]);
+}
+
+#[test]
+fn a_folder_that_cannot_be_written_is_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let missing = folder.path().join("missing/s.csv");
+    let missing = missing.to_str().expect("a name");
+    is_refused(&feedbits(&["interpolate", "--out", missing]), &["cannot write", missing]);
+    let file = folder.path().join("file");
+    fs::write(&file, "").expect("a file");
+    let below = file.join("report");
+    let below = below.to_str().expect("a name");
+    is_refused(
+        &feedbits(&["compare", "--formats", "f32", "--evaluate", "pieces", "--report", below]),
+        &["cannot make the folder", below],
+    );
+    // Nobody may make files there, whoever runs this.
+    is_refused(&feedbits(&["formats", "--out", "/proc/formats"]), &["cannot write /proc/formats"]);
+}
+
+/// Past so many blocks of 512 bytes a write fails, as on a full disk: the file there was stays whole, and nothing is left.
+#[test]
+fn a_write_that_fails_half_way_leaves_the_old_file() {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("s.csv"), "old").expect("a file");
+    let output = in_shell("trap '' XFSZ; ulimit -f 8", "interpolate --out s.csv", folder.path());
+    is_refused(&output, &["cannot write s.csv", "File too large"]);
+    assert_eq!(fs::read_to_string(folder.path().join("s.csv")).expect("a file"), "old");
+    assert_eq!(names(folder.path()), ["s.csv"]);
+}
+
+/// The same, but the program is killed there and then.
+#[test]
+fn a_run_that_is_killed_half_way_leaves_the_old_file() {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("s.csv"), "old").expect("a file");
+    let output = in_shell("ulimit -c 0; ulimit -f 8", "interpolate --out s.csv", folder.path());
+    assert_eq!(output.status.code(), None, "killed: {}", said(&output));
+    assert_eq!(fs::read_to_string(folder.path().join("s.csv")).expect("a file"), "old");
+}
+
+/// A file of 16 GiB that takes no room, under a limit of address space that it would burst.
+#[test]
+fn a_huge_file_is_refused_before_memory_is_taken_for_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let huge = fs::File::create(folder.path().join("huge.nc")).expect("a file");
+    huge.set_len(16 << 30).expect("room");
+    let limit = "ulimit -v 1000000";
+    is_refused(&in_shell(limit, "check huge.nc", folder.path()), &["huge.nc is longer than 64 MiB"]);
+    is_refused(&in_shell(limit, "check /dev/zero", folder.path()), &["/dev/zero is longer than 64 MiB"]);
+    let machine = in_shell(limit, "plan --machine huge.nc", folder.path());
+    is_refused(&machine, &["huge.nc is longer than 64 MiB"]);
+}
+
+#[test]
+fn binary_files_are_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let program = env!("CARGO_BIN_EXE_feedbits");
+    let head = fs::read(program).expect("the program").into_iter().take(100_000).collect::<Vec<_>>();
+    fs::write(folder.path().join("elf"), head).expect("a file");
+    let noise: Vec<u8> =
+        (0..100_000_u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 23).to_le_bytes()[0]).collect();
+    fs::write(folder.path().join("noise"), noise).expect("a file");
+    fs::write(folder.path().join("zeros"), vec![0; 100_000]).expect("a file");
+    fs::write(folder.path().join("empty"), "").expect("a file");
+    for name in ["elf", "noise", "zeros", "empty"] {
+        for command in ["check", "compare", "plan", "convert --to g1 --tolerance 0.1"] {
+            let output = in_shell(":", &format!("{command} {name}"), folder.path());
+            is_refused(&output, &[name]);
+            assert!(output.stderr.len() < 100_000, "{command} {name}: {} bytes", output.stderr.len());
+        }
+        is_refused(&in_shell(":", &format!("plan --machine {name}"), folder.path()), &[name]);
+    }
+    is_refused(&in_shell(":", "check .", folder.path()), &["cannot read .", "directory"]);
+}
+
+#[test]
+fn a_soak_goes_on_where_it_stopped_and_refuses_what_is_not_its_own() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = |arguments: &str| in_shell(":", &format!("--quiet soak {arguments}"), folder.path());
+    let first = run("--periods 2k --formats f64,I4F28 --seed 3 --resume s.json");
+    assert!(first.status.success(), "{}{}", String::from_utf8_lossy(&first.stdout), said(&first));
+    let again = run("--periods 2k --formats f64,I4F28 --seed 3 --resume s.json --json");
+    let state: serde_json::Value = serde_json::from_slice(&again.stdout).expect("JSON");
+    assert!(state["formats"][1]["worst"]["periods"].as_u64() >= Some(2000), "{state}");
+    assert_eq!(
+        (state["violations"].as_u64(), state["next_path"].as_u64().map(|n| n % 32)),
+        (Some(0), Some(0))
+    );
+    let more = run("--periods 90k --formats f64,I4F28 --seed 3 --resume s.json --json");
+    let grown: serde_json::Value = serde_json::from_slice(&more.stdout).expect("JSON");
+    assert!(grown["next_path"].as_u64() > state["next_path"].as_u64(), "{grown}");
+    let once = run("--periods 90k --formats f64,I4F28 --seed 3 --json");
+    let once: serde_json::Value = serde_json::from_slice(&once.stdout).expect("JSON");
+    assert_eq!((&once["formats"], &once["next_path"]), (&grown["formats"], &grown["next_path"]));
+
+    is_refused(&run("--formats f64,I4F28 --seed 4 --resume s.json"), &["s.json", "seed 3"]);
+    is_refused(&run("--formats f64 --seed 3 --resume s.json"), &["s.json", "other formats"]);
+    is_refused(&run("--formats I99F1"), &["I99F1", "known are f64"]);
+    is_refused(&run("--periods 0"), &["'0'", "above 0"]);
+    fs::write(folder.path().join("s.json"), "{").expect("a file");
+    is_refused(&run("--formats f64,I4F28 --resume s.json"), &["s.json is no state of a soak"]);
+}
