@@ -59,7 +59,16 @@ pub fn ten_points() -> Path<2> {
 /// Never: the numbers are a curve.
 #[must_use]
 pub fn thousand_points() -> Path<3> {
-    let point = |i: i32| {
+    helix("C", 1000)
+}
+
+/// A cubic of so many points on a wound helix, its knots mildly uneven.
+///
+/// # Panics
+/// With fewer than four points.
+#[must_use]
+pub fn helix(name: &'static str, count: u32) -> Path<3> {
+    let point = |i: u32| {
         let t = f64::from(i) * 0.05;
         [
             (60.0 + 10.0 * (3.1 * t).cos()) * t.cos(),
@@ -67,11 +76,11 @@ pub fn thousand_points() -> Path<3> {
             10.0 * (3.1 * t).sin() + t,
         ]
     };
-    let spacing = |i: i32| f64::from(i) + 0.2 * (f64::from(i) * 0.7).sin();
+    let spacing = |i: u32| f64::from(i) + 0.2 * (f64::from(i) * 0.7).sin();
     let mut knots = vec![0.0; 4];
-    knots.extend((1..997).map(spacing));
-    knots.extend([997.0; 4]);
-    path("C", 3, (0..1000).map(point).collect(), vec![1.0; 1000], knots, 0.2)
+    knots.extend((1..count - 3).map(spacing));
+    knots.extend([f64::from(count - 3); 4]);
+    path(name, 3, (0..count).map(point).collect(), vec![1.0; count as usize], knots, 0.2)
 }
 
 /// A winding cubic in the plane of so many spans, some 12 mm each, at 200 mm/s and 3 ms.
@@ -88,6 +97,19 @@ pub fn winding(spans: u32) -> Path<2> {
     let points: Vec<_> = (0..spans + 3).map(point).collect();
     let weights = vec![1.0; points.len()];
     path("winding", 3, points, weights, knots, 0.6)
+}
+
+impl Path<2> {
+    /// The same in three dimensions, with z = 0.
+    ///
+    /// # Panics
+    /// Never: what is a curve in the plane is one in space.
+    #[must_use]
+    pub fn in_space(&self) -> Path<3> {
+        let points = self.curve.control_points().iter().map(|[x, y]| [*x, *y, 0.0]).collect();
+        let (weights, knots) = (self.curve.weights().to_vec(), self.curve.knots().to_vec());
+        path(self.name, self.curve.degree(), points, weights, knots, self.feed_mm)
+    }
 }
 
 impl<const D: usize> Path<D> {

@@ -35,6 +35,10 @@
 #![cfg_attr(feature = "alloc", doc = "| cutting a path into pieces, with proven ranges | [`compile()`] |")]
 #![cfg_attr(
     feature = "alloc",
+    doc = "| one polynomial a span, in f64: the fastest points and derivatives | [`PowerCurve`] |"
+)]
+#![cfg_attr(
+    feature = "alloc",
     doc = "| curves that own their numbers; conversion to another format | [`NurbsBuf`] |"
 )]
 #![cfg_attr(feature = "alloc", doc = "| a curve of any kind; conversion to NURBS | [`PathCurve`] |")]
@@ -101,6 +105,8 @@ mod pieces;
 #[cfg(feature = "alloc")]
 mod polynomial;
 #[cfg(feature = "alloc")]
+mod power_curve;
+#[cfg(feature = "alloc")]
 mod ranges;
 mod shape_error;
 #[cfg(feature = "alloc")]
@@ -128,6 +134,8 @@ pub use owned::NurbsBuf;
 #[cfg(feature = "alloc")]
 pub use path_curve::PathCurve;
 pub use pieces::{ORIGIN_EXPONENT, Piece, Pieces, Shifted};
+#[cfg(feature = "alloc")]
+pub use power_curve::{PowerCursor, PowerCurve};
 #[cfg(feature = "alloc")]
 pub use ranges::SignalBound;
 pub use shape_error::ShapeError;

@@ -1,0 +1,439 @@
+//! A curve as one polynomial a span: what evaluates fastest, where the numbers are `f64` and memory is not short.
+//!
+//! On the span from u_i to u_{i+1}, with t = (u - u_i)/(u_{i+1} - u_i) in [0, 1),
+//!
+//! `C(t) = O + N(t)/W(t)`, `N(t) = Σ_{k≥1} n_k t^k`, `W(t) = 1 + Σ_{k≥1} w_k t^k`,
+//!
+//! O being the point where the span begins: the curve is seen from there, and its distance from the origin of coordinates
+//! costs no digits. By Horner's scheme a point takes p multiplications a coordinate instead of the p² of basis functions,
+//! no division unless the curve is rational, and then one. Derivatives come from the same chain (Knuth, *The Art of Computer
+//! Programming* 2, section 4.6.4), and with weights by the rule for quotients,
+//!
+//! `C' = (N' - W' c)/W`, `C'' = (N'' - 2 W' C' - W'' c)/W`, `c = N/W`.
+//!
+//! The span of a parameter is looked up in a table of equal intervals of u, at least one a span. The search is among
+//! the knots of one interval, so that on even knots it takes the same time for ten spans and for ten thousand; on knots that
+//! crowd together it is a binary search.
+
+use alloc::vec::Vec;
+
+use real::{Backend, Real};
+
+use crate::bezier::Bezier;
+use crate::polynomial::power_basis;
+use crate::{Derivatives, Differentiate, Evaluate, NurbsCurve};
+
+/// A NURBS curve converted for fast evaluation: p + 1 rows of coefficients a span.
+///
+/// Memory, for one control point of a long curve with single knots: `8 ((p + 1) D + 2)` bytes and one or two entries of four
+/// bytes, and 8 p more if rational.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PowerCurve<const D: usize> {
+    degree: usize,
+    /// O, n_1 to n_p of each span, one after the other.
+    rows: Vec<[f64; D]>,
+    /// w_1 to w_p of each span; empty if not rational.
+    weights: Vec<f64>,
+    /// Where each span begins, and where the last one ends.
+    begins: Vec<f64>,
+    /// 1/(u_{i+1} - u_i).
+    reciprocals: Vec<f64>,
+    table: SpanTable,
+}
+
+/// From a parameter to the spans in question.
+#[derive(Clone, Debug, PartialEq)]
+struct SpanTable {
+    /// u₀ and 1/(u_end - u₀).
+    domain: (f64, f64),
+    /// The intervals are as many as 2^(64 - shift).
+    shift: u32,
+    /// Of each interval, the last span that begins in an earlier one; and once more for the end.
+    last_before: Vec<u32>,
+}
+
+impl SpanTable {
+    fn new(begins: &[f64], spans: usize) -> Self {
+        let (first, last) = (begins[0], begins[spans]);
+        let bits = spans.next_power_of_two().trailing_zeros().clamp(1, 31);
+        let mut table =
+            Self { domain: (first, 1.0 / (last - first)), shift: 64 - bits, last_before: Vec::new() };
+        let intervals: Vec<usize> = begins[1..spans].iter().map(|u| table.interval(*u)).collect();
+        let before = |interval| intervals.partition_point(|i| *i < interval);
+        table.last_before =
+            (0..=1_usize << bits).map(|i| u32::try_from(before(i)).unwrap_or(u32::MAX)).collect();
+        table
+    }
+
+    /// The interval of `u`; it never falls as u rises.
+    #[inline]
+    fn interval(&self, u: f64) -> usize {
+        let fraction = (u - self.domain.0) * self.domain.1;
+        usize::try_from(fraction.to_phase(0) >> self.shift).unwrap_or(usize::MAX)
+    }
+
+    /// The last span that does not begin after `u`, or the first.
+    #[inline]
+    fn find(&self, begins: &[f64], u: f64) -> usize {
+        let interval = self.interval(u);
+        let bounds = self.last_before.get(interval..).and_then(|rest| rest.first_chunk());
+        let Some([from, to]) = bounds.map(|pair: &[u32; 2]| pair.map(|span| span as usize)) else { return 0 };
+        let in_question = begins.get(from + 1..=to).unwrap_or_default();
+        from + in_question.partition_point(|begin| *begin <= u)
+    }
+}
+
+/// One span, ready to be evaluated.
+#[derive(Clone, Copy, Debug)]
+struct PowerSpan<'a, const D: usize> {
+    begin: f64,
+    end: f64,
+    reciprocal: f64,
+    rows: &'a [[f64; D]],
+    weights: &'a [f64],
+}
+
+impl<const D: usize> PowerSpan<'_, D> {
+    /// Cubics, the common case, go by chains of known length, which the compiler unrolls: a third of the instructions less.
+    #[inline]
+    fn point(&self, u: f64) -> [f64; D] {
+        let t = (u - self.begin) * self.reciprocal;
+        match (<&[_; 4]>::try_from(self.rows), <&[_; 3]>::try_from(self.weights)) {
+            (Ok(rows), Ok(weights)) => point_at(rows, weights, t),
+            (Ok(rows), Err(_)) => point_at(rows, &[], t),
+            _ => point_at(self.rows, self.weights, t),
+        }
+    }
+
+    /// See [`point`](Self::point).
+    #[inline]
+    fn derivatives(&self, u: f64) -> Derivatives<f64, D> {
+        let t = (u - self.begin) * self.reciprocal;
+        match (<&[_; 4]>::try_from(self.rows), <&[_; 3]>::try_from(self.weights)) {
+            (Ok(rows), Ok(weights)) => derivatives_at(rows, weights, t, self.reciprocal),
+            (Ok(rows), Err(_)) => derivatives_at(rows, &[], t, self.reciprocal),
+            _ => derivatives_at(self.rows, self.weights, t, self.reciprocal),
+        }
+    }
+}
+
+/// O + N(t)/W(t).
+#[inline(always)]
+fn point_at<const D: usize>(rows: &[[f64; D]], weights: &[f64], t: f64) -> [f64; D] {
+    let [origin, rest @ ..] = rows else { return [0.0; D] };
+    let [offset] = chains(rest, t);
+    let factor = if weights.is_empty() {
+        t
+    } else {
+        let [weight] = chains(weights.as_chunks::<1>().0, t);
+        t / (weight[0] * t + 1.0)
+    };
+    core::array::from_fn(|d| offset[d] * factor + origin[d])
+}
+
+/// The point, and C' and C'' by u; `rate` is dt/du.
+#[inline(always)]
+fn derivatives_at<const D: usize>(
+    rows: &[[f64; D]],
+    weights: &[f64],
+    t: f64,
+    rate: f64,
+) -> Derivatives<f64, D> {
+    let [origin, rest @ ..] = rows else {
+        return Derivatives { point: [0.0; D], first: [0.0; D], second: [0.0; D] };
+    };
+    let [mut offset, mut first, mut half_second] = expansion(chains(rest, t), t);
+    if !weights.is_empty() {
+        let [[weight], [rise], [half_turn]] = expansion(chains(weights.as_chunks::<1>().0, t), t);
+        let reciprocal = 1.0 / (weight + 1.0);
+        for d in 0..D {
+            offset[d] *= reciprocal;
+            first[d] = (first[d] - rise * offset[d]) * reciprocal;
+            half_second[d] = (half_second[d] - rise * first[d] - half_turn * offset[d]) * reciprocal;
+        }
+    }
+    let twice_square = 2.0 * rate * rate;
+    Derivatives {
+        point: core::array::from_fn(|d| offset[d] + origin[d]),
+        first: first.map(|x| x * rate),
+        second: half_second.map(|x| x * twice_square),
+    }
+}
+
+/// Of `q(t) = Σ row_k t^k`, q and its first derivatives over 1, 1, 2, …: as many as are asked for.
+#[inline(always)]
+fn chains<const D: usize, const ASKED: usize>(rows: &[[f64; D]], t: f64) -> [[f64; D]; ASKED] {
+    let mut chains = [[0.0; D]; ASKED];
+    for row in rows.iter().rev() {
+        for d in 0..D {
+            for k in (1..ASKED).rev() {
+                chains[k][d] = chains[k][d] * t + chains[k - 1][d];
+            }
+            chains[0][d] = chains[0][d] * t + row[d];
+        }
+    }
+    chains
+}
+
+/// From q, q' and q''/2 those of `t q`.
+#[inline(always)]
+fn expansion<const D: usize>([q, slope, bend]: [[f64; D]; 3], t: f64) -> [[f64; D]; 3] {
+    let times_t = |of: [f64; D], more: [f64; D]| core::array::from_fn(|d| of[d] * t + more[d]);
+    [q.map(|x| x * t), times_t(slope, q), times_t(bend, slope)]
+}
+
+impl<const D: usize> PowerCurve<D> {
+    /// Converts a curve; the coefficients are computed in `H` and rounded once.
+    #[must_use]
+    pub fn new<H: Backend>(curve: &NurbsCurve<'_, f64, D>) -> Self {
+        let knots = curve.knots().as_slice();
+        let degree = curve.degree();
+        let mut begins = Vec::with_capacity(curve.span_count() + 1);
+        let (mut rows, mut weights) = (Vec::new(), Vec::new());
+        for span in (degree..curve.control_points().len()).filter(|i| knots[*i] < knots[i + 1]) {
+            begins.push(knots[span]);
+            let high = |x: f64| H::from_f64(x).unwrap_or_else(H::zero);
+            let bezier = Bezier::<H, D>::of_span(curve, span, high(knots[span]), high(knots[span + 1]));
+            push_span(&bezier, &mut rows, &mut weights);
+        }
+        begins.push(curve.domain().1);
+        let spans = begins.len() - 1;
+        let reciprocals = begins.windows(2).map(|pair| 1.0 / (pair[1] - pair[0])).collect();
+        let table = SpanTable::new(&begins, spans);
+        Self { degree, rows, weights, begins, reciprocals, table }
+    }
+
+    /// The degree p.
+    #[must_use]
+    pub fn degree(&self) -> usize {
+        self.degree
+    }
+
+    /// Evaluation at parameters of which one is often in the same span as the one before it.
+    #[must_use]
+    pub fn cursor(&self) -> PowerCursor<'_, D> {
+        PowerCursor { curve: self, span: self.span(0) }
+    }
+
+    /// Bytes of the tables.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        size_of_val(&*self.rows)
+            + size_of_val(&*self.weights)
+            + size_of_val(&*self.begins)
+            + size_of_val(&*self.reciprocals)
+            + size_of_val(&*self.table.last_before)
+    }
+
+    #[inline]
+    fn span(&self, index: usize) -> PowerSpan<'_, D> {
+        let count = self.degree + 1;
+        let bounds: Option<&[f64; 2]> = self.begins.get(index..).and_then(|rest| rest.first_chunk());
+        let [begin, end] = bounds.copied().unwrap_or_default();
+        PowerSpan {
+            begin,
+            end,
+            reciprocal: self.reciprocals.get(index).copied().unwrap_or_default(),
+            rows: of_span(&self.rows, index, count),
+            weights: of_span(&self.weights, index, self.degree),
+        }
+    }
+
+    #[inline]
+    fn span_of(&self, u: f64) -> PowerSpan<'_, D> {
+        self.span(self.table.find(&self.begins, u))
+    }
+}
+
+/// The `count` items of the span at `index`, if there are any.
+#[inline]
+fn of_span<T>(items: &[T], index: usize, count: usize) -> &[T] {
+    items.get(index * count..).and_then(|rest| rest.get(..count)).unwrap_or_default()
+}
+
+/// Appends O, n_1 … n_p and, if rational, w_1 … w_p, with weights over the first one.
+fn push_span<H: Backend, const D: usize>(
+    bezier: &Bezier<H, D>,
+    rows: &mut Vec<[f64; D]>,
+    weights: &mut Vec<f64>,
+) {
+    let (start, unit) = (bezier.euclidean(0), bezier.weights[0]);
+    let column = |d: usize| {
+        let seen = bezier.points.iter().zip(&bezier.weights).map(|(p, w)| (p[d] - start[d] * *w) / unit);
+        power_basis(&seen.collect::<Vec<H>>())
+    };
+    let columns: [Vec<H>; D] = core::array::from_fn(column);
+    rows.push(start.map(|x| x.to_f64()));
+    rows.extend((1..bezier.points.len()).map(|k| core::array::from_fn(|d| columns[d][k].to_f64())));
+    if bezier.rational {
+        let relative: Vec<H> = bezier.weights.iter().map(|w| *w / unit).collect();
+        weights.extend(power_basis(&relative).iter().skip(1).map(|w| w.to_f64()));
+    }
+}
+
+impl<const D: usize> Evaluate<f64, D> for PowerCurve<D> {
+    fn domain(&self) -> (f64, f64) {
+        (self.begins[0], self.begins[self.begins.len() - 1])
+    }
+
+    /// The point `C(u)` by Horner's scheme.
+    ///
+    /// Accuracy: the coefficients of a span whose control points have the extent E sum up to at most `3^p E`, and the error
+    /// is at most `4 ε` times that, and ε times the largest coordinate. With weights from v to W in the span it is
+    /// `16 (W/v)²` times as large.
+    fn point(&self, u: f64) -> [f64; D] {
+        self.span_of(u).point(u)
+    }
+
+    fn span_count(&self) -> usize {
+        self.reciprocals.len()
+    }
+
+    fn span_bounds(&self, span: usize) -> (f64, f64) {
+        let span = self.span(span.min(self.reciprocals.len() - 1));
+        (span.begin, span.end)
+    }
+}
+
+impl<const D: usize> Differentiate<f64, D> for PowerCurve<D> {
+    fn derivatives(&self, u: f64) -> Derivatives<f64, D> {
+        self.span_of(u).derivatives(u)
+    }
+
+    fn derivatives_in(&self, span: usize, u: f64) -> Derivatives<f64, D> {
+        self.span(span.min(self.reciprocals.len() - 1)).derivatives(u)
+    }
+}
+
+/// Evaluates one curve at many parameters, and looks a span up only where the one before does not hold.
+#[derive(Clone, Copy, Debug)]
+pub struct PowerCursor<'a, const D: usize> {
+    curve: &'a PowerCurve<D>,
+    span: PowerSpan<'a, D>,
+}
+
+impl<const D: usize> PowerCursor<'_, D> {
+    /// The same as the curve's [`point`](Evaluate::point).
+    #[inline]
+    pub fn point(&mut self, u: f64) -> [f64; D] {
+        self.seek(u);
+        self.span.point(u)
+    }
+
+    /// The same as the curve's [`derivatives`](Differentiate::derivatives).
+    #[inline]
+    pub fn derivatives(&mut self, u: f64) -> Derivatives<f64, D> {
+        self.seek(u);
+        self.span.derivatives(u)
+    }
+
+    #[inline]
+    fn seek(&mut self, u: f64) {
+        if !(self.span.begin <= u && u < self.span.end) {
+            self.span = self.curve.span_of(u);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::oracle::exactly;
+    use crate::{NurbsBuf, generate, golden};
+    use proptest::prelude::*;
+    use real::DoubleDouble;
+
+    fn converted<const D: usize>(curve: &NurbsBuf<f64, D>) -> PowerCurve<D> {
+        PowerCurve::new::<DoubleDouble>(&curve.as_curve())
+    }
+
+    /// `3^p E`, and with weights `16 (W/v)²` times that; the largest coordinate; of all spans.
+    fn sizes<const D: usize>(curve: &NurbsBuf<f64, D>) -> (f64, f64) {
+        let coordinates = || curve.control_points().iter().flatten();
+        let extent =
+            coordinates().fold(f64::MIN, |m, x| m.max(*x)) - coordinates().fold(f64::MAX, |m, x| m.min(*x));
+        let (v, w) = curve.weights().iter().fold((f64::MAX, 0.0_f64), |(v, w), x| (v.min(*x), w.max(*x)));
+        let growth = if v < w { 16.0 * (w / v).powi(2) } else { 1.0 };
+        let power = 3_f64.powi(i32::try_from(curve.degree()).unwrap());
+        (power * extent * growth, coordinates().fold(0.0, |m: f64, x| m.max(x.abs())))
+    }
+
+    fn largest<const D: usize>(found: &[f64; D], exact: &[DoubleDouble; D]) -> f64 {
+        found.iter().zip(exact).fold(0.0, |m, (x, e)| m.max((DoubleDouble::from(*x) - *e).value().abs()))
+    }
+
+    proptest! {
+        #[test]
+        fn points_are_as_accurate_as_said((curve, u) in generate::curve_and_parameter::<3>()) {
+            let fast = converted(&curve);
+            let (sum, coordinate) = sizes(&curve);
+            let error = largest(&fast.point(u), &exactly(&curve).as_curve().point(u.into()));
+            let bound = f64::EPSILON * (4.0 * sum + coordinate);
+            prop_assert!(error <= bound, "u={u}: {error} > {bound}");
+        }
+
+        #[test]
+        fn derivatives_are_those_of_the_curve((curve, span, t) in generate::curve_span_and_fraction::<2>()) {
+            let fast = converted(&curve);
+            let (a, b) = fast.span_bounds(span);
+            prop_assert_eq!((a, b), curve.as_curve().span_bounds(span));
+            let u = a + (b - a) * t;
+            let found = fast.derivatives_in(span, u);
+            let exact = exactly(&curve).as_curve().derivatives_in(span, u.into());
+            let (sum, _) = sizes(&curve);
+            let (w, v) = curve.weights().iter().fold((0.0_f64, f64::MAX), |(w, v), x| (w.max(*x), v.min(*x)));
+            // Each differentiation magnifies by p over the width, and with weights by their ratio.
+            let growth = 2.0 * curve.degree() as f64 / (b - a) * (w / v);
+            let bound = 4.0 * f64::EPSILON * sum * growth;
+            let errors = [largest(&found.first, &exact.first), largest(&found.second, &exact.second)];
+            prop_assert!(errors[0] <= bound, "C'({u}): {} > {bound}", errors[0]);
+            prop_assert!(errors[1] <= bound * growth, "C''({u}): {} > {}", errors[1], bound * growth);
+        }
+
+        /// On knots that crowd and repeat, at knots and between them, in any order.
+        #[test]
+        fn the_span_is_that_of_the_knot_vector(
+            (curve, _) in generate::curve_and_parameter::<2>(),
+            parameters in proptest::collection::vec(-0.25..1.25_f64, 1..40),
+        ) {
+            let fast = converted(&curve);
+            let mut cursor = fast.cursor();
+            for u in parameters.iter().chain(curve.knots()) {
+                let knots = curve.as_curve();
+                let place = knots.knots().as_slice()[knots.knots().find_span(*u)];
+                prop_assert_eq!(fast.span_of(*u).begin, place, "u={}", u);
+                prop_assert_eq!(cursor.point(*u), fast.point(*u));
+                prop_assert_eq!(cursor.derivatives(*u), fast.derivatives(*u));
+                prop_assert_eq!(fast.derivatives(*u).point.len(), 2);
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_not_a_number_gives_nothing_that_looks_like_one() {
+        let fast = converted(&golden::seed_003());
+        assert!(fast.point(f64::NAN).iter().all(|x| x.is_nan()));
+        assert!(fast.cursor().derivatives(f64::NAN).first.iter().all(|x| x.is_nan()));
+        assert!(fast.point(f64::INFINITY).iter().all(|x| !x.is_finite()));
+    }
+
+    #[test]
+    fn a_long_curve_takes_the_memory_that_is_said() {
+        let count = 4099_u32; // 4096 spans
+        let points = (0..count).map(|i| [f64::from(i), f64::from(i % 7), f64::from(i % 5)]).collect();
+        let inner = (1..4096).map(f64::from);
+        let knots = [0.0; 4].into_iter().chain(inner).chain([4096.0; 4]).collect();
+        let curve = NurbsBuf::try_new_nonrational(3, points, knots).unwrap();
+        let bytes = converted(&curve).bytes();
+        assert_eq!(bytes, 4096 * (8 * (4 * 3 + 2) + 4) + 8 + 4);
+    }
+
+    #[test]
+    fn a_circle_keeps_its_radius() {
+        let fast = converted(&golden::circle(10.0));
+        for k in 0..=1000 {
+            let [x, y] = fast.point(f64::from(k) / 1000.0);
+            assert!((x.hypot(y) - 10.0).abs() < 2e-14, "{k}: {x} {y}");
+        }
+    }
+}
