@@ -76,10 +76,10 @@ fn a_folder_that_cannot_be_written_is_named() {
     fs::write(&file, "").expect("a file");
     let below = file.join("report");
     let below = below.to_str().expect("a name");
-    is_refused(
-        &feedbits(&["compare", "--formats", "f32", "--evaluate", "pieces", "--report", below]),
-        &["cannot make the folder", below],
-    );
+    // The table was made by then, and is shown.
+    let output = feedbits(&["compare", "--formats", "f32", "--evaluate", "pieces", "--report", below]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(said(&output).contains(&format!("cannot make the folder {below}")), "{}", said(&output));
     // Nobody may make files there, whoever runs this.
     is_refused(&feedbits(&["formats", "--out", "/proc/formats"]), &["cannot write /proc/formats"]);
 }
@@ -133,7 +133,7 @@ fn binary_files_are_refused() {
         for command in ["check", "compare", "plan", "convert --to g1 --tolerance 0.1"] {
             let output = in_shell(":", &format!("{command} {name}"), folder.path());
             is_refused(&output, &[name]);
-            assert!(output.stderr.len() < 100_000, "{command} {name}: {} bytes", output.stderr.len());
+            assert!(output.stderr.len() < 1 << 20, "{command} {name}: {} bytes", output.stderr.len());
         }
         is_refused(&in_shell(":", &format!("plan --machine {name}"), folder.path()), &[name]);
     }
@@ -144,26 +144,26 @@ fn binary_files_are_refused() {
 fn a_soak_goes_on_where_it_stopped_and_refuses_what_is_not_its_own() {
     let folder = tempfile::tempdir().expect("a folder");
     let run = |arguments: &str| in_shell(":", &format!("--quiet soak {arguments}"), folder.path());
-    let first = run("--periods 2k --formats f64,I4F28 --seed 3 --resume s.json");
+    let first = run("--periods 2k --formats I4F28 --seed 3 --resume s.json");
     assert!(first.status.success(), "{}{}", String::from_utf8_lossy(&first.stdout), said(&first));
-    let again = run("--periods 2k --formats f64,I4F28 --seed 3 --resume s.json --json");
+    let again = run("--periods 2k --formats I4F28 --seed 3 --resume s.json --json");
     let state: serde_json::Value = serde_json::from_slice(&again.stdout).expect("JSON");
-    assert!(state["formats"][1]["worst"]["periods"].as_u64() >= Some(2000), "{state}");
+    assert!(state["formats"][0]["worst"]["periods"].as_u64() >= Some(2000), "{state}");
     assert_eq!(
         (state["violations"].as_u64(), state["next_path"].as_u64().map(|n| n % 32)),
         (Some(0), Some(0))
     );
-    let more = run("--periods 90k --formats f64,I4F28 --seed 3 --resume s.json --json");
+    let more = run("--periods 3M --formats I4F28 --seed 3 --resume s.json --json");
     let grown: serde_json::Value = serde_json::from_slice(&more.stdout).expect("JSON");
     assert!(grown["next_path"].as_u64() > state["next_path"].as_u64(), "{grown}");
-    let once = run("--periods 90k --formats f64,I4F28 --seed 3 --json");
+    let once = run("--periods 3M --formats I4F28 --seed 3 --json");
     let once: serde_json::Value = serde_json::from_slice(&once.stdout).expect("JSON");
     assert_eq!((&once["formats"], &once["next_path"]), (&grown["formats"], &grown["next_path"]));
 
-    is_refused(&run("--formats f64,I4F28 --seed 4 --resume s.json"), &["s.json", "seed 3"]);
+    is_refused(&run("--formats I4F28 --seed 4 --resume s.json"), &["s.json", "seed 3"]);
     is_refused(&run("--formats f64 --seed 3 --resume s.json"), &["s.json", "other formats"]);
     is_refused(&run("--formats I99F1"), &["I99F1", "known are f64"]);
     is_refused(&run("--periods 0"), &["'0'", "above 0"]);
     fs::write(folder.path().join("s.json"), "{").expect("a file");
-    is_refused(&run("--formats f64,I4F28 --resume s.json"), &["s.json is no state of a soak"]);
+    is_refused(&run("--formats I4F28 --resume s.json"), &["s.json is no state of a soak"]);
 }

@@ -1,16 +1,13 @@
 //! A real-time step takes nothing from the heap: measured, in every format and by every way of stepping. One test, because
 //! the count is of the whole process. That none of it can be reached is shown at link time too, by `scripts/no-panic`.
 
-mod path_run;
-
 use feed_plan::{Schedule, Stage};
-use nurbs_core::NurbsBuf;
-use path_run::{Path, Settings, compiled, swing};
+use nurbs_core::{NurbsBuf, PieceLimits, PiecesBuf, compile};
 use peak_alloc::PeakAlloc;
-use real::{Backend, I2F30, I3F29, I4F28, I4F60, I8F24, I16F16, I16F48, I32F32, Real};
+use real::{Backend, DoubleDouble, I2F30, I3F29, I4F28, I4F60, I8F24, I16F16, I16F48, I32F32, Real};
 use secant_interp::{
-    ChordTolerance, FeedOverride, Interpolator, Method, OverrideLimits, OverrideState, PieceInterpolator,
-    Rate, StageShape, StepLengths, Tolerance,
+    ChordTolerance, FeedOverride, Interpolator, LengthStage, Method, OverrideLimits, OverrideState,
+    PieceInterpolator, Rate, StageShape, StepLengths, Tolerance,
 };
 
 #[global_allocator]
@@ -44,11 +41,15 @@ fn paper_a() -> NurbsBuf<f64, 2> {
 }
 
 fn on_pieces<R: Backend>() {
-    let path = Path { curves: vec![paper_a()], feed_mm: 0.6 };
-    let table = compiled::<R, 2>(&path, &Settings::default()).unwrap();
+    let limits = PieceLimits { length_mm: 32.0, step_mm: 0.63 };
+    let table: PiecesBuf<R, 2> = compile::<DoubleDouble, R, 2>(&[paper_a().as_curve()], &limits).unwrap();
     let unit = 1.0.scale(table.as_pieces().chord_exponent);
     let number = |x: f64| R::from_f64(x * unit).unwrap();
-    let stages = swing::<R>(path.feed_mm * unit);
+    let swing = [(0.0, 0.6), (0.6, 0.3), (0.3, 0.3), (0.3, 0.6)];
+    let swing = swing.into_iter().chain([(0.6, 0.3), (0.3, 0.6)].into_iter().cycle().take(100));
+    let stages: Vec<LengthStage<R>> = swing
+        .filter_map(|(from, to)| LengthStage::new(20 << 32, number(from), number(to) - number(from)))
+        .collect();
     let interpolator = PieceInterpolator {
         pieces: table.as_pieces(),
         lengths: StepLengths { stages: &stages },

@@ -36,7 +36,7 @@ pub struct PieceFigures {
     pub operations: u64,
     /// Difference of chord and wanted chord over its bound.
     pub length_share: f64,
-    /// Chord error over the limit.
+    /// Chord error over the limit, where rounding cannot have moved the run by more than a quarter of a chord.
     pub chord_error_share: f64,
     /// Steps over three pieces or more whose chord error is above the limit: what is narrower than 2⁻²⁰ of a span, a
     /// plan may miss ([`feed_plan::FeedLimit::along`]).
@@ -187,6 +187,8 @@ struct Steps<'a, R, const D: usize> {
     at: (usize, u64),
     worst: PieceFigures,
     units: LengthUnits,
+    /// Steps since the run last landed.
+    adrift: u64,
 }
 
 /// In what the difference of a chord and the wanted chord is measured.
@@ -236,7 +238,7 @@ impl<'a, R: Backend, const D: usize> Steps<'a, R, D> {
             chord: 1.0_f64.scale(-pieces.chord_exponent),
         };
         let worst = PieceFigures::default();
-        Self { run, judge, name: R::name().to_string(), at: (0, 0), worst, units }
+        Self { run, judge, name: R::name().to_string(), at: (0, 0), worst, units, adrift: 0 }
     }
 
     fn check(&mut self, setpoint: &PieceSetpoint<R, D>, lands: bool) -> Result<(), Violation> {
@@ -272,6 +274,9 @@ impl<'a, R: Backend, const D: usize> Steps<'a, R, D> {
         worst.evaluations_share = worst.evaluations_share.max(share);
         worst.feed_share = worst.feed_share.max(feed);
         self.at = to;
+        if lands {
+            self.adrift = 0;
+        }
         if to.0 < self.judge.len() {
             let converged = setpoint.evaluations < self.run.tolerance.max_evaluations;
             self.check_chord(step, from, to, wanted, converged && !lands)?;
@@ -306,7 +311,11 @@ impl<'a, R: Backend, const D: usize> Steps<'a, R, D> {
             self.worst.length_share = self.worst.length_share.max(share);
         }
         let limits = &self.run.planned.path.limits;
-        let is_judged = turn > SMOOTH && wanted > SHORT_MM && self.run.tolerance.max_evaluations >= ENOUGH;
+        // Each step is off its plan by a rounding, and in a slow run at one feed always to the same side.
+        self.adrift += 1;
+        let is_in_place = resolution * self.adrift as f64 <= wanted / 4.0;
+        let is_judged =
+            is_in_place && turn > SMOOTH && wanted > SHORT_MM && self.run.tolerance.max_evaluations >= ENOUGH;
         if is_judged {
             let error = self.judge.chord_error((from, &start), (to, &end));
             let share = error / limits.chord_error;
