@@ -6,6 +6,8 @@
 
 use core::ops::Range;
 
+use real::Real;
+
 use crate::PieceInterpolator;
 use crate::step_lengths::StepLengths;
 
@@ -50,10 +52,7 @@ pub fn stretches(
     })
 }
 
-impl<'a, R, const D: usize> PieceInterpolator<'a, R, D>
-where
-    R: real::Real,
-{
+impl<'a, R: Real, const D: usize> PieceInterpolator<'a, R, D> {
     /// The run of one stretch: its setpoints number pieces from the stretch's first. It ends on the stop.
     #[must_use]
     pub fn on(&self, stretch: &Stretch) -> PieceInterpolator<'a, R, D> {

@@ -74,7 +74,7 @@ impl<'a, R: Backend, const D: usize> OnPieces<'a, R, D> {
     pub fn new(planned: &'a Planned<'a, D>) -> Result<Self, String> {
         let table = compiled::<R, D>(planned.path, &planned.stops())?;
         let exponent = table.as_pieces().chord_exponent;
-        let landing = R::from_f64(planned.path.limits.acceleration.scale(exponent));
+        let landing = R::from_f64(planned.landing_step().scale(exponent));
         let (Some((stages, rests)), Some(landing_step)) = (planned.stages(exponent), landing) else {
             return Err(format!("a feed of the plan does not fit {}", R::name()));
         };

@@ -54,6 +54,12 @@ impl<'a, const D: usize> Planned<'a, D> {
         self.chords.as_schedule().periods().saturating_mul(self.slower)
     }
 
+    /// The longest step from which a run comes to rest: the acceleration, or as much less as the run is slower.
+    #[must_use]
+    pub fn landing_step(&self) -> f64 {
+        self.path.limits.acceleration / f64::from(self.slower).powi(2)
+    }
+
     /// Periods after which a run has to be over.
     #[must_use]
     pub fn most_periods(&self) -> usize {
