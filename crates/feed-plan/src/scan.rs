@@ -17,8 +17,11 @@ use crate::{KinematicLimits, LimitPoint, PlanError};
 
 /// At least 2⁴ stretches a span.
 const COARSEST: i32 = -4;
-/// No stretch shorter than 2⁻²⁰ of a span, or than eight units of the format's resolution.
-const FINEST: i32 = -20;
+/// No stretch shorter than 2⁻²⁰ of a span, or than eight units of the format's resolution; once a span has taken
+/// `FINE_TRIALS`, none shorter than 2⁻¹⁴, so that the trials last to its end.
+const FINEST: [i32; 2] = [-20, -14];
+/// See [`FINEST`]: a cusp takes some hundred.
+const FINE_TRIALS: usize = 1 << 12;
 /// Stretches tried in a span, those refused among them; what is left of the span is then one stretch.
 const TRIALS: usize = 1 << 16;
 /// A stretch over which `V²` leaves the straight line by more than 2⁻⁸ of itself is halved.
@@ -245,11 +248,13 @@ impl<R: Real, C> Span<'_, R, C> {
     {
         let (begin, end) = self.shape.span_bounds(self.index);
         let coarsest = (end - begin).scale(COARSEST);
-        let finest = (end - begin).scale(FINEST).max(R::resolution().scale(3)).min(coarsest);
+        let least = |finest| (end - begin).scale(finest).max(R::resolution().scale(3)).min(coarsest);
+        let finest = FINEST.map(least);
         let mut here = self.sample(begin);
         let mut samples = Vec::from([here]);
         let mut step = coarsest;
         for trial in 0..=TRIALS {
+            let finest = finest[usize::from(trial >= FINE_TRIALS)];
             let wanted = here.u + step.min(self.longest / here.speed).max(finest);
             let is_inside = wanted > here.u && wanted < end - finest && trial < TRIALS;
             let mut next = self.sample(if is_inside { wanted } else { end });
