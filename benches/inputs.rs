@@ -1,5 +1,6 @@
 //! Inputs of the benches: paper A's curve, the 10-point rational one and a long space curve, with their feeds.
 
+use feed_plan::{Junction, KinematicLimits};
 use nurbs_core::{NurbsBuf, PieceLimits, PiecesBuf, compile};
 use real::{Backend, DoubleDouble, Real};
 use secant_interp::LengthStage;
@@ -112,7 +113,25 @@ impl Path<2> {
     }
 }
 
+/// Paper A's interpolation period.
+pub const PERIOD_S: f64 = 3e-3;
+
 impl<const D: usize> Path<D> {
+    /// Paper A's limits at this path's feed, per period.
+    #[must_use]
+    pub fn limits(&self) -> KinematicLimits<f64> {
+        KinematicLimits {
+            interpolation_period: 1.0,
+            feedrate: self.feed_mm,
+            acceleration: 5000.0 * PERIOD_S.powi(2),
+            jerk: 4e5 * PERIOD_S.powi(3),
+            chord_error: 5e-4,
+            centripetal_acceleration: None,
+            axes: Default::default(),
+            junction: Junction::Stop,
+        }
+    }
+
     /// The curve compiled for `R`.
     ///
     /// # Panics

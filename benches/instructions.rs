@@ -5,7 +5,7 @@
 
 use std::hint::black_box;
 
-use feed_plan::{EndFeeds, FeedLimit, Junction, KinematicLimits};
+use feed_plan::{EndFeeds, FeedLimit, KinematicLimits};
 use feedbits_benches::{Path, paper_a, ten_points, winding};
 use iai_callgrind::{library_benchmark, library_benchmark_group, main};
 use nurbs_core::{Evaluate, NurbsBuf, PiecesBuf};
@@ -48,16 +48,7 @@ fn steps<R: Backend>((table, stages): &Compiled<R>) -> u64 {
 }
 
 fn planned(path: &Path<2>) -> (NurbsBuf<f64, 2>, KinematicLimits<f64>) {
-    let limits = KinematicLimits {
-        interpolation_period: 1.0,
-        feedrate: path.feed_mm,
-        acceleration: 0.009,
-        jerk: 0.001_35,
-        chord_error: 5e-4,
-        centripetal_acceleration: None,
-        axes: Default::default(),
-        junction: Junction::Stop,
-    };
+    let limits = KinematicLimits { acceleration: 0.009, jerk: 0.001_35, ..path.limits() };
     (path.curve.clone(), limits)
 }
 

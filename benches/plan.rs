@@ -1,26 +1,15 @@
 //! How long planning takes, by the number of spans: it grows with the path, and stays far below the path's own time.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use feed_plan::{EndFeeds, FeedLimit, Junction, KinematicLimits, ProfileKind, jerk_free_duration, plan_with};
-use feedbits_benches::{paper_a, winding};
-
-const PERIOD_S: f64 = 3e-3;
+use feed_plan::{EndFeeds, FeedLimit, ProfileKind, jerk_free_duration, plan_with};
+use feedbits_benches::{PERIOD_S, paper_a, winding};
 
 fn planning(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("feed-plan");
     group.sample_size(10);
     let windings = [10, 100, 1000, 10_000].map(|spans| (format!("{spans} spans"), winding(spans)));
     for (what, path) in [("A".to_string(), paper_a())].into_iter().chain(windings) {
-        let limits = KinematicLimits {
-            interpolation_period: 1.0,
-            feedrate: path.feed_mm,
-            acceleration: 5000.0 * PERIOD_S.powi(2),
-            jerk: 4e5 * PERIOD_S.powi(3),
-            chord_error: 5e-4,
-            centripetal_acceleration: None,
-            axes: Default::default(),
-            junction: Junction::Stop,
-        };
+        let limits = path.limits();
         let curves = [path.curve.as_curve()];
         let limit = FeedLimit::along(&curves, &limits).expect("a limit");
         let own_time = jerk_free_duration(&limit, &limits) * PERIOD_S;

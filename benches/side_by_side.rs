@@ -10,7 +10,7 @@ mod textbook;
 use std::hint::black_box;
 
 use contestants::{Asked, BSPLINE, CURVO, LOOKED_UP, REMEMBERED, contestants};
-use feed_plan::{EndFeeds, FeedLimit, Junction, KinematicLimits};
+use feed_plan::{EndFeeds, FeedLimit};
 use feedbits_benches::{Path, helix, paper_a, ten_points, thousand_points, winding};
 use nurbs_core::{Differentiate, Evaluate, Pieces, PiecesBuf, PowerCurve};
 use race::{Runner, Time, race};
@@ -257,17 +257,7 @@ fn memory(count: u32, path: &Path<3>, pieces: &Pieces<'_, f64, 3>) {
 
 /// Limit and plan, for each point at which the limit is known.
 fn planning(name: &str, path: &Path<2>) {
-    let period = 3e-3_f64;
-    let limits = KinematicLimits {
-        interpolation_period: 1.0,
-        feedrate: path.feed_mm,
-        acceleration: 5000.0 * period.powi(2),
-        jerk: 4e5 * period.powi(3),
-        chord_error: 5e-4,
-        centripetal_acceleration: None,
-        axes: Default::default(),
-        junction: Junction::Stop,
-    };
+    let limits = path.limits();
     let curves = [path.curve.as_curve()];
     let limit = FeedLimit::along(&curves, &limits).expect("a limit");
     let points = limit.points().len() as u64;
