@@ -56,6 +56,12 @@ impl<R: Real> Stage<R> {
         }
     }
 
+    /// Curve and parameter at which the stage comes to rest, if it does.
+    #[must_use]
+    pub fn rest(&self) -> Option<(usize, R)> {
+        (self.end_feed <= R::zero()).then_some((self.curve_end, self.u_end))
+    }
+
     /// Feed at `time` after the stage's start.
     #[must_use]
     pub fn feed_at(&self, time: R) -> R {
@@ -323,6 +329,14 @@ mod tests {
                 u_end: 0.0,
             }
         })
+    }
+
+    #[test]
+    fn a_stage_rests_where_its_feed_ends_at_zero() {
+        let [_, _, last] = stages();
+        assert_eq!(last.rest(), None);
+        let stop = Stage { end_feed: 0.0, curve_end: 2, u_end: 0.25, ..last };
+        assert_eq!(stop.rest(), Some((2, 0.25)));
     }
 
     #[test]

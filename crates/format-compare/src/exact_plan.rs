@@ -105,8 +105,7 @@ impl ExactPlan {
 
     /// Where each stage comes to rest, if it does.
     pub(crate) fn rests(&self) -> impl Iterator<Item = Rest> {
-        let rest = |stage: &Stage<DoubleDouble>| (stage.curve_end, stage.u_end.value());
-        self.stages.iter().map(move |stage| (stage.end_feed.value() <= 0.0).then(|| rest(stage)))
+        self.stages.iter().map(|stage| stage.rest().map(|(curve, u)| (curve, u.value())))
     }
 
     /// The transitions that the plan is made of.

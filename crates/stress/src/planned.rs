@@ -69,7 +69,7 @@ impl<'a, const D: usize> Planned<'a, D> {
     /// Curve and parameter of each rest, in order.
     #[must_use]
     pub fn stops(&self) -> Vec<(usize, f64)> {
-        self.chords.stages().iter().filter_map(rest).collect()
+        self.chords.stages().iter().filter_map(Stage::rest).collect()
     }
 
     /// The plan keeps feed, acceleration and jerk at every stage, joins its stages, ends at rest at the end, and stays
@@ -160,16 +160,12 @@ impl<'a, const D: usize> Planned<'a, D> {
             let (from, to) = (feed(stage.start_feed)?, feed(stage.end_feed)?);
             if let Some(compiled) = LengthStage::new(end.saturating_sub(begin), from, to - from) {
                 stages.push(compiled.shaped(stage.shape));
-                rests.push(rest(stage));
+                rests.push(stage.rest());
             }
             begin = end;
         }
         Some((stages, rests))
     }
-}
-
-fn rest(stage: &Stage<f64>) -> Rest {
-    (stage.end_feed <= 0.0).then_some((stage.curve_end, stage.u_end))
 }
 
 /// Curve and parameter at which a stage comes to rest, if it does.
