@@ -101,12 +101,19 @@ struct Used {
 fn used<const D: usize>(path: &Path<'_, D>, limits: &KinematicLimits<f64>, plan: &ScheduleBuf<f64>) -> Used {
     let mut used = Used::default();
     let most = |slot: &mut f64, value: f64| *slot = slot.max(value);
+    let rests = plan.stages().iter().filter(|stage| stage.start_feed == 0.0).map(|stage| stage.start);
+    let rests: Vec<f64> = rests.collect();
+    // No chord between two such places leaves the curve by more.
+    let beside_rest = |distance: f64| {
+        rests.iter().any(|rest| (rest - distance).abs() <= limits.chord_error * (1.0 + SLACK))
+    };
     for stage in plan.stages() {
         let count = (10.0 * stage.duration).ceil().max(2.0);
         for i in (0_u32..).take_while(|i| f64::from(*i) <= count) {
             let time = stage.duration * f64::from(i) / count;
             let (v, a, j) = (stage.feed_at(time), stage.acceleration_at(time), stage.jerk_at(time));
-            let (index, u) = path.at(stage.start + stage.distance_at(time));
+            let distance = stage.start + stage.distance_at(time);
+            let (index, u) = path.at(distance);
             let curve = &path.curves[index];
             let at = curve.as_curve().derivatives(u);
             most(&mut used.feed, v / limits.feedrate);
@@ -114,12 +121,14 @@ fn used<const D: usize>(path: &Path<'_, D>, limits: &KinematicLimits<f64>, plan:
             most(&mut used.jerk, j.abs() / limits.jerk);
             let rho = radius(&at);
             let half_step = v * limits.interpolation_period / 2.0;
-            if half_step < rho {
+            let chord_error = if half_step < rho {
                 // ρ - √(ρ² - (L/2)²), without the difference of two large numbers.
-                let error = half_step * half_step / (rho + (rho * rho - half_step * half_step).sqrt());
-                most(&mut used.chord_error, error / limits.chord_error);
+                half_step * half_step / (rho + (rho * rho - half_step * half_step).sqrt())
             } else {
-                most(&mut used.chord_error, rho / limits.chord_error);
+                rho
+            };
+            if !beside_rest(distance) {
+                most(&mut used.chord_error, chord_error / limits.chord_error);
             }
             let ((e, k), c) = (turning(&at), change(curve, u));
             for (d, axis) in limits.axes.iter().enumerate().take(D) {

@@ -77,8 +77,9 @@ impl<R: Real> FeedLimit<R> {
     /// each local minimum of the limit is found and becomes a point. Arc length is integrated along the way.
     /// A break of the tangent becomes a stop, or a point with the feed of another [`Junction`](crate::Junction), when,
     /// passed at the feedrate F, it would cut the corner by more than the chord error or change the velocity by more
-    /// than A T: `θ > min(4E/(F T), A T/F)`. A point where C' vanishes, as in a cusp, is a stop too, and so is a point
-    /// whose limit is below F/4096.
+    /// than A T: `θ > min(4E/(F T), A T/F)`. A point where C' vanishes, as in a cusp, is a stop too, and so are a point
+    /// whose limit is below F/4096 and the least limit of a bend whose radius there is below E/2, which a run a little off
+    /// its plan would skip.
     ///
     /// Between two points the limit is tested at three places. What is narrower than a third of the finest
     /// step, 2⁻²⁰ of a span, can be missed.
@@ -452,6 +453,27 @@ mod tests {
             assert!(
                 plan.stages().iter().any(|s| s.start_feed == 0.0 && (s.start - length(cusp)).abs() < 1e-6)
             );
+        }
+    }
+
+    /// `|C'|²/|C''| = (3/4 width)²/60` in the middle, where it turns by 180° and more; a cusp for width 0.
+    fn hairpin(width: f64) -> NurbsBuf<f64, 2> {
+        let points = [[0.0, 0.0], [10.0 - width / 2.0, 10.0], [width / 2.0, 10.0], [10.0, 0.0]];
+        NurbsBuf::try_new(3, points.to_vec(), vec![1.0; 4], vec![0., 0., 0., 0., 1., 1., 1., 1.]).unwrap()
+    }
+
+    #[test]
+    fn a_bend_narrower_than_the_chord_error_is_a_stop() {
+        // E/2 = 2.5e-4 mm.
+        for (width, radius, expected) in [(0.04, 1.5e-5, 1), (0.16, 2.4e-4, 1), (0.168, 2.646e-4, 0)] {
+            let curve = hairpin(width);
+            assert!((nurbs_core::radius(&curve.as_curve().derivatives(0.5)) - radius).abs() < 1e-12);
+            let limit = along(&curve);
+            let points = limit.points().iter().zip(limit.nodes());
+            let rests: Vec<_> =
+                points.filter(|(_, node)| node.lower == 0.0).map(|(point, _)| point.u).collect();
+            assert_eq!(rests.len(), expected, "{width}: {rests:?}");
+            assert!(rests.iter().all(|u| (u - 0.5).abs() < 1e-3), "{rests:?}");
         }
     }
 

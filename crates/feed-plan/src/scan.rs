@@ -78,6 +78,7 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
         let span = Span { shape, index, limits, budget, rule, longest: self.longest };
         let mut samples = span.walk();
         span.locate_extremes(&mut samples);
+        span.rest_in_narrow_bends(&mut samples);
         // A stop is one by its geometry; where only an axis's jerk asks for a creep, the path is crept along.
         let least = self.limits.feedrate.scale(STOP);
         for sample in samples.iter_mut().filter(|sample| sample.feedrate < least) {
@@ -297,6 +298,25 @@ impl<R: Real, C> Span<'_, R, C> {
         }
     }
 
+    /// Makes a stop of each bend whose radius is less than half of the chord error E, at its least limit: it is as good as
+    /// a corner. A step there turns by half a circle, so that a run a little off its plan would skip the bend, or wait
+    /// before it.
+    fn rest_in_narrow_bends<const D: usize>(&self, samples: &mut [Sample<R, D>])
+    where
+        C: Differentiate<R, D>,
+    {
+        let narrow = self.limits.chord_error.half();
+        let radius = |u: R| nurbs_core::radius(&self.shape.derivatives_in(self.index, u));
+        let is_bend = |three: &[Sample<R, D>]| {
+            is_least([&three[0], &three[1], &three[2]]) && radius(three[1].u) < narrow
+        };
+        let bends: Vec<usize> =
+            samples.windows(3).enumerate().filter(|(_, three)| is_bend(three)).map(|(i, _)| i + 1).collect();
+        for bend in bends {
+            samples[bend].feedrate = R::zero();
+        }
+    }
+
     /// Where C' vanishes between two samples, if it does: the direction is then reversed.
     fn cusp<const D: usize>(&self, from: &Sample<R, D>, to: &Sample<R, D>) -> Option<Sample<R, D>>
     where
@@ -316,10 +336,7 @@ impl<R: Real, C> Span<'_, R, C> {
     where
         C: Differentiate<R, D>,
     {
-        let rounding = middle.feedrate * R::resolution().sqrt();
-        let is_least =
-            from.feedrate - middle.feedrate > rounding && to.feedrate - middle.feedrate >= rounding;
-        if !is_least {
+        if !is_least([from, middle, to]) {
             return None;
         }
         let least = self.least(from.u, to.u, |sample| sample.feedrate)?;
@@ -461,6 +478,12 @@ fn direction<R: Real, const D: usize>(first: &[R; D]) -> (R, [R; D]) {
     let speed = R::norm(first);
     let divisor = if speed > R::zero() { speed } else { R::one() };
     (speed, first.map(|component| component / divisor))
+}
+
+/// Whether the limit at the middle sample is below both others by more than rounding.
+fn is_least<R: Real, const D: usize>([from, middle, to]: [&Sample<R, D>; 3]) -> bool {
+    let rounding = middle.feedrate * R::resolution().sqrt();
+    from.feedrate - middle.feedrate > rounding && to.feedrate - middle.feedrate >= rounding
 }
 
 /// Cosine of the angle between the tangents of two samples.

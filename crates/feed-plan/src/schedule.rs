@@ -127,7 +127,7 @@ impl<R: Real> ScheduleBuf<R> {
     /// straight. Here the distances and feeds of each stage are scaled by `1 - shortfall/length`; durations
     /// stay. Acceleration and jerk within a stage only fall; from one stage to the next the planned chord steps
     /// with the curvature, and the feed along the curve does not. What is more than half of a stage is taken
-    /// off the next ones.
+    /// off the next ones, up to the next stop, which is landed on.
     ///
     /// [`FeedLimit::shortfalls`]: crate::FeedLimit::shortfalls
     #[must_use]
@@ -144,14 +144,16 @@ pub(crate) fn shorten<R: Real>(stages: &mut [Stage<R>], shortfalls: &[R]) {
         due = due + *shortfall;
         stage.start = stage.start - taken;
         let off = due.min(stage.length.half());
-        if !(off > R::zero()) {
-            continue;
+        if off > R::zero() {
+            let share = off / stage.length;
+            for quantity in [&mut stage.length, &mut stage.start_feed, &mut stage.end_feed] {
+                *quantity = *quantity - *quantity * share;
+            }
+            (due, taken) = (due - off, taken + off);
         }
-        let share = off / stage.length;
-        for quantity in [&mut stage.length, &mut stage.start_feed, &mut stage.end_feed] {
-            *quantity = *quantity - *quantity * share;
+        if stage.end_feed.is_zero() {
+            due = R::zero(); // Landed on.
         }
-        (due, taken) = (due - off, taken + off);
     }
 }
 
@@ -424,6 +426,11 @@ mod tests {
         assert!((short.stages()[1].length - 0.2).abs() < 1e-15);
         assert!((short.as_schedule().length() - (plan.as_schedule().length() - 0.3)).abs() < 1e-15);
         assert_eq!(plan.clone().shortened(&[-1.0, 0.5, 0.0]), plan);
+        // A stop is landed on: what was left before it is not made up for behind it.
+        let mut stopped = plan.clone();
+        stopped.stages[0].end_feed = 0.0;
+        let short = stopped.shortened(&[-1.0, 0.02, 0.0]);
+        assert!((short.stages()[1].length - (plan.stages()[1].length - 0.02)).abs() < 1e-15);
         assert_eq!(plan.clone().shortened(&[]), plan);
     }
 }

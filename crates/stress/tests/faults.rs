@@ -1,6 +1,6 @@
 //! Paths on which a fault was once found, as they were drawn.
 
-use stress::{OnCurve, OnPieces, Planned, RandomPath};
+use stress::{OnCurve, OnPieces, Planned, RandomPath, SOAK_FORMATS, SoakedRun, soak_path};
 
 /// Bytes from a seed: SplitMix64.
 fn bytes(seed: u64) -> Vec<u8> {
@@ -30,4 +30,11 @@ fn a_short_run_takes_no_more_evaluations_than_documented() {
     let path = RandomPath::<2>::from_bytes(&bytes(264)).unwrap();
     let planned = Planned::new(&path, 5000).unwrap();
     OnCurve::<f64, 2>::new(&planned).unwrap().run(secant_interp::Method::Secant).unwrap();
+}
+
+/// Ahead of its plan by what the fold of a hairpin is long, a run passed the bends after it too fast.
+#[test]
+fn what_follows_a_bend_narrower_than_the_chord_error_is_passed_in_time() {
+    let soaked = soak_path(20_261_121, 2120, &SOAK_FORMATS[..1], |_| false);
+    assert!(matches!(soaked.runs[..], [SoakedRun::Ran(_)]), "{:?}", soaked.violations);
 }
