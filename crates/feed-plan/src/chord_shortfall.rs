@@ -4,19 +4,21 @@
 //! a chord is longer. After a thousand bends it is ahead of the plan by more than a bend is long, and passes the
 //! next one at the feed of the straight. So each stage is shortened by what its own chords fall short.
 //!
-//! The first guess takes the setpoints where the plan has them. Then the run is followed, chord by chord, and each
-//! stage takes back what its end is still ahead.
+//! The run is followed chord by chord, stage after stage: each is shortened until the run is back on its plan at the end of
+//! the last period that begins in it. What a stage cannot take back, the next ones do.
 
 use alloc::vec::Vec;
 
 use nurbs_core::Evaluate;
 use real::Real;
 
-use crate::schedule::shorten;
-use crate::{FeedLimit, Schedule};
+use crate::schedule::Cursor;
+use crate::{FeedLimit, Schedule, Stage};
 
-/// How often the run is followed; what is left falls by a factor of twenty each time.
-const REFINEMENTS: usize = 3;
+/// How often a stage is followed, at most; what is left falls by a factor of ten and more each time.
+const TRIALS: usize = 6;
+/// A run that is off by less than 2⁻²⁰ of a step is on its plan.
+const ON_PLAN: i32 = -20;
 /// Corrections of an arc until its chord is as long as wanted; each leaves an eighth of the squared angle of the
 /// chord.
 const CORRECTIONS: usize = 8;
@@ -24,13 +26,15 @@ const CORRECTIONS: usize = 8;
 const HALVINGS: usize = 48;
 
 impl<R: Real> FeedLimit<R> {
-    /// By how much the setpoints of each stage would fall short if each chord, not each arc, had the planned
-    /// length, mm.
+    /// By how much each stage is to be shortened if each chord, not each arc, is to have the planned length, mm: at most
+    /// half of the stage.
     ///
     /// `curves` are those that this limit was made of; where they are missing, nothing falls short. Parameters
     /// are interpolated between limit points, and what one is off does not add up: it is gone in the next
-    /// period. At the ends of its stages a run by these chords is within 1e-5 mm of the plan, in f64. A stop on the
-    /// way is taken to be landed on, as the end is: nothing that a run is off there goes beyond it.
+    /// period. At the ends of its stages a run by these chords is within 1e-5 mm of the plan, in f64, where a stage has a
+    /// period of its own and no step turns by a right angle; behind one that does, it may be off by a share of that
+    /// step, which the next stages take back. A stop on the way is taken to be landed on, as the end is: nothing that a
+    /// run is off there goes beyond it.
     ///
     /// See [`ScheduleBuf::shortened`](crate::ScheduleBuf::shortened) for what to do about it.
     #[must_use]
@@ -39,16 +43,37 @@ impl<R: Real> FeedLimit<R> {
         curves: &[C],
         schedule: &Schedule<'_, R>,
     ) -> Vec<R> {
+        let mut shortfalls: Vec<R> = schedule.stages().iter().map(|_| R::zero()).collect();
+        let mut short = schedule.stages().to_vec();
         let path = Path { limit: self, curves };
-        let mut shortfalls = path.of_arcs(schedule);
-        for _ in 0..REFINEMENTS {
-            let mut stages = schedule.stages().to_vec();
-            shorten(&mut stages, &shortfalls);
-            let short = Schedule::new(&stages, schedule.interpolation_period, schedule.periods());
-            path.correct(schedule, &short, &mut shortfalls);
+        // A period that begins in one stage and ends in another is run with each of them.
+        let mut run = Run { cursor: schedule.start(), planned: R::zero(), reached: R::zero() };
+        let mut begins_in = 0;
+        while let (Some(whole), Some(shortfall)) =
+            (schedule.stages().get(begins_in), shortfalls.get_mut(begins_in))
+        {
+            let end = path.take_back(schedule, (begins_in, whole), &mut short, run, shortfall);
+            run = end.last_period;
+            begins_in = end.run.cursor.stage().max(begins_in + 1);
         }
         shortfalls
     }
+}
+
+/// Where a run by chords stands.
+#[derive(Clone, Copy)]
+struct Run<R> {
+    cursor: Cursor<R>,
+    /// Distance that the plan is at.
+    planned: R,
+    /// Distance that the chords have come to.
+    reached: R,
+}
+
+/// Where a run stands behind the last period that began in a stage, and before that period.
+struct End<R> {
+    run: Run<R>,
+    last_period: Run<R>,
 }
 
 /// A path by its arc length.
@@ -66,50 +91,79 @@ impl<R: Real, C> Path<'_, R, C> {
         self.curves.get(curve).map_or([R::zero(); D], |curve| curve.point(u))
     }
 
-    /// What each stage falls short by if its setpoints are where the arcs end.
-    fn of_arcs<const D: usize>(&self, schedule: &Schedule<'_, R>) -> Vec<R>
+    /// Shortens one stage until the run is on its plan behind it, as far as half of it will do.
+    fn take_back<const D: usize>(
+        &self,
+        arcs: &Schedule<'_, R>,
+        (index, whole): (usize, &Stage<R>),
+        short: &mut [Stage<R>],
+        from: Run<R>,
+        shortfall: &mut R,
+    ) -> End<R>
     where
         C: Evaluate<R, D>,
     {
-        let mut shortfalls: Vec<R> = schedule.stages().iter().map(|_| R::zero()).collect();
-        let last = shortfalls.len().saturating_sub(1);
-        let mut cursor = schedule.start();
-        let (mut travelled, mut from) = (R::zero(), self.point(R::zero()));
-        while let Some(step) = schedule.advance(&mut cursor) {
-            travelled = travelled + step;
-            let to = self.point(travelled);
-            if let Some(sum) = shortfalls.get_mut(cursor.stage().min(last)) {
-                *sum = *sum + (step - chord(&from, &to));
+        let follow = |short: &mut [Stage<R>], off: R| {
+            if let Some(stage) = short.get_mut(index) {
+                *stage = whole.shortened_by(off);
             }
-            from = to;
+            let end = self.follow(arcs, short, index, from);
+            let ahead = end.run.reached - end.run.planned;
+            (off, ahead, end)
+        };
+        let most = whole.length.half();
+        let step = whole.start_feed.max(whole.end_feed) * arcs.interpolation_period;
+        let enough = step.scale(ON_PLAN).max(R::resolution().scale(2) * self.limit.length().max(R::one()));
+        let mut best = follow(short, (from.reached - from.planned).max(R::zero()).min(most));
+        let (mut off, mut ahead) = (best.0, best.1);
+        for _ in 1..TRIALS {
+            let next = (off + ahead).max(R::zero()).min(most);
+            if !(ahead.abs() > enough) || next == off {
+                break;
+            }
+            let tried = follow(short, next);
+            (off, ahead) = (tried.0, tried.1);
+            if ahead.abs() < best.1.abs() {
+                best = tried;
+            }
         }
-        shortfalls
+        if let Some(stage) = short.get_mut(index) {
+            *stage = whole.shortened_by(best.0);
+        }
+        *shortfall = best.0;
+        best.2
     }
 
-    /// Follows the shortened plan by chords, and adds to each stage what it ends ahead of the arcs, beyond what the
-    /// stage before did. Each stop is landed on.
-    fn correct<const D: usize>(&self, arcs: &Schedule<'_, R>, short: &Schedule<'_, R>, shortfalls: &mut [R])
+    /// Follows the shortened plan by chords, to the end of the last period that begins in stage `last`.
+    fn follow<const D: usize>(
+        &self,
+        arcs: &Schedule<'_, R>,
+        short: &[Stage<R>],
+        last: usize,
+        from: Run<R>,
+    ) -> End<R>
     where
         C: Evaluate<R, D>,
     {
-        let (mut along, mut by_chord) = (arcs.start(), short.start());
-        let (mut planned, mut reached, mut known) = (R::zero(), R::zero(), R::zero());
-        let mut begun_in = along.stage();
-        while let (Some(arc), Some(wanted)) = (arcs.advance(&mut along), short.advance(&mut by_chord)) {
-            planned = planned + arc;
-            reached = (reached + self.arc_over(reached, wanted)).min(self.limit.length());
-            if along.stage() != begun_in {
-                let ahead = reached - planned;
-                if let Some(shortfall) = shortfalls.get_mut(begun_in) {
-                    *shortfall = *shortfall + (ahead - known);
-                }
-                let passed = arcs.stages().get(begun_in..along.stage()).unwrap_or_default();
-                (known, begun_in) = (ahead, along.stage());
-                if passed.iter().any(|stage| stage.end_feed.is_zero()) {
-                    (known, reached) = (R::zero(), planned);
-                }
+        let chords = Schedule::new(short, arcs.interpolation_period, arcs.periods());
+        let mut end = End { run: from, last_period: from };
+        while end.run.cursor.stage() <= last {
+            let mut run = end.run;
+            let begun_in = run.cursor.stage();
+            let mut by_chord = run.cursor;
+            let (Some(arc), Some(wanted)) = (arcs.advance(&mut run.cursor), chords.advance(&mut by_chord))
+            else {
+                break;
+            };
+            run.planned = run.planned + arc;
+            run.reached = (run.reached + self.arc_over(run.reached, wanted)).min(self.limit.length());
+            let passed = short.get(begun_in..run.cursor.stage()).unwrap_or_default();
+            if passed.iter().any(|stage| stage.end_feed.is_zero()) {
+                run.reached = run.planned;
             }
+            end = End { run, last_period: end.run };
         }
+        end
     }
 
     /// The arc from `begin` on whose chord is as long as wanted.

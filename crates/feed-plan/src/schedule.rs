@@ -56,6 +56,18 @@ impl<R: Real> Stage<R> {
         }
     }
 
+    /// The stage with its distances and feeds scaled so that it is shorter by `off`, in the same time.
+    pub(crate) fn shortened_by(&self, off: R) -> Self {
+        if !(off > R::zero()) {
+            return *self;
+        }
+        let share = off / self.length;
+        let scaled = |quantity: R| quantity - quantity * share;
+        let (length, start_feed, end_feed) =
+            (scaled(self.length), scaled(self.start_feed), scaled(self.end_feed));
+        Self { length, start_feed, end_feed, ..*self }
+    }
+
     /// Curve and parameter at which the stage comes to rest, if it does.
     #[must_use]
     pub fn rest(&self) -> Option<(usize, R)> {
@@ -138,17 +150,14 @@ impl<R: Real> ScheduleBuf<R> {
 }
 
 /// Scales stages as [`ScheduleBuf::shortened`] says.
-pub(crate) fn shorten<R: Real>(stages: &mut [Stage<R>], shortfalls: &[R]) {
+fn shorten<R: Real>(stages: &mut [Stage<R>], shortfalls: &[R]) {
     let (mut due, mut taken) = (R::zero(), R::zero());
     for (stage, shortfall) in stages.iter_mut().zip(shortfalls) {
         due = due + *shortfall;
         stage.start = stage.start - taken;
         let off = due.min(stage.length.half());
         if off > R::zero() {
-            let share = off / stage.length;
-            for quantity in [&mut stage.length, &mut stage.start_feed, &mut stage.end_feed] {
-                *quantity = *quantity - *quantity * share;
-            }
+            *stage = stage.shortened_by(off);
             (due, taken) = (due - off, taken + off);
         }
         if stage.end_feed.is_zero() {
