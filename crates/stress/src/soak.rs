@@ -5,7 +5,7 @@ use real::{
 };
 use serde::{Deserialize, Serialize};
 
-use crate::piece_points::Judge;
+use crate::piece_points::{Judge, compiled};
 use crate::violation::{Outcome, Violation};
 use crate::{OnPieces, PieceFigures, Planned, RandomPath};
 
@@ -16,15 +16,30 @@ const MOST_PERIODS: u32 = 20_000;
 /// By how much paths are slowed down, in turn: the first kind crosses many joints, the others make many periods.
 const SLOWER: [u32; 4] = [1, 16, 64, 256];
 
-type Run<const D: usize> =
-    fn(&Planned<'_, D>, &Judge<D>, Option<RuntimeFormat>) -> Result<Outcome<PieceFigures>, Violation>;
+type Run = Result<Outcome<PieceFigures>, Violation>;
+
+/// What is done in a format with paths of one dimension.
+#[derive(Clone, Copy)]
+struct InFormat<const D: usize> {
+    /// Whether the path's pieces fit the format.
+    fits: fn(&RandomPath<D>, Option<RuntimeFormat>) -> bool,
+    run: fn(&Planned<'_, D>, &Judge<D>, Option<RuntimeFormat>) -> Run,
+}
+
+impl<const D: usize> InFormat<D> {
+    const fn of<R: Backend>() -> Self {
+        Self { fits: fit::<R, D>, run: run::<R, D> }
+    }
+
+    const AT_RUN_TIME: Self = Self { fits: fit_at_run_time, run: run_at_run_time };
+}
 
 /// A format that is soaked.
 #[derive(Clone, Copy)]
 pub struct SoakFormat {
     name: &'static str,
-    plane: Run<2>,
-    space: Run<3>,
+    plane: InFormat<2>,
+    space: InFormat<3>,
 }
 
 impl SoakFormat {
@@ -35,7 +50,7 @@ impl SoakFormat {
     }
 
     const fn of<R: Backend>(name: &'static str) -> Self {
-        Self { name, plane: in_format::<R, 2>, space: in_format::<R, 3> }
+        Self { name, plane: InFormat::of::<R>(), space: InFormat::of::<R>() }
     }
 }
 
@@ -51,27 +66,35 @@ pub const SOAK_FORMATS: [SoakFormat; 11] = [
     SoakFormat::of::<I32F32>("I32F32"),
     SoakFormat::of::<I16F48>("I16F48"),
     SoakFormat::of::<I4F60>("I4F60"),
-    SoakFormat { name: "I5F21", plane: at_run_time::<2>, space: at_run_time::<3> },
+    SoakFormat { name: "I5F21", plane: InFormat::AT_RUN_TIME, space: InFormat::AT_RUN_TIME },
 ];
 
-fn in_format<R: Backend, const D: usize>(
+fn fit<R: Backend, const D: usize>(path: &RandomPath<D>, _: Option<RuntimeFormat>) -> bool {
+    compiled::<R, D>(path, &[]).is_ok()
+}
+
+fn fit_at_run_time<const D: usize>(path: &RandomPath<D>, format: Option<RuntimeFormat>) -> bool {
+    format.is_some_and(|format| format.run::<0, _>(|| fit::<RuntimeFixed<0>, D>(path, None)))
+}
+
+fn run<R: Backend, const D: usize>(
     planned: &Planned<'_, D>,
     judge: &Judge<D>,
     _: Option<RuntimeFormat>,
-) -> Result<Outcome<PieceFigures>, Violation> {
+) -> Run {
     match OnPieces::<R, D>::new(planned) {
         Ok(run) => run.run_judged(judge),
         Err(refusal) => Ok(Outcome::Refused(refusal)),
     }
 }
 
-fn at_run_time<const D: usize>(
+fn run_at_run_time<const D: usize>(
     planned: &Planned<'_, D>,
     judge: &Judge<D>,
     format: Option<RuntimeFormat>,
-) -> Result<Outcome<PieceFigures>, Violation> {
+) -> Run {
     let Some(format) = format else { return Ok(Outcome::Refused("no such format".to_string())) };
-    format.run::<0, _>(|| in_format::<RuntimeFixed<0>, D>(planned, judge, None))
+    format.run::<0, _>(|| run::<RuntimeFixed<0>, D>(planned, judge, None))
 }
 
 /// What a format has gone through.
@@ -204,12 +227,20 @@ fn soaked<const D: usize>(
     (seed, path): (u64, u64),
     formats: &[SoakFormat],
     wanted: impl Fn(usize) -> bool,
-    run: impl Fn(&SoakFormat) -> Run<D>,
+    in_dimension: impl Fn(&SoakFormat) -> InFormat<D>,
 ) -> SoakedPath {
     let refused = |format| if wanted(format) { SoakedRun::Refused } else { SoakedRun::Spared };
     let runs = (0..formats.len()).map(refused).collect();
     let mut soaked = SoakedPath { runs, ..SoakedPath::default() };
     let Some(drawn) = RandomPath::<D>::from_bytes(&bytes(seed, path)) else { return soaked };
+    let named = formats.iter().map(|format| (in_dimension(format), RuntimeFormat::named(format.name)));
+    let fitting: Vec<_> = named
+        .enumerate()
+        .filter(|(format, (doing, runtime))| wanted(*format) && (doing.fits)(&drawn, *runtime))
+        .collect();
+    if fitting.is_empty() {
+        return soaked;
+    }
     let Some(planned) = Planned::new(&drawn, MOST_PERIODS) else { return soaked };
     let kind = usize::try_from(path % SLOWER.len() as u64).unwrap_or(0);
     let planned = if kind > 0 { planned.slower(SLOWER[kind]) } else { planned };
@@ -220,10 +251,9 @@ fn soaked<const D: usize>(
         broken(&violation);
     }
     let Ok(judge) = Judge::new(&planned) else { return soaked };
-    for (format, slot) in formats.iter().zip(&mut soaked.runs).filter(|(_, slot)| **slot != SoakedRun::Spared)
-    {
-        match run(format)(&planned, &judge, RuntimeFormat::named(format.name)) {
-            Ok(Outcome::Ran(figures)) => *slot = SoakedRun::Ran(figures),
+    for (format, (doing, runtime)) in fitting {
+        match (doing.run)(&planned, &judge, runtime) {
+            Ok(Outcome::Ran(figures)) => soaked.runs[format] = SoakedRun::Ran(figures),
             Ok(Outcome::Refused(_)) => {}
             Err(violation) => broken(&violation),
         }
