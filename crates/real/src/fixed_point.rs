@@ -149,6 +149,8 @@ impl<F: FixedSigned> Real for FixedPoint<F>
 where
     F::Bits: Word,
 {
+    const IS_FOR_SPEED: bool = true;
+
     #[inline]
     fn resolution() -> Self {
         Self(F::DELTA)
@@ -187,12 +189,17 @@ where
 
     #[inline]
     fn scale(self, exponent: i32) -> Self {
+        let bits = self.0.to_bits();
         let shift = exponent.unsigned_abs() as usize;
-        let width = (F::INT_NBITS + F::FRAC_NBITS) as usize;
-        if exponent >= 0 {
-            return if shift < width { Self::wrap(self.wide() << shift) } else { Self(F::ZERO) };
+        if shift >= (F::INT_NBITS + F::FRAC_NBITS) as usize {
+            return Self(F::ZERO); // at most half a unit is left, ties up from -½
         }
-        if shift <= width { Self::wrap(Self::round(self.wide(), shift)) } else { Self(F::ZERO) }
+        if exponent >= 0 {
+            return Self(F::from_bits(bits << shift));
+        }
+        // The last bit dropped says whether to round up: half a unit added to the bits might not fit the word.
+        let twice = bits >> (shift - 1);
+        Self(F::from_bits((twice >> 1) + (twice & Bits::<F>::one())))
     }
 
     #[inline]

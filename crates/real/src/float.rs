@@ -8,6 +8,8 @@ compile_error!("enable the feature `std` or `libm`: core has no square root of f
 macro_rules! float_backend {
     ($float:ident, $digits:literal, $half_range:literal) => {
         impl Real for $float {
+            const IS_FOR_SPEED: bool = true;
+
             #[inline]
             fn resolution() -> Self {
                 $float::EPSILON
@@ -55,22 +57,31 @@ macro_rules! float_backend {
                 self * power_of_two::$float(exponent)
             }
 
+            /// The bits themselves, for a conversion would round to nearest: the leading one and what follows it are the
+            /// significand, its place is the exponent.
             #[inline]
-            #[allow(clippy::cast_precision_loss, reason = "as many leading bits are kept as the format has")]
             fn from_phase(phase: u64, exponent: i32) -> Self {
-                let surplus = 64 - $digits;
-                let dropped = surplus - phase.leading_zeros().min(surplus);
-                ((phase >> dropped << dropped) as $float).scale(-64).scale(exponent.clamp(-64, 64))
+                let zeros = phase.leading_zeros();
+                let biased = exponent.wrapping_add(phase::$float::BIAS - 1).wrapping_sub(zeros.cast_signed());
+                if phase == 0 || !(1..=2 * phase::$float::BIAS).contains(&biased) {
+                    return phase::$float::from_beyond(phase, exponent);
+                }
+                let significand = (phase << (zeros & 63)) >> (64 - $digits);
+                // The leading one adds itself to the exponent.
+                let bits = u64::from((biased - 1).cast_unsigned()) << ($digits - 1);
+                phase::$float::from_bits(bits + significand)
             }
 
+            /// The significand, shifted.
             #[inline]
-            #[allow(
-                clippy::cast_possible_truncation,
-                clippy::cast_sign_loss,
-                reason = "the cast rounds toward 0 and saturates, as the contract says"
-            )]
             fn to_phase(self, exponent: i32) -> u64 {
-                self.scale(64).scale(exponent.clamp(-64, 64)) as u64
+                let (biased, significand) = phase::$float::parts(self);
+                let distance =
+                    (phase::$float::BIAS - 1).wrapping_sub(biased).wrapping_sub(exponent).cast_unsigned();
+                if distance >= phase::$float::FARTHEST {
+                    return phase::$float::to_beyond(self, exponent);
+                }
+                significand >> (distance & 63)
             }
 
             #[inline]
@@ -127,16 +138,80 @@ mod ratio {
     }
 }
 
-/// `2^exponent`, exact; an exponent outside the format's normal range goes to its nearest normal power.
+/// `2^exponent`, exact. In `f64` for exponents of normal numbers, which is far beyond the domain of a shift; in `f32`, where
+/// it is not, an exponent outside goes to the nearest inside.
 mod power_of_two {
     #[inline]
     pub(super) fn f64(exponent: i32) -> f64 {
-        f64::from_bits(u64::from((exponent.clamp(-1022, 1023) + 1023).unsigned_abs()) << 52)
+        f64::from_bits(u64::from(exponent.wrapping_add(1023).cast_unsigned()) << 52)
     }
     #[inline]
     pub(super) fn f32(exponent: i32) -> f32 {
         f32::from_bits((exponent.clamp(-126, 127) + 127).unsigned_abs() << 23)
     }
+}
+
+/// What conversions from and to phases know of the layout of a float.
+mod phase {
+    macro_rules! layout {
+        ($float:ident, $digits:literal) => {
+            pub(super) mod $float {
+                use crate::Real;
+
+                /// The exponent's bias.
+                pub(in super::super) const BIAS: i32 = $float::MAX_EXP - 1;
+                /// Distances that significands are shifted by are less: a subnormal number lies farther at every exponent
+                /// of the domain, zero with them.
+                pub(in super::super) const FARTHEST: u32 =
+                    if BIAS - 65 < 64 { (BIAS - 65).unsigned_abs() } else { 64 };
+
+                #[inline]
+                #[allow(clippy::cast_possible_truncation, reason = "the format has no more bits")]
+                pub(in super::super) fn from_bits(bits: u64) -> $float {
+                    $float::from_bits(bits as _)
+                }
+
+                /// The biased exponent, with the sign before it, and the significand of a normal number in [1, 2) · 2⁶³.
+                #[inline]
+                #[allow(
+                    clippy::cast_possible_truncation,
+                    clippy::cast_possible_wrap,
+                    reason = "sign and exponent are twelve bits at most"
+                )]
+                pub(in super::super) fn parts(x: $float) -> (i32, u64) {
+                    let bits = x.to_bits();
+                    let significand = u64::from(bits) << (64 - $digits) | 1 << 63;
+                    ((bits >> ($digits - 1)) as i32, significand)
+                }
+
+                /// 0, and what leaves the normal numbers.
+                #[cold]
+                #[allow(
+                    clippy::cast_precision_loss,
+                    reason = "as many leading bits are kept as the format has"
+                )]
+                pub(in super::super) fn from_beyond(phase: u64, exponent: i32) -> $float {
+                    let surplus = 64 - $digits;
+                    let dropped = surplus - phase.leading_zeros().min(surplus);
+                    let kept = (phase >> dropped).cast_signed() as $float;
+                    kept.scale(dropped.cast_signed() - 64).scale(exponent.clamp(-64, 64))
+                }
+
+                /// Nothing, all and more, negative numbers, and what is none.
+                #[cold]
+                #[allow(
+                    clippy::cast_possible_truncation,
+                    clippy::cast_sign_loss,
+                    reason = "the cast rounds toward 0 and saturates, as the contract says"
+                )]
+                pub(in super::super) fn to_beyond(x: $float, exponent: i32) -> u64 {
+                    x.scale(64).scale(exponent.clamp(-64, 64)) as u64
+                }
+            }
+        };
+    }
+    layout!(f64, 53);
+    layout!(f32, 24);
 }
 
 impl Backend for f64 {
@@ -206,6 +281,39 @@ mod tests {
         assert_eq!(f32::from_phase(3, -64), 3.0 * 2.0_f32.powi(-64).powi(2));
         assert_eq!(2.0_f32.powi(-100).to_phase(64), 1 << 28);
         assert_eq!(2.0_f32.powi(70).to_phase(-64), u64::MAX);
+    }
+
+    /// The bits against conversion and products: over the domain, at its ends and a little beyond.
+    #[test]
+    fn phases_are_the_same_by_bits_and_by_products() {
+        let phases = (0..64).flat_map(|i| {
+            let bit = 1_u64 << i;
+            [bit, bit - 1, bit | 1, u64::MAX << i, 0x9e37_79b9_7f4a_7c15 >> i, 0x9e37_79b9_7f4a_7c15 << i]
+        });
+        for phase in phases {
+            for exponent in -64..=64 {
+                let (double, single) = (f64::from_phase(phase, exponent), f32::from_phase(phase, exponent));
+                assert_eq!(double, super::phase::f64::from_beyond(phase, exponent), "{phase} 2^{exponent}");
+                assert_eq!(single, super::phase::f32::from_beyond(phase, exponent), "{phase} 2^{exponent}");
+                for back in [-exponent, exponent, 64, 63, 62, 61, 0, -64] {
+                    for x in
+                        [double, double.next_up(), -double, double * 1e-300, double * 1e300, 1.0 / double]
+                    {
+                        assert_eq!(x.to_phase(back), super::phase::f64::to_beyond(x, back), "{x} 2^{back}");
+                    }
+                    for x in [single, single.next_up(), -single, single * 1e-30, single * 1e-38, 1.0 / single]
+                    {
+                        assert_eq!(x.to_phase(back), super::phase::f32::to_beyond(x, back), "{x} 2^{back}");
+                    }
+                }
+            }
+        }
+        for x in [0.0, -0.0, f64::NAN, f64::INFINITY, f64::NEG_INFINITY, f64::MIN_POSITIVE, 5e-324] {
+            assert_eq!(x.to_phase(3), super::phase::f64::to_beyond(x, 3), "{x}");
+        }
+        for x in [0.0, -0.0, f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MIN_POSITIVE, 1e-45] {
+            assert_eq!(x.to_phase(64), super::phase::f32::to_beyond(x, 64), "{x}");
+        }
     }
 
     #[test]

@@ -39,6 +39,10 @@ pub trait Real:
     + Sub<Output = Self>
     + Div<Output = Self>
 {
+    /// Whether kernels are compiled for common cases besides the form that serves all. What watches or imitates other numbers
+    /// is not run for speed: there it would only take the compiler's time.
+    const IS_FOR_SPEED: bool = false;
+
     /// The step between 1 and the next larger number: 2⁻²³ in `f32`, 2⁻ᶠ with f fraction bits.
     fn resolution() -> Self;
 
