@@ -55,7 +55,7 @@ fn the_recommendation_is_the_cheapest_on_the_first_target() {
     assert!(500.0 < mean && mean < max, "{cost}");
     assert!(cost["share_of_period"].as_f64().is_some_and(|share| share > 0.0 && share < 1.0), "{cost}");
     assert!(row["cycles"]["cortex-m7"]["microseconds_max"].is_null(), "no published timing, no time");
-    assert!(row["operations"]["mul_add"].as_f64().is_some_and(|count| count >= 28.0), "{row}");
+    assert!(row["operations"]["mul_add"].as_f64().is_some_and(|count| count >= 20.0), "{row}");
 }
 
 const SLOW: &str = r#"

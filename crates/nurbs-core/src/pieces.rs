@@ -82,6 +82,14 @@ pub struct Shifted<R, const D: usize> {
     pub weight: [R; MAX_DEGREE],
 }
 
+impl<R: Real, const D: usize> Default for Shifted<R, D> {
+    /// Of a piece that is a point.
+    fn default() -> Self {
+        let zero = R::zero();
+        Self { offset: [zero; D], chord: [[zero; D]; MAX_DEGREE], weight: [zero; MAX_DEGREE] }
+    }
+}
+
 impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
     /// Whether points take a division by a weight.
     #[must_use]
@@ -102,15 +110,25 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
         }
     }
 
-    fn numerator(&self, piece: usize) -> &'a [[R; D]] {
-        let first = piece.saturating_mul(self.degree);
-        self.numerators.get(first..).and_then(|rest| rest.get(..self.degree)).unwrap_or(&[])
+    /// p, a constant where it is N: loops have a known length then. Where N is [`MAX_DEGREE`] p is any.
+    #[inline]
+    fn count<const N: usize>(&self) -> usize {
+        if N == MAX_DEGREE { self.degree.min(N) } else { N }
     }
 
-    fn weight(&self, piece: usize) -> &'a [R] {
-        let count = self.degree.saturating_add(1);
-        let first = piece.saturating_mul(count);
-        self.weights.get(first..).and_then(|rest| rest.get(..count)).unwrap_or(&[])
+    /// n_1 to n_p.
+    #[inline]
+    fn numerator<const N: usize>(&self, piece: usize) -> Option<&'a [[R; D]]> {
+        let count = self.count::<N>();
+        self.numerators.get(piece.wrapping_mul(count)..)?.get(..count)
+    }
+
+    /// w_0, and w_1 to w_p.
+    #[inline]
+    fn weight<const N: usize>(&self, piece: usize) -> Option<(R, &'a [R])> {
+        let count = self.count::<N>();
+        let (constant, rest) = self.weights.get(piece.wrapping_mul(count + 1)..)?.split_first()?;
+        Some((*constant, rest.get(..count)?))
     }
 
     /// The point at the local parameter `t` of `piece`, as an offset from the piece's origin, in units of
@@ -118,103 +136,123 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
     /// not exist has the offset 0.
     #[must_use]
     pub fn offset(&self, piece: usize, t: R) -> [R; D] {
-        let numerator = self.numerator(piece);
-        let point = core::array::from_fn(|d| {
-            numerator.iter().rev().fold(R::zero(), |sum, n| sum.mul_add(t, n[d].signal("coefficient"))) * t
-        });
+        let rows = self.numerator::<MAX_DEGREE>(piece).unwrap_or_default().iter();
+        let point = horner(rows.map(|n| n.map(|x| x.signal("coefficient"))), t).map(|x| x * t);
+        let Some((constant, weights)) = self.weight::<MAX_DEGREE>(piece) else {
+            return self.in_common_units(piece, &point);
+        };
+        let [weight] = horner(weights.iter().map(|w| [*w]), t);
+        let reciprocal = R::one() / weight.mul_add(t, constant).signal("weight");
+        self.in_common_units(piece, &point.map(|x| x * reciprocal))
+    }
+
+    /// An offset in the units of `piece` → in those of the path, `2^coordinate_exponent` mm.
+    #[inline]
+    #[must_use]
+    pub fn in_common_units(&self, piece: usize, offset: &[R; D]) -> [R; D] {
         let units =
             self.pieces.get(piece).map_or(0, |row| row.coordinate_exponent - self.coordinate_exponent);
-        if !self.is_rational() {
-            return point.map(|x: R| x.scale(units).signal("offset"));
-        }
-        let weight = self.weight(piece).iter().rev().fold(R::zero(), |sum, w| sum.mul_add(t, *w));
-        let reciprocal = R::one() / weight.signal("weight");
-        point.map(|x| (x * reciprocal).scale(units).signal("offset"))
+        offset.map(|x| x.scale(units).signal("offset"))
     }
 
     /// The piece's polynomials about `t`: all that a step from there needs.
     #[must_use]
     pub fn shifted(&self, piece: usize, t: R) -> Shifted<R, D> {
-        let mut chord = [[R::zero(); D]; MAX_DEGREE];
-        let mut offset = [R::zero(); D];
-        for (slot, n) in chord.iter_mut().zip(self.numerator(piece)) {
+        let mut at = Shifted::default();
+        self.shift_to::<MAX_DEGREE, false>(piece, t, &mut at);
+        at
+    }
+
+    /// The same in place: what is known of another point or piece of the same path is overwritten.
+    ///
+    /// N is the pieces' degree, which is fastest, or [`MAX_DEGREE`], which serves all. PLAIN says that the path has no
+    /// weights, which spares the question.
+    #[inline]
+    pub fn shift_to<const N: usize, const PLAIN: bool>(&self, piece: usize, t: R, at: &mut Shifted<R, D>) {
+        let (Some(row), Some(numerator)) = (self.pieces.get(piece), self.numerator::<N>(piece)) else {
+            *at = Shifted::default();
+            return;
+        };
+        let mut chord = [[R::zero(); D]; N];
+        for (slot, n) in chord.iter_mut().zip(numerator) {
             *slot = n.map(|x| x.signal("coefficient"));
         }
-        for d in 0..D {
-            offset[d] = shift(first(&mut chord, self.degree), t, |row| &mut row[d]).signal("offset");
-        }
-        let mut weight = [R::zero(); MAX_DEGREE];
-        if self.is_rational() {
-            self.divide_by_weight(piece, t, &mut offset, &mut chord, &mut weight);
-        }
-        if let Some(row) = self.pieces.get(piece) {
-            self.rescale(row, &mut chord, &mut weight);
-        }
-        Shifted { offset, chord, weight }
-    }
-
-    /// Turns N and its derivatives into P and the chord's numerator: `c_k - P ω_k`, all over W(t).
-    fn divide_by_weight(
-        &self,
-        piece: usize,
-        t: R,
-        offset: &mut [R; D],
-        chord: &mut [[R; D]; MAX_DEGREE],
-        weight: &mut [R; MAX_DEGREE],
-    ) {
-        let [constant, rest @ ..] = self.weight(piece) else { return };
-        for (slot, w) in weight.iter_mut().zip(rest) {
-            *slot = *w;
-        }
-        let weight_at_t = (*constant + shift(first(weight, self.degree), t, |w| w)).signal("weight");
-        let reciprocal = (R::one() / weight_at_t).signal("weight_reciprocal");
-        *offset = offset.map(|x| (x * reciprocal).signal("offset"));
-        for (c, w) in chord.iter_mut().zip(weight).take(self.degree) {
-            *w = (*w * reciprocal).signal("weight_coefficient");
-            for d in 0..D {
-                c[d] = R::sum_of_products([(c[d], reciprocal), (-offset[d], *w)]);
+        let count = self.count::<N>();
+        at.offset = shift(chord.get_mut(..count).unwrap_or_default(), t).map(|x| x.signal("offset"));
+        if !PLAIN && let Some((constant, weights)) = self.weight::<N>(piece) {
+            let weight = divide_by_weight(constant, weights, t, &mut at.offset, &mut chord);
+            let mut power = 0;
+            for (slot, w) in at.weight.iter_mut().zip(weight).take(count) {
+                power += row.range_exponent - row.step_exponent;
+                *slot = w.scale(power).signal("chord_weight");
             }
         }
-    }
-
-    /// Coefficients of powers of h in coordinate units → of `η x^{k-1}` in chord units, and of `x^k`.
-    fn rescale(&self, row: &Piece<R, D>, chord: &mut [[R; D]; MAX_DEGREE], weight: &mut [R; MAX_DEGREE]) {
-        let units = row.coordinate_exponent + self.chord_exponent - row.range_exponent;
-        let mut power = 0;
-        for (c, w) in chord.iter_mut().zip(weight).take(self.degree) {
-            power += row.range_exponent - row.step_exponent; // h^k = x^k 2^(k (r - s))
-            *c = c.map(|x| x.scale(units + power).signal("chord_coefficient"));
-            if self.is_rational() {
-                *w = w.scale(power).signal("chord_weight");
-            }
+        // Coefficients of powers of h in coordinate units → of `η x^{k-1}` in chord units, h^k = x^k 2^(k (r - s)).
+        let mut power = row.coordinate_exponent + self.chord_exponent - row.range_exponent;
+        for (slot, c) in at.chord.iter_mut().zip(chord).take(count) {
+            power += row.range_exponent - row.step_exponent;
+            *slot = c.map(|x| x.scale(power).signal("chord_coefficient"));
         }
     }
 }
 
-/// The first `count` of the coefficients, or all.
-fn first<T>(rows: &mut [T; MAX_DEGREE], count: usize) -> &mut [T] {
-    &mut rows[..count.min(MAX_DEGREE)]
+/// Turns N and its derivatives into P and the chord's numerator: `c_k - P ω_k`, all over W(t). `weights` are those of
+/// the piece without the constant one; returns `ω_k/W(t)`.
+#[inline]
+fn divide_by_weight<R: Real, const D: usize, const N: usize>(
+    constant: R,
+    weights: &[R],
+    t: R,
+    offset: &mut [R; D],
+    chord: &mut [[R; D]; N],
+) -> [R; N] {
+    let mut turns = [[R::zero()]; N];
+    for (slot, w) in turns.iter_mut().zip(weights) {
+        *slot = [*w];
+    }
+    let [rise] = shift(turns.get_mut(..weights.len()).unwrap_or_default(), t);
+    let reciprocal = (R::one() / (constant + rise).signal("weight")).signal("weight_reciprocal");
+    *offset = offset.map(|x| (x * reciprocal).signal("offset"));
+    for (c, [turn]) in chord.iter_mut().zip(&mut turns).take(weights.len()) {
+        *turn = (*turn * reciprocal).signal("weight_coefficient");
+        for (x, p) in c.iter_mut().zip(&*offset) {
+            *x = R::sum_of_products([(*x, reciprocal), (-*p, *turn)]);
+        }
+    }
+    turns.map(|[turn]| turn)
+}
+
+/// `Σ_{k≥0} row_k t^k` by Horner's scheme, without a product for the top one.
+#[inline]
+fn horner<R: Real, const D: usize>(rows: impl DoubleEndedIterator<Item = [R; D]>, t: R) -> [R; D] {
+    let mut rows = rows.rev();
+    let top = rows.next().unwrap_or([R::zero(); D]);
+    rows.fold(top, |sum, row| core::array::from_fn(|d| sum[d].mul_add(t, row[d])))
 }
 
 /// Shifts the polynomial `Σ_{k≥1} row_{k-1} x^k` to `t` in place, by repeated synthetic division; returns its value
 /// at t. Afterwards `row_{k-1}` is the k-th derivative at t over k!. For degree p it takes p(p+1)/2 multiplications.
 #[inline]
-fn shift<R: Real, Row>(rows: &mut [Row], t: R, field: impl Fn(&mut Row) -> &mut R) -> R {
-    let mut value = R::zero();
-    for lowest in 0..=rows.len() {
-        // Horner's scheme from the top coefficient down. The first sweep divides the polynomial with its constant
-        // term 0, whose entry is `value`; each later one the quotient before it, and leaves one derivative.
-        let mut quotient: Option<R> = None;
-        for row in rows.iter_mut().skip(lowest.saturating_sub(1)).rev() {
-            let entry = field(row);
-            if let Some(above) = quotient {
-                *entry = above.mul_add(t, *entry).signal("shifted_coefficient");
-            }
-            quotient = Some(*entry);
-        }
-        if let (0, Some(first)) = (lowest, quotient) {
-            value = first * t;
-        }
+fn shift<R: Real, const D: usize>(rows: &mut [[R; D]], t: R) -> [R; D] {
+    // The first sweep divides the polynomial with its constant term 0, whose entry is the value; each later one the
+    // quotient before it, and leaves one derivative.
+    let value = divide(rows, t).map(|first| first * t);
+    let mut rest = rows;
+    while !rest.is_empty() {
+        divide(rest, t);
+        rest = rest.get_mut(1..).unwrap_or_default();
     }
     value
+}
+
+/// One sweep of Horner's scheme from the top coefficient down, which leaves its sums; returns the last of them.
+#[inline]
+fn divide<R: Real, const D: usize>(rows: &mut [[R; D]], t: R) -> [R; D] {
+    let mut rows = rows.iter_mut().rev();
+    let Some(mut above) = rows.next().copied() else { return [R::zero(); D] };
+    for row in rows {
+        above = core::array::from_fn(|d| above[d].mul_add(t, row[d]).signal("shifted_coefficient"));
+        *row = above;
+    }
+    above
 }

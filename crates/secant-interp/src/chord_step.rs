@@ -24,7 +24,7 @@
 //! Where a part b of the chord, in units of L, lies on pieces before this one, a division does no harm, for joints are
 //! rare: it is Newton's step on `|b + σ q/w|² - 1`.
 
-use nurbs_core::Shifted;
+use nurbs_core::{MAX_DEGREE, Shifted};
 use real::Real;
 
 /// When the correction is repeated.
@@ -36,12 +36,13 @@ pub struct ChordTolerance<R> {
     pub max_evaluations: u32,
 }
 
-/// A chord that is to be completed on a piece.
+/// A chord that is to be completed on a piece. N is the pieces' degree, so that loops have a known length, or
+/// [`MAX_DEGREE`] for any. PLAIN says that W is 1 whatever `rational` says.
 #[derive(Clone, Copy, Debug)]
-pub struct Chord<'a, R, const D: usize> {
+pub struct Chord<'a, R, const D: usize, const N: usize = MAX_DEGREE, const PLAIN: bool = false> {
     /// The piece's polynomials about the point where the step on it begins.
     pub at: &'a Shifted<R, D>,
-    /// p.
+    /// p; only asked for where N is [`MAX_DEGREE`].
     pub degree: usize,
     /// Whether W is not 1.
     pub rational: bool,
@@ -66,8 +67,20 @@ struct Evaluation<R> {
     slope: R,
 }
 
-impl<R: Real, const D: usize> Chord<'_, R, D> {
+impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D, N, PLAIN> {
+    /// How many coefficients there are: a constant where N says it.
+    #[inline]
+    fn count(&self) -> usize {
+        if N < MAX_DEGREE { N } else { self.degree.min(N) }
+    }
+
+    #[inline]
+    fn is_rational(&self) -> bool {
+        !PLAIN && self.rational
+    }
+
     /// Solves for σ from the start value `sigma`; returns it with the evaluations made.
+    #[inline]
     #[must_use]
     pub fn solve(&self, sigma: R, tolerance: &ChordTolerance<R>) -> (R, u32) {
         let threshold = if self.before.is_some() { tolerance.residual.scale(-2) } else { tolerance.residual };
@@ -95,7 +108,7 @@ impl<R: Real, const D: usize> Chord<'_, R, D> {
         let step = (sigma * self.length).signal("step").min(self.whole);
         let x = step.scale(-self.range_exponent).signal("chord_variable");
         let (chord, turn) = self.chord_per_step(x);
-        let (weight, weight_slope) = if self.rational { self.weight(x) } else { (R::one(), R::zero()) };
+        let (weight, weight_slope) = if self.is_rational() { self.weight(x) } else { (R::one(), R::zero()) };
         if let Some(before) = self.before {
             return self.evaluate_past_joint(sigma, &before, &chord, &turn, weight, weight_slope * x);
         }
@@ -103,9 +116,13 @@ impl<R: Real, const D: usize> Chord<'_, R, D> {
         let squares = along.iter().map(|v| (*v, *v));
         let residual = R::sum_of_products(squares.chain([(-weight, weight)])).signal("chord_residual");
         let growth = (0..D).map(|d| (along[d], (sigma * turn[d]).signal("chord_turn")));
-        let lightening = [(-weight, weight_slope * x), (weight, weight), (-R::one(), R::one())];
-        let slope = R::sum_of_products(growth.chain(lightening)).signal("chord_growth");
-        Evaluation { residual, slope }
+        let slope = if self.is_rational() {
+            let lightening = [(-weight, weight_slope * x), (weight, weight), (-R::one(), R::one())];
+            R::sum_of_products(growth.chain(lightening))
+        } else {
+            R::sum_of_products(growth)
+        };
+        Evaluation { residual, slope: slope.signal("chord_growth") }
     }
 
     /// `f/4` and `⅛ df/dσ` of `f = |b + σ v|² - 1`, `v = q/w`: only where a joint is crossed, with a division if
@@ -119,7 +136,7 @@ impl<R: Real, const D: usize> Chord<'_, R, D> {
         weight: R,
         weight_turn: R,
     ) -> Evaluation<R> {
-        let reciprocal = if self.rational { R::one() / weight } else { weight };
+        let reciprocal = if self.is_rational() { R::one() / weight } else { weight };
         let chord = chord.map(|q| (q * reciprocal).signal("joint_pull"));
         let pull = |d: usize| {
             (chord[d] + (turn[d] - chord[d] * weight_turn) * reciprocal).signal("joint_pull").half()
@@ -137,25 +154,20 @@ impl<R: Real, const D: usize> Chord<'_, R, D> {
     /// q and x q' at the trial step.
     #[inline]
     fn chord_per_step(&self, x: R) -> ([R; D], [R; D]) {
-        let mut chord = [R::zero(); D];
-        let mut turn = [R::zero(); D];
-        for c in self.at.chord.iter().take(self.degree).rev() {
-            for d in 0..D {
-                turn[d] = turn[d].mul_add(x, chord[d]).signal("chord_turn");
-                chord[d] = chord[d].mul_add(x, c[d]).signal("chord_per_step");
-            }
-        }
+        let (chord, turn) =
+            value_and_slope(self.at.chord.iter().copied().take(self.count()), x, |chord, turn| {
+                (chord.map(|q| q.signal("chord_per_step")), turn.map(|q| q.signal("chord_turn")))
+            });
         (chord, turn.map(|t| t * x))
     }
 
     /// W and dW/dx at the trial step, over W at the present point.
     #[inline]
     fn weight(&self, x: R) -> (R, R) {
-        let (mut value, mut turn) = (R::zero(), R::zero());
-        for w in self.at.weight.iter().take(self.degree).rev() {
-            turn = turn.mul_add(x, value).signal("chord_weight");
-            value = value.mul_add(x, *w).signal("chord_weight");
-        }
+        let weights = self.at.weight.iter().take(self.count()).map(|w| [*w]);
+        let ([value], [turn]) = value_and_slope(weights, x, |value, turn| {
+            (value.map(|w: R| w.signal("chord_weight")), turn.map(|w: R| w.signal("chord_weight")))
+        });
         // value = ω̃_1 + ω̃_2 x + …, so W = 1 + x value and W' = value + x·(its derivative).
         (value.mul_add(x, R::one()), turn.mul_add(x, value).signal("chord_weight"))
     }
@@ -166,12 +178,29 @@ impl<R: Real, const D: usize> Chord<'_, R, D> {
         let x = step.scale(-self.range_exponent).signal("chord_variable");
         let (chord, _) = self.chord_per_step(x);
         let chord = chord.map(|c| (c * step).signal("chord_travelled"));
-        if !self.rational {
+        if !self.is_rational() {
             return chord;
         }
         let (weight, _) = self.weight(x);
         chord.map(|c| c / weight)
     }
+}
+
+/// `Σ row_k x^k` and its derivative by x, by one chain without products for the top coefficient; `name` names both, and all
+/// that they come from.
+#[inline]
+fn value_and_slope<R: Real, const M: usize>(
+    rows: impl DoubleEndedIterator<Item = [R; M]>,
+    x: R,
+    name: impl Fn([R; M], [R; M]) -> ([R; M], [R; M]),
+) -> ([R; M], [R; M]) {
+    let mut rows = rows.rev();
+    let zero = [R::zero(); M];
+    let top = rows.next().unwrap_or(zero);
+    let times_x = |of: &[R; M], more: &[R; M]| core::array::from_fn(|d| of[d].mul_add(x, more[d]));
+    let Some(next) = rows.next() else { return name(top, zero) };
+    let begin = name(times_x(&top, &next), top);
+    rows.fold(begin, |(value, slope), row| name(times_x(&value, &row), times_x(&slope, &value)))
 }
 
 /// `σ f/2 (1 - g + g² - ¾f)`. f and g are limited to where the series holds, which keeps the factor below 2 and the

@@ -44,6 +44,8 @@ pub struct PieceState<R, const D: usize> {
     phase: u64,
     /// σ of the last three steps, newest first, in the scale of `piece`.
     sigma: [R; 3],
+    /// The piece's polynomials about `phase`: they were formed for the setpoint there, and the next step begins with them.
+    at: Shifted<R, D>,
 }
 
 impl<R: Real, const D: usize> PieceState<R, D> {
@@ -84,6 +86,10 @@ fn part_of_next<R: Real, const D: usize>(row: &Piece<R, D>, next: &Piece<R, D>, 
     if phase.leading_zeros() < distance { None } else { Some(phase.checked_shl(distance).unwrap_or(0)) }
 }
 
+/// The degree that steps are compiled for besides all others: chains of three coefficients are unrolled. Not without `std`,
+/// for a second form of the step would not fit the flash of a small controller beside the first in every format.
+const CUBIC: usize = 3;
+
 /// The position reached by a step, and σ there.
 struct Reached<R> {
     piece: usize,
@@ -96,7 +102,8 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     /// The state at the start of the path.
     #[must_use]
     pub fn start(&self) -> PieceState<R, D> {
-        PieceState { cursor: LengthCursor::default(), piece: 0, phase: 0, sigma: [R::zero(); 3] }
+        let at = self.pieces.shifted(0, R::zero());
+        PieceState { cursor: LengthCursor::default(), piece: 0, phase: 0, sigma: [R::zero(); 3], at }
     }
 
     /// The next setpoint; `None` once the end of the path has been commanded.
@@ -123,7 +130,9 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         let planned = feeds.advance(&self.lengths, &mut state.cursor, rates);
         // A rest after the schedule's end is landed on even so.
         if planned.is_some_and(|length| length.is_zero()) && !self.lengths.is_over(&state.cursor) {
-            return Some(self.setpoint(state, R::zero(), 0));
+            let (piece, phase) = (state.piece, state.phase);
+            let offset = self.pieces.in_common_units(piece, &state.at.offset);
+            return Some(PieceSetpoint { piece, phase, offset, length: R::zero(), evaluations: 0 });
         }
         Some(self.follow(state, row, planned))
     }
@@ -136,98 +145,134 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         row: &Piece<R, D>,
         planned: Option<R>,
     ) -> PieceSetpoint<R, D> {
+        if R::IS_FOR_SPEED && cfg!(feature = "std") && self.pieces.degree == CUBIC {
+            if self.pieces.is_rational() {
+                self.follow_on::<CUBIC, false>(state, row, planned)
+            } else {
+                self.follow_on::<CUBIC, true>(state, row, planned)
+            }
+        } else {
+            self.follow_on::<MAX_DEGREE, false>(state, row, planned)
+        }
+    }
+
+    /// The same on pieces of degree N, or with [`MAX_DEGREE`] on any; if PLAIN only on those without weights.
+    #[inline]
+    fn follow_on<const N: usize, const PLAIN: bool>(
+        &self,
+        state: &mut PieceState<R, D>,
+        row: &Piece<R, D>,
+        planned: Option<R>,
+    ) -> PieceSetpoint<R, D> {
         let length = planned.unwrap_or(self.landing_step.max(R::resolution())).signal("chord_length");
         let is_last = planned.is_none() || self.lengths.is_over(&state.cursor);
         let reach = if is_last { length + self.landing_step } else { length };
 
-        let reached = self.travel(state, row, reach);
+        let reached = self.travel::<N, PLAIN>(state, row, reach);
         let [newest, middle, _] = state.sigma;
         state.sigma = [reached.sigma, newest, middle];
         (state.piece, state.phase) = (reached.piece, reached.phase);
-        self.setpoint(state, length, reached.evaluations)
-    }
-
-    /// The point where the state stands.
-    #[inline]
-    fn setpoint(&self, state: &PieceState<R, D>, length: R, evaluations: u32) -> PieceSetpoint<R, D> {
-        let (piece, phase) = (state.piece, state.phase);
-        let last = self.pieces.pieces.len().saturating_sub(1);
-        let offset = if piece > last {
-            self.pieces.offset(last, R::one())
+        let count = self.pieces.pieces.len();
+        let (piece, t) = if state.piece < count {
+            (state.piece, R::from_phase(state.phase, 0))
         } else {
-            self.pieces.offset(piece, R::from_phase(phase, 0))
+            (count.saturating_sub(1), R::one())
         };
-        PieceSetpoint { piece, phase, offset, length, evaluations }
+        self.pieces.shift_to::<N, PLAIN>(piece, t.signal("parameter"), &mut state.at);
+        let offset = self.pieces.in_common_units(piece, &state.at.offset);
+        let (piece, phase) = (state.piece, state.phase);
+        PieceSetpoint { piece, phase, offset, length, evaluations: reached.evaluations }
     }
 
     /// The chord on the present piece, and where it reaches past its end on the next ones.
-    fn travel(&self, state: &mut PieceState<R, D>, row: &Piece<R, D>, length: R) -> Reached<R> {
-        let at = self.pieces.shifted(state.piece, R::from_phase(state.phase, 0).signal("parameter"));
-        let chord = self.chord(row, &at, length);
-        let guess = self.predict(state, row);
-        let mut evaluations = 0;
-        let mut to_cross = None;
-        if !self.is_on_piece(state, row, guess * length) {
-            let (before, part) = to_end(state, row, &chord);
-            // The guess may be wrong: an end farther than the length is not passed.
-            to_cross = (R::norm(&before) < R::one()).then_some((before, part));
+    #[inline]
+    fn travel<const N: usize, const PLAIN: bool>(
+        &self,
+        state: &mut PieceState<R, D>,
+        row: &Piece<R, D>,
+        length: R,
+    ) -> Reached<R> {
+        let guess = predict(&mut state.sigma, row);
+        if !is_on_piece(state.phase, row, guess * length)
+            && let Some(end) = self.end_within(state, row, length)
+        {
+            return self.cross(state.piece, &mut state.sigma, row, end, length);
         }
-        let (before, part) = match to_cross {
-            Some(passed) => passed,
-            None => {
-                let (sigma, count) = chord.solve(guess, &self.tolerance);
-                evaluations = count;
-                let phase = (sigma * length).to_phase(-row.step_exponent);
-                if let Some(phase) = state.phase.checked_add(phase) {
-                    return Reached { piece: state.piece, phase, sigma, evaluations };
-                }
-                let next = self.pieces.pieces.get(state.piece + 1);
-                let is_found = is_inside(sigma, &row.step_per_chord);
-                if let Some(next) = next.filter(|_| row.continues && is_found && phase < u64::MAX) {
-                    // The sum has wrapped: what is left of it lies beyond the end.
-                    if let Some(phase) = part_of_next(row, next, state.phase.wrapping_add(phase)) {
-                        state.sigma = state.sigma.map(|x| into_next(row, next, x));
-                        let sigma = into_next(row, next, sigma);
-                        return Reached { piece: state.piece + 1, phase, sigma, evaluations };
-                    }
-                }
-                to_end(state, row, &chord)
-            }
-        };
-        let reached = self.cross(state, row, before, part, length);
-        Reached { evaluations: evaluations + reached.evaluations, ..reached }
+        let (sigma, evaluations) =
+            self.chord_on::<N, PLAIN>(row, &state.at, length).solve(guess, &self.tolerance);
+        let step = (sigma * length).to_phase(-row.step_exponent);
+        match state.phase.checked_add(step) {
+            Some(phase) => Reached { piece: state.piece, phase, sigma, evaluations },
+            None => self.pass_end(
+                state,
+                row,
+                length,
+                &Reached { piece: state.piece, phase: step, sigma, evaluations },
+            ),
+        }
     }
 
-    /// Whether a step of `guessed` is worth an evaluation on the present piece: not if it reaches well past a knot, nor
-    /// past the whole piece.
-    fn is_on_piece(&self, state: &PieceState<R, D>, row: &Piece<R, D>, guessed: R) -> bool {
-        let rest = state.phase.wrapping_neg().wrapping_sub(1); // 2⁶⁴ - 1 - phase
-        let past = guessed.to_phase(-row.step_exponent).saturating_sub(rest);
-        guessed <= row.whole && (row.continues || past <= rest / 16)
+    /// The chord to the end of the present piece and the step there, over the length; `None` if that is farther than the
+    /// length: the guess may have been wrong.
+    #[cold]
+    #[inline(never)]
+    fn end_within(&self, state: &PieceState<R, D>, row: &Piece<R, D>, length: R) -> Option<([R; D], R)> {
+        let end = to_end(state.phase, row, &self.chord(row, &state.at, length));
+        (R::norm(&end.0) < R::one()).then_some(end)
+    }
+
+    /// A step of a phase that leads past the end of the piece.
+    #[cold]
+    #[inline(never)]
+    fn pass_end(
+        &self,
+        state: &mut PieceState<R, D>,
+        row: &Piece<R, D>,
+        length: R,
+        step: &Reached<R>,
+    ) -> Reached<R> {
+        let next = self.pieces.pieces.get(state.piece + 1);
+        let is_found = is_inside(step.sigma, &row.step_per_chord);
+        if let Some(next) = next.filter(|_| row.continues && is_found && step.phase < u64::MAX) {
+            // The sum has wrapped: what is left of it lies beyond the end.
+            if let Some(phase) = part_of_next(row, next, state.phase.wrapping_add(step.phase)) {
+                state.sigma = state.sigma.map(|x| into_next(row, next, x));
+                let sigma = into_next(row, next, step.sigma);
+                return Reached { piece: state.piece + 1, phase, sigma, evaluations: step.evaluations };
+            }
+        }
+        let end = to_end(state.phase, row, &self.chord(row, &state.at, length));
+        let reached = self.cross(state.piece, &mut state.sigma, row, end, length);
+        Reached { evaluations: step.evaluations + reached.evaluations, ..reached }
     }
 
     /// A step over one joint or more, of which `before` times the length is travelled at the first, with a step per
     /// chord of `part`. Pieces that end nearer than the length are passed, and the rest is solved on the next.
+    ///
+    /// It is rare, and one form of it serves all degrees: a second would cost a controller more flash than it saves time.
+    #[cold]
+    #[inline(never)]
     fn cross(
         &self,
-        state: &mut PieceState<R, D>,
+        piece: usize,
+        history: &mut [R; 3],
         row: &Piece<R, D>,
-        mut before: [R; D],
-        mut part: R,
+        (mut before, mut part): ([R; D], R),
         length: R,
     ) -> Reached<R> {
         let mut row = row;
+        let mut at = Shifted::default();
         let mut evaluations = 0;
-        for (piece, next) in self.pieces.pieces.iter().enumerate().skip(state.piece + 1) {
+        for (piece, next) in self.pieces.pieces.iter().enumerate().skip(piece + 1) {
             let greatest = next.step_per_chord[1];
-            state.sigma = state.sigma.map(|x| into_next(row, next, x));
+            *history = history.map(|x| into_next(row, next, x));
             part = part_into_next(row, next, part.min(row.step_per_chord[1]));
             let left = R::one() - R::norm(&before);
-            let newest = state.sigma[0];
+            let newest = history[0];
             if left <= R::zero() {
                 return Reached { piece, phase: 0, sigma: newest, evaluations };
             }
-            let at = self.pieces.shifted(piece, R::zero());
+            self.pieces.shift_to::<MAX_DEGREE, false>(piece, R::zero(), &mut at);
             let on_next = self.chord(next, &at, length);
             let guess = newest * left;
             let is_long = guess * length >= on_next.whole;
@@ -249,14 +294,25 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
             (row, before) = (next, beyond);
             part = sum_within(part, on_next.whole / length, greatest);
         }
-        Reached { piece: self.pieces.pieces.len(), phase: 0, sigma: state.sigma[0], evaluations }
+        Reached { piece: self.pieces.pieces.len(), phase: 0, sigma: history[0], evaluations }
     }
 
-    /// The chord on a piece, from the point about which it was shifted.
+    /// The chord on a piece, from the point about which it was shifted: in the form that serves all.
     fn chord<'b>(&self, row: &Piece<R, D>, at: &'b Shifted<R, D>, length: R) -> Chord<'b, R, D> {
+        self.chord_on(row, at, length)
+    }
+
+    /// The same for the degree N, or for paths without weights.
+    #[inline]
+    fn chord_on<'b, const N: usize, const PLAIN: bool>(
+        &self,
+        row: &Piece<R, D>,
+        at: &'b Shifted<R, D>,
+        length: R,
+    ) -> Chord<'b, R, D, N, PLAIN> {
         Chord {
             at,
-            degree: self.pieces.degree.min(MAX_DEGREE),
+            degree: self.pieces.degree,
             rational: self.pieces.is_rational(),
             range_exponent: row.range_exponent,
             whole: row.whole,
@@ -265,27 +321,33 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
             range: row.step_per_chord,
         }
     }
+}
 
-    /// `3σ_i - 3σ_{i-1} + σ_{i-2}`, within the piece's range; at the start, for want of a history, its middle.
-    fn predict(&self, state: &mut PieceState<R, D>, row: &Piece<R, D>) -> R {
-        if state.sigma[0].is_zero() {
-            let [low, high] = row.step_per_chord;
-            state.sigma = [low + (high - low).half(); 3];
-        }
-        let [a, b, c] = state.sigma;
-        let (newer, older) = (a - b, b - c);
-        let fall = (older - newer - newer).signal("step_per_chord_fall");
-        a - within(fall, a, &row.step_per_chord)
+/// Whether a step of `guessed` is worth an evaluation on the present piece: not if it reaches well past a knot, nor
+/// past the whole piece.
+#[inline]
+fn is_on_piece<R: Real, const D: usize>(phase: u64, row: &Piece<R, D>, guessed: R) -> bool {
+    let rest = phase.wrapping_neg().wrapping_sub(1); // 2⁶⁴ - 1 - phase
+    let past = || guessed.to_phase(-row.step_exponent).saturating_sub(rest);
+    guessed <= row.whole && (row.continues || past() <= rest / 16)
+}
+
+/// `3σ_i - 3σ_{i-1} + σ_{i-2}`, within the piece's range; at the start, for want of a history, its middle.
+#[inline]
+fn predict<R: Real, const D: usize>(history: &mut [R; 3], row: &Piece<R, D>) -> R {
+    if history[0].is_zero() {
+        let [low, high] = row.step_per_chord;
+        *history = [low + (high - low).half(); 3];
     }
+    let [a, b, c] = *history;
+    let (newer, older) = (a - b, b - c);
+    let fall = (older - newer - newer).signal("step_per_chord_fall");
+    a - within(fall, a, &row.step_per_chord)
 }
 
 /// The chord to the end of the present piece and the step there, over the length.
-fn to_end<R: Real, const D: usize>(
-    state: &PieceState<R, D>,
-    row: &Piece<R, D>,
-    chord: &Chord<'_, R, D>,
-) -> ([R; D], R) {
-    let rest = state.phase.wrapping_neg(); // 2⁶⁴ - phase; 0 stands for a whole piece
+fn to_end<R: Real, const D: usize>(phase: u64, row: &Piece<R, D>, chord: &Chord<'_, R, D>) -> ([R; D], R) {
+    let rest = phase.wrapping_neg(); // 2⁶⁴ - phase; 0 stands for a whole piece
     let step = if rest == 0 { row.whole } else { R::from_phase(rest, row.step_exponent) };
     (chord.over(step).map(|x| x / chord.length), step / chord.length)
 }

@@ -24,6 +24,8 @@ pub struct LengthStage<R> {
     pub reciprocal: u64,
     /// See `reciprocal`; chosen so that `reciprocal` has its top bit set.
     pub reciprocal_exponent: u32,
+    /// One period over t₂: the width of all intervals but those that end in the middle of a period.
+    pub period_share: R,
     /// v: the feed at the start, in chord units per period.
     pub feed: R,
     /// Δv.
@@ -41,8 +43,16 @@ impl<R: Real> LengthStage<R> {
         // 2^exponent <= duration < 2^(exponent+1): the quotient of 2^(64+exponent) lies in (2^63, 2^64].
         let quotient = (numerator >> (63 - exponent)) / u128::from(duration);
         let reciprocal = u64::try_from(quotient).unwrap_or(u64::MAX);
-        let shape = StageShape::Cubic;
-        Some(Self { duration, reciprocal, reciprocal_exponent: exponent, feed, change, shape })
+        let stage = Self {
+            duration,
+            reciprocal,
+            reciprocal_exponent: exponent,
+            period_share: R::zero(),
+            feed,
+            change,
+            shape: StageShape::Cubic,
+        };
+        Some(Self { period_share: R::from_phase(stage.fraction(2 * PERIOD.min(duration)), 0), ..stage })
     }
 
     /// The same stage with its feed along another shape.
@@ -54,20 +64,31 @@ impl<R: Real> LengthStage<R> {
     /// `half_units / (2 · duration)` as a phase, for `half_units ≤ 2 · duration`: twice the time, so that the middle
     /// of an odd interval is a whole number too.
     #[inline]
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "the quotient is below 2⁶⁴, for the reciprocal is rounded down"
+    )]
     fn fraction(&self, half_units: u64) -> u64 {
         // time · 2^64 / duration = time · reciprocal / 2^exponent, the product in two words.
         let product = u128::from(half_units) * u128::from(self.reciprocal);
-        u64::try_from(product >> (self.reciprocal_exponent + 1)).unwrap_or(u64::MAX)
+        let shift = (self.reciprocal_exponent + 1) & 63; // that it is below 64 spares the compiler half of the work
+        (product >> shift) as u64
     }
 
-    /// The mean feed over `interval` from `time` on: what is travelled, over the interval's length.
+    /// An interval over t₂; 1 but for the last place where it is longer.
     #[inline]
-    fn mean_feed(&self, time: u64, interval: u64) -> R {
+    fn share(&self, interval: u64) -> R {
+        if interval == PERIOD { self.period_share } else { R::from_phase(self.fraction(2 * interval), 0) }
+    }
+
+    /// The mean feed over an interval of this share about the middle, which is in half units: what is travelled, over the
+    /// interval's length.
+    #[inline]
+    fn mean_feed(&self, middle: u64, share: R) -> R {
         if self.change.is_zero() {
             return self.feed;
         }
-        let x = R::from_phase(self.fraction(2 * time + interval), 0);
-        let share = R::from_phase(self.fraction(2 * interval), 0);
+        let x = R::from_phase(self.fraction(middle), 0);
         self.change.mul_add(self.shape.mean(x, share), self.feed)
     }
 }
@@ -89,18 +110,27 @@ pub struct StepLengths<'a, R> {
 impl<R: Real> StepLengths<'_, R> {
     /// The distance of the next period, or `None` when the schedule is over. A schedule whose duration is no whole
     /// number of periods ends with a shorter step. At most one turn of the loop a stage.
+    #[inline]
     pub fn advance(&self, cursor: &mut LengthCursor) -> Option<R> {
+        let stage = self.stages.get(cursor.stage)?;
+        if PERIOD < stage.duration - cursor.time {
+            // Wholly inside a stage, as most periods are.
+            let middle = 2 * cursor.time + PERIOD;
+            cursor.time += PERIOD;
+            return Some(stage.mean_feed(middle, stage.period_share));
+        }
         self.advance_by(cursor, PERIOD)
     }
 
     /// The same over `units` of 2⁻³² periods of the schedule's time, at most one period: a period at a lower feed.
+    #[inline(never)] // Within the above it would make every period save its registers.
     pub fn advance_by(&self, cursor: &mut LengthCursor, units: u64) -> Option<R> {
         let units = units.min(PERIOD);
         let mut left = units;
         let mut length = R::zero();
         while let Some(stage) = self.stages.get(cursor.stage) {
             let interval = left.min(stage.duration - cursor.time);
-            let mean = stage.mean_feed(cursor.time, interval);
+            let mean = stage.mean_feed(2 * cursor.time + interval, stage.share(interval));
             length =
                 if interval == PERIOD { mean } else { mean.mul_add(R::from_phase(interval, 32), length) };
             left -= interval;

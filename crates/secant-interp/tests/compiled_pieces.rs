@@ -4,7 +4,7 @@ mod path_run;
 
 use nurbs_core::NurbsBuf;
 use path_run::{Figures, Path, Settings, run};
-use real::{Backend, I3F29, I4F28, I4F60, I8F24, I16F48, Real};
+use real::{Backend, Counted, I3F29, I4F28, I4F60, I8F24, I16F48, Real};
 
 fn clamped(degree: usize, inner: impl IntoIterator<Item = f64>) -> Vec<f64> {
     let ends = |u: f64| std::iter::repeat_n(u, degree + 1);
@@ -249,6 +249,20 @@ fn runs_are_the_same_bit_for_bit() {
     }
     let found = [checksums(&paper_a()), checksums(&ten_points()), checksums(&quintic())];
     assert_eq!(found, CHECKSUMS, "{found:#x?}");
+}
+
+/// Cubics have forms of the step of their own in formats that are run for speed; wrappers have the general one.
+#[test]
+fn every_form_of_the_step_makes_the_same_steps() {
+    fn same<R: Backend, const D: usize>(path: &Path<D>) {
+        let own = figures::<R, D>(path, 32.0, FOR_1E_9).checksum;
+        assert_eq!(own, figures::<Counted<R>, D>(path, 32.0, FOR_1E_9).checksum, "{}", R::name());
+    }
+    same::<f64, 2>(&paper_a());
+    same::<f64, 2>(&ten_points());
+    same::<f64, 3>(&thousand_points());
+    same::<I4F28, 2>(&paper_a());
+    same::<I16F48, 2>(&ten_points());
 }
 
 /// Rows: paper A, ten points, quintic; columns: f64, f32, I3F29, I4F28, I8F24, I16F48, I4F60.
