@@ -208,6 +208,7 @@ struct Sample<R, const D: usize> {
     /// `|C'|`.
     speed: R,
     tangent: [R; D],
+    radius: R,
     /// Curvature vector; 0 unless an axis is limited.
     bend: [R; D],
     feedrate: R,
@@ -301,15 +302,10 @@ impl<R: Real, C> Span<'_, R, C> {
     /// Makes a stop of each bend whose radius is less than half of the chord error E, at its least limit: it is as good as
     /// a corner. A step there turns by half a circle, so that a run a little off its plan would skip the bend, or wait
     /// before it.
-    fn rest_in_narrow_bends<const D: usize>(&self, samples: &mut [Sample<R, D>])
-    where
-        C: Differentiate<R, D>,
-    {
+    fn rest_in_narrow_bends<const D: usize>(&self, samples: &mut [Sample<R, D>]) {
         let narrow = self.limits.chord_error.half();
-        let radius = |u: R| nurbs_core::radius(&self.shape.derivatives_in(self.index, u));
-        let is_bend = |three: &[Sample<R, D>]| {
-            is_least([&three[0], &three[1], &three[2]]) && radius(three[1].u) < narrow
-        };
+        let is_bend =
+            |three: &[Sample<R, D>]| three[1].radius < narrow && is_least([&three[0], &three[1], &three[2]]);
         let bends: Vec<usize> =
             samples.windows(3).enumerate().filter(|(_, three)| is_bend(three)).map(|(i, _)| i + 1).collect();
         for bend in bends {
@@ -379,15 +375,16 @@ impl<R: Real, C> Span<'_, R, C> {
     {
         let at = self.shape.derivatives_in(self.index, u);
         let (speed, tangent) = direction(&at.first);
-        let feedrate = self.limits.feedrate_at_radius(nurbs_core::radius(&at));
+        let radius = nurbs_core::radius(&at);
+        let feedrate = self.limits.feedrate_at_radius(radius);
         let limited = self.budget.and_then(|budget| Some((budget, curvature_vector(&at)?)));
         let Some((budget, bend)) = limited else {
-            return Sample { u, speed, tangent, bend: [R::zero(); D], feedrate, stretch: None };
+            return Sample { u, speed, tangent, radius, bend: [R::zero(); D], feedrate, stretch: None };
         };
         let change = [R::zero(); AXES];
         let turning = Turning { tangent: components(&tangent), curvature: components(&bend), change };
         let feedrate = budget.feed_at(&turning, feedrate);
-        Sample { u, speed, tangent, bend, feedrate, stretch: None }
+        Sample { u, speed, tangent, radius, bend, feedrate, stretch: None }
     }
 
     /// Length of the path between two samples, and how far the limit dips in between.
