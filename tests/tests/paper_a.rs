@@ -74,6 +74,8 @@ fn compiled_pieces_reach_the_formats_resolution() {
         let figure = cruise(format, Engine::Pieces);
         assert!(figure <= limit, "{format}: {figure:.2e} > {limit:.0e}");
     }
+    let mean = row(&comparison.formats, "f64", Engine::Pieces).fluctuation.map(|figures| figures.mean_abs);
+    assert!(mean.is_some_and(|mean| mean < 1e-10), "the last chord is as long as planned, too: {mean:?}");
     assert!(cruise("f32", Engine::DeBoorSecant) > 1e-5, "the raw problem drowns in f32");
     assert!(cruise("I16F16", Engine::DeBoorSecant) > 1e-3, "the raw problem drowns in I16F16");
     let refused = row(&comparison.formats, "I8F24", Engine::DeBoorSecant);

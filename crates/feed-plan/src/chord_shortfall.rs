@@ -16,9 +16,12 @@ use crate::schedule::Cursor;
 use crate::{FeedLimit, Schedule, Stage};
 
 /// How often a stage is followed, at most; what is left falls by a factor of ten and more each time.
-const TRIALS: usize = 6;
-/// A run that is off by less than 2⁻²⁰ of a step is on its plan.
-const ON_PLAN: i32 = -20;
+const TRIALS: usize = 8;
+/// A run that is off by less than 2⁻³⁴ of a step is on its plan.
+const ON_PLAN: i32 = -34;
+/// The run is kept ahead of its plan by 2⁻²⁰ of a step up to the stage that ends at a stop: distances between limit points
+/// are that uncertain, and what a stage lacks there could not be added to it.
+const LEAD: i32 = -20;
 /// Corrections of an arc until its chord is as long as wanted; each leaves an eighth of the squared angle of the
 /// chord.
 const CORRECTIONS: usize = 8;
@@ -52,7 +55,11 @@ impl<R: Real> FeedLimit<R> {
         while let (Some(whole), Some(shortfall)) =
             (schedule.stages().get(begins_in), shortfalls.get_mut(begins_in))
         {
-            let end = path.take_back(schedule, (begins_in, whole), &mut short, run, shortfall);
+            let end;
+            (*shortfall, end) = path.take_back(schedule, begins_in, &mut short, run);
+            if let Some(stage) = short.get_mut(begins_in) {
+                *stage = whole.shortened_by(*shortfall);
+            }
             run = end.last_period;
             begins_in = end.run.cursor.stage().max(begins_in + 1);
         }
@@ -71,9 +78,13 @@ struct Run<R> {
 }
 
 /// Where a run stands behind the last period that began in a stage, and before that period.
+#[derive(Clone, Copy)]
 struct End<R> {
     run: Run<R>,
     last_period: Run<R>,
+    /// By how much the chords have come further than the plan and its lead; at a stop, by how much the last one would go
+    /// beyond that.
+    ahead: R,
 }
 
 /// A path by its arc length.
@@ -91,47 +102,40 @@ impl<R: Real, C> Path<'_, R, C> {
         self.curves.get(curve).map_or([R::zero(); D], |curve| curve.point(u))
     }
 
-    /// Shortens one stage until the run is on its plan behind it, as far as half of it will do.
+    /// By how much to shorten stage `index` for the run to be on its plan behind it, as far as half of it will do, and
+    /// where it ends then. Leaves that stage of `short` as it was last tried.
     fn take_back<const D: usize>(
         &self,
         arcs: &Schedule<'_, R>,
-        (index, whole): (usize, &Stage<R>),
+        index: usize,
         short: &mut [Stage<R>],
         from: Run<R>,
-        shortfall: &mut R,
-    ) -> End<R>
+    ) -> (R, End<R>)
     where
         C: Evaluate<R, D>,
     {
-        let follow = |short: &mut [Stage<R>], off: R| {
-            if let Some(stage) = short.get_mut(index) {
-                *stage = whole.shortened_by(off);
-            }
-            let end = self.follow(arcs, short, index, from);
-            let ahead = end.run.reached - end.run.planned;
-            (off, ahead, end)
+        let whole = arcs.stages()[index];
+        let mut follow = |off: R| {
+            short[index] = whole.shortened_by(off);
+            self.follow(arcs, short, index, from)
         };
-        let most = whole.length.half();
+        let within_half = |off: R| off.max(R::zero()).min(whole.length.half());
         let step = whole.start_feed.max(whole.end_feed) * arcs.interpolation_period;
         let enough = step.scale(ON_PLAN).max(R::resolution().scale(2) * self.limit.length().max(R::one()));
-        let mut best = follow(short, (from.reached - from.planned).max(R::zero()).min(most));
-        let (mut off, mut ahead) = (best.0, best.1);
+        let mut off = within_half(from.reached - from.planned);
+        let mut end = follow(off);
+        let mut best = (off, end);
         for _ in 1..TRIALS {
-            let next = (off + ahead).max(R::zero()).min(most);
-            if !(ahead.abs() > enough) || next == off {
+            let next = within_half(off + end.ahead);
+            if !(end.ahead.abs() > enough) || next == off {
                 break;
             }
-            let tried = follow(short, next);
-            (off, ahead) = (tried.0, tried.1);
-            if ahead.abs() < best.1.abs() {
-                best = tried;
+            (off, end) = (next, follow(next));
+            if end.ahead.abs() < best.1.ahead.abs() {
+                best = (off, end);
             }
         }
-        if let Some(stage) = short.get_mut(index) {
-            *stage = whole.shortened_by(best.0);
-        }
-        *shortfall = best.0;
-        best.2
+        best
     }
 
     /// Follows the shortened plan by chords, to the end of the last period that begins in stage `last`.
@@ -146,7 +150,7 @@ impl<R: Real, C> Path<'_, R, C> {
         C: Evaluate<R, D>,
     {
         let chords = Schedule::new(short, arcs.interpolation_period, arcs.periods());
-        let mut end = End { run: from, last_period: from };
+        let mut end = End { run: from, last_period: from, ahead: from.reached - from.planned };
         while end.run.cursor.stage() <= last {
             let mut run = end.run;
             let begun_in = run.cursor.stage();
@@ -156,12 +160,16 @@ impl<R: Real, C> Path<'_, R, C> {
                 break;
             };
             run.planned = run.planned + arc;
-            run.reached = (run.reached + self.arc_over(run.reached, wanted)).min(self.limit.length());
             let passed = short.get(begun_in..run.cursor.stage()).unwrap_or_default();
-            if passed.iter().any(|stage| stage.end_feed.is_zero()) {
+            let ahead = if passed.iter().any(|stage| stage.end_feed.is_zero()) {
+                let rest = chord(&self.point(run.reached), &self.point(run.planned));
                 run.reached = run.planned;
-            }
-            end = End { run, last_period: end.run };
+                wanted - rest
+            } else {
+                run.reached = (run.reached + self.arc_over(run.reached, wanted)).min(self.limit.length());
+                run.reached - run.planned - wanted.scale(LEAD)
+            };
+            end = End { run, last_period: end.run, ahead };
         }
         end
     }
