@@ -312,6 +312,11 @@ fn scaled<H: Backend, R: Backend, const D: usize>(
         .collect()
 }
 
+/// An exponent as a row has it: what is beyond is beyond every format.
+fn small(exponent: i32) -> i8 {
+    i8::try_from(exponent.clamp(-126, 126)).unwrap_or(0)
+}
+
 fn row<H: Backend, R: Backend, const D: usize>(
     piece: &LocalPiece<H, D>,
     scales: &Scales,
@@ -322,12 +327,12 @@ fn row<H: Backend, R: Backend, const D: usize>(
         next.map_or((0.5, 1), |(next, next_scales)| piece.joint(scales, next, next_scales));
     Piece {
         origin: piece.origin,
-        coordinate_exponent: scales.coordinate,
-        step_exponent: scales.step,
+        coordinate_exponent: small(scales.coordinate),
+        step_exponent: small(scales.step),
         whole: R::from_f64(power_of_two(scales.step)).unwrap_or_else(R::max_value),
-        range_exponent: scales.range,
+        range_exponent: small(scales.range),
         joint_ratio: near(joint_ratio),
-        joint_exponent,
+        joint_exponent: small(joint_exponent),
         continues: next.is_some_and(|(next, _)| piece.continues_in(next)),
         step_per_chord: piece.step_per_chord(scales).map(near),
     }

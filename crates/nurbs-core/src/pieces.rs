@@ -25,27 +25,27 @@ use crate::MAX_DEGREE;
 /// ±2²⁴ mm, which is 16 km.
 pub const ORIGIN_EXPONENT: i32 = -39;
 
-/// One row of the table.
+/// One row of the table: 40 bytes in a 32-bit format in the plane, 64 in a 64-bit one in space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Piece<R, const D: usize> {
     /// O in units of 2^[`ORIGIN_EXPONENT`] mm: what the local offset is added to.
     pub origin: [i64; D],
     /// e: this piece's coefficients are in units of 2^e mm. A short piece has as many significant bits as a long one.
-    pub coordinate_exponent: i32,
-    /// s: the solver's step is `η = h·2^s`, of the order of the chord in its own scale.
-    pub step_exponent: i32,
+    pub coordinate_exponent: i8,
+    /// s: the solver's step is `η = h·2^s`, of the order of the chord in its own scale. At most 60 in magnitude.
+    pub step_exponent: i8,
     /// 2^s, the step over the whole piece; the format's greatest number where that does not fit, for no step comes
     /// near it then.
     pub whole: R,
     /// r: the polynomials go by `x = η·2^-r`, which is of order one, so that the roundings of their coefficients are
     /// not magnified. Chords and steps reach up to 2^r, to use the format's integer bits, but where the piece is
     /// shorter than that, x = 1 is its whole length.
-    pub range_exponent: i32,
+    pub range_exponent: i8,
     /// |C'| at the end of this piece over |C'| at the start of the next, in the solver's scales: by this a step
     /// per chord of this piece becomes one of the next. At most 1 in magnitude; `· 2^joint_exponent`.
     pub joint_ratio: R,
     /// Power of two that belongs to `joint_ratio`.
-    pub joint_exponent: i32,
+    pub joint_exponent: i8,
     /// Whether the next piece is the same polynomial further on, so that a step may pass the joint on this one.
     pub continues: bool,
     /// Least and greatest step per chord, in the solver's scale: what a trial is clamped to, and what the proof of
@@ -150,8 +150,10 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
     #[inline]
     #[must_use]
     pub fn in_common_units(&self, piece: usize, offset: &[R; D]) -> [R; D] {
-        let units =
-            self.pieces.get(piece).map_or(0, |row| row.coordinate_exponent - self.coordinate_exponent);
+        let units = self
+            .pieces
+            .get(piece)
+            .map_or(0, |row| i32::from(row.coordinate_exponent) - self.coordinate_exponent);
         offset.map(|x| x.scale(units).signal("offset"))
     }
 
@@ -173,6 +175,8 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
             *at = Shifted::default();
             return;
         };
+        let range = i32::from(row.range_exponent);
+        let per_power = range - i32::from(row.step_exponent);
         let mut chord = [[R::zero(); D]; N];
         for (slot, n) in chord.iter_mut().zip(numerator) {
             *slot = n.map(|x| x.signal("coefficient"));
@@ -183,14 +187,14 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
             let weight = divide_by_weight(constant, weights, t, &mut at.offset, &mut chord);
             let mut power = 0;
             for (slot, w) in at.weight.iter_mut().zip(weight).take(count) {
-                power += row.range_exponent - row.step_exponent;
+                power += per_power;
                 *slot = w.scale(power).signal("chord_weight");
             }
         }
         // Coefficients of powers of h in coordinate units → of `η x^{k-1}` in chord units, h^k = x^k 2^(k (r - s)).
-        let mut power = row.coordinate_exponent + self.chord_exponent - row.range_exponent;
+        let mut power = i32::from(row.coordinate_exponent) + self.chord_exponent - range;
         for (slot, c) in at.chord.iter_mut().zip(chord).take(count) {
-            power += row.range_exponent - row.step_exponent;
+            power += per_power;
             *slot = c.map(|x| x.scale(power).signal("chord_coefficient"));
         }
     }

@@ -1,7 +1,7 @@
 //! Compiled pieces against the curve they were cut from, in every kind of format.
 
 use nurbs_core::{
-    CompileError, Evaluate, NurbsBuf, ORIGIN_EXPONENT, PieceLimits, PiecesBuf, compile, generate,
+    CompileError, Evaluate, NurbsBuf, ORIGIN_EXPONENT, Piece, PieceLimits, PiecesBuf, compile, generate,
 };
 use proptest::prelude::*;
 use real::{Backend, DoubleDouble, FormatName, I3F29, I4F28, I4F60, I8F24, I16F48, Real};
@@ -41,7 +41,7 @@ fn bound<R: Backend, const D: usize>(table: &PiecesBuf<R, D>, piece: usize) -> f
     let pieces = table.as_pieces();
     let p = pieces.degree as f64;
     let largest = table.bounds().iter().find(|b| b.signal == "offset").unwrap().bound;
-    let unit = R::resolution().to_f64() * 1.0_f64.scale(pieces.pieces[piece].coordinate_exponent);
+    let unit = R::resolution().to_f64() * 1.0_f64.scale(i32::from(pieces.pieces[piece].coordinate_exponent));
     let rational = if pieces.is_rational() { 2.0 * (1.0 + largest) } else { 1.0 };
     let fixed = matches!(R::name(), FormatName::Fixed { .. });
     let shared =
@@ -138,8 +138,8 @@ proptest! {
         let row = &pieces.pieces[piece];
         let (t, h) = (DoubleDouble::from(t), DoubleDouble::from(h * (1.0 - t)));
         let at = pieces.shifted(piece, t);
-        let step = h.scale(row.step_exponent);
-        let x = step.scale(-row.range_exponent);
+        let step = h.scale(i32::from(row.step_exponent));
+        let x = step.scale(-i32::from(row.range_exponent));
         let zero = DoubleDouble::from(0.0);
         let weight = at.weight.iter().rev().fold(zero, |sum, w| sum.mul_add(x, *w));
         let weight = weight.mul_add(x, DoubleDouble::from(1.0));
@@ -248,4 +248,9 @@ fn a_stop_inside_a_span_becomes_a_joint() {
     assert_eq!(part.pieces.len(), places.len() - first);
     assert_eq!(part.offset(0, 0.25), all.offset(first, 0.25));
     assert_eq!(all.part(3..99).pieces.len(), 0);
+}
+
+#[test]
+fn a_row_takes_the_bytes_that_are_said() {
+    assert_eq!((size_of::<Piece<I4F28, 2>>(), size_of::<Piece<f64, 3>>()), (40, 64));
 }

@@ -65,8 +65,9 @@ fn into_next<R: Real, const D: usize>(row: &Piece<R, D>, next: &Piece<R, D>, sig
 fn part_into_next<R: Real, const D: usize>(row: &Piece<R, D>, next: &Piece<R, D>, part: R) -> R {
     let greatest = next.step_per_chord[1];
     // Compared in the smaller scale, for in the larger it might not fit.
-    let most = greatest.scale(-row.joint_exponent.max(0));
-    (part * row.joint_ratio).min(most).scale(row.joint_exponent).min(greatest).signal("joint_step_per_chord")
+    let exponent = i32::from(row.joint_exponent);
+    let most = greatest.scale(-exponent.max(0));
+    (part * row.joint_ratio).min(most).scale(exponent).min(greatest).signal("joint_step_per_chord")
 }
 
 /// `part + more`, but no more than `greatest`, which `part` is not above.
@@ -78,7 +79,8 @@ fn sum_within<R: Real>(part: R, more: R, greatest: R) -> R {
 /// `None` if it is longer than that.
 fn part_of_next<R: Real, const D: usize>(row: &Piece<R, D>, next: &Piece<R, D>, phase: u64) -> Option<u64> {
     // joint_ratio is ½, so that 2^(joint_exponent - 1) takes steps η = h 2^s to steps.
-    let exponent = row.joint_exponent - 1 + row.step_exponent - next.step_exponent;
+    let [joint, step, onward] = [row.joint_exponent, row.step_exponent, next.step_exponent].map(i32::from);
+    let exponent = joint - 1 + step - onward;
     let distance = exponent.unsigned_abs();
     if exponent <= 0 {
         return Some(phase.checked_shr(distance).unwrap_or(0));
@@ -200,7 +202,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         }
         let (sigma, evaluations) =
             self.chord_on::<N, PLAIN>(row, &state.at, length).solve(guess, &self.tolerance);
-        let step = (sigma * length).to_phase(-row.step_exponent);
+        let step = (sigma * length).to_phase(-i32::from(row.step_exponent));
         match state.phase.checked_add(step) {
             Some(phase) => Reached { piece: state.piece, phase, sigma, evaluations },
             None => self.pass_end(
@@ -287,7 +289,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
             let step = sigma * length;
             let beyond = if step < on_next.whole || is_long { None } else { past(&before, &on_next, length) };
             let Some(beyond) = beyond else {
-                let phase = step.to_phase(-next.step_exponent);
+                let phase = step.to_phase(-i32::from(next.step_exponent));
                 let sigma = next.step_per_chord[0].max(sum_within(part, sigma, greatest));
                 return Reached { piece, phase, sigma, evaluations };
             };
@@ -314,7 +316,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
             at,
             degree: self.pieces.degree,
             rational: self.pieces.is_rational(),
-            range_exponent: row.range_exponent,
+            range_exponent: i32::from(row.range_exponent),
             whole: row.whole,
             length,
             before: None,
@@ -328,7 +330,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
 #[inline]
 fn is_on_piece<R: Real, const D: usize>(phase: u64, row: &Piece<R, D>, guessed: R) -> bool {
     let rest = phase.wrapping_neg().wrapping_sub(1); // 2⁶⁴ - 1 - phase
-    let past = || guessed.to_phase(-row.step_exponent).saturating_sub(rest);
+    let past = || guessed.to_phase(-i32::from(row.step_exponent)).saturating_sub(rest);
     guessed <= row.whole && (row.continues || past() <= rest / 16)
 }
 
@@ -348,7 +350,7 @@ fn predict<R: Real, const D: usize>(history: &mut [R; 3], row: &Piece<R, D>) -> 
 /// The chord to the end of the present piece and the step there, over the length.
 fn to_end<R: Real, const D: usize>(phase: u64, row: &Piece<R, D>, chord: &Chord<'_, R, D>) -> ([R; D], R) {
     let rest = phase.wrapping_neg(); // 2⁶⁴ - phase; 0 stands for a whole piece
-    let step = if rest == 0 { row.whole } else { R::from_phase(rest, row.step_exponent) };
+    let step = if rest == 0 { row.whole } else { R::from_phase(rest, i32::from(row.step_exponent)) };
     (chord.over(step).map(|x| x / chord.length), step / chord.length)
 }
 

@@ -138,7 +138,7 @@ pub fn check_pieces<R: Backend, const D: usize>(
             // The format cuts the phase to its own digits, and the point belongs to what is left.
             let t = R::from_phase(phase, 0);
             let offset = pieces.offset(piece, t);
-            let unit = resolution * 1.0_f64.scale(row.coordinate_exponent);
+            let unit = resolution * 1.0_f64.scale(i32::from(row.coordinate_exponent));
             let last = resolution * 1.0_f64.scale(pieces.coordinate_exponent);
             let weight = weight_at(&pieces, piece, t.to_f64());
             let (high, low) = t.to_f64_pair();
@@ -152,7 +152,7 @@ pub fn check_pieces<R: Backend, const D: usize>(
                     (low as f64).scale(ORIGIN_EXPONENT),
                 );
                 let off = (base + offset - at[d]).value().abs();
-                let size = 1.0 + (offset.value() / 1.0_f64.scale(row.coordinate_exponent)).abs();
+                let size = 1.0 + (offset.value() / 1.0_f64.scale(i32::from(row.coordinate_exponent))).abs();
                 let units = (degree + 2.0) * size * (1.0 + size * weight) / weight.min(1.0);
                 let bound = units * unit + 0.5 * last + origin;
                 demand("a piece's point off the curve, mm", &name, piece, off, bound)?;
