@@ -8,7 +8,7 @@ use std::hint::black_box;
 use feed_plan::{EndFeeds, FeedLimit, KinematicLimits};
 use feedbits_benches::{Path, paper_a, ten_points, winding};
 use iai_callgrind::{library_benchmark, library_benchmark_group, main};
-use nurbs_core::{Evaluate, NurbsBuf, PiecesBuf};
+use nurbs_core::{Evaluate, FastCurve, NurbsBuf, PiecesBuf};
 use real::{Backend, I8F24, I16F16, I16F48, I32F32, Real};
 use secant_interp::{ChordTolerance, LengthStage, PieceInterpolator, StepLengths};
 
@@ -53,7 +53,7 @@ fn planned(path: &Path<2>) -> (NurbsBuf<f64, 2>, KinematicLimits<f64>) {
 }
 
 fn plan((curve, limits): &(NurbsBuf<f64, 2>, KinematicLimits<f64>)) -> usize {
-    let planned = FeedLimit::along(&[curve.as_curve()], limits)
+    let planned = FeedLimit::along(&[FastCurve::of(curve.as_curve())], limits)
         .and_then(|limit| feed_plan::plan(&limit, limits, EndFeeds { start: 0.0, end: 0.0 }));
     planned.map_or(0, |schedule| schedule.as_schedule().stages().len())
 }

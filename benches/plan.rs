@@ -3,6 +3,7 @@
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use feed_plan::{EndFeeds, FeedLimit, ProfileKind, jerk_free_duration, plan_with};
 use feedbits_benches::{PERIOD_S, paper_a, winding};
+use nurbs_core::FastCurve;
 
 fn planning(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("feed-plan");
@@ -10,7 +11,7 @@ fn planning(criterion: &mut Criterion) {
     let windings = [10, 100, 1000, 10_000].map(|spans| (format!("{spans} spans"), winding(spans)));
     for (what, path) in [("A".to_string(), paper_a())].into_iter().chain(windings) {
         let limits = path.limits();
-        let curves = [path.curve.as_curve()];
+        let curves = [FastCurve::of(path.curve.as_curve())];
         let limit = FeedLimit::along(&curves, &limits).expect("a limit");
         let own_time = jerk_free_duration(&limit, &limits) * PERIOD_S;
         println!("{what}: {} limit points, at least {own_time:.2} s of motion", limit.points().len());

@@ -12,7 +12,7 @@ use std::hint::black_box;
 use contestants::{Asked, BSPLINE, CURVO, LOOKED_UP, REMEMBERED, contestants};
 use feed_plan::{EndFeeds, FeedLimit};
 use feedbits_benches::{Path, helix, paper_a, ten_points, thousand_points, winding};
-use nurbs_core::{Differentiate, Evaluate, Pieces, PiecesBuf, PowerCurve};
+use nurbs_core::{Differentiate, Evaluate, FastCurve, Pieces, PiecesBuf, PowerCurve};
 use race::{Runner, Time, race};
 use real::{Backend, DoubleDouble, I2F30, I4F28, I4F60, I16F48, Real};
 use secant_interp::{ChordTolerance, LengthStage, PieceInterpolator, StepLengths};
@@ -258,7 +258,7 @@ fn memory(count: u32, path: &Path<3>, pieces: &Pieces<'_, f64, 3>) {
 /// Limit and plan, for each point at which the limit is known.
 fn planning(name: &str, path: &Path<2>) {
     let limits = path.limits();
-    let curves = [path.curve.as_curve()];
+    let curves = [FastCurve::of(path.curve.as_curve())];
     let limit = FeedLimit::along(&curves, &limits).expect("a limit");
     let points = limit.points().len() as u64;
     let mut runners = [

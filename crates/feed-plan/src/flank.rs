@@ -47,6 +47,19 @@ struct Part<R> {
     rise: R,
 }
 
+impl<R: Real> Part<R> {
+    /// Of a ramp from `low` to `high`: distance to the part's start, and the largest feed in it.
+    #[inline]
+    fn step(&self, low: R, high: R, ramp: &Transition<R>) -> (R, R) {
+        let change = high - low;
+        let (bow, rise) = match ramp {
+            Transition::SCurve(profile) => (profile.shares(self.x).1, profile.shares(self.end).0),
+            _ => (self.bow, self.rise),
+        };
+        (ramp.duration() * (low * self.x + change * bow), (low + change * rise).min(high))
+    }
+}
+
 impl<R: Real> RampShape<R> {
     pub(crate) fn new(kind: ProfileKind, limits: &KinematicLimits<R>) -> Self {
         // An S-curve has a shape for each pair of feeds, so that its shares are found each time.
@@ -74,14 +87,7 @@ impl<R: Real> RampShape<R> {
 
     /// Over each part of a ramp from `low` to `high`: distance to its start, and the largest feed in it.
     fn staircase(&self, low: R, high: R, ramp: Transition<R>) -> impl Iterator<Item = (R, R)> {
-        let (change, duration) = (high - low, ramp.duration());
-        self.parts.iter().map(move |part| {
-            let (bow, rise) = match &ramp {
-                Transition::SCurve(profile) => (profile.shares(part.x).1, profile.shares(part.end).0),
-                _ => (part.bow, part.rise),
-            };
-            (duration * (low * part.x + change * bow), (low + change * rise).min(high))
-        })
+        self.parts.iter().map(move |part| part.step(low, high, &ramp))
     }
 
     /// Whether a ramp between a slow point and a fast one fits: its fast end at the fast point, its
@@ -181,11 +187,11 @@ impl<'s, R: Real> Flank<'s, R> {
         if let Some(base) = self.levels.first().filter(|base| base.feed == feed) {
             return Some(*base);
         }
-        let mut best = None;
+        let (mut best, mut narrowest) = (None, PARTS / 2);
         // The nearest levels lose least as a rule, and what they lose soon rules out the others.
         for (index, level) in self.levels.iter().enumerate().rev().filter(|(_, level)| level.feed < feed) {
             let bound = best.map_or_else(R::max_value, |best: Arrival<R>| best.loss);
-            best = self.arrival_from(index, level, feed, bound).or(best);
+            best = self.arrival_from(index, level, feed, bound, &mut narrowest).or(best);
         }
         best
     }
@@ -193,11 +199,19 @@ impl<'s, R: Real> Flank<'s, R> {
     /// A single ramp from the slow point to `feed`.
     pub(crate) fn direct(&self, feed: R) -> Option<Arrival<R>> {
         let base = self.levels.first()?;
-        if base.feed == feed { Some(*base) } else { self.arrival_from(0, base, feed, R::max_value()) }
+        if base.feed == feed { Some(*base) } else { self.arrival_from(0, base, feed, R::max_value(), &mut 0) }
     }
 
-    /// Arrival at `feed` by one ramp from a lower level, if it loses less than `bound`.
-    fn arrival_from(&self, index: usize, level: &Arrival<R>, feed: R, bound: R) -> Option<Arrival<R>> {
+    /// Arrival at `feed` by one ramp from a lower level, if it loses less than `bound`. `narrowest` is the part of a ramp
+    /// that the limit left least room for, here or on the ramp from another level.
+    fn arrival_from(
+        &self,
+        index: usize,
+        level: &Arrival<R>,
+        feed: R,
+        bound: R,
+        narrowest: &mut usize,
+    ) -> Option<Arrival<R>> {
         let ramp = self.shape.ramp(level.feed, feed);
         let loss_from = |start: R| {
             let waiting = if start > R::zero() { start / level.feed - start / feed } else { R::zero() };
@@ -211,7 +225,7 @@ impl<'s, R: Real> Flank<'s, R> {
         } else {
             bound
         };
-        let start = self.earliest_start(level.feed, feed, ramp, latest)?.max(level.distance);
+        let start = self.earliest_start(level.feed, feed, ramp, latest, narrowest)?.max(level.distance);
         if start > R::zero() && !(level.feed > R::zero()) {
             return None; // Standing still leads nowhere.
         }
@@ -225,18 +239,36 @@ impl<'s, R: Real> Flank<'s, R> {
         })
     }
 
-    /// The least distance at which a ramp can start and stay under the limit; `None` when there is none up to `latest`.
-    fn earliest_start(&self, low: R, high: R, ramp: Transition<R>, latest: R) -> Option<R> {
+    /// The least distance at which a ramp can start and stay under the limit; `None` when there is none up to `latest`. That
+    /// is looked at for the part `narrowest` first.
+    fn earliest_start(
+        &self,
+        low: R,
+        high: R,
+        ramp: Transition<R>,
+        latest: R,
+        narrowest: &mut usize,
+    ) -> Option<R> {
+        if let Some(part) = self.shape.parts.get(*narrowest) {
+            let (travelled, feed) = part.step(low, high, &ramp);
+            let next = self.hull.partition_point(|point| point.feed < feed);
+            if self.distance_with(feed, next)? - travelled > latest {
+                return None;
+            }
+        }
         let mut start = R::zero();
         let mut next = self.hull.partition_point(|point| point.feed < low);
-        for (travelled, feed) in self.shape.staircase(low, high, ramp) {
+        for (index, (travelled, feed)) in self.shape.staircase(low, high, ramp).enumerate() {
             // The staircase rises, so that the place in the hull only ever moves on.
             while self.hull.get(next).is_some_and(|point| point.feed < feed) {
                 next += 1;
             }
-            start = start.max(self.distance_with(feed, next)? - travelled);
-            if start > latest {
-                return None;
+            let room = self.distance_with(feed, next)? - travelled;
+            if room > start {
+                (start, *narrowest) = (room, index);
+                if start > latest {
+                    return None;
+                }
             }
         }
         Some(start)

@@ -108,10 +108,15 @@ impl<R: Real> KinematicLimits<R> {
     /// saturated radius is a straight line, and gives F; radius 0 gives 0, as does a number that is none.
     #[must_use]
     pub fn feedrate_at_radius(&self, radius: R) -> R {
+        self.feedrate_at(radius, self.chord_bound_radius())
+    }
+
+    /// The same with the [`chord_bound_radius`](Self::chord_bound_radius) known.
+    pub(crate) fn feedrate_at(&self, radius: R, chord_bound_radius: R) -> R {
         if !(radius > R::zero()) {
             return R::zero();
         }
-        let chord = if radius < self.chord_bound_radius() {
+        let chord = if radius < chord_bound_radius {
             chord_error::chord_feedrate(radius, self.chord_error, self.interpolation_period)
         } else {
             self.feedrate
@@ -124,7 +129,7 @@ impl<R: Real> KinematicLimits<R> {
     }
 
     /// The radius below which the chord error limits the feed: `ρ = ((F T/2)² + E²)/(2E)`.
-    fn chord_bound_radius(&self) -> R {
+    pub(crate) fn chord_bound_radius(&self) -> R {
         let half_step = (self.feedrate * self.interpolation_period).half();
         half_step * (half_step / self.chord_error).half() + self.chord_error.half()
     }

@@ -6,7 +6,7 @@
 
 use alloc::vec::Vec;
 
-use nurbs_core::{Differentiate, curvature_vector};
+use nurbs_core::{Differentiate, Frenet};
 use real::Real;
 
 use crate::axis_budget::{Allowance, AxisBudget, Turning};
@@ -41,6 +41,8 @@ pub(crate) struct Scan<'l, R, const D: usize> {
     rule: GaussLegendre<R>,
     /// Longest stretch: the distance of one period at full feed.
     longest: R,
+    /// The radius below which the chord error limits the feed.
+    chord_bound_radius: R,
     /// Largest difference of unit tangents that is no corner.
     break_tolerance: R,
     distance: R,
@@ -59,7 +61,8 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
         let rule = GaussLegendre::new();
         let budget = AxisBudget::new(limits);
         let (distance, end, samples) = (R::zero(), None, Vec::new());
-        Self { limits, budget, rule, longest, break_tolerance, distance, end, samples }
+        let chord_bound_radius = limits.chord_bound_radius();
+        Self { limits, budget, rule, longest, chord_bound_radius, break_tolerance, distance, end, samples }
     }
 
     /// Samples one curve.
@@ -75,17 +78,18 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
         index: usize,
     ) -> Result<(), PlanError> {
         let (limits, budget, rule) = (self.limits, self.budget.as_ref(), &self.rule);
-        let span = Span { shape, index, limits, budget, rule, longest: self.longest };
-        let mut samples = span.walk();
-        span.locate_extremes(&mut samples);
-        span.rest_in_narrow_bends(&mut samples);
+        let (longest, chord_bound_radius) = (self.longest, self.chord_bound_radius);
+        let span = Span { shape, index, limits, budget, rule, longest, chord_bound_radius };
+        let mut stations = span.walk();
+        span.locate_extremes(&mut stations);
+        span.rest_in_narrow_bends(&mut stations);
         // A stop is one by its geometry; where only an axis's jerk asks for a creep, the path is crept along.
         let least = self.limits.feedrate.scale(STOP);
-        for sample in samples.iter_mut().filter(|sample| sample.feedrate < least) {
-            sample.feedrate = R::zero();
+        for station in stations.iter_mut().filter(|station| station.at.feedrate < least) {
+            station.at.feedrate = R::zero();
         }
-        self.limit_by_jerk(&mut samples);
-        self.append(curve, &samples).ok_or(PlanError::LengthOverflows { curve })
+        self.limit_by_jerk(&mut stations);
+        self.append(curve, &stations).ok_or(PlanError::LengthOverflows { curve })
     }
 
     /// The samples so far, but for those forgotten.
@@ -105,10 +109,10 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
     }
 
     /// Appends a span; `None` when a distance does not increase as numbers of the format should.
-    fn append(&mut self, curve: usize, samples: &[Sample<R, D>]) -> Option<()> {
-        let (first, last) = (samples.first()?, samples.last()?);
+    fn append(&mut self, curve: usize, stations: &[Station<R, D>]) -> Option<()> {
+        let (first, last) = (&stations.first()?.at, &stations.last()?.at);
         if let Some(feedrate) = self.junction_feed(first) {
-            self.push(curve, &Sample { feedrate, ..*first });
+            self.push(curve, &Sample { feedrate, ..*first }, None);
             if let Some(junction) = self.samples.last_mut() {
                 junction.is_single = true;
             }
@@ -116,26 +120,27 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
         let is_continuation =
             |end: &Measured<R>| end.point.curve == curve && end.point.feedrate == first.feedrate;
         if !self.samples.last().is_some_and(is_continuation) {
-            self.push(curve, first);
+            self.push(curve, first, None);
         }
-        for sample in &samples[1..] {
-            let length = sample.stretch?.length;
+        for station in &stations[1..] {
+            let stretch = station.stretch.as_ref()?;
+            let length = stretch.length;
             let next = self.distance + length;
             if !(length >= R::zero() && next >= self.distance && next.is_finite()) {
                 return None;
             }
             self.distance = next;
-            self.push(curve, sample);
+            self.push(curve, &station.at, Some(stretch));
         }
         self.end = Some((last.tangent, last.bend));
         Some(())
     }
 
-    fn push(&mut self, curve: usize, sample: &Sample<R, D>) {
+    fn push(&mut self, curve: usize, sample: &Sample<R, D>, before: Option<&Stretch<R>>) {
         let feedrate = sample.feedrate;
         let point = LimitPoint { distance: self.distance, curve, u: sample.u, feedrate };
-        let margin = sample.stretch.map_or_else(R::zero, |stretch| stretch.margin);
-        let allowance = sample.stretch.map_or_else(Allowance::unlimited, |stretch| stretch.allowance);
+        let margin = before.map_or_else(R::zero, |stretch| stretch.margin);
+        let allowance = before.map_or_else(Allowance::unlimited, |stretch| stretch.allowance);
         let speed = sample.speed;
         self.samples.push(Measured { point, speed, margin, allowance, is_single: feedrate.is_zero() });
     }
@@ -181,17 +186,17 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
 
     /// Lowers the samples' feeds to what the jerk of the axes allows on the stretches at both sides, and finds what these
     /// leave for the path.
-    fn limit_by_jerk(&self, samples: &mut [Sample<R, D>]) {
+    fn limit_by_jerk(&self, stations: &mut [Station<R, D>]) {
         let Some(budget) = &self.budget else { return };
-        for i in 1..samples.len() {
-            let Some(stretch) = samples[i].stretch else { continue };
-            let most = samples[i - 1].feedrate.max(samples[i].feedrate).max(stretch.highest);
+        for i in 1..stations.len() {
+            let Some(stretch) = stations[i].stretch else { continue };
+            let most = stations[i - 1].at.feedrate.max(stations[i].at.feedrate).max(stretch.highest);
             let feed = budget.feed_on(&stretch.turning, most);
             for k in [i - 1, i] {
-                samples[k].feedrate = samples[k].feedrate.min(feed);
+                stations[k].at.feedrate = stations[k].at.feedrate.min(feed);
             }
             let allowance = budget.allowance(&stretch.turning, feed);
-            samples[i].stretch = Some(Stretch { allowance, ..stretch });
+            stations[i].stretch = Some(Stretch { allowance, ..stretch });
         }
     }
 }
@@ -212,7 +217,13 @@ struct Sample<R, const D: usize> {
     /// Curvature vector; 0 unless an axis is limited.
     bend: [R; D],
     feedrate: R,
-    /// The stretch from the previous sample, once measured.
+}
+
+/// A sample that stays.
+#[derive(Clone, Copy)]
+struct Station<R, const D: usize> {
+    at: Sample<R, D>,
+    /// The stretch from the previous one, once measured.
     stretch: Option<Stretch<R>>,
 }
 
@@ -240,11 +251,13 @@ struct Span<'a, R, C> {
     budget: Option<&'a AxisBudget<R>>,
     rule: &'a GaussLegendre<R>,
     longest: R,
+    /// The radius below which the chord error limits the feed.
+    chord_bound_radius: R,
 }
 
 impl<R: Real, C> Span<'_, R, C> {
     /// Samples from one end of the span to the other, close enough to each other.
-    fn walk<const D: usize>(&self) -> Vec<Sample<R, D>>
+    fn walk<const D: usize>(&self) -> Vec<Station<R, D>>
     where
         C: Differentiate<R, D>,
     {
@@ -253,13 +266,13 @@ impl<R: Real, C> Span<'_, R, C> {
         let least = |finest| (end - begin).scale(finest).max(R::resolution().scale(3)).min(coarsest);
         let finest = FINEST.map(least);
         let mut here = self.sample(begin);
-        let mut samples = Vec::from([here]);
+        let mut stations = Vec::from([Station { at: here, stretch: None }]);
         let mut step = coarsest;
         for trial in 0..=TRIALS {
             let finest = finest[usize::from(trial >= FINE_TRIALS)];
             let wanted = here.u + step.min(self.longest / here.speed).max(finest);
             let is_inside = wanted > here.u && wanted < end - finest && trial < TRIALS;
-            let mut next = self.sample(if is_inside { wanted } else { end });
+            let next = self.sample(if is_inside { wanted } else { end });
             let stretch = self.measure(&here, &next);
             let width = next.u - here.u;
             // A step of `finest` is never refused, even if rounding makes it a little wider.
@@ -267,34 +280,33 @@ impl<R: Real, C> Span<'_, R, C> {
                 step = width.half();
                 continue;
             }
-            next.stretch = Some(stretch);
-            samples.push(next);
+            stations.push(Station { at: next, stretch: Some(stretch) });
             if !is_inside {
                 break;
             }
             here = next;
             step = (width + width).min(coarsest);
         }
-        samples
+        stations
     }
 
     /// Adds a sample at each local minimum of the limit and at each cusp that lies between two samples.
-    fn locate_extremes<const D: usize>(&self, samples: &mut Vec<Sample<R, D>>)
+    fn locate_extremes<const D: usize>(&self, stations: &mut Vec<Station<R, D>>)
     where
         C: Differentiate<R, D>,
     {
-        let cusps = samples.windows(2).filter_map(|pair| self.cusp(&pair[0], &pair[1]));
-        let minima = samples.windows(3).filter_map(|three| self.minimum([&three[0], &three[1], &three[2]]));
-        let located: Vec<_> = cusps.chain(minima).collect();
+        let cusps = stations.windows(2).filter_map(|pair| self.cusp(&pair[0].at, &pair[1].at));
+        let minima = stations.windows(3).filter_map(|three| self.minimum(samples_of(three)?));
+        let located: Vec<_> = cusps.chain(minima).map(|at| Station { at, stretch: None }).collect();
         if located.is_empty() {
             return;
         }
-        samples.extend(located);
-        samples.sort_by(|a, b| a.u.partial_cmp(&b.u).unwrap_or(core::cmp::Ordering::Equal));
-        for i in (1..samples.len()).rev() {
+        stations.extend(located);
+        stations.sort_by(|a, b| a.at.u.partial_cmp(&b.at.u).unwrap_or(core::cmp::Ordering::Equal));
+        for i in (1..stations.len()).rev() {
             // A located sample has no stretch yet, and that after it has one that is too long.
-            if samples[i].stretch.is_none() || (i > 1 && samples[i - 1].stretch.is_none()) {
-                samples[i].stretch = Some(self.measure(&samples[i - 1], &samples[i]));
+            if stations[i].stretch.is_none() || (i > 1 && stations[i - 1].stretch.is_none()) {
+                stations[i].stretch = Some(self.measure(&stations[i - 1].at, &stations[i].at));
             }
         }
     }
@@ -302,14 +314,14 @@ impl<R: Real, C> Span<'_, R, C> {
     /// Makes a stop of each bend whose radius is less than half of the chord error E, at its least limit: it is as good as
     /// a corner. A step there turns by half a circle, so that a run a little off its plan would skip the bend, or wait
     /// before it.
-    fn rest_in_narrow_bends<const D: usize>(&self, samples: &mut [Sample<R, D>]) {
+    fn rest_in_narrow_bends<const D: usize>(&self, stations: &mut [Station<R, D>]) {
         let narrow = self.limits.chord_error.half();
         let is_bend =
-            |three: &[Sample<R, D>]| three[1].radius < narrow && is_least([&three[0], &three[1], &three[2]]);
+            |three: &[Station<R, D>]| three[1].at.radius < narrow && samples_of(three).is_some_and(is_least);
         let bends: Vec<usize> =
-            samples.windows(3).enumerate().filter(|(_, three)| is_bend(three)).map(|(i, _)| i + 1).collect();
+            stations.windows(3).enumerate().filter(|(_, three)| is_bend(three)).map(|(i, _)| i + 1).collect();
         for bend in bends {
-            samples[bend].feedrate = R::zero();
+            stations[bend].at.feedrate = R::zero();
         }
     }
 
@@ -373,18 +385,18 @@ impl<R: Real, C> Span<'_, R, C> {
     where
         C: Differentiate<R, D>,
     {
-        let at = self.shape.derivatives_in(self.index, u);
-        let (speed, tangent) = direction(&at.first);
-        let radius = nurbs_core::radius(&at);
-        let feedrate = self.limits.feedrate_at_radius(radius);
-        let limited = self.budget.and_then(|budget| Some((budget, curvature_vector(&at)?)));
+        let frenet = Frenet::of(&self.shape.derivatives_in(self.index, u));
+        let Frenet { speed, tangent, .. } = frenet;
+        let radius = frenet.radius();
+        let feedrate = self.limits.feedrate_at(radius, self.chord_bound_radius);
+        let limited = self.budget.and_then(|budget| Some((budget, frenet.curvature_vector()?)));
         let Some((budget, bend)) = limited else {
-            return Sample { u, speed, tangent, radius, bend: [R::zero(); D], feedrate, stretch: None };
+            return Sample { u, speed, tangent, radius, bend: [R::zero(); D], feedrate };
         };
         let change = [R::zero(); AXES];
         let turning = Turning { tangent: components(&tangent), curvature: components(&bend), change };
         let feedrate = budget.feed_at(&turning, feedrate);
-        Sample { u, speed, tangent, radius, bend, feedrate, stretch: None }
+        Sample { u, speed, tangent, radius, bend, feedrate }
     }
 
     /// Length of the path between two samples, and how far the limit dips in between.
@@ -470,11 +482,10 @@ fn arc_share<R: Real>([begin, middle, end]: [R; 3], x: R) -> R {
     integral(x) / integral(R::one())
 }
 
-/// Length and direction of C'; the direction of a vanishing vector is 0.
-fn direction<R: Real, const D: usize>(first: &[R; D]) -> (R, [R; D]) {
-    let speed = R::norm(first);
-    let divisor = if speed > R::zero() { speed } else { R::one() };
-    (speed, first.map(|component| component / divisor))
+/// The samples of three stations.
+fn samples_of<R, const D: usize>(stations: &[Station<R, D>]) -> Option<[&Sample<R, D>; 3]> {
+    let three: &[_; 3] = stations.first_chunk()?;
+    Some(three.each_ref().map(|station| &station.at))
 }
 
 /// Whether the limit at the middle sample is below both others by more than rounding.

@@ -11,6 +11,55 @@ use real::Real;
 
 use crate::Derivatives;
 
+/// How a curve goes on from a point: what speed, tangent and bend have in common is computed once.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frenet<R, const D: usize> {
+    /// `|C'|`.
+    pub speed: R,
+    /// The unit tangent T; 0 where `C' = 0`.
+    pub tangent: [R; D],
+    /// `C''⊥`.
+    across: [R; D],
+}
+
+impl<R: Real, const D: usize> Frenet<R, D> {
+    /// Of the derivatives at a point.
+    #[must_use]
+    pub fn of(derivatives: &Derivatives<R, D>) -> Self {
+        let speed = R::norm(&derivatives.first);
+        let divisor = if speed.is_zero() { R::one() } else { speed };
+        let tangent: [R; D] = derivatives.first.map(|x| x / divisor);
+        let along = R::sum_of_products(tangent.into_iter().zip(derivatives.second));
+        let mut across = derivatives.second;
+        for (component, direction) in across.iter_mut().zip(tangent) {
+            *component = *component - along * direction;
+        }
+        Self { speed, tangent, across }
+    }
+
+    /// See [`curvature()`].
+    #[must_use]
+    pub fn curvature(&self) -> R {
+        if self.speed.is_zero() { R::max_value() } else { R::norm(&self.across) / self.speed / self.speed }
+    }
+
+    /// See [`curvature_vector`].
+    #[must_use]
+    pub fn curvature_vector(&self) -> Option<[R; D]> {
+        (self.speed > R::zero()).then(|| self.across.map(|x| x / self.speed / self.speed))
+    }
+
+    /// See [`radius`].
+    #[must_use]
+    pub fn radius(&self) -> R {
+        if self.speed.is_zero() {
+            return R::zero();
+        }
+        let turning = R::norm(&self.across) / self.speed;
+        if turning.is_zero() { R::max_value() } else { (self.speed / turning).min(R::max_value()) }
+    }
+}
+
 /// Curvature κ, in 1/mm for points in mm; 0 on a straight line.
 ///
 /// `C' = 0`, a cusp or coincident control points, has no curvature; it counts as the sharpest bend,
@@ -21,21 +70,16 @@ use crate::Derivatives;
 /// Where `C''` is almost along the curve the error is a unit of `|C''|/|C'|²`.
 #[must_use]
 pub fn curvature<R: Real, const D: usize>(derivatives: &Derivatives<R, D>) -> R {
-    let speed = R::norm(&derivatives.first);
-    if speed.is_zero() {
-        return R::max_value();
-    }
-    R::norm(&across(derivatives, speed)) / speed / speed
+    Frenet::of(derivatives).curvature()
 }
 
 /// The curvature vector `dT/ds = C''⊥ / |C'|²`, in 1/mm for points in mm: as long as κ, toward the centre of the bend. `None`
 /// where `C' = 0`.
 ///
-/// Accuracy: each component as that of [`curvature`].
+/// Accuracy: each component as that of [`curvature()`].
 #[must_use]
 pub fn curvature_vector<R: Real, const D: usize>(derivatives: &Derivatives<R, D>) -> Option<[R; D]> {
-    let speed = R::norm(&derivatives.first);
-    (speed > R::zero()).then(|| across(derivatives, speed).map(|x| x / speed / speed))
+    Frenet::of(derivatives).curvature_vector()
 }
 
 /// Radius of curvature ρ = 1/κ, in mm for points in mm; `R::max_value()` on a straight line, 0 where `C' = 0`.
@@ -47,24 +91,7 @@ pub fn curvature_vector<R: Real, const D: usize>(derivatives: &Derivatives<R, D>
 /// `I16F16`.
 #[must_use]
 pub fn radius<R: Real, const D: usize>(derivatives: &Derivatives<R, D>) -> R {
-    let speed = R::norm(&derivatives.first);
-    if speed.is_zero() {
-        return R::zero();
-    }
-    let turning = R::norm(&across(derivatives, speed)) / speed;
-    if turning.is_zero() { R::max_value() } else { (speed / turning).min(R::max_value()) }
-}
-
-/// `C''⊥`, for a `speed` = |C'| above 0.
-fn across<R: Real, const D: usize>(derivatives: &Derivatives<R, D>, speed: R) -> [R; D] {
-    let (first, second) = (&derivatives.first, &derivatives.second);
-    let tangent: [R; D] = first.map(|x| x / speed);
-    let along = R::sum_of_products(tangent.into_iter().zip(*second));
-    let mut across = *second;
-    for (component, direction) in across.iter_mut().zip(tangent) {
-        *component = *component - along * direction;
-    }
-    across
+    Frenet::of(derivatives).radius()
 }
 
 #[cfg(test)]

@@ -27,7 +27,7 @@
 //! | basis functions that sum to exactly 1 in fixed point (after A2.2) | [`basis_functions`] |
 //! | points (A3.1, A4.1) | [`NurbsCurve`], [`Evaluate`] |
 //! | first and second derivatives (after A3.3, A4.2) | [`Differentiate`] |
-//! | curvature and radius, without cubes | [`curvature()`], [`curvature_vector`], [`radius`] |
+//! | curvature and radius, without cubes | [`curvature()`], [`curvature_vector`], [`radius`], all at once [`Frenet`] |
 //! | arc length and its inverse | [`arc_length()`], [`parameter_at`] |
 //! | compiled pieces: what real time evaluates | [`Pieces`] |
 //! | straight moves, circular arcs | [`Line`], [`Arc`] |
@@ -83,6 +83,8 @@ mod curve;
 mod derivatives;
 mod error;
 mod evaluate;
+#[cfg(feature = "alloc")]
+mod fast_curve;
 #[cfg(any(test, feature = "generate"))]
 pub mod generate;
 #[cfg(test)]
@@ -123,10 +125,12 @@ pub use basis::basis_functions;
 pub use compile::{CompileError, PieceLimits, PiecesBuf, Place, compile, compile_with_stops};
 #[cfg(feature = "alloc")]
 pub use corner::{Corner, CornerOutcome, CornerStyle, Reason, Turn};
-pub use curvature::{curvature, curvature_vector, radius};
+pub use curvature::{Frenet, curvature, curvature_vector, radius};
 pub use curve::NurbsCurve;
 pub use error::{CurveError, End, Quantity};
 pub use evaluate::{Derivatives, Differentiate, Evaluate};
+#[cfg(feature = "alloc")]
+pub use fast_curve::FastCurve;
 pub use knots::{KnotVector, MAX_DEGREE};
 pub use line::Line;
 #[cfg(feature = "alloc")]

@@ -1,7 +1,7 @@
 //! The plan of a random path, and what it promises.
 
 use feed_plan::{EndFeeds, FeedLimit, ScheduleBuf, Stage, plan_with};
-use nurbs_core::{NurbsBuf, NurbsCurve};
+use nurbs_core::FastCurve;
 use real::Real;
 use secant_interp::LengthStage;
 
@@ -30,7 +30,7 @@ impl<'a, const D: usize> Planned<'a, D> {
     /// Plans from rest to rest; `None` for a path that is refused or takes more than `most_periods`.
     #[must_use]
     pub fn new(path: &'a RandomPath<D>, most_periods: u32) -> Option<Self> {
-        let curves: Vec<NurbsCurve<'_, f64, D>> = path.curves.iter().map(NurbsBuf::as_curve).collect();
+        let curves: Vec<_> = path.curves.iter().map(|curve| FastCurve::of(curve.as_curve())).collect();
         let limit = FeedLimit::along(&curves, &path.limits).ok()?;
         let arcs = plan_with(&limit, &path.limits, EndFeeds { start: 0.0, end: 0.0 }, path.profile).ok()?;
         if arcs.as_schedule().periods() > most_periods {
