@@ -17,7 +17,7 @@
 
 use alloc::vec::Vec;
 
-use real::{Backend, Real};
+use real::Backend;
 
 use crate::bezier::Bezier;
 use crate::polynomial::power_basis;
@@ -30,56 +30,57 @@ use crate::{Derivatives, Differentiate, Evaluate, NurbsCurve};
 #[derive(Clone, Debug, PartialEq)]
 pub struct PowerCurve<const D: usize> {
     degree: usize,
-    /// O, n_1 to n_p of each span, one after the other.
-    rows: Vec<[f64; D]>,
-    /// w_1 to w_p of each span; empty if not rational.
-    weights: Vec<f64>,
-    /// Where each span begins, and where the last one ends.
-    begins: Vec<f64>,
-    /// 1/(u_{i+1} - u_i).
-    reciprocals: Vec<f64>,
+    /// Of each span, side by side for the sake of caches: where it begins, the reciprocal of its width, O, n_1 to n_p and,
+    /// if rational, w_1 to w_p. Behind them all, where the last one ends.
+    spans: Vec<f64>,
+    /// How many numbers a span has.
+    stride: usize,
+    is_plain_cubic: bool,
+    count: usize,
+    domain: (f64, f64),
     table: SpanTable,
 }
 
 /// From a parameter to the spans in question.
 #[derive(Clone, Debug, PartialEq)]
 struct SpanTable {
-    /// u₀ and 1/(u_end - u₀).
-    domain: (f64, f64),
-    /// The intervals are as many as 2^(64 - shift).
-    shift: u32,
+    /// u₀, and intervals over u_end - u₀.
+    scale: (f64, f64),
+    /// The last interval.
+    last: u32,
     /// Of each interval, the last span that begins in an earlier one; and once more for the end.
     last_before: Vec<u32>,
 }
 
 impl SpanTable {
-    fn new(begins: &[f64], spans: usize) -> Self {
-        let (first, last) = (begins[0], begins[spans]);
-        let bits = spans.next_power_of_two().trailing_zeros().clamp(1, 31);
-        let mut table =
-            Self { domain: (first, 1.0 / (last - first)), shift: 64 - bits, last_before: Vec::new() };
-        let intervals: Vec<usize> = begins[1..spans].iter().map(|u| table.interval(*u)).collect();
+    fn new(begins: &[f64], (first, last): (f64, f64)) -> Self {
+        let last_interval =
+            (1_u32 << 31).min(u32::try_from(begins.len().next_power_of_two()).unwrap_or(u32::MAX)) - 1;
+        let scale = (first, (f64::from(last_interval) + 1.0) / (last - first));
+        let mut table = Self { scale, last: last_interval, last_before: Vec::new() };
+        let intervals: Vec<usize> = begins[1..].iter().map(|u| table.interval(*u)).collect();
         let before = |interval| intervals.partition_point(|i| *i < interval);
-        table.last_before =
-            (0..=1_usize << bits).map(|i| u32::try_from(before(i)).unwrap_or(u32::MAX)).collect();
+        let ends = 0..=last_interval as usize + 1;
+        table.last_before = ends.map(|i| u32::try_from(before(i)).unwrap_or(u32::MAX)).collect();
         table
     }
 
     /// The interval of `u`; it never falls as u rises.
     #[inline]
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a float is cut to the range, and what is no number to 0"
+    )]
     fn interval(&self, u: f64) -> usize {
-        let fraction = (u - self.domain.0) * self.domain.1;
-        usize::try_from(fraction.to_phase(0) >> self.shift).unwrap_or(usize::MAX)
+        (((u - self.scale.0) * self.scale.1) as u32).min(self.last) as usize
     }
 
-    /// The last span that does not begin after `u`, or the first.
+    /// The first and the last span in question for `u`.
     #[inline]
-    fn find(&self, begins: &[f64], u: f64) -> usize {
-        let interval = self.interval(u);
-        let bounds = self.last_before.get(interval..).and_then(|rest| rest.first_chunk());
-        let Some([from, to]) = bounds.map(|pair: &[u32; 2]| pair.map(|span| span as usize)) else { return 0 };
-        let in_question = begins.get(from + 1..=to).unwrap_or_default();
-        from + in_question.partition_point(|begin| *begin <= u)
+    fn around(&self, u: f64) -> [usize; 2] {
+        let rest = self.last_before.get(self.interval(u)..).and_then(|rest| rest.first_chunk());
+        rest.map_or([0; 2], |pair: &[u32; 2]| pair.map(|span| span as usize))
     }
 }
 
@@ -89,30 +90,51 @@ struct PowerSpan<'a, const D: usize> {
     begin: f64,
     end: f64,
     reciprocal: f64,
-    rows: &'a [[f64; D]],
-    weights: &'a [f64],
+    /// Twice the square of that.
+    twice_square: f64,
+    coefficients: Coefficients<'a, D>,
+    /// The numbers of the spans behind it.
+    onward: &'a [f64],
+}
+
+/// Rows and weights of a span. Cubics, the common case, go by chains of known length, which the compiler unrolls: a third of
+/// the instructions less.
+#[derive(Clone, Copy, Debug)]
+enum Coefficients<'a, const D: usize> {
+    Cubic(&'a [[f64; D]; 4]),
+    RationalCubic(&'a [[f64; D]; 4], &'a [f64; 3]),
+    Any(&'a [[f64; D]], &'a [f64]),
+}
+
+impl<'a, const D: usize> Coefficients<'a, D> {
+    #[inline]
+    fn new(rows: &'a [[f64; D]], weights: &'a [f64]) -> Self {
+        match (rows.as_array(), weights.as_array()) {
+            (Some(rows), Some(weights)) => Self::RationalCubic(rows, weights),
+            _ => Self::Any(rows, weights),
+        }
+    }
 }
 
 impl<const D: usize> PowerSpan<'_, D> {
-    /// Cubics, the common case, go by chains of known length, which the compiler unrolls: a third of the instructions less.
     #[inline]
     fn point(&self, u: f64) -> [f64; D] {
         let t = (u - self.begin) * self.reciprocal;
-        match (<&[_; 4]>::try_from(self.rows), <&[_; 3]>::try_from(self.weights)) {
-            (Ok(rows), Ok(weights)) => point_at(rows, weights, t),
-            (Ok(rows), Err(_)) => point_at(rows, &[], t),
-            _ => point_at(self.rows, self.weights, t),
+        match self.coefficients {
+            Coefficients::Cubic(rows) => point_at(rows, &[], t),
+            Coefficients::RationalCubic(rows, weights) => point_at(rows, weights, t),
+            Coefficients::Any(rows, weights) => point_at(rows, weights, t),
         }
     }
 
-    /// See [`point`](Self::point).
     #[inline]
     fn derivatives(&self, u: f64) -> Derivatives<f64, D> {
         let t = (u - self.begin) * self.reciprocal;
-        match (<&[_; 4]>::try_from(self.rows), <&[_; 3]>::try_from(self.weights)) {
-            (Ok(rows), Ok(weights)) => derivatives_at(rows, weights, t, self.reciprocal),
-            (Ok(rows), Err(_)) => derivatives_at(rows, &[], t, self.reciprocal),
-            _ => derivatives_at(self.rows, self.weights, t, self.reciprocal),
+        let rates = (self.reciprocal, self.twice_square);
+        match self.coefficients {
+            Coefficients::Cubic(rows) => derivatives_at(rows, &[], t, rates),
+            Coefficients::RationalCubic(rows, weights) => derivatives_at(rows, weights, t, rates),
+            Coefficients::Any(rows, weights) => derivatives_at(rows, weights, t, rates),
         }
     }
 }
@@ -131,13 +153,13 @@ fn point_at<const D: usize>(rows: &[[f64; D]], weights: &[f64], t: f64) -> [f64;
     core::array::from_fn(|d| offset[d] * factor + origin[d])
 }
 
-/// The point, and C' and C'' by u; `rate` is dt/du.
+/// The point, and C' and C'' by u, with dt/du and twice its square.
 #[inline(always)]
 fn derivatives_at<const D: usize>(
     rows: &[[f64; D]],
     weights: &[f64],
     t: f64,
-    rate: f64,
+    (rate, twice_square): (f64, f64),
 ) -> Derivatives<f64, D> {
     let [origin, rest @ ..] = rows else {
         return Derivatives { point: [0.0; D], first: [0.0; D], second: [0.0; D] };
@@ -152,7 +174,6 @@ fn derivatives_at<const D: usize>(
             half_second[d] = (half_second[d] - rise * first[d] - half_turn * offset[d]) * reciprocal;
         }
     }
-    let twice_square = 2.0 * rate * rate;
     Derivatives {
         point: core::array::from_fn(|d| offset[d] + origin[d]),
         first: first.map(|x| x * rate),
@@ -188,19 +209,21 @@ impl<const D: usize> PowerCurve<D> {
     pub fn new<H: Backend>(curve: &NurbsCurve<'_, f64, D>) -> Self {
         let knots = curve.knots().as_slice();
         let degree = curve.degree();
-        let mut begins = Vec::with_capacity(curve.span_count() + 1);
-        let (mut rows, mut weights) = (Vec::new(), Vec::new());
+        let (mut begins, mut spans) = (Vec::with_capacity(curve.span_count()), Vec::new());
         for span in (degree..curve.control_points().len()).filter(|i| knots[*i] < knots[i + 1]) {
-            begins.push(knots[span]);
+            let (begin, end) = (knots[span], knots[span + 1]);
+            begins.push(begin);
             let high = |x: f64| H::from_f64(x).unwrap_or_else(H::zero);
-            let bezier = Bezier::<H, D>::of_span(curve, span, high(knots[span]), high(knots[span + 1]));
-            push_span(&bezier, &mut rows, &mut weights);
+            let bezier = Bezier::<H, D>::of_span(curve, span, high(begin), high(end));
+            spans.extend([begin, 1.0 / (end - begin)]);
+            push_span(&bezier, curve.weights().is_some(), &mut spans);
         }
-        begins.push(curve.domain().1);
-        let spans = begins.len() - 1;
-        let reciprocals = begins.windows(2).map(|pair| 1.0 / (pair[1] - pair[0])).collect();
-        let table = SpanTable::new(&begins, spans);
-        Self { degree, rows, weights, begins, reciprocals, table }
+        let (domain, count) = (curve.domain(), begins.len());
+        let stride = spans.len() / count;
+        spans.push(domain.1);
+        let table = SpanTable::new(&begins, domain);
+        let is_plain_cubic = degree == 3 && curve.weights().is_none();
+        Self { degree, spans, stride, is_plain_cubic, count, domain, table }
     }
 
     /// The degree p.
@@ -209,7 +232,7 @@ impl<const D: usize> PowerCurve<D> {
         self.degree
     }
 
-    /// Evaluation at parameters of which one is often in the same span as the one before it.
+    /// Evaluation at parameters of which one is often in the same span as the one before it, or in the next.
     #[must_use]
     pub fn cursor(&self) -> PowerCursor<'_, D> {
         PowerCursor { curve: self, span: self.span(0) }
@@ -218,62 +241,79 @@ impl<const D: usize> PowerCurve<D> {
     /// Bytes of the tables.
     #[must_use]
     pub fn bytes(&self) -> usize {
-        size_of_val(&*self.rows)
-            + size_of_val(&*self.weights)
-            + size_of_val(&*self.begins)
-            + size_of_val(&*self.reciprocals)
-            + size_of_val(&*self.table.last_before)
+        size_of_val(&*self.spans) + size_of_val(&*self.table.last_before)
+    }
+
+    /// Where a span begins; behind the last one, where that ends.
+    #[inline]
+    fn begin(&self, index: usize) -> f64 {
+        self.spans.get(index * self.stride).copied().unwrap_or(self.domain.1)
     }
 
     #[inline]
     fn span(&self, index: usize) -> PowerSpan<'_, D> {
-        let count = self.degree + 1;
-        let bounds: Option<&[f64; 2]> = self.begins.get(index..).and_then(|rest| rest.first_chunk());
-        let [begin, end] = bounds.copied().unwrap_or_default();
+        self.first_of(self.spans.get(index * self.stride..).unwrap_or_default())
+    }
+
+    /// The first span of these numbers.
+    #[inline(always)]
+    fn first_of<'a>(&self, numbers: &'a [f64]) -> PowerSpan<'a, D> {
+        let (own, onward) = numbers.split_at_checked(self.stride).unwrap_or_default();
+        let ([begin, reciprocal], rest) = own.split_first_chunk().unwrap_or((&[0.0; 2], &[]));
+        let coefficients = match rest.as_chunks().0.first_chunk() {
+            Some(rows) if self.is_plain_cubic => Coefficients::Cubic(rows),
+            _ => {
+                let (rows, weights) = rest.split_at_checked((self.degree + 1) * D).unwrap_or_default();
+                Coefficients::new(rows.as_chunks().0, weights)
+            }
+        };
         PowerSpan {
-            begin,
-            end,
-            reciprocal: self.reciprocals.get(index).copied().unwrap_or_default(),
-            rows: of_span(&self.rows, index, count),
-            weights: of_span(&self.weights, index, self.degree),
+            begin: *begin,
+            end: onward.first().copied().unwrap_or_default(),
+            reciprocal: *reciprocal,
+            twice_square: 2.0 * reciprocal * reciprocal,
+            coefficients,
+            onward,
         }
+    }
+
+    /// The last span that does not begin after `u`, or the first.
+    #[inline]
+    fn index_of(&self, u: f64) -> usize {
+        let [mut low, mut high] = self.table.around(u);
+        while low < high {
+            let middle = low + (high - low).div_ceil(2);
+            if self.begin(middle) <= u { low = middle } else { high = middle - 1 }
+        }
+        low
     }
 
     #[inline]
     fn span_of(&self, u: f64) -> PowerSpan<'_, D> {
-        self.span(self.table.find(&self.begins, u))
+        self.span(self.index_of(u))
     }
 }
 
-/// The `count` items of the span at `index`, if there are any.
-#[inline]
-fn of_span<T>(items: &[T], index: usize, count: usize) -> &[T] {
-    items.get(index * count..).and_then(|rest| rest.get(..count)).unwrap_or_default()
-}
-
 /// Appends O, n_1 … n_p and, if rational, w_1 … w_p, with weights over the first one.
-fn push_span<H: Backend, const D: usize>(
-    bezier: &Bezier<H, D>,
-    rows: &mut Vec<[f64; D]>,
-    weights: &mut Vec<f64>,
-) {
+fn push_span<H: Backend, const D: usize>(bezier: &Bezier<H, D>, is_rational: bool, numbers: &mut Vec<f64>) {
     let (start, unit) = (bezier.euclidean(0), bezier.weights[0]);
     let column = |d: usize| {
         let seen = bezier.points.iter().zip(&bezier.weights).map(|(p, w)| (p[d] - start[d] * *w) / unit);
         power_basis(&seen.collect::<Vec<H>>())
     };
     let columns: [Vec<H>; D] = core::array::from_fn(column);
-    rows.push(start.map(|x| x.to_f64()));
-    rows.extend((1..bezier.points.len()).map(|k| core::array::from_fn(|d| columns[d][k].to_f64())));
-    if bezier.rational {
+    numbers.extend(start.map(|x| x.to_f64()));
+    numbers
+        .extend((1..bezier.points.len()).flat_map(|k| columns.each_ref().map(|column| column[k].to_f64())));
+    if is_rational {
         let relative: Vec<H> = bezier.weights.iter().map(|w| *w / unit).collect();
-        weights.extend(power_basis(&relative).iter().skip(1).map(|w| w.to_f64()));
+        numbers.extend(power_basis(&relative).iter().skip(1).map(|w| w.to_f64()));
     }
 }
 
 impl<const D: usize> Evaluate<f64, D> for PowerCurve<D> {
     fn domain(&self) -> (f64, f64) {
-        (self.begins[0], self.begins[self.begins.len() - 1])
+        self.domain
     }
 
     /// The point `C(u)` by Horner's scheme.
@@ -286,12 +326,12 @@ impl<const D: usize> Evaluate<f64, D> for PowerCurve<D> {
     }
 
     fn span_count(&self) -> usize {
-        self.reciprocals.len()
+        self.count
     }
 
     fn span_bounds(&self, span: usize) -> (f64, f64) {
-        let span = self.span(span.min(self.reciprocals.len() - 1));
-        (span.begin, span.end)
+        let span = span.min(self.count - 1);
+        (self.begin(span), self.begin(span + 1))
     }
 }
 
@@ -301,11 +341,11 @@ impl<const D: usize> Differentiate<f64, D> for PowerCurve<D> {
     }
 
     fn derivatives_in(&self, span: usize, u: f64) -> Derivatives<f64, D> {
-        self.span(span.min(self.reciprocals.len() - 1)).derivatives(u)
+        self.span(span.min(self.count - 1)).derivatives(u)
     }
 }
 
-/// Evaluates one curve at many parameters, and looks a span up only where the one before does not hold.
+/// Evaluates one curve at many parameters, and looks a span up only where neither the one before nor the next holds.
 #[derive(Clone, Copy, Debug)]
 pub struct PowerCursor<'a, const D: usize> {
     curve: &'a PowerCurve<D>,
@@ -330,8 +370,15 @@ impl<const D: usize> PowerCursor<'_, D> {
     #[inline]
     fn seek(&mut self, u: f64) {
         if !(self.span.begin <= u && u < self.span.end) {
-            self.span = self.curve.span_of(u);
+            self.leave(u);
         }
+    }
+
+    /// Into the span of `u`, which is another one.
+    #[inline(never)] // Within the above it would make every evaluation save its registers.
+    fn leave(&mut self, u: f64) {
+        let next = self.curve.first_of(self.span.onward);
+        self.span = if next.begin <= u && u < next.end { next } else { self.curve.span_of(u) };
     }
 }
 
