@@ -35,7 +35,7 @@
 #![cfg_attr(feature = "alloc", doc = "| cutting a path into pieces, with proven ranges | [`compile()`] |")]
 #![cfg_attr(
     feature = "alloc",
-    doc = "| one polynomial a span, in f64: the fastest points and derivatives | [`PowerCurve`] |"
+    doc = "| one polynomial a span, in f64: the fastest points and derivatives | [`PowerCurve`], where accurate [`FastCurve`] |"
 )]
 #![cfg_attr(
     feature = "alloc",
