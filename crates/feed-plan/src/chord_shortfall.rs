@@ -56,10 +56,7 @@ impl<R: Real> FeedLimit<R> {
             (schedule.stages().get(begins_in), shortfalls.get_mut(begins_in))
         {
             let end;
-            (*shortfall, end) = path.take_back(schedule, begins_in, &mut short, run);
-            if let Some(stage) = short.get_mut(begins_in) {
-                *stage = whole.shortened_by(*shortfall);
-            }
+            (*shortfall, end) = path.take_back(schedule, (begins_in, whole), &mut short, run);
             run = end.last_period;
             begins_in = end.run.cursor.stage().max(begins_in + 1);
         }
@@ -102,21 +99,25 @@ impl<R: Real, C> Path<'_, R, C> {
         self.curves.get(curve).map_or([R::zero(); D], |curve| curve.point(u))
     }
 
-    /// By how much to shorten stage `index` for the run to be on its plan behind it, as far as half of it will do, and
-    /// where it ends then. Leaves that stage of `short` as it was last tried.
+    /// Shortens one stage until the run is on its plan behind it, as far as half of it will do: by how much, and where the
+    /// run ends then.
     fn take_back<const D: usize>(
         &self,
         arcs: &Schedule<'_, R>,
-        index: usize,
+        (index, whole): (usize, &Stage<R>),
         short: &mut [Stage<R>],
         from: Run<R>,
     ) -> (R, End<R>)
     where
         C: Evaluate<R, D>,
     {
-        let whole = arcs.stages()[index];
+        let shorten = |short: &mut [Stage<R>], off: R| {
+            if let Some(stage) = short.get_mut(index) {
+                *stage = whole.shortened_by(off);
+            }
+        };
         let mut follow = |off: R| {
-            short[index] = whole.shortened_by(off);
+            shorten(short, off);
             self.follow(arcs, short, index, from)
         };
         let within_half = |off: R| off.max(R::zero()).min(whole.length.half());
@@ -135,6 +136,7 @@ impl<R: Real, C> Path<'_, R, C> {
                 best = (off, end);
             }
         }
+        shorten(short, best.0);
         best
     }
 

@@ -4,7 +4,7 @@ use feed_plan::{
     AxisLimits, EndFeeds, FeedLimit, Junction, KinematicLimits, PlanError, ProfileKind, Schedule,
     ScheduleBuf, Stage, StageShape, plan_through_window, plan_with,
 };
-use nurbs_core::{Differentiate, FastCurve, NurbsBuf};
+use nurbs_core::{Differentiate, NurbsBuf};
 use real::{Backend, DoubleDouble, Real};
 
 use crate::problem::Problem;
@@ -43,26 +43,33 @@ impl ExactPlan {
         profile: ProfileKind,
     ) -> Result<Self, Refusal> {
         if R::name() == f64::name() {
-            let curves: Vec<_> = problem.curves.iter().map(|curve| FastCurve::of(curve.as_curve())).collect();
-            return Self::along::<f64, _, D>(&curves, problem, end_feeds_mm_per_s, profile);
+            let limits = problem.limits_per_period()?;
+            return Self::along(
+                &problem.fast_curves(),
+                &limits_in_format::<f64>(&limits)?,
+                problem,
+                end_feeds_mm_per_s,
+                profile,
+            );
         }
+        let limits = limits_in_format::<R>(&problem.limits_per_period()?)?;
         let curves = problem.curves.iter().map(NurbsBuf::convert::<R>).collect::<Result<Vec<_>, _>>()?;
         let curves: Vec<_> = curves.iter().map(NurbsBuf::as_curve).collect();
-        Self::along::<R, _, D>(&curves, problem, end_feeds_mm_per_s, profile)
+        Self::along(&curves, &limits, problem, end_feeds_mm_per_s, profile)
     }
 
-    /// The same, along the problem's curves in that format.
+    /// The same, with the problem's curves and limits in that format.
     fn along<R: Backend, C: Differentiate<R, D>, const D: usize>(
         curves: &[C],
+        limits: &KinematicLimits<R>,
         problem: &Problem<D>,
         end_feeds_mm_per_s: [f64; 2],
         profile: ProfileKind,
     ) -> Result<Self, Refusal> {
-        let limits = limits_in_format::<R>(&problem.limits_per_period()?)?;
-        let feed_limit = FeedLimit::along(curves, &limits)?;
+        let feed_limit = FeedLimit::along(curves, limits)?;
         let [start, end] = end_feeds_mm_per_s.map(|feed| feed * problem.period_s());
         let ends = EndFeeds { start: in_format("start feed", start)?, end: in_format("end feed", end)? };
-        let schedule = plan_with(&feed_limit, &limits, ends, profile)?;
+        let schedule = plan_with(&feed_limit, limits, ends, profile)?;
         let shortfalls = feed_limit.shortfalls(curves, &schedule.as_schedule());
         Ok(Self::of(&schedule.shortened(&shortfalls), profile))
     }

@@ -1,7 +1,7 @@
 //! A plan as people read it: the stage table in mm and s, a summary, and samples.
 
 use feed_plan::{FeedLimit, ProfileKind, Stage, StageKind, StageShape, jerk_free_duration};
-use nurbs_core::{Evaluate, FastCurve};
+use nurbs_core::Evaluate;
 use real::DoubleDouble;
 use serde::Serialize;
 
@@ -170,8 +170,7 @@ fn shape_name(shape: StageShape) -> &'static str {
 const AT_FEED: f64 = 0.005;
 
 fn feed_limit<const D: usize>(problem: &Problem<D>) -> Result<FeedLimit<f64>, Refusal> {
-    let curves: Vec<_> = problem.curves.iter().map(|curve| FastCurve::of(curve.as_curve())).collect();
-    Ok(FeedLimit::along(&curves, &problem.limits_per_period()?)?)
+    Ok(FeedLimit::along(&problem.fast_curves(), &problem.limits_per_period()?)?)
 }
 
 /// The plan at one instant, in mm and periods.

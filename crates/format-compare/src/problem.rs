@@ -6,7 +6,7 @@
 //! moved is kept, so that setpoints can be given where the part has them.
 
 use feed_plan::{AxisLimits, Junction, KinematicLimits, PlanError};
-use nurbs_core::{CurveError, NurbsBuf};
+use nurbs_core::{CurveError, FastCurve, NurbsBuf};
 use part_program::{Curve, GAP_MM, Machine, MoveKind, Part};
 
 /// A path of curves in mm and the machine that is to follow it.
@@ -28,6 +28,12 @@ pub struct Problem<const D: usize> {
 const NO_JUMP: f64 = 1e-9;
 
 impl<const D: usize> Problem<D> {
+    /// The curves in the form that is planned on in f64.
+    #[must_use]
+    pub fn fast_curves(&self) -> Vec<FastCurve<'_, D>> {
+        self.curves.iter().map(|curve| FastCurve::of(curve.as_curve())).collect()
+    }
+
     /// Takes the moves at feed of `part` in `D` dimensions; coordinates beyond are dropped, so `D` must be at least
     /// the part's own dimension. A part of rapid moves alone is taken as it stands.
     ///

@@ -216,7 +216,7 @@ impl<const D: usize> PowerCurve<D> {
             let high = |x: f64| H::from_f64(x).unwrap_or_else(H::zero);
             let bezier = Bezier::<H, D>::of_span(curve, span, high(begin), high(end));
             spans.extend([begin, 1.0 / (end - begin)]);
-            push_span(&bezier, curve.weights().is_some(), &mut spans);
+            push_span(&bezier, &mut spans);
         }
         let (domain, count) = (curve.domain(), begins.len());
         let stride = spans.len() / count;
@@ -295,7 +295,7 @@ impl<const D: usize> PowerCurve<D> {
 }
 
 /// Appends O, n_1 … n_p and, if rational, w_1 … w_p, with weights over the first one.
-fn push_span<H: Backend, const D: usize>(bezier: &Bezier<H, D>, is_rational: bool, numbers: &mut Vec<f64>) {
+fn push_span<H: Backend, const D: usize>(bezier: &Bezier<H, D>, numbers: &mut Vec<f64>) {
     let (start, unit) = (bezier.euclidean(0), bezier.weights[0]);
     let column = |d: usize| {
         let seen = bezier.points.iter().zip(&bezier.weights).map(|(p, w)| (p[d] - start[d] * *w) / unit);
@@ -305,7 +305,7 @@ fn push_span<H: Backend, const D: usize>(bezier: &Bezier<H, D>, is_rational: boo
     numbers.extend(start.map(|x| x.to_f64()));
     numbers
         .extend((1..bezier.points.len()).flat_map(|k| columns.each_ref().map(|column| column[k].to_f64())));
-    if is_rational {
+    if bezier.rational {
         let relative: Vec<H> = bezier.weights.iter().map(|w| *w / unit).collect();
         numbers.extend(power_basis(&relative).iter().skip(1).map(|w| w.to_f64()));
     }

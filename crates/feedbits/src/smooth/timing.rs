@@ -3,7 +3,7 @@
 use anyhow::Result;
 use feed_plan::{EndFeeds, FeedLimit, ScheduleBuf, Stage, plan};
 use format_compare::{ExactPlan, Options, Problem, Run};
-use nurbs_core::{FastCurve, PathCurve, arc_length};
+use nurbs_core::{PathCurve, arc_length};
 use part_program::{Curve, Machine, Move, Part};
 
 /// A place is taken this wide, in mm, so that rounding does not miss the rest in its middle.
@@ -34,8 +34,7 @@ impl Timed {
         };
         let problem = Problem::new(&part, machine)?;
         let limits = problem.limits_per_period()?;
-        let along: Vec<_> = problem.curves.iter().map(|curve| FastCurve::of(curve.as_curve())).collect();
-        let plan = plan(&FeedLimit::along(&along, &limits)?, &limits, EndFeeds::default())?;
+        let plan = plan(&FeedLimit::along(&problem.fast_curves(), &limits)?, &limits, EndFeeds::default())?;
         let mut distance = 0.0;
         let mut ends: Vec<f64> = Vec::with_capacity(shapes.len());
         for shape in shapes {
