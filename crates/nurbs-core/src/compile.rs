@@ -334,6 +334,6 @@ fn row<H: Backend, R: Backend, const D: usize>(
         joint_ratio: near(joint_ratio),
         joint_exponent: small(joint_exponent),
         continues: next.is_some_and(|(next, _)| piece.continues_in(next)),
-        step_per_chord: piece.step_per_chord(scales).map(near),
+        step_per_chord: piece.step_per_chord(scales).map(|sigma| near(sigma).max(R::resolution())),
     }
 }

@@ -112,7 +112,8 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     ///
     /// The position never goes back and never passes the end. As in [`Interpolator`](crate::Interpolator), a step
     /// that would reach the end lands on it, and a rest that rounding has left after the schedule's end is
-    /// travelled in landing steps. On one piece a step takes one re-expansion and at most `max_evaluations`
+    /// travelled in landing steps. Each of them moves on, in a format too coarse for the landing step by as much more as
+    /// it takes, so that every run ends. On one piece a step takes one re-expansion and at most `max_evaluations`
     /// evaluations, and each further piece that it touches takes no more than that again.
     pub fn step(&self, state: &mut PieceState<R, D>) -> Option<PieceSetpoint<R, D>> {
         let row = self.pieces.pieces.get(state.piece)?;
@@ -166,7 +167,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         row: &Piece<R, D>,
         planned: Option<R>,
     ) -> PieceSetpoint<R, D> {
-        let length = planned.unwrap_or(self.landing_step.max(R::resolution())).signal("chord_length");
+        let length = planned.unwrap_or_else(|| self.landing(row)).signal("chord_length");
         let is_last = planned.is_none() || self.lengths.is_over(&state.cursor);
         let reach = if is_last { length + self.landing_step } else { length };
 
@@ -184,6 +185,19 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         let offset = self.pieces.in_common_units(piece, &state.at.offset);
         let (piece, phase) = (state.piece, state.phase);
         PieceSetpoint { piece, phase, offset, length, evaluations: reached.evaluations }
+    }
+
+    /// The chord of a step after the schedule's end: the landing step, doubled until it moves even with the piece's least
+    /// step per chord, which is no less than the format's resolution; with a chord of 1 it moves in every format.
+    #[cold]
+    #[inline(never)]
+    fn landing(&self, row: &Piece<R, D>) -> R {
+        let moves = |length: R| (row.step_per_chord[0] * length).to_phase(-i32::from(row.step_exponent)) > 0;
+        let mut length = self.landing_step.max(R::resolution());
+        while length < R::one().half() && !moves(length) {
+            length = length + length;
+        }
+        if moves(length) { length } else { R::one() }
     }
 
     /// The chord on the present piece, and where it reaches past its end on the next ones.

@@ -1,5 +1,6 @@
 //! Paths on which a fault was once found, as they were drawn.
 
+use real::{Overflow, Rounding, RuntimeFixed, RuntimeFormat};
 use stress::{OnCurve, OnPieces, Planned, RandomPath, SOAK_FORMATS, SoakedRun, soak_path};
 
 /// Bytes from a seed: SplitMix64.
@@ -40,4 +41,26 @@ fn what_follows_a_hairpin_is_passed_in_time() {
         let soaked = soak_path(seed, path, &SOAK_FORMATS[..1], |_| false);
         assert!(matches!(soaked.runs[..], [SoakedRun::Ran(_)]), "{:?}", soaked.violations);
     }
+}
+
+/// A landing step's product with a step per chord was rounded to nothing, and the run stood still before its end. In
+/// these formats a whole period's feed is one or two of their steps.
+#[test]
+fn a_run_ends_in_a_format_too_coarse_for_its_landing_step() {
+    let drawn = [
+        0xc8, 0x15, 0x21, 0x0b, 0xc5, 0x1d, 0x18, 0x41, 0x8e, 0xff, 0x8b, 0x18, 0x6e, 0x66, 0x00, 0x87, 0x00,
+    ];
+    let path = RandomPath::<2>::from_bytes(&drawn).unwrap();
+    let planned = Planned::new(&path, 2000).unwrap();
+    let mut runs = 0;
+    for (fraction, rounding) in (0..8).flat_map(|f| {
+        [Rounding::Nearest, Rounding::NearestEven, Rounding::Floor, Rounding::TowardZero].map(|r| (f, r))
+    }) {
+        let format = RuntimeFormat::new(26, fraction, rounding, Overflow::Saturate).unwrap();
+        runs += format.run::<0, usize>(|| match OnPieces::<RuntimeFixed<0>, 2>::new(&planned) {
+            Ok(run) => run.run().map(|_| 1).unwrap(),
+            Err(_) => 0,
+        });
+    }
+    assert!(runs > 16, "{runs} of 32");
 }
