@@ -8,7 +8,7 @@ use secant_interp::{ChordTolerance, LengthStage, PieceInterpolator, StepLengths}
 ///
 /// | what | mul_add | mul | sums of products | scale | add, sub, neg | compare | convert |
 /// |---|---|---|---|---|---|---|---|
-/// | the period's distance: no change of feed; the landing step is at least a unit | | | | | | 2 | |
+/// | the period's distance: no change of feed | | | | | | 1 | |
 /// | start value: two differences, their extrapolation, limited to the range | | | | | 4 + 2 + 1 | 1 + 2 | |
 /// | does the guess stay on the piece? Its phase is asked for only on one that ends at a knot | | 1 | | | | 1 | 0 or 1 |
 /// | the start value limited to the range | | | | | | 2 | |
@@ -20,7 +20,7 @@ use secant_interp::{ChordTolerance, LengthStage, PieceInterpolator, StepLengths}
 /// | the phase of the step | | 1 | | | | | 1 |
 /// | the point, with the shift to it, a coordinate: 2 + 2 + 1 products of synthetic division, value·t | 10 | 2 | | | | | 1 |
 /// | rescale three coefficients a coordinate, and the point | | | | 6 + 2 | | | |
-/// | **sum** | **16** | **14** | **2** | **14** | **18** | **18** | **2 or 3** |
+/// | **sum** | **16** | **14** | **2** | **14** | **18** | **17** | **2 or 3** |
 const BY_HAND: OperationCounts = OperationCounts {
     add: 0, // with `sub` and `neg`, in `sub`
     sub: 18,
@@ -34,7 +34,7 @@ const BY_HAND: OperationCounts = OperationCounts {
     norm: 0,
     norm_terms: 0,
     scale: 14,
-    compare: 18,
+    compare: 17,
     convert: 2,
 };
 
