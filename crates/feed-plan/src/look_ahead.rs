@@ -156,9 +156,12 @@ fn can_join<R: Real>(
     if slow.feed > R::zero() {
         return shape.fits(limit, (slow.distance, slow.feed), (fast.distance, fast.feed));
     }
+    let room = (fast.distance - slow.distance).abs();
+    if !(shape.ramp(slow.feed, fast.feed).length() <= room) {
+        return false; // No chain is shorter.
+    }
     let mut flank = Flank::new(shape, limit, direction, (slow.point, slow.feed), fast.point);
     flank.raise_to(fast.feed, LEVELS_BETWEEN_ENDS);
-    let room = (fast.distance - slow.distance).abs();
     flank.arrival(fast.feed).is_some_and(|arrival| arrival.distance <= room)
 }
 
@@ -484,6 +487,24 @@ mod tests {
             Err(PlanError::CannotMove { index: 1 })
         );
         assert_eq!(jerk_free_duration(&limit, &paper_limits()), f64::MAX);
+    }
+
+    #[test]
+    fn many_minima_next_to_a_stop_are_passed_over_without_a_look_at_the_way() {
+        // Each is too near for its feed. With the hull of the way to each, this would take minutes.
+        let count = 200_000_u32;
+        let near = (0..count).map(|i| (f64::from(i) * 1e-7, if i % 2 == 0 { 0.5 } else { 0.4 }));
+        let points: Vec<_> = near
+            .clone()
+            .chain(
+                near.map(|(distance, feed)| (100.0 - distance, feed)).collect::<Vec<_>>().into_iter().rev(),
+            )
+            .map(|(distance, feedrate)| LimitPoint { distance, curve: 0, u: distance, feedrate })
+            .collect();
+        let limits = paper_limits();
+        let limit = FeedLimit::from_points(&points).unwrap();
+        let plan = plan(&limit, &limits, EndFeeds::default()).unwrap();
+        assert_kept(&limit, &limits, &plan);
     }
 
     #[test]

@@ -343,3 +343,27 @@ pub(crate) mod promises {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ProfileKind;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// What the look-ahead rests on when it refuses a ramp as too long.
+        #[test]
+        fn no_chain_of_transitions_is_shorter_than_one(
+            feeds in prop::array::uniform3(0.0..1.0_f64), acceleration in 1e-4..0.5_f64, jerk in 1e-6..0.5_f64,
+        ) {
+            let mut feeds = feeds;
+            feeds.sort_by(f64::total_cmp);
+            let [low, middle, high] = feeds;
+            for kind in ProfileKind::ALL {
+                let length = |from, to| Transition::fastest(kind, [from, to], acceleration, jerk).length();
+                let chain = length(low, middle) + length(middle, high);
+                prop_assert!(length(low, high) <= chain * (1.0 + 1e-12), "{kind:?}");
+            }
+        }
+    }
+}
