@@ -8,6 +8,7 @@ use real::{Backend, FormatName, Real};
 
 use crate::bezier::Bezier;
 use crate::local_piece::LocalPiece;
+use crate::local_piece::MAX_STEP_EXPONENT;
 use crate::pieces::{Piece, Pieces};
 use crate::ranges::{self, Scales, SignalBound, exponent_below, power_of_two};
 use crate::{MAX_DEGREE, NurbsCurve};
@@ -293,9 +294,15 @@ fn scaled<H: Backend, R: Backend, const D: usize>(
     let fixed = matches!(R::name(), FormatName::Fixed { .. });
     let range = if fixed { R::max_value().to_f64() } else { 2.0 };
     let chord_range = (range / 2.0).min(MAX_CHORD_RANGE);
-    let chord = exponent_below(chord_range / step_mm);
+    let mut chord = exponent_below(chord_range / step_mm);
+    if R::IS_FLOATING {
+        chord = chord.clamp(-MAX_STEP_EXPONENT, MAX_STEP_EXPONENT); // s - λ then has a place in a row.
+    }
     let scales = |piece: &LocalPiece<H, D>| {
         let step = piece.speed.step_exponent(chord);
+        if R::IS_FLOATING {
+            return Scales { coordinate: step - chord, chord, step, range: step };
+        }
         let coordinate = (-exponent_below(range / piece.coordinate_bound_mm())).clamp(-120, 120);
         let mut scales = Scales { coordinate, chord, step, range: exponent_below(chord_range) };
         // x is at most so much; the finer its unit the better, but it must fit.
@@ -323,6 +330,8 @@ fn row<H: Backend, R: Backend, const D: usize>(
     next: Option<&(LocalPiece<H, D>, Scales)>,
 ) -> Piece<R, D> {
     let near = |x: f64| R::from_f64(x).unwrap_or_else(R::zero);
+    // What fixed point rounds to nothing would leave a run where it is.
+    let least = if R::IS_FLOATING { R::zero() } else { R::resolution() };
     let (joint_ratio, joint_exponent) =
         next.map_or((0.5, 1), |(next, next_scales)| piece.joint(scales, next, next_scales));
     Piece {
@@ -334,6 +343,6 @@ fn row<H: Backend, R: Backend, const D: usize>(
         joint_ratio: near(joint_ratio),
         joint_exponent: small(joint_exponent),
         continues: next.is_some_and(|(next, _)| piece.continues_in(next)),
-        step_per_chord: piece.step_per_chord(scales).map(|sigma| near(sigma).max(R::resolution())),
+        step_per_chord: piece.step_per_chord(scales).map(|sigma| near(sigma).max(least)),
     }
 }

@@ -25,6 +25,9 @@ pub(crate) struct LocalPiece<H, const D: usize> {
     pub(crate) speed: Speed,
 }
 
+/// The greatest magnitude of a piece's step exponent.
+pub(crate) const MAX_STEP_EXPONENT: i32 = 60;
+
 /// |C'(t)| of a piece in mm per unit of t.
 #[derive(Clone, Copy)]
 pub(crate) struct Speed {
@@ -214,7 +217,8 @@ impl Speed {
     /// s for which the mean of |C'|·2^(λ - s) lies between 1/√2 and √2.
     pub(crate) fn step_exponent(&self, chord_exponent: i32) -> i32 {
         let mean = (self.least * self.greatest).sqrt();
-        (exponent_below(mean * core::f64::consts::SQRT_2) + chord_exponent).clamp(-60, 60)
+        (exponent_below(mean * core::f64::consts::SQRT_2) + chord_exponent)
+            .clamp(-MAX_STEP_EXPONENT, MAX_STEP_EXPONENT)
     }
 
     /// The range of steps per chord, `1/|C'|` in the solver's scale, with a margin for trials.

@@ -30,7 +30,8 @@ pub const ORIGIN_EXPONENT: i32 = -39;
 pub struct Piece<R, const D: usize> {
     /// O in units of 2^[`ORIGIN_EXPONENT`] mm: what the local offset is added to.
     pub origin: [i64; D],
-    /// e: this piece's coefficients are in units of 2^e mm. A short piece has as many significant bits as a long one.
+    /// e: this piece's coefficients are in units of 2^e mm. A short piece has as many significant bits as a long one. A
+    /// float has those in any unit, and takes the one in which the chord's coefficients need no scaling: e = s - λ, r = s.
     pub coordinate_exponent: i8,
     /// s: the solver's step is `η = h·2^s`, of the order of the chord in its own scale. At most 60 in magnitude.
     pub step_exponent: i8,
@@ -177,25 +178,25 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
         };
         let range = i32::from(row.range_exponent);
         let per_power = range - i32::from(row.step_exponent);
-        let mut chord = [[R::zero(); D]; N];
+        let count = self.count::<N>();
+        let chord = at.chord.get_mut(..count).unwrap_or_default();
         for (slot, n) in chord.iter_mut().zip(numerator) {
             *slot = n.map(|x| x.signal("coefficient"));
         }
-        let count = self.count::<N>();
-        at.offset = shift(chord.get_mut(..count).unwrap_or_default(), t).map(|x| x.signal("offset"));
+        at.offset = shift(chord, t).map(|x| x.signal("offset"));
         if !PLAIN && let Some((constant, weights)) = self.weight::<N>(piece) {
-            let weight = divide_by_weight(constant, weights, t, &mut at.offset, &mut chord);
+            let weight = divide_by_weight::<_, D, N>(constant, weights, t, &mut at.offset, chord);
             let mut power = 0;
             for (slot, w) in at.weight.iter_mut().zip(weight).take(count) {
                 power += per_power;
-                *slot = w.scale(power).signal("chord_weight");
+                *slot = w.rescaled(power).signal("chord_weight");
             }
         }
         // Coefficients of powers of h in coordinate units → of `η x^{k-1}` in chord units, h^k = x^k 2^(k (r - s)).
         let mut power = i32::from(row.coordinate_exponent) + self.chord_exponent - range;
-        for (slot, c) in at.chord.iter_mut().zip(chord).take(count) {
+        for c in chord {
             power += per_power;
-            *slot = c.map(|x| x.scale(power).signal("chord_coefficient"));
+            *c = c.map(|x| x.rescaled(power).signal("chord_coefficient"));
         }
     }
 }
@@ -208,7 +209,7 @@ fn divide_by_weight<R: Real, const D: usize, const N: usize>(
     weights: &[R],
     t: R,
     offset: &mut [R; D],
-    chord: &mut [[R; D]; N],
+    chord: &mut [[R; D]],
 ) -> [R; N] {
     let mut turns = [[R::zero()]; N];
     for (slot, w) in turns.iter_mut().zip(weights) {

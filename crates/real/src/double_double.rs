@@ -100,6 +100,8 @@ impl Bounded for DoubleDouble {
 }
 
 impl Real for DoubleDouble {
+    const IS_FLOATING: bool = true;
+
     fn resolution() -> Self {
         Self(Quad::from_f64(f64::EPSILON * f64::EPSILON))
     }

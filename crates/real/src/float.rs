@@ -9,6 +9,7 @@ macro_rules! float_backend {
     ($float:ident, $digits:literal, $half_range:literal) => {
         impl Real for $float {
             const IS_FOR_SPEED: bool = true;
+            const IS_FLOATING: bool = true;
 
             #[inline]
             fn resolution() -> Self {

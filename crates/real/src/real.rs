@@ -43,6 +43,9 @@ pub trait Real:
     /// is not run for speed: there it would only take the compiler's time.
     const IS_FOR_SPEED: bool = false;
 
+    /// Whether a number carries its own exponent, so that no unit suits it better than another.
+    const IS_FLOATING: bool = false;
+
     /// The step between 1 and the next larger number: 2⁻²³ in `f32`, 2⁻ᶠ with f fraction bits.
     fn resolution() -> Self;
 
@@ -84,6 +87,13 @@ pub trait Real:
 
     /// Whether this is a number: false only for the infinities and NaN of floats.
     fn is_finite(self) -> bool;
+
+    /// `self · 2^exponent`: from a compiled table's units of coordinates into those of chords. A float's tables have the
+    /// same for both, so that it is the number itself.
+    #[must_use]
+    fn rescaled(self, exponent: i32) -> Self {
+        if Self::IS_FLOATING { self } else { self.scale(exponent) }
+    }
 
     /// Names this value for an observing wrapper. Every other backend returns it unchanged, at no cost.
     #[must_use]

@@ -165,6 +165,8 @@ macro_rules! wrapper {
         }
 
         impl<$($generics)*> crate::Real for $wrapper {
+            const IS_FLOATING: bool = <Self as Wrapper>::Inner::IS_FLOATING;
+
             fn resolution() -> Self {
                 Self::constant(<Self as Wrapper>::Inner::resolution())
             }

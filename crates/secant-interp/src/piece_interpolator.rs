@@ -188,16 +188,19 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     }
 
     /// The chord of a step after the schedule's end: the landing step, doubled until it moves even with the piece's least
-    /// step per chord, which is no less than the format's resolution; with a chord of 1 it moves in every format.
+    /// step per chord, which is no less than the format's resolution.
     #[cold]
     #[inline(never)]
     fn landing(&self, row: &Piece<R, D>) -> R {
         let moves = |length: R| (row.step_per_chord[0] * length).to_phase(-i32::from(row.step_exponent)) > 0;
         let mut length = self.landing_step.max(R::resolution());
-        while length < R::one().half() && !moves(length) {
+        for _ in 0..u64::BITS {
+            if moves(length) {
+                break;
+            }
             length = length + length;
         }
-        if moves(length) { length } else { R::one() }
+        length
     }
 
     /// The chord on the present piece, and where it reaches past its end on the next ones.
