@@ -5,6 +5,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use serde::Serialize;
+use serde_json::{Value, json};
 
 /// Rounds of a race.
 const ROUNDS: usize = 9;
@@ -59,4 +60,11 @@ pub(crate) fn race(runners: &mut [Runner<'_>]) -> Vec<Time> {
         Time { name: runner.name.clone(), ns: times[ROUNDS / 2], spread: times[ROUNDS - 1] / times[0] }
     });
     finished.collect()
+}
+
+/// Prints the rows of one table.
+pub(crate) fn report(table: &str, about: &Value, times: &[Time]) {
+    for time in times {
+        println!("{}", json!({ "table": table, "about": about, "time": time }));
+    }
 }
