@@ -1,9 +1,10 @@
 //! Who evaluates the same curve: this project in three forms, and crates that a user would pick instead.
 
 use bspline::BSpline;
-use curvo::prelude::NurbsCurve3D;
+use curvo::prelude::NurbsCurve;
 use feedbits_benches::Path;
-use nalgebra::{Point4, Vector4};
+use nalgebra::allocator::Allocator;
+use nalgebra::{DefaultAllocator, DimName, DimNameDiff, DimNameSub, OVector, U1, U4, Vector4};
 use nurbs_core::{Derivatives, Differentiate, Evaluate, NurbsBuf, PowerCurve};
 use truck_geometry::prelude::{
     BSplineCurve, KnotVec, NurbsCurve as TruckNurbs, ParametricCurve, Point3, Vector4 as TruckVector,
@@ -33,11 +34,11 @@ fn contestant(name: &'static str, run: impl Fn(&[f64]) -> f64 + 'static) -> Cont
     Contestant { name, run: Box::new(run) }
 }
 
-fn sum(point: [f64; 3]) -> f64 {
-    point[0] + point[1] + point[2]
+fn sum<const D: usize>(point: [f64; D]) -> f64 {
+    point.iter().sum()
 }
 
-fn sum_of(at: &Derivatives<f64, 3>) -> f64 {
+fn sum_of<const D: usize>(at: &Derivatives<f64, D>) -> f64 {
     sum(at.point) + sum(at.first) + sum(at.second)
 }
 
@@ -59,13 +60,14 @@ pub(crate) const TRUCK: &str = "truck-geometry";
 /// All that can do what is asked.
 pub(crate) fn contestants(path: &Path<3>, asked: Asked) -> Vec<Contestant> {
     let mut all = ours(path.curve.clone(), asked);
-    all.extend(curvo(&path.curve, asked));
+    all.extend(curvo::<3, U4>(&path.curve, asked));
     all.extend((asked == Asked::Point).then(|| bspline(&path.curve)));
     all.push(truck(&path.curve, asked));
     all
 }
 
-fn ours(curve: NurbsBuf<f64, 3>, asked: Asked) -> Vec<Contestant> {
+/// This project's forms.
+pub(crate) fn ours<const D: usize>(curve: NurbsBuf<f64, D>, asked: Asked) -> Vec<Contestant> {
     let fast = PowerCurve::new::<f64>(&curve.as_curve());
     let again = fast.clone();
     match asked {
@@ -101,9 +103,21 @@ fn homogeneous(curve: &NurbsBuf<f64, 3>) -> impl Iterator<Item = [f64; 4]> {
     curve.control_points().iter().zip(curve.weights()).map(|([x, y, z], w)| [x * w, y * w, z * w, *w])
 }
 
-fn curvo(curve: &NurbsBuf<f64, 3>, asked: Asked) -> Vec<Contestant> {
-    let points = homogeneous(curve).map(|[x, y, z, w]| Point4::new(x, y, z, w)).collect();
-    let peer = NurbsCurve3D::try_new(curve.degree(), points, curve.knots().to_vec()).expect("a curve");
+/// Curvo's forms; `N` is one more than `D`.
+pub(crate) fn curvo<const D: usize, N>(curve: &NurbsBuf<f64, D>, asked: Asked) -> Vec<Contestant>
+where
+    N: DimName + DimNameSub<U1>,
+    DefaultAllocator: Allocator<N> + Allocator<DimNameDiff<N, U1>>,
+{
+    let weighted = curve.control_points().iter().zip(curve.weights());
+    let points = weighted
+        .map(|(point, w)| {
+            let numbers = point.iter().map(|x| x * w).chain([*w]);
+            OVector::<f64, N>::from_iterator(numbers).into()
+        })
+        .collect();
+    let peer =
+        NurbsCurve::<f64, N>::try_new(curve.degree(), points, curve.knots().to_vec()).expect("a curve");
     let again = peer.clone();
     match asked {
         Asked::Point => vec![

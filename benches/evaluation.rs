@@ -1,8 +1,10 @@
-//! Points and derivatives: beside the peers', and on long curves.
+//! Points and derivatives: beside the peers', in every format, on long curves.
+
+use std::hint::black_box;
 
 use feedbits_benches::{Path, helix};
-use nurbs_core::{Differentiate, Evaluate};
-use real::DoubleDouble;
+use nurbs_core::{Derivatives, Differentiate, Evaluate};
+use real::{Backend, DoubleDouble, I16F16, I16F48, I32F32};
 use serde_json::json;
 
 use crate::contestants::{Asked, BSPLINE, CURVO, Contestant, LOOKED_UP, REMEMBERED, contestants};
@@ -12,7 +14,7 @@ use crate::race::{Runner, race, report};
 const PARAMETERS: u32 = 20_000;
 
 /// Parameters in order, from all over the curve.
-fn ascending<const D: usize>(path: &Path<D>) -> Vec<f64> {
+pub(crate) fn ascending<const D: usize>(path: &Path<D>) -> Vec<f64> {
     let (first, last) = path.curve.as_curve().domain();
     let at = |i: u32| first + (last - first) * (f64::from(i) + 0.5) / f64::from(PARAMETERS);
     (0..PARAMETERS).map(at).collect()
@@ -25,15 +27,19 @@ fn scattered(path: &Path<3>) -> Vec<f64> {
     (0..count).map(|i| parameters[i * 7919 % count]).collect()
 }
 
+/// What was asked for, number by number.
+fn numbers<R: Copy, const D: usize>(at: &Derivatives<R, D>, asked: Asked) -> impl Iterator<Item = R> {
+    let rows = if asked == Asked::Point { 1 } else { 3 };
+    [at.point, at.first, at.second].into_iter().take(rows).flatten()
+}
+
 /// The sum over all parameters, and over the magnitudes that went into it, by the textbook in double-double's precision.
 fn expected<const D: usize>(path: &Path<D>, asked: Asked, parameters: &[f64]) -> (f64, f64) {
     let exact = path.curve.convert::<DoubleDouble>().expect("every f64 is a double-double");
     let mut total = (DoubleDouble::from(0.0), 0.0);
     for u in parameters {
-        let at = exact.as_curve().derivatives((*u).into());
-        let rows = if asked == Asked::Point { vec![at.point] } else { vec![at.point, at.first, at.second] };
-        for x in rows.iter().flatten() {
-            total = (total.0 + *x, total.1 + x.value().abs());
+        for x in numbers(&exact.as_curve().derivatives((*u).into()), asked) {
+            total = (total.0 + x, total.1 + x.value().abs());
         }
     }
     (total.0.value(), total.1)
@@ -43,7 +49,7 @@ fn expected<const D: usize>(path: &Path<D>, asked: Asked, parameters: &[f64]) ->
 ///
 /// # Panics
 /// If a contestant's sum is another one: then it does other work, and its time means nothing.
-fn runners<'a, const D: usize>(
+pub(crate) fn runners<'a, const D: usize>(
     path: &Path<D>,
     asked: Asked,
     parameters: &'a [f64],
@@ -79,4 +85,49 @@ pub(crate) fn growth(count: u32) {
         let times = race(&mut runners(&path, Asked::Point, &parameters, &field));
         report("growth", &json!({ "points": count, "order": order }), &times);
     }
+}
+
+/// Basis functions, the form that every format has.
+pub(crate) fn in_formats<const D: usize>(path: &Path<D>, asked: Asked) {
+    let mut runners = [
+        in_format::<f64, D>(path, asked),
+        in_format::<f32, D>(path, asked),
+        in_format::<I16F16, D>(path, asked),
+        in_format::<I32F32, D>(path, asked),
+        in_format::<I16F48, D>(path, asked),
+    ];
+    let about = json!({ "curve": path.name, "asked": format!("{asked:?}") });
+    report("evaluation-formats", &about, &race(&mut runners));
+}
+
+/// One format's runner.
+///
+/// # Panics
+/// If its numbers are off by more than a thousandth of their magnitude.
+fn in_format<R: Backend + 'static, const D: usize>(path: &Path<D>, asked: Asked) -> Runner<'static> {
+    let name = R::name();
+    let curve = path.curve.convert::<R>().unwrap_or_else(|error| panic!("{name} on {}: {error}", path.name));
+    let number = |u: &f64| R::from_f64(*u).expect("a parameter that the format holds");
+    let parameters: Vec<R> = ascending(path).iter().map(number).collect();
+    let (mut difference, mut magnitude) = (0.0, 0.0);
+    for u in &parameters {
+        let exact = path.curve.as_curve().derivatives(u.to_f64());
+        let found = curve.as_curve().derivatives(*u);
+        for (x, exact) in numbers(&found, asked).zip(numbers(&exact, asked)) {
+            difference += (x.to_f64() - exact).abs();
+            magnitude += exact.abs();
+        }
+    }
+    assert!(difference <= 1e-3 * magnitude, "{name} on {}: {difference} of {magnitude} off", path.name);
+    let pass = move || {
+        let curve = curve.as_curve();
+        for u in &parameters {
+            match asked {
+                Asked::Point => _ = black_box(curve.point(*u)),
+                Asked::Derivatives => _ = black_box(curve.derivatives(*u)),
+            }
+        }
+        0.0
+    };
+    Runner { name: name.to_string(), units: u64::from(PARAMETERS), run: Box::new(pass) }
 }

@@ -69,6 +69,15 @@ pub fn thousand_points() -> Path<3> {
 /// With fewer than four points.
 #[must_use]
 pub fn helix(name: &'static str, count: u32) -> Path<3> {
+    helix_of_degree(name, 3, count, false)
+}
+
+/// The same of any degree, and with weights from 0.5 to 1.5 if rational.
+///
+/// # Panics
+/// With no more points than the degree.
+#[must_use]
+pub fn helix_of_degree(name: &'static str, degree: u32, count: u32, rational: bool) -> Path<3> {
     let point = |i: u32| {
         let t = f64::from(i) * 0.05;
         [
@@ -77,11 +86,13 @@ pub fn helix(name: &'static str, count: u32) -> Path<3> {
             10.0 * (3.1 * t).sin() + t,
         ]
     };
+    let weight = |i: u32| if rational { 1.0 + 0.5 * (0.9 * f64::from(i)).sin() } else { 1.0 };
     let spacing = |i: u32| f64::from(i) + 0.2 * (f64::from(i) * 0.7).sin();
-    let mut knots = vec![0.0; 4];
-    knots.extend((1..count - 3).map(spacing));
-    knots.extend([f64::from(count - 3); 4]);
-    path(name, 3, (0..count).map(point).collect(), vec![1.0; count as usize], knots, 0.2)
+    let (p, spans) = (degree as usize, count - degree);
+    let mut knots = vec![0.0; p + 1];
+    knots.extend((1..spans).map(spacing));
+    knots.extend(vec![f64::from(spans); p + 1]);
+    path(name, p, (0..count).map(point).collect(), (0..count).map(weight).collect(), knots, 0.2)
 }
 
 /// A winding cubic in the plane of so many spans, some 12 mm each, at 200 mm/s and 3 ms.
@@ -108,6 +119,19 @@ impl Path<2> {
     #[must_use]
     pub fn in_space(&self) -> Path<3> {
         let points = self.curve.control_points().iter().map(|[x, y]| [*x, *y, 0.0]).collect();
+        let (weights, knots) = (self.curve.weights().to_vec(), self.curve.knots().to_vec());
+        path(self.name, self.curve.degree(), points, weights, knots, self.feed_mm)
+    }
+}
+
+impl Path<3> {
+    /// Its projection onto the plane z = 0.
+    ///
+    /// # Panics
+    /// Never: what is a curve in space is one in the plane.
+    #[must_use]
+    pub fn in_plane(&self) -> Path<2> {
+        let points = self.curve.control_points().iter().map(|[x, y, _]| [*x, *y]).collect();
         let (weights, knots) = (self.curve.weights().to_vec(), self.curve.knots().to_vec());
         path(self.name, self.curve.degree(), points, weights, knots, self.feed_mm)
     }

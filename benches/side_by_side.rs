@@ -5,6 +5,7 @@
 
 mod compiled;
 mod contestants;
+mod degrees;
 mod evaluation;
 mod race;
 mod real_time_step;
@@ -54,6 +55,15 @@ fn main() {
             evaluation::beside_peers(path, Asked::Point);
             evaluation::beside_peers(path, Asked::Derivatives);
         }
+    }
+    if wanted("evaluation-formats") {
+        for path in [&a.in_space(), &b.in_space()] {
+            evaluation::in_formats(path, Asked::Point);
+            evaluation::in_formats(path, Asked::Derivatives);
+        }
+    }
+    if wanted("degrees") {
+        degrees::degrees();
     }
     if wanted("growth") {
         for count in [10, 100, 1000, 10_000, 100_000] {
