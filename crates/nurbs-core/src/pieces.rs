@@ -31,7 +31,8 @@ pub struct Piece<R, const D: usize> {
     /// O in units of 2^[`ORIGIN_EXPONENT`] mm: what the local offset is added to.
     pub origin: [i64; D],
     /// e: this piece's coefficients are in units of 2^e mm. A short piece has as many significant bits as a long one. A
-    /// float has those in any unit, and takes the one in which the chord's coefficients need no scaling: e = s - λ, r = s.
+    /// float has those in any unit; its tables have the one in which the chord's coefficients need no scaling, e = s - λ
+    /// and r = s, and a step relies on it.
     pub coordinate_exponent: i8,
     /// s: the solver's step is `η = h·2^s`, of the order of the chord in its own scale. At most 60 in magnitude.
     pub step_exponent: i8,
