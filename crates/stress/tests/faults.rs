@@ -43,8 +43,8 @@ fn what_follows_a_hairpin_is_passed_in_time() {
     }
 }
 
-/// A landing step's product with a step per chord was rounded to nothing, and the run stood still before its end. In
-/// these formats a whole period's feed is one or two of their steps.
+/// A landing step's product with a step per chord was rounded to nothing, and the run stood still before its end. In the
+/// coarsest of these formats all feeds of the plan are 0, so that the whole path is landed on.
 #[test]
 fn a_run_ends_in_a_format_too_coarse_for_its_landing_step() {
     let drawn = [
