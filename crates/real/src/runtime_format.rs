@@ -28,6 +28,11 @@ pub enum Rounding {
     TowardZero,
 }
 
+impl Rounding {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Nearest, Self::NearestEven, Self::Floor, Self::TowardZero];
+}
+
 /// What happens to a sum or product that does not fit. Quotients, roots and norms saturate in any case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Overflow {

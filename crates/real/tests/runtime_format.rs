@@ -11,8 +11,6 @@ use real::{Backend, Overflow, Real, Rounding, RuntimeFixed, RuntimeFormat};
 type Exact = Ratio<i128>;
 type Number = RuntimeFixed<0>;
 
-const ROUNDINGS: [Rounding; 4] =
-    [Rounding::Nearest, Rounding::NearestEven, Rounding::Floor, Rounding::TowardZero];
 const OVERFLOWS: [Overflow; 2] = [Overflow::Wrap, Overflow::Saturate];
 
 /// Where a tie goes with [`Rounding::Nearest`].
@@ -96,7 +94,8 @@ fn same(found: Number, expected: i128, what: impl std::fmt::Debug, format: Runti
 
 fn for_each_small_format(check: impl Fn(Expect, RuntimeFormat)) {
     for (width, fraction_bits) in [(2, 0), (3, 1), (4, 2), (5, 0), (5, 3), (5, 5), (5, 7), (4, 9), (3, 62)] {
-        for (rounding, overflow) in ROUNDINGS.iter().flat_map(|r| OVERFLOWS.iter().map(move |o| (*r, *o))) {
+        for (rounding, overflow) in Rounding::ALL.iter().flat_map(|r| OVERFLOWS.iter().map(move |o| (*r, *o)))
+        {
             let expect = Expect { width, fraction_bits, rounding, overflow };
             expect.format().run::<0, _>(|| check(expect, expect.format()));
         }

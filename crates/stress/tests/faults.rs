@@ -53,9 +53,7 @@ fn a_run_ends_in_a_format_too_coarse_for_its_landing_step() {
     let path = RandomPath::<2>::from_bytes(&drawn).unwrap();
     let planned = Planned::new(&path, 2000).unwrap();
     let mut runs = 0;
-    for (fraction, rounding) in (0..8).flat_map(|f| {
-        [Rounding::Nearest, Rounding::NearestEven, Rounding::Floor, Rounding::TowardZero].map(|r| (f, r))
-    }) {
+    for (fraction, rounding) in (0..8).flat_map(|f| Rounding::ALL.map(|r| (f, r))) {
         let format = RuntimeFormat::new(26, fraction, rounding, Overflow::Saturate).unwrap();
         runs += format.run::<0, usize>(|| match OnPieces::<RuntimeFixed<0>, 2>::new(&planned) {
             Ok(run) => run.run().map(|_| 1).unwrap(),
