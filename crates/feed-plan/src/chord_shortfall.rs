@@ -25,7 +25,9 @@ const LEAD: i32 = -20;
 /// Corrections of an arc until its chord is as long as wanted; each leaves an eighth of the squared angle of the
 /// chord.
 const CORRECTIONS: usize = 8;
-/// Halvings of its range where that does not end.
+/// Strides of an eighth of a chord in which it is looked for where that does not end: it is no longer than four chords.
+const STRIDES: usize = 32;
+/// Halvings of the stride that it lies in.
 const HALVINGS: usize = 48;
 
 impl<R: Real> FeedLimit<R> {
@@ -176,7 +178,7 @@ impl<R: Real, C> Path<'_, R, C> {
         end
     }
 
-    /// The arc from `begin` on whose chord is as long as wanted.
+    /// The first arc from `begin` on whose chord is as long as wanted; four times the chord where none is.
     fn arc_over<const D: usize>(&self, begin: R, wanted: R) -> R
     where
         C: Evaluate<R, D>,
@@ -184,16 +186,23 @@ impl<R: Real, C> Path<'_, R, C> {
         let from = self.point(begin);
         let missing = |arc: R| wanted - chord(&from, &self.point(begin + arc));
         let rounding = R::resolution() * self.limit.length().max(R::one());
+        // A chord is no longer than its arc: an arc that is longer by what its chord lacks is not yet past the first.
         let mut arc = wanted;
         for _ in 0..CORRECTIONS {
             let rest = missing(arc);
-            arc = (arc + rest).max(wanted.half()).min(wanted + wanted);
             if !(rest.abs() > rounding) {
                 return arc;
             }
+            arc = (arc + rest).max(wanted.half()).min(wanted + wanted);
         }
-        // Across a corner, back along it: never more than three times the chord.
-        let (mut low, mut high) = (wanted.half(), wanted.scale(2));
+        // Slow across a corner, where the way leads back along the chord. Behind it more than one arc may have the chord.
+        let (mut low, mut high) = (wanted.half(), arc);
+        for _ in 0..STRIDES {
+            if !(missing(high) > R::zero()) {
+                break;
+            }
+            (low, high) = (high, (high + wanted.scale(-3)).min(wanted.scale(2)));
+        }
         for _ in 0..HALVINGS {
             arc = low + (high - low).half();
             if missing(arc) > R::zero() { low = arc } else { high = arc }

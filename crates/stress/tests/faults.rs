@@ -43,6 +43,14 @@ fn what_follows_a_hairpin_is_passed_in_time() {
     }
 }
 
+/// The first of two arcs with the same chord, before and behind a hairpin, had not been found to the last digit, and the
+/// second was taken: its stage was shortened to a half, and the run was half a step behind its plan in the next bend.
+#[test]
+fn a_chord_in_front_of_a_hairpin_does_not_end_behind_it() {
+    let soaked = soak_path(20_261_123, 132, &SOAK_FORMATS[..1], |_| false);
+    assert!(matches!(soaked.runs[..], [SoakedRun::Ran(_)]), "{:?}", soaked.violations);
+}
+
 /// A landing step's product with a step per chord was rounded to nothing, and the run stood still before its end. In the
 /// coarsest of these formats all feeds of the plan are 0, so that the whole path is landed on.
 #[test]
