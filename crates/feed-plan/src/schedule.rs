@@ -6,6 +6,10 @@ use real::Real;
 
 use crate::{FeedPiece, StageShape};
 
+/// A period that ends within 2⁻¹⁰ of one before a stop ends at it: stops are planned on whole periods, and what is off is
+/// the rounding of times. There is less than 2⁻²⁰ of a step to be travelled.
+const AT_STOP: i32 = -10;
+
 /// What the feed does in a stage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StageKind {
@@ -247,8 +251,9 @@ impl<'a, R: Real> Schedule<'a, R> {
 
     /// The distance to travel in the next period, the exact integral of the feed; `None` after the last.
     ///
-    /// A period that straddles joints of stages sums its parts. The last period takes all that is left, so
-    /// that rounding of times loses no distance. Takes as many steps as the period has joints.
+    /// A period that straddles joints of stages sums its parts. The last period takes all that is left, and one that ends
+    /// less than 2⁻¹⁰ of a period before a stop takes the rest of the way to it, so that rounding of times loses no
+    /// distance. Takes as many steps as the period has joints.
     pub fn advance(&self, cursor: &mut Cursor<R>) -> Option<R> {
         if self.is_over(cursor) {
             return None;
@@ -260,7 +265,9 @@ impl<'a, R: Real> Schedule<'a, R> {
         let (begun_in, mut time) = (cursor.stage, self.time(cursor));
         for stage in self.stages.get(cursor.stage..)? {
             let until_joint = stage.duration - time;
-            if !takes_the_rest && left < until_joint {
+            let is_at_stop =
+                || stage.end_feed.is_zero() && until_joint - left < self.interpolation_period.scale(AT_STOP);
+            if !takes_the_rest && left < until_joint && !is_at_stop() {
                 (cursor.offset, cursor.count) = if cursor.stage == begun_in {
                     (cursor.offset, cursor.count + R::one())
                 } else {
@@ -269,7 +276,7 @@ impl<'a, R: Real> Schedule<'a, R> {
                 return Some(distance + stage.piece().distance_over(time, left));
             }
             distance = distance + stage.piece().distance_over(time, until_joint);
-            left = left - until_joint;
+            left = (left - until_joint).max(R::zero());
             cursor.stage += 1;
             time = R::zero();
         }
@@ -364,6 +371,29 @@ mod tests {
         assert!((travelled - schedule.length()).abs() < 1e-15);
         assert_eq!(schedule.feed(&cursor), 0.5);
         assert_eq!(schedule.advance(&mut cursor), None);
+    }
+
+    #[test]
+    fn a_period_that_ends_at_a_stop_but_for_rounding_takes_the_rest_of_the_way_to_it() {
+        let fall = |duration| Stage { duration, end_feed: 0.0, length: 0.5 * duration, ..stages()[2] };
+        let rise = Stage { duration: 2.0, start_feed: 0.0, end_feed: 1.0, length: 1.0, ..stages()[0] };
+        for off in [0.0, 1e-12, 1e-4, -1e-12] {
+            let stages =
+                [Stage { start_feed: 1.0, ..fall(2.0 + off) }, Stage { start: 1.0 + off / 2.0, ..rise }];
+            let schedule = Schedule::new(&stages, 1.0, 4);
+            let mut cursor = schedule.start();
+            let steps: Vec<_> =
+                core::iter::from_fn(|| schedule.advance(&mut cursor).map(|step| (step, cursor))).collect();
+            assert_eq!(steps[1].1.stage(), 1, "{off}");
+            assert!((steps[0].0 + steps[1].0 - stages[0].length).abs() < 1e-12, "{off}");
+            assert!((steps[2].0 + steps[3].0 - 1.0).abs() < 1e-12, "{off}");
+        }
+        // A stop within a period is passed.
+        let stages = [Stage { start_feed: 1.0, ..fall(2.1) }, Stage { start: 1.05, ..rise }];
+        let schedule = Schedule::new(&stages, 1.0, 5);
+        let mut cursor = schedule.start();
+        let _ = (schedule.advance(&mut cursor), schedule.advance(&mut cursor));
+        assert_eq!(cursor.stage(), 0);
     }
 
     #[test]
