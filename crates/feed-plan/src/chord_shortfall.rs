@@ -9,9 +9,10 @@
 
 use alloc::vec::Vec;
 
-use nurbs_core::Evaluate;
+use nurbs_core::{Differentiate, Frenet};
 use real::Real;
 
+use crate::quadrature::GaussLegendre;
 use crate::schedule::Cursor;
 use crate::{FeedLimit, Schedule, Stage};
 
@@ -43,14 +44,14 @@ impl<R: Real> FeedLimit<R> {
     ///
     /// See [`ScheduleBuf::shortened`](crate::ScheduleBuf::shortened) for what to do about it.
     #[must_use]
-    pub fn shortfalls<const D: usize, C: Evaluate<R, D>>(
+    pub fn shortfalls<const D: usize, C: Differentiate<R, D>>(
         &self,
         curves: &[C],
         schedule: &Schedule<'_, R>,
     ) -> Vec<R> {
         let mut shortfalls: Vec<R> = schedule.stages().iter().map(|_| R::zero()).collect();
         let mut short = schedule.stages().to_vec();
-        let path = Path { limit: self, curves };
+        let path = Path { limit: self, curves, rule: GaussLegendre::new() };
         // A period that begins in one stage and ends in another is run with each of them.
         let mut run = Run { cursor: schedule.start(), planned: R::zero(), reached: R::zero() };
         let mut begins_in = 0;
@@ -90,15 +91,30 @@ struct End<R> {
 struct Path<'a, R, C> {
     limit: &'a FeedLimit<R>,
     curves: &'a [C],
+    rule: GaussLegendre<R>,
 }
 
 impl<R: Real, C> Path<'_, R, C> {
     fn point<const D: usize>(&self, distance: R) -> [R; D]
     where
-        C: Evaluate<R, D>,
+        C: Differentiate<R, D>,
     {
         let (curve, u) = self.limit.parameter_at(distance);
         self.curves.get(curve).map_or([R::zero(); D], |curve| curve.point(u))
+    }
+
+    /// Arc length up to the point at a distance. That point is interpolated between limit points, and where the speed changes
+    /// a little off: where a stage ends it would be taken for a shortfall, which no later stage could add to.
+    fn length_to<const D: usize>(&self, distance: R) -> R
+    where
+        C: Differentiate<R, D>,
+    {
+        let (index, u) = self.limit.parameter_at(distance);
+        let before = self.limit.point_before(distance).filter(|point| point.curve == index);
+        let (Some(begin), Some(curve)) = (before, self.curves.get(index)) else { return distance };
+        let width = u - begin.u;
+        let speed = |x: R| Frenet::of(&curve.derivatives(begin.u + width * x)).speed;
+        begin.distance + width * self.rule.mean(&self.rule.points.map(speed))
     }
 
     /// Shortens one stage until the run is on its plan behind it, as far as half of it will do: by how much, and where the
@@ -111,7 +127,7 @@ impl<R: Real, C> Path<'_, R, C> {
         from: Run<R>,
     ) -> (R, End<R>)
     where
-        C: Evaluate<R, D>,
+        C: Differentiate<R, D>,
     {
         let shorten = |short: &mut [Stage<R>], off: R| {
             if let Some(stage) = short.get_mut(index) {
@@ -125,7 +141,7 @@ impl<R: Real, C> Path<'_, R, C> {
         let within_half = |off: R| off.max(R::zero()).min(whole.length.half());
         let step = whole.start_feed.max(whole.end_feed) * arcs.interpolation_period;
         let enough = step.scale(ON_PLAN).max(R::resolution().scale(2) * self.limit.length().max(R::one()));
-        let mut off = within_half(from.reached - from.planned);
+        let mut off = within_half(self.length_to(from.reached) - from.planned);
         let mut end = follow(off);
         let mut best = (off, end);
         for _ in 1..TRIALS {
@@ -151,12 +167,14 @@ impl<R: Real, C> Path<'_, R, C> {
         from: Run<R>,
     ) -> End<R>
     where
-        C: Evaluate<R, D>,
+        C: Differentiate<R, D>,
     {
         let chords = Schedule::new(short, arcs.interpolation_period, arcs.periods());
-        let mut end = End { run: from, last_period: from, ahead: from.reached - from.planned };
-        while end.run.cursor.stage() <= last {
-            let mut run = end.run;
+        let (mut end, mut last_period) = (from, from);
+        // What the last chord has too much to land on a stop, or the lead that another is to leave.
+        let (mut over_stop, mut lead) = (None, R::zero());
+        while end.cursor.stage() <= last {
+            let mut run = end;
             let begun_in = run.cursor.stage();
             let mut by_chord = run.cursor;
             let (Some(arc), Some(wanted)) = (arcs.advance(&mut run.cursor), chords.advance(&mut by_chord))
@@ -165,23 +183,25 @@ impl<R: Real, C> Path<'_, R, C> {
             };
             run.planned = run.planned + arc;
             let passed = short.get(begun_in..run.cursor.stage()).unwrap_or_default();
-            let ahead = if passed.iter().any(|stage| stage.end_feed.is_zero()) {
+            over_stop = if passed.iter().any(|stage| stage.end_feed.is_zero()) {
                 let rest = chord(&self.point(run.reached), &self.point(run.planned));
                 run.reached = run.planned;
-                wanted - rest
+                Some(wanted - rest)
             } else {
                 run.reached = (run.reached + self.arc_over(run.reached, wanted)).min(self.limit.length());
-                run.reached - run.planned - wanted.scale(LEAD)
+                None
             };
-            end = End { run, last_period: end.run, ahead };
+            lead = wanted.scale(LEAD);
+            (end, last_period) = (run, end);
         }
-        end
+        let ahead = over_stop.unwrap_or_else(|| self.length_to(end.reached) - end.planned - lead);
+        End { run: end, last_period, ahead }
     }
 
     /// The first arc from `begin` on whose chord is as long as wanted; four times the chord where none is.
     fn arc_over<const D: usize>(&self, begin: R, wanted: R) -> R
     where
-        C: Evaluate<R, D>,
+        C: Differentiate<R, D>,
     {
         let from = self.point(begin);
         let missing = |arc: R| wanted - chord(&from, &self.point(begin + arc));
