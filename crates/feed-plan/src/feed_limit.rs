@@ -249,6 +249,12 @@ impl<R: Real> FeedLimit<R> {
         nearest.map_or_else(|| self.parameter_at(distance), |point| (point.curve, point.u))
     }
 
+    /// The last point before `distance`.
+    pub(crate) fn point_before(&self, distance: R) -> Option<&LimitPoint<R>> {
+        let next = self.points.partition_point(|point| point.distance < distance);
+        next.checked_sub(1).and_then(|before| self.points.get(before))
+    }
+
     /// Curve and parameter at `distance`: the inverse of the arc length, between points by the cubic that has
     /// `du/ds = 1/|C'|` at both.
     pub(crate) fn parameter_at(&self, distance: R) -> (usize, R) {
@@ -475,6 +481,28 @@ mod tests {
             assert_eq!(rests.len(), expected, "{width}: {rests:?}");
             assert!(rests.iter().all(|u| (u - 0.5).abs() < 1e-3), "{rests:?}");
         }
+    }
+
+    /// F/4096 is 0.05 mm a period, a hundred times the chord error: each place with a limit below that was a stop, and each
+    /// released what was beside it, so that of a bend of some tenths of a mm one stop was left, and no limit.
+    #[test]
+    fn beside_the_stop_in_a_bend_its_limit_holds() {
+        let limits = KinematicLimits { feedrate: 200.0, ..paper_limits() };
+        let curve = hairpin(1.0);
+        let limit = FeedLimit::along(&[curve.as_curve()], &limits).unwrap();
+        let stops: Vec<_> = limit.points().iter().filter(|point| point.feedrate == 0.0).collect();
+        assert!(stops.len() == 1 && (stops[0].u - 0.5).abs() < 1e-3, "{stops:?}");
+        let mut slow = 0;
+        for point in limit.points() {
+            let allowed = limits.feedrate_at_radius(radius(&curve.as_curve().derivatives(point.u)));
+            let is_near_stop = (point.distance - stops[0].distance).abs() <= limits.chord_error;
+            slow += u32::from(allowed < limits.feedrate / 4096.0);
+            assert!(
+                is_near_stop || limit.at(point.distance) <= allowed * (1.0 + 1e-9),
+                "{point:?}: {allowed}"
+            );
+        }
+        assert!(slow > 20, "{slow}");
     }
 
     #[test]

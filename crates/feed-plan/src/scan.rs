@@ -29,7 +29,7 @@ const STRAIGHTNESS: i32 = -8;
 /// Steps of a golden-section search: 0.618²⁴ = 10⁻⁵ of two stretches. A limit is flat at its minimum, so that
 /// the error of its value is of second order.
 const GOLDEN_STEPS: usize = 24;
-/// A limit below 2⁻¹² F is a stop.
+/// The least limit of a bend is a stop if it is below 2⁻¹² F.
 const STOP: i32 = -12;
 /// C' vanishes where it is below 2⁻⁶ of its value at the ends of the finest stretch.
 const CUSP: i32 = -6;
@@ -82,12 +82,8 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
         let span = Span { shape, index, limits, budget, rule, longest, chord_bound_radius };
         let mut stations = span.walk();
         span.locate_extremes(&mut stations);
-        span.rest_in_narrow_bends(&mut stations);
+        span.rest_in_bends(&mut stations);
         // A stop is one by its geometry; where only an axis's jerk asks for a creep, the path is crept along.
-        let least = self.limits.feedrate.scale(STOP);
-        for station in stations.iter_mut().filter(|station| station.at.feedrate < least) {
-            station.at.feedrate = R::zero();
-        }
         self.limit_by_jerk(&mut stations);
         self.append(curve, &stations).ok_or(PlanError::LengthOverflows { curve })
     }
@@ -311,15 +307,26 @@ impl<R: Real, C> Span<'_, R, C> {
         }
     }
 
-    /// Makes a stop of each bend whose radius is less than half of the chord error E, at its least limit: it is as good as
-    /// a corner. A step there turns by half a circle, so that a run a little off its plan would skip the bend, or wait
-    /// before it.
-    fn rest_in_narrow_bends<const D: usize>(&self, stations: &mut [Station<R, D>]) {
+    /// Makes a stop of a bend at its least limit if that is below [`STOP`], or if the radius there is less than half of the
+    /// chord error E: it is as good as a corner. A step there turns by half a circle, so that a run a little off its plan
+    /// would skip the bend, or wait before it.
+    ///
+    /// On both sides the limit stays what it is: a bend may be longer than what a stop releases.
+    fn rest_in_bends<const D: usize>(&self, stations: &mut [Station<R, D>]) {
         let narrow = self.limits.chord_error.half();
-        let is_bend =
-            |three: &[Station<R, D>]| three[1].at.radius < narrow && samples_of(three).is_some_and(is_least);
-        let bends: Vec<usize> =
-            stations.windows(3).enumerate().filter(|(_, three)| is_bend(three)).map(|(i, _)| i + 1).collect();
+        let slow = self.limits.feedrate.scale(STOP);
+        let is_bend = |at: &Sample<R, D>| at.radius < narrow || at.feedrate < slow;
+        let inner = stations.windows(3).enumerate().filter_map(|(i, three)| {
+            (is_bend(&three[1].at) && samples_of(three).is_some_and(is_least)).then_some(i + 1)
+        });
+        // At a knot the bend may have its least limit too.
+        let falls_to = |end: usize, beside: usize| {
+            let (end_at, beside_at) = (&stations.get(end)?.at, &stations.get(beside)?.at);
+            (end_at.feedrate < slow && end_at.feedrate < beside_at.feedrate).then_some(end)
+        };
+        let last = stations.len().saturating_sub(1);
+        let ends = [falls_to(0, 1), falls_to(last, last.saturating_sub(1))];
+        let bends: Vec<usize> = inner.chain(ends.into_iter().flatten()).collect();
         for bend in bends {
             stations[bend].at.feedrate = R::zero();
         }
