@@ -9,6 +9,7 @@ use alloc::vec::Vec;
 use real::{Backend, Real};
 
 use crate::NurbsCurve;
+use crate::hodograph::Hodograph;
 use crate::local_piece::Speed;
 
 /// A homogeneous Bezier segment: points times weights, and weights.
@@ -71,8 +72,8 @@ impl<H: Backend, const D: usize> Bezier<H, D> {
         polygon <= length_mm && heavy <= max_ratio * light && speed.greatest <= max_ratio * speed.least
     }
 
-    /// |C'|, sampled at nine points: it only steers the cutting and the choice of scales; what is proven is proven
-    /// of the coefficients.
+    /// |C'|: its least and greatest at nine points, and wherever else it is out of their range by more than a 64th. The
+    /// solver's steps per chord are held within its inverse.
     pub(crate) fn speed(&self) -> Speed {
         const SAMPLES: i32 = 8;
         let at = |sample: i32| {
@@ -81,22 +82,28 @@ impl<H: Backend, const D: usize> Bezier<H, D> {
             f64::norm(&velocity)
         };
         let values: Vec<f64> = (0..=SAMPLES).map(at).collect();
-        Speed {
+        let mut speed = Speed {
             least: values.iter().copied().fold(f64::MAX, f64::min),
             greatest: values.iter().copied().fold(0.0, f64::max),
             begin: values[0],
             end: values[values.len() - 1],
-        }
+        };
+        Hodograph::of(&self.relative()).extend(&mut speed);
+        speed
+    }
+
+    /// Points times weights about the first point, and weights, in f64. The differences are taken before the rounding: of a
+    /// span of one ulp they are all there is.
+    fn relative(&self) -> Vec<([f64; D], f64)> {
+        let origin = self.euclidean(0);
+        let point = |j: usize, d: usize| (self.points[j][d] - origin[d] * self.weights[j]).to_f64();
+        let row = |j: usize| (core::array::from_fn(|d| point(j, d)), self.weights[j].to_f64());
+        (0..self.points.len()).map(row).collect()
     }
 
     /// C and C' at t, by de Casteljau in f64.
     fn derivative(&self, t: f64) -> ([f64; D], [f64; D]) {
-        // The differences are taken before the rounding: of a span of one ulp they are all there is.
-        let origin = self.euclidean(0);
-        let relative = |j: usize, d: usize| self.points[j][d] - origin[d] * self.weights[j];
-        let mut rows: Vec<([f64; D], f64)> = (0..self.points.len())
-            .map(|j| (core::array::from_fn(|d| relative(j, d).to_f64()), self.weights[j].to_f64()))
-            .collect();
+        let mut rows = self.relative();
         let degree = rows.len() - 1;
         for round in (2..=degree).rev() {
             for k in 0..round {

@@ -90,6 +90,8 @@ pub mod generate;
 #[cfg(test)]
 mod golden;
 #[cfg(feature = "alloc")]
+mod hodograph;
+#[cfg(feature = "alloc")]
 mod knot_insertion;
 mod knots;
 #[cfg(feature = "alloc")]

@@ -7,7 +7,7 @@ use real::{Backend, Real};
 use crate::bezier::Bezier;
 use crate::compile::Place;
 use crate::pieces::ORIGIN_EXPONENT;
-use crate::polynomial::{PARTS, bound_on_unit_interval, hull, on_part, power_basis};
+use crate::polynomial::{PARTS, binomial, bound_on_unit_interval, hull, on_part, power_basis};
 use crate::ranges::{Scales, exponent_below, fraction_and_exponent, power_of_two};
 
 /// A piece in high precision: power basis in t, coordinates in mm relative to the piece's first point.
@@ -197,10 +197,6 @@ fn largest_shifted(column: &[f64]) -> f64 {
     };
     let entries = (1..=degree).flat_map(|k| (1..=k + 1).map(move |m| (k, m)));
     entries.map(|(k, m)| entry(k, m)).fold(0.0, f64::max)
-}
-
-fn binomial(n: usize, k: usize) -> f64 {
-    (0..k.min(n)).fold(1.0, |product, i| product * (n - i) as f64 / (i + 1) as f64)
 }
 
 fn product(a: &[f64], b: &[f64]) -> Vec<f64> {

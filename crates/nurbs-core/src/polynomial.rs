@@ -20,6 +20,11 @@ pub(crate) fn power_basis<H: Real>(bernstein: &[H]) -> Vec<H> {
     result
 }
 
+/// n over k.
+pub(crate) fn binomial(n: usize, k: usize) -> f64 {
+    (0..k.min(n)).fold(1.0, |product, i| product * (n - i) as f64 / (i + 1) as f64)
+}
+
 /// An upper bound of |p(t)| for t in [0, 1], of `p(t) = Σ_k a_k t^k`.
 pub(crate) fn bound_on_unit_interval(power: &[f64]) -> f64 {
     let (least, greatest) = hull(power);
