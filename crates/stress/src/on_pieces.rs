@@ -187,8 +187,8 @@ struct Steps<'a, R, const D: usize> {
     at: (usize, u64),
     worst: PieceFigures,
     units: LengthUnits,
-    /// Steps since the run last landed.
-    adrift: u64,
+    /// How far the run may be from its plan since it last landed, in mm.
+    adrift: f64,
 }
 
 /// In what the difference of a chord and the wanted chord is measured.
@@ -218,8 +218,6 @@ const CHORD_ERROR_SHARE: f64 = 1.5;
 /// The chord error of shorter chords is not judged: a run is within 1e-5 mm of its plan, and in a bend so narrow that the
 /// plan passes it with steps as short as that, not at its place.
 const SHORT_MM: f64 = 1e-4;
-/// With fewer evaluations at most, chords are not found, and the run drifts from its plan.
-const ENOUGH: u32 = 3;
 /// The judge's own rounding, relative to a piece.
 const JUDGE: f64 = 1e-13;
 /// What a chord may be longer or shorter than one of its period's feed, for rounding.
@@ -238,7 +236,7 @@ impl<'a, R: Backend, const D: usize> Steps<'a, R, D> {
             chord: 1.0_f64.scale(-pieces.chord_exponent),
         };
         let worst = PieceFigures::default();
-        Self { run, judge, name: R::name().to_string(), at: (0, 0), worst, units, adrift: 0 }
+        Self { run, judge, name: R::name().to_string(), at: (0, 0), worst, units, adrift: 0.0 }
     }
 
     fn check(&mut self, setpoint: &PieceSetpoint<R, D>, lands: bool) -> Result<(), Violation> {
@@ -275,7 +273,7 @@ impl<'a, R: Backend, const D: usize> Steps<'a, R, D> {
         worst.feed_share = worst.feed_share.max(feed);
         self.at = to;
         if lands {
-            self.adrift = 0;
+            self.adrift = 0.0;
         }
         if to.0 < self.judge.len() {
             let converged = setpoint.evaluations < self.run.tolerance.max_evaluations;
@@ -305,18 +303,18 @@ impl<'a, R: Backend, const D: usize> Steps<'a, R, D> {
             + JUDGE * piece
             + if joints > 0.0 { 4.0 * 1.0_f64.scale(ORIGIN_EXPONENT) } else { 0.0 };
         let (turn, in_all) = self.judge.turns(from.0, to.0);
-        if converged && in_all > RIGHT_ANGLE {
+        let is_found = converged && in_all > RIGHT_ANGLE;
+        if is_found {
             let share =
                 demand("chord off the wanted one, mm", &self.name, step, (chord - wanted).abs(), bound)?;
             self.worst.length_share = self.worst.length_share.max(share);
         }
         let limits = &self.run.planned.path.limits;
-        // Each step is off its plan by a rounding, and in a slow run at one feed always to the same side.
-        self.adrift += 1;
-        let is_in_place = resolution * self.adrift as f64 <= wanted / 4.0;
-        let is_judged =
-            is_in_place && turn > SMOOTH && wanted > SHORT_MM && self.run.tolerance.max_evaluations >= ENOUGH;
-        if is_judged {
+        // Each step is off its plan by a rounding, and in a slow run at one feed always to the same side. One that was not
+        // found, for want of evaluations or where the path comes back, is off by all that it is too long or too short.
+        self.adrift += if is_found { resolution } else { (chord - wanted).abs() + resolution };
+        let is_in_place = self.adrift <= wanted / 4.0;
+        if is_in_place && turn > SMOOTH && wanted > SHORT_MM {
             let error = self.judge.chord_error((from, &start), (to, &end));
             let share = error / limits.chord_error;
             if to.0 - from.0 > 1 {

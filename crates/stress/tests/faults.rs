@@ -51,6 +51,47 @@ fn a_chord_in_front_of_a_hairpin_does_not_end_behind_it() {
     assert!(matches!(soaked.runs[..], [SoakedRun::Ran(_)]), "{:?}", soaked.violations);
 }
 
+/// Each broke a promise in f64 while it was fast, among 26,000 paths in the plane and in space.
+fn runs(paths: &[u64]) {
+    for path in paths {
+        let soaked = soak_path(4242, *path, &SOAK_FORMATS[..1], |_| false);
+        assert!(matches!(soaked.runs[..], [SoakedRun::Ran(_)]), "{path}: {:?}", soaked.violations);
+    }
+}
+
+/// A period that ended at a stop but for rounding was not taken to land on it: the run was shortened by what its chord led
+/// beyond.
+#[test]
+fn a_stop_at_the_end_of_a_period_is_landed_on() {
+    runs(&[14_824, 66_060]);
+}
+
+/// In a long bend whose limit is below F/4096 throughout, one stop was left, and no limit beside it.
+#[test]
+fn a_slow_bend_is_slow_beside_its_stop() {
+    runs(&[2804, 3844, 53_260, 63_864]);
+}
+
+/// A stage's end between two limit points is interpolated, and what that was off was taken for a shortfall. The run fell
+/// behind its plan by it for good.
+#[test]
+fn a_stage_that_ends_between_limit_points_is_not_shortened_by_their_distance() {
+    runs(&[49_140, 50_984, 56_372]);
+}
+
+/// The speed on a piece halved between two of nine samples: steps per chord were held to the range of the samples.
+#[test]
+fn a_chord_is_found_where_the_speed_dips_between_samples() {
+    runs(&[44_332]);
+}
+
+/// With 4 evaluations a step over a piece whose speed changes a thousandfold is not found, and the run is ahead of its plan:
+/// that is no promise broken.
+#[test]
+fn a_run_that_lacks_evaluations_is_not_judged_by_its_place() {
+    runs(&[7316, 47_992, 118_576]);
+}
+
 /// A landing step's product with a step per chord was rounded to nothing, and the run stood still before its end. In the
 /// coarsest of these formats all feeds of the plan are 0, so that the whole path is landed on.
 #[test]
