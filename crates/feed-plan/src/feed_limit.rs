@@ -84,7 +84,7 @@ impl<R: Real> FeedLimit<R> {
     /// Between two points the limit is tested at three places. What is narrower than a third of the finest
     /// step, 2⁻²⁰ of a span, can be missed.
     ///
-    /// Within the chord error E of a stop, the limit does not bind: no chord that starts and ends there can
+    /// Within the chord error E of a stop, the limit at E from it holds: no chord that starts and ends there can
     /// leave the curve by more than E.
     ///
     /// # Errors
@@ -503,6 +503,34 @@ mod tests {
             );
         }
         assert!(slow > 20, "{slow}");
+    }
+
+    /// The limit of the next point held from the stop on, 30 mm before it.
+    #[test]
+    fn a_stop_releases_the_limit_within_the_chord_error_only() {
+        let points =
+            [(0.0, 0.0), (0.0, 0.2), (30.0, 0.8), (60.0, 0.2), (60.0, 0.0), (60.0, 0.6), (90.0, 0.6)];
+        let measured = |(distance, feedrate): (f64, f64)| Measured {
+            point: point(distance, feedrate),
+            speed: 0.0,
+            margin: 0.0,
+            allowance: Allowance::unlimited(),
+            is_single: feedrate == 0.0,
+        };
+        let limit = FeedLimit::assemble(&points.map(measured), 0.01).unwrap();
+        // V² is linear: 0.04 to 0.64 over 30 mm.
+        let wanted = |beyond: f64| Real::sqrt(0.04 + 0.6 * beyond / 30.0);
+        for beyond in [0.005, 0.02, 0.1, 1.0, 7.0, 29.0] {
+            let (above, least) = (wanted(beyond).powi(2) * (1.0 + 0.01 / beyond), wanted(beyond));
+            for at in [beyond, 60.0 - beyond] {
+                let found = limit.at(at);
+                assert!(
+                    found >= least * (1.0 - 1e-12) && found.powi(2) <= above * (1.0 + 1e-12),
+                    "{at}: {found}"
+                );
+            }
+        }
+        assert_eq!(limit.at(61.0), 0.6);
     }
 
     #[test]

@@ -1,16 +1,17 @@
 //! What a stop leaves of the limit beside it.
 //!
 //! No chord that starts and ends within the chord error of a stop can leave the curve by more, however sharp the corner or tight
-//! the bend: up to there, the first limit beyond holds.
+//! the bend: up to there, the limit at that distance holds.
 
 use core::ops::Range;
 
 use real::Real;
 
 use crate::LimitPoint;
-use crate::feed_limit::Node;
+use crate::feed_limit::{Node, interpolate};
 
-/// Lets the limit jump at stops: within `reach` of one, the first limit beyond holds.
+/// Lets the limit jump at stops: within `reach` of one, the limit at `reach` from it holds. On the stretch that leads on from
+/// there, at a distance x of the stop, V² is above the limit's by no more than `reach`/x of it.
 ///
 /// The time is linear in the points as long as few stops have a higher limit behind them than the stop before: what
 /// lies within reach of a stop is looked for from where it was found last, and what has been lifted is not lifted
@@ -28,12 +29,12 @@ pub(crate) fn release_stops<R: Real>(points: &[LimitPoint<R>], nodes: &mut [Node
         while points.get(next).is_some_and(|point| !is_beyond(point)) {
             next += 1;
         }
-        let release = nodes.get(next).map_or_else(R::zero, |node| node.lower);
+        let release = limit_between(points, nodes, next, here + reach);
         lift(nodes, i + 1..next, release);
         while behind < i && is_beyond(&points[behind]) {
             behind += 1;
         }
-        let release = behind.checked_sub(1).map_or_else(R::zero, |k| nodes[k].lower);
+        let release = limit_between(points, nodes, behind, here - reach);
         let from = if release <= lifted_to { behind.max(lifted) } else { behind };
         lift(nodes, from..i, release);
         (lifted, lifted_to) = (i, release);
@@ -43,6 +44,15 @@ pub(crate) fn release_stops<R: Real>(points: &[LimitPoint<R>], nodes: &mut [Node
             nodes[i].before = i.checked_sub(1).map_or_else(R::zero, |k| nodes[k].lower);
             nodes[i].after = nodes.get(i + 1).map_or_else(R::zero, |node| node.lower);
         }
+    }
+}
+
+/// The limit at a distance between point `next` and the one before it; 0 beyond the ends.
+fn limit_between<R: Real>(points: &[LimitPoint<R>], nodes: &[Node<R>], next: usize, distance: R) -> R {
+    let at = |k: usize| Some((points.get(k)?.distance, nodes.get(k)?.lower));
+    match (next.checked_sub(1).and_then(at), at(next)) {
+        (Some(before), Some(after)) => interpolate(before, after, distance),
+        _ => R::zero(),
     }
 }
 
@@ -98,11 +108,15 @@ mod tests {
                 continue;
             }
             let is_beyond = |k: &usize| (distances[*k] - distances[i]).abs() > reach;
-            let next = (i..lowers.len()).find(is_beyond).unwrap_or(lowers.len());
-            let release = lowers.get(next).copied().unwrap_or(0.0);
-            lowers[i..next].iter_mut().skip(1).for_each(|lower| *lower = lower.max(release));
+            let at = |lowers: &[f64], k: usize, distance| {
+                interpolate((distances[k], lowers[k]), (distances[k + 1], lowers[k + 1]), distance)
+            };
+            let next = (i..lowers.len()).find(is_beyond);
+            let release = next.map_or(0.0, |next| at(&lowers, next - 1, distances[i] + reach));
+            let end = next.unwrap_or(lowers.len());
+            lowers[i..end].iter_mut().skip(1).for_each(|lower| *lower = lower.max(release));
             let previous = (0..i).rev().find(is_beyond);
-            let release = previous.map_or(0.0, |k| lowers[k]);
+            let release = previous.map_or(0.0, |k| at(&lowers, k, distances[i] - reach));
             let from = previous.map_or(0, |k| k + 1);
             lowers[from..i].iter_mut().for_each(|lower| *lower = lower.max(release));
         }
