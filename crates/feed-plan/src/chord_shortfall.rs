@@ -26,8 +26,9 @@ const LEAD: i32 = -20;
 /// Corrections of an arc until its chord is as long as wanted; each leaves an eighth of the squared angle of the
 /// chord.
 const CORRECTIONS: usize = 8;
-/// Strides of an eighth of a chord in which it is looked for where that does not end: it is no longer than four chords.
-const STRIDES: usize = 32;
+/// Strides of at most an eighth of a chord in which it is looked for where that does not end: it is no longer than four
+/// chords.
+const STRIDES: usize = 48;
 /// Halvings of the stride that it lies in.
 const HALVINGS: usize = 48;
 
@@ -215,13 +216,17 @@ impl<R: Real, C> Path<'_, R, C> {
             }
             arc = (arc + rest).max(wanted.half()).min(wanted + wanted);
         }
-        // Slow across a corner, where the way leads back along the chord. Behind it more than one arc may have the chord.
+        // Slow across a corner, where the way leads back along the chord. Behind it more than one arc may have the chord, and
+        // the first may be near: strides begin with what was missing last.
         let (mut low, mut high) = (wanted.half(), arc);
+        let (mut stride, longest) = (wanted.scale(-16), wanted.scale(-3));
         for _ in 0..STRIDES {
-            if !(missing(high) > R::zero()) {
+            let rest = missing(high);
+            if !(rest > R::zero()) {
                 break;
             }
-            (low, high) = (high, (high + wanted.scale(-3)).min(wanted.scale(2)));
+            stride = (stride + stride).max(rest).min(longest);
+            (low, high) = (high, (high + stride).min(wanted.scale(2)));
         }
         for _ in 0..HALVINGS {
             arc = low + (high - low).half();
