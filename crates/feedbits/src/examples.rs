@@ -28,6 +28,7 @@ pub(crate) const SMOOTH: &str = "Examples:
 pub(crate) const SOAK: &str = "Examples:
   feedbits soak --periods 1M
   feedbits soak --periods 100M --seed 7 --resume soak.json
+  feedbits soak --periods 5M --full-speed
   feedbits soak --seed 7 --path 1234 --formats I4F28";
 pub(crate) const TARGETS: &str = "Examples:
   feedbits targets

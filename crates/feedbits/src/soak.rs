@@ -8,7 +8,7 @@ use clap::Args;
 use comfy_table::{CellAlignment, Table, presets};
 use format_compare::in_parallel;
 use serde::{Deserialize, Serialize};
-use stress::{SOAK_FORMATS, Soak, SoakFormat, soak_path};
+use stress::{SOAK_FORMATS, Soak, SoakFormat, SoakPaths, soak_path};
 use time::OffsetDateTime;
 
 use crate::progress::Progress;
@@ -26,6 +26,9 @@ pub(crate) struct Arguments {
     /// Which paths are drawn.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
+    /// Slow none of the paths down: fewer periods a path, and more bends and joints a period.
+    #[arg(long)]
+    full_speed: bool,
     /// Run this path only, as a violation names it.
     #[arg(long, value_name = "N", conflicts_with = "resume")]
     path: Option<u64>,
@@ -59,12 +62,13 @@ const BETWEEN_STATES: Duration = Duration::from_secs(5);
 /// Runs until every format has its periods.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     let formats = selected(&arguments.formats)?;
+    let paths = SoakPaths { seed: arguments.seed, full_speed: arguments.full_speed };
     let mut record = match &arguments.resume {
-        Some(path) if path.exists() => resumed(path, arguments.seed, &formats)?,
-        _ => Record::new(Soak::new(arguments.seed, &formats)),
+        Some(path) if path.exists() => resumed(path, paths, &formats)?,
+        _ => Record::new(Soak::new(paths, &formats)),
     };
     match arguments.path {
-        Some(path) => record.soak.add(soak_path(arguments.seed, path, &formats, |_| false)),
+        Some(path) => record.soak.add(soak_path(paths, path, &formats, |_| false)),
         None => soak(arguments, &formats, &mut record)?,
     }
     let text = match arguments.output.json {
@@ -84,7 +88,7 @@ fn soak(arguments: &Arguments, formats: &[SoakFormat], record: &mut Record) -> R
         let next = record.soak.next_path;
         let paths: Vec<u64> = (next..next + BATCH).collect();
         let has = |format| record.soak.has(format, arguments.periods);
-        for path in in_parallel(&paths, |path| soak_path(arguments.seed, *path, formats, has)) {
+        for path in in_parallel(&paths, |path| soak_path(record.soak.paths, *path, formats, has)) {
             record.soak.add(path);
         }
         record.seconds = before + started.elapsed().as_secs_f64();
@@ -120,12 +124,15 @@ fn selected(names: &[String]) -> Result<Vec<SoakFormat>> {
 }
 
 /// The state that an earlier run has left.
-fn resumed(path: &Path, seed: u64, formats: &[SoakFormat]) -> Result<Record> {
+fn resumed(path: &Path, paths: SoakPaths, formats: &[SoakFormat]) -> Result<Record> {
     let name = path.display();
     let record: Record =
         serde_json::from_str(&input::text(path)?).with_context(|| format!("{name} is no state of a soak"))?;
     let soak = &record.soak;
-    ensure!(soak.seed == seed, "{name} is the state of a soak with seed {}", soak.seed);
+    let SoakPaths { seed, full_speed } = soak.paths;
+    ensure!(seed == paths.seed, "{name} is the state of a soak with seed {seed}");
+    let speed = if full_speed { "at full speed" } else { "with paths slowed down" };
+    ensure!(full_speed == paths.full_speed, "{name} is the state of a soak {speed}");
     let same = soak.formats.iter().map(|one| one.format.as_str()).eq(formats.iter().map(SoakFormat::name));
     ensure!(same, "{name} is the state of a soak in other formats");
     let version = env!("CARGO_PKG_VERSION");
@@ -153,7 +160,8 @@ impl Record {
                 counted.operations, counted.operations_share
             );
         }
-        text += &format!("seed        {}, {paths}, {seconds:.0} s, {date}\n", soak.seed);
+        let speed = if soak.paths.full_speed { ", full speed" } else { "" };
+        text += &format!("seed        {}{speed}, {paths}, {seconds:.0} s, {date}\n", soak.paths.seed);
         text += &format!("violations  {}\n", soak.violations);
         for violation in &soak.first_violations {
             text += &format!("  path {}: {}\n", only.unwrap_or(violation.path), violation.what);

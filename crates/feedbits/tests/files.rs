@@ -162,6 +162,10 @@ fn a_soak_goes_on_where_it_stopped_and_refuses_what_is_not_its_own() {
 
     is_refused(&run("--formats I4F28 --seed 4 --resume s.json"), &["s.json", "seed 3"]);
     is_refused(&run("--formats f64 --seed 3 --resume s.json"), &["s.json", "other formats"]);
+    is_refused(
+        &run("--formats I4F28 --seed 3 --full-speed --resume s.json"),
+        &["s.json", "paths slowed down"],
+    );
     is_refused(&run("--formats I99F1"), &["I99F1", "known are f64"]);
     is_refused(&run("--periods 0"), &["'0'", "above 0"]);
     fs::write(folder.path().join("s.json"), "{").expect("a file");

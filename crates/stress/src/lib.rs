@@ -30,6 +30,8 @@ pub use on_pieces::{OnPieces, PieceFigures};
 pub use piece_points::check_pieces;
 pub use planned::{Planned, Rest};
 pub use side_by_side::check_against_float;
-pub use soak::{SOAK_FORMATS, Soak, SoakFormat, SoakViolation, Soaked, SoakedPath, SoakedRun, soak_path};
+pub use soak::{
+    SOAK_FORMATS, Soak, SoakFormat, SoakPaths, SoakViolation, Soaked, SoakedPath, SoakedRun, soak_path,
+};
 pub use step_bound::{StepBound, StepShape};
 pub use violation::{Outcome, Violation};

@@ -36,7 +36,7 @@ pub struct PieceFigures {
     pub operations: u64,
     /// Difference of chord and wanted chord over its bound.
     pub length_share: f64,
-    /// Chord error over the limit, where rounding cannot have moved the run by more than a quarter of a chord.
+    /// Chord error over the limit, where rounding cannot have moved the run by more than an eighth of a chord.
     pub chord_error_share: f64,
     /// Steps over three pieces or more whose chord error is above the limit: what is narrower than 2⁻²⁰ of a span, a
     /// plan may miss ([`feed_plan::FeedLimit::along`]).
@@ -218,6 +218,8 @@ const CHORD_ERROR_SHARE: f64 = 1.5;
 /// The chord error of shorter chords is not judged: a run is within 1e-5 mm of its plan, and in a bend so narrow that the
 /// plan passes it with steps as short as that, not at its place.
 const SHORT_MM: f64 = 1e-4;
+/// The chord error grows with the chord's square: one that was not found and is longer by more than that is not judged.
+const TOO_LONG: f64 = 1.0 / 64.0;
 /// The judge's own rounding, relative to a piece.
 const JUDGE: f64 = 1e-13;
 /// What a chord may be longer or shorter than one of its period's feed, for rounding.
@@ -313,7 +315,7 @@ impl<'a, R: Backend, const D: usize> Steps<'a, R, D> {
         // Each step is off its plan by a rounding, and in a slow run at one feed always to the same side. One that was not
         // found, for want of evaluations or where the path comes back, is off by all that it is too long or too short.
         self.adrift += if is_found { resolution } else { (chord - wanted).abs() + resolution };
-        let is_in_place = self.adrift <= wanted / 4.0;
+        let is_in_place = self.adrift <= wanted / 8.0 && chord <= wanted * (1.0 + TOO_LONG);
         if is_in_place && turn > SMOOTH && wanted > SHORT_MM {
             let error = self.judge.chord_error((from, &start), (to, &end));
             let share = error / limits.chord_error;

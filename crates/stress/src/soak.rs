@@ -13,7 +13,7 @@ use crate::{OnPieces, PieceFigures, Planned, RandomPath};
 const BYTES: usize = 1500;
 /// Longest plan.
 const MOST_PERIODS: u32 = 20_000;
-/// By how much paths are slowed down, in turn: the first kind crosses many joints, the others make many periods.
+/// By how much paths are slowed down, in turn: the first kind crosses many bends and joints, the others make many periods.
 const SLOWER: [u32; 4] = [1, 16, 64, 256];
 
 type Run = Result<Outcome<PieceFigures>, Violation>;
@@ -119,11 +119,22 @@ pub struct SoakViolation {
     pub what: String,
 }
 
+/// The paths of a soak: by their number, the same each time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SoakPaths {
+    /// Draws them.
+    pub seed: u64,
+    /// Whether none of them is slowed down: more of what goes wrong in bends comes up in fewer periods.
+    #[serde(default)]
+    pub full_speed: bool,
+}
+
 /// Where a soak stands: it can be written down and gone on with.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Soak {
-    /// Draws the paths.
-    pub seed: u64,
+    /// Which paths are run.
+    #[serde(flatten)]
+    pub paths: SoakPaths,
     /// Number of the next path.
     pub next_path: u64,
     /// What each format has gone through, in the order of [`SOAK_FORMATS`].
@@ -142,10 +153,10 @@ const MOST_KEPT: usize = 100;
 impl Soak {
     /// Before the first path.
     #[must_use]
-    pub fn new(seed: u64, formats: &[SoakFormat]) -> Self {
+    pub fn new(paths: SoakPaths, formats: &[SoakFormat]) -> Self {
         let soaked = |format: &SoakFormat| Soaked { format: format.name.to_string(), ..Soaked::default() };
         Self {
-            seed,
+            paths,
             next_path: 0,
             formats: formats.iter().map(soaked).collect(),
             counted: PieceFigures::default(),
@@ -211,20 +222,25 @@ pub struct SoakedPath {
     pub violations: Vec<SoakViolation>,
 }
 
-/// Runs path number `path` of `seed` in each of `formats` but those that are `spared`, by a plan whose own promises are
+/// Runs path number `path` of `paths` in each of `formats` but those that are `spared`, by a plan whose own promises are
 /// checked too. Every fifth path is one in space.
 #[must_use]
-pub fn soak_path(seed: u64, path: u64, formats: &[SoakFormat], spared: impl Fn(usize) -> bool) -> SoakedPath {
+pub fn soak_path(
+    paths: SoakPaths,
+    path: u64,
+    formats: &[SoakFormat],
+    spared: impl Fn(usize) -> bool,
+) -> SoakedPath {
     let wanted = |format: usize| !spared(format);
     if path % 5 == 4 {
-        soaked::<3>((seed, path), formats, wanted, |format| format.space)
+        soaked::<3>((paths, path), formats, wanted, |format| format.space)
     } else {
-        soaked::<2>((seed, path), formats, wanted, |format| format.plane)
+        soaked::<2>((paths, path), formats, wanted, |format| format.plane)
     }
 }
 
 fn soaked<const D: usize>(
-    (seed, path): (u64, u64),
+    (paths, path): (SoakPaths, u64),
     formats: &[SoakFormat],
     wanted: impl Fn(usize) -> bool,
     in_dimension: impl Fn(&SoakFormat) -> InFormat<D>,
@@ -232,7 +248,7 @@ fn soaked<const D: usize>(
     let refused = |format| if wanted(format) { SoakedRun::Refused } else { SoakedRun::Spared };
     let runs = (0..formats.len()).map(refused).collect();
     let mut soaked = SoakedPath { runs, ..SoakedPath::default() };
-    let Some(drawn) = RandomPath::<D>::from_bytes(&bytes(seed, path)) else { return soaked };
+    let Some(drawn) = RandomPath::<D>::from_bytes(&bytes(paths.seed, path)) else { return soaked };
     let named = formats.iter().map(|format| (in_dimension(format), RuntimeFormat::named(format.name)));
     let fitting: Vec<_> = named
         .enumerate()
@@ -243,7 +259,7 @@ fn soaked<const D: usize>(
     }
     let Some(planned) = Planned::new(&drawn, MOST_PERIODS) else { return soaked };
     let kind = usize::try_from(path % SLOWER.len() as u64).unwrap_or(0);
-    let planned = if kind > 0 { planned.slower(SLOWER[kind]) } else { planned };
+    let planned = if kind > 0 && !paths.full_speed { planned.slower(SLOWER[kind]) } else { planned };
     let mut broken = |violation: &Violation| {
         soaked.violations.push(SoakViolation { path, what: violation.to_string() });
     };
@@ -286,16 +302,18 @@ fn bytes(seed: u64, path: u64) -> Vec<u8> {
 mod tests {
     use super::*;
 
+    const PATHS: SoakPaths = SoakPaths { seed: 7, full_speed: false };
     const SOME: [SoakFormat; 3] = [SOAK_FORMATS[0], SOAK_FORMATS[3], SOAK_FORMATS[10]];
 
     #[test]
     fn a_path_is_the_same_each_time_and_runs_in_several_formats() {
-        let (one, again) = (soak_path(7, 4, &SOME, |_| false), soak_path(7, 4, &SOME, |format| format == 1));
+        let (one, again) =
+            (soak_path(PATHS, 4, &SOME, |_| false), soak_path(PATHS, 4, &SOME, |format| format == 1));
         assert_eq!((one.runs[0], one.runs[2]), (again.runs[0], again.runs[2]));
         assert_eq!(again.runs[1], SoakedRun::Spared);
-        let mut soak = Soak::new(7, &SOME);
+        let mut soak = Soak::new(PATHS, &SOME);
         for path in 0..10 {
-            soak.add(soak_path(7, path, &SOME, |_| false));
+            soak.add(soak_path(PATHS, path, &SOME, |_| false));
         }
         assert!(soak.least_periods() > 1000, "{soak:?}");
         assert_eq!((soak.next_path, soak.violations), (10, 0), "{:?}", soak.first_violations);
@@ -303,8 +321,19 @@ mod tests {
     }
 
     #[test]
+    fn at_full_speed_a_path_takes_as_many_periods_as_planned() {
+        let periods = |full_speed| {
+            let soaked = soak_path(SoakPaths { full_speed, ..PATHS }, 2, &SOME[..1], |_| false);
+            let SoakedRun::Ran(figures) = soaked.runs[0] else { panic!("{:?}", soaked.violations) };
+            figures.periods
+        };
+        let (planned, slowed) = (periods(true), periods(false));
+        assert!(planned * 60 < slowed && slowed < planned * 66, "{planned} {slowed}");
+    }
+
+    #[test]
     fn what_was_broken_is_counted_and_the_first_of_it_kept() {
-        let mut soak = Soak::new(1, &SOME);
+        let mut soak = Soak::new(PATHS, &SOME);
         for path in 0..MOST_KEPT as u64 + 5 {
             let violation = SoakViolation { path, what: "chord error".to_string() };
             let runs = vec![SoakedRun::Refused; SOME.len()];

@@ -1,7 +1,7 @@
 //! Paths on which a fault was once found, as they were drawn.
 
 use real::{Overflow, Rounding, RuntimeFixed, RuntimeFormat};
-use stress::{OnCurve, OnPieces, Planned, RandomPath, SOAK_FORMATS, SoakedRun, soak_path};
+use stress::{OnCurve, OnPieces, Planned, RandomPath, SOAK_FORMATS, SoakPaths, SoakedRun, soak_path};
 
 /// Bytes from a seed: SplitMix64.
 fn bytes(seed: u64) -> Vec<u8> {
@@ -13,6 +13,14 @@ fn bytes(seed: u64) -> Vec<u8> {
         (mixed ^ (mixed >> 31)).to_le_bytes()[0]
     };
     (0..1500).map(|_| next()).collect()
+}
+
+/// Runs these paths of a soak in f64.
+fn run_soaked(seed: u64, paths: &[u64]) {
+    for path in paths {
+        let soaked = soak_path(SoakPaths { seed, full_speed: true }, *path, &SOAK_FORMATS[..1], |_| false);
+        assert!(matches!(soaked.runs[..], [SoakedRun::Ran(_)]), "{path}: {:?}", soaked.violations);
+    }
 }
 
 /// A root beyond the range of the piece on which the step began was taken for the end of that range.
@@ -37,59 +45,55 @@ fn a_short_run_takes_no_more_evaluations_than_documented() {
 /// run passed the bends after it at the feed of another place.
 #[test]
 fn what_follows_a_hairpin_is_passed_in_time() {
-    for (seed, path) in [(20_261_121, 2120), (20_261_122, 472)] {
-        let soaked = soak_path(seed, path, &SOAK_FORMATS[..1], |_| false);
-        assert!(matches!(soaked.runs[..], [SoakedRun::Ran(_)]), "{:?}", soaked.violations);
-    }
+    run_soaked(20_261_121, &[2120]);
+    run_soaked(20_261_122, &[472]);
 }
 
 /// The first of two arcs with the same chord, before and behind a hairpin, had not been found to the last digit, and the
 /// second was taken: its stage was shortened to a half, and the run was half a step behind its plan in the next bend.
 #[test]
 fn a_chord_in_front_of_a_hairpin_does_not_end_behind_it() {
-    let soaked = soak_path(20_261_123, 132, &SOAK_FORMATS[..1], |_| false);
-    assert!(matches!(soaked.runs[..], [SoakedRun::Ran(_)]), "{:?}", soaked.violations);
-}
-
-/// Each broke a promise in f64 while it was fast, among 26,000 paths in the plane and in space.
-fn runs(paths: &[u64]) {
-    for path in paths {
-        let soaked = soak_path(4242, *path, &SOAK_FORMATS[..1], |_| false);
-        assert!(matches!(soaked.runs[..], [SoakedRun::Ran(_)]), "{path}: {:?}", soaked.violations);
-    }
+    run_soaked(20_261_123, &[132]);
+    run_soaked(555, &[31_940]);
 }
 
 /// A period that ended at a stop but for rounding was not taken to land on it: the run was shortened by what its chord led
 /// beyond.
 #[test]
 fn a_stop_at_the_end_of_a_period_is_landed_on() {
-    runs(&[14_824, 66_060]);
+    run_soaked(4242, &[14_824, 66_060]);
 }
 
 /// In a long bend whose limit is below F/4096 throughout, one stop was left, and no limit beside it.
 #[test]
 fn a_slow_bend_is_slow_beside_its_stop() {
-    runs(&[2804, 3844, 53_260, 63_864]);
+    run_soaked(4242, &[2804, 3844, 53_260, 63_864]);
+}
+
+/// Beside a stop the limit of the next limit point held, however far that was.
+#[test]
+fn a_stop_releases_no_more_of_the_limit_than_lies_within_reach() {
+    run_soaked(99, &[93_264]);
 }
 
 /// A stage's end between two limit points is interpolated, and what that was off was taken for a shortfall. The run fell
 /// behind its plan by it for good.
 #[test]
 fn a_stage_that_ends_between_limit_points_is_not_shortened_by_their_distance() {
-    runs(&[49_140, 50_984, 56_372]);
+    run_soaked(4242, &[49_140, 50_984, 56_372]);
 }
 
 /// The speed on a piece halved between two of nine samples: steps per chord were held to the range of the samples.
 #[test]
 fn a_chord_is_found_where_the_speed_dips_between_samples() {
-    runs(&[44_332]);
+    run_soaked(4242, &[44_332]);
 }
 
 /// With 4 evaluations a step over a piece whose speed changes a thousandfold is not found, and the run is ahead of its plan:
 /// that is no promise broken.
 #[test]
 fn a_run_that_lacks_evaluations_is_not_judged_by_its_place() {
-    runs(&[7316, 47_992, 118_576]);
+    run_soaked(4242, &[7316, 47_992, 118_576]);
 }
 
 /// A landing step's product with a step per chord was rounded to nothing, and the run stood still before its end. In the
