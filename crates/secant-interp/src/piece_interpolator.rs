@@ -115,6 +115,9 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     /// travelled in landing steps. Each of them moves on, in a format too coarse for the landing step by as much more as
     /// it takes, so that every run ends. On one piece a step takes one re-expansion and at most `max_evaluations`
     /// evaluations, and each further piece that it touches takes no more than that again.
+    ///
+    /// A chord over which the path turns by more than 60° may come out shorter than planned: steps per chord are held to
+    /// a sixteenth above that of the piece's slowest point, and the arc over such a chord is longer by more.
     pub fn step(&self, state: &mut PieceState<R, D>) -> Option<PieceSetpoint<R, D>> {
         let row = self.pieces.pieces.get(state.piece)?;
         let planned = self.lengths.advance(&mut state.cursor);

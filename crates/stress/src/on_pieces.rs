@@ -209,6 +209,8 @@ const RELATIVE: f64 = 64.0;
 /// Cosine of the turn within a step from which on its chord is not always found: the path comes back, and the chord
 /// shrinks before it grows.
 const RIGHT_ANGLE: f64 = 0.0;
+/// The same on one piece, whose steps per chord are held to a sixteenth above those of its slowest point.
+const SIXTY_DEGREES: f64 = 0.5;
 /// Cosine of the turn up to which the chord over a joint is held to the chord error, 0.1°. Where the turn is sharper and
 /// the plan does not stop, the joint takes as much again ([`feed_plan::FeedLimit::along`]).
 const SMOOTH: f64 = 1.0 - 1.5e-6;
@@ -304,8 +306,9 @@ impl<'a, R: Backend, const D: usize> Steps<'a, R, D> {
         let bound = (absolute + RELATIVE * wanted) * units.resolution * (1.0 + joints)
             + JUDGE * piece
             + if joints > 0.0 { 4.0 * 1.0_f64.scale(ORIGIN_EXPONENT) } else { 0.0 };
-        let (turn, in_all) = self.judge.turns(from.0, to.0);
-        let is_found = converged && in_all > RIGHT_ANGLE;
+        let (turn, in_all) = self.judge.turns(from, to);
+        let most_turn = if joints > 0.0 { RIGHT_ANGLE } else { SIXTY_DEGREES };
+        let is_found = converged && in_all > most_turn;
         if is_found {
             let share =
                 demand("chord off the wanted one, mm", &self.name, step, (chord - wanted).abs(), bound)?;
@@ -313,8 +316,10 @@ impl<'a, R: Backend, const D: usize> Steps<'a, R, D> {
         }
         let limits = &self.run.planned.path.limits;
         // Each step is off its plan by a rounding, and in a slow run at one feed always to the same side. One that was not
-        // found, for want of evaluations or where the path comes back, is off by all that it is too long or too short.
-        self.adrift += if is_found { resolution } else { (chord - wanted).abs() + resolution };
+        // found, for want of evaluations or where the path comes back, is off by all that it is too long or too short; and
+        // for want of evaluations it may end behind a hairpin rather than in front of it.
+        let behind = if !converged && in_all <= RIGHT_ANGLE { chord } else { 0.0 };
+        self.adrift += if is_found { resolution } else { (chord - wanted).abs() + behind + resolution };
         let is_in_place = self.adrift <= wanted / 8.0 && chord <= wanted * (1.0 + TOO_LONG);
         if is_in_place && turn > SMOOTH && wanted > SHORT_MM {
             let error = self.judge.chord_error((from, &start), (to, &end));

@@ -6,6 +6,9 @@ use real::{Backend, DoubleDouble, Real};
 use crate::violation::{Outcome, Violation, demand};
 use crate::{Planned, RandomPath};
 
+/// Part of a piece over which its direction is measured.
+const TANGENT: f64 = 1e-6;
+
 /// How the pieces of a path are cut: for steps at full feed and a landing step.
 pub(crate) fn piece_limits<const D: usize>(path: &RandomPath<D>) -> PieceLimits {
     PieceLimits { length_mm: path.piece_mm, step_mm: path.limits.feedrate + path.limits.acceleration }
@@ -51,10 +54,11 @@ impl<const D: usize> Judge<D> {
         })
     }
 
-    /// Cosines of two turns between two pieces: the sharpest at any joint, and the largest from the first piece's end to
-    /// any later place. Both are 1 on one piece.
-    pub(crate) fn turns(&self, from: usize, to: usize) -> (f64, f64) {
+    /// Cosines of two turns between two positions: the sharpest at any joint, and the largest from the first direction to that
+    /// at any joint, at the end, and halfway to it on the last piece.
+    pub(crate) fn turns(&self, (from, begin): (usize, f64), (to, end): (usize, f64)) -> (f64, f64) {
         let last = self.len().saturating_sub(1);
+        let (from, to, end) = if to > last { (from.min(last), last, 1.0) } else { (from, to, end) };
         let direction = |piece: usize, begin: f64, end: f64| {
             let (a, b) = (self.point(piece, begin, piece), self.point(piece, end, piece));
             let way: [f64; D] = core::array::from_fn(|d| b[d] - a[d]);
@@ -62,10 +66,13 @@ impl<const D: usize> Judge<D> {
             way.map(|x| x / length)
         };
         let cosine = |a: &[f64; D], b: &[f64; D]| (0..D).map(|d| a[d] * b[d]).sum::<f64>();
-        let first = direction(from.min(last), 0.0, 1e-6);
-        let (mut at_joint, mut in_all) = (1.0_f64, 1.0_f64);
-        for piece in from.min(last)..to.min(last) {
-            let (before, after) = (direction(piece, 1.0 - 1e-6, 1.0), direction(piece + 1, 0.0, 1e-6));
+        let near = |t: f64| (t - TANGENT).max(0.0);
+        let first = direction(from, near(begin), near(begin) + TANGENT);
+        let halfway = if from == to { f64::midpoint(begin, end) } else { end / 2.0 };
+        let late = [halfway, end].map(|t| direction(to, near(t), near(t) + TANGENT));
+        let (mut at_joint, mut in_all) = (1.0_f64, cosine(&first, &late[0]).min(cosine(&first, &late[1])));
+        for piece in from..to {
+            let (before, after) = (direction(piece, 1.0 - TANGENT, 1.0), direction(piece + 1, 0.0, TANGENT));
             at_joint = at_joint.min(cosine(&before, &after));
             in_all = in_all.min(cosine(&first, &before)).min(cosine(&first, &after));
         }

@@ -30,16 +30,17 @@ pub fn check_against_float<R: Backend, const D: usize>(
     let unit = 1.0_f64.scale(-one.pieces.chord_exponent);
     let resolution = R::resolution().to_f64();
     let (mut joints, mut travelled, mut worst) = (0.0, 0.0, 0.0_f64);
-    let mut piece = 0;
+    let mut from = (0, 0);
     for step in 0..planned.most_periods() {
         let (Some(a), Some(b)) = (one.step(&mut one_state), other.step(&mut other_state)) else { break };
         travelled += b.length * 1.0_f64.scale(-other.pieces.chord_exponent);
-        joints += (b.piece - piece) as f64;
-        let ahead = a.piece.max(b.piece);
-        if ahead >= judge.len() || judge.turns(piece, ahead).1 <= 0.0 {
+        joints += (b.piece - from.0) as f64;
+        let ahead = (a.piece, a.phase).max((b.piece, b.phase));
+        let place = |(piece, phase): (usize, u64)| (piece, f64::from_phase(phase, 0));
+        if ahead.0 >= judge.len() || judge.turns(place(from), place(ahead)).1 <= 0.0 {
             break;
         }
-        piece = b.piece;
+        from = (b.piece, b.phase);
         let at = |piece: usize, phase: u64| judge.point(piece, f64::from_phase(phase, 0), b.piece);
         let (p, q) = (at(a.piece, a.phase), at(b.piece, b.phase));
         let apart = f64::norm(&core::array::from_fn::<_, D, _>(|d| p[d] - q[d]));
