@@ -276,24 +276,24 @@ impl<'a, R: Backend, const D: usize> Steps<'a, R, D> {
         worst.evaluations_share = worst.evaluations_share.max(share);
         worst.feed_share = worst.feed_share.max(feed);
         self.at = to;
-        if lands {
-            self.adrift = 0.0;
-        }
         if to.0 < self.judge.len() {
             let converged = setpoint.evaluations < self.run.tolerance.max_evaluations;
-            self.check_chord(step, from, to, wanted, converged && !lands)?;
+            self.check_chord(step, from, to, wanted, (converged, lands))?;
+        }
+        if lands {
+            self.adrift = 0.0;
         }
         Ok(())
     }
 
-    /// Length and error of a chord that does not land on the end.
+    /// Length of a chord that does not land, and error of any.
     fn check_chord(
         &mut self,
         step: usize,
         from: (usize, u64),
         to: (usize, u64),
         wanted: f64,
-        converged: bool,
+        (converged, lands): (bool, bool),
     ) -> Result<(), Violation> {
         let (from, to) = ((from.0, fraction(from.1)), (to.0, fraction(to.1)));
         let (start, end) = (self.judge.point(from.0, from.1, from.0), self.judge.point(to.0, to.1, from.0));
@@ -308,7 +308,7 @@ impl<'a, R: Backend, const D: usize> Steps<'a, R, D> {
             + if joints > 0.0 { 4.0 * 1.0_f64.scale(ORIGIN_EXPONENT) } else { 0.0 };
         let (turn, in_all) = self.judge.turns(from, to);
         let most_turn = if joints > 0.0 { RIGHT_ANGLE } else { SIXTY_DEGREES };
-        let is_found = converged && in_all > most_turn;
+        let is_found = converged && !lands && in_all > most_turn;
         if is_found {
             let share =
                 demand("chord off the wanted one, mm", &self.name, step, (chord - wanted).abs(), bound)?;
@@ -317,10 +317,11 @@ impl<'a, R: Backend, const D: usize> Steps<'a, R, D> {
         let limits = &self.run.planned.path.limits;
         // Each step is off its plan by a rounding, and in a slow run at one feed always to the same side. One that was not
         // found, for want of evaluations or where the path comes back, is off by all that it is too long or too short; and
-        // for want of evaluations it may end behind a hairpin rather than in front of it.
-        let behind = if !converged && in_all <= RIGHT_ANGLE { chord } else { 0.0 };
-        self.adrift += if is_found { resolution } else { (chord - wanted).abs() + behind + resolution };
-        let is_in_place = self.adrift <= wanted / 8.0 && chord <= wanted * (1.0 + TOO_LONG);
+        // it may end behind a hairpin rather than in front of it.
+        let off = (chord - wanted).abs();
+        let behind = if off > bound && in_all <= RIGHT_ANGLE { chord } else { 0.0 };
+        self.adrift += resolution + if is_found || lands { 0.0 } else { off + behind };
+        let is_in_place = self.adrift <= wanted / 8.0 && (lands || chord <= wanted * (1.0 + TOO_LONG));
         if is_in_place && turn > SMOOTH && wanted > SHORT_MM {
             let error = self.judge.chord_error((from, &start), (to, &end));
             let share = error / limits.chord_error;
