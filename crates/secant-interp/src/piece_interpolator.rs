@@ -223,7 +223,8 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         let (sigma, evaluations) =
             self.chord_on::<N, PLAIN>(row, &state.at, length).solve(guess, &self.tolerance);
         let step = (sigma * length).to_phase(-i32::from(row.step_exponent));
-        match state.phase.checked_add(step) {
+        // Steps of a whole piece and more are saturated: from the piece's begin on, they end at the last phase.
+        match state.phase.checked_add(step).filter(|phase| *phase < u64::MAX) {
             Some(phase) => Reached { piece: state.piece, phase, sigma, evaluations },
             None => self.pass_end(
                 state,
