@@ -195,7 +195,8 @@ struct Steps<'a, R, const D: usize> {
 ///
 /// A chord of L units (of 2⁻λ mm) is the root of a residual of order one, formed of terms that are each rounded to the
 /// format's resolution r. So it is found to a few r relative to itself, and L itself is a multiple of r, or in a float
-/// r relative to itself: `|chord - L| ≤ (ABSOLUTE + RELATIVE L) r` in fixed point, `RELATIVE L r` in a float.
+/// r relative to itself: `|chord - L| ≤ (ABSOLUTE + relative(p) L) r` in fixed point, `relative(p) L r` in a float. Forming the
+/// terms for degree p takes p(p + 1)/2 sums, each rounded in units up to four times those of the chord.
 struct LengthUnits {
     resolution: f64,
     is_fixed: bool,
@@ -205,7 +206,9 @@ struct LengthUnits {
 /// See [`LengthUnits`].
 const ABSOLUTE: f64 = 8.0;
 /// See [`LengthUnits`].
-const RELATIVE: f64 = 64.0;
+fn relative(degree: usize) -> f64 {
+    (40 + 2 * degree * (degree + 1)).max(64) as f64
+}
 /// Cosine of the turn within a step from which on its chord is not always found: the path comes back, and the chord
 /// shrinks before it grows.
 const RIGHT_ANGLE: f64 = 0.0;
@@ -303,7 +306,8 @@ impl<'a, R: Backend, const D: usize> Steps<'a, R, D> {
         let joints = (to.0 - from.0) as f64;
         let resolution = units.resolution * if units.is_fixed { units.chord } else { wanted };
         let piece = self.run.planned.path.piece_mm;
-        let bound = (absolute + RELATIVE * wanted) * units.resolution * (1.0 + joints)
+        let relative = relative(self.run.table.as_pieces().degree);
+        let bound = (absolute + relative * wanted) * units.resolution * (1.0 + joints)
             + JUDGE * piece
             + if joints > 0.0 { 4.0 * 1.0_f64.scale(ORIGIN_EXPONENT) } else { 0.0 };
         let (turn, in_all) = self.judge.turns(from, to);
