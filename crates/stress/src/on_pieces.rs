@@ -309,7 +309,12 @@ impl<'a, R: Backend, const D: usize> Steps<'a, R, D> {
         let relative = relative(self.run.table.as_pieces().degree);
         let bound = (absolute + relative * wanted) * units.resolution * (1.0 + joints)
             + JUDGE * piece
-            + if joints > 0.0 { 4.0 * 1.0_f64.scale(ORIGIN_EXPONENT) } else { 0.0 };
+            + if joints > 0.0 {
+                4.0 * 1.0_f64.scale(ORIGIN_EXPONENT)
+            } else {
+                // Phases are taken as f64: where a piece is fast, a unit of the last place is some way.
+                2.0 * f64::EPSILON * chord / (to.1 - from.1).max(f64::MIN_POSITIVE)
+            };
         let (turn, in_all) = self.judge.turns(from, to);
         let most_turn = if joints > 0.0 { RIGHT_ANGLE } else { SIXTY_DEGREES };
         let is_found = converged && !lands && in_all > most_turn;

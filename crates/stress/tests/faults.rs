@@ -109,6 +109,12 @@ fn a_run_that_lacks_evaluations_is_not_judged_by_its_place() {
     run_soaked(4242, &[7316, 47_992, 118_576]);
 }
 
+/// Where the speed on a piece is 15 m per unit of its parameter, the judge's own rounding of phases is 3e-12 mm.
+#[test]
+fn rounding_in_the_judge_is_no_fault_of_the_run() {
+    run_soaked(20_261_130, &[39_688]);
+}
+
 /// A landing step's product with a step per chord was rounded to nothing, and the run stood still before its end. In the
 /// coarsest of these formats all feeds of the plan are 0, so that the whole path is landed on.
 #[test]
