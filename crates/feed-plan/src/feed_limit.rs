@@ -181,7 +181,7 @@ impl<R: Real> FeedLimit<R> {
 
     /// The least lower bound over a stretch within the path.
     pub(crate) fn minimum_over(&self, from: R, to: R) -> R {
-        let first = self.points.partition_point(|point| point.distance < from);
+        let first = self.count_before(from);
         let end = self.points.partition_point(|point| point.distance <= to).max(first);
         let inside = self.nodes[first..end].iter().fold(R::max_value(), |least, node| least.min(node.lower));
         let at_from = first.checked_sub(1).map_or(inside, |cell| self.in_cell(cell, from));
@@ -229,8 +229,8 @@ impl<R: Real> FeedLimit<R> {
 
     /// The same between two distances.
     pub(crate) fn allowance_over(&self, from: R, to: R) -> Allowance<R> {
-        let before = self.points.partition_point(|point| point.distance < from).saturating_sub(1);
-        let after = self.points.partition_point(|point| point.distance < to);
+        let before = self.count_before(from).saturating_sub(1);
+        let after = self.count_before(to);
         self.allowance(before, after.min(self.points.len().saturating_sub(1)))
     }
 
@@ -238,7 +238,7 @@ impl<R: Real> FeedLimit<R> {
     /// may have moved that.
     pub(crate) fn rest_at(&self, distance: R) -> (usize, R) {
         let rounding = R::resolution().scale(6) * self.length().max(R::one());
-        let first = self.points.partition_point(|point| point.distance < distance - rounding);
+        let first = self.count_before(distance - rounding);
         let off = |point: &LimitPoint<R>| (point.distance - distance).abs();
         let is_rest = |point: &LimitPoint<R>| point.feedrate.is_zero() || point.distance >= self.length();
         let near = self.points.iter().skip(first).take_while(|point| point.distance <= distance + rounding);
@@ -249,16 +249,20 @@ impl<R: Real> FeedLimit<R> {
         nearest.map_or_else(|| self.parameter_at(distance), |point| (point.curve, point.u))
     }
 
+    /// Number of points before `distance`, which is the index of the next one.
+    fn count_before(&self, distance: R) -> usize {
+        self.points.partition_point(|point| point.distance < distance)
+    }
+
     /// The last point before `distance`.
     pub(crate) fn point_before(&self, distance: R) -> Option<&LimitPoint<R>> {
-        let next = self.points.partition_point(|point| point.distance < distance);
-        next.checked_sub(1).and_then(|before| self.points.get(before))
+        self.count_before(distance).checked_sub(1).and_then(|before| self.points.get(before))
     }
 
     /// Curve and parameter at `distance`: the inverse of the arc length, between points by the cubic that has
     /// `du/ds = 1/|C'|` at both.
     pub(crate) fn parameter_at(&self, distance: R) -> (usize, R) {
-        let next = self.points.partition_point(|point| point.distance < distance);
+        let next = self.count_before(distance);
         let (Some(b), Some(to)) = (self.points.get(next), self.nodes.get(next)) else {
             return self.points.last().map_or((0, R::zero()), |last| (last.curve, last.u));
         };

@@ -9,7 +9,7 @@ use alloc::vec::Vec;
 use real::{Backend, Real};
 
 use crate::NurbsCurve;
-use crate::hodograph::Hodograph;
+use crate::hodograph;
 use crate::local_piece::Speed;
 
 /// A homogeneous Bezier segment: points times weights, and weights.
@@ -72,24 +72,9 @@ impl<H: Backend, const D: usize> Bezier<H, D> {
         polygon <= length_mm && heavy <= max_ratio * light && speed.greatest <= max_ratio * speed.least
     }
 
-    /// |C'|: its least and greatest at nine points, and wherever else it is out of their range by more than a 64th. The
-    /// solver's steps per chord are held within its inverse.
+    /// |C'| and its range: see [`hodograph::speed`].
     pub(crate) fn speed(&self) -> Speed {
-        const SAMPLES: i32 = 8;
-        let at = |sample: i32| {
-            let (point, velocity) = self.derivative(f64::from(sample) / f64::from(SAMPLES));
-            debug_assert!(point.iter().all(|x| x.is_finite()), "a Bezier point is a number");
-            f64::norm(&velocity)
-        };
-        let values: Vec<f64> = (0..=SAMPLES).map(at).collect();
-        let mut speed = Speed {
-            least: values.iter().copied().fold(f64::MAX, f64::min),
-            greatest: values.iter().copied().fold(0.0, f64::max),
-            begin: values[0],
-            end: values[values.len() - 1],
-        };
-        Hodograph::of(&self.relative()).extend(&mut speed);
-        speed
+        hodograph::speed(&self.relative())
     }
 
     /// Points times weights about the first point, and weights, in f64. The differences are taken before the rounding: of a
@@ -99,23 +84,5 @@ impl<H: Backend, const D: usize> Bezier<H, D> {
         let point = |j: usize, d: usize| (self.points[j][d] - origin[d] * self.weights[j]).to_f64();
         let row = |j: usize| (core::array::from_fn(|d| point(j, d)), self.weights[j].to_f64());
         (0..self.points.len()).map(row).collect()
-    }
-
-    /// C and C' at t, by de Casteljau in f64.
-    fn derivative(&self, t: f64) -> ([f64; D], [f64; D]) {
-        let mut rows = self.relative();
-        let degree = rows.len() - 1;
-        for round in (2..=degree).rev() {
-            for k in 0..round {
-                let next = rows[k + 1];
-                rows[k].0 = core::array::from_fn(|d| rows[k].0[d] + (next.0[d] - rows[k].0[d]) * t);
-                rows[k].1 += (next.1 - rows[k].1) * t;
-            }
-        }
-        let ((a, wa), (b, wb)) = (rows[0], rows[1]);
-        let weight = wa + (wb - wa) * t;
-        let point = core::array::from_fn(|d| (a[d] + (b[d] - a[d]) * t) / weight);
-        let rise = (wb - wa) * degree as f64;
-        (point, core::array::from_fn(|d| ((b[d] - a[d]) * degree as f64 - rise * point[d]) / weight))
     }
 }

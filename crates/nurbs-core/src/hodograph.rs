@@ -7,20 +7,60 @@ use real::Real;
 use crate::local_piece::Speed;
 use crate::polynomial::binomial;
 
+/// Samples of the speed, and one more.
+const SAMPLES: u32 = 8;
 /// How far samples may be from what is proven of all that lies between them.
 const NEAR: f64 = 1.0 / 64.0;
 /// Samples lie no closer than 2⁻¹⁰ of the segment: only next to a cusp is more needed.
 const DEPTH: u32 = 10;
 
+/// |C'| of homogeneous Bezier points (N, W): its least and greatest at nine places, and wherever else it is out of their range by
+/// more than a 64th. The solver's steps per chord are held within its inverse.
+pub(crate) fn speed<const D: usize>(points: &[([f64; D], f64)]) -> Speed {
+    let mut speed = sampled(points, SAMPLES);
+    Hodograph::of(points).extend(&mut speed);
+    speed
+}
+
+fn sampled<const D: usize>(points: &[([f64; D], f64)], samples: u32) -> Speed {
+    let at = |sample: u32| f64::norm(&velocity(points, f64::from(sample) / f64::from(samples)));
+    let values: Vec<f64> = (0..=samples).map(at).collect();
+    Speed {
+        least: values.iter().copied().fold(f64::MAX, f64::min),
+        greatest: values.iter().copied().fold(0.0, f64::max),
+        begin: values[0],
+        end: values[values.len() - 1],
+    }
+}
+
+/// C' at t, by de Casteljau.
+fn velocity<const D: usize>(points: &[([f64; D], f64)], t: f64) -> [f64; D] {
+    let mut rows = points.to_vec();
+    let degree = rows.len() - 1;
+    for round in (2..=degree).rev() {
+        for k in 0..round {
+            let next = rows[k + 1];
+            rows[k].0 = core::array::from_fn(|d| rows[k].0[d] + (next.0[d] - rows[k].0[d]) * t);
+            rows[k].1 += (next.1 - rows[k].1) * t;
+        }
+    }
+    let ((a, wa), (b, wb)) = (rows[0], rows[1]);
+    let weight = wa + (wb - wa) * t;
+    let point: [f64; D] = core::array::from_fn(|d| (a[d] + (b[d] - a[d]) * t) / weight);
+    debug_assert!(point.iter().all(|x| x.is_finite()), "a Bezier point is a number");
+    let rise = (wb - wa) * degree as f64;
+    core::array::from_fn(|d| ((b[d] - a[d]) * degree as f64 - rise * point[d]) / weight)
+}
+
 /// C' = V/W² of C = N/W on a part of a segment: `V = N'W - NW'` in Bezier form, of degree 2p - 1, and W.
-pub(crate) struct Hodograph<const D: usize> {
+struct Hodograph<const D: usize> {
     velocity: Vec<[f64; D]>,
     weight: Vec<f64>,
 }
 
 impl<const D: usize> Hodograph<D> {
     /// Of homogeneous points (N, W), in f64: of points relative to one of them, so that little is lost.
-    pub(crate) fn of(points: &[([f64; D], f64)]) -> Self {
+    fn of(points: &[([f64; D], f64)]) -> Self {
         let degree = points.len() - 1;
         let rise = |j: usize| {
             let ((a, wa), (b, wb)) = (points[j], points[j + 1]);
@@ -41,7 +81,7 @@ impl<const D: usize> Hodograph<D> {
     }
 
     /// Extends the range of a speed that was sampled at both ends to what it is in between, to within 1/64.
-    pub(crate) fn extend(&self, speed: &mut Speed) {
+    fn extend(&self, speed: &mut Speed) {
         self.extend_on(speed, DEPTH);
     }
 
@@ -103,35 +143,6 @@ fn halves<T: Copy>(points: &[T], midway: impl Fn(&T, &T) -> T) -> (Vec<T>, Vec<T
 mod tests {
     use super::*;
     use proptest::prelude::*;
-
-    /// C' of homogeneous Bezier points by differences of de Casteljau's last but one points.
-    fn speed_at(points: &[([f64; 2], f64)], t: f64) -> f64 {
-        let mut rows = points.to_vec();
-        for round in (2..points.len()).rev() {
-            for k in 0..round {
-                let (a, b) = (rows[k], rows[k + 1]);
-                rows[k] =
-                    ([a.0[0] + (b.0[0] - a.0[0]) * t, a.0[1] + (b.0[1] - a.0[1]) * t], a.1 + (b.1 - a.1) * t);
-            }
-        }
-        let ((a, wa), (b, wb)) = (rows[0], rows[1]);
-        let degree = (points.len() - 1) as f64;
-        let w = wa + (wb - wa) * t;
-        let n = [a[0] + (b[0] - a[0]) * t, a[1] + (b[1] - a[1]) * t];
-        let along = |d: usize| degree * ((b[d] - a[d]) * w - n[d] * (wb - wa)) / (w * w);
-        along(0).hypot(along(1))
-    }
-
-    fn sampled(points: &[([f64; 2], f64)], samples: u32) -> Speed {
-        let values: Vec<f64> =
-            (0..=samples).map(|i| speed_at(points, f64::from(i) / f64::from(samples))).collect();
-        Speed {
-            least: values.iter().copied().fold(f64::MAX, f64::min),
-            greatest: values.iter().copied().fold(0.0, f64::max),
-            begin: values[0],
-            end: values[values.len() - 1],
-        }
-    }
 
     proptest! {
         #[test]
