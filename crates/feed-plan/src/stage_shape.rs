@@ -107,6 +107,7 @@ impl StageShape {
     /// The mean of g over an interval of width `width` about `middle`, both shares of the duration, without cancellation.
     ///
     /// Range: with the interval in [0, 1] no intermediate exceeds 2 in magnitude, so two integer bits are enough.
+    #[inline]
     #[must_use]
     pub fn mean<R: Real>(self, middle: R, width: R) -> R {
         let (square, rest) = (middle * middle, R::one() - middle);
@@ -120,11 +121,7 @@ impl StageShape {
             Self::Onset => square + bow() * R::from_ratio(1, 3),
             Self::Steady => middle,
             Self::Easing => middle + middle * rest - bow() * R::from_ratio(1, 3),
-            Self::Cosine => {
-                let (sine, cosine) = R::sin_cos_quarter(middle);
-                let square = sine * sine;
-                (cosine * cosine - square).mul_add(sinc_lacks(width).half(), square)
-            }
+            Self::Cosine => mean_of_cosine(middle, width),
         }
     }
 
@@ -161,6 +158,14 @@ impl StageShape {
             Self::Cosine => None,
         }
     }
+}
+
+/// The mean of `(1 - cos πx)/2`: sines are long, and would keep the polynomial shapes from being inlined.
+#[inline(never)]
+fn mean_of_cosine<R: Real>(middle: R, width: R) -> R {
+    let (sine, cosine) = R::sin_cos_quarter(middle);
+    let square = sine * sine;
+    (cosine * cosine - square).mul_add(sinc_lacks(width).half(), square)
 }
 
 /// `1 - sinc(πw/2)` for w in [0, 1]: with `q = (πw/4)²`, at most 0.62, `4q/6 (1 - 4q/20 (1 - 4q/42 …))`.

@@ -147,6 +147,8 @@ struct Drive<'a, R, const D: usize> {
     full_step_mm: f64,
     planned_periods: u32,
     steps: Vec<RunStep>,
+    /// The largest coordinate of an offset, in the table's units.
+    farthest: f64,
     finished: bool,
 }
 
@@ -158,6 +160,7 @@ impl<'a, R: Backend, const D: usize> Drive<'a, R, D> {
             full_step_mm: problem.machine.feedrate_mm_per_s * problem.period_s(),
             planned_periods,
             steps: Vec::with_capacity(planned_periods as usize + 1),
+            farthest: 0.0,
             finished: true,
         }
     }
@@ -179,6 +182,7 @@ impl<'a, R: Backend, const D: usize> Drive<'a, R, D> {
             let length = exact(setpoint.length).scale(-pieces.chord_exponent);
             let (wanted, feed) = planned.next().unwrap_or((length, length.value()));
             let (curve, u) = parameter(places, &setpoint);
+            self.farthest = setpoint.offset.iter().fold(self.farthest, |most, x| most.max(x.to_f64().abs()));
             self.steps.push(RunStep {
                 curve,
                 u,
@@ -192,14 +196,13 @@ impl<'a, R: Backend, const D: usize> Drive<'a, R, D> {
 
     fn finish(self) -> Run {
         let pieces = self.table.as_pieces();
-        // An offset is at most about a piece long, which is the unit.
         let unit = 1.0.scale(pieces.coordinate_exponent);
         let full_step = self.full_step_mm * 1.0.scale(pieces.chord_exponent);
         Run {
             steps: self.steps,
             finished: self.finished,
             planned_periods: self.planned_periods,
-            resolution_mm: unit * resolution_at::<R>(1.0),
+            resolution_mm: unit * resolution_at::<R>(self.farthest),
             fluctuation_resolution: 0.5 * unit_in_last_place::<R>(full_step) / full_step,
             audit: Audit::default(),
         }

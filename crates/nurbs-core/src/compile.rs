@@ -301,7 +301,7 @@ fn scaled<H: Backend, R: Backend, const D: usize>(
     let scales = |piece: &LocalPiece<H, D>| {
         let step = piece.speed.step_exponent(chord);
         if R::IS_FLOATING {
-            return Scales { coordinate: step - chord, chord, step, range: step };
+            return Scales { coordinate: -chord, chord, step: 0, range: 0 };
         }
         let coordinate = (-exponent_below(range / piece.coordinate_bound_mm())).clamp(-120, 120);
         let mut scales = Scales { coordinate, chord, step, range: exponent_below(chord_range) };
@@ -324,6 +324,16 @@ fn small(exponent: i32) -> i8 {
     i8::try_from(exponent.clamp(-126, 126)).unwrap_or(0)
 }
 
+/// A fraction in [½, 1) in units of 2⁻¹⁶, rounded to nearest.
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "the cast saturates, and no fraction is negative"
+)]
+fn sixteen_bits(fraction: f64) -> u16 {
+    (fraction.scale(16) + 0.5) as u16
+}
+
 fn row<H: Backend, R: Backend, const D: usize>(
     piece: &LocalPiece<H, D>,
     scales: &Scales,
@@ -338,9 +348,8 @@ fn row<H: Backend, R: Backend, const D: usize>(
         origin: piece.origin,
         coordinate_exponent: small(scales.coordinate),
         step_exponent: small(scales.step),
-        whole: R::from_f64(power_of_two(scales.step)).unwrap_or_else(R::max_value),
         range_exponent: small(scales.range),
-        joint_ratio: near(joint_ratio),
+        joint_ratio: sixteen_bits(joint_ratio),
         joint_exponent: small(joint_exponent),
         continues: next.is_some_and(|(next, _)| piece.continues_in(next)),
         step_per_chord: piece.step_per_chord(scales).map(|sigma| near(sigma).max(least)),

@@ -25,27 +25,25 @@ use crate::MAX_DEGREE;
 /// ±2²⁴ mm, which is 16 km.
 pub const ORIGIN_EXPONENT: i32 = -39;
 
-/// One row of the table: 40 bytes in a 32-bit format in the plane, 64 in a 64-bit one in space.
+/// One row of the table: 32 bytes in a 32-bit format in the plane, 48 in a 64-bit one in space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Piece<R, const D: usize> {
     /// O in units of 2^[`ORIGIN_EXPONENT`] mm: what the local offset is added to.
     pub origin: [i64; D],
     /// e: this piece's coefficients are in units of 2^e mm. A short piece has as many significant bits as a long one. A
-    /// float has those in any unit; its tables have the one in which the chord's coefficients need no scaling, e = s - λ
-    /// and r = s, and a step relies on it.
+    /// float has those in any unit; its tables have those in which nothing needs scaling, e = -λ and s = r = 0, and a step
+    /// relies on it.
     pub coordinate_exponent: i8,
     /// s: the solver's step is `η = h·2^s`, of the order of the chord in its own scale. At most 60 in magnitude.
     pub step_exponent: i8,
-    /// 2^s, the step over the whole piece; the format's greatest number where that does not fit, for no step comes
-    /// near it then.
-    pub whole: R,
     /// r: the polynomials go by `x = η·2^-r`, which is of order one, so that the roundings of their coefficients are
     /// not magnified. Chords and steps reach up to 2^r, to use the format's integer bits, but where the piece is
     /// shorter than that, x = 1 is its whole length.
     pub range_exponent: i8,
     /// |C'| at the end of this piece over |C'| at the start of the next, in the solver's scales: by this a step
-    /// per chord of this piece becomes one of the next. At most 1 in magnitude; `· 2^joint_exponent`.
-    pub joint_ratio: R,
+    /// per chord of this piece becomes one of the next. In units of 2⁻¹⁶ from ½ on, `· 2^joint_exponent`: it only starts
+    /// the search for a chord, and where the next piece continues this one it is ½ exactly.
+    pub joint_ratio: u16,
     /// Power of two that belongs to `joint_ratio`.
     pub joint_exponent: i8,
     /// Whether the next piece is the same polynomial further on, so that a step may pass the joint on this one.
@@ -53,6 +51,30 @@ pub struct Piece<R, const D: usize> {
     /// Least and greatest step per chord, in the solver's scale: what a trial is clamped to, and what the proof of
     /// the ranges rests on.
     pub step_per_chord: [R; 2],
+}
+
+impl<R: Real, const D: usize> Piece<R, D> {
+    /// 2^s, the step over the whole piece; the format's greatest number where that does not fit, for no step comes
+    /// near it then.
+    #[inline]
+    #[must_use]
+    pub fn whole(&self) -> R {
+        if R::IS_FLOATING { R::one() } else { R::power_of_two(self.step_exponent.into()) }
+    }
+
+    /// [`joint_ratio`](Self::joint_ratio) as a number, below 1.
+    #[inline]
+    #[must_use]
+    pub fn ratio_at_joint(&self) -> R {
+        R::from_phase(u64::from(self.joint_ratio) << 48, 0)
+    }
+
+    /// A step as a part of the piece, in units of 2⁻⁶⁴; saturates.
+    #[inline]
+    #[must_use]
+    pub fn part(&self, step: R) -> u64 {
+        step.to_phase(if R::IS_FLOATING { 0 } else { -i32::from(self.step_exponent) })
+    }
 }
 
 /// A path of compiled pieces in the format `R`.
@@ -156,7 +178,7 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
             .pieces
             .get(piece)
             .map_or(0, |row| i32::from(row.coordinate_exponent) - self.coordinate_exponent);
-        offset.map(|x| x.scale(units).signal("offset"))
+        offset.map(|x| x.rescaled(units).signal("offset"))
     }
 
     /// The piece's polynomials about `t`: all that a step from there needs.
@@ -177,18 +199,42 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
             *at = Shifted::default();
             return;
         };
+        let weights = if PLAIN { None } else { self.weight::<N>(piece) };
+        if N == MAX_DEGREE {
+            // In place: a controller would pay for rows that its degree does not have.
+            let chord = at.chord.get_mut(..numerator.len()).unwrap_or_default();
+            at.offset = self.form::<N>(row, numerator, weights, t, chord, &mut at.weight);
+            return;
+        }
+        // Few rows are formed in registers.
+        let mut rows = [[R::zero(); D]; N];
+        at.offset = self.form::<N>(row, numerator, weights, t, &mut rows, &mut at.weight);
+        for (slot, row) in at.chord.iter_mut().zip(rows) {
+            *slot = row;
+        }
+    }
+
+    /// Forms the polynomials about `t` in the slots for them; returns the offset there.
+    #[inline(always)] // Called, it would return its rows through memory: 13 % more instructions a step.
+    fn form<const N: usize>(
+        &self,
+        row: &Piece<R, D>,
+        numerator: &[[R; D]],
+        weights: Option<(R, &[R])>,
+        t: R,
+        chord: &mut [[R; D]],
+        weight: &mut [R; MAX_DEGREE],
+    ) -> [R; D] {
         let range = i32::from(row.range_exponent);
         let per_power = range - i32::from(row.step_exponent);
-        let count = self.count::<N>();
-        let chord = at.chord.get_mut(..count).unwrap_or_default();
         for (slot, n) in chord.iter_mut().zip(numerator) {
             *slot = n.map(|x| x.signal("coefficient"));
         }
-        at.offset = shift(chord, t).map(|x| x.signal("offset"));
-        if !PLAIN && let Some((constant, weights)) = self.weight::<N>(piece) {
-            let weight = divide_by_weight::<_, D, N>(constant, weights, t, &mut at.offset, chord);
+        let mut offset = shift(chord, t).map(|x| x.signal("offset"));
+        if let Some((constant, weights)) = weights {
+            let turns = divide_by_weight::<_, D, N>(constant, weights, t, &mut offset, chord);
             let mut power = 0;
-            for (slot, w) in at.weight.iter_mut().zip(weight).take(count) {
+            for (slot, w) in weight.iter_mut().zip(turns).take(chord.len()) {
                 power += per_power;
                 *slot = w.rescaled(power).signal("chord_weight");
             }
@@ -199,6 +245,7 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
             power += per_power;
             *c = c.map(|x| x.rescaled(power).signal("chord_coefficient"));
         }
+        offset
     }
 }
 

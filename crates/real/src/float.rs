@@ -28,7 +28,7 @@ macro_rules! float_backend {
 
             #[inline]
             fn sum_of_products(pairs: impl IntoIterator<Item = (Self, Self)>) -> Self {
-                pairs.into_iter().fold(0.0, |sum, (a, b)| sum + a * b)
+                pairs.into_iter().map(|(a, b)| a * b).reduce(|sum, product| sum + product).unwrap_or(0.0)
             }
 
             /// The plain sum of squares serves unless it has left the range in which squares keep their

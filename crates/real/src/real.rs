@@ -88,6 +88,13 @@ pub trait Real:
     /// Whether this is a number: false only for the infinities and NaN of floats.
     fn is_finite(self) -> bool;
 
+    /// `2^exponent`, or the greatest number where that is more: a bound that nothing reaches then, so that no audit takes it
+    /// for an overflow. Domain: `-64 ≤ exponent ≤ 63`.
+    #[must_use]
+    fn power_of_two(exponent: i32) -> Self {
+        Self::from_phase(1 << 63, exponent + 1)
+    }
+
     /// `self · 2^exponent`: from a compiled table's units of coordinates into those of chords. A float's tables have the
     /// same for both, so that it is the number itself.
     #[must_use]

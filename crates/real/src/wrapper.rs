@@ -205,6 +205,10 @@ macro_rules! wrapper {
                 Self::phase(phase, exponent, <Self as Wrapper>::Inner::from_phase(phase, exponent))
             }
 
+            fn power_of_two(exponent: i32) -> Self {
+                Self::constant(<Self as Wrapper>::Inner::power_of_two(exponent))
+            }
+
             fn to_phase(self, exponent: i32) -> u64 {
                 let result = self.inner().to_phase(exponent);
                 <Self as Wrapper>::to_phase(self, exponent, result);

@@ -60,11 +60,30 @@ pub struct Chord<'a, R, const D: usize, const N: usize = MAX_DEGREE, const PLAIN
 }
 
 /// The values of one evaluation.
-struct Evaluation<R> {
+pub(crate) struct Evaluation<R> {
     /// f; over a joint f/4.
-    residual: R,
+    pub(crate) residual: R,
     /// g; over a joint ⅛ df/dσ.
-    slope: R,
+    pub(crate) slope: R,
+}
+
+impl<R: Real> Evaluation<R> {
+    /// f and g on one piece, from q, x q' and w; `lightening` are the products of g that a weight adds.
+    #[inline]
+    pub(crate) fn new<const D: usize>(
+        sigma: R,
+        chord: &[R; D],
+        turn: &[R; D],
+        weight: R,
+        lightening: impl Iterator<Item = (R, R)>,
+    ) -> Self {
+        let along = chord.map(|q| (sigma * q).signal("chord_direction"));
+        let squares = along.iter().map(|v| (*v, *v));
+        let residual = R::sum_of_products(squares.chain([(-weight, weight)])).signal("chord_residual");
+        let growth = (0..D).map(|d| (along[d], (sigma * turn[d]).signal("chord_turn")));
+        let slope = R::sum_of_products(growth.chain(lightening)).signal("chord_growth");
+        Self { residual, slope }
+    }
 }
 
 impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D, N, PLAIN> {
@@ -79,12 +98,11 @@ impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D,
         !PLAIN && self.rational
     }
 
-    /// Solves for σ from the start value `sigma`; returns it with the evaluations made.
+    /// Solves for σ from the start value `sigma`, which lies in the range; returns it with the evaluations made.
     #[inline]
     #[must_use]
-    pub fn solve(&self, sigma: R, tolerance: &ChordTolerance<R>) -> (R, u32) {
+    pub fn solve(&self, mut sigma: R, tolerance: &ChordTolerance<R>) -> (R, u32) {
         let threshold = if self.before.is_some() { tolerance.residual.scale(-2) } else { tolerance.residual };
-        let mut sigma = self.range[0].max(sigma).min(self.range[1]).signal("step_per_chord");
         let mut evaluations = 0;
         while evaluations < tolerance.max_evaluations.max(1) {
             evaluations += 1;
@@ -106,23 +124,15 @@ impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D,
     #[inline]
     fn evaluate(&self, sigma: R) -> Evaluation<R> {
         let step = (sigma * self.length).signal("step").min(self.whole);
-        let x = step.scale(-self.range_exponent).signal("chord_variable");
+        let x = step.rescaled(-self.range_exponent).signal("chord_variable");
         let (chord, turn) = self.chord_per_step(x);
         let (weight, weight_slope) = if self.is_rational() { self.weight(x) } else { (R::one(), R::zero()) };
         if let Some(before) = self.before {
             return self.evaluate_past_joint(sigma, &before, &chord, &turn, weight, weight_slope * x);
         }
-        let along = chord.map(|q| (sigma * q).signal("chord_direction"));
-        let squares = along.iter().map(|v| (*v, *v));
-        let residual = R::sum_of_products(squares.chain([(-weight, weight)])).signal("chord_residual");
-        let growth = (0..D).map(|d| (along[d], (sigma * turn[d]).signal("chord_turn")));
-        let slope = if self.is_rational() {
-            let lightening = [(-weight, weight_slope * x), (weight, weight), (-R::one(), R::one())];
-            R::sum_of_products(growth.chain(lightening))
-        } else {
-            R::sum_of_products(growth)
-        };
-        Evaluation { residual, slope: slope.signal("chord_growth") }
+        let lightening = [(-weight, weight_slope * x), (weight, weight), (-R::one(), R::one())];
+        let lightening = lightening.into_iter().take(if self.is_rational() { 3 } else { 0 });
+        Evaluation::new(sigma, &chord, &turn, weight, lightening)
     }
 
     /// `f/4` and `⅛ df/dσ` of `f = |b + σ v|² - 1`, `v = q/w`: only where a joint is crossed, with a division if
@@ -175,7 +185,7 @@ impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D,
     /// The chord over the step η, in chord units.
     #[must_use]
     pub fn over(&self, step: R) -> [R; D] {
-        let x = step.scale(-self.range_exponent).signal("chord_variable");
+        let x = step.rescaled(-self.range_exponent).signal("chord_variable");
         let (chord, _) = self.chord_per_step(x);
         let chord = chord.map(|c| (c * step).signal("chord_travelled"));
         if !self.is_rational() {
@@ -189,7 +199,7 @@ impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D,
 /// `Σ row_k x^k` and its derivative by x, by one chain without products for the top coefficient; `name` names both, and all
 /// that they come from.
 #[inline]
-fn value_and_slope<R: Real, const M: usize>(
+pub(crate) fn value_and_slope<R: Real, const M: usize>(
     rows: impl DoubleEndedIterator<Item = [R; M]>,
     x: R,
     name: impl Fn([R; M], [R; M]) -> ([R; M], [R; M]),
@@ -206,7 +216,7 @@ fn value_and_slope<R: Real, const M: usize>(
 /// `σ f/2 (1 - g + g² - ¾f)`. f and g are limited to where the series holds, which keeps the factor below 2 and the
 /// correction below σ/2.
 #[inline]
-fn correction<R: Real>(sigma: R, value: &Evaluation<R>) -> R {
+pub(crate) fn correction<R: Real>(sigma: R, value: &Evaluation<R>) -> R {
     let half = R::one().half();
     let largest_growth = half - half.scale(-2); // ⅜
     let f = value.residual.max(-half).min(half);
@@ -227,7 +237,10 @@ pub(crate) fn within<R: Real>(correction: R, sigma: R, range: &[R; 2]) -> R {
 #[inline]
 fn joint_correction<R: Real>(value: &Evaluation<R>, bound: R) -> R {
     let f = value.residual;
-    if value.slope > f.abs().scale(-2) {
+    // A quotient of 2 and more is beyond the bound in fixed point, where σ is of order one, and might not fit. In floats σ
+    // has any magnitude.
+    let least = if R::IS_FLOATING { R::zero() } else { f.abs().scale(-2) };
+    if value.slope > least {
         return (f.half() / value.slope).max(-bound).min(bound);
     }
     if f < R::zero() { -bound } else { bound }

@@ -54,6 +54,20 @@ impl<R: Real, const D: usize> PieceState<R, D> {
     pub fn cursor(&self) -> &LengthCursor {
         &self.cursor
     }
+
+    #[inline]
+    fn remember(&mut self, sigma: R) {
+        let [newest, middle, _] = self.sigma;
+        self.sigma = [sigma, newest, middle];
+    }
+
+    /// The end of a step over a joint; returns its evaluations.
+    #[cold]
+    fn reach(&mut self, reached: &Reached<R>) -> u32 {
+        (self.piece, self.phase) = (reached.piece, reached.phase);
+        self.remember(reached.sigma);
+        reached.evaluations
+    }
 }
 
 /// A step per chord on one piece in the scale of the next, and within its range.
@@ -64,10 +78,11 @@ fn into_next<R: Real, const D: usize>(row: &Piece<R, D>, next: &Piece<R, D>, sig
 /// A part of a step per chord in the scale of the next piece, and no more than its greatest.
 fn part_into_next<R: Real, const D: usize>(row: &Piece<R, D>, next: &Piece<R, D>, part: R) -> R {
     let greatest = next.step_per_chord[1];
-    // Compared in the smaller scale, for in the larger it might not fit.
     let exponent = i32::from(row.joint_exponent);
-    let most = greatest.scale(-exponent.max(0));
-    (part * row.joint_ratio).min(most).scale(exponent).min(greatest).signal("joint_step_per_chord")
+    let part = part * row.ratio_at_joint();
+    // Compared in the smaller scale, for in the larger it might not fit.
+    let small = if exponent > 0 { part.min(greatest.scale(-exponent)) } else { part };
+    small.scale(exponent).min(greatest).signal("joint_step_per_chord")
 }
 
 /// `part + more`, but no more than `greatest`, which `part` is not above.
@@ -174,10 +189,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         let is_last = planned.is_none() || self.lengths.is_over(&state.cursor);
         let reach = if is_last { length + self.landing_step } else { length };
 
-        let reached = self.travel::<N, PLAIN>(state, row, reach);
-        let [newest, middle, _] = state.sigma;
-        state.sigma = [reached.sigma, newest, middle];
-        (state.piece, state.phase) = (reached.piece, reached.phase);
+        let evaluations = self.travel::<N, PLAIN>(state, row, reach);
         let count = self.pieces.pieces.len();
         let (piece, t) = if state.piece < count {
             (state.piece, R::from_phase(state.phase, 0))
@@ -187,7 +199,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         self.pieces.shift_to::<N, PLAIN>(piece, t.signal("parameter"), &mut state.at);
         let offset = self.pieces.in_common_units(piece, &state.at.offset);
         let (piece, phase) = (state.piece, state.phase);
-        PieceSetpoint { piece, phase, offset, length, evaluations: reached.evaluations }
+        PieceSetpoint { piece, phase, offset, length, evaluations }
     }
 
     /// The chord of a step after the schedule's end: the landing step, doubled until it moves even with the piece's least
@@ -195,7 +207,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     #[cold]
     #[inline(never)]
     fn landing(&self, row: &Piece<R, D>) -> R {
-        let moves = |length: R| (row.step_per_chord[0] * length).to_phase(-i32::from(row.step_exponent)) > 0;
+        let moves = |length: R| row.part(row.step_per_chord[0] * length) > 0;
         let mut length = self.landing_step.max(R::resolution());
         for _ in 0..u64::BITS {
             if moves(length) {
@@ -213,25 +225,29 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         state: &mut PieceState<R, D>,
         row: &Piece<R, D>,
         length: R,
-    ) -> Reached<R> {
+    ) -> u32 {
         let guess = predict(&mut state.sigma, row);
         if !is_on_piece(state.phase, row, guess * length)
             && let Some(end) = self.end_within(state, row, length)
         {
-            return self.cross(state.piece, &mut state.sigma, row, end, length);
+            let reached = self.cross(state.piece, &mut state.sigma, row, end, length);
+            return state.reach(&reached);
         }
         let (sigma, evaluations) =
             self.chord_on::<N, PLAIN>(row, &state.at, length).solve(guess, &self.tolerance);
-        let step = (sigma * length).to_phase(-i32::from(row.step_exponent));
+        let step = row.part(sigma * length);
         // Steps of a whole piece and more are saturated: from the piece's begin on, they end at the last phase.
         match state.phase.checked_add(step).filter(|phase| *phase < u64::MAX) {
-            Some(phase) => Reached { piece: state.piece, phase, sigma, evaluations },
-            None => self.pass_end(
-                state,
-                row,
-                length,
-                &Reached { piece: state.piece, phase: step, sigma, evaluations },
-            ),
+            Some(phase) => {
+                state.phase = phase;
+                state.remember(sigma);
+                evaluations
+            }
+            None => {
+                let step = Reached { piece: state.piece, phase: step, sigma, evaluations };
+                let reached = self.pass_end(state, row, length, &step);
+                state.reach(&reached)
+            }
         }
     }
 
@@ -310,7 +326,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
             let step = sigma * length;
             let beyond = if step < on_next.whole || is_long { None } else { past(&before, &on_next, length) };
             let Some(beyond) = beyond else {
-                let phase = step.to_phase(-i32::from(next.step_exponent));
+                let phase = next.part(step);
                 let sigma = next.step_per_chord[0].max(sum_within(part, sigma, greatest));
                 return Reached { piece, phase, sigma, evaluations };
             };
@@ -338,7 +354,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
             degree: self.pieces.degree,
             rational: self.pieces.is_rational(),
             range_exponent: i32::from(row.range_exponent),
-            whole: row.whole,
+            whole: row.whole(),
             length,
             before: None,
             range: row.step_per_chord,
@@ -351,8 +367,8 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
 #[inline]
 fn is_on_piece<R: Real, const D: usize>(phase: u64, row: &Piece<R, D>, guessed: R) -> bool {
     let rest = phase.wrapping_neg().wrapping_sub(1); // 2⁶⁴ - 1 - phase
-    let past = || guessed.to_phase(-i32::from(row.step_exponent)).saturating_sub(rest);
-    guessed <= row.whole && (row.continues || past() <= rest / 16)
+    let past = || row.part(guessed).saturating_sub(rest);
+    guessed <= row.whole() && (row.continues || past() <= rest / 16)
 }
 
 /// `3σ_i - 3σ_{i-1} + σ_{i-2}`, within the piece's range; at the start, for want of a history, its middle.
@@ -362,16 +378,21 @@ fn predict<R: Real, const D: usize>(history: &mut [R; 3], row: &Piece<R, D>) -> 
         let [low, high] = row.step_per_chord;
         *history = [low + (high - low).half(); 3];
     }
-    let [a, b, c] = *history;
+    extrapolate(*history, &row.step_per_chord)
+}
+
+/// `3a - 3b + c`, within the range.
+#[inline]
+pub(crate) fn extrapolate<R: Real>([a, b, c]: [R; 3], range: &[R; 2]) -> R {
     let (newer, older) = (a - b, b - c);
     let fall = (older - newer - newer).signal("step_per_chord_fall");
-    a - within(fall, a, &row.step_per_chord)
+    a - within(fall, a, range)
 }
 
 /// The chord to the end of the present piece and the step there, over the length.
 fn to_end<R: Real, const D: usize>(phase: u64, row: &Piece<R, D>, chord: &Chord<'_, R, D>) -> ([R; D], R) {
     let rest = phase.wrapping_neg(); // 2⁶⁴ - phase; 0 stands for a whole piece
-    let step = if rest == 0 { row.whole } else { R::from_phase(rest, i32::from(row.step_exponent)) };
+    let step = if rest == 0 { row.whole() } else { R::from_phase(rest, i32::from(row.step_exponent)) };
     (chord.over(step).map(|x| x / chord.length), step / chord.length)
 }
 
