@@ -39,13 +39,15 @@ pub struct PieceInterpolator<'a, R, const D: usize> {
 /// What changes from period to period.
 #[derive(Clone, Copy, Debug)]
 pub struct PieceState<R, const D: usize> {
-    cursor: LengthCursor,
-    piece: usize,
-    phase: u64,
+    pub(crate) cursor: LengthCursor,
+    pub(crate) piece: usize,
+    pub(crate) phase: u64,
+    /// 2^s of `piece`: in fixed point it would take as long as a tenth of the step to form it anew.
+    whole: R,
     /// σ of the last three steps, newest first, in the scale of `piece`.
-    sigma: [R; 3],
+    pub(crate) sigma: [R; 3],
     /// The piece's polynomials about `phase`: they were formed for the setpoint there, and the next step begins with them.
-    at: Shifted<R, D>,
+    pub(crate) at: Shifted<R, D>,
 }
 
 impl<R: Real, const D: usize> PieceState<R, D> {
@@ -61,10 +63,17 @@ impl<R: Real, const D: usize> PieceState<R, D> {
         self.sigma = [sigma, newest, middle];
     }
 
+    /// [`Piece::whole`] of the present piece.
+    #[inline]
+    fn whole(&self) -> R {
+        if R::IS_FLOATING { R::one() } else { self.whole }
+    }
+
     /// The end of a step over a joint; returns its evaluations.
     #[cold]
-    fn reach(&mut self, reached: &Reached<R>) -> u32 {
+    fn reach(&mut self, reached: &Reached<R>, pieces: &[Piece<R, D>]) -> u32 {
         (self.piece, self.phase) = (reached.piece, reached.phase);
+        self.whole = pieces.get(self.piece).map_or(R::one(), Piece::whole);
         self.remember(reached.sigma);
         reached.evaluations
     }
@@ -105,7 +114,7 @@ fn part_of_next<R: Real, const D: usize>(row: &Piece<R, D>, next: &Piece<R, D>, 
 
 /// The degree that steps are compiled for besides all others: chains of three coefficients are unrolled. Not without `std`,
 /// for a second form of the step would not fit the flash of a small controller beside the first in every format.
-const CUBIC: usize = 3;
+pub(crate) const CUBIC: usize = 3;
 
 /// The position reached by a step, and σ there.
 struct Reached<R> {
@@ -120,7 +129,8 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     #[must_use]
     pub fn start(&self) -> PieceState<R, D> {
         let at = self.pieces.shifted(0, R::zero());
-        PieceState { cursor: LengthCursor::default(), piece: 0, phase: 0, sigma: [R::zero(); 3], at }
+        let whole = self.pieces.pieces.first().map_or(R::one(), Piece::whole);
+        PieceState { cursor: LengthCursor::default(), piece: 0, phase: 0, whole, sigma: [R::zero(); 3], at }
     }
 
     /// The next setpoint; `None` once the end of the path has been commanded.
@@ -160,7 +170,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
 
     /// One period of the planned length, or of landing.
     #[inline]
-    fn follow(
+    pub(crate) fn follow(
         &self,
         state: &mut PieceState<R, D>,
         row: &Piece<R, D>,
@@ -227,14 +237,14 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         length: R,
     ) -> u32 {
         let guess = predict(&mut state.sigma, row);
-        if !is_on_piece(state.phase, row, guess * length)
+        if !is_on_piece(state, row, guess * length)
             && let Some(end) = self.end_within(state, row, length)
         {
             let reached = self.cross(state.piece, &mut state.sigma, row, end, length);
-            return state.reach(&reached);
+            return state.reach(&reached, self.pieces.pieces);
         }
-        let (sigma, evaluations) =
-            self.chord_on::<N, PLAIN>(row, &state.at, length).solve(guess, &self.tolerance);
+        let chord = Chord { whole: state.whole(), ..self.chord_on::<N, PLAIN>(row, &state.at, length) };
+        let (sigma, evaluations) = chord.solve(guess, &self.tolerance);
         let step = row.part(sigma * length);
         // Steps of a whole piece and more are saturated: from the piece's begin on, they end at the last phase.
         match state.phase.checked_add(step).filter(|phase| *phase < u64::MAX) {
@@ -246,7 +256,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
             None => {
                 let step = Reached { piece: state.piece, phase: step, sigma, evaluations };
                 let reached = self.pass_end(state, row, length, &step);
-                state.reach(&reached)
+                state.reach(&reached, self.pieces.pieces)
             }
         }
     }
@@ -365,10 +375,10 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
 /// Whether a step of `guessed` is worth an evaluation on the present piece: not if it reaches well past a knot, nor
 /// past the whole piece.
 #[inline]
-fn is_on_piece<R: Real, const D: usize>(phase: u64, row: &Piece<R, D>, guessed: R) -> bool {
-    let rest = phase.wrapping_neg().wrapping_sub(1); // 2⁶⁴ - 1 - phase
+fn is_on_piece<R: Real, const D: usize>(state: &PieceState<R, D>, row: &Piece<R, D>, guessed: R) -> bool {
+    let rest = state.phase.wrapping_neg().wrapping_sub(1); // 2⁶⁴ - 1 - phase
     let past = || row.part(guessed).saturating_sub(rest);
-    guessed <= row.whole() && (row.continues || past() <= rest / 16)
+    guessed <= state.whole() && (row.continues || past() <= rest / 16)
 }
 
 /// `3σ_i - 3σ_{i-1} + σ_{i-2}`, within the piece's range; at the start, for want of a history, its middle.
