@@ -23,7 +23,7 @@ impl<R: Backend, const D: usize> Compiled<R, D> {
         Self { table, stages }
     }
 
-    fn interpolator(&self) -> PieceInterpolator<'_, R, D> {
+    pub(crate) fn interpolator(&self) -> PieceInterpolator<'_, R, D> {
         PieceInterpolator {
             pieces: self.table.as_pieces(),
             lengths: StepLengths { stages: &self.stages },

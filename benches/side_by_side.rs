@@ -7,6 +7,7 @@ mod compiled;
 mod contestants;
 mod degrees;
 mod evaluation;
+mod lanes;
 mod race;
 mod real_time_step;
 
@@ -79,6 +80,12 @@ fn main() {
         real_time_step::formats(&a, false);
         real_time_step::formats(&b, true);
         real_time_step::formats(&c, false);
+    }
+    if wanted("lanes") {
+        lanes::lanes::<f64, 2, 16>(&a);
+        lanes::lanes::<f32, 2, 16>(&a);
+        lanes::lanes::<f64, 3, 16>(&c);
+        lanes::lanes::<f32, 3, 16>(&c);
     }
     if wanted("step-growth") {
         real_time_step::growth(&[100, 1000, 10_000, 100_000]);

@@ -8,6 +8,7 @@
 //! | start values (6) and (7) | [`predictor`] |
 //! | Taylor expansions of first and second order | [`taylor`] |
 //! | the period loop on compiled pieces | [`PieceInterpolator`] |
+//! | many runs of it at once, with the feature `lanes` | `LaneInterpolator` |
 //! | one chord on a piece, without division | [`Chord`] |
 //! | the distance of each period | [`StepLengths`] |
 //! | a run that lands on each stop on the way | [`stretches`], [`PieceInterpolator::on`] |
@@ -15,13 +16,15 @@
 //!
 //! No heap, no panic, no loop without a bound; everything is generic over [`real::Real`].
 //!
-//! Features: `std` (default) or `libm`, for the square roots of floats.
+//! Features: `std` (default) or `libm`, for the square roots of floats; `lanes`, for simulations on a large machine.
 
 #![cfg_attr(not(feature = "std"), no_std)]
 
 mod chord_step;
 mod feed_override;
 mod interpolator;
+#[cfg(feature = "lanes")]
+mod lanes;
 mod piece_interpolator;
 pub mod predictor;
 pub mod secant;
@@ -33,6 +36,8 @@ pub use chord_step::{Chord, ChordTolerance};
 pub use feed_override::{FeedOverride, OverrideLimits, OverrideState, Rate};
 pub use feed_plan::StageShape;
 pub use interpolator::{Interpolator, Method, Setpoint, State};
+#[cfg(feature = "lanes")]
+pub use lanes::{Lane, LaneInterpolator};
 pub use piece_interpolator::{PieceInterpolator, PieceSetpoint, PieceState};
 pub use secant::{Outcome, Tolerance};
 pub use step_lengths::{LengthCursor, LengthStage, StepLengths};

@@ -13,7 +13,7 @@ use feed_plan::StageShape;
 use real::Real;
 
 /// One period, in units of time.
-const PERIOD: u64 = 1 << 32;
+pub(crate) const PERIOD: u64 = 1 << 32;
 
 /// A stage with time in periods and distance in the unit of the chords.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -96,8 +96,8 @@ impl<R: Real> LengthStage<R> {
 /// Where the run stands in its stages.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LengthCursor {
-    stage: usize,
-    time: u64,
+    pub(crate) stage: usize,
+    pub(crate) time: u64,
 }
 
 /// A compiled schedule.

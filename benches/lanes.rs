@@ -1,0 +1,61 @@
+//! Many independent runs on one core: one by one, and side by side in lanes.
+
+use std::hint::black_box;
+
+use feedbits_benches::Path;
+use real::Backend;
+use secant_interp::{Lane, LaneInterpolator};
+use serde_json::json;
+
+use crate::compiled::Compiled;
+use crate::race::{Runner, race, report};
+
+/// The same path at W feeds, from four fifths of the full one up: no two runs reach a joint in the same period.
+fn fleet<R: Backend, const D: usize>(path: &Path<D>, width: u32) -> Vec<Compiled<R, D>> {
+    let share = |i: u32| 0.8 + 0.2 * f64::from(i) / f64::from(width);
+    (0..width).map(|i| Compiled::new(&Path { feed_mm: path.feed_mm * share(i), ..path.clone() })).collect()
+}
+
+/// How often each run is made.
+const LAPS: usize = 4;
+
+/// All runs in lanes, of which each takes the next run where one has ended; the steps of all.
+fn side_by_side<R: Lane + Backend, const D: usize, const W: usize>(fleet: &[Compiled<R, D>]) -> f64 {
+    let mut waiting = fleet.iter().cycle().take(LAPS * W).map(Compiled::interpolator).skip(W);
+    let mut lanes = LaneInterpolator::<R, D, W>::new(std::array::from_fn(|lane| fleet[lane].interpolator()));
+    let mut steps = 0;
+    loop {
+        let running = lanes.step();
+        steps += running;
+        black_box(&lanes);
+        let mut restarted = 0;
+        for lane in 0..if running < W { W } else { 0 } {
+            if lanes.setpoint(lane).is_none()
+                && let Some(run) = waiting.next()
+            {
+                lanes.restart(lane, run);
+                restarted += 1;
+            }
+        }
+        if running + restarted == 0 {
+            return steps as f64;
+        }
+    }
+}
+
+/// Runs in W lanes in the format `R`, each to its end.
+///
+/// # Panics
+/// If runs in lanes do not take the steps that they take alone: then they do other work, and their time means nothing.
+pub(crate) fn lanes<R: Lane + Backend, const D: usize, const W: usize>(path: &Path<D>) {
+    let fleet = fleet::<R, D>(path, u32::try_from(W).unwrap_or(u32::MAX));
+    let one_by_one = || fleet.iter().cycle().take(LAPS * W).map(Compiled::run).sum::<f64>();
+    let units = LAPS as u64 * fleet.iter().map(|run| run.follow().0).sum::<u64>();
+    assert_eq!(side_by_side::<R, D, W>(&fleet), units as f64, "{}: steps in lanes", path.name);
+    let mut runners = [
+        Runner { name: "one by one".into(), units, run: Box::new(one_by_one) },
+        Runner { name: "lanes".into(), units, run: Box::new(|| side_by_side::<R, D, W>(&fleet)) },
+    ];
+    let about = json!({ "curve": path.name, "format": R::name().to_string(), "lanes": W });
+    report("lanes", &about, &race(&mut runners));
+}

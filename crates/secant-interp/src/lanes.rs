@@ -1,0 +1,397 @@
+//! Many runs at once on one core, a lane each.
+//!
+//! A step is a chain of some fifty operations, each of which waits for the one before. In the same time a processor with wide
+//! registers takes the steps of eight runs or sixteen, which is what a search over feeds or a simulation of many parts
+//! wants. A [`LaneInterpolator`] keeps what a common step needs of all runs side by side, and takes it for all of them in loops
+//! that the compiler turns into vector instructions: those of the machine that it runs on, chosen at run time.
+//!
+//! A common step is one on a cubic without weights, in a cubic stage or at constant feed, that stays on its piece and needs one
+//! evaluation. Whatever else a lane meets it meets alone, as [`PieceInterpolator::step`] does. So the setpoints are those of
+//! [`PieceInterpolator`] bit for bit: a common step is the same operations in the same order, and counts only where nothing
+//! uncommon is seen.
+
+use feed_plan::StageShape;
+use real::Real;
+
+use crate::chord_step::{Evaluation, correction, value_and_slope, within};
+use crate::piece_interpolator::{CUBIC, PieceInterpolator, PieceSetpoint, PieceState, extrapolate};
+use crate::step_lengths::PERIOD;
+
+/// A float that converts from and to phases without a branch, so that a loop over lanes has none.
+pub trait Lane: Real {
+    /// `⌊self · 2⁶⁴⌋`, and whether that is right: not for numbers below 2⁻⁶¹ or from 1 on, nor for what is no number.
+    fn part_of_one(self) -> (u64, bool);
+
+    /// The number `phase · 2⁻⁶⁴`, rounded toward 0, of a phase that is not 0.
+    fn fraction_of_one(phase: u64) -> Self;
+}
+
+macro_rules! lane {
+    ($float:ident, $digits:literal) => {
+        impl Lane for $float {
+            #[inline]
+            fn part_of_one(self) -> (u64, bool) {
+                let bits = u64::from(self.to_bits());
+                let distance = ($float::MAX_EXP as u64 - 2).wrapping_sub(bits >> ($digits - 1));
+                (((bits << (64 - $digits)) | 1 << 63) >> (distance & 63), distance < 62)
+            }
+
+            #[inline]
+            #[allow(clippy::cast_possible_truncation, reason = "the format has no more bits")]
+            fn fraction_of_one(phase: u64) -> Self {
+                let zeros = u64::from(phase.leading_zeros());
+                let significand = (phase << (zeros & 63)) >> (64 - $digits);
+                let biased = $float::MAX_EXP as u64 - 3 - zeros;
+                // The leading one adds itself to the exponent.
+                $float::from_bits(((biased << ($digits - 1)) + significand) as _)
+            }
+        }
+    };
+}
+lane!(f64, 53);
+lane!(f32, 24);
+
+/// One number of each lane.
+type Row<T, const W: usize> = [T; W];
+
+/// The integers of the lanes.
+#[derive(Clone, Debug)]
+struct Words<const W: usize> {
+    /// Where the lanes stand on their pieces.
+    phase: Row<u64, W>,
+    /// The time that is left of the stages; 0 in a lane that takes no common step.
+    left: Row<u64, W>,
+    /// Twice the middle of the next period, times the stage's reciprocal, and what a period adds to that: high and low words.
+    middle: [Row<u64, W>; 2],
+    period: [Row<u64, W>; 2],
+    /// How far that is shifted to become a fraction of the stage.
+    shift: Row<u64, W>,
+    /// Whether the step was a common one.
+    is_common: Row<u64, W>,
+}
+
+/// The numbers of the lanes.
+#[derive(Clone, Debug)]
+struct Numbers<R, const D: usize, const W: usize> {
+    /// σ of the last three steps, newest first.
+    sigma: [Row<R, W>; 3],
+    chord: [[Row<R, W>; D]; CUBIC],
+    offset: [Row<R, W>; D],
+    /// Of the pieces n_1 to n_3, and least and greatest step per chord.
+    numerator: [[Row<R, W>; D]; CUBIC],
+    range: [Row<R, W>; 2],
+    /// Of the stages a period's share, the feed at the begin and its change.
+    share: Row<R, W>,
+    feed: Row<R, W>,
+    change: Row<R, W>,
+    /// The distance of the period; the greatest number where it is not that of a whole period within a stage.
+    length: Row<R, W>,
+    /// Where the lanes stand on their pieces, and from where on a guess would not be tried.
+    t: Row<R, W>,
+    end: Row<R, W>,
+    /// The largest |f| that one correction is enough for.
+    threshold: Row<R, W>,
+}
+
+impl<const W: usize> Words<W> {
+    fn new() -> Self {
+        let none = [0; W];
+        Self { phase: none, left: none, middle: [none; 2], period: [none; 2], shift: [1; W], is_common: none }
+    }
+}
+
+impl<R: Real, const D: usize, const W: usize> Numbers<R, D, W> {
+    fn new() -> Self {
+        let zero = [R::zero(); W];
+        Self {
+            sigma: [zero; 3],
+            chord: [[zero; D]; CUBIC],
+            offset: [zero; D],
+            numerator: [[zero; D]; CUBIC],
+            range: [zero; 2],
+            share: zero,
+            feed: zero,
+            change: zero,
+            length: zero,
+            t: zero,
+            end: zero,
+            threshold: zero,
+        }
+    }
+}
+
+/// The numbers of one lane.
+#[inline(always)]
+fn of_lane<T: Copy, const N: usize, const W: usize>(rows: &[Row<T, W>; N], lane: usize) -> [T; N] {
+    core::array::from_fn(|n| rows[n][lane])
+}
+
+fn put<T: Copy, const N: usize, const W: usize>(rows: &mut [Row<T, W>; N], lane: usize, values: [T; N]) {
+    for (row, value) in rows.iter_mut().zip(values) {
+        row[lane] = value;
+    }
+}
+
+/// W interpolators side by side, in a format that has vector registers: 8 to 32 of them keep these full.
+#[derive(Clone, Debug)]
+pub struct LaneInterpolator<'a, R, const D: usize, const W: usize> {
+    runs: [PieceInterpolator<'a, R, D>; W],
+    states: [PieceState<R, D>; W],
+    words: Words<W>,
+    numbers: Numbers<R, D, W>,
+    /// The setpoints of steps that were not common.
+    alone: [Option<PieceSetpoint<R, D>>; W],
+    arch: pulp::Arch,
+}
+
+impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> {
+    /// All runs at their start.
+    #[must_use]
+    pub fn new(runs: [PieceInterpolator<'a, R, D>; W]) -> Self {
+        let states = runs.each_ref().map(PieceInterpolator::start);
+        let (words, numbers) = (Words::new(), Numbers::new());
+        Self { runs, states, words, numbers, alone: [None; W], arch: pulp::Arch::new() }
+    }
+
+    /// Puts another run into a lane, at its start, as when the lane's own has come to its end. Nothing happens for a lane that
+    /// does not exist.
+    pub fn restart(&mut self, lane: usize, run: PieceInterpolator<'a, R, D>) {
+        let Some(place) = self.runs.get_mut(lane) else { return };
+        (*place, self.states[lane], self.alone[lane]) = (run, run.start(), None);
+        (self.words.left[lane], self.words.is_common[lane]) = (0, 0);
+    }
+
+    /// One period of every run; how many of them have a setpoint. 0 once all ends have been commanded.
+    ///
+    /// What [`PieceInterpolator::step`] promises of a period holds of each run.
+    pub fn step(&mut self) -> usize {
+        self.arch.dispatch(CommonStep(&mut self.words, &mut self.numbers));
+        let mut running = W;
+        for lane in 0..W {
+            if self.words.is_common[lane] == 0 {
+                self.step_alone(lane);
+                running -= usize::from(self.alone[lane].is_none());
+            }
+        }
+        running
+    }
+
+    /// The setpoint of a run in the last period; `None` before the first one, behind the run's end, and for a lane that
+    /// does not exist.
+    #[inline]
+    #[must_use]
+    pub fn setpoint(&self, lane: usize) -> Option<PieceSetpoint<R, D>> {
+        if *self.words.is_common.get(lane)? == 0 {
+            return *self.alone.get(lane)?;
+        }
+        Some(PieceSetpoint {
+            piece: self.states[lane].piece,
+            phase: self.words.phase[lane],
+            offset: of_lane(&self.numbers.offset, lane),
+            length: self.numbers.length[lane],
+            evaluations: 1,
+        })
+    }
+
+    /// The step of a lane that is not a common one.
+    #[cold]
+    fn step_alone(&mut self, lane: usize) {
+        self.unload(lane);
+        let (run, state) = (&self.runs[lane], &mut self.states[lane]);
+        let Some(row) = run.pieces.pieces.get(state.piece) else {
+            self.alone[lane] = None;
+            return;
+        };
+        let length = self.numbers.length[lane];
+        let is_whole = length < R::max_value();
+        let planned = if is_whole { Some(length) } else { run.lengths.advance(&mut state.cursor) };
+        self.alone[lane] = Some(run.follow(state, row, planned));
+        if !(is_whole && self.load_piece(lane)) {
+            self.words.left[lane] = 0;
+            if self.load_piece(lane) {
+                self.load_stage(lane);
+            }
+        }
+    }
+
+    /// What a lane has changed of its run's state.
+    fn unload(&mut self, lane: usize) {
+        let (run, state) = (&self.runs[lane], &mut self.states[lane]);
+        let left = self.words.left[lane];
+        let Some(stage) = run.lengths.stages.get(state.cursor.stage).filter(|_| left > 0) else { return };
+        state.cursor.time = stage.duration - left;
+        state.phase = self.words.phase[lane];
+        state.sigma = of_lane(&self.numbers.sigma, lane);
+        for (slot, rows) in state.at.chord.iter_mut().zip(&self.numbers.chord) {
+            *slot = of_lane(rows, lane);
+        }
+    }
+
+    /// Puts a run's place into its lane; false if no step from there can be a common one.
+    fn load_piece(&mut self, lane: usize) -> bool {
+        let (run, state, numbers) = (&self.runs[lane], &self.states[lane], &mut self.numbers);
+        let is_plain_cubic = run.pieces.degree == CUBIC && !run.pieces.is_rational();
+        let Some(row) = run.pieces.pieces.get(state.piece).filter(|_| is_plain_cubic) else { return false };
+        self.words.phase[lane] = state.phase;
+        put(&mut numbers.sigma, lane, state.sigma);
+        put(&mut numbers.range, lane, row.step_per_chord);
+        for (rows, chord) in numbers.chord.iter_mut().zip(state.at.chord) {
+            put(rows, lane, chord);
+        }
+        let numerator = run.pieces.numerators.iter().skip(CUBIC * state.piece);
+        for (rows, n) in numbers.numerator.iter_mut().zip(numerator) {
+            put(rows, lane, *n);
+        }
+        numbers.t[lane] = R::from_phase(state.phase, 0);
+        // Where another polynomial follows, a guess that may lead there is not for here.
+        let end = R::one() - R::one().scale(-20);
+        numbers.end[lane] = if row.continues { R::max_value() } else { end };
+        numbers.threshold[lane] = run.tolerance.residual;
+        !state.sigma[0].is_zero()
+    }
+
+    /// Puts the stage of a run into its lane, if a whole period in it can be a common one.
+    fn load_stage(&mut self, lane: usize) {
+        let (run, state) = (&self.runs[lane], &self.states[lane]);
+        let Some(stage) = run.lengths.stages.get(state.cursor.stage) else { return };
+        if stage.shape != StageShape::Cubic && !stage.change.is_zero() {
+            return;
+        }
+        let (words, numbers) = (&mut self.words, &mut self.numbers);
+        words.left[lane] = stage.duration - state.cursor.time;
+        words.shift[lane] = u64::from(stage.reciprocal_exponent) + 1;
+        put(&mut words.middle, lane, product(2 * state.cursor.time + PERIOD, stage.reciprocal));
+        put(&mut words.period, lane, product(2 * PERIOD, stage.reciprocal));
+        (numbers.share[lane], numbers.feed[lane]) = (stage.period_share, stage.feed);
+        numbers.change[lane] = stage.change;
+    }
+}
+
+/// The high and the low word of a product.
+#[allow(clippy::cast_possible_truncation, reason = "the low word is asked for")]
+fn product(a: u64, b: u64) -> [u64; 2] {
+    let product = u128::from(a) * u128::from(b);
+    [(product >> 64) as u64, product as u64]
+}
+
+/// The distances and the common step, compiled for each kind of vector registers.
+struct CommonStep<'a, R, const D: usize, const W: usize>(&'a mut Words<W>, &'a mut Numbers<R, D, W>);
+
+impl<R: Lane, const D: usize, const W: usize> pulp::WithSimd for CommonStep<'_, R, D, W> {
+    type Output = ();
+
+    #[inline(always)] // What is called instead is not compiled for them.
+    fn with_simd<S: pulp::Simd>(self, _: S) {
+        advance(self.0, self.1);
+        step(self.0, self.1);
+    }
+}
+
+/// The distance of a period, in the lanes whose stage lasts longer: as [`StepLengths::advance`](crate::StepLengths::advance)
+/// has it, with the product of 128 bits carried on from period to period.
+#[inline(always)]
+fn advance<R: Lane, const D: usize, const W: usize>(words: &mut Words<W>, numbers: &mut Numbers<R, D, W>) {
+    for lane in 0..W {
+        let is_whole = words.left[lane] > PERIOD;
+        let ([high, low], shift) = (of_lane(&words.middle, lane), words.shift[lane]);
+        let x = R::fraction_of_one((low >> (shift & 63)) | (high << ((64 - shift) & 63)));
+        let mean = StageShape::Cubic.mean(x, numbers.share[lane]);
+        let length = numbers.change[lane].mul_add(mean, numbers.feed[lane]);
+        numbers.length[lane] = if is_whole { length } else { R::max_value() };
+        let [more, rest] = of_lane(&words.period, lane);
+        let sum = low.wrapping_add(rest);
+        let carried = high.wrapping_add(more).wrapping_add(u64::from(sum < low));
+        words.middle[0][lane] = if is_whole { carried } else { high };
+        words.middle[1][lane] = if is_whole { sum } else { low };
+        words.left[lane] = if is_whole { words.left[lane] - PERIOD } else { words.left[lane] };
+    }
+}
+
+/// The common step, in the lanes where it is one: [`PieceInterpolator::step`] without its branches.
+#[inline(always)]
+fn step<R: Lane, const D: usize, const W: usize>(words: &mut Words<W>, numbers: &mut Numbers<R, D, W>) {
+    for lane in 0..W {
+        let (history, range) = (of_lane(&numbers.sigma, lane), of_lane(&numbers.range, lane));
+        let (length, old) = (numbers.length[lane], words.phase[lane]);
+        let guess = extrapolate(history, &range);
+        let guessed = guess * length;
+        let x = guessed.min(R::one());
+        let chord: [[R; D]; CUBIC] = core::array::from_fn(|k| of_lane(&numbers.chord[k], lane));
+        let (pull, slope) = value_and_slope(chord.into_iter(), x, |value, slope| (value, slope));
+        let turn = slope.map(|t| t * x);
+        let value = Evaluation::new(guess, &pull, &turn, R::one(), core::iter::empty());
+        let sigma = guess - within(correction(guess, &value), guess, &range);
+        let (part, is_part) = (sigma * length).part_of_one();
+        let phase = old.wrapping_add(part);
+
+        let is_common = (guessed + numbers.t[lane] < numbers.end[lane])
+            & (guessed <= R::one())
+            & (value.residual.abs() <= numbers.threshold[lane])
+            & is_part
+            & (phase > old)
+            & (phase < u64::MAX);
+        words.is_common[lane] = u64::from(is_common);
+        words.phase[lane] = if is_common { phase } else { old };
+        let keep = |new: R, old: R| if is_common { new } else { old };
+        numbers.sigma[0][lane] = keep(sigma, history[0]);
+        numbers.sigma[1][lane] = keep(history[0], history[1]);
+        numbers.sigma[2][lane] = keep(history[1], history[2]);
+        let t = R::fraction_of_one(phase);
+        numbers.t[lane] = keep(t, numbers.t[lane]);
+        for d in 0..D {
+            let [n1, n2, n3] = core::array::from_fn(|k| numbers.numerator[k][d][lane]);
+            let second = n3.mul_add(t, n2);
+            let first = second.mul_add(t, n1);
+            numbers.offset[d][lane] = first * t;
+            let second = n3.mul_add(t, second);
+            numbers.chord[0][d][lane] = keep(second.mul_add(t, first), numbers.chord[0][d][lane]);
+            numbers.chord[1][d][lane] = keep(n3.mul_add(t, second), numbers.chord[1][d][lane]);
+            numbers.chord[2][d][lane] = keep(n3, numbers.chord[2][d][lane]);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{ChordTolerance, LengthStage, StepLengths};
+    use nurbs_core::{NurbsBuf, PieceLimits, PiecesBuf, compile};
+    use real::{Backend, DoubleDouble};
+
+    /// Two bends of a cubic at a feed that swings, so that setpoints that are right have mostly come from the common step.
+    fn share_of_common_steps<R: Lane + Backend>() -> f64 {
+        let points = vec![[0.0, 0.0], [40.0, 0.0], [40.0, 40.0], [80.0, 40.0], [80.0, 0.0], [120.0, 0.0]];
+        let knots = vec![0.0, 0.0, 0.0, 0.0, 0.3, 0.6, 1.0, 1.0, 1.0, 1.0];
+        let curve = NurbsBuf::try_new_nonrational(3, points, knots).unwrap();
+        let limits = PieceLimits { length_mm: 32.0, step_mm: 0.2 };
+        let table: PiecesBuf<R, 2> = compile::<DoubleDouble, R, 2>(&[curve.as_curve()], &limits).unwrap();
+        let unit = 1.0.scale(table.as_pieces().chord_exponent);
+        let feed = |mm: f64| R::from_f64(mm * unit).unwrap();
+        let stage = |i: i32| {
+            let (from, to) = if i % 2 == 0 { (0.1, 0.2) } else { (0.2, 0.1) };
+            LengthStage::new(100 << 32, feed(from), feed(to) - feed(from)).unwrap()
+        };
+        let stages: Vec<_> = (0..40).map(stage).collect();
+        let run = PieceInterpolator {
+            pieces: table.as_pieces(),
+            lengths: StepLengths { stages: &stages },
+            tolerance: ChordTolerance { residual: R::from_f64(1e-3).unwrap(), max_evaluations: 5 },
+            landing_step: feed(0.01),
+        };
+        let mut lanes = LaneInterpolator::new([run; 4]);
+        let (mut steps, mut common) = (0, 0);
+        while lanes.step() > 0 {
+            steps += lanes.words.is_common.len();
+            common += lanes.words.is_common.iter().filter(|is_common| **is_common != 0).count();
+        }
+        assert!(steps > 3000, "{steps} steps");
+        common as f64 / steps as f64
+    }
+
+    #[test]
+    fn most_steps_are_common_ones() {
+        for share in [share_of_common_steps::<f64>(), share_of_common_steps::<f32>()] {
+            assert!((0.95..1.0).contains(&share), "{share}");
+        }
+    }
+}

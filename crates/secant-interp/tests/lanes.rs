@@ -1,0 +1,152 @@
+//! Runs side by side make the setpoints that they make one by one.
+#![cfg(feature = "lanes")]
+
+use nurbs_core::{NurbsBuf, PieceLimits, PiecesBuf, compile, generate};
+use proptest::prelude::*;
+use real::{Backend, DoubleDouble, Real};
+use secant_interp::{
+    ChordTolerance, Lane, LaneInterpolator, LengthStage, PieceInterpolator, StageShape, StepLengths,
+};
+
+const LANES: usize = 8;
+const MOST_STEPS: usize = 4_000;
+
+/// One lane's path, and what it is followed by.
+#[derive(Clone, Debug)]
+struct Run<const D: usize> {
+    curve: NurbsBuf<f64, D>,
+    feed_mm: f64,
+    /// Of each stage its periods, the feed at its end, and which shape it has.
+    stages: Vec<(f64, f64, usize)>,
+    residual: f64,
+    max_evaluations: u32,
+}
+
+/// Most of the runs are what lanes are made for: cubics without weights, in cubic stages.
+fn run<const D: usize>() -> impl Strategy<Value = Run<D>> {
+    let curve = (generate::curve::<D>(), any::<bool>(), 0..4_u8).prop_map(|(curve, is_other, _)| {
+        let points = curve.control_points().to_vec();
+        if is_other || points.len() < 4 {
+            return curve;
+        }
+        let spans = points.len() - 3;
+        let inner = (1..spans).map(|i| (i as f64 + 0.3 * (i as f64).sin()) / spans as f64);
+        let knots = [0.0; 4].into_iter().chain(inner).chain([1.0; 4]).collect();
+        NurbsBuf::try_new_nonrational(3, points, knots).unwrap_or(curve)
+    });
+    let stage = (0.3..60.0_f64, 0.0..1.0_f64, prop_oneof![4 => Just(0_usize), 1 => 0..5_usize]);
+    let tolerance = (prop_oneof![Just(1e-3), Just(1e-9), Just(0.4)], 1..5_u32);
+    (curve, 0.05..8.0_f64, proptest::collection::vec(stage, 1..20), tolerance).prop_map(
+        |(curve, feed_mm, stages, (residual, max_evaluations))| Run {
+            curve,
+            feed_mm,
+            stages,
+            residual,
+            max_evaluations,
+        },
+    )
+}
+
+type Compiled<R, const D: usize> = (PiecesBuf<R, D>, Vec<LengthStage<R>>, ChordTolerance<R>);
+
+fn compiled<R: Backend, const D: usize>(run: &Run<D>) -> Option<Compiled<R, D>> {
+    let limits = PieceLimits { length_mm: 32.0, step_mm: 1.05 * run.feed_mm };
+    let table = compile::<DoubleDouble, R, D>(&[run.curve.as_curve()], &limits).ok()?;
+    let full = run.feed_mm.scale(table.as_pieces().chord_exponent);
+    let number = |x: f64| R::from_f64(x).unwrap();
+    let shapes =
+        [StageShape::Cubic, StageShape::Onset, StageShape::Steady, StageShape::Easing, StageShape::Cosine];
+    let mut feed = 0.0;
+    let mut stages = Vec::new();
+    for (periods, part, shape) in run.stages.iter().cycle().take(400) {
+        // Feeds below a half stay what they are, so that there is a constant feed too.
+        let next = if *part < 0.2 { feed } else { part * full };
+        let duration = periods.to_phase(-32);
+        stages.extend(
+            LengthStage::new(duration, number(feed), number(next) - number(feed))
+                .map(|s| s.shaped(shapes[*shape])),
+        );
+        feed = next;
+    }
+    let tolerance = ChordTolerance { residual: number(run.residual), max_evaluations: run.max_evaluations };
+    Some((table, stages, tolerance))
+}
+
+/// Follows all runs side by side and one by one; how many of the setpoints were found in one evaluation.
+fn same_setpoints<R: Lane + Backend, const D: usize>(runs: &[Run<D>]) -> Result<usize, TestCaseError> {
+    let compiled: Vec<Compiled<R, D>> = runs.iter().filter_map(compiled).collect();
+    if compiled.is_empty() {
+        return Ok(0);
+    }
+    let mut runs: [PieceInterpolator<'_, R, D>; LANES] = std::array::from_fn(|lane| {
+        let (table, stages, tolerance) = &compiled[lane % compiled.len()];
+        let landing_step = stages.first().map_or_else(R::resolution, |stage| stage.change.half().half());
+        let lengths = StepLengths { stages };
+        PieceInterpolator { pieces: table.as_pieces(), lengths, tolerance: *tolerance, landing_step }
+    });
+    let mut states = runs.each_ref().map(PieceInterpolator::start);
+    let mut lanes = LaneInterpolator::new(runs);
+    prop_assert_eq!(lanes.setpoint(0), None);
+    let mut found = 0;
+    for step in 0..MOST_STEPS {
+        let running = lanes.step();
+        let mut expected_running = 0;
+        for (lane, (run, state)) in runs.iter().zip(&mut states).enumerate() {
+            let expected = run.step(state);
+            prop_assert_eq!(lanes.setpoint(lane), expected, "step {} of lane {}", step, lane);
+            expected_running += usize::from(expected.is_some());
+            found += usize::from(expected.is_some_and(|setpoint| setpoint.evaluations == 1));
+        }
+        prop_assert_eq!(running, expected_running);
+        if running == 0 {
+            break;
+        }
+        // Now and then a lane takes its run, or its neighbour's, from the start again.
+        if step % 97 == 96 {
+            let (lane, other) = (step % LANES, (step / 97) % LANES);
+            lanes.restart(lane, runs[other]);
+            (runs[lane], states[lane]) = (runs[other], runs[other].start());
+            prop_assert_eq!(lanes.setpoint(lane), None);
+        }
+    }
+    prop_assert_eq!(lanes.setpoint(LANES), None);
+    lanes.restart(LANES, runs[0]);
+    Ok(found)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 24, ..ProptestConfig::default() })]
+
+    #[test]
+    fn plane_runs_are_the_same_side_by_side(runs in proptest::collection::vec(run::<2>(), LANES)) {
+        same_setpoints::<f64, 2>(&runs)?;
+        same_setpoints::<f32, 2>(&runs)?;
+    }
+
+    #[test]
+    fn space_runs_are_the_same_side_by_side(runs in proptest::collection::vec(run::<3>(), LANES)) {
+        same_setpoints::<f64, 3>(&runs)?;
+        same_setpoints::<f32, 3>(&runs)?;
+    }
+}
+
+proptest! {
+    #[test]
+    fn numbers_convert_as_without_lanes(phase in 1_u64.., x in any::<f64>(), y in any::<f32>()) {
+        for phase in [phase, phase >> (phase % 64), u64::MAX - (phase >> 40)] {
+            let phase = phase.max(1);
+            prop_assert_eq!(f64::fraction_of_one(phase).to_bits(), f64::from_phase(phase, 0).to_bits());
+            prop_assert_eq!(f32::fraction_of_one(phase).to_bits(), f32::from_phase(phase, 0).to_bits());
+        }
+        for x in [x, x.abs().fract(), 2.0_f64.powi(-61), 2.0_f64.powi(-62), 1.0 - f64::EPSILON / 2.0, 1.0, 0.0] {
+            let (part, is_right) = x.part_of_one();
+            prop_assert_eq!(is_right, (2.0_f64.powi(-62)..1.0).contains(&x), "{}", x);
+            prop_assert!(!is_right || part == x.to_phase(0));
+        }
+        for y in [y, y.abs().fract(), 2.0_f32.powi(-62), 2.0_f32.powi(-63), 1.0 - f32::EPSILON / 2.0, 1.0, 0.0] {
+            let (part, is_right) = y.part_of_one();
+            prop_assert_eq!(is_right, (2.0_f32.powi(-62)..1.0).contains(&y), "{}", y);
+            prop_assert!(!is_right || part == y.to_phase(0));
+        }
+    }
+}
