@@ -283,8 +283,9 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         let next = self.pieces.pieces.get(state.piece + 1);
         let is_found = is_inside(step.sigma, &row.step_per_chord);
         if let Some(next) = next.filter(|_| row.continues && is_found && step.phase < u64::MAX) {
-            // The sum has wrapped: what is left of it lies beyond the end.
-            if let Some(phase) = part_of_next(row, next, state.phase.wrapping_add(step.phase)) {
+            // Beyond the end lies what is more than the rest: nothing of a step that leads to the last phase.
+            let rest = state.phase.wrapping_neg(); // 2⁶⁴ - phase
+            if let Some(phase) = part_of_next(row, next, step.phase.saturating_sub(rest)) {
                 state.sigma = state.sigma.map(|x| into_next(row, next, x));
                 let sigma = into_next(row, next, step.sigma);
                 return Reached { piece: state.piece + 1, phase, sigma, evaluations: step.evaluations };

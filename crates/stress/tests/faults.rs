@@ -23,8 +23,12 @@ fn run_soaked(seed: u64, paths: &[u64]) {
 }
 
 fn run_soaked_in(formats: &[SoakFormat], seed: u64, paths: &[u64]) {
+    run_soaked_at(SoakPaths { seed, full_speed: true }, formats, paths);
+}
+
+fn run_soaked_at(of: SoakPaths, formats: &[SoakFormat], paths: &[u64]) {
     for path in paths {
-        let soaked = soak_path(SoakPaths { seed, full_speed: true }, *path, formats, |_| false);
+        let soaked = soak_path(of, *path, formats, |_| false);
         assert!(soaked.violations.is_empty(), "{path}: {:?}", soaked.violations);
         assert!(soaked.runs.iter().any(|run| matches!(run, SoakedRun::Ran(_))), "{path} is refused");
     }
@@ -100,6 +104,12 @@ fn a_chord_is_found_where_the_speed_dips_between_samples() {
 #[test]
 fn a_step_from_a_joint_passes_the_next_one() {
     run_soaked_in(&SOAK_FORMATS, 20_261_125, &[38, 225, 242, 380]);
+}
+
+/// A step that led to a piece's last phase, and not beyond, was taken to have gone on over the whole next piece.
+#[test]
+fn a_step_to_the_last_phase_of_a_piece_ends_at_the_joint() {
+    run_soaked_at(SoakPaths { seed: 20_261_128, full_speed: false }, &SOAK_FORMATS[2..3], &[1650]);
 }
 
 /// With 4 evaluations a step over a piece whose speed changes a thousandfold is not found, and the run is ahead of its plan:
