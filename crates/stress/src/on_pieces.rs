@@ -189,6 +189,8 @@ struct Steps<'a, R, const D: usize> {
     units: LengthUnits,
     /// How far the run may be from its plan since it last landed, in mm.
     adrift: f64,
+    /// What of that is no rounding: how far it is off by steps that were not found.
+    astray: f64,
 }
 
 /// In what the difference of a chord and the wanted chord is measured.
@@ -243,7 +245,7 @@ impl<'a, R: Backend, const D: usize> Steps<'a, R, D> {
             chord: 1.0_f64.scale(-pieces.chord_exponent),
         };
         let worst = PieceFigures::default();
-        Self { run, judge, name: R::name().to_string(), at: (0, 0), worst, units, adrift: 0.0 }
+        Self { run, judge, name: R::name().to_string(), at: (0, 0), worst, units, adrift: 0.0, astray: 0.0 }
     }
 
     fn check(&mut self, setpoint: &PieceSetpoint<R, D>, lands: bool) -> Result<(), Violation> {
@@ -284,7 +286,7 @@ impl<'a, R: Backend, const D: usize> Steps<'a, R, D> {
             self.check_chord(step, from, to, wanted, (converged, lands))?;
         }
         if lands {
-            self.adrift = 0.0;
+            (self.adrift, self.astray) = (0.0, 0.0);
         }
         Ok(())
     }
@@ -326,10 +328,14 @@ impl<'a, R: Backend, const D: usize> Steps<'a, R, D> {
         let limits = &self.run.planned.path.limits;
         // Each step is off its plan by a rounding, and in a slow run at one feed always to the same side. One that was not
         // found, for want of evaluations or where the path comes back, is off by all that it is too long or too short; and
-        // it may end behind a hairpin rather than in front of it.
-        let off = (chord - wanted).abs();
-        let behind = if off > bound && in_all <= RIGHT_ANGLE { chord } else { 0.0 };
-        self.adrift += resolution + if is_found || lands { 0.0 } else { off + behind };
+        // it may end behind a hairpin rather than in front of it. So may one that was found, where the run is off its plan
+        // already: it reaches a hairpin at the feed of another place. Then it is off by no more than its whole way.
+        let off = if is_found || lands { 0.0 } else { (chord - wanted).abs() };
+        self.astray += off;
+        let comes_back = in_all <= RIGHT_ANGLE && !lands;
+        let behind = if comes_back && self.astray > bound { self.judge.way(from, to) } else { 0.0 };
+        self.astray += behind;
+        self.adrift += resolution + off + behind;
         let is_in_place = self.adrift <= wanted / 8.0 && (lands || chord <= wanted * (1.0 + TOO_LONG));
         if is_in_place && turn > SMOOTH && wanted > SHORT_MM {
             let error = self.judge.chord_error((from, &start), (to, &end));

@@ -97,16 +97,31 @@ impl<const D: usize> Judge<D> {
             let along = along.max(0.0).min(length) / length;
             f64::norm(&core::array::from_fn::<_, D, _>(|d| arm[d] - along * chord[d]))
         };
-        let mut worst = 0.0_f64;
-        for piece in from.0..=to.0.min(self.len() - 1) {
+        self.between(from, to).map(distance).fold(0.0, f64::max)
+    }
+
+    /// Length of the path between two positions, in mm, by the same places.
+    pub(crate) fn way(&self, from: (usize, f64), to: (usize, f64)) -> f64 {
+        let end = self.point(to.0, to.1, from.0);
+        let mut last = self.point(from.0, from.1, from.0);
+        let mut way = 0.0;
+        for at in self.between(from, to).chain([end]) {
+            way += f64::norm(&core::array::from_fn::<_, D, _>(|d| at[d] - last[d]));
+            last = at;
+        }
+        way
+    }
+
+    /// Points between two positions: at three places of each piece and at the joints, from the origin of the first one's
+    /// piece.
+    fn between(&self, from: (usize, f64), to: (usize, f64)) -> impl Iterator<Item = [f64; D]> {
+        let last = to.0.min(self.len().saturating_sub(1));
+        (from.0..=last).flat_map(move |piece| {
             let begin = if piece == from.0 { from.1 } else { 0.0 };
             let end = if piece == to.0 { to.1 } else { 1.0 };
             let places: &[f64] = if piece == to.0 { &[0.25, 0.5, 0.75] } else { &[0.25, 0.5, 0.75, 1.0] };
-            for share in places {
-                worst = worst.max(distance(self.point(piece, begin + (end - begin) * share, from.0)));
-            }
-        }
-        worst
+            places.iter().map(move |share| self.point(piece, begin + (end - begin) * share, from.0))
+        })
     }
 }
 

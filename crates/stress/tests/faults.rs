@@ -119,6 +119,14 @@ fn a_run_that_lacks_evaluations_is_not_judged_by_its_place() {
     run_soaked(4242, &[7316, 47_992, 118_576]);
 }
 
+/// With 2 evaluations a run was 1e-3 mm ahead of its plan, reached two hairpins at the feed in front of them, and stepped over
+/// each: it was ahead by 3e-2 mm then, but judged as if in place where the chords over the hairpins were found to within the
+/// rounding of the format.
+#[test]
+fn a_run_off_its_plan_is_not_judged_by_its_place_behind_a_hairpin() {
+    run_soaked_at(SoakPaths { seed: 20_261_128, full_speed: false }, &SOAK_FORMATS, &[1296]);
+}
+
 /// Where the speed on a piece is 15 m per unit of its parameter, the judge's own rounding of phases is 3e-12 mm.
 #[test]
 fn rounding_in_the_judge_is_no_fault_of_the_run() {
