@@ -66,7 +66,10 @@ pub(crate) fn signal_bounds<H: Backend, const D: usize>(
         bounds.raise("shifted_coefficient", shifted);
         bounds.raise("offset", piece.offset_bound_mm() * coordinate + rounding);
         if rational {
-            bounds.raise("weight", piece.largest_weight() + rounding);
+            // Weights are shifted as coordinates are, in units of their own.
+            let weight = piece.largest_weight() + rounding;
+            bounds.raise("shifted_coefficient", weight);
+            bounds.raise("weight", weight);
             bounds
                 .raise("weight_reciprocal", 1.0 / (piece.weight_range.0 - rounding).max(rounding) + rounding);
         }
