@@ -75,14 +75,17 @@ impl<R: Real> Evaluation<R> {
         chord: &[R; D],
         turn: &[R; D],
         weight: R,
-        lightening: impl Iterator<Item = (R, R)>,
+        lightening: Option<[(R, R); 3]>,
     ) -> Self {
         let along = chord.map(|q| (sigma * q).signal("chord_direction"));
         let squares = along.iter().map(|v| (*v, *v));
         let residual = R::sum_of_products(squares.chain([(-weight, weight)])).signal("chord_residual");
         let growth = (0..D).map(|d| (along[d], (sigma * turn[d]).signal("chord_turn")));
-        let slope = R::sum_of_products(growth.chain(lightening)).signal("chord_growth");
-        Self { residual, slope }
+        let slope = match lightening {
+            Some(products) => R::sum_of_products(growth.chain(products)),
+            None => R::sum_of_products(growth),
+        };
+        Self { residual, slope: slope.signal("chord_growth") }
     }
 }
 
@@ -130,9 +133,8 @@ impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D,
         if let Some(before) = self.before {
             return self.evaluate_past_joint(sigma, &before, &chord, &turn, weight, weight_slope * x);
         }
-        let lightening = [(-weight, weight_slope * x), (weight, weight), (-R::one(), R::one())];
-        let lightening = lightening.into_iter().take(if self.is_rational() { 3 } else { 0 });
-        Evaluation::new(sigma, &chord, &turn, weight, lightening)
+        let lightening = || [(-weight, weight_slope * x), (weight, weight), (-R::one(), R::one())];
+        Evaluation::new(sigma, &chord, &turn, weight, self.is_rational().then(lightening))
     }
 
     /// `f/4` and `⅛ df/dσ` of `f = |b + σ v|² - 1`, `v = q/w`: only where a joint is crossed, with a division if

@@ -319,7 +319,7 @@ fn step<R: Lane, const D: usize, const W: usize>(words: &mut Words<W>, numbers: 
         let chord: [[R; D]; CUBIC] = core::array::from_fn(|k| of_lane(&numbers.chord[k], lane));
         let (pull, slope) = value_and_slope(chord.into_iter(), x, |value, slope| (value, slope));
         let turn = slope.map(|t| t * x);
-        let value = Evaluation::new(guess, &pull, &turn, R::one(), core::iter::empty());
+        let value = Evaluation::new(guess, &pull, &turn, R::one(), None);
         let sigma = guess - within(correction(guess, &value), guess, &range);
         let (part, is_part) = (sigma * length).part_of_one();
         let phase = old.wrapping_add(part);
