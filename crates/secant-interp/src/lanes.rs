@@ -19,7 +19,7 @@ use crate::step_lengths::PERIOD;
 
 /// A float that converts from and to phases without a branch, so that a loop over lanes has none.
 pub trait Lane: Real {
-    /// `⌊self · 2⁶⁴⌋`, and whether that is right: not for numbers below 2⁻⁶¹ or from 1 on, nor for what is no number.
+    /// `⌊self · 2⁶⁴⌋`, and whether that is right: not for numbers below 2⁻⁶² or from 1 on, nor for what is no number.
     fn part_of_one(self) -> (u64, bool);
 
     /// The number `phase · 2⁻⁶⁴`, rounded toward 0, of a phase that is not 0.
@@ -274,7 +274,7 @@ fn product(a: u64, b: u64) -> [u64; 2] {
     [(product >> 64) as u64, product as u64]
 }
 
-/// The distances and the common step, compiled for each kind of vector registers.
+/// The common step, compiled for each kind of vector registers.
 struct CommonStep<'a, R, const D: usize, const W: usize>(&'a mut Words<W>, &'a mut Numbers<R, D, W>);
 
 impl<R: Lane, const D: usize, const W: usize> pulp::WithSimd for CommonStep<'_, R, D, W> {
@@ -294,7 +294,7 @@ fn advance<R: Lane, const D: usize, const W: usize>(words: &mut Words<W>, number
     for lane in 0..W {
         let is_whole = words.left[lane] > PERIOD;
         let ([high, low], shift) = (of_lane(&words.middle, lane), words.shift[lane]);
-        let x = R::fraction_of_one((low >> (shift & 63)) | (high << ((64 - shift) & 63)));
+        let x = R::fraction_of_one((low >> (shift & 63)) | (high << (shift.wrapping_neg() & 63)));
         let mean = StageShape::Cubic.mean(x, numbers.share[lane]);
         let length = numbers.change[lane].mul_add(mean, numbers.feed[lane]);
         numbers.length[lane] = if is_whole { length } else { R::max_value() };

@@ -127,6 +127,13 @@ fn a_run_off_its_plan_is_not_judged_by_its_place_behind_a_hairpin() {
     run_soaked_at(SoakPaths { seed: 20_261_128, full_speed: false }, &SOAK_FORMATS, &[1296]);
 }
 
+/// After 282,477 periods, each off by its rounding, a run is several landing steps before its end, in a bend of 2.4e-3 mm radius. Of
+/// their chords the plan says nothing.
+#[test]
+fn a_rest_of_several_landing_steps_is_not_judged_by_the_plan() {
+    run_soaked_at(SoakPaths { seed: 20_261_129, full_speed: false }, &SOAK_FORMATS[3..4], &[1101]);
+}
+
 /// Where the speed on a piece is 15 m per unit of its parameter, the judge's own rounding of phases is 3e-12 mm.
 #[test]
 fn rounding_in_the_judge_is_no_fault_of_the_run() {
