@@ -29,7 +29,7 @@ fn side_by_side<R: Lane + Backend, const D: usize, const W: usize>(fleet: &[Comp
         steps += running;
         black_box(&lanes);
         let mut restarted = 0;
-        for lane in 0..if running < W { W } else { 0 } {
+        for lane in (0..W).filter(|_| running < W) {
             if lanes.setpoint(lane).is_none()
                 && let Some(run) = waiting.next()
             {

@@ -139,7 +139,7 @@ pub use line::Line;
 pub use owned::NurbsBuf;
 #[cfg(feature = "alloc")]
 pub use path_curve::PathCurve;
-pub use pieces::{ORIGIN_EXPONENT, Piece, Pieces, Shifted};
+pub use pieces::{ORIGIN_EXPONENT, Piece, Pieces, Shifted, shift};
 #[cfg(feature = "alloc")]
 pub use power_curve::{PowerCursor, PowerCurve};
 #[cfg(feature = "alloc")]

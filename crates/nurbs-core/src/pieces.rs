@@ -286,7 +286,7 @@ fn horner<R: Real, const D: usize>(rows: impl DoubleEndedIterator<Item = [R; D]>
 /// Shifts the polynomial `Σ_{k≥1} row_{k-1} x^k` to `t` in place, by repeated synthetic division; returns its value
 /// at t. Afterwards `row_{k-1}` is the k-th derivative at t over k!. For degree p it takes p(p+1)/2 multiplications.
 #[inline]
-fn shift<R: Real, const D: usize>(rows: &mut [[R; D]], t: R) -> [R; D] {
+pub fn shift<R: Real, const D: usize>(rows: &mut [[R; D]], t: R) -> [R; D] {
     // The first sweep divides the polynomial with its constant term 0, whose entry is the value; each later one the
     // quotient before it, and leaves one derivative.
     let value = divide(rows, t).map(|first| first * t);

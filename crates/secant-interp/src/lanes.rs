@@ -11,6 +11,7 @@
 //! uncommon is seen.
 
 use feed_plan::StageShape;
+use nurbs_core::shift;
 use real::Real;
 
 use crate::chord_step::{Evaluation, correction, value_and_slope, within};
@@ -126,6 +127,7 @@ fn of_lane<T: Copy, const N: usize, const W: usize>(rows: &[Row<T, W>; N], lane:
     core::array::from_fn(|n| rows[n][lane])
 }
 
+#[inline(always)]
 fn put<T: Copy, const N: usize, const W: usize>(rows: &mut [Row<T, W>; N], lane: usize, values: [T; N]) {
     for (row, value) in rows.iter_mut().zip(values) {
         row[lane] = value;
@@ -206,11 +208,10 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
         let is_whole = length < R::max_value();
         let planned = if is_whole { Some(length) } else { run.lengths.advance(&mut state.cursor) };
         self.alone[lane] = Some(run.follow(state, row, planned));
-        if !(is_whole && self.load_piece(lane)) {
+        if !self.load_piece(lane) {
             self.words.left[lane] = 0;
-            if self.load_piece(lane) {
-                self.load_stage(lane);
-            }
+        } else if !is_whole {
+            self.load_stage(lane);
         }
     }
 
@@ -252,6 +253,7 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
 
     /// Puts the stage of a run into its lane, if a whole period in it can be a common one.
     fn load_stage(&mut self, lane: usize) {
+        self.words.left[lane] = 0;
         let (run, state) = (&self.runs[lane], &self.states[lane]);
         let Some(stage) = run.lengths.stages.get(state.cursor.stage) else { return };
         if stage.shape != StageShape::Cubic && !stage.change.is_zero() {
@@ -259,18 +261,17 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
         }
         let (words, numbers) = (&mut self.words, &mut self.numbers);
         words.left[lane] = stage.duration - state.cursor.time;
-        words.shift[lane] = u64::from(stage.reciprocal_exponent) + 1;
-        put(&mut words.middle, lane, product(2 * state.cursor.time + PERIOD, stage.reciprocal));
-        put(&mut words.period, lane, product(2 * PERIOD, stage.reciprocal));
+        words.shift[lane] = stage.shift().into();
+        put(&mut words.middle, lane, in_words(stage.product(2 * state.cursor.time + PERIOD)));
+        put(&mut words.period, lane, in_words(stage.product(2 * PERIOD)));
         (numbers.share[lane], numbers.feed[lane]) = (stage.period_share, stage.feed);
         numbers.change[lane] = stage.change;
     }
 }
 
-/// The high and the low word of a product.
+/// The high and the low word.
 #[allow(clippy::cast_possible_truncation, reason = "the low word is asked for")]
-fn product(a: u64, b: u64) -> [u64; 2] {
-    let product = u128::from(a) * u128::from(b);
+fn in_words(product: u128) -> [u64; 2] {
     [(product >> 64) as u64, product as u64]
 }
 
@@ -316,7 +317,7 @@ fn step<R: Lane, const D: usize, const W: usize>(words: &mut Words<W>, numbers: 
         let guess = extrapolate(history, &range);
         let guessed = guess * length;
         let x = guessed.min(R::one());
-        let chord: [[R; D]; CUBIC] = core::array::from_fn(|k| of_lane(&numbers.chord[k], lane));
+        let chord = numbers.chord.each_ref().map(|rows| of_lane(rows, lane));
         let (pull, slope) = value_and_slope(chord.into_iter(), x, |value, slope| (value, slope));
         let turn = slope.map(|t| t * x);
         let value = Evaluation::new(guess, &pull, &turn, R::one(), None);
@@ -338,15 +339,10 @@ fn step<R: Lane, const D: usize, const W: usize>(words: &mut Words<W>, numbers: 
         numbers.sigma[2][lane] = keep(history[1], history[2]);
         let t = R::fraction_of_one(phase);
         numbers.t[lane] = keep(t, numbers.t[lane]);
-        for d in 0..D {
-            let [n1, n2, n3] = core::array::from_fn(|k| numbers.numerator[k][d][lane]);
-            let second = n3.mul_add(t, n2);
-            let first = second.mul_add(t, n1);
-            numbers.offset[d][lane] = first * t;
-            let second = n3.mul_add(t, second);
-            numbers.chord[0][d][lane] = keep(second.mul_add(t, first), numbers.chord[0][d][lane]);
-            numbers.chord[1][d][lane] = keep(n3.mul_add(t, second), numbers.chord[1][d][lane]);
-            numbers.chord[2][d][lane] = keep(n3, numbers.chord[2][d][lane]);
+        let mut shifted = numbers.numerator.each_ref().map(|rows| of_lane(rows, lane));
+        put(&mut numbers.offset, lane, shift(&mut shifted, t));
+        for ((rows, new), old) in numbers.chord.iter_mut().zip(shifted).zip(chord) {
+            put(rows, lane, core::array::from_fn(|d| keep(new[d], old[d])));
         }
     }
 }

@@ -63,12 +63,6 @@ impl<R: Real, const D: usize> PieceState<R, D> {
         self.sigma = [sigma, newest, middle];
     }
 
-    /// [`Piece::whole`] of the present piece.
-    #[inline]
-    fn whole(&self) -> R {
-        if R::IS_FLOATING { R::one() } else { self.whole }
-    }
-
     /// The end of a step over a joint; returns its evaluations.
     #[cold]
     fn reach(&mut self, reached: &Reached<R>, pieces: &[Piece<R, D>]) -> u32 {
@@ -243,7 +237,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
             let reached = self.cross(state.piece, &mut state.sigma, row, end, length);
             return state.reach(&reached, self.pieces.pieces);
         }
-        let chord = Chord { whole: state.whole(), ..self.chord_on::<N, PLAIN>(row, &state.at, length) };
+        let chord = self.chord_on::<N, PLAIN>(row, state.whole, &state.at, length);
         let (sigma, evaluations) = chord.solve(guess, &self.tolerance);
         let step = row.part(sigma * length);
         // Steps of a whole piece and more are saturated: from the piece's begin on, they end at the last phase.
@@ -349,14 +343,15 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
 
     /// The chord on a piece, from the point about which it was shifted: in the form that serves all.
     fn chord<'b>(&self, row: &Piece<R, D>, at: &'b Shifted<R, D>, length: R) -> Chord<'b, R, D> {
-        self.chord_on(row, at, length)
+        self.chord_on(row, row.whole(), at, length)
     }
 
-    /// The same for the degree N, or for paths without weights.
+    /// The same for the degree N, or for paths without weights, with the whole piece's step known.
     #[inline]
     fn chord_on<'b, const N: usize, const PLAIN: bool>(
         &self,
         row: &Piece<R, D>,
+        whole: R,
         at: &'b Shifted<R, D>,
         length: R,
     ) -> Chord<'b, R, D, N, PLAIN> {
@@ -365,7 +360,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
             degree: self.pieces.degree,
             rational: self.pieces.is_rational(),
             range_exponent: i32::from(row.range_exponent),
-            whole: row.whole(),
+            whole,
             length,
             before: None,
             range: row.step_per_chord,
@@ -379,7 +374,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
 fn is_on_piece<R: Real, const D: usize>(state: &PieceState<R, D>, row: &Piece<R, D>, guessed: R) -> bool {
     let rest = state.phase.wrapping_neg().wrapping_sub(1); // 2⁶⁴ - 1 - phase
     let past = || row.part(guessed).saturating_sub(rest);
-    guessed <= state.whole() && (row.continues || past() <= rest / 16)
+    guessed <= state.whole && (row.continues || past() <= rest / 16)
 }
 
 /// `3σ_i - 3σ_{i-1} + σ_{i-2}`, within the piece's range; at the start, for want of a history, its middle.

@@ -69,10 +69,19 @@ impl<R: Real> LengthStage<R> {
         reason = "the quotient is below 2⁶⁴, for the reciprocal is rounded down"
     )]
     fn fraction(&self, half_units: u64) -> u64 {
-        // time · 2^64 / duration = time · reciprocal / 2^exponent, the product in two words.
-        let product = u128::from(half_units) * u128::from(self.reciprocal);
-        let shift = (self.reciprocal_exponent + 1) & 63; // that it is below 64 spares the compiler half of the work
-        (product >> shift) as u64
+        (self.product(half_units) >> self.shift()) as u64
+    }
+
+    /// time · 2^64 / duration = time · reciprocal / 2^exponent: the product, in two words.
+    #[inline]
+    pub(crate) fn product(&self, half_units: u64) -> u128 {
+        u128::from(half_units) * u128::from(self.reciprocal)
+    }
+
+    /// How far that is shifted to become a phase; that it is below 64 spares the compiler half of the work.
+    #[inline]
+    pub(crate) fn shift(&self) -> u32 {
+        (self.reciprocal_exponent + 1) & 63
     }
 
     /// An interval over t₂; 1 but for the last place where it is longer.
