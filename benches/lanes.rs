@@ -3,8 +3,8 @@
 use std::hint::black_box;
 
 use feedbits_benches::Path;
-use real::Backend;
-use secant_interp::{Lane, LaneInterpolator};
+use real::{Backend, Lane};
+use secant_interp::LaneInterpolator;
 use serde_json::json;
 
 use crate::compiled::Compiled;

@@ -1,6 +1,6 @@
 //! The float backends: `f64` and `f32`, with IEEE 754 semantics.
 
-use crate::{Backend, FormatName, Real};
+use crate::{Backend, FormatName, Lane, Real};
 
 #[cfg(not(any(feature = "std", feature = "libm")))]
 compile_error!("enable the feature `std` or `libm`: core has no square root of floats");
@@ -67,18 +67,14 @@ macro_rules! float_backend {
                 if phase == 0 || !(1..=2 * phase::$float::BIAS).contains(&biased) {
                     return phase::$float::from_beyond(phase, exponent);
                 }
-                let significand = (phase << (zeros & 63)) >> (64 - $digits);
-                // The leading one adds itself to the exponent.
-                let bits = u64::from((biased - 1).cast_unsigned()) << ($digits - 1);
-                phase::$float::from_bits(bits + significand)
+                phase::$float::normal(phase, biased)
             }
 
             /// The significand, shifted.
             #[inline]
             fn to_phase(self, exponent: i32) -> u64 {
-                let (biased, significand) = phase::$float::parts(self);
-                let distance =
-                    (phase::$float::BIAS - 1).wrapping_sub(biased).wrapping_sub(exponent).cast_unsigned();
+                let (distance, significand) = phase::$float::parts(self);
+                let distance = distance.wrapping_sub(exponent).cast_unsigned();
                 if distance >= phase::$float::FARTHEST {
                     return phase::$float::to_beyond(self, exponent);
                 }
@@ -88,6 +84,20 @@ macro_rules! float_backend {
             #[inline]
             fn is_finite(self) -> bool {
                 $float::is_finite(self)
+            }
+        }
+
+        impl Lane for $float {
+            #[inline]
+            fn part_of_one(self) -> (u64, bool) {
+                let (distance, significand) = phase::$float::parts(self);
+                (significand >> (distance & 63), distance.cast_unsigned() < 62)
+            }
+
+            #[inline]
+            fn fraction_of_one(phase: u64) -> Self {
+                let zeros = phase.leading_zeros().cast_signed();
+                phase::$float::normal(phase, phase::$float::BIAS - 1 - zeros)
             }
         }
     };
@@ -166,13 +176,18 @@ mod phase {
                 pub(in super::super) const FARTHEST: u32 =
                     if BIAS - 65 < 64 { (BIAS - 65).unsigned_abs() } else { 64 };
 
+                /// The normal number of a phase that is not 0 and this biased exponent, cut to the format's digits.
                 #[inline]
                 #[allow(clippy::cast_possible_truncation, reason = "the format has no more bits")]
-                pub(in super::super) fn from_bits(bits: u64) -> $float {
-                    $float::from_bits(bits as _)
+                pub(in super::super) fn normal(phase: u64, biased: i32) -> $float {
+                    let significand = (phase << (phase.leading_zeros() & 63)) >> (64 - $digits);
+                    // The leading one adds itself to the exponent.
+                    let bits = u64::from((biased - 1).cast_unsigned()) << ($digits - 1);
+                    $float::from_bits((bits + significand) as _)
                 }
 
-                /// The biased exponent, with the sign before it, and the significand of a normal number in [1, 2) · 2⁶³.
+                /// How far below ½ the exponent lies, more than ever for a negative number, and the significand of a normal
+                /// number in [1, 2) · 2⁶³.
                 #[inline]
                 #[allow(
                     clippy::cast_possible_truncation,
@@ -182,7 +197,7 @@ mod phase {
                 pub(in super::super) fn parts(x: $float) -> (i32, u64) {
                     let bits = x.to_bits();
                     let significand = u64::from(bits) << (64 - $digits) | 1 << 63;
-                    ((bits >> ($digits - 1)) as i32, significand)
+                    ((BIAS - 1).wrapping_sub((bits >> ($digits - 1)) as i32), significand)
                 }
 
                 /// 0, and what leaves the normal numbers.

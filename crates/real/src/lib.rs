@@ -53,6 +53,7 @@ mod float;
 mod format_name;
 #[cfg(feature = "std")]
 mod histogram;
+mod lane;
 mod operation;
 #[cfg(feature = "std")]
 mod quantized;
@@ -80,6 +81,7 @@ pub use fixed_point::FixedPoint;
 pub use format_name::FormatName;
 #[cfg(feature = "std")]
 pub use histogram::Histogram;
+pub use lane::Lane;
 pub use operation::Operation;
 #[cfg(feature = "std")]
 pub use quantized::Quantized;

@@ -12,45 +12,11 @@
 
 use feed_plan::StageShape;
 use nurbs_core::shift;
-use real::Real;
+use real::{Lane, Real};
 
 use crate::chord_step::{Evaluation, correction, value_and_slope, within};
 use crate::piece_interpolator::{CUBIC, PieceInterpolator, PieceSetpoint, PieceState, extrapolate};
 use crate::step_lengths::PERIOD;
-
-/// A float that converts from and to phases without a branch, so that a loop over lanes has none.
-pub trait Lane: Real {
-    /// `⌊self · 2⁶⁴⌋`, and whether that is right: not for numbers below 2⁻⁶² or from 1 on, nor for what is no number.
-    fn part_of_one(self) -> (u64, bool);
-
-    /// The number `phase · 2⁻⁶⁴`, rounded toward 0, of a phase that is not 0.
-    fn fraction_of_one(phase: u64) -> Self;
-}
-
-macro_rules! lane {
-    ($float:ident, $digits:literal) => {
-        impl Lane for $float {
-            #[inline]
-            fn part_of_one(self) -> (u64, bool) {
-                let bits = u64::from(self.to_bits());
-                let distance = ($float::MAX_EXP as u64 - 2).wrapping_sub(bits >> ($digits - 1));
-                (((bits << (64 - $digits)) | 1 << 63) >> (distance & 63), distance < 62)
-            }
-
-            #[inline]
-            #[allow(clippy::cast_possible_truncation, reason = "the format has no more bits")]
-            fn fraction_of_one(phase: u64) -> Self {
-                let zeros = u64::from(phase.leading_zeros());
-                let significand = (phase << (zeros & 63)) >> (64 - $digits);
-                let biased = $float::MAX_EXP as u64 - 3 - zeros;
-                // The leading one adds itself to the exponent.
-                $float::from_bits(((biased << ($digits - 1)) + significand) as _)
-            }
-        }
-    };
-}
-lane!(f64, 53);
-lane!(f32, 24);
 
 /// One number of each lane.
 type Row<T, const W: usize> = [T; W];

@@ -37,7 +37,7 @@ pub use feed_override::{FeedOverride, OverrideLimits, OverrideState, Rate};
 pub use feed_plan::StageShape;
 pub use interpolator::{Interpolator, Method, Setpoint, State};
 #[cfg(feature = "lanes")]
-pub use lanes::{Lane, LaneInterpolator};
+pub use lanes::LaneInterpolator;
 pub use piece_interpolator::{PieceInterpolator, PieceSetpoint, PieceState};
 pub use secant::{Outcome, Tolerance};
 pub use step_lengths::{LengthCursor, LengthStage, StepLengths};
