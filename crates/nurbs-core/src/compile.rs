@@ -148,6 +148,19 @@ impl<R: Real, const D: usize> PiecesBuf<R, D> {
     }
 }
 
+impl<R: Backend, const D: usize> PiecesBuf<R, D> {
+    /// What a resolution of a piece's coordinates is one of, in mm: the piece's unit, in which they are of order one; in a
+    /// float, whose unit says nothing of its digits, `Σ |n_k|` of them. 0 for a piece that does not exist.
+    #[must_use]
+    pub fn coordinate_size_mm(&self, piece: usize) -> f64 {
+        let Some(row) = self.pieces.get(piece) else { return 0.0 };
+        let numerator = self.numerators.iter().skip(piece * self.degree).take(self.degree);
+        let sum = |d: usize| numerator.clone().map(|n| n[d].to_f64().abs()).sum::<f64>();
+        let units = if R::IS_FLOATING { (0..D).map(sum).fold(0.0, f64::max) } else { 1.0 };
+        units.scale(row.coordinate_exponent.into())
+    }
+}
+
 /// Longest chain of halvings of a span.
 const MAX_HALVINGS: i32 = 16;
 
@@ -296,13 +309,13 @@ fn scaled<H: Backend, R: Backend, const D: usize>(
     let chord_range = (range / 2.0).min(MAX_CHORD_RANGE);
     let mut chord = exponent_below(chord_range / step_mm);
     if R::IS_FLOATING {
-        chord = chord.clamp(-MAX_STEP_EXPONENT, MAX_STEP_EXPONENT); // s - λ then has a place in a row.
+        chord = chord.clamp(-MAX_STEP_EXPONENT, MAX_STEP_EXPONENT); // -λ then has a place in a row.
     }
     let scales = |piece: &LocalPiece<H, D>| {
-        let step = piece.speed.step_exponent(chord);
         if R::IS_FLOATING {
             return Scales { coordinate: -chord, chord, step: 0, range: 0 };
         }
+        let step = piece.speed.step_exponent(chord);
         let coordinate = (-exponent_below(range / piece.coordinate_bound_mm())).clamp(-120, 120);
         let mut scales = Scales { coordinate, chord, step, range: exponent_below(chord_range) };
         // x is at most so much; the finer its unit the better, but it must fit.

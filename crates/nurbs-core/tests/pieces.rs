@@ -1,8 +1,7 @@
 //! Compiled pieces against the curve they were cut from, in every kind of format.
 
 use nurbs_core::{
-    CompileError, Evaluate, NurbsBuf, ORIGIN_EXPONENT, Piece, PieceLimits, Pieces, PiecesBuf, compile,
-    generate,
+    CompileError, Evaluate, NurbsBuf, ORIGIN_EXPONENT, Piece, PieceLimits, PiecesBuf, compile, generate,
 };
 use proptest::prelude::*;
 use real::{Backend, DoubleDouble, FormatName, I3F29, I4F28, I4F60, I8F24, I16F48, Real};
@@ -31,26 +30,19 @@ fn point<R: Backend, const D: usize>(table: &PiecesBuf<R, D>, piece: usize, t: R
     })
 }
 
-/// What a unit of a piece's coordinates is worth, in mm; in a float, whose units say nothing of that, `Σ |n_k|`.
-fn coordinate_size<R: Backend, const D: usize>(pieces: &Pieces<'_, R, D>, piece: usize) -> f64 {
-    let rows = &pieces.numerators[piece * pieces.degree..][..pieces.degree];
-    let sum = |d: usize| rows.iter().map(|n| n[d].to_f64().abs()).sum::<f64>();
-    let units = if R::IS_FLOATING { (0..D).map(sum).fold(0.0, f64::max) } else { 1.0 };
-    units.scale(i32::from(pieces.pieces[piece].coordinate_exponent))
-}
-
 /// How far a point of a piece may be from the curve, in mm.
 ///
 /// With u the unit of the last place of the piece's coordinates, p coefficients and p + 1 steps of Horner's scheme are
-/// each rounded by u/2 in fixed point, and in a float by no more than u where that is the last place of `Σ |n_k|`. So N is off by
-/// (p+1)² u. If rational, W is off by as much, and P = N/W with W above ½, for the weights within a piece differ by
-/// a factor 1.5; the reciprocal is rounded once, which |N| magnifies. Then the offset is rounded to the units
-/// that all pieces share, and the origin to its own.
+/// each rounded by u/2 in fixed point, and in a float by no more than u where that is the last place of `Σ |n_k|`. So N is
+/// off by (p+1)² u. If rational, W is off by as much, and P = N/W with W above ½, for the weights within a piece differ by
+/// a factor 1.5, so that a float's P is no more than twice `Σ |n_k|`; the reciprocal is rounded once, which |N| magnifies.
+/// Then the offset is rounded to the units that all pieces share, and the origin to its own.
 fn bound<R: Backend, const D: usize>(table: &PiecesBuf<R, D>, piece: usize) -> f64 {
     let pieces = table.as_pieces();
     let p = pieces.degree as f64;
-    let largest = table.bounds().iter().find(|b| b.signal == "offset").unwrap().bound;
-    let unit = R::resolution().to_f64() * coordinate_size(&pieces, piece);
+    let proven = table.bounds().iter().find(|b| b.signal == "offset").unwrap().bound;
+    let largest = if R::IS_FLOATING { 2.0 } else { proven };
+    let unit = R::resolution().to_f64() * table.coordinate_size_mm(piece);
     let rational = if pieces.is_rational() { 2.0 * (1.0 + largest) } else { 1.0 };
     let fixed = matches!(R::name(), FormatName::Fixed { .. });
     let shared =

@@ -129,10 +129,10 @@ impl<const D: usize> Judge<D> {
 /// apart than a few units of the format's resolution.
 ///
 /// With r the resolution, a point P = N/W is a Horner chain of p coefficients, each rounded to r times the piece's
-/// `2^coordinate_exponent` mm, or in a float r times `Σ |n_k|` of those, and so is W where it is rational; what both are off is divided by W, and the reciprocal
-/// is off by r/2 and multiplied by N = P W. Together `(p + 2) (1 + |P|) (1 + (1 + |P|) W)/min(W, 1)` units at most; to
-/// which comes half a unit of the largest `2^coordinate_exponent`, in which points are given out, and one of the
-/// origin's, 2⁻³⁹ mm.
+/// [`coordinate_size_mm`](PiecesBuf::coordinate_size_mm), and so is W where it is rational; what both are off is divided by
+/// W, and the reciprocal is off by r/2 and multiplied by N = P W. Together `(p + 2) (1 + |P|) (1 + (1 + |P|) W)/min(W, 1)`
+/// units at most; to which comes half a unit of the largest `2^coordinate_exponent`, in which points are given out, and one of
+/// the origin's, 2⁻³⁹ mm.
 ///
 /// # Errors
 /// The first point that is further off.
@@ -155,7 +155,7 @@ pub fn check_pieces<R: Backend, const D: usize>(
         let Some(curve) = exact.get(place.curve) else { continue };
         let (begin, end) =
             (DoubleDouble::new(place.begin.0, place.begin.1), DoubleDouble::new(place.end.0, place.end.1));
-        let scale = coordinate_scale(&pieces, piece).scale(row.coordinate_exponent.into());
+        let scale = table.coordinate_size_mm(piece).max(f64::MIN_POSITIVE);
         for sample in 0..=samples {
             let phase = (u64::MAX / u64::from(samples.max(1))).saturating_mul(u64::from(sample));
             // The format cuts the phase to its own digits, and the point belongs to what is left.
@@ -182,13 +182,6 @@ pub fn check_pieces<R: Backend, const D: usize>(
         }
     }
     Ok(Outcome::Ran(pieces.pieces.len()))
-}
-
-/// What sums of a piece's coefficients reach, in its units: of order one in fixed point, `Σ |n_k|` in a float.
-fn coordinate_scale<R: Backend, const D: usize>(pieces: &Pieces<'_, R, D>, piece: usize) -> f64 {
-    let rows = pieces.numerators.iter().skip(piece * pieces.degree).take(pieces.degree);
-    let sum = |d: usize| rows.clone().map(|n| n[d].to_f64().abs()).sum::<f64>();
-    if R::IS_FLOATING { (0..D).map(sum).fold(f64::MIN_POSITIVE, f64::max) } else { 1.0 }
 }
 
 /// W of a piece at t; 1 if it has none.
