@@ -39,3 +39,11 @@ pub struct Derivatives<R, const D: usize> {
     /// The second derivative `C''(u)`.
     pub second: [R; D],
 }
+
+impl<R: Real, const D: usize> Default for Derivatives<R, D> {
+    /// Of a curve that is the origin.
+    fn default() -> Self {
+        let zero = [R::zero(); D];
+        Self { point: zero, first: zero, second: zero }
+    }
+}

@@ -211,7 +211,7 @@ impl<R: Real, const D: usize> Differentiate<R, D> for TrigSpline<'_, R, D> {
 
     fn derivatives_in(&self, span: usize, u: R) -> Derivatives<R, D> {
         let Some((segment, local, width)) = self.local(span, u) else {
-            return Derivatives { point: [R::zero(); D], first: [R::zero(); D], second: [R::zero(); D] };
+            return Derivatives::default();
         };
         let Derivatives { point, first, second } = segment.derivatives(local);
         Derivatives { point, first: first.map(|x| x * width), second: second.map(|x| x * width * width) }
