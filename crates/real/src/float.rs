@@ -82,6 +82,11 @@ macro_rules! float_backend {
             }
 
             #[inline]
+            fn fraction(phase: u64) -> Self {
+                phase::$float::leading(phase)
+            }
+
+            #[inline]
             fn is_finite(self) -> bool {
                 $float::is_finite(self)
             }
@@ -92,12 +97,6 @@ macro_rules! float_backend {
             fn part_of_one(self) -> (u64, bool) {
                 let (distance, significand) = phase::$float::parts(self);
                 (significand >> (distance & 63), distance.cast_unsigned() < 62)
-            }
-
-            #[inline]
-            fn fraction_of_one(phase: u64) -> Self {
-                let zeros = phase.leading_zeros().cast_signed();
-                phase::$float::normal(phase, phase::$float::BIAS - 1 - zeros)
             }
         }
     };
@@ -165,7 +164,7 @@ mod power_of_two {
 /// What conversions from and to phases know of the layout of a float.
 mod phase {
     macro_rules! layout {
-        ($float:ident, $digits:literal) => {
+        ($float:ident, $digits:literal, $spared:literal, $integer:ident) => {
             pub(super) mod $float {
                 use crate::Real;
 
@@ -200,6 +199,19 @@ mod phase {
                     ((BIAS - 1).wrapping_sub((bits >> ($digits - 1)) as i32), significand)
                 }
 
+                /// All bits but the last ones, over what they stand for: from an integer that machines convert.
+                #[inline]
+                #[allow(
+                    clippy::cast_precision_loss,
+                    clippy::cast_possible_truncation,
+                    clippy::cast_possible_wrap,
+                    reason = "the spared bits leave room, and the conversion rounds as it should"
+                )]
+                pub(in super::super) fn leading(phase: u64) -> $float {
+                    (phase >> $spared) as $integer as $float
+                        * super::super::power_of_two::$float($spared - 64)
+                }
+
                 /// 0, and what leaves the normal numbers.
                 #[cold]
                 #[allow(
@@ -226,8 +238,8 @@ mod phase {
             }
         };
     }
-    layout!(f64, 53);
-    layout!(f32, 24);
+    layout!(f64, 53, 1, i64);
+    layout!(f32, 24, 32, u32);
 }
 
 impl Backend for f64 {
@@ -267,6 +279,8 @@ impl Backend for f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::I4F60;
+    use proptest::prelude::*;
 
     #[test]
     fn norm_survives_components_whose_squares_do_not() {
@@ -329,6 +343,24 @@ mod tests {
         }
         for x in [0.0, -0.0, f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MIN_POSITIVE, 1e-45] {
             assert_eq!(x.to_phase(64), super::phase::f32::to_beyond(x, 64), "{x}");
+        }
+    }
+
+    proptest! {
+        /// To half a digit and what is spared, and in order. In units of 2⁻⁶⁴, which are exact in both.
+        #[test]
+        fn fractions_are_as_accurate_as_said(phase: u64, shift in 0..64_u32) {
+            for phase in [phase, phase >> shift, u64::MAX - (phase >> shift), 0, 1, u64::MAX] {
+                let off = |x: f64| (x.scale(64) as u128).abs_diff(phase.into()) as f64;
+                let (double, single) = (f64::fraction(phase), f32::fraction(phase));
+                let half_digit = |resolution: f64| phase as f64 * resolution.half();
+                prop_assert!(off(double) <= half_digit(f64::EPSILON) + 1.0, "{}: {}", phase, double);
+                let bound = half_digit(f32::EPSILON.into()) + 1.0.scale(32);
+                prop_assert!(off(single.into()) <= bound, "{}: {}", phase, single);
+                let next = phase.saturating_add(1 << shift);
+                prop_assert!(double <= f64::fraction(next) && single <= f32::fraction(next));
+                prop_assert_eq!(I4F60::fraction(phase), I4F60::from_phase(phase, 0));
+            }
         }
     }
 

@@ -125,6 +125,10 @@ impl Real for Quantized {
         Self(f64::from_phase(phase, exponent))
     }
 
+    fn fraction(phase: u64) -> Self {
+        Self(f64::fraction(phase))
+    }
+
     fn to_phase(self, exponent: i32) -> u64 {
         self.0.to_phase(exponent)
     }

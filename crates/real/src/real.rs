@@ -21,6 +21,7 @@ use num_traits::{Bounded, One, Zero};
 /// | [`from_ratio`](Real::from_ratio) | to nearest, ties to even | to nearest, ties away from zero; then saturate |
 /// | [`from_f64`](Backend::from_f64), [`from_f64_pair`](Backend::from_f64_pair) | to nearest, ties to even | to nearest, ties to even; `None` out of range |
 /// | [`from_phase`](Real::from_phase), [`to_phase`](Real::to_phase) | cut toward 0, saturate | cut toward 0, saturate |
+/// | [`fraction`](Real::fraction) | the leading bits, to nearest, ties to even | cut toward 0, saturate |
 /// | division by zero, also in `from_ratio` | infinity or NaN | the extreme with the sign of the numerator; `0/0` is 0 |
 /// | root of a negative number | 0 | 0 |
 ///
@@ -80,6 +81,14 @@ pub trait Real:
     /// a 64-bit integer, whose steps are equal and so fine that sums of small increments lose nothing, in
     /// whatever format they are used. Domain: `|exponent| ≤ 64`.
     fn from_phase(phase: u64, exponent: i32) -> Self;
+
+    /// The number `phase · 2⁻⁶⁴`, from 0 to 1, as a place on [0, 1]: not as precise near 0 as a float could be, for it is off by
+    /// up to half of its last digit and by 2⁻⁶⁴ in `f64`, 2⁻³² in `f32`. This is what machines convert integers to, and
+    /// takes a third of the instructions of [`from_phase`](Real::from_phase). In fixed point it is the same as that.
+    #[must_use]
+    fn fraction(phase: u64) -> Self {
+        Self::from_phase(phase, 0)
+    }
 
     /// The fraction `self · 2^exponent` as an integer: `⌊self · 2^(64 + exponent)⌋`, 0 for a negative number and
     /// 2⁶⁴ - 1 from 1 on. Domain: `|exponent| ≤ 64`.

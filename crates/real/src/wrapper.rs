@@ -205,6 +205,10 @@ macro_rules! wrapper {
                 Self::phase(phase, exponent, <Self as Wrapper>::Inner::from_phase(phase, exponent))
             }
 
+            fn fraction(phase: u64) -> Self {
+                Self::phase(phase, 0, <Self as Wrapper>::Inner::fraction(phase))
+            }
+
             fn power_of_two(exponent: i32) -> Self {
                 Self::constant(<Self as Wrapper>::Inner::power_of_two(exponent))
             }

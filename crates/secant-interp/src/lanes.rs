@@ -209,7 +209,7 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
         for (rows, n) in numbers.numerator.iter_mut().zip(numerator) {
             put(rows, lane, *n);
         }
-        numbers.t[lane] = R::from_phase(state.phase, 0);
+        numbers.t[lane] = R::fraction(state.phase);
         // Where another polynomial follows, a guess that may lead there is not for here.
         let end = R::one() - R::one().scale(-20);
         numbers.end[lane] = if row.continues { R::max_value() } else { end };
@@ -261,7 +261,7 @@ fn advance<R: Lane, const D: usize, const W: usize>(words: &mut Words<W>, number
     for lane in 0..W {
         let is_whole = words.left[lane] > PERIOD;
         let ([high, low], shift) = (of_lane(&words.middle, lane), words.shift[lane]);
-        let x = R::fraction_of_one((low >> (shift & 63)) | (high << (shift.wrapping_neg() & 63)));
+        let x = R::fraction((low >> (shift & 63)) | (high << (shift.wrapping_neg() & 63)));
         let mean = StageShape::Cubic.mean(x, numbers.share[lane]);
         let length = numbers.change[lane].mul_add(mean, numbers.feed[lane]);
         numbers.length[lane] = if is_whole { length } else { R::max_value() };
@@ -303,7 +303,7 @@ fn step<R: Lane, const D: usize, const W: usize>(words: &mut Words<W>, numbers: 
         numbers.sigma[0][lane] = keep(sigma, history[0]);
         numbers.sigma[1][lane] = keep(history[0], history[1]);
         numbers.sigma[2][lane] = keep(history[1], history[2]);
-        let t = R::fraction_of_one(phase);
+        let t = R::fraction(phase);
         numbers.t[lane] = keep(t, numbers.t[lane]);
         let mut shifted = numbers.numerator.each_ref().map(|rows| of_lane(rows, lane));
         put(&mut numbers.offset, lane, shift(&mut shifted, t));

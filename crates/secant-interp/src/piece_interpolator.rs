@@ -196,7 +196,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         let evaluations = self.travel::<N, PLAIN>(state, row, reach);
         let count = self.pieces.pieces.len();
         let (piece, t) = if state.piece < count {
-            (state.piece, R::from_phase(state.phase, 0))
+            (state.piece, R::fraction(state.phase))
         } else {
             (count.saturating_sub(1), R::one())
         };

@@ -97,7 +97,7 @@ impl<R: Real> LengthStage<R> {
         if self.change.is_zero() {
             return self.feed;
         }
-        let x = R::from_phase(self.fraction(middle), 0);
+        let x = R::fraction(self.fraction(middle));
         self.change.mul_add(self.shape.mean(x, share), self.feed)
     }
 }
