@@ -36,6 +36,14 @@ pub struct ChordTolerance<R> {
     pub max_evaluations: u32,
 }
 
+impl<R: Real> ChordTolerance<R> {
+    /// The largest |f| whose one correction is enough and whose series holds.
+    #[inline]
+    pub(crate) fn threshold(&self) -> R {
+        self.residual.min(Evaluation::<R>::limits().0)
+    }
+}
+
 /// A chord that is to be completed on a piece. N is the pieces' degree, so that loops have a known length, or
 /// [`MAX_DEGREE`] for any. PLAIN says that W is 1 whatever `rational` says.
 #[derive(Clone, Copy, Debug)]
@@ -87,6 +95,27 @@ impl<R: Real> Evaluation<R> {
         };
         Self { residual, slope: slope.signal("chord_growth") }
     }
+
+    /// The largest |f| and |g| for which the series of the correction holds: ½ and ⅜.
+    #[inline]
+    fn limits() -> (R, R) {
+        (R::from_ratio(1, 2), R::from_ratio(3, 8))
+    }
+
+    /// Whether |f| is at most `threshold`, and |g| small enough for the series of the correction.
+    #[inline]
+    pub(crate) fn is_small(&self, threshold: R) -> bool {
+        (self.residual.abs() <= threshold) & (self.slope.abs() <= Self::limits().1)
+    }
+
+    /// f and g limited to where the series holds, which keeps the factor below 2 and the correction below σ/2.
+    fn limited(&self) -> Self {
+        let (largest, largest_growth) = Self::limits();
+        Self {
+            residual: self.residual.max(-largest).min(largest),
+            slope: self.slope.max(-largest_growth).min(largest_growth),
+        }
+    }
 }
 
 impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D, N, PLAIN> {
@@ -101,27 +130,56 @@ impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D,
         !PLAIN && self.rational
     }
 
-    /// Solves for σ from the start value `sigma`, which lies in the range; returns it with the evaluations made.
+    /// σ from a start value in the range, where one evaluation and one correction are enough; the evaluation where not.
     #[inline]
-    #[must_use]
-    pub fn solve(&self, mut sigma: R, tolerance: &ChordTolerance<R>) -> (R, u32) {
-        let threshold = if self.before.is_some() { tolerance.residual.scale(-2) } else { tolerance.residual };
-        let mut evaluations = 0;
-        while evaluations < tolerance.max_evaluations.max(1) {
-            evaluations += 1;
-            let value = self.evaluate(sigma);
-            let correction = match self.before {
-                None => correction(sigma, &value),
-                Some(_) => joint_correction(&value, self.range[1].half()),
-            };
-            let next = sigma - within(correction, sigma, &self.range);
-            let unchanged = next == sigma;
-            sigma = next.signal("step_per_chord");
-            if value.residual.abs() <= threshold || unchanged {
-                break;
+    pub(crate) fn correct(&self, sigma: R, tolerance: &ChordTolerance<R>) -> Result<R, Evaluation<R>> {
+        let value = self.evaluate(sigma);
+        if value.is_small(tolerance.threshold()) {
+            let correction = correction(sigma, &value);
+            if is_within(correction, sigma, &self.range) {
+                return Ok((sigma - correction).signal("step_per_chord"));
             }
         }
-        (sigma, evaluations)
+        Err(value)
+    }
+
+    /// Solves for σ from the start value `sigma`, which lies in the range; returns it with the evaluations made.
+    #[must_use]
+    pub fn solve(&self, sigma: R, tolerance: &ChordTolerance<R>) -> (R, u32) {
+        self.refine(sigma, self.evaluate(sigma), tolerance)
+    }
+
+    /// The same with the first evaluation made.
+    pub(crate) fn refine(
+        &self,
+        mut sigma: R,
+        mut value: Evaluation<R>,
+        tolerance: &ChordTolerance<R>,
+    ) -> (R, u32) {
+        let threshold = if self.before.is_some() { tolerance.residual.scale(-2) } else { tolerance.residual };
+        let mut evaluations = 1;
+        loop {
+            let correction = match self.before {
+                None => correction(sigma, &value.limited()),
+                Some(_) => joint_correction(&value, self.range[1].half()),
+            };
+            let unchanged = sigma;
+            sigma = self.next(sigma, correction);
+            if value.residual.abs() <= threshold
+                || sigma == unchanged
+                || evaluations >= tolerance.max_evaluations
+            {
+                return (sigma, evaluations);
+            }
+            evaluations += 1;
+            value = self.evaluate(sigma);
+        }
+    }
+
+    /// The next trial, in the range.
+    #[inline]
+    fn next(&self, sigma: R, correction: R) -> R {
+        (sigma - within(correction, sigma, &self.range)).signal("step_per_chord")
     }
 
     #[inline]
@@ -215,16 +273,18 @@ pub(crate) fn value_and_slope<R: Real, const M: usize>(
     rows.fold(begin, |(value, slope), row| name(times_x(&value, &row), times_x(&slope, &value)))
 }
 
-/// `σ f/2 (1 - g + g² - ¾f)`. f and g are limited to where the series holds, which keeps the factor below 2 and the
-/// correction below σ/2.
+/// `σ f/2 (1 - g + g² - ¾f)`, of f and g that are limited.
 #[inline]
 pub(crate) fn correction<R: Real>(sigma: R, value: &Evaluation<R>) -> R {
-    let half = R::one().half();
-    let largest_growth = half - half.scale(-2); // ⅜
-    let f = value.residual.max(-half).min(half);
-    let g = value.slope.max(-largest_growth).min(largest_growth);
+    let (f, g) = (value.residual, value.slope);
     let factor = R::one() - g + g * g - f.half() - f.scale(-2);
     (sigma * f).half() * factor
+}
+
+/// Whether `correction` leaves σ in its range.
+#[inline]
+pub(crate) fn is_within<R: Real>(correction: R, sigma: R, range: &[R; 2]) -> bool {
+    (sigma - range[1] <= correction) & (correction <= sigma - range[0])
 }
 
 /// What of `correction` does not take σ out of its range: the trial itself might not fit the format. What is not a

@@ -14,7 +14,7 @@ use feed_plan::StageShape;
 use nurbs_core::shift;
 use real::{Lane, Real};
 
-use crate::chord_step::{Evaluation, correction, value_and_slope, within};
+use crate::chord_step::{Evaluation, correction, is_within, value_and_slope};
 use crate::piece_interpolator::{CUBIC, PieceInterpolator, PieceSetpoint, PieceState, extrapolate};
 use crate::step_lengths::PERIOD;
 
@@ -213,7 +213,7 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
         // Where another polynomial follows, a guess that may lead there is not for here.
         let end = R::one() - R::one().scale(-20);
         numbers.end[lane] = if row.continues { R::max_value() } else { end };
-        numbers.threshold[lane] = run.tolerance.residual;
+        numbers.threshold[lane] = run.tolerance.threshold();
         !state.sigma[0].is_zero()
     }
 
@@ -287,13 +287,15 @@ fn step<R: Lane, const D: usize, const W: usize>(words: &mut Words<W>, numbers: 
         let (pull, slope) = value_and_slope(chord.into_iter(), x, |value, slope| (value, slope));
         let turn = slope.map(|t| t * x);
         let value = Evaluation::new(guess, &pull, &turn, R::one(), None);
-        let sigma = guess - within(correction(guess, &value), guess, &range);
+        let correction = correction(guess, &value);
+        let sigma = guess - correction;
         let (part, is_part) = (sigma * length).part_of_one();
         let phase = old.wrapping_add(part);
 
         let is_common = (guessed + numbers.t[lane] < numbers.end[lane])
             & (guessed <= R::one())
-            & (value.residual.abs() <= numbers.threshold[lane])
+            & value.is_small(numbers.threshold[lane])
+            & is_within(correction, guess, &range)
             & is_part
             & (phase > old)
             & (phase < u64::MAX);

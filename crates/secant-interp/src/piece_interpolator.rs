@@ -3,7 +3,7 @@
 use nurbs_core::{MAX_DEGREE, Piece, Pieces, Shifted};
 use real::Real;
 
-use crate::chord_step::{Chord, ChordTolerance, within};
+use crate::chord_step::{Chord, ChordTolerance, Evaluation, within};
 use crate::feed_override::{FeedOverride, OverrideState};
 use crate::step_lengths::{LengthCursor, StepLengths};
 
@@ -238,7 +238,10 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
             return state.reach(&reached, self.pieces.pieces);
         }
         let chord = self.chord_on::<N, PLAIN>(row, state.whole, &state.at, length);
-        let (sigma, evaluations) = chord.solve(guess, &self.tolerance);
+        let (sigma, evaluations) = match chord.correct(guess, &self.tolerance) {
+            Ok(sigma) => (sigma, 1),
+            Err(value) => self.refine::<N, PLAIN>(state, row, length, guess, value),
+        };
         let step = row.part(sigma * length);
         // Steps of a whole piece and more are saturated: from the piece's begin on, they end at the last phase.
         match state.phase.checked_add(step).filter(|phase| *phase < u64::MAX) {
@@ -253,6 +256,20 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
                 state.reach(&reached, self.pieces.pieces)
             }
         }
+    }
+
+    /// The step per chord on the present piece where the evaluation of the guess is not enough.
+    #[cold]
+    #[inline(never)]
+    fn refine<const N: usize, const PLAIN: bool>(
+        &self,
+        state: &PieceState<R, D>,
+        row: &Piece<R, D>,
+        length: R,
+        guess: R,
+        value: Evaluation<R>,
+    ) -> (R, u32) {
+        self.chord_on::<N, PLAIN>(row, state.whole, &state.at, length).refine(guess, value, &self.tolerance)
     }
 
     /// The chord to the end of the present piece and the step there, over the length; `None` if that is farther than the

@@ -14,15 +14,16 @@ use secant_interp::{ChordTolerance, LengthStage, PieceInterpolator, StepLengths}
 /// | x = σL, no more than the piece, of which floats make pieces | | 1 | | 1 | | 1 | |
 /// | Horner's scheme for q, 2 products a coordinate, and q', 1; x q' | 6 | 2 | | | | | |
 /// | σq, σxq', the sign in f, f, g | | 2 + 2 | 2 of 3 and 2 terms | | 1 | | |
-/// | the correction: ½, ⅜, limits of f and g, the polynomial, its halves | | 3 | | 5 | 1 + 2 + 4 | 4 | |
-/// | limited, subtracted, unchanged?, small? | | | | | 2 + 1 | 2 + 1 + 2 | |
+/// | the correction: the polynomial, its halves | | 3 | | 3 | 4 | | |
+/// | are f and g small, f by the less of two limits? | | | | | | 1 + 2 + 2 | |
+/// | in range? Subtracted | | | | | 2 + 1 | 2 | |
 /// | the phase of the step | | 1 | | | | | 1 |
 /// | the point, with the shift to it, a coordinate: 2 + 2 + 1 products of synthetic division, value·t | 10 | 2 | | | | | 1 |
 /// | rescale three coefficients a coordinate and the point, which floats need not | | | | 6 + 2 | | | |
-/// | **sum** | **16** | **14** | **2** | **14** | **18** | **15** | **2 or 3** |
+/// | **sum** | **16** | **14** | **2** | **12** | **15** | **13** | **2 or 3** |
 const BY_HAND: OperationCounts = OperationCounts {
     add: 0, // with `sub` and `neg`, in `sub`
-    sub: 18,
+    sub: 15,
     neg: 0,
     mul: 14,
     mul_add: 16,
@@ -32,8 +33,8 @@ const BY_HAND: OperationCounts = OperationCounts {
     sqrt: 0,
     norm: 0,
     norm_terms: 0,
-    scale: 14,
-    compare: 15,
+    scale: 12,
+    compare: 13,
     convert: 2,
 };
 
@@ -83,9 +84,9 @@ fn a_step_makes_the_operations_that_were_counted_by_hand() {
     for (by_hand, counts) in in_formats {
         assert!(counts.len() > 1300, "the common step is the common one: {}", counts.len());
         for step in counts {
-            // The absolute value of a negative residual is one sign more.
+            // The absolute value of a negative f or g is one sign more.
             let sums = step.add + step.sub + step.neg;
-            assert!((by_hand.sub..=by_hand.sub + 1).contains(&sums), "{sums}");
+            assert!((by_hand.sub..=by_hand.sub + 2).contains(&sums), "{sums}");
             assert!((by_hand.convert..=by_hand.convert + 1).contains(&step.convert), "{}", step.convert);
             let convert = by_hand.convert;
             assert_eq!(OperationCounts { add: 0, sub: by_hand.sub, neg: 0, convert, ..step }, by_hand);
