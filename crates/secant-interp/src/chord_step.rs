@@ -146,7 +146,7 @@ impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D,
     /// Solves for σ from the start value `sigma`, which lies in the range; returns it with the evaluations made.
     #[must_use]
     pub fn solve(&self, sigma: R, tolerance: &ChordTolerance<R>) -> (R, u32) {
-        self.refine(sigma, self.evaluate(sigma), tolerance)
+        self.refine(sigma, self.evaluate_aside(sigma), tolerance)
     }
 
     /// The same with the first evaluation made.
@@ -172,7 +172,7 @@ impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D,
                 return (sigma, evaluations);
             }
             evaluations += 1;
-            value = self.evaluate(sigma);
+            value = self.evaluate_aside(sigma);
         }
     }
 
@@ -182,7 +182,13 @@ impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D,
         (sigma - within(correction, sigma, &self.range)).signal("step_per_chord")
     }
 
-    #[inline]
+    /// The evaluation that is rarely needed, once in the program.
+    #[inline(never)]
+    fn evaluate_aside(&self, sigma: R) -> Evaluation<R> {
+        self.evaluate(sigma)
+    }
+
+    #[inline(always)] // Called by the common step, it would take what it needs through memory.
     fn evaluate(&self, sigma: R) -> Evaluation<R> {
         let step = (sigma * self.length).signal("step").min(self.whole);
         let x = step.rescaled(-self.range_exponent).signal("chord_variable");
