@@ -10,19 +10,23 @@ use serde_json::json;
 use crate::compiled::Compiled;
 use crate::race::{Runner, race, report};
 
-/// The same path at W feeds, from four fifths of the full one up: no two runs reach a joint in the same period.
-fn fleet<R: Backend, const D: usize>(path: &Path<D>, width: u32) -> Vec<Compiled<R, D>> {
-    let share = |i: u32| 0.8 + 0.2 * f64::from(i) / f64::from(width);
-    (0..width).map(|i| Compiled::new(&Path { feed_mm: path.feed_mm * share(i), ..path.clone() })).collect()
+/// At how many feeds a path is followed.
+const FEEDS: u32 = 16;
+
+/// The same path at several feeds, from four fifths of the full one up: their runs reach joints in other periods.
+fn fleet<R: Backend, const D: usize>(path: &Path<D>) -> Vec<Compiled<R, D>> {
+    let share = |i: u32| 0.8 + 0.2 * f64::from(i) / f64::from(FEEDS);
+    (0..FEEDS).map(|i| Compiled::new(&Path { feed_mm: path.feed_mm * share(i), ..path.clone() })).collect()
 }
 
-/// How often each run is made.
+/// How many runs a lane takes, one after the other.
 const LAPS: usize = 4;
 
 /// All runs in lanes, of which each takes the next run where one has ended; the steps of all.
 fn side_by_side<R: Lane + Backend, const D: usize, const W: usize>(fleet: &[Compiled<R, D>]) -> f64 {
     let mut waiting = fleet.iter().cycle().take(LAPS * W).map(Compiled::interpolator).skip(W);
-    let mut lanes = LaneInterpolator::<R, D, W>::new(std::array::from_fn(|lane| fleet[lane].interpolator()));
+    let first = |lane: usize| fleet[lane % fleet.len()].interpolator();
+    let mut lanes = LaneInterpolator::<R, D, W>::new(std::array::from_fn(first));
     let mut steps = 0;
     loop {
         let running = lanes.step();
@@ -48,9 +52,10 @@ fn side_by_side<R: Lane + Backend, const D: usize, const W: usize>(fleet: &[Comp
 /// # Panics
 /// If runs in lanes do not take the steps that they take alone: then they do other work, and their time means nothing.
 pub(crate) fn lanes<R: Lane + Backend, const D: usize, const W: usize>(path: &Path<D>) {
-    let fleet = fleet::<R, D>(path, u32::try_from(W).unwrap_or(u32::MAX));
-    let one_by_one = || fleet.iter().cycle().take(LAPS * W).map(Compiled::run).sum::<f64>();
-    let units = LAPS as u64 * fleet.iter().map(|run| run.follow().0).sum::<u64>();
+    let fleet = fleet::<R, D>(path);
+    let runs = || fleet.iter().cycle().take(LAPS * W);
+    let one_by_one = || runs().map(Compiled::run).sum::<f64>();
+    let units = runs().map(|run| run.follow().0).sum::<u64>();
     assert_eq!(side_by_side::<R, D, W>(&fleet), units as f64, "{}: steps in lanes", path.name);
     let mut runners = [
         Runner { name: "one by one".into(), units, run: Box::new(one_by_one) },

@@ -82,10 +82,10 @@ fn main() {
         real_time_step::formats(&c, false);
     }
     if wanted("lanes") {
-        lanes::lanes::<f64, 2, 16>(&a);
-        lanes::lanes::<f32, 2, 16>(&a);
-        lanes::lanes::<f64, 3, 16>(&c);
-        lanes::lanes::<f32, 3, 16>(&c);
+        lanes::lanes::<f64, 2, 32>(&a);
+        lanes::lanes::<f32, 2, 64>(&a);
+        lanes::lanes::<f64, 3, 32>(&c);
+        lanes::lanes::<f32, 3, 64>(&c);
     }
     if wanted("step-growth") {
         real_time_step::growth(&[100, 1000, 10_000, 100_000]);

@@ -3,7 +3,8 @@
 //! A step is a chain of some fifty operations, each of which waits for the one before. In the same time a processor with wide
 //! registers takes the steps of eight runs or sixteen, which is what a search over feeds or a simulation of many parts
 //! wants. A [`LaneInterpolator`] keeps what a common step needs of all runs side by side, and takes it for all of them in loops
-//! that the compiler turns into vector instructions: those of the machine that it runs on, chosen at run time.
+//! that the compiler turns into vector instructions: those of the machine that it runs on, chosen at run time. A loop with
+//! words of 64 bits has as many lanes at a time as there are of these in a register; what needs none has loops of its own.
 //!
 //! A common step is one on a cubic without weights, in a cubic stage or at constant feed, that stays on its piece and needs one
 //! evaluation. Whatever else a lane meets it meets alone, as [`PieceInterpolator::step`] does. So the setpoints are those of
@@ -33,8 +34,6 @@ struct Words<const W: usize> {
     period: [Row<u64, W>; 2],
     /// How far that is shifted to become a fraction of the stage.
     shift: Row<u64, W>,
-    /// Whether the step was a common one.
-    is_common: Row<u64, W>,
 }
 
 /// The numbers of the lanes.
@@ -51,19 +50,26 @@ struct Numbers<R, const D: usize, const W: usize> {
     share: Row<R, W>,
     feed: Row<R, W>,
     change: Row<R, W>,
-    /// The distance of the period; the greatest number where it is not that of a whole period within a stage.
+    /// The place in the stage at the middle of the period; -1 where the period does not lie within the stage.
+    time: Row<R, W>,
+    /// The distance of the period; the greatest number where the period does not lie within the stage.
     length: Row<R, W>,
     /// Where the lanes stand on their pieces, and from where on a guess would not be tried.
     t: Row<R, W>,
     end: Row<R, W>,
     /// The largest |f| that one correction is enough for.
     threshold: Row<R, W>,
+    /// σ of this step, and the step on the piece; -1 where one evaluation on the piece did not find it.
+    found: Row<R, W>,
+    step: Row<R, W>,
+    /// 1 where the step was a common one, else 0.
+    is_common: Row<R, W>,
 }
 
 impl<const W: usize> Words<W> {
     fn new() -> Self {
         let none = [0; W];
-        Self { phase: none, left: none, middle: [none; 2], period: [none; 2], shift: [1; W], is_common: none }
+        Self { phase: none, left: none, middle: [none; 2], period: [none; 2], shift: [1; W] }
     }
 }
 
@@ -79,10 +85,14 @@ impl<R: Real, const D: usize, const W: usize> Numbers<R, D, W> {
             share: zero,
             feed: zero,
             change: zero,
+            time: zero,
             length: zero,
             t: zero,
             end: zero,
             threshold: zero,
+            found: zero,
+            step: zero,
+            is_common: zero,
         }
     }
 }
@@ -100,7 +110,8 @@ fn put<T: Copy, const N: usize, const W: usize>(rows: &mut [Row<T, W>; N], lane:
     }
 }
 
-/// W interpolators side by side, in a format that has vector registers: 8 to 32 of them keep these full.
+/// W interpolators side by side, in a format that has vector registers: four times as many as fit one of these, 32 or 64, for
+/// each loop leaves to the next what that has to wait for.
 #[derive(Clone, Debug)]
 pub struct LaneInterpolator<'a, R, const D: usize, const W: usize> {
     runs: [PieceInterpolator<'a, R, D>; W],
@@ -126,7 +137,7 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
     pub fn restart(&mut self, lane: usize, run: PieceInterpolator<'a, R, D>) {
         let Some(place) = self.runs.get_mut(lane) else { return };
         (*place, self.states[lane], self.alone[lane]) = (run, run.start(), None);
-        (self.words.left[lane], self.words.is_common[lane]) = (0, 0);
+        (self.words.left[lane], self.numbers.is_common[lane]) = (0, R::zero());
     }
 
     /// One period of every run; how many of them have a setpoint. 0 once all ends have been commanded.
@@ -136,7 +147,7 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
         self.arch.dispatch(CommonStep(&mut self.words, &mut self.numbers));
         let mut running = W;
         for lane in 0..W {
-            if self.words.is_common[lane] == 0 {
+            if self.numbers.is_common[lane].is_zero() {
                 self.step_alone(lane);
                 running -= usize::from(self.alone[lane].is_none());
             }
@@ -149,7 +160,7 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
     #[inline]
     #[must_use]
     pub fn setpoint(&self, lane: usize) -> Option<PieceSetpoint<R, D>> {
-        if *self.words.is_common.get(lane)? == 0 {
+        if self.numbers.is_common.get(lane)?.is_zero() {
             return *self.alone.get(lane)?;
         }
         Some(PieceSetpoint {
@@ -241,7 +252,7 @@ fn in_words(product: u128) -> [u64; 2] {
     [(product >> 64) as u64, product as u64]
 }
 
-/// The common step, compiled for each kind of vector registers.
+/// The common step, compiled for each kind of vector registers: [`PieceInterpolator::step`] without its branches.
 struct CommonStep<'a, R, const D: usize, const W: usize>(&'a mut Words<W>, &'a mut Numbers<R, D, W>);
 
 impl<R: Lane, const D: usize, const W: usize> pulp::WithSimd for CommonStep<'_, R, D, W> {
@@ -250,11 +261,13 @@ impl<R: Lane, const D: usize, const W: usize> pulp::WithSimd for CommonStep<'_, 
     #[inline(always)] // What is called instead is not compiled for them.
     fn with_simd<S: pulp::Simd>(self, _: S) {
         advance(self.0, self.1);
-        step(self.0, self.1);
+        solve(self.1);
+        travel(self.0, self.1);
+        arrive(self.1);
     }
 }
 
-/// The distance of a period, in the lanes whose stage lasts longer: as [`StepLengths::advance`](crate::StepLengths::advance)
+/// The place in the stage, in the lanes whose stage lasts longer: as [`StepLengths::advance`](crate::StepLengths::advance)
 /// has it, with the product of 128 bits carried on from period to period.
 #[inline(always)]
 fn advance<R: Lane, const D: usize, const W: usize>(words: &mut Words<W>, numbers: &mut Numbers<R, D, W>) {
@@ -262,9 +275,7 @@ fn advance<R: Lane, const D: usize, const W: usize>(words: &mut Words<W>, number
         let is_whole = words.left[lane] > PERIOD;
         let ([high, low], shift) = (of_lane(&words.middle, lane), words.shift[lane]);
         let x = R::fraction((low >> (shift & 63)) | (high << (shift.wrapping_neg() & 63)));
-        let mean = StageShape::Cubic.mean(x, numbers.share[lane]);
-        let length = numbers.change[lane].mul_add(mean, numbers.feed[lane]);
-        numbers.length[lane] = if is_whole { length } else { R::max_value() };
+        numbers.time[lane] = if is_whole { x } else { -R::one() };
         let [more, rest] = of_lane(&words.period, lane);
         let sum = low.wrapping_add(rest);
         let carried = high.wrapping_add(more).wrapping_add(u64::from(sum < low));
@@ -274,12 +285,17 @@ fn advance<R: Lane, const D: usize, const W: usize>(words: &mut Words<W>, number
     }
 }
 
-/// The common step, in the lanes where it is one: [`PieceInterpolator::step`] without its branches.
+/// The distance of the period, and the step that makes its chord.
 #[inline(always)]
-fn step<R: Lane, const D: usize, const W: usize>(words: &mut Words<W>, numbers: &mut Numbers<R, D, W>) {
+fn solve<R: Lane, const D: usize, const W: usize>(numbers: &mut Numbers<R, D, W>) {
     for lane in 0..W {
+        let time = numbers.time[lane];
+        let mean = StageShape::Cubic.mean(time, numbers.share[lane]);
+        let length = numbers.change[lane].mul_add(mean, numbers.feed[lane]);
+        let length = if time >= R::zero() { length } else { R::max_value() };
+        numbers.length[lane] = length;
+
         let (history, range) = (of_lane(&numbers.sigma, lane), of_lane(&numbers.range, lane));
-        let (length, old) = (numbers.length[lane], words.phase[lane]);
         let guess = extrapolate(history, &range);
         let guessed = guess * length;
         let x = guessed.min(R::one());
@@ -289,26 +305,44 @@ fn step<R: Lane, const D: usize, const W: usize>(words: &mut Words<W>, numbers: 
         let value = Evaluation::new(guess, &pull, &turn, R::one(), None);
         let correction = correction(guess, &value);
         let sigma = guess - correction;
-        let (part, is_part) = (sigma * length).part_of_one();
-        let phase = old.wrapping_add(part);
 
-        let is_common = (guessed + numbers.t[lane] < numbers.end[lane])
+        let is_found = (guessed + numbers.t[lane] < numbers.end[lane])
             & (guessed <= R::one())
             & value.is_small(numbers.threshold[lane])
-            & is_within(correction, guess, &range)
-            & is_part
-            & (phase > old)
-            & (phase < u64::MAX);
-        words.is_common[lane] = u64::from(is_common);
-        words.phase[lane] = if is_common { phase } else { old };
+            & is_within(correction, guess, &range);
+        numbers.found[lane] = sigma;
+        numbers.step[lane] = if is_found { sigma * length } else { -R::one() };
+    }
+}
+
+/// The way of the step, in the lanes that stay on their piece.
+#[inline(always)]
+fn travel<R: Lane, const D: usize, const W: usize>(words: &mut Words<W>, numbers: &mut Numbers<R, D, W>) {
+    for lane in 0..W {
+        let old = words.phase[lane];
+        let (part, is_part) = numbers.step[lane].part_of_one();
+        let phase = old.wrapping_add(part);
+        let is_common = is_part & (phase > old) & (phase < u64::MAX);
+        numbers.is_common[lane] = if is_common { R::one() } else { R::zero() };
+        let phase = if is_common { phase } else { old };
+        words.phase[lane] = phase;
+        numbers.t[lane] = R::fraction(phase);
+    }
+}
+
+/// The point there, and what the next step begins with.
+#[inline(always)]
+fn arrive<R: Lane, const D: usize, const W: usize>(numbers: &mut Numbers<R, D, W>) {
+    for lane in 0..W {
+        let is_common = numbers.is_common[lane] > R::zero();
         let keep = |new: R, old: R| if is_common { new } else { old };
-        numbers.sigma[0][lane] = keep(sigma, history[0]);
+        let history = of_lane(&numbers.sigma, lane);
+        numbers.sigma[0][lane] = keep(numbers.found[lane], history[0]);
         numbers.sigma[1][lane] = keep(history[0], history[1]);
         numbers.sigma[2][lane] = keep(history[1], history[2]);
-        let t = R::fraction(phase);
-        numbers.t[lane] = keep(t, numbers.t[lane]);
+        let chord = numbers.chord.each_ref().map(|rows| of_lane(rows, lane));
         let mut shifted = numbers.numerator.each_ref().map(|rows| of_lane(rows, lane));
-        put(&mut numbers.offset, lane, shift(&mut shifted, t));
+        put(&mut numbers.offset, lane, shift(&mut shifted, numbers.t[lane]));
         for ((rows, new), old) in numbers.chord.iter_mut().zip(shifted).zip(chord) {
             put(rows, lane, core::array::from_fn(|d| keep(new[d], old[d])));
         }
@@ -345,8 +379,8 @@ mod tests {
         let mut lanes = LaneInterpolator::new([run; 4]);
         let (mut steps, mut common) = (0, 0);
         while lanes.step() > 0 {
-            steps += lanes.words.is_common.len();
-            common += lanes.words.is_common.iter().filter(|is_common| **is_common != 0).count();
+            steps += lanes.numbers.is_common.len();
+            common += lanes.numbers.is_common.iter().filter(|is_common| **is_common > R::zero()).count();
         }
         assert!(steps > 3000, "{steps} steps");
         common as f64 / steps as f64
