@@ -16,7 +16,8 @@
 //!
 //! No heap, no panic, no loop without a bound; everything is generic over [`real::Real`].
 //!
-//! Features: `std` (default) or `libm`, for the square roots of floats; `lanes`, for simulations on a large machine.
+//! Features: `std` (default) or `libm`, for the square roots of floats; `cubic`, which `std` brings, for a step on cubics that
+//! takes up to 40 % fewer instructions and more flash; `lanes`, for simulations on a large machine.
 
 #![cfg_attr(not(feature = "std"), no_std)]
 

@@ -106,8 +106,8 @@ fn part_of_next<R: Real, const D: usize>(row: &Piece<R, D>, next: &Piece<R, D>, 
     if phase.leading_zeros() < distance { None } else { Some(phase.checked_shl(distance).unwrap_or(0)) }
 }
 
-/// The degree that steps are compiled for besides all others: chains of three coefficients are unrolled. Not without `std`,
-/// for a second form of the step would not fit the flash of a small controller beside the first in every format.
+/// The degree that steps are compiled for besides all others, with the feature `cubic`: chains of three coefficients are
+/// unrolled.
 pub(crate) const CUBIC: usize = 3;
 
 /// The position reached by a step, and σ there.
@@ -170,7 +170,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         row: &Piece<R, D>,
         planned: Option<R>,
     ) -> PieceSetpoint<R, D> {
-        if R::IS_FOR_SPEED && cfg!(feature = "std") && self.pieces.degree == CUBIC {
+        if R::IS_FOR_SPEED && cfg!(feature = "cubic") && self.pieces.degree == CUBIC {
             if self.pieces.is_rational() {
                 self.follow_on::<CUBIC, false>(state, row, planned)
             } else {

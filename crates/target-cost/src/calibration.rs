@@ -222,7 +222,7 @@ fn alone(format: &CountedFormat, measure: Measure) -> Vec<(Priced, Option<Cycles
     };
     let own = |name: &str| less(name, "copy");
     // The kernel `to_phase` makes a number of its phase again.
-    let convert = own("from_phase").zip(less("to_phase", "from_phase")).map(|(from, to)| (from + to) * 0.5);
+    let convert = own("fraction").zip(less("to_phase", "fraction")).map(|(from, to)| (from + to) * 0.5);
     // Powers of two are known when the program is built, more often than not.
     let scale = own("half");
     vec![

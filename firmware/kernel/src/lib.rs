@@ -15,6 +15,10 @@ pub mod operations;
 pub mod path_run;
 
 mod checksum;
+#[cfg_attr(
+    not(all(feature = "floats", feature = "fixed-point")),
+    allow(dead_code, unused_imports, reason = "an image has a part of the formats")
+)]
 mod compiled {
     //! The compiled paths.
     use nurbs_core::{Piece, Pieces};

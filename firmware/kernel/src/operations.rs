@@ -108,19 +108,21 @@ macro_rules! formats {
             div(x) = x.a / x.b;
             sqrt(x) = Real::sqrt(Real::abs(x.a));
             norm(x) = Real::norm(&[x.a, x.b]);
-            from_phase(x) = Real::from_phase(x.phase, x.exponent);
-            to_phase(x) = Real::from_phase(Real::to_phase(Real::abs(x.a), x.exponent), 0);
+            fraction(x) = Real::fraction(x.phase);
+            to_phase(x) = Real::fraction(Real::to_phase(Real::abs(x.a), x.exponent));
         );
     )*};
 }
 
 /// `⌊a·b/2⁶⁴⌋`, the product that a time takes to become a fraction of its stage.
+#[cfg(feature = "fixed-point")]
 #[unsafe(export_name = "k_high_product_u64")]
 #[inline(never)]
 fn high_product(factors: &[u64; 2], result: &mut u64) {
     *result = ((u128::from(factors[0]) * u128::from(factors[1])) >> 64) as u64;
 }
 
+#[cfg(feature = "fixed-point")]
 fn run_high_product(board: &mut impl Board) {
     let mut seed = 2;
     let mut checksum = Checksum::new();
@@ -142,9 +144,13 @@ fn run_high_product(board: &mut impl Board) {
 
 /// Every operation of every format.
 pub(crate) fn run_all(board: &mut impl Board) {
+    #[cfg(feature = "floats")]
+    formats!(board: f64 = "f64", f32 = "f32");
+    #[cfg(feature = "fixed-point")]
     formats!(board:
-        f64 = "f64", f32 = "f32", real::I16F16 = "I16F16", real::I8F24 = "I8F24", real::I4F28 = "I4F28",
-        real::I3F29 = "I3F29", real::I2F30 = "I2F30", real::I32F32 = "I32F32", real::I16F48 = "I16F48", real::I4F60 = "I4F60"
+        real::I16F16 = "I16F16", real::I8F24 = "I8F24", real::I4F28 = "I4F28", real::I3F29 = "I3F29",
+        real::I2F30 = "I2F30", real::I32F32 = "I32F32", real::I16F48 = "I16F48", real::I4F60 = "I4F60"
     );
+    #[cfg(feature = "fixed-point")]
     run_high_product(board);
 }

@@ -100,9 +100,13 @@ macro_rules! formats {
 
 /// Every path in every format.
 pub(crate) fn run_all(board: &mut impl Board) {
+    #[cfg(feature = "floats")]
     formats!(board:
         f64 = "f64": PAPER_A_F64, TEN_POINTS_F64;
         f32 = "f32": PAPER_A_F32, TEN_POINTS_F32;
+    );
+    #[cfg(feature = "fixed-point")]
+    formats!(board:
         real::I3F29 = "I3F29": PAPER_A_I3F29, TEN_POINTS_I3F29;
         real::I4F28 = "I4F28": PAPER_A_I4F28, TEN_POINTS_I4F28;
         real::I4F60 = "I4F60": PAPER_A_I4F60, TEN_POINTS_I4F60;

@@ -9,7 +9,8 @@
 //! | cycles by a processor manual's table | [`cycles`] |
 //! | the data file and the table in the documentation | [`report`] |
 //!
-//! `trace --image IMAGE --target NAME --out FILE.toml` measures one target and fails when a checksum is not the host's;
+//! `trace --image IMAGE [--image IMAGE] --target NAME --out FILE.toml` measures one target, whose formats may lie in several
+//! images, and fails when a checksum is not the host's;
 //! `trace --render FILE.toml DOCUMENT.md` writes the table of all targets in the file.
 
 mod calls;
@@ -20,7 +21,7 @@ mod report;
 mod symbols;
 mod target;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
@@ -43,7 +44,7 @@ impl Board for Host {
     }
 }
 
-const USAGE: &str = "usage: trace --image IMAGE --target NAME --out FILE.toml [--toolchain KEY=VALUE]... [--one-at-a-time]\n       \
+const USAGE: &str = "usage: trace --image IMAGE... --target NAME --out FILE.toml [--toolchain KEY=VALUE]... [--one-at-a-time]\n       \
                      trace --render FILE.toml DOCUMENT.md\n       \
                      trace --compare FILE.toml FILE.toml";
 
@@ -59,13 +60,13 @@ fn main() -> ExitCode {
 
 fn run() -> Result<(), Failure> {
     let mut arguments = std::env::args().skip(1);
-    let (mut image, mut target, mut out) = (None, None, None);
+    let (mut images, mut target, mut out) = (Vec::new(), None, None);
     let mut toolchain = Vec::new();
     let mut singly = false;
     while let Some(name) = arguments.next() {
         let mut value = || arguments.next().ok_or(USAGE);
         match name.as_str() {
-            "--image" => image = Some(PathBuf::from(value()?)),
+            "--image" => images.push(PathBuf::from(value()?)),
             "--target" => target = Some(value()?),
             "--out" => out = Some(PathBuf::from(value()?)),
             "--toolchain" => {
@@ -79,32 +80,64 @@ fn run() -> Result<(), Failure> {
             _ => return Err(USAGE.into()),
         }
     }
-    let (Some(image), Some(target), Some(out)) = (image, target, out) else { return Err(USAGE.into()) };
-    measure(&image, &target, &out, toolchain, singly)
+    let (false, Some(target), Some(out)) = (images.is_empty(), target, out) else { return Err(USAGE.into()) };
+    measure(&images, &target, &out, toolchain, singly)
+}
+
+/// What one image's calls took.
+struct Measured {
+    records: Vec<Record>,
+    counts: Vec<calls::Counts>,
+    stack: Vec<usize>,
 }
 
 fn measure(
-    image: &std::path::Path,
+    images: &[PathBuf],
     name: &str,
-    out: &std::path::Path,
+    out: &Path,
     toolchain: Vec<(String, String)>,
     singly: bool,
 ) -> Result<(), Failure> {
     let target = target::find(name)?;
     let mut host = Host::default();
     kernel::run_all(&mut host);
-    let symbols = symbols::read(image)?;
+    let mut all = Measured { records: Vec::new(), counts: Vec::new(), stack: Vec::new() };
+    let mut emulator = String::new();
     let start = Instant::now();
-    let mut walk = calls::Walk::new(&host.0, &symbols)?;
-    let (printed, emulator) = emulator::run(&target, image, singly, |executed| walk.step(executed))?;
-    let counts = walk.finish()?;
-    let stack = report::check(&host.0, &printed)?;
+    for image in images {
+        let part;
+        (part, emulator) = measure_image(&target, image, &host.0, singly)?;
+        all.records.extend(part.records);
+        all.counts.extend(part.counts);
+        all.stack.extend(part.stack);
+    }
+    if all.records.len() != host.0.len() {
+        let (found, known) = (all.records.len(), host.0.len());
+        return Err(format!("the images make {found} groups of calls, not the host's {known}").into());
+    }
     let seconds = start.elapsed().as_secs_f64();
-    let measured = report::Target::new(&target, &host.0, &counts, &stack)?;
+    let measured = report::Target::new(&target, &all.records, &all.counts, &all.stack)?;
     println!(
         "{name}: {} groups of calls, every checksum as on the host; {:.1} million instructions in {seconds:.0} s",
-        host.0.len(),
-        counts.iter().map(|c| c.total()).sum::<u64>() as f64 / 1e6,
+        all.records.len(),
+        all.counts.iter().map(|c| c.total()).sum::<u64>() as f64 / 1e6,
     );
     report::merge(out, measured, toolchain, &emulator)
+}
+
+/// The calls that are in this image, of those that the host makes; and the emulator's name.
+fn measure_image(
+    target: &target::Target,
+    image: &Path,
+    host: &[Record],
+    singly: bool,
+) -> Result<(Measured, String), Failure> {
+    let symbols = symbols::read(image)?;
+    let records: Vec<Record> =
+        host.iter().filter(|call| symbols.contains_key(call.symbol)).copied().collect();
+    let mut walk = calls::Walk::new(&records, &symbols)?;
+    let (printed, emulator) = emulator::run(target, image, singly, |executed| walk.step(executed))?;
+    let counts = walk.finish()?;
+    let stack = report::check(&records, &printed)?;
+    Ok((Measured { records, counts, stack }, emulator))
 }
