@@ -309,8 +309,8 @@ pub(crate) fn render(from: &Path, to: &Path) -> Result<(), Failure> {
         "<!-- Written by scripts/firmware from data/target-costs.toml: do not edit. -->\n\
          # Cost of a step on controllers\n\n\
          The real-time kernels, unchanged, on the instruction sets of controllers: built for bare metal, run in an \
-         emulator, every executed instruction counted. Each run's setpoints are bit for bit those of the host, in every \
-         format on every target.\n\n\
+         emulator, every executed instruction counted, with the feature `cubic` of `secant-interp`. Each run's setpoints are \
+         bit for bit those of the host, in every format on every target.\n\n\
          Instructions are exact for the toolchain below. Cycles are estimates: instructions by class, times the manuals' \
          cycles (`firmware/trace/cycles/`, where each row names its place), with memory that never waits; flash wait \
          states come on top. Nothing here was measured on silicon. For Cortex-M7 no table is published, so its cycles are \
