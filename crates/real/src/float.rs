@@ -349,6 +349,11 @@ mod tests {
     proptest! {
         /// To half a digit and what is spared, and in order. In units of 2⁻⁶⁴, which are exact in both.
         #[test]
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a fraction in units of 2⁻⁶⁴ is a whole number from 0 to 2⁶⁴"
+        )]
         fn fractions_are_as_accurate_as_said(phase: u64, shift in 0..64_u32) {
             for phase in [phase, phase >> shift, u64::MAX - (phase >> shift), 0, 1, u64::MAX] {
                 let off = |x: f64| (x.scale(64) as u128).abs_diff(phase.into()) as f64;
