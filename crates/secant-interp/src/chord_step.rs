@@ -130,7 +130,8 @@ impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D,
         !PLAIN && self.rational
     }
 
-    /// σ from a start value in the range, where one evaluation and one correction are enough; the evaluation where not.
+    /// σ from a start value in the range, where one evaluation and one correction are enough; the evaluation where not. What
+    /// is small needs no limits: this comes to the same as [`refine`](Self::refine), sooner.
     #[inline]
     pub(crate) fn correct(&self, sigma: R, tolerance: &ChordTolerance<R>) -> Result<R, Evaluation<R>> {
         let value = self.evaluate(sigma);
@@ -163,11 +164,9 @@ impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D,
                 None => correction(sigma, &value.limited()),
                 Some(_) => joint_correction(&value, self.range[1].half()),
             };
-            let unchanged = sigma;
-            sigma = self.next(sigma, correction);
-            if value.residual.abs() <= threshold
-                || sigma == unchanged
-                || evaluations >= tolerance.max_evaluations
+            let trial = sigma;
+            sigma = self.next(trial, correction);
+            if value.residual.abs() <= threshold || sigma == trial || evaluations >= tolerance.max_evaluations
             {
                 return (sigma, evaluations);
             }

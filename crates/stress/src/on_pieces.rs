@@ -198,7 +198,8 @@ struct Steps<'a, R, const D: usize> {
 /// A chord of L units (of 2⁻λ mm) is the root of a residual of order one, formed of terms that are each rounded to the
 /// format's resolution r. So it is found to a few r relative to itself, and L itself is a multiple of r, or in a float
 /// r relative to itself: `|chord - L| ≤ (ABSOLUTE + relative(p) L) r` in fixed point, `relative(p) L r` in a float. Forming the
-/// terms for degree p takes p(p + 1)/2 sums, each rounded in units up to four times those of the chord.
+/// terms for degree p takes p(p + 1)/2 sums, each rounded in units up to four times those of the chord, and with weights as
+/// many again, whose roundings meet offsets of the order of the chord's units.
 struct LengthUnits {
     resolution: f64,
     is_fixed: bool,
@@ -208,8 +209,9 @@ struct LengthUnits {
 /// See [`LengthUnits`].
 const ABSOLUTE: f64 = 8.0;
 /// See [`LengthUnits`].
-fn relative(degree: usize) -> f64 {
-    (40 + 2 * degree * (degree + 1)).max(64) as f64
+fn relative(degree: usize, is_rational: bool) -> f64 {
+    let sums = degree * (degree + 1) / 2 * (1 + usize::from(is_rational));
+    (40 + 4 * sums).max(64) as f64
 }
 /// Cosine of the turn within a step from which on its chord is not always found: the path comes back, and the chord
 /// shrinks before it grows.
@@ -309,7 +311,8 @@ impl<'a, R: Backend, const D: usize> Steps<'a, R, D> {
         let joints = (to.0 - from.0) as f64;
         let resolution = units.resolution * if units.is_fixed { units.chord } else { wanted };
         let piece = self.run.planned.path.piece_mm;
-        let relative = relative(self.run.table.as_pieces().degree);
+        let table = self.run.table.as_pieces();
+        let relative = relative(table.degree, table.is_rational());
         let bound = (absolute + relative * wanted) * units.resolution * (1.0 + joints)
             + JUDGE * piece
             + if joints > 0.0 {

@@ -134,6 +134,13 @@ fn a_rest_of_several_landing_steps_is_not_judged_by_the_plan() {
     run_soaked_at(SoakPaths { seed: 20_261_129, full_speed: false }, &SOAK_FORMATS[3..4], &[1101]);
 }
 
+/// A rational quintic's chord was off by 112 units of I4F28 relative to itself, which is the rounding of twice the sums of a
+/// quintic without weights.
+#[test]
+fn weights_have_roundings_of_their_own() {
+    run_soaked_at(SoakPaths { seed: 20_261_132, full_speed: true }, &SOAK_FORMATS[4..5], &[427]);
+}
+
 /// Where the speed on a piece is 15 m per unit of its parameter, the judge's own rounding of phases is 3e-12 mm.
 #[test]
 fn rounding_in_the_judge_is_no_fault_of_the_run() {
