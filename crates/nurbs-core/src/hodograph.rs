@@ -156,7 +156,7 @@ mod tests {
             let dense = sampled(&points, 4096);
             prop_assert!(speed.greatest * (1.0 + 1.0 / 60.0) >= dense.greatest, "{} {}", speed.greatest, dense.greatest);
             // Next to a cusp the speed falls within the finest part, by |C''| times its width: |C''| is at most some 2p |C'|.
-            let within_part = 2.0 * points.len() as f64 * dense.greatest / f64::from(1 << DEPTH);
+            let within_part = 2.0 * (points.len() - 1) as f64 * dense.greatest / f64::from(1 << DEPTH);
             prop_assert!(
                 speed.least * (1.0 - 1.0 / 60.0) <= dense.least + within_part,
                 "{} {}", speed.least, dense.least

@@ -84,7 +84,8 @@ fn run() -> Result<(), Failure> {
     measure(&images, &target, &out, toolchain, singly)
 }
 
-/// What one image's calls took.
+/// What the calls of images took.
+#[derive(Default)]
 struct Measured {
     records: Vec<Record>,
     counts: Vec<calls::Counts>,
@@ -101,15 +102,10 @@ fn measure(
     let target = target::find(name)?;
     let mut host = Host::default();
     kernel::run_all(&mut host);
-    let mut all = Measured { records: Vec::new(), counts: Vec::new(), stack: Vec::new() };
-    let mut emulator = String::new();
+    let (mut all, mut emulator) = (Measured::default(), String::new());
     let start = Instant::now();
     for image in images {
-        let part;
-        (part, emulator) = measure_image(&target, image, &host.0, singly)?;
-        all.records.extend(part.records);
-        all.counts.extend(part.counts);
-        all.stack.extend(part.stack);
+        emulator = all.add(&target, image, &host.0, singly)?;
     }
     if all.records.len() != host.0.len() {
         let (found, known) = (all.records.len(), host.0.len());
@@ -125,19 +121,23 @@ fn measure(
     report::merge(out, measured, toolchain, &emulator)
 }
 
-/// The calls that are in this image, of those that the host makes; and the emulator's name.
-fn measure_image(
-    target: &target::Target,
-    image: &Path,
-    host: &[Record],
-    singly: bool,
-) -> Result<(Measured, String), Failure> {
-    let symbols = symbols::read(image)?;
-    let records: Vec<Record> =
-        host.iter().filter(|call| symbols.contains_key(call.symbol)).copied().collect();
-    let mut walk = calls::Walk::new(&records, &symbols)?;
-    let (printed, emulator) = emulator::run(target, image, singly, |executed| walk.step(executed))?;
-    let counts = walk.finish()?;
-    let stack = report::check(&records, &printed)?;
-    Ok((Measured { records, counts, stack }, emulator))
+impl Measured {
+    /// Adds the calls that are in this image, of those that the host makes; returns the emulator's name.
+    fn add(
+        &mut self,
+        target: &target::Target,
+        image: &Path,
+        host: &[Record],
+        singly: bool,
+    ) -> Result<String, Failure> {
+        let symbols = symbols::read(image)?;
+        let records: Vec<Record> =
+            host.iter().filter(|call| symbols.contains_key(call.symbol)).copied().collect();
+        let mut walk = calls::Walk::new(&records, &symbols)?;
+        let (printed, emulator) = emulator::run(target, image, singly, |executed| walk.step(executed))?;
+        self.counts.extend(walk.finish()?);
+        self.stack.extend(report::check(&records, &printed)?);
+        self.records.extend(records);
+        Ok(emulator)
+    }
 }
