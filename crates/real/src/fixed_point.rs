@@ -31,6 +31,11 @@ where
         F::FRAC_NBITS as usize
     };
 
+    const BITS: usize = (F::INT_NBITS + F::FRAC_NBITS) as usize;
+
+    /// Whether a word of twice the width is one that the machine works with.
+    const WIDE_IS_A_REGISTER: bool = 2 * Self::BITS <= usize::BITS as usize;
+
     /// The number `bits · 2⁻ᶠ`.
     #[inline]
     #[must_use]
@@ -189,6 +194,14 @@ where
 
     #[inline]
     fn scale(self, exponent: i32) -> Self {
+        if Self::WIDE_IS_A_REGISTER {
+            // To the left within the wide word, and its width to the right: the same for both signs of the exponent.
+            let left = Self::BITS.wrapping_add_signed(exponent as isize);
+            if left >= 2 * Self::BITS {
+                return Self(F::ZERO);
+            }
+            return Self::wrap(Self::round(self.wide() << left, Self::BITS));
+        }
         let bits = self.0.to_bits();
         let shift = exponent.unsigned_abs() as usize;
         if shift >= (F::INT_NBITS + F::FRAC_NBITS) as usize {
@@ -217,13 +230,13 @@ where
     #[inline]
     fn to_phase(self, exponent: i32) -> u64 {
         let bits = self.0.to_bits().to_u64().unwrap_or(0); // a negative number is no u64
-        let shift = 64 + exponent.clamp(-64, 64) - (F::FRAC_NBITS.cast_signed());
-        let left = shift.unsigned_abs();
-        match shift {
-            s if s < 0 => bits.checked_shr(left).unwrap_or(0),
-            _ if bits != 0 && left > bits.leading_zeros() => u64::MAX,
-            _ => bits.checked_shl(left).unwrap_or(0),
+        let left = (64 - F::FRAC_NBITS.cast_signed()).saturating_add(exponent);
+        if left < 0 {
+            return bits.checked_shr(left.unsigned_abs()).unwrap_or(0);
         }
+        let phase = bits.wrapping_shl(left.unsigned_abs());
+        let is_all = left < 64 && phase.wrapping_shr(left.unsigned_abs()) == bits;
+        if is_all || bits == 0 { phase } else { u64::MAX }
     }
 
     #[inline]
