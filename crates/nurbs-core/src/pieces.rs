@@ -144,15 +144,17 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
     #[inline]
     fn numerator<const N: usize>(&self, piece: usize) -> Option<&'a [[R; D]]> {
         let count = self.count::<N>();
-        self.numerators.get(piece.wrapping_mul(count)..)?.get(..count)
+        let begin = piece.wrapping_mul(count);
+        self.numerators.get(begin..begin.checked_add(count)?)
     }
 
     /// w_0, and w_1 to w_p.
     #[inline]
     fn weight<const N: usize>(&self, piece: usize) -> Option<(R, &'a [R])> {
         let count = self.count::<N>();
-        let (constant, rest) = self.weights.get(piece.wrapping_mul(count + 1)..)?.split_first()?;
-        Some((*constant, rest.get(..count)?))
+        let begin = piece.wrapping_mul(count + 1);
+        let (constant, rest) = self.weights.get(begin..begin.checked_add(count + 1)?)?.split_first()?;
+        Some((*constant, rest))
     }
 
     /// The point at the local parameter `t` of `piece`, as an offset from the piece's origin, in units of
@@ -178,22 +180,28 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
             .pieces
             .get(piece)
             .map_or(0, |row| i32::from(row.coordinate_exponent) - self.coordinate_exponent);
-        offset.map(|x| x.rescaled(units).signal("offset"))
+        core::array::from_fn(|d| offset[d].rescaled(units).signal("offset"))
     }
 
     /// The piece's polynomials about `t`: all that a step from there needs.
     #[must_use]
     pub fn shifted(&self, piece: usize, t: R) -> Shifted<R, D> {
         let mut at = Shifted::default();
-        self.shift_to::<MAX_DEGREE, false>(piece, t, &mut at);
+        self.shift_aside(piece, t, &mut at);
         at
+    }
+
+    /// The same in place, compiled once: for whatever is rarer than the common step.
+    #[inline(never)]
+    pub fn shift_aside(&self, piece: usize, t: R, at: &mut Shifted<R, D>) {
+        self.shift_to::<MAX_DEGREE, false>(piece, t, at);
     }
 
     /// The same in place: what is known of another point or piece of the same path is overwritten.
     ///
     /// N is the pieces' degree, which is fastest, or [`MAX_DEGREE`], which serves all. PLAIN says that the path has no
     /// weights, which spares the question.
-    #[inline]
+    #[inline(always)] // Called, it would leave its rows in memory, in other parts than they are read in.
     pub fn shift_to<const N: usize, const PLAIN: bool>(&self, piece: usize, t: R, at: &mut Shifted<R, D>) {
         let (Some(row), Some(numerator)) = (self.pieces.get(piece), self.numerator::<N>(piece)) else {
             *at = Shifted::default();
@@ -203,18 +211,19 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
         if N == MAX_DEGREE {
             // In place: a controller would pay for rows that its degree does not have.
             let chord = at.chord.get_mut(..numerator.len()).unwrap_or_default();
-            at.offset = self.form::<N>(row, numerator, weights, t, chord, &mut at.weight);
+            self.form::<N>(row, numerator, weights, t, &mut at.offset, chord, &mut at.weight);
             return;
         }
         // Few rows are formed in registers.
         let mut rows = [[R::zero(); D]; N];
-        at.offset = self.form::<N>(row, numerator, weights, t, &mut rows, &mut at.weight);
-        for (slot, row) in at.chord.iter_mut().zip(rows) {
-            *slot = row;
+        self.form::<N>(row, numerator, weights, t, &mut at.offset, &mut rows, &mut at.weight);
+        // Number by number, here and below: a row of two numbers of 32 bits would be packed into one word of 64.
+        for (slot, x) in at.chord.as_flattened_mut().iter_mut().zip(rows.as_flattened()) {
+            *slot = *x;
         }
     }
 
-    /// Forms the polynomials about `t` in the slots for them; returns the offset there.
+    /// Forms the polynomials about `t`, and the offset there, in the slots for them.
     #[inline(always)] // Called, it would return its rows through memory: 13 % more instructions a step.
     fn form<const N: usize>(
         &self,
@@ -222,17 +231,20 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
         numerator: &[[R; D]],
         weights: Option<(R, &[R])>,
         t: R,
+        offset: &mut [R; D],
         chord: &mut [[R; D]],
         weight: &mut [R; MAX_DEGREE],
-    ) -> [R; D] {
+    ) {
         let range = i32::from(row.range_exponent);
         let per_power = range - i32::from(row.step_exponent);
-        for (slot, n) in chord.iter_mut().zip(numerator) {
-            *slot = n.map(|x| x.signal("coefficient"));
+        for (slot, x) in chord.as_flattened_mut().iter_mut().zip(numerator.as_flattened()) {
+            *slot = x.signal("coefficient");
         }
-        let mut offset = shift(chord, t).map(|x| x.signal("offset"));
+        for (slot, x) in offset.iter_mut().zip(shift(chord, t)) {
+            *slot = x.signal("offset");
+        }
         if let Some((constant, weights)) = weights {
-            let turns = divide_by_weight::<_, D, N>(constant, weights, t, &mut offset, chord);
+            let turns = divide_by_weight::<_, D, N>(constant, weights, t, offset, chord);
             let mut power = 0;
             for (slot, w) in weight.iter_mut().zip(turns).take(chord.len()) {
                 power += per_power;
@@ -243,9 +255,10 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
         let mut power = i32::from(row.coordinate_exponent) + self.chord_exponent - range;
         for c in chord {
             power += per_power;
-            *c = c.map(|x| x.rescaled(power).signal("chord_coefficient"));
+            for x in c {
+                *x = x.rescaled(power).signal("chord_coefficient");
+            }
         }
-        offset
     }
 }
 
@@ -289,7 +302,11 @@ fn horner<R: Real, const D: usize>(rows: impl DoubleEndedIterator<Item = [R; D]>
 pub fn shift<R: Real, const D: usize>(rows: &mut [[R; D]], t: R) -> [R; D] {
     // The first sweep divides the polynomial with its constant term 0, whose entry is the value; each later one the
     // quotient before it, and leaves one derivative.
-    let value = divide(rows, t).map(|first| first * t);
+    let mut value = [R::zero(); D];
+    divide(rows, t);
+    for (x, first) in value.iter_mut().zip(rows.first().into_iter().flatten()) {
+        *x = *first * t;
+    }
     let mut rest = rows;
     while !rest.is_empty() {
         divide(rest, t);
@@ -298,14 +315,15 @@ pub fn shift<R: Real, const D: usize>(rows: &mut [[R; D]], t: R) -> [R; D] {
     value
 }
 
-/// One sweep of Horner's scheme from the top coefficient down, which leaves its sums; returns the last of them.
+/// One sweep of Horner's scheme from the top coefficient down, which leaves its sums.
 #[inline]
-fn divide<R: Real, const D: usize>(rows: &mut [[R; D]], t: R) -> [R; D] {
+fn divide<R: Real, const D: usize>(rows: &mut [[R; D]], t: R) {
     let mut rows = rows.iter_mut().rev();
-    let Some(mut above) = rows.next().copied() else { return [R::zero(); D] };
+    let Some(mut above) = rows.next() else { return };
     for row in rows {
-        above = core::array::from_fn(|d| above[d].mul_add(t, row[d]).signal("shifted_coefficient"));
-        *row = above;
+        for (x, more) in row.iter_mut().zip(above.iter()) {
+            *x = more.mul_add(t, *x).signal("shifted_coefficient");
+        }
+        above = row;
     }
-    above
 }

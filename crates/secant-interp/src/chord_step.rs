@@ -86,11 +86,14 @@ impl<R: Real> Evaluation<R> {
         lightening: Option<[(R, R); 3]>,
     ) -> Self {
         let along = chord.map(|q| (sigma * q).signal("chord_direction"));
+        // The weight comes first: at the end, compilers would pair it with the last coordinate, whose coefficient they then read
+        // together with the next one, before both are written.
         let squares = along.iter().map(|v| (*v, *v));
-        let residual = R::sum_of_products(squares.chain([(-weight, weight)])).signal("chord_residual");
+        let residual =
+            R::sum_of_products([(-weight, weight)].into_iter().chain(squares)).signal("chord_residual");
         let growth = (0..D).map(|d| (along[d], (sigma * turn[d]).signal("chord_turn")));
         let slope = match lightening {
-            Some(products) => R::sum_of_products(growth.chain(products)),
+            Some(products) => R::sum_of_products(products.into_iter().chain(growth)),
             None => R::sum_of_products(growth),
         };
         Self { residual, slope: slope.signal("chord_growth") }
@@ -132,7 +135,7 @@ impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D,
 
     /// σ from a start value in the range, where one evaluation and one correction are enough; the evaluation where not. What
     /// is small needs no limits: this comes to the same as [`refine`](Self::refine), sooner.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn correct(&self, sigma: R, tolerance: &ChordTolerance<R>) -> Result<R, Evaluation<R>> {
         let value = self.evaluate(sigma);
         if value.is_small(tolerance.threshold()) {
@@ -229,20 +232,19 @@ impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D,
     /// q and x q' at the trial step.
     #[inline]
     fn chord_per_step(&self, x: R) -> ([R; D], [R; D]) {
-        let (chord, turn) =
-            value_and_slope(self.at.chord.iter().copied().take(self.count()), x, |chord, turn| {
-                (chord.map(|q| q.signal("chord_per_step")), turn.map(|q| q.signal("chord_turn")))
-            });
-        (chord, turn.map(|t| t * x))
+        let (chord, mut turn) =
+            value_and_slope(self.at.chord.iter().take(self.count()), x, ["chord_per_step", "chord_turn"]);
+        for t in &mut turn {
+            *t = *t * x;
+        }
+        (chord, turn)
     }
 
     /// W and dW/dx at the trial step, over W at the present point.
     #[inline]
     fn weight(&self, x: R) -> (R, R) {
-        let weights = self.at.weight.iter().take(self.count()).map(|w| [*w]);
-        let ([value], [turn]) = value_and_slope(weights, x, |value, turn| {
-            (value.map(|w: R| w.signal("chord_weight")), turn.map(|w: R| w.signal("chord_weight")))
-        });
+        let weights = self.at.weight.as_chunks::<1>().0.iter().take(self.count());
+        let ([value], [turn]) = value_and_slope(weights, x, ["chord_weight"; 2]);
         // value = ω̃_1 + ω̃_2 x + …, so W = 1 + x value and W' = value + x·(its derivative).
         (value.mul_add(x, R::one()), turn.mul_add(x, value).signal("chord_weight"))
     }
@@ -263,26 +265,44 @@ impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D,
 
 /// `Σ row_k x^k` and its derivative by x, by one chain without products for the top coefficient; `name` names both, and all
 /// that they come from.
-#[inline]
-pub(crate) fn value_and_slope<R: Real, const M: usize>(
-    rows: impl DoubleEndedIterator<Item = [R; M]>,
+#[inline(always)] // Called, it would return its rows through memory: a tenth of the step in fixed point.
+pub(crate) fn value_and_slope<'a, R: Real + 'a, const M: usize>(
+    rows: impl DoubleEndedIterator<Item = &'a [R; M]>,
     x: R,
-    name: impl Fn([R; M], [R; M]) -> ([R; M], [R; M]),
+    [name, slope_name]: [&'static str; 2],
 ) -> ([R; M], [R; M]) {
     let mut rows = rows.rev();
-    let zero = [R::zero(); M];
-    let top = rows.next().unwrap_or(zero);
-    let times_x = |of: &[R; M], more: &[R; M]| core::array::from_fn(|d| of[d].mul_add(x, more[d]));
-    let Some(next) = rows.next() else { return name(top, zero) };
-    let begin = name(times_x(&top, &next), top);
-    rows.fold(begin, |(value, slope), row| name(times_x(&value, &row), times_x(&slope, &value)))
+    let (mut values, mut slopes) = ([R::zero(); M], [R::zero(); M]);
+    let Some(top) = rows.next() else { return (values, slopes) };
+    let Some(next) = rows.next() else {
+        for (value, top) in values.iter_mut().zip(top) {
+            *value = top.signal(name);
+        }
+        return (values, slopes);
+    };
+    for (((value, slope), top), more) in values.iter_mut().zip(&mut slopes).zip(top).zip(next) {
+        *slope = top.signal(slope_name);
+        *value = top.mul_add(x, *more).signal(name);
+    }
+    for row in rows {
+        for ((value, slope), more) in values.iter_mut().zip(&mut slopes).zip(row) {
+            *slope = slope.mul_add(x, *value).signal(slope_name);
+            *value = value.mul_add(x, *more).signal(name);
+        }
+    }
+    (values, slopes)
 }
 
 /// `σ f/2 (1 - g + g² - ¾f)`, of f and g that are limited.
 #[inline]
 pub(crate) fn correction<R: Real>(sigma: R, value: &Evaluation<R>) -> R {
     let (f, g) = (value.residual, value.slope);
-    let factor = R::one() - g + g * g - f.half() - f.scale(-2);
+    let series = R::one() - g + g * g;
+    if R::IS_FLOATING {
+        // Halves are exact, and ¾ takes no longer than ½: a shorter way from f to the step.
+        return sigma.half() * f * (series - R::from_ratio(3, 4) * f);
+    }
+    let factor = series - f.half() - f.scale(-2);
     (sigma * f).half() * factor
 }
 

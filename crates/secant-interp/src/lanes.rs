@@ -184,7 +184,7 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
         let length = self.numbers.length[lane];
         let is_whole = length < R::max_value();
         let planned = if is_whole { Some(length) } else { run.lengths.advance(&mut state.cursor) };
-        self.alone[lane] = Some(run.follow(state, row, planned));
+        self.alone[lane] = Some(run.follow_aside(state, row, planned));
         if !self.load_piece(lane) {
             self.words.left[lane] = 0;
         } else if !is_whole {
@@ -300,7 +300,7 @@ fn solve<R: Lane, const D: usize, const W: usize>(numbers: &mut Numbers<R, D, W>
         let guessed = guess * length;
         let x = guessed.min(R::one());
         let chord = numbers.chord.each_ref().map(|rows| of_lane(rows, lane));
-        let (pull, slope) = value_and_slope(chord.into_iter(), x, |value, slope| (value, slope));
+        let (pull, slope) = value_and_slope(chord.iter(), x, ["chord_per_step", "chord_turn"]);
         let turn = slope.map(|t| t * x);
         let value = Evaluation::new(guess, &pull, &turn, R::one(), None);
         let correction = correction(guess, &value);

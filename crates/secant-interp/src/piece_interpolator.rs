@@ -57,19 +57,14 @@ impl<R: Real, const D: usize> PieceState<R, D> {
         &self.cursor
     }
 
-    #[inline]
-    fn remember(&mut self, sigma: R) {
-        let [newest, middle, _] = self.sigma;
-        self.sigma = [sigma, newest, middle];
-    }
-
-    /// The end of a step over a joint; returns its evaluations.
+    /// The end of a step over a joint.
     #[cold]
-    fn reach(&mut self, reached: &Reached<R>, pieces: &[Piece<R, D>]) -> u32 {
-        (self.piece, self.phase) = (reached.piece, reached.phase);
-        self.whole = pieces.get(self.piece).map_or(R::one(), Piece::whole);
-        self.remember(reached.sigma);
-        reached.evaluations
+    fn reach(&mut self, reached: &Reached<R>, pieces: &[Piece<R, D>]) -> Travelled {
+        let Reached { piece, phase, sigma, evaluations } = *reached;
+        let [newest, middle, _] = self.sigma;
+        (self.piece, self.phase, self.sigma) = (piece, phase, [sigma, newest, middle]);
+        self.whole = pieces.get(piece).map_or(R::one(), Piece::whole);
+        Travelled { piece, phase, evaluations }
     }
 }
 
@@ -110,6 +105,13 @@ fn part_of_next<R: Real, const D: usize>(row: &Piece<R, D>, next: &Piece<R, D>, 
 /// unrolled.
 pub(crate) const CUBIC: usize = 3;
 
+/// Where a step leads, and its evaluations.
+struct Travelled {
+    piece: usize,
+    phase: u64,
+    evaluations: u32,
+}
+
 /// The position reached by a step, and σ there.
 struct Reached<R> {
     piece: usize,
@@ -137,6 +139,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     ///
     /// A chord over which the path turns by more than 60° may come out shorter than planned: steps per chord are held to
     /// a sixteenth above that of the piece's slowest point, and the arc over such a chord is longer by more.
+    #[inline(always)] // Called, it takes a tenth longer in fixed point: the state and the setpoint go through memory.
     pub fn step(&self, state: &mut PieceState<R, D>) -> Option<PieceSetpoint<R, D>> {
         let row = self.pieces.pieces.get(state.piece)?;
         let planned = self.lengths.advance(&mut state.cursor);
@@ -159,12 +162,12 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
             let offset = self.pieces.in_common_units(piece, &state.at.offset);
             return Some(PieceSetpoint { piece, phase, offset, length: R::zero(), evaluations: 0 });
         }
-        Some(self.follow(state, row, planned))
+        Some(self.follow_aside(state, row, planned))
     }
 
     /// One period of the planned length, or of landing.
-    #[inline]
-    pub(crate) fn follow(
+    #[inline(always)]
+    fn follow(
         &self,
         state: &mut PieceState<R, D>,
         row: &Piece<R, D>,
@@ -181,8 +184,19 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         }
     }
 
+    /// The same for rarer callers, compiled once.
+    #[inline(never)]
+    pub(crate) fn follow_aside(
+        &self,
+        state: &mut PieceState<R, D>,
+        row: &Piece<R, D>,
+        planned: Option<R>,
+    ) -> PieceSetpoint<R, D> {
+        self.follow(state, row, planned)
+    }
+
     /// The same on pieces of degree N, or with [`MAX_DEGREE`] on any; if PLAIN only on those without weights.
-    #[inline]
+    #[inline(always)]
     fn follow_on<const N: usize, const PLAIN: bool>(
         &self,
         state: &mut PieceState<R, D>,
@@ -193,17 +207,24 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         let is_last = planned.is_none() || self.lengths.is_over(&state.cursor);
         let reach = if is_last { length + self.landing_step } else { length };
 
-        let evaluations = self.travel::<N, PLAIN>(state, row, reach);
-        let count = self.pieces.pieces.len();
-        let (piece, t) = if state.piece < count {
-            (state.piece, R::fraction(state.phase))
+        let Travelled { piece, phase, evaluations } = self.travel::<N, PLAIN>(state, row, reach);
+        let of = if piece < self.pieces.pieces.len() {
+            self.pieces.shift_to::<N, PLAIN>(piece, R::fraction(phase).signal("parameter"), &mut state.at);
+            piece
         } else {
-            (count.saturating_sub(1), R::one())
+            self.shift_to_end(&mut state.at)
         };
-        self.pieces.shift_to::<N, PLAIN>(piece, t.signal("parameter"), &mut state.at);
-        let offset = self.pieces.in_common_units(piece, &state.at.offset);
-        let (piece, phase) = (state.piece, state.phase);
+        let offset = self.pieces.in_common_units(of, &state.at.offset);
         PieceSetpoint { piece, phase, offset, length, evaluations }
+    }
+
+    /// To the last point of the path; returns its piece.
+    #[cold]
+    #[inline(never)]
+    fn shift_to_end(&self, at: &mut Shifted<R, D>) -> usize {
+        let last = self.pieces.pieces.len().saturating_sub(1);
+        self.pieces.shift_aside(last, R::one().signal("parameter"), at);
+        last
     }
 
     /// The chord of a step after the schedule's end: the landing step, doubled until it moves even with the piece's least
@@ -223,14 +244,16 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     }
 
     /// The chord on the present piece, and where it reaches past its end on the next ones.
-    #[inline]
+    #[inline(always)]
     fn travel<const N: usize, const PLAIN: bool>(
         &self,
         state: &mut PieceState<R, D>,
         row: &Piece<R, D>,
         length: R,
-    ) -> u32 {
+    ) -> Travelled {
         let guess = predict(&mut state.sigma, row);
+        // Read once: copied from place to place, two numbers would be read as one before both of them are written.
+        let [newest, middle, _] = state.sigma;
         if !is_on_piece(state, row, guess * length)
             && let Some(end) = self.end_within(state, row, length)
         {
@@ -247,8 +270,8 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         match state.phase.checked_add(step).filter(|phase| *phase < u64::MAX) {
             Some(phase) => {
                 state.phase = phase;
-                state.remember(sigma);
-                evaluations
+                state.sigma = [sigma, newest, middle];
+                Travelled { piece: state.piece, phase, evaluations }
             }
             None => {
                 let step = Reached { piece: state.piece, phase: step, sigma, evaluations };
@@ -333,7 +356,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
             if left <= R::zero() {
                 return Reached { piece, phase: 0, sigma: newest, evaluations };
             }
-            self.pieces.shift_to::<MAX_DEGREE, false>(piece, R::zero(), &mut at);
+            self.pieces.shift_aside(piece, R::zero(), &mut at);
             let on_next = self.chord(next, &at, length);
             let guess = newest * left;
             let is_long = guess * length >= on_next.whole;

@@ -92,7 +92,7 @@ impl<R: Real> LengthStage<R> {
 
     /// The mean feed over an interval of this share about the middle, which is in half units: what is travelled, over the
     /// interval's length.
-    #[inline]
+    #[inline(always)]
     fn mean_feed(&self, middle: u64, share: R) -> R {
         if self.change.is_zero() {
             return self.feed;
@@ -119,7 +119,7 @@ pub struct StepLengths<'a, R> {
 impl<R: Real> StepLengths<'_, R> {
     /// The distance of the next period, or `None` when the schedule is over. A schedule whose duration is no whole
     /// number of periods ends with a shorter step. At most one turn of the loop a stage.
-    #[inline]
+    #[inline(always)] // Into the step, as that is into its caller: see there.
     pub fn advance(&self, cursor: &mut LengthCursor) -> Option<R> {
         let stage = self.stages.get(cursor.stage)?;
         if PERIOD < stage.duration - cursor.time {
