@@ -94,6 +94,9 @@ pub struct Pieces<'a, R, const D: usize> {
     pub chord_exponent: i32,
 }
 
+/// n_1 to n_p of one piece; w_0, and w_1 to w_p, if it is rational.
+type Coefficients<'a, R, const D: usize> = (&'a [[R; D]], Option<(R, &'a [R])>);
+
 /// The coefficients of one piece, shifted to a parameter t.
 #[derive(Clone, Copy, Debug)]
 pub struct Shifted<R, const D: usize> {
@@ -211,12 +214,12 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
         if N == MAX_DEGREE {
             // In place: a controller would pay for rows that its degree does not have.
             let chord = at.chord.get_mut(..numerator.len()).unwrap_or_default();
-            self.form::<N>(row, numerator, weights, t, &mut at.offset, chord, &mut at.weight);
+            self.form::<N>(row, (numerator, weights), t, &mut at.offset, chord, &mut at.weight);
             return;
         }
         // Few rows are formed in registers.
         let mut rows = [[R::zero(); D]; N];
-        self.form::<N>(row, numerator, weights, t, &mut at.offset, &mut rows, &mut at.weight);
+        self.form::<N>(row, (numerator, weights), t, &mut at.offset, &mut rows, &mut at.weight);
         // Number by number, here and below: a row of two numbers of 32 bits would be packed into one word of 64.
         for (slot, x) in at.chord.as_flattened_mut().iter_mut().zip(rows.as_flattened()) {
             *slot = *x;
@@ -228,8 +231,7 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
     fn form<const N: usize>(
         &self,
         row: &Piece<R, D>,
-        numerator: &[[R; D]],
-        weights: Option<(R, &[R])>,
+        (numerator, weights): Coefficients<'_, R, D>,
         t: R,
         offset: &mut [R; D],
         chord: &mut [[R; D]],
