@@ -208,23 +208,17 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         let reach = if is_last { length + self.landing_step } else { length };
 
         let Travelled { piece, phase, evaluations } = self.travel::<N, PLAIN>(state, row, reach);
-        let of = if piece < self.pieces.pieces.len() {
-            self.pieces.shift_to::<N, PLAIN>(piece, R::fraction(phase).signal("parameter"), &mut state.at);
-            piece
-        } else {
-            self.shift_to_end(&mut state.at)
-        };
+        let (of, t) =
+            if piece < self.pieces.pieces.len() { (piece, R::fraction(phase)) } else { self.end() };
+        self.pieces.shift_to::<N, PLAIN>(of, t.signal("parameter"), &mut state.at);
         let offset = self.pieces.in_common_units(of, &state.at.offset);
         PieceSetpoint { piece, phase, offset, length, evaluations }
     }
 
-    /// To the last point of the path; returns its piece.
+    /// The last piece and its last parameter.
     #[cold]
-    #[inline(never)]
-    fn shift_to_end(&self, at: &mut Shifted<R, D>) -> usize {
-        let last = self.pieces.pieces.len().saturating_sub(1);
-        self.pieces.shift_aside(last, R::one().signal("parameter"), at);
-        last
+    fn end(&self) -> (usize, R) {
+        (self.pieces.pieces.len().saturating_sub(1), R::one())
     }
 
     /// The chord of a step after the schedule's end: the landing step, doubled until it moves even with the piece's least
