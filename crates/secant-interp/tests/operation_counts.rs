@@ -14,7 +14,7 @@ use secant_interp::{ChordTolerance, LengthStage, PieceInterpolator, StepLengths}
 /// | x = σL, no more than the piece, of which floats make pieces | | 1 | | 1 | | 1 | |
 /// | Horner's scheme for q, 2 products a coordinate, and q', 1; x q' | 6 | 2 | | | | | |
 /// | σq, σxq', the sign in f, f, g | | 2 + 2 | 2 of 3 and 2 terms | | 1 | | |
-/// | the correction: the polynomial, its halves | | 3 | | 3 | 4 | | |
+/// | the correction: the polynomial, its halves; in floats half of σ, and ¾f at once | | 3 | | 3 | 4 | | |
 /// | are f and g small, f by the less of two limits? | | | | | | 1 + 2 + 2 | |
 /// | in range? Subtracted | | | | | 2 + 1 | 2 | |
 /// | the phase of the step | | 1 | | | | | 1 |
@@ -40,7 +40,11 @@ const BY_HAND: OperationCounts = OperationCounts {
 
 /// [`BY_HAND`] in a format.
 fn by_hand<R: Real>() -> OperationCounts {
-    OperationCounts { scale: BY_HAND.scale - if R::IS_FLOATING { 1 + 6 + 2 } else { 0 }, ..BY_HAND }
+    if !R::IS_FLOATING {
+        return BY_HAND;
+    }
+    let scale = BY_HAND.scale - (1 + 6 + 2) - 2;
+    OperationCounts { sub: BY_HAND.sub - 1, mul: BY_HAND.mul + 1, scale, ..BY_HAND }
 }
 
 fn counts_of_common_steps<R: Backend>() -> Vec<OperationCounts> {
