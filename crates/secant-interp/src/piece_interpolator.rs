@@ -208,8 +208,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         let reach = if is_last { length + self.landing_step } else { length };
 
         let Travelled { piece, phase, evaluations } = self.travel::<N, PLAIN>(state, row, reach);
-        let (of, t) =
-            if piece < self.pieces.pieces.len() { (piece, R::fraction(phase)) } else { self.end() };
+        let (of, t) = if piece < self.pieces.pieces.len() { (piece, R::fraction(phase)) } else { self.end() };
         self.pieces.shift_to::<N, PLAIN>(of, t.signal("parameter"), &mut state.at);
         let offset = self.pieces.in_common_units(of, &state.at.offset);
         PieceSetpoint { piece, phase, offset, length, evaluations }
