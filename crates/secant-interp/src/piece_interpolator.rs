@@ -139,6 +139,8 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     ///
     /// A chord over which the path turns by more than 60° may come out shorter than planned: steps per chord are held to
     /// a sixteenth above that of the piece's slowest point, and the arc over such a chord is longer by more.
+    ///
+    /// It is compiled into its caller: where flash is short, it is called from one place.
     #[inline(always)] // Called, it takes a tenth longer in fixed point: the state and the setpoint go through memory.
     pub fn step(&self, state: &mut PieceState<R, D>) -> Option<PieceSetpoint<R, D>> {
         let row = self.pieces.pieces.get(state.piece)?;
