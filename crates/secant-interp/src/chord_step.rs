@@ -263,8 +263,8 @@ impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D,
     }
 }
 
-/// `Σ row_k x^k` and its derivative by x, by one chain without products for the top coefficient; `name` names both, and all
-/// that they come from.
+/// `Σ row_k x^k` and its derivative by x, by one chain without products for the top coefficient. The names are of both, and of
+/// all that they come from.
 #[inline(always)] // Called, it would return its rows through memory: a tenth of the step in fixed point.
 pub(crate) fn value_and_slope<'a, R: Real + 'a, const M: usize>(
     rows: impl DoubleEndedIterator<Item = &'a [R; M]>,
