@@ -183,6 +183,7 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
             .pieces
             .get(piece)
             .map_or(0, |row| i32::from(row.coordinate_exponent) - self.coordinate_exponent);
+        // Not by `map`, which reads two numbers of 32 bits as one word, right after they were written one by one.
         core::array::from_fn(|d| offset[d].rescaled(units).signal("offset"))
     }
 

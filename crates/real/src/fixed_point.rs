@@ -204,7 +204,7 @@ where
         }
         let bits = self.0.to_bits();
         let shift = exponent.unsigned_abs() as usize;
-        if shift >= (F::INT_NBITS + F::FRAC_NBITS) as usize {
+        if shift >= Self::BITS {
             return Self(F::ZERO); // at most half a unit is left, ties up from -½
         }
         if exponent >= 0 {

@@ -59,12 +59,12 @@ impl<R: Real, const D: usize> PieceState<R, D> {
 
     /// The end of a step over a joint.
     #[cold]
-    fn reach(&mut self, reached: &Reached<R>, pieces: &[Piece<R, D>]) -> Travelled {
-        let Reached { piece, phase, sigma, evaluations } = *reached;
+    fn reach(&mut self, reached: Reached<R>, pieces: &[Piece<R, D>]) -> Reached<R> {
         let [newest, middle, _] = self.sigma;
-        (self.piece, self.phase, self.sigma) = (piece, phase, [sigma, newest, middle]);
-        self.whole = pieces.get(piece).map_or(R::one(), Piece::whole);
-        Travelled { piece, phase, evaluations }
+        self.sigma = [reached.sigma, newest, middle];
+        (self.piece, self.phase) = (reached.piece, reached.phase);
+        self.whole = pieces.get(self.piece).map_or(R::one(), Piece::whole);
+        reached
     }
 }
 
@@ -104,13 +104,6 @@ fn part_of_next<R: Real, const D: usize>(row: &Piece<R, D>, next: &Piece<R, D>, 
 /// The degree that steps are compiled for besides all others, with the feature `cubic`: chains of three coefficients are
 /// unrolled.
 pub(crate) const CUBIC: usize = 3;
-
-/// Where a step leads, and its evaluations.
-struct Travelled {
-    piece: usize,
-    phase: u64,
-    evaluations: u32,
-}
 
 /// The position reached by a step, and σ there.
 struct Reached<R> {
@@ -209,7 +202,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         let is_last = planned.is_none() || self.lengths.is_over(&state.cursor);
         let reach = if is_last { length + self.landing_step } else { length };
 
-        let Travelled { piece, phase, evaluations } = self.travel::<N, PLAIN>(state, row, reach);
+        let Reached { piece, phase, evaluations, .. } = self.travel::<N, PLAIN>(state, row, reach);
         let (of, t) = if piece < self.pieces.pieces.len() { (piece, R::fraction(phase)) } else { self.end() };
         self.pieces.shift_to::<N, PLAIN>(of, t.signal("parameter"), &mut state.at);
         let offset = self.pieces.in_common_units(of, &state.at.offset);
@@ -245,7 +238,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         state: &mut PieceState<R, D>,
         row: &Piece<R, D>,
         length: R,
-    ) -> Travelled {
+    ) -> Reached<R> {
         let guess = predict(&mut state.sigma, row);
         // Read once: copied from place to place, two numbers would be read as one before both of them are written.
         let [newest, middle, _] = state.sigma;
@@ -253,7 +246,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
             && let Some(end) = self.end_within(state, row, length)
         {
             let reached = self.cross(state.piece, &mut state.sigma, row, end, length);
-            return state.reach(&reached, self.pieces.pieces);
+            return state.reach(reached, self.pieces.pieces);
         }
         let chord = self.chord_on::<N, PLAIN>(row, state.whole, &state.at, length);
         let (sigma, evaluations) = match chord.correct(guess, &self.tolerance) {
@@ -266,12 +259,12 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
             Some(phase) => {
                 state.phase = phase;
                 state.sigma = [sigma, newest, middle];
-                Travelled { piece: state.piece, phase, evaluations }
+                Reached { piece: state.piece, phase, sigma, evaluations }
             }
             None => {
                 let step = Reached { piece: state.piece, phase: step, sigma, evaluations };
                 let reached = self.pass_end(state, row, length, &step);
-                state.reach(&reached, self.pieces.pieces)
+                state.reach(reached, self.pieces.pieces)
             }
         }
     }
