@@ -79,7 +79,7 @@ fn part_into_next<R: Real, const D: usize>(row: &Piece<R, D>, next: &Piece<R, D>
     let exponent = i32::from(row.joint_exponent);
     let part = part * row.ratio_at_joint();
     // Compared in the smaller scale, for in the larger it might not fit.
-    let small = if exponent > 0 { part.min(greatest.scale(-exponent)) } else { part };
+    let small = if !R::IS_FLOATING && exponent > 0 { part.min(greatest.scale(-exponent)) } else { part };
     small.scale(exponent).min(greatest).signal("joint_step_per_chord")
 }
 
@@ -106,11 +106,11 @@ fn part_of_next<R: Real, const D: usize>(row: &Piece<R, D>, next: &Piece<R, D>, 
 pub(crate) const CUBIC: usize = 3;
 
 /// The position reached by a step, and σ there.
-struct Reached<R> {
-    piece: usize,
-    phase: u64,
-    sigma: R,
-    evaluations: u32,
+pub(crate) struct Reached<R> {
+    pub(crate) piece: usize,
+    pub(crate) phase: u64,
+    pub(crate) sigma: R,
+    pub(crate) evaluations: u32,
 }
 
 impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
@@ -302,20 +302,34 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         length: R,
         step: &Reached<R>,
     ) -> Reached<R> {
-        let next = self.pieces.pieces.get(state.piece + 1);
-        let is_found = is_inside(step.sigma, &row.step_per_chord);
-        if let Some(next) = next.filter(|_| row.continues && is_found && step.phase < u64::MAX) {
-            // Beyond the end lies what is more than the rest: nothing of a step that leads to the last phase.
-            let rest = state.phase.wrapping_neg(); // 2⁶⁴ - phase
-            if let Some(phase) = part_of_next(row, next, step.phase.saturating_sub(rest)) {
-                state.sigma = state.sigma.map(|x| into_next(row, next, x));
-                let sigma = into_next(row, next, step.sigma);
-                return Reached { piece: state.piece + 1, phase, sigma, evaluations: step.evaluations };
-            }
+        if let Some(reached) = self.pass_joint(state.phase, &mut state.sigma, row, step) {
+            return reached;
         }
         let end = to_end(state.phase, row, &self.chord(row, &state.at, length));
         let reached = self.cross(state.piece, &mut state.sigma, row, end, length);
         Reached { evaluations: step.evaluations + reached.evaluations, ..reached }
+    }
+
+    /// Where a step of a phase leads that is past the end of a piece whose polynomial goes on; the history comes into the scale
+    /// of the next piece. `None` if another polynomial follows there, or the step is none that was found on this one.
+    #[inline]
+    pub(crate) fn pass_joint(
+        &self,
+        phase: u64,
+        history: &mut [R; 3],
+        row: &Piece<R, D>,
+        step: &Reached<R>,
+    ) -> Option<Reached<R>> {
+        let next = self.pieces.pieces.get(step.piece + 1)?;
+        let is_found = is_inside(step.sigma, &row.step_per_chord) && step.phase < u64::MAX;
+        if !row.continues || !is_found {
+            return None;
+        }
+        // Beyond the end lies what is more than the rest: nothing of a step that leads to the last phase.
+        let rest = phase.wrapping_neg(); // 2⁶⁴ - phase
+        let phase = part_of_next(row, next, step.phase.saturating_sub(rest))?;
+        *history = history.map(|x| into_next(row, next, x));
+        Some(Reached { piece: step.piece + 1, phase, sigma: into_next(row, next, step.sigma), ..*step })
     }
 
     /// A step over one joint or more, of which `before` times the length is travelled at the first, with a step per

@@ -8,7 +8,8 @@ use secant_interp::{
     ChordTolerance, LaneInterpolator, LengthStage, PieceInterpolator, StageShape, StepLengths,
 };
 
-const LANES: usize = 8;
+/// Runs that are followed at once; with more lanes than these each run is in several.
+const RUNS: usize = 8;
 const MOST_STEPS: usize = 4_000;
 
 /// One lane's path, and what it is followed by.
@@ -18,6 +19,8 @@ struct Run<const D: usize> {
     feed_mm: f64,
     /// Of each stage its periods, the feed at its end, and which shape it has.
     stages: Vec<(f64, f64, usize)>,
+    /// How many stages there are, those in turn: with few of them the schedule ends before the path.
+    length: usize,
     residual: f64,
     max_evaluations: u32,
 }
@@ -36,11 +39,14 @@ fn run<const D: usize>() -> impl Strategy<Value = Run<D>> {
     });
     let stage = (0.3..60.0_f64, 0.0..1.0_f64, prop_oneof![4 => Just(0_usize), 1 => 0..5_usize]);
     let tolerance = (prop_oneof![Just(1e-3), Just(1e-9), Just(0.4)], 1..5_u32);
-    (curve, 0.05..8.0_f64, proptest::collection::vec(stage, 1..20), tolerance).prop_map(
-        |(curve, feed_mm, stages, (residual, max_evaluations))| Run {
+    let stages = proptest::collection::vec(stage, 1..20);
+    let length = prop_oneof![Just(400_usize), 1..40_usize];
+    (curve, 0.05..8.0_f64, stages, length, tolerance).prop_map(
+        |(curve, feed_mm, stages, length, (residual, max_evaluations))| Run {
             curve,
             feed_mm,
             stages,
+            length,
             residual,
             max_evaluations,
         },
@@ -58,7 +64,7 @@ fn compiled<R: Backend, const D: usize>(run: &Run<D>) -> Option<Compiled<R, D>> 
         [StageShape::Cubic, StageShape::Onset, StageShape::Steady, StageShape::Easing, StageShape::Cosine];
     let mut feed = 0.0;
     let mut stages = Vec::new();
-    for (periods, part, shape) in run.stages.iter().cycle().take(400) {
+    for (periods, part, shape) in run.stages.iter().cycle().take(run.length) {
         // Feeds below a half stay what they are, so that there is a constant feed too.
         let next = if *part < 0.2 { feed } else { part * full };
         let duration = periods.to_phase(-32);
@@ -73,7 +79,9 @@ fn compiled<R: Backend, const D: usize>(run: &Run<D>) -> Option<Compiled<R, D>> 
 }
 
 /// Follows all runs side by side and one by one; how many of the setpoints were found in one evaluation.
-fn same_setpoints<R: Lane + Backend, const D: usize>(runs: &[Run<D>]) -> Result<usize, TestCaseError> {
+fn same_setpoints<R: Lane + Backend, const D: usize, const LANES: usize>(
+    runs: &[Run<D>],
+) -> Result<usize, TestCaseError> {
     let compiled: Vec<Compiled<R, D>> = runs.iter().filter_map(compiled).collect();
     if compiled.is_empty() {
         return Ok(0);
@@ -118,14 +126,24 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 24, ..ProptestConfig::default() })]
 
     #[test]
-    fn plane_runs_are_the_same_side_by_side(runs in proptest::collection::vec(run::<2>(), LANES)) {
-        same_setpoints::<f64, 2>(&runs)?;
-        same_setpoints::<f32, 2>(&runs)?;
+    fn plane_runs_are_the_same_side_by_side(runs in proptest::collection::vec(run::<2>(), RUNS)) {
+        same_setpoints::<f64, 2, RUNS>(&runs)?;
+        same_setpoints::<f32, 2, RUNS>(&runs)?;
     }
 
     #[test]
-    fn space_runs_are_the_same_side_by_side(runs in proptest::collection::vec(run::<3>(), LANES)) {
-        same_setpoints::<f64, 3>(&runs)?;
-        same_setpoints::<f32, 3>(&runs)?;
+    fn space_runs_are_the_same_side_by_side(runs in proptest::collection::vec(run::<3>(), RUNS)) {
+        same_setpoints::<f64, 3, RUNS>(&runs)?;
+        same_setpoints::<f32, 3, RUNS>(&runs)?;
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 3, ..ProptestConfig::default() })]
+
+    #[test]
+    fn as_many_runs_as_there_may_be_are_the_same(runs in proptest::collection::vec(run::<2>(), RUNS)) {
+        same_setpoints::<f64, 2, 64>(&runs)?;
+        same_setpoints::<f32, 2, 61>(&runs)?;
     }
 }
