@@ -98,7 +98,7 @@ pub struct Pieces<'a, R, const D: usize> {
 type Coefficients<'a, R, const D: usize> = (&'a [[R; D]], Option<(R, &'a [R])>);
 
 /// The coefficients of one piece, shifted to a parameter t.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shifted<R, const D: usize> {
     /// P: the point at t, as an offset from the piece's origin, in the piece's own units.
     pub offset: [R; D],
@@ -191,22 +191,33 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
     #[must_use]
     pub fn shifted(&self, piece: usize, t: R) -> Shifted<R, D> {
         let mut at = Shifted::default();
-        self.shift_aside(piece, t, &mut at);
+        self.shift_to::<MAX_DEGREE, false>(piece, t, &mut at);
         at
     }
 
-    /// The same in place, compiled once: for whatever is rarer than the common step.
-    #[inline(never)]
-    pub fn shift_aside(&self, piece: usize, t: R, at: &mut Shifted<R, D>) {
-        self.shift_to::<MAX_DEGREE, false>(piece, t, at);
+    /// Those about the piece's begin, in place: there a polynomial is what it is, and no product is needed.
+    #[inline(never)] // Once in a program, for whatever crosses joints.
+    pub fn shift_to_begin(&self, piece: usize, at: &mut Shifted<R, D>) {
+        self.shift_by::<MAX_DEGREE, false>(piece, None, at);
     }
 
-    /// The same in place: what is known of another point or piece of the same path is overwritten.
+    /// Those about `t`, in place: what is known of another point or piece of the same path is overwritten.
     ///
     /// N is the pieces' degree, which is fastest, or [`MAX_DEGREE`], which serves all. PLAIN says that the path has no
     /// weights, which spares the question.
     #[inline(always)] // Called, it would leave its rows in memory, in other parts than they are read in.
     pub fn shift_to<const N: usize, const PLAIN: bool>(&self, piece: usize, t: R, at: &mut Shifted<R, D>) {
+        self.shift_by::<N, PLAIN>(piece, Some(t), at);
+    }
+
+    /// The same, or with no t about the begin: which it is, the compiler knows.
+    #[inline(always)]
+    fn shift_by<const N: usize, const PLAIN: bool>(
+        &self,
+        piece: usize,
+        t: Option<R>,
+        at: &mut Shifted<R, D>,
+    ) {
         let (Some(row), Some(numerator)) = (self.pieces.get(piece), self.numerator::<N>(piece)) else {
             *at = Shifted::default();
             return;
@@ -233,7 +244,7 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
         &self,
         row: &Piece<R, D>,
         (numerator, weights): Coefficients<'_, R, D>,
-        t: R,
+        t: Option<R>,
         offset: &mut [R; D],
         chord: &mut [[R; D]],
         weight: &mut [R; MAX_DEGREE],
@@ -243,7 +254,8 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
         for (slot, x) in chord.as_flattened_mut().iter_mut().zip(numerator.as_flattened()) {
             *slot = x.signal("coefficient");
         }
-        for (slot, x) in offset.iter_mut().zip(shift(chord, t)) {
+        let value = t.map_or([R::zero(); D], |t| shift(chord, t));
+        for (slot, x) in offset.iter_mut().zip(value) {
             *slot = x.signal("offset");
         }
         if let Some((constant, weights)) = weights {
@@ -271,7 +283,7 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
 fn divide_by_weight<R: Real, const D: usize, const N: usize>(
     constant: R,
     weights: &[R],
-    t: R,
+    t: Option<R>,
     offset: &mut [R; D],
     chord: &mut [[R; D]],
 ) -> [R; N] {
@@ -279,7 +291,8 @@ fn divide_by_weight<R: Real, const D: usize, const N: usize>(
     for (slot, w) in turns.iter_mut().zip(weights) {
         *slot = [*w];
     }
-    let [rise] = shift(turns.get_mut(..weights.len()).unwrap_or_default(), t);
+    let rows = turns.get_mut(..weights.len()).unwrap_or_default();
+    let [rise] = t.map_or([R::zero()], |t| shift(rows, t));
     let reciprocal = (R::one() / (constant + rise).signal("weight")).signal("weight_reciprocal");
     *offset = offset.map(|x| (x * reciprocal).signal("offset"));
     for (c, [turn]) in chord.iter_mut().zip(&mut turns).take(weights.len()) {

@@ -155,6 +155,33 @@ proptest! {
     }
 }
 
+/// About the begin, the polynomials are those about t = 0, whatever stood in their place before.
+fn begins_are_those_of_zero<R: Backend>(
+    curve: &NurbsBuf<f64, 2>,
+    piece: prop::sample::Index,
+) -> Result<(), TestCaseError> {
+    let Ok(table) = compile::<DoubleDouble, R, 2>(&[curve.as_curve()], &LIMITS) else { return Ok(()) };
+    let pieces = table.as_pieces();
+    let piece = piece.index(pieces.pieces.len());
+    let mut at = pieces.shifted(piece, R::one().half());
+    pieces.shift_to_begin(piece, &mut at);
+    prop_assert_eq!(at, pieces.shifted(piece, R::zero()), "{}", R::name());
+    Ok(())
+}
+
+proptest! {
+    #[test]
+    fn begins_are_those_of_zero_in_every_format(
+        curve in generate::curve::<2>(),
+        piece in any::<prop::sample::Index>(),
+    ) {
+        begins_are_those_of_zero::<f64>(&curve, piece)?;
+        begins_are_those_of_zero::<f32>(&curve, piece)?;
+        begins_are_those_of_zero::<I4F28>(&curve, piece)?;
+        begins_are_those_of_zero::<I16F48>(&curve, piece)?;
+    }
+}
+
 /// The formats of the test accept an ordinary curve, so that the properties above are not idle.
 #[test]
 fn ordinary_curves_fit_every_format() {

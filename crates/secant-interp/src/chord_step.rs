@@ -253,8 +253,12 @@ impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D,
     #[must_use]
     pub fn over(&self, step: R) -> [R; D] {
         let x = step.rescaled(-self.range_exponent).signal("chord_variable");
-        let (chord, _) = self.chord_per_step(x);
-        let chord = chord.map(|c| (c * step).signal("chord_travelled"));
+        let mut rows = self.at.chord.iter().take(self.count()).rev();
+        let top = *rows.next().unwrap_or(&[R::zero(); D]);
+        let add = |sum: [R; D], row: &[R; D]| {
+            core::array::from_fn(|d| sum[d].mul_add(x, row[d]).signal("chord_per_step"))
+        };
+        let chord = rows.fold(top, add).map(|c| (c * step).signal("chord_travelled"));
         if !self.is_rational() {
             return chord;
         }

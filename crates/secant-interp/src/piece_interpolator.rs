@@ -57,14 +57,13 @@ impl<R: Real, const D: usize> PieceState<R, D> {
         &self.cursor
     }
 
-    /// The end of a step over a joint.
-    #[cold]
-    fn reach(&mut self, reached: Reached<R>, pieces: &[Piece<R, D>]) -> Reached<R> {
+    /// The end of a step over a joint; its evaluations.
+    fn reach(&mut self, reached: &Reached<R>, pieces: &[Piece<R, D>]) -> u32 {
         let [newest, middle, _] = self.sigma;
         self.sigma = [reached.sigma, newest, middle];
         (self.piece, self.phase) = (reached.piece, reached.phase);
         self.whole = pieces.get(self.piece).map_or(R::one(), Piece::whole);
-        reached
+        reached.evaluations
     }
 }
 
@@ -78,7 +77,7 @@ fn part_into_next<R: Real, const D: usize>(row: &Piece<R, D>, next: &Piece<R, D>
     let greatest = next.step_per_chord[1];
     let exponent = i32::from(row.joint_exponent);
     let part = part * row.ratio_at_joint();
-    // Compared in the smaller scale, for in the larger it might not fit.
+    // Compared in the smaller scale, for in the larger it might not fit a format without exponents.
     let small = if !R::IS_FLOATING && exponent > 0 { part.min(greatest.scale(-exponent)) } else { part };
     small.scale(exponent).min(greatest).signal("joint_step_per_chord")
 }
@@ -117,7 +116,8 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     /// The state at the start of the path.
     #[must_use]
     pub fn start(&self) -> PieceState<R, D> {
-        let at = self.pieces.shifted(0, R::zero());
+        let mut at = Shifted::default();
+        self.pieces.shift_to_begin(0, &mut at);
         let whole = self.pieces.pieces.first().map_or(R::one(), Piece::whole);
         PieceState { cursor: LengthCursor::default(), piece: 0, phase: 0, whole, sigma: [R::zero(); 3], at }
     }
@@ -202,7 +202,8 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         let is_last = planned.is_none() || self.lengths.is_over(&state.cursor);
         let reach = if is_last { length + self.landing_step } else { length };
 
-        let Reached { piece, phase, evaluations, .. } = self.travel::<N, PLAIN>(state, row, reach);
+        let evaluations = self.travel::<N, PLAIN>(state, row, reach);
+        let (piece, phase) = (state.piece, state.phase);
         let (of, t) = if piece < self.pieces.pieces.len() { (piece, R::fraction(phase)) } else { self.end() };
         self.pieces.shift_to::<N, PLAIN>(of, t.signal("parameter"), &mut state.at);
         let offset = self.pieces.in_common_units(of, &state.at.offset);
@@ -231,22 +232,21 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         length
     }
 
-    /// The chord on the present piece, and where it reaches past its end on the next ones.
+    /// The chord on the present piece, and where it reaches past its end on the next ones; the evaluations.
     #[inline(always)]
     fn travel<const N: usize, const PLAIN: bool>(
         &self,
         state: &mut PieceState<R, D>,
         row: &Piece<R, D>,
         length: R,
-    ) -> Reached<R> {
+    ) -> u32 {
         let guess = predict(&mut state.sigma, row);
         // Read once: copied from place to place, two numbers would be read as one before both of them are written.
         let [newest, middle, _] = state.sigma;
         if !is_on_piece(state, row, guess * length)
-            && let Some(end) = self.end_within(state, row, length)
+            && let Some(evaluations) = self.pass_near_end(state, row, length)
         {
-            let reached = self.cross(state.piece, &mut state.sigma, row, end, length);
-            return state.reach(reached, self.pieces.pieces);
+            return evaluations;
         }
         let chord = self.chord_on::<N, PLAIN>(row, state.whole, &state.at, length);
         let (sigma, evaluations) = match chord.correct(guess, &self.tolerance) {
@@ -259,12 +259,11 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
             Some(phase) => {
                 state.phase = phase;
                 state.sigma = [sigma, newest, middle];
-                Reached { piece: state.piece, phase, sigma, evaluations }
+                evaluations
             }
             None => {
                 let step = Reached { piece: state.piece, phase: step, sigma, evaluations };
-                let reached = self.pass_end(state, row, length, &step);
-                state.reach(reached, self.pieces.pieces)
+                self.pass_end(state, row, length, &step)
             }
         }
     }
@@ -283,31 +282,24 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         self.chord_on::<N, PLAIN>(row, state.whole, &state.at, length).refine(guess, value, &self.tolerance)
     }
 
-    /// The chord to the end of the present piece and the step there, over the length; `None` if that is farther than the
-    /// length: the guess may have been wrong.
+    /// A step past the end of the piece, where that is nearer than the length; `None` if it is not: the guess may have been
+    /// wrong.
     #[cold]
     #[inline(never)]
-    fn end_within(&self, state: &PieceState<R, D>, row: &Piece<R, D>, length: R) -> Option<([R; D], R)> {
-        let end = to_end(state.phase, row, &self.chord(row, &state.at, length));
-        (R::norm(&end.0) < R::one()).then_some(end)
+    fn pass_near_end(&self, state: &mut PieceState<R, D>, row: &Piece<R, D>, length: R) -> Option<u32> {
+        let travelled = to_end(state.phase, row, &self.chord(row, &state.at, length));
+        (travelled.left > R::zero()).then(|| self.cross(state, row, travelled, length))
     }
 
-    /// A step of a phase that leads past the end of the piece.
+    /// A step of a phase that leads past the end of the piece; the evaluations.
     #[cold]
     #[inline(never)]
-    fn pass_end(
-        &self,
-        state: &mut PieceState<R, D>,
-        row: &Piece<R, D>,
-        length: R,
-        step: &Reached<R>,
-    ) -> Reached<R> {
+    fn pass_end(&self, state: &mut PieceState<R, D>, row: &Piece<R, D>, length: R, step: &Reached<R>) -> u32 {
         if let Some(reached) = self.pass_joint(state.phase, &mut state.sigma, row, step) {
-            return reached;
+            return state.reach(&reached, self.pieces.pieces);
         }
-        let end = to_end(state.phase, row, &self.chord(row, &state.at, length));
-        let reached = self.cross(state.piece, &mut state.sigma, row, end, length);
-        Reached { evaluations: step.evaluations + reached.evaluations, ..reached }
+        let travelled = to_end(state.phase, row, &self.chord(row, &state.at, length));
+        step.evaluations + self.cross(state, row, travelled, length)
     }
 
     /// Where a step of a phase leads that is past the end of a piece whose polynomial goes on; the history comes into the scale
@@ -332,39 +324,54 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         Some(Reached { piece: step.piece + 1, phase, sigma: into_next(row, next, step.sigma), ..*step })
     }
 
-    /// A step over one joint or more, of which `before` times the length is travelled at the first, with a step per
-    /// chord of `part`. Pieces that end nearer than the length are passed, and the rest is solved on the next.
+    /// A step over one joint or more, with what was travelled at the first; the evaluations.
     ///
     /// It is rare, and one form of it serves all degrees: a second would cost a controller more flash than it saves time.
     #[cold]
     #[inline(never)]
     fn cross(
         &self,
+        state: &mut PieceState<R, D>,
+        row: &Piece<R, D>,
+        travelled: Travelled<R, D>,
+        length: R,
+    ) -> u32 {
+        let reached = self.find_across(state.piece, &mut state.sigma, row, travelled, length);
+        state.reach(&reached, self.pieces.pieces)
+    }
+
+    /// The end of a step over joints. Pieces that end nearer than the length are passed, and the rest is solved on the next.
+    #[inline]
+    fn find_across(
+        &self,
         piece: usize,
         history: &mut [R; 3],
         row: &Piece<R, D>,
-        (mut before, mut part): ([R; D], R),
+        mut travelled: Travelled<R, D>,
         length: R,
     ) -> Reached<R> {
         let mut row = row;
+        let mut expected = extrapolate(*history, &row.step_per_chord);
         let mut at = Shifted::default();
         let mut evaluations = 0;
         for (piece, next) in self.pieces.pieces.iter().enumerate().skip(piece + 1) {
             let greatest = next.step_per_chord[1];
             *history = history.map(|x| into_next(row, next, x));
-            part = part_into_next(row, next, part.min(row.step_per_chord[1]));
-            let left = R::one() - R::norm(&before);
-            let newest = history[0];
+            expected = into_next(row, next, expected);
+            let Travelled { before, part, left } = travelled;
+            let part = part_into_next(row, next, part.min(row.step_per_chord[1]));
             if left <= R::zero() {
-                return Reached { piece, phase: 0, sigma: newest, evaluations };
+                return Reached { piece, phase: 0, sigma: history[0], evaluations };
             }
-            self.pieces.shift_aside(piece, R::zero(), &mut at);
+            self.pieces.shift_to_begin(piece, &mut at);
             let on_next = self.chord(next, &at, length);
-            let guess = newest * left;
+            // What is left begins later than a whole chord and ends with it: σ has gone on by half of that.
+            let earlier = ((history[0] - expected) * (R::one() - left)).half();
+            let guess = (expected - within(earlier, expected, &next.step_per_chord)) * left;
             let is_long = guess * length >= on_next.whole;
+            let whole = || sum_within(part, on_next.whole / length, greatest);
             if is_long && let Some(beyond) = past(&before, &on_next, length) {
-                (row, before) = (next, beyond);
-                part = sum_within(part, on_next.whole / length, greatest);
+                (row, travelled) = (next, Travelled::new(beyond, whole()));
                 continue;
             }
             let chord = Chord { before: Some(before), range: [R::zero(), greatest], ..on_next };
@@ -377,8 +384,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
                 let sigma = next.step_per_chord[0].max(sum_within(part, sigma, greatest));
                 return Reached { piece, phase, sigma, evaluations };
             };
-            (row, before) = (next, beyond);
-            part = sum_within(part, on_next.whole / length, greatest);
+            (row, travelled) = (next, Travelled::new(beyond, whole()));
         }
         Reached { piece: self.pieces.pieces.len(), phase: 0, sigma: history[0], evaluations }
     }
@@ -416,7 +422,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
 fn is_on_piece<R: Real, const D: usize>(state: &PieceState<R, D>, row: &Piece<R, D>, guessed: R) -> bool {
     let rest = state.phase.wrapping_neg().wrapping_sub(1); // 2⁶⁴ - 1 - phase
     let past = || row.part(guessed).saturating_sub(rest);
-    guessed <= state.whole && (row.continues || past() <= rest / 16)
+    guessed <= state.whole && (row.continues || past() <= rest / 256)
 }
 
 /// `3σ_i - 3σ_{i-1} + σ_{i-2}`, within the piece's range; at the start, for want of a history, its middle.
@@ -437,11 +443,31 @@ pub(crate) fn extrapolate<R: Real>([a, b, c]: [R; 3], range: &[R; 2]) -> R {
     a - within(fall, a, range)
 }
 
-/// The chord to the end of the present piece and the step there, over the length.
-fn to_end<R: Real, const D: usize>(phase: u64, row: &Piece<R, D>, chord: &Chord<'_, R, D>) -> ([R; D], R) {
+/// What a step over a joint has travelled up to there.
+struct Travelled<R, const D: usize> {
+    /// The way, over the length.
+    before: [R; D],
+    /// The step, over the length.
+    part: R,
+    /// What is left of the length, over it.
+    left: R,
+}
+
+impl<R: Real, const D: usize> Travelled<R, D> {
+    fn new(before: [R; D], part: R) -> Self {
+        Self { before, part, left: R::one() - R::norm(&before) }
+    }
+}
+
+/// What is travelled up to the end of the present piece.
+fn to_end<R: Real, const D: usize>(
+    phase: u64,
+    row: &Piece<R, D>,
+    chord: &Chord<'_, R, D>,
+) -> Travelled<R, D> {
     let rest = phase.wrapping_neg(); // 2⁶⁴ - phase; 0 stands for a whole piece
     let step = if rest == 0 { row.whole() } else { R::from_phase(rest, i32::from(row.step_exponent)) };
-    (chord.over(step).map(|x| x / chord.length), step / chord.length)
+    Travelled::new(chord.over(step).map(|x| x / chord.length), step / chord.length)
 }
 
 /// Whether a root was found rather than the end of its range. The range is that of one piece: over a joint, the mean
