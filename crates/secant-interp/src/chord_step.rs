@@ -18,7 +18,7 @@
 //!
 //! | threshold | 4e-3 | 1e-3 | 1e-4 | 3e-5 | 3e-6 |
 //! |---|---|---|---|---|---|
-//! | fluctuation | 2e-6 | 1.2e-7 | 1.2e-9 | 5e-10 | 2.3e-11 |
+//! | fluctuation | 2e-6 | 5e-8 | 1.2e-9 | 5e-10 | 2.3e-11 |
 //! | evaluations | 1.00–1.03 | 1.00–1.06 | 1.01–1.36 | 1.18–1.63 | 1.55–1.93 |
 //!
 //! Where a part b of the chord, in units of L, lies on pieces before this one, a division does no harm, for joints are

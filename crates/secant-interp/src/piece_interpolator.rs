@@ -202,8 +202,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         let is_last = planned.is_none() || self.lengths.is_over(&state.cursor);
         let reach = if is_last { length + self.landing_step } else { length };
 
-        let evaluations = self.travel::<N, PLAIN>(state, row, reach);
-        let (piece, phase) = (state.piece, state.phase);
+        let (piece, phase, evaluations) = self.travel::<N, PLAIN>(state, row, reach);
         let (of, t) = if piece < self.pieces.pieces.len() { (piece, R::fraction(phase)) } else { self.end() };
         self.pieces.shift_to::<N, PLAIN>(of, t.signal("parameter"), &mut state.at);
         let offset = self.pieces.in_common_units(of, &state.at.offset);
@@ -232,21 +231,22 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         length
     }
 
-    /// The chord on the present piece, and where it reaches past its end on the next ones; the evaluations.
+    /// The chord on the present piece, and where it reaches past its end on the next ones: the piece and the phase there, which
+    /// read back from the state would be waited for, and the evaluations.
     #[inline(always)]
     fn travel<const N: usize, const PLAIN: bool>(
         &self,
         state: &mut PieceState<R, D>,
         row: &Piece<R, D>,
         length: R,
-    ) -> u32 {
+    ) -> (usize, u64, u32) {
         let guess = predict(&mut state.sigma, row);
         // Read once: copied from place to place, two numbers would be read as one before both of them are written.
         let [newest, middle, _] = state.sigma;
         if !is_on_piece(state, row, guess * length)
             && let Some(evaluations) = self.pass_near_end(state, row, length)
         {
-            return evaluations;
+            return (state.piece, state.phase, evaluations);
         }
         let chord = self.chord_on::<N, PLAIN>(row, state.whole, &state.at, length);
         let (sigma, evaluations) = match chord.correct(guess, &self.tolerance) {
@@ -259,11 +259,12 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
             Some(phase) => {
                 state.phase = phase;
                 state.sigma = [sigma, newest, middle];
-                evaluations
+                (state.piece, phase, evaluations)
             }
             None => {
                 let step = Reached { piece: state.piece, phase: step, sigma, evaluations };
-                self.pass_end(state, row, length, &step)
+                let evaluations = self.pass_end(state, row, length, &step);
+                (state.piece, state.phase, evaluations)
             }
         }
     }
