@@ -7,9 +7,10 @@
 //! words of 64 bits has as many lanes at a time as there are of these in a register; what needs none has loops of its own.
 //!
 //! A common step is one on a cubic without weights that needs one evaluation and stays on its piece, or passes to one that the
-//! same polynomial goes on in. Whatever else a lane meets it meets alone, as [`PieceInterpolator::step`] does. So the setpoints
-//! are those of [`PieceInterpolator`] bit for bit: a common step is the same operations in the same order, and counts only
-//! where nothing uncommon is seen.
+//! same polynomial goes on in. It has two parts, the departure up to the place that it leads to and the arrival there; between
+//! them lanes are given what they lack, the numbers of another piece or of another stage. Whatever else a lane meets it meets
+//! alone, as [`PieceInterpolator::step`] does. So the setpoints are those of [`PieceInterpolator`] bit for bit: a common step is
+//! the same operations in the same order, and counts only where nothing uncommon is seen.
 
 use feed_plan::StageShape;
 use nurbs_core::shift;
