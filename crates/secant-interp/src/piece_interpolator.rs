@@ -417,8 +417,8 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     }
 }
 
-/// Whether a step of `guessed` is worth an evaluation on the present piece: not if it reaches well past a knot, nor
-/// past the whole piece.
+/// Whether a step of `guessed` is worth an evaluation on the present piece: not if it reaches past a knot by more than guesses
+/// are wrong by, nor past the whole piece.
 #[inline]
 fn is_on_piece<R: Real, const D: usize>(state: &PieceState<R, D>, row: &Piece<R, D>, guessed: R) -> bool {
     let rest = state.phase.wrapping_neg().wrapping_sub(1); // 2⁶⁴ - 1 - phase
