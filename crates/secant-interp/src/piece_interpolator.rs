@@ -288,7 +288,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     #[cold]
     #[inline(never)]
     fn pass_near_end(&self, state: &mut PieceState<R, D>, row: &Piece<R, D>, length: R) -> Option<u32> {
-        let travelled = to_end(state.phase, row, &self.chord(row, &state.at, length));
+        let travelled = self.way_to_end(state, row, length);
         (travelled.left > R::zero()).then(|| self.cross(state, row, travelled, length))
     }
 
@@ -299,8 +299,17 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         if let Some(reached) = self.pass_joint(state.phase, &mut state.sigma, row, step) {
             return state.reach(&reached, self.pieces.pieces);
         }
-        let travelled = to_end(state.phase, row, &self.chord(row, &state.at, length));
+        let travelled = self.way_to_end(state, row, length);
         step.evaluations + self.cross(state, row, travelled, length)
+    }
+
+    /// What a step travels up to the end of the present piece.
+    #[inline]
+    fn way_to_end(&self, state: &PieceState<R, D>, row: &Piece<R, D>, length: R) -> Travelled<R, D> {
+        let rest = state.phase.wrapping_neg(); // 2⁶⁴ - phase; 0 stands for a whole piece
+        let step = if rest == 0 { row.whole() } else { R::from_phase(rest, i32::from(row.step_exponent)) };
+        let way = self.chord(row, &state.at, length).over(step);
+        Travelled::new(way.map(|x| x / length), step / length)
     }
 
     /// Where a step of a phase leads that is past the end of a piece whose polynomial goes on; the history comes into the scale
@@ -458,17 +467,6 @@ impl<R: Real, const D: usize> Travelled<R, D> {
     fn new(before: [R; D], part: R) -> Self {
         Self { before, part, left: R::one() - R::norm(&before) }
     }
-}
-
-/// What is travelled up to the end of the present piece.
-fn to_end<R: Real, const D: usize>(
-    phase: u64,
-    row: &Piece<R, D>,
-    chord: &Chord<'_, R, D>,
-) -> Travelled<R, D> {
-    let rest = phase.wrapping_neg(); // 2⁶⁴ - phase; 0 stands for a whole piece
-    let step = if rest == 0 { row.whole() } else { R::from_phase(rest, i32::from(row.step_exponent)) };
-    Travelled::new(chord.over(step).map(|x| x / chord.length), step / chord.length)
 }
 
 /// Whether a root was found rather than the end of its range. The range is that of one piece: over a joint, the mean
