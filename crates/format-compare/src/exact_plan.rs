@@ -18,9 +18,6 @@ pub struct ExactPlan {
     profile: ProfileKind,
 }
 
-/// Curve and parameter at which a stage comes to rest, if it does.
-pub(crate) type Rest = Option<(usize, f64)>;
-
 impl ExactPlan {
     /// Plans `problem` in the format `R` by cubic transitions, with the interpolation period as the unit of time.
     ///
@@ -124,9 +121,9 @@ impl ExactPlan {
         Schedule::new(&self.stages, DoubleDouble::from(1.0), self.periods)
     }
 
-    /// Where each stage comes to rest, if it does.
-    pub(crate) fn rests(&self) -> impl Iterator<Item = Rest> {
-        self.stages.iter().map(|stage| stage.rest().map(|(curve, u)| (curve, u.value())))
+    /// Curve and parameter of each rest, in order.
+    pub(crate) fn rests(&self) -> impl Iterator<Item = (usize, f64)> {
+        self.stages.iter().filter_map(Stage::rest).map(|(curve, u)| (curve, u.value()))
     }
 
     /// The transitions that the plan is made of.

@@ -1,12 +1,12 @@
 //! A run on compiled pieces.
 
+use std::ops::Range;
+
 use nurbs_core::{NurbsBuf, ORIGIN_EXPONENT, PieceLimits, Pieces, PiecesBuf, Place, compile_with_stops};
 use real::{Audit, Backend, DoubleDouble, Real, Recorded};
-use secant_interp::{
-    ChordTolerance, LengthStage, PieceInterpolator, PieceSetpoint, StepLengths, Stretch, stretches,
-};
+use secant_interp::{ChordTolerance, CompiledPath, CompiledPathError, PieceSetpoint};
 
-use crate::exact_plan::{ExactPlan, Rest, nearest};
+use crate::exact_plan::{ExactPlan, in_format};
 use crate::problem::Problem;
 use crate::recorded::RecordedRun;
 use crate::run::{Options, Refusal, Run, RunStep, most_periods, resolution_at, unit_in_last_place};
@@ -17,126 +17,74 @@ pub(crate) fn run<R: Backend, const D: usize>(
     plan: &ExactPlan,
     options: &Options,
 ) -> Result<Run, Refusal> {
-    let prepared = Prepared::<R, D>::new(problem, plan, options)?;
-    let path = prepared.interpolator();
-    let mut drive = Drive::new(problem, &prepared.table, plan.periods());
+    let path = compiled::<R, D>(problem, plan, options)?;
+    let mut drive = Drive::new(problem, path.table(), plan.periods());
     if let Some(commands) = &options.overrides {
-        let (mut state, mut rates) = (path.start(), commands.start());
+        let interpolator = path.interpolator();
+        let (mut state, mut rates) = (interpolator.start(), commands.start());
         let lengths = commands.lengths.iter().map(|length| (*length, length.value()));
         // At most 2^24.
         drive.planned_periods = u32::try_from(commands.lengths.len()).unwrap_or(u32::MAX);
-        drive.run(&prepared.whole(), lengths, |period| {
+        drive.run(0..path.table().places().len(), lengths, |period| {
             commands.command(period, &mut rates);
-            path.step_overridden(&mut state, &commands.feeds, &mut rates)
+            interpolator.step_overridden(&mut state, &commands.feeds, &mut rates)
         });
         return Ok(drive.finish());
     }
     let mut lengths = plan.lengths();
-    for stretch in &prepared.stretches {
-        let interpolator = path.on(stretch);
+    for (stretch, interpolator) in path.stretches().iter().zip(path.runs()) {
         let mut state = interpolator.start();
         let planned: Vec<_> = lengths.by_ref().take(interpolator.lengths.periods()).collect();
-        drive.run(stretch, planned, |_| interpolator.step(&mut state));
+        drive.run(stretch.pieces.clone(), planned, |_| interpolator.step(&mut state));
     }
     Ok(drive.finish())
 }
 
-/// The operations of each of the first `most` steps of the same run.
+/// The operations of each of the first `most` steps of the same run, without changes of the feed. The state at the begin of a
+/// stretch is formed before its first period.
 pub(crate) fn record<R: Backend, const D: usize>(
     problem: &Problem<D>,
     plan: &ExactPlan,
     options: &Options,
     most: usize,
 ) -> Result<RecordedRun, Refusal> {
-    let prepared = Prepared::<Recorded<R>, D>::new(problem, plan, options)?;
-    let interpolator = prepared.interpolator();
-    let mut state = interpolator.start();
-    Ok(RecordedRun::of(most.min(most_periods(plan.periods())), || interpolator.step(&mut state).is_some()))
-}
-
-/// Path, stages and tolerances in `R`: what lies in a controller's flash.
-struct Prepared<R, const D: usize> {
-    table: PiecesBuf<R, D>,
-    stages: Vec<LengthStage<R>>,
-    stretches: Vec<Stretch>,
-    tolerance: ChordTolerance<R>,
-    landing_step: R,
-}
-
-impl<R: Backend, const D: usize> Prepared<R, D> {
-    fn new(problem: &Problem<D>, plan: &ExactPlan, options: &Options) -> Result<Self, Refusal> {
-        let limits = problem.limits_per_period()?;
-        let landing_step_mm = limits.acceleration;
-        let curves: Vec<_> = problem.curves.iter().map(NurbsBuf::as_curve).collect();
-        let piece_limits =
-            PieceLimits { length_mm: options.piece_length_mm, step_mm: limits.feedrate + landing_step_mm };
-        let stops: Vec<_> = plan.rests().flatten().collect();
-        let table = compile_with_stops::<DoubleDouble, R, D>(&curves, &piece_limits, &stops)?;
-        let chord_exponent = table.as_pieces().chord_exponent;
-        let chord_unit = 1.0.scale(chord_exponent);
-        let (stages, rests) = compiled_stages::<R>(plan, chord_exponent)?;
-        let joints = rests.into_iter().map(|rest| rest.and_then(|(curve, u)| table.joint(curve, u)));
-        Ok(Self {
-            stages,
-            stretches: stretches(joints, table.places().len()).collect(),
-            tolerance: ChordTolerance {
-                residual: residual::<R>(options.fluctuation),
-                max_evaluations: problem.machine.max_iterations,
-            },
-            landing_step: crate::exact_plan::in_format("acceleration", landing_step_mm * chord_unit)?,
-            table,
-        })
-    }
-
-    /// The path as one stretch.
-    fn whole(&self) -> Stretch {
-        Stretch { pieces: 0..self.table.places().len(), stages: 0..self.stages.len() }
-    }
-
-    fn interpolator(&self) -> PieceInterpolator<'_, R, D> {
-        PieceInterpolator {
-            pieces: self.table.as_pieces(),
-            lengths: StepLengths { stages: &self.stages },
-            tolerance: self.tolerance,
-            landing_step: self.landing_step,
+    let path = compiled::<Recorded<R>, D>(problem, plan, options)?;
+    let mut runs: Vec<_> = path.runs().map(|run| (run.start(), run)).collect();
+    let mut at = 0;
+    Ok(RecordedRun::of(most.min(most_periods(plan.periods())), || {
+        while let Some((state, run)) = runs.get_mut(at) {
+            if run.step(state).is_some() {
+                return true;
+            }
+            at += 1;
         }
-    }
+        false
+    }))
 }
 
-/// The residual whose one correction leaves at most this fluctuation.
-///
-/// A correction leaves an error of about |f| (|f| + |g|)³, with the growth g of the parametric speed over a step a few
-/// hundredths at most; measured, 2e-5 |f| on tightly curved rational parts, and |f|² where f itself is large. No
-/// tolerance is finer than a few units of the format's resolution.
-fn residual<R: Backend>(fluctuation: Option<f64>) -> R {
-    let finest = R::resolution() + R::resolution();
-    let wanted = fluctuation.map_or(0.0, |wanted| wanted.sqrt().min(1e4 * wanted));
-    R::from_f64(wanted).unwrap_or(finest).max(finest)
-}
-
-/// The stages in units of the pieces' chords, and of 2⁻³² periods, on which the plan's joints lie; each with curve and
-/// parameter where it comes to rest.
-fn compiled_stages<R: Backend>(
+/// Path and plan in `R`: what lies in a controller's flash.
+fn compiled<R: Backend, const D: usize>(
+    problem: &Problem<D>,
     plan: &ExactPlan,
-    chord_exponent: i32,
-) -> Result<(Vec<LengthStage<R>>, Vec<Rest>), Refusal> {
-    let feed = |x: DoubleDouble| {
-        let scaled = x.scale(chord_exponent);
-        nearest::<R>(scaled).ok_or(Refusal::Limit {
-            what: "stage feed",
-            value: scaled.value(),
-            format: R::name(),
-        })
-    };
-    let (mut stages, mut rests) = (Vec::new(), Vec::new());
-    for (stage, rest) in plan.schedule().stages().iter().zip(plan.rests()) {
-        let (from, to) = (feed(stage.start_feed)?, feed(stage.end_feed)?);
-        if let Some(compiled) = LengthStage::new(stage.duration.to_phase(-32), from, to - from) {
-            stages.push(compiled.shaped(stage.shape));
-            rests.push(rest);
-        }
-    }
-    Ok((stages, rests))
+    options: &Options,
+) -> Result<CompiledPath<R, D>, Refusal> {
+    let limits = problem.limits_per_period()?;
+    let landing_step_mm = limits.acceleration;
+    let curves: Vec<_> = problem.curves.iter().map(NurbsBuf::as_curve).collect();
+    let piece_limits =
+        PieceLimits { length_mm: options.piece_length_mm, step_mm: limits.feedrate + landing_step_mm };
+    let stops: Vec<_> = plan.rests().collect();
+    let table = compile_with_stops::<DoubleDouble, R, D>(&curves, &piece_limits, &stops)?;
+    in_format::<R>("acceleration", landing_step_mm.scale(table.as_pieces().chord_exponent))?;
+    let tolerance = ChordTolerance::for_fluctuation(options.fluctuation, problem.machine.max_iterations);
+    CompiledPath::new(table, &plan.schedule(), tolerance, landing_step_mm).map_err(|error| {
+        let (what, value) = match error {
+            CompiledPathError::FeedTooHigh { feed, .. } => ("stage feed", feed),
+            CompiledPathError::LandingStepTooLong { step } => ("acceleration", step),
+            _ => ("plan", f64::NAN),
+        };
+        Refusal::Limit { what, value, format: R::name() }
+    })
 }
 
 /// Setpoints become steps in mm.
@@ -165,17 +113,17 @@ impl<'a, R: Backend, const D: usize> Drive<'a, R, D> {
         }
     }
 
-    /// Takes the setpoints of a stretch until there are none, beside the distance that each period wants and the feed at
+    /// Takes the setpoints on some pieces until there are none, beside the distance that each period wants and the feed at
     /// its end.
     fn run(
         &mut self,
-        stretch: &Stretch,
+        pieces: Range<usize>,
         planned: impl IntoIterator<Item = (DoubleDouble, f64)>,
         mut step: impl FnMut(usize) -> Option<PieceSetpoint<R, D>>,
     ) {
         let mut planned = planned.into_iter();
-        let pieces = self.table.as_pieces().part(stretch.pieces.clone());
-        let places = self.table.places().get(stretch.pieces.clone()).unwrap_or_default();
+        let places = self.table.places().get(pieces.clone()).unwrap_or_default();
+        let pieces = self.table.as_pieces().part(pieces);
         while self.finished {
             self.finished = self.steps.len() < most_periods(self.planned_periods);
             let Some(setpoint) = step(self.steps.len()) else { break };
@@ -244,4 +192,26 @@ fn point_mm<R: Backend, const D: usize>(
         point[d] = (base + exact(setpoint.offset[d]).scale(pieces.coordinate_exponent)).value();
     }
     point
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use part_program::{read_machine, read_part};
+    use real::I8F24;
+
+    /// On stairs of equal steps no kind of period is made but once, not that from rest and not that onto a stop.
+    #[test]
+    fn what_is_recorded_comes_to_rest_at_every_stop() {
+        let machine = read_machine("m", include_str!("../../../data/seed-000.toml")).unwrap();
+        let part = read_part("p.nc", "G1 X16 F6000\nY16\nX32\nY32\nX48\nY48\n").unwrap();
+        let problem = Problem::<3>::new(&part, &machine).unwrap();
+        let plan = ExactPlan::in_format::<f64, 3>(&problem, [0.0; 2]).unwrap();
+        let options = Options::default();
+        let run = run::<I8F24, 3>(&problem, &plan, &options).unwrap();
+        let recorded = record::<I8F24, 3>(&problem, &plan, &options, usize::MAX).unwrap();
+        let counts: Vec<_> = recorded.steps.iter().map(|(_, count)| *count as usize).collect();
+        assert_eq!(counts.iter().sum::<usize>(), run.steps.len());
+        assert!(counts.iter().all(|count| *count > 1), "{counts:?}");
+    }
 }

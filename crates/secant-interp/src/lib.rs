@@ -13,15 +13,19 @@
 //! | the distance of each period | [`StepLengths`] |
 //! | a run that lands on each stop on the way | [`stretches`], [`PieceInterpolator::on`] |
 //! | feed override and feed hold while a plan runs | [`FeedOverride`] |
+//! | path and plan together, ready to run; with an example from curve to setpoints | [`CompiledPath`] |
 //!
-//! No heap, no panic, no loop without a bound; everything is generic over [`real::Real`].
+//! A step takes no heap, cannot panic and has no loop without a bound; everything is generic over [`real::Real`].
 //!
 //! Features: `std` (default) or `libm`, for the square roots of floats; `cubic`, which `std` brings, for a step on cubics that
 //! takes up to 40 % fewer instructions and more flash; `lanes`, for simulations on a large machine.
 
 #![cfg_attr(not(feature = "std"), no_std)]
 
+extern crate alloc;
+
 mod chord_step;
+mod compiled_path;
 mod feed_override;
 mod interpolator;
 #[cfg(feature = "lanes")]
@@ -34,6 +38,7 @@ mod stretches;
 pub mod taylor;
 
 pub use chord_step::{Chord, ChordTolerance};
+pub use compiled_path::{CompiledPath, CompiledPathError};
 pub use feed_override::{FeedOverride, OverrideLimits, OverrideState, Rate};
 pub use feed_plan::StageShape;
 pub use interpolator::{Interpolator, Method, Setpoint, State};

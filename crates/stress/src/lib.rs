@@ -28,7 +28,7 @@ pub use generate::{RandomPath, any_curve, any_number};
 pub use on_curve::{CurveFigures, OnCurve};
 pub use on_pieces::{OnPieces, PieceFigures};
 pub use piece_points::check_pieces;
-pub use planned::{Planned, Rest};
+pub use planned::Planned;
 pub use side_by_side::check_against_float;
 pub use soak::{
     SOAK_FORMATS, Soak, SoakFormat, SoakPaths, SoakViolation, Soaked, SoakedPath, SoakedRun, soak_path,

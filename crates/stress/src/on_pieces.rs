@@ -1,10 +1,9 @@
 //! A run on compiled pieces, each step held to its promises.
 
-use nurbs_core::{ORIGIN_EXPONENT, PiecesBuf};
+use feed_plan::Schedule;
+use nurbs_core::ORIGIN_EXPONENT;
 use real::{Backend, Counted, FormatName, OperationCounts, Real};
-use secant_interp::{
-    ChordTolerance, LengthStage, PieceInterpolator, PieceSetpoint, StepLengths, Stretch, stretches,
-};
+use secant_interp::{ChordTolerance, CompiledPath, LengthStage, PieceInterpolator, PieceSetpoint};
 
 use crate::Planned;
 use crate::piece_points::{Judge, compiled};
@@ -14,11 +13,7 @@ use crate::violation::{Outcome, Violation, demand};
 /// Path, plan and tolerances in `R`, ready to run.
 pub struct OnPieces<'a, R, const D: usize> {
     planned: &'a Planned<'a, D>,
-    table: PiecesBuf<R, D>,
-    stages: Vec<LengthStage<R>>,
-    stretches: Vec<Stretch>,
-    tolerance: ChordTolerance<R>,
-    landing_step: R,
+    path: CompiledPath<R, D>,
 }
 
 /// The worst of a run, in parts of what is promised: all at most 1.
@@ -73,27 +68,18 @@ impl<'a, R: Backend, const D: usize> OnPieces<'a, R, D> {
     /// In words, what does not fit.
     pub fn new(planned: &'a Planned<'a, D>) -> Result<Self, String> {
         let table = compiled::<R, D>(planned.path, &planned.stops())?;
-        let exponent = table.as_pieces().chord_exponent;
-        let landing = R::from_f64(planned.landing_step().scale(exponent));
-        let (Some((stages, rests)), Some(landing_step)) = (planned.stages(exponent), landing) else {
-            return Err(format!("a feed of the plan does not fit {}", R::name()));
-        };
-        let finest = R::resolution() + R::resolution();
-        let tolerance = ChordTolerance { residual: finest, max_evaluations: planned.path.max_evaluations };
-        let joints = rests.into_iter().map(|rest| rest.and_then(|(curve, u)| table.joint(curve, u)));
-        let stretches = stretches(joints, table.places().len()).collect();
-        Ok(Self { planned, table, stages, stretches, tolerance, landing_step })
+        let tolerance = ChordTolerance::for_fluctuation(None, planned.path.max_evaluations);
+        let stages = planned.stages();
+        let plan = Schedule::new(&stages, 1.0, planned.periods());
+        let path = CompiledPath::new(table, &plan, tolerance, planned.landing_step())
+            .map_err(|error| format!("{error}: {}", R::name()))?;
+        Ok(Self { planned, path })
     }
 
     /// What steps, over stops as over anything else.
     #[must_use]
     pub fn interpolator(&self) -> PieceInterpolator<'_, R, D> {
-        PieceInterpolator {
-            pieces: self.table.as_pieces(),
-            lengths: StepLengths { stages: &self.stages },
-            tolerance: self.tolerance,
-            landing_step: self.landing_step,
-        }
+        self.path.interpolator()
     }
 
     /// Runs to the end, from stop to stop, and holds every step to its promises.
@@ -109,10 +95,8 @@ impl<'a, R: Backend, const D: usize> OnPieces<'a, R, D> {
 
     /// The same with a judge that is there already.
     pub(crate) fn run_judged(&self, judge: &Judge<D>) -> Result<Outcome<PieceFigures>, Violation> {
-        let path = self.interpolator();
         let mut steps = Steps::new(self, judge);
-        for stretch in &self.stretches {
-            let interpolator = path.on(stretch);
+        for (stretch, interpolator) in self.path.stretches().iter().zip(self.path.runs()) {
             let mut state = interpolator.start();
             while let Some(setpoint) = interpolator.step(&mut state) {
                 let piece = stretch.pieces.start + setpoint.piece;
@@ -131,8 +115,8 @@ impl<const D: usize> OnPieces<'_, Counted<f64>, D> {
     /// The first step that takes more than [`StepBound`] says.
     pub fn count(&self) -> Result<Outcome<PieceFigures>, Violation> {
         let interpolator = self.interpolator();
-        let stages = most_stages_in_a_period(&self.stages);
-        let pieces = self.table.as_pieces();
+        let stages = most_stages_in_a_period(self.path.stages());
+        let pieces = interpolator.pieces;
         let mut state = interpolator.start();
         let mut at = 0;
         let mut worst = PieceFigures::default();
@@ -144,7 +128,7 @@ impl<const D: usize> OnPieces<'_, Counted<f64>, D> {
                 degree: pieces.degree,
                 dimensions: D,
                 rational: pieces.is_rational(),
-                max_evaluations: self.tolerance.max_evaluations,
+                max_evaluations: interpolator.tolerance.max_evaluations,
                 pieces: setpoint.piece + 1 - at,
                 stages,
             });
@@ -240,7 +224,7 @@ fn fraction(phase: u64) -> f64 {
 
 impl<'a, R: Backend, const D: usize> Steps<'a, R, D> {
     fn new(run: &'a OnPieces<'a, R, D>, judge: &'a Judge<D>) -> Self {
-        let pieces = run.table.as_pieces();
+        let pieces = run.path.table().as_pieces();
         let units = LengthUnits {
             resolution: R::resolution().to_f64(),
             is_fixed: matches!(R::name(), FormatName::Fixed { .. }),
@@ -259,7 +243,7 @@ impl<'a, R: Backend, const D: usize> Steps<'a, R, D> {
         let back = f64::from(u8::from(to < from));
         demand("the position goes back", &self.name, step, back, 0.0)?;
         let touched = to.0 - from.0 + 1;
-        let bound = u64::from(self.run.tolerance.max_evaluations) * touched as u64;
+        let bound = u64::from(self.run.interpolator().tolerance.max_evaluations) * touched as u64;
         let evaluations = u64::from(setpoint.evaluations);
         let share = demand("evaluations", &self.name, step, evaluations as f64, bound as f64)?;
         let finite = setpoint.offset.iter().all(|x| x.is_finite()) && setpoint.length.is_finite();
@@ -284,7 +268,7 @@ impl<'a, R: Backend, const D: usize> Steps<'a, R, D> {
         worst.feed_share = worst.feed_share.max(feed);
         self.at = to;
         if to.0 < self.judge.len() {
-            let converged = setpoint.evaluations < self.run.tolerance.max_evaluations;
+            let converged = setpoint.evaluations < self.run.interpolator().tolerance.max_evaluations;
             self.check_chord(step, from, to, wanted, (converged, lands))?;
         }
         // A landing step that does not arrive leaves the run as far behind its plan as it is.
@@ -311,7 +295,7 @@ impl<'a, R: Backend, const D: usize> Steps<'a, R, D> {
         let joints = (to.0 - from.0) as f64;
         let resolution = units.resolution * if units.is_fixed { units.chord } else { wanted };
         let piece = self.run.planned.path.piece_mm;
-        let table = self.run.table.as_pieces();
+        let table = self.run.path.table().as_pieces();
         let relative = relative(table.degree, table.is_rational());
         let bound = (absolute + relative * wanted) * units.resolution * (1.0 + joints)
             + JUDGE * piece

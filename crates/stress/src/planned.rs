@@ -2,8 +2,6 @@
 
 use feed_plan::{EndFeeds, FeedLimit, ScheduleBuf, Stage, plan_with};
 use nurbs_core::FastCurve;
-use real::Real;
-use secant_interp::LengthStage;
 
 use crate::RandomPath;
 use crate::violation::{Violation, demand};
@@ -70,6 +68,19 @@ impl<'a, const D: usize> Planned<'a, D> {
     #[must_use]
     pub fn stops(&self) -> Vec<(usize, f64)> {
         self.chords.stages().iter().filter_map(Stage::rest).collect()
+    }
+
+    /// The stages of a run.
+    #[must_use]
+    pub fn stages(&self) -> Vec<Stage<f64>> {
+        let slower = f64::from(self.slower);
+        let slowed = |stage: &Stage<f64>| Stage {
+            duration: stage.duration * slower,
+            start_feed: stage.start_feed / slower,
+            end_feed: stage.end_feed / slower,
+            ..*stage
+        };
+        self.chords.stages().iter().map(slowed).collect()
     }
 
     /// The plan keeps feed, acceleration and jerk at every stage, joins its stages, ends at rest at the end, and stays
@@ -145,28 +156,4 @@ impl<'a, const D: usize> Planned<'a, D> {
         )?;
         Ok(())
     }
-
-    /// The stages for compiled pieces in `R`, whose chords are in units of `2^-chord_exponent` mm, each with curve and
-    /// parameter where it comes to rest; `None` where a feed does not fit.
-    #[must_use]
-    pub fn stages<R: real::Backend>(&self, chord_exponent: i32) -> Option<(Vec<LengthStage<R>>, Vec<Rest>)> {
-        let slower = f64::from(self.slower);
-        let (mut stages, mut rests) = (Vec::new(), Vec::new());
-        let (mut time, mut begin) = (0.0_f64, 0_u64);
-        for stage in self.chords.stages() {
-            time += stage.duration * slower;
-            let end = (time + 0.5_f64.scale(-32)).to_phase(-32);
-            let feed = |x: f64| R::from_f64((x / slower).scale(chord_exponent));
-            let (from, to) = (feed(stage.start_feed)?, feed(stage.end_feed)?);
-            if let Some(compiled) = LengthStage::new(end.saturating_sub(begin), from, to - from) {
-                stages.push(compiled.shaped(stage.shape));
-                rests.push(stage.rest());
-            }
-            begin = end;
-        }
-        Some((stages, rests))
-    }
 }
-
-/// Curve and parameter at which a stage comes to rest, if it does.
-pub type Rest = Option<(usize, f64)>;

@@ -1,0 +1,192 @@
+//! A path and its plan in one number format: everything that real time reads.
+//!
+//! Here a plan becomes stages. Feeds go into the chord units of the compiled pieces, joints of stages onto the grid of 2⁻³²
+//! periods in which a controller counts time, and where the plan comes to rest at a joint of pieces the run is cut.
+
+use alloc::vec::Vec;
+use core::fmt;
+
+use feed_plan::Schedule;
+use nurbs_core::PiecesBuf;
+use real::{Backend, Real};
+
+use crate::chord_step::ChordTolerance;
+use crate::piece_interpolator::PieceInterpolator;
+use crate::step_lengths::{LengthStage, StepLengths};
+use crate::stretches::{Stretch, stretches};
+
+/// Why a plan does not go into a number format. Values are in mm and periods.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum CompiledPathError {
+    /// A stage begins or ends with a feed beyond the format's range.
+    FeedTooHigh {
+        /// The stage, from 0.
+        stage: usize,
+        /// The feed, in mm per period.
+        feed: f64,
+    },
+    /// The landing step is beyond the format's range.
+    LandingStepTooLong {
+        /// The step, in mm.
+        step: f64,
+    },
+}
+
+impl fmt::Display for CompiledPathError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::FeedTooHigh { stage, feed } => {
+                write!(
+                    f,
+                    "the feed of stage {stage}, {feed:.3e} mm per period, does not fit the number format"
+                )
+            }
+            Self::LandingStepTooLong { step } => {
+                write!(f, "the landing step, {step:.3e} mm, does not fit the number format")
+            }
+        }
+    }
+}
+
+impl core::error::Error for CompiledPathError {}
+
+/// A path compiled together with its plan. Only making it takes heap.
+///
+/// ```
+/// use feed_plan::{EndFeeds, FeedLimit, KinematicLimits, Stage, plan};
+/// use nurbs_core::{NurbsCurve, PieceLimits, compile_with_stops};
+/// use real::{DoubleDouble, I4F28};
+/// use secant_interp::{ChordTolerance, CompiledPath};
+///
+/// // A quarter circle of 50 mm, in mm and periods of 1 ms: 200 mm/s, 5 m/s², 400 m/s³, 0.5 µm.
+/// let points = [[50.0, 0.0], [50.0, 50.0], [0.0, 50.0]];
+/// let weights = [1.0, 0.5_f64.sqrt(), 1.0];
+/// let curves = [NurbsCurve::try_new(2, &points, &weights, &[0.0, 0.0, 0.0, 1.0, 1.0, 1.0])?];
+/// let limits = KinematicLimits {
+///     interpolation_period: 1.0,
+///     feedrate: 0.2,
+///     acceleration: 0.005,
+///     jerk: 0.0004,
+///     chord_error: 0.0005,
+///     centripetal_acceleration: None,
+///     axes: Default::default(),
+///     junction: Default::default(),
+/// };
+///
+/// // Before real time: the plan, its chords in place of its arcs, and the path in pieces that end where it rests.
+/// let limit = FeedLimit::along(&curves, &limits)?;
+/// let arcs = plan(&limit, &limits, EndFeeds::default())?;
+/// let shortfalls = limit.shortfalls(&curves, &arcs.as_schedule());
+/// let chords = arcs.shortened(&shortfalls);
+/// let stops: Vec<_> = chords.stages().iter().filter_map(Stage::rest).collect();
+/// let landing_step = limits.acceleration; // A T²: from so long a step the axes stop within a period.
+/// let cut = PieceLimits { length_mm: 32.0, step_mm: limits.feedrate + landing_step };
+/// let pieces = compile_with_stops::<DoubleDouble, I4F28, 2>(&curves, &cut, &stops)?;
+/// let tolerance = ChordTolerance::for_fluctuation(Some(1e-6), 5);
+/// let path = CompiledPath::new(pieces, &chords.as_schedule(), tolerance, landing_step)?;
+///
+/// // In real time: a setpoint a period, from stop to stop.
+/// let mut periods = 0;
+/// for run in path.runs() {
+///     let mut state = run.start();
+///     while let Some(setpoint) = run.step(&mut state) {
+///         periods += 1; // setpoint.offset goes to the axes, added to the piece's origin.
+///     }
+/// }
+/// assert_eq!(periods, chords.as_schedule().periods());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct CompiledPath<R, const D: usize> {
+    table: PiecesBuf<R, D>,
+    stages: Vec<LengthStage<R>>,
+    stretches: Vec<Stretch>,
+    tolerance: ChordTolerance<R>,
+    landing_step: R,
+}
+
+impl<R: Backend, const D: usize> CompiledPath<R, D> {
+    /// Joins the pieces of a path with its plan in mm and periods, made in any format Q that holds the plan's duration.
+    ///
+    /// The plan's distances are those of chords ([`ScheduleBuf::shortened`](feed_plan::ScheduleBuf::shortened)), for these
+    /// are what a step makes. The pieces are compiled with a joint at each of its rests
+    /// ([`compile_with_stops`](nurbs_core::compile_with_stops)); a rest without one is passed at a feed of zero, not landed on.
+    /// Each joint of two stages moves to the nearest multiple of 2⁻³² periods. `landing_step_mm` is the longest step from
+    /// which the axes come to rest within one period, A T²; it may round to zero.
+    ///
+    /// # Errors
+    /// [`CompiledPathError`] when a feed or the landing step does not fit `R`.
+    pub fn new<Q: Backend>(
+        table: PiecesBuf<R, D>,
+        plan: &Schedule<'_, Q>,
+        tolerance: ChordTolerance<R>,
+        landing_step_mm: f64,
+    ) -> Result<Self, CompiledPathError> {
+        let exponent = table.as_pieces().chord_exponent;
+        let landing_step = R::from_f64(landing_step_mm.scale(exponent))
+            .ok_or(CompiledPathError::LandingStepTooLong { step: landing_step_mm })?;
+        let (mut stages, mut stops) = (Vec::new(), Vec::new());
+        let half_unit = Q::one().scale(-33);
+        let (mut time, mut begin) = (Q::zero(), 0);
+        for (index, stage) in plan.stages().iter().enumerate() {
+            let feed = |feed: Q| {
+                nearest::<Q, R>(feed, exponent)
+                    .ok_or(CompiledPathError::FeedTooHigh { stage: index, feed: feed.to_f64() })
+            };
+            let (from, to) = (feed(stage.start_feed)?, feed(stage.end_feed)?);
+            time = time + stage.duration;
+            let end = (time + half_unit).to_phase(-32);
+            if let Some(compiled) = LengthStage::new(end.saturating_sub(begin), from, to - from) {
+                stages.push(compiled.shaped(stage.shape));
+                stops.push(stage.rest().and_then(|(curve, u)| table.joint(curve, u.to_f64())));
+            }
+            begin = end;
+        }
+        let stretches = stretches(stops, table.places().len()).collect();
+        Ok(Self { table, stages, stretches, tolerance, landing_step })
+    }
+
+    /// The pieces.
+    #[must_use]
+    pub fn table(&self) -> &PiecesBuf<R, D> {
+        &self.table
+    }
+
+    /// The stages, in the pieces' chord units and 2⁻³² periods.
+    #[must_use]
+    pub fn stages(&self) -> &[LengthStage<R>] {
+        &self.stages
+    }
+
+    /// Path and plan between the stops, in order.
+    #[must_use]
+    pub fn stretches(&self) -> &[Stretch] {
+        &self.stretches
+    }
+
+    /// What steps over the whole path, over stops as over anything else: for a run whose time is stretched, which comes to
+    /// stops at other times than planned.
+    #[must_use]
+    pub fn interpolator(&self) -> PieceInterpolator<'_, R, D> {
+        PieceInterpolator {
+            pieces: self.table.as_pieces(),
+            lengths: StepLengths { stages: &self.stages },
+            tolerance: self.tolerance,
+            landing_step: self.landing_step,
+        }
+    }
+
+    /// What steps from stop to stop, one after the other: each lands on its stop, and the next begins there on time. Setpoints
+    /// number pieces from the stretch's first.
+    pub fn runs(&self) -> impl Iterator<Item = PieceInterpolator<'_, R, D>> {
+        let path = self.interpolator();
+        self.stretches.iter().map(move |stretch| path.on(stretch))
+    }
+}
+
+/// The number of `R` nearest to `x` times a power of two, `None` where it is out of range.
+fn nearest<Q: Backend, R: Backend>(x: Q, exponent: i32) -> Option<R> {
+    let (high, low) = x.to_f64_pair();
+    R::from_f64_pair(high.scale(exponent), low.scale(exponent))
+}
