@@ -94,9 +94,10 @@ impl<R: Real, C> Interpolator<'_, R, C> {
     ///
     /// The parameter never decreases and never passes the end. The run ends by landing: a step that would reach
     /// or pass the end commands exactly the end. When the schedule is over before the curve is, as rounding in
-    /// a coarse format can make it, the rest is travelled in steps of `landing_step`. Neither loop nor heap:
-    /// at most `max_iterations + 4` evaluations of the curve: two start values and an iteration each, in the first
-    /// steps the expansions there, and the landing.
+    /// a coarse format can make it, the rest is travelled in steps of `landing_step`, or of the parameter's resolution where
+    /// that is more, so that every run ends. In a period of no length the setpoint is that of the period before. Neither
+    /// loop nor heap: at most `max_iterations + 4` evaluations of the curve: two start values and an iteration each, in
+    /// the first steps the expansions there, and the landing.
     pub fn step<const D: usize>(&self, state: &mut State<R, D>) -> Option<Setpoint<R, D>>
     where
         C: Differentiate<R, D>,
@@ -105,11 +106,22 @@ impl<R: Real, C> Interpolator<'_, R, C> {
             return None;
         }
         let planned = self.schedule.advance(&mut state.cursor);
-        let is_last = planned.is_none() || self.schedule.is_over(&state.cursor);
+        let is_last = planned.is_some() && self.schedule.is_over(&state.cursor);
         let length = planned.unwrap_or(self.landing_step).signal("step_length");
+        let u = state.history.newest();
+        if planned.is_some() && !is_last && !(length > R::zero()) {
+            let (point, outcome) = (state.point, Outcome::Converged);
+            return Some(Setpoint { u, point, length, evaluations: 0, outcome });
+        }
         let reach = if is_last { length + self.landing_step } else { length };
 
         let mut found = self.next_parameter(state, reach);
+        if planned.is_none() && !(found.u > u) {
+            // The landing step is too short for the parameter's resolution here.
+            found.u = u + R::resolution().max(u.abs() * R::resolution().scale(1));
+            found.point = self.curve.point(found.u);
+            found.evaluations += 1;
+        }
         let (_, end) = self.curve.domain();
         if found.u >= end {
             found.u = end;
@@ -186,7 +198,9 @@ impl<R: Real, C> Interpolator<'_, R, C> {
             let second = taylor::increment(&at, length, Order::Second);
             return ((ahead(first), ahead(second)), 1);
         }
-        let in_proportion = history.last_difference() * (length / state.last_length);
+        // After a landing step of nothing there is no proportion.
+        let share = if state.last_length > R::zero() { length / state.last_length } else { R::one() };
+        let in_proportion = history.last_difference() * share;
         let forwards = |value: R| if value > u { value - u } else { in_proportion };
         ((ahead(forwards(history.adams())), ahead(forwards(history.taylor()))), 0)
     }

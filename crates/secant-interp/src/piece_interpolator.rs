@@ -32,7 +32,8 @@ pub struct PieceInterpolator<'a, R, const D: usize> {
     pub lengths: StepLengths<'a, R>,
     /// When the solver stops.
     pub tolerance: ChordTolerance<R>,
-    /// The longest step from which the axes come to rest within one period, A·T², in chord units.
+    /// The longest step from which the axes come to rest within one period, A·T², in chord units. The pieces are compiled for
+    /// steps that are longer by this than the longest planned one ([`PieceLimits::step_mm`](nurbs_core::PieceLimits)).
     pub landing_step: R,
 }
 
@@ -198,9 +199,9 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         row: &Piece<R, D>,
         planned: Option<R>,
     ) -> PieceSetpoint<R, D> {
+        let is_last = planned.is_some() && self.lengths.is_over(&state.cursor);
         let length = planned.unwrap_or_else(|| self.landing(row)).signal("chord_length");
-        let is_last = planned.is_none() || self.lengths.is_over(&state.cursor);
-        let reach = if is_last { length + self.landing_step } else { length };
+        let reach = if is_last { sum_within(length, self.landing_step, R::max_value()) } else { length };
 
         let (piece, phase, evaluations) = self.travel::<N, PLAIN>(state, row, reach);
         let (of, t) = if piece < self.pieces.pieces.len() { (piece, R::fraction(phase)) } else { self.end() };

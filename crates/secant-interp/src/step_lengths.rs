@@ -118,27 +118,30 @@ pub struct StepLengths<'a, R> {
 
 impl<R: Real> StepLengths<'_, R> {
     /// The distance of the next period, or `None` when the schedule is over. A schedule whose duration is no whole
-    /// number of periods ends with a shorter step. At most one turn of the loop a stage.
+    /// number of periods ends with a shorter step. At most one turn of the loop a stage. A cursor that stands behind its
+    /// stage's end, as one of another schedule may, goes on with the next stage.
     #[inline(always)] // Into the step, as that is into its caller: see there.
     pub fn advance(&self, cursor: &mut LengthCursor) -> Option<R> {
         let stage = self.stages.get(cursor.stage)?;
-        if PERIOD < stage.duration - cursor.time {
+        let end = cursor.time + PERIOD;
+        if end < stage.duration {
             // Wholly inside a stage, as most periods are.
-            let middle = 2 * cursor.time + PERIOD;
-            cursor.time += PERIOD;
+            let middle = cursor.time + end;
+            cursor.time = end;
             return Some(stage.mean_feed(middle, stage.period_share));
         }
         self.advance_by(cursor, PERIOD)
     }
 
-    /// The same over `units` of 2⁻³² periods of the schedule's time, at most one period: a period at a lower feed.
+    /// The same over `units` of 2⁻³² periods of the schedule's time, at most one period: a period at a lower feed. `None` over
+    /// no time at all.
     #[inline(never)] // Within the above it would make every period save its registers.
     pub fn advance_by(&self, cursor: &mut LengthCursor, units: u64) -> Option<R> {
         let units = units.min(PERIOD);
         let mut left = units;
         let mut length = R::zero();
         while let Some(stage) = self.stages.get(cursor.stage) {
-            let interval = left.min(stage.duration - cursor.time);
+            let interval = left.min(stage.duration.saturating_sub(cursor.time));
             let mean = stage.mean_feed(2 * cursor.time + interval, stage.share(interval));
             length =
                 if interval == PERIOD { mean } else { mean.mul_add(R::from_phase(interval, 32), length) };
@@ -199,6 +202,16 @@ mod tests {
     )]
     fn in_units(periods: f64) -> u64 {
         (periods * PERIOD as f64).round() as u64
+    }
+
+    #[test]
+    fn a_cursor_of_another_schedule_goes_on_with_the_next_stage() {
+        let stages =
+            [(10, 0.5), (4, 0.25)].map(|(periods, feed)| LengthStage::new(periods << 32, feed, 0.0).unwrap());
+        let schedule = StepLengths { stages: &stages };
+        let mut cursor = LengthCursor { stage: 0, time: 50 * PERIOD };
+        assert_eq!(schedule.advance(&mut cursor), Some(0.25));
+        assert_eq!(cursor, LengthCursor { stage: 1, time: PERIOD });
     }
 
     proptest! {
