@@ -14,7 +14,7 @@ use real::Real;
 /// panic.
 ///
 /// # Source
-/// Wang Y. et al., section 2.1.2, which prints T/2 for 2/T.
+/// Paper A (Wang Yunsen et al.), section 2.1.2, which prints T/2 for 2/T.
 pub fn chord_feedrate<R: Real>(radius: R, max_chord_error: R, interpolation_period: R) -> R {
     let half_chord = if radius <= max_chord_error {
         radius

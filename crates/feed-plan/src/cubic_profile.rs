@@ -15,7 +15,7 @@
 //! reaches J only, a larger one A only. Everything is computed from x in [0, 1]: the printed coefficients of
 //! powers of t span many orders of magnitude.
 //!
-//! Source: Wang Y. et al., section 2.1.1, with the sign of J(0) corrected.
+//! Source: Paper A (Wang Yunsen et al.), section 2.1.1, with the sign of J(0) corrected.
 
 use real::Real;
 

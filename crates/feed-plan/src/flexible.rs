@@ -15,7 +15,7 @@
 //!
 //! Else the S-curves stay. (Replacing a single S-curve by a half-cosine of its length breaks A or J, always.)
 //!
-//! Source: Wang H. et al., section 2.2, which states none of the three conditions.
+//! Source: paper C (Wang Haitao et al.), section 2.1, which states none of the three conditions.
 
 use alloc::vec::Vec;
 
@@ -29,8 +29,8 @@ use crate::{
 const PARTS: i32 = 32;
 /// Segments that one merge can take in, so that planning costs in proportion to the path.
 const MOST_SEGMENTS: usize = 16;
-/// A merge may take longer than what it replaces by 2⁻⁶ of that: it gives up the small peaks in between. The curve of
-/// Wang Y. et al. then takes 0.2 % longer than with S-curves alone, with 93 stages in place of 425.
+/// A merge may take longer than what it replaces by 2⁻⁶ of that: it gives up the small peaks in between. Paper A's
+/// curve then takes 0.2 % longer than with S-curves alone, with 93 stages in place of 425.
 const TIME_ALLOWANCE: i32 = -6;
 
 /// Why a stretch keeps its S-curves.

@@ -59,6 +59,12 @@
 //! |---|---|
 //! | `std` (default) | square roots of floats through std |
 //! | `libm` | square roots of floats without std |
+//!
+//! # Source
+//! *Paper A*: Wang Y., Gai R., Sun Y., Yang D., Han J., "NURBS interpolation algorithm for high-quality machining" (received 2012), in
+//! Chinese. *Paper C*: Wang H., Zhao D., Lu Y., Liu K., "Parametric curve look-ahead interpolation algorithm with flexible
+//! acceleration and deceleration method", *China Mechanical Engineering* 2012, no. 3, in Chinese. What they misprint is in
+//! `docs/papers.md`.
 
 #![cfg_attr(not(any(test, feature = "std")), no_std)]
 #![allow(clippy::neg_cmp_op_on_partial_ord, reason = "!(x > 0) refuses NaN as well, and is written for that")]

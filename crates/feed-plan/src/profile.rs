@@ -179,7 +179,7 @@ impl<R: Real> FeedPiece<R> {
         }
     }
 
-    /// `a₀..a₃` of the feed as a polynomial of the time since the start, as the acceleration table of Wang Y. et al. has
+    /// `a₀..a₃` of the feed as a polynomial of the time since the start, as the acceleration table of paper A has
     /// them; `None` for a cosine. For reading only: a₃ is below the resolution of most fixed-point formats.
     #[must_use]
     pub fn coefficients(&self) -> Option<[R; 4]> {
@@ -213,7 +213,7 @@ impl<R: Real> FeedPiece<R> {
 /// How a plan gets from one feed to another.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ProfileKind {
-    /// Cubic polynomials of time, as in Wang Y. et al.
+    /// Cubic polynomials of time, as in paper A
     #[default]
     Cubic,
     /// Pieces of constant jerk: the fastest that acceleration and jerk allow.
@@ -221,7 +221,7 @@ pub enum ProfileKind {
     /// Half-cosines.
     Trigonometric,
     /// The S-curve, and half-cosines over stretches whose limit changes again before a transition has ended, as in
-    /// Wang H. et al.
+    /// paper C.
     Flexible,
 }
 

@@ -18,7 +18,7 @@
 //! `g = p x²/(2h)` up to h, `p (x - h/2)` up to 1 - h, then by symmetry `1 - g(1 - x)`; its integral is
 //! `G = p x³/(6h)`, `p (h²/6 + (x² - hx)/2)`, and `x - 1/2 + G(1 - x)`.
 //!
-//! Source: Wang H. et al., section 2, which takes the profile as known.
+//! Source: paper C (Wang Haitao et al.), section 2, which takes the profile as known.
 
 use real::Real;
 

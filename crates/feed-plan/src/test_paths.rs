@@ -5,7 +5,7 @@ use real::Backend;
 
 use crate::{AxisLimits, Junction, KinematicLimits};
 
-/// Wang Y. et al.: T = 3 ms, F = 200 mm/s, A = 5000 mm/s², J = 4e5 mm/s³, E = 0.5 µm, with T as the unit of
+/// Paper A: T = 3 ms, F = 200 mm/s, A = 5000 mm/s², J = 4e5 mm/s³, E = 0.5 µm, with T as the unit of
 /// time.
 pub(crate) fn paper_limits() -> KinematicLimits<f64> {
     in_periods(3e-3, 200.0, 5000.0, 4e5, 5e-4)
@@ -31,14 +31,14 @@ pub(crate) fn in_periods(
     }
 }
 
-/// The curve of Wang Y. et al.
+/// Paper A's curve.
 pub(crate) fn seed_000() -> NurbsBuf<f64, 2> {
     let points = [[150., 150.], [0., 0.], [0., 300.], [150., 150.], [300., 0.], [300., 300.], [150., 150.]];
     let knots = [0., 0., 0., 0., 0.25, 0.5, 0.75, 1., 1., 1., 1.];
     NurbsBuf::try_new(3, points.to_vec(), vec![1.0; 7], knots.to_vec()).unwrap()
 }
 
-/// The part program of Liu P. et al.
+/// Paper D's part program.
 pub(crate) fn seed_003() -> NurbsBuf<f64, 2> {
     let points = [
         [0.0, 15.0],

@@ -12,7 +12,7 @@
 //! Within the limits, `t_a = max(Dπ/(2A), π √(D/(2J)))`. Over a given distance L, `t_a = 2L/(V_s + V_e)`. It takes longer than
 //! the S-curve: half again where only A binds and the jerk is free, 1.11 times where only J binds.
 //!
-//! Source: Wang H. et al., section 2.
+//! Source: paper C (Wang Haitao et al.), section 2.1.
 
 use real::{Real, Trigonometric};
 
@@ -80,7 +80,7 @@ mod tests {
         assert_eq!(TrigonometricProfile::over(0.0, 0.0, 3.0), None);
     }
 
-    /// Findings about Wang H. et al.: an S-curve replaced by one half-cosine of the same length and so of the same time
+    /// What paper C passes over: an S-curve replaced by one half-cosine of the same length and so of the same time
     /// breaks the jerk by π²/8 where only the jerk binds.
     #[test]
     fn in_the_time_of_an_s_curve_it_breaks_the_jerk() {

@@ -17,7 +17,7 @@ use crate::{on_global_parameter, on_pieces};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Engine {
-    /// The textbook way: one global parameter, de Boor's scheme each time, the paper's secant iteration.
+    /// The textbook way: one global parameter, de Boor's scheme each time, paper A's secant iteration.
     DeBoorSecant,
     /// The same with a first-order Taylor step.
     DeBoorTaylor1,

@@ -17,8 +17,8 @@
 //! `H_00' = (π/2) C S g`, `H_10' = C (1 + S g)`, `H_11' = S (1 + C g)`,
 //! `H_00'' = (π/2)² m`, `H_10'' = (π/2)(m - S)`, `H_11'' = (π/2)(m + C)`.
 //!
-//! **Source**: Tao J., Song A., Yi D., on NC tool paths by a cubic trigonometric interpolation spline (2013), formulas
-//! (1) to (7). They are read here by their conditions at the ends, (3) to (5), because the print is garbled.
+//! **Source**: paper B (Tao Jianming et al.; see `docs/papers.md`), formulas (1) to (7). They are read here by their conditions
+//! at the ends, (3) to (5), because the text that we have is garbled.
 
 use real::{Real, Trigonometric};
 

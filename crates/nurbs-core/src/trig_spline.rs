@@ -12,7 +12,7 @@
 //! | free curve | each four consecutive ones of a sequence | any, k the same for all |
 //!
 //! The line stands still at both ends (`P' = 0`): where a planner is to pass, take [`Line`](crate::Line). On the circle λ drops
-//! out, because its bump is multiplied by `(q_0 - q_1) + (2/π)(D_0 + D_1)`, which is 0 there; the paper asks for λ = 1.
+//! out, because its bump is multiplied by `(q_0 - q_1) + (2/π)(D_0 + D_1)`, which is 0 there; paper B asks for λ = 1.
 
 use real::Real;
 #[cfg(feature = "alloc")]

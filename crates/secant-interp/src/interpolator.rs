@@ -1,4 +1,4 @@
-//! The real-time loop on a curve with one global parameter, as the paper has it.
+//! The real-time loop on a curve with one global parameter, as paper A has it.
 
 use feed_plan::{Cursor, Schedule};
 use nurbs_core::Differentiate;

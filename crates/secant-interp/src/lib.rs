@@ -19,6 +19,10 @@
 //!
 //! Features: `std` (default) or `libm`, for the square roots of floats; `cubic`, which `std` brings, for a step on cubics that
 //! takes up to 40 % fewer instructions and more flash; `lanes`, for simulations on a large machine.
+//!
+//! # Source
+//! *Paper A*: Wang Y., Gai R., Sun Y., Yang D., Han J., "NURBS interpolation algorithm for high-quality machining" (received 2012), in
+//! Chinese: the step on the global parameter. What it misprints is in `docs/papers.md`. The step on pieces is ours.
 
 #![cfg_attr(not(feature = "std"), no_std)]
 

@@ -4,7 +4,7 @@
 //! differences d₁ = u_i - u_{i-1}, d₂ = u_{i-1} - u_{i-2}, d₃ = u_{i-2} - u_{i-3}, which are small where the
 //! parameters are not: in fixed point nothing overflows and no digits are spent on the common part.
 //!
-//! Source: Wang Yunsen et al., "NURBS interpolation algorithm for high-quality machining", equations (6), (7).
+//! Source: paper A (Wang Yunsen et al.; see `docs/papers.md`), equations (6), (7).
 
 use real::Real;
 

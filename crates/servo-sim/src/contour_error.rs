@@ -274,7 +274,7 @@ mod tests {
 
     #[test]
     fn points_beside_a_curve_are_as_far_as_they_were_put() {
-        // The smallest radius of seed 000 is 24.757 mm: within it the foot point of C + d·n is C, at distance |d|.
+        // The smallest radius of paper A's curve is 24.757 mm: within it the foot point of C + d·n is C, at distance |d|.
         let curve = seed_000();
         let curves = [curve.as_curve()];
         for offset in [0.0, 1e-6, -1e-3, 0.5, -5.0] {
@@ -300,7 +300,7 @@ mod tests {
 
     #[test]
     fn a_crossing_does_not_catch_the_foot_point() {
-        // Seed 000 passes (150, 150) at u = 0, 0.5 and 1. A tool 0.2 mm off the first pass, going out and on, must
+        // Paper A's curve passes (150, 150) at u = 0, 0.5 and 1. A tool 0.2 mm off the first pass, going out and on, must
         // still be judged by the branch it is on.
         let curve = seed_000();
         let curves = [curve.as_curve()];

@@ -49,7 +49,7 @@
 //! oscillation of a velocity loop with too much gain, whose limit is an input.
 //!
 //! # Source
-//! Liu P., Wang M., Fan J., Zhao X., "Realizing real-time look-ahead NURBS interpolation in FANUC system",
+//! Paper D of `docs/papers.md`: Liu P., Wang M., Fan J., Zhao X., "Realizing real-time look-ahead NURBS interpolation in FANUC system",
 //! *Mechanical Science and Technology for Aerospace Engineering* 31 (2012) 791–795, section 3. Its test prints no
 //! loop parameters; `data/servo.toml` has those that fit its figures, and says how.
 
