@@ -9,9 +9,9 @@
 //!    starts.
 //! 4. *Whole periods*: from stop to stop the plan is stretched in time, by less than one period, to a whole number of them.
 //!
-//! Source: the passes are those of Wang H. et al., section 2; the transitions those of Wang Y. et al., whose
-//! own procedure lets neighbouring transitions overlap and start too late to stay under a limit that already
-//! falls.
+//! Source: the passes are those of paper C (Wang Haitao et al.), section 2; the cubic transitions those of paper A
+//! (Wang Yunsen et al.), whose own procedure lets neighbouring transitions overlap and start too late to stay under a
+//! limit that already falls.
 
 use alloc::vec::Vec;
 
@@ -29,10 +29,24 @@ const CRUISE_HALVINGS: usize = 40;
 /// The cruising feed is within 2⁻¹⁴ of the highest possible.
 const CRUISE_REFINEMENTS: usize = 14;
 
-/// A schedule along the path: under the limit everywhere, within acceleration and jerk, as fast as a chain of
-/// cubic transitions between a few levels of feed is.
+/// A schedule along the path of cubic transitions: [`plan_with`] [`ProfileKind::Cubic`]. The acceleration is zero at both
+/// ends of each stage.
 ///
-/// The feed is continuous and so is the acceleration, which is zero at both ends of each stage. The whole
+/// # Errors
+/// As [`plan_with`].
+pub fn plan<R: Real>(
+    limit: &FeedLimit<R>,
+    limits: &KinematicLimits<R>,
+    ends: EndFeeds<R>,
+) -> Result<ScheduleBuf<R>, PlanError> {
+    plan_with(limit, limits, ends, ProfileKind::Cubic)
+}
+
+/// A schedule along the path: under the limit everywhere, within acceleration and jerk, as fast as a chain of
+/// transitions of the given kind between a few levels of feed is.
+///
+/// The feed is continuous and so is the acceleration. At both ends of a stage that is a whole transition or a cruise it is
+/// zero; an S-curve is up to three stages, and the acceleration is not zero between them. The whole
 /// takes a whole number of interpolation periods, and so does each part between two stops: it is slowed down evenly
 /// by the part of a period that it takes to get there, so the end feeds are a little below those asked for, unless at
 /// rest.
@@ -47,18 +61,6 @@ const CRUISE_REFINEMENTS: usize = 14;
 /// [`PlanError::StartFeedTooHigh`] and [`PlanError::EndFeedTooHigh`] for end feeds that the limit or the
 /// acceleration do not allow; [`PlanError::CannotMove`] where the limit is zero over a stretch, or too low
 /// for the format; [`PlanError::DurationOverflows`] when the periods cannot be counted.
-pub fn plan<R: Real>(
-    limit: &FeedLimit<R>,
-    limits: &KinematicLimits<R>,
-    ends: EndFeeds<R>,
-) -> Result<ScheduleBuf<R>, PlanError> {
-    plan_with(limit, limits, ends, ProfileKind::Cubic)
-}
-
-/// [`plan`] with transitions of a given kind.
-///
-/// # Errors
-/// As [`plan`].
 pub fn plan_with<R: Real>(
     limit: &FeedLimit<R>,
     limits: &KinematicLimits<R>,
@@ -622,7 +624,7 @@ mod tests {
             "{:?}",
             circle.as_schedule().length()
         );
-        // The seeds' second derivatives are beyond it. What comes out has no meaning, but it does come out.
+        // The papers' curves have second derivatives beyond it. What comes out has no meaning, but it does come out.
         for curve in [seed_000(), seed_003()] {
             let _ = plan_of(&curve.convert().unwrap());
         }

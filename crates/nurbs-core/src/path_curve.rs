@@ -20,7 +20,7 @@ use crate::{
 /// let path: Vec<PathCurve<f64, 2>> = vec![line.into(), arc.into()];
 ///
 /// let [x, y] = path[1].point(0.5);
-/// assert!((x - 10.0).hypot(y - 5.0) - 5.0 < 1e-14);
+/// assert!(((x - 10.0).hypot(y - 5.0) - 5.0).abs() < 1e-14);
 /// // For real time each becomes a NURBS curve: line and arc exactly, a trigonometric spline within a tolerance.
 /// assert_eq!(path[1].to_nurbs(1e-6)?.degree(), 2);
 /// # Ok::<(), nurbs_core::ShapeError>(())
