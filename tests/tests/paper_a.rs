@@ -2,37 +2,78 @@
 
 use feedbits_tests::{PAPER_A, problem};
 use format_compare::{
-    Engine, ExactPlan, Fluctuation, Options, Reference, Row, Verdict, compare, formats, select,
+    Engine, ExactPlan, Fluctuation, JudgedStep, Options, Reference, Row, Verdict, compare, formats, select,
 };
+
+/// F·T.
+const FULL_STEP_MM: f64 = 0.6;
 
 fn options(engine: Engine) -> Options {
     Options { engine, ..Options::default() }
 }
 
-fn fluctuation(options: &Options) -> (Fluctuation, f64) {
+/// As Table 1 wants it: at F but for what the plan is stretched by, to a whole number of periods.
+fn started_at_the_feed(engine: Engine) -> Options {
+    Options { end_feeds_mm_per_s: [199.9, 0.0], ..options(engine) }
+}
+
+/// The steps of a run in f64 without the landing, as the reference judges them, and the mean evaluations of a step.
+fn steps(options: &Options) -> (Vec<JudgedStep>, f64) {
     let problem = problem::<2>("paper A", PAPER_A);
     let f64_format = &select::<2>(&["f64".to_string()]).expect("f64 is built in")[0];
     let plan = ExactPlan::in_format::<f64, 2>(&problem, options.end_feeds_mm_per_s)
         .expect("the paper's curve can be planned");
     let run = f64_format.run(&problem, &plan, options).expect("f64 runs it");
     assert!(run.finished);
-    let steps = Reference::new(&problem).expect("the curve is valid").judge(&run);
+    let mut steps = Reference::new(&problem).expect("the curve is valid").judge(&run);
     let evaluations =
         run.steps.iter().map(|s| f64::from(s.evaluations)).sum::<f64>() / run.steps.len() as f64;
     // Table 1 leaves out the landing: its last step is whatever the curve has left.
-    (Fluctuation::of(&steps[..steps.len() - 1], 0.6), evaluations)
+    steps.pop();
+    (steps, evaluations)
 }
 
-/// Table 1, secant: mean |δ| 8.79e-7 %, extremes 3.83e-5 % and -2.11e-4 %. Reproduced in magnitude when the run
-/// starts at F; the extremes come from the Taylor start steps, so ours need not have their sign.
+fn fluctuation(options: &Options) -> (Fluctuation, f64) {
+    let (steps, evaluations) = steps(options);
+    (Fluctuation::of(&steps, FULL_STEP_MM), evaluations)
+}
+
+/// Table 1, secant, as ratios: max 3.83e-7, min -2.11e-6, mean |δ| 8.79e-9. Ours, started at F, is of that order: the same
+/// max, by chance, a third of the min, and a quarter of the mean. Each figure is held within a factor of 2 of what it is.
+///
+/// The paper's first steps are those of the second-order expansion, which are 3.4e-6 off (the next test): three of them
+/// alone are most of the printed mean. Here the expansions are only the start values of the iteration, and the
+/// first steps are as good as any. Our extremes are steps of the ramp to rest, which the paper's run does not have.
 #[test]
-fn the_secant_row_of_table_1_is_reproduced_in_magnitude() {
-    let started_at_f = Options { end_feeds_mm_per_s: [199.0, 0.0], ..options(Engine::DeBoorSecant) };
-    let (ours, evaluations) = fluctuation(&started_at_f);
+fn the_secant_row_of_table_1_is_of_the_printed_order() {
+    let (steps, evaluations) = steps(&started_at_the_feed(Engine::DeBoorSecant));
+    let ours = Fluctuation::of(&steps, FULL_STEP_MM);
     println!("secant: {ours:?}, {evaluations:.2} evaluations a step");
-    assert!((1e-9..1e-7).contains(&ours.mean_abs), "mean {}", ours.mean_abs);
-    assert!(ours.max.max(-ours.min) < 1e-5, "extremes {} {}", ours.max, ours.min);
-    assert!(evaluations < 4.3, "{evaluations}");
+    for (what, figure, expected) in
+        [("max", ours.max, 3.84e-7), ("min", -ours.min, 7.36e-7), ("mean", ours.mean_abs, 2.21e-9)]
+    {
+        let band = expected / 2.0..=expected * 2.0;
+        assert!(band.contains(&figure), "{what}: {figure:e} is not about {expected:e}");
+    }
+    assert!((2.0..4.3).contains(&evaluations), "{evaluations}");
+
+    assert!(steps[..3].iter().all(|step| step.fluctuation().abs() < 1e-9), "{:?}", &steps[..3]);
+    let worst = (0..steps.len()).max_by(|&i, &j| {
+        let size = |index: usize| steps[index].fluctuation().abs();
+        size(i).total_cmp(&size(j))
+    });
+    let last_at_the_feed = steps.iter().rposition(|step| step.wanted_mm > 0.99 * FULL_STEP_MM);
+    assert!(worst > last_at_the_feed, "{worst:?} is before the ramp to rest, from {last_at_the_feed:?}");
+}
+
+/// What the paper takes for its first steps.
+#[test]
+fn first_steps_by_expansion_are_off_by_most_of_the_printed_mean() {
+    let (steps, _) = steps(&started_at_the_feed(Engine::DeBoorTaylor2));
+    let first: Vec<f64> = steps[..3].iter().map(|step| step.fluctuation()).collect();
+    assert!(first.iter().all(|delta| (3.0e-6..4.0e-6).contains(delta)), "{first:?}");
+    let share = first.iter().sum::<f64>() / steps.len() as f64;
+    assert!((0.5..1.0).contains(&(share / 8.79e-9)), "{share:e}");
 }
 
 /// The Taylor rows (1.12 / -1.35 / 0.11 % and 0.95 / -0.93 / 2.08e-4 %) contradict T = 3 ms and come out of no setting;

@@ -1,11 +1,13 @@
-//! Steps by Taylor expansion: the baselines of the paper, and the first steps of the secant method.
+//! Steps by Taylor expansion: the baselines of paper A, and the start values of the secant iteration until there are four
+//! parameters to extrapolate. (The paper takes the second-order expansion for these first steps themselves.)
 //!
 //! With the arc length s, du/ds = 1/|C'| and d²u/ds² = -(C'·C'')/|C'|⁴, so a step of length L goes from u to
 //! `u + L/|C'| - L² (C'·C'')/(2|C'|⁴)`. The powers of |C'| overflow fixed point at once (|C'|⁴ is 4e13 on the
 //! example curve); in terms of the unit tangent τ = C'/|C'| and the first-order step h = L/|C'| the same is
 //! `u + h - h·(h·(τ·C'')/|C'|)/2`, whose intermediates are no larger than C'' itself.
 //!
-//! Erratum: Wang Haitao et al., equation (2), prints the second-order term with the wrong sign.
+//! Source: papers A, section 2.2, and C (Wang Haitao et al.), equation (2), which prints the second-order term with the
+//! wrong sign; see `docs/papers.md`.
 
 use nurbs_core::Derivatives;
 use real::Real;
