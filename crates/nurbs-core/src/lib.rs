@@ -1,7 +1,7 @@
 //! `nurbs-core`: where is the curve, how fast does it pass, how sharply does it bend, and how long is it?
 //!
 //! Answered for NURBS curves in any number format: floats, fixed point, or a wrapper that watches either. No heap, no
-//! panic, no loop without a bound.
+//! `unwrap` or `panic!`, no loop without a bound.
 //!
 //! ```
 //! use nurbs_core::{Differentiate, Evaluate, NurbsCurve, arc_length, radius};
