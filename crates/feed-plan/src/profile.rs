@@ -213,7 +213,7 @@ impl<R: Real> FeedPiece<R> {
 /// How a plan gets from one feed to another.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ProfileKind {
-    /// Cubic polynomials of time, as in paper A
+    /// Cubic polynomials of time, as in paper A.
     #[default]
     Cubic,
     /// Pieces of constant jerk: the fastest that acceleration and jerk allow.

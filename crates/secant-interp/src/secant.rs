@@ -1,7 +1,6 @@
 //! The secant iteration for the next parameter, safeguarded.
 //!
-//! Sought is ξ > u_i with `F(ξ) = |C(ξ) - C(u_i)| - L = 0`. The iteration of paper A,
-//! equation (5),
+//! Sought is ξ > u_i with `F(ξ) = |C(ξ) - C(u_i)| - L = 0`. The iteration of paper A, equation (5),
 //!
 //! `ξ_{k+1} = ξ_k - F(ξ_k)(ξ_k - ξ_{k-1})/(F(ξ_k) - F(ξ_{k-1}))`
 //!
