@@ -36,6 +36,7 @@ pub fn on_paper_as_machine<const D: usize>(name: &str, curve: NurbsBuf<f64, D>) 
         name: name.to_string(),
         curves: vec![curve],
         moved_mm: Vec::new(),
+        feed_shares: Vec::new(),
         rapids_left_out: 0,
         machine: machine(),
     }

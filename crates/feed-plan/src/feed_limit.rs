@@ -103,6 +103,24 @@ impl<R: Real> FeedLimit<R> {
         Self::assemble(scan.samples(), limits.chord_error)
     }
 
+    /// The same where no curve is travelled faster than its own feed, given by its index: the F words of a program. A feed above
+    /// the limit changes nothing.
+    #[must_use]
+    pub fn capped(mut self, feed_of: impl Fn(usize) -> R) -> Self {
+        let mut before = self.points.first().map_or(0, |point| point.curve);
+        for (point, node) in self.points.iter_mut().zip(&mut self.nodes) {
+            let feed = feed_of(point.curve);
+            // Where a single point joins two curves, both feeds hold.
+            let feed = if node.is_single { feed.min(feed_of(before)) } else { feed };
+            before = point.curve;
+            point.feedrate = point.feedrate.min(feed);
+            for lower in [&mut node.lower, &mut node.before, &mut node.after] {
+                *lower = lower.min(feed);
+            }
+        }
+        self
+    }
+
     /// A limit given by points, `V²` linear in the distance between them; a single point of feedrate 0 is a
     /// stop.
     ///

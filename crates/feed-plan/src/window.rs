@@ -13,6 +13,7 @@
 //! of one window and one span, whatever the length of the path. Stages are not stretched to whole periods; who runs them
 //! can wait at a stop until the period is over.
 
+use alloc::collections::VecDeque;
 use alloc::vec::Vec;
 
 use nurbs_core::Differentiate;
@@ -38,7 +39,7 @@ pub struct WindowedPlan<R> {
 }
 
 /// Plans curves that follow each other, from rest to rest, with `window` mm in view; `emit` takes the stages, in order
-/// and for good.
+/// and for good. Each curve has a feed of its own beside it, as for [`FeedLimit::capped`].
 ///
 /// Distances count from the path's start and curves from the first one. The feed is continuous over windows, and all
 /// limits of [`plan`](crate::plan) hold. Planning costs in proportion to the path: each span is sampled once, and each
@@ -47,7 +48,7 @@ pub struct WindowedPlan<R> {
 /// # Errors
 /// As [`plan`](crate::plan); [`PlanError::NotPositive`] for a window that is none. What was emitted before an error stands.
 pub fn plan_through_window<R: Real, const D: usize, C: Differentiate<R, D>>(
-    curves: impl IntoIterator<Item = C>,
+    curves: impl IntoIterator<Item = (C, R)>,
     limits: &KinematicLimits<R>,
     window: R,
     kind: ProfileKind,
@@ -132,17 +133,40 @@ fn cut<R: Real>(stage: &Stage<R>, distance: R, limit: &FeedLimit<R>) -> (Stage<R
 }
 
 /// The curves still to come, span by span.
-struct Source<C, I> {
+struct Source<C, R, I> {
     curves: I,
     /// The curve at hand, its index, and its next span.
     at: Option<(C, usize, usize)>,
+    /// The feeds of the curves in view, each with the curve's index.
+    feeds: VecDeque<(usize, R)>,
 }
 
-impl<C, I: Iterator<Item = C>> Source<C, I> {
-    fn new(curves: impl IntoIterator<Item = C, IntoIter = I>) -> Self {
-        let mut curves = curves.into_iter();
-        let at = curves.next().map(|curve| (curve, 0, 0));
-        Self { curves, at }
+impl<C, R: Real, I: Iterator<Item = (C, R)>> Source<C, R, I> {
+    fn new(curves: impl IntoIterator<Item = (C, R), IntoIter = I>) -> Self {
+        let mut source = Self { curves: curves.into_iter(), at: None, feeds: VecDeque::new() };
+        source.open(0);
+        source
+    }
+
+    /// Takes the next curve, which has this index.
+    fn open(&mut self, index: usize) {
+        self.at = self.curves.next().map(|(curve, feed)| {
+            self.feeds.push_back((index, feed));
+            (curve, index, 0)
+        });
+    }
+
+    /// The feed of a curve in view.
+    fn feed_of(&self, curve: usize) -> R {
+        let known = self.feeds.binary_search_by_key(&curve, |(index, _)| *index).ok();
+        known.and_then(|place| self.feeds.get(place)).map_or_else(R::max_value, |(_, feed)| *feed)
+    }
+
+    /// Drops the feeds of the curves before this one.
+    fn forget_before(&mut self, curve: usize) {
+        while self.feeds.front().is_some_and(|(index, _)| *index < curve) {
+            self.feeds.pop_front();
+        }
     }
 
     fn is_over(&self) -> bool {
@@ -150,7 +174,7 @@ impl<C, I: Iterator<Item = C>> Source<C, I> {
     }
 
     /// Samples the next span.
-    fn pass<R: Real, const D: usize>(&mut self, scan: &mut Scan<'_, R, D>) -> Result<(), PlanError>
+    fn pass<const D: usize>(&mut self, scan: &mut Scan<'_, R, D>) -> Result<(), PlanError>
     where
         C: Differentiate<R, D>,
     {
@@ -161,7 +185,7 @@ impl<C, I: Iterator<Item = C>> Source<C, I> {
         }
         if *span >= curve.span_count() {
             let following = *index + 1;
-            self.at = self.curves.next().map(|curve| (curve, following, 0));
+            self.open(following);
         }
         Ok(())
     }
@@ -169,17 +193,20 @@ impl<C, I: Iterator<Item = C>> Source<C, I> {
 
 /// What is in view: the samples from the window's begin to its end.
 struct View<'l, R, const D: usize, C, I> {
-    source: Source<C, I>,
+    source: Source<C, R, I>,
     scan: Scan<'l, R, D>,
     limits: &'l KinematicLimits<R>,
     window: R,
 }
 
-impl<R: Real, const D: usize, C: Differentiate<R, D>, I: Iterator<Item = C>> View<'_, R, D, C, I> {
+impl<R: Real, const D: usize, C: Differentiate<R, D>, I: Iterator<Item = (C, R)>> View<'_, R, D, C, I> {
     /// Moves the window's begin; whether there is any path left.
     fn advance(&mut self, begin: R) -> Result<bool, PlanError> {
         // A stop lets the limit jump within the chord error of it: as far back, samples still matter.
         self.scan.forget_before(begin - self.limits.chord_error.scale(1));
+        if let Some(first) = self.scan.samples().first() {
+            self.source.forget_before(first.point.curve);
+        }
         while self.scan.length() - begin < self.window && !self.source.is_over() {
             self.source.pass(&mut self.scan)?;
         }
@@ -191,7 +218,8 @@ impl<R: Real, const D: usize, C: Differentiate<R, D>, I: Iterator<Item = C>> Vie
         let samples = self.scan.samples();
         let count = samples.partition_point(|sample| sample.point.distance - begin < self.window);
         let samples = samples.get(..=count).unwrap_or(samples);
-        Ok(FeedLimit::assemble(samples, self.limits.chord_error)?.beginning_at(begin))
+        let limit = FeedLimit::assemble(samples, self.limits.chord_error)?;
+        Ok(limit.capped(|curve| self.source.feed_of(curve)).beginning_at(begin))
     }
 }
 
@@ -219,7 +247,7 @@ mod tests {
     ) -> (Vec<Stage<f64>>, WindowedPlan<f64>) {
         let limits = paper_limits();
         let mut stages = Vec::new();
-        let views = curves.iter().map(NurbsBuf::as_curve);
+        let views = curves.iter().map(|curve| (curve.as_curve(), f64::MAX));
         let done = plan_through_window(views, &limits, window, kind, |stage| stages.push(*stage)).unwrap();
         (stages, done)
     }
@@ -299,9 +327,43 @@ mod tests {
     fn a_window_that_is_none_is_refused() {
         let curves = long_path(1);
         for window in [0.0, -1.0, f64::NAN] {
-            let views = curves.iter().map(NurbsBuf::as_curve);
+            let views = curves.iter().map(|curve| (curve.as_curve(), f64::MAX));
             let refused = plan_through_window(views, &paper_limits(), window, ProfileKind::Cubic, |_| ());
             assert_eq!(refused, Err(PlanError::NotPositive { what: "window" }));
+        }
+    }
+
+    /// Slow, fast and unbounded moves in a row: with the whole path in view and through windows.
+    #[test]
+    fn every_curve_is_travelled_at_its_own_feed_at_most() {
+        let curves: Vec<_> = (0..12_i32)
+            .flat_map(|i| polyline(&[[50.0 * f64::from(i), 0.0], [50.0 * f64::from(i + 1), 0.0]]))
+            .collect();
+        let feed_of = |curve: usize| [0.6, 0.1, 0.3, f64::MAX, 0.05][curve % 5];
+        let limits = paper_limits();
+        let views: Vec<_> = curves.iter().map(NurbsBuf::as_curve).collect();
+        let limit = FeedLimit::along(&views, &limits).unwrap().capped(feed_of);
+        let keeps = |stages: &[Stage<f64>]| {
+            for stage in stages {
+                for i in 0..=50 {
+                    let time = stage.duration * f64::from(i) / 50.0;
+                    let (feed, at) = (stage.feed_at(time), stage.start + stage.distance_at(time));
+                    let [before, after] = [at - 1e-6, at + 1e-6].map(|s| limit.parameter_at(s).0);
+                    let most = feed_of(before).max(feed_of(after)).min(limits.feedrate);
+                    assert!(feed <= most * (1.0 + 1e-9), "{feed} for {most} at {at}");
+                }
+            }
+        };
+        for kind in ProfileKind::ALL {
+            let whole = plan_with(&limit, &limits, EndFeeds::default(), kind).unwrap();
+            keeps(whole.stages());
+            let bound = crate::jerk_free_duration(&limit, &limits);
+            assert!(whole.as_schedule().duration() < 1.02 * bound, "{kind:?}");
+            let mut stages = Vec::new();
+            let fed = curves.iter().enumerate().map(|(i, curve)| (curve.as_curve(), feed_of(i)));
+            let done = plan_through_window(fed, &limits, 120.0, kind, |stage| stages.push(*stage)).unwrap();
+            keeps(&stages);
+            assert!(done.duration < 1.02 * bound, "{kind:?}: {} for {bound}", done.duration);
         }
     }
 }

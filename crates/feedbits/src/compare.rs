@@ -242,9 +242,10 @@ fn table(comparison: &Comparison) -> String {
     let part = &comparison.part;
     let machine = &comparison.machine;
     let mut text = format!(
-        "{}: {:.3} mm at {} mm/s, period {} ms, chord error {} mm, fluctuation {:.0e}",
+        "{}: {:.3} mm at {}{} mm/s, period {} ms, chord error {} mm, fluctuation {:.0e}",
         part.name,
         part.length_mm,
+        part.lowest_feedrate_mm_per_s.map_or_else(String::new, |lowest| format!("{lowest} to ")),
         machine.feedrate_mm_per_s,
         machine.interpolation_period_ms,
         machine.chord_error_mm,

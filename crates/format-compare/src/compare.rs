@@ -46,6 +46,8 @@ pub struct PartSummary {
     pub length_mm: f64,
     /// Planned time, in s; absent when each format plans for itself.
     pub planned_time_s: Option<f64>,
+    /// The lowest feedrate that a move commands, in mm/s; absent where all command the machine's.
+    pub lowest_feedrate_mm_per_s: Option<f64>,
 }
 
 /// One format's figures. They are absent when the format was refused.
@@ -181,6 +183,12 @@ where
             rapids_left_out: problem.rapids_left_out,
             length_mm: reference.length_mm(),
             planned_time_s: common.map(|plan| problem.period_s() * f64::from(plan.periods())),
+            lowest_feedrate_mm_per_s: problem
+                .feed_shares
+                .iter()
+                .copied()
+                .reduce(f64::min)
+                .map(|share| share * problem.machine.feedrate_mm_per_s),
         },
         machine: problem.machine.clone(),
         reference: "double-double, 106 bits",

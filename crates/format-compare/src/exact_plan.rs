@@ -63,7 +63,11 @@ impl ExactPlan {
         end_feeds_mm_per_s: [f64; 2],
         profile: ProfileKind,
     ) -> Result<Self, Refusal> {
-        let feed_limit = FeedLimit::along(curves, limits)?;
+        let shares = problem.feed_shares.iter().map(|share| in_format("feedrate of a move", *share));
+        let shares = shares.collect::<Result<Vec<R>, _>>()?;
+        let feed_of =
+            |curve: usize| shares.get(curve).map_or(limits.feedrate, |share| limits.feedrate * *share);
+        let feed_limit = FeedLimit::along(curves, limits)?.capped(feed_of);
         let [start, end] = end_feeds_mm_per_s.map(|feed| feed * problem.period_s());
         let ends = EndFeeds { start: in_format("start feed", start)?, end: in_format("end feed", end)? };
         let schedule = plan_with(&feed_limit, limits, ends, profile)?;
@@ -83,7 +87,9 @@ impl ExactPlan {
     ) -> Result<Self, Refusal> {
         let limits = problem.limits_per_period()?;
         let (mut stages, mut periods) = (Vec::new(), 0.0_f64);
-        let curves = problem.curves.iter().map(NurbsBuf::as_curve);
+        let feed_of = |curve: usize| limits.feedrate * problem.feed_share(curve);
+        let curves =
+            problem.curves.iter().enumerate().map(|(index, curve)| (curve.as_curve(), feed_of(index)));
         plan_through_window(curves, &limits, window_mm, profile, |stage| {
             stages.push(*stage);
             periods += stage.duration;

@@ -94,7 +94,7 @@ impl PlanSummary {
     pub fn of<const D: usize>(plan: &ExactPlan, problem: &Problem<D>) -> Result<Self, Refusal> {
         let t = problem.period_s();
         let limits = problem.limits_per_period()?;
-        let feed_limit = feed_limit(problem)?;
+        let feed_limit = problem.feed_limit()?;
         let stages: Vec<StageRow> = plan
             .schedule()
             .stages()
@@ -125,7 +125,13 @@ impl PlanSummary {
         let jerk_free_time_s = jerk_free_duration(&feed_limit, &limits) * t;
         let length_mm: f64 = stages.iter().map(|s| s.length_mm).sum();
         let full = problem.machine.feedrate_mm_per_s * (1.0 - AT_FEED);
-        let at_feed = stages.iter().filter(|s| s.kind == "constant" && s.start_feed_mm_per_s >= full);
+        let is_full = |(row, stage): &(&StageRow, &Stage<DoubleDouble>)| {
+            let slowest = (stage.curve_start..=stage.curve_end)
+                .map(|curve| problem.feed_share(curve))
+                .fold(1.0, f64::min);
+            row.kind == "constant" && row.start_feed_mm_per_s >= full * slowest
+        };
+        let at_feed = stages.iter().zip(plan.schedule().stages()).filter(is_full).map(|(row, _)| row);
         Ok(Self {
             length_mm: feed_limit.length(),
             profile: profile_name(plan.profile()),
@@ -168,10 +174,6 @@ fn shape_name(shape: StageShape) -> &'static str {
 /// A stage this close to the commanded feed counts as at it: stretching the time to a whole number of periods
 /// lowers every feed by a part in a thousand or so.
 const AT_FEED: f64 = 0.005;
-
-fn feed_limit<const D: usize>(problem: &Problem<D>) -> Result<FeedLimit<f64>, Refusal> {
-    Ok(FeedLimit::along(&problem.fast_curves(), &problem.limits_per_period()?)?)
-}
 
 /// The plan at one instant, in mm and periods.
 pub(crate) struct Sample {
@@ -216,7 +218,7 @@ impl ExactPlan {
         per_period: u32,
     ) -> Result<Vec<FeedSample>, Refusal> {
         let t = problem.period_s();
-        let feed_limit = feed_limit(problem)?;
+        let feed_limit = problem.feed_limit()?;
         let rows = samples(self, per_period).map(|sample| FeedSample {
             time_s: sample.time * t,
             distance_mm: sample.distance,

@@ -5,7 +5,7 @@
 //! that follows: a plan and a step have a path without jumps, and its shapes are the part's. How far each curve was
 //! moved is kept, so that setpoints can be given where the part has them.
 
-use feed_plan::{AxisLimits, Junction, KinematicLimits, PlanError};
+use feed_plan::{AxisLimits, FeedLimit, Junction, KinematicLimits, PlanError};
 use nurbs_core::{CurveError, FastCurve, NurbsBuf};
 use part_program::{Curve, GAP_MM, Machine, MoveKind, Part};
 
@@ -18,9 +18,11 @@ pub struct Problem<const D: usize> {
     pub curves: Vec<NurbsBuf<f64, D>>,
     /// How far each curve was moved, in mm; empty if none was.
     pub moved_mm: Vec<[f64; D]>,
+    /// Each curve's own feedrate, as a share of the machine's; empty if all are 1.
+    pub feed_shares: Vec<f64>,
     /// The number of rapid moves that were left out.
     pub rapids_left_out: usize,
-    /// The machine's limits, with the feedrate that the part commands, if it does.
+    /// The machine's limits, with the highest feedrate that the part commands, if it does.
     pub machine: Machine,
 }
 
@@ -45,6 +47,7 @@ impl<const D: usize> Problem<D> {
             let is_rapid = part.moves.get(*index).is_some_and(|one| one.kind == MoveKind::Rapid);
             rapids_left_out == 0 || !is_rapid
         });
+        let feed_shares = feed_shares(part, taken.clone().map(|(index, _)| index));
         let taken: Vec<_> = taken.map(|(_, curve)| curve).collect();
         let moved_mm = closing_moves(&taken);
         let still = [0.0; D];
@@ -59,7 +62,23 @@ impl<const D: usize> Problem<D> {
         if let Some(feedrate) = part.feedrate_mm_per_s {
             machine.feedrate_mm_per_s = feedrate;
         }
-        Ok(Self { name: part.name.clone(), curves, moved_mm, rapids_left_out, machine })
+        Ok(Self { name: part.name.clone(), curves, moved_mm, feed_shares, rapids_left_out, machine })
+    }
+
+    /// The feedrate of a curve, as a share of the machine's.
+    #[must_use]
+    pub fn feed_share(&self, curve: usize) -> f64 {
+        self.feed_shares.get(curve).copied().unwrap_or(1.0)
+    }
+
+    /// The largest feed at each distance, in f64, in mm and periods.
+    ///
+    /// # Errors
+    /// [`PlanError`] when a limit is not positive, or the path has no length.
+    pub fn feed_limit(&self) -> Result<FeedLimit<f64>, PlanError> {
+        let limits = self.limits_per_period()?;
+        let limit = FeedLimit::along(&self.fast_curves(), &limits)?;
+        Ok(limit.capped(|curve| limits.feedrate * self.feed_share(curve)))
     }
 
     /// Where the part has a point of curve `curve`; coordinates that the problem does not have are 0.
@@ -116,6 +135,14 @@ pub fn rapid_moves(part: &Part) -> usize {
     if rapids == part.moves.len() { 0 } else { rapids }
 }
 
+/// The feedrates of these moves over the highest of the part's; empty if all have that one. A move that says none has it.
+fn feed_shares(part: &Part, moves: impl Iterator<Item = usize>) -> Vec<f64> {
+    let Some(highest) = part.highest_feedrate() else { return Vec::new() };
+    let own = |index: usize| part.moves.get(index).and_then(|one| one.feedrate_mm_per_s);
+    let shares: Vec<_> = moves.map(|index| own(index).map_or(1.0, |feedrate| feedrate / highest)).collect();
+    if shares.iter().all(|share| *share >= 1.0) { Vec::new() } else { shares }
+}
+
 /// How far each curve has to be moved to begin where the one before it ends; empty if none has to.
 fn closing_moves<const D: usize>(curves: &[&Curve]) -> Vec<[f64; D]> {
     let mut by = [0.0; D];
@@ -142,6 +169,21 @@ mod tests {
     fn problem(text: &str) -> Problem<3> {
         let machine = read_machine("m", include_str!("../../../data/seed-000.toml")).unwrap();
         Problem::new(&read_part("p.nc", text).unwrap(), &machine).unwrap()
+    }
+
+    #[test]
+    fn each_move_has_its_own_feedrate() {
+        let problem = problem("G0 X0 Y0\nG1 X10 F600\nG0 X20\nG1 X40 F6000\nX60\n");
+        assert_eq!(problem.machine.feedrate_mm_per_s, 100.0);
+        assert_eq!([0, 1, 2].map(|curve| problem.feed_share(curve)), [0.1, 1.0, 1.0]);
+        let limit = problem.feed_limit().unwrap();
+        let at = |distance: f64| limit.at(distance) / problem.period_s();
+        assert!(
+            (at(5.0) - 10.0).abs() < 1e-12 && (at(20.0) - 100.0).abs() < 1e-9,
+            "{} {}",
+            at(5.0),
+            at(20.0)
+        );
     }
 
     #[test]

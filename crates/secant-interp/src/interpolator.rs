@@ -109,14 +109,14 @@ impl<R: Real, C> Interpolator<'_, R, C> {
         let is_last = planned.is_some() && self.schedule.is_over(&state.cursor);
         let length = planned.unwrap_or(self.landing_step).signal("step_length");
         let u = state.history.newest();
-        if planned.is_some() && !is_last && !(length > R::zero()) {
+        if planned.is_some() && !is_last && length <= R::zero() {
             let (point, outcome) = (state.point, Outcome::Converged);
             return Some(Setpoint { u, point, length, evaluations: 0, outcome });
         }
         let reach = if is_last { length + self.landing_step } else { length };
 
         let mut found = self.next_parameter(state, reach);
-        if planned.is_none() && !(found.u > u) {
+        if planned.is_none() && found.u <= u {
             // The landing step is too short for the parameter's resolution here.
             found.u = u + R::resolution().max(u.abs() * R::resolution().scale(1));
             found.point = self.curve.point(found.u);

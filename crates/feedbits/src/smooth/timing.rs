@@ -1,7 +1,7 @@
 //! How long a stretch takes from rest to rest, and how fast each place of it is passed.
 
 use anyhow::Result;
-use feed_plan::{EndFeeds, FeedLimit, ScheduleBuf, Stage, plan};
+use feed_plan::{EndFeeds, ScheduleBuf, Stage, plan};
 use format_compare::{ExactPlan, Options, Problem, Run};
 use nurbs_core::{PathCurve, arc_length};
 use part_program::{Curve, Machine, Move, Part};
@@ -34,7 +34,7 @@ impl Timed {
         };
         let problem = Problem::new(&part, machine)?;
         let limits = problem.limits_per_period()?;
-        let plan = plan(&FeedLimit::along(&problem.fast_curves(), &limits)?, &limits, EndFeeds::default())?;
+        let plan = plan(&problem.feed_limit()?, &limits, EndFeeds::default())?;
         let mut distance = 0.0;
         let mut ends: Vec<f64> = Vec::with_capacity(shapes.len());
         for shape in shapes {
