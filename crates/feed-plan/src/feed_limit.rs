@@ -305,7 +305,7 @@ impl<R: Real> FeedLimit<R> {
 }
 
 /// `√(V² - margin)`, and no less than half of V: a dip that deep is not resolved.
-fn lowered<R: Real>(feedrate: R, margin: R) -> R {
+pub(crate) fn lowered<R: Real>(feedrate: R, margin: R) -> R {
     if !(margin > R::zero()) {
         return feedrate;
     }

@@ -10,7 +10,7 @@ use nurbs_core::{Differentiate, Frenet};
 use real::Real;
 
 use crate::axis_budget::{Allowance, AxisBudget, Turning};
-use crate::feed_limit::Measured;
+use crate::feed_limit::{Measured, lowered};
 use crate::limits::{AXES, Junction};
 use crate::quadrature::{self, GaussLegendre};
 use crate::{KinematicLimits, LimitPoint, PlanError};
@@ -107,7 +107,8 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
     /// Appends a span; `None` when a distance does not increase as numbers of the format should.
     fn append(&mut self, curve: usize, stations: &[Station<R, D>]) -> Option<()> {
         let (first, last) = (&stations.first()?.at, &stations.last()?.at);
-        if let Some(feedrate) = self.junction_feed(first) {
+        let is_lowest = |feedrate: &R| *feedrate < self.lower_beside(stations);
+        if let Some(feedrate) = self.junction_feed(first).filter(is_lowest) {
             self.push(curve, &Sample { feedrate, ..*first }, None);
             if let Some(junction) = self.samples.last_mut() {
                 junction.is_single = true;
@@ -167,6 +168,17 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
             self.budget.map_or(feedrate, |budget| budget.feed_over(&step, feedrate))
         };
         (feed < feedrate).then_some(feed)
+    }
+
+    /// The lower of the bounds that the limit has on both sides of the point where these samples begin. A single point above
+    /// either would stand out as a summit that the flank on that side cannot reach.
+    fn lower_beside(&self, stations: &[Station<R, D>]) -> R {
+        let before = self.samples.last().map(|end| lowered(end.point.feedrate, end.margin));
+        let after = stations.windows(2).next().map(|pair| {
+            let margin = pair[1].stretch.as_ref().map_or_else(R::zero, |stretch| stretch.margin);
+            lowered(pair[0].at.feedrate, margin)
+        });
+        before.into_iter().chain(after).fold(R::max_value(), R::min)
     }
 
     /// [`Junction::Deviation`], `turn` = |e₂ - e₁| = 2 sin(φ/2).
