@@ -30,12 +30,12 @@ pub enum FormatName {
 }
 
 impl FormatName {
-    /// Width in bits.
+    /// Width in bits; the greatest `u32` where a name that no format has would give more.
     #[must_use]
     pub const fn bits(self) -> u32 {
         match self {
             Self::Float { bits } | Self::Fraction { bits, .. } => bits,
-            Self::Fixed { integer_bits, fraction_bits } => integer_bits + fraction_bits,
+            Self::Fixed { integer_bits, fraction_bits } => integer_bits.saturating_add(fraction_bits),
             Self::DoubleDouble => 128,
         }
     }
@@ -46,8 +46,24 @@ impl fmt::Display for FormatName {
         match self {
             Self::Float { bits } => write!(f, "f{bits}"),
             Self::Fixed { integer_bits, fraction_bits } => write!(f, "I{integer_bits}F{fraction_bits}"),
-            Self::Fraction { bits, fraction_bits } => write!(f, "I-{}F{fraction_bits}", fraction_bits - bits),
+            Self::Fraction { bits, fraction_bits } => {
+                write!(f, "I-{}F{fraction_bits}", fraction_bits.saturating_sub(*bits))
+            }
             Self::DoubleDouble => f.write_str("double-double"),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Names are made of numbers that anybody gives: those of no format must not overflow either.
+    #[test]
+    fn names_of_no_format_have_a_width_and_a_text() {
+        let fixed = FormatName::Fixed { integer_bits: u32::MAX, fraction_bits: 1 };
+        assert_eq!((fixed.bits(), fixed.to_string().as_str()), (u32::MAX, "I4294967295F1"));
+        assert_eq!(FormatName::Fraction { bits: 8, fraction_bits: 12 }.to_string(), "I-4F12");
+        assert_eq!(FormatName::Fraction { bits: 9, fraction_bits: 8 }.to_string(), "I-0F8");
     }
 }

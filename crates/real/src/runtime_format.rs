@@ -57,7 +57,7 @@ impl RuntimeFormat {
     /// `None` unless `3 ≤ width ≤ 64` and at least two bits are left of the point, so that 1 can be held.
     #[must_use]
     pub const fn new(width: u32, fraction_bits: u32, rounding: Rounding, overflow: Overflow) -> Option<Self> {
-        if width < 3 || width > 64 || fraction_bits + 2 > width {
+        if width < 3 || width > 64 || fraction_bits > width - 2 {
             return None;
         }
         Some(Self { width, fraction_bits, rounding, overflow })
@@ -557,6 +557,7 @@ mod tests {
     fn formats_have_bounds_and_names() {
         let new = |width, fraction| RuntimeFormat::new(width, fraction, Rounding::Nearest, Overflow::Wrap);
         assert_eq!((new(65, 10), new(2, 0), new(20, 19)), (None, None, None));
+        assert_eq!((new(32, u32::MAX), new(64, u32::MAX - 1)), (None, None)); // the sum with 2 wraps
         assert_eq!(new(18, 13).map(|f| f.name().to_string()).as_deref(), Some("I5F13"));
         assert_eq!(RuntimeFormat::named("I5F13"), new(18, 13));
         assert_eq!(
