@@ -185,7 +185,8 @@ impl Fate {
             }
             Operation::Scale { exponent } => match exponent.unsigned_abs() {
                 shift if exponent < 0 => Self::of(result, x[0], 1 << shift.min(100)),
-                shift if shift < 63 => Self::of(result, x[0] << shift, 1),
+                // -1 by 2^63 is the least word.
+                shift if shift <= 63 => Self::of(result, x[0] << shift, 1),
                 _ => Self::of(i128::from(x[0] != 0), 0, 1), // nothing but zero fits
             },
         }
@@ -434,6 +435,11 @@ mod tests {
         assert_eq!(events(&|| number(1 << 30).mul_add(number(1 << 29), number(0))), (0, 0)); // half a unit goes up
         assert_eq!(events(&|| number(1 << 30).mul_add(number(1 << 28), number(0))), (0, 1));
         assert_eq!(events(&|| Real::norm(&[least; 20])), (1, 0));
+        assert_eq!(number(-1).scale(63).0, least.0);
+        assert_eq!(events(&|| number(-1).scale(63)), (0, 0));
+        for (x, exponent) in [(number(1), 63), (least, 63), (number(-1), 64), (least, i32::MAX)] {
+            assert_eq!(events(&|| x.scale(exponent)), (1, 0), "{x:?} by 2^{exponent}");
+        }
     }
 
     #[test]
