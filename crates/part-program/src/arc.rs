@@ -7,6 +7,12 @@
 //! A helix is no rational curve. Its projection here is the exact circle; with φ the angle from the middle of a span of
 //! half angle a, its height is `sin φ / sin a` where the helix has `φ / a`. The difference is at most about
 //! `0.0321 a²` of the rise of the span, so spans are made short enough for [`HELIX_TOLERANCE_MM`].
+//!
+//! Programs round, so that start and end are at different distances r₀ and r₁ from the centre as written. The centre
+//! stays: on the bisector of a short chord it would be up to a radius away, and the arc another one. Instead the radius
+//! of the control points goes from r₀ to r₁ as their angle goes from start to end. In a span from ρ - d over ρ to ρ + d
+//! the conic is `ρ e^{iφ} + d (e^{ia} B₂ - e^{-ia} B₀) / (B₀ + B₁ cos a + B₂)`, and so within d of the circle of radius
+//! ρ: the whole path is between the circles of radius r₀ and r₁.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -16,6 +22,9 @@ use crate::curve::Curve;
 pub const HELIX_TOLERANCE_MM: f64 = 1e-4;
 /// How far the end of an arc may be from the circle through its start, in mm: what rounding to two decimals does.
 const CENTRE_TOLERANCE_MM: f64 = 0.02;
+/// An arc to its own start is a full turn, and so is one that goes no further than this, in mm: what sums of
+/// incremental moves lose.
+const FULL_TURN_MM: f64 = 1e-6;
 /// Spans of one arc; a helix that needs more is refused.
 const MAX_SPANS: usize = 100_000;
 
@@ -80,10 +89,8 @@ impl ArcMove {
     pub(crate) fn curve(&self) -> Result<(Curve, f64), ArcFault> {
         let [a, b, normal] = self.plane.axes();
         let (from, to) = ([self.start[a], self.start[b]], [self.end[a], self.end[b]]);
-        let centre = self.centre(from, to)?;
-        let radius = distance(from, centre);
+        let Turn { centre, radii, sweep } = self.turn(from, to)?;
         let rise = self.end[normal] - self.start[normal];
-        let sweep = self.sweep(from, to, centre);
         let spans = span_count(sweep.abs(), rise.abs()).ok_or(ArcFault::TooLong)?;
 
         #[allow(clippy::cast_precision_loss, reason = "at most MAX_SPANS")]
@@ -95,11 +102,12 @@ impl ArcMove {
             #[allow(clippy::cast_precision_loss, reason = "at most 2 MAX_SPANS")]
             let step = j as f64;
             let weight = if j % 2 == 0 { 1.0 } else { half.cos() };
-            let (sin, cos) = (first_angle + step * half).sin_cos();
+            let (share, (sin, cos)) = (step / (2.0 * count), (first_angle + step * half).sin_cos());
+            let radius = radii[0] + (radii[1] - radii[0]) * share;
             let mut point = [0.0; 3];
             point[a] = centre[0] + radius / weight * cos;
             point[b] = centre[1] + radius / weight * sin;
-            point[normal] = self.start[normal] + rise * (step / (2.0 * count));
+            point[normal] = self.start[normal] + rise * share;
             points.push(point);
             weights.push(weight);
         }
@@ -112,16 +120,14 @@ impl ArcMove {
         knots.extend([1.0; 3]);
         let dimension = Curve::dimension_of(&points);
         let curve = Curve { degree: 2, control_points_mm: points, dimension, weights, knots };
-        Ok((curve, (radius * sweep).hypot(rise)))
+        let around = f64::midpoint(radii[0], radii[1]) * sweep;
+        Ok((curve, around.hypot(radii[1] - radii[0]).hypot(rise)))
     }
 
-    /// The centre of the circle through start and end that is nearest to what was given.
-    fn centre(&self, from: [f64; 2], to: [f64; 2]) -> Result<[f64; 2], ArcFault> {
+    /// The centre, and how the path turns about it.
+    fn turn(&self, from: [f64; 2], to: [f64; 2]) -> Result<Turn, ArcFault> {
         let chord = distance(from, to);
-        let middle = [f64::midpoint(from[0], to[0]), f64::midpoint(from[1], to[1])];
-        let across = [-(to[1] - from[1]) / chord, (to[0] - from[0]) / chord];
-        let beside = |offset: f64| [middle[0] + offset * across[0], middle[1] + offset * across[1]];
-        match self.circle {
+        let (centre, radii, turned) = match self.circle {
             Circle::Centre(centre) => {
                 let (start, end) = (distance(from, centre), distance(to, centre));
                 if start == 0.0 {
@@ -130,10 +136,11 @@ impl ArcMove {
                 if (start - end).abs() > CENTRE_TOLERANCE_MM {
                     return Err(ArcFault::EndOffCircle { start, end });
                 }
-                if chord == 0.0 {
-                    return Ok(centre);
-                }
-                Ok(beside((centre[0] - middle[0]) * across[0] + (centre[1] - middle[1]) * across[1]))
+                let angle = |p: [f64; 2]| (p[1] - centre[1]).atan2(p[0] - centre[0]);
+                let ahead = if from == to { 0.0 } else { angle(to) - angle(from) };
+                let ahead = if self.clockwise { -ahead } else { ahead }.rem_euclid(TAU);
+                let turned = if ahead * start <= FULL_TURN_MM { ahead + TAU } else { ahead };
+                (centre, [start, end], turned)
             }
             Circle::Radius(radius) => {
                 if chord == 0.0 {
@@ -142,25 +149,28 @@ impl ArcMove {
                 if chord / 2.0 > radius.abs() + CENTRE_TOLERANCE_MM {
                     return Err(ArcFault::RadiusTooSmall { radius, chord });
                 }
-                let offset = (radius * radius - chord * chord / 4.0).max(0.0).sqrt();
+                let middle = [f64::midpoint(from[0], to[0]), f64::midpoint(from[1], to[1])];
+                let across = [-(to[1] - from[1]) / chord, (to[0] - from[0]) / chord];
+                let height = (radius * radius - chord * chord / 4.0).max(0.0).sqrt();
                 // Counterclockwise, the shorter arc has its centre on the left of the chord.
-                Ok(beside(if self.clockwise == (radius < 0.0) { offset } else { -offset }))
+                let offset = if self.clockwise == (radius < 0.0) { height } else { -height };
+                let centre = [middle[0] + offset * across[0], middle[1] + offset * across[1]];
+                let shorter = 2.0 * (chord / 2.0).atan2(height);
+                let turned = if radius < 0.0 { TAU - shorter } else { shorter };
+                (centre, [distance(from, centre); 2], turned)
             }
-        }
+        };
+        Ok(Turn { centre, radii, sweep: if self.clockwise { -turned } else { turned } })
     }
+}
 
-    /// The signed angle, counterclockwise positive; a full turn if the arc ends where it starts.
-    fn sweep(&self, from: [f64; 2], to: [f64; 2], centre: [f64; 2]) -> f64 {
-        let angle = |p: [f64; 2]| (p[1] - centre[1]).atan2(p[0] - centre[0]);
-        let turn = if from == to { 0.0 } else { angle(to) - angle(from) };
-        if self.clockwise {
-            let turn = turn.rem_euclid(TAU) - TAU;
-            if turn == 0.0 { -TAU } else { turn }
-        } else {
-            let turn = turn.rem_euclid(TAU);
-            if turn == 0.0 { TAU } else { turn }
-        }
-    }
+/// An arc about its centre.
+struct Turn {
+    centre: [f64; 2],
+    /// Distances of start and end from the centre; they differ by what the program rounded.
+    radii: [f64; 2],
+    /// The signed angle, counterclockwise positive.
+    sweep: f64,
 }
 
 /// The number of spans for a turn of `sweep` rad that rises `rise` mm.
@@ -178,4 +188,111 @@ fn span_count(sweep: f64, rise: f64) -> Option<usize> {
 
 fn distance(p: [f64; 2], q: [f64; 2]) -> f64 {
     (p[0] - q[0]).hypot(p[1] - q[1])
+}
+
+#[cfg(test)]
+mod tests {
+    use nurbs_core::{Differentiate, Evaluate, NurbsBuf};
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// Points of a curve, 100 a span, in the coordinates of a plane.
+    fn seen(curve: Curve, plane: Plane) -> Vec<[f64; 2]> {
+        let nurbs =
+            NurbsBuf::<f64, 3>::try_new(curve.degree, curve.control_points_mm, curve.weights, curve.knots);
+        let (nurbs, [a, b, _]) = (nurbs.unwrap(), plane.axes());
+        let nurbs = nurbs.as_curve();
+        let spans = (0..nurbs.span_count()).flat_map(|span| (0..=100_u8).map(move |k| (span, k)));
+        let points = spans.map(|(span, k)| {
+            let (from, to) = nurbs.span_bounds(span);
+            nurbs.derivatives_in(span, from + (to - from) * f64::from(k) / 100.0).point
+        });
+        points.map(|point| [point[a], point[b]]).collect()
+    }
+
+    /// The angle that a path turns about a centre.
+    fn turned(path: &[[f64; 2]], centre: [f64; 2]) -> f64 {
+        let arms = path.iter().map(|p| [p[0] - centre[0], p[1] - centre[1]]).collect::<Vec<_>>();
+        arms.windows(2)
+            .map(|pair| {
+                let ([ax, ay], [bx, by]) = (pair[0], pair[1]);
+                (ax * by - ay * bx).atan2(ax * bx + ay * by)
+            })
+            .sum()
+    }
+
+    proptest! {
+        /// Ends rounded by up to 0.01 mm, chords from a few micrometres to full circles: the path is between the circles
+        /// through its start and its end, turns by what was meant, and ends where it was sent.
+        #[test]
+        fn a_rounded_end_keeps_centre_and_turn(
+            plane in prop::sample::select(vec![Plane::Xy, Plane::Zx, Plane::Yz]),
+            clockwise: bool,
+            centre in [-100.0..100.0_f64, -100.0..100.0_f64],
+            first in 0.0..TAU,
+            radius in (-1.0..3.0_f64).prop_map(|exponent| 10.0_f64.powf(exponent)),
+            share in prop_oneof![0.0..1.0_f64, (-6.0..-1.0_f64).prop_map(|exponent| 10.0_f64.powf(exponent))],
+            nearly_full: bool,
+            off in -0.01..0.01_f64,
+        ) {
+            let share = if nearly_full { 1.0 - share } else { share };
+            prop_assume!(share * TAU * radius > 2e-6);
+            let sweep = if clockwise { -share * TAU } else { share * TAU };
+            let [a, b, _] = plane.axes();
+            let at = |radius: f64, angle: f64| {
+                let mut point = [0.0; 3];
+                (point[a], point[b]) = (centre[0] + radius * angle.cos(), centre[1] + radius * angle.sin());
+                point
+            };
+            let (start, end) = (at(radius, first), at(radius + off, first + sweep));
+            let circle = Circle::Centre(centre);
+            let (curve, length) = ArcMove { plane, clockwise, start, end, circle }.curve().unwrap();
+            prop_assert_eq!(curve.control_points_mm.first(), Some(&start));
+            prop_assert_eq!(curve.control_points_mm.last(), Some(&end));
+            let path = seen(curve, plane);
+            for p in &path {
+                let distance = distance(*p, centre);
+                let (least, most) = (radius.min(radius + off), radius.max(radius + off));
+                prop_assert!(least - 1e-11 < distance && distance < most + 1e-11, "{distance}: {least} to {most}");
+            }
+            let turned = turned(&path, centre);
+            prop_assert!((turned - sweep).abs() < 1e-9, "{turned}, not {sweep}");
+            let measured: f64 = path.windows(2).map(|pair| distance(pair[0], pair[1])).sum();
+            // The length leaves out the square of the disagreement.
+            let tolerance = 1e-4 * length + off * off / radius;
+            prop_assert!((length - measured).abs() < tolerance, "{length}, not {measured}");
+        }
+    }
+
+    /// The centre of an arc whose ends are 1 µm apart was moved onto the bisector of its chord, and a full circle of radius
+    /// 10 mm read as half a one of 0.5 µm.
+    #[test]
+    fn an_end_beside_the_start_is_a_full_circle_and_no_point() {
+        for (end, clockwise, sweep) in [
+            ([10.001, 0.0, 0.0], false, TAU),
+            ([10.001, 0.0, 0.0], true, -TAU),
+            ([9.999, -0.001, 0.0], false, TAU - 1e-4),
+            ([9.999, -0.001, 0.0], true, -1e-4),
+        ] {
+            let start = [10.0, 0.0, 0.0];
+            let circle = Circle::Centre([0.0; 2]);
+            let arc = ArcMove { plane: Plane::Xy, clockwise, start, end, circle };
+            let (curve, _) = arc.curve().unwrap();
+            let turned = turned(&seen(curve, Plane::Xy), [0.0; 2]);
+            assert!((turned - sweep).abs() < 1e-7, "{end:?}: {turned}, not {sweep}");
+        }
+    }
+
+    /// By a radius, an end beside the start is the shorter arc or the longer one, as the sign says.
+    #[test]
+    fn a_short_chord_by_radius_is_no_full_circle() {
+        for (radius, length) in [(10.0, 1e-9), (-10.0, 10.0 * TAU)] {
+            let (start, end) = ([0.0; 3], [1e-9, 0.0, 0.0]);
+            let circle = Circle::Radius(radius);
+            let arc = ArcMove { plane: Plane::Xy, clockwise: false, start, end, circle };
+            let (_, found) = arc.curve().unwrap();
+            assert!((found - length).abs() < 1e-8, "{radius}: {found}, not {length}");
+        }
+    }
 }

@@ -129,7 +129,7 @@ fn planes_turn_as_their_axes_do() {
 }
 
 #[test]
-fn a_rounded_centre_is_moved_so_that_the_arc_meets_both_ends() {
+fn an_arc_with_a_rounded_centre_meets_both_ends() {
     let part = part("G0 X0 Y0\nG2 X10 Y3 I5.001 J1.502\n");
     assert_eq!(ends(&part.curves[0]), ([0.0; 3], [10.0, 3.0, 0.0]));
     assert_eq!(part.curves[0].faults(), []);
