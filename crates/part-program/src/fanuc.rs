@@ -83,9 +83,7 @@ impl FanucNurbs {
                 .hint("move to the first control point before G06.2");
         }
         self.blocks.point(point, weight, block.span);
-        for (axis, value) in modal.position.iter_mut().enumerate() {
-            *value = written[axis].map_or(*value, |_| Some(point[axis]));
-        }
+        modal.arrive(written, point);
     }
 
     /// The curve, if it breaks no rule.

@@ -10,7 +10,7 @@
 //! | M S T D H | no effect on the path; listed |
 //!
 //! A coordinate that is not written keeps its value. Where the tool is at first is not known: an axis begins where it is
-//! first sent.
+//! first sent, and what came before is read as done there. One that incremental words move first begins at 0.
 
 use crate::block::Block;
 use crate::curve::Curve;
@@ -28,8 +28,16 @@ const MAX_FEEDRATE: f64 = 1e5;
 /// Reads a whole program into `part`. What is wrong goes to the report.
 pub(crate) fn read(report: &mut Report<'_>, part: &mut Part, options: ReadOptions) {
     let text = report.source.text;
-    let mut reader =
-        Reader { report, part, options, modal: Modal::default(), spline: None, smooth: None, ended: false };
+    let mut reader = Reader {
+        report,
+        part,
+        options,
+        modal: Modal::default(),
+        unknown_from: [0; 3],
+        spline: None,
+        smooth: None,
+        ended: false,
+    };
     let (mut words, mut at) = (Vec::new(), 0);
     for line in text.split_inclusive('\n') {
         let start = at;
@@ -59,6 +67,8 @@ pub(crate) struct Reader<'r, 't, 'p> {
     pub(crate) part: &'p mut Part,
     pub(crate) options: ReadOptions,
     pub(crate) modal: Modal,
+    /// The first curve on which each axis is unknown, while it is.
+    pub(crate) unknown_from: [usize; 3],
     pub(crate) spline: Option<(Spline, Span)>,
     /// Inner point of a smooth continuation of G5, from its start.
     pub(crate) smooth: Option<[f64; 2]>,
@@ -76,6 +86,7 @@ impl Reader<'_, '_, '_> {
         let ends = self.auxiliary(&mut block);
         let inverse_feed = self.feed(&mut block);
         self.motion(&mut block, motion.is_some(), inverse_feed);
+        self.begin_axes();
         self.refuse(block);
         if ends {
             self.close(span);
@@ -138,6 +149,17 @@ impl Reader<'_, '_, '_> {
             Motion::FanucNurbs | Motion::LinuxCncNurbs | Motion::Bspline => self.spline_block(block, is_new),
             Motion::Cubic | Motion::Quadratic => self.bezier(block, continues),
             _ => {}
+        }
+    }
+
+    /// Puts the curves that were made while an axis was unknown to where it began.
+    pub(crate) fn begin_axes(&mut self) {
+        for axis in 0..3 {
+            let Some(begin) = self.modal.begun[axis].take() else { continue };
+            for curve in &mut self.part.curves[self.unknown_from[axis]..] {
+                curve.control_points_mm.iter_mut().for_each(|point| point[axis] = begin);
+                curve.dimension = Curve::dimension_of(&curve.control_points_mm);
+            }
         }
     }
 

@@ -65,13 +65,14 @@ impl LinuxCncNurbs {
             }
             return;
         }
-        let target = modal.target(modal.here(), block.take_axes());
+        let written = block.take_axes();
+        let target = modal.target(modal.here(), written);
         let Some(weight) = weight else {
             report.error(block.span, "a control point of G5.2 without a weight").expected("a word P, as P1");
             return;
         };
         self.blocks.point(target, weight.value, block.span);
-        modal.position = target.map(Some);
+        modal.arrive(written, target);
     }
 
     /// The curve, if it breaks no rule.
@@ -87,7 +88,7 @@ impl LinuxCncNurbs {
 /// A Bézier curve as it is programmed, and the inner point that a smooth continuation needs.
 pub(crate) fn bezier(
     report: &mut Report<'_>,
-    modal: &Modal,
+    modal: &mut Modal,
     block: &mut Block<'_>,
     cubic: bool,
     smooth: Option<[f64; 2]>,
@@ -125,6 +126,7 @@ pub(crate) fn bezier(
     let written = block.take_axes();
     let end = modal.target(modal.here(), written);
     let start = modal.start(end);
+    modal.arrive(written, end);
     let beside = |point: [f64; 3], offset: [f64; 2]| [point[0] + offset[0], point[1] + offset[1], point[2]];
     let mut blocks = SplineBlocks { start: span, ..SplineBlocks::default() };
     blocks.point(start, 1.0, span);

@@ -55,6 +55,10 @@ pub(crate) struct Modal {
     pub(crate) feedrate_mm_per_s: Option<f64>,
     /// Where the tool is, in mm; an axis that was never named is unknown.
     pub(crate) position: [Option<f64>; 3],
+    /// Axes that are counted from 0, as only incremental words have moved them.
+    pub(crate) from_zero: [bool; 3],
+    /// Where axes begin that have been named since this was last asked, and were unknown before.
+    pub(crate) begun: [Option<f64>; 3],
 }
 
 impl Modal {
@@ -77,8 +81,21 @@ impl Modal {
         })
     }
 
-    /// Start of a move to `target`: an axis whose position is unknown starts where it is sent.
+    /// Start of a move to `target`: an axis whose position is unknown starts where it is sent; in G91 it moves by what is
+    /// written wherever it starts, and is counted from 0.
     pub(crate) fn start(&self, target: [f64; 3]) -> [f64; 3] {
-        std::array::from_fn(|axis| self.position[axis].unwrap_or(target[axis]))
+        let unknown = |axis: usize| if self.incremental { 0.0 } else { target[axis] };
+        std::array::from_fn(|axis| self.position[axis].unwrap_or_else(|| unknown(axis)))
+    }
+
+    /// Brings the axes that are written to `target`.
+    pub(crate) fn arrive(&mut self, written: [Option<f64>; 3], target: [f64; 3]) {
+        for axis in (0..3).filter(|axis| written[*axis].is_some()) {
+            if self.position[axis].is_none() {
+                self.from_zero[axis] = self.incremental;
+                self.begun[axis] = Some(target[axis]).filter(|_| !self.incremental);
+            }
+            self.position[axis] = Some(target[axis]);
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! Straight moves, arcs and helices of a part program.
 
-use crate::arc::{ArcFault, ArcMove, Circle};
+use crate::arc::{ArcFault, ArcMove, Circle, Plane};
 use crate::block::Block;
 use crate::curve::{Curve, MAX_COORDINATE_MM};
 use crate::gcode::Reader;
@@ -28,7 +28,6 @@ impl Reader<'_, '_, '_> {
             _ => (MoveKind::Feed, self.feedrate(length, inverse_feed, block.span)),
         };
         self.push(curve, kind, Shape::Line, feed, block.span);
-        self.modal.position = end.map(Some);
     }
 
     /// Start and end of a move by the block's coordinates; the position is brought to the end.
@@ -42,12 +41,24 @@ impl Reader<'_, '_, '_> {
             return None;
         }
         let start = self.modal.start(end);
-        for axis in 0..3 {
-            if written[axis].is_some() {
-                self.modal.position[axis] = Some(end[axis]);
-            }
-        }
+        self.modal.arrive(written, end);
+        self.begin_axes();
         Some((start, end))
+    }
+
+    /// Says that a curve cannot be read, because where it starts in its plane is not known.
+    pub(crate) fn start_is_known(&mut self, plane: Plane, span: Span) -> bool {
+        let [first, second, _] = plane.axes();
+        let unknown = [first, second].into_iter().find(|axis| self.modal.position[*axis].is_none());
+        let Some(axis) = unknown.filter(|_| !self.modal.incremental) else { return true };
+        let letter = ["X", "Y", "Z"][axis];
+        self.report
+            .error(
+                span,
+                format!("where this curve starts is not known: no move before it has named {letter}"),
+            )
+            .expected("a move to its start, such as G0 with both axes of the plane");
+        false
     }
 
     pub(crate) fn arc(&mut self, block: &mut Block<'_>, clockwise: bool, inverse_feed: Option<f64>) {
@@ -64,7 +75,8 @@ impl Reader<'_, '_, '_> {
                 .hint("G17, G18 and G19 choose the plane");
             return;
         }
-        let Some((start, end)) = self.ends(block) else { return };
+        let is_known = self.start_is_known(plane, block.span);
+        let Some((start, end)) = self.ends(block).filter(|_| is_known) else { return };
         let centre = |word: Option<Word>, axis: usize| match word {
             Some(word) if self.modal.absolute_centres => self.modal.mm(word.value),
             Some(word) => start[axis] + self.modal.mm(word.value),
@@ -92,7 +104,6 @@ impl Reader<'_, '_, '_> {
                     return;
                 }
                 self.push(curve, MoveKind::Feed, Shape::Arc, feed, block.span);
-                self.modal.position = end.map(Some);
             }
             Err(fault) => self.refuse_arc(fault, block.span),
         }

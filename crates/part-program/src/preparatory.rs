@@ -66,7 +66,7 @@ impl Reader<'_, '_, '_> {
             Some(190) => self.modal.plane = Plane::Yz,
             Some(200 | 700) => self.modal.inches = true,
             Some(210 | 710) => self.modal.inches = false,
-            Some(900) => self.modal.incremental = false,
+            Some(900) => self.absolute(word.span),
             Some(910) => self.modal.incremental = true,
             Some(901) => self.modal.absolute_centres = true,
             Some(911) => self.modal.absolute_centres = false,
@@ -100,6 +100,23 @@ impl Reader<'_, '_, '_> {
             }
         }
         Ok(None)
+    }
+
+    /// G90. What incremental words moved first is counted from 0, and from here on that matters.
+    fn absolute(&mut self, span: Span) {
+        self.modal.incremental = false;
+        let from_zero = std::mem::take(&mut self.modal.from_zero);
+        let letters: Vec<_> = ["X", "Y", "Z"]
+            .into_iter()
+            .zip(from_zero)
+            .filter(|(_, it)| *it)
+            .map(|(letter, _)| letter)
+            .collect();
+        if !letters.is_empty() {
+            let message =
+                format!("{} moved by increments first: taken to have begun at 0", letters.join(", "));
+            self.report.warning(span, message);
+        }
     }
 
     /// `G05 P10000` and `G05 P0`.

@@ -31,7 +31,7 @@ pub(crate) struct SiemensSpline {
 impl SiemensSpline {
     pub(crate) fn open(modal: &Modal, span: Span) -> Self {
         let mut blocks = SplineBlocks { start: span, ..SplineBlocks::default() };
-        if modal.position.iter().any(Option::is_some) {
+        if modal.incremental || modal.position.iter().any(Option::is_some) {
             blocks.point(modal.here(), 1.0, span);
         }
         let intervals = vec![None; blocks.points.len()];
@@ -67,7 +67,8 @@ impl SiemensSpline {
         }
         let weight = weight.map_or(1.0, |word| word.value);
         let here = modal.here();
-        let point = modal.target(here, block.take_axes());
+        let written = block.take_axes();
+        let point = modal.target(here, written);
         let repeats_start = self.blocks.points.len() == 1 && point == here;
         if repeats_start {
             self.blocks.weights[0] = (weight, block.span);
@@ -76,7 +77,7 @@ impl SiemensSpline {
             self.blocks.point(point, weight, block.span);
             self.intervals.push(interval);
         }
-        modal.position = point.map(Some);
+        modal.arrive(written, point);
     }
 
     /// The curve, if it breaks no rule.

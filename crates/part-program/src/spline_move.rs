@@ -37,7 +37,9 @@ impl Reader<'_, '_, '_> {
         if self.spline.is_none() {
             let spline = match self.modal.motion {
                 Motion::FanucNurbs => FanucNurbs::open(self.report, block).map(Spline::Fanuc),
-                Motion::LinuxCncNurbs => Some(Spline::LinuxCnc(LinuxCncNurbs::open(block.span))),
+                Motion::LinuxCncNurbs => self
+                    .start_is_known(self.modal.plane, block.span)
+                    .then(|| Spline::LinuxCnc(LinuxCncNurbs::open(block.span))),
                 _ => Some(Spline::Siemens(SiemensSpline::open(&self.modal, block.span))),
             };
             let Some(spline) = spline else {
@@ -85,7 +87,6 @@ impl Reader<'_, '_, '_> {
 
     fn push_spline(&mut self, curve: Option<Curve>, start: Span) {
         if let Some(curve) = curve {
-            self.modal.position = curve.control_points_mm.last().map_or(self.modal.position, |p| p.map(Some));
             self.push(curve, MoveKind::Feed, Shape::Nurbs, self.modal.feedrate_mm_per_s, start);
         }
     }
@@ -96,7 +97,11 @@ impl Reader<'_, '_, '_> {
         if self.spline_allowed(span).is_none() {
             return;
         }
-        let read = linuxcnc::bezier(self.report, &self.modal, block, is_cubic, continues);
+        if !self.start_is_known(self.modal.plane, span) {
+            block.clear();
+            return;
+        }
+        let read = linuxcnc::bezier(self.report, &mut self.modal, block, is_cubic, continues);
         if let Some((curve, smooth)) = read {
             self.smooth = smooth;
             self.push_spline(Some(curve), span);

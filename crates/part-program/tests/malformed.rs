@@ -3,7 +3,7 @@
 use part_program::read_part;
 
 /// Program, where the fault is, what is said.
-const MALFORMED: [(&str, &str, &str); 67] = [
+const MALFORMED: [(&str, &str, &str); 71] = [
     // Words.
     ("G0 X", "1:4", "`X` has no number"),
     ("G0 XY5", "1:4", "`X` has no number"),
@@ -53,6 +53,8 @@ const MALFORMED: [(&str, &str, &str); 67] = [
         "the end is off the circle: radius 3.0000 at the start, 7.0000 at the end",
     ),
     ("G0 X0 Y0\nG2 X10 I0 J0", "2:1", "the centre of the arc is its start"),
+    ("G2 X10 Y0 I5 J0", "1:1", "where this curve starts is not known: no move before it has named X"),
+    ("G18 G0 X0 Y0\nG2 X10 I5", "2:1", "no move before it has named Z"),
     // FANUC.
     ("G06.2 P4 X0 Y0\n", "1:1", "PS1002"),
     ("G06.2 P1 K0 X0 Y0\n", "1:7", "order 1 is not supported"),
@@ -76,6 +78,8 @@ const MALFORMED: [(&str, &str, &str); 67] = [
     ("G5.3", "1:1", "G5.3 without G5.2"),
     ("G0 X0 Y0\nG5.2 X1 Y1 P1\nX2 Y2 P1\nG0 X5", "4:1", "the curve of G5.2 is not ended"),
     ("G0 X0 Y0\nG5 X1 Y1 I1 P1 Q1", "2:1", "I without J"),
+    ("G5.2 X1 Y1 P1\nX2 Y2 P1\nG5.3", "1:1", "no move before it has named X"),
+    ("G0 X0\nG5.1 X1 Y1 I1 J2", "2:1", "no move before it has named Y"),
     // Siemens.
     ("G0 X0 Y0\nBSPLINE SD=3 X1 PL=1\nX2\nX3 Y1\nX4\n", "3:1", "a block of BSPLINE without a knot interval"),
     ("G0 X0 Y0\nBSPLINE SD=2 X1 PL=1\nX2 PL=2", "3:4", "a knot interval of 2 too many"),

@@ -178,10 +178,28 @@ fn nothing_is_read_after_the_end() {
 
 #[test]
 fn an_axis_begins_where_it_is_first_sent() {
-    // Z is first named after the first curve, which was made in the plane 0.
-    let part = part("G0 X0 Y0\nG1 X10\nG1 Z5\n");
-    assert_eq!(ends(&part.curves[1]), ([10.0, 0.0, 0.0], [10.0, 0.0, 5.0]));
+    // Z is first named after the first curve, which was made at that height.
+    let part = part("G0 X0 Y0\nG1 X10\nG1 Z5\nG1 Z3\n");
+    assert_eq!(ends(&part.curves[0]), ([0.0, 0.0, 5.0], [10.0, 0.0, 5.0]));
+    assert_eq!(ends(&part.curves[1]), ([10.0, 0.0, 5.0], [10.0, 0.0, 3.0]));
+    assert_eq!((part.curves.len(), part.curves[0].dimension, part.standstills), (2, 3, vec![]));
     assert_eq!(crate::part("G0 X7 Z5\nG1 X10\n").curves[0].control_points_mm[0], [7.0, 0.0, 5.0]);
+}
+
+/// Increments are known wherever they start; two sides of a square were lost, and a plunge.
+#[test]
+fn incremental_moves_from_an_unknown_position_keep_their_length() {
+    let square = part("G21 G91\nG1 X10 F600\nY10\nX-10\nY-10\nM30\n");
+    let corners: Vec<_> = square.curves.iter().map(|curve| ends(curve).1).collect();
+    assert_eq!(corners, [[10.0, 0.0, 0.0], [10.0, 10.0, 0.0], [0.0, 10.0, 0.0], [0.0, 0.0, 0.0]]);
+    let plunge = part("G0 X0 Y0\nG91\nG1 Z-1\nX10\n");
+    assert_eq!(ends(&plunge.curves[0]), ([0.0; 3], [0.0, 0.0, -1.0]));
+    assert_eq!(ends(&plunge.curves[1]).1, [10.0, 0.0, -1.0]);
+    assert_eq!((square.warnings.len(), plunge.warnings.len()), (0, 0));
+    let spline = part("G91\nBSPLINE SD=2 X1 Y1 PL=1\nX1 Y-1\nG90 G1 X5\n");
+    assert_eq!(ends(&spline.curves[0]), ([0.0; 3], [2.0, 0.0, 0.0]));
+    assert_eq!(ends(&spline.curves[1]), ([2.0, 0.0, 0.0], [5.0, 0.0, 0.0]));
+    assert_eq!(spline.warnings[0].message, "X, Y moved by increments first: taken to have begun at 0");
 }
 
 #[test]
