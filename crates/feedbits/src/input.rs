@@ -24,7 +24,9 @@ pub(crate) struct Input {
     /// The control that a part program is for: fanuc, linuxcnc or siemens. Default: told by its splines.
     #[arg(long, value_name = "CONTROL")]
     dialect: Option<Dialect>,
-    /// Read over unknown words of a part program, with a warning each.
+    /// Read over unknown words of a part program, with a warning each. A G word that is not read leaves the axes of its
+    /// block out, and where they are is unknown until a move in G90 names them; after a cycle, or another motion that is
+    /// not read, no axes are moved until a motion that is read. Other G words of the block, F, M, S, T, D and H hold.
     #[arg(long)]
     lenient: bool,
 }

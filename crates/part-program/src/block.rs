@@ -2,7 +2,7 @@
 
 use crate::diagnostic::Report;
 use crate::gcode_word::{Key, Word};
-use crate::source::Span;
+use crate::source::{Source, Span};
 
 /// The words of a line, each taken by the first who asks for it.
 pub(crate) struct Block<'w> {
@@ -55,6 +55,11 @@ impl<'w> Block<'w> {
     /// Takes X, Y and Z as they are written.
     pub(crate) fn take_axes(&mut self) -> [Option<f64>; 3] {
         [b'X', b'Y', b'Z'].map(|axis| self.take_letter(axis).map(|word| word.value))
+    }
+
+    /// The words as they are written.
+    pub(crate) fn texts<'t>(&self, source: &Source<'t>) -> Vec<&'t str> {
+        self.words.iter().map(|word| source.slice(word.span)).collect()
     }
 
     pub(crate) fn is_empty(&self) -> bool {

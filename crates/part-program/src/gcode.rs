@@ -34,6 +34,7 @@ pub(crate) fn read(report: &mut Report<'_>, part: &mut Part, options: ReadOption
         options,
         modal: Modal::default(),
         unknown_from: [0; 3],
+        unread: None,
         spline: None,
         smooth: None,
         ended: false,
@@ -69,6 +70,8 @@ pub(crate) struct Reader<'r, 't, 'p> {
     pub(crate) modal: Modal,
     /// The first curve on which each axis is unknown, while it is.
     pub(crate) unknown_from: [usize; 3],
+    /// A G word of the block that is read over.
+    pub(crate) unread: Option<Span>,
     pub(crate) spline: Option<(Spline, Span)>,
     /// Inner point of a smooth continuation of G5, from its start.
     pub(crate) smooth: Option<[f64; 2]>,
@@ -79,14 +82,20 @@ impl Reader<'_, '_, '_> {
     fn block(&mut self, words: &mut Vec<Word>) {
         let Some(mut block) = Block::new(self.report, words) else { return };
         let span = block.span;
+        self.unread = None;
         let Some(motion) = self.preparatory(&mut block) else { return };
         if let Some(motion) = motion {
             self.modal.motion = motion;
         }
         let ends = self.auxiliary(&mut block);
         let inverse_feed = self.feed(&mut block);
-        self.motion(&mut block, motion.is_some(), inverse_feed);
-        self.begin_axes();
+        let unread = self.unread.take();
+        if unread.is_some() || self.modal.motion == Motion::Unread {
+            self.leave_out(&mut block, unread);
+        } else {
+            self.motion(&mut block, motion.is_some(), inverse_feed);
+            self.begin_axes();
+        }
         self.refuse(block);
         if ends {
             self.close(span);
@@ -206,12 +215,13 @@ impl Reader<'_, '_, '_> {
             Motion::Quadratic => "G5.1",
             Motion::LinuxCncNurbs => "G5.2",
             Motion::Bspline => "BSPLINE",
+            Motion::Unread => "a motion that is not read",
         }
     }
 
     fn motion_words(&self) -> &'static str {
         match self.modal.motion {
-            Motion::None => "G, F, M, S, T, D or H",
+            Motion::None | Motion::Unread => "G, F, M, S, T, D or H",
             Motion::Rapid | Motion::Line => "X, Y, Z or F",
             Motion::Arc { .. } => "X, Y, Z, I, J, K, R or F",
             Motion::FanucNurbs => "K, X, Y, Z, R, P or F",

@@ -27,6 +27,15 @@ pub(crate) enum Motion {
     LinuxCncNurbs,
     /// BSPLINE.
     Bspline,
+    /// A cycle or another motion that is not read, and was read over.
+    Unread,
+}
+
+impl Motion {
+    /// Whether it makes splines.
+    pub(crate) fn is_spline(self) -> bool {
+        matches!(self, Self::FanucNurbs | Self::Cubic | Self::Quadratic | Self::LinuxCncNurbs | Self::Bspline)
+    }
 }
 
 /// What F means.
@@ -53,10 +62,12 @@ pub(crate) struct Modal {
     pub(crate) feed_mode: FeedMode,
     /// Feedrate of G94, in mm/s.
     pub(crate) feedrate_mm_per_s: Option<f64>,
-    /// Where the tool is, in mm; an axis that was never named is unknown.
+    /// Where the tool is, in mm; an axis that was never named is unknown, and one that a word moved that is not read.
     pub(crate) position: [Option<f64>; 3],
-    /// Axes that are counted from 0, as only incremental words have moved them.
-    pub(crate) from_zero: [bool; 3],
+    /// Where an axis that is unknown is taken to be; 0 if it was never known.
+    last_known: [f64; 3],
+    /// Axes that incremental words moved from where they were taken to be.
+    pub(crate) from_unknown: [bool; 3],
     /// Where axes begin that have been named since this was last asked, and were unknown before.
     pub(crate) begun: [Option<f64>; 3],
 }
@@ -67,12 +78,12 @@ impl Modal {
         if self.inches { length * INCH } else { length }
     }
 
-    /// The position in numbers; unknown coordinates are 0.
+    /// The position in numbers; coordinates that were never known are 0.
     pub(crate) fn here(&self) -> [f64; 3] {
-        self.position.map(|x| x.unwrap_or(0.0))
+        std::array::from_fn(|axis| self.position[axis].unwrap_or(self.last_known[axis]))
     }
 
-    /// Where coordinates as written lead from `from`: those not written are kept, those never known are 0.
+    /// Where coordinates as written lead from `from`: those not written are kept.
     pub(crate) fn target(&self, from: [f64; 3], written: [Option<f64>; 3]) -> [f64; 3] {
         std::array::from_fn(|axis| match written[axis] {
             Some(value) if self.incremental => from[axis] + self.mm(value),
@@ -82,9 +93,9 @@ impl Modal {
     }
 
     /// Start of a move to `target`: an axis whose position is unknown starts where it is sent; in G91 it moves by what is
-    /// written wherever it starts, and is counted from 0.
+    /// written wherever it starts.
     pub(crate) fn start(&self, target: [f64; 3]) -> [f64; 3] {
-        let unknown = |axis: usize| if self.incremental { 0.0 } else { target[axis] };
+        let unknown = |axis: usize| if self.incremental { self.last_known[axis] } else { target[axis] };
         std::array::from_fn(|axis| self.position[axis].unwrap_or_else(|| unknown(axis)))
     }
 
@@ -92,10 +103,16 @@ impl Modal {
     pub(crate) fn arrive(&mut self, written: [Option<f64>; 3], target: [f64; 3]) {
         for axis in (0..3).filter(|axis| written[*axis].is_some()) {
             if self.position[axis].is_none() {
-                self.from_zero[axis] = self.incremental;
+                self.from_unknown[axis] = self.incremental;
                 self.begun[axis] = Some(target[axis]).filter(|_| !self.incremental);
             }
             self.position[axis] = Some(target[axis]);
         }
+    }
+
+    /// Forgets where an axis is.
+    pub(crate) fn forget(&mut self, axis: usize) {
+        self.last_known[axis] = self.here()[axis];
+        (self.position[axis], self.from_unknown[axis]) = (None, false);
     }
 }

@@ -8,7 +8,9 @@ use std::str::FromStr;
 pub struct ReadOptions {
     /// The control that a program is for. `None`: told by the words of its splines.
     pub dialect: Option<Dialect>,
-    /// Read over unknown words, with a warning each.
+    /// Read over unknown words, with a warning each. A G word that is not read leaves the axes of its block out, and
+    /// where they are is unknown until a move in G90 names them; after a cycle, or another motion that is not read, no
+    /// axes are moved until a motion that is read. Other G words of the block, F, M, S, T, D and H hold.
     pub lenient: bool,
 }
 

@@ -53,10 +53,7 @@ impl Reader<'_, '_, '_> {
         let Some(axis) = unknown.filter(|_| !self.modal.incremental) else { return true };
         let letter = ["X", "Y", "Z"][axis];
         self.report
-            .error(
-                span,
-                format!("where this curve starts is not known: no move before it has named {letter}"),
-            )
+            .error(span, format!("where this curve starts on {letter} is not known"))
             .expected("a move to its start, such as G0 with both axes of the plane");
         false
     }

@@ -73,6 +73,8 @@ impl Reader<'_, '_, '_> {
             Some(930) => self.modal.feed_mode = FeedMode::InverseTime,
             Some(940) => self.modal.feed_mode = FeedMode::PerMinute,
             Some(800) => self.modal.motion = Motion::None,
+            // The coordinate setting of lathes.
+            Some(500) if block.has_axis() => return self.unread_word(word),
             // Compensation off, exact stop and path modes, the first coordinate system.
             Some(400 | 490 | 540 | 610 | 640 | 500 | 690) => {}
             Some(40) => {
@@ -87,35 +89,81 @@ impl Reader<'_, '_, '_> {
             Some(550 | 560 | 570 | 580 | 590) => {
                 self.report.warning(word.span, "another work offset: its origin is taken as the first one's");
             }
-            _ => {
-                let text = self.report.source.slice(word.span).to_owned();
-                if self.options.lenient {
-                    self.report.warning(word.span, format!("`{text}` is not read: the block is left out"));
-                } else {
-                    self.report
-                        .error(word.span, format!("`{text}` is not read"))
-                        .expected("G0 to G3, a spline, G17 to G21, G90, G91, G93 or G94");
-                }
-                return Err(());
-            }
+            // Settings that are no part of the path, or switch off what is not read.
+            Some(970) => {}
+            Some(980 | 990) if self.may_be(&[Dialect::Fanuc, Dialect::LinuxCnc]) => {}
+            Some(131 | 150 | 230 | 250 | 401 | 670) if self.may_be(&[Dialect::Fanuc]) => {}
+            Some(501) if self.may_be(&[Dialect::Fanuc]) && !block.has_axis() => {}
+            Some(4500 | 4510 | 5000) if self.may_be(&[Dialect::Siemens]) => {}
+            _ => return self.unread_word(word),
         }
         Ok(None)
     }
 
-    /// G90. What incremental words moved first is counted from 0, and from here on that matters.
+    /// Whether the program can be of one of these dialects.
+    fn may_be(&self, dialects: &[Dialect]) -> bool {
+        self.options.dialect.is_none_or(|dialect| dialects.contains(&dialect))
+    }
+
+    /// A G word that is not read: an error, or else remembered with what it leaves out of the block.
+    fn unread_word(&mut self, word: Word) -> Result<Option<Motion>, ()> {
+        if self.options.lenient {
+            if let Some(other) = self.unread.replace(word.span) {
+                let message = format!("`{}` is not read", self.report.source.slice(other));
+                self.report.warning(other, message);
+            }
+            return Ok(moves(word.value).then_some(Motion::Unread));
+        }
+        let message = format!("`{}` is not read", self.report.source.slice(word.span));
+        self.report
+            .error(word.span, message)
+            .expected("G0 to G3, a spline, G17 to G21, G90, G91, G93 or G94");
+        Err(())
+    }
+
+    /// Leaves out what is left of a block that `by` makes unreadable, or a motion that is in force and is not read.
+    pub(crate) fn leave_out(&mut self, block: &mut Block<'_>, by: Option<Span>) {
+        let span = by.unwrap_or(block.span);
+        let word = by.map(|by| format!("`{}` is not read", self.report.source.slice(by)));
+        if self.modal.motion.is_spline() {
+            let message = word.unwrap_or_default();
+            self.report.error(span, message).expected("no such word in a spline: its points would be others");
+            block.clear();
+            return;
+        }
+        for axis in (0..3).filter(|axis| block.has(b"XYZ"[*axis])) {
+            if self.modal.position[axis].is_some() {
+                self.unknown_from[axis] = self.part.curves.len();
+            }
+            self.modal.forget(axis);
+        }
+        let moves = block.has_axis();
+        let words = block.texts(&self.report.source).join(" ");
+        block.clear();
+        let message = match word {
+            Some(word) if words.is_empty() => word,
+            Some(word) => format!("{word}: {words} left out of its block"),
+            None if words.is_empty() => return,
+            None => format!("{words} left out: the motion in force is not read"),
+        };
+        let warning = self.report.warning(span, message);
+        if moves {
+            warning.hint("where these axes are is not known until a move in G90 names them");
+        }
+    }
+
+    /// G90. Where incremental words moved an axis from that was unknown matters from here on.
     fn absolute(&mut self, span: Span) {
         self.modal.incremental = false;
-        let from_zero = std::mem::take(&mut self.modal.from_zero);
-        let letters: Vec<_> = ["X", "Y", "Z"]
-            .into_iter()
-            .zip(from_zero)
-            .filter(|(_, it)| *it)
-            .map(|(letter, _)| letter)
-            .collect();
+        let moved = std::mem::take(&mut self.modal.from_unknown);
+        let letters: Vec<_> = ["X", "Y", "Z"].into_iter().zip(moved).filter(|(_, moved)| *moved).collect();
         if !letters.is_empty() {
-            let message =
-                format!("{} moved by increments first: taken to have begun at 0", letters.join(", "));
-            self.report.warning(span, message);
+            let letters: Vec<_> = letters.into_iter().map(|(letter, _)| letter).collect();
+            let message = format!("where {} began to move by increments is not known", letters.join(", "));
+            self.report
+                .warning(span, message)
+                .expected("a move in G90 first")
+                .hint("it is taken as 0, or where it was known last");
         }
     }
 
@@ -155,6 +203,12 @@ impl Reader<'_, '_, '_> {
             .expected(format!("splines of {dialect} only"));
         None
     }
+}
+
+/// Whether a G word that is not read is a motion that stays in force: threads, probing, cycles, and other curves.
+fn moves(value: f64) -> bool {
+    code(value)
+        .is_some_and(|code| matches!(code / 10, 2 | 3 | 32..=35 | 38 | 73 | 74 | 76 | 81..=89 | 331 | 332))
 }
 
 /// Ten times a G number, as G06.2 is 62; `None` for finer fractions and for what no G is.

@@ -183,7 +183,73 @@ fn lenient_reading_lists_what_it_reads_over() {
         (2, "`Q7` is no word of G1"),
         (2, "`A5` is no word of G1"),
         (3, "unknown word `COMPCAD`"),
-        (4, "`G64.7` is not read: the block is left out"),
+        (4, "`G64.7` is not read"),
     ];
     assert_eq!(said, expected);
+}
+
+fn lenient(text: &str) -> Part {
+    let options = ReadOptions { lenient: true, dialect: None };
+    read_part_with("p.nc", text, options).unwrap_or_else(|errors| panic!("{errors}"))
+}
+
+fn ends(part: &Part) -> Vec<(MoveKind, [f64; 3])> {
+    let last = |curve: &Curve| *curve.control_points_mm.last().unwrap();
+    part.moves.iter().zip(&part.curves).map(|(one, curve)| (one.kind, last(curve))).collect()
+}
+
+fn said(part: &Part) -> Vec<(usize, &str)> {
+    part.warnings.iter().map(|warning| (warning.line, warning.message.as_str())).collect()
+}
+
+#[test]
+fn words_that_switch_nothing_of_the_path_are_read() {
+    let part = part("G98 G20 G90 G15 G50 G50.1 G67 G97\nG99 G0 X0 Y0\nG1 X1 F10\n");
+    assert_eq!(ends(&part), [(MoveKind::Feed, [25.4, 0.0, 0.0])]);
+    assert_eq!(part.warnings, []);
+    let options = ReadOptions { lenient: false, dialect: Some(Dialect::Siemens) };
+    let errors = read_part_with("p.nc", "G500 G450 G0 X0 Y0\nG98 G1 X1\n", options).unwrap_err();
+    assert_eq!(errors.iter().map(|error| error.message.as_str()).collect::<Vec<_>>(), ["`G98` is not read"]);
+}
+
+/// The motion of a block with a word that is not read holds; its axes are left out, and their place is unknown.
+#[test]
+fn a_word_that_is_not_read_takes_no_modal_word_with_it() {
+    let part = lenient("G0 X0 Y0\nG41 D1 G1 X10 F600\nY10\nX20 Y20\nX30\n");
+    let feeds = [[20.0, 10.0, 0.0], [20.0, 20.0, 0.0], [30.0, 20.0, 0.0]];
+    assert_eq!(ends(&part), feeds.map(|end| (MoveKind::Feed, end)));
+    assert!(part.moves.iter().all(|one| one.feedrate_mm_per_s == Some(10.0)));
+    assert_eq!(part.auxiliary[0].letter, 'D');
+    assert_eq!(said(&part), [(2, "`G41` is not read: X10 left out of its block")]);
+    let zero = lenient("G21 G0 X5 Y5 Z9\nG28 G91 Z0\nG53 G90 G0 X1 Y1\nG20 G187 P2\nG1 X1 Y1 Z1\nX2\n");
+    assert_eq!(ends(&zero), [(MoveKind::Feed, [50.8, 25.4, 25.4])]);
+    let expected = [
+        (2, "`G28` is not read: Z0 left out of its block"),
+        (3, "`G53` is not read: X1 Y1 left out of its block"),
+        (4, "`G187` is not read: P2 left out of its block"),
+    ];
+    assert_eq!(said(&zero), expected);
+}
+
+/// The holes of a cycle were read as rapid moves, and so was what came after it.
+#[test]
+fn after_a_cycle_that_is_not_read_nothing_moves_until_a_motion() {
+    let part = lenient("G0 X0 Y0 Z2\nG99 G81 X10 Y10 Z-5 R2 F100\nX20\nM8\nG80\nG0 X50 Y50\nG0 Z2\nG1 X60\n");
+    assert_eq!(ends(&part), [(MoveKind::Feed, [60.0, 50.0, 2.0])]);
+    let expected = [
+        (2, "`G81` is not read: X10 Y10 Z-5 R2 left out of its block"),
+        (3, "X20 left out: the motion in force is not read"),
+    ];
+    assert_eq!(said(&part), expected);
+}
+
+#[test]
+fn a_spline_with_a_word_that_is_not_read_is_refused() {
+    let options = ReadOptions { lenient: true, dialect: None };
+    let text = "G0 X0 Y0\nBSPLINE SD=2 X1 Y1\nG41 X2 Y0\nX3 Y1\n";
+    let errors = read_part_with("p.nc", text, options).unwrap_err();
+    assert!(
+        errors.to_string().contains("p.nc:3:1") && errors.to_string().contains("`G41` is not read"),
+        "{errors}"
+    );
 }

@@ -3,7 +3,7 @@
 use part_program::read_part;
 
 /// Program, where the fault is, what is said.
-const MALFORMED: [(&str, &str, &str); 71] = [
+const MALFORMED: [(&str, &str, &str); 72] = [
     // Words.
     ("G0 X", "1:4", "`X` has no number"),
     ("G0 XY5", "1:4", "`X` has no number"),
@@ -30,6 +30,7 @@ const MALFORMED: [(&str, &str, &str); 71] = [
     ("X5 Y5", "1:1", "coordinates without a motion"),
     ("G0 G1 X5", "1:4", "two motions in one block"),
     ("G81 X5 Z-3 R2", "1:1", "`G81` is not read"),
+    ("G50 X100 Z50", "1:1", "`G50` is not read"),
     ("G1.23 X5", "1:1", "`G1.23` is not read"),
     ("G0 X0\nG1 X5 Q3", "2:7", "`Q3` is no word of G1"),
     ("G0 X0\nG1 X5 F0", "2:7", "the feed is 0"),
@@ -53,8 +54,8 @@ const MALFORMED: [(&str, &str, &str); 71] = [
         "the end is off the circle: radius 3.0000 at the start, 7.0000 at the end",
     ),
     ("G0 X0 Y0\nG2 X10 I0 J0", "2:1", "the centre of the arc is its start"),
-    ("G2 X10 Y0 I5 J0", "1:1", "where this curve starts is not known: no move before it has named X"),
-    ("G18 G0 X0 Y0\nG2 X10 I5", "2:1", "no move before it has named Z"),
+    ("G2 X10 Y0 I5 J0", "1:1", "where this curve starts on X is not known"),
+    ("G18 G0 X0 Y0\nG2 X10 I5", "2:1", "where this curve starts on Z is not known"),
     // FANUC.
     ("G06.2 P4 X0 Y0\n", "1:1", "PS1002"),
     ("G06.2 P1 K0 X0 Y0\n", "1:7", "order 1 is not supported"),
@@ -78,8 +79,8 @@ const MALFORMED: [(&str, &str, &str); 71] = [
     ("G5.3", "1:1", "G5.3 without G5.2"),
     ("G0 X0 Y0\nG5.2 X1 Y1 P1\nX2 Y2 P1\nG0 X5", "4:1", "the curve of G5.2 is not ended"),
     ("G0 X0 Y0\nG5 X1 Y1 I1 P1 Q1", "2:1", "I without J"),
-    ("G5.2 X1 Y1 P1\nX2 Y2 P1\nG5.3", "1:1", "no move before it has named X"),
-    ("G0 X0\nG5.1 X1 Y1 I1 J2", "2:1", "no move before it has named Y"),
+    ("G5.2 X1 Y1 P1\nX2 Y2 P1\nG5.3", "1:1", "where this curve starts on X is not known"),
+    ("G0 X0\nG5.1 X1 Y1 I1 J2", "2:1", "where this curve starts on Y is not known"),
     // Siemens.
     ("G0 X0 Y0\nBSPLINE SD=3 X1 PL=1\nX2\nX3 Y1\nX4\n", "3:1", "a block of BSPLINE without a knot interval"),
     ("G0 X0 Y0\nBSPLINE SD=2 X1 PL=1\nX2 PL=2", "3:4", "a knot interval of 2 too many"),

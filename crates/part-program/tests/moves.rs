@@ -199,7 +199,7 @@ fn incremental_moves_from_an_unknown_position_keep_their_length() {
     let spline = part("G91\nBSPLINE SD=2 X1 Y1 PL=1\nX1 Y-1\nG90 G1 X5\n");
     assert_eq!(ends(&spline.curves[0]), ([0.0; 3], [2.0, 0.0, 0.0]));
     assert_eq!(ends(&spline.curves[1]), ([2.0, 0.0, 0.0], [5.0, 0.0, 0.0]));
-    assert_eq!(spline.warnings[0].message, "X, Y moved by increments first: taken to have begun at 0");
+    assert_eq!(spline.warnings[0].message, "where X, Y began to move by increments is not known");
 }
 
 #[test]
