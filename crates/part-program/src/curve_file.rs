@@ -29,31 +29,19 @@ pub(crate) fn read(report: &mut Report<'_>, text: &str) -> Option<CurveFile> {
         let expected = "[curve] with degree, control_points_mm and knots";
         keys.report.error(Span::default(), "the file has no table [curve]").expected(expected);
     }
-    let published = published(keys.report, root);
+    toml_table::refuse_unknown_tables(keys.report, root);
+    let published = published(root);
     let curves = tables.into_iter().filter_map(|(header, table)| curve_from(report, header, table)).collect();
     let machine = machine.map(|(header, table)| machine::from_table(report, header, table));
     let file = CurveFile { curves, machine: machine.flatten(), published };
     (!report.has_errors()).then_some(file)
 }
 
-/// The tables `table_…`: what a paper published about the curve. Every other table beside `[curve]` and `[machine]`
-/// is an error.
-fn published(report: &mut Report<'_>, root: &DeTable<'_>) -> Option<toml::Table> {
-    const TABLES: [&str; 2] = ["curve", "machine"];
-    let mut published = toml::Table::new();
-    for (key, value) in root {
-        let name = key.get_ref().as_ref();
-        if name.starts_with("table_") {
-            published.insert(name.to_owned(), owned(value.get_ref(), 0)?);
-        } else if !TABLES.contains(&name) {
-            let diagnostic = report.error(key.span(), format!("unknown key `{name}` in the file"));
-            diagnostic.expected("[curve], [machine] or [table_…] with published figures");
-            if let Some(near) = toml_table::nearest(name, &TABLES) {
-                diagnostic.hint(format!("did you mean `{near}`?"));
-            }
-        }
-    }
-    (!published.is_empty()).then_some(published)
+/// The tables `table_…`: what a paper published about the curve.
+fn published(root: &DeTable<'_>) -> Option<toml::Table> {
+    let tables = root.iter().filter(|(key, _)| toml_table::is_published(key.get_ref()));
+    let published = tables.map(|(key, value)| Some((key.get_ref().to_string(), owned(value.get_ref(), 0)?)));
+    published.collect::<Option<toml::Table>>().filter(|published| !published.is_empty())
 }
 
 /// A value without its places. Numbers too large for TOML's types are kept as text.

@@ -73,13 +73,14 @@ pub struct AxisLimits {
     pub velocity_jump_mm_per_s: Option<f64>,
 }
 
-/// Reads a machine file: TOML with a table `[machine]`. Other tables of a curve file may stand beside it.
+/// Reads a machine file: TOML with a table `[machine]`. The other tables of a curve file may stand beside it.
 ///
 /// # Errors
 /// Everything that is wrong with the text, each at its place.
 pub fn read_machine(name: &str, text: &str) -> Result<Machine, Diagnostics> {
     let mut report = crate::opened(name, text)?;
     let machine = toml_table::parse(&mut report, text).and_then(|document| {
+        toml_table::refuse_unknown_tables(&mut report, document.get_ref());
         let mut root = TableReader::new(&mut report, "the file", Span::default(), document.get_ref());
         let Some((header, table)) = root.table("machine") else {
             if !root.report.has_errors() {
@@ -321,6 +322,19 @@ velocity = 3
             let errors = read(more).unwrap_err();
             assert_eq!(errors.iter().next().unwrap().message, message, "{more}");
         }
+    }
+
+    #[test]
+    fn a_table_beside_the_machine_that_no_reader_has_is_refused() {
+        let read = |more: &str| read_machine("m.toml", &format!("{GOOD}{more}"));
+        assert!(read("[curve]\ndegree = 3\n[table_1]\nf = 2\n").is_ok());
+        let errors = read("[axes.x]\nvelocity_mm_per_s = 150\n").unwrap_err().to_string();
+        assert!(
+            errors.contains("unknown key `axes` in the file") && errors.contains("[machine.axes.x]"),
+            "{errors}"
+        );
+        let errors = read("[machin.axes.x]\nvelocity_mm_per_s = 150\n").unwrap_err().to_string();
+        assert!(errors.contains("did you mean `machine`"), "{errors}");
     }
 
     #[test]

@@ -183,6 +183,30 @@ pub(crate) fn listed(words: &[&str]) -> String {
     }
 }
 
+/// Says every key of a file that is none of the tables `[curve]`, `[machine]` and `[table_…]`, the figures that a paper
+/// published.
+pub(crate) fn refuse_unknown_tables(report: &mut Report<'_>, root: &DeTable<'_>) {
+    const TABLES: [&str; 2] = ["curve", "machine"];
+    for key in root.keys() {
+        let name = key.get_ref().as_ref();
+        if TABLES.contains(&name) || is_published(name) {
+            continue;
+        }
+        let diagnostic = report.error(key.span(), format!("unknown key `{name}` in the file"));
+        diagnostic.expected("[curve], [machine] or [table_…] with published figures");
+        if name == "axes" {
+            diagnostic.hint("limits of an axis are in [machine.axes.x]");
+        } else if let Some(near) = nearest(name, &TABLES) {
+            diagnostic.hint(format!("did you mean `{near}`?"));
+        }
+    }
+}
+
+/// Whether a table holds figures that a paper published.
+pub(crate) fn is_published(name: &str) -> bool {
+    name.starts_with("table_")
+}
+
 /// The known word that `word` was probably meant to be: at most a third of its letters differ.
 pub(crate) fn nearest<'w>(word: &str, known: &[&'w str]) -> Option<&'w str> {
     let near = |candidate: &&str| {
