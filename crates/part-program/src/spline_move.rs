@@ -1,5 +1,6 @@
 //! Splines of a part program, over as many blocks as they take.
 
+use crate::arc::Plane;
 use crate::block::Block;
 use crate::curve::Curve;
 use crate::fanuc::FanucNurbs;
@@ -34,11 +35,14 @@ impl Reader<'_, '_, '_> {
             self.modal.motion = Motion::None;
             return;
         }
+        if self.modal.motion == Motion::LinuxCncNurbs && !self.is_planar(block, "G5.2") {
+            block.take_letter(b'Z');
+        }
         if self.spline.is_none() {
             let spline = match self.modal.motion {
                 Motion::FanucNurbs => FanucNurbs::open(self.report, block).map(Spline::Fanuc),
                 Motion::LinuxCncNurbs => self
-                    .start_is_known(self.modal.plane, block.span)
+                    .start_is_known(Plane::Xy, block.span)
                     .then(|| Spline::LinuxCnc(LinuxCncNurbs::open(block.span))),
                 _ => Some(Spline::Siemens(SiemensSpline::open(&self.modal, block.span))),
             };
@@ -91,13 +95,29 @@ impl Reader<'_, '_, '_> {
         }
     }
 
+    /// Says what LinuxCNC's splines do not have: Z, and another plane than G17.
+    fn is_planar(&mut self, block: &Block<'_>, name: &str) -> bool {
+        let in_plane = self.modal.plane == Plane::Xy;
+        if !in_plane {
+            let message = format!("{name} in another plane than G17");
+            self.report.error(block.span, message).expected("G17 before it: this spline has X and Y only");
+        }
+        let has_z = block.has(b'Z');
+        if has_z {
+            let message = format!("{name} with Z");
+            self.report.error(block.span, message).expected("X and Y only: this spline is planar");
+        }
+        in_plane && !has_z
+    }
+
     /// A Bézier curve of G5 or G5.1, whole in one block.
     pub(crate) fn bezier(&mut self, block: &mut Block<'_>, continues: Option<[f64; 2]>) {
         let (span, is_cubic) = (block.span, self.modal.motion == Motion::Cubic);
         if self.spline_allowed(span).is_none() {
             return;
         }
-        if !self.start_is_known(self.modal.plane, span) {
+        let name = if is_cubic { "G5" } else { "G5.1" };
+        if !self.is_planar(block, name) || !self.start_is_known(Plane::Xy, span) {
             block.clear();
             return;
         }

@@ -3,7 +3,7 @@
 use part_program::read_part;
 
 /// Program, where the fault is, what is said.
-const MALFORMED: [(&str, &str, &str); 72] = [
+const MALFORMED: [(&str, &str, &str); 76] = [
     // Words.
     ("G0 X", "1:4", "`X` has no number"),
     ("G0 XY5", "1:4", "`X` has no number"),
@@ -81,6 +81,10 @@ const MALFORMED: [(&str, &str, &str); 72] = [
     ("G0 X0 Y0\nG5 X1 Y1 I1 P1 Q1", "2:1", "I without J"),
     ("G5.2 X1 Y1 P1\nX2 Y2 P1\nG5.3", "1:1", "where this curve starts on X is not known"),
     ("G0 X0\nG5.1 X1 Y1 I1 J2", "2:1", "where this curve starts on Y is not known"),
+    ("G0 X0 Y0\nG5 X1 Y1 Z1 I1 J1 P1 Q1", "2:1", "G5 with Z"),
+    ("G18 G0 X0 Y0\nG5.1 X1 Y1 I1 J1", "2:1", "G5.1 in another plane than G17"),
+    ("G0 X0 Y0\nG5.2 X1 Y1 P1\nX2 Y2 Z1 P1\nX3 Y3 P1\nG5.3", "3:1", "G5.2 with Z"),
+    ("G19 G0 X0 Y0\nG5.2 X1 Y1 P1\nX2 Y2 P1\nG5.3", "2:1", "G5.2 in another plane than G17"),
     // Siemens.
     ("G0 X0 Y0\nBSPLINE SD=3 X1 PL=1\nX2\nX3 Y1\nX4\n", "3:1", "a block of BSPLINE without a knot interval"),
     ("G0 X0 Y0\nBSPLINE SD=2 X1 PL=1\nX2 PL=2", "3:4", "a knot interval of 2 too many"),
