@@ -7,7 +7,7 @@
 //! | G06.2, G5.2 G5.3, G5, G5.1, BSPLINE | splines of FANUC, LinuxCNC and Siemens |
 //! | G17 G18 G19, G20 G21 (G70 G71), G90 G91, G90.1 G91.1 | planes, units, coordinates, centres |
 //! | F with G93 G94 | feed |
-//! | M S T D H | no effect on the path; listed |
+//! | M S T D H | no effect on the path; listed. M2, M30 and M99 end the program, as the second `%` does |
 //!
 //! A coordinate that is not written keeps its value. Where the tool is at first is not known: an axis begins where it is
 //! first sent, and what came before is read as done there. One that incremental words move first begins at 0.
@@ -15,7 +15,7 @@
 use crate::block::Block;
 use crate::curve::Curve;
 use crate::diagnostic::Report;
-use crate::gcode_word::{self, Word};
+use crate::gcode_word::{self, Tape, Word};
 use crate::modal::{FeedMode, Modal, Motion};
 use crate::options::ReadOptions;
 use crate::part::{Auxiliary, Move, MoveKind, Part, Shape};
@@ -39,19 +39,23 @@ pub(crate) fn read(report: &mut Report<'_>, part: &mut Part, options: ReadOption
         smooth: None,
         ended: false,
     };
-    let (mut words, mut at) = (Vec::new(), 0);
+    let (mut words, mut tape, mut at) = (Vec::new(), Tape::default(), 0);
     for line in text.split_inclusive('\n') {
         let start = at;
         at += line.len();
-        gcode_word::words(reader.report, options.lenient, start, line, &mut words);
-        if reader.ended {
-            if let Some(word) = words.first() {
-                reader.report.warning(word.span, "what follows the end of the program is not read");
-                break;
-            }
-            continue;
+        let mut read = 0;
+        if !reader.ended {
+            let end = gcode_word::words(reader.report, options.lenient, &mut tape, start, line, &mut words);
+            reader.block(&mut words);
+            reader.ended |= end.is_some();
+            read = end.unwrap_or(line.len());
         }
-        reader.block(&mut words);
+        if reader.ended
+            && let Some(span) = gcode_word::remainder(start + read, &line[read..])
+        {
+            reader.report.warning(span, "what follows the end of the program is not read");
+            break;
+        }
     }
     reader.close(Span::new(text.len(), text.len()));
     part.feedrate_mm_per_s = part.highest_feedrate();
@@ -109,7 +113,7 @@ impl Reader<'_, '_, '_> {
         for letter in *b"MSTDH" {
             while let Some(word) = block.take_letter(letter) {
                 let line = self.line(word.span);
-                ends |= letter == b'M' && (word.value == 2.0 || word.value == 30.0);
+                ends |= letter == b'M' && ([2.0, 30.0, 99.0].contains(&word.value));
                 self.part.auxiliary.push(Auxiliary { letter: letter.into(), value: word.value, line });
             }
         }

@@ -1,11 +1,12 @@
 //! Lexer of part programs: a line to its words.
 //!
 //! A word is a letter and a number (`X12.5`, `G06.2`), or in Siemens programs a name, `=` and a number (`PW=1.5`).
-//! Comments `( )` and from `;`, block numbers, program numbers and `%` are no words. White space may stand anywhere but
+//! Comments `( )` and from `;`, block numbers, program numbers and `%` are no words; a `%` that does not begin the program
+//! ends it. White space may stand anywhere but
 //! inside a number or a name.
 
 use crate::diagnostic::Report;
-use crate::source::Span;
+use crate::source::{Source, Span};
 use crate::toml_table::nearest;
 
 /// What a word addresses.
@@ -45,16 +46,41 @@ pub(crate) struct Word {
 const VARIABLES: &str = "variables and expressions are not evaluated";
 const EXPAND: &str = "let the control or the post-processor write the program with plain numbers";
 
-/// The words of one line that begins at byte `start`, into `words`.
-pub(crate) fn words(report: &mut Report<'_>, lenient: bool, start: usize, line: &str, words: &mut Vec<Word>) {
+/// What is known of a program from the lines before.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Tape {
+    /// A word or a `%` has been read, so that the next `%` ends the program.
+    begun: bool,
+}
+
+/// The words of one line that begins at byte `start`, into `words`; the bytes that were read if a `%` ended the program.
+pub(crate) fn words(
+    report: &mut Report<'_>,
+    lenient: bool,
+    tape: &mut Tape,
+    start: usize,
+    line: &str,
+    words: &mut Vec<Word>,
+) -> Option<usize> {
     words.clear();
-    let mut lexer = Lexer { report, lenient, start, line, at: 0 };
+    let mut lexer = Lexer { report, lenient, start, line, at: 0, begun: tape.begun, ended: false };
     if lexer.peek() == Some(b'/') {
         let span = lexer.span(0, 1);
         lexer.report.warning(span, "optional block: read as if the switch were off");
         lexer.at = 1;
     }
     while lexer.word(words).is_some() {}
+    tape.begun |= lexer.begun || !words.is_empty();
+    lexer.ended.then_some(lexer.at)
+}
+
+/// Where in a line behind the end of a program something stands that is no comment and no delimiter.
+pub(crate) fn remainder(start: usize, line: &str) -> Option<Span> {
+    let mut aside = Report::new(Source::new("", ""));
+    let mut found = Vec::new();
+    words(&mut aside, false, &mut Tape::default(), start, line, &mut found);
+    let whole = Span::new(start, start + line.trim_end().len());
+    found.first().map(|word| word.span).or(aside.has_errors().then_some(whole))
 }
 
 struct Lexer<'r, 't, 'l> {
@@ -63,6 +89,9 @@ struct Lexer<'r, 't, 'l> {
     start: usize,
     line: &'l str,
     at: usize,
+    /// See [`Tape`].
+    begun: bool,
+    ended: bool,
 }
 
 impl Lexer<'_, '_, '_> {
@@ -88,7 +117,9 @@ impl Lexer<'_, '_, '_> {
             b';' => None,
             b'%' => {
                 self.at += 1;
-                Some(())
+                self.ended = self.begun || !words.is_empty();
+                self.begun = true;
+                (!self.ended).then_some(())
             }
             b'(' => self.comment(),
             c if c.is_ascii_alphabetic() || c == b'_' => self.address(begin, words),

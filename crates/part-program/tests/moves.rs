@@ -176,6 +176,24 @@ fn nothing_is_read_after_the_end() {
     assert_eq!(part.warnings[0].line, 4);
 }
 
+/// Text behind the second `%` was executed, and so was a subprogram behind M99.
+#[test]
+fn the_second_percent_sign_and_m99_end_the_program() {
+    for (text, warned) in [
+        ("%\nO1 (50% of it)\nG0 X0\nG1 X10\n%\nG1 X20\n", Some(6)),
+        ("G0 X0\nG1 X10\n%\n\n(done)\ntool list: 3 drills\n", Some(6)),
+        ("%\nG0 X0\nG1 X10 % G1 X20\nG1 X30\n", Some(3)),
+        ("% G0 X0\nG1 X10\n% (end) ; %\n", None),
+        ("G0 X0\nG1 X10\nM99\nG1 X20\n", Some(4)),
+        ("%\nG0 X0\nG1 X10\nM99\n%\n", None),
+    ] {
+        let part = part(text);
+        assert_eq!(part.curves.len(), 1, "{text}");
+        assert_eq!(part.warnings.first().map(|warning| warning.line), warned, "{text}");
+        assert!(part.warnings.len() < 2, "{text}: {:?}", part.warnings);
+    }
+}
+
 #[test]
 fn an_axis_begins_where_it_is_first_sent() {
     // Z is first named after the first curve, which was made at that height.
