@@ -7,13 +7,14 @@
 //! | ARC, CIRCLE | 10 20 30 centre, 40 radius, 50 and 51 first and last angle in degrees, counterclockwise |
 //! | LWPOLYLINE | 10 20 vertices, 42 bulge of the segment that follows, 38 height, 70 whether it is closed |
 //!
-//! What is drawn on paper (67) and every other entity is left out, with a warning that counts it. $INSUNITS gives the
+//! What is drawn on paper (67), what is invisible (60) or on a layer that is frozen (70, bit 1) or off (62 below 0), and
+//! every other entity is left out, with a warning that counts it. $INSUNITS gives the
 //! unit. A plane that is turned over (210 220 230 = 0 0 -1) is turned back; others are refused.
 //!
 //! # Source
 //! Autodesk, DXF Reference, chapters "ENTITIES section" and "Object coordinate systems".
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 
 use crate::arc::{ArcFault, ArcMove, Circle, Plane};
 use crate::curve::Curve;
@@ -38,7 +39,8 @@ pub(crate) fn is_drawing(text: &str) -> bool {
 /// Reads a drawing into `part`.
 pub(crate) fn read(report: &mut Report<'_>, part: &mut Part) {
     let unit = unit(report);
-    let mut drawing = Drawing { report, part, unit, left_out: BTreeMap::new() };
+    let mut drawing =
+        Drawing { report, part, unit, hidden_layers: HashSet::new(), left_out: BTreeMap::new() };
     drawing.sections();
     let left_out = std::mem::take(&mut drawing.left_out);
     for (name, (count, first)) in left_out {
@@ -89,26 +91,30 @@ struct Drawing<'r, 't, 'p> {
     report: &'r mut Report<'t>,
     part: &'p mut Part,
     unit: f64,
+    /// Names of the layers that are frozen or off, in lower case: a drawing's names have no case.
+    hidden_layers: HashSet<String>,
     /// By name, how many, and where the first is.
     left_out: BTreeMap<String, (usize, Span)>,
 }
 
 impl<'t> Drawing<'_, 't, '_> {
-    /// Reads to the end of the file: entities where the section ENTITIES is, nothing elsewhere.
+    /// Reads to the end of the file: layers where the section TABLES is, entities where ENTITIES is, nothing elsewhere.
     fn sections(&mut self) {
         let mut groups = Groups::new(self.report.source.text);
         let (mut section, mut entity): (&str, Option<Entity<'t>>) = ("", None);
         let mut is_new = false;
         while let Some(group) = groups.next(Some(self.report)) {
             if group.code == 0 {
-                if let Some(entity) = entity.take() {
-                    self.entity(&entity);
+                match entity.take() {
+                    Some(layer) if section == "TABLES" => self.layer(&layer),
+                    Some(entity) => self.entity(&entity),
+                    None => {}
                 }
                 match group.text {
                     "EOF" => return,
                     "SECTION" => is_new = true,
                     "ENDSEC" => section = "",
-                    name if section == "ENTITIES" => {
+                    name if section == "ENTITIES" || (section == "TABLES" && name == "LAYER") => {
                         entity = Some(Entity { name, span: group.span, groups: Vec::new() });
                     }
                     _ => {}
@@ -125,9 +131,24 @@ impl<'t> Drawing<'_, 't, '_> {
         }
     }
 
+    fn layer(&mut self, layer: &Entity<'t>) {
+        let number = |code: i32| layer.text(code).and_then(|text| text.parse::<i32>().ok());
+        let is_frozen = number(70).is_some_and(|flags| flags & 1 == 1);
+        let is_off = number(62).is_some_and(|colour| colour < 0);
+        if let Some(name) = layer.text(2).filter(|_| is_frozen || is_off) {
+            self.hidden_layers.insert(name.to_lowercase());
+        }
+    }
+
     fn entity(&mut self, entity: &Entity<'t>) {
-        let on_paper = entity.groups.iter().any(|group| group.code == 67 && group.text == "1");
+        let on_paper = entity.text(67) == Some("1");
+        let on_hidden_layer =
+            entity.text(8).is_some_and(|layer| self.hidden_layers.contains(&layer.to_lowercase()));
+        let is_hidden = on_hidden_layer || entity.text(60) == Some("1");
         match entity.name {
+            // They belong to an entity that was left out itself.
+            "VERTEX" | "SEQEND" | "ATTRIB" if is_hidden => {}
+            name if is_hidden => self.leave_out(&format!("hidden {name}"), entity.span),
             name if on_paper => self.leave_out(&format!("{name} on paper"), entity.span),
             "SPLINE" => self.spline(entity),
             "LINE" => self.line(entity),

@@ -60,7 +60,12 @@ pub(crate) struct Entity<'t> {
     pub(crate) groups: Vec<Group<'t>>,
 }
 
-impl Entity<'_> {
+impl<'t> Entity<'t> {
+    /// The text of a group code that stands there once.
+    pub(crate) fn text(&self, code: i32) -> Option<&'t str> {
+        self.groups.iter().find(|group| group.code == code).map(|group| group.text)
+    }
+
     /// The values of a group code that may stand there several times; each that is no number is said.
     pub(crate) fn numbers(&self, report: &mut Report<'_>, code: i32) -> Vec<(f64, Span)> {
         let groups = self.groups.iter().filter(|group| group.code == code);

@@ -104,6 +104,23 @@ fn what_is_left_out_of_a_drawing_is_counted() {
     assert_eq!((said, part.curves.len(), part.standstills), (expected.to_vec(), 1, vec![62]));
 }
 
+/// A layer that is frozen or off, and an entity that is invisible, are not seen where they were drawn.
+#[test]
+fn what_is_hidden_is_left_out_and_counted() {
+    let layers = "0\nSECTION\n2\nTABLES\n0\nTABLE\n2\nLAYER\n70\n3\n0\nLAYER\n2\nCut\n70\n4\n62\n7\n0\nLAYER\n2\nFrozen\n70\n1\n62\n7\n\
+                  0\nLAYER\n2\nOff\n70\n0\n62\n-7\n0\nENDTAB\n0\nENDSEC\n";
+    let line = |more: &str| format!("0 LINE {more} 10 0 20 0 11 1 21 1 ");
+    let entities: String =
+        ["8 Cut", "8 FROZEN", "8 Off", "8 Cut 60 1", "8 Cut 60 0", "8 Other", "67 1"].map(line).concat();
+    let text = drawing(4, &entities)
+        .replace("0\nSECTION\n2\nENTITIES\n", &format!("{layers}0\nSECTION\n2\nENTITIES\n"));
+    let part = part(&text);
+    let said: Vec<_> = part.warnings.iter().map(|warning| warning.message.as_str()).collect();
+    let expected =
+        ["3 × hidden LINE left out: not read as a path", "1 × LINE on paper left out: not read as a path"];
+    assert_eq!((part.curves.len(), said), (3, expected.to_vec()));
+}
+
 #[test]
 fn faults_of_drawings_are_said_at_their_places() {
     for (text, place, said) in [
