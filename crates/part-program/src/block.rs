@@ -62,6 +62,13 @@ impl<'w> Block<'w> {
         self.words.iter().map(|word| source.slice(word.span)).collect()
     }
 
+    /// The first word of these letters whose number is not 0 and has no decimal point.
+    pub(crate) fn without_point(&self, source: &Source<'_>, letters: &[u8]) -> Option<Word> {
+        let is_one_of = |word: &Word| letters.iter().any(|letter| word.key == Key::Letter(*letter));
+        let whole = |word: &&Word| word.value != 0.0 && !source.slice(word.span).contains('.');
+        self.words.iter().filter(|word| is_one_of(word)).find(whole).copied()
+    }
+
     pub(crate) fn is_empty(&self) -> bool {
         self.words.is_empty()
     }

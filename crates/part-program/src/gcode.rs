@@ -17,7 +17,7 @@ use crate::curve::Curve;
 use crate::diagnostic::Report;
 use crate::gcode_word::{self, Tape, Word};
 use crate::modal::{FeedMode, Modal, Motion};
-use crate::options::ReadOptions;
+use crate::options::{Dialect, ReadOptions};
 use crate::part::{Auxiliary, Move, MoveKind, Part, Shape};
 use crate::source::Span;
 use crate::spline_move::Spline;
@@ -34,6 +34,7 @@ pub(crate) fn read(report: &mut Report<'_>, part: &mut Part, options: ReadOption
         options,
         modal: Modal::default(),
         unknown_from: [0; 3],
+        whole_units: options.dialect == Some(Dialect::Fanuc),
         unread: None,
         spline: None,
         smooth: None,
@@ -74,6 +75,8 @@ pub(crate) struct Reader<'r, 't, 'p> {
     pub(crate) modal: Modal,
     /// The first curve on which each axis is unknown, while it is.
     pub(crate) unknown_from: [usize; 3],
+    /// The program is said to be FANUC's, and no length without a decimal point has been met.
+    whole_units: bool,
     /// A G word of the block that is read over.
     pub(crate) unread: Option<Span>,
     pub(crate) spline: Option<(Spline, Span)>,
@@ -91,6 +94,7 @@ impl Reader<'_, '_, '_> {
         if let Some(motion) = motion {
             self.modal.motion = motion;
         }
+        self.look_for_points(&block);
         let ends = self.auxiliary(&mut block);
         let inverse_feed = self.feed(&mut block);
         let unread = self.unread.take();
@@ -105,6 +109,27 @@ impl Reader<'_, '_, '_> {
             self.close(span);
             self.ended = true;
         }
+    }
+
+    /// Warns once of a length without a decimal point, which many controls of FANUC count in least increments.
+    fn look_for_points(&mut self, block: &Block<'_>) {
+        if !self.whole_units {
+            return;
+        }
+        let letters: &[u8] = match self.modal.motion {
+            Motion::Arc { .. } => b"XYZIJKR",
+            _ => b"XYZ",
+        };
+        let source = &self.report.source;
+        let Some(word) = block.without_point(source, letters) else { return };
+        let (text, unit) =
+            (source.slice(word.span), if self.modal.inches { "inches" } else { "millimetres" });
+        let increments = if self.modal.inches { "0.0001 inch" } else { "0.001 mm" };
+        let message = format!("numbers without a decimal point are read as whole {unit}: `{text}`");
+        self.report.warning(word.span, message).hint(format!(
+            "a control may read them as increments of {increments}; with a point they are alike"
+        ));
+        self.whole_units = false;
     }
 
     /// Takes the words that do not move the tool; says whether the program ends here.

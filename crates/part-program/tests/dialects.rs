@@ -188,6 +188,23 @@ fn lenient_reading_lists_what_it_reads_over() {
     assert_eq!(said, expected);
 }
 
+#[test]
+fn lengths_without_a_decimal_point_are_warned_of_once_for_fanuc() {
+    let read = |dialect, text| read_part_with("p.nc", text, ReadOptions { dialect, lenient: false }).unwrap();
+    let text = "G0 X0 Y0.\nG1 X1000 F600\nG2 X2000 R500\n";
+    let part = read(Some(Dialect::Fanuc), text);
+    assert_eq!(said(&part), [(2, "numbers without a decimal point are read as whole millimetres: `X1000`")]);
+    let arc = read(Some(Dialect::Fanuc), "G20 G0 X0 Y0\nG2 X1. R5 F9\n");
+    assert_eq!(said(&arc), [(2, "numbers without a decimal point are read as whole inches: `R5`")]);
+    for (dialect, text) in [
+        (None, text),
+        (Some(Dialect::LinuxCnc), text),
+        (Some(Dialect::Fanuc), "G0 X0 Y0\nG06.2 P2 K0 X0 R1\nK0 X5. R2\nK1\nK1\n"),
+    ] {
+        assert_eq!(read(dialect, text).warnings, []);
+    }
+}
+
 fn lenient(text: &str) -> Part {
     let options = ReadOptions { lenient: true, dialect: None };
     read_part_with("p.nc", text, options).unwrap_or_else(|errors| panic!("{errors}"))
