@@ -241,6 +241,9 @@ impl Lexer<'_, '_, '_> {
         }
         let known: Vec<&str> = NAMES.iter().map(|(name, _)| *name).collect();
         let near = nearest(&name, &known).filter(|_| name.len() > 2);
+        if self.line[self.at..].trim_start_matches([' ', '\t']).starts_with('=') {
+            return self.unknown_assignment(begin);
+        }
         if name.len() <= 3 && near.is_none() {
             let message = format!("`{}` has no number", &name[..1]);
             self.report
@@ -264,6 +267,21 @@ impl Lexer<'_, '_, '_> {
             diagnostic.hint(format!("did you mean `{near}`?"));
         }
         None
+    }
+
+    /// A name that no reader knows, with `=` and its number; the lexer stands behind the name.
+    fn unknown_assignment(&mut self, begin: usize) -> Option<()> {
+        let message =
+            format!("unknown word `{}=`", self.line[begin..self.at].chars().take(40).collect::<String>());
+        self.skip(|c| c == b' ' || c == b'\t' || c == b'=');
+        self.skip(is_number);
+        let span = self.span(begin, self.at);
+        if self.lenient {
+            self.report.warning(span, message);
+        } else {
+            self.report.error(span, message).expected("a letter with a number, or SD=, PW=, PL=, CR=");
+        }
+        Some(())
     }
 }
 

@@ -3,7 +3,7 @@
 use part_program::read_part;
 
 /// Program, where the fault is, what is said.
-const MALFORMED: [(&str, &str, &str); 76] = [
+const MALFORMED: [(&str, &str, &str); 81] = [
     // Words.
     ("G0 X", "1:4", "`X` has no number"),
     ("G0 XY5", "1:4", "`X` has no number"),
@@ -19,6 +19,11 @@ const MALFORMED: [(&str, &str, &str); 76] = [
     ("G0 X1 \nG1 F1 F2", "2:7", "`F2`: this address is there twice"),
     ("BSPLIN SD=3", "1:1", "did you mean `BSPLINE`"),
     ("COMPRESSOR", "1:1", "unknown word `COMPRESSOR`"),
+    ("G0 X0 Y0\nG2 X10 I5 J0 AR=90", "2:14", "unknown word `AR=`"),
+    ("G0 X0 Y0\nG1 ANG=45 X5", "2:4", "unknown word `ANG=`"),
+    ("G0 X0 Y0\nG1 X5 RND = 2", "2:7", "unknown word `RND=`"),
+    ("G0 X0 Y0\nG1 X5 CHF=1", "2:7", "unknown word `CHF=`"),
+    ("G0 X0 Y0\nG1 X5 POLF=R1", "2:7", "unknown word `POLF=`"),
     // What is computed.
     ("#1=5", "1:1", "variables and expressions are not evaluated"),
     ("G0 X#1", "1:4", "variables and expressions are not evaluated"),
@@ -110,6 +115,15 @@ fn every_error_of_a_program_is_said() {
     let text = "G0 X0 Y0\nG1 X5 Q1\nG1 X#3\nG2 X20 R1\nG77\nG1 Y\n";
     let errors = read_part("p", text).unwrap_err();
     assert_eq!(errors.iter().map(|error| error.line).collect::<Vec<_>>(), [2, 3, 4, 5, 6]);
+}
+
+/// Names with a number were taken letter by letter: a missing number each, and a value without a letter.
+#[test]
+fn an_unknown_name_with_its_number_is_one_error() {
+    for word in ["AR=90", "ANG=45", "RND=2", "CHF=1", "ANG = -45.5"] {
+        let errors = read_part("p", &format!("G0 X0 Y0\nG1 X5 {word} Y3\n")).unwrap_err();
+        assert_eq!(errors.count(), 1, "{errors}");
+    }
 }
 
 #[test]
