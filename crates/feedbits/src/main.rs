@@ -18,6 +18,7 @@ mod size;
 mod smooth;
 mod soak;
 mod sweep;
+mod sweep_file;
 mod targets;
 
 use std::process::ExitCode;

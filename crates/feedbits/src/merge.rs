@@ -7,7 +7,7 @@ use anyhow::{Result, bail};
 use clap::Args;
 use format_report::SweepCell;
 
-use crate::{Ending, input, output, sweep};
+use crate::{Ending, output, sweep, sweep_file};
 
 /// Options of `merge`.
 #[derive(Args)]
@@ -29,9 +29,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     let mut cells: BTreeMap<usize, (SweepCell, String)> = BTreeMap::new();
     for path in &arguments.files {
         let name = path.display().to_string();
-        let text = input::text(path)?;
-        // The last line may be torn, or its cell may still be written.
-        let (plan, found) = sweep::parsed(&name, text.rfind('\n').map_or("", |end| &text[..=end]))?;
+        let (plan, found) = sweep_file::read(path)?;
         match &joined {
             None => joined = Some((plan, name.clone())),
             Some((first, of)) if *first != plan => bail!(

@@ -1,8 +1,7 @@
 //! `feedbits sweep`: for which periods, feeds and part sizes does a format stay good?
 
 use std::collections::HashSet;
-use std::fs::{File, OpenOptions};
-use std::io::{Read, Seek, SeekFrom, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::sync::Mutex;
@@ -16,7 +15,7 @@ use part_program::{Machine, Part};
 use crate::compare::{RunArguments, selected};
 use crate::input::Input;
 use crate::progress::Progress;
-use crate::{Ending, output, report};
+use crate::{Ending, output, report, sweep_file};
 
 /// Options of `sweep`.
 #[derive(Args)]
@@ -160,13 +159,12 @@ where
     let (engines, options) = (arguments.run.engines()?, arguments.run.options()?);
     let base = Base::new::<D>(part, machine)?;
     let plan = base.sweep(arguments, &formats, &engines, &options)?;
-    let (mut file, done) = resume(&arguments.out, &plan)?;
+    let (file, done) = sweep_file::resume(&arguments.out, &plan)?;
     let known: HashSet<usize> = done.iter().map(|cell| cell.cell).collect();
     let left: Vec<usize> =
         (0..plan.len()).filter(|cell| arguments.shard.has(*cell) && !known.contains(cell)).collect();
     let progress = Progress::of("cells", left.len() + done.len());
     progress.start_at(done.len());
-    file.seek(SeekFrom::End(0))?;
     let file = Mutex::new(file);
     let cells = format_compare::in_parallel(&left, |number| -> Result<SweepCell> {
         let cell = base.cell(&plan, *number, arguments.most_periods, (&formats, &engines, &options))?;
@@ -321,59 +319,6 @@ fn fingerprint(text: &str) -> String {
         (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)
     });
     format!("{hash:016x}")
-}
-
-/// Opens a sweep's file, with the cells that it has. A last line that was torn is cut off.
-fn resume(path: &Path, plan: &Sweep) -> Result<(File, Vec<SweepCell>)> {
-    let cannot = || format!("cannot open {}", path.display());
-    let mut file = OpenOptions::new()
-        .read(true)
-        .write(true)
-        .create(true)
-        .truncate(false)
-        .open(path)
-        .with_context(cannot)?;
-    let mut text = String::new();
-    file.read_to_string(&mut text).with_context(cannot)?;
-    let whole = text.rfind('\n').map_or(0, |end| end + 1);
-    if whole < text.len() {
-        output::note(&format!("the last line of {} was torn and is run again", path.display()));
-    }
-    file.set_len(whole as u64).with_context(cannot)?;
-    if whole == 0 {
-        file.seek(SeekFrom::Start(0))?;
-        file.write_all((serde_json::to_string(plan)? + "\n").as_bytes()).with_context(cannot)?;
-        return Ok((file, Vec::new()));
-    }
-    let (found, cells) = parsed(&path.display().to_string(), &text[..whole])?;
-    if found != *plan {
-        bail!(
-            "{} is of another sweep (another part, machine, grid, list of formats or options): give another --out, or the \
-             arguments it was begun with",
-            path.display()
-        );
-    }
-    Ok((file, cells))
-}
-
-/// What a sweep's file says. Every cell is where its number says, and has a result for each run or a reason.
-pub(crate) fn parsed(name: &str, text: &str) -> Result<(Sweep, Vec<SweepCell>)> {
-    let mut lines = text.lines().enumerate();
-    let Some((_, first)) = lines.next() else { bail!("{name}: expected the file of a sweep, found nothing") };
-    let plan: Sweep = serde_json::from_str(first)
-        .with_context(|| format!("{name}, line 1: expected what is swept, as `feedbits sweep` writes it"))?;
-    let mut cells = Vec::new();
-    for (index, line) in lines {
-        let cell: SweepCell = serde_json::from_str(line)
-            .with_context(|| format!("{name}, line {}: expected a cell of the sweep", index + 1))?;
-        let place = Some((cell.period_ms, cell.feed_mm_per_s, cell.size_mm));
-        let complete = cell.skipped.is_some() || cell.results.len() == plan.runs.len();
-        if plan.place(cell.cell) != place || !complete {
-            bail!("{name}, line {}: cell {} does not belong to the grid of line 1", index + 1, cell.cell);
-        }
-        cells.push(cell);
-    }
-    Ok((plan, cells))
 }
 
 #[cfg(test)]

@@ -147,3 +147,62 @@ fn a_cell_of_too_many_periods_says_so() {
         cells(&folder.path().join("s.jsonl")).into_iter().filter(|line| line.contains("more than 20"));
     assert!(skipped.count() > 0);
 }
+
+/// Whatever is no sweep's file is left byte for byte, be it one line without an end or many lines.
+#[test]
+fn a_file_that_is_no_sweeps_is_left_as_it_is() {
+    let folder = folder();
+    let path = folder.path().join("notes.txt");
+    let into = ["sweep", "p.toml", "--formats", "f64", "--evaluate", "pieces", "--out", "notes.txt"];
+    for content in ["important", "G1 X1 F600\nG1 X2", "{\"part\":1}\n", "\n", "{\"part\":\"other", "\u{e4}"] {
+        fs::write(&path, content).expect("a file");
+        let refused = feedbits(folder.path(), &into);
+        assert_eq!(refused.status.code(), Some(2), "{content:?}: {}", text(&refused.stderr));
+        assert!(text(&refused.stderr).contains("notes.txt"), "{content:?}: {}", text(&refused.stderr));
+        assert_eq!(fs::read_to_string(&path).expect("a file"), content);
+    }
+    let latin = b"caf\xe9\n";
+    fs::write(&path, latin).expect("a file");
+    assert_eq!(feedbits(folder.path(), &into).status.code(), Some(2));
+    assert_eq!(fs::read(&path).expect("a file"), latin);
+
+    // The start of its own first line is what an interrupted sweep leaves.
+    fs::write(&path, "").expect("a file");
+    assert_eq!(feedbits(folder.path(), &into).status.code(), Some(0));
+    let whole = fs::read_to_string(&path).expect("a file");
+    fs::write(&path, &whole[..20]).expect("a file");
+    assert_eq!(feedbits(folder.path(), &into).status.code(), Some(0));
+    assert_eq!(fs::read_to_string(&path).expect("a file"), whole);
+
+    // A torn line is not cut off another sweep's file either.
+    let torn = &whole[..whole.len() - 3];
+    fs::write(&path, torn).expect("a file");
+    let other = feedbits(folder.path(), &[&into[..], &["--feed", "3"]].concat());
+    assert_eq!(other.status.code(), Some(2), "{}", text(&other.stderr));
+    assert_eq!(fs::read_to_string(&path).expect("a file"), torn);
+}
+
+/// Twelve cells with ten MiB of spaces behind each are more than a part may have.
+#[test]
+fn a_large_file_is_merged_and_resumed() {
+    let folder = folder();
+    sweep(folder.path(), &["--out", "s.jsonl"]);
+    let path = folder.path().join("s.jsonl");
+    let before = cells(&path);
+    let padding = " ".repeat(10 << 20) + "\n";
+    let content = fs::read_to_string(&path).expect("a file").replace('\n', &padding);
+    assert!(content.len() > 64 << 20, "{}", content.len());
+    fs::write(&path, content).expect("a file");
+    let merged = feedbits(folder.path(), &["merge", "s.jsonl", "--out", "joined.jsonl"]);
+    assert_eq!(merged.status.code(), Some(0), "{}", text(&merged.stderr));
+    assert_eq!(cells(&folder.path().join("joined.jsonl")), before);
+    let resumed = sweep(folder.path(), &["--out", "s.jsonl"]);
+    assert!(text(&resumed.stdout).starts_with("12 of 12"), "{}", text(&resumed.stdout));
+
+    // What has no lines at all is not read for ever.
+    let endless = fs::File::create(folder.path().join("zeros")).expect("a file");
+    endless.set_len(1 << 34).expect("room");
+    let refused = feedbits(folder.path(), &["merge", "zeros", "--out", "z.jsonl"]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(text(&refused.stderr).contains("zeros, line 1: longer than 64 MiB"), "{}", text(&refused.stderr));
+}

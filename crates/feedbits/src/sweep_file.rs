@@ -1,0 +1,116 @@
+//! The file of a sweep: what is swept in the first line, then a line of JSON for each cell, in the order in which they
+//! end. A line is written at once, so whoever is interrupted tears the last one at most.
+
+use std::fs::{File, OpenOptions};
+use std::io::{BufRead, BufReader, Read, Seek, SeekFrom, Write};
+use std::path::Path;
+
+use anyhow::{Context, Result, bail};
+use format_report::{Sweep, SweepCell};
+use part_program::MAX_TEXT;
+
+use crate::output;
+
+/// Opens the file of a sweep, with the cells that it has. What is not the file of this sweep is left as it is. A last
+/// line that was torn is cut off.
+pub(crate) fn resume(path: &Path, plan: &Sweep) -> Result<(File, Vec<SweepCell>)> {
+    let name = path.display();
+    let cannot = || format!("cannot open {name}");
+    let mut file = OpenOptions::new()
+        .read(true)
+        .write(true)
+        .create(true)
+        .truncate(false)
+        .open(path)
+        .with_context(cannot)?;
+    let header = serde_json::to_string(plan)? + "\n";
+    let (found, lines) = parsed(&name.to_string(), BufReader::new(&file))?;
+    let torn = !lines.last.is_empty();
+    let Some((found, cells)) = found else {
+        if !header.as_bytes().starts_with(&lines.last) {
+            bail!("{name} is not the file of a sweep: give another --out");
+        }
+        if torn {
+            file.set_len(0).with_context(cannot)?;
+            file.seek(SeekFrom::Start(0)).with_context(cannot)?;
+        }
+        file.write_all(header.as_bytes()).with_context(cannot)?;
+        return Ok((file, Vec::new()));
+    };
+    if found != *plan {
+        bail!(
+            "{name} is of another sweep (another part, machine, grid, list of formats or options): give another --out, or the \
+             arguments it was begun with"
+        );
+    }
+    if torn {
+        output::note(&format!("the last line of {name} was torn and is run again"));
+        file.set_len(lines.whole).with_context(cannot)?;
+    }
+    file.seek(SeekFrom::End(0)).with_context(cannot)?;
+    Ok((file, cells))
+}
+
+/// Reads a sweep's file. Its last line may be torn, or its cell may still be written.
+pub(crate) fn read(path: &Path) -> Result<(Sweep, Vec<SweepCell>)> {
+    let name = path.display();
+    let file = File::open(path).with_context(|| format!("cannot read {name}"))?;
+    let (found, _) = parsed(&name.to_string(), BufReader::new(file))?;
+    found.with_context(|| format!("{name}: expected the file of a sweep, found no line of it"))
+}
+
+/// What the whole lines say, if there is one, and where they end. Every cell is where its number says, and has a result
+/// for each run or a reason.
+fn parsed<S: BufRead>(name: &str, source: S) -> Result<(Option<(Sweep, Vec<SweepCell>)>, Lines<S>)> {
+    let mut lines = Lines { source, number: 0, whole: 0, last: Vec::new() };
+    if !lines.advance(name)? {
+        return Ok((None, lines));
+    }
+    let plan: Sweep = serde_json::from_slice(&lines.last)
+        .with_context(|| format!("{name}, line 1: expected what is swept, as `feedbits sweep` writes it"))?;
+    let mut cells = Vec::new();
+    while lines.advance(name)? {
+        let number = lines.number;
+        let cell: SweepCell = serde_json::from_slice(&lines.last)
+            .with_context(|| format!("{name}, line {number}: expected a cell of the sweep"))?;
+        let place = Some((cell.period_ms, cell.feed_mm_per_s, cell.size_mm));
+        let complete = cell.skipped.is_some() || cell.results.len() == plan.runs.len();
+        if plan.place(cell.cell) != place || !complete {
+            bail!("{name}, line {number}: cell {} does not belong to the grid of line 1", cell.cell);
+        }
+        cells.push(cell);
+    }
+    Ok((Some((plan, cells)), lines))
+}
+
+/// Lines one by one: a sweep's file may be longer than what is read at once.
+struct Lines<S> {
+    source: S,
+    /// Lines that were read, the torn one among them.
+    number: usize,
+    /// Length of the whole lines, in bytes.
+    whole: u64,
+    /// The last line that was read; at the end, the torn one.
+    last: Vec<u8>,
+}
+
+impl<S: BufRead> Lines<S> {
+    /// Reads the next line; false if none is left that is whole.
+    fn advance(&mut self, name: &str) -> Result<bool> {
+        self.last.clear();
+        self.number += 1;
+        let most = u64::try_from(MAX_TEXT)?;
+        let length = (&mut self.source)
+            .take(most)
+            .read_until(b'\n', &mut self.last)
+            .with_context(|| format!("cannot read {name}"))?;
+        if self.last.ends_with(b"\n") {
+            self.whole += u64::try_from(length)?;
+            return Ok(true);
+        }
+        if length == MAX_TEXT {
+            bail!("{name}, line {}: longer than {} MiB, not a line of a sweep", self.number, MAX_TEXT >> 20);
+        }
+        Ok(false)
+    }
+}
