@@ -46,9 +46,10 @@ pub(crate) struct Arguments {
     /// Run only the cells of shard i of n, as in 1/4; the first is 1. `feedbits merge` joins the files.
     #[arg(long, value_name = "I/N", default_value = "1/1")]
     shard: Shard,
-    /// The file of results, a line of JSON a cell. Cells that it has are not run again.
-    #[arg(long, value_name = "PATH", default_value = "sweep.jsonl")]
-    out: PathBuf,
+    /// The file of results, a line of JSON a cell. Cells that it has are not run again. Default: sweep.jsonl, or that of the
+    /// shard, as in sweep-2-of-8.jsonl.
+    #[arg(long, value_name = "PATH")]
+    out: Option<PathBuf>,
     /// Write a report into this folder, with a heat map for each format.
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
@@ -129,6 +130,14 @@ impl Shard {
     fn has(self, cell: usize) -> bool {
         cell % self.count == self.index - 1
     }
+
+    /// Each shard its own file, as they may run at the same time.
+    fn file(self) -> PathBuf {
+        match self {
+            Self { count: 1, .. } => "sweep.jsonl".into(),
+            Self { index, count } => format!("sweep-{index}-of-{count}.jsonl").into(),
+        }
+    }
 }
 
 /// What every cell is made from.
@@ -159,7 +168,8 @@ where
     let (engines, options) = (arguments.run.engines()?, arguments.run.options()?);
     let base = Base::new::<D>(part, machine)?;
     let plan = base.sweep(arguments, &formats, &engines, &options)?;
-    let (file, done) = sweep_file::resume(&arguments.out, &plan)?;
+    let out = arguments.out.clone().unwrap_or_else(|| arguments.shard.file());
+    let (file, done) = sweep_file::resume(&out, &plan)?;
     let known: HashSet<usize> = done.iter().map(|cell| cell.cell).collect();
     let left: Vec<usize> =
         (0..plan.len()).filter(|cell| arguments.shard.has(*cell) && !known.contains(cell)).collect();
@@ -181,7 +191,7 @@ where
     let mut cells: Vec<SweepCell> =
         cells.into_iter().chain(done.into_iter().map(Ok)).collect::<Result<_>>()?;
     cells.sort_by_key(|cell| cell.cell);
-    conclude(&plan, &cells, &arguments.out, arguments.report.as_deref())
+    conclude(&plan, &cells, &out, arguments.report.as_deref())
 }
 
 /// Says what came out, and writes the report if one is asked for.

@@ -1,7 +1,7 @@
 //! The file of a sweep: what is swept in the first line, then a line of JSON for each cell, in the order in which they
 //! end. A line is written at once, so whoever is interrupted tears the last one at most.
 
-use std::fs::{File, OpenOptions};
+use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{BufRead, BufReader, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
@@ -11,8 +11,8 @@ use part_program::MAX_TEXT;
 
 use crate::output;
 
-/// Opens the file of a sweep, with the cells that it has. What is not the file of this sweep is left as it is. A last
-/// line that was torn is cut off.
+/// Opens the file of a sweep, with the cells that it has; nobody else may sweep into it until it is closed. What is not
+/// the file of this sweep is left as it is. A last line that was torn is cut off.
 pub(crate) fn resume(path: &Path, plan: &Sweep) -> Result<(File, Vec<SweepCell>)> {
     let name = path.display();
     let cannot = || format!("cannot open {name}");
@@ -23,6 +23,7 @@ pub(crate) fn resume(path: &Path, plan: &Sweep) -> Result<(File, Vec<SweepCell>)
         .truncate(false)
         .open(path)
         .with_context(cannot)?;
+    lock(&file, path)?;
     let header = serde_json::to_string(plan)? + "\n";
     let (found, lines) = parsed(&name.to_string(), BufReader::new(&file))?;
     let torn = !lines.last.is_empty();
@@ -49,6 +50,21 @@ pub(crate) fn resume(path: &Path, plan: &Sweep) -> Result<(File, Vec<SweepCell>)
     }
     file.seek(SeekFrom::End(0)).with_context(cannot)?;
     Ok((file, cells))
+}
+
+/// Keeps other sweeps out of a file. Where files cannot be locked, as on some networks, that is said.
+fn lock(file: &File, path: &Path) -> Result<()> {
+    let name = path.display();
+    match file.try_lock() {
+        Ok(()) => {}
+        Err(TryLockError::WouldBlock) => {
+            bail!("another sweep writes {name}: give another --out, or wait until it has ended");
+        }
+        Err(TryLockError::Error(error)) => {
+            output::note(&format!("cannot lock {name} ({error}): let no other sweep write it"));
+        }
+    }
+    Ok(())
 }
 
 /// Reads a sweep's file. Its last line may be torn, or its cell may still be written.

@@ -206,3 +206,27 @@ fn a_large_file_is_merged_and_resumed() {
     assert_eq!(refused.status.code(), Some(2));
     assert!(text(&refused.stderr).contains("zeros, line 1: longer than 64 MiB"), "{}", text(&refused.stderr));
 }
+
+/// Who comes second is told, and changes nothing; shards that name no file have one each.
+#[test]
+fn two_sweeps_never_write_into_one_file() {
+    let folder = folder();
+    sweep(folder.path(), &["--shard", "1/6", "--out", "s.jsonl"]);
+    let path = folder.path().join("s.jsonl");
+    let before = fs::read_to_string(&path).expect("a file");
+    let other = fs::File::open(&path).expect("a file");
+    other.lock().expect("a lock");
+    let refused = feedbits(folder.path(), &[&GRID[..], &["--out", "s.jsonl"]].concat());
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(text(&refused.stderr).contains("another sweep writes s.jsonl"), "{}", text(&refused.stderr));
+    assert_eq!(fs::read_to_string(&path).expect("a file"), before);
+    other.unlock().expect("a lock");
+    sweep(folder.path(), &["--out", "s.jsonl"]);
+
+    sweep(folder.path(), &["--shard", "2/6"]);
+    sweep(folder.path(), &["--shard", "3/6"]);
+    sweep(folder.path(), &["--shard", "1/1"]);
+    for name in ["sweep-2-of-6.jsonl", "sweep-3-of-6.jsonl", "sweep.jsonl"] {
+        assert!(folder.path().join(name).exists(), "{name}");
+    }
+}
