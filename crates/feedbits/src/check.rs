@@ -54,7 +54,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     let report = Report::new(&part, machine.as_ref());
     let text = if output.json { serde_json::to_string_pretty(&report)? + "\n" } else { report.text()? };
     if !output.json {
-        part.warnings.iter().for_each(|warning| eprintln!("{warning}"));
+        part.warnings.iter().for_each(|warning| output::say(&warning.to_string()));
     }
     output::write(output.out.as_deref(), &text)?;
     Ok(if report.suspicious.is_empty() { Ending::Good } else { Ending::RequirementNotMet })

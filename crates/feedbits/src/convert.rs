@@ -58,7 +58,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
         .context("what was written does not read back: nothing is kept")?;
     output::write(arguments.out.as_deref(), &text)?;
     for note in notes(&part, &again, arguments.to) {
-        eprintln!("feedbits: {note}");
+        output::note(&note);
     }
     Ok(Ending::Good)
 }

@@ -9,6 +9,8 @@ use clap::Args;
 use format_compare::Problem;
 use part_program::{Diagnostics, Dialect, MAX_TEXT, Machine, Part, ReadOptions};
 
+use crate::output;
+
 /// The example that runs when no part is named: paper A's curve and machine.
 const EXAMPLE: &str = include_str!("../../../data/seed-000.toml");
 
@@ -44,7 +46,7 @@ impl Input {
         let rapids = format_compare::rapid_moves(&part);
         if rapids > 0 {
             let moves = if rapids == 1 { "rapid move is" } else { "rapid moves are" };
-            eprintln!("feedbits: {rapids} {moves} left out: nothing is cut on the way");
+            output::note(&format!("{rapids} {moves} left out: nothing is cut on the way"));
         }
         Ok(if part.curves.iter().all(|curve| curve.dimension == 2) {
             AnyProblem::Planar(Problem::new(&part, &machine)?)
@@ -66,7 +68,7 @@ impl Input {
     pub(crate) fn part(&self) -> Result<Part> {
         let part = self.parsed()??;
         for warning in &part.warnings {
-            eprintln!("{warning}");
+            output::say(&warning.to_string());
         }
         Ok(part)
     }

@@ -45,7 +45,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
         if arguments.output.json { serde_json::to_string_pretty(&table)? + "\n" } else { csv(&table)? };
     output::write(arguments.output.out.as_deref(), &text)?;
     if !finished {
-        eprintln!("feedbits: the run in {} stops before the end of the path", arguments.format);
+        output::say(&format!("feedbits: the run in {} stops before the end of the path", arguments.format));
     }
     Ok(if finished { Ending::Good } else { Ending::RequirementNotMet })
 }
@@ -71,7 +71,7 @@ where
     let options = Options { overrides: Some(overrides.commands(problem, &plan)?), ..options };
     let run = format.run(&to_plan, &plan, &options)?;
     let table = Reference::new(problem)?.setpoints(problem, &run);
-    eprint!("{}", kept(&table, problem));
+    output::note(&kept(&table, problem));
     Ok((table, run.finished))
 }
 
@@ -95,7 +95,7 @@ fn kept<const D: usize>(table: &SetpointTable, problem: &Problem<D>) -> String {
     let jerk = changes.windows(2).fold(0.0_f64, |most, pair| most.max((pair[1] - pair[0]).abs())) / t.powi(3);
     let machine = &problem.machine;
     format!(
-        "feedbits: {} periods; acceleration {acceleration:.1} of {} mm/s², jerk {jerk:.0} of {} mm/s³ at most\n",
+        "{} periods; acceleration {acceleration:.1} of {} mm/s², jerk {jerk:.0} of {} mm/s³ at most",
         table.len(),
         machine.acceleration_mm_per_s2,
         machine.jerk_mm_per_s3,

@@ -126,7 +126,7 @@ fn main() -> ExitCode {
         Ok(Ending::Good) => ExitCode::SUCCESS,
         Ok(Ending::RequirementNotMet) => ExitCode::from(1),
         Err(error) => {
-            eprintln!("feedbits: {error:#}");
+            output::say(&format!("feedbits: {error:#}"));
             ExitCode::from(2)
         }
     }

@@ -35,8 +35,14 @@ pub(crate) fn is_quiet() -> bool {
 /// Says something beside the result.
 pub(crate) fn note(text: &str) {
     if !is_quiet() {
-        eprintln!("feedbits: {text}");
+        say(&format!("feedbits: {text}"));
     }
+}
+
+/// Writes a line to the error stream. Where that is closed or full, nobody listens, and the exit status says what there is
+/// to say.
+pub(crate) fn say(line: &str) {
+    let _ = writeln!(io::stderr().lock(), "{line}");
 }
 
 /// Writes `text` to `path`, or to the terminal if there is none. The file is written under another name beside its

@@ -3,7 +3,7 @@
 #![cfg(unix)]
 
 use std::fs;
-use std::os::unix::fs::{FileTypeExt, symlink};
+use std::os::unix::fs::{FileTypeExt, PermissionsExt, symlink};
 use std::path::Path;
 use std::process::{Command, Output};
 
@@ -170,4 +170,37 @@ fn a_soak_goes_on_where_it_stopped_and_refuses_what_is_not_its_own() {
     is_refused(&run("--periods 0"), &["'0'", "above 0"]);
     fs::write(folder.path().join("s.json"), "{").expect("a file");
     is_refused(&run("--formats I4F28 --resume s.json"), &["s.json is no state of a soak"]);
+}
+
+/// What nobody reads is not written, and the exit status is that of a run that was heard.
+#[test]
+fn streams_that_are_closed_or_full_change_no_exit_status() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let machine = include_str!("../../../data/seed-000.toml");
+    let part = "G1 X0 Y0 F6000\nG0 X5\nG1 X10 Q1\n";
+    for (name, content) in [("bad.nc", "G1 X\n"), ("p.nc", part), ("m.toml", machine)] {
+        fs::write(folder.path().join(name), content).expect("a file");
+    }
+    let program = env!("CARGO_BIN_EXE_feedbits");
+    for (arguments, status) in [
+        ("check bad.nc", 2),
+        ("check p.nc --lenient", 1),
+        ("convert p.nc --lenient --to g1 --out q.nc", 0),
+        ("interpolate p.nc --lenient --machine m.toml --out s.csv", 0),
+        ("interpolate --override 0.1:50,1:100 --out s.csv", 0),
+        ("compare --formats I16F16", 1),
+        ("compare --formats", 2),
+        ("--help", 0),
+    ] {
+        let full = in_shell(":", &format!("{arguments} 2> /dev/full"), folder.path());
+        assert_eq!(full.status.code(), Some(status), "{arguments}, full");
+        // The reader has gone when the program starts.
+        for stream in ["2>&1 >/dev/null", ">&1 2>/dev/null", "2>&1"] {
+            let script = format!("(sleep 0.2; {program} {arguments} {stream}; echo $? > status) | true");
+            let ran = Command::new("sh").args(["-c", &script]).current_dir(folder.path()).status();
+            assert!(ran.expect("a shell").success(), "{arguments}");
+            let found = fs::read_to_string(folder.path().join("status")).expect("a status");
+            assert_eq!(found.trim(), status.to_string(), "{arguments} {stream}");
+        }
+    }
 }
