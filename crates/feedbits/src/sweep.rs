@@ -248,10 +248,12 @@ impl Base {
         };
         let own_feed = self.part.feedrate_mm_per_s.unwrap_or(self.machine.feedrate_mm_per_s);
         let runs = formats.iter().flat_map(|format| engines.iter().map(move |engine| (format, engine)));
+        // What a move's line is, or its words were, changes no cell.
+        let moves: Vec<_> = self.part.moves.iter().map(|one| (one.kind, one.feedrate_mm_per_s)).collect();
         let plan = Sweep {
             part: self.part.name.clone(),
             fingerprint: fingerprint(&format!(
-                "{:?}{}{options:?}{}{}",
+                "{:?}{moves:?}{}{options:?}{}{}",
                 self.part.curves,
                 serde_json::to_string(&self.machine)?,
                 arguments.most_periods,

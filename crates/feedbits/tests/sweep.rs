@@ -230,3 +230,23 @@ fn two_sweeps_never_write_into_one_file() {
         assert!(folder.path().join(name).exists(), "{name}");
     }
 }
+
+/// Programs of the same curves are others if a move's feed or kind is; a comment changes nothing.
+#[test]
+fn a_sweep_of_another_program_is_not_resumed() {
+    let folder = folder();
+    let run = |program: &str| {
+        fs::write(folder.path().join("p.nc"), program).expect("a part");
+        let arguments = ["sweep", "p.nc", "--machine", "p.toml", "--formats", "f64", "--evaluate", "pieces"];
+        feedbits(folder.path(), &arguments)
+    };
+    let first = run("G1 X0 Y0 F6000\nG1 X10\nG1 X20 Y5\n");
+    assert_eq!(first.status.code(), Some(0), "{}", text(&first.stderr));
+    for other in ["G1 X0 Y0 F6000\nG1 X10\nG1 X20 Y5 F3000\n", "G1 X0 Y0 F6000\nG1 X10\nG0 X20 Y5\n"] {
+        let refused = run(other);
+        assert_eq!(refused.status.code(), Some(2), "{other}");
+        assert!(text(&refused.stderr).contains("of another sweep"), "{}", text(&refused.stderr));
+    }
+    let same = run("(once more)\nG1 X0 Y0 F6000\nG1 X10\nG1 X20 Y5\n");
+    assert_eq!(same.status.code(), Some(0), "{}", text(&same.stderr));
+}
