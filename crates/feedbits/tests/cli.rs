@@ -183,3 +183,33 @@ fn bad_usage_is_explained() {
         assert!(message.contains(word), "{arguments:?}: {message}");
     }
 }
+
+/// The last step of a path that is left in motion is no step at cruise.
+#[test]
+fn a_path_that_is_left_in_motion_has_a_good_format() {
+    let output = feedbits(&["compare", "--formats", "I4F28", "--evaluate", "pieces", "--end-feed", "200"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stdout));
+}
+
+/// Notes are no results, warnings or errors.
+#[test]
+fn quiet_runs_say_nothing_beside_the_result() {
+    let folder = folder();
+    let machine = data("seed-000.toml");
+    let part = written(folder.path(), "p.nc", "G1 X0 Y0 F6000\nG1 X5\nG0 X10\nG1 X20 Y5\nM8\n");
+    let out = folder.path().join("out").display().to_string();
+    for arguments in [
+        vec!["convert", &part, "--to", "toml", "--out", &out],
+        vec!["compare", &part, "--machine", &machine, "--formats", "f64", "--out", &out],
+        vec!["interpolate", "--override", "0.1:50,1:100", "--out", &out],
+    ] {
+        let said = feedbits(&arguments);
+        assert!(!said.stderr.is_empty(), "{arguments:?}");
+        let quiet = feedbits(&[&["--quiet"], &arguments[..]].concat());
+        assert_eq!(
+            (text(&quiet.stderr), quiet.status.code()),
+            (String::new(), said.status.code()),
+            "{arguments:?}"
+        );
+    }
+}

@@ -14,8 +14,9 @@ pub struct Fluctuation {
     pub min: f64,
     /// Mean of |δ|.
     pub mean_abs: f64,
-    /// Largest |δ| over the steps of at least a quarter of F·T. A relative figure of a micrometre step near
-    /// rest says nothing about the cut; this one is what a requirement is judged by.
+    /// Largest |δ| over the steps of at least a quarter of F·T, but the last, which takes what is left of the path also
+    /// where that is passed at full feed. A relative figure of a micrometre step near rest says nothing about the cut;
+    /// this one is what a requirement is judged by.
     pub cruise_max_abs: f64,
     /// Largest |chord - wanted chord| in mm, over all steps but the last: what says something about the steps near
     /// rest. The last step lands on the end and takes what is left.
@@ -59,9 +60,10 @@ impl Fluctuation {
             result.max = result.max.max(delta);
             result.min = result.min.min(delta);
             result.mean_abs += delta.abs();
-            if index + 1 < steps.len() {
-                result.length_error_mm_max = result.length_error_mm_max.max(step.shortfall_mm.abs());
+            if index + 1 == steps.len() {
+                continue;
             }
+            result.length_error_mm_max = result.length_error_mm_max.max(step.shortfall_mm.abs());
             if step.wanted_mm >= AT_CRUISE * full_step_mm {
                 result.cruise_max_abs = result.cruise_max_abs.max(delta.abs());
             }
@@ -115,6 +117,14 @@ mod tests {
         assert_eq!((figures.max, figures.min), (0.5, -0.002));
         assert_eq!((figures.cruise_max_abs, figures.length_error_mm_max), (0.002, 0.0012));
         assert!((figures.mean_abs - (0.001 + 0.002 + 0.5) / 3.0).abs() < 1e-15);
+    }
+
+    /// A path that is left in motion ends within a step at cruise.
+    #[test]
+    fn the_last_step_is_no_cruise() {
+        let run = [step(0.6, 0.0006), step(0.6, -0.0012), step(0.6, 0.3)];
+        let figures = Fluctuation::of(&run, 0.6);
+        assert_eq!((figures.cruise_max_abs, figures.length_error_mm_max, figures.max), (0.002, 0.0012, 0.5));
     }
 
     #[test]

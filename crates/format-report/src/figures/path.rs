@@ -140,7 +140,10 @@ fn stretches(trace: &Trace, full_step: f64, limit: f64) -> Vec<Stretch> {
     for first in (0..trace.periods()).step_by(group) {
         let last = (first + group).min(trace.periods() - 1);
         let periods = first..(first + group).min(trace.periods());
-        let judged = periods.filter(|period| trace.wanted_mm[*period] >= AT_CRUISE * full_step);
+        // The last period takes what is left of the path: it is no cruise, as in the figures.
+        let judged = periods.filter(|period| {
+            period + 1 < trace.periods() && trace.wanted_mm[*period] >= AT_CRUISE * full_step
+        });
         let largest = judged.map(|period| trace.fluctuation[period].abs()).fold(f64::NAN, f64::max);
         let level = (!largest.is_nan()).then(|| level(largest, limit));
         match stretches.last_mut() {
