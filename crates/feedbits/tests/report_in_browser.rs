@@ -15,9 +15,9 @@ window.addEventListener('load', () => {
   const say = (name, what) => found.push(name + '=' + what);
   const box = document.querySelector('#switches input:checked');
   const run = box.dataset.run;
-  const line = document.querySelector('#fluctuation .run' + run + ' .line');
+  const line = document.querySelector('#figure-fluctuation .run' + run + ' .line');
   const seen = () => line.getBoundingClientRect().width > 0;
-  const drawn = () => [...document.querySelectorAll('#fluctuation .line')].filter(l => l.getBoundingClientRect().width > 0).length;
+  const drawn = () => [...document.querySelectorAll('#figure-fluctuation .line')].filter(l => l.getBoundingClientRect().width > 0).length;
   say('before', seen());
   const lines = drawn();
   box.click();
@@ -39,7 +39,7 @@ window.addEventListener('load', () => {
   const before = paper();
   document.getElementById('theme').click();
   say('theme', paper() !== before);
-  const svg = document.querySelector('#feed svg');
+  const svg = document.querySelector('#figure-feed svg');
   svg.scrollIntoView();
   const place = svg.getBoundingClientRect();
   svg.dispatchEvent(new PointerEvent('pointermove', { clientX: place.left + place.width / 2, clientY: place.top + place.height / 2, bubbles: true }));

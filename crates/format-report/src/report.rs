@@ -272,6 +272,19 @@ mod tests {
         assert!(page.len() < 3_000_000, "{}", page.len());
     }
 
+    /// A chapter and its first picture may have the same name.
+    #[test]
+    fn every_id_is_given_once() {
+        let report = example(EXAMPLE, &["I16F16", "I4F28", "f64"]);
+        let page = file(&report, "index.html");
+        let mut ids: Vec<&str> =
+            page.split(" id=\"").skip(1).filter_map(|rest| rest.split('"').next()).collect();
+        assert!(ids.contains(&"fluctuation") && ids.contains(&"figure-fluctuation"), "{ids:?}");
+        ids.sort_unstable();
+        let twice: Vec<_> = ids.windows(2).filter(|pair| pair[0] == pair[1]).collect();
+        assert!(twice.is_empty(), "{twice:?}");
+    }
+
     /// Both axes of each picture say what they show and in which unit; names need none.
     #[test]
     fn every_axis_has_a_unit() {
