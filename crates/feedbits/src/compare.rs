@@ -6,8 +6,8 @@ use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
 use format_compare::{
-    Comparison, Dimension, Engine, JudgedStep, Options, PlanIn, Problem, ProfileKind, Row, Run, Space, Trace,
-    Verdict,
+    Comparison, Dimension, Engine, JudgedStep, LeastPeriods, MOST_PERIODS, Options, PlanIn, Problem,
+    ProfileKind, Row, Run, Space, Trace, Verdict,
 };
 use target_cost::Target;
 
@@ -141,6 +141,13 @@ impl RunArguments {
         self.options_with(profile)
     }
 
+    /// The same for a problem, which is refused if it would run for hours.
+    pub(crate) fn options_for<const D: usize>(&self, problem: &Problem<D>) -> Result<Options> {
+        let options = self.options()?;
+        expect_an_end(problem, &options)?;
+        Ok(options)
+    }
+
     /// The same with a kind of transitions in place of the one that the options name.
     pub(crate) fn options_with(&self, profile: ProfileKind) -> Result<Options> {
         let plan_in = match self.plan_in.as_str() {
@@ -176,6 +183,15 @@ impl RunArguments {
     }
 }
 
+/// Refuses what takes more periods than are run, before any is planned.
+pub(crate) fn expect_an_end<const D: usize>(problem: &Problem<D>, options: &Options) -> Result<()> {
+    let least = LeastPeriods::of(problem, options.end_feeds_mm_per_s);
+    if least.are_too_many() {
+        bail!("{}: {least}: expected at most {MOST_PERIODS}", problem.name);
+    }
+    Ok(())
+}
+
 /// Compares and prints; writes the report if one is asked for.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     let targets = arguments.targets.read()?;
@@ -190,7 +206,7 @@ where
     Space: Dimension<D>,
 {
     let formats = selected(&arguments.formats)?;
-    let (engines, options) = (arguments.run.engines()?, arguments.run.options()?);
+    let (engines, options) = (arguments.run.engines()?, arguments.run.options_for(problem)?);
     let progress = Progress::of("runs", formats.len() * engines.len());
     let wanted = arguments.report.is_some();
     let keep = |_: &Row, run: Option<(&Run, &[JudgedStep])>| {

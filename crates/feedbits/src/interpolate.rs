@@ -54,7 +54,7 @@ fn setpoints<const D: usize>(problem: &Problem<D>, arguments: &Arguments) -> Res
 where
     Space: Dimension<D>,
 {
-    let options = arguments.run.options()?;
+    let options = arguments.run.options_for(problem)?;
     let formats = selected::<D>(std::slice::from_ref(&arguments.format))?;
     let Some(format) = formats.first() else { bail!("no format") };
     if arguments.overrides.is_empty() {

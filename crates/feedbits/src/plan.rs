@@ -7,7 +7,7 @@ use clap::Args;
 use comfy_table::{CellAlignment, Table, presets};
 use format_compare::{AxisPeak, Dimension, ExactPlan, FeedSample, PlanSummary, Problem, Space, StageRow};
 
-use crate::compare::{RunArguments, selected};
+use crate::compare::{RunArguments, expect_an_end, selected};
 use crate::input::{AnyProblem, Input};
 use crate::{Ending, output};
 
@@ -44,6 +44,7 @@ where
     let formats = selected::<D>(&["f64".to_string()])?;
     let planned = |&profile| -> Result<(ExactPlan, PlanSummary)> {
         let options = arguments.run.options_with(profile)?;
+        expect_an_end(problem, &options)?;
         let plan = match arguments.window {
             Some(window) if window > 0.0 && window.is_finite() => {
                 ExactPlan::through_window(problem, window, profile)?

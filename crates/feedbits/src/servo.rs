@@ -2,15 +2,15 @@
 
 use std::path::PathBuf;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use clap::Args;
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
-use format_compare::{Dimension, Engine, ExactPlan, Format, Options, Problem, Space};
+use format_compare::{Dimension, Engine, ExactPlan, Format, MOST_PERIODS, Options, Problem, Space};
 use nurbs_core::{Evaluate, NurbsBuf};
 use serde::Serialize;
 use servo_sim::{
-    CircleTest, ErrorSize, Roundness, Servo, ServoParameters, TuningRow, contour_error, roundness_plot,
-    tuning_table,
+    CircleTest, ErrorSize, FEED_FORWARDS, Roundness, Servo, ServoParameters, TuningRow,
+    VELOCITY_GAINS_PERCENT, contour_error, roundness_plot, tuning_table,
 };
 
 use crate::compare::{RunArguments, selected};
@@ -103,7 +103,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
             (problem.name.clone(), problem.period_s(), rows(&problem, &servo, arguments)?)
         }
     };
-    let test = CircleTest { radius: arguments.circle, feedrate: arguments.feed / 60.0, period };
+    let test = circle_test(arguments, period)?;
     let circle = test.run::<f64>(&[servo; 2]).context("circle test")?;
     let tuning = tuning_table(&[servo; 2], &test).context("tuning table")?;
     progress.finish();
@@ -133,6 +133,23 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     Ok(if all_ran { Ending::Good } else { Ending::RequirementNotMet })
 }
 
+/// The circle test that the options name; one that would run for hours is refused.
+fn circle_test(arguments: &Arguments, period: f64) -> Result<CircleTest> {
+    let test = CircleTest { radius: arguments.circle, feedrate: arguments.feed / 60.0, period };
+    // A turn to settle and one to measure, in the servo's own setting and in each of the tuning table.
+    let runs = 1 + FEED_FORWARDS.len() * VELOCITY_GAINS_PERCENT.len();
+    let periods = 2.0 * test.setpoints_per_turn() * runs as f64;
+    if test.feedrate > 0.0 && periods > MOST_PERIODS as f64 {
+        bail!(
+            "--circle {} at --feed {}: {periods:.3e} periods of {} ms in {runs} settings: expected at most {MOST_PERIODS}",
+            arguments.circle,
+            arguments.feed,
+            period * 1000.0
+        );
+    }
+    Ok(test)
+}
+
 fn parameters(path: Option<&PathBuf>) -> Result<ServoParameters> {
     match path {
         Some(path) => {
@@ -151,8 +168,9 @@ where
     Space: Dimension<D>,
 {
     servo.validate(problem.period_s())?;
+    circle_test(arguments, problem.period_s())?;
     let engines = arguments.run.engines()?;
-    let options = arguments.run.options()?;
+    let options = arguments.run.options_for(problem)?;
     let mut rows = Vec::new();
     for format in selected::<D>(&arguments.formats)? {
         let plan = format_compare::plan_for(problem, format.as_ref(), &options);

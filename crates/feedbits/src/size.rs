@@ -41,7 +41,7 @@ fn size<const D: usize>(problem: &Problem<D>, arguments: &Arguments) -> Result<S
 where
     Space: Dimension<D>,
 {
-    let options = arguments.run.options()?;
+    let options = arguments.run.options_for(problem)?;
     let formats = selected::<D>(&["f64".to_string()])?;
     let plan = format_compare::plan_for(problem, formats[0].as_ref(), &options)?;
     Ok(format_compare::size(problem, &plan, &options)?)

@@ -8,7 +8,7 @@ use std::sync::Mutex;
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
-use format_compare::{Dimension, Engine, Format, Options, Problem, Reference, Row, Space, Verdict};
+use format_compare::{Dimension, Engine, Format, LeastPeriods, Options, Problem, Row, Space, Verdict};
 use format_report::{Sweep, SweepCell, SweepResult};
 use part_program::{Machine, Part};
 
@@ -35,8 +35,14 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "LO..HI")]
     scale: Option<Span>,
     /// Points of each span that does not say.
-    #[arg(long, value_name = "N", default_value_t = 5)]
-    points: usize,
+    #[arg(
+        long,
+        allow_negative_numbers = true,
+        value_name = "N",
+        default_value_t = 5,
+        value_parser = clap::value_parser!(u16).range(1..=1000)
+    )]
+    points: u16,
     /// The formats to run, comma-separated. Default: all; see `feedbits formats`.
     #[arg(long, visible_alias = "format", value_delimiter = ',', value_name = "F,F")]
     formats: Vec<String>,
@@ -91,7 +97,7 @@ impl FromStr for Span {
 impl Span {
     /// The values, both ends included.
     fn values(self, points: usize) -> Vec<f64> {
-        let points = if self.low < self.high { self.points.unwrap_or(points).max(1) } else { 1 };
+        let points = if self.low < self.high { self.points.unwrap_or(points) } else { 1 };
         let last = points - 1;
         let value = |place: usize| match place {
             0 => self.low,
@@ -140,18 +146,31 @@ impl Shard {
     }
 }
 
+/// The longest period, in ms, and the highest feed, in mm/s, that a machine file may give.
+const MOST: [f64; 2] = [1e3, 1e5];
+
+/// Refuses spans beyond what a machine file may give.
+fn expect_limits_of_a_machine(arguments: &Arguments) -> Result<()> {
+    let spans = [("--period", arguments.period, MOST[0], "ms"), ("--feed", arguments.feed, MOST[1], "mm/s")];
+    for (option, span, most, unit) in spans {
+        if let Some(Span { high, .. }) = span.filter(|span| span.high > most) {
+            bail!("{option} up to {high}: expected at most {most} {unit}, as in a machine file");
+        }
+    }
+    Ok(())
+}
+
 /// What every cell is made from.
 struct Base {
     part: Part,
     machine: Machine,
     /// Largest extent, in mm.
     extent_mm: f64,
-    /// Arc length, in mm.
-    length_mm: f64,
 }
 
 /// Sweeps, or goes on where an earlier run ended.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
+    expect_limits_of_a_machine(arguments)?;
     let (part, machine) = arguments.input.part_and_machine()?;
     if part.curves.iter().all(|curve| curve.dimension == 2) {
         sweep::<2>(part, machine, arguments)
@@ -232,8 +251,7 @@ impl Base {
         if extent_mm <= 0.0 || !extent_mm.is_finite() {
             bail!("{}: the part has no extent", part.name);
         }
-        let length_mm = Reference::new(&problem)?.length_mm();
-        Ok(Self { part, machine, extent_mm, length_mm })
+        Ok(Self { part, machine, extent_mm })
     }
 
     fn sweep<const D: usize>(
@@ -244,7 +262,7 @@ impl Base {
         options: &Options,
     ) -> Result<Sweep> {
         let values = |span: Option<Span>, own: f64| {
-            span.map_or_else(|| vec![own], |span| span.values(arguments.points))
+            span.map_or_else(|| vec![own], |span| span.values(arguments.points.into()))
         };
         let own_feed = self.part.feedrate_mm_per_s.unwrap_or(self.machine.feedrate_mm_per_s);
         let runs = formats.iter().flat_map(|format| engines.iter().map(move |engine| (format, engine)));
@@ -287,12 +305,12 @@ impl Base {
         let mut cell =
             SweepCell { cell: number, period_ms, feed_mm_per_s, size_mm, skipped: None, results: Vec::new() };
         let scale = size_mm / self.extent_mm;
-        let periods = self.length_mm * scale / (feed_mm_per_s * period_ms * 1e-3);
+        let problem = self.scaled::<D>(scale, period_ms, feed_mm_per_s)?;
+        let periods = LeastPeriods::of(&problem, options.end_feeds_mm_per_s).periods;
         if periods > f64::from(most_periods) {
             cell.skipped = Some(format!("takes {periods:.0} periods, more than {most_periods}"));
             return Ok(cell);
         }
-        let problem = self.scaled::<D>(scale, period_ms, feed_mm_per_s)?;
         match format_compare::compare(&problem, formats, engines, options) {
             Ok(comparison) => cell.results = comparison.formats.iter().map(result).collect(),
             Err(refusal) => cell.skipped = Some(refusal.to_string()),
@@ -354,6 +372,22 @@ mod tests {
         let shards: Vec<Shard> = (1..=3).map(|i| format!("{i}/3").parse().expect("a shard")).collect();
         assert!((0..100).all(|cell| shards.iter().filter(|shard| shard.has(cell)).count() == 1));
         assert!(["0/2", "3/2", "1", "a/b", "1/0"].iter().all(|wrong| wrong.parse::<Shard>().is_err()));
+    }
+
+    /// The bounds of the machine file's own reader.
+    #[test]
+    fn spans_end_where_a_machine_file_does() {
+        let example = include_str!("../../../data/seed-000.toml");
+        for (key, own, most) in
+            [("interpolation_period_ms", "3.0", MOST[0]), ("feedrate_mm_per_s", "200.0", MOST[1])]
+        {
+            let with = |value: f64| {
+                let text = example.replace(&format!("{key} = {own}"), &format!("{key} = {value}"));
+                assert_ne!(text, example, "{key}");
+                part_program::read_machine("m", &text)
+            };
+            assert!(with(most).is_ok() && with(most * 1.001).is_err(), "{key}");
+        }
     }
 
     /// The published test values of the hash.

@@ -191,6 +191,40 @@ fn a_path_that_is_left_in_motion_has_a_good_format() {
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stdout));
 }
 
+/// Runs of hours are refused at once, with the numbers that make them so long.
+#[test]
+fn endless_runs_are_refused_before_they_begin() {
+    let folder = folder();
+    let good = fs::read_to_string(data("seed-000.toml")).expect("readable");
+    for (from, to, words) in [
+        ("interpolation_period_ms = 3.0", "interpolation_period_ms = 1e-5", "periods of 0.00001 ms"),
+        (
+            "acceleration_mm_per_s2 = 5000.0",
+            "acceleration_mm_per_s2 = 1e-10",
+            "an acceleration of 0.0000000001 mm/s²",
+        ),
+        ("jerk_mm_per_s3 = 400000.0", "jerk_mm_per_s3 = 1e-10", "a jerk of 0.0000000001 mm/s³"),
+        ("chord_error_mm = 0.0005", "chord_error_mm = 1e-12", "a chord error of 0.000000000001 mm"),
+    ] {
+        let machine = written(folder.path(), "m.toml", &good.replace(from, to));
+        for command in ["compare", "interpolate", "plan", "size", "servo"] {
+            let output = feedbits(&[command, "--machine", &machine]);
+            let message = text(&output.stderr);
+            assert_eq!(output.status.code(), Some(2), "{command} {to}: {message}");
+            assert!(
+                message.contains(words) && message.contains("at most 16777216"),
+                "{command} {to}: {message}"
+            );
+        }
+    }
+    for arguments in [["--circle", "1e5"], ["--circle", "1e308"], ["--feed", "1e-3"]] {
+        let output = feedbits(&[&["servo"], &arguments[..]].concat());
+        let message = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
+        assert!(message.contains(arguments[0]) && message.contains("at most 16777216"), "{message}");
+    }
+}
+
 /// Notes are no results, warnings or errors.
 #[test]
 fn quiet_runs_say_nothing_beside_the_result() {

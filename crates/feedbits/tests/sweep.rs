@@ -250,3 +250,20 @@ fn a_sweep_of_another_program_is_not_resumed() {
     let same = run("(once more)\nG1 X0 Y0 F6000\nG1 X10\nG1 X20 Y5\n");
     assert_eq!(same.status.code(), Some(0), "{}", text(&same.stderr));
 }
+
+#[test]
+fn spans_and_points_have_bounds() {
+    let folder = folder();
+    for (arguments, words) in [
+        (["--points", "999999999999"], "1..=1000"),
+        (["--points", "0"], "1..=1000"),
+        (["--period", "1..5000"], "--period up to 5000: expected at most 1000 ms"),
+        (["--feed", "1e9"], "--feed up to 1000000000: expected at most 100000 mm/s"),
+        (["--feed", "-1"], "expected a positive number"),
+    ] {
+        let refused = feedbits(folder.path(), &[&["sweep", "p.toml"], &arguments[..]].concat());
+        assert_eq!(refused.status.code(), Some(2), "{arguments:?}");
+        assert!(text(&refused.stderr).contains(words), "{arguments:?}: {}", text(&refused.stderr));
+    }
+    assert!(!folder.path().join("sweep.jsonl").exists());
+}

@@ -7,6 +7,7 @@
 //! | which formats are there? | [`formats`], [`select`] |
 //! | what does one format make of it? | [`Format::run`] → [`Run`] |
 //! | the same with the feed overridden on the way? | [`Overrides`] |
+//! | how long does it take at the least? | [`LeastPeriods`] |
 //! | how good is that? | [`Reference::judge`] → [`JudgedStep`], [`Fluctuation`] |
 //! | which format is good enough? | [`compare`] → [`Comparison`] |
 //! | what happened in each period? | [`compare_with`] → [`Trace`] |
@@ -18,6 +19,7 @@ mod compare;
 mod cost;
 mod exact_plan;
 mod formats;
+mod least_periods;
 mod metrics;
 mod on_global_parameter;
 mod on_pieces;
@@ -37,6 +39,7 @@ pub use cost::{Cost, Level, PeriodCost, price, price_with};
 pub use exact_plan::ExactPlan;
 pub use feed_plan::ProfileKind;
 pub use formats::{Dimension, Format, Space, formats, plan_for, select};
+pub use least_periods::{LeastPeriods, MOST_PERIODS};
 pub use metrics::{Fluctuation, JudgedStep, PerPeriod};
 pub use overrides::{OverrideCommands, OverrideError, OverrideTarget, Overrides};
 pub use part_program::Machine;

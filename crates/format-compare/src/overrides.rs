@@ -13,10 +13,8 @@ use secant_interp::{
 };
 
 use crate::exact_plan::ExactPlan;
+use crate::least_periods::MOST_PERIODS;
 use crate::problem::Problem;
-
-/// Periods after which a run is given up.
-const MOST_PERIODS: usize = 1 << 24;
 
 /// A new override from some time on.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,0 +1,171 @@
+//! How many periods a run takes at the least, from its path and its limits alone: what would take hours and more memory
+//! than there is can be refused before it is planned.
+//!
+//! With the path's length L and the larger V of the feeds at its ends, a run takes a time t of at least
+//! - `L/F` at the feedrate F;
+//! - `∫ ds/v` where chord error or centripetal acceleration allow v;
+//! - what the acceleration A needs: `L ≤ V·t + A·t²/4`, half the time up and half of it down;
+//! - what the jerk J needs: `L ≤ V·t + J·t³/32`, a quarter of the time up, two down and one up. One of the two terms makes up half
+//!   of L or more, so `t ≥ min(L/(2V), ∛(16·L/J))`.
+//!
+//! Stops on the way and limits of single axes are left out.
+
+use std::fmt;
+
+use feed_plan::chord_feedrate;
+use nurbs_core::{Differentiate, Evaluate, radius};
+use real::Real;
+
+use crate::problem::Problem;
+
+/// Periods after which a run is given up.
+pub const MOST_PERIODS: usize = 1 << 24;
+
+/// The limit by which a run takes longest, and how long at the least.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LeastPeriods {
+    /// The periods.
+    pub periods: f64,
+    length_mm: f64,
+    period_ms: f64,
+    limit: (&'static str, f64, &'static str),
+}
+
+impl LeastPeriods {
+    /// Of a run of `problem` with these feeds at its ends, in mm/s.
+    #[must_use]
+    pub fn of<const D: usize>(problem: &Problem<D>, end_feeds_mm_per_s: [f64; 2]) -> Self {
+        let (machine, ends) = (&problem.machine, end_feeds_mm_per_s[0].max(end_feeds_mm_per_s[1]));
+        let chord = machine.chord_error_mm;
+        let (acceleration, jerk) = (machine.acceleration_mm_per_s2, machine.jerk_mm_per_s3);
+        let across = machine.centripetal_acceleration_mm_per_s2;
+        // A radius below the chord error is a stop: it is passed at once, however slowly.
+        let bends = |radius: f64| {
+            let radius = radius.max(chord);
+            [
+                chord_feedrate(radius, chord, problem.period_s()),
+                across.map_or(f64::INFINITY, |across| (across * radius).sqrt()),
+            ]
+        };
+        let (length_mm, [by_chord, by_across]) = passed(problem, bends);
+        let by_acceleration = 2.0 * length_mm / (ends + (ends * ends + acceleration * length_mm).sqrt());
+        let by_jerk = (16.0 * length_mm / jerk).cbrt().min(length_mm / (2.0 * ends));
+        let limits = [
+            (by_chord, ("a chord error of", chord, "mm")),
+            (by_across, ("a centripetal acceleration of", across.unwrap_or(f64::INFINITY), "mm/s²")),
+            (by_acceleration, ("an acceleration of", acceleration, "mm/s²")),
+            (by_jerk, ("a jerk of", jerk, "mm/s³")),
+        ];
+        let feed = machine.feedrate_mm_per_s;
+        let first = (length_mm / feed, ("a feedrate of", feed, "mm/s"));
+        let (time_s, limit) =
+            limits.into_iter().fold(first, |most, one| if one.0 > most.0 { one } else { most });
+        let period_ms = machine.interpolation_period_ms;
+        Self { periods: time_s / problem.period_s(), length_mm, period_ms, limit }
+    }
+
+    /// Whether that is more than is run.
+    #[must_use]
+    pub fn are_too_many(&self) -> bool {
+        self.periods > MOST_PERIODS as f64
+    }
+}
+
+impl fmt::Display for LeastPeriods {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { periods, length_mm, period_ms, limit: (what, value, unit) } = self;
+        write!(
+            f,
+            "{length_mm:.3} mm with {what} {value} {unit} take at least {periods:.3e} periods of {period_ms} ms"
+        )
+    }
+}
+
+/// Length of the path, in mm, by chords, and the time at each of two feeds that depend on the radius. A step between
+/// two samples counts with the faster of its ends, so that a sharp bend does not stand for its surroundings.
+fn passed<const D: usize>(problem: &Problem<D>, feeds: impl Fn(f64) -> [f64; 2]) -> (f64, [f64; 2]) {
+    /// Steps on a span of a curve; a line takes one.
+    const STEPS: usize = 8;
+    let (mut length, mut times) = (0.0, [0.0; 2]);
+    for (curve, fast) in problem.curves.iter().zip(problem.fast_curves()) {
+        let steps = if curve.degree() == 1 { 1 } else { STEPS };
+        for span in 0..fast.span_count() {
+            let (begin, end) = fast.span_bounds(span);
+            let at = |step: usize| {
+                let u = begin + (end - begin) * step as f64 / steps as f64;
+                let derivatives = fast.derivatives_in(span, u);
+                (derivatives.point, feeds(radius(&derivatives)))
+            };
+            let mut before = at(0);
+            for step in 1..=steps {
+                let here = at(step);
+                let chord = f64::norm(&core::array::from_fn::<_, D, _>(|d| here.0[d] - before.0[d]));
+                length += chord;
+                for (time, (a, b)) in times.iter_mut().zip(before.1.into_iter().zip(here.1)) {
+                    *time += if chord > 0.0 { chord / a.max(b) } else { 0.0 };
+                }
+                before = here;
+            }
+        }
+    }
+    (length, times)
+}
+
+#[cfg(test)]
+mod tests {
+    use part_program::{read_machine, read_part};
+
+    use super::*;
+    use crate::{Options, plan_for, select};
+
+    const EXAMPLE: &str = include_str!("../../../data/seed-000.toml");
+
+    fn problem(change: impl Fn(&mut part_program::Machine)) -> Problem<2> {
+        let mut machine = read_machine("m", EXAMPLE).expect("a machine");
+        change(&mut machine);
+        Problem::new(&read_part("p", EXAMPLE).expect("a part"), &machine).expect("a problem")
+    }
+
+    /// What is planned never takes fewer; where one limit alone is felt, a quarter more at most.
+    #[test]
+    fn no_plan_takes_fewer_periods() {
+        type Change = fn(&mut part_program::Machine);
+        let changes: [(Change, &str, f64); 6] = [
+            (|_| {}, "chord", 2.0),
+            (|m| m.feedrate_mm_per_s = 5.0, "feedrate", 1.02),
+            (|m| m.acceleration_mm_per_s2 = 5.0, "acceleration", 1.25),
+            (|m| m.jerk_mm_per_s3 = 1.0, "jerk", 2.0),
+            (|m| m.chord_error_mm = 1e-6, "chord", 1.25),
+            (|m| m.centripetal_acceleration_mm_per_s2 = Some(0.5), "centripetal", 1.5),
+        ];
+        let format = &select::<2>(&["f64".into()]).expect("a format")[0];
+        for (change, word, most) in changes {
+            let problem = problem(change);
+            for ends in [[0.0; 2], [1.0, 2.0]] {
+                let options = Options { end_feeds_mm_per_s: ends, ..Options::default() };
+                let plan = plan_for(&problem, format.as_ref(), &options).expect("a plan");
+                let (planned, least) = (f64::from(plan.periods()), LeastPeriods::of(&problem, ends));
+                assert!(least.periods <= planned, "{word}: {planned} {least}");
+                assert!(least.periods * most >= planned, "{word}: {planned} {least}");
+                assert!(least.to_string().contains(word) || word == "chord", "{word}: {least}");
+            }
+        }
+    }
+
+    /// Limits that no machine has are seen, each by its name.
+    #[test]
+    fn what_would_take_hours_is_seen() {
+        type Change = fn(&mut part_program::Machine);
+        let changes: [(Change, &str); 4] = [
+            (|m| m.interpolation_period_ms = 1e-5, "periods of 0.00001 ms"),
+            (|m| m.acceleration_mm_per_s2 = 1e-10, "an acceleration of 0.0000000001 mm/s²"),
+            (|m| m.jerk_mm_per_s3 = 1e-10, "a jerk of 0.0000000001 mm/s³"),
+            (|m| m.chord_error_mm = 1e-12, "a chord error of 0.000000000001 mm"),
+        ];
+        assert!(!LeastPeriods::of(&problem(|_| {}), [0.0; 2]).are_too_many());
+        for (change, words) in changes {
+            let least = LeastPeriods::of(&problem(change), [0.0; 2]);
+            assert!(least.are_too_many() && least.to_string().contains(words), "{least}");
+        }
+    }
+}
