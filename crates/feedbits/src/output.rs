@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use clap::Args;
 
 /// Where a result goes.
@@ -46,8 +46,8 @@ pub(crate) fn say(line: &str) {
 }
 
 /// Writes `text` to `path`, or to the terminal if there is none. The file is written under another name beside its
-/// place and renamed when complete, so an error leaves what was there before. What a link points to is written; what is
-/// no file, as a device or a pipe, takes the text as it comes.
+/// place and renamed when complete, so an error leaves what was there before. What a link points to is written, be it
+/// there or not; what is no file, as a device or a pipe, takes the text as it comes.
 pub(crate) fn write(path: Option<&Path>, text: &str) -> Result<()> {
     let Some(path) = path else {
         return match io::stdout().lock().write_all(text.as_bytes()) {
@@ -56,21 +56,52 @@ pub(crate) fn write(path: Option<&Path>, text: &str) -> Result<()> {
         };
     };
     let cannot = || format!("cannot write {}", path.display());
-    let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
-    let is_other = fs::metadata(&target).is_ok_and(|found| !found.is_file() && !found.is_dir());
-    if is_other {
-        let mut device = fs::OpenOptions::new().write(true).open(&target).with_context(cannot)?;
-        return device.write_all(text.as_bytes()).with_context(cannot);
-    }
+    let before = match fs::metadata(path) {
+        Ok(found) if found.is_dir() => bail!("{}: it is a folder", cannot()),
+        Ok(found) if !found.is_file() => {
+            let mut device = fs::OpenOptions::new().write(true).open(path).with_context(cannot)?;
+            return device.write_all(text.as_bytes()).with_context(cannot);
+        }
+        Ok(found) => Some(found),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => None,
+        Err(error) => return Err(error).with_context(cannot),
+    };
+    let target = match before {
+        Some(_) => fs::canonicalize(path).with_context(cannot)?,
+        None => named_at_last(path),
+    };
     let folder = target.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut file = tempfile::NamedTempFile::new_in(folder).with_context(cannot)?;
-    file.write_all(text.as_bytes()).with_context(cannot)?;
-    file.as_file().sync_all().with_context(cannot)?;
+    let mut builder = tempfile::Builder::new();
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
-        file.as_file().set_permissions(std::fs::Permissions::from_mode(0o644)).with_context(cannot)?;
+        // As any new file's: what the umask leaves of it.
+        builder.permissions(fs::Permissions::from_mode(0o666));
     }
-    file.persist(&target).with_context(cannot)?;
+    let mut file = builder.tempfile_in(folder).map_err(bare).with_context(cannot)?;
+    file.write_all(text.as_bytes()).with_context(cannot)?;
+    file.as_file().sync_all().with_context(cannot)?;
+    if let Some(found) = before {
+        file.as_file().set_permissions(found.permissions()).with_context(cannot)?;
+    }
+    file.persist(&target).map_err(|failure| failure.error).with_context(cannot)?;
     Ok(())
+}
+
+/// The name to which links lead where no file is.
+fn named_at_last(path: &Path) -> PathBuf {
+    let mut target = path.to_path_buf();
+    while let Ok(next) = fs::read_link(&target) {
+        target = target.parent().map_or_else(|| next.clone(), |folder| folder.join(&next));
+    }
+    target
+}
+
+/// An error without the name of the unfinished file, which nobody has asked for.
+fn bare(error: io::Error) -> io::Error {
+    let cause = error.get_ref().and_then(|wrapped| wrapped.source()).map(ToString::to_string);
+    match cause {
+        Some(cause) => io::Error::new(error.kind(), cause),
+        None => error,
+    }
 }

@@ -204,3 +204,50 @@ fn streams_that_are_closed_or_full_change_no_exit_status() {
         }
     }
 }
+
+/// The mode of a file that was there stays, and a new one has what the umask leaves.
+#[test]
+fn modes_are_kept_and_the_umask_obeyed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mode =
+        |name: &str| fs::metadata(folder.path().join(name)).expect("a file").permissions().mode() & 0o7777;
+    fs::write(folder.path().join("secret"), "old").expect("a file");
+    fs::set_permissions(folder.path().join("secret"), fs::Permissions::from_mode(0o600)).expect("a mode");
+    for (umask, name, expected) in
+        [("022", "secret", 0o600), ("022", "new", 0o644), ("077", "own", 0o600), ("002", "group", 0o664)]
+    {
+        let output = in_shell(&format!("umask {umask}"), &format!("formats --out {name}"), folder.path());
+        assert!(output.status.success(), "{}", said(&output));
+        assert_eq!(mode(name), expected, "{name}: {:o}", mode(name));
+    }
+}
+
+/// A link is followed also where it leads to nothing yet; one that leads back to itself is an error.
+#[test]
+fn links_that_lead_nowhere_are_followed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::create_dir(folder.path().join("there")).expect("a folder");
+    symlink("second", folder.path().join("first")).expect("a link");
+    symlink("there/file", folder.path().join("second")).expect("a link");
+    symlink("round", folder.path().join("round")).expect("a link");
+    let output = in_shell(":", "formats --out first", folder.path());
+    assert!(output.status.success(), "{}", said(&output));
+    assert!(fs::read_to_string(folder.path().join("there/file")).expect("a file").contains("I4F28"));
+    for link in ["first", "second"] {
+        let found = fs::symlink_metadata(folder.path().join(link)).expect("a link");
+        assert!(found.file_type().is_symlink(), "{link}");
+    }
+    is_refused(&in_shell(":", "formats --out round", folder.path()), &["cannot write round"]);
+}
+
+#[test]
+fn a_folder_is_refused_in_one_sentence() {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::create_dir(folder.path().join("d")).expect("a folder");
+    let output = in_shell(":", "formats --out d", folder.path());
+    is_refused(&output, &[]);
+    assert_eq!(said(&output), "feedbits: cannot write d: it is a folder\n");
+    let output = in_shell(":", "formats --out no/file", folder.path());
+    assert_eq!(said(&output), "feedbits: cannot write no/file: No such file or directory (os error 2)\n");
+    assert_eq!(names(folder.path()), ["d"]);
+}
