@@ -45,6 +45,9 @@ pub(crate) fn say(line: &str) {
     let _ = writeln!(io::stderr().lock(), "{line}");
 }
 
+/// How a file is named until it is whole, around six characters by chance.
+const UNFINISHED: [&str; 2] = [".feedbits-", ".part"];
+
 /// Writes `text` to `path`, or to the terminal if there is none. The file is written under another name beside its
 /// place and renamed when complete, so an error leaves what was there before. What a link points to is written, be it
 /// there or not; what is no file, as a device or a pipe, takes the text as it comes.
@@ -72,6 +75,7 @@ pub(crate) fn write(path: Option<&Path>, text: &str) -> Result<()> {
     };
     let folder = target.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut builder = tempfile::Builder::new();
+    builder.prefix(UNFINISHED[0]).suffix(UNFINISHED[1]);
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
@@ -79,6 +83,8 @@ pub(crate) fn write(path: Option<&Path>, text: &str) -> Result<()> {
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
     let mut file = builder.tempfile_in(folder).map_err(bare).with_context(cannot)?;
+    // Until it is closed, the lock says that it is no leftover.
+    let _ = file.as_file().try_lock();
     file.write_all(text.as_bytes()).with_context(cannot)?;
     file.as_file().sync_all().with_context(cannot)?;
     if let Some(found) = before {
@@ -86,6 +92,20 @@ pub(crate) fn write(path: Option<&Path>, text: &str) -> Result<()> {
     }
     file.persist(&target).map_err(|failure| failure.error).with_context(cannot)?;
     Ok(())
+}
+
+/// Removes from a folder the files that an interrupted run has left unfinished, and none that someone still writes.
+pub(crate) fn clear_unfinished(folder: &Path) {
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        let middle = name.strip_prefix(UNFINISHED[0]).and_then(|rest| rest.strip_suffix(UNFINISHED[1]));
+        let is_ours = middle
+            .is_some_and(|by_chance| by_chance.len() == 6 && entry.metadata().is_ok_and(|m| m.is_file()));
+        let is_left = || fs::File::open(entry.path()).is_ok_and(|file| file.try_lock().is_ok());
+        if is_ours && is_left() {
+            let _ = fs::remove_file(entry.path());
+        }
+    }
 }
 
 /// The name to which links lead where no file is.

@@ -63,7 +63,7 @@ where
         schedules: &schedules,
         command: &command,
     })?;
-    into(folder, &report.files)
+    into(folder, &report)
 }
 
 /// The command as it was given.
@@ -72,13 +72,23 @@ pub(crate) fn command() -> String {
     format!("feedbits {}", arguments.join(" ")).trim_end().to_string()
 }
 
-/// Writes files into a folder, which is made if there is none; the first of them last. Returns that one's path.
-pub(crate) fn into(folder: &Path, files: &[(String, String)]) -> Result<PathBuf> {
+/// Writes a report into a folder, which is made if there is none; the page last. Returns the page's path.
+///
+/// What an interrupted run has left unfinished goes first, and last what the page of a report before listed and this one
+/// does not. Everything else in the folder stays.
+pub(crate) fn into(folder: &Path, report: &Report) -> Result<PathBuf> {
     fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
-    for (name, content) in files.iter().rev() {
+    output::clear_unfinished(folder);
+    let page = folder.join(Report::PAGE);
+    let before = fs::read_to_string(&page).map(|page| format_report::listed(&page)).unwrap_or_default();
+    for (name, content) in report.files.iter().rev() {
         output::write(Some(&folder.join(name)), content)?;
     }
-    Ok(folder.join(files.first().map_or("", |(name, _)| name)))
+    for name in before.iter().filter(|name| report.files.iter().all(|(kept, _)| kept != *name)) {
+        // Whoever has removed it before has done no harm.
+        let _ = fs::remove_file(folder.join(name));
+    }
+    Ok(page)
 }
 
 /// The plan, a sample a period; nothing if each format plans for itself.

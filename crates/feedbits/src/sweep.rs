@@ -231,7 +231,7 @@ pub(crate) fn conclude(
     }
     output::write(None, &text)?;
     if let Some(folder) = folder {
-        let page = report::into(folder, &plan.report(cells, &report::command())?.files)?;
+        let page = report::into(folder, &plan.report(cells, &report::command())?)?;
         output::note(&format!("report in {}", page.display()));
     }
     Ok(Ending::Good)

@@ -75,6 +75,43 @@ fn a_priced_report_has_costs() {
     }
 }
 
+/// A report takes the place of the one before: what only that one had goes, and what interrupted runs left; not what others
+/// have put there, nor what is still written.
+#[test]
+fn a_report_replaces_the_one_before() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let report = folder.path().join("r");
+    let run = |formats: &str| {
+        let run = feedbits(
+            folder.path(),
+            &["compare", "--formats", formats, "--evaluate", "pieces", "--report", "r"],
+        );
+        assert_eq!(run.status.code(), Some(0), "{}", text(&run.stderr));
+    };
+    fs::create_dir(&report).expect("a folder");
+    for name in [".feedbits-aB3dE6.part", ".feedbits-notes.part", ".tmpaB3dE6", "path-mine.svg"] {
+        fs::write(report.join(name), "").expect("a file");
+    }
+    let at_work = fs::File::create(report.join(".feedbits-aB3dE7.part")).expect("a file");
+    at_work.lock().expect("a lock");
+    run("I4F28,f64");
+    let first = files(&report);
+    assert!(first.contains(&"path-f64_pieces.svg".to_string()), "{first:?}");
+    run("I4F28");
+    let mut expected: Vec<String> = first.into_iter().filter(|name| !name.contains("f64")).collect();
+    expected.sort();
+    assert_eq!(files(&report), expected);
+    for kept in [".feedbits-aB3dE7.part", ".feedbits-notes.part", ".tmpaB3dE6", "path-mine.svg"] {
+        assert!(expected.iter().any(|name| name == kept), "{kept} in {expected:?}");
+    }
+    assert!(!report.join(".feedbits-aB3dE6.part").exists());
+
+    // The page of somebody else lists nothing of ours.
+    fs::write(report.join("index.html"), "<a href=\"path-mine.svg\" download>").expect("a file");
+    run("I4F28");
+    assert_eq!(files(&report), expected);
+}
+
 #[test]
 fn a_folder_that_cannot_be_made_is_an_error() {
     let folder = tempfile::tempdir().expect("a folder");

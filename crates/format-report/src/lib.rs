@@ -31,6 +31,6 @@ mod tables;
 
 pub use figure::Figure;
 pub use material::{Material, Schedule, Solver};
-pub use report::Report;
+pub use report::{Report, listed};
 pub use sweep::{Sweep, SweepCell, SweepResult};
 pub use table::{Cell, Column, Table};

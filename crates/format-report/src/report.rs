@@ -62,6 +62,9 @@ struct Switch {
 }
 
 impl Report {
+    /// The name of the page.
+    pub const PAGE: &str = "index.html";
+
     /// Draws all that the material has something for.
     ///
     /// # Errors
@@ -97,7 +100,7 @@ impl Report {
 
     /// The page and the files beside it.
     pub(crate) fn new(page: String, beside: Vec<(String, String)>) -> Self {
-        let index = ("index.html".to_string(), page);
+        let index = (Self::PAGE.to_string(), page);
         Self { files: std::iter::once(index).chain(beside).collect() }
     }
 }
@@ -113,6 +116,22 @@ pub(crate) fn files<'a>(
         [(format!("{name}.csv"), table.csv()), (format!("{name}.json"), table.json())]
     });
     pictures.chain(tables).collect()
+}
+
+/// The files that a report's page lists beside itself; none of a page that is no report's. Names that could not be a
+/// picture's or a table's in the page's own folder are left out.
+#[must_use]
+pub fn listed(page: &str) -> Vec<String> {
+    let is_ours = page.contains("<p>Made by <code>feedbits");
+    let list = page.split("<summary>All files beside this page</summary><p>").nth(1).filter(|_| is_ours);
+    let list = list.and_then(|rest| rest.split("</p>").next()).unwrap_or_default();
+    let names = list.split("<a href=\"").skip(1).filter_map(|rest| rest.split('"').next());
+    let is_plain = |name: &&str| {
+        let has_ending = [".svg", ".csv", ".json"].iter().any(|ending| name.ends_with(ending));
+        let is_plain = |c: char| c.is_ascii_alphanumeric() || "._-".contains(c);
+        has_ending && !name.starts_with('.') && name.chars().all(is_plain)
+    };
+    names.filter(is_plain).map(String::from).collect()
 }
 
 impl MarginView {
@@ -314,6 +333,20 @@ mod tests {
         let report = example("G0 X0 Y0 Z0\nG1 X10 Y0 F6000\nG1 X20 Y5 Z10\n", &["I16F16"]);
         assert!(report.files.iter().any(|(name, _)| name == "path-I16F16_pieces-xz.svg"));
         assert!(file(&report, "index.html").contains("meets the requirements"));
+    }
+
+    /// What the page lists is what lies beside it, and a page of anybody else lists nothing.
+    #[test]
+    fn a_page_lists_the_files_beside_it() {
+        let report = example(EXAMPLE, &["I4F28", "f64"]);
+        let page = file(&report, Report::PAGE);
+        let beside: Vec<&str> = report.files.iter().skip(1).map(|(name, _)| name.as_str()).collect();
+        assert_eq!(listed(page), beside);
+        assert!(listed(&page.replace("Made by <code>feedbits", "Made by <code>another")).is_empty());
+        let outside =
+            page.replace("\"formats.csv\"", "\"../formats.csv\"").replace("\"feed.svg\"", "\"notes.txt\"");
+        assert_eq!(listed(&outside).len(), beside.len() - 2);
+        assert!(listed("").is_empty());
     }
 
     #[test]
