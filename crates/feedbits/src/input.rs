@@ -18,7 +18,7 @@ const EXAMPLE: &str = include_str!("../../../data/seed-000.toml");
 #[derive(Args)]
 pub(crate) struct Input {
     /// Part: a curve file (TOML), a part program, a drawing (DXF) or geomdl's JSON, told by its content; at most
-    /// 64 MiB. Default: the built-in example.
+    /// 64 MiB. `-` is the standard input. Default: the built-in example.
     part: Option<PathBuf>,
     /// Machine file (TOML with a table `machine`). Default: the machine in the part's own file.
     #[arg(long, value_name = "FILE")]
@@ -77,6 +77,10 @@ impl Input {
     pub(crate) fn parsed(&self) -> Result<Result<Part, Diagnostics>> {
         let options = ReadOptions { dialect: self.dialect, lenient: self.lenient };
         Ok(match &self.part {
+            Some(path) if path == Path::new("-") => {
+                let name = "standard input";
+                part_program::read_part_bytes(name, &taken(name, std::io::stdin().lock())?, options)
+            }
             Some(path) => part_program::read_part_bytes(&path.display().to_string(), &bytes(path)?, options),
             None => part_program::read_part_with("built-in example", EXAMPLE, options),
         })
@@ -101,16 +105,26 @@ pub(crate) fn text(path: &Path) -> Result<String> {
 
 /// A whole file. One that is too long to be read is refused before memory is taken for it; a pipe, once it is.
 fn bytes(path: &Path) -> Result<Vec<u8>> {
-    let cannot = || format!("cannot read {}", path.display());
+    let name = path.display().to_string();
+    let cannot = || format!("cannot read {name}");
     let file = File::open(path).with_context(cannot)?;
-    let mut bytes = Vec::new();
-    let most = u64::try_from(MAX_TEXT)?;
-    let length = file.metadata().with_context(cannot)?.len();
-    if length <= most {
-        file.take(most + 1).read_to_end(&mut bytes).with_context(cannot)?;
+    if file.metadata().with_context(cannot)?.len() > u64::try_from(MAX_TEXT)? {
+        bail!(too_long(&name));
     }
-    if length > most || bytes.len() > MAX_TEXT {
-        bail!("{} is longer than {} MiB, the most that is read", path.display(), MAX_TEXT >> 20);
+    taken(&name, file)
+}
+
+/// All that a source has, unless it is too much.
+fn taken(name: &str, source: impl Read) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    let most = u64::try_from(MAX_TEXT)? + 1;
+    source.take(most).read_to_end(&mut bytes).with_context(|| format!("cannot read {name}"))?;
+    if bytes.len() > MAX_TEXT {
+        bail!(too_long(name));
     }
     Ok(bytes)
+}
+
+fn too_long(name: &str) -> String {
+    format!("{name} is longer than {} MiB, the most that is read", MAX_TEXT >> 20)
 }

@@ -251,3 +251,20 @@ fn a_folder_is_refused_in_one_sentence() {
     assert_eq!(said(&output), "feedbits: cannot write no/file: No such file or directory (os error 2)\n");
     assert_eq!(names(folder.path()), ["d"]);
 }
+
+/// A part may come through a pipe; what it is, is told by its content as ever.
+#[test]
+fn the_standard_input_is_a_part() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let part = "G1 X0 Y0 F6000\nG1 X10\nG1 X20 Y5\n";
+    fs::write(folder.path().join("p.nc"), part).expect("a file");
+    let named = in_shell(":", "check p.nc", folder.path());
+    let piped = in_shell("exec < p.nc", "check -", folder.path());
+    assert_eq!(piped.status.code(), named.status.code(), "{}", said(&piped));
+    let shown = |output: &Output| String::from_utf8_lossy(&output.stdout).into_owned();
+    assert_eq!(shown(&piped), shown(&named).replace("p.nc", "standard input"));
+    is_refused(
+        &in_shell("exec < /dev/zero", "check -", folder.path()),
+        &["standard input is longer than 64 MiB"],
+    );
+}
