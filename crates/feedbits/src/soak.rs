@@ -113,14 +113,18 @@ fn selected(names: &[String]) -> Result<Vec<SoakFormat>> {
     if names.is_empty() {
         return Ok(SOAK_FORMATS.to_vec());
     }
-    let find = |name: &String| {
+    let mut selected: Vec<SoakFormat> = Vec::with_capacity(names.len());
+    for name in names {
         let found = SOAK_FORMATS.iter().find(|format| format.name() == name).copied();
         found.with_context(|| {
             let known: Vec<_> = SOAK_FORMATS.iter().map(SoakFormat::name).collect();
             format!("{name:?} cannot be soaked; known are {}", known.join(", "))
-        })
-    };
-    names.iter().map(find).collect()
+        })?;
+        if selected.iter().all(|one| one.name() != format.name()) {
+            selected.push(format);
+        }
+    }
+    Ok(selected)
 }
 
 /// The state that an earlier run has left.

@@ -54,9 +54,10 @@ impl TargetArguments {
         }
         let from_files = files(&self.target_file)?;
         let known: Vec<Target> = from_files.iter().cloned().chain(built_in()?).collect();
-        let mut chosen = Vec::new();
+        let mut chosen: Vec<Target> = Vec::new();
         for name in &self.targets {
             match known.iter().find(|target| target.name == *name) {
+                Some(target) if chosen.iter().any(|one| one.name == target.name) => {}
                 Some(target) => chosen.push(target.clone()),
                 None => bail!("unknown target {name:?}: expected {}", names(&known)),
             }

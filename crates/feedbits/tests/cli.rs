@@ -184,6 +184,34 @@ fn bad_usage_is_explained() {
     }
 }
 
+/// A format or a target that is named twice is one all the same.
+#[test]
+fn what_is_named_twice_is_run_once() {
+    let output = feedbits(&[
+        "compare",
+        "--formats",
+        "f64,I4F28,f64",
+        "--evaluate",
+        "pieces",
+        "--targets",
+        "cortex-m3,cortex-m3",
+        "--json",
+    ]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!(json["formats"].as_array().map(Vec::len), Some(2));
+    let table = feedbits(&[
+        "compare",
+        "--formats",
+        "I4F28",
+        "--evaluate",
+        "pieces",
+        "--targets",
+        "cortex-m3,cortex-m3",
+    ]);
+    assert_eq!(text(&table.stdout).matches("Cheapest good format on cortex-m3").count(), 1);
+}
+
 /// The last step of a path that is left in motion is no step at cruise.
 #[test]
 fn a_path_that_is_left_in_motion_has_a_good_format() {

@@ -189,7 +189,7 @@ where
     Space::formats()
 }
 
-/// The formats with these names, narrow before wide. A name like `I5F13` that no built-in format has is made at run
+/// The formats with these names, each once, narrow before wide. A name like `I5F13` that no built-in format has is made at run
 /// time.
 ///
 /// # Errors
@@ -200,11 +200,14 @@ where
 {
     let rank =
         |format: &dyn Format<D>| (format.name().bits(), matches!(format.name(), FormatName::Float { .. }));
-    let mut selected = Vec::with_capacity(names.len());
+    let mut selected: Vec<Box<dyn Format<D>>> = Vec::with_capacity(names.len());
     for name in names {
         let built_in = formats::<D>().into_iter().find(|format| format.name().to_string() == *name);
         let format = built_in.or_else(|| RuntimeFormat::named(name).map(Space::at_run_time));
-        selected.push(format.ok_or_else(|| name.clone())?);
+        let format = format.ok_or_else(|| name.clone())?;
+        if selected.iter().all(|one| one.name() != format.name()) {
+            selected.push(format);
+        }
     }
     selected.sort_by_key(|format| rank(format.as_ref()));
     Ok(selected)
@@ -242,6 +245,8 @@ mod tests {
         let found = select::<2>(&["f64".into(), "I16F16".into()]).expect("both exist");
         assert_eq!(found[0].name().to_string(), "I16F16");
         assert_eq!(select::<3>(&["I5F7".into()]).map(|f| f[0].name().bits()).ok(), Some(12));
+        let twice = ["f64", "I5F13", "I05F13", "f64"].map(String::from);
+        assert_eq!(select::<3>(&twice).map(|found| found.len()).ok(), Some(2));
         assert_eq!(select::<3>(&["F5I7".into()]).err().as_deref(), Some("F5I7"));
     }
 }
