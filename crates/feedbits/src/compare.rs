@@ -38,14 +38,14 @@ pub(crate) struct Arguments {
 /// How a part is run: options that several subcommands share.
 #[derive(Args)]
 pub(crate) struct RunArguments {
-    /// Form of the path in real time. Default: both, side by side.
+    /// Form of the path in real time. Default: pieces; `compare`, `servo` and `sweep` run both, side by side.
     #[arg(long, value_enum)]
     evaluate: Option<EvaluateName>,
     /// Solver of the next parameter. Newton goes with pieces, the others with de-boor.
     #[arg(long, value_enum)]
     solver: Option<SolverName>,
     /// Longest compiled piece, in mm.
-    #[arg(long, value_name = "MM", default_value_t = 32.0)]
+    #[arg(long, allow_negative_numbers = true, value_name = "MM", default_value_t = 32.0)]
     piece_length: f64,
     /// The format to plan in: a format's name, or `same` for each its own.
     #[arg(long, value_name = "F", default_value = "f64")]
@@ -54,13 +54,13 @@ pub(crate) struct RunArguments {
     #[arg(long, value_enum, default_value_t = ProfileName::Cubic)]
     profile: ProfileName,
     /// Feed at the start of the path, in mm/s.
-    #[arg(long, value_name = "MM_PER_S", default_value_t = 0.0)]
+    #[arg(long, allow_negative_numbers = true, value_name = "MM_PER_S", default_value_t = 0.0)]
     start_feed: f64,
     /// Feed at the end of the path, in mm/s.
-    #[arg(long, value_name = "MM_PER_S", default_value_t = 0.0)]
+    #[arg(long, allow_negative_numbers = true, value_name = "MM_PER_S", default_value_t = 0.0)]
     end_feed: f64,
     /// Fluctuation that the solver stops at, in place of the machine file's.
-    #[arg(long, value_name = "RATIO")]
+    #[arg(long, allow_negative_numbers = true, value_name = "RATIO")]
     fluctuation: Option<f64>,
 }
 
@@ -243,7 +243,7 @@ where
         return Ok(format_compare::formats());
     }
     format_compare::select(names)
-        .map_err(|name| anyhow::anyhow!("unknown format {name:?}: expected one that `feedbits formats` lists, or any fixed-point format such as I5F13"))
+        .map_err(|name| anyhow::anyhow!("unknown format {name:?}: expected one that `feedbits formats` lists, or a fixed-point format such as I5F13: 3 to 64 bits in all, at least 2 of them before the point"))
 }
 
 /// The format of this name.

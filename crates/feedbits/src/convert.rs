@@ -18,7 +18,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_enum)]
     to: Target,
     /// With --to g1: largest distance between the curves and the straight moves, in mm.
-    #[arg(long, value_name = "MM", default_value_t = 0.001)]
+    #[arg(long, allow_negative_numbers = true, value_name = "MM", default_value_t = 0.001)]
     tolerance: f64,
     /// Write to this file instead of the terminal.
     #[arg(long, value_name = "PATH")]

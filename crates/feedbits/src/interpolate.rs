@@ -24,10 +24,22 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "F", default_value = "f64")]
     format: String,
     /// Feed overrides on the way: from this time on, in s, this share of the commanded feed, 0 to 200 %. 0 is feed hold.
-    #[arg(long = "override", value_name = "S:PERCENT,...", value_delimiter = ',', value_parser = override_target)]
+    #[arg(
+        long = "override",
+        allow_hyphen_values = true,
+        value_name = "S:PERCENT,...",
+        value_delimiter = ',',
+        value_parser = override_target
+    )]
     overrides: Vec<OverrideTarget>,
     /// Share of acceleration and jerk that the plan leaves for changes of the override, in per cent.
-    #[arg(long, value_name = "PERCENT", default_value_t = 20.0, requires = "overrides")]
+    #[arg(
+        long,
+        allow_negative_numbers = true,
+        value_name = "PERCENT",
+        default_value_t = 20.0,
+        requires = "overrides"
+    )]
     reserve: f64,
     #[command(flatten)]
     output: output::Output,

@@ -19,11 +19,16 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     run: RunArguments,
     /// Samples per interpolation period in the file that --out names.
-    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    #[arg(long, allow_negative_numbers = true, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
     oversample: u32,
     /// Look ahead no further than this, in mm, as a controller does that streams a long program. Plans in f64, from rest
     /// to rest.
-    #[arg(long, value_name = "MM", conflicts_with_all = ["plan_in", "start_feed", "end_feed"])]
+    #[arg(
+        long,
+        allow_negative_numbers = true,
+        value_name = "MM",
+        conflicts_with_all = ["plan_in", "start_feed", "end_feed"]
+    )]
     window: Option<f64>,
     #[command(flatten)]
     output: output::Output,

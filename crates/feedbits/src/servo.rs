@@ -35,10 +35,10 @@ pub(crate) struct Arguments {
     #[arg(long, visible_alias = "format", value_delimiter = ',', value_name = "F,F")]
     formats: Vec<String>,
     /// Radius of the circle test, in mm.
-    #[arg(long, value_name = "MM", default_value_t = 10.0)]
+    #[arg(long, allow_negative_numbers = true, value_name = "MM", default_value_t = 10.0)]
     circle: f64,
     /// Feedrate of the circle test, in mm/min, as an F word has it.
-    #[arg(long, value_name = "MM_PER_MIN", default_value_t = 4000.0)]
+    #[arg(long, allow_negative_numbers = true, value_name = "MM_PER_MIN", default_value_t = 4000.0)]
     feed: f64,
     /// Write the magnified roundness plot of the circle test to this SVG file.
     #[arg(long, value_name = "FILE.svg")]

@@ -30,7 +30,7 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     input: Input,
     /// Largest distance between the smoothed path and the program's moves, both ways, in mm.
-    #[arg(long, value_name = "MM")]
+    #[arg(long, allow_negative_numbers = true, value_name = "MM")]
     tolerance: f64,
     /// Outer corners, which turn the way that their outline turns: in a loop around the corner, or cut like the others.
     #[arg(long, value_enum, default_value_t = Outer::Cut)]

@@ -18,19 +18,19 @@ use crate::{Ending, input, output};
 #[derive(Args)]
 pub(crate) struct Arguments {
     /// Periods that each format is to make, as in 100M, 250k or 5000.
-    #[arg(long, value_name = "N", default_value = "1M", value_parser = count)]
+    #[arg(long, allow_negative_numbers = true, value_name = "N", default_value = "1M", value_parser = count)]
     periods: u64,
     /// The formats, comma-separated. Default: the ten built-in ones, and I5F21 as one chosen at run time.
     #[arg(long, visible_alias = "format", value_delimiter = ',', value_name = "F,F")]
     formats: Vec<String>,
     /// Which paths are drawn.
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, allow_negative_numbers = true, value_name = "N", default_value_t = 1)]
     seed: u64,
     /// Slow none of the paths down: fewer periods a path, and more bends and joints a period.
     #[arg(long)]
     full_speed: bool,
     /// Run this path only, as a violation names it.
-    #[arg(long, value_name = "N", conflicts_with = "resume")]
+    #[arg(long, allow_negative_numbers = true, value_name = "N", conflicts_with = "resume")]
     path: Option<u64>,
     /// Keep the state in this file, and go on from it if it is there.
     #[arg(long, value_name = "PATH")]
@@ -116,7 +116,7 @@ fn selected(names: &[String]) -> Result<Vec<SoakFormat>> {
     let mut selected: Vec<SoakFormat> = Vec::with_capacity(names.len());
     for name in names {
         let found = SOAK_FORMATS.iter().find(|format| format.name() == name).copied();
-        found.with_context(|| {
+        let format = found.with_context(|| {
             let known: Vec<_> = SOAK_FORMATS.iter().map(SoakFormat::name).collect();
             format!("{name:?} cannot be soaked; known are {}", known.join(", "))
         })?;

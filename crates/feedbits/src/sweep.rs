@@ -26,13 +26,13 @@ pub(crate) struct Arguments {
     run: RunArguments,
     /// Interpolation periods, in ms: `lo..hi` in equal ratios, `lo..hi/N` with N points, or one value. Default: the
     /// machine's.
-    #[arg(long, value_name = "LO..HI")]
+    #[arg(long, allow_hyphen_values = true, value_name = "LO..HI")]
     period: Option<Span>,
     /// Commanded feeds, in mm/s, in the same form. Default: the part's or the machine's.
-    #[arg(long, value_name = "LO..HI")]
+    #[arg(long, allow_hyphen_values = true, value_name = "LO..HI")]
     feed: Option<Span>,
     /// Sizes of the part, in mm, in the same form: it is scaled until its largest extent is that. Default: as it is.
-    #[arg(long, value_name = "LO..HI")]
+    #[arg(long, allow_hyphen_values = true, value_name = "LO..HI")]
     scale: Option<Span>,
     /// Points of each span that does not say.
     #[arg(
@@ -47,7 +47,7 @@ pub(crate) struct Arguments {
     #[arg(long, visible_alias = "format", value_delimiter = ',', value_name = "F,F")]
     formats: Vec<String>,
     /// The most periods of a run; a cell that needs more is left out, and says so.
-    #[arg(long, value_name = "N", default_value_t = 100_000)]
+    #[arg(long, allow_negative_numbers = true, value_name = "N", default_value_t = 100_000)]
     most_periods: u32,
     /// Run only the cells of shard i of n, as in 1/4; the first is 1. `feedbits merge` joins the files.
     #[arg(long, value_name = "I/N", default_value = "1/1")]

@@ -37,10 +37,10 @@ pub(crate) struct TargetArguments {
     #[arg(long, value_name = "FILE")]
     target_file: Vec<PathBuf>,
     /// Multipliers on an FPGA.
-    #[arg(long, value_name = "N")]
+    #[arg(long, allow_negative_numbers = true, value_name = "N")]
     multipliers: Option<u32>,
     /// Dividers on an FPGA.
-    #[arg(long, value_name = "N")]
+    #[arg(long, allow_negative_numbers = true, value_name = "N")]
     dividers: Option<u32>,
 }
 

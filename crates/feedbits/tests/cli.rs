@@ -176,6 +176,18 @@ fn bad_usage_is_explained() {
         (vec!["interpolate", "--piece-length", "0"], "--piece-length"),
         (vec!["interpolate", "--evaluate", "pieces", "--solver", "secant"], "de-boor"),
         (vec!["interpolate", "--out", "no/such/folder/s.csv"], "no/such/folder/s.csv"),
+        (vec!["compare", "--formats", "I1F31"], "3 to 64 bits in all, at least 2 of them before the point"),
+        (vec!["compare", "--formats", "I64F64"], "3 to 64 bits in all"),
+        (vec!["compare", "--piece-length", "-1"], "--piece-length -1: expected a positive length"),
+        (vec!["compare", "--start-feed", "-1"], "--start-feed -1: expected a feed of at least 0"),
+        (vec!["compare", "--fluctuation", "-1e-3"], "--fluctuation -0.001: expected a ratio"),
+        (vec!["plan", "--window", "-1"], "--window -1: expected a positive length"),
+        (vec!["plan", "--oversample", "-1"], "1..=1000"),
+        (vec!["interpolate", "--override", "-1:50,2:100"], "override at -1 s: expected times from 0 on"),
+        (vec!["interpolate", "--override", "1:50,2:100", "--reserve", "-1"], "reserve -1 %"),
+        (vec!["convert", "--to", "g1", "--tolerance", "-1"], "--tolerance -1: expected a positive length"),
+        (vec!["smooth", "--tolerance", "-1"], "--tolerance -1: expected a positive length"),
+        (vec!["servo", "--circle", "-1"], "radius"),
     ] {
         let output = feedbits(&arguments);
         let message = text(&output.stderr);
