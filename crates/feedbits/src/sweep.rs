@@ -10,7 +10,8 @@ use anyhow::{Context, Result, bail};
 use clap::Args;
 use format_compare::{Dimension, Engine, Format, LeastPeriods, Options, Problem, Row, Space, Verdict};
 use format_report::{Sweep, SweepCell, SweepResult};
-use part_program::{Machine, Part};
+use nurbs_core::NurbsBuf;
+use part_program::{Curve, Machine, Part};
 
 use crate::compare::{RunArguments, selected};
 use crate::input::Input;
@@ -237,17 +238,26 @@ pub(crate) fn conclude(
     Ok(Ending::Good)
 }
 
+/// A curve of a problem with three coordinates.
+fn in_space<const D: usize>(nurbs: &NurbsBuf<f64, D>) -> Curve {
+    let point = |point: &[f64; D]| std::array::from_fn(|axis| point.get(axis).copied().unwrap_or(0.0));
+    Curve {
+        degree: nurbs.degree(),
+        control_points_mm: nurbs.control_points().iter().map(point).collect(),
+        dimension: 3,
+        weights: nurbs.weights().to_vec(),
+        knots: nurbs.knots().to_vec(),
+    }
+}
+
 impl Base {
     fn new<const D: usize>(part: Part, machine: Machine) -> Result<Self> {
         let problem = Problem::<D>::new(&part, &machine)?;
-        let mut extent_mm = 0.0_f64;
-        for axis in 0..D {
-            let points = problem.curves.iter().flat_map(|curve| curve.control_points());
-            let (low, high) = points
-                .map(|point| point[axis])
-                .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
-            extent_mm = extent_mm.max(high - low);
-        }
+        // The problem's curves, which follow on each other without gaps.
+        let curves: Vec<_> = problem.curves.iter().map(in_space).collect();
+        let bounds = part_program::bounding_box_mm(&curves);
+        let extent_mm =
+            bounds.map_or(0.0, |(least, most)| (0..D).map(|d| most[d] - least[d]).fold(0.0, f64::max));
         if extent_mm <= 0.0 || !extent_mm.is_finite() {
             bail!("{}: the part has no extent", part.name);
         }

@@ -77,7 +77,8 @@ impl Bezier {
         self.points.iter().map(|[x, y, z, w]| [x / w, y / w, z / w].map(bounded)).collect()
     }
 
-    fn halves(&self) -> (Self, Self) {
+    /// The piece over each half of its span.
+    pub(crate) fn halves(&self) -> (Self, Self) {
         let degree = self.points.len() - 1;
         let (mut row, mut left, mut right) = (self.points.clone(), Vec::new(), Vec::new());
         for round in 0..=degree {

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::bend::{Measure, measure};
-use crate::curve::Curve;
+use crate::bounds::bounding_box_mm;
 use crate::joint::{Joint, joints};
 use crate::part::{MoveKind, Part, Shape};
 use crate::remark::{Remark, oddities};
@@ -27,7 +27,7 @@ pub struct Inspection {
     pub length_mm: f64,
     /// Length of the rapid moves, in mm.
     pub rapid_length_mm: f64,
-    /// Least and greatest coordinates of the control points, in mm; every curve lies between them.
+    /// Least and greatest coordinates of the curves, in mm; see [`bounding_box_mm`].
     pub bounding_box_mm: Option<([f64; 3], [f64; 3])>,
     /// The least and the greatest feedrate of a move at feed, in mm/s.
     pub feedrates_mm_per_s: Option<(f64, f64)>,
@@ -81,7 +81,7 @@ pub fn inspect(part: &Part) -> Inspection {
         degrees: degrees.clone().min().zip(degrees.max()),
         length_mm: 0.0,
         rapid_length_mm: 0.0,
-        bounding_box_mm: bounding_box(&part.curves),
+        bounding_box_mm: bounding_box_mm(&part.curves),
         feedrates_mm_per_s: feeds().reduce(f64::min).zip(feeds().reduce(f64::max)),
         bends: Vec::new(),
         joints: joints(part),
@@ -107,15 +107,4 @@ fn bend(curve: usize, line: usize, measure: &Measure) -> Option<Bend> {
     let place = measure.sharpest?;
     let (parameter, point_mm, radius_mm) = (place.parameter, place.point_mm, place.radius_mm);
     Some(Bend { curve, line, parameter, point_mm, radius_mm })
-}
-
-fn bounding_box(curves: &[Curve]) -> Option<([f64; 3], [f64; 3])> {
-    let points = curves.iter().flat_map(|curve| &curve.control_points_mm);
-    points.fold(None, |bounds, point| {
-        let (least, most) = bounds.unwrap_or((*point, *point));
-        Some((
-            std::array::from_fn(|axis| f64::min(least[axis], point[axis])),
-            std::array::from_fn(|axis| f64::max(most[axis], point[axis])),
-        ))
-    })
 }

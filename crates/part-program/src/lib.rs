@@ -12,7 +12,8 @@
 //! | machine file: TOML, table `[machine]` | [`read_machine`] | |
 //!
 //! What a text is, its content tells; [`read_part_with`] takes a dialect that is known, and reads over unknown words;
-//! [`read_part_bytes`] takes a file as it is. [`inspect`] looks a part over: lengths, bends, joints, and what is odd.
+//! [`read_part_bytes`] takes a file as it is. [`inspect`] looks a part over: lengths, bends, joints, and what is odd;
+//! [`bounding_box_mm`] says between which coordinates curves run.
 //!
 //! ```
 //! let part = part_program::read_part("seed.nc", "G06.2 P2 K0 X0 Y0\nK0 X10 Y5\nK1\nK1\n")?;
@@ -33,6 +34,7 @@ mod arc;
 mod bend;
 mod bezier;
 mod block;
+mod bounds;
 mod curve;
 mod curve_file;
 mod diagnostic;
@@ -61,6 +63,7 @@ mod write;
 mod write_curves;
 
 pub use arc::HELIX_TOLERANCE_MM;
+pub use bounds::bounding_box_mm;
 pub use curve::{Curve, CurveFault, Element, End, MAX_COORDINATE_MM, MAX_DEGREE, MAX_KNOT, MAX_WEIGHT};
 pub use diagnostic::{Diagnostic, Diagnostics, MAX_DIAGNOSTICS, Severity};
 pub use inspect::{Bend, Inspection, inspect};
