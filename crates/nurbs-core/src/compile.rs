@@ -41,6 +41,14 @@ pub enum CompileError {
         /// Where the piece begins.
         parameter: f64,
     },
+    /// The speed |C'|, or a coefficient, is no number where compiling is done, or its inverse is none of the format: on the
+    /// piece that begins at `parameter` weights are too far apart or too small, or the curve is.
+    SpeedOutOfRange {
+        /// Index of the curve in the path.
+        curve: usize,
+        /// Where the piece begins.
+        parameter: f64,
+    },
     /// A number of the real-time step does not fit the format.
     DoesNotFit {
         /// The signal, by the name that an audit gives it.
@@ -67,6 +75,13 @@ impl core::fmt::Display for CompileError {
             }
             Self::Cusp { curve, parameter } => {
                 write!(f, "curve {curve} comes to a cusp near u = {parameter}: its derivative vanishes there")
+            }
+            Self::SpeedOutOfRange { curve, parameter } => {
+                write!(
+                    f,
+                    "curve {curve} has no speed near u = {parameter}, or one whose inverse the format does not hold: weights \
+                     too far apart, or a curve too small"
+                )
             }
             Self::DoesNotFit { signal, bound, integer_bits, format } => {
                 write!(
@@ -251,6 +266,9 @@ fn cut<H: Backend, const D: usize>(
             let place = Place { curve: index, begin: begin.to_f64_pair(), end: end.to_f64_pair() };
             let piece = LocalPiece::new(&bezier, place, (index, section), halvings)
                 .ok_or(CompileError::OriginOutOfRange { curve: index })?;
+            if !piece.is_finite() {
+                return Err(CompileError::SpeedOutOfRange { curve: index, parameter: place.begin.0 });
+            }
             if piece.speed.least <= CUSP_RATIO * piece.speed.greatest {
                 return Err(CompileError::Cusp { curve: index, parameter: place.begin.0 });
             }
@@ -287,13 +305,19 @@ fn rounded<H: Backend, R: Backend, const D: usize>(
     let round = |x: H| R::from_f64_pair(x.to_f64_pair().0, x.to_f64_pair().1).unwrap_or_else(R::zero);
     for (index, (piece, scales)) in local.iter().enumerate() {
         for k in 0..degree {
-            let row = piece.numerator.get(k).copied().unwrap_or([H::zero(); D]);
-            table.numerators.push(row.map(|x| round(x.scale(-scales.coordinate))));
+            let power = piece.numerator.get(k).copied().unwrap_or([H::zero(); D]);
+            table.numerators.push(power.map(|x| round(x.scale(-scales.coordinate))));
         }
         for k in (0..=degree).filter(|_| rational) {
             table.weights.push(round(piece.weight.get(k).copied().unwrap_or_else(H::zero)));
         }
-        table.pieces.push(row(piece, scales, local.get(index + 1)));
+        let row = row(piece, scales, local.get(index + 1));
+        // A step per chord that a float rounds to nothing, or does not hold, would leave a run where it is.
+        if !row.step_per_chord.iter().all(|sigma: &R| *sigma > R::zero() && sigma.is_finite()) {
+            let Place { curve, begin, .. } = piece.place;
+            return Err(CompileError::SpeedOutOfRange { curve, parameter: begin.0 });
+        }
+        table.pieces.push(row);
     }
     Ok(table)
 }

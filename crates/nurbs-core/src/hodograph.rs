@@ -16,6 +16,8 @@ const DEPTH: u32 = 10;
 
 /// |C'| of homogeneous Bezier points (N, W): its least and greatest at nine places, and wherever else it is out of their range by
 /// more than a 64th. The solver's steps per chord are held within its inverse.
+///
+/// The greatest is infinite where weights are so far apart, or so small, that a speed is no number of f64.
 pub(crate) fn speed<const D: usize>(points: &[([f64; D], f64)]) -> Speed {
     let mut speed = sampled(points, SAMPLES);
     Hodograph::of(points).extend(&mut speed);
@@ -27,13 +29,18 @@ fn sampled<const D: usize>(points: &[([f64; D], f64)], samples: u32) -> Speed {
     let values: Vec<f64> = (0..=samples).map(at).collect();
     Speed {
         least: values.iter().copied().fold(f64::MAX, f64::min),
-        greatest: values.iter().copied().fold(0.0, f64::max),
+        greatest: values.iter().copied().map(infinite_unless_number).fold(0.0, f64::max),
         begin: values[0],
         end: values[values.len() - 1],
     }
 }
 
-/// C' at t, by de Casteljau.
+/// What is no number counts as infinite: the greatest of several then tells.
+fn infinite_unless_number(x: f64) -> f64 {
+    if x.is_nan() { f64::INFINITY } else { x }
+}
+
+/// C' at t, by de Casteljau; no number where W is none.
 fn velocity<const D: usize>(points: &[([f64; D], f64)], t: f64) -> [f64; D] {
     let mut rows = points.to_vec();
     let degree = rows.len() - 1;
@@ -47,7 +54,6 @@ fn velocity<const D: usize>(points: &[([f64; D], f64)], t: f64) -> [f64; D] {
     let ((a, wa), (b, wb)) = (rows[0], rows[1]);
     let weight = wa + (wb - wa) * t;
     let point: [f64; D] = core::array::from_fn(|d| (a[d] + (b[d] - a[d]) * t) / weight);
-    debug_assert!(point.iter().all(|x| x.is_finite()), "a Bezier point is a number");
     let rise = (wb - wa) * degree as f64;
     core::array::from_fn(|d| ((b[d] - a[d]) * degree as f64 - rise * point[d]) / weight)
 }
@@ -87,11 +93,15 @@ impl<const D: usize> Hodograph<D> {
 
     fn extend_on(&self, speed: &mut Speed, depth: u32) {
         let (least, greatest) = self.bounds();
-        if depth == 0 || (least >= speed.least * (1.0 - NEAR) && greatest <= speed.greatest * (1.0 + NEAR)) {
+        let is_infinite = speed.greatest == f64::INFINITY;
+        if depth == 0
+            || is_infinite
+            || (least >= speed.least * (1.0 - NEAR) && greatest <= speed.greatest * (1.0 + NEAR))
+        {
             return;
         }
         let (first, second) = self.halves();
-        let middle = second.begin();
+        let middle = infinite_unless_number(second.begin());
         if middle < speed.least * (1.0 - NEAR) {
             speed.least = middle;
         }

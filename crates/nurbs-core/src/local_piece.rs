@@ -80,6 +80,14 @@ impl<H: Backend, const D: usize> LocalPiece<H, D> {
         })
     }
 
+    /// Whether speed, weights and coefficients are numbers.
+    pub(crate) fn is_finite(&self) -> bool {
+        let Speed { least, greatest, begin, end } = self.speed;
+        let coefficients = self.numerator.iter().flatten().chain(&self.weight);
+        [least, greatest, begin, end].iter().all(|speed| speed.is_finite())
+            && coefficients.into_iter().all(|x| x.to_f64().is_finite())
+    }
+
     /// Least and greatest step per chord, in the solver's scale.
     pub(crate) fn step_per_chord(&self, scales: &Scales) -> [f64; 2] {
         self.speed.step_per_chord(scales.chord - scales.step)

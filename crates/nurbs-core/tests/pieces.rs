@@ -233,6 +233,35 @@ fn coordinates_beyond_the_origins_range_are_refused() {
     assert_eq!(error, Some(CompileError::OriginOutOfRange { curve: 0 }));
 }
 
+/// The first ones reached an assertion that a point is a number; of the last one, f32 held no inverse of the speed and made steps of
+/// nothing, so that a run never ended.
+#[test]
+fn weights_too_far_apart_and_curves_too_small_are_refused() {
+    let line = |end: f64, weights: [f64; 2]| {
+        let points = vec![[0.0, 0.0], [end, 0.0]];
+        NurbsBuf::try_new(1, points, weights.to_vec(), vec![0.0, 0.0, 1.0, 1.0]).unwrap()
+    };
+    let is_refused = |error: Option<CompileError>| {
+        assert!(matches!(error, Some(CompileError::SpeedOutOfRange { curve: 0, .. })), "{error:?}");
+    };
+    for weights in [[0.0118, 5e-324], [5e-324, 0.0118], [1e-200, 1.1e-200]] {
+        let line = line(9.0, weights);
+        let error = compile::<f64, f32, 2>(&[line.as_curve()], &LIMITS).err();
+        // Where the speed vanishes before W does it is a cusp to the compiler.
+        let is_known =
+            matches!(error, Some(CompileError::SpeedOutOfRange { .. } | CompileError::Cusp { .. }));
+        assert!(is_known, "{weights:?}: {error:?}");
+    }
+    let tiny = line(9e-100, [1.0, 1.0]);
+    is_refused(compile::<f64, f32, 2>(&[tiny.as_curve()], &LIMITS).err());
+    is_refused(compile::<DoubleDouble, f32, 2>(&[tiny.as_curve()], &LIMITS).err());
+    let small = line(9e-30, [1.0, 1.0]);
+    let pieces = compile::<f64, f32, 2>(&[small.as_curve()], &LIMITS).unwrap();
+    assert!(
+        pieces.as_pieces().pieces[0].step_per_chord.iter().all(|sigma| *sigma > 0.0 && sigma.is_finite())
+    );
+}
+
 /// In a format of two integer bits the variable of the chord polynomials was once twice as long as the format reaches: a step
 /// on a straight line at full feed was 5e-4 too short, and no audit saw it, for the bound was not among the proven ones.
 #[test]
