@@ -75,9 +75,9 @@ impl<R: Real> FeedLimit<R> {
     ///
     /// The path is sampled at steps of at most about one period at full feed, finer where the limit bends;
     /// each local minimum of the limit is found and becomes a point. Arc length is integrated along the way.
-    /// A break of the tangent becomes a stop, or a point with the feed of another [`Junction`](crate::Junction), when,
-    /// passed at the feedrate F, it would cut the corner by more than the chord error or change the velocity by more
-    /// than A T: `θ > min(4E/(F T), A T/F)`. A point where C' vanishes, as in a cusp, is a stop too, and so are a point
+    /// A break of the tangent becomes a stop when, passed at the feedrate F, it would cut the corner by more than the chord
+    /// error or change the velocity by more than A T: `θ > min(4E/(F T), A T/F)`. With another
+    /// [`Junction`](crate::Junction) it becomes a point with the feed that this allows, if that is below F. A point where C' vanishes, as in a cusp, is a stop too, and so are a point
     /// whose limit is below F/4096 and the least limit of a bend whose radius there is below E/2, which a run a little off
     /// its plan would skip.
     ///
@@ -336,6 +336,7 @@ pub(crate) fn crossing<R: Real>(from: (R, R), to: (R, R), feed: R) -> R {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Junction;
     use crate::test_paths::{Power, circle, paper_limits, polyline, seed_000, seed_003, triple_knot};
     use nurbs_core::{Evaluate, NurbsBuf, arc_length, radius};
     use proptest::prelude::*;
@@ -463,6 +464,31 @@ mod tests {
             limit.points().iter().filter(|p| p.feedrate == 0.0).count()
         };
         assert_eq!((stops(0.0033), stops(0.0034)), (0, 1));
+    }
+
+    /// Breaks below the one at which a stop is made were passed at full feed whatever the junction allowed.
+    #[test]
+    fn a_small_break_keeps_the_limit_of_its_junction() {
+        let angle = 0.0033;
+        let path = polyline(&[[0.0, 0.0], [20.0, 0.0], [40.0, 20.0 * angle]]);
+        let curves: Vec<_> = path.iter().map(NurbsBuf::as_curve).collect();
+        let at_break = |junction| {
+            let limits = KinematicLimits { junction, ..paper_limits() };
+            let limit = FeedLimit::along(&curves, &limits).unwrap();
+            assert!(crate::plan(&limit, &limits, crate::EndFeeds::default()).is_ok());
+            limit.nodes().iter().fold(f64::MAX, |least, node| least.min(node.lower))
+        };
+        assert_eq!(at_break(Junction::Stop), 0.6);
+        // 1e-4 over the greater component of e₂ - e₁, which is sin θ.
+        let expected = 1e-4 / angle.atan().sin();
+        let found = at_break(Junction::VelocityJump([1e-4; 3]));
+        assert!((found / expected - 1.0).abs() < 1e-9, "{found} for {expected}");
+        assert_eq!(at_break(Junction::VelocityJump([2e-3; 3])), 0.6); // 0.6 · 0.0033 = 1.98e-3
+        // By the chord 2δ/sin(θ/2) = 0.0303; by the acceleration √(0.045 · 2.5e-5 · 7.3e5) = 0.91.
+        let expected = 2.0 * 2.5e-5 / (angle.atan() / 2.0).sin();
+        let found = at_break(Junction::Deviation(2.5e-5));
+        assert!((found / expected - 1.0).abs() < 1e-9, "{found} for {expected}");
+        assert_eq!(at_break(Junction::Deviation(1e-3)), 0.6);
     }
 
     #[test]

@@ -45,9 +45,13 @@ pub struct AxisLimits<R> {
 }
 
 /// How a break of the tangent is passed, where curves join and inside one.
+///
+/// A turn by θ is a stop, if stops are asked for, where it is above `min(4E/(F T), A T/F)`: one below leaves the corner by no more
+/// than the chord error E at full feed, and changes the velocity by no more than A T. The others limit every break at
+/// which full feed F would be more than they allow, but for one that rounding of the tangents may be.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Junction<R> {
-    /// At rest.
+    /// At rest, where it is a corner.
     #[default]
     Stop,
     /// As if rounded within this distance δ, mm, at the acceleration A: `V² = A δ cos(φ/2) / (1 - cos(φ/2))` for a turn by

@@ -45,6 +45,8 @@ pub(crate) struct Scan<'l, R, const D: usize> {
     chord_bound_radius: R,
     /// Largest difference of unit tangents that is no corner.
     break_tolerance: R,
+    /// Largest difference of unit tangents that rounding may make.
+    rounding: R,
     distance: R,
     /// Tangent and curvature vector at the end so far.
     end: Option<([R; D], [R; D])>,
@@ -57,12 +59,24 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
         let by_chord_error = limits.chord_error.scale(2) / longest;
         let by_acceleration = limits.acceleration * limits.interpolation_period / limits.feedrate;
         // The tangents' own rounding error is a few units.
-        let break_tolerance = by_chord_error.min(by_acceleration).max(R::resolution().scale(4));
+        let rounding = R::resolution().scale(4);
+        let break_tolerance = by_chord_error.min(by_acceleration).max(rounding);
         let rule = GaussLegendre::new();
         let budget = AxisBudget::new(limits);
         let (distance, end, samples) = (R::zero(), None, Vec::new());
         let chord_bound_radius = limits.chord_bound_radius();
-        Self { limits, budget, rule, longest, chord_bound_radius, break_tolerance, distance, end, samples }
+        Self {
+            limits,
+            budget,
+            rule,
+            longest,
+            chord_bound_radius,
+            break_tolerance,
+            rounding,
+            distance,
+            end,
+            samples,
+        }
     }
 
     /// Samples one curve.
@@ -149,23 +163,36 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
         let difference: [R; D] = core::array::from_fn(|d| first.tangent[d] - end_tangent[d]);
         let turn = R::norm(&difference);
         let feedrate = self.limits.feedrate;
-        let feed = if turn > self.break_tolerance {
-            match self.limits.junction {
-                Junction::Stop => R::zero(),
-                Junction::Deviation(deviation) => self.feed_by_deviation(turn, deviation),
-                Junction::VelocityJump(jumps) => {
-                    let pairs = difference.iter().zip(jumps);
-                    pairs.fold(
-                        feedrate,
-                        |feed, (turn, jump)| {
-                            if turn.abs() * feed > jump { jump / turn.abs() } else { feed }
-                        },
-                    )
+        let is_break = turn > self.break_tolerance;
+        let by_turn = match self.limits.junction {
+            Junction::Stop => {
+                if is_break {
+                    R::zero()
+                } else {
+                    feedrate
                 }
             }
+            // Where the tangents' own rounding error could be all of it, it is no break for anybody.
+            _ if !(turn > self.rounding) => feedrate,
+            Junction::Deviation(deviation) if is_break || self.deviates(turn, deviation) => {
+                self.feed_by_deviation(turn, deviation)
+            }
+            Junction::Deviation(_) => feedrate,
+            Junction::VelocityJump(jumps) => {
+                let pairs = difference.iter().zip(jumps);
+                pairs.fold(
+                    feedrate,
+                    |feed, (turn, jump)| {
+                        if turn.abs() * feed > jump { jump / turn.abs() } else { feed }
+                    },
+                )
+            }
+        };
+        let feed = if is_break {
+            by_turn
         } else {
             let step = components::<R, D>(&core::array::from_fn(|d| first.bend[d] - end_bend[d]));
-            self.budget.map_or(feedrate, |budget| budget.feed_over(&step, feedrate))
+            self.budget.map_or(by_turn, |budget| budget.feed_over(&step, by_turn))
         };
         (feed < feedrate).then_some(feed)
     }
@@ -179,6 +206,17 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
             lowered(pair[0].at.feedrate, margin)
         });
         before.into_iter().chain(after).fold(R::max_value(), R::min)
+    }
+
+    /// Whether full feed is above [`feed_by_deviation`](Self::feed_by_deviation), without a quotient, which a small turn makes
+    /// large.
+    fn deviates(&self, turn: R, deviation: R) -> bool {
+        let KinematicLimits { feedrate, acceleration, interpolation_period, .. } = *self.limits;
+        let sine = turn.half();
+        let cosine = (R::one() - sine * sine).sqrt();
+        let across = feedrate * sine;
+        across * interpolation_period > deviation + deviation
+            || across * across > acceleration * deviation * (cosine * (R::one() + cosine))
     }
 
     /// [`Junction::Deviation`], `turn` = |e₂ - e₁| = 2 sin(φ/2).
