@@ -74,22 +74,19 @@ pub(crate) fn write(path: Option<&Path>, text: &str) -> Result<()> {
         None => named_at_last(path),
     };
     let folder = target.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(UNFINISHED[0]).suffix(UNFINISHED[1]);
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        // As any new file's: what the umask leaves of it.
-        builder.permissions(fs::Permissions::from_mode(0o666));
-    }
-    let mut file = builder.tempfile_in(folder).map_err(bare).with_context(cannot)?;
+    let mut file = tempfile::Builder::new()
+        .prefix(UNFINISHED[0])
+        .suffix(UNFINISHED[1])
+        .make_in(folder, |path| fs::File::create_new(path))
+        .with_context(cannot)?;
     // Until it is closed, the lock says that it is no leftover.
     let _ = file.as_file().try_lock();
-    file.write_all(text.as_bytes()).with_context(cannot)?;
-    file.as_file().sync_all().with_context(cannot)?;
     if let Some(found) = before {
+        // Before the text is in it: what was private is so all the while.
         file.as_file().set_permissions(found.permissions()).with_context(cannot)?;
     }
+    file.write_all(text.as_bytes()).with_context(cannot)?;
+    file.as_file().sync_all().with_context(cannot)?;
     file.persist(&target).map_err(|failure| failure.error).with_context(cannot)?;
     Ok(())
 }
@@ -115,13 +112,4 @@ fn named_at_last(path: &Path) -> PathBuf {
         target = target.parent().map_or_else(|| next.clone(), |folder| folder.join(&next));
     }
     target
-}
-
-/// An error without the name of the unfinished file, which nobody has asked for.
-fn bare(error: io::Error) -> io::Error {
-    let cause = error.get_ref().and_then(|wrapped| wrapped.source()).map(ToString::to_string);
-    match cause {
-        Some(cause) => io::Error::new(error.kind(), cause),
-        None => error,
-    }
 }

@@ -9,6 +9,7 @@ use format_compare::{AxisPeak, Dimension, ExactPlan, FeedSample, PlanSummary, Pr
 
 use crate::compare::{RunArguments, expect_an_end, selected};
 use crate::input::{AnyProblem, Input};
+use crate::progress::Progress;
 use crate::{Ending, output};
 
 /// Options of `plan`.
@@ -60,7 +61,9 @@ where
         let summary = PlanSummary::of(&plan, problem)?;
         Ok((plan, summary))
     };
+    let progress = Progress::spinning("planning");
     let plans = arguments.run.profiles().iter().map(planned).collect::<Result<Vec<_>>>()?;
+    progress.finish();
     let out = arguments.output.out.as_deref();
     let [(plan, summary)] = plans.as_slice() else {
         let summaries: Vec<_> = plans.into_iter().map(|(_, summary)| summary).collect();

@@ -180,7 +180,7 @@ fn bad_usage_is_explained() {
         (vec!["compare", "--formats", "I64F64"], "3 to 64 bits in all"),
         (vec!["compare", "--piece-length", "-1"], "--piece-length -1: expected a positive length"),
         (vec!["compare", "--start-feed", "-1"], "--start-feed -1: expected a feed of at least 0"),
-        (vec!["compare", "--fluctuation", "-1e-3"], "--fluctuation -0.001: expected a ratio"),
+        (vec!["compare", "--fluctuation", "-0.001"], "--fluctuation -0.001: expected a ratio"),
         (vec!["plan", "--window", "-1"], "--window -1: expected a positive length"),
         (vec!["plan", "--oversample", "-1"], "1..=1000"),
         (vec!["interpolate", "--override", "-1:50,2:100"], "override at -1 s: expected times from 0 on"),
