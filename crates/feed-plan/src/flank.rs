@@ -22,6 +22,8 @@ use crate::{FeedLimit, KinematicLimits, ProfileKind, StageShape};
 pub(crate) const LEVELS: i32 = 16;
 /// Levels between the slow point's feed and that of the other end of the way, if that is higher.
 pub(crate) const LEVELS_BETWEEN_ENDS: i32 = 4;
+/// Feeds down to 2⁻³² of the first level are tried for leaving a place of rest.
+const HALVINGS: usize = 32;
 /// Parts of a ramp for comparing it with the limit: in each its largest feed counts, so that it starts later
 /// than it must by at most the last part's length. With 16 parts a plan with long ramps takes up to 2 %
 /// longer.
@@ -165,11 +167,31 @@ impl<'s, R: Real> Flank<'s, R> {
         for k in 1..count {
             // Squares: the levels are dense where the limit, above its minimum, is flat.
             let share = R::from_ratio(k, count);
-            let level = self.arrival(from + (feed - from) * (share * share));
-            self.levels.extend(level);
+            let target = from + (feed - from) * (share * share);
+            let level = self.arrival(target);
+            if k == 1 && level.is_none() {
+                self.leave_rest(target);
+            }
+            self.levels.extend(level.or_else(|| self.arrival(target)));
         }
         let level = self.arrival(feed);
         self.levels.extend(level);
+    }
+
+    /// Adds levels below `target`, each twice the one before, from the highest that a ramp from rest can reach at once: at rest it
+    /// cannot wait for room, and where the limit is low over more than the first ramp no higher level is in reach.
+    fn leave_rest(&mut self, target: R) {
+        if self.levels.len() > 1 || self.base() > R::zero() {
+            return;
+        }
+        let halves = core::iter::successors(Some(target.half()), |feed| Some(feed.half()));
+        let Some(first) = halves.take(HALVINGS).find_map(|feed| self.arrival(feed)) else { return };
+        let doubles = core::iter::successors(Some(first.feed + first.feed), |feed| Some(*feed + *feed));
+        self.levels.push(first);
+        for feed in doubles.take(HALVINGS).take_while(|feed| *feed < target) {
+            let level = self.arrival(feed);
+            self.levels.extend(level);
+        }
     }
 
     /// The feed at the slow point.

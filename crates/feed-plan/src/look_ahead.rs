@@ -386,6 +386,33 @@ mod tests {
         }
     }
 
+    /// A path that begins in a tight bend: its limit is below 2⁻⁸ of the feedrate over more than the first ramp, and the plan crept
+    /// to the other end at that feed.
+    #[test]
+    fn a_path_that_begins_in_a_tight_bend_is_not_crept_along() {
+        for (y, feedrate) in
+            [(0.5, 10.0), (0.5, 100.0), (0.5, 1000.0), (2.236, 400.0), (2.236, 410.0), (0.05, 100.0)]
+        {
+            let forwards = vec![[0.0, 0.0], [0.0, y], [200.0, y]];
+            let backwards = forwards.iter().rev().copied().collect();
+            for points in [forwards, backwards] {
+                let knots = vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0];
+                let curve = NurbsBuf::try_new_nonrational(2, points, knots).unwrap();
+                let limits = in_periods(4e-3, feedrate, 5000.0, 4e5, 1e-4);
+                let limit = FeedLimit::along(&[curve.as_curve()], &limits).unwrap();
+                for kind in ProfileKind::ALL {
+                    let plan = plan_with(&limit, &limits, EndFeeds::default(), kind).unwrap();
+                    let (duration, bound) =
+                        (plan.as_schedule().duration(), jerk_free_duration(&limit, &limits));
+                    assert!(
+                        duration < 1.25 * bound + 30.0,
+                        "{y} {feedrate} {kind:?}: {duration} for {bound}"
+                    );
+                }
+            }
+        }
+    }
+
     #[test]
     fn the_curve_s_own_limit_holds_between_the_points_too() {
         for (curve, limits) in [

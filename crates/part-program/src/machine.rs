@@ -1,6 +1,7 @@
 //! A machine's limits: the table `[machine]` of a TOML file.
 
-use serde::Serialize;
+use serde::ser::SerializeMap;
+use serde::{Serialize, Serializer};
 use toml::de::DeTable;
 
 use crate::diagnostic::{Diagnostics, Report};
@@ -30,14 +31,14 @@ pub struct Machine {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub centripetal_acceleration_mm_per_s2: Option<f64>,
     /// How a break of the tangent is passed.
+    #[serde(flatten)]
     pub junction: Junction,
     /// Limits of single axes.
     pub axes: Axes,
 }
 
 /// How a break of the tangent is passed: key `junction`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Junction {
     /// `"stop"`, also without the key: at rest.
     #[default]
@@ -47,6 +48,23 @@ pub enum Junction {
     /// `"velocity-jump"`: with a jump of each axis's velocity by at most `velocity_jump_mm_per_s` of its table; one
     /// that gives none may not jump at all.
     VelocityJump,
+}
+
+/// As in a file: one key, or two.
+impl Serialize for Junction {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut keys = serializer.serialize_map(None)?;
+        let name = match self {
+            Self::Stop => "stop",
+            Self::DeviationMm(_) => "deviation",
+            Self::VelocityJump => "velocity-jump",
+        };
+        keys.serialize_entry("junction", name)?;
+        if let Self::DeviationMm(deviation) = self {
+            keys.serialize_entry("junction_deviation_mm", deviation)?;
+        }
+        keys.end()
+    }
 }
 
 /// Limits of single axes, where the file gives them.

@@ -53,7 +53,7 @@ fn machine(machine: &Machine) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Move, Shape, read_part};
+    use crate::{Junction, Move, Shape, read_part};
 
     const PROGRAM: &str = "G0 X1 Y2 Z5\nG0 X0.1\nG1 Z-0.2 F300\nG1 X10 F2400\nG3 X20 Y12 R10\nG06.2 P3 K0 X20 Y12\nK0 X30 R2\nK0 X30 Y0 Z0.0000001\nK1\nK1\nK1\nM30\n";
 
@@ -61,10 +61,17 @@ mod tests {
     fn what_is_written_reads_back() {
         let machine = crate::read_machine("m", include_str!("../../../data/seed-000.toml")).unwrap();
         let axes = crate::Axes {
-            y: crate::AxisLimits { velocity_mm_per_s: Some(250.0), ..crate::AxisLimits::default() },
+            y: crate::AxisLimits {
+                velocity_mm_per_s: Some(250.0),
+                velocity_jump_mm_per_s: Some(2.5),
+                ..crate::AxisLimits::default()
+            },
             ..crate::Axes::default()
         };
-        for machine in [None, Some(Machine { axes, ..machine })] {
+        let stop = Machine { axes: crate::Axes::default(), junction: Junction::Stop, ..machine.clone() };
+        let deviation = Machine { junction: Junction::DeviationMm(0.01), ..stop.clone() };
+        let jump = Machine { junction: Junction::VelocityJump, axes, ..machine };
+        for machine in [None, Some(stop), Some(deviation), Some(jump)] {
             let part = Part { machine, ..read_part("p.nc", PROGRAM).unwrap() };
             let again = read_part("p.toml", &write_curves(&part)).unwrap();
             assert_eq!(
