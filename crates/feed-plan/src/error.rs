@@ -29,9 +29,10 @@ pub enum PlanError {
         /// Index of the first point that is not after its predecessor.
         index: usize,
     },
-    /// The limit is zero, or below what the format resolves, over a whole stretch: the path cannot be passed.
+    /// No feed leads from one key point of the limit, an end, a stop or a minimum, to the next: the limit is zero over a whole
+    /// stretch between them, or so low, or the way so short, that the format resolves no transition.
     CannotMove {
-        /// Index of the limit point at the start of the stretch.
+        /// Index of the limit point that is the first of the two.
         index: usize,
     },
     /// The feed asked for at the start is above the limit there, or too fast to brake for what follows.
@@ -57,7 +58,8 @@ impl fmt::Display for PlanError {
             Self::CannotMove { index } => {
                 write!(
                     f,
-                    "the feed limit is zero between limit point {index} and the next: the path cannot be passed"
+                    "no feed leads on from limit point {index}: the feed limit is zero on the way to the next minimum or \
+                     stop, or too low for the number format"
                 )
             }
             Self::StartFeedTooHigh => write!(f, "start feed is above the limit, or too high to brake from"),

@@ -25,8 +25,9 @@ use crate::{KnotVector, MAX_DEGREE};
 
 /// The basis functions `N_{i-p,p}(u) … N_{i,p}(u)` in the span at knot index `span` = i; the rest of the array is 0.
 ///
-/// `u` may lie outside the span: its polynomials are then extrapolated. An index that is no span of the vector is
-/// taken as the nearest one.
+/// `u` may lie outside the span: its polynomials are then extrapolated. An index below p or above n is taken as that, which are the
+/// first span and the last. That of an empty span, between equal knots, has no functions of its own: with 0/0 = 0 the recurrence
+/// gives numbers that sum to 1 and belong to no point of the curve.
 ///
 /// Accuracy, `u` inside the span: fixed point, each function is within `p(p+1)` units of the last place and the sum
 /// is exactly 1; floating point, each function is within a relative `4p` units.
@@ -94,7 +95,20 @@ mod tests {
     use real::{Backend, DoubleDouble, FixedPoint, I16F16, I32F32};
 
     proptest! {
-        #[test]
+        /// 0, 0, 0, 1, 1, 2, 2, 2: between the two knots 1 lies no span, and index 3 is not taken as 2 or 4.
+    #[test]
+    fn an_index_beyond_the_spans_is_the_nearest_and_that_of_an_empty_one_is_not() {
+        let knots = [0.0, 0.0, 0.0, 1.0, 1.0, 2.0, 2.0, 2.0];
+        let knots = KnotVector::try_new(2, 5, &knots).unwrap();
+        let at = |span, u| basis_functions(&knots, span, u);
+        assert_eq!((at(0, 0.25), at(99, 1.75)), (at(2, 0.25), at(4, 1.75)));
+        for u in [0.25, 1.75] {
+            assert!(at(3, u) != at(2, u) && at(3, u) != at(4, u), "{:?}", at(3, u));
+            assert_eq!(at(3, u).iter().sum::<f64>(), 1.0);
+        }
+    }
+
+    #[test]
         fn floats_are_relatively_accurate((curve, u) in generate::curve_and_parameter::<2>()) {
             let knots = *curve.as_curve().knots();
             let span = knots.find_span(u);
