@@ -57,6 +57,17 @@ fn without_a_change_the_feed_is_the_plan_s() {
     assert!((0.599..=0.6).contains(&fastest), "{fastest}");
 }
 
+/// What is commanded from the start on holds there too: nothing moves off at the full feed to slow down on the way.
+#[test]
+fn an_override_from_the_start_on_is_there_at_the_start() {
+    let (held, _) = chords(&["--override", "0:0,1:100"]);
+    assert_kept(&held, 1e-7);
+    assert!(held[..333].iter().all(|chord| *chord == 0.0) && held[340] > 0.0, "{:?}", &held[330..342]);
+    let (slow, _) = chords(&["--override", "0:50"]);
+    let fastest = slow.iter().copied().fold(0.0, f64::max);
+    assert!((0.299..=0.3).contains(&fastest), "{fastest}");
+}
+
 #[test]
 fn overrides_out_of_range_are_refused() {
     for (arguments, reason) in [

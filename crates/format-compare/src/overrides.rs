@@ -145,7 +145,10 @@ impl Overrides {
         let rate = |share: f64| Rate::of(share / self.highest());
         let period_of = |target: &OverrideTarget| (target.time_s / problem.period_s()).round();
         let targets = self.targets.iter().map(|target| (period_of(target), rate(target.share))).collect();
-        let mut commands = OverrideCommands { feeds, start: rate(1.0), targets, lengths: Vec::new() };
+        // What is commanded from the first period on is there before it.
+        let at_start = self.targets.iter().take_while(|target| period_of(target) <= 0.0).last();
+        let start = rate(at_start.map_or(1.0, |target| target.share));
+        let mut commands = OverrideCommands { feeds, start, targets, lengths: Vec::new() };
         commands.lengths = commands.lengths_of(stages).ok_or(OverrideError::TooLong)?;
         Ok(commands)
     }
