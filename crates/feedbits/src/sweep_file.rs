@@ -68,16 +68,19 @@ fn lock(file: &File, path: &Path) -> Result<()> {
 }
 
 /// Reads a sweep's file. Its last line may be torn, or its cell may still be written.
-pub(crate) fn read(path: &Path) -> Result<(Sweep, Vec<SweepCell>)> {
+pub(crate) fn read(path: &Path) -> Result<Found> {
     let name = path.display();
     let file = File::open(path).with_context(|| format!("cannot read {name}"))?;
     let (found, _) = parsed(&name.to_string(), BufReader::new(file))?;
     found.with_context(|| format!("{name}: expected the file of a sweep, found no line of it"))
 }
 
+/// What is swept, and the cells that are there.
+type Found = (Sweep, Vec<SweepCell>);
+
 /// What the whole lines say, if there is one, and where they end. Every cell is where its number says, and has a result
 /// for each run or a reason.
-fn parsed<S: BufRead>(name: &str, source: S) -> Result<(Option<(Sweep, Vec<SweepCell>)>, Lines<S>)> {
+fn parsed<S: BufRead>(name: &str, source: S) -> Result<(Option<Found>, Lines<S>)> {
     let mut lines = Lines { source, number: 0, whole: 0, last: Vec::new() };
     if !lines.advance(name)? {
         return Ok((None, lines));

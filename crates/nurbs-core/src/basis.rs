@@ -94,8 +94,7 @@ mod tests {
     use proptest::prelude::*;
     use real::{Backend, DoubleDouble, FixedPoint, I16F16, I32F32};
 
-    proptest! {
-        /// 0, 0, 0, 1, 1, 2, 2, 2: between the two knots 1 lies no span, and index 3 is not taken as 2 or 4.
+    /// 0, 0, 0, 1, 1, 2, 2, 2: between the two knots 1 lies no span, and index 3 is not taken as 2 or 4.
     #[test]
     fn an_index_beyond_the_spans_is_the_nearest_and_that_of_an_empty_one_is_not() {
         let knots = [0.0, 0.0, 0.0, 1.0, 1.0, 2.0, 2.0, 2.0];
@@ -108,7 +107,8 @@ mod tests {
         }
     }
 
-    #[test]
+    proptest! {
+        #[test]
         fn floats_are_relatively_accurate((curve, u) in generate::curve_and_parameter::<2>()) {
             let knots = *curve.as_curve().knots();
             let span = knots.find_span(u);

@@ -141,9 +141,9 @@ mod tests {
                 for span in 0..spans {
                     let (from, to) = nurbs.span_bounds(span);
                     let point = nurbs.derivatives_in(span, from + (to - from) * f64::from(step) / 2000.0).point;
-                    for axis in 0..3 {
-                        seen.0[axis] = seen.0[axis].min(point[axis]);
-                        seen.1[axis] = seen.1[axis].max(point[axis]);
+                    for (axis, x) in point.into_iter().enumerate() {
+                        seen.0[axis] = seen.0[axis].min(x);
+                        seen.1[axis] = seen.1[axis].max(x);
                     }
                 }
             }
