@@ -49,7 +49,8 @@ fn in_format<R: Backend>(path: &RandomPath<2>, limits: &KinematicLimits<f64>, en
     // A step much shorter than the curve makes more limit points than a fuzzer has time for.
     let polygon = path.limits.feedrate * 2000.0;
     let step = limits.feedrate.to_f64() * limits.interpolation_period.to_f64();
-    if !(step > polygon / 20_000.0) {
+    let is_long_enough = step > polygon / 20_000.0;
+    if !is_long_enough {
         return assert!(limits.feedrate > R::zero() || limits.validate().is_err());
     }
     let Ok(curves) = path.curves.iter().map(NurbsBuf::convert::<R>).collect::<Result<Vec<_>, _>>() else {

@@ -33,8 +33,7 @@ fuzz_target!(|bytes: &[u8]| {
 
 /// Refused, or as many samples as sub-steps, all of them numbers where the setpoints are of a machine's size.
 fn run<R: Backend>(parameters: &ServoParameters, period: f64, setpoints: &[[f64; 2]]) {
-    let Ok(mut servo) = Servo::<R, 2>::try_new(&[parameters.clone(), parameters.clone()], period, [0.0; 2])
-    else {
+    let Ok(mut servo) = Servo::<R, 2>::try_new(&[*parameters; 2], period, [0.0; 2]) else {
         return;
     };
     let mut samples = Vec::new();

@@ -61,7 +61,9 @@ pub(crate) fn stop(good: bool) -> ! {
     const APPLICATION_EXIT: usize = 0x2_0026;
     const RUN_TIME_ERROR: usize = 0x2_0023;
     semihosting(EXIT, if good { APPLICATION_EXIT } else { RUN_TIME_ERROR });
-    loop {}
+    loop {
+        core::hint::spin_loop();
+    }
 }
 
 #[inline(always)]

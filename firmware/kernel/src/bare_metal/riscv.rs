@@ -36,7 +36,9 @@ pub(crate) fn stop(good: bool) -> ! {
     const FAIL: u32 = 0x1_3333;
     // SAFETY: the machine's test device, which ends the emulation.
     unsafe { ptr::write_volatile(TEST, if good { PASS } else { FAIL }) };
-    loop {}
+    loop {
+        core::hint::spin_loop();
+    }
 }
 
 #[inline(always)]
