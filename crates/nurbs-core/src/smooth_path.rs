@@ -252,6 +252,46 @@ mod tests {
         }
     }
 
+    /// An arc on the left of its start, or on the right, that leaves it in a direction and turns by `sweep`.
+    fn arc_from(start: [f64; 2], direction: f64, radius: f64, is_left: bool, sweep: f64) -> Arc<f64, 2> {
+        let (side, sense) = if is_left { (1.0, Sense::Counterclockwise) } else { (-1.0, Sense::Clockwise) };
+        let centre = [start[0] - radius * side * direction.sin(), start[1] + radius * side * direction.cos()];
+        let angle = direction + side * (sweep - core::f64::consts::FRAC_PI_2);
+        let end = [centre[0] + radius * angle.cos(), centre[1] + radius * angle.sin()];
+        Arc::in_plane([start, end, centre], [0, 1], sense, 1e-6).unwrap()
+    }
+
+    /// Beside an arc a cut may be farthest from the moves between two samples, by 0.25 % more than at them: whether it is
+    /// taken must not hang on where they lie.
+    #[test]
+    fn the_largest_cut_beside_an_arc_is_within_tolerance() {
+        let back = arc_from([0.0, 0.0], core::f64::consts::PI, 313.0, false, 0.9);
+        let (start, centre) = (back.point(back.quarters()), *back.centre());
+        let before =
+            Arc::in_plane([start, [0.0, 0.0], centre], [0, 1], Sense::Counterclockwise, 1e-6).unwrap();
+        let mut largest = 0.0_f64;
+        for (sweep, turn) in
+            [0.74, 0.76, 0.78].into_iter().flat_map(|a| [0.0025, 0.005, 0.0075].map(|b| (a, b)))
+        {
+            // The cut takes all of the second arc, for every tolerance that lets it.
+            let moves = [before.into(), arc_from([0.0; 2], turn, 66.8, false, sweep).into()];
+            let is_whole = |tolerance| cut(&moves, tolerance).curves.len() == 2;
+            let (mut refused, mut tolerance) = (1e-3, 10.0);
+            assert!(is_whole(tolerance) && !is_whole(refused), "{sweep} {turn}");
+            for _ in 0..40 {
+                let middle = f64::midpoint(refused, tolerance);
+                if is_whole(middle) { tolerance = middle } else { refused = middle }
+            }
+            let legs: Vec<_> = moves.iter().enumerate().filter_map(|(i, one)| Leg::new(i, one)).collect();
+            let path = cut(&moves, tolerance);
+            let to_moves = |p: &[f64; 2]| legs[0].distance_mm(p).min(legs[1].distance_mm(p));
+            let off = dense(corner_of(&path, 0).0, 4000).iter().map(to_moves).fold(0.0, f64::max);
+            assert!(off <= tolerance, "turn {turn}, sweep {sweep}: {off} > {tolerance}");
+            largest = largest.max(off / tolerance);
+        }
+        assert!(largest > 0.998, "no cut is at its limit: {largest}");
+    }
+
     #[test]
     fn a_cut_is_nearly_as_round_as_a_circle() {
         for degrees in (1..170).map(f64::from) {
