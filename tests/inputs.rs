@@ -37,6 +37,7 @@ pub fn on_paper_as_machine<const D: usize>(name: &str, curve: NurbsBuf<f64, D>) 
         curves: vec![curve],
         moved_mm: Vec::new(),
         feed_shares: Vec::new(),
+        stops: Vec::new(),
         rapids_left_out: 0,
         machine: machine(),
     }

@@ -95,10 +95,23 @@ impl<R: Real> FeedLimit<R> {
         curves: &[C],
         limits: &KinematicLimits<R>,
     ) -> Result<Self, PlanError> {
+        Self::along_with_stops(curves, limits, &[])
+    }
+
+    /// The same with a stop where each curve of `stops`, numbers in order, begins: exact stop, whatever the directions
+    /// and the [`Junction`](crate::Junction).
+    ///
+    /// # Errors
+    /// As [`along`](Self::along).
+    pub fn along_with_stops<const D: usize, C: Differentiate<R, D>>(
+        curves: &[C],
+        limits: &KinematicLimits<R>,
+        stops: &[usize],
+    ) -> Result<Self, PlanError> {
         limits.validate()?;
         let mut scan = Scan::new(limits);
         for (index, curve) in curves.iter().enumerate() {
-            scan.pass(index, curve)?;
+            scan.pass(index, curve, stops.binary_search(&index).is_ok())?;
         }
         Self::assemble(scan.samples(), limits.chord_error)
     }
@@ -452,6 +465,22 @@ mod tests {
         assert!((around[0].feedrate, around[2].feedrate) == (0.6, 0.6), "{around:?}");
         assert_eq!(limit.at(around[1].distance), 0.0);
         assert_eq!(limit.at(around[1].distance + 1e-9), 0.6);
+    }
+
+    #[test]
+    fn an_exact_stop_is_one_without_a_corner_and_whatever_the_junction() {
+        let path = polyline(&[[0.0, 0.0], [10.0, 0.0], [20.0, 0.0], [20.0, 10.0]]);
+        let curves: Vec<_> = path.iter().map(NurbsBuf::as_curve).collect();
+        let limits = KinematicLimits { junction: crate::Junction::Deviation(0.1), ..paper_limits() };
+        let stops = |stops: &[usize]| {
+            let limit = FeedLimit::along_with_stops(&curves, &limits, stops).unwrap();
+            let rests = limit.points().iter().filter(|p| p.feedrate == 0.0);
+            rests.map(|p| (p.curve, p.distance.round())).collect::<Vec<_>>()
+        };
+        assert!(stops(&[]).is_empty());
+        assert_eq!(stops(&[1]), [(1, 10.0)]);
+        // The start is at rest anyhow.
+        assert_eq!(stops(&[0, 1, 2]), [(1, 10.0), (2, 20.0)]);
     }
 
     #[test]

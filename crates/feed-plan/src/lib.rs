@@ -110,4 +110,4 @@ pub use s_curve_profile::SCurveProfile;
 pub use schedule::{Cursor, Schedule, ScheduleBuf, Stage, StageKind};
 pub use stage_shape::StageShape;
 pub use trigonometric_profile::TrigonometricProfile;
-pub use window::{WindowedPlan, plan_through_window};
+pub use window::{CommandedCurve, WindowedPlan, plan_through_window};

@@ -79,17 +79,24 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
         }
     }
 
-    /// Samples one curve.
-    pub(crate) fn pass<C: Differentiate<R, D>>(&mut self, curve: usize, shape: &C) -> Result<(), PlanError> {
-        (0..shape.span_count()).try_for_each(|index| self.pass_span(curve, shape, index))
+    /// Samples one curve, which begins at rest if `from_rest`, whatever the directions.
+    pub(crate) fn pass<C: Differentiate<R, D>>(
+        &mut self,
+        curve: usize,
+        shape: &C,
+        from_rest: bool,
+    ) -> Result<(), PlanError> {
+        (0..shape.span_count())
+            .try_for_each(|index| self.pass_span(curve, shape, index, from_rest && index == 0))
     }
 
-    /// Samples one span of a curve.
+    /// Samples one span of a curve; it begins at rest if `from_rest`.
     pub(crate) fn pass_span<C: Differentiate<R, D>>(
         &mut self,
         curve: usize,
         shape: &C,
         index: usize,
+        from_rest: bool,
     ) -> Result<(), PlanError> {
         let (limits, budget, rule) = (self.limits, self.budget.as_ref(), &self.rule);
         let (longest, chord_bound_radius) = (self.longest, self.chord_bound_radius);
@@ -99,7 +106,7 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
         span.rest_in_bends(&mut stations);
         // A stop is one by its geometry; where only an axis's jerk asks for a creep, the path is crept along.
         self.limit_by_jerk(&mut stations);
-        self.append(curve, &stations).ok_or(PlanError::LengthOverflows { curve })
+        self.append(curve, &stations, from_rest).ok_or(PlanError::LengthOverflows { curve })
     }
 
     /// The samples so far, but for those forgotten.
@@ -118,11 +125,13 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
         self.samples.drain(..kept.saturating_sub(1));
     }
 
-    /// Appends a span; `None` when a distance does not increase as numbers of the format should.
-    fn append(&mut self, curve: usize, stations: &[Station<R, D>]) -> Option<()> {
+    /// Appends a span, with a stop before it if `from_rest`; `None` when a distance does not increase as numbers of the format
+    /// should.
+    fn append(&mut self, curve: usize, stations: &[Station<R, D>], from_rest: bool) -> Option<()> {
         let (first, last) = (&stations.first()?.at, &stations.last()?.at);
         let is_lowest = |feedrate: &R| *feedrate < self.lower_beside(stations);
-        if let Some(feedrate) = self.junction_feed(first).filter(is_lowest) {
+        let stop = (from_rest && self.end.is_some()).then(R::zero);
+        if let Some(feedrate) = stop.or_else(|| self.junction_feed(first).filter(is_lowest)) {
             self.push(curve, &Sample { feedrate, ..*first }, None);
             if let Some(junction) = self.samples.last_mut() {
                 junction.is_single = true;

@@ -38,8 +38,19 @@ pub struct WindowedPlan<R> {
     pub windows: usize,
 }
 
+/// A curve of a path as a program commands it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CommandedCurve<C, R> {
+    /// The curve, which starts where the one before ends.
+    pub curve: C,
+    /// No more than this feed on it, as for [`FeedLimit::capped`].
+    pub feed: R,
+    /// Whether it begins at rest whatever the directions, as for [`FeedLimit::along_with_stops`].
+    pub from_rest: bool,
+}
+
 /// Plans curves that follow each other, from rest to rest, with `window` mm in view; `emit` takes the stages, in order
-/// and for good. Each curve has a feed of its own beside it, as for [`FeedLimit::capped`].
+/// and for good.
 ///
 /// Distances count from the path's start and curves from the first one. The feed is continuous over windows, and all
 /// limits of [`plan`](crate::plan) hold. Planning costs in proportion to the path: each span is sampled once, and each
@@ -48,7 +59,7 @@ pub struct WindowedPlan<R> {
 /// # Errors
 /// As [`plan`](crate::plan); [`PlanError::NotPositive`] for a window that is none. What was emitted before an error stands.
 pub fn plan_through_window<R: Real, const D: usize, C: Differentiate<R, D>>(
-    curves: impl IntoIterator<Item = (C, R)>,
+    curves: impl IntoIterator<Item = CommandedCurve<C, R>>,
     limits: &KinematicLimits<R>,
     window: R,
     kind: ProfileKind,
@@ -136,13 +147,13 @@ fn cut<R: Real>(stage: &Stage<R>, distance: R, limit: &FeedLimit<R>) -> (Stage<R
 struct Source<C, R, I> {
     curves: I,
     /// The curve at hand, its index, and its next span.
-    at: Option<(C, usize, usize)>,
+    at: Option<(CommandedCurve<C, R>, usize, usize)>,
     /// The feeds of the curves in view, each with the curve's index.
     feeds: VecDeque<(usize, R)>,
 }
 
-impl<C, R: Real, I: Iterator<Item = (C, R)>> Source<C, R, I> {
-    fn new(curves: impl IntoIterator<Item = (C, R), IntoIter = I>) -> Self {
+impl<C, R: Real, I: Iterator<Item = CommandedCurve<C, R>>> Source<C, R, I> {
+    fn new(curves: impl IntoIterator<Item = CommandedCurve<C, R>, IntoIter = I>) -> Self {
         let mut source = Self { curves: curves.into_iter(), at: None, feeds: VecDeque::new() };
         source.open(0);
         source
@@ -150,9 +161,9 @@ impl<C, R: Real, I: Iterator<Item = (C, R)>> Source<C, R, I> {
 
     /// Takes the next curve, which has this index.
     fn open(&mut self, index: usize) {
-        self.at = self.curves.next().map(|(curve, feed)| {
-            self.feeds.push_back((index, feed));
-            (curve, index, 0)
+        self.at = self.curves.next().map(|commanded| {
+            self.feeds.push_back((index, commanded.feed));
+            (commanded, index, 0)
         });
     }
 
@@ -178,9 +189,10 @@ impl<C, R: Real, I: Iterator<Item = (C, R)>> Source<C, R, I> {
     where
         C: Differentiate<R, D>,
     {
-        let Some((curve, index, span)) = &mut self.at else { return Ok(()) };
+        let Some((commanded, index, span)) = &mut self.at else { return Ok(()) };
+        let CommandedCurve { curve, from_rest, .. } = commanded;
         if *span < curve.span_count() {
-            scan.pass_span(*index, curve, *span)?;
+            scan.pass_span(*index, curve, *span, *from_rest && *span == 0)?;
             *span += 1;
         }
         if *span >= curve.span_count() {
@@ -199,7 +211,9 @@ struct View<'l, R, const D: usize, C, I> {
     window: R,
 }
 
-impl<R: Real, const D: usize, C: Differentiate<R, D>, I: Iterator<Item = (C, R)>> View<'_, R, D, C, I> {
+impl<R: Real, const D: usize, C: Differentiate<R, D>, I: Iterator<Item = CommandedCurve<C, R>>>
+    View<'_, R, D, C, I>
+{
     /// Moves the window's begin; whether there is any path left.
     fn advance(&mut self, begin: R) -> Result<bool, PlanError> {
         // A stop lets the limit jump within the chord error of it: as far back, samples still matter.
@@ -228,7 +242,7 @@ mod tests {
     use super::*;
     use crate::plan_with;
     use crate::test_paths::{paper_limits, polyline, seed_000, seed_003};
-    use nurbs_core::NurbsBuf;
+    use nurbs_core::{NurbsBuf, NurbsCurve};
 
     /// A staircase of short lines and, in between, the papers' curves moved to where the path is.
     fn long_path(repeats: usize) -> Vec<NurbsBuf<f64, 2>> {
@@ -240,6 +254,16 @@ mod tests {
         path
     }
 
+    fn freely(
+        curves: &[NurbsBuf<f64, 2>],
+    ) -> impl Iterator<Item = CommandedCurve<NurbsCurve<'_, f64, 2>, f64>> {
+        curves.iter().map(|curve| CommandedCurve {
+            curve: curve.as_curve(),
+            feed: f64::MAX,
+            from_rest: false,
+        })
+    }
+
     fn streamed(
         curves: &[NurbsBuf<f64, 2>],
         window: f64,
@@ -247,8 +271,8 @@ mod tests {
     ) -> (Vec<Stage<f64>>, WindowedPlan<f64>) {
         let limits = paper_limits();
         let mut stages = Vec::new();
-        let views = curves.iter().map(|curve| (curve.as_curve(), f64::MAX));
-        let done = plan_through_window(views, &limits, window, kind, |stage| stages.push(*stage)).unwrap();
+        let done =
+            plan_through_window(freely(curves), &limits, window, kind, |stage| stages.push(*stage)).unwrap();
         (stages, done)
     }
 
@@ -327,8 +351,8 @@ mod tests {
     fn a_window_that_is_none_is_refused() {
         let curves = long_path(1);
         for window in [0.0, -1.0, f64::NAN] {
-            let views = curves.iter().map(|curve| (curve.as_curve(), f64::MAX));
-            let refused = plan_through_window(views, &paper_limits(), window, ProfileKind::Cubic, |_| ());
+            let refused =
+                plan_through_window(freely(&curves), &paper_limits(), window, ProfileKind::Cubic, |_| ());
             assert_eq!(refused, Err(PlanError::NotPositive { what: "window" }));
         }
     }
@@ -360,10 +384,43 @@ mod tests {
             let bound = crate::jerk_free_duration(&limit, &limits);
             assert!(whole.as_schedule().duration() < 1.02 * bound, "{kind:?}");
             let mut stages = Vec::new();
-            let fed = curves.iter().enumerate().map(|(i, curve)| (curve.as_curve(), feed_of(i)));
-            let done = plan_through_window(fed, &limits, 120.0, kind, |stage| stages.push(*stage)).unwrap();
+            let capped =
+                freely(&curves).enumerate().map(|(i, one)| CommandedCurve { feed: feed_of(i), ..one });
+            let done =
+                plan_through_window(capped, &limits, 120.0, kind, |stage| stages.push(*stage)).unwrap();
             keeps(&stages);
             assert!(done.duration < 1.02 * bound, "{kind:?}: {} for {bound}", done.duration);
+        }
+    }
+
+    #[test]
+    fn an_exact_stop_is_rested_at_in_every_window() {
+        let curves = long_path(40);
+        let views: Vec<_> = curves.iter().map(NurbsBuf::as_curve).collect();
+        // Joints that the tool passes without them.
+        let stops = [4, 49, 103];
+        let limit = FeedLimit::along_with_stops(&views, &paper_limits(), &stops).unwrap();
+        let free = FeedLimit::along(&views, &paper_limits()).unwrap();
+        let begins = stops.map(|curve| {
+            let point = limit.points().iter().find(|point| point.curve == curve).unwrap();
+            assert_eq!(point.feedrate, 0.0);
+            assert!(free.at(point.distance) > 0.0, "curve {curve} begins at rest without an exact stop");
+            point.distance
+        });
+        for kind in ProfileKind::ALL {
+            let mut rests = Vec::new();
+            let commanded = freely(&curves).enumerate();
+            let commanded = commanded.map(|(i, one)| CommandedCurve { from_rest: stops.contains(&i), ..one });
+            plan_through_window(commanded, &paper_limits(), 60.0, kind, |stage| {
+                if stage.end_feed == 0.0 {
+                    rests.push(stage.start + stage.length);
+                }
+            })
+            .unwrap();
+            for begin in begins {
+                let is_there = rests.iter().any(|rest| (rest - begin).abs() < 1e-9);
+                assert!(is_there, "{kind:?}: no rest at {begin}, but at {rests:?}");
+            }
         }
     }
 }

@@ -84,6 +84,10 @@ fn notes(part: &Part, again: &Part, to: Target) -> Vec<String> {
     if !part.standstills.is_empty() {
         notes.push(format!("{} moves that go nowhere are left out", part.standstills.len()));
     }
+    let stops = |part: &Part| part.moves.iter().filter(|one| one.exact_stop).count();
+    if stops(again) < stops(part) {
+        notes.push(format!("{} of {} exact stops are lost", stops(part) - stops(again), stops(part)));
+    }
     if part.machine.is_some() && to != Target::Toml {
         notes.push("the machine is left out: a program has none".into());
     }

@@ -1,8 +1,8 @@
 //! A plan as every format can take it: the stages in double-double, which holds each format's numbers exactly.
 
 use feed_plan::{
-    AxisLimits, EndFeeds, FeedLimit, Junction, KinematicLimits, PlanError, ProfileKind, Schedule,
-    ScheduleBuf, Stage, StageShape, plan_through_window, plan_with,
+    AxisLimits, CommandedCurve, EndFeeds, FeedLimit, Junction, KinematicLimits, PlanError, ProfileKind,
+    Schedule, ScheduleBuf, Stage, StageShape, plan_through_window, plan_with,
 };
 use nurbs_core::{Differentiate, NurbsBuf};
 use real::{Backend, DoubleDouble, Real};
@@ -67,7 +67,7 @@ impl ExactPlan {
         let shares = shares.collect::<Result<Vec<R>, _>>()?;
         let feed_of =
             |curve: usize| shares.get(curve).map_or(limits.feedrate, |share| limits.feedrate * *share);
-        let feed_limit = FeedLimit::along(curves, limits)?.capped(feed_of);
+        let feed_limit = FeedLimit::along_with_stops(curves, limits, &problem.stops)?.capped(feed_of);
         let [start, end] = end_feeds_mm_per_s.map(|feed| feed * problem.period_s());
         let ends = EndFeeds { start: in_format("start feed", start)?, end: in_format("end feed", end)? };
         let schedule = plan_with(&feed_limit, limits, ends, profile)?;
@@ -88,8 +88,11 @@ impl ExactPlan {
         let limits = problem.limits_per_period()?;
         let (mut stages, mut periods) = (Vec::new(), 0.0_f64);
         let feed_of = |curve: usize| limits.feedrate * problem.feed_share(curve);
-        let curves =
-            problem.curves.iter().enumerate().map(|(index, curve)| (curve.as_curve(), feed_of(index)));
+        let curves = problem.curves.iter().enumerate().map(|(index, curve)| CommandedCurve {
+            curve: curve.as_curve(),
+            feed: feed_of(index),
+            from_rest: problem.stops.binary_search(&index).is_ok(),
+        });
         plan_through_window(curves, &limits, window_mm, profile, |stage| {
             stages.push(*stage);
             periods += stage.duration;

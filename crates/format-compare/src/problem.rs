@@ -20,6 +20,8 @@ pub struct Problem<const D: usize> {
     pub moved_mm: Vec<[f64; D]>,
     /// Each curve's own feedrate, as a share of the machine's; empty if all are 1.
     pub feed_shares: Vec<f64>,
+    /// Numbers of the curves that begin at rest whatever their direction, in order: those behind an exact stop.
+    pub stops: Vec<usize>,
     /// The number of rapid moves that were left out.
     pub rapids_left_out: usize,
     /// The machine's limits, with the highest feedrate that the part commands, if it does.
@@ -47,8 +49,11 @@ impl<const D: usize> Problem<D> {
             let is_rapid = part.moves.get(*index).is_some_and(|one| one.kind == MoveKind::Rapid);
             rapids_left_out == 0 || !is_rapid
         });
-        let feed_shares = feed_shares(part, taken.clone().map(|(index, _)| index));
-        let taken: Vec<_> = taken.map(|(_, curve)| curve).collect();
+        let (indices, taken): (Vec<_>, Vec<_>) = taken.unzip();
+        let feed_shares = feed_shares(part, indices.iter().copied());
+        let stops_behind = |index: &usize| part.moves.get(*index).is_some_and(|one| one.exact_stop);
+        let stops = (1..).zip(&indices).filter(|(_, index)| stops_behind(index)).map(|(next, _)| next);
+        let stops = stops.filter(|next| *next < indices.len()).collect();
         let moved_mm = closing_moves(&taken);
         let still = [0.0; D];
         let curves = taken.iter().enumerate().map(|(index, curve)| {
@@ -62,7 +67,7 @@ impl<const D: usize> Problem<D> {
         if let Some(feedrate) = part.feedrate_mm_per_s {
             machine.feedrate_mm_per_s = feedrate;
         }
-        Ok(Self { name: part.name.clone(), curves, moved_mm, feed_shares, rapids_left_out, machine })
+        Ok(Self { name: part.name.clone(), curves, moved_mm, feed_shares, stops, rapids_left_out, machine })
     }
 
     /// The feedrate of a curve, as a share of the machine's.
@@ -77,7 +82,7 @@ impl<const D: usize> Problem<D> {
     /// [`PlanError`] when a limit is not positive, or the path has no length.
     pub fn feed_limit(&self) -> Result<FeedLimit<f64>, PlanError> {
         let limits = self.limits_per_period()?;
-        let limit = FeedLimit::along(&self.fast_curves(), &limits)?;
+        let limit = FeedLimit::along_with_stops(&self.fast_curves(), &limits, &self.stops)?;
         Ok(limit.capped(|curve| limits.feedrate * self.feed_share(curve)))
     }
 

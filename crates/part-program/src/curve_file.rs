@@ -106,6 +106,7 @@ fn curve_from(report: &mut Report<'_>, header: Span, table: &DeTable<'_>) -> Opt
     let knots = keys.array("knots");
     let feedrate_mm_per_s = keys.optional_number("feedrate_mm_per_s", machine::FEEDRATE);
     let kind = kind_from(&mut keys);
+    let exact_stop = exact_stop_from(&mut keys);
     keys.finish();
 
     let weights = weights.map(|value| toml_table::array(report, "weights", value));
@@ -133,7 +134,7 @@ fn curve_from(report: &mut Report<'_>, header: Span, table: &DeTable<'_>) -> Opt
     let shape =
         if curve.degree == 1 && curve.control_points_mm.len() == 2 { Shape::Line } else { Shape::Nurbs };
     let line = report.source.line_number(header.start);
-    Some((curve, Move { kind, shape, feedrate_mm_per_s, line }))
+    Some((curve, Move { kind, shape, feedrate_mm_per_s, exact_stop, line }))
 }
 
 /// `move = "feed"`, which is the default, or `"rapid"`.
@@ -149,6 +150,16 @@ fn kind_from(keys: &mut TableReader<'_, '_, '_>) -> MoveKind {
             MoveKind::Feed
         }
     }
+}
+
+/// `exact_stop = true`, or `false`, which is the default.
+fn exact_stop_from(keys: &mut TableReader<'_, '_, '_>) -> bool {
+    const KEY: &str = "exact_stop";
+    let Some(value) = keys.optional(KEY) else { return false };
+    value.get_ref().as_bool().unwrap_or_else(|| {
+        wrong_kind(keys.report, KEY, value, "true or false");
+        false
+    })
 }
 
 fn numbers(

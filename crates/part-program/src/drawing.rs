@@ -359,7 +359,13 @@ impl<'t> Drawing<'_, 't, '_> {
             self.report.error(span, fault.to_string()).expected(fault.expected());
         }
         let line = self.report.source.line_number(span.start);
-        self.part.moves.push(Move { kind: MoveKind::Feed, shape, feedrate_mm_per_s: None, line });
+        self.part.moves.push(Move {
+            kind: MoveKind::Feed,
+            shape,
+            feedrate_mm_per_s: None,
+            exact_stop: false,
+            line,
+        });
         self.part.curves.push(curve);
     }
 }

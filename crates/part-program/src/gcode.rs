@@ -7,6 +7,7 @@
 //! | G06.2, G5.2 G5.3, G5, G5.1, BSPLINE | splines of FANUC, LinuxCNC and Siemens |
 //! | G17 G18 G19, G20 G21 (G70 G71), G90 G91, G90.1 G91.1 | planes, units, coordinates, centres |
 //! | F with G93 G94 | feed |
+//! | G9, G61 G61.1 G64, of FANUC G62 G63, of Siemens G60 | exact stop at the ends of moves, or not |
 //! | M S T D H | no effect on the path; listed. M2, M30 and M99 end the program, as the second `%` does |
 //!
 //! A coordinate that is not written keeps its value. Where the tool is at first is not known: an axis begins where it is
@@ -16,7 +17,8 @@ use crate::block::Block;
 use crate::curve::Curve;
 use crate::diagnostic::Report;
 use crate::gcode_word::{self, Tape, Word};
-use crate::modal::{FeedMode, Modal, Motion};
+use crate::joint;
+use crate::modal::{FeedMode, Modal, Motion, PathMode};
 use crate::options::{Dialect, ReadOptions};
 use crate::part::{Auxiliary, Move, MoveKind, Part, Shape};
 use crate::source::Span;
@@ -36,6 +38,9 @@ pub(crate) fn read(report: &mut Report<'_>, part: &mut Part, options: ReadOption
         unknown_from: [0; 3],
         whole_units: options.dialect == Some(Dialect::Fanuc),
         unread: None,
+        block_stops: false,
+        end: PathMode::Continuous,
+        passes_smooth_joints: false,
         spline: None,
         smooth: None,
         ended: false,
@@ -79,6 +84,12 @@ pub(crate) struct Reader<'r, 't, 'p> {
     whole_units: bool,
     /// A G word of the block that is read over.
     pub(crate) unread: Option<Span>,
+    /// G9: this block alone ends at rest.
+    pub(crate) block_stops: bool,
+    /// How the last block that moved passes its end; of a spline, the last of its blocks.
+    end: PathMode,
+    /// Whether the exact stop of the last move is none if the next one goes on in its direction.
+    passes_smooth_joints: bool,
     pub(crate) spline: Option<(Spline, Span)>,
     /// Inner point of a smooth continuation of G5, from its start.
     pub(crate) smooth: Option<[f64; 2]>,
@@ -170,6 +181,7 @@ impl Reader<'_, '_, '_> {
         if !is_new && block.is_empty() {
             return;
         }
+        self.end = if self.block_stops { PathMode::ExactStop } else { self.modal.path_mode };
         let continues = std::mem::take(&mut self.smooth).filter(|_| self.modal.motion == Motion::Cubic);
         match self.modal.motion {
             Motion::None if block.has_axis() => {
@@ -210,7 +222,15 @@ impl Reader<'_, '_, '_> {
         span: Span,
     ) {
         let line = self.line(span);
-        self.part.moves.push(Move { kind, shape, feedrate_mm_per_s: feedrate, line });
+        if let (Some(before), Some(last)) = (self.part.curves.last(), self.part.moves.last_mut())
+            && last.exact_stop
+            && self.passes_smooth_joints
+        {
+            last.exact_stop = joint::breaks(before, &curve);
+        }
+        let exact_stop = kind == MoveKind::Feed && self.end != PathMode::Continuous;
+        self.passes_smooth_joints = self.end == PathMode::ExactPath;
+        self.part.moves.push(Move { kind, shape, feedrate_mm_per_s: feedrate, exact_stop, line });
         self.part.curves.push(curve);
     }
 

@@ -46,6 +46,18 @@ pub(crate) fn joints(part: &Part) -> Vec<Joint> {
     joints
 }
 
+/// A change of direction that LinuxCNC's exact path still takes for none, in rad.
+const COLLINEAR_RAD: f64 = 1e-6;
+
+/// Whether the path breaks where the one curve ends and the next begins: in direction, or by a gap.
+pub(crate) fn breaks(one: &Curve, next: &Curve) -> bool {
+    let ends = one.control_points_mm.last().zip(next.control_points_mm.first());
+    let is_joined = ends.is_some_and(|(end, start)| length(difference(start, end)) <= GAP_MM);
+    let arriving = direction(one.control_points_mm.iter().rev());
+    let turn = arriving.zip(direction(next.control_points_mm.iter()));
+    !is_joined || turn.is_none_or(|(back, leaving)| angle(back.map(|x| -x), leaving) > COLLINEAR_RAD)
+}
+
 fn between(one: &Curve, next: &Curve, is_cut: bool) -> Option<Joint> {
     let (end, start) = (one.control_points_mm.last()?, next.control_points_mm.first()?);
     let gap_mm = length(difference(start, end));

@@ -48,6 +48,18 @@ pub(crate) enum FeedMode {
     InverseTime,
 }
 
+/// How the ends of moves are passed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum PathMode {
+    /// G64: as the machine may.
+    #[default]
+    Continuous,
+    /// LinuxCNC's G61: through the point, at rest if the direction breaks there.
+    ExactPath,
+    /// G61 of other controls, LinuxCNC's G61.1, Siemens' G60: at rest.
+    ExactStop,
+}
+
 /// What holds until another word changes it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Modal {
@@ -60,6 +72,7 @@ pub(crate) struct Modal {
     /// G20.
     pub(crate) inches: bool,
     pub(crate) feed_mode: FeedMode,
+    pub(crate) path_mode: PathMode,
     /// Feedrate of G94, in mm/s.
     pub(crate) feedrate_mm_per_s: Option<f64>,
     /// Where the tool is, in mm; an axis that was never named is unknown, and one that a word moved that is not read.

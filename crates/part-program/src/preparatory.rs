@@ -4,7 +4,7 @@ use crate::arc::Plane;
 use crate::block::Block;
 use crate::gcode::Reader;
 use crate::gcode_word::{Key, Word};
-use crate::modal::{FeedMode, Motion};
+use crate::modal::{FeedMode, Motion, PathMode};
 use crate::options::Dialect;
 use crate::source::Span;
 use crate::spline_move::Spline;
@@ -15,6 +15,7 @@ impl Reader<'_, '_, '_> {
         let mut motion: Option<Motion> = None;
         let bspline = block.take(Key::Bspline).map(|word| (Motion::Bspline, word.span));
         let mut commands = bspline.into_iter().collect::<Vec<_>>();
+        self.block_stops = false;
         while let Some(word) = block.take_letter(b'G') {
             if matches!(self.spline, Some((Spline::Fanuc(_), _))) {
                 self.close(word.span);
@@ -47,6 +48,7 @@ impl Reader<'_, '_, '_> {
     /// Obeys one G word; a motion is handed back.
     fn general(&mut self, block: &mut Block<'_>, word: Word) -> Result<Option<Motion>, ()> {
         let spline_words = b"XYIJQ".iter().any(|letter| block.has(*letter));
+        let dialect = self.options.dialect;
         match code(word.value) {
             Some(0) => return Ok(Some(Motion::Rapid)),
             Some(10) => return Ok(Some(Motion::Line)),
@@ -75,8 +77,22 @@ impl Reader<'_, '_, '_> {
             Some(800) => self.modal.motion = Motion::None,
             // The coordinate setting of lathes.
             Some(500) if block.has_axis() => return self.unread_word(word),
-            // Compensation off, exact stop and path modes, the first coordinate system.
-            Some(400 | 490 | 540 | 610 | 640 | 500 | 690) => {}
+            // Compensation off, the first coordinate system.
+            Some(400 | 490 | 540 | 500 | 690) => {}
+            Some(90) if dialect != Some(Dialect::LinuxCnc) => self.block_stops = true,
+            Some(610) if dialect == Some(Dialect::LinuxCnc) => self.modal.path_mode = PathMode::ExactPath,
+            Some(610 | 611) => self.modal.path_mode = PathMode::ExactStop,
+            // FANUC's G60 is positioning from one side, which is not read.
+            Some(600) if dialect == Some(Dialect::Siemens) => self.modal.path_mode = PathMode::ExactStop,
+            // When a position is reached, fine or coarse: the tool rests at all of them.
+            Some(6010 | 6020 | 6030) if dialect == Some(Dialect::Siemens) => {}
+            Some(640) => self.modal.path_mode = PathMode::Continuous,
+            // Siemens means other things by these.
+            Some(620 | 630) if dialect == Some(Dialect::Fanuc) => {
+                self.report
+                    .warning(word.span, "a cutting mode that changes feeds: they are taken as commanded");
+                self.modal.path_mode = PathMode::Continuous;
+            }
             Some(40) => {
                 self.report.warning(word.span, "a dwell is no part of the path");
                 for letter in *b"PXF" {

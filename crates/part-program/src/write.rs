@@ -3,6 +3,9 @@
 //!
 //! Rapid moves stay G0 and straight moves G1, whatever becomes of the curves between them. Words that do not move the
 //! tool stay at their moves: M0, M1, M5 and M9 of a move's own block behind it, all others before it.
+//!
+//! An exact stop is G61 before the block that ends in it, G61.1 in a program for LinuxCNC, whose G61 passes smooth joints;
+//! G64 stands before the next block at feed without one.
 
 use std::fmt::{self, Write};
 
@@ -78,7 +81,7 @@ pub fn write_g1(part: &Part, tolerance_mm: f64) -> Result<String, WriteError> {
     let decimals = (0..15).find(|decimals| 0.1_f64.powi(*decimals) <= 1e-3 * tolerance_mm).unwrap_or(15);
     let unit = 10.0_f64.powi(decimals);
     let mut count = 0;
-    write(part, None, |program, index, curve| {
+    write(part, None, EXACT_STOP, |program, index, curve| {
         let mut ends = Vec::new();
         for piece in bezier::pieces(curve) {
             // Rounding moves each coordinate by half a unit at most.
@@ -94,7 +97,9 @@ pub fn write_g1(part: &Part, tolerance_mm: f64) -> Result<String, WriteError> {
             *end = end.map(|x| (x * unit).round() / unit);
         }
         ends.extend(curve.control_points_mm.last());
-        program.line_through("G1", &ends);
+        // What is rounded to the end would leave no block to stop at.
+        ends.dedup();
+        program.lines_to_end(&ends);
         Ok(())
     })
 }
@@ -108,7 +113,8 @@ pub fn write_g1(part: &Part, tolerance_mm: f64) -> Result<String, WriteError> {
 /// [`WriteError::CurvedRapid`].
 pub fn write_g06_2(part: &Part) -> Result<String, WriteError> {
     let has_curves = part.curves.iter().any(|curve| !is_line(curve));
-    write(part, has_curves.then_some(["G05 P10000", "G05 P0"]), |program, _, curve| {
+    write(part, has_curves.then_some(["G05 P10000", "G05 P0"]), EXACT_STOP, |program, _, curve| {
+        program.path_mode(true);
         for (i, ((point, weight), knot)) in
             curve.control_points_mm.iter().zip(&curve.weights).zip(&curve.knots).enumerate()
         {
@@ -137,22 +143,22 @@ pub fn write_g06_2(part: &Part) -> Result<String, WriteError> {
 /// # Errors
 /// [`WriteError::NotPlanar`] when z changes along a curve, [`WriteError::CurvedRapid`].
 pub fn write_g5_2(part: &Part) -> Result<String, WriteError> {
-    write(part, None, |program, index, curve| {
+    write(part, None, "G61.1", |program, index, curve| {
         let height = curve.control_points_mm.first().map_or(0.0, |point| point[2]);
         if curve.degree + 1 < LEAST_ORDER {
-            program.line_through("G1", curve.control_points_mm.get(1..).unwrap_or_default());
+            program.lines_to_end(curve.control_points_mm.get(1..).unwrap_or_default());
         } else if curve.control_points_mm.iter().any(|point| point[2] != height) {
             return Err(WriteError::NotPlanar { curve: index });
         } else if has_uniform_knots(curve) {
+            program.path_mode(true);
             program.g5_2(curve.degree, &curve.control_points_mm, &curve.weights);
         } else {
-            let pieces = bezier::pieces(curve);
+            let mut pieces = bezier::pieces(curve);
+            // The curve stands still over such a span, and G5.2 has no such curve.
+            pieces.retain(|piece| piece.points_mm().windows(2).any(|pair| pair[0] != pair[1]));
             for (number, piece) in pieces.iter().enumerate() {
                 let mut points = piece.points_mm();
-                if points.windows(2).all(|pair| pair[0] == pair[1]) {
-                    // The curve stands still over this span, and G5.2 has no such curve.
-                    continue;
-                }
+                program.path_mode(number + 1 == pieces.len());
                 if let (true, Some(end), Some(last)) =
                     (number + 1 == pieces.len(), points.last_mut(), curve.control_points_mm.last())
                 {
@@ -165,14 +171,18 @@ pub fn write_g5_2(part: &Part) -> Result<String, WriteError> {
     })
 }
 
+/// Exact stop, where a dialect has no word of its own for it.
+const EXACT_STOP: &str = "G61";
+
 /// Writes a part, with `write_curve` for what is neither rapid nor a straight move, between a first and a last line.
 fn write(
     part: &Part,
     around: Option<[&str; 2]>,
+    exact_stop: &'static str,
     mut write_curve: impl FnMut(&mut Program, usize, &Curve) -> Result<(), WriteError>,
 ) -> Result<String, WriteError> {
     let is_planar = part.curves.iter().all(|curve| Curve::dimension_of(&curve.control_points_mm) == 2);
-    let mut program = Program::new(is_planar);
+    let mut program = Program { exact_stop, ..Program::new(is_planar) };
     around.into_iter().for_each(|[first, _]| program.line(first));
     let all: Vec<_> = part.auxiliary.iter().collect();
     let mut words = all.as_slice();
@@ -230,13 +240,29 @@ struct Program {
     feedrate: Option<f64>,
     /// F, in mm/min, until it is written.
     feed: Option<f64>,
+    /// The word for exact stop.
+    exact_stop: &'static str,
+    /// Whether it holds, as written.
+    stops: bool,
+    /// Whether the move at hand ends in one.
+    ends_at_rest: bool,
     block: String,
 }
 
 impl Program {
     fn new(planar: bool) -> Self {
         let text = "G21 G90 G94\n".into();
-        Self { text, planar, position: None, feedrate: None, feed: None, block: String::new() }
+        Self {
+            text,
+            planar,
+            position: None,
+            feedrate: None,
+            feed: None,
+            exact_stop: EXACT_STOP,
+            stops: false,
+            ends_at_rest: false,
+            block: String::new(),
+        }
     }
 
     fn set_feed(&mut self, feedrate_mm_per_s: Option<f64>) {
@@ -278,13 +304,34 @@ impl Program {
             return Ok(());
         }
         self.set_feed(one.feedrate_mm_per_s);
+        self.ends_at_rest = one.exact_stop;
         if is_line(curve) {
-            self.line_through("G1", rest);
+            self.lines_to_end(rest);
         } else {
             write_curve(self, index, curve)?;
         }
         self.position = rest.last().copied();
         Ok(())
+    }
+
+    /// Straight moves at feed to the end of the move at hand.
+    fn lines_to_end(&mut self, points: &[[f64; 3]]) {
+        let Some((end, inner)) = points.split_last() else { return };
+        if !inner.is_empty() {
+            self.path_mode(false);
+            self.line_through("G1", inner);
+        }
+        self.path_mode(true);
+        self.line_through("G1", &[*end]);
+    }
+
+    /// Says whether the next block, which ends the move at hand if `is_last`, ends in an exact stop.
+    fn path_mode(&mut self, is_last: bool) {
+        let stops = is_last && self.ends_at_rest;
+        if stops != self.stops {
+            self.stops = stops;
+            self.line(if stops { self.exact_stop } else { "G64" });
+        }
     }
 
     fn line(&mut self, line: &str) {
@@ -372,6 +419,8 @@ impl Program {
     }
 
     fn end(mut self) -> String {
+        self.ends_at_rest = false;
+        self.path_mode(true);
         self.line("M30");
         self.text
     }

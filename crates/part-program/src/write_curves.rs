@@ -21,6 +21,9 @@ pub fn write_curves(part: &Part) -> String {
         if one.kind == MoveKind::Rapid {
             text.push_str("move = \"rapid\"\n");
         }
+        if one.exact_stop {
+            text.push_str("exact_stop = true\n");
+        }
         if let Some(feedrate) = one.feedrate_mm_per_s {
             // Writing to a String does not fail.
             let _ = writeln!(text, "feedrate_mm_per_s = {feedrate:?}");

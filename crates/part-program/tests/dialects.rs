@@ -1,8 +1,8 @@
 //! One curve in three dialects and two files is one curve.
 
 use part_program::{
-    Curve, Dialect, MoveKind, Part, ReadOptions, Shape, read_part, read_part_with, write_curves, write_g5_2,
-    write_g06_2,
+    Curve, Dialect, Move, MoveKind, Part, ReadOptions, Shape, read_part, read_part_with, write_curves,
+    write_g1, write_g5_2, write_g06_2,
 };
 
 fn part(text: &str) -> Part {
@@ -269,4 +269,84 @@ fn a_spline_with_a_word_that_is_not_read_is_refused() {
         errors.to_string().contains("p.nc:3:1") && errors.to_string().contains("`G41` is not read"),
         "{errors}"
     );
+}
+
+/// Which moves at feed end in an exact stop.
+fn stops(text: &str, dialect: Option<Dialect>) -> Vec<bool> {
+    let part = read_part_with("p.nc", text, ReadOptions { lenient: false, dialect });
+    let part = part.unwrap_or_else(|errors| panic!("{errors}\n{text}"));
+    let feed = part.moves.iter().filter(|one| one.kind == MoveKind::Feed);
+    feed.map(|one| one.exact_stop).collect()
+}
+
+#[test]
+fn exact_stop_holds_for_a_block_or_until_it_is_ended() {
+    let (fanuc, linuxcnc, siemens) = (Some(Dialect::Fanuc), Some(Dialect::LinuxCnc), Some(Dialect::Siemens));
+    let path = |first: &str, second: &str, last: &str| {
+        format!("G0 X0 Y0 F600\nG1 X1\n{first} Y1\nG0 Z1\nG1 X2\n{second} Y2\nX3\n{last}\nY3\n")
+    };
+    let modal = [false, true, true, false, false, false];
+    for (first, second, dialect) in [
+        ("G61", "G64", None),
+        ("G61", "G64", fanuc),
+        ("G61", "G62", fanuc),
+        ("G61", "G63", fanuc),
+        ("G61.1", "G64", linuxcnc),
+        ("G61", "G64", linuxcnc),
+        ("G60 G602", "G64", siemens),
+    ] {
+        assert_eq!(stops(&path(first, second, ""), dialect), modal, "{first} {second}");
+    }
+    assert_eq!(stops(&path("G9", "G09", ""), None), [false, true, false, true, false, false]);
+    assert_eq!(stops(&path("", "", "G61"), None), [false, false, false, false, false, true]);
+    // What another control means by the same word is not taken for it.
+    for (word, dialect) in [("G9", linuxcnc), ("G60", fanuc), ("G60", None), ("G62", siemens)] {
+        let options = ReadOptions { lenient: false, dialect };
+        let errors = read_part_with("p.nc", &path(word, "", ""), options).unwrap_err();
+        assert!(errors.to_string().contains(&format!("`{word}` is not read")), "{errors}");
+    }
+}
+
+#[test]
+fn exact_path_rests_where_the_direction_breaks() {
+    // A quarter circle between its tangents, then a corner.
+    let text = "G61 G0 X0 Y0 F600\nG1 X10\nG3 X20 Y10 J10\nG1 Y20\nX30\n";
+    assert_eq!(stops(text, Some(Dialect::LinuxCnc)), [false, false, true, true]);
+    assert_eq!(stops(text, Some(Dialect::Fanuc)), [true; 4]);
+}
+
+#[test]
+fn a_spline_stops_as_its_last_block_does() {
+    for (text, expected) in [
+        (FANUC.replace("G0 X60", "G61 G1 X60"), [false, true]),
+        (FANUC.replace("G06.2", "G61 G06.2").replace("G0 X60", "G64 G1 X60"), [true, false]),
+        (LINUXCNC.replace("G5.2", "G61.1 G5.2").replace("G0 X60", "G64 G1 X60"), [true, false]),
+        (SIEMENS.replace("X50", "G9 X50").replace("G0 X60", "G1 X60"), [true, false]),
+        (SIEMENS.replace("X40", "G9 X40").replace("G0 X60", "G9 G1 X60"), [false, true]),
+    ] {
+        assert_eq!(stops(&text, None), expected, "{text}");
+    }
+}
+
+#[test]
+fn exact_stops_are_written_and_read_back() {
+    let program = "G0 X0 Y0\nG1 X10 F600\nG9 Y10\nG61 G3 X0 Y20 I-10\nG0 Z1\nG1 X-5\nG64 Y0\nG61 Y-5\n";
+    let part = part(program);
+    let expected = stops(program, None);
+    assert_eq!(expected, [false, true, true, true, false, true]);
+    for text in [write_g06_2(&part).unwrap(), write_g5_2(&part).unwrap(), write_curves(&part)] {
+        assert_eq!(stops(&text, None), expected, "{text}");
+        assert!(!text.contains("G61") || text.ends_with("G64\nM30\n"), "{text}");
+    }
+    // Of an arc's chords the last alone.
+    let chords = stops(&write_g1(&part, 1e-2).unwrap(), None);
+    assert_eq!((chords.iter().filter(|stop| **stop).count(), chords.last()), (4, Some(&true)));
+    // What has none is written as ever.
+    let plain = part_without(&part);
+    assert!(!write_g1(&plain, 1e-2).unwrap().contains("G6"));
+}
+
+fn part_without(part: &Part) -> Part {
+    let moves = part.moves.iter().map(|one| Move { exact_stop: false, ..*one }).collect();
+    Part { moves, ..part.clone() }
 }

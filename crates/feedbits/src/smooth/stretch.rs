@@ -13,6 +13,8 @@ pub(crate) enum Rest {
     Rapid,
     /// A word between them acts: a spindle, a tool, a coolant.
     Auxiliary,
+    /// The program wants an exact stop.
+    ExactStop,
     /// They have different feeds.
     FeedChange,
 }
@@ -22,6 +24,7 @@ impl fmt::Display for Rest {
         f.write_str(match self {
             Self::Rapid => "next to a rapid move",
             Self::Auxiliary => "at an M, S, T, D or H word",
+            Self::ExactStop => "at an exact stop",
             Self::FeedChange => "the feed changes",
         })
     }
@@ -36,6 +39,7 @@ pub(crate) fn with_polygons_as_lines(part: &Part) -> Part {
             moves.push(*one);
             continue;
         }
+        let first = moves.len();
         for side in curve.control_points_mm.windows(2).filter(|side| side[0] != side[1]) {
             let knots = vec![0.0, 0.0, 1.0, 1.0];
             let control_points_mm = side.to_vec();
@@ -46,7 +50,11 @@ pub(crate) fn with_polygons_as_lines(part: &Part) -> Part {
                 weights: vec![1.0; 2],
                 knots,
             });
-            moves.push(Move { shape: Shape::Line, ..*one });
+            moves.push(Move { shape: Shape::Line, exact_stop: false, ..*one });
+        }
+        // Only the last of its sides ends where the polygon does.
+        if let Some(last) = moves[first..].last_mut() {
+            last.exact_stop = one.exact_stop;
         }
     }
     Part { curves, moves, ..part.clone() }
@@ -73,6 +81,8 @@ pub(crate) fn rest_before(part: &Part, next: usize) -> Option<Rest> {
         Some(Rest::Auxiliary)
     } else if before.kind == MoveKind::Rapid || after.kind == MoveKind::Rapid {
         Some(Rest::Rapid)
+    } else if before.exact_stop {
+        Some(Rest::ExactStop)
     } else if before.feedrate_mm_per_s != after.feedrate_mm_per_s {
         Some(Rest::FeedChange)
     } else {
