@@ -1,8 +1,8 @@
 //! `feedbits smooth`: corners of straight moves and arcs, cut or looped, within a tolerance.
 
 mod deviation;
-mod fine_moves;
 mod followed;
+mod program;
 mod report;
 mod smooth_stretch;
 mod stretch;
@@ -64,26 +64,41 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
         Outer::Cut => CornerStyle::Cut,
     };
     let progress = Progress::spinning("smoothing and planning");
-    let (report, smoothed) = smooth(&with_polygons_as_lines(&part), &machine, tolerance, outer)?;
+    let form = arguments.out.as_deref().map(Form::of);
+    let (report, written) = smooth(&with_polygons_as_lines(&part), &machine, tolerance, outer, form)?;
     progress.finish();
-    if let Some(path) = &arguments.out {
-        output::write(Some(path), &written(path, &smoothed, tolerance))?;
+    if let (Some(path), Some(text)) = (&arguments.out, written) {
+        output::write(Some(path), &text)?;
     }
     let text = if arguments.json { serde_json::to_string_pretty(&report)? + "\n" } else { report.text() };
     output::write(None, &text)?;
     Ok(if report.faults().is_empty() { Ending::Good } else { Ending::RequirementNotMet })
 }
 
-fn written(path: &Path, smoothed: &Part, tolerance_mm: f64) -> String {
-    if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml")) {
-        part_program::write_curves(smoothed)
-    } else {
-        fine_moves::program(smoothed, tolerance_mm * CHORD_SHARE)
+/// What is written.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Form {
+    /// A curve file, with the smoothed curves as they are.
+    Curves,
+    /// A program of fine straight moves.
+    Program,
+}
+
+impl Form {
+    fn of(path: &Path) -> Self {
+        let is_toml = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
+        if is_toml { Self::Curves } else { Self::Program }
     }
 }
 
-/// Smooths every stretch of a part, and says what came of it.
-fn smooth(part: &Part, machine: &Machine, tolerance_mm: f64, outer: CornerStyle) -> Result<(Report, Part)> {
+/// Smooths every stretch of a part, writes it if it is to be written, and says what came of it.
+fn smooth(
+    part: &Part,
+    machine: &Machine,
+    tolerance_mm: f64,
+    outer: CornerStyle,
+    form: Option<Form>,
+) -> Result<(Report, Option<String>)> {
     let stretches = stretches(part);
     let followed = format_compare::in_parallel(&stretches, |range| {
         let first = part.moves[range.start];
@@ -91,7 +106,7 @@ fn smooth(part: &Part, machine: &Machine, tolerance_mm: f64, outer: CornerStyle)
         Followed::new(part, range.clone(), machine, tolerance_mm, outer)
             .with_context(|| format!("{}: the moves from line {} on", part.name, first.line))
     });
-    let followed = followed.into_iter().collect::<Result<Vec<_>>>()?;
+    let mut followed = followed.into_iter().collect::<Result<Vec<_>>>()?;
 
     let mut smoothed =
         Part { curves: Vec::new(), moves: Vec::new(), machine: Some(machine.clone()), ..part.clone() };
@@ -112,17 +127,34 @@ fn smooth(part: &Part, machine: &Machine, tolerance_mm: f64, outer: CornerStyle)
         setpoints: SetpointCheck { finished: true, ..SetpointCheck::default() },
         corners: Vec::new(),
     };
-    for one in followed {
-        let next = one.range.end;
+    for one in &followed {
         smoothed.moves.extend(one.path.move_of.iter().map(|index| part.moves[one.range.start + index]));
-        report.add(&one);
-        smoothed.curves.extend(one.path.curves);
+        smoothed.curves.extend_from_slice(&one.path.curves);
+        // A corner may take all of the last move, whose end still is the stretch's.
+        if let Some(last) = smoothed.moves.last_mut() {
+            last.exact_stop |= part.moves[one.range.end - 1].exact_stop;
+        }
+    }
+    let written = match form {
+        None => None,
+        Some(Form::Curves) => Some(part_program::write_curves(&smoothed)),
+        Some(Form::Program) => {
+            let chord_error_mm = tolerance_mm * CHORD_SHARE;
+            let rounded = program::rounded(&smoothed, chord_error_mm);
+            let text = part_program::write_g1(&rounded, chord_error_mm)?;
+            program::measure(part, &mut followed, &rounded, &text)?;
+            Some(text)
+        }
+    };
+    for one in &followed {
+        let next = one.range.end;
+        report.add(one);
         if let Some(rest) = rest_before(part, next) {
             report.corners.extend(followed::between(part, next, rest)?);
         }
     }
     report.count();
-    Ok((report, smoothed))
+    Ok((report, written))
 }
 
 impl Report {

@@ -1,4 +1,5 @@
-//! How far is one path from another? Measured on the curves as they are written, by sampling, whatever made them.
+//! How far is one path from another? Measured on what is written, curves or fine straight moves as they read back, by
+//! sampling, whatever made them.
 //!
 //! Nothing here knows how a corner was smoothed: only which moves a curve lies between, so that a distance is taken to the
 //! moves nearby and not to another outline that happens to pass.

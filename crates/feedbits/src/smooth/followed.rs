@@ -23,6 +23,8 @@ pub(crate) struct Followed {
     pub(crate) range: Range<usize>,
     pub(crate) path: Written,
     pub(crate) corners: Vec<CornerRow>,
+    /// For each corner that is smoothed its curve and the move before it.
+    smoothed_corners: Vec<Option<(usize, usize)>>,
     pub(crate) exact_stop: report::Path,
     pub(crate) smoothed: report::Path,
     pub(crate) error_mm_max: f64,
@@ -48,7 +50,6 @@ impl Followed {
         let (curves, moves) = (&part.curves[range.clone()], &part.moves[range.clone()]);
         let smooth = SmoothStretch::new(curves, tolerance_mm, outer)?;
         let paths = Paths::new(curves, &smooth.curves, &smooth.path.moves)?;
-        let off_curves = paths.of_curves();
         let before = Timed::new(curves, &smooth.moves, &moves[0], machine)?;
         let after = Timed::new(&smooth.curves, &smooth.path.curves, &moves[0], machine)?;
         let row = |corner: &Corner<3>| {
@@ -67,8 +68,6 @@ impl Followed {
                 CornerOutcome::Smoothed { style, curve, error_mm } => {
                     row.kind = if style == CornerStyle::Loop { Kind::Loop } else { Kind::Cut };
                     row.error_mm = error_mm;
-                    let of_corner = paths.to_curves(corner.turn.before, &corner.turn.point);
-                    row.measured_error_mm = off_curves[curve].max(of_corner);
                     row.feed_after_mm_per_s = after.lowest_feed_along(curve);
                 }
                 CornerOutcome::Left(reason) => {
@@ -80,22 +79,42 @@ impl Followed {
             row
         };
         let corners = smooth.path.corners.iter().map(row).collect();
+        let smoothed_corners = smooth.path.corners.iter().map(|corner| match corner.outcome {
+            CornerOutcome::Smoothed { curve, .. } => Some((curve, corner.turn.before)),
+            CornerOutcome::Left(_) => None,
+        });
         let setpoints = setpoints(&smooth, &paths, &after)?;
         let of = |curves: usize, timed: &Timed| report::Path {
             curves,
             length_mm: timed.length_mm(),
             time_s: timed.time_s(),
         };
-        Ok(Self {
+        let mut followed = Self {
             range,
             corners,
+            smoothed_corners: smoothed_corners.collect(),
             exact_stop: of(curves.len(), &before),
             smoothed: of(smooth.curves.len(), &after),
-            error_mm_max: off_curves.iter().copied().fold(paths.of_moves(), f64::max),
+            error_mm_max: 0.0,
             forms: forms(&smooth)?,
             setpoints,
-            path: Written { curves: smooth.curves, move_of: smooth.path.moves },
-        })
+            path: Written { curves: smooth.curves.clone(), move_of: smooth.path.moves.clone() },
+        };
+        followed.measure(&paths, |curve| curve..curve + 1);
+        Ok(followed)
+    }
+
+    /// Measures how far the moves and the path as it is written are from each other, on the whole and at each corner;
+    /// `written` are the curves of `paths` as which one of the smoothed curves is written.
+    pub(crate) fn measure(&mut self, paths: &Paths<'_>, written: impl Fn(usize) -> Range<usize>) {
+        let off = paths.of_curves();
+        self.error_mm_max = off.iter().copied().fold(paths.of_moves(), f64::max);
+        for (row, place) in self.corners.iter_mut().zip(&self.smoothed_corners) {
+            let Some((curve, before)) = *place else { continue };
+            let of_corner = paths.to_curves(before, &row.point_mm);
+            row.measured_error_mm =
+                off.get(written(curve)).unwrap_or_default().iter().copied().fold(of_corner, f64::max);
+        }
     }
 }
 

@@ -29,7 +29,7 @@ pub(crate) struct CornerRow {
     pub(crate) reason: Option<String>,
     /// Distance from the moves, both ways, as the smoothing found it; 0 of one that is left.
     pub(crate) error_mm: f64,
-    /// The same, as measured on the curves that are written.
+    /// The same, as measured on what is written: the curves, or the straight moves of a program as they read back.
     pub(crate) measured_error_mm: f64,
     /// Feed in the corner when every corner is a stop.
     pub(crate) feed_before_mm_per_s: f64,
@@ -80,7 +80,7 @@ pub(crate) struct Report {
     pub(crate) loops: usize,
     /// Corners that are left, by reason.
     pub(crate) left: BTreeMap<String, usize>,
-    /// Largest distance between the two paths, both ways, measured on the curves that are written.
+    /// Largest distance between the two paths, both ways, measured on what is written.
     pub(crate) error_mm_max: f64,
     pub(crate) exact_stop: Path,
     pub(crate) smoothed: Path,
