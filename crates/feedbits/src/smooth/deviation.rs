@@ -139,15 +139,13 @@ impl<'p> Paths<'p> {
         least_distance(&self.curves[begin..end], point)
     }
 
-    /// Distance of a chord, from a point of curve `from` to one of curve `to`, from the polygons of samples of the curves
-    /// it passes over: the largest at its quarters.
+    /// Distance of a chord, from a point of curve `from` to one of curve `to`, from the curves it passes over: the largest at
+    /// its quarters.
     pub(crate) fn chord_to_curves(&self, (from, to): (usize, usize), ends: [&[f64; 3]; 2]) -> f64 {
         let passed = self.curves.get(from..=to).unwrap_or_default();
         let distance = |share: f64| {
             let point = std::array::from_fn(|d| ends[0][d] + share * (ends[1][d] - ends[0][d]));
-            passed.iter().fold(f64::INFINITY, |least, track| {
-                track.nearest_side(&point, least).map_or(least, |(_, distance)| distance.min(least))
-            })
+            least_distance(passed, &point)
         };
         [0.25, 0.5, 0.75].into_iter().map(distance).fold(0.0, f64::max)
     }
@@ -223,5 +221,19 @@ mod tests {
         assert!(off[0] == 0.0 && (off[1] - 0.5).abs() < 1e-12 && off[2] == 0.0, "{off:?}");
         // The corner itself is √½ from the short cut.
         assert!((paths.of_moves() - 0.5_f64.sqrt()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_chord_error_on_an_arc_is_its_sagitta() {
+        // Far less than that of the samples, which are 2.8 degrees apart.
+        let part = part_program::read_part("p.nc", "G1 X50 Y0 F60\nG3 X-50 Y0 I-50 J0\n").unwrap();
+        let arc = part.curves.last().unwrap().clone();
+        let paths = Paths::new(&part.curves, &[arc], &[1]).unwrap();
+        let at = |angle: f64| [50.0 * angle.cos(), 50.0 * angle.sin(), 0.0];
+        for begin in [0.0, 0.013, 1.3] {
+            let found = paths.chord_to_curves((0, 0), [&at(begin), &at(begin + 0.01)]);
+            let sagitta = 50.0 * (1.0 - 0.005_f64.cos());
+            assert!((found - sagitta).abs() < 1e-7 * sagitta, "{found} for {sagitta}");
+        }
     }
 }
