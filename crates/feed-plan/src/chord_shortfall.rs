@@ -5,9 +5,12 @@
 //! next one at the feed of the straight. So each stage is shortened by what its own chords fall short.
 //!
 //! The run is followed chord by chord, stage after stage: each is shortened until the run is back on its plan at the end of
-//! the last period that begins in it. What a stage cannot take back, the next ones do.
+//! the last period that begins in it. What a stage cannot take back, the next ones do. Stages shorter than a period have no
+//! chord of their own: as many as take a period are shortened together, all by the same share. One that took back all of a
+//! period's shortfall would make the feed step there.
 
 use alloc::vec::Vec;
+use core::ops::Range;
 
 use nurbs_core::{Differentiate, Frenet};
 use real::Real;
@@ -23,6 +26,9 @@ const ON_PLAN: i32 = -34;
 /// The run is kept ahead of its plan by 2⁻²⁰ of a step up to the stage that ends at a stop: distances between limit points
 /// are that uncertain, and what a stage lacks there could not be added to it.
 const LEAD: i32 = -20;
+/// Stages are shortened by the same share if their highest feeds are within 2² of each other: what a chord falls short grows with
+/// the square of its length.
+const SAME_FEED: i32 = 2;
 /// Corrections of an arc until its chord is as long as wanted; each leaves an eighth of the squared angle of the
 /// chord.
 const CORRECTIONS: usize = 8;
@@ -38,7 +44,7 @@ impl<R: Real> FeedLimit<R> {
     ///
     /// `curves` are those that this limit was made of; where they are missing, nothing falls short. Parameters
     /// are interpolated between limit points, and what one is off does not add up: it is gone in the next
-    /// period. At the ends of its stages a run by these chords is within 1e-5 mm of the plan, in f64, where a stage has a
+    /// period. Stages that have a period only together are shortened by the same share. At the ends of its stages a run by these chords is within 1e-5 mm of the plan, in f64, where a stage has a
     /// period of its own and no step turns by a right angle; behind one that does, it may be off by a share of that
     /// step, which the next stages take back. A stop on the way is taken to be landed on, as the end is: nothing that a
     /// run is off there goes beyond it.
@@ -56,13 +62,16 @@ impl<R: Real> FeedLimit<R> {
         // A period that begins in one stage and ends in another is run with each of them.
         let mut run = Run { cursor: schedule.start(), planned: R::zero(), reached: R::zero() };
         let mut begins_in = 0;
-        while let (Some(whole), Some(shortfall)) =
-            (schedule.stages().get(begins_in), shortfalls.get_mut(begins_in))
-        {
-            let end;
-            (*shortfall, end) = path.take_back(schedule, (begins_in, whole), &mut short, run);
+        while begins_in < schedule.stages().len() {
+            let stages = begins_in..end_of_period(schedule, begins_in);
+            let (off, end) = path.take_back(schedule, stages.clone(), &mut short, run);
+            for (shortfall, share) in
+                shortfalls.iter_mut().skip(begins_in).zip(shares(schedule, stages.clone()))
+            {
+                *shortfall = off * share;
+            }
             run = end.last_period;
-            begins_in = end.run.cursor.stage().max(begins_in + 1);
+            begins_in = end.run.cursor.stage().max(stages.end);
         }
         shortfalls
     }
@@ -118,29 +127,34 @@ impl<R: Real, C> Path<'_, R, C> {
         begin.distance + width * self.rule.mean(&self.rule.points.map(speed))
     }
 
-    /// Shortens one stage until the run is on its plan behind it, as far as half of it will do: by how much, and where the
-    /// run ends then.
+    /// Shortens stages, each by the same share, until the run is on its plan behind them, as far as half of them will do: by how
+    /// much, and where the run ends then.
     fn take_back<const D: usize>(
         &self,
         arcs: &Schedule<'_, R>,
-        (index, whole): (usize, &Stage<R>),
+        stages: Range<usize>,
         short: &mut [Stage<R>],
         from: Run<R>,
     ) -> (R, End<R>)
     where
         C: Differentiate<R, D>,
     {
+        let whole = arcs.stages().get(stages.clone()).unwrap_or_default();
+        let length = whole.iter().fold(R::zero(), |sum, stage| sum + stage.length);
+        let fastest =
+            whole.iter().fold(R::zero(), |most, stage| most.max(stage.start_feed).max(stage.end_feed));
         let shorten = |short: &mut [Stage<R>], off: R| {
-            if let Some(stage) = short.get_mut(index) {
-                *stage = whole.shortened_by(off);
+            let shares = shares(arcs, stages.clone());
+            for ((stage, whole), share) in short.iter_mut().skip(stages.start).zip(whole).zip(shares) {
+                *stage = whole.shortened_by(off * share);
             }
         };
         let mut follow = |off: R| {
             shorten(short, off);
-            self.follow(arcs, short, index, from)
+            self.follow(arcs, short, stages.end, from)
         };
-        let within_half = |off: R| off.max(R::zero()).min(whole.length.half());
-        let step = whole.start_feed.max(whole.end_feed) * arcs.interpolation_period;
+        let within_half = |off: R| off.max(R::zero()).min(length.half());
+        let step = fastest * arcs.interpolation_period;
         let enough = step.scale(ON_PLAN).max(R::resolution().scale(2) * self.limit.length().max(R::one()));
         let mut off = within_half(self.length_to(from.reached) - from.planned);
         let mut end = follow(off);
@@ -159,12 +173,12 @@ impl<R: Real, C> Path<'_, R, C> {
         best
     }
 
-    /// Follows the shortened plan by chords, to the end of the last period that begins in stage `last`.
+    /// Follows the shortened plan by chords, to the end of the last period that begins before stage `behind`.
     fn follow<const D: usize>(
         &self,
         arcs: &Schedule<'_, R>,
         short: &[Stage<R>],
-        last: usize,
+        behind: usize,
         from: Run<R>,
     ) -> End<R>
     where
@@ -174,7 +188,7 @@ impl<R: Real, C> Path<'_, R, C> {
         let (mut end, mut last_period) = (from, from);
         // What the last chord has too much to land on a stop, or the lead that another is to leave.
         let (mut over_stop, mut lead) = (None, R::zero());
-        while end.cursor.stage() <= last {
+        while end.cursor.stage() < behind {
             let mut run = end;
             let begun_in = run.cursor.stage();
             let mut by_chord = run.cursor;
@@ -236,6 +250,75 @@ impl<R: Real, C> Path<'_, R, C> {
     }
 }
 
+/// Behind which stage those from `begin` on take a period together, or end at a stop, or go at another feed than the first by
+/// more than [`SAME_FEED`].
+fn end_of_period<R: Real>(schedule: &Schedule<'_, R>, begin: usize) -> usize {
+    let stages = schedule.stages().get(begin..).unwrap_or_default();
+    let mut left = schedule.interpolation_period;
+    let goes_on = |pair: &&[Stage<R>]| {
+        left = left - pair[0].duration;
+        let [a, b] = [&stages[0], &pair[1]].map(|stage| stage.start_feed.max(stage.end_feed));
+        let is_same_feed = a <= b.scale(SAME_FEED) && b <= a.scale(SAME_FEED);
+        left > R::zero() && !pair[0].end_feed.is_zero() && is_same_feed
+    };
+    begin + 1 + stages.windows(2).take_while(goes_on).count()
+}
+
+/// Each stage's share of the length of them all.
+fn shares<R: Real>(schedule: &Schedule<'_, R>, stages: Range<usize>) -> impl Iterator<Item = R> {
+    let stages = schedule.stages().get(stages).unwrap_or_default();
+    let length = stages.iter().fold(R::zero(), |sum, stage| sum + stage.length);
+    let share = move |part: R| if length > R::zero() { part / length } else { R::zero() };
+    stages.iter().map(move |stage| share(stage.length))
+}
+
 fn chord<R: Real, const D: usize>(from: &[R; D], to: &[R; D]) -> R {
     R::norm(&core::array::from_fn::<_, D, _>(|d| to[d] - from[d]))
+}
+
+#[cfg(test)]
+mod tests {
+    use nurbs_core::NurbsBuf;
+
+    use super::*;
+    use crate::test_paths::in_periods;
+    use crate::{EndFeeds, ProfileKind, plan_with};
+
+    /// The largest change of acceleration from one period to the next, against the jerk limit.
+    fn jerk_of_steps(schedule: &Schedule<'_, f64>, jerk: f64) -> f64 {
+        let mut cursor = schedule.start();
+        let steps: Vec<_> = core::iter::from_fn(|| schedule.advance(&mut cursor)).collect();
+        let change = |three: &[f64]| (three[2] - three[1] - three[1] + three[0]).abs();
+        steps.windows(3).map(change).fold(0.0, f64::max) / jerk
+    }
+
+    #[test]
+    fn a_stage_shorter_than_a_period_does_not_take_back_what_a_period_falls_short() {
+        // Of degree 2: at each knot the curvature steps, and the least feeds are held for a third of a period there.
+        let points = vec![
+            [-7.3753, -16.7373, 9.3019],
+            [22.2662, -17.081, -28.3976],
+            [35.339, -31.7846, 3.4055],
+            [24.611, -9.2709, -33.7096],
+            [35.1245, -31.3344, 2.6632],
+            [90.5311, 39.7678, -54.1386],
+            [97.4253, -31.7965, -24.8756],
+            [87.5479, -9.865, 30.6717],
+            [34.4717, -20.6296, 69.5025],
+        ];
+        let inner = [0.085_769_383, 0.144_210_576, 0.338_493_775, 0.474_950_68, 0.933_961_651, 0.960_811_05];
+        let knots = [&[0.0; 3][..], &inner, &[1.0; 3]].concat();
+        let curve = NurbsBuf::try_new(2, points, vec![1.0; 9], knots).unwrap();
+        let limits = in_periods(1.074e-3, 402.89, 3217.6, 18399.0, 8.549e-3);
+        let limit = FeedLimit::along(&[curve.as_curve()], &limits).unwrap();
+        for kind in ProfileKind::ALL {
+            let arcs = plan_with(&limit, &limits, EndFeeds::default(), kind).unwrap();
+            let short = arcs.stages().iter().filter(|stage| stage.duration < 1.0);
+            assert!(short.count() > 1, "{kind:?}: no stage is shorter than a period");
+            let chords = arcs.clone().shortened(&limit.shortfalls(&[curve.as_curve()], &arcs.as_schedule()));
+            let [planned, chords] =
+                [&arcs, &chords].map(|plan| jerk_of_steps(&plan.as_schedule(), limits.jerk));
+            assert!(planned <= 1.0 && chords < 2.5, "{kind:?}: {planned} {chords}");
+        }
+    }
 }

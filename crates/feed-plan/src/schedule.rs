@@ -141,8 +141,9 @@ impl<R: Real> ScheduleBuf<R> {
     /// ([`FeedLimit::shortfalls`]): an interpolator that makes each chord as long as the plan says would be
     /// ahead of the plan by that much, and pass the next bend where the feed is still, or again, that of the
     /// straight. Here the distances and feeds of each stage are scaled by `1 - shortfall/length`; durations
-    /// stay. Acceleration and jerk within a stage only fall; from one stage to the next the planned chord steps
-    /// with the curvature, and the feed along the curve does not. What is more than half of a stage is taken
+    /// stay. Acceleration and jerk within a stage only fall. From one stage to the next the planned chord steps
+    /// with the curvature, by some thousandths at most: the acceleration may change there by more than J T in a period, on a spline
+    /// of degree 2 by up to 2.3 J T. What is more than half of a stage is taken
     /// off the next ones, up to the next stop, which is landed on.
     ///
     /// [`FeedLimit::shortfalls`]: crate::FeedLimit::shortfalls
