@@ -129,6 +129,14 @@ pub struct SoakPaths {
     pub full_speed: bool,
 }
 
+impl SoakPaths {
+    /// The path of this number as it is drawn, before it is slowed down. Every fifth one is run in space, the others in the plane.
+    #[must_use]
+    pub fn draw<const D: usize>(self, path: u64) -> Option<RandomPath<D>> {
+        RandomPath::from_bytes(&bytes(self.seed, path))
+    }
+}
+
 /// Where a soak stands: it can be written down and gone on with.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Soak {
@@ -248,7 +256,7 @@ fn soaked<const D: usize>(
     let refused = |format| if wanted(format) { SoakedRun::Refused } else { SoakedRun::Spared };
     let runs = (0..formats.len()).map(refused).collect();
     let mut soaked = SoakedPath { runs, ..SoakedPath::default() };
-    let Some(drawn) = RandomPath::<D>::from_bytes(&bytes(paths.seed, path)) else { return soaked };
+    let Some(drawn) = paths.draw::<D>(path) else { return soaked };
     let named = formats.iter().map(|format| (in_dimension(format), RuntimeFormat::named(format.name)));
     let fitting: Vec<_> = named
         .enumerate()

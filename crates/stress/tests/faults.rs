@@ -1,5 +1,7 @@
-//! Paths on which a fault was once found, as they were drawn.
+//! Paths on which a fault was once found, as they were drawn. Beside what a path is drawn from stands its checksum: were it
+//! drawn differently, the test would run, and pass on, a path that never had the fault.
 
+use feed_plan::ProfileKind;
 use real::{Overflow, Rounding, RuntimeFixed, RuntimeFormat};
 use stress::{
     OnCurve, OnPieces, Planned, RandomPath, SOAK_FORMATS, SoakFormat, SoakPaths, SoakedRun, soak_path,
@@ -17,17 +19,55 @@ fn bytes(seed: u64) -> Vec<u8> {
     (0..1500).map(|_| next()).collect()
 }
 
-/// Runs these paths of a soak in f64.
-fn run_soaked(seed: u64, paths: &[u64]) {
+/// FNV-1a of a path's numbers, to the digits of an f32: in those behind, machines differ in sines and powers.
+fn checksum<const D: usize>(path: &RandomPath<D>) -> u32 {
+    let RandomPath { curves, limits, profile, max_evaluations, piece_mm } = path;
+    let mut numbers: Vec<f64> = Vec::new();
+    for curve in curves {
+        numbers.extend(curve.control_points().iter().flatten());
+        numbers.extend(curve.as_curve().weights().into_iter().flatten());
+        numbers.extend(curve.knots());
+    }
+    numbers.extend([limits.feedrate, limits.acceleration, limits.jerk, limits.chord_error]);
+    numbers.extend(limits.centripetal_acceleration);
+    numbers.extend([f64::from(*max_evaluations), *piece_mm]);
+    let profile = ProfileKind::ALL.iter().position(|kind| kind == profile);
+    let text = format!("{profile:?}") + &numbers.iter().map(|x| format!(" {x:.6e}")).collect::<String>();
+    text.bytes().fold(0x811c_9dc5, |hash, byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193))
+}
+
+fn assert_drawn<const D: usize>(what: &str, path: &RandomPath<D>, expected: u32) {
+    let found = checksum(path);
+    assert!(
+        found == expected,
+        "{what} is drawn as another path than the one with the fault: checksum {found:#010x}, not {expected:#010x}. Let the \
+         generator draw it as before (new draws last), or run the old path here, written out as numbers"
+    );
+}
+
+fn drawn(bytes: &[u8], expected: u32) -> RandomPath<2> {
+    let path = RandomPath::from_bytes(bytes).unwrap();
+    assert_drawn("the path of these bytes", &path, expected);
+    path
+}
+
+/// Runs these paths of a soak in f64; a path is its number and its checksum.
+fn run_soaked(seed: u64, paths: &[(u64, u32)]) {
     run_soaked_in(&SOAK_FORMATS[..1], seed, paths);
 }
 
-fn run_soaked_in(formats: &[SoakFormat], seed: u64, paths: &[u64]) {
+fn run_soaked_in(formats: &[SoakFormat], seed: u64, paths: &[(u64, u32)]) {
     run_soaked_at(SoakPaths { seed, full_speed: true }, formats, paths);
 }
 
-fn run_soaked_at(of: SoakPaths, formats: &[SoakFormat], paths: &[u64]) {
-    for path in paths {
+fn run_soaked_at(of: SoakPaths, formats: &[SoakFormat], paths: &[(u64, u32)]) {
+    for (path, expected) in paths {
+        let what = format!("path {path} of seed {}", of.seed);
+        if path % 5 == 4 {
+            assert_drawn(&what, &of.draw::<3>(*path).unwrap(), *expected);
+        } else {
+            assert_drawn(&what, &of.draw::<2>(*path).unwrap(), *expected);
+        }
         let soaked = soak_path(of, *path, formats, |_| false);
         assert!(soaked.violations.is_empty(), "{path}: {:?}", soaked.violations);
         assert!(soaked.runs.iter().any(|run| matches!(run, SoakedRun::Ran(_))), "{path} is refused");
@@ -37,8 +77,8 @@ fn run_soaked_at(of: SoakPaths, formats: &[SoakFormat], paths: &[u64]) {
 /// A root beyond the range of the piece on which the step began was taken for the end of that range.
 #[test]
 fn a_smooth_joint_is_passed_at_the_right_length() {
-    for seed in [15, 22, 42] {
-        let path = RandomPath::<2>::from_bytes(&bytes(seed)).unwrap();
+    for (seed, expected) in [(15, 0x5912_38c2), (22, 0xf1bc_d5ba), (42, 0xd805_c15a)] {
+        let path = drawn(&bytes(seed), expected);
         let planned = Planned::new(&path, 5000).unwrap();
         OnPieces::<f64, 2>::new(&planned).unwrap().run().unwrap();
     }
@@ -47,7 +87,7 @@ fn a_smooth_joint_is_passed_at_the_right_length() {
 /// The landing's evaluation was missing in the documented bound, in the first steps of a run: K + 4.
 #[test]
 fn a_short_run_takes_no_more_evaluations_than_documented() {
-    let path = RandomPath::<2>::from_bytes(&bytes(264)).unwrap();
+    let path = drawn(&bytes(264), 0x3242_6389);
     let planned = Planned::new(&path, 5000).unwrap();
     OnCurve::<f64, 2>::new(&planned).unwrap().run(secant_interp::Method::Secant).unwrap();
 }
@@ -56,67 +96,78 @@ fn a_short_run_takes_no_more_evaluations_than_documented() {
 /// run passed the bends after it at the feed of another place.
 #[test]
 fn what_follows_a_hairpin_is_passed_in_time() {
-    run_soaked(20_261_121, &[2120]);
-    run_soaked(20_261_122, &[472]);
+    run_soaked(20_261_121, &[(2120, 0xe244_bc99)]);
+    run_soaked(20_261_122, &[(472, 0x6768_b704)]);
 }
 
 /// The first of two arcs with the same chord, before and behind a hairpin, had not been found to the last digit, and the
 /// second was taken: its stage was shortened to a half, and the run was half a step behind its plan in the next bend.
 #[test]
 fn a_chord_in_front_of_a_hairpin_does_not_end_behind_it() {
-    run_soaked(20_261_123, &[132]);
-    run_soaked(555, &[31_940]);
+    run_soaked(20_261_123, &[(132, 0x9a36_6d4f)]);
+    run_soaked(555, &[(31_940, 0x4883_4e71)]);
 }
 
 /// A period that ended at a stop but for rounding was not taken to land on it: the run was shortened by what its chord led
 /// beyond.
 #[test]
 fn a_stop_at_the_end_of_a_period_is_landed_on() {
-    run_soaked(4242, &[14_824, 66_060]);
+    run_soaked(4242, &[(14_824, 0x635f_5c18), (66_060, 0xc34b_aec7)]);
 }
 
 /// In a long bend whose limit is below F/4096 throughout, one stop was left, and no limit beside it.
 #[test]
 fn a_slow_bend_is_slow_beside_its_stop() {
-    run_soaked(4242, &[2804, 3844, 53_260, 63_864]);
+    run_soaked(
+        4242,
+        &[(2804, 0x1f6c_9f2a), (3844, 0x4187_895e), (53_260, 0xf900_cb72), (63_864, 0xed99_5396)],
+    );
 }
 
 /// Beside a stop the limit of the next limit point held, however far that was.
 #[test]
 fn a_stop_releases_no_more_of_the_limit_than_lies_within_reach() {
-    run_soaked(99, &[93_264]);
+    run_soaked(99, &[(93_264, 0x97f2_60dd)]);
 }
 
 /// A stage's end between two limit points is interpolated, and what that was off was taken for a shortfall. The run fell
 /// behind its plan by it for good.
 #[test]
 fn a_stage_that_ends_between_limit_points_is_not_shortened_by_their_distance() {
-    run_soaked(4242, &[49_140, 50_984, 56_372]);
+    run_soaked(4242, &[(49_140, 0xd67c_6e1d), (50_984, 0x6906_bacd), (56_372, 0x4091_e32a)]);
 }
 
 /// The speed on a piece halved between two of nine samples: steps per chord were held to the range of the samples.
 #[test]
 fn a_chord_is_found_where_the_speed_dips_between_samples() {
-    run_soaked(4242, &[44_332]);
+    run_soaked(4242, &[(44_332, 0xd20a_27fd)]);
 }
 
 /// A step from a joint over a whole piece or more was cut off at that piece's last phase, up to 6 % short.
 #[test]
 fn a_step_from_a_joint_passes_the_next_one() {
-    run_soaked_in(&SOAK_FORMATS, 20_261_125, &[38, 225, 242, 380]);
+    run_soaked_in(
+        &SOAK_FORMATS,
+        20_261_125,
+        &[(38, 0x1963_5758), (225, 0x2752_cd76), (242, 0x4b17_00c3), (380, 0x9a3f_7e0a)],
+    );
 }
 
 /// A step that led to a piece's last phase, and not beyond, was taken to have gone on over the whole next piece.
 #[test]
 fn a_step_to_the_last_phase_of_a_piece_ends_at_the_joint() {
-    run_soaked_at(SoakPaths { seed: 20_261_128, full_speed: false }, &SOAK_FORMATS[2..3], &[1650]);
+    run_soaked_at(
+        SoakPaths { seed: 20_261_128, full_speed: false },
+        &SOAK_FORMATS[2..3],
+        &[(1650, 0xb09b_7c23)],
+    );
 }
 
 /// With 4 evaluations a step over a piece whose speed changes a thousandfold is not found, and the run is ahead of its plan:
 /// that is no promise broken.
 #[test]
 fn a_run_that_lacks_evaluations_is_not_judged_by_its_place() {
-    run_soaked(4242, &[7316, 47_992, 118_576]);
+    run_soaked(4242, &[(7316, 0x94af_54a7), (47_992, 0x2b61_22aa), (118_576, 0xe7f4_f0ef)]);
 }
 
 /// With 2 evaluations a run was 1e-3 mm ahead of its plan, reached two hairpins at the feed in front of them, and stepped over
@@ -124,37 +175,45 @@ fn a_run_that_lacks_evaluations_is_not_judged_by_its_place() {
 /// rounding of the format.
 #[test]
 fn a_run_off_its_plan_is_not_judged_by_its_place_behind_a_hairpin() {
-    run_soaked_at(SoakPaths { seed: 20_261_128, full_speed: false }, &SOAK_FORMATS, &[1296]);
+    run_soaked_at(SoakPaths { seed: 20_261_128, full_speed: false }, &SOAK_FORMATS, &[(1296, 0x3b30_0a75)]);
 }
 
 /// After 282,477 periods, each off by its rounding, a run is several landing steps before its end, in a bend of 2.4e-3 mm radius. Of
 /// their chords the plan says nothing.
 #[test]
 fn a_rest_of_several_landing_steps_is_not_judged_by_the_plan() {
-    run_soaked_at(SoakPaths { seed: 20_261_129, full_speed: false }, &SOAK_FORMATS[3..4], &[1101]);
+    run_soaked_at(
+        SoakPaths { seed: 20_261_129, full_speed: false },
+        &SOAK_FORMATS[3..4],
+        &[(1101, 0x5e06_1359)],
+    );
 }
 
 /// A rational quintic's chord was off by 112 units of I4F28 relative to itself, which is the rounding of twice the sums of a
 /// quintic without weights.
 #[test]
 fn weights_have_roundings_of_their_own() {
-    run_soaked_at(SoakPaths { seed: 20_261_132, full_speed: true }, &SOAK_FORMATS[4..5], &[427]);
+    run_soaked_at(
+        SoakPaths { seed: 20_261_132, full_speed: true },
+        &SOAK_FORMATS[4..5],
+        &[(427, 0x9693_f409)],
+    );
 }
 
 /// Where the speed on a piece is 15 m per unit of its parameter, the judge's own rounding of phases is 3e-12 mm.
 #[test]
 fn rounding_in_the_judge_is_no_fault_of_the_run() {
-    run_soaked(20_261_130, &[39_688]);
+    run_soaked(20_261_130, &[(39_688, 0x056f_643f)]);
 }
 
 /// A landing step's product with a step per chord was rounded to nothing, and the run stood still before its end. In the
 /// coarsest of these formats all feeds of the plan are 0, so that the whole path is landed on.
 #[test]
 fn a_run_ends_in_a_format_too_coarse_for_its_landing_step() {
-    let drawn = [
+    let bytes = [
         0xc8, 0x15, 0x21, 0x0b, 0xc5, 0x1d, 0x18, 0x41, 0x8e, 0xff, 0x8b, 0x18, 0x6e, 0x66, 0x00, 0x87, 0x00,
     ];
-    let path = RandomPath::<2>::from_bytes(&drawn).unwrap();
+    let path = drawn(&bytes, 0x670f_5ce9);
     let planned = Planned::new(&path, 2000).unwrap();
     let mut runs = 0;
     for (fraction, rounding) in (0..8).flat_map(|f| Rounding::ALL.map(|r| (f, r))) {
