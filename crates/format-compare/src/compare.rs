@@ -11,6 +11,7 @@ use crate::formats::{Dimension, Format, Space, plan_for};
 use crate::metrics::{Fluctuation, JudgedStep, PerPeriod};
 use crate::problem::Problem;
 use crate::reference::Reference;
+use crate::requirement::{Measured, Requirement, requirements};
 use crate::run::{Engine, Options, PlanIn, Refusal, Run};
 
 /// The result of a comparison.
@@ -84,6 +85,8 @@ pub struct Row {
     pub operations: Option<BTreeMap<&'static str, f64>>,
     /// What a period costs, by target.
     pub cycles: BTreeMap<String, Cost>,
+    /// What the run must keep, with what was found.
+    pub requirements: Vec<Requirement>,
     /// Good, or what is broken.
     pub verdict: Verdict,
 }
@@ -101,6 +104,12 @@ pub enum Verdict {
 }
 
 impl Verdict {
+    pub(crate) fn of(requirements: &[Requirement]) -> Self {
+        let broken: Vec<_> =
+            requirements.iter().filter(|one| !one.holds()).map(|one| one.broken.clone()).collect();
+        if broken.is_empty() { Self::Good } else { Self::Bad(broken) }
+    }
+
     /// Whether every requirement is met.
     #[must_use]
     pub fn is_good(&self) -> bool {
@@ -239,6 +248,7 @@ pub(crate) fn refused((name, engine): (FormatName, Engine), refusal: &Refusal) -
         periods: None,
         operations: None,
         cycles: BTreeMap::new(),
+        requirements: Vec::new(),
         verdict: Verdict::Refused(refusal.to_string()),
     }
 }
@@ -256,34 +266,14 @@ pub(crate) fn judged<const D: usize>(
     let end_error = reference.end_error_mm(run);
     let saturations = run.audit.overflows + run.audit.divisions_by_zero;
 
-    let machine = &problem.machine;
-    let mut broken = Vec::new();
-    let mut demand = |holds: bool, what: String| {
-        if !holds {
-            broken.push(what);
-        }
+    let measured = Measured {
+        fluctuation,
+        saturations,
+        chord_error_mm: chord_error,
+        position_error_mm: position_error,
+        end_error_mm: end_error,
     };
-    demand(run.finished, format!("stops before the end of the path, after {} periods", run.steps.len()));
-    let full_step = machine.feedrate_mm_per_s * problem.period_s();
-    demand(
-        run.resolution_mm <= full_step && run.fluctuation_resolution < 1.0,
-        format!(
-            "cannot run this feed: {full_step:.1e} mm a period is less than one step of {:.1e} mm",
-            run.resolution_mm.max(full_step * run.fluctuation_resolution)
-        ),
-    );
-    demand(saturations == 0, format!("{saturations} overflows"));
-    demand(
-        fluctuation.cruise_max_abs <= machine.fluctuation_limit,
-        format!("fluctuation {:.1e} > {:.1e}", fluctuation.cruise_max_abs, machine.fluctuation_limit),
-    );
-    let allowed = machine.chord_error_mm * (1.0 + CHORD_ERROR_SLACK);
-    demand(
-        chord_error <= allowed,
-        format!("chord error {chord_error:.2e} > {:.2e} mm", machine.chord_error_mm),
-    );
-    demand(position_error <= machine.chord_error_mm, format!("position error {position_error:.1e} mm"));
-    demand(end_error <= machine.chord_error_mm, format!("ends {end_error:.1e} mm from the end"));
+    let requirements = requirements(run, &problem.machine, &measured);
 
     Row {
         format: name.to_string(),
@@ -301,10 +291,7 @@ pub(crate) fn judged<const D: usize>(
         periods: u32::try_from(run.steps.len()).ok(),
         operations: None,
         cycles: BTreeMap::new(),
-        verdict: if broken.is_empty() { Verdict::Good } else { Verdict::Bad(broken) },
+        verdict: Verdict::of(&requirements),
+        requirements,
     }
 }
-
-/// The chord-error limit takes the curve of a step as a circle of the radius at one point; where the radius changes
-/// within the step the true distance differs by a few parts in a thousand.
-const CHORD_ERROR_SLACK: f64 = 5e-3;

@@ -10,6 +10,7 @@ use crate::compare::{Comparison, Row, Verdict, in_parallel};
 use crate::formats::{Dimension, Space, plan_for, select};
 use crate::problem::Problem;
 use crate::recorded::RecordedRun;
+use crate::requirement::Requirement;
 use crate::run::{Options, Refusal};
 
 /// The cost of a run on one target.
@@ -191,30 +192,23 @@ fn cost(run: &RecordedRun, target: &Target, format: FormatName, period_s: f64) -
     })
 }
 
+/// Adds to the requirements that the dearest period fits the interpolation period on one of the targets: on the one on which it
+/// takes the least of it, if that is known for all.
 fn demand_that_it_fits(row: &mut Row, targets: &[Target]) {
-    let fits = |target: &Target| match row.cycles.get(&target.name) {
-        Some(Cost::Known(cost)) => cost.fits(),
+    let known = |target: &Target| match row.cycles.get(&target.name) {
+        Some(Cost::Known(cost)) => Some((cost.share_of_period?, cost.microseconds_max?)),
         _ => None,
     };
-    if targets.is_empty() || targets.iter().any(|target| fits(target) != Some(false)) {
-        return;
-    }
-    let reason = match targets.first().and_then(|target| row.cycles.get(&target.name)) {
-        Some(Cost::Known(cost)) => format!(
-            "a period takes {:.0} µs, {:.1} times the interpolation period",
-            cost.microseconds_max.unwrap_or(0.0),
-            cost.share_of_period.unwrap_or(0.0)
-        ),
-        _ => "fits the period on no target".to_string(),
-    };
-    row.verdict = match std::mem::replace(&mut row.verdict, Verdict::Good) {
-        Verdict::Good => Verdict::Bad(vec![reason]),
-        Verdict::Bad(mut reasons) => {
-            reasons.push(reason);
-            Verdict::Bad(reasons)
-        }
-        refused => refused,
-    };
+    let Some(costs) = targets.iter().map(known).collect::<Option<Vec<_>>>() else { return };
+    let Some((share, microseconds)) = costs.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)) else { return };
+    row.requirements.push(Requirement {
+        what: "dearest period in an interpolation period",
+        found: share,
+        limit: 1.0,
+        unit: "ratio",
+        broken: format!("a period takes {microseconds:.0} µs, {share:.1} times the interpolation period"),
+    });
+    row.verdict = Verdict::of(&row.requirements);
 }
 
 /// The cheapest good row on each target.

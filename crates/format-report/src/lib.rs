@@ -19,7 +19,6 @@ mod envelope;
 mod figure;
 mod figures;
 mod frame;
-mod margins;
 mod material;
 mod number;
 mod palette;

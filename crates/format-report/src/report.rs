@@ -1,12 +1,11 @@
 //! The whole report: a page, and a file for each picture and table.
 
 use askama::Template;
-use format_compare::{Comparison, Verdict};
+use format_compare::{Comparison, Requirement, Verdict};
 
 use crate::figure::Figure;
 use crate::figures::{self, Chapter};
 use crate::frame::Frame;
-use crate::margins::{self, Margin};
 use crate::material::Material;
 use crate::number;
 use crate::palette;
@@ -74,11 +73,13 @@ impl Report {
         let runs = runs::views(comparison, material.traces);
         let chapters = figures::chapters(material, &runs);
         let recommended = runs::recommended(comparison);
-        let margins: Vec<Margin> = recommended
-            .map_or_else(Vec::new, |index| margins::margins(&comparison.formats[index], &comparison.machine));
+        // Those that can be used in part first.
+        let mut requirements =
+            recommended.map_or_else(Vec::new, |index| comparison.formats[index].requirements.clone());
+        requirements.sort_by_key(|one| one.used().is_none());
         let formats = tables::formats(&runs);
         let costs = tables::costs(material, &runs);
-        let margin_table = tables::margins(&margins);
+        let margin_table = tables::margins(&requirements);
         let tables = [Some(&formats), Some(&margin_table), costs.as_ref()].into_iter().flatten();
         let files = files(chapters.iter().flat_map(|chapter| &chapter.figures), tables);
         let title = format!("feedbits: {}", comparison.part.name);
@@ -87,8 +88,8 @@ impl Report {
             frame: Frame::new((title, question), &comparison.part.name, &files, material.command),
             part: &comparison.part,
             machine: &comparison.machine,
-            answer: answer(comparison, &margins),
-            margins: margins.iter().map(MarginView::of).collect(),
+            answer: answer(comparison, &requirements),
+            margins: requirements.iter().map(MarginView::of).collect(),
             runs: runs.iter().map(|run| Switch::of(run, recommended)).collect(),
             formats: &formats,
             costs: costs.as_ref(),
@@ -135,15 +136,15 @@ pub fn listed(page: &str) -> Vec<String> {
 }
 
 impl MarginView {
-    fn of(margin: &Margin) -> Self {
-        let (found, limit) = (number::short(margin.found), number::short(margin.limit));
-        let unit = if matches!(margin.unit, "mm") { " mm" } else { "" };
+    fn of(one: &Requirement) -> Self {
+        let (found, limit) = (number::short(one.found), number::short(one.limit));
+        let unit = if matches!(one.unit, "mm") { " mm" } else { "" };
         Self {
-            requirement: margin.requirement,
+            requirement: one.what,
             found: format!("{found}{unit}"),
             limit: format!("{limit}{unit}"),
-            width: margin.used().map_or(0.0, |used| (used * 100.0).clamp(0.0, 100.0)),
-            used: margin
+            width: one.used().map_or(0.0, |used| (used * 100.0).clamp(0.0, 100.0)),
+            used: one
                 .used()
                 .map_or_else(String::new, |used| format!("{} % used", number::short(used * 100.0))),
         }
@@ -168,7 +169,7 @@ impl Switch {
 }
 
 /// Which format, and why.
-fn answer(comparison: &Comparison, margins: &[Margin]) -> Answer {
+fn answer(comparison: &Comparison, requirements: &[Requirement]) -> Answer {
     let Some(index) = runs::recommended(comparison) else {
         return Answer { format: None, why: why_none(comparison) };
     };
@@ -186,17 +187,18 @@ fn answer(comparison: &Comparison, margins: &[Margin]) -> Answer {
             path(row)
         )
     }];
-    let tightest = margins.iter().filter_map(|margin| Some((margin.used()?, margin)));
-    if let Some(fluctuation) = margins.first().and_then(Margin::used).filter(|used| *used > 0.0) {
+    let allowed = comparison.machine.fluctuation_limit;
+    if let Some(fluctuation) = row.fluctuation.map(|all| all.cruise_max_abs).filter(|found| *found > 0.0) {
         why.push(format!(
             "Its feed fluctuates {} times less than is allowed.",
-            number::short(1.0 / fluctuation)
+            number::short(allowed / fluctuation)
         ));
     }
-    if let Some((used, margin)) = tightest.max_by(|a, b| a.0.total_cmp(&b.0)) {
+    let used = requirements.iter().filter_map(|one| Some((one.used()?, one)));
+    if let Some((used, one)) = used.max_by(|a, b| a.0.total_cmp(&b.0)) {
         why.push(format!(
             "Closest to its limit is the {}: {} % of it is used.",
-            margin.requirement,
+            one.what,
             number::short(used * 100.0)
         ));
     }

@@ -1,8 +1,7 @@
 //! The tables of the report.
 
-use format_compare::{Cost, Fluctuation, Row, Verdict};
+use format_compare::{Cost, Fluctuation, Requirement, Row, Verdict};
 
-use crate::margins::Margin;
 use crate::material::Material;
 use crate::runs::RunView;
 use crate::table::{Cell, Column, Table};
@@ -69,7 +68,7 @@ pub(crate) fn verdict(verdict: &Verdict) -> String {
 }
 
 /// The recommended run against each requirement.
-pub(crate) fn margins(margins: &[Margin]) -> Table {
+pub(crate) fn margins(requirements: &[Requirement]) -> Table {
     let columns = [
         ("requirement", "requirement"),
         ("found", "found"),
@@ -77,20 +76,20 @@ pub(crate) fn margins(margins: &[Margin]) -> Table {
         ("unit", "unit"),
         ("used_percent", "used [%]"),
     ];
-    let row = |margin: &Margin| {
+    let row = |one: &Requirement| {
         vec![
-            Cell::text(margin.requirement),
-            Cell::Number(margin.found),
-            Cell::Number(margin.limit),
-            Cell::text(margin.unit),
-            Cell::maybe(margin.used().map(|used| used * 100.0)),
+            Cell::text(one.what),
+            Cell::Number(one.found),
+            Cell::Number(one.limit),
+            Cell::text(one.unit),
+            Cell::maybe(one.used().map(|used| used * 100.0)),
         ]
     };
     Table {
         name: "margins".into(),
         title: "The recommended format against each requirement".into(),
         columns: columns.map(|(key, heading)| Column { key, heading }).to_vec(),
-        rows: margins.iter().map(row).collect(),
+        rows: requirements.iter().map(row).collect(),
     }
 }
 
