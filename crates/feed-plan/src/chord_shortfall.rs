@@ -6,8 +6,8 @@
 //!
 //! The run is followed chord by chord, stage after stage: each is shortened until the run is back on its plan at the end of
 //! the last period that begins in it. What a stage cannot take back, the next ones do. Stages shorter than a period have no
-//! chord of their own: as many as take a period are shortened together, all by the same share. One that took back all of a
-//! period's shortfall would make the feed step there.
+//! chord of their own: as many as take a period are shortened together, so that their feeds fall all by the same. One that
+//! took back all of a period's shortfall would make the feed step there.
 
 use alloc::vec::Vec;
 use core::ops::Range;
@@ -26,8 +26,8 @@ const ON_PLAN: i32 = -34;
 /// The run is kept ahead of its plan by 2⁻²⁰ of a step up to the stage that ends at a stop: distances between limit points
 /// are that uncertain, and what a stage lacks there could not be added to it.
 const LEAD: i32 = -20;
-/// Stages are shortened by the same share if their highest feeds are within 2² of each other: what a chord falls short grows with
-/// the square of its length.
+/// Stages are shortened together if their highest feeds are within 2² of each other: where one is much slower, its bend is most of
+/// what they fall short.
 const SAME_FEED: i32 = 2;
 /// Corrections of an arc until its chord is as long as wanted; each leaves an eighth of the squared angle of the
 /// chord.
@@ -44,10 +44,10 @@ impl<R: Real> FeedLimit<R> {
     ///
     /// `curves` are those that this limit was made of; where they are missing, nothing falls short. Parameters
     /// are interpolated between limit points, and what one is off does not add up: it is gone in the next
-    /// period. Stages that have a period only together are shortened by the same share. At the ends of its stages a run by these chords is within 1e-5 mm of the plan, in f64, where a stage has a
-    /// period of its own and no step turns by a right angle; behind one that does, it may be off by a share of that
-    /// step, which the next stages take back. A stop on the way is taken to be landed on, as the end is: nothing that a
-    /// run is off there goes beyond it.
+    /// period. Of stages that take a period only together all feeds fall by the same. At the ends of its stages a run by these
+    /// chords is within 1e-5 mm of the plan, in f64, where a stage has a period of its own and no step turns by a right angle;
+    /// behind one that does, it may be off by a share of that step, which the next stages take back. A stop on the way is taken to
+    /// be landed on, as the end is: nothing that a run is off there goes beyond it.
     ///
     /// See [`ScheduleBuf::shortened`](crate::ScheduleBuf::shortened) for what to do about it.
     #[must_use]
@@ -65,11 +65,8 @@ impl<R: Real> FeedLimit<R> {
         while begins_in < schedule.stages().len() {
             let stages = begins_in..end_of_period(schedule, begins_in);
             let (off, end) = path.take_back(schedule, stages.clone(), &mut short, run);
-            for (shortfall, share) in
-                shortfalls.iter_mut().skip(begins_in).zip(shares(schedule, stages.clone()))
-            {
-                *shortfall = off * share;
-            }
+            let parts = parts(schedule, stages.clone(), off);
+            shortfalls.iter_mut().skip(begins_in).zip(parts).for_each(|(shortfall, part)| *shortfall = part);
             run = end.last_period;
             begins_in = end.run.cursor.stage().max(stages.end);
         }
@@ -127,8 +124,8 @@ impl<R: Real, C> Path<'_, R, C> {
         begin.distance + width * self.rule.mean(&self.rule.points.map(speed))
     }
 
-    /// Shortens stages, each by the same share, until the run is on its plan behind them, as far as half of them will do: by how
-    /// much, and where the run ends then.
+    /// Shortens stages until the run is on its plan behind them, as far as half of them will do: by how much, and where the run
+    /// ends then.
     fn take_back<const D: usize>(
         &self,
         arcs: &Schedule<'_, R>,
@@ -144,9 +141,9 @@ impl<R: Real, C> Path<'_, R, C> {
         let fastest =
             whole.iter().fold(R::zero(), |most, stage| most.max(stage.start_feed).max(stage.end_feed));
         let shorten = |short: &mut [Stage<R>], off: R| {
-            let shares = shares(arcs, stages.clone());
-            for ((stage, whole), share) in short.iter_mut().skip(stages.start).zip(whole).zip(shares) {
-                *stage = whole.shortened_by(off * share);
+            let parts = parts(arcs, stages.clone(), off);
+            for ((stage, whole), part) in short.iter_mut().skip(stages.start).zip(whole).zip(parts) {
+                *stage = whole.shortened_by(part);
             }
         };
         let mut follow = |off: R| {
@@ -264,12 +261,13 @@ fn end_of_period<R: Real>(schedule: &Schedule<'_, R>, begin: usize) -> usize {
     begin + 1 + stages.windows(2).take_while(goes_on).count()
 }
 
-/// Each stage's share of the length of them all.
-fn shares<R: Real>(schedule: &Schedule<'_, R>, stages: Range<usize>) -> impl Iterator<Item = R> {
+/// What of `off` each stage is shortened by: its share of the time, so that all feeds fall by the same, and no more than half of
+/// it.
+fn parts<R: Real>(schedule: &Schedule<'_, R>, stages: Range<usize>, off: R) -> impl Iterator<Item = R> {
     let stages = schedule.stages().get(stages).unwrap_or_default();
-    let length = stages.iter().fold(R::zero(), |sum, stage| sum + stage.length);
-    let share = move |part: R| if length > R::zero() { part / length } else { R::zero() };
-    stages.iter().map(move |stage| share(stage.length))
+    let duration = stages.iter().fold(R::zero(), |sum, stage| sum + stage.duration);
+    let share = move |part: R| if duration > R::zero() { part / duration } else { R::zero() };
+    stages.iter().map(move |stage| (off * share(stage.duration)).min(stage.length.half()))
 }
 
 fn chord<R: Real, const D: usize>(from: &[R; D], to: &[R; D]) -> R {
