@@ -3,7 +3,7 @@
 //! | text | reader | writer |
 //! |---|---|---|
 //! | curve file: TOML, tables `[curve]` or `[[curve]]`, and `[machine]` | [`read_part`] | [`write_curves`] |
-//! | part program: G0 to G3 | [`read_part`] | [`write_g1`], [`write_points`] |
+//! | part program: G0 to G3 | [`read_part`] | [`write_g1`] |
 //! | splines as FANUC writes them, G06.2 | [`read_part`] | [`write_g06_2`] |
 //! | splines as LinuxCNC writes them, G5.2, G5, G5.1 | [`read_part`] | [`write_g5_2`] |
 //! | splines as Siemens writes them, BSPLINE | [`read_part`] | |
@@ -72,7 +72,7 @@ pub use machine::{Axes, AxisLimits, Junction, Machine, read_machine};
 pub use options::{Dialect, ReadOptions};
 pub use part::{Auxiliary, Move, MoveKind, Part, Shape};
 pub use remark::{Oddity, Remark, SHORT_SPAN, TINY_MM, WEIGHT_RATIO};
-pub use write::{WriteError, write_g1, write_g5_2, write_g06_2, write_points};
+pub use write::{WriteError, write_g1, write_g5_2, write_g06_2};
 pub use write_curves::write_curves;
 
 use diagnostic::Report;

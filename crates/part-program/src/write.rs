@@ -57,18 +57,6 @@ impl fmt::Display for WriteError {
 
 impl std::error::Error for WriteError {}
 
-/// Writes points, such as the setpoints of an interpolator, as fine G1 moves in millimetres.
-#[must_use]
-pub fn write_points(points_mm: &[[f64; 3]], feedrate_mm_per_s: Option<f64>) -> String {
-    let mut program = Program::new(points_mm.iter().all(|point| point[2] == 0.0));
-    program.set_feed(feedrate_mm_per_s);
-    if let Some((first, rest)) = points_mm.split_first() {
-        program.rapid_to(*first);
-        program.line_through("G1", rest);
-    }
-    program.end()
-}
-
 /// Writes a part as G1 moves that leave its curves by no more than `tolerance_mm`.
 ///
 /// The bound is proven, by the convex hulls of Bézier pieces. Ends of curves are written to the last bit; points
@@ -224,11 +212,16 @@ fn has_uniform_knots(curve: &Curve) -> bool {
     uniform().zip(&curve.knots).all(|(u, knot)| first + u * unit == *knot)
 }
 
-/// The F word, in mm/min, that reads back as a feedrate in mm/s.
+/// The F word, in mm/min: the shortest decimal that reads back as a feedrate in mm/s.
 fn feed_word(feedrate_mm_per_s: f64) -> f64 {
+    const DECIMALS: i32 = 12;
     let near = feedrate_mm_per_s * 60.0;
+    let decimals = (0..=DECIMALS).map(|decimals| {
+        let unit = 10.0_f64.powi(decimals);
+        (near * unit).round() / unit
+    });
     let reads_back = |feed: &f64| feed / 60.0 == feedrate_mm_per_s;
-    [near, near.next_down(), near.next_up()].into_iter().find(reads_back).unwrap_or(near)
+    decimals.chain([near, near.next_down(), near.next_up()]).find(reads_back).unwrap_or(near)
 }
 
 /// A program that is being written.
