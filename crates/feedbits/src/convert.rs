@@ -4,7 +4,9 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
-use part_program::{Curve, MoveKind, Part, write_curves, write_g1, write_g5_2, write_g06_2};
+use part_program::{
+    Curve, MoveKind, Part, ReadOptions, read_part_with, write_curves, write_g1, write_g5_2, write_g06_2,
+};
 
 use crate::input::Input;
 use crate::{Ending, output};
@@ -51,10 +53,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     let text = match arguments.to {
         Target::G06_2 => write_g06_2(&part)?,
         Target::G5_2 => write_g5_2(&part)?,
-        Target::G1 => write_g1(&part, tolerance)?,
+        Target::G1 => write_g1(&part, tolerance, arguments.input.dialect())?,
         Target::Toml => write_curves(&part),
     };
-    let again = part_program::read_part("what was written", &text)
+    // Of the others, the words tell whose they are.
+    let dialect = arguments.input.dialect().filter(|_| arguments.to == Target::G1);
+    let again = read_part_with("what was written", &text, ReadOptions { dialect, lenient: false })
         .context("what was written does not read back: nothing is kept")?;
     output::write(arguments.out.as_deref(), &text)?;
     for note in notes(&part, &again, arguments.to) {

@@ -73,9 +73,14 @@ impl Input {
         Ok(part)
     }
 
+    /// The control that the part is said to be for.
+    pub(crate) fn dialect(&self) -> Option<Dialect> {
+        self.dialect
+    }
+
     /// The part, or what is wrong with its text.
     pub(crate) fn parsed(&self) -> Result<Result<Part, Diagnostics>> {
-        let options = ReadOptions { dialect: self.dialect, lenient: self.lenient };
+        let options = ReadOptions { dialect: self.dialect(), lenient: self.lenient };
         Ok(match &self.part {
             Some(path) if path == Path::new("-") => {
                 let name = "standard input";

@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
 use nurbs_core::CornerStyle;
-use part_program::{Machine, MoveKind, Part};
+use part_program::{Dialect, Machine, MoveKind, Part};
 
 use crate::input::Input;
 use crate::progress::Progress;
@@ -64,7 +64,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
         Outer::Cut => CornerStyle::Cut,
     };
     let progress = Progress::spinning("smoothing and planning");
-    let form = arguments.out.as_deref().map(Form::of);
+    let form = arguments.out.as_deref().map(|path| Form::of(path, arguments.input.dialect()));
     let (report, written) = smooth(&with_polygons_as_lines(&part), &machine, tolerance, outer, form)?;
     progress.finish();
     if let (Some(path), Some(text)) = (&arguments.out, written) {
@@ -80,14 +80,14 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
 enum Form {
     /// A curve file, with the smoothed curves as they are.
     Curves,
-    /// A program of fine straight moves.
-    Program,
+    /// A program of fine straight moves, for this control.
+    Program(Option<Dialect>),
 }
 
 impl Form {
-    fn of(path: &Path) -> Self {
+    fn of(path: &Path, dialect: Option<Dialect>) -> Self {
         let is_toml = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
-        if is_toml { Self::Curves } else { Self::Program }
+        if is_toml { Self::Curves } else { Self::Program(dialect) }
     }
 }
 
@@ -138,11 +138,11 @@ fn smooth(
     let written = match form {
         None => None,
         Some(Form::Curves) => Some(part_program::write_curves(&smoothed)),
-        Some(Form::Program) => {
+        Some(Form::Program(dialect)) => {
             let chord_error_mm = tolerance_mm * CHORD_SHARE;
             let rounded = program::rounded(&smoothed, chord_error_mm);
-            let text = part_program::write_g1(&rounded, chord_error_mm)?;
-            program::measure(part, &mut followed, &rounded, &text)?;
+            let text = part_program::write_g1(&rounded, chord_error_mm, dialect)?;
+            program::measure(part, &mut followed, &rounded, &program::read_again(&text, dialect)?)?;
             Some(text)
         }
     };

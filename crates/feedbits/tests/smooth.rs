@@ -295,3 +295,34 @@ fn what_cannot_be_smoothed_is_said() {
     let output = feedbits(&["smooth", &part, "--tolerance", "0.1"]);
     assert!(String::from_utf8_lossy(&output.stderr).contains("names no machine"));
 }
+
+/// A joint may be a little off: no rapid move crosses it, and what comes behind it is measured against its own moves.
+#[test]
+fn a_joint_that_is_not_exact_is_cut_through() {
+    for gap in ["5.0000008", "5.0001"] {
+        let ends =
+            [["0, 0", "5, 0"], [&format!("{gap}, 0"), "20, 0"], ["20, 0", "20, 10"], ["20, 10", "30, 10"]];
+        let curve = |[from, to]: &[&str; 2]| {
+            format!("[[curve]]\ndegree = 1\ncontrol_points_mm = [[{from}], [{to}]]\nknots = [0, 0, 1, 1]\n")
+        };
+        let folder = Folder::with("");
+        let (path, fine) = (folder.path("gap.toml"), folder.path("fine.nc"));
+        fs::write(&path, ends.iter().map(curve).collect::<String>()).expect("the folder is writable");
+        let machine = data("seed-000.toml");
+        let output = feedbits(&[
+            "smooth",
+            &path,
+            "--machine",
+            &machine,
+            "--tolerance",
+            "0.05",
+            "--json",
+            "--out",
+            &fine,
+        ]);
+        let report: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        assert!(number(&report["error_mm_max"]) <= 0.05, "{gap}: {}", report["error_mm_max"]);
+        let rapids = folder.read("fine.nc").lines().filter(|line| line.starts_with("G0 ")).count();
+        assert_eq!(rapids, if gap == "5.0001" { 2 } else { 1 }, "{gap}");
+    }
+}

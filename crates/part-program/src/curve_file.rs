@@ -106,7 +106,7 @@ fn curve_from(report: &mut Report<'_>, header: Span, table: &DeTable<'_>) -> Opt
     let knots = keys.array("knots");
     let feedrate_mm_per_s = keys.optional_number("feedrate_mm_per_s", machine::FEEDRATE);
     let kind = kind_from(&mut keys);
-    let exact_stop = exact_stop_from(&mut keys);
+    let exact_stop = exact_stop_from(&mut keys, kind);
     keys.finish();
 
     let weights = weights.map(|value| toml_table::array(report, "weights", value));
@@ -152,14 +152,18 @@ fn kind_from(keys: &mut TableReader<'_, '_, '_>) -> MoveKind {
     }
 }
 
-/// `exact_stop = true`, or `false`, which is the default.
-fn exact_stop_from(keys: &mut TableReader<'_, '_, '_>) -> bool {
+/// `exact_stop = true`, of a move at feed, or `false`, which is the default.
+fn exact_stop_from(keys: &mut TableReader<'_, '_, '_>, kind: MoveKind) -> bool {
     const KEY: &str = "exact_stop";
     let Some(value) = keys.optional(KEY) else { return false };
-    value.get_ref().as_bool().unwrap_or_else(|| {
+    let Some(exact_stop) = value.get_ref().as_bool() else {
         wrong_kind(keys.report, KEY, value, "true or false");
-        false
-    })
+        return false;
+    };
+    if exact_stop && kind == MoveKind::Rapid {
+        keys.report.error(value.span(), format!("`{KEY}` of a rapid move")).expected("a move at feed");
+    }
+    exact_stop
 }
 
 fn numbers(

@@ -39,6 +39,7 @@ pub(crate) fn read(report: &mut Report<'_>, part: &mut Part, options: ReadOption
         whole_units: options.dialect == Some(Dialect::Fanuc),
         unread: None,
         block_stops: false,
+        is_unsure_of_stops: false,
         end: PathMode::Continuous,
         passes_smooth_joints: false,
         spline: None,
@@ -86,6 +87,8 @@ pub(crate) struct Reader<'r, 't, 'p> {
     pub(crate) unread: Option<Span>,
     /// G9: this block alone ends at rest.
     pub(crate) block_stops: bool,
+    /// G61 was read before it was known whether the program is LinuxCNC's.
+    pub(crate) is_unsure_of_stops: bool,
     /// How the last block that moved passes its end; of a spline, the last of its blocks.
     end: PathMode,
     /// Whether the exact stop of the last move is none if the next one goes on in its direction.
@@ -210,6 +213,16 @@ impl Reader<'_, '_, '_> {
                 curve.control_points_mm.iter_mut().for_each(|point| point[axis] = begin);
                 curve.dimension = Curve::dimension_of(&curve.control_points_mm);
             }
+        }
+    }
+
+    /// A block that goes nowhere ends in an exact stop all the same: where the move before it ended.
+    pub(crate) fn rest_here(&mut self) {
+        if self.end == PathMode::ExactStop
+            && let Some(last) = self.part.moves.last_mut()
+        {
+            last.exact_stop |= last.kind == MoveKind::Feed;
+            self.passes_smooth_joints = false;
         }
     }
 

@@ -45,7 +45,7 @@ pub struct Move {
     /// The feedrate in force, in mm/s.
     pub feedrate_mm_per_s: Option<f64>,
     /// Whether the program wants the tool at rest where the move ends: G9, G61, Siemens' G60. Never of a rapid move,
-    /// which ends at rest anyhow.
+    /// which a control ends at rest anyhow.
     pub exact_stop: bool,
     /// Line of the block that commands it, from 1.
     pub line: usize,

@@ -18,6 +18,7 @@ impl Reader<'_, '_, '_> {
             if self.modal.motion == Motion::Line && self.modal.position == before {
                 let line = self.line(span);
                 self.part.standstills.push(line);
+                self.rest_here();
             }
             return;
         }

@@ -81,12 +81,26 @@ impl Reader<'_, '_, '_> {
             Some(400 | 490 | 540 | 500 | 690) => {}
             Some(90) if dialect != Some(Dialect::LinuxCnc) => self.block_stops = true,
             Some(610) if dialect == Some(Dialect::LinuxCnc) => self.modal.path_mode = PathMode::ExactPath,
-            Some(610 | 611) => self.modal.path_mode = PathMode::ExactStop,
+            Some(610 | 611) => {
+                self.modal.path_mode = PathMode::ExactStop;
+                self.is_unsure_of_stops |= word.value == 61.0 && dialect.is_none();
+            }
             // FANUC's G60 is positioning from one side, which is not read.
             Some(600) if dialect == Some(Dialect::Siemens) => self.modal.path_mode = PathMode::ExactStop,
             // When a position is reached, fine or coarse: the tool rests at all of them.
             Some(6010 | 6020 | 6030) if dialect == Some(Dialect::Siemens) => {}
-            Some(640) => self.modal.path_mode = PathMode::Continuous,
+            Some(640) => {
+                self.modal.path_mode = PathMode::Continuous;
+                let may_have = if self.may_be(&[Dialect::LinuxCnc]) { &b"PQ"[..] } else { &[] };
+                if may_have.iter().filter(|letter| block.take_letter(**letter).is_some()).count() > 0 {
+                    self.report.warning(word.span, "a tolerance of the path: it is taken as commanded");
+                }
+            }
+            // Rounding at the ends of blocks.
+            Some(6410 | 6420 | 6430 | 6440 | 6450) if dialect == Some(Dialect::Siemens) => {
+                self.report.warning(word.span, "blocks are rounded: the path is taken as commanded");
+                self.modal.path_mode = PathMode::Continuous;
+            }
             // Siemens means other things by these.
             Some(620 | 630) if dialect == Some(Dialect::Fanuc) => {
                 self.report
@@ -209,6 +223,11 @@ impl Reader<'_, '_, '_> {
             Motion::Bspline => Dialect::Siemens,
             _ => return Some(()),
         };
+        if own == Dialect::LinuxCnc && self.options.dialect.is_none() && self.is_unsure_of_stops {
+            let said = "G61 before this was read as an exact stop at every joint; LinuxCNC's passes smooth ones, as with \
+                        its dialect given";
+            self.report.warning(span, said);
+        }
         let dialect = *self.options.dialect.get_or_insert(own);
         if dialect == own {
             return Some(());

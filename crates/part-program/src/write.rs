@@ -12,6 +12,7 @@ use std::fmt::{self, Write};
 use crate::bezier;
 use crate::curve::Curve;
 use crate::linuxcnc::LEAST_ORDER;
+use crate::options::Dialect;
 use crate::part::{Auxiliary, Move, MoveKind, Part};
 use crate::spline_blocks::uniform_knots;
 
@@ -60,16 +61,22 @@ impl std::error::Error for WriteError {}
 /// Writes a part as G1 moves that leave its curves by no more than `tolerance_mm`.
 ///
 /// The bound is proven, by the convex hulls of Bézier pieces. Ends of curves are written to the last bit; points
-/// between them are rounded to a thousandth of the tolerance, or to less.
+/// between them are rounded to a thousandth of the tolerance, or to less. The control `dialect` says which word an exact stop is;
+/// without one it is G61, by which LinuxCNC passes smooth joints.
 ///
 /// # Errors
 /// [`WriteError::CurvedRapid`], and [`WriteError::TooManyChords`] where a span needs more than 2²⁰ chords or the part
 /// more than five million.
-pub fn write_g1(part: &Part, tolerance_mm: f64) -> Result<String, WriteError> {
+pub fn write_g1(part: &Part, tolerance_mm: f64, dialect: Option<Dialect>) -> Result<String, WriteError> {
+    let exact_stop = match dialect {
+        Some(Dialect::LinuxCnc) => "G61.1",
+        Some(Dialect::Siemens) => "G60",
+        Some(Dialect::Fanuc) | None => EXACT_STOP,
+    };
     let decimals = (0..15).find(|decimals| 0.1_f64.powi(*decimals) <= 1e-3 * tolerance_mm).unwrap_or(15);
     let unit = 10.0_f64.powi(decimals);
     let mut count = 0;
-    write(part, None, EXACT_STOP, |program, index, curve| {
+    write(part, None, exact_stop, |program, index, curve| {
         let mut ends = Vec::new();
         for piece in bezier::pieces(curve) {
             // Rounding moves each coordinate by half a unit at most.
@@ -85,9 +92,7 @@ pub fn write_g1(part: &Part, tolerance_mm: f64) -> Result<String, WriteError> {
             *end = end.map(|x| (x * unit).round() / unit);
         }
         ends.extend(curve.control_points_mm.last());
-        // What is rounded to the end would leave no block to stop at.
-        ends.dedup();
-        program.lines_to_end(&ends);
+        program.lines_to_end(ends);
         Ok(())
     })
 }
@@ -134,7 +139,7 @@ pub fn write_g5_2(part: &Part) -> Result<String, WriteError> {
     write(part, None, "G61.1", |program, index, curve| {
         let height = curve.control_points_mm.first().map_or(0.0, |point| point[2]);
         if curve.degree + 1 < LEAST_ORDER {
-            program.lines_to_end(curve.control_points_mm.get(1..).unwrap_or_default());
+            program.lines_to_end(curve.control_points_mm.get(1..).unwrap_or_default().to_vec());
         } else if curve.control_points_mm.iter().any(|point| point[2] != height) {
             return Err(WriteError::NotPlanar { curve: index });
         } else if has_uniform_knots(curve) {
@@ -288,8 +293,8 @@ impl Program {
         write_curve: &mut impl FnMut(&mut Self, usize, &Curve) -> Result<(), WriteError>,
     ) -> Result<(), WriteError> {
         let Some((first, rest)) = curve.control_points_mm.split_first() else { return Ok(()) };
-        self.rapid_to(*first);
         if one.kind == MoveKind::Rapid {
+            self.rapid_to(*first);
             if curve.degree > 1 {
                 return Err(WriteError::CurvedRapid { curve: index });
             }
@@ -297,9 +302,10 @@ impl Program {
             return Ok(());
         }
         self.set_feed(one.feedrate_mm_per_s);
+        self.rapid_to(*first);
         self.ends_at_rest = one.exact_stop;
         if is_line(curve) {
-            self.lines_to_end(rest);
+            self.lines_to_end(rest.to_vec());
         } else {
             write_curve(self, index, curve)?;
         }
@@ -308,7 +314,9 @@ impl Program {
     }
 
     /// Straight moves at feed to the end of the move at hand.
-    fn lines_to_end(&mut self, points: &[[f64; 3]]) {
+    fn lines_to_end(&mut self, mut points: Vec<[f64; 3]>) {
+        // What comes to the end before it would leave no block to stop at.
+        points.dedup();
         let Some((end, inner)) = points.split_last() else { return };
         if !inner.is_empty() {
             self.path_mode(false);
@@ -371,12 +379,24 @@ impl Program {
     }
 
     /// A rapid move to where a curve begins, unless the tool is there.
+    ///
+    /// Where the tool is before the program, nobody knows: it goes up before it goes anywhere, and down once it is there, at the feed
+    /// of the first move if that has one.
     fn rapid_to(&mut self, point: [f64; 3]) {
         if self.position.is_none() && !self.planar {
-            // Up first: where the tool is before the program, nobody knows.
-            self.block.push_str("G0");
+            let is_up = point[2] > 0.0;
+            if !is_up {
+                self.block.push_str("G0");
+                self.number("X", point[0]);
+                self.number("Y", point[1]);
+                self.end_block();
+            }
+            self.block.push_str(if is_up || self.feed.is_none() { "G0" } else { "G1" });
             self.number("Z", point[2]);
             self.end_block();
+            if !is_up {
+                self.position = Some(point);
+            }
         }
         self.line_through("G0", &[point]);
     }

@@ -339,14 +339,95 @@ fn exact_stops_are_written_and_read_back() {
         assert!(!text.contains("G61") || text.ends_with("G64\nM30\n"), "{text}");
     }
     // Of an arc's chords the last alone.
-    let chords = stops(&write_g1(&part, 1e-2).unwrap(), None);
+    let chords = stops(&write_g1(&part, 1e-2, None).unwrap(), None);
     assert_eq!((chords.iter().filter(|stop| **stop).count(), chords.last()), (4, Some(&true)));
     // What has none is written as ever.
     let plain = part_without(&part);
-    assert!(!write_g1(&plain, 1e-2).unwrap().contains("G6"));
+    assert!(!write_g1(&plain, 1e-2, None).unwrap().contains("G6"));
 }
 
 fn part_without(part: &Part) -> Part {
     let moves = part.moves.iter().map(|one| Move { exact_stop: false, ..*one }).collect();
     Part { moves, ..part.clone() }
+}
+
+#[test]
+fn exact_stops_are_written_in_the_words_of_the_control() {
+    // A smooth joint, which LinuxCNC's G61 passes.
+    let program = "G0 X0 Y0\nG1 X5 F600\nG61 X10\nG64 X20\nY10\n";
+    for (dialect, word) in [(Dialect::Fanuc, "G61"), (Dialect::LinuxCnc, "G61.1"), (Dialect::Siemens, "G60")]
+    {
+        let text = write_g1(&part(program), 1e-2, Some(dialect)).unwrap();
+        assert!(text.contains(&format!("\n{word}\nG1 X10. Y0.\nG64\n")), "{text}");
+        assert_eq!(stops(&text, Some(dialect)), [false, true, false, false], "{text}");
+    }
+}
+
+#[test]
+fn a_block_that_goes_nowhere_stops_all_the_same() {
+    for text in ["G0 X0 Y0\nG1 X5 F600\nG9 X5\nY10\n", "G0 X0 Y0\nG1 X5 F600\nG61 X5\nG64 Y10\n"] {
+        assert_eq!(stops(text, None), [true, false], "{text}");
+    }
+    assert_eq!(stops("G0 X0 Y0\nG1 X5 F600\nG61 X5\nX10\n", Some(Dialect::LinuxCnc)), [false, true]);
+}
+
+#[test]
+fn path_modes_of_linuxcnc_and_siemens_end_exact_stops() {
+    let text = "G61.1 G0 X0 Y0\nG1 X5 F600\nG64 P0.01 Q0.02\nX10\n";
+    assert_eq!(stops(text, Some(Dialect::LinuxCnc)), [true, false]);
+    assert_eq!(stops(text, None), [true, false]);
+    assert_eq!(said(&part(text)), [(3, "a tolerance of the path: it is taken as commanded")]);
+    let options = ReadOptions { lenient: false, dialect: Some(Dialect::Fanuc) };
+    let errors = read_part_with("p.nc", text, options).unwrap_err();
+    assert!(errors.to_string().contains("p.nc:3:5") && errors.to_string().contains("`P0.01`"), "{errors}");
+    let siemens = "G60 G0 X0 Y0\nG1 X5 F600\nG641 X8\nX9\n";
+    assert_eq!(stops(siemens, Some(Dialect::Siemens)), [true, false, false]);
+}
+
+/// Without a dialect given, only a spline tells that G61 meant something else.
+#[test]
+fn a_g61_before_the_first_spline_of_linuxcnc_is_warned_of() {
+    let text = LINUXCNC.replace("G0 X0 Y0", "G61 G0 X0 Y0");
+    assert_ne!(text, LINUXCNC);
+    let warned = |text: &str, dialect| {
+        let part = read_part_with("p.nc", text, ReadOptions { dialect, lenient: false }).unwrap();
+        part.warnings.iter().filter(|warning| warning.message.starts_with("G61 before this")).count()
+    };
+    assert_eq!(
+        (warned(&text, None), warned(&text, Some(Dialect::LinuxCnc)), warned(LINUXCNC, None)),
+        (1, 0, 0)
+    );
+}
+
+#[test]
+fn a_curve_that_ends_in_a_doubled_point_keeps_its_stop() {
+    let text = "[curve]\ndegree = 1\ncontrol_points_mm = [[0, 0], [10, 0], [10, 5], [10, 5]]\n\
+                knots = [0, 0, 1, 2, 3, 3]\nexact_stop = true\n";
+    let part = part(text);
+    for text in
+        [write_g5_2(&part).unwrap(), write_g06_2(&part).unwrap(), write_g1(&part, 0.01, None).unwrap()]
+    {
+        assert_eq!(stops(&text, None).iter().filter(|stop| **stop).count(), 1, "{text}");
+    }
+    let rapid = text.replace("exact_stop", "move = \"rapid\"\nexact_stop");
+    let errors = read_part("p.toml", &rapid).unwrap_err();
+    assert!(
+        errors.to_string().contains("p.toml:6:14")
+            && errors.to_string().contains("`exact_stop` of a rapid move"),
+        "{errors}"
+    );
+}
+
+/// Where the tool is before the program, nobody knows: a rapid move straight down could end in the clamps.
+#[test]
+fn a_written_program_goes_down_where_it_begins_to_cut() {
+    let down = part("G0 X50 Y0\nG1 Z-2 F300\nX60\nY10\n");
+    let text = write_g1(&down, 0.01, None).unwrap();
+    assert!(text.starts_with("G21 G90 G94\nG0 X50. Y0.\nG1 Z-2. F300.\nG1 X60. Y0. Z-2.\n"), "{text}");
+    let up = part("G0 X50 Y0 Z5\nG1 Z-2 F300\nX60\n");
+    let text = write_g1(&up, 0.01, None).unwrap();
+    assert!(text.starts_with("G21 G90 G94\nG0 Z5.\nG0 X50. Y0. Z5.\nG1 X50. Y0. Z-2. F300.\n"), "{text}");
+    for before in [down, up] {
+        assert_eq!(part(&write_g1(&before, 0.01, None).unwrap()).curves, before.curves);
+    }
 }

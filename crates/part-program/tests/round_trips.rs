@@ -94,7 +94,7 @@ proptest! {
         };
         let lines: Vec<_> = points.windows(2).filter(|ends| ends[0] != ends[1]).map(line).collect();
         prop_assume!(!lines.is_empty());
-        let text = write_g1(&at_feed(&lines, Some(feed / 60.0)), 1e-3).unwrap();
+        let text = write_g1(&at_feed(&lines, Some(feed / 60.0)), 1e-3, None).unwrap();
         let again = part(&text);
         let ends = |curve: &Curve| curve.control_points_mm.clone();
         prop_assert_eq!(again.curves.iter().map(ends).collect::<Vec<_>>(), lines.iter().map(ends).collect::<Vec<_>>());
@@ -226,8 +226,8 @@ fn a_whole_program_makes_the_round_trip() {
 #[test]
 fn chords_are_as_near_as_asked_and_keep_the_ends() {
     let before = part(PROGRAM);
-    let coarse = part(&write_g1(&before, 0.1).unwrap());
-    let fine = part(&write_g1(&before, 0.001).unwrap());
+    let coarse = part(&write_g1(&before, 0.1, None).unwrap());
+    let fine = part(&write_g1(&before, 0.001, None).unwrap());
     assert!(fine.curves.len() > 5 * coarse.curves.len() / 2, "{} {}", fine.curves.len(), coarse.curves.len());
     assert!(fine.curves.iter().all(|curve| curve.degree == 1));
     let (curve, chords) = (inspect(&before).length_mm, inspect(&fine).length_mm);
@@ -238,9 +238,9 @@ fn chords_are_as_near_as_asked_and_keep_the_ends() {
     }
     assert_eq!(fine.feedrate_mm_per_s, before.feedrate_mm_per_s);
     assert!(
-        matches!(write_g1(&before, 1e-14), Err(WriteError::TooManyChords { curve: 2 })),
+        matches!(write_g1(&before, 1e-14, None), Err(WriteError::TooManyChords { curve: 2 })),
         "{:?}",
-        write_g1(&before, 1e-14)
+        write_g1(&before, 1e-14, None)
     );
 }
 
@@ -252,7 +252,7 @@ fn a_curve_that_stands_still_for_a_span_is_written_without_it() {
     let before = read_part("p.toml", text).unwrap();
     let cut = part(&write_g5_2(&before).unwrap());
     assert_eq!(cut.curves.len(), 3, "of four spans");
-    let chords = part(&write_g1(&before, 0.01).unwrap());
+    let chords = part(&write_g1(&before, 0.01, None).unwrap());
     assert!(chords.standstills.is_empty());
     assert!((inspect(&chords).length_mm - inspect(&before).length_mm).abs() < 0.01);
 }
@@ -261,7 +261,7 @@ fn a_curve_that_stands_still_for_a_span_is_written_without_it() {
 fn a_rapid_move_that_is_not_straight_is_refused() {
     let mut part = part("G0 X0 Y0\nG3 X10 Y0 R5\n");
     part.moves[0].kind = MoveKind::Rapid;
-    for written in [write_g06_2(&part), write_g5_2(&part), write_g1(&part, 0.01)] {
+    for written in [write_g06_2(&part), write_g5_2(&part), write_g1(&part, 0.01, None)] {
         assert_eq!(written, Err(WriteError::CurvedRapid { curve: 0 }));
     }
 }

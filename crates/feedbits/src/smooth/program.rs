@@ -3,10 +3,11 @@
 use std::ops::Range;
 
 use anyhow::{Context, Result, bail};
-use part_program::{Curve, MoveKind, Part};
+use part_program::{Curve, Dialect, GAP_MM, MoveKind, Part, ReadOptions};
 
 use super::deviation::Paths;
 use super::followed::Followed;
+use super::stretch::length;
 
 /// A smoothed part with the ends of its curves rounded to a thousandth of the chord error, and to a nanometre at least: a
 /// control need not take seventeen digits.
@@ -20,28 +21,52 @@ pub(crate) fn rounded(smoothed: &Part, chord_error_mm: f64) -> Part {
         curve.control_points_mm.first_mut().into_iter().for_each(round);
         curve.control_points_mm.last_mut().into_iter().for_each(round);
     }
+    close_gaps(&mut part);
     part
 }
 
-/// Measures the stretches of a part anew on the text as which they were written, as it reads back.
-pub(crate) fn measure(part: &Part, followed: &mut [Followed], written: &Part, text: &str) -> Result<()> {
-    let again = part_program::read_part("what was written", text)
-        .context("what was written does not read back: nothing is kept")?;
-    let chords = chords(written, &again)?;
+/// Lets moves at feed begin where the one before ends, if that is no gap in a path: a rapid move would cross it.
+fn close_gaps(part: &mut Part) {
+    for next in 1..part.curves.len() {
+        let (before, after) = part.curves.split_at_mut(next);
+        let is_cut = part.moves[next - 1..=next].iter().all(|one| one.kind == MoveKind::Feed);
+        let end = before.last().and_then(|curve| curve.control_points_mm.last());
+        let start = after.first_mut().and_then(|curve| curve.control_points_mm.first_mut());
+        if let (true, Some(end), Some(start)) = (is_cut, end, start)
+            && length(&std::array::from_fn(|d| end[d] - start[d])) <= GAP_MM
+        {
+            *start = *end;
+        }
+    }
+}
+
+/// Reads what was written.
+pub(crate) fn read_again(text: &str, dialect: Option<Dialect>) -> Result<Part> {
+    part_program::read_part_with("what was written", text, ReadOptions { dialect, lenient: false })
+        .context("what was written does not read back: nothing is kept")
+}
+
+/// Measures the stretches of a part anew on what was written, as it reads back.
+pub(crate) fn measure(part: &Part, followed: &mut [Followed], written: &Part, again: &Part) -> Result<()> {
+    let chords = chords(written, again)?;
     let mut first = 0;
     for stretch in followed {
         let of_stretch = &chords[first..first + stretch.path.curves.len()];
         first += of_stretch.len();
-        let (Some(begin), Some(end)) = (of_stretch.first(), of_stretch.last()) else { continue };
-        let all = begin.start..end.end;
+        // Without the rapid moves that cross gaps.
+        let curves: Vec<_> =
+            of_stretch.iter().flat_map(|chords| again.curves[chords.clone()].to_vec()).collect();
         let move_of = of_stretch.iter().zip(&stretch.path.move_of);
         let move_of: Vec<usize> =
             move_of.flat_map(|(chords, index)| std::iter::repeat_n(*index, chords.len())).collect();
-        let paths = Paths::new(&part.curves[stretch.range.clone()], &again.curves[all.clone()], &move_of)?;
-        stretch.measure(&paths, |curve| {
-            let chords = &of_stretch[curve];
-            chords.start - all.start..chords.end - all.start
+        let paths = Paths::new(&part.curves[stretch.range.clone()], &curves, &move_of)?;
+        let mut end = 0;
+        let places = of_stretch.iter().map(|chords| {
+            end += chords.len();
+            end - chords.len()..end
         });
+        let places: Vec<_> = places.collect();
+        stretch.measure(&paths, |curve| places[curve].clone());
     }
     Ok(())
 }
