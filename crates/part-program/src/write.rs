@@ -29,28 +29,41 @@ pub enum WriteError {
     NotPlanar {
         /// Index of the curve.
         curve: usize,
+        /// Line of the move that it belongs to.
+        line: usize,
     },
     /// A rapid move that is not straight.
     CurvedRapid {
         /// Index of the curve.
         curve: usize,
+        /// Line of the move that it belongs to.
+        line: usize,
     },
     /// The tolerance asks for more chords than make a program.
     TooManyChords {
         /// Index of the curve.
         curve: usize,
+        /// Line of the move that it belongs to.
+        line: usize,
     },
 }
 
 impl fmt::Display for WriteError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::NotPlanar { curve } => write!(f, "curve {curve} leaves its plane: G5.2 takes X and Y only"),
-            Self::CurvedRapid { curve } => {
-                write!(f, "curve {curve} is a rapid move that is not straight: G0 is")
+            Self::NotPlanar { line, .. } => {
+                write!(f, "the curve of line {line} leaves its plane: G5.2 takes X and Y only")
             }
-            Self::TooManyChords { curve } => {
-                write!(f, "the tolerance cuts curve {curve} into too many chords: give a larger one")
+            Self::CurvedRapid { line, .. } => {
+                write!(f, "the rapid move of line {line} is not straight: G0 is")
+            }
+            Self::TooManyChords { line, .. } => {
+                let all = MAX_CHORDS;
+                write!(
+                    f,
+                    "up to line {line} the tolerance takes more chords than {all}, or 2^{MAX_HALVINGS} a span: "
+                )?;
+                f.write_str("give a larger one")
             }
         }
     }
@@ -83,7 +96,7 @@ pub fn write_g1(part: &Part, tolerance_mm: f64, dialect: Option<Dialect>) -> Res
             let chords = piece.chords(tolerance_mm - 1.0 / unit, MAX_HALVINGS, &mut ends);
             count += 1;
             if chords.is_none() || count + ends.len() > MAX_CHORDS {
-                return Err(WriteError::TooManyChords { curve: index });
+                return Err(WriteError::TooManyChords { curve: index, line: line_of(part, index) });
             }
         }
         count += ends.len();
@@ -141,7 +154,7 @@ pub fn write_g5_2(part: &Part) -> Result<String, WriteError> {
         if curve.degree + 1 < LEAST_ORDER {
             program.lines_to_end(curve.control_points_mm.get(1..).unwrap_or_default().to_vec());
         } else if curve.control_points_mm.iter().any(|point| point[2] != height) {
-            return Err(WriteError::NotPlanar { curve: index });
+            return Err(WriteError::NotPlanar { curve: index, line: line_of(part, index) });
         } else if has_uniform_knots(curve) {
             program.path_mode(true);
             program.g5_2(curve.degree, &curve.control_points_mm, &curve.weights);
@@ -162,6 +175,10 @@ pub fn write_g5_2(part: &Part) -> Result<String, WriteError> {
         }
         Ok(())
     })
+}
+
+fn line_of(part: &Part, curve: usize) -> usize {
+    part.moves.get(curve).map_or(0, |one| one.line)
 }
 
 /// Exact stop, where a dialect has no word of its own for it.
@@ -296,7 +313,7 @@ impl Program {
         if one.kind == MoveKind::Rapid {
             self.rapid_to(*first);
             if curve.degree > 1 {
-                return Err(WriteError::CurvedRapid { curve: index });
+                return Err(WriteError::CurvedRapid { curve: index, line: one.line });
             }
             self.line_through("G0", rest);
             return Ok(());

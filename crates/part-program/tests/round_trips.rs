@@ -164,7 +164,7 @@ M30
 #[test]
 fn g5_2_refuses_a_curve_that_leaves_its_plane() {
     let part = part("G0 X0 Y0 Z0\nG18 G3 X5 Z5 R5\n");
-    assert_eq!(write_g5_2(&part), Err(WriteError::NotPlanar { curve: 0 }));
+    assert_eq!(write_g5_2(&part), Err(WriteError::NotPlanar { curve: 0, line: 2 }));
 }
 
 #[test]
@@ -238,7 +238,7 @@ fn chords_are_as_near_as_asked_and_keep_the_ends() {
     }
     assert_eq!(fine.feedrate_mm_per_s, before.feedrate_mm_per_s);
     assert!(
-        matches!(write_g1(&before, 1e-14, None), Err(WriteError::TooManyChords { curve: 2 })),
+        matches!(write_g1(&before, 1e-14, None), Err(WriteError::TooManyChords { curve: 2, .. })),
         "{:?}",
         write_g1(&before, 1e-14, None)
     );
@@ -262,7 +262,7 @@ fn a_rapid_move_that_is_not_straight_is_refused() {
     let mut part = part("G0 X0 Y0\nG3 X10 Y0 R5\n");
     part.moves[0].kind = MoveKind::Rapid;
     for written in [write_g06_2(&part), write_g5_2(&part), write_g1(&part, 0.01, None)] {
-        assert_eq!(written, Err(WriteError::CurvedRapid { curve: 0 }));
+        assert_eq!(written, Err(WriteError::CurvedRapid { curve: 0, line: 2 }));
     }
 }
 
