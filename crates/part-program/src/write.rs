@@ -4,7 +4,7 @@
 //! Rapid moves stay G0 and straight moves G1, whatever becomes of the curves between them. Words that do not move the
 //! tool stay at their moves: M0, M1, M5 and M9 of a move's own block behind it, all others before it.
 //!
-//! An exact stop is G61 before the block that ends in it, G61.1 in a program for LinuxCNC, whose G61 passes smooth joints;
+//! An exact stop is G61 before the block that ends in it, G61.1 for LinuxCNC, whose G61 passes smooth joints, G60 for Siemens;
 //! G64 stands before the next block at feed without one.
 
 use std::fmt::{self, Write};
