@@ -187,6 +187,20 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
         core::array::from_fn(|d| offset[d].rescaled(units).signal("offset"))
     }
 
+    /// A point in units of 2^[`ORIGIN_EXPONENT`] mm: the piece's origin, and an offset from it in units of the path's
+    /// `2^coordinate_exponent` mm, cut towards the origin to whole units. Integers of 64 bits, so that nothing is lost where the
+    /// format itself does not hold the path's extent.
+    ///
+    /// At the end of the path, where the piece's number is that of pieces, it is an offset from the last one; without pieces
+    /// the point is 0. What does not fit 64 bits, 2²⁴ mm, wraps.
+    #[must_use]
+    pub fn position(&self, piece: usize, offset: &[R; D]) -> [i64; D] {
+        let Some(row) = self.pieces.get(piece).or(self.pieces.last()) else { return [0; D] };
+        let units = |x: R| x.to_phase(self.coordinate_exponent - ORIGIN_EXPONENT - 64).cast_signed();
+        let signed = |x: R| if x < R::zero() { units(-x).wrapping_neg() } else { units(x) };
+        core::array::from_fn(|d| row.origin[d].wrapping_add(signed(offset[d])))
+    }
+
     /// The piece's polynomials about `t`: all that a step from there needs.
     #[must_use]
     pub fn shifted(&self, piece: usize, t: R) -> Shifted<R, D> {

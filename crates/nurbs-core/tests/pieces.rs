@@ -23,11 +23,18 @@ fn exactly<R: Backend>(x: R) -> DoubleDouble {
 fn point<R: Backend, const D: usize>(table: &PiecesBuf<R, D>, piece: usize, t: R) -> [DoubleDouble; D] {
     let pieces = table.as_pieces();
     let (origin, offset) = (pieces.pieces[piece].origin, pieces.offset(piece, t));
-    core::array::from_fn(|d| {
-        let units =
-            DoubleDouble::new((origin[d] >> 32) as f64 * 1.0_f64.scale(32), (origin[d] & 0xffff_ffff) as f64);
-        units.scale(ORIGIN_EXPONENT) + exactly(offset[d]).scale(pieces.coordinate_exponent)
-    })
+    core::array::from_fn(|d| in_mm(origin[d]) + exactly(offset[d]).scale(pieces.coordinate_exponent))
+}
+
+/// The same by way of whole units.
+fn position<R: Backend, const D: usize>(table: &PiecesBuf<R, D>, piece: usize, t: R) -> [DoubleDouble; D] {
+    let pieces = table.as_pieces();
+    pieces.position(piece, &pieces.offset(piece, t)).map(in_mm)
+}
+
+fn in_mm(units: i64) -> DoubleDouble {
+    let high = (units >> 32) as f64 * 1.0_f64.scale(32);
+    DoubleDouble::new(high, (units & 0xffff_ffff) as f64).scale(ORIGIN_EXPONENT)
 }
 
 /// How far a point of a piece may be from the curve, in mm.
@@ -89,6 +96,8 @@ fn lies_on_the_curve<R: Backend, const D: usize>(
                 "{} piece {piece} of {count}, t = {eighth}/8: {error} > {bound}",
                 R::name()
             );
+            let off = distance(&position(&table, piece, R::from_ratio(eighth, 8)), &found);
+            prop_assert!(off <= 1.0_f64.scale(ORIGIN_EXPONENT), "{}: position off by {off}", R::name());
         }
         if piece + 1 < count {
             let gap = distance(&point(&table, piece, R::one()), &point(&table, piece + 1, R::zero()));
@@ -310,4 +319,16 @@ fn a_stop_inside_a_span_becomes_a_joint() {
 #[test]
 fn a_row_takes_the_bytes_that_are_said() {
     assert_eq!((size_of::<Piece<I4F28, 2>>(), size_of::<Piece<f64, 3>>()), (32, 48));
+}
+
+#[test]
+fn positions_of_no_piece_are_those_of_the_last_one() {
+    let curve = NurbsBuf::try_new_nonrational(1, vec![[1.0, 2.0], [11.0, 2.0]], vec![0.0, 0.0, 1.0, 1.0]);
+    let table: PiecesBuf<I4F28, 2> =
+        compile::<DoubleDouble, I4F28, 2>(&[curve.unwrap().as_curve()], &LIMITS).unwrap();
+    let pieces = table.as_pieces();
+    let (last, mm) = (pieces.pieces.len() - 1, 1_i64 << -ORIGIN_EXPONENT);
+    assert_eq!(pieces.position(last, &pieces.offset(last, I4F28::from_ratio(1, 1))), [11 * mm, 2 * mm]);
+    assert_eq!(pieces.position(usize::MAX, &pieces.offset(last, I4F28::from_ratio(1, 1))), [11 * mm, 2 * mm]);
+    assert_eq!(pieces.part(0..0).position(0, &[I4F28::from_ratio(1, 1); 2]), [0, 0]);
 }

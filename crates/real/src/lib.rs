@@ -77,6 +77,8 @@ pub use audit::{Audit, Audited, SignalRange};
 pub use count::{Counted, OperationCounts};
 #[cfg(feature = "reference")]
 pub use double_double::DoubleDouble;
+/// The crate whose types [`FixedPoint`] wraps.
+pub use fixed;
 pub use fixed_point::FixedPoint;
 pub use format_name::FormatName;
 #[cfg(feature = "std")]

@@ -14,6 +14,7 @@
 //! | a run that lands on each stop on the way | [`stretches`], [`PieceInterpolator::on`] |
 //! | feed override and feed hold while a plan runs | [`FeedOverride`] |
 //! | path and plan together, ready to run; with an example from curve to setpoints | [`CompiledPath`] |
+//! | a run as constants for flash, with the feature `std`; whether a controller makes the same | `Constant`, [`PositionChecksum`] |
 //!
 //! A step takes no heap, cannot panic and has no loop without a bound; everything is generic over [`real::Real`].
 //!
@@ -30,11 +31,14 @@ extern crate alloc;
 
 mod chord_step;
 mod compiled_path;
+#[cfg(feature = "std")]
+mod constant;
 mod feed_override;
 mod interpolator;
 #[cfg(feature = "lanes")]
 mod lanes;
 mod piece_interpolator;
+mod position_checksum;
 pub mod predictor;
 pub mod secant;
 mod step_lengths;
@@ -43,12 +47,15 @@ pub mod taylor;
 
 pub use chord_step::{Chord, ChordTolerance};
 pub use compiled_path::{CompiledPath, CompiledPathError};
+#[cfg(feature = "std")]
+pub use constant::{Constant, number_function, number_type};
 pub use feed_override::{FeedOverride, OverrideLimits, OverrideState, Rate};
 pub use feed_plan::StageShape;
 pub use interpolator::{Interpolator, Method, Setpoint, State};
 #[cfg(feature = "lanes")]
 pub use lanes::LaneInterpolator;
 pub use piece_interpolator::{PieceInterpolator, PieceSetpoint, PieceState};
+pub use position_checksum::PositionChecksum;
 pub use secant::{Outcome, Tolerance};
 pub use step_lengths::{LengthCursor, LengthStage, StepLengths};
 pub use stretches::{Stretch, stretches};

@@ -22,9 +22,7 @@ mod checksum;
 mod compiled {
     //! The compiled paths.
     use nurbs_core::{Piece, Pieces};
-    use real::{FixedPoint, I3F29, I4F28, I4F60};
-    use secant_interp::StageShape::Cubic;
-    use secant_interp::{ChordTolerance, LengthStage, PieceInterpolator, StepLengths};
+    use secant_interp::{ChordTolerance, LengthStage, PieceInterpolator, StageShape, StepLengths};
     include!(concat!(env!("OUT_DIR"), "/paths.rs"));
 }
 

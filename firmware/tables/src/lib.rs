@@ -10,7 +10,7 @@ use std::fmt::Write;
 
 use nurbs_core::{CompileError, NurbsBuf, PieceLimits, PiecesBuf, compile};
 use real::{Backend, DoubleDouble, I3F29, I4F28, I4F60, Real};
-use secant_interp::{ChordTolerance, PieceInterpolator, StepLengths};
+use secant_interp::{ChordTolerance, Constant, PieceInterpolator, StepLengths, number_function, number_type};
 
 pub use operations::{Operations, operations};
 pub use paths::{Path, paths};
@@ -30,7 +30,8 @@ const LANDING: f64 = 0.05;
 /// # Errors
 /// [`CompileError`] of the first path that does not fit a format.
 pub fn source() -> Result<String, CompileError> {
-    let mut text = String::new();
+    let mut text: String =
+        [I3F29::name(), I4F28::name(), I4F60::name()].into_iter().filter_map(number_function).collect();
     for path in paths() {
         write_path::<f64>(&mut text, &path)?;
         write_path::<f32>(&mut text, &path)?;
@@ -42,15 +43,11 @@ pub fn source() -> Result<String, CompileError> {
 }
 
 fn write_path<R: Backend>(text: &mut String, path: &Path) -> Result<(), CompileError> {
-    let format = R::name().to_string();
-    with_run::<R, _>(path, |interpolator| {
-        let _ = writeln!(
-            text,
-            "pub(crate) static {}_{}: PieceInterpolator<'static, {format}, 2> = {};",
-            path.name.to_uppercase(),
-            format.to_uppercase(),
-            expression(&format!("{interpolator:?}"), &format),
-        );
+    let number = number_type(R::name()).unwrap_or_default();
+    with_run::<R, _>(path, |run| {
+        let name = format!("{}_{}", path.name, R::name()).to_uppercase();
+        let constant = Constant(run);
+        let _ = writeln!(text, "pub(crate) static {name}: PieceInterpolator<'static, {number}, 2> = {constant};");
     })
 }
 
@@ -74,49 +71,4 @@ fn with_run<R: Backend, T>(
         },
         landing_step: number(LANDING * path.feed_mm * unit),
     }))
-}
-
-/// Turns the `Debug` form of plain data into a Rust expression of the same value.
-///
-/// Structures, arrays and floats already are one; floats are printed with the digits that tell them apart. Slices want
-/// a `&`, and a fixed-point number, printed in the same way, its type.
-fn expression(debug: &str, format: &str) -> String {
-    let mut text = debug.to_owned();
-    for slice in ["pieces", "numerators", "weights", "stages"] {
-        text = text.replace(&format!("{slice}: ["), &format!("{slice}: &["));
-    }
-    let mut parts = text.split("FixedPoint(");
-    let mut text = parts.next().unwrap_or_default().to_owned();
-    for part in parts {
-        let (digits, rest) = part.split_once(')').unwrap_or((part, ""));
-        let _ = write!(text, "FixedPoint(fixed::types::{format}::lit(\"{digits}\")){rest}");
-    }
-    text
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// The tables are exact because every number comes back from its digits.
-    #[test]
-    fn fixed_point_numbers_come_back_from_their_digits() {
-        let mut bits = 1_u64;
-        for _ in 0..100_000 {
-            bits = bits.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            let long = fixed::types::I4F60::from_bits(bits.cast_signed());
-            assert_eq!(format!("{long:?}").parse(), Ok(long));
-            let short = fixed::types::I4F28::from_bits((bits.cast_signed() >> 32) as i32);
-            assert_eq!(format!("{short:?}").parse(), Ok(short));
-        }
-    }
-
-    #[test]
-    fn an_expression_is_rust() {
-        let debug =
-            "Pieces { pieces: [Piece { origin: [1, -2], joint_ratio: FixedPoint(-0.5) }], weights: [] }";
-        let rust = "Pieces { pieces: &[Piece { origin: [1, -2], \
-                    joint_ratio: FixedPoint(fixed::types::I4F28::lit(\"-0.5\")) }], weights: &[] }";
-        assert_eq!(expression(debug, "I4F28"), rust);
-    }
 }
