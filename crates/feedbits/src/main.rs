@@ -2,6 +2,7 @@
 
 mod check;
 mod compare;
+mod compile;
 mod completions;
 mod convert;
 mod examples;
@@ -52,6 +53,9 @@ enum Command {
     /// Interpolate in one format and write a setpoint a period.
     #[command(after_help = examples::INTERPOLATE)]
     Interpolate(interpolate::Arguments),
+    /// Compile part and plan in one format into constants that a controller's firmware includes.
+    #[command(after_help = examples::COMPILE)]
+    Compile(compile::Arguments),
     /// Plan the feed and print the stages, or write them sampled.
     #[command(after_help = examples::PLAN)]
     Plan(plan::Arguments),
@@ -109,6 +113,7 @@ fn main() -> ExitCode {
     let ending = match command {
         Command::Compare(arguments) => compare::run(&arguments),
         Command::Interpolate(arguments) => interpolate::run(&arguments),
+        Command::Compile(arguments) => compile::run(&arguments),
         Command::Plan(arguments) => plan::run(&arguments),
         Command::Size(arguments) => size::run(&arguments),
         Command::Sweep(arguments) => sweep::run(&arguments),

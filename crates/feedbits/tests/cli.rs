@@ -287,3 +287,42 @@ fn quiet_runs_say_nothing_beside_the_result() {
         );
     }
 }
+
+#[test]
+fn a_part_is_compiled_for_a_controller() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("part.rs");
+    let compile = |arguments: &[&str]| {
+        let out = ["--out", file.to_str().expect("a name")];
+        feedbits(&[&["compile"], arguments, &out].concat())
+    };
+    let output = compile(&["--format", "I4F28"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let source = fs::read_to_string(&file).expect("a file");
+    let setpoints = text(&feedbits(&["interpolate", "--format", "I4F28"]).stdout).lines().count() - 1;
+    assert!(source.contains(&format!("pub const PERIODS: usize = {setpoints};")), "{setpoints}");
+    assert!(source.starts_with("// built-in example at 200 mm/s, in I4F28: written by `feedbits compile`"));
+    assert_eq!(text(&feedbits(&["compile", "--format", "I4F28", "--quiet"]).stdout), source);
+
+    let coarse = compile(&["--format", "I4F12"]);
+    assert_eq!(coarse.status.code(), Some(1));
+    assert!(
+        text(&coarse.stderr).contains("I4F12 is not good enough: fluctuation"),
+        "{}",
+        text(&coarse.stderr)
+    );
+    let before = fs::read_to_string(&file).expect("it is written all the same");
+    assert!(before.contains("real::fixed::types::I4F12"));
+
+    for (arguments, expected) in [
+        (vec!["--format", "I5F13"], "I5F13 is no type of a controller"),
+        (vec!["--format", "I1F31"], "unknown format \"I1F31\""),
+        (vec!["--format", "f32", "--evaluate", "de-boor"], "a controller runs compiled pieces"),
+        (vec!["--format", "f32", "--end-feed", "-1"], "--end-feed -1: expected a feed of at least 0 mm/s"),
+    ] {
+        let output = compile(&arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert!(text(&output.stderr).contains(expected), "{}", text(&output.stderr));
+        assert_eq!(fs::read_to_string(&file).expect("a file"), before, "what was there is kept");
+    }
+}

@@ -4,6 +4,7 @@ use std::marker::PhantomData;
 
 use real::{Audited, Backend, FormatName, RuntimeFixed, RuntimeFormat};
 
+use crate::constants::Constants;
 use crate::exact_plan::ExactPlan;
 use crate::problem::Problem;
 use crate::recorded::{self, RecordedRun};
@@ -31,6 +32,17 @@ pub trait Format<const D: usize>: Send + Sync {
     /// # Errors
     /// [`Refusal`] when the part, the plan or a limit does not fit the format.
     fn run(&self, problem: &Problem<D>, plan: &ExactPlan, options: &Options) -> Result<Run, Refusal>;
+
+    /// Writes path and plan, compiled for this format, as constants for a controller.
+    ///
+    /// # Errors
+    /// [`Refusal`] as of [`run`](Self::run), and where a controller has no such type.
+    fn constants(
+        &self,
+        problem: &Problem<D>,
+        plan: &ExactPlan,
+        options: &Options,
+    ) -> Result<Constants, Refusal>;
 }
 
 struct Of<R>(PhantomData<fn() -> R>);
@@ -54,6 +66,15 @@ impl<R: Backend, const D: usize> Format<D> for Of<R> {
 
     fn run(&self, problem: &Problem<D>, plan: &ExactPlan, options: &Options) -> Result<Run, Refusal> {
         run::audited::<R, Audited<R>, D>(problem, plan, options)
+    }
+
+    fn constants(
+        &self,
+        problem: &Problem<D>,
+        plan: &ExactPlan,
+        options: &Options,
+    ) -> Result<Constants, Refusal> {
+        Constants::of::<R, D>(problem, plan, options)
     }
 }
 
@@ -90,6 +111,15 @@ impl<const D: usize> Format<D> for AtRunTime {
         self.0.run::<0, _>(|| {
             run::audited::<RuntimeFixed<0>, Audited<RuntimeFixed<0>>, D>(problem, plan, options)
         })
+    }
+
+    fn constants(
+        &self,
+        problem: &Problem<D>,
+        plan: &ExactPlan,
+        options: &Options,
+    ) -> Result<Constants, Refusal> {
+        self.0.run::<0, _>(|| Constants::of::<RuntimeFixed<0>, D>(problem, plan, options))
     }
 }
 

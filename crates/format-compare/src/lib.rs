@@ -16,6 +16,7 @@
 
 mod axis_peaks;
 mod compare;
+mod constants;
 mod cost;
 mod exact_plan;
 mod formats;
@@ -36,6 +37,7 @@ mod trace;
 
 pub use axis_peaks::AxisPeak;
 pub use compare::{Comparison, PartSummary, Row, Verdict, compare, compare_with, in_parallel};
+pub use constants::Constants;
 pub use cost::{Cost, Level, PeriodCost, price, price_with};
 pub use exact_plan::ExactPlan;
 pub use feed_plan::ProfileKind;

@@ -63,7 +63,7 @@ pub(crate) fn record<R: Backend, const D: usize>(
 }
 
 /// Path and plan in `R`: what lies in a controller's flash.
-fn compiled<R: Backend, const D: usize>(
+pub(crate) fn compiled<R: Backend, const D: usize>(
     problem: &Problem<D>,
     plan: &ExactPlan,
     options: &Options,

@@ -108,6 +108,15 @@ pub enum Refusal {
     Compile(CompileError),
     /// The interpolator with one global parameter runs one curve.
     ManyCurves(usize),
+    /// A controller has no type of this format.
+    NoType(FormatName),
+    /// The run was given up.
+    Unfinished {
+        /// The periods that it took.
+        periods: usize,
+        /// The format.
+        format: FormatName,
+    },
 }
 
 impl fmt::Display for Refusal {
@@ -120,6 +129,12 @@ impl fmt::Display for Refusal {
             Self::Plan(error) => write!(f, "planning failed: {error}"),
             Self::Compile(error) => error.fmt(f),
             Self::ManyCurves(count) => write!(f, "one global parameter runs one curve, not {count}"),
+            Self::NoType(format) => {
+                write!(f, "{format} is no type of a controller: expected a float, or 8, 16, 32 or 64 bits")
+            }
+            Self::Unfinished { periods, format } => {
+                write!(f, "the run in {format} is not at the end of the path after {periods} periods")
+            }
         }
     }
 }

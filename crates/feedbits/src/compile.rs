@@ -1,0 +1,90 @@
+//! `feedbits compile`: a part for a controller, as constants that its firmware includes.
+
+use anyhow::{Result, bail};
+use clap::Args;
+use format_compare::{Constants, Dimension, Engine, Problem, Row, Space, Verdict};
+
+use crate::compare::{RunArguments, selected};
+use crate::input::{AnyProblem, Input};
+use crate::progress::Progress;
+use crate::{Ending, output};
+
+/// Options of `compile`.
+#[derive(Args)]
+pub(crate) struct Arguments {
+    #[command(flatten)]
+    input: Input,
+    #[command(flatten)]
+    run: RunArguments,
+    /// The number format: a float, or fixed point of 8, 16, 32 or 64 bits.
+    #[arg(long, value_name = "F")]
+    format: String,
+    /// Write to this file instead of the terminal.
+    #[arg(long, value_name = "PATH")]
+    out: Option<std::path::PathBuf>,
+}
+
+/// Compiles, judges what was compiled as `compare` does, and writes it.
+pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
+    let progress = Progress::spinning("compiling");
+    let (constants, row, about) = match arguments.input.read()? {
+        AnyProblem::Planar(problem) => compiled(&problem, arguments)?,
+        AnyProblem::Spatial(problem) => compiled(&problem, arguments)?,
+    };
+    progress.finish();
+    output::write(arguments.out.as_deref(), &(header(&about, &constants) + &constants.source))?;
+    let Constants { stretches, pieces, stages, bytes, periods, checksum, .. } = constants;
+    let stops =
+        if stretches == 1 { String::new() } else { format!(" in {stretches} stretches from stop to stop") };
+    output::note(&format!(
+        "{periods} periods{stops}; {pieces} pieces and {stages} stages in {bytes} bytes; checksum {checksum:#018x}"
+    ));
+    let reasons = match row.verdict {
+        Verdict::Good => return Ok(Ending::Good),
+        Verdict::Bad(reasons) => reasons.join("; "),
+        Verdict::Refused(reason) => reason,
+    };
+    output::say(&format!("feedbits: {} is not good enough: {reasons}", arguments.format));
+    Ok(Ending::RequirementNotMet)
+}
+
+/// The constants, the judgement of the run that they make, and a line about where they come from.
+fn compiled<const D: usize>(problem: &Problem<D>, arguments: &Arguments) -> Result<(Constants, Row, String)>
+where
+    Space: Dimension<D>,
+{
+    let options = arguments.run.options_for(problem)?;
+    if options.engine != Engine::Pieces {
+        bail!("a controller runs compiled pieces: give --evaluate pieces, or nothing");
+    }
+    let formats = selected::<D>(std::slice::from_ref(&arguments.format))?;
+    let Some(format) = formats.first() else { bail!("no format") };
+    let plan = format_compare::plan_for(problem, format.as_ref(), &options)?;
+    let constants = format.constants(problem, &plan, &options)?;
+    let mut comparison = format_compare::compare(problem, &formats, &[Engine::Pieces], &options)?;
+    let Some(row) = comparison.formats.pop() else { bail!("no run") };
+    let machine = &comparison.machine;
+    let about = format!("{} at {} mm/s, in {}", comparison.part.name, machine.feedrate_mm_per_s, row.format);
+    Ok((constants, row, about))
+}
+
+/// What stands before the module's text. No inner documentation, so that the file may be a module or be included in one.
+fn header(about: &str, constants: &Constants) -> String {
+    let about = about.replace(['\n', '\r'], " ");
+    format!(
+        "// {about}: written by `feedbits compile`, edited by nobody.
+//
+// {} bytes of tables, for the crates nurbs-core, real and secant-interp, without std. A setpoint a period:
+//
+//     for stretch in &STRETCHES {{
+//         let run = PATH.on(stretch);
+//         let mut state = run.start();
+//         while let Some(setpoint) = run.step(&mut state) {{
+//             let position = run.pieces.position(setpoint.piece, &setpoint.offset); // in 2^-39 mm
+//         }}
+//     }}
+
+",
+        constants.bytes
+    )
+}

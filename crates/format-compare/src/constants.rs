@@ -1,0 +1,134 @@
+//! A part for a controller: path and plan in one format, as the source of a Rust module.
+
+use std::fmt::Write;
+
+use nurbs_core::Piece;
+use real::Backend;
+use secant_interp::{
+    CompiledPath, Constant, LengthStage, PositionChecksum, Stretch, number_function, number_type,
+};
+use serde::Serialize;
+
+use crate::exact_plan::ExactPlan;
+use crate::on_pieces;
+use crate::problem::Problem;
+use crate::run::{Options, Refusal, most_periods};
+
+/// A module of constants, and what a controller has to make of them.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Constants {
+    /// The module: `Number`, `PERIOD_S`, `PERIODS`, `CHECKSUM`, `PATH` and `STRETCHES`.
+    #[serde(skip)]
+    pub source: String,
+    /// Stretches from stop to stop.
+    pub stretches: usize,
+    /// Rows of the tables.
+    pub pieces: usize,
+    /// Stages of the plan.
+    pub stages: usize,
+    /// Bytes of all tables, on a controller of 32 bits.
+    pub bytes: usize,
+    /// Setpoints of all runs.
+    pub periods: usize,
+    /// [`PositionChecksum`] of all setpoints.
+    pub checksum: u64,
+}
+
+impl Constants {
+    /// Compiles the part and its plan, and runs what was compiled.
+    pub(crate) fn of<R: Backend, const D: usize>(
+        problem: &Problem<D>,
+        plan: &ExactPlan,
+        options: &Options,
+    ) -> Result<Self, Refusal> {
+        let number = number_type(R::name()).ok_or(Refusal::NoType(R::name()))?;
+        let path = on_pieces::compiled::<R, D>(problem, plan, options)?;
+        let (periods, checksum) = run(&path, most_periods(plan.periods()))?;
+        let mut constants = Self {
+            source: String::new(),
+            stretches: path.stretches().len(),
+            pieces: path.table().places().len(),
+            stages: path.stages().len(),
+            bytes: bytes(&path),
+            periods,
+            checksum,
+        };
+        constants.source = constants.module(&number, &path, problem.period_s());
+        Ok(constants)
+    }
+
+    /// The text of the module.
+    fn module<R: Backend, const D: usize>(
+        &self,
+        number: &str,
+        path: &CompiledPath<R, D>,
+        period_s: f64,
+    ) -> String {
+        let Self { stretches, periods, checksum, .. } = self;
+        let mut text = String::from(USES);
+        let _ = write!(
+            text,
+            "/// The number format.\npub type Number = {number};\n\n\
+             /// T, the interpolation period, in s.\n{UNASKED}pub const PERIOD_S: f64 = {period_s:?};\n\n\
+             /// Setpoints from begin to end.\n{UNASKED}pub const PERIODS: usize = {periods};\n\n\
+             /// `secant_interp::PositionChecksum` of all of them.\n{UNASKED}pub const CHECKSUM: u64 = {checksum:#018x};\n\n\
+             /// Path and plan.\npub static PATH: PieceInterpolator<'static, Number, {D}> = {};\n\n\
+             /// From stop to stop.\npub static STRETCHES: [Stretch; {stretches}] = [\n",
+            Constant(&path.interpolator())
+        );
+        for Stretch { pieces, stages } in path.stretches() {
+            let _ = writeln!(text, "    Stretch {{ pieces: {pieces:?}, stages: {stages:?} }},");
+        }
+        text += "];\n";
+        if let Some(function) = number_function(R::name()) {
+            text += "\n";
+            text += &function;
+        }
+        text
+    }
+}
+
+/// Before what a program may leave alone.
+const UNASKED: &str = "#[allow(dead_code, reason = \"a program need not ask\")]\n";
+
+/// What the constants name.
+const USES: &str = "use nurbs_core::{Piece, Pieces};
+use secant_interp::{ChordTolerance, LengthStage, PieceInterpolator, StageShape, StepLengths, Stretch};
+
+";
+
+/// The setpoints of the runs from stop to stop, and the checksum of their positions.
+fn run<R: Backend, const D: usize>(path: &CompiledPath<R, D>, most: usize) -> Result<(usize, u64), Refusal> {
+    let mut checksum = PositionChecksum::default();
+    let mut periods = 0;
+    for run in path.runs() {
+        let mut state = run.start();
+        while let Some(setpoint) = run.step(&mut state) {
+            checksum.add(run.pieces.position(setpoint.piece, &setpoint.offset));
+            periods += 1;
+            if periods > most {
+                return Err(Refusal::Unfinished { periods, format: R::name() });
+            }
+        }
+    }
+    Ok((periods, checksum.value()))
+}
+
+/// What the tables take whose numbers are words of the format, and addresses words of 32 bits.
+fn bytes<R: Backend, const D: usize>(path: &CompiledPath<R, D>) -> usize {
+    fn of<W, const D: usize>(rows: [usize; 4]) -> usize {
+        let sizes =
+            [size_of::<Piece<W, D>>(), size_of::<[W; D]>(), size_of::<W>(), size_of::<LengthStage<W>>()];
+        rows.iter().zip(sizes).map(|(count, size)| count * size).sum()
+    }
+    let pieces = path.table().as_pieces();
+    let rows = [pieces.pieces.len(), pieces.numerators.len(), pieces.weights.len(), path.stages().len()];
+    let stretches = size_of::<[u32; 4]>() * path.stretches().len();
+    stretches
+        + match R::name().bits() {
+            8 => of::<u8, D>(rows),
+            16 => of::<u16, D>(rows),
+            32 => of::<u32, D>(rows),
+            _ => of::<u64, D>(rows),
+        }
+}

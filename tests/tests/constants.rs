@@ -1,0 +1,113 @@
+//! What `feedbits compile` writes is Rust, and a controller that includes it makes the run that was judged.
+//! `UPDATE_EXPECT=1 cargo test -p feedbits-tests --test constants` writes what is written now.
+
+use expect_test::expect_file;
+use feedbits_tests::problem;
+use format_compare::{Constants, Dimension, Options, Problem, Refusal, Space, plan_for, select};
+use nurbs_core::ORIGIN_EXPONENT;
+use real::Real;
+use secant_interp::{PieceInterpolator, PositionChecksum, Stretch};
+
+#[allow(unreachable_pub, reason = "it is written for any program")]
+mod stairs_i4f28 {
+    include!("constants/stairs_i4f28.rs");
+}
+#[allow(unreachable_pub, reason = "it is written for any program")]
+mod arcs_f32 {
+    include!("constants/arcs_f32.rs");
+}
+#[allow(unreachable_pub, reason = "it is written for any program")]
+mod arcs_i16f48 {
+    include!("constants/arcs_i16f48.rs");
+}
+#[allow(unreachable_pub, reason = "it is written for any program")]
+mod arcs_i5f27 {
+    include!("constants/arcs_i5f27.rs");
+}
+
+/// Two corners that are stopped at, and a slant.
+const STAIRS: &str = "G0 X0 Y0 Z0\nG1 X6 F6000\nY6\nX12 Y10\n";
+/// Rational curves in space, with a corner between them.
+const ARCS: &str = "G0 X0 Y0 Z0\nG1 Z1 F3000\nG3 X4 Y4 I0 J4\nG19 G2 Y8 Z5 J4 K0\n";
+
+fn constants<const D: usize>(problem: &Problem<D>, format: &str) -> Result<Constants, Refusal>
+where
+    Space: Dimension<D>,
+{
+    let format = select::<D>(&[format.to_string()]).expect("a format").remove(0);
+    let options = Options::default();
+    let plan = plan_for(problem, format.as_ref(), &options).expect("a plan");
+    format.constants(problem, &plan, &options)
+}
+
+/// The setpoints that a controller makes of the runs, their checksum, and where the last one is, in mm.
+fn made<R: Real, const D: usize>(
+    path: &PieceInterpolator<'_, R, D>,
+    stretches: &[Stretch],
+) -> (usize, u64, [f64; D]) {
+    let (mut periods, mut checksum, mut last) = (0, PositionChecksum::default(), [0; D]);
+    for run in stretches.iter().map(|stretch| path.on(stretch)) {
+        let mut state = run.start();
+        while let Some(setpoint) = run.step(&mut state) {
+            last = run.pieces.position(setpoint.piece, &setpoint.offset);
+            checksum.add(last);
+            periods += 1;
+        }
+    }
+    (periods, checksum.value(), last.map(|units| units as f64 * 2.0_f64.powi(ORIGIN_EXPONENT)))
+}
+
+#[test]
+fn what_is_written_is_what_was_compiled_into_this_test() {
+    let (stairs, arcs) = (problem::<2>("stairs.nc", STAIRS), problem::<3>("arcs.nc", ARCS));
+    for (written, file) in [
+        (constants(&stairs, "I4F28"), expect_file!["constants/stairs_i4f28.rs"]),
+        (constants(&arcs, "f32"), expect_file!["constants/arcs_f32.rs"]),
+        (constants(&arcs, "I16F48"), expect_file!["constants/arcs_i16f48.rs"]),
+        (constants(&arcs, "I5F27"), expect_file!["constants/arcs_i5f27.rs"]),
+    ] {
+        file.assert_eq(&written.expect("the part fits the format").source);
+    }
+}
+
+/// The run of a module is the one that its checksum is of, and ends where the part does.
+macro_rules! holds {
+    ($module:ident, $end:expr) => {
+        let (periods, checksum, last) = made(&$module::PATH, &$module::STRETCHES);
+        assert_eq!((periods, checksum), ($module::PERIODS, $module::CHECKSUM));
+        assert!(last.iter().zip($end).all(|(found, expected)| (found - expected).abs() < 1e-5), "{last:?}");
+        assert_eq!($module::PERIOD_S, 0.003);
+    };
+}
+
+#[test]
+fn a_controller_makes_the_run_that_the_checksum_is_of() {
+    assert_eq!(stairs_i4f28::STRETCHES.len(), 3);
+    holds!(stairs_i4f28, [12.0, 10.0]);
+    holds!(arcs_f32, [4.0, 8.0, 5.0]);
+    holds!(arcs_i16f48, [4.0, 8.0, 5.0]);
+    holds!(arcs_i5f27, [4.0, 8.0, 5.0]);
+}
+
+#[test]
+fn tables_take_the_bytes_that_are_said() {
+    let stairs = problem::<2>("stairs.nc", STAIRS);
+    let PieceInterpolator { pieces, lengths, .. } = stairs_i4f28::PATH;
+    let tables = size_of_val(pieces.pieces) + size_of_val(pieces.numerators) + size_of_val(lengths.stages);
+    let stretches = stairs_i4f28::STRETCHES.len() * 4 * size_of::<u32>();
+    let said = constants(&stairs, "I4F28").expect("it fits").bytes;
+    assert_eq!(said, tables + stretches);
+    // The same word by another name, and one of half the width.
+    assert_eq!(constants(&stairs, "I5F27").expect("it fits").bytes, said);
+    assert!(constants(&stairs, "I5F11").expect("it fits").bytes < said);
+}
+
+#[test]
+fn formats_without_a_type_are_refused() {
+    let problem = problem::<2>("paper A", feedbits_tests::PAPER_A);
+    let refusal = constants(&problem, "I5F13").expect_err("18 bits");
+    assert_eq!(
+        refusal.to_string(),
+        "I5F13 is no type of a controller: expected a float, or 8, 16, 32 or 64 bits"
+    );
+}
