@@ -1,5 +1,5 @@
-//! The real-time steps in each number format, on compiled pieces and on the global parameter, exported, over a panic handler and a heap that call
-//! functions which do not exist.
+//! What real time calls in each number format, exported, over a panic handler and a heap that call functions which do not
+//! exist: steps on compiled pieces and on the global parameter, the begin of a stretch, a setpoint's position.
 //!
 //! The linker drops what no export can reach. If a panic can be reached from a step, so can the handler, and then its
 //! function is missing and nothing is linked; so with the heap. `scripts/no-panic` builds this once as it is and once with
@@ -10,6 +10,7 @@
 use nurbs_core::NurbsCurve;
 use secant_interp::{
     FeedOverride, Interpolator, OverrideState, PieceInterpolator, PieceSetpoint, PieceState, Setpoint, State,
+    Stretch,
 };
 
 unsafe extern "C" {
@@ -49,7 +50,7 @@ fn give<T>(place: &mut T, value: Option<T>) -> bool {
 
 macro_rules! steps {
     ($($module:ident: $format:ty, $dimensions:literal;)*) => {$(
-        /// The steps in one format and space.
+        /// The calls in one format and space.
         pub mod $module {
             use super::*;
 
@@ -63,7 +64,28 @@ macro_rules! steps {
                 give(setpoint, interpolator.step(state))
             }
 
-            /// The same with the plan's time stretched.
+            /// Where a stretch begins, after a stop.
+            #[unsafe(export_name = concat!("stretch_", stringify!($module)))]
+            pub fn at_a_stop<'a>(
+                path: &PieceInterpolator<'a, $format, $dimensions>,
+                stretch: &Stretch,
+                run: &mut PieceInterpolator<'a, $format, $dimensions>,
+                state: &mut PieceState<$format, $dimensions>,
+            ) {
+                *run = path.on(stretch);
+                *state = run.start();
+            }
+
+            /// A setpoint in whole units.
+            #[unsafe(export_name = concat!("position_", stringify!($module)))]
+            pub fn position(
+                run: &PieceInterpolator<'_, $format, $dimensions>,
+                setpoint: &PieceSetpoint<$format, $dimensions>,
+            ) -> [i64; $dimensions] {
+                run.pieces.position(setpoint.piece, &setpoint.offset)
+            }
+
+            /// The step with the plan's time stretched.
             #[unsafe(export_name = concat!("overridden_", stringify!($module)))]
             pub fn overridden(
                 interpolator: &PieceInterpolator<'_, $format, $dimensions>,

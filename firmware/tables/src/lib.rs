@@ -47,7 +47,8 @@ fn write_path<R: Backend>(text: &mut String, path: &Path) -> Result<(), CompileE
     with_run::<R, _>(path, |run| {
         let name = format!("{}_{}", path.name, R::name()).to_uppercase();
         let constant = Constant(run);
-        let _ = writeln!(text, "pub(crate) static {name}: PieceInterpolator<'static, {number}, 2> = {constant};");
+        let _ =
+            writeln!(text, "pub(crate) static {name}: PieceInterpolator<'static, {number}, 2> = {constant};");
     })
 }
 
