@@ -3,7 +3,7 @@
 
 use expect_test::expect_file;
 use feedbits_tests::problem;
-use format_compare::{Constants, Dimension, Options, Problem, Refusal, Space, plan_for, select};
+use format_compare::{Constants, Dimension, Options, Problem, ProfileKind, Refusal, Space, plan_for, select};
 use nurbs_core::ORIGIN_EXPONENT;
 use real::Real;
 use secant_interp::{PieceInterpolator, PositionChecksum, Stretch};
@@ -25,19 +25,37 @@ mod arcs_i5f27 {
     include!("constants/arcs_i5f27.rs");
 }
 
+#[allow(unreachable_pub, reason = "it is written for any program")]
+mod holes_f64 {
+    include!("constants/holes_f64.rs");
+}
+#[allow(unreachable_pub, reason = "it is written for any program")]
+mod tiny_i28f36 {
+    include!("constants/tiny_i28f36.rs");
+}
+
 /// Two corners that are stopped at, and a slant.
 const STAIRS: &str = "G0 X0 Y0 Z0\nG1 X6 F6000\nY6\nX12 Y10\n";
 /// Rational curves in space, with a corner between them.
 const ARCS: &str = "G0 X0 Y0 Z0\nG1 Z1 F3000\nG3 X4 Y4 I0 J4\nG19 G2 Y8 Z5 J4 K0\n";
+
+/// Two holes and a line straight on from them but for the rapid moves between.
+const HOLES: &str = "G0 X1 Y2 Z3\nG1 Z-1 F3000\nG0 Z3\nX5\nG1 Z-1\nG0 Z3\nY-4\nG1 X9\n";
+/// So short that coordinates are in units below those of positions.
+const TINY: &str = "G0 X0 Y0 Z0\nG1 X0.000005 F3000\nY0.000003\n";
 
 fn constants<const D: usize>(problem: &Problem<D>, format: &str) -> Result<Constants, Refusal>
 where
     Space: Dimension<D>,
 {
     let format = select::<D>(&[format.to_string()]).expect("a format").remove(0);
-    let options = Options::default();
-    let plan = plan_for(problem, format.as_ref(), &options).expect("a plan");
-    format.constants(problem, &plan, &options)
+    // The plan of one of them has another shape of stages.
+    let is_other = format.name().to_string() == "I5F27";
+    let profile = if is_other { ProfileKind::Trigonometric } else { ProfileKind::default() };
+    let options = Options { profile, ..Options::default() };
+    let problem = problem.with_stops_at_gaps();
+    let plan = plan_for(&problem, format.as_ref(), &options).expect("a plan");
+    format.constants(&problem, &plan, &options)
 }
 
 /// The setpoints that a controller makes of the runs, their checksum, and where the last one is, in mm.
@@ -65,6 +83,8 @@ fn what_is_written_is_what_was_compiled_into_this_test() {
         (constants(&arcs, "f32"), expect_file!["constants/arcs_f32.rs"]),
         (constants(&arcs, "I16F48"), expect_file!["constants/arcs_i16f48.rs"]),
         (constants(&arcs, "I5F27"), expect_file!["constants/arcs_i5f27.rs"]),
+        (constants(&problem::<3>("holes.nc", HOLES), "f64"), expect_file!["constants/holes_f64.rs"]),
+        (constants(&problem::<2>("tiny.nc", TINY), "I28F36"), expect_file!["constants/tiny_i28f36.rs"]),
     ] {
         file.assert_eq(&written.expect("the part fits the format").source);
     }
@@ -87,6 +107,32 @@ fn a_controller_makes_the_run_that_the_checksum_is_of() {
     holds!(arcs_f32, [4.0, 8.0, 5.0]);
     holds!(arcs_i16f48, [4.0, 8.0, 5.0]);
     holds!(arcs_i5f27, [4.0, 8.0, 5.0]);
+    holds!(holes_f64, [9.0, -4.0, 3.0]);
+    holds!(tiny_i28f36, [5e-6, 3e-6]);
+}
+
+/// The path is closed over rapid moves to be planned; a controller has the holes where the part has them.
+#[test]
+fn stretches_begin_and_end_where_the_part_does() {
+    let ends: Vec<_> = holes_f64::STRETCHES
+        .iter()
+        .map(|stretch| {
+            let run = holes_f64::PATH.on(stretch);
+            let begin =
+                run.pieces.position(0, &[0.0; 3]).map(|units| units as f64 * 2.0_f64.powi(ORIGIN_EXPONENT));
+            (begin, made(&holes_f64::PATH, std::slice::from_ref(stretch)).2)
+        })
+        .collect();
+    let expected = [
+        ([1.0, 2.0, 3.0], [1.0, 2.0, -1.0]),
+        ([5.0, 2.0, 3.0], [5.0, 2.0, -1.0]),
+        ([5.0, -4.0, 3.0], [9.0, -4.0, 3.0]),
+    ];
+    assert_eq!(ends.len(), expected.len());
+    for ((begin, end), (from, to)) in ends.iter().zip(&expected) {
+        let far = |a: &[f64; 3], b: &[f64; 3]| a.iter().zip(b).any(|(a, b)| (a - b).abs() > 1e-9);
+        assert!(!far(begin, from) && !far(end, to), "{begin:?} to {end:?}, not {from:?} to {to:?}");
+    }
 }
 
 #[test]

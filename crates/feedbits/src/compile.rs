@@ -32,19 +32,22 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
         AnyProblem::Spatial(problem) => compiled(&problem, arguments)?,
     };
     progress.finish();
-    output::write(arguments.out.as_deref(), &(header(&about, &constants) + &constants.source))?;
+    let fault = match row.verdict {
+        Verdict::Good => None,
+        Verdict::Bad(reasons) => Some(reasons.join("; ")),
+        Verdict::Refused(reason) => Some(reason),
+    };
+    let fault = fault.map(|why| format!("{} is not good enough: {why}", arguments.format));
+    let text = header(&about, fault.as_deref(), constants.bytes) + &constants.source;
+    output::write(arguments.out.as_deref(), &text)?;
     let Constants { stretches, pieces, stages, bytes, periods, checksum, .. } = constants;
     let stops =
         if stretches == 1 { String::new() } else { format!(" in {stretches} stretches from stop to stop") };
     output::note(&format!(
         "{periods} periods{stops}; {pieces} pieces and {stages} stages in {bytes} bytes; checksum {checksum:#018x}"
     ));
-    let reasons = match row.verdict {
-        Verdict::Good => return Ok(Ending::Good),
-        Verdict::Bad(reasons) => reasons.join("; "),
-        Verdict::Refused(reason) => reason,
-    };
-    output::say(&format!("feedbits: {} is not good enough: {reasons}", arguments.format));
+    let Some(fault) = fault else { return Ok(Ending::Good) };
+    output::say(&format!("feedbits: {fault}"));
     Ok(Ending::RequirementNotMet)
 }
 
@@ -53,6 +56,7 @@ fn compiled<const D: usize>(problem: &Problem<D>, arguments: &Arguments) -> Resu
 where
     Space: Dimension<D>,
 {
+    let problem = &problem.with_stops_at_gaps();
     let options = arguments.run.options_for(problem)?;
     if options.engine != Engine::Pieces {
         bail!("a controller runs compiled pieces: give --evaluate pieces, or nothing");
@@ -69,22 +73,33 @@ where
 }
 
 /// What stands before the module's text. No inner documentation, so that the file may be a module or be included in one.
-fn header(about: &str, constants: &Constants) -> String {
-    let about = about.replace(['\n', '\r'], " ");
+fn header(about: &str, fault: Option<&str>, bytes: usize) -> String {
+    let fault = fault.map_or_else(String::new, |fault| format!("// {}\n//\n", in_a_comment(fault)));
     format!(
-        "// {about}: written by `feedbits compile`, edited by nobody.
+        "// {}: written by `feedbits compile`, edited by nobody.
 //
-// {} bytes of tables, for the crates nurbs-core, real and secant-interp, without std. A setpoint a period:
+{fault}// {bytes} bytes of tables, for the crates nurbs-core, real and secant-interp, without std. A setpoint a period:
 //
 //     for stretch in &STRETCHES {{
 //         let run = PATH.on(stretch);
-//         let mut state = run.start();
+//         let mut state = run.start(); // at rest at run.pieces.pieces[0].origin, in 2^-39 mm
 //         while let Some(setpoint) = run.step(&mut state) {{
 //             let position = run.pieces.position(setpoint.piece, &setpoint.offset); // in 2^-39 mm
 //         }}
 //     }}
+//
+// Where a stretch begins elsewhere than the one before it ends, the part has a rapid move or a gap.
 
 ",
-        constants.bytes
+        in_a_comment(about)
     )
+}
+
+/// Without what would end a comment's line, or show its text in another order than it has.
+fn in_a_comment(text: &str) -> String {
+    let is_odd = |c: char| {
+        c.is_control()
+            || matches!(c, '\u{200e}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+    };
+    text.replace(is_odd, "?")
 }

@@ -313,6 +313,12 @@ fn a_part_is_compiled_for_a_controller() {
     );
     let before = fs::read_to_string(&file).expect("it is written all the same");
     assert!(before.contains("real::fixed::types::I4F12"));
+    assert!(before.contains("// I4F12 is not good enough: fluctuation"), "{}", &before[..400]);
+
+    let odd = folder.path().join("a\u{202e}b\nc.toml");
+    fs::copy(data("seed-000.toml"), &odd).expect("a file");
+    let named = text(&feedbits(&["compile", odd.to_str().expect("a name"), "--format", "f64"]).stdout);
+    assert!(named.lines().next().is_some_and(|line| line.contains("a?b?c.toml at 200 mm/s")), "{named:.200}");
 
     for (arguments, expected) in [
         (vec!["--format", "I5F13"], "I5F13 is no type of a controller"),

@@ -2,12 +2,12 @@
 
 use std::fmt::Write;
 
-use nurbs_core::Piece;
-use real::Backend;
+use nurbs_core::{ORIGIN_EXPONENT, Piece, Pieces, PiecesBuf, Place};
+use real::{Backend, Real};
 use secant_interp::{
-    CompiledPath, Constant, LengthStage, PositionChecksum, Stretch, number_function, number_type,
+    CompiledPath, Constant, LengthStage, PieceInterpolator, PositionChecksum, Stretch, number_function,
+    number_type,
 };
-use serde::Serialize;
 
 use crate::exact_plan::ExactPlan;
 use crate::on_pieces;
@@ -15,10 +15,9 @@ use crate::problem::Problem;
 use crate::run::{Options, Refusal, most_periods};
 
 /// A module of constants, and what a controller has to make of them.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Constants {
     /// The module: `Number`, `PERIOD_S`, `PERIODS`, `CHECKSUM`, `PATH` and `STRETCHES`.
-    #[serde(skip)]
     pub source: String,
     /// Stretches from stop to stop.
     pub stretches: usize,
@@ -35,7 +34,7 @@ pub struct Constants {
 }
 
 impl Constants {
-    /// Compiles the part and its plan, and runs what was compiled.
+    /// Compiles the part and its plan, and runs what was compiled. The plan has to rest where the part has a gap.
     pub(crate) fn of<R: Backend, const D: usize>(
         problem: &Problem<D>,
         plan: &ExactPlan,
@@ -43,7 +42,11 @@ impl Constants {
     ) -> Result<Self, Refusal> {
         let number = number_type(R::name()).ok_or(Refusal::NoType(R::name()))?;
         let path = on_pieces::compiled::<R, D>(problem, plan, options)?;
-        let (periods, checksum) = run(&path, most_periods(plan.periods()))?;
+        let rows = in_the_part(problem, path.table());
+        let interpolator = path.interpolator();
+        let whole =
+            PieceInterpolator { pieces: Pieces { pieces: &rows, ..interpolator.pieces }, ..interpolator };
+        let (periods, checksum) = run(&whole, path.stretches(), most_periods(plan.periods()))?;
         let mut constants = Self {
             source: String::new(),
             stretches: path.stretches().len(),
@@ -53,7 +56,7 @@ impl Constants {
             periods,
             checksum,
         };
-        constants.source = constants.module(&number, &path, problem.period_s());
+        constants.source = constants.module(&number, &whole, path.stretches(), problem.period_s());
         Ok(constants)
     }
 
@@ -61,10 +64,11 @@ impl Constants {
     fn module<R: Backend, const D: usize>(
         &self,
         number: &str,
-        path: &CompiledPath<R, D>,
+        path: &PieceInterpolator<'_, R, D>,
+        stretches: &[Stretch],
         period_s: f64,
     ) -> String {
-        let Self { stretches, periods, checksum, .. } = self;
+        let Self { periods, checksum, .. } = self;
         let mut text = String::from(USES);
         let _ = write!(
             text,
@@ -73,10 +77,11 @@ impl Constants {
              /// Setpoints from begin to end.\n{UNASKED}pub const PERIODS: usize = {periods};\n\n\
              /// `secant_interp::PositionChecksum` of all of them.\n{UNASKED}pub const CHECKSUM: u64 = {checksum:#018x};\n\n\
              /// Path and plan.\npub static PATH: PieceInterpolator<'static, Number, {D}> = {};\n\n\
-             /// From stop to stop.\npub static STRETCHES: [Stretch; {stretches}] = [\n",
-            Constant(&path.interpolator())
+             /// From stop to stop.\n{UNASKED}pub static STRETCHES: [Stretch; {}] = [\n",
+            Constant(path),
+            stretches.len()
         );
-        for Stretch { pieces, stages } in path.stretches() {
+        for Stretch { pieces, stages } in stretches {
             let _ = writeln!(text, "    Stretch {{ pieces: {pieces:?}, stages: {stages:?} }},");
         }
         text += "];\n";
@@ -97,11 +102,34 @@ use secant_interp::{ChordTolerance, LengthStage, PieceInterpolator, StageShape, 
 
 ";
 
+/// The rows with their origins where the part has them: a problem's curves were moved to each other.
+fn in_the_part<R: Backend, const D: usize>(
+    problem: &Problem<D>,
+    table: &PiecesBuf<R, D>,
+) -> Vec<Piece<R, D>> {
+    let moved = |curve: usize| problem.moved_mm.get(curve).copied().unwrap_or([0.0; D]);
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "origins are within 2²⁴ mm, and moves between them within 2²⁵ mm"
+    )]
+    let units = |mm: f64| mm.scale(-ORIGIN_EXPONENT).round() as i64;
+    let there = |(row, place): (&Piece<R, D>, &Place)| {
+        let by = moved(place.curve);
+        let origin = core::array::from_fn(|d| row.origin[d].wrapping_sub(units(by[d])));
+        Piece { origin, ..*row }
+    };
+    table.as_pieces().pieces.iter().zip(table.places()).map(there).collect()
+}
+
 /// The setpoints of the runs from stop to stop, and the checksum of their positions.
-fn run<R: Backend, const D: usize>(path: &CompiledPath<R, D>, most: usize) -> Result<(usize, u64), Refusal> {
+fn run<R: Backend, const D: usize>(
+    path: &PieceInterpolator<'_, R, D>,
+    stretches: &[Stretch],
+    most: usize,
+) -> Result<(usize, u64), Refusal> {
     let mut checksum = PositionChecksum::default();
     let mut periods = 0;
-    for run in path.runs() {
+    for run in stretches.iter().map(|stretch| path.on(stretch)) {
         let mut state = run.start();
         while let Some(setpoint) = run.step(&mut state) {
             checksum.add(run.pieces.position(setpoint.piece, &setpoint.offset));

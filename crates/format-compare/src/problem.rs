@@ -93,6 +93,18 @@ impl<const D: usize> Problem<D> {
         core::array::from_fn(|axis| point_mm[axis] - by.get(axis).copied().unwrap_or(0.0))
     }
 
+    /// The same with a stop before each curve that the part has elsewhere than where the one before it ends: a machine makes
+    /// another move between the two.
+    #[must_use]
+    pub fn with_stops_at_gaps(&self) -> Self {
+        let moved = (1..).zip(self.moved_mm.windows(2));
+        let gaps = moved.filter(|(_, pair)| pair[0] != pair[1]).map(|(curve, _)| curve);
+        let mut stops: Vec<_> = self.stops.iter().copied().chain(gaps).collect();
+        stops.sort_unstable();
+        stops.dedup();
+        Self { stops, ..self.clone() }
+    }
+
     /// The interpolation period T, in s.
     #[must_use]
     pub fn period_s(&self) -> f64 {

@@ -192,12 +192,17 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
     /// format itself does not hold the path's extent.
     ///
     /// At the end of the path, where the piece's number is that of pieces, it is an offset from the last one; without pieces
-    /// the point is 0. What does not fit 64 bits, 2²⁴ mm, wraps.
+    /// the point is 0. Domain: offsets of setpoints, which are above the format's least number; those beyond 2²⁴ mm count as
+    /// that, and sums beyond it wrap.
     #[must_use]
     pub fn position(&self, piece: usize, offset: &[R; D]) -> [i64; D] {
         let Some(row) = self.pieces.get(piece).or(self.pieces.last()) else { return [0; D] };
-        let units = |x: R| x.to_phase(self.coordinate_exponent - ORIGIN_EXPONENT - 64).cast_signed();
-        let signed = |x: R| if x < R::zero() { units(-x).wrapping_neg() } else { units(x) };
+        let exponent = self.coordinate_exponent - ORIGIN_EXPONENT - 64;
+        // In two parts where it is out of to_phase's domain.
+        let beyond = (-64 - exponent).max(0).unsigned_abs();
+        let phase = |x: R| x.to_phase(exponent.clamp(-64, 64)).checked_shr(beyond).unwrap_or(0);
+        let units = |x: R| i64::try_from(phase(x)).unwrap_or(i64::MAX);
+        let signed = |x: R| if x < R::zero() { -units(-x) } else { units(x) };
         core::array::from_fn(|d| row.origin[d].wrapping_add(signed(offset[d])))
     }
 

@@ -10,11 +10,11 @@ pub const PERIOD_S: f64 = 0.003;
 
 /// Setpoints from begin to end.
 #[allow(dead_code, reason = "a program need not ask")]
-pub const PERIODS: usize = 135;
+pub const PERIODS: usize = 132;
 
 /// `secant_interp::PositionChecksum` of all of them.
 #[allow(dead_code, reason = "a program need not ask")]
-pub const CHECKSUM: u64 = 0xcbac7585b2496f0f;
+pub const CHECKSUM: u64 = 0xe0e7ccdda477b162;
 
 /// Path and plan.
 pub static PATH: PieceInterpolator<'static, Number, 3> = PieceInterpolator {
@@ -49,15 +49,15 @@ pub static PATH: PieceInterpolator<'static, Number, 3> = PieceInterpolator {
     },
     lengths: StepLengths {
         stages: &[
-            LengthStage { duration: 36506659433, reciprocal: 17361909031347078081, reciprocal_exponent: 35, period_share: i5f27(15790564), feed: i5f27(0), change: i5f27(252641242), shape: StageShape::Cubic },
-            LengthStage { duration: 1125166, reciprocal: 17191075018116497294, reciprocal_exponent: 20, period_share: i5f27(134217727), feed: i5f27(252641242), change: i5f27(0), shape: StageShape::Steady },
-            LengthStage { duration: 36506659433, reciprocal: 17361909031347078081, reciprocal_exponent: 35, period_share: i5f27(15790564), feed: i5f27(252641242), change: i5f27(-252641242), shape: StageShape::Cubic },
-            LengthStage { duration: 36586877163, reciprocal: 17323842570392886000, reciprocal_exponent: 35, period_share: i5f27(15755943), feed: i5f27(0), change: i5f27(267279288), shape: StageShape::Cubic },
-            LengthStage { duration: 180229316138, reciprocal: 14067085504087475998, reciprocal_exponent: 37, period_share: i5f27(3198484), feed: i5f27(267276236), change: i5f27(0), shape: StageShape::Steady },
-            LengthStage { duration: 36586877163, reciprocal: 17323842570392886000, reciprocal_exponent: 35, period_share: i5f27(15755943), feed: i5f27(267281686), change: i5f27(-267281686), shape: StageShape::Cubic },
-            LengthStage { duration: 36586877163, reciprocal: 17323842570392886000, reciprocal_exponent: 35, period_share: i5f27(15755943), feed: i5f27(0), change: i5f27(267279288), shape: StageShape::Cubic },
-            LengthStage { duration: 180229316138, reciprocal: 14067085504087475998, reciprocal_exponent: 37, period_share: i5f27(3198484), feed: i5f27(267276236), change: i5f27(0), shape: StageShape::Steady },
-            LengthStage { duration: 36586877163, reciprocal: 17323842570392886000, reciprocal_exponent: 35, period_share: i5f27(15755943), feed: i5f27(267281686), change: i5f27(-267281686), shape: StageShape::Cubic },
+            LengthStage { duration: 34359353163, reciprocal: 9223475440693858628, reciprocal_exponent: 34, period_share: i5f27(16777404), feed: i5f27(0), change: i5f27(268432447), shape: StageShape::Cosine },
+            LengthStage { duration: 770410, reciprocal: 12553583879904250201, reciprocal_exponent: 19, period_share: i5f27(134217727), feed: i5f27(268432447), change: i5f27(0), shape: StageShape::Steady },
+            LengthStage { duration: 34359353163, reciprocal: 9223475440693858628, reciprocal_exponent: 34, period_share: i5f27(16777404), feed: i5f27(268432447), change: i5f27(-268432447), shape: StageShape::Cosine },
+            LengthStage { duration: 33062672966, reciprocal: 9585209592187373250, reciprocal_exponent: 34, period_share: i5f27(17435394), feed: i5f27(0), change: i5f27(268233055), shape: StageShape::Cosine },
+            LengthStage { duration: 182982757236, reciprocal: 13855410415455604622, reciprocal_exponent: 37, period_share: i5f27(3150355), feed: i5f27(268229603), change: i5f27(0), shape: StageShape::Steady },
+            LengthStage { duration: 33062672966, reciprocal: 9585209592187373250, reciprocal_exponent: 34, period_share: i5f27(17435394), feed: i5f27(268235714), change: i5f27(-268235714), shape: StageShape::Cosine },
+            LengthStage { duration: 33062672966, reciprocal: 9585209592187373250, reciprocal_exponent: 34, period_share: i5f27(17435394), feed: i5f27(0), change: i5f27(268233055), shape: StageShape::Cosine },
+            LengthStage { duration: 182982757236, reciprocal: 13855410415455604622, reciprocal_exponent: 37, period_share: i5f27(3150355), feed: i5f27(268229603), change: i5f27(0), shape: StageShape::Steady },
+            LengthStage { duration: 33062672966, reciprocal: 9585209592187373250, reciprocal_exponent: 34, period_share: i5f27(17435394), feed: i5f27(268235714), change: i5f27(-268235714), shape: StageShape::Cosine },
         ],
     },
     tolerance: ChordTolerance { residual: i5f27(2), max_evaluations: 5 },
@@ -65,6 +65,7 @@ pub static PATH: PieceInterpolator<'static, Number, 3> = PieceInterpolator {
 };
 
 /// From stop to stop.
+#[allow(dead_code, reason = "a program need not ask")]
 pub static STRETCHES: [Stretch; 3] = [
     Stretch { pieces: 0..1, stages: 0..3 },
     Stretch { pieces: 1..2, stages: 3..6 },

@@ -1,0 +1,58 @@
+use nurbs_core::{Piece, Pieces};
+use secant_interp::{ChordTolerance, LengthStage, PieceInterpolator, StageShape, StepLengths, Stretch};
+
+/// The number format.
+pub type Number = real::FixedPoint<real::fixed::types::I28F36>;
+
+/// T, the interpolation period, in s.
+#[allow(dead_code, reason = "a program need not ask")]
+pub const PERIOD_S: f64 = 0.003;
+
+/// Setpoints from begin to end.
+#[allow(dead_code, reason = "a program need not ask")]
+pub const PERIODS: usize = 2;
+
+/// `secant_interp::PositionChecksum` of all of them.
+#[allow(dead_code, reason = "a program need not ask")]
+pub const CHECKSUM: u64 = 0x9fbbcec6ddc16d21;
+
+/// Path and plan.
+pub static PATH: PieceInterpolator<'static, Number, 2> = PieceInterpolator {
+    pieces: Pieces {
+        pieces: &[
+            Piece { origin: [0, 0], coordinate_exponent: -44, step_exponent: -14, range_exponent: -14, joint_ratio: 54613, joint_exponent: 1, continues: false, step_per_chord: [i28f36(49344752941), i28f36(55705600000)] },
+            Piece { origin: [2748779, 0], coordinate_exponent: -45, step_exponent: -14, range_exponent: -14, joint_ratio: 32768, joint_exponent: 1, continues: false, step_per_chord: [i28f36(82241254902), i28f36(92842666667)] },
+        ],
+        numerators: &[
+            [i28f36(6044629098073146368), i28f36(0)],
+            [i28f36(0), i28f36(7253554917687775232)],
+        ],
+        weights: &[],
+        degree: 1,
+        coordinate_exponent: -44,
+        chord_exponent: 4,
+    },
+    lengths: StepLengths {
+        stages: &[
+            LengthStage { duration: 2147456192, reciprocal: 9223489960984537932, reciprocal_exponent: 30, period_share: i28f36(68719476735), feed: i28f36(0), change: i28f36(10994976), shape: StageShape::Cubic },
+            LengthStage { duration: 54912, reciprocal: 11007847279416422409, reciprocal_exponent: 15, period_share: i28f36(68719476735), feed: i28f36(10994976), change: i28f36(0), shape: StageShape::Steady },
+            LengthStage { duration: 2147456192, reciprocal: 9223489960984537932, reciprocal_exponent: 30, period_share: i28f36(68719476735), feed: i28f36(10994976), change: i28f36(-10994976), shape: StageShape::Cubic },
+            LengthStage { duration: 2147432199, reciprocal: 9223593013921313749, reciprocal_exponent: 30, period_share: i28f36(68719476735), feed: i28f36(0), change: i28f36(6596912), shape: StageShape::Cubic },
+            LengthStage { duration: 102898, reciprocal: 11748778592534637939, reciprocal_exponent: 16, period_share: i28f36(68719476735), feed: i28f36(6596912), change: i28f36(0), shape: StageShape::Steady },
+            LengthStage { duration: 2147432199, reciprocal: 9223593013921313749, reciprocal_exponent: 30, period_share: i28f36(68719476735), feed: i28f36(6596912), change: i28f36(-6596912), shape: StageShape::Cubic },
+        ],
+    },
+    tolerance: ChordTolerance { residual: i28f36(2), max_evaluations: 5 },
+    landing_step: i28f36(49478023250),
+};
+
+/// From stop to stop.
+#[allow(dead_code, reason = "a program need not ask")]
+pub static STRETCHES: [Stretch; 2] = [
+    Stretch { pieces: 0..1, stages: 0..3 },
+    Stretch { pieces: 1..2, stages: 3..6 },
+];
+
+const fn i28f36(bits: i64) -> real::FixedPoint<real::fixed::types::I28F36> {
+    real::FixedPoint(real::fixed::types::I28F36::from_bits(bits))
+}
