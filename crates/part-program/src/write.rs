@@ -9,6 +9,7 @@
 
 use std::fmt::{self, Write};
 
+use crate::MAX_TEXT;
 use crate::bezier;
 use crate::curve::Curve;
 use crate::linuxcnc::LEAST_ORDER;
@@ -16,8 +17,10 @@ use crate::options::Dialect;
 use crate::part::{Auxiliary, Move, MoveKind, Part};
 use crate::spline_blocks::uniform_knots;
 
-/// Most points of one program of chords.
+/// Most chords of one program.
 const MAX_CHORDS: usize = 5_000_000;
+/// Chords that are counted at most, to say how many a program would need.
+const MAX_COUNTED: usize = 4 * MAX_CHORDS;
 /// Halvings of a span at most: 2²⁰ chords.
 const MAX_HALVINGS: u32 = 20;
 
@@ -39,12 +42,22 @@ pub enum WriteError {
         /// Line of the move that it belongs to.
         line: usize,
     },
-    /// The tolerance asks for more chords than make a program.
-    TooManyChords {
+    /// The tolerance asks for more than 2²⁰ chords in one span.
+    SpanTooFine {
         /// Index of the curve.
         curve: usize,
         /// Line of the move that it belongs to.
         line: usize,
+    },
+    /// The tolerance asks for more than five million chords.
+    TooManyChords {
+        /// So many at least: counting ends beyond twenty million.
+        needed: usize,
+    },
+    /// The program is longer than [`MAX_TEXT`], so that no reader of this crate takes it.
+    TooLong {
+        /// Its length.
+        bytes: usize,
     },
 }
 
@@ -57,13 +70,22 @@ impl fmt::Display for WriteError {
             Self::CurvedRapid { line, .. } => {
                 write!(f, "the rapid move of line {line} is not straight: G0 is")
             }
-            Self::TooManyChords { line, .. } => {
-                let all = MAX_CHORDS;
+            Self::SpanTooFine { line, .. } => {
                 write!(
                     f,
-                    "up to line {line} the tolerance takes more chords than {all}, or 2^{MAX_HALVINGS} a span: "
+                    "the tolerance takes more than 2^{MAX_HALVINGS} chords in a span of the curve of line {line}: "
                 )?;
                 f.write_str("give a larger one")
+            }
+            Self::TooManyChords { needed } => {
+                write!(
+                    f,
+                    "the tolerance takes at least {needed} chords, and a program has at most {MAX_CHORDS}: "
+                )?;
+                f.write_str("give a larger one")
+            }
+            Self::TooLong { bytes } => {
+                write!(f, "the program takes {bytes} bytes, and at most {MAX_TEXT} (64 MiB) are read back")
             }
         }
     }
@@ -78,8 +100,7 @@ impl std::error::Error for WriteError {}
 /// without one it is G61, by which LinuxCNC passes smooth joints.
 ///
 /// # Errors
-/// [`WriteError::CurvedRapid`], and [`WriteError::TooManyChords`] where a span needs more than 2²⁰ chords or the part
-/// more than five million.
+/// [`WriteError::CurvedRapid`], [`WriteError::SpanTooFine`], [`WriteError::TooManyChords`], [`WriteError::TooLong`].
 pub fn write_g1(part: &Part, tolerance_mm: f64, dialect: Option<Dialect>) -> Result<String, WriteError> {
     let exact_stop = match dialect {
         Some(Dialect::LinuxCnc) => "G61.1",
@@ -89,17 +110,25 @@ pub fn write_g1(part: &Part, tolerance_mm: f64, dialect: Option<Dialect>) -> Res
     let decimals = (0..15).find(|decimals| 0.1_f64.powi(*decimals) <= 1e-3 * tolerance_mm).unwrap_or(15);
     let unit = 10.0_f64.powi(decimals);
     let mut count = 0;
-    write(part, None, exact_stop, |program, index, curve| {
+    let text = write(part, None, exact_stop, |program, index, curve| {
         let mut ends = Vec::new();
         for piece in bezier::pieces(curve) {
+            let before = ends.len();
             // Rounding moves each coordinate by half a unit at most.
-            let chords = piece.chords(tolerance_mm - 1.0 / unit, MAX_HALVINGS, &mut ends);
-            count += 1;
-            if chords.is_none() || count + ends.len() > MAX_CHORDS {
-                return Err(WriteError::TooManyChords { curve: index, line: line_of(part, index) });
+            piece
+                .chords(tolerance_mm - 1.0 / unit, MAX_HALVINGS, &mut ends)
+                .ok_or(WriteError::SpanTooFine { curve: index, line: line_of(part, index) })?;
+            count += ends.len() - before;
+            if count > MAX_COUNTED {
+                return Err(WriteError::TooManyChords { needed: count });
+            }
+            if count > MAX_CHORDS {
+                ends.clear();
             }
         }
-        count += ends.len();
+        if count > MAX_CHORDS {
+            return Ok(());
+        }
         ends.pop();
         for end in &mut ends {
             *end = end.map(|x| (x * unit).round() / unit);
@@ -107,7 +136,8 @@ pub fn write_g1(part: &Part, tolerance_mm: f64, dialect: Option<Dialect>) -> Res
         ends.extend(curve.control_points_mm.last());
         program.lines_to_end(ends);
         Ok(())
-    })
+    })?;
+    if count > MAX_CHORDS { Err(WriteError::TooManyChords { needed: count }) } else { readable(text) }
 }
 
 /// Writes a part with its curves as FANUC's G06.2. Reading it back gives every control point, weight and knot bit by
@@ -116,10 +146,11 @@ pub fn write_g1(part: &Part, tolerance_mm: f64, dialect: Option<Dialect>) -> Res
 /// Between curves that do not join stands a G0, which is read back as a rapid move.
 ///
 /// # Errors
-/// [`WriteError::CurvedRapid`].
+/// [`WriteError::CurvedRapid`], [`WriteError::TooLong`].
 pub fn write_g06_2(part: &Part) -> Result<String, WriteError> {
     let has_curves = part.curves.iter().any(|curve| !is_line(curve));
-    write(part, has_curves.then_some(["G05 P10000", "G05 P0"]), EXACT_STOP, |program, _, curve| {
+    let around = has_curves.then_some(["G05 P10000", "G05 P0"]);
+    let text = write(part, around, EXACT_STOP, |program, _, curve| {
         program.path_mode(true);
         for (i, ((point, weight), knot)) in
             curve.control_points_mm.iter().zip(&curve.weights).zip(&curve.knots).enumerate()
@@ -137,7 +168,8 @@ pub fn write_g06_2(part: &Part) -> Result<String, WriteError> {
             program.end_block();
         }
         Ok(())
-    })
+    })?;
+    readable(text)
 }
 
 /// Writes a part with its curves, which have to be planar, as LinuxCNC's G5.2, which has no word for knots.
@@ -147,9 +179,9 @@ pub fn write_g06_2(part: &Part) -> Result<String, WriteError> {
 /// G5.2 does not have, becomes G1 moves.
 ///
 /// # Errors
-/// [`WriteError::NotPlanar`] when z changes along a curve, [`WriteError::CurvedRapid`].
+/// [`WriteError::NotPlanar`] when z changes along a curve, [`WriteError::CurvedRapid`], [`WriteError::TooLong`].
 pub fn write_g5_2(part: &Part) -> Result<String, WriteError> {
-    write(part, None, "G61.1", |program, index, curve| {
+    let text = write(part, None, "G61.1", |program, index, curve| {
         let height = curve.control_points_mm.first().map_or(0.0, |point| point[2]);
         if curve.degree + 1 < LEAST_ORDER {
             program.lines_to_end(curve.control_points_mm.get(1..).unwrap_or_default().to_vec());
@@ -174,7 +206,13 @@ pub fn write_g5_2(part: &Part) -> Result<String, WriteError> {
             }
         }
         Ok(())
-    })
+    })?;
+    readable(text)
+}
+
+/// A program that is not too long to be read back.
+fn readable(text: String) -> Result<String, WriteError> {
+    if text.len() > MAX_TEXT { Err(WriteError::TooLong { bytes: text.len() }) } else { Ok(text) }
 }
 
 fn line_of(part: &Part, curve: usize) -> usize {

@@ -238,9 +238,27 @@ fn chords_are_as_near_as_asked_and_keep_the_ends() {
     }
     assert_eq!(fine.feedrate_mm_per_s, before.feedrate_mm_per_s);
     assert!(
-        matches!(write_g1(&before, 1e-14, None), Err(WriteError::TooManyChords { curve: 2, .. })),
+        matches!(write_g1(&before, 1e-14, None), Err(WriteError::SpanTooFine { curve: 2, .. })),
         "{:?}",
         write_g1(&before, 1e-14, None)
+    );
+}
+
+/// A quadrant of radius r = 5 in 2¹⁹ chords has control points (π/2/2¹⁹)² r/4 = 1.1e-11 mm off them, in 2¹⁸ four times
+/// as far: at 2e-11 mm a circle takes 2²¹ chords.
+#[test]
+fn what_a_program_does_not_hold_is_refused_with_what_it_would_take() {
+    let refused = |circles: usize| {
+        let circles = part(&("G0 X0 Y0\n".to_owned() + &"G3 X0 Y0 I5\n".repeat(circles)));
+        write_g1(&circles, 2e-11, None).unwrap_err()
+    };
+    let of_one = refused(1);
+    assert!(matches!(of_one, WriteError::TooLong { bytes: 70_000_000..100_000_000 }), "{of_one:?}");
+    assert_eq!(refused(3), WriteError::TooManyChords { needed: 3 << 21 });
+    let said = refused(10);
+    assert_eq!(
+        said.to_string(),
+        "the tolerance takes at least 20447232 chords, and a program has at most 5000000: give a larger one"
     );
 }
 
