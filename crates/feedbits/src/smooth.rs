@@ -21,7 +21,6 @@ use crate::progress::Progress;
 use crate::{Ending, output};
 use followed::Followed;
 use report::{Forms, Kind, Report, SetpointCheck};
-use smooth_stretch::CHORD_SHARE;
 use stretch::{rest_before, stretches, with_polygons_as_lines};
 
 /// Options of `smooth`.
@@ -67,11 +66,14 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     let form = arguments.out.as_deref().map(|path| Form::of(path, arguments.input.dialect()));
     let (report, written) = smooth(&with_polygons_as_lines(&part), &machine, tolerance, outer, form)?;
     progress.finish();
-    if let (Some(path), Some(text)) = (&arguments.out, written) {
-        output::write(Some(path), &text)?;
-    }
+    let kept = match (&arguments.out, written) {
+        (Some(path), Some(text)) => text.and_then(|text| output::write(Some(path), &text)),
+        _ => Ok(()),
+    };
     let text = if arguments.json { serde_json::to_string_pretty(&report)? + "\n" } else { report.text() };
     output::write(None, &text)?;
+    // Only now: the report holds without the file.
+    kept?;
     Ok(if report.faults().is_empty() { Ending::Good } else { Ending::RequirementNotMet })
 }
 
@@ -91,14 +93,14 @@ impl Form {
     }
 }
 
-/// Smooths every stretch of a part, writes it if it is to be written, and says what came of it.
+/// Smooths every stretch of a part, and says what came of it; the text, if there is to be one, or why there is none.
 fn smooth(
     part: &Part,
     machine: &Machine,
     tolerance_mm: f64,
     outer: CornerStyle,
     form: Option<Form>,
-) -> Result<(Report, Option<String>)> {
+) -> Result<(Report, Option<Result<String>>)> {
     let stretches = stretches(part);
     let followed = format_compare::in_parallel(&stretches, |range| {
         let first = part.moves[range.start];
@@ -135,17 +137,10 @@ fn smooth(
             last.exact_stop |= part.moves[one.range.end - 1].exact_stop;
         }
     }
-    let written = match form {
-        None => None,
-        Some(Form::Curves) => Some(part_program::write_curves(&smoothed)),
-        Some(Form::Program(dialect)) => {
-            let chord_error_mm = tolerance_mm * CHORD_SHARE;
-            let rounded = program::rounded(&smoothed, chord_error_mm);
-            let text = part_program::write_g1(&rounded, chord_error_mm, dialect)?;
-            program::measure(part, &mut followed, &rounded, &program::read_again(&text, dialect)?)?;
-            Some(text)
-        }
-    };
+    let written = form.map(|form| match form {
+        Form::Curves => Ok(part_program::write_curves(&smoothed)),
+        Form::Program(dialect) => program::text(part, &mut followed, &smoothed, tolerance_mm, dialect),
+    });
     for one in &followed {
         let next = one.range.end;
         report.add(one);

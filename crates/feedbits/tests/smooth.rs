@@ -326,3 +326,36 @@ fn a_joint_that_is_not_exact_is_cut_through() {
         assert_eq!(rapids, if gap == "5.0001" { 2 } else { 1 }, "{gap}");
     }
 }
+
+/// A circle of R5 at 1e-9 mm is more than a million chords, and at 1e-12 more than 2^20 in a quadrant.
+#[test]
+fn a_program_that_is_too_long_costs_the_file_and_not_the_report() {
+    let folder = Folder::with("G0 X0 Y0\nG3 X0 Y0 I5 F2400\nM30\n");
+    let (part, fine, machine) = (folder.path("part.nc"), folder.path("fine.nc"), data("seed-000.toml"));
+    for (tolerance, limit) in
+        [("1e-9", "bytes, and at most 67108864 (64 MiB)"), ("1e-12", "more than 2^20 chords in a span")]
+    {
+        for options in [&[][..], &["--json"]] {
+            let arguments =
+                ["smooth", &part, "--machine", &machine, "--tolerance", tolerance, "--out", &fine];
+            let output = feedbits(&[&arguments, options].concat());
+            let said = String::from_utf8_lossy(&output.stderr).into_owned();
+            assert_eq!(output.status.code(), Some(2), "{said}");
+            assert!(
+                said.contains(limit) && said.contains("a larger --tolerance") && said.contains(".toml"),
+                "{said}"
+            );
+            let report = String::from_utf8_lossy(&output.stdout);
+            if options.is_empty() {
+                assert!(
+                    report.contains("\ncorners     0 cut") && report.contains("\nsetpoints "),
+                    "{report}"
+                );
+            } else {
+                let report: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+                assert_eq!(number(&report["moves"]), 1.0);
+            }
+        }
+    }
+    assert_eq!(fs::read_dir(folder.0.path()).expect("the folder").count(), 1, "the program alone");
+}

@@ -7,11 +7,28 @@ use part_program::{Curve, Dialect, GAP_MM, MoveKind, Part, ReadOptions};
 
 use super::deviation::Paths;
 use super::followed::Followed;
+use super::smooth_stretch::CHORD_SHARE;
 use super::stretch::length;
+
+/// The program of a smoothed part; its stretches are measured anew on what it says.
+pub(crate) fn text(
+    part: &Part,
+    followed: &mut [Followed],
+    smoothed: &Part,
+    tolerance_mm: f64,
+    dialect: Option<Dialect>,
+) -> Result<String> {
+    let chord_error_mm = tolerance_mm * CHORD_SHARE;
+    let rounded = rounded(smoothed, chord_error_mm);
+    let text = part_program::write_g1(&rounded, chord_error_mm, dialect)
+        .context("no program is written; a larger --tolerance takes fewer chords, and a curve file, --out NAME.toml, none")?;
+    measure(part, followed, &rounded, &read_again(&text, dialect)?)?;
+    Ok(text)
+}
 
 /// A smoothed part with the ends of its curves rounded to a thousandth of the chord error, and to a nanometre at least: a
 /// control need not take seventeen digits.
-pub(crate) fn rounded(smoothed: &Part, chord_error_mm: f64) -> Part {
+fn rounded(smoothed: &Part, chord_error_mm: f64) -> Part {
     let decimals = (6..15).find(|decimals| 0.1_f64.powi(*decimals) <= 1e-3 * chord_error_mm).unwrap_or(15);
     let unit = 10.0_f64.powi(decimals);
     let mut part = smoothed.clone();
@@ -41,13 +58,13 @@ fn close_gaps(part: &mut Part) {
 }
 
 /// Reads what was written.
-pub(crate) fn read_again(text: &str, dialect: Option<Dialect>) -> Result<Part> {
+fn read_again(text: &str, dialect: Option<Dialect>) -> Result<Part> {
     part_program::read_part_with("what was written", text, ReadOptions { dialect, lenient: false })
         .context("what was written does not read back: nothing is kept")
 }
 
 /// Measures the stretches of a part anew on what was written, as it reads back.
-pub(crate) fn measure(part: &Part, followed: &mut [Followed], written: &Part, again: &Part) -> Result<()> {
+fn measure(part: &Part, followed: &mut [Followed], written: &Part, again: &Part) -> Result<()> {
     let chords = chords(written, again)?;
     let mut first = 0;
     for stretch in followed {
