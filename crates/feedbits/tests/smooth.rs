@@ -359,3 +359,15 @@ fn a_program_that_is_too_long_costs_the_file_and_not_the_report() {
     }
     assert_eq!(fs::read_dir(folder.0.path()).expect("the folder").count(), 1, "the program alone");
 }
+
+#[test]
+fn a_path_that_smoothing_makes_slower_is_said_to_be() {
+    let folder = Folder::with("G0 X0 Y0\nG1 X20 F2400\nY20\nX0\nY0\nM30\n");
+    let options = ["--tolerance", "0.1", "--outer", "loop"];
+    let speedup = number(&folder.smooth(&options)["speedup"]);
+    assert!((0.5..0.99).contains(&speedup), "{speedup}");
+    let (part, machine) = (folder.path("part.nc"), data("seed-000.toml"));
+    let output = feedbits(&[&["smooth", &part, "--machine", &machine], &options[..]].concat());
+    let said = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(said.contains(&format!(" s smoothed: {speedup:.2} times as fast\n")), "{said}");
+}

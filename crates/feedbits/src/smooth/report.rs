@@ -84,7 +84,7 @@ pub(crate) struct Report {
     pub(crate) error_mm_max: f64,
     pub(crate) exact_stop: Path,
     pub(crate) smoothed: Path,
-    /// How many times faster the smoothed path is.
+    /// How many times as fast the smoothed path is: below 1 if it is slower.
     pub(crate) speedup: f64,
     pub(crate) forms: Forms,
     pub(crate) setpoints: SetpointCheck,
@@ -161,7 +161,7 @@ impl Report {
             self.error_mm_max, self.tolerance_mm
         );
         text += &format!(
-            "time        {:.3} s stopping at corners, {:.3} s smoothed: {:.2} times faster\n",
+            "time        {:.3} s stopping at corners, {:.3} s smoothed: {:.2} times as fast\n",
             self.exact_stop.time_s, self.smoothed.time_s, self.speedup
         );
         if self.cuts + self.loops > 0 {
