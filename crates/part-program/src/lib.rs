@@ -13,7 +13,8 @@
 //!
 //! What a text is, its content tells; [`read_part_with`] takes a dialect that is known, and reads over unknown words;
 //! [`read_part_bytes`] takes a file as it is. [`inspect`] looks a part over: lengths, bends, joints, and what is odd;
-//! [`bounding_box_mm`] says between which coordinates curves run.
+//! [`bounding_box_mm`] says between which coordinates curves run; [`Part::rounded`] gives coordinates fewer decimals, and says how far
+//! that moves a path.
 //!
 //! ```
 //! let part = part_program::read_part("seed.nc", "G06.2 P2 K0 X0 Y0\nK0 X10 Y5\nK1\nK1\n")?;
@@ -54,6 +55,7 @@ mod part;
 mod path_move;
 mod preparatory;
 mod remark;
+mod rounding;
 mod siemens;
 mod source;
 mod spline_blocks;
@@ -72,6 +74,7 @@ pub use machine::{Axes, AxisLimits, Junction, Machine, read_machine};
 pub use options::{Dialect, ReadOptions};
 pub use part::{Auxiliary, Move, MoveKind, Part, Shape};
 pub use remark::{Oddity, Remark, SHORT_SPAN, TINY_MM, WEIGHT_RATIO};
+pub use rounding::{Rounded, StandsStill};
 pub use write::{WriteError, write_g1, write_g5_2, write_g06_2};
 pub use write_curves::write_curves;
 
