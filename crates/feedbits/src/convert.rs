@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
 use part_program::{
-    Curve, MoveKind, Part, ReadOptions, read_part_with, write_curves, write_g1, write_g5_2, write_g06_2,
+    Curve, MoveKind, Part, ReadOptions, Rounded, read_part_with, write_curves, write_g1, write_g5_2,
+    write_g06_2,
 };
 
 use crate::input::Input;
@@ -22,6 +23,9 @@ pub(crate) struct Arguments {
     /// With --to g1: largest distance between the curves and the straight moves, in mm.
     #[arg(long, allow_negative_numbers = true, value_name = "MM", default_value_t = 0.001)]
     tolerance: f64,
+    /// Round coordinates, in mm, to so many decimals, as a control takes them. All other numbers are kept as they are.
+    #[arg(long, allow_negative_numbers = true, value_name = "N", value_parser = clap::value_parser!(u8).range(0..=15))]
+    digits: Option<u8>,
     /// Write to this file instead of the terminal.
     #[arg(long, value_name = "PATH")]
     out: Option<PathBuf>,
@@ -30,7 +34,7 @@ pub(crate) struct Arguments {
 /// What can be written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Target {
-    /// FANUC's NURBS; every number is kept bit by bit.
+    /// FANUC's NURBS; every number is kept bit by bit, but for what --digits rounds.
     #[value(name = "g06.2")]
     G06_2,
     /// LinuxCNC's NURBS, planar; knots other than uniform ones are cut into Bézier curves.
@@ -48,30 +52,89 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     if !(tolerance > 0.0 && tolerance.is_finite()) {
         bail!("--tolerance {tolerance}: expected a positive length in mm");
     }
+    if arguments.to == Target::Toml && arguments.digits.is_some() {
+        bail!("--digits: a curve file keeps every number bit by bit; expected --to g06.2, g5.2 or g1");
+    }
     let mut part = arguments.input.part()?;
     part.machine = arguments.input.machine_of(&part)?;
+    let (mut text, mut again) = written(&part, arguments)?;
+    let mut rounding = Vec::new();
+    if let Some(digits) = arguments.digits {
+        let rounded = rounded(&part, &again, arguments.to, digits)?;
+        (text, again) = written(&rounded.part, arguments)?;
+        if again.curves != rounded.part.curves {
+            bail!("what was rounded reads back as another path: nothing is kept");
+        }
+        rounding = rounding_notes(&part, &rounded, arguments, digits);
+    }
+    output::write(arguments.out.as_deref(), &text)?;
+    for note in notes(&part, &again, arguments).iter().chain(&rounding) {
+        output::note(note);
+    }
+    Ok(Ending::Good)
+}
+
+/// The text of a part, and what is read of it.
+fn written(part: &Part, arguments: &Arguments) -> Result<(String, Part)> {
     let text = match arguments.to {
-        Target::G06_2 => write_g06_2(&part)?,
-        Target::G5_2 => write_g5_2(&part)?,
-        Target::G1 => write_g1(&part, tolerance, arguments.input.dialect())?,
-        Target::Toml => write_curves(&part),
+        Target::G06_2 => write_g06_2(part)?,
+        Target::G5_2 => write_g5_2(part)?,
+        Target::G1 => write_g1(part, arguments.tolerance, arguments.input.dialect())?,
+        Target::Toml => write_curves(part),
     };
     // Of the others, the words tell whose they are.
     let dialect = arguments.input.dialect().filter(|_| arguments.to == Target::G1);
     let again = read_part_with("what was written", &text, ReadOptions { dialect, lenient: false })
         .context("what was written does not read back: nothing is kept")?;
-    output::write(arguments.out.as_deref(), &text)?;
-    for note in notes(&part, &again, arguments.to) {
-        output::note(&note);
+    Ok((text, again))
+}
+
+/// What was written of a part, rounded: what the dialect cuts is cut before.
+fn rounded(part: &Part, written: &Part, to: Target, digits: u8) -> Result<Rounded> {
+    if to != Target::G1 {
+        part.keeps_moving_rounded(digits.into()).with_context(|| {
+            format!(
+                "--digits {digits} is too few: give more, or --to g1, which leaves out what has no length"
+            )
+        })?;
     }
-    Ok(Ending::Good)
+    let rounded = written.rounded(digits.into());
+    if at_feed(&rounded.part).is_empty() {
+        bail!("--digits {digits} is too few: every move at feed rounds to one point");
+    }
+    Ok(rounded)
+}
+
+/// How far rounding moves the path, as a bound, and what it leaves out.
+fn rounding_notes(part: &Part, rounded: &Rounded, arguments: &Arguments, digits: u8) -> Vec<String> {
+    let has_curves = at_feed(part).iter().any(|curve| curve.control_points_mm.len() > 2);
+    let (off_mm, of_cutting) = match arguments.to {
+        Target::G1 if has_curves => (rounded.moved_mm + arguments.tolerance, ""),
+        Target::G5_2 if has_curves => {
+            (rounded.moved_mm, ", but for the rounding of f64 where curves are cut")
+        }
+        _ => (rounded.moved_mm, ""),
+    };
+    let decimals = i32::from(digits) + 3;
+    let unit = 10.0_f64.powi(decimals);
+    let off_mm = (off_mm * unit).ceil() / unit;
+    let mut notes = vec![format!(
+        "coordinates have {digits} decimals: the path is at most {off_mm} mm off the part{of_cutting}; other numbers are kept"
+    )];
+    if rounded.left_out > 0 {
+        notes.push(format!("{} moves that round to one point are left out", rounded.left_out));
+    }
+    notes
 }
 
 /// What a reader of the new file has to know.
-fn notes(part: &Part, again: &Part, to: Target) -> Vec<String> {
-    let (before, after) = (at_feed(part), at_feed(again));
+fn notes(part: &Part, again: &Part, arguments: &Arguments) -> Vec<String> {
+    let (to, before, after) = (arguments.to, at_feed(part), at_feed(again));
     let mut notes = vec![match to {
         Target::G1 => format!("{} curves are {} straight moves", before.len(), after.len()),
+        _ if arguments.digits.is_some() => {
+            format!("{} curves are written as {}", before.len(), after.len())
+        }
         _ if before == after => format!("{} curves, which read back bit by bit", before.len()),
         _ => format!(
             "{} curves, which read back as {} others: the dialect lacks words",

@@ -40,7 +40,7 @@ pub(crate) const CHECK: &str = "Examples:
   feedbits check part.nc --dialect siemens";
 pub(crate) const CONVERT: &str = "Examples:
   feedbits convert part.dxf --to g06.2 --out part.nc
-  feedbits convert part.nc --to g1 --tolerance 0.001";
+  feedbits convert part.nc --to g1 --tolerance 0.001 --digits 3";
 pub(crate) const FORMATS: &str = "Examples:
   feedbits formats --json";
 pub(crate) const COMPLETIONS: &str = "Examples:

@@ -75,3 +75,76 @@ fn the_tolerance_of_straight_moves_is_asked_for() {
         assert!(output.stdout.is_empty());
     }
 }
+
+/// A line, and a spline whose end is off the thousandths by (0.3, 0.3) µm, the farthest of all: 0.4243 µm.
+const FINE: &str = "G0 X0 Y0
+G1 X1.0001 Y0.0001 F100.12345
+G06.2 P3 K0 X1.0001 Y0.0001
+K0 X2 Y1 R0.70710678
+K0 X3.0003 Y0.0003
+K1.23456
+K1.23456
+K1.23456
+";
+
+/// Converts a program that is given as text.
+fn convert_text(program: &str, arguments: &[&str]) -> (Option<i32>, String, String) {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("part.nc").display().to_string();
+    fs::write(&path, program).expect("the folder is writable");
+    let output = convert(&[&[path.as_str()], arguments].concat());
+    (output.status.code(), text(&output.stdout), text(&output.stderr))
+}
+
+#[test]
+fn coordinates_have_the_digits_asked_and_how_far_off_that_is_is_said() {
+    let (status, written, said) = convert_text(FINE, &["--to", "g06.2", "--digits", "3"]);
+    assert_eq!(status, Some(0), "{said}");
+    // The feed, the weight and the knots are no coordinates, and the curves join.
+    let expected = "G0 X0. Y0.
+G1 X1. Y0. F100.12345
+G06.2 P3 K0. X1. Y0. R1.
+K0. X2. Y1. R0.70710678
+K0. X3. Y0. R1.
+K1.23456
+";
+    assert!(written.contains(expected), "{written}");
+    assert!(
+        said.contains("3 decimals: the path is at most 0.000425 mm off the part; other numbers"),
+        "{said}"
+    );
+    // The tolerance of the chords comes on top, where there are any.
+    let lines = "G0 X0 Y0\nG1 X1.0003 Y-1.0003 F600\n";
+    for (program, bound) in [(FINE, "at most 0.010"), (lines, "at most 0.000425 mm")] {
+        let (_, _, said) = convert_text(program, &["--to", "g1", "--tolerance", "0.01", "--digits", "3"]);
+        assert!(said.contains(bound), "{said}");
+    }
+    let output = convert(&[&data("seed-003.nc"), "--to", "g5.2", "--digits", "4"]);
+    let (written, said) = (text(&output.stdout), text(&output.stderr));
+    assert!(said.contains("1 curves are written as 7") && said.contains("where curves are cut"), "{said}");
+    let short = |word: &str| word.split('.').nth(1).is_some_and(|digits| digits.len() <= 4);
+    assert!(written.split_whitespace().filter(|word| word.starts_with(['X', 'Y'])).all(short), "{written}");
+}
+
+#[test]
+fn what_rounding_would_break_is_refused() {
+    let circle = "G0 X0 Y0\nG1 X5 F600\nG3 X5 Y0 I0.0002\n";
+    for (program, arguments, said) in [
+        (FINE, ["--to", "toml", "--digits", "3"], "a curve file keeps every number bit by bit"),
+        (FINE, ["--to", "g1", "--digits", "16"], "16 is not in 0..=15"),
+        (FINE, ["--to", "g1", "--digits", "-1"], "-1 is not in 0..=15"),
+        (circle, ["--to", "g06.2", "--digits", "3"], "the curve of line 3 would stand still with 3 decimals"),
+        (circle, ["--to", "g5.2", "--digits", "3"], "the curve of line 3 would stand still with 3 decimals"),
+        (
+            "G0 X0 Y0\nG1 X0.3 F60\n",
+            ["--to", "g1", "--digits", "0"],
+            "every move at feed rounds to one point",
+        ),
+    ] {
+        let (status, written, error) = convert_text(program, &arguments);
+        assert!(status == Some(2) && error.contains(said) && written.is_empty(), "{said} in {error}");
+    }
+    let (status, written, said) = convert_text(circle, &["--to", "g1", "--digits", "3"]);
+    assert!(status == Some(0) && written.contains("G1 X5. Y0. F600.\nM30"), "{written}");
+    assert!(said.contains("moves that round to one point are left out"), "{said}");
+}
