@@ -88,7 +88,7 @@ fn rounded(part: &Part, decimals: usize, write: impl Fn(&Part) -> String) -> (Ro
         assert!(word.split('.').nth(1).is_some_and(|digits| digits.len() <= decimals), "{word}");
     }
     // Half a unit in each axis, and what f64 makes of the coordinate.
-    let most = 0.75_f64.sqrt() * 0.1_f64.powi(decimals as i32) + 1e-12;
+    let most = 0.75_f64.sqrt() * 0.1_f64.powi(i32::try_from(decimals).unwrap()) + 1e-12;
     assert!(rounded.moved_mm <= most, "{} > {most}", rounded.moved_mm);
     (rounded, again, text)
 }
