@@ -20,7 +20,7 @@ use crate::input::Input;
 use crate::progress::Progress;
 use crate::{Ending, output};
 use followed::Followed;
-use report::{Forms, Kind, Report, SetpointCheck};
+use report::{Forms, Kind, Measured, Report, SetpointCheck};
 use stretch::{rest_before, stretches, with_polygons_as_lines};
 
 /// Options of `smooth`.
@@ -121,6 +121,7 @@ fn smooth(
         cuts: 0,
         loops: 0,
         left: BTreeMap::new(),
+        measured: Measured::default(),
         error_mm_max: 0.0,
         exact_stop: report::Path::default(),
         smoothed: report::Path::default(),
@@ -141,6 +142,9 @@ fn smooth(
         Form::Curves => Ok(part_program::write_curves(&smoothed)),
         Form::Program(dialect) => program::text(part, &mut followed, &smoothed, tolerance_mm, dialect),
     });
+    if let (Some(Form::Program(_)), Some(Ok(_))) = (form, &written) {
+        report.measured = Measured::StraightMoves;
+    }
     for one in &followed {
         let next = one.range.end;
         report.add(one);

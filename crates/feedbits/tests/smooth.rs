@@ -269,6 +269,9 @@ fn an_arc_that_becomes_chords_has_its_words_and_its_stop_at_its_end() {
     // A thousandth of a millimetre is left to the chords, and they use most of it: what is stated is theirs.
     let error = number(&report["error_mm_max"]);
     assert!((3e-4..=1e-3).contains(&error), "{error}");
+    assert_eq!(report["measured"], "straight_moves");
+    let curves = folder.smooth(&["--tolerance", "0.05", "--out", &folder.path("fine.toml")]);
+    assert!(curves["measured"] == "curves" && number(&curves["error_mm_max"]) < error, "{curves:#}");
 }
 
 #[test]
@@ -354,6 +357,7 @@ fn a_program_that_is_too_long_costs_the_file_and_not_the_report() {
             } else {
                 let report: Value = serde_json::from_slice(&output.stdout).expect("JSON");
                 assert_eq!(number(&report["moves"]), 1.0);
+                assert_eq!(report["measured"], "curves", "nothing else is there");
             }
         }
     }

@@ -1,4 +1,4 @@
-//! How far is one path from another? Measured on what is written, curves or fine straight moves as they read back, by
+//! How far is one path from another? Measured on curves, or on the fine straight moves of a program as they read back, by
 //! sampling, whatever made them.
 //!
 //! Nothing here knows how a corner was smoothed: only which moves a curve lies between, so that a distance is taken to the

@@ -29,7 +29,7 @@ pub(crate) struct CornerRow {
     pub(crate) reason: Option<String>,
     /// Distance from the moves, both ways, as the smoothing found it; 0 of one that is left.
     pub(crate) error_mm: f64,
-    /// The same, as measured on what is written: the curves, or the straight moves of a program as they read back.
+    /// The same, as measured: on the curves, or on the straight moves of a program as they read back.
     pub(crate) measured_error_mm: f64,
     /// Feed in the corner when every corner is a stop.
     pub(crate) feed_before_mm_per_s: f64,
@@ -80,7 +80,9 @@ pub(crate) struct Report {
     pub(crate) loops: usize,
     /// Corners that are left, by reason.
     pub(crate) left: BTreeMap<String, usize>,
-    /// Largest distance between the two paths, both ways, measured on what is written.
+    /// Whose distance from the program is measured.
+    pub(crate) measured: Measured,
+    /// Largest distance between the two paths, both ways.
     pub(crate) error_mm_max: f64,
     pub(crate) exact_stop: Path,
     pub(crate) smoothed: Path,
@@ -89,6 +91,26 @@ pub(crate) struct Report {
     pub(crate) forms: Forms,
     pub(crate) setpoints: SetpointCheck,
     pub(crate) corners: Vec<CornerRow>,
+}
+
+/// Of what a report states the distance.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum Measured {
+    /// The smoothed curves.
+    #[default]
+    Curves,
+    /// The straight moves of the program that was written, as they read back.
+    StraightMoves,
+}
+
+impl std::fmt::Display for Measured {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Curves => "the curves",
+            Self::StraightMoves => "the straight moves, as they read back",
+        })
+    }
 }
 
 /// One of the two paths, planned from rest to rest stretch by stretch.
@@ -157,8 +179,8 @@ impl Report {
         let mut text =
             format!("corners     {} cut, {} looped, {left} left{reasons}\n", self.cuts, self.loops);
         text += &format!(
-            "distance    {:.6} mm at most of {} mm, measured both ways on what is written\n",
-            self.error_mm_max, self.tolerance_mm
+            "distance    {:.6} mm at most of {} mm, measured both ways on {}\n",
+            self.error_mm_max, self.tolerance_mm, self.measured
         );
         text += &format!(
             "time        {:.3} s stopping at corners, {:.3} s smoothed: {:.2} times as fast\n",
