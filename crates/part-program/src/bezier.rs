@@ -43,8 +43,10 @@ fn homogeneous(curve: &Curve, index: usize) -> [f64; 4] {
     [x * w, y * w, z * w, w]
 }
 
-fn between(from: [f64; 4], to: [f64; 4], share: f64) -> [f64; 4] {
-    std::array::from_fn(|axis| from[axis] + (to[axis] - from[axis]) * share)
+/// `from` and `to` in the shares given, which sum to 1. A difference `to - from` would round by the larger of the two: of
+/// weights 1e9 and 1e-9 nothing would be left.
+fn mean(from: [f64; 4], to: [f64; 4], shares: [f64; 2]) -> [f64; 4] {
+    std::array::from_fn(|axis| from[axis] * shares[0] + to[axis] * shares[1])
 }
 
 impl Bezier {
@@ -58,7 +60,8 @@ impl Bezier {
                 let argument = if round < ends { b } else { a };
                 for k in 0..degree - round {
                     let (low, high) = (knots[k + round], knots[k + degree]);
-                    points[k] = between(points[k], points[k + 1], (argument - low) / (high - low));
+                    let shares = [high - argument, argument - low].map(|part| part / (high - low));
+                    points[k] = mean(points[k], points[k + 1], shares);
                 }
             }
             points[0]
@@ -85,7 +88,7 @@ impl Bezier {
             left.push(row[0]);
             right.push(row[degree - round]);
             for k in 0..degree - round {
-                row[k] = between(row[k], row[k + 1], 0.5);
+                row[k] = mean(row[k], row[k + 1], [0.5, 0.5]);
             }
         }
         right.reverse();
@@ -120,6 +123,9 @@ fn distance_to_segment(point: [f64; 3], from: [f64; 3], to: [f64; 3]) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use nurbs_core::{Evaluate, NurbsBuf};
+    use proptest::prelude::*;
+
     use super::*;
     use crate::read_part;
 
@@ -136,6 +142,54 @@ mod tests {
             (pieces.len(), pieces[0].points_mm(), pieces[0].weights()),
             (1, curve.control_points_mm, curve.weights)
         );
+    }
+
+    /// By the Bernstein polynomials, not by de Boor's scheme.
+    fn point(points: &[[f64; 4]], t: f64) -> [f64; 4] {
+        let (degree, mut sum, mut binomial) = (points.len() - 1, [0.0; 4], 1.0);
+        let power = |x: f64, exponent: usize| (0..exponent).fold(1.0, |product, _| product * x);
+        for (j, point) in points.iter().enumerate() {
+            let basis = binomial * power(t, j) * power(1.0 - t, degree - j);
+            sum = std::array::from_fn(|axis| sum[axis] + basis * point[axis]);
+            binomial *= (degree - j) as f64 / (j + 1) as f64;
+        }
+        sum
+    }
+
+    proptest! {
+        /// A point is a mean with positive factors: with weights of any size it is right to a few roundings of the largest
+        /// coordinate. Knots and parameters are such that they have none.
+        #[test]
+        fn weights_of_any_size_keep_the_points(
+            corners in prop::collection::vec(([-100.0..100.0_f64, -100.0..100.0, -100.0..100.0], -9.0..9.0_f64), 4..9),
+            degree in 1_usize..4,
+            widths in prop::collection::vec(0_u16..2000, 9),
+        ) {
+            let (control_points_mm, exponents): (Vec<_>, Vec<_>) = corners.into_iter().unzip();
+            let weights: Vec<_> = exponents.into_iter().map(|exponent| 10.0_f64.powf(exponent)).collect();
+            let inner = widths[..control_points_mm.len() - degree - 1].iter().scan(1.0, |knot, width| {
+                *knot += f64::from(*width);
+                Some(*knot)
+            });
+            let mut knots = vec![0.0; degree + 1];
+            knots.extend(inner);
+            knots.extend(vec![20_000.0; degree + 1]);
+            let nurbs = NurbsBuf::<f64, 3>::try_new(degree, control_points_mm.clone(), weights.clone(), knots.clone());
+            prop_assume!(nurbs.is_ok());
+            let nurbs = nurbs.unwrap();
+            let curve = Curve { degree, dimension: 3, control_points_mm, weights, knots };
+            let spans = curve.knots.windows(2).filter(|span| span[0] < span[1]);
+            for (piece, span) in pieces(&curve).iter().zip(spans) {
+                for quarters in 0..=4 {
+                    let t = f64::from(quarters) / 4.0;
+                    let [x, y, z, w] = point(&piece.points, t);
+                    let expected = nurbs.as_curve().point(span[0] + (span[1] - span[0]) * t);
+                    for (found, expected) in [x / w, y / w, z / w].iter().zip(expected) {
+                        prop_assert!((found - expected).abs() < 1e-12, "{found} for {expected} at {t} of {span:?}");
+                    }
+                }
+            }
+        }
     }
 
     #[test]
@@ -162,13 +216,7 @@ mod tests {
                 let before = ends.len() - 1;
                 piece.chords(tolerance, 20, &mut ends).unwrap();
                 for k in 0..=200 {
-                    let mut row = piece.points.clone();
-                    for round in 1..row.len() {
-                        for k_row in 0..row.len() - round {
-                            row[k_row] = between(row[k_row], row[k_row + 1], f64::from(k) / 200.0);
-                        }
-                    }
-                    let [x, y, z, w] = row[0];
+                    let [x, y, z, w] = point(&piece.points, f64::from(k) / 200.0);
                     let off = ends[before..].windows(2);
                     let off = off.map(|chord| distance_to_segment([x / w, y / w, z / w], chord[0], chord[1]));
                     let off = off.fold(f64::MAX, f64::min);
