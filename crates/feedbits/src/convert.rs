@@ -12,6 +12,9 @@ use part_program::{
 use crate::input::Input;
 use crate::{Ending, output};
 
+/// Turns of straight moves by rounding are said from here on, in degrees.
+const TURN_DEG: f64 = 2.0;
+
 /// Options of `convert`.
 #[derive(Args)]
 pub(crate) struct Arguments {
@@ -123,6 +126,13 @@ fn rounding_notes(part: &Part, rounded: &Rounded, arguments: &Arguments, digits:
     )];
     if rounded.left_out > 0 {
         notes.push(format!("{} moves that round to one point are left out", rounded.left_out));
+    }
+    if rounded.turned_deg >= TURN_DEG {
+        let coarser = if arguments.to == Target::G1 && has_curves { " or a larger --tolerance" } else { "" };
+        notes.push(format!(
+            "rounding turns straight moves by up to {:.0}°, and a control may slow down at such corners: give more --digits{coarser}",
+            rounded.turned_deg
+        ));
     }
     notes
 }

@@ -119,6 +119,22 @@ K1.23456
         let (_, _, said) = convert_text(program, &["--to", "g1", "--tolerance", "0.01", "--digits", "3"]);
         assert!(said.contains(bound), "{said}");
     }
+    // Chords shorter than the decimals are fine make a staircase; long ones and fine decimals do not.
+    for (tolerance, decimals, hint) in [
+        (
+            "0.001",
+            "2",
+            Some(
+                "straight moves by up to 13°, and a control may slow down at such corners: give more --digits or a larger",
+            ),
+        ),
+        ("0.01", "3", None),
+    ] {
+        let output =
+            convert(&[&data("seed-003.nc"), "--to", "g1", "--tolerance", tolerance, "--digits", decimals]);
+        let said = text(&output.stderr);
+        assert!(hint.map_or(!said.contains("straight moves by"), |hint| said.contains(hint)), "{said}");
+    }
     let output = convert(&[&data("seed-003.nc"), "--to", "g5.2", "--digits", "4"]);
     let (written, said) = (text(&output.stdout), text(&output.stderr));
     assert!(said.contains("1 curves are written as 7") && said.contains("where curves are cut"), "{said}");

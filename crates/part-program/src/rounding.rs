@@ -18,6 +18,8 @@ pub struct Rounded {
     /// Largest distance between a point of the part and the same point once rounded, in mm; no point of a curve, at its
     /// parameter, moves farther.
     pub moved_mm: f64,
+    /// Largest angle between the directions of a straight move at feed before and once rounded, in degrees, 0 to 180.
+    pub turned_deg: f64,
     /// Moves that are left out.
     pub left_out: usize,
 }
@@ -55,13 +57,17 @@ impl Part {
     #[must_use]
     pub fn rounded(&self, decimals: usize) -> Rounded {
         let mut part = Self { curves: Vec::new(), moves: Vec::new(), ..self.clone() };
-        let mut moved_mm: f64 = 0.0;
+        let (mut moved_mm, mut turned_deg) = (0.0_f64, 0.0_f64);
         for (curve, one) in self.curves.iter().zip(&self.moves) {
             let rounded = curve.rounded(decimals);
             for (from, to) in curve.control_points_mm.iter().zip(&rounded.control_points_mm) {
                 moved_mm = moved_mm.max((to[0] - from[0]).hypot(to[1] - from[1]).hypot(to[2] - from[2]));
             }
             if !are_one(&rounded.control_points_mm) {
+                if let ([from, to], MoveKind::Feed) = (curve.control_points_mm.as_slice(), one.kind) {
+                    let [begin, end] = [rounded.control_points_mm[0], rounded.control_points_mm[1]];
+                    turned_deg = turned_deg.max(angle_deg([*from, *to], [begin, end]));
+                }
                 part.curves.push(rounded);
                 part.moves.push(*one);
             } else if let Some(before) = part.moves.last_mut() {
@@ -69,7 +75,7 @@ impl Part {
             }
         }
         let left_out = self.curves.len() - part.curves.len();
-        Rounded { part, moved_mm, left_out }
+        Rounded { part, moved_mm, turned_deg, left_out }
     }
 
     /// Looks for curves that [`rounded`](Self::rounded) would let stand still over a knot span, at feed: degree + 1 control
@@ -106,6 +112,14 @@ impl Curve {
                 && !are_one(&self.control_points_mm[points])
         })
     }
+}
+
+/// The angle between two straight moves; by its tangent, which is exact for small ones too.
+fn angle_deg(one: [[f64; 3]; 2], other: [[f64; 3]; 2]) -> f64 {
+    let [a, b] = [one, other].map(|[from, to]| [to[0] - from[0], to[1] - from[1], to[2] - from[2]]);
+    let cross = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+    let dot = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    cross[0].hypot(cross[1]).hypot(cross[2]).atan2(dot).to_degrees()
 }
 
 fn are_one(points: &[[f64; 3]]) -> bool {
@@ -148,6 +162,15 @@ mod tests {
         assert!((rounded.moved_mm - 5e-4).abs() < 1e-12, "{}", rounded.moved_mm);
         assert_eq!(rounded.part.curves[0].control_points_mm[1], [1.0, 2.0, 0.0]);
         assert_eq!(rounded.left_out, 0);
+    }
+
+    /// From (1, 0.4) units to (1, 0): atan 0.4. The rapid move and the arc are not judged.
+    #[test]
+    fn the_sharpest_turn_of_a_straight_move_is_stated() {
+        let text = "G0 X0 Y0\nG1 X0.001 Y0.0004 F60\nG1 X100\nG0 X100.001 Y0.0008\nG3 X100 Y0 I-1\n";
+        let turned_deg = part(text).rounded(3).turned_deg;
+        assert!((turned_deg - 0.4_f64.atan().to_degrees()).abs() < 1e-9, "{turned_deg}");
+        assert_eq!(part(text).rounded(4).turned_deg, 0.0);
     }
 
     #[test]
