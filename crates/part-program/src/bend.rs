@@ -9,6 +9,7 @@ use nurbs_core::{Differentiate, Evaluate, NurbsBuf, arc_length, radius};
 
 use crate::curve::Curve;
 use crate::part::Shape;
+use crate::vector::length;
 
 /// Intervals of a knot span between samples.
 const SAMPLES: u8 = 16;
@@ -76,10 +77,7 @@ fn place(curve: &impl Differentiate<f64, 3>, span: usize, parameter: f64) -> Pla
 fn sharpest_in(curve: &impl Differentiate<f64, 3>, span: usize) -> Place {
     let (from, to) = curve.span_bounds(span);
     let at = |k: u8| from + (to - from) * (f64::from(k) / f64::from(SAMPLES));
-    let speed = |u: f64| {
-        let [x, y, z] = curve.derivatives_in(span, u).first;
-        x.hypot(y).hypot(z)
-    };
+    let speed = |u: f64| length(curve.derivatives_in(span, u).first);
     let bend = |u: f64| place(curve, span, u).radius_mm;
     let samples: Vec<_> = (0..=SAMPLES).map(|k| (bend(at(k)), speed(at(k)))).collect();
     let fastest = samples.iter().fold(0.0_f64, |fastest, (_, speed)| fastest.max(*speed));

@@ -9,6 +9,7 @@
 //! near its chord everywhere.
 
 use crate::curve::{Curve, MAX_COORDINATE_MM, MAX_WEIGHT};
+use crate::vector::{difference, dot};
 
 /// A piece in homogeneous coordinates: each point times its weight, and the weight.
 #[derive(Clone, Debug, PartialEq)]
@@ -112,9 +113,7 @@ impl Bezier {
 }
 
 fn distance_to_segment(point: [f64; 3], from: [f64; 3], to: [f64; 3]) -> f64 {
-    let along: [f64; 3] = std::array::from_fn(|axis| to[axis] - from[axis]);
-    let offset: [f64; 3] = std::array::from_fn(|axis| point[axis] - from[axis]);
-    let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    let (along, offset) = (difference(&to, &from), difference(&point, &from));
     let square = dot(along, along);
     let share = if square > 0.0 { (dot(offset, along) / square).clamp(0.0, 1.0) } else { 0.0 };
     let rest: [f64; 3] = std::array::from_fn(|axis| offset[axis] - share * along[axis]);

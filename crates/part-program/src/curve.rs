@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::vector::{difference, length};
+
 /// The highest degree of a curve.
 pub const MAX_DEGREE: usize = 9;
 /// The largest coordinate, in mm: 10 km. It keeps squares and sums of coordinates far from the ends of every float.
@@ -254,8 +256,7 @@ impl Curve {
     #[must_use]
     pub fn polygon_length_mm(&self) -> f64 {
         let legs = self.control_points_mm.windows(2);
-        legs.map(|leg| (leg[1][0] - leg[0][0]).hypot(leg[1][1] - leg[0][1]).hypot(leg[1][2] - leg[0][2]))
-            .sum()
+        legs.map(|leg| length(difference(&leg[1], &leg[0]))).sum()
     }
 
     /// The number of coordinates that the points need: 2 if every z is zero.

@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use crate::curve::Curve;
 use crate::part::{MoveKind, Part};
+use crate::vector::{angle, difference, length};
 
 /// A gap between curves from which on a joint is listed, in mm.
 pub const GAP_MM: f64 = 1e-6;
@@ -100,20 +101,6 @@ fn corners(curve: &Curve) -> impl Iterator<Item = Joint> + '_ {
 fn direction<'p>(mut points: impl Iterator<Item = &'p [f64; 3]>) -> Option<[f64; 3]> {
     let first = points.next()?;
     points.find(|point| *point != first).map(|next| difference(next, first))
-}
-
-fn difference(to: &[f64; 3], from: &[f64; 3]) -> [f64; 3] {
-    std::array::from_fn(|axis| to[axis] - from[axis])
-}
-
-fn length(v: [f64; 3]) -> f64 {
-    v[0].hypot(v[1]).hypot(v[2])
-}
-
-/// The angle between two directions, from sine and cosine, so that small ones keep their digits.
-fn angle(a: [f64; 3], b: [f64; 3]) -> f64 {
-    let cross = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
-    length(cross).atan2(a[0] * b[0] + a[1] * b[1] + a[2] * b[2])
 }
 
 #[cfg(test)]

@@ -61,6 +61,7 @@ mod source;
 mod spline_blocks;
 mod spline_move;
 mod toml_table;
+mod vector;
 mod write;
 mod write_curves;
 

@@ -9,6 +9,7 @@ use std::fmt;
 
 use crate::curve::Curve;
 use crate::part::{MoveKind, Part};
+use crate::vector::{angle, difference, length};
 
 /// A part with rounded coordinates.
 #[derive(Clone, Debug, PartialEq)]
@@ -61,12 +62,12 @@ impl Part {
         for (curve, one) in self.curves.iter().zip(&self.moves) {
             let rounded = curve.rounded(decimals);
             for (from, to) in curve.control_points_mm.iter().zip(&rounded.control_points_mm) {
-                moved_mm = moved_mm.max((to[0] - from[0]).hypot(to[1] - from[1]).hypot(to[2] - from[2]));
+                moved_mm = moved_mm.max(length(difference(to, from)));
             }
             if !are_one(&rounded.control_points_mm) {
-                if let ([from, to], MoveKind::Feed) = (curve.control_points_mm.as_slice(), one.kind) {
-                    let [begin, end] = [rounded.control_points_mm[0], rounded.control_points_mm[1]];
-                    turned_deg = turned_deg.max(angle_deg([*from, *to], [begin, end]));
+                if one.kind == MoveKind::Feed && curve.control_points_mm.len() == 2 {
+                    let [before, after] = [curve, &rounded].map(Curve::chord);
+                    turned_deg = turned_deg.max(angle(before, after).to_degrees());
                 }
                 part.curves.push(rounded);
                 part.moves.push(*one);
@@ -102,6 +103,12 @@ impl Curve {
         Self { dimension: Self::dimension_of(&control_points_mm), control_points_mm, ..self.clone() }
     }
 
+    /// From the first control point to the last.
+    fn chord(&self) -> [f64; 3] {
+        let points = &self.control_points_mm;
+        difference(&points[points.len() - 1], &points[0])
+    }
+
     /// The first control point of a knot span over which the curve moves now, and not once rounded.
     fn stands_still_rounded(&self, decimals: usize) -> Option<usize> {
         let rounded = self.rounded(decimals);
@@ -112,14 +119,6 @@ impl Curve {
                 && !are_one(&self.control_points_mm[points])
         })
     }
-}
-
-/// The angle between two straight moves; by its tangent, which is exact for small ones too.
-fn angle_deg(one: [[f64; 3]; 2], other: [[f64; 3]; 2]) -> f64 {
-    let [a, b] = [one, other].map(|[from, to]| [to[0] - from[0], to[1] - from[1], to[2] - from[2]]);
-    let cross = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
-    let dot = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-    cross[0].hypot(cross[1]).hypot(cross[2]).atan2(dot).to_degrees()
 }
 
 fn are_one(points: &[[f64; 3]]) -> bool {
