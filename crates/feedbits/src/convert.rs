@@ -4,12 +4,9 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
-use part_program::{
-    Curve, MoveKind, Part, ReadOptions, Rounded, read_part_with, write_curves, write_g1, write_g5_2,
-    write_g06_2,
-};
+use part_program::{Curve, MoveKind, Part, Rounded, write_curves, write_g1, write_g5_2, write_g06_2};
 
-use crate::input::Input;
+use crate::input::{Input, read_again};
 use crate::{Ending, output};
 
 /// Turns of straight moves by rounding are said from here on, in degrees.
@@ -87,8 +84,7 @@ fn written(part: &Part, arguments: &Arguments) -> Result<(String, Part)> {
     };
     // Of the others, the words tell whose they are.
     let dialect = arguments.input.dialect().filter(|_| arguments.to == Target::G1);
-    let again = read_part_with("what was written", &text, ReadOptions { dialect, lenient: false })
-        .context("what was written does not read back: nothing is kept")?;
+    let again = read_again(&text, dialect)?;
     Ok((text, again))
 }
 

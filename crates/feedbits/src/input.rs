@@ -133,3 +133,9 @@ fn taken(name: &str, source: impl Read) -> Result<Vec<u8>> {
 fn too_long(name: &str) -> String {
     format!("{name} is longer than {} MiB, the most that is read", MAX_TEXT >> 20)
 }
+
+/// Reads a program that was written, before it is kept.
+pub(crate) fn read_again(text: &str, dialect: Option<Dialect>) -> Result<Part> {
+    part_program::read_part_with("what was written", text, ReadOptions { dialect, lenient: false })
+        .context("what was written does not read back: nothing is kept")
+}

@@ -3,12 +3,13 @@
 use std::ops::Range;
 
 use anyhow::{Context, Result, bail};
-use part_program::{Curve, Dialect, GAP_MM, MoveKind, Part, ReadOptions};
+use part_program::{Curve, Dialect, GAP_MM, MoveKind, Part};
 
 use super::deviation::Paths;
 use super::followed::Followed;
 use super::smooth_stretch::CHORD_SHARE;
 use super::stretch::length;
+use crate::input::read_again;
 
 /// The program of a smoothed part; its stretches are measured anew on what it says.
 pub(crate) fn text(
@@ -55,12 +56,6 @@ fn close_gaps(part: &mut Part) {
             *start = *end;
         }
     }
-}
-
-/// Reads what was written.
-fn read_again(text: &str, dialect: Option<Dialect>) -> Result<Part> {
-    part_program::read_part_with("what was written", text, ReadOptions { dialect, lenient: false })
-        .context("what was written does not read back: nothing is kept")
 }
 
 /// Measures the stretches of a part anew on what was written, as it reads back.
