@@ -107,14 +107,13 @@ fn in_the_part<R: Backend, const D: usize>(
     problem: &Problem<D>,
     table: &PiecesBuf<R, D>,
 ) -> Vec<Piece<R, D>> {
-    let moved = |curve: usize| problem.moved_mm.get(curve).copied().unwrap_or([0.0; D]);
     #[allow(
         clippy::cast_possible_truncation,
         reason = "origins are within 2²⁴ mm, and moves between them within 2²⁵ mm"
     )]
     let units = |mm: f64| mm.scale(-ORIGIN_EXPONENT).round() as i64;
     let there = |(row, place): (&Piece<R, D>, &Place)| {
-        let by = moved(place.curve);
+        let by = problem.moved_by_mm(place.curve);
         let origin = core::array::from_fn(|d| row.origin[d].wrapping_sub(units(by[d])));
         Piece { origin, ..*row }
     };

@@ -89,8 +89,13 @@ impl<const D: usize> Problem<D> {
     /// Where the part has a point of curve `curve`; coordinates that the problem does not have are 0.
     #[must_use]
     pub fn in_the_part(&self, curve: usize, point_mm: [f64; 3]) -> [f64; 3] {
-        let by = self.moved_mm.get(curve).copied().unwrap_or([0.0; D]);
+        let by = self.moved_by_mm(curve);
         core::array::from_fn(|axis| point_mm[axis] - by.get(axis).copied().unwrap_or(0.0))
+    }
+
+    /// How far curve `curve` was moved from where the part has it.
+    pub(crate) fn moved_by_mm(&self, curve: usize) -> [f64; D] {
+        self.moved_mm.get(curve).copied().unwrap_or([0.0; D])
     }
 
     /// The same with a stop before each curve that the part has elsewhere than where the one before it ends: a machine makes
