@@ -72,7 +72,11 @@ fn made<R: Real, const D: usize>(
             periods += 1;
         }
     }
-    (periods, checksum.value(), last.map(|units| units as f64 * 2.0_f64.powi(ORIGIN_EXPONENT)))
+    (periods, checksum.value(), in_mm(last))
+}
+
+fn in_mm<const D: usize>(position: [i64; D]) -> [f64; D] {
+    position.map(|units| units as f64 * 2.0_f64.powi(ORIGIN_EXPONENT))
 }
 
 #[test]
@@ -118,8 +122,7 @@ fn stretches_begin_and_end_where_the_part_does() {
         .iter()
         .map(|stretch| {
             let run = holes_f64::PATH.on(stretch);
-            let begin =
-                run.pieces.position(0, &[0.0; 3]).map(|units| units as f64 * 2.0_f64.powi(ORIGIN_EXPONENT));
+            let begin = in_mm(run.pieces.position(0, &[0.0; 3]));
             (begin, made(&holes_f64::PATH, std::slice::from_ref(stretch)).2)
         })
         .collect();

@@ -1,34 +1,14 @@
 //! What is written with few decimals lies as near to the part as is stated, and stays joined.
 
+use nurbs_core::{Evaluate, NurbsBuf};
 use part_program::{
     Curve, Move, MoveKind, Part, Rounded, Shape, read_part, write_g1, write_g5_2, write_g06_2,
 };
 use proptest::prelude::*;
 
-/// By the sum of Cox–de Boor basis functions, whose terms have one sign: accurate with any weights.
-fn point(curve: &Curve, share: f64) -> [f64; 3] {
-    let (knots, p) = (&curve.knots, curve.degree);
-    let (first, last) = (knots[p], knots[curve.control_points_mm.len()]);
-    let u = (first + (last - first) * share).min(last);
-    let span = knots.iter().rposition(|knot| *knot <= u && *knot < last).unwrap();
-    let mut basis: Vec<f64> = (0..knots.len() - 1).map(|i| f64::from(u8::from(i == span))).collect();
-    for degree in 1..=p {
-        for i in 0..knots.len() - 1 - degree {
-            let term = |value: f64, distance: f64, width: f64| {
-                if value > 0.0 { value * distance / width } else { 0.0 }
-            };
-            basis[i] = term(basis[i], u - knots[i], knots[i + degree] - knots[i])
-                + term(basis[i + 1], knots[i + degree + 1] - u, knots[i + degree + 1] - knots[i + 1]);
-        }
-    }
-    let mut sum = [0.0; 4];
-    for ((point, weight), share) in curve.control_points_mm.iter().zip(&curve.weights).zip(basis) {
-        let share = share * weight;
-        for (sum, x) in sum.iter_mut().zip([point[0], point[1], point[2], 1.0]) {
-            *sum += share * x;
-        }
-    }
-    [sum[0] / sum[3], sum[1] / sum[3], sum[2] / sum[3]]
+fn nurbs(curve: &Curve) -> NurbsBuf<f64, 3> {
+    let Curve { degree, control_points_mm, weights, knots, .. } = curve.clone();
+    NurbsBuf::try_new(degree, control_points_mm, weights, knots).unwrap()
 }
 
 fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
@@ -49,8 +29,12 @@ fn farthest(points: &[[f64; 3]], polygon: &[[f64; 3]]) -> f64 {
     points.iter().map(nearest).fold(0.0, f64::max)
 }
 
+/// By basis functions, whose terms have one sign: accurate with any weights.
 fn samples(curve: &Curve, count: u32) -> Vec<[f64; 3]> {
-    (0..=count).map(|k| point(curve, f64::from(k) / f64::from(count))).collect()
+    let nurbs = nurbs(curve);
+    let (first, last) = nurbs.as_curve().domain();
+    let share = |k: u32| f64::from(k) / f64::from(count);
+    (0..=count).map(|k| nurbs.as_curve().point((first + (last - first) * share(k)).min(last))).collect()
 }
 
 /// The corners of a part of chords that join.
@@ -164,17 +148,16 @@ fn the_written_path_is_as_near_to_the_part_as_the_part_to_it() {
 #[test]
 fn pieces_are_as_near_as_stated() {
     let part = read(include_str!("../../../data/seed-003.nc"));
-    let curve = &part.curves[0];
-    let mut knots = curve.knots.clone();
+    let curve = nurbs(&part.curves[0]);
+    let mut knots = part.curves[0].knots.clone();
     knots.dedup();
-    let whole = knots[knots.len() - 1] - knots[0];
     for decimals in 0..=9 {
         let (rounded, again, _) = rounded(&part, decimals, |part| write_g5_2(part).unwrap());
         assert_eq!(again.curves.len(), knots.len() - 1);
         for (piece, span) in again.curves.iter().zip(knots.windows(2)) {
             for (k, written) in samples(piece, 50).into_iter().enumerate() {
                 let u = span[0] + (span[1] - span[0]) * k as f64 / 50.0;
-                let off = distance(written, point(curve, (u - knots[0]) / whole));
+                let off = distance(written, curve.as_curve().point(u));
                 assert!(off <= rounded.moved_mm + 1e-12, "{decimals}: {off} > {}", rounded.moved_mm);
             }
         }
