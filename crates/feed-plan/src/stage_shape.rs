@@ -114,9 +114,18 @@ impl StageShape {
         let bow = || (width * width).scale(-2);
         match self {
             Self::Cubic => {
+                let bend = rest - middle;
+                if !R::IS_FLOATING {
+                    // Rounded once.
+                    return R::sum_of_products([
+                        (square, R::one()),
+                        (square, rest),
+                        (square, rest),
+                        (bow(), bend),
+                    ]);
+                }
                 let twice = square * rest;
-                let bend = (width * width * (rest - middle)).scale(-2);
-                square + twice + twice + bend
+                square + twice + twice + (width * width * bend).scale(-2)
             }
             Self::Onset => square + bow() * R::from_ratio(1, 3),
             Self::Steady => middle,

@@ -146,6 +146,9 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
     /// n_1 to n_p.
     #[inline]
     fn numerator<const N: usize>(&self, piece: usize) -> Option<&'a [[R; D]]> {
+        if N < MAX_DEGREE {
+            return Some(self.numerators.as_chunks::<N>().0.get(piece)?);
+        }
         let count = self.count::<N>();
         let begin = piece.wrapping_mul(count);
         self.numerators.get(begin..begin.checked_add(count)?)
@@ -179,10 +182,14 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
     #[inline]
     #[must_use]
     pub fn in_common_units(&self, piece: usize, offset: &[R; D]) -> [R; D] {
-        let units = self
-            .pieces
-            .get(piece)
-            .map_or(0, |row| i32::from(row.coordinate_exponent) - self.coordinate_exponent);
+        self.pieces.get(piece).map_or(*offset, |row| self.in_units_of_path(row, offset))
+    }
+
+    /// The same where the piece's row is known.
+    #[inline]
+    #[must_use]
+    pub fn in_units_of_path(&self, row: &Piece<R, D>, offset: &[R; D]) -> [R; D] {
+        let units = i32::from(row.coordinate_exponent) - self.coordinate_exponent;
         // Not by `map`, which reads two numbers of 32 bits as one word, right after they were written one by one.
         core::array::from_fn(|d| offset[d].rescaled(units).signal("offset"))
     }
@@ -217,27 +224,52 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
     /// Those about the piece's begin, in place: there a polynomial is what it is, and no product is needed.
     #[inline(never)] // Once in a program, for whatever crosses joints.
     pub fn shift_to_begin(&self, piece: usize, at: &mut Shifted<R, D>) {
-        self.shift_by::<MAX_DEGREE, false>(piece, None, at);
+        self.shift_anew::<MAX_DEGREE, false>(piece, None, at);
     }
 
     /// Those about `t`, in place: what is known of another point or piece of the same path is overwritten.
     ///
     /// N is the pieces' degree, which is fastest, or [`MAX_DEGREE`], which serves all. PLAIN says that the path has no
     /// weights, which spares the question.
-    #[inline(always)] // Called, it would leave its rows in memory, in other parts than they are read in.
     pub fn shift_to<const N: usize, const PLAIN: bool>(&self, piece: usize, t: R, at: &mut Shifted<R, D>) {
-        self.shift_by::<N, PLAIN>(piece, Some(t), at);
+        self.shift_anew::<N, PLAIN>(piece, Some(t), at);
     }
 
-    /// The same, or with no t about the begin: which it is, the compiler knows.
+    /// The same where `at` holds those about another point of this piece, and the piece's row is known.
+    #[inline(always)] // Called, it would leave its rows in memory, in other parts than they are read in.
+    pub fn shift_along<const N: usize, const PLAIN: bool>(
+        &self,
+        (piece, row): (usize, &Piece<R, D>),
+        t: R,
+        at: &mut Shifted<R, D>,
+    ) {
+        self.shift_by::<N, PLAIN>((piece, row), Some(t), true, at);
+    }
+
+    /// To t, or with no t to the begin, whatever `at` holds.
     #[inline(always)]
-    fn shift_by<const N: usize, const PLAIN: bool>(
+    fn shift_anew<const N: usize, const PLAIN: bool>(
         &self,
         piece: usize,
         t: Option<R>,
         at: &mut Shifted<R, D>,
     ) {
-        let (Some(row), Some(numerator)) = (self.pieces.get(piece), self.numerator::<N>(piece)) else {
+        match self.pieces.get(piece) {
+            Some(row) => self.shift_by::<N, PLAIN>((piece, row), t, false, at),
+            None => *at = Shifted::default(),
+        }
+    }
+
+    /// The same, or with no t to the begin; `is_along` says that `at` is of this piece. Which they are, the compiler knows.
+    #[inline(always)]
+    fn shift_by<const N: usize, const PLAIN: bool>(
+        &self,
+        (piece, row): (usize, &Piece<R, D>),
+        t: Option<R>,
+        is_along: bool,
+        at: &mut Shifted<R, D>,
+    ) {
+        let Some(numerator) = self.numerator::<N>(piece) else {
             *at = Shifted::default();
             return;
         };
@@ -251,8 +283,11 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
         // Few rows are formed in registers.
         let mut rows = [[R::zero(); D]; N];
         self.form::<N>(row, (numerator, weights), t, &mut at.offset, &mut rows, &mut at.weight);
+        // Without weights the top coefficient is the same at all points.
+        let changed =
+            if PLAIN && is_along { rows.split_last().map_or(&rows[..], |(_, rest)| rest) } else { &rows };
         // Number by number, here and below: a row of two numbers of 32 bits would be packed into one word of 64.
-        for (slot, x) in at.chord.as_flattened_mut().iter_mut().zip(rows.as_flattened()) {
+        for (slot, x) in at.chord.as_flattened_mut().iter_mut().zip(changed.as_flattened()) {
             *slot = *x;
         }
     }
@@ -298,7 +333,7 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
 
 /// Turns N and its derivatives into P and the chord's numerator: `c_k - P ω_k`, all over W(t). `weights` are those of
 /// the piece without the constant one; returns `ω_k/W(t)`.
-#[inline]
+#[inline(always)] // Called, it takes a seventh longer in fixed point.
 fn divide_by_weight<R: Real, const D: usize, const N: usize>(
     constant: R,
     weights: &[R],

@@ -1,7 +1,8 @@
 //! Compiled pieces against the curve they were cut from, in every kind of format.
 
 use nurbs_core::{
-    CompileError, Evaluate, NurbsBuf, ORIGIN_EXPONENT, Piece, PieceLimits, PiecesBuf, compile, generate,
+    CompileError, Evaluate, MAX_DEGREE, NurbsBuf, ORIGIN_EXPONENT, Piece, PieceLimits, PiecesBuf, compile,
+    generate,
 };
 use proptest::prelude::*;
 use real::{Backend, DoubleDouble, FormatName, I3F29, I4F28, I4F60, I8F24, I16F48, Real};
@@ -178,7 +179,47 @@ fn begins_are_those_of_zero<R: Backend>(
     Ok(())
 }
 
+/// From one point of a piece to another, the polynomials are those that are formed there anew: in every form of the code.
+fn shifts_along_are_those_anew<R: Backend>(
+    curve: &NurbsBuf<f64, 2>,
+    piece: prop::sample::Index,
+    [from, to]: [u64; 2],
+) -> Result<(), TestCaseError> {
+    let Ok(table) = compile::<DoubleDouble, R, 2>(&[curve.as_curve()], &LIMITS) else { return Ok(()) };
+    let pieces = table.as_pieces();
+    let piece = piece.index(pieces.pieces.len());
+    let row = (piece, &pieces.pieces[piece]);
+    let expected = pieces.shifted(piece, R::fraction(to));
+    let begin = pieces.shifted(piece, R::fraction(from));
+    let mut at = begin;
+    pieces.shift_along::<MAX_DEGREE, false>(row, R::fraction(to), &mut at);
+    prop_assert_eq!(at, expected, "{}", R::name());
+    if pieces.degree == 3 {
+        let mut at = begin;
+        pieces.shift_along::<3, false>(row, R::fraction(to), &mut at);
+        prop_assert_eq!(at, expected, "cubics in {}", R::name());
+        if !pieces.is_rational() {
+            let mut at = begin;
+            pieces.shift_along::<3, true>(row, R::fraction(to), &mut at);
+            prop_assert_eq!(at, expected, "plain cubics in {}", R::name());
+        }
+    }
+    Ok(())
+}
+
 proptest! {
+    #[test]
+    fn shifts_along_are_those_anew_in_every_format(
+        curve in generate::curve::<2>(),
+        piece in any::<prop::sample::Index>(),
+        places in any::<[u64; 2]>(),
+    ) {
+        shifts_along_are_those_anew::<f64>(&curve, piece, places)?;
+        shifts_along_are_those_anew::<f32>(&curve, piece, places)?;
+        shifts_along_are_those_anew::<I4F28>(&curve, piece, places)?;
+        shifts_along_are_those_anew::<I16F48>(&curve, piece, places)?;
+    }
+
     #[test]
     fn begins_are_those_of_zero_in_every_format(
         curve in generate::curve::<2>(),

@@ -8,7 +8,7 @@
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
 use fixed::traits::{Fixed, FixedSigned};
-use num_traits::{AsPrimitive, Bounded, FromPrimitive, One, ToPrimitive, WrappingAdd, Zero};
+use num_traits::{AsPrimitive, Bounded, FromPrimitive, One, WrappingAdd, Zero};
 
 use crate::{Backend, FormatName, Real, Word};
 
@@ -194,24 +194,26 @@ where
 
     #[inline]
     fn scale(self, exponent: i32) -> Self {
+        let width = F::INT_NBITS + F::FRAC_NBITS;
         if Self::WIDE_IS_A_REGISTER {
             // To the left within the wide word, and its width to the right: the same for both signs of the exponent.
-            let left = Self::BITS.wrapping_add_signed(exponent as isize);
-            if left >= 2 * Self::BITS {
+            let left = exponent.cast_unsigned().wrapping_add(width);
+            if left >= 2 * width {
                 return Self(F::ZERO);
             }
-            return Self::wrap(Self::round(self.wide() << left, Self::BITS));
+            return Self::wrap(Self::round(self.wide() << left as usize, Self::BITS));
         }
         let bits = self.0.to_bits();
-        let shift = exponent.unsigned_abs() as usize;
-        if shift >= Self::BITS {
+        let left = exponent.cast_unsigned();
+        if left < width {
+            return Self(F::from_bits(bits << left as usize));
+        }
+        let right = left.wrapping_neg();
+        if right >= width {
             return Self(F::ZERO); // at most half a unit is left, ties up from -½
         }
-        if exponent >= 0 {
-            return Self(F::from_bits(bits << shift));
-        }
         // The last bit dropped says whether to round up: half a unit added to the bits might not fit the word.
-        let twice = bits >> (shift - 1);
+        let twice = bits >> (right - 1) as usize;
         Self(F::from_bits((twice >> 1) + (twice & Bits::<F>::one())))
     }
 
@@ -229,14 +231,15 @@ where
 
     #[inline]
     fn to_phase(self, exponent: i32) -> u64 {
-        let bits = self.0.to_bits().to_u64().unwrap_or(0); // a negative number is no u64
-        let left = (64 - F::FRAC_NBITS.cast_signed()).saturating_add(exponent);
-        if left < 0 {
-            return bits.checked_shr(left.unsigned_abs()).unwrap_or(0);
+        let bits: u64 = self.0.to_bits().as_(); // of a negative number the first bit is set
+        let left = (64 - F::FRAC_NBITS.cast_signed()).wrapping_add(exponent);
+        if (1..64).contains(&left) && (bits << left) >> left == bits {
+            return bits << left;
         }
-        let phase = bits.wrapping_shl(left.unsigned_abs());
-        let is_all = left < 64 && phase.wrapping_shr(left.unsigned_abs()) == bits;
-        if is_all || bits == 0 { phase } else { u64::MAX }
+        if (-63..1).contains(&left) && bits.leading_zeros() > 0 {
+            return bits >> left.unsigned_abs();
+        }
+        if left > 0 && self.0 > F::ZERO { u64::MAX } else { 0 }
     }
 
     #[inline]

@@ -10,6 +10,7 @@ macro_rules! float_backend {
         impl Real for $float {
             const IS_FOR_SPEED: bool = true;
             const IS_FLOATING: bool = true;
+            const ADDS_PLACES: bool = $digits > 32;
 
             #[inline]
             fn resolution() -> Self {

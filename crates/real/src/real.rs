@@ -47,6 +47,10 @@ pub trait Real:
     /// Whether a number carries its own exponent, so that no unit suits it better than another.
     const IS_FLOATING: bool = false;
 
+    /// Whether a place on [0, 1] may be rounded twice: as the one before and the step from there, it is known sooner than from the
+    /// phase that both lead to. So it is where the last digits of a place are far less than any setpoint shows.
+    const ADDS_PLACES: bool = false;
+
     /// The step between 1 and the next larger number: 2⁻²³ in `f32`, 2⁻ᶠ with f fraction bits.
     fn resolution() -> Self;
 

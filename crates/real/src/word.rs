@@ -6,7 +6,9 @@ use crate::division::{divide_u64, divide_u128};
 use crate::square_root;
 
 /// The machine word behind a fixed-point number. Sealed: `i8`, `i16`, `i32` and `i64`.
-pub trait Word: PrimInt + FromPrimitive + AsPrimitive<Self::Wide> + sealed::Sealed + 'static {
+pub trait Word:
+    PrimInt + FromPrimitive + AsPrimitive<Self::Wide> + AsPrimitive<u64> + sealed::Sealed + 'static
+{
     /// A word of twice the width; holds every product of two words.
     type Wide: PrimInt + WrappingAdd + AsPrimitive<Self> + AsPrimitive<f64> + 'static;
 

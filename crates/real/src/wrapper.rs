@@ -166,6 +166,7 @@ macro_rules! wrapper {
 
         impl<$($generics)*> crate::Real for $wrapper {
             const IS_FLOATING: bool = <Self as Wrapper>::Inner::IS_FLOATING;
+            const ADDS_PLACES: bool = <Self as Wrapper>::Inner::ADDS_PLACES;
 
             fn resolution() -> Self {
                 Self::constant(<Self as Wrapper>::Inner::resolution())

@@ -147,16 +147,21 @@ impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D,
         !PLAIN && self.rational
     }
 
-    /// σ from a start value in the range, where one evaluation and one correction are enough; the evaluation where not. What
-    /// is small needs no limits: this comes to the same as [`refine`](Self::refine), sooner.
+    /// σ from a start value in the range and its step σL, no longer than the whole piece, where one evaluation and one correction
+    /// are enough; the evaluation where not. What is small needs no limits: this comes to the same as
+    /// [`refine`](Self::refine), sooner.
     #[inline(always)]
-    pub(crate) fn correct(&self, sigma: R, tolerance: &ChordTolerance<R>) -> Result<R, Evaluation<R>> {
-        let value = self.evaluate(sigma);
-        if value.is_small(tolerance.threshold()) {
-            let correction = correction(sigma, &value);
-            if is_within(correction, sigma, &self.range) {
-                return Ok((sigma - correction).signal("step_per_chord"));
-            }
+    pub(crate) fn correct(
+        &self,
+        sigma: R,
+        step: R,
+        tolerance: &ChordTolerance<R>,
+    ) -> Result<R, Evaluation<R>> {
+        let value = self.evaluate(sigma, step);
+        if value.is_small(tolerance.threshold())
+            && let Some(found) = difference_within(sigma, correction(sigma, &value), &self.range)
+        {
+            return Ok(found.signal("step_per_chord"));
         }
         Err(value)
     }
@@ -201,12 +206,11 @@ impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D,
     /// The evaluation that is rarely needed, once in the program.
     #[inline(never)]
     fn evaluate_aside(&self, sigma: R) -> Evaluation<R> {
-        self.evaluate(sigma)
+        self.evaluate(sigma, (sigma * self.length).signal("step").min(self.whole))
     }
 
     #[inline(always)] // Called by the common step, it would take what it needs through memory.
-    fn evaluate(&self, sigma: R) -> Evaluation<R> {
-        let step = (sigma * self.length).signal("step").min(self.whole);
+    fn evaluate(&self, sigma: R, step: R) -> Evaluation<R> {
         let x = step.rescaled(-self.range_exponent).signal("chord_variable");
         let (chord, turn) = self.chord_per_step(x);
         let (weight, weight_slope) = if self.is_rational() { self.weight(x) } else { (R::one(), R::zero()) };
@@ -315,19 +319,33 @@ pub(crate) fn value_and_slope<'a, R: Real + 'a, const M: usize>(
 #[inline]
 pub(crate) fn correction<R: Real>(sigma: R, value: &Evaluation<R>) -> R {
     let (f, g) = (value.residual, value.slope);
-    let series = R::one() - g + g * g;
-    if R::IS_FLOATING {
-        // Halves are exact, and ¾ takes no longer than ½: a shorter way from f to the step.
-        return sigma.half() * f * (series - R::from_ratio(3, 4) * f);
-    }
-    let factor = series - f.half() - f.scale(-2);
-    (sigma * f).half() * factor
+    let one = R::one();
+    let series = if R::IS_FLOATING {
+        one - g + g * g - R::from_ratio(3, 4) * f
+    } else {
+        // Rounded once; a product by a power of two is a shift.
+        let (half, quarter, less) = (R::from_ratio(1, 2), R::from_ratio(1, 4), -f);
+        R::sum_of_products([(one - g, one), (g, g), (less, half), (less, quarter)])
+    };
+    sigma.half() * f * series
 }
 
-/// Whether `correction` leaves σ in its range.
+/// `sigma - part` where that lies in the range.
+///
+/// In fixed point σ is positive: where the difference does not fit, it wraps to a negative number, which is in no range. What
+/// watches numbers is spared what would look like a fault there.
 #[inline]
-pub(crate) fn is_within<R: Real>(correction: R, sigma: R, range: &[R; 2]) -> bool {
-    (sigma - range[1] <= correction) & (correction <= sigma - range[0])
+pub(crate) fn difference_within<R: Real>(sigma: R, part: R, range: &[R; 2]) -> Option<R> {
+    if R::IS_FLOATING || R::IS_FOR_SPEED {
+        return Some(sigma - part).filter(|rest| is_within(*rest, range));
+    }
+    (sigma - range[1] <= part && part <= sigma - range[0]).then(|| sigma - part)
+}
+
+/// Whether a step per chord is in a piece's range.
+#[inline]
+pub(crate) fn is_within<R: Real>(sigma: R, range: &[R; 2]) -> bool {
+    (range[0] <= sigma) & (sigma <= range[1])
 }
 
 /// What of `correction` does not take σ out of its range: the trial itself might not fit the format. What is not a

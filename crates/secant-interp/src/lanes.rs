@@ -17,7 +17,7 @@ use nurbs_core::shift;
 use real::{Lane, Real};
 
 use crate::chord_step::{Evaluation, correction, is_within, value_and_slope};
-use crate::piece_interpolator::{CUBIC, PieceInterpolator, PieceSetpoint, PieceState, Reached, extrapolate};
+use crate::piece_interpolator::{CUBIC, PieceInterpolator, PieceSetpoint, PieceState, Reached, fall};
 use crate::step_lengths::PERIOD;
 
 /// A bit for each lane.
@@ -28,6 +28,7 @@ type Row<T, const W: usize> = [T; W];
 
 /// The integers of the lanes.
 #[derive(Clone, Debug)]
+#[repr(C, align(64))] // A row does not straddle the lines of the cache.
 struct Words<const W: usize> {
     /// Where the lanes stand on their pieces.
     phase: Row<u64, W>,
@@ -45,6 +46,7 @@ const NONE: u64 = u64::MAX;
 
 /// The numbers of the lanes.
 #[derive(Clone, Debug)]
+#[repr(C, align(64))] // A row does not straddle the lines of the cache.
 struct Numbers<R, const D: usize, const W: usize> {
     /// σ of the last three steps, newest first.
     sigma: [Row<R, W>; 3],
@@ -208,7 +210,7 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
         let step = Reached { piece: state.piece, phase: part, sigma: numbers.found[lane], evaluations: 1 };
         let mut history = of_lane(&numbers.sigma, lane);
         let Some(reached) = run.pass_joint(phase, &mut history, row, &step) else { return false };
-        (state.piece, state.phase) = (reached.piece, reached.phase);
+        (state.piece, state.phase, state.t) = (reached.piece, reached.phase, R::fraction(reached.phase));
         put(&mut numbers.sigma, lane, history);
         numbers.found[lane] = reached.sigma;
         self.words.is_common[lane] = true;
@@ -243,7 +245,7 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
         let state = &mut self.states[lane];
         self.is_loaded[lane] = false;
         state.phase = self.words.phase[lane];
-        state.sigma = of_lane(&self.numbers.sigma, lane);
+        state.remember(of_lane(&self.numbers.sigma, lane));
         for (slot, rows) in state.at.chord.iter_mut().zip(&self.numbers.chord) {
             *slot = of_lane(rows, lane);
         }
@@ -275,7 +277,7 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
         }
         put(&mut numbers.range, lane, row.step_per_chord);
         self.words.phase[lane] = state.phase;
-        numbers.t[lane] = R::fraction(state.phase);
+        numbers.t[lane] = state.t;
         // Where another polynomial follows, a guess that may lead there is not for here.
         let end = R::one() - R::one().scale(-20);
         numbers.end[lane] = if row.continues { R::max_value() } else { end };
@@ -369,20 +371,19 @@ fn solve<R: Lane, const D: usize, const W: usize>(numbers: &mut Numbers<R, D, W>
         numbers.length[lane] = length;
 
         let (history, range) = (of_lane(&numbers.sigma, lane), of_lane(&numbers.range, lane));
-        let guess = extrapolate(history, &range);
-        let guessed = guess * length;
-        let x = guessed.min(R::one());
+        let guess = history[0] - fall(history);
+        let x = guess * length;
         let chord = numbers.chord.each_ref().map(|rows| of_lane(rows, lane));
         let (pull, slope) = value_and_slope(chord.iter(), x, ["chord_per_step", "chord_turn"]);
         let turn = slope.map(|t| t * x);
         let value = Evaluation::new(guess, &pull, &turn, R::one(), None);
-        let correction = correction(guess, &value);
-        let sigma = guess - correction;
+        let sigma = guess - correction(guess, &value);
 
-        let is_found = (guessed + numbers.t[lane] < numbers.end[lane])
-            & (guessed <= R::one())
+        let is_found = (x + numbers.t[lane] < numbers.end[lane])
+            & (x <= R::one())
+            & is_within(guess, &range)
             & value.is_small(numbers.threshold[lane])
-            & is_within(correction, guess, &range);
+            & is_within(sigma, &range);
         numbers.found[lane] = sigma;
         numbers.step[lane] = if is_found { sigma * length } else { -R::one() };
     }
@@ -404,7 +405,8 @@ fn travel<R: Lane, const D: usize, const W: usize>(
         due |= if is_common & (words.left[lane] > 0) { 0 } else { 1 << lane };
         let phase = if is_common { phase } else { old };
         words.phase[lane] = phase;
-        numbers.t[lane] = R::fraction(phase);
+        let place = if R::ADDS_PLACES { R::fraction(old) + numbers.step[lane] } else { R::fraction(phase) };
+        numbers.t[lane] = place;
     }
     due
 }

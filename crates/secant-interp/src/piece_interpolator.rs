@@ -3,7 +3,7 @@
 use nurbs_core::{MAX_DEGREE, Piece, Pieces, Shifted};
 use real::Real;
 
-use crate::chord_step::{Chord, ChordTolerance, Evaluation, within};
+use crate::chord_step::{Chord, ChordTolerance, Evaluation, difference_within, within};
 use crate::feed_override::{FeedOverride, OverrideState};
 use crate::step_lengths::{LengthCursor, StepLengths};
 
@@ -41,13 +41,21 @@ pub struct PieceInterpolator<'a, R, const D: usize> {
 #[derive(Clone, Copy, Debug)]
 pub struct PieceState<R, const D: usize> {
     pub(crate) cursor: LengthCursor,
+    /// The distance of the next period at the plan's own speed, and where the schedule stands after it, if `is_ahead`.
+    ahead: Option<R>,
+    next: LengthCursor,
+    is_ahead: bool,
     pub(crate) piece: usize,
     pub(crate) phase: u64,
     /// 2^s of `piece`: in fixed point it would take as long as a tenth of the step to form it anew.
     whole: R,
     /// σ of the last three steps, newest first, in the scale of `piece`.
     pub(crate) sigma: [R; 3],
-    /// The piece's polynomials about `phase`: they were formed for the setpoint there, and the next step begins with them.
+    /// What the next σ is expected to be less than the newest.
+    fall: R,
+    /// The piece's polynomials about t, the place of `phase`: they were formed for the setpoint there, and the next step begins
+    /// with them.
+    pub(crate) t: R,
     pub(crate) at: Shifted<R, D>,
 }
 
@@ -58,10 +66,23 @@ impl<R: Real, const D: usize> PieceState<R, D> {
         &self.cursor
     }
 
+    /// Adds σ of a step that was made.
+    #[inline]
+    fn push(&mut self, sigma: R) {
+        let [newest, middle, _] = self.sigma;
+        self.remember([sigma, newest, middle]);
+    }
+
+    /// Takes these as σ of the last three steps, newest first.
+    #[inline]
+    pub(crate) fn remember(&mut self, history: [R; 3]) {
+        self.sigma = history;
+        self.fall = fall(history);
+    }
+
     /// The end of a step over a joint; its evaluations.
     fn reach(&mut self, reached: &Reached<R>, pieces: &[Piece<R, D>]) -> u32 {
-        let [newest, middle, _] = self.sigma;
-        self.sigma = [reached.sigma, newest, middle];
+        self.push(reached.sigma);
         (self.piece, self.phase) = (reached.piece, reached.phase);
         self.whole = pieces.get(self.piece).map_or(R::one(), Piece::whole);
         reached.evaluations
@@ -120,7 +141,22 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         let mut at = Shifted::default();
         self.pieces.shift_to_begin(0, &mut at);
         let whole = self.pieces.pieces.first().map_or(R::one(), Piece::whole);
-        PieceState { cursor: LengthCursor::default(), piece: 0, phase: 0, whole, sigma: [R::zero(); 3], at }
+        let cursor = LengthCursor::default();
+        let mut state = PieceState {
+            cursor,
+            ahead: None,
+            next: cursor,
+            is_ahead: false,
+            piece: 0,
+            phase: 0,
+            whole,
+            sigma: [R::zero(); 3],
+            fall: R::zero(),
+            t: R::zero(),
+            at,
+        };
+        self.look_ahead(&mut state);
+        state
     }
 
     /// The next setpoint; `None` once the end of the path has been commanded.
@@ -134,11 +170,19 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     /// A chord over which the path turns by more than 60° may come out shorter than planned: steps per chord are held to
     /// a sixteenth above that of the piece's slowest point, and the arc over such a chord is longer by more.
     ///
+    /// The distance of the next period is formed a period early, so a state keeps to one schedule.
+    ///
     /// It is compiled into its caller: where flash is short, it is called from one place.
     #[inline(always)] // Called, it takes a tenth longer in fixed point: the state and the setpoint go through memory.
     pub fn step(&self, state: &mut PieceState<R, D>) -> Option<PieceSetpoint<R, D>> {
         let row = self.pieces.pieces.get(state.piece)?;
-        let planned = self.lengths.advance(&mut state.cursor);
+        if !state.is_ahead {
+            self.look_ahead(state);
+        }
+        let planned = state.ahead;
+        state.cursor = state.next;
+        // A period early: the processor has the distance ready by the time that the step before is found.
+        state.ahead = self.lengths.advance(&mut state.next);
         Some(self.follow(state, row, planned))
     }
 
@@ -151,6 +195,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         rates: &mut OverrideState,
     ) -> Option<PieceSetpoint<R, D>> {
         let row = self.pieces.pieces.get(state.piece)?;
+        state.is_ahead = false;
         let planned = feeds.advance(&self.lengths, &mut state.cursor, rates);
         // A rest after the schedule's end is landed on even so.
         if planned.is_some_and(|length| length.is_zero()) && !self.lengths.is_over(&state.cursor) {
@@ -159,6 +204,15 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
             return Some(PieceSetpoint { piece, phase, offset, length: R::zero(), evaluations: 0 });
         }
         Some(self.follow_aside(state, row, planned))
+    }
+
+    /// What the next period takes of the schedule, from where the cursor stands.
+    #[cold]
+    #[inline(never)]
+    fn look_ahead(&self, state: &mut PieceState<R, D>) {
+        state.next = state.cursor;
+        state.ahead = self.lengths.advance(&mut state.next);
+        state.is_ahead = true;
     }
 
     /// One period of the planned length, or of landing.
@@ -203,11 +257,29 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         let length = planned.unwrap_or_else(|| self.landing(row)).signal("chord_length");
         let reach = if is_last { sum_within(length, self.landing_step, R::max_value()) } else { length };
 
-        let (piece, phase, evaluations) = self.travel::<N, PLAIN>(state, row, reach);
-        let (of, t) = if piece < self.pieces.pieces.len() { (piece, R::fraction(phase)) } else { self.end() };
-        self.pieces.shift_to::<N, PLAIN>(of, t.signal("parameter"), &mut state.at);
+        let evaluations = match self.find_ahead::<N, PLAIN>(state, row, reach) {
+            Ok(sigma) => {
+                let step = sigma * reach;
+                let part = row.part(step);
+                if let Some(phase) = after(state.phase, part) {
+                    state.t =
+                        if R::ADDS_PLACES { R::fraction(state.phase) + step } else { R::fraction(phase) };
+                    state.phase = phase;
+                    state.push(sigma);
+                    let t = state.t.signal("parameter");
+                    self.pieces.shift_along::<N, PLAIN>((state.piece, row), t, &mut state.at);
+                    let offset = self.pieces.in_units_of_path(row, &state.at.offset);
+                    return PieceSetpoint { piece: state.piece, phase, offset, length, evaluations: 1 };
+                }
+                let step = Reached { piece: state.piece, phase: part, sigma, evaluations: 1 };
+                self.pass_end(state, row, reach, &step)
+            }
+            Err(Some(value)) => self.refine::<N, PLAIN>(state, row, reach, value),
+            Err(None) => self.search::<N, PLAIN>(state, row, reach),
+        };
+        let of = self.arrive::<N, PLAIN>(state);
         let offset = self.pieces.in_common_units(of, &state.at.offset);
-        PieceSetpoint { piece, phase, offset, length, evaluations }
+        PieceSetpoint { piece: state.piece, phase: state.phase, offset, length, evaluations }
     }
 
     /// The last piece and its last parameter.
@@ -232,56 +304,87 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         length
     }
 
-    /// The chord on the present piece, and where it reaches past its end on the next ones: the piece and the phase there, which
-    /// read back from the state would be waited for, and the evaluations.
+    /// σ of a common step: on the present piece, where the guess and one correction are enough. Where these are not, what was
+    /// evaluated, if anything was.
     #[inline(always)]
-    fn travel<const N: usize, const PLAIN: bool>(
-        &self,
-        state: &mut PieceState<R, D>,
-        row: &Piece<R, D>,
-        length: R,
-    ) -> (usize, u64, u32) {
-        let guess = predict(&mut state.sigma, row);
-        // Read once: copied from place to place, two numbers would be read as one before both of them are written.
-        let [newest, middle, _] = state.sigma;
-        if !is_on_piece(state, row, guess * length)
-            && let Some(evaluations) = self.pass_near_end(state, row, length)
-        {
-            return (state.piece, state.phase, evaluations);
-        }
-        let chord = self.chord_on::<N, PLAIN>(row, state.whole, &state.at, length);
-        let (sigma, evaluations) = match chord.correct(guess, &self.tolerance) {
-            Ok(sigma) => (sigma, 1),
-            Err(value) => self.refine::<N, PLAIN>(state, row, length, guess, value),
-        };
-        let step = row.part(sigma * length);
-        // Steps of a whole piece and more are saturated: from the piece's begin on, they end at the last phase.
-        match state.phase.checked_add(step).filter(|phase| *phase < u64::MAX) {
-            Some(phase) => {
-                state.phase = phase;
-                state.sigma = [sigma, newest, middle];
-                (state.piece, phase, evaluations)
-            }
-            None => {
-                let step = Reached { piece: state.piece, phase: step, sigma, evaluations };
-                let evaluations = self.pass_end(state, row, length, &step);
-                (state.piece, state.phase, evaluations)
-            }
-        }
-    }
-
-    /// The step per chord on the present piece where the evaluation of the guess is not enough.
-    #[cold]
-    #[inline(never)]
-    fn refine<const N: usize, const PLAIN: bool>(
+    fn find_ahead<const N: usize, const PLAIN: bool>(
         &self,
         state: &PieceState<R, D>,
         row: &Piece<R, D>,
         length: R,
-        guess: R,
+    ) -> Result<R, Option<Evaluation<R>>> {
+        let guess = difference_within(state.sigma[0], state.fall, &row.step_per_chord).ok_or(None)?;
+        let step = (guess * length).signal("step");
+        if !is_on_piece(state, row, step) {
+            return Err(None);
+        }
+        let chord = self.chord_on::<N, PLAIN>(row, state.whole, &state.at, length);
+        chord.correct(guess, step, &self.tolerance).map_err(Some)
+    }
+
+    /// The polynomials where a step arrived that was no common one; the piece that they are of.
+    #[cold]
+    #[inline(never)]
+    fn arrive<const N: usize, const PLAIN: bool>(&self, state: &mut PieceState<R, D>) -> usize {
+        let is_end = state.piece >= self.pieces.pieces.len();
+        let (of, t) = if is_end { self.end() } else { (state.piece, R::fraction(state.phase)) };
+        state.t = t;
+        self.pieces.shift_to::<N, PLAIN>(of, t.signal("parameter"), &mut state.at);
+        of
+    }
+
+    /// A step whose guess is not on the present piece, or not in its range; the evaluations.
+    #[cold]
+    #[inline(never)]
+    fn search<const N: usize, const PLAIN: bool>(
+        &self,
+        state: &mut PieceState<R, D>,
+        row: &Piece<R, D>,
+        length: R,
+    ) -> u32 {
+        let guess = predict(&mut state.sigma, row);
+        if !is_on_piece(state, row, guess * length)
+            && let Some(evaluations) = self.pass_near_end(state, row, length)
+        {
+            return evaluations;
+        }
+        let chord = self.chord_on::<N, PLAIN>(row, state.whole, &state.at, length);
+        let found = chord.solve(guess, &self.tolerance);
+        self.travel(state, row, length, found)
+    }
+
+    /// A step on the present piece where the evaluation of the guess is not enough; the evaluations.
+    #[cold]
+    #[inline(never)]
+    fn refine<const N: usize, const PLAIN: bool>(
+        &self,
+        state: &mut PieceState<R, D>,
+        row: &Piece<R, D>,
+        length: R,
         value: Evaluation<R>,
-    ) -> (R, u32) {
-        self.chord_on::<N, PLAIN>(row, state.whole, &state.at, length).refine(guess, value, &self.tolerance)
+    ) -> u32 {
+        let guess = state.sigma[0] - state.fall;
+        let chord = self.chord_on::<N, PLAIN>(row, state.whole, &state.at, length);
+        let found = chord.refine(guess, value, &self.tolerance);
+        self.travel(state, row, length, found)
+    }
+
+    /// A step of this σ from the present piece, found with so many evaluations; all evaluations.
+    fn travel(
+        &self,
+        state: &mut PieceState<R, D>,
+        row: &Piece<R, D>,
+        length: R,
+        (sigma, evaluations): (R, u32),
+    ) -> u32 {
+        let part = row.part(sigma * length);
+        if let Some(phase) = after(state.phase, part) {
+            state.phase = phase;
+            state.push(sigma);
+            return evaluations;
+        }
+        let step = Reached { piece: state.piece, phase: part, sigma, evaluations };
+        self.pass_end(state, row, length, &step)
     }
 
     /// A step past the end of the piece, where that is nearer than the length; `None` if it is not: the guess may have been
@@ -427,6 +530,13 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     }
 }
 
+/// The phase that a step leads to on its piece; `None` past the end. Steps of a whole piece and more are saturated: from the
+/// piece's begin on, they end at the last phase.
+#[inline]
+fn after(phase: u64, step: u64) -> Option<u64> {
+    phase.checked_add(step).filter(|phase| *phase < u64::MAX)
+}
+
 /// Whether a step of `guessed` is worth an evaluation on the present piece: not if it reaches past a knot by more than guesses
 /// are wrong by, nor past the whole piece.
 #[inline]
@@ -448,10 +558,15 @@ fn predict<R: Real, const D: usize>(history: &mut [R; 3], row: &Piece<R, D>) -> 
 
 /// `3a - 3b + c`, within the range.
 #[inline]
-pub(crate) fn extrapolate<R: Real>([a, b, c]: [R; 3], range: &[R; 2]) -> R {
+fn extrapolate<R: Real>([a, b, c]: [R; 3], range: &[R; 2]) -> R {
+    a - within(fall([a, b, c]), a, range)
+}
+
+/// What `3a - 3b + c` is less than a.
+#[inline]
+pub(crate) fn fall<R: Real>([a, b, c]: [R; 3]) -> R {
     let (newer, older) = (a - b, b - c);
-    let fall = (older - newer - newer).signal("step_per_chord_fall");
-    a - within(fall, a, range)
+    (older - newer - newer).signal("step_per_chord_fall")
 }
 
 /// What a step over a joint has travelled up to there.
