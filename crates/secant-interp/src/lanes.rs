@@ -17,7 +17,9 @@ use nurbs_core::shift;
 use real::{Lane, Real};
 
 use crate::chord_step::{Evaluation, correction, is_within, value_and_slope};
-use crate::piece_interpolator::{CUBIC, PieceInterpolator, PieceSetpoint, PieceState, Reached, fall};
+use crate::piece_interpolator::{
+    CUBIC, PieceInterpolator, PieceSetpoint, PieceState, Reached, after, fall, place,
+};
 use crate::step_lengths::PERIOD;
 
 /// A bit for each lane.
@@ -205,7 +207,7 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
     fn pass_joint(&mut self, lane: usize) -> bool {
         let (run, state, numbers) = (&self.runs[lane], &mut self.states[lane], &mut self.numbers);
         let ((part, is_part), phase) = (numbers.step[lane].part_of_one(), self.words.phase[lane]);
-        let is_past = is_part && phase.checked_add(part).is_none_or(|phase| phase == u64::MAX);
+        let is_past = is_part && after(phase, part).is_none();
         let Some(row) = run.pieces.pieces.get(state.piece).filter(|_| is_past) else { return false };
         let step = Reached { piece: state.piece, phase: part, sigma: numbers.found[lane], evaluations: 1 };
         let mut history = of_lane(&numbers.sigma, lane);
@@ -405,8 +407,7 @@ fn travel<R: Lane, const D: usize, const W: usize>(
         due |= if is_common & (words.left[lane] > 0) { 0 } else { 1 << lane };
         let phase = if is_common { phase } else { old };
         words.phase[lane] = phase;
-        let place = if R::ADDS_PLACES { R::fraction(old) + numbers.step[lane] } else { R::fraction(phase) };
-        numbers.t[lane] = place;
+        numbers.t[lane] = place(old, numbers.step[lane], phase);
     }
     due
 }

@@ -35,6 +35,7 @@ mod compiled_path;
 mod constant;
 mod feed_override;
 mod interpolator;
+mod joint;
 #[cfg(feature = "lanes")]
 mod lanes;
 mod piece_interpolator;

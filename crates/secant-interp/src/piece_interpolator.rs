@@ -5,6 +5,7 @@ use real::Real;
 
 use crate::chord_step::{Chord, ChordTolerance, Evaluation, difference_within, within};
 use crate::feed_override::{FeedOverride, OverrideState};
+use crate::joint::{Travelled, into_next, part_into_next, part_of_next, past};
 use crate::step_lengths::{LengthCursor, StepLengths};
 
 /// One setpoint on a path of pieces.
@@ -89,37 +90,9 @@ impl<R: Real, const D: usize> PieceState<R, D> {
     }
 }
 
-/// A step per chord on one piece in the scale of the next, and within its range.
-fn into_next<R: Real, const D: usize>(row: &Piece<R, D>, next: &Piece<R, D>, sigma: R) -> R {
-    next.step_per_chord[0].max(part_into_next(row, next, sigma)).signal("step_per_chord")
-}
-
-/// A part of a step per chord in the scale of the next piece, and no more than its greatest.
-fn part_into_next<R: Real, const D: usize>(row: &Piece<R, D>, next: &Piece<R, D>, part: R) -> R {
-    let greatest = next.step_per_chord[1];
-    let exponent = i32::from(row.joint_exponent);
-    let part = part * row.ratio_at_joint();
-    // Compared in the smaller scale, for in the larger it might not fit a format without exponents.
-    let small = if !R::IS_FLOATING && exponent > 0 { part.min(greatest.scale(-exponent)) } else { part };
-    small.scale(exponent).min(greatest).signal("joint_step_per_chord")
-}
-
 /// `part + more`, but no more than `greatest`, which `part` is not above.
 fn sum_within<R: Real>(part: R, more: R, greatest: R) -> R {
     part + more.min(greatest - part)
-}
-
-/// A part of one piece, as a part of the next one of the same span: their widths are as 1 to a power of two.
-/// `None` if it is longer than that.
-fn part_of_next<R: Real, const D: usize>(row: &Piece<R, D>, next: &Piece<R, D>, phase: u64) -> Option<u64> {
-    // joint_ratio is ½, so that 2^(joint_exponent - 1) takes steps η = h 2^s to steps.
-    let [joint, step, onward] = [row.joint_exponent, row.step_exponent, next.step_exponent].map(i32::from);
-    let exponent = joint - 1 + step - onward;
-    let distance = exponent.unsigned_abs();
-    if exponent <= 0 {
-        return Some(phase.checked_shr(distance).unwrap_or(0));
-    }
-    if phase.leading_zeros() < distance { None } else { Some(phase.checked_shl(distance).unwrap_or(0)) }
 }
 
 /// The degree that steps are compiled for besides all others, with the feature `cubic`: chains of three coefficients are
@@ -262,8 +235,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
                 let step = sigma * reach;
                 let part = row.part(step);
                 if let Some(phase) = after(state.phase, part) {
-                    state.t =
-                        if R::ADDS_PLACES { R::fraction(state.phase) + step } else { R::fraction(phase) };
+                    state.t = place(state.phase, step, phase);
                     state.phase = phase;
                     state.push(sigma);
                     let t = state.t.signal("parameter");
@@ -533,8 +505,14 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
 /// The phase that a step leads to on its piece; `None` past the end. Steps of a whole piece and more are saturated: from the
 /// piece's begin on, they end at the last phase.
 #[inline]
-fn after(phase: u64, step: u64) -> Option<u64> {
+pub(crate) fn after(phase: u64, step: u64) -> Option<u64> {
     phase.checked_add(step).filter(|phase| *phase < u64::MAX)
+}
+
+/// Where on the piece a step from one phase leads to another.
+#[inline(always)] // Into the loops of the lanes, too.
+pub(crate) fn place<R: Real>(from: u64, step: R, to: u64) -> R {
+    if R::ADDS_PLACES { R::fraction(from) + step } else { R::fraction(to) }
 }
 
 /// Whether a step of `guessed` is worth an evaluation on the present piece: not if it reaches past a knot by more than guesses
@@ -569,33 +547,8 @@ pub(crate) fn fall<R: Real>([a, b, c]: [R; 3]) -> R {
     (older - newer - newer).signal("step_per_chord_fall")
 }
 
-/// What a step over a joint has travelled up to there.
-struct Travelled<R, const D: usize> {
-    /// The way, over the length.
-    before: [R; D],
-    /// The step, over the length.
-    part: R,
-    /// What is left of the length, over it.
-    left: R,
-}
-
-impl<R: Real, const D: usize> Travelled<R, D> {
-    fn new(before: [R; D], part: R) -> Self {
-        Self { before, part, left: R::one() - R::norm(&before) }
-    }
-}
-
 /// Whether a root was found rather than the end of its range. The range is that of one piece: over a joint, the mean
 /// step per chord may lie beyond it.
 fn is_inside<R: Real>(sigma: R, range: &[R; 2]) -> bool {
     range[0] < sigma && sigma < range[1]
-}
-
-/// What is travelled at the end of a piece, over the length; `None` if that is the whole length or more.
-fn past<R: Real, const D: usize>(before: &[R; D], chord: &Chord<'_, R, D>, length: R) -> Option<[R; D]> {
-    let across = chord.over(chord.whole).map(|x| x / length);
-    // In halves, for the sum may not fit the format before it is known to be short.
-    let half: [R; D] = core::array::from_fn(|d| before[d].half() + across[d].half());
-    let sum = || core::array::from_fn(|d| (before[d] + across[d]).signal("joint_travelled"));
-    (R::norm(&half) < R::one().half()).then(sum)
 }

@@ -1,0 +1,67 @@
+//! What a step over the joint of two pieces carries on: steps per chord in the scale of the next piece, and the way so far.
+
+use nurbs_core::Piece;
+use real::Real;
+
+use crate::chord_step::Chord;
+
+/// A step per chord on one piece in the scale of the next, and within its range.
+pub(crate) fn into_next<R: Real, const D: usize>(row: &Piece<R, D>, next: &Piece<R, D>, sigma: R) -> R {
+    next.step_per_chord[0].max(part_into_next(row, next, sigma)).signal("step_per_chord")
+}
+
+/// A part of a step per chord in the scale of the next piece, and no more than its greatest.
+pub(crate) fn part_into_next<R: Real, const D: usize>(row: &Piece<R, D>, next: &Piece<R, D>, part: R) -> R {
+    let greatest = next.step_per_chord[1];
+    let exponent = i32::from(row.joint_exponent);
+    let part = part * row.ratio_at_joint();
+    // Compared in the smaller scale, for in the larger it might not fit a format without exponents.
+    let small = if !R::IS_FLOATING && exponent > 0 { part.min(greatest.scale(-exponent)) } else { part };
+    small.scale(exponent).min(greatest).signal("joint_step_per_chord")
+}
+
+/// A part of one piece, as a part of the next one of the same span: their widths are as 1 to a power of two.
+/// `None` if it is longer than that.
+pub(crate) fn part_of_next<R: Real, const D: usize>(
+    row: &Piece<R, D>,
+    next: &Piece<R, D>,
+    phase: u64,
+) -> Option<u64> {
+    // joint_ratio is ½, so that 2^(joint_exponent - 1) takes steps η = h 2^s to steps.
+    let [joint, step, onward] = [row.joint_exponent, row.step_exponent, next.step_exponent].map(i32::from);
+    let exponent = joint - 1 + step - onward;
+    let distance = exponent.unsigned_abs();
+    if exponent <= 0 {
+        return Some(phase.checked_shr(distance).unwrap_or(0));
+    }
+    if phase.leading_zeros() < distance { None } else { Some(phase.checked_shl(distance).unwrap_or(0)) }
+}
+
+/// What a step over a joint has travelled up to there.
+pub(crate) struct Travelled<R, const D: usize> {
+    /// The way, over the length.
+    pub(crate) before: [R; D],
+    /// The step, over the length.
+    pub(crate) part: R,
+    /// What is left of the length, over it.
+    pub(crate) left: R,
+}
+
+impl<R: Real, const D: usize> Travelled<R, D> {
+    pub(crate) fn new(before: [R; D], part: R) -> Self {
+        Self { before, part, left: R::one() - R::norm(&before) }
+    }
+}
+
+/// What is travelled at the end of a piece, over the length; `None` if that is the whole length or more.
+pub(crate) fn past<R: Real, const D: usize>(
+    before: &[R; D],
+    chord: &Chord<'_, R, D>,
+    length: R,
+) -> Option<[R; D]> {
+    let across = chord.over(chord.whole).map(|x| x / length);
+    // In halves, for the sum may not fit the format before it is known to be short.
+    let half: [R; D] = core::array::from_fn(|d| before[d].half() + across[d].half());
+    let sum = || core::array::from_fn(|d| (before[d] + across[d]).signal("joint_travelled"));
+    (R::norm(&half) < R::one().half()).then(sum)
+}
