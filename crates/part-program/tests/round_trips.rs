@@ -67,11 +67,15 @@ proptest! {
         prop_assert_eq!(part.curves, [curve]);
     }
 
-    /// A curve of other knots is cut into Bézier curves: the ends are exact and the joints closed.
+    /// A curve of other knots is cut into Bézier curves: the ends are exact and the joints closed. Spans that are points are
+    /// left out.
     #[test]
     fn g5_2_of_other_knots_is_the_same_path(curve in curves(true, 2)) {
         let part = part(&write_g5_2(&at_feed(std::slice::from_ref(&curve), None)).unwrap());
-        let spans = curve.knots.windows(2).filter(|pair| pair[0] < pair[1]).count();
+        let moves = |points: &[[f64; 3]]| points.iter().any(|point| *point != points[0]);
+        let inner = &curve.knots[curve.degree..curve.knots.len() - curve.degree];
+        let spans = inner.windows(2).zip(curve.control_points_mm.windows(curve.degree + 1));
+        let spans = spans.filter(|(knots, points)| knots[0] < knots[1] && moves(points)).count();
         prop_assert!(part.curves.len() == spans || part.curves.len() == 1, "{} of {spans}", part.curves.len());
         prop_assert_eq!(part.curves[0].control_points_mm.first(), curve.control_points_mm.first());
         prop_assert_eq!(part.curves.last().unwrap().control_points_mm.last(), curve.control_points_mm.last());
