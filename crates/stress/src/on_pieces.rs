@@ -31,7 +31,8 @@ pub struct PieceFigures {
     pub operations: u64,
     /// Difference of chord and wanted chord over its bound.
     pub length_share: f64,
-    /// Chord error over the limit, where rounding cannot have moved the run by more than an eighth of a chord.
+    /// Chord error over the limit, where rounding cannot have moved the run by more than an eighth of a chord; less what the
+    /// run is off its plan by steps that were not found.
     pub chord_error_share: f64,
     /// Steps over three pieces or more whose chord error is above the limit: what is narrower than 2⁻²⁰ of a span, a
     /// plan may miss ([`feed_plan::FeedLimit::along`]).
@@ -326,7 +327,8 @@ impl<'a, R: Backend, const D: usize> Steps<'a, R, D> {
         self.adrift += resolution + off + behind;
         let is_in_place = self.adrift <= wanted / 8.0 && (lands || chord <= wanted * (1.0 + TOO_LONG));
         if is_in_place && turn > SMOOTH && wanted > SHORT_MM {
-            let error = self.judge.chord_error((from, &start), (to, &end));
+            // Moving both ends of a chord along the path adds to its error no more than they are moved by.
+            let error = self.judge.chord_error((from, &start), (to, &end)) - self.astray;
             let share = error / limits.chord_error;
             if to.0 - from.0 > 1 {
                 // The path bends within a fraction of a step: the plan may not have seen it.

@@ -170,6 +170,14 @@ fn a_run_that_lacks_evaluations_is_not_judged_by_its_place() {
     run_soaked(4242, &[(7316, 0x94af_54a7), (47_992, 0x2b61_22aa), (118_576, 0xe7f4_f0ef)]);
 }
 
+/// With 1 evaluation a run was 6e-4 mm ahead of its plan, by whose next chord it is led to the first 34 nm of a bend of 3e-4 mm
+/// radius: it ended behind that bend, and was judged as if in place, for the chord is twenty times as long.
+#[test]
+fn a_run_that_lacks_evaluations_is_not_judged_by_a_bend_that_its_plan_does_not_pass() {
+    let paths = SoakPaths { seed: 20_261_123, full_speed: true };
+    run_soaked_at(paths, &SOAK_FORMATS, &[(6842, 0xbf87_1bbf)]);
+}
+
 /// With 2 evaluations a run was 1e-3 mm ahead of its plan, reached two hairpins at the feed in front of them, and stepped over
 /// each: it was ahead by 3e-2 mm then, but judged as if in place where the chords over the hairpins were found to within the
 /// rounding of the format.
