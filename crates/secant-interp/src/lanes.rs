@@ -36,7 +36,8 @@ struct Words<const W: usize> {
     phase: Row<u64, W>,
     /// The periods that are left of those that the lane has distances for; [`NONE`] behind one that it had none for.
     left: Row<u64, W>,
-    /// The middle of the next period as a fraction of the stage, and what a period adds to that: a phase and its lower word.
+    /// The middle of the period after the next as a fraction of the stage, and what a period adds to that: a phase and its
+    /// lower word.
     middle: [Row<u64, W>; 2],
     period: [Row<u64, W>; 2],
     /// Whether the step was a common one.
@@ -61,7 +62,7 @@ struct Numbers<R, const D: usize, const W: usize> {
     share: Row<R, W>,
     feed: Row<R, W>,
     change: Row<R, W>,
-    /// The place in the stage at the middle of the period.
+    /// The place in the stage at the middle of the next period.
     time: Row<R, W>,
     /// The distance of the period.
     length: Row<R, W>,
@@ -298,8 +299,10 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
         {
             words.left[lane] = whole;
             let fraction = |half_units| in_words(stage.product(half_units) << (64 - stage.shift()));
-            put(&mut words.middle, lane, fraction(2 * cursor.time + PERIOD));
-            put(&mut words.period, lane, fraction(2 * PERIOD));
+            let (middle, period) = (fraction(2 * cursor.time + PERIOD), fraction(2 * PERIOD));
+            numbers.time[lane] = R::fraction(middle[0]);
+            put(&mut words.middle, lane, sum(middle, period));
+            put(&mut words.period, lane, period);
             (numbers.share[lane], numbers.feed[lane]) = (stage.period_share, stage.feed);
             numbers.change[lane] = stage.change;
             cursor.time += whole * PERIOD;
@@ -321,6 +324,13 @@ fn in_words(product: u128) -> [u64; 2] {
     [(product >> 64) as u64, product as u64]
 }
 
+/// The sum of two numbers in words.
+#[inline(always)]
+fn sum([high, low]: [u64; 2], [more, rest]: [u64; 2]) -> [u64; 2] {
+    let sum = low.wrapping_add(rest);
+    [high.wrapping_add(more).wrapping_add(u64::from(sum < low)), sum]
+}
+
 /// The common step, compiled for each kind of vector registers: [`PieceInterpolator::step`] without its branches. This is its
 /// first part, up to the place that it leads to.
 struct Departure<'a, R, const D: usize, const W: usize>(&'a mut Words<W>, &'a mut Numbers<R, D, W>);
@@ -331,8 +341,8 @@ impl<R: Lane, const D: usize, const W: usize> pulp::WithSimd for Departure<'_, R
 
     #[inline(always)] // What is called instead is not compiled for them.
     fn with_simd<S: pulp::Simd>(self, _: S) -> Mask {
-        advance(self.0, self.1);
         solve(self.1);
+        advance(self.0, self.1); // It waits for nothing: there is time for it while steps are solved.
         travel(self.0, self.1)
     }
 }
@@ -349,16 +359,14 @@ impl<R: Lane, const D: usize, const W: usize> pulp::WithSimd for Arrival<'_, R, 
     }
 }
 
-/// The place in the stage: as [`StepLengths::advance`](crate::StepLengths::advance) has it, with the product of 128 bits carried
-/// on from period to period.
+/// The place in the stage of the next period: as [`StepLengths::advance`](crate::StepLengths::advance) has it, with the product
+/// of 128 bits carried on from period to period.
 #[inline(always)]
 fn advance<R: Lane, const D: usize, const W: usize>(words: &mut Words<W>, numbers: &mut Numbers<R, D, W>) {
     for lane in 0..W {
-        let ([phase, low], [more, rest]) = (of_lane(&words.middle, lane), of_lane(&words.period, lane));
-        numbers.time[lane] = R::fraction(phase);
-        let sum = low.wrapping_add(rest);
-        words.middle[0][lane] = phase.wrapping_add(more).wrapping_add(u64::from(sum < low));
-        words.middle[1][lane] = sum;
+        let middle = of_lane(&words.middle, lane);
+        numbers.time[lane] = R::fraction(middle[0]);
+        put(&mut words.middle, lane, sum(middle, of_lane(&words.period, lane)));
         words.left[lane] = words.left[lane].wrapping_sub(1);
     }
 }
@@ -402,7 +410,8 @@ fn travel<R: Lane, const D: usize, const W: usize>(
         let old = words.phase[lane];
         let (part, is_part) = numbers.step[lane].part_of_one();
         let phase = old.wrapping_add(part);
-        let is_common = is_part & (phase > old) & (phase < u64::MAX);
+        // As `after` has it, for a part is more than 0.
+        let is_common = is_part & (part < !old);
         words.is_common[lane] = is_common;
         due |= if is_common & (words.left[lane] > 0) { 0 } else { 1 << lane };
         let phase = if is_common { phase } else { old };
