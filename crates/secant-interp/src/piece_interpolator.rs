@@ -246,8 +246,9 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
                 let step = Reached { piece: state.piece, phase: part, sigma, evaluations: 1 };
                 self.pass_end(state, row, reach, &step)
             }
-            Err(Some(value)) => self.refine::<N, PLAIN>(state, row, reach, value),
-            Err(None) => self.search::<N, PLAIN>(state, row, reach),
+            Err(Uncommon::Evaluated(value)) => self.refine::<N, PLAIN>(state, row, reach, value),
+            Err(Uncommon::Past(guess)) => self.pass_near_end(state, row, reach, guess),
+            Err(Uncommon::OutOfRange) => self.search(state, row, reach),
         };
         let of = self.arrive::<N, PLAIN>(state);
         let offset = self.pieces.in_common_units(of, &state.at.offset);
@@ -276,22 +277,22 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         length
     }
 
-    /// σ of a common step: on the present piece, where the guess and one correction are enough. Where these are not, what was
-    /// evaluated, if anything was.
+    /// σ of a common step: on the present piece, where the guess and one correction are enough.
     #[inline(always)]
     fn find_ahead<const N: usize, const PLAIN: bool>(
         &self,
         state: &PieceState<R, D>,
         row: &Piece<R, D>,
         length: R,
-    ) -> Result<R, Option<Evaluation<R>>> {
-        let guess = difference_within(state.sigma[0], state.fall, &row.step_per_chord).ok_or(None)?;
+    ) -> Result<R, Uncommon<R>> {
+        let guess = difference_within(state.sigma[0], state.fall, &row.step_per_chord);
+        let guess = guess.ok_or(Uncommon::OutOfRange)?;
         let step = (guess * length).signal("step");
         if !is_on_piece(state, row, step) {
-            return Err(None);
+            return Err(Uncommon::Past(guess));
         }
         let chord = self.chord_on::<N, PLAIN>(row, state.whole, &state.at, length);
-        chord.correct(guess, step, &self.tolerance).map_err(Some)
+        chord.correct(guess, step, &self.tolerance).map_err(Uncommon::Evaluated)
     }
 
     /// The polynomials where a step arrived that was no common one; the piece that they are of.
@@ -305,22 +306,34 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         of
     }
 
-    /// A step whose guess is not on the present piece, or not in its range; the evaluations.
+    /// A step whose guess is not in the range of its piece; the evaluations.
     #[cold]
     #[inline(never)]
-    fn search<const N: usize, const PLAIN: bool>(
-        &self,
-        state: &mut PieceState<R, D>,
-        row: &Piece<R, D>,
-        length: R,
-    ) -> u32 {
+    fn search(&self, state: &mut PieceState<R, D>, row: &Piece<R, D>, length: R) -> u32 {
         let guess = predict(&mut state.sigma, row);
-        if !is_on_piece(state, row, guess * length)
-            && let Some(evaluations) = self.pass_near_end(state, row, length)
-        {
-            return evaluations;
+        if is_on_piece(state, row, guess * length) {
+            self.solve(state, row, length, guess)
+        } else {
+            self.pass_near_end(state, row, length, guess)
         }
-        let chord = self.chord_on::<N, PLAIN>(row, state.whole, &state.at, length);
+    }
+
+    /// A step whose guess leads past the present piece: past its end, where that is nearer than the length, for the guess may be
+    /// wrong; the evaluations.
+    #[cold]
+    #[inline(never)]
+    fn pass_near_end(&self, state: &mut PieceState<R, D>, row: &Piece<R, D>, length: R, guess: R) -> u32 {
+        let travelled = self.way_to_end(state, row, length);
+        if travelled.left > R::zero() {
+            self.cross(state, row, travelled, length)
+        } else {
+            self.solve(state, row, length, guess)
+        }
+    }
+
+    /// A step on the present piece from this guess on, in the form that serves all; the evaluations.
+    fn solve(&self, state: &mut PieceState<R, D>, row: &Piece<R, D>, length: R, guess: R) -> u32 {
+        let chord = self.chord(row, &state.at, length);
         let found = chord.solve(guess, &self.tolerance);
         self.travel(state, row, length, found)
     }
@@ -357,15 +370,6 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         }
         let step = Reached { piece: state.piece, phase: part, sigma, evaluations };
         self.pass_end(state, row, length, &step)
-    }
-
-    /// A step past the end of the piece, where that is nearer than the length; `None` if it is not: the guess may have been
-    /// wrong.
-    #[cold]
-    #[inline(never)]
-    fn pass_near_end(&self, state: &mut PieceState<R, D>, row: &Piece<R, D>, length: R) -> Option<u32> {
-        let travelled = self.way_to_end(state, row, length);
-        (travelled.left > R::zero()).then(|| self.cross(state, row, travelled, length))
     }
 
     /// A step of a phase that leads past the end of the piece; the evaluations.
@@ -500,6 +504,16 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
             range: row.step_per_chord,
         }
     }
+}
+
+/// Why a step is no common one, with what is known of it by then.
+enum Uncommon<R> {
+    /// The guess is not in the range of the piece.
+    OutOfRange,
+    /// The guess leads past the piece.
+    Past(R),
+    /// One evaluation of the guess is not enough.
+    Evaluated(Evaluation<R>),
 }
 
 /// The phase that a step leads to on its piece; `None` past the end. Steps of a whole piece and more are saturated: from the
