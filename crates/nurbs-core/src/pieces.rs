@@ -69,6 +69,11 @@ impl<R: Real, const D: usize> Piece<R, D> {
         R::from_phase(u64::from(self.joint_ratio) << 48, 0)
     }
 
+    /// r - s: how much larger the exponent of a power of h is than that of the one before.
+    fn per_power(&self) -> i32 {
+        i32::from(self.range_exponent) - i32::from(self.step_exponent)
+    }
+
     /// A step as a part of the piece, in units of 2⁻⁶⁴; saturates.
     #[inline]
     #[must_use]
@@ -278,6 +283,11 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
             // In place: a controller would pay for rows that its degree does not have.
             let chord = at.chord.get_mut(..numerator.len()).unwrap_or_default();
             self.form::<N>(row, (numerator, weights), t, &mut at.offset, chord, &mut at.weight);
+            for (c, power) in chord.iter_mut().zip(self.in_chord_units(row)) {
+                for x in c {
+                    *x = x.rescaled(power).signal("chord_coefficient");
+                }
+            }
             return;
         }
         // Few rows are formed in registers.
@@ -286,13 +296,14 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
         // Without weights the top coefficient is the same at all points.
         let changed =
             if PLAIN && is_along { rows.split_last().map_or(&rows[..], |(_, rest)| rest) } else { &rows };
-        // Number by number, here and below: a row of two numbers of 32 bits would be packed into one word of 64.
-        for (slot, x) in at.chord.as_flattened_mut().iter_mut().zip(changed.as_flattened()) {
-            *slot = *x;
+        for ((slots, c), power) in at.chord.iter_mut().zip(changed).zip(self.in_chord_units(row)) {
+            for (slot, x) in slots.iter_mut().zip(c) {
+                *slot = x.rescaled(power).signal("chord_coefficient");
+            }
         }
     }
 
-    /// Forms the polynomials about `t`, and the offset there, in the slots for them.
+    /// Forms the polynomials about `t`, and the offset there, in the slots for them: those of the chord in coordinate units.
     #[inline(always)] // Called, it would return its rows through memory: 13 % more instructions a step.
     fn form<const N: usize>(
         &self,
@@ -303,8 +314,6 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
         chord: &mut [[R; D]],
         weight: &mut [R; MAX_DEGREE],
     ) {
-        let range = i32::from(row.range_exponent);
-        let per_power = range - i32::from(row.step_exponent);
         for (slot, x) in chord.as_flattened_mut().iter_mut().zip(numerator.as_flattened()) {
             *slot = x.signal("coefficient");
         }
@@ -314,20 +323,22 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
         }
         if let Some((constant, weights)) = weights {
             let turns = divide_by_weight::<_, D, N>(constant, weights, t, offset, chord);
+            let per_power = row.per_power();
             let mut power = 0;
             for (slot, w) in weight.iter_mut().zip(turns).take(chord.len()) {
                 power += per_power;
                 *slot = w.rescaled(power).signal("chord_weight");
             }
         }
-        // Coefficients of powers of h in coordinate units → of `η x^{k-1}` in chord units, h^k = x^k 2^(k (r - s)).
-        let mut power = i32::from(row.coordinate_exponent) + self.chord_exponent - range;
-        for c in chord {
-            power += per_power;
-            for x in c {
-                *x = x.rescaled(power).signal("chord_coefficient");
-            }
-        }
+    }
+
+    /// Exponents that take coefficients of powers of h in coordinate units to those of `η x^{k-1}` in chord units, k from 1 on:
+    /// `h^k = x^k 2^(k (r - s))`.
+    #[inline(always)]
+    fn in_chord_units(&self, row: &Piece<R, D>) -> impl Iterator<Item = i32> {
+        let units = i32::from(row.coordinate_exponent) + self.chord_exponent - i32::from(row.range_exponent);
+        let per_power = row.per_power();
+        core::iter::successors(Some(units + per_power), move |power| Some(power + per_power))
     }
 }
 

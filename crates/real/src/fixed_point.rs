@@ -233,6 +233,11 @@ where
     fn to_phase(self, exponent: i32) -> u64 {
         let bits: u64 = self.0.to_bits().as_(); // of a negative number the first bit is set
         let left = (64 - F::FRAC_NBITS.cast_signed()).wrapping_add(exponent);
+        // A shift by so few bits loses nothing of a positive number. A word of 64 has too few of them to ask.
+        let few = 65_i32.wrapping_sub_unsigned(F::INT_NBITS + F::FRAC_NBITS);
+        if few > 1 && (1..=few).contains(&left) && self.0 >= F::ZERO {
+            return bits << left;
+        }
         if (1..64).contains(&left) && (bits << left) >> left == bits {
             return bits << left;
         }

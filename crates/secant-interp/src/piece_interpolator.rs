@@ -520,7 +520,7 @@ enum Uncommon<R> {
 /// piece's begin on, they end at the last phase.
 #[inline]
 pub(crate) fn after(phase: u64, step: u64) -> Option<u64> {
-    phase.checked_add(step).filter(|phase| *phase < u64::MAX)
+    (step < !phase).then(|| phase.wrapping_add(step))
 }
 
 /// Where on the piece a step from one phase leads to another.
