@@ -277,8 +277,9 @@ where
 
 #[cfg(test)]
 mod tests {
-    use crate::{Backend, I4F28, I4F60, I16F16, Real};
+    use crate::{Backend, I2F30, I4F28, I4F60, I16F16, Real};
     use num_traits::Bounded;
+    use proptest::prelude::*;
 
     #[test]
     fn phases_are_fractions() {
@@ -295,5 +296,36 @@ mod tests {
         assert_eq!(I4F28::default().to_phase(64), 0); // zero has no leading one to lose
         assert_eq!(I4F28::from_f64(1.0).unwrap().to_phase(0), u64::MAX);
         assert_eq!(I4F28::from_f64(5.0).unwrap().to_phase(-3), 5 << 61);
+    }
+
+    /// `bits · 2⁻ᶠ · 2^(64 + exponent)`, cut toward 0 and saturated.
+    fn phase_of(bits: i64, fraction_bits: i32, exponent: i32) -> u64 {
+        let left = 64 - fraction_bits + exponent;
+        match u128::try_from(bits) {
+            Err(_) | Ok(0) => 0,
+            Ok(bits) if left <= 0 => {
+                u64::try_from(bits.checked_shr(left.unsigned_abs()).unwrap_or(0)).unwrap()
+            }
+            Ok(bits) if left > 64 || bits.leading_zeros() < left.unsigned_abs() => u64::MAX,
+            Ok(bits) => u64::try_from(bits << left).unwrap_or(u64::MAX),
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn numbers_become_phases_cut_and_saturated(bits: i64, dropped in 0..64_u32, exponent in -70..70_i32) {
+            for bits in [bits >> dropped, i64::MIN, i64::MAX, 1, -1, 0] {
+                #[allow(clippy::cast_possible_truncation, reason = "any bits will do")]
+                let short = bits as i32;
+                for exponent in [exponent, -4, -3, -2, -1, 0, 1] {
+                    let of = |fraction_bits| phase_of(short.into(), fraction_bits, exponent);
+                    prop_assert_eq!(I2F30::from_bits(short).to_phase(exponent), of(30), "{} {}", short, exponent);
+                    prop_assert_eq!(I4F28::from_bits(short).to_phase(exponent), of(28), "{} {}", short, exponent);
+                    prop_assert_eq!(I16F16::from_bits(short).to_phase(exponent), of(16), "{} {}", short, exponent);
+                    let long = phase_of(bits, 60, exponent);
+                    prop_assert_eq!(I4F60::from_bits(bits).to_phase(exponent), long, "{} {}", bits, exponent);
+                }
+            }
+        }
     }
 }
