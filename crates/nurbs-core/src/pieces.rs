@@ -283,7 +283,7 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
             // In place: a controller would pay for rows that its degree does not have.
             let chord = at.chord.get_mut(..numerator.len()).unwrap_or_default();
             self.form::<N>(row, (numerator, weights), t, &mut at.offset, chord, &mut at.weight);
-            for (c, power) in chord.iter_mut().zip(self.in_chord_units(row)) {
+            for (c, power) in chord.iter_mut().zip(self.chord_exponents(row)) {
                 for x in c {
                     *x = x.rescaled(power).signal("chord_coefficient");
                 }
@@ -296,7 +296,7 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
         // Without weights the top coefficient is the same at all points.
         let changed =
             if PLAIN && is_along { rows.split_last().map_or(&rows[..], |(_, rest)| rest) } else { &rows };
-        for ((slots, c), power) in at.chord.iter_mut().zip(changed).zip(self.in_chord_units(row)) {
+        for ((slots, c), power) in at.chord.iter_mut().zip(changed).zip(self.chord_exponents(row)) {
             for (slot, x) in slots.iter_mut().zip(c) {
                 *slot = x.rescaled(power).signal("chord_coefficient");
             }
@@ -335,7 +335,7 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
     /// Exponents that take coefficients of powers of h in coordinate units to those of `η x^{k-1}` in chord units, k from 1 on:
     /// `h^k = x^k 2^(k (r - s))`.
     #[inline(always)]
-    fn in_chord_units(&self, row: &Piece<R, D>) -> impl Iterator<Item = i32> {
+    fn chord_exponents(&self, row: &Piece<R, D>) -> impl Iterator<Item = i32> {
         let units = i32::from(row.coordinate_exponent) + self.chord_exponent - i32::from(row.range_exponent);
         let per_power = row.per_power();
         core::iter::successors(Some(units + per_power), move |power| Some(power + per_power))
