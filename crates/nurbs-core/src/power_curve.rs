@@ -12,8 +12,8 @@
 //! `C' = (N' - W' c)/W`, `C'' = (N'' - 2 W' C' - W'' c)/W`, `c = N/W`.
 //!
 //! The span of a parameter is looked up in a table of equal intervals of u, at least one a span. The search is among
-//! the knots of one interval, so that on even knots it takes the same time for ten spans and for ten thousand; on knots that
-//! crowd together it is a binary search.
+//! the knots of one interval, so that on even knots it takes the same time for ten spans and for ten thousand, in whatever order
+//! they are asked for: a single knot takes no branch. On knots that crowd together it is a binary search.
 
 use alloc::vec::Vec;
 
@@ -298,18 +298,26 @@ impl<const D: usize> PowerCurve<D> {
 
     /// The last span that does not begin after `u`, or the first.
     #[inline(always)]
-    fn index_of(&self, u: f64) -> usize {
-        let [mut low, mut high] = self.table.around(u);
+    fn span_of(&self, u: f64) -> Option<PowerSpan<'_, D>> {
+        let [low, high] = self.table.around(u);
+        if high - low > 1 {
+            return self.span(self.search(u, low, high));
+        }
+        // One span or two, which a processor would guess wrong as often as not: no branch.
+        let begin = low * self.stride;
+        let is_second = (low < high) & (*self.spans.get(begin + self.stride)? <= u);
+        self.first_of(self.spans.get(begin + if is_second { self.stride } else { 0 }..)?)
+    }
+
+    /// The same among these.
+    #[cold]
+    #[inline(never)]
+    fn search(&self, u: f64, mut low: usize, mut high: usize) -> usize {
         while low < high {
             let middle = (low + high).div_ceil(2);
             if self.begin(middle) <= u { low = middle } else { high = middle - 1 }
         }
         low
-    }
-
-    #[inline(always)]
-    fn span_of(&self, u: f64) -> Option<PowerSpan<'_, D>> {
-        self.span(self.index_of(u))
     }
 }
 
