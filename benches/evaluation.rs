@@ -1,5 +1,6 @@
 //! Points and derivatives: beside the peers', in every format, on long curves.
 
+use std::hash::{BuildHasher, BuildHasherDefault, DefaultHasher};
 use std::hint::black_box;
 
 use feedbits_benches::{Path, helix};
@@ -23,16 +24,8 @@ pub(crate) fn ascending<const D: usize>(path: &Path<D>) -> Vec<f64> {
 /// The same parameters in an order that no processor learns.
 fn scattered(path: &Path<3>) -> Vec<f64> {
     let mut numbered: Vec<_> = (0_u64..).zip(ascending(path)).collect();
-    numbered.sort_by_key(|(i, _)| mixed(*i));
+    numbered.sort_by_cached_key(|(i, _)| BuildHasherDefault::<DefaultHasher>::default().hash_one(i));
     numbered.into_iter().map(|(_, u)| u).collect()
-}
-
-/// A number like any other: what follows the state `seed` in `SplitMix64`.
-fn mixed(seed: u64) -> u64 {
-    let state = seed.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    let state = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    let state = (state ^ (state >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    state ^ (state >> 31)
 }
 
 /// What was asked for, number by number.

@@ -410,8 +410,7 @@ fn travel<R: Lane, const D: usize, const W: usize>(
         let old = words.phase[lane];
         let (part, is_part) = numbers.step[lane].part_of_one();
         let phase = old.wrapping_add(part);
-        // As `after` has it.
-        let is_common = is_part & (part < !old);
+        let is_common = is_part & after(old, part).is_some();
         words.is_common[lane] = is_common;
         due |= if is_common & (words.left[lane] > 0) { 0 } else { 1 << lane };
         let phase = if is_common { phase } else { old };

@@ -170,8 +170,8 @@ fn a_run_that_lacks_evaluations_is_not_judged_by_its_place() {
     run_soaked(4242, &[(7316, 0x94af_54a7), (47_992, 0x2b61_22aa), (118_576, 0xe7f4_f0ef)]);
 }
 
-/// With 1 evaluation a run was 6e-4 mm ahead of its plan, by whose next chord it is led to the first 34 nm of a bend of 3e-4 mm
-/// radius: it ended behind that bend, and was judged as if in place, for the chord is twenty times as long.
+/// With 1 evaluation a run was 6e-4 mm ahead of its plan, which ends a chord 34 nm behind the begin of a bend of 3e-4 mm radius.
+/// The run ended that chord behind the bend, and was judged as if in place, for the chord is twenty times as long as it was ahead.
 #[test]
 fn a_run_that_lacks_evaluations_is_not_judged_by_a_bend_that_its_plan_does_not_pass() {
     let paths = SoakPaths { seed: 20_261_123, full_speed: true };

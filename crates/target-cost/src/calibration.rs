@@ -8,7 +8,8 @@
 //!
 //! where λ ≥ 0 (g = 1), the same for all operations of a format, makes the sum over the operations of a step of each
 //! path, together, the traced ones; where the sum is above them without any λ, λ = 0 and g < 1 does. One number is fitted to
-//! two paths, one of which has half as many operations again as the other: each step is predicted within 16 %.
+//! two paths, one of which has half as many operations again as the other: each step is predicted within 10 %, one of f32 on an
+//! FPU within 15.1 %, for little of it is arithmetic.
 
 use std::collections::BTreeMap;
 
@@ -276,14 +277,16 @@ mod tests {
 
     /// The additive model against the emulator.
     #[test]
-    fn a_step_is_predicted_within_16_per_cent() {
+    fn steps_are_predicted_as_well_as_said() {
         let calibration = Calibration::committed().unwrap();
         let mut checked = 0;
         for target in built_in().unwrap().iter().filter(|target| target.calibrated) {
             for p in calibration.predictions(&target.name, target.measure) {
                 let ratio = p.predicted.typical / p.traced.typical;
                 println!("{} {} {}: {ratio:.3}", target.name, p.format, p.path);
-                assert!((ratio - 1.0).abs() <= 0.16, "{} {p:?}: {ratio:.3}", target.name);
+                let has_fpu = ["cortex-m4f", "cortex-m7"].contains(&target.name.as_str());
+                let bound = if has_fpu && p.format == "f32" { 0.151 } else { 0.1 };
+                assert!((ratio - 1.0).abs() <= bound, "{} {p:?}: {ratio:.4}", target.name);
                 checked += 1;
             }
         }
