@@ -4,13 +4,17 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
-use part_program::{Curve, MoveKind, Part, Rounded, write_curves, write_g1, write_g5_2, write_g06_2};
+use part_program::{
+    Curve, MoveKind, Part, RatioWords, Rounded, write_curves, write_g1, write_g5_2, write_g06_2,
+};
 
 use crate::input::{Input, read_again};
 use crate::{Ending, output};
 
 /// Turns of straight moves by rounding are said from here on, in degrees.
 const TURN_DEG: f64 = 2.0;
+/// The highest order of G06.2 (FANUC Series 15i, B-63324EN/03, section 4.17).
+const FANUC_ORDER: usize = 4;
 
 /// Options of `convert`.
 #[derive(Args)]
@@ -26,6 +30,10 @@ pub(crate) struct Arguments {
     /// Round coordinates, in mm, to so many decimals, as a control takes them. All other numbers are kept as they are.
     #[arg(long, allow_negative_numbers = true, value_name = "N", value_parser = clap::value_parser!(u8).range(0..=15))]
     digits: Option<u8>,
+    /// With --to g06.2: scale knots and weights, which are ratios, to at most this number, and round them to its decimals, as a
+    /// control takes them: 999999.999 with FANUC's Series 15i and IS-B, 99.9999 with Mitsubishi's M700V.
+    #[arg(long, allow_negative_numbers = true, value_name = "LARGEST")]
+    ratios: Option<RatioWords>,
     /// Write to this file instead of the terminal.
     #[arg(long, value_name = "PATH")]
     out: Option<PathBuf>,
@@ -34,7 +42,7 @@ pub(crate) struct Arguments {
 /// What can be written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Target {
-    /// FANUC's NURBS; every number is kept bit by bit, but for what --digits rounds.
+    /// FANUC's NURBS; every number is kept bit by bit, but for what --digits and --ratios round.
     #[value(name = "g06.2")]
     G06_2,
     /// LinuxCNC's NURBS, planar; knots other than uniform ones are cut into Bézier curves.
@@ -55,6 +63,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     if arguments.to == Target::Toml && arguments.digits.is_some() {
         bail!("--digits: a curve file keeps every number bit by bit; expected --to g06.2, g5.2 or g1");
     }
+    if arguments.to != Target::G06_2 && arguments.ratios.is_some() {
+        bail!("--ratios: no knots and weights are rounded there; expected --to g06.2");
+    }
     let mut part = arguments.input.part()?;
     part.machine = arguments.input.machine_of(&part)?;
     let (mut text, mut again) = written(&part, arguments)?;
@@ -66,6 +77,14 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
             bail!("what was rounded reads back as another path: nothing is kept");
         }
         rounding = rounding_notes(&part, &rounded, arguments, digits);
+    }
+    if let Some(words) = &arguments.ratios {
+        let (fitted, moved_mm) = again.in_ratio_words(words).context("--ratios has too few digits")?;
+        (text, again) = written(&fitted, arguments)?;
+        if again.curves != fitted.curves {
+            bail!("what was rounded reads back as another path: nothing is kept");
+        }
+        rounding.push(ratio_note(arguments, moved_mm));
     }
     output::write(arguments.out.as_deref(), &text)?;
     for note in notes(&part, &again, arguments).iter().chain(&rounding) {
@@ -117,8 +136,9 @@ fn rounding_notes(part: &Part, rounded: &Rounded, arguments: &Arguments, digits:
     let decimals = i32::from(digits) + 3;
     let unit = 10.0_f64.powi(decimals);
     let off_mm = (off_mm * unit).ceil() / unit;
+    let others = if arguments.ratios.is_some() { "" } else { "; other numbers are kept" };
     let mut notes = vec![format!(
-        "coordinates have {digits} decimals: the path is at most {off_mm} mm off the part{of_cutting}; other numbers are kept"
+        "coordinates have {digits} decimals: the path is at most {off_mm} mm off the part{of_cutting}{others}"
     )];
     if rounded.left_out > 0 {
         notes.push(format!("{} moves that round to one point are left out", rounded.left_out));
@@ -133,12 +153,19 @@ fn rounding_notes(part: &Part, rounded: &Rounded, arguments: &Arguments, digits:
     notes
 }
 
+/// How far the rounding of knots and weights moves the path, as a bound.
+fn ratio_note(arguments: &Arguments, moved_mm: f64) -> String {
+    let off_mm = (moved_mm * 1e9).ceil() / 1e9;
+    let farther = if arguments.digits.is_some() { " farther" } else { "" };
+    format!("knots and weights are scaled and rounded: the path is at most {off_mm} mm{farther} off the part")
+}
+
 /// What a reader of the new file has to know.
 fn notes(part: &Part, again: &Part, arguments: &Arguments) -> Vec<String> {
     let (to, before, after) = (arguments.to, at_feed(part), at_feed(again));
     let mut notes = vec![match to {
         Target::G1 => format!("{} curves are {} straight moves", before.len(), after.len()),
-        _ if arguments.digits.is_some() => {
+        _ if arguments.digits.is_some() || arguments.ratios.is_some() => {
             format!("{} curves are written as {}", before.len(), after.len())
         }
         _ if before == after => format!("{} curves, which read back bit by bit", before.len()),
@@ -148,6 +175,10 @@ fn notes(part: &Part, again: &Part, arguments: &Arguments) -> Vec<String> {
             after.len()
         ),
     }];
+    let order = after.iter().map(|curve| curve.degree + 1).max().unwrap_or(0);
+    if to == Target::G06_2 && order > FANUC_ORDER {
+        notes.push(format!("there are curves of P{order}: a FANUC control takes P2 to P{FANUC_ORDER}"));
+    }
     let (words, kept) = (part.auxiliary.len(), again.auxiliary.len());
     if to == Target::Toml && words > 0 {
         notes.push(format!("{words} words M, S, T, D or H are left out: a curve file has none"));

@@ -143,10 +143,46 @@ K1.23456
 }
 
 #[test]
+fn knots_and_weights_have_the_digits_of_a_control_if_asked() {
+    let (status, written, said) =
+        convert_text(FINE, &["--to", "g06.2", "--digits", "3", "--ratios", "999999.999"]);
+    assert_eq!(status, Some(0), "{said}");
+    // Powers of ten make words of all of them.
+    let expected = "G06.2 P3 K0. X1. Y0. R100000.
+K0. X2. Y1. R70710.678
+K0. X3. Y0. R100000.
+K123.456
+K123.456
+K123.456
+";
+    assert!(written.contains(expected), "{written}");
+    assert!(
+        said.contains("0.000425 mm off the part\n") && said.contains(" mm farther off the part"),
+        "{said}"
+    );
+    // Of sin 45° in a circle of 100 mm six digits are left.
+    let circle = "G0 X100 Y0\nG3 X100 Y0 I-100 F600\n";
+    let (_, written, said) = convert_text(circle, &["--to", "g06.2", "--ratios", "99.9999"]);
+    let bound: f64 =
+        said.split("at most ").nth(1).and_then(|rest| rest.split(' ').next()).unwrap().parse().unwrap();
+    assert!((1e-6..1e-4).contains(&bound), "{said}");
+    assert!(written.contains("R99.9999") && written.contains("R70.7106"), "{written}");
+    let quintic =
+        "G0 X0 Y0\nG06.2 P6 K0 X0 Y0 F600\nK0 X1\nK0 X2\nK0 X3\nK0 X4\nK0 X5\nK1\nK1\nK1\nK1\nK1\nK1\n";
+    let (_, written, said) = convert_text(quintic, &["--to", "g06.2", "--ratios", "99.9999"]);
+    assert!(
+        written.contains("K1.\n") && said.contains("curves of P6: a FANUC control takes P2 to P4"),
+        "{said}"
+    );
+}
+
+#[test]
 fn what_rounding_would_break_is_refused() {
     let circle = "G0 X0 Y0\nG1 X5 F600\nG3 X5 Y0 I0.0002\n";
     for (program, arguments, said) in [
         (FINE, ["--to", "toml", "--digits", "3"], "a curve file keeps every number bit by bit"),
+        (FINE, ["--to", "g1", "--ratios", "9.9"], "--ratios: no knots and weights are rounded there"),
+        (FINE, ["--to", "g06.2", "--ratios", "9e5"], "expected the largest knot that a control takes"),
         (FINE, ["--to", "g1", "--digits", "16"], "16 is not in 0..=15"),
         (FINE, ["--to", "g1", "--digits", "-1"], "-1 is not in 0..=15"),
         (circle, ["--to", "g06.2", "--digits", "3"], "the curve of line 3 would stand still with 3 decimals"),

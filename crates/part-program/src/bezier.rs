@@ -9,7 +9,7 @@
 //! near its chord everywhere.
 
 use crate::curve::{Curve, MAX_COORDINATE_MM, MAX_WEIGHT};
-use crate::vector::{difference, dot};
+use crate::vector::{difference, dot, length};
 
 /// A piece in homogeneous coordinates: each point times its weight, and the weight.
 #[derive(Clone, Debug, PartialEq)]
@@ -79,6 +79,27 @@ impl Bezier {
     pub(crate) fn points_mm(&self) -> Vec<[f64; 3]> {
         let bounded = |x: f64| x.clamp(-MAX_COORDINATE_MM, MAX_COORDINATE_MM);
         self.points.iter().map(|[x, y, z, w]| [x / w, y / w, z / w].map(bounded)).collect()
+    }
+
+    /// No point is farther, in mm, from the other piece's point at the same share of the span. With the points b_j and b'_j, the
+    /// weights β_j and β'_j, and r_j = β'_j/β_j, the two are apart by a mean of
+    ///
+    /// `(b_j - b'_j) + (1 - r_j) (b'_j - C')`, C' in the convex hull of the b'_k,
+    ///
+    /// for any common factor of the β'_j; here that for which r is as far above 1 as below.
+    pub(crate) fn distance_mm(&self, other: &Self) -> f64 {
+        let (points, others) = (self.points_mm(), other.points_mm());
+        let ratios = || self.points.iter().zip(&other.points).map(|(one, other)| other[3] / one[3]);
+        let (least, most) =
+            ratios().fold((f64::INFINITY, 0.0_f64), |(least, most), r| (least.min(r), most.max(r)));
+        let change = (most - least) / (most + least);
+        let reach =
+            |from: &[f64; 3]| others.iter().map(|to| length(difference(to, from))).fold(0.0, f64::max);
+        let apart = points
+            .iter()
+            .zip(&others)
+            .map(|(one, other)| length(difference(other, one)) + change * reach(other));
+        apart.fold(0.0, f64::max)
     }
 
     /// The piece over each half of its span.

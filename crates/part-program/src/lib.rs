@@ -14,7 +14,7 @@
 //! What a text is, its content tells; [`read_part_with`] takes a dialect that is known, and reads over unknown words;
 //! [`read_part_bytes`] takes a file as it is. [`inspect`] looks a part over: lengths, bends, joints, and what is odd;
 //! [`bounding_box_mm`] says between which coordinates curves run; [`Part::rounded`] gives coordinates fewer decimals, and says how far
-//! that moves a path.
+//! that moves a path; [`Part::in_ratio_words`] does so with knots and weights.
 //!
 //! ```
 //! let part = part_program::read_part("seed.nc", "G06.2 P2 K0 X0 Y0\nK0 X10 Y5\nK1\nK1\n")?;
@@ -54,6 +54,7 @@ mod options;
 mod part;
 mod path_move;
 mod preparatory;
+mod ratio_words;
 mod remark;
 mod rounding;
 mod siemens;
@@ -74,6 +75,7 @@ pub use joint::{GAP_MM, Joint, TANGENT_BREAK_RAD};
 pub use machine::{Axes, AxisLimits, Junction, Machine, read_machine};
 pub use options::{Dialect, ReadOptions};
 pub use part::{Auxiliary, Move, MoveKind, Part, Shape};
+pub use ratio_words::{NoLargestRatio, RatioLost, RatioWords};
 pub use remark::{Oddity, Remark, SHORT_SPAN, TINY_MM, WEIGHT_RATIO};
 pub use rounding::{Rounded, StandsStill};
 pub use write::{WriteError, write_g1, write_g5_2, write_g06_2};

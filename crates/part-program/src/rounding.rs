@@ -126,7 +126,7 @@ fn are_one(points: &[[f64; 3]]) -> bool {
 }
 
 /// The number next to a decimal of so many places, by way of the decimal: scaling by a power of ten would round twice.
-fn rounded(x: f64, decimals: usize) -> f64 {
+pub(crate) fn rounded(x: f64, decimals: usize) -> f64 {
     // No negative zero. What was written as a number reads as one.
     format!("{x:.decimals$}").parse().unwrap_or(x) + 0.0
 }

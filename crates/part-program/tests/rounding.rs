@@ -2,7 +2,7 @@
 
 use nurbs_core::{Evaluate, NurbsBuf};
 use part_program::{
-    Curve, Move, MoveKind, Part, Rounded, Shape, read_part, write_g1, write_g5_2, write_g06_2,
+    Curve, Move, MoveKind, Part, RatioWords, Rounded, Shape, read_part, write_g1, write_g5_2, write_g06_2,
 };
 use proptest::prelude::*;
 
@@ -113,6 +113,40 @@ proptest! {
             for (a, b) in samples(before, 100).into_iter().zip(samples(after, 100)) {
                 let off = distance(a, b);
                 prop_assert!(off <= rounded.moved_mm + 1e-11, "{} > {}", off, rounded.moved_mm);
+            }
+        }
+    }
+
+    /// At the same shares of the spans; the words are no longer than asked, and read back.
+    #[test]
+    fn splines_of_ratio_words_are_as_near_as_stated(
+        part in joined(1e3),
+        largest in prop::sample::select(vec!["999999.999", "99999", "99.9999", "9999.9"]),
+    ) {
+        let fitted = part.in_ratio_words(&largest.parse::<RatioWords>().unwrap());
+        prop_assume!(fitted.is_ok());
+        let (fitted, moved_mm) = fitted.unwrap();
+        let text = write_g06_2(&fitted).unwrap();
+        prop_assert_eq!(&read(&text).curves, &fitted.curves);
+        let decimals = largest.split_once('.').map_or(0, |(_, decimals)| decimals.len());
+        for word in text.split_whitespace().filter(|word| word.starts_with(['K', 'R'])) {
+            let (_, after) = word.split_once('.').unwrap();
+            prop_assert!(after.len() <= decimals, "{}", word);
+            prop_assert!(word[1..].parse::<f64>().unwrap() <= largest.parse::<f64>().unwrap(), "{}", word);
+        }
+        for (before, after) in part.curves.iter().zip(&fitted.curves) {
+            let (from, to) = (nurbs(before), nurbs(after));
+            prop_assert_eq!(&before.control_points_mm, &after.control_points_mm);
+            prop_assert_eq!(from.as_curve().span_count(), to.as_curve().span_count());
+            for span in 0..from.as_curve().span_count() {
+                for k in 0..=16 {
+                    let place = |curve: &NurbsBuf<f64, 3>| {
+                        let (a, b) = curve.as_curve().span_bounds(span);
+                        curve.as_curve().point((a + (b - a) * f64::from(k) / 16.0).min(b))
+                    };
+                    let off = distance(place(&from), place(&to));
+                    prop_assert!(off <= moved_mm + 1e-10, "{} > {}", off, moved_mm);
+                }
             }
         }
     }
