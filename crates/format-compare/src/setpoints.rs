@@ -47,8 +47,7 @@ impl<const D: usize> Reference<D> {
         rows.map(|(index, (step, judged))| {
             let curve = problem.curves[step.curve].as_curve();
             let u = step.u.0;
-            let last = curve.span_count() - 1;
-            let span = (0..last).find(|&span| u < curve.span_bounds(span).1).unwrap_or(last);
+            let span = curve.knots().span_number(u);
             let (begin, end) = curve.span_bounds(span);
             SetpointRow {
                 step: index + 1,

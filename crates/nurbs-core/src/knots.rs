@@ -18,11 +18,20 @@ pub const MAX_DEGREE: usize = 9;
 pub(crate) const SCRATCH: usize = MAX_DEGREE + 1;
 
 /// A valid, clamped knot vector, borrowed.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub struct KnotVector<'a, R> {
     knots: &'a [R],
     degree: usize,
     span_count: usize,
+    /// The knot index of each span, where one who owns the knots has them.
+    spans: &'a [usize],
+}
+
+/// The same degree and knots, whoever owns them.
+impl<R: PartialEq> PartialEq for KnotVector<'_, R> {
+    fn eq(&self, other: &Self) -> bool {
+        self.degree == other.degree && self.knots == other.knots
+    }
 }
 
 impl<'a, R: Real> KnotVector<'a, R> {
@@ -73,13 +82,31 @@ impl<'a, R: Real> KnotVector<'a, R> {
             index += equal.len();
         }
         let span_count = knots.windows(2).filter(|pair| pair[0] < pair[1]).count();
-        Ok(Self { knots, degree, span_count })
+        Ok(Self { knots, degree, span_count, spans: &[] })
     }
 
-    /// What [`try_new`](Self::try_new) has already found valid, with its number of spans.
+    /// What [`try_new`](Self::try_new) has already found valid, with its number of spans and their
+    /// [`repeated_spans`](Self::repeated_spans).
     #[cfg(feature = "alloc")]
-    pub(crate) fn from_valid(degree: usize, knots: &'a [R], span_count: usize) -> Self {
-        Self { knots, degree, span_count }
+    pub(crate) fn from_valid(degree: usize, knots: &'a [R], span_count: usize, spans: &'a [usize]) -> Self {
+        Self { knots, degree, span_count, spans }
+    }
+
+    /// The knot index of each span, if an inner knot is repeated: else [`span_index`](Self::span_index) needs no table.
+    #[cfg(feature = "alloc")]
+    pub(crate) fn repeated_spans(&self) -> alloc::vec::Vec<usize> {
+        let spans = || self.starts().take(if self.is_simple() { 0 } else { self.span_count });
+        spans().collect()
+    }
+
+    /// Whether every inner knot is there once.
+    fn is_simple(&self) -> bool {
+        self.span_count == self.point_count() - self.degree
+    }
+
+    /// The knot index of each span, in order.
+    fn starts(&self) -> impl Iterator<Item = usize> {
+        (self.degree..self.point_count()).filter(|&i| self.knots[i] < self.knots[i + 1])
     }
 
     /// The degree p.
@@ -135,13 +162,32 @@ impl<'a, R: Real> KnotVector<'a, R> {
     }
 
     /// The knot index at which the non-empty span number `span` begins; a larger number gives the last span.
+    ///
+    /// It takes the same time for each, but a walk over the knots where one of them is repeated and they are borrowed:
+    /// [`NurbsBuf`](crate::NurbsBuf) keeps a table then.
     #[must_use]
     pub fn span_index(&self, span: usize) -> usize {
         let last = self.point_count() - 1;
-        if self.span_count == self.point_count() - self.degree {
-            return (self.degree + span.min(self.span_count - 1)).min(last); // every inner knot is simple
+        if self.is_simple() {
+            return (self.degree + span.min(self.span_count - 1)).min(last);
         }
-        (self.degree..last).filter(|&i| self.knots[i] < self.knots[i + 1]).nth(span).unwrap_or(last)
+        let found =
+            if self.spans.is_empty() { self.starts().nth(span) } else { self.spans.get(span).copied() };
+        found.unwrap_or(last)
+    }
+
+    /// The number of the non-empty span in which `u` lies, as [`find_span`](Self::find_span) has it; at the same cost as
+    /// [`span_index`](Self::span_index).
+    #[must_use]
+    pub fn span_number(&self, u: R) -> usize {
+        let index = self.find_span(u);
+        if self.is_simple() {
+            index - self.degree
+        } else if self.spans.is_empty() {
+            self.starts().take_while(|start| *start < index).count()
+        } else {
+            self.spans.partition_point(|start| *start < index)
+        }
     }
 
     /// First and last parameter of the non-empty span number `span`; a larger number gives the last span.
@@ -224,6 +270,22 @@ mod tests {
         assert_eq!(knots.domain(), (0.0, 1.0));
         let simple = KnotVector::try_new(2, 5, &[0., 0., 0., 1., 2., 3., 3., 3.]).unwrap();
         assert_eq!([0, 1, 2, 3].map(|span| simple.span_index(span)), [2, 3, 4, 4]);
+    }
+
+    #[test]
+    fn a_table_of_spans_says_the_same() {
+        let (borrowed, simple) = (cubic(), KnotVector::try_new(1, 3, &[0., 0., 1., 2., 2.]).unwrap());
+        let spans = borrowed.repeated_spans();
+        assert_eq!((spans.as_slice(), simple.repeated_spans().len()), ([3, 4, 6].as_slice(), 0));
+        let owned = KnotVector::from_valid(3, borrowed.as_slice(), 3, &spans);
+        assert_eq!(owned, borrowed);
+        for span in [0, 1, 2, 3, 99] {
+            assert_eq!(owned.span_index(span), borrowed.span_index(span));
+        }
+        for (u, span) in [(-1.0, 0), (0.0, 0), (0.25, 1), (0.499, 1), (0.5, 2), (1.0, 2), (9.0, 2)] {
+            assert_eq!((owned.span_number(u), borrowed.span_number(u)), (span, span), "u={u}");
+        }
+        assert_eq!([0.5, 1.0, 2.0].map(|u| simple.span_number(u)), [0, 1, 1]);
     }
 
     #[test]

@@ -14,6 +14,8 @@ pub struct NurbsBuf<R, const D: usize> {
     weights: Vec<R>,
     knots: Vec<R>,
     span_count: usize,
+    /// The knot index of each span, if an inner knot is repeated.
+    spans: Vec<usize>,
     rational: bool,
 }
 
@@ -30,7 +32,8 @@ impl<R: Real, const D: usize> NurbsBuf<R, D> {
     ) -> Result<Self, CurveError> {
         let curve = NurbsCurve::try_new(degree, &control_points, &weights, &knots)?;
         let (span_count, rational) = (curve.knots.span_count(), curve.weights.is_some());
-        Ok(Self { degree, control_points, weights, knots, span_count, rational })
+        let spans = curve.knots.repeated_spans();
+        Ok(Self { degree, control_points, weights, knots, span_count, spans, rational })
     }
 
     /// The curve whose weights are all 1.
@@ -50,7 +53,7 @@ impl<R: Real, const D: usize> NurbsBuf<R, D> {
     #[must_use]
     pub fn as_curve(&self) -> NurbsCurve<'_, R, D> {
         NurbsCurve {
-            knots: KnotVector::from_valid(self.degree, &self.knots, self.span_count),
+            knots: KnotVector::from_valid(self.degree, &self.knots, self.span_count, &self.spans),
             control_points: &self.control_points,
             weights: self.rational.then_some(&self.weights),
         }
