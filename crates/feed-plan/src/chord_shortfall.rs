@@ -12,10 +12,9 @@
 use alloc::vec::Vec;
 use core::ops::Range;
 
-use nurbs_core::{Differentiate, Frenet};
+use nurbs_core::{Differentiate, Frenet, GaussLegendre};
 use real::Real;
 
-use crate::quadrature::GaussLegendre;
 use crate::schedule::Cursor;
 use crate::{FeedLimit, Schedule, Stage};
 

@@ -84,7 +84,6 @@ mod limits;
 mod look_ahead;
 mod lower_bound;
 mod profile;
-mod quadrature;
 mod s_curve_profile;
 mod scan;
 mod schedule;

@@ -6,13 +6,12 @@
 
 use alloc::vec::Vec;
 
-use nurbs_core::{Differentiate, Frenet};
+use nurbs_core::{Differentiate, Frenet, GaussLegendre};
 use real::Real;
 
 use crate::axis_budget::{Allowance, AxisBudget, Turning};
 use crate::feed_limit::{Measured, lowered};
 use crate::limits::{AXES, Junction};
-use crate::quadrature::{self, GaussLegendre};
 use crate::{KinematicLimits, LimitPoint, PlanError};
 
 /// At least 2⁴ stretches a span.
@@ -471,15 +470,15 @@ impl<R: Real, C> Span<'_, R, C> {
         C: Differentiate<R, D>,
     {
         let width = to.u - from.u;
-        let inner: [Sample<R, D>; quadrature::POINTS] =
+        let inner: [Sample<R, D>; 5] =
             core::array::from_fn(|i| self.sample(from.u + width * self.rule.points[i]));
         let length = width * self.rule.mean(&inner.map(|sample| sample.speed));
 
-        let speeds = [from.speed, inner[quadrature::POINTS / 2].speed, to.speed];
+        let speeds = [from.speed, inner[2].speed, to.speed];
         let begin = from.feedrate * from.feedrate;
         let rise = (to.feedrate - from.feedrate) * (to.feedrate + from.feedrate);
         let (mut margin, mut is_straight) = (R::zero(), true);
-        for (x, sample) in self.rule.points.into_iter().zip(&inner).skip(1).take(quadrature::POINTS - 2) {
+        for (x, sample) in self.rule.points.into_iter().zip(&inner).skip(1).take(3) {
             let line = begin + rise * arc_share(speeds, x);
             let dip = line - sample.feedrate * sample.feedrate;
             margin = margin.max(dip);
@@ -510,7 +509,7 @@ impl<R: Real, C> Span<'_, R, C> {
     fn turning<const D: usize>(
         &self,
         from: &Sample<R, D>,
-        inner: &[Sample<R, D>; quadrature::POINTS],
+        inner: &[Sample<R, D>; 5],
         to: &Sample<R, D>,
     ) -> Turning<R> {
         let none = [R::zero(); AXES];

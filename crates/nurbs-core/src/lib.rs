@@ -28,7 +28,7 @@
 //! | points (A3.1, A4.1) | [`NurbsCurve`], [`Evaluate`] |
 //! | first and second derivatives (after A3.3, A4.2) | [`Differentiate`] |
 //! | curvature and radius, without cubes | [`curvature()`], [`curvature_vector`], [`radius`], all at once [`Frenet`] |
-//! | arc length and its inverse | [`arc_length()`], [`parameter_at`] |
+//! | arc length and its inverse, and the rule behind them | [`arc_length()`], [`parameter_at`], [`GaussLegendre`] |
 //! | compiled pieces: what real time evaluates | [`Pieces`] |
 //! | straight moves, circular arcs | [`Line`], [`Arc`] |
 //! | cubic trigonometric splines: the basis, a segment, a curve | [`trig_basis()`], [`TrigSegment`], [`TrigSpline`] |
@@ -110,6 +110,7 @@ mod pieces;
 mod polynomial;
 #[cfg(feature = "alloc")]
 mod power_curve;
+mod quadrature;
 #[cfg(feature = "alloc")]
 mod ranges;
 mod shape_error;
@@ -142,6 +143,7 @@ pub use path_curve::PathCurve;
 pub use pieces::{ORIGIN_EXPONENT, Piece, Pieces, Shifted, shift};
 #[cfg(feature = "alloc")]
 pub use power_curve::{PowerCursor, PowerCurve};
+pub use quadrature::GaussLegendre;
 #[cfg(feature = "alloc")]
 pub use ranges::SignalBound;
 pub use shape_error::ShapeError;
