@@ -24,7 +24,7 @@ pub(crate) const LEVELS: i32 = 16;
 pub(crate) const LEVELS_BETWEEN_ENDS: i32 = 4;
 /// Feeds down to 2⁻³² of the first level are tried for leaving a place of rest.
 const HALVINGS: usize = 32;
-/// Parts of a ramp for comparing it with the limit: in each its largest feed counts, so that it starts later
+/// Parts of a ramp for comparing it with the limit, a power of two: in each its largest feed counts, so that it starts later
 /// than it must by at most the last part's length. With 16 parts a plan with long ramps takes up to 2 %
 /// longer.
 const PARTS: usize = 32;
@@ -67,7 +67,7 @@ impl<R: Real> RampShape<R> {
         // An S-curve has a shape for each pair of feeds, so that its shares are found each time.
         let shape = if kind == ProfileKind::Cubic { StageShape::Cubic } else { StageShape::Cosine };
         let mut parts = [Part::default(); PARTS];
-        let width = R::one() / (0..PARTS).fold(R::zero(), |sum, _| sum + R::one());
+        let width = R::one().scale(-PARTS.ilog2().cast_signed());
         let mut x = R::zero();
         for part in &mut parts {
             let end = x + width;

@@ -117,7 +117,8 @@ impl<const D: usize> Hodograph<D> {
         let mean: [f64; D] = core::array::from_fn(|d| self.velocity.iter().map(|v| v[d]).sum());
         let length = f64::norm(&mean);
         let along = |v: &[f64; D]| (0..D).map(|d| v[d] * mean[d]).sum::<f64>() / length;
-        let least = self.velocity.iter().map(along).fold(f64::MAX, f64::min);
+        // Of a mean that is 0 there is no direction along which V could be anything.
+        let least = if length > 0.0 { self.velocity.iter().map(along).fold(f64::MAX, f64::min) } else { 0.0 };
         let greatest = self.velocity.iter().map(f64::norm).fold(0.0, f64::max);
         let (light, heavy) = self.weight.iter().fold((f64::MAX, 0.0_f64), |(l, h), w| (l.min(*w), h.max(*w)));
         (if least > 0.0 { least / (heavy * heavy) } else { 0.0 }, greatest / (light * light))
@@ -173,6 +174,16 @@ mod tests {
             );
             prop_assert!(speed.least >= dense.least * (1.0 - 1e-3) && speed.greatest <= dense.greatest * (1.0 + 1e-3));
         }
+    }
+
+    /// Its velocities sum to nothing: no direction proves that it moves.
+    #[test]
+    fn a_segment_that_ends_where_it_begins_has_no_least_speed() {
+        let there_and_back = [([0.0, 0.0], 1.0), ([1.0, 0.0], 1.0), ([0.0, 0.0], 1.0)];
+        assert_eq!(Hodograph::of(&there_and_back).bounds().0, 0.0);
+        let mut speed = Speed { least: 1.0, greatest: 2.0, begin: 2.0, end: 2.0 };
+        Hodograph::of(&there_and_back).extend(&mut speed);
+        assert!(speed.least < 1e-2, "{}", speed.least);
     }
 
     #[test]
