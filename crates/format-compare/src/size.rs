@@ -201,13 +201,8 @@ impl<'a, const D: usize> Search<'a, D> {
         options: &'a Options,
         reference: &'a Reference<D>,
     ) -> Result<Self, Refusal> {
-        let limits = problem.limits_per_period()?;
-        let curves: Vec<_> = problem.curves.iter().map(NurbsBuf::as_curve).collect();
-        let piece_limits = PieceLimits {
-            length_mm: options.piece_length_mm,
-            step_mm: limits.feedrate + limits.acceleration,
-        };
-        let bounds = compile::<DoubleDouble, Quantized, D>(&curves, &piece_limits)?.bounds().to_vec();
+        let path = on_pieces::compiled::<Quantized, D>(problem, plan, options)?;
+        let bounds = path.table().bounds().to_vec();
         Ok(Self { problem, plan, options, reference, bounds })
     }
 

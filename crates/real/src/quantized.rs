@@ -20,16 +20,24 @@ thread_local! {
 }
 
 impl Quantized {
-    /// Runs `work` with these registers on this thread: name and fraction bits. Other signals stay as they are.
+    /// Runs `work` with these registers on this thread: name and fraction bits. Other signals stay as they are. Afterwards,
+    /// also by a panic, the registers are those of before.
     pub fn run<T>(registers: &[(&'static str, i32)], work: impl FnOnce() -> T) -> T {
-        let outer = REGISTERS.replace(registers.to_vec());
-        let result = work();
-        REGISTERS.set(outer);
-        result
+        struct Restore(Vec<(&'static str, i32)>);
+        impl Drop for Restore {
+            fn drop(&mut self) {
+                REGISTERS.set(std::mem::take(&mut self.0));
+            }
+        }
+        let _restore = Restore(REGISTERS.replace(registers.to_vec()));
+        work()
     }
 
     fn rounded(self, fraction_bits: i32) -> Self {
-        Self((self.0.scale(fraction_bits) + 0.5).floor().scale(-fraction_bits))
+        let units = self.0.scale(fraction_bits);
+        // Adding a half to all of it would round once more.
+        let rest = units - units.floor();
+        Self((units.floor() + if rest >= 0.5 { 1.0 } else { 0.0 }).scale(-fraction_bits))
     }
 }
 
@@ -171,6 +179,22 @@ mod tests {
             assert_eq!(Quantized(3.0 / 32.0).signal("coarse"), Quantized(2.0 / 16.0)); // a tie goes up
         });
         assert_eq!(Quantized(1.0 / 3.0).signal("coarse"), Quantized(1.0 / 3.0));
+    }
+
+    #[test]
+    fn it_is_rounded_once_and_registers_end_with_their_run() {
+        let panicked = std::panic::catch_unwind(|| {
+            Quantized::run(&[("whole", 0), ("wide", 52)], || {
+                assert_eq!(Quantized(0.5_f64.next_down()).signal("whole"), Quantized(0.0));
+                assert_eq!(Quantized(-0.5).signal("whole"), Quantized(0.0));
+                // An odd number of units beyond 2⁵².
+                let odd = Quantized(1.0 + f64::EPSILON);
+                assert_eq!(odd.signal("wide"), odd);
+                panic!("in a run");
+            })
+        });
+        assert!(panicked.is_err());
+        assert_eq!(Quantized(0.3).signal("whole"), Quantized(0.3));
     }
 
     /// With every result named and 24 fraction bits, it is the fixed-point format.
