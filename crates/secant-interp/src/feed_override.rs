@@ -141,7 +141,7 @@ impl FeedOverride {
 
     /// The distance of the next period, or `None` when the plan is over. At hold it is 0.
     ///
-    /// Neither heap nor a loop beyond the stages that the period touches.
+    /// No heap, and no loop beyond the stages that the period touches.
     pub fn advance<R: Real>(
         &self,
         lengths: &StepLengths<'_, R>,
@@ -173,18 +173,13 @@ impl FeedOverride {
 }
 
 /// The largest s with `s + (s - ρ) + (s - 2ρ) + … ≤ distance`, the terms positive.
+///
+/// For s from kρ on the sum has k + 1 terms, `(k + 1) s - ρ k (k + 1)/2`; at s = kρ it is `ρ k (k + 1)/2`, which says how large k
+/// may be.
 fn largest_that_stops(distance: u64, bend: NonZeroU64) -> i64 {
-    let sum = |slope: u64| {
-        let (terms, slope, bend) = (u128::from(slope / bend), u128::from(slope), u128::from(bend.get()));
-        slope * (terms + 1) - bend * (terms * (terms + 1) / 2)
-    };
-    let (mut low, mut high) = (0_u64, distance.saturating_add(1).min(ONE + 1));
-    // 33 halvings of a range of 2³².
-    while high - low > 1 {
-        let middle = low.midpoint(high);
-        if sum(middle) <= u128::from(distance) { low = middle } else { high = middle }
-    }
-    low.cast_signed()
+    let terms = NonZeroU64::MIN.saturating_add(((8 * (distance / bend) + 1).isqrt() - 1) / 2);
+    let shortfall = bend.get() * ((terms.get() - 1) * terms.get() / 2);
+    ((distance + shortfall) / terms).cast_signed()
 }
 
 #[cfg(test)]
@@ -264,6 +259,41 @@ mod tests {
             acceleration / A,
             jerk / J
         );
+    }
+
+    /// The sum, term by term.
+    fn sum(slope: u64, bend: u64) -> u64 {
+        (0..).map_while(|k| slope.checked_sub(k * bend)).sum()
+    }
+
+    #[test]
+    fn the_largest_slope_that_stops_is_found_for_all_small_distances() {
+        for bend in 1..=40 {
+            let mut largest = 0;
+            for distance in 0..400 {
+                while sum(largest + 1, bend) <= distance {
+                    largest += 1;
+                }
+                let found = largest_that_stops(distance, NonZeroU64::new(bend).unwrap());
+                assert_eq!(found, largest.cast_signed(), "{distance} {bend}");
+            }
+        }
+    }
+
+    proptest! {
+        /// On any distance, up to that from hold to the programmed feed.
+        #[test]
+        fn the_largest_slope_stops_and_the_next_does_not(distance in 0..=ONE, bits in 0..33_u32, share in 0.0..1.0_f64) {
+            let bend = ((2.0_f64.powi(bits.cast_signed()) * (1.0 + share)) as u64).max(distance >> 20).max(1);
+            let found = largest_that_stops(distance, NonZeroU64::new(bend).unwrap()).cast_unsigned();
+            prop_assert!(sum(found, bend) <= distance && distance < sum(found + 1, bend), "{found}");
+        }
+
+        #[test]
+        fn a_slope_of_the_least_bend_stops_too(distance in 0..=ONE) {
+            let found = largest_that_stops(distance, NonZeroU64::MIN).cast_unsigned();
+            prop_assert!(found * (found + 1) / 2 <= distance && distance < (found + 1) * (found + 2) / 2);
+        }
     }
 
     proptest! {

@@ -95,8 +95,8 @@ impl<R: Real, C> Interpolator<'_, R, C> {
     /// The parameter never decreases and never passes the end. The run ends by landing: a step that would reach
     /// or pass the end commands exactly the end. When the schedule is over before the curve is, as rounding in
     /// a coarse format can make it, the rest is travelled in steps of `landing_step`, or of the parameter's resolution where
-    /// that is more, so that every run ends. In a period of no length the setpoint is that of the period before. Neither
-    /// loop nor heap: at most `max_iterations + 4` evaluations of the curve: two start values and an iteration each, in
+    /// that is more, so that every run ends. In a period of no length the setpoint is that of the period before. No
+    /// heap, and no loop without a bound: at most `max_iterations + 4` evaluations of the curve: two start values and an iteration each, in
     /// the first steps the expansions there, and the landing.
     pub fn step<const D: usize>(&self, state: &mut State<R, D>) -> Option<Setpoint<R, D>>
     where
