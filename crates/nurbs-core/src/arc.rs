@@ -231,7 +231,7 @@ impl<const D: usize> Arc<f64, D> {
 /// The angle of the vector `(x, y)` in quarter turns, in [0, 4): the inverse of [`Trigonometric::sin_cos_quarter`].
 ///
 /// Within the first half of a quarter a rational guess is right to 5e-3, and each correction by the sine of what is missing,
-/// `δ + δ³/6`, takes the error to its fifth power. Error below 1e-15. Domain: not both 0.
+/// `δ + δ³/6`, takes the error to its fifth power. Error at most 4e-15 quarters. Domain: not both 0.
 #[cfg(feature = "alloc")]
 pub(crate) fn quarter_turns(x: f64, y: f64) -> f64 {
     let length = f64::norm(&[x, y]);

@@ -2,10 +2,10 @@
 
 use std::fmt;
 
+pub use nurbs_core::{End, MAX_DEGREE};
+
 use crate::vector::{difference, length};
 
-/// The highest degree of a curve.
-pub const MAX_DEGREE: usize = 9;
 /// The largest coordinate, in mm: 10 km. It keeps squares and sums of coordinates far from the ends of every float.
 pub const MAX_COORDINATE_MM: f64 = 1e7;
 /// The largest weight; the smallest is its inverse.
@@ -45,15 +45,6 @@ pub enum Element {
     Knots,
     /// One knot.
     Knot(usize),
-}
-
-/// Which end of a knot vector.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum End {
-    /// The first knots.
-    First,
-    /// The last knots.
-    Last,
 }
 
 /// A rule that a curve breaks; indices count from 0.
