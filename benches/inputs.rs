@@ -1,7 +1,7 @@
 //! Inputs of the benches: paper A's curve, the 10-point rational one and a long space curve, with their feeds.
 
 use feed_plan::{Junction, KinematicLimits};
-use nurbs_core::{NurbsBuf, PieceLimits, PiecesBuf, compile};
+use nurbs_core::{NurbsBuf, PieceLimits, PiecesBuf, compile, golden};
 use real::{Backend, DoubleDouble, Real};
 use secant_interp::LengthStage;
 
@@ -30,28 +30,15 @@ fn path<const D: usize>(
 }
 
 /// Paper A's curve at 200 mm/s and 3 ms: plane, not rational.
-///
-/// # Panics
-/// Never: the numbers are a curve.
 #[must_use]
 pub fn paper_a() -> Path<2> {
-    let points = [[150, 150], [0, 0], [0, 300], [150, 150], [300, 0], [300, 300], [150, 150]];
-    let points = points.map(|p| p.map(f64::from)).to_vec();
-    let knots = vec![0.0, 0.0, 0.0, 0.0, 0.25, 0.5, 0.75, 1.0, 1.0, 1.0, 1.0];
-    path("A", 3, points, vec![1.0; 7], knots, 0.6)
+    Path { name: "A", curve: golden::seed_000(), feed_mm: 0.6 }
 }
 
 /// Paper D's 10-point curve at 50 mm/s and 3 ms: plane, rational.
-///
-/// # Panics
-/// Never: the numbers are a curve.
 #[must_use]
 pub fn ten_points() -> Path<2> {
-    let x = [0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 65.0, 70.0, 80.0];
-    let y = [15.0, 34.1, 10.1, 16.1, 0.9, 38.0, 2.9, 8.9, 26.1, 5.9];
-    let weights = vec![1.0, 2.0, 1.5, 1.0, 1.0, 2.0, 1.0, 1.0, 2.0, 1.0];
-    let knots = vec![0.0, 0.0, 0.0, 0.0, 0.1836, 0.2781, 0.3837, 0.5474, 0.7104, 0.8049, 1.0, 1.0, 1.0, 1.0];
-    path("B", 3, x.into_iter().zip(y).map(|(x, y)| [x, y]).collect(), weights, knots, 0.15)
+    Path { name: "B", curve: golden::seed_003(), feed_mm: 0.15 }
 }
 
 /// A space curve of 1000 points on a wound helix, at 200 mm/s and 1 ms: a knot every few steps.

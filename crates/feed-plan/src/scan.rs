@@ -6,7 +6,7 @@
 
 use alloc::vec::Vec;
 
-use nurbs_core::{Differentiate, Frenet, GaussLegendre};
+use nurbs_core::{Differentiate, Frenet, GaussLegendre, golden_section};
 use real::Real;
 
 use crate::axis_budget::{Allowance, AxisBudget, Turning};
@@ -426,23 +426,8 @@ impl<R: Real, C> Span<'_, R, C> {
     where
         C: Differentiate<R, D>,
     {
-        let golden = (R::from_ratio(5, 4).sqrt() - R::one().half()).min(R::one()); // (√5 - 1)/2
-        let (mut from, mut to) = (from, to);
-        let mut low = self.sample(to - (to - from) * golden);
-        let mut high = self.sample(from + (to - from) * golden);
-        for _ in 0..GOLDEN_STEPS {
-            if value(&low) < value(&high) {
-                to = high.u;
-                high = low;
-                low = self.sample(to - (to - from) * golden);
-            } else {
-                from = low.u;
-                low = high;
-                high = self.sample(from + (to - from) * golden);
-            }
-        }
-        let least = if value(&low) < value(&high) { low } else { high };
-        (least.u > from && least.u < to).then_some(least)
+        let least = golden_section((from, to), GOLDEN_STEPS, |u| self.sample(u), value);
+        (least.at > least.from && least.at < least.to).then_some(least.found)
     }
 
     /// The curve and its limit at one parameter.

@@ -1,5 +1,6 @@
 //! Limits and curves for tests.
 
+pub(crate) use nurbs_core::golden::{circle, seed_000, seed_003};
 use nurbs_core::{Derivatives, Differentiate, Evaluate, NurbsBuf};
 use real::Backend;
 
@@ -29,41 +30,6 @@ pub(crate) fn in_periods(
         axes: Default::default(),
         junction: Junction::Stop,
     }
-}
-
-/// Paper A's curve.
-pub(crate) fn seed_000() -> NurbsBuf<f64, 2> {
-    let points = [[150., 150.], [0., 0.], [0., 300.], [150., 150.], [300., 0.], [300., 300.], [150., 150.]];
-    let knots = [0., 0., 0., 0., 0.25, 0.5, 0.75, 1., 1., 1., 1.];
-    NurbsBuf::try_new(3, points.to_vec(), vec![1.0; 7], knots.to_vec()).unwrap()
-}
-
-/// Paper D's part program.
-pub(crate) fn seed_003() -> NurbsBuf<f64, 2> {
-    let points = [
-        [0.0, 15.0],
-        [10.0, 34.1],
-        [20.0, 10.1],
-        [30.0, 16.1],
-        [40.0, 0.9],
-        [50.0, 38.0],
-        [60.0, 2.9],
-        [65.0, 8.9],
-        [70.0, 26.1],
-        [80.0, 5.9],
-    ];
-    let weights = vec![1.0, 2.0, 1.5, 1.0, 1.0, 2.0, 1.0, 1.0, 2.0, 1.0];
-    let inner = [0.1836, 0.2781, 0.3837, 0.5474, 0.7104, 0.8049];
-    let knots = [&[0.0; 4][..], &inner, &[1.0; 4]].concat();
-    NurbsBuf::try_new(3, points.to_vec(), weights, knots).unwrap()
-}
-
-/// A full circle about the origin, in four rational arcs.
-pub(crate) fn circle(r: f64) -> NurbsBuf<f64, 2> {
-    let points = [[r, 0.], [r, r], [0., r], [-r, r], [-r, 0.], [-r, -r], [0., -r], [r, -r], [r, 0.]];
-    let w = 0.5_f64.sqrt();
-    let knots = [0., 0., 0., 0.25, 0.25, 0.5, 0.5, 0.75, 0.75, 1., 1., 1.];
-    NurbsBuf::try_new(2, points.to_vec(), vec![1., w, 1., w, 1., w, 1., w, 1.], knots.to_vec()).unwrap()
 }
 
 /// A right angle in one cubic: two lines of 30 mm that meet at a triple knot, where the curvature is 0 on

@@ -7,8 +7,8 @@
 //! bits start from the uniform winner's and are taken away, first from whole groups, then one by one, as long as the
 //! requirements are met. Between registers the operators are exact to 53 bits.
 
-use nurbs_core::{CompileError, NurbsBuf, PieceLimits, SignalBound, compile};
-use real::{Audit, DoubleDouble, FormatName, Overflow, Quantized, Rounding, RuntimeFormat};
+use nurbs_core::{CompileError, SignalBound};
+use real::{Audit, FormatName, Overflow, Quantized, Rounding, RuntimeFormat};
 use serde::Serialize;
 
 use crate::compare::{Row, in_parallel, judged, refused};

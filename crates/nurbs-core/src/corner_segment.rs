@@ -6,7 +6,7 @@ use real::{Real, Trigonometric};
 
 use crate::arc::quarter_turns;
 use crate::leg::{LEAST_LENGTH_MM, Leg, distance, minus};
-use crate::{CornerStyle, Evaluate, PathCurve, Reason, TrigSegment, TrigSplineBuf, Turn};
+use crate::{CornerStyle, Evaluate, PathCurve, Reason, TrigSegment, TrigSplineBuf, Turn, golden_section};
 
 /// A gap between two moves that is none, in mm.
 const JOINED_MM: f64 = 1e-6;
@@ -162,7 +162,6 @@ fn samples<const D: usize>(segment: &TrigSegment<f64, D>) -> impl Iterator<Item 
 /// alone miss up to 0.25 % where it bends away by much more than the error.
 fn largest(of: impl Fn(f64) -> f64) -> f64 {
     const STEPS: usize = 20;
-    let golden = (5.0.sqrt() - 1.0) / 2.0;
     let at = |step: u32| f64::from(step) / f64::from(SAMPLES);
     let values: Vec<f64> = (0..=SAMPLES).map(|step| of(at(step))).collect();
     let sampled = values.iter().copied().fold(0.0, f64::max);
@@ -171,13 +170,7 @@ fn largest(of: impl Fn(f64) -> f64) -> f64 {
         if three[1] < three[0] || three[1] < three[2] || three[1] < sampled * LOCAL {
             continue;
         }
-        let (mut from, mut to) = (at(step), at(step + 2));
-        for _ in 0..STEPS {
-            let reach = (to - from) * golden;
-            let [low, high] = [of(to - reach), of(from + reach)];
-            found = found.max(low).max(high);
-            if low < high { from = to - reach } else { to = from + reach }
-        }
+        found = found.max(golden_section((at(step), at(step + 2)), STEPS, &of, |y| -*y).found);
     }
     found
 }

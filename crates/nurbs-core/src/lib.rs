@@ -51,7 +51,11 @@
     doc = "| corners of straight moves and arcs: cut or looped, within a tolerance | [`smooth_corners`] |"
 )]
 #![cfg_attr(feature = "alloc", doc = "| knot insertion (A5.1) | [`NurbsBuf::insert_knot`] |")]
-#![cfg_attr(any(test, feature = "generate"), doc = "| random valid curves for tests | [`generate`] |")]
+//! | the least value on an interval | [`golden_section()`] |
+#![cfg_attr(
+    any(test, feature = "generate"),
+    doc = "| curves for tests: random ones, those of the papers | [`generate`], [`golden`] |"
+)]
 //!
 //! The numbers refer to algorithms in Piegl and Tiller, *The NURBS Book*, 2nd ed. (1997).
 //!
@@ -87,8 +91,9 @@ mod evaluate;
 mod fast_curve;
 #[cfg(any(test, feature = "generate"))]
 pub mod generate;
-#[cfg(test)]
-mod golden;
+#[cfg(any(test, feature = "generate"))]
+pub mod golden;
+mod golden_section;
 #[cfg(feature = "alloc")]
 mod hodograph;
 #[cfg(feature = "alloc")]
@@ -134,6 +139,7 @@ pub use error::{CurveError, End, Quantity};
 pub use evaluate::{Derivatives, Differentiate, Evaluate};
 #[cfg(feature = "alloc")]
 pub use fast_curve::FastCurve;
+pub use golden_section::{Least, golden_section};
 pub use knots::{KnotVector, MAX_DEGREE};
 pub use line::Line;
 #[cfg(feature = "alloc")]

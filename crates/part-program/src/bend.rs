@@ -5,7 +5,7 @@
 //! neighbours (a bend too narrow for the samples is where the speed dips), the maximum is narrowed down by golden
 //! sections. An arc bends alike everywhere, so one look a span is enough.
 
-use nurbs_core::{Differentiate, Evaluate, NurbsBuf, arc_length, radius};
+use nurbs_core::{Differentiate, Evaluate, NurbsBuf, arc_length, golden_section, radius};
 
 use crate::curve::Curve;
 use crate::part::Shape;
@@ -115,23 +115,10 @@ fn sharpest_in(curve: &impl Differentiate<f64, 3>, span: usize) -> Place {
     sharpest
 }
 
-/// Where a function of one minimum in [from, to] has it, by golden sections.
-fn least(mut from: f64, mut to: f64, of: impl Fn(f64) -> f64) -> f64 {
-    let golden = (5.0_f64.sqrt() - 1.0) / 2.0;
-    let (mut low, mut high) = (to - golden * (to - from), from + golden * (to - from));
-    let (mut at_low, mut at_high) = (of(low), of(high));
-    for _ in 0..SECTIONS {
-        if at_low <= at_high {
-            (to, high, at_high) = (high, low, at_low);
-            low = to - golden * (to - from);
-            at_low = of(low);
-        } else {
-            (from, low, at_low) = (low, high, at_high);
-            high = from + golden * (to - from);
-            at_high = of(high);
-        }
-    }
-    f64::midpoint(from, to)
+/// Where a function of one minimum in [from, to] has it.
+fn least(from: f64, to: f64, of: impl Fn(f64) -> f64) -> f64 {
+    let least = golden_section((from, to), SECTIONS, of, |y| *y);
+    f64::midpoint(least.from, least.to)
 }
 
 #[cfg(test)]

@@ -283,8 +283,9 @@ mod tests {
     proptest! {
         /// On any distance, up to that from hold to the programmed feed.
         #[test]
-        fn the_largest_slope_stops_and_the_next_does_not(distance in 0..=ONE, bits in 0..33_u32, share in 0.0..1.0_f64) {
-            let bend = ((2.0_f64.powi(bits.cast_signed()) * (1.0 + share)) as u64).max(distance >> 20).max(1);
+        fn the_largest_slope_stops_and_the_next_does_not(distance in 0..=ONE, bits in 0..33_u32, part in 0..=u32::MAX) {
+            let power = 1_u64 << bits;
+            let bend = (power + (u64::from(part) & (power - 1))).max(distance >> 20);
             let found = largest_that_stops(distance, NonZeroU64::new(bend).unwrap()).cast_unsigned();
             prop_assert!(sum(found, bend) <= distance && distance < sum(found + 1, bend), "{found}");
         }

@@ -2,7 +2,7 @@
 
 mod path_run;
 
-use nurbs_core::{NurbsBuf, PiecesBuf};
+use nurbs_core::{NurbsBuf, PiecesBuf, golden};
 use path_run::{Figures, Path, Settings, compiled, run, swing};
 use real::{Backend, Counted, I3F29, I4F28, I4F60, I8F24, I16F48, Real};
 use secant_interp::{
@@ -30,29 +30,17 @@ impl Random {
 
 /// Seven points, 300 mm wide, at 200 mm/s and 3 ms.
 fn paper_a() -> Path<2> {
-    let points = [[150, 150], [0, 0], [0, 300], [150, 150], [300, 0], [300, 300], [150, 150]];
-    let points = points.map(|p| p.map(f64::from)).to_vec();
-    let curve = NurbsBuf::try_new_nonrational(3, points, clamped(3, [0.25, 0.5, 0.75])).unwrap();
-    Path { curves: vec![curve], feed_mm: 0.6 }
+    Path { curves: vec![golden::seed_000()], feed_mm: 0.6 }
 }
 
 /// The 10-point rational curve at 50 mm/s and 3 ms.
 fn ten_points() -> Path<2> {
-    let x = [0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 65.0, 70.0, 80.0];
-    let y = [15.0, 34.1, 10.1, 16.1, 0.9, 38.0, 2.9, 8.9, 26.1, 5.9];
-    let weights = vec![1.0, 2.0, 1.5, 1.0, 1.0, 2.0, 1.0, 1.0, 2.0, 1.0];
-    let knots = clamped(3, [0.1836, 0.2781, 0.3837, 0.5474, 0.7104, 0.8049]);
-    let points = x.into_iter().zip(y).map(|(x, y)| [x, y]).collect();
-    Path { curves: vec![NurbsBuf::try_new(3, points, weights, knots).unwrap()], feed_mm: 0.15 }
+    Path { curves: vec![golden::seed_003()], feed_mm: 0.15 }
 }
 
 /// A full circle of 20 mm radius: nine points of degree 2.
 fn circle() -> Path<2> {
-    let corners = [[1, 0], [1, 1], [0, 1], [-1, 1], [-1, 0], [-1, -1], [0, -1], [1, -1], [1, 0]];
-    let points = corners.map(|p| p.map(|x| 20.0 * f64::from(x))).to_vec();
-    let weights = (0..9).map(|i| if i % 2 == 0 { 1.0 } else { 0.5_f64.sqrt() }).collect();
-    let knots = clamped(2, [0.25, 0.25, 0.5, 0.5, 0.75, 0.75]);
-    Path { curves: vec![NurbsBuf::try_new(2, points, weights, knots).unwrap()], feed_mm: 0.3 }
+    Path { curves: vec![golden::circle(20.0)], feed_mm: 0.3 }
 }
 
 /// Degree 5 in space.

@@ -262,7 +262,7 @@ fn distance<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_paths::{circle, seed_000, seed_003};
+    use nurbs_core::golden::{circle, seed_000, seed_003};
     use proptest::prelude::*;
 
     /// The unit vector across the curve at `u`, and the point there.

@@ -67,8 +67,6 @@ mod response;
 mod roundness_plot;
 mod servo;
 mod stability;
-#[cfg(test)]
-mod test_paths;
 mod tuning;
 
 pub use axis::{Axis, AxisSample, AxisState};

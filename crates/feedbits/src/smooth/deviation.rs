@@ -4,7 +4,7 @@
 //! Nothing here knows how a corner was smoothed: only which moves a curve lies between, so that a distance is taken to the
 //! moves nearby and not to another outline that happens to pass.
 
-use nurbs_core::{CurveError, Evaluate, NurbsBuf};
+use nurbs_core::{CurveError, Evaluate, NurbsBuf, golden_section};
 use part_program::Curve;
 
 use super::stretch::{length, nurbs_of};
@@ -74,29 +74,15 @@ impl Track {
         sides.min_by(|a, b| a.1.total_cmp(&b.1))
     }
 
-    /// The least distance over [from, to], by golden section, and at its ends.
-    fn refined(&self, point: &[f64; 3], mut from: f64, mut to: f64) -> f64 {
-        const RATIO: f64 = 0.618_033_988_749_895;
+    /// The least distance over [from, to], and at its ends.
+    fn refined(&self, point: &[f64; 3], from: f64, to: f64) -> f64 {
         let curve = self.curve.as_curve();
         let distance = |u: f64| {
             let on = curve.point(u);
             length(&std::array::from_fn(|d| on[d] - point[d]))
         };
-        let ends = distance(from).min(distance(to));
-        let (mut a, mut b) = (to - (to - from) * RATIO, from + (to - from) * RATIO);
-        let (mut at_a, mut at_b) = (distance(a), distance(b));
-        for _ in 0..SECTIONS {
-            if at_a < at_b {
-                (to, b, at_b) = (b, a, at_a);
-                a = to - (to - from) * RATIO;
-                at_a = distance(a);
-            } else {
-                (from, a, at_a) = (a, b, at_b);
-                b = from + (to - from) * RATIO;
-                at_b = distance(b);
-            }
-        }
-        at_a.min(at_b).min(ends)
+        let inside = golden_section((from, to), SECTIONS, distance, |distance| *distance);
+        inside.found.min(distance(from)).min(distance(to))
     }
 }
 
