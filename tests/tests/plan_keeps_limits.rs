@@ -148,7 +148,7 @@ fn keeps<const D: usize>(name: &str, curves: &[NurbsBuf<f64, D>], limits: &Kinem
     let views: Vec<_> = curves.iter().map(NurbsBuf::as_curve).collect();
     let limit = FeedLimit::along(&views, limits).unwrap_or_else(|error| panic!("{name}: {error}"));
     assert!((limit.length() - path.length()).abs() < 1e-9 * path.length(), "{name}");
-    let bound = feed_plan::jerk_free_duration(&limit, limits);
+    let bound = feed_plan::jerk_free_duration(&limit, limits, feed_plan::EndFeeds::default());
     ProfileKind::ALL
         .iter()
         .map(|&kind| {

@@ -305,6 +305,8 @@ mod tests {
         assert!(there.start_feed <= 20.0 && there.end_feed <= 20.0, "{there:?}");
         let slower = flexible.as_schedule().duration() / plain.as_schedule().duration();
         assert!(slower <= 1.0 + 1.0 / 64.0, "{slower}");
-        assert!(flexible.as_schedule().duration() >= jerk_free_duration(&limit, &limits));
+        assert!(
+            flexible.as_schedule().duration() >= jerk_free_duration(&limit, &limits, EndFeeds::default())
+        );
     }
 }

@@ -335,7 +335,7 @@ mod tests {
         assert!(plan.stages().iter().all(|stage| stage.duration > 0.0 && stage.length > 0.0));
         let (first, last) = (plan.stages().first().unwrap(), plan.stages().last().unwrap());
         assert_eq!((first.start, first.start_feed, last.end_feed), (0.0, 0.0, 0.0));
-        let bound = jerk_free_duration(limit, limits);
+        let bound = jerk_free_duration(limit, limits, EndFeeds::default());
         assert!(
             schedule.duration() >= bound * (1.0 - 1e-3),
             "{} is faster than {bound}",
@@ -381,7 +381,7 @@ mod tests {
         ] {
             let (limit, plan) = planned(&curve, &limits);
             assert!(plan.as_schedule().periods() <= periods, "{name}: {}", plan.as_schedule().periods());
-            let jerk_free = jerk_free_duration(&limit, &limits);
+            let jerk_free = jerk_free_duration(&limit, &limits, EndFeeds::default());
             assert!((jerk_free - bound).abs() < 0.5, "{name}: {jerk_free}");
         }
     }
@@ -402,8 +402,10 @@ mod tests {
                 let limit = FeedLimit::along(&[curve.as_curve()], &limits).unwrap();
                 for kind in ProfileKind::ALL {
                     let plan = plan_with(&limit, &limits, EndFeeds::default(), kind).unwrap();
-                    let (duration, bound) =
-                        (plan.as_schedule().duration(), jerk_free_duration(&limit, &limits));
+                    let (duration, bound) = (
+                        plan.as_schedule().duration(),
+                        jerk_free_duration(&limit, &limits, EndFeeds::default()),
+                    );
                     assert!(
                         duration < 1.25 * bound + 30.0,
                         "{y} {feedrate} {kind:?}: {duration} for {bound}"
@@ -517,7 +519,7 @@ mod tests {
             plan(&limit, &paper_limits(), EndFeeds::default()),
             Err(PlanError::CannotMove { index: 1 })
         );
-        assert_eq!(jerk_free_duration(&limit, &paper_limits()), f64::MAX);
+        assert_eq!(jerk_free_duration(&limit, &paper_limits(), EndFeeds::default()), f64::MAX);
     }
 
     #[test]

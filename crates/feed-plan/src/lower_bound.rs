@@ -9,25 +9,31 @@ use alloc::vec::Vec;
 
 use real::Real;
 
-use crate::{FeedLimit, KinematicLimits};
+use crate::{EndFeeds, FeedLimit, KinematicLimits};
 
-/// Duration of the fastest motion from rest to rest under the limit and `|a| ≤ A`, jerk being free.
+/// Duration of the fastest motion under the limit and `|a| ≤ A` that begins and ends at these feeds, or at the limit where that is
+/// lower, jerk being free.
 ///
 /// The limit points are taken as they are, without the margin that a plan keeps, and `V²` as linear between
 /// them: the value is a lower bound to within the sampling of the limit, about 10⁻⁴ of the duration. A limit
 /// that is zero over a stretch gives the greatest number of the format.
 #[must_use]
-pub fn jerk_free_duration<R: Real>(limit: &FeedLimit<R>, limits: &KinematicLimits<R>) -> R {
+pub fn jerk_free_duration<R: Real>(
+    limit: &FeedLimit<R>,
+    limits: &KinematicLimits<R>,
+    ends: EndFeeds<R>,
+) -> R {
     let stretches = stretches(limit);
-    // V² at the points, from rest to rest.
+    let at_end = |feed: R, most: Option<R>| (feed * feed).min(most.unwrap_or(R::zero()));
+    // V² at the points.
     let mut squares = Vec::with_capacity(stretches.len() + 1);
-    let mut square = R::zero();
+    let mut square = at_end(ends.start, stretches.first().map(|first| first.inside[0]));
     squares.push(square);
     for stretch in &stretches {
         square = stretch.allowed_end.min(square + stretch.rise(limits));
         squares.push(square);
     }
-    square = R::zero();
+    square = at_end(ends.end, stretches.last().map(|last| last.inside[1])).min(square);
     let mut duration = R::zero();
     for (stretch, begin) in stretches.iter().rev().zip(squares.iter().rev().skip(1)) {
         let begin = begin.min(square + stretch.rise(limits));
@@ -94,6 +100,28 @@ mod tests {
     use crate::LimitPoint;
     use crate::test_paths::paper_limits;
 
+    fn from_rest(limit: &FeedLimit<f64>, limits: &crate::KinematicLimits<f64>) -> f64 {
+        jerk_free_duration(limit, limits, EndFeeds::default())
+    }
+
+    /// Ways of 10 mm, along which the feed of 0.6 falls off at one end or none; above the limit nothing begins.
+    #[test]
+    fn ends_in_motion_spare_their_ramps() {
+        let (limit, limits) = (limit(&[(0.0, 0.6), (5.0, 0.6), (10.0, 0.6)]), paper_limits());
+        let between = |start, end| jerk_free_duration(&limit, &limits, EndFeeds { start, end });
+        let ramp = 0.5 * 0.6 / 0.045;
+        for (start, end, ramps) in
+            [(0.0, 0.0, 2.0), (0.6, 0.0, 1.0), (0.0, 0.6, 1.0), (0.6, 0.6, 0.0), (9.0, 9.0, 0.0)]
+        {
+            let expected = 10.0 / 0.6 + ramps * ramp;
+            assert!(
+                (between(start, end) / expected - 1.0).abs() < 1e-12,
+                "{start} {end}: {}",
+                between(start, end)
+            );
+        }
+    }
+
     fn limit(points: &[(f64, f64)]) -> FeedLimit<f64> {
         let point = |&(distance, feedrate): &(f64, f64)| LimitPoint { distance, curve: 0, u: 0.0, feedrate };
         FeedLimit::from_points(&points.iter().map(point).collect::<Vec<_>>()).unwrap()
@@ -106,7 +134,7 @@ mod tests {
         for count in [2_i32, 3, 50, 1001] {
             let points: Vec<_> =
                 (0..count).map(|i| (length * f64::from(i) / f64::from(count - 1), f)).collect();
-            let duration = jerk_free_duration(&limit(&points), &limits);
+            let duration = from_rest(&limit(&points), &limits);
             // A point inside a ramp or the joint of ramp and cruise changes nothing.
             assert!((duration - (length / f + f / a)).abs() < 1e-10, "{count}: {duration}");
         }
@@ -114,14 +142,14 @@ mod tests {
 
     #[test]
     fn a_path_too_short_for_the_limit_gives_the_triangle() {
-        let duration = jerk_free_duration(&limit(&[(0.0, 0.6), (1.0, 0.6)]), &paper_limits());
+        let duration = from_rest(&limit(&[(0.0, 0.6), (1.0, 0.6)]), &paper_limits());
         assert!((duration - 2.0 * (1.0_f64 / 0.045).sqrt()).abs() < 1e-12, "{duration}"); // 2 √(L/A)
     }
 
     #[test]
     fn a_stop_halves_the_path() {
-        let half = jerk_free_duration(&limit(&[(0.0, 0.6), (20.0, 0.6)]), &paper_limits());
-        let both = jerk_free_duration(&limit(&[(0.0, 0.6), (20.0, 0.0), (40.0, 0.6)]), &paper_limits());
+        let half = from_rest(&limit(&[(0.0, 0.6), (20.0, 0.6)]), &paper_limits());
+        let both = from_rest(&limit(&[(0.0, 0.6), (20.0, 0.0), (40.0, 0.6)]), &paper_limits());
         assert!((both - 2.0 * half).abs() < 1e-12, "{both} {half}");
     }
 
@@ -130,7 +158,7 @@ mod tests {
         // V² from 0.01 to 0.25 over 100 mm: less than A. From rest 0.01/(2A) = 0.11 mm are needed to get
         // there.
         let points = (0..=10_000).map(|i| (f64::from(i) / 100.0, (0.01 + 0.24 * f64::from(i) / 1e4).sqrt()));
-        let duration = jerk_free_duration(&limit(&points.collect::<Vec<_>>()), &paper_limits());
+        let duration = from_rest(&limit(&points.collect::<Vec<_>>()), &paper_limits());
         let along_the_limit = 2.0 * 100.0 / (0.1 + 0.5);
         assert!((duration - along_the_limit).abs() < 10.0 && duration > along_the_limit, "{duration}");
     }

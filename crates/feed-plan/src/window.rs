@@ -381,7 +381,7 @@ mod tests {
         for kind in ProfileKind::ALL {
             let whole = plan_with(&limit, &limits, EndFeeds::default(), kind).unwrap();
             keeps(whole.stages());
-            let bound = crate::jerk_free_duration(&limit, &limits);
+            let bound = crate::jerk_free_duration(&limit, &limits, EndFeeds::default());
             assert!(whole.as_schedule().duration() < 1.02 * bound, "{kind:?}");
             let mut stages = Vec::new();
             let capped =

@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
 use format_compare::{
     Comparison, Dimension, Engine, JudgedStep, LeastPeriods, MOST_PERIODS, Options, PlanIn, Problem,
-    ProfileKind, Row, Run, Space, Trace, Verdict,
+    ProfileKind, Row, Run, Space, Trace,
 };
 use target_cost::Target;
 
@@ -321,10 +321,6 @@ fn cells(row: &Row) -> Vec<String> {
             _ => String::new(),
         },
         figure(row.end_error_mm),
-        match &row.verdict {
-            Verdict::Good => "good".to_string(),
-            Verdict::Bad(reasons) => reasons.join("; "),
-            Verdict::Refused(reason) => format!("refused: {reason}"),
-        },
+        row.verdict.to_string(),
     ]
 }

@@ -2,10 +2,10 @@
 
 use std::fmt::Write;
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 use clap::Args;
 use comfy_table::{CellAlignment, Table, presets};
-use format_compare::{Dimension, Mixed, Problem, Sizing, Space};
+use format_compare::{Dimension, Engine, Mixed, Problem, Sizing, Space};
 
 use crate::compare::{RunArguments, selected};
 use crate::input::{AnyProblem, Input};
@@ -42,6 +42,9 @@ where
     Space: Dimension<D>,
 {
     let options = arguments.run.options_for(problem)?;
+    if options.engine != Engine::Pieces {
+        bail!("registers are sized for compiled pieces: give --evaluate pieces, or nothing");
+    }
     let formats = selected::<D>(&["f64".to_string()])?;
     let plan = format_compare::plan_for(problem, formats[0].as_ref(), &options)?;
     Ok(format_compare::size(problem, &plan, &options)?)
@@ -69,7 +72,12 @@ fn report(sizing: &Sizing) -> Result<String> {
                 row.format, row.bits
             )?;
         }
-        _ => writeln!(text, "\nNo format of up to 48 bits meets the requirements.")?,
+        _ => {
+            writeln!(text, "\nNo format of up to 48 bits meets the requirements.")?;
+            if let Some(widest) = sizing.tried.last() {
+                writeln!(text, "The widest, {}: {}.", widest.format, widest.verdict)?;
+            }
+        }
     }
     if let Some(mixed) = &sizing.mixed {
         text += &registers(mixed)?;

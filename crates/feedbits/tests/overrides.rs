@@ -68,6 +68,43 @@ fn an_override_from_the_start_on_is_there_at_the_start() {
     assert!((0.299..=0.3).contains(&fastest), "{fastest}");
 }
 
+/// Back and forth along X, and round a corner of arcs, on axes that can do less than the path.
+#[test]
+fn what_each_axis_can_do_is_kept_while_the_rate_changes() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let file = |name: &str, text: &str| {
+        let path = folder.path().join(name).display().to_string();
+        std::fs::write(&path, text).expect("the folder is writable");
+        path
+    };
+    let machine = "[machine]\ninterpolation_period_ms = 1.0\nfeedrate_mm_per_s = 100.0\nacceleration_mm_per_s2 = 2000.0\n\
+        jerk_mm_per_s3 = 50000.0\nchord_error_mm = 0.0005\nfluctuation_limit = 1e-6\nparameter_tolerance = 1e-6\n\
+        max_iterations = 5\n";
+    let acceleration =
+        "[machine.axes.x]\nvelocity_mm_per_s = 80\nacceleration_mm_per_s2 = 500\njerk_mm_per_s3 = 9000\n";
+    let jerk_only = "[machine.axes.x]\njerk_mm_per_s3 = 9000\n";
+    let line = file("line.nc", "G21 G90\nG0 X0 Y0\nG1 X60 F4800\nX0\n");
+    let arcs = file("arcs.nc", "G21 G90\nG0 X0 Y0\nG3 X40 Y0 I20 J0 F4800\nG3 X0 Y0 I-20 J0\n");
+    for (part, axes, most) in
+        [(&line, acceleration, 500.0), (&arcs, acceleration, 500.0), (&arcs, jerk_only, f64::INFINITY)]
+    {
+        let machine = file("machine.toml", &format!("{machine}{axes}"));
+        let overrides = ["--override", "0.3:0,0.5:100,0.9:30,1.3:100"];
+        let output =
+            interpolate(&[&[part.as_str(), "--machine", &machine, "--json"], &overrides[..]].concat());
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let rows: Vec<serde_json::Value> = serde_json::from_slice(&output.stdout).expect("JSON");
+        let x = |row: &serde_json::Value| row["point_mm"][0].as_f64().expect("a place");
+        // At rest before, and without the landing.
+        let places: Vec<f64> = [0.0; 3].into_iter().chain(rows[..rows.len() - 1].iter().map(x)).collect();
+        let peak = |differences: Vec<f64>| differences.iter().fold(0.0_f64, |most, d| most.max(d.abs()));
+        let acceleration = peak(places.windows(3).map(|w| w[2] - 2.0 * w[1] + w[0]).collect()) * 1e6;
+        let jerk = peak(places.windows(4).map(|w| w[3] - 3.0 * (w[2] - w[1]) - w[0]).collect()) * 1e9;
+        assert!(acceleration <= most * (1.0 + 1e-3), "{part}: {acceleration} mm/s²");
+        assert!(jerk <= 9000.0 * (1.0 + 1e-2), "{part}: {jerk} mm/s³");
+    }
+}
+
 #[test]
 fn overrides_out_of_range_are_refused() {
     for (arguments, reason) in [

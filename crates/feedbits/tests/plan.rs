@@ -81,3 +81,28 @@ fn a_window_is_hardly_slower_when_it_is_long_enough() {
     assert_eq!(refused.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&refused.stderr).contains("--window 0: expected a positive length"));
 }
+
+/// The time that no plan can beat is that between the plan's own end feeds, and knows nothing of how this one shares out what
+/// an axis can do.
+#[test]
+fn no_plan_beats_its_lower_bound() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let machine = folder.path().join("machine.toml");
+    let text = std::fs::read_to_string(data("seed-000.toml")).expect("the example");
+    let from = text.find("[machine]").expect("its machine");
+    std::fs::write(&machine, format!("{}\n[machine.axes.x]\njerk_mm_per_s3 = 100.0\n", &text[from..]))
+        .expect("a file");
+    let slow = ["--machine", machine.to_str().expect("a path")];
+    for more in [&["--start-feed", "100", "--end-feed", "100"][..], &slow, &[]] {
+        let output = feedbits(&[&["plan", "--json", &data("seed-000.toml")], more].concat());
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let plan: serde_json::Value = serde_json::from_str(&stdout(&output)).expect("JSON");
+        assert!(
+            plan["over_jerk_free"].as_f64().expect("a share") > 0.0,
+            "{more:?}: {}",
+            plan["over_jerk_free"]
+        );
+        let bound = plan["jerk_free_time_s"].as_f64().expect("a time");
+        assert!(bound < 4.848, "{more:?}: {bound}");
+    }
+}

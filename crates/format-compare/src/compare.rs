@@ -1,6 +1,7 @@
 //! Many formats side by side, with a verdict each and a recommendation.
 
 use std::collections::BTreeMap;
+use std::fmt;
 
 use part_program::Machine;
 use real::FormatName;
@@ -114,6 +115,16 @@ impl Verdict {
     #[must_use]
     pub fn is_good(&self) -> bool {
         *self == Self::Good
+    }
+}
+
+impl fmt::Display for Verdict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Good => f.write_str("good"),
+            Self::Bad(reasons) => f.write_str(&reasons.join("; ")),
+            Self::Refused(reason) => write!(f, "refused: {reason}"),
+        }
     }
 }
 

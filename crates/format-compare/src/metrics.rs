@@ -2,8 +2,14 @@
 
 use serde::Serialize;
 
-/// The share of the full step F·T from which on a step counts as one at cruise.
-pub(crate) const AT_CRUISE: f64 = 0.25;
+/// The share of a full step from which on a step counts as one at cruise.
+const AT_CRUISE: f64 = 0.25;
+
+/// The length from which on a step counts as one at cruise: a quarter of F·T, or of the longest step wanted, where the plan
+/// never comes to F.
+pub(crate) fn cruise_mm(wanted_mm: impl Iterator<Item = f64>, full_step_mm: f64) -> f64 {
+    AT_CRUISE * full_step_mm.min(wanted_mm.fold(0.0, f64::max))
+}
 
 /// Feedrate fluctuation δ_i = 1 - |C(u_{i+1}) - C(u_i)|/(V_i T) over a run, as ratios.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -14,8 +20,8 @@ pub struct Fluctuation {
     pub min: f64,
     /// Mean of |δ|.
     pub mean_abs: f64,
-    /// Largest |δ| over the steps of at least a quarter of F·T, but the last, which takes what is left of the path also
-    /// where that is passed at full feed. A relative figure of a micrometre step near rest says nothing about the cut;
+    /// Largest |δ| over the steps of at least a quarter of F·T, or of the longest step where the plan never comes to F; but the
+    /// last, which takes what is left of the path also where that is passed at full feed. A relative figure of a micrometre step near rest says nothing about the cut;
     /// this one is what a requirement is judged by.
     pub cruise_max_abs: f64,
     /// Largest |chord - wanted chord| in mm, over all steps but the last: what says something about the steps near
@@ -52,6 +58,8 @@ impl Fluctuation {
     pub fn of(steps: &[JudgedStep], full_step_mm: f64) -> Self {
         let mut result =
             Self { max: 0.0, min: 0.0, mean_abs: 0.0, cruise_max_abs: 0.0, length_error_mm_max: 0.0 };
+        let wanted = steps.iter().take(steps.len().saturating_sub(1)).map(|step| step.wanted_mm);
+        let cruise = cruise_mm(wanted, full_step_mm);
         for (index, step) in steps.iter().enumerate() {
             let delta = step.fluctuation();
             if index == 0 {
@@ -64,7 +72,7 @@ impl Fluctuation {
                 continue;
             }
             result.length_error_mm_max = result.length_error_mm_max.max(step.shortfall_mm.abs());
-            if step.wanted_mm >= AT_CRUISE * full_step_mm {
+            if step.wanted_mm >= cruise {
                 result.cruise_max_abs = result.cruise_max_abs.max(delta.abs());
             }
         }
@@ -117,6 +125,13 @@ mod tests {
         assert_eq!((figures.max, figures.min), (0.5, -0.002));
         assert_eq!((figures.cruise_max_abs, figures.length_error_mm_max), (0.002, 0.0012));
         assert!((figures.mean_abs - (0.001 + 0.002 + 0.5) / 3.0).abs() < 1e-15);
+    }
+
+    /// A feed that is never reached exempts no step.
+    #[test]
+    fn where_the_plan_stays_far_below_the_feed_its_longest_steps_are_the_cruise() {
+        let run = [step(0.001, 0.0005), step(0.04, 0.0002), step(0.01, 0.0001), step(0.6, 0.3)];
+        assert_eq!(Fluctuation::of(&run, 0.6).cruise_max_abs, 0.01);
     }
 
     /// A path that is left in motion ends within a step at cruise.

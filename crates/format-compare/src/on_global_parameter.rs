@@ -6,7 +6,7 @@ use real::{Audit, Backend, Recorded};
 use secant_interp::{Interpolator, Method, Tolerance};
 
 use crate::exact_plan::{ExactPlan, in_format};
-use crate::metrics::AT_CRUISE;
+use crate::metrics::cruise_mm;
 use crate::problem::Problem;
 use crate::recorded::RecordedRun;
 use crate::run::{Options, Refusal, Run, RunStep, most_periods, resolution_at, unit_in_last_place};
@@ -113,8 +113,9 @@ fn fluctuation_resolution<R: Backend, const D: usize>(
     problem: &Problem<D>,
 ) -> f64 {
     let full_step = problem.machine.feedrate_mm_per_s * problem.period_s();
+    let cruise = cruise_mm(steps.iter().map(|step| step.wanted_mm.0), full_step);
     let from = std::iter::once(start).chain(steps.iter().map(|step| step.u.0));
-    let at_cruise = from.zip(steps).filter(|(_, step)| step.wanted_mm.0 >= AT_CRUISE * full_step);
+    let at_cruise = from.zip(steps).filter(|(_, step)| step.wanted_mm.0 >= cruise);
     let share = at_cruise.map(|(from, step)| 0.5 * unit_in_last_place::<R>(step.u.0) / (step.u.0 - from));
     share.filter(|share| share.is_finite()).fold(0.0, f64::max)
 }

@@ -6,7 +6,7 @@
 
 use std::fmt;
 
-use feed_plan::FeedPiece;
+use feed_plan::{AxisLimits, FeedPiece, KinematicLimits};
 use real::DoubleDouble;
 use secant_interp::{
     FeedOverride, LengthCursor, LengthStage, OverrideLimits, OverrideState, Rate, StepLengths,
@@ -15,6 +15,9 @@ use secant_interp::{
 use crate::exact_plan::ExactPlan;
 use crate::least_periods::MOST_PERIODS;
 use crate::problem::Problem;
+
+/// So many times the path's own limit is none for an axis.
+const AMPLE: f64 = 1e6;
 
 /// A new override from some time on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -116,6 +119,29 @@ impl Overrides {
         problem
     }
 
+    /// The limits of an axis, and what the plan may take of them: all but the reserve. Of an acceleration without a limit it takes
+    /// no more than the path's and what turns the path, to which the chord error sets a limit, `V² |k| ≤ 8 E/T²`.
+    fn of_axis(
+        &self,
+        path: &OverrideLimits<f64>,
+        axis: &AxisLimits<f64>,
+        machine: &KinematicLimits<f64>,
+    ) -> OverrideLimits<f64> {
+        let kept = 1.0 - self.reserve;
+        let turning = 8.0 * machine.chord_error;
+        let turning = machine.centripetal_acceleration.map_or(turning, |most| most.min(turning));
+        let (acceleration, planned_acceleration) = match axis.acceleration {
+            Some(most) => (most, most * kept),
+            None => (AMPLE * machine.acceleration, path.planned_acceleration + turning),
+        };
+        let (jerk, planned_jerk) = match axis.jerk {
+            Some(most) => (most, most * kept),
+            None => (AMPLE * machine.jerk, path.planned_jerk),
+        };
+        let planned_feed = axis.velocity.map_or(path.planned_feed, |most| most.min(path.planned_feed));
+        OverrideLimits { acceleration, jerk, planned_acceleration, planned_jerk, planned_feed }
+    }
+
     /// The rates period by period for a plan of [`to_plan`](Self::to_plan)'s problem, on the machine of `problem`.
     ///
     /// # Errors
@@ -132,7 +158,7 @@ impl Overrides {
         };
         // A limit on a change of the rate follows from the plan's own peaks, rounded up.
         let up = 1.0 + 1e-12;
-        let feeds = FeedOverride::new(&OverrideLimits {
+        let path = OverrideLimits {
             acceleration: limits.acceleration,
             jerk: limits.jerk,
             planned_acceleration: most(FeedPiece::peak_acceleration) * up,
@@ -140,8 +166,12 @@ impl Overrides {
             planned_feed: stages.iter().fold(f64::MIN_POSITIVE, |most, stage| {
                 most.max(stage.start_feed.value()).max(stage.end_feed.value())
             }) * up,
-        })
-        .ok_or(OverrideError::NothingLeft)?;
+        };
+        let has_limits = |axis: &&AxisLimits<f64>| axis.acceleration.is_some() || axis.jerk.is_some();
+        let axes = limits.axes.iter().filter(has_limits).map(|axis| self.of_axis(&path, axis, &limits));
+        let bounds = std::iter::once(path).chain(axes).map(|limits| FeedOverride::new(&limits));
+        let feeds =
+            bounds.reduce(|all, one| Some(all?.and(one?))).flatten().ok_or(OverrideError::NothingLeft)?;
         let rate = |share: f64| Rate::of(share / self.highest());
         let period_of = |target: &OverrideTarget| (target.time_s / problem.period_s()).round();
         let targets = self.targets.iter().map(|target| (period_of(target), rate(target.share))).collect();

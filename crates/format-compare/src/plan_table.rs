@@ -1,6 +1,6 @@
 //! A plan as people read it: the stage table in mm and s, a summary, and samples.
 
-use feed_plan::{FeedLimit, ProfileKind, Stage, StageKind, StageShape, jerk_free_duration};
+use feed_plan::{EndFeeds, FeedLimit, ProfileKind, Stage, StageKind, StageShape, jerk_free_duration};
 use nurbs_core::Evaluate;
 use real::DoubleDouble;
 use serde::Serialize;
@@ -93,7 +93,6 @@ impl PlanSummary {
     /// [`Refusal::Plan`] when the limit curve cannot be made.
     pub fn of<const D: usize>(plan: &ExactPlan, problem: &Problem<D>) -> Result<Self, Refusal> {
         let t = problem.period_s();
-        let limits = problem.limits_per_period()?;
         let feed_limit = problem.feed_limit()?;
         let stages: Vec<StageRow> = plan
             .schedule()
@@ -122,7 +121,7 @@ impl PlanSummary {
         let acceleration = pieces().map(|piece| piece.peak_acceleration().value()).fold(0.0, f64::max);
         let jerk = pieces().map(|piece| piece.peak_jerk().value()).fold(0.0, f64::max);
         let time_s = f64::from(plan.periods()) * t;
-        let jerk_free_time_s = jerk_free_duration(&feed_limit, &limits) * t;
+        let jerk_free_time_s = jerk_free_time_s(plan, problem, &feed_limit)?;
         let length_mm: f64 = stages.iter().map(|s| s.length_mm).sum();
         let full = problem.machine.feedrate_mm_per_s * (1.0 - AT_FEED);
         let is_full = |(row, stage): &(&StageRow, &Stage<DoubleDouble>)| {
@@ -149,6 +148,33 @@ impl PlanSummary {
             stages,
         })
     }
+}
+
+/// The least time between the plan's end feeds without a limit of jerk. Limits of the axes' accelerations and jerks are left out
+/// too: how a plan shares them out between turning and the feed is its own choice.
+fn jerk_free_time_s<const D: usize>(
+    plan: &ExactPlan,
+    problem: &Problem<D>,
+    feed_limit: &FeedLimit<f64>,
+) -> Result<f64, Refusal> {
+    let stages = plan.schedule().stages();
+    let ends = EndFeeds {
+        start: stages.first().map_or(0.0, |stage| stage.start_feed.value()),
+        end: stages.last().map_or(0.0, |stage| stage.end_feed.value()),
+    };
+    let mut free = problem.clone();
+    let mut is_limited = false;
+    for axis in [&mut free.machine.axes.x, &mut free.machine.axes.y, &mut free.machine.axes.z] {
+        let limits = [axis.acceleration_mm_per_s2.take(), axis.jerk_mm_per_s3.take()];
+        is_limited |= limits.iter().any(Option::is_some);
+    }
+    let limits = problem.limits_per_period()?;
+    let duration = if is_limited {
+        jerk_free_duration(&free.feed_limit()?, &limits, ends)
+    } else {
+        jerk_free_duration(feed_limit, &limits, ends)
+    };
+    Ok(duration * problem.period_s())
 }
 
 /// A kind of transition by its name on the command line.

@@ -17,8 +17,9 @@
 //!
 //! An override above 100 % needs a plan for the highest one: plan with that multiple of the commanded feed as the
 //! feedrate, under the same limits, and take r = 1 as that override. What is commanded at 100 % is then the plan at the
-//! rate 1/multiple. Chord error, centripetal acceleration and the axes' limits hold at every rate up to 1, since
-//! each falls with the rate; for the axes' own accelerations and jerks the same reserve is to be kept.
+//! rate 1/multiple. Chord error, centripetal acceleration and the axes' feeds hold at every rate up to 1, since each falls with the
+//! rate. What is said of the path holds of each axis, with its own A, J, A_p, J_p and V_p: where axes have limits, the bounds are the
+//! least of all ([`FeedOverride::and`]).
 //!
 //! Hold is the rate 0. The rate is constant over a period, and goes to a new target as a position goes to rest: from
 //! period to period it changes by at most ρ₁, and that change by at most ρ₂, braked in time so that it is 0 at the target.
@@ -137,6 +138,12 @@ impl FeedOverride {
         let bend = (spare_jerk - by_slope) / limits.planned_feed;
         let (slope, bend) = (units(slope), NonZeroU64::new(units(bend))?);
         (slope > 0).then_some(Self { slope, bend })
+    }
+
+    /// The rate changes as fast as both allow: what keeps the limits of the path and of an axis.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
+        Self { slope: self.slope.min(other.slope), bend: self.bend.min(other.bend) }
     }
 
     /// The distance of the next period, or `None` when the plan is over. At hold it is 0.
