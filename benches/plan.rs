@@ -13,7 +13,7 @@ fn planning(criterion: &mut Criterion) {
         let limits = path.limits();
         let curves = [FastCurve::of(path.curve.as_curve())];
         let limit = FeedLimit::along(&curves, &limits).expect("a limit");
-        let own_time = jerk_free_duration(&limit, &limits) * PERIOD_S;
+        let own_time = jerk_free_duration(&limit, &limits, EndFeeds::default()) * PERIOD_S;
         println!("{what}: {} limit points, at least {own_time:.2} s of motion", limit.points().len());
         group.throughput(Throughput::Elements(limit.points().len() as u64));
         let limit_of = || FeedLimit::along(&curves, &limits);
