@@ -520,6 +520,24 @@ mod tests {
         assert_eq!(at_break(Junction::Deviation(1e-3)), 0.6);
     }
 
+    /// A right angle within 0.1 mm: `V² = a δ/(√2 - 1)`.
+    #[test]
+    fn a_corner_is_rounded_with_no_more_than_the_centripetal_acceleration() {
+        let path = polyline(&[[0.0, 0.0], [20.0, 0.0], [20.0, 20.0]]);
+        let curves: Vec<_> = path.iter().map(NurbsBuf::as_curve).collect();
+        for (centripetal, acceleration) in [(None, 0.045), (Some(0.01), 0.01), (Some(0.1), 0.045)] {
+            let limits = KinematicLimits {
+                junction: Junction::Deviation(0.1),
+                centripetal_acceleration: centripetal,
+                ..paper_limits()
+            };
+            let limit = FeedLimit::along(&curves, &limits).unwrap();
+            let found = limit.nodes().iter().fold(f64::MAX, |least, node| least.min(node.lower));
+            let expected = (acceleration * 0.1 / (2.0_f64.sqrt() - 1.0)).sqrt();
+            assert!((found / expected - 1.0).abs() < 1e-9, "{centripetal:?}: {found} for {expected}");
+        }
+    }
+
     #[test]
     fn a_cusp_is_a_stop_wherever_its_parameter_lies() {
         // Length of (10 t², 10 t³) from 0 to T: 10/27 ((4 + 9T²)^1.5 - 8).

@@ -54,8 +54,8 @@ pub enum Junction<R> {
     /// At rest, where it is a corner.
     #[default]
     Stop,
-    /// As if rounded within this distance δ, mm, at the acceleration A: `V² = A δ cos(φ/2) / (1 - cos(φ/2))` for a turn by
-    /// φ, and no faster than `4δ/(T |e₂ - e₁|)`, at which the chord of one period over the corner stays within δ of it.
+    /// As if rounded within this distance δ, mm, at the acceleration A, or the centripetal one if that is less:
+    /// `V² = A δ cos(φ/2) / (1 - cos(φ/2))` for a turn by φ, and no faster than `4δ/(T |e₂ - e₁|)`, at which the chord of one period over the corner stays within δ of it.
     Deviation(R),
     /// With a jump of each axis's velocity by at most this: `V |e₂ - e₁|ᵢ ≤ Δvᵢ`, e the unit tangents.
     VelocityJump([R; 3]),
@@ -104,6 +104,11 @@ impl<R: Real> KinematicLimits<R> {
             Some((what, _)) => Err(PlanError::NotPositive { what }),
             None => Ok(()),
         }
+    }
+
+    /// What a corner may be rounded with.
+    pub(crate) fn acceleration_across(&self) -> R {
+        self.centripetal_acceleration.map_or(self.acceleration, |most| most.min(self.acceleration))
     }
 
     /// Largest feedrate on a bend of radius `radius` ρ: `min(F, V_e(ρ), √(a_n ρ))`.

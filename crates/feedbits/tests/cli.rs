@@ -188,12 +188,35 @@ fn bad_usage_is_explained() {
         (vec!["convert", "--to", "g1", "--tolerance", "-1"], "--tolerance -1: expected a positive length"),
         (vec!["smooth", "--tolerance", "-1"], "--tolerance -1: expected a positive length"),
         (vec!["servo", "--circle", "-1"], "radius"),
+        (vec!["size", "--evaluate", "de-boor"], "registers are sized for compiled pieces"),
+        (vec!["size", "--solver", "taylor-1"], "registers are sized for compiled pieces"),
+        (
+            vec!["interpolate", "--format", "f32", "--plan-in", "I4F28"],
+            "planning in I4F28: control point 0 does not fit",
+        ),
     ] {
         let output = feedbits(&arguments);
         let message = text(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
         assert!(message.contains(word), "{arguments:?}: {message}");
     }
+}
+
+#[test]
+fn where_no_format_is_enough_the_widest_says_why() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("part.toml");
+    let example = fs::read_to_string(data("seed-000.toml")).expect("the example");
+    let asked = example.replace("fluctuation_limit = 1e-6", "fluctuation_limit = 1e-18");
+    assert_ne!(asked, example);
+    fs::write(&path, asked).expect("the folder is writable");
+    let output = feedbits(&["size", path.to_str().expect("a path")]);
+    let said = text(&output.stdout);
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(
+        said.contains("No format of up to 48 bits") && said.contains("The widest, I2F46: fluctuation"),
+        "{said}"
+    );
 }
 
 /// A format or a target that is named twice is one all the same.

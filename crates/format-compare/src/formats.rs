@@ -259,7 +259,9 @@ where
         PlanIn::Same => format.plan(problem, options),
         PlanIn::Format(name) => {
             let planner = select::<D>(&[name.to_string()]).ok().and_then(|mut found| found.pop());
-            planner.as_deref().unwrap_or(format).plan(problem, options)
+            let planned = planner.as_deref().unwrap_or(format).plan(problem, options);
+            let is_asked_for = options.plan_in != PlanIn::default();
+            planned.map_err(|why| if is_asked_for { Refusal::PlanIn(name, Box::new(why)) } else { why })
         }
     }
 }

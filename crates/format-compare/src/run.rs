@@ -102,6 +102,8 @@ pub enum Refusal {
         /// The format.
         format: FormatName,
     },
+    /// No plan can be made in the format that it is to be made in.
+    PlanIn(FormatName, Box<Refusal>),
     /// No plan exists.
     Plan(PlanError),
     /// The pieces do not fit the format.
@@ -126,6 +128,7 @@ impl fmt::Display for Refusal {
             Self::Limit { what, value, format } => {
                 write!(f, "{what} = {value:.3e} (mm, periods) is out of range or zero in {format}")
             }
+            Self::PlanIn(format, refusal) => write!(f, "planning in {format}: {refusal}"),
             Self::Plan(error) => write!(f, "planning failed: {error}"),
             Self::Compile(error) => error.fmt(f),
             Self::ManyCurves(count) => write!(f, "one global parameter runs one curve, not {count}"),
