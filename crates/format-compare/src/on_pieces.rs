@@ -74,7 +74,8 @@ pub(crate) fn compiled<R: Backend, const D: usize>(
     let piece_limits =
         PieceLimits { length_mm: options.piece_length_mm, step_mm: limits.feedrate + landing_step_mm };
     let stops: Vec<_> = plan.rests().collect();
-    let table = compile_with_stops::<DoubleDouble, R, D>(&curves, &piece_limits, &stops)?;
+    let table = compile_with_stops::<DoubleDouble, R, D>(&curves, &piece_limits, &stops)
+        .map_err(|error| problem.refusal(error))?;
     in_format::<R>("acceleration", landing_step_mm.scale(table.as_pieces().chord_exponent))?;
     let tolerance = ChordTolerance::for_fluctuation(options.fluctuation, problem.machine.max_iterations);
     CompiledPath::new(table, &plan.schedule(), tolerance, landing_step_mm).map_err(|error| {

@@ -6,8 +6,10 @@
 //! moved is kept, so that setpoints can be given where the part has them.
 
 use feed_plan::{AxisLimits, FeedLimit, Junction, KinematicLimits, PlanError};
-use nurbs_core::{CurveError, FastCurve, NurbsBuf};
+use nurbs_core::{CompileError, CurveError, FastCurve, NurbsBuf};
 use part_program::{Curve, GAP_MM, Machine, MoveKind, Part};
+
+use crate::run::Refusal;
 
 /// A path of curves in mm and the machine that is to follow it.
 #[derive(Clone, Debug)]
@@ -22,6 +24,8 @@ pub struct Problem<const D: usize> {
     pub feed_shares: Vec<f64>,
     /// Numbers of the curves that begin at rest whatever their direction, in order: those behind an exact stop.
     pub stops: Vec<usize>,
+    /// The line of each curve in the part; empty if nobody knows.
+    pub lines: Vec<usize>,
     /// The number of rapid moves that were left out.
     pub rapids_left_out: usize,
     /// The machine's limits, with the highest feedrate that the part commands, if it does.
@@ -54,6 +58,7 @@ impl<const D: usize> Problem<D> {
         let stops_behind = |index: &usize| part.moves.get(*index).is_some_and(|one| one.exact_stop);
         let stops = (1..).zip(&indices).filter(|(_, index)| stops_behind(index)).map(|(next, _)| next);
         let stops = stops.filter(|next| *next < indices.len()).collect();
+        let lines = indices.iter().map_while(|index| part.moves.get(*index)).map(|one| one.line).collect();
         let moved_mm = closing_moves(&taken);
         let still = [0.0; D];
         let curves = taken.iter().enumerate().map(|(index, curve)| {
@@ -67,13 +72,22 @@ impl<const D: usize> Problem<D> {
         if let Some(feedrate) = part.feedrate_mm_per_s {
             machine.feedrate_mm_per_s = feedrate;
         }
-        Ok(Self { name: part.name.clone(), curves, moved_mm, feed_shares, stops, rapids_left_out, machine })
+        let name = part.name.clone();
+        Ok(Self { name, curves, moved_mm, feed_shares, stops, lines, rapids_left_out, machine })
     }
 
     /// The feedrate of a curve, as a share of the machine's.
     #[must_use]
     pub fn feed_share(&self, curve: usize) -> f64 {
         self.feed_shares.get(curve).copied().unwrap_or(1.0)
+    }
+
+    /// Why the curves cannot be compiled, with the place in the part.
+    pub(crate) fn refusal(&self, error: CompileError) -> Refusal {
+        match error.curve().and_then(|curve| self.lines.get(curve)) {
+            Some(line) => Refusal::CurveAt { part: self.name.clone(), line: *line, error },
+            None => Refusal::Compile(error),
+        }
     }
 
     /// The largest feed at each distance, in f64, in mm and periods.

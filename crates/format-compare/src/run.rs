@@ -108,6 +108,15 @@ pub enum Refusal {
     Plan(PlanError),
     /// The pieces do not fit the format.
     Compile(CompileError),
+    /// A curve of the part that cannot be pieces, and where the part has it.
+    CurveAt {
+        /// Name of the part.
+        part: String,
+        /// Line of the move.
+        line: usize,
+        /// What is wrong with it.
+        error: CompileError,
+    },
     /// The interpolator with one global parameter runs one curve.
     ManyCurves(usize),
     /// A controller has no type of this format.
@@ -131,6 +140,7 @@ impl fmt::Display for Refusal {
             Self::PlanIn(format, refusal) => write!(f, "planning in {format}: {refusal}"),
             Self::Plan(error) => write!(f, "planning failed: {error}"),
             Self::Compile(error) => error.fmt(f),
+            Self::CurveAt { part, line, error } => write!(f, "{part}:{line}: {error}"),
             Self::ManyCurves(count) => write!(f, "one global parameter runs one curve, not {count}"),
             Self::NoType(format) => {
                 write!(f, "{format} is no type of a controller: expected a float, or 8, 16, 32 or 64 bits")

@@ -67,6 +67,19 @@ pub enum CompileError {
     },
 }
 
+impl CompileError {
+    /// Index of the curve that is at fault, if it is one.
+    #[must_use]
+    pub fn curve(&self) -> Option<usize> {
+        match *self {
+            Self::Cusp { curve, .. }
+            | Self::SpeedOutOfRange { curve, .. }
+            | Self::OriginOutOfRange { curve } => Some(curve),
+            Self::LimitNotPositive { .. } | Self::DoesNotFit { .. } => None,
+        }
+    }
+}
+
 impl core::fmt::Display for CompileError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
