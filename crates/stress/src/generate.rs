@@ -251,15 +251,10 @@ pub fn any_curve<const D: usize>(bytes: &mut Unstructured<'_>) -> Result<NurbsBu
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::SplitMix64;
 
     fn bytes(seed: u64) -> Vec<u8> {
-        let mut state = seed;
-        let mut next = || {
-            state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-            let mixed = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-            (mixed ^ (mixed >> 27)).to_be_bytes()[0]
-        };
-        (0..4096).map(|_| next()).collect()
+        SplitMix64::new(seed).take(4096).map(|word| word.to_be_bytes()[0]).collect()
     }
 
     #[test]

@@ -21,6 +21,7 @@ mod piece_points;
 mod planned;
 mod side_by_side;
 mod soak;
+mod split_mix;
 mod step_bound;
 mod violation;
 
@@ -33,5 +34,6 @@ pub use side_by_side::check_against_float;
 pub use soak::{
     SOAK_FORMATS, Soak, SoakFormat, SoakPaths, SoakViolation, Soaked, SoakedPath, SoakedRun, soak_path,
 };
+pub use split_mix::SplitMix64;
 pub use step_bound::{StepBound, StepShape};
 pub use violation::{Outcome, Violation};

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::piece_points::{Judge, compiled};
 use crate::violation::{Outcome, Violation};
-use crate::{OnPieces, PieceFigures, Planned, RandomPath};
+use crate::{OnPieces, PieceFigures, Planned, RandomPath, SplitMix64};
 
 /// Bytes a path is drawn from.
 const BYTES: usize = 1500;
@@ -294,16 +294,10 @@ fn soaked<const D: usize>(
     soaked
 }
 
-/// The bytes of a path: SplitMix64 (Steele, Lea, Flood, 2014), seeded with both numbers.
+/// The bytes of a path, seeded with both numbers.
 fn bytes(seed: u64, path: u64) -> Vec<u8> {
-    let mut state = seed ^ path.wrapping_mul(0xd134_2543_de82_ef95);
-    let words = (0..BYTES.div_ceil(8)).flat_map(|_| {
-        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mixed = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        (mixed ^ (mixed >> 31)).to_le_bytes()
-    });
-    words.collect()
+    let words = SplitMix64::new(seed ^ path.wrapping_mul(0xd134_2543_de82_ef95));
+    words.take(BYTES.div_ceil(8)).flat_map(u64::to_le_bytes).collect()
 }
 
 #[cfg(test)]

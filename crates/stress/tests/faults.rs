@@ -4,19 +4,13 @@
 use feed_plan::ProfileKind;
 use real::{Overflow, Rounding, RuntimeFixed, RuntimeFormat};
 use stress::{
-    OnCurve, OnPieces, Planned, RandomPath, SOAK_FORMATS, SoakFormat, SoakPaths, SoakedRun, soak_path,
+    OnCurve, OnPieces, Planned, RandomPath, SOAK_FORMATS, SoakFormat, SoakPaths, SoakedRun, SplitMix64,
+    soak_path,
 };
 
-/// Bytes from a seed: SplitMix64.
 fn bytes(seed: u64) -> Vec<u8> {
-    let mut state = seed.wrapping_mul(0xd134_2543_de82_ef95);
-    let mut next = || {
-        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mixed = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        (mixed ^ (mixed >> 31)).to_le_bytes()[0]
-    };
-    (0..1500).map(|_| next()).collect()
+    let words = SplitMix64::new(seed.wrapping_mul(0xd134_2543_de82_ef95));
+    words.take(1500).map(|word| word.to_le_bytes()[0]).collect()
 }
 
 /// FNV-1a of a path's numbers, to the digits of an f32: in those behind, machines differ in sines and powers.
