@@ -142,6 +142,22 @@ K1.23456
     assert!(written.split_whitespace().filter(|word| word.starts_with(['X', 'Y'])).all(short), "{written}");
 }
 
+/// The tool was on during the way to the part: M3 stood in front of the first rapid move, in every dialect.
+#[test]
+fn the_tool_is_switched_on_where_the_program_says() {
+    let program = "G21 G90\nG0 X50 Y50\nM3 S100\nG1 X60 F1000\nM5\nG0 X80\nM3\nG1 X90\nM5\nM30\n";
+    for arguments in [
+        vec!["--to", "g06.2"],
+        vec!["--to", "g06.2", "--digits", "3", "--ratios", "999999.999"],
+        vec!["--to", "g5.2"],
+        vec!["--to", "g1"],
+        vec!["--to", "g1", "--digits", "3"],
+    ] {
+        let (_, written, said) = convert_text(program, &arguments);
+        assert!(written.starts_with("G21 G90 G94\nG0 X50. Y50.\nM3 S100\nG1 X60."), "{written}{said}");
+    }
+}
+
 #[test]
 fn knots_and_weights_have_the_digits_of_a_control_if_asked() {
     let (status, written, said) =

@@ -20,7 +20,7 @@ pub struct Curve {
     pub degree: usize,
     /// Control points P_0 … P_n, in mm. A planar curve has z = 0.
     pub control_points_mm: Vec<[f64; 3]>,
-    /// 2 for a curve in the plane z = 0, else 3.
+    /// 2 for a curve in the plane z = 0; else 3, and of one there too whose file gives its points a third coordinate.
     pub dimension: usize,
     /// Weights w_0 … w_n, positive.
     pub weights: Vec<f64>,
@@ -253,6 +253,11 @@ impl Curve {
     /// The number of coordinates that the points need: 2 if every z is zero.
     pub(crate) fn dimension_of(points: &[[f64; 3]]) -> usize {
         if points.iter().all(|point| point[2] == 0.0) { 2 } else { 3 }
+    }
+
+    /// Whether a point lies beside the plane z = 0.
+    pub(crate) fn leaves_z_0(&self) -> bool {
+        Self::dimension_of(&self.control_points_mm) == 3
     }
 }
 

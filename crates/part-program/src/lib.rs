@@ -31,6 +31,7 @@
 //! whole number beyond 64 bits, overflows the stack at nested brackets and refuses every file with an apostrophe in a
 //! name, so it cannot be given files that it has not seen; CAD systems export the same curves as DXF.
 
+mod approach;
 mod arc;
 mod bend;
 mod bezier;
@@ -66,6 +67,7 @@ mod vector;
 mod write;
 mod write_curves;
 
+pub use approach::Approach;
 pub use arc::HELIX_TOLERANCE_MM;
 pub use bounds::bounding_box_mm;
 pub use curve::{Curve, CurveFault, Element, End, MAX_COORDINATE_MM, MAX_DEGREE, MAX_KNOT, MAX_WEIGHT};

@@ -1,5 +1,6 @@
 //! A part: the curves of one file, in the order in which they are followed.
 
+use crate::approach::Approach;
 use crate::curve::Curve;
 use crate::diagnostic::Diagnostic;
 use crate::machine::Machine;
@@ -13,6 +14,8 @@ pub struct Part {
     pub curves: Vec<Curve>,
     /// What the program says of each curve: `moves[i]` belongs to `curves[i]`.
     pub moves: Vec<Move>,
+    /// Moves from where nobody knows, in the order of the program: no curves, but M3 may stand before or behind them.
+    pub approaches: Vec<Approach>,
     /// Words that do not move the tool: M, S, T, D and H, in the order of the program.
     pub auxiliary: Vec<Auxiliary>,
     /// Lines of moves at feed that end where they start, and so are no curves.

@@ -1,5 +1,6 @@
 //! Straight moves, arcs and helices of a part program.
 
+use crate::approach::Approach;
 use crate::arc::{ArcFault, ArcMove, Circle, Plane};
 use crate::block::Block;
 use crate::curve::{Curve, MAX_COORDINATE_MM};
@@ -13,6 +14,7 @@ impl Reader<'_, '_, '_> {
     pub(crate) fn straight(&mut self, block: &mut Block<'_>, inverse_feed: Option<f64>) {
         let (before, span) = (self.modal.position, block.span);
         let Some((start, end)) = self.ends(block) else { return };
+        self.approach(before, span);
         if start == end {
             // A first move says where the tool is; a later one to the same place was meant to go somewhere.
             if self.modal.motion == Motion::Line && self.modal.position == before {
@@ -29,6 +31,23 @@ impl Reader<'_, '_, '_> {
             _ => (MoveKind::Feed, self.feedrate(length, inverse_feed, block.span)),
         };
         self.push(curve, kind, Shape::Line, feed, block.span);
+    }
+
+    /// Notes the axes that were unknown before the straight move at hand and are known now.
+    fn approach(&mut self, before: [Option<f64>; 3], span: Span) {
+        let here = self.modal.position;
+        let axes = std::array::from_fn(|axis| before[axis].is_none() && here[axis].is_some());
+        // Incremental words do not say where they begin.
+        if self.modal.incremental || axes == [false; 3] {
+            return;
+        }
+        let (kind, feedrate_mm_per_s) = match (self.modal.motion, self.modal.feed_mode) {
+            (Motion::Rapid, _) => (MoveKind::Rapid, None),
+            (_, FeedMode::PerMinute) => (MoveKind::Feed, self.modal.feedrate_mm_per_s),
+            (_, FeedMode::InverseTime) => (MoveKind::Feed, None),
+        };
+        let line = self.line(span);
+        self.part.approaches.push(Approach { axes, kind, feedrate_mm_per_s, line });
     }
 
     /// Start and end of a move by the block's coordinates; the position is brought to the end.

@@ -2,7 +2,10 @@
 //! decimal point, since a control may take a number without one as micrometres.
 //!
 //! Rapid moves stay G0 and straight moves G1, whatever becomes of the curves between them. Words that do not move the
-//! tool stay at their moves: M0, M1, M5 and M9 of a move's own block behind it, all others before it.
+//! tool stay at their moves: M0, M1, M5 and M9 of a move's own block behind it, all others before it. The way to the first curve
+//! is written where the program had it, among them.
+//!
+//! A part in the plane Z = 0 is written without Z, but for the way to it if the program names Z.
 //!
 //! An exact stop is G61 before the block that ends in it, G61.1 for LinuxCNC, whose G61 passes smooth joints, G60 for Siemens;
 //! G64 stands before the next block at feed without one.
@@ -10,6 +13,7 @@
 use std::fmt::{self, Write};
 
 use crate::MAX_TEXT;
+use crate::approach::Approach;
 use crate::bezier;
 use crate::curve::Curve;
 use crate::linuxcnc::LEAST_ORDER;
@@ -229,27 +233,52 @@ fn write(
     exact_stop: &'static str,
     mut write_curve: impl FnMut(&mut Program, usize, &Curve) -> Result<(), WriteError>,
 ) -> Result<String, WriteError> {
-    let is_planar = part.curves.iter().all(|curve| Curve::dimension_of(&curve.control_points_mm) == 2);
+    let is_planar = !part.curves.iter().any(Curve::leaves_z_0);
     let mut program = Program { exact_stop, ..Program::new(is_planar) };
     around.into_iter().for_each(|[first, _]| program.line(first));
     let all: Vec<_> = part.auxiliary.iter().collect();
-    let mut words = all.as_slice();
+    let mut words = Words(&all);
+    let mut approaches = part.whole_approaches().into_iter().peekable();
     for (index, (curve, one)) in part.curves.iter().zip(&part.moves).enumerate() {
-        let before = words.partition_point(|word| word.line < one.line);
-        program.auxiliary(&words[..before]);
+        while let Some(approach) = approaches.next_if(|approach| approach.line <= one.line) {
+            program.auxiliary(words.before(approach.line));
+            // Words of a block that makes a curve too are the curve's.
+            let is_own = approach.line < one.line && part.approaches_in(approach.line);
+            let [ahead, behind] = words.of_block(approach.line, is_own);
+            program.auxiliary(&ahead);
+            program.approach(&approach, curve, one);
+            program.auxiliary(&behind);
+        }
+        program.auxiliary(words.before(one.line));
         // Several curves may come from one block: its words are written once, at the last of them.
         let is_last = part.moves.get(index + 1).is_none_or(|next| next.line > one.line);
-        let own = if is_last { words.partition_point(|word| word.line <= one.line) } else { before };
-        let (behind, ahead): (Vec<&Auxiliary>, Vec<&Auxiliary>) =
-            words[before..own].iter().copied().partition(|word| word.is_behind());
-        words = &words[own..];
+        let [ahead, behind] = words.of_block(one.line, is_last);
         program.auxiliary(&ahead);
         program.curve(index, curve, one, &mut write_curve)?;
         program.auxiliary(&behind);
     }
-    program.auxiliary(words);
+    program.auxiliary(words.0);
     around.into_iter().for_each(|[_, last]| program.line(last));
     Ok(program.end())
+}
+
+/// Words that do not move the tool and are still to be written, in the order of the program.
+struct Words<'w, 'p>(&'w [&'p Auxiliary]);
+
+impl<'w, 'p> Words<'w, 'p> {
+    /// Takes those of the lines before one.
+    fn before(&mut self, line: usize) -> &'w [&'p Auxiliary] {
+        let (before, rest) = self.0.split_at(self.0.partition_point(|word| word.line < line));
+        self.0 = rest;
+        before
+    }
+
+    /// Takes those of a move's own block, if `is_last` of its moves: ahead of the move, and behind it.
+    fn of_block(&mut self, line: usize, is_last: bool) -> [Vec<&'p Auxiliary>; 2] {
+        let own = if is_last { self.before(line + 1) } else { &[] };
+        let (behind, ahead) = own.iter().copied().partition(|word| word.is_behind());
+        [ahead, behind]
+    }
 }
 
 impl Auxiliary {
@@ -288,7 +317,8 @@ fn feed_word(feedrate_mm_per_s: f64) -> f64 {
 struct Program {
     text: String,
     planar: bool,
-    position: Option<[f64; 3]>,
+    /// Where the tool is, as written.
+    position: [Option<f64>; 3],
     /// In mm/s: the feedrate that holds, as written.
     feedrate: Option<f64>,
     /// F, in mm/min, until it is written.
@@ -308,7 +338,7 @@ impl Program {
         Self {
             text,
             planar,
-            position: None,
+            position: [None; 3],
             feedrate: None,
             feed: None,
             exact_stop: EXACT_STOP,
@@ -349,7 +379,7 @@ impl Program {
     ) -> Result<(), WriteError> {
         let Some((first, rest)) = curve.control_points_mm.split_first() else { return Ok(()) };
         if one.kind == MoveKind::Rapid {
-            self.rapid_to(*first);
+            self.line_through("G0", &[*first]);
             if curve.degree > 1 {
                 return Err(WriteError::CurvedRapid { curve: index, line: one.line });
             }
@@ -357,14 +387,14 @@ impl Program {
             return Ok(());
         }
         self.set_feed(one.feedrate_mm_per_s);
-        self.rapid_to(*first);
+        self.line_through("G0", &[*first]);
         self.ends_at_rest = one.exact_stop;
         if is_line(curve) {
             self.lines_to_end(rest.to_vec());
         } else {
             write_curve(self, index, curve)?;
         }
-        self.position = rest.last().copied();
+        self.position = rest.last().unwrap_or(first).map(Some);
         Ok(())
     }
 
@@ -411,8 +441,18 @@ impl Program {
     }
 
     fn point(&mut self, point: [f64; 3]) {
-        let axes = if self.planar { 2 } else { 3 };
-        for (address, value) in ["X", "Y", "Z"].into_iter().zip(point).take(axes) {
+        self.coordinates(point, self.axes());
+    }
+
+    /// The axes that each point is written with.
+    fn axes(&self) -> [bool; 3] {
+        [true, true, !self.planar]
+    }
+
+    fn coordinates(&mut self, point: [f64; 3], axes: [bool; 3]) {
+        for ((address, value), _) in
+            ["X", "Y", "Z"].into_iter().zip(point).zip(axes).filter(|(_, is_written)| *is_written)
+        {
             self.number(address, value);
         }
     }
@@ -428,44 +468,60 @@ impl Program {
         self.block.clear();
     }
 
-    /// Whether the tool is at a point, to the last bit.
-    fn is_at(&self, point: [f64; 3]) -> bool {
-        self.position.is_some_and(|here| here.map(f64::to_bits) == point.map(f64::to_bits))
+    /// Whether the tool is at a point, to the last bit, as far as these axes say.
+    fn is_at(&self, point: [f64; 3], axes: [bool; 3]) -> bool {
+        let is_there =
+            |axis: usize| self.position[axis].is_some_and(|here| here.to_bits() == point[axis].to_bits());
+        (0..3).all(|axis| !axes[axis] || is_there(axis))
     }
 
-    /// A rapid move to where a curve begins, unless the tool is there.
+    /// A move of axes to where the next curve begins, unless the tool is there.
     ///
-    /// Where the tool is before the program, nobody knows: it goes up before it goes anywhere, and down once it is there, at the feed
-    /// of the first move if that has one.
-    fn rapid_to(&mut self, point: [f64; 3]) {
-        if self.position.is_none() && !self.planar {
-            let is_up = point[2] > 0.0;
-            if !is_up {
-                self.block.push_str("G0");
-                self.number("X", point[0]);
-                self.number("Y", point[1]);
-                self.end_block();
-            }
-            self.block.push_str(if is_up || self.feed.is_none() { "G0" } else { "G1" });
-            self.number("Z", point[2]);
-            self.end_block();
-            if !is_up {
-                self.position = Some(point);
-            }
+    /// Where the tool is before, nobody knows: in one block with others, Z goes up before them, and down once they are there, at the
+    /// feed of the curve if that has one.
+    fn approach(&mut self, approach: &Approach, curve: &Curve, one: &Move) {
+        let Some(&to) = curve.control_points_mm.first() else { return };
+        let [x, y, z] = approach.axes;
+        if self.is_at(to, approach.axes) {
+            return;
         }
-        self.line_through("G0", &[point]);
+        // From where the program has been, a move at feed would cut what it did not.
+        let was_known = (0..3).any(|axis| approach.axes[axis] && self.position[axis].is_some());
+        let is_rapid = approach.kind == MoveKind::Rapid || was_known;
+        let own_feedrate = approach.feedrate_mm_per_s.or(one.feedrate_mm_per_s).filter(|_| !is_rapid);
+        let feedrate_down = own_feedrate.or(one.feedrate_mm_per_s).filter(|_| !was_known);
+        if !(z && (x || y)) {
+            self.bring(approach.axes, to, own_feedrate);
+        } else if to[2] > 0.0 {
+            self.bring([false, false, true], to, own_feedrate);
+            self.bring(approach.axes, to, own_feedrate);
+        } else {
+            self.bring([x, y, false], to, own_feedrate);
+            self.bring([false, false, true], to, feedrate_down);
+        }
+    }
+
+    /// A straight move of some axes, rapid without a feedrate.
+    fn bring(&mut self, axes: [bool; 3], to: [f64; 3], feedrate_mm_per_s: Option<f64>) {
+        self.set_feed(feedrate_mm_per_s);
+        self.block.push_str(if feedrate_mm_per_s.is_some() { "G1" } else { "G0" });
+        self.coordinates(to, axes);
+        self.end_block();
+        for axis in (0..3).filter(|axis| axes[*axis]) {
+            self.position[axis] = Some(to[axis]);
+        }
     }
 
     /// Straight moves from point to point; none to where the tool is.
     fn line_through(&mut self, motion: &str, points: &[[f64; 3]]) {
         for point in points {
-            if self.is_at(*point) {
+            if self.is_at(*point, self.axes()) {
                 continue;
             }
             self.block.push_str(motion);
             self.point(*point);
             self.end_block();
-            self.position = Some(*point);
+            self.position = point.map(Some);
         }
     }
 

@@ -15,7 +15,7 @@ use crate::part::{MoveKind, Part};
 #[must_use]
 pub fn write_curves(part: &Part) -> String {
     let mut text = String::new();
-    let planar = part.curves.iter().all(|curve| curve.dimension == 2);
+    let planar = !part.names_z();
     for (curve, one) in part.curves.iter().zip(&part.moves) {
         text.push_str("[[curve]]\n");
         if one.kind == MoveKind::Rapid {
