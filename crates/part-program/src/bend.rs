@@ -4,12 +4,15 @@
 //! sample that bends more than its neighbours, and around each at which the curve passes more slowly than at its
 //! neighbours (a bend too narrow for the samples is where the speed dips), the maximum is narrowed down by golden
 //! sections. An arc bends alike everywhere, so one look a span is enough.
+//!
+//! Where the curve stands still for a moment it has no curvature, and on a straight line none beside it: it may turn back on itself
+//! there. That counts as a bend of radius 0.
 
 use nurbs_core::{Differentiate, Evaluate, NurbsBuf, arc_length, golden_section, radius};
 
 use crate::curve::Curve;
 use crate::part::Shape;
-use crate::vector::length;
+use crate::vector::{dot, length};
 
 /// Intervals of a knot span between samples.
 const SAMPLES: u8 = 16;
@@ -20,8 +23,10 @@ const LENGTH_TOLERANCE_MM: f64 = 1e-7;
 /// Where an end control point is there twice, the curve leaves it with no speed, and rounding decides how it bends:
 /// within this share of a span from the end of the curve, a speed below [`NO_DIRECTION`] of the fastest is not judged.
 const NEAR_END: f64 = 1e-3;
-/// See [`NEAR_END`].
+/// See [`NEAR_END`]. Elsewhere a curve of this share of the speed beside stands still.
 const NO_DIRECTION: f64 = 1e-5;
+/// Only below this share of the fastest is looked whether a curve stands still.
+const SLOW: f64 = 1e-3;
 /// A radius beyond which a bend is the rounding of a straight line, in mm: 1000 km.
 const STRAIGHT_MM: f64 = 1e9;
 
@@ -75,44 +80,101 @@ fn place(curve: &impl Differentiate<f64, 3>, span: usize, parameter: f64) -> Pla
 }
 
 fn sharpest_in(curve: &impl Differentiate<f64, 3>, span: usize) -> Place {
-    let (from, to) = curve.span_bounds(span);
-    let at = |k: u8| from + (to - from) * (f64::from(k) / f64::from(SAMPLES));
-    let speed = |u: f64| length(curve.derivatives_in(span, u).first);
-    let bend = |u: f64| place(curve, span, u).radius_mm;
-    let samples: Vec<_> = (0..=SAMPLES).map(|k| (bend(at(k)), speed(at(k)))).collect();
-    let fastest = samples.iter().fold(0.0_f64, |fastest, (_, speed)| fastest.max(*speed));
-    let (first, last) = curve.domain();
-    let near = NEAR_END * (to - from);
-    let mut sharpest = place(curve, span, f64::midpoint(from, to));
-    let mut look = |u: f64| {
-        if (u - first < near || last - u < near) && speed(u) < NO_DIRECTION * fastest {
-            return;
-        }
-        let seen = place(curve, span, u);
-        if seen.radius_mm < sharpest.radius_mm {
-            sharpest = seen;
-        }
-    };
-    look(from + near / 10.0);
-    look(to - near / 10.0);
-    for k in 0..=SAMPLES {
-        let (before, after) = (k.saturating_sub(1), (k + 1).min(SAMPLES));
-        let sample = |k: u8| samples[usize::from(k)];
-        let is_least = |of: fn((f64, f64)) -> f64| {
-            of(sample(k)) <= of(sample(before)) && of(sample(k)) <= of(sample(after))
-        };
-        look(at(k));
-        if is_least(|(bend, _)| bend) && sample(k).0 < STRAIGHT_MM {
-            look(least(at(before), at(after), bend));
-        }
-        if is_least(|(_, speed)| speed) {
-            let slowest = least(at(before), at(after), speed);
-            let beside = (to - from) / f64::from(SAMPLES) / 16.0;
-            look(slowest);
-            look(least((slowest - beside).max(from), (slowest + beside).min(to), bend));
-        }
+    let search = Search::new(curve, span);
+    let middle = place(curve, span, f64::midpoint(search.from, search.to));
+    let seen = search.candidates().into_iter().filter_map(|u| search.seen(u));
+    seen.fold(middle, |sharpest, seen| if seen.radius_mm < sharpest.radius_mm { seen } else { sharpest })
+}
+
+/// The search for the sharpest bend of one knot span.
+struct Search<'c, C> {
+    curve: &'c C,
+    span: usize,
+    from: f64,
+    to: f64,
+    /// Radius and C' of each sample.
+    samples: Vec<(f64, [f64; 3])>,
+    /// The greatest speed of a sample.
+    fastest: f64,
+}
+
+impl<'c, C: Differentiate<f64, 3>> Search<'c, C> {
+    fn new(curve: &'c C, span: usize) -> Self {
+        let (from, to) = curve.span_bounds(span);
+        let mut search = Self { curve, span, from, to, samples: Vec::new(), fastest: 0.0 };
+        search.samples =
+            (0..=SAMPLES).map(|k| (search.bend(search.at(k)), search.first(search.at(k)))).collect();
+        search.fastest = search.samples.iter().fold(0.0, |fastest, (_, first)| length(*first).max(fastest));
+        search
     }
-    sharpest
+
+    /// The parameter of a sample.
+    fn at(&self, k: u8) -> f64 {
+        self.from + (self.to - self.from) * (f64::from(k) / f64::from(SAMPLES))
+    }
+
+    fn first(&self, u: f64) -> [f64; 3] {
+        self.curve.derivatives_in(self.span, u).first
+    }
+
+    fn speed(&self, u: f64) -> f64 {
+        length(self.first(u))
+    }
+
+    fn bend(&self, u: f64) -> f64 {
+        place(self.curve, self.span, u).radius_mm
+    }
+
+    /// Parameters where the bend may be sharpest.
+    fn candidates(&self) -> Vec<f64> {
+        let (speed, bend) = (|u| self.speed(u), |u| self.bend(u));
+        let within_end = NEAR_END * (self.to - self.from) / 10.0;
+        let mut candidates = vec![self.from + within_end, self.to - within_end];
+        for k in 0..=SAMPLES {
+            let (before, after) = (k.saturating_sub(1), (k + 1).min(SAMPLES));
+            let [sample, sample_before, sample_after] =
+                [k, before, after].map(|k| self.samples[usize::from(k)]);
+            let is_least = |of: fn((f64, [f64; 3])) -> f64| {
+                of(sample) <= of(sample_before) && of(sample) <= of(sample_after)
+            };
+            candidates.push(self.at(k));
+            if is_least(|(bend, _)| bend) && sample.0 < STRAIGHT_MM {
+                candidates.push(least(self.at(before), self.at(after), bend));
+            }
+            if is_least(|(_, first)| length(first)) {
+                let slowest = least(self.at(before), self.at(after), speed);
+                let (from, to) = self.beside(slowest);
+                candidates.extend([slowest, least(from, to, bend)]);
+            }
+            if dot(sample_before.1, sample.1) < 0.0 {
+                candidates.push(least(self.at(before), self.at(k), speed));
+            }
+        }
+        candidates
+    }
+
+    /// The bend at a parameter, unless rounding decides how it bends there.
+    fn seen(&self, u: f64) -> Option<Place> {
+        let (begin, end) = self.curve.domain();
+        let near = NEAR_END * (self.to - self.from);
+        let is_near_end = u - begin < near || end - u < near;
+        let speed = self.speed(u);
+        if is_near_end && speed < NO_DIRECTION * self.fastest {
+            return None;
+        }
+        let seen = place(self.curve, self.span, u);
+        let stands_still = !is_near_end && speed < SLOW * self.fastest && {
+            let (before, after) = self.beside(u);
+            speed <= NO_DIRECTION * self.speed(before).max(self.speed(after))
+        };
+        Some(if stands_still { Place { radius_mm: 0.0, ..seen } } else { seen })
+    }
+
+    /// A sixteenth of a sample's interval to both sides, within the span.
+    fn beside(&self, u: f64) -> (f64, f64) {
+        let width = (self.to - self.from) / f64::from(SAMPLES) / 16.0;
+        ((u - width).max(self.from), (u + width).min(self.to))
+    }
 }
 
 /// Where a function of one minimum in [from, to] has it.
@@ -165,6 +227,35 @@ mod tests {
         assert!((place.parameter - 0.3).abs() < 1e-5 && place.radius_mm < 1e-6, "{place:?}");
     }
 
+    /// On a straight line the radius is infinite on both sides of where it turns back.
+    #[test]
+    fn a_straight_spline_that_turns_back_has_a_cusp() {
+        // C' = 2 [20 (1 - u) - 15 u] = 0 at u = 4/7.
+        let back = bezier(vec![[0.0; 3], [20.0, 0.0, 0.0], [5.0, 0.0, 0.0]], vec![1.0; 3]);
+        let place = measure(&back, Shape::Nurbs).sharpest.unwrap();
+        assert!(place.radius_mm == 0.0 && (place.parameter - 4.0 / 7.0).abs() < 1e-6, "{place:?}");
+        let scaled = |x: &[f64]| x.iter().map(|x| [2.0 * x, -x, 0.5 * x]).collect::<Vec<_>>();
+        for (what, points, weights) in [
+            ("twice", scaled(&[0.0, 9.0, -5.0, 3.0]), vec![1.0; 4]),
+            // x = (u - 1/2)³: it stands still and goes on.
+            ("on", scaled(&[-1.0, 1.0, -1.0, 1.0]), vec![1.0; 4]),
+            ("rational", scaled(&[0.0, 1.0, 9.0, 3.0]), vec![1.0, 0.2, 7.0, 2.0]),
+            ("quintic", scaled(&[0.0, 1.0, 2.0, 1.5, 9.0, 3.0]), vec![1.0; 6]),
+        ] {
+            let place = measure(&bezier(points, weights), Shape::Nurbs).sharpest;
+            assert!(place.is_some_and(|place| place.radius_mm == 0.0), "{what}: {place:?}");
+        }
+        // At a knot, of two spans that both end there.
+        let at_knot = Curve {
+            degree: 2,
+            dimension: 2,
+            control_points_mm: scaled(&[0.0, 1.0, 1.0, 0.0]),
+            weights: vec![1.0; 4],
+            knots: vec![0.0, 0.0, 0.0, 0.5, 1.0, 1.0, 1.0],
+        };
+        assert_eq!(measure(&at_knot, Shape::Nurbs).sharpest.map(|place| place.radius_mm), Some(0.0));
+    }
+
     #[test]
     fn an_end_without_speed_is_no_bend() {
         for end in [[9.0, 7.0, 3.0], [1.0, 1.0, 1.0], [0.3, -0.7, 100.0]] {
@@ -175,6 +266,25 @@ mod tests {
     }
 
     proptest! {
+        /// x never turns back: |C'| ≥ p/2 with steps of at least 1/2. Steps differ by at most (4.5, 20, 6), so |C''| ≤ 21.4 p (p - 1), and
+        /// the radius is at least |C'|²/|C''| ≥ p/(86 (p - 1)) > 0.01.
+        #[test]
+        fn a_curve_that_never_stands_still_has_no_cusp(
+            steps in prop::collection::vec([0.5..5.0_f64, -10.0..10.0_f64, -3.0..3.0_f64], 2..6),
+            is_straight in any::<bool>(),
+        ) {
+            let mut point = [0.0; 3];
+            let mut points = vec![point];
+            for step in steps {
+                let step = if is_straight { [step[0], 0.0, 0.0] } else { step };
+                point = std::array::from_fn(|axis| point[axis] + step[axis]);
+                points.push(point);
+            }
+            let weights = vec![1.0; points.len()];
+            let sharpest = measure(&bezier(points, weights), Shape::Nurbs).sharpest;
+            prop_assert!(sharpest.is_none_or(|place| place.radius_mm > 0.01 && !is_straight), "{sharpest:?}");
+        }
+
         /// No bend of 5000 that are looked at is sharper by more than a hundredth.
         #[test]
         fn no_sharper_bend_is_found_by_looking_everywhere(

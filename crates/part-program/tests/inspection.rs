@@ -64,3 +64,40 @@ fn a_cusp_is_said() {
         inspect(&read_part("p.toml", text).unwrap()).remarks.iter().map(|r| r.oddity).collect();
     assert_eq!(said, [Oddity::NoFeedrate, Oddity::Cusp(0.0)]);
 }
+
+fn oddities(text: &str) -> Vec<Oddity> {
+    inspect(&read_part("p.toml", text).unwrap()).remarks.iter().map(|remark| remark.oddity).collect()
+}
+
+/// `interpolate` refused this curve, and `check` found nothing suspicious.
+#[test]
+fn a_straight_curve_that_turns_back_is_a_cusp() {
+    let text = "[curve]\ndegree = 2\ncontrol_points_mm = [[0, 0], [20, 0], [5, 0]]\nknots = [0, 0, 0, 1, 1, 1]\nfeedrate_mm_per_s = 5\n";
+    assert_eq!(oddities(text), [Oddity::Cusp(0.0)]);
+}
+
+/// Straight ones, bows, waves, and weights that slow a curve down in its middle.
+#[test]
+fn a_smooth_curve_is_no_cusp() {
+    for points in [
+        "[0, 0], [2, 0], [9, 0]",
+        "[0, 0], [50, 50], [100, 0]",
+        "[0, 0], [1, 5], [7, -5], [9, 0]",
+        "[0, 0], [3, 0], [3.001, 0], [9, 0]",
+        "[0, 0], [1, 4], [4, 4], [4, 0], [9, 0]",
+        "[0, 0], [1, 0], [1.5, 0], [2, 0], [8, 0], [9, 0]",
+    ] {
+        let degree = points.matches('[').count() - 1;
+        for inner in ["1", "0.02", "90"] {
+            let repeated = |number: &str, count: usize| vec![number; count].join(", ");
+            let text = format!(
+                "[curve]\ndegree = {degree}\ncontrol_points_mm = [{points}]\nfeedrate_mm_per_s = 5\n\
+                 weights = [1, {}, 1]\nknots = [{}, {}]\n",
+                repeated(inner, degree - 1),
+                repeated("0", degree + 1),
+                repeated("1", degree + 1)
+            );
+            assert_eq!(oddities(&text), [], "{text}");
+        }
+    }
+}
