@@ -10,6 +10,8 @@
 //! | G9, G61 G61.1 G64, of FANUC G62 G63, of Siemens G60 | exact stop at the ends of moves, or not |
 //! | M S T D H | no effect on the path; listed. M2, M30 and M99 end the program, as the second `%` does |
 //!
+//! Of each group of G words that exclude one another a block has one: G20 with G21 is an error, as G1 with G2 is.
+//!
 //! A coordinate that is not written keeps its value. Where the tool is at first is not known: an axis begins where it is
 //! first sent, and what came before is read as done there. One that incremental words move first begins at 0.
 

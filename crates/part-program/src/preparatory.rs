@@ -16,7 +16,14 @@ impl Reader<'_, '_, '_> {
         let bspline = block.take(Key::Bspline).map(|word| (Motion::Bspline, word.span));
         let mut commands = bspline.into_iter().collect::<Vec<_>>();
         self.block_stops = false;
+        let mut settings: Vec<(Setting, Span)> = Vec::new();
         while let Some(word) = block.take_letter(b'G') {
+            if let Some(setting) = Setting::of(word.value) {
+                if self.contradicts(setting, word.span, &settings) {
+                    continue;
+                }
+                settings.push((setting, word.span));
+            }
             if matches!(self.spline, Some((Spline::Fanuc(_), _))) {
                 self.close(word.span);
             }
@@ -43,6 +50,18 @@ impl Reader<'_, '_, '_> {
             motion = Some(command);
         }
         Some(motion)
+    }
+
+    /// Says that a word sets what an earlier one of the block sets otherwise.
+    fn contradicts(&mut self, setting: Setting, span: Span, earlier: &[(Setting, Span)]) -> bool {
+        let Some((_, other)) = earlier.iter().find(|(other, _)| other.contradicts(setting)) else {
+            return false;
+        };
+        let [word, other] = [span, *other].map(|span| self.report.source.slice(span).to_owned());
+        self.report
+            .error(span, format!("`{other}` and `{word}`: two {} in one block", setting.group))
+            .expected("one of them");
+        true
     }
 
     /// Obeys one G word; a motion is handed back.
@@ -237,6 +256,42 @@ impl Reader<'_, '_, '_> {
             .error(span, format!("`{text}` is a spline of {own}, and the program is read as {dialect}"))
             .expected(format!("splines of {dialect} only"));
         None
+    }
+}
+
+/// What a word of a modal group sets, of which a block has one. Words that set the same are one setting.
+#[derive(Clone, Copy)]
+struct Setting {
+    /// What the group chooses between.
+    group: &'static str,
+    /// Which of them, in the order of [`GROUPS`].
+    index: usize,
+}
+
+/// The modal groups besides the motions: ten times the numbers of the words of each setting.
+const GROUPS: [(&str, &[&[u16]]); 6] = [
+    ("planes", &[&[170], &[180], &[190]]),
+    ("units", &[&[200, 700], &[210, 710]]),
+    ("kinds of coordinates", &[&[900], &[910]]),
+    ("kinds of arc centres", &[&[901], &[911]]),
+    ("kinds of feed", &[&[930], &[940]]),
+    (
+        "path modes",
+        &[&[600], &[610], &[611], &[620], &[630], &[640], &[6410], &[6420], &[6430], &[6440], &[6450]],
+    ),
+];
+
+impl Setting {
+    fn of(value: f64) -> Option<Self> {
+        let code = code(value)?;
+        GROUPS.iter().find_map(|(group, settings)| {
+            let index = settings.iter().position(|words| words.contains(&code))?;
+            Some(Self { group, index })
+        })
+    }
+
+    fn contradicts(self, other: Self) -> bool {
+        self.group == other.group && self.index != other.index
     }
 }
 

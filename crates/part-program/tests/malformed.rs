@@ -3,7 +3,7 @@
 use part_program::read_part;
 
 /// Program, where the fault is, what is said.
-const MALFORMED: [(&str, &str, &str); 81] = [
+const MALFORMED: [(&str, &str, &str); 88] = [
     // Words.
     ("G0 X", "1:4", "`X` has no number"),
     ("G0 XY5", "1:4", "`X` has no number"),
@@ -34,6 +34,13 @@ const MALFORMED: [(&str, &str, &str); 81] = [
     // Blocks.
     ("X5 Y5", "1:1", "coordinates without a motion"),
     ("G0 G1 X5", "1:4", "two motions in one block"),
+    ("G21 G20 G0 X5\nX6", "1:5", "`G21` and `G20`: two units in one block"),
+    ("G20 G71 G0 X5\nX6", "1:5", "`G20` and `G71`: two units in one block"),
+    ("G90 G0 G91 X5\nX6", "1:8", "`G90` and `G91`: two kinds of coordinates in one block"),
+    ("G17 G18 G0 X5\nX6", "1:5", "`G17` and `G18`: two planes in one block"),
+    ("G93 G94 G0 X5\nX6", "1:5", "`G93` and `G94`: two kinds of feed in one block"),
+    ("G90.1 G91.1 G0 X5\nX6", "1:7", "`G90.1` and `G91.1`: two kinds of arc centres in one block"),
+    ("G61 G64 G0 X5\nX6", "1:5", "`G61` and `G64`: two path modes in one block"),
     ("G81 X5 Z-3 R2", "1:1", "`G81` is not read"),
     ("G50 X100 Z50", "1:1", "`G50` is not read"),
     ("G1.23 X5", "1:1", "`G1.23` is not read"),
@@ -131,4 +138,17 @@ fn a_text_beyond_the_limit_is_refused() {
     let text = " ".repeat(part_program::MAX_TEXT + 1);
     let errors = read_part("p", &text).unwrap_err().to_string();
     assert!(errors.contains("the text has 67108865 bytes") && errors.contains("at most 64 MiB"), "{errors}");
+}
+
+/// The last word won, without a word about it.
+#[test]
+fn a_contradiction_within_a_group_is_one_error_and_a_repetition_is_none() {
+    for (program, faults) in [
+        ("G90 G91 G17 G19 G1 X5 F60\nX6\n", 2),
+        ("G90 G90 G21 G71 G17 G17 G0 X5 Y0\nG1 X6 F60\n", 0),
+        ("G90 G91.1 G61 G0 X5 Y0\nG91 G64 G1 X6 F60\n", 0),
+    ] {
+        let said = read_part("p.nc", program).map_or_else(|errors| errors.count(), |_| 0);
+        assert_eq!(said, faults, "{program}");
+    }
 }
