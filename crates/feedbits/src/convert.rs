@@ -1,5 +1,6 @@
 //! `feedbits convert`: a part as a program of another dialect, as straight moves, or as a curve file.
 
+use std::borrow::Borrow;
 use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail};
@@ -73,7 +74,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     if let Some(digits) = arguments.digits {
         let rounded = rounded(&part, &again, arguments.to, digits)?;
         (text, again) = written(&rounded.part, arguments)?;
-        if again.curves != rounded.part.curves {
+        if !are_same(&again.curves, &rounded.part.curves) {
             bail!("what was rounded reads back as another path: nothing is kept");
         }
         rounding = rounding_notes(&part, &rounded, arguments, digits);
@@ -81,7 +82,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     if let Some(words) = &arguments.ratios {
         let (fitted, moved_mm) = again.in_ratio_words(words).context("--ratios has too few digits")?;
         (text, again) = written(&fitted, arguments)?;
-        if again.curves != fitted.curves {
+        if !are_same(&again.curves, &fitted.curves) {
             bail!("what was rounded reads back as another path: nothing is kept");
         }
         rounding.push(ratio_note(arguments, moved_mm));
@@ -168,7 +169,7 @@ fn notes(part: &Part, again: &Part, arguments: &Arguments) -> Vec<String> {
         _ if arguments.digits.is_some() || arguments.ratios.is_some() => {
             format!("{} curves are written as {}", before.len(), after.len())
         }
-        _ if before == after => format!("{} curves, which read back bit by bit", before.len()),
+        _ if are_same(&before, &after) => format!("{} curves, which read back bit by bit", before.len()),
         _ => format!(
             "{} curves, which read back as {} others: the dialect lacks words",
             before.len(),
@@ -201,4 +202,10 @@ fn notes(part: &Part, again: &Part, arguments: &Arguments) -> Vec<String> {
 fn at_feed(part: &Part) -> Vec<&Curve> {
     let feed = part.curves.iter().zip(&part.moves).filter(|(_, one)| one.kind == MoveKind::Feed);
     feed.map(|(curve, _)| curve).collect()
+}
+
+/// Whether two paths have the same numbers, curve by curve.
+fn are_same<C: Borrow<Curve>>(one: &[C], other: &[C]) -> bool {
+    let mut pairs = one.iter().zip(other);
+    one.len() == other.len() && pairs.all(|(one, other)| one.borrow().has_same_numbers(other.borrow()))
 }

@@ -142,6 +142,16 @@ K1.23456
     assert!(written.split_whitespace().filter(|word| word.starts_with(['X', 'Y'])).all(short), "{written}");
 }
 
+/// Of a part that leaves the plane, each curve in it was said to read back as another: with a third coordinate, which is 0.
+#[test]
+fn curves_in_the_plane_and_out_of_it_read_back_bit_by_bit() {
+    let program = "G21 G90\nG0 X0 Y0 Z0\nG1 X10 Y10 F1200\nG1 Z2\n";
+    for to in ["toml", "g06.2"] {
+        let (_, _, said) = convert_text(program, &["--to", to]);
+        assert!(said.contains("2 curves, which read back bit by bit"), "{to}: {said}");
+    }
+}
+
 /// The tool was on during the way to the part: M3 stood in front of the first rapid move, in every dialect.
 #[test]
 fn the_tool_is_switched_on_where_the_program_says() {

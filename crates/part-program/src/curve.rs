@@ -250,6 +250,15 @@ impl Curve {
         legs.map(|leg| length(difference(&leg[1], &leg[0]))).sum()
     }
 
+    /// Whether degree, points, weights and knots are the same: a point of the plane z = 0 may be given with a third coordinate or without.
+    #[must_use]
+    pub fn has_same_numbers(&self, other: &Self) -> bool {
+        self.degree == other.degree
+            && self.control_points_mm == other.control_points_mm
+            && self.weights == other.weights
+            && self.knots == other.knots
+    }
+
     /// The number of coordinates that the points need: 2 if every z is zero.
     pub(crate) fn dimension_of(points: &[[f64; 3]]) -> usize {
         if points.iter().all(|point| point[2] == 0.0) { 2 } else { 3 }
