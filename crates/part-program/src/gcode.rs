@@ -16,7 +16,7 @@
 //! first sent, and what came before is read as done there. One that incremental words move first begins at 0.
 
 use crate::block::Block;
-use crate::curve::Curve;
+use crate::curve::{Curve, MAX_COORDINATE_MM};
 use crate::diagnostic::Report;
 use crate::gcode_word::{self, Tape, Word};
 use crate::joint;
@@ -203,8 +203,19 @@ impl Reader<'_, '_, '_> {
             }
             Motion::FanucNurbs | Motion::LinuxCncNurbs | Motion::Bspline => self.spline_block(block, is_new),
             Motion::Cubic | Motion::Quadratic => self.bezier(block, continues),
+            Motion::Broken => self.pass_over(block),
             _ => {}
         }
+    }
+
+    /// Goes to where a block leads that cannot be read: what is wrong has been said, and no other error is to follow from it.
+    pub(crate) fn pass_over(&mut self, block: &mut Block<'_>) {
+        let written = block.take_axes();
+        let end = self.modal.target(self.modal.here(), written);
+        if end.iter().all(|x| x.abs() <= MAX_COORDINATE_MM) {
+            self.modal.arrive(written, end);
+        }
+        block.clear();
     }
 
     /// Puts the curves that were made while an axis was unknown to where it began.
@@ -269,7 +280,7 @@ impl Reader<'_, '_, '_> {
 
     fn motion_name(&self) -> &'static str {
         match self.modal.motion {
-            Motion::None => "a block without a motion",
+            Motion::None | Motion::Broken => "a block without a motion",
             Motion::Rapid => "G0",
             Motion::Line => "G1",
             Motion::Arc { clockwise: true } => "G2",
@@ -285,7 +296,7 @@ impl Reader<'_, '_, '_> {
 
     fn motion_words(&self) -> &'static str {
         match self.modal.motion {
-            Motion::None | Motion::Unread => "G, F, M, S, T, D or H",
+            Motion::None | Motion::Unread | Motion::Broken => "G, F, M, S, T, D or H",
             Motion::Rapid | Motion::Line => "X, Y, Z or F",
             Motion::Arc { .. } => "X, Y, Z, I, J, K, R or F",
             Motion::FanucNurbs => "K, X, Y, Z, R, P or F",

@@ -67,11 +67,10 @@ impl LinuxCncNurbs {
         }
         let written = block.take_axes();
         let target = modal.target(modal.here(), written);
-        let Some(weight) = weight else {
+        if weight.is_none() {
             report.error(block.span, "a control point of G5.2 without a weight").expected("a word P, as P1");
-            return;
-        };
-        self.blocks.point(target, weight.value, block.span);
+        }
+        self.blocks.point(target, weight.map_or(1.0, |word| word.value), block.span);
         modal.arrive(written, target);
     }
 

@@ -29,6 +29,8 @@ pub(crate) enum Motion {
     Bspline,
     /// A cycle or another motion that is not read, and was read over.
     Unread,
+    /// A motion whose first block is wrong, as has been said: the blocks that go on with it are passed over.
+    Broken,
 }
 
 impl Motion {

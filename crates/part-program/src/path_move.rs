@@ -90,6 +90,7 @@ impl Reader<'_, '_, '_> {
                 .error(word.span, "this centre word is not in the plane of the arc")
                 .expected(format!("{} and {}, or R", letters[0], letters[1]))
                 .hint("G17, G18 and G19 choose the plane");
+            self.pass_over(block);
             return;
         }
         let is_known = self.start_is_known(plane, block.span);

@@ -36,6 +36,7 @@ impl Reader<'_, '_, '_> {
         for (command, span) in commands {
             if motion.is_some() {
                 self.report.error(span, "two motions in one block").expected("one motion a block");
+                self.modal.motion = Motion::Broken;
                 return None;
             }
             self.belongs(command, span)?;
@@ -255,6 +256,7 @@ impl Reader<'_, '_, '_> {
         self.report
             .error(span, format!("`{text}` is a spline of {own}, and the program is read as {dialect}"))
             .expected(format!("splines of {dialect} only"));
+        self.modal.motion = Motion::Broken;
         None
     }
 }

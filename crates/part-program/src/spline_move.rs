@@ -32,7 +32,7 @@ impl Reader<'_, '_, '_> {
 
     pub(crate) fn spline_block(&mut self, block: &mut Block<'_>, is_new: bool) {
         if is_new && self.spline_allowed(block.span).is_none() {
-            self.modal.motion = Motion::None;
+            self.break_off(block);
             return;
         }
         if self.modal.motion == Motion::LinuxCncNurbs && !self.is_planar(block, "G5.2") {
@@ -47,8 +47,7 @@ impl Reader<'_, '_, '_> {
                 _ => Some(Spline::Siemens(SiemensSpline::open(&self.modal, block.span))),
             };
             let Some(spline) = spline else {
-                self.modal.motion = Motion::None;
-                block.clear();
+                self.break_off(block);
                 return;
             };
             self.spline = Some((spline, block.span));
@@ -73,6 +72,12 @@ impl Reader<'_, '_, '_> {
             Some((Spline::Siemens(spline), _)) => spline.block(self.report, &mut self.modal, block),
             None => {}
         }
+    }
+
+    /// Passes over a spline whose first block is wrong.
+    fn break_off(&mut self, block: &mut Block<'_>) {
+        self.modal.motion = Motion::Broken;
+        self.pass_over(block);
     }
 
     /// Ends the spline that is open, if one is; `after` is the word that ends it.
@@ -113,26 +118,28 @@ impl Reader<'_, '_, '_> {
     /// A Bézier curve of G5 or G5.1, whole in one block.
     pub(crate) fn bezier(&mut self, block: &mut Block<'_>, continues: Option<[f64; 2]>) {
         let (span, is_cubic) = (block.span, self.modal.motion == Motion::Cubic);
-        if self.spline_allowed(span).is_none() {
-            return;
-        }
         let name = if is_cubic { "G5" } else { "G5.1" };
-        if !self.is_planar(block, name) || !self.start_is_known(Plane::Xy, span) {
-            block.clear();
+        let is_allowed = self.spline_allowed(span).is_some()
+            && self.is_planar(block, name)
+            && self.start_is_known(Plane::Xy, span);
+        let read = is_allowed
+            .then(|| linuxcnc::bezier(self.report, &mut self.modal, block, is_cubic, continues))
+            .flatten();
+        let Some((curve, smooth)) = read else {
+            // A block that goes on smoothly from this one is not to blame.
+            self.smooth = is_cubic.then_some([0.0; 2]);
+            self.pass_over(block);
             return;
-        }
-        let read = linuxcnc::bezier(self.report, &mut self.modal, block, is_cubic, continues);
-        if let Some((curve, smooth)) = read {
-            self.smooth = smooth;
-            self.push_spline(Some(curve), span);
-        }
+        };
+        self.smooth = smooth;
+        self.push_spline(Some(curve), span);
     }
 
     pub(crate) fn end_of_linuxcnc_nurbs(&mut self, span: Span) {
         if let Some((Spline::LinuxCnc(nurbs), start)) = self.spline.take() {
             let curve = nurbs.finish(self.report);
             self.push_spline(curve, start);
-        } else {
+        } else if self.modal.motion != Motion::Broken {
             self.report.error(span, "G5.3 without G5.2").expected("a curve that G5.2 opened");
         }
         self.modal.motion = Motion::None;

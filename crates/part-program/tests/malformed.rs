@@ -1,6 +1,6 @@
 //! Programs that are wrong, each with the place and the words of what is said.
 
-use part_program::read_part;
+use part_program::{Dialect, ReadOptions, read_part, read_part_with};
 
 /// Program, where the fault is, what is said.
 const MALFORMED: [(&str, &str, &str); 88] = [
@@ -151,4 +151,38 @@ fn a_contradiction_within_a_group_is_one_error_and_a_repetition_is_none() {
         let said = read_part("p.nc", program).map_or_else(|errors| errors.count(), |_| 0);
         assert_eq!(said, faults, "{program}");
     }
+}
+
+/// One error was followed by others that it explains, up to one a block.
+#[test]
+fn an_error_is_not_followed_by_others_that_come_of_it() {
+    let fanuc = "G06.2 P3 K0 X0 Y0\nK0 X10\nK0 X20 Y5 M8\nK1\nK1\nK1\nG1 X30 F60\n";
+    for (text, said) in [
+        ("G5 X10 F500\nG1 Y5\n".into(), "G5 without I and J"),
+        ("G5 X10 I1 J1\nX20 P1 Q1\n".into(), "G5 without P and Q"),
+        ("G5 X10 I1 P1 Q1\nG2 X30 R10\n".into(), "I without J"),
+        ("G5.1 X10 Y10\nG1 Y5\n".into(), "G5.1 without I and J"),
+        ("G93 G5.1 X10 Y10 I1 J1 F2\n".into(), "PS1006"),
+        ("G5.2 X10 Y10\nX20 Y5 P1\nG5.3\n".into(), "without a weight"),
+        ("G2 X10 Y5 K1\nG2 X20 R5\n".into(), "not in the plane"),
+        (fanuc.replace("P3", "P1"), "order 1 is not supported"),
+        (fanuc.replace("P3", "P3.5"), "order 3.5 is not supported"),
+        (fanuc.replace("G06.2", "G93 G06.2").replace("F60", "F2"), "PS1006"),
+        (fanuc.replace("G06.2", "G1 G06.2"), "two motions in one block"),
+    ] {
+        let errors = read_part("p", &format!("G0 X0 Y0\n{text}")).unwrap_err();
+        assert!(errors.count() == 1 && errors.to_string().contains(said), "{text}{errors}");
+    }
+    let errors = read_part("p", "G5.2 X1 Y1 P1\nX2 Y2 P1\nX3 Y3 P1\nG5.3\nG1 X4\n").unwrap_err();
+    assert_eq!(errors.count(), 1, "{errors}");
+    let options = ReadOptions { lenient: false, dialect: Some(Dialect::Siemens) };
+    let errors = read_part_with("p", &format!("G0 X0 Y0\n{fanuc}"), options).unwrap_err();
+    assert_eq!(errors.count(), 1, "{errors}");
+}
+
+/// What is wrong behind the curve is said all the same.
+#[test]
+fn errors_behind_a_broken_curve_are_said() {
+    let errors = read_part("p", "G0 X0 Y0\nG06.2 P1 K0 X0\nK0 X1\nK1\nG1 X5 Q1\nG2 X9\n").unwrap_err();
+    assert_eq!(errors.iter().map(|error| error.line).collect::<Vec<_>>(), [2, 5, 6]);
 }
