@@ -3,6 +3,7 @@
 use part_program::{
     Dialect, Part, ReadOptions, read_part, read_part_with, write_curves, write_g1, write_g5_2, write_g06_2,
 };
+use proptest::prelude::*;
 
 fn part(text: &str) -> Part {
     read_part("p.nc", text).unwrap_or_else(|errors| panic!("{errors}\n{text}"))
@@ -118,5 +119,22 @@ fn a_part_that_never_names_z_has_none() {
             assert!(!text.contains('Z'), "{text}");
         }
         assert!(!write_curves(&before).contains("0.0, 0.0, 0.0"), "{}", write_curves(&before));
+    }
+}
+
+proptest! {
+    /// Whatever the order of the ways and words ahead of the first curve, they are written in it.
+    #[test]
+    fn any_order_is_kept(
+        blocks in Just(["G0 X5.", "G0 Y-6.", "G0 Z7.", "G1 Z-7. F80.", "M6 T1", "M3 S90", "M7"]).prop_shuffle(),
+        is_up in any::<bool>(),
+    ) {
+        let other = if is_up { "G1 Z-7. F80." } else { "G0 Z7." };
+        let blocks: Vec<_> = blocks.into_iter().filter(|block| *block != other).collect();
+        let before = part(&format!("{}\nG1 X9 F60\n", blocks.join("\n")));
+        for text in written(&before) {
+            prop_assert!(text.starts_with(&(blocks.join("\n") + "\nG1 X9. Y-6. ")), "{blocks:?}\n{text}");
+            prop_assert_eq!(&part(&text).curves, &before.curves);
+        }
     }
 }
