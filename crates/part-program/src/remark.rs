@@ -50,6 +50,7 @@ impl fmt::Display for Oddity {
         match self {
             Self::NoFeedrate => f.write_str("no feedrate is commanded: the machine's own holds"),
             Self::Tiny(length) => write!(f, "the move is {length:.1e} mm long"),
+            Self::Cusp(0.0) => f.write_str("the curve comes to a cusp, where it stands still"),
             Self::Cusp(radius) => write!(f, "the curve bends with a radius of {radius:.1e} mm"),
             Self::RepeatedControlPoint(index) => {
                 write!(f, "control points {index} and {} are the same", index + 1)

@@ -74,6 +74,7 @@ fn oddities(text: &str) -> Vec<Oddity> {
 fn a_straight_curve_that_turns_back_is_a_cusp() {
     let text = "[curve]\ndegree = 2\ncontrol_points_mm = [[0, 0], [20, 0], [5, 0]]\nknots = [0, 0, 0, 1, 1, 1]\nfeedrate_mm_per_s = 5\n";
     assert_eq!(oddities(text), [Oddity::Cusp(0.0)]);
+    assert_eq!(Oddity::Cusp(0.0).to_string(), "the curve comes to a cusp, where it stands still");
 }
 
 /// Straight ones, bows, waves, and weights that slow a curve down in its middle.
