@@ -107,7 +107,7 @@ fn kept<const D: usize>(table: &SetpointTable, problem: &Problem<D>) -> String {
     let jerk = changes.windows(2).fold(0.0_f64, |most, pair| most.max((pair[1] - pair[0]).abs())) / t.powi(3);
     let machine = &problem.machine;
     format!(
-        "{} periods; acceleration {acceleration:.1} of {} mm/s², jerk {jerk:.0} of {} mm/s³ at most before the last",
+        "{} periods, but for the last: acceleration {acceleration:.1} of {} mm/s², jerk {jerk:.0} of {} mm/s³ at most",
         table.len(),
         machine.acceleration_mm_per_s2,
         machine.jerk_mm_per_s3,
