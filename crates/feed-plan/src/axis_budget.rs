@@ -9,16 +9,16 @@
 //! ```
 //!
 //! Part of what an axis can do goes into turning the path, the rest into changing the feed. How it is shared out is
-//! decided before the plan is made: a reserve `A₀ = min(A, 0.7 min Aᵢ)` and `j₀ = min(J, ½ min Jᵢ)` for the path is kept
-//! everywhere, and the feed limited so that the axes can turn with what is left:
+//! decided before the plan is made. An acceleration `a₀ = min(A₀, √(j₀ V))`, with `A₀ = min(A, 0.7 min Aᵢ)`, and a jerk
+//! `j₀ = min(J, ½ min Jᵢ)` are kept for the path everywhere, and the feed is limited so that the axes can turn with what is left:
 //!
 //! ```text
-//! V |eᵢ| ≤ Vᵢ        V² |kᵢ| ≤ Aᵢ - |eᵢ| A₀        3 |kᵢ| V a₀ + |cᵢ| V³ ≤ Jᵢ - |eᵢ| j₀        a₀ = min(A₀, √(j₀ V))
+//! V |eᵢ| ≤ Vᵢ        V² |kᵢ| ≤ Aᵢ - |eᵢ| A₀        3 |kᵢ| V a₀ + |cᵢ| V³ ≤ Jᵢ - |eᵢ| j₀
 //! ```
 //!
-//! What j₀ reaches on the way from rest to V is √(j₀ V): to reserve more for the path would take jerk from the axes where it turns,
-//! for nothing. V counts as F/16 at least there, since the reserve at a slow point is that of the whole way to the next: of 1/4 and
-//! 1/64 the one gives times up to two fifths longer, the other up to a sixth.
+//! On the way from rest to V, j₀ reaches √(j₀ V): to keep more for the path would take jerk from the axes where it turns, for
+//! nothing. V counts as F/16 at least in that root, since what is kept at a slow point holds for the whole way to the next one: with
+//! F/4 plans took up to two fifths longer, with F/64 up to a sixth.
 //!
 //! With 0.7 the second one leaves at least 0.7 Aᵢ for turning, whatever the direction: `(1 - 0.7 cos θ)/sin θ` is least at
 //! `cos θ = 0.7`. With all of Aᵢ in reserve, the feed would have to vanish where a bend begins along the axis. Where the path is
