@@ -4,9 +4,10 @@ use anyhow::{Result, bail};
 use clap::Args;
 use format_compare::{Constants, Dimension, Engine, Problem, Row, Space, Verdict};
 
-use crate::compare::{RunArguments, selected};
+use crate::formats::selected;
 use crate::input::{AnyProblem, Input};
 use crate::progress::Progress;
+use crate::run_arguments::RunArguments;
 use crate::{Ending, output};
 
 /// Options of `compile`.

@@ -25,9 +25,9 @@ pub(crate) struct Arguments {
     /// What to write.
     #[arg(long, value_enum)]
     to: Target,
-    /// With --to g1: largest distance between the curves and the straight moves, in mm.
-    #[arg(long, allow_negative_numbers = true, value_name = "MM", default_value_t = 0.001)]
-    tolerance: f64,
+    /// With --to g1: largest distance between the curves and the straight moves, in mm. Default: 0.001.
+    #[arg(long, allow_negative_numbers = true, value_name = "MM")]
+    tolerance: Option<f64>,
     /// Round coordinates, in mm, to so many decimals, as a control takes them. All other numbers are kept as they are.
     #[arg(long, allow_negative_numbers = true, value_name = "N", value_parser = clap::value_parser!(u8).range(0..=15))]
     digits: Option<u8>,
@@ -38,6 +38,13 @@ pub(crate) struct Arguments {
     /// Write to this file instead of the terminal.
     #[arg(long, value_name = "PATH")]
     out: Option<PathBuf>,
+}
+
+impl Arguments {
+    /// The largest distance of straight moves from their curves, in mm.
+    fn tolerance(&self) -> f64 {
+        self.tolerance.unwrap_or(0.001)
+    }
 }
 
 /// What can be written.
@@ -57,9 +64,11 @@ enum Target {
 
 /// Reads, writes, reads back, and says what has changed.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
-    let tolerance = arguments.tolerance;
-    if !(tolerance > 0.0 && tolerance.is_finite()) {
+    if let Some(tolerance) = arguments.tolerance.filter(|length| !(*length > 0.0 && length.is_finite())) {
         bail!("--tolerance {tolerance}: expected a positive length in mm");
+    }
+    if arguments.to != Target::G1 && arguments.tolerance.is_some() {
+        bail!("--tolerance: curves are kept as they are there; expected --to g1");
     }
     if arguments.to == Target::Toml && arguments.digits.is_some() {
         bail!("--digits: a curve file keeps every number bit by bit; expected --to g06.2, g5.2 or g1");
@@ -99,7 +108,7 @@ fn written(part: &Part, arguments: &Arguments) -> Result<(String, Part)> {
     let text = match arguments.to {
         Target::G06_2 => write_g06_2(part)?,
         Target::G5_2 => write_g5_2(part)?,
-        Target::G1 => write_g1(part, arguments.tolerance, arguments.input.dialect())?,
+        Target::G1 => write_g1(part, arguments.tolerance(), arguments.input.dialect())?,
         Target::Toml => write_curves(part),
     };
     // Of the others, the words tell whose they are.
@@ -128,7 +137,7 @@ fn rounded(part: &Part, written: &Part, to: Target, digits: u8) -> Result<Rounde
 fn rounding_notes(part: &Part, rounded: &Rounded, arguments: &Arguments, digits: u8) -> Vec<String> {
     let has_curves = at_feed(part).iter().any(|curve| curve.control_points_mm.len() > 2);
     let (off_mm, of_cutting) = match arguments.to {
-        Target::G1 if has_curves => (rounded.moved_mm + arguments.tolerance, ""),
+        Target::G1 if has_curves => (rounded.moved_mm + arguments.tolerance(), ""),
         Target::G5_2 if has_curves => {
             (rounded.moved_mm, ", but for the rounding of f64 where curves are cut")
         }

@@ -3,6 +3,7 @@
 use anyhow::Result;
 use clap::Args;
 use comfy_table::{CellAlignment, Table, presets};
+use format_compare::{Dimension, Space};
 use real::FormatName;
 use serde::Serialize;
 
@@ -43,6 +44,26 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
         if arguments.output.json { serde_json::to_string_pretty(&listed)? + "\n" } else { table(&listed) };
     output::write(arguments.output.out.as_deref(), &text)?;
     Ok(Ending::Good)
+}
+
+/// The formats of these names, or all if none is given.
+pub(crate) fn selected<const D: usize>(names: &[String]) -> Result<Vec<Box<dyn format_compare::Format<D>>>>
+where
+    Space: Dimension<D>,
+{
+    if names.is_empty() {
+        return Ok(format_compare::formats());
+    }
+    format_compare::select(names)
+        .map_err(|name| anyhow::anyhow!("unknown format {name:?}: expected one that `feedbits formats` lists, or a fixed-point format such as I5F13: 3 to 64 bits in all, at least 2 of them before the point"))
+}
+
+/// The format of this name.
+pub(crate) fn by_name<const D: usize>(name: &str) -> Option<Box<dyn format_compare::Format<D>>>
+where
+    Space: Dimension<D>,
+{
+    format_compare::select(&[name.to_string()]).ok().and_then(|mut found| found.pop())
 }
 
 fn table(listed: &[Listed]) -> String {

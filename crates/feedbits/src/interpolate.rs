@@ -8,9 +8,10 @@ use format_compare::{
     Dimension, Engine, Options, OverrideTarget, Overrides, Problem, Reference, SetpointTable, Space,
 };
 
-use crate::compare::{RunArguments, selected};
+use crate::formats::selected;
 use crate::input::{AnyProblem, Input};
 use crate::progress::Progress;
+use crate::run_arguments::RunArguments;
 use crate::{Ending, output};
 
 /// Options of `interpolate`.

@@ -14,6 +14,7 @@ mod output;
 mod plan;
 mod progress;
 mod report;
+mod run_arguments;
 mod servo;
 mod size;
 mod smooth;

@@ -7,9 +7,10 @@ use clap::Args;
 use comfy_table::{CellAlignment, Table, presets};
 use format_compare::{AxisPeak, Dimension, ExactPlan, FeedSample, PlanSummary, Problem, Space, StageRow};
 
-use crate::compare::{RunArguments, expect_an_end, selected};
+use crate::formats::selected;
 use crate::input::{AnyProblem, Input};
 use crate::progress::Progress;
+use crate::run_arguments::{PlanArguments, expect_an_end};
 use crate::{Ending, output};
 
 /// Options of `plan`.
@@ -18,7 +19,7 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     input: Input,
     #[command(flatten)]
-    run: RunArguments,
+    plan: PlanArguments,
     /// Samples per interpolation period in the file that --out names.
     #[arg(long, allow_negative_numbers = true, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
     oversample: u32,
@@ -49,7 +50,7 @@ where
 {
     let formats = selected::<D>(&["f64".to_string()])?;
     let planned = |&profile| -> Result<(ExactPlan, PlanSummary)> {
-        let options = arguments.run.options_with(profile)?;
+        let options = arguments.plan.options(profile)?;
         expect_an_end(problem, &options)?;
         let plan = match arguments.window {
             Some(window) if window > 0.0 && window.is_finite() => {
@@ -62,7 +63,7 @@ where
         Ok((plan, summary))
     };
     let progress = Progress::spinning("planning");
-    let plans = arguments.run.profiles().iter().map(planned).collect::<Result<Vec<_>>>()?;
+    let plans = arguments.plan.profiles().iter().map(planned).collect::<Result<Vec<_>>>()?;
     progress.finish();
     let out = arguments.output.out.as_deref();
     let [(plan, summary)] = plans.as_slice() else {

@@ -11,7 +11,7 @@ use format_compare::{
 use format_report::{Material, Report, Schedule, Solver};
 use target_cost::{StepCost, Target, built_in};
 
-use crate::compare::by_name;
+use crate::formats::by_name;
 use crate::output;
 
 /// Where the report goes when no command is given.

@@ -13,9 +13,10 @@ use servo_sim::{
     VELOCITY_GAINS_PERCENT, contour_error, roundness_plot, tuning_table,
 };
 
-use crate::compare::{RunArguments, selected};
+use crate::formats::selected;
 use crate::input::{self, AnyProblem, Input};
 use crate::progress::Progress;
+use crate::run_arguments::RunArguments;
 use crate::{Ending, output};
 
 /// The drive that runs when no servo file is given: fitted to paper D's circle test.

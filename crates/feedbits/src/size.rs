@@ -7,9 +7,10 @@ use clap::Args;
 use comfy_table::{CellAlignment, Table, presets};
 use format_compare::{Dimension, Engine, Mixed, Problem, Sizing, Space};
 
-use crate::compare::{RunArguments, selected};
+use crate::formats::selected;
 use crate::input::{AnyProblem, Input};
 use crate::progress::Progress;
+use crate::run_arguments::RunArguments;
 use crate::{Ending, output};
 
 /// Options of `size`.

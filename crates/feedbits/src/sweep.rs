@@ -13,9 +13,10 @@ use format_report::{Sweep, SweepCell, SweepResult};
 use nurbs_core::NurbsBuf;
 use part_program::{Curve, Machine, Part};
 
-use crate::compare::{RunArguments, selected};
+use crate::formats::selected;
 use crate::input::Input;
 use crate::progress::Progress;
+use crate::run_arguments::RunArguments;
 use crate::{Ending, output, report, sweep_file};
 
 /// Options of `sweep`.

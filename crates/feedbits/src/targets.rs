@@ -65,6 +65,12 @@ impl TargetArguments {
         let unnamed = from_files.into_iter().filter(|target| !self.targets.contains(&target.name));
         chosen.extend(unnamed);
         let units = [("multiplier", self.multipliers), ("divider", self.dividers)];
+        let has = |name: &str| chosen.iter().any(|target| target.unit.iter().any(|unit| unit.name == name));
+        if let Some((name, _)) = units.iter().find(|(name, count)| count.is_some() && !has(name)) {
+            bail!(
+                "--{name}s: no target is priced that has {name}s to count: expected one on an FPGA with --targets"
+            );
+        }
         let with = |target: Target| {
             units.iter().fold(target, |target, (name, count)| match count {
                 Some(count) => target.with_units(name, *count),

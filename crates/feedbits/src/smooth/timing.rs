@@ -83,7 +83,7 @@ impl Timed {
 
     /// The setpoints of the plan, interpolated on compiled pieces in f64.
     pub(crate) fn setpoints(&self) -> Result<Run> {
-        let formats = crate::compare::selected::<3>(&["f64".to_string()])?;
+        let formats = crate::formats::selected::<3>(&["f64".to_string()])?;
         let Some(format) = formats.first() else { anyhow::bail!("no format f64") };
         let plan = ExactPlan::in_format::<f64, 3>(&self.problem, [0.0; 2])?;
         Ok(format.run(&self.problem, &plan, &Options::default())?)

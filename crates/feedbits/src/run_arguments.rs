@@ -1,0 +1,171 @@
+//! How a part is planned and run: options that several subcommands share.
+
+use anyhow::{Result, bail};
+use clap::{Args, ValueEnum};
+use format_compare::{Engine, LeastPeriods, MOST_PERIODS, Options, PlanIn, Problem, ProfileKind};
+
+use crate::formats::by_name;
+
+/// How a part is planned and run.
+#[derive(Args)]
+pub(crate) struct RunArguments {
+    /// Form of the path in real time. Default: pieces; `compare`, `servo` and `sweep` run both, side by side.
+    #[arg(long, value_enum)]
+    evaluate: Option<EvaluateName>,
+    /// Solver of the next parameter. Newton goes with pieces, the others with de-boor.
+    #[arg(long, value_enum)]
+    solver: Option<SolverName>,
+    /// Longest compiled piece, in mm.
+    #[arg(long, allow_negative_numbers = true, value_name = "MM", default_value_t = 32.0)]
+    piece_length: f64,
+    #[command(flatten)]
+    plan: PlanArguments,
+    /// Fluctuation that the solver stops at, in place of the machine file's.
+    #[arg(long, allow_negative_numbers = true, value_name = "RATIO")]
+    fluctuation: Option<f64>,
+}
+
+/// How a part is planned.
+#[derive(Args)]
+pub(crate) struct PlanArguments {
+    /// The format to plan in: a format's name, or `same` for each its own.
+    #[arg(long, value_name = "F", default_value = "f64")]
+    plan_in: String,
+    /// The transitions that the plan is made of.
+    #[arg(long, value_enum, default_value_t = ProfileName::Cubic)]
+    profile: ProfileName,
+    /// Feed at the start of the path, in mm/s.
+    #[arg(long, allow_negative_numbers = true, value_name = "MM_PER_S", default_value_t = 0.0)]
+    start_feed: f64,
+    /// Feed at the end of the path, in mm/s.
+    #[arg(long, allow_negative_numbers = true, value_name = "MM_PER_S", default_value_t = 0.0)]
+    end_feed: f64,
+}
+
+/// Forms of the path, by their names on the command line.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum EvaluateName {
+    /// One global parameter, de Boor's scheme each time.
+    DeBoor,
+    /// Compiled pieces.
+    Pieces,
+}
+
+/// Solvers, by their names on the command line.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum SolverName {
+    /// Secant iteration on the chord.
+    Secant,
+    /// First-order Taylor expansion.
+    #[value(name = "taylor-1")]
+    Taylor1,
+    /// Second-order Taylor expansion.
+    #[value(name = "taylor-2")]
+    Taylor2,
+    /// Newton's correction of the step per chord.
+    Newton,
+}
+
+/// Kinds of transitions, by their names on the command line.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum ProfileName {
+    /// Cubic polynomials of time.
+    Cubic,
+    /// Pieces of constant jerk.
+    SCurve,
+    /// Half-cosines.
+    Trigonometric,
+    /// S-curves, and half-cosines over stretches whose limit changes again before a transition has ended.
+    Flexible,
+    /// All of them side by side; for `plan` only.
+    All,
+}
+
+impl PlanArguments {
+    /// The kinds of transitions that the options name.
+    pub(crate) fn profiles(&self) -> &'static [ProfileKind] {
+        use ProfileKind::{Cubic, Flexible, SCurve, Trigonometric};
+        match self.profile {
+            ProfileName::Cubic => &[Cubic],
+            ProfileName::SCurve => &[SCurve],
+            ProfileName::Trigonometric => &[Trigonometric],
+            ProfileName::Flexible => &[Flexible],
+            ProfileName::All => &ProfileKind::ALL,
+        }
+    }
+
+    /// The options of a plan of one kind of transitions.
+    pub(crate) fn options(&self, profile: ProfileKind) -> Result<Options> {
+        let plan_in = match self.plan_in.as_str() {
+            "" | "f64" => PlanIn::default(),
+            "same" => PlanIn::Same,
+            name => match by_name::<3>(name) {
+                Some(format) => PlanIn::Format(format.name()),
+                None => bail!(
+                    "--plan-in {name}: no such format; `feedbits formats` lists them, `same` is each its own"
+                ),
+            },
+        };
+        for (option, value) in [("--start-feed", self.start_feed), ("--end-feed", self.end_feed)] {
+            if !(value.is_finite() && value >= 0.0) {
+                bail!("{option} {value}: expected a feed of at least 0 mm/s");
+            }
+        }
+        let end_feeds_mm_per_s = [self.start_feed, self.end_feed];
+        Ok(Options { plan_in, profile, end_feeds_mm_per_s, ..Options::default() })
+    }
+}
+
+impl RunArguments {
+    /// The engines that the options name; both forms of the path if they name none.
+    pub(crate) fn engines(&self) -> Result<Vec<Engine>> {
+        use EvaluateName::{DeBoor, Pieces};
+        use SolverName::{Newton, Secant, Taylor1, Taylor2};
+        Ok(match (self.evaluate, self.solver) {
+            (None, None) => vec![Engine::DeBoorSecant, Engine::Pieces],
+            (Some(DeBoor), None) | (Some(DeBoor) | None, Some(Secant)) => vec![Engine::DeBoorSecant],
+            (Some(DeBoor) | None, Some(Taylor1)) => vec![Engine::DeBoorTaylor1],
+            (Some(DeBoor) | None, Some(Taylor2)) => vec![Engine::DeBoorTaylor2],
+            (Some(Pieces), None) | (Some(Pieces) | None, Some(Newton)) => vec![Engine::Pieces],
+            (Some(DeBoor), Some(Newton)) => bail!("--solver newton runs on pieces: give --evaluate pieces"),
+            (Some(Pieces), Some(_)) => {
+                bail!("on pieces the solver is newton; the others go with --evaluate de-boor")
+            }
+        })
+    }
+
+    /// The options of a run, with the last of the engines.
+    pub(crate) fn options(&self) -> Result<Options> {
+        let [profile] = *self.plan.profiles() else {
+            bail!("--profile all goes with `plan`: expected one kind of transitions here");
+        };
+        if !(self.piece_length > 0.0 && self.piece_length.is_finite()) {
+            bail!("--piece-length {}: expected a positive length in mm", self.piece_length);
+        }
+        if let Some(value) = self.fluctuation.filter(|f| !(*f > 0.0 && *f < 1.0)) {
+            bail!("--fluctuation {value}: expected a ratio between 0 and 1");
+        }
+        Ok(Options {
+            engine: self.engines()?.pop().unwrap_or(Engine::Pieces),
+            piece_length_mm: self.piece_length,
+            fluctuation: self.fluctuation,
+            ..self.plan.options(profile)?
+        })
+    }
+
+    /// The same for a problem, which is refused if it would run for hours.
+    pub(crate) fn options_for<const D: usize>(&self, problem: &Problem<D>) -> Result<Options> {
+        let options = self.options()?;
+        expect_an_end(problem, &options)?;
+        Ok(options)
+    }
+}
+
+/// Refuses what takes more periods than are run, before any is planned.
+pub(crate) fn expect_an_end<const D: usize>(problem: &Problem<D>, options: &Options) -> Result<()> {
+    let least = LeastPeriods::of(problem, options.end_feeds_mm_per_s);
+    if least.are_too_many() {
+        bail!("{}: {least}: expected at most {MOST_PERIODS}", problem.name);
+    }
+    Ok(())
+}
