@@ -55,7 +55,7 @@ where
         return Ok(format_compare::formats());
     }
     format_compare::select(names)
-        .map_err(|name| anyhow::anyhow!("unknown format {name:?}: expected one that `feedbits formats` lists, or a fixed-point format such as I5F13: 3 to 64 bits in all, at least 2 of them before the point"))
+        .map_err(|name| anyhow::anyhow!("unknown format {name:?}: expected one that `feedbits formats` lists, or a fixed-point format such as I5F13: 3 to 64 bits in all, at least 2 of them before the point; behind it -even, -floor or -zero, and -sat"))
 }
 
 /// The format of this name.

@@ -3,9 +3,10 @@
 use std::fmt::Write;
 
 use anyhow::{Result, bail};
-use clap::Args;
+use clap::{Args, ValueEnum};
 use comfy_table::{CellAlignment, Table, presets};
 use format_compare::{Dimension, Engine, Mixed, Problem, Sizing, Space};
+use real::{Datapath, Overflow, Rounding};
 
 use crate::formats::selected;
 use crate::input::{AnyProblem, Input};
@@ -20,8 +21,52 @@ pub(crate) struct Arguments {
     input: Input,
     #[command(flatten)]
     run: RunArguments,
+    /// How the datapath rounds products, quotients, roots and shifts.
+    #[arg(long, value_enum, default_value_t = RoundingName::Nearest)]
+    rounding: RoundingName,
+    /// What sums and products do that do not fit. Quotients and roots saturate in any case.
+    #[arg(long, value_enum, default_value_t = OverflowName::Wrap)]
+    overflow: OverflowName,
     #[command(flatten)]
     output: output::Output,
+}
+
+/// Ways of rounding, by their names on the command line.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum RoundingName {
+    /// To nearest, ties up.
+    Nearest,
+    /// To nearest, ties to even.
+    Even,
+    /// Toward -∞: the bits are dropped, which takes no adder.
+    Floor,
+    /// Toward zero.
+    Zero,
+}
+
+/// Ways of overflowing, by their names on the command line.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum OverflowName {
+    /// The high bits are lost.
+    Wrap,
+    /// The nearest extreme is taken.
+    Saturate,
+}
+
+impl Arguments {
+    fn datapath(&self) -> Datapath {
+        let rounding = match self.rounding {
+            RoundingName::Nearest => Rounding::Nearest,
+            RoundingName::Even => Rounding::NearestEven,
+            RoundingName::Floor => Rounding::Floor,
+            RoundingName::Zero => Rounding::TowardZero,
+        };
+        let overflow = match self.overflow {
+            OverflowName::Wrap => Overflow::Wrap,
+            OverflowName::Saturate => Overflow::Saturate,
+        };
+        Datapath { rounding, overflow }
+    }
 }
 
 /// Searches and prints.
@@ -48,7 +93,7 @@ where
     }
     let formats = selected::<D>(&["f64".to_string()])?;
     let plan = format_compare::plan_for(problem, formats[0].as_ref(), &options)?;
-    Ok(format_compare::size(problem, &plan, &options)?)
+    Ok(format_compare::size(problem, &plan, &options, arguments.datapath())?)
 }
 
 fn report(sizing: &Sizing) -> Result<String> {

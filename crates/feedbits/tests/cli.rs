@@ -125,6 +125,45 @@ fn formats_are_listed_and_any_fixed_point_format_can_be_named() {
     assert!(text(&made.stdout).contains("I5F21"), "{}", text(&made.stderr));
 }
 
+/// Dropping the bits errs by up to a unit to one side, rounding by half a unit to either.
+#[test]
+fn a_format_that_drops_bits_is_coarser_than_one_that_rounds() {
+    let at_cruise = |format: &str| {
+        let output = feedbits(&["compare", "--formats", format, "--evaluate", "pieces", "--json"]);
+        let found: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        let row = &found["formats"][0];
+        assert_eq!(row["format"], format);
+        row["fluctuation"]["cruise_max_abs"].as_f64().expect("a figure")
+    };
+    let (rounded, dropped) = (at_cruise("I2F24"), at_cruise("I2F24-floor"));
+    assert!(dropped > 1.2 * rounded && dropped < 8.0 * rounded, "{dropped} for {rounded}");
+    // What never overflows never saturates.
+    assert_eq!(at_cruise("I2F24-floor-sat"), dropped);
+}
+
+#[test]
+fn bits_are_sized_for_a_way_of_rounding() {
+    let sized = |arguments: &[&str]| {
+        let output = feedbits(&[&["size", "--json"], arguments].concat());
+        let found: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        let register = found["mixed"]["signals"][0]["format"].as_str().expect("a register").to_string();
+        let bits = |of: &str| found[of]["bits"].as_u64().expect("bits");
+        (
+            found["uniform"]["format"].as_str().expect("a format").to_string(),
+            bits("uniform"),
+            bits("mixed"),
+            register,
+        )
+    };
+    let (format, bits, all, _) = sized(&[]);
+    assert!(!format.contains('-'), "{format}");
+    let (dropping, more, all_dropping, register) = sized(&["--rounding", "floor", "--overflow", "saturate"]);
+    assert!(dropping.ends_with("-floor-sat") && register.ends_with("-floor-sat"), "{dropping}, {register}");
+    // Up to a unit for half a unit: about one bit more, here none as it happens.
+    assert!((bits..=bits + 1).contains(&more), "{more} bits for {bits}");
+    assert!(all_dropping > all, "{all_dropping} bits for {all}");
+}
+
 #[test]
 fn a_requirement_that_no_format_meets_is_exit_status_1() {
     let output = feedbits(&["compare", "--formats", "I16F16"]);

@@ -8,7 +8,7 @@
 //! requirements are met. Between registers the operators are exact to 53 bits.
 
 use nurbs_core::{CompileError, SignalBound};
-use real::{Audit, FormatName, Overflow, Quantized, Rounding, RuntimeFormat};
+use real::{Audit, Datapath, FormatName, Quantized, RuntimeFormat};
 use serde::Serialize;
 
 use crate::compare::{Row, in_parallel, judged, refused};
@@ -92,7 +92,7 @@ fn group(signal: &str) -> &'static str {
     }
 }
 
-/// Searches for the fewest bits on which `problem` runs within the machine's requirements.
+/// Searches for the fewest bits on which `problem` runs within the machine's requirements, in formats with this datapath.
 ///
 /// # Errors
 /// [`Refusal`] when the part cannot be planned or compiled at all.
@@ -100,6 +100,7 @@ pub fn size<const D: usize>(
     problem: &Problem<D>,
     plan: &ExactPlan,
     options: &Options,
+    datapath: Datapath,
 ) -> Result<Sizing, Refusal>
 where
     Space: Dimension<D>,
@@ -110,13 +111,13 @@ where
         fluctuation: Some(options.fluctuation.unwrap_or(problem.machine.fluctuation_limit)),
         ..options.clone()
     };
-    let widths: Vec<u32> = WIDTHS.collect();
+    let widths: Vec<_> = WIDTHS.map(|width| (width, datapath)).collect();
     let tried =
-        in_parallel(&widths, |width| narrowest_integer_part(*width, problem, plan, &options, &reference));
+        in_parallel(&widths, |format| narrowest_integer_part(*format, problem, plan, &options, &reference));
     let uniform = tried.iter().find(|row| row.verdict.is_good()).cloned();
     let mut runs = tried.len();
     let mixed = match &uniform {
-        Some(row) => Search::new(problem, plan, &options, &reference)?.mixed(row, &mut runs),
+        Some(row) => Search::new(problem, plan, &options, &reference, datapath)?.mixed(row, &mut runs),
         None => None,
     };
     let limit = problem.machine.fluctuation_limit;
@@ -132,7 +133,7 @@ where
 
 /// The run with as few integer bits as the path can be compiled for, at this width.
 fn narrowest_integer_part<const D: usize>(
-    width: u32,
+    (width, datapath): (u32, Datapath),
     problem: &Problem<D>,
     plan: &ExactPlan,
     options: &Options,
@@ -144,8 +145,9 @@ where
     let mut integer_bits = 2;
     loop {
         let fraction_bits = width.saturating_sub(integer_bits);
-        let Some(format) = RuntimeFormat::new(width, fraction_bits, Rounding::Nearest, Overflow::Wrap) else {
-            let name = FormatName::Fixed { integer_bits, fraction_bits };
+        let Some(format) = RuntimeFormat::new(width, fraction_bits, datapath.rounding, datapath.overflow)
+        else {
+            let name = FormatName::Fixed { integer_bits, fraction_bits, datapath };
             let refusal =
                 Refusal::Limit { what: "integer bits", value: f64::from(integer_bits), format: name };
             return refused((name, Engine::Pieces), &refusal);
@@ -191,6 +193,7 @@ struct Search<'a, const D: usize> {
     plan: &'a ExactPlan,
     options: &'a Options,
     reference: &'a Reference<D>,
+    datapath: Datapath,
     bounds: Vec<SignalBound>,
 }
 
@@ -200,16 +203,17 @@ impl<'a, const D: usize> Search<'a, D> {
         plan: &'a ExactPlan,
         options: &'a Options,
         reference: &'a Reference<D>,
+        datapath: Datapath,
     ) -> Result<Self, Refusal> {
         let path = on_pieces::compiled::<Quantized, D>(problem, plan, options)?;
         let bounds = path.table().bounds().to_vec();
-        Ok(Self { problem, plan, options, reference, bounds })
+        Ok(Self { problem, plan, options, reference, datapath, bounds })
     }
 
     fn run(&self, fraction_bits: &[i32]) -> Option<Row> {
         let registers: Vec<_> =
             self.bounds.iter().map(|b| b.signal).zip(fraction_bits.iter().copied()).collect();
-        let run = Quantized::run(&registers, || {
+        let run = Quantized::run(self.datapath.rounding, &registers, || {
             on_pieces::run::<Quantized, D>(self.problem, self.plan, self.options)
         });
         let name = FormatName::Float { bits: 64 };
@@ -226,8 +230,10 @@ impl<'a, const D: usize> Search<'a, D> {
 
     /// Takes bits away while the requirements are met: groups first, then single signals, until no bit can go.
     fn mixed(&self, uniform: &Row, runs: &mut usize) -> Option<Mixed> {
-        let fraction: i32 = uniform.format.split_once('F')?.1.parse().ok()?;
-        let mut bits = vec![fraction; self.bounds.len()];
+        let FormatName::Fixed { fraction_bits, .. } = FormatName::named(&uniform.format)? else {
+            return None;
+        };
+        let mut bits = vec![fraction_bits.cast_signed(); self.bounds.len()];
         // Unrounded operators between registers differ from a uniform format's rounding; a bit more makes up for it.
         while !self.is_good(&bits, runs) {
             bits.iter_mut().for_each(|b| *b += 1);
@@ -261,7 +267,8 @@ impl<'a, const D: usize> Search<'a, D> {
         *runs += 1;
         let row = self.run(bits).filter(|row| row.verdict.is_good())?;
         let fluctuation = row.fluctuation?.cruise_max_abs;
-        let signals: Vec<Register> = self.bounds.iter().zip(bits).map(register).collect();
+        let signals: Vec<Register> =
+            self.bounds.iter().zip(bits).map(|(bound, bits)| register(bound, *bits, self.datapath)).collect();
         Some(Mixed {
             bits: signals.iter().map(|s| s.bits).sum(),
             uniform_bits: uniform.bits * u32::try_from(signals.len()).ok()?,
@@ -272,14 +279,14 @@ impl<'a, const D: usize> Search<'a, D> {
     }
 }
 
-fn register((bound, fraction_bits): (&SignalBound, &i32)) -> Register {
+fn register(bound: &SignalBound, fraction_bits: i32, datapath: Datapath) -> Register {
     // -2^(n-1) ≤ v < 2^(n-1) for n integer bits.
     let integer_bits = (1..64).find(|n| bound.bound < f64::powi(2.0, n - 1)).unwrap_or(64).unsigned_abs();
     let fraction_bits = fraction_bits.unsigned_abs();
     Register {
         signal: bound.signal,
         group: group(bound.signal),
-        format: FormatName::Fixed { integer_bits, fraction_bits }.to_string(),
+        format: FormatName::Fixed { integer_bits, fraction_bits, datapath }.to_string(),
         bits: integer_bits + fraction_bits,
         bound: bound.bound,
     }

@@ -258,7 +258,7 @@ where
     F::Bits: Word,
 {
     fn name() -> FormatName {
-        FormatName::Fixed { integer_bits: F::INT_NBITS, fraction_bits: F::FRAC_NBITS }
+        FormatName::fixed(F::INT_NBITS, F::FRAC_NBITS)
     }
 
     fn from_f64_pair(high: f64, low: f64) -> Option<Self> {

@@ -45,6 +45,7 @@
 mod audit;
 #[cfg(feature = "std")]
 mod count;
+mod datapath;
 mod division;
 #[cfg(feature = "reference")]
 mod double_double;
@@ -75,6 +76,7 @@ mod wrapper;
 pub use audit::{Audit, Audited, SignalRange};
 #[cfg(feature = "std")]
 pub use count::{Counted, OperationCounts};
+pub use datapath::{Datapath, Overflow, Rounding};
 #[cfg(feature = "reference")]
 pub use double_double::DoubleDouble;
 /// The crate whose types [`FixedPoint`] wraps.
@@ -91,7 +93,7 @@ pub use real::{Backend, Real};
 #[cfg(feature = "std")]
 pub use record::{Graph, Node, NodeId, NodeKind, Recorded};
 #[cfg(feature = "std")]
-pub use runtime_format::{Overflow, Rounding, RuntimeFixed, RuntimeFormat};
+pub use runtime_format::{RuntimeFixed, RuntimeFormat};
 #[cfg(feature = "std")]
 pub use shadow::Shadowed;
 pub use trigonometry::Trigonometric;

@@ -9,35 +9,43 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use num_traits::{Bounded, One, Zero};
 
-use crate::{Backend, FormatName, Real};
+use crate::{Backend, FormatName, Real, Rounding};
 
-/// An f64 whose named signals are rounded to nearest, ties up, to the registers that [`Quantized::run`] is given.
+/// An f64 whose named signals are rounded to the registers that [`Quantized::run`] is given.
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
 pub struct Quantized(f64);
 
+/// How signals are rounded; name and fraction bits of each register.
+type Registers = (Rounding, Vec<(&'static str, i32)>);
+
 thread_local! {
-    static REGISTERS: RefCell<Vec<(&'static str, i32)>> = const { RefCell::new(Vec::new()) };
+    static REGISTERS: RefCell<Registers> = const { RefCell::new((Rounding::Nearest, Vec::new())) };
 }
 
 impl Quantized {
-    /// Runs `work` with these registers on this thread: name and fraction bits. Other signals stay as they are. Afterwards,
-    /// also by a panic, the registers are those of before.
-    pub fn run<T>(registers: &[(&'static str, i32)], work: impl FnOnce() -> T) -> T {
-        struct Restore(Vec<(&'static str, i32)>);
+    /// Runs `work` with these registers on this thread, name and fraction bits, rounded in one way, ties up where that is to
+    /// nearest. Other signals stay as they are. Afterwards, also by a panic, the registers are those of before.
+    pub fn run<T>(rounding: Rounding, registers: &[(&'static str, i32)], work: impl FnOnce() -> T) -> T {
+        struct Restore(Registers);
         impl Drop for Restore {
             fn drop(&mut self) {
                 REGISTERS.set(std::mem::take(&mut self.0));
             }
         }
-        let _restore = Restore(REGISTERS.replace(registers.to_vec()));
+        let _restore = Restore(REGISTERS.replace((rounding, registers.to_vec())));
         work()
     }
 
-    fn rounded(self, fraction_bits: i32) -> Self {
+    fn rounded(self, rounding: Rounding, fraction_bits: i32) -> Self {
         let units = self.0.scale(fraction_bits);
-        // Adding a half to all of it would round once more.
-        let rest = units - units.floor();
-        Self((units.floor() + if rest >= 0.5 { 1.0 } else { 0.0 }).scale(-fraction_bits))
+        let whole = match rounding {
+            // Adding a half to all of it would round once more.
+            Rounding::Nearest => units.floor() + if units - units.floor() >= 0.5 { 1.0 } else { 0.0 },
+            Rounding::NearestEven => units.round_ties_even(),
+            Rounding::Floor => units.floor(),
+            Rounding::TowardZero => units.trunc(),
+        };
+        Self(whole.scale(-fraction_bits))
     }
 }
 
@@ -146,8 +154,10 @@ impl Real for Quantized {
     }
 
     fn signal(self, name: &'static str) -> Self {
-        let register = REGISTERS.with_borrow(|all| all.iter().find(|(known, _)| *known == name).copied());
-        register.map_or(self, |(_, fraction_bits)| self.rounded(fraction_bits))
+        REGISTERS.with_borrow(|(rounding, all)| {
+            let register = all.iter().find(|(known, _)| *known == name);
+            register.map_or(self, |(_, fraction_bits)| self.rounded(*rounding, *fraction_bits))
+        })
     }
 }
 
@@ -172,7 +182,7 @@ mod tests {
 
     #[test]
     fn a_named_signal_is_rounded_to_its_register_and_no_other() {
-        Quantized::run(&[("coarse", 4)], || {
+        Quantized::run(Rounding::Nearest, &[("coarse", 4)], || {
             let third = Quantized(1.0 / 3.0);
             assert_eq!(third.signal("coarse"), Quantized(5.0 / 16.0));
             assert_eq!(third.signal("fine"), third);
@@ -181,10 +191,26 @@ mod tests {
         assert_eq!(Quantized(1.0 / 3.0).signal("coarse"), Quantized(1.0 / 3.0));
     }
 
+    /// Of -1.5, -0.3, 0.5 and 2.5.
+    #[test]
+    fn registers_are_rounded_in_each_way() {
+        for (rounding, expected) in [
+            (Rounding::Nearest, [-1.0, 0.0, 1.0, 3.0]),
+            (Rounding::NearestEven, [-2.0, 0.0, 0.0, 2.0]),
+            (Rounding::Floor, [-2.0, -1.0, 0.0, 2.0]),
+            (Rounding::TowardZero, [-1.0, 0.0, 0.0, 2.0]),
+        ] {
+            let found = Quantized::run(rounding, &[("whole", 0)], || {
+                [-1.5, -0.3, 0.5, 2.5].map(|x| Quantized(x).signal("whole").0)
+            });
+            assert_eq!(found, expected, "{rounding:?}");
+        }
+    }
+
     #[test]
     fn it_is_rounded_once_and_registers_end_with_their_run() {
         let panicked = std::panic::catch_unwind(|| {
-            Quantized::run(&[("whole", 0), ("wide", 52)], || {
+            Quantized::run(Rounding::Nearest, &[("whole", 0), ("wide", 52)], || {
                 assert_eq!(Quantized(0.5_f64.next_down()).signal("whole"), Quantized(0.0));
                 assert_eq!(Quantized(-0.5).signal("whole"), Quantized(0.0));
                 // An odd number of units beyond 2⁵².
@@ -200,7 +226,7 @@ mod tests {
     /// With every result named and 24 fraction bits, it is the fixed-point format.
     #[test]
     fn with_one_width_for_all_it_is_a_fixed_point_format() {
-        Quantized::run(&[("x", 24)], || {
+        Quantized::run(Rounding::Nearest, &[("x", 24)], || {
             let (mut x, mut y) = (Quantized(0.7).signal("x"), I8F24::from_f64(0.7).unwrap());
             for i in 1..200 {
                 let factor = f64::from(i).recip() + 0.9;

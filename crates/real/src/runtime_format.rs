@@ -11,36 +11,7 @@ use num_traits::{Bounded, One, Zero};
 
 use crate::division::{divide_u64, divide_u128};
 use crate::word::Word;
-use crate::{Backend, FormatName, Real, square_root};
-
-/// What happens to the bits that a result has too many of, in products, quotients, roots and shifts.
-///
-/// Conversions always go to nearest, as the [`Real`] table says: constants and inputs are not made by the datapath.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Rounding {
-    /// To the nearest number; ties up in products and shifts, away from zero in quotients, as `FixedPoint` does.
-    Nearest,
-    /// To the nearest number, ties to even.
-    NearestEven,
-    /// Toward -∞: dropping the bits.
-    Floor,
-    /// Toward zero.
-    TowardZero,
-}
-
-impl Rounding {
-    /// All of them.
-    pub const ALL: [Self; 4] = [Self::Nearest, Self::NearestEven, Self::Floor, Self::TowardZero];
-}
-
-/// What happens to a sum or product that does not fit. Quotients, roots and norms saturate in any case.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Overflow {
-    /// The high bits are lost.
-    Wrap,
-    /// The nearest extreme is taken.
-    Saturate,
-}
+use crate::{Backend, Datapath, FormatName, Overflow, Real, Rounding, square_root};
 
 /// A fixed-point format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,13 +34,15 @@ impl RuntimeFormat {
         Some(Self { width, fraction_bits, rounding, overflow })
     }
 
-    /// The format of this name, as in `I5F13`, with the rounding and wrapping of `FixedPoint`.
+    /// The format of this name, as in `I5F13` or `I5F13-floor-sat`: see [`FormatName::named`].
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
-        let (integer_bits, fraction_bits) = name.strip_prefix('I')?.split_once('F')?;
-        let fraction_bits = fraction_bits.parse().ok()?;
-        let width = integer_bits.parse::<u32>().ok()?.checked_add(fraction_bits)?;
-        Self::new(width, fraction_bits, Rounding::Nearest, Overflow::Wrap)
+        match FormatName::named(name)? {
+            FormatName::Fixed { integer_bits, fraction_bits, datapath: Datapath { rounding, overflow } } => {
+                Self::new(integer_bits + fraction_bits, fraction_bits, rounding, overflow)
+            }
+            _ => None,
+        }
     }
 
     /// The format with `width` bits in all, the sign included, whose resolution is `2^-fraction_bits`.
@@ -93,7 +66,11 @@ impl RuntimeFormat {
     #[must_use]
     pub const fn name(&self) -> FormatName {
         match self.width.checked_sub(self.fraction_bits) {
-            Some(integer_bits) => FormatName::Fixed { integer_bits, fraction_bits: self.fraction_bits },
+            Some(integer_bits) => FormatName::Fixed {
+                integer_bits,
+                fraction_bits: self.fraction_bits,
+                datapath: Datapath { rounding: self.rounding, overflow: self.overflow },
+            },
             None => FormatName::Fraction { bits: self.width, fraction_bits: self.fraction_bits },
         }
     }

@@ -41,7 +41,10 @@ impl<R: Backend, const D: usize> fmt::Display for Constant<'_, R, D> {
 pub fn number_type(format: FormatName) -> Option<String> {
     match format {
         FormatName::Float { .. } => Some(format.to_string()),
-        FormatName::Fixed { integer_bits: 2.., .. } if [8, 16, 32, 64].contains(&format.bits()) => {
+        FormatName::Fixed { integer_bits: integer_bits @ 2.., fraction_bits, .. }
+            if [8, 16, 32, 64].contains(&format.bits())
+                && format == FormatName::fixed(integer_bits, fraction_bits) =>
+        {
             Some(format!("real::FixedPoint<real::fixed::types::{format}>"))
         }
         _ => None,
@@ -147,7 +150,7 @@ mod tests {
 
     #[test]
     fn types_are_those_of_machine_words() {
-        let fixed = |integer_bits, fraction_bits| FormatName::Fixed { integer_bits, fraction_bits };
+        let fixed = FormatName::fixed;
         assert_eq!(number_type(FormatName::Float { bits: 32 }).as_deref(), Some("f32"));
         assert_eq!(number_type(fixed(5, 11)).as_deref(), Some("real::FixedPoint<real::fixed::types::I5F11>"));
         assert_eq!(number_type(fixed(5, 13)), None, "18 bits are no machine word");

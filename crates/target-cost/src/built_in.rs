@@ -38,6 +38,23 @@ mod tests {
     use crate::Priced;
     use real::FormatName;
 
+    /// Dropping bits takes no more than rounding; what rounds ties to even or saturates has no published price.
+    #[test]
+    fn a_format_is_priced_by_what_its_datapath_does() {
+        let named = |name: &str| FormatName::named(name).expect("a format");
+        for target in built_in().expect("they are valid") {
+            for operation in [Priced::Mul, Priced::Add] {
+                for format in ["I4F28", "I5F13", "I16F48"] {
+                    let price = |suffix: &str| target.price(operation, named(&format!("{format}{suffix}")));
+                    assert_eq!(price("-floor"), price(""), "{}", target.name);
+                    for other in ["-even", "-zero", "-sat", "-floor-sat"] {
+                        assert_eq!(price(other), None, "{} {format}{other}", target.name);
+                    }
+                }
+            }
+        }
+    }
+
     #[test]
     fn every_file_is_read_and_named_as_its_target() {
         let targets = built_in().unwrap();
@@ -50,8 +67,7 @@ mod tests {
     /// Products and sums have a price everywhere in at least one format of 32 bits.
     #[test]
     fn every_target_can_do_a_product_in_some_32_bit_format() {
-        let formats =
-            [FormatName::Float { bits: 32 }, FormatName::Fixed { integer_bits: 4, fraction_bits: 28 }];
+        let formats = [FormatName::Float { bits: 32 }, FormatName::fixed(4, 28)];
         for target in built_in().unwrap() {
             assert!(
                 formats

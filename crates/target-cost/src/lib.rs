@@ -12,7 +12,7 @@
 //! let (_, graph) = Graph::of(|| number("a").mul_add(number("x"), number("b")));
 //! let step = Step::of(&graph);
 //! for target in built_in()? {
-//!     match StepCost::of(&step, &target, real::FormatName::Fixed { integer_bits: 4, fraction_bits: 28 }) {
+//!     match StepCost::of(&step, &target, real::FormatName::fixed(4, 28)) {
 //!         Ok(cost) => println!("{}: {:.0} cycles", target.title, cost.length.typical),
 //!         Err(none) => println!("{}: {} is unknown", target.title, none.operation.name()),
 //!     }

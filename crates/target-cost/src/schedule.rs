@@ -298,7 +298,7 @@ mod tests {
     use crate::target::{Confidence, Known, Row, Unit};
     use proptest::prelude::*;
 
-    const FORMAT: FormatName = FormatName::Fixed { integer_bits: 4, fraction_bits: 28 };
+    const FORMAT: FormatName = FormatName::fixed(4, 28);
 
     fn row(name: Priced, cycles: f64, unit: Option<&str>, busy: Option<f64>) -> Row {
         Row {

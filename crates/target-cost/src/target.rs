@@ -1,6 +1,6 @@
 //! A target: what it is, its units, and what each operation costs on it.
 
-use real::FormatName;
+use real::{FormatName, Overflow, Rounding};
 use serde::{Deserialize, Serialize};
 
 use crate::calibration::Calibration;
@@ -198,7 +198,7 @@ impl Target {
         }
         for row in &self.operation {
             let key = |what: &str| format!("operation {} for {}: {what}", row.name.name(), row.numbers);
-            if row.numbers != "fixed" && parse_format(&row.numbers).is_none() {
+            if row.numbers != "fixed" && FormatName::named(&row.numbers).is_none() {
                 return wrong(
                     key("numbers"),
                     row.numbers.clone(),
@@ -244,13 +244,25 @@ impl Target {
         self.clock.iter().find(|clock| clock.max_bits.is_none_or(|most| bits <= most)).map(|clock| clock.mhz)
     }
 
-    /// The row that prices an operation in a format: the format's own, else the narrowest fixed-point row that is
-    /// wide enough.
+    /// The row that prices an operation in a format: the format's own, else the narrowest fixed-point row that is wide enough. What
+    /// rounds toward -∞ is priced as what rounds to nearest; for other ways of rounding, and for what saturates, only rows of their
+    /// own are known.
     #[must_use]
     pub fn row(&self, operation: Priced, format: FormatName) -> Option<&Row> {
-        let name = format.to_string();
-        let own = self.operation.iter().find(|row| row.name == operation && row.numbers == name);
-        if own.is_some() || matches!(format, FormatName::Float { .. } | FormatName::DoubleDouble) {
+        let named = |format: FormatName| {
+            let name = format.to_string();
+            self.operation.iter().find(|row| row.name == operation && row.numbers == name)
+        };
+        let FormatName::Fixed { integer_bits, fraction_bits, datapath } = format else {
+            return named(format);
+        };
+        // What rounds to nearest takes no less than what drops the bits; other ways may take more.
+        let is_no_dearer = matches!(datapath.rounding, Rounding::Nearest | Rounding::Floor);
+        if !is_no_dearer || datapath.overflow != Overflow::Wrap {
+            return named(format);
+        }
+        let own = named(format).or_else(|| named(FormatName::fixed(integer_bits, fraction_bits)));
+        if own.is_some() {
             return own;
         }
         let fits = |row: &&Row| {
@@ -281,18 +293,5 @@ fn fraction_bits(format: FormatName) -> u32 {
     match format {
         FormatName::Fixed { fraction_bits, .. } | FormatName::Fraction { fraction_bits, .. } => fraction_bits,
         _ => 0,
-    }
-}
-
-/// A format by its name.
-pub(crate) fn parse_format(name: &str) -> Option<FormatName> {
-    match name {
-        "f32" => Some(FormatName::Float { bits: 32 }),
-        "f64" => Some(FormatName::Float { bits: 64 }),
-        _ => {
-            let (integer_bits, fraction_bits) = name.strip_prefix('I')?.split_once('F')?;
-            let bits = |text: &str| text.parse().ok().filter(|bits| *bits <= 64);
-            Some(FormatName::Fixed { integer_bits: bits(integer_bits)?, fraction_bits: bits(fraction_bits)? })
-        }
     }
 }

@@ -94,7 +94,7 @@ fn signals(plot: &mut Plot<'_>, trace: &format_compare::Trace, right: f64) {
 /// The exponent of a fixed-point format's resolution, and the first that is beyond its range.
 fn edges(format: &str) -> Option<(i32, i32)> {
     match RuntimeFormat::named(format)?.name() {
-        FormatName::Fixed { integer_bits, fraction_bits } => {
+        FormatName::Fixed { integer_bits, fraction_bits, .. } => {
             Some((-fraction_bits.cast_signed(), integer_bits.cast_signed() - 1))
         }
         FormatName::Fraction { bits, fraction_bits } => {
