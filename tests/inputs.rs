@@ -40,6 +40,7 @@ pub fn on_paper_as_machine<const D: usize>(name: &str, curve: NurbsBuf<f64, D>) 
         stops: Vec::new(),
         lines: Vec::new(),
         rapids_left_out: 0,
+        gaps_closed: 0,
         machine: machine(),
     }
 }

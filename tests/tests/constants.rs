@@ -53,9 +53,8 @@ where
     let is_other = format.name().to_string() == "I5F27";
     let profile = if is_other { ProfileKind::Trigonometric } else { ProfileKind::default() };
     let options = Options { profile, ..Options::default() };
-    let problem = problem.with_stops_at_gaps();
-    let plan = plan_for(&problem, format.as_ref(), &options).expect("a plan");
-    format.constants(&problem, &plan, &options)
+    let plan = plan_for(problem, format.as_ref(), &options).expect("a plan");
+    format.constants(problem, &plan, &options)
 }
 
 /// The setpoints that a controller makes of the runs, their checksum, and where the last one is, in mm.

@@ -57,7 +57,6 @@ fn compiled<const D: usize>(problem: &Problem<D>, arguments: &Arguments) -> Resu
 where
     Space: Dimension<D>,
 {
-    let problem = &problem.with_stops_at_gaps();
     let options = arguments.run.options_for(problem)?;
     if options.engine != Engine::Pieces {
         bail!("a controller runs compiled pieces: give --evaluate pieces, or nothing");

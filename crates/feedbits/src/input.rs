@@ -43,15 +43,14 @@ impl Input {
     /// Reads both files as a problem to plan and run. What is left out of the run is said.
     pub(crate) fn read(&self) -> Result<AnyProblem> {
         let (part, machine) = self.part_and_machine()?;
-        let rapids = format_compare::rapid_moves(&part);
-        if rapids > 0 {
-            let moves = if rapids == 1 { "rapid move is" } else { "rapid moves are" };
-            output::note(&format!("{rapids} {moves} left out: nothing is cut on the way"));
-        }
         Ok(if part.curves.iter().all(|curve| curve.dimension == 2) {
-            AnyProblem::Planar(Problem::new(&part, &machine)?)
+            let problem = Problem::new(&part, &machine)?;
+            say_what_is_left_out(&problem);
+            AnyProblem::Planar(problem)
         } else {
-            AnyProblem::Spatial(Problem::new(&part, &machine)?)
+            let problem = Problem::new(&part, &machine)?;
+            say_what_is_left_out(&problem);
+            AnyProblem::Spatial(problem)
         })
     }
 
@@ -97,6 +96,24 @@ impl Input {
             Some(path) => Ok(Some(part_program::read_machine(&path.display().to_string(), &text(path)?)?)),
             None => Ok(part.machine.clone()),
         }
+    }
+}
+
+/// Rapid moves and gaps, at which the path is closed up.
+fn say_what_is_left_out<const D: usize>(problem: &Problem<D>) {
+    match problem.rapids_left_out {
+        0 => {}
+        1 => output::note("1 rapid move is left out: nothing is cut on the way, and the feed is 0 there"),
+        more => output::note(&format!(
+            "{more} rapid moves are left out: nothing is cut on the way, and the feed is 0 there"
+        )),
+    }
+    match problem.gaps_closed {
+        0 => {}
+        1 => output::note("1 gap is left out: the curves do not meet there, and the feed is 0"),
+        more => output::note(&format!(
+            "{more} gaps are left out: the curves do not meet there, and the feed is 0"
+        )),
     }
 }
 

@@ -11,7 +11,7 @@ use clap::Args;
 use format_compare::{Dimension, Engine, Format, LeastPeriods, Options, Problem, Row, Space, Verdict};
 use format_report::{Sweep, SweepCell, SweepResult};
 use nurbs_core::NurbsBuf;
-use part_program::{Curve, Machine, Part};
+use part_program::{Curve, Machine, Move, Part};
 
 use crate::formats::selected;
 use crate::input::Input;
@@ -278,7 +278,8 @@ impl Base {
         let own_feed = self.part.feedrate_mm_per_s.unwrap_or(self.machine.feedrate_mm_per_s);
         let runs = formats.iter().flat_map(|format| engines.iter().map(move |engine| (format, engine)));
         // What a move's line is, or its words were, changes no cell.
-        let moves: Vec<_> = self.part.moves.iter().map(|one| (one.kind, one.feedrate_mm_per_s)).collect();
+        let of_move = |one: &Move| (one.kind, one.feedrate_mm_per_s, one.exact_stop);
+        let moves: Vec<_> = self.part.moves.iter().map(of_move).collect();
         let plan = Sweep {
             part: self.part.name.clone(),
             fingerprint: fingerprint(&format!(

@@ -260,6 +260,30 @@ fn a_cusp_is_named_with_its_line() {
     assert!(said.contains("cusp.nc:5: curve 1 comes to a cusp near u = "), "{said}");
 }
 
+/// Straight on as it would be: the machine makes another move in between, from rest to rest.
+#[test]
+fn a_run_rests_at_a_rapid_move() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("gap.nc");
+    fs::write(&path, "G0 X0 Y0\nG1 X10 F3000\nG0 X100 Y100\nG1 X110\n").expect("the folder is writable");
+    let path = path.to_str().expect("a path");
+    let machine = data("seed-000.toml");
+    let output = feedbits(&["interpolate", path, "--machine", &machine, "--format", "f64"]);
+    let table = text(&output.stdout);
+    let rows: Vec<Vec<f64>> = table
+        .lines()
+        .skip_while(|line| !line.starts_with("step,"))
+        .skip(1)
+        .map(|line| line.split(',').map(|cell| cell.parse().expect("a number")).collect())
+        .collect();
+    let jump = rows.windows(2).position(|pair| pair[1][5] - pair[0][5] > 50.0).expect("a jump to X100");
+    let [before, after] = [&rows[jump], &rows[jump + 1]];
+    assert!((before[5] - 10.0).abs() < 1e-9 && before[8] == 0.0, "{before:?}");
+    // The first step from rest.
+    assert!(after[5] - 100.0 < 1e-3 && after[6] == 100.0, "{after:?}");
+    assert!(text(&output.stderr).contains("1 rapid move is left out"), "{}", text(&output.stderr));
+}
+
 #[test]
 fn where_no_format_is_enough_the_widest_says_why() {
     let folder = tempfile::tempdir().expect("a temporary folder");

@@ -199,6 +199,20 @@ fn rapid_moves_and_changes_of_feed_stay_sharp() {
     );
 }
 
+/// A curve file has no rapid moves between curves that do not meet.
+#[test]
+fn the_tool_rests_at_a_gap() {
+    let line =
+        |ends: &str| format!("[[curve]]\ndegree = 1\nknots = [0, 0, 1, 1]\ncontrol_points_mm = [{ends}]\n");
+    let apart =
+        ["[0, 0], [10, 0]", "[10, 0], [10, 10]", "[30, 10], [40, 20]", "[40, 20], [60, 20]"].map(line);
+    let folder = Folder::with(&apart.concat());
+    let report = folder.smooth(&["--tolerance", "0.02", "--out", &folder.path("s.toml")]);
+    assert_eq!(kinds(&report), ["cut", "left: at a gap", "cut"]);
+    let setpoints = &report["setpoints"];
+    assert!(setpoints["finished"] == true && number(&setpoints["off_path_mm_max"]) < 1e-5, "{setpoints}");
+}
+
 #[test]
 fn a_word_of_a_move_that_is_cut_stays_at_its_place() {
     // M8 acts before its move, M9 behind it; what is between two moves stays between them.

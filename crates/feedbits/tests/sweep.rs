@@ -137,6 +137,24 @@ fn what_does_not_belong_together_is_refused() {
     );
 }
 
+/// With G61 the same moves stop.
+#[test]
+fn a_sweep_of_a_part_with_other_stops_is_another() {
+    let folder = folder();
+    let on = |program: &str| {
+        fs::write(folder.path().join("p.nc"), program).expect("the folder is writable");
+        let machine = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/seed-000.toml");
+        let machine = machine.to_str().expect("a path");
+        let arguments = ["sweep", "p.nc", "--machine", machine, "--formats", "f64", "--evaluate", "pieces"];
+        feedbits(folder.path(), &[&arguments[..], &["--dialect", "linuxcnc", "--out", "s.jsonl"]].concat())
+    };
+    let first = on("G0 X0 Y0\nG1 X10 F600\nG1 X20\n");
+    assert_eq!(first.status.code(), Some(0), "{}", text(&first.stderr));
+    let stopping = on("G61.1\nG0 X0 Y0\nG1 X10 F600\nG1 X20\n");
+    assert_eq!(stopping.status.code(), Some(2), "{}", text(&stopping.stdout));
+    assert!(text(&stopping.stderr).contains("of another sweep"), "{}", text(&stopping.stderr));
+}
+
 /// A cell that would take too long is said to be left out, not forgotten.
 #[test]
 fn a_cell_of_too_many_periods_says_so() {

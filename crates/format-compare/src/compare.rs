@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use crate::cost::Cost;
 use crate::formats::{Dimension, Format, Space, plan_for};
-use crate::metrics::{Fluctuation, JudgedStep, PerPeriod};
+use crate::metrics::{Fluctuation, JudgedStep, PerPeriod, greater};
 use crate::problem::Problem;
 use crate::reference::Reference;
 use crate::requirement::{Measured, Requirement, requirements};
@@ -271,7 +271,7 @@ pub(crate) fn judged<const D: usize>(
     (run, steps): (&Run, &[JudgedStep]),
 ) -> Row {
     let fluctuation = Fluctuation::of(steps, problem.machine.feedrate_mm_per_s * problem.period_s());
-    let largest = |figure: fn(&JudgedStep) -> f64| steps.iter().map(figure).fold(0.0, f64::max);
+    let largest = |figure: fn(&JudgedStep) -> f64| steps.iter().map(figure).fold(0.0, greater);
     let chord_error = largest(|step| step.chord_error_mm);
     let position_error = largest(|step| step.position_error_mm);
     let end_error = reference.end_error_mm(run);

@@ -65,20 +65,25 @@ impl Fluctuation {
             if index == 0 {
                 (result.max, result.min) = (delta, delta);
             }
-            result.max = result.max.max(delta);
+            result.max = greater(result.max, delta);
             result.min = result.min.min(delta);
             result.mean_abs += delta.abs();
             if index + 1 == steps.len() {
                 continue;
             }
-            result.length_error_mm_max = result.length_error_mm_max.max(step.shortfall_mm.abs());
-            if step.wanted_mm >= cruise {
-                result.cruise_max_abs = result.cruise_max_abs.max(delta.abs());
+            result.length_error_mm_max = greater(result.length_error_mm_max, step.shortfall_mm.abs());
+            if step.wanted_mm >= cruise || delta.is_nan() {
+                result.cruise_max_abs = greater(result.cruise_max_abs, delta.abs());
             }
         }
         result.mean_abs /= steps.len().max(1) as f64;
         result
     }
+}
+
+/// The greater of two figures, or what is no number among them: that must not be lost before it is judged.
+pub(crate) fn greater(one: f64, other: f64) -> f64 {
+    if one.is_nan() || other <= one { one } else { other }
 }
 
 /// Mean and largest of a count per period.
@@ -140,6 +145,19 @@ mod tests {
         let run = [step(0.6, 0.0006), step(0.6, -0.0012), step(0.6, 0.3)];
         let figures = Fluctuation::of(&run, 0.6);
         assert_eq!((figures.cruise_max_abs, figures.length_error_mm_max, figures.max), (0.002, 0.0012, 0.5));
+    }
+
+    /// `f64::max` takes the other number for one that is none.
+    #[test]
+    fn a_figure_that_is_no_number_is_not_lost() {
+        for at in 0..3 {
+            let mut steps = [step(1.0, 0.1); 4];
+            steps[at] = step(1.0, f64::NAN);
+            let found = Fluctuation::of(&steps, 1.0);
+            assert!(
+                found.max.is_nan() && found.cruise_max_abs.is_nan() && found.length_error_mm_max.is_nan()
+            );
+        }
     }
 
     #[test]

@@ -2,8 +2,9 @@
 //!
 //! Rapid moves cut nothing, so they are left out: what is compared are the moves at feed. Where one of those begins
 //! elsewhere than the one before it ends, be it for a rapid move or for a gap in a drawing, it is moved there, with all
-//! that follows: a plan and a step have a path without jumps, and its shapes are the part's. How far each curve was
-//! moved is kept, so that setpoints can be given where the part has them.
+//! that follows: a plan and a step have a path without jumps, and its shapes are the part's. Before such a move the machine
+//! rests, for it makes another one there. How far each curve was moved is kept, so that setpoints can be given where the part
+//! has them.
 
 use feed_plan::{AxisLimits, FeedLimit, Junction, KinematicLimits, PlanError};
 use nurbs_core::{CompileError, CurveError, FastCurve, NurbsBuf};
@@ -22,12 +23,15 @@ pub struct Problem<const D: usize> {
     pub moved_mm: Vec<[f64; D]>,
     /// Each curve's own feedrate, as a share of the machine's; empty if all are 1.
     pub feed_shares: Vec<f64>,
-    /// Numbers of the curves that begin at rest whatever their direction, in order: those behind an exact stop.
+    /// Numbers of the curves that begin at rest whatever their direction, in order: those behind an exact stop, a rapid move or
+    /// a gap.
     pub stops: Vec<usize>,
     /// The line of each curve in the part; empty if nobody knows.
     pub lines: Vec<usize>,
     /// The number of rapid moves that were left out.
     pub rapids_left_out: usize,
+    /// The number of gaps that no rapid move bridges in the part.
+    pub gaps_closed: usize,
     /// The machine's limits, with the highest feedrate that the part commands, if it does.
     pub machine: Machine,
 }
@@ -55,11 +59,16 @@ impl<const D: usize> Problem<D> {
         });
         let (indices, taken): (Vec<_>, Vec<_>) = taken.unzip();
         let feed_shares = feed_shares(part, indices.iter().copied());
-        let stops_behind = |index: &usize| part.moves.get(*index).is_some_and(|one| one.exact_stop);
-        let stops = (1..).zip(&indices).filter(|(_, index)| stops_behind(index)).map(|(next, _)| next);
-        let stops = stops.filter(|next| *next < indices.len()).collect();
         let lines = indices.iter().map_while(|index| part.moves.get(*index)).map(|one| one.line).collect();
         let moved_mm = closing_moves(&taken);
+        let joints = (1..).zip(indices.windows(2));
+        let is_gap = |curve: usize| moved_mm.get(curve - 1) != moved_mm.get(curve);
+        let rests = |&(curve, pair): &(usize, &[usize])| {
+            let stops = part.moves.get(pair[0]).is_some_and(|one| one.exact_stop);
+            stops || pair[1] > pair[0] + 1 || is_gap(curve)
+        };
+        let stops = joints.clone().filter(rests).map(|(curve, _)| curve).collect();
+        let gaps_closed = joints.filter(|(curve, pair)| pair[1] == pair[0] + 1 && is_gap(*curve)).count();
         let still = [0.0; D];
         let curves = taken.iter().enumerate().map(|(index, curve)| {
             let by = moved_mm.get(index).unwrap_or(&still);
@@ -73,7 +82,7 @@ impl<const D: usize> Problem<D> {
             machine.feedrate_mm_per_s = feedrate;
         }
         let name = part.name.clone();
-        Ok(Self { name, curves, moved_mm, feed_shares, stops, lines, rapids_left_out, machine })
+        Ok(Self { name, curves, moved_mm, feed_shares, stops, lines, rapids_left_out, gaps_closed, machine })
     }
 
     /// The feedrate of a curve, as a share of the machine's.
@@ -110,18 +119,6 @@ impl<const D: usize> Problem<D> {
     /// How far curve `curve` was moved from where the part has it.
     pub(crate) fn moved_by_mm(&self, curve: usize) -> [f64; D] {
         self.moved_mm.get(curve).copied().unwrap_or([0.0; D])
-    }
-
-    /// The same with a stop before each curve that the part has elsewhere than where the one before it ends: a machine makes
-    /// another move between the two.
-    #[must_use]
-    pub fn with_stops_at_gaps(&self) -> Self {
-        let moved = (1..).zip(self.moved_mm.windows(2));
-        let gaps = moved.filter(|(_, pair)| pair[0] != pair[1]).map(|(curve, _)| curve);
-        let mut stops: Vec<_> = self.stops.iter().copied().chain(gaps).collect();
-        stops.sort_unstable();
-        stops.dedup();
-        Self { stops, ..self.clone() }
     }
 
     /// The interpolation period T, in s.
@@ -226,6 +223,7 @@ mod tests {
     fn rapid_moves_are_left_out_and_the_path_is_closed_up() {
         let problem = problem("G0 X0 Y0 Z5\nG0 X3 Y0\nG1 X10 F600\nG0 X20 Y7\nG1 X25 Z6\nG1 X25 Y9\nG0 Z5\n");
         assert_eq!((problem.rapids_left_out, problem.curves.len()), (3, 3));
+        assert_eq!((problem.stops.as_slice(), problem.gaps_closed), (&[1][..], 0));
         let ends: Vec<_> =
             problem.curves.iter().map(|c| (c.control_points()[0], c.control_points()[1])).collect();
         assert_eq!(ends[0], ([3.0, 0.0, 5.0], [10.0, 0.0, 5.0]));
@@ -233,6 +231,24 @@ mod tests {
         assert_eq!(ends[2], ([15.0, 0.0, 6.0], [15.0, 2.0, 6.0]));
         assert_eq!(problem.in_the_part(2, [15.0, 1.0, 6.0]), [25.0, 8.0, 6.0]);
         assert_eq!(problem.in_the_part(0, [4.0, 0.0, 5.0]), [4.0, 0.0, 5.0]);
+    }
+
+    /// Straight on as it would be, behind a lift, a gap in a drawing or an exact stop.
+    #[test]
+    fn the_machine_rests_where_it_makes_another_move() {
+        let lifted = problem("G0 X0 Y0 Z0\nG1 X10 F600\nG0 Z5\nG0 Z0\nG1 X20\nG1 X30\n");
+        assert_eq!((lifted.stops.as_slice(), lifted.gaps_closed, lifted.moved_mm.len()), (&[1][..], 0, 0));
+        let machine = read_machine("m", include_str!("../../../data/seed-000.toml")).unwrap();
+        let line = |from: f64, to: f64| {
+            format!(
+                "[[curve]]\ndegree = 1\nknots = [0, 0, 1, 1]\ncontrol_points_mm = [[{from}, 0], [{to}, 0]]\n"
+            )
+        };
+        let drawn = [line(0.0, 10.0), line(20.0, 30.0), line(30.0, 40.0)].concat();
+        let drawn = Problem::<2>::new(&read_part("d.toml", &drawn).unwrap(), &machine).unwrap();
+        assert_eq!((drawn.stops.as_slice(), drawn.gaps_closed), (&[1][..], 1));
+        let limit = drawn.feed_limit().unwrap();
+        assert_eq!((limit.at(10.0), limit.at(20.0) > 0.1), (0.0, true));
     }
 
     #[test]

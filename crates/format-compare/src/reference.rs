@@ -1,9 +1,9 @@
 //! The judge: the path in double-double arithmetic, against which every run is measured.
 
-use nurbs_core::{CurveError, Evaluate, NurbsBuf, arc_length};
+use nurbs_core::{CurveError, Evaluate, NurbsBuf, arc_length, distance_to_segment};
 use real::{DoubleDouble, Real};
 
-use crate::metrics::JudgedStep;
+use crate::metrics::{JudgedStep, greater};
 use crate::problem::Problem;
 use crate::run::{Run, RunStep};
 
@@ -80,8 +80,8 @@ impl<const D: usize> Reference<D> {
         }
     }
 
-    /// The largest distance of the curve between two setpoints from their chord, sampled at seven points in f64: the
-    /// distance is half a micrometre at least where it matters, and smooth in between.
+    /// The largest distance of the path between two setpoints from their chord, over joints too, sampled on each curve at eight
+    /// points in f64: the distance is half a micrometre at least where it matters, and smooth in between.
     fn chord_error_mm(
         &self,
         (curve, from): (usize, (f64, f64)),
@@ -90,25 +90,18 @@ impl<const D: usize> Reference<D> {
         to_point: &[DoubleDouble; D],
     ) -> f64 {
         const SAMPLES: i32 = 8;
-        if curve != step.curve {
-            return 0.0; // over a joint the curve has no single parameter; the planner stops or passes smoothly there
-        }
-        let start = from_point.map(DoubleDouble::value);
-        let chord: [f64; D] = core::array::from_fn(|d| (to_point[d] - from_point[d]).value());
-        let length = f64::norm(&chord);
-        if length <= 0.0 {
-            return 0.0;
-        }
-        let along = chord.map(|x| x / length);
-        let width = (step.u.0 - from.0) + (step.u.1 - from.1);
-        let distance = |sample: i32| {
-            let u = from.0 + width * f64::from(sample) / f64::from(SAMPLES);
-            let point = self.plain[curve].as_curve().point(u);
-            let arm: [f64; D] = core::array::from_fn(|d| point[d] - start[d]);
-            let projection = f64::sum_of_products((0..D).map(|d| (arm[d], along[d])));
-            f64::norm(&core::array::from_fn::<_, D, _>(|d| arm[d] - projection * along[d]))
+        let chord = [from_point, to_point].map(|end| end.map(DoubleDouble::value));
+        let on_curve = |index: usize| {
+            let plain = self.plain[index].as_curve();
+            let (first, last) = plain.domain();
+            let begin = if index == curve { from } else { (first, 0.0) };
+            let end = if index == step.curve { step.u } else { (last, 0.0) };
+            let width = (end.0 - begin.0) + (end.1 - begin.1);
+            let at = move |sample: i32| begin.0 + width * f64::from(sample) / f64::from(SAMPLES);
+            let distance = |sample| distance_to_segment(&plain.point(at(sample)), &chord);
+            (1..=SAMPLES).map(distance).fold(0.0, greater)
         };
-        (1..SAMPLES).map(distance).fold(0.0, f64::max)
+        (curve..=step.curve).map(on_curve).fold(0.0, greater)
     }
 
     /// Distance of the last commanded point from the end of the path, in mm; from its start if there is none.
@@ -122,5 +115,37 @@ impl<const D: usize> Reference<D> {
             None => self.point(0, self.start().1),
         };
         DoubleDouble::norm(&core::array::from_fn::<_, D, _>(|d| commanded[d] - end_point[d])).value()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fmt::Write;
+
+    use part_program::{read_machine, read_part};
+
+    use super::*;
+    use crate::{Engine, Options, compare, select};
+
+    /// Thousands of straight moves along a circle of 1 mm: each corner is within the limit, and a chord passes many of them.
+    /// Chords over joints were not judged.
+    #[test]
+    fn a_chord_over_joints_is_judged() {
+        let mut program = String::from("G0 X1 Y0\n");
+        for i in 1..=6283 {
+            let (y, x) = (f64::from(i) * 1e-3).sin_cos();
+            writeln!(program, "G1 X{x:.9} Y{y:.9} F12000").unwrap();
+        }
+        let machine = read_machine("m", include_str!("../../../data/seed-000.toml")).unwrap();
+        let problem = Problem::<2>::new(&read_part("p.nc", &program).unwrap(), &machine).unwrap();
+        let formats = select::<2>(&["f64".to_string()]).unwrap();
+        let row =
+            compare(&problem, &formats, &[Engine::Pieces], &Options::default()).unwrap().formats.remove(0);
+        let plan = crate::plan_for(&problem, formats[0].as_ref(), &Options::default()).unwrap();
+        let run = formats[0].run(&problem, &plan, &Options::default()).unwrap();
+        let longest = run.steps.iter().map(|step| step.wanted_mm.0).fold(0.0, f64::max);
+        let (found, sagitta) = (row.chord_error_mm_max.unwrap(), longest * longest / 8.0);
+        assert!((found / sagitta - 1.0).abs() < 0.05, "{found} mm, not {sagitta}");
+        assert!(!row.verdict.is_good() || found <= 1.005 * machine.chord_error_mm, "{}", row.verdict);
     }
 }

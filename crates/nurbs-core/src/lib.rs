@@ -141,7 +141,7 @@ pub use evaluate::{Derivatives, Differentiate, Evaluate};
 pub use fast_curve::FastCurve;
 pub use golden_section::{Least, golden_section};
 pub use knots::{KnotVector, MAX_DEGREE};
-pub use line::Line;
+pub use line::{Line, distance_to_segment, nearest_on_segment};
 #[cfg(feature = "alloc")]
 pub use owned::NurbsBuf;
 #[cfg(feature = "alloc")]

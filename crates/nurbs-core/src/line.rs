@@ -86,11 +86,45 @@ impl<R: Real, const D: usize> Differentiate<R, D> for Line<R, D> {
     }
 }
 
+/// Where the straight line from A to B is nearest to P: `(P - A)·(B - A)/|B - A|²`, cut off to [0, 1]; 0 where A is B.
+#[must_use]
+pub fn nearest_on_segment<const D: usize>(point: &[f64; D], [a, b]: &[[f64; D]; 2]) -> f64 {
+    let dot = |v: &dyn Fn(usize) -> f64| (0..D).map(|d| v(d) * (b[d] - a[d])).sum::<f64>();
+    let square = dot(&|d| b[d] - a[d]);
+    if square > 0.0 { (dot(&|d| point[d] - a[d]) / square).clamp(0.0, 1.0) } else { 0.0 }
+}
+
+/// The distance of P from the straight line from A to B, whose ends belong to it.
+#[must_use]
+pub fn distance_to_segment<const D: usize>(point: &[f64; D], ends: &[[f64; D]; 2]) -> f64 {
+    let (u, [a, b]) = (nearest_on_segment(point, ends), ends);
+    f64::norm(&core::array::from_fn::<_, D, _>(|d| (a[d] - point[d]) + u * (b[d] - a[d])))
+}
+
 #[cfg(all(test, feature = "alloc"))]
 mod tests {
     use super::*;
     use crate::{curvature, radius};
     use real::{I8F24, I16F16, I16F48};
+
+    /// A right triangle over the line's middle, points beyond both ends, and a line without length.
+    #[test]
+    fn the_distance_to_a_segment_is_that_to_its_nearest_point() {
+        let ends = [[1.0, 2.0, 0.0], [5.0, 2.0, 0.0]];
+        for (point, u, distance) in [
+            ([3.0, 5.0, 4.0], 0.5, 5.0),
+            ([4.0, 2.0, 0.0], 0.75, 0.0),
+            ([-2.0, 6.0, 0.0], 0.0, 5.0),
+            ([8.0, 2.0, 4.0], 1.0, 5.0),
+        ] {
+            assert_eq!(
+                (nearest_on_segment(&point, &ends), distance_to_segment(&point, &ends)),
+                (u, distance)
+            );
+        }
+        assert_eq!(distance_to_segment(&[4.0, 2.0, 4.0], &[ends[0]; 2]), 5.0);
+        assert!(distance_to_segment(&[f64::NAN, 2.0, 4.0], &ends).is_nan());
+    }
 
     #[test]
     fn a_line_is_straight_in_every_format() {

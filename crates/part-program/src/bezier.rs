@@ -8,8 +8,10 @@
 //! segment is so for the whole hull if it is for its corners: a piece whose control points are all near its chord is
 //! near its chord everywhere.
 
+use nurbs_core::distance_to_segment;
+
 use crate::curve::{Curve, MAX_COORDINATE_MM, MAX_WEIGHT};
-use crate::vector::{difference, dot, length};
+use crate::vector::{difference, length};
 
 /// A piece in homogeneous coordinates: each point times its weight, and the weight.
 #[derive(Clone, Debug, PartialEq)]
@@ -122,7 +124,7 @@ impl Bezier {
     pub(crate) fn chords(&self, tolerance_mm: f64, most: u32, ends: &mut Vec<[f64; 3]>) -> Option<()> {
         let points = self.points_mm();
         let (first, last) = (points[0], points[points.len() - 1]);
-        if points.iter().all(|point| distance_to_segment(*point, first, last) <= tolerance_mm) {
+        if points.iter().all(|point| distance_to_segment(point, &[first, last]) <= tolerance_mm) {
             ends.push(last);
             return Some(());
         }
@@ -131,14 +133,6 @@ impl Bezier {
         left.chords(tolerance_mm, most, ends)?;
         right.chords(tolerance_mm, most, ends)
     }
-}
-
-fn distance_to_segment(point: [f64; 3], from: [f64; 3], to: [f64; 3]) -> f64 {
-    let (along, offset) = (difference(&to, &from), difference(&point, &from));
-    let square = dot(along, along);
-    let share = if square > 0.0 { (dot(offset, along) / square).clamp(0.0, 1.0) } else { 0.0 };
-    let rest: [f64; 3] = std::array::from_fn(|axis| offset[axis] - share * along[axis]);
-    dot(rest, rest).sqrt()
 }
 
 #[cfg(test)]
@@ -238,7 +232,8 @@ mod tests {
                 for k in 0..=200 {
                     let [x, y, z, w] = point(&piece.points, f64::from(k) / 200.0);
                     let off = ends[before..].windows(2);
-                    let off = off.map(|chord| distance_to_segment([x / w, y / w, z / w], chord[0], chord[1]));
+                    let off =
+                        off.map(|chord| distance_to_segment(&[x / w, y / w, z / w], &[chord[0], chord[1]]));
                     let off = off.fold(f64::MAX, f64::min);
                     assert!(off <= tolerance, "{off} > {tolerance}");
                 }

@@ -4,7 +4,7 @@
 //! Nothing here knows how a corner was smoothed: only which moves a curve lies between, so that a distance is taken to the
 //! moves nearby and not to another outline that happens to pass.
 
-use nurbs_core::{CurveError, Evaluate, NurbsBuf, golden_section};
+use nurbs_core::{CurveError, Evaluate, NurbsBuf, distance_to_segment, golden_section};
 use part_program::Curve;
 
 use super::stretch::{length, nurbs_of};
@@ -70,7 +70,11 @@ impl Track {
         if length(&outside) >= limit {
             return None;
         }
-        let sides = self.samples.windows(2).map(|side| to_side(point, &side[0].1, &side[1].1)).enumerate();
+        let sides = self
+            .samples
+            .windows(2)
+            .map(|side| distance_to_segment(point, &[side[0].1, side[1].1]))
+            .enumerate();
         sides.min_by(|a, b| a.1.total_cmp(&b.1))
     }
 
@@ -84,17 +88,6 @@ impl Track {
         let inside = golden_section((from, to), SECTIONS, distance, |distance| *distance);
         inside.found.min(distance(from)).min(distance(to))
     }
-}
-
-/// Distance from a point to a straight line between two others.
-fn to_side(point: &[f64; 3], a: &[f64; 3], b: &[f64; 3]) -> f64 {
-    let (mut along, mut square) = (0.0, 0.0);
-    for d in 0..3 {
-        along += (point[d] - a[d]) * (b[d] - a[d]);
-        square += (b[d] - a[d]) * (b[d] - a[d]);
-    }
-    let u = if square > 0.0 { (along / square).clamp(0.0, 1.0) } else { 0.0 };
-    length(&std::array::from_fn(|d| a[d] + u * (b[d] - a[d]) - point[d]))
 }
 
 /// Two versions of a path, and which move each curve of the second belongs to.

@@ -4,13 +4,15 @@ use std::fmt;
 use std::ops::Range;
 
 use nurbs_core::{Arc, CurveError, Evaluate, Line, NurbsBuf, PathCurve, ShapeError};
-use part_program::{Curve, Move, MoveKind, Part, Shape};
+use part_program::{Curve, GAP_MM, Move, MoveKind, Part, Shape};
 
 /// Why the tool rests between two moves, whatever their directions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Rest {
     /// One of them is rapid.
     Rapid,
+    /// They do not meet.
+    Gap,
     /// A word between them acts: a spindle, a tool, a coolant.
     Auxiliary,
     /// The program wants an exact stop.
@@ -23,6 +25,7 @@ impl fmt::Display for Rest {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Rapid => "next to a rapid move",
+            Self::Gap => "at a gap",
             Self::Auxiliary => "at an M, S, T, D or H word",
             Self::ExactStop => "at an exact stop",
             Self::FeedChange => "the feed changes",
@@ -81,12 +84,25 @@ pub(crate) fn rest_before(part: &Part, next: usize) -> Option<Rest> {
         Some(Rest::Auxiliary)
     } else if before.kind == MoveKind::Rapid || after.kind == MoveKind::Rapid {
         Some(Rest::Rapid)
+    } else if !do_meet(part, next) {
+        Some(Rest::Gap)
     } else if before.exact_stop {
         Some(Rest::ExactStop)
     } else if before.feedrate_mm_per_s != after.feedrate_mm_per_s {
         Some(Rest::FeedChange)
     } else {
         None
+    }
+}
+
+/// Whether a curve begins where the one before it ends.
+fn do_meet(part: &Part, next: usize) -> bool {
+    let ends = |index: usize| part.curves.get(index).map(|curve| curve.control_points_mm.as_slice());
+    match (ends(next - 1), ends(next)) {
+        (Some([.., end]), Some([start, ..])) => {
+            length(&core::array::from_fn(|d| end[d] - start[d])) <= GAP_MM
+        }
+        _ => true,
     }
 }
 
