@@ -85,7 +85,6 @@ fn the_taylor_rows_of_table_1_are_not_reproduced() {
     println!("taylor 1: {first:?}\ntaylor 2: {second:?}");
     assert!((4e-3..7e-3).contains(&first.cruise_max_abs), "{first:?}");
     assert!((1e-5..1e-4).contains(&second.cruise_max_abs), "{second:?}");
-    assert!(first.cruise_max_abs < 1.12e-2 / 1.5, "the printed extreme is not reached");
 }
 
 #[test]

@@ -16,9 +16,9 @@
 //! V |eᵢ| ≤ Vᵢ        V² |kᵢ| ≤ Aᵢ - |eᵢ| A₀        3 |kᵢ| V a₀ + |cᵢ| V³ ≤ Jᵢ - |eᵢ| j₀
 //! ```
 //!
-//! On the way from rest to V, j₀ reaches √(j₀ V): to keep more for the path would take jerk from the axes where it turns, for
-//! nothing. V counts as F/16 at least in that root, since what is kept at a slow point holds for the whole way to the next one: with
-//! F/4 plans took up to two fifths longer, with F/64 up to a sixth.
+//! A ramp from rest to V with jerk j₀ never exceeds √(j₀ V): reserving more would waste the axes' jerk in bends. V counts as at least
+//! F/16 in that root, for the reserve of a slow point holds up to the next key point: with F/4 plans took up to two fifths longer,
+//! with F/64 up to a sixth.
 //!
 //! With 0.7 the second one leaves at least 0.7 Aᵢ for turning, whatever the direction: `(1 - 0.7 cos θ)/sin θ` is least at
 //! `cos θ = 0.7`. With all of Aᵢ in reserve, the feed would have to vanish where a bend begins along the axis. Where the path is

@@ -46,10 +46,9 @@ pub fn plan<R: Real>(
 /// transitions of the given kind between a few levels of feed is.
 ///
 /// The feed is continuous and so is the acceleration. At both ends of a stage that is a whole transition or a cruise it is
-/// zero; an S-curve is up to three stages, and the acceleration is not zero between them. The whole
-/// takes a whole number of interpolation periods, and so does each part between two stops: it is slowed down evenly
-/// by the part of a period that it takes to get there, so the end feeds are a little below those asked for, unless at
-/// rest.
+/// zero; an S-curve is up to three stages, and the acceleration is not zero between them. Each
+/// part between two stops is slowed down evenly to a whole number of interpolation periods. End feeds other than 0 therefore come out
+/// slightly lower than asked for.
 ///
 /// Units: those of `limits`, which must be those that `limit` was made with. Of the limits, only
 /// acceleration, jerk and interpolation period are used here; the others are in the limit curve. Accuracy: in
