@@ -52,6 +52,7 @@ impl Arrival {
 mod tests {
     use super::*;
     use crate::{Servo, ServoParameters};
+    use proptest::prelude::*;
     use std::f64::consts::TAU;
 
     const T: f64 = 1e-3;
@@ -98,6 +99,32 @@ mod tests {
                 let found = arrival(machine, turns);
                 assert_eq!(found.validate(), Ok(()), "{turns} turns of {machine:?}: {found:?}");
             }
+        }
+    }
+
+    proptest! {
+        /// No false alarm: a drive that is poor, but whose dead band of less than 1 mm is small against the path's reach
+        /// of at least 5.8 mm, arrives within the bound.
+        #[test]
+        fn a_drive_that_moves_arrives(
+            (gain, lag) in (10.0..200.0_f64, 0.2..10.0_f64),
+            (feed_forward, acceleration_feed_forward) in (0.0..1.2_f64, 0.0..1.2_f64),
+            (friction, play) in (0.0..700.0_f64, 0.0..0.15_f64),
+            compensated in 0.0..1.5_f64,
+            encoder in prop_oneof![Just(0.0), 1e-5..0.02_f64],
+            turns in 0.2..1.0_f64,
+        ) {
+            let machine = ServoParameters {
+                feed_forward,
+                acceleration_feed_forward,
+                friction_mm_per_s2: friction,
+                backlash_mm: play,
+                backlash_compensation_mm: compensated * play,
+                encoder_resolution_mm: encoder,
+                ..ServoParameters::new(gain, lag)
+            };
+            let found = arrival(machine, turns);
+            prop_assert_eq!(found.validate(), Ok(()), "{:?}", found);
         }
     }
 }

@@ -161,17 +161,22 @@ impl fmt::Display for ServoError {
             ),
             Self::DoesNotArrive { end_error_mm, most_mm } => write!(
                 f,
-                "the table does not follow: it ends {end_error_mm:.4} mm from the end of the path, expected at most \
-                 {most_mm:.4} mm"
+                "the table does not follow: it ends {:.3} µm from the end of the path, expected at most {:.3} µm",
+                end_error_mm * 1000.0,
+                most_mm * 1000.0
             ),
             Self::StaysBehind { reach_mm, commanded_mm } => write!(
                 f,
                 "the table does not follow: it goes {reach_mm:.4} mm far from the start, the path {commanded_mm:.4} mm"
             ),
-            Self::DoesNotTurn { turned_degrees } => write!(
-                f,
-                "the table does not follow the circle: it goes {turned_degrees:.1}° round the centre in a turn of 360°"
-            ),
+            Self::DoesNotTurn { turned_degrees } => {
+                // Plus zero: a little less than nothing is no "-0.0".
+                let turned = (turned_degrees * 10.0).round() / 10.0 + 0.0;
+                write!(
+                    f,
+                    "the table does not follow the circle: it goes {turned:.1}° round the centre in a turn of 360°"
+                )
+            }
             Self::PathEmpty => write!(f, "the path has no curve, or one without length"),
         }
     }
@@ -203,6 +208,11 @@ mod tests {
         assert_eq!(error.to_string(), "velocity_lag_ms = -1: expected a positive number");
         let error = within("feed_forward", 98.0, 0.0, 1.5).unwrap_err();
         assert_eq!(error.to_string(), "feed_forward = 98: expected a number from 0 to 1.5");
+        let error = ServoError::DoesNotArrive { end_error_mm: 0.5, most_mm: 2e-6 };
+        let expected = "the table does not follow: it ends 500.000 µm from the end of the path, expected at most 0.002 µm";
+        assert_eq!(error.to_string(), expected);
+        let error = ServoError::DoesNotTurn { turned_degrees: -0.04 };
+        assert!(error.to_string().contains("it goes 0.0° round"), "{error}");
         assert!(positive("x", f64::NAN).is_err() && within("x", f64::NAN, 0.0, 1.0).is_err());
     }
 }
