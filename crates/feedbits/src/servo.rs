@@ -1,6 +1,6 @@
 //! `feedbits servo`: what the machine makes of each format's setpoints.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
@@ -9,8 +9,8 @@ use format_compare::{Dimension, Engine, ExactPlan, Format, MOST_PERIODS, Options
 use nurbs_core::{Evaluate, NurbsBuf};
 use serde::Serialize;
 use servo_sim::{
-    CircleTest, ErrorSize, FEED_FORWARDS, Roundness, Servo, ServoParameters, TuningRow,
-    VELOCITY_GAINS_PERCENT, contour_error, roundness_plot, tuning_table,
+    Arrival, CircleTest, ErrorSize, FEED_FORWARDS, Roundness, Servo, ServoError, ServoParameters, Tuning,
+    TuningRow, VELOCITY_GAINS_PERCENT, contour_error, roundness_plot, tuning_table,
 };
 
 use crate::formats::selected;
@@ -57,6 +57,8 @@ struct Report {
     formats: Vec<FormatRow>,
     circle: CircleReport,
     tuning: Vec<TuningRow>,
+    /// The settings of the table that make no circle.
+    tuning_left_out: Vec<LeftOut>,
 }
 
 /// The part in one format, by one engine.
@@ -79,6 +81,10 @@ enum Outcome {
         /// Distance of the table from the curve.
         contour_error_mm: ErrorSize,
         reached_the_end: bool,
+        arrival: Arrival,
+        /// Why the contour error means nothing.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        does_not_follow: Option<String>,
     },
     /// Why the format was not run.
     Refused { refused: String },
@@ -89,7 +95,25 @@ struct CircleReport {
     radius_mm: f64,
     feedrate_mm_per_min: f64,
     #[serde(flatten)]
-    result: Roundness,
+    result: CircleResult,
+}
+
+#[derive(Serialize)]
+#[serde(untagged)]
+enum CircleResult {
+    Round(Roundness),
+    /// Why there is no circle to judge.
+    DoesNotFollow {
+        does_not_follow: String,
+    },
+}
+
+/// Settings of one velocity gain that make no circle, for one reason.
+#[derive(Serialize)]
+struct LeftOut {
+    velocity_gain_percent: f64,
+    feed_forwards: Vec<f64>,
+    reason: String,
 }
 
 /// Simulates and prints.
@@ -105,16 +129,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
         }
     };
     let test = circle_test(arguments, period)?;
-    let circle = test.run::<f64>(&[servo; 2]).context("circle test")?;
-    let tuning = tuning_table(&[servo; 2], &test).context("tuning table")?;
+    let circle = circle(&servo, &test)?;
+    let Tuning { rows: tuning, left_out } = tuning_table(&[servo; 2], &test).context("tuning table")?;
     progress.finish();
     if let Some(path) = &arguments.plot {
-        let title = format!(
-            "Circle test: feed-forward {} %, velocity gain {} %",
-            servo.feed_forward * 100.0,
-            servo.velocity_gain_percent
-        );
-        output::write(Some(path), &(roundness_plot(&test, &circle, &title) + "\n"))?;
+        plot(path, &servo, &test, &circle)?;
     }
     let report = Report {
         part,
@@ -123,15 +142,74 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
         formats,
         circle: CircleReport { radius_mm: test.radius, feedrate_mm_per_min: arguments.feed, result: circle },
         tuning,
+        tuning_left_out: by_reason(&left_out),
     };
     let text =
         if arguments.output.json { serde_json::to_string_pretty(&report)? + "\n" } else { tables(&report) };
     output::write(arguments.output.out.as_deref(), &text)?;
-    // A format that cannot run the raw problem is an answer, not a failure; one that runs neither way is.
+    Ok(ending(&report))
+}
+
+/// A format that cannot run the raw problem is an answer, not a failure; one that runs neither way is. So is a machine
+/// that does not follow.
+fn ending(report: &Report) -> Ending {
     let ran = |row: &&FormatRow| matches!(row.outcome, Outcome::Ran { reached_the_end: true, .. });
     let any_ran = |format: &str| report.formats.iter().filter(ran).any(|row| row.format == format);
     let all_ran = report.formats.iter().all(|row| any_ran(&row.format));
-    Ok(if all_ran { Ending::Good } else { Ending::RequirementNotMet })
+    let follows = |row: &FormatRow| !matches!(row.outcome, Outcome::Ran { does_not_follow: Some(_), .. });
+    let round = matches!(report.circle.result, CircleResult::Round(_));
+    if all_ran && round && report.formats.iter().all(follows) {
+        Ending::Good
+    } else {
+        Ending::RequirementNotMet
+    }
+}
+
+/// Runs the circle test. A table that does not go round is a result; what else goes wrong is not.
+fn circle(servo: &ServoParameters, test: &CircleTest) -> Result<CircleResult> {
+    match test.run::<f64>(&[*servo; 2]) {
+        Ok(circle) => Ok(CircleResult::Round(circle)),
+        Err(reason @ ServoError::DoesNotTurn { .. }) => {
+            Ok(CircleResult::DoesNotFollow { does_not_follow: reason.to_string() })
+        }
+        Err(error) => Err(error).context("circle test"),
+    }
+}
+
+/// Writes the roundness plot, if there is a circle.
+fn plot(path: &Path, servo: &ServoParameters, test: &CircleTest, circle: &CircleResult) -> Result<()> {
+    let circle = match circle {
+        CircleResult::Round(circle) => circle,
+        CircleResult::DoesNotFollow { does_not_follow } => {
+            output::say(&format!("feedbits: {} is not written: {does_not_follow}", path.display()));
+            return Ok(());
+        }
+    };
+    let title = format!(
+        "Circle test: feed-forward {} %, velocity gain {} %",
+        servo.feed_forward * 100.0,
+        servo.velocity_gain_percent
+    );
+    output::write(Some(path), &(roundness_plot(test, circle, &title) + "\n"))
+}
+
+/// What the tuning table leaves out: settings of one velocity gain and one reason together.
+fn by_reason(settings: &[servo_sim::LeftOut]) -> Vec<LeftOut> {
+    let mut grouped: Vec<LeftOut> = Vec::new();
+    for setting in settings {
+        let (gain, reason) = (setting.velocity_gain_percent, setting.reason.to_string());
+        match grouped.last_mut() {
+            Some(last) if last.velocity_gain_percent == gain && last.reason == reason => {
+                last.feed_forwards.push(setting.feed_forward);
+            }
+            _ => grouped.push(LeftOut {
+                velocity_gain_percent: gain,
+                feed_forwards: vec![setting.feed_forward],
+                reason,
+            }),
+        }
+    }
+    grouped
 }
 
 /// The circle test that the options name; one that would run for hours is refused.
@@ -172,6 +250,7 @@ where
     circle_test(arguments, problem.period_s())?;
     let engines = arguments.run.engines()?;
     let options = arguments.run.options_for(problem)?;
+    expect_rest_at_the_ends(&options)?;
     let mut rows = Vec::new();
     for format in selected::<D>(&arguments.formats)? {
         let plan = format_compare::plan_for(problem, format.as_ref(), &options);
@@ -186,6 +265,18 @@ where
         }
     }
     Ok(rows)
+}
+
+/// Refuses a feed at either end: the axes are at rest before the first setpoint, and hold the last one.
+fn expect_rest_at_the_ends(options: &Options) -> Result<()> {
+    for (option, feed) in ["--start-feed", "--end-feed"].into_iter().zip(options.end_feeds_mm_per_s) {
+        if feed > 0.0 {
+            bail!(
+                "{option} {feed}: expected 0, for the axes of `servo` are at rest before and after the path"
+            );
+        }
+    }
+    Ok(())
 }
 
 /// The part in one format, on a machine whose drives are exact: what differs between rows is the setpoints.
@@ -207,11 +298,14 @@ fn simulate<const D: usize>(
     let start = first.point(first.domain().0);
     let trace =
         Servo::<f64, D>::try_new(&[*servo; D], problem.period_s(), start)?.run(setpoints.iter().copied())?;
+    let arrival = trace.arrival();
     Ok(Outcome::Ran {
         setpoint_error_mm: contour_error(&curves, setpoints)?,
         following_error_mm: trace.following_error().to_vec(),
-        contour_error_mm: contour_error(&curves, trace.samples.iter().map(|sample| sample.table))?,
+        contour_error_mm: trace.contour_error(&curves)?,
         reached_the_end: run.finished,
+        arrival,
+        does_not_follow: arrival.validate().err().map(|reason| reason.to_string()),
     })
 }
 
@@ -226,16 +320,41 @@ fn tables(report: &Report) -> String {
         servo.feed_forward * 100.0,
         servo.velocity_gain_percent,
     );
-    let circle = &report.circle;
-    let circle_line = format!(
-        "Circle R{} F{}: mean radial error {} µm (linear loop in closed form: {} µm), roundness {} µm",
-        circle.radius_mm,
-        circle.feedrate_mm_per_min,
-        micrometres(circle.result.radial_error_mean_mm),
-        micrometres(circle.result.continuous_closed_form_mm),
-        micrometres(circle.result.roundness_mm),
-    );
-    format!("{heading}\n{}\n\n{circle_line}\n{}\n", format_table(report), tuning(report))
+    format!(
+        "{heading}\n{}\n\n{}\n{}\n{}",
+        format_table(report),
+        circle_line(&report.circle),
+        tuning(report),
+        left_out(&report.tuning_left_out)
+    )
+}
+
+fn circle_line(circle: &CircleReport) -> String {
+    let CircleReport { radius_mm, feedrate_mm_per_min, result } = circle;
+    let said = match result {
+        CircleResult::Round(round) => format!(
+            "mean radial error {} µm (linear loop in closed form: {} µm), roundness {} µm",
+            micrometres(round.radial_error_mean_mm),
+            micrometres(round.sampled_closed_form_mm),
+            micrometres(round.roundness_mm),
+        ),
+        CircleResult::DoesNotFollow { does_not_follow } => does_not_follow.clone(),
+    };
+    format!("Circle R{radius_mm} F{feedrate_mm_per_min}: {said}")
+}
+
+/// A line for each reason why settings are not in the tuning table.
+fn left_out(settings: &[LeftOut]) -> String {
+    settings
+        .iter()
+        .map(|LeftOut { velocity_gain_percent, feed_forwards, reason }| {
+            let percents: Vec<String> = feed_forwards.iter().map(|f| (f * 100.0).to_string()).collect();
+            let percents = percents.join(", ");
+            format!(
+                "Left out: velocity gain {velocity_gain_percent} %, feed-forward {percents} %: {reason}\n"
+            )
+        })
+        .collect()
 }
 
 fn format_table(report: &Report) -> Table {
@@ -255,11 +374,19 @@ fn format_table(report: &Report) -> Table {
     for row in &report.formats {
         let mut cells = vec![row.format.clone(), row.engine.to_string()];
         match &row.outcome {
-            Outcome::Ran { setpoint_error_mm, following_error_mm, contour_error_mm, reached_the_end } => {
+            Outcome::Ran {
+                setpoint_error_mm,
+                following_error_mm,
+                contour_error_mm,
+                reached_the_end,
+                does_not_follow,
+                arrival: _,
+            } => {
                 cells.push(size(setpoint_error_mm));
                 cells.extend(following_error_mm.iter().map(size));
                 cells.push(size(contour_error_mm));
-                cells.push(if *reached_the_end { String::new() } else { "stops before the end".to_string() });
+                let stops = (!reached_the_end).then(|| "stops before the end".to_string());
+                cells.push(stops.into_iter().chain(does_not_follow.clone()).collect::<Vec<_>>().join("; "));
             }
             Outcome::Refused { refused } => {
                 cells.resize(columns - 1, String::new());

@@ -82,3 +82,134 @@ fn a_loop_that_cannot_be_is_refused_by_name() {
     assert_eq!(output.status.code(), Some(2));
     assert!(text(&output.stderr).contains("radius"), "{}", text(&output.stderr));
 }
+
+/// A quarter of a circle of 5 mm at 50 mm/s, on a machine and with a drive in files beside it.
+struct Quarter {
+    folder: tempfile::TempDir,
+}
+
+impl Quarter {
+    const MACHINE: &str = "[machine]\ninterpolation_period_ms = 1.0\nfeedrate_mm_per_s = 100.0\n\
+        acceleration_mm_per_s2 = 5000.0\njerk_mm_per_s3 = 400000.0\nchord_error_mm = 0.001\n\
+        fluctuation_limit = 1e-6\nparameter_tolerance = 1e-6\nmax_iterations = 5\n";
+    /// Position gain 30 1/s, lag 1 ms.
+    const DRIVE: &str = "[servo]\nposition_gain_per_s = 30\nvelocity_lag_ms = 1.0\n";
+
+    fn new() -> Self {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let program = "G21 G90 G17\nG0 X5 Y0\nG2 X0 Y-5 I-5 J0 F3000\nM30\n";
+        for (name, content) in [("quarter.nc", program), ("m.toml", Self::MACHINE)] {
+            fs::write(folder.path().join(name), content).expect("the folder is writable");
+        }
+        Self { folder }
+    }
+
+    fn path(&self, name: &str) -> String {
+        self.folder.path().join(name).display().to_string()
+    }
+
+    /// Runs with the drive and `drive`, further lines of the servo file.
+    fn servo(&self, drive: &str, arguments: &[&str]) -> Output {
+        let file = self.path("s.toml");
+        fs::write(&file, Self::DRIVE.to_string() + drive).expect("the folder is writable");
+        let (part, machine) = (self.path("quarter.nc"), self.path("m.toml"));
+        let run =
+            [&part, "--machine", &machine, "--servo", &file, "--formats", "f64", "--evaluate", "pieces"];
+        servo(&[&run, arguments].concat())
+    }
+}
+
+/// The figures of an independent simulation, by Euler's method in Python: largest and root mean square over the motion.
+/// A mean over the standstill that follows would be 65 and 367 µm.
+#[test]
+fn root_mean_squares_are_those_of_the_motion() {
+    let output = Quarter::new().servo("", &["--json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let report: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let row = row(&report, "f64", "pieces");
+    for (size, [max, rms]) in
+        [(&row["contour_error_mm"], [0.2265, 0.1499]), (&row["following_error_mm"][0], [1.4558, 0.8897])]
+    {
+        for (found, expected) in [(&size["max"], max), (&size["rms"], rms)] {
+            let found = found.as_f64().unwrap();
+            assert!((found / expected - 1.0).abs() < 5e-3, "{found} {expected} mm");
+        }
+    }
+}
+
+#[test]
+fn a_machine_that_does_not_move_is_not_perfect() {
+    let quarter = Quarter::new();
+    let output = quarter.servo("friction_mm_per_s2 = 1e9\n", &[]);
+    let said = text(&output.stdout);
+    assert_eq!(output.status.code(), Some(1), "{said}{}", text(&output.stderr));
+    assert!(said.contains("Circle R10 F4000: the table does not follow the circle: it goes 0.0°"), "{said}");
+    assert!(
+        said.contains("Left out: velocity gain 100 %, feed-forward 0, 95, 98, 99, 100 %: the table"),
+        "{said}"
+    );
+    let report = quarter.servo("friction_mm_per_s2 = 1e9\n", &["--json"]);
+    let report: Value = serde_json::from_slice(&report.stdout).expect("JSON");
+    let reason = row(&report, "f64", "pieces")["does_not_follow"].as_str().expect("a reason");
+    assert!(reason.starts_with("the table does not follow: it ends 7071.068 µm"), "{reason}");
+    assert_eq!(report["circle"]["radial_error_mean_mm"], Value::Null);
+    // The built-in drive has 3 µm of friction and 2 µm of play: it does not make a circle of 1 µm.
+    for circle in [["--circle", "0.001", "--feed", "10"], ["--circle", "0.0005", "--feed", "0.5"]] {
+        let plot = quarter.path("c.svg");
+        let output = servo(&[&["--formats", "f64", "--plot", &plot], &circle[..]].concat());
+        let said = text(&output.stdout);
+        assert_eq!(output.status.code(), Some(1), "{said}{}", text(&output.stderr));
+        assert!(said.contains("the table does not follow the circle"), "{said}");
+        assert!(text(&output.stderr).contains("c.svg is not written") && !Path::new(&plot).exists());
+    }
+}
+
+/// Play of 1 mm on a path of 5 mm is bad, and measured.
+#[test]
+fn a_machine_that_follows_badly_is_measured() {
+    let output = Quarter::new().servo("backlash_mm = 1\n", &[]);
+    let said = text(&output.stdout);
+    assert_eq!(output.status.code(), Some(0), "{said}{}", text(&output.stderr));
+    assert!(!said.contains("does not follow") && said.contains("mean radial error -393.9"), "{said}");
+}
+
+#[test]
+fn a_feed_at_an_end_is_refused() {
+    for option in ["--start-feed", "--end-feed"] {
+        let output = Quarter::new().servo("", &[option, "100"]);
+        let message = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{message}");
+        assert!(message.contains(&format!("{option} 100: expected 0")), "{message}");
+        assert_eq!(Quarter::new().servo("", &[option, "0"]).status.code(), Some(0));
+    }
+}
+
+#[test]
+fn settings_that_oscillate_are_left_out_with_the_reason() {
+    let drive = "velocity_gain_percent = 50\nvelocity_gain_limit_percent = 60\n";
+    let output = Quarter::new().servo(drive, &[]);
+    let said = text(&output.stdout);
+    assert_eq!(output.status.code(), Some(0), "{said}{}", text(&output.stderr));
+    for gain in [100, 200, 300] {
+        let expected = format!(
+            "Left out: velocity gain {gain} %, feed-forward 0, 95, 98, 99, 100 %: velocity_gain_percent = {gain}: the \
+             velocity loop oscillates"
+        );
+        assert!(said.contains(&expected), "{said}");
+    }
+}
+
+/// The closed form beside a simulation is that of the loop which is simulated: the filter takes 10.7 µm.
+#[test]
+fn the_closed_form_has_the_command_filter() {
+    let said = text(&Quarter::new().servo("command_filter_ms = 24\n", &[]).stdout);
+    assert!(said.contains("mean radial error -234.7") && said.contains("closed form: -234.7"), "{said}");
+}
+
+#[test]
+fn a_servo_file_is_refused_with_its_line() {
+    let output = Quarter::new().servo("feed_forward = 98\n", &[]);
+    let message = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    assert!(message.contains("s.toml: line 4: feed_forward = 98"), "{message}");
+}

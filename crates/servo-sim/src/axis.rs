@@ -19,6 +19,8 @@ pub struct Axis<R> {
     sub_steps: i32,
     sub_step: f64,
     settling_sub_steps: f64,
+    standstill_error: f64,
+    dead_zone: f64,
 }
 
 /// What changes on an axis.
@@ -73,6 +75,8 @@ impl<R: Backend> Axis<R> {
             sub_steps: i32::try_from(parameters.sub_steps).unwrap_or(i32::MAX),
             sub_step,
             settling_sub_steps: sampled.settling_sub_steps(),
+            standstill_error: parameters.standstill_error_mm(),
+            dead_zone: 2.0 * R::resolution().to_f64() / (position_gain * sub_step),
         })
     }
 
@@ -136,6 +140,13 @@ impl<R: Backend> Axis<R> {
     /// Periods after which an error has decayed to e⁻²⁰, 2e-9 of what it was.
     pub(crate) fn settling_periods(&self) -> f64 {
         (self.settling_sub_steps / f64::from(self.sub_steps)).ceil()
+    }
+
+    /// The most that this loop at rest leaves of the way to its setpoint, in mm: what its parameters leave, and the
+    /// rounding of the control law and of the encoder in the drive's format, `2ε/(Kp h)`.
+    pub(crate) fn standstill_error(&self, state: &AxisState<R>) -> f64 {
+        let scale = if R::IS_FLOATING { state.setpoint.to_f64().abs().max(1.0) } else { 1.0 };
+        self.standstill_error + self.dead_zone * scale
     }
 
     fn read_encoder(&self, position: f64) -> Option<R> {

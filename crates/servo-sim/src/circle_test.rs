@@ -9,8 +9,11 @@
 //!
 //! Two equal axes without friction, play and limits make a perfect circle of a wrong radius; what makes it out of round
 //! sits at the four quadrant points, where an axis turns round.
+//!
+//! A table that rests has no radial error wherever on the circle it does. So it must go round the commanded centre once
+//! in the measured turn, however far off the circle.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use real::Backend;
 use serde::Serialize;
@@ -68,7 +71,8 @@ impl CircleTest {
     /// Runs the test on two axes whose loops run in `R`, with exact setpoints.
     ///
     /// # Errors
-    /// [`ServoError`] of the parameters, or if the circle is passed in fewer than 8 periods.
+    /// [`ServoError`] of the parameters, or if the circle is passed in fewer than 8 periods, or
+    /// [`ServoError::DoesNotTurn`].
     pub fn run<R: Backend>(&self, axes: &[ServoParameters; 2]) -> Result<Roundness, ServoError> {
         self.run_with::<R>(axes, |point| point)
     }
@@ -91,10 +95,10 @@ impl CircleTest {
         let warm_up = (settling / turn_periods).ceil().max(1.0) * turn_periods;
         let mut samples = Vec::new();
         let mut measured = Vec::new();
-        let (mut period, mut angle) = (0.0, 0.0);
+        let mut period = 0.0;
         while period < warm_up + turn_periods {
             period += 1.0;
-            angle = self.angular_frequency() * self.period * period;
+            let angle = self.angular_frequency() * self.period * period;
             let (sin, cos) = f64::sin_cos(angle);
             samples.clear();
             servo.step(setpoint([self.radius * cos, self.radius * sin]), &mut samples)?;
@@ -102,11 +106,15 @@ impl CircleTest {
                 measured.extend_from_slice(&samples);
             }
         }
-        debug_assert!(angle >= TAU, "a turn was measured");
         let sub_steps = f64::from(axes[0].sub_steps);
         let one_turn =
             measured.iter().zip(1_u32..).take_while(|(_, n)| f64::from(*n) <= turn_periods * sub_steps);
         let profile = self.profile(one_turn.map(|(sample, _)| sample));
+        let turned = turned(&profile);
+        // A winding number, but for the part of a sub-step that the measured turn is not whole by.
+        if (turned - TAU).abs() >= PI {
+            return Err(ServoError::DoesNotTurn { turned_degrees: turned.to_degrees() });
+        }
         Ok(self.judge(profile, axes))
     }
 
@@ -162,6 +170,11 @@ impl CircleTest {
             profile,
         }
     }
+}
+
+/// The angle by which a profile goes round, in rad, counter-clockwise: each step the short way.
+fn turned(profile: &[(f64, f64)]) -> f64 {
+    profile.windows(2).map(|pair| (pair[1].0 - pair[0].0 + PI).rem_euclid(TAU) - PI).sum()
 }
 
 #[cfg(test)]
@@ -313,5 +326,38 @@ mod tests {
         let fast = CircleTest { radius: 0.1, feedrate: 100.0, period: 1e-3 };
         let message = fast.run::<f64>(&[fitted(0.98, 100.0); 2]).unwrap_err().to_string();
         assert!(message.contains("passed in 6.3 interpolation periods"), "{message}");
+    }
+
+    /// A table that rests on the circle has no radial error, and is no perfect circle.
+    #[test]
+    fn a_table_that_rests_makes_no_circle() {
+        let small = |radius, feed| CircleTest { radius, feedrate: feed / 60.0, period: 1e-3 };
+        let sample = ServoParameters::from_toml(include_str!("../../../data/servo.toml")).unwrap();
+        let stuck = ServoParameters { friction_mm_per_s2: 1e9, ..fitted(0.98, 100.0) };
+        let slow = ServoParameters { sub_steps: 200, ..ServoParameters::new(0.01, 1.0) };
+        for (test, machine) in [
+            (CircleTest::PAPER, stuck),
+            (CircleTest::PAPER, slow),
+            (small(0.001, 10.0), sample),
+            (small(0.0005, 0.5), sample),
+        ] {
+            let refused = test.run::<f64>(&[machine; 2]).unwrap_err();
+            assert!(matches!(refused, ServoError::DoesNotTurn { .. }), "{machine:?}: {refused}");
+            assert!(
+                refused.to_string().starts_with("the table does not follow the circle: it goes"),
+                "{refused}"
+            );
+        }
+    }
+
+    /// Far off the circle, but round it: play of a tenth of the radius takes 0.4 mm off it in the mean.
+    #[test]
+    fn a_bad_circle_is_measured() {
+        let play = ServoParameters { backlash_mm: 1.0, ..ServoParameters::new(30.0, 1.0) };
+        let found = run(play);
+        assert!((found.radial_error_mean_mm + 0.394).abs() < 0.001, "{}", found.radial_error_mean_mm);
+        assert!((found.roundness_mm - 0.751).abs() < 0.001, "{}", found.roundness_mm);
+        let oscillating = run(ServoParameters::new(30.0, 1e4));
+        assert!((oscillating.radial_error_mean_mm + 9.278).abs() < 0.001);
     }
 }

@@ -111,15 +111,17 @@ impl ServoParameters {
     /// interpolation period: see [`validate`](Self::validate).
     ///
     /// # Errors
-    /// [`ReadError`], with line and column of a key that is unknown, missing or no number, or the key and value that
+    /// [`ReadError`], with line and column of a key that is unknown, missing or no number, or line, key and value that
     /// break a rule.
     pub fn from_toml(text: &str) -> Result<Self, ReadError> {
         #[derive(Deserialize)]
         struct File {
-            servo: ServoParameters,
+            servo: Option<ServoParameters>,
         }
-        let parameters = toml::from_str::<File>(text).map_err(ReadError::Toml)?.servo;
-        parameters.check_values().map_err(ReadError::Value)?;
+        let file: File = toml::from_str(text).map_err(ReadError::Toml)?;
+        let parameters = file.servo.ok_or(ReadError::NoTable)?;
+        let at_its_line = |error: ServoError| ReadError::Value { error, line: line_of(text, &error) };
+        parameters.check_values().map_err(at_its_line)?;
         Ok(parameters)
     }
 
@@ -180,6 +182,21 @@ impl ServoParameters {
         self.velocity_lag_ms / 1000.0 / (self.velocity_gain_percent / 100.0)
     }
 
+    /// The most that the loop at rest leaves of the way to its command: `f τ/Kp + q + (b + c)/2`.
+    ///
+    /// - `f τ/Kp`: an error e asks for the velocity `Kp e`, for which the drive pulls with `Kp e/τ`; friction f holds that;
+    /// - `q`: the encoder's value is within half of its step q, and what the control law extrapolates from two values
+    ///   within half of one more;
+    /// - `b/2`: the table is anywhere in the play b; `c/2`: the compensation moves the command by as much.
+    ///
+    /// Units: f in mm/s², τ = [`lag_s`](Self::lag_s) in s, Kp in 1/s, q, b, c and result in mm.
+    #[must_use]
+    pub fn standstill_error_mm(&self) -> f64 {
+        self.friction_mm_per_s2 * self.lag_s() / self.position_gain_per_s
+            + self.encoder_resolution_mm
+            + (self.backlash_mm + self.backlash_compensation_mm) / 2.0
+    }
+
     /// Time between two cycles of the position loop, in s, at an interpolation period T (s).
     #[must_use]
     pub fn sub_step_s(&self, period_s: f64) -> f64 {
@@ -192,15 +209,36 @@ impl ServoParameters {
 pub enum ReadError {
     /// It is not TOML, or a key is unknown, missing or of the wrong type.
     Toml(toml::de::Error),
+    /// It has no table `[servo]`.
+    NoTable,
     /// A value breaks a rule.
-    Value(ServoError),
+    Value {
+        /// The rule, key and value.
+        error: ServoError,
+        /// The line of the key, from 1; none for one that is left out, or stands in an inline table.
+        line: Option<usize>,
+    },
+}
+
+/// The line on which the table `[servo]` sets the key of this error.
+fn line_of(text: &str, error: &ServoError) -> Option<usize> {
+    let key = error.key()?;
+    let sets_key = |line: &str| {
+        line.trim_start().strip_prefix(key).is_some_and(|rest| rest.trim_start().starts_with('='))
+    };
+    let mut lines = text.lines().zip(1..).skip_while(|(line, _)| !line.trim_start().starts_with("[servo]"));
+    lines.find(|(line, _)| sets_key(line)).map(|(_, number)| number)
 }
 
 impl fmt::Display for ReadError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Toml(error) => error.fmt(f),
-            Self::Value(error) => error.fmt(f),
+            Self::NoTable => {
+                write!(f, "expected a table [servo]: a line `[servo]` and the drive's keys below it")
+            }
+            Self::Value { error, line: Some(line) } => write!(f, "line {line}: {error}"),
+            Self::Value { error, line: None } => error.fmt(f),
         }
     }
 }
@@ -253,6 +291,34 @@ mod tests {
         ] {
             let text = MINIMAL.to_string() + line;
             assert!(message(&text).contains(expected), "{line}: {}", message(&text));
+        }
+    }
+
+    #[test]
+    fn a_value_that_breaks_a_rule_is_named_with_its_line() {
+        for (text, expected) in [
+            (
+                MINIMAL.to_string() + "\n# feed_forward = 1\n  feed_forward=98",
+                "line 6: feed_forward = 98: expected",
+            ),
+            (MINIMAL.replace("30", "-30"), "line 2: position_gain_per_s = -30: expected"),
+            (
+                MINIMAL.to_string() + "velocity_gain_limit_percent = 50",
+                "velocity_gain_percent = 100: the velocity",
+            ),
+            (
+                "servo = { position_gain_per_s = 0, velocity_lag_ms = 1 }".to_string(),
+                "position_gain_per_s = 0: expected a positive number",
+            ),
+        ] {
+            assert!(message(&text).starts_with(expected), "{text}: {}", message(&text));
+        }
+    }
+
+    #[test]
+    fn a_file_without_the_table_is_told_what_is_expected() {
+        for text in ["", "position_gain_per_s = 30\nvelocity_lag_ms = 1\n", "[machine]\nfeed = 1\n"] {
+            assert!(message(text).starts_with("expected a table [servo]"), "{text}: {}", message(text));
         }
     }
 

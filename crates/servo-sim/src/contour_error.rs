@@ -12,6 +12,10 @@
 //!    the root of `g(u) = (C(u) - X)·C'(u)`, found by Newton's method between bounds that halve when it fails.
 //! 4. A distance larger than the triangle inequality allows, `d_before + |X - X_before|`, proves that the nearest point
 //!    was missed: then the whole path is searched.
+//!
+//! It looks from the table to the path only. A stretch of the path that the table never comes to, as the tip of a
+//! movement out and back on one line, is no contour error; where the table does not follow at all,
+//! [`Arrival`](crate::Arrival) says so.
 
 use nurbs_core::{Differentiate, Evaluate};
 use real::Real;

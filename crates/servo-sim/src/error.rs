@@ -83,8 +83,42 @@ pub enum ServoError {
         /// The fewest allowed.
         least: f64,
     },
+    /// Once settled, the table is not where the path ends.
+    DoesNotArrive {
+        /// Distance of the table from the end, in mm.
+        end_error_mm: f64,
+        /// The most that friction, play and encoder of the resting loops explain, or half of the path's reach.
+        most_mm: f64,
+    },
+    /// The table has not been half as far from the start as the path leads.
+    StaysBehind {
+        /// How far it was, in mm.
+        reach_mm: f64,
+        /// How far the path leads, in mm.
+        commanded_mm: f64,
+    },
+    /// The table does not go round the circle's centre once while the setpoints do.
+    DoesNotTurn {
+        /// The angle by which it does, in degrees, counter-clockwise.
+        turned_degrees: f64,
+    },
     /// A path has no curve, or a curve that has no length.
     PathEmpty,
+}
+
+impl ServoError {
+    /// The key of the servo file whose value was refused, if it is one key's.
+    #[must_use]
+    pub fn key(&self) -> Option<&'static str> {
+        match self {
+            Self::NotPositive { key, .. } | Self::OutOfRange { key, .. } => Some(key),
+            Self::VelocityLoopOscillates { .. } => Some("velocity_gain_percent"),
+            Self::CannotMove { .. } => Some("friction_mm_per_s2"),
+            Self::SubStepsDiffer { .. } => Some("sub_steps"),
+            Self::Unstable { .. } => Some("position_gain_per_s"),
+            _ => None,
+        }
+    }
 }
 
 impl fmt::Display for ServoError {
@@ -125,6 +159,24 @@ impl fmt::Display for ServoError {
                 f,
                 "the circle is passed in {setpoints_per_turn:.1} interpolation periods: expected at least {least}"
             ),
+            Self::DoesNotArrive { end_error_mm, most_mm } => write!(
+                f,
+                "the table does not follow: it ends {:.3} µm from the end of the path, expected at most {:.3} µm",
+                end_error_mm * 1000.0,
+                most_mm * 1000.0
+            ),
+            Self::StaysBehind { reach_mm, commanded_mm } => write!(
+                f,
+                "the table does not follow: it goes {reach_mm:.4} mm far from the start, the path {commanded_mm:.4} mm"
+            ),
+            Self::DoesNotTurn { turned_degrees } => {
+                // Plus zero: a little less than nothing is no "-0.0".
+                let turned = (turned_degrees * 10.0).round() / 10.0 + 0.0;
+                write!(
+                    f,
+                    "the table does not follow the circle: it goes {turned:.1}° round the centre in a turn of 360°"
+                )
+            }
             Self::PathEmpty => write!(f, "the path has no curve, or one without length"),
         }
     }
@@ -156,6 +208,11 @@ mod tests {
         assert_eq!(error.to_string(), "velocity_lag_ms = -1: expected a positive number");
         let error = within("feed_forward", 98.0, 0.0, 1.5).unwrap_err();
         assert_eq!(error.to_string(), "feed_forward = 98: expected a number from 0 to 1.5");
+        let error = ServoError::DoesNotArrive { end_error_mm: 0.5, most_mm: 2e-6 };
+        let expected = "the table does not follow: it ends 500.000 µm from the end of the path, expected at most 0.002 µm";
+        assert_eq!(error.to_string(), expected);
+        let error = ServoError::DoesNotTurn { turned_degrees: -0.04 };
+        assert!(error.to_string().contains("it goes 0.0° round"), "{error}");
         assert!(positive("x", f64::NAN).is_err() && within("x", f64::NAN, 0.0, 1.0).is_err());
     }
 }

@@ -14,13 +14,23 @@ pub struct ErrorSize {
 impl ErrorSize {
     /// The size of these values; 0 for none.
     pub fn of(values: impl IntoIterator<Item = f64>) -> Self {
-        let (mut max, mut sum, mut count) = (0.0_f64, 0.0, 0.0);
-        for value in values {
+        Self::of_motion(values, usize::MAX)
+    }
+
+    /// The size of an error over a motion of `count` values, after which the machine settles: the largest magnitude of
+    /// all values, and the root mean square of the first `count`.
+    ///
+    /// A mean over the standstill too would depend on how long one looks at it, and so on the loop that settles.
+    pub fn of_motion(values: impl IntoIterator<Item = f64>, count: usize) -> Self {
+        let (mut max, mut sum, mut counted) = (0.0_f64, 0.0, 0.0);
+        for (index, value) in values.into_iter().enumerate() {
             max = max.max(value.abs());
-            sum += value * value;
-            count += 1.0;
+            if index < count {
+                sum += value * value;
+                counted += 1.0;
+            }
         }
-        Self { max, rms: if count > 0.0 { f64::sqrt(sum / count) } else { 0.0 } }
+        Self { max, rms: if counted > 0.0 { f64::sqrt(sum / counted) } else { 0.0 } }
     }
 }
 
@@ -33,5 +43,12 @@ mod tests {
         let size = ErrorSize::of([1.0, -7.0]);
         assert_eq!(size, ErrorSize { max: 7.0, rms: 5.0 });
         assert_eq!(ErrorSize::of([]), ErrorSize::default());
+    }
+
+    #[test]
+    fn a_standstill_counts_for_the_largest_alone() {
+        let size = ErrorSize::of_motion([1.0, -7.0, 9.0, 0.0, 0.0], 2);
+        assert_eq!(size, ErrorSize { max: 9.0, rms: 5.0 });
+        assert_eq!(ErrorSize::of_motion([2.0], 0), ErrorSize { max: 2.0, rms: 0.0 });
     }
 }

@@ -34,6 +34,7 @@
 //! | what does the machine do with a velocity command? | [`Drive`], [`Play`] |
 //! | one axis, several axes | [`Axis`], [`Servo`] |
 //! | how far is the path off the curve? | [`contour_error()`], [`ContourTracker`] |
+//! | does the table follow at all? | [`Arrival`] |
 //! | how round is a circle? what does tuning do to it? | [`CircleTest`], [`tuning_table`], [`roundness_plot()`] |
 //! | what must come out, in closed form? | [`continuous_gain`], [`sampled_gain`], [`radius_change`] |
 //! | is the loop stable? | [`SampledLoop`] |
@@ -53,6 +54,7 @@
 //! *Mechanical Science and Technology for Aerospace Engineering* 31 (2012) 791–795, section 3. Its test prints no
 //! loop parameters; `data/servo.toml` has those that fit its figures, and says how.
 
+mod arrival;
 mod axis;
 mod backlash;
 mod circle_test;
@@ -69,6 +71,7 @@ mod servo;
 mod stability;
 mod tuning;
 
+pub use arrival::Arrival;
 pub use axis::{Axis, AxisSample, AxisState};
 pub use backlash::{Compensation, Play, ReversalCompensation, ReversalState};
 pub use circle_test::{CircleTest, Roundness};
@@ -83,4 +86,4 @@ pub use response::{continuous_gain, moving_average_gain, radius_change, sampled_
 pub use roundness_plot::roundness_plot;
 pub use servo::{Sample, Servo, Trace};
 pub use stability::SampledLoop;
-pub use tuning::{FEED_FORWARDS, TuningRow, VELOCITY_GAINS_PERCENT, tuning_table};
+pub use tuning::{FEED_FORWARDS, LeftOut, Tuning, TuningRow, VELOCITY_GAINS_PERCENT, tuning_table};

@@ -22,32 +22,62 @@ pub struct TuningRow {
     pub roundness_mm: f64,
 }
 
-/// Runs `test` at every setting of [`FEED_FORWARDS`] and [`VELOCITY_GAINS_PERCENT`] whose velocity loop does not
-/// oscillate, all other parameters as given.
+/// A setting that makes no circle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LeftOut {
+    /// Feed-forward α, a fraction.
+    pub feed_forward: f64,
+    /// Velocity gain, in per cent.
+    pub velocity_gain_percent: f64,
+    /// Why it makes none.
+    pub reason: ServoError,
+}
+
+/// The tuning table: every setting is in one of the two lists.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Tuning {
+    /// The circles.
+    pub rows: Vec<TuningRow>,
+    /// The settings without one.
+    pub left_out: Vec<LeftOut>,
+}
+
+/// Runs `test` at every setting of [`FEED_FORWARDS`] and [`VELOCITY_GAINS_PERCENT`], all other parameters as given. A
+/// setting is left out, with the reason, if its velocity loop oscillates, its position loop is unstable, or its table
+/// does not follow the circle.
 ///
 /// # Errors
 /// [`ServoError`] of the other parameters, or of the test.
-pub fn tuning_table(
-    parameters: &[ServoParameters; 2],
-    test: &CircleTest,
-) -> Result<Vec<TuningRow>, ServoError> {
-    let mut rows = Vec::new();
+pub fn tuning_table(parameters: &[ServoParameters; 2], test: &CircleTest) -> Result<Tuning, ServoError> {
+    let mut tuning = Tuning::default();
     for velocity_gain_percent in VELOCITY_GAINS_PERCENT {
         for feed_forward in FEED_FORWARDS {
             let set = |p: ServoParameters| ServoParameters { feed_forward, velocity_gain_percent, ..p };
             match test.run::<f64>(&parameters.map(set)) {
-                Ok(circle) => rows.push(TuningRow {
+                Ok(circle) => tuning.rows.push(TuningRow {
                     feed_forward,
                     velocity_gain_percent,
                     radial_error_mean_mm: circle.radial_error_mean_mm,
                     roundness_mm: circle.roundness_mm,
                 }),
-                Err(ServoError::VelocityLoopOscillates { .. }) => {}
+                Err(reason) if belongs_to_the_setting(&reason) => {
+                    tuning.left_out.push(LeftOut { feed_forward, velocity_gain_percent, reason });
+                }
                 Err(error) => return Err(error),
             }
         }
     }
-    Ok(rows)
+    Ok(tuning)
+}
+
+/// Whether another setting may do without this error.
+fn belongs_to_the_setting(reason: &ServoError) -> bool {
+    matches!(
+        reason,
+        ServoError::VelocityLoopOscillates { .. }
+            | ServoError::Unstable { .. }
+            | ServoError::DoesNotTurn { .. }
+    )
 }
 
 #[cfg(test)]
@@ -58,7 +88,8 @@ mod tests {
     #[test]
     fn the_papers_trends() {
         let sample = ServoParameters::from_toml(include_str!("../../../data/servo.toml")).unwrap();
-        let rows = tuning_table(&[sample; 2], &CircleTest::PAPER).unwrap();
+        let Tuning { rows, left_out } = tuning_table(&[sample; 2], &CircleTest::PAPER).unwrap();
+        assert_eq!(left_out, []);
         assert_eq!(rows.len(), FEED_FORWARDS.len() * VELOCITY_GAINS_PERCENT.len());
         let at = |alpha: f64, gain: f64| {
             *rows.iter().find(|r| r.feed_forward == alpha && r.velocity_gain_percent == gain).unwrap()
@@ -82,10 +113,23 @@ mod tests {
     }
 
     #[test]
-    fn settings_that_oscillate_are_left_out() {
+    fn settings_that_oscillate_are_left_out_with_the_reason() {
         let weak = ServoParameters { velocity_gain_limit_percent: 250.0, ..ServoParameters::new(50.7, 0.39) };
-        let rows = tuning_table(&[weak; 2], &CircleTest::PAPER).unwrap();
+        let Tuning { rows, left_out } = tuning_table(&[weak; 2], &CircleTest::PAPER).unwrap();
         assert!(rows.iter().all(|row| row.velocity_gain_percent < 250.0));
-        assert_eq!(rows.len(), 10);
+        assert_eq!((rows.len(), left_out.len()), (10, 5));
+        for setting in left_out {
+            assert_eq!(setting.velocity_gain_percent, 300.0);
+            assert!(setting.reason.to_string().contains("oscillates from velocity_gain_limit_percent = 250"));
+        }
+    }
+
+    /// Less lag lowers the largest gain of a loop that is closed every ms: 4012 1/s at 4 ms, 3014 at 2 ms, 2644 at 4/3 ms.
+    #[test]
+    fn settings_of_an_unstable_loop_are_left_out_and_the_others_run() {
+        let fast = ServoParameters { sub_steps: 1, ..ServoParameters::new(3500.0, 4.0) };
+        let Tuning { rows, left_out } = tuning_table(&[fast; 2], &CircleTest::PAPER).unwrap();
+        let unstable = left_out.iter().filter(|s| matches!(s.reason, ServoError::Unstable { .. })).count();
+        assert_eq!((rows.len(), left_out.len(), unstable), (5, 10, 10), "{left_out:?}");
     }
 }
