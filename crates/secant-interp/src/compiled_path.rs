@@ -19,6 +19,11 @@ use crate::stretches::{Stretch, stretches};
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum CompiledPathError {
+    /// The plan's interpolation period is not 1: its feeds are no distances per period.
+    PeriodNotOne {
+        /// The period, in the plan's unit of time.
+        period: f64,
+    },
     /// A stage begins or ends with a feed beyond the format's range.
     FeedTooHigh {
         /// The stage, from 0.
@@ -36,6 +41,11 @@ pub enum CompiledPathError {
 impl fmt::Display for CompiledPathError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Self::PeriodNotOne { period } => write!(
+                f,
+                "the plan's interpolation period is {period}, not 1: its unit of time must be the period, its feeds mm per \
+                 period"
+            ),
             Self::FeedTooHigh { stage, feed } => {
                 write!(
                     f,
@@ -107,7 +117,8 @@ pub struct CompiledPath<R, const D: usize> {
 }
 
 impl<R: Backend, const D: usize> CompiledPath<R, D> {
-    /// Joins the pieces of a path with its plan in mm and periods, made in any format Q that holds the plan's duration.
+    /// Joins the pieces of a path with its plan in mm and periods, made in any format Q that holds the plan's duration: its
+    /// interpolation period is 1, so that its feeds are distances per period.
     ///
     /// The plan's distances are those of chords ([`ScheduleBuf::shortened`](feed_plan::ScheduleBuf::shortened)), for these
     /// are what a step makes. The pieces are compiled with a joint at each of its rests
@@ -116,13 +127,18 @@ impl<R: Backend, const D: usize> CompiledPath<R, D> {
     /// which the axes come to rest within one period, A T²; it may round to zero.
     ///
     /// # Errors
-    /// [`CompiledPathError`] when a feed or the landing step does not fit `R`.
+    /// [`CompiledPathError::PeriodNotOne`] for a plan in another unit of time; the others when a feed or the landing step does
+    /// not fit `R`.
     pub fn new<Q: Backend>(
         table: PiecesBuf<R, D>,
         plan: &Schedule<'_, Q>,
         tolerance: ChordTolerance<R>,
         landing_step_mm: f64,
     ) -> Result<Self, CompiledPathError> {
+        let period = plan.interpolation_period();
+        if period != Q::one() {
+            return Err(CompiledPathError::PeriodNotOne { period: period.to_f64() });
+        }
         let exponent = table.as_pieces().chord_exponent;
         let landing_step = R::from_f64(landing_step_mm.scale(exponent))
             .ok_or(CompiledPathError::LandingStepTooLong { step: landing_step_mm })?;

@@ -1,0 +1,58 @@
+//! What a path and a plan must be to be compiled together.
+
+use feed_plan::{EndFeeds, FeedLimit, KinematicLimits, ScheduleBuf, plan};
+use nurbs_core::{NurbsBuf, PieceLimits, PiecesBuf, compile};
+use real::{Backend, DoubleDouble, I4F28};
+use secant_interp::{ChordTolerance, CompiledPath, CompiledPathError};
+
+/// A bend of 50 mm.
+fn bend() -> NurbsBuf<f64, 2> {
+    let points = vec![[0.0, 0.0], [50.0, 0.0], [50.0, 50.0]];
+    NurbsBuf::try_new_nonrational(2, points, vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0]).unwrap()
+}
+
+/// 200 mm/s, 5 m/s², 400 m/s³ and 0.5 µm at a period of 1 ms, in a unit of time of which `period` is the period.
+fn limits(period: f64) -> KinematicLimits<f64> {
+    KinematicLimits {
+        interpolation_period: period,
+        feedrate: 0.2 / period,
+        acceleration: 0.005 / (period * period),
+        jerk: 0.0004 / (period * period * period),
+        chord_error: 0.0005,
+        centripetal_acceleration: None,
+        axes: Default::default(),
+        junction: Default::default(),
+    }
+}
+
+fn planned(limits: &KinematicLimits<f64>) -> ScheduleBuf<f64> {
+    let curve = bend();
+    let limit = FeedLimit::along(&[curve.as_curve()], limits).unwrap();
+    plan(&limit, limits, EndFeeds::default()).unwrap()
+}
+
+fn pieces<R: Backend>(step_mm: f64) -> PiecesBuf<R, 2> {
+    compile::<DoubleDouble, R, 2>(&[bend().as_curve()], &PieceLimits { length_mm: 32.0, step_mm }).unwrap()
+}
+
+fn joined<R: Backend>(
+    plan: &ScheduleBuf<f64>,
+    step_mm: f64,
+    landing_step_mm: f64,
+) -> Result<CompiledPath<R, 2>, CompiledPathError> {
+    let tolerance = ChordTolerance::for_fluctuation(Some(1e-6), 5);
+    CompiledPath::new(pieces(step_mm), &plan.as_schedule(), tolerance, landing_step_mm)
+}
+
+#[test]
+fn a_plan_in_seconds_is_refused() {
+    let (periods, seconds) = (planned(&limits(1.0)), planned(&limits(1e-3)));
+    assert!(joined::<f64>(&periods, 0.205, 0.005).is_ok());
+    for error in [
+        joined::<f64>(&seconds, 0.205, 0.005).unwrap_err(),
+        joined::<I4F28>(&seconds, 0.205, 0.005).unwrap_err(),
+    ] {
+        assert_eq!(error, CompiledPathError::PeriodNotOne { period: 1e-3 });
+        assert!(error.to_string().contains("0.001, not 1"), "{error}");
+    }
+}
