@@ -31,6 +31,12 @@ pub enum CompiledPathError {
         /// The feed, in mm per period.
         feed: f64,
     },
+    /// The landing step is zero, negative or not a number: what rounding leaves behind the schedule's end would never be
+    /// travelled.
+    LandingStepNotPositive {
+        /// The step, in mm.
+        step: f64,
+    },
     /// The landing step is beyond the format's range.
     LandingStepTooLong {
         /// The step, in mm.
@@ -51,6 +57,9 @@ impl fmt::Display for CompiledPathError {
                     f,
                     "the feed of stage {stage}, {feed:.3e} mm per period, does not fit the number format"
                 )
+            }
+            Self::LandingStepNotPositive { step } => {
+                write!(f, "the landing step, {step} mm, is not a positive number")
             }
             Self::LandingStepTooLong { step } => {
                 write!(f, "the landing step, {step:.3e} mm, does not fit the number format")
@@ -124,11 +133,11 @@ impl<R: Backend, const D: usize> CompiledPath<R, D> {
     /// are what a step makes. The pieces are compiled with a joint at each of its rests
     /// ([`compile_with_stops`](nurbs_core::compile_with_stops)); a rest without one is passed at a feed of zero, not landed on.
     /// Each joint of two stages moves to the nearest multiple of 2⁻³² periods. `landing_step_mm` is the longest step from
-    /// which the axes come to rest within one period, A T²; it may round to zero.
+    /// which the axes come to rest within one period, A T²: above 0, though it may round to zero in a coarse `R`.
     ///
     /// # Errors
-    /// [`CompiledPathError::PeriodNotOne`] for a plan in another unit of time; the others when a feed or the landing step does
-    /// not fit `R`.
+    /// [`CompiledPathError::PeriodNotOne`] for a plan in another unit of time; [`CompiledPathError::LandingStepNotPositive`];
+    /// the others when a feed or the landing step does not fit `R`.
     pub fn new<Q: Backend>(
         table: PiecesBuf<R, D>,
         plan: &Schedule<'_, Q>,
@@ -139,9 +148,13 @@ impl<R: Backend, const D: usize> CompiledPath<R, D> {
         if period != Q::one() {
             return Err(CompiledPathError::PeriodNotOne { period: period.to_f64() });
         }
+        let step = landing_step_mm;
+        if step.is_nan() || step <= 0.0 {
+            return Err(CompiledPathError::LandingStepNotPositive { step });
+        }
         let exponent = table.as_pieces().chord_exponent;
-        let landing_step = R::from_f64(landing_step_mm.scale(exponent))
-            .ok_or(CompiledPathError::LandingStepTooLong { step: landing_step_mm })?;
+        let landing_step =
+            R::from_f64(step.scale(exponent)).ok_or(CompiledPathError::LandingStepTooLong { step })?;
         let (mut stages, mut stops) = (Vec::new(), Vec::new());
         let half_unit = Q::one().scale(-33);
         let (mut time, mut begin) = (Q::zero(), 0);

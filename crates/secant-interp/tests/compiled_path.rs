@@ -56,3 +56,20 @@ fn a_plan_in_seconds_is_refused() {
         assert!(error.to_string().contains("0.001, not 1"), "{error}");
     }
 }
+
+#[test]
+fn a_landing_step_of_nothing_is_refused() {
+    let plan = planned(&limits(1.0));
+    for step in [0.0, -0.0, -1.0, f64::NEG_INFINITY, f64::NAN] {
+        let error = joined::<f64>(&plan, 0.205, step).unwrap_err();
+        let CompiledPathError::LandingStepNotPositive { step: named } = error else { panic!("{error:?}") };
+        assert!(
+            named.to_bits() == step.to_bits() && error.to_string().contains(&format!("{step} mm")),
+            "{error}"
+        );
+    }
+    let error = joined::<I4F28>(&plan, 0.205, f64::INFINITY).unwrap_err();
+    assert_eq!(error, CompiledPathError::LandingStepTooLong { step: f64::INFINITY });
+    // What only a coarse format rounds to nothing is travelled in steps of its resolution.
+    assert!(joined::<I4F28>(&plan, 0.205, 1e-12).is_ok());
+}
