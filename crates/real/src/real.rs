@@ -105,7 +105,7 @@ pub trait Real:
     /// for an overflow. Domain: `-64 ≤ exponent ≤ 63`.
     #[must_use]
     fn power_of_two(exponent: i32) -> Self {
-        Self::from_phase(1 << 63, exponent + 1)
+        Self::from_phase(1 << 63, exponent.saturating_add(1))
     }
 
     /// `self · 2^exponent`: from a compiled table's units of coordinates into those of chords. A float's tables have the
