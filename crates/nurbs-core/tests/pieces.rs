@@ -373,3 +373,25 @@ fn positions_of_no_piece_are_those_of_the_last_one() {
     assert_eq!(pieces.position(usize::MAX, &pieces.offset(last, I4F28::from_ratio(1, 1))), [11 * mm, 2 * mm]);
     assert_eq!(pieces.part(0..0).position(0, &[I4F28::from_ratio(1, 1); 2]), [0, 0]);
 }
+
+/// A coordinate, a weight or a knot that became 0 would be other geometry.
+#[test]
+fn a_number_that_the_computing_type_does_not_hold_is_refused() {
+    let line = |far: f64, weight: f64, end: f64| {
+        NurbsBuf::try_new(1, vec![[0.0], [far]], vec![1.0, weight], vec![0.0, 0.0, end, end]).unwrap()
+    };
+    for (curve, fits) in [
+        (line(10.0, 1.2, 1.0), true),
+        (line(1e300, 1.0, 1.0), false),
+        (line(10.0, 1e300, 1.0), false),
+        (line(10.0, 1.0, 1e300), false),
+    ] {
+        let limits = PieceLimits { length_mm: f64::MAX, ..LIMITS };
+        let outcome = compile::<f32, f64, 1>(&[curve.as_curve()], &limits);
+        let refused =
+            |error: CompileError| matches!(error, CompileError::SpeedOutOfRange { curve: 0, parameter: 0.0 });
+        assert!(outcome.as_ref().map_or_else(|e| !fits && refused(*e), |_| fits), "{:?}", outcome.err());
+    }
+    let narrow = nurbs_core::PowerCurve::new::<f32>(&line(1e300, 1.0, 1.0).as_curve());
+    assert!(nurbs_core::Evaluate::point(&narrow, 0.5)[0].is_nan());
+}
