@@ -33,6 +33,11 @@ pub enum CompileError {
         /// Its value.
         value: f64,
     },
+    /// A stop is not a number, or before the one before it.
+    StopOutOfOrder {
+        /// Its index among the stops.
+        index: usize,
+    },
     /// C' vanishes, or all but does, inside or at the end of the piece that begins at `parameter`: no step per chord
     /// exists there.
     Cusp {
@@ -75,7 +80,7 @@ impl CompileError {
             Self::Cusp { curve, .. }
             | Self::SpeedOutOfRange { curve, .. }
             | Self::OriginOutOfRange { curve } => Some(curve),
-            Self::LimitNotPositive { .. } | Self::DoesNotFit { .. } => None,
+            Self::LimitNotPositive { .. } | Self::StopOutOfOrder { .. } | Self::DoesNotFit { .. } => None,
         }
     }
 }
@@ -85,6 +90,9 @@ impl core::fmt::Display for CompileError {
         match self {
             Self::LimitNotPositive { what, value } => {
                 write!(f, "{what} must be positive and finite, not {value}")
+            }
+            Self::StopOutOfOrder { index } => {
+                write!(f, "stop {index} is not a number, or before the one before it")
             }
             Self::Cusp { curve, parameter } => {
                 write!(f, "curve {curve} comes to a cusp near u = {parameter}: its derivative vanishes there")
@@ -227,10 +235,11 @@ pub fn compile<H: Backend, R: Backend, const D: usize>(
 }
 
 /// The same with a joint at each of `stops`, pairs of a curve's number and a parameter in order, so that a run can land
-/// there: a plan also rests in bends inside a span that are all but cusps.
+/// there: a plan also rests in bends inside a span that are all but cusps. A stop outside its curve's domain, or on no curve
+/// of the path, makes none.
 ///
 /// # Errors
-/// As [`compile`].
+/// As [`compile`]; [`CompileError::StopOutOfOrder`].
 pub fn compile_with_stops<H: Backend, R: Backend, const D: usize>(
     curves: &[NurbsCurve<'_, f64, D>],
     limits: &PieceLimits,
@@ -240,6 +249,14 @@ pub fn compile_with_stops<H: Backend, R: Backend, const D: usize>(
         if !(value > 0.0 && value.is_finite()) {
             return Err(CompileError::LimitNotPositive { what, value });
         }
+    }
+    let mut before = (0, f64::NEG_INFINITY);
+    for (index, stop) in stops.iter().enumerate() {
+        let is_in_order = before <= *stop; // not so for what is no number
+        if !is_in_order {
+            return Err(CompileError::StopOutOfOrder { index });
+        }
+        before = *stop;
     }
     let mut local = Vec::new();
     for (index, curve) in curves.iter().enumerate() {
