@@ -141,6 +141,12 @@ impl ExactPlan {
         self.profile
     }
 
+    /// The greatest feed, in mm per period.
+    pub(crate) fn greatest_feed(&self) -> f64 {
+        let feeds = self.stages.iter().map(|stage| stage.start_feed.value().max(stage.end_feed.value()));
+        feeds.fold(0.0, f64::max)
+    }
+
     /// Whole number of interpolation periods that the plan takes.
     #[must_use]
     pub fn periods(&self) -> u32 {

@@ -128,6 +128,7 @@ pub struct PiecesBuf<R, const D: usize> {
     chord_exponent: i32,
     places: Vec<Place>,
     bounds: Vec<SignalBound>,
+    step_mm: f64,
 }
 
 /// Where a piece lies on the path it was cut from.
@@ -175,6 +176,12 @@ impl<R: Real, const D: usize> PiecesBuf<R, D> {
         let begins = |piece: &usize| is_near(&self.places[*piece], self.places[*piece].begin.0);
         let after = around.clone().find(ends).map(|piece| piece + 1);
         after.or_else(|| around.clone().find(begins))
+    }
+
+    /// The longest chord of a period that the bounds are proven for, in mm: [`PieceLimits::step_mm`].
+    #[must_use]
+    pub fn step_mm(&self) -> f64 {
+        self.step_mm
     }
 
     /// The proven bounds, a signal each.
@@ -345,6 +352,7 @@ fn rounded<H: Backend, R: Backend, const D: usize>(
         chord_exponent: local.first().map_or(0, |(_, scales)| scales.chord),
         places: local.iter().map(|(piece, _)| piece.place).collect(),
         bounds,
+        step_mm,
     };
     let round = |x: H| R::from_f64_pair(x.to_f64_pair().0, x.to_f64_pair().1);
     for (index, (piece, scales)) in local.iter().enumerate() {

@@ -31,6 +31,15 @@ pub enum CompiledPathError {
         /// The feed, in mm per period.
         feed: f64,
     },
+    /// The greatest feed and the landing step together are a step that the pieces were not compiled for.
+    StepTooLong {
+        /// The first stage with that feed, from 0.
+        stage: usize,
+        /// A period at that feed, and the landing step, in mm.
+        step: f64,
+        /// The longest step of the pieces, [`PieceLimits::step_mm`](nurbs_core::PieceLimits), in mm.
+        longest: f64,
+    },
     /// The landing step is zero, negative or not a number: what rounding leaves behind the schedule's end would never be
     /// travelled.
     LandingStepNotPositive {
@@ -58,6 +67,11 @@ impl fmt::Display for CompiledPathError {
                     "the feed of stage {stage}, {feed:.3e} mm per period, does not fit the number format"
                 )
             }
+            Self::StepTooLong { stage, step, longest } => write!(
+                f,
+                "a period at the feed of stage {stage} and the landing step make {step:.6e} mm; the pieces were compiled for \
+                 steps of {longest:.6e} mm"
+            ),
             Self::LandingStepNotPositive { step } => {
                 write!(f, "the landing step, {step} mm, is not a positive number")
             }
@@ -137,7 +151,8 @@ impl<R: Backend, const D: usize> CompiledPath<R, D> {
     ///
     /// # Errors
     /// [`CompiledPathError::PeriodNotOne`] for a plan in another unit of time; [`CompiledPathError::LandingStepNotPositive`];
-    /// the others when a feed or the landing step does not fit `R`.
+    /// [`CompiledPathError::StepTooLong`] when the greatest feed and the landing step are more together than the pieces were
+    /// compiled for, by more than rounding; the others when a feed or the landing step does not fit `R`.
     pub fn new<Q: Backend>(
         table: PiecesBuf<R, D>,
         plan: &Schedule<'_, Q>,
@@ -155,6 +170,7 @@ impl<R: Backend, const D: usize> CompiledPath<R, D> {
         let exponent = table.as_pieces().chord_exponent;
         let landing_step =
             R::from_f64(step.scale(exponent)).ok_or(CompiledPathError::LandingStepTooLong { step })?;
+        refuse_long_steps(plan, step, table.step_mm())?;
         let (mut stages, mut stops) = (Vec::new(), Vec::new());
         let half_unit = Q::one().scale(-33);
         let (mut time, mut begin) = (Q::zero(), 0);
@@ -212,6 +228,23 @@ impl<R: Backend, const D: usize> CompiledPath<R, D> {
         let path = self.interpolator();
         self.stretches.iter().map(move |stretch| path.on(stretch))
     }
+}
+
+/// By so much of itself a step may be longer than the pieces were compiled for: what a plan in a coarse format is off by.
+const ROUNDING: f64 = 1e-4;
+
+/// Refuses a plan with steps for which no range is proven: from the greatest feed a run may land.
+fn refuse_long_steps<Q: Backend>(
+    plan: &Schedule<'_, Q>,
+    landing_step: f64,
+    longest: f64,
+) -> Result<(), CompiledPathError> {
+    let steps =
+        plan.stages().iter().map(|stage| stage.start_feed.max(stage.end_feed).to_f64() + landing_step);
+    let greatest = steps.enumerate().fold((0, 0.0), |most, one| if one.1 > most.1 { one } else { most });
+    let (stage, step) = greatest;
+    let is_proven = step <= longest * (1.0 + ROUNDING);
+    if is_proven { Ok(()) } else { Err(CompiledPathError::StepTooLong { stage, step, longest }) }
 }
 
 /// The number of `R` nearest to `x` times a power of two, `None` where it is out of range.

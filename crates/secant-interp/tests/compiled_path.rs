@@ -1,8 +1,8 @@
 //! What a path and a plan must be to be compiled together.
 
-use feed_plan::{EndFeeds, FeedLimit, KinematicLimits, ScheduleBuf, plan};
+use feed_plan::{EndFeeds, FeedLimit, KinematicLimits, Schedule, ScheduleBuf, Stage, plan};
 use nurbs_core::{NurbsBuf, PieceLimits, PiecesBuf, compile};
-use real::{Backend, DoubleDouble, I4F28};
+use real::{Backend, DoubleDouble, I2F30, I4F28};
 use secant_interp::{ChordTolerance, CompiledPath, CompiledPathError};
 
 /// A bend of 50 mm.
@@ -72,4 +72,25 @@ fn a_landing_step_of_nothing_is_refused() {
     assert_eq!(error, CompiledPathError::LandingStepTooLong { step: f64::INFINITY });
     // What only a coarse format rounds to nothing is travelled in steps of its resolution.
     assert!(joined::<I4F28>(&plan, 0.205, 1e-12).is_ok());
+}
+
+/// Ranges are proven for steps of up to `step_mm`: beyond, I2F30 was off by up to 8.7 %.
+#[test]
+fn a_plan_that_is_faster_than_the_pieces_is_refused() {
+    let plan = planned(&limits(1.0));
+    let greatest = plan.stages().iter().map(|stage| stage.end_feed).fold(0.0, f64::max);
+    assert!(joined::<I2F30>(&plan, greatest + 0.005, 0.005).is_ok());
+    for (step_mm, landing) in [(0.12, 0.005), (greatest, 0.005), (0.205, 0.01)] {
+        let error = joined::<I2F30>(&plan, step_mm, landing).unwrap_err();
+        let CompiledPathError::StepTooLong { stage, step, longest } = error else { panic!("{error:?}") };
+        let fastest = &plan.stages()[stage];
+        assert!(fastest.start_feed.max(fastest.end_feed) == greatest && longest == step_mm);
+        assert!((step - (greatest + landing)).abs() < 1e-12, "{error}");
+    }
+    // A feed that is no number is refused too.
+    let nothing = Stage { end_feed: f64::NAN, ..plan.stages()[0] };
+    let schedule = Schedule::new(core::slice::from_ref(&nothing), 1.0, 1);
+    let tolerance = ChordTolerance::for_fluctuation(None, 5);
+    let error = CompiledPath::new(pieces::<f64>(0.205), &schedule, tolerance, 0.005).unwrap_err();
+    assert!(matches!(error, CompiledPathError::FeedTooHigh { stage: 0, feed } if feed.is_nan()), "{error}");
 }
