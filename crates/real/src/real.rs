@@ -26,7 +26,7 @@ use num_traits::{Bounded, One, Zero};
 /// | root of a negative number | 0 | 0 |
 ///
 /// Wrapping is what a controller's adder does. That no value ever needs to wrap is shown beforehand, by a
-/// proven range or by an [audited](crate::Audited) run; saturating each operation would cost several times
+/// proven range or by an audited run (`Audited`); saturating each operation would cost several times
 /// more and hide the fault.
 pub trait Real:
     Copy
