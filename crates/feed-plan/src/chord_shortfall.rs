@@ -150,7 +150,7 @@ impl<R: Real, C> Path<'_, R, C> {
             self.follow(arcs, short, stages.end, from)
         };
         let within_half = |off: R| off.max(R::zero()).min(length.half());
-        let step = fastest * arcs.interpolation_period;
+        let step = fastest * arcs.interpolation_period();
         let enough = step.scale(ON_PLAN).max(R::resolution().scale(2) * self.limit.length().max(R::one()));
         let mut off = within_half(self.length_to(from.reached) - from.planned);
         let mut end = follow(off);
@@ -180,7 +180,7 @@ impl<R: Real, C> Path<'_, R, C> {
     where
         C: Differentiate<R, D>,
     {
-        let chords = Schedule::new(short, arcs.interpolation_period, arcs.periods());
+        let chords = Schedule::new(short, arcs.interpolation_period(), arcs.periods());
         let (mut end, mut last_period) = (from, from);
         // What the last chord has too much to land on a stop, or the lead that another is to leave.
         let (mut over_stop, mut lead) = (None, R::zero());
@@ -250,7 +250,7 @@ impl<R: Real, C> Path<'_, R, C> {
 /// more than [`SAME_FEED`].
 fn end_of_period<R: Real>(schedule: &Schedule<'_, R>, begin: usize) -> usize {
     let stages = schedule.stages().get(begin..).unwrap_or_default();
-    let mut left = schedule.interpolation_period;
+    let mut left = schedule.interpolation_period();
     let goes_on = |pair: &&[Stage<R>]| {
         left = left - pair[0].duration;
         let [a, b] = [&stages[0], &pair[1]].map(|stage| stage.start_feed.max(stage.end_feed));

@@ -16,6 +16,11 @@ pub enum PlanError {
         /// The argument's name.
         what: &'static str,
     },
+    /// The feed commanded for a curve is zero, negative or not a number.
+    CurveFeedNotPositive {
+        /// Index of the curve.
+        curve: usize,
+    },
     /// The path has no length: no curve, no span, or a single point.
     PathEmpty,
     /// The arc length does not increase up to this curve's end: it overflows the format, or the curve's
@@ -48,6 +53,9 @@ impl fmt::Display for PlanError {
         match self {
             Self::NotPositive { what } => write!(f, "{what} is not a positive number"),
             Self::Negative { what } => write!(f, "{what} is negative or not a number"),
+            Self::CurveFeedNotPositive { curve } => {
+                write!(f, "the feed of curve {curve} is not a positive number")
+            }
             Self::PathEmpty => write!(f, "the path has no length"),
             Self::LengthOverflows { curve } => {
                 write!(f, "arc length does not increase along curve {curve}: the number format overflows")

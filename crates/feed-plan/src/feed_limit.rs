@@ -117,21 +117,27 @@ impl<R: Real> FeedLimit<R> {
     }
 
     /// The same where no curve is travelled faster than its own feed, given by its index: the F words of a program. A feed above
-    /// the limit changes nothing.
-    #[must_use]
-    pub fn capped(mut self, feed_of: impl Fn(usize) -> R) -> Self {
+    /// the limit changes nothing, nor does one that is infinite.
+    ///
+    /// # Errors
+    /// [`PlanError::CurveFeedNotPositive`] names the first curve whose feed is zero, negative or not a number.
+    pub fn capped(mut self, feed_of: impl Fn(usize) -> R) -> Result<Self, PlanError> {
+        let positive = |curve: usize| {
+            let feed = feed_of(curve);
+            if feed > R::zero() { Ok(feed) } else { Err(PlanError::CurveFeedNotPositive { curve }) }
+        };
         let mut before = self.points.first().map_or(0, |point| point.curve);
         for (point, node) in self.points.iter_mut().zip(&mut self.nodes) {
-            let feed = feed_of(point.curve);
+            let feed = positive(point.curve)?;
             // Where a single point joins two curves, both feeds hold.
-            let feed = if node.is_single { feed.min(feed_of(before)) } else { feed };
+            let feed = if node.is_single { feed.min(positive(before)?) } else { feed };
             before = point.curve;
             point.feedrate = point.feedrate.min(feed);
             for lower in [&mut node.lower, &mut node.before, &mut node.after] {
                 *lower = lower.min(feed);
             }
         }
-        self
+        Ok(self)
     }
 
     /// A limit given by points, `V²` linear in the distance between them; a single point of feedrate 0 is a
@@ -203,9 +209,12 @@ impl<R: Real> FeedLimit<R> {
 
     /// A lower bound of the limit at `distance`: what the planner keeps to.
     ///
-    /// Beyond the ends, the bound at the end.
+    /// Beyond the ends, the bound at the end; 0 at a distance that is no number.
     #[must_use]
     pub fn at(&self, distance: R) -> R {
+        if distance.partial_cmp(&distance).is_none() {
+            return R::zero();
+        }
         let distance = distance.max(R::zero()).min(self.length());
         self.minimum_over(distance, distance)
     }

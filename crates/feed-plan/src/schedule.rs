@@ -177,7 +177,7 @@ fn shorten<R: Real>(stages: &mut [Stage<R>], shortfalls: &[R]) {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Schedule<'a, R> {
     stages: &'a [Stage<R>],
-    pub(crate) interpolation_period: R,
+    interpolation_period: R,
     periods: u32,
 }
 
@@ -230,6 +230,12 @@ impl<'a, R: Real> Schedule<'a, R> {
     #[must_use]
     pub fn length(&self) -> R {
         self.stages.iter().fold(R::zero(), |sum, stage| sum + stage.length)
+    }
+
+    /// The interpolation period T, in the unit of time that the plan was made in; 1 where that is the period itself.
+    #[must_use]
+    pub fn interpolation_period(&self) -> R {
+        self.interpolation_period
     }
 
     /// Duration in interpolation periods, a whole number.

@@ -43,7 +43,7 @@ pub struct WindowedPlan<R> {
 pub struct CommandedCurve<C, R> {
     /// The curve, which starts where the one before ends.
     pub curve: C,
-    /// No more than this feed on it, as for [`FeedLimit::capped`].
+    /// No more than this feed on it, above 0, as for [`FeedLimit::capped`].
     pub feed: R,
     /// Whether it begins at rest whatever the directions, as for [`FeedLimit::along_with_stops`].
     pub from_rest: bool,
@@ -57,7 +57,7 @@ pub struct CommandedCurve<C, R> {
 /// sample planned over about twice.
 ///
 /// # Errors
-/// As [`plan`](crate::plan); [`PlanError::NotPositive`] for a window that is none. What was emitted before an error stands.
+/// As [`plan`](crate::plan) and [`FeedLimit::capped`]; [`PlanError::NotPositive`] for a window that is none. What was emitted before an error stands.
 pub fn plan_through_window<R: Real, const D: usize, C: Differentiate<R, D>>(
     curves: impl IntoIterator<Item = CommandedCurve<C, R>>,
     limits: &KinematicLimits<R>,
@@ -233,7 +233,7 @@ impl<R: Real, const D: usize, C: Differentiate<R, D>, I: Iterator<Item = Command
         let count = samples.partition_point(|sample| sample.point.distance - begin < self.window);
         let samples = samples.get(..=count).unwrap_or(samples);
         let limit = FeedLimit::assemble(samples, self.limits.chord_error)?;
-        Ok(limit.capped(|curve| self.source.feed_of(curve)).beginning_at(begin))
+        Ok(limit.capped(|curve| self.source.feed_of(curve))?.beginning_at(begin))
     }
 }
 
@@ -298,6 +298,26 @@ mod tests {
         }
         assert!((end.0 - limit.length()).abs() < 1e-9 * limit.length() && end.1 == 0.0, "{end:?}");
         limit
+    }
+
+    #[test]
+    fn a_feed_that_is_not_positive_is_refused_by_its_curve() {
+        let (path, limits) = (seed_000(), paper_limits());
+        let limit = FeedLimit::along(&[path.as_curve()], &limits).unwrap();
+        for bad in [f64::NAN, 0.0, -1.0, f64::NEG_INFINITY] {
+            let error = PlanError::CurveFeedNotPositive { curve: 0 };
+            assert_eq!(limit.clone().capped(|_| bad), Err(error), "{bad}");
+            let curves =
+                [path.as_curve(); 1].map(|curve| CommandedCurve { curve, feed: bad, from_rest: false });
+            let found = plan_through_window(curves, &limits, 50.0, ProfileKind::Cubic, |_| ());
+            assert_eq!(found, Err(error), "{bad}");
+        }
+        assert_eq!(limit.clone().capped(|_| f64::INFINITY).as_ref(), Ok(&limit));
+        assert_eq!(limit.at(f64::NAN), 0.0);
+        assert!(
+            limit.at(f64::INFINITY) == limit.at(limit.length())
+                && limit.at(f64::NEG_INFINITY) == limit.at(0.0)
+        );
     }
 
     #[test]
@@ -366,7 +386,7 @@ mod tests {
         let feed_of = |curve: usize| [0.6, 0.1, 0.3, f64::MAX, 0.05][curve % 5];
         let limits = paper_limits();
         let views: Vec<_> = curves.iter().map(NurbsBuf::as_curve).collect();
-        let limit = FeedLimit::along(&views, &limits).unwrap().capped(feed_of);
+        let limit = FeedLimit::along(&views, &limits).unwrap().capped(feed_of).unwrap();
         let keeps = |stages: &[Stage<f64>]| {
             for stage in stages {
                 for i in 0..=50 {

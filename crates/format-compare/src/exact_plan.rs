@@ -67,7 +67,7 @@ impl ExactPlan {
         let shares = shares.collect::<Result<Vec<R>, _>>()?;
         let feed_of =
             |curve: usize| shares.get(curve).map_or(limits.feedrate, |share| limits.feedrate * *share);
-        let feed_limit = FeedLimit::along_with_stops(curves, limits, &problem.stops)?.capped(feed_of);
+        let feed_limit = FeedLimit::along_with_stops(curves, limits, &problem.stops)?.capped(feed_of)?;
         let [start, end] = end_feeds_mm_per_s.map(|feed| feed * problem.period_s());
         let ends = EndFeeds { start: in_format("start feed", start)?, end: in_format("end feed", end)? };
         let schedule = plan_with(&feed_limit, limits, ends, profile)?;
@@ -139,6 +139,12 @@ impl ExactPlan {
     #[must_use]
     pub fn profile(&self) -> ProfileKind {
         self.profile
+    }
+
+    /// The greatest feed, in mm per period.
+    pub(crate) fn greatest_feed(&self) -> f64 {
+        let feeds = self.stages.iter().map(|stage| stage.start_feed.value().max(stage.end_feed.value()));
+        feeds.fold(0.0, f64::max)
     }
 
     /// Whole number of interpolation periods that the plan takes.

@@ -71,8 +71,9 @@ pub(crate) fn compiled<R: Backend, const D: usize>(
     let limits = problem.limits_per_period()?;
     let landing_step_mm = limits.acceleration;
     let curves: Vec<_> = problem.curves.iter().map(NurbsBuf::as_curve).collect();
-    let piece_limits =
-        PieceLimits { length_mm: options.piece_length_mm, step_mm: limits.feedrate + landing_step_mm };
+    // With an override the plan is made for the highest, and a coarse format may round the feed up.
+    let fastest = limits.feedrate.max(plan.greatest_feed());
+    let piece_limits = PieceLimits { length_mm: options.piece_length_mm, step_mm: fastest + landing_step_mm };
     let stops: Vec<_> = plan.rests().collect();
     let table = compile_with_stops::<DoubleDouble, R, D>(&curves, &piece_limits, &stops)
         .map_err(|error| problem.refusal(error))?;

@@ -102,11 +102,11 @@ impl<const D: usize> Problem<D> {
     /// The largest feed at each distance, in f64, in mm and periods.
     ///
     /// # Errors
-    /// [`PlanError`] when a limit is not positive, or the path has no length.
+    /// [`PlanError`] when a limit or the feed of a curve is not positive, or the path has no length.
     pub fn feed_limit(&self) -> Result<FeedLimit<f64>, PlanError> {
         let limits = self.limits_per_period()?;
         let limit = FeedLimit::along_with_stops(&self.fast_curves(), &limits, &self.stops)?;
-        Ok(limit.capped(|curve| limits.feedrate * self.feed_share(curve)))
+        limit.capped(|curve| limits.feedrate * self.feed_share(curve))
     }
 
     /// Where the part has a point of curve `curve`; coordinates that the problem does not have are 0.

@@ -33,7 +33,8 @@ impl<R: Real, const D: usize> Arc<R, D> {
     /// That a and b are perpendicular and equally long is the caller's business: else it is an arc of an ellipse.
     ///
     /// # Errors
-    /// [`ShapeError::NotFinite`]; [`ShapeError::NoArc`] unless `0 < quarters ≤ 4`.
+    /// [`ShapeError::NotFinite`]; [`ShapeError::NoArc`] unless `0 < quarters ≤ 4`; [`ShapeError::ExtentTooWide`] unless the
+    /// format holds the points of the whole circle, `|O| + r` along each axis, and the second derivative, `(π/2)² r`.
     pub fn try_new(centre: [R; D], radii: [[R; D]; 2], quarters: R) -> Result<Self, ShapeError> {
         if !centre.iter().chain(radii.iter().flatten()).all(|x| x.is_finite()) {
             return Err(ShapeError::NotFinite { what: "the centre or a radius of an arc" });
@@ -42,7 +43,18 @@ impl<R: Real, const D: usize> Arc<R, D> {
         if !(quarters > R::zero() && quarters.scale(-2) <= R::one()) {
             return Err(ShapeError::NoArc);
         }
-        Ok(Self { centre, radii, quarters })
+        // In two steps, for (π/2)² does not fit two integer bits.
+        let longest = R::max_value() / R::half_pi() / R::half_pi();
+        let is_too_wide = |axis: &usize| {
+            let (o, r) = (centre[*axis], R::norm(&radii.map(|radius| radius[*axis])));
+            // What a point may be off.
+            let reach = || r + (r * R::resolution().scale(2) + R::resolution());
+            !r.is_finite() || r > longest || o > R::max_value() - reach() || o < R::min_value() + reach()
+        };
+        match (0..D).find(is_too_wide) {
+            Some(axis) => Err(ShapeError::ExtentTooWide { axis }),
+            None => Ok(Self { centre, radii, quarters }),
+        }
     }
 
     /// The centre O.
@@ -215,7 +227,7 @@ impl<const D: usize> Arc<f64, D> {
     /// The arc with every number rounded to the nearest of another format.
     ///
     /// # Errors
-    /// [`ShapeError::OutOfRange`], also for an angle that becomes 0.
+    /// [`ShapeError::OutOfRange`], also for an angle that becomes 0; [`ShapeError::ExtentTooWide`].
     pub fn convert<Q: Backend>(&self) -> Result<Arc<Q, D>, ShapeError> {
         use crate::path_curve::round_all;
         let centre = round_all(&self.centre, "the centre of an arc")?;
@@ -385,6 +397,33 @@ mod tests {
             unit_arc(1e-9).convert::<I16F16>(),
             Err(ShapeError::OutOfRange { what: "the angle of an arc" })
         );
+    }
+
+    #[test]
+    fn a_circle_that_would_wrap_is_refused() {
+        let arc = |centre, radius| arc_in_f64(centre, radius).convert::<I8F24>();
+        let refused = |axis| Err(ShapeError::ExtentTooWide { axis });
+        assert_eq!(arc(0.0, 100.0), refused(0)); // C'' is 247 mm
+        assert_eq!(arc(0.0, 52.0), refused(0));
+        assert_eq!(arc(100.0, 30.0), refused(1));
+        assert_eq!(arc(-100.0, 28.0), refused(1));
+        for (centre, radius) in [(0.0, 51.5), (97.5, 30.0), (-100.0, 27.9)] {
+            let (held, exact) = (arc(centre, radius).unwrap(), arc_in_f64(centre, radius));
+            for step in 0..=32 {
+                let u = f64::from(step) / 16.0;
+                let (found, wanted) = (held.derivatives(I8F24::from_f64(u).unwrap()), exact.derivatives(u));
+                for (found, wanted) in
+                    [(found.point, wanted.point), (found.first, wanted.first), (found.second, wanted.second)]
+                {
+                    let off = (0..2).map(|d| (found[d].to_f64() - wanted[d]).abs()).fold(0.0, f64::max);
+                    assert!(off < 1e-4, "{centre} {radius} {u}: {off}");
+                }
+            }
+        }
+    }
+
+    fn arc_in_f64(centre: f64, radius: f64) -> Arc<f64, 2> {
+        Arc::try_new([0.0, centre], [[radius, 0.0], [0.0, radius]], 2.0).unwrap()
     }
 
     /// The centre once moved by `|Δr| r / |chord|`, here 4.3 mm: a circle of radius 2.57 for one of 5.

@@ -19,17 +19,24 @@ pub(crate) struct Bezier<H, const D: usize> {
     pub(crate) rational: bool,
 }
 
+/// `x` in the computing type; where that does not hold it, what is no number, so that nothing made of it passes for geometry.
+pub(crate) fn computed<H: Backend>(x: f64) -> H {
+    const { assert!(H::IS_FLOATING, "curves are cut in a float: in fixed point their numbers do not fit") };
+    H::from_f64(x).unwrap_or_else(|| H::zero() / H::zero())
+}
+
 impl<H: Backend, const D: usize> Bezier<H, D> {
-    /// The part [begin, end] of a span, by blossoming.
+    /// The part [begin, end] of a span, by blossoming. Numbers that `H` does not hold make it one of no numbers.
     pub(crate) fn of_span(curve: &NurbsCurve<'_, f64, D>, span: usize, begin: H, end: H) -> Self {
-        let (degree, high) = (curve.degree(), |x: f64| H::from_f64(x).unwrap_or_else(H::zero));
+        let degree = curve.degree();
         let first = span - degree;
         let weight = |i: usize| curve.weights().map_or(1.0, |weights| weights[i]);
-        let weights: Vec<H> = (first..=span).map(|i| high(weight(i))).collect();
+        let weights: Vec<H> = (first..=span).map(|i| computed(weight(i))).collect();
         let points = (first..=span).zip(&weights);
         let points: Vec<[H; D]> =
-            points.map(|(i, w)| curve.control_points()[i].map(|x| high(x) * *w)).collect();
-        let knots: Vec<H> = (0..2 * degree).map(|k| high(curve.knots().as_slice()[first + 1 + k])).collect();
+            points.map(|(i, w)| curve.control_points()[i].map(|x| computed::<H>(x) * *w)).collect();
+        let knots: Vec<H> =
+            (0..2 * degree).map(|k| computed(curve.knots().as_slice()[first + 1 + k])).collect();
         let mut bezier = Self {
             points: Vec::with_capacity(degree + 1),
             weights: Vec::with_capacity(degree + 1),
@@ -52,6 +59,11 @@ impl<H: Backend, const D: usize> Bezier<H, D> {
             bezier.weights.push(blossom(&mut weights.clone()));
         }
         bezier
+    }
+
+    /// Whether all its numbers are numbers.
+    pub(crate) fn is_finite(&self) -> bool {
+        self.points.iter().flatten().chain(&self.weights).all(|x| x.is_finite())
     }
 
     pub(crate) fn euclidean(&self, j: usize) -> [H; D] {

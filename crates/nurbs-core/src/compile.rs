@@ -6,7 +6,7 @@ use alloc::vec::Vec;
 
 use real::{Backend, FormatName, Real};
 
-use crate::bezier::Bezier;
+use crate::bezier::{Bezier, computed};
 use crate::local_piece::LocalPiece;
 use crate::local_piece::MAX_STEP_EXPONENT;
 use crate::pieces::{Piece, Pieces};
@@ -33,6 +33,11 @@ pub enum CompileError {
         /// Its value.
         value: f64,
     },
+    /// A stop is not a number, or before the one before it.
+    StopOutOfOrder {
+        /// Its index among the stops.
+        index: usize,
+    },
     /// C' vanishes, or all but does, inside or at the end of the piece that begins at `parameter`: no step per chord
     /// exists there.
     Cusp {
@@ -42,7 +47,7 @@ pub enum CompileError {
         parameter: f64,
     },
     /// The speed |C'|, or a coefficient, is no number where compiling is done, or its inverse is none of the format: on the
-    /// piece that begins at `parameter` weights are too far apart or too small, or the curve is.
+    /// piece that begins at `parameter` weights are too far apart or too small, or the curve is too small or too large.
     SpeedOutOfRange {
         /// Index of the curve in the path.
         curve: usize,
@@ -75,7 +80,7 @@ impl CompileError {
             Self::Cusp { curve, .. }
             | Self::SpeedOutOfRange { curve, .. }
             | Self::OriginOutOfRange { curve } => Some(curve),
-            Self::LimitNotPositive { .. } | Self::DoesNotFit { .. } => None,
+            Self::LimitNotPositive { .. } | Self::StopOutOfOrder { .. } | Self::DoesNotFit { .. } => None,
         }
     }
 }
@@ -86,6 +91,9 @@ impl core::fmt::Display for CompileError {
             Self::LimitNotPositive { what, value } => {
                 write!(f, "{what} must be positive and finite, not {value}")
             }
+            Self::StopOutOfOrder { index } => {
+                write!(f, "stop {index} is not a number, or before the one before it")
+            }
             Self::Cusp { curve, parameter } => {
                 write!(f, "curve {curve} comes to a cusp near u = {parameter}: its derivative vanishes there")
             }
@@ -93,7 +101,7 @@ impl core::fmt::Display for CompileError {
                 write!(
                     f,
                     "curve {curve} has no speed near u = {parameter}, or one whose inverse the format does not hold: weights \
-                     too far apart, or a curve too small"
+                     too far apart, or a curve too small or too large"
                 )
             }
             Self::DoesNotFit { signal, bound, integer_bits, format } => {
@@ -120,6 +128,7 @@ pub struct PiecesBuf<R, const D: usize> {
     chord_exponent: i32,
     places: Vec<Place>,
     bounds: Vec<SignalBound>,
+    step_mm: f64,
 }
 
 /// Where a piece lies on the path it was cut from.
@@ -169,6 +178,12 @@ impl<R: Real, const D: usize> PiecesBuf<R, D> {
         after.or_else(|| around.clone().find(begins))
     }
 
+    /// The longest chord of a period that the bounds are proven for, in mm: [`PieceLimits::step_mm`].
+    #[must_use]
+    pub fn step_mm(&self) -> f64 {
+        self.step_mm
+    }
+
     /// The proven bounds, a signal each.
     #[must_use]
     pub fn bounds(&self) -> &[SignalBound] {
@@ -208,8 +223,17 @@ const CUSP_RATIO: f64 = 1e-4;
 
 /// Cuts `curves` into pieces and rounds them to the format `R`; everything before the rounding is computed in `H`.
 ///
+/// `H` is a float, which is checked when it is compiled: in fixed point a curve's numbers do not fit.
+///
+/// ```compile_fail
+/// # use nurbs_core::{NurbsCurve, PieceLimits, compile};
+/// let line = NurbsCurve::try_new_nonrational(1, &[[0.0], [200.0]], &[0.0, 0.0, 1.0, 1.0]).unwrap();
+/// let _ = compile::<real::I4F28, f64, 1>(&[line], &PieceLimits { length_mm: 32.0, step_mm: 0.2 });
+/// ```
+///
 /// # Errors
-/// [`CompileError`], naming the curve, or the signal that does not fit.
+/// [`CompileError`], naming the curve, or the signal that does not fit. A number of a curve that `H` does not hold, as `f32` does
+/// not hold 1e300, is a [`CompileError::SpeedOutOfRange`].
 pub fn compile<H: Backend, R: Backend, const D: usize>(
     curves: &[NurbsCurve<'_, f64, D>],
     limits: &PieceLimits,
@@ -218,10 +242,11 @@ pub fn compile<H: Backend, R: Backend, const D: usize>(
 }
 
 /// The same with a joint at each of `stops`, pairs of a curve's number and a parameter in order, so that a run can land
-/// there: a plan also rests in bends inside a span that are all but cusps.
+/// there: a plan also rests in bends inside a span that are all but cusps. A stop outside its curve's domain, or on no curve
+/// of the path, makes none.
 ///
 /// # Errors
-/// As [`compile`].
+/// As [`compile`]; [`CompileError::StopOutOfOrder`].
 pub fn compile_with_stops<H: Backend, R: Backend, const D: usize>(
     curves: &[NurbsCurve<'_, f64, D>],
     limits: &PieceLimits,
@@ -231,6 +256,14 @@ pub fn compile_with_stops<H: Backend, R: Backend, const D: usize>(
         if !(value > 0.0 && value.is_finite()) {
             return Err(CompileError::LimitNotPositive { what, value });
         }
+    }
+    let mut before = (0, f64::NEG_INFINITY);
+    for (index, stop) in stops.iter().enumerate() {
+        let is_in_order = before <= *stop; // not so for what is no number
+        if !is_in_order {
+            return Err(CompileError::StopOutOfOrder { index });
+        }
+        before = *stop;
     }
     let mut local = Vec::new();
     for (index, curve) in curves.iter().enumerate() {
@@ -248,7 +281,6 @@ fn cut<H: Backend, const D: usize>(
     stops: impl Iterator<Item = f64>,
     out: &mut Vec<LocalPiece<H, D>>,
 ) -> Result<(), CompileError> {
-    let high = |x: f64| H::from_f64(x).unwrap_or_else(H::zero);
     let knots = curve.knots().as_slice();
     let spans = curve.degree()..curve.control_points().len();
     let ends = spans.map(|span| (span, knots[span], knots[span + 1])).filter(|(_, begin, end)| begin < end);
@@ -265,8 +297,8 @@ fn cut<H: Backend, const D: usize>(
         }
         sections.push((span, begin, end));
     }
-    for (section, (span, begin, end)) in sections.into_iter().enumerate() {
-        let mut rest = Vec::from([(high(begin), high(end), 0)]);
+    for (section, (span, first, end)) in sections.into_iter().enumerate() {
+        let mut rest = Vec::from([(computed::<H>(first), computed(end), 0)]);
         while let Some((begin, end, halvings)) = rest.pop() {
             let bezier = Bezier::of_span(curve, span, begin, end);
             let even = bezier.is_even_enough(limits.length_mm, MAX_RATIO);
@@ -277,10 +309,16 @@ fn cut<H: Backend, const D: usize>(
                 continue;
             }
             let place = Place { curve: index, begin: begin.to_f64_pair(), end: end.to_f64_pair() };
+            // A number of the curve that `H` does not hold may be this parameter.
+            let parameter = if place.begin.0.is_finite() { place.begin.0 } else { first };
+            let out_of_range = CompileError::SpeedOutOfRange { curve: index, parameter };
+            if !bezier.is_finite() {
+                return Err(out_of_range);
+            }
             let piece = LocalPiece::new(&bezier, place, (index, section), halvings)
                 .ok_or(CompileError::OriginOutOfRange { curve: index })?;
             if !piece.is_finite() {
-                return Err(CompileError::SpeedOutOfRange { curve: index, parameter: place.begin.0 });
+                return Err(out_of_range);
             }
             if piece.speed.least <= CUSP_RATIO * piece.speed.greatest {
                 return Err(CompileError::Cusp { curve: index, parameter: place.begin.0 });
@@ -314,21 +352,28 @@ fn rounded<H: Backend, R: Backend, const D: usize>(
         chord_exponent: local.first().map_or(0, |(_, scales)| scales.chord),
         places: local.iter().map(|(piece, _)| piece.place).collect(),
         bounds,
+        step_mm,
     };
-    let round = |x: H| R::from_f64_pair(x.to_f64_pair().0, x.to_f64_pair().1).unwrap_or_else(R::zero);
+    let round = |x: H| R::from_f64_pair(x.to_f64_pair().0, x.to_f64_pair().1);
     for (index, (piece, scales)) in local.iter().enumerate() {
+        let Place { curve, begin, .. } = piece.place;
+        let out_of_range = CompileError::SpeedOutOfRange { curve, parameter: begin.0 };
         for k in 0..degree {
             let power = piece.numerator.get(k).copied().unwrap_or([H::zero(); D]);
-            table.numerators.push(power.map(|x| round(x.scale(-scales.coordinate))));
+            let mut rounded = [R::zero(); D];
+            for (to, x) in rounded.iter_mut().zip(power) {
+                *to = round(x.scale(-scales.coordinate)).ok_or(out_of_range)?;
+            }
+            table.numerators.push(rounded);
         }
         for k in (0..=degree).filter(|_| rational) {
-            table.weights.push(round(piece.weight.get(k).copied().unwrap_or_else(H::zero)));
+            let weight = piece.weight.get(k).copied().unwrap_or_else(H::zero);
+            table.weights.push(round(weight).ok_or(out_of_range)?);
         }
         let row = row(piece, scales, local.get(index + 1));
         // A step per chord that a float rounds to nothing, or does not hold, would leave a run where it is.
         if !row.step_per_chord.iter().all(|sigma: &R| *sigma > R::zero() && sigma.is_finite()) {
-            let Place { curve, begin, .. } = piece.place;
-            return Err(CompileError::SpeedOutOfRange { curve, parameter: begin.0 });
+            return Err(out_of_range);
         }
         table.pieces.push(row);
     }

@@ -137,18 +137,23 @@ fn check_points<R: Real, const D: usize>(points: &[[R; D]], weights: &[R]) -> Re
         return Err(CurveError::NotFinite { what: Quantity::ControlPoint, index });
     }
     let largest_weight = weights.iter().fold(R::one(), |largest, w| largest.max(*w));
+    // Double-double cannot divide its greatest value; the NaN it gets limits nothing.
     let widest = R::max_value() / largest_weight;
-    for axis in 0..D {
-        let coordinates = || points.iter().map(move |point| point[axis]);
+    match axis_too_wide(points, widest) {
+        Some(axis) => Err(CurveError::ExtentTooWide { axis }),
+        None => Ok(()),
+    }
+}
+
+/// The first axis along which points are farther apart than `widest`, or than the format holds.
+pub(crate) fn axis_too_wide<R: Real, const D: usize>(points: &[[R; D]], widest: R) -> Option<usize> {
+    (0..D).find(|axis| {
+        let coordinates = || points.iter().map(|point| point[*axis]);
         let least = coordinates().fold(R::max_value(), |least, x| least.min(x));
         let greatest = coordinates().fold(R::min_value(), |greatest, x| greatest.max(x));
         let extent = greatest - least; // below zero when it has wrapped
-        // Double-double cannot divide its greatest value; the NaN it gets limits nothing.
-        if extent < R::zero() || !extent.is_finite() || extent > widest {
-            return Err(CurveError::ExtentTooWide { axis });
-        }
-    }
-    Ok(())
+        extent < R::zero() || !extent.is_finite() || extent > widest
+    })
 }
 
 impl<R: Real, const D: usize> Evaluate<R, D> for NurbsCurve<'_, R, D> {

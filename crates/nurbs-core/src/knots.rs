@@ -164,7 +164,7 @@ impl<'a, R: Real> KnotVector<'a, R> {
     /// The knot index at which the non-empty span number `span` begins; a larger number gives the last span.
     ///
     /// It takes the same time for each, but a walk over the knots where one of them is repeated and they are borrowed:
-    /// [`NurbsBuf`](crate::NurbsBuf) keeps a table then.
+    /// `NurbsBuf` keeps a table then.
     #[must_use]
     pub fn span_index(&self, span: usize) -> usize {
         let last = self.point_count() - 1;

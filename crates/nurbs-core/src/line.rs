@@ -4,6 +4,7 @@
 use real::Backend;
 use real::Real;
 
+use crate::curve::axis_too_wide;
 use crate::{Derivatives, Differentiate, Evaluate, ShapeError};
 
 /// The line `(1 - u) A + u B`, u in [0, 1].
@@ -16,13 +17,15 @@ impl<R: Real, const D: usize> Line<R, D> {
     /// The line from A to B.
     ///
     /// # Errors
-    /// [`ShapeError::NotFinite`].
+    /// [`ShapeError::NotFinite`]; [`ShapeError::ExtentTooWide`] when a component of B - A does not fit the format.
     pub fn try_new(a: [R; D], b: [R; D]) -> Result<Self, ShapeError> {
         let ends = [a, b];
-        if ends.iter().flatten().all(|x| x.is_finite()) {
-            Ok(Self { ends })
-        } else {
-            Err(ShapeError::NotFinite { what: "an end of a line" })
+        if !ends.iter().flatten().all(|x| x.is_finite()) {
+            return Err(ShapeError::NotFinite { what: "an end of a line" });
+        }
+        match axis_too_wide(&ends, R::max_value()) {
+            Some(axis) => Err(ShapeError::ExtentTooWide { axis }),
+            None => Ok(Self { ends }),
         }
     }
 
@@ -49,7 +52,7 @@ impl<const D: usize> Line<f64, D> {
     /// The line with every number rounded to the nearest of another format.
     ///
     /// # Errors
-    /// [`ShapeError::OutOfRange`].
+    /// [`ShapeError::OutOfRange`]; [`ShapeError::ExtentTooWide`].
     pub fn convert<Q: Backend>(&self) -> Result<Line<Q, D>, ShapeError> {
         let [a, b] = self.ends.map(|end| crate::path_curve::round_all(&end, "an end of a line"));
         Line::try_new(a?, b?)
@@ -159,5 +162,13 @@ mod tests {
         assert_eq!(Line::try_new([f64::NAN], [0.0]), Err(ShapeError::NotFinite { what: "an end of a line" }));
         let far = Line::try_new([0.0], [400.0]).unwrap();
         assert_eq!(far.convert::<I8F24>(), Err(ShapeError::OutOfRange { what: "an end of a line" }));
+    }
+    #[test]
+    fn a_difference_that_would_wrap_is_refused() {
+        let wide = |a: f64, b: f64| Line::try_new([0.0, a], [1.0, b]).unwrap();
+        assert_eq!(wide(-100.0, 100.0).convert::<I8F24>(), Err(ShapeError::ExtentTooWide { axis: 1 }));
+        assert_eq!(wide(100.0, -100.0).convert::<I8F24>(), Err(ShapeError::ExtentTooWide { axis: 1 }));
+        assert_eq!(wide(-100.0, 27.5).convert::<I8F24>().unwrap().length().to_f64(), 127.503_921_508_789_06);
+        assert_eq!(Line::try_new([f64::MIN], [f64::MAX]), Err(ShapeError::ExtentTooWide { axis: 0 }));
     }
 }

@@ -194,7 +194,7 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
     #[inline]
     #[must_use]
     pub fn in_units_of_path(&self, row: &Piece<R, D>, offset: &[R; D]) -> [R; D] {
-        let units = i32::from(row.coordinate_exponent) - self.coordinate_exponent;
+        let units = i32::from(row.coordinate_exponent).wrapping_sub(self.coordinate_exponent);
         // Not by `map`, which reads two numbers of 32 bits as one word, right after they were written one by one.
         core::array::from_fn(|d| offset[d].rescaled(units).signal("offset"))
     }
@@ -209,9 +209,9 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
     #[must_use]
     pub fn position(&self, piece: usize, offset: &[R; D]) -> [i64; D] {
         let Some(row) = self.pieces.get(piece).or(self.pieces.last()) else { return [0; D] };
-        let exponent = self.coordinate_exponent - ORIGIN_EXPONENT - 64;
+        let exponent = self.coordinate_exponent.wrapping_sub(ORIGIN_EXPONENT + 64);
         // In two parts where it is out of to_phase's domain.
-        let beyond = (-64 - exponent).max(0).unsigned_abs();
+        let beyond = (-64_i32).wrapping_sub(exponent).max(0).unsigned_abs();
         let phase = |x: R| x.to_phase(exponent.clamp(-64, 64)).checked_shr(beyond).unwrap_or(0);
         let units = |x: R| i64::try_from(phase(x)).unwrap_or(i64::MAX);
         let signed = |x: R| if x < R::zero() { -units(-x) } else { units(x) };
@@ -336,9 +336,11 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
     /// `h^k = x^k 2^(k (r - s))`.
     #[inline(always)]
     fn chord_exponents(&self, row: &Piece<R, D>) -> impl Iterator<Item = i32> {
-        let units = i32::from(row.coordinate_exponent) + self.chord_exponent - i32::from(row.range_exponent);
-        let per_power = row.per_power();
-        core::iter::successors(Some(units + per_power), move |power| Some(power + per_power))
+        let units = i32::from(row.coordinate_exponent) - i32::from(row.range_exponent);
+        let (first, per_power) = (units.wrapping_add(self.chord_exponent), row.per_power());
+        core::iter::successors(Some(first.wrapping_add(per_power)), move |power| {
+            Some(power.wrapping_add(per_power))
+        })
     }
 }
 

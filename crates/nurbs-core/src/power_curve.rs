@@ -19,7 +19,7 @@ use alloc::vec::Vec;
 
 use real::Backend;
 
-use crate::bezier::Bezier;
+use crate::bezier::{Bezier, computed};
 use crate::polynomial::power_basis;
 use crate::{Derivatives, Differentiate, Evaluate, NurbsCurve};
 
@@ -229,6 +229,16 @@ fn expansion<const D: usize>([q, slope, bend]: [[f64; D]; 3], t: f64) -> [[f64; 
 
 impl<const D: usize> PowerCurve<D> {
     /// Converts a curve; the coefficients are computed in `H` and rounded once.
+    ///
+    /// `H` is a float, which is checked when it is compiled. Where it is so narrow that it does not hold a number of the curve,
+    /// as `f32` does not hold 1e300, points of the spans that have it are no numbers.
+    ///
+    /// ```compile_fail
+    /// # use nurbs_core::{NurbsCurve, PowerCurve};
+    /// let knots = [0.0, 0.0, 1.0, 1.0];
+    /// let line = NurbsCurve::try_new_nonrational(1, &[[0.0], [200.0]], &knots).unwrap();
+    /// PowerCurve::new::<real::I8F24>(&line); // holds numbers below 128
+    /// ```
     #[must_use]
     pub fn new<H: Backend>(curve: &NurbsCurve<'_, f64, D>) -> Self {
         let knots = curve.knots().as_slice();
@@ -237,8 +247,7 @@ impl<const D: usize> PowerCurve<D> {
         for span in (degree..curve.control_points().len()).filter(|i| knots[*i] < knots[i + 1]) {
             let (begin, end) = (knots[span], knots[span + 1]);
             begins.push(begin);
-            let high = |x: f64| H::from_f64(x).unwrap_or_else(H::zero);
-            let bezier = Bezier::<H, D>::of_span(curve, span, high(begin), high(end));
+            let bezier = Bezier::<H, D>::of_span(curve, span, computed(begin), computed(end));
             spans.extend([begin, 1.0 / (end - begin)]);
             push_span(&bezier, &mut spans);
         }

@@ -18,6 +18,11 @@ pub enum ShapeError {
         /// What it belongs to.
         what: &'static str,
     },
+    /// The extent along one axis does not fit the number format: differences of points, or an arc's derivatives, would overflow.
+    ExtentTooWide {
+        /// The axis, 0 for x.
+        axis: usize,
+    },
     /// There are too few points.
     TooFewPoints {
         /// The least number.
@@ -63,6 +68,9 @@ impl fmt::Display for ShapeError {
         match self {
             Self::NotFinite { what } => write!(f, "{what} is not a finite number"),
             Self::OutOfRange { what } => write!(f, "{what} does not fit the number format"),
+            Self::ExtentTooWide { axis } => {
+                write!(f, "the extent along axis {axis} does not fit the number format")
+            }
             Self::TooFewPoints { least, found } => write!(f, "{found} points are fewer than {least}"),
             Self::TooManySegments { found } => write!(f, "the number format cannot count {found} segments"),
             Self::PartOutsideSegment => f.write_str("a part of a segment must satisfy 0 <= begin < end <= 1"),

@@ -18,7 +18,7 @@ use real::Real;
 #[cfg(feature = "alloc")]
 use real::{Backend, Trigonometric};
 
-use crate::curve::weighted_sum;
+use crate::curve::{axis_too_wide, weighted_sum};
 #[cfg(feature = "alloc")]
 use crate::path_curve::round_all;
 use crate::{
@@ -38,7 +38,7 @@ impl<R: Real, const D: usize> TrigSegment<R, D> {
     /// The whole segment of four control points `q_0 … q_3`.
     ///
     /// # Errors
-    /// [`ShapeError::NotFinite`].
+    /// [`ShapeError::NotFinite`]; [`ShapeError::ExtentTooWide`] when a difference of control points does not fit the format.
     pub fn try_new(control_points: [[R; D]; 4], shape: ShapeFactors<R>) -> Result<Self, ShapeError> {
         if !control_points.iter().flatten().all(|x| x.is_finite()) {
             return Err(ShapeError::NotFinite { what: "a control point" });
@@ -46,14 +46,17 @@ impl<R: Real, const D: usize> TrigSegment<R, D> {
         if !(shape.lambda.is_finite() && shape.k.is_finite()) {
             return Err(ShapeError::NotFinite { what: "a shape factor" });
         }
-        Ok(Self { control_points, shape, begin: R::zero(), end: R::one() })
+        match axis_too_wide(&control_points, R::max_value()) {
+            Some(axis) => Err(ShapeError::ExtentTooWide { axis }),
+            None => Ok(Self { control_points, shape, begin: R::zero(), end: R::one() }),
+        }
     }
 
     /// The segment from `q_0` to `q_1` with the derivatives `D_0` and `D_1` at its ends, in Hermite's manner: the other two
     /// control points follow with k = -1.
     ///
     /// # Errors
-    /// [`ShapeError::NotFinite`].
+    /// Those of [`try_new`](Self::try_new).
     pub fn between(ends: [[R; D]; 2], derivatives: [[R; D]; 2], lambda: R) -> Result<Self, ShapeError> {
         let beyond = |i: usize| core::array::from_fn(|d| ends[i][d] + derivatives[i][d]);
         let shape = ShapeFactors { lambda, k: -R::one() };
@@ -63,7 +66,7 @@ impl<R: Real, const D: usize> TrigSegment<R, D> {
     /// The line from B to C. It stands still at both ends.
     ///
     /// # Errors
-    /// [`ShapeError::NotFinite`].
+    /// Those of [`try_new`](Self::try_new).
     pub fn line(b: [R; D], c: [R; D]) -> Result<Self, ShapeError> {
         Self::try_new([b, c, b, c], ShapeFactors { lambda: R::zero(), k: -R::one() })
     }
@@ -254,7 +257,7 @@ impl<R: Real, const D: usize> TrigSplineBuf<R, D> {
     ///
     /// # Errors
     /// [`ShapeError::TooFewPoints`]: [`Ends::AsGiven`] takes four, [`Ends::Closed`] three, the others two;
-    /// [`ShapeError::NotFinite`]; those of [`TrigSpline::try_new`].
+    /// those of [`TrigSegment::try_new`] and [`TrigSpline::try_new`].
     pub fn through(points: &[[R; D]], shape: ShapeFactors<R>, ends: Ends) -> Result<Self, ShapeError> {
         let least = match ends {
             Ends::AsGiven => 4,
@@ -291,7 +294,7 @@ impl<const D: usize> TrigSplineBuf<f64, D> {
     /// The curve with every number rounded to the nearest of another format.
     ///
     /// # Errors
-    /// [`ShapeError::OutOfRange`]; [`ShapeError::PartOutsideSegment`] when a part vanishes;
+    /// [`ShapeError::OutOfRange`]; [`ShapeError::ExtentTooWide`]; [`ShapeError::PartOutsideSegment`] when a part vanishes;
     /// [`ShapeError::TooManySegments`].
     pub fn convert<Q: Backend>(&self) -> Result<TrigSplineBuf<Q, D>, ShapeError> {
         let segments = self.segments.iter().map(TrigSegment::convert).collect::<Result<_, _>>()?;
@@ -304,7 +307,7 @@ impl<const D: usize> TrigSegment<f64, D> {
     /// The segment with every number rounded to the nearest of another format.
     ///
     /// # Errors
-    /// [`ShapeError::OutOfRange`]; [`ShapeError::PartOutsideSegment`] when the part vanishes.
+    /// [`ShapeError::OutOfRange`]; [`ShapeError::ExtentTooWide`]; [`ShapeError::PartOutsideSegment`] when the part vanishes.
     pub fn convert<Q: Backend>(&self) -> Result<TrigSegment<Q, D>, ShapeError> {
         let mut control_points = [[Q::zero(); D]; 4];
         for (to, from) in control_points.iter_mut().zip(&self.control_points) {
@@ -546,5 +549,12 @@ mod tests {
         assert!(TrigSpline::try_new(&[narrow; 7]).is_ok());
         let far = TrigSplineBuf::through(&[[0.0], [1000.0]], shape, Ends::Repeated).unwrap();
         assert_eq!(far.convert::<I8F24>(), Err(ShapeError::OutOfRange { what: "a control point" }));
+    }
+    #[test]
+    fn control_points_too_far_apart_are_refused() {
+        let points = [[-100.0, 0.0], [100.0, 0.0], [100.0, 10.0], [-100.0, 10.0]];
+        let spline = TrigSplineBuf::through(&points, factors(1.0, -1.0), Ends::AsGiven).unwrap();
+        assert_eq!(spline.convert::<I8F24>(), Err(ShapeError::ExtentTooWide { axis: 0 }));
+        assert!(spline.convert::<I16F16>().is_ok());
     }
 }

@@ -373,3 +373,41 @@ fn positions_of_no_piece_are_those_of_the_last_one() {
     assert_eq!(pieces.position(usize::MAX, &pieces.offset(last, I4F28::from_ratio(1, 1))), [11 * mm, 2 * mm]);
     assert_eq!(pieces.part(0..0).position(0, &[I4F28::from_ratio(1, 1); 2]), [0, 0]);
 }
+
+/// A coordinate, a weight or a knot that became 0 would be other geometry.
+#[test]
+fn a_number_that_the_computing_type_does_not_hold_is_refused() {
+    let line = |far: f64, weight: f64, end: f64| {
+        NurbsBuf::try_new(1, vec![[0.0], [far]], vec![1.0, weight], vec![0.0, 0.0, end, end]).unwrap()
+    };
+    for (curve, fits) in [
+        (line(10.0, 1.2, 1.0), true),
+        (line(1e300, 1.0, 1.0), false),
+        (line(10.0, 1e300, 1.0), false),
+        (line(10.0, 1.0, 1e300), false),
+    ] {
+        let limits = PieceLimits { length_mm: f64::MAX, ..LIMITS };
+        let outcome = compile::<f32, f64, 1>(&[curve.as_curve()], &limits);
+        let refused =
+            |error: CompileError| matches!(error, CompileError::SpeedOutOfRange { curve: 0, parameter: 0.0 });
+        assert!(outcome.as_ref().map_or_else(|e| !fits && refused(*e), |_| fits), "{:?}", outcome.err());
+    }
+    let narrow = nurbs_core::PowerCurve::new::<f32>(&line(1e300, 1.0, 1.0).as_curve());
+    assert!(nurbs_core::Evaluate::point(&narrow, 0.5)[0].is_nan());
+}
+
+#[test]
+fn stops_out_of_order_are_refused_by_their_index() {
+    let points = vec![[0.0, 0.0], [10.0, 30.0], [40.0, 30.0], [50.0, 0.0]];
+    let curve = NurbsBuf::try_new_nonrational(3, points, vec![0., 0., 0., 0., 1., 1., 1., 1.]).unwrap();
+    let curves = [curve.as_curve(), curve.as_curve()];
+    let check = |stops: &[(usize, f64)]| {
+        nurbs_core::compile_with_stops::<DoubleDouble, f64, 2>(&curves, &LIMITS, stops).err()
+    };
+    let out_of_order = |index| Some(CompileError::StopOutOfOrder { index });
+    assert_eq!(check(&[(0, 0.2), (0, 0.2), (0, 0.3), (1, 0.1), (1, 1.0)]), None);
+    assert_eq!(check(&[(0, 0.3), (0, 0.2)]), out_of_order(1));
+    assert_eq!(check(&[(0, 0.1), (1, 0.3), (0, 0.4)]), out_of_order(2));
+    assert_eq!(check(&[(0, f64::NAN)]), out_of_order(0));
+    assert_eq!(check(&[(0, 0.1), (0, f64::NAN), (0, 0.5)]), out_of_order(1));
+}

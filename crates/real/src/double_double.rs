@@ -20,6 +20,9 @@ impl Default for DoubleDouble {
     }
 }
 
+/// An exponent of a phase beyond this, which is far beyond the domain, counts as this: powers of two stay normal numbers.
+const FARTHEST: i32 = 900;
+
 impl DoubleDouble {
     /// The number `high + low`.
     #[must_use]
@@ -141,6 +144,7 @@ impl Real for DoubleDouble {
 
     #[allow(clippy::cast_precision_loss, reason = "each half of the phase has 32 bits")]
     fn from_phase(phase: u64, exponent: i32) -> Self {
+        let exponent = exponent.clamp(-FARTHEST, FARTHEST);
         let (high, low) = ((phase >> 32) as f64, (phase & 0xffff_ffff) as f64);
         Self::new(high.scale(exponent - 32), low.scale(exponent - 64))
     }
@@ -151,7 +155,7 @@ impl Real for DoubleDouble {
         reason = "saturates, as the contract says"
     )]
     fn to_phase(self, exponent: i32) -> u64 {
-        let scaled = self.scale(64 + exponent);
+        let scaled = self.scale(64 + exponent.clamp(-FARTHEST, FARTHEST));
         let whole = scaled.0.0.clamp(0.0, 2.0_f64.powi(64)).trunc() as u128;
         let rest = (scaled
             - Self::new((whole >> 32) as f64 * 2.0_f64.powi(32), (whole & 0xffff_ffff) as f64))
@@ -199,6 +203,19 @@ mod tests {
         }
         assert!(DoubleDouble::norm(&[DoubleDouble::from(f64::NAN), DoubleDouble::one()]).value().is_nan());
         assert!(DoubleDouble::from(-1.0).sqrt().is_zero());
+    }
+
+    #[test]
+    fn phases_of_any_exponent_are_numbers() {
+        for exponent in [i32::MIN, i32::MIN + 1, -2000, 2000, i32::MAX - 1, i32::MAX] {
+            let part = DoubleDouble::one().to_phase(exponent);
+            assert_eq!(part, if exponent < 0 { 0 } else { u64::MAX }, "{exponent}");
+            for number in [DoubleDouble::from_phase(1, exponent), DoubleDouble::power_of_two(exponent)] {
+                let far = if exponent < 0 { number.value() < 1e-250 } else { number.value() > 1e250 };
+                assert!(far && number > DoubleDouble::zero(), "{exponent}: {number:?}");
+            }
+        }
+        assert_eq!(DoubleDouble::power_of_two(-3).value(), 0.125);
     }
 
     proptest! {

@@ -21,18 +21,18 @@
 //! |---|---|
 //! | `f64`, `f32` | controllers with a floating-point unit |
 //! | [`FixedPoint`] over the `fixed` crate's types: [`I16F16`], [`I8F24`], [`I32F32`], … | controllers without, FPGAs |
-//! | [`DoubleDouble`] (feature `reference`) | judging the others: about 106 bits |
-//! | [`RuntimeFixed`] (feature `std`) | any width up to 64 bits, chosen at run time |
-//! | [`Quantized`] (feature `std`) | registers of mixed widths, signal by signal |
+//! | `DoubleDouble` (feature `reference`) | judging the others: about 106 bits |
+//! | `RuntimeFixed` (feature `std`) | any width up to 64 bits, chosen at run time |
+//! | `Quantized` (feature `std`) | registers of mixed widths, signal by signal |
 //!
 //! Around any of them, with the feature `std`, a wrapper that changes no value:
 //!
 //! | wrapper | sees |
 //! |---|---|
-//! | [`Audited`], read by [`Audit::of`] | overflows, underflows, and the range and [`Histogram`] of every named signal |
-//! | [`Shadowed`], read by [`Audit::of`] too | how far every named signal is from what a better format makes of it |
-//! | [`Counted`], read by [`OperationCounts::of`] | how many operations of each kind are done |
-//! | [`Recorded`], read by [`Graph::of`] | which operation takes its operands from which |
+//! | `Audited`, read by `Audit::of` | overflows, underflows, and the range and `Histogram` of every named signal |
+//! | `Shadowed`, read by `Audit::of` too | how far every named signal is from what a better format makes of it |
+//! | `Counted`, read by `OperationCounts::of` | how many operations of each kind are done |
+//! | `Recorded`, read by `Graph::of` | which operation takes its operands from which |
 //!
 //! The integer algorithms beneath fixed point, with their derivations: division by Newton's reciprocal in `division.rs`,
 //! roots in `square_root.rs`, conversion and rounding of words in `word.rs`.

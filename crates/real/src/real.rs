@@ -26,7 +26,7 @@ use num_traits::{Bounded, One, Zero};
 /// | root of a negative number | 0 | 0 |
 ///
 /// Wrapping is what a controller's adder does. That no value ever needs to wrap is shown beforehand, by a
-/// proven range or by an [audited](crate::Audited) run; saturating each operation would cost several times
+/// proven range or by an audited run (`Audited`); saturating each operation would cost several times
 /// more and hide the fault.
 pub trait Real:
     Copy
@@ -105,7 +105,7 @@ pub trait Real:
     /// for an overflow. Domain: `-64 ≤ exponent ≤ 63`.
     #[must_use]
     fn power_of_two(exponent: i32) -> Self {
-        Self::from_phase(1 << 63, exponent + 1)
+        Self::from_phase(1 << 63, exponent.saturating_add(1))
     }
 
     /// `self · 2^exponent`: from a compiled table's units of coordinates into those of chords. A float's tables have the

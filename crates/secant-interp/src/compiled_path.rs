@@ -19,12 +19,32 @@ use crate::stretches::{Stretch, stretches};
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum CompiledPathError {
+    /// The plan's interpolation period is not 1: its feeds are no distances per period.
+    PeriodNotOne {
+        /// The period, in the plan's unit of time.
+        period: f64,
+    },
     /// A stage begins or ends with a feed beyond the format's range.
     FeedTooHigh {
         /// The stage, from 0.
         stage: usize,
         /// The feed, in mm per period.
         feed: f64,
+    },
+    /// The greatest feed and the landing step together are a step that the pieces were not compiled for.
+    StepTooLong {
+        /// The first stage with that feed, from 0.
+        stage: usize,
+        /// A period at that feed, and the landing step, in mm.
+        step: f64,
+        /// The longest step of the pieces, [`PieceLimits::step_mm`](nurbs_core::PieceLimits), in mm.
+        longest: f64,
+    },
+    /// The landing step is zero, negative or not a number: what rounding leaves behind the schedule's end would never be
+    /// travelled.
+    LandingStepNotPositive {
+        /// The step, in mm.
+        step: f64,
     },
     /// The landing step is beyond the format's range.
     LandingStepTooLong {
@@ -36,11 +56,24 @@ pub enum CompiledPathError {
 impl fmt::Display for CompiledPathError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Self::PeriodNotOne { period } => write!(
+                f,
+                "the plan's interpolation period is {period}, not 1: its unit of time must be the period, its feeds mm per \
+                 period"
+            ),
             Self::FeedTooHigh { stage, feed } => {
                 write!(
                     f,
                     "the feed of stage {stage}, {feed:.3e} mm per period, does not fit the number format"
                 )
+            }
+            Self::StepTooLong { stage, step, longest } => write!(
+                f,
+                "a period at the feed of stage {stage} and the landing step make {step:.6e} mm; the pieces were compiled for \
+                 steps of {longest:.6e} mm"
+            ),
+            Self::LandingStepNotPositive { step } => {
+                write!(f, "the landing step, {step} mm, is not a positive number")
             }
             Self::LandingStepTooLong { step } => {
                 write!(f, "the landing step, {step:.3e} mm, does not fit the number format")
@@ -107,25 +140,37 @@ pub struct CompiledPath<R, const D: usize> {
 }
 
 impl<R: Backend, const D: usize> CompiledPath<R, D> {
-    /// Joins the pieces of a path with its plan in mm and periods, made in any format Q that holds the plan's duration.
+    /// Joins the pieces of a path with its plan in mm and periods, made in any format Q that holds the plan's duration: its
+    /// interpolation period is 1, so that its feeds are distances per period.
     ///
     /// The plan's distances are those of chords ([`ScheduleBuf::shortened`](feed_plan::ScheduleBuf::shortened)), for these
     /// are what a step makes. The pieces are compiled with a joint at each of its rests
     /// ([`compile_with_stops`](nurbs_core::compile_with_stops)); a rest without one is passed at a feed of zero, not landed on.
     /// Each joint of two stages moves to the nearest multiple of 2⁻³² periods. `landing_step_mm` is the longest step from
-    /// which the axes come to rest within one period, A T²; it may round to zero.
+    /// which the axes come to rest within one period, A T²: above 0, though it may round to zero in a coarse `R`.
     ///
     /// # Errors
-    /// [`CompiledPathError`] when a feed or the landing step does not fit `R`.
+    /// [`CompiledPathError::PeriodNotOne`] for a plan in another unit of time; [`CompiledPathError::LandingStepNotPositive`];
+    /// [`CompiledPathError::StepTooLong`] when the greatest feed and the landing step are more together than the pieces were
+    /// compiled for, by more than rounding; the others when a feed or the landing step does not fit `R`.
     pub fn new<Q: Backend>(
         table: PiecesBuf<R, D>,
         plan: &Schedule<'_, Q>,
         tolerance: ChordTolerance<R>,
         landing_step_mm: f64,
     ) -> Result<Self, CompiledPathError> {
+        let period = plan.interpolation_period();
+        if period != Q::one() {
+            return Err(CompiledPathError::PeriodNotOne { period: period.to_f64() });
+        }
+        let step = landing_step_mm;
+        if step.is_nan() || step <= 0.0 {
+            return Err(CompiledPathError::LandingStepNotPositive { step });
+        }
         let exponent = table.as_pieces().chord_exponent;
-        let landing_step = R::from_f64(landing_step_mm.scale(exponent))
-            .ok_or(CompiledPathError::LandingStepTooLong { step: landing_step_mm })?;
+        let landing_step =
+            R::from_f64(step.scale(exponent)).ok_or(CompiledPathError::LandingStepTooLong { step })?;
+        refuse_long_steps(plan, step, table.step_mm())?;
         let (mut stages, mut stops) = (Vec::new(), Vec::new());
         let half_unit = Q::one().scale(-33);
         let (mut time, mut begin) = (Q::zero(), 0);
@@ -183,6 +228,23 @@ impl<R: Backend, const D: usize> CompiledPath<R, D> {
         let path = self.interpolator();
         self.stretches.iter().map(move |stretch| path.on(stretch))
     }
+}
+
+/// By so much of itself a step may be longer than the pieces were compiled for: what a plan in a coarse format is off by.
+const ROUNDING: f64 = 1e-4;
+
+/// Refuses a plan with steps for which no range is proven: from the greatest feed a run may land.
+fn refuse_long_steps<Q: Backend>(
+    plan: &Schedule<'_, Q>,
+    landing_step: f64,
+    longest: f64,
+) -> Result<(), CompiledPathError> {
+    let steps =
+        plan.stages().iter().map(|stage| stage.start_feed.max(stage.end_feed).to_f64() + landing_step);
+    let greatest = steps.enumerate().fold((0, 0.0), |most, one| if one.1 > most.1 { one } else { most });
+    let (stage, step) = greatest;
+    let is_proven = step <= longest * (1.0 + ROUNDING);
+    if is_proven { Ok(()) } else { Err(CompiledPathError::StepTooLong { stage, step, longest }) }
 }
 
 /// The number of `R` nearest to `x` times a power of two, `None` where it is out of range.

@@ -61,7 +61,7 @@ pub struct State<R, const D: usize> {
 }
 
 impl<R: Real, const D: usize> State<R, D> {
-    /// Whether the end of the curve has been reached.
+    /// Whether the run is over: at the end of the curve, or where the schedule gave a distance that is no finite number.
     #[must_use]
     pub fn is_finished(&self) -> bool {
         self.finished
@@ -90,7 +90,8 @@ impl<R: Real, C> Interpolator<'_, R, C> {
         }
     }
 
-    /// The next setpoint; `None` once the end of the curve has been commanded.
+    /// The next setpoint; `None` once the end of the curve has been commanded, or where the schedule or a landing step holds
+    /// what is no finite number: such a run ends where it stands.
     ///
     /// The parameter never decreases and never passes the end. The run ends by landing: a step that would reach
     /// or pass the end commands exactly the end. When the schedule is over before the curve is, as rounding in
@@ -115,6 +116,11 @@ impl<R: Real, C> Interpolator<'_, R, C> {
         }
         let reach = if is_last { length + self.landing_step } else { length };
 
+        if !reach.is_finite() {
+            state.finished = true;
+            return None;
+        }
+
         let mut found = self.next_parameter(state, reach);
         if planned.is_none() && found.u <= u {
             // The landing step is too short for the parameter's resolution here.
@@ -128,6 +134,10 @@ impl<R: Real, C> Interpolator<'_, R, C> {
             found.point = self.curve.point(end);
             found.evaluations += 1;
             state.finished = true;
+        }
+        if !found.u.is_finite() {
+            state.finished = true;
+            return None;
         }
         state.history.push(found.u);
         state.last_length = reach;

@@ -7,7 +7,8 @@
 //! interval's middle. A period that straddles joints adds up its parts.
 //!
 //! Time is counted in integers of 2⁻³² periods. So every format takes the same stages at the same times, and a
-//! run of any length loses nothing.
+//! run of any length loses nothing. Sums of times and exponents wrap: what is no stage gives no distance that means anything, but
+//! no panic either, in any build.
 
 use feed_plan::StageShape;
 use real::Real;
@@ -81,7 +82,7 @@ impl<R: Real> LengthStage<R> {
     /// How far that is shifted to become a phase; that it is below 64 spares the compiler half of the work.
     #[inline]
     pub(crate) fn shift(&self) -> u32 {
-        (self.reciprocal_exponent + 1) & 63
+        self.reciprocal_exponent.wrapping_add(1) & 63
     }
 
     /// An interval over t₂; 1 but for the last place where it is longer.
@@ -123,10 +124,10 @@ impl<R: Real> StepLengths<'_, R> {
     #[inline(always)] // Into the step, as that is into its caller: see there.
     pub fn advance(&self, cursor: &mut LengthCursor) -> Option<R> {
         let stage = self.stages.get(cursor.stage)?;
-        let end = cursor.time + PERIOD;
+        let end = cursor.time.wrapping_add(PERIOD);
         if end < stage.duration {
             // Wholly inside a stage, as most periods are.
-            let middle = cursor.time + end;
+            let middle = cursor.time.wrapping_add(end);
             cursor.time = end;
             return Some(stage.mean_feed(middle, stage.period_share));
         }
@@ -142,7 +143,8 @@ impl<R: Real> StepLengths<'_, R> {
         let mut length = R::zero();
         while let Some(stage) = self.stages.get(cursor.stage) {
             let interval = left.min(stage.duration.saturating_sub(cursor.time));
-            let mean = stage.mean_feed(2 * cursor.time + interval, stage.share(interval));
+            let middle = cursor.time.wrapping_mul(2).wrapping_add(interval);
+            let mean = stage.mean_feed(middle, stage.share(interval));
             length =
                 if interval == PERIOD { mean } else { mean.mul_add(R::from_phase(interval, 32), length) };
             left -= interval;

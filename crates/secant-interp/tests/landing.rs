@@ -136,3 +136,39 @@ fn a_landing_step_of_nothing_moves_on_all_the_same() {
     let stays = all.windows(2).find(|pair| pair[0] >= pair[1]);
     assert_eq!(stays, None);
 }
+
+/// Numbers that are none end a run where it stands; they once made setpoints that are none, without end.
+#[test]
+fn a_schedule_that_holds_no_numbers_ends_the_run() {
+    let curve = line(10.0);
+    for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        let good = steady(0.0, 0.5, 4.0);
+        for (stage, landing_step) in [
+            (Stage { end_feed: bad, shape: StageShape::Cubic, ..good }, 0.01),
+            (Stage { start_feed: bad, end_feed: bad, ..good }, 0.01),
+            (Stage { duration: bad, ..good }, 0.01),
+            (good, bad),
+        ] {
+            for method in [Method::Secant, Method::Taylor1, Method::Taylor2] {
+                let stages = [good, stage, good];
+                let run = Interpolator {
+                    curve: curve.as_curve(),
+                    schedule: Schedule::new(&stages, 1.0, 12),
+                    method,
+                    tolerance: Tolerance { parameter: 1e-12, fluctuation: 1e-9, max_iterations: 20 },
+                    landing_step,
+                };
+                let (mut state, mut count) = (run.start(), 0);
+                while let Some(setpoint) = run.step(&mut state) {
+                    count += 1;
+                    assert!(
+                        setpoint.u.is_finite() && setpoint.point[0].is_finite(),
+                        "{stage:?}: {setpoint:?}"
+                    );
+                    assert!(count < 2000, "{method:?} {landing_step} {stage:?}: at {}", setpoint.u);
+                }
+                assert!(count >= 3 && state.is_finished(), "{method:?} {stage:?}: {count}");
+            }
+        }
+    }
+}
