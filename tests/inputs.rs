@@ -38,6 +38,7 @@ pub fn on_paper_as_machine<const D: usize>(name: &str, curve: NurbsBuf<f64, D>) 
         moved_mm: Vec::new(),
         feed_shares: Vec::new(),
         stops: Vec::new(),
+        breaks: Vec::new(),
         lines: Vec::new(),
         rapids_left_out: 0,
         gaps_closed: 0,

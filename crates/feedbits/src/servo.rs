@@ -1,11 +1,12 @@
 //! `feedbits servo`: what the machine makes of each format's setpoints.
 
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
-use format_compare::{Dimension, Engine, ExactPlan, Format, MOST_PERIODS, Options, Problem, Space};
+use format_compare::{Dimension, Engine, ExactPlan, Format, MOST_PERIODS, Options, Problem, RunStep, Space};
 use nurbs_core::{Evaluate, NurbsBuf};
 use serde::Serialize;
 use servo_sim::{
@@ -294,19 +295,43 @@ fn simulate<const D: usize>(
     let setpoints: Vec<[f64; D]> =
         run.steps.iter().map(|step| core::array::from_fn(|d| step.point_mm[d])).collect();
     let curves: Vec<_> = problem.curves.iter().map(NurbsBuf::as_curve).collect();
-    let first = curves.first().context("the path has no curve")?;
-    let start = first.point(first.domain().0);
-    let trace =
-        Servo::<f64, D>::try_new(&[*servo; D], problem.period_s(), start)?.run(setpoints.iter().copied())?;
-    let arrival = trace.arrival();
+    let (mut following, mut contour, mut arrival) = (Vec::new(), Vec::new(), Arrival::default());
+    for (stretch, first) in stretches(&problem.breaks, &run.steps) {
+        let own = curves.get(first.clone()).context("the path has no curve")?;
+        let begin = own.first().context("the path has no curve")?;
+        let servo =
+            Servo::<f64, D>::try_new(&[*servo; D], problem.period_s(), begin.point(begin.domain().0))?;
+        let trace = servo.run(setpoints[stretch].iter().copied())?;
+        following.push((trace.following_error(), trace.motion_samples));
+        contour.push((trace.contour_error(own)?, trace.motion_samples));
+        if trace.arrival().reach_mm >= arrival.reach_mm {
+            arrival = trace.arrival();
+        }
+    }
+    let of_axis =
+        |axis: usize| ErrorSize::joined(following.iter().map(|(sizes, count)| (sizes[axis], *count)));
     Ok(Outcome::Ran {
         setpoint_error_mm: contour_error(&curves, setpoints)?,
-        following_error_mm: trace.following_error().to_vec(),
-        contour_error_mm: trace.contour_error(&curves)?,
+        following_error_mm: (0..D).map(of_axis).collect(),
+        contour_error_mm: ErrorSize::joined(contour),
         reached_the_end: run.finished,
         arrival,
         does_not_follow: arrival.validate().err().map(|reason| reason.to_string()),
     })
+}
+
+/// The parts of a run between which the machine makes another move, as ranges of its steps and of the path's curves: its axes are
+/// at rest by the time that it comes back.
+fn stretches(breaks: &[usize], steps: &[RunStep]) -> Vec<(Range<usize>, Range<usize>)> {
+    let mut begin = (0, 0);
+    let mut found = Vec::new();
+    for next in breaks.iter().copied().chain([usize::MAX]) {
+        let end = steps.partition_point(|step| step.curve < next);
+        let curves = steps.get(begin.0..end).and_then(|own| own.last()).map(|last| begin.1..last.curve + 1);
+        found.extend(curves.map(|curves| (begin.0..end, curves)));
+        begin = (end, next);
+    }
+    found
 }
 
 fn tables(report: &Report) -> String {

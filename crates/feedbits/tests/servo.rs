@@ -137,6 +137,23 @@ fn root_mean_squares_are_those_of_the_motion() {
     }
 }
 
+/// With equal axes the table stays on straight lines, and the closed-up path has a corner between them.
+#[test]
+fn a_rapid_move_is_no_corner() {
+    let part = Quarter::new();
+    let program = "G21 G90\nG0 X0 Y0\nG1 X10 Y0 F3000\nG0 X100 Y100\nG1 X110 Y90\nM30\n";
+    fs::write(part.path("quarter.nc"), program).expect("the folder is writable");
+    let output = part.servo("", &["--json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let report: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let row = row(&report, "f64", "pieces");
+    let contour = row["contour_error_mm"]["max"].as_f64().unwrap();
+    assert!(contour < 1e-6, "{contour} mm");
+    // V/Kp on the first of the moves.
+    let following = row["following_error_mm"][0]["max"].as_f64().unwrap();
+    assert!((following / (50.0 / 30.0) - 1.0).abs() < 0.01, "{following} mm");
+}
+
 #[test]
 fn a_machine_that_does_not_move_is_not_perfect() {
     let quarter = Quarter::new();

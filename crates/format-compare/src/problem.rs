@@ -26,6 +26,8 @@ pub struct Problem<const D: usize> {
     /// Numbers of the curves that begin at rest whatever their direction, in order: those behind an exact stop, a rapid move or
     /// a gap.
     pub stops: Vec<usize>,
+    /// Those of them before which the machine makes another move: behind a rapid move or a gap.
+    pub breaks: Vec<usize>,
     /// The line of each curve in the part; empty if nobody knows.
     pub lines: Vec<usize>,
     /// The number of rapid moves that were left out.
@@ -63,11 +65,12 @@ impl<const D: usize> Problem<D> {
         let moved_mm = closing_moves(&taken);
         let joints = (1..).zip(indices.windows(2));
         let is_gap = |curve: usize| moved_mm.get(curve - 1) != moved_mm.get(curve);
-        let rests = |&(curve, pair): &(usize, &[usize])| {
-            let stops = part.moves.get(pair[0]).is_some_and(|one| one.exact_stop);
-            stops || pair[1] > pair[0] + 1 || is_gap(curve)
+        let breaks = |&(curve, pair): &(usize, &[usize])| pair[1] > pair[0] + 1 || is_gap(curve);
+        let rests = |joint: &(usize, &[usize])| {
+            breaks(joint) || part.moves.get(joint.1[0]).is_some_and(|one| one.exact_stop)
         };
         let stops = joints.clone().filter(rests).map(|(curve, _)| curve).collect();
+        let breaks = joints.clone().filter(breaks).map(|(curve, _)| curve).collect();
         let gaps_closed = joints.filter(|(curve, pair)| pair[1] == pair[0] + 1 && is_gap(*curve)).count();
         let still = [0.0; D];
         let curves = taken.iter().enumerate().map(|(index, curve)| {
@@ -82,7 +85,18 @@ impl<const D: usize> Problem<D> {
             machine.feedrate_mm_per_s = feedrate;
         }
         let name = part.name.clone();
-        Ok(Self { name, curves, moved_mm, feed_shares, stops, lines, rapids_left_out, gaps_closed, machine })
+        Ok(Self {
+            name,
+            curves,
+            moved_mm,
+            feed_shares,
+            stops,
+            breaks,
+            lines,
+            rapids_left_out,
+            gaps_closed,
+            machine,
+        })
     }
 
     /// The feedrate of a curve, as a share of the machine's.

@@ -32,6 +32,17 @@ impl ErrorSize {
         }
         Self { max, rms: if counted > 0.0 { f64::sqrt(sum / counted) } else { 0.0 } }
     }
+
+    /// The size over several motions: of each, its own size and the number of its values.
+    pub fn joined(motions: impl IntoIterator<Item = (Self, usize)>) -> Self {
+        let (mut max, mut sum, mut counted) = (0.0_f64, 0.0, 0.0);
+        for (size, count) in motions {
+            max = max.max(size.max);
+            sum += size.rms * size.rms * count as f64;
+            counted += count as f64;
+        }
+        Self { max, rms: if counted > 0.0 { f64::sqrt(sum / counted) } else { 0.0 } }
+    }
 }
 
 #[cfg(test)]
@@ -43,6 +54,15 @@ mod tests {
         let size = ErrorSize::of([1.0, -7.0]);
         assert_eq!(size, ErrorSize { max: 7.0, rms: 5.0 });
         assert_eq!(ErrorSize::of([]), ErrorSize::default());
+    }
+
+    #[test]
+    fn motions_are_joined_as_if_they_were_one() {
+        let (first, second) = ([1.0, -7.0, 2.5], [0.5]);
+        let joined = ErrorSize::joined([(ErrorSize::of(first), 3), (ErrorSize::of(second), 1)]);
+        let whole = ErrorSize::of(first.into_iter().chain(second));
+        assert!(joined.max == whole.max && (joined.rms - whole.rms).abs() < 1e-15, "{joined:?} {whole:?}");
+        assert_eq!(ErrorSize::joined([]), ErrorSize::default());
     }
 
     #[test]
