@@ -13,7 +13,7 @@
 //!
 //! `σ ← σ - σ f/2 (1 - g + g² - ¾f)`,
 //!
-//! again without a division. It leaves an error of at most `|f| (|f| (|f| + |g|) + |g|³)`, so a second evaluation is owed only
+//! again without a division. It leaves an error of the order of `|f| (|f| (|f| + |g|) + |g|³)`, so a second evaluation is owed only
 //! when |f| is above a threshold that the wanted fluctuation sets. Measured, over ten curves of the tests:
 //!
 //! | threshold | 4e-3 | 1e-3 | 1e-4 | 3e-5 | 3e-6 |
@@ -40,7 +40,7 @@ impl<R: Backend> ChordTolerance<R> {
     /// The tolerance at which one correction leaves at most this fluctuation, |1 - chord/L|. `None`, or less than the format
     /// resolves, gives two units of its resolution.
     ///
-    /// A correction leaves an error of at most `|f| (|f| (|f| + |g|) + |g|³)`, with the growth g of the parametric speed over a step
+    /// A correction leaves an error of the order of `|f| (|f| (|f| + |g|) + |g|³)`, with the growth g of the parametric speed over a step
     /// a few hundredths at most; measured, 2e-5 |f| on tightly curved rational parts.
     #[must_use]
     pub fn for_fluctuation(fluctuation: Option<f64>, max_evaluations: u32) -> Self {
@@ -376,6 +376,7 @@ mod tests {
     /// On `q = 1 + cσ`, whose root is known in closed form, with trials off by up to a tenth.
     #[test]
     fn one_correction_leaves_what_the_series_says() {
+        // Half of (9/4 |f| |g| + 5/8 f² + |g|³) |f| and terms of higher order, for |g| up to an eighth.
         for growth in [-0.1, -0.05, 0.0, 0.02, 0.1] {
             let root = 2.0 / (1.0 + f64::sqrt(1.0 + 4.0 * growth));
             for off in [-0.1, -0.02, -1e-3, 1e-3, 0.01, 0.1] {
@@ -384,7 +385,7 @@ mod tests {
                 let (f, g) = (value.residual.abs(), value.slope.abs());
                 let left = ((sigma - correction(sigma, &value)) / root - 1.0).abs();
                 let bound = f * (f * (f + g) + g.powi(3));
-                assert!(left <= bound + 1e-15, "{growth} {off}: {left} of {bound}");
+                assert!(left <= 1.25 * bound + 1e-15, "{growth} {off}: {left} of {bound}");
             }
         }
     }
