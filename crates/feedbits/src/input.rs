@@ -44,13 +44,9 @@ impl Input {
     pub(crate) fn read(&self) -> Result<AnyProblem> {
         let (part, machine) = self.part_and_machine()?;
         Ok(if part.curves.iter().all(|curve| curve.dimension == 2) {
-            let problem = Problem::new(&part, &machine)?;
-            say_what_is_left_out(&problem);
-            AnyProblem::Planar(problem)
+            AnyProblem::Planar(problem(&part, &machine)?)
         } else {
-            let problem = Problem::new(&part, &machine)?;
-            say_what_is_left_out(&problem);
-            AnyProblem::Spatial(problem)
+            AnyProblem::Spatial(problem(&part, &machine)?)
         })
     }
 
@@ -99,22 +95,23 @@ impl Input {
     }
 }
 
-/// Rapid moves and gaps, at which the path is closed up.
-fn say_what_is_left_out<const D: usize>(problem: &Problem<D>) {
-    match problem.rapids_left_out {
-        0 => {}
-        1 => output::note("1 rapid move is left out: nothing is cut on the way, and the feed is 0 there"),
-        more => output::note(&format!(
-            "{more} rapid moves are left out: nothing is cut on the way, and the feed is 0 there"
-        )),
+/// The problem; rapid moves and gaps, at which its path is closed up, are said.
+fn problem<const D: usize>(part: &Part, machine: &Machine) -> Result<Problem<D>> {
+    let problem = Problem::new(part, machine)?;
+    for (count, one, many, why) in [
+        (
+            problem.rapids_left_out,
+            "rapid move is",
+            "rapid moves are",
+            "nothing is cut on the way, and the feed is 0 there",
+        ),
+        (problem.gaps_closed, "gap is", "gaps are", "the curves do not meet there, and the feed is 0"),
+    ] {
+        if count > 0 {
+            output::note(&format!("{count} {} left out: {why}", if count == 1 { one } else { many }));
+        }
     }
-    match problem.gaps_closed {
-        0 => {}
-        1 => output::note("1 gap is left out: the curves do not meet there, and the feed is 0"),
-        more => output::note(&format!(
-            "{more} gaps are left out: the curves do not meet there, and the feed is 0"
-        )),
-    }
+    Ok(problem)
 }
 
 /// A whole file as text.

@@ -47,7 +47,7 @@ pub use metrics::{Fluctuation, JudgedStep, PerPeriod};
 pub use overrides::{OverrideCommands, OverrideError, OverrideTarget, Overrides};
 pub use part_program::Machine;
 pub use plan_table::{FeedSample, PlanSummary, StageRow};
-pub use problem::{Problem, rapid_moves};
+pub use problem::Problem;
 pub use recorded::RecordedRun;
 pub use reference::Reference;
 pub use requirement::Requirement;

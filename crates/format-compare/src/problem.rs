@@ -176,8 +176,7 @@ impl<const D: usize> Problem<D> {
 }
 
 /// The number of rapid moves that a [`Problem`] leaves out: all of them, or none of a part that has nothing else.
-#[must_use]
-pub fn rapid_moves(part: &Part) -> usize {
+fn rapid_moves(part: &Part) -> usize {
     let rapids = part.moves.iter().filter(|one| one.kind == MoveKind::Rapid).count();
     if rapids == part.moves.len() { 0 } else { rapids }
 }

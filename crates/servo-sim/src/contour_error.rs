@@ -17,7 +17,7 @@
 //! movement out and back on one line, is no contour error; where the table does not follow at all,
 //! [`Arrival`](crate::Arrival) says so.
 
-use nurbs_core::{Differentiate, Evaluate};
+use nurbs_core::{Differentiate, Evaluate, distance_to_segment, nearest_on_segment};
 use real::Real;
 
 use crate::{ErrorSize, ServoError};
@@ -215,7 +215,7 @@ impl<const D: usize> Cell<D> {
         const MOST: u32 = 50;
         let [mut low, mut high] = self.bounds;
         let (mut low_tried, mut high_tried) = (false, false);
-        let mut u = low + (high - low) * projection(position, &self.ends);
+        let mut u = low + (high - low) * nearest_on_segment(position, &self.ends);
         let mut foot = Foot { curve: self.curve, u, distance: f64::INFINITY };
         for _ in 0..MOST {
             let d = curve.derivatives_in(self.span, u);
@@ -241,25 +241,11 @@ impl<const D: usize> Cell<D> {
     }
 }
 
-/// Where on a segment, from 0 to 1, the nearest point is.
-fn projection<const D: usize>(position: &[f64; D], [begin, end]: &[[f64; D]; 2]) -> f64 {
-    let along: [f64; D] = core::array::from_fn(|i| end[i] - begin[i]);
-    let arm: [f64; D] = core::array::from_fn(|i| position[i] - begin[i]);
-    let square = dot(&along, &along);
-    if square > 0.0 { (dot(&arm, &along) / square).clamp(0.0, 1.0) } else { 0.0 }
-}
-
-fn distance_to_segment<const D: usize>(position: &[f64; D], ends: &[[f64; D]; 2]) -> f64 {
-    let part = projection(position, ends);
-    let nearest = core::array::from_fn(|i| ends[0][i] + part * (ends[1][i] - ends[0][i]));
-    distance(position, &nearest)
-}
-
 fn dot<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
     f64::sum_of_products(a.iter().copied().zip(b.iter().copied()))
 }
 
-fn distance<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
+pub(crate) fn distance<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
     f64::norm(&core::array::from_fn::<_, D, _>(|i| a[i] - b[i]))
 }
 

@@ -5,6 +5,7 @@ use real::Backend;
 
 use crate::axis::{Axis, AxisState};
 use crate::command_filter::CommandFilter;
+use crate::contour_error::distance;
 use crate::{Arrival, ContourTracker, ErrorSize, ServoError, ServoParameters};
 
 /// A machine of `D` axes, whose command filters and control laws run in the number format `R`.
@@ -118,18 +119,24 @@ impl<R: Backend, const D: usize> Servo<R, D> {
             sub_step: self.units.first().map_or(0.0, |unit| unit.axis.sub_step()),
             samples,
             motion_samples,
-            standstill_error: norm(self.units.iter().map(|unit| unit.axis.standstill_error(&unit.state))),
+            standstill_error: self
+                .units
+                .iter()
+                .map(|unit| unit.axis.standstill_error(&unit.state))
+                .fold(0.0, f64::hypot),
         })
     }
 
     /// Periods after which what an old setpoint did has decayed to 2e-9 of itself, on the slowest axis; at most 1e6.
     #[must_use]
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "at most 1e6; below 0 it is 0"
+    )]
     pub fn settling_periods(&self) -> usize {
-        let of = |unit: &Unit<R>| {
-            let periods = unit.axis.settling_periods();
-            let loop_periods = (0..=1_000_000_usize).find(|&n| n as f64 >= periods);
-            unit.filter.periods() + loop_periods.unwrap_or(1_000_000)
-        };
+        let of =
+            |unit: &Unit<R>| unit.filter.periods() + unit.axis.settling_periods().min(1e6).ceil() as usize;
         self.units.iter().map(of).max().unwrap_or(0)
     }
 }
@@ -172,14 +179,6 @@ impl<const D: usize> Trace<D> {
             table_reach_mm: reach(|sample| &sample.table),
         }
     }
-}
-
-fn distance<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
-    norm(a.iter().zip(b).map(|(a, b)| a - b))
-}
-
-fn norm(components: impl Iterator<Item = f64>) -> f64 {
-    components.fold(0.0, f64::hypot)
 }
 
 #[cfg(test)]

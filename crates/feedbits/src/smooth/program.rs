@@ -3,12 +3,12 @@
 use std::ops::Range;
 
 use anyhow::{Context, Result, bail};
-use part_program::{Curve, Dialect, GAP_MM, MoveKind, Part};
+use part_program::{Curve, Dialect, MoveKind, Part};
 
 use super::deviation::Paths;
 use super::followed::Followed;
 use super::smooth_stretch::CHORD_SHARE;
-use super::stretch::length;
+use super::stretch::is_joined;
 use crate::input::read_again;
 
 /// The program of a smoothed part; its stretches are measured anew on what it says.
@@ -51,7 +51,7 @@ fn close_gaps(part: &mut Part) {
         let end = before.last().and_then(|curve| curve.control_points_mm.last());
         let start = after.first_mut().and_then(|curve| curve.control_points_mm.first_mut());
         if let (true, Some(end), Some(start)) = (is_cut, end, start)
-            && length(&std::array::from_fn(|d| end[d] - start[d])) <= GAP_MM
+            && is_joined(end, start)
         {
             *start = *end;
         }

@@ -99,11 +99,14 @@ pub(crate) fn rest_before(part: &Part, next: usize) -> Option<Rest> {
 fn do_meet(part: &Part, next: usize) -> bool {
     let ends = |index: usize| part.curves.get(index).map(|curve| curve.control_points_mm.as_slice());
     match (ends(next - 1), ends(next)) {
-        (Some([.., end]), Some([start, ..])) => {
-            length(&core::array::from_fn(|d| end[d] - start[d])) <= GAP_MM
-        }
+        (Some([.., end]), Some([start, ..])) => is_joined(end, start),
         _ => true,
     }
+}
+
+/// Whether two points are so near to each other that a path has no gap between them.
+pub(crate) fn is_joined(end: &[f64; 3], start: &[f64; 3]) -> bool {
+    length(&core::array::from_fn(|d| end[d] - start[d])) <= GAP_MM
 }
 
 /// A move as the smoothing knows it: a line, an arc of a circle, or whatever curve it is.
