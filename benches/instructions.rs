@@ -6,11 +6,11 @@
 use std::hint::black_box;
 
 use feed_plan::{EndFeeds, FeedLimit, KinematicLimits};
-use feedbits_benches::{Path, paper_a, ten_points, winding};
+use feedbits_benches::{Path, paper_a, ten_points, thousand_points, winding};
 use iai_callgrind::{library_benchmark, library_benchmark_group, main};
 use nurbs_core::{Evaluate, FastCurve, NurbsBuf, PiecesBuf};
 use real::{Backend, I8F24, I16F16, I16F48, I32F32, Real};
-use secant_interp::{ChordTolerance, LengthStage, PieceInterpolator, StepLengths};
+use secant_interp::{ChordTolerance, LengthCursor, LengthStage, PieceInterpolator, StepLengths};
 
 /// Points of an evaluation, steps of a run.
 const CALLS: u32 = 256;
@@ -25,16 +25,19 @@ fn points<R: Backend>(curve: &NurbsBuf<R, 2>) -> R {
     (0..CALLS.cast_signed()).map(|i| at(black_box(i))[0]).fold(R::zero(), Real::max)
 }
 
-type Compiled<R> = (PiecesBuf<R, 2>, Vec<LengthStage<R>>);
+type Compiled<R, const D: usize> = (PiecesBuf<R, D>, Vec<LengthStage<R>>);
 
-fn compiled<R: Backend>(path: &Path<2>) -> Compiled<R> {
+fn compiled<R: Backend, const D: usize>(path: &Path<D>) -> Compiled<R, D> {
     let table = path.pieces::<R>();
     let stages = path.stages::<R>(table.as_pieces().chord_exponent);
     (table, stages)
 }
 
-fn steps<R: Backend>((table, stages): &Compiled<R>) -> u64 {
-    let interpolator = PieceInterpolator {
+fn interpolator<'a, R: Backend, const D: usize>(
+    table: &'a PiecesBuf<R, D>,
+    stages: &'a [LengthStage<R>],
+) -> PieceInterpolator<'a, R, D> {
+    PieceInterpolator {
         pieces: table.as_pieces(),
         lengths: StepLengths { stages },
         tolerance: ChordTolerance {
@@ -42,9 +45,31 @@ fn steps<R: Backend>((table, stages): &Compiled<R>) -> u64 {
             max_evaluations: 5,
         },
         landing_step: R::zero(),
-    };
+    }
+}
+
+fn steps<R: Backend, const D: usize>((table, stages): &Compiled<R, D>) -> u64 {
+    let interpolator = interpolator(table, stages);
     let mut state = interpolator.start();
     (0..CALLS).filter_map(|_| interpolator.step(&mut state)).map(|setpoint| setpoint.phase).fold(0, u64::max)
+}
+
+/// A path, and the chords of the first periods.
+type Given<const D: usize> = (PiecesBuf<f64, D>, Vec<f64>);
+
+fn given<const D: usize>(path: &Path<D>) -> Given<D> {
+    let (table, stages) = compiled::<f64, D>(path);
+    let mut cursor = LengthCursor::default();
+    let lengths = StepLengths { stages: &stages };
+    let chords = (0..CALLS).filter_map(|_| lengths.advance(&mut cursor)).collect();
+    (table, chords)
+}
+
+fn steps_by<const D: usize>((table, chords): &Given<D>) -> u64 {
+    let interpolator = interpolator(table, &[]);
+    let mut state = interpolator.start();
+    let step = |chord: &f64| interpolator.step_by(&mut state, *chord);
+    chords.iter().filter_map(step).map(|setpoint| setpoint.phase).fold(0, u64::max)
 }
 
 fn planned(path: &Path<2>) -> (NurbsBuf<f64, 2>, KinematicLimits<f64>) {
@@ -72,9 +97,9 @@ macro_rules! point {
 macro_rules! step {
     ($($name:ident: $format:ty),+) => {$(
         #[library_benchmark]
-        #[bench::a(compiled::<$format>(&paper_a()))]
-        #[bench::b(compiled::<$format>(&ten_points()))]
-        fn $name(path: Compiled<$format>) -> u64 {
+        #[bench::a(compiled::<$format, 2>(&paper_a()))]
+        #[bench::b(compiled::<$format, 2>(&ten_points()))]
+        fn $name(path: Compiled<$format, 2>) -> u64 {
             black_box(steps(black_box(&path)))
         }
     )+};
@@ -84,6 +109,25 @@ point!(point_f64: f64, point_f32: f32, point_i16f16: I16F16, point_i32f32: I32F3
 step!(
     step_f64: f64, step_f32: f32, step_i8f24: I8F24, step_i16f16: I16F16, step_i32f32: I32F32, step_i16f48: I16F48
 );
+
+#[library_benchmark]
+#[bench::c(compiled::<f64, 3>(&thousand_points()))]
+fn step_f64_in_space(path: Compiled<f64, 3>) -> u64 {
+    black_box(steps(black_box(&path)))
+}
+
+#[library_benchmark]
+#[bench::a(given(&paper_a()))]
+#[bench::b(given(&ten_points()))]
+fn step_by_f64(path: Given<2>) -> u64 {
+    black_box(steps_by(black_box(&path)))
+}
+
+#[library_benchmark]
+#[bench::c(given(&thousand_points()))]
+fn step_by_f64_in_space(path: Given<3>) -> u64 {
+    black_box(steps_by(black_box(&path)))
+}
 
 #[library_benchmark]
 #[bench::a(planned(&paper_a()))]
@@ -100,7 +144,8 @@ library_benchmark_group!(
 );
 library_benchmark_group!(
     name = interpolation;
-    benchmarks = step_f64, step_f32, step_i8f24, step_i16f16, step_i32f32, step_i16f48
+    benchmarks = step_f64, step_f32, step_i8f24, step_i16f16, step_i32f32, step_i16f48, step_f64_in_space, step_by_f64,
+        step_by_f64_in_space
 );
 library_benchmark_group!(name = planning; benchmarks = plan_f64);
 main!(library_benchmark_groups = evaluation, interpolation, planning);

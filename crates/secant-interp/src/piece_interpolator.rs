@@ -156,7 +156,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         state.cursor = state.next;
         // A period early: the processor has the distance ready by the time that the step before is found.
         state.ahead = self.lengths.advance(&mut state.next);
-        Some(self.follow(state, row, planned))
+        Some(self.follow(state, row, Wanted::Planned(planned)))
     }
 
     /// The same with the plan's time stretched, as [`FeedOverride::advance`] has it: feed override and feed hold. In
@@ -172,11 +172,37 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         let planned = feeds.advance(&self.lengths, &mut state.cursor, rates);
         // A rest after the schedule's end is landed on even so.
         if planned.is_some_and(|length| length.is_zero()) && !self.lengths.is_over(&state.cursor) {
-            let (piece, phase) = (state.piece, state.phase);
-            let offset = self.pieces.in_common_units(piece, &state.at.offset);
-            return Some(PieceSetpoint { piece, phase, offset, length: R::zero(), evaluations: 0 });
+            return Some(self.hold(state));
         }
         Some(self.follow_aside(state, row, planned))
+    }
+
+    /// The next setpoint, a chord of this length on, whatever the schedule says; `None` once the end of the path has been
+    /// commanded. For who decides on the feed elsewhere: a planner of one's own, a handwheel, a spindle that leads.
+    ///
+    /// `length` is in the pieces' chord units, 2^-λ mm ([`Pieces::chord_exponent`]), and no longer than the steps that they were
+    /// compiled for ([`PieceLimits::step_mm`](nurbs_core::PieceLimits)): beyond, numbers of fixed point may wrap, and the
+    /// setpoint has no meaning. What is not above 0 gives the setpoint of the period before. A step that would pass the end
+    /// of the path lands on it, and is the last one. The schedule stays where it is.
+    ///
+    /// As [`step`](Self::step), it is compiled into its caller.
+    #[inline(always)] // As `step` is.
+    pub fn step_by(&self, state: &mut PieceState<R, D>, length: R) -> Option<PieceSetpoint<R, D>> {
+        let row = self.pieces.pieces.get(state.piece)?;
+        Some(if length > R::zero() {
+            self.follow(state, row, Wanted::Given(length))
+        } else {
+            self.hold(state)
+        })
+    }
+
+    /// The setpoint of the period before, for one in which nothing moves.
+    #[cold]
+    #[inline(never)]
+    fn hold(&self, state: &PieceState<R, D>) -> PieceSetpoint<R, D> {
+        let (piece, phase) = (state.piece, state.phase);
+        let offset = self.pieces.in_common_units(piece, &state.at.offset);
+        PieceSetpoint { piece, phase, offset, length: R::zero(), evaluations: 0 }
     }
 
     /// What the next period takes of the schedule, from where the cursor stands.
@@ -188,26 +214,26 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         state.is_ahead = true;
     }
 
-    /// One period of the planned length, or of landing.
+    /// One period.
     #[inline(always)]
     fn follow(
         &self,
         state: &mut PieceState<R, D>,
         row: &Piece<R, D>,
-        planned: Option<R>,
+        wanted: Wanted<R>,
     ) -> PieceSetpoint<R, D> {
         if R::IS_FOR_SPEED && cfg!(feature = "cubic") && self.pieces.degree == CUBIC {
             if self.pieces.is_rational() {
-                self.follow_on::<CUBIC, false>(state, row, planned)
+                self.follow_on::<CUBIC, false>(state, row, wanted)
             } else {
-                self.follow_on::<CUBIC, true>(state, row, planned)
+                self.follow_on::<CUBIC, true>(state, row, wanted)
             }
         } else {
-            self.follow_on::<MAX_DEGREE, false>(state, row, planned)
+            self.follow_on::<MAX_DEGREE, false>(state, row, wanted)
         }
     }
 
-    /// The same for rarer callers, compiled once.
+    /// One period by the plan, for rarer callers, compiled once.
     #[inline(never)]
     pub(crate) fn follow_aside(
         &self,
@@ -215,21 +241,30 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         row: &Piece<R, D>,
         planned: Option<R>,
     ) -> PieceSetpoint<R, D> {
-        self.follow(state, row, planned)
+        self.follow(state, row, Wanted::Planned(planned))
     }
 
-    /// The same on pieces of degree N, or with [`MAX_DEGREE`] on any; if PLAIN only on those without weights.
+    /// The chord that is wanted, and the one that is made unless the path ends before.
+    #[inline(always)]
+    fn chord_wanted(&self, state: &PieceState<R, D>, row: &Piece<R, D>, wanted: Wanted<R>) -> (R, R) {
+        let planned = match wanted {
+            Wanted::Given(length) => return (length, length),
+            Wanted::Planned(planned) => planned,
+        };
+        let is_last = planned.is_some() && self.lengths.is_over(&state.cursor);
+        let length = planned.unwrap_or_else(|| self.landing(row)).signal("chord_length");
+        (length, if is_last { sum_within(length, self.landing_step, R::max_value()) } else { length })
+    }
+
+    /// One period on pieces of degree N, or with [`MAX_DEGREE`] on any; if PLAIN only on those without weights.
     #[inline(always)]
     fn follow_on<const N: usize, const PLAIN: bool>(
         &self,
         state: &mut PieceState<R, D>,
         row: &Piece<R, D>,
-        planned: Option<R>,
+        wanted: Wanted<R>,
     ) -> PieceSetpoint<R, D> {
-        let is_last = planned.is_some() && self.lengths.is_over(&state.cursor);
-        let length = planned.unwrap_or_else(|| self.landing(row)).signal("chord_length");
-        let reach = if is_last { sum_within(length, self.landing_step, R::max_value()) } else { length };
-
+        let (length, reach) = self.chord_wanted(state, row, wanted);
         let evaluations = match self.find_ahead::<N, PLAIN>(state, row, reach) {
             Ok(sigma) => {
                 let step = sigma * reach;
@@ -504,6 +539,15 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
             range: row.step_per_chord,
         }
     }
+}
+
+/// The chord of a period.
+#[derive(Clone, Copy)]
+enum Wanted<R> {
+    /// What the plan says; nothing after its end, where a landing step is made.
+    Planned(Option<R>),
+    /// This.
+    Given(R),
 }
 
 /// Why a step is no common one, with what is known of it by then.

@@ -3,11 +3,9 @@
 mod path_run;
 
 use nurbs_core::{NurbsBuf, PiecesBuf, golden};
-use path_run::{Figures, Path, Settings, compiled, run, swing};
+use path_run::{Figures, Path, Settings, compiled, interpolator, run, swing};
 use real::{Backend, Counted, I3F29, I4F28, I4F60, I8F24, I16F48, Real};
-use secant_interp::{
-    ChordTolerance, FeedOverride, OverrideLimits, OverrideState, PieceInterpolator, Rate, StepLengths,
-};
+use secant_interp::{FeedOverride, OverrideLimits, OverrideState, PieceInterpolator, PieceSetpoint, Rate};
 
 fn clamped(degree: usize, inner: impl IntoIterator<Item = f64>) -> Vec<f64> {
     let ends = |u: f64| std::iter::repeat_n(u, degree + 1);
@@ -249,15 +247,10 @@ fn periods_by_the_plan_and_by_override_take_turns() {
     fn same<R: Backend>() {
         let path = paper_a();
         let table: PiecesBuf<R, 2> = compiled(&path, &Settings::default()).unwrap();
-        let unit = 1.0_f64.scale(table.as_pieces().chord_exponent);
-        let stages = swing::<R>(path.feed_mm * unit);
+        let stages = swing::<R>(path.feed_mm.scale(table.as_pieces().chord_exponent));
+        let interpolator =
+            interpolator(&path, &Settings { residual: 1e-3, ..Settings::default() }, &table, &stages);
         let number = |x: f64| R::from_f64(x).unwrap();
-        let interpolator = PieceInterpolator {
-            pieces: table.as_pieces(),
-            lengths: StepLengths { stages: &stages },
-            tolerance: ChordTolerance { residual: number(1e-3), max_evaluations: 6 },
-            landing_step: number(0.05 * path.feed_mm * unit),
-        };
         let limits = OverrideLimits {
             acceleration: number(0.5),
             jerk: number(0.5),
@@ -283,6 +276,58 @@ fn periods_by_the_plan_and_by_override_take_turns() {
     }
     same::<f64>();
     same::<I4F28>();
+}
+
+/// What is asked of a run over `path`: with it, and with all of its setpoints by a plan that swings.
+fn by_plan<R: Backend>(path: &Path<2>, ask: impl Fn(&PieceInterpolator<'_, R, 2>, &[PieceSetpoint<R, 2>])) {
+    let table: PiecesBuf<R, 2> = compiled(path, &Settings::default()).unwrap();
+    let stages = swing::<R>(path.feed_mm.scale(table.as_pieces().chord_exponent));
+    let interpolator = interpolator(path, &Settings::default(), &table, &stages);
+    let mut state = interpolator.start();
+    let setpoints: Vec<_> = std::iter::from_fn(|| interpolator.step(&mut state)).collect();
+    assert!(setpoints.len() > 1000, "{} periods", setpoints.len());
+    ask(&interpolator, &setpoints);
+}
+
+#[test]
+fn the_chords_of_a_plan_lead_where_the_plan_does() {
+    fn same<R: Backend>(path: &Path<2>) {
+        by_plan::<R>(path, |interpolator, planned| {
+            let mut state = interpolator.start();
+            for (period, setpoint) in planned.iter().enumerate() {
+                let given = interpolator.step_by(&mut state, setpoint.length);
+                assert_eq!(given, Some(*setpoint), "{} in period {period}", R::name());
+            }
+            assert_eq!(interpolator.step_by(&mut state, planned[0].length), None, "{}", R::name());
+            assert_eq!(*state.cursor(), Default::default(), "the schedule stays where it is");
+        });
+    }
+    same::<f64>(&paper_a());
+    same::<f32>(&paper_a());
+    same::<I4F28>(&paper_a());
+    same::<I16F48>(&paper_a());
+    same::<f64>(&ten_points());
+    same::<I16F48>(&ten_points());
+}
+
+/// A handwheel stands still, and may be turned back: the run waits, and goes on as if it had not.
+#[test]
+fn what_is_no_length_holds_the_setpoint() {
+    fn holds<R: Backend>(nothing: &[R]) {
+        by_plan::<R>(&paper_a(), |interpolator, planned| {
+            let mut state = interpolator.start();
+            for pair in planned.windows(2) {
+                interpolator.step_by(&mut state, pair[0].length);
+                for length in nothing {
+                    let held = interpolator.step_by(&mut state, *length).unwrap();
+                    let expected = PieceSetpoint { length: R::zero(), evaluations: 0, ..pair[0] };
+                    assert_eq!(held, expected, "{}", R::name());
+                }
+            }
+        });
+    }
+    holds(&[0.0, -0.1, f64::NAN]);
+    holds(&[I4F28::from_f64(0.0).unwrap(), I4F28::from_f64(-0.1).unwrap()]);
 }
 
 /// Cubics have forms of the step of their own in formats that are run for speed; wrappers have the general one.

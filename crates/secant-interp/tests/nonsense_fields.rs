@@ -27,6 +27,10 @@ fn steps<R: Backend>() {
             let Some(setpoint) = run.step(&mut state) else { break };
             let _ = run.pieces.position(setpoint.piece, &setpoint.offset);
         }
+        let mut state = run.start();
+        for length in [R::zero(), R::resolution(), feed, R::max_value(), -R::max_value(), R::min_value()] {
+            let _ = run.step_by(&mut state, length);
+        }
     };
     for extreme in [i32::MIN, i32::MIN + 1, -1000, 1000, i32::MAX - 1, i32::MAX] {
         run(Pieces { coordinate_exponent: extreme, ..good }, stage);

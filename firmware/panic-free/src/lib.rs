@@ -1,5 +1,6 @@
 //! What real time calls in each number format, exported, over a panic handler and a heap that call functions which do not
-//! exist: steps on compiled pieces and on the global parameter, the begin of a stretch, a setpoint's position.
+//! exist: steps on compiled pieces, planned and given, and on the global parameter, the begin of a stretch, a setpoint's
+//! position.
 //!
 //! The linker drops what no export can reach. If a panic can be reached from a step, so can the handler, and then its
 //! function is missing and nothing is linked; so with the heap. `scripts/no-panic` builds this once as it is and once with
@@ -95,6 +96,17 @@ macro_rules! steps {
                 setpoint: &mut PieceSetpoint<$format, $dimensions>,
             ) -> bool {
                 give(setpoint, interpolator.step_overridden(state, feeds, rates))
+            }
+
+            /// A chord that does not come from the schedule.
+            #[unsafe(export_name = concat!("given_", stringify!($module)))]
+            pub fn given(
+                interpolator: &PieceInterpolator<'_, $format, $dimensions>,
+                state: &mut PieceState<$format, $dimensions>,
+                length: $format,
+                setpoint: &mut PieceSetpoint<$format, $dimensions>,
+            ) -> bool {
+                give(setpoint, interpolator.step_by(state, length))
             }
 
             /// A period on the global parameter.

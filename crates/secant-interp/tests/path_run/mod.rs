@@ -65,24 +65,34 @@ pub(crate) fn swing<R: Backend>(full: f64) -> Vec<LengthStage<R>> {
         .collect()
 }
 
+/// Follows a compiled path at these stages.
+pub(crate) fn interpolator<'a, R: Backend, const D: usize>(
+    path: &Path<D>,
+    settings: &Settings,
+    table: &'a PiecesBuf<R, D>,
+    stages: &'a [LengthStage<R>],
+) -> PieceInterpolator<'a, R, D> {
+    let pieces = table.as_pieces();
+    let landing_step = (0.05 * path.feed_mm).scale(pieces.chord_exponent);
+    PieceInterpolator {
+        pieces,
+        lengths: StepLengths { stages },
+        tolerance: ChordTolerance {
+            residual: R::from_f64(settings.residual).unwrap().max(R::resolution().scale(2)),
+            max_evaluations: settings.max_evaluations,
+        },
+        landing_step: R::from_f64(landing_step).unwrap(),
+    }
+}
+
 /// Runs to the end; every step is checked to go forward and to keep its number of evaluations.
 pub(crate) fn run<R: Backend, const D: usize>(
     path: &Path<D>,
     settings: &Settings,
 ) -> Result<Figures, CompileError> {
     let table: PiecesBuf<R, D> = compiled(path, settings)?;
-    let pieces = table.as_pieces();
-    let unit = 1.0_f64.scale(pieces.chord_exponent);
-    let stages = swing::<R>(path.feed_mm * unit);
-    let interpolator = PieceInterpolator {
-        pieces,
-        lengths: StepLengths { stages: &stages },
-        tolerance: ChordTolerance {
-            residual: R::from_f64(settings.residual).unwrap().max(R::resolution().scale(2)),
-            max_evaluations: settings.max_evaluations,
-        },
-        landing_step: R::from_f64(0.05 * path.feed_mm * unit).unwrap(),
-    };
+    let stages = swing::<R>(path.feed_mm.scale(table.as_pieces().chord_exponent));
+    let interpolator = interpolator(path, settings, &table, &stages);
 
     let exact: Vec<_> = path.curves.iter().map(|curve| curve.convert::<DoubleDouble>().unwrap()).collect();
     let place = |piece: usize, phase: u64| {
