@@ -56,12 +56,21 @@ impl<const D: usize> TrigSplineBuf<f64, D> {
             let (pieces, bound) = harmonics.pieces_within(tolerance_mm, degree)?;
             error_bound_mm = error_bound_mm.max(bound);
             let (begin, end) = spline.span_bounds(index);
+            let joint = control_points.len().saturating_sub(1);
             for piece in 0..pieces {
                 let at = |edge: u32| f64::from(edge) / f64::from(pieces);
                 let bezier = harmonics.hermite(at(piece), at(piece + 1), degree);
                 // A joint is one control point of both.
                 control_points.extend_from_slice(&bezier[usize::from(!control_points.is_empty())..]);
                 knots.extend(core::iter::repeat_n(begin + (end - begin) * at(piece), degree));
+            }
+            // The harmonics are rounded, the segment's ends are not.
+            let (from, to) = segment.domain();
+            if let Some(slot) = control_points.get_mut(joint) {
+                *slot = segment.point(from);
+            }
+            if let Some(slot) = control_points.last_mut() {
+                *slot = segment.point(to);
             }
         }
         let (first, last) = spline.domain();

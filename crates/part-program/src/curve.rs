@@ -173,11 +173,7 @@ impl Curve {
     }
 
     fn value_faults(&self) -> Vec<CurveFault> {
-        let mut faults = Vec::new();
-        for (index, point) in self.control_points_mm.iter().enumerate() {
-            let wrong = point.iter().find(|x| x.is_nan() || x.abs() > MAX_COORDINATE_MM);
-            faults.extend(wrong.map(|&value| CurveFault::CoordinateOutOfRange { index, value }));
-        }
+        let mut faults = coordinate_faults(&self.control_points_mm);
         for (index, &value) in self.weights.iter().enumerate() {
             if !(1.0 / MAX_WEIGHT..=MAX_WEIGHT).contains(&value) {
                 faults.push(CurveFault::WeightOutOfRange { index, value });
@@ -268,6 +264,13 @@ impl Curve {
     pub(crate) fn leaves_z_0(&self) -> bool {
         Self::dimension_of(&self.control_points_mm) == 3
     }
+}
+
+/// The points that have no place on a machine.
+pub(crate) fn coordinate_faults(points: &[[f64; 3]]) -> Vec<CurveFault> {
+    let wrong = |point: &[f64; 3]| point.iter().copied().find(|x| x.is_nan() || x.abs() > MAX_COORDINATE_MM);
+    let fault = |(index, point)| Some(CurveFault::CoordinateOutOfRange { index, value: wrong(point)? });
+    points.iter().enumerate().filter_map(fault).collect()
 }
 
 impl CurveFault {

@@ -1,15 +1,16 @@
 //! A curve file: TOML with the table `[curve]`, or several `[[curve]]` that are followed in this order, and beside them
-//! `[machine]` and the figures that a paper printed.
+//! `[machine]` and the figures that a paper printed. A curve is a NURBS, or with `shape = "trigonometric"` a spline of paper B.
 
 use toml::Spanned;
 use toml::de::{DeArray, DeTable, DeValue};
 
-use crate::curve::{Curve, Element};
+use crate::curve::{Curve, CurveFault, Element};
 use crate::diagnostic::Report;
 use crate::machine::{self, Machine};
 use crate::part::{Move, MoveKind, Shape};
 use crate::source::Span;
 use crate::toml_table::{self, TableReader, wrong_kind};
+use crate::trig_curve;
 
 /// What a curve file holds.
 pub(crate) struct CurveFile {
@@ -71,10 +72,10 @@ fn owned(value: &DeValue<'_>, depth: usize) -> Option<toml::Value> {
 
 /// Where each number of a curve stands.
 #[derive(Default)]
-struct Places {
+pub(crate) struct Places {
     degree: Span,
     points: Span,
-    point: Vec<Span>,
+    pub(crate) point: Vec<Span>,
     weights: Span,
     weight: Vec<Span>,
     knots: Span,
@@ -82,6 +83,11 @@ struct Places {
 }
 
 impl Places {
+    /// All numbers at the place of the control points, from which they are computed.
+    pub(crate) fn all_at(points: Span) -> Self {
+        Self { degree: points, points, weights: points, knots: points, ..Self::default() }
+    }
+
     fn of(&self, element: Element) -> Span {
         let one = |places: &[Span], index: usize, all: Span| places.get(index).copied().unwrap_or(all);
         match element {
@@ -98,16 +104,34 @@ impl Places {
 
 fn curve_from(report: &mut Report<'_>, header: Span, table: &DeTable<'_>) -> Option<(Curve, Move)> {
     let mut keys = TableReader::new(report, "[curve]", header, table);
+    let shape = keys.word("shape", &SHAPES)?;
+    let feedrate_mm_per_s = keys.optional_number("feedrate_mm_per_s", machine::FEEDRATE);
+    let kind = kind_from(&mut keys);
+    let exact_stop = exact_stop_from(&mut keys, kind);
+    let curve = if shape == TRIGONOMETRIC {
+        trig_curve::from_keys(keys, header)
+    } else {
+        nurbs_from_keys(keys, header)
+    }?;
+    let shape =
+        if curve.degree == 1 && curve.control_points_mm.len() == 2 { Shape::Line } else { Shape::Nurbs };
+    let line = report.source.line_number(header.start);
+    Some((curve, Move { kind, shape, feedrate_mm_per_s, exact_stop, line }))
+}
+
+/// What `shape` may say; without it the first holds.
+const SHAPES: [&str; 2] = ["nurbs", TRIGONOMETRIC];
+const TRIGONOMETRIC: &str = "trigonometric";
+
+/// A NURBS curve by its numbers.
+fn nurbs_from_keys(mut keys: TableReader<'_, '_, '_>, header: Span) -> Option<Curve> {
     let mut places = Places::default();
     let degree = keys.whole_number("degree", "a whole number");
     places.degree = keys.optional("degree").map_or(header, |value| value.span().into());
     let points = keys.array("control_points_mm");
     let weights = keys.optional("weights");
     let knots = keys.array("knots");
-    let feedrate_mm_per_s = keys.optional_number("feedrate_mm_per_s", machine::FEEDRATE);
-    let kind = kind_from(&mut keys);
-    let exact_stop = exact_stop_from(&mut keys, kind);
-    keys.finish();
+    let report = keys.finish();
 
     let weights = weights.map(|value| toml_table::array(report, "weights", value));
     let points = points.and_then(|(span, array)| {
@@ -128,27 +152,22 @@ fn curve_from(report: &mut Report<'_>, header: Span, table: &DeTable<'_>) -> Opt
     let (control_points_mm, dimension) = points?;
     let degree = usize::try_from(degree?).ok()?;
     let curve = Curve { degree, control_points_mm, dimension, weights: weights?, knots: knots? };
-    for fault in curve.faults() {
+    say(report, &places, &curve.faults());
+    Some(curve)
+}
+
+/// Says each fault at its place.
+pub(crate) fn say(report: &mut Report<'_>, places: &Places, faults: &[CurveFault]) {
+    for fault in faults {
         report.error(places.of(fault.element()), fault.to_string()).expected(fault.expected());
     }
-    let shape =
-        if curve.degree == 1 && curve.control_points_mm.len() == 2 { Shape::Line } else { Shape::Nurbs };
-    let line = report.source.line_number(header.start);
-    Some((curve, Move { kind, shape, feedrate_mm_per_s, exact_stop, line }))
 }
 
 /// `move = "feed"`, which is the default, or `"rapid"`.
 fn kind_from(keys: &mut TableReader<'_, '_, '_>) -> MoveKind {
-    const KEY: &str = "move";
-    let Some(value) = keys.optional(KEY) else { return MoveKind::Feed };
-    match value.get_ref() {
-        DeValue::String(text) if text == "feed" => MoveKind::Feed,
-        DeValue::String(text) if text == "rapid" => MoveKind::Rapid,
-        _ => {
-            let text = keys.report.source.slice(value.span().into()).to_owned();
-            keys.report.error(value.span(), format!("`{KEY}` is {text}")).expected("\"feed\" or \"rapid\"");
-            MoveKind::Feed
-        }
+    match keys.word("move", &["feed", "rapid"]) {
+        Some("rapid") => MoveKind::Rapid,
+        _ => MoveKind::Feed,
     }
 }
 
@@ -178,7 +197,7 @@ fn numbers(
 }
 
 /// The points, and how many coordinates each has.
-fn control_points(
+pub(crate) fn control_points(
     report: &mut Report<'_>,
     array: &DeArray<'_>,
     places: &mut Vec<Span>,

@@ -3,6 +3,7 @@
 //! | text | reader | writer |
 //! |---|---|---|
 //! | curve file: TOML, tables `[curve]` or `[[curve]]`, and `[machine]` | [`read_part`] | [`write_curves`] |
+//! | curve file with `shape = "trigonometric"`: paper B's splines | [`read_part`] | |
 //! | part program: G0 to G3 | [`read_part`] | [`write_g1`] |
 //! | splines as FANUC writes them, G06.2 | [`read_part`] | [`write_g06_2`] |
 //! | splines as LinuxCNC writes them, G5.2, G5, G5.1 | [`read_part`] | [`write_g5_2`] |
@@ -63,6 +64,7 @@ mod source;
 mod spline_blocks;
 mod spline_move;
 mod toml_table;
+mod trig_curve;
 mod vector;
 mod write;
 mod write_curves;

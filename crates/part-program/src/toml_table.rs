@@ -86,6 +86,19 @@ impl<'r, 'd, 't> TableReader<'r, 'd, 't> {
         whole
     }
 
+    /// One of some words, or the first of them where the key is not there.
+    pub(crate) fn word(&mut self, key: &'static str, words: &[&'static str]) -> Option<&'static str> {
+        let Some(value) = self.optional(key) else { return words.first().copied() };
+        let found = value.get_ref().as_str().and_then(|text| words.iter().find(|word| **word == text));
+        if found.is_none() {
+            let text = self.report.source.slice(value.span().into()).to_owned();
+            let quoted: Vec<_> = words.iter().map(|word| format!("\"{word}\"")).collect();
+            let expected = listed(&quoted.iter().map(String::as_str).collect::<Vec<_>>());
+            self.report.error(value.span(), format!("`{key}` is {text}")).expected(expected);
+        }
+        found.copied()
+    }
+
     /// A required array.
     pub(crate) fn array(&mut self, key: &'static str) -> Option<(Span, &'d DeArray<'d>)> {
         let value = self.required(key)?;
@@ -119,8 +132,8 @@ impl<'r, 'd, 't> TableReader<'r, 'd, 't> {
         tables
     }
 
-    /// Says every key that was not asked for.
-    pub(crate) fn finish(self) {
+    /// Says every key that was not asked for; gives the report back.
+    pub(crate) fn finish(self) -> &'r mut Report<'t> {
         for key in self.table.keys().filter(|key| !self.known.contains(&key.get_ref().as_ref())) {
             let diagnostic = self.report.error(key.span(), format!("unknown key `{key}` in {}", self.name));
             diagnostic.expected(listed(&self.known));
@@ -128,6 +141,7 @@ impl<'r, 'd, 't> TableReader<'r, 'd, 't> {
                 diagnostic.hint(format!("did you mean `{near}`?"));
             }
         }
+        self.report
     }
 }
 
