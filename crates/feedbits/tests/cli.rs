@@ -125,6 +125,55 @@ fn formats_are_listed_and_any_fixed_point_format_can_be_named() {
     assert!(text(&made.stdout).contains("I5F21"), "{}", text(&made.stderr));
 }
 
+/// At 1 mm/s and 0.25 ms a step is as short as the grid of a narrow format's positions. The parameter is an integer of 64 bits and
+/// knows nothing of it.
+#[test]
+fn what_positions_are_rounded_by_is_told_and_judged() {
+    let folder = folder();
+    let part = written(folder.path(), "slow.nc", "G21 G90 G17\nG0 X0 Y0\nG3 X30 Y0 R15 F60\n");
+    let machine = "[machine]\ninterpolation_period_ms = 0.25\nfeedrate_mm_per_s = 1\nacceleration_mm_per_s2 = 1000\n\
+                   jerk_mm_per_s3 = 50000\nchord_error_mm = 0.001\nfluctuation_limit = 1e-4\n\
+                   parameter_tolerance = 1e-6\nmax_iterations = 5\n";
+    let compared = |more: &str| {
+        let machine = written(folder.path(), "m.toml", &format!("{machine}{more}"));
+        let formats = ["--formats", "I3F17,I8F24", "--evaluate", "pieces", "--json"];
+        let output = feedbits(&[&["compare", &part, "--machine", &machine][..], &formats].concat());
+        let found: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        let row = |index: usize| found["formats"][index].clone();
+        [row(0), row(1)]
+    };
+    let figure = |row: &serde_json::Value, key: &str| row["fluctuation"][key].as_f64().expect("a figure");
+    let [narrow, wide] = compared("");
+    for row in [&narrow, &wide] {
+        assert!(figure(row, "cruise_max_abs") < 1e-4, "{row}");
+    }
+    // A grid of 2⁻¹² mm against steps of 2⁻¹².
+    assert!(figure(&narrow, "commanded_cruise_max_abs") > 0.5, "{narrow}");
+    assert_eq!(narrow["verdict"]["result"], "bad", "{narrow}");
+    assert_eq!(wide["verdict"]["result"], "good", "{wide}");
+    let [_, wide_for_fine_drives] = compared("position_increment_mm = 1e-6\n");
+    assert_eq!(wide_for_fine_drives["verdict"]["result"], "bad", "{wide_for_fine_drives}");
+
+    let machine = written(folder.path(), "m.toml", machine);
+    let out = folder.path().join("s.csv").display().to_string();
+    feedbits(&["interpolate", &part, "--machine", &machine, "--format", "I8F24", "--out", &out]);
+    let table = fs::read_to_string(&out).expect("setpoints");
+    let columns: Vec<&str> = table.lines().next().expect("a header").split(',').collect();
+    let column = |name: &str| columns.iter().position(|column| *column == name).expect(name);
+    let [x, y] = ["x_mm", "y_mm"].map(column);
+    let number = |line: &str, column: usize| {
+        line.split(',').nth(column).and_then(|text| text.parse::<f64>().ok()).expect("a number")
+    };
+    let points: Vec<_> = table.lines().skip(1).map(|line| [number(line, x), number(line, y)]).collect();
+    // From one second on, and to one before the end, the feed is that of the program.
+    let cruise = &points[4000..points.len() - 4000];
+    let off = cruise
+        .windows(2)
+        .map(|pair| (1.0 - (pair[1][0] - pair[0][0]).hypot(pair[1][1] - pair[0][1]) / 2.5e-4).abs());
+    let (largest, told) = (off.fold(0.0, f64::max), figure(&wide, "commanded_cruise_max_abs"));
+    assert!((0.5..=1.000_001).contains(&(largest / told)), "{largest} of {told}");
+}
+
 /// Dropping the bits errs by up to a unit to one side, rounding by half a unit to either.
 #[test]
 fn a_format_that_drops_bits_is_coarser_than_one_that_rounds() {

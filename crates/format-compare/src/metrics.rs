@@ -11,8 +11,9 @@ pub(crate) fn cruise_mm(wanted_mm: impl Iterator<Item = f64>, full_step_mm: f64)
     AT_CRUISE * full_step_mm.min(wanted_mm.fold(0.0, f64::max))
 }
 
-/// Feedrate fluctuation δ_i = 1 - |C(u_{i+1}) - C(u_i)|/(V_i T) over a run, as ratios.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+/// Feedrate fluctuation δ_i = 1 - |C(u_{i+1}) - C(u_i)|/(V_i T) over a run, as ratios: of the exact points at the parameters
+/// that were found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Fluctuation {
     /// Largest δ: the step that falls furthest short.
     pub max: f64,
@@ -24,6 +25,9 @@ pub struct Fluctuation {
     /// last, which takes what is left of the path also where that is passed at full feed. A relative figure of a micrometre step near rest says nothing about the cut;
     /// this one is what a requirement is judged by.
     pub cruise_max_abs: f64,
+    /// The same with the commanded points in place of the exact ones: with the rounding of the positions, which is as large
+    /// in a short step as in a long one.
+    pub commanded_cruise_max_abs: f64,
     /// Largest |chord - wanted chord| in mm, over all steps but the last: what says something about the steps near
     /// rest. The last step lands on the end and takes what is left.
     pub length_error_mm_max: f64,
@@ -38,6 +42,8 @@ pub struct JudgedStep {
     pub chord_mm: f64,
     /// `wanted - chord`, in mm, formed before rounding to f64.
     pub shortfall_mm: f64,
+    /// The same for the chord between the commanded points.
+    pub commanded_shortfall_mm: f64,
     /// Largest distance of the curve from the chord, in mm.
     pub chord_error_mm: f64,
     /// Distance of the commanded point from the exact one, in mm.
@@ -48,7 +54,17 @@ impl JudgedStep {
     /// The feedrate fluctuation δ; 0 for a step that is wanted to be nothing and is nothing.
     #[must_use]
     pub fn fluctuation(&self) -> f64 {
-        if self.shortfall_mm == 0.0 { 0.0 } else { self.shortfall_mm / self.wanted_mm }
+        self.share(self.shortfall_mm)
+    }
+
+    /// The same of the chord between the commanded points.
+    #[must_use]
+    pub fn commanded_fluctuation(&self) -> f64 {
+        self.share(self.commanded_shortfall_mm)
+    }
+
+    fn share(&self, shortfall_mm: f64) -> f64 {
+        if shortfall_mm == 0.0 { 0.0 } else { shortfall_mm / self.wanted_mm }
     }
 }
 
@@ -56,8 +72,7 @@ impl Fluctuation {
     /// The figures of a run whose full step is `full_step_mm`, F·T. An empty run has none: all 0.
     #[must_use]
     pub fn of(steps: &[JudgedStep], full_step_mm: f64) -> Self {
-        let mut result =
-            Self { max: 0.0, min: 0.0, mean_abs: 0.0, cruise_max_abs: 0.0, length_error_mm_max: 0.0 };
+        let mut result = Self::default();
         let wanted = steps.iter().take(steps.len().saturating_sub(1)).map(|step| step.wanted_mm);
         let cruise = cruise_mm(wanted, full_step_mm);
         for (index, step) in steps.iter().enumerate() {
@@ -74,6 +89,8 @@ impl Fluctuation {
             result.length_error_mm_max = greater(result.length_error_mm_max, step.shortfall_mm.abs());
             if step.wanted_mm >= cruise || delta.is_nan() {
                 result.cruise_max_abs = greater(result.cruise_max_abs, delta.abs());
+                let commanded = step.commanded_fluctuation().abs();
+                result.commanded_cruise_max_abs = greater(result.commanded_cruise_max_abs, commanded);
             }
         }
         result.mean_abs /= steps.len().max(1) as f64;
@@ -118,6 +135,7 @@ mod tests {
             wanted_mm: wanted,
             chord_mm: wanted - shortfall,
             shortfall_mm: shortfall,
+            commanded_shortfall_mm: 2.0 * shortfall,
             chord_error_mm: 0.0,
             position_error_mm: 0.0,
         }
@@ -129,6 +147,7 @@ mod tests {
         let figures = Fluctuation::of(&run, 0.6);
         assert_eq!((figures.max, figures.min), (0.5, -0.002));
         assert_eq!((figures.cruise_max_abs, figures.length_error_mm_max), (0.002, 0.0012));
+        assert_eq!(figures.commanded_cruise_max_abs, 0.004);
         assert!((figures.mean_abs - (0.001 + 0.002 + 0.5) / 3.0).abs() < 1e-15);
     }
 

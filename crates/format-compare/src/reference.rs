@@ -49,11 +49,13 @@ impl<const D: usize> Reference<D> {
     pub fn judge(&self, run: &Run) -> Vec<JudgedStep> {
         let mut from = self.start();
         let mut from_point = self.point(from.0, from.1);
+        let mut commanded = from_point.map(DoubleDouble::value);
         run.steps
             .iter()
             .map(|step| {
                 let to_point = self.point(step.curve, step.u);
-                let judged = self.judge_step(from, &from_point, step, &to_point);
+                let judged = self.judge_step(from, (&from_point, &commanded), step, &to_point);
+                commanded = core::array::from_fn(|d| step.point_mm[d]);
                 from = (step.curve, step.u);
                 from_point = to_point;
                 judged
@@ -64,17 +66,19 @@ impl<const D: usize> Reference<D> {
     fn judge_step(
         &self,
         from: (usize, (f64, f64)),
-        from_point: &[DoubleDouble; D],
+        (from_point, commanded): (&[DoubleDouble; D], &[f64; D]),
         step: &RunStep,
         to_point: &[DoubleDouble; D],
     ) -> JudgedStep {
         let chord = DoubleDouble::norm(&core::array::from_fn::<_, D, _>(|d| to_point[d] - from_point[d]));
         let wanted = DoubleDouble::new(step.wanted_mm.0, step.wanted_mm.1);
         let off = core::array::from_fn::<_, D, _>(|d| DoubleDouble::from(step.point_mm[d]) - to_point[d]);
+        let commanded = f64::norm::<D>(&core::array::from_fn(|d| step.point_mm[d] - commanded[d]));
         JudgedStep {
             wanted_mm: wanted.value(),
             chord_mm: chord.value(),
             shortfall_mm: (wanted - chord).value(),
+            commanded_shortfall_mm: wanted.value() - commanded,
             chord_error_mm: self.chord_error_mm(from, step, from_point, to_point),
             position_error_mm: DoubleDouble::norm(&off).value(),
         }

@@ -53,6 +53,7 @@ pub(crate) fn requirements(run: &Run, machine: &Machine, measured: &Measured) ->
     let one =
         |what, (found, limit, unit): (f64, f64, _), broken| Requirement { what, found, limit, unit, broken };
     let chord = machine.chord_error_mm;
+    let off = chord.min(machine.position_increment_mm);
     let full_step = machine.feedrate_mm_per_s * (machine.interpolation_period_ms / 1000.0);
     // The greater, or what is no number.
     let [place, rounding] = [run.resolution_mm / full_step, run.fluctuation_resolution];
@@ -84,8 +85,8 @@ pub(crate) fn requirements(run: &Run, machine: &Machine, measured: &Measured) ->
         ),
         one(
             "position error",
-            (position_error_mm, chord, "mm"),
-            format!("position error {position_error_mm:.1e} mm"),
+            (position_error_mm, off, "mm"),
+            format!("position error {position_error_mm:.1e} > {off:.1e} mm"),
         ),
         one(
             "distance from the end of the path",
@@ -107,6 +108,7 @@ mod tests {
         let text = include_str!("../../../data/seed-000.toml");
         let machine = part_program::read_machine("seed-000.toml", text).unwrap();
         let (chord, limit) = (machine.chord_error_mm, machine.fluctuation_limit);
+        let increment = machine.position_increment_mm;
         let full_step = machine.feedrate_mm_per_s * machine.interpolation_period_ms / 1000.0;
         let judged = |change: fn(&mut Run, &mut Measured, f64), figure: f64| {
             let audit = Audit::default();
@@ -119,15 +121,8 @@ mod tests {
                 fluctuation_resolution,
                 audit,
             };
-            let fluctuation = Fluctuation {
-                max: 0.0,
-                min: 0.0,
-                mean_abs: 0.0,
-                cruise_max_abs: 0.0,
-                length_error_mm_max: 0.0,
-            };
             let mut measured = Measured {
-                fluctuation,
+                fluctuation: Fluctuation::default(),
                 saturations: 0,
                 chord_error_mm: 0.0,
                 position_error_mm: 0.0,
@@ -144,7 +139,7 @@ mod tests {
             (|run, _, figure| run.fluctuation_resolution = figure, 1.0, "cannot run this feed"),
             (|_, found, figure| found.fluctuation.cruise_max_abs = figure, limit, "fluctuation "),
             (|_, found, figure| found.chord_error_mm = figure, chord * 1.005, "chord error "),
-            (|_, found, figure| found.position_error_mm = figure, chord, "position error "),
+            (|_, found, figure| found.position_error_mm = figure, increment, "position error "),
             (|_, found, figure| found.end_error_mm = figure, chord, "ends "),
         ];
         for (change, most, said) in cases {

@@ -21,6 +21,8 @@ pub struct Machine {
     pub jerk_mm_per_s3: f64,
     /// E_max, distance allowed between chord and arc, in mm.
     pub chord_error_mm: f64,
+    /// The least step that the drives tell apart, in mm: so far at most a commanded position may be off the path.
+    pub position_increment_mm: f64,
     /// Δ, feedrate fluctuation allowed, a ratio.
     pub fluctuation_limit: f64,
     /// ε, change of the parameter at which a solver may stop.
@@ -132,6 +134,9 @@ pub(crate) const FEEDRATE: Domain = up_to!(1e5, "mm/s");
 const ACCELERATION: Domain = up_to!(1e8, "mm/s²");
 const JERK: Domain = up_to!(1e12, "mm/s³");
 const CHORD_ERROR: Domain = up_to!(1e2, "mm");
+const INCREMENT: Domain = up_to!(1e2, "mm");
+/// 10 nm, as FANUC's increment system IS-D.
+const INCREMENT_MM: f64 = 1e-5;
 const RATIO: Domain = Domain { expected: "a ratio above 0 and below 1", holds: |x| x > 0.0 && x < 1.0 };
 /// More iterations than this are a loop, not a solver.
 const MAX_ITERATIONS: u32 = 1000;
@@ -144,6 +149,7 @@ pub(crate) fn from_table(report: &mut Report<'_>, header: Span, table: &DeTable<
     let acceleration_mm_per_s2 = keys.number("acceleration_mm_per_s2", ACCELERATION);
     let jerk_mm_per_s3 = keys.number("jerk_mm_per_s3", JERK);
     let chord_error_mm = keys.number("chord_error_mm", CHORD_ERROR);
+    let position_increment_mm = keys.optional_number("position_increment_mm", INCREMENT);
     let fluctuation_limit = keys.number("fluctuation_limit", RATIO);
     let parameter_tolerance = keys.number("parameter_tolerance", RATIO);
     let max_iterations = max_iterations(&mut keys);
@@ -173,6 +179,7 @@ pub(crate) fn from_table(report: &mut Report<'_>, header: Span, table: &DeTable<
         acceleration_mm_per_s2: acceleration_mm_per_s2?,
         jerk_mm_per_s3: jerk_mm_per_s3?,
         chord_error_mm: chord_error_mm?,
+        position_increment_mm: position_increment_mm.unwrap_or(INCREMENT_MM),
         fluctuation_limit: fluctuation_limit?,
         parameter_tolerance: parameter_tolerance?,
         max_iterations: max_iterations?,
@@ -353,6 +360,15 @@ velocity = 3
         );
         let errors = read("[machin.axes.x]\nvelocity_mm_per_s = 150\n").unwrap_err().to_string();
         assert!(errors.contains("did you mean `machine`"), "{errors}");
+    }
+
+    #[test]
+    fn the_drives_increment_is_ten_nanometres_unless_the_file_says_another() {
+        let read = |more: &str| read_machine("m.toml", &format!("{GOOD}{more}"));
+        assert_eq!(read("").unwrap().position_increment_mm, 1e-5);
+        assert_eq!(read("position_increment_mm = 1e-6\n").unwrap().position_increment_mm, 1e-6);
+        let errors = read("position_increment_mm = 0\n").unwrap_err();
+        assert_eq!(errors.iter().next().unwrap().message, "`position_increment_mm` is 0");
     }
 
     #[test]

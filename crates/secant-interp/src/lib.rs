@@ -8,6 +8,7 @@
 //! | start values (6) and (7) | [`predictor`] |
 //! | Taylor expansions of first and second order | [`taylor`] |
 //! | the period loop on compiled pieces | [`PieceInterpolator`] |
+//! | the same by chords that are given, not planned | [`PieceInterpolator::step_by`] |
 //! | many runs of it at once, with the feature `lanes` | `LaneInterpolator` |
 //! | one chord on a piece, without division | [`Chord`] |
 //! | the distance of each period | [`StepLengths`] |
