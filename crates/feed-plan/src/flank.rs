@@ -14,7 +14,7 @@ use real::Real;
 
 use crate::axis_budget::Allowance;
 use crate::feed_limit::crossing;
-use crate::profile::Transition;
+use crate::transition::Transition;
 use crate::{FeedLimit, KinematicLimits, ProfileKind, StageShape};
 
 /// Levels above the slow point's own. Twice as many save 0.2 to 0.7 % of time on the papers' curves, for
