@@ -25,6 +25,10 @@
 //! straighter or slower than that, more than the reserve is left: the path's acceleration and jerk on a stretch between
 //! two key points are the least allowance found on it, by 2⁻⁶ of the surplus less since it is found at samples.
 //!
+//! Beside a stop a₀ is `min(A₀, √(2 j₀ V))`, however slow: `d(a²) = 2 j dV`, so that no more than that is reached between rest and V
+//! with the jerk j₀, and the path has no more than j₀ there. So the feed may fall as ρ^(2/3) where a bend of radius ρ is all
+//! but a cusp, and the bend takes a time of `(ρ/Jᵢ)^(1/3)`: with F/16 it was crept along for up to half a second.
+//!
 //! Where the curvature steps, as from a line to an arc, the jerk of an axis is infinite at any feed. The step of its
 //! acceleration is then limited to what its jerk allows in one period: `V² |k₂ - k₁|ᵢ ≤ Jᵢ T`.
 
@@ -130,13 +134,29 @@ impl<R: Real> AxisBudget<R> {
 
     /// The largest feed up to `feed` at which jerks leave the reserve, on a stretch.
     pub(crate) fn feed_on(&self, turning: &Turning<R>, feed: R) -> R {
+        self.feed_by_jerk(turning, feed, |feed| self.acceleration_at(feed))
+    }
+
+    /// The same beside a stop, where the path's acceleration is no more than the feed has come to since rest.
+    pub(crate) fn feed_beside_stop(&self, turning: &Turning<R>, feed: R) -> R {
+        let from_rest = |feed: R| self.root_jerk.map(|root| root * (feed + feed).sqrt());
+        let most = self.reserve.acceleration;
+        self.feed_by_jerk(turning, feed, |feed| from_rest(feed).map_or(most, |reached| reached.min(most)))
+    }
+
+    /// What is left for the path at [`feed_beside_stop`](Self::feed_beside_stop).
+    pub(crate) fn reserve(&self) -> Allowance<R> {
+        self.reserve
+    }
+
+    fn feed_by_jerk(&self, turning: &Turning<R>, feed: R, acceleration_at: impl Fn(R) -> R) -> R {
         self.axes.iter().enumerate().fold(feed, |feed, (i, axis)| {
             let Some(most) = axis.jerk else { return feed };
             let left = most - turning.tangent[i] * self.reserve.jerk;
             let bend = turning.curvature[i] * R::from_ratio(3, 1);
             // It rises with the feed.
             largest(feed, |feed| {
-                bend * self.acceleration_at(feed) * feed + turning.change[i] * feed * feed * feed <= left
+                bend * acceleration_at(feed) * feed + turning.change[i] * feed * feed * feed <= left
             })
         })
     }
@@ -250,6 +270,17 @@ mod tests {
             for i in 0..2 {
                 let (e, k, c) = (turning.tangent[i], turning.curvature[i], turning.change[i]);
                 prop_assert!(e * v <= velocity * (1.0 + 1e-12));
+                prop_assert!(e * a + k * v * v <= acceleration * (1.0 + 1e-12));
+                prop_assert!(e * j + 3.0 * k * v * a + c * v * v * v <= jerk * (1.0 + 1e-12));
+            }
+
+            // Beside a stop, on a ramp from rest with no more than the reserve.
+            let feed = budget.feed_beside_stop(&turning, budget.feed_at(&turning, 0.6));
+            let reserve = budget.reserve();
+            let (v, j) = (feed * shares[0], reserve.jerk * shares[2]);
+            let a = shares[1] * Real::sqrt(2.0 * reserve.jerk * v).min(reserve.acceleration);
+            for i in 0..2 {
+                let (e, k, c) = (turning.tangent[i], turning.curvature[i], turning.change[i]);
                 prop_assert!(e * a + k * v * v <= acceleration * (1.0 + 1e-12));
                 prop_assert!(e * j + 3.0 * k * v * a + c * v * v * v <= jerk * (1.0 + 1e-12));
             }

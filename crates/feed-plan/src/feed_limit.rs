@@ -16,7 +16,7 @@ use real::Real;
 
 use crate::axis_budget::Allowance;
 use crate::scan::Scan;
-use crate::stops::release_stops;
+use crate::stops::{BesideStop, release_stops};
 use crate::{KinematicLimits, PlanError};
 
 /// The feed limit at one point of the path.
@@ -68,6 +68,8 @@ pub(crate) struct Measured<R> {
     pub(crate) allowance: Allowance<R>,
     /// Whether the limit holds at this point alone.
     pub(crate) is_single: bool,
+    /// What is left of the limit beside a stop.
+    pub(crate) beside_stop: BesideStop<R>,
 }
 
 impl<R: Real> FeedLimit<R> {
@@ -84,8 +86,8 @@ impl<R: Real> FeedLimit<R> {
     /// Between two points the limit is tested at three places. What is narrower than a third of the finest
     /// step, 2⁻²⁰ of a span, can be missed.
     ///
-    /// Within the chord error E of a stop, the limit at E from it holds: no chord that starts and ends there can
-    /// leave the curve by more than E.
+    /// Within the chord error E of a stop, that error limits the feed no more than at E from it: no chord that starts and ends there
+    /// can leave the curve by more than E. The limits of the axes and of the centripetal acceleration hold up to the stop.
     ///
     /// # Errors
     /// [`PlanError::NotPositive`] for limits that [`validate`](KinematicLimits::validate) refuses,
@@ -167,6 +169,7 @@ impl<R: Real> FeedLimit<R> {
             margin: R::zero(),
             allowance: Allowance::unlimited(),
             is_single: point.feedrate.is_zero(),
+            beside_stop: BesideStop::unlimited(),
         };
         let samples: Vec<_> = points.iter().map(measured).collect();
         Self::assemble(&samples, R::zero())
@@ -186,7 +189,7 @@ impl<R: Real> FeedLimit<R> {
         };
         let mut nodes: Vec<_> = samples.iter().enumerate().map(node).collect();
         let points: Vec<_> = samples.iter().map(|sample| sample.point).collect();
-        release_stops(&points, &mut nodes, chord_error);
+        release_stops(samples, &mut nodes, chord_error);
         Ok(Self { points, nodes })
     }
 
@@ -359,7 +362,9 @@ pub(crate) fn crossing<R: Real>(from: (R, R), to: (R, R), feed: R) -> R {
 mod tests {
     use super::*;
     use crate::Junction;
-    use crate::test_paths::{Power, circle, paper_limits, polyline, seed_000, seed_003, triple_knot};
+    use crate::test_paths::{
+        Power, circle, hairpin, paper_limits, polyline, seed_000, seed_003, triple_knot,
+    };
     use nurbs_core::{Evaluate, NurbsBuf, arc_length, radius};
     use proptest::prelude::*;
 
@@ -566,12 +571,6 @@ mod tests {
         }
     }
 
-    /// `|C'|²/|C''| = (3/4 width)²/60` in the middle, where it turns by 180° and more; a cusp for width 0.
-    fn hairpin(width: f64) -> NurbsBuf<f64, 2> {
-        let points = [[0.0, 0.0], [10.0 - width / 2.0, 10.0], [width / 2.0, 10.0], [10.0, 0.0]];
-        NurbsBuf::try_new(3, points.to_vec(), vec![1.0; 4], vec![0., 0., 0., 0., 1., 1., 1., 1.]).unwrap()
-    }
-
     #[test]
     fn a_bend_narrower_than_the_chord_error_is_a_stop() {
         // E/2 = 2.5e-4 mm.
@@ -620,6 +619,7 @@ mod tests {
             margin: 0.0,
             allowance: Allowance::unlimited(),
             is_single: feedrate == 0.0,
+            beside_stop: BesideStop::unlimited(),
         };
         let limit = FeedLimit::assemble(&points.map(measured), 0.01).unwrap();
         // V² is linear: 0.04 to 0.64 over 30 mm.

@@ -57,8 +57,9 @@
 //!
 //! | feature | for |
 //! |---|---|
-//! | `std` (default) | square roots of floats through std |
+//! | `std` (default) | square roots of floats through std; implies `alloc` |
 //! | `libm` | square roots of floats without std |
+//! | `alloc` | planning; without it there is what walks a plan made elsewhere, and no allocator is linked |
 //!
 //! # Source
 //! *Paper A*: Wang Y., Gai R., Sun Y., Yang D., Han J., "NURBS interpolation algorithm for high-quality machining" (received 2012), in
@@ -69,44 +70,85 @@
 #![cfg_attr(not(any(test, feature = "std")), no_std)]
 #![allow(clippy::neg_cmp_op_on_partial_ord, reason = "!(x > 0) refuses NaN as well, and is written for that")]
 
+#[cfg(feature = "alloc")]
 extern crate alloc;
 
+#[cfg(feature = "alloc")]
 mod axis_budget;
+#[cfg(feature = "alloc")]
 mod chord_error;
+#[cfg(feature = "alloc")]
 mod chord_shortfall;
+#[cfg(feature = "alloc")]
 mod cubic_profile;
+#[cfg(feature = "alloc")]
 mod error;
+#[cfg(feature = "alloc")]
 mod feed_limit;
+mod feed_piece;
+#[cfg(feature = "alloc")]
 mod flank;
+#[cfg(feature = "alloc")]
 mod flexible;
+#[cfg(feature = "alloc")]
 mod key_points;
+#[cfg(feature = "alloc")]
 mod limits;
+#[cfg(feature = "alloc")]
 mod look_ahead;
+#[cfg(feature = "alloc")]
 mod lower_bound;
+#[cfg(feature = "alloc")]
 mod profile;
+#[cfg(feature = "alloc")]
 mod s_curve_profile;
+#[cfg(feature = "alloc")]
 mod scan;
 mod schedule;
+#[cfg(feature = "alloc")]
+mod schedule_buf;
 mod stage_shape;
+#[cfg(feature = "alloc")]
 mod stages;
+#[cfg(feature = "alloc")]
 mod stops;
-#[cfg(test)]
+#[cfg(all(test, feature = "alloc"))]
 mod test_paths;
+#[cfg(feature = "alloc")]
+mod transition;
+#[cfg(feature = "alloc")]
 mod trigonometric_profile;
+#[cfg(feature = "alloc")]
 mod whole_periods;
+#[cfg(feature = "alloc")]
 mod window;
 
+#[cfg(feature = "alloc")]
 pub use chord_error::chord_feedrate;
+#[cfg(feature = "alloc")]
 pub use cubic_profile::CubicProfile;
+#[cfg(feature = "alloc")]
 pub use error::PlanError;
+#[cfg(feature = "alloc")]
 pub use feed_limit::{FeedLimit, LimitPoint};
+pub use feed_piece::FeedPiece;
+#[cfg(feature = "alloc")]
 pub use key_points::EndFeeds;
+#[cfg(feature = "alloc")]
 pub use limits::{AxisLimits, Junction, KinematicLimits};
+#[cfg(feature = "alloc")]
 pub use look_ahead::{plan, plan_with};
+#[cfg(feature = "alloc")]
 pub use lower_bound::jerk_free_duration;
-pub use profile::{FeedPiece, Profile, ProfileKind};
+#[cfg(feature = "alloc")]
+pub use profile::{Profile, ProfileKind};
+#[cfg(feature = "alloc")]
 pub use s_curve_profile::SCurveProfile;
-pub use schedule::{Cursor, Schedule, ScheduleBuf, Stage, StageKind};
+pub use schedule::{Cursor, Schedule, Stage, StageKind};
+#[cfg(feature = "alloc")]
+pub use schedule_buf::ScheduleBuf;
 pub use stage_shape::StageShape;
+#[cfg(feature = "alloc")]
 pub use trigonometric_profile::TrigonometricProfile;
+#[cfg(feature = "alloc")]
 pub use window::{CommandedCurve, WindowedPlan, plan_through_window};

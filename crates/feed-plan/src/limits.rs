@@ -111,30 +111,49 @@ impl<R: Real> KinematicLimits<R> {
         self.centripetal_acceleration.map_or(self.acceleration, |most| most.min(self.acceleration))
     }
 
+    /// The feed up to which setpoints keep the limits of the axes and the centripetal acceleration whatever way they go: steps of
+    /// no more than V T make accelerations of no more than 2V/T, and jerks of no more than 4V/T².
+    pub(crate) fn feed_in_any_direction(&self) -> R {
+        let period = self.interpolation_period;
+        let by_acceleration = |most: R| most.half() * period;
+        let of_axis = |axis: &AxisLimits<R>| {
+            let by_jerk = axis.jerk.map(|most| most.scale(-2) * period * period);
+            [axis.velocity, axis.acceleration.map(by_acceleration), by_jerk]
+        };
+        let of_axes = self.axes.iter().flat_map(of_axis);
+        let all = of_axes.chain([self.centripetal_acceleration.map(by_acceleration)]);
+        all.flatten().fold(self.feedrate, R::min)
+    }
+
     /// Largest feedrate on a bend of radius `radius` ρ: `min(F, V_e(ρ), √(a_n ρ))`.
     ///
     /// V_e is [`chord_feedrate`](crate::chord_feedrate), a_n the centripetal acceleration. An infinite or
     /// saturated radius is a straight line, and gives F; radius 0 gives 0, as does a number that is none.
     #[must_use]
     pub fn feedrate_at_radius(&self, radius: R) -> R {
-        self.feedrate_at(radius, self.chord_bound_radius())
+        self.feedrate_by_chord(radius, self.chord_bound_radius()).min(self.feedrate_across(radius))
     }
 
-    /// The same with the [`chord_bound_radius`](Self::chord_bound_radius) known.
-    pub(crate) fn feedrate_at(&self, radius: R, chord_bound_radius: R) -> R {
+    /// `min(F, V_e(ρ))`, with the [`chord_bound_radius`](Self::chord_bound_radius) known.
+    pub(crate) fn feedrate_by_chord(&self, radius: R, chord_bound_radius: R) -> R {
         if !(radius > R::zero()) {
             return R::zero();
         }
-        let chord = if radius < chord_bound_radius {
-            chord_error::chord_feedrate(radius, self.chord_error, self.interpolation_period)
+        if radius < chord_bound_radius {
+            let chord = chord_error::chord_feedrate(radius, self.chord_error, self.interpolation_period);
+            chord.min(self.feedrate)
         } else {
             self.feedrate
-        };
-        let centripetal = match self.centripetal_acceleration {
-            Some(a) if radius < self.feedrate * (self.feedrate / a) => (a * radius).sqrt(),
+        }
+    }
+
+    /// `min(F, √(a_n ρ))`.
+    pub(crate) fn feedrate_across(&self, radius: R) -> R {
+        match self.centripetal_acceleration {
+            Some(_) if !(radius > R::zero()) => R::zero(),
+            Some(a) if radius < self.feedrate * (self.feedrate / a) => (a * radius).sqrt().min(self.feedrate),
             _ => self.feedrate,
-        };
-        chord.min(centripetal).min(self.feedrate)
+        }
     }
 
     /// The radius below which the chord error limits the feed: `ρ = ((F T/2)² + E²)/(2E)`.
@@ -172,6 +191,25 @@ mod tests {
         let fields = "interpolation_period,feedrate,acceleration,jerk,chord_error,centripetal_acceleration,\
                       axis velocity,axis acceleration,axis jerk,junction,junction";
         assert!(names.iter().copied().eq(fields.split(',')), "{names:?}");
+    }
+
+    /// Steps to and fro make the largest differences.
+    #[test]
+    fn setpoints_keep_the_limits_of_an_axis_whatever_way_they_go() {
+        let (t, jerk, acceleration, velocity) = (3.0, Some(4e-3), Some(0.01), Some(0.02));
+        let only = [
+            AxisLimits { jerk, ..AxisLimits::default() },
+            AxisLimits { acceleration, ..AxisLimits::default() },
+            AxisLimits { velocity, ..AxisLimits::default() },
+        ];
+        let feeds = only.map(|axis| KinematicLimits { interpolation_period: t, ..with_axis(axis) });
+        let [by_jerk, by_acceleration, by_velocity] = feeds.map(|limits| limits.feed_in_any_direction());
+        let steps = |feed: f64| [feed * t, -feed * t, feed * t];
+        let [a, b, c] = steps(by_jerk);
+        assert!(((a - 2.0 * b + c) / t.powi(3) / 4e-3 - 1.0).abs() < 1e-12, "{by_jerk}");
+        let [a, b, _] = steps(by_acceleration);
+        assert!(((a - b) / t.powi(2) / 0.01 - 1.0).abs() < 1e-12, "{by_acceleration}");
+        assert_eq!((by_velocity, paper_limits().feed_in_any_direction()), (0.02, 0.6));
     }
 
     fn with_axis(axis: AxisLimits<f64>) -> KinematicLimits<f64> {

@@ -710,6 +710,27 @@ mod tests {
         })
     }
 
+    /// The lowest level lay at 1/256 of the feed: up to where its ramp had room, the plan crept at the slow point's feed, and took
+    /// twenty times as long.
+    #[test]
+    fn a_very_slow_point_is_left_as_the_limit_rises() {
+        // V doubles where the distance does so 1.5 times, as beside a bend whose radius the axes' jerk limits.
+        let side = |i: i32| (10.0 * 2.0_f64.powf(-1.5 * f64::from(i)), 0.6 * 0.5_f64.powi(i));
+        let rising: Vec<_> = (0..20).map(side).collect();
+        let falling = rising.iter().map(|&(away, feedrate)| (10.0 - away, feedrate));
+        let point = |(distance, feedrate)| LimitPoint { distance, curve: 0, u: distance, feedrate };
+        let points: Vec<_> =
+            falling.chain(rising.iter().rev().map(|(away, feed)| (10.0 + away, *feed))).map(point).collect();
+        let limit = FeedLimit::from_points(&points).unwrap();
+        let bound = jerk_free_duration(&limit, &paper_limits(), EndFeeds::default());
+        for kind in ProfileKind::ALL {
+            let plan = plan_with(&limit, &paper_limits(), EndFeeds::default(), kind).unwrap();
+            assert_kept(&limit, &paper_limits(), &plan);
+            let over = plan.as_schedule().duration() / bound;
+            assert!(over < 1.3, "{kind:?}: {over}");
+        }
+    }
+
     /// Path and axes at the same limits, T = 1.
     fn axes_like_the_path(acceleration: f64, jerk: f64) -> KinematicLimits<f64> {
         let axis = AxisLimits { velocity: None, acceleration: Some(acceleration), jerk: Some(jerk) };

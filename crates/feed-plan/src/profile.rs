@@ -11,7 +11,7 @@
 
 use real::Real;
 
-use crate::{CubicProfile, SCurveProfile, StageShape, TrigonometricProfile};
+use crate::FeedPiece;
 
 /// Halvings until a feed is known to the last place of 64 bits.
 const HALVINGS: usize = 64;
@@ -107,109 +107,6 @@ pub trait Profile<R: Real>: Copy {
     }
 }
 
-/// A part of a transition, or a constant feed: `V(t) = V_s + (V_e - V_s) g(t/t₂)`, g the shape.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct FeedPiece<R> {
-    /// The shape g.
-    pub shape: StageShape,
-    /// V_s.
-    pub start_feed: R,
-    /// V_e.
-    pub end_feed: R,
-    /// t₂.
-    pub duration: R,
-}
-
-impl<R: Real> FeedPiece<R> {
-    /// V(t).
-    #[must_use]
-    pub fn feed(&self, time: R) -> R {
-        self.start_feed + self.change() * self.shape.reached(self.share(time))
-    }
-
-    /// a(t).
-    #[must_use]
-    pub fn acceleration(&self, time: R) -> R {
-        self.mean_acceleration() * self.shape.slope(self.share(time))
-    }
-
-    /// j(t).
-    #[must_use]
-    pub fn jerk(&self, time: R) -> R {
-        if self.duration > R::zero() {
-            self.mean_acceleration() * self.shape.bend(self.share(time)) / self.duration
-        } else {
-            R::zero()
-        }
-    }
-
-    /// S(t).
-    #[must_use]
-    pub fn distance(&self, time: R) -> R {
-        let x = self.share(time);
-        self.duration * (self.start_feed * x + self.change() * self.shape.travelled(x))
-    }
-
-    /// `S(from + width) - S(from)` without cancellation.
-    #[must_use]
-    pub fn distance_over(&self, from: R, width: R) -> R {
-        let mean = self.shape.mean(self.share(from + width.half()), self.share(width));
-        width * (self.start_feed + self.change() * mean)
-    }
-
-    /// S(t₂).
-    #[must_use]
-    pub fn length(&self) -> R {
-        self.distance(self.duration)
-    }
-
-    /// Largest |a|.
-    #[must_use]
-    pub fn peak_acceleration(&self) -> R {
-        self.mean_acceleration().abs() * self.shape.peak_slope()
-    }
-
-    /// Largest |j|.
-    #[must_use]
-    pub fn peak_jerk(&self) -> R {
-        if self.duration > R::zero() {
-            self.mean_acceleration().abs() * self.shape.peak_bend() / self.duration
-        } else {
-            R::zero()
-        }
-    }
-
-    /// `a₀..a₃` of the feed as a polynomial of the time since the start, as the acceleration table of paper A has
-    /// them; `None` for a cosine. For reading only: a₃ is below the resolution of most fixed-point formats.
-    #[must_use]
-    pub fn coefficients(&self) -> Option<[R; 4]> {
-        let [_, c1, c2, c3] = self.shape.coefficients()?.map(|c| R::from_ratio(c, 1));
-        if !(self.duration > R::zero()) {
-            return Some([self.start_feed, R::zero(), R::zero(), R::zero()]);
-        }
-        let slope = self.mean_acceleration();
-        Some([
-            self.start_feed,
-            c1 * slope,
-            c2 * slope / self.duration,
-            c3 * slope / self.duration / self.duration,
-        ])
-    }
-
-    fn change(&self) -> R {
-        self.end_feed - self.start_feed
-    }
-
-    /// `x = t/t₂`; 0 when the piece has no duration.
-    fn share(&self, time: R) -> R {
-        if self.duration > R::zero() { time / self.duration } else { R::zero() }
-    }
-
-    fn mean_acceleration(&self) -> R {
-        if self.duration > R::zero() { self.change() / self.duration } else { R::zero() }
-    }
-}
-
 /// How a plan gets from one feed to another.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ProfileKind {
@@ -228,51 +125,6 @@ pub enum ProfileKind {
 impl ProfileKind {
     /// Every kind.
     pub const ALL: [Self; 4] = [Self::Cubic, Self::SCurve, Self::Trigonometric, Self::Flexible];
-}
-
-/// A transition of the family that a plan is made of.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Transition<R> {
-    Cubic(CubicProfile<R>),
-    SCurve(SCurveProfile<R>),
-    Trigonometric(TrigonometricProfile<R>),
-}
-
-impl<R: Real> Transition<R> {
-    pub(crate) fn fastest(kind: ProfileKind, feeds: [R; 2], acceleration: R, jerk: R) -> Self {
-        let [from, to] = feeds;
-        match kind {
-            ProfileKind::Cubic => Self::Cubic(Profile::fastest(from, to, acceleration, jerk)),
-            ProfileKind::Trigonometric => Self::Trigonometric(Profile::fastest(from, to, acceleration, jerk)),
-            ProfileKind::SCurve | ProfileKind::Flexible => {
-                Self::SCurve(Profile::fastest(from, to, acceleration, jerk))
-            }
-        }
-    }
-
-    pub(crate) fn duration(&self) -> R {
-        match self {
-            Self::Cubic(profile) => profile.duration(),
-            Self::SCurve(profile) => profile.duration(),
-            Self::Trigonometric(profile) => profile.duration(),
-        }
-    }
-
-    pub(crate) fn length(&self) -> R {
-        match self {
-            Self::Cubic(profile) => profile.length(),
-            Self::SCurve(profile) => profile.length(),
-            Self::Trigonometric(profile) => profile.length(),
-        }
-    }
-
-    pub(crate) fn pieces(&self) -> [FeedPiece<R>; 3] {
-        match self {
-            Self::Cubic(profile) => profile.pieces(),
-            Self::SCurve(profile) => profile.pieces(),
-            Self::Trigonometric(profile) => profile.pieces(),
-        }
-    }
 }
 
 /// The promises of every family, for the tests of each.
@@ -340,30 +192,6 @@ pub(crate) mod promises {
                 );
             }
             None => assert!(needed(start.max(end)) > length),
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::ProfileKind;
-    use proptest::prelude::*;
-
-    proptest! {
-        /// What the look-ahead rests on when it refuses a ramp as too long.
-        #[test]
-        fn no_chain_of_transitions_is_shorter_than_one(
-            feeds in prop::array::uniform3(0.0..1.0_f64), acceleration in 1e-4..0.5_f64, jerk in 1e-6..0.5_f64,
-        ) {
-            let mut feeds = feeds;
-            feeds.sort_by(f64::total_cmp);
-            let [low, middle, high] = feeds;
-            for kind in ProfileKind::ALL {
-                let length = |from, to| Transition::fastest(kind, [from, to], acceleration, jerk).length();
-                let chain = length(low, middle) + length(middle, high);
-                prop_assert!(length(low, high) <= chain * (1.0 + 1e-12), "{kind:?}");
-            }
         }
     }
 }

@@ -12,6 +12,7 @@ use real::Real;
 use crate::axis_budget::{Allowance, AxisBudget, Turning};
 use crate::feed_limit::{Measured, lowered};
 use crate::limits::{AXES, Junction};
+use crate::stops::BesideStop;
 use crate::{KinematicLimits, LimitPoint, PlanError};
 
 /// At least 2⁴ stretches a span.
@@ -42,6 +43,8 @@ pub(crate) struct Scan<'l, R, const D: usize> {
     longest: R,
     /// The radius below which the chord error limits the feed.
     chord_bound_radius: R,
+    /// See [`KinematicLimits::feed_in_any_direction`].
+    feed_in_any_direction: R,
     /// Largest difference of unit tangents that is no corner.
     break_tolerance: R,
     /// Largest difference of unit tangents that rounding may make.
@@ -64,12 +67,14 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
         let budget = AxisBudget::new(limits);
         let (distance, end, samples) = (R::zero(), None, Vec::new());
         let chord_bound_radius = limits.chord_bound_radius();
+        let feed_in_any_direction = limits.feed_in_any_direction();
         Self {
             limits,
             budget,
             rule,
             longest,
             chord_bound_radius,
+            feed_in_any_direction,
             break_tolerance,
             rounding,
             distance,
@@ -105,6 +110,7 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
         span.rest_in_bends(&mut stations);
         // A stop is one by its geometry; where only an axis's jerk asks for a creep, the path is crept along.
         self.limit_by_jerk(&mut stations);
+        self.keep_moving(&mut stations);
         self.append(curve, &stations, from_rest).ok_or(PlanError::LengthOverflows { curve })
     }
 
@@ -156,12 +162,23 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
     }
 
     fn push(&mut self, curve: usize, sample: &Sample<R, D>, before: Option<&Stretch<R>>) {
-        let feedrate = sample.feedrate;
-        let point = LimitPoint { distance: self.distance, curve, u: sample.u, feedrate };
-        let margin = before.map_or_else(R::zero, |stretch| stretch.margin);
+        let &Sample { u, speed, feedrate, beside_stop, .. } = sample;
+        let point = LimitPoint { distance: self.distance, curve, u, feedrate };
+        let margin = before.map_or_else(R::zero, |stretch| stretch.course.margin);
         let allowance = before.map_or_else(Allowance::unlimited, |stretch| stretch.allowance);
-        let speed = sample.speed;
-        self.samples.push(Measured { point, speed, margin, allowance, is_single: feedrate.is_zero() });
+        let beside_stop = BesideStop {
+            feedrate: beside_stop,
+            margin: before.map_or_else(R::zero, |stretch| stretch.beside_stop.margin),
+            allowance: self.budget.as_ref().map_or_else(Allowance::unlimited, AxisBudget::reserve),
+        };
+        self.samples.push(Measured {
+            point,
+            speed,
+            margin,
+            allowance,
+            is_single: feedrate.is_zero(),
+            beside_stop,
+        });
     }
 
     /// The feed at the point where this sample begins a span, if the tangent breaks there, or the curvature steps more
@@ -210,7 +227,7 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
     fn lower_beside(&self, stations: &[Station<R, D>]) -> R {
         let before = self.samples.last().map(|end| lowered(end.point.feedrate, end.margin));
         let after = stations.windows(2).next().map(|pair| {
-            let margin = pair[1].stretch.as_ref().map_or_else(R::zero, |stretch| stretch.margin);
+            let margin = pair[1].stretch.as_ref().map_or_else(R::zero, |stretch| stretch.course.margin);
             lowered(pair[0].at.feedrate, margin)
         });
         before.into_iter().chain(after).fold(R::max_value(), R::min)
@@ -245,13 +262,31 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
         let Some(budget) = &self.budget else { return };
         for i in 1..stations.len() {
             let Some(stretch) = stations[i].stretch else { continue };
-            let most = stations[i - 1].at.feedrate.max(stations[i].at.feedrate).max(stretch.highest);
-            let feed = budget.feed_on(&stretch.turning, most);
+            let (from, to) = (stations[i - 1].at, stations[i].at);
+            let Stretch { turning, course, beside_stop, .. } = stretch;
+            let feed = budget.feed_on(&turning, from.feedrate.max(to.feedrate).max(course.highest));
+            let most = from.beside_stop.max(to.beside_stop).max(beside_stop.highest);
+            let feed_beside_stop = budget.feed_beside_stop(&turning, most);
             for k in [i - 1, i] {
-                stations[k].at.feedrate = stations[k].at.feedrate.min(feed);
+                let at = &mut stations[k].at;
+                at.feedrate = at.feedrate.min(feed);
+                at.beside_stop = at.beside_stop.min(feed_beside_stop);
             }
-            let allowance = budget.allowance(&stretch.turning, feed);
+            let allowance = budget.allowance(&turning, feed);
             stations[i].stretch = Some(Stretch { allowance, ..stretch });
+        }
+    }
+
+    /// Raises what holds beside a stop to where no stretch takes more than a period, as far as setpoints then keep the limits
+    /// whatever way they go: at a cusp the curvature has no bound, or is none.
+    fn keep_moving(&self, stations: &mut [Station<R, D>]) {
+        for i in 1..stations.len() {
+            let Some(stretch) = &stations[i].stretch else { continue };
+            let least = (stretch.length / self.limits.interpolation_period).min(self.feed_in_any_direction);
+            for k in [i - 1, i] {
+                let at = &mut stations[k].at;
+                at.beside_stop = at.beside_stop.max(least);
+            }
         }
     }
 }
@@ -272,6 +307,8 @@ struct Sample<R, const D: usize> {
     /// Curvature vector; 0 unless an axis is limited.
     bend: [R; D],
     feedrate: R,
+    /// The same without the chord error.
+    beside_stop: R,
 }
 
 /// A sample that stays.
@@ -286,16 +323,24 @@ struct Station<R, const D: usize> {
 #[derive(Clone, Copy)]
 struct Stretch<R> {
     length: R,
-    /// By how much `V²` dips below the straight line.
-    margin: R,
     /// Whether it is straight, short and even enough not to be halved.
     is_fine: bool,
-    /// The largest limit seen inside.
-    highest: R,
     /// The sharpest turning seen inside and at both ends.
     turning: Turning<R>,
+    course: Course<R>,
+    /// The same without the chord error.
+    beside_stop: Course<R>,
     /// What the axes leave for the path.
     allowance: Allowance<R>,
+}
+
+/// The limit on a stretch.
+#[derive(Clone, Copy)]
+struct Course<R> {
+    /// By how much `V²` dips below the straight line.
+    margin: R,
+    /// The largest limit seen inside.
+    highest: R,
 }
 
 /// One span of a curve, under given limits.
@@ -439,15 +484,17 @@ impl<R: Real, C> Span<'_, R, C> {
         let frenet = Frenet::of(&self.shape.derivatives_in(self.index, u));
         let Frenet { speed, tangent, .. } = frenet;
         let radius = frenet.radius();
-        let feedrate = self.limits.feedrate_at(radius, self.chord_bound_radius);
+        let chord = self.limits.feedrate_by_chord(radius, self.chord_bound_radius);
+        let across = self.limits.feedrate_across(radius);
         let limited = self.budget.and_then(|budget| Some((budget, frenet.curvature_vector()?)));
         let Some((budget, bend)) = limited else {
-            return Sample { u, speed, tangent, radius, bend: [R::zero(); D], feedrate };
+            let feedrate = chord.min(across);
+            return Sample { u, speed, tangent, radius, bend: [R::zero(); D], feedrate, beside_stop: across };
         };
         let change = [R::zero(); AXES];
         let turning = Turning { tangent: components(&tangent), curvature: components(&bend), change };
-        let feedrate = budget.feed_at(&turning, feedrate);
-        Sample { u, speed, tangent, radius, bend, feedrate }
+        let beside_stop = budget.feed_at(&turning, across);
+        Sample { u, speed, tangent, radius, bend, feedrate: chord.min(beside_stop), beside_stop }
     }
 
     /// Length of the path between two samples, and how far the limit dips in between.
@@ -461,15 +508,15 @@ impl<R: Real, C> Span<'_, R, C> {
         let length = width * self.rule.mean(&inner.map(|sample| sample.speed));
 
         let speeds = [from.speed, inner[2].speed, to.speed];
-        let begin = from.feedrate * from.feedrate;
-        let rise = (to.feedrate - from.feedrate) * (to.feedrate + from.feedrate);
-        let (mut margin, mut is_straight) = (R::zero(), true);
-        for (x, sample) in self.rule.points.into_iter().zip(&inner).skip(1).take(3) {
-            let line = begin + rise * arc_share(speeds, x);
-            let dip = line - sample.feedrate * sample.feedrate;
-            margin = margin.max(dip);
-            is_straight &= dip.abs() <= line.scale(STRAIGHTNESS);
-        }
+        let shares = core::array::from_fn(|i| arc_share(speeds, self.rule.points[i + 1]));
+        let course_of = |feed: fn(&Sample<R, D>) -> R| {
+            let [_, within @ .., _] = inner.each_ref().map(feed);
+            let highest = inner.iter().fold(R::zero(), |most, sample| most.max(feed(sample)));
+            let (margin, is_straight) = dip([feed(from), feed(to)], within, shares);
+            (Course { margin, highest }, is_straight)
+        };
+        let (course, is_straight) = course_of(|sample| sample.feedrate);
+        let (beside_stop, _) = course_of(|sample| sample.beside_stop);
         let is_short = length <= self.longest + self.longest;
         let is_turning_little = cosine(from, to) >= R::one().half();
         // Or else no parameter can be told from a distance.
@@ -477,15 +524,9 @@ impl<R: Real, C> Span<'_, R, C> {
             .iter()
             .fold((speeds[0], speeds[0]), |(least, most), speed| (least.min(*speed), most.max(*speed)));
         let is_even = fastest <= slowest + slowest;
-        // The dip between the three places is at most a little deeper than at the deepest of them.
-        Stretch {
-            length,
-            margin: margin + margin.scale(-2),
-            is_fine: is_straight && is_short && is_turning_little && is_even,
-            highest: inner.iter().fold(R::zero(), |most, sample| most.max(sample.feedrate)),
-            turning: self.turning(from, &inner, to),
-            allowance: Allowance::unlimited(),
-        }
+        let is_fine = is_straight && is_short && is_turning_little && is_even;
+        let turning = self.turning(from, &inner, to);
+        Stretch { length, is_fine, turning, course, beside_stop, allowance: Allowance::unlimited() }
     }
 }
 
@@ -521,6 +562,21 @@ impl<R: Real, C> Span<'_, R, C> {
         }
         turning
     }
+}
+
+/// By how much `V²` may dip below the straight line between the feeds at both ends of a stretch, and whether it keeps to that line
+/// at the places where it is known: the three `shares` of the length.
+fn dip<R: Real>([from, to]: [R; 2], within: [R; 3], shares: [R; 3]) -> (R, bool) {
+    let (begin, rise) = (from * from, (to - from) * (to + from));
+    let (mut margin, mut is_straight) = (R::zero(), true);
+    for (share, feed) in shares.into_iter().zip(within) {
+        let line = begin + rise * share;
+        let dip = line - feed * feed;
+        margin = margin.max(dip);
+        is_straight &= dip.abs() <= line.scale(STRAIGHTNESS);
+    }
+    // The dip between the three places is at most a little deeper than at the deepest of them.
+    (margin + margin.scale(-2), is_straight)
 }
 
 /// Share of the arc length of a stretch that lies before the share `x` of its parameters, `|C'|` taken as the

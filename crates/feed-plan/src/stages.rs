@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 use real::Real;
 
 use crate::flexible::merge;
-use crate::profile::Transition;
+use crate::transition::Transition;
 use crate::{FeedLimit, FeedPiece, KinematicLimits, Stage, StageShape};
 
 /// Stages, each beginning where the one before ends.

@@ -40,6 +40,12 @@ pub(crate) fn triple_knot() -> NurbsBuf<f64, 2> {
     NurbsBuf::try_new(3, points.to_vec(), vec![1.0; 7], knots.to_vec()).unwrap()
 }
 
+/// `|C'|²/|C''| = (3/4 width)²/60` in the middle, where it turns by 180° and more; a cusp for width 0.
+pub(crate) fn hairpin(width: f64) -> NurbsBuf<f64, 2> {
+    let points = [[0.0, 0.0], [10.0 - width / 2.0, 10.0], [width / 2.0, 10.0], [10.0, 0.0]];
+    NurbsBuf::try_new(3, points.to_vec(), vec![1.0; 4], vec![0., 0., 0., 0., 1., 1., 1., 1.]).unwrap()
+}
+
 /// One line for each pair of neighbouring points.
 pub(crate) fn polyline(points: &[[f64; 2]]) -> Vec<NurbsBuf<f64, 2>> {
     let line =

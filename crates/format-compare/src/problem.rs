@@ -8,7 +8,7 @@
 
 use feed_plan::{AxisLimits, FeedLimit, Junction, KinematicLimits, PlanError};
 use nurbs_core::{CompileError, CurveError, FastCurve, NurbsBuf};
-use part_program::{Curve, GAP_MM, Machine, MoveKind, Part};
+use part_program::{Curve, Machine, MoveKind, Part, is_joined};
 
 use crate::run::Refusal;
 
@@ -194,13 +194,11 @@ fn closing_moves<const D: usize>(curves: &[&Curve]) -> Vec<[f64; D]> {
     let mut by = [0.0; D];
     let mut moves = vec![by];
     for pair in curves.windows(2) {
-        if let (Some(end), Some(start)) =
-            (pair[0].control_points_mm.last(), pair[1].control_points_mm.first())
+        let (end, start) = (pair[0].control_points_mm.last(), pair[1].control_points_mm.first());
+        if let (Some(end), Some(start)) = (end, start)
+            && !is_joined(end, start)
         {
-            let gap: [f64; D] = core::array::from_fn(|d| end[d] - start[d]);
-            if gap.iter().fold(0.0_f64, |length, x| length.hypot(*x)) > GAP_MM {
-                by = core::array::from_fn(|d| by[d] + gap[d]);
-            }
+            by = core::array::from_fn(|d| by[d] + (end[d] - start[d]));
         }
         moves.push(by);
     }

@@ -63,7 +63,7 @@
 //! |---|---|
 //! | `std` (default) | square roots of floats through std; implies `alloc` |
 //! | `libm` | square roots of floats without std |
-//! | `alloc` | owned curves, conversion, knot insertion |
+//! | `alloc` | what owns its numbers: curves, compiling, smoothing; without it no allocator is linked |
 //! | `generate` | proptest strategies |
 
 #![cfg_attr(not(any(test, feature = "std")), no_std)]

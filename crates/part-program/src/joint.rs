@@ -28,6 +28,12 @@ pub struct Joint {
     pub tangent_break_rad: f64,
 }
 
+/// Whether two points are so near to each other that a path has no gap between them: a gap is above [`GAP_MM`].
+#[must_use]
+pub fn is_joined(end: &[f64; 3], start: &[f64; 3]) -> bool {
+    length(difference(start, end)) <= GAP_MM
+}
+
 /// Every joint with a gap above [`GAP_MM`] or a break above [`TANGENT_BREAK_RAD`], in the order of the path.
 pub(crate) fn joints(part: &Part) -> Vec<Joint> {
     let mut joints = Vec::new();
@@ -53,7 +59,7 @@ const COLLINEAR_RAD: f64 = 1e-6;
 /// Whether the path breaks where the one curve ends and the next begins: in direction, or by a gap.
 pub(crate) fn breaks(one: &Curve, next: &Curve) -> bool {
     let ends = one.control_points_mm.last().zip(next.control_points_mm.first());
-    let is_joined = ends.is_some_and(|(end, start)| length(difference(start, end)) <= GAP_MM);
+    let is_joined = ends.is_some_and(|(end, start)| is_joined(end, start));
     let arriving = direction(one.control_points_mm.iter().rev());
     let turn = arriving.zip(direction(next.control_points_mm.iter()));
     !is_joined || turn.is_none_or(|(back, leaving)| angle(back.map(|x| -x), leaving) > COLLINEAR_RAD)
@@ -62,13 +68,14 @@ pub(crate) fn breaks(one: &Curve, next: &Curve) -> bool {
 fn between(one: &Curve, next: &Curve, is_cut: bool) -> Option<Joint> {
     let (end, start) = (one.control_points_mm.last()?, next.control_points_mm.first()?);
     let gap_mm = length(difference(start, end));
-    let tangent_break_rad = if is_cut && gap_mm <= GAP_MM {
+    let is_joined = is_joined(end, start);
+    let tangent_break_rad = if is_cut && is_joined {
         let arriving = direction(one.control_points_mm.iter().rev())?.map(|x| -x);
         angle(arriving, direction(next.control_points_mm.iter())?)
     } else {
         0.0
     };
-    let listed = gap_mm > GAP_MM || tangent_break_rad > TANGENT_BREAK_RAD;
+    let listed = !is_joined || tangent_break_rad > TANGENT_BREAK_RAD;
     listed.then_some(Joint { curve: 0, line: 0, knot: None, point_mm: *start, gap_mm, tangent_break_rad })
 }
 

@@ -75,7 +75,7 @@ pub use bounds::bounding_box_mm;
 pub use curve::{Curve, CurveFault, Element, End, MAX_COORDINATE_MM, MAX_DEGREE, MAX_KNOT, MAX_WEIGHT};
 pub use diagnostic::{Diagnostic, Diagnostics, MAX_DIAGNOSTICS, Severity};
 pub use inspect::{Bend, Inspection, inspect};
-pub use joint::{GAP_MM, Joint, TANGENT_BREAK_RAD};
+pub use joint::{GAP_MM, Joint, TANGENT_BREAK_RAD, is_joined};
 pub use machine::{Axes, AxisLimits, Junction, Machine, read_machine};
 pub use options::{Dialect, ReadOptions};
 pub use part::{Auxiliary, Move, MoveKind, Part, Shape};

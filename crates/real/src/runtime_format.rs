@@ -18,8 +18,7 @@ use crate::{Backend, Datapath, FormatName, Overflow, Real, Rounding, square_root
 pub struct RuntimeFormat {
     width: u32,
     fraction_bits: u32,
-    rounding: Rounding,
-    overflow: Overflow,
+    datapath: Datapath,
 }
 
 impl RuntimeFormat {
@@ -31,7 +30,7 @@ impl RuntimeFormat {
         if width < 3 || width > 64 || fraction_bits > width - 2 {
             return None;
         }
-        Some(Self { width, fraction_bits, rounding, overflow })
+        Some(Self { width, fraction_bits, datapath: Datapath { rounding, overflow } })
     }
 
     /// The format of this name, as in `I5F13` or `I5F13-floor-sat`: see [`FormatName::named`].
@@ -59,18 +58,16 @@ impl RuntimeFormat {
         if width < 2 || width > 64 || fraction_bits > 62 {
             return None;
         }
-        Some(Self { width, fraction_bits, rounding, overflow })
+        Some(Self { width, fraction_bits, datapath: Datapath { rounding, overflow } })
     }
 
     /// The format's name.
     #[must_use]
     pub const fn name(&self) -> FormatName {
         match self.width.checked_sub(self.fraction_bits) {
-            Some(integer_bits) => FormatName::Fixed {
-                integer_bits,
-                fraction_bits: self.fraction_bits,
-                datapath: Datapath { rounding: self.rounding, overflow: self.overflow },
-            },
+            Some(integer_bits) => {
+                FormatName::Fixed { integer_bits, fraction_bits: self.fraction_bits, datapath: self.datapath }
+            }
             None => FormatName::Fraction { bits: self.width, fraction_bits: self.fraction_bits },
         }
     }
@@ -90,13 +87,13 @@ impl RuntimeFormat {
     /// How results are rounded.
     #[must_use]
     pub const fn rounding(&self) -> Rounding {
-        self.rounding
+        self.datapath.rounding
     }
 
     /// What happens to sums and products that do not fit.
     #[must_use]
     pub const fn overflow(&self) -> Overflow {
-        self.overflow
+        self.datapath.overflow
     }
 
     /// Runs `work`, in which [`RuntimeFixed<SLOT>`] on this thread has this format. Afterwards, also by a panic, it has
@@ -125,7 +122,7 @@ impl RuntimeFormat {
     #[inline]
     #[allow(clippy::cast_possible_truncation, reason = "the bits that wrapping loses")]
     fn fit(self, wide: i128) -> i64 {
-        match self.overflow {
+        match self.datapath.overflow {
             Overflow::Saturate => self.saturate(wide),
             Overflow::Wrap => ((wide as i64) << (64 - self.width)) >> (64 - self.width),
         }
@@ -146,7 +143,7 @@ impl RuntimeFormat {
         let floor = wide >> shift;
         let first_dropped = (wide >> (shift - 1)) & 1;
         floor
-            + match self.rounding {
+            + match self.datapath.rounding {
                 Rounding::Nearest => first_dropped,
                 // A tie when the first bit dropped was the last one set.
                 Rounding::NearestEven => {
@@ -171,7 +168,7 @@ impl RuntimeFormat {
             _ => return extreme, // does not fit, or is over zero
         };
         let left = u128::from(divisor) - rest;
-        let away = match self.rounding {
+        let away = match self.datapath.rounding {
             Rounding::Nearest => rest >= left,
             Rounding::NearestEven => rest > left || (rest == left && quotient & 1 == 1),
             Rounding::Floor => negative && rest != 0,
@@ -184,7 +181,7 @@ impl RuntimeFormat {
     /// `√square`, saturated.
     #[inline]
     fn root(self, square: u128) -> i64 {
-        let nearest = matches!(self.rounding, Rounding::Nearest | Rounding::NearestEven);
+        let nearest = matches!(self.datapath.rounding, Rounding::Nearest | Rounding::NearestEven);
         let root: u128 = match (u64::try_from(square), nearest) {
             (Ok(square), true) => square_root::u64::nearest(square).into(),
             (Ok(square), false) => square_root::u64::floor(square).into(),
@@ -204,8 +201,7 @@ thread_local! {
             Cell::new(RuntimeFormat {
                 width: 32,
                 fraction_bits: 16,
-                rounding: Rounding::Nearest,
-                overflow: Overflow::Wrap,
+                datapath: Datapath { rounding: Rounding::Nearest, overflow: Overflow::Wrap },
             })
         }; SLOTS]
     };
@@ -316,7 +312,9 @@ impl<const SLOT: usize> Real for RuntimeFixed<SLOT> {
     }
 
     fn from_ratio(numerator: i32, denominator: i32) -> Self {
-        let nearest = RuntimeFormat { rounding: Rounding::Nearest, ..Self::format() };
+        let format = Self::format();
+        let datapath = Datapath { rounding: Rounding::Nearest, ..format.datapath };
+        let nearest = RuntimeFormat { datapath, ..format };
         let magnitude = u128::from(numerator.unsigned_abs()) << nearest.fraction_bits;
         let negative = (numerator < 0) != (denominator < 0);
         Self(nearest.quotient(magnitude, denominator.unsigned_abs().into(), negative))
@@ -331,7 +329,7 @@ impl<const SLOT: usize> Real for RuntimeFixed<SLOT> {
     fn sum_of_products(pairs: impl IntoIterator<Item = (Self, Self)>) -> Self {
         let format = Self::format();
         let products = pairs.into_iter().map(|(a, b)| a.wide() * b.wide());
-        let sum = match format.overflow {
+        let sum = match format.datapath.overflow {
             Overflow::Wrap => products.fold(0, i128::wrapping_add),
             // Once beyond 128 bits the sum may still come back: its high part is kept by itself.
             Overflow::Saturate => {
@@ -362,7 +360,7 @@ impl<const SLOT: usize> Real for RuntimeFixed<SLOT> {
     fn scale(self, exponent: i32) -> Self {
         let format = Self::format();
         let shift = exponent.unsigned_abs();
-        Self(match format.overflow {
+        Self(match format.datapath.overflow {
             _ if exponent < 0 => format.fit(format.shift_right(self.wide(), shift.min(126))),
             Overflow::Wrap if shift >= format.width => 0,
             // Beyond 2^64 every number but zero saturates.

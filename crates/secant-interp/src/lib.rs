@@ -14,13 +14,21 @@
 //! | the distance of each period | [`StepLengths`] |
 //! | a run that lands on each stop on the way | [`stretches`], [`PieceInterpolator::on`] |
 //! | feed override and feed hold while a plan runs | [`FeedOverride`] |
-//! | path and plan together, ready to run; with an example from curve to setpoints | [`CompiledPath`] |
+#![cfg_attr(
+    feature = "alloc",
+    doc = "| path and plan together, ready to run; with an example from curve to setpoints | [`CompiledPath`] |"
+)]
 //! | a run as constants for flash, with the feature `std`; whether a controller makes the same | `Constant`, [`PositionChecksum`] |
 //!
 //! A step takes no heap, cannot panic and has no loop without a bound; everything is generic over [`real::Real`].
 //!
-//! Features: `std` (default) or `libm`, for the square roots of floats; `cubic`, which `std` brings, for a step on cubics that
-//! takes up to 40 % fewer instructions and more flash; `lanes`, for simulations on a large machine.
+//! | feature | for |
+//! |---|---|
+//! | `std` (default) | square roots of floats through std; implies `alloc` and `cubic` |
+//! | `libm` | square roots of floats without std |
+//! | `alloc` | `CompiledPath`: path and plan compiled where they are run; without it no allocator is linked |
+//! | `cubic` | a step on cubics that takes up to 40 % fewer instructions and more flash |
+//! | `lanes` | simulations on a large machine |
 //!
 //! # Source
 //! *Paper A*: Wang Y., Gai R., Sun Y., Yang D., Han J., "NURBS interpolation algorithm for high-quality machining" (received 2012), in
@@ -28,9 +36,11 @@
 
 #![cfg_attr(not(feature = "std"), no_std)]
 
+#[cfg(feature = "alloc")]
 extern crate alloc;
 
 mod chord_step;
+#[cfg(feature = "alloc")]
 mod compiled_path;
 #[cfg(feature = "std")]
 mod constant;
@@ -48,6 +58,7 @@ mod stretches;
 pub mod taylor;
 
 pub use chord_step::{Chord, ChordTolerance};
+#[cfg(feature = "alloc")]
 pub use compiled_path::{CompiledPath, CompiledPathError};
 #[cfg(feature = "std")]
 pub use constant::{Constant, number_function, number_type};

@@ -1,21 +1,21 @@
-//! What real time calls in each number format, exported, over a panic handler and a heap that call functions which do not
-//! exist: steps on compiled pieces, planned and given, and on the global parameter, the begin of a stretch, a setpoint's
-//! position.
+//! What real time calls in each number format, exported, over a panic handler that calls a function which does not exist:
+//! steps on compiled pieces, planned and given, and on the global parameter, the begin of a stretch, a setpoint's position, and
+//! all of a run whose constants `feedbits compile` wrote.
 //!
 //! The linker drops what no export can reach. If a panic can be reached from a step, so can the handler, and then its
-//! function is missing and nothing is linked; so with the heap. `scripts/no-panic` builds this once as it is and once with
-//! an unwrap in it.
+//! function is missing and nothing is linked. There is no heap to be reached: the kernels are without their feature `alloc`, and
+//! no allocator is named, without which nothing that knows of the heap is linked. `scripts/no-panic` builds this once as it is,
+//! once with an unwrap in it and once with `alloc`.
 
 #![no_std]
 
 use nurbs_core::NurbsCurve;
 use secant_interp::{
-    FeedOverride, Interpolator, OverrideState, PieceInterpolator, PieceSetpoint, PieceState, Setpoint, State,
-    Stretch,
+    FeedOverride, Interpolator, OverrideState, PieceInterpolator, PieceSetpoint, PieceState,
+    PositionChecksum, Setpoint, State, Stretch,
 };
 
 unsafe extern "C" {
-    fn the_heap_can_be_reached_from_a_real_time_step() -> !;
     fn a_panic_can_be_reached_from_a_real_time_step() -> !;
 }
 
@@ -24,25 +24,6 @@ fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
     // SAFETY: there is no such function. Nothing that calls it is ever linked.
     unsafe { a_panic_can_be_reached_from_a_real_time_step() }
 }
-
-/// A heap that does not exist.
-struct NoHeap;
-
-// SAFETY: there are no such functions. Nothing that calls them is ever linked.
-unsafe impl core::alloc::GlobalAlloc for NoHeap {
-    unsafe fn alloc(&self, _: core::alloc::Layout) -> *mut u8 {
-        // SAFETY: as above.
-        unsafe { the_heap_can_be_reached_from_a_real_time_step() }
-    }
-
-    unsafe fn dealloc(&self, _: *mut u8, _: core::alloc::Layout) {
-        // SAFETY: as above.
-        unsafe { the_heap_can_be_reached_from_a_real_time_step() }
-    }
-}
-
-#[global_allocator]
-static HEAP: NoHeap = NoHeap;
 
 /// What a step was asked to write, or nothing at the end.
 fn give<T>(place: &mut T, value: Option<T>) -> bool {
@@ -136,6 +117,26 @@ steps! {
     i32f32_plane: real::I32F32, 2;
     i16f48_plane: real::I16F48, 2;
     i4f60_plane: real::I4F60, 2;
+}
+
+/// A part of three stretches in I4F28.
+#[allow(unreachable_pub, reason = "it is written for any program")]
+mod stairs {
+    include!("../../../tests/tests/constants/stairs_i4f28.rs");
+}
+
+/// Whether the constants of a part make the run that was judged.
+#[unsafe(export_name = "compiled_run")]
+pub fn compiled() -> bool {
+    let mut checksum = PositionChecksum::default();
+    for stretch in &stairs::STRETCHES {
+        let run = stairs::PATH.on(stretch);
+        let mut state = run.start();
+        while let Some(setpoint) = run.step(&mut state) {
+            checksum.add(run.pieces.position(setpoint.piece, &setpoint.offset));
+        }
+    }
+    checksum.value() == stairs::CHECKSUM
 }
 
 /// What must not link.

@@ -3,12 +3,11 @@
 use std::ops::Range;
 
 use anyhow::{Context, Result, bail};
-use part_program::{Curve, Dialect, MoveKind, Part};
+use part_program::{Curve, Dialect, MoveKind, Part, is_joined};
 
 use super::deviation::Paths;
 use super::followed::Followed;
 use super::smooth_stretch::CHORD_SHARE;
-use super::stretch::is_joined;
 use crate::input::read_again;
 
 /// The program of a smoothed part; its stretches are measured anew on what it says.

@@ -4,7 +4,7 @@ use std::fmt;
 use std::ops::Range;
 
 use nurbs_core::{Arc, CurveError, Evaluate, Line, NurbsBuf, PathCurve, ShapeError};
-use part_program::{Curve, GAP_MM, Move, MoveKind, Part, Shape};
+use part_program::{Curve, Move, MoveKind, Part, Shape, is_joined};
 
 /// Why the tool rests between two moves, whatever their directions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -102,11 +102,6 @@ fn do_meet(part: &Part, next: usize) -> bool {
         (Some([.., end]), Some([start, ..])) => is_joined(end, start),
         _ => true,
     }
-}
-
-/// Whether two points are so near to each other that a path has no gap between them.
-pub(crate) fn is_joined(end: &[f64; 3], start: &[f64; 3]) -> bool {
-    length(&core::array::from_fn(|d| end[d] - start[d])) <= GAP_MM
 }
 
 /// A move as the smoothing knows it: a line, an arc of a circle, or whatever curve it is.

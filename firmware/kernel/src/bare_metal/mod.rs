@@ -5,7 +5,6 @@
 mod machine;
 mod stack;
 
-use core::alloc::{GlobalAlloc, Layout};
 use core::panic::PanicInfo;
 
 use kernel::{Board, Record};
@@ -73,18 +72,3 @@ fn panic(_: &PanicInfo<'_>) -> ! {
     print("panic\n");
     machine::stop(false)
 }
-
-/// The planner can allocate and is linked with the interpolator, so an allocator must be named. It has nothing to give:
-/// a kernel that asked for memory would fail here.
-struct NoHeap;
-
-// SAFETY: a null pointer is how an allocator refuses, and nothing was ever given out that could come back.
-unsafe impl GlobalAlloc for NoHeap {
-    unsafe fn alloc(&self, _: Layout) -> *mut u8 {
-        core::ptr::null_mut()
-    }
-    unsafe fn dealloc(&self, _: *mut u8, _: Layout) {}
-}
-
-#[global_allocator]
-static NO_HEAP: NoHeap = NoHeap;
