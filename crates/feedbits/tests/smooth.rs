@@ -249,7 +249,7 @@ fn an_exact_stop_is_left_sharp_and_kept() {
 }
 
 #[test]
-fn a_planner_that_rounds_corners_rests_at_exact_stops() {
+fn a_planner_that_rounds_corners_rests_at_exact_stops_and_words() {
     let machine = fs::read_to_string(data("seed-000.toml")).expect("the machine");
     let machine =
         machine.replace("[machine]", "[machine]\njunction = \"deviation\"\njunction_deviation_mm = 0.5");
@@ -267,9 +267,11 @@ fn a_planner_that_rounds_corners_rests_at_exact_stops() {
     };
     let sharp = "G0 X0 Y0\nG1 X10 F2400\nY10\nX20\nX30\n";
     let exact = "G0 X0 Y0\nG61 G1 X10 F2400\nG64 Y10\nG9 X20\nX30\n";
+    // Coolant on and off, as `smooth` rests there.
+    let words = "G0 X0 Y0\nG1 X10 F2400\nM8\nY10\nX20\nM9\nX30\nM30\n";
     // The end is one of them; X20 lies on a straight line.
     for options in [&[][..], &["--window", "15"]] {
-        assert_eq!((stops(sharp, options), stops(exact, options)), (1, 3), "{options:?}");
+        assert_eq!([sharp, exact, words].map(|program| stops(program, options)), [1, 3, 3], "{options:?}");
     }
 }
 

@@ -23,8 +23,8 @@ pub struct Problem<const D: usize> {
     pub moved_mm: Vec<[f64; D]>,
     /// Each curve's own feedrate, as a share of the machine's; empty if all are 1.
     pub feed_shares: Vec<f64>,
-    /// Numbers of the curves that begin at rest whatever their direction, in order: those behind an exact stop, a rapid move or
-    /// a gap.
+    /// Numbers of the curves that begin at rest whatever their direction, in order: those behind an exact stop, a rapid move, a
+    /// gap, or a word of the machine as M8.
     pub stops: Vec<usize>,
     /// Those of them before which the machine makes another move: behind a rapid move or a gap.
     pub breaks: Vec<usize>,
@@ -67,7 +67,9 @@ impl<const D: usize> Problem<D> {
         let is_gap = |curve: usize| moved_mm.get(curve - 1) != moved_mm.get(curve);
         let breaks = |&(curve, pair): &(usize, &[usize])| pair[1] > pair[0] + 1 || is_gap(curve);
         let rests = |joint: &(usize, &[usize])| {
-            breaks(joint) || part.moves.get(joint.1[0]).is_some_and(|one| one.exact_stop)
+            let [before, after] = [joint.1[0], joint.1[1]];
+            let is_exact = part.moves.get(before).is_some_and(|one| one.exact_stop);
+            breaks(joint) || is_exact || part.has_word_before(after)
         };
         let stops = joints.clone().filter(rests).map(|(curve, _)| curve).collect();
         let breaks = joints.clone().filter(breaks).map(|(curve, _)| curve).collect();
@@ -260,6 +262,17 @@ mod tests {
         assert_eq!((drawn.stops.as_slice(), drawn.gaps_closed), (&[1][..], 1));
         let limit = drawn.feed_limit().unwrap();
         assert_eq!((limit.at(10.0), limit.at(20.0) > 0.1), (0.0, true));
+    }
+
+    /// `smooth` rested there, and what plans and runs passed at full feed.
+    #[test]
+    fn the_machine_rests_where_a_word_acts() {
+        let stops = |text: &str| problem(text).stops;
+        assert_eq!(stops("G0 X0 Y0 Z0\nM3 S900\nG1 X10 F600\nM8\nG1 X20\nG1 X30\nG1 X40\nM30\n"), [1]);
+        // In the block of a move: on both sides of it, for some words act before their move and some behind it.
+        assert_eq!(stops("G0 X0 Y0 Z0\nG1 X10 F600\nG1 X20\nG1 X30 M9\nG1 X40\nG1 X50\nM30\n"), [2, 3]);
+        let limit = problem("G0 X0 Y0 Z0\nG1 X10 F600\nM8\nG1 X20\n").feed_limit().unwrap();
+        assert_eq!((limit.at(10.0), limit.at(5.0) > 0.0), (0.0, true));
     }
 
     #[test]

@@ -36,6 +36,17 @@ impl Part {
     pub fn highest_feedrate(&self) -> Option<f64> {
         self.moves.iter().filter_map(|one| one.feedrate_mm_per_s).reduce(f64::max)
     }
+
+    /// Whether a word that does not move the tool stands in the block of this move, in that of the move before it or between
+    /// them: the tool rests then between the two. A control begins the next block when the word is done, as FANUC's waits for
+    /// the machine's FIN, and LinuxCNC and Grbl let motion end before they switch a spindle or a coolant.
+    #[must_use]
+    pub fn has_word_before(&self, next: usize) -> bool {
+        let line = |index: usize| self.moves.get(index).map(|one| one.line);
+        let Some((before, after)) = next.checked_sub(1).and_then(line).zip(line(next)) else { return false };
+        let first = self.auxiliary.partition_point(|word| word.line < before);
+        self.auxiliary.get(first).is_some_and(|word| word.line <= after)
+    }
 }
 
 /// How a curve is to be followed.

@@ -79,8 +79,7 @@ pub(crate) fn stretches(part: &Part) -> Vec<Range<usize>> {
 /// Why the tool rests before a move, if it does.
 pub(crate) fn rest_before(part: &Part, next: usize) -> Option<Rest> {
     let (before, after) = (part.moves.get(next.checked_sub(1)?)?, part.moves.get(next)?);
-    let first = part.auxiliary.partition_point(|word| word.line < before.line);
-    if part.auxiliary.get(first).is_some_and(|word| word.line <= after.line) {
+    if part.has_word_before(next) {
         Some(Rest::Auxiliary)
     } else if before.kind == MoveKind::Rapid || after.kind == MoveKind::Rapid {
         Some(Rest::Rapid)
