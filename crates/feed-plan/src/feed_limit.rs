@@ -113,6 +113,7 @@ impl<R: Real> FeedLimit<R> {
         for (index, curve) in curves.iter().enumerate() {
             scan.pass(index, curve, stops.binary_search(&index).is_ok())?;
         }
+        scan.finish();
         Self::assemble(scan.samples(), limits.chord_error)
     }
 

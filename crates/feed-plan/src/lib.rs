@@ -77,6 +77,7 @@ mod chord_shortfall;
 mod cubic_profile;
 mod error;
 mod feed_limit;
+mod fine_moves;
 mod flank;
 mod flexible;
 mod key_points;

@@ -11,6 +11,7 @@ use real::Real;
 
 use crate::axis_budget::{Allowance, AxisBudget, Turning};
 use crate::feed_limit::{Measured, lowered};
+use crate::fine_moves::FineMoves;
 use crate::limits::{AXES, Junction};
 use crate::{KinematicLimits, LimitPoint, PlanError};
 
@@ -50,6 +51,8 @@ pub(crate) struct Scan<'l, R, const D: usize> {
     /// Tangent and curvature vector at the end so far.
     end: Option<([R; D], [R; D])>,
     samples: Vec<Measured<R>>,
+    /// What breaks of the tangent within one step do together.
+    fine_moves: FineMoves<R, D>,
 }
 
 impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
@@ -64,6 +67,7 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
         let budget = AxisBudget::new(limits);
         let (distance, end, samples) = (R::zero(), None, Vec::new());
         let chord_bound_radius = limits.chord_bound_radius();
+        let fine_moves = FineMoves::new(limits, rounding);
         Self {
             limits,
             budget,
@@ -75,6 +79,7 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
             distance,
             end,
             samples,
+            fine_moves,
         }
     }
 
@@ -105,12 +110,26 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
         span.rest_in_bends(&mut stations);
         // A stop is one by its geometry; where only an axis's jerk asks for a creep, the path is crept along.
         self.limit_by_jerk(&mut stations);
-        self.append(curve, &stations, from_rest).ok_or(PlanError::LengthOverflows { curve })
+        let point_at = |u| shape.derivatives_in(index, u).point;
+        self.append(curve, &stations, point_at, from_rest).ok_or(PlanError::LengthOverflows { curve })
+    }
+
+    /// Ends the path.
+    pub(crate) fn finish(&mut self) {
+        self.fine_moves.end(&mut self.samples);
     }
 
     /// The samples so far, but for those forgotten.
     pub(crate) fn samples(&self) -> &[Measured<R>] {
         &self.samples
+    }
+
+    /// Those of them that stay as they are, whatever comes: what a chord reaches from a break still to come may be lowered, and the
+    /// sample before it.
+    pub(crate) fn settled(&self) -> &[Measured<R>] {
+        let begin = self.fine_moves.open_from(self.distance);
+        let count = self.samples.partition_point(|sample| sample.point.distance <= begin);
+        self.samples.get(..count.saturating_sub(1)).unwrap_or_default()
     }
 
     /// Arc length of what was sampled.
@@ -126,22 +145,31 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
 
     /// Appends a span, with a stop before it if `from_rest`; `None` when a distance does not increase as numbers of the format
     /// should.
-    fn append(&mut self, curve: usize, stations: &[Station<R, D>], from_rest: bool) -> Option<()> {
+    fn append(
+        &mut self,
+        curve: usize,
+        stations: &[Station<R, D>],
+        point_at: impl Fn(R) -> [R; D],
+        from_rest: bool,
+    ) -> Option<()> {
         let (first, last) = (&stations.first()?.at, &stations.last()?.at);
         let is_lowest = |feedrate: &R| *feedrate < self.lower_beside(stations);
         let stop = (from_rest && self.end.is_some()).then(R::zero);
-        if let Some(feedrate) = stop.or_else(|| self.junction_feed(first).filter(is_lowest)) {
+        let turn = self.end.map(|end| Turn::between(end, first));
+        let junction = stop.or_else(|| self.junction_feed(turn.as_ref()?).filter(is_lowest));
+        if let Some(feedrate) = junction {
             self.push(curve, &Sample { feedrate, ..*first }, None);
             if let Some(junction) = self.samples.last_mut() {
                 junction.is_single = true;
             }
         }
+        self.turn(turn.as_ref(), first, junction, &point_at);
         let is_continuation =
             |end: &Measured<R>| end.point.curve == curve && end.point.feedrate == first.feedrate;
         if !self.samples.last().is_some_and(is_continuation) {
             self.push(curve, first, None);
         }
-        for station in &stations[1..] {
+        for (before, station) in (0..).zip(&stations[1..]) {
             let stretch = station.stretch.as_ref()?;
             let length = stretch.length;
             let next = self.distance + length;
@@ -150,9 +178,48 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
             }
             self.distance = next;
             self.push(curve, &station.at, Some(stretch));
+            if self.bends_at(&stations[before..]) {
+                self.fine_moves.pass(next, point_at(station.at.u), station.at.tangent);
+            }
+            if station.at.feedrate.is_zero() {
+                self.fine_moves.end(&mut self.samples);
+                self.fine_moves.pass(next, point_at(station.at.u), station.at.tangent);
+            }
         }
+        self.fine_moves.settle(&mut self.samples);
         self.end = Some((last.tangent, last.bend));
         Some(())
+    }
+
+    /// Whether the second of these stations is the last one, or not on a straight line with its neighbours.
+    fn bends_at(&self, stations: &[Station<R, D>]) -> bool {
+        let [before, here, behind, ..] = stations else { return true };
+        let differ = |a: &Station<R, D>, b: &Station<R, D>| {
+            let mut pairs = a.at.tangent.iter().zip(b.at.tangent);
+            pairs.any(|(a, b)| (*a - b).abs() > self.rounding)
+        };
+        differ(before, here) || differ(here, behind)
+    }
+
+    /// Goes on from where the tangent turns: anew if no chord passes there.
+    fn turn(
+        &mut self,
+        turn: Option<&Turn<R, D>>,
+        first: &Sample<R, D>,
+        junction: Option<R>,
+        point_at: impl Fn(R) -> [R; D],
+    ) {
+        let is_stop = junction.is_some_and(|feedrate| feedrate.is_zero());
+        // What is cut there is what a velocity may jump by.
+        let is_jump = matches!(self.limits.junction, Junction::VelocityJump(_))
+            && turn.is_some_and(|turn| turn.size > self.break_tolerance);
+        if is_stop || is_jump {
+            self.fine_moves.end(&mut self.samples);
+        }
+        match turn {
+            Some(turn) if !self.fine_moves.is_empty() => self.fine_moves.turn(turn.size, first.tangent),
+            _ => self.fine_moves.pass(self.distance, point_at(first.u), first.tangent),
+        }
     }
 
     fn push(&mut self, curve: usize, sample: &Sample<R, D>, before: Option<&Stretch<R>>) {
@@ -164,12 +231,10 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
         self.samples.push(Measured { point, speed, margin, allowance, is_single: feedrate.is_zero() });
     }
 
-    /// The feed at the point where this sample begins a span, if the tangent breaks there, or the curvature steps more
-    /// than the axes can follow.
-    fn junction_feed(&self, first: &Sample<R, D>) -> Option<R> {
-        let (end_tangent, end_bend) = self.end?;
-        let difference: [R; D] = core::array::from_fn(|d| first.tangent[d] - end_tangent[d]);
-        let turn = R::norm(&difference);
+    /// The feed at the point where a span begins, if the tangent breaks there, or the curvature steps more than the axes can
+    /// follow.
+    fn junction_feed(&self, junction: &Turn<R, D>) -> Option<R> {
+        let Turn { difference, size: turn, step } = *junction;
         let feedrate = self.limits.feedrate;
         let is_break = turn > self.break_tolerance;
         let by_turn = match self.limits.junction {
@@ -199,7 +264,7 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
         let feed = if is_break {
             by_turn
         } else {
-            let step = components::<R, D>(&core::array::from_fn(|d| first.bend[d] - end_bend[d]));
+            let step = components::<R, D>(&step);
             self.budget.map_or(by_turn, |budget| budget.feed_over(&step, by_turn))
         };
         (feed < feedrate).then_some(feed)
@@ -259,6 +324,24 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
 /// Magnitudes of the components, axis by axis.
 fn components<R: Real, const D: usize>(vector: &[R; D]) -> [R; AXES] {
     core::array::from_fn(|i| vector.get(i).map_or_else(R::zero, |component| component.abs()))
+}
+
+/// What changes where a span begins.
+struct Turn<R, const D: usize> {
+    /// The difference e₂ - e₁ of the unit tangents, and its length.
+    difference: [R; D],
+    size: R,
+    /// The difference of the curvature vectors.
+    step: [R; D],
+}
+
+impl<R: Real, const D: usize> Turn<R, D> {
+    /// From where a span ends, with this tangent and curvature vector, to where the next begins.
+    fn between((end_tangent, end_bend): ([R; D], [R; D]), first: &Sample<R, D>) -> Self {
+        let difference: [R; D] = core::array::from_fn(|d| first.tangent[d] - end_tangent[d]);
+        let step = core::array::from_fn(|d| first.bend[d] - end_bend[d]);
+        Self { difference, size: R::norm(&difference), step }
+    }
 }
 
 /// The curve at one parameter.

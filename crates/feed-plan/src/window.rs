@@ -19,6 +19,7 @@ use alloc::vec::Vec;
 use nurbs_core::Differentiate;
 use real::Real;
 
+use crate::feed_limit::Measured;
 use crate::scan::Scan;
 use crate::{EndFeeds, FeedLimit, KinematicLimits, PlanError, ProfileKind, Stage, StageKind, look_ahead};
 
@@ -221,15 +222,19 @@ impl<R: Real, const D: usize, C: Differentiate<R, D>, I: Iterator<Item = Command
         if let Some(first) = self.scan.samples().first() {
             self.source.forget_before(first.point.curve);
         }
-        while self.scan.length() - begin < self.window && !self.source.is_over() {
+        let is_in_view = |sample: &Measured<R>| sample.point.distance - begin >= self.window;
+        while !self.source.is_over() && !self.scan.settled().last().is_some_and(is_in_view) {
             self.source.pass(&mut self.scan)?;
+            if self.source.is_over() {
+                self.scan.finish();
+            }
         }
         Ok(self.scan.length() > begin)
     }
 
     /// The limit from the window's begin to the first sample at or beyond its end.
     fn limit(&self, begin: R) -> Result<FeedLimit<R>, PlanError> {
-        let samples = self.scan.samples();
+        let samples = if self.source.is_over() { self.scan.samples() } else { self.scan.settled() };
         let count = samples.partition_point(|sample| sample.point.distance - begin < self.window);
         let samples = samples.get(..=count).unwrap_or(samples);
         let limit = FeedLimit::assemble(samples, self.limits.chord_error)?;
