@@ -28,6 +28,7 @@
 use alloc::collections::VecDeque;
 use alloc::vec::Vec;
 
+use nurbs_core::{Differentiate, Frenet};
 use real::Real;
 
 use crate::feed_limit::{Measured, lowered};
@@ -107,18 +108,63 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
         self.places.push(Place { distance, point, tangent });
     }
 
-    /// The path goes on from where it is, with another tangent; the difference has this length.
+    /// The path goes on from where it is known to, with another tangent; the difference has this length.
     pub(crate) fn turn(&mut self, turn: R, tangent: [R; D]) {
-        let Some(end) = self.places.last().copied().filter(|_| turn > self.negligible) else { return };
+        let Some(end) = self.places.last().copied().filter(|_| self.is_break(turn)) else { return };
         self.places.push(Place { tangent, ..end });
         if self.breaks.back().is_none_or(|last| *last < end.distance) {
             self.breaks.push_back(end.distance);
         }
     }
 
-    /// Whether the path has a place yet from which it could go on.
+    /// Whether such a difference of unit tangents is a break.
+    pub(crate) fn is_break(&self, turn: R) -> bool {
+        turn > self.negligible
+    }
+
+    /// Whether a chord over the last break reaches farther than the path is known: only there its places matter.
+    pub(crate) fn is_waiting(&self) -> bool {
+        self.breaks.back().zip(self.places.last()).is_some_and(|(at, end)| end.distance - *at < self.reach)
+    }
+
+    /// Whether no place is known from which the path could go on.
     pub(crate) fn is_empty(&self) -> bool {
         self.places.is_empty()
+    }
+
+    /// Learns the places that a chord over a break at the last sample would reach before it, as far as they are on the same curve:
+    /// where no break is, a path is passed without. The last sample is on this span.
+    pub(crate) fn recall<C: Differentiate<R, D>>(
+        &mut self,
+        samples: &[Measured<R>],
+        shape: &C,
+        mut span: usize,
+    ) {
+        let Some(end) = samples.last().map(|sample| sample.point) else { return };
+        let known_to = self.places.last().map(|place| place.distance);
+        let is_unknown = |point: &LimitPoint<R>| {
+            point.curve == end.curve && known_to.is_none_or(|known| point.distance > known)
+        };
+        let known = self.places.len();
+        for point in samples.iter().rev().map(|sample| sample.point).take_while(is_unknown) {
+            while span > 0 && point.u < shape.span_bounds(span).0 {
+                span -= 1;
+            }
+            let is_another = |later: &Place<R, D>| point.distance < later.distance;
+            if self.places.get(known..).unwrap_or_default().last().is_none_or(is_another) {
+                let at = shape.derivatives_in(span, point.u);
+                self.pass(point.distance, at.point, Frenet::of(&at).tangent);
+            }
+            if point.distance <= end.distance - self.reach {
+                // What was known before does not lead up to here.
+                self.places.drain(..known);
+                self.places.reverse();
+                return;
+            }
+        }
+        if let Some(recalled) = self.places.get_mut(known..) {
+            recalled.reverse();
+        }
     }
 
     /// Ends the path, and with it every chord: what follows begins anew.

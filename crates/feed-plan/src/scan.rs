@@ -110,8 +110,7 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
         span.rest_in_bends(&mut stations);
         // A stop is one by its geometry; where only an axis's jerk asks for a creep, the path is crept along.
         self.limit_by_jerk(&mut stations);
-        let point_at = |u| shape.derivatives_in(index, u).point;
-        self.append(curve, &stations, point_at, from_rest).ok_or(PlanError::LengthOverflows { curve })
+        self.append(curve, shape, index, &stations, from_rest).ok_or(PlanError::LengthOverflows { curve })
     }
 
     /// Ends the path.
@@ -145,11 +144,12 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
 
     /// Appends a span, with a stop before it if `from_rest`; `None` when a distance does not increase as numbers of the format
     /// should.
-    fn append(
+    fn append<C: Differentiate<R, D>>(
         &mut self,
         curve: usize,
+        shape: &C,
+        index: usize,
         stations: &[Station<R, D>],
-        point_at: impl Fn(R) -> [R; D],
         from_rest: bool,
     ) -> Option<()> {
         let (first, last) = (&stations.first()?.at, &stations.last()?.at);
@@ -163,7 +163,11 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
                 junction.is_single = true;
             }
         }
-        self.turn(turn.as_ref(), first, junction, &point_at);
+        if index > 0 && turn.as_ref().is_some_and(|turn| self.fine_moves.is_break(turn.size)) {
+            self.fine_moves.recall(&self.samples, shape, index - 1);
+        }
+        let point_at = |u| shape.derivatives_in(index, u).point;
+        self.turn(turn.as_ref(), first, junction, point_at);
         let is_continuation =
             |end: &Measured<R>| end.point.curve == curve && end.point.feedrate == first.feedrate;
         if !self.samples.last().is_some_and(is_continuation) {
@@ -178,7 +182,7 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
             }
             self.distance = next;
             self.push(curve, &station.at, Some(stretch));
-            if self.bends_at(&stations[before..]) {
+            if self.fine_moves.is_waiting() && self.bends_at(&stations[before..]) {
                 self.fine_moves.pass(next, point_at(station.at.u), station.at.tangent);
             }
             if station.at.feedrate.is_zero() {
@@ -187,6 +191,9 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
             }
         }
         self.fine_moves.settle(&mut self.samples);
+        if index + 1 >= shape.span_count() {
+            self.fine_moves.recall(&self.samples, shape, index);
+        }
         self.end = Some((last.tangent, last.bend));
         Some(())
     }
