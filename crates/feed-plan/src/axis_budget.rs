@@ -128,6 +128,19 @@ impl<R: Real> AxisBudget<R> {
         feed
     }
 
+    /// Whether an axis has a limit of acceleration.
+    pub(crate) fn limits_acceleration(&self) -> bool {
+        self.axes.iter().any(|axis| axis.acceleration.is_some())
+    }
+
+    /// The largest share that these accelerations across a path in this direction take of what the reserve leaves.
+    pub(crate) fn strain(&self, tangent: &[R; AXES], across: &[R; AXES]) -> R {
+        let shares = self.axes.iter().zip(tangent).zip(across).filter_map(|((axis, tangent), across)| {
+            Some(*across / (axis.acceleration? - *tangent * self.reserve.acceleration))
+        });
+        shares.fold(R::zero(), R::max)
+    }
+
     /// The largest feed up to `feed` at which jerks leave the reserve, on a stretch.
     pub(crate) fn feed_on(&self, turning: &Turning<R>, feed: R) -> R {
         self.axes.iter().enumerate().fold(feed, |feed, (i, axis)| {
@@ -175,6 +188,11 @@ impl<R: Real> AxisBudget<R> {
         }
         Allowance { acceleration, jerk: above(self.reserve.jerk, jerk) }
     }
+}
+
+/// Magnitudes of the components, axis by axis.
+pub(crate) fn components<R: Real, const D: usize>(vector: &[R; D]) -> [R; AXES] {
+    core::array::from_fn(|i| vector.get(i).map_or_else(R::zero, |component| component.abs()))
 }
 
 /// The largest value up to `most` that holds, where all below one do, and 0 does.

@@ -28,9 +28,9 @@
 use alloc::collections::VecDeque;
 use alloc::vec::Vec;
 
-use nurbs_core::{Differentiate, Frenet};
 use real::Real;
 
+use crate::axis_budget::{AxisBudget, components};
 use crate::feed_limit::{Measured, lowered};
 use crate::{Junction, KinematicLimits, LimitPoint};
 
@@ -79,12 +79,18 @@ pub(crate) struct FineMoves<R, const D: usize> {
     period: R,
     /// The distance between chord and path that is allowed.
     allowed: R,
+    /// What may be spent on turning: `a_n T²`, and that of the axes.
+    across: Option<R>,
+    budget: Option<AxisBudget<R>>,
 }
 
 impl<R: Real, const D: usize> FineMoves<R, D> {
     /// `rounding` is the largest difference of unit tangents that rounding may make.
-    pub(crate) fn new(limits: &KinematicLimits<R>, rounding: R) -> Self {
+    pub(crate) fn new(limits: &KinematicLimits<R>, budget: Option<AxisBudget<R>>, rounding: R) -> Self {
         let period = limits.interpolation_period;
+        let across = limits.centripetal_acceleration.map(|acceleration| acceleration * period * period);
+        let budget = budget.filter(AxisBudget::limits_acceleration);
+        let is_turning_limited = across.is_some() || budget.is_some();
         let half_step = (limits.feedrate * period).half();
         let allowed = match limits.junction {
             Junction::Deviation(deviation) => deviation.max(limits.chord_error),
@@ -97,9 +103,11 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
             breaks: VecDeque::new(),
             negligible: rounding.max(alone.scale(NOTABLE)),
             half_step,
-            reach: half_step + half_step.scale(-2),
+            reach: half_step + if is_turning_limited { half_step } else { half_step.scale(-2) },
             period,
             allowed,
+            across,
+            budget,
         }
     }
 
@@ -133,12 +141,11 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
     }
 
     /// Learns the places that a chord over a break at the last sample would reach before it, as far as they are on the same curve:
-    /// where no break is, a path is passed without. The last sample is on this span.
-    pub(crate) fn recall<C: Differentiate<R, D>>(
+    /// where no break is, a path is passed without. `place_at` gives point and tangent at a parameter.
+    pub(crate) fn recall(
         &mut self,
         samples: &[Measured<R>],
-        shape: &C,
-        mut span: usize,
+        mut place_at: impl FnMut(R) -> ([R; D], [R; D]),
     ) {
         let Some(end) = samples.last().map(|sample| sample.point) else { return };
         let known_to = self.places.last().map(|place| place.distance);
@@ -147,13 +154,10 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
         };
         let known = self.places.len();
         for point in samples.iter().rev().map(|sample| sample.point).take_while(is_unknown) {
-            while span > 0 && point.u < shape.span_bounds(span).0 {
-                span -= 1;
-            }
             let is_another = |later: &Place<R, D>| point.distance < later.distance;
             if self.places.get(known..).unwrap_or_default().last().is_none_or(is_another) {
-                let at = shape.derivatives_in(span, point.u);
-                self.pass(point.distance, at.point, Frenet::of(&at).tangent);
+                let (at, tangent) = place_at(point.u);
+                self.pass(point.distance, at, tangent);
             }
             if point.distance <= end.distance - self.reach {
                 // What was known before does not lead up to here.
@@ -200,24 +204,33 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
         let first = samples.partition_point(|sample| sample.point.distance < at);
         let here = samples.iter().skip(first).take_while(|sample| sample.point.distance <= at);
         let feed = here.fold(R::max_value(), |least, sample| least.min(sample.point.feedrate));
-        let most = (feed * self.period).half().min(self.half_step);
-        let Some(half) = self.first_too_long(at, most) else { return };
-        let feed = (half + half) / self.period;
-        let (begin, end) = (at - half, at + half);
-        for place in [begin, end] {
-            split(samples, place, half.scale(FINE));
+        let mut half = (feed * self.period).half().min(self.half_step);
+        if let Some(least) = self.first_too_long(at, half, self.allowed, |chord| self.error(chord)) {
+            lower_around(samples, at, least, (least + least) / self.period);
+            half = least;
         }
-        let first = samples.partition_point(|sample| sample.point.distance < at);
-        let before = lower(samples.iter_mut().take(first).rev(), feed, |distance| distance <= begin);
-        let behind = lower(samples.iter_mut().skip(first), feed, |distance| distance >= end);
-        for single in first.saturating_sub(before)..first.saturating_add(behind) {
-            lower_single(samples, single);
+        if self.across.is_none() && self.budget.is_none() {
+            return;
+        }
+        let step = half + half;
+        let alone = self
+            .turn_at(at)
+            .map_or_else(R::zero, |(along, turn)| self.strain(&along, &turn.map(|x| x * step)));
+        let allowed = alone.max(R::one());
+        if let Some(least) = self.first_too_long(at, step, allowed, |chord| self.strain_over(chord)) {
+            lower_around(samples, at, least, least / self.period);
         }
     }
 
-    /// Half of the shortest chord over the break at this distance that leaves the path by more than is allowed, if that is below
+    /// Half of the shortest chord over the break at this distance of which `measure` is above what is allowed, if that is below
     /// `most`.
-    fn first_too_long(&self, at: R, most: R) -> Option<R> {
+    fn first_too_long(
+        &self,
+        at: R,
+        most: R,
+        allowed: R,
+        measure: impl Fn(&Chord<'_, R, D>) -> R,
+    ) -> Option<R> {
         let mut chord = Chord::new(&self.places, at)?;
         let mut held = (R::zero(), R::zero());
         for _ in 0..MOST_LENGTHENINGS {
@@ -227,32 +240,14 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
             }
             let half = chord.next_break().max(half + half.scale(LENGTHENING)).min(most);
             chord.lengthen_to(half);
-            let error = self.error(&chord);
-            if error > self.allowed + self.allowed.scale(SLACK) {
-                return Some(self.crossing(chord, held, (half, error)));
+            let found = measure(&chord);
+            if found > allowed + allowed.scale(SLACK) {
+                return Some(crossing(chord, held, (half, found), allowed, measure))
+                    .filter(|half| *half > R::zero());
             }
-            held = (half, error);
+            held = (half, found);
         }
         None
-    }
-
-    /// Half of the chord at which the error is what is allowed: between that of a chord that holds and that of one that does not, by
-    /// secants. The error being convex, each is short of it.
-    fn crossing(&self, mut chord: Chord<'_, R, D>, mut held: (R, R), mut over: (R, R)) -> R {
-        for _ in 0..SECANTS {
-            let (width, rise) = (over.0 - held.0, over.1 - held.1);
-            let room = self.allowed - held.1;
-            if !(room > self.allowed.scale(SLACK) && rise > R::zero()) {
-                break;
-            }
-            let half = held.0 + width * (room / rise);
-            chord.change_to(half);
-            let error = self.error(&chord);
-            // What rounding adds must not throw it back to where it began.
-            let is_over = error > self.allowed + self.allowed.scale(SLACK).half();
-            if is_over { over = (half, error) } else { held = (half, error) }
-        }
-        held.0
     }
 
     /// By how much the chord leaves the path at the break, or one of the same length does that has it at another place.
@@ -268,22 +263,78 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
 
     /// The distance of the break from a chord of this length that has it at this share of it.
     fn across(&self, chord: &Chord<'_, R, D>, share: R) -> R {
-        let [begin, end] = chord.ends(share);
-        let centre = &chord.centre;
-        let (before, behind): ([R; D], [R; D]) =
-            (core::array::from_fn(|d| centre[d] - begin[d]), core::array::from_fn(|d| end[d] - centre[d]));
+        let [before, behind] = chord.sides(share);
         let rest = R::one() - share;
         let offset: [R; D] = core::array::from_fn(|d| rest * before[d] - share * behind[d]);
         let length = R::norm(&offset);
-        let along: [R; D] = core::array::from_fn(|d| before[d] + behind[d]);
-        let square = R::sum_of_products(along.into_iter().zip(along));
         // Distances along the path are rounded, and that says nothing about the chord's error.
-        if length <= self.allowed || !(square > R::zero()) {
-            return length;
-        }
-        let rounded = R::sum_of_products(offset.into_iter().zip(along)) / square;
-        R::norm(&core::array::from_fn::<_, D, _>(|d| offset[d] - rounded * along[d]))
+        if length <= self.allowed { length } else { R::norm(&across(&offset, &before, &behind)) }
     }
+
+    /// The share that the path's turning takes of what may be spent on it where half of the chord is travelled in a period.
+    fn strain_over(&self, chord: &Chord<'_, R, D>) -> R {
+        let [before, behind] = chord.sides(R::one().half());
+        let change = core::array::from_fn(|d| behind[d] - before[d]);
+        let along: [R; D] = core::array::from_fn(|d| before[d] + behind[d]);
+        self.strain(&along, &across(&change, &before, &behind))
+    }
+
+    /// The same of a change of the step, in a period, of a path in this direction.
+    fn strain(&self, along: &[R; D], change: &[R; D]) -> R {
+        let of_axes = self.budget.map_or_else(R::zero, |budget| {
+            let length = R::norm(along);
+            let tangent = along.map(|x| if length > R::zero() { x / length } else { R::zero() });
+            let square = self.period * self.period;
+            budget.strain(&components(&tangent), &components(&change.map(|x| x / square)))
+        });
+        self.across.map_or(of_axes, |most| of_axes.max(R::norm(change) / most))
+    }
+
+    /// The sum and the difference of the unit tangents behind and before the break at this distance.
+    fn turn_at(&self, at: R) -> Option<([R; D], [R; D])> {
+        let first = self.places.partition_point(|place| place.distance < at);
+        let beyond = self.places.partition_point(|place| place.distance <= at);
+        let before = self.places.get(first)?.tangent;
+        let behind = self.places.get(beyond.checked_sub(1)?)?.tangent;
+        let sum = core::array::from_fn(|d| behind[d] + before[d]);
+        Some((sum, core::array::from_fn(|d| behind[d] - before[d])))
+    }
+}
+
+/// The part of a vector that is across the sum of two others.
+fn across<R: Real, const D: usize>(vector: &[R; D], before: &[R; D], behind: &[R; D]) -> [R; D] {
+    let along: [R; D] = core::array::from_fn(|d| before[d] + behind[d]);
+    let square = R::sum_of_products(along.into_iter().zip(along));
+    if !(square > R::zero()) {
+        return *vector;
+    }
+    let share = R::sum_of_products(vector.iter().copied().zip(along)) / square;
+    core::array::from_fn(|d| vector[d] - share * along[d])
+}
+
+/// Half of the chord at which `measure` is what is allowed: between one that holds and one that does not, by secants. Where the measure
+/// is convex each is short of it.
+fn crossing<R: Real, const D: usize>(
+    mut chord: Chord<'_, R, D>,
+    mut held: (R, R),
+    mut over: (R, R),
+    allowed: R,
+    measure: impl Fn(&Chord<'_, R, D>) -> R,
+) -> R {
+    for _ in 0..SECANTS {
+        let (width, rise) = (over.0 - held.0, over.1 - held.1);
+        let room = allowed - held.1;
+        if !(room > allowed.scale(SLACK) && rise > R::zero()) {
+            break;
+        }
+        let half = held.0 + width * (room / rise);
+        chord.change_to(half);
+        let found = measure(&chord);
+        // What rounding adds must not throw it back to where it began.
+        let is_over = found > allowed + allowed.scale(SLACK).half();
+        if is_over { over = (half, found) } else { held = (half, found) }
+    }
+    held.0
 }
 
 /// A chord over a break, as far before it as behind it along the path.
@@ -340,17 +391,21 @@ impl<'a, R: Real, const D: usize> Chord<'a, R, D> {
         before.min(behind)
     }
 
-    /// Both ends of a chord of this length that has the break at this share of it.
-    fn ends(&self, share: R) -> [[R; D]; 2] {
-        let length = self.half + self.half;
-        if share == R::one().half() {
+    /// From the begin of a chord of this length that has the break at this share of it to the break, and from there to its end.
+    fn sides(&self, share: R) -> [[R; D]; 2] {
+        let (begin, end) = if share == R::one().half() {
             let (first, beyond) = self.within;
-            return [self.point(first, self.at - self.half), self.point(beyond, self.at + self.half)];
-        }
-        [self.at - length * share, self.at + length * (R::one() - share)].map(|distance| {
-            let next = self.places.partition_point(|place| place.distance < distance);
-            self.point(next, distance)
-        })
+            (self.point(first, self.at - self.half), self.point(beyond, self.at + self.half))
+        } else {
+            let length = self.half + self.half;
+            (self.find(self.at - length * share), self.find(self.at + length * (R::one() - share)))
+        };
+        let centre = &self.centre;
+        [core::array::from_fn(|d| centre[d] - begin[d]), core::array::from_fn(|d| end[d] - centre[d])]
+    }
+
+    fn find(&self, distance: R) -> [R; D] {
+        self.point(self.places.partition_point(|place| place.distance < distance), distance)
     }
 
     /// The point at this distance, which is before place `next` and not before the one before that: by the cubic that has the
@@ -420,6 +475,20 @@ fn lower<'a, R: Real + 'a>(
     count
 }
 
+/// Lowers what is within `half` of a place to a feed.
+fn lower_around<R: Real>(samples: &mut Vec<Measured<R>>, at: R, half: R, feed: R) {
+    let (begin, end) = (at - half, at + half);
+    for place in [begin, end] {
+        split(samples, place, half.scale(FINE));
+    }
+    let first = samples.partition_point(|sample| sample.point.distance < at);
+    let before = lower(samples.iter_mut().take(first).rev(), feed, |distance| distance <= begin);
+    let behind = lower(samples.iter_mut().skip(first), feed, |distance| distance >= end);
+    for single in first.saturating_sub(before)..first.saturating_add(behind) {
+        lower_single(samples, single);
+    }
+}
+
 /// Lowers a limit that holds at one point alone to what holds beside it now: above that, it would be a summit.
 fn lower_single<R: Real>(samples: &mut [Measured<R>], single: usize) {
     let beside = |place: Option<usize>| {
@@ -480,7 +549,12 @@ mod tests {
     }
 
     /// The largest error of a chord of one period along the plan, at eight phases, that passes no stop.
-    fn worst_chord(track: &Track, limit: &FeedLimit<f64>, limits: &KinematicLimits<f64>, kind: ProfileKind) -> f64 {
+    fn worst_chord(
+        track: &Track,
+        limit: &FeedLimit<f64>,
+        limits: &KinematicLimits<f64>,
+        kind: ProfileKind,
+    ) -> f64 {
         let plan = plan_with(limit, limits, EndFeeds::default(), kind).unwrap();
         let mut places = Vec::new();
         let (mut time, mut stage_index) = (0.0, 0);
@@ -511,16 +585,16 @@ mod tests {
 
     /// Moves over an arc that begins at the origin, along x.
     fn arc(radius: f64, step: f64, angle: f64) -> Vec<[f64; 2]> {
-        let count = (radius * angle / step).round() as u32;
-        let at = |i: u32| angle * f64::from(i) / f64::from(count);
+        let count = (0..).take_while(|i| f64::from(*i) * step < radius * angle).count();
+        let at = |i: usize| angle * i as f64 / count as f64;
         (0..=count).map(|i| [radius * at(i).sin(), radius * (1.0 - at(i).cos())]).collect()
     }
 
     /// The least and the greatest limit, but for a tenth of the path at each end.
     fn range(limit: &FeedLimit<f64>) -> (f64, f64) {
-        (100..=900).map(|i| limit.at(limit.length() * f64::from(i) / 1000.0)).fold((f64::MAX, 0.0), |range, at| {
-            (range.0.min(at), range.1.max(at))
-        })
+        (100..=900)
+            .map(|i| limit.at(limit.length() * f64::from(i) / 1000.0))
+            .fold((f64::MAX, 0.0), |range, at| (range.0.min(at), range.1.max(at)))
     }
 
     /// E, mm.
@@ -532,9 +606,13 @@ mod tests {
     fn a_circle_of_fine_moves_is_limited_as_a_circle() {
         // Of the chord, 0.063 to 0.49 mm, a move is 1/63 to a tenth. The fewer there are, the more the first and the last matter:
         // a chord over n breaks may be longer or shorter than that of the circle by about 1/(2 n).
-        for (radius, step, less) in
-            [(1.0, 0.001, 5e-3), (10.0, 0.01, 5e-3), (10.0, 0.001, 5e-3), (5.0, 0.01, 0.015), (30.0, 0.05, 0.14)]
-        {
+        for (radius, step, less) in [
+            (1.0, 0.001, 5e-3),
+            (10.0, 0.01, 5e-3),
+            (10.0, 0.001, 5e-3),
+            (5.0, 0.01, 0.015),
+            (30.0, 0.05, 0.14),
+        ] {
             let (points, limits) = (arc(radius, step, 6.0), paper_limits());
             let limit = limit_along(&points, &limits);
             let expected = chord_feedrate(radius, ALLOWED, 1.0);
@@ -560,7 +638,10 @@ mod tests {
             let limit = limit_along(&points, &with(junction));
             let expected = chord_feedrate(1.0, allowed, 1.0);
             let (least, most) = range(&limit);
-            assert!(least > 0.97 * expected && most < 1.005 * expected, "{junction:?}: {least} to {most}, {expected}");
+            assert!(
+                least > 0.97 * expected && most < 1.005 * expected,
+                "{junction:?}: {least} to {most}, {expected}"
+            );
             let worst = worst_chord(&Track::of(&points), &limit, &with(junction), ProfileKind::Cubic);
             assert!(worst <= 1.01 * allowed, "{junction:?}: {worst}");
         }
@@ -575,8 +656,9 @@ mod tests {
     #[test]
     fn a_straight_line_in_fine_moves_keeps_full_feed() {
         let rounded = |x: f64| (x * 1e6).round() / 1e6;
-        let points: Vec<_> =
-            (0..8000_u32).map(|i| [0.36, 0.93].map(|e: f64| rounded(e.sin() * 1e-3 * f64::from(i)))).collect();
+        let points: Vec<_> = (0..8000_u32)
+            .map(|i| [0.36, 0.93].map(|e: f64| rounded(e.sin() * 1e-3 * f64::from(i))))
+            .collect();
         let limit = limit_along(&points, &paper_limits());
         assert_eq!(range(&limit), (0.6, 0.6));
         let breaks = points.windows(3).map(|p| {
@@ -630,11 +712,13 @@ mod tests {
     #[test]
     fn moves_that_go_on_from_an_arc_are_limited_as_it_is() {
         let half = 0.5_f64.sqrt();
-        let quarter =
-            NurbsBuf::try_new(2, vec![[0.0, -2.0], [2.0, -2.0], [2.0, 0.0]], vec![1.0, half, 1.0], vec![
-                0., 0., 0., 1., 1., 1.,
-            ])
-            .unwrap();
+        let quarter = NurbsBuf::try_new(
+            2,
+            vec![[0.0, -2.0], [2.0, -2.0], [2.0, 0.0]],
+            vec![1.0, half, 1.0],
+            vec![0., 0., 0., 1., 1., 1.],
+        )
+        .unwrap();
         let at = |i: u32| 1e-3 * f64::from(i);
         let moves: Vec<_> = (0..=1500).map(|i| [2.0 * at(i).cos(), 2.0 * at(i).sin()]).collect();
         let mut path = vec![quarter];
@@ -678,13 +762,18 @@ mod tests {
             points
         };
         let points = chain(&[turn(0.0, 5.0), turn(0.003, 0.1), turn(0.003, 0.1), turn(0.006, 5.0)]);
-        let along = |stops: &[usize]| FeedLimit::along_with_stops(&views(&polyline(&points)), &limits, stops).unwrap();
-        let least = |limit: &FeedLimit<f64>| limit.nodes().iter().fold(f64::MAX, |least, node| least.min(node.lower.max(1e-9)));
+        let along = |stops: &[usize]| {
+            FeedLimit::along_with_stops(&views(&polyline(&points)), &limits, stops).unwrap()
+        };
+        let least = |limit: &FeedLimit<f64>| {
+            limit.nodes().iter().fold(f64::MAX, |least, node| least.min(node.lower.max(1e-9)))
+        };
         // From L/2 - 0.05 before the first one, 0.003 (L - 0.1)²/(2 L) = E: L = 0.514.
         let joined = along(&[]);
         assert!((least(&joined) - 0.514).abs() < 0.003, "{}", least(&joined));
         let stopped = along(&[2]);
-        let feeds: Vec<_> = stopped.nodes().iter().map(|node| node.lower).filter(|feed| *feed < 0.6).collect();
+        let feeds: Vec<_> =
+            stopped.nodes().iter().map(|node| node.lower).filter(|feed| *feed < 0.6).collect();
         assert_eq!(feeds, [0.0]);
     }
 

@@ -9,7 +9,7 @@ use alloc::vec::Vec;
 use nurbs_core::{Differentiate, Frenet, GaussLegendre, golden_section};
 use real::Real;
 
-use crate::axis_budget::{Allowance, AxisBudget, Turning};
+use crate::axis_budget::{Allowance, AxisBudget, Turning, components};
 use crate::feed_limit::{Measured, lowered};
 use crate::fine_moves::FineMoves;
 use crate::limits::{AXES, Junction};
@@ -67,7 +67,7 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
         let budget = AxisBudget::new(limits);
         let (distance, end, samples) = (R::zero(), None, Vec::new());
         let chord_bound_radius = limits.chord_bound_radius();
-        let fine_moves = FineMoves::new(limits, rounding);
+        let fine_moves = FineMoves::new(limits, budget, rounding);
         Self {
             limits,
             budget,
@@ -164,9 +164,9 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
             }
         }
         if index > 0 && turn.as_ref().is_some_and(|turn| self.fine_moves.is_break(turn.size)) {
-            self.fine_moves.recall(&self.samples, shape, index - 1);
+            self.recall(shape, index - 1);
         }
-        let point_at = |u| shape.derivatives_in(index, u).point;
+        let point_at = |u| shape.point(u);
         self.turn(turn.as_ref(), first, junction, point_at);
         let is_continuation =
             |end: &Measured<R>| end.point.curve == curve && end.point.feedrate == first.feedrate;
@@ -192,10 +192,24 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
         }
         self.fine_moves.settle(&mut self.samples);
         if index + 1 >= shape.span_count() {
-            self.fine_moves.recall(&self.samples, shape, index);
+            self.recall(shape, index);
         }
         self.end = Some((last.tangent, last.bend));
         Some(())
+    }
+
+    /// Learns what [`FineMoves`] needs of the path behind its end. The last span sampled is `index`.
+    fn recall<C: Differentiate<R, D>>(&mut self, shape: &C, mut index: usize) {
+        let (limits, budget, rule) = (self.limits, self.budget.as_ref(), &self.rule);
+        let (longest, chord_bound_radius) = (self.longest, self.chord_bound_radius);
+        self.fine_moves.recall(&self.samples, |u| {
+            while index > 0 && u < shape.span_bounds(index).0 {
+                index -= 1;
+            }
+            let span = Span { shape, index, limits, budget, rule, longest, chord_bound_radius };
+            // Not from derivatives of its own: they are compiled into `sample` as long as nobody else asks for them.
+            (shape.point(u), span.sample(u).tangent)
+        });
     }
 
     /// Whether the second of these stations is the last one, or not on a straight line with its neighbours.
@@ -326,11 +340,6 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
             stations[i].stretch = Some(Stretch { allowance, ..stretch });
         }
     }
-}
-
-/// Magnitudes of the components, axis by axis.
-fn components<R: Real, const D: usize>(vector: &[R; D]) -> [R; AXES] {
-    core::array::from_fn(|i| vector.get(i).map_or_else(R::zero, |component| component.abs()))
 }
 
 /// What changes where a span begins.
