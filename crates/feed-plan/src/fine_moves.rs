@@ -42,6 +42,8 @@ const LENGTHENING: i32 = -4;
 const MOST_LENGTHENINGS: usize = 512;
 /// Samples farther than 2⁻³ of half a chord from each other are too far apart to end a limit at.
 const FINE: i32 = -3;
+/// A chord that is shorter than the one found by no more than 2⁻⁷, or longer by 2⁻⁹, is as good.
+const EVEN: i32 = -7;
 /// Secants to the length at which h is what is allowed.
 const SECANTS: usize = 6;
 /// Where h in the middle is below 1 - 2⁻² of what is allowed, it is nowhere above.
@@ -82,6 +84,8 @@ pub(crate) struct FineMoves<R, const D: usize> {
     /// What may be spent on turning: `a_n T²`, and that of the axes.
     across: Option<R>,
     budget: Option<AxisBudget<R>>,
+    /// Half of the last chord that limited the feed.
+    last_half: R,
 }
 
 impl<R: Real, const D: usize> FineMoves<R, D> {
@@ -108,6 +112,7 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
             allowed,
             across,
             budget,
+            last_half: R::zero(),
         }
     }
 
@@ -200,12 +205,13 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
     }
 
     /// Limits the feed around the break at this distance.
-    fn limit_at(&self, at: R, samples: &mut Vec<Measured<R>>) {
+    fn limit_at(&mut self, at: R, samples: &mut Vec<Measured<R>>) {
         let first = samples.partition_point(|sample| sample.point.distance < at);
         let here = samples.iter().skip(first).take_while(|sample| sample.point.distance <= at);
         let feed = here.fold(R::max_value(), |least, sample| least.min(sample.point.feedrate));
         let mut half = (feed * self.period).half().min(self.half_step);
         if let Some(least) = self.first_too_long(at, half, self.allowed, |chord| self.error(chord)) {
+            let least = self.as_before(least);
             lower_around(samples, at, least, (least + least) / self.period);
             half = least;
         }
@@ -220,6 +226,16 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
         if let Some(least) = self.first_too_long(at, step, allowed, |chord| self.strain_over(chord)) {
             lower_around(samples, at, least, least / self.period);
         }
+    }
+
+    /// This half of a chord, or the one before where that is as good: what turns evenly has one limit, not one a break.
+    fn as_before(&mut self, half: R) -> R {
+        let before = self.last_half;
+        let is_as_good = before >= half - half.scale(EVEN) && before <= half + half.scale(EVEN - 2);
+        if !is_as_good {
+            self.last_half = half;
+        }
+        self.last_half
     }
 
     /// Half of the shortest chord over the break at this distance of which `measure` is above what is allowed, if that is below
