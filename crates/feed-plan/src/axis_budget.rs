@@ -30,6 +30,7 @@
 
 use real::Real;
 
+use crate::feed_limit::Measured;
 use crate::limits::AXES;
 use crate::{AxisLimits, KinematicLimits};
 
@@ -139,6 +140,16 @@ impl<R: Real> AxisBudget<R> {
             Some(*across / (axis.acceleration? - *tangent * self.reserve.acceleration))
         });
         shares.fold(R::zero(), R::max)
+    }
+
+    /// Leaves the path no more than the reserve of acceleration within `reach` of a place.
+    pub(crate) fn keep_reserve(&self, samples: &mut [Measured<R>], at: R, reach: R) {
+        let first = samples.partition_point(|sample| sample.point.distance < at - reach);
+        let within = samples.iter_mut().skip(first);
+        for sample in within.take_while(|sample| sample.point.distance <= at + reach) {
+            let least = &mut sample.allowance.acceleration;
+            *least = least.min(self.reserve.acceleration);
+        }
     }
 
     /// The largest feed up to `feed` at which jerks leave the reserve, on a stretch.

@@ -345,6 +345,28 @@ mod tests {
         }
     }
 
+    /// What a break lowers before it is not final yet where a window ends, however short the window.
+    #[test]
+    fn moves_finer_than_a_step_have_the_same_limit_through_a_window() {
+        // Straight, and into ever tighter bends in moves of 2 µm: from 20 mm to 1 mm and back.
+        let (mut angle, mut points) = (0.0_f64, vec![[-3.0, 0.0], [0.0, 0.0]]);
+        for i in 0..=4000 {
+            let last = points[points.len() - 1];
+            points.push([last[0] + 2e-3 * angle.cos(), last[1] + 2e-3 * angle.sin()]);
+            angle += 2e-3 / (1.0 + 4.75 * (f64::from(i) * 2e-3 - 4.0).abs());
+        }
+        let curves = polyline(&points);
+        let whole = streamed(&curves, 1e4, ProfileKind::SCurve).1;
+        for window in [0.05, 0.5, 2.0, 8.0] {
+            let (stages, done) = streamed(&curves, window, ProfileKind::SCurve);
+            let limit = assert_kept(&curves, &stages);
+            assert!(limit.at(7.0) < 0.08 && limit.at(1.0) == 0.6, "{}", limit.at(7.0));
+            assert!(done.duration >= whole.duration * (1.0 - 1e-3), "{window}: {}", done.duration);
+            // Samples of a window, of what a chord reaches beyond it, and of a span.
+            assert!(done.most_points < 17 * 1000 + (17.0 * 500.0 * window) as usize, "{}", done.most_points);
+        }
+    }
+
     #[test]
     fn a_window_of_twice_the_stopping_distance_loses_little() {
         let curves = long_path(60);
