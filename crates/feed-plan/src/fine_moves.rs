@@ -23,6 +23,10 @@
 //! a break that is passed slowly enough anyway costs no more than one look, and plans over joints that are smooth but for rounding
 //! stay what they were.
 //!
+//! The same difference says what turning takes of accelerations. Two steps of V T over the place change the step by A - B, p = q = V T,
+//! in a period: so the part of that across the path stays within a_n T², and each of its components within what the axis has left
+//! beside the path's reserve, for V T on both sides. A break that takes more alone was passed by its own rule, and may.
+//!
 //! A stop ends a chord. What is beyond it is taken as going straight on, and so it is beyond the path's ends.
 
 use alloc::collections::VecDeque;
@@ -51,7 +55,7 @@ const SECANTS: usize = 6;
 /// Where h in the middle is below 1 - 2⁻² of what is allowed, it is nowhere above.
 const NEAR: i32 = -2;
 /// Where else in a chord a break is looked at, in sixteenths of it. Without 7 and 9, chords along random moves leave them by up to
-/// 1.04 of what is allowed; with them, by no more than the slack.
+/// 1.04 of what is allowed; with them, by 1.01.
 const OFF_MIDDLE: [i32; 4] = [6, 7, 9, 10];
 /// What a million of its kind within a step do not add up to the chord error with is no break: 2⁻²⁰ of the one that does alone.
 const NOTABLE: i32 = -20;
