@@ -166,7 +166,7 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
         if index > 0 && turn.as_ref().is_some_and(|turn| self.fine_moves.is_break(turn.size)) {
             self.recall(shape, index - 1);
         }
-        let point_at = |u| shape.point(u);
+        let point_at = |u| shape.derivatives(u).point;
         self.turn(turn.as_ref(), first, junction, point_at);
         let is_continuation =
             |end: &Measured<R>| end.point.curve == curve && end.point.feedrate == first.feedrate;
@@ -207,8 +207,8 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
                 index -= 1;
             }
             let span = Span { shape, index, limits, budget, rule, longest, chord_bound_radius };
-            // Not from derivatives of its own: they are compiled into `sample` as long as nobody else asks for them.
-            (shape.point(u), span.sample(u).tangent)
+            // `derivatives_in` is compiled into `sample` as long as nobody else asks for it.
+            (shape.derivatives(u).point, span.sample(u).tangent)
         });
     }
 
