@@ -34,6 +34,7 @@
 
 use real::Real;
 
+use crate::feed_limit::Measured;
 use crate::limits::AXES;
 use crate::{AxisLimits, KinematicLimits};
 
@@ -132,6 +133,29 @@ impl<R: Real> AxisBudget<R> {
         feed
     }
 
+    /// Whether an axis has a limit of acceleration.
+    pub(crate) fn limits_acceleration(&self) -> bool {
+        self.axes.iter().any(|axis| axis.acceleration.is_some())
+    }
+
+    /// The largest share that these accelerations across a path in this direction take of what the reserve leaves.
+    pub(crate) fn strain(&self, tangent: &[R; AXES], across: &[R; AXES]) -> R {
+        let shares = self.axes.iter().zip(tangent).zip(across).filter_map(|((axis, tangent), across)| {
+            Some(*across / (axis.acceleration? - *tangent * self.reserve.acceleration))
+        });
+        shares.fold(R::zero(), R::max)
+    }
+
+    /// Leaves the path no more than the reserve of acceleration within `reach` of a place.
+    pub(crate) fn keep_reserve(&self, samples: &mut [Measured<R>], at: R, reach: R) {
+        let first = samples.partition_point(|sample| sample.point.distance < at - reach);
+        let within = samples.iter_mut().skip(first);
+        for sample in within.take_while(|sample| sample.point.distance <= at + reach) {
+            let least = &mut sample.allowance.acceleration;
+            *least = least.min(self.reserve.acceleration);
+        }
+    }
+
     /// The largest feed up to `feed` at which jerks leave the reserve, on a stretch.
     pub(crate) fn feed_on(&self, turning: &Turning<R>, feed: R) -> R {
         self.feed_by_jerk(turning, feed, |feed| self.acceleration_at(feed))
@@ -195,6 +219,11 @@ impl<R: Real> AxisBudget<R> {
         }
         Allowance { acceleration, jerk: above(self.reserve.jerk, jerk) }
     }
+}
+
+/// Magnitudes of the components, axis by axis.
+pub(crate) fn components<R: Real, const D: usize>(vector: &[R; D]) -> [R; AXES] {
+    core::array::from_fn(|i| vector.get(i).map_or_else(R::zero, |component| component.abs()))
 }
 
 /// The largest value up to `most` that holds, where all below one do, and 0 does.

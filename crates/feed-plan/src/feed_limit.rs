@@ -83,6 +83,12 @@ impl<R: Real> FeedLimit<R> {
     /// whose limit is below F/4096 and the least limit of a bend whose radius there is below E/2, which a run a little off
     /// its plan would skip.
     ///
+    /// Breaks that are no stops are looked at together: no chord of one period leaves the path by more than the chord error, and
+    /// 2 % of it, whatever it passes, lines, curves and breaks. With [`Junction::Deviation`](crate::Junction) its distance is
+    /// allowed if that is more; with [`Junction::VelocityJump`](crate::Junction) a chord ends at a break that would be a stop. So do
+    /// breaks within a period take no more of the centripetal acceleration and of those of the axes than a bend may, and 2⁻⁸ of
+    /// it; of the axes' jerk they take what they take.
+    ///
     /// Between two points the limit is tested at three places. What is narrower than a third of the finest
     /// step, 2⁻²⁰ of a span, can be missed.
     ///
@@ -115,6 +121,7 @@ impl<R: Real> FeedLimit<R> {
         for (index, curve) in curves.iter().enumerate() {
             scan.pass(index, curve, stops.binary_search(&index).is_ok())?;
         }
+        scan.finish();
         Self::assemble(scan.samples(), limits.chord_error)
     }
 

@@ -87,6 +87,8 @@ mod error;
 mod feed_limit;
 mod feed_piece;
 #[cfg(feature = "alloc")]
+mod fine_moves;
+#[cfg(feature = "alloc")]
 mod flank;
 #[cfg(feature = "alloc")]
 mod flexible;

@@ -9,8 +9,9 @@ use alloc::vec::Vec;
 use nurbs_core::{Differentiate, Frenet, GaussLegendre, golden_section};
 use real::Real;
 
-use crate::axis_budget::{Allowance, AxisBudget, Turning};
+use crate::axis_budget::{Allowance, AxisBudget, Turning, components};
 use crate::feed_limit::{Measured, lowered};
+use crate::fine_moves::FineMoves;
 use crate::limits::{AXES, Junction};
 use crate::stops::BesideStop;
 use crate::{KinematicLimits, LimitPoint, PlanError};
@@ -53,6 +54,8 @@ pub(crate) struct Scan<'l, R, const D: usize> {
     /// Tangent and curvature vector at the end so far.
     end: Option<([R; D], [R; D])>,
     samples: Vec<Measured<R>>,
+    /// What breaks of the tangent within one step do together.
+    fine_moves: FineMoves<R, D>,
 }
 
 impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
@@ -68,6 +71,7 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
         let (distance, end, samples) = (R::zero(), None, Vec::new());
         let chord_bound_radius = limits.chord_bound_radius();
         let feed_in_any_direction = limits.feed_in_any_direction();
+        let fine_moves = FineMoves::new(limits, budget, rounding);
         Self {
             limits,
             budget,
@@ -80,6 +84,7 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
             distance,
             end,
             samples,
+            fine_moves,
         }
     }
 
@@ -111,12 +116,25 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
         // A stop is one by its geometry; where only an axis's jerk asks for a creep, the path is crept along.
         self.limit_by_jerk(&mut stations);
         self.keep_moving(&mut stations);
-        self.append(curve, &stations, from_rest).ok_or(PlanError::LengthOverflows { curve })
+        self.append(curve, shape, index, &stations, from_rest).ok_or(PlanError::LengthOverflows { curve })
+    }
+
+    /// Ends the path.
+    pub(crate) fn finish(&mut self) {
+        self.fine_moves.end(&mut self.samples);
     }
 
     /// The samples so far, but for those forgotten.
     pub(crate) fn samples(&self) -> &[Measured<R>] {
         &self.samples
+    }
+
+    /// Those of them that stay as they are, whatever comes: what a chord reaches from a break still to come may be lowered, and the
+    /// sample before it.
+    pub(crate) fn settled(&self) -> &[Measured<R>] {
+        let begin = self.fine_moves.open_from(self.distance);
+        let count = self.samples.partition_point(|sample| sample.point.distance <= begin);
+        self.samples.get(..count.saturating_sub(1)).unwrap_or_default()
     }
 
     /// Arc length of what was sampled.
@@ -132,22 +150,36 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
 
     /// Appends a span, with a stop before it if `from_rest`; `None` when a distance does not increase as numbers of the format
     /// should.
-    fn append(&mut self, curve: usize, stations: &[Station<R, D>], from_rest: bool) -> Option<()> {
+    fn append<C: Differentiate<R, D>>(
+        &mut self,
+        curve: usize,
+        shape: &C,
+        index: usize,
+        stations: &[Station<R, D>],
+        from_rest: bool,
+    ) -> Option<()> {
         let (first, last) = (&stations.first()?.at, &stations.last()?.at);
         let is_lowest = |feedrate: &R| *feedrate < self.lower_beside(stations);
         let stop = (from_rest && self.end.is_some()).then(R::zero);
-        if let Some(feedrate) = stop.or_else(|| self.junction_feed(first).filter(is_lowest)) {
+        let turn = self.end.map(|end| Turn::between(end, first));
+        let junction = stop.or_else(|| self.junction_feed(turn.as_ref()?).filter(is_lowest));
+        if let Some(feedrate) = junction {
             self.push(curve, &Sample { feedrate, ..*first }, None);
             if let Some(junction) = self.samples.last_mut() {
                 junction.is_single = true;
             }
         }
+        if index > 0 && turn.as_ref().is_some_and(|turn| self.fine_moves.is_break(turn.size)) {
+            self.recall(shape, index - 1);
+        }
+        let point_at = |u| shape.derivatives(u).point;
+        self.turn(turn.as_ref(), first, junction, point_at);
         let is_continuation =
             |end: &Measured<R>| end.point.curve == curve && end.point.feedrate == first.feedrate;
         if !self.samples.last().is_some_and(is_continuation) {
             self.push(curve, first, None);
         }
-        for station in &stations[1..] {
+        for (before, station) in (0..).zip(&stations[1..]) {
             let stretch = station.stretch.as_ref()?;
             let length = stretch.length;
             let next = self.distance + length;
@@ -156,9 +188,65 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
             }
             self.distance = next;
             self.push(curve, &station.at, Some(stretch));
+            if self.fine_moves.is_waiting() && self.bends_at(&stations[before..]) {
+                self.fine_moves.pass(next, point_at(station.at.u), station.at.tangent);
+            }
+            if station.at.feedrate.is_zero() {
+                self.fine_moves.end(&mut self.samples);
+                self.fine_moves.pass(next, point_at(station.at.u), station.at.tangent);
+            }
+        }
+        self.fine_moves.settle(&mut self.samples);
+        if index + 1 >= shape.span_count() {
+            self.recall(shape, index);
         }
         self.end = Some((last.tangent, last.bend));
         Some(())
+    }
+
+    /// Learns what [`FineMoves`] needs of the path behind its end. The last span sampled is `index`.
+    fn recall<C: Differentiate<R, D>>(&mut self, shape: &C, mut index: usize) {
+        let (limits, budget, rule) = (self.limits, self.budget.as_ref(), &self.rule);
+        let (longest, chord_bound_radius) = (self.longest, self.chord_bound_radius);
+        self.fine_moves.recall(&self.samples, |u| {
+            while index > 0 && u < shape.span_bounds(index).0 {
+                index -= 1;
+            }
+            let span = Span { shape, index, limits, budget, rule, longest, chord_bound_radius };
+            // `derivatives_in` is compiled into `sample` as long as nobody else asks for it.
+            (shape.derivatives(u).point, span.sample(u).tangent)
+        });
+    }
+
+    /// Whether the second of these stations is the last one, or not on a straight line with its neighbours.
+    fn bends_at(&self, stations: &[Station<R, D>]) -> bool {
+        let [before, here, behind, ..] = stations else { return true };
+        let differ = |a: &Station<R, D>, b: &Station<R, D>| {
+            let mut pairs = a.at.tangent.iter().zip(b.at.tangent);
+            pairs.any(|(a, b)| (*a - b).abs() > self.rounding)
+        };
+        differ(before, here) || differ(here, behind)
+    }
+
+    /// Goes on from where the tangent turns: anew if no chord passes there.
+    fn turn(
+        &mut self,
+        turn: Option<&Turn<R, D>>,
+        first: &Sample<R, D>,
+        junction: Option<R>,
+        point_at: impl Fn(R) -> [R; D],
+    ) {
+        let is_stop = junction.is_some_and(|feedrate| feedrate.is_zero());
+        // What is cut there is what a velocity may jump by.
+        let is_jump = matches!(self.limits.junction, Junction::VelocityJump(_))
+            && turn.is_some_and(|turn| turn.size > self.break_tolerance);
+        if is_stop || is_jump {
+            self.fine_moves.end(&mut self.samples);
+        }
+        match turn {
+            Some(turn) if !self.fine_moves.is_empty() => self.fine_moves.turn(turn.size, first.tangent),
+            _ => self.fine_moves.pass(self.distance, point_at(first.u), first.tangent),
+        }
     }
 
     fn push(&mut self, curve: usize, sample: &Sample<R, D>, before: Option<&Stretch<R>>) {
@@ -181,12 +269,10 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
         });
     }
 
-    /// The feed at the point where this sample begins a span, if the tangent breaks there, or the curvature steps more
-    /// than the axes can follow.
-    fn junction_feed(&self, first: &Sample<R, D>) -> Option<R> {
-        let (end_tangent, end_bend) = self.end?;
-        let difference: [R; D] = core::array::from_fn(|d| first.tangent[d] - end_tangent[d]);
-        let turn = R::norm(&difference);
+    /// The feed at the point where a span begins, if the tangent breaks there, or the curvature steps more than the axes can
+    /// follow.
+    fn junction_feed(&self, junction: &Turn<R, D>) -> Option<R> {
+        let Turn { difference, size: turn, step } = *junction;
         let feedrate = self.limits.feedrate;
         let is_break = turn > self.break_tolerance;
         let by_turn = match self.limits.junction {
@@ -216,7 +302,7 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
         let feed = if is_break {
             by_turn
         } else {
-            let step = components::<R, D>(&core::array::from_fn(|d| first.bend[d] - end_bend[d]));
+            let step = components::<R, D>(&step);
             self.budget.map_or(by_turn, |budget| budget.feed_over(&step, by_turn))
         };
         (feed < feedrate).then_some(feed)
@@ -291,9 +377,22 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
     }
 }
 
-/// Magnitudes of the components, axis by axis.
-fn components<R: Real, const D: usize>(vector: &[R; D]) -> [R; AXES] {
-    core::array::from_fn(|i| vector.get(i).map_or_else(R::zero, |component| component.abs()))
+/// What changes where a span begins.
+struct Turn<R, const D: usize> {
+    /// The difference e₂ - e₁ of the unit tangents, and its length.
+    difference: [R; D],
+    size: R,
+    /// The difference of the curvature vectors.
+    step: [R; D],
+}
+
+impl<R: Real, const D: usize> Turn<R, D> {
+    /// From where a span ends, with this tangent and curvature vector, to where the next begins.
+    fn between((end_tangent, end_bend): ([R; D], [R; D]), first: &Sample<R, D>) -> Self {
+        let difference: [R; D] = core::array::from_fn(|d| first.tangent[d] - end_tangent[d]);
+        let step = core::array::from_fn(|d| first.bend[d] - end_bend[d]);
+        Self { difference, size: R::norm(&difference), step }
+    }
 }
 
 /// The curve at one parameter.

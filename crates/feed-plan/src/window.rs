@@ -19,6 +19,7 @@ use alloc::vec::Vec;
 use nurbs_core::Differentiate;
 use real::Real;
 
+use crate::feed_limit::Measured;
 use crate::scan::Scan;
 use crate::{EndFeeds, FeedLimit, KinematicLimits, PlanError, ProfileKind, Stage, StageKind, look_ahead};
 
@@ -221,15 +222,19 @@ impl<R: Real, const D: usize, C: Differentiate<R, D>, I: Iterator<Item = Command
         if let Some(first) = self.scan.samples().first() {
             self.source.forget_before(first.point.curve);
         }
-        while self.scan.length() - begin < self.window && !self.source.is_over() {
+        let is_in_view = |sample: &Measured<R>| sample.point.distance - begin >= self.window;
+        while !self.source.is_over() && !self.scan.settled().last().is_some_and(is_in_view) {
             self.source.pass(&mut self.scan)?;
+            if self.source.is_over() {
+                self.scan.finish();
+            }
         }
         Ok(self.scan.length() > begin)
     }
 
     /// The limit from the window's begin to the first sample at or beyond its end.
     fn limit(&self, begin: R) -> Result<FeedLimit<R>, PlanError> {
-        let samples = self.scan.samples();
+        let samples = if self.source.is_over() { self.scan.samples() } else { self.scan.settled() };
         let count = samples.partition_point(|sample| sample.point.distance - begin < self.window);
         let samples = samples.get(..=count).unwrap_or(samples);
         let limit = FeedLimit::assemble(samples, self.limits.chord_error)?;
@@ -337,6 +342,29 @@ mod tests {
                     assert!((done.duration - sum).abs() < 1e-9 * sum);
                 }
             }
+        }
+    }
+
+    /// What a break lowers before it is not final yet where a window ends, however short the window.
+    #[test]
+    fn moves_finer_than_a_step_have_the_same_limit_through_a_window() {
+        // Straight, and into ever tighter bends in moves of 2 µm: from 20 mm to 1 mm and back.
+        let (mut angle, mut points) = (0.0_f64, vec![[-3.0, 0.0], [0.0, 0.0]]);
+        for i in 0..=4000 {
+            let last = points[points.len() - 1];
+            points.push([last[0] + 2e-3 * angle.cos(), last[1] + 2e-3 * angle.sin()]);
+            angle += 2e-3 / (1.0 + 4.75 * (f64::from(i) * 2e-3 - 4.0).abs());
+        }
+        let curves = polyline(&points);
+        let whole = streamed(&curves, 1e4, ProfileKind::SCurve).1;
+        for window in [0.05, 0.5, 2.0, 8.0] {
+            let (stages, done) = streamed(&curves, window, ProfileKind::SCurve);
+            let limit = assert_kept(&curves, &stages);
+            assert!(limit.at(7.0) < 0.08 && limit.at(1.0) == 0.6, "{}", limit.at(7.0));
+            assert!(done.duration >= whole.duration * (1.0 - 1e-3), "{window}: {}", done.duration);
+            // Samples of a window, of what a chord reaches beyond it, and of a span.
+            let most = 17.0 * (1000.0 + 500.0 * window);
+            assert!((done.most_points as f64) < most, "{} of {most}", done.most_points);
         }
     }
 

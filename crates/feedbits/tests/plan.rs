@@ -106,3 +106,31 @@ fn no_plan_beats_its_lower_bound() {
         assert!(bound < 4.848, "{more:?}: {bound}");
     }
 }
+
+/// Each break of a circle in moves of 1 µm is far below that of a stop, and they were passed at up to 135 mm/s, 20 µm off.
+#[test]
+fn a_circle_in_fine_moves_is_planned_within_the_chord_error() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let program = folder.path().join("circle.ngc");
+    let at = |i: u32| core::f64::consts::TAU * f64::from(i) / 6283.0;
+    let line = |i: u32| format!("G1 X{:.9} Y{:.9} F12000\n", at(i).cos(), at(i).sin());
+    std::fs::write(&program, "G21 G90\n".to_string() + &(0..=6283).map(line).collect::<String>())
+        .expect("a file");
+    let (program, machine) = (program.to_str().expect("a path"), data("seed-000.toml"));
+    let arguments = [program, "--machine", &machine, "--json"];
+    let json = |more: &[&str]| -> serde_json::Value {
+        serde_json::from_str(&stdout(&feedbits(&[more, &arguments].concat()))).expect("JSON")
+    };
+    // 2 sqrt(E (2 ρ - E))/T = 21.08 mm/s over 6.283 mm are 0.298 s.
+    for window in [&[][..], &["--window", "1"]] {
+        let plan = json(&[&["plan"], window].concat());
+        let time = plan["time_s"].as_f64().expect("a time");
+        assert!((0.298..0.335).contains(&time), "{window:?}: {time}");
+    }
+    let comparison = json(&["compare", "--evaluate", "pieces", "--formats", "f64,I8F56"]);
+    let rows = comparison["formats"].as_array().expect("rows");
+    assert_eq!(rows.len(), 2, "{comparison}");
+    for row in rows {
+        assert_eq!(row["verdict"]["result"], "good", "{row}");
+    }
+}
