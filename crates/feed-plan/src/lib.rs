@@ -73,6 +73,7 @@ extern crate alloc;
 
 mod axis_budget;
 mod chord_error;
+mod chord_feeds;
 mod chord_shortfall;
 mod cubic_profile;
 mod error;
