@@ -78,6 +78,8 @@ mod axis_budget;
 #[cfg(feature = "alloc")]
 mod chord_error;
 #[cfg(feature = "alloc")]
+mod chord_feeds;
+#[cfg(feature = "alloc")]
 mod chord_shortfall;
 #[cfg(feature = "alloc")]
 mod cubic_profile;

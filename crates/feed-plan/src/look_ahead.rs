@@ -582,7 +582,7 @@ mod tests {
         let shortfall: f64 = shortfalls.iter().sum();
         // Found independently, with chords solved to 50 digits: 1.37 µm.
         assert!((shortfall - 1.37e-3).abs() < 1e-5, "{shortfall}");
-        let short = plan.shortened(&shortfalls);
+        let short = plan.shortened(&limit, &shortfalls);
         assert!((short.as_schedule().length() - (limit.length() - shortfall)).abs() < 1e-11);
     }
 
@@ -598,7 +598,7 @@ mod tests {
         let curve = curve.as_curve();
         let shortfalls = limit.shortfalls(&[curve], &plan.as_schedule());
         assert!(shortfalls.iter().sum::<f64>() > 0.05, "{shortfalls:?}");
-        let short = plan.clone().shortened(&shortfalls);
+        let short = plan.clone().shortened(&limit, &shortfalls);
         let (arcs, chords) = (plan.as_schedule(), short.as_schedule());
         let (mut along, mut by_chord) = (arcs.start(), chords.start());
         let (mut travelled, mut u, mut arc, mut worst, mut at_the_end) = (0.0, 0.0, 0.0, 0.0_f64, 0.0);
@@ -619,8 +619,9 @@ mod tests {
             worst = worst.max((arc - travelled).abs());
             at_the_end = if travelled < limit.length() - 2.0 { (arc - travelled).abs() } else { at_the_end };
         }
-        // Within a stage the share is by length, and the bend at its end.
-        assert!(worst < 1e-2 && at_the_end < 1e-5, "{worst} {at_the_end}");
+        // In bends the run falls short, and what it falls short by is taken off beside them too. The last place is within the
+        // last stage.
+        assert!(worst < 1e-2 && at_the_end < 1e-3, "{worst} {at_the_end}");
     }
 
     /// The same curve planned in another format: periods, and the worst of each promise.

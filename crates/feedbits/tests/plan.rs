@@ -134,3 +134,59 @@ fn a_circle_in_fine_moves_is_planned_within_the_chord_error() {
         assert_eq!(row["verdict"]["result"], "good", "{row}");
     }
 }
+
+/// With a chord error of 0.1 mm a stage ended at 154.528 mm/s and the next began at 153.787: the third difference of the distance
+/// was twice the jerk that is allowed, and the peak that was printed within it.
+#[test]
+fn feeds_meet_where_the_chord_error_is_large() {
+    let part = "[curve]
+degree = 3
+control_points_mm = [[19.57, -18.5], [36.01, -23.32], [49.09, -31.56], [54.93, -31.23], [36.56, -19.17], [51.55, -19.96],
+                     [46.35, 0.82], [40.52, 18.44], [36.74, 12.57]]
+weights = [1.16, 0.53, 0.98, 0.88, 0.53, 1.54, 1.33, 0.45, 0.73]
+knots = [0.0, 0.0, 0.0, 0.0, 0.113, 0.134, 0.373, 0.919, 0.951, 1.0, 1.0, 1.0, 1.0]
+";
+    assert_third_differences_within(part, "chord_error_mm = 0.1");
+}
+
+/// Where corners are passed at a feed, the chord over each is shorter than the path, all within a period.
+#[test]
+fn feeds_meet_at_corners_that_are_passed() {
+    let zigzag = "G21 G90\nG0 X0 Y0\nG1 X1 F1500\nY1\nX2\nY0\nX3\nY1\nX4\nM30\n";
+    assert_third_differences_within(
+        zigzag,
+        "chord_error_mm = 0.002\njunction = \"deviation\"\njunction_deviation_mm = 0.02",
+    );
+}
+
+/// Third differences of the distance at the period are means of the jerk: at no more than what is printed, which is no more than a
+/// thousandth above the limit.
+fn assert_third_differences_within(part: &str, more: &str) {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let file = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).expect("a file");
+        path.to_str().expect("a path").to_owned()
+    };
+    let machine = format!(
+        "[machine]\ninterpolation_period_ms = 5\nfeedrate_mm_per_s = 200\nacceleration_mm_per_s2 = 2000\n\
+         jerk_mm_per_s3 = 20000\nfluctuation_limit = 1e-5\nparameter_tolerance = 1e-6\nmax_iterations = 5\n{more}\n"
+    );
+    let part = file(if part.starts_with('[') { "part.toml" } else { "part.nc" }, part);
+    let (machine, samples) = (file("machine.toml", &machine), file("samples.csv", ""));
+    let period = 5e-3_f64;
+    for profile in ["cubic", "s-curve", "trigonometric", "flexible"] {
+        let plan = ["plan", &part, "--machine", &machine, "--profile", profile];
+        stdout(&feedbits(&[&plan[..], &["--out", &samples]].concat()));
+        let text = std::fs::read_to_string(&samples).expect("samples");
+        let distance = |line: &str| line.split(',').nth(1).and_then(|field| field.parse().ok());
+        let distances: Vec<f64> = text.lines().skip(1).filter_map(distance).collect();
+        let third = |d: &[f64]| ((d[3] - d[0]) - 3.0 * (d[2] - d[1])).abs() / period.powi(3);
+        let found = distances.windows(4).map(third).fold(0.0, f64::max);
+        let json = stdout(&feedbits(&[&plan[..], &["--json"]].concat()));
+        let summary: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+        let printed = summary["jerk_max_mm_per_s3"].as_f64().expect("a jerk");
+        // The rounding of distances, in a file of all their digits.
+        assert!(found <= printed + 1e-4 && printed <= 20_000.0 * 1.001, "{profile}: {found} {printed}");
+    }
+}

@@ -4,7 +4,7 @@
 //! acceleration `e a + k V²` and the jerk `e j + 3 k V a + c V³`. They are sampled, c by central differences.
 
 use feed_plan::FeedLimit;
-use nurbs_core::{Differentiate, NurbsBuf, curvature_vector};
+use nurbs_core::{Differentiate, Evaluate, NurbsBuf, curvature_vector};
 use part_program::AxisLimits;
 use real::Real;
 use serde::Serialize;
@@ -54,7 +54,9 @@ pub(crate) fn axis_peaks<const D: usize>(
         .collect();
     let t = problem.period_s();
     for sample in samples(plan, PER_PERIOD) {
-        let place = place_at(limit, problem, sample.distance);
+        let place = sample
+            .rest
+            .map_or_else(|| place_at(limit, problem, sample.distance), |rest| behind_rest(problem, rest));
         let found = problem.curves.get(place.curve).and_then(|curve| turning(curve, &place));
         let Some((e, k, c)) = found else { continue };
         let (v, a, j) = (sample.feed / t, sample.acceleration / t.powi(2), sample.jerk / t.powi(3));
@@ -66,6 +68,14 @@ pub(crate) fn axis_peaks<const D: usize>(
         }
     }
     peaks
+}
+
+/// The place from which a plan sets off behind a rest: the begin of the next curve, where the one that it rests on ends there.
+fn behind_rest<const D: usize>(problem: &Problem<D>, (curve, u): (usize, f64)) -> Place {
+    let is_at_end = problem.curves.get(curve).is_some_and(|curve| u >= curve.as_curve().domain().1);
+    let next = problem.curves.get(curve + 1).filter(|_| is_at_end);
+    let (curve, u) = next.map_or((curve, u), |next| (curve + 1, next.as_curve().domain().0));
+    Place { curve, u, around: (u, u) }
 }
 
 /// e, k and c at a place; `None` where the curve stands still.
@@ -145,5 +155,15 @@ mod tests {
         for axis in &summary(spline, limits).axes[..2] {
             assert!(axis.jerk_max_mm_per_s3 <= 1e5 * 1.05, "{axis:?}");
         }
+    }
+
+    /// The jerk with which the next move begins was that of the axis along which the last one had come to the stop.
+    #[test]
+    fn a_stop_begins_in_the_direction_of_the_next_move() {
+        let limits = "\n[machine.axes.x]\njerk_mm_per_s3 = 10000\n";
+        let summary = summary("G21 G90\nG0 X0 Y0\nG1 Y20 F6000\nG1 X5\nG1 Y30\n", limits);
+        let [x, y] = summary.axes.as_slice() else { panic!("two axes") };
+        assert!(x.jerk_max_mm_per_s3 <= 1e4 && x.jerk_max_mm_per_s3 > 9e3, "{x:?}");
+        assert!((y.jerk_max_mm_per_s3 / summary.jerk_max_mm_per_s3 - 1.0).abs() < 1e-9, "{y:?}");
     }
 }

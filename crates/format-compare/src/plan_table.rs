@@ -49,11 +49,11 @@ pub struct PlanSummary {
     pub jerk_free_time_s: f64,
     /// By which part of that time the plan takes longer.
     pub over_jerk_free: f64,
-    /// Largest acceleration along the path, in mm/s².
+    /// Largest acceleration along the path, in mm/s², a step of feed between stages counted as its mean over a period.
     pub acceleration_max_mm_per_s2: f64,
     /// Its limit.
     pub acceleration_limit_mm_per_s2: f64,
-    /// Largest jerk along the path, in mm/s³.
+    /// Largest jerk along the path, in mm/s³, with such steps in the same way.
     pub jerk_max_mm_per_s3: f64,
     /// Its limit.
     pub jerk_limit_mm_per_s3: f64,
@@ -118,8 +118,9 @@ impl PlanSummary {
             })
             .collect();
         let pieces = || plan.schedule().stages().iter().map(Stage::piece);
-        let acceleration = pieces().map(|piece| piece.peak_acceleration().value()).fold(0.0, f64::max);
-        let jerk = pieces().map(|piece| piece.peak_jerk().value()).fold(0.0, f64::max);
+        let (by_periods, jerk_by_periods) = differences_over_periods(plan);
+        let acceleration = pieces().map(|piece| piece.peak_acceleration().value()).fold(by_periods, f64::max);
+        let jerk = pieces().map(|piece| piece.peak_jerk().value()).fold(jerk_by_periods, f64::max);
         let time_s = f64::from(plan.periods()) * t;
         let jerk_free_time_s = jerk_free_time_s(plan, problem, &feed_limit)?;
         let length_mm: f64 = stages.iter().map(|s| s.length_mm).sum();
@@ -148,6 +149,24 @@ impl PlanSummary {
             stages,
         })
     }
+}
+
+/// The largest acceleration and jerk, in mm and periods, as means over a period: second and third differences of the distance. They
+/// exceed those of every stage where the feed steps from one stage to the next.
+fn differences_over_periods(plan: &ExactPlan) -> (f64, f64) {
+    let (mut acceleration, mut jerk) = (0.0_f64, 0.0_f64);
+    let mut before = [DoubleDouble::from(0.0); 2];
+    for (period, (length, _)) in plan.lengths().enumerate() {
+        let [second, first] = before;
+        if period > 0 {
+            acceleration = acceleration.max((length - first).value().abs());
+        }
+        if period > 1 {
+            jerk = jerk.max((length - first - first + second).value().abs());
+        }
+        before = [first, length];
+    }
+    (acceleration, jerk)
 }
 
 /// The least time between the plan's end feeds without a limit of jerk. Limits of the axes' accelerations and jerks are left out
@@ -208,6 +227,8 @@ pub(crate) struct Sample {
     pub(crate) feed: f64,
     pub(crate) acceleration: f64,
     pub(crate) jerk: f64,
+    /// The curve and parameter that the plan rests at, where it sets off again.
+    pub(crate) rest: Option<(usize, f64)>,
 }
 
 /// The plan `per_period` times a period, both ends included.
@@ -223,12 +244,15 @@ pub(crate) fn samples(plan: &ExactPlan, per_period: u32) -> impl Iterator<Item =
         }
         let here = &stages[stage];
         let local = DoubleDouble::from((time - before).min(here.duration.value()));
+        let rested = stage.checked_sub(1).and_then(|previous| stages[previous].rest());
+        let feed = here.feed_at(local).value();
         Sample {
             time,
             distance: (here.start + here.distance_at(local)).value(),
-            feed: here.feed_at(local).value(),
+            feed,
             acceleration: here.acceleration_at(local).value(),
             jerk: here.jerk_at(local).value(),
+            rest: rested.filter(|_| feed == 0.0).map(|(curve, u)| (curve, u.value())),
         }
     })
 }

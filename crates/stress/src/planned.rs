@@ -35,7 +35,7 @@ impl<'a, const D: usize> Planned<'a, D> {
             return None;
         }
         let shortfalls = limit.shortfalls(&curves, &arcs.as_schedule());
-        let chords = arcs.clone().shortened(&shortfalls);
+        let chords = arcs.clone().shortened(&limit, &shortfalls);
         Some(Self { path, limit, arcs, chords, slower: 1 })
     }
 
