@@ -33,9 +33,9 @@ impl<R: Real> ScheduleBuf<R> {
     /// interpolator that makes each chord as long as the plan says would be ahead of the plan by that much, and pass the next bend
     /// where the feed is still, or again, that of the straight. Here the feed is lowered by that, in the same time: from stop to
     /// stop the lengths are less by the sum of the shortfalls. Feed and acceleration stay continuous wherever they were;
-    /// acceleration and jerk rise by a thousandth at most. For that the run is led off its plan near a joint at which the
-    /// shortfall changes, by a part of what it changes by over a transition: over a tight bend by half of the
-    /// bend's shortfall. A stage of constant feed may become three, of which the outer ones lead to other feeds.
+    /// acceleration and jerk rise by no more than the stretch to whole periods left of their limits. For that the run is led off
+    /// its plan near a joint at which the shortfall changes, by a part of what it changes by over a transition: over a tight bend
+    /// by half of the bend's shortfall. A stage of constant feed may become three, of which the outer ones lead to other feeds.
     ///
     /// `limit` is the one that the plan was made under: it says where on the path such a stage is divided. Transitions are taken
     /// to be symmetric, as all of a plan are.

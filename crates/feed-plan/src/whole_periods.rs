@@ -7,6 +7,10 @@ use real::Real;
 
 use crate::{PlanError, Stage};
 
+/// Each section is slowed down by 2⁻¹³ at least. That leaves 2⁻¹² of the acceleration, and more of the jerk, to a plan whose chords
+/// have the planned lengths ([`ScheduleBuf::shortened`](crate::ScheduleBuf::shortened)).
+pub(crate) const SLOWER: i32 = -13;
+
 /// Slows each section between two stops down evenly to a whole number of periods; their sum is returned.
 pub(crate) fn stretch<R: Real>(stages: &mut [Stage<R>], period: R) -> Result<u32, PlanError> {
     let sections = stages.split_inclusive_mut(|stage| stage.end_feed.is_zero());
@@ -21,8 +25,9 @@ pub(crate) fn stretch<R: Real>(stages: &mut [Stage<R>], period: R) -> Result<u32
 fn stretch_section<R: Real>(stages: &mut [Stage<R>], period: R) -> Result<u32, PlanError> {
     let duration = stages.iter().fold(R::zero(), |sum, stage| sum + stage.duration);
     let in_order = stages.iter().all(|stage| stage.duration > R::zero() && stage.duration <= duration);
-    let (periods, rounded) =
-        round_up(duration / period).filter(|_| in_order).ok_or(PlanError::DurationOverflows)?;
+    let (periods, rounded) = round_up((duration + duration.scale(SLOWER)) / period)
+        .filter(|_| in_order)
+        .ok_or(PlanError::DurationOverflows)?;
     let factor = rounded * period / duration;
     for stage in stages {
         stage.duration = stage.duration * factor;
