@@ -59,7 +59,7 @@ impl<R: Real> FeedLimit<R> {
     ) -> Vec<R> {
         let mut shortfalls: Vec<R> = schedule.stages().iter().map(|_| R::zero()).collect();
         let mut short = schedule.stages().to_vec();
-        let path = Path { limit: self, curves, rule: GaussLegendre::new() };
+        let path = Path::new(self, curves);
         // A period that begins in one stage and ends in another is run with each of them.
         let mut run = Run { cursor: schedule.start(), planned: R::zero(), reached: R::zero() };
         let mut begins_in = 0;
@@ -96,13 +96,25 @@ struct End<R> {
 }
 
 /// A path by its arc length.
-struct Path<'a, R, C> {
+pub(crate) struct Path<'a, R, C> {
     limit: &'a FeedLimit<R>,
     curves: &'a [C],
     rule: GaussLegendre<R>,
 }
 
-impl<R: Real, C> Path<'_, R, C> {
+impl<'a, R: Real, C> Path<'a, R, C> {
+    pub(crate) fn new(limit: &'a FeedLimit<R>, curves: &'a [C]) -> Self {
+        Self { limit, curves, rule: GaussLegendre::new() }
+    }
+
+    /// The length of the chord between two distances.
+    pub(crate) fn chord_between<const D: usize>(&self, from: R, to: R) -> R
+    where
+        C: Differentiate<R, D>,
+    {
+        chord(&self.point(from), &self.point(to))
+    }
+
     fn point<const D: usize>(&self, distance: R) -> [R; D]
     where
         C: Differentiate<R, D>,
@@ -197,7 +209,7 @@ impl<R: Real, C> Path<'_, R, C> {
             run.planned = run.planned + arc;
             let passed = short.get(begun_in..run.cursor.stage()).unwrap_or_default();
             over_stop = if passed.iter().any(|stage| stage.end_feed.is_zero()) {
-                let rest = chord(&self.point(run.reached), &self.point(run.planned));
+                let rest = self.chord_between(run.reached, run.planned);
                 run.reached = run.planned;
                 Some(wanted - rest)
             } else {
@@ -212,7 +224,7 @@ impl<R: Real, C> Path<'_, R, C> {
     }
 
     /// The first arc from `begin` on whose chord is as long as wanted; four times the chord where none is.
-    fn arc_over<const D: usize>(&self, begin: R, wanted: R) -> R
+    pub(crate) fn arc_over<const D: usize>(&self, begin: R, wanted: R) -> R
     where
         C: Differentiate<R, D>,
     {

@@ -42,7 +42,7 @@
 //! | key points, passes, cruise, whole periods | [`plan`], [`plan_with`] a [`ProfileKind`] |
 //! | the same through a window, for a path of any length | [`plan_through_window`] |
 //! | the result: stages, and the distance of each period | [`ScheduleBuf`], [`Schedule`], [`Cursor`] |
-//! | setpoints by chords instead of arcs | [`FeedLimit::shortfalls`], [`ScheduleBuf::shortened`] |
+//! | setpoints by chords instead of arcs | [`FeedLimit::in_chords`]; its parts [`FeedLimit::shortfalls`], [`ScheduleBuf::shortened`] |
 //! | what no plan can beat | [`jerk_free_duration`] |
 //!
 //! **Units**: mm, and any unit of time, the same in all limits. Take the interpolation period: then T = 1,
@@ -94,6 +94,8 @@ mod fine_moves;
 mod flank;
 #[cfg(feature = "alloc")]
 mod flexible;
+#[cfg(feature = "alloc")]
+mod in_chords;
 #[cfg(feature = "alloc")]
 mod key_points;
 #[cfg(feature = "alloc")]

@@ -71,8 +71,7 @@ impl ExactPlan {
         let [start, end] = end_feeds_mm_per_s.map(|feed| feed * problem.period_s());
         let ends = EndFeeds { start: in_format("start feed", start)?, end: in_format("end feed", end)? };
         let schedule = plan_with(&feed_limit, limits, ends, profile)?;
-        let shortfalls = feed_limit.shortfalls(curves, &schedule.as_schedule());
-        Ok(Self::of(&schedule.shortened(&feed_limit, &shortfalls), profile))
+        Ok(Self::of(&feed_limit.in_chords(curves, &schedule), profile))
     }
 
     /// Plans `problem` in f64 with no more than `window_mm` in view at a time, from rest to rest. At each stop the plan

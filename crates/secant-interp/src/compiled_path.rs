@@ -110,8 +110,7 @@ impl core::error::Error for CompiledPathError {}
 /// // Before real time: the plan, its chords in place of its arcs, and the path in pieces that end where it rests.
 /// let limit = FeedLimit::along(&curves, &limits)?;
 /// let arcs = plan(&limit, &limits, EndFeeds::default())?;
-/// let shortfalls = limit.shortfalls(&curves, &arcs.as_schedule());
-/// let chords = arcs.shortened(&limit, &shortfalls);
+/// let chords = limit.in_chords(&curves, &arcs);
 /// let stops: Vec<_> = chords.stages().iter().filter_map(Stage::rest).collect();
 /// let landing_step = limits.acceleration; // A T²: from so long a step the axes stop within a period.
 /// let cut = PieceLimits { length_mm: 32.0, step_mm: limits.feedrate + landing_step };

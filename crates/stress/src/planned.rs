@@ -34,8 +34,7 @@ impl<'a, const D: usize> Planned<'a, D> {
         if arcs.as_schedule().periods() > most_periods {
             return None;
         }
-        let shortfalls = limit.shortfalls(&curves, &arcs.as_schedule());
-        let chords = arcs.clone().shortened(&limit, &shortfalls);
+        let chords = limit.in_chords(&curves, &arcs);
         Some(Self { path, limit, arcs, chords, slower: 1 })
     }
 
