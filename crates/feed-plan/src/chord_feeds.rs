@@ -155,19 +155,19 @@ fn parts<R: Real>(stages: &[Stage<R>], shortfalls: &[R], period: R) -> Vec<Part<
         }
         first = behind;
     }
-    let changes: Vec<_> = parts.iter().map(|part| (part.is_constant(), peaks(part, stages))).collect();
-    let nearest = |mut peaks: core::slice::Iter<'_, (bool, [R; 2])>| {
-        peaks.find(|(is_constant, _)| !is_constant).map(|(_, peaks)| *peaks)
-    };
+    let changes: Vec<_> =
+        parts.iter().map(|part| (!part.is_constant()).then(|| peaks(part, stages))).collect();
     for (index, part) in parts.iter_mut().enumerate().filter(|(_, part)| part.is_constant()) {
         let (before, behind) = changes.split_at(index.min(changes.len()));
-        let after = nearest(behind.iter());
-        let before = before.iter().rev().find(|(is_constant, _)| !is_constant).map(|(_, peaks)| *peaks);
+        let (before, after) =
+            (before.iter().rev().find_map(|peaks| *peaks), behind.iter().find_map(|peaks| *peaks));
         let [a, b] = [before.or(after), after.or(before)].map(|peaks| peaks.unwrap_or([R::zero(); 2]));
         let (acceleration, jerk) = (a[0].min(b[0]), a[1].min(b[1]));
         let by_acceleration = acceleration * part.duration / StageShape::Cubic.peak_slope();
         let by_jerk = jerk * part.duration * part.duration / StageShape::Cubic.peak_bend();
-        (part.rise, part.fall) = (by_acceleration.min(by_jerk), by_acceleration.min(by_jerk));
+        // Over less than a period it would change by next to nothing.
+        let most = if part.duration < period { R::zero() } else { by_acceleration.min(by_jerk) };
+        (part.rise, part.fall) = (most, most);
     }
     parts
 }
@@ -240,12 +240,13 @@ fn level<R: Real>(joints: &mut [Joint<R>], parts: &[Part<R>]) {
             let change = b.correction - a.correction;
             let excess = change - change.max(R::zero() - part.fall).min(part.rise);
             if !excess.is_zero() {
-                let to_a = excess * (b.time / (a.time + b.time));
+                let time = a.time + b.time;
+                let to_a = if time > R::zero() { excess * (b.time / time) } else { excess.half() };
                 (a.correction, b.correction) = (a.correction + to_a, b.correction - (excess - to_a));
                 is_level = false;
             }
             let (from, to) = if is_forwards { (a, b) } else { (b, a) };
-            if from.correction > from.most {
+            if from.correction > from.most && to.time > R::zero() {
                 to.correction = to.correction + (from.correction - from.most) * (from.time / to.time);
                 from.correction = from.most;
                 is_level = false;

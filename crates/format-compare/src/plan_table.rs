@@ -129,7 +129,8 @@ impl PlanSummary {
             let slowest = (stage.curve_start..=stage.curve_end)
                 .map(|curve| problem.feed_share(curve))
                 .fold(1.0, f64::min);
-            row.kind == "constant" && row.start_feed_mm_per_s >= full * slowest
+            // Beside a cruise by chords the feed changes by what they fall short.
+            row.start_feed_mm_per_s.min(row.end_feed_mm_per_s) >= full * slowest
         };
         let at_feed = stages.iter().zip(plan.schedule().stages()).filter(is_full).map(|(row, _)| row);
         Ok(Self {
