@@ -19,7 +19,7 @@
 //! farthest from the path: of two alike, half a chord apart, it is at 3/8 of its length, by an eighth more. So chords that have the
 //! break up to an eighth off their middle are looked at as well where the middle comes near.
 //!
-//! What is allowed is exceeded by [`SLACK`] before a limit is set. So breaks in a row of the same shape share one limit,
+//! What is allowed is exceeded by 2⁻⁸ ([`SLACK`]) before a limit is set. So breaks in a row of the same shape share one limit,
 //! a break that is passed slowly enough anyway costs no more than one look, and plans over joints that are smooth but for rounding
 //! stay what they were.
 //!
@@ -35,23 +35,19 @@ use alloc::vec::Vec;
 use real::Real;
 
 use crate::axis_budget::{AxisBudget, components};
-use crate::feed_limit::{Measured, lowered};
+use crate::broken_chord::{Chord, Place, SLACK, across, crossing};
+use crate::feed_limit::Measured;
+use crate::lowered_samples::lower_around;
 use crate::{Junction, KinematicLimits, LimitPoint};
 
-/// A limit is set where h is more than 2⁻⁸ above what is allowed.
-const SLACK: i32 = -8;
 /// A chord is lengthened by 2⁻⁴ at least, where breaks are denser than that.
 const LENGTHENING: i32 = -4;
 /// From 2⁻⁴⁰ of the longest chord on, that is so many times.
 const MOST_LENGTHENINGS: usize = 512;
-/// Samples farther than 2⁻³ of half a chord from each other are too far apart to end a limit at.
-const FINE: i32 = -3;
 /// A chord that is shorter than the one found by no more than 2⁻⁷, or longer by 2⁻¹¹, is as good.
 const EVEN: i32 = -7;
 /// The share of what the axes may spend on turning from which on the path leaves it to them: 2⁻⁴.
 const NOTICEABLE: i32 = -4;
-/// Secants to the length at which h is what is allowed.
-const SECANTS: usize = 6;
 /// Where h in the middle is below 1 - 2⁻² of what is allowed, it is nowhere above.
 const NEAR: i32 = -2;
 /// Where else in a chord a break is looked at, in sixteenths of it. Without 7 and 9, chords along random moves leave them by up to
@@ -61,14 +57,6 @@ const OFF_MIDDLE: [i32; 4] = [6, 7, 9, 10];
 const NOTABLE: i32 = -20;
 /// Places kept at least before any are forgotten.
 const FEW: usize = 64;
-
-/// A place of the path.
-#[derive(Clone, Copy, Debug)]
-struct Place<R, const D: usize> {
-    distance: R,
-    point: [R; D],
-    tangent: [R; D],
-}
 
 /// The path as far as a chord reaches, and the breaks that were not looked at yet.
 #[derive(Debug)]
@@ -331,211 +319,6 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
         let behind = self.places.get(beyond.checked_sub(1)?)?.tangent;
         let sum = core::array::from_fn(|d| behind[d] + before[d]);
         Some((sum, core::array::from_fn(|d| behind[d] - before[d])))
-    }
-}
-
-/// The part of a vector that is across the sum of two others.
-fn across<R: Real, const D: usize>(vector: &[R; D], before: &[R; D], behind: &[R; D]) -> [R; D] {
-    let along: [R; D] = core::array::from_fn(|d| before[d] + behind[d]);
-    let square = R::sum_of_products(along.into_iter().zip(along));
-    if !(square > R::zero()) {
-        return *vector;
-    }
-    let share = R::sum_of_products(vector.iter().copied().zip(along)) / square;
-    core::array::from_fn(|d| vector[d] - share * along[d])
-}
-
-/// Half of the chord at which `measure` is what is allowed: between one that holds and one that does not, by secants. Where the measure
-/// is convex each is short of it.
-fn crossing<R: Real, const D: usize>(
-    mut chord: Chord<'_, R, D>,
-    mut held: (R, R),
-    mut over: (R, R),
-    allowed: R,
-    measure: impl Fn(&Chord<'_, R, D>) -> R,
-) -> R {
-    for _ in 0..SECANTS {
-        let (width, rise) = (over.0 - held.0, over.1 - held.1);
-        let room = allowed - held.1;
-        if !(room > allowed.scale(SLACK) && rise > R::zero()) {
-            break;
-        }
-        let half = held.0 + width * (room / rise);
-        chord.change_to(half);
-        let found = measure(&chord);
-        // What rounding adds must not throw it back to where it began.
-        let is_over = found > allowed + allowed.scale(SLACK).half();
-        if is_over { over = (half, found) } else { held = (half, found) }
-    }
-    held.0
-}
-
-/// A chord over a break, as far before it as behind it along the path.
-struct Chord<'a, R, const D: usize> {
-    places: &'a [Place<R, D>],
-    at: R,
-    centre: [R; D],
-    half: R,
-    /// The places from the first to the second are within the chord.
-    within: (usize, usize),
-}
-
-impl<'a, R: Real, const D: usize> Chord<'a, R, D> {
-    /// Of no length; `None` beyond the places.
-    fn new(places: &'a [Place<R, D>], at: R) -> Option<Self> {
-        let first = places.partition_point(|place| place.distance < at);
-        let centre = places.get(first)?.point;
-        let mut chord = Self { places, at, centre, half: R::zero(), within: (first, first) };
-        chord.lengthen_to(R::zero());
-        Some(chord)
-    }
-
-    fn distance_of(&self, place: usize) -> Option<R> {
-        self.places.get(place).map(|place| place.distance)
-    }
-
-    fn lengthen_to(&mut self, half: R) {
-        let (begin, end) = (self.at - half, self.at + half);
-        let (mut first, mut beyond) = self.within;
-        while first > 0 && self.distance_of(first - 1).is_some_and(|distance| distance >= begin) {
-            first -= 1;
-        }
-        while self.distance_of(beyond).is_some_and(|distance| distance <= end) {
-            beyond += 1;
-        }
-        (self.half, self.within) = (half, (first, beyond));
-    }
-
-    fn change_to(&mut self, half: R) {
-        let (first, beyond) = self.within;
-        let within = self.places.get(first..beyond).unwrap_or_default();
-        let skipped = within.partition_point(|place| place.distance < self.at - half);
-        let kept = within.partition_point(|place| place.distance <= self.at + half);
-        self.within = (first + skipped, first + kept);
-        self.lengthen_to(half);
-    }
-
-    /// Half of the next longer chord that ends at a place; of any length beyond them.
-    fn next_break(&self) -> R {
-        let (first, beyond) = self.within;
-        let before = first.checked_sub(1).and_then(|place| self.distance_of(place));
-        let before = before.map_or_else(R::max_value, |distance| self.at - distance);
-        let behind = self.distance_of(beyond).map_or_else(R::max_value, |distance| distance - self.at);
-        before.min(behind)
-    }
-
-    /// From the begin of a chord of this length that has the break at this share of it to the break, and from there to its end.
-    fn sides(&self, share: R) -> [[R; D]; 2] {
-        let (begin, end) = if share == R::one().half() {
-            let (first, beyond) = self.within;
-            (self.point(first, self.at - self.half), self.point(beyond, self.at + self.half))
-        } else {
-            let length = self.half + self.half;
-            (self.find(self.at - length * share), self.find(self.at + length * (R::one() - share)))
-        };
-        let centre = &self.centre;
-        [core::array::from_fn(|d| centre[d] - begin[d]), core::array::from_fn(|d| end[d] - centre[d])]
-    }
-
-    fn find(&self, distance: R) -> [R; D] {
-        self.point(self.places.partition_point(|place| place.distance < distance), distance)
-    }
-
-    /// The point at this distance, which is before place `next` and not before the one before that: by the cubic that has the
-    /// tangents of both, or straight on beyond the ends.
-    fn point(&self, next: usize, distance: R) -> [R; D] {
-        let before = next.checked_sub(1).and_then(|place| self.places.get(place));
-        match (before, self.places.get(next)) {
-            (Some(from), Some(to)) if to.distance > from.distance => from.on_the_way_to(to, distance),
-            (Some(near), _) | (None, Some(near)) => {
-                let length = distance - near.distance;
-                core::array::from_fn(|d| near.point[d] + length * near.tangent[d])
-            }
-            (None, None) => self.centre,
-        }
-    }
-}
-
-impl<R: Real, const D: usize> Place<R, D> {
-    /// The point at a distance between this place and the next.
-    fn on_the_way_to(&self, to: &Self, distance: R) -> [R; D] {
-        let length = to.distance - self.distance;
-        let x = (distance - self.distance) / length;
-        let rest = R::one() - x;
-        let bend = x * rest;
-        core::array::from_fn(|d| {
-            let step = to.point[d] - self.point[d];
-            let (first, last) = (length * self.tangent[d] - step, length * to.tangent[d] - step);
-            self.point[d] + x * step + bend * (rest * first - x * last)
-        })
-    }
-}
-
-/// Adds a sample at a place on a straight line where the limit is constant and samples are farther than `apart`: or else the whole way
-/// to the next would be lowered with it.
-fn split<R: Real>(samples: &mut Vec<Measured<R>>, distance: R, apart: R) {
-    let next = samples.partition_point(|sample| sample.point.distance < distance);
-    let before = next.checked_sub(1).and_then(|before| samples.get(before));
-    let (Some(from), Some(to)) = (before, samples.get(next)) else { return };
-    let (a, b) = (from.point, to.point);
-    let length = b.distance - a.distance;
-    let is_even = a.curve == b.curve && from.speed == to.speed && to.margin.is_zero();
-    if !(is_even && length > apart && a.feedrate == b.feedrate && distance < b.distance) {
-        return;
-    }
-    let u = a.u + (b.u - a.u) * ((distance - a.distance) / length);
-    let sample = Measured { point: LimitPoint { distance, u, ..a }, is_single: false, ..*to };
-    samples.insert(next, sample);
-}
-
-/// Lowers samples to a feed, until one is beyond reach, which is lowered too, or a stop. How many were looked at.
-fn lower<'a, R: Real + 'a>(
-    samples: impl Iterator<Item = &'a mut Measured<R>>,
-    feed: R,
-    is_beyond: impl Fn(R) -> bool,
-) -> usize {
-    let mut count = 0;
-    for sample in samples {
-        if !(sample.point.feedrate > R::zero()) {
-            break;
-        }
-        // Beside a stop too: what turning takes of accelerations holds up to there.
-        for limit in [&mut sample.point.feedrate, &mut sample.beside_stop.feedrate] {
-            *limit = limit.min(feed);
-        }
-        count += 1;
-        if is_beyond(sample.point.distance) {
-            break;
-        }
-    }
-    count
-}
-
-/// Lowers what is within `half` of a place to a feed.
-fn lower_around<R: Real>(samples: &mut Vec<Measured<R>>, at: R, half: R, feed: R) {
-    let (begin, end) = (at - half, at + half);
-    for place in [begin, end] {
-        split(samples, place, half.scale(FINE));
-    }
-    let first = samples.partition_point(|sample| sample.point.distance < at);
-    let before = lower(samples.iter_mut().take(first).rev(), feed, |distance| distance <= begin);
-    let behind = lower(samples.iter_mut().skip(first), feed, |distance| distance >= end);
-    for single in first.saturating_sub(before)..first.saturating_add(behind) {
-        lower_single(samples, single);
-    }
-}
-
-/// Lowers a limit that holds at one point alone to what holds beside it now: above that, it would be a summit.
-fn lower_single<R: Real>(samples: &mut [Measured<R>], single: usize) {
-    let beside = |place: Option<usize>| {
-        let sample = place.and_then(|place| samples.get(place))?;
-        let margin = place.and_then(|place| samples.get(place + 1)).map_or_else(R::zero, |next| next.margin);
-        Some(lowered(sample.point.feedrate, sample.margin.max(margin)))
-    };
-    let most = [beside(single.checked_sub(1)), beside(single.checked_add(1))].into_iter().flatten();
-    let most = most.fold(R::max_value(), R::min);
-    if let Some(sample) = samples.get_mut(single).filter(|sample| sample.is_single) {
-        sample.point.feedrate = sample.point.feedrate.min(most);
     }
 }
 

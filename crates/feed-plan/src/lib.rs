@@ -76,6 +76,8 @@ extern crate alloc;
 #[cfg(feature = "alloc")]
 mod axis_budget;
 #[cfg(feature = "alloc")]
+mod broken_chord;
+#[cfg(feature = "alloc")]
 mod chord_error;
 #[cfg(feature = "alloc")]
 mod chord_feeds;
@@ -104,6 +106,8 @@ mod limits;
 mod look_ahead;
 #[cfg(feature = "alloc")]
 mod lower_bound;
+#[cfg(feature = "alloc")]
+mod lowered_samples;
 #[cfg(feature = "alloc")]
 mod profile;
 #[cfg(feature = "alloc")]
