@@ -14,7 +14,7 @@ pub const PERIODS: usize = 135;
 
 /// `secant_interp::PositionChecksum` of all of them.
 #[allow(dead_code, reason = "a program need not ask")]
-pub const CHECKSUM: u64 = 0x9907c3e4b719fbd2;
+pub const CHECKSUM: u64 = 0x9050e6740e4bb181;
 
 /// Path and plan.
 pub static PATH: PieceInterpolator<'static, Number, 3> = PieceInterpolator {
@@ -52,12 +52,12 @@ pub static PATH: PieceInterpolator<'static, Number, 3> = PieceInterpolator {
             LengthStage { duration: 36506659433, reciprocal: 17361909031347078081, reciprocal_exponent: 35, period_share: 0.11764887, feed: 0.0, change: 0.470581, shape: StageShape::Cubic },
             LengthStage { duration: 1125166, reciprocal: 17191075018116497294, reciprocal_exponent: 20, period_share: 0.99999994, feed: 0.470581, change: 0.0, shape: StageShape::Steady },
             LengthStage { duration: 36506659433, reciprocal: 17361909031347078081, reciprocal_exponent: 35, period_share: 0.11764887, feed: 0.470581, change: -0.470581, shape: StageShape::Cubic },
-            LengthStage { duration: 36586877163, reciprocal: 17323842570392886000, reciprocal_exponent: 35, period_share: 0.11739092, feed: 0.0, change: 0.49784648, shape: StageShape::Cubic },
-            LengthStage { duration: 180229316138, reciprocal: 14067085504087475998, reciprocal_exponent: 37, period_share: 0.023830568, feed: 0.4978408, change: 0.0, shape: StageShape::Steady },
-            LengthStage { duration: 36586877163, reciprocal: 17323842570392886000, reciprocal_exponent: 35, period_share: 0.11739092, feed: 0.49785092, change: -0.49785092, shape: StageShape::Cubic },
-            LengthStage { duration: 36586877163, reciprocal: 17323842570392886000, reciprocal_exponent: 35, period_share: 0.11739092, feed: 0.0, change: 0.49784648, shape: StageShape::Cubic },
-            LengthStage { duration: 180229316138, reciprocal: 14067085504087475998, reciprocal_exponent: 37, period_share: 0.023830568, feed: 0.4978408, change: 0.0, shape: StageShape::Steady },
-            LengthStage { duration: 36586877163, reciprocal: 17323842570392886000, reciprocal_exponent: 35, period_share: 0.11739092, feed: 0.49785092, change: -0.49785092, shape: StageShape::Cubic },
+            LengthStage { duration: 36586877163, reciprocal: 17323842570392886000, reciprocal_exponent: 35, period_share: 0.11739092, feed: 0.0, change: 0.49784213, shape: StageShape::Cubic },
+            LengthStage { duration: 180229316138, reciprocal: 14067085504087475998, reciprocal_exponent: 37, period_share: 0.023830568, feed: 0.49784213, change: 0.0, shape: StageShape::Steady },
+            LengthStage { duration: 36586877163, reciprocal: 17323842570392886000, reciprocal_exponent: 35, period_share: 0.11739092, feed: 0.49784213, change: -0.49784213, shape: StageShape::Cubic },
+            LengthStage { duration: 36586877163, reciprocal: 17323842570392886000, reciprocal_exponent: 35, period_share: 0.11739092, feed: 0.0, change: 0.49784213, shape: StageShape::Cubic },
+            LengthStage { duration: 180229316138, reciprocal: 14067085504087475998, reciprocal_exponent: 37, period_share: 0.023830568, feed: 0.49784213, change: 0.0, shape: StageShape::Steady },
+            LengthStage { duration: 36586877163, reciprocal: 17323842570392886000, reciprocal_exponent: 35, period_share: 0.11739092, feed: 0.49784213, change: -0.49784213, shape: StageShape::Cubic },
         ],
     },
     tolerance: ChordTolerance { residual: 2.3841858e-7, max_evaluations: 5 },

@@ -14,7 +14,7 @@ pub const PERIODS: usize = 132;
 
 /// `secant_interp::PositionChecksum` of all of them.
 #[allow(dead_code, reason = "a program need not ask")]
-pub const CHECKSUM: u64 = 0x7da4ad46b5710b88;
+pub const CHECKSUM: u64 = 0xa8ab20e946d04ab5;
 
 /// Path and plan.
 pub static PATH: PieceInterpolator<'static, Number, 3> = PieceInterpolator {
@@ -52,12 +52,12 @@ pub static PATH: PieceInterpolator<'static, Number, 3> = PieceInterpolator {
             LengthStage { duration: 34359353163, reciprocal: 9223475440693858628, reciprocal_exponent: 34, period_share: i5f27(16777404), feed: i5f27(0), change: i5f27(268432447), shape: StageShape::Cosine },
             LengthStage { duration: 770410, reciprocal: 12553583879904250201, reciprocal_exponent: 19, period_share: i5f27(134217727), feed: i5f27(268432447), change: i5f27(0), shape: StageShape::Steady },
             LengthStage { duration: 34359353163, reciprocal: 9223475440693858628, reciprocal_exponent: 34, period_share: i5f27(16777404), feed: i5f27(268432447), change: i5f27(-268432447), shape: StageShape::Cosine },
-            LengthStage { duration: 33062672966, reciprocal: 9585209592187373250, reciprocal_exponent: 34, period_share: i5f27(17435394), feed: i5f27(0), change: i5f27(268233055), shape: StageShape::Cosine },
-            LengthStage { duration: 182982757236, reciprocal: 13855410415455604622, reciprocal_exponent: 37, period_share: i5f27(3150355), feed: i5f27(268229603), change: i5f27(0), shape: StageShape::Steady },
-            LengthStage { duration: 33062672966, reciprocal: 9585209592187373250, reciprocal_exponent: 34, period_share: i5f27(17435394), feed: i5f27(268235714), change: i5f27(-268235714), shape: StageShape::Cosine },
-            LengthStage { duration: 33062672966, reciprocal: 9585209592187373250, reciprocal_exponent: 34, period_share: i5f27(17435394), feed: i5f27(0), change: i5f27(268233055), shape: StageShape::Cosine },
-            LengthStage { duration: 182982757236, reciprocal: 13855410415455604622, reciprocal_exponent: 37, period_share: i5f27(3150355), feed: i5f27(268229603), change: i5f27(0), shape: StageShape::Steady },
-            LengthStage { duration: 33062672966, reciprocal: 9585209592187373250, reciprocal_exponent: 34, period_share: i5f27(17435394), feed: i5f27(268235714), change: i5f27(-268235714), shape: StageShape::Cosine },
+            LengthStage { duration: 33062672966, reciprocal: 9585209592187373250, reciprocal_exponent: 34, period_share: i5f27(17435394), feed: i5f27(0), change: i5f27(268230335), shape: StageShape::Cosine },
+            LengthStage { duration: 182982757236, reciprocal: 13855410415455604622, reciprocal_exponent: 37, period_share: i5f27(3150355), feed: i5f27(268230335), change: i5f27(0), shape: StageShape::Steady },
+            LengthStage { duration: 33062672966, reciprocal: 9585209592187373250, reciprocal_exponent: 34, period_share: i5f27(17435394), feed: i5f27(268230335), change: i5f27(-268230335), shape: StageShape::Cosine },
+            LengthStage { duration: 33062672966, reciprocal: 9585209592187373250, reciprocal_exponent: 34, period_share: i5f27(17435394), feed: i5f27(0), change: i5f27(268230335), shape: StageShape::Cosine },
+            LengthStage { duration: 182982757236, reciprocal: 13855410415455604622, reciprocal_exponent: 37, period_share: i5f27(3150355), feed: i5f27(268230335), change: i5f27(0), shape: StageShape::Steady },
+            LengthStage { duration: 33062672966, reciprocal: 9585209592187373250, reciprocal_exponent: 34, period_share: i5f27(17435394), feed: i5f27(268230335), change: i5f27(-268230335), shape: StageShape::Cosine },
         ],
     },
     tolerance: ChordTolerance { residual: i5f27(2), max_evaluations: 5 },
