@@ -283,6 +283,20 @@ fn parts<R: Real>(schedule: &Schedule<'_, R>, stages: Range<usize>, off: R) -> i
     stages.iter().map(move |stage| (off * share(stage.duration)).min(stage.length.half()))
 }
 
+impl<R: Real> Stage<R> {
+    /// The stage with its distances and feeds scaled so that it is shorter by `off`, in the same time.
+    fn shortened_by(&self, off: R) -> Self {
+        if !(off > R::zero()) {
+            return *self;
+        }
+        let share = off / self.length;
+        let scaled = |quantity: R| quantity - quantity * share;
+        let (length, start_feed, end_feed) =
+            (scaled(self.length), scaled(self.start_feed), scaled(self.end_feed));
+        Self { length, start_feed, end_feed, ..*self }
+    }
+}
+
 fn chord<R: Real, const D: usize>(from: &[R; D], to: &[R; D]) -> R {
     R::norm(&core::array::from_fn::<_, D, _>(|d| to[d] - from[d]))
 }

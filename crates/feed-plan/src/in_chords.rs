@@ -39,14 +39,13 @@ impl<R: Real> FeedLimit<R> {
         for trial in 1..=TRIALS {
             let off = path.beyond_stops(&chords.as_schedule(), stretches.iter().map(|stretch| stretch.end));
             stretches.iter_mut().zip(off).for_each(|(stretch, off)| stretch.judge(off, enough));
-            let is_last = trial == TRIALS || stretches.iter().all(|stretch| stretch.is_done);
-            if is_last {
+            if stretches.iter().all(|stretch| stretch.is_done) {
+                break; // These chords are of the corrections that were found to be enough.
+            }
+            if trial == TRIALS {
                 stretches.iter_mut().for_each(|stretch| stretch.correction = stretch.best.0);
             }
             chords = arcs.clone().shortened(self, &corrected(&stretches, &shortfalls));
-            if is_last {
-                break;
-            }
         }
         chords
     }

@@ -55,20 +55,6 @@ impl<R: Real> ScheduleBuf<R> {
     }
 }
 
-impl<R: Real> Stage<R> {
-    /// The stage with its distances and feeds scaled so that it is shorter by `off`, in the same time.
-    pub(crate) fn shortened_by(&self, off: R) -> Self {
-        if !(off > R::zero()) {
-            return *self;
-        }
-        let share = off / self.length;
-        let scaled = |quantity: R| quantity - quantity * share;
-        let (length, start_feed, end_feed) =
-            (scaled(self.length), scaled(self.start_feed), scaled(self.end_feed));
-        Self { length, start_feed, end_feed, ..*self }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
