@@ -51,7 +51,10 @@ fn interpolator<'a, R: Backend, const D: usize>(
 fn steps<R: Backend, const D: usize>((table, stages): &Compiled<R, D>) -> u64 {
     let interpolator = interpolator(table, stages);
     let mut state = interpolator.start();
-    (0..CALLS).filter_map(|_| interpolator.step(&mut state)).map(|setpoint| setpoint.phase).fold(0, u64::max)
+    (0..CALLS)
+        .filter_map(|_| interpolator.step(&mut state))
+        .map(|setpoint| setpoint.phase)
+        .fold(0, u64::wrapping_add)
 }
 
 /// A path, and the chords of the first periods.
@@ -69,7 +72,7 @@ fn steps_by<const D: usize>((table, chords): &Given<D>) -> u64 {
     let interpolator = interpolator(table, &[]);
     let mut state = interpolator.start();
     let step = |chord: &f64| interpolator.step_by(&mut state, *chord);
-    chords.iter().filter_map(step).map(|setpoint| setpoint.phase).fold(0, u64::max)
+    chords.iter().filter_map(step).map(|setpoint| setpoint.phase).fold(0, u64::wrapping_add)
 }
 
 fn planned(path: &Path<2>) -> (NurbsBuf<f64, 2>, KinematicLimits<f64>) {
@@ -94,13 +97,14 @@ macro_rules! point {
     )+};
 }
 
+// Paths are given back, lest their memory is freed while instructions are counted.
 macro_rules! step {
     ($($name:ident: $format:ty),+) => {$(
         #[library_benchmark]
         #[bench::a(compiled::<$format, 2>(&paper_a()))]
         #[bench::b(compiled::<$format, 2>(&ten_points()))]
-        fn $name(path: Compiled<$format, 2>) -> u64 {
-            black_box(steps(black_box(&path)))
+        fn $name(path: Compiled<$format, 2>) -> (u64, Compiled<$format, 2>) {
+            (black_box(steps(black_box(&path))), path)
         }
     )+};
 }
@@ -112,21 +116,21 @@ step!(
 
 #[library_benchmark]
 #[bench::c(compiled::<f64, 3>(&thousand_points()))]
-fn step_f64_in_space(path: Compiled<f64, 3>) -> u64 {
-    black_box(steps(black_box(&path)))
+fn step_f64_in_space(path: Compiled<f64, 3>) -> (u64, Compiled<f64, 3>) {
+    (black_box(steps(black_box(&path))), path)
 }
 
 #[library_benchmark]
 #[bench::a(given(&paper_a()))]
 #[bench::b(given(&ten_points()))]
-fn step_by_f64(path: Given<2>) -> u64 {
-    black_box(steps_by(black_box(&path)))
+fn step_by_f64(path: Given<2>) -> (u64, Given<2>) {
+    (black_box(steps_by(black_box(&path))), path)
 }
 
 #[library_benchmark]
 #[bench::c(given(&thousand_points()))]
-fn step_by_f64_in_space(path: Given<3>) -> u64 {
-    black_box(steps_by(black_box(&path)))
+fn step_by_f64_in_space(path: Given<3>) -> (u64, Given<3>) {
+    (black_box(steps_by(black_box(&path))), path)
 }
 
 #[library_benchmark]

@@ -105,13 +105,13 @@ type Coefficients<'a, R, const D: usize> = (&'a [[R; D]], Option<(R, &'a [R])>);
 /// The coefficients of one piece, shifted to a parameter t.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shifted<R, const D: usize> {
-    /// P: the point at t, as an offset from the piece's origin, in the piece's own units.
-    pub offset: [R; D],
     /// The chord polynomial in the solver's scale, q̃_k for k = 1..=degree: the chord to t + h is
     /// `η Σ q̃_k x^{k-1}`, over `1 + Σ weight_k x^k` if rational.
     pub chord: [[R; D]; MAX_DEGREE],
     /// ω̃_k for k = 1..=degree; zeros if not rational.
     pub weight: [R; MAX_DEGREE],
+    /// P: the point at t, as an offset from the piece's origin, in the piece's own units.
+    pub offset: [R; D],
 }
 
 impl<R: Real, const D: usize> Default for Shifted<R, D> {

@@ -17,7 +17,8 @@ use crate::local_piece::LocalPiece;
 pub struct SignalBound {
     /// The signal, by the name that an audit gives it.
     pub signal: &'static str,
-    /// No value of it is larger in magnitude, but for a few units of the format's resolution.
+    /// In fixed point no value of it is larger in magnitude, but for a few units of the resolution. A float, which has room for it,
+    /// may go beyond with a guess that proves wrong.
     pub bound: f64,
 }
 

@@ -87,6 +87,13 @@ macro_rules! float_backend {
                 phase::$float::leading(phase)
             }
 
+            /// The digits of `1 + self` behind the point.
+            #[inline]
+            fn place_to_phase(self) -> Option<u64> {
+                let raised = 1.0 + self;
+                if raised >= 2.0 { None } else { Some(u64::from(raised.to_bits()) << (65 - $digits)) }
+            }
+
             #[inline]
             fn is_finite(self) -> bool {
                 $float::is_finite(self)
@@ -366,8 +373,24 @@ mod tests {
                 let next = phase.saturating_add(1 << shift);
                 prop_assert!(double <= f64::fraction(next) && single <= f32::fraction(next));
                 prop_assert_eq!(I4F60::fraction(phase), I4F60::from_phase(phase, 0));
+                // And back: to the nearest phase of that many digits.
+                let off = |back: Option<u64>| back.map_or(u64::MAX - phase, |back| back.abs_diff(phase));
+                prop_assert!(off(double.place_to_phase()) <= 1 << 12, "{}: {}", phase, double);
+                prop_assert!(off(single.place_to_phase()) <= 1 << 41, "{}: {}", phase, single);
             }
         }
+    }
+
+    #[test]
+    fn places_beyond_one_have_no_phase() {
+        for x in [1.0, 1.0 - f64::EPSILON / 4.0, 2.0, 1e300, f64::INFINITY] {
+            assert_eq!((x.place_to_phase(), (x as f32).place_to_phase()), (None, None), "{x}");
+        }
+        assert_eq!((1.0 - f64::EPSILON).place_to_phase(), Some(u64::MAX << 12));
+        assert_eq!((1.0 - f32::EPSILON).place_to_phase(), Some(u64::MAX << 41));
+        let (below, one) =
+            (I4F60::from_f64(1.0).unwrap() - I4F60::resolution(), I4F60::from_f64(1.0).unwrap());
+        assert_eq!((below.place_to_phase(), one.place_to_phase()), (Some(below.to_phase(0)), None));
     }
 
     #[test]

@@ -22,6 +22,7 @@ use num_traits::{Bounded, One, Zero};
 /// | [`from_f64`](Backend::from_f64), [`from_f64_pair`](Backend::from_f64_pair) | to nearest, ties to even | to nearest, ties to even; `None` out of range |
 /// | [`from_phase`](Real::from_phase), [`to_phase`](Real::to_phase) | cut toward 0, saturate | cut toward 0, saturate |
 /// | [`fraction`](Real::fraction) | the leading bits, to nearest, ties to even | cut toward 0, saturate |
+/// | [`place_to_phase`](Real::place_to_phase) | to nearest, ties to even; `None` out of range | cut toward 0; `None` out of range |
 /// | division by zero, also in `from_ratio` | infinity or NaN | the extreme with the sign of the numerator; `0/0` is 0 |
 /// | root of a negative number | 0 | 0 |
 ///
@@ -47,8 +48,8 @@ pub trait Real:
     /// Whether a number carries its own exponent, so that no unit suits it better than another.
     const IS_FLOATING: bool = false;
 
-    /// Whether a place on [0, 1] may be rounded twice: as the one before and the step from there, it is known sooner than from the
-    /// phase that both lead to. So it is where the last digits of a place are far less than any setpoint shows.
+    /// Whether places on [0, 1) are added up as numbers, and phases are what they come to: their last digits are far less than any
+    /// setpoint shows. Other formats add phases.
     const ADDS_PLACES: bool = false;
 
     /// The step between 1 and the next larger number: 2⁻²³ in `f32`, 2⁻ᶠ with f fraction bits.
@@ -97,6 +98,14 @@ pub trait Real:
     /// The fraction `self · 2^exponent` as an integer: `⌊self · 2^(64 + exponent)⌋`, 0 for a negative number and
     /// 2⁶⁴ - 1 from 1 on. Domain: `|exponent| ≤ 64`.
     fn to_phase(self, exponent: i32) -> u64;
+
+    /// The place `self` on [0, 1) as a phase, off by up to half the resolution; `None` from 1 on, once rounded so.
+    /// The other way round than [`fraction`](Real::fraction), and in floats a third of the instructions of
+    /// [`to_phase`](Real::to_phase). In fixed point it is the same as that. Domain: `self ≥ 0`.
+    #[must_use]
+    fn place_to_phase(self) -> Option<u64> {
+        Some(self.to_phase(0)).filter(|phase| *phase < u64::MAX)
+    }
 
     /// Whether this is a number: false only for the infinities and NaN of floats.
     fn is_finite(self) -> bool;

@@ -220,6 +220,12 @@ macro_rules! wrapper {
                 result
             }
 
+            fn place_to_phase(self) -> Option<u64> {
+                let result = self.inner().place_to_phase();
+                <Self as Wrapper>::to_phase(self, 0, result.unwrap_or(u64::MAX));
+                result
+            }
+
             fn is_finite(self) -> bool {
                 self.inner().is_finite()
             }

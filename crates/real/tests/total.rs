@@ -13,6 +13,7 @@ fn check<R: Backend>() {
         let in_domain = exponent.unsigned_abs() <= 64;
         for x in numbers {
             let (_, _, part) = (x.scale(exponent), x.rescaled(exponent), x.to_phase(exponent));
+            let _ = x.place_to_phase();
             assert!(!in_domain || x > R::zero() || part == 0, "{} {exponent}", R::name());
         }
         for phase in [0, 1, 1 << 63, u64::MAX] {

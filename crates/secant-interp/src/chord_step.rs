@@ -158,10 +158,14 @@ impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D,
         tolerance: &ChordTolerance<R>,
     ) -> Result<R, Evaluation<R>> {
         let value = self.evaluate(sigma, step);
-        if value.is_small(tolerance.threshold())
-            && let Some(found) = difference_within(sigma, correction(sigma, &value), &self.range)
-        {
-            return Ok(found.signal("step_per_chord"));
+        if value.is_small(tolerance.threshold()) {
+            let part = correction(sigma, &value);
+            // A float holds what lies beyond the range, and it is as good a root.
+            let found =
+                if R::IS_FLOATING { Some(sigma - part) } else { difference_within(sigma, part, &self.range) };
+            if let Some(found) = found {
+                return Ok(found.signal("step_per_chord"));
+            }
         }
         Err(value)
     }
@@ -330,13 +334,16 @@ pub(crate) fn correction<R: Real>(sigma: R, value: &Evaluation<R>) -> R {
     sigma.half() * f * series
 }
 
-/// `sigma - part` where that lies in the range.
+/// `sigma - part` where that lies in the range; in floats, which hold what lies beyond, where it is positive.
 ///
 /// In fixed point σ is positive: where the difference does not fit, it wraps to a negative number, which is in no range. What
 /// watches numbers is spared what would look like a fault there.
 #[inline]
 pub(crate) fn difference_within<R: Real>(sigma: R, part: R, range: &[R; 2]) -> Option<R> {
-    if R::IS_FLOATING || R::IS_FOR_SPEED {
+    if R::IS_FLOATING {
+        return Some(sigma - part).filter(|rest| *rest > R::zero());
+    }
+    if R::IS_FOR_SPEED {
         return Some(sigma - part).filter(|rest| is_within(*rest, range));
     }
     (sigma - range[1] <= part && part <= sigma - range[0]).then(|| sigma - part)

@@ -18,9 +18,10 @@ use real::{Lane, Real};
 
 use crate::chord_step::{Evaluation, correction, is_within, value_and_slope};
 use crate::piece_interpolator::{
-    CUBIC, PieceInterpolator, PieceSetpoint, PieceState, Reached, after, fall, place,
+    CUBIC, PieceInterpolator, PieceSetpoint, PieceState, Reached, after, onward,
 };
 use crate::step_lengths::PERIOD;
+use crate::trend::Trend;
 
 /// A bit for each lane.
 type Mask = u64;
@@ -51,8 +52,10 @@ const NONE: u64 = u64::MAX;
 #[derive(Clone, Debug)]
 #[repr(C, align(64))] // A row does not straddle the lines of the cache.
 struct Numbers<R, const D: usize, const W: usize> {
-    /// σ of the last three steps, newest first.
-    sigma: [Row<R, W>; 3],
+    /// σ of the last steps: the newest, its rise, and what the next one is expected to be less.
+    newest: Row<R, W>,
+    rise: Row<R, W>,
+    fall: Row<R, W>,
     chord: [[Row<R, W>; D]; CUBIC],
     offset: [Row<R, W>; D],
     /// Of the pieces n_1 to n_3, and least and greatest step per chord.
@@ -93,7 +96,9 @@ impl<R: Real, const D: usize, const W: usize> Numbers<R, D, W> {
     fn new() -> Self {
         let zero = [R::zero(); W];
         Self {
-            sigma: [zero; 3],
+            newest: zero,
+            rise: zero,
+            fall: zero,
             chord: [[zero; D]; CUBIC],
             offset: [zero; D],
             numerator: [[zero; D]; CUBIC],
@@ -109,6 +114,18 @@ impl<R: Real, const D: usize, const W: usize> Numbers<R, D, W> {
             found: zero,
             step: zero,
         }
+    }
+}
+
+impl<R: Real, const D: usize, const W: usize> Numbers<R, D, W> {
+    #[inline(always)]
+    fn trend(&self, lane: usize) -> Trend<R> {
+        Trend { newest: self.newest[lane], rise: self.rise[lane], fall: self.fall[lane] }
+    }
+
+    #[inline(always)]
+    fn put_trend(&mut self, lane: usize, trend: &Trend<R>) {
+        (self.newest[lane], self.rise[lane], self.fall[lane]) = (trend.newest, trend.rise, trend.fall);
     }
 }
 
@@ -172,7 +189,7 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
             self.attend(due.trailing_zeros() as usize);
             due &= due - 1;
         }
-        self.arch.dispatch(Arrival(&mut self.numbers));
+        self.arch.dispatch(Arrival(&self.words, &mut self.numbers));
         W - self.ended.count_ones() as usize
     }
 
@@ -207,14 +224,17 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
     /// Takes a common step on to the next piece; false if it is none.
     fn pass_joint(&mut self, lane: usize) -> bool {
         let (run, state, numbers) = (&self.runs[lane], &mut self.states[lane], &mut self.numbers);
-        let ((part, is_part), phase) = (numbers.step[lane].part_of_one(), self.words.phase[lane]);
-        let is_past = is_part && after(phase, part).is_none();
-        let Some(row) = run.pieces.pieces.get(state.piece).filter(|_| is_past) else { return false };
-        let step = Reached { piece: state.piece, phase: part, sigma: numbers.found[lane], evaluations: 1 };
-        let mut history = of_lane(&numbers.sigma, lane);
-        let Some(reached) = run.pass_joint(phase, &mut history, row, &step) else { return false };
+        let (step, phase) = (numbers.step[lane], self.words.phase[lane]);
+        let Some(row) = run.pieces.pieces.get(state.piece) else { return false };
+        if step < R::zero() || onward(row, (phase, numbers.t[lane]), step).is_some() {
+            return false;
+        }
+        let (sigma, part) = (numbers.found[lane], row.part(step));
+        let step = Reached { piece: state.piece, phase: part, sigma, evaluations: 1 };
+        let mut trend = numbers.trend(lane);
+        let Some(reached) = run.pass_joint(phase, &mut trend, row, &step) else { return false };
         (state.piece, state.phase, state.t) = (reached.piece, reached.phase, R::fraction(reached.phase));
-        put(&mut numbers.sigma, lane, history);
+        numbers.put_trend(lane, &trend);
         numbers.found[lane] = reached.sigma;
         self.words.is_common[lane] = true;
         self.load_piece(lane)
@@ -247,8 +267,8 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
     fn unload(&mut self, lane: usize) {
         let state = &mut self.states[lane];
         self.is_loaded[lane] = false;
-        state.phase = self.words.phase[lane];
-        state.remember(of_lane(&self.numbers.sigma, lane));
+        (state.phase, state.t) = (self.words.phase[lane], self.numbers.t[lane]);
+        state.trend = self.numbers.trend(lane);
         for (slot, rows) in state.at.chord.iter_mut().zip(&self.numbers.chord) {
             *slot = of_lane(rows, lane);
         }
@@ -257,15 +277,11 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
     /// Puts a run's place into its lane, if its steps can be common ones.
     fn load(&mut self, lane: usize) {
         let (run, state, numbers) = (&self.runs[lane], &self.states[lane], &mut self.numbers);
-        // What arrives is put before the history, and the chord is formed anew.
-        let [newest, middle, oldest] = state.sigma;
-        numbers.found[lane] = newest;
-        put(&mut numbers.sigma, lane, [middle, oldest, oldest]);
+        numbers.put_trend(lane, &state.trend);
         numbers.threshold[lane] = run.tolerance.threshold();
         let is_plain_cubic = run.pieces.degree == CUBIC && !run.pieces.is_rational();
-        let has_history = !state.sigma[0].is_zero();
         self.is_loaded[lane] = is_plain_cubic && self.load_piece(lane);
-        if !self.is_loaded[lane] || !has_history {
+        if !self.is_loaded[lane] {
             self.numbers.end[lane] = nowhere();
         }
     }
@@ -348,14 +364,14 @@ impl<R: Lane, const D: usize, const W: usize> pulp::WithSimd for Departure<'_, R
 }
 
 /// The second part: the point there, and what the next step begins with.
-struct Arrival<'a, R, const D: usize, const W: usize>(&'a mut Numbers<R, D, W>);
+struct Arrival<'a, R, const D: usize, const W: usize>(&'a Words<W>, &'a mut Numbers<R, D, W>);
 
 impl<R: Lane, const D: usize, const W: usize> pulp::WithSimd for Arrival<'_, R, D, W> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, _: S) {
-        arrive(self.0);
+        arrive(self.0, self.1);
     }
 }
 
@@ -380,8 +396,8 @@ fn solve<R: Lane, const D: usize, const W: usize>(numbers: &mut Numbers<R, D, W>
         let length = numbers.change[lane].mul_add(mean, numbers.feed[lane]);
         numbers.length[lane] = length;
 
-        let (history, range) = (of_lane(&numbers.sigma, lane), of_lane(&numbers.range, lane));
-        let guess = history[0] - fall(history);
+        let range = of_lane(&numbers.range, lane);
+        let guess = numbers.newest[lane] - numbers.fall[lane];
         let x = guess * length;
         let chord = numbers.chord.each_ref().map(|rows| of_lane(rows, lane));
         let (pull, slope) = value_and_slope(chord.iter(), x, ["chord_per_step", "chord_turn"]);
@@ -407,25 +423,33 @@ fn travel<R: Lane, const D: usize, const W: usize>(
 ) -> Mask {
     let mut due = 0;
     for lane in 0..W {
-        let old = words.phase[lane];
-        let (part, is_part) = numbers.step[lane].part_of_one();
-        let phase = old.wrapping_add(part);
-        let is_common = is_part & after(old, part).is_some();
+        let (old, step) = ((words.phase[lane], numbers.t[lane]), numbers.step[lane]);
+        let (is_common, phase) = if R::ADDS_PLACES {
+            let phase = (old.1 + step).place_to_phase();
+            ((step >= R::zero()) & phase.is_some(), phase.unwrap_or_default())
+        } else {
+            let (part, is_part) = step.part_of_one();
+            (is_part & after(old.0, part).is_some(), old.0.wrapping_add(part))
+        };
         words.is_common[lane] = is_common;
         due |= if is_common & (words.left[lane] > 0) { 0 } else { 1 << lane };
-        let phase = if is_common { phase } else { old };
-        words.phase[lane] = phase;
-        numbers.t[lane] = place(old, numbers.step[lane], phase);
+        words.phase[lane] = if is_common { phase } else { old.0 };
+        let t = if R::ADDS_PLACES { old.1 + step } else { R::fraction(words.phase[lane]) };
+        numbers.t[lane] = if is_common { t } else { old.1 };
     }
     due
 }
 
 /// The point there, and what the next step begins with.
 #[inline(always)]
-fn arrive<R: Lane, const D: usize, const W: usize>(numbers: &mut Numbers<R, D, W>) {
+fn arrive<R: Lane, const D: usize, const W: usize>(words: &Words<W>, numbers: &mut Numbers<R, D, W>) {
     for lane in 0..W {
-        let [newest, middle, _] = of_lane(&numbers.sigma, lane);
-        put(&mut numbers.sigma, lane, [numbers.found[lane], newest, middle]);
+        // A lane that went alone has the trend with its step.
+        let (old, is_common) = (numbers.trend(lane), words.is_common[lane]);
+        let new = old.and(numbers.found[lane]);
+        numbers.newest[lane] = if is_common { new.newest } else { old.newest };
+        numbers.rise[lane] = if is_common { new.rise } else { old.rise };
+        numbers.fall[lane] = if is_common { new.fall } else { old.fall };
         let mut shifted = numbers.numerator.each_ref().map(|rows| of_lane(rows, lane));
         put(&mut numbers.offset, lane, shift(&mut shifted, numbers.t[lane]));
         for (rows, chord) in numbers.chord.iter_mut().zip(shifted) {

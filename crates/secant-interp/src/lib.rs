@@ -56,6 +56,7 @@ pub mod secant;
 mod step_lengths;
 mod stretches;
 pub mod taylor;
+mod trend;
 
 pub use chord_step::{Chord, ChordTolerance};
 #[cfg(feature = "alloc")]

@@ -7,6 +7,7 @@ use crate::chord_step::{Chord, ChordTolerance, Evaluation, difference_within, wi
 use crate::feed_override::{FeedOverride, OverrideState};
 use crate::joint::{Travelled, into_next, part_into_next, part_of_next, past};
 use crate::step_lengths::{LengthCursor, StepLengths};
+use crate::trend::Trend;
 
 /// One setpoint on a path of pieces.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,10 +51,8 @@ pub struct PieceState<R, const D: usize> {
     pub(crate) phase: u64,
     /// 2^s of `piece`: in fixed point it would take as long as a tenth of the step to form it anew.
     whole: R,
-    /// σ of the last three steps, newest first, in the scale of `piece`.
-    pub(crate) sigma: [R; 3],
-    /// What the next σ is expected to be less than the newest.
-    fall: R,
+    /// σ of the last steps, in the scale of `piece`.
+    pub(crate) trend: Trend<R>,
     /// The piece's polynomials about t, the place of `phase`: they were formed for the setpoint there, and the next step begins
     /// with them.
     pub(crate) t: R,
@@ -67,23 +66,9 @@ impl<R: Real, const D: usize> PieceState<R, D> {
         &self.cursor
     }
 
-    /// Adds σ of a step that was made.
-    #[inline]
-    fn push(&mut self, sigma: R) {
-        let [newest, middle, _] = self.sigma;
-        self.remember([sigma, newest, middle]);
-    }
-
-    /// Takes these as σ of the last three steps, newest first.
-    #[inline]
-    pub(crate) fn remember(&mut self, history: [R; 3]) {
-        self.sigma = history;
-        self.fall = fall(history);
-    }
-
     /// The end of a step over a joint; its evaluations.
     fn reach(&mut self, reached: &Reached<R>, pieces: &[Piece<R, D>]) -> u32 {
-        self.push(reached.sigma);
+        self.trend = self.trend.and(reached.sigma);
         (self.piece, self.phase) = (reached.piece, reached.phase);
         self.whole = pieces.get(self.piece).map_or(R::one(), Piece::whole);
         reached.evaluations
@@ -113,7 +98,10 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     pub fn start(&self) -> PieceState<R, D> {
         let mut at = Shifted::default();
         self.pieces.shift_to_begin(0, &mut at);
-        let whole = self.pieces.pieces.first().map_or(R::one(), Piece::whole);
+        let first = self.pieces.pieces.first();
+        let whole = first.map_or(R::one(), Piece::whole);
+        // For want of a history, the middle of the range.
+        let [low, high] = first.map_or([R::zero(); 2], |row| row.step_per_chord);
         let cursor = LengthCursor::default();
         let mut state = PieceState {
             cursor,
@@ -123,8 +111,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
             piece: 0,
             phase: 0,
             whole,
-            sigma: [R::zero(); 3],
-            fall: R::zero(),
+            trend: Trend::steady(low + (high - low).half()),
             t: R::zero(),
             at,
         };
@@ -252,7 +239,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
             Wanted::Planned(planned) => planned,
         };
         let is_last = planned.is_some() && self.lengths.is_over(&state.cursor);
-        let length = planned.unwrap_or_else(|| self.landing(row)).signal("chord_length");
+        let length = planned.unwrap_or_else(|| self.landing(state, row)).signal("chord_length");
         (length, if is_last { sum_within(length, self.landing_step, R::max_value()) } else { length })
     }
 
@@ -268,22 +255,25 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         let evaluations = match self.find_ahead::<N, PLAIN>(state, row, reach) {
             Ok(sigma) => {
                 let step = sigma * reach;
-                let part = row.part(step);
-                if let Some(phase) = after(state.phase, part) {
-                    state.t = place(state.phase, step, phase);
-                    state.phase = phase;
-                    state.push(sigma);
+                if let Some(place) = onward(row, (state.phase, state.t), step) {
+                    (state.phase, state.t) = place;
+                    state.trend = state.trend.and(sigma);
                     let t = state.t.signal("parameter");
                     self.pieces.shift_along::<N, PLAIN>((state.piece, row), t, &mut state.at);
                     let offset = self.pieces.in_units_of_path(row, &state.at.offset);
-                    return PieceSetpoint { piece: state.piece, phase, offset, length, evaluations: 1 };
+                    return PieceSetpoint {
+                        piece: state.piece,
+                        phase: state.phase,
+                        offset,
+                        length,
+                        evaluations: 1,
+                    };
                 }
-                let step = Reached { piece: state.piece, phase: part, sigma, evaluations: 1 };
+                let step = Reached { piece: state.piece, phase: row.part(step), sigma, evaluations: 1 };
                 self.pass_end(state, row, reach, &step)
             }
-            Err(Uncommon::Evaluated(value)) => self.refine::<N, PLAIN>(state, row, reach, value),
-            Err(Uncommon::Past(guess)) => self.pass_near_end(state, row, reach, guess),
-            Err(Uncommon::OutOfRange) => self.search(state, row, reach),
+            Err(Some(value)) => self.refine::<N, PLAIN>(state, row, reach, value),
+            Err(None) => self.search(state, row, reach),
         };
         let of = self.arrive::<N, PLAIN>(state);
         let offset = self.pieces.in_common_units(of, &state.at.offset);
@@ -300,8 +290,9 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     /// step per chord, which is no less than the format's resolution.
     #[cold]
     #[inline(never)]
-    fn landing(&self, row: &Piece<R, D>) -> R {
-        let moves = |length: R| row.part(row.step_per_chord[0] * length) > 0;
+    fn landing(&self, state: &PieceState<R, D>, row: &Piece<R, D>) -> R {
+        let place = (state.phase, state.t);
+        let moves = |length: R| onward(row, place, row.step_per_chord[0] * length) != Some(place);
         let mut length = self.landing_step.max(R::resolution());
         for _ in 0..u64::BITS {
             if moves(length) {
@@ -312,22 +303,24 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         length
     }
 
-    /// σ of a common step: on the present piece, where the guess and one correction are enough.
+    /// σ of a common step: on the present piece, where the guess and one correction are enough. If they are not, the evaluation
+    /// of the guess; nothing of a guess that is out of range or leads past the piece.
     #[inline(always)]
     fn find_ahead<const N: usize, const PLAIN: bool>(
         &self,
         state: &PieceState<R, D>,
         row: &Piece<R, D>,
         length: R,
-    ) -> Result<R, Uncommon<R>> {
-        let guess = difference_within(state.sigma[0], state.fall, &row.step_per_chord);
-        let guess = guess.ok_or(Uncommon::OutOfRange)?;
-        let step = (guess * length).signal("step");
+    ) -> Result<R, Option<Evaluation<R>>> {
+        let Trend { newest, fall, .. } = state.trend;
+        let guess = difference_within(newest, fall, &row.step_per_chord).ok_or(None)?;
+        let step = guess * length;
         if !is_on_piece(state, row, step) {
-            return Err(Uncommon::Past(guess));
+            return Err(None);
         }
+        let step = step.signal("step");
         let chord = self.chord_on::<N, PLAIN>(row, state.whole, &state.at, length);
-        chord.correct(guess, step, &self.tolerance).map_err(Uncommon::Evaluated)
+        chord.correct(guess, step, &self.tolerance).map_err(Some)
     }
 
     /// The polynomials where a step arrived that was no common one; the piece that they are of.
@@ -341,35 +334,19 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         of
     }
 
-    /// A step whose guess is not in the range of its piece; the evaluations.
+    /// A step whose guess is not in the range of its piece, or leads past it: past its end, where that is nearer than the length,
+    /// for the guess may be wrong; the evaluations.
     #[cold]
     #[inline(never)]
     fn search(&self, state: &mut PieceState<R, D>, row: &Piece<R, D>, length: R) -> u32 {
-        let guess = predict(&mut state.sigma, row);
-        if is_on_piece(state, row, guess * length) {
-            self.solve(state, row, length, guess)
-        } else {
-            self.pass_near_end(state, row, length, guess)
+        let guess = state.trend.next(&row.step_per_chord);
+        if !is_on_piece(state, row, guess * length) {
+            let travelled = self.way_to_end(state, row, length);
+            if travelled.left > R::zero() {
+                return self.cross(state, row, travelled, length);
+            }
         }
-    }
-
-    /// A step whose guess leads past the present piece: past its end, where that is nearer than the length, for the guess may be
-    /// wrong; the evaluations.
-    #[cold]
-    #[inline(never)]
-    fn pass_near_end(&self, state: &mut PieceState<R, D>, row: &Piece<R, D>, length: R, guess: R) -> u32 {
-        let travelled = self.way_to_end(state, row, length);
-        if travelled.left > R::zero() {
-            self.cross(state, row, travelled, length)
-        } else {
-            self.solve(state, row, length, guess)
-        }
-    }
-
-    /// A step on the present piece from this guess on, in the form that serves all; the evaluations.
-    fn solve(&self, state: &mut PieceState<R, D>, row: &Piece<R, D>, length: R, guess: R) -> u32 {
-        let chord = self.chord(row, &state.at, length);
-        let found = chord.solve(guess, &self.tolerance);
+        let found = self.chord(row, &state.at, length).solve(guess, &self.tolerance);
         self.travel(state, row, length, found)
     }
 
@@ -383,7 +360,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         length: R,
         value: Evaluation<R>,
     ) -> u32 {
-        let guess = state.sigma[0] - state.fall;
+        let guess = state.trend.newest - state.trend.fall;
         let chord = self.chord_on::<N, PLAIN>(row, state.whole, &state.at, length);
         let found = chord.refine(guess, value, &self.tolerance);
         self.travel(state, row, length, found)
@@ -400,7 +377,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         let part = row.part(sigma * length);
         if let Some(phase) = after(state.phase, part) {
             state.phase = phase;
-            state.push(sigma);
+            state.trend = state.trend.and(sigma);
             return evaluations;
         }
         let step = Reached { piece: state.piece, phase: part, sigma, evaluations };
@@ -411,7 +388,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     #[cold]
     #[inline(never)]
     fn pass_end(&self, state: &mut PieceState<R, D>, row: &Piece<R, D>, length: R, step: &Reached<R>) -> u32 {
-        if let Some(reached) = self.pass_joint(state.phase, &mut state.sigma, row, step) {
+        if let Some(reached) = self.pass_joint(state.phase, &mut state.trend, row, step) {
             return state.reach(&reached, self.pieces.pieces);
         }
         let travelled = self.way_to_end(state, row, length);
@@ -427,13 +404,13 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         Travelled::new(way.map(|x| x / length), step / length)
     }
 
-    /// Where a step of a phase leads that is past the end of a piece whose polynomial goes on; the history comes into the scale
+    /// Where a step of a phase leads that is past the end of a piece whose polynomial goes on; the trend comes into the scale
     /// of the next piece. `None` if another polynomial follows there, or the step is none that was found on this one.
     #[inline]
     pub(crate) fn pass_joint(
         &self,
         phase: u64,
-        history: &mut [R; 3],
+        trend: &mut Trend<R>,
         row: &Piece<R, D>,
         step: &Reached<R>,
     ) -> Option<Reached<R>> {
@@ -445,7 +422,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         // Beyond the end lies what is more than the rest: nothing of a step that leads to the last phase.
         let rest = phase.wrapping_neg(); // 2⁶⁴ - phase
         let phase = part_of_next(row, next, step.phase.saturating_sub(rest))?;
-        *history = history.map(|x| into_next(row, next, x));
+        *trend = trend.into_next(row, next);
         Some(Reached { piece: step.piece + 1, phase, sigma: into_next(row, next, step.sigma), ..*step })
     }
 
@@ -461,7 +438,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         travelled: Travelled<R, D>,
         length: R,
     ) -> u32 {
-        let reached = self.find_across(state.piece, &mut state.sigma, row, travelled, length);
+        let reached = self.find_across(state.piece, &mut state.trend, row, travelled, length);
         state.reach(&reached, self.pieces.pieces)
     }
 
@@ -470,28 +447,28 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     fn find_across(
         &self,
         piece: usize,
-        history: &mut [R; 3],
+        trend: &mut Trend<R>,
         row: &Piece<R, D>,
         mut travelled: Travelled<R, D>,
         length: R,
     ) -> Reached<R> {
         let mut row = row;
-        let mut expected = extrapolate(*history, &row.step_per_chord);
+        let mut expected = trend.next(&row.step_per_chord);
         let mut at = Shifted::default();
         let mut evaluations = 0;
         for (piece, next) in self.pieces.pieces.iter().enumerate().skip(piece + 1) {
             let greatest = next.step_per_chord[1];
-            *history = history.map(|x| into_next(row, next, x));
+            *trend = trend.into_next(row, next);
             expected = into_next(row, next, expected);
             let Travelled { before, part, left } = travelled;
             let part = part_into_next(row, next, part.min(row.step_per_chord[1]));
             if left <= R::zero() {
-                return Reached { piece, phase: 0, sigma: history[0], evaluations };
+                return Reached { piece, phase: 0, sigma: trend.newest, evaluations };
             }
             self.pieces.shift_to_begin(piece, &mut at);
             let on_next = self.chord(next, &at, length);
             // What is left begins later than a whole chord and ends with it: σ has gone on by half of that.
-            let earlier = ((history[0] - expected) * (R::one() - left)).half();
+            let earlier = ((trend.newest - expected) * (R::one() - left)).half();
             let guess = (expected - within(earlier, expected, &next.step_per_chord)) * left;
             let is_long = guess * length >= on_next.whole;
             let whole = || sum_within(part, on_next.whole / length, greatest);
@@ -511,7 +488,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
             };
             (row, travelled) = (next, Travelled::new(beyond, whole()));
         }
-        Reached { piece: self.pieces.pieces.len(), phase: 0, sigma: history[0], evaluations }
+        Reached { piece: self.pieces.pieces.len(), phase: 0, sigma: trend.newest, evaluations }
     }
 
     /// The chord on a piece, from the point about which it was shifted: in the form that serves all.
@@ -531,7 +508,8 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         Chord {
             at,
             degree: self.pieces.degree,
-            rational: self.pieces.is_rational(),
+            // Of a degree that is known, the compiler knows this as well.
+            rational: if N < MAX_DEGREE { !PLAIN } else { self.pieces.is_rational() },
             range_exponent: i32::from(row.range_exponent),
             whole,
             length,
@@ -550,16 +528,6 @@ enum Wanted<R> {
     Given(R),
 }
 
-/// Why a step is no common one, with what is known of it by then.
-enum Uncommon<R> {
-    /// The guess is not in the range of the piece.
-    OutOfRange,
-    /// The guess leads past the piece.
-    Past(R),
-    /// One evaluation of the guess is not enough.
-    Evaluated(Evaluation<R>),
-}
-
 /// The phase that a step leads to on its piece; `None` past the end. Steps of a whole piece and more are saturated: from the
 /// piece's begin on, they end at the last phase.
 #[inline]
@@ -567,42 +535,38 @@ pub(crate) fn after(phase: u64, step: u64) -> Option<u64> {
     (step < !phase).then(|| phase.wrapping_add(step))
 }
 
-/// Where on the piece a step from one phase leads to another.
-#[inline(always)] // Into the loops of the lanes, too.
-pub(crate) fn place<R: Real>(from: u64, step: R, to: u64) -> R {
-    if R::ADDS_PLACES { R::fraction(from) + step } else { R::fraction(to) }
+/// The place on a piece that a step leads to, as phase and as number; `None` past the end.
+#[inline(always)]
+pub(crate) fn onward<R: Real, const D: usize>(
+    row: &Piece<R, D>,
+    (phase, t): (u64, R),
+    step: R,
+) -> Option<(u64, R)> {
+    if R::ADDS_PLACES {
+        let t = t + step;
+        return Some((t.place_to_phase()?, t));
+    }
+    let phase = after(phase, row.part(step))?;
+    Some((phase, R::fraction(phase)))
 }
 
 /// Whether a step of `guessed` is worth an evaluation on the present piece: not if it reaches past a knot by more than guesses
 /// are wrong by, nor past the whole piece.
 #[inline]
 fn is_on_piece<R: Real, const D: usize>(state: &PieceState<R, D>, row: &Piece<R, D>, guessed: R) -> bool {
-    let rest = state.phase.wrapping_neg().wrapping_sub(1); // 2⁶⁴ - 1 - phase
-    let past = || row.part(guessed).saturating_sub(rest);
-    guessed <= state.whole && (row.continues || past() <= rest / 256)
+    let whole = if R::IS_FLOATING { row.whole() } else { state.whole };
+    guessed <= whole && (row.continues || !leads_past_end(state, row, guessed))
 }
 
-/// `3σ_i - 3σ_{i-1} + σ_{i-2}`, within the piece's range; at the start, for want of a history, its middle.
+/// Whether a step of `guessed` reaches past the end of the present piece by more than guesses are wrong by, 2⁻⁸ of the way.
 #[inline]
-fn predict<R: Real, const D: usize>(history: &mut [R; 3], row: &Piece<R, D>) -> R {
-    if history[0].is_zero() {
-        let [low, high] = row.step_per_chord;
-        *history = [low + (high - low).half(); 3];
+fn leads_past_end<R: Real, const D: usize>(state: &PieceState<R, D>, row: &Piece<R, D>, guessed: R) -> bool {
+    if R::IS_FLOATING {
+        let rest = R::one() - state.t;
+        return guessed > rest + rest.scale(-8);
     }
-    extrapolate(*history, &row.step_per_chord)
-}
-
-/// `3a - 3b + c`, within the range.
-#[inline]
-fn extrapolate<R: Real>([a, b, c]: [R; 3], range: &[R; 2]) -> R {
-    a - within(fall([a, b, c]), a, range)
-}
-
-/// What `3a - 3b + c` is less than a.
-#[inline]
-pub(crate) fn fall<R: Real>([a, b, c]: [R; 3]) -> R {
-    let (newer, older) = (a - b, b - c);
-    (older - newer - newer).signal("step_per_chord_fall")
+    let rest = state.phase.wrapping_neg().wrapping_sub(1); // 2⁶⁴ - 1 - phase
+    row.part(guessed).saturating_sub(rest) > rest / 256
 }
 
 /// Whether a root was found rather than the end of its range. The range is that of one piece: over a joint, the mean

@@ -112,13 +112,15 @@ fn a_continuous_knot_is_crossed() {
     assert!(cruise < 1e-6, "{cruise}");
 }
 
+/// The chord is; a place of f64 has 52 digits of the piece, of which the shortest step seen here takes a thousandth.
 #[test]
 fn a_straight_line_is_exact() {
+    let bound = 1000.0 * f64::EPSILON;
     let cruise = runs_in_every_format(&path(plain(1, vec![[0.0, 0.0], [100.0, 75.0]], &[]), 0.4));
-    assert!(cruise < 1e-15, "{cruise}");
+    assert!(cruise < bound, "{cruise}");
     let cruise =
         runs_in_every_format(&path(plain(1, vec![[0.0, 0.0], [40.0, 30.0], [80.0, 60.0]], &[0.1]), 0.4));
-    assert!(cruise < 1e-15, "{cruise}");
+    assert!(cruise < bound, "{cruise}");
 }
 
 /// The one step that a short curve takes lands on its end.

@@ -23,8 +23,8 @@ fn path<const D: usize>() -> impl Strategy<Value = Path<D>> {
     })
 }
 
-/// Runs once plainly and once under audit: to the end, forward, the same, and within the proven bounds. A format that
-/// does not fit is refused before.
+/// Runs once plainly and once under audit: to the end, forward, the same, and in fixed point within the proven bounds. A format
+/// that does not fit is refused before.
 fn keeps_its_promises<R: Backend, const D: usize>(
     path: &Path<D>,
     settings: &Settings,
@@ -41,7 +41,8 @@ fn keeps_its_promises<R: Backend, const D: usize>(
     let plain = run::<R, D>(path, settings).unwrap();
     prop_assert_eq!(plain.checksum, watched.checksum);
     prop_assert_eq!((audit.overflows, audit.divisions_by_zero), (0, 0), "{}", R::name());
-    for (name, range) in &audit.signals {
+    // A float holds whatever a wrong guess comes to, and does not ask whether it is in range.
+    for (name, range) in audit.signals.iter().filter(|_| !R::IS_FLOATING) {
         let Some(proven) = watched.bounds.iter().find(|bound| bound.signal == *name) else {
             return Err(TestCaseError::fail(format!("{}: no bound for {name}", R::name())));
         };

@@ -1,0 +1,83 @@
+//! How the step per chord has gone over the last steps, and where it is expected to go.
+
+use nurbs_core::Piece;
+use real::Real;
+
+use crate::chord_step::within;
+use crate::joint::into_next;
+
+/// σ of the last step, and its differences to those before, all in the scale of one piece. They are kept instead of the σ
+/// themselves: a step has less to form and to move.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Trend<R> {
+    /// σ_i.
+    pub(crate) newest: R,
+    /// σ_i - σ_{i-1}.
+    pub(crate) rise: R,
+    /// What the next one, `3σ_i - 3σ_{i-1} + σ_{i-2}`, is less than σ_i.
+    pub(crate) fall: R,
+}
+
+impl<R: Real> Trend<R> {
+    /// As if it had always been this.
+    pub(crate) fn steady(sigma: R) -> Self {
+        Self { newest: sigma, rise: R::zero(), fall: R::zero() }
+    }
+
+    /// Of the last three, newest first.
+    fn of([newest, middle, oldest]: [R; 3]) -> Self {
+        Self { newest: middle, rise: middle - oldest, fall: R::zero() }.and(newest)
+    }
+
+    /// The last three, newest first: exactly in fixed point, but for rounding in floats.
+    fn sigmas(&self) -> [R; 3] {
+        let middle = self.newest - self.rise;
+        [self.newest, middle, middle - (self.fall + self.rise + self.rise)]
+    }
+
+    /// With σ of another step that was made.
+    #[inline(always)]
+    pub(crate) fn and(&self, sigma: R) -> Self {
+        let rise = sigma - self.newest;
+        Self { newest: sigma, rise, fall: (self.rise - rise - rise).signal("step_per_chord_fall") }
+    }
+
+    /// The next one, within the range.
+    pub(crate) fn next(&self, range: &[R; 2]) -> R {
+        self.newest - within(self.fall, self.newest, range)
+    }
+
+    /// In the scale of the next piece, each σ within its range.
+    pub(crate) fn into_next<const D: usize>(self, row: &Piece<R, D>, next: &Piece<R, D>) -> Self {
+        Self::of(self.sigmas().map(|sigma| into_next(row, next, sigma)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use real::{Backend, I4F28};
+
+    fn goes_on_as_a_parabola<R: Backend>() {
+        let number = |x: f64| R::from_f64(x).unwrap();
+        let parabola = |i: f64| number(1.0 + 0.125 * i - 0.015_625 * i * i);
+        let mut trend = Trend::of([parabola(2.0), parabola(1.0), parabola(0.0)]);
+        let range = [number(0.5), number(2.0)];
+        for i in 3..8 {
+            assert_eq!(trend.next(&range), parabola(f64::from(i)), "{} {i}", R::name());
+            trend = trend.and(parabola(f64::from(i)));
+            let last = [i, i - 1, i - 2].map(|i| parabola(f64::from(i)));
+            assert_eq!(trend.sigmas(), last, "{} {i}", R::name());
+        }
+        assert_eq!(trend.next(&[number(0.5), number(1.0)]), number(1.0));
+        assert_eq!(Trend::steady(number(1.5)).next(&range), number(1.5));
+        assert_eq!(Trend::steady(number(3.0)).next(&range), number(2.0));
+    }
+
+    #[test]
+    fn three_steps_tell_the_next_one() {
+        goes_on_as_a_parabola::<f64>();
+        goes_on_as_a_parabola::<f32>();
+        goes_on_as_a_parabola::<I4F28>();
+    }
+}
