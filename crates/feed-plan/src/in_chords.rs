@@ -20,7 +20,7 @@ use real::Real;
 use crate::chord_shortfall::Path;
 use crate::{FeedLimit, Schedule, ScheduleBuf, Stage, chord_feeds};
 
-/// How often the run is followed to a stop, at most. Of 3000 stops of a program whose corners are passed two took more than ten.
+/// How often the run is followed to a stop, at most. Of 1,725 stops of `data/engraving.nc`, in 23 settings, none took more than nine.
 const TRIALS: usize = 32;
 /// A run that is off its stop by less than 2⁻²⁰ of a step lands on it.
 const ON_STOP: i32 = -20;
