@@ -16,6 +16,7 @@
 //! 1. *Joints*: a part of the path, be it a change of feed or a constant one, gives each of its two joints half of what it falls short
 //!    by. The correction at a joint is what it was given over half the time of the parts beside it; over a constant feed it
 //!    is constant.
+//!    What a run would go beyond the stop is given to the joint from which the feed falls to it.
 //! 2. *Level*: where it changes by more than it may, what is too much moves to the joint on the other side. So the sum stays as it
 //!    is, and what the run is off its plan by stays near.
 //! 3. *Cut*: sweeps leave a rest. Of all corrections that change by no more than they may, the largest one below and the least one
@@ -37,15 +38,20 @@ const BEND: i32 = 32;
 /// Sweeps there and back. Most plans take two, and what sixteen leave is cut.
 const SWEEPS: usize = 16;
 
-/// The stages from one stop to the next, shortened by what each falls short by; their starts are left as they are.
+/// The stages from one stop to the next, shortened by what each falls short by, and by so much more where the last one begins to
+/// come to rest; their starts are left as they are.
 pub(crate) fn shortened<R: Real>(
     limit: &FeedLimit<R>,
     stages: &[Stage<R>],
-    shortfalls: &[R],
+    (shortfalls, at_the_end): (&[R], R),
     period: R,
 ) -> Vec<Stage<R>> {
     let parts = parts(stages, shortfalls, period);
     let mut joints = joints(&parts);
+    if let Some(last) = joints.iter_mut().rev().find(|joint| joint.most > R::zero() && joint.time > R::zero())
+    {
+        last.correction = last.correction + at_the_end / last.time;
+    }
     level(&mut joints, &parts);
     cut(&mut joints, &parts);
     let mut short = Vec::with_capacity(stages.len());
@@ -425,7 +431,7 @@ mod tests {
         fn whatever_falls_short_is_taken_off_without_a_step(
             rows in prop::collection::vec((0.01..30.0_f64, 0.02..1.0_f64, prop::bool::weighted(0.1)), 2..40),
             shares in prop::collection::vec(prop_oneof![Just(0.0), 0.0..0.01_f64, 0.0..0.3_f64], 200),
-            jerk in 1e-5..0.1_f64,
+            jerk in 1e-5..0.1_f64, end in 0.0..0.1_f64,
         ) {
             let (mut distance, mut rests) = (0.0, true);
             let points: Vec<_> = rows.into_iter().enumerate().map(|(index, (stride, feedrate, stops))| {
@@ -438,8 +444,18 @@ mod tests {
             for kind in ProfileKind::ALL {
                 let Ok(arcs) = plan_with(&limit, &limits, EndFeeds::default(), kind) else { continue };
                 let shares = shares.iter().cycle();
-                let shortfalls: Vec<_> = arcs.stages().iter().zip(shares).map(|(stage, share)| stage.length * share).collect();
+                let mut shortfalls: Vec<_> = arcs.stages().iter().zip(shares).map(|(stage, share)| stage.length * share).collect();
                 assert_smooth(&arcs, &arcs.clone().shortened(&limit, &shortfalls), &shortfalls)?;
+                let at_the_end = |stages: &[Stage<f64>]| stages[stages.len() - 1].length * end;
+                let short = arcs.clone().by_sections(&shortfalls, |stages, these| {
+                    super::shortened(&limit, stages, (these, at_the_end(stages)), 1.0)
+                });
+                let mut behind = 0;
+                for section in arcs.stages.split_inclusive(|stage| stage.end_feed == 0.0) {
+                    behind += section.len();
+                    shortfalls[behind - 1] += at_the_end(section);
+                }
+                assert_smooth(&arcs, &short, &shortfalls)?;
             }
         }
     }

@@ -13,7 +13,7 @@
 use alloc::vec::Vec;
 use core::ops::Range;
 
-use nurbs_core::{Differentiate, Frenet, GaussLegendre};
+use nurbs_core::{Differentiate, Evaluate, Frenet, GaussLegendre};
 use real::Real;
 
 use crate::schedule::Cursor;
@@ -37,6 +37,9 @@ const CORRECTIONS: usize = 8;
 const STRIDES: usize = 48;
 /// Halvings of the stride that it lies in.
 const HALVINGS: usize = 48;
+/// A step round a corner goes no further beyond it than 17/16 of its length at the corner's speed of the parameter, as those of
+/// compiled pieces do: by more than a right angle, its chord may come out shorter for that.
+const LONGEST: [i32; 2] = [17, 16];
 
 impl<R: Real> FeedLimit<R> {
     /// By how much each stage is to be shortened if each chord, not each arc, is to have the planned length, mm: at most
@@ -213,7 +216,7 @@ impl<'a, R: Real, C> Path<'a, R, C> {
                 run.reached = run.planned;
                 Some(wanted - rest)
             } else {
-                run.reached = (run.reached + self.arc_over(run.reached, wanted)).min(self.limit.length());
+                run.reached = (run.reached + self.arc_of_step(run.reached, wanted)).min(self.limit.length());
                 None
             };
             lead = wanted.scale(LEAD);
@@ -223,8 +226,35 @@ impl<'a, R: Real, C> Path<'a, R, C> {
         End { run: end, last_period, ahead }
     }
 
+    /// The arc of a step from `begin` on: the first whose chord is as long as wanted, but beyond the last joint of spans within it
+    /// by no more than [`LONGEST`] of that.
+    pub(crate) fn arc_of_step<const D: usize>(&self, begin: R, wanted: R) -> R
+    where
+        C: Differentiate<R, D>,
+    {
+        let arc = self.arc_over(begin, wanted);
+        let longest = wanted * R::from_ratio(LONGEST[0], LONGEST[1]);
+        if arc <= longest {
+            return arc;
+        }
+        let (index, u) = self.limit.parameter_at(begin + arc);
+        let Some(curve) = self.curves.get(index) else { return arc };
+        let span = span_before(curve, u);
+        let (from, _) = curve.span_bounds(span);
+        let to_joint = self.limit.distance_from(index, from) - begin;
+        let speed = |u: R| Frenet::of(&curve.derivatives_in(span, u)).speed;
+        let at_joint = speed(from);
+        if !(to_joint > R::zero() && at_joint > R::zero()) {
+            return arc;
+        }
+        // What is limited is the step of the parameter, at the speed of the joint.
+        let width = longest / at_joint;
+        let beyond = width * self.rule.mean(&self.rule.points.map(|x| speed(from + width * x)));
+        arc.min(to_joint + beyond)
+    }
+
     /// The first arc from `begin` on whose chord is as long as wanted; four times the chord where none is.
-    pub(crate) fn arc_over<const D: usize>(&self, begin: R, wanted: R) -> R
+    fn arc_over<const D: usize>(&self, begin: R, wanted: R) -> R
     where
         C: Differentiate<R, D>,
     {
@@ -258,6 +288,16 @@ impl<'a, R: Real, C> Path<'a, R, C> {
         }
         arc
     }
+}
+
+/// The span of a curve that ends behind a parameter, or there.
+fn span_before<R: Real, const D: usize>(curve: &impl Evaluate<R, D>, u: R) -> usize {
+    let (mut span, mut behind) = (0, curve.span_count());
+    while span + 1 < behind {
+        let middle = span.midpoint(behind);
+        if curve.span_bounds(middle).0 < u { span = middle } else { behind = middle }
+    }
+    span
 }
 
 /// Behind which stage those from `begin` on take a period together, or end at a stop, or go at another feed than the first by
@@ -306,8 +346,8 @@ mod tests {
     use nurbs_core::NurbsBuf;
 
     use super::*;
-    use crate::test_paths::in_periods;
-    use crate::{EndFeeds, ProfileKind, plan_with};
+    use crate::test_paths::{in_periods, polyline};
+    use crate::{EndFeeds, Junction, KinematicLimits, ProfileKind, plan_with};
 
     /// The largest change of acceleration from one period to the next, against the jerk limit.
     fn jerk_of_steps(schedule: &Schedule<'_, f64>, jerk: f64) -> f64 {
@@ -315,6 +355,37 @@ mod tests {
         let steps: Vec<_> = core::iter::from_fn(|| schedule.advance(&mut cursor)).collect();
         let change = |three: &[f64]| (three[2] - three[1] - three[1] + three[0]).abs();
         steps.windows(3).map(change).fold(0.0, f64::max) / jerk
+    }
+
+    /// Behind a corner of 150° met half way no arc of less than 1.7 times the length has its chord, but the run goes 17/16 on; on a
+    /// spline too, whose corner lies within, and where the speed of the parameter changes.
+    #[test]
+    fn a_step_round_a_sharp_corner_ends_at_seventeen_sixteenths_beyond_it() {
+        let limits = in_periods(2e-3, 150.0, 1500.0, 3e4, 2e-3);
+        let limits = KinematicLimits { junction: Junction::Deviation(0.02), ..limits };
+        let (sine, cosine) = 150.0_f64.to_radians().sin_cos();
+        let points = [[0.0, 0.0], [10.0, 0.0], [10.0 + 10.0 * cosine, 10.0 * sine]];
+        let lines = polyline(&points);
+        let knots = vec![0.0, 0.0, 1.0, 2.0, 2.0];
+        let spline = [NurbsBuf::try_new_nonrational(1, points.to_vec(), knots).unwrap()];
+        // From the corner on the speed rises from half to one and a half of the mean.
+        let at = |share: f64| [10.0 + 10.0 * share * cosine, 10.0 * share * sine];
+        let knots = vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0];
+        let faster = NurbsBuf::try_new_nonrational(2, vec![at(0.0), at(0.25), at(1.0)], knots).unwrap();
+        for curves in [lines.clone(), spline.to_vec(), vec![lines[0].clone(), faster]] {
+            let curves: Vec<_> = curves.iter().map(NurbsBuf::as_curve).collect();
+            let limit = FeedLimit::along(&curves, &limits).unwrap();
+            let path = Path::new(&limit, &curves);
+            let step = 0.01;
+            let beyond = path.arc_of_step(10.0 - step / 2.0, step) - step / 2.0;
+            // At the speed of the corner; on the last curve it rises by 0.4 % over the step.
+            assert!((beyond / step - 1.0625).abs() < 3e-3, "{beyond}");
+            // Away from the corner the whole chord is made.
+            for begin in [9.7, 10.3] {
+                let arc = path.arc_of_step(begin, step);
+                assert!((arc / step - 1.0).abs() < 1e-3, "{arc}");
+            }
+        }
     }
 
     #[test]

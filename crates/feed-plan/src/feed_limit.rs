@@ -309,6 +309,13 @@ impl<R: Real> FeedLimit<R> {
         self.count_before(distance).checked_sub(1).and_then(|before| self.points.get(before))
     }
 
+    /// Distance of the first point from a parameter of a curve on.
+    pub(crate) fn distance_from(&self, curve: usize, u: R) -> R {
+        let first =
+            self.points.partition_point(|point| point.curve < curve || point.curve == curve && point.u < u);
+        self.points.get(first).map_or_else(|| self.length(), |point| point.distance)
+    }
+
     /// Curve and parameter at `distance`: the inverse of the arc length, between points by the cubic that has
     /// `du/ds = 1/|C'|` at both.
     pub(crate) fn parameter_at(&self, distance: R) -> (usize, R) {

@@ -3,9 +3,14 @@
 //! What each stage falls short by ([`FeedLimit::shortfalls`]) is found for the chords of one plan, and the corrected feeds are those
 //! of another. In bends that is nearly the same; but over a corner a chord falls short by anything up to a share of itself, depending on
 //! where it begins, and at a stop the run is some micrometres off. The last step would take them all. So a run by the corrected
-//! plan's chords is followed to each stop. What it would go beyond is taken off the last stage of the stretch, behind its
-//! last corner as a rule, where it changes nothing before. Where a run does not come as far, all its stages are shortened by
-//! less first.
+//! plan's chords is followed to each stop, and what it would go beyond is taken off where the plan begins to come to rest there. As
+//! a rule that is behind the last corner and changes nothing before: one or two trials more, and the run lands.
+//!
+//! Nothing can be added there. Where a run does not come as far, all stages of the stretch are shortened by less, by a *lead*, so that
+//! there is something to be taken off. But then chords begin elsewhere before each corner, and over one of more than a right angle
+//! what they fall short by jumps with that: the run may still not come as far. So may it where the correction reaches back
+//! over such a corner. Each time the lead is doubled. Without any shortening each arc is at least as long as planned, and the
+//! run goes beyond the stop.
 
 use alloc::vec::Vec;
 
@@ -13,10 +18,10 @@ use nurbs_core::Differentiate;
 use real::Real;
 
 use crate::chord_shortfall::Path;
-use crate::{FeedLimit, Schedule, ScheduleBuf, Stage};
+use crate::{FeedLimit, Schedule, ScheduleBuf, Stage, chord_feeds};
 
-/// How often the run is followed.
-const TRIALS: usize = 8;
+/// How often the run is followed to a stop, at most. Of 1,725 stops of `data/engraving.nc`, in 23 settings, none took more than nine.
+const TRIALS: usize = 32;
 /// A run that is off its stop by less than 2⁻²⁰ of a step lands on it.
 const ON_STOP: i32 = -20;
 
@@ -32,129 +37,161 @@ impl<R: Real> FeedLimit<R> {
     ) -> ScheduleBuf<R> {
         let shortfalls = self.shortfalls(curves, &arcs.as_schedule());
         let path = Path::new(self, curves);
-        let mut stretches: Vec<_> = stretches(arcs.stages(), &shortfalls).collect();
         let fastest = arcs.stages().iter().fold(R::zero(), |most, stage| most.max(stage.start_feed));
-        let enough = fastest * arcs.interpolation_period.scale(ON_STOP);
-        let mut chords = arcs.clone().shortened(self, &shortfalls);
-        for trial in 1..=TRIALS {
-            let off = path.beyond_stops(&chords.as_schedule(), stretches.iter().map(|stretch| stretch.end));
-            stretches.iter_mut().zip(off).for_each(|(stretch, off)| stretch.judge(off, enough));
-            if stretches.iter().all(|stretch| stretch.is_done) {
-                break; // These chords are of the corrections that were found to be enough.
-            }
-            if trial == TRIALS {
-                stretches.iter_mut().for_each(|stretch| stretch.correction = stretch.best.0);
-            }
-            chords = arcs.clone().shortened(self, &corrected(&stretches, &shortfalls));
-        }
-        chords
+        let rounding = if R::IS_FLOATING { R::resolution() * self.length() } else { R::resolution() };
+        let enough = (fastest * arcs.interpolation_period.scale(ON_STOP)).max(rounding);
+        arcs.clone().by_sections(&shortfalls, |stages, shortfalls| {
+            Stretch { limit: self, arcs, stages, shortfalls }.landed(&path, enough)
+        })
     }
 }
 
 /// The stages from one stop to the next.
-struct Stretch<R> {
-    stages: usize,
-    /// Distance of the stop.
-    end: R,
+struct Stretch<'a, R> {
+    limit: &'a FeedLimit<R>,
+    /// The whole plan.
+    arcs: &'a ScheduleBuf<R>,
+    stages: &'a [Stage<R>],
+    /// What its stages fall short by.
+    shortfalls: &'a [R],
+}
+
+impl<R: Real> Stretch<'_, R> {
+    /// The stages shortened so that a run by their chords is off the stop by no more than `enough`, or by the least that is found.
+    fn landed<const D: usize, C: Differentiate<R, D>>(
+        &self,
+        path: &Path<'_, R, C>,
+        enough: R,
+    ) -> Vec<Stage<R>> {
+        let shortfall = self.shortfalls.iter().fold(R::zero(), |sum, part| sum + part.max(R::zero()));
+        let mut search = Search::new(shortfall);
+        let mut best = (self.shortened(&search), R::max_value());
+        let ends = self.stages.first().zip(self.stages.last().filter(|last| last.end_feed.is_zero()));
+        // Left in motion, there is no stop to land on.
+        let Some((first, last)) = ends.filter(|_| shortfall > R::zero()) else { return best.0 };
+        let ends = [first.start, last.start + last.length];
+        let off_stop = |stages: &[Stage<R>]| {
+            let arcs = self.arcs.as_schedule();
+            path.beyond_stop(&Schedule::new(stages, arcs.interpolation_period(), arcs.periods()), ends)
+        };
+        let mut off = off_stop(&best.0);
+        best.1 = off.abs();
+        for _ in 1..TRIALS {
+            if !(off.abs() > enough) {
+                break;
+            }
+            search.go_on(off);
+            let stages = self.shortened(&search);
+            off = off_stop(&stages);
+            if off.abs() < best.1 {
+                best = (stages, off.abs());
+            }
+        }
+        best.0
+    }
+
+    fn shortened(&self, search: &Search<R>) -> Vec<Stage<R>> {
+        let parts: Vec<_> = self.shortfalls.iter().map(|shortfall| *shortfall * search.share).collect();
+        chord_feeds::shortened(
+            self.limit,
+            self.stages,
+            (&parts, search.at_the_end),
+            self.arcs.interpolation_period,
+        )
+    }
+}
+
+/// What is taken off a stretch, and how it was found.
+struct Search<R> {
     /// What its stages fall short by.
     shortfall: R,
-    /// That of the trial at hand.
-    correction: Correction<R>,
-    /// The one whose run was least off its stop, and by how much.
-    best: (Correction<R>, R),
-    is_done: bool,
-}
-
-/// What is taken off a stretch.
-#[derive(Clone, Copy)]
-struct Correction<R> {
-    /// The share of what its stages fall short by.
+    /// The share of that.
     share: R,
-    /// What is taken off the last stage besides.
+    /// What is taken off at its end besides.
     at_the_end: R,
+    /// By so much less than before the stages were shortened last.
+    lead: R,
+    /// By how much the run before that did not come as far as the stop, negative; 0 if it did.
+    short: R,
+    /// What was taken off at the end in the run before, and by how much that was off, if only the end differed.
+    before: Option<[R; 2]>,
 }
 
-impl<R: Real> Stretch<R> {
-    /// Takes what a run goes beyond the stop, and goes on to another correction unless that is little.
-    fn judge(&mut self, off: R, enough: R) {
-        if self.is_done {
+impl<R: Real> Search<R> {
+    fn new(shortfall: R) -> Self {
+        Self {
+            shortfall,
+            share: R::one(),
+            at_the_end: R::zero(),
+            lead: R::zero(),
+            short: R::zero(),
+            before: None,
+        }
+    }
+
+    /// Goes on to something else from what a run goes beyond the stop.
+    fn go_on(&mut self, off: R) {
+        let is_nearer =
+            self.before.is_none_or(|[_, before]| off.abs() < before.abs() - before.abs().scale(-2));
+        let at_the_end = self.at_the_end + off * self.end_per_distance(off);
+        if is_nearer && at_the_end > R::zero() {
+            self.before = Some([self.at_the_end, off]);
+            self.at_the_end = at_the_end;
             return;
         }
-        if off.abs() < self.best.1 {
-            self.best = (self.correction, off.abs());
-        }
-        let Correction { share, at_the_end } = &mut self.correction;
-        self.is_done = !(off.abs() > enough) || !(self.shortfall > R::zero());
-        if self.is_done {
-            return;
-        }
-        if off < R::zero() && at_the_end.is_zero() {
-            // By so much more that there is something to be taken off.
-            *share = (*share + (off + off.half()) / self.shortfall).max(R::zero());
+        let least = off.abs() + off.abs().half();
+        let gained = off - self.short;
+        let lead = if !(self.short < R::zero() && off < R::zero()) {
+            // Where a corner came between, no less than before, for another one begins elsewhere only then.
+            if self.before.is_some() { self.lead.max(least) } else { least }
+        } else if gained > least.scale(-3) {
+            // What the last one gained says how much more is due.
+            self.lead * (least / gained)
         } else {
-            *at_the_end = (*at_the_end + off).max(R::zero());
+            self.lead.scale(if gained > R::zero() { 3 } else { 1 })
+        };
+        self.short = if off < R::zero() && self.before.is_none() { off } else { R::zero() };
+        self.lead = lead.min(self.shortfall * R::from_ratio(3, 8));
+        self.share = self.share - self.lead / self.shortfall;
+        if self.share < R::zero() {
+            self.share = self.share + R::one();
+            self.short = R::zero();
         }
+        (self.at_the_end, self.before) = (R::zero(), None);
     }
-}
 
-fn stretches<R: Real>(stages: &[Stage<R>], shortfalls: &[R]) -> impl Iterator<Item = Stretch<R>> {
-    let mut rest = shortfalls;
-    stages.split_inclusive(|stage| stage.end_feed.is_zero()).map(move |stages| {
-        let (these, others) = rest.split_at(stages.len().min(rest.len()));
-        rest = others;
-        let shortfall = these.iter().fold(R::zero(), |sum, shortfall| sum + shortfall.max(R::zero()));
-        let end = stages.last().map_or_else(R::zero, |last| last.start + last.length);
-        // One that is left in motion has no stop to land on.
-        let is_done = stages.last().is_none_or(|last| !last.end_feed.is_zero());
-        let correction = Correction { share: R::one(), at_the_end: R::zero() };
-        let best = (correction, R::max_value());
-        Stretch { stages: stages.len(), end, shortfall, correction, best, is_done }
-    })
-}
-
-/// What the stages are shortened by.
-fn corrected<R: Real>(stretches: &[Stretch<R>], shortfalls: &[R]) -> Vec<R> {
-    let mut corrected = Vec::with_capacity(shortfalls.len());
-    let mut rest = shortfalls;
-    for stretch in stretches {
-        let (these, others) = rest.split_at(stretch.stages.min(rest.len()));
-        rest = others;
-        corrected.extend(these.iter().map(|shortfall| *shortfall * stretch.correction.share));
-        if let Some(last) = corrected.last_mut() {
-            *last = *last + stretch.correction.at_the_end;
-        }
+    /// By how much more is to be taken off at the end for each distance beyond the stop: 1, or what the last two runs say.
+    fn end_per_distance(&self, off: R) -> R {
+        let Some([end, before]) = self.before else { return R::one() };
+        let (more, less) = (self.at_the_end - end, before - off);
+        let is_slope = |a: R, b: R| a.abs().scale(-2) <= b.abs() && b.abs().scale(-2) <= a.abs();
+        let rises_together = (more > R::zero()) == (less > R::zero());
+        if is_slope(more, less) && rises_together && !less.is_zero() { more / less } else { R::one() }
     }
-    corrected
 }
 
 impl<R: Real, C> Path<'_, R, C> {
-    /// By how much a run by chords would go beyond each stop if it did not land there; of a last stretch without a stop, 0.
-    fn beyond_stops<const D: usize>(&self, chords: &Schedule<'_, R>, stops: impl Iterator<Item = R>) -> Vec<R>
+    /// By how much a run by chords from one distance to another would go beyond that stop if it did not land there.
+    fn beyond_stop<const D: usize>(&self, chords: &Schedule<'_, R>, [begin, stop]: [R; 2]) -> R
     where
         C: Differentiate<R, D>,
     {
-        let (mut cursor, mut reached) = (chords.start(), R::zero());
-        let follow = |stop: R| {
-            let mut beyond = R::zero();
-            loop {
-                let begun_in = cursor.stage();
-                let Some(wanted) = chords.advance(&mut cursor) else { return R::zero() };
-                let passed = chords.stages().get(begun_in..cursor.stage()).unwrap_or_default();
-                let is_last = chords.is_over(&cursor) || passed.iter().any(|stage| stage.end_feed.is_zero());
-                let is_near = stop - reached <= wanted + wanted;
-                let rest = if is_last || is_near { self.chord_between(reached, stop) } else { wanted };
-                if is_last || rest < wanted {
-                    // Once there, all that is still wanted goes beyond.
-                    (beyond, reached) = (beyond + wanted - rest, stop);
-                } else {
-                    reached = (reached + self.arc_over(reached, wanted)).min(stop);
-                }
-                if is_last {
-                    return beyond;
-                }
+        let (mut cursor, mut reached, mut beyond) = (chords.start(), begin, R::zero());
+        while let Some(wanted) = chords.advance(&mut cursor) {
+            let is_last = chords.is_over(&cursor) || cursor.stage() >= chords.stages().len();
+            let is_near = stop - reached <= wanted + wanted;
+            let rest = if is_last || is_near { self.chord_between(reached, stop) } else { wanted };
+            if is_last || rest < wanted {
+                // Once there, all that is still wanted goes beyond.
+                (beyond, reached) = (beyond + wanted - rest, stop);
+            } else {
+                reached = (reached + self.arc_of_step(reached, wanted)).min(stop);
             }
-        };
-        stops.map(follow).collect()
+            if is_last {
+                break;
+            }
+        }
+        beyond
     }
 }
 
@@ -178,10 +215,16 @@ mod tests {
         let path = Path::new(&limit, &curves);
         let shortfalls = limit.shortfalls(&curves, &arcs.as_schedule());
         let once = arcs.clone().shortened(&limit, &shortfalls);
-        let ends: Vec<_> = stretches(arcs.stages(), &shortfalls).map(|stretch| stretch.end).collect();
         [&once, &limit.in_chords(&curves, &arcs)].map(|plan| {
             assert!((plan.as_schedule().duration() - arcs.as_schedule().duration()).abs() < 1e-9);
-            path.beyond_stops(&plan.as_schedule(), ends.iter().copied())
+            let (mut off, mut begin) = (Vec::new(), 0.0);
+            let whole = arcs.stages().split_inclusive(|stage| stage.end_feed == 0.0);
+            for (whole, stages) in whole.zip(plan.stages().split_inclusive(|stage| stage.end_feed == 0.0)) {
+                let stop = whole.last().map_or(0.0, |last| last.start + last.length);
+                off.push(path.beyond_stop(&Schedule::new(stages, 1.0, u32::MAX), [begin, stop]));
+                begin = stop;
+            }
+            off
         })
     }
 
@@ -200,7 +243,22 @@ mod tests {
             let [once, landed] = beyond(&curves, &limits, 0.05, kind);
             assert!(largest(&once) > 1e-3, "{kind:?}: {once:?}");
             // J T³, what the jerk may change a step by, is 2.4e-4 mm.
-            assert!(largest(&landed) < 2e-5, "{kind:?}: {landed:?}");
+            assert!(largest(&landed) < 1e-7, "{kind:?}: {landed:?}");
+        }
+    }
+
+    /// At one feed all the way, what was taken off at the end was taken off from the start on: chords began elsewhere before the
+    /// corner of 135°, whose shortfall then jumped from two thirds of a step too much to one too little, and no trial landed.
+    #[test]
+    fn what_is_taken_off_at_the_end_changes_nothing_at_a_corner_long_before() {
+        let curves = polyline(&[[0.0, 0.0], [15.7, 0.0], [0.0, 15.7]]);
+        let limits = in_periods(2e-3, 150.0, 1500.0, 3e4, 2e-3);
+        let limits = KinematicLimits { junction: Junction::Deviation(0.02), ..limits };
+        for feed in [3.1e-3, 3.2e-3, 3.332e-3, 3.4e-3, 3.5e-3] {
+            for kind in ProfileKind::ALL {
+                let [_, landed] = beyond(&curves, &limits, feed, kind);
+                assert!(largest(&landed) < 4e-9, "{feed} {kind:?}: {landed:?}");
+            }
         }
     }
 

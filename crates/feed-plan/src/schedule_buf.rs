@@ -41,12 +41,25 @@ impl<R: Real> ScheduleBuf<R> {
     /// to be symmetric, as all of a plan are.
     #[must_use]
     pub fn shortened(self, limit: &FeedLimit<R>, shortfalls: &[R]) -> Self {
+        let period = self.interpolation_period;
+        self.by_sections(shortfalls, |stages, these| {
+            chord_feeds::shortened(limit, stages, (these, R::zero()), period)
+        })
+    }
+
+    /// The plan with other stages in place of those from each stop to the next, which it is given with their part of a list; where
+    /// they start follows from their lengths.
+    pub(crate) fn by_sections(
+        self,
+        list: &[R],
+        mut other: impl FnMut(&[Stage<R>], &[R]) -> Vec<Stage<R>>,
+    ) -> Self {
         let mut stages: Vec<Stage<R>> = Vec::with_capacity(self.stages.len());
-        let (mut rest, mut start) = (shortfalls, R::zero());
+        let (mut rest, mut start) = (list, R::zero());
         for section in self.stages.split_inclusive(|stage| stage.end_feed.is_zero()) {
             let (these, others) = rest.split_at(section.len().min(rest.len()));
             rest = others;
-            for stage in chord_feeds::shortened(limit, section, these, self.interpolation_period) {
+            for stage in other(section, these) {
                 stages.push(Stage { start, ..stage });
                 start = start + stage.length;
             }

@@ -128,7 +128,8 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     /// evaluations, and each further piece that it touches takes no more than that again.
     ///
     /// A chord over which the path turns by more than 60° may come out shorter than planned: steps per chord are held to
-    /// a sixteenth above that of the piece's slowest point, and the arc over such a chord is longer by more.
+    /// a sixteenth above that of the piece's slowest point, behind a corner above that of the corner, and the arc over such a
+    /// chord is longer by more.
     ///
     /// The distance of the next period is formed a period early, so a state keeps to one schedule.
     ///
@@ -469,14 +470,16 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
             let on_next = self.chord(next, &at, length);
             // What is left begins later than a whole chord and ends with it: σ has gone on by half of that.
             let earlier = ((trend.newest - expected) * (R::one() - left)).half();
-            let guess = (expected - within(earlier, expected, &next.step_per_chord)) * left;
+            let straight_on = || (expected - within(earlier, expected, &next.step_per_chord)) * left;
+            let round_corner = travelled.round_corner(&at.chord[0], expected, greatest);
+            let [guess, longest] = round_corner.unwrap_or_else(|| [straight_on(), greatest]);
             let is_long = guess * length >= on_next.whole;
             let whole = || sum_within(part, on_next.whole / length, greatest);
             if is_long && let Some(beyond) = past(&before, &on_next, length) {
                 (row, travelled) = (next, Travelled::new(beyond, whole()));
                 continue;
             }
-            let chord = Chord { before: Some(before), range: [R::zero(), greatest], ..on_next };
+            let chord = Chord { before: Some(before), range: [R::zero(), longest], ..on_next };
             let (sigma, count) = chord.solve(guess, &self.tolerance);
             evaluations += count;
             let step = sigma * length;
