@@ -22,6 +22,14 @@ use crate::{FeedLimit, KinematicLimits, ProfileKind, StageShape};
 pub(crate) const LEVELS: i32 = 16;
 /// Levels between the slow point's feed and that of the other end of the way, if that is higher.
 pub(crate) const LEVELS_BETWEEN_ENDS: i32 = 4;
+/// A level between two others saves at least so many times what the ramp more costs. With half of it plans through short windows are up to
+/// 0.3 % faster on paths of many arcs, with twice as much up to 1 % slower; from here on up the plans of the papers' curves need no such level.
+const WORTH: i32 = 8;
+/// Levels below its end that a ramp may begin at, the nearest ones: the work then grows with the flank, not with its square. No ramp
+/// that pays passes over nearly as many.
+const NEAREST: usize = 96;
+/// How often the range between two levels is divided, at most: a bound on the work.
+const DEEPEST: usize = 24;
 /// Feeds down to 2⁻³² of the first level are tried for leaving a place of rest.
 const HALVINGS: usize = 32;
 /// Parts of a ramp for comparing it with the limit, a power of two: in each its largest feed counts, so that it starts later
@@ -171,14 +179,56 @@ impl<'s, R: Real> Flank<'s, R> {
             if k == 1 {
                 self.double(from, target.half());
             }
+            self.fill_below(target);
             let level = self.arrival(target);
             if k == 1 && level.is_none() {
                 self.leave_rest(target);
             }
             self.levels.extend(level.or_else(|| self.arrival(target)));
         }
+        self.fill_below(feed);
         let level = self.arrival(feed);
         self.levels.extend(level);
+    }
+
+    /// Adds the levels below `target` at which the limit stays for so long that a ramp more pays, from the lowest up: arcs that follow
+    /// each other make a staircase of the limit, and with a fixed number of levels the plan falls short of its treads, the more of
+    /// them there are.
+    fn fill_below(&mut self, target: R) {
+        let Some(mut low) = self.levels.last().map(|level| level.feed) else { return };
+        let mut targets = Vec::from([target]);
+        while let Some(&high) = targets.last() {
+            let terrace = if targets.len() < DEEPEST { self.terrace(low, high) } else { None };
+            targets.extend(terrace);
+            if terrace.is_none() {
+                targets.pop();
+                if !targets.is_empty() {
+                    let level = self.arrival(high);
+                    self.levels.extend(level);
+                    low = high;
+                }
+            }
+        }
+    }
+
+    /// The feed v of the limit that saves most on the way from level a to level b, if that is worth a ramp more: held from where the
+    /// limit allows v, s(v), until it allows b, v saves `(s(b) - s(v)) (1/a - 1/v)` against a.
+    fn terrace(&self, low: R, high: R) -> Option<R> {
+        if !(low > R::zero() && high > low) {
+            return None;
+        }
+        let [first, next] = [low, high].map(|feed| self.hull.partition_point(|point| point.feed <= feed));
+        let end = self.distance_with(high, self.hull.partition_point(|point| point.feed < high))?;
+        let saved = |point: &HullPoint<R>| (end - point.distance) * ((point.feed - low) / point.feed) / low;
+        let between = self.hull.get(first..next)?.iter().filter(|point| point.feed < high);
+        let (gain, feed) =
+            between.map(|point| (saved(point), point.feed)).reduce(|a, b| if b.0 > a.0 { b } else { a })?;
+        let lost = |from: R, to: R| {
+            let ramp = self.shape.ramp(from, to);
+            ramp.duration() - ramp.length() / high
+        };
+        (gain > (lost(low, feed) + lost(feed, high) - lost(low, high)) * R::from_ratio(WORTH, 1))
+            .then_some(feed)
     }
 
     /// Adds levels below `target`, each twice the one before, from the highest that a ramp from rest can reach at once: at rest it
@@ -223,7 +273,8 @@ impl<'s, R: Real> Flank<'s, R> {
         }
         let (mut best, mut narrowest) = (None, PARTS / 2);
         // The nearest levels lose least as a rule, and what they lose soon rules out the others.
-        for (index, level) in self.levels.iter().enumerate().rev().filter(|(_, level)| level.feed < feed) {
+        let below = self.levels.iter().enumerate().rev().filter(|(_, level)| level.feed < feed);
+        for (index, level) in below.take(NEAREST) {
             let bound = best.map_or_else(R::max_value, |best: Arrival<R>| best.loss);
             best = self.arrival_from(index, level, feed, bound, &mut narrowest).or(best);
         }

@@ -1,7 +1,7 @@
 //! Limits and curves for tests.
 
 pub(crate) use nurbs_core::golden::{circle, seed_000, seed_003};
-use nurbs_core::{Derivatives, Differentiate, Evaluate, NurbsBuf};
+use nurbs_core::{Arc, Derivatives, Differentiate, Evaluate, NurbsBuf};
 use real::Backend;
 
 use crate::{AxisLimits, Junction, KinematicLimits};
@@ -51,6 +51,23 @@ pub(crate) fn polyline(points: &[[f64; 2]]) -> Vec<NurbsBuf<f64, 2>> {
     let line =
         |ends: &[[f64; 2]]| NurbsBuf::try_new(1, ends.to_vec(), vec![1.0; 2], vec![0., 0., 1., 1.]).unwrap();
     points.windows(2).map(line).collect()
+}
+
+/// Arcs that turn to and fro, each by its angle in quarter turns round its radius, and go on in the direction of the one before.
+pub(crate) fn arcs(shapes: impl IntoIterator<Item = (f64, f64)>) -> Vec<Arc<f64, 2>> {
+    let (mut at, mut heading, mut side) = ([0.0, 0.0], 0.0_f64, 1.0);
+    let arc = |(radius, quarters): (f64, f64)| {
+        let (sine, cosine) = heading.sin_cos();
+        let [out, along] =
+            [[side * radius * sine, -side * radius * cosine], [radius * cosine, radius * sine]];
+        let centre = [at[0] - out[0], at[1] - out[1]];
+        let arc = Arc::try_new(centre, [out, along], quarters).unwrap();
+        at = arc.point(1.0);
+        heading += side * quarters * core::f64::consts::FRAC_PI_2;
+        side = -side;
+        arc
+    };
+    shapes.into_iter().map(arc).collect()
 }
 
 /// Limits in another format.

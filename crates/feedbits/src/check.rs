@@ -2,7 +2,7 @@
 //!
 //! *Suspicious* is what is rarely meant: a gap, a move without length or below what axes resolve, a spline with a corner
 //! or a cusp inside, weights or knots over many decades, a feedrate that is missing, a bend that takes nine tenths of
-//! the feed, words that were read over. Corners between moves, moves shorter than a period's travel and bends that slow
+//! the feed, words read over, arcs bent to fit. Corners between moves, moves shorter than a period's travel and bends that slow
 //! the machine down are what programs are made of: they are counted, not judged.
 
 use std::collections::BTreeMap;
@@ -123,7 +123,10 @@ impl<'p> Report<'p> {
         let slow = self.slow_bends.iter();
         let slow = slow.filter(|slow| slow.allowed_mm_per_s < LEAST_SHARE_OF_FEED * slow.commanded_mm_per_s);
         say("bend that leaves less than a tenth of the feed", &mut slow.map(|slow| slow.bend.line));
-        say("word or setting that was read over", &mut self.warnings.iter().map(|warning| warning.line));
+        say(
+            "word or setting read over, or arc bent to fit",
+            &mut self.warnings.iter().map(|warning| warning.line),
+        );
         let feed_is_known = self.machine.is_some() && seen.feedrates_mm_per_s.is_none();
         let mut odd: BTreeMap<&str, Vec<&Remark>> = BTreeMap::new();
         for remark in &seen.remarks {

@@ -191,7 +191,9 @@ fn notes(part: &Part, again: &Part, arguments: &Arguments) -> Vec<String> {
     }
     let (words, kept) = (part.auxiliary.len(), again.auxiliary.len());
     if to == Target::Toml && words > 0 {
-        notes.push(format!("{words} words M, S, T, D or H are left out: a curve file has none"));
+        notes.push(format!(
+            "{words} words M, S, T, D or H are left out: a curve file has none, but rests at them"
+        ));
     } else if kept > words {
         notes.push("M30 was added at the end".into());
     }

@@ -77,7 +77,7 @@ where
         None => output::write(None, &text)?,
         path if arguments.output.json => output::write(path, &text)?,
         path => {
-            output::write(path, &csv(&plan.sampled(problem, arguments.oversample)?)?)?;
+            output::write(path, &csv(&plan.sampled(problem, arguments.oversample)?, summary.curves > 1)?)?;
             output::write(None, &text)?;
         }
     }
@@ -128,9 +128,11 @@ fn side_by_side(summaries: &[PlanSummary]) -> String {
     format!("{table}\n{bound}")
 }
 
+/// The stages; of a path of several curves with the numbers of the curves that `u start` and `u end` belong to.
 fn table(summary: &PlanSummary) -> String {
+    let has_curves = summary.curves > 1;
     let mut table = Table::new();
-    table.load_preset(presets::UTF8_FULL_CONDENSED).set_header([
+    let mut header = vec![
         "stage",
         "shape",
         "u start",
@@ -143,9 +145,17 @@ fn table(summary: &PlanSummary) -> String {
         "a1\nmm/s²",
         "a2\nmm/s³",
         "a3\nmm/s⁴",
-    ]);
+    ];
+    if has_curves {
+        header.insert(2, "curve");
+    }
+    table.load_preset(presets::UTF8_FULL_CONDENSED).set_header(header);
     for stage in &summary.stages {
-        table.add_row(cells(stage));
+        let mut cells = cells(stage);
+        if has_curves {
+            cells.insert(2, curves(stage));
+        }
+        table.add_row(cells);
     }
     for column in table.column_iter_mut().skip(2) {
         column.set_cell_alignment(CellAlignment::Right);
@@ -189,6 +199,12 @@ fn axes(summary: &PlanSummary) -> String {
     summary.axes.iter().filter(is_limited).map(line).collect()
 }
 
+/// The curves that a stage begins and ends on, numbered from 0.
+fn curves(stage: &StageRow) -> String {
+    let (first, last) = (stage.curve_start, stage.curve_end);
+    if first == last { first.to_string() } else { format!("{first} to {last}") }
+}
+
 fn cells(stage: &StageRow) -> Vec<String> {
     let mut cells = vec![
         stage.kind.to_string(),
@@ -206,14 +222,17 @@ fn cells(stage: &StageRow) -> Vec<String> {
     cells
 }
 
-fn csv(samples: &[FeedSample]) -> Result<String> {
-    let mut text = String::from(
-        "time_s,distance_mm,u,feed_mm_per_s,acceleration_mm_per_s2,jerk_mm_per_s3,limit_mm_per_s\n",
+/// The samples, with the number of the curve that u belongs to if there are several.
+fn csv(samples: &[FeedSample], has_curves: bool) -> Result<String> {
+    let curve_column = if has_curves { "curve," } else { "" };
+    let mut text = format!(
+        "time_s,distance_mm,{curve_column}u,feed_mm_per_s,acceleration_mm_per_s2,jerk_mm_per_s3,limit_mm_per_s\n"
     );
     for s in samples {
+        let curve = if has_curves { format!("{},", s.curve) } else { String::new() };
         writeln!(
             text,
-            "{},{},{},{},{},{},{}",
+            "{},{},{curve}{},{},{},{},{}",
             s.time_s,
             s.distance_mm,
             s.u,

@@ -31,7 +31,8 @@ pub(crate) struct Arguments {
     /// Largest distance between the smoothed path and the program's moves, both ways, in mm.
     #[arg(long, allow_negative_numbers = true, value_name = "MM")]
     tolerance: f64,
-    /// Outer corners, which turn the way that their outline turns: in a loop around the corner, or cut like the others.
+    /// Outer corners, which turn the way that their outline turns: in a loop around the corner, or cut like the others. Those of less
+    /// than 30° are cut in any case.
     #[arg(long, value_enum, default_value_t = Outer::Cut)]
     outer: Outer,
     /// Write the smoothed path: curves if the name ends in .toml, else a program of fine straight moves.
@@ -120,6 +121,7 @@ fn smooth(
         stretches: stretches.len(),
         cuts: 0,
         loops: 0,
+        shallow: 0,
         left: BTreeMap::new(),
         measured: Measured::default(),
         error_mm_max: 0.0,
@@ -190,7 +192,10 @@ impl Report {
     fn count(&mut self) {
         for corner in &self.corners {
             match corner.kind {
-                Kind::Cut => self.cuts += 1,
+                Kind::Cut => {
+                    self.cuts += 1;
+                    self.shallow += usize::from(corner.reason.is_some());
+                }
                 Kind::Loop => self.loops += 1,
                 Kind::Left => *self.left.entry(corner.reason.clone().unwrap_or_default()).or_default() += 1,
             }

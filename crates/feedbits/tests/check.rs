@@ -92,7 +92,7 @@ fn what_is_suspicious_is_exit_status_1() {
         ("short.nc", "G0 X0 Y0 F600\nG1 X9\nG1 X9.0002\n".into(), "line 3: the move is 2.0e-4 mm long"),
         ("late.nc", "G0 X0 Y0\nG1 X9\nG1 X19 F600\n".into(), "line 2: no feedrate is commanded"),
         ("sharp.nc", "G0 X0 Y0 F12000\nG3 X0.02 R0.01\n".into(), "less than a tenth of the feed: line 2"),
-        ("dwell.nc", "G0 X0 Y0 F600\nG4 P1\nG1 X9\n".into(), "was read over: line 2"),
+        ("dwell.nc", "G0 X0 Y0 F600\nG4 P1\nG1 X9\n".into(), "read over, or arc bent to fit: line 2"),
         (
             "corner.nc",
             "G0 X0 Y0 F600\nG06.2 P3 K0 X0 Y0\nK0 X5\nK0 X9\nK1 X9 Y2\nK1 Y9\nK2\nK2\nK2\n".into(),

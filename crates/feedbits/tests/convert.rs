@@ -16,6 +16,40 @@ fn data(name: &str) -> String {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data").join(name).display().to_string()
 }
 
+/// The words are no part of a curve file, and the rest at them was lost with them where the path goes straight on.
+#[test]
+fn a_curve_file_is_planned_as_its_program_is() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let (program, curves, smoothed) = (path("p.nc"), path("p.toml"), path("s.toml"));
+    fs::write(&program, "G0 X0 Y0\nM3 S900\nG1 X10 F2400\nM8\nX20\nX30\nX40 M9\nX50\nY10\nM5\nM30\n")
+        .expect("the folder is writable");
+    let machine = data("seed-000.toml");
+    let plan = |part: &str| -> serde_json::Value {
+        let plan = Command::new(env!("CARGO_BIN_EXE_feedbits"))
+            .args(["plan", part, "--machine", &machine, "--json"])
+            .output()
+            .expect("starts");
+        serde_json::from_slice(&plan.stdout).expect("JSON")
+    };
+    let rests = |plan: &serde_json::Value| {
+        let stages = plan["stages"].as_array().expect("stages");
+        stages.iter().filter(|stage| stage["end_feed_mm_per_s"] == 0.0).count()
+    };
+    let output = convert(&[&program, "--machine", &machine, "--to", "toml", "--out", &curves]);
+    assert!(text(&output.stderr).contains("but rests at them"), "{}", text(&output.stderr));
+    let of_program = plan(&program);
+    assert_eq!(plan(&curves), of_program);
+    // M8, both sides of the block with M9, the corner and the end; without the corner when it is smoothed.
+    assert_eq!(rests(&of_program), 5);
+    let smooth = Command::new(env!("CARGO_BIN_EXE_feedbits"))
+        .args(["smooth", &program, "--machine", &machine, "--tolerance", "0.05", "--out", &smoothed])
+        .output()
+        .expect("starts");
+    assert!(smooth.status.success(), "{}", text(&smooth.stderr));
+    assert_eq!(rests(&plan(&smoothed)), 4);
+}
+
 /// Paper D's program to a curve file to a program to a curve file: the two curve files are the same.
 #[test]
 fn the_round_trip_can_be_typed() {

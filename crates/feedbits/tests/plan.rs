@@ -82,6 +82,30 @@ fn a_window_is_hardly_slower_when_it_is_long_enough() {
     assert!(String::from_utf8_lossy(&refused.stderr).contains("--window 0: expected a positive length"));
 }
 
+/// `u end 0` and then `u start 1` are of two curves, and nothing said of which.
+#[test]
+fn a_plan_along_several_curves_names_them() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let (program, samples, machine) = (path("part.nc"), path("p.csv"), data("seed-000.toml"));
+    std::fs::write(&program, "G21 G90\nG1 X0 Y0 F6000\nX20\nX40\nX40 Y20\nM30\n").expect("a file");
+    let several = ["plan", &program, "--machine", &machine];
+    let table = stdout(&feedbits(&several));
+    let cells = |line: &str| line.split(['│', '┆']).map(|cell| cell.trim().to_string()).collect::<Vec<_>>();
+    let rows: Vec<_> = table.lines().filter(|line| line.contains('┆')).map(cells).collect();
+    assert_eq!(rows[0][3], "curve", "{table}");
+    let curves: Vec<_> = rows[2..].iter().map(|row| row[3].as_str()).collect();
+    assert_eq!((curves.first(), curves.last()), (Some(&"0"), Some(&"2")), "{table}");
+    assert!(curves.contains(&"0 to 1"), "{table}");
+    let plan: serde_json::Value =
+        serde_json::from_str(&stdout(&feedbits(&[&several[..], &["--json"]].concat()))).expect("JSON");
+    assert_eq!((&plan["curves"], &plan["stages"][0]["curve_start"]), (&3.into(), &0.into()));
+    stdout(&feedbits(&[&several[..], &["--out", &samples]].concat()));
+    let csv = std::fs::read_to_string(&samples).expect("written");
+    assert!(csv.starts_with("time_s,distance_mm,curve,u,"), "{csv}");
+    assert!(!stdout(&feedbits(&["plan", &machine])).contains("curve"), "one curve needs no number");
+}
+
 /// The time that no plan can beat is that between the plan's own end feeds, and knows nothing of how this one shares out what
 /// an axis can do.
 #[test]

@@ -18,9 +18,13 @@ pub struct StageRow {
     /// How the feed changes: `cubic`, `onset` (constant jerk from no acceleration), `steady` (constant acceleration or
     /// feed), `easing` (constant jerk to no acceleration) or `cosine`.
     pub shape: &'static str,
-    /// Parameter where the stage starts, of the curve it starts on.
+    /// Number of the curve that the stage starts on, from 0.
+    pub curve_start: usize,
+    /// Parameter of that curve where it starts.
     pub u_start: f64,
-    /// Parameter where it ends.
+    /// Number of the curve that it ends on.
+    pub curve_end: usize,
+    /// Parameter of that curve where it ends.
     pub u_end: f64,
     /// Feed at the start, in mm/s.
     pub start_feed_mm_per_s: f64,
@@ -39,6 +43,8 @@ pub struct StageRow {
 pub struct PlanSummary {
     /// The transitions that the plan is made of: `cubic`, `s-curve`, `trigonometric` or `flexible`.
     pub profile: &'static str,
+    /// Number of curves.
+    pub curves: usize,
     /// Arc length, in mm.
     pub length_mm: f64,
     /// Total time, in s.
@@ -74,7 +80,9 @@ pub struct FeedSample {
     pub time_s: f64,
     /// Distance along the path, in mm.
     pub distance_mm: f64,
-    /// Parameter of the curve there.
+    /// Number of the curve there, from 0.
+    pub curve: usize,
+    /// Its parameter there.
     pub u: f64,
     /// Feed, in mm/s.
     pub feed_mm_per_s: f64,
@@ -105,7 +113,9 @@ impl PlanSummary {
                     StageKind::Constant => "constant",
                 },
                 shape: shape_name(stage.shape),
+                curve_start: stage.curve_start,
                 u_start: stage.u_start.value(),
+                curve_end: stage.curve_end,
                 u_end: stage.u_end.value(),
                 start_feed_mm_per_s: stage.start_feed.value() / t,
                 end_feed_mm_per_s: stage.end_feed.value() / t,
@@ -134,6 +144,7 @@ impl PlanSummary {
         };
         let at_feed = stages.iter().zip(plan.schedule().stages()).filter(is_full).map(|(row, _)| row);
         Ok(Self {
+            curves: problem.curves.len(),
             length_mm: feed_limit.length(),
             profile: profile_name(plan.profile()),
             time_s,
@@ -270,14 +281,18 @@ impl ExactPlan {
     ) -> Result<Vec<FeedSample>, Refusal> {
         let t = problem.period_s();
         let feed_limit = problem.feed_limit()?;
-        let rows = samples(self, per_period).map(|sample| FeedSample {
-            time_s: sample.time * t,
-            distance_mm: sample.distance,
-            u: place_at(&feed_limit, problem, sample.distance).u,
-            feed_mm_per_s: sample.feed / t,
-            acceleration_mm_per_s2: sample.acceleration / t.powi(2),
-            jerk_mm_per_s3: sample.jerk / t.powi(3),
-            limit_mm_per_s: feed_limit.at(sample.distance) / t,
+        let rows = samples(self, per_period).map(|sample| {
+            let place = place_at(&feed_limit, problem, sample.distance);
+            FeedSample {
+                time_s: sample.time * t,
+                distance_mm: sample.distance,
+                curve: place.curve,
+                u: place.u,
+                feed_mm_per_s: sample.feed / t,
+                acceleration_mm_per_s2: sample.acceleration / t.powi(2),
+                jerk_mm_per_s3: sample.jerk / t.powi(3),
+                limit_mm_per_s: feed_limit.at(sample.distance) / t,
+            }
         });
         Ok(rows.collect())
     }

@@ -1,5 +1,6 @@
 //! What a run must keep to be good, each with what was found and the most that is allowed.
 
+use part_program::Junction;
 use serde::Serialize;
 
 use crate::{Fluctuation, Machine, Run};
@@ -81,7 +82,7 @@ pub(crate) fn requirements(run: &Run, machine: &Machine, measured: &Measured) ->
         one(
             "chord error",
             (chord_error_mm, chord * (1.0 + CHORD_ERROR_SLACK), "mm"),
-            format!("chord error {chord_error_mm:.2e} > {chord:.2e} mm"),
+            format!("chord error {chord_error_mm:.2e} > {chord:.2e} mm{}", allowed_at_corners(machine)),
         ),
         one(
             "position error",
@@ -94,6 +95,18 @@ pub(crate) fn requirements(run: &Run, machine: &Machine, measured: &Measured) ->
             format!("ends {end_error_mm:.1e} mm from the end"),
         ),
     ]
+}
+
+/// Why the chord error may be exceeded by every format: the machine file lets corners be cut by about as much, or more. Where the feed
+/// changes within the period over a corner, its chord cuts off up to twice the deviation.
+fn allowed_at_corners(machine: &Machine) -> String {
+    match machine.junction {
+        Junction::DeviationMm(deviation) if 2.0 * deviation > machine.chord_error_mm => format!(
+            ": `junction_deviation_mm` lets corners be cut by {deviation} mm, and somewhat more; lower it to half of \
+             `chord_error_mm`, or raise that to twice as much"
+        ),
+        _ => String::new(),
+    }
 }
 
 #[cfg(test)]
@@ -155,5 +168,22 @@ mod tests {
             judged(|_, found, _| found.saturations = 3, 0.0),
             Verdict::Bad(vec!["3 overflows".into()])
         );
+    }
+
+    /// The corners that the machine file lets be cut were called a chord error of the format.
+    #[test]
+    fn a_chord_error_that_the_junctions_allow_names_their_key() {
+        let text = include_str!("../../../data/seed-000.toml");
+        let mut machine = part_program::read_machine("seed-000.toml", text).unwrap();
+        for (deviation, is_named) in [(1.01, true), (0.5, false)] {
+            machine.junction = Junction::DeviationMm(deviation * machine.chord_error_mm);
+            assert_eq!(
+                allowed_at_corners(&machine).contains("`junction_deviation_mm`"),
+                is_named,
+                "{deviation}"
+            );
+        }
+        machine.junction = Junction::Stop;
+        assert_eq!(allowed_at_corners(&machine), "");
     }
 }

@@ -22,6 +22,11 @@ use crate::curve::Curve;
 pub const HELIX_TOLERANCE_MM: f64 = 1e-4;
 /// How far the end of an arc may be from the circle through its start, in mm: what rounding to two decimals does.
 const CENTRE_TOLERANCE_MM: f64 = 0.02;
+/// Radii of start and end that differ by more than this, in mm, and by more than [`TAKEN_SHARE`], are worth a warning: Grbl refuses
+/// such an arc, and LinuxCNC does above 0.028 mm.
+pub(crate) const TAKEN_MM: f64 = 0.005;
+/// The share of the radius that belongs to it, in both controls.
+const TAKEN_SHARE: f64 = 1e-3;
 /// An arc to its own start is a full turn, and so is one that goes no further than this, in mm: what sums of
 /// incremental moves lose.
 const FULL_TURN_MM: f64 = 1e-6;
@@ -122,6 +127,19 @@ impl ArcMove {
         let curve = Curve { degree: 2, control_points_mm: points, dimension, weights, knots };
         let around = f64::midpoint(radii[0], radii[1]) * sweep;
         Ok((curve, around.hypot(radii[1] - radii[0]).hypot(rise)))
+    }
+
+    /// The radii at start and end, or the radius as it is written and half of the chord that is longer, where they differ by more than
+    /// controls take.
+    pub(crate) fn strained_radii(&self) -> Option<[f64; 2]> {
+        let [a, b, _] = self.plane.axes();
+        let (from, to) = ([self.start[a], self.start[b]], [self.end[a], self.end[b]]);
+        let radii = match self.circle {
+            Circle::Centre(centre) => [distance(from, centre), distance(to, centre)],
+            Circle::Radius(radius) => [radius.abs(), radius.abs().max(distance(from, to) / 2.0)],
+        };
+        let difference = (radii[1] - radii[0]).abs();
+        (difference > TAKEN_MM && difference > TAKEN_SHARE * radii[0]).then_some(radii)
     }
 
     /// The centre, and how the path turns about it.

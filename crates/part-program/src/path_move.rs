@@ -1,7 +1,7 @@
 //! Straight moves, arcs and helices of a part program.
 
 use crate::approach::Approach;
-use crate::arc::{ArcFault, ArcMove, Circle, Plane};
+use crate::arc::{ArcFault, ArcMove, Circle, Plane, TAKEN_MM};
 use crate::block::Block;
 use crate::curve::{Curve, MAX_COORDINATE_MM};
 use crate::gcode::Reader;
@@ -114,8 +114,10 @@ impl Reader<'_, '_, '_> {
                 return;
             }
         };
-        match (ArcMove { plane, clockwise, start, end, circle }).curve() {
+        let arc = ArcMove { plane, clockwise, start, end, circle };
+        match arc.curve() {
             Ok((curve, length)) => {
+                self.warn_of_strain(&arc, block.span);
                 let feed = self.feedrate(length, inverse_feed, block.span);
                 if let Some(fault) = curve.faults().first() {
                     self.report.error(block.span, fault.to_string()).expected(fault.expected());
@@ -125,6 +127,20 @@ impl Reader<'_, '_, '_> {
             }
             Err(fault) => self.refuse_arc(fault, block.span),
         }
+    }
+
+    /// Says that an arc is bent to fit by more than a control may take.
+    fn warn_of_strain(&mut self, arc: &ArcMove, span: Span) {
+        let Some([start, end]) = arc.strained_radii() else { return };
+        let message = match arc.circle {
+            Circle::Centre(_) => format!(
+                "the end is off the circle: radius {start:.4} at the start, {end:.4} at the end; the path goes from one to the other"
+            ),
+            Circle::Radius(_) => format!("radius {start:.4} does not reach: {end:.4} is taken"),
+        };
+        let expected =
+            format!("radii that differ by at most {TAKEN_MM} mm, or 0.1 %: a control may refuse the arc");
+        self.report.warning(span, message).expected(expected);
     }
 
     fn refuse_arc(&mut self, fault: ArcFault, span: Span) {
@@ -145,6 +161,7 @@ impl Reader<'_, '_, '_> {
         };
         self.report.error(span, message).expected(expected);
     }
+
     /// The feedrate of a move of `length` mm.
     fn feedrate(&mut self, length: f64, inverse_feed: Option<f64>, span: Span) -> Option<f64> {
         match (self.modal.feed_mode, inverse_feed) {

@@ -11,17 +11,17 @@ use crate::part::{MoveKind, Part};
 /// Writes the curves of a part, each a table `[[curve]]`, and its machine.
 ///
 /// Numbers are the shortest decimals that read back as the same f64. Words that do not move the tool are no part of
-/// a curve file, and the lines of its moves are its own.
+/// a curve file, but the rest at them is, as an exact stop; the lines of its moves are its own.
 #[must_use]
 pub fn write_curves(part: &Part) -> String {
     let mut text = String::new();
     let planar = !part.names_z();
-    for (curve, one) in part.curves.iter().zip(&part.moves) {
+    for (index, (curve, one)) in part.curves.iter().zip(&part.moves).enumerate() {
         text.push_str("[[curve]]\n");
         if one.kind == MoveKind::Rapid {
             text.push_str("move = \"rapid\"\n");
         }
-        if one.exact_stop {
+        if one.exact_stop || (one.kind == MoveKind::Feed && part.has_word_before(index + 1)) {
             text.push_str("exact_stop = true\n");
         }
         if let Some(feedrate) = one.feedrate_mm_per_s {
@@ -86,6 +86,16 @@ mod tests {
             assert!(again.moves.iter().map(said).eq(part.moves.iter().map(said)));
             assert_eq!((again.moves[0].shape, again.moves[0].line), (Shape::Line, 1));
         }
+    }
+
+    /// With the word the rest was lost, and the plan of the curves went on at full feed.
+    #[test]
+    fn a_rest_at_a_word_is_an_exact_stop() {
+        let program = "G0 X0 Y0\nM3 S900\nG1 X10 F600\nM8\nX20\nX30\nX40 M9\nX50\nM5\nM30\n";
+        let again = read_part("p.toml", &write_curves(&read_part("p.nc", program).unwrap())).unwrap();
+        let stops: Vec<_> = again.moves.iter().map(|one| one.exact_stop).collect();
+        // Before M8, and on both sides of the block with M9; the path's end is one anyhow.
+        assert_eq!(stops, [true, false, true, true, false]);
     }
 
     #[test]

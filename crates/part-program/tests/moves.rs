@@ -227,3 +227,20 @@ fn moves_and_curves_go_together() {
     let rapid = |m: &Move| m.kind == MoveKind::Rapid;
     assert_eq!(part.moves.iter().map(rapid).collect::<Vec<_>>(), [false, false, true]);
 }
+
+/// Arcs were bent to fit by up to 0.02 mm without a word.
+#[test]
+fn radii_that_a_control_may_refuse_are_named_with_their_line() {
+    let said = |text: &str| {
+        let part = read_part("p.nc", text).unwrap();
+        part.warnings.iter().map(|warning| (warning.line, warning.message.clone())).collect::<Vec<_>>()
+    };
+    let off_circle = "the end is off the circle: radius 5.0000 at the start, 5.0190 at the end; the path goes from one to the other";
+    assert_eq!(said("G0 X0 Y0\nG2 X10.019 I5\n"), [(2, off_circle.to_string())]);
+    let too_small = "radius 5.0000 does not reach: 5.0100 is taken";
+    assert_eq!(said("G0 X0 Y0\nG2 X10.02 R5\n"), [(2, too_small.to_string())]);
+    // What rounding to three decimals does, and a ten-thousandth of the radius.
+    for taken in ["G0 X0 Y0\nG2 X10.004 I5\n", "G0 X0 Y0\nG3 X400.019 I200\n", "G0 X0 Y0\nG2 X10.002 R5\n"] {
+        assert_eq!(said(taken), [], "{taken}");
+    }
+}

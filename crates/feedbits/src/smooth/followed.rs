@@ -11,7 +11,7 @@ use real::{Counted, OperationCounts};
 
 use super::deviation::Paths;
 use super::report::{self, CornerRow, Forms, Kind, SetpointCheck};
-use super::smooth_stretch::SmoothStretch;
+use super::smooth_stretch::{LEAST_LOOPED_DEG, SmoothStretch};
 use super::stretch::{Rest, length, nurbs_of};
 use super::timing::Timed;
 
@@ -67,6 +67,8 @@ impl Followed {
             match corner.outcome {
                 CornerOutcome::Smoothed { style, curve, error_mm } => {
                     row.kind = if style == CornerStyle::Loop { Kind::Loop } else { Kind::Cut };
+                    let is_too_shallow = style == CornerStyle::Cut && smooth.is_too_shallow(&corner.turn);
+                    row.reason = is_too_shallow.then(|| format!("outer, less than {LEAST_LOOPED_DEG}°"));
                     row.error_mm = error_mm;
                     row.feed_after_mm_per_s = after.lowest_feed_along(curve);
                 }

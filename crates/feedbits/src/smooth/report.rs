@@ -6,6 +6,8 @@ use comfy_table::{CellAlignment, Table, presets};
 use part_program::Machine;
 use serde::Serialize;
 
+use super::smooth_stretch::LEAST_LOOPED_DEG;
+
 /// What became of a corner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -24,7 +26,7 @@ pub(crate) struct CornerRow {
     /// Angle by which the direction turns.
     pub(crate) angle_deg: f64,
     pub(crate) kind: Kind,
-    /// Why it is left.
+    /// Why it is left, or cut where loops were wanted.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) reason: Option<String>,
     /// Distance from the moves, both ways, as the smoothing found it; 0 of one that is left.
@@ -78,6 +80,8 @@ pub(crate) struct Report {
     pub(crate) stretches: usize,
     pub(crate) cuts: usize,
     pub(crate) loops: usize,
+    /// Outer corners among the cuts that are too shallow for a loop.
+    pub(crate) shallow: usize,
     /// Corners that are left, by reason.
     pub(crate) left: BTreeMap<String, usize>,
     /// Whose distance from the program is measured.
@@ -176,8 +180,12 @@ impl Report {
         let left: usize = self.left.values().sum();
         let reasons: Vec<_> = self.left.iter().map(|(reason, count)| format!("{count} {reason}")).collect();
         let reasons = if reasons.is_empty() { String::new() } else { format!(" ({})", reasons.join(", ")) };
+        let shallow = match self.shallow {
+            0 => String::new(),
+            count => format!(" ({count} outer, but of less than {LEAST_LOOPED_DEG}°)"),
+        };
         let mut text =
-            format!("corners     {} cut, {} looped, {left} left{reasons}\n", self.cuts, self.loops);
+            format!("corners     {} cut{shallow}, {} looped, {left} left{reasons}\n", self.cuts, self.loops);
         text += &format!(
             "distance    {:.6} mm at most of {} mm, measured both ways on {}\n",
             self.error_mm_max, self.tolerance_mm, self.measured
@@ -228,7 +236,8 @@ fn table(rows: &[&CornerRow]) -> Table {
     for row in rows {
         let [x, y, z] = row.point_mm.map(|x| format!("{x:.3}"));
         let kind = match (row.kind, &row.reason) {
-            (Kind::Cut, _) => "cut".to_string(),
+            (Kind::Cut, None) => "cut".to_string(),
+            (Kind::Cut, Some(reason)) => format!("cut: {reason}"),
             (Kind::Loop, _) => "loop".to_string(),
             (Kind::Left, reason) => format!("left: {}", reason.as_deref().unwrap_or_default()),
         };

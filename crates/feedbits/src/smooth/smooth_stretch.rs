@@ -17,6 +17,11 @@ const POLYNOMIAL_MM: f64 = 1e-6;
 /// Their degree: a corner takes a handful, and second derivatives at their joints are the spline's own.
 const POLYNOMIAL_DEGREE: usize = 5;
 
+/// Outer corners that turn by less are cut even where loops are wanted, in degrees. A loop turns by nearly a full turn more than its
+/// corner, in as little room as the tolerance gives: its least radius is a fifth of that at 90°, 1/35 at 30° and 1/1200 at 5°,
+/// where a cut has 2.4, 24 and 880 times the tolerance and all but keeps the feed.
+pub(crate) const LEAST_LOOPED_DEG: f64 = 30.0;
+
 /// A stretch, smoothed.
 pub(crate) struct SmoothStretch {
     /// The moves as they were.
@@ -27,6 +32,8 @@ pub(crate) struct SmoothStretch {
     pub(crate) curves: Vec<Curve>,
     /// No polynomial is farther from its spline than this, in mm; proven.
     pub(crate) polynomial_bound_mm: f64,
+    /// Which corners are outer ones, if those are to be looped.
+    looped: Option<Sides>,
 }
 
 impl SmoothStretch {
@@ -40,7 +47,7 @@ impl SmoothStretch {
         let polynomial_mm = (tolerance_mm * POLYNOMIAL_SHARE).min(POLYNOMIAL_MM);
         let sides = Sides::of(&moves);
         let style = |turn: &Turn<3>| match outer {
-            Some(CornerStyle::Loop) if !sides.is_outer(turn) => Some(CornerStyle::Cut),
+            Some(CornerStyle::Loop) if is_shallow(turn) || !sides.is_outer(turn) => Some(CornerStyle::Cut),
             outer => outer,
         };
         let path = smooth_corners(&moves, tolerance_mm * (1.0 - CHORD_SHARE) - polynomial_mm, style)?;
@@ -57,8 +64,18 @@ impl SmoothStretch {
             };
             written.push(curve_of(&nurbs, dimension));
         }
-        Ok(Self { moves, path, curves: written, polynomial_bound_mm: bound })
+        let looped = (outer == Some(CornerStyle::Loop)).then_some(sides);
+        Ok(Self { moves, path, curves: written, polynomial_bound_mm: bound, looped })
     }
+
+    /// Whether a corner would be looped if it were not as shallow.
+    pub(crate) fn is_too_shallow(&self, turn: &Turn<3>) -> bool {
+        is_shallow(turn) && self.looped.as_ref().is_some_and(|sides| sides.is_outer(turn))
+    }
+}
+
+fn is_shallow(turn: &Turn<3>) -> bool {
+    turn.turn_rad.to_degrees() < LEAST_LOOPED_DEG
 }
 
 /// Which way a stretch turns on the whole, and each of its corners.
@@ -145,5 +162,16 @@ mod tests {
         assert_eq!(styles(&program(&mut points.iter().rev())), [Loop, Loop, Cut, Loop, Loop].map(Some));
         // A half circle turns the path on the whole, and the corner behind it the other way.
         assert_eq!(styles("G1 X0 Y0 F60\nX10\nG3 X10 Y10 J5\nG1 X5\nY20\n"), [None, None, Some(Cut)]);
+    }
+
+    /// A loop round a corner of 3° has a radius of 1/3300 of the tolerance: it was made, and all but stopped at.
+    #[test]
+    fn shallow_outer_corners_are_cut() {
+        use CornerStyle::{Cut, Loop};
+        for (degrees, style) in [(3.0_f64, Cut), (29.9, Cut), (30.1, Loop), (90.0, Loop)] {
+            let [sine, cosine] = [degrees.to_radians().sin(), degrees.to_radians().cos()].map(|x| 20.0 * x);
+            let program = format!("G1 X-20 Y0 F60\nX0\nX{cosine:.9} Y{sine:.9}\n");
+            assert_eq!(styles(&program).last(), Some(&Some(style)), "{degrees}");
+        }
     }
 }
