@@ -46,6 +46,8 @@ fn sum_of<const D: usize>(at: &Derivatives<f64, D>) -> f64 {
 pub(crate) const REMEMBERED: &str = "feedbits, span remembered";
 /// See [`REMEMBERED`].
 pub(crate) const LOOKED_UP: &str = "feedbits, span looked up";
+/// The same for many parameters at once.
+pub(crate) const MANY: &str = "feedbits, many at once";
 /// See [`REMEMBERED`].
 pub(crate) const BASIS: &str = "feedbits, basis functions";
 /// The peer that the goals name.
@@ -64,6 +66,20 @@ pub(crate) fn contestants(path: &Path<3>, asked: Asked) -> Vec<Contestant> {
     all.extend((asked == Asked::Point).then(|| bspline(&path.curve)));
     all.push(truck(&path.curve, asked));
     all
+}
+
+/// As many as the processor's first cache holds beside what it reads.
+pub(crate) fn many_at_once(curve: &NurbsBuf<f64, 3>) -> Contestant {
+    let fast = PowerCurve::new::<f64>(&curve.as_curve());
+    contestant(MANY, move |parameters| {
+        let mut points = [[0.0; 3]; 256];
+        let mut total = 0.0;
+        for parameters in parameters.chunks(points.len()) {
+            fast.points(parameters, &mut points);
+            total += points.iter().take(parameters.len()).copied().map(sum).sum::<f64>();
+        }
+        total
+    })
 }
 
 /// This project's forms.

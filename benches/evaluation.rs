@@ -8,7 +8,9 @@ use nurbs_core::{Derivatives, Differentiate, Evaluate};
 use real::{Backend, DoubleDouble, I16F16, I16F48, I32F32};
 use serde_json::json;
 
-use crate::contestants::{Asked, BSPLINE, CURVO, Contestant, LOOKED_UP, REMEMBERED, contestants};
+use crate::contestants::{
+    Asked, BSPLINE, CURVO, Contestant, LOOKED_UP, REMEMBERED, contestants, many_at_once,
+};
 use crate::race::{Runner, race, report};
 
 /// Parameters of a pass over a curve.
@@ -82,6 +84,7 @@ pub(crate) fn growth(count: u32) {
     let path = helix("helix", count);
     let mut field = contestants(&path, Asked::Point);
     field.retain(|contestant| [REMEMBERED, LOOKED_UP, CURVO, BSPLINE].contains(&contestant.name));
+    field.insert(2, many_at_once(&path.curve));
     for (order, parameters) in [("ascending", ascending(&path)), ("scattered", scattered(&path))] {
         let times = race(&mut runners(&path, Asked::Point, &parameters, &field));
         report("growth", &json!({ "points": count, "order": order }), &times);

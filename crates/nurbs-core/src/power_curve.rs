@@ -25,8 +25,8 @@ use crate::{Derivatives, Differentiate, Evaluate, NurbsCurve};
 
 /// A NURBS curve converted for fast evaluation: p + 1 rows of coefficients a span.
 ///
-/// Memory, for one control point of a long curve with single knots: `8 ((p + 1) D + 2)` bytes and one or two entries of four
-/// bytes, and 8 p more if rational.
+/// Memory, for one control point of a long curve with single knots: `8 ((p + 1) D + 2)` bytes and one or two entries of
+/// twelve bytes, and 8 p more if rational.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PowerCurve<const D: usize> {
     degree: usize,
@@ -44,43 +44,69 @@ pub struct PowerCurve<const D: usize> {
 /// From a parameter to the spans in question.
 #[derive(Clone, Debug, PartialEq)]
 struct SpanTable {
-    /// u₀, and intervals over u_end - u₀.
+    /// u₀, and the number of the last interval over u_end - u₀.
     scale: (f64, f64),
     /// The last interval.
-    last: u32,
-    /// Of each interval, the last span that begins in an earlier one; and once more for the end.
-    last_before: Vec<u32>,
+    last: f64,
+    /// All intervals, and once more what is behind them.
+    intervals: Vec<Interval>,
+}
+
+/// What an interval of u knows of the spans: together, so that they are read at once, and which span is asked for is known before
+/// any is read.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Interval {
+    /// The last span that begins in an earlier interval.
+    before: u32,
+    /// The bits of where the next one begins, the lower half first: in twice 32, so that twelve bytes are enough.
+    next: [u32; 2],
+}
+
+impl Interval {
+    fn new(before: usize, next: f64) -> Self {
+        let [low, high] = [next.to_bits(), next.to_bits() >> 32].map(|bits| (bits & 0xffff_ffff) as u32);
+        Self { before: u32::try_from(before).unwrap_or(u32::MAX), next: [low, high] }
+    }
+
+    #[inline(always)]
+    fn next(self) -> f64 {
+        f64::from_bits(u64::from(self.next[1]) << 32 | u64::from(self.next[0]))
+    }
 }
 
 impl SpanTable {
-    fn new(begins: &[f64], (first, last): (f64, f64)) -> Self {
-        let last_interval =
-            (1_u32 << 31).min(u32::try_from(begins.len().next_power_of_two()).unwrap_or(u32::MAX)) - 1;
-        let scale = (first, (f64::from(last_interval) + 1.0) / (last - first));
-        let mut table = Self { scale, last: last_interval, last_before: Vec::new() };
-        let intervals: Vec<usize> = begins[1..].iter().map(|u| table.interval(*u)).collect();
-        let before = |interval| intervals.partition_point(|i| *i < interval);
-        let ends = 0..=last_interval as usize + 1;
-        table.last_before = ends.map(|i| u32::try_from(before(i)).unwrap_or(u32::MAX)).collect();
+    fn new(begins: &[f64], (first, end): (f64, f64)) -> Self {
+        let last = (1_u32 << 31).min(u32::try_from(begins.len().next_power_of_two()).unwrap_or(u32::MAX)) - 1;
+        let scale = (first, f64::from(last) / (end - first));
+        let mut table = Self { scale, last: f64::from(last), intervals: Vec::new() };
+        let of_begins: Vec<usize> = begins[1..].iter().map(|u| table.interval(*u)).collect();
+        let interval = |interval| {
+            let before = of_begins.partition_point(|of| *of < interval);
+            Interval::new(before, begins.get(before + 1).copied().unwrap_or(f64::NAN))
+        };
+        table.intervals = (0..=last as usize + 1).map(interval).collect();
         table
     }
 
-    /// The interval of `u`; it never falls as u rises.
+    /// The interval of `u`; it never falls as u rises. It is the nearest integer to where u is between the ends: in the sum with
+    /// 2⁵², it is what the last digits say.
     #[inline(always)]
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a float is cut to the range, and what is no number to 0"
-    )]
+    #[allow(clippy::cast_possible_truncation, reason = "an interval has 31 bits at most")]
     fn interval(&self, u: f64) -> usize {
-        (((u - self.scale.0) * self.scale.1) as u32).min(self.last) as usize
+        let x = (u - self.scale.0) * self.scale.1;
+        // What is no number goes to 0.
+        let x = if x > 0.0 { x } else { 0.0 };
+        let x = if x < self.last { x } else { self.last };
+        (x + 4_503_599_627_370_496.0).to_bits() as u32 as usize
     }
 
-    /// The first and the last span in question for `u`.
+    /// The first and the last span in question for `u`, and where the second one begins; no number, if there is only one.
     #[inline(always)]
-    fn around(&self, u: f64) -> [usize; 2] {
-        let rest = self.last_before.get(self.interval(u)..).and_then(|rest| rest.first_chunk());
-        rest.map_or([0; 2], |pair: &[u32; 2]| pair.map(|span| span as usize))
+    fn around(&self, u: f64) -> ([usize; 2], f64) {
+        let rest = self.intervals.get(self.interval(u)..).and_then(|rest| rest.first_chunk::<2>());
+        rest.map_or(([0; 2], f64::NAN), |pair| {
+            (pair.map(|interval| interval.before as usize), pair[0].next())
+        })
     }
 }
 
@@ -271,10 +297,28 @@ impl<const D: usize> PowerCurve<D> {
         PowerCursor { curve: self, span: self.span(0).unwrap_or(PowerSpan::NOWHERE) }
     }
 
+    /// The points at these parameters, in any order, each as [`point`](Evaluate::point) has it; as many as the shorter slice has.
+    ///
+    /// The spans of some parameters are looked up before the first of them is evaluated, so that a processor waits for the memory
+    /// of many spans at once. On curves that its first cache does not hold, scattered parameters take from two thirds to three
+    /// quarters of the time that they take one by one.
+    pub fn points(&self, parameters: &[f64], points: &mut [[f64; D]]) {
+        const BLOCK: usize = 64;
+        for (parameters, points) in parameters.chunks(BLOCK).zip(points.chunks_mut(BLOCK)) {
+            let mut spans = [0; BLOCK];
+            for (span, u) in spans.iter_mut().zip(parameters) {
+                *span = self.index_of(*u);
+            }
+            for ((point, u), span) in points.iter_mut().zip(parameters).zip(spans) {
+                *point = self.span(span).map_or([0.0; D], |span| span.point(*u));
+            }
+        }
+    }
+
     /// Bytes of the tables.
     #[must_use]
     pub fn bytes(&self) -> usize {
-        size_of_val(&*self.spans) + size_of_val(&*self.table.last_before)
+        size_of_val(&*self.spans) + size_of_val(&*self.table.intervals)
     }
 
     /// Where a span begins; behind the last one, where that ends.
@@ -307,15 +351,18 @@ impl<const D: usize> PowerCurve<D> {
 
     /// The last span that does not begin after `u`, or the first.
     #[inline(always)]
-    fn span_of(&self, u: f64) -> Option<PowerSpan<'_, D>> {
-        let [low, high] = self.table.around(u);
+    fn index_of(&self, u: f64) -> usize {
+        let ([low, high], second) = self.table.around(u);
         if high - low > 1 {
-            return self.span(self.search(u, low, high));
+            return self.search(u, low, high);
         }
         // One span or two, which a processor would guess wrong as often as not: no branch.
-        let begin = low * self.stride;
-        let is_second = (low < high) & (*self.spans.get(begin + self.stride)? <= u);
-        self.first_of(self.spans.get(begin + if is_second { self.stride } else { 0 }..)?)
+        low + usize::from(second <= u)
+    }
+
+    #[inline(always)]
+    fn span_of(&self, u: f64) -> Option<PowerSpan<'_, D>> {
+        self.span(self.index_of(u))
     }
 
     /// The same among these.
@@ -475,6 +522,23 @@ mod tests {
             prop_assert!(errors[1] <= bound * growth, "C''({u}): {} > {}", errors[1], bound * growth);
         }
 
+        /// Whatever lengths the slices have, and in any order.
+        #[test]
+        fn many_points_are_those_of_each(
+            (curve, _) in generate::curve_and_parameter::<2>(),
+            parameters in proptest::collection::vec(-0.25..1.25_f64, 0..200),
+            room in 0..200_usize,
+        ) {
+            let fast = converted(&curve);
+            let untouched = [f64::MAX; 2];
+            let mut points = vec![untouched; room];
+            fast.points(&parameters, &mut points);
+            for (k, point) in points.iter().enumerate() {
+                let expected = parameters.get(k).map_or(untouched, |u| fast.point(*u));
+                prop_assert_eq!(*point, expected, "{} of {}", k, parameters.len());
+            }
+        }
+
         /// On knots that crowd and repeat, at knots and between them, in any order.
         #[test]
         fn the_span_is_that_of_the_knot_vector(
@@ -510,7 +574,7 @@ mod tests {
         let knots = [0.0; 4].into_iter().chain(inner).chain([4096.0; 4]).collect();
         let curve = NurbsBuf::try_new_nonrational(3, points, knots).unwrap();
         let bytes = converted(&curve).bytes();
-        assert_eq!(bytes, 4096 * (8 * (4 * 3 + 2) + 4) + 8 + 4);
+        assert_eq!(bytes, 4096 * (8 * (4 * 3 + 2) + 12) + 8 + 12);
     }
 
     #[test]
