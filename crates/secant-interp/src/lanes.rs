@@ -115,9 +115,7 @@ impl<R: Real, const D: usize, const W: usize> Numbers<R, D, W> {
             step: zero,
         }
     }
-}
 
-impl<R: Real, const D: usize, const W: usize> Numbers<R, D, W> {
     #[inline(always)]
     fn trend(&self, lane: usize) -> Trend<R> {
         Trend { newest: self.newest[lane], rise: self.rise[lane], fall: self.fall[lane] }
