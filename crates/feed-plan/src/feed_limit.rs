@@ -85,7 +85,9 @@ impl<R: Real> FeedLimit<R> {
     ///
     /// Breaks that are no stops are looked at together: no chord of one period leaves the path by more than the chord error, and
     /// 2 % of it, whatever it passes, lines, curves and breaks. With [`Junction::Deviation`](crate::Junction) its distance is
-    /// allowed if that is more; with [`Junction::VelocityJump`](crate::Junction) a chord ends at a break that would be a stop. So do
+    /// allowed if that is more; with [`Junction::VelocityJump`](crate::Junction) a chord ends at a break that would be a stop. That is
+    /// said of the chord of each arc that the plan travels in a period. A run's chords are themselves as long as such arcs, which over
+    /// sharp corners is more: those over one corner leave it by no more than the deviation, those over several may. So do
     /// breaks within a period take no more of the centripetal acceleration and of those of the axes than a bend may, and 2⁻⁸ of
     /// it; of the axes' jerk they take what they take.
     ///
@@ -541,8 +543,8 @@ mod tests {
         let found = at_break(Junction::VelocityJump([1e-4; 3]));
         assert!((found / expected - 1.0).abs() < 1e-9, "{found} for {expected}");
         assert_eq!(at_break(Junction::VelocityJump([2e-3; 3])), 0.6); // 0.6 · 0.0033 = 1.98e-3
-        // By the chord 2δ/sin(θ/2) = 0.0303; by the acceleration √(0.045 · 2.5e-5 · 7.3e5) = 0.91.
-        let expected = 2.0 * 2.5e-5 / (angle.atan() / 2.0).sin();
+        // By the chord 2δ/tan(θ/2) = 0.0303; by the acceleration √(0.045 · 2.5e-5 · 7.3e5) = 0.91.
+        let expected = 2.0 * 2.5e-5 / (angle.atan() / 2.0).tan();
         let found = at_break(Junction::Deviation(2.5e-5));
         assert!((found / expected - 1.0).abs() < 1e-9, "{found} for {expected}");
         assert_eq!(at_break(Junction::Deviation(1e-3)), 0.6);

@@ -23,6 +23,9 @@
 //! a break that is passed slowly enough anyway costs no more than one look, and plans over joints that are smooth but for rounding
 //! stay what they were.
 //!
+//! A corner that [`Junction::Deviation`] lets be passed has a feed of its own, and that holds for a whole step V T on both sides: a
+//! period over the corner begins and ends within, however fast the feed rises beyond ([`FineMoves::step_over_corner`]).
+//!
 //! The same difference says what turning takes of accelerations. Two steps of V T over the place change the step by A - B, p = q = V T,
 //! in a period: so the part of that across the path stays within a_n T², and each of its components within what the axis has left
 //! beside the path's reserve, for V T on both sides. A break that takes more alone was passed by its own rule, and may.
@@ -75,6 +78,8 @@ pub(crate) struct FineMoves<R, const D: usize> {
     period: R,
     /// The distance between chord and path that is allowed.
     allowed: R,
+    /// The distance that a corner alone may be cut by, with [`Junction::Deviation`].
+    deviation: Option<R>,
     /// What may be spent on turning: `a_n T²`, and that of the axes.
     across: Option<R>,
     budget: Option<AxisBudget<R>>,
@@ -90,10 +95,12 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
         let budget = budget.filter(AxisBudget::limits_acceleration);
         let is_turning_limited = across.is_some() || budget.is_some();
         let half_step = (limits.feedrate * period).half();
-        let allowed = match limits.junction {
-            Junction::Deviation(deviation) => deviation.max(limits.chord_error),
-            _ => limits.chord_error,
+        let deviation = match limits.junction {
+            Junction::Deviation(deviation) => Some(deviation),
+            _ => None,
         };
+        let allowed = deviation.map_or(limits.chord_error, |most| most.max(limits.chord_error));
+        let reaches_whole_step = is_turning_limited || deviation.is_some();
         let alone = limits.chord_error.scale(1) / half_step;
         Self {
             places: Vec::new(),
@@ -101,9 +108,10 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
             breaks: VecDeque::new(),
             negligible: rounding.max(alone.scale(NOTABLE)),
             half_step,
-            reach: half_step + if is_turning_limited { half_step } else { half_step.scale(-2) },
+            reach: half_step + if reaches_whole_step { half_step } else { half_step.scale(-2) },
             period,
             allowed,
+            deviation,
             across,
             budget,
             last_half: R::zero(),
@@ -200,18 +208,35 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
 
     /// Limits the feed around the break at this distance.
     fn limit_at(&mut self, at: R, samples: &mut Vec<Measured<R>>) {
+        if let Some(step) = self.step_over_corner(at) {
+            lower_around(samples, at, step, step / self.period);
+        }
         let first = samples.partition_point(|sample| sample.point.distance < at);
         let here = samples.iter().skip(first).take_while(|sample| sample.point.distance <= at);
-        let feed = here.fold(R::max_value(), |least, sample| least.min(sample.point.feedrate));
-        let mut half = (feed * self.period).half().min(self.half_step);
+        let half_at = |most: R, sample: &Measured<R>| most.min((sample.point.feedrate * self.period).half());
+        let half_there = here.clone().fold(self.half_step, half_at);
+        // What holds at one point alone says nothing of the period over it.
+        let mut half = here.filter(|sample| !sample.is_single).fold(self.half_step, half_at);
         if let Some(least) = self.first_too_long(at, half, self.allowed, |chord| self.error(chord)) {
             let least = self.as_before(least);
             lower_around(samples, at, least, (least + least) / self.period);
             half = least;
         }
         if self.across.is_some() || self.budget.is_some() {
-            self.limit_turning(at, half + half, samples);
+            self.limit_turning(at, half.min(half_there).scale(1), samples);
         }
+    }
+
+    /// The longest step that cuts a corner at this distance by no more than the deviation δ, if full feed makes longer ones.
+    ///
+    /// A setpoint is as far from the last one as the plan's step c is long. Of all such chords over a turn by φ, that from as far before
+    /// the corner as behind it leaves it by most, `c/2 tan(φ/2)`; and none by more than c, for it begins within c of the corner.
+    fn step_over_corner(&self, at: R) -> Option<R> {
+        let (deviation, (along, turn)) = (self.deviation?, self.turn_at(at)?);
+        let (cosine, sine) = (R::norm(&along), R::norm(&turn));
+        let (most, across) = (self.half_step + self.half_step, deviation.scale(1) * cosine);
+        // Without a quotient, which a small turn makes large.
+        (deviation < most && across < most * sine).then(|| deviation.max(across / sine))
     }
 
     /// Limits the feed by what may be spent on turning, where a step is no longer than `step` anyway. Where the breaks turn the path

@@ -83,6 +83,8 @@ mod chord_error;
 mod chord_feeds;
 #[cfg(feature = "alloc")]
 mod chord_shortfall;
+#[cfg(test)]
+mod corner_chords;
 #[cfg(feature = "alloc")]
 mod cubic_profile;
 #[cfg(feature = "alloc")]

@@ -55,7 +55,8 @@ pub enum Junction<R> {
     #[default]
     Stop,
     /// As if rounded within this distance δ, mm, at the acceleration A, or the centripetal one if that is less:
-    /// `V² = A δ cos(φ/2) / (1 - cos(φ/2))` for a turn by φ, and no faster than `4δ/(T |e₂ - e₁|)`, at which the chord of one period over the corner stays within δ of it.
+    /// `V² = A δ cos(φ/2) / (1 - cos(φ/2))` for a turn by φ. From a step V T before it to one behind it no faster than `2δ/(T tan(φ/2))`,
+    /// or δ/T if that is more: the chord of no period over a corner alone leaves it by more than δ, wherever the period begins.
     Deviation(R),
     /// With a jump of each axis's velocity by at most this: `V |e₂ - e₁|ᵢ ≤ Δvᵢ`, e the unit tangents.
     VelocityJump([R; 3]),

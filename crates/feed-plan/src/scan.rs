@@ -322,13 +322,10 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
     /// Whether full feed is above [`feed_by_deviation`](Self::feed_by_deviation), without a quotient, which a small turn makes
     /// large.
     fn deviates(&self, turn: R, deviation: R) -> bool {
-        let KinematicLimits { feedrate, interpolation_period, .. } = *self.limits;
         let sine = turn.half();
         let cosine = (R::one() - sine * sine).sqrt();
-        let across = feedrate * sine;
-        across * interpolation_period > deviation + deviation
-            || across * across
-                > self.limits.acceleration_across() * deviation * (cosine * (R::one() + cosine))
+        let across = self.limits.feedrate * sine;
+        across * across > self.limits.acceleration_across() * deviation * (cosine * (R::one() + cosine))
     }
 
     /// [`Junction::Deviation`], `turn` = |e₂ - e₁| = 2 sin(φ/2).
@@ -337,9 +334,7 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
         let cosine = (R::one() - sine * sine).sqrt();
         // cos / (1 - cos) = cos (1 + cos) / sin², without cancellation.
         let ratio = (deviation / sine) * (cosine * (R::one() + cosine) / sine);
-        let by_acceleration = (self.limits.acceleration_across() * ratio).sqrt();
-        let by_chord = (deviation + deviation) / (sine * self.limits.interpolation_period);
-        by_acceleration.min(by_chord).min(self.limits.feedrate)
+        (self.limits.acceleration_across() * ratio).sqrt().min(self.limits.feedrate)
     }
 
     /// Lowers the samples' feeds to what the jerk of the axes allows on the stretches at both sides, and finds what these

@@ -97,13 +97,11 @@ pub(crate) fn requirements(run: &Run, machine: &Machine, measured: &Measured) ->
     ]
 }
 
-/// Why the chord error may be exceeded by every format: the machine file lets corners be cut by about as much, or more. Where the feed
-/// changes within the period over a corner, its chord cuts off up to twice the deviation.
+/// Why the chord error may be exceeded by every format: the machine file lets corners be cut by more.
 fn allowed_at_corners(machine: &Machine) -> String {
     match machine.junction {
-        Junction::DeviationMm(deviation) if 2.0 * deviation > machine.chord_error_mm => format!(
-            ": `junction_deviation_mm` lets corners be cut by {deviation} mm, and somewhat more; lower it to half of \
-             `chord_error_mm`, or raise that to twice as much"
+        Junction::DeviationMm(deviation) if deviation > machine.chord_error_mm => format!(
+            ": `junction_deviation_mm` lets corners be cut by {deviation} mm; lower it to `chord_error_mm`, or raise that to as much"
         ),
         _ => String::new(),
     }
@@ -175,7 +173,7 @@ mod tests {
     fn a_chord_error_that_the_junctions_allow_names_their_key() {
         let text = include_str!("../../../data/seed-000.toml");
         let mut machine = part_program::read_machine("seed-000.toml", text).unwrap();
-        for (deviation, is_named) in [(1.01, true), (0.5, false)] {
+        for (deviation, is_named) in [(1.01, true), (1.0, false)] {
             machine.junction = Junction::DeviationMm(deviation * machine.chord_error_mm);
             assert_eq!(
                 allowed_at_corners(&machine).contains("`junction_deviation_mm`"),
