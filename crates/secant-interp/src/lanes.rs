@@ -18,7 +18,7 @@ use real::{Lane, Real};
 
 use crate::chord_step::{Evaluation, correction, is_within, value_and_slope};
 use crate::piece_interpolator::{
-    CUBIC, PieceInterpolator, PieceSetpoint, PieceState, Reached, after, onward,
+    CUBIC, PieceInterpolator, PieceSetpoint, PieceState, Reached, Wanted, after, onward,
 };
 use crate::step_lengths::PERIOD;
 use crate::trend::Trend;
@@ -258,7 +258,7 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
             Some(_) => Some(self.numbers.length[lane]),
             None => run.lengths.advance(&mut state.cursor),
         };
-        self.alone[lane] = Some(run.follow_aside(state, row, planned));
+        self.alone[lane] = Some(run.follow_aside(state, row, Wanted::Planned(planned)));
         self.words.left[lane] = left.unwrap_or(0);
         self.load(lane);
     }
