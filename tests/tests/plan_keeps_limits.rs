@@ -303,7 +303,7 @@ fn joints_are_passed_as_the_junction_says() {
     for (found, turn) in feeds(Junction::Deviation(deviation)).into_iter().zip(turns) {
         let cosine = (turn / 2.0).cos();
         let by_acceleration = (limits.acceleration * deviation * cosine / (1.0 - cosine)).sqrt();
-        let expected = by_acceleration.min(2.0 * deviation / (turn / 2.0).sin());
+        let expected = by_acceleration.min(2.0 * deviation / (turn / 2.0).tan());
         assert!(found <= expected && found > 0.98 * expected, "{found} for {expected}");
     }
 

@@ -96,19 +96,17 @@ fn override_target(text: &str) -> Result<OverrideTarget, String> {
     Ok(OverrideTarget { time_s, share: percent / 100.0 })
 }
 
-/// What the setpoints take of acceleration and jerk, from the chords of neighbouring periods. The last step, which takes
-/// what rounding has left, is not counted.
+/// What the setpoints take of acceleration and jerk, from rest to rest: from the chords of neighbouring periods.
 fn kept<const D: usize>(table: &SetpointTable, problem: &Problem<D>) -> String {
     let t = problem.period_s();
-    let rest = [0.0, 0.0].into_iter();
-    let counted = table.len().saturating_sub(1);
-    let chords: Vec<f64> = rest.chain(table.iter().take(counted).map(|row| row.chord_mm)).collect();
+    let rest = || [0.0, 0.0].into_iter();
+    let chords: Vec<f64> = rest().chain(table.iter().map(|row| row.chord_mm)).chain(rest()).collect();
     let changes: Vec<f64> = chords.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let acceleration = changes.iter().fold(0.0_f64, |most, a| most.max(a.abs())) / t.powi(2);
     let jerk = changes.windows(2).fold(0.0_f64, |most, pair| most.max((pair[1] - pair[0]).abs())) / t.powi(3);
     let machine = &problem.machine;
     format!(
-        "{} periods, but for the last: acceleration {acceleration:.1} of {} mm/s², jerk {jerk:.0} of {} mm/s³ at most",
+        "{} periods: acceleration {acceleration:.1} of {} mm/s², jerk {jerk:.0} of {} mm/s³ at most",
         table.len(),
         machine.acceleration_mm_per_s2,
         machine.jerk_mm_per_s3,

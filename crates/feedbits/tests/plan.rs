@@ -210,7 +210,7 @@ fn assert_third_differences_within(part: &str, more: &str) {
         let json = stdout(&feedbits(&[&plan[..], &["--json"]].concat()));
         let summary: serde_json::Value = serde_json::from_str(&json).expect("JSON");
         let printed = summary["jerk_max_mm_per_s3"].as_f64().expect("a jerk");
-        // The rounding of distances, in a file of all their digits.
-        assert!(found <= printed + 1e-4 && printed <= 20_000.0, "{profile}: {found} {printed}");
+        // The rounding of stages and distances, in a file of all their digits.
+        assert!(found <= (1.0 + 1e-7) * printed && printed <= 20_000.0, "{profile}: {found} {printed}");
     }
 }

@@ -1,15 +1,22 @@
 //! A run on compiled pieces.
 
+use std::cell::Cell;
 use std::ops::Range;
 
 use nurbs_core::{NurbsBuf, ORIGIN_EXPONENT, PieceLimits, Pieces, PiecesBuf, Place, compile_with_stops};
 use real::{Audit, Backend, DoubleDouble, Real, Recorded};
-use secant_interp::{ChordTolerance, CompiledPath, CompiledPathError, PieceSetpoint};
+use secant_interp::{
+    ChordTolerance, CompiledPath, CompiledPathError, LengthCursor, PieceSetpoint, StepLengths,
+};
 
 use crate::exact_plan::{ExactPlan, in_format};
+use crate::overrides::OverrideCommands;
 use crate::problem::Problem;
 use crate::recorded::RecordedRun;
 use crate::run::{Options, Refusal, Run, RunStep, most_periods, resolution_at, unit_in_last_place};
+
+/// So many periods more than planned are waited for at each stop of an overridden run: most land in a dozen.
+const LANDING: usize = 256;
 
 /// Compiles path and plan for `R` and runs, landing on each stop on the way.
 pub(crate) fn run<R: Backend, const D: usize>(
@@ -20,15 +27,7 @@ pub(crate) fn run<R: Backend, const D: usize>(
     let path = compiled::<R, D>(problem, plan, options)?;
     let mut drive = Drive::new(problem, path.table(), plan.periods());
     if let Some(commands) = &options.overrides {
-        let interpolator = path.interpolator();
-        let (mut state, mut rates) = (interpolator.start(), commands.start());
-        let lengths = commands.lengths.iter().map(|length| (*length, length.value()));
-        // At most 2^24.
-        drive.planned_periods = u32::try_from(commands.lengths.len()).unwrap_or(u32::MAX);
-        drive.run(0..path.table().places().len(), lengths, |period| {
-            commands.command(period, &mut rates);
-            interpolator.step_overridden(&mut state, &commands.feeds, &mut rates)
-        });
+        run_overridden(&path, commands, &mut drive);
         return Ok(drive.finish());
     }
     let mut lengths = plan.lengths();
@@ -38,6 +37,30 @@ pub(crate) fn run<R: Backend, const D: usize>(
         drive.run(stretch.pieces.clone(), planned, |_| interpolator.step(&mut state));
     }
     Ok(drive.finish())
+}
+
+/// The same with the plan's time stretched. The rate goes on from stretch to stretch.
+fn run_overridden<R: Backend, const D: usize>(
+    path: &CompiledPath<R, D>,
+    commands: &OverrideCommands,
+    drive: &mut Drive<'_, R, D>,
+) {
+    // At most 2^24.
+    drive.planned_periods = u32::try_from(commands.periods).unwrap_or(u32::MAX);
+    drive.most_periods = most_periods(drive.planned_periods) + LANDING * path.stretches().len();
+    let mut rates = commands.start();
+    for (stretch, interpolator) in path.stretches().iter().zip(path.runs()) {
+        let stages = commands.stages.get(stretch.stages.clone()).unwrap_or_default();
+        let (own, mut cursor) = (StepLengths { stages }, LengthCursor::default());
+        let (mut state, wanted) = (interpolator.start(), Cell::new(None));
+        let lengths = std::iter::from_fn(|| wanted.take());
+        drive.run(stretch.pieces.clone(), lengths, |period| {
+            commands.command(period, &mut rates);
+            let length = commands.feeds.advance(&own, &mut cursor, &mut { rates });
+            wanted.set(length.map(|length| (length, length.value())));
+            interpolator.step_overridden(&mut state, &commands.feeds, &mut rates)
+        });
+    }
 }
 
 /// The operations of each of the first `most` steps of the same run, without changes of the feed. The state at the begin of a
@@ -96,6 +119,7 @@ struct Drive<'a, R, const D: usize> {
     /// F·T.
     full_step_mm: f64,
     planned_periods: u32,
+    most_periods: usize,
     steps: Vec<RunStep>,
     /// The largest coordinate of an offset, in the table's units.
     farthest: f64,
@@ -109,6 +133,7 @@ impl<'a, R: Backend, const D: usize> Drive<'a, R, D> {
             per_second: 1.0 / problem.period_s(),
             full_step_mm: problem.machine.feedrate_mm_per_s * problem.period_s(),
             planned_periods,
+            most_periods: most_periods(planned_periods),
             steps: Vec::with_capacity(planned_periods as usize + 1),
             farthest: 0.0,
             finished: true,
@@ -127,7 +152,7 @@ impl<'a, R: Backend, const D: usize> Drive<'a, R, D> {
         let places = self.table.places().get(pieces.clone()).unwrap_or_default();
         let pieces = self.table.as_pieces().part(pieces);
         while self.finished {
-            self.finished = self.steps.len() < most_periods(self.planned_periods);
+            self.finished = self.steps.len() < self.most_periods;
             let Some(setpoint) = step(self.steps.len()) else { break };
             let length = exact(setpoint.length).scale(-pieces.chord_exponent);
             let (wanted, feed) = planned.next().unwrap_or((length, length.value()));

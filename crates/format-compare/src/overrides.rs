@@ -6,8 +6,8 @@
 
 use std::fmt;
 
-use feed_plan::{AxisLimits, FeedPiece, KinematicLimits};
-use real::DoubleDouble;
+use feed_plan::{AxisLimits, FeedPiece, KinematicLimits, Stage};
+use real::{DoubleDouble, Real};
 use secant_interp::{
     FeedOverride, LengthCursor, LengthStage, OverrideLimits, OverrideState, Rate, StepLengths,
 };
@@ -178,8 +178,8 @@ impl Overrides {
         // What is commanded from the first period on is there before it.
         let at_start = self.targets.iter().take_while(|target| period_of(target) <= 0.0).last();
         let start = rate(at_start.map_or(1.0, |target| target.share));
-        let mut commands = OverrideCommands { feeds, start, targets, lengths: Vec::new() };
-        commands.lengths = commands.lengths_of(stages).ok_or(OverrideError::TooLong)?;
+        let mut commands = OverrideCommands { feeds, start, targets, stages: compiled(stages), periods: 0 };
+        commands.periods = commands.count().ok_or(OverrideError::TooLong)?;
         Ok(commands)
     }
 }
@@ -192,8 +192,25 @@ pub struct OverrideCommands {
     start: Rate,
     /// Rates, each from a number of periods on.
     targets: Vec<(f64, Rate)>,
-    /// The distance that each period wants, in mm.
-    pub(crate) lengths: Vec<DoubleDouble>,
+    /// The plan, in mm and 2⁻³² periods.
+    pub(crate) stages: Vec<LengthStage<DoubleDouble>>,
+    /// How many periods the plan takes so, without what it takes to land on its stops.
+    pub(crate) periods: usize,
+}
+
+/// The stages of a plan as [`CompiledPath`](secant_interp::CompiledPath) has them, exactly.
+fn compiled(stages: &[Stage<DoubleDouble>]) -> Vec<LengthStage<DoubleDouble>> {
+    let half_unit = DoubleDouble::from(1.0).scale(-33);
+    let (mut time, mut begin) = (DoubleDouble::from(0.0), 0);
+    let compiled = stages.iter().filter_map(|stage| {
+        time = time + stage.duration;
+        let end = (time + half_unit).to_phase(-32);
+        let duration = end.saturating_sub(begin);
+        begin = end;
+        let change = stage.end_feed - stage.start_feed;
+        Some(LengthStage::new(duration, stage.start_feed, change)?.shaped(stage.shape))
+    });
+    compiled.collect()
 }
 
 impl OverrideCommands {
@@ -211,23 +228,12 @@ impl OverrideCommands {
     }
 
     /// `None` when the run is too long.
-    fn lengths_of(&self, stages: &[feed_plan::Stage<DoubleDouble>]) -> Option<Vec<DoubleDouble>> {
-        let compiled = stages.iter().filter_map(|stage| {
-            let change = stage.end_feed - stage.start_feed;
-            let compiled =
-                LengthStage::new(real::Real::to_phase(stage.duration, -32), stage.start_feed, change)?;
-            Some(compiled.shaped(stage.shape))
-        });
-        let compiled: Vec<_> = compiled.collect();
-        let (own, mut cursor) = (StepLengths { stages: &compiled }, LengthCursor::default());
-        let (mut rates, mut lengths) = (self.start(), Vec::new());
-        while lengths.len() < MOST_PERIODS {
-            self.command(lengths.len(), &mut rates);
-            match self.feeds.advance(&own, &mut cursor, &mut rates) {
-                Some(length) => lengths.push(length),
-                None => return Some(lengths),
-            }
-        }
-        None
+    fn count(&self) -> Option<usize> {
+        let (own, mut cursor) = (StepLengths { stages: &self.stages }, LengthCursor::default());
+        let mut rates = self.start();
+        (0..MOST_PERIODS).find(|period| {
+            self.command(*period, &mut rates);
+            self.feeds.advance(&own, &mut cursor, &mut rates).is_none()
+        })
     }
 }

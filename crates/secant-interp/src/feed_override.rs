@@ -30,6 +30,7 @@ use core::num::NonZeroU64;
 
 use real::Real;
 
+use crate::landing::Landing;
 use crate::step_lengths::{LengthCursor, StepLengths};
 
 /// The rate 1, in its unit.
@@ -78,6 +79,10 @@ pub struct OverrideLimits<R> {
 pub struct FeedOverride {
     slope: u64,
     bend: NonZeroU64,
+    /// A and J in units of 2⁻⁴⁸, and J over A, at most 1, in units of 2⁻³²: for the landing behind the schedule's end.
+    acceleration: u64,
+    jerk: u64,
+    jerk_per_acceleration: u64,
 }
 
 /// The rate as it stands: all that changes from period to period.
@@ -88,13 +93,15 @@ pub struct OverrideState {
     /// r' in units per period.
     slope: i64,
     target: u64,
+    /// Behind the schedule's end.
+    pub(crate) landing: Landing,
 }
 
 impl OverrideState {
     /// At this rate, and staying there.
     #[must_use]
     pub fn at(rate: Rate) -> Self {
-        Self { rate: rate.0, slope: 0, target: rate.0 }
+        Self { rate: rate.0, slope: 0, target: rate.0, landing: Landing::default() }
     }
 
     /// Asks for another rate.
@@ -137,13 +144,28 @@ impl FeedOverride {
         let by_slope = R::from_ratio(3, 1) * slope * limits.planned_acceleration;
         let bend = (spare_jerk - by_slope) / limits.planned_feed;
         let (slope, bend) = (units(slope), NonZeroU64::new(units(bend))?);
-        (slope > 0).then_some(Self { slope, bend })
+        let [acceleration, jerk] = [limits.acceleration, limits.jerk].map(|limit| limit.to_phase(-16));
+        let jerk_per_acceleration = quotient(jerk, acceleration);
+        (slope > 0).then_some(Self { slope, bend, acceleration, jerk, jerk_per_acceleration })
     }
 
-    /// The rate changes as fast as both allow: what keeps the limits of the path and of an axis.
+    /// The rate changes as fast as both allow, and the landing takes the lesser J: what keeps the limits of the path and of an axis.
+    /// Both are in the same unit of distance, `self` those of the path, whose A T² is the landing step.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
-        Self { slope: self.slope.min(other.slope), bend: self.bend.min(other.bend) }
+        let jerk = self.jerk.min(other.jerk);
+        Self {
+            slope: self.slope.min(other.slope),
+            bend: self.bend.min(other.bend),
+            jerk,
+            jerk_per_acceleration: quotient(jerk, self.acceleration),
+            ..self
+        }
+    }
+
+    /// J T³ in the unit of `landing_step`, A T²; at most that, at least the resolution.
+    pub(crate) fn landing_jerk<R: Real>(&self, landing_step: R) -> R {
+        (Rate(self.jerk_per_acceleration).share::<R>() * landing_step).max(R::resolution())
     }
 
     /// The distance of the next period, or `None` when the plan is over. At hold it is 0.
@@ -166,7 +188,7 @@ impl FeedOverride {
     ///
     /// At the slope s, braking by ρ₂ each period adds `(s - ρ₂) + (s - 2ρ₂) + …` to the rate until s is 0. The slope is the
     /// largest one, at most ρ₂ above the last, whose sum does not pass the target.
-    fn approach(&self, state: &mut OverrideState) {
+    pub(crate) fn approach(&self, state: &mut OverrideState) {
         let rises = state.target > state.rate || (state.target == state.rate && state.slope < 0);
         let distance = state.target.abs_diff(state.rate);
         let toward = if rises { state.slope } else { -state.slope };
@@ -177,6 +199,12 @@ impl FeedOverride {
         state.slope = if rises { slope } else { -slope };
         state.rate = state.rate.saturating_add_signed(state.slope).min(ONE);
     }
+}
+
+/// J over A in units of 2⁻³², at most 1.
+fn quotient(jerk: u64, acceleration: u64) -> u64 {
+    let quotient = (u128::from(jerk) << 32).checked_div(u128::from(acceleration));
+    quotient.and_then(|quotient| u64::try_from(quotient).ok()).map_or(ONE, |quotient| quotient.min(ONE))
 }
 
 /// The largest s with `s + (s - ρ) + (s - 2ρ) + … ≤ distance`, the terms positive.
@@ -324,7 +352,8 @@ mod tests {
         fn the_rate_changes_no_faster_than_allowed_and_settles(
             slope in 1_u64..1 << 31, bend in 1_u64..1 << 30, targets in prop::collection::vec((1_u32..200, 0.0..=1.0_f64), 1..10),
         ) {
-            let feeds = FeedOverride { slope, bend: NonZeroU64::new(bend).unwrap() };
+            let bend_of = NonZeroU64::new(bend).unwrap();
+            let feeds = FeedOverride { slope, bend: bend_of, acceleration: 1, jerk: 1, jerk_per_acceleration: ONE };
             let mut state = OverrideState::at(Rate::FULL);
             let mut rates = vec![ONE.cast_signed(); 2];
             for (periods, target) in targets {

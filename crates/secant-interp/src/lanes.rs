@@ -18,7 +18,7 @@ use real::{Lane, Real};
 
 use crate::chord_step::{Evaluation, correction, is_within, value_and_slope};
 use crate::piece_interpolator::{
-    CUBIC, PieceInterpolator, PieceSetpoint, PieceState, Reached, after, onward,
+    CUBIC, PieceInterpolator, PieceSetpoint, PieceState, Reached, Wanted, after, onward, place_of,
 };
 use crate::step_lengths::PERIOD;
 use crate::trend::Trend;
@@ -231,7 +231,8 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
         let step = Reached { piece: state.piece, phase: part, sigma, evaluations: 1 };
         let mut trend = numbers.trend(lane);
         let Some(reached) = run.pass_joint(phase, &mut trend, row, &step) else { return false };
-        (state.piece, state.phase, state.t) = (reached.piece, reached.phase, R::fraction(reached.phase));
+        state.piece = reached.piece;
+        (state.phase, state.t) = place_of(reached.phase);
         numbers.put_trend(lane, &trend);
         numbers.found[lane] = reached.sigma;
         self.words.is_common[lane] = true;
@@ -256,7 +257,7 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
             Some(_) => Some(self.numbers.length[lane]),
             None => run.lengths.advance(&mut state.cursor),
         };
-        self.alone[lane] = Some(run.follow_aside(state, row, planned));
+        self.alone[lane] = Some(run.follow_aside(state, row, Wanted::Planned(planned)));
         self.words.left[lane] = left.unwrap_or(0);
         self.load(lane);
     }

@@ -47,6 +47,7 @@ mod constant;
 mod feed_override;
 mod interpolator;
 mod joint;
+mod landing;
 #[cfg(feature = "lanes")]
 mod lanes;
 mod piece_interpolator;

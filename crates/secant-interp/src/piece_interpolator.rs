@@ -1,11 +1,12 @@
 //! The real-time loop on compiled pieces: positions as (piece, phase), chords without loss.
 
-use nurbs_core::{MAX_DEGREE, Piece, Pieces, Shifted};
+use nurbs_core::{MAX_DEGREE, ORIGIN_EXPONENT, Piece, Pieces, Shifted};
 use real::Real;
 
 use crate::chord_step::{Chord, ChordTolerance, Evaluation, difference_within, within};
 use crate::feed_override::{FeedOverride, OverrideState};
 use crate::joint::{Travelled, into_next, part_into_next, part_of_next, past};
+use crate::landing::{Landing, LandingStep};
 use crate::step_lengths::{LengthCursor, StepLengths};
 use crate::trend::Trend;
 
@@ -74,6 +75,10 @@ impl<R: Real, const D: usize> PieceState<R, D> {
         reached.evaluations
     }
 }
+
+/// An overridden run that is so near to the end in the last period of its schedule lands at once: 2⁻⁵ J T³ of more way are
+/// twice that of jerk.
+const REACH: i32 = -5;
 
 /// `part + more`, but no more than `greatest`, which `part` is not above.
 fn sum_within<R: Real>(part: R, more: R, greatest: R) -> R {
@@ -149,20 +154,86 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
 
     /// The same with the plan's time stretched, as [`FeedOverride::advance`] has it: feed override and feed hold. In
     /// a period of hold the setpoint is that of the period before.
+    ///
+    /// A slower run is behind its plan when that is over. It comes to rest there, travels what is left from rest to rest within
+    /// A and J, in a dozen periods or so, even if held meanwhile, and rests on the end for two periods more. What is so far away that the format does not hold it, or more
+    /// than a thousand landing steps, is travelled in landing steps.
     pub fn step_overridden(
         &self,
         state: &mut PieceState<R, D>,
         feeds: &FeedOverride,
         rates: &mut OverrideState,
     ) -> Option<PieceSetpoint<R, D>> {
-        let row = self.pieces.pieces.get(state.piece)?;
+        let Some(row) = self.pieces.pieces.get(state.piece) else {
+            feeds.approach(rates);
+            return rates.landing.rests().then(|| self.hold(state));
+        };
         state.is_ahead = false;
-        let planned = feeds.advance(&self.lengths, &mut state.cursor, rates);
-        // A rest after the schedule's end is landed on even so.
-        if planned.is_some_and(|length| length.is_zero()) && !self.lengths.is_over(&state.cursor) {
+        let wanted = match feeds.advance(&self.lengths, &mut state.cursor, rates) {
+            Some(length) => {
+                rates.landing = Landing::default();
+                let is_last = self.lengths.is_over(&state.cursor);
+                let more =
+                    if is_last { feeds.landing_jerk(self.landing_step).scale(REACH) } else { R::zero() };
+                Wanted::Given(length, sum_within(length, more, R::max_value()))
+            }
+            None => {
+                feeds.approach(rates);
+                self.land(state, row, feeds, &mut rates.landing)
+            }
+        };
+        if let Wanted::Given(_, reach) = wanted
+            && reach <= R::zero()
+        {
             return Some(self.hold(state));
         }
-        Some(self.follow_aside(state, row, planned))
+        Some(self.follow_aside(state, row, wanted))
+    }
+
+    /// The chord of a period behind the end of an overridden schedule.
+    #[cold]
+    #[inline(never)]
+    fn land(
+        &self,
+        state: &PieceState<R, D>,
+        row: &Piece<R, D>,
+        feeds: &FeedOverride,
+        landing: &mut Landing,
+    ) -> Wanted<R> {
+        let Some(rest) = self.rest(state, row) else { return Wanted::Planned(None) };
+        let longest = self.landing_step;
+        match landing.advance(rest, longest, feeds.landing_jerk(longest)) {
+            LandingStep::Part(part) => Wanted::Given(part, part),
+            LandingStep::Last => Wanted::Given(rest.min(longest), longest),
+            LandingStep::Over => Wanted::Planned(None),
+        }
+    }
+
+    /// The way to the end of the path, in chord units: to the end of the piece, straight on to the last one, and over that. `None`
+    /// where that is too far for the format.
+    fn rest(&self, state: &PieceState<R, D>, row: &Piece<R, D>) -> Option<R> {
+        let to_end = self.across(row, &state.at, step_to_end(state, row))?;
+        let last = self.pieces.pieces.len().saturating_sub(1);
+        let (Some(next), Some(end)) = (self.pieces.pieces.get(state.piece + 1), self.pieces.pieces.get(last))
+        else {
+            return Some(to_end);
+        };
+        let exponent = self.pieces.chord_exponent.saturating_add(ORIGIN_EXPONENT + 64).clamp(-64, 64);
+        let between: [R; D] = core::array::from_fn(|d| {
+            let distance = end.origin[d].abs_diff(next.origin[d]);
+            if distance == 0 { R::zero() } else { R::from_phase(distance, exponent) }
+        });
+        let mut at = Shifted::default();
+        self.pieces.shift_to_begin(last, &mut at);
+        let over_last = self.across(end, &at, end.whole())?;
+        let sum = |a: R, b: R| (a <= R::max_value() - b).then(|| a + b);
+        sum(sum(to_end, R::norm(&between))?, over_last)
+    }
+
+    /// The chord of a step on a piece; `None` for a step that is longer than the piece's polynomials are scaled for.
+    fn across(&self, row: &Piece<R, D>, at: &Shifted<R, D>, step: R) -> Option<R> {
+        let is_near = R::IS_FLOATING || step <= R::power_of_two(i32::from(row.range_exponent));
+        is_near.then(|| R::norm(&self.chord(row, at, R::one()).over(step)))
     }
 
     /// The next setpoint, a chord of this length on, whatever the schedule says; `None` once the end of the path has been
@@ -178,7 +249,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     pub fn step_by(&self, state: &mut PieceState<R, D>, length: R) -> Option<PieceSetpoint<R, D>> {
         let row = self.pieces.pieces.get(state.piece)?;
         Some(if length > R::zero() {
-            self.follow(state, row, Wanted::Given(length))
+            self.follow(state, row, Wanted::Given(length, length))
         } else {
             self.hold(state)
         })
@@ -189,7 +260,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     #[inline(never)]
     fn hold(&self, state: &PieceState<R, D>) -> PieceSetpoint<R, D> {
         let (piece, phase) = (state.piece, state.phase);
-        let offset = self.pieces.in_common_units(piece, &state.at.offset);
+        let offset = self.pieces.in_common_units(piece.min(self.end().0), &state.at.offset);
         PieceSetpoint { piece, phase, offset, length: R::zero(), evaluations: 0 }
     }
 
@@ -221,22 +292,22 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         }
     }
 
-    /// One period by the plan, for rarer callers, compiled once.
+    /// One period for rarer callers, compiled once.
     #[inline(never)]
     pub(crate) fn follow_aside(
         &self,
         state: &mut PieceState<R, D>,
         row: &Piece<R, D>,
-        planned: Option<R>,
+        wanted: Wanted<R>,
     ) -> PieceSetpoint<R, D> {
-        self.follow(state, row, Wanted::Planned(planned))
+        self.follow(state, row, wanted)
     }
 
     /// The chord that is wanted, and the one that is made unless the path ends before.
     #[inline(always)]
     fn chord_wanted(&self, state: &PieceState<R, D>, row: &Piece<R, D>, wanted: Wanted<R>) -> (R, R) {
         let planned = match wanted {
-            Wanted::Given(length) => return (length, length),
+            Wanted::Given(length, reach) => return (length, reach),
             Wanted::Planned(planned) => planned,
         };
         let is_last = planned.is_some() && self.lengths.is_over(&state.cursor);
@@ -329,7 +400,13 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     #[inline(never)]
     fn arrive<const N: usize, const PLAIN: bool>(&self, state: &mut PieceState<R, D>) -> usize {
         let is_end = state.piece >= self.pieces.pieces.len();
-        let (of, t) = if is_end { self.end() } else { (state.piece, R::fraction(state.phase)) };
+        let (of, t) = if is_end {
+            self.end()
+        } else {
+            let (phase, t) = place_of(state.phase);
+            state.phase = phase;
+            (state.piece, t)
+        };
         state.t = t;
         self.pieces.shift_to::<N, PLAIN>(of, t.signal("parameter"), &mut state.at);
         of
@@ -399,8 +476,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     /// What a step travels up to the end of the present piece.
     #[inline]
     fn way_to_end(&self, state: &PieceState<R, D>, row: &Piece<R, D>, length: R) -> Travelled<R, D> {
-        let rest = state.phase.wrapping_neg(); // 2⁶⁴ - phase; 0 stands for a whole piece
-        let step = if rest == 0 { row.whole() } else { R::from_phase(rest, i32::from(row.step_exponent)) };
+        let step = step_to_end(state, row);
         let way = self.chord(row, &state.at, length).over(step);
         Travelled::new(way.map(|x| x / length), step / length)
     }
@@ -524,11 +600,18 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
 
 /// The chord of a period.
 #[derive(Clone, Copy)]
-enum Wanted<R> {
+pub(crate) enum Wanted<R> {
     /// What the plan says; nothing after its end, where a landing step is made.
     Planned(Option<R>),
-    /// This.
-    Given(R),
+    /// This, and the one that is made.
+    Given(R, R),
+}
+
+/// The step to the end of the present piece.
+#[inline]
+fn step_to_end<R: Real, const D: usize>(state: &PieceState<R, D>, row: &Piece<R, D>) -> R {
+    let rest = state.phase.wrapping_neg(); // 2⁶⁴ - phase; 0 stands for a whole piece
+    if rest == 0 { row.whole() } else { R::from_phase(rest, i32::from(row.step_exponent)) }
 }
 
 /// The phase that a step leads to on its piece; `None` past the end. Steps of a whole piece and more are saturated: from the
@@ -536,6 +619,14 @@ enum Wanted<R> {
 #[inline]
 pub(crate) fn after(phase: u64, step: u64) -> Option<u64> {
     (step < !phase).then(|| phase.wrapping_add(step))
+}
+
+/// The place of a phase, as phase and as number. Where numbers are added up the phase has the digits of these: one with more
+/// would lie before a place that a short step leads to.
+pub(crate) fn place_of<R: Real>(phase: u64) -> (u64, R) {
+    let t = R::fraction(phase);
+    let digits = if R::ADDS_PLACES { t.place_to_phase() } else { None };
+    (digits.unwrap_or(phase), t)
 }
 
 /// The place on a piece that a step leads to, as phase and as number; `None` past the end.
