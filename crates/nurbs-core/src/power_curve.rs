@@ -76,7 +76,9 @@ impl Interval {
 
 impl SpanTable {
     fn new(begins: &[f64], (first, end): (f64, f64)) -> Self {
-        let last = (1_u32 << 31).min(u32::try_from(begins.len().next_power_of_two()).unwrap_or(u32::MAX)) - 1;
+        // Of few spans two would share an interval by chance, and have to be searched.
+        let count = u32::try_from(begins.len().next_power_of_two().max(16)).unwrap_or(u32::MAX);
+        let last = count.min(1 << 31) - 1;
         let scale = (first, f64::from(last) / (end - first));
         let mut table = Self { scale, last: f64::from(last), intervals: Vec::new() };
         let of_begins: Vec<usize> = begins[1..].iter().map(|u| table.interval(*u)).collect();
