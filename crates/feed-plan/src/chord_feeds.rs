@@ -15,8 +15,7 @@
 //!
 //! 1. *Joints*: a part of the path, be it a change of feed or a constant one, gives each of its two joints half of what it falls short
 //!    by. The correction at a joint is what it was given over half the time of the parts beside it; over a constant feed it
-//!    is constant.
-//!    What a run would go beyond the stop is given to the joint from which the feed falls to it.
+//!    is constant. What a run would go beyond the stop is given to the joint from which the feed falls to it.
 //! 2. *Level*: where it changes by more than it may, what is too much moves to the joint on the other side. So the sum stays as it
 //!    is, and what the run is off its plan by stays near.
 //! 3. *Cut*: sweeps leave a rest. Of all corrections that change by no more than they may, the largest one below and the least one

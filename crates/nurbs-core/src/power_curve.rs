@@ -58,20 +58,8 @@ struct SpanTable {
 struct Interval {
     /// The last span that begins in an earlier interval.
     before: u32,
-    /// The bits of where the next one begins, the lower half first: in twice 32, so that twelve bytes are enough.
-    next: [u32; 2],
-}
-
-impl Interval {
-    fn new(before: usize, next: f64) -> Self {
-        let [low, high] = [next.to_bits(), next.to_bits() >> 32].map(|bits| (bits & 0xffff_ffff) as u32);
-        Self { before: u32::try_from(before).unwrap_or(u32::MAX), next: [low, high] }
-    }
-
-    #[inline(always)]
-    fn next(self) -> f64 {
-        f64::from_bits(u64::from(self.next[1]) << 32 | u64::from(self.next[0]))
-    }
+    /// Where the next one begins: in bytes, so that twelve are enough for both.
+    next: [u8; 8],
 }
 
 impl SpanTable {
@@ -84,7 +72,8 @@ impl SpanTable {
         let of_begins: Vec<usize> = begins[1..].iter().map(|u| table.interval(*u)).collect();
         let interval = |interval| {
             let before = of_begins.partition_point(|of| *of < interval);
-            Interval::new(before, begins.get(before + 1).copied().unwrap_or(f64::NAN))
+            let next = begins.get(before + 1).copied().unwrap_or(f64::NAN).to_ne_bytes();
+            Interval { before: u32::try_from(before).unwrap_or(u32::MAX), next }
         };
         table.intervals = (0..=last as usize + 1).map(interval).collect();
         table
@@ -107,7 +96,7 @@ impl SpanTable {
     fn around(&self, u: f64) -> ([usize; 2], f64) {
         let rest = self.intervals.get(self.interval(u)..).and_then(|rest| rest.first_chunk::<2>());
         rest.map_or(([0; 2], f64::NAN), |pair| {
-            (pair.map(|interval| interval.before as usize), pair[0].next())
+            (pair.map(|interval| interval.before as usize), f64::from_ne_bytes(pair[0].next))
         })
     }
 }

@@ -149,10 +149,6 @@ impl Real for Quantized {
         self.0.to_phase(exponent)
     }
 
-    fn place_to_phase(self) -> Option<u64> {
-        self.0.place_to_phase()
-    }
-
     fn is_finite(self) -> bool {
         self.0.is_finite()
     }

@@ -422,19 +422,20 @@ fn travel<R: Lane, const D: usize, const W: usize>(
 ) -> Mask {
     let mut due = 0;
     for lane in 0..W {
-        let (old, step) = ((words.phase[lane], numbers.t[lane]), numbers.step[lane]);
-        let (is_common, phase) = if R::ADDS_PLACES {
-            let phase = (old.1 + step).place_to_phase();
-            ((step >= R::zero()) & phase.is_some(), phase.unwrap_or_default())
+        let (old, old_t, step) = (words.phase[lane], numbers.t[lane], numbers.step[lane]);
+        let (is_common, phase, t) = if R::ADDS_PLACES {
+            let t = old_t + step;
+            let phase = t.place_to_phase();
+            ((step >= R::zero()) & phase.is_some(), phase.unwrap_or_default(), t)
         } else {
             let (part, is_part) = step.part_of_one();
-            (is_part & after(old.0, part).is_some(), old.0.wrapping_add(part))
+            let phase = old.wrapping_add(part);
+            (is_part & after(old, part).is_some(), phase, R::fraction(phase))
         };
         words.is_common[lane] = is_common;
         due |= if is_common & (words.left[lane] > 0) { 0 } else { 1 << lane };
-        words.phase[lane] = if is_common { phase } else { old.0 };
-        let t = if R::ADDS_PLACES { old.1 + step } else { R::fraction(words.phase[lane]) };
-        numbers.t[lane] = if is_common { t } else { old.1 };
+        words.phase[lane] = if is_common { phase } else { old };
+        numbers.t[lane] = if is_common { t } else { old_t };
     }
     due
 }
