@@ -13,7 +13,7 @@
 use alloc::vec::Vec;
 use core::ops::Range;
 
-use nurbs_core::{Differentiate, Evaluate, Frenet, GaussLegendre};
+use nurbs_core::{Differentiate, Evaluate, Frenet, GaussLegendre, LONGEST_ROUND_CORNER};
 use real::Real;
 
 use crate::schedule::Cursor;
@@ -37,9 +37,6 @@ const CORRECTIONS: usize = 8;
 const STRIDES: usize = 48;
 /// Halvings of the stride that it lies in.
 const HALVINGS: usize = 48;
-/// A step round a corner goes no further beyond it than 17/16 of its length at the corner's speed of the parameter, as those of
-/// compiled pieces do: by more than a right angle, its chord may come out shorter for that.
-const LONGEST: [i32; 2] = [17, 16];
 
 impl<R: Real> FeedLimit<R> {
     /// By how much each stage is to be shortened if each chord, not each arc, is to have the planned length, mm: at most
@@ -227,13 +224,14 @@ impl<'a, R: Real, C> Path<'a, R, C> {
     }
 
     /// The arc of a step from `begin` on: the first whose chord is as long as wanted, but beyond the last joint of spans within it
-    /// by no more than [`LONGEST`] of that.
+    /// by no more than [`LONGEST_ROUND_CORNER`] of that: round more than a right angle its chord may come out shorter for it.
     pub(crate) fn arc_of_step<const D: usize>(&self, begin: R, wanted: R) -> R
     where
         C: Differentiate<R, D>,
     {
         let arc = self.arc_over(begin, wanted);
-        let longest = wanted * R::from_ratio(LONGEST[0], LONGEST[1]);
+        let [numerator, denominator] = LONGEST_ROUND_CORNER;
+        let longest = wanted * R::from_ratio(numerator, denominator);
         if arc <= longest {
             return arc;
         }

@@ -7,9 +7,10 @@
 use std::fmt;
 
 use feed_plan::{AxisLimits, FeedPiece, KinematicLimits, Stage};
-use real::{DoubleDouble, Real};
+use real::DoubleDouble;
 use secant_interp::{
     FeedOverride, LengthCursor, LengthStage, OverrideLimits, OverrideState, Rate, StepLengths,
+    stage_durations,
 };
 
 use crate::exact_plan::ExactPlan;
@@ -200,13 +201,7 @@ pub struct OverrideCommands {
 
 /// The stages of a plan as [`CompiledPath`](secant_interp::CompiledPath) has them, exactly.
 fn compiled(stages: &[Stage<DoubleDouble>]) -> Vec<LengthStage<DoubleDouble>> {
-    let half_unit = DoubleDouble::from(1.0).scale(-33);
-    let (mut time, mut begin) = (DoubleDouble::from(0.0), 0);
-    let compiled = stages.iter().filter_map(|stage| {
-        time = time + stage.duration;
-        let end = (time + half_unit).to_phase(-32);
-        let duration = end.saturating_sub(begin);
-        begin = end;
+    let compiled = stages.iter().zip(stage_durations(stages)).filter_map(|(stage, duration)| {
         let change = stage.end_feed - stage.start_feed;
         Some(LengthStage::new(duration, stage.start_feed, change)?.shaped(stage.shape))
     });

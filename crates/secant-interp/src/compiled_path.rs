@@ -12,7 +12,7 @@ use real::{Backend, Real};
 
 use crate::chord_step::ChordTolerance;
 use crate::piece_interpolator::PieceInterpolator;
-use crate::step_lengths::{LengthStage, StepLengths};
+use crate::step_lengths::{LengthStage, StepLengths, stage_durations};
 use crate::stretches::{Stretch, stretches};
 
 /// Why a plan does not go into a number format. Values are in mm and periods.
@@ -171,21 +171,17 @@ impl<R: Backend, const D: usize> CompiledPath<R, D> {
             R::from_f64(step.scale(exponent)).ok_or(CompiledPathError::LandingStepTooLong { step })?;
         refuse_long_steps(plan, step, table.step_mm())?;
         let (mut stages, mut stops) = (Vec::new(), Vec::new());
-        let half_unit = Q::one().scale(-33);
-        let (mut time, mut begin) = (Q::zero(), 0);
-        for (index, stage) in plan.stages().iter().enumerate() {
+        for (index, (stage, duration)) in plan.stages().iter().zip(stage_durations(plan.stages())).enumerate()
+        {
             let feed = |feed: Q| {
                 nearest::<Q, R>(feed, exponent)
                     .ok_or(CompiledPathError::FeedTooHigh { stage: index, feed: feed.to_f64() })
             };
             let (from, to) = (feed(stage.start_feed)?, feed(stage.end_feed)?);
-            time = time + stage.duration;
-            let end = (time + half_unit).to_phase(-32);
-            if let Some(compiled) = LengthStage::new(end.saturating_sub(begin), from, to - from) {
+            if let Some(compiled) = LengthStage::new(duration, from, to - from) {
                 stages.push(compiled.shaped(stage.shape));
                 stops.push(stage.rest().and_then(|(curve, u)| table.joint(curve, u.to_f64())));
             }
-            begin = end;
         }
         let stretches = stretches(stops, table.places().len()).collect();
         Ok(Self { table, stages, stretches, tolerance, landing_step })

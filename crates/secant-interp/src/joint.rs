@@ -1,6 +1,6 @@
 //! What a step over the joint of two pieces carries on: steps per chord in the scale of the next piece, and the way so far.
 
-use nurbs_core::Piece;
+use nurbs_core::{LONGEST_ROUND_CORNER, Piece};
 use real::Real;
 
 use crate::chord_step::Chord;
@@ -37,10 +37,6 @@ pub(crate) fn part_of_next<R: Real, const D: usize>(
     if phase.leading_zeros() < distance { None } else { Some(phase.checked_shl(distance).unwrap_or(0)) }
 }
 
-/// A step round a corner goes no further beyond it than 17/16 of its length. A plan counts on that
-/// ([`FeedLimit::in_chords`](feed_plan::FeedLimit::in_chords)).
-const LONGEST: [i32; 2] = [17, 16];
-
 /// What a step over a joint has travelled up to there.
 pub(crate) struct Travelled<R, const D: usize> {
     /// The way, over the length.
@@ -57,7 +53,7 @@ impl<R: Real, const D: usize> Travelled<R, D> {
     }
 
     /// Behind a corner, the step per chord of the rest if the path goes straight on there along v, the chord per step, and the
-    /// greatest one: [`LONGEST`] of a whole chord, or `greatest`. `None` unless it turns there by more than 25°, to go by
+    /// greatest one: [`LONGEST_ROUND_CORNER`] of a whole chord, or `greatest`. `None` unless it turns there by more than 25°, to go by
     /// `expected`, the step per chord on v: up to that, `left` of it is as good.
     ///
     /// With the unit vector `w = v/|v|` it is `σ = (√((b·w)² + 1 - |b|²) - b·w)/|v|`, the greater root of `|b + σ v|² = 1`; in
@@ -76,7 +72,8 @@ impl<R: Real, const D: usize> Travelled<R, D> {
         let half = along(ahead).half();
         let rest = (self.left * (R::one() - self.left.half())).half(); // (1 - |b|²)/4
         let root = half.mul_add(half, rest).sqrt();
-        let longest = (ahead * R::from_ratio(LONGEST[0], LONGEST[1])).min(greatest);
+        let [numerator, denominator] = LONGEST_ROUND_CORNER;
+        let longest = (ahead * R::from_ratio(numerator, denominator)).min(greatest);
         let sigma = ((root - half) * ahead).min(longest.half());
         Some([sigma + sigma, longest])
     }

@@ -50,6 +50,7 @@ mod joint;
 mod landing;
 #[cfg(feature = "lanes")]
 mod lanes;
+mod overridden_step;
 mod piece_interpolator;
 mod position_checksum;
 pub mod predictor;
@@ -72,5 +73,5 @@ pub use lanes::LaneInterpolator;
 pub use piece_interpolator::{PieceInterpolator, PieceSetpoint, PieceState};
 pub use position_checksum::PositionChecksum;
 pub use secant::{Outcome, Tolerance};
-pub use step_lengths::{LengthCursor, LengthStage, StepLengths};
+pub use step_lengths::{LengthCursor, LengthStage, StepLengths, stage_durations};
 pub use stretches::{Stretch, stretches};

@@ -1,0 +1,100 @@
+//! A period of a run whose feed is overridden, and how such a run comes to the end of its path.
+
+use nurbs_core::{ORIGIN_EXPONENT, Piece, Shifted};
+use real::Real;
+
+use crate::feed_override::{FeedOverride, OverrideState};
+use crate::landing::{Landing, LandingStep};
+use crate::piece_interpolator::{
+    PieceInterpolator, PieceSetpoint, PieceState, Wanted, step_to_end, sum_within,
+};
+
+/// An overridden run that is so near to the end in the last period of its schedule lands at once: 2⁻⁵ J T³ of more way are
+/// twice that of jerk.
+const REACH: i32 = -5;
+
+impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
+    /// [`step`](Self::step) with the plan's time stretched, as [`FeedOverride::advance`] has it: feed override and feed hold. In
+    /// a period of hold the setpoint is that of the period before.
+    ///
+    /// A slower run is behind its plan when that is over. It comes to rest there, travels what is left from rest to rest within
+    /// A and J, in a dozen periods or so, even if held meanwhile, and rests on the end for two periods more. What is so far away
+    /// that the format does not hold it, or more than a thousand landing steps, is travelled in landing steps.
+    pub fn step_overridden(
+        &self,
+        state: &mut PieceState<R, D>,
+        feeds: &FeedOverride,
+        rates: &mut OverrideState,
+    ) -> Option<PieceSetpoint<R, D>> {
+        let Some(row) = self.pieces.pieces.get(state.piece) else {
+            feeds.approach(rates);
+            return rates.landing.rests().then(|| self.hold(state));
+        };
+        state.is_ahead = false;
+        let wanted = match feeds.advance(&self.lengths, &mut state.cursor, rates) {
+            Some(length) => {
+                rates.landing = Landing::default();
+                let is_last = self.lengths.is_over(&state.cursor);
+                let more =
+                    if is_last { feeds.landing_jerk(self.landing_step).scale(REACH) } else { R::zero() };
+                Wanted::Given(length, sum_within(length, more, R::max_value()))
+            }
+            None => {
+                feeds.approach(rates);
+                self.land(state, row, feeds, &mut rates.landing)
+            }
+        };
+        if let Wanted::Given(_, reach) = wanted
+            && reach <= R::zero()
+        {
+            return Some(self.hold(state));
+        }
+        Some(self.follow_aside(state, row, wanted))
+    }
+
+    /// The chord of a period behind the end of an overridden schedule.
+    #[cold]
+    #[inline(never)]
+    fn land(
+        &self,
+        state: &PieceState<R, D>,
+        row: &Piece<R, D>,
+        feeds: &FeedOverride,
+        landing: &mut Landing,
+    ) -> Wanted<R> {
+        let Some(rest) = self.rest(state, row) else { return Wanted::Planned(None) };
+        let longest = self.landing_step;
+        match landing.advance(rest, longest, feeds.landing_jerk(longest)) {
+            LandingStep::Part(part) => Wanted::Given(part, part),
+            LandingStep::Last => Wanted::Given(rest.min(longest), longest),
+            LandingStep::Over => Wanted::Planned(None),
+        }
+    }
+
+    /// The way to the end of the path, in chord units: to the end of the piece, straight on to the last one, and over that. `None`
+    /// where that is too far for the format.
+    fn rest(&self, state: &PieceState<R, D>, row: &Piece<R, D>) -> Option<R> {
+        let to_end = self.across(row, &state.at, step_to_end(state, row))?;
+        let last = self.pieces.pieces.len().saturating_sub(1);
+        let (Some(next), Some(end)) = (self.pieces.pieces.get(state.piece + 1), self.pieces.pieces.get(last))
+        else {
+            return Some(to_end);
+        };
+        let exponent = self.pieces.chord_exponent.saturating_add(ORIGIN_EXPONENT + 64).clamp(-64, 64);
+        let between: [R; D] = core::array::from_fn(|d| {
+            let distance = end.origin[d].abs_diff(next.origin[d]);
+            if distance == 0 { R::zero() } else { R::from_phase(distance, exponent) }
+        });
+        let mut at = Shifted::default();
+        self.pieces.shift_to_begin(last, &mut at);
+        let over_last = self.across(end, &at, end.whole())?;
+        let sum = |a: R, b: R| (a <= R::max_value() - b).then(|| a + b);
+        sum(sum(to_end, R::norm(&between))?, over_last)
+    }
+
+    /// The chord of a step on a piece; `None` for a step that is longer than the piece's polynomials are scaled for.
+    fn across(&self, row: &Piece<R, D>, at: &Shifted<R, D>, step: R) -> Option<R> {
+        let is_near = R::IS_FLOATING || step <= R::power_of_two(i32::from(row.range_exponent));
+        is_near.then(|| R::norm(&self.chord(row, at, R::one()).over(step)))
+    }
+}
