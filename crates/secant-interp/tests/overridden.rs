@@ -1,12 +1,12 @@
 //! Runs with feed override land on the end of the path, and on every stop where stretches are run one by one, within the jerk limit.
 
-use feed_plan::{
-    EndFeeds, FeedLimit, FeedPiece, KinematicLimits, ProfileKind, ScheduleBuf, Stage, plan_with,
-};
-use nurbs_core::{Evaluate, NurbsBuf, PieceLimits, compile_with_stops};
+mod landing_run;
+
+use feed_plan::{EndFeeds, FeedLimit, FeedPiece, KinematicLimits, ProfileKind, ScheduleBuf, plan_with};
+use nurbs_core::NurbsBuf;
 use proptest::prelude::*;
-use real::{Backend, DoubleDouble, I4F28, I4F60, I8F24, I16F48, Real};
-use secant_interp::{ChordTolerance, CompiledPath, FeedOverride, OverrideLimits, OverrideState, Rate};
+use real::{Backend, I4F28, I4F60, I8F24, I16F48};
+use secant_interp::{FeedOverride, OverrideLimits, OverrideState, Rate};
 
 /// Lines, and parabolas that turn by a right angle over `size` mm, with a stop behind each thirtieth curve, where the path turns
 /// back.
@@ -83,13 +83,7 @@ impl Job {
     /// are numbers of periods and rates, the last one for as long as it takes.
     fn jerk<R: Backend>(&self, targets: &[(usize, f64)]) -> (f64, String) {
         let curves: Vec<_> = self.curves.iter().map(NurbsBuf::as_curve).collect();
-        let stops: Vec<_> = self.plan.stages().iter().filter_map(Stage::rest).collect();
-        let longest = self.machine.feedrate + self.machine.acceleration;
-        let cut = PieceLimits { length_mm: 32.0, step_mm: longest };
-        let table = compile_with_stops::<DoubleDouble, R, 2>(&curves, &cut, &stops).unwrap();
-        let tolerance = ChordTolerance::for_fluctuation(None, 5);
-        let landing_step = self.machine.acceleration;
-        let path = CompiledPath::new(table, &self.plan.as_schedule(), tolerance, landing_step).unwrap();
+        let path = landing_run::compiled::<R>(&curves, &self.plan, &self.machine);
         let mut rates = OverrideState::at(Rate::of(targets[0].1));
         let changes: Vec<usize> = targets
             .iter()
@@ -102,11 +96,6 @@ impl Job {
         let (mut steps, mut period) = (vec![0.0, 0.0], 0);
         for (number, (stretch, run)) in path.stretches().iter().zip(path.runs()).enumerate() {
             let places = &path.table().places()[stretch.pieces.clone()];
-            let point = |piece: usize, phase: u64| {
-                let place = places[piece.min(places.len() - 1)];
-                let t = if piece < places.len() { f64::from_phase(phase, 0) } else { 1.0 };
-                curves[place.curve].point(place.begin.0 + (place.end.0 - place.begin.0) * t)
-            };
             let (mut state, mut at) = (run.start(), (0_usize, 0_u64));
             loop {
                 if let Some(change) = changes.iter().position(|from| *from == period) {
@@ -115,7 +104,7 @@ impl Job {
                 let Some(setpoint) = run.step_overridden(&mut state, &self.feeds, &mut rates) else { break };
                 let to = (setpoint.piece, setpoint.phase);
                 assert!(at <= to, "{} goes back from {at:?} to {to:?}", R::name());
-                let (a, b) = (point(at.0, at.1), point(to.0, to.1));
+                let [a, b] = [at, to].map(|at| landing_run::point(&curves, places, at));
                 steps.push((b[0] - a[0]).hypot(b[1] - a[1]));
                 (at, period) = (to, period + 1);
                 assert!(steps.len() < 200_000, "{} does not end", R::name());

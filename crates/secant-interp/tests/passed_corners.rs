@@ -1,10 +1,11 @@
 //! A run over corners that are passed at a feed comes to rest at every stop by its plan: no step, and none of the seams at stops,
 //! takes more than the jerk limit.
 
-use feed_plan::{EndFeeds, FeedLimit, Junction, KinematicLimits, ProfileKind, ScheduleBuf, Stage, plan_with};
-use nurbs_core::{Evaluate, NurbsBuf, PieceLimits, compile_with_stops};
-use real::{DoubleDouble, Real};
-use secant_interp::{ChordTolerance, CompiledPath};
+mod landing_run;
+
+use feed_plan::{EndFeeds, FeedLimit, Junction, KinematicLimits, ProfileKind, ScheduleBuf, plan_with};
+use nurbs_core::NurbsBuf;
+use real::Real;
 
 /// How many curves there are from one stop to the next.
 const TO_THE_NEXT_STOP: usize = 12;
@@ -53,23 +54,15 @@ fn jerk(
     limits: &KinematicLimits<f64>,
 ) -> (f64, String) {
     let curves: Vec<_> = curves.iter().map(NurbsBuf::as_curve).collect();
-    let stops: Vec<_> = plan.stages().iter().filter_map(Stage::rest).collect();
-    let cut = PieceLimits { length_mm: 32.0, step_mm: limits.feedrate + limits.acceleration };
-    let table = compile_with_stops::<DoubleDouble, f64, 2>(&curves, &cut, &stops).unwrap();
-    let tolerance = ChordTolerance::for_fluctuation(None, 5);
-    let path = CompiledPath::new(table, &plan.as_schedule(), tolerance, limits.acceleration).unwrap();
+    let path = landing_run::compiled::<f64>(&curves, plan, limits);
     let unit = 1.0_f64.scale(path.table().as_pieces().chord_exponent);
     let mut worst = (0.0_f64, String::new());
     for (number, (stretch, run)) in path.stretches().iter().zip(path.runs()).enumerate() {
         let places = &path.table().places()[stretch.pieces.clone()];
-        let point = |piece: usize, phase: u64| {
-            let place = places[piece.min(places.len() - 1)];
-            let t = if piece < places.len() { f64::from_phase(phase, 0) } else { 1.0 };
-            curves[place.curve].point(place.begin.0 + (place.end.0 - place.begin.0) * t)
-        };
-        let (mut state, mut piece, mut from, mut steps) = (run.start(), 0, point(0, 0), vec![0.0, 0.0]);
+        let point = |at: (usize, u64)| landing_run::point(&curves, places, at);
+        let (mut state, mut piece, mut from, mut steps) = (run.start(), 0, point((0, 0)), vec![0.0, 0.0]);
         while let Some(setpoint) = run.step(&mut state) {
-            let to = point(setpoint.piece, setpoint.phase);
+            let to = point((setpoint.piece, setpoint.phase));
             let chord = (to[0] - from[0]).hypot(to[1] - from[1]);
             let is_round_corner = setpoint.piece > piece && setpoint.piece < places.len();
             let planned = setpoint.length / unit;
