@@ -69,7 +69,11 @@ impl<R: Real, const D: usize> PieceState<R, D> {
     fn reach(&mut self, reached: &Reached<R>, pieces: &[Piece<R, D>]) -> u32 {
         self.trend = self.trend.and(reached.sigma);
         (self.piece, self.phase) = (reached.piece, reached.phase);
-        self.whole = pieces.get(self.piece).map_or(R::one(), Piece::whole);
+        self.whole = R::one();
+        if let Some(row) = pieces.get(self.piece) {
+            self.trend = self.trend.within(&row.step_per_chord);
+            self.whole = row.whole();
+        }
         reached.evaluations
     }
 }
@@ -99,8 +103,6 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         self.pieces.shift_to_begin(0, &mut at);
         let first = self.pieces.pieces.first();
         let whole = first.map_or(R::one(), Piece::whole);
-        // For want of a history, the middle of the range.
-        let [low, high] = first.map_or([R::zero(); 2], |row| row.step_per_chord);
         let cursor = LengthCursor::default();
         let mut state = PieceState {
             cursor,
@@ -110,12 +112,24 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
             piece: 0,
             phase: 0,
             whole,
-            trend: Trend::steady(low + (high - low).half()),
+            trend: Trend::steady(R::zero()),
             t: R::zero(),
             at,
         };
         self.look_ahead(&mut state);
+        if let Some(row) = first {
+            state.trend = Trend::steady(self.first_step_per_chord(&state, row));
+        }
         state
+    }
+
+    /// σ of the first chord, found from the middle of the piece's range for want of a history. It is sought before the run, where
+    /// evaluations do not count: guesses from a history that is none would be off by most of the range.
+    fn first_step_per_chord(&self, state: &PieceState<R, D>, row: &Piece<R, D>) -> R {
+        let [low, high] = row.step_per_chord;
+        let length = state.ahead.unwrap_or(self.landing_step);
+        let tolerance = ChordTolerance { max_evaluations: u32::from(u8::MAX), ..self.tolerance };
+        self.chord(row, &state.at, length).solve(low + (high - low).half(), &tolerance).0
     }
 
     /// The next setpoint; `None` once the end of the path has been commanded.
@@ -365,7 +379,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         let part = row.part(sigma * length);
         if let Some(phase) = after(state.phase, part) {
             state.phase = phase;
-            state.trend = state.trend.and(sigma);
+            state.trend = state.trend.and(sigma).within(&row.step_per_chord);
             return evaluations;
         }
         let step = Reached { piece: state.piece, phase: part, sigma, evaluations };

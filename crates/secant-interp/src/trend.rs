@@ -47,6 +47,12 @@ impl<R: Real> Trend<R> {
         self.newest - within(self.fall, self.newest, range)
     }
 
+    /// With the next one within the range: to be said where a step was no common one, for what breaks a trend there would lead
+    /// the guess of the next step far off.
+    pub(crate) fn within(self, range: &[R; 2]) -> Self {
+        Self { fall: within(self.fall, self.newest, range), ..self }
+    }
+
     /// In the scale of the next piece, each σ within its range.
     pub(crate) fn into_next<const D: usize>(self, row: &Piece<R, D>, next: &Piece<R, D>) -> Self {
         Self::of(self.sigmas().map(|sigma| into_next(row, next, sigma)))

@@ -1,5 +1,6 @@
 //! A fixed format beside a float, period by period.
 
+use nurbs_core::ORIGIN_EXPONENT;
 use real::{Backend, FormatName, Real};
 
 use crate::piece_points::Judge;
@@ -47,7 +48,9 @@ pub fn check_against_float<R: Backend, const D: usize>(
         let steps = step as f64 + 1.0;
         let absolute = if is_fixed { 8.0 * unit * (steps + joints) } else { 0.0 };
         let longest = planned.path.limits.feedrate;
-        let bound = 1.5 * resolution * (absolute + 64.0 * (travelled + joints * longest)) + 1e-11 * travelled;
+        let origins = if a.piece == b.piece { 0.0 } else { 2.0 * 1.0_f64.scale(ORIGIN_EXPONENT) };
+        let rounding = 1.5 * resolution * (absolute + 64.0 * (travelled + joints * longest));
+        let bound = rounding + 1e-11 * travelled + origins;
         worst = worst.max(demand("apart from the float, mm", &name, step, apart, bound)?);
     }
     Ok(Outcome::Ran(worst))

@@ -2,10 +2,10 @@
 //! drawn differently, the test would run, and pass on, a path that never had the fault.
 
 use feed_plan::ProfileKind;
-use real::{Overflow, Rounding, RuntimeFixed, RuntimeFormat};
+use real::{I8F24, Overflow, Rounding, RuntimeFixed, RuntimeFormat};
 use stress::{
     OnCurve, OnPieces, Planned, RandomPath, SOAK_FORMATS, SoakFormat, SoakPaths, SoakedRun, SplitMix64,
-    soak_path,
+    check_against_float, soak_path,
 };
 
 fn bytes(seed: u64) -> Vec<u8> {
@@ -226,4 +226,26 @@ fn a_run_ends_in_a_format_too_coarse_for_its_landing_step() {
         });
     }
     assert!(runs > 16, "{runs} of 32");
+}
+
+/// A guess of a float was not held to its piece's range: from a history that was none, at a run's start and behind a joint, it was
+/// off by up to all of the speed, and with 1 or 2 evaluations the chord was as wrong.
+#[test]
+fn few_evaluations_find_a_chord_in_floats_as_in_fixed_point() {
+    for (seed, expected) in [(5, 0x7490_8388), (14, 0xa4ba_ac79), (29, 0x827b_af42)] {
+        let path = drawn(&bytes(seed), expected);
+        let planned = Planned::new(&path, 2000).unwrap();
+        check_against_float::<I8F24, 2>(&planned).unwrap();
+    }
+}
+
+/// A bend within a step over a smooth joint was taken for a corner: where the path is slower behind it by more than a sixteenth,
+/// the chord came out short.
+#[test]
+fn a_bend_over_a_smooth_joint_is_no_corner() {
+    for (seed, expected) in [(272, 0xd124_1178), (590, 0x6aeb_0275)] {
+        let path = drawn(&bytes(seed), expected);
+        let planned = Planned::new(&path, 2000).unwrap();
+        OnPieces::<f64, 2>::new(&planned).unwrap().run().unwrap();
+    }
 }

@@ -2,7 +2,6 @@
 
 use proptest::collection::vec;
 use proptest::prelude::*;
-use proptest::test_runner::RngSeed;
 use real::{Backend, Counted, I4F28, I8F24, I16F16, I16F48, I32F32};
 use secant_interp::Method;
 use stress::{OnCurve, OnPieces, Outcome, Planned, RandomPath, Violation, check_against_float, check_pieces};
@@ -10,13 +9,7 @@ use stress::{OnCurve, OnPieces, Outcome, Planned, RandomPath, Violation, check_a
 /// `cases` unless the environment asks for a long run.
 fn config(cases: u32) -> ProptestConfig {
     let cases = std::env::var("PROPTEST_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(cases);
-    // The same paths each time; a soak and the fuzzers draw others.
-    ProptestConfig {
-        cases,
-        rng_seed: RngSeed::Fixed(10),
-        failure_persistence: None,
-        ..ProptestConfig::default()
-    }
+    ProptestConfig { cases, failure_persistence: None, ..ProptestConfig::default() }
 }
 
 const MOST_PERIODS: u32 = 2_000;
