@@ -223,8 +223,9 @@ impl<'a, R: Real, C> Path<'a, R, C> {
         End { run: end, last_period, ahead }
     }
 
-    /// The arc of a step from `begin` on: the first whose chord is as long as wanted, but beyond the last joint of spans within it
-    /// by no more than [`LONGEST_ROUND_CORNER`] of that: round more than a right angle its chord may come out shorter for it.
+    /// The arc of a step from `begin` on: the first whose chord is as long as wanted. Where the way behind the last joint of spans
+    /// within it leads back along the chord up to there, it ends no further beyond the joint than [`LONGEST_ROUND_CORNER`] of that,
+    /// and the chord may come out shorter.
     pub(crate) fn arc_of_step<const D: usize>(&self, begin: R, wanted: R) -> R
     where
         C: Differentiate<R, D>,
@@ -241,8 +242,10 @@ impl<'a, R: Real, C> Path<'a, R, C> {
         let (from, _) = curve.span_bounds(span);
         let to_joint = self.limit.distance_from(index, from) - begin;
         let speed = |u: R| Frenet::of(&curve.derivatives_in(span, u)).speed;
-        let at_joint = speed(from);
-        if !(to_joint > R::zero() && at_joint > R::zero()) {
+        let (joint, start) = (curve.derivatives_in(span, from), self.point(begin));
+        let at_joint = R::norm(&joint.first);
+        let along = R::sum_of_products((0..D).map(|d| (joint.point[d] - start[d], joint.first[d])));
+        if !(to_joint > R::zero() && at_joint > R::zero() && along < R::zero()) {
             return arc;
         }
         // What is limited is the step of the parameter, at the speed of the joint.

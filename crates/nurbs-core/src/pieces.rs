@@ -25,8 +25,9 @@ use crate::MAX_DEGREE;
 /// ±2²⁴ mm, which is 16 km.
 pub const ORIGIN_EXPONENT: i32 = -39;
 
-/// A step round a corner goes no further beyond it than 17/16 of its length, at the speed of the parameter there; numerator and
-/// denominator. Real time keeps to it, and a plan that is to land on its stops counts on it.
+/// A step round a corner of more than a right angle, as its chord up to there sees it, goes no further beyond it than 17/16 of its
+/// length, at the speed of the parameter there; numerator and denominator. Real time keeps to it, and a plan that is to land on
+/// its stops counts on it.
 pub const LONGEST_ROUND_CORNER: [i32; 2] = [17, 16];
 
 /// One row of the table: 32 bytes in a 32-bit format in the plane, 48 in a 64-bit one in space.

@@ -53,8 +53,8 @@ impl<R: Real, const D: usize> Travelled<R, D> {
     }
 
     /// Behind a corner, the step per chord of the rest if the path goes straight on there along v, the chord per step, and the
-    /// greatest one: [`LONGEST_ROUND_CORNER`] of a whole chord, or `greatest`. `None` unless it turns there by more than 25°, to go by
-    /// `expected`, the step per chord on v: up to that, `left` of it is as good.
+    /// greatest one: [`LONGEST_ROUND_CORNER`] of a whole chord where v leads back along the chord up to there, or `greatest`. `None`
+    /// unless it turns there by more than 25°, to go by `expected`, the step per chord on v: up to that, `left` of it is as good.
     ///
     /// With the unit vector `w = v/|v|` it is `σ = (√((b·w)² + 1 - |b|²) - b·w)/|v|`, the greater root of `|b + σ v|² = 1`; in
     /// halves, for a format may hold no more than 2.
@@ -72,8 +72,12 @@ impl<R: Real, const D: usize> Travelled<R, D> {
         let half = along(ahead).half();
         let rest = (self.left * (R::one() - self.left.half())).half(); // (1 - |b|²)/4
         let root = half.mul_add(half, rest).sqrt();
-        let [numerator, denominator] = LONGEST_ROUND_CORNER;
-        let longest = (ahead * R::from_ratio(numerator, denominator)).min(greatest);
+        let longest = if half < R::zero() {
+            let [numerator, denominator] = LONGEST_ROUND_CORNER;
+            (ahead * R::from_ratio(numerator, denominator)).min(greatest)
+        } else {
+            greatest
+        };
         let sigma = ((root - half) * ahead).min(longest.half());
         Some([sigma + sigma, longest])
     }
@@ -113,10 +117,10 @@ mod tests {
     /// where 1 % of it and less was left.
     fn assert_found<R: Backend>(tolerance: f64) {
         for speed in [0.71, 1.0, 1.2] {
-            for degrees in [30.0_f64, 60.0, 90.0, 90.5, 120.0, 150.0, 180.0] {
+            for degrees in [30.0_f64, 60.0, 89.5, 90.5, 120.0, 150.0, 180.0] {
                 for before in [0.01, 0.3, 0.9, 0.98, 0.999, 0.99999] {
                     let [sigma, longest] = round_corner::<R>(before, degrees, speed, 1.7).unwrap();
-                    let limit = (1.0625 / speed).min(1.7);
+                    let limit = if degrees > 90.0 { (1.0625 / speed).min(1.7) } else { 1.7 };
                     let name = R::name();
                     assert!((longest - limit).abs() < 1e-8, "{name}, {degrees}°: {longest} for {limit}");
                     let (sine, cosine) = degrees.to_radians().sin_cos();
