@@ -10,7 +10,7 @@ use feedbits_benches::{Path, paper_a, ten_points, thousand_points, winding};
 use iai_callgrind::{library_benchmark, library_benchmark_group, main};
 use nurbs_core::{Evaluate, FastCurve, NurbsBuf, PiecesBuf};
 use real::{Backend, I8F24, I16F16, I16F48, I32F32, Real};
-use secant_interp::{ChordTolerance, LengthCursor, LengthStage, PieceInterpolator, StepLengths};
+use secant_interp::{ChordTolerance, LengthCursor, LengthStage, PieceInterpolator, PieceState, StepLengths};
 
 /// Points of an evaluation, steps of a run.
 const CALLS: u32 = 256;
@@ -25,12 +25,14 @@ fn points<R: Backend>(curve: &NurbsBuf<R, 2>) -> R {
     (0..CALLS.cast_signed()).map(|i| at(black_box(i))[0]).fold(R::zero(), Real::max)
 }
 
-type Compiled<R, const D: usize> = (PiecesBuf<R, D>, Vec<LengthStage<R>>);
+/// A path and its schedule, and the state at the start, which is formed before real time begins.
+type Compiled<R, const D: usize> = (PiecesBuf<R, D>, Vec<LengthStage<R>>, PieceState<R, D>);
 
 fn compiled<R: Backend, const D: usize>(path: &Path<D>) -> Compiled<R, D> {
     let table = path.pieces::<R>();
     let stages = path.stages::<R>(table.as_pieces().chord_exponent);
-    (table, stages)
+    let start = interpolator(&table, &stages).start();
+    (table, stages, start)
 }
 
 fn interpolator<'a, R: Backend, const D: usize>(
@@ -48,29 +50,30 @@ fn interpolator<'a, R: Backend, const D: usize>(
     }
 }
 
-fn steps<R: Backend, const D: usize>((table, stages): &Compiled<R, D>) -> u64 {
+fn steps<R: Backend, const D: usize>((table, stages, start): &Compiled<R, D>) -> u64 {
     let interpolator = interpolator(table, stages);
-    let mut state = interpolator.start();
+    let mut state = black_box(*start);
     (0..CALLS)
         .filter_map(|_| interpolator.step(&mut state))
         .map(|setpoint| setpoint.phase)
         .fold(0, u64::wrapping_add)
 }
 
-/// A path, and the chords of the first periods.
-type Given<const D: usize> = (PiecesBuf<f64, D>, Vec<f64>);
+/// A path and the chords of the first periods, and the state at the start.
+type Given<const D: usize> = (PiecesBuf<f64, D>, Vec<f64>, PieceState<f64, D>);
 
 fn given<const D: usize>(path: &Path<D>) -> Given<D> {
-    let (table, stages) = compiled::<f64, D>(path);
+    let (table, stages, _) = compiled::<f64, D>(path);
     let mut cursor = LengthCursor::default();
     let lengths = StepLengths { stages: &stages };
     let chords = (0..CALLS).filter_map(|_| lengths.advance(&mut cursor)).collect();
-    (table, chords)
+    let start = interpolator(&table, &[]).start();
+    (table, chords, start)
 }
 
-fn steps_by<const D: usize>((table, chords): &Given<D>) -> u64 {
+fn steps_by<const D: usize>((table, chords, start): &Given<D>) -> u64 {
     let interpolator = interpolator(table, &[]);
-    let mut state = interpolator.start();
+    let mut state = black_box(*start);
     let step = |chord: &f64| interpolator.step_by(&mut state, *chord);
     chords.iter().filter_map(step).map(|setpoint| setpoint.phase).fold(0, u64::wrapping_add)
 }
