@@ -183,8 +183,9 @@ struct Steps<'a, R, const D: usize> {
 /// A chord of L units (of 2⁻λ mm) is the root of a residual of order one, formed of terms that are each rounded to the
 /// format's resolution r. So it is found to a few r relative to itself, and L itself is a multiple of r, or in a float
 /// r relative to itself: `|chord - L| ≤ (ABSOLUTE + relative(p) L) r` in fixed point, `relative(p) L r` in a float. Forming the
-/// terms for degree p takes p(p + 1)/2 sums, each rounded in units up to four times those of the chord, and with weights as
-/// many again, whose roundings meet offsets of the order of the chord's units.
+/// terms for degree p takes p(p + 1)/2 sums, each rounded in units up to four times those of the chord, and with weights twice as
+/// many again: their roundings meet offsets of the order of the chord's units, and where a weight falls within the step, all are
+/// divided by less.
 struct LengthUnits {
     resolution: f64,
     is_fixed: bool,
@@ -195,7 +196,7 @@ struct LengthUnits {
 const ABSOLUTE: f64 = 8.0;
 /// See [`LengthUnits`].
 fn relative(degree: usize, is_rational: bool) -> f64 {
-    let sums = degree * (degree + 1) / 2 * (1 + usize::from(is_rational));
+    let sums = degree * (degree + 1) / 2 * if is_rational { 3 } else { 1 };
     (40 + 4 * sums).max(64) as f64
 }
 /// Cosine of the turn within a step from which on its chord is not always found: the path comes back, and the chord
