@@ -183,9 +183,9 @@ struct Steps<'a, R, const D: usize> {
 /// A chord of L units (of 2⁻λ mm) is the root of a residual of order one, formed of terms that are each rounded to the
 /// format's resolution r. So it is found to a few r relative to itself, and L itself is a multiple of r, or in a float
 /// r relative to itself: `|chord - L| ≤ (ABSOLUTE + relative(p) L) r` in fixed point, `relative(p) L r` in a float. Forming the
-/// terms for degree p takes p(p + 1)/2 sums, each rounded in units up to four times those of the chord, and with weights twice as
-/// many again: their roundings meet offsets of the order of the chord's units, and where a weight falls within the step, all are
-/// divided by less.
+/// terms for degree p takes p(p + 1)/2 sums, each rounded in units up to four times those of the chord, and with weights as
+/// many again, whose roundings meet offsets of the order of the chord's units. With weights all of that is divided by W, which on
+/// a piece falls to no less than two thirds.
 struct LengthUnits {
     resolution: f64,
     is_fixed: bool,
@@ -196,9 +196,11 @@ struct LengthUnits {
 const ABSOLUTE: f64 = 8.0;
 /// See [`LengthUnits`].
 fn relative(degree: usize, is_rational: bool) -> f64 {
-    let sums = degree * (degree + 1) / 2 * if is_rational { 3 } else { 1 };
+    let sums = degree * (degree + 1) / 2 * (1 + usize::from(is_rational));
     (40 + 4 * sums).max(64) as f64
 }
+/// See [`LengthUnits`].
+const FALLING_WEIGHT: f64 = 1.5;
 /// Cosine of the turn within a step from which on its chord is not always found: the path comes back, and the chord
 /// shrinks before it grows.
 const RIGHT_ANGLE: f64 = 0.0;
@@ -299,7 +301,8 @@ impl<'a, R: Backend, const D: usize> Steps<'a, R, D> {
         let piece = self.run.planned.path.piece_mm;
         let table = self.run.path.table().as_pieces();
         let relative = relative(table.degree, table.is_rational());
-        let bound = (absolute + relative * wanted) * units.resolution * (1.0 + joints)
+        let falling = if table.is_rational() { FALLING_WEIGHT } else { 1.0 };
+        let bound = (absolute + relative * wanted) * falling * units.resolution * (1.0 + joints)
             + JUDGE * piece
             + if joints > 0.0 {
                 4.0 * 1.0_f64.scale(ORIGIN_EXPONENT)
