@@ -241,8 +241,7 @@ impl<'a, R: Backend, const D: usize> Steps<'a, R, D> {
     fn check(&mut self, setpoint: &PieceSetpoint<R, D>, lands: bool) -> Result<(), Violation> {
         let step = usize::try_from(self.worst.periods).unwrap_or(usize::MAX);
         let planned = self.run.planned;
-        let most = planned.most_periods() as f64;
-        demand("steps until the end", &self.name, step, step as f64 + 1.0, most)?;
+        demand("steps until the end", &self.name, step, step as f64 + 1.0, self.most_periods())?;
         let (from, to) = (self.at, (setpoint.piece, setpoint.phase));
         let back = f64::from(u8::from(to < from));
         demand("the position goes back", &self.name, step, back, 0.0)?;
@@ -280,6 +279,15 @@ impl<'a, R: Backend, const D: usize> Steps<'a, R, D> {
             (self.adrift, self.astray) = (0.0, 0.0);
         }
         Ok(())
+    }
+
+    /// Periods after which the run has to be over. Each may lose a few units of a fixed format, and what all have lost is travelled in
+    /// landing steps, of one unit where that is longer.
+    fn most_periods(&self) -> f64 {
+        let landing = self.run.interpolator().landing_step.to_f64().max(self.units.resolution);
+        let lost = if self.units.is_fixed { ABSOLUTE * self.units.resolution / landing } else { 0.0 };
+        let planned = self.run.planned;
+        (planned.most_periods() as f64).max(f64::from(planned.periods()) * (1.0 + lost))
     }
 
     /// Length of a chord that does not land, and error of any.

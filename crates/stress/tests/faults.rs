@@ -4,8 +4,8 @@
 use feed_plan::ProfileKind;
 use real::{I8F24, I32F32, Overflow, Rounding, RuntimeFixed, RuntimeFormat};
 use stress::{
-    OnCurve, OnPieces, Planned, RandomPath, SOAK_FORMATS, SoakFormat, SoakPaths, SoakedRun, SplitMix64,
-    check_against_float, soak_path,
+    OnCurve, OnPieces, Outcome, Planned, RandomPath, SOAK_FORMATS, SoakFormat, SoakPaths, SoakedRun,
+    SplitMix64, check_against_float, soak_path,
 };
 
 fn bytes(seed: u64) -> Vec<u8> {
@@ -252,6 +252,20 @@ fn a_run_ends_in_a_format_too_coarse_for_its_landing_step() {
         });
     }
     assert!(runs > 16, "{runs} of 32");
+}
+
+/// A step of three fraction bits lost up to two units of its way, and what a run had lost was travelled a unit a period: by more
+/// periods than the plan has, which the judge did not grant.
+#[test]
+fn what_a_coarse_format_loses_takes_as_many_landing_steps() {
+    let format = RuntimeFormat::new(27, 3, Rounding::ALL[0], Overflow::Wrap).unwrap();
+    for (seed, expected) in [(56, 0x76ed_b1b4), (132, 0x701c_4d36)] {
+        let path = drawn(&bytes(seed), expected);
+        let planned = Planned::new(&path, 1000).unwrap();
+        let ran =
+            format.run::<0, _>(|| OnPieces::<RuntimeFixed<0>, 2>::new(&planned).unwrap().run().unwrap());
+        assert!(matches!(ran, Outcome::Ran(figures) if figures.periods > 2 * u64::from(planned.periods())));
+    }
 }
 
 /// A guess of a float was not held to its piece's range: from a history that was none, at a run's start and behind a joint, it was
