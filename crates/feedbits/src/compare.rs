@@ -23,7 +23,7 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     run: RunArguments,
     /// The formats to compare, comma-separated. Default: all; see `feedbits formats`.
-    #[arg(long, visible_alias = "format", value_delimiter = ',', value_name = "F,F")]
+    #[arg(long, visible_alias = "format", value_delimiter = ',', value_parser = crate::formats::name, value_name = "F,F")]
     formats: Vec<String>,
     #[command(flatten)]
     targets: TargetArguments,

@@ -55,7 +55,18 @@ where
         return Ok(format_compare::formats());
     }
     format_compare::select(names)
-        .map_err(|name| anyhow::anyhow!("unknown format {name:?}: expected one that `feedbits formats` lists, or a fixed-point format such as I5F13: 3 to 64 bits in all, at least 2 of them before the point; behind it -even, -floor or -zero, and -sat"))
+        .map_err(|name| {
+            let cases = [name.to_uppercase(), name.to_lowercase()];
+            match cases.iter().find(|meant| by_name::<D>(meant).is_some()) {
+                Some(meant) => anyhow::anyhow!("unknown format {name:?}: did you mean {meant}?"),
+                None => anyhow::anyhow!("unknown format {name:?}: expected one that `feedbits formats` lists, or a fixed-point format such as I5F13: 3 to 64 bits in all, at least 2 of them before the point; behind it -even, -floor or -zero, and then -sat"),
+            }
+        })
+}
+
+/// One name of a list, which may have blanks beside its commas.
+pub(crate) fn name(text: &str) -> Result<String, std::convert::Infallible> {
+    Ok(text.trim().to_string())
 }
 
 /// The format of this name.

@@ -24,10 +24,12 @@ pub(crate) struct Arguments {
     /// The number format.
     #[arg(long, value_name = "F", default_value = "f64")]
     format: String,
-    /// Feed overrides on the way: from this time on, in s, this share of the commanded feed, 0 to 200 %. 0 is feed hold.
+    /// Feed overrides on the way: from this time on, in s, this share of the commanded feed, 0 to 200 %. 0 is feed hold. Such a run
+    /// goes from rest to rest.
     #[arg(
         long = "override",
         allow_hyphen_values = true,
+        conflicts_with_all = ["start_feed", "end_feed"],
         value_name = "S:PERCENT,...",
         value_delimiter = ',',
         value_parser = override_target

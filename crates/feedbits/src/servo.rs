@@ -34,7 +34,7 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     run: RunArguments,
     /// The formats to run, comma-separated. Default: all; see `feedbits formats`.
-    #[arg(long, visible_alias = "format", value_delimiter = ',', value_name = "F,F")]
+    #[arg(long, visible_alias = "format", value_delimiter = ',', value_parser = crate::formats::name, value_name = "F,F")]
     formats: Vec<String>,
     /// Radius of the circle test, in mm.
     #[arg(long, allow_negative_numbers = true, value_name = "MM", default_value_t = 10.0)]

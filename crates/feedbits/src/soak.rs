@@ -21,7 +21,7 @@ pub(crate) struct Arguments {
     #[arg(long, allow_negative_numbers = true, value_name = "N", default_value = "1M", value_parser = count)]
     periods: u64,
     /// The formats, comma-separated. Default: the ten built-in ones, and I5F21 as one chosen at run time.
-    #[arg(long, visible_alias = "format", value_delimiter = ',', value_name = "F,F")]
+    #[arg(long, visible_alias = "format", value_delimiter = ',', value_parser = crate::formats::name, value_name = "F,F")]
     formats: Vec<String>,
     /// Which paths are drawn.
     #[arg(long, allow_negative_numbers = true, value_name = "N", default_value_t = 1)]

@@ -46,7 +46,7 @@ pub(crate) struct Arguments {
     )]
     points: u16,
     /// The formats to run, comma-separated. Default: all; see `feedbits formats`.
-    #[arg(long, visible_alias = "format", value_delimiter = ',', value_name = "F,F")]
+    #[arg(long, visible_alias = "format", value_delimiter = ',', value_parser = crate::formats::name, value_name = "F,F")]
     formats: Vec<String>,
     /// The most periods of a run; a cell that needs more is left out, and says so.
     #[arg(long, allow_negative_numbers = true, value_name = "N", default_value_t = 100_000)]

@@ -134,6 +134,8 @@ fn overrides_out_of_range_are_refused() {
         (&["--override", "1"], "expected S:PERCENT, as in 0.5:150"),
         (&["--override", "1:50", "--reserve", "0"], "reserve 0 %: expected more than 0 and less than 100 %"),
         (&["--override", "1:50", "--solver", "secant"], "--override goes with pieces"),
+        (&["--override", "1:50", "--start-feed", "100"], "cannot be used with"),
+        (&["--override", "1:50", "--end-feed", "100"], "cannot be used with"),
     ] {
         let refused = interpolate(arguments);
         let message = String::from_utf8_lossy(&refused.stderr).into_owned();

@@ -130,7 +130,9 @@ impl PlanSummary {
         let pieces = || plan.schedule().stages().iter().map(Stage::piece);
         let (by_periods, jerk_by_periods) = differences_over_periods(plan);
         let acceleration = pieces().map(|piece| piece.peak_acceleration().value()).fold(by_periods, f64::max);
-        let jerk = pieces().map(|piece| piece.peak_jerk().value()).fold(jerk_by_periods, f64::max);
+        // What the feed of a shorter stage is rounded by would be much of a jerk over so little time, and comes to nothing.
+        let lasting = pieces().filter(|piece| piece.duration.value() > SHORT);
+        let jerk = lasting.map(|piece| piece.peak_jerk().value()).fold(jerk_by_periods, f64::max);
         let time_s = f64::from(plan.periods()) * t;
         let jerk_free_time_s = jerk_free_time_s(plan, problem, &feed_limit)?;
         let length_mm: f64 = stages.iter().map(|s| s.length_mm).sum();
@@ -231,6 +233,8 @@ fn shape_name(shape: StageShape) -> &'static str {
 /// A stage this close to the commanded feed counts as at it: stretching the time to a whole number of periods
 /// lowers every feed by a part in a thousand or so.
 const AT_FEED: f64 = 0.005;
+/// Stages of less than 2⁻²⁰ of a period say nothing of the jerk.
+const SHORT: f64 = 1.0 / 1_048_576.0;
 
 /// The plan at one instant, in mm and periods.
 pub(crate) struct Sample {
