@@ -159,6 +159,23 @@ fn a_circle_in_fine_moves_is_planned_within_the_chord_error() {
     }
 }
 
+/// Of stages of 1e-10 s, whose feeds differ by a unit of the last place, twice the jerk was printed that is allowed.
+#[test]
+fn what_rounding_makes_of_the_shortest_stages_is_no_peak() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let (smoothed, machine) = (folder.path().join("smoothed.toml"), data("seed-000.toml"));
+    let smoothed = smoothed.to_str().expect("a path");
+    let smooth = ["smooth", &data("engraving.nc"), "--machine", &machine, "--tolerance", "0.01"];
+    stdout(&feedbits(&[&smooth[..], &["--out", smoothed]].concat()));
+    let plan = ["plan", smoothed, "--machine", &machine, "--profile", "trigonometric", "--json"];
+    let plan: serde_json::Value = serde_json::from_str(&stdout(&feedbits(&plan))).expect("JSON");
+    let shortest =
+        plan["stages"].as_array().expect("stages").iter().filter_map(|stage| stage["time_s"].as_f64());
+    assert!(shortest.fold(f64::MAX, f64::min) < 1e-9);
+    let jerk = plan["jerk_max_mm_per_s3"].as_f64().expect("a jerk");
+    assert!((3.9e5..=4.001e5).contains(&jerk), "{jerk}");
+}
+
 /// With a chord error of 0.1 mm a stage ended at 154.528 mm/s and the next began at 153.787: the third difference of the distance
 /// was twice the jerk that is allowed, and the peak that was printed within it.
 #[test]

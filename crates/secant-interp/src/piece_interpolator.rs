@@ -69,11 +69,7 @@ impl<R: Real, const D: usize> PieceState<R, D> {
     fn reach(&mut self, reached: &Reached<R>, pieces: &[Piece<R, D>]) -> u32 {
         self.trend = self.trend.and(reached.sigma);
         (self.piece, self.phase) = (reached.piece, reached.phase);
-        self.whole = R::one();
-        if let Some(row) = pieces.get(self.piece) {
-            self.trend = self.trend.within(&row.step_per_chord);
-            self.whole = row.whole();
-        }
+        self.whole = pieces.get(self.piece).map_or(R::one(), Piece::whole);
         reached.evaluations
     }
 }
@@ -440,7 +436,11 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         length: R,
     ) -> u32 {
         let reached = self.find_across(state.piece, &mut state.trend, row, travelled, length);
-        state.reach(&reached, self.pieces.pieces)
+        let evaluations = state.reach(&reached, self.pieces.pieces);
+        if let Some(row) = self.pieces.pieces.get(state.piece) {
+            state.trend = state.trend.within(&row.step_per_chord);
+        }
+        evaluations
     }
 
     /// The end of a step over joints. Pieces that end nearer than the length are passed, and the rest is solved on the next.

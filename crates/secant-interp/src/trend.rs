@@ -47,8 +47,8 @@ impl<R: Real> Trend<R> {
         self.newest - within(self.fall, self.newest, range)
     }
 
-    /// With the next one within the range: to be said where a step was no common one, for what breaks a trend there would lead
-    /// the guess of the next step far off.
+    /// With the next one within the range: to be said behind a step that was no common one, nor passed to a piece of the same
+    /// polynomial, for what breaks a trend there would lead the guess of the next step far off.
     pub(crate) fn within(self, range: &[R; 2]) -> Self {
         Self { fall: within(self.fall, self.newest, range), ..self }
     }
