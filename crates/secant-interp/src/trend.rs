@@ -44,13 +44,13 @@ impl<R: Real> Trend<R> {
 
     /// The next one, within the range.
     pub(crate) fn next(&self, range: &[R; 2]) -> R {
-        self.newest - within(self.fall, self.newest, range)
+        self.newest - self.within(range).fall
     }
 
     /// With the next one within the range: to be said behind a step that was no common one, nor passed to a piece of the same
     /// polynomial, for what breaks a trend there would lead the guess of the next step far off.
-    pub(crate) fn within(self, range: &[R; 2]) -> Self {
-        Self { fall: within(self.fall, self.newest, range), ..self }
+    pub(crate) fn within(&self, range: &[R; 2]) -> Self {
+        Self { fall: within(self.fall, self.newest, range), ..*self }
     }
 
     /// In the scale of the next piece, each σ within its range.
