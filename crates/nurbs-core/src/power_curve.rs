@@ -25,8 +25,8 @@ use crate::{Derivatives, Differentiate, Evaluate, NurbsCurve};
 
 /// A NURBS curve converted for fast evaluation: p + 1 rows of coefficients a span.
 ///
-/// Memory, for one control point of a long curve with single knots: `8 ((p + 1) D + 2)` bytes and one or two entries of
-/// twelve bytes, and 8 p more if rational.
+/// Memory, for one control point of a long curve with single knots: `8 ((p + 1) D + 2)` bytes, and 8 p more if rational; and 15
+/// bytes to look spans up.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PowerCurve<const D: usize> {
     degree: usize,
@@ -64,8 +64,9 @@ struct Interval {
 
 impl SpanTable {
     fn new(begins: &[f64], (first, end): (f64, f64)) -> Self {
-        // Of few spans two would share an interval by chance, and have to be searched.
-        let count = u32::try_from(begins.len().next_power_of_two().max(16)).unwrap_or(u32::MAX);
+        // A quarter more than spans: of knots that are not quite even, two would share an interval, and have to be searched. So
+        // would two of few spans, by chance.
+        let count = u32::try_from((begins.len() + begins.len() / 4).max(16)).unwrap_or(u32::MAX);
         let last = count.min(1 << 31) - 1;
         let scale = (first, f64::from(last) / (end - first));
         let mut table = Self { scale, last: f64::from(last), intervals: Vec::new() };
@@ -565,7 +566,7 @@ mod tests {
         let knots = [0.0; 4].into_iter().chain(inner).chain([4096.0; 4]).collect();
         let curve = NurbsBuf::try_new_nonrational(3, points, knots).unwrap();
         let bytes = converted(&curve).bytes();
-        assert_eq!(bytes, 4096 * (8 * (4 * 3 + 2) + 12) + 8 + 12);
+        assert_eq!(bytes, 4096 * (8 * (4 * 3 + 2) + 15) + 8 + 12);
     }
 
     #[test]
