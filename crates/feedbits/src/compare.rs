@@ -37,7 +37,7 @@ pub(crate) struct Arguments {
 /// Compares and prints; writes the report if one is asked for.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     let targets = arguments.targets.read()?;
-    match arguments.input.read()? {
+    match arguments.run.problem(&arguments.input)? {
         AnyProblem::Planar(problem) => compare(&problem, &targets, arguments),
         AnyProblem::Spatial(problem) => compare(&problem, &targets, arguments),
     }
@@ -49,6 +49,8 @@ where
 {
     let formats = selected(&arguments.formats)?;
     let (engines, options) = (arguments.run.engines()?, arguments.run.options_for(problem)?);
+    output::expect_place(arguments.output.out.as_deref())?;
+    report::make_folder(arguments.report.as_deref())?;
     let progress = Progress::of("runs", formats.len() * engines.len());
     let wanted = arguments.report.is_some();
     let keep = |_: &Row, run: Option<(&Run, &[JudgedStep])>| {
@@ -116,11 +118,20 @@ fn table(comparison: &Comparison) -> String {
     for column in table.column_iter_mut().skip(3).take(10) {
         column.set_cell_alignment(CellAlignment::Right);
     }
-    let answer = match &comparison.recommended {
-        Some(format) => format!("Cheapest format that is good enough: {format}"),
-        None => "No format meets the requirements.".to_string(),
+    format!("{text}\n{table}\n{}\n", answer(comparison))
+}
+
+/// The recommendation, and what makes it the cheapest.
+fn answer(comparison: &Comparison) -> String {
+    let Some((format, engine)) = comparison.recommended.as_ref().zip(comparison.recommended_engine) else {
+        return "No format meets the requirements.".to_string();
     };
-    format!("{text}\n{table}\n{answer}\n")
+    let by = if comparison.formats.iter().any(|row| !row.cycles.is_empty()) {
+        "by what a period costs on the first target"
+    } else {
+        "by its bits; --targets goes by what a period costs"
+    };
+    format!("Cheapest format that is good enough: {format} ({engine}), {by}")
 }
 
 fn cells(row: &Row) -> Vec<String> {

@@ -27,8 +27,9 @@ pub(crate) struct Arguments {
 
 /// Compiles, judges what was compiled as `compare` does, and writes it.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
+    output::expect_place(arguments.out.as_deref())?;
     let progress = Progress::spinning("compiling");
-    let (constants, row, about) = match arguments.input.read()? {
+    let (constants, row, about) = match arguments.run.problem(&arguments.input)? {
         AnyProblem::Planar(problem) => compiled(&problem, arguments)?,
         AnyProblem::Spatial(problem) => compiled(&problem, arguments)?,
     };

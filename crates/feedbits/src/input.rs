@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use format_compare::Problem;
-use part_program::{Diagnostics, Dialect, MAX_TEXT, Machine, Part, ReadOptions};
+use part_program::{Diagnostics, Dialect, MAX_TEXT, Machine, Move, MoveKind, Part, ReadOptions};
 
 use crate::output;
 
@@ -39,15 +39,22 @@ pub(crate) enum AnyProblem {
     Spatial(Problem<3>),
 }
 
+impl AnyProblem {
+    /// In the plane, if the whole part is. What is left out of the run is said.
+    pub(crate) fn new(part: &Part, machine: &Machine) -> Result<Self> {
+        Ok(if part.curves.iter().all(|curve| curve.dimension == 2) {
+            Self::Planar(problem(part, machine)?)
+        } else {
+            Self::Spatial(problem(part, machine)?)
+        })
+    }
+}
+
 impl Input {
     /// Reads both files as a problem to plan and run. What is left out of the run is said.
     pub(crate) fn read(&self) -> Result<AnyProblem> {
         let (part, machine) = self.part_and_machine()?;
-        Ok(if part.curves.iter().all(|curve| curve.dimension == 2) {
-            AnyProblem::Planar(problem(&part, &machine)?)
-        } else {
-            AnyProblem::Spatial(problem(&part, &machine)?)
-        })
+        AnyProblem::new(&part, &machine)
     }
 
     /// Reads both files.
@@ -95,9 +102,26 @@ impl Input {
     }
 }
 
-/// The problem; rapid moves and gaps, at which its path is closed up, are said.
+/// The problem; what is left out of it or is not as the part has it is said.
 fn problem<const D: usize>(part: &Part, machine: &Machine) -> Result<Problem<D>> {
     let problem = Problem::new(part, machine)?;
+    if !part.moves.is_empty() && part.moves.iter().all(|one| one.kind == MoveKind::Rapid) {
+        let feedrate = problem.machine.feedrate_mm_per_s;
+        output::note(&format!("every move is a rapid one: they are run at {feedrate} mm/s, as if they cut"));
+    }
+    let lacks = |one: &&Move| one.kind == MoveKind::Feed && one.feedrate_mm_per_s.is_none();
+    // A curve file with a machine of its own has the feedrate there.
+    if part.machine.is_none()
+        && let Some(first) = part.moves.iter().find(lacks)
+    {
+        let whose =
+            if part.feedrate_mm_per_s.is_some() { "the highest of the part" } else { "the machine's" };
+        let feedrate = problem.machine.feedrate_mm_per_s;
+        output::note(&format!(
+            "no feedrate is commanded in line {}: {whose}, {feedrate} mm/s, is taken",
+            first.line
+        ));
+    }
     for (count, one, many, why) in [
         (
             problem.rapids_left_out,

@@ -50,8 +50,9 @@ pub(crate) struct Arguments {
 
 /// Interpolates and writes a line a period.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
+    output::expect_place(arguments.output.out.as_deref())?;
     let progress = Progress::spinning("interpolating");
-    let (table, finished) = match arguments.input.read()? {
+    let (table, finished) = match arguments.run.problem(&arguments.input)? {
         AnyProblem::Planar(problem) => setpoints(&problem, arguments)?,
         AnyProblem::Spatial(problem) => setpoints(&problem, arguments)?,
     };
@@ -87,6 +88,13 @@ where
     let run = format.run(&to_plan, &plan, &options)?;
     let table = Reference::new(problem)?.setpoints(problem, &run);
     output::note(&kept(&table, problem));
+    let end = table.last().map_or(0.0, |row| row.time_s);
+    for target in arguments.overrides.iter().filter(|target| target.time_s > end) {
+        output::say(&format!(
+            "feedbits: the override at {} s is never in force: the run ends at {end:.3} s",
+            target.time_s
+        ));
+    }
     Ok((table, run.finished))
 }
 

@@ -59,25 +59,19 @@ pub(crate) fn write(path: Option<&Path>, text: &str) -> Result<()> {
         };
     };
     let cannot = || format!("cannot write {}", path.display());
-    let before = match fs::metadata(path) {
-        Ok(found) if found.is_dir() => bail!("{}: it is a folder", cannot()),
-        Ok(found) if !found.is_file() => {
-            let mut device = fs::OpenOptions::new().write(true).open(path).with_context(cannot)?;
-            return device.write_all(text.as_bytes()).with_context(cannot);
-        }
-        Ok(found) => Some(found),
-        Err(error) if error.kind() == io::ErrorKind::NotFound => None,
-        Err(error) => return Err(error).with_context(cannot),
-    };
+    let before = before(path)?;
+    if before.as_ref().is_some_and(|found| !found.is_file()) {
+        let mut device = fs::OpenOptions::new().write(true).open(path).with_context(cannot)?;
+        return device.write_all(text.as_bytes()).with_context(cannot);
+    }
     let target = match before {
         Some(_) => fs::canonicalize(path).with_context(cannot)?,
         None => named_at_last(path),
     };
-    let folder = target.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut file = tempfile::Builder::new()
         .prefix(UNFINISHED[0])
         .suffix(UNFINISHED[1])
-        .make_in(folder, |path| fs::File::create_new(path))
+        .make_in(folder_of(&target), |path| fs::File::create_new(path))
         .with_context(cannot)?;
     // Until it is closed, the lock says that it is no leftover.
     let _ = file.as_file().try_lock();
@@ -89,6 +83,32 @@ pub(crate) fn write(path: Option<&Path>, text: &str) -> Result<()> {
     file.as_file().sync_all().with_context(cannot)?;
     file.persist(&target).map_err(|failure| failure.error).with_context(cannot)?;
     Ok(())
+}
+
+/// What is where a file is to be written, if anything is: no folder.
+fn before(path: &Path) -> Result<Option<fs::Metadata>> {
+    let cannot = || format!("cannot write {}", path.display());
+    match fs::metadata(path) {
+        Ok(found) if found.is_dir() => bail!("{}: it is a folder", cannot()),
+        Ok(found) => Ok(Some(found)),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+        Err(error) => Err(error).with_context(cannot),
+    }
+}
+
+/// Refuses, before long work, a place at which [`write`] could write nothing: a folder, or a file in a folder that is not there.
+pub(crate) fn expect_place(path: Option<&Path>) -> Result<()> {
+    let Some(path) = path else { return Ok(()) };
+    if before(path)?.is_none() {
+        fs::metadata(folder_of(&named_at_last(path)))
+            .with_context(|| format!("cannot write {}", path.display()))?;
+    }
+    Ok(())
+}
+
+/// The folder that holds a file.
+fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
 /// Removes from a folder the files that an interrupted run has left unfinished, and none that someone still writes.

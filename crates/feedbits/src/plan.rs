@@ -21,7 +21,14 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     plan: PlanArguments,
     /// Samples per interpolation period in the file that --out names.
-    #[arg(long, allow_negative_numbers = true, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    #[arg(
+        long,
+        allow_negative_numbers = true,
+        default_value_t = 1,
+        requires = "out",
+        conflicts_with = "json",
+        value_parser = clap::value_parser!(u32).range(1..=1000)
+    )]
     oversample: u32,
     /// Look ahead no further than this, in mm, as a controller does that streams a long program. Plans in f64, from rest
     /// to rest.
@@ -38,6 +45,7 @@ pub(crate) struct Arguments {
 
 /// Plans; prints the stage table, and with --out writes the sampled plan.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
+    output::expect_place(arguments.output.out.as_deref())?;
     match arguments.input.read()? {
         AnyProblem::Planar(problem) => plan(&problem, arguments),
         AnyProblem::Spatial(problem) => plan(&problem, arguments),

@@ -77,7 +77,7 @@ pub(crate) fn command() -> String {
 /// What an interrupted run has left unfinished goes first, and last what the page of a report before listed and this one
 /// does not. Everything else in the folder stays.
 pub(crate) fn into(folder: &Path, report: &Report) -> Result<PathBuf> {
-    fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
+    make_folder(Some(folder))?;
     output::clear_unfinished(folder);
     let page = folder.join(Report::PAGE);
     let before = fs::read_to_string(&page).map(|page| format_report::listed(&page)).unwrap_or_default();
@@ -89,6 +89,12 @@ pub(crate) fn into(folder: &Path, report: &Report) -> Result<PathBuf> {
         let _ = fs::remove_file(folder.join(name));
     }
     Ok(page)
+}
+
+/// Makes the folder of a report, if there is to be one and there is none: before long work, which would else be lost with it.
+pub(crate) fn make_folder(folder: Option<&Path>) -> Result<()> {
+    let Some(folder) = folder else { return Ok(()) };
+    fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))
 }
 
 /// The plan, a sample a period; nothing if each format plans for itself.

@@ -3,8 +3,10 @@
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use format_compare::{Engine, LeastPeriods, MOST_PERIODS, Options, PlanIn, Problem, ProfileKind};
+use part_program::{Machine, Part};
 
 use crate::formats::by_name;
+use crate::input::{AnyProblem, Input};
 
 /// How a part is planned and run.
 #[derive(Args)]
@@ -20,9 +22,13 @@ pub(crate) struct RunArguments {
     piece_length: f64,
     #[command(flatten)]
     plan: PlanArguments,
-    /// Fluctuation that the solver stops at, in place of the machine file's.
+    /// Fluctuation that is good enough, in place of the machine file's `fluctuation_limit`.
     #[arg(long, allow_negative_numbers = true, value_name = "RATIO")]
     fluctuation: Option<f64>,
+    /// Fluctuation that the solver stops at. Default: the one that is good enough with de-boor and for `size`, else the
+    /// format's resolution.
+    #[arg(long, allow_negative_numbers = true, value_name = "RATIO")]
+    solver_tolerance: Option<f64>,
 }
 
 /// How a part is planned.
@@ -117,6 +123,20 @@ impl PlanArguments {
 }
 
 impl RunArguments {
+    /// Reads the part and its machine, of which less fluctuation or more may be asked than its file does.
+    pub(crate) fn problem(&self, input: &Input) -> Result<AnyProblem> {
+        let (part, machine) = self.part_and_machine(input)?;
+        AnyProblem::new(&part, &machine)
+    }
+
+    /// The same two, as they are.
+    pub(crate) fn part_and_machine(&self, input: &Input) -> Result<(Part, Machine)> {
+        let asked = ratio("--fluctuation", self.fluctuation)?;
+        let (part, machine) = input.part_and_machine()?;
+        let fluctuation_limit = asked.unwrap_or(machine.fluctuation_limit);
+        Ok((part, Machine { fluctuation_limit, ..machine }))
+    }
+
     /// The engines that the options name; both forms of the path if they name none.
     pub(crate) fn engines(&self) -> Result<Vec<Engine>> {
         use EvaluateName::{DeBoor, Pieces};
@@ -142,13 +162,10 @@ impl RunArguments {
         if !(self.piece_length > 0.0 && self.piece_length.is_finite()) {
             bail!("--piece-length {}: expected a positive length in mm", self.piece_length);
         }
-        if let Some(value) = self.fluctuation.filter(|f| !(*f > 0.0 && *f < 1.0)) {
-            bail!("--fluctuation {value}: expected a ratio between 0 and 1");
-        }
         Ok(Options {
             engine: self.engines()?.pop().unwrap_or(Engine::Pieces),
             piece_length_mm: self.piece_length,
-            fluctuation: self.fluctuation,
+            fluctuation: ratio("--solver-tolerance", self.solver_tolerance)?,
             ..self.plan.options(profile)?
         })
     }
@@ -158,6 +175,16 @@ impl RunArguments {
         let options = self.options()?;
         expect_an_end(problem, &options)?;
         Ok(options)
+    }
+}
+
+/// A ratio that an option gives, if it does.
+fn ratio(option: &str, value: Option<f64>) -> Result<Option<f64>> {
+    match value {
+        Some(value) if !(value > 0.0 && value < 1.0) => {
+            bail!("{option} {value}: expected a ratio between 0 and 1")
+        }
+        within => Ok(within),
     }
 }
 

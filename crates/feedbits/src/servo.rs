@@ -120,8 +120,11 @@ struct LeftOut {
 /// Simulates and prints.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     let servo = parameters(arguments.servo.as_ref())?;
+    for path in [&arguments.output.out, &arguments.plot] {
+        output::expect_place(path.as_deref())?;
+    }
     let progress = Progress::spinning("simulating the axes");
-    let (part, period, formats) = match arguments.input.read()? {
+    let (part, period, formats) = match arguments.run.problem(&arguments.input)? {
         AnyProblem::Planar(problem) => {
             (problem.name.clone(), problem.period_s(), rows(&problem, &servo, arguments)?)
         }

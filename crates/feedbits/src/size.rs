@@ -71,8 +71,9 @@ impl Arguments {
 
 /// Searches and prints.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
+    output::expect_place(arguments.output.out.as_deref())?;
     let progress = Progress::spinning("running the path in formats of 12 to 48 bits");
-    let sizing = match arguments.input.read()? {
+    let sizing = match arguments.run.problem(&arguments.input)? {
         AnyProblem::Planar(problem) => size(&problem, arguments)?,
         AnyProblem::Spatial(problem) => size(&problem, arguments)?,
     };

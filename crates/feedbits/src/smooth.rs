@@ -63,6 +63,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
         Outer::Loop => CornerStyle::Loop,
         Outer::Cut => CornerStyle::Cut,
     };
+    output::expect_place(arguments.out.as_deref())?;
     let progress = Progress::spinning("smoothing and planning");
     let form = arguments.out.as_deref().map(|path| Form::of(path, arguments.input.dialect()));
     let (report, written) = smooth(&with_polygons_as_lines(&part), &machine, tolerance, outer, form)?;

@@ -173,7 +173,7 @@ struct Base {
 /// Sweeps, or goes on where an earlier run ended.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     expect_limits_of_a_machine(arguments)?;
-    let (part, machine) = arguments.input.part_and_machine()?;
+    let (part, machine) = arguments.run.part_and_machine(&arguments.input)?;
     if part.curves.iter().all(|curve| curve.dimension == 2) {
         sweep::<2>(part, machine, arguments)
     } else {
@@ -189,6 +189,7 @@ where
     let (engines, options) = (arguments.run.engines()?, arguments.run.options()?);
     let base = Base::new::<D>(part, machine)?;
     let plan = base.sweep(arguments, &formats, &engines, &options)?;
+    report::make_folder(arguments.report.as_deref())?;
     let out = arguments.out.clone().unwrap_or_else(|| arguments.shard.file());
     let (file, done) = sweep_file::resume(&out, &plan)?;
     let known: HashSet<usize> = done.iter().map(|cell| cell.cell).collect();
@@ -236,7 +237,10 @@ pub(crate) fn conclude(
         let page = report::into(folder, &plan.report(cells, &report::command())?)?;
         output::note(&format!("report in {}", page.display()));
     }
-    Ok(Ending::Good)
+    // What one shard has not, another may have.
+    let is_whole = cells.len() == plan.len();
+    let is_bad = (0..plan.runs.len()).all(|run| plan.good(cells, run).0 == 0);
+    Ok(if is_whole && is_bad { Ending::RequirementNotMet } else { Ending::Good })
 }
 
 /// A curve of a problem with three coordinates.

@@ -252,6 +252,68 @@ fn bad_input_is_explained() {
     }
 }
 
+/// `--fluctuation` set only what the solver stops at: the verdict went by the machine file all the same.
+#[test]
+fn the_fluctuation_that_is_asked_for_is_the_one_that_is_judged() {
+    let good = |more: &[&str]| {
+        let arguments = ["compare", "--formats", "I4F28,f64", "--evaluate", "pieces", "--json"];
+        let output = feedbits(&[&arguments[..], more].concat());
+        let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        let rows = json["formats"].as_array().expect("rows").clone();
+        let of =
+            |row: &serde_json::Value| (row["verdict"]["result"] == "good", row["evaluations"]["max"].clone());
+        (json["machine"]["fluctuation_limit"].clone(), rows.iter().map(of).collect::<Vec<_>>())
+    };
+    let (limit, rows) = good(&[]);
+    assert!(limit == 1e-6 && rows.iter().all(|(good, _)| *good), "{rows:?}");
+    let (limit, rows) = good(&["--fluctuation", "1e-9"]);
+    assert_eq!((limit, rows[0].0, rows[1].0), (serde_json::json!(1e-9), false, true));
+    let (limit, coarse) = good(&["--solver-tolerance", "1e-5"]);
+    assert_eq!(limit, 1e-6);
+    assert!(coarse.iter().all(|(good, evaluations)| *good && *evaluations == 1), "{coarse:?}");
+
+    let bits = |asked: &str| {
+        let output = feedbits(&["size", "--fluctuation", asked, "--json"]);
+        let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        json["uniform"]["bits"].as_u64().expect("bits")
+    };
+    let [fine, coarse] = ["1e-9", "1e-4"].map(bits);
+    assert!(fine >= coarse + 8, "{fine} {coarse}");
+}
+
+#[test]
+fn rapid_moves_alone_are_run_as_if_they_cut_and_it_is_said() {
+    let folder = folder();
+    let part = written(folder.path(), "r.nc", "G0 X0 Y0\nX10 Y5\nX30\n");
+    let output = feedbits(&["compare", &part, "--machine", &data("seed-000.toml"), "--formats", "f64"]);
+    assert!(
+        text(&output.stderr).contains("every move is a rapid one: they are run at 200 mm/s"),
+        "{}",
+        text(&output.stderr)
+    );
+    let mixed = written(folder.path(), "m.nc", "G0 X0 Y0\nX10 Y5\nG1 X30 F600\n");
+    let output = feedbits(&["compare", &mixed, "--machine", &data("seed-000.toml"), "--formats", "f64"]);
+    assert!(!text(&output.stderr).contains("every move"), "{}", text(&output.stderr));
+}
+
+#[test]
+fn a_feedrate_that_nobody_commands_is_said() {
+    let folder = folder();
+    for (program, expected) in [
+        ("G1 X0 Y0\nX10\nX20\n", Some("in line 2: the machine's, 200 mm/s, is taken")),
+        ("G1 X0 Y0\nX10\nX20 F600\n", Some("in line 2: the highest of the part, 10 mm/s, is taken")),
+        ("G0 X0 Y0 F600\nX10\nG1 X20\n", None),
+    ] {
+        let part = written(folder.path(), "p.nc", program);
+        let output = feedbits(&["compare", &part, "--machine", &data("seed-000.toml"), "--formats", "f64"]);
+        let said = text(&output.stderr);
+        assert_eq!(said.contains("no feedrate is commanded"), expected.is_some(), "{said}");
+        assert!(expected.is_none_or(|expected| said.contains(expected)), "{said}");
+    }
+    assert_eq!(text(&feedbits(&["compare", "--formats", "f64", "--quiet"]).stderr), "");
+    assert!(!text(&feedbits(&["compare", "--formats", "f64"]).stderr).contains("no feedrate"));
+}
+
 #[test]
 fn bad_usage_is_explained() {
     let machine = data("seed-003.nc");
@@ -269,6 +331,9 @@ fn bad_usage_is_explained() {
         (vec!["compare", "--piece-length", "-1"], "--piece-length -1: expected a positive length"),
         (vec!["compare", "--start-feed", "-1"], "--start-feed -1: expected a feed of at least 0"),
         (vec!["compare", "--fluctuation", "-0.001"], "--fluctuation -0.001: expected a ratio"),
+        (vec!["compare", "--solver-tolerance", "0"], "--solver-tolerance 0: expected a ratio"),
+        (vec!["plan", "--oversample", "3"], "--out"),
+        (vec!["plan", "--oversample", "3", "--out", "s.csv", "--json"], "--json"),
         (vec!["plan", "--window", "-1"], "--window -1: expected a positive length"),
         (vec!["plan", "--oversample", "-1"], "1..=1000"),
         (vec!["interpolate", "--override", "-1:50,2:100"], "override at -1 s: expected times from 0 on"),

@@ -71,15 +71,23 @@ fn a_folder_that_cannot_be_written_is_named() {
     let folder = tempfile::tempdir().expect("a folder");
     let missing = folder.path().join("missing/s.csv");
     let missing = missing.to_str().expect("a name");
-    is_refused(&feedbits(&["interpolate", "--out", missing]), &["cannot write", missing]);
+    for command in ["interpolate", "compare", "size", "plan", "servo", "formats"] {
+        is_refused(&feedbits(&[command, "--out", missing]), &["cannot write", missing]);
+    }
+    for command in [["smooth", "--tolerance", "0.01"], ["compile", "--format", "I4F28"]] {
+        is_refused(&feedbits(&[&command[..], &["--out", missing]].concat()), &["cannot write", missing]);
+    }
     let file = folder.path().join("file");
     fs::write(&file, "").expect("a file");
     let below = file.join("report");
     let below = below.to_str().expect("a name");
-    // The table was made by then, and is shown.
-    let output = feedbits(&["compare", "--formats", "f32", "--evaluate", "pieces", "--report", below]);
-    assert_eq!(output.status.code(), Some(2));
-    assert!(said(&output).contains(&format!("cannot make the folder {below}")), "{}", said(&output));
+    for command in ["compare", "sweep"] {
+        let sweep = folder.path().join("sweep.jsonl");
+        let output = feedbits(&[command, "--report", below, "--out", sweep.to_str().expect("a name")]);
+        is_refused(&output, &[&format!("cannot make the folder {below}")]);
+        // Before any work.
+        assert!(output.stdout.is_empty() && !sweep.exists(), "{command}");
+    }
     // Nobody may make files there, whoever runs this.
     is_refused(&feedbits(&["formats", "--out", "/proc/formats"]), &["cannot write /proc/formats"]);
 }

@@ -143,3 +143,16 @@ fn overrides_out_of_range_are_refused() {
         assert!(message.contains(reason) && refused.stdout.is_empty(), "{arguments:?}: {message}");
     }
 }
+
+/// One that came too late changed nothing, without a word.
+#[test]
+fn an_override_behind_the_end_of_the_run_is_named() {
+    let said = |overrides: &str| {
+        let output = interpolate(&["--override", overrides]);
+        assert_eq!(output.status.code(), Some(0));
+        String::from_utf8_lossy(&output.stderr).into_owned()
+    };
+    let late = said("1:50,20:100");
+    assert!(late.contains("the override at 20 s is never in force: the run ends at 8.745 s"), "{late}");
+    assert!(!said("1:50,2:100").contains("never in force"));
+}

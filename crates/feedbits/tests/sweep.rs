@@ -159,7 +159,7 @@ fn a_sweep_of_a_part_with_other_stops_is_another() {
 #[test]
 fn a_cell_of_too_many_periods_says_so() {
     let folder = folder();
-    let run = sweep(folder.path(), &["--most-periods", "20", "--out", "s.jsonl"]);
+    let run = feedbits(folder.path(), &[&GRID[..], &["--most-periods", "20", "--out", "s.jsonl"]].concat());
     assert!(text(&run.stdout).contains("cells were not run; the file says why"), "{}", text(&run.stdout));
     let skipped =
         cells(&folder.path().join("s.jsonl")).into_iter().filter(|line| line.contains("more than 20"));
@@ -284,4 +284,17 @@ fn spans_and_points_have_bounds() {
         assert!(text(&refused.stderr).contains(words), "{arguments:?}: {}", text(&refused.stderr));
     }
     assert!(!folder.path().join("sweep.jsonl").exists());
+}
+
+/// A sweep ended as if all were well where no format is good in any cell.
+#[test]
+fn a_sweep_in_which_nothing_is_good_says_so_at_its_end() {
+    let folder = folder();
+    let arguments =
+        ["sweep", "p.toml", "--formats", "I16F16", "--evaluate", "pieces", "--fluctuation", "1e-12"];
+    let with = |more: &[&str]| feedbits(folder.path(), &[&arguments[..], more].concat()).status.code();
+    assert_eq!(with(&["--period", "1..4/3"]), Some(1));
+    // Nobody knows what the other shards have.
+    assert_eq!(with(&["--period", "1..4/3", "--shard", "1/3"]), Some(0));
+    assert_eq!(with(&["--period", "2", "--formats", "f64", "--out", "good.jsonl"]), Some(0));
 }

@@ -241,6 +241,11 @@ impl<'t> Report<'t> {
         &mut kept.list[index]
     }
 
+    /// Said first of what is no error.
+    pub(crate) fn first_warning(&self) -> Option<&Diagnostic> {
+        self.warnings.list.first()
+    }
+
     /// Whether an error has been said.
     pub(crate) fn has_errors(&self) -> bool {
         !self.errors.list.is_empty()

@@ -69,9 +69,12 @@ pub(crate) fn read(report: &mut Report<'_>, part: &mut Part, options: ReadOption
     reader.close(Span::new(text.len(), text.len()));
     part.feedrate_mm_per_s = part.highest_feedrate();
     if part.curves.is_empty() && !report.has_errors() {
-        report
-            .error(Span::new(0, 0), "the program holds no curve")
-            .expected("a move from one point to another");
+        let cause = report.first_warning().map(|first| format!("line {}: {}", first.line, first.message));
+        let error = report.error(Span::new(0, 0), "the program holds no curve");
+        error.expected("a move from one point to another");
+        if let Some(cause) = cause {
+            error.hint(format!("what was read over may be why: {cause}"));
+        }
     }
 }
 
@@ -161,15 +164,22 @@ impl Reader<'_, '_, '_> {
         ends
     }
 
-    /// Takes F: in G94 it becomes the feedrate, in G93 it is handed back, in 1/min.
+    /// Takes F: in G94 it becomes the feedrate, in G93 it is handed back, in 1/min, and in G95, which is not read, it is left out.
     fn feed(&mut self, block: &mut Block<'_>) -> Option<f64> {
         let word = block.take_letter(b'F')?;
         if word.value <= 0.0 {
             self.report.error(word.span, format!("the feed is {}", word.value)).expected("a feed above 0");
             return None;
         }
-        if self.modal.feed_mode == FeedMode::InverseTime {
-            return Some(word.value);
+        match self.modal.feed_mode {
+            FeedMode::PerMinute => {}
+            FeedMode::InverseTime => return Some(word.value),
+            FeedMode::PerRevolution => {
+                let text = self.report.source.slice(word.span).to_owned();
+                self.report
+                    .warning(word.span, format!("`{text}` is a feed per revolution: its moves have none"));
+                return None;
+            }
         }
         let feedrate = self.modal.mm(word.value) / 60.0;
         if feedrate > MAX_FEEDRATE {

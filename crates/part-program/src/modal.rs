@@ -48,6 +48,8 @@ pub(crate) enum FeedMode {
     PerMinute,
     /// G93: 1/F minutes a move.
     InverseTime,
+    /// G95: length a revolution of a spindle that nobody knows. It is not read; read over, its moves have no feedrate.
+    PerRevolution,
 }
 
 /// How the ends of moves are passed.

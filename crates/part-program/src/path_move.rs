@@ -44,7 +44,7 @@ impl Reader<'_, '_, '_> {
         let (kind, feedrate_mm_per_s) = match (self.modal.motion, self.modal.feed_mode) {
             (Motion::Rapid, _) => (MoveKind::Rapid, None),
             (_, FeedMode::PerMinute) => (MoveKind::Feed, self.modal.feedrate_mm_per_s),
-            (_, FeedMode::InverseTime) => (MoveKind::Feed, None),
+            (_, FeedMode::InverseTime | FeedMode::PerRevolution) => (MoveKind::Feed, None),
         };
         let line = self.line(span);
         self.part.approaches.push(Approach { axes, kind, feedrate_mm_per_s, line });
@@ -166,6 +166,7 @@ impl Reader<'_, '_, '_> {
     fn feedrate(&mut self, length: f64, inverse_feed: Option<f64>, span: Span) -> Option<f64> {
         match (self.modal.feed_mode, inverse_feed) {
             (FeedMode::PerMinute, _) => self.modal.feedrate_mm_per_s,
+            (FeedMode::PerRevolution, _) => None,
             (FeedMode::InverseTime, Some(per_minute)) => Some(length * per_minute / 60.0),
             (FeedMode::InverseTime, None) => {
                 self.report

@@ -94,6 +94,10 @@ impl Reader<'_, '_, '_> {
             Some(911) => self.modal.absolute_centres = false,
             Some(930) => self.modal.feed_mode = FeedMode::InverseTime,
             Some(940) => self.modal.feed_mode = FeedMode::PerMinute,
+            Some(950) => {
+                self.modal.feed_mode = FeedMode::PerRevolution;
+                return self.unread_word(word);
+            }
             Some(800) => self.modal.motion = Motion::None,
             // The coordinate setting of lathes.
             Some(500) if block.has_axis() => return self.unread_word(word),
@@ -276,7 +280,7 @@ const GROUPS: [(&str, &[&[u16]]); 6] = [
     ("units", &[&[200, 700], &[210, 710]]),
     ("kinds of coordinates", &[&[900], &[910]]),
     ("kinds of arc centres", &[&[901], &[911]]),
-    ("kinds of feed", &[&[930], &[940]]),
+    ("kinds of feed", &[&[930], &[940], &[950]]),
     (
         "path modes",
         &[&[600], &[610], &[611], &[620], &[630], &[640], &[6410], &[6420], &[6430], &[6440], &[6450]],

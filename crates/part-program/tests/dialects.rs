@@ -188,6 +188,38 @@ fn lenient_reading_lists_what_it_reads_over() {
     assert_eq!(said, expected);
 }
 
+/// A feed per revolution was taken for one per minute.
+#[test]
+fn a_feed_per_revolution_is_no_feed_of_its_moves() {
+    let part = lenient("G0 X0 Y0\nG1 X5 F300\nG95 F0.2\nX10\nX20 F0.3\nG94\nX30\nX40 F600\n");
+    let feeds: Vec<_> = part.moves.iter().map(|one| one.feedrate_mm_per_s).collect();
+    assert_eq!(feeds, [Some(5.0), None, None, Some(5.0), Some(10.0)]);
+    let expected = [
+        (3, "`G95` is not read"),
+        (3, "`F0.2` is a feed per revolution: its moves have none"),
+        (5, "`F0.3` is a feed per revolution: its moves have none"),
+    ];
+    assert_eq!(said(&part), expected);
+    assert_eq!(part.feedrate_mm_per_s, Some(10.0));
+    let errors = read_part("p.nc", "G95 F0.2\nG1 X0 F60\nX10\n").unwrap_err();
+    assert_eq!(errors.iter().map(|error| error.message.as_str()).collect::<Vec<_>>(), ["`G95` is not read"]);
+    assert_eq!(
+        read_part("p.nc", "G94 G95 G1 X1\n").unwrap_err().iter().next().unwrap().message,
+        "`G94` and `G95`: two kinds of feed in one block"
+    );
+}
+
+/// With everything read over, it was not said why nothing was left.
+#[test]
+fn a_program_of_nothing_names_what_was_read_over() {
+    let options = ReadOptions { lenient: true, dialect: None };
+    let errors = read_part_with("p.nc", "G0 X0 Y0\nG81 X10 Y10\nX20\n", options).unwrap_err();
+    let hint = errors.iter().next().unwrap().hint.as_deref().unwrap();
+    assert!(hint.contains("line 2: `G81` is not read"), "{hint}");
+    let nothing = read_part("p.nc", "M30\n").unwrap_err();
+    assert_eq!(nothing.iter().next().unwrap().hint, None);
+}
+
 #[test]
 fn lengths_without_a_decimal_point_are_warned_of_once_for_fanuc() {
     let read = |dialect, text| read_part_with("p.nc", text, ReadOptions { dialect, lenient: false }).unwrap();
