@@ -19,6 +19,9 @@ use crate::scan::Scan;
 use crate::stops::{BesideStop, release_stops};
 use crate::{KinematicLimits, PlanError};
 
+/// Between points less than 2⁴ roundings apart the parameter does not say where the path is.
+const RESOLVED: i32 = 4;
+
 /// The feed limit at one point of the path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LimitPoint<R> {
@@ -318,6 +321,19 @@ impl<R: Real> FeedLimit<R> {
         self.points.get(first).map_or_else(|| self.length(), |point| point.distance)
     }
 
+    /// Whether the parameter tells places apart everywhere: between knots a few roundings apart there are none, though the path may
+    /// be long there.
+    pub(crate) fn is_resolved(&self) -> bool {
+        self.points.windows(2).all(is_resolved)
+    }
+
+    /// The same near `distance`.
+    pub(crate) fn is_resolved_at(&self, distance: R) -> bool {
+        let next = self.count_before(distance);
+        let pair = next.checked_sub(1).and_then(|before| self.points.get(before..=next));
+        pair.is_none_or(is_resolved)
+    }
+
     /// Curve and parameter at `distance`: the inverse of the arc length, between points by the cubic that has
     /// `du/ds = 1/|C'|` at both.
     pub(crate) fn parameter_at(&self, distance: R) -> (usize, R) {
@@ -343,6 +359,13 @@ impl<R: Real> FeedLimit<R> {
         let bend = x * (R::one() - x) * ((R::one() - x) * rest_a - x * rest_b);
         (a.curve, a.u + x * width + bend)
     }
+}
+
+/// Whether the parameter tells places between neighbouring points apart, if the path goes anywhere between them.
+fn is_resolved<R: Real>(pair: &[LimitPoint<R>]) -> bool {
+    let [a, b] = pair else { return true };
+    let rounding = R::resolution() * a.u.abs().max(b.u.abs());
+    a.curve != b.curve || a.distance == b.distance || b.u - a.u > rounding.scale(RESOLVED)
 }
 
 /// `√(V² - margin)`, and no less than half of V: a dip that deep is not resolved.
