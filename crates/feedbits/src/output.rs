@@ -96,7 +96,7 @@ fn before(path: &Path) -> Result<Option<fs::Metadata>> {
     }
 }
 
-/// Refuses, before long work, a place at which [`write`] could write nothing: a folder, or a file in a folder that is not there.
+/// Refuses, before long work, a place at which [`write()`] could write nothing: a folder, or a file in a folder that is not there.
 pub(crate) fn expect_place(path: Option<&Path>) -> Result<()> {
     let Some(path) = path else { return Ok(()) };
     if before(path)?.is_none() {

@@ -301,6 +301,19 @@ fn findings(comparison: &Comparison, target: &Target) -> Vec<String> {
     } else {
         lines.push(format!("No format is known to be good and fast enough on {}", target.name));
     }
+    let recommended = comparison.recommended_on.get(&target.name);
+    let chosen = good.iter().find(|(row, _)| {
+        recommended.is_some_and(|(format, engine)| (&row.format, &row.engine) == (format, engine))
+    });
+    if let Some((row, cost)) = chosen
+        && let Some(share) = cost.share_of_period.map(|share| share * cost.max_range[1] / cost.max)
+        && share > 1.0
+    {
+        let format = &row.format;
+        lines.push(format!(
+            "{format} fits by what operations typically take; by the most they may take, its worst step has {share:.1} periods"
+        ));
+    }
     // Fixed point against float: the cheapest good one of each.
     let cheapest = |fixed: bool| {
         let of_kind = good.iter().filter(|(row, _)| row.format.starts_with('I') == fixed);

@@ -50,6 +50,28 @@ fn a_curve_file_is_planned_as_its_program_is() {
     assert_eq!(rests(&plan(&smoothed)), 4);
 }
 
+/// What was read over was gone from the program that was written, and a rapid move stood in its place, without a word.
+#[test]
+fn what_is_not_in_the_program_that_is_written_is_said() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let program = path("p.nc");
+    let lost = "G0 X0 Y0 Z1\nG1 X5 F300\nG81 X10 Y10 Z-2 R1 F100\nG80\nG1 X0 Y0 F100\nX10 Y10 Z-1\nX20\n";
+    for (text_of, options, gap, names) in [
+        (lost, vec!["--lenient"], true, true),
+        ("G0 X0 Y0\nG1 X5 F300\nG4 P1\nX9\n", vec![], false, true),
+        ("G0 X0 Y0\nG1 X5 F300\nG0 X7\nG1 X9\n", vec![], false, false),
+    ] {
+        fs::write(&program, text_of).expect("the folder is writable");
+        let out = path("q.nc");
+        let output = convert(&[&[program.as_str(), "--to", "g06.2", "--out", &out], &options[..]].concat());
+        let said = text(&output.stderr);
+        assert!(output.status.success(), "{said}");
+        assert_eq!(said.contains("1 gap is crossed by a rapid move"), gap, "{said}");
+        assert_eq!(said.contains("what the warnings name is not in what is written"), names, "{said}");
+    }
+}
+
 /// Paper D's program to a curve file to a program to a curve file: the two curve files are the same.
 #[test]
 fn the_round_trip_can_be_typed() {
@@ -62,7 +84,7 @@ fn the_round_trip_can_be_typed() {
         let output = convert(&[from, "--to", to, "--out", out]);
         assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
         assert!(
-            text(&output.stderr).contains("1 curves, which read back bit by bit"),
+            text(&output.stderr).contains("1 curve, which reads back bit by bit"),
             "{}",
             text(&output.stderr)
         );
@@ -171,7 +193,7 @@ K1.23456
     }
     let output = convert(&[&data("seed-003.nc"), "--to", "g5.2", "--digits", "4"]);
     let (written, said) = (text(&output.stdout), text(&output.stderr));
-    assert!(said.contains("1 curves are written as 7") && said.contains("where curves are cut"), "{said}");
+    assert!(said.contains("1 curve is written as 7") && said.contains("where curves are cut"), "{said}");
     let short = |word: &str| word.split('.').nth(1).is_some_and(|digits| digits.len() <= 4);
     assert!(written.split_whitespace().filter(|word| word.starts_with(['X', 'Y'])).all(short), "{written}");
 }

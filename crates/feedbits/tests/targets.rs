@@ -58,6 +58,28 @@ fn the_recommendation_is_the_cheapest_on_the_first_target() {
     assert!(row["operations"]["mul_add"].as_f64().is_some_and(|count| count >= 20.0), "{row}");
 }
 
+/// By what its operations typically take the worst step has 99.96 % of this period, by the most they may take 2.8 periods.
+#[test]
+fn a_format_that_may_not_fit_the_period_is_named() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let example = include_str!("../../../data/seed-000.toml");
+    let path = |period: &str| {
+        let path = folder.path().join(format!("{period}.toml"));
+        let text =
+            example.replace("interpolation_period_ms = 3.0", &format!("interpolation_period_ms = {period}"));
+        std::fs::write(&path, text).expect("the folder is writable");
+        path.display().to_string()
+    };
+    for (period, is_named) in [("0.25", true), ("3.0", false)] {
+        let machine = path(period);
+        let arguments =
+            ["compare", "--machine", &machine, "--targets", "cortex-m0plus", "--formats", "I4F28"];
+        let said = text(&feedbits(&arguments).stdout);
+        assert!(said.contains("Cheapest good format on cortex-m0plus: I4F28"), "{said}");
+        assert_eq!(said.contains("I4F28 fits by what operations typically take"), is_named, "{said}");
+    }
+}
+
 const SLOW: &str = r#"
 name = "relay"
 title = "A computer of relays"

@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use crate::cost::Cost;
 use crate::formats::{Dimension, Format, Space, plan_for};
-use crate::metrics::{Fluctuation, JudgedStep, PerPeriod, greater};
+use crate::metrics::{Fluctuation, JudgedStep, PerPeriod, greater, jerk_max_mm_per_s3};
 use crate::problem::Problem;
 use crate::reference::Reference;
 use crate::requirement::{Measured, Requirement, requirements};
@@ -80,6 +80,9 @@ pub struct Row {
     pub fluctuation_resolution: Option<f64>,
     /// Distance of the last commanded point from the curve's end, in mm.
     pub end_error_mm: Option<f64>,
+    /// Largest change of acceleration along the path from one period to the next, over T, in mm/s³, with that of the last step:
+    /// `|c_{i+1} - 2 c_i + c_{i-1}|/T³` for the chords c. No requirement, for over corners that are passed it is what they take.
+    pub jerk_max_mm_per_s3: Option<f64>,
     /// Periods run.
     pub periods: Option<u32>,
     /// Mean operations of a period, by kind; absent unless priced on targets.
@@ -256,6 +259,7 @@ pub(crate) fn refused((name, engine): (FormatName, Engine), refusal: &Refusal) -
         position_resolution_mm: None,
         fluctuation_resolution: None,
         end_error_mm: None,
+        jerk_max_mm_per_s3: None,
         periods: None,
         operations: None,
         cycles: BTreeMap::new(),
@@ -285,6 +289,7 @@ pub(crate) fn judged<const D: usize>(
         end_error_mm: end_error,
     };
     let requirements = requirements(run, &problem.machine, &measured);
+    let ends_at_rest = run.steps.last().is_some_and(|step| step.feed_mm_per_s == 0.0);
 
     Row {
         format: name.to_string(),
@@ -299,6 +304,7 @@ pub(crate) fn judged<const D: usize>(
         position_resolution_mm: Some(run.resolution_mm),
         fluctuation_resolution: Some(run.fluctuation_resolution),
         end_error_mm: Some(end_error),
+        jerk_max_mm_per_s3: Some(jerk_max_mm_per_s3(steps, problem.period_s(), ends_at_rest)),
         periods: u32::try_from(run.steps.len()).ok(),
         operations: None,
         cycles: BTreeMap::new(),

@@ -103,6 +103,16 @@ pub(crate) fn greater(one: f64, other: f64) -> f64 {
     if one.is_nan() || other <= one { one } else { other }
 }
 
+/// The largest change of acceleration along the path from one period to the next, over the period T, in mm/s³: of the chords c
+/// between the exact points, `|c_{i+1} - 2 c_i + c_{i-1}|/T³`, from the second period on and, where a run ends at rest, until it has
+/// been at rest for two. What a format lacks of the way at its end is in it.
+pub(crate) fn jerk_max_mm_per_s3(steps: &[JudgedStep], period_s: f64, ends_at_rest: bool) -> f64 {
+    let rest = [0.0; 2].into_iter().take(if ends_at_rest { 2 } else { 0 });
+    let chords: Vec<f64> = steps.iter().map(|step| step.chord_mm).chain(rest).collect();
+    let bends = chords.windows(3).map(|three| (three[2] - three[1] - (three[1] - three[0])).abs());
+    bends.fold(0.0, greater) / period_s.powi(3)
+}
+
 /// Mean and largest of a count per period.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PerPeriod {
@@ -139,6 +149,27 @@ mod tests {
             chord_error_mm: 0.0,
             position_error_mm: 0.0,
         }
+    }
+
+    #[test]
+    fn the_jerk_of_a_run_has_its_last_step_in_it() {
+        let step = |chord_mm: f64| JudgedStep {
+            wanted_mm: chord_mm,
+            chord_mm,
+            shortfall_mm: 0.0,
+            commanded_shortfall_mm: 0.0,
+            chord_error_mm: 0.0,
+            position_error_mm: 0.0,
+        };
+        let steps = [4.0, 4.0, 3.0, 1.0, 2.0].map(step);
+        // Accelerations 0, -1, -2, 1, and behind the end -2, 0.
+        assert_eq!(jerk_max_mm_per_s3(&steps, 1.0, false), 3.0);
+        assert_eq!(jerk_max_mm_per_s3(&steps[..4], 1.0, true), 1.0);
+        assert_eq!(jerk_max_mm_per_s3(&steps, 0.5, true), 8.0 * 3.0);
+        assert_eq!(jerk_max_mm_per_s3(&steps[..1], 1.0, true), 4.0);
+        assert_eq!(jerk_max_mm_per_s3(&[], 1.0, true), 0.0);
+        let lost = JudgedStep { chord_mm: f64::NAN, ..steps[0] };
+        assert!(jerk_max_mm_per_s3(&[lost, steps[0], steps[0], steps[0]], 1.0, false).is_nan());
     }
 
     #[test]

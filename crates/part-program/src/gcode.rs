@@ -156,12 +156,29 @@ impl Reader<'_, '_, '_> {
         let mut ends = false;
         for letter in *b"MSTDH" {
             while let Some(word) = block.take_letter(letter) {
+                if letter == b'M' && [98.0, 198.0].contains(&word.value) {
+                    self.call(block, word.span);
+                    continue;
+                }
                 let line = self.line(word.span);
                 ends |= letter == b'M' && ([2.0, 30.0, 99.0].contains(&word.value));
                 self.part.auxiliary.push(Auxiliary { letter: letter.into(), value: word.value, line });
             }
         }
         ends
+    }
+
+    /// Says that a subprogram is not followed.
+    fn call(&mut self, block: &mut Block<'_>, span: Span) {
+        const MESSAGE: &str = "calls of subprograms are not followed";
+        for letter in *b"PQL" {
+            block.take_letter(letter);
+        }
+        if self.options.lenient {
+            self.report.warning(span, MESSAGE);
+        } else {
+            self.report.error(span, MESSAGE).expected("the blocks of the subprogram in its place");
+        }
     }
 
     /// Takes F: in G94 it becomes the feedrate, in G93 it is handed back, in 1/min, and in G95, which is not read, it is left out.
@@ -241,9 +258,14 @@ impl Reader<'_, '_, '_> {
 
     /// A block that goes nowhere ends in an exact stop all the same: where the move before it ended.
     pub(crate) fn rest_here(&mut self) {
-        if self.end == PathMode::ExactStop
-            && let Some(last) = self.part.moves.last_mut()
-        {
+        if self.end == PathMode::ExactStop {
+            self.rest();
+        }
+    }
+
+    /// The last move ends at rest.
+    pub(crate) fn rest(&mut self) {
+        if let Some(last) = self.part.moves.last_mut() {
             last.exact_stop |= last.kind == MoveKind::Feed;
             self.passes_smooth_joints = false;
         }

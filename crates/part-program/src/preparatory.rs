@@ -132,10 +132,14 @@ impl Reader<'_, '_, '_> {
                 self.modal.path_mode = PathMode::Continuous;
             }
             Some(40) => {
-                self.report.warning(word.span, "a dwell is no part of the path");
+                self.report.warning(
+                    word.span,
+                    "a dwell: the tool rests here, and for how long is no part of the path",
+                );
                 for letter in *b"PXF" {
                     block.take_letter(letter);
                 }
+                self.rest();
             }
             Some(430) => {
                 self.report.warning(word.span, "tool length compensation: the path is read as the tip's");
@@ -171,7 +175,8 @@ impl Reader<'_, '_, '_> {
         let message = format!("`{}` is not read", self.report.source.slice(word.span));
         self.report
             .error(word.span, message)
-            .expected("G0 to G3, a spline, G17 to G21, G90, G91, G93 or G94");
+            .expected("a motion, G0 to G3 or a spline, or a setting such as G17 to G21, G90, G91, G93 or G94")
+            .hint("`--lenient` reads over it and says what of its block is left out");
         Err(())
     }
 

@@ -36,7 +36,9 @@ impl<'r, 'd, 't> TableReader<'r, 'd, 't> {
 
     /// The value of a key, if it is there.
     pub(crate) fn optional(&mut self, key: &'static str) -> Option<&'d Spanned<DeValue<'d>>> {
-        self.known.push(key);
+        if !self.known.contains(&key) {
+            self.known.push(key);
+        }
         self.table.get(key)
     }
 

@@ -209,6 +209,29 @@ fn a_feed_per_revolution_is_no_feed_of_its_moves() {
     );
 }
 
+/// A control comes to rest for a dwell; the feed went on through it, and corners there were cut.
+#[test]
+fn the_tool_rests_at_a_dwell() {
+    let part = part("G0 X0 Y0 F600\nG1 X10\nG4 P500\nX20\nG1 X30\nG0 X40\nG4 X1.5\nG1 X50\n");
+    let stops: Vec<_> = part.moves.iter().map(|one| one.exact_stop).collect();
+    assert_eq!(stops, [true, false, false, false, false]);
+    assert_eq!(part.curves[1].control_points_mm[1], [20.0, 0.0, 0.0]);
+    assert_eq!(said(&part).iter().map(|(line, _)| *line).collect::<Vec<_>>(), [3, 7]);
+}
+
+/// They were read over but for their words, and without those in silence.
+#[test]
+fn a_call_of_a_subprogram_is_an_error_that_says_so() {
+    for text in
+        ["G0 X0 F60\nG1 X10\nM98 P2000 L3\n", "G0 X0 F60\nG1 X10\nM98 P2000\n", "G1 X0 F60\nX9\nM198 Q2 P1\n"]
+    {
+        let errors = read_part("p.nc", text).unwrap_err();
+        let messages: Vec<_> = errors.iter().map(|error| (error.line, error.message.as_str())).collect();
+        assert_eq!(messages, [(3, "calls of subprograms are not followed")]);
+        assert_eq!(said(&lenient(text)), [(3, "calls of subprograms are not followed")]);
+    }
+}
+
 /// With everything read over, it was not said why nothing was left.
 #[test]
 fn a_program_of_nothing_names_what_was_read_over() {
