@@ -6,11 +6,12 @@ use std::path::PathBuf;
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
 use part_program::{
-    Curve, Move, MoveKind, Part, RatioWords, Rounded, is_joined, write_curves, write_g1, write_g5_2,
+    Curve, GAP_MM, MoveKind, Part, RatioWords, Rounded, inspect, write_curves, write_g1, write_g5_2,
     write_g06_2,
 };
 
 use crate::input::{Input, read_again};
+use crate::output::counted;
 use crate::{Ending, output};
 
 /// Turns of straight moves by rounding are said from here on, in degrees.
@@ -176,13 +177,13 @@ fn notes(part: &Part, again: &Part, arguments: &Arguments) -> Vec<String> {
     let (to, before, after) = (arguments.to, at_feed(part), at_feed(again));
     let mut notes = vec![match to {
         Target::G1 => {
-            format!("{} {} straight moves", many(before.len(), "curve is", "curves are"), after.len())
+            format!("{} {} straight moves", counted(before.len(), "curve is", "curves are"), after.len())
         }
         _ if arguments.digits.is_some() || arguments.ratios.is_some() => {
-            format!("{} written as {}", many(before.len(), "curve is", "curves are"), after.len())
+            format!("{} written as {}", counted(before.len(), "curve is", "curves are"), after.len())
         }
         _ if are_same(&before, &after) => {
-            many(before.len(), "curve, which reads back bit by bit", "curves, which read back bit by bit")
+            counted(before.len(), "curve, which reads back bit by bit", "curves, which read back bit by bit")
         }
         _ => format!(
             "{} curves, which read back as {} others: the dialect lacks words",
@@ -202,11 +203,12 @@ fn notes(part: &Part, again: &Part, arguments: &Arguments) -> Vec<String> {
     } else if kept > words {
         notes.push("M30 was added at the end".into());
     }
-    let gaps = gaps(part);
+    // As `check` counts them.
+    let gaps = inspect(part).joints.iter().filter(|joint| joint.gap_mm > GAP_MM).count();
     if gaps > 0 {
         notes.push(format!(
             "{} crossed by a rapid move: the part has nothing there",
-            many(gaps, "gap is", "gaps are")
+            counted(gaps, "gap is", "gaps are")
         ));
     }
     if !part.warnings.is_empty() && to != Target::Toml {
@@ -225,25 +227,6 @@ fn notes(part: &Part, again: &Part, arguments: &Arguments) -> Vec<String> {
         notes.push("the machine is left out: a program has none".into());
     }
     notes
-}
-
-/// A number and what it counts.
-fn many(count: usize, one: &str, others: &str) -> String {
-    format!("{count} {}", if count == 1 { one } else { others })
-}
-
-/// How many moves at feed begin elsewhere than the move before ends.
-fn gaps(part: &Part) -> usize {
-    let ends = |pair: &&[Curve]| {
-        let ends = pair[0].control_points_mm.last().zip(pair[1].control_points_mm.first());
-        ends.is_some_and(|(end, start)| !is_joined(end, start))
-    };
-    let is_feed = |one: &&Move| one.kind == MoveKind::Feed;
-    part.curves
-        .windows(2)
-        .zip(part.moves.iter().skip(1))
-        .filter(|(pair, one)| is_feed(one) && ends(pair))
-        .count()
 }
 
 fn at_feed(part: &Part) -> Vec<&Curve> {

@@ -105,23 +105,7 @@ impl Input {
 /// The problem; what is left out of it or is not as the part has it is said.
 fn problem<const D: usize>(part: &Part, machine: &Machine) -> Result<Problem<D>> {
     let problem = Problem::new(part, machine)?;
-    if !part.moves.is_empty() && part.moves.iter().all(|one| one.kind == MoveKind::Rapid) {
-        let feedrate = problem.machine.feedrate_mm_per_s;
-        output::note(&format!("every move is a rapid one: they are run at {feedrate} mm/s, as if they cut"));
-    }
-    let lacks = |one: &&Move| one.kind == MoveKind::Feed && one.feedrate_mm_per_s.is_none();
-    // A curve file with a machine of its own has the feedrate there.
-    if part.machine.is_none()
-        && let Some(first) = part.moves.iter().find(lacks)
-    {
-        let whose =
-            if part.feedrate_mm_per_s.is_some() { "the highest of the part" } else { "the machine's" };
-        let feedrate = problem.machine.feedrate_mm_per_s;
-        output::note(&format!(
-            "no feedrate is commanded in line {}: {whose}, {feedrate} mm/s, is taken",
-            first.line
-        ));
-    }
+    say_feeds(part, problem.machine.feedrate_mm_per_s);
     for (count, one, many, why) in [
         (
             problem.rapids_left_out,
@@ -132,10 +116,29 @@ fn problem<const D: usize>(part: &Part, machine: &Machine) -> Result<Problem<D>>
         (problem.gaps_closed, "gap is", "gaps are", "the curves do not meet there, and the feed is 0"),
     ] {
         if count > 0 {
-            output::note(&format!("{count} {} left out: {why}", if count == 1 { one } else { many }));
+            output::note(&format!("{} left out: {why}", output::counted(count, one, many)));
         }
     }
     Ok(problem)
+}
+
+/// Says which moves are run at a feedrate, in mm/s, that they do not command.
+fn say_feeds(part: &Part, feedrate: f64) {
+    if !part.moves.is_empty() && part.moves.iter().all(|one| one.kind == MoveKind::Rapid) {
+        output::note(&format!("every move is a rapid one: they are run at {feedrate} mm/s, as if they cut"));
+    }
+    let lacks = |one: &&Move| one.kind == MoveKind::Feed && one.feedrate_mm_per_s.is_none();
+    // A curve file with a machine of its own has the feedrate there.
+    if part.machine.is_none()
+        && let Some(first) = part.moves.iter().find(lacks)
+    {
+        let whose =
+            if part.feedrate_mm_per_s.is_some() { "the highest of the part" } else { "the machine's" };
+        output::note(&format!(
+            "no feedrate is commanded in line {}: {whose}, {feedrate} mm/s, is taken",
+            first.line
+        ));
+    }
 }
 
 /// A whole file as text.

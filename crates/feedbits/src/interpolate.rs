@@ -6,6 +6,7 @@ use anyhow::{Result, bail};
 use clap::Args;
 use format_compare::{
     Dimension, Engine, Options, OverrideTarget, Overrides, Problem, Reference, SetpointTable, Space,
+    jerk_of_chords,
 };
 
 use crate::formats::selected;
@@ -111,9 +112,9 @@ fn kept<const D: usize>(table: &SetpointTable, problem: &Problem<D>) -> String {
     let t = problem.period_s();
     let rest = || [0.0, 0.0].into_iter();
     let chords: Vec<f64> = rest().chain(table.iter().map(|row| row.chord_mm)).chain(rest()).collect();
-    let changes: Vec<f64> = chords.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let acceleration = changes.iter().fold(0.0_f64, |most, a| most.max(a.abs())) / t.powi(2);
-    let jerk = changes.windows(2).fold(0.0_f64, |most, pair| most.max((pair[1] - pair[0]).abs())) / t.powi(3);
+    let changes = chords.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+    let acceleration = changes.fold(0.0, f64::max) / t.powi(2);
+    let jerk = jerk_of_chords(&chords, t);
     let machine = &problem.machine;
     format!(
         "{} periods: acceleration {acceleration:.1} of {} mm/s², jerk {jerk:.0} of {} mm/s³ at most",

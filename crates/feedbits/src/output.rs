@@ -39,6 +39,11 @@ pub(crate) fn note(text: &str) {
     }
 }
 
+/// A number and what it counts: one of it, or others.
+pub(crate) fn counted(count: usize, one: &str, others: &str) -> String {
+    format!("{count} {}", if count == 1 { one } else { others })
+}
+
 /// Writes a line to the error stream. Where that is closed or full, nobody listens, and the exit status says what there is
 /// to say.
 pub(crate) fn say(line: &str) {

@@ -123,13 +123,13 @@ impl PlanArguments {
 }
 
 impl RunArguments {
-    /// Reads the part and its machine, of which less fluctuation or more may be asked than its file does.
+    /// Reads the problem to plan and run, and says what is left out of it.
     pub(crate) fn problem(&self, input: &Input) -> Result<AnyProblem> {
         let (part, machine) = self.part_and_machine(input)?;
         AnyProblem::new(&part, &machine)
     }
 
-    /// The same two, as they are.
+    /// Reads the part and its machine, with the fluctuation that is asked for in place of the file's.
     pub(crate) fn part_and_machine(&self, input: &Input) -> Result<(Part, Machine)> {
         let asked = ratio("--fluctuation", self.fluctuation)?;
         let (part, machine) = input.part_and_machine()?;

@@ -301,19 +301,7 @@ fn findings(comparison: &Comparison, target: &Target) -> Vec<String> {
     } else {
         lines.push(format!("No format is known to be good and fast enough on {}", target.name));
     }
-    let recommended = comparison.recommended_on.get(&target.name);
-    let chosen = good.iter().find(|(row, _)| {
-        recommended.is_some_and(|(format, engine)| (&row.format, &row.engine) == (format, engine))
-    });
-    if let Some((row, cost)) = chosen
-        && let Some(share) = cost.share_of_period.map(|share| share * cost.max_range[1] / cost.max)
-        && share > 1.0
-    {
-        let format = &row.format;
-        lines.push(format!(
-            "{format} fits by what operations typically take; by the most they may take, its worst step has {share:.1} periods"
-        ));
-    }
+    lines.extend(may_not_fit(comparison, target, &good));
     // Fixed point against float: the cheapest good one of each.
     let cheapest = |fixed: bool| {
         let of_kind = good.iter().filter(|(row, _)| row.format.starts_with('I') == fixed);
@@ -329,6 +317,16 @@ fn findings(comparison: &Comparison, target: &Target) -> Vec<String> {
     }
     lines.extend(divisions(comparison, &known));
     lines
+}
+
+/// That the recommended format fits the period only by what operations typically take.
+fn may_not_fit(comparison: &Comparison, target: &Target, good: &[(&Row, PeriodCost)]) -> Option<String> {
+    let (format, engine) = comparison.recommended_on.get(&target.name)?;
+    let (_, cost) = good.iter().find(|(row, _)| row.format == *format && row.engine == *engine)?;
+    let most = cost.share_of_period? * cost.max_range[1] / cost.max;
+    (most > 1.0).then(|| {
+        format!("{format} fits by what operations typically take; by the most they may take, its worst step has {most:.1} periods")
+    })
 }
 
 /// What compiling buys where both forms were priced, and how much of the raw form is division and roots.

@@ -160,6 +160,8 @@ fn a_sweep_of_a_part_with_other_stops_is_another() {
 fn a_cell_of_too_many_periods_says_so() {
     let folder = folder();
     let run = feedbits(folder.path(), &[&GRID[..], &["--most-periods", "20", "--out", "s.jsonl"]].concat());
+    // None is good in a cell that was run.
+    assert_eq!(run.status.code(), Some(1), "{}", text(&run.stderr));
     assert!(text(&run.stdout).contains("cells were not run; the file says why"), "{}", text(&run.stdout));
     let skipped =
         cells(&folder.path().join("s.jsonl")).into_iter().filter(|line| line.contains("more than 20"));

@@ -43,7 +43,7 @@ pub use exact_plan::ExactPlan;
 pub use feed_plan::ProfileKind;
 pub use formats::{Dimension, Format, Space, formats, plan_for, select};
 pub use least_periods::{LeastPeriods, MOST_PERIODS};
-pub use metrics::{Fluctuation, JudgedStep, PerPeriod};
+pub use metrics::{Fluctuation, JudgedStep, PerPeriod, jerk_of_chords};
 pub use overrides::{OverrideCommands, OverrideError, OverrideTarget, Overrides};
 pub use part_program::Machine;
 pub use plan_table::{FeedSample, PlanSummary, StageRow};

@@ -109,7 +109,13 @@ pub(crate) fn greater(one: f64, other: f64) -> f64 {
 pub(crate) fn jerk_max_mm_per_s3(steps: &[JudgedStep], period_s: f64, ends_at_rest: bool) -> f64 {
     let rest = [0.0; 2].into_iter().take(if ends_at_rest { 2 } else { 0 });
     let chords: Vec<f64> = steps.iter().map(|step| step.chord_mm).chain(rest).collect();
-    let bends = chords.windows(3).map(|three| (three[2] - three[1] - (three[1] - three[0])).abs());
+    jerk_of_chords(&chords, period_s)
+}
+
+/// `|c_{i+1} - 2 c_i + c_{i-1}|/T³` at most, in mm/s³, of the chords c of neighbouring periods T, in mm and s; 0 of fewer than three.
+#[must_use]
+pub fn jerk_of_chords(chords_mm: &[f64], period_s: f64) -> f64 {
+    let bends = chords_mm.windows(3).map(|three| (three[2] - three[1] - (three[1] - three[0])).abs());
     bends.fold(0.0, greater) / period_s.powi(3)
 }
 
