@@ -13,7 +13,7 @@
 use alloc::vec::Vec;
 use core::ops::Range;
 
-use nurbs_core::{Differentiate, Evaluate, Frenet, GaussLegendre, LONGEST_ROUND_CORNER};
+use nurbs_core::{Differentiate, Frenet, GaussLegendre};
 use real::Real;
 
 use crate::schedule::Cursor;
@@ -113,8 +113,18 @@ impl<'a, R: Real, C> Path<'a, R, C> {
         self.is_resolved || self.limit.is_resolved_at(distance)
     }
 
-    /// The length of the chord between two distances.
-    pub(crate) fn chord_between<const D: usize>(&self, from: R, to: R) -> R
+    /// The length of a step between two distances: of the chords from corner to corner.
+    pub(crate) fn step_between<const D: usize>(&self, from: R, to: R) -> R
+    where
+        C: Differentiate<R, D>,
+    {
+        let corners = self.limit.corners_from(from).iter().take_while(|corner| **corner < to);
+        let ends = corners.copied().chain([to]);
+        ends.fold((R::zero(), from), |(sum, from), to| (sum + self.leg(from, to), to)).0
+    }
+
+    /// The length of the chord between two distances without a corner in between.
+    fn leg<const D: usize>(&self, from: R, to: R) -> R
     where
         C: Differentiate<R, D>,
     {
@@ -216,7 +226,7 @@ impl<'a, R: Real, C> Path<'a, R, C> {
             run.planned = run.planned + arc;
             let passed = short.get(begun_in..run.cursor.stage()).unwrap_or_default();
             over_stop = if passed.iter().any(|stage| stage.end_feed.is_zero()) {
-                let rest = self.chord_between(run.reached, run.planned);
+                let rest = self.step_between(run.reached, run.planned);
                 run.reached = run.planned;
                 Some(wanted - rest)
             } else {
@@ -230,9 +240,8 @@ impl<'a, R: Real, C> Path<'a, R, C> {
         End { run: end, last_period, ahead }
     }
 
-    /// The arc of a step from `begin` on: the first whose chord is as long as wanted. Where the way behind the last joint of spans
-    /// within it leads back along the chord up to there, it ends no further beyond the joint than [`LONGEST_ROUND_CORNER`] of that,
-    /// and the chord may come out shorter.
+    /// The arc of a step from `begin` on: to each corner within it a chord, and behind the last one the first arc whose chord is as
+    /// long as what is left.
     pub(crate) fn arc_of_step<const D: usize>(&self, begin: R, wanted: R) -> R
     where
         C: Differentiate<R, D>,
@@ -240,28 +249,15 @@ impl<'a, R: Real, C> Path<'a, R, C> {
         if !(self.is_resolved_at(begin) && self.is_resolved_at(begin + wanted)) {
             return wanted;
         }
-        let arc = self.arc_over(begin, wanted);
-        let [numerator, denominator] = LONGEST_ROUND_CORNER;
-        let longest = wanted * R::from_ratio(numerator, denominator);
-        if arc <= longest {
-            return arc;
+        let (mut from, mut left) = (begin, wanted);
+        for &corner in self.limit.corners_from(begin) {
+            let chord = if corner - from > left.scale(2) { left } else { self.leg(from, corner) };
+            if chord >= left {
+                break;
+            }
+            (from, left) = (corner, left - chord);
         }
-        let (index, u) = self.limit.parameter_at(begin + arc);
-        let Some(curve) = self.curves.get(index) else { return arc };
-        let span = span_before(curve, u);
-        let (from, _) = curve.span_bounds(span);
-        let to_joint = self.limit.distance_from(index, from) - begin;
-        let speed = |u: R| Frenet::of(&curve.derivatives_in(span, u)).speed;
-        let (joint, start) = (curve.derivatives_in(span, from), self.point(begin));
-        let at_joint = R::norm(&joint.first);
-        let along = R::sum_of_products((0..D).map(|d| (joint.point[d] - start[d], joint.first[d])));
-        if !(to_joint > R::zero() && at_joint > R::zero() && along < R::zero()) {
-            return arc;
-        }
-        // What is limited is the step of the parameter, at the speed of the joint.
-        let width = longest / at_joint;
-        let beyond = width * self.rule.mean(&self.rule.points.map(|x| speed(from + width * x)));
-        arc.min(to_joint + beyond)
+        from - begin + self.arc_over(from, left)
     }
 
     /// The first arc from `begin` on whose chord is as long as wanted; four times the chord where none is.
@@ -299,16 +295,6 @@ impl<'a, R: Real, C> Path<'a, R, C> {
         }
         arc
     }
-}
-
-/// The span of a curve that ends behind a parameter, or there.
-fn span_before<R: Real, const D: usize>(curve: &impl Evaluate<R, D>, u: R) -> usize {
-    let (mut span, mut behind) = (0, curve.span_count());
-    while span + 1 < behind {
-        let middle = span.midpoint(behind);
-        if curve.span_bounds(middle).0 < u { span = middle } else { behind = middle }
-    }
-    span
 }
 
 /// Behind which stage those from `begin` on take a period together, or end at a stop, or go at another feed than the first by
@@ -368,33 +354,28 @@ mod tests {
         steps.windows(3).map(change).fold(0.0, f64::max) / jerk
     }
 
-    /// Behind a corner of 150° met half way no arc of less than 1.7 times the length has its chord, but the run goes 17/16 on; on a
-    /// spline too, whose corner lies within, and where the speed of the parameter changes.
+    /// A step over corners of any angle covers as much of the path as it is long; on a spline too, whose corner lies within.
     #[test]
-    fn a_step_round_a_sharp_corner_ends_at_seventeen_sixteenths_beyond_it() {
+    fn a_step_over_corners_goes_along_the_path() {
         let limits = in_periods(2e-3, 150.0, 1500.0, 3e4, 2e-3);
         let limits = KinematicLimits { junction: Junction::Deviation(0.02), ..limits };
-        let (sine, cosine) = 150.0_f64.to_radians().sin_cos();
-        let points = [[0.0, 0.0], [10.0, 0.0], [10.0 + 10.0 * cosine, 10.0 * sine]];
-        let lines = polyline(&points);
-        let knots = vec![0.0, 0.0, 1.0, 2.0, 2.0];
-        let spline = [NurbsBuf::try_new_nonrational(1, points.to_vec(), knots).unwrap()];
-        // From the corner on the speed rises from half to one and a half of the mean.
-        let at = |share: f64| [10.0 + 10.0 * share * cosine, 10.0 * share * sine];
-        let knots = vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0];
-        let faster = NurbsBuf::try_new_nonrational(2, vec![at(0.0), at(0.25), at(1.0)], knots).unwrap();
-        for curves in [lines.clone(), spline.to_vec(), vec![lines[0].clone(), faster]] {
-            let curves: Vec<_> = curves.iter().map(NurbsBuf::as_curve).collect();
-            let limit = FeedLimit::along(&curves, &limits).unwrap();
-            let path = Path::new(&limit, &curves);
-            let step = 0.01;
-            let beyond = path.arc_of_step(10.0 - step / 2.0, step) - step / 2.0;
-            // At the speed of the corner; on the last curve it rises by 0.4 % over the step.
-            assert!((beyond / step - 1.0625).abs() < 3e-3, "{beyond}");
-            // Away from the corner the whole chord is made.
-            for begin in [9.7, 10.3] {
-                let arc = path.arc_of_step(begin, step);
-                assert!((arc / step - 1.0).abs() < 1e-3, "{arc}");
+        for degrees in [0.1_f64, 30.0, 90.0, 150.0, 179.0] {
+            let (sine, cosine) = degrees.to_radians().sin_cos();
+            let points =
+                [[0.0, 0.0], [10.0, 0.0], [10.0 + 0.004 * cosine, 0.004 * sine], [20.0, 0.004 * sine]];
+            let lines = polyline(&points);
+            let knots = vec![0.0, 0.0, 1.0, 2.0, 3.0, 3.0];
+            let spline = [NurbsBuf::try_new_nonrational(1, points.to_vec(), knots).unwrap()];
+            for curves in [lines, spline.to_vec()] {
+                let curves: Vec<_> = curves.iter().map(NurbsBuf::as_curve).collect();
+                let limit = FeedLimit::along(&curves, &limits).unwrap();
+                let path = Path::new(&limit, &curves);
+                for begin in [9.7, 9.992, 9.995, 9.9999, 10.0, 10.001, 10.3] {
+                    let arc = path.arc_of_step(begin, 0.01);
+                    assert!((arc - 0.01).abs() < 1e-12, "{degrees}° from {begin}: {arc}");
+                    let step = path.step_between(begin, begin + 0.01);
+                    assert!((step - 0.01).abs() < 1e-12, "{degrees}° from {begin}: {step}");
+                }
             }
         }
     }

@@ -58,6 +58,8 @@ pub(crate) struct Node<R> {
 pub struct FeedLimit<R> {
     points: Vec<LimitPoint<R>>,
     nodes: Vec<Node<R>>,
+    /// Distances of the corners: where the tangent breaks.
+    corners: Vec<R>,
 }
 
 /// One sample of the limit, with the margin for the stretch that ends with it.
@@ -127,7 +129,7 @@ impl<R: Real> FeedLimit<R> {
             scan.pass(index, curve, stops.binary_search(&index).is_ok())?;
         }
         scan.finish();
-        Self::assemble(scan.samples(), limits.chord_error)
+        Ok(Self { corners: scan.corners().to_vec(), ..Self::assemble(scan.samples(), limits.chord_error)? })
     }
 
     /// The same where no curve is travelled faster than its own feed, given by its index: the F words of a program. A feed above
@@ -202,7 +204,7 @@ impl<R: Real> FeedLimit<R> {
         let mut nodes: Vec<_> = samples.iter().enumerate().map(node).collect();
         let points: Vec<_> = samples.iter().map(|sample| sample.point).collect();
         release_stops(samples, &mut nodes, chord_error);
-        Ok(Self { points, nodes })
+        Ok(Self { points, nodes, corners: Vec::new() })
     }
 
     /// The points, in order of distance. Points of the same distance are one-sided limits at a joint, with a
@@ -314,11 +316,10 @@ impl<R: Real> FeedLimit<R> {
         self.count_before(distance).checked_sub(1).and_then(|before| self.points.get(before))
     }
 
-    /// Distance of the first point from a parameter of a curve on.
-    pub(crate) fn distance_from(&self, curve: usize, u: R) -> R {
-        let first =
-            self.points.partition_point(|point| point.curve < curve || point.curve == curve && point.u < u);
-        self.points.get(first).map_or_else(|| self.length(), |point| point.distance)
+    /// The distances beyond `distance` at which the tangent breaks, in order.
+    pub(crate) fn corners_from(&self, distance: R) -> &[R] {
+        let passed = self.corners.partition_point(|corner| *corner <= distance);
+        self.corners.get(passed..).unwrap_or_default()
     }
 
     /// Whether the parameter tells places apart everywhere: between knots a few roundings apart there are none, though the path may

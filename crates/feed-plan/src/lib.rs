@@ -119,6 +119,7 @@ mod scan;
 mod schedule;
 #[cfg(feature = "alloc")]
 mod schedule_buf;
+mod section;
 mod stage_shape;
 #[cfg(feature = "alloc")]
 mod stages;
@@ -159,6 +160,7 @@ pub use s_curve_profile::SCurveProfile;
 pub use schedule::{Cursor, Schedule, Stage, StageKind};
 #[cfg(feature = "alloc")]
 pub use schedule_buf::ScheduleBuf;
+pub use section::{Section, sections};
 pub use stage_shape::StageShape;
 #[cfg(feature = "alloc")]
 pub use trigonometric_profile::TrigonometricProfile;

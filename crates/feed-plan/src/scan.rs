@@ -6,7 +6,7 @@
 
 use alloc::vec::Vec;
 
-use nurbs_core::{Differentiate, Frenet, GaussLegendre, golden_section};
+use nurbs_core::{Differentiate, Frenet, GaussLegendre, golden_section, tangent_breaks};
 use real::Real;
 
 use crate::axis_budget::{Allowance, AxisBudget, Turning, components};
@@ -56,6 +56,8 @@ pub(crate) struct Scan<'l, R, const D: usize> {
     samples: Vec<Measured<R>>,
     /// What breaks of the tangent within one step do together.
     fine_moves: FineMoves<R, D>,
+    /// Distances at which the tangent breaks.
+    corners: Vec<R>,
 }
 
 impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
@@ -85,6 +87,7 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
             end,
             samples,
             fine_moves,
+            corners: Vec::new(),
         }
     }
 
@@ -137,6 +140,11 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
         self.samples.get(..count.saturating_sub(1)).unwrap_or_default()
     }
 
+    /// Distances at which the tangent breaks, but for those forgotten.
+    pub(crate) fn corners(&self) -> &[R] {
+        &self.corners
+    }
+
     /// Arc length of what was sampled.
     pub(crate) fn length(&self) -> R {
         self.distance
@@ -146,6 +154,7 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
     pub(crate) fn forget_before(&mut self, distance: R) {
         let kept = self.samples.partition_point(|sample| sample.point.distance <= distance);
         self.samples.drain(..kept.saturating_sub(1));
+        self.corners.retain(|corner| *corner > distance);
     }
 
     /// Appends a span, with a stop before it if `from_rest`; `None` when a distance does not increase as numbers of the format
@@ -159,6 +168,9 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
         from_rest: bool,
     ) -> Option<()> {
         let (first, last) = (&stations.first()?.at, &stations.last()?.at);
+        if self.end.is_some_and(|(tangent, _)| tangent_breaks(&tangent, &first.tangent)) {
+            self.corners.push(self.distance);
+        }
         let is_lowest = |feedrate: &R| *feedrate < self.lower_beside(stations);
         let stop = (from_rest && self.end.is_some()).then(R::zero);
         let turn = self.end.map(|end| Turn::between(end, first));

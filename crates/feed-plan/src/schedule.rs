@@ -2,11 +2,8 @@
 
 use real::Real;
 
-use crate::{FeedPiece, StageShape};
-
-/// A period that ends within 2⁻¹⁰ of one before a stop ends at it: stops are planned on whole periods, and what is off is
-/// the rounding of times. There is less than 2⁻²⁰ of a step to be travelled.
-const AT_STOP: i32 = -10;
+use crate::section::AT_REST;
+use crate::{FeedPiece, Section, StageShape, sections};
 
 /// What the feed does in a stage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,6 +53,12 @@ impl<R: Real> Stage<R> {
         } else {
             StageKind::Constant
         }
+    }
+
+    /// Whether nothing moves in it.
+    #[must_use]
+    pub fn is_pause(&self) -> bool {
+        self.start_feed.is_zero() && self.end_feed.is_zero()
     }
 
     /// Curve and parameter at which the stage comes to rest, if it does.
@@ -145,6 +148,11 @@ impl<'a, R: Real> Schedule<'a, R> {
         self.stages
     }
 
+    /// What the plan does from rest to rest, in order.
+    pub fn sections(&self) -> impl Iterator<Item = Section<'a, R>> + use<'a, R> {
+        sections(self.stages)
+    }
+
     /// Time of the whole plan: `periods()` times the interpolation period, but for rounding.
     #[must_use]
     pub fn duration(&self) -> R {
@@ -198,7 +206,7 @@ impl<'a, R: Real> Schedule<'a, R> {
         for stage in self.stages.get(cursor.stage..)? {
             let until_joint = stage.duration - time;
             let is_at_stop =
-                || stage.end_feed.is_zero() && until_joint - left < self.interpolation_period.scale(AT_STOP);
+                || stage.end_feed.is_zero() && until_joint - left < self.interpolation_period.scale(AT_REST);
             if !takes_the_rest && left < until_joint && !is_at_stop() {
                 (cursor.offset, cursor.count) = if cursor.stage == begun_in {
                     (cursor.offset, cursor.count + R::one())

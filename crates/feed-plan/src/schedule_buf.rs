@@ -4,7 +4,7 @@ use alloc::vec::Vec;
 
 use real::Real;
 
-use crate::{FeedLimit, Schedule, Stage, chord_feeds};
+use crate::{FeedLimit, Schedule, Stage, chord_feeds, sections};
 
 /// A plan that owns its stages, as [`plan`](crate::plan) makes it.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,10 +56,10 @@ impl<R: Real> ScheduleBuf<R> {
     ) -> Self {
         let mut stages: Vec<Stage<R>> = Vec::with_capacity(self.stages.len());
         let (mut rest, mut start) = (list, R::zero());
-        for section in self.stages.split_inclusive(|stage| stage.end_feed.is_zero()) {
-            let (these, others) = rest.split_at(section.len().min(rest.len()));
+        for section in sections(&self.stages) {
+            let (these, others) = rest.split_at(section.stages().len().min(rest.len()));
             rest = others;
-            for stage in other(section, these) {
+            for stage in other(section.stages(), these) {
                 stages.push(Stage { start, ..stage });
                 start = start + stage.length;
             }

@@ -5,7 +5,7 @@
 
 use real::Real;
 
-use crate::{PlanError, Stage};
+use crate::{PlanError, Stage, section};
 
 /// Each section is slowed down by 2⁻¹³ at least. That leaves 2⁻¹² of the acceleration, and more of the jerk, to a plan whose chords
 /// have the planned lengths ([`ScheduleBuf::shortened`](crate::ScheduleBuf::shortened)).
@@ -13,11 +13,13 @@ pub(crate) const SLOWER: i32 = -13;
 
 /// Slows each section between two stops down evenly to a whole number of periods; their sum is returned.
 pub(crate) fn stretch<R: Real>(stages: &mut [Stage<R>], period: R) -> Result<u32, PlanError> {
-    let sections = stages.split_inclusive_mut(|stage| stage.end_feed.is_zero());
     let mut periods = Some(0_u32);
-    for section in sections {
+    let mut rest = stages;
+    while !rest.is_empty() {
+        let (section, behind) = rest.split_at_mut(section::count(rest));
         let taken = stretch_section(section, period)?;
         periods = periods.and_then(|sum| sum.checked_add(taken));
+        rest = behind;
     }
     periods.filter(|sum| *sum > 0).ok_or(PlanError::DurationOverflows)
 }

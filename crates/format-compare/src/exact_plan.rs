@@ -2,7 +2,7 @@
 
 use feed_plan::{
     AxisLimits, CommandedCurve, EndFeeds, FeedLimit, Junction, KinematicLimits, PlanError, ProfileKind,
-    Schedule, ScheduleBuf, Stage, StageShape, plan_through_window, plan_with,
+    Schedule, ScheduleBuf, Stage, StageShape, plan_through_window, plan_with, sections,
 };
 use nurbs_core::{Differentiate, NurbsBuf};
 use real::{Backend, DoubleDouble, Real};
@@ -109,8 +109,13 @@ impl ExactPlan {
         Ok(Self::on_the_grid(stages, periods, profile))
     }
 
+    /// A plan whose stages end at multiples of 2⁻³² periods of their section's clock, as a controller counts time; a distance moves
+    /// by 1e-10 of a step at most.
     fn on_the_grid(mut stages: Vec<Stage<DoubleDouble>>, periods: u32, profile: ProfileKind) -> Self {
-        put_joints_on_the_grid(&mut stages);
+        let durations: Vec<_> = sections(&stages).flat_map(|section| section.durations()).collect();
+        for (stage, duration) in stages.iter_mut().zip(durations) {
+            stage.duration = DoubleDouble::from_phase(duration, 32);
+        }
         Self { stages, periods, profile }
     }
 
@@ -186,20 +191,6 @@ impl ExactPlan {
             let length = schedule.advance(&mut cursor)?;
             Some((length, schedule.feed(&cursor).value()))
         })
-    }
-}
-
-/// Moves each joint to the nearest multiple of 2⁻³² periods, the unit in which a controller counts time
-/// ([`secant_interp::StepLengths`]). The whole keeps its duration; a distance moves by 1e-10 of a step at most.
-fn put_joints_on_the_grid(stages: &mut [Stage<DoubleDouble>]) {
-    let half_unit = DoubleDouble::from(0.5.scale(-32));
-    let mut time = DoubleDouble::from(0.0);
-    let mut begin = 0;
-    for stage in stages {
-        time = time + stage.duration;
-        let end = (time + half_unit).to_phase(-32);
-        stage.duration = DoubleDouble::from_phase(end.saturating_sub(begin), 32);
-        begin = end;
     }
 }
 

@@ -6,11 +6,10 @@
 
 use std::fmt;
 
-use feed_plan::{AxisLimits, FeedPiece, KinematicLimits, Stage};
+use feed_plan::{AxisLimits, FeedPiece, KinematicLimits, Stage, sections};
 use real::DoubleDouble;
 use secant_interp::{
     FeedOverride, LengthCursor, LengthStage, OverrideLimits, OverrideState, Rate, StepLengths,
-    stage_durations,
 };
 
 use crate::exact_plan::ExactPlan;
@@ -201,7 +200,8 @@ pub struct OverrideCommands {
 
 /// The stages of a plan as [`CompiledPath`](secant_interp::CompiledPath) has them, exactly.
 fn compiled(stages: &[Stage<DoubleDouble>]) -> Vec<LengthStage<DoubleDouble>> {
-    let compiled = stages.iter().zip(stage_durations(stages)).filter_map(|(stage, duration)| {
+    let durations = sections(stages).flat_map(|section| section.durations());
+    let compiled = stages.iter().zip(durations).filter_map(|(stage, duration)| {
         let change = stage.end_feed - stage.start_feed;
         Some(LengthStage::new(duration, stage.start_feed, change)?.shaped(stage.shape))
     });

@@ -1,6 +1,8 @@
 //! The judge: the path in double-double arithmetic, against which every run is measured.
 
-use nurbs_core::{CurveError, Evaluate, NurbsBuf, arc_length, distance_to_segment};
+use nurbs_core::{
+    CurveError, Differentiate, Evaluate, NurbsBuf, arc_length, distance_to_segment, tangent_breaks,
+};
 use real::{DoubleDouble, Real};
 
 use crate::metrics::{JudgedStep, greater};
@@ -11,6 +13,8 @@ use crate::run::{Run, RunStep};
 pub struct Reference<const D: usize> {
     exact: Vec<NurbsBuf<DoubleDouble, D>>,
     plain: Vec<NurbsBuf<f64, D>>,
+    /// Curve and parameter of each corner, where the tangent breaks: of the curve that begins there.
+    corners: Vec<(usize, f64)>,
     length_mm: f64,
 }
 
@@ -27,7 +31,7 @@ impl<const D: usize> Reference<D> {
             arc_length(&curve, begin, end, 1e-9).length
         };
         let length_mm = problem.curves.iter().map(length).sum();
-        Ok(Self { exact, plain: problem.curves.clone(), length_mm })
+        Ok(Self { exact, plain: problem.curves.clone(), corners: corners(&problem.curves), length_mm })
     }
 
     /// Arc length of the path, in mm.
@@ -70,10 +74,12 @@ impl<const D: usize> Reference<D> {
         step: &RunStep,
         to_point: &[DoubleDouble; D],
     ) -> JudgedStep {
-        let chord = DoubleDouble::norm(&core::array::from_fn::<_, D, _>(|d| to_point[d] - from_point[d]));
+        let corners = self.corners_between(from, (step.curve, step.u));
+        let chord = legs(from_point, &corners, to_point);
         let wanted = DoubleDouble::new(step.wanted_mm.0, step.wanted_mm.1);
         let off = core::array::from_fn::<_, D, _>(|d| DoubleDouble::from(step.point_mm[d]) - to_point[d]);
-        let commanded = f64::norm::<D>(&core::array::from_fn(|d| step.point_mm[d] - commanded[d]));
+        let reached = core::array::from_fn(|d| DoubleDouble::from(step.point_mm[d]));
+        let commanded = legs(&commanded.map(DoubleDouble::from), &corners, &reached).value();
         JudgedStep {
             wanted_mm: wanted.value(),
             chord_mm: chord.value(),
@@ -82,6 +88,18 @@ impl<const D: usize> Reference<D> {
             chord_error_mm: self.chord_error_mm(from, step, from_point, to_point),
             position_error_mm: DoubleDouble::norm(&off).value(),
         }
+    }
+
+    /// The corners that a step passes.
+    fn corners_between(
+        &self,
+        (curve, u): (usize, (f64, f64)),
+        to: (usize, (f64, f64)),
+    ) -> Vec<[DoubleDouble; D]> {
+        let passed = self.corners.partition_point(|corner| (corner.0, (corner.1, 0.0)) <= (curve, u));
+        let rest = self.corners.get(passed..).unwrap_or_default().iter();
+        let passed = rest.take_while(|corner| (corner.0, (corner.1, 0.0)) < to);
+        passed.map(|(curve, u)| self.point(*curve, (*u, 0.0))).collect()
     }
 
     /// The largest distance of the path between two setpoints from their chord, over joints too, sampled on each curve at eight
@@ -120,6 +138,35 @@ impl<const D: usize> Reference<D> {
         };
         DoubleDouble::norm(&core::array::from_fn::<_, D, _>(|d| commanded[d] - end_point[d])).value()
     }
+}
+
+/// The sum of the chords from corner to corner.
+fn legs<const D: usize>(
+    from: &[DoubleDouble; D],
+    corners: &[[DoubleDouble; D]],
+    to: &[DoubleDouble; D],
+) -> DoubleDouble {
+    let leg = |from: &[DoubleDouble; D], to: &[DoubleDouble; D]| {
+        DoubleDouble::norm(&core::array::from_fn::<_, D, _>(|d| to[d] - from[d]))
+    };
+    let ends = corners.iter().chain([to]);
+    ends.fold((DoubleDouble::from(0.0), from), |(sum, from), to| (sum + leg(from, to), to)).0
+}
+
+/// Where the tangent breaks, at joints of curves and at knots inside them.
+fn corners<const D: usize>(curves: &[NurbsBuf<f64, D>]) -> Vec<(usize, f64)> {
+    let (mut corners, mut end) = (Vec::new(), [0.0; D]);
+    for (index, curve) in curves.iter().enumerate() {
+        let curve = curve.as_curve();
+        for span in 0..curve.span_count() {
+            let (first, last) = curve.span_bounds(span);
+            if tangent_breaks(&end, &curve.derivatives_in(span, first).first) {
+                corners.push((index, first));
+            }
+            end = curve.derivatives_in(span, last).first;
+        }
+    }
+    corners
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ use real::{Backend, FormatName, Real};
 use crate::bezier::{Bezier, computed};
 use crate::local_piece::LocalPiece;
 use crate::local_piece::MAX_STEP_EXPONENT;
-use crate::pieces::{Piece, Pieces};
+use crate::pieces::{Joint, Piece, Pieces};
 use crate::ranges::{self, Scales, SignalBound, exponent_below, power_of_two};
 use crate::{MAX_DEGREE, NurbsCurve};
 
@@ -446,7 +446,7 @@ fn row<H: Backend, R: Backend, const D: usize>(
         range_exponent: small(scales.range),
         joint_ratio: sixteen_bits(joint_ratio),
         joint_exponent: small(joint_exponent),
-        continues: next.is_some_and(|(next, _)| piece.continues_in(next)),
+        joint: next.map_or(Joint::Smooth, |(next, _)| piece.joint_to(next)),
         step_per_chord: piece.step_per_chord(scales).map(|sigma| near(sigma).max(least)),
     }
 }

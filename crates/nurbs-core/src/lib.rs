@@ -148,7 +148,7 @@ pub use line::{Line, distance_to_segment, nearest_on_segment};
 pub use owned::NurbsBuf;
 #[cfg(feature = "alloc")]
 pub use path_curve::PathCurve;
-pub use pieces::{LONGEST_ROUND_CORNER, ORIGIN_EXPONENT, Piece, Pieces, Shifted, shift};
+pub use pieces::{Joint, ORIGIN_EXPONENT, Piece, Pieces, Shifted, shift};
 #[cfg(feature = "alloc")]
 pub use power_curve::{PowerCursor, PowerCurve};
 pub use quadrature::GaussLegendre;

@@ -6,9 +6,10 @@ use real::{Backend, Real};
 
 use crate::bezier::Bezier;
 use crate::compile::Place;
-use crate::pieces::ORIGIN_EXPONENT;
+use crate::pieces::{Joint, ORIGIN_EXPONENT};
 use crate::polynomial::{PARTS, binomial, bound_on_unit_interval, hull, on_part, power_basis};
 use crate::ranges::{Scales, exponent_below, fraction_and_exponent, power_of_two};
+use crate::tangent_breaks;
 
 /// A piece in high precision: power basis in t, coordinates in mm relative to the piece's first point.
 pub(crate) struct LocalPiece<H, const D: usize> {
@@ -103,6 +104,35 @@ impl<H: Backend, const D: usize> LocalPiece<H, D> {
             self.speed.end / next.speed.begin
         };
         fraction_and_exponent(ratio * power_of_two(next_scales.step - scales.step))
+    }
+
+    /// How the path goes on to `next`.
+    pub(crate) fn joint_to(&self, next: &Self) -> Joint {
+        if self.continues_in(next) {
+            Joint::Continues
+        } else if tangent_breaks(&self.direction_at_end(), &next.direction_at_begin()) {
+            Joint::Breaks
+        } else {
+            Joint::Smooth
+        }
+    }
+
+    /// A vector along C'(0): `N'(0)`, for N begins with 0.
+    fn direction_at_begin(&self) -> [H; D] {
+        self.numerator.first().copied().unwrap_or([H::zero(); D])
+    }
+
+    /// A vector along C'(1): `N'(1) W(1) - N(1) W'(1)`.
+    fn direction_at_end(&self) -> [H; D] {
+        let whole = |k: usize| H::from_f64(k as f64).unwrap_or_else(H::zero);
+        let sum = |terms: &mut dyn Iterator<Item = H>| terms.fold(H::zero(), |sum, term| sum + term);
+        let weight = sum(&mut self.weight.iter().copied());
+        let weight_rise = sum(&mut (0..).zip(&self.weight).map(|(k, w)| whole(k) * *w));
+        core::array::from_fn(|d| {
+            let value = sum(&mut self.numerator.iter().map(|n| n[d]));
+            let rise = sum(&mut (1..).zip(&self.numerator).map(|(k, n)| whole(k) * n[d]));
+            rise * weight - value * weight_rise
+        })
     }
 
     /// Whether `next` is the same polynomial further on.

@@ -25,10 +25,17 @@ use crate::MAX_DEGREE;
 /// ±2²⁴ mm, which is 16 km.
 pub const ORIGIN_EXPONENT: i32 = -39;
 
-/// A step round a corner of more than a right angle, as its chord up to there sees it, goes no further beyond it than 17/16 of its
-/// length, at the speed of the parameter there; numerator and denominator. Real time keeps to it, and a plan that is to land on
-/// its stops counts on it.
-pub const LONGEST_ROUND_CORNER: [i32; 2] = [17, 16];
+/// How the path goes on at the end of a piece.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Joint {
+    /// The next piece is the same polynomial further on: a step passes the joint as if it were not there.
+    Continues,
+    /// Another polynomial follows in the same direction, or none: a step over the joint is one straight chord.
+    Smooth,
+    /// The tangent breaks ([`tangent_breaks`](crate::tangent_breaks)): a step goes on behind the corner by what is left of its
+    /// length, as a chord of its own.
+    Breaks,
+}
 
 /// One row of the table: 32 bytes in a 32-bit format in the plane, 48 in a 64-bit one in space.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,8 +58,8 @@ pub struct Piece<R, const D: usize> {
     pub joint_ratio: u16,
     /// Power of two that belongs to `joint_ratio`.
     pub joint_exponent: i8,
-    /// Whether the next piece is the same polynomial further on, so that a step may pass the joint on this one.
-    pub continues: bool,
+    /// How the path goes on at the piece's end.
+    pub joint: Joint,
     /// Least and greatest step per chord, in the solver's scale: what a trial is clamped to, and what the proof of
     /// the ranges rests on.
     pub step_per_chord: [R; 2],

@@ -1,8 +1,8 @@
 //! Compiled pieces against the curve they were cut from, in every kind of format.
 
 use nurbs_core::{
-    CompileError, Evaluate, MAX_DEGREE, NurbsBuf, ORIGIN_EXPONENT, Piece, PieceLimits, PiecesBuf, compile,
-    generate,
+    CompileError, Evaluate, Joint, MAX_DEGREE, NurbsBuf, ORIGIN_EXPONENT, Piece, PieceLimits, PiecesBuf,
+    compile, generate,
 };
 use proptest::prelude::*;
 use real::{Backend, DoubleDouble, FormatName, I3F29, I4F28, I4F60, I8F24, I16F48, Real};
@@ -342,7 +342,7 @@ fn a_stop_inside_a_span_becomes_a_joint() {
         let joint = table.joint(0, stop).unwrap();
         assert_eq!(places.get(joint).is_some_and(|place| place.begin.0 == stop), begins, "{stop}");
         assert!(joint == 0 || places[joint - 1].end.0 == stop, "{stop}");
-        assert!(joint == 0 || !table.as_pieces().pieces[joint - 1].continues, "{stop}");
+        assert!(joint == 0 || table.as_pieces().pieces[joint - 1].joint != Joint::Continues, "{stop}");
     }
     assert_eq!((table.joint(0, 0.2), table.joint(1, 0.5)), (None, None));
     for (before, after) in places.iter().zip(&places[1..]) {

@@ -12,7 +12,7 @@ use real::{Backend, Real};
 
 use crate::chord_step::ChordTolerance;
 use crate::piece_interpolator::PieceInterpolator;
-use crate::step_lengths::{LengthStage, StepLengths, stage_durations};
+use crate::step_lengths::{LengthStage, StepLengths};
 use crate::stretches::{Stretch, stretches};
 
 /// Why a plan does not go into a number format. Values are in mm and periods.
@@ -171,8 +171,8 @@ impl<R: Backend, const D: usize> CompiledPath<R, D> {
             R::from_f64(step.scale(exponent)).ok_or(CompiledPathError::LandingStepTooLong { step })?;
         refuse_long_steps(plan, step, table.step_mm())?;
         let (mut stages, mut stops) = (Vec::new(), Vec::new());
-        for (index, (stage, duration)) in plan.stages().iter().zip(stage_durations(plan.stages())).enumerate()
-        {
+        let durations = plan.sections().flat_map(|section| section.durations());
+        for (index, (stage, duration)) in plan.stages().iter().zip(durations).enumerate() {
             let feed = |feed: Q| {
                 nearest::<Q, R>(feed, exponent)
                     .ok_or(CompiledPathError::FeedTooHigh { stage: index, feed: feed.to_f64() })

@@ -87,13 +87,13 @@ fn row<R: Backend, const D: usize>(row: &Piece<R, D>) -> String {
         range_exponent,
         joint_ratio,
         joint_exponent,
-        continues,
+        joint,
         step_per_chord,
     } = row;
     format!(
         "Piece {{ origin: {origin:?}, coordinate_exponent: {coordinate_exponent}, step_exponent: {step_exponent}, \
          range_exponent: {range_exponent}, joint_ratio: {joint_ratio}, joint_exponent: {joint_exponent}, \
-         continues: {continues}, step_per_chord: {} }}",
+         joint: Joint::{joint:?}, step_per_chord: {} }}",
         numbers(step_per_chord)
     )
 }

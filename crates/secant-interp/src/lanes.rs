@@ -13,7 +13,7 @@
 //! the same operations in the same order, and counts only where nothing uncommon is seen.
 
 use feed_plan::StageShape;
-use nurbs_core::shift;
+use nurbs_core::{Joint, shift};
 use real::{Lane, Real};
 
 use crate::chord_step::{Evaluation, correction, is_within, value_and_slope};
@@ -298,7 +298,7 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
         numbers.t[lane] = state.t;
         // Where another polynomial follows, a guess that may lead there is not for here.
         let end = R::one() - R::one().scale(-20);
-        numbers.end[lane] = if row.continues { R::max_value() } else { end };
+        numbers.end[lane] = if row.joint == Joint::Continues { R::max_value() } else { end };
         true
     }
 

@@ -73,5 +73,5 @@ pub use lanes::LaneInterpolator;
 pub use piece_interpolator::{PieceInterpolator, PieceSetpoint, PieceState};
 pub use position_checksum::PositionChecksum;
 pub use secant::{Outcome, Tolerance};
-pub use step_lengths::{LengthCursor, LengthStage, StepLengths, stage_durations};
+pub use step_lengths::{LengthCursor, LengthStage, StepLengths};
 pub use stretches::{Stretch, stretches};

@@ -1,6 +1,6 @@
 //! The real-time loop on compiled pieces: positions as (piece, phase), chords without loss.
 
-use nurbs_core::{MAX_DEGREE, Piece, Pieces, Shifted};
+use nurbs_core::{Joint, MAX_DEGREE, Piece, Pieces, Shifted};
 use real::Real;
 
 use crate::chord_step::{Chord, ChordTolerance, Evaluation, difference_within, within};
@@ -136,9 +136,9 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     /// it takes, so that every run ends. On one piece a step takes one re-expansion and at most `max_evaluations`
     /// evaluations, and each further piece that it touches takes no more than that again.
     ///
-    /// A chord over which the path turns by more than 60° may come out shorter than planned: steps per chord are held to
-    /// a sixteenth above that of the piece's slowest point, behind a corner above that of the corner, and the arc over such a
-    /// chord is longer by more.
+    /// A step over a corner, at which the tangent breaks, goes from corner to corner: the sum of these chords is the length. A chord
+    /// over which the path turns by more than 60° without one may come out shorter than planned: steps per chord are held to a
+    /// sixteenth above that of the piece's slowest point, and the arc over such a chord is longer by more.
     ///
     /// The distance of the next period is formed a period early, so a state keeps to one schedule.
     ///
@@ -413,7 +413,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     ) -> Option<Reached<R>> {
         let next = self.pieces.pieces.get(step.piece + 1)?;
         let is_found = is_inside(step.sigma, &row.step_per_chord) && step.phase < u64::MAX;
-        if !row.continues || !is_found {
+        if row.joint != Joint::Continues || !is_found {
             return None;
         }
         // Beyond the end lies what is more than the rest: nothing of a step that leads to the last phase.
@@ -443,7 +443,8 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         evaluations
     }
 
-    /// The end of a step over joints. Pieces that end nearer than the length are passed, and the rest is solved on the next.
+    /// The end of a step over joints. Pieces that end nearer than the length are passed, and the rest is solved on the next. Behind
+    /// a corner, where the tangent breaks, what is left of the length is the length of a chord that begins there.
     #[inline]
     fn find_across(
         &self,
@@ -451,7 +452,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         trend: &mut Trend<R>,
         row: &Piece<R, D>,
         mut travelled: Travelled<R, D>,
-        length: R,
+        mut length: R,
     ) -> Reached<R> {
         let mut row = row;
         let mut expected = trend.next(&row.step_per_chord);
@@ -461,26 +462,34 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
             let greatest = next.step_per_chord[1];
             *trend = trend.into_next(row, next);
             expected = into_next(row, next, expected);
+            if row.joint == Joint::Breaks {
+                length = length * travelled.left;
+                travelled = Travelled::nothing();
+            }
             let Travelled { before, part, left } = travelled;
             let part = part_into_next(row, next, part.min(row.step_per_chord[1]));
-            if left <= R::zero() {
+            if left <= R::zero() || length <= R::zero() {
                 return Reached { piece, phase: 0, sigma: trend.newest, evaluations };
             }
             self.pieces.shift_to_begin(piece, &mut at);
-            let on_next = self.chord(next, &at, length);
-            // What is left begins later than a whole chord and ends with it: σ has gone on by half of that.
-            let earlier = ((trend.newest - expected) * (R::one() - left)).half();
-            let straight_on = || (expected - within(earlier, expected, &next.step_per_chord)) * left;
-            let round_corner = travelled.round_corner(&at.chord[0], expected, greatest);
-            let [guess, longest] = round_corner.unwrap_or_else(|| [straight_on(), greatest]);
+            let mut on_next = self.chord(next, &at, length);
+            let guess = if row.joint == Joint::Breaks {
+                expected = first_step_per_chord(&at.chord[0], &next.step_per_chord);
+                *trend = Trend::steady(expected);
+                expected
+            } else {
+                on_next = Chord { before: Some(before), range: [R::zero(), greatest], ..on_next };
+                // What is left begins later than a whole chord and ends with it: σ has gone on by half of that.
+                let earlier = ((trend.newest - expected) * (R::one() - left)).half();
+                (expected - within(earlier, expected, &next.step_per_chord)) * left
+            };
             let is_long = guess * length >= on_next.whole;
             let whole = || sum_within(part, on_next.whole / length, greatest);
             if is_long && let Some(beyond) = past(&before, &on_next, length) {
                 (row, travelled) = (next, Travelled::new(beyond, whole()));
                 continue;
             }
-            let chord = Chord { before: Some(before), range: [R::zero(), longest], ..on_next };
-            let (sigma, count) = chord.solve(guess, &self.tolerance);
+            let (sigma, count) = on_next.solve(guess, &self.tolerance);
             evaluations += count;
             let step = sigma * length;
             let beyond = if step < on_next.whole || is_long { None } else { past(&before, &on_next, length) };
@@ -573,7 +582,7 @@ pub(crate) fn onward<R: Real, const D: usize>(
 #[inline]
 fn is_on_piece<R: Real, const D: usize>(state: &PieceState<R, D>, row: &Piece<R, D>, guessed: R) -> bool {
     let whole = if R::IS_FLOATING { row.whole() } else { state.whole };
-    guessed <= whole && (row.continues || !leads_past_end(state, row, guessed))
+    guessed <= whole && (row.joint == Joint::Continues || !leads_past_end(state, row, guessed))
 }
 
 /// Whether a step of `guessed` reaches past the end of the present piece by more than guesses are wrong by, 2⁻⁸ of the way.
@@ -585,6 +594,12 @@ fn leads_past_end<R: Real, const D: usize>(state: &PieceState<R, D>, row: &Piece
     }
     let rest = state.phase.wrapping_neg().wrapping_sub(1); // 2⁶⁴ - 1 - phase
     row.part(guessed).saturating_sub(rest) > rest / 256
+}
+
+/// σ of a short chord from the begin of a piece, in its range: 1/|C'|, of C' as the chord's first coefficient.
+fn first_step_per_chord<R: Real, const D: usize>(chord: &[R; D], range: &[R; 2]) -> R {
+    let speed = R::norm(chord);
+    if speed > R::zero() { (R::one() / speed).max(range[0]).min(range[1]) } else { range[1] }
 }
 
 /// Whether a root was found rather than the end of its range. The range is that of one piece: over a joint, the mean

@@ -10,23 +10,11 @@
 //! run of any length loses nothing. Sums of times and exponents wrap: what is no stage gives no distance that means anything, but
 //! no panic either, in any build.
 
-use feed_plan::{Stage, StageShape};
+use feed_plan::StageShape;
 use real::Real;
 
 /// One period, in units of time.
 pub(crate) const PERIOD: u64 = 1 << 32;
-
-/// Durations of a plan's stages in 2⁻³² periods. Each stage ends at the nearest such time, so that roundings do not add up; one may
-/// get none.
-pub fn stage_durations<R: Real>(stages: &[Stage<R>]) -> impl Iterator<Item = u64> {
-    let half_unit = R::one().scale(-33);
-    let (mut time, mut begin) = (R::zero(), 0);
-    stages.iter().map(move |stage| {
-        time = time + stage.duration;
-        let end = (time + half_unit).to_phase(-32);
-        end.saturating_sub(core::mem::replace(&mut begin, end))
-    })
-}
 
 /// A stage with time in periods and distance in the unit of the chords.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -192,27 +180,6 @@ mod tests {
     use proptest::prelude::*;
     use real::{Backend, I4F28};
     use std::f64::consts::PI;
-
-    /// Of thirds of a period each is rounded down by a third of a unit: three of them are a period all the same.
-    #[test]
-    fn rounded_durations_do_not_add_up() {
-        let third = Stage {
-            start: 0.0,
-            length: 0.0,
-            start_feed: 0.0,
-            end_feed: 0.0,
-            duration: 1.0 / 3.0,
-            shape: StageShape::Cubic,
-            curve_start: 0,
-            u_start: 0.0,
-            curve_end: 0,
-            u_end: 0.0,
-        };
-        let stages = [third; 300];
-        let found: Vec<_> = stage_durations(&stages).collect();
-        assert!(found.iter().all(|duration| duration.abs_diff(PERIOD / 3) <= 1));
-        assert_eq!(found.iter().sum::<u64>(), 100 * PERIOD);
-    }
 
     const SHAPES: [StageShape; 5] =
         [StageShape::Cubic, StageShape::Onset, StageShape::Steady, StageShape::Easing, StageShape::Cosine];

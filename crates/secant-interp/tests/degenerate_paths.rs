@@ -85,33 +85,28 @@ fn coincident_inner_points_are_passed() {
     assert!(cruise < 1e-12, "{cruise}");
 }
 
-/// Over a right angle the chord is still found: the root is past the corner. Where the path turns back more sharply
-/// than 127° the chord shrinks first, and the step that crosses is shorter than wanted.
+/// A step over a corner covers as much of the path as it is long, however sharp that is.
 #[test]
 fn corners_are_crossed() {
     let corner = |degrees: f64| {
         let (sine, cosine) = degrees.to_radians().sin_cos();
         plain(1, vec![[0.0, 0.0], [20.0, 0.0], [20.0 + 20.0 * cosine, 20.0 * sine]], &[0.5])
     };
-    for degrees in [10.0, 45.0, 90.0] {
+    for degrees in [10.0, 45.0, 90.0, 150.0, 180.0] {
         let cruise = runs_in_every_format(&path(corner(degrees), 0.7));
-        assert!(cruise < 1e-6, "{degrees}°: {cruise}");
-    }
-    for degrees in [150.0, 180.0] {
-        let cruise = runs_in_every_format(&path(corner(degrees), 0.7));
-        assert!(cruise <= 1.0, "{degrees}°: {cruise}");
+        assert!(cruise < 1e-11, "{degrees}°: {cruise}");
     }
 }
 
-/// A knot of multiplicity p: the directions before and after have nothing to do with each other. Back by 148°, the step that
-/// crosses ends at 17/16 of its length behind the knot, though the speed falls there and a longer one would fit the piece.
+/// A knot of multiplicity p: the directions before and after have nothing to do with each other. The second turns back by 148°,
+/// and the speed falls behind it.
 #[test]
 fn a_continuous_knot_is_crossed() {
-    for (behind, most) in [([29.0, 3.0], 1e-6), ([20.0, 9.0], 0.15)] {
+    for behind in [[29.0, 3.0], [20.0, 9.0]] {
         let points =
             vec![[0.0, 0.0], [5.0, 8.0], [15.0, 8.0], [20.0, 0.0], behind, [30.0, 12.0], [35.0, 3.0]];
         let cruise = runs_in_every_format(&path(plain(3, points, &[0.5, 0.5, 0.5]), 0.3));
-        assert!(cruise < most, "{behind:?}: {cruise}");
+        assert!(cruise < 1e-11, "{behind:?}: {cruise}");
     }
 }
 

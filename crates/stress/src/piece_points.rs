@@ -1,6 +1,8 @@
 //! Points of compiled pieces, and whether they are points of the curve.
 
-use nurbs_core::{Evaluate, NurbsBuf, ORIGIN_EXPONENT, PieceLimits, Pieces, PiecesBuf, compile_with_stops};
+use nurbs_core::{
+    Evaluate, Joint, NurbsBuf, ORIGIN_EXPONENT, PieceLimits, Pieces, PiecesBuf, compile_with_stops,
+};
 use real::{Backend, DoubleDouble, Real};
 
 use crate::violation::{Outcome, Violation, demand};
@@ -54,9 +56,38 @@ impl<const D: usize> Judge<D> {
         })
     }
 
-    /// Cosines of two turns between two positions: the sharpest at any joint, and the largest from the first direction to that
-    /// at any joint, at the end, and halfway to it on the last piece.
-    pub(crate) fn turns(&self, (from, begin): (usize, f64), (to, end): (usize, f64)) -> (f64, f64) {
+    /// The length of a step between two positions: of the chords from corner to corner.
+    pub(crate) fn step_length(&self, from: (usize, f64), to: (usize, f64)) -> f64 {
+        let chord = |[begin, end]: [(usize, f64); 2]| {
+            let (a, b) = (self.point(begin.0, begin.1, from.0), self.point(end.0, end.1, from.0));
+            f64::norm(&core::array::from_fn::<_, D, _>(|d| b[d] - a[d]))
+        };
+        self.legs(from, to).map(chord).sum()
+    }
+
+    /// The ends of the chords that a step makes: from corner to corner.
+    fn legs(&self, from: (usize, f64), to: (usize, f64)) -> impl Iterator<Item = [(usize, f64); 2]> {
+        let pieces = self.table.as_pieces().pieces;
+        let corners =
+            (from.0..to.0).filter(|piece| pieces.get(*piece).is_some_and(|row| row.joint == Joint::Breaks));
+        let mut begin = from;
+        corners.map(Some).chain([None]).map(move |corner| {
+            let end = corner.map_or(to, |piece| (piece, 1.0));
+            [std::mem::replace(&mut begin, (end.0 + 1, 0.0)), end]
+        })
+    }
+
+    /// Cosines of two turns between two positions: the sharpest at any joint, and on any chord the largest from its first direction.
+    pub(crate) fn turns(&self, from: (usize, f64), to: (usize, f64)) -> (f64, f64) {
+        let on_leg = |[begin, end]: [(usize, f64); 2]| self.turns_on_chord(begin, end);
+        let least = |a: (f64, f64), b: (f64, f64)| (a.0.min(b.0), a.1.min(b.1));
+        let (smooth, in_all) = self.legs(from, to).map(on_leg).fold((1.0, 1.0), least);
+        let has_corner = self.legs(from, to).count() > 1;
+        (if has_corner { -1.0 } else { smooth }, in_all)
+    }
+
+    /// The same on a chord without a corner: at the joints, at the end, and halfway to it on the last piece.
+    fn turns_on_chord(&self, (from, begin): (usize, f64), (to, end): (usize, f64)) -> (f64, f64) {
         let last = self.len().saturating_sub(1);
         let (from, to, end) = if to > last { (from.min(last), last, 1.0) } else { (from, to, end) };
         let direction = |piece: usize, begin: f64, end: f64| {

@@ -1,6 +1,6 @@
 //! Runs a path of compiled pieces at a swinging feed and measures every chord in double-double.
 
-use nurbs_core::{CompileError, Evaluate, NurbsBuf, PieceLimits, PiecesBuf, SignalBound, compile};
+use nurbs_core::{CompileError, Evaluate, Joint, NurbsBuf, PieceLimits, PiecesBuf, SignalBound, compile};
 use real::{Backend, DoubleDouble, Real};
 use secant_interp::{ChordTolerance, LengthStage, PieceInterpolator, StepLengths};
 
@@ -118,7 +118,18 @@ pub(crate) fn run<R: Backend, const D: usize>(
             R::name(),
             setpoint.evaluations
         );
-        let chord = DoubleDouble::norm(&core::array::from_fn::<_, D, _>(|d| to[d] - from[d]));
+        let leg = |from: &[DoubleDouble; D], to: &[DoubleDouble; D]| {
+            DoubleDouble::norm(&core::array::from_fn::<_, D, _>(|d| to[d] - from[d]))
+        };
+        // From corner to corner.
+        let mut chord = DoubleDouble::from(0.0);
+        for piece in before.0..at.0 {
+            if table.as_pieces().pieces[piece].joint == Joint::Breaks {
+                let corner = place(piece + 1, 0);
+                (chord, from) = (chord + leg(&from, &corner), corner);
+            }
+        }
+        chord = chord + leg(&from, &to);
         let (high, low) = setpoint.length.to_f64_pair();
         let wanted = DoubleDouble::new(high, low).scale(-table.as_pieces().chord_exponent);
         if at.0 < table.places().len() && wanted.value() >= 0.25 * path.feed_mm {
