@@ -85,7 +85,7 @@ impl ExactPlan {
         profile: ProfileKind,
     ) -> Result<Self, Refusal> {
         let limits = problem.limits_per_period()?;
-        let (mut stages, mut periods) = (Vec::new(), 0.0_f64);
+        let (mut stages, mut periods, mut time) = (Vec::new(), 0.0, 0.0_f64);
         let feed_of = |curve: usize| limits.feedrate * problem.feed_share(curve);
         let curves = problem.curves.iter().enumerate().map(|(index, curve)| CommandedCurve {
             curve: curve.as_curve(),
@@ -94,11 +94,13 @@ impl ExactPlan {
         });
         plan_through_window(curves, &limits, window_mm, profile, |stage| {
             stages.push(*stage);
-            periods += stage.duration;
-            let wait = periods.ceil() - periods;
-            if stage.end_feed == 0.0 && wait > 0.0 {
-                stages.push(waiting(stage, wait));
-                periods = periods.ceil();
+            time += stage.duration;
+            if stage.end_feed == 0.0 {
+                let wait = time.ceil() - time;
+                if wait > 0.0 {
+                    stages.push(waiting(stage, wait));
+                }
+                periods += std::mem::take(&mut time).ceil();
             }
         })?;
         if periods > f64::from(u32::MAX) {

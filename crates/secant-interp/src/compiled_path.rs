@@ -170,20 +170,21 @@ impl<R: Backend, const D: usize> CompiledPath<R, D> {
         let landing_step =
             R::from_f64(step.scale(exponent)).ok_or(CompiledPathError::LandingStepTooLong { step })?;
         refuse_long_steps(plan, step, table.step_mm())?;
-        let (mut stages, mut stops) = (Vec::new(), Vec::new());
-        let durations = plan.sections().flat_map(|section| section.durations());
-        for (index, (stage, duration)) in plan.stages().iter().zip(durations).enumerate() {
-            let feed = |feed: Q| {
-                nearest::<Q, R>(feed, exponent)
-                    .ok_or(CompiledPathError::FeedTooHigh { stage: index, feed: feed.to_f64() })
-            };
-            let (from, to) = (feed(stage.start_feed)?, feed(stage.end_feed)?);
-            if let Some(compiled) = LengthStage::new(duration, from, to - from) {
-                stages.push(compiled.shaped(stage.shape));
-                stops.push(stage.rest().and_then(|(curve, u)| table.joint(curve, u.to_f64())));
+        let (mut stages, mut ends) = (Vec::new(), Vec::new());
+        for section in plan.sections() {
+            let numbered = (section.first()..).zip(section.stages());
+            for ((index, stage), duration) in numbered.zip(section.durations()) {
+                let feed = |feed: Q| {
+                    nearest::<Q, R>(feed, exponent)
+                        .ok_or(CompiledPathError::FeedTooHigh { stage: index, feed: feed.to_f64() })
+                };
+                let (from, to) = (feed(stage.start_feed)?, feed(stage.end_feed)?);
+                let compiled = LengthStage::new(duration, from, to - from);
+                stages.extend(compiled.map(|compiled| compiled.shaped(stage.shape)));
             }
+            ends.push((stages.len(), section.rest().and_then(|(curve, u)| table.joint(curve, u.to_f64()))));
         }
-        let stretches = stretches(stops, table.places().len()).collect();
+        let stretches = stretches(&ends, table.places().len());
         Ok(Self { table, stages, stretches, tolerance, landing_step })
     }
 

@@ -12,7 +12,7 @@
 //! | many runs of it at once, with the feature `lanes` | `LaneInterpolator` |
 //! | one chord on a piece, without division | [`Chord`] |
 //! | the distance of each period | [`StepLengths`] |
-//! | a run that lands on each stop on the way | [`stretches`], [`PieceInterpolator::on`] |
+//! | a run that lands on each stop on the way | [`CompiledPath::runs`], [`PieceInterpolator::on`] |
 //! | feed override and feed hold while a plan runs | [`FeedOverride`] |
 #![cfg_attr(
     feature = "alloc",
@@ -74,4 +74,4 @@ pub use piece_interpolator::{PieceInterpolator, PieceSetpoint, PieceState};
 pub use position_checksum::PositionChecksum;
 pub use secant::{Outcome, Tolerance};
 pub use step_lengths::{LengthCursor, LengthStage, StepLengths};
-pub use stretches::{Stretch, stretches};
+pub use stretches::Stretch;

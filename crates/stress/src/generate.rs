@@ -95,13 +95,17 @@ impl<const D: usize> RandomPath<D> {
             return None;
         }
         let feedrate = polygon_mm / draws.power(0.7, 3.0);
-        Some(Self {
+        let mut path = Self {
             limits: limits(&mut draws, feedrate),
             profile: ProfileKind::ALL[usize::from(draws.below(4))],
             max_evaluations: 1 + u32::from(draws.below(8)),
             piece_mm: if draws.one_in(4) { draws.power(0.0, 2.0) } else { 32.0 },
             curves,
-        })
+        };
+        if draws.one_in(2) {
+            path.limits.junction = Junction::Deviation(path.limits.chord_error * draws.power(-1.0, 1.0));
+        }
+        Some(path)
     }
 }
 
