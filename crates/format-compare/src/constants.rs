@@ -97,7 +97,7 @@ impl Constants {
 const UNASKED: &str = "#[allow(dead_code, reason = \"a program need not ask\")]\n";
 
 /// What the constants name.
-const USES: &str = "use nurbs_core::{Piece, Pieces};
+const USES: &str = "use nurbs_core::{Joint, Piece, Pieces};
 use secant_interp::{ChordTolerance, LengthStage, PieceInterpolator, StageShape, StepLengths, Stretch};
 
 ";

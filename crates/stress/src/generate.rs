@@ -95,17 +95,21 @@ impl<const D: usize> RandomPath<D> {
             return None;
         }
         let feedrate = polygon_mm / draws.power(0.7, 3.0);
-        let mut path = Self {
+        Some(Self {
             limits: limits(&mut draws, feedrate),
             profile: ProfileKind::ALL[usize::from(draws.below(4))],
             max_evaluations: 1 + u32::from(draws.below(8)),
             piece_mm: if draws.one_in(4) { draws.power(0.0, 2.0) } else { 32.0 },
             curves,
-        };
-        if draws.one_in(2) {
-            path.limits.junction = Junction::Deviation(path.limits.chord_error * draws.power(-1.0, 1.0));
-        }
-        Some(path)
+        })
+    }
+
+    /// The path with corners that are passed, cut by a tenth to ten times the chord error: by how much, its digits say.
+    #[must_use]
+    pub fn passing_corners(mut self) -> Self {
+        let share = f64::from_phase(self.limits.chord_error.to_bits() << 12, 0);
+        self.limits.junction = Junction::Deviation(self.limits.chord_error * 10.0_f64.powf(2.0 * share - 1.0));
+        self
     }
 }
 

@@ -21,7 +21,7 @@ mod checksum;
 )]
 mod compiled {
     //! The compiled paths.
-    use nurbs_core::{Piece, Pieces};
+    use nurbs_core::{Joint, Piece, Pieces};
     use secant_interp::{ChordTolerance, LengthStage, PieceInterpolator, StageShape, StepLengths};
     include!(concat!(env!("OUT_DIR"), "/paths.rs"));
 }

@@ -1,4 +1,4 @@
-use nurbs_core::{Piece, Pieces};
+use nurbs_core::{Joint, Piece, Pieces};
 use secant_interp::{ChordTolerance, LengthStage, PieceInterpolator, StageShape, StepLengths, Stretch};
 
 /// The number format.
