@@ -124,7 +124,8 @@ fn drive<R: Backend, const D: usize>(legs: &[Leg<'_, R, D>], plan: &ExactPlan, p
     let mut finished = !legs.is_empty();
     for leg in legs {
         let own: Vec<_> = planned.by_ref().take(leg.schedule.periods() as usize).collect();
-        finished = finished && follow(leg, own, most_periods(plan.periods()), 1.0 / problem.period_s(), &mut steps);
+        finished =
+            finished && follow(leg, own, most_periods(plan.periods()), 1.0 / problem.period_s(), &mut steps);
     }
     let start = problem.curves.first().map_or(0.0, |curve| curve.as_curve().domain().0);
     let points = problem.curves.iter().flat_map(|curve| curve.control_points().iter().flatten());

@@ -125,7 +125,8 @@ impl<R: Real, C> Interpolator<'_, R, C> {
             return None;
         }
 
-        let mut found = self.next_parameter(state, reach);
+        let landing = if is_last { self.landing(state, reach) } else { None };
+        let mut found = landing.unwrap_or_else(|| self.next_parameter(state, reach));
         if planned.is_none() && found.u <= u {
             // The landing step is too short for the parameter's resolution here.
             found.u = u + R::resolution().max(u.abs() * R::resolution().scale(1));
@@ -147,6 +148,18 @@ impl<R: Real, C> Interpolator<'_, R, C> {
         state.last_length = reach;
         state.point = found.point;
         Some(Setpoint { length, ..found })
+    }
+
+    /// The step to the end, if that is within reach: no root need be sought, and behind an end with C' = 0 there may be none.
+    fn landing<const D: usize>(&self, state: &State<R, D>, reach: R) -> Option<Setpoint<R, D>>
+    where
+        C: Differentiate<R, D>,
+    {
+        let (_, u) = self.curve.domain();
+        let point = self.curve.point(u);
+        let rest = R::norm::<D>(&core::array::from_fn(|d| point[d] - state.point[d]));
+        let setpoint = Setpoint { u, point, length: reach, evaluations: 1, outcome: Outcome::Converged };
+        (rest <= reach).then_some(setpoint)
     }
 
     fn next_parameter<const D: usize>(&self, state: &State<R, D>, length: R) -> Setpoint<R, D>
