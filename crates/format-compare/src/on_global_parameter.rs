@@ -1,15 +1,20 @@
 //! A run on one curve with a global parameter: the textbook way, raw in every format.
 
-use feed_plan::Schedule;
-use nurbs_core::{Differentiate, Evaluate, NurbsCurve};
-use real::{Audit, Backend, Recorded};
-use secant_interp::{Interpolator, Method, Tolerance};
+use std::ops::Range;
 
-use crate::exact_plan::{ExactPlan, in_format};
+use feed_plan::Schedule;
+use nurbs_core::{Evaluate, NurbsCurve};
+use real::{Audit, Backend, DoubleDouble, Recorded};
+use secant_interp::{CurvePart, Interpolator, Method, Tolerance};
+
+use crate::exact_plan::{ExactPlan, in_format, nearest};
 use crate::metrics::cruise_mm;
 use crate::problem::Problem;
 use crate::recorded::RecordedRun;
 use crate::run::{Options, Refusal, Run, RunStep, most_periods, resolution_at, unit_in_last_place};
+
+/// What steps from one stop to the next.
+type Leg<'a, R, const D: usize> = Interpolator<'a, R, CurvePart<R, NurbsCurve<'a, R, D>>>;
 
 /// Converts curve, plan and limits to `R` and runs.
 pub(crate) fn run<R: Backend, const D: usize>(
@@ -18,7 +23,7 @@ pub(crate) fn run<R: Backend, const D: usize>(
     options: &Options,
     method: Method,
 ) -> Result<Run, Refusal> {
-    prepared::<R, D, _>(problem, plan, options, method, |interpolator| drive(interpolator, plan, problem))
+    prepared::<R, D, _>(problem, plan, options, method, |legs| drive(legs, plan, problem))
 }
 
 /// The operations of each of the first `most` steps of the same run.
@@ -29,19 +34,28 @@ pub(crate) fn record<R: Backend, const D: usize>(
     method: Method,
     most: usize,
 ) -> Result<RecordedRun, Refusal> {
-    prepared::<Recorded<R>, D, _>(problem, plan, options, method, |interpolator| {
-        let mut state = interpolator.start();
-        RecordedRun::of(most.min(most_periods(plan.periods())), || interpolator.step(&mut state).is_some())
+    prepared::<Recorded<R>, D, _>(problem, plan, options, method, |legs| {
+        let mut runs = legs.iter().map(|leg| (leg.start(), leg)).collect::<Vec<_>>().into_iter();
+        let mut now = runs.next();
+        RecordedRun::of(most.min(most_periods(plan.periods())), || {
+            while let Some((state, leg)) = &mut now {
+                if leg.step(state).is_some() {
+                    return true;
+                }
+                now = runs.next();
+            }
+            false
+        })
     })
 }
 
-/// Hands what the run needs, in `R`, to `work`.
+/// Hands what the run needs, in `R`, to `work`: the path and its plan from stop to stop, so that each is landed on.
 fn prepared<R: Backend, const D: usize, T>(
     problem: &Problem<D>,
     plan: &ExactPlan,
     options: &Options,
     method: Method,
-    work: impl FnOnce(&Interpolator<'_, R, NurbsCurve<'_, R, D>>) -> T,
+    work: impl FnOnce(&[Leg<'_, R, D>]) -> T,
 ) -> Result<T, Refusal> {
     let [curve] = problem.curves.as_slice() else {
         return Err(Refusal::ManyCurves(problem.curves.len()));
@@ -51,32 +65,86 @@ fn prepared<R: Backend, const D: usize, T>(
     let fluctuation = options.fluctuation.unwrap_or(machine.fluctuation_limit);
     let curve = curve.convert::<R>()?;
     let stages = plan.stages_in::<R>()?;
-    let interpolator = Interpolator {
-        curve: curve.as_curve(),
-        schedule: Schedule::new(&stages, R::one(), plan.periods()),
-        method,
-        tolerance: Tolerance {
-            // Below the format's resolution a tolerance is 0, and the solver goes on to the last digit.
-            parameter: R::from_f64(machine.parameter_tolerance).unwrap_or_else(R::zero),
-            fluctuation: R::from_f64(fluctuation).unwrap_or_else(R::zero),
-            max_iterations: machine.max_iterations,
-        },
-        landing_step: in_format("acceleration", limits.acceleration)?,
+    let landing_step = in_format("acceleration", limits.acceleration)?;
+    let tolerance = Tolerance {
+        // Below the format's resolution a tolerance is 0, and the solver goes on to the last digit.
+        parameter: R::from_f64(machine.parameter_tolerance).unwrap_or_else(R::zero),
+        fluctuation: R::from_f64(fluctuation).unwrap_or_else(R::zero),
+        max_iterations: machine.max_iterations,
     };
-    Ok(work(&interpolator))
+    let legs = from_rest_to_rest::<R>(plan, curve.as_curve().domain()).into_iter().filter_map(|between| {
+        let own = stages.get(between.stages)?;
+        Some(Interpolator {
+            curve: CurvePart::new(curve.as_curve(), between.begin, between.end),
+            schedule: Schedule::new(own, R::one(), between.periods),
+            method,
+            tolerance,
+            landing_step,
+        })
+    });
+    Ok(work(&legs.collect::<Vec<_>>()))
 }
 
-fn drive<R: Backend, C: Differentiate<R, D>, const D: usize>(
-    interpolator: &Interpolator<'_, R, C>,
-    plan: &ExactPlan,
-    problem: &Problem<D>,
-) -> Run {
-    let per_second = 1.0 / problem.period_s();
+/// Part of a curve and of its plan between two rests.
+struct Between<R> {
+    begin: R,
+    end: R,
+    stages: Range<usize>,
+    periods: u32,
+}
+
+/// The sections of a plan with their parts of the curve. Rests that are one parameter in a coarse format divide nothing.
+fn from_rest_to_rest<R: Backend>(plan: &ExactPlan, (mut begin, end): (R, R)) -> Vec<Between<R>> {
+    let (mut found, mut first, mut periods) = (Vec::new(), 0, 0_u32);
+    for section in plan.schedule().sections() {
+        let behind = section.first() + section.stages().len();
+        let units = section.durations().fold(0, u64::saturating_add);
+        periods = periods.saturating_add(u32::try_from(units.div_ceil(1 << 32)).unwrap_or(u32::MAX));
+        let rest = section.rest().and_then(|(_, u)| nearest::<R>(u));
+        let rest = rest.filter(|rest| begin < *rest && *rest < end);
+        let is_last = behind == plan.schedule().stages().len();
+        if let Some(rest) = if is_last { Some(end) } else { rest } {
+            found.push(Between { begin, end: rest, stages: first..behind, periods });
+            (begin, first, periods) = (rest, behind, 0);
+        }
+    }
+    found
+}
+
+fn drive<R: Backend, const D: usize>(legs: &[Leg<'_, R, D>], plan: &ExactPlan, problem: &Problem<D>) -> Run {
     let mut planned = plan.lengths();
-    let mut state = interpolator.start();
     let mut steps = Vec::with_capacity(plan.periods() as usize + 1);
-    while steps.len() < most_periods(plan.periods()) {
-        let Some(setpoint) = interpolator.step(&mut state) else { break };
+    let mut finished = !legs.is_empty();
+    for leg in legs {
+        let own: Vec<_> = planned.by_ref().take(leg.schedule.periods() as usize).collect();
+        finished =
+            finished && follow(leg, own, most_periods(plan.periods()), 1.0 / problem.period_s(), &mut steps);
+    }
+    let start = problem.curves.first().map_or(0.0, |curve| curve.as_curve().domain().0);
+    let points = problem.curves.iter().flat_map(|curve| curve.control_points().iter().flatten());
+    Run {
+        fluctuation_resolution: fluctuation_resolution::<R, D>(start, &steps, problem),
+        steps,
+        finished,
+        planned_periods: plan.periods(),
+        resolution_mm: resolution_at::<R>(points.fold(0.0, |largest: f64, x| largest.max(x.abs()))),
+        audit: Audit::default(),
+    }
+}
+
+/// Steps to the next stop, beside the distance that each period wants and the feed at its end; whether it is reached in no more than
+/// so many steps of the run.
+fn follow<R: Backend, const D: usize>(
+    leg: &Leg<'_, R, D>,
+    planned: Vec<(DoubleDouble, f64)>,
+    most: usize,
+    per_second: f64,
+    steps: &mut Vec<RunStep>,
+) -> bool {
+    let mut planned = planned.into_iter();
+    let mut state = leg.start();
+    while steps.len() < most {
+        let Some(setpoint) = leg.step(&mut state) else { break };
         let (wanted_mm, feed) = match planned.next() {
             Some((length, feed)) => (length.to_f64_pair(), feed),
             None => (setpoint.length.to_f64_pair(), setpoint.length.to_f64()),
@@ -94,16 +162,7 @@ fn drive<R: Backend, C: Differentiate<R, D>, const D: usize>(
             evaluations: setpoint.evaluations,
         });
     }
-    let start = problem.curves.first().map_or(0.0, |curve| curve.as_curve().domain().0);
-    let points = problem.curves.iter().flat_map(|curve| curve.control_points().iter().flatten());
-    Run {
-        fluctuation_resolution: fluctuation_resolution::<R, D>(start, &steps, problem),
-        steps,
-        finished: state.is_finished(),
-        planned_periods: plan.periods(),
-        resolution_mm: resolution_at::<R>(points.fold(0.0, |largest: f64, x| largest.max(x.abs()))),
-        audit: Audit::default(),
-    }
+    state.is_finished()
 }
 
 /// `½ ulp(u)/(u_{i+1} - u_i)`, the largest over the steps that a fluctuation at cruise is judged by.

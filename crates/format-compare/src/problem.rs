@@ -217,6 +217,14 @@ mod tests {
         Problem::new(&read_part("p.nc", text).unwrap(), &machine).unwrap()
     }
 
+    /// The second curve that is run, behind a rapid move.
+    #[test]
+    fn a_curve_that_cannot_be_compiled_is_named_with_its_line() {
+        let refusal = problem("G0 X0 Y0\nG1 X10 F600\nG0 X20\nG1 X40\n")
+            .refusal(CompileError::OriginOutOfRange { curve: 1 });
+        assert_eq!(refusal.to_string(), "p.nc:4: curve 1 lies beyond ±2^24 mm");
+    }
+
     #[test]
     fn each_move_has_its_own_feedrate() {
         let problem = problem("G0 X0 Y0\nG1 X10 F600\nG0 X20\nG1 X40 F6000\nX60\n");

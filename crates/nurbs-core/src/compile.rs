@@ -38,8 +38,8 @@ pub enum CompileError {
         /// Its index among the stops.
         index: usize,
     },
-    /// C' vanishes, or all but does, inside or at the end of the piece that begins at `parameter`: no step per chord
-    /// exists there.
+    /// All of the path stands still; or C' all but vanishes on the piece that begins at `parameter` and is not short enough to be
+    /// left out: no step per chord exists there.
     Cusp {
         /// Index of the curve in the path.
         curve: usize,
@@ -95,7 +95,7 @@ impl core::fmt::Display for CompileError {
                 write!(f, "stop {index} is not a number, or before the one before it")
             }
             Self::Cusp { curve, parameter } => {
-                write!(f, "curve {curve} comes to a cusp near u = {parameter}: its derivative vanishes there")
+                write!(f, "curve {curve} does not move near u = {parameter}: its derivative vanishes there")
             }
             Self::SpeedOutOfRange { curve, parameter } => {
                 write!(
@@ -127,6 +127,7 @@ pub struct PiecesBuf<R, const D: usize> {
     coordinate_exponent: i32,
     chord_exponent: i32,
     places: Vec<Place>,
+    still: Vec<Place>,
     bounds: Vec<SignalBound>,
     step_mm: f64,
 }
@@ -162,20 +163,31 @@ impl<R: Real, const D: usize> PiecesBuf<R, D> {
         &self.places
     }
 
+    /// The parts of the path that are on no piece, in order: each stands still, at a cusp, where control points coincide or on a
+    /// curve that is a point, and moves by no more than a nanometre. The piece behind begins where it ends.
+    #[must_use]
+    pub fn still_places(&self) -> &[Place] {
+        &self.still
+    }
+
     /// The number of the piece that begins at the parameter `u` of curve number `curve`, or that follows the one that
-    /// ends there; `None` where no joint is. `u` may be off by rounding, 2⁻²⁴ of a piece.
+    /// ends there, or the place that stands still there; `None` where no joint is. `u` may be off by rounding, 2⁻²⁴ of a piece.
     #[must_use]
     pub fn joint(&self, curve: usize, u: f64) -> Option<usize> {
-        let is_near = |place: &Place, end: f64| {
-            place.curve == curve
-                && (end - u).abs() <= (place.end.0 - place.begin.0).scale(SLIVER + MAX_HALVINGS)
-        };
+        let rounding = |place: &Place| (place.end.0 - place.begin.0).scale(SLIVER + MAX_HALVINGS);
+        let is_near = |place: &Place, end: f64| place.curve == curve && (end - u).abs() <= rounding(place);
         let next = self.places.partition_point(|place| (place.curve, place.end.0) < (curve, u));
         let around = next.saturating_sub(1)..self.places.len().min(next + 2);
         let ends = |piece: &usize| is_near(&self.places[*piece], self.places[*piece].end.0);
         let begins = |piece: &usize| is_near(&self.places[*piece], self.places[*piece].begin.0);
         let after = around.clone().find(ends).map(|piece| piece + 1);
-        after.or_else(|| around.clone().find(begins))
+        after.or_else(|| around.clone().find(begins)).or_else(|| self.is_still(curve, u).then_some(next))
+    }
+
+    /// Whether the path stands still there.
+    fn is_still(&self, curve: usize, u: f64) -> bool {
+        let next = self.still.partition_point(|place| (place.curve, place.end.0) < (curve, u));
+        self.still.get(next).is_some_and(|place| place.curve == curve && place.begin.0 <= u)
     }
 
     /// The longest chord of a period that the bounds are proven for, in mm: [`PieceLimits::step_mm`].
@@ -204,8 +216,21 @@ impl<R: Backend, const D: usize> PiecesBuf<R, D> {
     }
 }
 
-/// Longest chain of halvings of a span.
+/// Longest chain of halvings of a span that make its pieces shorter, and their weights more even.
 const MAX_HALVINGS: i32 = 16;
+
+/// The same where only the speed is uneven. Towards a place where it vanishes |C'| falls by a power of two with each halving, down
+/// to [`STILL_MM`]: some pieces a halving are all that this takes.
+const MOST_HALVINGS: i32 = 40;
+
+/// Halvings beyond [`MAX_HALVINGS`] in a section, at most: a place where |C'| vanishes takes a hundred.
+const MOST_FINER_HALVINGS: usize = 4096;
+
+/// What is uneven and no longer than this, in mm, stands still: far below what a drive resolves, 2⁻²⁵ of a usual step.
+const STILL_MM: f64 = 1e-9;
+
+/// What is no longer than 2⁷ units in the last place of a curve's coordinates is rounding.
+const ROUNDING: i32 = 7;
 
 /// Less than 2⁻⁴⁰ of a span is rounding.
 const SLIVER: i32 = -40;
@@ -265,13 +290,24 @@ pub fn compile_with_stops<H: Backend, R: Backend, const D: usize>(
         }
         before = *stop;
     }
-    let mut local = Vec::new();
+    let mut local = Cut { pieces: Vec::new(), still: Vec::new() };
     for (index, curve) in curves.iter().enumerate() {
         let first = stops.partition_point(|stop| stop.0 < index);
         let stops = stops.iter().skip(first).take_while(|stop| stop.0 == index).map(|stop| stop.1);
         cut::<H, D>((index, curve), limits, stops, &mut local)?;
     }
-    rounded::<H, R, D>(local, limits.step_mm)
+    match local.still.first() {
+        Some(place) if local.pieces.is_empty() => {
+            Err(CompileError::Cusp { curve: place.curve, parameter: place.begin.0 })
+        }
+        _ => rounded::<H, R, D>(local, limits.step_mm),
+    }
+}
+
+/// A path in pieces, and what of it stands still, in order.
+struct Cut<H, const D: usize> {
+    pieces: Vec<LocalPiece<H, D>>,
+    still: Vec<Place>,
 }
 
 /// Cuts one curve, span by span and stop by stop, halving until a piece is short and even enough.
@@ -279,7 +315,7 @@ fn cut<H: Backend, const D: usize>(
     (index, curve): (usize, &NurbsCurve<'_, f64, D>),
     limits: &PieceLimits,
     stops: impl Iterator<Item = f64>,
-    out: &mut Vec<LocalPiece<H, D>>,
+    out: &mut Cut<H, D>,
 ) -> Result<(), CompileError> {
     let knots = curve.knots().as_slice();
     let spans = curve.degree()..curve.control_points().len();
@@ -297,25 +333,41 @@ fn cut<H: Backend, const D: usize>(
         }
         sections.push((span, begin, end));
     }
-    for (section, (span, first, end)) in sections.into_iter().enumerate() {
+    let still = StillParts::of::<H, D>(curve);
+    let mut section = 0;
+    for (span, first, end) in sections {
+        section += 1;
+        let mut finer = 0;
         let mut rest = Vec::from([(computed::<H>(first), computed(end), 0)]);
         while let Some((begin, end, halvings)) = rest.pop() {
             let bezier = Bezier::of_span(curve, span, begin, end);
-            let even = bezier.is_even_enough(limits.length_mm, MAX_RATIO);
-            if !even && halvings < MAX_HALVINGS {
+            let place = Place { curve: index, begin: begin.to_f64_pair(), end: end.to_f64_pair() };
+            let (length, speed) = (bezier.polygon_mm(), bezier.speed());
+            let is_even = speed.is_even(MAX_RATIO);
+            if still.contain(length, is_even) {
+                out.still.push(place);
+                // What lies beyond does not continue what lies before.
+                section += 1;
+                continue;
+            }
+            let is_small = length <= limits.length_mm && bezier.has_even_weights(MAX_RATIO);
+            let is_finer = halvings >= MAX_HALVINGS;
+            let may_be_halved =
+                !is_finer || (is_small && halvings < MOST_HALVINGS && finer < MOST_FINER_HALVINGS);
+            if !(is_small && is_even) && may_be_halved {
+                finer += usize::from(is_finer);
                 let middle = begin + (end - begin).half();
                 rest.push((middle, end, halvings + 1));
                 rest.push((begin, middle, halvings + 1));
                 continue;
             }
-            let place = Place { curve: index, begin: begin.to_f64_pair(), end: end.to_f64_pair() };
             // A number of the curve that `H` does not hold may be this parameter.
             let parameter = if place.begin.0.is_finite() { place.begin.0 } else { first };
             let out_of_range = CompileError::SpeedOutOfRange { curve: index, parameter };
             if !bezier.is_finite() {
                 return Err(out_of_range);
             }
-            let piece = LocalPiece::new(&bezier, place, (index, section), halvings)
+            let piece = LocalPiece::new(&bezier, place, (index, section), halvings, speed)
                 .ok_or(CompileError::OriginOutOfRange { curve: index })?;
             if !piece.is_finite() {
                 return Err(out_of_range);
@@ -323,15 +375,39 @@ fn cut<H: Backend, const D: usize>(
             if piece.speed.least <= CUSP_RATIO * piece.speed.greatest {
                 return Err(CompileError::Cusp { curve: index, parameter: place.begin.0 });
             }
-            out.push(piece);
+            out.pieces.push(piece);
         }
     }
     Ok(())
 }
 
+/// What of a curve stands still: no step per chord exists where C' vanishes, so no piece has such a place, and the path goes on
+/// from its other end.
+#[derive(Clone, Copy)]
+struct StillParts {
+    /// What is uneven and no longer than this, in mm.
+    uneven_mm: f64,
+    /// What is no longer than this, in mm, whatever its speed: it is rounding.
+    rounding_mm: f64,
+}
+
+impl StillParts {
+    /// p rounds of blossoming are off by some p² units in the last place of the coordinates.
+    fn of<H: Backend, const D: usize>(curve: &NurbsCurve<'_, f64, D>) -> Self {
+        let farthest = curve.control_points().iter().flatten().fold(0.0_f64, |most, x| most.max(x.abs()));
+        let rounding_mm = (farthest * H::resolution().to_f64()).scale(ROUNDING);
+        Self { uneven_mm: rounding_mm.max(STILL_MM), rounding_mm }
+    }
+
+    /// Whether a part of the curve that is no longer than this stands still.
+    fn contain(&self, length_mm: f64, is_even: bool) -> bool {
+        length_mm <= if is_even { self.rounding_mm } else { self.uneven_mm }
+    }
+}
+
 /// Chooses the scales for `R`, proves the bounds, and rounds.
 fn rounded<H: Backend, R: Backend, const D: usize>(
-    local: Vec<LocalPiece<H, D>>,
+    Cut { pieces: local, still }: Cut<H, D>,
     step_mm: f64,
 ) -> Result<PiecesBuf<R, D>, CompileError> {
     let degree = local.iter().map(|piece| piece.numerator.len()).max().unwrap_or(1).min(MAX_DEGREE);
@@ -351,6 +427,7 @@ fn rounded<H: Backend, R: Backend, const D: usize>(
         coordinate_exponent: local.iter().map(|(_, scales)| scales.coordinate).max().unwrap_or(0),
         chord_exponent: local.first().map_or(0, |(_, scales)| scales.chord),
         places: local.iter().map(|(piece, _)| piece.place).collect(),
+        still,
         bounds,
         step_mm,
     };

@@ -66,6 +66,21 @@ pub fn curve<const D: usize>() -> impl Strategy<Value = NurbsBuf<f64, D>> {
         })
 }
 
+/// A random curve of which a third of the control points are where the one before them is, at the ends too; not all of them.
+pub fn curve_with_coincident_points<const D: usize>() -> impl Strategy<Value = NurbsBuf<f64, D>> {
+    let repeats = vec(prop_oneof![2 => Just(false), 1 => Just(true)], 1..=28);
+    (curve::<D>(), repeats).prop_filter_map("not all points are the same", |(curve, repeats)| {
+        let mut points = curve.control_points().to_vec();
+        for (i, _) in repeats.iter().cycle().skip(1).enumerate().take(points.len() - 1).filter(|(_, is)| **is)
+        {
+            points[i + 1] = points[i];
+        }
+        let moves = points.windows(2).any(|pair| pair[0] != pair[1]);
+        let (weights, knots) = (curve.weights().to_vec(), curve.knots().to_vec());
+        moves.then(|| NurbsBuf::try_new(curve.degree(), points, weights, knots).ok())?
+    })
+}
+
 /// A random curve and a parameter in its domain; one in four is a knot.
 pub fn curve_and_parameter<const D: usize>() -> impl Strategy<Value = (NurbsBuf<f64, D>, f64)> {
     (curve::<D>(), 0.0..=1.0_f64, any::<prop::sample::Index>(), 0..4).prop_map(|(curve, t, knot, kind)| {

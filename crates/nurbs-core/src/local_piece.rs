@@ -45,6 +45,7 @@ impl<H: Backend, const D: usize> LocalPiece<H, D> {
         place: Place,
         section: (usize, usize),
         halvings: i32,
+        speed: Speed,
     ) -> Option<Self> {
         let start = bezier.euclidean(0);
         let mut origin = [0; D];
@@ -77,7 +78,7 @@ impl<H: Backend, const D: usize> LocalPiece<H, D> {
                 .fold((f64::MAX, 0.0), |(l, h), w| (l.min(w), h.max(w))),
             weight: power_basis(&weight),
             rational: bezier.rational,
-            speed: bezier.speed(),
+            speed,
         })
     }
 
@@ -248,6 +249,11 @@ fn product(a: &[f64], b: &[f64]) -> Vec<f64> {
 }
 
 impl Speed {
+    /// Whether the path moves everywhere, and nowhere more than so many times as fast as elsewhere.
+    pub(crate) fn is_even(&self, max_ratio: f64) -> bool {
+        self.least > 0.0 && self.greatest <= max_ratio * self.least
+    }
+
     /// s for which the mean of |C'|·2^(λ - s) lies between 1/√2 and √2.
     pub(crate) fn step_exponent(&self, chord_exponent: i32) -> i32 {
         let mean = (self.least * self.greatest).sqrt();

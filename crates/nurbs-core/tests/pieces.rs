@@ -9,6 +9,9 @@ use real::{Backend, DoubleDouble, FormatName, I3F29, I4F28, I4F60, I8F24, I16F48
 
 const LIMITS: PieceLimits = PieceLimits { length_mm: 32.0, step_mm: 0.7 };
 
+/// What stands still is a few parts of 1e-9 mm: a piece that is halved is longer than that, its halves may both be shorter.
+const STILL_MM: f64 = 1e-8;
+
 /// `cases` unless the environment asks for a long run.
 fn config(cases: u32) -> ProptestConfig {
     let cases = std::env::var("PROPTEST_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(cases);
@@ -63,7 +66,8 @@ fn distance<const D: usize>(a: &[DoubleDouble; D], b: &[DoubleDouble; D]) -> f64
     (0..D).map(away).fold(0.0, f64::max)
 }
 
-/// Pieces lie on the curve and each begins where the one before it ends; whether the format was accepted.
+/// Pieces lie on the curve and each begins where the one before it ends, or behind what stands still; whether the format was
+/// accepted.
 fn lies_on_the_curve<R: Backend, const D: usize>(
     curve: &NurbsBuf<f64, D>,
     limits: &PieceLimits,
@@ -79,7 +83,6 @@ fn lies_on_the_curve<R: Backend, const D: usize>(
             );
             return Ok(false);
         }
-        Err(CompileError::Cusp { .. }) => return Ok(false),
         Err(error) => return Err(TestCaseError::fail(error.to_string())),
     };
     let exact = curve.convert::<DoubleDouble>().unwrap();
@@ -102,7 +105,8 @@ fn lies_on_the_curve<R: Backend, const D: usize>(
         }
         if piece + 1 < count {
             let gap = distance(&point(&table, piece, R::one()), &point(&table, piece + 1, R::zero()));
-            let bound = bound + 1.0_f64.scale(ORIGIN_EXPONENT);
+            let stands_still = place.end != table.places()[piece + 1].begin;
+            let bound = bound + 1.0_f64.scale(ORIGIN_EXPONENT) + if stands_still { STILL_MM } else { 0.0 };
             prop_assert!(gap <= bound, "{} after piece {piece}: {gap} > {bound}", R::name());
         }
     }
@@ -134,6 +138,14 @@ proptest! {
     #[test]
     fn space_pieces_lie_on_their_curve(curve in generate::curve::<3>(), length_mm in 8.0..128.0_f64) {
         in_every_format(&curve, &PieceLimits { length_mm, ..LIMITS })?;
+    }
+
+    #[test]
+    fn pieces_of_a_curve_that_stands_still_lie_on_it(
+        curve in generate::curve_with_coincident_points::<2>(),
+        step_mm in 0.05..20.0_f64,
+    ) {
+        in_every_format(&curve, &PieceLimits { step_mm, ..LIMITS })?;
     }
 
     /// The expansion about t gives the chord from there.
@@ -410,4 +422,71 @@ fn stops_out_of_order_are_refused_by_their_index() {
     assert_eq!(check(&[(0, 0.1), (1, 0.3), (0, 0.4)]), out_of_order(2));
     assert_eq!(check(&[(0, f64::NAN)]), out_of_order(0));
     assert_eq!(check(&[(0, 0.1), (0, f64::NAN), (0, 0.5)]), out_of_order(1));
+}
+
+/// Cusps, doubled points, lines there and back: each was refused in every format. Places and pieces take the whole domain in turn,
+/// and the pieces are no more than some per halving on either side.
+#[test]
+fn where_a_curve_stands_still_it_is_cut() {
+    let clamped = |degree: usize, inner: &[f64]| -> Vec<f64> {
+        let ends = |u: f64| std::iter::repeat_n(u, degree + 1);
+        ends(0.0).chain(inner.iter().copied()).chain(ends(1.0)).collect()
+    };
+    let [b, c] = [[10.0, 30.0], [40.0, 35.0]];
+    let [p, q, r] = [[10.0, 15.0], [20.0, -5.0], [30.0, 20.0]];
+    let cases: [(&str, usize, &[[f64; 2]], &[f64], &[f64]); 7] = [
+        ("cusp", 3, &[[10.0, 10.0], [-10.0 / 3.0, -10.0], [-10.0 / 3.0, 10.0], [10.0, -10.0]], &[], &[0.5]),
+        ("doubled ends", 3, &[b, b, p, c, c], &[0.5], &[0.0, 1.0]),
+        ("tripled ends", 3, &[b, b, b, p, c, c, c], &[0.2, 0.5, 0.8], &[0.0, 1.0]),
+        ("tripled inside", 3, &[b, p, q, q, q, r, c], &[0.25, 0.5, 0.75], &[0.5]),
+        ("a span without length", 3, &[b, p, q, q, q, q, r, c], &[0.2, 0.4, 0.6, 0.8], &[0.4, 0.5, 0.6]),
+        ("there and back", 2, &[b, c, b], &[], &[0.5]),
+        ("a line with C' = 0 inside", 3, &[b, c, b, c], &[], &[0.5]),
+    ];
+    for (name, degree, points, inner, still) in cases {
+        let curve = NurbsBuf::try_new_nonrational(degree, points.to_vec(), clamped(degree, inner)).unwrap();
+        let table = compile::<DoubleDouble, I4F28, 2>(&[curve.as_curve()], &LIMITS).unwrap();
+        let mut all: Vec<_> = table.places().iter().chain(table.still_places()).collect();
+        all.sort_by(|a, b| a.begin.partial_cmp(&b.begin).unwrap());
+        assert_eq!((all[0].begin.0, all[all.len() - 1].end.0), (0.0, 1.0), "{name}");
+        assert!(all.windows(2).all(|pair| pair[0].end == pair[1].begin), "{name}");
+        let count = table.places().len();
+        assert!(count <= 160 * still.len(), "{name}: {count} pieces");
+        for place in table.still_places() {
+            let is_known = still.iter().any(|u| place.begin.0 - 1e-3 <= *u && *u <= place.end.0 + 1e-3);
+            assert!(is_known, "{name}: {place:?}");
+            let [from, to] = [place.begin.0, place.end.0].map(|u| curve.as_curve().point(u));
+            let way = f64::norm(&[to[0] - from[0], to[1] - from[1]]);
+            assert!(way <= 2e-9, "{name}: {way} mm at {place:?}");
+        }
+        for u in still {
+            let joint = table.joint(0, *u).unwrap_or_else(|| panic!("{name}: no joint at {u}"));
+            let (before, behind) =
+                (joint.checked_sub(1).map(|i| table.places()[i]), table.places().get(joint));
+            assert!(before.is_none_or(|place| place.end.0 <= *u), "{name}: {before:?}");
+            assert!(behind.is_none_or(|place| place.begin.0 >= *u), "{name}: {behind:?}");
+            let goes_on = joint > 0 && table.as_pieces().pieces[joint - 1].continues;
+            assert!(!goes_on, "{name}: {u}");
+        }
+    }
+}
+
+/// Between curves that move, one that is a point has no piece; a stop on it is the joint of the others. A path that is nothing else
+/// is refused.
+#[test]
+fn a_curve_that_is_a_point_has_no_piece() {
+    let line = |from: [f64; 2], to: [f64; 2]| {
+        NurbsBuf::try_new_nonrational(1, vec![from, to], vec![0.0, 0.0, 1.0, 1.0]).unwrap()
+    };
+    let corner = [30.0, 0.0];
+    let point = NurbsBuf::try_new_nonrational(2, vec![corner; 3], vec![0., 0., 0., 1., 1., 1.]).unwrap();
+    let curves = [line([0.0; 2], corner), point, line(corner, [30.0, 30.0])];
+    let curves = curves.each_ref().map(NurbsBuf::as_curve);
+    let stops = [(0, 1.0), (1, 0.4), (1, 1.0)];
+    let table = nurbs_core::compile_with_stops::<DoubleDouble, I4F28, 2>(&curves, &LIMITS, &stops).unwrap();
+    assert_eq!(table.places().iter().map(|place| place.curve).collect::<Vec<_>>(), [0, 2]);
+    assert_eq!(stops.map(|(curve, u)| table.joint(curve, u)), [Some(1); 3]);
+    assert_eq!((table.joint(1, 1.5), table.joint(3, 0.5)), (None, None));
+    let refused = compile::<DoubleDouble, I4F28, 2>(&curves[1..2], &LIMITS).err();
+    assert!(matches!(refused, Some(CompileError::Cusp { curve: 0, .. })), "{refused:?}");
 }

@@ -1,12 +1,16 @@
 //! The real-time loop on a curve with one global parameter, as paper A has it.
 
 use feed_plan::{Cursor, Schedule};
-use nurbs_core::Differentiate;
+use nurbs_core::{Derivatives, Differentiate};
 use real::Real;
 
 use crate::predictor::History;
 use crate::secant::{self, Outcome, Tolerance};
 use crate::taylor::{self, Order};
+
+/// Evaluations that look for a start value where C' all but vanishes: the fourth root of a ratio as large as 2²⁰ is within a fifth
+/// of its limit then, where the chord goes by the square or cube of the increment.
+const TRIALS: u32 = 8;
 
 /// How the next parameter is found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -98,7 +102,7 @@ impl<R: Real, C> Interpolator<'_, R, C> {
     /// a coarse format can make it, the rest is travelled in steps of `landing_step`, or of the parameter's resolution where
     /// that is more, so that every run ends. In a period of no length the setpoint is that of the period before. No
     /// heap, and no loop without a bound: at most `max_iterations + 4` evaluations of the curve: two start values and an iteration each, in
-    /// the first steps the expansions there, and the landing.
+    /// the first steps the expansions there, and the landing. Where a run begins with C' = 0, eight more in the first steps.
     pub fn step<const D: usize>(&self, state: &mut State<R, D>) -> Option<Setpoint<R, D>>
     where
         C: Differentiate<R, D>,
@@ -121,7 +125,8 @@ impl<R: Real, C> Interpolator<'_, R, C> {
             return None;
         }
 
-        let mut found = self.next_parameter(state, reach);
+        let landing = if is_last { self.landing(state, reach) } else { None };
+        let mut found = landing.unwrap_or_else(|| self.next_parameter(state, reach));
         if planned.is_none() && found.u <= u {
             // The landing step is too short for the parameter's resolution here.
             found.u = u + R::resolution().max(u.abs() * R::resolution().scale(1));
@@ -143,6 +148,18 @@ impl<R: Real, C> Interpolator<'_, R, C> {
         state.last_length = reach;
         state.point = found.point;
         Some(Setpoint { length, ..found })
+    }
+
+    /// The step to the end, if that is within reach: no root need be sought, and behind an end with C' = 0 there may be none.
+    fn landing<const D: usize>(&self, state: &State<R, D>, reach: R) -> Option<Setpoint<R, D>>
+    where
+        C: Differentiate<R, D>,
+    {
+        let (_, u) = self.curve.domain();
+        let point = self.curve.point(u);
+        let rest = R::norm::<D>(&core::array::from_fn(|d| point[d] - state.point[d]));
+        let setpoint = Setpoint { u, point, length: reach, evaluations: 1, outcome: Outcome::Converged };
+        (rest <= reach).then_some(setpoint)
     }
 
     fn next_parameter<const D: usize>(&self, state: &State<R, D>, length: R) -> Setpoint<R, D>
@@ -204,6 +221,10 @@ impl<R: Real, C> Interpolator<'_, R, C> {
         let ahead = |increment: R| u + increment.max(R::resolution()).min(ceiling - u);
         if !history.is_full() {
             let at = self.curve.derivatives(u);
+            if !is_expandable(&at, length) {
+                let (older, newer) = self.search(state, length, ceiling);
+                return ((ahead(older), ahead(newer)), TRIALS + 1);
+            }
             let first = taylor::increment(&at, length, Order::First);
             let second = taylor::increment(&at, length, Order::Second);
             return ((ahead(first), ahead(second)), 1);
@@ -214,4 +235,37 @@ impl<R: Real, C> Interpolator<'_, R, C> {
         let forwards = |value: R| if value > u { value - u } else { in_proportion };
         ((ahead(forwards(history.adams())), ahead(forwards(history.taylor()))), 0)
     }
+
+    /// The last two of some increments whose chords come near the length where C' all but vanishes, as at a cusp or where control
+    /// points coincide: there a chord c goes by the n-th power of the increment, n > 1 unknown, and
+    ///
+    /// `h ← h (L/c)^¼`
+    ///
+    /// takes the share |1 - n/4| of the logarithm of h that was wrong, which is less than all of it for n up to 7.
+    fn search<const D: usize>(&self, state: &State<R, D>, length: R, ceiling: R) -> (R, R)
+    where
+        C: Differentiate<R, D>,
+    {
+        let u = state.history.newest();
+        let most = ceiling - u;
+        let (mut older, mut newer) = (most, most);
+        for _ in 0..TRIALS {
+            let point = self.curve.point(u + newer);
+            let chord = R::norm::<D>(&core::array::from_fn(|d| point[d] - state.point[d]));
+            older = newer;
+            newer = if chord <= length.scale(-4) {
+                newer.scale(1) // No quotient is greater.
+            } else {
+                newer * (length / chord).sqrt().sqrt()
+            };
+            newer = newer.min(most);
+        }
+        (older, newer)
+    }
+}
+
+/// Whether the speed of the parameter is much the same over a step of this length as at its begin, |C''| L ≤ |C'|²; without squares
+/// or quotients, which may not fit.
+fn is_expandable<R: Real, const D: usize>(at: &Derivatives<R, D>, length: R) -> bool {
+    R::norm(&at.first) > (R::norm(&at.second) * length).sqrt()
 }

@@ -44,6 +44,7 @@ mod chord_step;
 mod compiled_path;
 #[cfg(feature = "std")]
 mod constant;
+mod curve_part;
 mod feed_override;
 mod interpolator;
 mod joint;
@@ -65,6 +66,7 @@ pub use chord_step::{Chord, ChordTolerance};
 pub use compiled_path::{CompiledPath, CompiledPathError};
 #[cfg(feature = "std")]
 pub use constant::{Constant, number_function, number_type};
+pub use curve_part::CurvePart;
 pub use feed_override::{FeedOverride, OverrideLimits, OverrideState, Rate};
 pub use feed_plan::StageShape;
 pub use interpolator::{Interpolator, Method, Setpoint, State};

@@ -51,23 +51,29 @@ fn runs_in_every_format(path: &Path<2>) -> f64 {
     cruise[0]
 }
 
-/// x = 10 s², y = 10 s³ with s = 1 - 2t: the direction turns round in a point of no speed, at t = ½.
+/// x = 10 s², y = 10 s³ with s = 1 - 2t: the direction turns round in a point of no speed, at t = ½. A run that does not stop there
+/// goes on where it turns back: the one step that crosses is shorter than wanted.
 #[test]
-fn a_cusp_is_refused_by_name() {
+fn a_cusp_is_crossed() {
     let cusp = plain(3, vec![[10.0, 10.0], [-10.0 / 3.0, -10.0], [-10.0 / 3.0, 10.0], [10.0, -10.0]], &[]);
-    for outcome in in_every_format(&path(cusp, 0.2)) {
-        let Err(CompileError::Cusp { curve: 0, parameter }) = outcome else { panic!("{outcome:?}") };
-        assert!((parameter - 0.5).abs() < 1e-3, "{parameter}");
-    }
+    let cruise = runs_in_every_format(&path(cusp, 0.2));
+    assert!(cruise <= 1.0, "{cruise}");
 }
 
-/// The double point takes all speed out of the curve's start, though not its smoothness.
+/// The double point takes all speed out of the curve's ends, though not its smoothness.
 #[test]
-fn coincident_end_points_are_refused_by_name() {
-    let curve = plain(3, vec![[0.0, 0.0], [0.0, 0.0], [20.0, 10.0], [40.0, 0.0]], &[]);
-    for outcome in in_every_format(&path(curve, 0.2)) {
-        assert!(matches!(outcome, Err(CompileError::Cusp { curve: 0, .. })), "{outcome:?}");
-    }
+fn coincident_end_points_are_left_and_reached() {
+    let curve = plain(3, vec![[0.0, 0.0], [0.0, 0.0], [20.0, 10.0], [40.0, 0.0], [40.0, 0.0]], &[0.5]);
+    let cruise = runs_in_every_format(&path(curve, 0.2));
+    assert!(cruise < 1e-9, "{cruise}");
+}
+
+/// A triple point takes all speed out of the curve where its direction goes on. What stands still is 1e-9 mm of a step on either side.
+#[test]
+fn a_place_without_speed_is_passed_where_the_direction_goes_on() {
+    let points = [0.0, 10.0, 20.0, 20.0, 20.0, 30.0, 40.0].map(|x| [x, 0.5 * x]).to_vec();
+    let cruise = runs_in_every_format(&path(plain(3, points, &[0.25, 0.5, 0.75]), 0.2));
+    assert!(cruise < 3e-8, "{cruise}");
 }
 
 #[test]

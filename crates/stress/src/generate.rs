@@ -108,7 +108,8 @@ impl<const D: usize> RandomPath<D> {
     #[must_use]
     pub fn passing_corners(mut self) -> Self {
         let share = f64::from_phase(self.limits.chord_error.to_bits() << 12, 0);
-        self.limits.junction = Junction::Deviation(self.limits.chord_error * 10.0_f64.powf(2.0 * share - 1.0));
+        self.limits.junction =
+            Junction::Deviation(self.limits.chord_error * 10.0_f64.powf(2.0 * share - 1.0));
         self
     }
 }
