@@ -51,6 +51,7 @@
     doc = "| corners of straight moves and arcs: cut or looped, within a tolerance | [`smooth_corners`] |"
 )]
 #![cfg_attr(feature = "alloc", doc = "| knot insertion (A5.1) | [`NurbsBuf::insert_knot`] |")]
+//! | whether the tangent breaks at a joint | [`tangent_breaks`] |
 //! | the least value on an interval | [`golden_section()`] |
 #![cfg_attr(
     any(test, feature = "generate"),
@@ -121,6 +122,7 @@ mod ranges;
 mod shape_error;
 #[cfg(feature = "alloc")]
 mod smooth_path;
+mod tangent_break;
 mod trig_basis;
 #[cfg(feature = "alloc")]
 mod trig_polynomial;
@@ -155,6 +157,7 @@ pub use ranges::SignalBound;
 pub use shape_error::ShapeError;
 #[cfg(feature = "alloc")]
 pub use smooth_path::{SmoothPath, smooth_corners};
+pub use tangent_break::tangent_breaks;
 pub use trig_basis::{ShapeFactors, trig_basis, trig_basis_derivatives};
 #[cfg(feature = "alloc")]
 pub use trig_polynomial::TrigPolynomials;
