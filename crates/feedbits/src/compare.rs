@@ -78,6 +78,9 @@ where
     Ok(if comparison.recommended.is_some() { Ending::Good } else { Ending::RequirementNotMet })
 }
 
+/// Heading of a column that is shown where a run passes a corner.
+const CORNER_ERROR: &str = "corner error\nmm";
+
 fn table(comparison: &Comparison) -> String {
     let part = &comparison.part;
     let machine = &comparison.machine;
@@ -94,9 +97,10 @@ fn table(comparison: &Comparison) -> String {
     if let Some(time) = part.planned_time_s {
         text += &format!("; planned in {time:.3} s");
     }
+    let passes_corners = comparison.formats.iter().any(|row| row.corner_error_mm_max > Some(0.0));
     let mut table = Table::new();
     table.load_preset(presets::UTF8_FULL_CONDENSED).set_content_arrangement(ContentArrangement::Dynamic);
-    table.set_header([
+    let mut header = vec![
         "format",
         "bits",
         "path",
@@ -108,14 +112,20 @@ fn table(comparison: &Comparison) -> String {
         "evaluations\nmean / max",
         "over-\nflows",
         "chord error\nmm",
+        CORNER_ERROR,
         "position error\n(resolution) mm",
         "end error\nmm",
         "verdict",
-    ]);
-    for row in &comparison.formats {
-        table.add_row(cells(row));
+    ];
+    if !passes_corners {
+        header.retain(|heading| *heading != CORNER_ERROR);
     }
-    for column in table.column_iter_mut().skip(3).take(10) {
+    let figures = header.len() - 4;
+    table.set_header(header);
+    for row in &comparison.formats {
+        table.add_row(cells(row, passes_corners));
+    }
+    for column in table.column_iter_mut().skip(3).take(figures) {
         column.set_cell_alignment(CellAlignment::Right);
     }
     format!("{text}\n{table}\n{}\n", answer(comparison))
@@ -134,10 +144,10 @@ fn answer(comparison: &Comparison) -> String {
     format!("Cheapest format that is good enough: {format} ({engine}), {by}")
 }
 
-fn cells(row: &Row) -> Vec<String> {
+fn cells(row: &Row, passes_corners: bool) -> Vec<String> {
     let figure = |value: Option<f64>| value.map_or_else(String::new, |x| format!("{x:.1e}"));
     let fluctuation = |of: fn(&format_compare::Fluctuation) -> f64| figure(row.fluctuation.as_ref().map(of));
-    vec![
+    let mut cells = vec![
         row.format.clone(),
         row.bits.to_string(),
         row.engine.to_string(),
@@ -158,5 +168,9 @@ fn cells(row: &Row) -> Vec<String> {
         },
         figure(row.end_error_mm),
         row.verdict.to_string(),
-    ]
+    ];
+    if passes_corners {
+        cells.insert(11, figure(row.corner_error_mm_max));
+    }
+    cells
 }

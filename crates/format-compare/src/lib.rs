@@ -50,7 +50,7 @@ pub use plan_table::{FeedSample, PlanSummary, StageRow};
 pub use problem::Problem;
 pub use recorded::RecordedRun;
 pub use reference::Reference;
-pub use requirement::Requirement;
+pub use requirement::{Place, Requirement};
 pub use run::{Engine, Options, PlanIn, Refusal, Run, RunStep};
 pub use setpoints::{SetpointRow, SetpointTable};
 pub use size::{FrontPoint, Mixed, Register, Sizing, size};
