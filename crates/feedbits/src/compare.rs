@@ -60,6 +60,12 @@ where
     };
     let (mut comparison, traces) = format_compare::compare_with(problem, &formats, &engines, &options, keep)?;
     progress.finish();
+    if comparison.recommended.is_none() {
+        let progress = Progress::spinning("looking for what no format can mend");
+        comparison.not_a_question_of_format =
+            format_compare::not_of_format(problem, &comparison.formats, &options);
+        progress.finish();
+    }
     if !targets.is_empty() {
         let progress = Progress::of("runs recorded for the targets", comparison.formats.len());
         format_compare::price_with(&mut comparison, problem, targets, &options, || progress.step())?;
@@ -134,7 +140,9 @@ fn table(comparison: &Comparison) -> String {
 /// The recommendation, and what makes it the cheapest.
 fn answer(comparison: &Comparison) -> String {
     let Some((format, engine)) = comparison.recommended.as_ref().zip(comparison.recommended_engine) else {
-        return "No format meets the requirements.".to_string();
+        let why = comparison.not_a_question_of_format.as_ref();
+        let why = why.map_or_else(String::new, |why| format!(" {why}"));
+        return format!("No format meets the requirements.{why}");
     };
     let by = if comparison.formats.iter().any(|row| !row.cycles.is_empty()) {
         "by what a period costs on the first target"

@@ -10,6 +10,7 @@ use serde::Serialize;
 use crate::cost::Cost;
 use crate::formats::{Dimension, Format, Space, plan_for};
 use crate::metrics::{Fluctuation, JudgedStep, PerPeriod, jerk_max_mm_per_s3};
+use crate::not_of_format::NotOfFormat;
 use crate::problem::Problem;
 use crate::reference::Reference;
 use crate::requirement::{Measured, Requirement, requirements};
@@ -33,6 +34,9 @@ pub struct Comparison {
     /// The cheapest good format on each target, and how it is to be run.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub recommended_on: BTreeMap<String, (String, Engine)>,
+    /// Why no format is good, if even `f64` is not: what [`not_of_format`](crate::not_of_format) found, where it was asked.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub not_a_question_of_format: Option<NotOfFormat>,
 }
 
 /// What was run.
@@ -220,6 +224,7 @@ where
         recommended: recommended.map(|row| row.format.clone()),
         recommended_engine: recommended.map(|row| row.engine),
         recommended_on: BTreeMap::new(),
+        not_a_question_of_format: None,
         formats: rows,
     };
     Ok((comparison, kept))
