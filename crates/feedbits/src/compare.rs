@@ -60,6 +60,12 @@ where
     };
     let (mut comparison, traces) = format_compare::compare_with(problem, &formats, &engines, &options, keep)?;
     progress.finish();
+    if comparison.recommended.is_none() {
+        let progress = Progress::spinning("looking for what no format can mend");
+        comparison.not_a_question_of_format =
+            format_compare::not_of_format(problem, &comparison.formats, &options);
+        progress.finish();
+    }
     if !targets.is_empty() {
         let progress = Progress::of("runs recorded for the targets", comparison.formats.len());
         format_compare::price_with(&mut comparison, problem, targets, &options, || progress.step())?;
@@ -78,6 +84,9 @@ where
     Ok(if comparison.recommended.is_some() { Ending::Good } else { Ending::RequirementNotMet })
 }
 
+/// Heading of a column that is shown where a run passes a corner.
+const CORNER_ERROR: &str = "corner error\nmm";
+
 fn table(comparison: &Comparison) -> String {
     let part = &comparison.part;
     let machine = &comparison.machine;
@@ -94,9 +103,10 @@ fn table(comparison: &Comparison) -> String {
     if let Some(time) = part.planned_time_s {
         text += &format!("; planned in {time:.3} s");
     }
+    let passes_corners = comparison.formats.iter().any(|row| row.corner_error_mm_max > Some(0.0));
     let mut table = Table::new();
     table.load_preset(presets::UTF8_FULL_CONDENSED).set_content_arrangement(ContentArrangement::Dynamic);
-    table.set_header([
+    let mut header = vec![
         "format",
         "bits",
         "path",
@@ -108,14 +118,20 @@ fn table(comparison: &Comparison) -> String {
         "evaluations\nmean / max",
         "over-\nflows",
         "chord error\nmm",
+        CORNER_ERROR,
         "position error\n(resolution) mm",
         "end error\nmm",
         "verdict",
-    ]);
-    for row in &comparison.formats {
-        table.add_row(cells(row));
+    ];
+    if !passes_corners {
+        header.retain(|heading| *heading != CORNER_ERROR);
     }
-    for column in table.column_iter_mut().skip(3).take(10) {
+    let figures = header.len() - 4;
+    table.set_header(header);
+    for row in &comparison.formats {
+        table.add_row(cells(row, passes_corners));
+    }
+    for column in table.column_iter_mut().skip(3).take(figures) {
         column.set_cell_alignment(CellAlignment::Right);
     }
     format!("{text}\n{table}\n{}\n", answer(comparison))
@@ -124,7 +140,9 @@ fn table(comparison: &Comparison) -> String {
 /// The recommendation, and what makes it the cheapest.
 fn answer(comparison: &Comparison) -> String {
     let Some((format, engine)) = comparison.recommended.as_ref().zip(comparison.recommended_engine) else {
-        return "No format meets the requirements.".to_string();
+        let why = comparison.not_a_question_of_format.as_ref();
+        let why = why.map_or_else(String::new, |why| format!(" {why}"));
+        return format!("No format meets the requirements.{why}");
     };
     let by = if comparison.formats.iter().any(|row| !row.cycles.is_empty()) {
         "by what a period costs on the first target"
@@ -134,10 +152,10 @@ fn answer(comparison: &Comparison) -> String {
     format!("Cheapest format that is good enough: {format} ({engine}), {by}")
 }
 
-fn cells(row: &Row) -> Vec<String> {
+fn cells(row: &Row, passes_corners: bool) -> Vec<String> {
     let figure = |value: Option<f64>| value.map_or_else(String::new, |x| format!("{x:.1e}"));
     let fluctuation = |of: fn(&format_compare::Fluctuation) -> f64| figure(row.fluctuation.as_ref().map(of));
-    vec![
+    let mut cells = vec![
         row.format.clone(),
         row.bits.to_string(),
         row.engine.to_string(),
@@ -158,5 +176,9 @@ fn cells(row: &Row) -> Vec<String> {
         },
         figure(row.end_error_mm),
         row.verdict.to_string(),
-    ]
+    ];
+    if passes_corners {
+        cells.insert(11, figure(row.corner_error_mm_max));
+    }
+    cells
 }

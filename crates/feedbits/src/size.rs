@@ -124,6 +124,9 @@ fn report(sizing: &Sizing) -> Result<String> {
             if let Some(widest) = sizing.tried.last() {
                 writeln!(text, "The widest, {}: {}.", widest.format, widest.verdict)?;
             }
+            if let Some(why) = &sizing.not_a_question_of_format {
+                writeln!(text, "{why}")?;
+            }
         }
     }
     if let Some(mixed) = &sizing.mixed {

@@ -9,7 +9,8 @@ use serde::Serialize;
 
 use crate::cost::Cost;
 use crate::formats::{Dimension, Format, Space, plan_for};
-use crate::metrics::{Fluctuation, JudgedStep, PerPeriod, greater, jerk_max_mm_per_s3};
+use crate::metrics::{Fluctuation, JudgedStep, PerPeriod, jerk_max_mm_per_s3};
+use crate::not_of_format::NotOfFormat;
 use crate::problem::Problem;
 use crate::reference::Reference;
 use crate::requirement::{Measured, Requirement, requirements};
@@ -33,6 +34,9 @@ pub struct Comparison {
     /// The cheapest good format on each target, and how it is to be run.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub recommended_on: BTreeMap<String, (String, Engine)>,
+    /// Why no format is good, if even `f64` is not: what [`not_of_format`](crate::not_of_format) found, where it was asked.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub not_a_question_of_format: Option<NotOfFormat>,
 }
 
 /// What was run.
@@ -69,8 +73,10 @@ pub struct Row {
     pub saturations: Option<u64>,
     /// Integer bits, with the sign, that the largest named signal took.
     pub integer_bits_needed: Option<u32>,
-    /// Largest distance of the curve from a chord, in mm.
+    /// Largest distance of the curve from a chord, in mm, of the periods that pass no corner.
     pub chord_error_mm_max: Option<f64>,
+    /// The same of the periods that pass a corner; 0 where none does.
+    pub corner_error_mm_max: Option<f64>,
     /// Largest distance of a commanded point from the exact curve at its parameter, in mm.
     pub position_error_mm_max: Option<f64>,
     /// The step between two neighbouring commanded points, in mm: no position can be better than half of it.
@@ -218,6 +224,7 @@ where
         recommended: recommended.map(|row| row.format.clone()),
         recommended_engine: recommended.map(|row| row.engine),
         recommended_on: BTreeMap::new(),
+        not_a_question_of_format: None,
         formats: rows,
     };
     Ok((comparison, kept))
@@ -255,6 +262,7 @@ pub(crate) fn refused((name, engine): (FormatName, Engine), refusal: &Refusal) -
         saturations: None,
         integer_bits_needed: None,
         chord_error_mm_max: None,
+        corner_error_mm_max: None,
         position_error_mm_max: None,
         position_resolution_mm: None,
         fluctuation_resolution: None,
@@ -275,20 +283,11 @@ pub(crate) fn judged<const D: usize>(
     (run, steps): (&Run, &[JudgedStep]),
 ) -> Row {
     let fluctuation = Fluctuation::of(steps, problem.machine.feedrate_mm_per_s * problem.period_s());
-    let largest = |figure: fn(&JudgedStep) -> f64| steps.iter().map(figure).fold(0.0, greater);
-    let chord_error = largest(|step| step.chord_error_mm);
-    let position_error = largest(|step| step.position_error_mm);
     let end_error = reference.end_error_mm(run);
     let saturations = run.audit.overflows + run.audit.divisions_by_zero;
 
-    let measured = Measured {
-        fluctuation,
-        saturations,
-        chord_error_mm: chord_error,
-        position_error_mm: position_error,
-        end_error_mm: end_error,
-    };
-    let requirements = requirements(run, &problem.machine, &measured);
+    let measured = Measured::of(steps, &fluctuation, saturations, end_error);
+    let requirements = requirements(run, problem, &measured);
     let ends_at_rest = run.steps.last().is_some_and(|step| step.feed_mm_per_s == 0.0);
 
     Row {
@@ -299,8 +298,9 @@ pub(crate) fn judged<const D: usize>(
         evaluations: Some(PerPeriod::of(run.steps.iter().map(|step| step.evaluations))),
         saturations: Some(saturations),
         integer_bits_needed: Some(run.audit.integer_bits_needed()),
-        chord_error_mm_max: Some(chord_error),
-        position_error_mm_max: Some(position_error),
+        chord_error_mm_max: Some(measured.chord_error_mm.figure),
+        corner_error_mm_max: Some(measured.corner_error_mm.figure),
+        position_error_mm_max: Some(measured.position_error_mm.figure),
         position_resolution_mm: Some(run.resolution_mm),
         fluctuation_resolution: Some(run.fluctuation_resolution),
         end_error_mm: Some(end_error),

@@ -206,6 +206,7 @@ fn demand_that_it_fits(row: &mut Row, targets: &[Target]) {
         found: share,
         limit: 1.0,
         unit: "ratio",
+        at: None,
         broken: format!("a period takes {microseconds:.0} µs, {share:.1} times the interpolation period"),
     });
     row.verdict = Verdict::of(&row.requirements);

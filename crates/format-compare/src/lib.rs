@@ -10,6 +10,7 @@
 //! | how long does it take at the least? | [`LeastPeriods`] |
 //! | how good is that? | [`Reference::judge`] → [`JudgedStep`], [`Fluctuation`] |
 //! | which format is good enough? | [`compare`] → [`Comparison`] |
+//! | why is none, if even `f64` is not? | [`not_of_format`] → [`NotOfFormat`] |
 //! | what happened in each period? | [`compare_with`] → [`Trace`] |
 //! | what does a period cost on a target? | [`price`] → [`Cost`] |
 //! | how few bits are enough? | [`size`] → [`Sizing`] |
@@ -22,6 +23,7 @@ mod exact_plan;
 mod formats;
 mod least_periods;
 mod metrics;
+mod not_of_format;
 mod on_global_parameter;
 mod on_pieces;
 mod overrides;
@@ -44,13 +46,14 @@ pub use feed_plan::ProfileKind;
 pub use formats::{Dimension, Format, Space, formats, plan_for, select};
 pub use least_periods::{LeastPeriods, MOST_PERIODS};
 pub use metrics::{Fluctuation, JudgedStep, PerPeriod, jerk_of_chords};
+pub use not_of_format::{NotOfFormat, Remedy, not_of_format};
 pub use overrides::{OverrideCommands, OverrideError, OverrideTarget, Overrides};
 pub use part_program::Machine;
 pub use plan_table::{FeedSample, PlanSummary, StageRow};
 pub use problem::Problem;
 pub use recorded::RecordedRun;
 pub use reference::Reference;
-pub use requirement::Requirement;
+pub use requirement::{Place, Requirement};
 pub use run::{Engine, Options, PlanIn, Refusal, Run, RunStep};
 pub use setpoints::{SetpointRow, SetpointTable};
 pub use size::{FrontPoint, Mixed, Register, Sizing, size};

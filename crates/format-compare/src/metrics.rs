@@ -46,6 +46,8 @@ pub struct JudgedStep {
     pub commanded_shortfall_mm: f64,
     /// Largest distance of the curve from the chord, in mm.
     pub chord_error_mm: f64,
+    /// Whether the chord lies over a corner of the path, a joint at which the tangent breaks.
+    pub passes_corner: bool,
     /// Distance of the commanded point from the exact one, in mm.
     pub position_error_mm: f64,
 }
@@ -153,6 +155,7 @@ mod tests {
             shortfall_mm: shortfall,
             commanded_shortfall_mm: 2.0 * shortfall,
             chord_error_mm: 0.0,
+            passes_corner: false,
             position_error_mm: 0.0,
         }
     }
@@ -165,6 +168,7 @@ mod tests {
             shortfall_mm: 0.0,
             commanded_shortfall_mm: 0.0,
             chord_error_mm: 0.0,
+            passes_corner: false,
             position_error_mm: 0.0,
         };
         let steps = [4.0, 4.0, 3.0, 1.0, 2.0].map(step);

@@ -1,9 +1,8 @@
-//! What a run must keep to be good, each with what was found and the most that is allowed.
+//! What a run must keep to be good, each with what was found, where, and the most that is allowed.
 
-use part_program::Junction;
 use serde::Serialize;
 
-use crate::{Fluctuation, Machine, Run};
+use crate::{Fluctuation, JudgedStep, Problem, Run};
 
 /// The chord-error limit takes the curve of a step as a circle of the radius at one point; where the radius changes
 /// within the step the true distance differs by a few parts in a thousand.
@@ -20,9 +19,38 @@ pub struct Requirement {
     pub limit: f64,
     /// The unit of both: `mm`, `ratio` or `count`.
     pub unit: &'static str,
+    /// The period in which it was found, of those that are one's own.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub at: Option<Place>,
     /// What is said where it is not kept.
     #[serde(skip)]
     pub(crate) broken: String,
+}
+
+/// Where a period of a run ends.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Place {
+    /// The line of the move in the part, if it is known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub line: Option<usize>,
+    /// Number of the period, from 1.
+    pub period: usize,
+    /// Time at its end, in s.
+    pub time_s: f64,
+    /// The commanded point, in mm, where the part has it.
+    pub point_mm: [f64; 3],
+}
+
+impl Place {
+    fn of<const D: usize>(problem: &Problem<D>, run: &Run, index: usize) -> Option<Self> {
+        let step = run.steps.get(index)?;
+        Some(Self {
+            line: problem.lines.get(step.curve).copied(),
+            period: index + 1,
+            time_s: (index + 1) as f64 * problem.period_s(),
+            point_mm: problem.in_the_part(step.curve, step.point_mm),
+        })
+    }
 }
 
 impl Requirement {
@@ -39,21 +67,85 @@ impl Requirement {
     }
 }
 
+/// The greatest figure of a run, and the index of the step that has it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Worst {
+    pub(crate) figure: f64,
+    pub(crate) step: Option<usize>,
+}
+
+impl Worst {
+    /// The greatest of these figures of steps, 0 of none; what is no number is greater than any.
+    pub(crate) fn of(figures: impl Iterator<Item = (usize, f64)>) -> Self {
+        figures.fold(Self::default(), |worst, (step, figure)| {
+            let is_worse = worst.step.is_none() || !(worst.figure.is_nan() || figure <= worst.figure);
+            if is_worse { Self { figure, step: Some(step) } } else { worst }
+        })
+    }
+}
+
 /// What was measured of a run.
 pub(crate) struct Measured {
-    pub(crate) fluctuation: Fluctuation,
+    pub(crate) fluctuation: Worst,
     pub(crate) saturations: u64,
-    pub(crate) chord_error_mm: f64,
-    pub(crate) position_error_mm: f64,
+    pub(crate) chord_error_mm: Worst,
+    pub(crate) corner_error_mm: Worst,
+    pub(crate) position_error_mm: Worst,
     pub(crate) end_error_mm: f64,
 }
 
+impl Measured {
+    /// What the reference says of a run's steps.
+    pub(crate) fn of(
+        steps: &[JudgedStep],
+        fluctuation: &Fluctuation,
+        saturations: u64,
+        end_error_mm: f64,
+    ) -> Self {
+        let largest = |figure: fn(&JudgedStep) -> Option<f64>| {
+            Worst::of(steps.iter().enumerate().filter_map(|(index, step)| Some((index, figure(step)?))))
+        };
+        let figure = fluctuation.cruise_max_abs;
+        let is_figure = |step: &JudgedStep| {
+            let own = step.fluctuation().abs();
+            own == figure || own.is_nan() && figure.is_nan()
+        };
+        Self {
+            fluctuation: Worst { figure, step: steps.iter().position(is_figure) },
+            saturations,
+            chord_error_mm: largest(|step| (!step.passes_corner).then_some(step.chord_error_mm)),
+            corner_error_mm: largest(|step| step.passes_corner.then_some(step.chord_error_mm)),
+            position_error_mm: largest(|step| Some(step.position_error_mm)),
+            end_error_mm,
+        }
+    }
+}
+
 /// All that a run must keep, what says most where it is not kept first.
-pub(crate) fn requirements(run: &Run, machine: &Machine, measured: &Measured) -> Vec<Requirement> {
-    let Measured { fluctuation, saturations, chord_error_mm, position_error_mm, end_error_mm } = *measured;
-    let one =
-        |what, (found, limit, unit): (f64, f64, _), broken| Requirement { what, found, limit, unit, broken };
+pub(crate) fn requirements<const D: usize>(
+    run: &Run,
+    problem: &Problem<D>,
+    measured: &Measured,
+) -> Vec<Requirement> {
+    let Measured {
+        fluctuation,
+        saturations,
+        chord_error_mm,
+        corner_error_mm,
+        position_error_mm,
+        end_error_mm,
+    } = *measured;
+    let machine = &problem.machine;
+    let one = |what, (found, limit, unit): (f64, f64, _), step: Option<usize>, broken: String| {
+        let at = step.and_then(|index| Place::of(problem, run, index));
+        // The only move of a part needs no name.
+        let line = at.and_then(|at| at.line).filter(|_| problem.curves.len() > 1);
+        let broken = line.map_or_else(|| broken.clone(), |line| format!("{broken} in line {line}"));
+        Requirement { what, found, limit, unit, at, broken }
+    };
+    let last = run.steps.len().checked_sub(1);
     let chord = machine.chord_error_mm;
+    let (corner, corner_key) = machine.corner_error_mm();
     let off = chord.min(machine.position_increment_mm);
     let full_step = machine.feedrate_mm_per_s * (machine.interpolation_period_ms / 1000.0);
     // The greater, or what is no number.
@@ -63,48 +155,50 @@ pub(crate) fn requirements(run: &Run, machine: &Machine, measured: &Measured) ->
         one(
             "stops before the end of the path",
             (f64::from(u8::from(!run.finished)), 0.0, "count"),
+            last.filter(|_| !run.finished),
             format!("stops before the end of the path, after {} periods", run.steps.len()),
         ),
         one(
             "step of the format in a period's way",
             (step_of_format, 1.0, "ratio"),
+            None,
             format!(
                 "cannot run this feed: {full_step:.1e} mm a period is less than one step of {:.1e} mm",
                 full_step * step_of_format
             ),
         ),
-        one("overflows", (saturations as f64, 0.0, "count"), format!("{saturations} overflows")),
+        one("overflows", (saturations as f64, 0.0, "count"), None, format!("{saturations} overflows")),
         one(
             "feedrate fluctuation at cruise",
-            (fluctuation.cruise_max_abs, machine.fluctuation_limit, "ratio"),
-            format!("fluctuation {:.1e} > {:.1e}", fluctuation.cruise_max_abs, machine.fluctuation_limit),
+            (fluctuation.figure, machine.fluctuation_limit, "ratio"),
+            fluctuation.step,
+            format!("fluctuation {:.1e} > {:.1e}", fluctuation.figure, machine.fluctuation_limit),
         ),
         one(
             "chord error",
-            (chord_error_mm, chord * (1.0 + CHORD_ERROR_SLACK), "mm"),
-            format!("chord error {chord_error_mm:.2e} > {chord:.2e} mm{}", allowed_at_corners(machine)),
+            (chord_error_mm.figure, chord * (1.0 + CHORD_ERROR_SLACK), "mm"),
+            chord_error_mm.step,
+            format!("chord error {:.2e} > {chord:.2e} mm", chord_error_mm.figure),
+        ),
+        one(
+            "corner error",
+            (corner_error_mm.figure, corner * (1.0 + CHORD_ERROR_SLACK), "mm"),
+            corner_error_mm.step,
+            format!("corner error {:.2e} > {corner:.2e} mm of `{corner_key}`", corner_error_mm.figure),
         ),
         one(
             "position error",
-            (position_error_mm, off, "mm"),
-            format!("position error {position_error_mm:.1e} > {off:.1e} mm"),
+            (position_error_mm.figure, off, "mm"),
+            position_error_mm.step,
+            format!("position error {:.1e} > {off:.1e} mm", position_error_mm.figure),
         ),
         one(
             "distance from the end of the path",
             (end_error_mm, chord, "mm"),
+            last,
             format!("ends {end_error_mm:.1e} mm from the end"),
         ),
     ]
-}
-
-/// Why the chord error may be exceeded by every format: the machine file lets corners be cut by more.
-fn allowed_at_corners(machine: &Machine) -> String {
-    match machine.junction {
-        Junction::DeviationMm(deviation) if deviation > machine.chord_error_mm => format!(
-            ": `junction_deviation_mm` lets corners be cut by {deviation} mm; lower it to `chord_error_mm`, or raise that to as much"
-        ),
-        _ => String::new(),
-    }
 }
 
 #[cfg(test)]
@@ -118,6 +212,8 @@ mod tests {
     fn a_verdict_names_each_requirement_that_is_not_kept_and_no_other() {
         let text = include_str!("../../../data/seed-000.toml");
         let machine = part_program::read_machine("seed-000.toml", text).unwrap();
+        let part = part_program::read_part("seed-000.toml", text).unwrap();
+        let problem = Problem::<2>::new(&part, &machine).unwrap();
         let (chord, limit) = (machine.chord_error_mm, machine.fluctuation_limit);
         let increment = machine.position_increment_mm;
         let full_step = machine.feedrate_mm_per_s * machine.interpolation_period_ms / 1000.0;
@@ -133,24 +229,26 @@ mod tests {
                 audit,
             };
             let mut measured = Measured {
-                fluctuation: Fluctuation::default(),
+                fluctuation: Worst::default(),
                 saturations: 0,
-                chord_error_mm: 0.0,
-                position_error_mm: 0.0,
+                chord_error_mm: Worst::default(),
+                corner_error_mm: Worst::default(),
+                position_error_mm: Worst::default(),
                 end_error_mm: 0.0,
             };
             change(&mut run, &mut measured, figure);
-            Verdict::of(&requirements(&run, &machine, &measured))
+            Verdict::of(&requirements(&run, &problem, &measured))
         };
         type Change = fn(&mut Run, &mut Measured, f64);
         // What the figure is put into, the most that is allowed, and what is said beyond.
-        let cases: [(Change, f64, &str); 7] = [
+        let cases: [(Change, f64, &str); 8] = [
             (|run, _, figure| run.finished = figure == 0.0, 0.0, "stops before the end of the path"),
             (|run, _, figure| run.resolution_mm = figure, full_step, "cannot run this feed"),
             (|run, _, figure| run.fluctuation_resolution = figure, 1.0, "cannot run this feed"),
-            (|_, found, figure| found.fluctuation.cruise_max_abs = figure, limit, "fluctuation "),
-            (|_, found, figure| found.chord_error_mm = figure, chord * 1.005, "chord error "),
-            (|_, found, figure| found.position_error_mm = figure, increment, "position error "),
+            (|_, found, figure| found.fluctuation.figure = figure, limit, "fluctuation "),
+            (|_, found, figure| found.chord_error_mm.figure = figure, chord * 1.005, "chord error "),
+            (|_, found, figure| found.corner_error_mm.figure = figure, chord * 1.005, "corner error "),
+            (|_, found, figure| found.position_error_mm.figure = figure, increment, "position error "),
             (|_, found, figure| found.end_error_mm = figure, chord, "ends "),
         ];
         for (change, most, said) in cases {
@@ -168,20 +266,15 @@ mod tests {
         );
     }
 
-    /// The corners that the machine file lets be cut were called a chord error of the format.
     #[test]
-    fn a_chord_error_that_the_junctions_allow_names_their_key() {
-        let text = include_str!("../../../data/seed-000.toml");
-        let mut machine = part_program::read_machine("seed-000.toml", text).unwrap();
-        for (deviation, is_named) in [(1.01, true), (1.0, false)] {
-            machine.junction = Junction::DeviationMm(deviation * machine.chord_error_mm);
-            assert_eq!(
-                allowed_at_corners(&machine).contains("`junction_deviation_mm`"),
-                is_named,
-                "{deviation}"
-            );
+    fn the_worst_step_is_found_whatever_its_figure() {
+        let worst = |figures: &[f64]| Worst::of(figures.iter().copied().enumerate());
+        assert_eq!((worst(&[1.0, 3.0, 2.0]).figure, worst(&[1.0, 3.0, 3.0]).step), (3.0, Some(1)));
+        assert_eq!((worst(&[0.0, 0.0]).step, worst(&[]).step, worst(&[]).figure), (Some(0), None, 0.0));
+        for at in 0..3 {
+            let mut figures = [1.0; 3];
+            figures[at] = f64::NAN;
+            assert!(worst(&figures).figure.is_nan() && worst(&figures).step == Some(at), "{at}");
         }
-        machine.junction = Junction::Stop;
-        assert_eq!(allowed_at_corners(&machine), "");
     }
 }

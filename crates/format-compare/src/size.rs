@@ -14,6 +14,7 @@ use serde::Serialize;
 use crate::compare::{Row, in_parallel, judged, refused};
 use crate::exact_plan::ExactPlan;
 use crate::formats::{Dimension, Space};
+use crate::not_of_format::{NotOfFormat, not_of_format};
 use crate::on_pieces;
 use crate::problem::Problem;
 use crate::reference::Reference;
@@ -37,6 +38,9 @@ pub struct Sizing {
     pub front: Vec<FrontPoint>,
     /// Runs of the whole path that the search took.
     pub runs: usize,
+    /// Why no format is good enough, if even `f64` is not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub not_a_question_of_format: Option<NotOfFormat>,
 }
 
 /// A point of the front of bits against fluctuation.
@@ -122,6 +126,7 @@ where
     };
     let limit = problem.machine.fluctuation_limit;
     Ok(Sizing {
+        not_a_question_of_format: not_of_format(problem, &tried, &options),
         uniform_margin: uniform.as_ref().and_then(|row| Some(limit / row.fluctuation?.cruise_max_abs)),
         uniform,
         mixed,

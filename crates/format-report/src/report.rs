@@ -219,6 +219,9 @@ fn path(row: &format_compare::Row) -> &'static str {
 }
 
 fn why_none(comparison: &Comparison) -> Vec<String> {
+    if let Some(why) = &comparison.not_a_question_of_format {
+        return why.to_string().lines().map(|line| line.trim_start_matches("- ").to_string()).collect();
+    }
     let bad = comparison.formats.iter().rev().filter(|row| matches!(row.verdict, Verdict::Bad(_)));
     let refused = comparison.formats.iter().rev().filter(|row| matches!(row.verdict, Verdict::Refused(_)));
     bad.chain(refused)

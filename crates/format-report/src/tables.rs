@@ -25,6 +25,7 @@ pub(crate) fn formats(runs: &[RunView<'_>]) -> Table {
         ("overflows", "overflows"),
         ("integer_bits_needed", "integer bits needed"),
         ("chord_error_mm", "chord error [mm]"),
+        ("corner_error_mm", "corner error [mm]"),
         ("position_error_mm", "position error [mm]"),
         ("end_error_mm", "end error [mm]"),
     ];
@@ -55,6 +56,7 @@ fn format_row(row: &Row) -> Vec<Cell> {
         Cell::maybe(row.saturations.map(|count| count as f64)),
         Cell::maybe(row.integer_bits_needed.map(Into::into)),
         Cell::maybe(row.chord_error_mm_max),
+        Cell::maybe(row.corner_error_mm_max),
         Cell::maybe(row.position_error_mm_max),
         Cell::maybe(row.end_error_mm),
     ]

@@ -465,7 +465,7 @@ fn where_a_curve_stands_still_it_is_cut() {
                 (joint.checked_sub(1).map(|i| table.places()[i]), table.places().get(joint));
             assert!(before.is_none_or(|place| place.end.0 <= *u), "{name}: {before:?}");
             assert!(behind.is_none_or(|place| place.begin.0 >= *u), "{name}: {behind:?}");
-            let goes_on = joint > 0 && table.as_pieces().pieces[joint - 1].continues;
+            let goes_on = joint > 0 && table.as_pieces().pieces[joint - 1].joint == Joint::Continues;
             assert!(!goes_on, "{name}: {u}");
         }
     }

@@ -39,6 +39,21 @@ pub struct Machine {
     pub axes: Axes,
 }
 
+/// Key of δ.
+const DEVIATION: &str = "junction_deviation_mm";
+
+impl Machine {
+    /// The most that the path may be off the chord of a period that passes a corner, in mm, and the key that says so: max(E, δ), where
+    /// δ is `junction_deviation_mm`. With other junctions it is E.
+    #[must_use]
+    pub fn corner_error_mm(&self) -> (f64, &'static str) {
+        match self.junction {
+            Junction::DeviationMm(deviation) if deviation > self.chord_error_mm => (deviation, DEVIATION),
+            _ => (self.chord_error_mm, "chord_error_mm"),
+        }
+    }
+}
+
 /// How a break of the tangent is passed: key `junction`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Junction {
@@ -191,7 +206,6 @@ pub(crate) fn from_table(report: &mut Report<'_>, header: Span, table: &DeTable<
 
 fn junction(keys: &mut TableReader<'_, '_, '_>) -> Junction {
     const KEY: &str = "junction";
-    const DEVIATION: &str = "junction_deviation_mm";
     let expected = "\"stop\", \"deviation\" or \"velocity-jump\"";
     let value = keys.optional(KEY);
     let named = value.map(|value| (value.span(), value.get_ref().as_str()));

@@ -9,17 +9,25 @@ use crate::runs::RunView;
 /// One picture of all runs.
 pub(crate) fn figures(material: &Material<'_>, runs: &[RunView<'_>]) -> Vec<Figure> {
     let period = material.period_s();
-    let limit = material.comparison.machine.chord_error_mm * 1000.0;
+    let machine = &material.comparison.machine;
+    let limit = machine.chord_error_mm * 1000.0;
+    let at_corners = machine.corner_error_mm().0 * 1000.0;
     let longest = runs.iter().filter_map(|run| Some(run.trace?.periods())).max().unwrap_or(0);
     if longest == 0 {
         return Vec::new();
     }
     // A format that is far off must not squeeze the others into a line.
     let values = runs.iter().filter_map(|run| run.trace).flat_map(|trace| trace.chord_error_mm.iter());
-    let y = Axis::over("chord error [µm]", values.map(|mm| (mm * 1000.0).min(3.0 * limit)).chain([limit]));
+    let y = Axis::over(
+        "chord error [µm]",
+        values.map(|mm| (mm * 1000.0).min(3.0 * at_corners)).chain([at_corners]),
+    );
     let x = Axis::linear("time [s]", 0.0..longest as f64 * period);
     let figure = draw((x, y), &Layout::default(), |plot| {
         plot.limit(limit, "limit");
+        if at_corners > limit {
+            plot.limit(at_corners, "limit over corners");
+        }
         for run in runs {
             let Some(trace) = run.trace else { continue };
             let micrometres: Vec<f64> = trace.chord_error_mm.iter().map(|mm| mm * 1000.0).collect();

@@ -1,0 +1,235 @@
+//! Why no format is good where that is no question of the format: what `f64` fails by too, where, and what helps.
+//!
+//! What helps is not guessed: each change is planned and run in `f64`, and named only if that run keeps every requirement.
+
+use std::fmt;
+
+use part_program::{Junction, Machine};
+use real::{Backend, FormatName};
+use serde::Serialize;
+
+use crate::compare::{Row, judged};
+use crate::formats::{Dimension, Space, plan_for, select};
+use crate::problem::Problem;
+use crate::reference::Reference;
+use crate::requirement::Requirement;
+use crate::run::{Engine, Options, PlanIn};
+
+/// So many times what rounding alone may cost in `f64`, a figure is not rounding.
+const BEYOND_ROUNDING: f64 = 1000.0;
+
+/// Periods up to which a change is tried: a run and its judgement take 140 bytes a period.
+const MOST_TRIED: u32 = 1 << 22;
+
+/// Why no format can be good: what `f64` fails by, although its digits are enough.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct NotOfFormat {
+    /// The run that shows it: `f64 pieces`.
+    pub run: String,
+    /// How long it takes along the path, in s.
+    pub time_s: f64,
+    /// The requirements that it does not keep, nor any format that comes to the end of the path: figure, limit and place.
+    pub broken: Vec<Requirement>,
+    /// Changes with which it keeps every requirement, each tried alone.
+    pub helps: Vec<Remedy>,
+    /// Changes that were tried and are not enough.
+    pub does_not_help: Vec<String>,
+}
+
+/// A change that helps.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Remedy {
+    /// What is changed, in the words of the machine file where it has any.
+    pub change: String,
+    /// How long the run takes then, in s.
+    pub time_s: f64,
+}
+
+impl fmt::Display for NotOfFormat {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "It is not a question of the format: {} fails too.", self.run)?;
+        for one in &self.broken {
+            write!(f, "\n- {}", one.broken)?;
+            if let Some(at) = one.at {
+                let [x, y, z] = at.point_mm;
+                write!(f, ", at X{x:.3} Y{y:.3} Z{z:.3}, {:.3} s after the start", at.time_s)?;
+            }
+            write!(f, ".")?;
+        }
+        for Remedy { change, time_s } in &self.helps {
+            write!(
+                f,
+                "\nWhat helps: {change}. The path then takes {time_s:.3} s, not {:.3} s.",
+                self.time_s
+            )?;
+        }
+        if !self.does_not_help.is_empty() {
+            write!(f, "\nTried, and not enough: {}.", self.does_not_help.join("; "))?;
+        }
+        Ok(())
+    }
+}
+
+/// Why none of `rows` is good, if `f64` on pieces fails by more than its rounding, at what each row fails that comes to the end of the
+/// path. There is nothing to say where a row is good, where `f64` would be, or where it refuses the part, as the rows do then. Runs
+/// `problem` in `f64` unless it is among the rows, and once more for each change that is tried.
+#[must_use]
+pub fn not_of_format<const D: usize>(
+    problem: &Problem<D>,
+    rows: &[Row],
+    options: &Options,
+) -> Option<NotOfFormat>
+where
+    Space: Dimension<D>,
+{
+    if rows.iter().any(|row| row.verdict.is_good()) {
+        return None;
+    }
+    let reference = Reference::new(problem).ok()?;
+    let options = Options { engine: Engine::Pieces, plan_in: PlanIn::default(), ..options.clone() };
+    let name = f64::name().to_string();
+    let listed = rows.iter().find(|row| row.format == name && row.engine == Engine::Pieces);
+    let own = listed.cloned().or_else(|| run(problem, &reference, &options))?;
+    let fails = |row: &Row, what| row.requirements.iter().any(|one| one.what == what && !one.holds());
+    let ends = |row: &&Row| !row.requirements.is_empty() && !fails(row, "stops before the end of the path");
+    let is_shared = |one: &&Requirement| rows.iter().filter(ends).all(|row| fails(row, one.what));
+    let full_step = problem.machine.feedrate_mm_per_s * problem.period_s();
+    let is_broken = |one: &&Requirement| !one.holds() && is_beyond_rounding(one, &own, full_step);
+    let broken: Vec<_> = own.requirements.iter().filter(is_broken).filter(is_shared).cloned().collect();
+    if broken.is_empty() {
+        return None;
+    }
+    let time = |row: &Row| row.periods.map_or(0.0, |periods| problem.period_s() * f64::from(periods));
+    let mut found = NotOfFormat {
+        run: format!("{name} {}", own.engine),
+        time_s: time(&own),
+        broken,
+        helps: Vec::new(),
+        does_not_help: Vec::new(),
+    };
+    for tries in changes(&problem.machine) {
+        for (change, machine) in tries {
+            let changed = Problem { machine, ..problem.clone() };
+            let Some(row) = run(&changed, &reference, &options) else { continue };
+            if row.verdict.is_good() {
+                found.helps.push(Remedy { change, time_s: time(&row) });
+                break;
+            }
+            found.does_not_help.push(change);
+        }
+    }
+    found.helps.sort_by(|one, other| one.time_s.total_cmp(&other.time_s));
+    Some(found)
+}
+
+/// The run in `f64`; none where it is refused or would take too long.
+fn run<const D: usize>(problem: &Problem<D>, reference: &Reference<D>, options: &Options) -> Option<Row>
+where
+    Space: Dimension<D>,
+{
+    let name: FormatName = f64::name();
+    let format = select::<D>(&[name.to_string()]).ok()?.pop()?;
+    let plan = plan_for(problem, format.as_ref(), options).ok()?;
+    if plan.periods() > MOST_TRIED {
+        return None;
+    }
+    let run = format.run(problem, &plan, options).ok()?;
+    let steps = reference.judge(&run);
+    Some(judged((name, options.engine), problem, reference, (&run, &steps)))
+}
+
+/// Whether a requirement says something about the path, and its figure is more than the digits of `row` can make: of its positions,
+/// and of lengths and positions in a step of F·T.
+fn is_beyond_rounding(one: &Requirement, row: &Row, full_step_mm: f64) -> bool {
+    let [place, length] =
+        [row.position_resolution_mm, row.fluctuation_resolution].map(Option::unwrap_or_default);
+    let rounding = match (one.what, one.unit) {
+        ("position error" | "overflows" | "step of the format in a period's way", _) => return false,
+        (_, "mm") => place,
+        (_, "ratio") => length + place / full_step_mm,
+        _ => 0.0,
+    };
+    !(one.found <= BEYOND_ROUNDING * rounding)
+}
+
+/// What may help: of each list the first that does.
+fn changes(machine: &Machine) -> Vec<Vec<(String, Machine)>> {
+    let mut changes = Vec::new();
+    if machine.junction != Junction::Stop {
+        let stop = Machine { junction: Junction::Stop, ..machine.clone() };
+        changes.push(vec![("`junction = \"stop\"` in the machine file".to_string(), stop)]);
+    }
+    let slower = [("half", 0.5), ("a quarter", 0.25)].map(|(words, share)| {
+        let feedrate_mm_per_s = machine.feedrate_mm_per_s * share;
+        (format!("{words} of the feed everywhere"), Machine { feedrate_mm_per_s, ..machine.clone() })
+    });
+    changes.push(slower.to_vec());
+    changes
+}
+
+#[cfg(test)]
+mod tests {
+    use part_program::{read_machine, read_part};
+
+    use super::*;
+    use crate::compare;
+
+    const MACHINE: &str = "[machine]\ninterpolation_period_ms = 1.0\nfeedrate_mm_per_s = 50.0\n\
+                           acceleration_mm_per_s2 = 1000.0\njerk_mm_per_s3 = 40000.0\nchord_error_mm = 0.001\n\
+                           fluctuation_limit = 1e-4\nparameter_tolerance = 1e-10\nmax_iterations = 8\n";
+
+    fn problem(program: &str, machine: &str) -> Problem<3> {
+        let machine = read_machine("m", &(MACHINE.to_string() + machine)).unwrap();
+        Problem::new(&read_part("p.nc", program).unwrap(), &machine).unwrap()
+    }
+
+    fn explained(problem: &Problem<3>, formats: &[&str]) -> Option<NotOfFormat> {
+        let formats = select::<3>(&formats.iter().map(ToString::to_string).collect::<Vec<_>>()).unwrap();
+        let rows = compare(problem, &formats, &[Engine::Pieces], &Options::default()).unwrap().formats;
+        not_of_format(problem, &rows, &Options::default())
+    }
+
+    /// A corner that two axes jump at cuts it by more than the chord error, in every format.
+    const CORNER: &str = "G0 X0 Y0\nG1 X10 F3000\nG1 X20\nG1 X20 Y10\nG1 X30 Y10\n";
+    const JUMP: &str = "junction = \"velocity-jump\"\n[machine.axes.x]\nvelocity_jump_mm_per_s = 8\n\
+                        [machine.axes.y]\nvelocity_jump_mm_per_s = 8\n";
+
+    #[test]
+    fn what_every_format_fails_by_is_told_with_its_place_and_what_helps() {
+        let problem = problem(CORNER, JUMP);
+        for formats in [&["f64", "I8F24"][..], &["I8F24"][..]] {
+            let found = explained(&problem, formats).unwrap();
+            let [one] = found.broken.as_slice() else { panic!("{found:?}") };
+            assert_eq!((one.what, one.unit), ("corner error", "mm"));
+            assert!((one.limit - 1.005e-3).abs() < 1e-9, "{}", one.limit);
+            // Δv T/4 = √(8² + 8²) · 0.001/4 is the most.
+            assert!(one.found > 1.2e-3 && one.found < 2.829e-3, "{}", one.found);
+            let at = one.at.unwrap();
+            let near =
+                |corner: [f64; 2]| (at.point_mm[0] - corner[0]).hypot(at.point_mm[1] - corner[1]) < 0.1;
+            assert!(
+                matches!(at.line, Some(4)) && near([20.0, 0.0]) || at.line == Some(5) && near([20.0, 10.0])
+            );
+            let [Remedy { change, time_s }] = found.helps.as_slice() else { panic!("{found}") };
+            assert!(change.contains("`junction = \"stop\"`") && *time_s > found.time_s, "{found}");
+            let mut machine = problem.machine.clone();
+            machine.junction = Junction::Stop;
+            assert_eq!(explained(&Problem { machine, ..problem.clone() }, formats), None);
+            let words = found.to_string();
+            assert!(words.contains("not a question of the format") && words.contains("in line "), "{words}");
+        }
+    }
+
+    /// One format that is too coarse says nothing about the others.
+    #[test]
+    fn what_a_format_alone_fails_by_is_a_question_of_the_format() {
+        let stop = problem(CORNER, "");
+        assert_eq!(explained(&stop, &["f64"]), None);
+        let coarse =
+            Problem { machine: Machine { fluctuation_limit: 1e-12, ..stop.machine.clone() }, ..stop.clone() };
+        assert_eq!(explained(&coarse, &["I16F16"]), None);
+        // Nor is it one of the path where 53 bits are not enough.
+        let fine = Problem { machine: Machine { fluctuation_limit: 1e-17, ..stop.machine.clone() }, ..stop };
+        assert_eq!(explained(&fine, &["f64"]), None);
+    }
+}
