@@ -149,7 +149,7 @@ fn is_beyond_rounding(one: &Requirement, row: &Row, full_step_mm: f64) -> bool {
         (_, "ratio") => length + place / full_step_mm,
         _ => 0.0,
     };
-    !(one.found <= BEYOND_ROUNDING * rounding)
+    one.found.is_nan() || one.found > BEYOND_ROUNDING * rounding
 }
 
 /// What may help: of each list the first that does.
