@@ -98,8 +98,14 @@ fn each_is_good_on_the_global_parameter() {
     }
 }
 
+/// `cases` unless the environment asks for a long run.
+fn config(cases: u32) -> ProptestConfig {
+    let cases = std::env::var("PROPTEST_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(cases);
+    ProptestConfig { cases, ..ProptestConfig::default() }
+}
+
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(8))]
+    #![proptest_config(config(8))]
 
     /// The chord error holds at each of them, the run ends on the end of the path, and nothing overflows.
     #[test]

@@ -434,7 +434,9 @@ fn where_a_curve_stands_still_it_is_cut() {
     };
     let [b, c] = [[10.0, 30.0], [40.0, 35.0]];
     let [p, q, r] = [[10.0, 15.0], [20.0, -5.0], [30.0, 20.0]];
-    let cases: [(&str, usize, &[[f64; 2]], &[f64], &[f64]); 7] = [
+    // Degree, control points, inner knots, and where the curve stands still.
+    type Case<'a> = (&'a str, usize, &'a [[f64; 2]], &'a [f64], &'a [f64]);
+    let cases: [Case; 7] = [
         ("cusp", 3, &[[10.0, 10.0], [-10.0 / 3.0, -10.0], [-10.0 / 3.0, 10.0], [10.0, -10.0]], &[], &[0.5]),
         ("doubled ends", 3, &[b, b, p, c, c], &[0.5], &[0.0, 1.0]),
         ("tripled ends", 3, &[b, b, b, p, c, c, c], &[0.2, 0.5, 0.8], &[0.0, 1.0]),
