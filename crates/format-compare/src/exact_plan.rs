@@ -13,6 +13,9 @@ use crate::run::Refusal;
 /// A plan made in some format, with exactly the numbers that the format found.
 #[derive(Clone, Debug)]
 pub struct ExactPlan {
+    /// Along the path: its distances are arc lengths.
+    arcs: Vec<Stage<DoubleDouble>>,
+    /// For setpoints: their chords have its lengths.
     stages: Vec<Stage<DoubleDouble>>,
     periods: u32,
     profile: ProfileKind,
@@ -71,7 +74,7 @@ impl ExactPlan {
         let [start, end] = end_feeds_mm_per_s.map(|feed| feed * problem.period_s());
         let ends = EndFeeds { start: in_format("start feed", start)?, end: in_format("end feed", end)? };
         let schedule = plan_with(&feed_limit, limits, ends, profile)?;
-        Ok(Self::of(&feed_limit.in_chords(curves, &schedule), profile))
+        Ok(Self::of([&schedule, &feed_limit.in_chords(curves, &schedule)], profile))
     }
 
     /// Plans `problem` in f64 with no more than `window_mm` in view at a time, from rest to rest. At each stop the plan
@@ -107,30 +110,28 @@ impl ExactPlan {
             return Err(Refusal::Plan(PlanError::DurationOverflows));
         }
         let periods = u32::try_from(periods.to_phase(-32) >> 32).unwrap_or(u32::MAX);
-        let stages = stages.iter().map(|stage| map_stage(stage, DoubleDouble::from)).collect();
-        Ok(Self::on_the_grid(stages, periods, profile))
+        let stages = on_the_grid(stages.iter().map(|stage| map_stage(stage, DoubleDouble::from)));
+        Ok(Self { arcs: stages.clone(), stages, periods, profile })
     }
 
-    /// A plan whose stages end at multiples of 2⁻³² periods of their section's clock, as a controller counts time; a distance moves
-    /// by 1e-10 of a step at most.
-    fn on_the_grid(mut stages: Vec<Stage<DoubleDouble>>, periods: u32, profile: ProfileKind) -> Self {
-        let durations: Vec<_> = sections(&stages).flat_map(|section| section.durations()).collect();
-        for (stage, duration) in stages.iter_mut().zip(durations) {
-            stage.duration = DoubleDouble::from_phase(duration, 32);
-        }
-        Self { stages, periods, profile }
-    }
-
-    fn of<R: Backend>(schedule: &ScheduleBuf<R>, profile: ProfileKind) -> Self {
+    fn of<R: Backend>(arcs_and_chords: [&ScheduleBuf<R>; 2], profile: ProfileKind) -> Self {
         let exact = |x: R| {
             let (high, low) = x.to_f64_pair();
             DoubleDouble::new(high, low)
         };
-        let stages = schedule.stages().iter().map(|stage| map_stage(stage, exact)).collect();
-        Self::on_the_grid(stages, schedule.as_schedule().periods(), profile)
+        let [arcs, stages] = arcs_and_chords
+            .map(|schedule| on_the_grid(schedule.stages().iter().map(|stage| map_stage(stage, exact))));
+        Self { arcs, stages, periods: arcs_and_chords[1].as_schedule().periods(), profile }
     }
 
-    /// The plan itself.
+    /// The plan along the path, in arc length: it says where on the path the tool is, and keeps the limit there.
+    #[must_use]
+    pub fn arcs(&self) -> Schedule<'_, DoubleDouble> {
+        Schedule::new(&self.arcs, DoubleDouble::from(1.0), self.periods)
+    }
+
+    /// The plan for setpoints, whose chords have its lengths. Where chords fall short of their arcs its distances are less than
+    /// those along the path.
     #[must_use]
     pub fn schedule(&self) -> Schedule<'_, DoubleDouble> {
         Schedule::new(&self.stages, DoubleDouble::from(1.0), self.periods)
@@ -194,6 +195,17 @@ impl ExactPlan {
             Some((length, schedule.feed(&cursor).value()))
         })
     }
+}
+
+/// Stages that end at multiples of 2⁻³² periods of their section's clock, as a controller counts time; a distance moves by 1e-10 of a
+/// step at most.
+fn on_the_grid(stages: impl Iterator<Item = Stage<DoubleDouble>>) -> Vec<Stage<DoubleDouble>> {
+    let mut stages: Vec<_> = stages.collect();
+    let durations: Vec<_> = sections(&stages).flat_map(|section| section.durations()).collect();
+    for (stage, duration) in stages.iter_mut().zip(durations) {
+        stage.duration = DoubleDouble::from_phase(duration, 32);
+    }
+    stages
 }
 
 /// The number of `R` nearest to `x`.

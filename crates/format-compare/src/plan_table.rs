@@ -103,7 +103,7 @@ impl PlanSummary {
         let t = problem.period_s();
         let feed_limit = problem.feed_limit()?;
         let stages: Vec<StageRow> = plan
-            .schedule()
+            .arcs()
             .stages()
             .iter()
             .map(|stage| StageRow {
@@ -144,7 +144,7 @@ impl PlanSummary {
             // Beside a cruise by chords the feed changes by what they fall short.
             row.start_feed_mm_per_s.min(row.end_feed_mm_per_s) >= full * slowest
         };
-        let at_feed = stages.iter().zip(plan.schedule().stages()).filter(is_full).map(|(row, _)| row);
+        let at_feed = stages.iter().zip(plan.arcs().stages()).filter(is_full).map(|(row, _)| row);
         Ok(Self {
             curves: problem.curves.len(),
             length_mm: feed_limit.length(),
@@ -249,7 +249,7 @@ pub(crate) struct Sample {
 
 /// The plan `per_period` times a period, both ends included.
 pub(crate) fn samples(plan: &ExactPlan, per_period: u32) -> impl Iterator<Item = Sample> {
-    let stages = plan.schedule().stages();
+    let stages = plan.arcs().stages();
     let step = 1.0 / f64::from(per_period);
     let (mut stage, mut before) = (0, 0.0);
     (0..=plan.periods() * per_period).map(move |sample| {
