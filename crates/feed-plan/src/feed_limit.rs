@@ -51,6 +51,8 @@ pub(crate) struct Node<R> {
     pub(crate) is_single: bool,
     /// What the axes leave for the path on the stretch before.
     pub(crate) allowance: Allowance<R>,
+    /// See [`Measured::bends`].
+    bends: bool,
 }
 
 /// The largest feed that a path allows, as a function of the distance along it.
@@ -73,6 +75,8 @@ pub(crate) struct Measured<R> {
     pub(crate) allowance: Allowance<R>,
     /// Whether the limit holds at this point alone.
     pub(crate) is_single: bool,
+    /// Whether the direction changes over the stretch before, or at the point by less than at a corner: chords fall short of the path.
+    pub(crate) bends: bool,
     /// What is left of the limit beside a stop.
     pub(crate) beside_stop: BesideStop<R>,
 }
@@ -183,6 +187,7 @@ impl<R: Real> FeedLimit<R> {
             margin: R::zero(),
             allowance: Allowance::unlimited(),
             is_single: point.feedrate.is_zero(),
+            bends: false,
             beside_stop: BesideStop::unlimited(),
         };
         let samples: Vec<_> = points.iter().map(measured).collect();
@@ -196,10 +201,10 @@ impl<R: Real> FeedLimit<R> {
         let margin_after = |i: usize| samples.get(i + 1).map_or_else(R::zero, |next| next.margin);
         let node = |(i, sample): (usize, &Measured<R>)| {
             let lower = lowered(sample.point.feedrate, sample.margin.max(margin_after(i)));
-            let &Measured { speed, is_single, allowance, .. } = sample;
+            let &Measured { speed, is_single, allowance, bends, .. } = sample;
             // A single point is no end of a stretch over which the limit could dip.
             let lower = if is_single { sample.point.feedrate } else { lower };
-            Node { lower, before: lower, after: lower, speed, is_single, allowance }
+            Node { lower, before: lower, after: lower, speed, is_single, allowance, bends }
         };
         let mut nodes: Vec<_> = samples.iter().enumerate().map(node).collect();
         let points: Vec<_> = samples.iter().map(|sample| sample.point).collect();
@@ -291,10 +296,23 @@ impl<R: Real> FeedLimit<R> {
         self.allowance(before, after.min(self.points.len().saturating_sub(1)))
     }
 
+    /// Whether the path bends between two distances, each of which rounding may have moved.
+    pub(crate) fn bends_over(&self, from: R, to: R) -> bool {
+        let rounding = self.rounding();
+        let first = self.points.partition_point(|point| point.distance <= from + rounding);
+        let behind = self.count_before(to - rounding) + 1;
+        self.nodes.iter().take(behind).skip(first).any(|node| node.bends)
+    }
+
+    /// What rounding may have moved a distance by.
+    fn rounding(&self) -> R {
+        R::resolution().scale(6) * self.length().max(R::one())
+    }
+
     /// Curve and parameter where a plan comes to rest: at the stop, or the path's end, nearest to `distance` where rounding
     /// may have moved that.
     pub(crate) fn rest_at(&self, distance: R) -> (usize, R) {
-        let rounding = R::resolution().scale(6) * self.length().max(R::one());
+        let rounding = self.rounding();
         let first = self.count_before(distance - rounding);
         let off = |point: &LimitPoint<R>| (point.distance - distance).abs();
         let is_rest = |point: &LimitPoint<R>| point.feedrate.is_zero() || point.distance >= self.length();
@@ -659,6 +677,7 @@ mod tests {
             margin: 0.0,
             allowance: Allowance::unlimited(),
             is_single: feedrate == 0.0,
+            bends: false,
             beside_stop: BesideStop::unlimited(),
         };
         let limit = FeedLimit::assemble(&points.map(measured), 0.01).unwrap();

@@ -7,7 +7,8 @@
 //!    and looks at the one before.
 //! 3. *Between two keys*: the highest cruising feed for which the rising flank ends before the falling one
 //!    starts.
-//! 4. *Whole periods*: from stop to stop the plan is stretched in time, by less than one period, to a whole number of them.
+//! 4. *Whole periods*: from stop to stop the plan is stretched in time to a whole number of periods: by less than one, and where the
+//!    path bends by 2⁻¹³ of the time before.
 //!
 //! Source: the passes are those of paper C (Wang Haitao et al.), section 2; the cubic transitions those of paper A
 //! (Wang Yunsen et al.), whose own procedure lets neighbouring transitions overlap and start too late to stay under a
@@ -47,8 +48,9 @@ pub fn plan<R: Real>(
 ///
 /// The feed is continuous and so is the acceleration. At both ends of a stage that is a whole transition or a cruise it is
 /// zero; an S-curve is up to three stages, and the acceleration is not zero between them. Each
-/// part between two stops is slowed down evenly to a whole number of interpolation periods. End feeds other than 0 therefore come out
-/// slightly lower than asked for.
+/// part between two stops is slowed down evenly to a whole number of interpolation periods, and where it bends by 2⁻¹³ at least: that
+/// is left to [`FeedLimit::in_chords`]. So no feed is quite the commanded one, and end feeds other than 0 come out slightly lower than
+/// asked for.
 ///
 /// Units: those of `limits`, which must be those that `limit` was made with. Of the limits, only
 /// acceleration, jerk and interpolation period are used here; the others are in the limit curve. Accuracy: in
@@ -67,7 +69,7 @@ pub fn plan_with<R: Real>(
     kind: ProfileKind,
 ) -> Result<ScheduleBuf<R>, PlanError> {
     let mut stages = stages(limit, limits, ends, kind)?;
-    let periods = stretch(&mut stages, limits.interpolation_period)?;
+    let periods = stretch(&mut stages, limit, limits.interpolation_period)?;
     Ok(ScheduleBuf { stages, interpolation_period: limits.interpolation_period, periods })
 }
 
@@ -272,10 +274,10 @@ fn cruise<R: Real>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::AxisLimits;
     use crate::test_paths::{
         circle, in_periods, in_range, paper_limits, polyline, seed_000, seed_003, triple_knot,
     };
+    use crate::{AxisLimits, Junction};
     use crate::{LimitPoint, jerk_free_duration};
     use nurbs_core::{Differentiate, NurbsBuf, radius};
     use proptest::prelude::*;
@@ -442,6 +444,42 @@ mod tests {
         let top = plan.stages().iter().map(|stage| stage.start_feed).fold(0.0, f64::max);
         // 2 sqrt(0.0005 (20 - 0.0005)) = 0.199 9975; the stretch to whole periods takes up to 1/325 of it.
         assert!((0.1993..=limit.at(30.0)).contains(&top), "{top}");
+    }
+
+    /// Every plan was slowed down by 2⁻¹³, even along a line: 6 s in 51,004. Whole periods from stop to stop are all that is due there, and
+    /// passed corners, whose steps go along the path, take no more.
+    #[test]
+    fn straight_lines_are_slowed_down_to_whole_periods_alone() {
+        let limits = paper_limits();
+        let passed = KinematicLimits { junction: Junction::Deviation(0.01), ..limits };
+        let straight = polyline(&[[0.0, 0.0], [16_000.0, 0.0]]);
+        let stairs = polyline(&[[0.0, 0.0], [9000.0, 0.0], [9000.0, 9000.0], [0.0, 9000.0]]);
+        for (lines, limits) in [(straight, limits), (stairs.clone(), limits), (stairs, passed)] {
+            let curves: Vec<_> = lines.iter().map(NurbsBuf::as_curve).collect();
+            let limit = FeedLimit::along(&curves, &limits).unwrap();
+            for kind in ProfileKind::ALL {
+                let fastest = stages(&limit, &limits, EndFeeds::default(), kind).unwrap();
+                let plan = plan_with(&limit, &limits, EndFeeds::default(), kind).unwrap();
+                let durations = crate::sections(&fastest).map(|section| section.duration().ceil());
+                assert_eq!(f64::from(plan.as_schedule().periods()), durations.sum::<f64>(), "{kind:?}");
+            }
+        }
+    }
+
+    /// What bends keeps something back for chords, which fall short: an arc between two lines, and breaks too small for a corner.
+    #[test]
+    fn what_bends_is_slowed_down_further() {
+        let breaks = polyline(&[[0.0, 0.0], [8000.0, 0.0], [16_000.0, 1.0]]);
+        let breaks: Vec<_> = breaks.iter().map(NurbsBuf::as_curve).collect();
+        let limits = paper_limits();
+        let bent =
+            [FeedLimit::along(&breaks, &limits), FeedLimit::along(&[circle(3000.0).as_curve()], &limits)];
+        for limit in bent.map(Result::unwrap) {
+            let fastest = stages(&limit, &limits, EndFeeds::default(), ProfileKind::Cubic).unwrap();
+            let plan = plan(&limit, &limits, EndFeeds::default()).unwrap().as_schedule().duration();
+            let fastest: f64 = fastest.iter().map(|stage| stage.duration).sum();
+            assert!(plan >= fastest * (1.0 + 1.0 / 8192.0), "{plan} {fastest}");
+        }
     }
 
     #[test]

@@ -35,6 +35,9 @@ const STOP: i32 = -12;
 /// C' vanishes where it is below 2⁻⁶ of its value at the ends of the finest stretch.
 const CUSP: i32 = -6;
 
+/// The tangents' own rounding error is a few units: less than 2⁴.
+const ROUNDING: i32 = 4;
+
 /// The samples of the path so far.
 pub(crate) struct Scan<'l, R, const D: usize> {
     limits: &'l KinematicLimits<R>,
@@ -65,8 +68,7 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
         let longest = limits.feedrate * limits.interpolation_period;
         let by_chord_error = limits.chord_error.scale(2) / longest;
         let by_acceleration = limits.acceleration * limits.interpolation_period / limits.feedrate;
-        // The tangents' own rounding error is a few units.
-        let rounding = R::resolution().scale(4);
+        let rounding = R::resolution().scale(ROUNDING);
         let break_tolerance = by_chord_error.min(by_acceleration).max(rounding);
         let rule = GaussLegendre::new();
         let budget = AxisBudget::new(limits);
@@ -168,7 +170,8 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
         from_rest: bool,
     ) -> Option<()> {
         let (first, last) = (&stations.first()?.at, &stations.last()?.at);
-        if self.end.is_some_and(|(tangent, _)| tangent_breaks(&tangent, &first.tangent)) {
+        let is_corner = self.end.is_some_and(|(tangent, _)| tangent_breaks(&tangent, &first.tangent));
+        if is_corner {
             self.corners.push(self.distance);
         }
         let is_lowest = |feedrate: &R| *feedrate < self.lower_beside(stations);
@@ -190,6 +193,9 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
             |end: &Measured<R>| end.point.curve == curve && end.point.feedrate == first.feedrate;
         if !self.samples.last().is_some_and(is_continuation) {
             self.push(curve, first, None);
+        }
+        if let Some(begin) = self.samples.last_mut() {
+            begin.bends |= !is_corner && turn.as_ref().is_some_and(|turn| turn.size > self.rounding);
         }
         for (before, station) in (0..).zip(&stations[1..]) {
             let stretch = station.stretch.as_ref()?;
@@ -232,12 +238,8 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
 
     /// Whether the second of these stations is the last one, or not on a straight line with its neighbours.
     fn bends_at(&self, stations: &[Station<R, D>]) -> bool {
-        let [before, here, behind, ..] = stations else { return true };
-        let differ = |a: &Station<R, D>, b: &Station<R, D>| {
-            let mut pairs = a.at.tangent.iter().zip(b.at.tangent);
-            pairs.any(|(a, b)| (*a - b).abs() > self.rounding)
-        };
-        differ(before, here) || differ(here, behind)
+        let [_, here, behind, ..] = stations else { return true };
+        [here, behind].iter().any(|station| station.stretch.is_none_or(|stretch| stretch.bends))
     }
 
     /// Goes on from where the tangent turns: anew if no chord passes there.
@@ -277,6 +279,7 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
             margin,
             allowance,
             is_single: feedrate.is_zero(),
+            bends: before.is_some_and(|stretch| stretch.bends),
             beside_stop,
         });
     }
@@ -429,6 +432,8 @@ struct Station<R, const D: usize> {
 #[derive(Clone, Copy)]
 struct Stretch<R> {
     length: R,
+    /// Whether the direction changes over it.
+    bends: bool,
     /// Whether it is straight, short and even enough not to be halved.
     is_fine: bool,
     /// The sharpest turning seen inside and at both ends.
@@ -632,7 +637,10 @@ impl<R: Real, C> Span<'_, R, C> {
         let is_even = fastest <= slowest + slowest;
         let is_fine = is_straight && is_short && is_turning_little && is_even;
         let turning = self.turning(from, &inner, to);
-        Stretch { length, is_fine, turning, course, beside_stop, allowance: Allowance::unlimited() }
+        let mut tangents = from.tangent.iter().zip(to.tangent);
+        let bends = tangents.any(|(a, b)| (*a - b).abs() > R::resolution().scale(ROUNDING));
+        let allowance = Allowance::unlimited();
+        Stretch { length, bends, is_fine, turning, course, beside_stop, allowance }
     }
 }
 

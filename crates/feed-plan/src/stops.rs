@@ -156,6 +156,7 @@ mod tests {
                 margin: 0.0,
                 allowance: Allowance::unlimited(),
                 is_single: feedrate == 0.0,
+                bends: false,
                 beside_stop: BesideStop { feedrate: beside, ..BesideStop::unlimited() },
             }
         };

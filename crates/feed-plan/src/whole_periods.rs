@@ -5,29 +5,37 @@
 
 use real::Real;
 
-use crate::{PlanError, Stage, section};
+use crate::{FeedLimit, PlanError, Stage, section};
 
-/// Each section is slowed down by 2⁻¹³ at least. That leaves 2⁻¹² of the acceleration, and more of the jerk, to a plan whose chords
-/// have the planned lengths ([`ScheduleBuf::shortened`](crate::ScheduleBuf::shortened)).
+/// A section that bends is slowed down by 2⁻¹³ at least. That leaves 2⁻¹² of the acceleration, and more of the jerk, to a plan whose
+/// chords have the planned lengths ([`ScheduleBuf::shortened`](crate::ScheduleBuf::shortened)). Straight lines and their corners
+/// need nothing of it, for there chords and path are as long.
 pub(crate) const SLOWER: i32 = -13;
 
 /// Slows each section between two stops down evenly to a whole number of periods; their sum is returned.
-pub(crate) fn stretch<R: Real>(stages: &mut [Stage<R>], period: R) -> Result<u32, PlanError> {
+pub(crate) fn stretch<R: Real>(
+    stages: &mut [Stage<R>],
+    limit: &FeedLimit<R>,
+    period: R,
+) -> Result<u32, PlanError> {
     let mut periods = Some(0_u32);
     let mut rest = stages;
     while !rest.is_empty() {
         let (section, behind) = rest.split_at_mut(section::count(rest));
-        let taken = stretch_section(section, period)?;
+        let ends = section.first().zip(section.last());
+        let bends = ends.is_some_and(|(first, last)| limit.bends_over(first.start, last.start + last.length));
+        let slower = if bends { R::one().scale(SLOWER) } else { R::zero() };
+        let taken = stretch_section(section, slower, period)?;
         periods = periods.and_then(|sum| sum.checked_add(taken));
         rest = behind;
     }
     periods.filter(|sum| *sum > 0).ok_or(PlanError::DurationOverflows)
 }
 
-fn stretch_section<R: Real>(stages: &mut [Stage<R>], period: R) -> Result<u32, PlanError> {
+fn stretch_section<R: Real>(stages: &mut [Stage<R>], slower: R, period: R) -> Result<u32, PlanError> {
     let duration = stages.iter().fold(R::zero(), |sum, stage| sum + stage.duration);
     let in_order = stages.iter().all(|stage| stage.duration > R::zero() && stage.duration <= duration);
-    let (periods, rounded) = round_up((duration + duration.scale(SLOWER)) / period)
+    let (periods, rounded) = round_up((duration + duration * slower) / period)
         .filter(|_| in_order)
         .ok_or(PlanError::DurationOverflows)?;
     let factor = rounded * period / duration;
