@@ -2,7 +2,7 @@
 
 use feed_plan::{EndFeeds, FeedLimit, ProfileKind, Stage, StageKind, StageShape, jerk_free_duration};
 use nurbs_core::Evaluate;
-use real::DoubleDouble;
+use real::{DoubleDouble, Real};
 use serde::Serialize;
 
 use crate::axis_peaks::{AxisPeak, axis_peaks};
@@ -59,6 +59,11 @@ pub struct PlanSummary {
     pub acceleration_max_mm_per_s2: f64,
     /// Its limit.
     pub acceleration_limit_mm_per_s2: f64,
+    /// Largest acceleration in any direction, in mm/s², of the setpoints: the second difference of the points that periods end at,
+    /// over T². In bends and at corners that are passed it is more than that along the path.
+    pub total_acceleration_max_mm_per_s2: f64,
+    /// Whether nothing limits the acceleration across the path in bends.
+    pub is_free_across: bool,
     /// Largest jerk along the path, in mm/s³, with such steps in the same way.
     pub jerk_max_mm_per_s3: f64,
     /// Its limit.
@@ -155,6 +160,8 @@ impl PlanSummary {
             over_jerk_free: time_s / jerk_free_time_s - 1.0,
             acceleration_max_mm_per_s2: acceleration / t.powi(2),
             acceleration_limit_mm_per_s2: problem.machine.acceleration_mm_per_s2,
+            total_acceleration_max_mm_per_s2: total_acceleration(plan, problem, &feed_limit) / t.powi(2),
+            is_free_across: problem.machine.centripetal_acceleration_mm_per_s2.is_none(),
             jerk_max_mm_per_s3: jerk / t.powi(3),
             jerk_limit_mm_per_s3: problem.machine.jerk_mm_per_s3,
             share_at_commanded_feed: at_feed.map(|s| s.length_mm).fold(0.0, |sum, x| sum + x) / length_mm,
@@ -163,6 +170,35 @@ impl PlanSummary {
             stages,
         })
     }
+}
+
+/// The largest second difference of the points that periods end at, in mm. Before the plan and behind it, where that rests, the tool
+/// stays where it is.
+fn total_acceleration<const D: usize>(plan: &ExactPlan, problem: &Problem<D>, limit: &FeedLimit<f64>) -> f64 {
+    let mut points = samples(plan, 1).map(|sample| {
+        let (curve, u) = limit.parameter_at(sample.distance);
+        problem.curves.get(curve).map_or([0.0; D], |curve| curve.as_curve().point(u))
+    });
+    let step = |from: &[f64; D], to: &[f64; D]| -> [f64; D] { std::array::from_fn(|d| to[d] - from[d]) };
+    let Some(mut last) = points.next() else { return 0.0 };
+    let at_rest = |stage: Option<&Stage<DoubleDouble>>, feed: fn(&Stage<DoubleDouble>) -> DoubleDouble| {
+        stage.is_some_and(|stage| feed(stage).value() == 0.0)
+    };
+    let stages = plan.arcs().stages();
+    let mut before = at_rest(stages.first(), |stage| stage.start_feed).then_some([0.0; D]);
+    let mut most = 0.0_f64;
+    let mut take = |step_mm: [f64; D]| {
+        if let Some(before) = before.replace(step_mm) {
+            most = most.max(f64::norm(&step(&before, &step_mm)));
+        }
+    };
+    for point in points {
+        take(step(&std::mem::replace(&mut last, point), &point));
+    }
+    if at_rest(stages.last(), |stage| stage.end_feed) {
+        take([0.0; D]);
+    }
+    most
 }
 
 /// The largest acceleration and jerk, in mm and periods, as means over a period: second and third differences of the distance. They
