@@ -279,8 +279,6 @@ pub(crate) struct Sample {
     pub(crate) feed: f64,
     pub(crate) acceleration: f64,
     pub(crate) jerk: f64,
-    /// The curve and parameter that the plan rests at, where it sets off again.
-    pub(crate) rest: Option<(usize, f64)>,
 }
 
 /// The plan `per_period` times a period, both ends included.
@@ -296,15 +294,12 @@ pub(crate) fn samples(plan: &ExactPlan, per_period: u32) -> impl Iterator<Item =
         }
         let here = &stages[stage];
         let local = DoubleDouble::from((time - before).min(here.duration.value()));
-        let rested = stage.checked_sub(1).and_then(|previous| stages[previous].rest());
-        let feed = here.feed_at(local).value();
         Sample {
             time,
             distance: (here.start + here.distance_at(local)).value(),
-            feed,
+            feed: here.feed_at(local).value(),
             acceleration: here.acceleration_at(local).value(),
             jerk: here.jerk_at(local).value(),
-            rest: rested.filter(|_| feed == 0.0).map(|(curve, u)| (curve, u.value())),
         }
     })
 }
@@ -322,12 +317,12 @@ impl ExactPlan {
         let t = problem.period_s();
         let feed_limit = problem.feed_limit()?;
         let rows = samples(self, per_period).map(|sample| {
-            let place = place_at(&feed_limit, problem, sample.distance);
+            let (curve, u) = feed_limit.parameter_at(sample.distance);
             FeedSample {
                 time_s: sample.time * t,
                 distance_mm: sample.distance,
-                curve: place.curve,
-                u: place.u,
+                curve,
+                u,
                 feed_mm_per_s: sample.feed / t,
                 acceleration_mm_per_s2: sample.acceleration / t.powi(2),
                 jerk_mm_per_s3: sample.jerk / t.powi(3),
@@ -335,31 +330,5 @@ impl ExactPlan {
             }
         });
         Ok(rows.collect())
-    }
-}
-
-/// A place on the path.
-pub(crate) struct Place {
-    pub(crate) curve: usize,
-    pub(crate) u: f64,
-    /// The parameters of the limit's points around it, between which the curve is smooth.
-    pub(crate) around: (f64, f64),
-}
-
-/// The place at a distance, interpolated between the points of the limit curve; at the end of the path its last.
-pub(crate) fn place_at<const D: usize>(limit: &FeedLimit<f64>, problem: &Problem<D>, distance: f64) -> Place {
-    let points = limit.points();
-    let after = points.partition_point(|point| point.distance <= distance);
-    match (points.get(after.wrapping_sub(1)), points.get(after)) {
-        (Some(a), Some(b)) if a.curve == b.curve => {
-            let u = a.u + (b.u - a.u) * (distance - a.distance) / (b.distance - a.distance);
-            Place { curve: a.curve, u, around: (a.u, b.u) }
-        }
-        (_, Some(b)) => Place { curve: b.curve, u: b.u, around: (b.u, b.u) },
-        _ => {
-            let curve = problem.curves.len().saturating_sub(1);
-            let u = problem.curves.last().map_or(0.0, |last| last.as_curve().domain().1);
-            Place { curve, u, around: (u, u) }
-        }
     }
 }
