@@ -9,18 +9,23 @@
 //! ```
 //!
 //! Part of what an axis can do goes into turning the path, the rest into changing the feed. How it is shared out is
-//! decided before the plan is made. An acceleration `a₀ = min(A₀, √(j₀ V))`, with `A₀ = min(A, 0.7 min Aᵢ)`, and a jerk
-//! `j₀ = min(J, ½ min Jᵢ)` are kept for the path everywhere, and the feed is limited so that the axes can turn with what is left:
+//! decided before the plan is made. An acceleration `a₀ = min(A₀, √(j₀ V))`, with `A₀ = min(A, 0.7 min Aᵢ/σᵢ)`, and a jerk
+//! `j₀ = min(J, ½ min Jᵢ/σᵢ)` are kept for the path, and the feed is limited so that the axes can turn with what is left:
 //!
 //! ```text
 //! V |eᵢ| ≤ Vᵢ        V² |kᵢ| ≤ Aᵢ - |eᵢ| A₀        3 |kᵢ| V a₀ + |cᵢ| V³ ≤ Jᵢ - |eᵢ| j₀
 //! ```
 //!
+//! The share `σᵢ = √(eᵢ² + nᵢ²)`, `n = k/|k|`, is the largest component that the direction of axis i has in the plane in which the
+//! path bends: 1 for both axes of a circle in their plane, all the way round, `|eᵢ|` on a straight line, and 0 for an axis that
+//! stands still, which so limits nothing. It depends on the shape alone, not on the spans that represent it. An axis outside of
+//! that plane keeps its limits like any other, only nothing is reserved of it.
+//!
 //! A ramp from rest to V with jerk j₀ never exceeds √(j₀ V): reserving more would waste the axes' jerk in bends. V counts as at least
 //! F/16 in that root, for the reserve of a slow point holds up to the next key point: with F/4 plans took up to two fifths longer,
 //! with F/64 up to a sixth.
 //!
-//! With 0.7 the second one leaves at least 0.7 Aᵢ for turning, whatever the direction: `(1 - 0.7 cos θ)/sin θ` is least at
+//! With 0.7 the second one leaves at least 0.7 Aᵢ/σᵢ for turning, whatever the direction: `(1 - 0.7 cos θ)/sin θ` is least at
 //! `cos θ = 0.7`. With all of Aᵢ in reserve, the feed would have to vanish where a bend begins along the axis. Where the path is
 //! straighter or slower than that, more than the reserve is left: the path's acceleration and jerk on a stretch between
 //! two key points are the least allowance found on it, by 2⁻⁶ of the surplus less since it is found at samples.
@@ -54,6 +59,38 @@ pub(crate) struct Turning<R> {
     pub(crate) curvature: [R; AXES],
     /// |cᵢ|.
     pub(crate) change: [R; AXES],
+    /// σᵢ.
+    pub(crate) share: [R; AXES],
+}
+
+impl<R: Real> Turning<R> {
+    /// Of a straight, or no path.
+    pub(crate) fn none() -> Self {
+        let none = [R::zero(); AXES];
+        Self { tangent: none, curvature: none, change: none, share: none }
+    }
+
+    /// At one point; its change is not known.
+    pub(crate) fn at<const D: usize>(tangent: &[R; D], bend: &[R; D]) -> Self {
+        let (tangent, curvature) = (components(tangent), components(bend));
+        let length = R::norm(&curvature);
+        let share = core::array::from_fn(|i| {
+            let normal = if length > R::zero() { curvature[i] / length } else { R::zero() };
+            R::norm(&[tangent[i], normal]).min(R::one())
+        });
+        Self { tangent, curvature, share, ..Self::none() }
+    }
+
+    /// The largest of both.
+    pub(crate) fn max(self, other: &Self) -> Self {
+        let largest = |a: [R; AXES], b: [R; AXES]| core::array::from_fn(|i| a[i].max(b[i]));
+        Self {
+            tangent: largest(self.tangent, other.tangent),
+            curvature: largest(self.curvature, other.curvature),
+            change: largest(self.change, other.change),
+            share: largest(self.share, other.share),
+        }
+    }
 }
 
 /// The path's acceleration and jerk on a stretch.
@@ -73,15 +110,11 @@ impl<R: Real> Allowance<R> {
     }
 }
 
-/// Limits of the axes, with the path's reserve.
+/// Limits of the axes and of the path.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct AxisBudget<R> {
     axes: [AxisLimits<R>; AXES],
     path: Allowance<R>,
-    /// A₀ and j₀.
-    reserve: Allowance<R>,
-    /// √j₀, if an axis has a limit of jerk.
-    root_jerk: Option<R>,
     least_feed: R,
     period: R,
 }
@@ -89,42 +122,52 @@ pub(crate) struct AxisBudget<R> {
 impl<R: Real> AxisBudget<R> {
     /// `None` when no axis has a limit.
     pub(crate) fn new(limits: &KinematicLimits<R>) -> Option<Self> {
-        let least =
-            |of: fn(&AxisLimits<R>) -> Option<R>| limits.axes.iter().filter_map(of).reduce(|a, b| a.min(b));
-        let (acceleration, jerk) = (least(|axis| axis.acceleration), least(|axis| axis.jerk));
-        acceleration.or(jerk).or(least(|axis| axis.velocity))?;
-        let path = Allowance { acceleration: limits.acceleration, jerk: limits.jerk };
-        let share = R::from_ratio(7, 10);
-        let reserve = Allowance {
-            acceleration: acceleration.map_or(path.acceleration, |a| path.acceleration.min(a * share)),
-            jerk: jerk.map_or(path.jerk, |j| path.jerk.min(j.half())),
-        };
-        Some(Self {
+        let is_limited = |axis: &AxisLimits<R>| axis.velocity.or(axis.acceleration).or(axis.jerk).is_some();
+        limits.axes.iter().any(is_limited).then(|| Self {
             axes: limits.axes,
-            path,
-            reserve,
-            root_jerk: jerk.map(|_| reserve.jerk.sqrt()),
+            path: Allowance { acceleration: limits.acceleration, jerk: limits.jerk },
             least_feed: limits.feedrate.scale(LEAST_FEED),
             period: limits.interpolation_period,
         })
     }
 
+    /// A₀ and j₀ where the axes have these shares.
+    pub(crate) fn reserve(&self, share: &[R; AXES]) -> Allowance<R> {
+        let most = R::from_ratio(7, 10);
+        self.axes.iter().zip(share).fold(self.path, |least, (axis, share)| {
+            let of = |limit: Option<R>| limit.map_or_else(R::max_value, |limit| quotient(limit, *share));
+            least.min(Allowance {
+                acceleration: of(axis.acceleration.map(|a| a * most)),
+                jerk: of(axis.jerk.map(R::half)),
+            })
+        })
+    }
+
+    /// `min(A₀, √(j₀ V))` of V; A₀ where no axis that moves has a limit of jerk.
+    fn reached(&self, share: &[R; AXES]) -> impl Fn(R) -> R {
+        let reserve = self.reserve(share);
+        let is_limited =
+            self.axes.iter().zip(share).any(|(axis, share)| axis.jerk.is_some() && *share > R::zero());
+        let root = is_limited.then(|| reserve.jerk.sqrt());
+        move |feed| root.map_or(reserve.acceleration, |root| (root * feed.sqrt()).min(reserve.acceleration))
+    }
+
     /// a₀ where the path is passed at up to `feed`.
-    fn acceleration_at(&self, feed: R) -> R {
-        let reached = self.root_jerk.map(|root| root * feed.max(self.least_feed).sqrt());
-        reached.map_or(self.reserve.acceleration, |reached| reached.min(self.reserve.acceleration))
+    fn acceleration_at(&self, share: &[R; AXES], feed: R) -> R {
+        self.reached(share)(feed.max(self.least_feed))
     }
 
     /// The largest feed up to `feed` at which velocities and accelerations leave the reserve, at a point.
     pub(crate) fn feed_at(&self, turning: &Turning<R>, feed: R) -> R {
         let mut feed = feed;
+        let reserve = self.reserve(&turning.share);
         for (i, axis) in self.axes.iter().enumerate() {
             let (tangent, curvature) = (turning.tangent[i], turning.curvature[i]);
             if let Some(most) = axis.velocity.filter(|most| tangent * feed > *most) {
                 feed = most / tangent;
             }
             if let Some(most) = axis.acceleration {
-                let left = most - tangent * self.reserve.acceleration;
+                let left = most - tangent * reserve.acceleration;
                 if curvature * feed * feed > left {
                     feed = feed.min((left / curvature).sqrt());
                 }
@@ -138,49 +181,47 @@ impl<R: Real> AxisBudget<R> {
         self.axes.iter().any(|axis| axis.acceleration.is_some())
     }
 
-    /// The largest share that these accelerations across a path in this direction take of what the reserve leaves.
-    pub(crate) fn strain(&self, tangent: &[R; AXES], across: &[R; AXES]) -> R {
-        let shares = self.axes.iter().zip(tangent).zip(across).filter_map(|((axis, tangent), across)| {
-            Some(*across / (axis.acceleration? - *tangent * self.reserve.acceleration))
+    /// The largest part that these accelerations across a path in this direction take of what the reserve leaves.
+    pub(crate) fn strain<const D: usize>(&self, tangent: &[R; D], across: &[R; D]) -> R {
+        let turning = Turning::at(tangent, across);
+        let reserve = self.reserve(&turning.share).acceleration;
+        let parts = self.axes.iter().enumerate().filter_map(|(i, axis)| {
+            Some(turning.curvature[i] / (axis.acceleration? - turning.tangent[i] * reserve))
         });
-        shares.fold(R::zero(), R::max)
+        parts.fold(R::zero(), R::max)
     }
 
-    /// Leaves the path no more than the reserve of acceleration within `reach` of a place.
-    pub(crate) fn keep_reserve(&self, samples: &mut [Measured<R>], at: R, reach: R) {
+    /// Leaves the path no more than the reserve of acceleration there within `reach` of a place.
+    pub(crate) fn keep_reserve(&self, share: &[R; AXES], samples: &mut [Measured<R>], at: R, reach: R) {
+        let most = self.reserve(share).acceleration;
         let first = samples.partition_point(|sample| sample.point.distance < at - reach);
         let within = samples.iter_mut().skip(first);
         for sample in within.take_while(|sample| sample.point.distance <= at + reach) {
             let least = &mut sample.allowance.acceleration;
-            *least = least.min(self.reserve.acceleration);
+            *least = least.min(most);
         }
     }
 
     /// The largest feed up to `feed` at which jerks leave the reserve, on a stretch.
     pub(crate) fn feed_on(&self, turning: &Turning<R>, feed: R) -> R {
-        self.feed_by_jerk(turning, feed, |feed| self.acceleration_at(feed))
+        self.feed_by_jerk(turning, feed, |feed| feed.max(self.least_feed))
     }
 
     /// The same beside a stop, where the path's acceleration is no more than the feed has come to since rest.
     pub(crate) fn feed_beside_stop(&self, turning: &Turning<R>, feed: R) -> R {
-        let from_rest = |feed: R| self.root_jerk.map(|root| root * (feed + feed).sqrt());
-        let most = self.reserve.acceleration;
-        self.feed_by_jerk(turning, feed, |feed| from_rest(feed).map_or(most, |reached| reached.min(most)))
+        self.feed_by_jerk(turning, feed, |feed| feed + feed)
     }
 
-    /// What is left for the path at [`feed_beside_stop`](Self::feed_beside_stop).
-    pub(crate) fn reserve(&self) -> Allowance<R> {
-        self.reserve
-    }
-
-    fn feed_by_jerk(&self, turning: &Turning<R>, feed: R, acceleration_at: impl Fn(R) -> R) -> R {
+    /// `reckoned` is what √(j₀ V) is taken of.
+    fn feed_by_jerk(&self, turning: &Turning<R>, feed: R, reckoned: impl Fn(R) -> R) -> R {
+        let (reserve, reached) = (self.reserve(&turning.share), self.reached(&turning.share));
         self.axes.iter().enumerate().fold(feed, |feed, (i, axis)| {
             let Some(most) = axis.jerk else { return feed };
-            let left = most - turning.tangent[i] * self.reserve.jerk;
+            let left = most - turning.tangent[i] * reserve.jerk;
             let bend = turning.curvature[i] * R::from_ratio(3, 1);
             // It rises with the feed.
             largest(feed, |feed| {
-                bend * acceleration_at(feed) * feed + turning.change[i] * feed * feed * feed <= left
+                bend * reached(reckoned(feed)) * feed + turning.change[i] * feed * feed * feed <= left
             })
         })
     }
@@ -198,6 +239,7 @@ impl<R: Real> AxisBudget<R> {
 
     /// What is left for the path on a stretch that is passed at up to `feed`.
     pub(crate) fn allowance(&self, turning: &Turning<R>, feed: R) -> Allowance<R> {
+        let reserve = self.reserve(&turning.share);
         let mut acceleration = self.path.acceleration;
         for (i, axis) in self.axes.iter().enumerate() {
             let (tangent, curvature) = (turning.tangent[i], turning.curvature[i]);
@@ -205,11 +247,11 @@ impl<R: Real> AxisBudget<R> {
                 acceleration = acceleration.min(quotient(most - curvature * feed * feed, tangent));
             }
             if let Some(most) = axis.jerk {
-                let left = most - tangent * self.reserve.jerk - turning.change[i] * feed * feed * feed;
+                let left = most - tangent * reserve.jerk - turning.change[i] * feed * feed * feed;
                 acceleration = acceleration.min(quotient(left, curvature * feed * R::from_ratio(3, 1)));
             }
         }
-        let acceleration = above(self.acceleration_at(feed), acceleration);
+        let acceleration = above(self.acceleration_at(&turning.share, feed), acceleration);
         let mut jerk = self.path.jerk;
         for (i, axis) in self.axes.iter().enumerate() {
             let Some(most) = axis.jerk else { continue };
@@ -217,7 +259,7 @@ impl<R: Real> AxisBudget<R> {
             let left = most - by_acceleration - turning.change[i] * feed * feed * feed;
             jerk = jerk.min(quotient(left, turning.tangent[i]));
         }
-        Allowance { acceleration, jerk: above(self.reserve.jerk, jerk) }
+        Allowance { acceleration, jerk: above(reserve.jerk, jerk) }
     }
 }
 
@@ -254,6 +296,7 @@ fn above<R: Real>(reserve: R, found: R) -> R {
 mod tests {
     use super::*;
     use crate::test_paths::paper_limits;
+    use crate::{EndFeeds, FeedLimit, Junction, ProfileKind, plan_with};
     use proptest::prelude::*;
 
     fn budget(velocity: f64, acceleration: f64, jerk: f64) -> AxisBudget<f64> {
@@ -269,12 +312,53 @@ mod tests {
 
     #[test]
     fn a_straight_line_along_an_axis_leaves_nearly_all_of_it() {
-        let turning = Turning { tangent: [1.0, 0.0, 0.0], curvature: [0.0; 3], change: [0.0; 3] };
+        let turning = Turning::at(&[1.0, 0.0, 0.0], &[0.0; 3]);
         let budget = budget(0.3, 0.01, 0.001);
         assert!((budget.feed_at(&turning, 0.6) - 0.3).abs() < 1e-15);
         let left = budget.allowance(&turning, 0.3);
         assert!((0.009_9..=0.01).contains(&left.acceleration), "{left:?}");
         assert!((0.000_98..=0.001).contains(&left.jerk), "{left:?}");
+    }
+
+    /// A circle in XY took 10.4 s with a weak Z that stands still, and 1.76 s without.
+    #[test]
+    fn a_helix_takes_of_an_axis_what_its_slope_asks_for() {
+        let [slope, along] = [0.06, (1.0 - 0.06_f64 * 0.06).sqrt()];
+        let weak = AxisLimits { velocity: None, acceleration: Some(1e-3), jerk: Some(1e-4) };
+        let axes = [AxisLimits::default(), AxisLimits::default(), weak];
+        let limits = KinematicLimits { axes, ..paper_limits() };
+        let budget = AxisBudget::new(&limits).unwrap();
+        let reserve = budget.reserve(&Turning::at(&[0.0, along, slope], &[-0.05, 0.0, 0.0]).share);
+        assert!((reserve.acceleration - 0.7e-3 / slope).abs() < 1e-12, "{reserve:?}");
+        assert!((reserve.jerk - 0.5e-4 / slope).abs() < 1e-12, "{reserve:?}");
+        let circle = budget.reserve(&Turning::at(&[0.0, 1.0, 0.0], &[-0.05, 0.0, 0.0]).share);
+        assert_eq!(circle, Allowance { acceleration: limits.acceleration, jerk: limits.jerk });
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { max_shrink_iters: 20, ..ProptestConfig::with_cases(64) })]
+
+        /// Whatever the curves and the limits of the other axes, with breaks of the tangent, bends and cusps.
+        #[test]
+        fn an_axis_that_stands_still_changes_no_plan(
+            curve in nurbs_core::generate::curve::<2>(),
+            weak in prop::array::uniform3(prop::option::of((-9.0..-1.0_f64).prop_map(|e| 10.0_f64.powf(e)))),
+            strong in prop::option::of((-4.0..-1.0_f64).prop_map(|e| 10.0_f64.powf(e))),
+            deviation in prop::option::of(0.001..0.1_f64),
+            kind in prop::sample::select(ProfileKind::ALL.to_vec()),
+        ) {
+            let [velocity, acceleration, jerk] = weak;
+            let x = AxisLimits { velocity: None, acceleration: strong, jerk: strong.map(|a| a / 3.0) };
+            let z = AxisLimits { velocity, acceleration, jerk };
+            let none = AxisLimits::default();
+            let plan = |axes| {
+                let junction = deviation.map_or(Junction::Stop, Junction::Deviation);
+                let limits = KinematicLimits { axes, junction, ..paper_limits() };
+                let limit = FeedLimit::along(&[curve.as_curve()], &limits)?;
+                plan_with(&limit, &limits, EndFeeds::default(), kind)
+            };
+            prop_assert_eq!(plan([x, none, z]), plan([x, none, none]));
+        }
     }
 
     proptest! {
@@ -290,10 +374,12 @@ mod tests {
                 tangent: [cosine.abs(), sine.abs(), 0.0],
                 curvature: [sine.abs() * curvature, cosine.abs() * curvature, 0.0],
                 change: [change, change / 2.0, 0.0],
+                share: [1.0, 1.0, 0.0],
             };
             let feed = budget.feed_on(&turning, budget.feed_at(&turning, 0.6));
             let left = budget.allowance(&turning, feed);
-            prop_assert!(left.acceleration >= budget.acceleration_at(feed) && left.jerk >= budget.reserve.jerk);
+            let reserve = budget.reserve(&turning.share);
+            prop_assert!(left.acceleration >= budget.acceleration_at(&turning.share, feed) && left.jerk >= reserve.jerk);
             prop_assert!(left.acceleration <= 0.045 && left.jerk <= 0.0108);
             let (v, a, j) = (feed * shares[0], left.acceleration * shares[1], left.jerk * shares[2]);
             for i in 0..2 {
@@ -305,7 +391,6 @@ mod tests {
 
             // Beside a stop, on a ramp from rest with no more than the reserve.
             let feed = budget.feed_beside_stop(&turning, budget.feed_at(&turning, 0.6));
-            let reserve = budget.reserve();
             let (v, j) = (feed * shares[0], reserve.jerk * shares[2]);
             let a = shares[1] * Real::sqrt(2.0 * reserve.jerk * v).min(reserve.acceleration);
             for i in 0..2 {

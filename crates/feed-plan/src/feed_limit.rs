@@ -355,7 +355,8 @@ impl<R: Real> FeedLimit<R> {
 
     /// Curve and parameter at `distance`: the inverse of the arc length, between points by the cubic that has
     /// `du/ds = 1/|C'|` at both.
-    pub(crate) fn parameter_at(&self, distance: R) -> (usize, R) {
+    #[must_use]
+    pub fn parameter_at(&self, distance: R) -> (usize, R) {
         let next = self.count_before(distance);
         let (Some(b), Some(to)) = (self.points.get(next), self.nodes.get(next)) else {
             return self.points.last().map_or((0, R::zero()), |last| (last.curve, last.u));

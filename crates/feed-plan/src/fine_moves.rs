@@ -37,7 +37,7 @@ use alloc::vec::Vec;
 
 use real::Real;
 
-use crate::axis_budget::{AxisBudget, components};
+use crate::axis_budget::{AxisBudget, Turning};
 use crate::broken_chord::{Chord, Place, SLACK, across, crossing};
 use crate::feed_limit::Measured;
 use crate::lowered_samples::lower_around;
@@ -254,7 +254,8 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
         let (Some(budget), Some(mut chord)) = (&self.budget, Chord::new(&self.places, at)) else { return };
         chord.lengthen_to(step);
         if found.is_some() || self.strain_over(&chord) > alone + R::one().scale(NOTICEABLE) {
-            budget.keep_reserve(samples, at, step);
+            let (along, change) = Self::turn_over(&chord);
+            budget.keep_reserve(&Turning::at(&unit(&along), &change).share, samples, at, step);
         }
     }
 
@@ -319,19 +320,22 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
 
     /// The share that the path's turning takes of what may be spent on it where half of the chord is travelled in a period.
     fn strain_over(&self, chord: &Chord<'_, R, D>) -> R {
+        let (along, change) = Self::turn_over(chord);
+        self.strain(&along, &change)
+    }
+
+    /// The way of the chord, and what turns from its first half to its second.
+    fn turn_over(chord: &Chord<'_, R, D>) -> ([R; D], [R; D]) {
         let [before, behind] = chord.sides(R::one().half());
         let change = core::array::from_fn(|d| behind[d] - before[d]);
-        let along: [R; D] = core::array::from_fn(|d| before[d] + behind[d]);
-        self.strain(&along, &across(&change, &before, &behind))
+        (core::array::from_fn(|d| before[d] + behind[d]), across(&change, &before, &behind))
     }
 
     /// The same of a change of the step, in a period, of a path in this direction.
     fn strain(&self, along: &[R; D], change: &[R; D]) -> R {
         let of_axes = self.budget.map_or_else(R::zero, |budget| {
-            let length = R::norm(along);
-            let tangent = along.map(|x| if length > R::zero() { x / length } else { R::zero() });
             let square = self.period * self.period;
-            budget.strain(&components(&tangent), &components(&change.map(|x| x / square)))
+            budget.strain(&unit(along), &change.map(|x| x / square))
         });
         self.across.map_or(of_axes, |most| of_axes.max(R::norm(change) / most))
     }
@@ -345,6 +349,12 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
         let sum = core::array::from_fn(|d| behind[d] + before[d]);
         Some((sum, core::array::from_fn(|d| behind[d] - before[d])))
     }
+}
+
+/// Its direction; 0 where it has none.
+fn unit<R: Real, const D: usize>(vector: &[R; D]) -> [R; D] {
+    let length = R::norm(vector);
+    vector.map(|x| if length > R::zero() { x / length } else { R::zero() })
 }
 
 #[cfg(test)]

@@ -112,16 +112,19 @@ impl<R: Real> KinematicLimits<R> {
         self.centripetal_acceleration.map_or(self.acceleration, |most| most.min(self.acceleration))
     }
 
-    /// The feed up to which setpoints keep the limits of the axes and the centripetal acceleration whatever way they go: steps of
-    /// no more than V T make accelerations of no more than 2V/T, and jerks of no more than 4V/T².
-    pub(crate) fn feed_in_any_direction(&self) -> R {
+    /// The feed up to which setpoints keep the limits of the axes and the centripetal acceleration whatever way they go, along axis i
+    /// with no more than `reach`ᵢ of it: steps of no more than V T make accelerations of no more than 2V/T, and jerks of no
+    /// more than 4V/T².
+    pub(crate) fn feed_in_any_direction(&self, reach: &[R; AXES]) -> R {
         let period = self.interpolation_period;
         let by_acceleration = |most: R| most.half() * period;
-        let of_axis = |axis: &AxisLimits<R>| {
+        let of_axis = |(axis, reach): (&AxisLimits<R>, &R)| {
             let by_jerk = axis.jerk.map(|most| most.scale(-2) * period * period);
+            let reach = *reach;
             [axis.velocity, axis.acceleration.map(by_acceleration), by_jerk]
+                .map(|most| most.filter(|_| reach > R::zero()).map(|most| most / reach))
         };
-        let of_axes = self.axes.iter().flat_map(of_axis);
+        let of_axes = self.axes.iter().zip(reach).flat_map(of_axis);
         let all = of_axes.chain([self.centripetal_acceleration.map(by_acceleration)]);
         all.flatten().fold(self.feedrate, R::min)
     }
@@ -204,13 +207,14 @@ mod tests {
             AxisLimits { velocity, ..AxisLimits::default() },
         ];
         let feeds = only.map(|axis| KinematicLimits { interpolation_period: t, ..with_axis(axis) });
-        let [by_jerk, by_acceleration, by_velocity] = feeds.map(|limits| limits.feed_in_any_direction());
+        let [by_jerk, by_acceleration, by_velocity] =
+            feeds.map(|limits| limits.feed_in_any_direction(&[1.0; AXES]));
         let steps = |feed: f64| [feed * t, -feed * t, feed * t];
         let [a, b, c] = steps(by_jerk);
         assert!(((a - 2.0 * b + c) / t.powi(3) / 4e-3 - 1.0).abs() < 1e-12, "{by_jerk}");
         let [a, b, _] = steps(by_acceleration);
         assert!(((a - b) / t.powi(2) / 0.01 - 1.0).abs() < 1e-12, "{by_acceleration}");
-        assert_eq!((by_velocity, paper_limits().feed_in_any_direction()), (0.02, 0.6));
+        assert_eq!((by_velocity, paper_limits().feed_in_any_direction(&[1.0; AXES])), (0.02, 0.6));
     }
 
     fn with_axis(axis: AxisLimits<f64>) -> KinematicLimits<f64> {

@@ -12,7 +12,7 @@ use real::Real;
 use crate::axis_budget::{Allowance, AxisBudget, Turning, components};
 use crate::feed_limit::{Measured, lowered};
 use crate::fine_moves::FineMoves;
-use crate::limits::{AXES, Junction};
+use crate::limits::Junction;
 use crate::stops::BesideStop;
 use crate::{KinematicLimits, LimitPoint, PlanError};
 
@@ -47,8 +47,6 @@ pub(crate) struct Scan<'l, R, const D: usize> {
     longest: R,
     /// The radius below which the chord error limits the feed.
     chord_bound_radius: R,
-    /// See [`KinematicLimits::feed_in_any_direction`].
-    feed_in_any_direction: R,
     /// Largest difference of unit tangents that is no corner.
     break_tolerance: R,
     /// Largest difference of unit tangents that rounding may make.
@@ -74,7 +72,6 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
         let budget = AxisBudget::new(limits);
         let (distance, end, samples) = (R::zero(), None, Vec::new());
         let chord_bound_radius = limits.chord_bound_radius();
-        let feed_in_any_direction = limits.feed_in_any_direction();
         let fine_moves = FineMoves::new(limits, budget, rounding);
         Self {
             limits,
@@ -82,7 +79,6 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
             rule,
             longest,
             chord_bound_radius,
-            feed_in_any_direction,
             break_tolerance,
             rounding,
             distance,
@@ -271,7 +267,7 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
         let beside_stop = BesideStop {
             feedrate: beside_stop,
             margin: before.map_or_else(R::zero, |stretch| stretch.beside_stop.margin),
-            allowance: self.budget.as_ref().map_or_else(Allowance::unlimited, AxisBudget::reserve),
+            allowance: before.map_or_else(Allowance::unlimited, |stretch| stretch.reserve),
         };
         self.samples.push(Measured {
             point,
@@ -368,17 +364,20 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
                 at.feedrate = at.feedrate.min(feed);
                 at.beside_stop = at.beside_stop.min(feed_beside_stop);
             }
-            let allowance = budget.allowance(&turning, feed);
-            stations[i].stretch = Some(Stretch { allowance, ..stretch });
+            let (allowance, reserve) = (budget.allowance(&turning, feed), budget.reserve(&turning.share));
+            stations[i].stretch = Some(Stretch { allowance, reserve, ..stretch });
         }
     }
 
     /// Raises what holds beside a stop to where no stretch takes more than a period, as far as setpoints then keep the limits
     /// whatever way they go: at a cusp the curvature has no bound, or is none.
     fn keep_moving(&self, stations: &mut [Station<R, D>]) {
+        let stretches = stations.iter().filter_map(|station| station.stretch.as_ref());
+        let widest = stretches.fold(Turning::none(), |most, stretch| most.max(&stretch.turning));
+        let most = self.limits.feed_in_any_direction(&widest.tangent);
         for i in 1..stations.len() {
             let Some(stretch) = &stations[i].stretch else { continue };
-            let least = (stretch.length / self.limits.interpolation_period).min(self.feed_in_any_direction);
+            let least = (stretch.length / self.limits.interpolation_period).min(most);
             for k in [i - 1, i] {
                 let at = &mut stations[k].at;
                 at.beside_stop = at.beside_stop.max(least);
@@ -441,8 +440,9 @@ struct Stretch<R> {
     course: Course<R>,
     /// The same without the chord error.
     beside_stop: Course<R>,
-    /// What the axes leave for the path.
+    /// What the axes leave for the path, and the least that they do.
     allowance: Allowance<R>,
+    reserve: Allowance<R>,
 }
 
 /// The limit on a stretch.
@@ -602,9 +602,7 @@ impl<R: Real, C> Span<'_, R, C> {
             let feedrate = chord.min(across);
             return Sample { u, speed, tangent, radius, bend: [R::zero(); D], feedrate, beside_stop: across };
         };
-        let change = [R::zero(); AXES];
-        let turning = Turning { tangent: components(&tangent), curvature: components(&bend), change };
-        let beside_stop = budget.feed_at(&turning, across);
+        let beside_stop = budget.feed_at(&Turning::at(&tangent, &bend), across);
         Sample { u, speed, tangent, radius, bend, feedrate: chord.min(beside_stop), beside_stop }
     }
 
@@ -639,8 +637,17 @@ impl<R: Real, C> Span<'_, R, C> {
         let turning = self.turning(from, &inner, to);
         let mut tangents = from.tangent.iter().zip(to.tangent);
         let bends = tangents.any(|(a, b)| (*a - b).abs() > R::resolution().scale(ROUNDING));
-        let allowance = Allowance::unlimited();
-        Stretch { length, bends, is_fine, turning, course, beside_stop, allowance }
+        let unlimited = Allowance::unlimited();
+        Stretch {
+            length,
+            bends,
+            is_fine,
+            turning,
+            course,
+            beside_stop,
+            allowance: unlimited,
+            reserve: unlimited,
+        }
     }
 }
 
@@ -653,8 +660,7 @@ impl<R: Real, C> Span<'_, R, C> {
         inner: &[Sample<R, D>; 5],
         to: &Sample<R, D>,
     ) -> Turning<R> {
-        let none = [R::zero(); AXES];
-        let mut turning = Turning { tangent: none, curvature: none, change: none };
+        let mut turning = Turning::none();
         if self.budget.is_none() {
             return turning;
         }
@@ -663,15 +669,11 @@ impl<R: Real, C> Span<'_, R, C> {
             let length = (sample.u - previous.u) * (sample.speed + previous.speed).half();
             let difference =
                 components(&core::array::from_fn::<R, D, _>(|d| sample.bend[d] - previous.bend[d]));
-            let (tangent, bend) = (components(&sample.tangent), components(&sample.bend));
-            for i in 0..AXES {
-                turning.tangent[i] = turning.tangent[i].max(tangent[i]);
-                turning.curvature[i] = turning.curvature[i].max(bend[i]);
-                if length > R::zero() {
-                    let change = difference[i] / length;
-                    turning.change[i] = turning.change[i].max(change + change.scale(-3));
-                }
+            let mut here = Turning::at(&sample.tangent, &sample.bend);
+            if length > R::zero() {
+                here.change = difference.map(|x| x / length + (x / length).scale(-3));
             }
+            turning = turning.max(&here);
             previous = sample;
         }
         turning

@@ -170,7 +170,8 @@ fn table(summary: &PlanSummary) -> String {
     }
     format!(
         "{table}\n{} stages, {:.3} mm in {:.4} s ({} periods); without a jerk limit {:.4} s at least, {:.2} % less.\n\
-         Peak acceleration {:.0} of {:.0} mm/s², peak jerk {:.3e} of {:.3e} mm/s³, {:.0} % of the path at the commanded feed.\n",
+         Along the path: peak acceleration {:.0} of {:.0} mm/s², peak jerk {:.3e} of {:.3e} mm/s³, {:.0} % of the path at the commanded \
+         feed.\n",
         summary.stages.len(),
         summary.length_mm,
         summary.time_s,
@@ -182,7 +183,22 @@ fn table(summary: &PlanSummary) -> String {
         summary.jerk_max_mm_per_s3,
         summary.jerk_limit_mm_per_s3,
         100.0 * summary.share_at_commanded_feed,
-    ) + &axes(summary)
+    ) + &in_all_directions(summary)
+        + &axes(summary)
+}
+
+/// What the setpoints take in bends and at corners too, and whether that is more than one would think.
+fn in_all_directions(summary: &PlanSummary) -> String {
+    let (found, limit) = (summary.total_acceleration_max_mm_per_s2, summary.acceleration_limit_mm_per_s2);
+    let said = format!("In all directions: peak acceleration {found:.0} mm/s².\n");
+    // A setpoint is off its place by some roundings of the path's length.
+    if !summary.is_free_across || found <= limit * 1.001 {
+        return said;
+    }
+    said + &format!(
+        "Warning: `acceleration_mm_per_s2`, {limit:.0}, holds along the path; bends and corners take more. \
+         `centripetal_acceleration_mm_per_s2` limits it in bends, and `junction = \"stop\"` at corners.\n"
+    )
 }
 
 /// A line for each axis that has a limit of its own.

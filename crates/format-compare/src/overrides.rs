@@ -167,8 +167,14 @@ impl Overrides {
                 most.max(stage.start_feed.value()).max(stage.end_feed.value())
             }) * up,
         };
-        let has_limits = |axis: &&AxisLimits<f64>| axis.acceleration.is_some() || axis.jerk.is_some();
-        let axes = limits.axes.iter().filter(has_limits).map(|axis| self.of_axis(&path, axis, &limits));
+        let points = || problem.curves.iter().flat_map(|curve| curve.control_points());
+        let moves = |d: usize| {
+            let along = || points().filter_map(|point| point.get(d));
+            along().zip(along().skip(1)).any(|(a, b)| (a - b).abs() > 0.0)
+        };
+        let has_limits = |axis: &AxisLimits<f64>| axis.acceleration.is_some() || axis.jerk.is_some();
+        let axes = limits.axes.iter().enumerate().filter(|(d, axis)| has_limits(axis) && moves(*d));
+        let axes = axes.map(|(_, axis)| self.of_axis(&path, axis, &limits));
         let bounds = std::iter::once(path).chain(axes).map(|limits| FeedOverride::new(&limits));
         let feeds =
             bounds.reduce(|all, one| Some(all?.and(one?))).flatten().ok_or(OverrideError::NothingLeft)?;
@@ -230,5 +236,31 @@ impl OverrideCommands {
             self.command(*period, &mut rates);
             self.feeds.advance(&own, &mut cursor, &mut rates).is_none()
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use feed_plan::ProfileKind;
+    use part_program::{read_machine, read_part};
+
+    use super::*;
+
+    #[test]
+    fn an_axis_that_stands_still_delays_no_override() {
+        let part = read_part("circle.nc", "G0 X20 Y0 Z0\nG3 X20 Y0 I-20 J0 F6000\n").unwrap();
+        let machine = include_str!("../../../data/seed-000.toml");
+        let machine = &machine[machine.find("[machine]").unwrap()..];
+        let machine = machine.split("[[").next().unwrap();
+        let overrides = Overrides::try_new(vec![OverrideTarget { time_s: 0.3, share: 0.5 }], 0.2).unwrap();
+        let periods = |axes: &str| {
+            let machine = read_machine("m.toml", &format!("{machine}{axes}")).unwrap();
+            let problem = Problem::<3>::new(&part, &machine).unwrap();
+            let to_plan = overrides.to_plan(&problem);
+            let plan = ExactPlan::in_format_with::<f64, 3>(&to_plan, [0.0; 2], ProfileKind::SCurve).unwrap();
+            overrides.commands(&problem, &plan).unwrap().periods
+        };
+        let weak = "\n[machine.axes.z]\nacceleration_mm_per_s2 = 1\njerk_mm_per_s3 = 1\n";
+        assert_eq!(periods(weak), periods(""));
     }
 }

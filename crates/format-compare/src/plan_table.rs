@@ -2,7 +2,7 @@
 
 use feed_plan::{EndFeeds, FeedLimit, ProfileKind, Stage, StageKind, StageShape, jerk_free_duration};
 use nurbs_core::Evaluate;
-use real::DoubleDouble;
+use real::{DoubleDouble, Real};
 use serde::Serialize;
 
 use crate::axis_peaks::{AxisPeak, axis_peaks};
@@ -59,6 +59,11 @@ pub struct PlanSummary {
     pub acceleration_max_mm_per_s2: f64,
     /// Its limit.
     pub acceleration_limit_mm_per_s2: f64,
+    /// Largest acceleration in any direction, in mm/s², of the setpoints: the second difference of the points that periods end at,
+    /// over T². In bends and at corners that are passed it is more than that along the path.
+    pub total_acceleration_max_mm_per_s2: f64,
+    /// Whether nothing limits the acceleration across the path in bends.
+    pub is_free_across: bool,
     /// Largest jerk along the path, in mm/s³, with such steps in the same way.
     pub jerk_max_mm_per_s3: f64,
     /// Its limit.
@@ -155,6 +160,8 @@ impl PlanSummary {
             over_jerk_free: time_s / jerk_free_time_s - 1.0,
             acceleration_max_mm_per_s2: acceleration / t.powi(2),
             acceleration_limit_mm_per_s2: problem.machine.acceleration_mm_per_s2,
+            total_acceleration_max_mm_per_s2: total_acceleration(plan, problem, &feed_limit) / t.powi(2),
+            is_free_across: problem.machine.centripetal_acceleration_mm_per_s2.is_none(),
             jerk_max_mm_per_s3: jerk / t.powi(3),
             jerk_limit_mm_per_s3: problem.machine.jerk_mm_per_s3,
             share_at_commanded_feed: at_feed.map(|s| s.length_mm).fold(0.0, |sum, x| sum + x) / length_mm,
@@ -163,6 +170,35 @@ impl PlanSummary {
             stages,
         })
     }
+}
+
+/// The largest second difference of the points that periods end at, in mm. Before the plan and behind it, where that rests, the tool
+/// stays where it is.
+fn total_acceleration<const D: usize>(plan: &ExactPlan, problem: &Problem<D>, limit: &FeedLimit<f64>) -> f64 {
+    let mut points = samples(plan, 1).map(|sample| {
+        let (curve, u) = limit.parameter_at(sample.distance);
+        problem.curves.get(curve).map_or([0.0; D], |curve| curve.as_curve().point(u))
+    });
+    let step = |from: &[f64; D], to: &[f64; D]| -> [f64; D] { std::array::from_fn(|d| to[d] - from[d]) };
+    let Some(mut last) = points.next() else { return 0.0 };
+    let at_rest = |stage: Option<&Stage<DoubleDouble>>, feed: fn(&Stage<DoubleDouble>) -> DoubleDouble| {
+        stage.is_some_and(|stage| feed(stage).value() == 0.0)
+    };
+    let stages = plan.arcs().stages();
+    let mut before = at_rest(stages.first(), |stage| stage.start_feed).then_some([0.0; D]);
+    let mut most = 0.0_f64;
+    let mut take = |step_mm: [f64; D]| {
+        if let Some(before) = before.replace(step_mm) {
+            most = most.max(f64::norm(&step(&before, &step_mm)));
+        }
+    };
+    for point in points {
+        take(step(&std::mem::replace(&mut last, point), &point));
+    }
+    if at_rest(stages.last(), |stage| stage.end_feed) {
+        take([0.0; D]);
+    }
+    most
 }
 
 /// The largest acceleration and jerk, in mm and periods, as means over a period: second and third differences of the distance. They
@@ -243,8 +279,6 @@ pub(crate) struct Sample {
     pub(crate) feed: f64,
     pub(crate) acceleration: f64,
     pub(crate) jerk: f64,
-    /// The curve and parameter that the plan rests at, where it sets off again.
-    pub(crate) rest: Option<(usize, f64)>,
 }
 
 /// The plan `per_period` times a period, both ends included.
@@ -260,15 +294,12 @@ pub(crate) fn samples(plan: &ExactPlan, per_period: u32) -> impl Iterator<Item =
         }
         let here = &stages[stage];
         let local = DoubleDouble::from((time - before).min(here.duration.value()));
-        let rested = stage.checked_sub(1).and_then(|previous| stages[previous].rest());
-        let feed = here.feed_at(local).value();
         Sample {
             time,
             distance: (here.start + here.distance_at(local)).value(),
-            feed,
+            feed: here.feed_at(local).value(),
             acceleration: here.acceleration_at(local).value(),
             jerk: here.jerk_at(local).value(),
-            rest: rested.filter(|_| feed == 0.0).map(|(curve, u)| (curve, u.value())),
         }
     })
 }
@@ -286,12 +317,12 @@ impl ExactPlan {
         let t = problem.period_s();
         let feed_limit = problem.feed_limit()?;
         let rows = samples(self, per_period).map(|sample| {
-            let place = place_at(&feed_limit, problem, sample.distance);
+            let (curve, u) = feed_limit.parameter_at(sample.distance);
             FeedSample {
                 time_s: sample.time * t,
                 distance_mm: sample.distance,
-                curve: place.curve,
-                u: place.u,
+                curve,
+                u,
                 feed_mm_per_s: sample.feed / t,
                 acceleration_mm_per_s2: sample.acceleration / t.powi(2),
                 jerk_mm_per_s3: sample.jerk / t.powi(3),
@@ -299,31 +330,5 @@ impl ExactPlan {
             }
         });
         Ok(rows.collect())
-    }
-}
-
-/// A place on the path.
-pub(crate) struct Place {
-    pub(crate) curve: usize,
-    pub(crate) u: f64,
-    /// The parameters of the limit's points around it, between which the curve is smooth.
-    pub(crate) around: (f64, f64),
-}
-
-/// The place at a distance, interpolated between the points of the limit curve; at the end of the path its last.
-pub(crate) fn place_at<const D: usize>(limit: &FeedLimit<f64>, problem: &Problem<D>, distance: f64) -> Place {
-    let points = limit.points();
-    let after = points.partition_point(|point| point.distance <= distance);
-    match (points.get(after.wrapping_sub(1)), points.get(after)) {
-        (Some(a), Some(b)) if a.curve == b.curve => {
-            let u = a.u + (b.u - a.u) * (distance - a.distance) / (b.distance - a.distance);
-            Place { curve: a.curve, u, around: (a.u, b.u) }
-        }
-        (_, Some(b)) => Place { curve: b.curve, u: b.u, around: (b.u, b.u) },
-        _ => {
-            let curve = problem.curves.len().saturating_sub(1);
-            let u = problem.curves.last().map_or(0.0, |last| last.as_curve().domain().1);
-            Place { curve, u, around: (u, u) }
-        }
     }
 }

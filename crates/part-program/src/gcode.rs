@@ -3,7 +3,7 @@
 //! | words | meaning |
 //! |---|---|
 //! | G0 G1 | straight moves: curves of degree 1 |
-//! | G2 G3 with I J K or R (CR=) | arcs, full circles and helices: rational curves of degree 2 |
+//! | G2 G3 with I J K or R (CR=) | arcs and full circles: rational curves of degree 2; helices: of degree 3 |
 //! | G06.2, G5.2 G5.3, G5, G5.1, BSPLINE | splines of FANUC, LinuxCNC and Siemens |
 //! | G17 G18 G19, G20 G21 (G70 G71), G90 G91, G90.1 G91.1 | planes, units, coordinates, centres |
 //! | F with G93 G94 | feed |

@@ -153,10 +153,7 @@ fn a_helix_keeps_its_height() {
             );
         }
         assert!(worst <= HELIX_TOLERANCE_MM, "{text}: {worst}");
-        assert!(
-            worst >= HELIX_TOLERANCE_MM / 100.0 || rise.abs() < 3.0,
-            "{text}: spans are needlessly short: {worst}"
-        );
+        assert!(worst >= HELIX_TOLERANCE_MM / 2.0, "{text}: spans are needlessly short: {worst}");
     }
 }
 
