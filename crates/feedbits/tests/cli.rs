@@ -151,7 +151,7 @@ fn what_is_no_question_of_the_format_is_told_with_its_place_and_what_helps() {
         assert!(words.iter().all(|words| said.contains(words)), "{said}");
     }
     let page = fs::read_to_string(folder.path().join("r/index.html")).expect("a page");
-    assert!(page.contains(words[0]) && page.contains(words[1]), "the page says why");
+    assert!(page.contains(words[0]) && page.contains("in line 5"), "the page says why");
     for found in [run(&[&["compare", "--json"][..], &formats].concat()), run(&["size", "--json"])] {
         let found: serde_json::Value = serde_json::from_str(&found).expect("JSON");
         let why = &found["not_a_question_of_format"];
