@@ -191,8 +191,8 @@ mod tests {
 
     /// A corner that two axes jump at cuts it by more than the chord error, in every format.
     const CORNER: &str = "G0 X0 Y0\nG1 X10 F3000\nG1 X20\nG1 X20 Y10\nG1 X30 Y10\n";
-    const JUMP: &str = "junction = \"velocity-jump\"\n[machine.axes.x]\nvelocity_jump_mm_per_s = 8\n\
-                        [machine.axes.y]\nvelocity_jump_mm_per_s = 8\n";
+    const JUMP: &str = "junction = \"velocity-jump\"\n[machine.axes.x]\nvelocity_jump_mm_per_s = 16\n\
+                        [machine.axes.y]\nvelocity_jump_mm_per_s = 16\n";
 
     #[test]
     fn what_every_format_fails_by_is_told_with_its_place_and_what_helps() {
@@ -202,8 +202,8 @@ mod tests {
             let [one] = found.broken.as_slice() else { panic!("{found:?}") };
             assert_eq!((one.what, one.unit), ("corner error", "mm"));
             assert!((one.limit - 1.005e-3).abs() < 1e-9, "{}", one.limit);
-            // Δv T/4 = √(8² + 8²) · 0.001/4 is the most.
-            assert!(one.found > 1.2e-3 && one.found < 2.829e-3, "{}", one.found);
+            // Δv T/4 = √(16² + 16²) · 0.001/4 is the most.
+            assert!(one.found > 1.2e-3 && one.found < 5.657e-3, "{}", one.found);
             let at = one.at.unwrap();
             let near =
                 |corner: [f64; 2]| (at.point_mm[0] - corner[0]).hypot(at.point_mm[1] - corner[1]) < 0.1;

@@ -3,6 +3,7 @@
 //! A section of the plan rests at a joint of two pieces. A run of the pieces up to there, by the section's stages, lands on the rest as
 //! on the end of a path, and the next begins there, on time.
 
+#[cfg(feature = "alloc")]
 use alloc::vec::Vec;
 use core::ops::Range;
 
@@ -22,6 +23,7 @@ pub struct Stretch {
 
 /// The stretches of a path of so many pieces, in order. For each section of its plan `ends` has the number of stages up to its end, and
 /// of the piece that begins where it rests. A section that rests at no joint, or at none behind the one before, goes on with the next.
+#[cfg(feature = "alloc")]
 pub(crate) fn stretches(ends: &[(usize, Option<usize>)], pieces: usize) -> Vec<Stretch> {
     let (mut found, mut piece, mut stage) = (Vec::new(), 0, 0);
     for (index, (stages, joint)) in ends.iter().enumerate() {
@@ -49,7 +51,7 @@ impl<'a, R: Real, const D: usize> PieceInterpolator<'a, R, D> {
     }
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "alloc"))]
 mod tests {
     use super::*;
 

@@ -29,7 +29,12 @@ fn program(seed: u64, moves: usize) -> Program {
     let (mut curves, mut stops) = (Vec::new(), Vec::new());
     for index in 0..moves {
         // Fine moves along a bend, right angles, and any.
-        let turn = [0.02, 1e-4, std::f64::consts::FRAC_PI_2, 3.1 * number()][(4.0 * number()) as usize % 4];
+        let turn = match number() {
+            kind if kind < 0.25 => 0.02,
+            kind if kind < 0.5 => 1e-4,
+            kind if kind < 0.75 => std::f64::consts::FRAC_PI_2,
+            _ => 3.1 * number(),
+        };
         angle += if number() < 0.5 { turn } else { -turn };
         let length = 0.02 * 1000.0_f64.powf(number());
         let to = [from[0] + length * angle.cos(), from[1] + length * angle.sin()];
@@ -118,9 +123,9 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
     #[test]
     fn a_run_takes_the_periods_of_its_plan_and_keeps_to_corners(
-        seed in any::<u64>(), size in 1.0_f64..3.2, deviation in 0.1_f64..10.0,
+        seed in any::<u64>(), moves in prop_oneof![10_usize..100, 100..1600_usize], deviation in 0.1_f64..10.0,
     ) {
-        let program = program(seed, 10.0_f64.powf(size) as usize);
+        let program = program(seed, moves);
         let limits = limits(deviation * 1e-3);
         let plan = planned(&program, &limits);
         sections::<f64>(&program, &plan, &limits);

@@ -20,8 +20,8 @@ pub const CHECKSUM: u64 = 0x76f9fd937441eee8;
 pub static PATH: PieceInterpolator<'static, Number, 3> = PieceInterpolator {
     pieces: Pieces {
         pieces: &[
-            Piece { origin: [0, 0, 0], coordinate_exponent: -2, step_exponent: 0, range_exponent: 0, joint_ratio: 46341, joint_exponent: -2, joint: Joint::Smooth, step_per_chord: [0.23529412, 0.265625] },
-            Piece { origin: [0, 0, 549755813888], coordinate_exponent: -2, step_exponent: 0, range_exponent: 0, joint_ratio: 65535, joint_exponent: 0, joint: Joint::Smooth, step_per_chord: [0.03550314, 0.04695631] },
+            Piece { origin: [0, 0, 0], coordinate_exponent: -2, step_exponent: 0, range_exponent: 0, joint_ratio: 46341, joint_exponent: -2, joint: Joint::Breaks, step_per_chord: [0.23529412, 0.265625] },
+            Piece { origin: [0, 0, 549755813888], coordinate_exponent: -2, step_exponent: 0, range_exponent: 0, joint_ratio: 65535, joint_exponent: 0, joint: Joint::Breaks, step_per_chord: [0.03550314, 0.04695631] },
             Piece { origin: [2199023255552, 2199023255552, 549755813888], coordinate_exponent: -2, step_exponent: 0, range_exponent: 0, joint_ratio: 32768, joint_exponent: 1, joint: Joint::Smooth, step_per_chord: [0.03550314, 0.04695631] },
         ],
         numerators: &[

@@ -20,8 +20,8 @@ pub const CHECKSUM: u64 = 0xa8ab20e946d04ab5;
 pub static PATH: PieceInterpolator<'static, Number, 3> = PieceInterpolator {
     pieces: Pieces {
         pieces: &[
-            Piece { origin: [0, 0, 0], coordinate_exponent: -3, step_exponent: 4, range_exponent: 2, joint_ratio: 46341, joint_exponent: 1, joint: Joint::Smooth, step_per_chord: [i5f27(126322568), i5f27(142606336)] },
-            Piece { origin: [0, 0, 549755813888], coordinate_exponent: 0, step_exponent: 7, range_exponent: 2, joint_ratio: 65535, joint_exponent: 0, joint: Joint::Smooth, step_per_chord: [i5f27(152484828), i5f27(201675814)] },
+            Piece { origin: [0, 0, 0], coordinate_exponent: -3, step_exponent: 4, range_exponent: 2, joint_ratio: 46341, joint_exponent: 1, joint: Joint::Breaks, step_per_chord: [i5f27(126322568), i5f27(142606336)] },
+            Piece { origin: [0, 0, 549755813888], coordinate_exponent: 0, step_exponent: 7, range_exponent: 2, joint_ratio: 65535, joint_exponent: 0, joint: Joint::Breaks, step_per_chord: [i5f27(152484828), i5f27(201675814)] },
             Piece { origin: [2199023255552, 2199023255552, 549755813888], coordinate_exponent: 0, step_exponent: 7, range_exponent: 2, joint_ratio: 32768, joint_exponent: 1, joint: Joint::Smooth, step_per_chord: [i5f27(152484828), i5f27(201675814)] },
         ],
         numerators: &[

@@ -21,7 +21,7 @@ pub static PATH: PieceInterpolator<'static, Number, 3> = PieceInterpolator {
     pieces: Pieces {
         pieces: &[
             Piece { origin: [549755813888, 1099511627776, 1649267441664], coordinate_exponent: -2, step_exponent: 0, range_exponent: 0, joint_ratio: 32768, joint_exponent: 1, joint: Joint::Smooth, step_per_chord: [0.058823529411764705, 0.06640625] },
-            Piece { origin: [2748779069440, 1099511627776, 1649267441664], coordinate_exponent: -2, step_exponent: 0, range_exponent: 0, joint_ratio: 32768, joint_exponent: 1, joint: Joint::Smooth, step_per_chord: [0.058823529411764705, 0.06640625] },
+            Piece { origin: [2748779069440, 1099511627776, 1649267441664], coordinate_exponent: -2, step_exponent: 0, range_exponent: 0, joint_ratio: 32768, joint_exponent: 1, joint: Joint::Breaks, step_per_chord: [0.058823529411764705, 0.06640625] },
             Piece { origin: [2748779069440, -2199023255552, 1649267441664], coordinate_exponent: -2, step_exponent: 0, range_exponent: 0, joint_ratio: 32768, joint_exponent: 1, joint: Joint::Smooth, step_per_chord: [0.058823529411764705, 0.06640625] },
         ],
         numerators: &[

@@ -20,7 +20,7 @@ pub const CHECKSUM: u64 = 0x9fbbcec6ddc16d21;
 pub static PATH: PieceInterpolator<'static, Number, 2> = PieceInterpolator {
     pieces: Pieces {
         pieces: &[
-            Piece { origin: [0, 0], coordinate_exponent: -44, step_exponent: -14, range_exponent: -14, joint_ratio: 54613, joint_exponent: 1, joint: Joint::Smooth, step_per_chord: [i28f36(49344752941), i28f36(55705600000)] },
+            Piece { origin: [0, 0], coordinate_exponent: -44, step_exponent: -14, range_exponent: -14, joint_ratio: 54613, joint_exponent: 1, joint: Joint::Breaks, step_per_chord: [i28f36(49344752941), i28f36(55705600000)] },
             Piece { origin: [2748779, 0], coordinate_exponent: -45, step_exponent: -14, range_exponent: -14, joint_ratio: 32768, joint_exponent: 1, joint: Joint::Smooth, step_per_chord: [i28f36(82241254902), i28f36(92842666667)] },
         ],
         numerators: &[
