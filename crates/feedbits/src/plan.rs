@@ -105,7 +105,9 @@ fn side_by_side(summaries: &[PlanSummary]) -> String {
         "periods",
         "over the\nbound",
         "at commanded\nfeed",
+        "that is\nrun at",
         "peak acceleration\nmm/s²",
+        "in all directions\nmm/s²",
         "peak jerk\nmm/s³",
         "stages",
     ]);
@@ -116,7 +118,9 @@ fn side_by_side(summaries: &[PlanSummary]) -> String {
             summary.periods.to_string(),
             format!("{:.2} %", 100.0 * summary.over_jerk_free),
             format!("{:.1} %", 100.0 * summary.share_at_commanded_feed),
+            summary.feed_over_commanded.map_or_else(String::new, |run| format!("{:.3} %", 100.0 * run)),
             format!("{:.0}", summary.acceleration_max_mm_per_s2),
+            format!("{:.0}", summary.total_acceleration_max_mm_per_s2),
             format!("{:.3e}", summary.jerk_max_mm_per_s3),
             summary.stage_count.to_string(),
         ]);
@@ -133,7 +137,11 @@ fn side_by_side(summaries: &[PlanSummary]) -> String {
             summary.jerk_limit_mm_per_s3,
         )
     });
-    format!("{table}\n{bound}")
+    let most = |a: &&PlanSummary, b: &&PlanSummary| {
+        a.total_acceleration_max_mm_per_s2.total_cmp(&b.total_acceleration_max_mm_per_s2)
+    };
+    let turning = summaries.iter().max_by(most).map_or_else(String::new, turning);
+    format!("{table}\n{bound}{turning}")
 }
 
 /// The stages; of a path of several curves with the numbers of the curves that `u start` and `u end` belong to.
@@ -170,8 +178,8 @@ fn table(summary: &PlanSummary) -> String {
     }
     format!(
         "{table}\n{} stages, {:.3} mm in {:.4} s ({} periods); without a jerk limit {:.4} s at least, {:.2} % less.\n\
-         Along the path: peak acceleration {:.0} of {:.0} mm/s², peak jerk {:.3e} of {:.3e} mm/s³, {:.0} % of the path at the commanded \
-         feed.\n",
+         Along the path: peak acceleration {:.0} of {:.0} mm/s², peak jerk {:.3e} of {:.3e} mm/s³.\n\
+         {:.0} % of the path at {}the commanded feed.\n",
         summary.stages.len(),
         summary.length_mm,
         summary.time_s,
@@ -183,22 +191,31 @@ fn table(summary: &PlanSummary) -> String {
         summary.jerk_max_mm_per_s3,
         summary.jerk_limit_mm_per_s3,
         100.0 * summary.share_at_commanded_feed,
-    ) + &in_all_directions(summary)
+        summary.feed_over_commanded.map_or_else(String::new, |run| format!("{:.3} % of ", 100.0 * run)),
+    ) + &turning(summary)
         + &axes(summary)
 }
 
-/// What the setpoints take in bends and at corners too, and whether that is more than one would think.
-fn in_all_directions(summary: &PlanSummary) -> String {
-    let (found, limit) = (summary.total_acceleration_max_mm_per_s2, summary.acceleration_limit_mm_per_s2);
+/// What the setpoints take in bends and at corners too, and whether that is more than one would think: than `limit` along the path,
+/// where none across it is set.
+pub(crate) fn in_all_directions(found: f64, limit: f64, is_free_across: bool) -> String {
     let said = format!("In all directions: peak acceleration {found:.0} mm/s².\n");
     // A setpoint is off its place by some roundings of the path's length.
-    if !summary.is_free_across || found <= limit * 1.001 {
+    if !is_free_across || found <= limit * 1.001 {
         return said;
     }
     said + &format!(
         "Warning: `acceleration_mm_per_s2`, {limit:.0}, holds along the path; bends and corners take more. \
          `centripetal_acceleration_mm_per_s2` limits it in bends, and `junction = \"stop\"` at corners.\n"
     )
+}
+
+/// The same of a plan.
+fn turning(summary: &PlanSummary) -> String {
+    let &PlanSummary {
+        total_acceleration_max_mm_per_s2, acceleration_limit_mm_per_s2, is_free_across, ..
+    } = summary;
+    in_all_directions(total_acceleration_max_mm_per_s2, acceleration_limit_mm_per_s2, is_free_across)
 }
 
 /// A line for each axis that has a limit of its own.

@@ -186,6 +186,8 @@ impl Report {
         setpoints.off_path_mm_max = setpoints.off_path_mm_max.max(other.off_path_mm_max);
         setpoints.off_moves_mm_max = setpoints.off_moves_mm_max.max(other.off_moves_mm_max);
         setpoints.chord_error_mm_max = setpoints.chord_error_mm_max.max(other.chord_error_mm_max);
+        setpoints.total_acceleration_max_mm_per_s2 =
+            setpoints.total_acceleration_max_mm_per_s2.max(other.total_acceleration_max_mm_per_s2);
         setpoints.finished &= other.finished;
     }
 

@@ -231,3 +231,77 @@ fn assert_third_differences_within(part: &str, more: &str) {
         assert!(found <= (1.0 + 1e-7) * printed && printed <= 20_000.0, "{profile}: {found} {printed}");
     }
 }
+
+/// A part and a machine with a period of 1 ms, 1000 mm/s² and some keys more, by their names in a folder.
+fn turned(folder: &tempfile::TempDir, program: &str, more: &str) -> [String; 2] {
+    let machine = format!(
+        "[machine]\ninterpolation_period_ms = 1\nfeedrate_mm_per_s = 100\nacceleration_mm_per_s2 = 1000\n\
+         jerk_mm_per_s3 = 50000\nchord_error_mm = 0.01\nfluctuation_limit = 1e-5\nparameter_tolerance = 1e-6\n\
+         max_iterations = 5\n{more}\n"
+    );
+    let files = [("part.nc", format!("G21 G90\nG0 X0 Y0\n{program}\nM30\n")), ("machine.toml", machine)];
+    files.map(|(name, text)| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).expect("a file");
+        path.to_str().expect("a path").to_owned()
+    })
+}
+
+/// A line of 16 m took 0.23 s more than at F500, and was said to be run at that.
+#[test]
+fn the_feed_that_is_run_is_said() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    for (program, at_least, at_most) in [
+        ("G1 X16000 F500", 1.0 - 1e-6, 1.0),
+        // What bends keeps a part in 8,192 back.
+        ("G2 I300 J0 F500", 1.0 - 1.0 / 8192.0 - 1e-5, 1.0 - 1.0 / 8192.0 + 1e-7),
+    ] {
+        let [part, machine] = turned(&folder, program, "");
+        let plan = ["plan", &part, "--machine", &machine];
+        let summary: serde_json::Value =
+            serde_json::from_str(&stdout(&feedbits(&[&plan[..], &["--json"]].concat()))).expect("JSON");
+        let run = summary["feed_over_commanded"].as_f64().expect("a feed");
+        assert!((at_least..=at_most).contains(&run), "{program}: {run}");
+        let at_feed = summary["length_mm"].as_f64().expect("a length") / (500.0 / 60.0);
+        let time = summary["time_s"].as_f64().expect("a time");
+        // The ramps at both ends take some hundredths of a second more than F does.
+        assert!((0.0..0.05).contains(&(time - at_feed / run)), "{program}: {time} {at_feed}");
+        let text = stdout(&feedbits(&plan));
+        let said = format!("100 % of the path at {:.3} % of the commanded feed.", 100.0 * run);
+        assert!(text.contains(&said), "{text}");
+    }
+}
+
+/// "Peak acceleration 1000 of 1000 mm/s²" was all that was said where setpoints take five times as much across the path.
+#[test]
+fn what_bends_take_is_said() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let circle = "G2 I2 J0 F6000\nG2 I2 J0";
+    let limited = "centripetal_acceleration_mm_per_s2 = 1000";
+    for (program, more, at_least, at_most, warns) in [
+        // V²/ρ at 100 mm/s and 2 mm is 5000.
+        (circle, "", 4000.0, 5010.0, true),
+        (circle, limited, 900.0, 1415.0, false),
+        ("G1 X50 F6000", "", 900.0, 1000.1, false),
+    ] {
+        let [part, machine] = turned(&folder, program, more);
+        for command in [&["plan"][..], &["smooth", "--tolerance", "0.01"]] {
+            let arguments = [command, &[&part, "--machine", &machine]].concat();
+            let text = stdout(&feedbits(&arguments));
+            assert_eq!(
+                text.contains("Warning: `acceleration_mm_per_s2`, 1000, holds along"),
+                warns,
+                "{text}"
+            );
+            let json = stdout(&feedbits(&[&arguments[..], &["--json"]].concat()));
+            let found: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+            let of = if command[0] == "plan" { &found } else { &found["setpoints"] };
+            let most = of["total_acceleration_max_mm_per_s2"].as_f64().expect("an acceleration");
+            assert!((at_least..=at_most).contains(&most), "{command:?} {program} {more}: {most}");
+            assert!(
+                text.contains(&format!("In all directions: peak acceleration {most:.0} mm/s²")),
+                "{text}"
+            );
+        }
+    }
+}

@@ -1,5 +1,7 @@
 //! A plan as every format can take it: the stages in double-double, which holds each format's numbers exactly.
 
+use std::sync::{Arc, OnceLock};
+
 use feed_plan::{
     AxisLimits, CommandedCurve, EndFeeds, FeedLimit, Junction, KinematicLimits, PlanError, ProfileKind,
     Schedule, ScheduleBuf, Stage, StageShape, plan_through_window, plan_with, sections,
@@ -19,6 +21,8 @@ pub struct ExactPlan {
     stages: Vec<Stage<DoubleDouble>>,
     periods: u32,
     profile: ProfileKind,
+    /// What [`limit`](Self::limit) gives, once somebody has made it.
+    limit: OnceLock<Arc<FeedLimit<f64>>>,
 }
 
 impl ExactPlan {
@@ -44,28 +48,29 @@ impl ExactPlan {
     ) -> Result<Self, Refusal> {
         if R::name() == f64::name() {
             let limits = problem.limits_per_period()?;
-            return Self::along(
+            let (plan, limit) = Self::along(
                 &problem.fast_curves(),
                 &limits_in_format::<f64>(&limits)?,
                 problem,
                 end_feeds_mm_per_s,
                 profile,
-            );
+            )?;
+            return Ok(Self { limit: Arc::new(limit).into(), ..plan });
         }
         let limits = limits_in_format::<R>(&problem.limits_per_period()?)?;
         let curves = problem.curves.iter().map(NurbsBuf::convert::<R>).collect::<Result<Vec<_>, _>>()?;
         let curves: Vec<_> = curves.iter().map(NurbsBuf::as_curve).collect();
-        Self::along(&curves, &limits, problem, end_feeds_mm_per_s, profile)
+        Self::along(&curves, &limits, problem, end_feeds_mm_per_s, profile).map(|(plan, _)| plan)
     }
 
-    /// The same, with the problem's curves and limits in that format.
+    /// The same, with the problem's curves and limits in that format; and the limit that it was made under.
     fn along<R: Backend, C: Differentiate<R, D>, const D: usize>(
         curves: &[C],
         limits: &KinematicLimits<R>,
         problem: &Problem<D>,
         end_feeds_mm_per_s: [f64; 2],
         profile: ProfileKind,
-    ) -> Result<Self, Refusal> {
+    ) -> Result<(Self, FeedLimit<R>), Refusal> {
         let shares = problem.feed_shares.iter().map(|share| in_format("feedrate of a move", *share));
         let shares = shares.collect::<Result<Vec<R>, _>>()?;
         let feed_of =
@@ -74,7 +79,8 @@ impl ExactPlan {
         let [start, end] = end_feeds_mm_per_s.map(|feed| feed * problem.period_s());
         let ends = EndFeeds { start: in_format("start feed", start)?, end: in_format("end feed", end)? };
         let schedule = plan_with(&feed_limit, limits, ends, profile)?;
-        Ok(Self::of([&schedule, &feed_limit.in_chords(curves, &schedule)], profile))
+        let plan = Self::of([&schedule, &feed_limit.in_chords(curves, &schedule)], profile);
+        Ok((plan, feed_limit))
     }
 
     /// Plans `problem` in f64 with no more than `window_mm` in view at a time, from rest to rest. At each stop the plan
@@ -111,7 +117,7 @@ impl ExactPlan {
         }
         let periods = u32::try_from(periods.to_phase(-32) >> 32).unwrap_or(u32::MAX);
         let stages = on_the_grid(stages.iter().map(|stage| map_stage(stage, DoubleDouble::from)));
-        Ok(Self { arcs: stages.clone(), stages, periods, profile })
+        Ok(Self { arcs: stages.clone(), stages, periods, profile, limit: OnceLock::new() })
     }
 
     fn of<R: Backend>(arcs_and_chords: [&ScheduleBuf<R>; 2], profile: ProfileKind) -> Self {
@@ -121,7 +127,20 @@ impl ExactPlan {
         };
         let [arcs, stages] = arcs_and_chords
             .map(|schedule| on_the_grid(schedule.stages().iter().map(|stage| map_stage(stage, exact))));
-        Self { arcs, stages, periods: arcs_and_chords[1].as_schedule().periods(), profile }
+        let periods = arcs_and_chords[1].as_schedule().periods();
+        Self { arcs, stages, periods, profile, limit: OnceLock::new() }
+    }
+
+    /// The largest feed at each distance, in f64, in mm and periods, and where on the path that is. `problem` is the one planned; its
+    /// limit is made once, if not for the plan itself.
+    ///
+    /// # Errors
+    /// As [`Problem::feed_limit`].
+    pub fn limit<const D: usize>(&self, problem: &Problem<D>) -> Result<&FeedLimit<f64>, PlanError> {
+        match self.limit.get() {
+            Some(limit) => Ok(limit),
+            None => problem.feed_limit().map(|limit| &**self.limit.get_or_init(|| limit.into())),
+        }
     }
 
     /// The plan along the path, in arc length: it says where on the path the tool is, and keeps the limit there.

@@ -49,7 +49,7 @@ pub use metrics::{Fluctuation, JudgedStep, PerPeriod, jerk_of_chords};
 pub use not_of_format::{NotOfFormat, Remedy, not_of_format};
 pub use overrides::{OverrideCommands, OverrideError, OverrideTarget, Overrides};
 pub use part_program::Machine;
-pub use plan_table::{FeedSample, PlanSummary, StageRow};
+pub use plan_table::{FeedSample, PlanSummary, StageRow, largest_second_difference};
 pub use problem::Problem;
 pub use recorded::RecordedRun;
 pub use reference::Reference;

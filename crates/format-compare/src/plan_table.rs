@@ -68,8 +68,11 @@ pub struct PlanSummary {
     pub jerk_max_mm_per_s3: f64,
     /// Its limit.
     pub jerk_limit_mm_per_s3: f64,
-    /// Share of the path that is travelled at the commanded feed.
+    /// Share of the path that is travelled at the commanded feed, or less than 0.5 % below it.
     pub share_at_commanded_feed: f64,
+    /// The feed that is run there, over the commanded one: less than 1, for a whole number of periods from rest to rest, and in
+    /// bends for what chords fall short. `None` where no part is travelled at it.
+    pub feed_over_commanded: Option<f64>,
     /// What the plan asks of each axis.
     pub axes: Vec<AxisPeak>,
     /// Number of stages.
@@ -106,7 +109,7 @@ impl PlanSummary {
     /// [`Refusal::Plan`] when the limit curve cannot be made.
     pub fn of<const D: usize>(plan: &ExactPlan, problem: &Problem<D>) -> Result<Self, Refusal> {
         let t = problem.period_s();
-        let feed_limit = problem.feed_limit()?;
+        let feed_limit = plan.limit(problem)?;
         let stages: Vec<StageRow> = plan
             .arcs()
             .stages()
@@ -139,17 +142,17 @@ impl PlanSummary {
         let lasting = pieces().filter(|piece| piece.duration.value() > SHORT);
         let jerk = lasting.map(|piece| piece.peak_jerk().value()).fold(jerk_by_periods, f64::max);
         let time_s = f64::from(plan.periods()) * t;
-        let jerk_free_time_s = jerk_free_time_s(plan, problem, &feed_limit)?;
+        let jerk_free_time_s = jerk_free_time_s(plan, problem, feed_limit)?;
         let length_mm: f64 = stages.iter().map(|s| s.length_mm).sum();
-        let full = problem.machine.feedrate_mm_per_s * (1.0 - AT_FEED);
-        let is_full = |(row, stage): &(&StageRow, &Stage<DoubleDouble>)| {
-            let slowest = (stage.curve_start..=stage.curve_end)
-                .map(|curve| problem.feed_share(curve))
-                .fold(1.0, f64::min);
-            // Beside a cruise by chords the feed changes by what they fall short.
-            row.start_feed_mm_per_s.min(row.end_feed_mm_per_s) >= full * slowest
-        };
-        let at_feed = stages.iter().zip(plan.arcs().stages()).filter(is_full).map(|(row, _)| row);
+        let [mut full_mm, mut commanded_mm] = [0.0; 2];
+        for row in &stages {
+            let shares = (row.curve_start..=row.curve_end).map(|curve| problem.feed_share(curve));
+            let commanded = shares.fold(1.0, f64::min) * problem.machine.feedrate_mm_per_s;
+            if row.start_feed_mm_per_s.min(row.end_feed_mm_per_s) >= commanded * (1.0 - AT_FEED) {
+                full_mm += row.length_mm;
+                commanded_mm += row.time_s * commanded;
+            }
+        }
         Ok(Self {
             curves: problem.curves.len(),
             length_mm: feed_limit.length(),
@@ -160,12 +163,13 @@ impl PlanSummary {
             over_jerk_free: time_s / jerk_free_time_s - 1.0,
             acceleration_max_mm_per_s2: acceleration / t.powi(2),
             acceleration_limit_mm_per_s2: problem.machine.acceleration_mm_per_s2,
-            total_acceleration_max_mm_per_s2: total_acceleration(plan, problem, &feed_limit) / t.powi(2),
+            total_acceleration_max_mm_per_s2: total_acceleration(plan, problem, feed_limit) / t.powi(2),
             is_free_across: problem.machine.centripetal_acceleration_mm_per_s2.is_none(),
             jerk_max_mm_per_s3: jerk / t.powi(3),
             jerk_limit_mm_per_s3: problem.machine.jerk_mm_per_s3,
-            share_at_commanded_feed: at_feed.map(|s| s.length_mm).fold(0.0, |sum, x| sum + x) / length_mm,
-            axes: axis_peaks(plan, problem, &feed_limit),
+            share_at_commanded_feed: full_mm / length_mm,
+            feed_over_commanded: (full_mm > 0.0).then(|| full_mm / commanded_mm),
+            axes: axis_peaks(plan, problem, feed_limit),
             stage_count: stages.len(),
             stages,
         })
@@ -175,28 +179,26 @@ impl PlanSummary {
 /// The largest second difference of the points that periods end at, in mm. Before the plan and behind it, where that rests, the tool
 /// stays where it is.
 fn total_acceleration<const D: usize>(plan: &ExactPlan, problem: &Problem<D>, limit: &FeedLimit<f64>) -> f64 {
-    let mut points = samples(plan, 1).map(|sample| {
-        let (curve, u) = limit.parameter_at(sample.distance);
+    let point = |distance: f64| {
+        let (curve, u) = limit.parameter_at(distance);
         problem.curves.get(curve).map_or([0.0; D], |curve| curve.as_curve().point(u))
-    });
-    let step = |from: &[f64; D], to: &[f64; D]| -> [f64; D] { std::array::from_fn(|d| to[d] - from[d]) };
-    let Some(mut last) = points.next() else { return 0.0 };
-    let at_rest = |stage: Option<&Stage<DoubleDouble>>, feed: fn(&Stage<DoubleDouble>) -> DoubleDouble| {
-        stage.is_some_and(|stage| feed(stage).value() == 0.0)
     };
     let stages = plan.arcs().stages();
-    let mut before = at_rest(stages.first(), |stage| stage.start_feed).then_some([0.0; D]);
-    let mut most = 0.0_f64;
-    let mut take = |step_mm: [f64; D]| {
-        if let Some(before) = before.replace(step_mm) {
-            most = most.max(f64::norm(&step(&before, &step_mm)));
-        }
-    };
+    let before = stages.first().filter(|stage| stage.start_feed.value() == 0.0).map(|_| point(0.0));
+    let behind = stages.last().filter(|stage| stage.end_feed.value() == 0.0).map(|_| point(limit.length()));
+    let points = samples(plan, 1).map(|sample| point(sample.distance));
+    largest_second_difference(before.into_iter().chain(points).chain(behind))
+}
+
+/// The largest second difference of a series of points; over T² of points a period apart the largest acceleration in any direction.
+pub fn largest_second_difference<const D: usize>(points: impl IntoIterator<Item = [f64; D]>) -> f64 {
+    let (mut last, mut most) = ([None::<[f64; D]>; 2], 0.0_f64);
     for point in points {
-        take(step(&std::mem::replace(&mut last, point), &point));
-    }
-    if at_rest(stages.last(), |stage| stage.end_feed) {
-        take([0.0; D]);
+        if let [Some(a), Some(b)] = last {
+            let difference: [f64; D] = std::array::from_fn(|d| (point[d] - b[d]) - (b[d] - a[d]));
+            most = most.max(f64::norm(&difference));
+        }
+        last = [last[1], Some(point)];
     }
     most
 }
@@ -267,7 +269,7 @@ fn shape_name(shape: StageShape) -> &'static str {
 }
 
 /// A stage this close to the commanded feed counts as at it: stretching the time to a whole number of periods
-/// lowers every feed by a part in a thousand or so.
+/// lowers every feed by a part in a thousand or so, which [`PlanSummary::feed_over_commanded`] tells.
 const AT_FEED: f64 = 0.005;
 /// Stages of less than 2⁻²⁰ of a period say nothing of the jerk.
 const SHORT: f64 = 1.0 / 1_048_576.0;
@@ -315,7 +317,7 @@ impl ExactPlan {
         per_period: u32,
     ) -> Result<Vec<FeedSample>, Refusal> {
         let t = problem.period_s();
-        let feed_limit = problem.feed_limit()?;
+        let feed_limit = self.limit(problem)?;
         let rows = samples(self, per_period).map(|sample| {
             let (curve, u) = feed_limit.parameter_at(sample.distance);
             FeedSample {
@@ -330,5 +332,52 @@ impl ExactPlan {
             }
         });
         Ok(rows.collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nurbs_core::arc_length;
+    use part_program::{read_machine, read_part};
+
+    use super::*;
+
+    fn problem(chord_error_mm: &str) -> Problem<2> {
+        let text = include_str!("../../../data/seed-000.toml").replace("0.0005", chord_error_mm);
+        Problem::new(&read_part("p.toml", &text).unwrap(), &read_machine("p.toml", &text).unwrap()).unwrap()
+    }
+
+    /// Sums of chords were taken for arc lengths: the last row was short of the end, and feeds stood beside the limit of another place.
+    #[test]
+    fn the_places_of_samples_are_those_of_the_plan() {
+        let problem = problem("0.1");
+        let plan = ExactPlan::in_format::<f64, 2>(&problem, [0.0; 2]).unwrap();
+        let limit = plan.limit(&problem).unwrap();
+        let chords: f64 = plan.lengths().map(|(length, _)| length.value()).sum();
+        assert!(limit.length() - chords > 1e-2, "chords fall short: {chords} of {}", limit.length());
+        let samples = plan.sampled(&problem, 2).unwrap();
+        let last = samples.last().unwrap();
+        assert!((last.distance_mm - limit.length()).abs() < 1e-9 && last.u > 1.0 - 1e-9, "{last:?}");
+        for sample in &samples {
+            assert!(sample.feed_mm_per_s <= sample.limit_mm_per_s * (1.0 + 1e-9), "{sample:?}");
+            let length = arc_length(&problem.curves[0].as_curve(), 0.0, sample.u, 1e-9).length;
+            assert!((length - sample.distance_mm).abs() < 1e-3, "{length} {sample:?}");
+        }
+    }
+
+    #[test]
+    fn the_limit_is_that_of_the_problem_and_made_once() {
+        let problem = problem("0.0005");
+        let expected = problem.feed_limit().unwrap();
+        for plan in [
+            ExactPlan::in_format::<f64, 2>(&problem, [0.0; 2]),
+            ExactPlan::in_format::<f32, 2>(&problem, [0.0; 2]),
+            ExactPlan::through_window(&problem, 50.0, ProfileKind::Cubic),
+        ] {
+            let plan = plan.unwrap();
+            let limit = plan.limit(&problem).unwrap();
+            assert_eq!(*limit, expected);
+            assert!(std::ptr::eq(limit, plan.limit(&problem).unwrap()), "made twice");
+        }
     }
 }

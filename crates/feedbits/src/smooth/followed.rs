@@ -151,8 +151,12 @@ fn reason_of(reason: Reason) -> String {
 fn setpoints(smooth: &SmoothStretch, paths: &Paths<'_>, timed: &Timed) -> Result<SetpointCheck> {
     let run = timed.setpoints()?;
     let nurbs = smooth.curves.iter().map(nurbs_of).collect::<Result<Vec<_>, _>>()?;
-    let mut check =
-        SetpointCheck { count: run.steps.len(), finished: run.finished, ..SetpointCheck::default() };
+    let mut check = SetpointCheck {
+        count: run.steps.len(),
+        finished: run.finished,
+        total_acceleration_max_mm_per_s2: timed.total_acceleration_mm_per_s2(&run),
+        ..SetpointCheck::default()
+    };
     for step in &run.steps {
         // Any point of the path at all is no nearer than the nearest one.
         let on_path = match &smooth.path.curves[step.curve] {

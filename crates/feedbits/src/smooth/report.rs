@@ -49,6 +49,8 @@ pub(crate) struct SetpointCheck {
     pub(crate) off_moves_mm_max: f64,
     /// Largest distance of the chord between two setpoints from the smoothed path.
     pub(crate) chord_error_mm_max: f64,
+    /// Largest acceleration in any direction, in mm/s²: the second difference of setpoints over T².
+    pub(crate) total_acceleration_max_mm_per_s2: f64,
     /// Whether every stretch was followed to its end.
     pub(crate) finished: bool,
 }
@@ -212,6 +214,11 @@ impl Report {
             self.setpoints.off_path_mm_max,
             self.setpoints.off_moves_mm_max,
             self.setpoints.chord_error_mm_max
+        );
+        text += &crate::plan::in_all_directions(
+            self.setpoints.total_acceleration_max_mm_per_s2,
+            self.machine.acceleration_mm_per_s2,
+            self.machine.centripetal_acceleration_mm_per_s2.is_none(),
         );
         for fault in self.faults() {
             text += &format!("not met: {fault}\n");

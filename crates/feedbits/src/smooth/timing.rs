@@ -1,10 +1,11 @@
 //! How long a stretch takes from rest to rest, and how fast each place of it is passed.
 
 use anyhow::Result;
-use feed_plan::{EndFeeds, ScheduleBuf, Stage, plan};
-use format_compare::{ExactPlan, Options, Problem, Run};
+use feed_plan::Stage;
+use format_compare::{ExactPlan, Options, Problem, Run, largest_second_difference};
 use nurbs_core::{PathCurve, arc_length};
 use part_program::{Curve, Machine, Move, Part};
+use real::DoubleDouble;
 
 /// A place is taken this wide, in mm, so that rounding does not miss the rest in its middle.
 const PLACE_MM: f64 = 1e-6;
@@ -12,8 +13,7 @@ const PLACE_MM: f64 = 1e-6;
 /// A stretch with its plan, in f64.
 pub(crate) struct Timed {
     problem: Problem<3>,
-    /// Arc lengths and times, in mm and periods.
-    plan: ScheduleBuf<f64>,
+    plan: ExactPlan,
     /// Distance from the start to the end of each curve, in mm.
     ends: Vec<f64>,
 }
@@ -33,8 +33,7 @@ impl Timed {
             ..Part::default()
         };
         let problem = Problem::new(&part, machine)?;
-        let limits = problem.limits_per_period()?;
-        let plan = plan(&problem.feed_limit()?, &limits, EndFeeds::default())?;
+        let plan = ExactPlan::in_format::<f64, 3>(&problem, [0.0; 2])?;
         let mut distance = 0.0;
         let mut ends: Vec<f64> = Vec::with_capacity(shapes.len());
         for shape in shapes {
@@ -46,7 +45,7 @@ impl Timed {
 
     /// Time in s.
     pub(crate) fn time_s(&self) -> f64 {
-        f64::from(self.plan.as_schedule().periods()) * self.problem.period_s()
+        f64::from(self.plan.periods()) * self.problem.period_s()
     }
 
     /// Length in mm.
@@ -73,20 +72,28 @@ impl Timed {
     /// The lowest feed over a range of distances: feeds rise or fall within a stage, so it is at an end of one, or of
     /// the range.
     fn lowest_feed(&self, from: f64, to: f64) -> f64 {
-        let stages = self.plan.stages();
-        let first = stages.partition_point(|stage| stage.start + stage.length < from);
-        let over = stages[first..].iter().take_while(|stage| stage.start <= to);
+        let stages = self.plan.arcs().stages();
+        let first = stages.partition_point(|stage| (stage.start + stage.length).value() < from);
+        let over = stages[first..].iter().take_while(|stage| stage.start.value() <= to);
         let lowest =
             over.map(|stage| feed_in(stage, from).min(feed_in(stage, to))).fold(f64::INFINITY, f64::min);
         if lowest.is_finite() { lowest / self.problem.period_s() } else { 0.0 }
+    }
+
+    /// The largest acceleration in any direction of setpoints from rest to rest, in mm/s².
+    pub(crate) fn total_acceleration_mm_per_s2(&self, run: &Run) -> f64 {
+        let start = self.problem.curves.first().and_then(|curve| curve.control_points().first());
+        let steps = run.steps.iter().map(|step| step.point_mm);
+        let end = run.steps.last().map(|step| step.point_mm);
+        let points = [start; 2].into_iter().flatten().copied().chain(steps).chain(end);
+        largest_second_difference(points) / self.problem.period_s().powi(2)
     }
 
     /// The setpoints of the plan, interpolated on compiled pieces in f64.
     pub(crate) fn setpoints(&self) -> Result<Run> {
         let formats = crate::formats::selected::<3>(&["f64".to_string()])?;
         let Some(format) = formats.first() else { anyhow::bail!("no format f64") };
-        let plan = ExactPlan::in_format::<f64, 3>(&self.problem, [0.0; 2])?;
-        Ok(format.run(&self.problem, &plan, &Options::default())?)
+        Ok(format.run(&self.problem, &self.plan, &Options::default())?)
     }
 }
 
@@ -103,18 +110,18 @@ fn length_mm(curve: &PathCurve<f64, 3>) -> f64 {
 }
 
 /// The feed of a stage at a distance from the path's start, or at the nearer end of the stage.
-fn feed_in(stage: &Stage<f64>, distance: f64) -> f64 {
-    let along = distance - stage.start;
+fn feed_in(stage: &Stage<DoubleDouble>, distance: f64) -> f64 {
+    let along = distance - stage.start.value();
     if along <= 0.0 {
-        return stage.start_feed;
+        return stage.start_feed.value();
     }
-    if along >= stage.length {
-        return stage.end_feed;
+    if along >= stage.length.value() {
+        return stage.end_feed.value();
     }
-    let (mut low, mut high) = (0.0, stage.duration);
+    let (mut low, mut high) = (0.0, stage.duration.value());
     for _ in 0..50 {
         let middle = f64::midpoint(low, high);
-        if stage.distance_at(middle) < along { low = middle } else { high = middle }
+        if stage.distance_at(middle.into()).value() < along { low = middle } else { high = middle }
     }
-    stage.feed_at(low)
+    stage.feed_at(low.into()).value()
 }
