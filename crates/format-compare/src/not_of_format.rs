@@ -169,19 +169,9 @@ fn changes(machine: &Machine) -> Vec<Vec<(String, Machine)>> {
 
 #[cfg(test)]
 mod tests {
-    use part_program::{read_machine, read_part};
-
     use super::*;
     use crate::compare;
-
-    const MACHINE: &str = "[machine]\ninterpolation_period_ms = 1.0\nfeedrate_mm_per_s = 50.0\n\
-                           acceleration_mm_per_s2 = 1000.0\njerk_mm_per_s3 = 40000.0\nchord_error_mm = 0.001\n\
-                           fluctuation_limit = 1e-4\nparameter_tolerance = 1e-10\nmax_iterations = 8\n";
-
-    fn problem(program: &str, machine: &str) -> Problem<3> {
-        let machine = read_machine("m", &(MACHINE.to_string() + machine)).unwrap();
-        Problem::new(&read_part("p.nc", program).unwrap(), &machine).unwrap()
-    }
+    use crate::problem::examples::mill;
 
     fn explained(problem: &Problem<3>, formats: &[&str]) -> Option<NotOfFormat> {
         let formats = select::<3>(&formats.iter().map(ToString::to_string).collect::<Vec<_>>()).unwrap();
@@ -196,7 +186,7 @@ mod tests {
 
     #[test]
     fn what_every_format_fails_by_is_told_with_its_place_and_what_helps() {
-        let problem = problem(CORNER, JUMP);
+        let problem = mill(CORNER, JUMP);
         for formats in [&["f64", "I8F24"][..], &["I8F24"][..]] {
             let found = explained(&problem, formats).unwrap();
             let [one] = found.broken.as_slice() else { panic!("{found:?}") };
@@ -223,7 +213,7 @@ mod tests {
     /// One format that is too coarse says nothing about the others.
     #[test]
     fn what_a_format_alone_fails_by_is_a_question_of_the_format() {
-        let stop = problem(CORNER, "");
+        let stop = mill(CORNER, "");
         assert_eq!(explained(&stop, &["f64"]), None);
         let coarse =
             Problem { machine: Machine { fluctuation_limit: 1e-12, ..stop.machine.clone() }, ..stop.clone() };

@@ -208,6 +208,23 @@ fn closing_moves<const D: usize>(curves: &[&Curve]) -> Vec<[f64; D]> {
 }
 
 #[cfg(test)]
+pub(crate) mod examples {
+    use part_program::{read_machine, read_part};
+
+    use super::Problem;
+
+    const MILL: &str = "[machine]\ninterpolation_period_ms = 1.0\nfeedrate_mm_per_s = 50.0\n\
+                        acceleration_mm_per_s2 = 1000.0\njerk_mm_per_s3 = 40000.0\nchord_error_mm = 0.001\n\
+                        fluctuation_limit = 1e-4\nparameter_tolerance = 1e-10\nmax_iterations = 8\n";
+
+    /// A part program on a milling machine with these further lines in its file.
+    pub(crate) fn mill<const D: usize>(program: &str, more: &str) -> Problem<D> {
+        let machine = read_machine("m", &(MILL.to_string() + more)).unwrap();
+        Problem::new(&read_part("p.nc", program).unwrap(), &machine).unwrap()
+    }
+}
+
+#[cfg(test)]
 mod tests {
     use super::*;
     use part_program::{read_machine, read_part};

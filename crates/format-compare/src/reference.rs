@@ -194,17 +194,10 @@ mod tests {
     use part_program::{read_machine, read_part};
 
     use super::*;
+    use crate::problem::examples::mill;
     use crate::{Engine, Options, compare, select};
 
-    const MILL: &str = "[machine]\ninterpolation_period_ms = 1.0\nfeedrate_mm_per_s = 50.0\n\
-                        acceleration_mm_per_s2 = 1000.0\njerk_mm_per_s3 = 40000.0\nchord_error_mm = 0.001\n\
-                        fluctuation_limit = 1e-4\nparameter_tolerance = 1e-10\nmax_iterations = 8\n";
     const DEVIATION: &str = "junction = \"deviation\"\njunction_deviation_mm = 0.01\n";
-
-    fn mill<const D: usize>(part: &str, junction: &str) -> Problem<D> {
-        let machine = read_machine("m", &(MILL.to_string() + junction)).unwrap();
-        Problem::new(&read_part("p.nc", part).unwrap(), &machine).unwrap()
-    }
 
     /// A corner of 30°, passed at 16.8 mm/s, is cut by up to 2.2 µm, of 10 allowed: that was bad in every format, by the chord error.
     #[test]

@@ -164,7 +164,7 @@ impl<R: Real, const D: usize> PiecesBuf<R, D> {
     }
 
     /// The parts of the path that are on no piece, in order: each stands still, at a cusp, where control points coincide or on a
-    /// curve that is a point, and moves by no more than a nanometre. The piece behind begins where it ends.
+    /// curve that is a point, and moves by no more than 1e-9 mm, or than rounding. The piece behind begins where it ends.
     #[must_use]
     pub fn still_places(&self) -> &[Place] {
         &self.still

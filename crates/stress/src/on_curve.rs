@@ -1,7 +1,7 @@
 //! A run on one curve with its global parameter, each step held to its promises.
 
 use feed_plan::{Schedule, Stage};
-use nurbs_core::{Evaluate, NurbsBuf};
+use nurbs_core::{Differentiate, Evaluate, NurbsBuf};
 use real::{Backend, FormatName, Real};
 use secant_interp::{Interpolator, Method, Outcome as Ending, Tolerance};
 
@@ -73,8 +73,16 @@ impl<'a, R: Backend, const D: usize> OnCurve<'a, R, D> {
         Ok(Self { planned, curve, stages, tolerance, landing_step })
     }
 
+    /// Whether C' all but vanishes for a step of this length: `2 |C''| L ≥ |C'|²`. A run searches from `|C''| L ≥ |C'|²` on, in numbers
+    /// of its format; the factor of two is for their rounding.
+    fn is_slow(&self, u: R, length: R) -> bool {
+        let Some(curve) = self.planned.path.curves.first() else { return false };
+        let at = curve.as_curve().derivatives(u.to_f64());
+        2.0 * f64::norm(&at.second) * length.to_f64() >= f64::norm(&at.first).powi(2)
+    }
+
     /// Runs to the end and holds every step to its promises: the parameter does not go back nor past the end, no step
-    /// takes more than K + 4 evaluations, of the first three none more than K + 12, and a chord whose solver has converged is as long as wanted.
+    /// takes more than K + 4 evaluations, of the first three where C' all but vanishes K + 12, and a chord whose solver has converged is as long as wanted.
     ///
     /// A run may fall behind its plan where the solver finds no chord: in a coarse format whose resolution is longer
     /// than a step, or over coincident points. That is counted, and is no violation.
@@ -92,8 +100,7 @@ impl<'a, R: Backend, const D: usize> OnCurve<'a, R, D> {
             landing_step: self.landing_step,
         };
         let (begin, end) = self.curve.as_curve().domain();
-        // Without a history, eight trials where C' all but vanishes.
-        let most = |step| u64::from(self.tolerance.max_iterations) + 4 + if step < 3 { 8 } else { 0 };
+        let most = u64::from(self.tolerance.max_iterations) + 4;
         let mut worst = CurveFigures::default();
         let mut state = interpolator.start::<D>();
         let mut at = begin;
@@ -113,7 +120,10 @@ impl<'a, R: Backend, const D: usize> OnCurve<'a, R, D> {
                 0.0,
             )?;
             let evaluations = u64::from(setpoint.evaluations);
-            demand("evaluations", &name, step, evaluations as f64, most(step) as f64)?;
+            // Without a history, eight trials where C' all but vanishes.
+            let is_slow = step < 3 && self.is_slow(at, setpoint.length);
+            let most = most + if is_slow { 8 } else { 0 };
+            demand("evaluations", &name, step, evaluations as f64, most as f64)?;
             worst.periods += 1;
             worst.evaluations = worst.evaluations.max(evaluations);
             let is_over = schedule.is_over(state.cursor());
