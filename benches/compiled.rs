@@ -20,7 +20,9 @@ impl<R: Backend, const D: usize> Compiled<R, D> {
     pub(crate) fn new(path: &Path<D>) -> Self {
         let table = path.pieces::<R>();
         let stages = path.stages::<R>(table.as_pieces().chord_exponent);
-        Self { table, stages }
+        let whole = Self { table, stages };
+        let steps = whole.follow().0;
+        Self { stages: first_periods(&whole.stages, steps), ..whole }
     }
 
     pub(crate) fn interpolator(&self) -> PieceInterpolator<'_, R, D> {
@@ -42,6 +44,7 @@ impl<R: Backend, const D: usize> Compiled<R, D> {
         let mut state = interpolator.start();
         let (mut steps, mut sum) = (0_u64, 0.0);
         while steps < MOST_STEPS
+            && !interpolator.is_at_end(&state)
             && let Some(setpoint) = interpolator.step(&mut state)
         {
             let row = setpoint.piece.min(pieces.pieces.len() - 1);
@@ -58,6 +61,7 @@ impl<R: Backend, const D: usize> Compiled<R, D> {
         let mut state = interpolator.start();
         let mut steps = 0;
         while steps < MOST_STEPS
+            && !interpolator.is_at_end(&state)
             && let Some(setpoint) = interpolator.step(&mut state)
         {
             black_box(setpoint);
@@ -65,6 +69,17 @@ impl<R: Backend, const D: usize> Compiled<R, D> {
         }
         steps as f64
     }
+}
+
+/// The stages up to so many periods: a run would stand on its end until its schedule is over.
+fn first_periods<R: Backend>(stages: &[LengthStage<R>], periods: u64) -> Vec<LengthStage<R>> {
+    let mut left = periods << 32;
+    let first = stages.iter().map_while(|stage| {
+        let duration = stage.duration.min(left);
+        left -= duration;
+        LengthStage::new(duration, stage.feed, stage.change).map(|first| first.shaped(stage.shape))
+    });
+    first.collect()
 }
 
 fn millimetres<R: Backend, const D: usize>(

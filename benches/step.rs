@@ -25,7 +25,9 @@ fn on_pieces<R: Backend, const D: usize>(criterion: &mut Criterion, path: &Path<
     let run = || {
         let mut state = interpolator.start();
         let mut steps = 0_u64;
-        while let Some(setpoint) = interpolator.step(&mut state) {
+        while !interpolator.is_at_end(&state)
+            && let Some(setpoint) = interpolator.step(&mut state)
+        {
             black_box(setpoint);
             steps += 1;
         }
@@ -64,7 +66,9 @@ fn on_global_parameter<R: Backend, const D: usize>(criterion: &mut Criterion, pa
     let run = || {
         let mut state = interpolator.start();
         let mut steps = 0_u64;
-        while let (Some(setpoint), true) = (interpolator.step(&mut state), steps < u64::from(periods)) {
+        while !state.is_landed()
+            && let Some(setpoint) = interpolator.step(&mut state)
+        {
             black_box(setpoint);
             steps += 1;
         }

@@ -61,14 +61,21 @@ pub struct State<R, const D: usize> {
     history: History<R>,
     point: [R; D],
     last_length: R,
+    landed: bool,
     finished: bool,
 }
 
 impl<R: Real, const D: usize> State<R, D> {
-    /// Whether the run is over: at the end of the curve, or where the schedule gave a distance that is no finite number.
+    /// Whether the run is over: at the end of the curve and of the schedule, or where the schedule gave a distance that is no finite number.
     #[must_use]
     pub fn is_finished(&self) -> bool {
         self.finished
+    }
+
+    /// Whether the end of the curve has been commanded; its schedule may go on.
+    #[must_use]
+    pub fn is_landed(&self) -> bool {
+        self.landed
     }
 
     /// Where the schedule stands.
@@ -90,15 +97,16 @@ impl<R: Real, C> Interpolator<'_, R, C> {
             history: History::new(first),
             point: self.curve.point(first),
             last_length: R::zero(),
+            landed: false,
             finished: false,
         }
     }
 
-    /// The next setpoint; `None` once the end of the curve has been commanded, or where the schedule or a landing step holds
+    /// The next setpoint; `None` once the end of the curve has been commanded and the schedule is over, or where the schedule or a landing step holds
     /// what is no finite number: such a run ends where it stands.
     ///
     /// The parameter never decreases and never passes the end. The run ends by landing: a step that would reach
-    /// or pass the end commands exactly the end. When the schedule is over before the curve is, as rounding in
+    /// or pass the end commands exactly the end, and a run that is there early stands until its schedule is over. When the schedule is over before the curve is, as rounding in
     /// a coarse format can make it, the rest is travelled in steps of `landing_step`, or of the parameter's resolution where
     /// that is more, so that every run ends. In a period of no length the setpoint is that of the period before. No
     /// heap, and no loop without a bound: at most `max_iterations + 4` evaluations of the curve: two start values and an iteration each, in
@@ -113,16 +121,16 @@ impl<R: Real, C> Interpolator<'_, R, C> {
         let planned = self.schedule.advance(&mut state.cursor);
         let is_last = planned.is_some() && self.schedule.is_over(&state.cursor);
         let length = planned.unwrap_or(self.landing_step).signal("step_length");
-        let u = state.history.newest();
-        if planned.is_some() && !is_last && length <= R::zero() {
-            let (point, outcome) = (state.point, Outcome::Converged);
-            return Some(Setpoint { u, point, length, evaluations: 0, outcome });
-        }
         let reach = if is_last { length + self.landing_step } else { length };
-
         if !reach.is_finite() {
             state.finished = true;
             return None;
+        }
+        let u = state.history.newest();
+        if state.landed || (planned.is_some() && !is_last && length <= R::zero()) {
+            state.finished = is_last;
+            let (point, outcome) = (state.point, Outcome::Converged);
+            return Some(Setpoint { u, point, length, evaluations: 0, outcome });
         }
 
         let landing = if is_last { self.landing(state, reach) } else { None };
@@ -138,7 +146,8 @@ impl<R: Real, C> Interpolator<'_, R, C> {
             found.u = end;
             found.point = self.curve.point(end);
             found.evaluations += 1;
-            state.finished = true;
+            state.landed = true;
+            state.finished = is_last || planned.is_none();
         }
         if !found.u.is_finite() {
             state.finished = true;

@@ -248,8 +248,8 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
         }
         let (run, state) = (&self.runs[lane], &mut self.states[lane]);
         let Some(row) = run.pieces.pieces.get(state.piece) else {
-            self.alone[lane] = None;
-            self.ended |= 1 << lane;
+            self.alone[lane] = run.wait(state);
+            self.ended |= Mask::from(self.alone[lane].is_none()) << lane;
             return;
         };
         let left = Some(self.words.left[lane]).filter(|left| is_loaded && *left != NONE);
@@ -258,6 +258,11 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
             None => run.lengths.advance(&mut state.cursor),
         };
         self.alone[lane] = Some(run.follow_aside(state, row, Wanted::Planned(planned)));
+        if state.piece >= run.pieces.pieces.len() {
+            // The end: the periods that are left are those of the schedule's cursor again.
+            state.cursor.time -= left.unwrap_or(0) * PERIOD;
+            return;
+        }
         self.words.left[lane] = left.unwrap_or(0);
         self.load(lane);
     }

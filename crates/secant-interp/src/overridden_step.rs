@@ -26,11 +26,14 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         feeds: &FeedOverride,
         rates: &mut OverrideState,
     ) -> Option<PieceSetpoint<R, D>> {
-        let Some(row) = self.pieces.pieces.get(state.piece) else {
-            feeds.approach(rates);
-            return rates.landing.rests().then(|| self.hold(state));
-        };
         state.is_ahead = false;
+        let Some(row) = self.pieces.pieces.get(state.piece) else {
+            let is_early = feeds.advance(&self.lengths, &mut state.cursor, rates).is_some();
+            if !is_early {
+                feeds.approach(rates);
+            }
+            return (is_early || rates.landing.rests()).then(|| self.hold(state));
+        };
         let wanted = match feeds.advance(&self.lengths, &mut state.cursor, rates) {
             Some(length) => {
                 rates.landing = Landing::default();

@@ -92,6 +92,12 @@ pub(crate) struct Reached<R> {
 }
 
 impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
+    /// Whether the end of the path has been commanded.
+    #[must_use]
+    pub fn is_at_end(&self, state: &PieceState<R, D>) -> bool {
+        state.piece >= self.pieces.pieces.len()
+    }
+
     /// The state at the start of the path.
     #[must_use]
     pub fn start(&self) -> PieceState<R, D> {
@@ -128,11 +134,11 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         self.chord(row, &state.at, length).solve(low + (high - low).half(), &tolerance).0
     }
 
-    /// The next setpoint; `None` once the end of the path has been commanded.
+    /// The next setpoint; `None` once the end of the path has been commanded and the schedule is over.
     ///
     /// The position never goes back and never passes the end. As in [`Interpolator`](crate::Interpolator), a step
-    /// that would reach the end lands on it, and a rest that rounding has left after the schedule's end is
-    /// travelled in landing steps. Each of them moves on, in a format too coarse for the landing step by as much more as
+    /// that would reach the end lands on it: a run that rounding has brought there early stands on the end until its schedule is
+    /// over. A rest that rounding has left after the schedule's end is travelled in landing steps. Each of them moves on, in a format too coarse for the landing step by as much more as
     /// it takes, so that every run ends. On one piece a step takes one re-expansion and at most `max_evaluations`
     /// evaluations, and each further piece that it touches takes no more than that again.
     ///
@@ -145,7 +151,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     /// It is compiled into its caller: where flash is short, it is called from one place.
     #[inline(always)] // Called, it takes a tenth longer in fixed point: the state and the setpoint go through memory.
     pub fn step(&self, state: &mut PieceState<R, D>) -> Option<PieceSetpoint<R, D>> {
-        let row = self.pieces.pieces.get(state.piece)?;
+        let Some(row) = self.pieces.pieces.get(state.piece) else { return self.wait(state) };
         if !state.is_ahead {
             self.look_ahead(state);
         }
@@ -182,6 +188,19 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         let (piece, phase) = (state.piece, state.phase);
         let offset = self.pieces.in_common_units(piece.min(self.end().0), &state.at.offset);
         PieceSetpoint { piece, phase, offset, length: R::zero(), evaluations: 0 }
+    }
+
+    /// The setpoint of a period for a run that has come to the end of its path before its schedule is over.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn wait(&self, state: &mut PieceState<R, D>) -> Option<PieceSetpoint<R, D>> {
+        if !state.is_ahead {
+            self.look_ahead(state);
+        }
+        let length = state.ahead?;
+        state.cursor = state.next;
+        state.ahead = self.lengths.advance(&mut state.next);
+        Some(PieceSetpoint { length, ..self.hold(state) })
     }
 
     /// What the next period takes of the schedule, from where the cursor stands.

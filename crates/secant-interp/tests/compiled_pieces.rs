@@ -262,7 +262,9 @@ fn periods_by_the_plan_and_by_override_take_turns() {
         let (mut plain, mut mixed) = (interpolator.start(), interpolator.start());
         let mut rates = OverrideState::at(Rate::FULL);
         let mut periods = 0;
-        while let Some(setpoint) = interpolator.step(&mut plain) {
+        while !interpolator.is_at_end(&plain)
+            && let Some(setpoint) = interpolator.step(&mut plain)
+        {
             let same = if periods % 3 == 1 {
                 interpolator.step_overridden(&mut mixed, &feeds, &mut rates)
             } else {
@@ -284,7 +286,10 @@ fn by_plan<R: Backend>(path: &Path<2>, ask: impl Fn(&PieceInterpolator<'_, R, 2>
     let stages = swing::<R>(path.feed_mm.scale(table.as_pieces().chord_exponent));
     let interpolator = interpolator(path, &Settings::default(), &table, &stages);
     let mut state = interpolator.start();
-    let setpoints: Vec<_> = std::iter::from_fn(|| interpolator.step(&mut state)).collect();
+    let mut setpoints = Vec::new();
+    while !interpolator.is_at_end(&state) {
+        setpoints.extend(interpolator.step(&mut state));
+    }
     assert!(setpoints.len() > 1000, "{} periods", setpoints.len());
     ask(&interpolator, &setpoints);
 }

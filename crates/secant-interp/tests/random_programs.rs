@@ -1,16 +1,19 @@
 //! Random programs of straight moves, up to a hundred thousand of them, with exact stops now and then. A run takes the periods of
 //! its plan from stop to stop, lands on each stop within a landing step, cuts no corner by more than is allowed, and no period
-//! depends on what lies before its section.
+//! depends on what lies before its section. Formats of 16 bits are held to less.
 
 mod landing_run;
 
 use feed_plan::{EndFeeds, FeedLimit, Junction, KinematicLimits, ProfileKind, ScheduleBuf, plan_with};
 use nurbs_core::{Joint, NurbsBuf, distance_to_segment};
 use proptest::prelude::*;
-use real::{Backend, I4F28, Real};
+use real::{Backend, FixedPoint, I4F28, I8F24, Real};
 
 /// What a corner may be cut by, over the larger of chord error and deviation.
 const CUT: f64 = 1.05;
+
+/// By so many units of a format's resolution, for each period, a section may end late: none in formats of 24 fraction bits.
+const LATE: f64 = 32.0;
 
 struct Program {
     curves: Vec<NurbsBuf<f64, 2>>,
@@ -79,7 +82,8 @@ fn sections<R: Backend>(
     let unit = 1.0_f64.scale(path.table().as_pieces().chord_exponent);
     let Junction::Deviation(deviation) = limits.junction else { unreachable!() };
     let most = CUT * limits.chord_error.max(deviation);
-    let name = R::name();
+    let (name, resolution) = (R::name(), R::resolution().to_f64());
+    let is_coarse = resolution > 1e-6;
     let mut found = Vec::new();
     for (number, (stretch, run)) in path.stretches().iter().zip(path.runs()).enumerate() {
         let places = &path.table().places()[stretch.pieces.clone()];
@@ -93,7 +97,10 @@ fn sections<R: Backend>(
                 if run.pieces.pieces[passed].joint == Joint::Breaks {
                     let corner = point((passed + 1, 0));
                     let cut = distance_to_segment(&corner, &[from, to]);
-                    assert!(cut <= most, "{name}: a corner of section {number} is cut by {cut} mm");
+                    assert!(
+                        cut <= most || is_coarse,
+                        "{name}: a corner of section {number} is cut by {cut} mm"
+                    );
                     (begin, length) = (corner, length + (corner[0] - begin[0]).hypot(corner[1] - begin[1]));
                 }
             }
@@ -102,13 +109,19 @@ fn sections<R: Backend>(
             (piece, from) = (setpoint.piece, to);
             points.push(to);
         }
-        assert_eq!(points.len(), run.lengths.periods(), "{name}: periods of section {number}");
+        let planned = run.lengths.periods();
+        let late = points.len().checked_sub(planned).map(|late| late as f64);
+        assert!(
+            late.is_some_and(|late| late <= (LATE * resolution * planned as f64).floor()),
+            "{name}: section {number} of {planned} periods takes {}",
+            points.len()
+        );
         assert_eq!(piece, places.len(), "{name}: the end of section {number}");
         assert!(off <= limits.acceleration, "{name}: section {number} ends {off} mm from where it should");
         found.push(points);
     }
     let periods: usize = found.iter().map(Vec::len).sum();
-    assert_eq!(periods, plan.as_schedule().periods() as usize, "{name}");
+    assert!(is_coarse || periods == plan.as_schedule().periods() as usize, "{name}");
     found
 }
 
@@ -130,6 +143,8 @@ proptest! {
         let plan = planned(&program, &limits);
         sections::<f64>(&program, &plan, &limits);
         sections::<I4F28>(&program, &plan, &limits);
+        sections::<I8F24>(&program, &plan, &limits);
+        sections::<f32>(&program, &plan, &limits);
     }
 
     #[test]
@@ -156,4 +171,16 @@ fn a_hundred_thousand_moves_are_run_as_planned() {
     let plan = planned(&program, &limits);
     sections::<f64>(&program, &plan, &limits);
     sections::<I4F28>(&program, &plan, &limits);
+    sections::<I8F24>(&program, &plan, &limits);
+    sections::<f32>(&program, &plan, &limits);
+}
+
+/// Formats of 16 bits lose some units of each period's way, and lag behind their plan by what they lose: they cut corners at other
+/// feeds than planned, but end no section early, and none later than that.
+#[test]
+fn sixteen_bits_end_as_late_as_they_are_coarse() {
+    let (program, limits) = (program(7, 20_000), limits(1e-3));
+    let plan = planned(&program, &limits);
+    sections::<FixedPoint<fixed::types::I4F12>>(&program, &plan, &limits);
+    sections::<FixedPoint<fixed::types::I8F8>>(&program, &plan, &limits);
 }

@@ -35,7 +35,13 @@ pub fn operations() -> Result<Vec<Operations>, CompileError> {
 fn counted<R: Backend>(path: &Path) -> Result<Operations, CompileError> {
     let (steps, counts) = with_run::<Counted<R>, _>(path, |interpolator| {
         let mut state = interpolator.start();
-        OperationCounts::of(|| core::iter::from_fn(|| interpolator.step(&mut state)).count())
+        OperationCounts::of(|| {
+            let mut steps = 0;
+            while !interpolator.is_at_end(&state) && interpolator.step(&mut state).is_some() {
+                steps += 1;
+            }
+            steps
+        })
     })?;
     let mean = |count: u64| (count as f64 / steps as f64 * 1000.0).round() / 1000.0;
     let per_step = [

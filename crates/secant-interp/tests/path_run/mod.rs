@@ -107,7 +107,9 @@ pub(crate) fn run<R: Backend, const D: usize>(
     let mut before = (0, 0);
     let mut figures = Figures { checksum: 0xcbf2_9ce4_8422_2325, ..Figures::default() };
     let mut evaluations = 0;
-    while let Some(setpoint) = interpolator.step(&mut state) {
+    while !interpolator.is_at_end(&state)
+        && let Some(setpoint) = interpolator.step(&mut state)
+    {
         let at = (setpoint.piece, setpoint.phase);
         let to = place(at.0, at.1);
         assert!(at >= before, "{} goes back: {before:?} {at:?}", R::name());
