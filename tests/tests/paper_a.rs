@@ -77,7 +77,7 @@ fn first_steps_by_expansion_are_off_by_most_of_the_printed_mean() {
 }
 
 /// The Taylor rows (1.12 / -1.35 / 0.11 % and 0.95 / -0.93 / 2.08e-4 %) contradict T = 3 ms and come out of no setting;
-/// what the corrected formulas give stands here, as it does in the README.
+/// what the corrected formulas give stands here, as it does in docs/papers.md.
 #[test]
 fn the_taylor_rows_of_table_1_are_not_reproduced() {
     let (first, _) = fluctuation(&options(Engine::DeBoorTaylor1));

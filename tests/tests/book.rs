@@ -1,0 +1,39 @@
+//! The code of the book, docs/kernels.md, that no example of a library has. `scripts/docs` holds the book to it.
+
+use secant_interp::{LaneInterpolator, PieceInterpolator, PositionChecksum};
+
+#[allow(unreachable_pub, reason = "it is written for any program")]
+mod part {
+    include!("constants/stairs_i4f28.rs");
+}
+#[allow(unreachable_pub, reason = "it is written for any program")]
+mod holes {
+    include!("constants/holes_f64.rs");
+}
+
+#[test]
+fn a_part_in_flash_makes_the_run_that_was_judged() {
+    let mut checksum = PositionChecksum::default();
+    for stretch in &part::STRETCHES {
+        let run = part::PATH.on(stretch);
+        let mut state = run.start();
+        while let Some(setpoint) = run.step(&mut state) {
+            checksum.add(run.pieces.position(setpoint.piece, &setpoint.offset)); // In units of 2⁻³⁹ mm, 64 bits a coordinate.
+        }
+    }
+    assert_eq!(checksum.value(), part::CHECKSUM); // Bit for bit the run that was judged.
+}
+
+#[test]
+fn lanes_end_when_the_longest_run_does() {
+    let interpolators: [PieceInterpolator<'_, f64, 3>; 32] =
+        std::array::from_fn(|lane| holes::PATH.on(&holes::STRETCHES[lane % holes::STRETCHES.len()]));
+    let mut made = [0; 32];
+    let mut lanes = LaneInterpolator::<f64, 3, 32>::new(interpolators);
+    while lanes.step() > 0 {
+        for (lane, periods) in made.iter_mut().enumerate() {
+            *periods += usize::from(lanes.setpoint(lane).is_some()); // lanes.restart(lane, next) where a run has ended.
+        }
+    }
+    assert_eq!(made.iter().take(holes::STRETCHES.len()).sum::<usize>(), holes::PERIODS);
+}
