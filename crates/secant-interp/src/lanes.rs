@@ -248,6 +248,7 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
         }
         let (run, state) = (&self.runs[lane], &mut self.states[lane]);
         let Some(row) = run.pieces.pieces.get(state.piece) else {
+            state.is_ahead = false; // What is ahead was looked up before the lane moved the cursor.
             self.alone[lane] = run.wait(state);
             self.ended |= Mask::from(self.alone[lane].is_none()) << lane;
             return;
@@ -261,6 +262,7 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
         if state.piece >= run.pieces.pieces.len() {
             // The end: the periods that are left are those of the schedule's cursor again.
             state.cursor.time -= left.unwrap_or(0) * PERIOD;
+            self.numbers.end[lane] = nowhere();
             return;
         }
         self.words.left[lane] = left.unwrap_or(0);
