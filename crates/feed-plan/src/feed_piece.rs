@@ -106,3 +106,35 @@ impl<R: Real> FeedPiece<R> {
         if self.duration > R::zero() { self.change() / self.duration } else { R::zero() }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn a_constant_feed_covers_its_share_of_the_time() {
+        let constant = FeedPiece { start_feed: 5.0, end_feed: 5.0, duration: 2.0, ..FeedPiece::default() };
+        assert_eq!(constant.distance_over(0.5, 0.5), 2.5);
+    }
+
+    proptest! {
+        #[test]
+        fn distance_is_the_integral_of_the_feed(
+            start in 0.0..1.0_f64, end in 0.0..1.0_f64, duration in 0.1..100.0_f64, from in 0.0..1.0_f64, to in 0.0..1.0_f64,
+        ) {
+            let piece = FeedPiece { shape: StageShape::Cubic, start_feed: start, end_feed: end, duration };
+            let (from, to) = (from * duration, to * duration);
+            // Simpson's rule is exact for a cubic; a hundred panels show that the closed form is the same.
+            let h = (to - from) / 100.0;
+            let panel = |i: i32| {
+                let t = from + h * f64::from(i);
+                h / 6.0 * (piece.feed(t) + 4.0 * piece.feed(t + h / 2.0) + piece.feed(t + h))
+            };
+            let integral: f64 = (0..100).map(panel).sum();
+            let tolerance = 1e-13 * duration;
+            prop_assert!((piece.distance_over(from, to - from) - integral).abs() < tolerance);
+            prop_assert!((piece.distance(to) - piece.distance(from) - integral).abs() < tolerance);
+        }
+    }
+}

@@ -21,9 +21,7 @@ use alloc::vec::Vec;
 
 use real::Real;
 
-use crate::{
-    FeedLimit, FeedPiece, KinematicLimits, Profile, SCurveProfile, Stage, StageShape, TrigonometricProfile,
-};
+use crate::{FeedLimit, FeedPiece, KinematicLimits, ProfileKind, Stage, StageShape, Transition};
 
 /// Parts of a transition for comparing it with the limit; in each its largest feed counts.
 const PARTS: i32 = 32;
@@ -71,8 +69,9 @@ pub(crate) fn merge<R: Real>(
     stages: &[Stage<R>],
 ) -> Vec<Stage<R>> {
     let segments = segments(stages);
+    let to_rest = [limits.feedrate, R::zero()];
     let stopping =
-        SCurveProfile::fastest(limits.feedrate, R::zero(), limits.acceleration, limits.jerk).length();
+        Transition::fastest(ProfileKind::SCurve, to_rest, limits.acceleration, limits.jerk).length();
     let mut merged = Vec::with_capacity(stages.len());
     let mut index = 0;
     while let Some(segment) = segments.get(index) {
@@ -145,6 +144,12 @@ fn joined<R: Real>(segments: &[Segment<R>]) -> Option<Stretch<R>> {
     })
 }
 
+/// The half-cosine between two feeds that covers `length`; `None` between two feeds of 0, which cover nothing.
+fn half_cosine_over<R: Real>([start_feed, end_feed]: [R; 2], length: R) -> Option<FeedPiece<R>> {
+    let (shape, sum) = (StageShape::Cosine, start_feed + end_feed);
+    (sum > R::zero()).then(|| FeedPiece { shape, start_feed, end_feed, duration: (length + length) / sum })
+}
+
 /// The half-cosine over a stretch, if it may replace what takes `duration` there now.
 pub(crate) fn merged_piece<R: Real>(
     limit: &FeedLimit<R>,
@@ -152,8 +157,7 @@ pub(crate) fn merged_piece<R: Real>(
     stretch: &Stretch<R>,
 ) -> Result<FeedPiece<R>, Refusal> {
     let [from, to] = stretch.feeds;
-    let profile = TrigonometricProfile::over(from, to, stretch.length).ok_or(Refusal::Rest)?;
-    let [mut piece, ..] = profile.pieces();
+    let mut piece = half_cosine_over(stretch.feeds, stretch.length).ok_or(Refusal::Rest)?;
     if from == to {
         piece.shape = StageShape::Steady;
     }
@@ -186,7 +190,7 @@ pub(crate) fn merged_piece<R: Real>(
 mod tests {
     use super::*;
     use crate::test_paths::paper_limits;
-    use crate::{EndFeeds, LimitPoint, ProfileKind, jerk_free_duration, plan_with};
+    use crate::{EndFeeds, LimitPoint, jerk_free_duration, plan_with};
 
     /// A = 1000 mm/s², J = 5e4 mm/s³, in mm and s.
     fn limits() -> KinematicLimits<f64> {
@@ -209,7 +213,7 @@ mod tests {
         let (mut distance, mut duration) = (0.0, 0.0);
         let mut points = vec![point(0.0, feeds[0])];
         for (i, pair) in feeds.windows(2).enumerate() {
-            let ramp = SCurveProfile::fastest(pair[0], pair[1], 1000.0, 5e4);
+            let ramp = Transition::fastest(ProfileKind::SCurve, [pair[0], pair[1]], 1000.0, 5e4);
             points.push(point(distance + 1e-6, 200.0));
             distance += ramp.length();
             duration += ramp.duration();
@@ -238,8 +242,8 @@ mod tests {
         // 20-25-24-100 over its own length would need 1.139 A.
         assert_eq!(outcome(&[20.0, 25.0, 24.0, 100.0]), Err(Refusal::Acceleration));
         let (_, stretch) = through(&[20.0, 25.0, 24.0, 100.0]);
-        let merged = TrigonometricProfile::over(20.0, 100.0, stretch.length).unwrap();
-        assert!((merged.pieces()[0].peak_acceleration() / 1000.0 - 1.139).abs() < 1e-3);
+        let merged = half_cosine_over([20.0, 100.0], stretch.length).unwrap();
+        assert!((merged.peak_acceleration() / 1000.0 - 1.139).abs() < 1e-3);
         // A single S-curve: 50-52 would need 1.234 J.
         assert_eq!(outcome(&[50.0, 52.0]), Err(Refusal::Jerk));
         // 50-60-58-100 keeps A and J, but passes the inner minimum 58 at 69; 100-60-70 passes 60 at 77.
@@ -250,9 +254,8 @@ mod tests {
         {
             let (_, stretch) = through(feeds);
             let (_, before) = through(&feeds[..at]);
-            let merged =
-                TrigonometricProfile::over(stretch.feeds[0], stretch.feeds[1], stretch.length).unwrap();
-            let times = (0..=100_000).map(|i| merged.duration() * f64::from(i) / 1e5);
+            let merged = half_cosine_over(stretch.feeds, stretch.length).unwrap();
+            let times = (0..=100_000).map(|i| merged.duration * f64::from(i) / 1e5);
             let there = times.min_by(|a, b| {
                 (merged.distance(*a) - before.length)
                     .abs()
@@ -260,6 +263,23 @@ mod tests {
             });
             assert!((merged.feed(there.unwrap()) - passed).abs() < 0.1, "{}", merged.feed(there.unwrap()));
         }
+    }
+
+    #[test]
+    fn over_a_distance_the_duration_follows() {
+        let piece = half_cosine_over([50.0, 100.0], 3.0_f64).unwrap();
+        assert!((piece.duration - 0.04).abs() < 1e-16 && (piece.length() - 3.0).abs() < 1e-15);
+        assert_eq!(half_cosine_over([0.0, 0.0], 3.0), None);
+    }
+
+    /// What paper C passes over: an S-curve replaced by one half-cosine of the same length and so of the same time
+    /// breaks the jerk by π²/8 where only the jerk binds.
+    #[test]
+    fn in_the_time_of_an_s_curve_it_breaks_the_jerk() {
+        let s_curve = Transition::fastest(ProfileKind::SCurve, [50.0, 52.0], 1000.0, 5e4);
+        let merged = half_cosine_over([50.0, 52.0], s_curve.length()).unwrap();
+        let ratio = merged.peak_jerk() / 5e4;
+        assert!((ratio - core::f64::consts::PI.powi(2) / 8.0).abs() < 1e-12, "{ratio}");
     }
 
     #[test]

@@ -38,7 +38,7 @@
 //! |---|---|
 //! | largest feed for a chord error; on a bend | [`chord_feedrate`], [`KinematicLimits::feedrate_at_radius`] |
 //! | the limit along a path: samples, minima, corners, cusps | [`FeedLimit`] |
-//! | transitions between two feeds | [`Profile`]: [`CubicProfile`], [`SCurveProfile`], [`TrigonometricProfile`] |
+//! | transitions between two feeds | [`Transition`] of a [`ProfileKind`], made of [`FeedPiece`]s |
 //! | key points, passes, cruise, whole periods | [`plan`], [`plan_with`] a [`ProfileKind`] |
 //! | the same through a window, for a path of any length | [`plan_through_window`] |
 //! | the result: stages, and the distance of each period | [`ScheduleBuf`], [`Schedule`], [`Cursor`] |
@@ -86,8 +86,6 @@ mod chord_shortfall;
 #[cfg(test)]
 mod corner_chords;
 #[cfg(feature = "alloc")]
-mod cubic_profile;
-#[cfg(feature = "alloc")]
 mod error;
 #[cfg(feature = "alloc")]
 mod feed_limit;
@@ -111,10 +109,6 @@ mod lower_bound;
 #[cfg(feature = "alloc")]
 mod lowered_samples;
 #[cfg(feature = "alloc")]
-mod profile;
-#[cfg(feature = "alloc")]
-mod s_curve_profile;
-#[cfg(feature = "alloc")]
 mod scan;
 mod schedule;
 #[cfg(feature = "alloc")]
@@ -130,16 +124,12 @@ mod test_paths;
 #[cfg(feature = "alloc")]
 mod transition;
 #[cfg(feature = "alloc")]
-mod trigonometric_profile;
-#[cfg(feature = "alloc")]
 mod whole_periods;
 #[cfg(feature = "alloc")]
 mod window;
 
 #[cfg(feature = "alloc")]
 pub use chord_error::chord_feedrate;
-#[cfg(feature = "alloc")]
-pub use cubic_profile::CubicProfile;
 #[cfg(feature = "alloc")]
 pub use error::PlanError;
 #[cfg(feature = "alloc")]
@@ -153,16 +143,12 @@ pub use limits::{AxisLimits, Junction, KinematicLimits};
 pub use look_ahead::{plan, plan_with};
 #[cfg(feature = "alloc")]
 pub use lower_bound::jerk_free_duration;
-#[cfg(feature = "alloc")]
-pub use profile::{Profile, ProfileKind};
-#[cfg(feature = "alloc")]
-pub use s_curve_profile::SCurveProfile;
 pub use schedule::{Cursor, Schedule, Stage, StageKind};
 #[cfg(feature = "alloc")]
 pub use schedule_buf::ScheduleBuf;
 pub use section::{Section, sections};
 pub use stage_shape::StageShape;
 #[cfg(feature = "alloc")]
-pub use trigonometric_profile::TrigonometricProfile;
+pub use transition::{ProfileKind, Transition};
 #[cfg(feature = "alloc")]
 pub use window::{CommandedCurve, WindowedPlan, plan_through_window};

@@ -5,8 +5,7 @@ use alloc::vec::Vec;
 use real::Real;
 
 use crate::flexible::merge;
-use crate::transition::Transition;
-use crate::{FeedLimit, FeedPiece, KinematicLimits, Stage, StageShape};
+use crate::{FeedLimit, FeedPiece, KinematicLimits, Stage, StageShape, Transition};
 
 /// Stages, each beginning where the one before ends.
 pub(crate) struct Stages<'l, R> {

@@ -1,51 +1,219 @@
-//! Transitions of any family under one type, as the look-ahead takes them.
+//! Transitions between two feeds, with no acceleration at both ends.
+//!
+//! Every kind is symmetric in time: what is gained in the first half is gained in the second, so a transition from
+//! V_s to V_e in the time t₂ covers `t₂ (V_s + V_e)/2`. Each is made of one to three [`FeedPiece`]s. With
+//! `D = |V_e - V_s|` and the limits A and J, the fastest ones are these.
+//!
+//! # Cubic
+//! With `x = t/t₂`:
+//!
+//! ```text
+//! t₂   = max(3D/(2A), √(6D/J))
+//! V(t) = V_s + (V_e - V_s)(3x² - 2x³)
+//! a(t) = (V_e - V_s)/t₂ · 6x(1 - x)            peak 3D/(2t₂) in the middle
+//! j(t) = (V_e - V_s)/t₂² · 6(1 - 2x)           peak 6D/t₂² at both ends
+//! S(t) = t₂ (V_s x + (V_e - V_s)(x³ - x⁴/2))   S(t₂) = t₂ (V_s + V_e)/2
+//! ```
+//!
+//! The acceleration is continuous and zero at both ends; the jerk steps there. The three cases of the source
+//! are in the one line for t₂: `D = 8A²/(3J)` makes both terms equal and reaches both limits, a smaller D
+//! reaches J only, a larger one A only. Everything is computed from x in [0, 1]: the printed coefficients of
+//! powers of t span many orders of magnitude.
+//!
+//! Source: Paper A (Wang Yunsen et al.), section 2.1.1, with the sign of J(0) corrected.
+//!
+//! # S-curve
+//! The acceleration rises with the jerk J for a time t_j, stays at its peak for t_h, and falls back for t_j; the area under this
+//! trapezoid is the change of feed, `a (t_j + t_h) = D`.
+//!
+//! ```text
+//! D ≤ A²/J:  the peak a = √(DJ) does not reach A:  t_j = √(D/J), t_h = 0            t₂ = 2 √(D/J)
+//! D > A²/J:  the peak is A:                        t_j = A/J,    t_h = D/A - A/J    t₂ = D/A + A/J
+//! ```
+//!
+//! Both meet at `D = A²/J`. Nothing that starts and ends without acceleration is faster. The three pieces change the feed
+//! by `a t_j/2`, `a t_h` and `a t_j/2`.
+//!
+//! The feeds at the joints are rounded, by up to half a unit ε of their last place. Where a piece changes the feed by a few
+//! units only, that would raise the jerk: `D + 4ε` in place of D, and `A/J + 8ε/A` in place of A/J, leave room for it.
+//!
+//! As a function of `x = t/t₂`, with `h = t_j/t₂` in (0, 1/2] and the steepest slope `p = 1/(1 - h)`:
+//! `g = p x²/(2h)` up to h, `p (x - h/2)` up to 1 - h, then by symmetry `1 - g(1 - x)`; its integral is
+//! `G = p x³/(6h)`, `p (h²/6 + (x² - hx)/2)`, and `x - 1/2 + G(1 - x)`.
+//!
+//! Source: paper C (Wang Haitao et al.), section 2, which takes the S-curve as known.
+//!
+//! # Half-cosine
+//!
+//! ```text
+//! V(t) = V_s + (V_e - V_s) (1 - cos(πt/t₂))/2
+//! a(t) = (V_e - V_s) π/(2t₂) sin(πt/t₂)          peak Dπ/(2t₂) in the middle
+//! j(t) = (V_e - V_s) π²/(2t₂²) cos(πt/t₂)        peak Dπ²/(2t₂²) at both ends
+//! S(t) = V_s t + (V_e - V_s) (t/2 - t₂/(2π) sin(πt/t₂))       S(t₂) = t₂ (V_s + V_e)/2
+//! ```
+//!
+//! Within the limits, `t₂ = max(Dπ/(2A), π √(D/(2J)))`. It takes longer than the S-curve: half again where only A binds and the
+//! jerk is free, 1.11 times where only J binds.
+//!
+//! Source: paper C (Wang Haitao et al.), section 2.1.
 
-use real::Real;
+use real::{Real, Trigonometric};
 
-use crate::{CubicProfile, FeedPiece, Profile, ProfileKind, SCurveProfile, TrigonometricProfile};
+use crate::{FeedPiece, StageShape};
 
-/// A transition of the family that a plan is made of.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Transition<R> {
-    Cubic(CubicProfile<R>),
-    SCurve(SCurveProfile<R>),
-    Trigonometric(TrigonometricProfile<R>),
+/// An S-curve holds its acceleration for at least 2⁻²⁰ of the time that it builds it up in: over less, the feeds at both ends would be
+/// the same but for rounding. Leaving the hold out hardly lowers the jerk.
+const SHORTEST_HOLD: i32 = -20;
+
+/// How a plan gets from one feed to another.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ProfileKind {
+    /// Cubic polynomials of time, as in paper A.
+    #[default]
+    Cubic,
+    /// Pieces of constant jerk: the fastest that acceleration and jerk allow.
+    SCurve,
+    /// Half-cosines.
+    Trigonometric,
+    /// The S-curve, and half-cosines over stretches whose limit changes again before a transition has ended, as in
+    /// paper C.
+    Flexible,
+}
+
+impl ProfileKind {
+    /// Every kind.
+    pub const ALL: [Self; 4] = [Self::Cubic, Self::SCurve, Self::Trigonometric, Self::Flexible];
+}
+
+/// A transition between two feeds, with no acceleration at both ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Transition<R> {
+    pieces: [FeedPiece<R>; 3],
+    duration: R,
+    length: R,
 }
 
 impl<R: Real> Transition<R> {
-    pub(crate) fn fastest(kind: ProfileKind, feeds: [R; 2], acceleration: R, jerk: R) -> Self {
-        let [from, to] = feeds;
+    /// The fastest transition of a kind from the first of `feeds` to the second within `acceleration` A and `jerk` J.
+    #[must_use]
+    pub fn fastest(kind: ProfileKind, feeds: [R; 2], acceleration: R, jerk: R) -> Self {
         match kind {
-            ProfileKind::Cubic => Self::Cubic(Profile::fastest(from, to, acceleration, jerk)),
-            ProfileKind::Trigonometric => Self::Trigonometric(Profile::fastest(from, to, acceleration, jerk)),
-            ProfileKind::SCurve | ProfileKind::Flexible => {
-                Self::SCurve(Profile::fastest(from, to, acceleration, jerk))
-            }
+            ProfileKind::Cubic => Self::cubic(feeds, acceleration, jerk),
+            ProfileKind::Trigonometric => Self::half_cosine(feeds, acceleration, jerk),
+            ProfileKind::SCurve | ProfileKind::Flexible => Self::s_curve(feeds, acceleration, jerk),
         }
     }
 
-    pub(crate) fn duration(&self) -> R {
-        match self {
-            Self::Cubic(profile) => profile.duration(),
-            Self::SCurve(profile) => profile.duration(),
-            Self::Trigonometric(profile) => profile.duration(),
-        }
+    fn cubic([from, to]: [R; 2], acceleration: R, jerk: R) -> Self {
+        let difference = (to - from).abs();
+        let by_acceleration = (difference + difference.half()) / acceleration;
+        let by_jerk = (difference * R::from_ratio(6, 1) / jerk).sqrt();
+        Self::of_one_piece(StageShape::Cubic, [from, to], by_acceleration.max(by_jerk))
     }
 
-    pub(crate) fn length(&self) -> R {
-        match self {
-            Self::Cubic(profile) => profile.length(),
-            Self::SCurve(profile) => profile.length(),
-            Self::Trigonometric(profile) => profile.length(),
-        }
+    fn half_cosine([from, to]: [R; 2], acceleration: R, jerk: R) -> Self {
+        let difference = (to - from).abs();
+        let by_acceleration = R::half_pi() * (difference / acceleration);
+        let by_jerk = R::half_pi() * ((difference + difference) / jerk).sqrt();
+        Self::of_one_piece(StageShape::Cosine, [from, to], by_acceleration.max(by_jerk))
     }
 
-    pub(crate) fn pieces(&self) -> [FeedPiece<R>; 3] {
-        match self {
-            Self::Cubic(profile) => profile.pieces(),
-            Self::SCurve(profile) => profile.pieces(),
-            Self::Trigonometric(profile) => profile.pieces(),
+    fn of_one_piece(shape: StageShape, [start_feed, end_feed]: [R; 2], duration: R) -> Self {
+        let piece = FeedPiece { shape, start_feed, end_feed, duration };
+        let none = FeedPiece { start_feed: end_feed, end_feed, ..FeedPiece::default() };
+        Self::of_pieces([piece, none, none], duration)
+    }
+
+    fn s_curve([from, to]: [R; 2], acceleration: R, jerk: R) -> Self {
+        let [jerk_time, hold_time] = s_curve_times([from, to], acceleration, jerk);
+        let area = jerk_time + hold_time;
+        let onset = if area > R::zero() { (to - from) * (jerk_time.half() / area) } else { R::zero() };
+        let first = from + onset;
+        // Without a hold the two feeds in the middle are one number in every format.
+        let second = if hold_time > R::zero() { to - onset } else { first };
+        let piece =
+            |shape, start_feed, end_feed, duration| FeedPiece { shape, start_feed, end_feed, duration };
+        let pieces = [
+            piece(StageShape::Onset, from, first, jerk_time),
+            piece(StageShape::Steady, first, second, hold_time),
+            piece(StageShape::Easing, second, to, jerk_time),
+        ];
+        Self::of_pieces(pieces, jerk_time + jerk_time + hold_time)
+    }
+
+    fn of_pieces(pieces: [FeedPiece<R>; 3], duration: R) -> Self {
+        let [FeedPiece { start_feed: from, .. }, _, FeedPiece { end_feed: to, .. }] = pieces;
+        Self { pieces, duration, length: duration * (from + (to - from).half()) }
+    }
+
+    /// The pieces in order; those without duration say nothing.
+    #[must_use]
+    pub fn pieces(&self) -> &[FeedPiece<R>; 3] {
+        &self.pieces
+    }
+
+    /// t₂.
+    #[must_use]
+    pub fn duration(&self) -> R {
+        self.duration
+    }
+
+    /// Distance over the whole transition, `t₂ (V_s + V_e)/2`.
+    #[must_use]
+    pub fn length(&self) -> R {
+        self.length
+    }
+
+    /// For an S-curve, g and G at the share `x` of the time: they depend on the share of the time in which the jerk builds the
+    /// acceleration up. `None` for what is of one shape, whatever the feeds.
+    pub(crate) fn s_curve_shares(&self, x: R) -> Option<(R, R)> {
+        let [FeedPiece { shape: StageShape::Onset, duration: jerk_time, .. }, ..] = self.pieces else {
+            return None;
+        };
+        if !(self.duration > R::zero()) {
+            return Some((x, (x * x).half()));
         }
+        let onset = jerk_time / self.duration;
+        let left = R::one() - x;
+        Some(if x > left {
+            let (reached, travelled) = first_half_of_s_curve(onset, left);
+            (R::one() - reached, x - R::one().half() + travelled)
+        } else {
+            first_half_of_s_curve(onset, x)
+        })
+    }
+}
+
+/// t_j and t_h of the fastest S-curve.
+fn s_curve_times<R: Real>([from, to]: [R; 2], acceleration: R, jerk: R) -> [R; 2] {
+    let exact = (to - from).abs();
+    if !(exact > R::zero()) {
+        return [R::zero(); 2];
+    }
+    let rounding = from.max(to).max(R::one()) * R::resolution().scale(2);
+    let difference = exact + rounding;
+    let by_acceleration = difference / acceleration;
+    let build_up = acceleration / jerk + (rounding + rounding) / acceleration;
+    let hold = by_acceleration - build_up;
+    if hold > build_up.scale(SHORTEST_HOLD) {
+        [build_up, hold]
+    } else if hold > R::zero() {
+        [by_acceleration, R::zero()]
+    } else {
+        [(difference / jerk).sqrt(), R::zero()]
+    }
+}
+
+/// g and G of an S-curve for x up to 1/2; `onset` is h.
+fn first_half_of_s_curve<R: Real>(onset: R, x: R) -> (R, R) {
+    let slope = R::one() / (R::one() - onset);
+    let third = R::from_ratio(1, 3);
+    if x < onset {
+        let reached = (slope * x * (x / onset)).half();
+        (reached, reached * x * third)
+    } else {
+        let reached = slope * (x - onset.half());
+        (reached, slope * (onset * onset * third + x * (x - onset)).half())
     }
 }
 
@@ -53,8 +221,182 @@ impl<R: Real> Transition<R> {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+    use std::f64::consts::PI;
+
+    const A: f64 = 5000.0;
+    const J: f64 = 4e5;
+
+    fn cubic(from: f64, to: f64) -> Transition<f64> {
+        Transition::fastest(ProfileKind::Cubic, [from, to], A, J)
+    }
+
+    fn s_curve(from: f64, to: f64) -> Transition<f64> {
+        Transition::fastest(ProfileKind::SCurve, [from, to], A, J)
+    }
+
+    /// A quantity of the piece that is under way at `time`, beyond the end that at the end; with the distance before the piece.
+    fn at<Q>(
+        transition: &Transition<f64>,
+        time: f64,
+        quantity: impl Fn(&FeedPiece<f64>, f64, f64) -> Q,
+    ) -> Q {
+        let pieces: Vec<_> = transition.pieces().iter().filter(|piece| piece.duration > 0.0).collect();
+        let (mut time, mut before) = (time, 0.0);
+        for piece in &pieces[..pieces.len().saturating_sub(1)] {
+            if time < piece.duration {
+                return quantity(piece, time, before);
+            }
+            (time, before) = (time - piece.duration, before + piece.length());
+        }
+        let last = pieces.last().copied().unwrap_or(&transition.pieces()[0]);
+        quantity(last, time.min(last.duration), before)
+    }
+
+    fn feed(transition: &Transition<f64>, time: f64) -> f64 {
+        at(transition, time, |piece, time, _| piece.feed(time))
+    }
+
+    fn acceleration(transition: &Transition<f64>, time: f64) -> f64 {
+        at(transition, time, |piece, time, _| piece.acceleration(time))
+    }
+
+    /// At a step of the jerk, the value after it.
+    fn jerk(transition: &Transition<f64>, time: f64) -> f64 {
+        at(transition, time, |piece, time, _| piece.jerk(time))
+    }
+
+    fn distance(transition: &Transition<f64>, time: f64) -> f64 {
+        at(transition, time, |piece, time, before| before + piece.distance(time))
+    }
+
+    /// Largest |a| and |j| on a fine grid.
+    fn peaks(transition: &Transition<f64>) -> (f64, f64) {
+        let times = (0..=1000).map(|i| transition.duration() * f64::from(i) / 1000.0);
+        times.fold((0.0, 0.0), |(a, j), t| {
+            (acceleration(transition, t).abs().max(a), jerk(transition, t).abs().max(j))
+        })
+    }
+
+    #[test]
+    fn below_the_threshold_a_cubic_reaches_the_jerk_only() {
+        // D = 100 < 8A²/(3J) = 166.67: A₁ = √(3JD/8) = 3873 replaces A, and t₂ = 4A₁/J = 38.73 ms.
+        let transition = cubic(200.0, 100.0);
+        let reached = (3.0 * J * 100.0 / 8.0_f64).sqrt();
+        assert!((transition.duration() - 4.0 * reached / J).abs() < 1e-15);
+        let (a, j) = peaks(&transition);
+        assert!((a / reached - 1.0).abs() < 1e-12 && (j / J - 1.0).abs() < 1e-12, "{a} {j}");
+        // The paper's deceleration distance for this transition: 5.81 mm.
+        assert!((transition.length() - 5.809).abs() < 1e-3, "{}", transition.length());
+    }
+
+    #[test]
+    fn at_the_threshold_a_cubic_reaches_both_limits() {
+        let transition = cubic(0.0, 8.0 * A * A / (3.0 * J));
+        let (a, j) = peaks(&transition);
+        assert!((a / A - 1.0).abs() < 1e-12 && (j / J - 1.0).abs() < 1e-12, "{a} {j}");
+        assert!((transition.duration() - 4.0 * A / J).abs() < 1e-15);
+    }
+
+    #[test]
+    fn above_the_threshold_a_cubic_reaches_the_acceleration_only() {
+        let (a, j) = peaks(&cubic(10.0, 210.0));
+        let reached = 8.0 * A * A / (3.0 * 200.0); // J₁ replaces J
+        assert!((a / A - 1.0).abs() < 1e-12 && (j / reached - 1.0).abs() < 1e-12, "{a} {j}");
+    }
+
+    #[test]
+    fn the_table_entry_is_the_source_s_polynomial() {
+        // Falling, D < 8A²/(3J): V = V_s - (J/2 t² - J²/(12 A₁) t³).
+        let reached = (3.0 * J * 100.0 / 8.0_f64).sqrt();
+        let [a0, a1, a2, a3] = cubic(200.0, 100.0).pieces()[0].coefficients().unwrap();
+        assert_eq!((a0, a1), (200.0, 0.0));
+        assert!((a2 / (-J / 2.0) - 1.0).abs() < 1e-12, "{a2}");
+        assert!((a3 / (J * J / (12.0 * reached)) - 1.0).abs() < 1e-12, "{a3}");
+    }
+
+    #[test]
+    fn the_two_cases_of_an_s_curve_meet_at_the_threshold() {
+        let threshold = A * A / J; // 62.5 mm/s
+        let duration = |change: f64| s_curve(0.0, change).duration();
+        assert!((duration(threshold) - 2.0 * A / J).abs() < 1e-14);
+        assert!((duration(threshold * (1.0 + 1e-9)) - 2.0 * A / J).abs() < 1e-9);
+        // 25 mm/s: 2 √(25/4e5) = 15.81 ms; 200 mm/s: 40 + 12.5 ms.
+        assert!((duration(25.0) - 2.0 * (25.0 / J).sqrt()).abs() < 1e-15);
+        assert!((duration(200.0) - 0.0525).abs() < 1e-15);
+    }
+
+    #[test]
+    fn the_larger_of_the_two_times_of_a_half_cosine_holds() {
+        // π √(25/8e5) = 17.56 ms by jerk against 7.85 by acceleration; 200π/1e4 = 62.8 ms against 49.7.
+        let duration =
+            |change: f64| Transition::fastest(ProfileKind::Trigonometric, [0.0, change], A, J).duration();
+        assert!((duration(25.0) - PI * (25.0 / 8e5_f64).sqrt()).abs() < 1e-15);
+        assert!((duration(200.0) - 200.0 * PI / 1e4).abs() < 1e-15);
+    }
+
+    #[test]
+    fn without_a_change_of_feed_everything_is_finite() {
+        for kind in ProfileKind::ALL {
+            let still = Transition::fastest(kind, [5.0, 5.0], A, J);
+            assert_eq!((still.duration(), still.length(), feed(&still, 0.0)), (0.0, 0.0, 5.0));
+            assert_eq!((acceleration(&still, 0.0), jerk(&still, 0.0)), (0.0, 0.0));
+        }
+    }
+
+    /// Feed, acceleration and jerk are derivatives of each other by finite differences, distance the integral of the
+    /// feed by Simpson's rule, A and J are kept and one of them is reached.
+    fn assert_promises(kind: ProfileKind, feeds: [f64; 2], most_acceleration: f64, most_jerk: f64) {
+        let transition = &Transition::fastest(kind, feeds, most_acceleration, most_jerk);
+        let (duration, length) = (transition.duration(), transition.length());
+        let change = (feeds[1] - feeds[0]).abs();
+        let times = || (0..=500).map(|i| duration * f64::from(i) / 500.0);
+        let a = times().map(|t| acceleration(transition, t).abs()).fold(0.0, f64::max) / most_acceleration;
+        let j = times().map(|t| jerk(transition, t).abs()).fold(0.0, f64::max) / most_jerk;
+        assert!(a <= 1.0 + 1e-9 && j <= 1.0 + 1e-9 && a.max(j) > 1.0 - 1e-5, "a {a} j {j}");
+        assert!((feed(transition, 0.0) - feeds[0]).abs() < 1e-12 * (feeds[0] + change));
+        assert!((feed(transition, duration) - feeds[1]).abs() < 1e-12 * (feeds[0] + change));
+        let at_ends = [0.0, duration].map(|t| acceleration(transition, t).abs());
+        assert!(at_ends[0] + at_ends[1] < 1e-6 * most_acceleration);
+
+        let h = duration / 500.0;
+        let mut travelled = 0.0;
+        for t in times().take(500) {
+            let (middle, end) = (t + h / 2.0, t + h);
+            let [v, v_middle, v_end] = [t, middle, end].map(|t| feed(transition, t));
+            travelled += h / 6.0 * (v + 4.0 * v_middle + v_end);
+            // Simpson's rule sees a step of the jerk inside a panel as an error of about a h²/10, four times at most.
+            let tolerance = 0.4 * most_acceleration * h * h + 1e-9 * length;
+            assert!((distance(transition, end) - travelled).abs() < tolerance);
+            let slope = (v_end - v) / h;
+            let a = [t, middle, end].map(|t| acceleration(transition, t));
+            let (low, high) = (a[0].min(a[1]).min(a[2]), a[0].max(a[1]).max(a[2]));
+            let tolerance = 0.01 * most_acceleration;
+            assert!(slope > low - tolerance && slope < high + tolerance, "{low} {slope} {high}");
+            let bend = (a[2] - a[0]) / h;
+            // Over a step of the jerk the difference is between the values on both sides.
+            let [low, high] = [t + 1e-9 * h, end - 1e-9 * h].map(|t| jerk(transition, t));
+            let tolerance = 0.01 * most_jerk;
+            assert!(
+                bend > low.min(high) - tolerance && bend < low.max(high) + tolerance,
+                "{bend} {low} {high}"
+            );
+        }
+        assert!((distance(transition, duration) - length).abs() < 1e-12 * length);
+        let pieces: f64 = transition.pieces().iter().map(|piece| piece.duration).sum();
+        assert!((pieces - duration).abs() < 1e-13 * duration);
+    }
 
     proptest! {
+        #[test]
+        fn promises_hold(
+            start in 0.0..500.0_f64, end in 0.0..500.0_f64, acceleration in 10.0..1e4_f64, jerk in 100.0..1e6_f64,
+        ) {
+            prop_assume!((start - end).abs() > 1e-3);
+            for kind in [ProfileKind::Cubic, ProfileKind::SCurve, ProfileKind::Trigonometric] {
+                assert_promises(kind, [start, end], acceleration, jerk);
+            }
+        }
+
         /// What the look-ahead rests on when it refuses a ramp as too long.
         #[test]
         fn no_chain_of_transitions_is_shorter_than_one(
@@ -68,6 +410,20 @@ mod tests {
                 let chain = length(low, middle) + length(middle, high);
                 prop_assert!(length(low, high) <= chain * (1.0 + 1e-12), "{kind:?}");
             }
+        }
+
+        #[test]
+        fn shares_of_an_s_curve_are_those_of_its_pieces(
+            start in 0.0..500.0_f64, change in 0.1..500.0_f64, acceleration in 10.0..1e4_f64, jerk in 100.0..1e6_f64,
+            x in 0.0..1.0_f64,
+        ) {
+            let transition =
+                Transition::fastest(ProfileKind::SCurve, [start, start + change], acceleration, jerk);
+            let (reached, travelled) = transition.s_curve_shares(x).unwrap();
+            let time = x * transition.duration();
+            prop_assert!((start + change * reached - feed(&transition, time)).abs() < 1e-10);
+            let expected = transition.duration() * (start * x + change * travelled);
+            prop_assert!((expected - distance(&transition, time)).abs() < 1e-11 * (1.0 + transition.length()));
         }
     }
 }
