@@ -39,7 +39,6 @@
 
 use real::Real;
 
-use crate::feed_limit::Measured;
 use crate::limits::AXES;
 use crate::{AxisLimits, KinematicLimits};
 
@@ -189,17 +188,6 @@ impl<R: Real> AxisBudget<R> {
             Some(turning.curvature[i] / (axis.acceleration? - turning.tangent[i] * reserve))
         });
         parts.fold(R::zero(), R::max)
-    }
-
-    /// Leaves the path no more than the reserve of acceleration there within `reach` of a place.
-    pub(crate) fn keep_reserve(&self, share: &[R; AXES], samples: &mut [Measured<R>], at: R, reach: R) {
-        let most = self.reserve(share).acceleration;
-        let first = samples.partition_point(|sample| sample.point.distance < at - reach);
-        let within = samples.iter_mut().skip(first);
-        for sample in within.take_while(|sample| sample.point.distance <= at + reach) {
-            let least = &mut sample.allowance.acceleration;
-            *least = least.min(most);
-        }
     }
 
     /// The largest feed up to `feed` at which jerks leave the reserve, on a stretch.

@@ -1,10 +1,4 @@
-//! The feed limit as a function of the distance along the path.
-//!
-//! What a planner needs from the limit is a promise: *this feed is allowed from here to there*. Samples alone
-//! do not give it, since between two samples the limit may dip. So each sample carries a second value, a
-//! little lower, chosen so that the curve through these lower values stays below the limit in between as
-//! well. Between samples `V²` is taken as linear in the distance: near a sharp bend the chord limit is
-//! `√(8Eρ)/T`, so its square is as smooth as the radius, and a constant acceleration is a straight line.
+//! The feed limit as a function of the distance along the path: samples, and lower values between them that are never above it.
 //!
 //! At a corner or a cusp, the limit is 0 at one point only: a *stop*. The feed there must be 0, and up to the
 //! neighbouring samples the neighbour's limit holds.
@@ -15,70 +9,20 @@ use nurbs_core::Differentiate;
 use real::Real;
 
 use crate::axis_budget::Allowance;
+use crate::sample::{LimitSample, interpolate, lowered};
 use crate::scan::Scan;
-use crate::stops::{BesideStop, release_stops};
-use crate::{KinematicLimits, PlanError};
+use crate::stops::release_stops;
+use crate::{KinematicLimits, LimitPoint, PlanError};
 
 /// Between points less than 2⁴ roundings apart the parameter does not say where the path is.
 const RESOLVED: i32 = 4;
 
-/// The feed limit at one point of the path.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LimitPoint<R> {
-    /// Arc length from the path's start, mm.
-    pub distance: R,
-    /// Index of the curve.
-    pub curve: usize,
-    /// Parameter on that curve.
-    pub u: R,
-    /// Largest feed there; 0 at a stop.
-    pub feedrate: R,
-}
-
-/// What belongs to a limit point beside what callers see.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Node<R> {
-    /// Lower value of the limit at the point: 0 at a stop, never more than its `feedrate` elsewhere, except
-    /// next to a stop.
-    pub(crate) lower: R,
-    /// The lower value that the stretch before the point ends with; differs from `lower` at a stop only.
-    pub(crate) before: R,
-    /// The lower value that the stretch after the point begins with.
-    pub(crate) after: R,
-    /// `|C'|`, mm; 0 if unknown.
-    pub(crate) speed: R,
-    /// Whether the limit holds at this point alone, not beside it.
-    pub(crate) is_single: bool,
-    /// What the axes leave for the path on the stretch before.
-    pub(crate) allowance: Allowance<R>,
-    /// See [`Measured::bends`].
-    bends: bool,
-}
-
 /// The largest feed that a path allows, as a function of the distance along it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FeedLimit<R> {
-    points: Vec<LimitPoint<R>>,
-    nodes: Vec<Node<R>>,
+    samples: Vec<LimitSample<R>>,
     /// Distances of the corners: where the tangent breaks.
     corners: Vec<R>,
-}
-
-/// One sample of the limit, with the margin for the stretch that ends with it.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Measured<R> {
-    pub(crate) point: LimitPoint<R>,
-    pub(crate) speed: R,
-    /// By how much `V²` may dip below the straight line over the stretch from the previous sample.
-    pub(crate) margin: R,
-    /// What the axes leave for the path on that stretch.
-    pub(crate) allowance: Allowance<R>,
-    /// Whether the limit holds at this point alone.
-    pub(crate) is_single: bool,
-    /// Whether the direction changes over the stretch before, or at the point by less than at a corner: chords fall short of the path.
-    pub(crate) bends: bool,
-    /// What is left of the limit beside a stop.
-    pub(crate) beside_stop: BesideStop<R>,
 }
 
 impl<R: Real> FeedLimit<R> {
@@ -133,7 +77,7 @@ impl<R: Real> FeedLimit<R> {
             scan.pass(index, curve, stops.binary_search(&index).is_ok())?;
         }
         scan.finish();
-        Ok(Self { corners: scan.corners().to_vec(), ..Self::assemble(scan.samples(), limits.chord_error)? })
+        Self::assemble(scan.samples().to_vec(), scan.corners().to_vec(), limits.chord_error)
     }
 
     /// The same where no curve is travelled faster than its own feed, given by its index: the F words of a program. A feed above
@@ -146,15 +90,15 @@ impl<R: Real> FeedLimit<R> {
             let feed = feed_of(curve);
             if feed > R::zero() { Ok(feed) } else { Err(PlanError::CurveFeedNotPositive { curve }) }
         };
-        let mut before = self.points.first().map_or(0, |point| point.curve);
-        for (point, node) in self.points.iter_mut().zip(&mut self.nodes) {
-            let feed = positive(point.curve)?;
+        let mut before = self.samples.first().map_or(0, |sample| sample.point.curve);
+        for sample in &mut self.samples {
+            let feed = positive(sample.point.curve)?;
             // Where a single point joins two curves, both feeds hold.
-            let feed = if node.is_single { feed.min(positive(before)?) } else { feed };
-            before = point.curve;
-            point.feedrate = point.feedrate.min(feed);
-            for lower in [&mut node.lower, &mut node.before, &mut node.after] {
-                *lower = lower.min(feed);
+            let feed = if sample.is_single { feed.min(positive(before)?) } else { feed };
+            before = sample.point.curve;
+            let LimitSample { point, lower, lower_before, lower_after, .. } = sample;
+            for limit in [&mut point.feedrate, lower, lower_before, lower_after] {
+                *limit = limit.min(feed);
             }
         }
         Ok(self)
@@ -181,52 +125,45 @@ impl<R: Real> FeedLimit<R> {
             }
             previous = point.distance;
         }
-        let measured = |point: &LimitPoint<R>| Measured {
-            point: *point,
-            speed: R::zero(),
-            margin: R::zero(),
-            allowance: Allowance::unlimited(),
-            is_single: point.feedrate.is_zero(),
-            bends: false,
-            beside_stop: BesideStop::unlimited(),
-        };
-        let samples: Vec<_> = points.iter().map(measured).collect();
-        Self::assemble(&samples, R::zero())
+        let samples = points.iter().copied().map(LimitSample::new).collect();
+        Self::assemble(samples, Vec::new(), R::zero())
     }
 
-    pub(crate) fn assemble(samples: &[Measured<R>], chord_error: R) -> Result<Self, PlanError> {
+    /// The limit through complete samples; beside a stop the chord error limits nothing.
+    pub(crate) fn assemble(
+        mut samples: Vec<LimitSample<R>>,
+        corners: Vec<R>,
+        chord_error: R,
+    ) -> Result<Self, PlanError> {
         if !samples.last().is_some_and(|last| last.point.distance > R::zero()) {
             return Err(PlanError::PathEmpty);
         }
-        let margin_after = |i: usize| samples.get(i + 1).map_or_else(R::zero, |next| next.margin);
-        let node = |(i, sample): (usize, &Measured<R>)| {
-            let lower = lowered(sample.point.feedrate, sample.margin.max(margin_after(i)));
-            let &Measured { speed, is_single, allowance, bends, .. } = sample;
+        let mut margin_after = R::zero();
+        for sample in samples.iter_mut().rev() {
+            let margin = sample.margin.max(core::mem::replace(&mut margin_after, sample.margin));
             // A single point is no end of a stretch over which the limit could dip.
-            let lower = if is_single { sample.point.feedrate } else { lower };
-            Node { lower, before: lower, after: lower, speed, is_single, allowance, bends }
-        };
-        let mut nodes: Vec<_> = samples.iter().enumerate().map(node).collect();
-        let points: Vec<_> = samples.iter().map(|sample| sample.point).collect();
-        release_stops(samples, &mut nodes, chord_error);
-        Ok(Self { points, nodes, corners: Vec::new() })
+            let margin = if sample.is_single { R::zero() } else { margin };
+            *sample = sample.with_lower(lowered(sample.point.feedrate, margin));
+        }
+        release_stops(&mut samples, chord_error);
+        Ok(Self { samples, corners })
     }
 
     /// The points, in order of distance. Points of the same distance are one-sided limits at a joint, with a
     /// stop between them at a corner.
     #[must_use]
-    pub fn points(&self) -> &[LimitPoint<R>] {
-        &self.points
+    pub fn points(&self) -> impl ExactSizeIterator<Item = &LimitPoint<R>> + Clone {
+        self.samples.iter().map(|sample| &sample.point)
     }
 
-    pub(crate) fn nodes(&self) -> &[Node<R>] {
-        &self.nodes
+    pub(crate) fn samples(&self) -> &[LimitSample<R>] {
+        &self.samples
     }
 
     /// Arc length of the path, mm.
     #[must_use]
     pub fn length(&self) -> R {
-        self.points.last().map_or_else(R::zero, |point| point.distance)
+        self.samples.last().map_or_else(R::zero, |sample| sample.point.distance)
     }
 
     /// A lower bound of the limit at `distance`: what the planner keeps to.
@@ -244,8 +181,9 @@ impl<R: Real> FeedLimit<R> {
     /// The least lower bound over a stretch within the path.
     pub(crate) fn minimum_over(&self, from: R, to: R) -> R {
         let first = self.count_before(from);
-        let end = self.points.partition_point(|point| point.distance <= to).max(first);
-        let inside = self.nodes[first..end].iter().fold(R::max_value(), |least, node| least.min(node.lower));
+        let end = self.count_up_to(to).max(first);
+        let inside = &self.samples[first..end];
+        let inside = inside.iter().fold(R::max_value(), |least, sample| least.min(sample.lower));
         let at_from = first.checked_sub(1).map_or(inside, |cell| self.in_cell(cell, from));
         let at_to = end.checked_sub(1).map_or(inside, |cell| self.in_cell(cell, to));
         inside.min(at_from).min(at_to)
@@ -261,47 +199,45 @@ impl<R: Real> FeedLimit<R> {
 
     /// Distance and lower value at both ends of the stretch between points `cell` and `cell + 1`.
     pub(crate) fn cell(&self, cell: usize) -> Option<((R, R), (R, R))> {
-        let (a, b) = (self.points.get(cell)?, self.points.get(cell + 1)?);
-        let (from, to) = (self.nodes.get(cell)?, self.nodes.get(cell + 1)?);
-        Some(((a.distance, from.after), (b.distance, to.before)))
+        let (from, to) = (self.samples.get(cell)?, self.samples.get(cell + 1)?);
+        Some(((from.point.distance, from.lower_after), (to.point.distance, to.lower_before)))
     }
 
     /// The limit from `distance` on, distances as before.
     pub(crate) fn beginning_at(mut self, distance: R) -> Self {
-        let next = self.points.partition_point(|point| point.distance <= distance);
-        if next == 0 || next >= self.points.len() || !(distance > R::zero()) {
+        let next = self.count_up_to(distance);
+        if next == 0 || next >= self.samples.len() || !(distance > R::zero()) {
             return self;
         }
         let (curve, u) = self.parameter_at(distance);
         let lower = self.minimum_over(distance, distance);
         let after = self.in_cell(next - 1, distance);
-        let Some(node) = self.nodes.get(next - 1) else { return self };
+        let Some(before) = self.samples.get(next - 1) else { return self };
         let point = LimitPoint { distance, curve, u, feedrate: lower };
-        let node = Node { lower, before: lower, after, is_single: lower < after, ..*node };
-        self.points.splice(..next, [point]);
-        self.nodes.splice(..next, [node]);
+        let first = LimitSample { point, is_single: lower < after, ..before.with_lower(lower) };
+        self.samples.splice(..next, [LimitSample { lower_after: after, ..first }]);
         self
     }
 
     /// What the axes leave for the path between two points.
     pub(crate) fn allowance(&self, from: usize, to: usize) -> Allowance<R> {
-        let nodes = self.nodes.get(from + 1..to + 1).unwrap_or_default();
-        nodes.iter().fold(Allowance::unlimited(), |least, node| least.min(node.allowance))
+        let samples = self.samples.get(from + 1..to + 1).unwrap_or_default();
+        samples.iter().fold(Allowance::unlimited(), |least, sample| least.min(sample.allowance))
     }
 
     /// The same between two distances.
     pub(crate) fn allowance_over(&self, from: R, to: R) -> Allowance<R> {
         let before = self.count_before(from).saturating_sub(1);
         let after = self.count_before(to);
-        self.allowance(before, after.min(self.points.len().saturating_sub(1)))
+        self.allowance(before, after.min(self.samples.len().saturating_sub(1)))
     }
 
     /// Whether the path bends between two distances, each of which rounding may have moved.
     pub(crate) fn bends_over(&self, from: R, to: R) -> bool {
         let rounding = self.rounding();
-        let first = self.points.partition_point(|point| point.distance <= from + rounding);
+        let first = self.count_up_to(from + rounding);
         let behind = self.count_before(to - rounding) + 1;
-        self.nodes.iter().take(behind).skip(first).any(|node| node.bends)
+        self.samples.iter().take(behind).skip(first).any(|sample| sample.bends)
     }
 
     /// What rounding may have moved a distance by.
@@ -316,7 +252,8 @@ impl<R: Real> FeedLimit<R> {
         let first = self.count_before(distance - rounding);
         let off = |point: &LimitPoint<R>| (point.distance - distance).abs();
         let is_rest = |point: &LimitPoint<R>| point.feedrate.is_zero() || point.distance >= self.length();
-        let near = self.points.iter().skip(first).take_while(|point| point.distance <= distance + rounding);
+        let near = self.samples.iter().skip(first).map(|sample| &sample.point);
+        let near = near.take_while(|point| point.distance <= distance + rounding);
         let nearest = near.filter(|point| is_rest(point)).fold(None, |nearest, point| match nearest {
             Some(other) if off(other) < off(point) => nearest,
             _ => Some(point),
@@ -326,12 +263,18 @@ impl<R: Real> FeedLimit<R> {
 
     /// Number of points before `distance`, which is the index of the next one.
     fn count_before(&self, distance: R) -> usize {
-        self.points.partition_point(|point| point.distance < distance)
+        self.samples.partition_point(|sample| sample.point.distance < distance)
+    }
+
+    /// Number of points up to `distance`.
+    fn count_up_to(&self, distance: R) -> usize {
+        self.samples.partition_point(|sample| sample.point.distance <= distance)
     }
 
     /// The last point before `distance`.
     pub(crate) fn point_before(&self, distance: R) -> Option<&LimitPoint<R>> {
-        self.count_before(distance).checked_sub(1).and_then(|before| self.points.get(before))
+        let before = self.count_before(distance).checked_sub(1)?;
+        self.samples.get(before).map(|sample| &sample.point)
     }
 
     /// The distances beyond `distance` at which the tangent breaks, in order.
@@ -343,13 +286,13 @@ impl<R: Real> FeedLimit<R> {
     /// Whether the parameter tells places apart everywhere: between knots a few roundings apart there are none, though the path may
     /// be long there.
     pub(crate) fn is_resolved(&self) -> bool {
-        self.points.windows(2).all(is_resolved)
+        self.samples.windows(2).all(is_resolved)
     }
 
     /// The same near `distance`.
     pub(crate) fn is_resolved_at(&self, distance: R) -> bool {
         let next = self.count_before(distance);
-        let pair = next.checked_sub(1).and_then(|before| self.points.get(before..=next));
+        let pair = next.checked_sub(1).and_then(|before| self.samples.get(before..=next));
         pair.is_none_or(is_resolved)
     }
 
@@ -358,15 +301,13 @@ impl<R: Real> FeedLimit<R> {
     #[must_use]
     pub fn parameter_at(&self, distance: R) -> (usize, R) {
         let next = self.count_before(distance);
-        let (Some(b), Some(to)) = (self.points.get(next), self.nodes.get(next)) else {
-            return self.points.last().map_or((0, R::zero()), |last| (last.curve, last.u));
+        let Some(to) = self.samples.get(next) else {
+            return self.samples.last().map_or((0, R::zero()), |last| (last.point.curve, last.point.u));
         };
-        let (Some(a), Some(from)) = (
-            next.checked_sub(1).and_then(|i| self.points.get(i)),
-            next.checked_sub(1).and_then(|i| self.nodes.get(i)),
-        ) else {
-            return (b.curve, b.u);
+        let Some(from) = next.checked_sub(1).and_then(|before| self.samples.get(before)) else {
+            return (to.point.curve, to.point.u);
         };
+        let (a, b) = (from.point, to.point);
         let (length, width) = (b.distance - a.distance, b.u - a.u);
         if a.curve != b.curve || !(length > R::zero()) {
             return (b.curve, b.u);
@@ -382,39 +323,10 @@ impl<R: Real> FeedLimit<R> {
 }
 
 /// Whether the parameter tells places between neighbouring points apart, if the path goes anywhere between them.
-fn is_resolved<R: Real>(pair: &[LimitPoint<R>]) -> bool {
-    let [a, b] = pair else { return true };
+fn is_resolved<R: Real>(pair: &[LimitSample<R>]) -> bool {
+    let [LimitSample { point: a, .. }, LimitSample { point: b, .. }] = pair else { return true };
     let rounding = R::resolution() * a.u.abs().max(b.u.abs());
     a.curve != b.curve || a.distance == b.distance || b.u - a.u > rounding.scale(RESOLVED)
-}
-
-/// `√(V² - margin)`, and no less than half of V: a dip that deep is not resolved.
-pub(crate) fn lowered<R: Real>(feedrate: R, margin: R) -> R {
-    if !(margin > R::zero()) {
-        return feedrate;
-    }
-    (feedrate * feedrate - margin).sqrt().max(feedrate.half())
-}
-
-/// The feed at `distance` on the stretch between two points (distance, feed), `V²` linear in the distance.
-pub(crate) fn interpolate<R: Real>(from: (R, R), to: (R, R), distance: R) -> R {
-    let length = to.0 - from.0;
-    if from.1 == to.1 || !(length > R::zero()) {
-        return from.1.min(to.1);
-    }
-    let x = (distance - from.0) / length;
-    let square = from.1 * from.1 + x * ((to.1 - from.1) * (to.1 + from.1));
-    square.sqrt().max(from.1.min(to.1)).min(from.1.max(to.1))
-}
-
-/// Where on the stretch between two points (distance, feed) the feed is `feed`: the inverse of
-/// [`interpolate`].
-pub(crate) fn crossing<R: Real>(from: (R, R), to: (R, R), feed: R) -> R {
-    if from.1 == to.1 {
-        return to.0;
-    }
-    let x = ((feed - from.1) / (to.1 - from.1)) * ((feed + from.1) / (to.1 + from.1));
-    from.0 + (to.0 - from.0) * x.max(R::zero()).min(R::one())
 }
 
 #[cfg(test)]
@@ -433,6 +345,20 @@ mod tests {
 
     fn point(distance: f64, feedrate: f64) -> LimitPoint<f64> {
         LimitPoint { distance, curve: 0, u: distance, feedrate }
+    }
+
+    fn longest_step(limit: &FeedLimit<f64>) -> f64 {
+        let steps = limit.points().zip(limit.points().skip(1)).map(|(from, to)| to.distance - from.distance);
+        steps.fold(0.0, f64::max)
+    }
+
+    fn least_lower(limit: &FeedLimit<f64>) -> f64 {
+        limit.samples().iter().fold(f64::MAX, |least, sample| least.min(sample.lower))
+    }
+
+    /// Where the limit comes to 0.
+    fn rests(limit: &FeedLimit<f64>) -> Vec<LimitPoint<f64>> {
+        limit.samples().iter().filter(|sample| sample.lower == 0.0).map(|sample| sample.point).collect()
     }
 
     #[test]
@@ -457,7 +383,7 @@ mod tests {
             (0.697_155_05, 104.8954),
             (0.899_633_62, 111.4817),
         ] {
-            let near = limit.points().iter().filter(|p| (p.u - u).abs() < 1e-3);
+            let near = limit.points().filter(|p| (p.u - u).abs() < 1e-3);
             let least = near.min_by(|a, b| a.feedrate.total_cmp(&b.feedrate)).unwrap();
             assert!((least.feedrate / 3e-3 - feedrate).abs() < 1e-4, "u={u}: {}", least.feedrate / 3e-3);
             assert!((least.u - u).abs() < 2e-8, "u={u}: {}", least.u);
@@ -481,8 +407,7 @@ mod tests {
         let knots = [0., 0., 0., 0., 0.2, 0.4, 0.6, 0.8, 1., 1., 1., 1.];
         let curve = NurbsBuf::try_new(3, points.to_vec(), vec![1.0; 8], knots.to_vec()).unwrap();
         let limit = along(&curve);
-        let longest =
-            limit.points().windows(2).map(|pair| pair[1].distance - pair[0].distance).fold(0.0, f64::max);
+        let longest = longest_step(&limit);
         assert!(longest <= 1.2, "{longest}");
         let reference = arc_length(&curve.as_curve(), 0.0, 1.0, 1e-13).length;
         assert!((limit.length() / reference - 1.0).abs() < 1e-12, "{} {reference}", limit.length());
@@ -491,8 +416,7 @@ mod tests {
     #[test]
     fn points_are_about_a_period_apart() {
         let limit = along(&seed_000());
-        let steps = limit.points().windows(2).map(|pair| pair[1].distance - pair[0].distance);
-        let longest = steps.fold(0.0, f64::max);
+        let longest = longest_step(&limit);
         assert!(longest <= 1.2, "{longest}"); // 2 F T
         assert!(limit.points().len() < 2 * 834 * 10 / 6, "{}", limit.points().len());
     }
@@ -501,11 +425,10 @@ mod tests {
     fn the_lower_bound_is_close() {
         for curve in [seed_000(), seed_003()] {
             let limit = along(&curve);
-            let share = |(p, node): (&LimitPoint<f64>, &Node<f64>)| node.lower / p.feedrate;
-            let least = limit.points().iter().zip(limit.nodes()).map(share).fold(1.0, f64::min);
+            let shares = limit.samples().iter().map(|sample| sample.lower / sample.point.feedrate);
+            let least = shares.clone().fold(1.0, f64::min);
             assert!(least > 1.0 - 0.004, "{least}"); // 2⁻⁸ of V², and a quarter more
-            let mean: f64 = limit.points().iter().zip(limit.nodes()).map(share).sum::<f64>()
-                / limit.points().len() as f64;
+            let mean = shares.sum::<f64>() / limit.points().len() as f64;
             assert!(mean > 1.0 - 1.5e-3, "{mean}");
         }
     }
@@ -525,15 +448,16 @@ mod tests {
         let line = polyline(&[[0.0, 0.0], [30.0, 40.0]]);
         let limit = along(&line[0]);
         assert!((limit.length() - 50.0).abs() < 1e-13);
-        assert!(limit.points().iter().all(|p| p.feedrate == 0.6));
+        assert!(limit.points().all(|p| p.feedrate == 0.6));
         assert_eq!((limit.at(-1.0), limit.at(25.0), limit.at(99.0)), (0.6, 0.6, 0.6));
     }
 
     #[test]
     fn a_corner_is_a_stop_between_two_full_feeds() {
         let limit = along(&triple_knot());
-        let stop = limit.points().iter().position(|p| p.feedrate == 0.0).unwrap();
-        let around = &limit.points()[stop - 1..=stop + 1];
+        let points: Vec<_> = limit.points().collect();
+        let stop = points.iter().position(|p| p.feedrate == 0.0).unwrap();
+        let around = &points[stop - 1..=stop + 1];
         assert!(around.iter().all(|p| p.distance == around[0].distance), "{around:?}");
         assert!((around[0].feedrate, around[2].feedrate) == (0.6, 0.6), "{around:?}");
         assert_eq!(limit.at(around[1].distance), 0.0);
@@ -547,7 +471,7 @@ mod tests {
         let limits = KinematicLimits { junction: crate::Junction::Deviation(0.1), ..paper_limits() };
         let stops = |stops: &[usize]| {
             let limit = FeedLimit::along_with_stops(&curves, &limits, stops).unwrap();
-            let rests = limit.points().iter().filter(|p| p.feedrate == 0.0);
+            let rests = limit.points().filter(|p| p.feedrate == 0.0);
             rests.map(|p| (p.curve, p.distance.round())).collect::<Vec<_>>()
         };
         assert!(stops(&[]).is_empty());
@@ -563,7 +487,7 @@ mod tests {
             let path = polyline(&[[0.0, 0.0], [10.0, 0.0], [20.0, 10.0 * angle]]);
             let curves: Vec<_> = path.iter().map(NurbsBuf::as_curve).collect();
             let limit = FeedLimit::along(&curves, &paper_limits()).unwrap();
-            limit.points().iter().filter(|p| p.feedrate == 0.0).count()
+            limit.points().filter(|p| p.feedrate == 0.0).count()
         };
         assert_eq!((stops(0.0033), stops(0.0034)), (0, 1));
     }
@@ -578,7 +502,7 @@ mod tests {
             let limits = KinematicLimits { junction, ..paper_limits() };
             let limit = FeedLimit::along(&curves, &limits).unwrap();
             assert!(crate::plan(&limit, &limits, crate::EndFeeds::default()).is_ok());
-            limit.nodes().iter().fold(f64::MAX, |least, node| least.min(node.lower))
+            least_lower(&limit)
         };
         assert_eq!(at_break(Junction::Stop), 0.6);
         // 1e-4 over the greater component of e₂ - e₁, which is sin θ.
@@ -605,7 +529,7 @@ mod tests {
                 ..paper_limits()
             };
             let limit = FeedLimit::along(&curves, &limits).unwrap();
-            let found = limit.nodes().iter().fold(f64::MAX, |least, node| least.min(node.lower));
+            let found = least_lower(&limit);
             let expected = (acceleration * 0.1 / (2.0_f64.sqrt() - 1.0)).sqrt();
             assert!((found / expected - 1.0).abs() < 1e-9, "{centripetal:?}: {found} for {expected}");
         }
@@ -619,8 +543,7 @@ mod tests {
             let curve = Power { origin: cusp, exponents: [2, 3], scale: 10.0 };
             let limit = FeedLimit::along(&[curve], &paper_limits()).unwrap();
             assert!((limit.length() - length(cusp) - length(1.0 - cusp)).abs() < 1e-6, "{}", limit.length());
-            let stops = limit.nodes().iter().enumerate().filter(|(_, node)| node.lower == 0.0);
-            let stops: Vec<_> = stops.map(|(i, _)| limit.points()[i]).collect();
+            let stops = rests(&limit);
             assert_eq!(stops.len(), 1, "cusp at {cusp}: {stops:?}");
             assert!((stops[0].u - cusp).abs() < 1e-4 && (stops[0].distance - length(cusp)).abs() < 1e-6);
             let plan = crate::plan(&limit, &paper_limits(), crate::EndFeeds::default()).unwrap();
@@ -637,9 +560,7 @@ mod tests {
             let curve = hairpin(width);
             assert!((nurbs_core::radius(&curve.as_curve().derivatives(0.5)) - radius).abs() < 1e-12);
             let limit = along(&curve);
-            let points = limit.points().iter().zip(limit.nodes());
-            let rests: Vec<_> =
-                points.filter(|(_, node)| node.lower == 0.0).map(|(point, _)| point.u).collect();
+            let rests: Vec<_> = rests(&limit).iter().map(|point| point.u).collect();
             assert_eq!(rests.len(), expected, "{width}: {rests:?}");
             assert!(rests.iter().all(|u| (u - 0.5).abs() < 1e-3), "{rests:?}");
         }
@@ -652,7 +573,7 @@ mod tests {
         let limits = KinematicLimits { feedrate: 200.0, ..paper_limits() };
         let curve = hairpin(1.0);
         let limit = FeedLimit::along(&[curve.as_curve()], &limits).unwrap();
-        let stops: Vec<_> = limit.points().iter().filter(|point| point.feedrate == 0.0).collect();
+        let stops: Vec<_> = limit.points().filter(|point| point.feedrate == 0.0).collect();
         assert!(stops.len() == 1 && (stops[0].u - 0.5).abs() < 1e-3, "{stops:?}");
         let mut slow = 0;
         for point in limit.points() {
@@ -672,16 +593,8 @@ mod tests {
     fn a_stop_releases_the_limit_within_the_chord_error_only() {
         let points =
             [(0.0, 0.0), (0.0, 0.2), (30.0, 0.8), (60.0, 0.2), (60.0, 0.0), (60.0, 0.6), (90.0, 0.6)];
-        let measured = |(distance, feedrate): (f64, f64)| Measured {
-            point: point(distance, feedrate),
-            speed: 0.0,
-            margin: 0.0,
-            allowance: Allowance::unlimited(),
-            is_single: feedrate == 0.0,
-            bends: false,
-            beside_stop: BesideStop::unlimited(),
-        };
-        let limit = FeedLimit::assemble(&points.map(measured), 0.01).unwrap();
+        let samples = points.map(|(distance, feedrate)| LimitSample::new(point(distance, feedrate)));
+        let limit = FeedLimit::assemble(samples.to_vec(), Vec::new(), 0.01).unwrap();
         // V² is linear: 0.04 to 0.64 over 30 mm.
         let wanted = |beyond: f64| Real::sqrt(0.04 + 0.6 * beyond / 30.0);
         for beyond in [0.005, 0.02, 0.1, 1.0, 7.0, 29.0] {
@@ -703,7 +616,7 @@ mod tests {
         let curve = Power { origin: 0.0, exponents: [3, 6], scale: 10.0 };
         let limit = FeedLimit::along(&[curve], &paper_limits()).unwrap();
         assert!(crate::plan(&limit, &paper_limits(), crate::EndFeeds::default()).is_ok());
-        assert_eq!(limit.nodes().iter().filter(|node| node.lower == 0.0).count(), 1);
+        assert_eq!(rests(&limit).len(), 1);
     }
 
     #[test]
@@ -784,7 +697,7 @@ mod tests {
                 let exact = paper_limits().feedrate_at_radius(radius(&derivatives));
                 let distance = arc_length(&curve, curve.domain().0, u, 1e-13).length;
                 let bound = limit.at(distance);
-                let released = limit.points().iter().any(|p| p.feedrate == 0.0 && (p.distance - distance).abs() < 2e-3);
+                let released = limit.points().any(|p| p.feedrate == 0.0 && (p.distance - distance).abs() < 2e-3);
                 prop_assert!(released || bound <= exact * (1.0 + 1e-9), "u={u}: {bound} above {exact}");
             }
         }

@@ -39,8 +39,8 @@ use real::Real;
 
 use crate::axis_budget::{AxisBudget, Turning};
 use crate::broken_chord::{Chord, Place, SLACK, across, crossing};
-use crate::feed_limit::Measured;
-use crate::lowered_samples::lower_around;
+use crate::lowered_samples::{lower_acceleration_around, lower_around};
+use crate::sample::LimitSample;
 use crate::{Junction, KinematicLimits, LimitPoint};
 
 /// A chord is lengthened by 2⁻⁴ at least, where breaks are denser than that.
@@ -151,7 +151,7 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
     /// where no break is, a path is passed without. `place_at` gives point and tangent at a parameter.
     pub(crate) fn recall(
         &mut self,
-        samples: &[Measured<R>],
+        samples: &[LimitSample<R>],
         mut place_at: impl FnMut(R) -> ([R; D], [R; D]),
     ) {
         let Some(end) = samples.last().map(|sample| sample.point) else { return };
@@ -179,7 +179,7 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
     }
 
     /// Ends the path, and with it every chord: what follows begins anew.
-    pub(crate) fn end(&mut self, samples: &mut Vec<Measured<R>>) {
+    pub(crate) fn end(&mut self, samples: &mut Vec<LimitSample<R>>) {
         while let Some(at) = self.breaks.pop_front() {
             self.limit_at(at, samples);
         }
@@ -187,7 +187,7 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
     }
 
     /// Lowers the samples around each break that the path is known far enough beyond, and forgets what no chord reaches any more.
-    pub(crate) fn settle(&mut self, samples: &mut Vec<Measured<R>>) {
+    pub(crate) fn settle(&mut self, samples: &mut Vec<LimitSample<R>>) {
         let Some(end) = self.places.last().map(|place| place.distance) else { return };
         while let Some(at) = self.breaks.front().copied().filter(|at| end - *at >= self.reach) {
             self.breaks.pop_front();
@@ -207,13 +207,14 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
     }
 
     /// Limits the feed around the break at this distance.
-    fn limit_at(&mut self, at: R, samples: &mut Vec<Measured<R>>) {
+    fn limit_at(&mut self, at: R, samples: &mut Vec<LimitSample<R>>) {
         if let Some(step) = self.step_over_corner(at) {
             lower_around(samples, at, step, step / self.period);
         }
         let first = samples.partition_point(|sample| sample.point.distance < at);
         let here = samples.iter().skip(first).take_while(|sample| sample.point.distance <= at);
-        let half_at = |most: R, sample: &Measured<R>| most.min((sample.point.feedrate * self.period).half());
+        let half_at =
+            |most: R, sample: &LimitSample<R>| most.min((sample.point.feedrate * self.period).half());
         let half_there = here.clone().fold(self.half_step, half_at);
         // What holds at one point alone says nothing of the period over it.
         let mut half = here.filter(|sample| !sample.is_single).fold(self.half_step, half_at);
@@ -241,7 +242,7 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
 
     /// Limits the feed by what may be spent on turning, where a step is no longer than `step` anyway. Where the breaks turn the path
     /// noticeably, the path keeps to its reserve of acceleration, as in a bend: of straight moves it has all that the axes can do.
-    fn limit_turning(&self, at: R, step: R, samples: &mut Vec<Measured<R>>) {
+    fn limit_turning(&self, at: R, step: R, samples: &mut Vec<LimitSample<R>>) {
         let alone = self
             .turn_at(at)
             .map_or_else(R::zero, |(along, turn)| self.strain(&along, &turn.map(|x| x * step)));
@@ -255,7 +256,8 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
         chord.lengthen_to(step);
         if found.is_some() || self.strain_over(&chord) > alone + R::one().scale(NOTICEABLE) {
             let (along, change) = Self::turn_over(&chord);
-            budget.keep_reserve(&Turning::at(&unit(&along), &change).share, samples, at, step);
+            let reserve = budget.reserve(&Turning::at(&unit(&along), &change).share).acceleration;
+            lower_acceleration_around(samples, at, step, reserve);
         }
     }
 
@@ -428,7 +430,7 @@ mod tests {
         kind: ProfileKind,
     ) -> f64 {
         let places = places(limit, limits, kind);
-        let stops: Vec<_> = limit.points().iter().filter(|p| p.feedrate == 0.0).map(|p| p.distance).collect();
+        let stops: Vec<_> = limit.points().filter(|p| p.feedrate == 0.0).map(|p| p.distance).collect();
         let passes_stop = |from: f64, to: f64| stops.iter().any(|stop| from < *stop && *stop < to);
         let chords = places.iter().zip(&places[8.min(places.len())..]);
         let chords = chords.filter(|(from, to)| !passes_stop(**from, **to));
@@ -668,14 +670,14 @@ mod tests {
             FeedLimit::along_with_stops(&views(&polyline(&points)), &limits, stops).unwrap()
         };
         let least = |limit: &FeedLimit<f64>| {
-            limit.nodes().iter().fold(f64::MAX, |least, node| least.min(node.lower.max(1e-9)))
+            limit.samples().iter().fold(f64::MAX, |least, sample| least.min(sample.lower.max(1e-9)))
         };
         // From L/2 - 0.05 before the first one, 0.003 (L - 0.1)²/(2 L) = E: L = 0.514.
         let joined = along(&[]);
         assert!((least(&joined) - 0.514).abs() < 0.003, "{}", least(&joined));
         let stopped = along(&[2]);
         let feeds: Vec<_> =
-            stopped.nodes().iter().map(|node| node.lower).filter(|feed| *feed < 0.6).collect();
+            stopped.samples().iter().map(|sample| sample.lower).filter(|feed| *feed < 0.6).collect();
         assert_eq!(feeds, [0.0]);
     }
 

@@ -13,7 +13,7 @@ use alloc::vec::Vec;
 use real::Real;
 
 use crate::axis_budget::Allowance;
-use crate::feed_limit::crossing;
+use crate::sample::distance_at_feed;
 use crate::{FeedLimit, KinematicLimits, ProfileKind, StageShape, Transition};
 
 /// Levels above the slow point's own. Twice as many save 0.2 to 0.7 % of time on the papers' curves, for
@@ -410,24 +410,22 @@ struct HullPoint<R> {
 /// The highest function under the limit that never falls from the slow point to the peak, by distance from
 /// the slow point.
 fn hull<R: Real>(limit: &FeedLimit<R>, direction: Direction, slow: usize, peak: usize) -> Vec<HullPoint<R>> {
-    let (Some(origin), Some(foot)) = (limit.points().get(slow), limit.nodes().get(slow)) else {
-        return Vec::new();
-    };
-    let mut hull = Descent { origin: origin.distance, points: Vec::new() };
+    let Some(foot) = limit.samples().get(slow) else { return Vec::new() };
+    let mut hull = Descent { origin: foot.point.distance, points: Vec::new() };
     let at_foot = match direction {
         Direction::Rising => {
             for i in (slow..peak).rev() {
                 hull.pass(limit, i + 1);
                 limit.cell(i).into_iter().for_each(|(near, far)| hull.descend(near, far));
             }
-            foot.after
+            foot.lower_after
         }
         Direction::Falling => {
             for i in peak..slow {
                 hull.pass(limit, i);
                 limit.cell(i).into_iter().for_each(|(far, near)| hull.descend(near, far));
             }
-            foot.before
+            foot.lower_before
         }
     };
     hull.push(R::zero(), hull.least(at_foot));
@@ -455,22 +453,19 @@ impl<R: Real> Descent<R> {
         }
         let least = self.least(far.1);
         if near.1 < least {
-            self.push(crossing(near, far, least), least);
+            self.push(distance_at_feed(near, far, least), least);
             self.push(near.0, near.1);
         }
     }
 
     /// Jumps down at a point whose limit holds for itself alone.
     fn pass(&mut self, limit: &FeedLimit<R>, point: usize) {
-        let (Some(at), Some(node)) = (limit.points().get(point), limit.nodes().get(point)) else { return };
-        if !node.is_single {
-            return;
-        }
-        let distance = (at.distance - self.origin).abs();
+        let Some(single) = limit.samples().get(point).filter(|sample| sample.is_single) else { return };
+        let distance = (single.point.distance - self.origin).abs();
         match self.points.last().map(|last| last.feed) {
-            Some(least) if node.lower < least => {
+            Some(least) if single.lower < least => {
                 self.push(distance, least);
-                self.push(distance, node.lower);
+                self.push(distance, single.lower);
             }
             // The peak itself counts as seen from inside.
             _ => {}

@@ -34,32 +34,32 @@ pub(crate) struct Key<R> {
 
 /// The ends and the significant minima of the limit.
 pub(crate) fn key_points<R: Real>(limit: &FeedLimit<R>, ends: EndFeeds<R>) -> Result<Vec<Key<R>>, PlanError> {
-    let (points, nodes) = (limit.points(), limit.nodes());
-    let last = nodes.len().saturating_sub(1);
+    let samples = limit.samples();
+    let last = samples.len().saturating_sub(1);
     let key = |point: usize, feed: R| {
-        let distance = points.get(point).map_or_else(R::zero, |p| p.distance);
+        let distance = samples.get(point).map_or_else(R::zero, |sample| sample.point.distance);
         Key { point, distance, feed, summit: (point, point), allowance: Allowance::unlimited() }
     };
     let start = end_feed(limit, 0, ("start feed", ends.start), PlanError::StartFeedTooHigh)?;
     let mut keys = Vec::from([key(0, start)]);
     let (mut is_falling, mut extreme) = (true, 0);
-    for (i, node) in nodes.iter().enumerate() {
-        let Some(reference) = nodes.get(extreme).map(|node| node.lower) else { break };
+    for (i, sample) in samples.iter().enumerate() {
+        let Some(reference) = samples.get(extreme).map(|sample| sample.lower) else { break };
         let significance = reference.scale(SIGNIFICANT);
-        let is_beyond = if is_falling { node.lower < reference } else { node.lower > reference };
+        let is_beyond = if is_falling { sample.lower < reference } else { sample.lower > reference };
         if is_beyond {
             extreme = i;
-        } else if is_falling && node.lower > reference + significance + significance {
+        } else if is_falling && sample.lower > reference + significance + significance {
             if extreme > 0 {
                 keys.push(key(extreme, reference));
             }
             (is_falling, extreme) = (false, i);
-        } else if !is_falling && node.lower < reference - significance {
+        } else if !is_falling && sample.lower < reference - significance {
             (is_falling, extreme) = (true, i);
         }
     }
     if is_falling && extreme > 0 && extreme < last {
-        keys.extend(nodes.get(extreme).map(|node| key(extreme, node.lower)));
+        keys.extend(samples.get(extreme).map(|sample| key(extreme, sample.lower)));
     }
     let end = end_feed(limit, last, ("end feed", ends.end), PlanError::EndFeedTooHigh)?;
     keys.push(key(last, end));
@@ -73,13 +73,11 @@ fn end_feed<R: Real>(
     (what, feed): (&'static str, R),
     too_high: PlanError,
 ) -> Result<R, PlanError> {
-    let (Some(at), Some(node)) = (limit.points().get(point), limit.nodes().get(point)) else {
-        return Err(PlanError::PathEmpty);
-    };
+    let sample = limit.samples().get(point).ok_or(PlanError::PathEmpty)?;
     if !(feed >= R::zero()) {
         return Err(PlanError::Negative { what });
     }
-    if feed > at.feedrate { Err(too_high) } else { Ok(feed.min(node.lower)) }
+    if feed > sample.point.feedrate { Err(too_high) } else { Ok(feed.min(sample.lower)) }
 }
 
 #[cfg(test)]

@@ -109,6 +109,8 @@ mod lower_bound;
 #[cfg(feature = "alloc")]
 mod lowered_samples;
 #[cfg(feature = "alloc")]
+mod sample;
+#[cfg(feature = "alloc")]
 mod scan;
 mod schedule;
 #[cfg(feature = "alloc")]
@@ -133,7 +135,7 @@ pub use chord_error::chord_feedrate;
 #[cfg(feature = "alloc")]
 pub use error::PlanError;
 #[cfg(feature = "alloc")]
-pub use feed_limit::{FeedLimit, LimitPoint};
+pub use feed_limit::FeedLimit;
 pub use feed_piece::FeedPiece;
 #[cfg(feature = "alloc")]
 pub use key_points::EndFeeds;
@@ -143,6 +145,8 @@ pub use limits::{AxisLimits, Junction, KinematicLimits};
 pub use look_ahead::{plan, plan_with};
 #[cfg(feature = "alloc")]
 pub use lower_bound::jerk_free_duration;
+#[cfg(feature = "alloc")]
+pub use sample::LimitPoint;
 pub use schedule::{Cursor, Schedule, Stage, StageKind};
 #[cfg(feature = "alloc")]
 pub use schedule_buf::ScheduleBuf;

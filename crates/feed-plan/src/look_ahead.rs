@@ -21,6 +21,7 @@ use real::Real;
 use crate::axis_budget::Allowance;
 use crate::flank::{Arrival, Direction, Flank, LEVELS, LEVELS_BETWEEN_ENDS, RampShape};
 use crate::key_points::{Key, key_points};
+use crate::sample::LimitSample;
 use crate::stages::Stages;
 use crate::whole_periods::stretch;
 use crate::{EndFeeds, FeedLimit, KinematicLimits, PlanError, ProfileKind, ScheduleBuf, Stage};
@@ -211,19 +212,19 @@ fn between<R: Real>(
 
 /// The limit point at which the limit is highest on the summit between two keys.
 fn summit<R: Real>(limit: &FeedLimit<R>, from: &Key<R>, to: &Key<R>) -> usize {
-    let height = |point: usize, node: &crate::feed_limit::Node<R>| {
+    let height = |point: usize, sample: &LimitSample<R>| {
         if point == from.point {
-            node.after
+            sample.lower_after
         } else if point == to.point {
-            node.before
+            sample.lower_before
         } else {
-            node.lower
+            sample.lower
         }
     };
     let (begin, end) = to.summit;
-    let candidates = limit.nodes().iter().enumerate().take(end + 1).skip(begin);
+    let candidates = limit.samples().iter().enumerate().take(end + 1).skip(begin);
     let highest =
-        candidates.map(|(i, node)| (i, height(i, node))).reduce(|a, b| if b.1 > a.1 { b } else { a });
+        candidates.map(|(i, sample)| (i, height(i, sample))).reduce(|a, b| if b.1 > a.1 { b } else { a });
     highest.map_or(begin, |(i, _)| i)
 }
 
@@ -486,7 +487,7 @@ mod tests {
     fn the_plan_stops_at_a_corner() {
         let curve = triple_knot();
         let (limit, plan) = planned(&curve, &in_periods(3e-3, 190.0, 5000.0, 4e5, 5e-4));
-        let corner = limit.points().iter().find(|point| point.feedrate == 0.0).unwrap();
+        let corner = limit.points().find(|point| point.feedrate == 0.0).unwrap();
         assert!((corner.u - 0.5).abs() < 1e-12 && (corner.distance - 30.0).abs() < 1e-9, "{corner:?}");
         let joint = plan.stages().iter().find(|stage| stage.start_feed == 0.0 && stage.start > 0.0).unwrap();
         assert!((joint.start - corner.distance).abs() < 1e-9);
@@ -536,7 +537,7 @@ mod tests {
         let plan = plan(&limit, &limits, EndFeeds::default()).unwrap();
         assert_kept(&limit, &limits, &plan);
         // No stop at 10 mm, where the lines have the same direction; one at 30 mm.
-        let stops: Vec<_> = limit.points().iter().filter(|p| p.feedrate == 0.0).map(|p| p.distance).collect();
+        let stops: Vec<_> = limit.points().filter(|p| p.feedrate == 0.0).map(|p| p.distance).collect();
         assert_eq!(stops.len(), 1);
         assert!((stops[0] - 30.0).abs() < 1e-12);
         let last = plan.stages().last().unwrap();
@@ -799,7 +800,7 @@ mod tests {
             let curve = NurbsBuf::try_new_nonrational(2, points, knots).unwrap();
             let limits = axes_like_the_path(acceleration, jerk);
             let limit = FeedLimit::along(&[curve.as_curve()], &limits).unwrap();
-            for pair in limit.nodes().windows(3).filter(|nodes| nodes[1].is_single) {
+            for pair in limit.samples().windows(3).filter(|samples| samples[1].is_single) {
                 prop_assert!(pair[1].lower <= pair[0].lower.min(pair[2].lower), "{pair:?}");
             }
             for kind in ProfileKind::ALL {

@@ -56,18 +56,18 @@ struct Stretch<R> {
 }
 
 fn stretches<R: Real>(limit: &FeedLimit<R>) -> Vec<Stretch<R>> {
-    let (points, nodes) = (limit.points(), limit.nodes());
+    let samples = limit.samples();
     let square = |feed: R| feed * feed;
     // Without the margin; but next to a stop, where the limit is released, the lower value is the higher one.
     let feed = |i: usize, inside: R| {
-        if nodes[i].is_single { inside } else { points[i].feedrate.max(inside) }
+        if samples[i].is_single { inside } else { samples[i].point.feedrate.max(inside) }
     };
     let stretch = |i: usize| Stretch {
-        length: points[i + 1].distance - points[i].distance,
-        inside: [square(feed(i, nodes[i].after)), square(feed(i + 1, nodes[i + 1].before))],
-        allowed_end: square(feed(i + 1, nodes[i + 1].lower)),
+        length: samples[i + 1].point.distance - samples[i].point.distance,
+        inside: [square(feed(i, samples[i].lower_after)), square(feed(i + 1, samples[i + 1].lower_before))],
+        allowed_end: square(feed(i + 1, samples[i + 1].lower)),
     };
-    (0..points.len().saturating_sub(1)).map(stretch).collect()
+    (0..samples.len().saturating_sub(1)).map(stretch).collect()
 }
 
 impl<R: Real> Stretch<R> {

@@ -5,14 +5,14 @@ use alloc::vec::Vec;
 use real::Real;
 
 use crate::LimitPoint;
-use crate::feed_limit::{Measured, lowered};
+use crate::sample::{LimitSample, lowered};
 
 /// Samples farther than 2⁻³ of half a chord from each other are too far apart to end a limit at.
 const FINE: i32 = -3;
 
 /// Adds a sample at a place on a straight line where the limit is constant and samples are farther than `apart`: or else the whole way
 /// to the next would be lowered with it.
-pub(crate) fn split<R: Real>(samples: &mut Vec<Measured<R>>, distance: R, apart: R) {
+pub(crate) fn split<R: Real>(samples: &mut Vec<LimitSample<R>>, distance: R, apart: R) {
     let next = samples.partition_point(|sample| sample.point.distance < distance);
     let before = next.checked_sub(1).and_then(|before| samples.get(before));
     let (Some(from), Some(to)) = (before, samples.get(next)) else { return };
@@ -23,13 +23,13 @@ pub(crate) fn split<R: Real>(samples: &mut Vec<Measured<R>>, distance: R, apart:
         return;
     }
     let u = a.u + (b.u - a.u) * ((distance - a.distance) / length);
-    let sample = Measured { point: LimitPoint { distance, u, ..a }, is_single: false, ..*to };
+    let sample = LimitSample { point: LimitPoint { distance, u, ..a }, is_single: false, ..*to };
     samples.insert(next, sample);
 }
 
 /// Lowers samples to a feed, until one is beyond reach, which is lowered too, or a stop. How many were looked at.
 pub(crate) fn lower<'a, R: Real + 'a>(
-    samples: impl Iterator<Item = &'a mut Measured<R>>,
+    samples: impl Iterator<Item = &'a mut LimitSample<R>>,
     feed: R,
     is_beyond: impl Fn(R) -> bool,
 ) -> usize {
@@ -39,7 +39,7 @@ pub(crate) fn lower<'a, R: Real + 'a>(
             break;
         }
         // Beside a stop too: what turning takes of accelerations holds up to there.
-        for limit in [&mut sample.point.feedrate, &mut sample.beside_stop.feedrate] {
+        for limit in [&mut sample.point.feedrate, &mut sample.feedrate_beside_stop] {
             *limit = limit.min(feed);
         }
         count += 1;
@@ -51,7 +51,7 @@ pub(crate) fn lower<'a, R: Real + 'a>(
 }
 
 /// Lowers what is within `half` of a place to a feed.
-pub(crate) fn lower_around<R: Real>(samples: &mut Vec<Measured<R>>, at: R, half: R, feed: R) {
+pub(crate) fn lower_around<R: Real>(samples: &mut Vec<LimitSample<R>>, at: R, half: R, feed: R) {
     let (begin, end) = (at - half, at + half);
     for place in [begin, end] {
         split(samples, place, half.scale(FINE));
@@ -65,7 +65,7 @@ pub(crate) fn lower_around<R: Real>(samples: &mut Vec<Measured<R>>, at: R, half:
 }
 
 /// Lowers a limit that holds at one point alone to what holds beside it now: above that, it would be a summit.
-pub(crate) fn lower_single<R: Real>(samples: &mut [Measured<R>], single: usize) {
+pub(crate) fn lower_single<R: Real>(samples: &mut [LimitSample<R>], single: usize) {
     let beside = |place: Option<usize>| {
         let sample = place.and_then(|place| samples.get(place))?;
         let margin = place.and_then(|place| samples.get(place + 1)).map_or_else(R::zero, |next| next.margin);
@@ -75,5 +75,19 @@ pub(crate) fn lower_single<R: Real>(samples: &mut [Measured<R>], single: usize) 
     let most = most.fold(R::max_value(), R::min);
     if let Some(sample) = samples.get_mut(single).filter(|sample| sample.is_single) {
         sample.point.feedrate = sample.point.feedrate.min(most);
+    }
+}
+
+/// Leaves the path no more than this acceleration within `reach` of a place.
+pub(crate) fn lower_acceleration_around<R: Real>(
+    samples: &mut [LimitSample<R>],
+    at: R,
+    reach: R,
+    acceleration: R,
+) {
+    let first = samples.partition_point(|sample| sample.point.distance < at - reach);
+    let within = samples.iter_mut().skip(first);
+    for sample in within.take_while(|sample| sample.point.distance <= at + reach) {
+        sample.allowance.acceleration = sample.allowance.acceleration.min(acceleration);
     }
 }

@@ -10,10 +10,9 @@ use nurbs_core::{Differentiate, Frenet, GaussLegendre, golden_section, tangent_b
 use real::Real;
 
 use crate::axis_budget::{Allowance, AxisBudget, Turning, components};
-use crate::feed_limit::{Measured, lowered};
 use crate::fine_moves::FineMoves;
 use crate::limits::Junction;
-use crate::stops::BesideStop;
+use crate::sample::{LimitSample, lowered};
 use crate::{KinematicLimits, LimitPoint, PlanError};
 
 /// At least 2⁴ stretches a span.
@@ -54,7 +53,7 @@ pub(crate) struct Scan<'l, R, const D: usize> {
     distance: R,
     /// Tangent and curvature vector at the end so far.
     end: Option<([R; D], [R; D])>,
-    samples: Vec<Measured<R>>,
+    samples: Vec<LimitSample<R>>,
     /// What breaks of the tangent within one step do together.
     fine_moves: FineMoves<R, D>,
     /// Distances at which the tangent breaks.
@@ -126,13 +125,13 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
     }
 
     /// The samples so far, but for those forgotten.
-    pub(crate) fn samples(&self) -> &[Measured<R>] {
+    pub(crate) fn samples(&self) -> &[LimitSample<R>] {
         &self.samples
     }
 
     /// Those of them that stay as they are, whatever comes: what a chord reaches from a break still to come may be lowered, and the
     /// sample before it.
-    pub(crate) fn settled(&self) -> &[Measured<R>] {
+    pub(crate) fn settled(&self) -> &[LimitSample<R>] {
         let begin = self.fine_moves.open_from(self.distance);
         let count = self.samples.partition_point(|sample| sample.point.distance <= begin);
         self.samples.get(..count.saturating_sub(1)).unwrap_or_default()
@@ -186,7 +185,7 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
         let point_at = |u| shape.derivatives(u).point;
         self.turn(turn.as_ref(), first, junction, point_at);
         let is_continuation =
-            |end: &Measured<R>| end.point.curve == curve && end.point.feedrate == first.feedrate;
+            |end: &LimitSample<R>| end.point.curve == curve && end.point.feedrate == first.feedrate;
         if !self.samples.last().is_some_and(is_continuation) {
             self.push(curve, first, None);
         }
@@ -262,22 +261,15 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
     fn push(&mut self, curve: usize, sample: &Sample<R, D>, before: Option<&Stretch<R>>) {
         let &Sample { u, speed, feedrate, beside_stop, .. } = sample;
         let point = LimitPoint { distance: self.distance, curve, u, feedrate };
-        let margin = before.map_or_else(R::zero, |stretch| stretch.course.margin);
-        let allowance = before.map_or_else(Allowance::unlimited, |stretch| stretch.allowance);
-        let beside_stop = BesideStop {
-            feedrate: beside_stop,
-            margin: before.map_or_else(R::zero, |stretch| stretch.beside_stop.margin),
-            allowance: before.map_or_else(Allowance::unlimited, |stretch| stretch.reserve),
-        };
-        self.samples.push(Measured {
-            point,
-            speed,
-            margin,
-            allowance,
-            is_single: feedrate.is_zero(),
-            bends: before.is_some_and(|stretch| stretch.bends),
-            beside_stop,
-        });
+        let at = LimitSample { speed, feedrate_beside_stop: beside_stop, ..LimitSample::new(point) };
+        self.samples.push(before.map_or(at, |stretch| LimitSample {
+            bends: stretch.bends,
+            margin: stretch.course.margin,
+            allowance: stretch.allowance,
+            margin_beside_stop: stretch.beside_stop.margin,
+            allowance_beside_stop: stretch.reserve,
+            ..at
+        }));
     }
 
     /// The feed at the point where a span begins, if the tangent breaks there, or the curvature steps more than the axes can

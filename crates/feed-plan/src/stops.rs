@@ -8,24 +8,7 @@ use alloc::collections::VecDeque;
 
 use real::Real;
 
-use crate::axis_budget::Allowance;
-use crate::feed_limit::{Measured, Node, interpolate, lowered};
-
-/// The limit without the chord error, at a sample and on the stretch that ends with it.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct BesideStop<R> {
-    pub(crate) feedrate: R,
-    /// By how much its square may dip below the straight line over the stretch.
-    pub(crate) margin: R,
-    /// What the axes leave for the path on the stretch if it is passed at that feed.
-    pub(crate) allowance: Allowance<R>,
-}
-
-impl<R: Real> BesideStop<R> {
-    pub(crate) fn unlimited() -> Self {
-        Self { feedrate: R::max_value(), margin: R::zero(), allowance: Allowance::unlimited() }
-    }
-}
+use crate::sample::{LimitSample, interpolate, lowered};
 
 /// Lets the limit jump at stops: within `reach` of one, the limit at `reach` from it holds. On the stretch that leads on from
 /// there, at a distance x of the stop, V² is above the limit's by no more than `reach`/x of it.
@@ -33,38 +16,39 @@ impl<R: Real> BesideStop<R> {
 /// The time is linear in the points, however many stops are within reach of each other: what lies within reach of a stop is looked
 /// for from where it was found last, and a point is lifted when it is asked for, once to all that the stops on either side
 /// lift it to.
-pub(crate) fn release_stops<R: Real>(samples: &[Measured<R>], nodes: &mut [Node<R>], reach: R) {
+pub(crate) fn release_stops<R: Real>(samples: &mut [LimitSample<R>], reach: R) {
     let (mut behind, mut next) = (0, 0); // Points before `behind` are beyond reach, and so are those from `next` on.
     let (mut ahead, mut back) = (Lifts::default(), Lifts::default());
-    for i in 0..nodes.len() {
-        lift(samples, nodes, i, ahead.at(i));
-        if nodes[i].lower > R::zero() {
+    for i in 0..samples.len() {
+        lift(samples, i, ahead.at(i));
+        if samples[i].lower > R::zero() {
             continue;
         }
         let here = samples[i].point.distance;
-        let is_beyond = |sample: &Measured<R>| (sample.point.distance - here).abs() > reach;
+        let is_beyond = |sample: &LimitSample<R>| (sample.point.distance - here).abs() > reach;
         next = next.max(i);
         while samples.get(next).is_some_and(|sample| !is_beyond(sample)) {
             next += 1;
         }
-        lift(samples, nodes, next - 1, ahead.last_at(next - 1));
-        ahead.add(next, limit_between(samples, nodes, next, here + reach));
+        lift(samples, next - 1, ahead.last_at(next - 1));
+        ahead.add(next, limit_between(samples, next, here + reach));
         while behind < i && is_beyond(&samples[behind]) {
-            lift(samples, nodes, behind, back.at(behind));
+            lift(samples, behind, back.at(behind));
             behind += 1;
         }
-        lift(samples, nodes, behind, back.at(behind));
-        back.add(i, limit_between(samples, nodes, behind, here - reach));
+        lift(samples, behind, back.at(behind));
+        back.add(i, limit_between(samples, behind, here - reach));
     }
-    for i in behind..nodes.len() {
-        lift(samples, nodes, i, back.at(i));
+    for i in behind..samples.len() {
+        lift(samples, i, back.at(i));
     }
-    for i in 0..nodes.len() {
-        if nodes[i].is_single {
-            let beside = samples[i].beside_stop.feedrate;
-            nodes[i].before = i.checked_sub(1).map_or_else(R::zero, |k| nodes[k].lower.min(beside));
-            nodes[i].after = nodes.get(i + 1).map_or_else(R::zero, |node| node.lower.min(beside));
-        }
+    for i in 0..samples.len() {
+        let LimitSample { is_single: true, feedrate_beside_stop: beside, .. } = samples[i] else { continue };
+        let most = |neighbour: Option<usize>| {
+            let neighbour = neighbour.and_then(|neighbour| samples.get(neighbour));
+            neighbour.map_or_else(R::zero, |sample| sample.lower.min(beside))
+        };
+        (samples[i].lower_before, samples[i].lower_after) = (most(i.checked_sub(1)), most(i.checked_add(1)));
     }
 }
 
@@ -105,8 +89,8 @@ impl<R: Real> Lifts<R> {
 }
 
 /// The limit at a distance between point `next` and the one before it; 0 beyond the ends.
-fn limit_between<R: Real>(samples: &[Measured<R>], nodes: &[Node<R>], next: usize, distance: R) -> R {
-    let at = |k: usize| Some((samples.get(k)?.point.distance, nodes.get(k)?.lower));
+fn limit_between<R: Real>(samples: &[LimitSample<R>], next: usize, distance: R) -> R {
+    let at = |k: usize| samples.get(k).map(|sample| (sample.point.distance, sample.lower));
     match (next.checked_sub(1).and_then(at), at(next)) {
         (Some(before), Some(after)) => interpolate(before, after, distance),
         _ => R::zero(),
@@ -114,25 +98,21 @@ fn limit_between<R: Real>(samples: &[Measured<R>], nodes: &[Node<R>], next: usiz
 }
 
 /// Lifts the limit at a point to `at_least`, as far as what holds beside a stop allows.
-fn lift<R: Real>(samples: &[Measured<R>], nodes: &mut [Node<R>], i: usize, at_least: R) {
-    if !(at_least > R::zero()) {
+fn lift<R: Real>(samples: &mut [LimitSample<R>], i: usize, at_least: R) {
+    let Some((sample, behind)) = samples.get_mut(i..).and_then(<[_]>::split_first_mut) else { return };
+    if !(at_least > R::zero()) || (sample.is_single && sample.lower > R::zero()) {
         return;
     }
-    let Some(BesideStop { feedrate, margin, allowance }) = samples.get(i).map(|sample| sample.beside_stop)
-    else {
-        return;
-    };
-    let behind = samples.get(i + 1).map(|sample| sample.beside_stop);
-    let margin = behind.map_or(margin, |behind| margin.max(behind.margin));
-    let lifted = at_least.min(lowered(feedrate, margin));
-    let Some(node) = nodes.get_mut(i) else { return };
-    if (node.is_single && node.lower > R::zero()) || !(lifted > node.lower) {
+    let next = behind.first_mut();
+    let margin_behind = next.as_ref().map_or_else(R::zero, |next| next.margin_beside_stop);
+    let margin = sample.margin_beside_stop.max(margin_behind);
+    let lifted = at_least.min(lowered(sample.feedrate_beside_stop, margin));
+    if !(lifted > sample.lower) {
         return;
     }
-    (node.lower, node.before, node.after, node.is_single) = (lifted, lifted, lifted, false);
-    node.allowance = node.allowance.min(allowance);
-    if let (Some(node), Some(behind)) = (nodes.get_mut(i + 1), behind) {
-        node.allowance = node.allowance.min(behind.allowance);
+    *sample = LimitSample { is_single: false, ..sample.with_lower(lifted) };
+    for beside in core::iter::once(sample).chain(next) {
+        beside.allowance = beside.allowance.min(beside.allowance_beside_stop);
     }
 }
 
@@ -146,19 +126,12 @@ mod tests {
     use nurbs_core::{Differentiate, NurbsCurve, curvature_vector, radius};
     use proptest::prelude::*;
 
-    fn measured(steps: &[(f64, f64, f64)]) -> Vec<Measured<f64>> {
+    fn samples(steps: &[(f64, f64, f64)]) -> Vec<LimitSample<f64>> {
         let mut distance = 0.0;
         let sample = |&(step, feedrate, beside): &(f64, f64, f64)| {
             distance += step;
-            Measured {
-                point: LimitPoint { distance, curve: 0, u: distance, feedrate },
-                speed: 0.0,
-                margin: 0.0,
-                allowance: Allowance::unlimited(),
-                is_single: feedrate == 0.0,
-                bends: false,
-                beside_stop: BesideStop { feedrate: beside, ..BesideStop::unlimited() },
-            }
+            let point = LimitPoint { distance, curve: 0, u: distance, feedrate };
+            LimitSample { feedrate_beside_stop: beside, ..LimitSample::new(point) }
         };
         steps.iter().map(sample).collect()
     }
@@ -245,8 +218,8 @@ mod tests {
         let mut steps: Vec<_> =
             (0..200_000).map(|i| (1e-9, if i < 100_000 { 1.0 } else { 0.0 }, 2.0)).collect();
         steps[0].0 = 1.0;
-        let limit = FeedLimit::assemble(&measured(&steps), 0.5).unwrap();
-        assert_eq!(limit.nodes().len(), 200_000);
+        let limit = FeedLimit::assemble(samples(&steps), Vec::new(), 0.5).unwrap();
+        assert_eq!(limit.samples().len(), 200_000);
     }
 
     /// The same where the axes allow nothing beside them, and each might lift more than the one before: looked at by each, for 14 and
@@ -259,8 +232,8 @@ mod tests {
             stops.clone().chain([slow, fast]).collect::<Vec<_>>(),
             [(0.0, 3.0, 4.0), (0.2, 1.0, 2.0)].into_iter().chain([(0.35, 0.0, 0.0)]).chain(stops).collect(),
         ] {
-            let limit = FeedLimit::assemble(&measured(&steps), 0.5).unwrap();
-            let stay = limit.nodes().iter().filter(|node| node.lower == 0.0);
+            let limit = FeedLimit::assemble(samples(&steps), Vec::new(), 0.5).unwrap();
+            let stay = limit.samples().iter().filter(|sample| sample.lower == 0.0);
             assert_eq!(stay.count(), steps.iter().filter(|step| step.1 == 0.0).count());
         }
     }
@@ -300,12 +273,12 @@ mod tests {
             ),
             reach in 0.0..3.0_f64,
         ) {
-            let samples = measured(&steps);
-            let limit = FeedLimit::assemble(&samples, reach).unwrap();
+            let samples = samples(&steps);
+            let limit = FeedLimit::assemble(samples.clone(), Vec::new(), reach).unwrap();
             let distances: Vec<_> = samples.iter().map(|sample| sample.point.distance).collect();
             let lowers = samples.iter().map(|sample| sample.point.feedrate).collect();
-            let beside: Vec<_> = samples.iter().map(|sample| sample.beside_stop.feedrate).collect();
-            let found: Vec<_> = limit.nodes().iter().map(|node| node.lower).collect();
+            let beside: Vec<_> = samples.iter().map(|sample| sample.feedrate_beside_stop).collect();
+            let found: Vec<_> = limit.samples().iter().map(|sample| sample.lower).collect();
             prop_assert_eq!(found, released_one_by_one(lowers, &beside, &distances, reach));
         }
     }

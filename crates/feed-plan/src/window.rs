@@ -19,7 +19,7 @@ use alloc::vec::Vec;
 use nurbs_core::Differentiate;
 use real::Real;
 
-use crate::feed_limit::Measured;
+use crate::sample::LimitSample;
 use crate::scan::Scan;
 use crate::{EndFeeds, FeedLimit, KinematicLimits, PlanError, ProfileKind, Stage, StageKind, look_ahead};
 
@@ -222,7 +222,7 @@ impl<R: Real, const D: usize, C: Differentiate<R, D>, I: Iterator<Item = Command
         if let Some(first) = self.scan.samples().first() {
             self.source.forget_before(first.point.curve);
         }
-        let is_in_view = |sample: &Measured<R>| sample.point.distance - begin >= self.window;
+        let is_in_view = |sample: &LimitSample<R>| sample.point.distance - begin >= self.window;
         while !self.source.is_over() && !self.scan.settled().last().is_some_and(is_in_view) {
             self.source.pass(&mut self.scan)?;
             if self.source.is_over() {
@@ -237,7 +237,7 @@ impl<R: Real, const D: usize, C: Differentiate<R, D>, I: Iterator<Item = Command
         let samples = if self.source.is_over() { self.scan.samples() } else { self.scan.settled() };
         let count = samples.partition_point(|sample| sample.point.distance - begin < self.window);
         let samples = samples.get(..=count).unwrap_or(samples);
-        let limit = FeedLimit::assemble(samples, self.limits.chord_error)?;
+        let limit = FeedLimit::assemble(samples.to_vec(), Vec::new(), self.limits.chord_error)?;
         Ok(limit.capped(|curve| self.source.feed_of(curve))?.beginning_at(begin))
     }
 }
@@ -494,7 +494,7 @@ mod tests {
         let limit = FeedLimit::along_with_stops(&views, &paper_limits(), &stops).unwrap();
         let free = FeedLimit::along(&views, &paper_limits()).unwrap();
         let begins = stops.map(|curve| {
-            let point = limit.points().iter().find(|point| point.curve == curve).unwrap();
+            let point = limit.points().find(|point| point.curve == curve).unwrap();
             assert_eq!(point.feedrate, 0.0);
             assert!(free.at(point.distance) > 0.0, "curve {curve} begins at rest without an exact stop");
             point.distance
