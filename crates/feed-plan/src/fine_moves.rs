@@ -41,6 +41,7 @@ use crate::axis_budget::{AxisBudget, Turning};
 use crate::broken_chord::{Chord, Place, SLACK, across, crossing};
 use crate::lowered_samples::{lower_acceleration_around, lower_around};
 use crate::sample::LimitSample;
+use crate::span_walk::tangent_rounding;
 use crate::{Junction, KinematicLimits, LimitPoint};
 
 /// A chord is lengthened by 2⁻⁴ at least, where breaks are denser than that.
@@ -88,11 +89,10 @@ pub(crate) struct FineMoves<R, const D: usize> {
 }
 
 impl<R: Real, const D: usize> FineMoves<R, D> {
-    /// `rounding` is the largest difference of unit tangents that rounding may make.
-    pub(crate) fn new(limits: &KinematicLimits<R>, budget: Option<AxisBudget<R>>, rounding: R) -> Self {
+    pub(crate) fn new(limits: &KinematicLimits<R>) -> Self {
         let period = limits.interpolation_period;
         let across = limits.centripetal_acceleration.map(|acceleration| acceleration * period * period);
-        let budget = budget.filter(AxisBudget::limits_acceleration);
+        let budget = AxisBudget::new(limits).filter(AxisBudget::limits_acceleration);
         let is_turning_limited = across.is_some() || budget.is_some();
         let half_step = (limits.feedrate * period).half();
         let deviation = match limits.junction {
@@ -106,7 +106,7 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
             places: Vec::new(),
             full: FEW,
             breaks: VecDeque::new(),
-            negligible: rounding.max(alone.scale(NOTABLE)),
+            negligible: tangent_rounding::<R>().max(alone.scale(NOTABLE)),
             half_step,
             reach: half_step + if reaches_whole_step { half_step } else { half_step.scale(-2) },
             period,

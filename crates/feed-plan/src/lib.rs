@@ -99,6 +99,8 @@ mod flexible;
 #[cfg(feature = "alloc")]
 mod in_chords;
 #[cfg(feature = "alloc")]
+mod junctions;
+#[cfg(feature = "alloc")]
 mod key_points;
 #[cfg(feature = "alloc")]
 mod limits;
@@ -116,6 +118,8 @@ mod schedule;
 #[cfg(feature = "alloc")]
 mod schedule_buf;
 mod section;
+#[cfg(feature = "alloc")]
+mod span_walk;
 mod stage_shape;
 #[cfg(feature = "alloc")]
 mod stages;
