@@ -4,7 +4,7 @@ use alloc::vec::Vec;
 
 use real::Real;
 
-use crate::flexible::merge;
+use crate::plan::flexible::merge;
 use crate::{FeedLimit, FeedPiece, KinematicLimits, Stage, StageShape, Transition};
 
 /// Stages, each beginning where the one before ends.

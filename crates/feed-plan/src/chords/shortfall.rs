@@ -16,7 +16,7 @@ use core::ops::Range;
 use nurbs_core::{Differentiate, Frenet, GaussLegendre};
 use real::Real;
 
-use crate::schedule::Cursor;
+use crate::Cursor;
 use crate::{FeedLimit, Schedule, Stage};
 
 /// How often a stage is followed, at most; what is left falls by a factor of ten and more each time.

@@ -8,10 +8,10 @@ use alloc::vec::Vec;
 use nurbs_core::Differentiate;
 use real::Real;
 
-use crate::axis_budget::Allowance;
-use crate::sample::{LimitSample, interpolate, lowered};
-use crate::scan::Scan;
-use crate::stops::release_stops;
+use crate::limit::axis_budget::Allowance;
+use crate::limit::sample::{LimitSample, interpolate, lowered};
+use crate::limit::scan::Scan;
+use crate::limit::stops::release_stops;
 use crate::{KinematicLimits, LimitPoint, PlanError};
 
 /// Between points less than 2⁴ roundings apart the parameter does not say where the path is.

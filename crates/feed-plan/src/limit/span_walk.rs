@@ -9,7 +9,7 @@ use nurbs_core::{Differentiate, Frenet, GaussLegendre, golden_section};
 use real::Real;
 
 use crate::KinematicLimits;
-use crate::axis_budget::{Allowance, AxisBudget, Turning, components};
+use crate::limit::axis_budget::{Allowance, AxisBudget, Turning, components};
 
 /// At least 2⁴ stretches a span.
 const COARSEST: i32 = -4;

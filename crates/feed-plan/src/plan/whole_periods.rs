@@ -5,7 +5,8 @@
 
 use real::Real;
 
-use crate::{FeedLimit, PlanError, Stage, section};
+use crate::schedule::section;
+use crate::{FeedLimit, PlanError, Stage};
 
 /// A section that bends is slowed down by 2⁻¹³ at least. That leaves 2⁻¹² of the acceleration, and more of the jerk, to a plan whose
 /// chords have the planned lengths ([`ScheduleBuf::shortened`](crate::ScheduleBuf::shortened)). Straight lines and their corners

@@ -8,7 +8,7 @@
 
 use real::Real;
 
-use crate::axis_budget::Allowance;
+use crate::limit::axis_budget::Allowance;
 
 /// The feed limit at one point of the path.
 #[derive(Clone, Copy, Debug, PartialEq)]

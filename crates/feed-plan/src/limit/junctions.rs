@@ -2,8 +2,8 @@
 
 use real::Real;
 
-use crate::axis_budget::{AxisBudget, components};
-use crate::span_walk::{Sample, tangent_rounding};
+use crate::limit::axis_budget::{AxisBudget, components};
+use crate::limit::span_walk::{Sample, tangent_rounding};
 use crate::{Junction, KinematicLimits};
 
 /// What changes where a span begins.

@@ -13,8 +13,9 @@ use alloc::vec::Vec;
 use nurbs_core::Differentiate;
 use real::Real;
 
-use crate::chord_shortfall::Path;
-use crate::{FeedLimit, Schedule, ScheduleBuf, Stage, chord_feeds};
+use crate::chords::feeds;
+use crate::chords::shortfall::Path;
+use crate::{FeedLimit, Schedule, ScheduleBuf, Stage};
 
 /// How often the run is followed to a stop, at most.
 const TRIALS: usize = 8;
@@ -89,7 +90,7 @@ impl<R: Real> Shortened<'_, R> {
     /// The stages shortened by a share of what they fall short, and by so much more where they come to rest.
     fn shortened(&self, share: R, at_the_end: R) -> Vec<Stage<R>> {
         let parts: Vec<_> = self.shortfalls.iter().map(|shortfall| *shortfall * share).collect();
-        chord_feeds::shortened(self.limit, self.stages, (&parts, at_the_end), self.arcs.interpolation_period)
+        feeds::shortened(self.limit, self.stages, (&parts, at_the_end), self.arcs.interpolation_period)
     }
 }
 

@@ -12,8 +12,8 @@ use alloc::vec::Vec;
 
 use real::Real;
 
-use crate::axis_budget::Allowance;
-use crate::sample::distance_at_feed;
+use crate::limit::axis_budget::Allowance;
+use crate::limit::sample::distance_at_feed;
 use crate::{FeedLimit, KinematicLimits, ProfileKind, StageShape, Transition};
 
 /// Levels above the slow point's own. Twice as many save 0.2 to 0.7 % of time on the papers' curves, for

@@ -25,10 +25,10 @@ use alloc::vec::Vec;
 
 use real::Real;
 
-use crate::{FeedLimit, FeedPiece, Stage, StageShape};
+use crate::{FeedLimit, FeedPiece, ScheduleBuf, Stage, StageShape};
 
 /// By 2⁻¹² of themselves acceleration and jerk of a change of feed may rise: as much as the stretch to whole periods leaves at least
-/// ([`SLOWER`](crate::whole_periods::SLOWER)). Without any, what a tight bend falls short by spread so far that a run reached
+/// ([`SLOWER`](crate::plan::whole_periods::SLOWER)). Without any, what a tight bend falls short by spread so far that a run reached
 /// the bend 11 steps late, at 2.1 E; with a hundred times as much, the chord errors of 240 random splines were the same.
 const ROOM: i32 = -12;
 /// Periods at both ends of a constant feed over which the correction may change. A feed that is constant for three times as
@@ -36,6 +36,26 @@ const ROOM: i32 = -12;
 const BEND: i32 = 32;
 /// Sweeps there and back. Most plans take two, and what sixteen leave is cut.
 const SWEEPS: usize = 16;
+
+impl<R: Real> ScheduleBuf<R> {
+    /// The same plan for setpoints whose chords, not arcs, have the planned lengths.
+    ///
+    /// The chords are shorter than their arcs, in each stage by what `shortfalls` says ([`FeedLimit::shortfalls`]): an
+    /// interpolator that makes each chord as long as the plan says would be ahead of the plan by that much, and pass the next bend
+    /// where the feed is still, or again, that of the straight. Here the feed is lowered by that, in the same time: from stop to
+    /// stop the lengths are less by the sum of the shortfalls. Feed and acceleration stay continuous wherever they were;
+    /// acceleration and jerk rise by no more than the stretch to whole periods left of their limits. For that the run is led off
+    /// its plan near a joint at which the shortfall changes, by a part of what it changes by over a transition: over a tight bend
+    /// by half of the bend's shortfall. A stage of constant feed may become three, of which the outer ones lead to other feeds.
+    ///
+    /// `limit` is the one that the plan was made under: it says where on the path such a stage is divided. Transitions are taken
+    /// to be symmetric, as all of a plan are.
+    #[must_use]
+    pub fn shortened(self, limit: &FeedLimit<R>, shortfalls: &[R]) -> Self {
+        let period = self.interpolation_period;
+        self.by_sections(shortfalls, |stages, these| shortened(limit, stages, (these, R::zero()), period))
+    }
+}
 
 /// The stages from one stop to the next, shortened by what each falls short by, and by so much more where the last one begins to
 /// come to rest; their starts are left as they are.
@@ -312,6 +332,7 @@ mod tests {
     use proptest::prelude::*;
     use proptest::test_runner::TestCaseError;
 
+    use crate::schedule::stage::examples::stages;
     use crate::test_paths::in_periods;
     use crate::{
         EndFeeds, FeedLimit, KinematicLimits, LimitPoint, ProfileKind, Schedule, ScheduleBuf, Stage,
@@ -399,6 +420,59 @@ mod tests {
             let knots = ends(0.0).chain(inner).chain(ends(last)).collect();
             NurbsBuf::try_new_nonrational(degree, points, knots).unwrap()
         })
+    }
+
+    #[test]
+    fn a_shortened_plan_keeps_its_times_and_its_feeds_meet() {
+        let plan = ScheduleBuf { stages: stages().to_vec(), interpolation_period: 1.0, periods: 4 };
+        let point = |distance, feedrate| LimitPoint { distance, curve: 0, u: distance, feedrate };
+        let limit = FeedLimit::from_points(&[point(0.0, 1.0), point(2.475, 1.0)]).unwrap();
+        let shortened = |shortfalls: &[f64]| {
+            let short = plan.clone().shortened(&limit, shortfalls);
+            assert!((short.as_schedule().duration() - plan.as_schedule().duration()).abs() < 1e-15);
+            let (mut start, mut feed) = (0.0, 0.0);
+            for stage in short.stages() {
+                assert!((stage.start - start).abs() < 1e-15, "{stage:?}");
+                assert_eq!(stage.start_feed, feed);
+                let mean = f64::midpoint(stage.start_feed, stage.end_feed);
+                assert!((mean * stage.duration - stage.length).abs() < 1e-15, "{stage:?}");
+                (start, feed) = (start + stage.length, stage.end_feed);
+            }
+            plan.as_schedule().length() - short.as_schedule().length()
+        };
+        // 0.3 is more than the second stage has.
+        for shortfalls in [[0.01, 0.0, 0.02], [0.0, 0.3, 0.0], [0.2, 0.0, 0.0]] {
+            let sum: f64 = shortfalls.iter().sum();
+            let less = shortened(&shortfalls);
+            assert!((less - sum).abs() < 1e-15, "{shortfalls:?}: {less}");
+        }
+        // Less than nothing is nothing, and so is what is not there.
+        assert!((shortened(&[-1.0, 0.02, 0.0]) - 0.02).abs() < 1e-15);
+        assert_eq!(plan.clone().shortened(&limit, &[]), plan);
+        // What is more than half of the path is left.
+        assert!((shortened(&[2.0, 2.0, 2.0]) - 2.475 / 2.0).abs() < 1e-15);
+    }
+
+    /// Each stop is landed on: what lies before it takes nothing from what lies behind.
+    #[test]
+    fn a_stop_divides_what_is_shortened() {
+        let [up, cruise, down] = stages();
+        let land = Stage { start_feed: 1.0, end_feed: 0.0, length: 0.55, ..down };
+        let stages = vec![up, cruise, land, Stage { start: 2.2, ..up }, Stage { start: 3.45, ..land }];
+        let plan = ScheduleBuf { stages, interpolation_period: 1.0, periods: 8 };
+        let limit = FeedLimit::from_points(&[0.0, 4.0].map(|distance| LimitPoint {
+            distance,
+            curve: 0,
+            u: distance,
+            feedrate: 1.0,
+        }));
+        let short = plan.clone().shortened(&limit.unwrap(), &[0.1, 0.0, 0.0, 0.0, 0.02]);
+        let length = |stages: &[Stage<f64>]| stages.iter().map(|stage| stage.length).sum::<f64>();
+        for (range, less) in [(0..3, 0.1), (3..5, 0.02)] {
+            let [whole, less_long] = [&plan, &short].map(|plan| length(&plan.stages()[range.clone()]));
+            assert!((whole - less_long - less).abs() < 1e-15, "{range:?}: {whole} {less_long}");
+        }
+        assert_eq!((short.stages()[2].end_feed, short.stages()[3].start_feed), (0.0, 0.0));
     }
 
     proptest! {

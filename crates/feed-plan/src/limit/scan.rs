@@ -8,10 +8,10 @@ use alloc::vec::Vec;
 use nurbs_core::{Differentiate, tangent_breaks};
 use real::Real;
 
-use crate::fine_moves::FineMoves;
-use crate::junctions::{Junctions, Turn};
-use crate::sample::{LimitSample, lowered};
-use crate::span_walk::{Sample, Sampling, Span, Station, Stretch};
+use crate::limit::fine_moves::FineMoves;
+use crate::limit::junctions::{Junctions, Turn};
+use crate::limit::sample::{LimitSample, lowered};
+use crate::limit::span_walk::{Sample, Sampling, Span, Station, Stretch};
 use crate::{KinematicLimits, LimitPoint, PlanError};
 
 /// The samples of the path so far.

@@ -8,7 +8,7 @@ use alloc::collections::VecDeque;
 
 use real::Real;
 
-use crate::sample::{LimitSample, interpolate, lowered};
+use crate::limit::sample::{LimitSample, interpolate, lowered};
 
 /// Lets the limit jump at stops: within `reach` of one, the limit at `reach` from it holds. On the stretch that leads on from
 /// there, at a distance x of the stop, V² is above the limit's by no more than `reach`/x of it.

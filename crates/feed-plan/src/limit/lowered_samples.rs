@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 use real::Real;
 
 use crate::LimitPoint;
-use crate::sample::{LimitSample, lowered};
+use crate::limit::sample::{LimitSample, lowered};
 
 /// Samples farther than 2⁻³ of half a chord from each other are too far apart to end a limit at.
 const FINE: i32 = -3;

@@ -37,11 +37,11 @@ use alloc::vec::Vec;
 
 use real::Real;
 
-use crate::axis_budget::{AxisBudget, Turning};
-use crate::broken_chord::{Chord, Place, SLACK, across, crossing};
-use crate::lowered_samples::{lower_acceleration_around, lower_around};
-use crate::sample::LimitSample;
-use crate::span_walk::tangent_rounding;
+use crate::limit::axis_budget::{AxisBudget, Turning};
+use crate::limit::broken_chord::{Chord, Place, SLACK, across, crossing};
+use crate::limit::lowered_samples::{lower_acceleration_around, lower_around};
+use crate::limit::sample::LimitSample;
+use crate::limit::span_walk::tangent_rounding;
 use crate::{Junction, KinematicLimits, LimitPoint};
 
 /// A chord is lengthened by 2⁻⁴ at least, where breaks are denser than that.

@@ -3,7 +3,7 @@
 use nurbs_core::NurbsBuf;
 use proptest::prelude::*;
 
-use crate::chord_shortfall::Path;
+use crate::chords::shortfall::Path;
 use crate::test_paths::{in_periods, polyline};
 use crate::{EndFeeds, FeedLimit, Junction, KinematicLimits, ProfileKind, plan_with};
 

@@ -86,7 +86,7 @@ fn at_whole_period(time: u64) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::schedule::examples::stages;
+    use crate::schedule::stage::examples::stages;
 
     fn with(duration: f64, end_feed: f64) -> Stage<f64> {
         Stage { duration, end_feed, ..stages()[0] }

@@ -18,12 +18,12 @@ use alloc::vec::Vec;
 
 use real::Real;
 
-use crate::axis_budget::Allowance;
-use crate::flank::{Arrival, Direction, Flank, LEVELS, LEVELS_BETWEEN_ENDS, RampShape};
-use crate::key_points::{Key, key_points};
-use crate::sample::LimitSample;
-use crate::stages::Stages;
-use crate::whole_periods::stretch;
+use crate::limit::axis_budget::Allowance;
+use crate::limit::sample::LimitSample;
+use crate::plan::flank::{Arrival, Direction, Flank, LEVELS, LEVELS_BETWEEN_ENDS, RampShape};
+use crate::plan::key_points::{Key, key_points};
+use crate::plan::stages::Stages;
+use crate::plan::whole_periods::stretch;
 use crate::{EndFeeds, FeedLimit, KinematicLimits, PlanError, ProfileKind, ScheduleBuf, Stage};
 
 /// Halvings of the range of cruising feeds until one is found that can be reached, and then to refine it.

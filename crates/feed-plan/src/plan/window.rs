@@ -19,9 +19,10 @@ use alloc::vec::Vec;
 use nurbs_core::Differentiate;
 use real::Real;
 
-use crate::sample::LimitSample;
-use crate::scan::Scan;
-use crate::{EndFeeds, FeedLimit, KinematicLimits, PlanError, ProfileKind, Stage, StageKind, look_ahead};
+use crate::limit::sample::LimitSample;
+use crate::limit::scan::Scan;
+use crate::plan::look_ahead;
+use crate::{EndFeeds, FeedLimit, KinematicLimits, PlanError, ProfileKind, Stage, StageKind};
 
 /// A window's plan is followed over at least 2⁻⁶ of the window.
 const LEAST_ADVANCE: i32 = -6;
@@ -54,11 +55,11 @@ pub struct CommandedCurve<C, R> {
 /// and for good.
 ///
 /// Distances count from the path's start and curves from the first one. The feed is continuous over windows, and all
-/// limits of [`plan`](crate::plan) hold. Planning costs in proportion to the path: each span is sampled once, and each
+/// limits of [`plan`](crate::plan()) hold. Planning costs in proportion to the path: each span is sampled once, and each
 /// sample planned over about twice.
 ///
 /// # Errors
-/// As [`plan`](crate::plan) and [`FeedLimit::capped`]; [`PlanError::NotPositive`] for a window that is none. What was emitted before an error stands.
+/// As [`plan`](crate::plan()) and [`FeedLimit::capped`]; [`PlanError::NotPositive`] for a window that is none. What was emitted before an error stands.
 pub fn plan_through_window<R: Real, const D: usize, C: Differentiate<R, D>>(
     curves: impl IntoIterator<Item = CommandedCurve<C, R>>,
     limits: &KinematicLimits<R>,

@@ -4,7 +4,7 @@ use alloc::vec::Vec;
 
 use real::Real;
 
-use crate::axis_budget::Allowance;
+use crate::limit::axis_budget::Allowance;
 use crate::{FeedLimit, PlanError};
 
 /// Minima less deep than 2⁻⁸ of the limit are no key points: a constant limit, sampled, is full of them. The
