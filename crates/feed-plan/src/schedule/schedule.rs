@@ -142,18 +142,6 @@ impl<'a, R: Real> Schedule<'a, R> {
         self.at(cursor, Stage::feed_at)
     }
 
-    /// Acceleration at the cursor.
-    #[must_use]
-    pub fn acceleration(&self, cursor: &Cursor<R>) -> R {
-        self.at(cursor, Stage::acceleration_at)
-    }
-
-    /// Jerk at the cursor; it steps at joints, where that of the stage that begins is given.
-    #[must_use]
-    pub fn jerk(&self, cursor: &Cursor<R>) -> R {
-        self.at(cursor, Stage::jerk_at)
-    }
-
     /// Distance from the path's start at the cursor.
     #[must_use]
     pub fn distance(&self, cursor: &Cursor<R>) -> R {

@@ -54,6 +54,22 @@ impl<R: Real> Stage<R> {
         }
     }
 
+    /// The same stage with each number converted.
+    pub fn map<Q>(&self, mut convert: impl FnMut(R) -> Q) -> Stage<Q> {
+        Stage {
+            start: convert(self.start),
+            length: convert(self.length),
+            start_feed: convert(self.start_feed),
+            end_feed: convert(self.end_feed),
+            duration: convert(self.duration),
+            shape: self.shape,
+            curve_start: self.curve_start,
+            u_start: convert(self.u_start),
+            curve_end: self.curve_end,
+            u_end: convert(self.u_end),
+        }
+    }
+
     /// Whether nothing moves in it.
     #[must_use]
     pub fn is_pause(&self) -> bool {
