@@ -333,11 +333,8 @@ mod tests {
     use proptest::test_runner::TestCaseError;
 
     use crate::schedule::stage::examples::stages;
-    use crate::test_paths::in_periods;
-    use crate::{
-        EndFeeds, FeedLimit, KinematicLimits, LimitPoint, ProfileKind, Schedule, ScheduleBuf, Stage,
-        plan_with,
-    };
+    use crate::test_paths::{in_periods, jerk_over_periods, limit_through};
+    use crate::{EndFeeds, FeedLimit, KinematicLimits, ProfileKind, ScheduleBuf, Stage, plan_with};
 
     /// What peaks may rise by, and rounding.
     const ROOM: f64 = 1.0 + 1.0 / 4096.0 + 1e-9;
@@ -395,14 +392,6 @@ mod tests {
         Ok(())
     }
 
-    /// The largest third difference of the distance from period to period.
-    fn jerk_over_periods(plan: &Schedule<'_, f64>) -> f64 {
-        let mut cursor = plan.start();
-        let steps: Vec<_> = core::iter::from_fn(|| plan.advance(&mut cursor)).collect();
-        let change = |three: &[f64]| (three[2] - three[1] - three[1] + three[0]).abs();
-        steps.windows(3).map(change).fold(0.0, f64::max)
-    }
-
     /// A spline that winds through points, more tightly at first.
     fn spline() -> impl Strategy<Value = NurbsBuf<f64, 2>> {
         let strides = prop::collection::vec((-0.3..0.7_f64, -0.5..0.5_f64), 6..30);
@@ -425,8 +414,7 @@ mod tests {
     #[test]
     fn a_shortened_plan_keeps_its_times_and_its_feeds_meet() {
         let plan = ScheduleBuf { stages: stages().to_vec(), interpolation_period: 1.0, periods: 4 };
-        let point = |distance, feedrate| LimitPoint { distance, curve: 0, u: distance, feedrate };
-        let limit = FeedLimit::from_points(&[point(0.0, 1.0), point(2.475, 1.0)]).unwrap();
+        let limit = limit_through(&[(0.0, 1.0), (2.475, 1.0)]);
         let shortened = |shortfalls: &[f64]| {
             let short = plan.clone().shortened(&limit, shortfalls);
             assert!((short.as_schedule().duration() - plan.as_schedule().duration()).abs() < 1e-15);
@@ -460,13 +448,8 @@ mod tests {
         let land = Stage { start_feed: 1.0, end_feed: 0.0, length: 0.55, ..down };
         let stages = vec![up, cruise, land, Stage { start: 2.2, ..up }, Stage { start: 3.45, ..land }];
         let plan = ScheduleBuf { stages, interpolation_period: 1.0, periods: 8 };
-        let limit = FeedLimit::from_points(&[0.0, 4.0].map(|distance| LimitPoint {
-            distance,
-            curve: 0,
-            u: distance,
-            feedrate: 1.0,
-        }));
-        let short = plan.clone().shortened(&limit.unwrap(), &[0.1, 0.0, 0.0, 0.0, 0.02]);
+        let limit = limit_through(&[(0.0, 1.0), (4.0, 1.0)]);
+        let short = plan.clone().shortened(&limit, &[0.1, 0.0, 0.0, 0.0, 0.02]);
         let length = |stages: &[Stage<f64>]| stages.iter().map(|stage| stage.length).sum::<f64>();
         for (range, less) in [(0..3, 0.1), (3..5, 0.02)] {
             let [whole, less_long] = [&plan, &short].map(|plan| length(&plan.stages()[range.clone()]));
@@ -510,10 +493,10 @@ mod tests {
             let points: Vec<_> = rows.into_iter().enumerate().map(|(index, (stride, feedrate, stops))| {
                 distance += if index > 0 { stride } else { 0.0 };
                 rests = stops && !rests;
-                LimitPoint { distance, curve: 0, u: distance, feedrate: if rests { 0.0 } else { feedrate } }
+                (distance, if rests { 0.0 } else { feedrate })
             }).collect();
             let limits = KinematicLimits { jerk, ..in_periods(3e-3, 200.0, 5000.0, 4e5, 5e-4) };
-            let limit = FeedLimit::from_points(&points).unwrap();
+            let limit = limit_through(&points);
             for kind in ProfileKind::ALL {
                 let Ok(arcs) = plan_with(&limit, &limits, EndFeeds::default(), kind) else { continue };
                 let shares = shares.iter().cycle();

@@ -343,16 +343,8 @@ mod tests {
     use nurbs_core::NurbsBuf;
 
     use super::*;
-    use crate::test_paths::{in_periods, polyline};
+    use crate::test_paths::{in_periods, jerk_over_periods, polyline};
     use crate::{EndFeeds, Junction, KinematicLimits, ProfileKind, plan_with};
-
-    /// The largest change of acceleration from one period to the next, against the jerk limit.
-    fn jerk_of_steps(schedule: &Schedule<'_, f64>, jerk: f64) -> f64 {
-        let mut cursor = schedule.start();
-        let steps: Vec<_> = core::iter::from_fn(|| schedule.advance(&mut cursor)).collect();
-        let change = |three: &[f64]| (three[2] - three[1] - three[1] + three[0]).abs();
-        steps.windows(3).map(change).fold(0.0, f64::max) / jerk
-    }
 
     /// A step over corners of any angle covers as much of the path as it is long; on a spline too, whose corner lies within.
     #[test]
@@ -430,7 +422,7 @@ mod tests {
             let chords =
                 arcs.clone().shortened(&limit, &limit.shortfalls(&[curve.as_curve()], &arcs.as_schedule()));
             let [planned, chords] =
-                [&arcs, &chords].map(|plan| jerk_of_steps(&plan.as_schedule(), limits.jerk));
+                [&arcs, &chords].map(|plan| jerk_over_periods(&plan.as_schedule()) / limits.jerk);
             assert!(planned <= 1.0 && chords <= 1.0 + 1e-9, "{kind:?}: {planned} {chords}");
         }
     }

@@ -334,17 +334,14 @@ mod tests {
     use super::*;
     use crate::Junction;
     use crate::test_paths::{
-        Power, circle, hairpin, paper_limits, polyline, seed_000, seed_003, triple_knot,
+        Power, circle, hairpin, limit_along, limit_point, paper_limits, polyline, seed_000, seed_003,
+        triple_knot,
     };
     use nurbs_core::{Evaluate, NurbsBuf, arc_length, radius};
     use proptest::prelude::*;
 
     fn along(curve: &NurbsBuf<f64, 2>) -> FeedLimit<f64> {
-        FeedLimit::along(&[curve.as_curve()], &paper_limits()).unwrap()
-    }
-
-    fn point(distance: f64, feedrate: f64) -> LimitPoint<f64> {
-        LimitPoint { distance, curve: 0, u: distance, feedrate }
+        limit_along(core::slice::from_ref(curve), &paper_limits())
     }
 
     fn longest_step(limit: &FeedLimit<f64>) -> f64 {
@@ -485,8 +482,7 @@ mod tests {
         // θ may be 4E/(F T) = 1/300, so that the chord over it leaves the corner by no more than E.
         let stops = |angle: f64| {
             let path = polyline(&[[0.0, 0.0], [10.0, 0.0], [20.0, 10.0 * angle]]);
-            let curves: Vec<_> = path.iter().map(NurbsBuf::as_curve).collect();
-            let limit = FeedLimit::along(&curves, &paper_limits()).unwrap();
+            let limit = limit_along(&path, &paper_limits());
             limit.points().filter(|p| p.feedrate == 0.0).count()
         };
         assert_eq!((stops(0.0033), stops(0.0034)), (0, 1));
@@ -497,10 +493,9 @@ mod tests {
     fn a_small_break_keeps_the_limit_of_its_junction() {
         let angle = 0.0033;
         let path = polyline(&[[0.0, 0.0], [20.0, 0.0], [40.0, 20.0 * angle]]);
-        let curves: Vec<_> = path.iter().map(NurbsBuf::as_curve).collect();
         let at_break = |junction| {
             let limits = KinematicLimits { junction, ..paper_limits() };
-            let limit = FeedLimit::along(&curves, &limits).unwrap();
+            let limit = limit_along(&path, &limits);
             assert!(crate::plan(&limit, &limits, crate::EndFeeds::default()).is_ok());
             least_lower(&limit)
         };
@@ -521,14 +516,13 @@ mod tests {
     #[test]
     fn a_corner_is_rounded_with_no_more_than_the_centripetal_acceleration() {
         let path = polyline(&[[0.0, 0.0], [20.0, 0.0], [20.0, 20.0]]);
-        let curves: Vec<_> = path.iter().map(NurbsBuf::as_curve).collect();
         for (centripetal, acceleration) in [(None, 0.045), (Some(0.01), 0.01), (Some(0.1), 0.045)] {
             let limits = KinematicLimits {
                 junction: Junction::Deviation(0.1),
                 centripetal_acceleration: centripetal,
                 ..paper_limits()
             };
-            let limit = FeedLimit::along(&curves, &limits).unwrap();
+            let limit = limit_along(&path, &limits);
             let found = least_lower(&limit);
             let expected = (acceleration * 0.1 / (2.0_f64.sqrt() - 1.0)).sqrt();
             assert!((found / expected - 1.0).abs() < 1e-9, "{centripetal:?}: {found} for {expected}");
@@ -572,7 +566,7 @@ mod tests {
     fn beside_the_stop_in_a_bend_its_limit_holds() {
         let limits = KinematicLimits { feedrate: 200.0, ..paper_limits() };
         let curve = hairpin(1.0);
-        let limit = FeedLimit::along(&[curve.as_curve()], &limits).unwrap();
+        let limit = limit_along(core::slice::from_ref(&curve), &limits);
         let stops: Vec<_> = limit.points().filter(|point| point.feedrate == 0.0).collect();
         assert!(stops.len() == 1 && (stops[0].u - 0.5).abs() < 1e-3, "{stops:?}");
         let mut slow = 0;
@@ -593,7 +587,7 @@ mod tests {
     fn a_stop_releases_the_limit_within_the_chord_error_only() {
         let points =
             [(0.0, 0.0), (0.0, 0.2), (30.0, 0.8), (60.0, 0.2), (60.0, 0.0), (60.0, 0.6), (90.0, 0.6)];
-        let samples = points.map(|(distance, feedrate)| LimitSample::new(point(distance, feedrate)));
+        let samples = points.map(|(distance, feed)| LimitSample::new(limit_point(distance, feed)));
         let limit = FeedLimit::assemble(samples.to_vec(), Vec::new(), 0.01).unwrap();
         // V² is linear: 0.04 to 0.64 over 30 mm.
         let wanted = |beyond: f64| Real::sqrt(0.04 + 0.6 * beyond / 30.0);
@@ -652,12 +646,15 @@ mod tests {
     fn refused_points_are_named() {
         let from = |points: &[LimitPoint<f64>]| FeedLimit::from_points(points).map(|limit| limit.length());
         assert_eq!(from(&[]), Err(PlanError::PathEmpty));
-        assert_eq!(from(&[point(0.0, 1.0)]), Err(PlanError::PathEmpty));
-        assert_eq!(from(&[point(0.5, 1.0), point(2.0, 1.0)]), Err(PlanError::PointsOutOfOrder { index: 0 }));
-        let falling = [point(0.0, 1.0), point(2.0, 1.0), point(1.0, 1.0)];
+        assert_eq!(from(&[limit_point(0.0, 1.0)]), Err(PlanError::PathEmpty));
+        assert_eq!(
+            from(&[limit_point(0.5, 1.0), limit_point(2.0, 1.0)]),
+            Err(PlanError::PointsOutOfOrder { index: 0 })
+        );
+        let falling = [limit_point(0.0, 1.0), limit_point(2.0, 1.0), limit_point(1.0, 1.0)];
         assert_eq!(from(&falling), Err(PlanError::PointsOutOfOrder { index: 2 }));
         assert_eq!(
-            from(&[point(0.0, 1.0), point(1.0, f64::NAN)]),
+            from(&[limit_point(0.0, 1.0), limit_point(1.0, f64::NAN)]),
             Err(PlanError::PointsOutOfOrder { index: 1 })
         );
         let none: [NurbsBuf<f64, 2>; 0] = [];

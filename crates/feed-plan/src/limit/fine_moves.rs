@@ -362,9 +362,9 @@ fn unit<R: Real, const D: usize>(vector: &[R; D]) -> [R; D] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_paths::{circle, in_range, paper_limits, polyline};
+    use crate::test_paths::{self, circle, in_range, paper_limits, polyline};
     use crate::{AxisLimits, EndFeeds, FeedLimit, ProfileKind, chord_feedrate, plan_with};
-    use nurbs_core::{NurbsBuf, NurbsCurve};
+    use nurbs_core::NurbsBuf;
     use proptest::prelude::*;
     use real::{Backend, I32F32};
 
@@ -437,12 +437,8 @@ mod tests {
         chords.map(|(from, to)| track.chord_error(*from, *to)).fold(0.0, f64::max)
     }
 
-    fn views(curves: &[NurbsBuf<f64, 2>]) -> Vec<NurbsCurve<'_, f64, 2>> {
-        curves.iter().map(NurbsBuf::as_curve).collect()
-    }
-
     fn limit_along(points: &[[f64; 2]], limits: &KinematicLimits<f64>) -> FeedLimit<f64> {
-        FeedLimit::along(&views(&polyline(points)), limits).unwrap()
+        test_paths::limit_along(&polyline(points), limits)
     }
 
     /// Moves over an arc that begins at the origin, along x.
@@ -564,7 +560,7 @@ mod tests {
         let (of_axes, _) = most_change(&track, &limit, &limits);
         assert!(of_axes.iter().all(|change| *change <= 2e-3 * 1.02), "{of_axes:?}");
         let circle = circle(5.0);
-        let of_circle = FeedLimit::along(&[circle.as_curve()], &limits).unwrap();
+        let of_circle = test_paths::limit_along(&[circle], &limits);
         let mean = |limit: &FeedLimit<f64>| {
             (100..900).map(|i| limit.at(limit.length() * f64::from(i) / 1000.0)).sum::<f64>() / 800.0
         };
@@ -627,7 +623,7 @@ mod tests {
         let moves: Vec<_> = (0..=1500).map(|i| [2.0 * at(i).cos(), 2.0 * at(i).sin()]).collect();
         let mut path = vec![quarter];
         path.extend(polyline(&moves));
-        let limit = FeedLimit::along(&views(&path), &paper_limits()).unwrap();
+        let limit = test_paths::limit_along(&path, &paper_limits());
         let (least, most) = range(&limit);
         let expected = chord_feedrate(2.0, ALLOWED, 1.0);
         assert!(least > 0.99 * expected && most < 1.005 * expected, "{least} to {most}, {expected}");
@@ -666,9 +662,9 @@ mod tests {
             points
         };
         let points = chain(&[turn(0.0, 5.0), turn(0.003, 0.1), turn(0.003, 0.1), turn(0.006, 5.0)]);
-        let along = |stops: &[usize]| {
-            FeedLimit::along_with_stops(&views(&polyline(&points)), &limits, stops).unwrap()
-        };
+        let path = polyline(&points);
+        let curves: Vec<_> = path.iter().map(NurbsBuf::as_curve).collect();
+        let along = |stops: &[usize]| FeedLimit::along_with_stops(&curves, &limits, stops).unwrap();
         let least = |limit: &FeedLimit<f64>| {
             limit.samples().iter().fold(f64::MAX, |least, sample| least.min(sample.lower.max(1e-9)))
         };

@@ -121,8 +121,8 @@ mod tests {
     use core::ops::Range;
 
     use super::*;
-    use crate::test_paths::{hairpin, in_periods};
-    use crate::{AxisLimits, EndFeeds, FeedLimit, KinematicLimits, LimitPoint, ProfileKind, plan_with};
+    use crate::test_paths::{hairpin, in_periods, limit_along, limit_point};
+    use crate::{AxisLimits, EndFeeds, FeedLimit, KinematicLimits, ProfileKind, plan_with};
     use nurbs_core::{Differentiate, NurbsCurve, curvature_vector, radius};
     use proptest::prelude::*;
 
@@ -130,8 +130,7 @@ mod tests {
         let mut distance = 0.0;
         let sample = |&(step, feedrate, beside): &(f64, f64, f64)| {
             distance += step;
-            let point = LimitPoint { distance, curve: 0, u: distance, feedrate };
-            LimitSample { feedrate_beside_stop: beside, ..LimitSample::new(point) }
+            LimitSample { feedrate_beside_stop: beside, ..LimitSample::new(limit_point(distance, feedrate)) }
         };
         steps.iter().map(sample).collect()
     }
@@ -189,7 +188,7 @@ mod tests {
                 let duration = |width: f64, chord_error: f64| {
                     let limits = limits_with_axes(t, feedrate, chord_error);
                     let curve = hairpin(width);
-                    let limit = FeedLimit::along(&[curve.as_curve()], &limits).unwrap();
+                    let limit = limit_along(core::slice::from_ref(&curve), &limits);
                     let plan = plan_with(&limit, &limits, EndFeeds::default(), kind).unwrap();
                     let rests = plan.stages().iter().filter(|stage| stage.end_feed == 0.0);
                     let rests: Vec<_> = rests.map(|stage| stage.start + stage.length).collect();

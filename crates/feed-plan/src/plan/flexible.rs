@@ -189,8 +189,8 @@ pub(crate) fn merged_piece<R: Real>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_paths::paper_limits;
-    use crate::{EndFeeds, LimitPoint, jerk_free_duration, plan_with};
+    use crate::test_paths::{limit_through, paper_limits};
+    use crate::{EndFeeds, jerk_free_duration, plan_with};
 
     /// A = 1000 mm/s², J = 5e4 mm/s³, in mm and s.
     fn limits() -> KinematicLimits<f64> {
@@ -203,30 +203,26 @@ mod tests {
         }
     }
 
-    fn point(distance: f64, feedrate: f64) -> LimitPoint<f64> {
-        LimitPoint { distance, curve: 0, u: distance, feedrate }
-    }
-
     /// The way that fastest S-curves take through these feeds, and a limit that is `inner` at the inner ones and far above
     /// the feeds elsewhere.
     fn through(feeds: &[f64]) -> (FeedLimit<f64>, Stretch<f64>) {
         let (mut distance, mut duration) = (0.0, 0.0);
-        let mut points = vec![point(0.0, feeds[0])];
+        let mut points = vec![(0.0, feeds[0])];
         for (i, pair) in feeds.windows(2).enumerate() {
             let ramp = Transition::fastest(ProfileKind::SCurve, [pair[0], pair[1]], 1000.0, 5e4);
-            points.push(point(distance + 1e-6, 200.0));
+            points.push((distance + 1e-6, 200.0));
             distance += ramp.length();
             duration += ramp.duration();
-            points.push(point(distance - 1e-6, 200.0));
+            points.push((distance - 1e-6, 200.0));
             let is_minimum = feeds.get(i + 2).is_none_or(|next| *next > pair[1] && pair[0] > pair[1]);
-            points.push(point(distance, if is_minimum { pair[1] } else { 200.0 }));
+            points.push((distance, if is_minimum { pair[1] } else { 200.0 }));
         }
         // Beyond the ends the limit is free: only inner minima can refuse.
-        points[0].feedrate = 200.0;
+        points[0].1 = 200.0;
         if let Some(last) = points.last_mut() {
-            last.feedrate = 200.0;
+            last.1 = 200.0;
         }
-        let limit = FeedLimit::from_points(&points).unwrap();
+        let limit = limit_through(&points);
         let feeds = [feeds[0], feeds[feeds.len() - 1]];
         (limit, Stretch { start: 0.0, length: distance, feeds, duration: 10.0 * duration })
     }
@@ -285,7 +281,7 @@ mod tests {
     #[test]
     fn a_merge_that_wastes_time_or_stands_still_is_refused() {
         let (limit, stretch) = through(&[50.0, 60.0, 55.0, 60.0]);
-        let free = FeedLimit::from_points(&[point(0.0, 200.0), point(limit.length(), 200.0)]).unwrap();
+        let free = limit_through(&[(0.0, 200.0), (limit.length(), 200.0)]);
         let of = |duration| merged_piece(&free, &limits(), &Stretch { duration, ..stretch });
         let duration = 2.0 * stretch.length / 110.0;
         assert!(of(duration).is_ok());
@@ -297,17 +293,13 @@ mod tests {
     /// Shallow bends close to each other, then a sharp one.
     #[test]
     fn ripple_is_merged_and_a_sharp_bend_is_not() {
-        let mut points = vec![point(0.0, 100.0), point(20.0, 100.0)];
+        let mut points = vec![(0.0, 100.0), (20.0, 100.0)];
         for bend in 0..6 {
             let at = 20.0 + 0.7 * f64::from(bend);
-            points.extend([
-                point(at + 0.2, 50.0 + f64::from(bend)),
-                point(at + 0.21, 70.0),
-                point(at + 0.49, 70.0),
-            ]);
+            points.extend([(at + 0.2, 50.0 + f64::from(bend)), (at + 0.21, 70.0), (at + 0.49, 70.0)]);
         }
-        points.extend([point(40.0, 100.0), point(41.0, 20.0), point(42.0, 100.0), point(60.0, 100.0)]);
-        let limit = FeedLimit::from_points(&points).unwrap();
+        points.extend([(40.0, 100.0), (41.0, 20.0), (42.0, 100.0), (60.0, 100.0)]);
+        let limit = limit_through(&points);
         let limits = limits();
         let planned = |kind| plan_with(&limit, &limits, EndFeeds::default(), kind).unwrap();
         let (plain, flexible) = (planned(ProfileKind::SCurve), planned(ProfileKind::Flexible));

@@ -83,13 +83,11 @@ fn end_feed<R: Real>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::LimitPoint;
+    use crate::test_paths::limit_through;
 
     fn keys_of(feeds: &[f64]) -> Vec<usize> {
-        let point =
-            |(i, &feedrate): (usize, &f64)| LimitPoint { distance: i as f64, curve: 0, u: 0.0, feedrate };
-        let points: Vec<_> = feeds.iter().enumerate().map(point).collect();
-        let limit = FeedLimit::from_points(&points).unwrap();
+        let points: Vec<_> = feeds.iter().enumerate().map(|(i, feed)| (i as f64, *feed)).collect();
+        let limit = limit_through(&points);
         key_points(&limit, EndFeeds::default()).unwrap().iter().map(|key| key.point).collect()
     }
 

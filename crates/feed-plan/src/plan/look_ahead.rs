@@ -276,10 +276,10 @@ fn cruise<R: Real>(
 mod tests {
     use super::*;
     use crate::test_paths::{
-        circle, in_periods, in_range, paper_limits, polyline, seed_000, seed_003, triple_knot,
+        circle, in_periods, in_range, limit_along, limit_through, paper_limits, polyline, seed_000, seed_003,
+        triple_knot,
     };
-    use crate::{AxisLimits, Junction};
-    use crate::{LimitPoint, jerk_free_duration};
+    use crate::{AxisLimits, Junction, LimitPoint, jerk_free_duration};
     use nurbs_core::{Differentiate, NurbsBuf, radius};
     use proptest::prelude::*;
     use real::{Backend, DoubleDouble, I16F16, I32F32};
@@ -361,7 +361,7 @@ mod tests {
         curve: &NurbsBuf<f64, 2>,
         limits: &KinematicLimits<f64>,
     ) -> (FeedLimit<f64>, ScheduleBuf<f64>) {
-        let limit = FeedLimit::along(&[curve.as_curve()], limits).unwrap();
+        let limit = limit_along(core::slice::from_ref(curve), limits);
         let plan = plan(&limit, limits, EndFeeds::default()).unwrap();
         assert_kept(&limit, limits, &plan);
         (limit, plan)
@@ -456,8 +456,7 @@ mod tests {
         let straight = polyline(&[[0.0, 0.0], [16_000.0, 0.0]]);
         let stairs = polyline(&[[0.0, 0.0], [9000.0, 0.0], [9000.0, 9000.0], [0.0, 9000.0]]);
         for (lines, limits) in [(straight, limits), (stairs.clone(), limits), (stairs, passed)] {
-            let curves: Vec<_> = lines.iter().map(NurbsBuf::as_curve).collect();
-            let limit = FeedLimit::along(&curves, &limits).unwrap();
+            let limit = limit_along(&lines, &limits);
             for kind in ProfileKind::ALL {
                 let fastest = stages(&limit, &limits, EndFeeds::default(), kind).unwrap();
                 let plan = plan_with(&limit, &limits, EndFeeds::default(), kind).unwrap();
@@ -471,11 +470,8 @@ mod tests {
     #[test]
     fn what_bends_is_slowed_down_further() {
         let breaks = polyline(&[[0.0, 0.0], [8000.0, 0.0], [16_000.0, 1.0]]);
-        let breaks: Vec<_> = breaks.iter().map(NurbsBuf::as_curve).collect();
         let limits = paper_limits();
-        let bent =
-            [FeedLimit::along(&breaks, &limits), FeedLimit::along(&[circle(3000.0).as_curve()], &limits)];
-        for limit in bent.map(Result::unwrap) {
+        for limit in [breaks, vec![circle(3000.0)]].map(|curves| limit_along(&curves, &limits)) {
             let fastest = stages(&limit, &limits, EndFeeds::default(), ProfileKind::Cubic).unwrap();
             let plan = plan(&limit, &limits, EndFeeds::default()).unwrap().as_schedule().duration();
             let fastest: f64 = fastest.iter().map(|stage| stage.duration).sum();
@@ -513,7 +509,7 @@ mod tests {
                 axes: [axis, AxisLimits::default(), AxisLimits::default()],
                 ..in_periods(1e-3, 100.0, acceleration, 5e4, 5e-4)
             };
-            let limit = FeedLimit::along(&[curve.as_curve()], &limits).unwrap();
+            let limit = limit_along(core::slice::from_ref(&curve), &limits);
             let plan = plan(&limit, &limits, EndFeeds::default()).unwrap();
             assert_kept(&limit, &limits, &plan);
             plan.as_schedule().duration() * 1e-3
@@ -532,8 +528,7 @@ mod tests {
     fn curves_in_sequence_are_one_path() {
         let limits = paper_limits();
         let path = polyline(&[[0.0, 0.0], [10.0, 0.0], [30.0, 0.0], [30.0, 5.0]]);
-        let curves: Vec<_> = path.iter().map(|line| line.as_curve()).collect();
-        let limit = FeedLimit::along(&curves, &limits).unwrap();
+        let limit = limit_along(&path, &limits);
         let plan = plan(&limit, &limits, EndFeeds::default()).unwrap();
         assert_kept(&limit, &limits, &plan);
         // No stop at 10 mm, where the lines have the same direction; one at 30 mm.
@@ -565,9 +560,8 @@ mod tests {
     #[test]
     fn a_feed_that_cannot_be_changed_in_time_is_an_error() {
         let limits = paper_limits();
-        let point = |distance, feedrate| LimitPoint { distance, curve: 0, u: distance, feedrate };
         // From 0.6 to rest takes 33 periods and 10 mm, here are 2 mm.
-        let short = FeedLimit::from_points(&[point(0.0, 0.6), point(2.0, 0.6)]).unwrap();
+        let short = limit_through(&[(0.0, 0.6), (2.0, 0.6)]);
         let plan_with = |start, end| plan(&short, &limits, EndFeeds { start, end });
         assert_eq!(plan_with(0.6, 0.0), Err(PlanError::StartFeedTooHigh));
         assert_eq!(plan_with(0.0, 0.6), Err(PlanError::EndFeedTooHigh));
@@ -576,9 +570,7 @@ mod tests {
 
     #[test]
     fn a_limit_of_zero_over_a_stretch_is_an_error() {
-        let point = |distance, feedrate| LimitPoint { distance, curve: 0, u: distance, feedrate };
-        let blocked = [point(0.0, 0.6), point(5.0, 0.0), point(6.0, 0.0), point(9.0, 0.6)];
-        let limit = FeedLimit::from_points(&blocked).unwrap();
+        let limit = limit_through(&[(0.0, 0.6), (5.0, 0.0), (6.0, 0.0), (9.0, 0.6)]);
         assert_eq!(
             plan(&limit, &paper_limits(), EndFeeds::default()),
             Err(PlanError::CannotMove { index: 1 })
@@ -591,15 +583,9 @@ mod tests {
         // Each is too near for its feed. With the hull of the way to each, this would take minutes.
         let count = 200_000_u32;
         let near = (0..count).map(|i| (f64::from(i) * 1e-7, if i % 2 == 0 { 0.5 } else { 0.4 }));
-        let points: Vec<_> = near
-            .clone()
-            .chain(
-                near.map(|(distance, feed)| (100.0 - distance, feed)).collect::<Vec<_>>().into_iter().rev(),
-            )
-            .map(|(distance, feedrate)| LimitPoint { distance, curve: 0, u: distance, feedrate })
-            .collect();
-        let limits = paper_limits();
-        let limit = FeedLimit::from_points(&points).unwrap();
+        let far: Vec<_> = near.clone().map(|(distance, feed)| (100.0 - distance, feed)).collect();
+        let points: Vec<_> = near.chain(far.into_iter().rev()).collect();
+        let (limits, limit) = (paper_limits(), limit_through(&points));
         let plan = plan(&limit, &limits, EndFeeds::default()).unwrap();
         assert_kept(&limit, &limits, &plan);
     }
@@ -725,26 +711,23 @@ mod tests {
     }
 
     /// Limit curves of any shape: rises, falls, jumps, plateaus, stops.
-    fn limit_points() -> impl Strategy<Value = Vec<LimitPoint<f64>>> {
+    fn limit_points() -> impl Strategy<Value = Vec<(f64, f64)>> {
         let step = prop_oneof![1 => Just(0.0), 8 => 0.01..3.0_f64, 1 => 3.0..100.0_f64];
         let feed = prop_oneof![6 => 0.02..1.0_f64, 2 => Just(0.6), 1 => 1e-4..0.02_f64];
         let is_stop = prop::bool::weighted(0.08);
         prop::collection::vec((step, feed, is_stop), 2..60).prop_map(|rows| {
             let mut distance = 0.0;
-            let mut points: Vec<LimitPoint<f64>> = Vec::new();
+            let mut points: Vec<(f64, f64)> = Vec::new();
             for (i, (step, feedrate, is_stop)) in rows.into_iter().enumerate() {
-                let previous_stops = points.last().is_some_and(|point| point.feedrate == 0.0);
+                let previous_stops = points.last().is_some_and(|(_, feed)| *feed == 0.0);
                 // Between two stops there must be a limit above zero.
                 let is_stop = is_stop && !previous_stops;
-                distance += if i == 0 {
-                    0.0
-                } else if i == 1 {
-                    step.max(0.01)
-                } else {
-                    step
+                distance += match i {
+                    0 => 0.0,
+                    1 => step.max(0.01),
+                    _ => step,
                 };
-                let feedrate = if is_stop { 0.0 } else { feedrate };
-                points.push(LimitPoint { distance, curve: 0, u: distance, feedrate });
+                points.push((distance, if is_stop { 0.0 } else { feedrate }));
             }
             points
         })
@@ -758,10 +741,9 @@ mod tests {
         let side = |i: i32| (10.0 * 2.0_f64.powf(-1.5 * f64::from(i)), 0.6 * 0.5_f64.powi(i));
         let rising: Vec<_> = (0..20).map(side).collect();
         let falling = rising.iter().map(|&(away, feedrate)| (10.0 - away, feedrate));
-        let point = |(distance, feedrate)| LimitPoint { distance, curve: 0, u: distance, feedrate };
         let points: Vec<_> =
-            falling.chain(rising.iter().rev().map(|(away, feed)| (10.0 + away, *feed))).map(point).collect();
-        let limit = FeedLimit::from_points(&points).unwrap();
+            falling.chain(rising.iter().rev().map(|(away, feed)| (10.0 + away, *feed))).collect();
+        let limit = limit_through(&points);
         let bound = jerk_free_duration(&limit, &paper_limits(), EndFeeds::default());
         for kind in ProfileKind::ALL {
             let plan = plan_with(&limit, &paper_limits(), EndFeeds::default(), kind).unwrap();
@@ -818,7 +800,7 @@ mod tests {
             points in limit_points(), acceleration in 1e-4..0.2_f64, jerk in 1e-5..0.1_f64,
         ) {
             let limits = KinematicLimits { acceleration, jerk, ..paper_limits() };
-            let limit = FeedLimit::from_points(&points).unwrap();
+            let limit = limit_through(&points);
             for kind in ProfileKind::ALL {
                 let plan = plan_with(&limit, &limits, EndFeeds::default(), kind).unwrap();
                 assert_kept(&limit, &limits, &plan);

@@ -97,8 +97,7 @@ impl<R: Real> Stretch<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::LimitPoint;
-    use crate::test_paths::paper_limits;
+    use crate::test_paths::{limit_through as limit, paper_limits};
 
     fn from_rest(limit: &FeedLimit<f64>, limits: &crate::KinematicLimits<f64>) -> f64 {
         jerk_free_duration(limit, limits, EndFeeds::default())
@@ -120,11 +119,6 @@ mod tests {
                 between(start, end)
             );
         }
-    }
-
-    fn limit(points: &[(f64, f64)]) -> FeedLimit<f64> {
-        let point = |&(distance, feedrate): &(f64, f64)| LimitPoint { distance, curve: 0, u: 0.0, feedrate };
-        FeedLimit::from_points(&points.iter().map(point).collect::<Vec<_>>()).unwrap()
     }
 
     #[test]

@@ -247,7 +247,7 @@ impl<R: Real, const D: usize, C: Differentiate<R, D>, I: Iterator<Item = Command
 mod tests {
     use super::*;
     use crate::plan_with;
-    use crate::test_paths::{arcs, in_periods, paper_limits, polyline, seed_000, seed_003};
+    use crate::test_paths::{arcs, in_periods, limit_along, paper_limits, polyline, seed_000, seed_003};
     use nurbs_core::{NurbsBuf, NurbsCurve};
 
     /// A staircase of short lines and, in between, the papers' curves moved to where the path is.
@@ -289,8 +289,7 @@ mod tests {
 
     fn assert_kept(curves: &[NurbsBuf<f64, 2>], stages: &[Stage<f64>]) -> FeedLimit<f64> {
         let limits = paper_limits();
-        let views: Vec<_> = curves.iter().map(NurbsBuf::as_curve).collect();
-        let limit = FeedLimit::along(&views, &limits).unwrap();
+        let limit = limit_along(curves, &limits);
         let mut end = (0.0, 0.0);
         for stage in stages {
             assert!(
@@ -377,8 +376,7 @@ mod tests {
     #[test]
     fn a_window_of_twice_the_stopping_distance_loses_little() {
         let curves = long_path(60);
-        let views: Vec<_> = curves.iter().map(NurbsBuf::as_curve).collect();
-        let limit = FeedLimit::along(&views, &paper_limits()).unwrap();
+        let limit = limit_along(&curves, &paper_limits());
         let whole = plan_with(&limit, &paper_limits(), EndFeeds::default(), ProfileKind::SCurve).unwrap();
         let whole = whole.as_schedule().duration();
         let (_, done) = streamed(&curves, 60.0, ProfileKind::SCurve);
@@ -458,8 +456,7 @@ mod tests {
             .collect();
         let feed_of = |curve: usize| [0.6, 0.1, 0.3, f64::MAX, 0.05][curve % 5];
         let limits = paper_limits();
-        let views: Vec<_> = curves.iter().map(NurbsBuf::as_curve).collect();
-        let limit = FeedLimit::along(&views, &limits).unwrap().capped(feed_of).unwrap();
+        let limit = limit_along(&curves, &limits).capped(feed_of).unwrap();
         let keeps = |stages: &[Stage<f64>]| {
             for stage in stages {
                 for i in 0..=50 {
