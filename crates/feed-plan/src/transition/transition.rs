@@ -88,68 +88,59 @@ impl ProfileKind {
 /// A transition between two feeds, with no acceleration at both ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transition<R> {
-    pieces: [FeedPiece<R>; 3],
+    start_feed: R,
+    end_feed: R,
     duration: R,
-    length: R,
+    course: Course<R>,
+}
+
+/// How the feed changes over a transition.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Course<R> {
+    /// Along one shape.
+    Shape(StageShape),
+    /// With the jerk for t_j, at its peak of acceleration for t_h, and back for t_j.
+    SCurve { jerk_time: R, hold_time: R },
 }
 
 impl<R: Real> Transition<R> {
     /// The fastest transition of a kind from the first of `feeds` to the second within `acceleration` A and `jerk` J.
     #[must_use]
     pub fn fastest(kind: ProfileKind, feeds: [R; 2], acceleration: R, jerk: R) -> Self {
-        match kind {
-            ProfileKind::Cubic => Self::cubic(feeds, acceleration, jerk),
-            ProfileKind::Trigonometric => Self::half_cosine(feeds, acceleration, jerk),
-            ProfileKind::SCurve | ProfileKind::Flexible => Self::s_curve(feeds, acceleration, jerk),
-        }
-    }
-
-    fn cubic([from, to]: [R; 2], acceleration: R, jerk: R) -> Self {
-        let difference = (to - from).abs();
-        let by_acceleration = (difference + difference.half()) / acceleration;
-        let by_jerk = (difference * R::from_ratio(6, 1) / jerk).sqrt();
-        Self::of_one_piece(StageShape::Cubic, [from, to], by_acceleration.max(by_jerk))
-    }
-
-    fn half_cosine([from, to]: [R; 2], acceleration: R, jerk: R) -> Self {
-        let difference = (to - from).abs();
-        let by_acceleration = R::half_pi() * (difference / acceleration);
-        let by_jerk = R::half_pi() * ((difference + difference) / jerk).sqrt();
-        Self::of_one_piece(StageShape::Cosine, [from, to], by_acceleration.max(by_jerk))
-    }
-
-    fn of_one_piece(shape: StageShape, [start_feed, end_feed]: [R; 2], duration: R) -> Self {
-        let piece = FeedPiece { shape, start_feed, end_feed, duration };
-        let none = FeedPiece { start_feed: end_feed, end_feed, ..FeedPiece::default() };
-        Self::of_pieces([piece, none, none], duration)
-    }
-
-    fn s_curve([from, to]: [R; 2], acceleration: R, jerk: R) -> Self {
-        let [jerk_time, hold_time] = s_curve_times([from, to], acceleration, jerk);
-        let area = jerk_time + hold_time;
-        let onset = if area > R::zero() { (to - from) * (jerk_time.half() / area) } else { R::zero() };
-        let first = from + onset;
-        // Without a hold the two feeds in the middle are one number in every format.
-        let second = if hold_time > R::zero() { to - onset } else { first };
-        let piece =
-            |shape, start_feed, end_feed, duration| FeedPiece { shape, start_feed, end_feed, duration };
-        let pieces = [
-            piece(StageShape::Onset, from, first, jerk_time),
-            piece(StageShape::Steady, first, second, hold_time),
-            piece(StageShape::Easing, second, to, jerk_time),
-        ];
-        Self::of_pieces(pieces, jerk_time + jerk_time + hold_time)
-    }
-
-    fn of_pieces(pieces: [FeedPiece<R>; 3], duration: R) -> Self {
-        let [FeedPiece { start_feed: from, .. }, _, FeedPiece { end_feed: to, .. }] = pieces;
-        Self { pieces, duration, length: duration * (from + (to - from).half()) }
+        let [start_feed, end_feed] = feeds;
+        let (course, duration) = match kind {
+            ProfileKind::Cubic => cubic(feeds, acceleration, jerk),
+            ProfileKind::Trigonometric => half_cosine(feeds, acceleration, jerk),
+            ProfileKind::SCurve | ProfileKind::Flexible => s_curve(feeds, acceleration, jerk),
+        };
+        Self { start_feed, end_feed, duration, course }
     }
 
     /// The pieces in order; those without duration say nothing.
     #[must_use]
-    pub fn pieces(&self) -> &[FeedPiece<R>; 3] {
-        &self.pieces
+    pub fn pieces(&self) -> [FeedPiece<R>; 3] {
+        let Self { start_feed: from, end_feed: to, duration, course } = *self;
+        let piece =
+            |shape, start_feed, end_feed, duration| FeedPiece { shape, start_feed, end_feed, duration };
+        match course {
+            Course::Shape(shape) => {
+                let none = piece(shape, to, to, R::zero());
+                [piece(shape, from, to, duration), none, none]
+            }
+            Course::SCurve { jerk_time, hold_time } => {
+                let area = jerk_time + hold_time;
+                let onset =
+                    if area > R::zero() { (to - from) * (jerk_time.half() / area) } else { R::zero() };
+                let first = from + onset;
+                // Without a hold the two feeds in the middle are one number in every format.
+                let second = if hold_time > R::zero() { to - onset } else { first };
+                [
+                    piece(StageShape::Onset, from, first, jerk_time),
+                    piece(StageShape::Steady, first, second, hold_time),
+                    piece(StageShape::Easing, second, to, jerk_time),
+                ]
+            }
+        }
     }
 
     /// t₂.
@@ -161,15 +152,13 @@ impl<R: Real> Transition<R> {
     /// Distance over the whole transition, `t₂ (V_s + V_e)/2`.
     #[must_use]
     pub fn length(&self) -> R {
-        self.length
+        self.duration * (self.start_feed + (self.end_feed - self.start_feed).half())
     }
 
     /// For an S-curve, g and G at the share `x` of the time: they depend on the share of the time in which the jerk builds the
     /// acceleration up. `None` for what is of one shape, whatever the feeds.
     pub(crate) fn s_curve_shares(&self, x: R) -> Option<(R, R)> {
-        let [FeedPiece { shape: StageShape::Onset, duration: jerk_time, .. }, ..] = self.pieces else {
-            return None;
-        };
+        let Course::SCurve { jerk_time, .. } = self.course else { return None };
         if !(self.duration > R::zero()) {
             return Some((x, (x * x).half()));
         }
@@ -184,24 +173,38 @@ impl<R: Real> Transition<R> {
     }
 }
 
-/// t_j and t_h of the fastest S-curve.
-fn s_curve_times<R: Real>([from, to]: [R; 2], acceleration: R, jerk: R) -> [R; 2] {
+fn cubic<R: Real>([from, to]: [R; 2], acceleration: R, jerk: R) -> (Course<R>, R) {
+    let difference = (to - from).abs();
+    let by_acceleration = (difference + difference.half()) / acceleration;
+    let by_jerk = (difference * R::from_ratio(6, 1) / jerk).sqrt();
+    (Course::Shape(StageShape::Cubic), by_acceleration.max(by_jerk))
+}
+
+fn half_cosine<R: Real>([from, to]: [R; 2], acceleration: R, jerk: R) -> (Course<R>, R) {
+    let difference = (to - from).abs();
+    let by_acceleration = R::half_pi() * (difference / acceleration);
+    let by_jerk = R::half_pi() * ((difference + difference) / jerk).sqrt();
+    (Course::Shape(StageShape::Cosine), by_acceleration.max(by_jerk))
+}
+
+fn s_curve<R: Real>([from, to]: [R; 2], acceleration: R, jerk: R) -> (Course<R>, R) {
     let exact = (to - from).abs();
     if !(exact > R::zero()) {
-        return [R::zero(); 2];
+        return (Course::SCurve { jerk_time: R::zero(), hold_time: R::zero() }, R::zero());
     }
     let rounding = from.max(to).max(R::one()) * R::resolution().scale(2);
     let difference = exact + rounding;
     let by_acceleration = difference / acceleration;
     let build_up = acceleration / jerk + (rounding + rounding) / acceleration;
     let hold = by_acceleration - build_up;
-    if hold > build_up.scale(SHORTEST_HOLD) {
-        [build_up, hold]
+    let (jerk_time, hold_time) = if hold > build_up.scale(SHORTEST_HOLD) {
+        (build_up, hold)
     } else if hold > R::zero() {
-        [by_acceleration, R::zero()]
+        (by_acceleration, R::zero())
     } else {
-        [(difference / jerk).sqrt(), R::zero()]
-    }
+        ((difference / jerk).sqrt(), R::zero())
+    };
+    (Course::SCurve { jerk_time, hold_time }, jerk_time + jerk_time + hold_time)
 }
 
 /// g and G of an S-curve for x up to 1/2; `onset` is h.
@@ -240,7 +243,8 @@ mod tests {
         time: f64,
         quantity: impl Fn(&FeedPiece<f64>, f64, f64) -> Q,
     ) -> Q {
-        let pieces: Vec<_> = transition.pieces().iter().filter(|piece| piece.duration > 0.0).collect();
+        let all = transition.pieces();
+        let pieces: Vec<_> = all.iter().filter(|piece| piece.duration > 0.0).collect();
         let (mut time, mut before) = (time, 0.0);
         for piece in &pieces[..pieces.len().saturating_sub(1)] {
             if time < piece.duration {
@@ -248,7 +252,7 @@ mod tests {
             }
             (time, before) = (time - piece.duration, before + piece.length());
         }
-        let last = pieces.last().copied().unwrap_or(&transition.pieces()[0]);
+        let last = pieces.last().copied().unwrap_or(&all[0]);
         quantity(last, time.min(last.duration), before)
     }
 
