@@ -57,7 +57,7 @@ impl<R: Real> Shortened<'_, R> {
     /// The stages shortened so that a run by their chords is off the stop by no more than `enough`, or by the least that is found.
     fn landed<const D: usize, C: Differentiate<R, D>>(
         &self,
-        path: &Path<'_, R, C>,
+        path: &Path<'_, R, C, D>,
         enough: R,
     ) -> Vec<Stage<R>> {
         let shortfall = self.shortfalls.iter().fold(R::zero(), |sum, part| sum + part.max(R::zero()));
@@ -94,12 +94,9 @@ impl<R: Real> Shortened<'_, R> {
     }
 }
 
-impl<R: Real, C> Path<'_, R, C> {
+impl<R: Real, C: Differentiate<R, D>, const D: usize> Path<'_, R, C, D> {
     /// By how much a run by chords from one distance to another would go beyond that stop if it did not land there.
-    fn beyond_stop<const D: usize>(&self, chords: &Schedule<'_, R>, [begin, stop]: [R; 2]) -> R
-    where
-        C: Differentiate<R, D>,
-    {
+    fn beyond_stop(&self, chords: &Schedule<'_, R>, [begin, stop]: [R; 2]) -> R {
         let (mut cursor, mut reached, mut beyond) = (chords.start(), begin, R::zero());
         while let Some(wanted) = chords.advance(&mut cursor) {
             let is_last = chords.is_over(&cursor) || cursor.stage() >= chords.stages().len();

@@ -96,7 +96,7 @@ struct End<R> {
 }
 
 /// A path by its arc length.
-pub(crate) struct Path<'a, R, C> {
+pub(crate) struct Path<'a, R, C, const D: usize> {
     limit: &'a FeedLimit<R>,
     curves: &'a [C],
     rule: GaussLegendre<R>,
@@ -104,7 +104,7 @@ pub(crate) struct Path<'a, R, C> {
     is_resolved: bool,
 }
 
-impl<'a, R: Real, C> Path<'a, R, C> {
+impl<'a, R: Real, C: Differentiate<R, D>, const D: usize> Path<'a, R, C, D> {
     pub(crate) fn new(limit: &'a FeedLimit<R>, curves: &'a [C]) -> Self {
         Self { limit, curves, rule: GaussLegendre::new(), is_resolved: limit.is_resolved() }
     }
@@ -114,37 +114,25 @@ impl<'a, R: Real, C> Path<'a, R, C> {
     }
 
     /// The length of a step between two distances: of the chords from corner to corner.
-    pub(crate) fn step_between<const D: usize>(&self, from: R, to: R) -> R
-    where
-        C: Differentiate<R, D>,
-    {
+    pub(crate) fn step_between(&self, from: R, to: R) -> R {
         let corners = self.limit.corners_from(from).iter().take_while(|corner| **corner < to);
         let ends = corners.copied().chain([to]);
         ends.fold((R::zero(), from), |(sum, from), to| (sum + self.leg(from, to), to)).0
     }
 
     /// The length of the chord between two distances without a corner in between.
-    fn leg<const D: usize>(&self, from: R, to: R) -> R
-    where
-        C: Differentiate<R, D>,
-    {
+    fn leg(&self, from: R, to: R) -> R {
         chord(&self.point(from), &self.point(to))
     }
 
-    fn point<const D: usize>(&self, distance: R) -> [R; D]
-    where
-        C: Differentiate<R, D>,
-    {
+    fn point(&self, distance: R) -> [R; D] {
         let (curve, u) = self.limit.parameter_at(distance);
         self.curves.get(curve).map_or([R::zero(); D], |curve| curve.point(u))
     }
 
     /// Arc length up to the point at a distance. That point is interpolated between limit points, and where the speed changes
     /// a little off: where a stage ends it would be taken for a shortfall, which no later stage could add to.
-    fn length_to<const D: usize>(&self, distance: R) -> R
-    where
-        C: Differentiate<R, D>,
-    {
+    fn length_to(&self, distance: R) -> R {
         let (index, u) = self.limit.parameter_at(distance);
         let is_resolved = self.is_resolved_at(distance);
         let before = self.limit.point_before(distance).filter(|point| is_resolved && point.curve == index);
@@ -156,16 +144,13 @@ impl<'a, R: Real, C> Path<'a, R, C> {
 
     /// Shortens stages until the run is on its plan behind them, as far as half of them will do: by how much, and where the run
     /// ends then.
-    fn take_back<const D: usize>(
+    fn take_back(
         &self,
         arcs: &Schedule<'_, R>,
         stages: Range<usize>,
         short: &mut [Stage<R>],
         from: Run<R>,
-    ) -> (R, End<R>)
-    where
-        C: Differentiate<R, D>,
-    {
+    ) -> (R, End<R>) {
         let whole = arcs.stages().get(stages.clone()).unwrap_or_default();
         let length = whole.iter().fold(R::zero(), |sum, stage| sum + stage.length);
         let fastest =
@@ -201,16 +186,7 @@ impl<'a, R: Real, C> Path<'a, R, C> {
     }
 
     /// Follows the shortened plan by chords, to the end of the last period that begins before stage `behind`.
-    fn follow<const D: usize>(
-        &self,
-        arcs: &Schedule<'_, R>,
-        short: &[Stage<R>],
-        behind: usize,
-        from: Run<R>,
-    ) -> End<R>
-    where
-        C: Differentiate<R, D>,
-    {
+    fn follow(&self, arcs: &Schedule<'_, R>, short: &[Stage<R>], behind: usize, from: Run<R>) -> End<R> {
         let chords = Schedule::new(short, arcs.interpolation_period(), arcs.periods());
         let (mut end, mut last_period) = (from, from);
         // What the last chord has too much to land on a stop, or the lead that another is to leave.
@@ -242,10 +218,7 @@ impl<'a, R: Real, C> Path<'a, R, C> {
 
     /// The arc of a step from `begin` on: to each corner within it a chord, and behind the last one the first arc whose chord is as
     /// long as what is left.
-    pub(crate) fn arc_of_step<const D: usize>(&self, begin: R, wanted: R) -> R
-    where
-        C: Differentiate<R, D>,
-    {
+    pub(crate) fn arc_of_step(&self, begin: R, wanted: R) -> R {
         if !(self.is_resolved_at(begin) && self.is_resolved_at(begin + wanted)) {
             return wanted;
         }
@@ -261,10 +234,7 @@ impl<'a, R: Real, C> Path<'a, R, C> {
     }
 
     /// The first arc from `begin` on whose chord is as long as wanted; four times the chord where none is.
-    fn arc_over<const D: usize>(&self, begin: R, wanted: R) -> R
-    where
-        C: Differentiate<R, D>,
-    {
+    fn arc_over(&self, begin: R, wanted: R) -> R {
         let from = self.point(begin);
         let missing = |arc: R| wanted - chord(&from, &self.point(begin + arc));
         let rounding = R::resolution() * self.limit.length().max(R::one());

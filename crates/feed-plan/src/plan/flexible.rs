@@ -50,16 +50,8 @@ struct Segment<R> {
     /// Indices of its stages.
     first: usize,
     end: usize,
-    stretch: Stretch<R>,
-}
-
-/// A stretch of the path that is passed from one feed to another, without acceleration at both ends.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Stretch<R> {
-    pub(crate) start: R,
-    pub(crate) length: R,
-    pub(crate) feeds: [R; 2],
-    pub(crate) duration: R,
+    /// All of them as one stage, whose shape says nothing.
+    whole: Stage<R>,
 }
 
 /// The stages of an S-curve plan with merged ones wherever they are allowed.
@@ -78,15 +70,13 @@ pub(crate) fn merge<R: Real>(
         let ahead = read_ahead(segments.get(index..).unwrap_or_default(), stopping);
         let longest = (2..=ahead.len()).rev().find_map(|count| {
             let taken = ahead.get(..count)?;
-            let transitions = taken.iter().filter(|s| s.stretch.feeds[0] != s.stretch.feeds[1]).count();
+            let transitions = taken.iter().filter(|s| s.whole.start_feed != s.whole.end_feed).count();
             let whole = joined(taken)?;
             let piece = (transitions > 1).then(|| merged_piece(limit, limits, &whole).ok())??;
             Some((count, whole, piece))
         });
-        let Some(here) = stages.get(segment.first) else { break };
-        if let Some((count, whole, piece)) = longest {
-            let FeedPiece { shape, start_feed, end_feed, duration } = piece;
-            merged.push(Stage { length: whole.length, shape, start_feed, end_feed, duration, ..*here });
+        if let Some((count, whole, FeedPiece { shape, duration, .. })) = longest {
+            merged.push(Stage { shape, duration, ..whole });
             index += count;
         } else {
             merged.extend_from_slice(stages.get(segment.first..segment.end).unwrap_or_default());
@@ -104,15 +94,12 @@ fn segments<R: Real>(stages: &[Stage<R>]) -> Vec<Segment<R>> {
         match segments.last_mut().filter(|_| continues) {
             Some(segment) => {
                 segment.end = index + 1;
-                segment.stretch.length = segment.stretch.length + stage.length;
-                segment.stretch.duration = segment.stretch.duration + stage.duration;
-                segment.stretch.feeds[1] = stage.end_feed;
+                let whole = &mut segment.whole;
+                (whole.length, whole.duration) =
+                    (whole.length + stage.length, whole.duration + stage.duration);
+                whole.end_feed = stage.end_feed;
             }
-            None => {
-                let &Stage { start, length, start_feed, end_feed, duration, .. } = stage;
-                let stretch = Stretch { start, length, feeds: [start_feed, end_feed], duration };
-                segments.push(Segment { first: index, end: index + 1, stretch });
-            }
+            None => segments.push(Segment { first: index, end: index + 1, whole: *stage }),
         }
     }
     segments
@@ -123,25 +110,20 @@ fn read_ahead<R: Real>(segments: &[Segment<R>], stopping: R) -> &[Segment<R>] {
     let mut distance = R::zero();
     let mut count = 0;
     for segment in segments.iter().take(MOST_SEGMENTS) {
-        let [from, to] = segment.stretch.feeds;
-        if distance > stopping && to > from {
+        if distance > stopping && segment.whole.end_feed > segment.whole.start_feed {
             break; // The bend that started within the distance is behind its curvature maximum.
         }
-        distance = distance + segment.stretch.length;
+        distance = distance + segment.whole.length;
         count += 1;
     }
     segments.get(..count).unwrap_or_default()
 }
 
-fn joined<R: Real>(segments: &[Segment<R>]) -> Option<Stretch<R>> {
-    let (first, last) = (segments.first()?.stretch, segments.last()?.stretch);
-    let sum = |of: fn(&Stretch<R>) -> R| segments.iter().fold(R::zero(), |sum, s| sum + of(&s.stretch));
-    Some(Stretch {
-        start: first.start,
-        length: sum(|s| s.length),
-        feeds: [first.feeds[0], last.feeds[1]],
-        duration: sum(|s| s.duration),
-    })
+/// Segments in a row as one stage, whose shape says nothing.
+fn joined<R: Real>(segments: &[Segment<R>]) -> Option<Stage<R>> {
+    let sum = |of: fn(&Stage<R>) -> R| segments.iter().fold(R::zero(), |sum, s| sum + of(&s.whole));
+    let (length, duration) = (sum(|whole| whole.length), sum(|whole| whole.duration));
+    Some(Stage { length, duration, end_feed: segments.last()?.whole.end_feed, ..segments.first()?.whole })
 }
 
 /// The half-cosine between two feeds that covers `length`; `None` between two feeds of 0, which cover nothing.
@@ -154,10 +136,10 @@ fn half_cosine_over<R: Real>([start_feed, end_feed]: [R; 2], length: R) -> Optio
 pub(crate) fn merged_piece<R: Real>(
     limit: &FeedLimit<R>,
     limits: &KinematicLimits<R>,
-    stretch: &Stretch<R>,
+    stretch: &Stage<R>,
 ) -> Result<FeedPiece<R>, Refusal> {
-    let [from, to] = stretch.feeds;
-    let mut piece = half_cosine_over(stretch.feeds, stretch.length).ok_or(Refusal::Rest)?;
+    let (from, to) = (stretch.start_feed, stretch.end_feed);
+    let mut piece = half_cosine_over([from, to], stretch.length).ok_or(Refusal::Rest)?;
     if from == to {
         piece.shape = StageShape::Steady;
     }
@@ -189,6 +171,7 @@ pub(crate) fn merged_piece<R: Real>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::schedule::stage::examples::stages;
     use crate::test_paths::{limit_through, paper_limits};
     use crate::{EndFeeds, jerk_free_duration, plan_with};
 
@@ -205,7 +188,7 @@ mod tests {
 
     /// The way that fastest S-curves take through these feeds, and a limit that is `inner` at the inner ones and far above
     /// the feeds elsewhere.
-    fn through(feeds: &[f64]) -> (FeedLimit<f64>, Stretch<f64>) {
+    fn through(feeds: &[f64]) -> (FeedLimit<f64>, Stage<f64>) {
         let (mut distance, mut duration) = (0.0, 0.0);
         let mut points = vec![(0.0, feeds[0])];
         for (i, pair) in feeds.windows(2).enumerate() {
@@ -223,8 +206,9 @@ mod tests {
             last.1 = 200.0;
         }
         let limit = limit_through(&points);
-        let feeds = [feeds[0], feeds[feeds.len() - 1]];
-        (limit, Stretch { start: 0.0, length: distance, feeds, duration: 10.0 * duration })
+        let (length, duration) = (distance, 10.0 * duration);
+        let (start_feed, end_feed) = (feeds[0], feeds[feeds.len() - 1]);
+        (limit, Stage { start: 0.0, length, start_feed, end_feed, duration, ..stages()[0] })
     }
 
     fn outcome(feeds: &[f64]) -> Result<FeedPiece<f64>, Refusal> {
@@ -250,7 +234,7 @@ mod tests {
         {
             let (_, stretch) = through(feeds);
             let (_, before) = through(&feeds[..at]);
-            let merged = half_cosine_over(stretch.feeds, stretch.length).unwrap();
+            let merged = half_cosine_over([stretch.start_feed, stretch.end_feed], stretch.length).unwrap();
             let times = (0..=100_000).map(|i| merged.duration * f64::from(i) / 1e5);
             let there = times.min_by(|a, b| {
                 (merged.distance(*a) - before.length)
@@ -282,11 +266,11 @@ mod tests {
     fn a_merge_that_wastes_time_or_stands_still_is_refused() {
         let (limit, stretch) = through(&[50.0, 60.0, 55.0, 60.0]);
         let free = limit_through(&[(0.0, 200.0), (limit.length(), 200.0)]);
-        let of = |duration| merged_piece(&free, &limits(), &Stretch { duration, ..stretch });
+        let of = |duration| merged_piece(&free, &limits(), &Stage { duration, ..stretch });
         let duration = 2.0 * stretch.length / 110.0;
         assert!(of(duration).is_ok());
         assert_eq!(of(duration / 1.02), Err(Refusal::Time));
-        let still = Stretch { feeds: [0.0, 0.0], ..stretch };
+        let still = Stage { start_feed: 0.0, end_feed: 0.0, ..stretch };
         assert_eq!(merged_piece(&free, &limits(), &still), Err(Refusal::Rest));
     }
 
