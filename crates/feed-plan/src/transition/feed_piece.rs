@@ -120,6 +120,24 @@ mod tests {
 
     proptest! {
         #[test]
+        fn acceleration_and_jerk_are_derivatives(
+            start in 0.0..1.0_f64, end in 0.0..1.0_f64, duration in 0.1..100.0_f64, x in 0.01..0.99_f64,
+        ) {
+            for shape in StageShape::ALL {
+                let piece = FeedPiece { shape, start_feed: start, end_feed: end, duration };
+                let (time, h) = (x * duration, 1e-4 * duration);
+                let derivative = |of: fn(&FeedPiece<f64>, f64) -> f64| {
+                    (of(&piece, time + h) - of(&piece, time - h)) / (h + h)
+                };
+                let (feed, acceleration) = (derivative(FeedPiece::distance), derivative(FeedPiece::feed));
+                prop_assert!((feed - piece.feed(time)).abs() < 1e-7);
+                prop_assert!((acceleration - piece.acceleration(time)).abs() < 1e-6 / duration);
+                let jerk = derivative(FeedPiece::acceleration);
+                prop_assert!((jerk - piece.jerk(time)).abs() < 1e-6 / duration.powi(2));
+            }
+        }
+
+        #[test]
         fn distance_is_the_integral_of_the_feed(
             start in 0.0..1.0_f64, end in 0.0..1.0_f64, duration in 0.1..100.0_f64, from in 0.0..1.0_f64, to in 0.0..1.0_f64,
         ) {

@@ -38,6 +38,10 @@ pub enum StageShape {
 }
 
 impl StageShape {
+    /// Every shape.
+    #[cfg(test)]
+    pub(crate) const ALL: [Self; 5] = [Self::Cubic, Self::Onset, Self::Steady, Self::Easing, Self::Cosine];
+
     /// g(x), the share of the change of feed that is reached.
     #[must_use]
     pub fn reached<R: Real>(self, x: R) -> R {
@@ -201,9 +205,6 @@ mod tests {
     use super::*;
     use real::{Backend, DoubleDouble, I2F30, I8F24, I16F48};
 
-    const ALL: [StageShape; 5] =
-        [StageShape::Cubic, StageShape::Onset, StageShape::Steady, StageShape::Easing, StageShape::Cosine];
-
     /// Integral of g over [a, b] by Simpson's rule with 2000 panels.
     fn integral(g: impl Fn(f64) -> f64, a: f64, b: f64) -> f64 {
         let h = (b - a) / 2000.0;
@@ -216,7 +217,7 @@ mod tests {
 
     #[test]
     fn each_column_of_the_table_is_the_integral_of_the_one_before() {
-        for shape in ALL {
+        for shape in StageShape::ALL {
             assert!(shape.reached(0.0_f64).abs() < 1e-15 && (shape.reached(1.0_f64) - 1.0).abs() < 1e-15);
             for i in 1..=20 {
                 let x = f64::from(i) / 20.0;
@@ -239,7 +240,7 @@ mod tests {
 
     #[test]
     fn the_peaks_are_the_largest_values() {
-        for shape in ALL {
+        for shape in StageShape::ALL {
             let grid = || (0..=1000).map(|i| f64::from(i) / 1000.0);
             let slope = grid().map(|x| shape.slope(x).abs()).fold(0.0, f64::max);
             let bend = grid().map(|x| shape.bend(x).abs()).fold(0.0, f64::max);
@@ -250,7 +251,7 @@ mod tests {
 
     #[test]
     fn coefficients_are_those_of_g() {
-        for shape in ALL {
+        for shape in StageShape::ALL {
             let Some([c0, c1, c2, c3]) = shape.coefficients().map(|c| c.map(f64::from)) else {
                 assert_eq!(shape, StageShape::Cosine);
                 continue;
@@ -283,7 +284,7 @@ mod tests {
 
     #[test]
     fn the_mean_is_good_to_a_few_units_in_every_format() {
-        for shape in ALL {
+        for shape in StageShape::ALL {
             for (name, error) in [
                 ("f64", mean_error::<f64>(shape)),
                 ("f32", mean_error::<f32>(shape)),
