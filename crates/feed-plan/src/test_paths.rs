@@ -4,7 +4,7 @@ pub(crate) use nurbs_core::golden::{circle, seed_000, seed_003};
 use nurbs_core::{Arc, Derivatives, Differentiate, Evaluate, NurbsBuf};
 use real::Backend;
 
-use crate::{FeedLimit, Junction, KinematicLimits, LimitPoint, Schedule};
+use crate::{FeedLimit, Junction, KinematicLimits, LimitPoint, Schedule, Stage};
 
 /// Paper A: T = 3 ms, F = 200 mm/s, A = 5000 mm/s², J = 4e5 mm/s³, E = 0.5 µm, with T as the unit of
 /// time.
@@ -93,6 +93,19 @@ pub(crate) fn jerk_over_periods(schedule: &Schedule<'_, f64>) -> f64 {
     let steps: Vec<_> = core::iter::from_fn(|| schedule.advance(&mut cursor)).collect();
     let change = |three: &[f64]| (three[2] - three[1] - three[1] + three[0]).abs();
     steps.windows(3).map(change).fold(0.0, f64::max)
+}
+
+/// The distance along a plan at a time, no more than its duration.
+pub(crate) fn place_at(stages: &[Stage<f64>]) -> impl Fn(f64) -> f64 {
+    let end_of = |time: &mut f64, stage: &Stage<f64>| {
+        *time += stage.duration;
+        Some(*time)
+    };
+    let ends: Vec<_> = stages.iter().scan(0.0, end_of).collect();
+    move |time| {
+        let index = ends.partition_point(|end| *end < time).min(ends.len() - 1);
+        stages[index].start + stages[index].distance_at(time - ends[index] + stages[index].duration)
+    }
 }
 
 /// Limits in another format.

@@ -4,8 +4,8 @@ use nurbs_core::NurbsBuf;
 use proptest::prelude::*;
 
 use crate::chords::shortfall::Path;
-use crate::test_paths::{in_periods, polyline};
-use crate::{EndFeeds, FeedLimit, Junction, KinematicLimits, ProfileKind, plan_with};
+use crate::test_paths::{in_periods, place_at, polyline};
+use crate::{EndFeeds, FeedLimit, Junction, KinematicLimits, ProfileKind, Schedule, plan_with};
 
 /// Two straight moves of these lengths, mm, and the turn between them.
 struct Corner {
@@ -43,20 +43,12 @@ impl Corner {
             by_run = self.cut([before - reached, next - before]);
             reached = next;
         }
-        [self.cut_along(arcs.stages()), by_run]
+        [self.cut_along(&arcs.as_schedule()), by_run]
     }
 
-    fn cut_along(&self, stages: &[crate::Stage<f64>]) -> f64 {
-        let end_of = |time: &mut f64, stage: &crate::Stage<f64>| {
-            *time += stage.duration;
-            Some(*time)
-        };
-        let ends: Vec<_> = stages.iter().scan(0.0, end_of).collect();
-        let place = |time: f64| {
-            let index = ends.partition_point(|end| *end < time).min(ends.len() - 1);
-            stages[index].start + stages[index].distance_at(time - ends[index] + stages[index].duration)
-        };
-        let (mut low, mut high) = (0.0, ends[ends.len() - 1]);
+    fn cut_along(&self, plan: &Schedule<'_, f64>) -> f64 {
+        let place = place_at(plan.stages());
+        let (mut low, mut high) = (0.0, plan.duration());
         for _ in 0..60 {
             let middle = 0.5 * (low + high);
             if place(middle) < self.before { low = middle } else { high = middle }

@@ -37,44 +37,39 @@ impl<R: Real> FeedLimit<R> {
         let fastest = arcs.stages().iter().fold(R::zero(), |most, stage| most.max(stage.start_feed));
         let rounding = if R::IS_FLOATING { R::resolution() * self.length() } else { R::resolution() };
         let enough = (fastest * arcs.interpolation_period.scale(ON_STOP)).max(rounding);
-        arcs.clone().by_sections(&shortfalls, |stages, shortfalls| {
-            Shortened { limit: self, arcs, stages, shortfalls }.landed(&path, enough)
-        })
+        arcs.clone()
+            .by_sections(&shortfalls, |stages, shortfalls| path.landed(arcs, (stages, shortfalls), enough))
     }
 }
 
-/// The stages of a section and what they fall short by.
-struct Shortened<'a, R> {
-    limit: &'a FeedLimit<R>,
-    /// The whole plan.
-    arcs: &'a ScheduleBuf<R>,
-    stages: &'a [Stage<R>],
-    /// What its stages fall short by.
-    shortfalls: &'a [R],
-}
-
-impl<R: Real> Shortened<'_, R> {
-    /// The stages shortened so that a run by their chords is off the stop by no more than `enough`, or by the least that is found.
-    fn landed<const D: usize, C: Differentiate<R, D>>(
+impl<R: Real, C: Differentiate<R, D>, const D: usize> Path<'_, R, C, D> {
+    /// The stages of a section of `arcs`, shortened by what they fall short so that a run by their chords is off the stop by no more
+    /// than `enough`, or by the least that is found.
+    fn landed(
         &self,
-        path: &Path<'_, R, C, D>,
+        arcs: &ScheduleBuf<R>,
+        (stages, shortfalls): (&[Stage<R>], &[R]),
         enough: R,
     ) -> Vec<Stage<R>> {
-        let shortfall = self.shortfalls.iter().fold(R::zero(), |sum, part| sum + part.max(R::zero()));
+        // By a share of what they fall short, and by so much more where they come to rest.
+        let shortened = |share: R, at_the_end: R| {
+            let parts: Vec<_> = shortfalls.iter().map(|shortfall| *shortfall * share).collect();
+            feeds::shortened(self.limit, stages, (&parts, at_the_end), arcs.interpolation_period)
+        };
+        let shortfall = shortfalls.iter().fold(R::zero(), |sum, part| sum + part.max(R::zero()));
         let (mut lead, mut at_the_end) = (R::zero(), R::zero());
-        let mut best = (self.shortened(R::one(), at_the_end), R::max_value());
-        let ends = self.stages.first().zip(self.stages.last().filter(|last| last.end_feed.is_zero()));
+        let mut best = (shortened(R::one(), at_the_end), R::max_value());
+        let ends = stages.first().zip(stages.last().filter(|last| last.end_feed.is_zero()));
         // Left in motion, there is no stop to land on.
         let Some((first, last)) = ends.filter(|_| shortfall > enough) else { return best.0 };
         let ends = [first.start, last.start + last.length];
-        let arcs = self.arcs.as_schedule();
         for trial in 0..TRIALS {
             let share = (R::one() - lead / shortfall).max(R::zero());
-            let stages = if trial > 0 { self.shortened(share, at_the_end) } else { best.0.clone() };
-            let chords = Schedule::new(&stages, arcs.interpolation_period(), arcs.periods());
-            let off = path.beyond_stop(&chords, ends);
+            let short = if trial > 0 { shortened(share, at_the_end) } else { best.0.clone() };
+            let chords = Schedule::new(&short, arcs.interpolation_period, arcs.periods);
+            let off = self.beyond_stop(&chords, ends);
             if off.abs() < best.1 {
-                best = (stages, off.abs());
+                best = (short, off.abs());
             }
             if !(off.abs() > enough) {
                 break;
@@ -87,14 +82,6 @@ impl<R: Real> Shortened<'_, R> {
         best.0
     }
 
-    /// The stages shortened by a share of what they fall short, and by so much more where they come to rest.
-    fn shortened(&self, share: R, at_the_end: R) -> Vec<Stage<R>> {
-        let parts: Vec<_> = self.shortfalls.iter().map(|shortfall| *shortfall * share).collect();
-        feeds::shortened(self.limit, self.stages, (&parts, at_the_end), self.arcs.interpolation_period)
-    }
-}
-
-impl<R: Real, C: Differentiate<R, D>, const D: usize> Path<'_, R, C, D> {
     /// By how much a run by chords from one distance to another would go beyond that stop if it did not land there.
     fn beyond_stop(&self, chords: &Schedule<'_, R>, [begin, stop]: [R; 2]) -> R {
         let (mut cursor, mut reached, mut beyond) = (chords.start(), begin, R::zero());

@@ -97,7 +97,7 @@ struct End<R> {
 
 /// A path by its arc length.
 pub(crate) struct Path<'a, R, C, const D: usize> {
-    limit: &'a FeedLimit<R>,
+    pub(crate) limit: &'a FeedLimit<R>,
     curves: &'a [C],
     rule: GaussLegendre<R>,
     /// Whether the parameter says everywhere where the path is. Where it does not, a chord counts as long as its arc.

@@ -362,7 +362,7 @@ fn unit<R: Real, const D: usize>(vector: &[R; D]) -> [R; D] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_paths::{self, circle, in_range, paper_limits, polyline};
+    use crate::test_paths::{self, circle, in_range, paper_limits, place_at, polyline};
     use crate::{AxisLimits, EndFeeds, FeedLimit, ProfileKind, chord_feedrate, plan_with};
     use nurbs_core::NurbsBuf;
     use proptest::prelude::*;
@@ -407,19 +407,9 @@ mod tests {
     /// The distances along the plan, eight a period.
     fn places(limit: &FeedLimit<f64>, limits: &KinematicLimits<f64>, kind: ProfileKind) -> Vec<f64> {
         let plan = plan_with(limit, limits, EndFeeds::default(), kind).unwrap();
-        let mut places = Vec::new();
-        let (mut time, mut stage_index) = (0.0, 0);
-        let stages = plan.stages();
-        for i in 0.. {
-            let t = f64::from(i) / 8.0;
-            while stage_index < stages.len() && t > time + stages[stage_index].duration {
-                time += stages[stage_index].duration;
-                stage_index += 1;
-            }
-            let Some(stage) = stages.get(stage_index) else { break };
-            places.push(stage.start + stage.distance_at(t - time));
-        }
-        places
+        let (place, schedule) = (place_at(plan.stages()), plan.as_schedule());
+        let times = (0..).map(|i| f64::from(i) / 8.0).take_while(|time| *time <= schedule.duration());
+        times.map(place).collect()
     }
 
     /// The largest error of a chord of one period along the plan, at eight phases, that passes no stop.
