@@ -112,6 +112,7 @@ mod limit {
     pub(crate) mod scan;
     pub(crate) mod span_walk;
     pub(crate) mod stops;
+    pub(crate) mod vector;
 }
 
 #[cfg(feature = "alloc")]

@@ -17,6 +17,7 @@ use nurbs_core::{Differentiate, Frenet, GaussLegendre};
 use real::Real;
 
 use crate::Cursor;
+use crate::limit::vector::difference;
 use crate::{FeedLimit, Schedule, Stage};
 
 /// How often a stage is followed, at most; what is left falls by a factor of ten and more each time.
@@ -305,7 +306,7 @@ impl<R: Real> Stage<R> {
 }
 
 fn chord<R: Real, const D: usize>(from: &[R; D], to: &[R; D]) -> R {
-    R::norm(&core::array::from_fn::<_, D, _>(|d| to[d] - from[d]))
+    R::norm(&difference(to, from))
 }
 
 #[cfg(test)]

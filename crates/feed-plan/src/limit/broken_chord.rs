@@ -2,6 +2,8 @@
 
 use real::Real;
 
+use crate::limit::vector::difference;
+
 /// A limit is set where a measure is more than 2⁻⁸ above what is allowed, and found to that.
 pub(crate) const SLACK: i32 = -8;
 /// Secants to the length at which h is what is allowed.
@@ -13,17 +15,6 @@ pub(crate) struct Place<R, const D: usize> {
     pub(crate) distance: R,
     pub(crate) point: [R; D],
     pub(crate) tangent: [R; D],
-}
-
-/// The part of a vector that is across the sum of two others.
-pub(crate) fn across<R: Real, const D: usize>(vector: &[R; D], before: &[R; D], behind: &[R; D]) -> [R; D] {
-    let along: [R; D] = core::array::from_fn(|d| before[d] + behind[d]);
-    let square = R::sum_of_products(along.into_iter().zip(along));
-    if !(square > R::zero()) {
-        return *vector;
-    }
-    let share = R::sum_of_products(vector.iter().copied().zip(along)) / square;
-    core::array::from_fn(|d| vector[d] - share * along[d])
 }
 
 /// Half of the chord at which `measure` is what is allowed: between one that holds and one that does not, by secants. Where the measure
@@ -114,8 +105,7 @@ impl<'a, R: Real, const D: usize> Chord<'a, R, D> {
             let length = self.half + self.half;
             (self.find(self.at - length * share), self.find(self.at + length * (R::one() - share)))
         };
-        let centre = &self.centre;
-        [core::array::from_fn(|d| centre[d] - begin[d]), core::array::from_fn(|d| end[d] - centre[d])]
+        [difference(&self.centre, &begin), difference(&end, &self.centre)]
     }
 
     fn find(&self, distance: R) -> [R; D] {

@@ -38,10 +38,11 @@ use alloc::vec::Vec;
 use real::Real;
 
 use crate::limit::axis_budget::{AxisBudget, Turning};
-use crate::limit::broken_chord::{Chord, Place, SLACK, across, crossing};
+use crate::limit::broken_chord::{Chord, Place, SLACK, crossing};
 use crate::limit::lowered_samples::{lower_acceleration_around, lower_around};
 use crate::limit::sample::LimitSample;
 use crate::limit::span_walk::tangent_rounding;
+use crate::limit::vector::{across, difference, sum, unit};
 use crate::{Junction, KinematicLimits, LimitPoint};
 
 /// A chord is lengthened by 2⁻⁴ at least, where breaks are denser than that.
@@ -317,7 +318,7 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
         let offset: [R; D] = core::array::from_fn(|d| rest * before[d] - share * behind[d]);
         let length = R::norm(&offset);
         // Distances along the path are rounded, and that says nothing about the chord's error.
-        if length <= self.allowed { length } else { R::norm(&across(&offset, &before, &behind)) }
+        if length <= self.allowed { length } else { R::norm(&across(&offset, &sum(&before, &behind))) }
     }
 
     /// The share that the path's turning takes of what may be spent on it where half of the chord is travelled in a period.
@@ -329,8 +330,8 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
     /// The way of the chord, and what turns from its first half to its second.
     fn turn_over(chord: &Chord<'_, R, D>) -> ([R; D], [R; D]) {
         let [before, behind] = chord.sides(R::one().half());
-        let change = core::array::from_fn(|d| behind[d] - before[d]);
-        (core::array::from_fn(|d| before[d] + behind[d]), across(&change, &before, &behind))
+        let along = sum(&before, &behind);
+        (along, across(&difference(&behind, &before), &along))
     }
 
     /// The same of a change of the step, in a period, of a path in this direction.
@@ -348,15 +349,8 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
         let beyond = self.places.partition_point(|place| place.distance <= at);
         let before = self.places.get(first)?.tangent;
         let behind = self.places.get(beyond.checked_sub(1)?)?.tangent;
-        let sum = core::array::from_fn(|d| behind[d] + before[d]);
-        Some((sum, core::array::from_fn(|d| behind[d] - before[d])))
+        Some((sum(&behind, &before), difference(&behind, &before)))
     }
-}
-
-/// Its direction; 0 where it has none.
-fn unit<R: Real, const D: usize>(vector: &[R; D]) -> [R; D] {
-    let length = R::norm(vector);
-    vector.map(|x| if length > R::zero() { x / length } else { R::zero() })
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ use real::Real;
 
 use crate::limit::axis_budget::{AxisBudget, components};
 use crate::limit::span_walk::{Sample, tangent_rounding};
+use crate::limit::vector::difference;
 use crate::{Junction, KinematicLimits};
 
 /// What changes where a span begins.
@@ -18,9 +19,8 @@ pub(crate) struct Turn<R, const D: usize> {
 impl<R: Real, const D: usize> Turn<R, D> {
     /// From where a span ends, with this tangent and curvature vector, to where the next begins.
     pub(crate) fn between((end_tangent, end_bend): ([R; D], [R; D]), first: &Sample<R, D>) -> Self {
-        let difference: [R; D] = core::array::from_fn(|d| first.tangent[d] - end_tangent[d]);
-        let bend_step = core::array::from_fn(|d| first.bend[d] - end_bend[d]);
-        Self { difference, size: R::norm(&difference), bend_step }
+        let turn = difference(&first.tangent, &end_tangent);
+        Self { difference: turn, size: R::norm(&turn), bend_step: difference(&first.bend, &end_bend) }
     }
 }
 

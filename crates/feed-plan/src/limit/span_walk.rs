@@ -10,6 +10,7 @@ use real::Real;
 
 use crate::KinematicLimits;
 use crate::limit::axis_budget::{Allowance, AxisBudget, Turning, components};
+use crate::limit::vector::difference;
 
 /// At least 2⁴ stretches a span.
 const COARSEST: i32 = -4;
@@ -334,8 +335,7 @@ impl<R: Real, C: Differentiate<R, D>, const D: usize> Span<'_, R, C, D> {
         let mut previous = from;
         for sample in core::iter::once(from).chain(inner).chain(core::iter::once(to)) {
             let length = (sample.u - previous.u) * (sample.speed + previous.speed).half();
-            let difference =
-                components(&core::array::from_fn::<R, D, _>(|d| sample.bend[d] - previous.bend[d]));
+            let difference = components(&difference(&sample.bend, &previous.bend));
             let mut here = Turning::at(&sample.tangent, &sample.bend);
             if length > R::zero() {
                 here.change = difference.map(|x| x / length + (x / length).scale(-3));

@@ -357,13 +357,19 @@ mod tests {
         assert_eq!(cursor.period(), schedule.periods());
     }
 
+    /// The plan from rest to rest, which keeps every promise.
+    fn kept(limit: &FeedLimit<f64>, limits: &KinematicLimits<f64>, kind: ProfileKind) -> ScheduleBuf<f64> {
+        let plan = plan_with(limit, limits, EndFeeds::default(), kind).unwrap();
+        assert_kept(limit, limits, &plan);
+        plan
+    }
+
     fn planned(
         curve: &NurbsBuf<f64, 2>,
         limits: &KinematicLimits<f64>,
     ) -> (FeedLimit<f64>, ScheduleBuf<f64>) {
         let limit = limit_along(core::slice::from_ref(curve), limits);
-        let plan = plan(&limit, limits, EndFeeds::default()).unwrap();
-        assert_kept(&limit, limits, &plan);
+        let plan = kept(&limit, limits, ProfileKind::Cubic);
         (limit, plan)
     }
 
@@ -510,8 +516,7 @@ mod tests {
                 ..in_periods(1e-3, 100.0, acceleration, 5e4, 5e-4)
             };
             let limit = limit_along(core::slice::from_ref(&curve), &limits);
-            let plan = plan(&limit, &limits, EndFeeds::default()).unwrap();
-            assert_kept(&limit, &limits, &plan);
+            let plan = kept(&limit, &limits, ProfileKind::Cubic);
             plan.as_schedule().duration() * 1e-3
         };
         let alone = duration(2000.0, None);
@@ -529,8 +534,7 @@ mod tests {
         let limits = paper_limits();
         let path = polyline(&[[0.0, 0.0], [10.0, 0.0], [30.0, 0.0], [30.0, 5.0]]);
         let limit = limit_along(&path, &limits);
-        let plan = plan(&limit, &limits, EndFeeds::default()).unwrap();
-        assert_kept(&limit, &limits, &plan);
+        let plan = kept(&limit, &limits, ProfileKind::Cubic);
         // No stop at 10 mm, where the lines have the same direction; one at 30 mm.
         let stops: Vec<_> = limit.points().filter(|p| p.feedrate == 0.0).map(|p| p.distance).collect();
         assert_eq!(stops.len(), 1);
@@ -585,9 +589,7 @@ mod tests {
         let near = (0..count).map(|i| (f64::from(i) * 1e-7, if i % 2 == 0 { 0.5 } else { 0.4 }));
         let far: Vec<_> = near.clone().map(|(distance, feed)| (100.0 - distance, feed)).collect();
         let points: Vec<_> = near.chain(far.into_iter().rev()).collect();
-        let (limits, limit) = (paper_limits(), limit_through(&points));
-        let plan = plan(&limit, &limits, EndFeeds::default()).unwrap();
-        assert_kept(&limit, &limits, &plan);
+        kept(&limit_through(&points), &paper_limits(), ProfileKind::Cubic);
     }
 
     #[test]
@@ -746,8 +748,7 @@ mod tests {
         let limit = limit_through(&points);
         let bound = jerk_free_duration(&limit, &paper_limits(), EndFeeds::default());
         for kind in ProfileKind::ALL {
-            let plan = plan_with(&limit, &paper_limits(), EndFeeds::default(), kind).unwrap();
-            assert_kept(&limit, &paper_limits(), &plan);
+            let plan = kept(&limit, &paper_limits(), kind);
             let over = plan.as_schedule().duration() / bound;
             assert!(over < 1.3, "{kind:?}: {over}");
         }
@@ -786,8 +787,7 @@ mod tests {
                 prop_assert!(pair[1].lower <= pair[0].lower.min(pair[2].lower), "{pair:?}");
             }
             for kind in ProfileKind::ALL {
-                let plan = plan_with(&limit, &limits, EndFeeds::default(), kind).unwrap();
-                assert_kept(&limit, &limits, &plan);
+                kept(&limit, &limits, kind);
             }
         }
     }
@@ -802,8 +802,7 @@ mod tests {
             let limits = KinematicLimits { acceleration, jerk, ..paper_limits() };
             let limit = limit_through(&points);
             for kind in ProfileKind::ALL {
-                let plan = plan_with(&limit, &limits, EndFeeds::default(), kind).unwrap();
-                assert_kept(&limit, &limits, &plan);
+                kept(&limit, &limits, kind);
             }
         }
 
