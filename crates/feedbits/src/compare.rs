@@ -54,7 +54,7 @@ where
     let progress = Progress::of("runs", formats.len() * engines.len());
     let wanted = arguments.report.is_some();
     let keep = |_: &Row, run: Option<(&Run, &[JudgedStep])>| {
-        let trace = run.filter(|_| wanted).map(|(run, steps)| Trace::of(problem, run, steps));
+        let trace = run.filter(|_| wanted).map(|(run, steps)| Trace::of(run, steps));
         progress.step();
         trace
     };

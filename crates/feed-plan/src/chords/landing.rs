@@ -120,9 +120,17 @@ mod tests {
         let curves: Vec<_> = curves.iter().map(NurbsBuf::as_curve).collect();
         let limit = FeedLimit::along(&curves, limits).unwrap().capped(|_| feed).unwrap();
         let arcs = plan_with(&limit, limits, EndFeeds::default(), kind).unwrap();
-        let chords = limit.in_chords(&curves, &arcs);
+        of_sections(&curves, &limit, &arcs)
+    }
+
+    fn of_sections<C: Differentiate<f64, 2>>(
+        curves: &[C],
+        limit: &FeedLimit<f64>,
+        arcs: &ScheduleBuf<f64>,
+    ) -> Vec<f64> {
+        let chords = limit.in_chords(curves, arcs);
         assert!((chords.as_schedule().duration() - arcs.as_schedule().duration()).abs() < 1e-9);
-        let path = Path::new(&limit, &curves);
+        let path = Path::new(limit, curves);
         let mut begin = 0.0;
         let sections = sections(arcs.stages()).zip(sections(chords.stages()));
         let beyond = sections.map(|(whole, chords)| {
@@ -135,6 +143,26 @@ mod tests {
 
     fn largest(off: &[f64]) -> f64 {
         off.iter().fold(0.0, |most, x| most.max(x.abs()))
+    }
+
+    /// Two arcs with a stop between them land as near where the second is far away as where it begins at the first one's end.
+    #[test]
+    fn a_path_that_goes_on_elsewhere_behind_a_stop_lands_there_too() {
+        let arc = |x: f64| {
+            let points = vec![[x, 0.0], [x, 4.0], [x + 4.0, 4.0], [x + 8.0, 4.0], [x + 8.0, 0.0]];
+            NurbsBuf::try_new_nonrational(2, points, vec![0.0, 0.0, 0.0, 0.3, 0.6, 1.0, 1.0, 1.0]).unwrap()
+        };
+        let limits = in_periods(2e-3, 50.0, 1500.0, 3e4, 2e-3);
+        let beyond = |second: f64| {
+            let curves = [arc(0.0), arc(second)];
+            let curves: Vec<_> = curves.iter().map(NurbsBuf::as_curve).collect();
+            let limit = FeedLimit::along_with_stops(&curves, &limits, &[1]).unwrap();
+            let arcs = plan_with(&limit, &limits, EndFeeds::default(), ProfileKind::Cubic).unwrap();
+            (arcs.as_schedule().periods(), of_sections(&curves, &limit, &arcs))
+        };
+        let [(near, joined), (far, apart)] = [8.0, 500.0].map(beyond);
+        assert_eq!(near, far);
+        assert!(largest(&joined) < 1e-7 && largest(&apart) < 1e-7, "{joined:?} {apart:?}");
     }
 
     /// A zigzag whose corners are passed: with chords straight over its corners the run came to the end five periods early.

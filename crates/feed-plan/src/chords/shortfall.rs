@@ -123,11 +123,30 @@ impl<'a, R: Real, C: Differentiate<R, D>, const D: usize> Path<'a, R, C, D> {
 
     /// The length of the chord between two distances without a corner in between.
     fn leg(&self, from: R, to: R) -> R {
-        chord(&self.point(from), &self.point(to))
+        chord(&self.leaving(from), &self.arriving(from, to))
     }
 
-    fn point(&self, distance: R) -> [R; D] {
-        let (curve, u) = self.limit.parameter_at(distance);
+    /// The point at a distance, on the path that goes on from there: after a rest that may be elsewhere than where the path before
+    /// it ends.
+    fn leaving(&self, distance: R) -> [R; D] {
+        let place = match self.limit.begins_at_rest(distance) {
+            Some(curve) => (curve, self.curves.get(curve).map_or(R::zero(), |curve| curve.domain().0)),
+            None => self.limit.parameter_at(distance),
+        };
+        self.point(place)
+    }
+
+    /// The point at a distance, on the path that comes from another; no farther than the next rest.
+    fn arriving(&self, from: R, to: R) -> [R; D] {
+        let rest = self.limit.next_from_rest(from).filter(|(rest, _)| to >= *rest);
+        let place = match rest.and_then(|(_, next)| next.checked_sub(1)) {
+            Some(curve) => (curve, self.curves.get(curve).map_or(R::zero(), |curve| curve.domain().1)),
+            None => self.limit.parameter_at(to),
+        };
+        self.point(place)
+    }
+
+    fn point(&self, (curve, u): (usize, R)) -> [R; D] {
         self.curves.get(curve).map_or([R::zero(); D], |curve| curve.point(u))
     }
 
@@ -236,8 +255,8 @@ impl<'a, R: Real, C: Differentiate<R, D>, const D: usize> Path<'a, R, C, D> {
 
     /// The first arc from `begin` on whose chord is as long as wanted; four times the chord where none is.
     fn arc_over(&self, begin: R, wanted: R) -> R {
-        let from = self.point(begin);
-        let missing = |arc: R| wanted - chord(&from, &self.point(begin + arc));
+        let from = self.leaving(begin);
+        let missing = |arc: R| wanted - chord(&from, &self.arriving(begin, begin + arc));
         let rounding = R::resolution() * self.limit.length().max(R::one());
         // A chord is no longer than its arc: an arc that is longer by what its chord lacks is not yet past the first.
         let mut arc = wanted;

@@ -23,6 +23,8 @@ pub struct FeedLimit<R> {
     samples: Vec<LimitSample<R>>,
     /// Distances of the corners: where the tangent breaks.
     corners: Vec<R>,
+    /// The curves that begin at rest whatever their direction, and where: the path may go on there at another point.
+    from_rest: Vec<(R, usize)>,
 }
 
 impl<R: Real> FeedLimit<R> {
@@ -62,7 +64,7 @@ impl<R: Real> FeedLimit<R> {
     }
 
     /// The same with a stop where each curve of `stops`, numbers in order, begins: exact stop, whatever the directions
-    /// and the [`Junction`](crate::Junction).
+    /// and the [`Junction`](crate::Junction). Such a curve may begin elsewhere than the one before it ends.
     ///
     /// # Errors
     /// As [`along`](Self::along).
@@ -77,7 +79,8 @@ impl<R: Real> FeedLimit<R> {
             scan.pass(index, curve, stops.binary_search(&index).is_ok())?;
         }
         scan.finish();
-        Self::assemble(scan.samples().to_vec(), scan.corners().to_vec(), limits.chord_error)
+        let limit = Self::assemble(scan.samples().to_vec(), scan.corners().to_vec(), limits.chord_error)?;
+        Ok(Self { from_rest: scan.from_rest().to_vec(), ..limit })
     }
 
     /// The same where no curve is travelled faster than its own feed, given by its index: the F words of a program. A feed above
@@ -146,7 +149,7 @@ impl<R: Real> FeedLimit<R> {
             *sample = sample.with_lower(lowered(sample.point.feedrate, margin));
         }
         release_stops(&mut samples, chord_error);
-        Ok(Self { samples, corners })
+        Ok(Self { samples, corners, from_rest: Vec::new() })
     }
 
     /// The points, in order of distance. Points of the same distance are one-sided limits at a joint, with a
@@ -281,6 +284,20 @@ impl<R: Real> FeedLimit<R> {
     pub(crate) fn corners_from(&self, distance: R) -> &[R] {
         let passed = self.corners.partition_point(|corner| *corner <= distance);
         self.corners.get(passed..).unwrap_or_default()
+    }
+
+    /// The curve that begins at rest, whatever its direction, at a distance that rounding may have moved.
+    pub(crate) fn begins_at_rest(&self, distance: R) -> Option<usize> {
+        let rounding = self.rounding();
+        let next = self.from_rest.partition_point(|(begin, _)| *begin < distance - rounding);
+        self.from_rest.get(next).filter(|(begin, _)| *begin <= distance + rounding).map(|(_, curve)| *curve)
+    }
+
+    /// The first curve that begins at rest, whatever its direction, beyond a distance, and where.
+    pub(crate) fn next_from_rest(&self, distance: R) -> Option<(R, usize)> {
+        let beyond = distance + self.rounding();
+        let next = self.from_rest.partition_point(|(begin, _)| *begin <= beyond);
+        self.from_rest.get(next).copied()
     }
 
     /// Whether the parameter tells places apart everywhere: between knots a few roundings apart there are none, though the path may

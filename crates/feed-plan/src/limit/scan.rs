@@ -26,6 +26,8 @@ pub(crate) struct Scan<'l, R, const D: usize> {
     fine_moves: FineMoves<R, D>,
     /// Distances at which the tangent breaks.
     corners: Vec<R>,
+    /// The curves that begin at rest, and where.
+    from_rest: Vec<(R, usize)>,
 }
 
 impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
@@ -38,6 +40,7 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
             samples: Vec::new(),
             fine_moves: FineMoves::new(limits),
             corners: Vec::new(),
+            from_rest: Vec::new(),
         }
     }
 
@@ -92,6 +95,11 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
         &self.corners
     }
 
+    /// The curves that begin at rest, and the distances where they do.
+    pub(crate) fn from_rest(&self) -> &[(R, usize)] {
+        &self.from_rest
+    }
+
     /// Arc length of what was sampled.
     pub(crate) fn length(&self) -> R {
         self.distance
@@ -102,6 +110,7 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
         let kept = self.samples.partition_point(|sample| sample.point.distance <= distance);
         self.samples.drain(..kept.saturating_sub(1));
         self.corners.retain(|corner| *corner > distance);
+        self.from_rest.retain(|(begin, _)| *begin > distance);
     }
 
     /// Goes on from the path so far to the first sample of a span: a single point in between has the feed of the junction, if that is
@@ -118,6 +127,9 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
         let is_corner = self.end.is_some_and(|(tangent, _)| tangent_breaks(&tangent, &first.tangent));
         if is_corner {
             self.corners.push(self.distance);
+        }
+        if from_rest && self.end.is_some() {
+            self.from_rest.push((self.distance, curve));
         }
         let is_lowest = |feedrate: &R| *feedrate < self.lower_beside(stations);
         let stop = (from_rest && self.end.is_some()).then(R::zero);
