@@ -4,6 +4,8 @@
 //! those begins elsewhere than the one before it ends, be it for a rapid move or for a gap in a drawing, the machine rests, for it
 //! makes another move there: the path goes on at the next section's begin.
 
+use std::ops::Range;
+
 use feed_plan::{AxisLimits, FeedLimit, Junction, KinematicLimits, PlanError};
 use nurbs_core::{CompileError, CurveError, FastCurve, NurbsBuf};
 use part_program::{Machine, MoveKind, Part, Rest};
@@ -79,6 +81,23 @@ impl<const D: usize> Problem<D> {
         }
         let name = part.name.clone();
         Ok(Self { name, curves, feed_shares, stops, breaks, lines, rapids_left_out, gaps, machine })
+    }
+
+    /// The curves of this range by themselves, on the same machine. The part rests where the range begins and ends.
+    #[must_use]
+    pub(crate) fn part(&self, curves: Range<usize>) -> Self {
+        let of_range = |all: &[usize]| {
+            let inner = all.iter().filter(|curve| curves.start < **curve && **curve < curves.end);
+            inner.map(|curve| curve - curves.start).collect()
+        };
+        Self {
+            curves: self.curves.get(curves.clone()).unwrap_or_default().to_vec(),
+            feed_shares: self.feed_shares.get(curves.clone()).unwrap_or_default().to_vec(),
+            lines: self.lines.get(curves.clone()).unwrap_or_default().to_vec(),
+            stops: of_range(&self.stops),
+            breaks: of_range(&self.breaks),
+            ..self.clone()
+        }
     }
 
     /// The feedrate of a curve, as a share of the machine's.
