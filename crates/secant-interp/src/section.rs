@@ -14,24 +14,24 @@ use crate::step_lengths::StepLengths;
 
 /// Pieces and stages of a section.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Stretch {
+pub struct Section {
     /// The pieces between the rests.
     pub pieces: Range<usize>,
     /// The stages from rest to rest.
     pub stages: Range<usize>,
 }
 
-/// The stretches of a path of so many pieces, in order. For each section of its plan `ends` has the number of stages up to its end, and
+/// The sections of a path of so many pieces, in order. For each section of its plan `ends` has the number of stages up to its end, and
 /// of the piece that begins where it rests. A section that rests at no joint, or at none behind the one before, goes on with the next.
 #[cfg(feature = "alloc")]
-pub(crate) fn stretches(ends: &[(usize, Option<usize>)], pieces: usize) -> Vec<Stretch> {
+pub(crate) fn sections(ends: &[(usize, Option<usize>)], pieces: usize) -> Vec<Section> {
     let (mut found, mut piece, mut stage) = (Vec::new(), 0, 0);
     for (index, (stages, joint)) in ends.iter().enumerate() {
         let joint = joint.filter(|joint| piece < *joint && *joint < pieces);
         let is_last = index + 1 == ends.len();
         if is_last || joint.is_some() {
             let end = if is_last { pieces } else { joint.unwrap_or(pieces) };
-            found.push(Stretch { pieces: piece..end, stages: stage..*stages });
+            found.push(Section { pieces: piece..end, stages: stage..*stages });
             (piece, stage) = (end, *stages);
         }
     }
@@ -39,12 +39,12 @@ pub(crate) fn stretches(ends: &[(usize, Option<usize>)], pieces: usize) -> Vec<S
 }
 
 impl<'a, R: Real, const D: usize> PieceInterpolator<'a, R, D> {
-    /// The run of one stretch: its setpoints number pieces from the stretch's first. It ends on the stop.
+    /// The run of one section: its setpoints number pieces from the section's first. It ends on the stop.
     #[must_use]
-    pub fn on(&self, stretch: &Stretch) -> PieceInterpolator<'a, R, D> {
-        let stages = self.lengths.stages.get(stretch.stages.clone()).unwrap_or_default();
+    pub fn on(&self, section: &Section) -> PieceInterpolator<'a, R, D> {
+        let stages = self.lengths.stages.get(section.stages.clone()).unwrap_or_default();
         PieceInterpolator {
-            pieces: self.pieces.part(stretch.pieces.clone()),
+            pieces: self.pieces.part(section.pieces.clone()),
             lengths: StepLengths { stages },
             ..*self
         }
@@ -56,11 +56,11 @@ mod tests {
     use super::*;
 
     fn of(ends: &[(usize, Option<usize>)], pieces: usize) -> Vec<(Range<usize>, Range<usize>)> {
-        stretches(ends, pieces).into_iter().map(|one| (one.pieces, one.stages)).collect()
+        sections(ends, pieces).into_iter().map(|one| (one.pieces, one.stages)).collect()
     }
 
     #[test]
-    fn each_rest_ends_a_stretch_and_the_last_section_the_path() {
+    fn each_rest_ends_a_section_and_the_last_one_the_path() {
         assert_eq!(of(&[(3, Some(9))], 9), [(0..9, 0..3)]);
         assert_eq!(of(&[(1, None)], 1), [(0..1, 0..1)]);
         assert_eq!(of(&[], 4), []);
