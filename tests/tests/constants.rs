@@ -6,7 +6,7 @@ use feedbits_tests::problem;
 use format_compare::{Constants, Dimension, Options, Problem, ProfileKind, Refusal, Space, plan_for, select};
 use nurbs_core::ORIGIN_EXPONENT;
 use real::Real;
-use secant_interp::{PieceInterpolator, PositionChecksum, Stretch};
+use secant_interp::{PieceInterpolator, PositionChecksum, Section};
 
 #[allow(unreachable_pub, reason = "it is written for any program")]
 mod stairs_i4f28 {
@@ -60,10 +60,10 @@ where
 /// The setpoints that a controller makes of the runs, their checksum, and where the last one is, in mm.
 fn made<R: Real, const D: usize>(
     path: &PieceInterpolator<'_, R, D>,
-    stretches: &[Stretch],
+    sections: &[Section],
 ) -> (usize, u64, [f64; D]) {
     let (mut periods, mut checksum, mut last) = (0, PositionChecksum::default(), [0; D]);
-    for run in stretches.iter().map(|stretch| path.on(stretch)) {
+    for run in sections.iter().map(|section| path.on(section)) {
         let mut state = run.start();
         while let Some(setpoint) = run.step(&mut state) {
             last = run.pieces.position(setpoint.piece, &setpoint.offset);
@@ -96,7 +96,7 @@ fn what_is_written_is_what_was_compiled_into_this_test() {
 /// The run of a module is the one that its checksum is of, and ends where the part does.
 macro_rules! holds {
     ($module:ident, $end:expr) => {
-        let (periods, checksum, last) = made(&$module::PATH, &$module::STRETCHES);
+        let (periods, checksum, last) = made(&$module::PATH, &$module::SECTIONS);
         assert_eq!((periods, checksum), ($module::PERIODS, $module::CHECKSUM));
         assert!(last.iter().zip($end).all(|(found, expected)| (found - expected).abs() < 1e-5), "{last:?}");
         assert_eq!($module::PERIOD_S, 0.003);
@@ -105,7 +105,7 @@ macro_rules! holds {
 
 #[test]
 fn a_controller_makes_the_run_that_the_checksum_is_of() {
-    assert_eq!(stairs_i4f28::STRETCHES.len(), 3);
+    assert_eq!(stairs_i4f28::SECTIONS.len(), 3);
     holds!(stairs_i4f28, [12.0, 10.0]);
     holds!(arcs_f32, [4.0, 8.0, 5.0]);
     holds!(arcs_i16f48, [4.0, 8.0, 5.0]);
@@ -117,12 +117,12 @@ fn a_controller_makes_the_run_that_the_checksum_is_of() {
 /// The path is closed over rapid moves to be planned; a controller has the holes where the part has them.
 #[test]
 fn stretches_begin_and_end_where_the_part_does() {
-    let ends: Vec<_> = holes_f64::STRETCHES
+    let ends: Vec<_> = holes_f64::SECTIONS
         .iter()
-        .map(|stretch| {
-            let run = holes_f64::PATH.on(stretch);
+        .map(|section| {
+            let run = holes_f64::PATH.on(section);
             let begin = in_mm(run.pieces.position(0, &[0.0; 3]));
-            (begin, made(&holes_f64::PATH, std::slice::from_ref(stretch)).2)
+            (begin, made(&holes_f64::PATH, std::slice::from_ref(section)).2)
         })
         .collect();
     let expected = [
@@ -142,9 +142,9 @@ fn tables_take_the_bytes_that_are_said() {
     let stairs = problem::<2>("stairs.nc", STAIRS);
     let PieceInterpolator { pieces, lengths, .. } = stairs_i4f28::PATH;
     let tables = size_of_val(pieces.pieces) + size_of_val(pieces.numerators) + size_of_val(lengths.stages);
-    let stretches = stairs_i4f28::STRETCHES.len() * 4 * size_of::<u32>();
+    let sections = stairs_i4f28::SECTIONS.len() * 4 * size_of::<u32>();
     let said = constants(&stairs, "I4F28").expect("it fits").bytes;
-    assert_eq!(said, tables + stretches);
+    assert_eq!(said, tables + sections);
     // The same word by another name, and one of half the width.
     assert_eq!(constants(&stairs, "I5F27").expect("it fits").bytes, said);
     assert!(constants(&stairs, "I5F11").expect("it fits").bytes < said);

@@ -42,9 +42,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     let fault = fault.map(|why| format!("{} is not good enough: {why}", arguments.format));
     let text = header(&about, fault.as_deref(), constants.bytes) + &constants.source;
     output::write(arguments.out.as_deref(), &text)?;
-    let Constants { stretches, pieces, stages, bytes, periods, checksum, .. } = constants;
+    let Constants { sections, pieces, stages, bytes, periods, checksum, .. } = constants;
     let stops =
-        if stretches == 1 { String::new() } else { format!(" in {stretches} stretches from stop to stop") };
+        if sections == 1 { String::new() } else { format!(" in {sections} sections from stop to stop") };
     output::note(&format!(
         "{periods} periods{stops}; {pieces} pieces and {stages} stages in {bytes} bytes; checksum {checksum:#018x}"
     ));
@@ -81,15 +81,15 @@ fn header(about: &str, fault: Option<&str>, bytes: usize) -> String {
 //
 {fault}// {bytes} bytes of tables, for the crates nurbs-core, real and secant-interp, without std. A setpoint a period:
 //
-//     for stretch in &STRETCHES {{
-//         let run = PATH.on(stretch);
+//     for section in &SECTIONS {{
+//         let run = PATH.on(section);
 //         let mut state = run.start(); // at rest at run.pieces.pieces[0].origin, in 2^-39 mm
 //         while let Some(setpoint) = run.step(&mut state) {{
 //             let position = run.pieces.position(setpoint.piece, &setpoint.offset); // in 2^-39 mm
 //         }}
 //     }}
 //
-// Where a stretch begins elsewhere than the one before it ends, the part has a rapid move or a gap.
+// Where a section begins elsewhere than the one before it ends, the part has a rapid move or a gap.
 
 ",
         in_a_comment(about)

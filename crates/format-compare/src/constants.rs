@@ -2,10 +2,10 @@
 
 use std::fmt::Write;
 
-use nurbs_core::{ORIGIN_EXPONENT, Piece, Pieces, PiecesBuf, Place};
-use real::{Backend, Real};
+use nurbs_core::Piece;
+use real::Backend;
 use secant_interp::{
-    CompiledPath, Constant, LengthStage, PieceInterpolator, PositionChecksum, Stretch, number_function,
+    CompiledPath, Constant, LengthStage, PieceInterpolator, PositionChecksum, Section, number_function,
     number_type,
 };
 
@@ -17,10 +17,10 @@ use crate::run::{Options, Refusal, most_periods};
 /// A module of constants, and what a controller has to make of them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Constants {
-    /// The module: `Number`, `PERIOD_S`, `PERIODS`, `CHECKSUM`, `PATH` and `STRETCHES`.
+    /// The module: `Number`, `PERIOD_S`, `PERIODS`, `CHECKSUM`, `PATH` and `SECTIONS`.
     pub source: String,
-    /// Stretches from stop to stop.
-    pub stretches: usize,
+    /// Sections from stop to stop.
+    pub sections: usize,
     /// Rows of the tables.
     pub pieces: usize,
     /// Stages of the plan.
@@ -42,21 +42,18 @@ impl Constants {
     ) -> Result<Self, Refusal> {
         let number = number_type(R::name()).ok_or(Refusal::NoType(R::name()))?;
         let path = on_pieces::compiled::<R, D>(problem, plan, options)?;
-        let rows = in_the_part(problem, path.table());
-        let interpolator = path.interpolator();
-        let whole =
-            PieceInterpolator { pieces: Pieces { pieces: &rows, ..interpolator.pieces }, ..interpolator };
-        let (periods, checksum) = run(&whole, path.stretches(), most_periods(plan.periods()))?;
+        let whole = path.interpolator();
+        let (periods, checksum) = run(&whole, path.sections(), most_periods(plan.periods()))?;
         let mut constants = Self {
             source: String::new(),
-            stretches: path.stretches().len(),
+            sections: path.sections().len(),
             pieces: path.table().places().len(),
             stages: path.stages().len(),
             bytes: bytes(&path),
             periods,
             checksum,
         };
-        constants.source = constants.module(&number, &whole, path.stretches(), problem.period_s());
+        constants.source = constants.module(&number, &whole, path.sections(), problem.period_s());
         Ok(constants)
     }
 
@@ -65,7 +62,7 @@ impl Constants {
         &self,
         number: &str,
         path: &PieceInterpolator<'_, R, D>,
-        stretches: &[Stretch],
+        sections: &[Section],
         period_s: f64,
     ) -> String {
         let Self { periods, checksum, .. } = self;
@@ -77,12 +74,12 @@ impl Constants {
              /// Setpoints from begin to end.\n{UNASKED}pub const PERIODS: usize = {periods};\n\n\
              /// `secant_interp::PositionChecksum` of all of them.\n{UNASKED}pub const CHECKSUM: u64 = {checksum:#018x};\n\n\
              /// Path and plan.\npub static PATH: PieceInterpolator<'static, Number, {D}> = {};\n\n\
-             /// From stop to stop.\n{UNASKED}pub static STRETCHES: [Stretch; {}] = [\n",
+             /// From stop to stop.\n{UNASKED}pub static SECTIONS: [Section; {}] = [\n",
             Constant(path),
-            stretches.len()
+            sections.len()
         );
-        for Stretch { pieces, stages } in stretches {
-            let _ = writeln!(text, "    Stretch {{ pieces: {pieces:?}, stages: {stages:?} }},");
+        for Section { pieces, stages } in sections {
+            let _ = writeln!(text, "    Section {{ pieces: {pieces:?}, stages: {stages:?} }},");
         }
         text += "];\n";
         if let Some(function) = number_function(R::name()) {
@@ -98,37 +95,19 @@ const UNASKED: &str = "#[allow(dead_code, reason = \"a program need not ask\")]\
 
 /// What the constants name.
 const USES: &str = "use nurbs_core::{Joint, Piece, Pieces};
-use secant_interp::{ChordTolerance, LengthStage, PieceInterpolator, StageShape, StepLengths, Stretch};
+use secant_interp::{ChordTolerance, LengthStage, PieceInterpolator, StageShape, StepLengths, Section};
 
 ";
-
-/// The rows with their origins where the part has them: a problem's curves were moved to each other.
-fn in_the_part<R: Backend, const D: usize>(
-    problem: &Problem<D>,
-    table: &PiecesBuf<R, D>,
-) -> Vec<Piece<R, D>> {
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "origins are within 2²⁴ mm, and moves between them within 2²⁵ mm"
-    )]
-    let units = |mm: f64| mm.scale(-ORIGIN_EXPONENT).round() as i64;
-    let there = |(row, place): (&Piece<R, D>, &Place)| {
-        let by = problem.moved_by_mm(place.curve);
-        let origin = core::array::from_fn(|d| row.origin[d].wrapping_sub(units(by[d])));
-        Piece { origin, ..*row }
-    };
-    table.as_pieces().pieces.iter().zip(table.places()).map(there).collect()
-}
 
 /// The setpoints of the runs from stop to stop, and the checksum of their positions.
 fn run<R: Backend, const D: usize>(
     path: &PieceInterpolator<'_, R, D>,
-    stretches: &[Stretch],
+    sections: &[Section],
     most: usize,
 ) -> Result<(usize, u64), Refusal> {
     let mut checksum = PositionChecksum::default();
     let mut periods = 0;
-    for run in stretches.iter().map(|stretch| path.on(stretch)) {
+    for run in sections.iter().map(|section| path.on(section)) {
         let mut state = run.start();
         while let Some(setpoint) = run.step(&mut state) {
             checksum.add(run.pieces.position(setpoint.piece, &setpoint.offset));
@@ -150,8 +129,8 @@ fn bytes<R: Backend, const D: usize>(path: &CompiledPath<R, D>) -> usize {
     }
     let pieces = path.table().as_pieces();
     let rows = [pieces.pieces.len(), pieces.numerators.len(), pieces.weights.len(), path.stages().len()];
-    let stretches = size_of::<[u32; 4]>() * path.stretches().len();
-    stretches
+    let sections = size_of::<[u32; 4]>() * path.sections().len();
+    sections
         + match R::name().bits() {
             8 => of::<u8, D>(rows),
             16 => of::<u16, D>(rows),

@@ -31,15 +31,15 @@ pub(crate) fn run<R: Backend, const D: usize>(
         return Ok(drive.finish());
     }
     let mut lengths = plan.lengths();
-    for (stretch, interpolator) in path.stretches().iter().zip(path.runs()) {
+    for (section, interpolator) in path.sections().iter().zip(path.runs()) {
         let mut state = interpolator.start();
         let planned: Vec<_> = lengths.by_ref().take(interpolator.lengths.periods()).collect();
-        drive.run(stretch.pieces.clone(), planned, |_| interpolator.step(&mut state));
+        drive.run(section.pieces.clone(), planned, |_| interpolator.step(&mut state));
     }
     Ok(drive.finish())
 }
 
-/// The same with the plan's time stretched. The rate goes on from stretch to stretch.
+/// The same with the plan's time stretched. The rate goes on from section to section.
 fn run_overridden<R: Backend, const D: usize>(
     path: &CompiledPath<R, D>,
     commands: &OverrideCommands,
@@ -47,14 +47,14 @@ fn run_overridden<R: Backend, const D: usize>(
 ) {
     // At most 2^24.
     drive.planned_periods = u32::try_from(commands.periods).unwrap_or(u32::MAX);
-    drive.most_periods = most_periods(drive.planned_periods) + LANDING * path.stretches().len();
+    drive.most_periods = most_periods(drive.planned_periods) + LANDING * path.sections().len();
     let mut rates = commands.start();
-    for (stretch, interpolator) in path.stretches().iter().zip(path.runs()) {
-        let stages = commands.stages.get(stretch.stages.clone()).unwrap_or_default();
+    for (section, interpolator) in path.sections().iter().zip(path.runs()) {
+        let stages = commands.stages.get(section.stages.clone()).unwrap_or_default();
         let (own, mut cursor) = (StepLengths { stages }, LengthCursor::default());
         let (mut state, wanted) = (interpolator.start(), Cell::new(None));
         let lengths = std::iter::from_fn(|| wanted.take());
-        drive.run(stretch.pieces.clone(), lengths, |period| {
+        drive.run(section.pieces.clone(), lengths, |period| {
             commands.command(period, &mut rates);
             let length = commands.feeds.advance(&own, &mut cursor, &mut { rates });
             wanted.set(length.map(|length| (length, length.value())));
@@ -64,7 +64,7 @@ fn run_overridden<R: Backend, const D: usize>(
 }
 
 /// The operations of each of the first `most` steps of the same run, without changes of the feed. The state at the begin of a
-/// stretch is formed before its first period.
+/// section is formed before its first period.
 pub(crate) fn record<R: Backend, const D: usize>(
     problem: &Problem<D>,
     plan: &ExactPlan,

@@ -223,7 +223,7 @@ const MAX_HALVINGS: i32 = 16;
 /// to [`STILL_MM`]: some pieces a halving are all that this takes.
 const MOST_HALVINGS: i32 = 40;
 
-/// Halvings beyond [`MAX_HALVINGS`] in a section, at most: a place where |C'| vanishes takes a hundred.
+/// Halvings beyond [`MAX_HALVINGS`] in a part of a span, at most: a place where |C'| vanishes takes a hundred.
 const MOST_FINER_HALVINGS: usize = 4096;
 
 /// What is uneven and no longer than this, in mm, stands still: far below what a drive resolves, 2⁻²⁵ of a usual step.
@@ -321,22 +321,22 @@ fn cut<H: Backend, const D: usize>(
     let spans = curve.degree()..curve.control_points().len();
     let ends = spans.map(|span| (span, knots[span], knots[span + 1])).filter(|(_, begin, end)| begin < end);
     let mut stops = stops.peekable();
-    let mut sections = Vec::new();
+    let mut parts = Vec::new();
     for (span, mut begin, end) in ends {
         // Nearer to a joint than rounding, a stop is that joint.
         let sliver = (end - begin).scale(SLIVER);
         while let Some(stop) = stops.next_if(|stop| *stop < end) {
             if stop - begin > sliver && end - stop > sliver {
-                sections.push((span, begin, stop));
+                parts.push((span, begin, stop));
                 begin = stop;
             }
         }
-        sections.push((span, begin, end));
+        parts.push((span, begin, end));
     }
     let still = StillParts::of::<H, D>(curve);
-    let mut section = 0;
-    for (span, first, end) in sections {
-        section += 1;
+    let mut part = 0;
+    for (span, first, end) in parts {
+        part += 1;
         let mut finer = 0;
         let mut rest = Vec::from([(computed::<H>(first), computed(end), 0)]);
         while let Some((begin, end, halvings)) = rest.pop() {
@@ -347,7 +347,7 @@ fn cut<H: Backend, const D: usize>(
             if still.contain(length, is_even) {
                 out.still.push(place);
                 // What lies beyond does not continue what lies before.
-                section += 1;
+                part += 1;
                 continue;
             }
             let is_small = length <= limits.length_mm && bezier.has_even_weights(MAX_RATIO);
@@ -367,7 +367,7 @@ fn cut<H: Backend, const D: usize>(
             if !bezier.is_finite() {
                 return Err(out_of_range);
             }
-            let piece = LocalPiece::new(&bezier, place, (index, section), halvings, speed)
+            let piece = LocalPiece::new(&bezier, place, (index, part), halvings, speed)
                 .ok_or(CompileError::OriginOutOfRange { curve: index })?;
             if !piece.is_finite() {
                 return Err(out_of_range);

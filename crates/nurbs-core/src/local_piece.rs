@@ -15,7 +15,7 @@ use crate::tangent_breaks;
 pub(crate) struct LocalPiece<H, const D: usize> {
     pub(crate) place: Place,
     /// Curve, and span or part of one, that it was cut from, and how often that was halved.
-    pub(crate) section: (usize, usize),
+    pub(crate) part_of_span: (usize, usize),
     pub(crate) halvings: i32,
     pub(crate) origin: [i64; D],
     pub(crate) numerator: Vec<[H; D]>,
@@ -43,7 +43,7 @@ impl<H: Backend, const D: usize> LocalPiece<H, D> {
     pub(crate) fn new(
         bezier: &Bezier<H, D>,
         place: Place,
-        section: (usize, usize),
+        part_of_span: (usize, usize),
         halvings: i32,
         speed: Speed,
     ) -> Option<Self> {
@@ -68,7 +68,7 @@ impl<H: Backend, const D: usize> LocalPiece<H, D> {
         numerator.remove(0); // the constant term: 0, for `start` was subtracted
         Some(Self {
             place,
-            section,
+            part_of_span,
             halvings,
             origin,
             numerator,
@@ -138,7 +138,7 @@ impl<H: Backend, const D: usize> LocalPiece<H, D> {
 
     /// Whether `next` is the same polynomial further on.
     pub(crate) fn continues_in(&self, next: &Self) -> bool {
-        self.section == next.section
+        self.part_of_span == next.part_of_span
     }
 
     /// Coordinate `d` of N in f64: `n_1..=n_p`, in mm.

@@ -12,8 +12,8 @@ use real::{Backend, Real};
 
 use crate::chord_step::ChordTolerance;
 use crate::piece_interpolator::PieceInterpolator;
+use crate::section::{Section, sections};
 use crate::step_lengths::{LengthStage, StepLengths};
-use crate::stretches::{Stretch, stretches};
 
 /// Why a plan does not go into a number format. Values are in mm and periods.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -133,7 +133,7 @@ impl core::error::Error for CompiledPathError {}
 pub struct CompiledPath<R, const D: usize> {
     table: PiecesBuf<R, D>,
     stages: Vec<LengthStage<R>>,
-    stretches: Vec<Stretch>,
+    sections: Vec<Section>,
     tolerance: ChordTolerance<R>,
     landing_step: R,
 }
@@ -184,8 +184,8 @@ impl<R: Backend, const D: usize> CompiledPath<R, D> {
             }
             ends.push((stages.len(), section.rest().and_then(|(curve, u)| table.joint(curve, u.to_f64()))));
         }
-        let stretches = stretches(&ends, table.places().len());
-        Ok(Self { table, stages, stretches, tolerance, landing_step })
+        let sections = sections(&ends, table.places().len());
+        Ok(Self { table, stages, sections, tolerance, landing_step })
     }
 
     /// The pieces.
@@ -202,8 +202,8 @@ impl<R: Backend, const D: usize> CompiledPath<R, D> {
 
     /// Path and plan between the stops, in order.
     #[must_use]
-    pub fn stretches(&self) -> &[Stretch] {
-        &self.stretches
+    pub fn sections(&self) -> &[Section] {
+        &self.sections
     }
 
     /// What steps over the whole path, over stops as over anything else: for a run whose time is stretched, which comes to
@@ -219,10 +219,10 @@ impl<R: Backend, const D: usize> CompiledPath<R, D> {
     }
 
     /// What steps from stop to stop, one after the other: each lands on its stop, and the next begins there on time. Setpoints
-    /// number pieces from the stretch's first.
+    /// number pieces from the section's first.
     pub fn runs(&self) -> impl Iterator<Item = PieceInterpolator<'_, R, D>> {
         let path = self.interpolator();
-        self.stretches.iter().map(move |stretch| path.on(stretch))
+        self.sections.iter().map(move |section| path.on(section))
     }
 }
 

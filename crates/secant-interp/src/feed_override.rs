@@ -265,7 +265,7 @@ mod tests {
         (stages.collect(), feeds.unwrap(), limit.length())
     }
 
-    /// Runs with a target for each stretch of periods, and then at the plan's own speed, to the end.
+    /// Runs with a target for some periods each, and then at the plan's own speed, to the end.
     fn run(stages: &[LengthStage<f64>], feeds: &FeedOverride, targets: &[(u32, f64)]) -> Vec<f64> {
         let lengths = StepLengths { stages };
         let (mut cursor, mut state) = (LengthCursor::default(), OverrideState::at(Rate::FULL));

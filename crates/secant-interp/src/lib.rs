@@ -56,8 +56,8 @@ mod piece_interpolator;
 mod position_checksum;
 pub mod predictor;
 pub mod secant;
+mod section;
 mod step_lengths;
-mod stretches;
 pub mod taylor;
 mod trend;
 
@@ -75,5 +75,5 @@ pub use lanes::LaneInterpolator;
 pub use piece_interpolator::{PieceInterpolator, PieceSetpoint, PieceState};
 pub use position_checksum::PositionChecksum;
 pub use secant::{Outcome, Tolerance};
+pub use section::Section;
 pub use step_lengths::{LengthCursor, LengthStage, StepLengths};
-pub use stretches::Stretch;

@@ -1,4 +1,4 @@
-//! Runs with feed override land on the end of the path, and on every stop where stretches are run one by one, within the jerk limit.
+//! Runs with feed override land on the end of the path, and on every stop where sections are run one by one, within the jerk limit.
 
 mod landing_run;
 
@@ -79,7 +79,7 @@ impl Job {
         Self { curves, plan, machine, feeds: feeds.unwrap() }
     }
 
-    /// The largest third difference of the distance over J T³, over all stretches together, with where that is. Targets
+    /// The largest third difference of the distance over J T³, over all sections together, with where that is. Targets
     /// are numbers of periods and rates, the last one for as long as it takes.
     fn jerk<R: Backend>(&self, targets: &[(usize, f64)]) -> (f64, String) {
         let curves: Vec<_> = self.curves.iter().map(NurbsBuf::as_curve).collect();
@@ -94,8 +94,8 @@ impl Job {
             })
             .collect();
         let (mut steps, mut period) = (vec![0.0, 0.0], 0);
-        for (number, (stretch, run)) in path.stretches().iter().zip(path.runs()).enumerate() {
-            let places = &path.table().places()[stretch.pieces.clone()];
+        for (number, (section, run)) in path.sections().iter().zip(path.runs()).enumerate() {
+            let places = &path.table().places()[section.pieces.clone()];
             let (mut state, mut at) = (run.start(), (0_usize, 0_u64));
             loop {
                 if let Some(change) = changes.iter().position(|from| *from == period) {
@@ -109,7 +109,7 @@ impl Job {
                 (at, period) = (to, period + 1);
                 assert!(steps.len() < 200_000, "{} does not end", R::name());
             }
-            assert_eq!(at, (places.len(), 0), "{}: stretch {number} does not end on its stop", R::name());
+            assert_eq!(at, (places.len(), 0), "{}: section {number} does not end on its stop", R::name());
         }
         steps.extend([0.0, 0.0]);
         let jerks = steps.windows(3).map(|w| (w[2] - 2.0 * w[1] + w[0]).abs() / self.machine.jerk);

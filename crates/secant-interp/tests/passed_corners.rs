@@ -44,7 +44,7 @@ fn path(count: usize) -> Vec<NurbsBuf<f64, 2>> {
     curves
 }
 
-/// The largest third difference of the distance over J T³, from rest to rest of each stretch, with where that is. Steps go from
+/// The largest third difference of the distance over J T³, from rest to rest of each section, with where that is. Steps go from
 /// corner to corner.
 fn jerk(
     curves: &[NurbsBuf<f64, 2>],
@@ -55,8 +55,8 @@ fn jerk(
     let path = landing_run::compiled::<f64>(&curves, plan, limits);
     let unit = 1.0_f64.scale(path.table().as_pieces().chord_exponent);
     let mut worst = (0.0_f64, String::new());
-    for (number, (stretch, run)) in path.stretches().iter().zip(path.runs()).enumerate() {
-        let places = &path.table().places()[stretch.pieces.clone()];
+    for (number, (section, run)) in path.sections().iter().zip(path.runs()).enumerate() {
+        let places = &path.table().places()[section.pieces.clone()];
         let point = |at: (usize, u64)| landing_run::point(&curves, places, at);
         let (mut state, mut piece, mut from, mut steps) = (run.start(), 0, point((0, 0)), vec![0.0, 0.0]);
         while let Some(setpoint) = run.step(&mut state) {
@@ -80,7 +80,7 @@ fn jerk(
         for (index, three) in steps.windows(3).enumerate() {
             let found = (three[2] - 2.0 * three[1] + three[0]).abs() / limits.jerk;
             if found > worst.0 {
-                let at = format!("{found} J in step {index} of {} of stretch {number}", steps.len() - 4);
+                let at = format!("{found} J in step {index} of {} of section {number}", steps.len() - 4);
                 worst = (found, at);
             }
         }
@@ -101,7 +101,7 @@ fn limits(period: f64, junction: Junction<f64>) -> KinematicLimits<f64> {
     }
 }
 
-/// The last step of every third stretch took up to 28 times J: a step over a corner took its length as a straight chord, which covers
+/// The last step of every third section took up to 28 times J: a step over a corner took its length as a straight chord, which covers
 /// more of the path, and the plan did not know by how much.
 #[test]
 fn no_step_on_a_path_of_passed_corners_takes_more_than_the_jerk() {

@@ -85,8 +85,8 @@ fn sections<R: Backend>(
     let (name, resolution) = (R::name(), R::resolution().to_f64());
     let is_coarse = resolution > 1e-6;
     let mut found = Vec::new();
-    for (number, (stretch, run)) in path.stretches().iter().zip(path.runs()).enumerate() {
-        let places = &path.table().places()[stretch.pieces.clone()];
+    for (number, (section, run)) in path.sections().iter().zip(path.runs()).enumerate() {
+        let places = &path.table().places()[section.pieces.clone()];
         let point = |at: (usize, u64)| landing_run::point(&curves, places, at);
         let (mut state, mut piece, mut from, mut points) = (run.start(), 0, point((0, 0)), Vec::new());
         let mut off = 0.0;

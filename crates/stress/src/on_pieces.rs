@@ -97,11 +97,11 @@ impl<'a, R: Backend, const D: usize> OnPieces<'a, R, D> {
     /// The same with a judge that is there already.
     pub(crate) fn run_judged(&self, judge: &Judge<D>) -> Result<Outcome<PieceFigures>, Violation> {
         let mut steps = Steps::new(self, judge);
-        for (stretch, interpolator) in self.path.stretches().iter().zip(self.path.runs()) {
+        for (section, interpolator) in self.path.sections().iter().zip(self.path.runs()) {
             let mut state = interpolator.start();
             while let Some(setpoint) = interpolator.step(&mut state) {
-                let piece = stretch.pieces.start + setpoint.piece;
-                let lands = piece >= stretch.pieces.end || interpolator.lengths.is_over(state.cursor());
+                let piece = section.pieces.start + setpoint.piece;
+                let lands = piece >= section.pieces.end || interpolator.lengths.is_over(state.cursor());
                 steps.check(&PieceSetpoint { piece, ..setpoint }, lands)?;
             }
         }

@@ -1,5 +1,5 @@
 //! What real time calls in each number format, exported, over a panic handler that calls a function which does not exist:
-//! steps on compiled pieces, planned and given, and on the global parameter, the begin of a stretch, a setpoint's position, and
+//! steps on compiled pieces, planned and given, and on the global parameter, the begin of a section, a setpoint's position, and
 //! all of a run whose constants `feedbits compile` wrote.
 //!
 //! The linker drops what no export can reach. If a panic can be reached from a step, so can the handler, and then its
@@ -12,7 +12,7 @@
 use nurbs_core::NurbsCurve;
 use secant_interp::{
     FeedOverride, Interpolator, OverrideState, PieceInterpolator, PieceSetpoint, PieceState,
-    PositionChecksum, Setpoint, State, Stretch,
+    PositionChecksum, Setpoint, State, Section,
 };
 
 unsafe extern "C" {
@@ -46,15 +46,15 @@ macro_rules! steps {
                 give(setpoint, interpolator.step(state))
             }
 
-            /// Where a stretch begins, after a stop.
+            /// Where a section begins, after a stop.
             #[unsafe(export_name = concat!("stretch_", stringify!($module)))]
             pub fn at_a_stop<'a>(
                 path: &PieceInterpolator<'a, $format, $dimensions>,
-                stretch: &Stretch,
+                section: &Section,
                 run: &mut PieceInterpolator<'a, $format, $dimensions>,
                 state: &mut PieceState<$format, $dimensions>,
             ) {
-                *run = path.on(stretch);
+                *run = path.on(section);
                 *state = run.start();
             }
 
@@ -119,7 +119,7 @@ steps! {
     i4f60_plane: real::I4F60, 2;
 }
 
-/// A part of three stretches in I4F28.
+/// A part of three sections in I4F28.
 #[allow(unreachable_pub, reason = "it is written for any program")]
 mod stairs {
     include!("../../../tests/tests/constants/stairs_i4f28.rs");
@@ -129,8 +129,8 @@ mod stairs {
 #[unsafe(export_name = "compiled_run")]
 pub fn compiled() -> bool {
     let mut checksum = PositionChecksum::default();
-    for stretch in &stairs::STRETCHES {
-        let run = stairs::PATH.on(stretch);
+    for section in &stairs::SECTIONS {
+        let run = stairs::PATH.on(section);
         let mut state = run.start();
         while let Some(setpoint) = run.step(&mut state) {
             checksum.add(run.pieces.position(setpoint.piece, &setpoint.offset));

@@ -1,5 +1,5 @@
 use nurbs_core::{Joint, Piece, Pieces};
-use secant_interp::{ChordTolerance, LengthStage, PieceInterpolator, StageShape, StepLengths, Stretch};
+use secant_interp::{ChordTolerance, LengthStage, PieceInterpolator, StageShape, StepLengths, Section};
 
 /// The number format.
 pub type Number = f32;
@@ -66,8 +66,8 @@ pub static PATH: PieceInterpolator<'static, Number, 3> = PieceInterpolator {
 
 /// From stop to stop.
 #[allow(dead_code, reason = "a program need not ask")]
-pub static STRETCHES: [Stretch; 3] = [
-    Stretch { pieces: 0..1, stages: 0..3 },
-    Stretch { pieces: 1..2, stages: 3..6 },
-    Stretch { pieces: 2..3, stages: 6..9 },
+pub static SECTIONS: [Section; 3] = [
+    Section { pieces: 0..1, stages: 0..3 },
+    Section { pieces: 1..2, stages: 3..6 },
+    Section { pieces: 2..3, stages: 6..9 },
 ];

@@ -1,5 +1,5 @@
 use nurbs_core::{Joint, Piece, Pieces};
-use secant_interp::{ChordTolerance, LengthStage, PieceInterpolator, StageShape, StepLengths, Stretch};
+use secant_interp::{ChordTolerance, LengthStage, PieceInterpolator, StageShape, StepLengths, Section};
 
 /// The number format.
 pub type Number = real::FixedPoint<real::fixed::types::I28F36>;
@@ -48,9 +48,9 @@ pub static PATH: PieceInterpolator<'static, Number, 2> = PieceInterpolator {
 
 /// From stop to stop.
 #[allow(dead_code, reason = "a program need not ask")]
-pub static STRETCHES: [Stretch; 2] = [
-    Stretch { pieces: 0..1, stages: 0..3 },
-    Stretch { pieces: 1..2, stages: 3..6 },
+pub static SECTIONS: [Section; 2] = [
+    Section { pieces: 0..1, stages: 0..3 },
+    Section { pieces: 1..2, stages: 3..6 },
 ];
 
 const fn i28f36(bits: i64) -> real::FixedPoint<real::fixed::types::I28F36> {
