@@ -7,7 +7,8 @@ use crate::format_name::datapath_of;
 ///
 /// `Qm.n` has n bits after the point. Whether the sign is one of the m bits before it depends on who writes: Arm counts it within m,
 /// TI does not. What tells them apart is that registers have 8, 16, 32 or 64 bits: `Q8.24` fills 32 bits as Arm counts, `Q7.24` as TI
-/// does, and no name fills a register both ways. `Qn` alone is a fraction, one sign bit and n bits behind it: `Q15` is I1F15.
+/// does, and no name fills a register both ways. `Qn` or `Q.n`
+/// is a fraction, one sign bit and n bits behind it: `Q15` is I1F15.
 ///
 /// ```
 /// use real::{FormatName, QName};
@@ -20,19 +21,20 @@ use crate::format_name::datapath_of;
 /// ```
 ///
 /// # Source
-/// Arm Developer Suite AXD and armsd Debuggers Guide, "Q-format"; Texas Instruments SPRU565, TMS320C64x DSP Library Programmer's
-/// Reference, appendix "Overview of Q Formats".
+/// Arm, RealView Development Suite AXD and armsd Debuggers Guide, "Q-format": n is the number of bits before the point, and Q31 is
+/// short for Q1.31. Texas Instruments SPRU565, TMS320C64x DSP Library Programmer's Reference, A.2 "Fractional Q Formats": m+n+1 bits
+/// are needed to store a Qm.n number, and `Q.15` is Q0.15.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum QName {
     /// m + n is the width of a register: m counts the sign, as Arm writes.
     Arm(FormatName),
     /// m + n + 1 is the width of a register: m does not count the sign, as TI writes.
     Ti(FormatName),
-    /// `Qn`, where n + 1 is the width of a register.
+    /// `Qn` or `Q.n`, where n + 1 is the width of a register.
     Fraction(FormatName),
     /// No register has this width however the sign is counted, so that nobody can tell which format is meant.
     Unclear {
-        /// m, unless the name is `Qn`.
+        /// m, unless the name has none.
         integer_bits: Option<u32>,
         /// n.
         fraction_bits: u32,
@@ -40,7 +42,7 @@ pub enum QName {
 }
 
 impl QName {
-    /// Reads `Qm.n` or `Qn`, with a capital Q or not; words of the datapath may stand behind it as in
+    /// Reads `Qm.n`, `Qn` or `Q.n`, with a capital Q or not; words of the datapath may stand behind it as in
     /// [`FormatName::named`]. `None` if the name is none in Q notation, or has more than 64 bits on a side of the point.
     #[must_use]
     pub fn read(name: &str) -> Option<Self> {
@@ -54,8 +56,8 @@ impl QName {
         let datapath = datapath_of(words)?;
         let format =
             |integer_bits, fraction_bits| FormatName::Fixed { integer_bits, fraction_bits, datapath };
-        let Some((m, n)) = digits.split_once('.') else {
-            let n = bits(digits)?;
+        let Some((m, n)) = digits.split_once('.').filter(|(m, _)| !m.is_empty()) else {
+            let n = bits(digits.strip_prefix('.').unwrap_or(digits))?;
             let unclear = Self::Unclear { integer_bits: None, fraction_bits: n };
             return Some(if is_register(n + 1) { Self::Fraction(format(1, n)) } else { unclear });
         };
@@ -87,6 +89,7 @@ mod tests {
             ("Q0.31", QName::Ti(fixed(1, 31))),
             ("Q31", QName::Fraction(fixed(1, 31))),
             ("q15", QName::Fraction(fixed(1, 15))),
+            ("Q.15", QName::Fraction(fixed(1, 15))),
             ("Q63", QName::Fraction(fixed(1, 63))),
             ("Q24", QName::Unclear { integer_bits: None, fraction_bits: 24 }),
             ("Q5.13", QName::Unclear { integer_bits: Some(5), fraction_bits: 13 }),
@@ -95,9 +98,10 @@ mod tests {
         }
         let floor = FormatName::named("I8F24-floor-sat").map(QName::Arm);
         assert_eq!(QName::read("Q8.24-floor-sat"), floor);
-        for other in
-            ["", "Q", "I8F24", "Q8F24", "Q8.", "Q.24", "Q+8.24", "Q8.24.1", "Q65.1", "UQ8.24", "Q8.24-up"]
-        {
+        for other in [
+            "", "Q", "I8F24", "Q8F24", "Q8.", "Q.", "Q..15", "Q+8.24", "Q8.24.1", "Q65.1", "UQ8.24",
+            "Q8.24-up",
+        ] {
             assert_eq!(QName::read(other), None, "{other}");
         }
     }
