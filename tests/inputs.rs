@@ -35,13 +35,12 @@ pub fn on_paper_as_machine<const D: usize>(name: &str, curve: NurbsBuf<f64, D>) 
     Problem {
         name: name.to_string(),
         curves: vec![curve],
-        moved_mm: Vec::new(),
         feed_shares: Vec::new(),
         stops: Vec::new(),
         breaks: Vec::new(),
         lines: Vec::new(),
         rapids_left_out: 0,
-        gaps_closed: 0,
+        gaps: 0,
         machine: machine(),
     }
 }

@@ -399,7 +399,7 @@ fn a_step_of_the_curvature_limits_the_feed() {
     let limit = FeedLimit::along(&views, &limits).expect("a path");
     // V² κ ≤ J T, κ = 1/100 mm.
     let jerk = 1e5 * 3e-3_f64.powi(3);
-    let joint = limit.points().iter().filter(|point| (point.distance - 50.0).abs() < 1e-9);
+    let joint = limit.points().filter(|point| (point.distance - 50.0).abs() < 1e-9);
     let feed = joint.map(|point| point.feedrate).fold(f64::INFINITY, f64::min);
     assert!((feed - (100.0 * jerk).sqrt()).abs() < 1e-9, "{feed}");
 }
@@ -415,7 +415,7 @@ fn short_flanks_on_which_paper_a_s_procedure_breaks_a_limit() {
     let views: Vec<_> = problem.curves.iter().map(NurbsBuf::as_curve).collect();
     let limit = FeedLimit::along(&views, &limits).expect("a path");
 
-    let points = limit.points();
+    let points: Vec<_> = limit.points().copied().collect();
     let minima = points.windows(3).filter(|w| {
         w[1].feedrate < w[0].feedrate
             && w[1].feedrate <= w[2].feedrate

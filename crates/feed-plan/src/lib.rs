@@ -1,5 +1,18 @@
 //! `feed-plan`: how fast may the tool go along this path, and when is it where?
 //!
+//! | folder | answers | public names |
+//! |---|---|---|
+//! | | what do machine and part allow? | [`KinematicLimits`], [`KinematicLimits::feedrate_at_radius`], [`chord_feedrate`] |
+//! | `limit/` | how fast may each point of the path be passed? Samples, minima, corners, cusps | [`FeedLimit`] |
+//! | `transition/` | how does the feed get from one value to another? | [`Transition`] of a [`ProfileKind`], made of [`FeedPiece`]s |
+//! | `schedule/` | what is a plan, and how far does it go in each period? | [`Stage`], [`Section`], [`Schedule`], [`Cursor`], [`ScheduleBuf`] |
+//! | `plan/` | which feed is reached where? Key points, passes, cruise, whole periods | [`plan()`], [`plan_with`] |
+//! | | the same through a window, for a path of any length | [`plan_through_window`] |
+//! | | what can no plan beat? | [`jerk_free_duration`] |
+//! | `chords/` | which plan do setpoints keep whose chords, not arcs, have the planned lengths? | [`FeedLimit::in_chords`]; its parts [`FeedLimit::shortfalls`], [`ScheduleBuf::shortened`] |
+//!
+//! A folder uses only those above it in the table.
+//!
 //! ```
 //! use feed_plan::{EndFeeds, FeedLimit, KinematicLimits, plan};
 //! use nurbs_core::NurbsCurve;
@@ -34,17 +47,6 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! | step | where |
-//! |---|---|
-//! | largest feed for a chord error; on a bend | [`chord_feedrate`], [`KinematicLimits::feedrate_at_radius`] |
-//! | the limit along a path: samples, minima, corners, cusps | [`FeedLimit`] |
-//! | transitions between two feeds | [`Profile`]: [`CubicProfile`], [`SCurveProfile`], [`TrigonometricProfile`] |
-//! | key points, passes, cruise, whole periods | [`plan`], [`plan_with`] a [`ProfileKind`] |
-//! | the same through a window, for a path of any length | [`plan_through_window`] |
-//! | the result: stages, and the distance of each period | [`ScheduleBuf`], [`Schedule`], [`Cursor`] |
-//! | setpoints by chords instead of arcs | [`FeedLimit::in_chords`]; its parts [`FeedLimit::shortfalls`], [`ScheduleBuf::shortened`] |
-//! | what no plan can beat | [`jerk_free_duration`] |
-//!
 //! **Units**: mm, and any unit of time, the same in all limits. Take the interpolation period: then T = 1,
 //! feeds are in mm/period, accelerations in mm/period², jerks in mm/period³, and all values suit a
 //! fixed-point format.
@@ -69,100 +71,88 @@
 
 #![cfg_attr(not(any(test, feature = "std")), no_std)]
 #![allow(clippy::neg_cmp_op_on_partial_ord, reason = "!(x > 0) refuses NaN as well, and is written for that")]
+#![allow(clippy::module_inception, reason = "a folder's main file has the folder's name")]
 
 #[cfg(feature = "alloc")]
 extern crate alloc;
 
 #[cfg(feature = "alloc")]
-mod axis_budget;
-#[cfg(feature = "alloc")]
-mod broken_chord;
-#[cfg(feature = "alloc")]
 mod chord_error;
-#[cfg(feature = "alloc")]
-mod chord_feeds;
-#[cfg(feature = "alloc")]
-mod chord_shortfall;
-#[cfg(test)]
-mod corner_chords;
-#[cfg(feature = "alloc")]
-mod cubic_profile;
 #[cfg(feature = "alloc")]
 mod error;
 #[cfg(feature = "alloc")]
-mod feed_limit;
-mod feed_piece;
-#[cfg(feature = "alloc")]
-mod fine_moves;
-#[cfg(feature = "alloc")]
-mod flank;
-#[cfg(feature = "alloc")]
-mod flexible;
-#[cfg(feature = "alloc")]
-mod in_chords;
-#[cfg(feature = "alloc")]
-mod key_points;
-#[cfg(feature = "alloc")]
 mod limits;
-#[cfg(feature = "alloc")]
-mod look_ahead;
-#[cfg(feature = "alloc")]
-mod lower_bound;
-#[cfg(feature = "alloc")]
-mod lowered_samples;
-#[cfg(feature = "alloc")]
-mod profile;
-#[cfg(feature = "alloc")]
-mod s_curve_profile;
-#[cfg(feature = "alloc")]
-mod scan;
-mod schedule;
-#[cfg(feature = "alloc")]
-mod schedule_buf;
-mod section;
-mod stage_shape;
-#[cfg(feature = "alloc")]
-mod stages;
-#[cfg(feature = "alloc")]
-mod stops;
 #[cfg(all(test, feature = "alloc"))]
 mod test_paths;
-#[cfg(feature = "alloc")]
-mod transition;
-#[cfg(feature = "alloc")]
-mod trigonometric_profile;
-#[cfg(feature = "alloc")]
-mod whole_periods;
-#[cfg(feature = "alloc")]
-mod window;
+
+mod transition {
+    pub(crate) mod feed_piece;
+    pub(crate) mod stage_shape;
+    #[cfg(feature = "alloc")]
+    pub(crate) mod transition;
+}
+
+mod schedule {
+    pub(crate) mod schedule;
+    #[cfg(feature = "alloc")]
+    pub(crate) mod schedule_buf;
+    pub(crate) mod section;
+    pub(crate) mod stage;
+}
 
 #[cfg(feature = "alloc")]
-pub use chord_error::chord_feedrate;
+mod limit {
+    pub(crate) mod axis_budget;
+    pub(crate) mod broken_chord;
+    pub(crate) mod feed_limit;
+    pub(crate) mod fine_moves;
+    pub(crate) mod junctions;
+    pub(crate) mod lowered_samples;
+    pub(crate) mod sample;
+    pub(crate) mod scan;
+    pub(crate) mod span_walk;
+    pub(crate) mod stops;
+    pub(crate) mod vector;
+}
+
 #[cfg(feature = "alloc")]
-pub use cubic_profile::CubicProfile;
+mod plan {
+    pub(crate) mod flank;
+    pub(crate) mod flexible;
+    pub(crate) mod key_points;
+    pub(crate) mod look_ahead;
+    pub(crate) mod lower_bound;
+    pub(crate) mod stages;
+    pub(crate) mod whole_periods;
+    pub(crate) mod window;
+}
+
 #[cfg(feature = "alloc")]
-pub use error::PlanError;
+mod chords {
+    #[cfg(test)]
+    mod corner_chords;
+    pub(crate) mod feeds;
+    mod landing;
+    pub(crate) mod shortfall;
+}
+
+pub use schedule::schedule::{Cursor, Schedule};
+pub use schedule::section::{Section, sections};
+pub use schedule::stage::{Stage, StageKind};
+pub use transition::feed_piece::FeedPiece;
+pub use transition::stage_shape::StageShape;
 #[cfg(feature = "alloc")]
-pub use feed_limit::{FeedLimit, LimitPoint};
-pub use feed_piece::FeedPiece;
-#[cfg(feature = "alloc")]
-pub use key_points::EndFeeds;
-#[cfg(feature = "alloc")]
-pub use limits::{AxisLimits, Junction, KinematicLimits};
-#[cfg(feature = "alloc")]
-pub use look_ahead::{plan, plan_with};
-#[cfg(feature = "alloc")]
-pub use lower_bound::jerk_free_duration;
-#[cfg(feature = "alloc")]
-pub use profile::{Profile, ProfileKind};
-#[cfg(feature = "alloc")]
-pub use s_curve_profile::SCurveProfile;
-pub use schedule::{Cursor, Schedule, Stage, StageKind};
-#[cfg(feature = "alloc")]
-pub use schedule_buf::ScheduleBuf;
-pub use section::{Section, sections};
-pub use stage_shape::StageShape;
-#[cfg(feature = "alloc")]
-pub use trigonometric_profile::TrigonometricProfile;
-#[cfg(feature = "alloc")]
-pub use window::{CommandedCurve, WindowedPlan, plan_through_window};
+pub use {
+    chord_error::chord_feedrate,
+    error::PlanError,
+    limit::{feed_limit::FeedLimit, sample::LimitPoint},
+    limits::{AxisLimits, Junction, KinematicLimits},
+    plan::{
+        key_points::EndFeeds,
+        look_ahead::{plan, plan_with},
+        lower_bound::jerk_free_duration,
+        window::{CommandedCurve, WindowedPlan, plan_through_window},
+    },
+    schedule::schedule_buf::ScheduleBuf,
+    transition::transition::{ProfileKind, Transition},
+};

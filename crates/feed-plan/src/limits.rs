@@ -63,48 +63,59 @@ pub enum Junction<R> {
 }
 
 impl<R: Real> KinematicLimits<R> {
-    /// The limits themselves, when each is a positive number.
-    ///
-    /// # Errors
-    /// [`PlanError::NotPositive`] names the first field that is zero, negative, infinite or not a number; in
-    /// a coarse format a small limit may have been rounded to zero.
-    pub fn try_new(self) -> Result<Self, PlanError> {
-        self.validate()?;
-        Ok(self)
-    }
-
     /// Checks that each limit is a positive number.
     ///
     /// # Errors
-    /// As [`try_new`](Self::try_new).
+    /// [`PlanError::NotPositive`] names the first limit that is zero, negative, infinite or not a number; in
+    /// a coarse format a small limit may have been rounded to zero.
     pub fn validate(&self) -> Result<(), PlanError> {
-        let fields = [
-            ("interpolation_period", self.interpolation_period),
-            ("feedrate", self.feedrate),
-            ("acceleration", self.acceleration),
-            ("jerk", self.jerk),
-            ("chord_error", self.chord_error),
-            ("centripetal_acceleration", self.centripetal_acceleration.unwrap_or_else(R::one)),
-        ];
-        let axes = self.axes.iter().flat_map(|axis| {
-            let or_one = |limit: Option<R>| limit.unwrap_or_else(R::one);
-            [
-                ("axis velocity", or_one(axis.velocity)),
-                ("axis acceleration", or_one(axis.acceleration)),
-                ("axis jerk", or_one(axis.jerk)),
-            ]
-        });
-        let junction = match self.junction {
-            Junction::Stop => [R::one(); AXES],
-            Junction::Deviation(deviation) => [deviation; AXES],
-            Junction::VelocityJump(jumps) => jumps,
+        let positive = |what, value: R| {
+            let is_positive = value > R::zero() && value.is_finite();
+            if is_positive { Ok(value) } else { Err(PlanError::NotPositive { what }) }
         };
-        let junction = junction.into_iter().map(|value| ("junction", value));
-        let mut all = fields.into_iter().chain(axes).chain(junction);
-        match all.find(|(_, value)| !(*value > R::zero() && value.is_finite())) {
-            Some((what, _)) => Err(PlanError::NotPositive { what }),
-            None => Ok(()),
-        }
+        self.try_map(positive).map(|_| ())
+    }
+
+    /// The limits with each number converted; `convert` is given its name in words, too.
+    ///
+    /// # Errors
+    /// The first error of `convert`.
+    pub fn try_map<Q, E>(
+        &self,
+        mut convert: impl FnMut(&'static str, R) -> Result<Q, E>,
+    ) -> Result<KinematicLimits<Q>, E> {
+        let interpolation_period = convert("interpolation period", self.interpolation_period)?;
+        let feedrate = convert("feedrate", self.feedrate)?;
+        let acceleration = convert("acceleration", self.acceleration)?;
+        let jerk = convert("jerk", self.jerk)?;
+        let chord_error = convert("chord error", self.chord_error)?;
+        let mut optional = |what, limit: Option<R>| limit.map(|limit| convert(what, limit)).transpose();
+        let centripetal_acceleration = optional("centripetal acceleration", self.centripetal_acceleration)?;
+        let mut axis = |axis: AxisLimits<R>| {
+            let velocity = optional("axis velocity", axis.velocity)?;
+            let acceleration = optional("axis acceleration", axis.acceleration)?;
+            Ok(AxisLimits { velocity, acceleration, jerk: optional("axis jerk", axis.jerk)? })
+        };
+        let [x, y, z] = self.axes;
+        let axes = [axis(x)?, axis(y)?, axis(z)?];
+        let junction = match self.junction {
+            Junction::Stop => Junction::Stop,
+            Junction::Deviation(most) => Junction::Deviation(convert("junction deviation", most)?),
+            Junction::VelocityJump([x, y, z]) => {
+                let mut jump = |jump| convert("velocity jump", jump);
+                Junction::VelocityJump([jump(x)?, jump(y)?, jump(z)?])
+            }
+        };
+        Ok(KinematicLimits {
+            interpolation_period,
+            feedrate,
+            acceleration,
+            jerk,
+            chord_error,
+            centripetal_acceleration,
+            axes,
+            junction,
+        })
     }
 
     /// What a corner may be rounded with.
@@ -174,7 +185,7 @@ mod tests {
 
     #[test]
     fn each_limit_must_be_positive() {
-        assert_eq!(paper_limits().try_new(), Ok(paper_limits()));
+        assert_eq!(paper_limits().validate(), Ok(()));
         let cases = [
             KinematicLimits { interpolation_period: 0.0, ..paper_limits() },
             KinematicLimits { feedrate: -1.0, ..paper_limits() },
@@ -192,8 +203,8 @@ mod tests {
             Err(PlanError::NotPositive { what }) => what,
             other => panic!("{other:?}"),
         });
-        let fields = "interpolation_period,feedrate,acceleration,jerk,chord_error,centripetal_acceleration,\
-                      axis velocity,axis acceleration,axis jerk,junction,junction";
+        let fields = "interpolation period,feedrate,acceleration,jerk,chord error,centripetal acceleration,\
+                      axis velocity,axis acceleration,axis jerk,junction deviation,velocity jump";
         assert!(names.iter().copied().eq(fields.split(',')), "{names:?}");
     }
 

@@ -4,7 +4,7 @@ pub(crate) use nurbs_core::golden::{circle, seed_000, seed_003};
 use nurbs_core::{Arc, Derivatives, Differentiate, Evaluate, NurbsBuf};
 use real::Backend;
 
-use crate::{AxisLimits, Junction, KinematicLimits};
+use crate::{FeedLimit, Junction, KinematicLimits, LimitPoint, Schedule, Stage};
 
 /// Paper A: T = 3 ms, F = 200 mm/s, A = 5000 mm/s², J = 4e5 mm/s³, E = 0.5 µm, with T as the unit of
 /// time.
@@ -70,23 +70,47 @@ pub(crate) fn arcs(shapes: impl IntoIterator<Item = (f64, f64)>) -> Vec<Arc<f64,
     shapes.into_iter().map(arc).collect()
 }
 
+/// The limit along curves that follow each other.
+pub(crate) fn limit_along(curves: &[NurbsBuf<f64, 2>], limits: &KinematicLimits<f64>) -> FeedLimit<f64> {
+    let curves: Vec<_> = curves.iter().map(NurbsBuf::as_curve).collect();
+    FeedLimit::along(&curves, limits).unwrap()
+}
+
+/// A point of a limit without a path.
+pub(crate) fn limit_point(distance: f64, feedrate: f64) -> LimitPoint<f64> {
+    LimitPoint { distance, curve: 0, u: distance, feedrate }
+}
+
+/// The limit through points (distance, feed).
+pub(crate) fn limit_through(points: &[(f64, f64)]) -> FeedLimit<f64> {
+    let points: Vec<_> = points.iter().map(|&(distance, feed)| limit_point(distance, feed)).collect();
+    FeedLimit::from_points(&points).unwrap()
+}
+
+/// The largest change of acceleration from one period to the next.
+pub(crate) fn jerk_over_periods(schedule: &Schedule<'_, f64>) -> f64 {
+    let mut cursor = schedule.start();
+    let steps: Vec<_> = core::iter::from_fn(|| schedule.advance(&mut cursor)).collect();
+    let change = |three: &[f64]| (three[2] - three[1] - three[1] + three[0]).abs();
+    steps.windows(3).map(change).fold(0.0, f64::max)
+}
+
+/// The distance along a plan at a time, no more than its duration.
+pub(crate) fn place_at(stages: &[Stage<f64>]) -> impl Fn(f64) -> f64 {
+    let end_of = |time: &mut f64, stage: &Stage<f64>| {
+        *time += stage.duration;
+        Some(*time)
+    };
+    let ends: Vec<_> = stages.iter().scan(0.0, end_of).collect();
+    move |time| {
+        let index = ends.partition_point(|end| *end < time).min(ends.len() - 1);
+        stages[index].start + stages[index].distance_at(time - ends[index] + stages[index].duration)
+    }
+}
+
 /// Limits in another format.
 pub(crate) fn in_range<Q: Backend>(limits: &KinematicLimits<f64>) -> KinematicLimits<Q> {
-    let convert = |value: f64| Q::from_f64(value).unwrap();
-    KinematicLimits {
-        interpolation_period: convert(limits.interpolation_period),
-        feedrate: convert(limits.feedrate),
-        acceleration: convert(limits.acceleration),
-        jerk: convert(limits.jerk),
-        chord_error: convert(limits.chord_error),
-        centripetal_acceleration: limits.centripetal_acceleration.map(convert),
-        axes: limits.axes.map(|axis| AxisLimits {
-            velocity: axis.velocity.map(convert),
-            acceleration: axis.acceleration.map(convert),
-            jerk: axis.jerk.map(convert),
-        }),
-        junction: Junction::Stop,
-    }
+    limits.try_map(|what, value| Q::from_f64(value).ok_or(what)).unwrap()
 }
 
 /// `C(t) = scale ((t - origin)^m, (t - origin)^n)` for t in [0, 1]: a cusp for m = 2, n = 3.

@@ -6,7 +6,7 @@ use anyhow::Result;
 use clap::Args;
 use clap_complete::ArgValueCandidates;
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
-use format_compare::{Comparison, Dimension, JudgedStep, Problem, Row, Run, Space, Trace};
+use format_compare::{Comparison, Dimension, Engine, JudgedStep, Problem, Row, Run, Space, Trace};
 use target_cost::Target;
 
 use crate::formats::selected;
@@ -14,7 +14,7 @@ use crate::input::{AnyProblem, Input};
 use crate::progress::Progress;
 use crate::run_arguments::RunArguments;
 use crate::targets::{self, TargetArguments};
-use crate::{Ending, completions, output, report};
+use crate::{Ending, answer, completions, output, report};
 
 /// Options of `compare`.
 #[derive(Args)]
@@ -27,6 +27,9 @@ pub(crate) struct Arguments {
     /// read by the register that they fill: Q8.24 (Arm) and Q7.24 (TI) are I8F24.
     #[arg(long, visible_alias = "format", value_delimiter = ',', value_parser = crate::formats::name, value_name = "F,F", add = ArgValueCandidates::new(completions::formats))]
     formats: Vec<String>,
+    /// Print all figures of each format, also of the textbook way *raw*: about 250 columns.
+    #[arg(long)]
+    wide: bool,
     #[command(flatten)]
     targets: TargetArguments,
     /// Write a report into this folder: index.html, each picture as SVG, each table as CSV and JSON.
@@ -34,6 +37,14 @@ pub(crate) struct Arguments {
     report: Option<PathBuf>,
     #[command(flatten)]
     output: output::Output,
+}
+
+impl Arguments {
+    /// The forms of the path that the first screen shows: pieces, or what was asked for.
+    fn shown(&self) -> Result<Vec<Engine>> {
+        let asked = self.run.engines()?;
+        Ok(if self.run.names_engine() { asked } else { vec![Engine::Pieces] })
+    }
 }
 
 /// Compares and prints; writes the report if one is asked for.
@@ -50,13 +61,15 @@ where
     Space: Dimension<D>,
 {
     let formats = selected(&arguments.formats)?;
-    let (engines, options) = (arguments.run.engines()?, arguments.run.options_for(problem)?);
+    let (shown, options) = (arguments.shown()?, arguments.run.options_for(problem)?);
+    let shows_all = arguments.wide || arguments.output.json || arguments.report.is_some();
+    let engines = if shows_all { arguments.run.engines()? } else { shown.clone() };
     output::expect_place(arguments.output.out.as_deref())?;
     report::make_folder(arguments.report.as_deref())?;
     let progress = Progress::of("runs", formats.len() * engines.len());
     let wanted = arguments.report.is_some();
     let keep = |_: &Row, run: Option<(&Run, &[JudgedStep])>| {
-        let trace = run.filter(|_| wanted).map(|(run, steps)| Trace::of(problem, run, steps));
+        let trace = run.filter(|_| wanted).map(|(run, steps)| Trace::of(run, steps));
         progress.step();
         trace
     };
@@ -73,10 +86,17 @@ where
         format_compare::price_with(&mut comparison, problem, targets, &options, || progress.step())?;
         progress.finish();
     }
+    if shown.contains(&Engine::Pieces) {
+        let progress = Progress::spinning("looking for the fewest bits");
+        comparison.fewest_bits = Some(format_compare::fewest_bits(problem, &comparison.formats, &options)?);
+        progress.finish();
+    }
     let text = if arguments.output.json {
         serde_json::to_string_pretty(&comparison)? + "\n"
-    } else {
+    } else if arguments.wide {
         table(&comparison) + &targets::costs(&comparison, targets)
+    } else {
+        answer::screen(&comparison, &shown) + &targets::costs(&comparison, targets)
     };
     output::write(arguments.output.out.as_deref(), &text)?;
     if let Some(folder) = &arguments.report {

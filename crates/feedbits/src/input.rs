@@ -119,7 +119,7 @@ fn problem<const D: usize>(part: &Part, machine: &Machine) -> Result<Problem<D>>
             "rapid moves are",
             "nothing is cut on the way, and the feed is 0 there",
         ),
-        (problem.gaps_closed, "gap is", "gaps are", "the curves do not meet there, and the feed is 0"),
+        (problem.gaps, "gap is", "gaps are", "the curves do not meet there, and the feed is 0"),
     ] {
         if count > 0 {
             output::note(&format!("{} left out: {why}", output::counted(count, one, many)));

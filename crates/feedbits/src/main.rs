@@ -1,5 +1,6 @@
 //! `feedbits`: how many bits does your feed need?
 
+mod answer;
 mod check;
 mod compare;
 mod compile;

@@ -60,15 +60,17 @@ const UNFINISHED: [&str; 2] = [".feedbits-", ".part"];
 
 /// Writes `text` to `path`, or to the terminal if there is none. The file is written under another name beside its
 /// place and renamed when complete, so an error leaves what was there before. What a link points to is written, be it
-/// there or not; what is no file, as a device or a pipe, takes the text as it comes.
+/// there or not; what is no file, as a device or a pipe, takes the text as it comes. Styles are shown on a terminal that has them,
+/// unless the environment says NO_COLOR, and left out elsewhere.
 pub(crate) fn write(path: Option<&Path>, text: &str) -> Result<()> {
     let Some(path) = path else {
-        return match io::stdout().lock().write_all(text.as_bytes()) {
+        return match anstream::stdout().lock().write_all(text.as_bytes()) {
             Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
             other => other.context("cannot write to the terminal"),
         };
     };
     let cannot = || format!("cannot write {}", path.display());
+    let text = anstream::adapter::strip_str(text).to_string();
     let before = before(path)?;
     if before.as_ref().is_some_and(|found| !found.is_file()) {
         let mut device = fs::OpenOptions::new().write(true).open(path).with_context(cannot)?;

@@ -115,7 +115,7 @@ where
     let Some(format) = by_name("f64").filter(|_| problem.curves.len() == 1) else { return Ok(Vec::new()) };
     let engines = [Engine::DeBoorSecant, Engine::DeBoorTaylor1, Engine::DeBoorTaylor2];
     let keep = |_: &format_compare::Row, run: Option<(&Run, &[JudgedStep])>| {
-        run.map(|(run, steps)| Trace::of(problem, run, steps))
+        run.map(|(run, steps)| Trace::of(run, steps))
     };
     let (_, traces) = format_compare::compare_with(problem, &[format], &engines, options, keep)?;
     let named = ["secant", "Taylor, first order", "Taylor, second order"].into_iter().zip(traces);

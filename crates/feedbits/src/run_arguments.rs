@@ -154,6 +154,11 @@ impl RunArguments {
         })
     }
 
+    /// Whether the options name an engine.
+    pub(crate) fn names_engine(&self) -> bool {
+        self.evaluate.is_some() || self.solver.is_some()
+    }
+
     /// The options of a run, with the last of the engines.
     pub(crate) fn options(&self) -> Result<Options> {
         let [profile] = *self.plan.profiles() else {

@@ -41,10 +41,16 @@ fn without_arguments_the_built_in_example_is_compared() {
         "I32F32",
         "f32",
         "f64",
-        "Cheapest format that is good enough: I8F24",
+        "26 bits are enough: I2F24",
+        "Recommended: I8F24",
     ] {
         assert!(table.contains(expected), "{expected} in\n{table}");
     }
+    assert!(table.lines().all(|line| line.chars().count() <= 80), "{table}");
+    assert!(
+        !table.contains('\x1b') && !table.contains("raw"),
+        "no styles in a pipe, and pieces alone\n{table}"
+    );
 }
 
 #[test]
@@ -148,6 +154,7 @@ fn what_is_no_question_of_the_format_is_told_with_its_place_and_what_helps() {
     ];
     let formats = ["--formats", "I8F24"];
     for said in [run(&[&["compare", "--report", &report][..], &formats].concat()), run(&["size"])] {
+        let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
         assert!(words.iter().all(|words| said.contains(words)), "{said}");
     }
     let page = fs::read_to_string(folder.path().join("r/index.html")).expect("a page");

@@ -8,6 +8,7 @@ use real::FormatName;
 use serde::Serialize;
 
 use crate::cost::Cost;
+use crate::fewest_bits::FewestBits;
 use crate::formats::{Dimension, Format, Space, plan_for};
 use crate::metrics::{Fluctuation, JudgedStep, PerPeriod, jerk_max_mm_per_s3};
 use crate::not_of_format::NotOfFormat;
@@ -34,6 +35,9 @@ pub struct Comparison {
     /// The cheapest good format on each target, and how it is to be run.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub recommended_on: BTreeMap<String, (String, Engine)>,
+    /// The fewest bits that are enough, where [`fewest_bits`](crate::fewest_bits()) was asked.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fewest_bits: Option<FewestBits>,
     /// Why no format is good, if even `f64` is not: what [`not_of_format`](crate::not_of_format) found, where it was asked.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub not_a_question_of_format: Option<NotOfFormat>,
@@ -224,6 +228,7 @@ where
         recommended: recommended.map(|row| row.format.clone()),
         recommended_engine: recommended.map(|row| row.engine),
         recommended_on: BTreeMap::new(),
+        fewest_bits: None,
         not_a_question_of_format: None,
         formats: rows,
     };

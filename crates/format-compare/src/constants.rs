@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
-use nurbs_core::{ORIGIN_EXPONENT, Piece, Pieces, PiecesBuf, Place};
-use real::{Backend, Real};
+use nurbs_core::Piece;
+use real::Backend;
 use secant_interp::{
     CompiledPath, Constant, LengthStage, PieceInterpolator, PositionChecksum, Stretch, number_function,
     number_type,
@@ -42,10 +42,7 @@ impl Constants {
     ) -> Result<Self, Refusal> {
         let number = number_type(R::name()).ok_or(Refusal::NoType(R::name()))?;
         let path = on_pieces::compiled::<R, D>(problem, plan, options)?;
-        let rows = in_the_part(problem, path.table());
-        let interpolator = path.interpolator();
-        let whole =
-            PieceInterpolator { pieces: Pieces { pieces: &rows, ..interpolator.pieces }, ..interpolator };
+        let whole = path.interpolator();
         let (periods, checksum) = run(&whole, path.stretches(), most_periods(plan.periods()))?;
         let mut constants = Self {
             source: String::new(),
@@ -101,24 +98,6 @@ const USES: &str = "use nurbs_core::{Joint, Piece, Pieces};
 use secant_interp::{ChordTolerance, LengthStage, PieceInterpolator, StageShape, StepLengths, Stretch};
 
 ";
-
-/// The rows with their origins where the part has them: a problem's curves were moved to each other.
-fn in_the_part<R: Backend, const D: usize>(
-    problem: &Problem<D>,
-    table: &PiecesBuf<R, D>,
-) -> Vec<Piece<R, D>> {
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "origins are within 2²⁴ mm, and moves between them within 2²⁵ mm"
-    )]
-    let units = |mm: f64| mm.scale(-ORIGIN_EXPONENT).round() as i64;
-    let there = |(row, place): (&Piece<R, D>, &Place)| {
-        let by = problem.moved_by_mm(place.curve);
-        let origin = core::array::from_fn(|d| row.origin[d].wrapping_sub(units(by[d])));
-        Piece { origin, ..*row }
-    };
-    table.as_pieces().pieces.iter().zip(table.places()).map(there).collect()
-}
 
 /// The setpoints of the runs from stop to stop, and the checksum of their positions.
 fn run<R: Backend, const D: usize>(

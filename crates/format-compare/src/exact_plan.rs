@@ -3,8 +3,8 @@
 use std::sync::{Arc, OnceLock};
 
 use feed_plan::{
-    AxisLimits, CommandedCurve, EndFeeds, FeedLimit, Junction, KinematicLimits, PlanError, ProfileKind,
-    Schedule, ScheduleBuf, Stage, StageShape, plan_through_window, plan_with, sections,
+    CommandedCurve, EndFeeds, FeedLimit, Junction, KinematicLimits, PlanError, ProfileKind, Schedule,
+    ScheduleBuf, Stage, StageShape, plan_through_window, plan_with, sections,
 };
 use nurbs_core::{Differentiate, NurbsBuf};
 use real::{Backend, DoubleDouble, Real};
@@ -116,7 +116,7 @@ impl ExactPlan {
             return Err(Refusal::Plan(PlanError::DurationOverflows));
         }
         let periods = u32::try_from(periods.to_phase(-32) >> 32).unwrap_or(u32::MAX);
-        let stages = on_the_grid(stages.iter().map(|stage| map_stage(stage, DoubleDouble::from)));
+        let stages = on_the_grid(stages.iter().map(|stage| stage.map(DoubleDouble::from)));
         Ok(Self { arcs: stages.clone(), stages, periods, profile, limit: OnceLock::new() })
     }
 
@@ -126,7 +126,7 @@ impl ExactPlan {
             DoubleDouble::new(high, low)
         };
         let [arcs, stages] = arcs_and_chords
-            .map(|schedule| on_the_grid(schedule.stages().iter().map(|stage| map_stage(stage, exact))));
+            .map(|schedule| on_the_grid(schedule.stages().iter().map(|stage| stage.map(exact))));
         let periods = arcs_and_chords[1].as_schedule().periods();
         Self { arcs, stages, periods, profile, limit: OnceLock::new() }
     }
@@ -201,7 +201,7 @@ impl ExactPlan {
         let saturated = |x: DoubleDouble| {
             nearest(x).unwrap_or(if x.value() > 0.0 { R::max_value() } else { R::min_value() })
         };
-        Ok(self.stages.iter().map(|stage| map_stage(stage, saturated)).collect())
+        Ok(self.stages.iter().map(|stage| stage.map(saturated)).collect())
     }
 
     /// The distance of each period, in mm, exact to the reference's precision, and the feed at its end, in mm per
@@ -248,21 +248,6 @@ fn waiting(stage: &Stage<f64>, duration: f64) -> Stage<f64> {
     }
 }
 
-fn map_stage<R: Copy, Q>(stage: &Stage<R>, map: impl Fn(R) -> Q) -> Stage<Q> {
-    Stage {
-        start: map(stage.start),
-        length: map(stage.length),
-        start_feed: map(stage.start_feed),
-        end_feed: map(stage.end_feed),
-        duration: map(stage.duration),
-        shape: stage.shape,
-        curve_start: stage.curve_start,
-        u_start: map(stage.u_start),
-        curve_end: stage.curve_end,
-        u_end: map(stage.u_end),
-    }
-}
-
 /// `value` in the format `R`: refused when it is out of range, or positive and rounds to zero.
 pub(crate) fn in_format<R: Backend>(what: &'static str, value: f64) -> Result<R, Refusal> {
     R::from_f64(value).filter(|x| value <= 0.0 || *x > R::zero()).ok_or(Refusal::Limit {
@@ -273,39 +258,9 @@ pub(crate) fn in_format<R: Backend>(what: &'static str, value: f64) -> Result<R,
 }
 
 fn limits_in_format<R: Backend>(limits: &KinematicLimits<f64>) -> Result<KinematicLimits<R>, Refusal> {
-    Ok(KinematicLimits {
-        interpolation_period: in_format("interpolation period", limits.interpolation_period)?,
-        feedrate: in_format("feedrate", limits.feedrate)?,
-        acceleration: in_format("acceleration", limits.acceleration)?,
-        jerk: in_format("jerk", limits.jerk)?,
-        chord_error: in_format("chord error", limits.chord_error)?,
-        centripetal_acceleration: limits
-            .centripetal_acceleration
-            .map(|a| in_format("centripetal acceleration", a))
-            .transpose()?,
-        axes: axes_in_format(&limits.axes)?,
-        junction: match limits.junction {
-            Junction::Stop => Junction::Stop,
-            Junction::Deviation(deviation) => {
-                Junction::Deviation(in_format("junction deviation", deviation)?)
-            }
-            // What rounds to nothing is a stop all the same.
-            Junction::VelocityJump(jumps) => Junction::VelocityJump(
-                jumps.map(|jump| R::from_f64(jump).unwrap_or_default().max(R::resolution())),
-            ),
-        },
-    })
-}
-
-fn axes_in_format<R: Backend>(axes: &[AxisLimits<f64>; 3]) -> Result<[AxisLimits<R>; 3], Refusal> {
-    let mut converted = [AxisLimits::default(); 3];
-    for (slot, axis) in converted.iter_mut().zip(axes) {
-        let limit = |what, value: Option<f64>| value.map(|value| in_format(what, value)).transpose();
-        *slot = AxisLimits {
-            velocity: limit("axis velocity", axis.velocity)?,
-            acceleration: limit("axis acceleration", axis.acceleration)?,
-            jerk: limit("axis jerk", axis.jerk)?,
-        };
-    }
-    Ok(converted)
+    let Junction::VelocityJump(jumps) = limits.junction else { return limits.try_map(in_format) };
+    // What rounds to nothing is a stop all the same.
+    let jumps = jumps.map(|jump| R::from_f64(jump).unwrap_or_default().max(R::resolution()));
+    let others = KinematicLimits { junction: Junction::Stop, ..*limits }.try_map(in_format)?;
+    Ok(KinematicLimits { junction: Junction::VelocityJump(jumps), ..others })
 }

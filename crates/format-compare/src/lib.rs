@@ -13,13 +13,14 @@
 //! | why is none, if even `f64` is not? | [`not_of_format`] → [`NotOfFormat`] |
 //! | what happened in each period? | [`compare_with`] → [`Trace`] |
 //! | what does a period cost on a target? | [`price`] → [`Cost`] |
-//! | how few bits are enough? | [`size`] → [`Sizing`] |
+//! | how few bits are enough? | [`fewest_bits`] → [`FewestBits`], and for each signal [`size`] → [`Sizing`] |
 
 mod axis_peaks;
 mod compare;
 mod constants;
 mod cost;
 mod exact_plan;
+mod fewest_bits;
 mod formats;
 mod least_periods;
 mod metrics;
@@ -43,6 +44,7 @@ pub use constants::Constants;
 pub use cost::{Cost, Level, PeriodCost, price, price_with};
 pub use exact_plan::ExactPlan;
 pub use feed_plan::ProfileKind;
+pub use fewest_bits::{FewestBits, fewest_bits};
 pub use formats::{Dimension, Format, Space, formats, plan_for, select};
 pub use least_periods::{LeastPeriods, MOST_PERIODS};
 pub use metrics::{Fluctuation, JudgedStep, PerPeriod, jerk_of_chords};

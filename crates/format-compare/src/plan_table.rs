@@ -176,18 +176,35 @@ impl PlanSummary {
     }
 }
 
-/// The largest second difference of the points that periods end at, in mm. Before the plan and behind it, where that rests, the tool
-/// stays where it is.
+/// The largest second difference of the points that periods end at, in mm. Where the plan begins or ends at rest, and where the machine
+/// makes another move in between, the tool stays where it is.
 fn total_acceleration<const D: usize>(plan: &ExactPlan, problem: &Problem<D>, limit: &FeedLimit<f64>) -> f64 {
-    let point = |distance: f64| {
-        let (curve, u) = limit.parameter_at(distance);
-        problem.curves.get(curve).map_or([0.0; D], |curve| curve.as_curve().point(u))
+    let point =
+        |curve: usize, u: f64| problem.curves.get(curve).map_or([0.0; D], |curve| curve.as_curve().point(u));
+    let ends_of = |curve: usize| {
+        let domain = problem.curves.get(curve).map(|curve| curve.as_curve().domain());
+        domain.map(|(begin, end)| [point(curve, begin), point(curve, end)])
     };
     let stages = plan.arcs().stages();
-    let before = stages.first().filter(|stage| stage.start_feed.value() == 0.0).map(|_| point(0.0));
-    let behind = stages.last().filter(|stage| stage.end_feed.value() == 0.0).map(|_| point(limit.length()));
-    let points = samples(plan, 1).map(|sample| point(sample.distance));
-    largest_second_difference(before.into_iter().chain(points).chain(behind))
+    let rests = [
+        stages.first().is_some_and(|stage| stage.start_feed.value() == 0.0),
+        stages.last().is_some_and(|stage| stage.end_feed.value() == 0.0),
+    ];
+    let mut places = samples(plan, 1).map(|sample| limit.parameter_at(sample.distance)).peekable();
+    let ends = problem.breaks.iter().copied().chain([problem.curves.len()]);
+    let (mut begin, mut most) = (0, 0.0_f64);
+    for end in ends {
+        let own = std::iter::from_fn(|| places.next_if(|(curve, _)| *curve < end))
+            .map(|(curve, u)| point(curve, u));
+        let before = ends_of(begin).filter(|_| begin > 0 || rests[0]).map(|[start, _]| [start; 2]);
+        let behind =
+            ends_of(end - 1).filter(|_| end < problem.curves.len() || rests[1]).map(|[_, last]| [last; 2]);
+        most = most.max(largest_second_difference(
+            before.into_iter().flatten().chain(own).chain(behind.into_iter().flatten()),
+        ));
+        begin = end;
+    }
+    most
 }
 
 /// The largest second difference of a series of points; over T² of points a period apart the largest acceleration in any direction.

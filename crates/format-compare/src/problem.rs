@@ -1,14 +1,14 @@
 //! What is to be run: a path and a machine's limits, in f64.
 //!
-//! Rapid moves cut nothing, so they are left out: what is compared are the moves at feed. Where one of those begins
-//! elsewhere than the one before it ends, be it for a rapid move or for a gap in a drawing, it is moved there, with all
-//! that follows: a plan and a step have a path without jumps, and its shapes are the part's. Before such a move the machine
-//! rests, for it makes another one there. How far each curve was moved is kept, so that setpoints can be given where the part
-//! has them.
+//! Rapid moves cut nothing, so they are left out: what is compared are the moves at feed, where the part has them. Where one of
+//! those begins elsewhere than the one before it ends, be it for a rapid move or for a gap in a drawing, the machine rests, for it
+//! makes another move there: the path goes on at the next section's begin.
+
+use std::ops::Range;
 
 use feed_plan::{AxisLimits, FeedLimit, Junction, KinematicLimits, PlanError};
 use nurbs_core::{CompileError, CurveError, FastCurve, NurbsBuf};
-use part_program::{Curve, Machine, MoveKind, Part, is_joined};
+use part_program::{Machine, MoveKind, Part, Rest};
 
 use crate::run::Refusal;
 
@@ -19,8 +19,6 @@ pub struct Problem<const D: usize> {
     pub name: String,
     /// The curves, in the order in which they are followed.
     pub curves: Vec<NurbsBuf<f64, D>>,
-    /// How far each curve was moved, in mm; empty if none was.
-    pub moved_mm: Vec<[f64; D]>,
     /// Each curve's own feedrate, as a share of the machine's; empty if all are 1.
     pub feed_shares: Vec<f64>,
     /// Numbers of the curves that begin at rest whatever their direction, in order: those behind an exact stop, a rapid move, a
@@ -33,7 +31,7 @@ pub struct Problem<const D: usize> {
     /// The number of rapid moves that were left out.
     pub rapids_left_out: usize,
     /// The number of gaps that no rapid move bridges in the part.
-    pub gaps_closed: usize,
+    pub gaps: usize,
     /// The machine's limits, with the highest feedrate that the part commands, if it does.
     pub machine: Machine,
 }
@@ -62,23 +60,18 @@ impl<const D: usize> Problem<D> {
         let (indices, taken): (Vec<_>, Vec<_>) = taken.unzip();
         let feed_shares = feed_shares(part, indices.iter().copied());
         let lines = indices.iter().map_while(|index| part.moves.get(*index)).map(|one| one.line).collect();
-        let moved_mm = closing_moves(&taken);
-        let joints = (1..).zip(indices.windows(2));
-        let is_gap = |curve: usize| moved_mm.get(curve - 1) != moved_mm.get(curve);
-        let breaks = |&(curve, pair): &(usize, &[usize])| pair[1] > pair[0] + 1 || is_gap(curve);
-        let rests = |joint: &(usize, &[usize])| {
-            let [before, after] = [joint.1[0], joint.1[1]];
-            let is_exact = part.moves.get(before).is_some_and(|one| one.exact_stop);
-            breaks(joint) || is_exact || part.has_word_before(after)
-        };
-        let stops = joints.clone().filter(rests).map(|(curve, _)| curve).collect();
-        let breaks = joints.clone().filter(breaks).map(|(curve, _)| curve).collect();
-        let gaps_closed = joints.filter(|(curve, pair)| pair[1] == pair[0] + 1 && is_gap(*curve)).count();
-        let still = [0.0; D];
-        let curves = taken.iter().enumerate().map(|(index, curve)| {
-            let by = moved_mm.get(index).unwrap_or(&still);
-            let moved = |point: &[f64; 3]| core::array::from_fn(|d| point[d] + by[d]);
-            let points = curve.control_points_mm.iter().map(moved).collect();
+        let (mut stops, mut breaks, mut gaps) = (Vec::new(), Vec::new(), 0);
+        for (curve, pair) in (1..).zip(indices.windows(2)) {
+            let is_behind_rapid = pair[1] > pair[0] + 1;
+            let is_gap = !is_behind_rapid && part.has_gap_before(pair[1]);
+            gaps += usize::from(is_gap);
+            breaks.extend((is_behind_rapid || is_gap).then_some(curve));
+            let rest = part.rest_before(pair[1]).filter(|rest| *rest != Rest::Rapid || rapids_left_out > 0);
+            stops.extend((is_gap || rest.is_some()).then_some(curve));
+        }
+        let curves = taken.iter().map(|curve| {
+            let points =
+                curve.control_points_mm.iter().map(|point| core::array::from_fn(|d| point[d])).collect();
             NurbsBuf::try_new(curve.degree, points, curve.weights.clone(), curve.knots.clone())
         });
         let curves = curves.collect::<Result<_, _>>()?;
@@ -87,18 +80,24 @@ impl<const D: usize> Problem<D> {
             machine.feedrate_mm_per_s = feedrate;
         }
         let name = part.name.clone();
-        Ok(Self {
-            name,
-            curves,
-            moved_mm,
-            feed_shares,
-            stops,
-            breaks,
-            lines,
-            rapids_left_out,
-            gaps_closed,
-            machine,
-        })
+        Ok(Self { name, curves, feed_shares, stops, breaks, lines, rapids_left_out, gaps, machine })
+    }
+
+    /// The curves of this range by themselves, on the same machine. The part rests where the range begins and ends.
+    #[must_use]
+    pub(crate) fn part(&self, curves: Range<usize>) -> Self {
+        let of_range = |all: &[usize]| {
+            let inner = all.iter().filter(|curve| curves.start < **curve && **curve < curves.end);
+            inner.map(|curve| curve - curves.start).collect()
+        };
+        Self {
+            curves: self.curves.get(curves.clone()).unwrap_or_default().to_vec(),
+            feed_shares: self.feed_shares.get(curves.clone()).unwrap_or_default().to_vec(),
+            lines: self.lines.get(curves.clone()).unwrap_or_default().to_vec(),
+            stops: of_range(&self.stops),
+            breaks: of_range(&self.breaks),
+            ..self.clone()
+        }
     }
 
     /// The feedrate of a curve, as a share of the machine's.
@@ -123,18 +122,6 @@ impl<const D: usize> Problem<D> {
         let limits = self.limits_per_period()?;
         let limit = FeedLimit::along_with_stops(&self.fast_curves(), &limits, &self.stops)?;
         limit.capped(|curve| limits.feedrate * self.feed_share(curve))
-    }
-
-    /// Where the part has a point of curve `curve`; coordinates that the problem does not have are 0.
-    #[must_use]
-    pub fn in_the_part(&self, curve: usize, point_mm: [f64; 3]) -> [f64; 3] {
-        let by = self.moved_by_mm(curve);
-        core::array::from_fn(|axis| point_mm[axis] - by.get(axis).copied().unwrap_or(0.0))
-    }
-
-    /// How far curve `curve` was moved from where the part has it.
-    pub(crate) fn moved_by_mm(&self, curve: usize) -> [f64; D] {
-        self.moved_mm.get(curve).copied().unwrap_or([0.0; D])
     }
 
     /// The interpolation period T, in s.
@@ -191,22 +178,6 @@ fn feed_shares(part: &Part, moves: impl Iterator<Item = usize>) -> Vec<f64> {
     if shares.iter().all(|share| *share >= 1.0) { Vec::new() } else { shares }
 }
 
-/// How far each curve has to be moved to begin where the one before it ends; empty if none has to.
-fn closing_moves<const D: usize>(curves: &[&Curve]) -> Vec<[f64; D]> {
-    let mut by = [0.0; D];
-    let mut moves = vec![by];
-    for pair in curves.windows(2) {
-        let (end, start) = (pair[0].control_points_mm.last(), pair[1].control_points_mm.first());
-        if let (Some(end), Some(start)) = (end, start)
-            && !is_joined(end, start)
-        {
-            by = core::array::from_fn(|d| by[d] + (end[d] - start[d]));
-        }
-        moves.push(by);
-    }
-    if moves.iter().flatten().all(|x| *x == 0.0) { Vec::new() } else { moves }
-}
-
 #[cfg(test)]
 pub(crate) mod examples {
     use part_program::{read_machine, read_part};
@@ -258,24 +229,22 @@ mod tests {
     }
 
     #[test]
-    fn rapid_moves_are_left_out_and_the_path_is_closed_up() {
+    fn rapid_moves_are_left_out_and_curves_stay_where_they_are() {
         let problem = problem("G0 X0 Y0 Z5\nG0 X3 Y0\nG1 X10 F600\nG0 X20 Y7\nG1 X25 Z6\nG1 X25 Y9\nG0 Z5\n");
         assert_eq!((problem.rapids_left_out, problem.curves.len()), (3, 3));
-        assert_eq!((problem.stops.as_slice(), problem.gaps_closed), (&[1][..], 0));
+        assert_eq!((problem.stops.as_slice(), problem.gaps), (&[1][..], 0));
         let ends: Vec<_> =
             problem.curves.iter().map(|c| (c.control_points()[0], c.control_points()[1])).collect();
         assert_eq!(ends[0], ([3.0, 0.0, 5.0], [10.0, 0.0, 5.0]));
-        assert_eq!(ends[1], ([10.0, 0.0, 5.0], [15.0, 0.0, 6.0]));
-        assert_eq!(ends[2], ([15.0, 0.0, 6.0], [15.0, 2.0, 6.0]));
-        assert_eq!(problem.in_the_part(2, [15.0, 1.0, 6.0]), [25.0, 8.0, 6.0]);
-        assert_eq!(problem.in_the_part(0, [4.0, 0.0, 5.0]), [4.0, 0.0, 5.0]);
+        assert_eq!(ends[1], ([20.0, 7.0, 5.0], [25.0, 7.0, 6.0]));
+        assert_eq!(ends[2], ([25.0, 7.0, 6.0], [25.0, 9.0, 6.0]));
     }
 
     /// Straight on as it would be, behind a lift, a gap in a drawing or an exact stop.
     #[test]
     fn the_machine_rests_where_it_makes_another_move() {
         let lifted = problem("G0 X0 Y0 Z0\nG1 X10 F600\nG0 Z5\nG0 Z0\nG1 X20\nG1 X30\n");
-        assert_eq!((lifted.stops.as_slice(), lifted.gaps_closed, lifted.moved_mm.len()), (&[1][..], 0, 0));
+        assert_eq!((lifted.stops.as_slice(), lifted.gaps), (&[1][..], 0));
         let machine = read_machine("m", include_str!("../../../data/seed-000.toml")).unwrap();
         let line = |from: f64, to: f64| {
             format!(
@@ -284,7 +253,7 @@ mod tests {
         };
         let drawn = [line(0.0, 10.0), line(20.0, 30.0), line(30.0, 40.0)].concat();
         let drawn = Problem::<2>::new(&read_part("d.toml", &drawn).unwrap(), &machine).unwrap();
-        assert_eq!((drawn.stops.as_slice(), drawn.gaps_closed), (&[1][..], 1));
+        assert_eq!((drawn.stops.as_slice(), drawn.gaps), (&[1][..], 1));
         let limit = drawn.feed_limit().unwrap();
         assert_eq!((limit.at(10.0), limit.at(20.0) > 0.1), (0.0, true));
     }
@@ -298,13 +267,6 @@ mod tests {
         assert_eq!(stops("G0 X0 Y0 Z0\nG1 X10 F600\nG1 X20\nG1 X30 M9\nG1 X40\nG1 X50\nM30\n"), [2, 3]);
         let limit = problem("G0 X0 Y0 Z0\nG1 X10 F600\nM8\nG1 X20\n").feed_limit().unwrap();
         assert_eq!((limit.at(10.0), limit.at(5.0) > 0.0), (0.0, true));
-    }
-
-    #[test]
-    fn a_path_without_jumps_is_taken_as_it_stands() {
-        let problem = problem("G0 X0 Y0\nG1 X10.1 Y0.3\nG1 X20.2\n");
-        assert_eq!((problem.rapids_left_out, problem.moved_mm.len()), (0, 0));
-        assert_eq!(problem.in_the_part(1, [1.1, 2.2, 3.3]), [1.1, 2.2, 3.3]);
     }
 
     #[test]

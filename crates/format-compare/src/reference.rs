@@ -17,6 +17,8 @@ pub struct Reference<const D: usize> {
     plain: Vec<NurbsBuf<f64, D>>,
     /// Curve and parameter of each corner that may be passed.
     corners: Vec<(usize, f64)>,
+    /// Curves that begin at rest.
+    stops: Vec<usize>,
     length_mm: f64,
 }
 
@@ -33,7 +35,13 @@ impl<const D: usize> Reference<D> {
             arc_length(&curve, begin, end, 1e-9).length
         };
         let length_mm = problem.curves.iter().map(length).sum();
-        Ok(Self { exact, plain: problem.curves.clone(), corners: corners(problem), length_mm })
+        Ok(Self {
+            exact,
+            plain: problem.curves.clone(),
+            corners: corners(problem),
+            stops: problem.stops.clone(),
+            length_mm,
+        })
     }
 
     /// Arc length of the path, in mm.
@@ -76,6 +84,11 @@ impl<const D: usize> Reference<D> {
             .iter()
             .map(|step| {
                 let to_point = self.point(step.curve, step.u);
+                if let Some(begin) = self.next_section(from, step) {
+                    from = begin;
+                    from_point = self.point(from.0, from.1);
+                    commanded = from_point.map(DoubleDouble::value);
+                }
                 let judged = self.judge_step(from, (&from_point, &commanded), step, &to_point);
                 commanded = core::array::from_fn(|d| step.point_mm[d]);
                 from = (step.curve, step.u);
@@ -83,6 +96,14 @@ impl<const D: usize> Reference<D> {
                 judged
             })
             .collect()
+    }
+
+    /// The begin of the section that a step goes along, where the place before it is the end of another.
+    fn next_section(&self, from: (usize, (f64, f64)), step: &RunStep) -> Option<(usize, (f64, f64))> {
+        let curve = from.0 + 1;
+        let begins = step.curve >= curve && self.stops.binary_search(&curve).is_ok();
+        let last = self.plain[from.0].as_curve().domain().1;
+        (begins && from.1 >= (last, 0.0)).then(|| (curve, (self.plain[curve].as_curve().domain().0, 0.0)))
     }
 
     fn judge_step(

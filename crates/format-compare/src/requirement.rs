@@ -48,7 +48,7 @@ impl Place {
             line: problem.lines.get(step.curve).copied(),
             period: index + 1,
             time_s: (index + 1) as f64 * problem.period_s(),
-            point_mm: problem.in_the_part(step.curve, step.point_mm),
+            point_mm: step.point_mm,
         })
     }
 }

@@ -55,7 +55,7 @@ impl<const D: usize> Reference<D> {
                 span: spans_before[step.curve] + span,
                 t: (u - begin) / (end - begin),
                 u,
-                point_mm: problem.in_the_part(step.curve, step.point_mm),
+                point_mm: step.point_mm,
                 feed_mm_per_s: step.feed_mm_per_s,
                 chord_mm: judged.chord_mm,
                 fluctuation: judged.fluctuation(),

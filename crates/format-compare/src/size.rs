@@ -21,7 +21,7 @@ use crate::reference::Reference;
 use crate::run::{Engine, Options, Refusal};
 
 /// Widths that the search tries, in bits.
-const WIDTHS: std::ops::RangeInclusive<u32> = 12..=48;
+pub(crate) const WIDTHS: std::ops::RangeInclusive<u32> = 12..=48;
 
 /// The result of a search.
 #[derive(Clone, Debug, Serialize)]
@@ -137,7 +137,7 @@ where
 }
 
 /// The run with as few integer bits as the path can be compiled for, at this width.
-fn narrowest_integer_part<const D: usize>(
+pub(crate) fn narrowest_integer_part<const D: usize>(
     (width, datapath): (u32, Datapath),
     problem: &Problem<D>,
     plan: &ExactPlan,

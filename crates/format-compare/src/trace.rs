@@ -5,7 +5,6 @@ use std::collections::BTreeMap;
 use real::{Histogram, SignalRange};
 
 use crate::metrics::JudgedStep;
-use crate::problem::Problem;
 use crate::run::Run;
 
 /// A run, a value a period; entry i is the period that ends at time (i + 1)·T.
@@ -30,9 +29,9 @@ pub struct Trace {
 impl Trace {
     /// The trace of a run and of its steps as the reference judged them, one for one.
     #[must_use]
-    pub fn of<const D: usize>(problem: &Problem<D>, run: &Run, steps: &[JudgedStep]) -> Self {
+    pub fn of(run: &Run, steps: &[JudgedStep]) -> Self {
         Self {
-            point_mm: run.steps.iter().map(|step| problem.in_the_part(step.curve, step.point_mm)).collect(),
+            point_mm: run.steps.iter().map(|step| step.point_mm).collect(),
             wanted_mm: steps.iter().map(|step| step.wanted_mm).collect(),
             fluctuation: steps.iter().map(JudgedStep::fluctuation).collect(),
             chord_error_mm: steps.iter().map(|step| step.chord_error_mm).collect(),
@@ -54,7 +53,7 @@ mod tests {
     use part_program::{read_machine, read_part};
 
     use super::*;
-    use crate::{Engine, Fluctuation, Options, compare, compare_with, select};
+    use crate::{Engine, Fluctuation, Options, Problem, compare, compare_with, select};
 
     const EXAMPLE: &str = include_str!("../../../data/seed-000.toml");
 
@@ -70,7 +69,7 @@ mod tests {
         let formats = select::<2>(&["I4F28".into(), "f64".into()]).expect("formats");
         let engines = [Engine::DeBoorSecant, Engine::Pieces];
         let keep = |_: &crate::Row, run: Option<(&Run, &[JudgedStep])>| {
-            run.map(|(run, steps)| (Trace::of(&problem, run, steps), Fluctuation::of(steps, 0.6)))
+            run.map(|(run, steps)| (Trace::of(run, steps), Fluctuation::of(steps, 0.6)))
         };
         let (comparison, kept) =
             compare_with(&problem, &formats, &engines, &Options::default(), keep).expect("a comparison");

@@ -255,7 +255,7 @@ mod tests {
         let options = Options::default();
         let keep = |_: &format_compare::Row,
                     run: Option<(&format_compare::Run, &[format_compare::JudgedStep])>| {
-            run.map(|(run, steps)| Trace::of(&problem, run, steps))
+            run.map(|(run, steps)| Trace::of(run, steps))
         };
         let engines = [Engine::DeBoorSecant, Engine::Pieces];
         let (comparison, traces) =

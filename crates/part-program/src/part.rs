@@ -41,7 +41,7 @@ impl Part {
     /// them: the tool rests then between the two. A control begins the next block when the word is done, as FANUC's waits for
     /// the machine's FIN, and LinuxCNC and Grbl let motion end before they switch a spindle or a coolant.
     #[must_use]
-    pub fn has_word_before(&self, next: usize) -> bool {
+    pub(crate) fn has_word_before(&self, next: usize) -> bool {
         let line = |index: usize| self.moves.get(index).map(|one| one.line);
         let Some((before, after)) = next.checked_sub(1).and_then(line).zip(line(next)) else { return false };
         let first = self.auxiliary.partition_point(|word| word.line < before);

@@ -7,6 +7,7 @@ use serde::Serialize;
 use crate::curve::Curve;
 use crate::machine::Machine;
 use crate::part::{MoveKind, Part};
+use crate::rest::Rest;
 
 /// Writes the curves of a part, each a table `[[curve]]`, and its machine.
 ///
@@ -21,7 +22,9 @@ pub fn write_curves(part: &Part) -> String {
         if one.kind == MoveKind::Rapid {
             text.push_str("move = \"rapid\"\n");
         }
-        if one.exact_stop || (one.kind == MoveKind::Feed && part.has_word_before(index + 1)) {
+        if one.exact_stop
+            || (one.kind == MoveKind::Feed && part.rest_before(index + 1) == Some(Rest::Auxiliary))
+        {
             text.push_str("exact_stop = true\n");
         }
         if let Some(feedrate) = one.feedrate_mm_per_s {

@@ -167,16 +167,6 @@ impl<'a, R: Backend, const D: usize> OnCurve<'a, R, D> {
 /// A stage in `R`: feeds and durations must fit, what only a table shows need not.
 fn stage_in<R: Backend>(stage: &Stage<f64>) -> Option<Stage<R>> {
     let nearest = |x: f64| R::from_f64(x).unwrap_or_else(R::max_value);
-    Some(Stage {
-        start: nearest(stage.start),
-        length: nearest(stage.length),
-        start_feed: R::from_f64(stage.start_feed)?,
-        end_feed: R::from_f64(stage.end_feed)?,
-        duration: R::from_f64(stage.duration)?,
-        shape: stage.shape,
-        curve_start: stage.curve_start,
-        u_start: nearest(stage.u_start),
-        curve_end: stage.curve_end,
-        u_end: nearest(stage.u_end),
-    })
+    let fits = |x: &f64| R::from_f64(*x).is_some();
+    [stage.start_feed, stage.end_feed, stage.duration].iter().all(fits).then(|| stage.map(nearest))
 }

@@ -142,7 +142,7 @@ pub(crate) fn between(part: &Part, next: usize, rest: Rest) -> Result<Option<Cor
 fn reason_of(reason: Reason) -> String {
     match reason {
         // Only corners of rapid moves are not asked for.
-        Reason::Wanted => Rest::Rapid.to_string(),
+        Reason::Wanted => Rest::Machine(part_program::Rest::Rapid).to_string(),
         other => other.to_string(),
     }
 }

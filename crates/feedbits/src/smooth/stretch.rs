@@ -4,32 +4,23 @@ use std::fmt;
 use std::ops::Range;
 
 use nurbs_core::{Arc, CurveError, Evaluate, Line, NurbsBuf, PathCurve, ShapeError};
-use part_program::{Curve, Move, MoveKind, Part, Shape, is_joined};
+use part_program::{Curve, Move, Part, Shape};
 
 /// Why the tool rests between two moves, whatever their directions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Rest {
-    /// One of them is rapid.
-    Rapid,
-    /// They do not meet.
-    Gap,
-    /// A word between them acts: a spindle, a tool, a coolant.
-    Auxiliary,
-    /// The program wants an exact stop.
-    ExactStop,
-    /// They have different feeds.
+    /// The machine would rest there in any run.
+    Machine(part_program::Rest),
+    /// They have different feeds, and a smoothed corner has one.
     FeedChange,
 }
 
 impl fmt::Display for Rest {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Rapid => "next to a rapid move",
-            Self::Gap => "at a gap",
-            Self::Auxiliary => "at an M, S, T, D or H word",
-            Self::ExactStop => "at an exact stop",
-            Self::FeedChange => "the feed changes",
-        })
+        match self {
+            Self::Machine(rest) => rest.fmt(f),
+            Self::FeedChange => f.write_str("the feed changes"),
+        }
     }
 }
 
@@ -79,28 +70,8 @@ pub(crate) fn stretches(part: &Part) -> Vec<Range<usize>> {
 /// Why the tool rests before a move, if it does.
 pub(crate) fn rest_before(part: &Part, next: usize) -> Option<Rest> {
     let (before, after) = (part.moves.get(next.checked_sub(1)?)?, part.moves.get(next)?);
-    if part.has_word_before(next) {
-        Some(Rest::Auxiliary)
-    } else if before.kind == MoveKind::Rapid || after.kind == MoveKind::Rapid {
-        Some(Rest::Rapid)
-    } else if !do_meet(part, next) {
-        Some(Rest::Gap)
-    } else if before.exact_stop {
-        Some(Rest::ExactStop)
-    } else if before.feedrate_mm_per_s != after.feedrate_mm_per_s {
-        Some(Rest::FeedChange)
-    } else {
-        None
-    }
-}
-
-/// Whether a curve begins where the one before it ends.
-fn do_meet(part: &Part, next: usize) -> bool {
-    let ends = |index: usize| part.curves.get(index).map(|curve| curve.control_points_mm.as_slice());
-    match (ends(next - 1), ends(next)) {
-        (Some([.., end]), Some([start, ..])) => is_joined(end, start),
-        _ => true,
-    }
+    let changes = before.feedrate_mm_per_s != after.feedrate_mm_per_s;
+    part.rest_before(next).map(Rest::Machine).or(changes.then_some(Rest::FeedChange))
 }
 
 /// A move as the smoothing knows it: a line, an arc of a circle, or whatever curve it is.
@@ -193,7 +164,9 @@ mod tests {
         // Moves: rapid X1 | Z0 | X5, Y5 | X0 | Y9 | X3, X4 | rapid.
         assert_eq!(stretches(&part), [0..1, 1..2, 2..4, 4..5, 5..6, 6..8, 8..9]);
         let rests: Vec<_> = (0..9).map(|next| rest_before(&part, next)).collect();
-        let (rapid, feed, word) = (Some(Rest::Rapid), Some(Rest::FeedChange), Some(Rest::Auxiliary));
+        let [rapid, word] =
+            [part_program::Rest::Rapid, part_program::Rest::Auxiliary].map(|rest| Some(Rest::Machine(rest)));
+        let feed = Some(Rest::FeedChange);
         assert_eq!(rests, [None, rapid, feed, None, word, word, word, None, rapid]);
     }
 

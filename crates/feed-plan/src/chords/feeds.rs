@@ -1,0 +1,518 @@
+//! The feeds of a plan in chords: lowered by what the chords fall short, without a step of feed or acceleration.
+//!
+//! Each stage falls short by a part of its own. Were its feeds lowered by that alone, they would not meet those of its neighbours,
+//! and where the chord error is some micrometres a step of feed within a period is a jerk of several times the limit. So the feed V is
+//! lowered by a correction c that is a continuous function of time. Over a *change* of feed, from V_s to V_e and from no
+//! acceleration to none, the correction goes from c_s to c_e along the same shape:
+//!
+//! `V - c = V_s - c_s + (1 - k) (V - V_s)`, `k = (c_e - c_s)/(V_e - V_s)`,
+//!
+//! which has the acceleration and the jerk of V, times `1 - k`. They rise where k is negative: where the correction falls while
+//! the feed rises, as out of a bend. There it may fall by 2⁻¹² of what the feed rises by. Where the feed is
+//! constant the correction may change along a cubic, at no more acceleration and jerk than the changes of feed beside it have.
+//!
+//! Between two stops, where there is nothing to correct:
+//!
+//! 1. *Joints*: a part of the path, be it a change of feed or a constant one, gives each of its two joints half of what it falls short
+//!    by. The correction at a joint is what it was given over half the time of the parts beside it; over a constant feed it
+//!    is constant. What a run would go beyond the stop is given to the joint from which the feed falls to it.
+//! 2. *Level*: where it changes by more than it may, what is too much moves to the joint on the other side. So the sum stays as it
+//!    is, and what the run is off its plan by stays near.
+//! 3. *Cut*: sweeps leave a rest. Of all corrections that change by no more than they may, the largest one below and the least one
+//!    above are mixed so that the sum is right. The conditions are linear, so the mixture keeps them.
+
+use alloc::vec::Vec;
+
+use real::Real;
+
+use crate::{FeedLimit, FeedPiece, ScheduleBuf, Stage, StageShape};
+
+/// By 2⁻¹² of themselves acceleration and jerk of a change of feed may rise: as much as the stretch to whole periods leaves at least
+/// ([`SLOWER`](crate::plan::whole_periods::SLOWER)). Without any, what a tight bend falls short by spread so far that a run reached
+/// the bend 11 steps late, at 2.1 E; with a hundred times as much, the chord errors of 240 random splines were the same.
+const ROOM: i32 = -12;
+/// Periods at both ends of a constant feed over which the correction may change. A feed that is constant for three times as
+/// long stays so in between.
+const BEND: i32 = 32;
+/// Sweeps there and back. Most plans take two, and what sixteen leave is cut.
+const SWEEPS: usize = 16;
+
+impl<R: Real> ScheduleBuf<R> {
+    /// The same plan for setpoints whose chords, not arcs, have the planned lengths.
+    ///
+    /// The chords are shorter than their arcs, in each stage by what `shortfalls` says ([`FeedLimit::shortfalls`]): an
+    /// interpolator that makes each chord as long as the plan says would be ahead of the plan by that much, and pass the next bend
+    /// where the feed is still, or again, that of the straight. Here the feed is lowered by that, in the same time: from stop to
+    /// stop the lengths are less by the sum of the shortfalls. Feed and acceleration stay continuous wherever they were;
+    /// acceleration and jerk rise by no more than the stretch to whole periods left of their limits. For that the run is led off
+    /// its plan near a joint at which the shortfall changes, by a part of what it changes by over a transition: over a tight bend
+    /// by half of the bend's shortfall. A stage of constant feed may become three, of which the outer ones lead to other feeds.
+    ///
+    /// `limit` is the one that the plan was made under: it says where on the path such a stage is divided. Transitions are taken
+    /// to be symmetric, as all of a plan are.
+    #[must_use]
+    pub fn shortened(self, limit: &FeedLimit<R>, shortfalls: &[R]) -> Self {
+        let period = self.interpolation_period;
+        self.by_sections(shortfalls, |stages, these| shortened(limit, stages, (these, R::zero()), period))
+    }
+}
+
+/// The stages from one stop to the next, shortened by what each falls short by, and by so much more where the last one begins to
+/// come to rest; their starts are left as they are.
+pub(crate) fn shortened<R: Real>(
+    limit: &FeedLimit<R>,
+    stages: &[Stage<R>],
+    (shortfalls, at_the_end): (&[R], R),
+    period: R,
+) -> Vec<Stage<R>> {
+    let parts = parts(stages, shortfalls, period);
+    let mut joints = joints(&parts);
+    if let Some(last) = joints.iter_mut().rev().find(|joint| joint.most > R::zero() && joint.time > R::zero())
+    {
+        last.correction = last.correction + at_the_end / last.time;
+    }
+    level(&mut joints, &parts);
+    cut(&mut joints, &parts);
+    let mut short = Vec::with_capacity(stages.len());
+    for (part, ends) in parts.iter().zip(joints.windows(2)) {
+        let Some(whole) = stages.get(part.first..part.behind) else { continue };
+        let ends = [ends[0].correction, ends[1].correction];
+        match (part.is_constant(), whole) {
+            (true, [stage]) => part.lower_constant(stage, ends, limit, &mut short),
+            _ => short.extend(whole.iter().map(|stage| part.lowered(stage, ends))),
+        }
+    }
+    short
+}
+
+/// A change of feed, a constant feed, or one end or the middle of that.
+#[derive(Clone, Copy)]
+struct Part<R> {
+    /// The stages: the first, and the one behind the last.
+    first: usize,
+    behind: usize,
+    /// Time since the begin of the first stage.
+    begin: R,
+    duration: R,
+    feeds: [R; 2],
+    shortfall: R,
+    /// By how much the correction may rise over it, and fall.
+    rise: R,
+    fall: R,
+}
+
+impl<R: Real> Part<R> {
+    fn is_constant(&self) -> bool {
+        self.feeds[0] == self.feeds[1]
+    }
+
+    /// A stage of a change of feed, its feeds lowered between those corrections at its ends.
+    fn lowered(&self, stage: &Stage<R>, [begin, end]: [R; 2]) -> Stage<R> {
+        let [from, to] = self.feeds;
+        let change = to - from;
+        let k = if change.is_zero() { R::zero() } else { (end - begin) / change };
+        let lowered = |feed: R| if feed == to { feed - end } else { feed - begin - (feed - from) * k };
+        let off = begin * stage.duration + (stage.length - from * stage.duration) * k;
+        Stage {
+            length: stage.length - off,
+            start_feed: lowered(stage.start_feed),
+            end_feed: lowered(stage.end_feed),
+            ..*stage
+        }
+    }
+
+    /// A part of a stage of constant feed, or what it makes the last of the shortened stages longer by.
+    fn lower_constant(
+        &self,
+        stage: &Stage<R>,
+        [begin, end]: [R; 2],
+        limit: &FeedLimit<R>,
+        short: &mut Vec<Stage<R>>,
+    ) {
+        let feed = self.feeds[0];
+        let (start_feed, end_feed) = (feed - begin, feed - end);
+        let length = (start_feed + end_feed).half() * self.duration;
+        let here = (stage.curve_end, stage.u_end);
+        let is_rest = self.begin > R::zero();
+        if let Some(last) = short.last_mut().filter(|_| is_rest) {
+            if start_feed == end_feed && last.start_feed == end_feed && last.end_feed == end_feed {
+                last.length = last.length + length;
+                last.duration = last.duration + self.duration;
+                (last.curve_end, last.u_end) = here;
+                return;
+            }
+            (last.curve_end, last.u_end) = limit.parameter_at(stage.start + feed * self.begin);
+        }
+        let begins = short.last().filter(|_| is_rest).map(|last| (last.curve_end, last.u_end));
+        let (curve_start, u_start) = begins.unwrap_or((stage.curve_start, stage.u_start));
+        let shape = if start_feed == end_feed { stage.shape } else { StageShape::Cubic };
+        let duration = self.duration;
+        short.push(Stage { length, start_feed, end_feed, duration, shape, curve_start, u_start, ..*stage });
+    }
+}
+
+/// The parts of a path between two stops, and by how much the correction may change over each.
+fn parts<R: Real>(stages: &[Stage<R>], shortfalls: &[R], period: R) -> Vec<Part<R>> {
+    let mut parts: Vec<Part<R>> = Vec::with_capacity(stages.len());
+    let bend = period * R::from_ratio(BEND, 1);
+    let mut first = 0;
+    for change in stages.split_inclusive(|stage| !is_under_way(stage)) {
+        let (Some(begins), Some(ends)) = (change.first(), change.last()) else { continue };
+        let behind = first + change.len();
+        let duration = change.iter().fold(R::zero(), |sum, stage| sum + stage.duration);
+        let shortfall = shortfalls.iter().take(behind).skip(first);
+        let shortfall = shortfall.fold(R::zero(), |sum, part| sum + part.max(R::zero()));
+        let feeds = [begins.start_feed, ends.end_feed];
+        let (most, least) = ((feeds[1] - feeds[0]).abs(), (feeds[1] - feeds[0]).abs().scale(ROOM));
+        let (rise, fall) = if feeds[1] > feeds[0] { (most, least) } else { (least, most) };
+        let part = Part { first, behind, begin: R::zero(), duration, feeds, shortfall, rise, fall };
+        let middle = duration - bend - bend;
+        if part.is_constant() && change.len() == 1 && middle > bend {
+            let of = |begin, duration| Part {
+                begin,
+                duration,
+                shortfall: shortfall * (duration / part.duration),
+                ..part
+            };
+            parts.extend([of(R::zero(), bend), of(bend, middle), of(duration - bend, bend)]);
+        } else {
+            parts.push(part);
+        }
+        first = behind;
+    }
+    let changes: Vec<_> =
+        parts.iter().map(|part| (!part.is_constant()).then(|| peaks(part, stages))).collect();
+    for (index, part) in parts.iter_mut().enumerate().filter(|(_, part)| part.is_constant()) {
+        let (before, behind) = changes.split_at(index.min(changes.len()));
+        let (before, after) =
+            (before.iter().rev().find_map(|peaks| *peaks), behind.iter().find_map(|peaks| *peaks));
+        let [a, b] = [before.or(after), after.or(before)].map(|peaks| peaks.unwrap_or([R::zero(); 2]));
+        let (acceleration, jerk) = (a[0].min(b[0]), a[1].min(b[1]));
+        let by_acceleration = acceleration * part.duration / StageShape::Cubic.peak_slope();
+        let by_jerk = jerk * part.duration * part.duration / StageShape::Cubic.peak_bend();
+        // Over less than a period it would change by next to nothing.
+        let most = if part.duration < period { R::zero() } else { by_acceleration.min(by_jerk) };
+        (part.rise, part.fall) = (most, most);
+    }
+    parts
+}
+
+/// Whether a stage ends with acceleration, so that the next one goes on with its change of feed.
+fn is_under_way<R: Real>(stage: &Stage<R>) -> bool {
+    matches!(stage.shape, StageShape::Onset | StageShape::Steady) && stage.start_feed != stage.end_feed
+}
+
+/// The largest acceleration and jerk of a part's stages.
+fn peaks<R: Real>(part: &Part<R>, stages: &[Stage<R>]) -> [R; 2] {
+    let pieces = stages.get(part.first..part.behind).unwrap_or_default().iter().map(Stage::piece);
+    let larger = |[a, j]: [R; 2], piece: FeedPiece<R>| {
+        [a.max(piece.peak_acceleration().abs()), j.max(piece.peak_jerk().abs())]
+    };
+    pieces.fold([R::zero(); 2], larger)
+}
+
+/// Where two parts meet, or the first begins, or the last ends.
+#[derive(Clone, Copy)]
+struct Joint<R> {
+    /// By so much the feed is lowered there.
+    correction: R,
+    /// It is half of the feed at most.
+    most: R,
+    /// Half the time of the parts beside it, for which the correction counts.
+    time: R,
+}
+
+/// The joints with what they are given, over their time.
+fn joints<R: Real>(parts: &[Part<R>]) -> Vec<Joint<R>> {
+    let first = parts.first().map(|part| part.feeds[0]);
+    let feeds = first.into_iter().chain(parts.iter().map(|part| part.feeds[1]));
+    // The correction is a length until it is divided by the time.
+    let new = |feed: R| Joint { correction: R::zero(), most: feed.half(), time: R::zero() };
+    let mut joints: Vec<_> = feeds.map(new).collect();
+    for (index, part) in parts.iter().enumerate() {
+        let Some([a, b]) = joints.get_mut(index..index + 2) else { continue };
+        let half = part.shortfall.half();
+        let (to_a, to_b) = match (a.most > R::zero(), b.most > R::zero()) {
+            (false, true) => (R::zero(), part.shortfall),
+            (true, false) => (part.shortfall, R::zero()),
+            _ => (half, part.shortfall - half),
+        };
+        (a.correction, a.time) = (a.correction + to_a, a.time + part.duration.half());
+        (b.correction, b.time) = (b.correction + to_b, b.time + part.duration.half());
+    }
+    // The joints of a constant feed have one correction.
+    let mut rest = joints.as_mut_slice();
+    let mut parts = parts.iter();
+    while !rest.is_empty() {
+        let count = 1 + parts.by_ref().take_while(|part| part.is_constant()).count();
+        let (these, others) = rest.split_at_mut(count.min(rest.len()));
+        let sum = |of: fn(&Joint<R>) -> R| these.iter().fold(R::zero(), |sum, joint| sum + of(joint));
+        let (given, time) = (sum(|joint| joint.correction), sum(|joint| joint.time));
+        let correction = if time > R::zero() { given / time } else { R::zero() };
+        these.iter_mut().for_each(|joint| joint.correction = correction);
+        rest = others;
+    }
+    joints
+}
+
+/// Moves what a correction changes by too much over a part to the other end of the part, and what is too much at a joint to the
+/// next.
+fn level<R: Real>(joints: &mut [Joint<R>], parts: &[Part<R>]) {
+    for _ in 0..SWEEPS {
+        let mut is_level = true;
+        let mut over = |(index, part): (usize, &Part<R>), is_forwards: bool| {
+            let Some([a, b]) = joints.get_mut(index..index + 2) else { return };
+            let change = b.correction - a.correction;
+            let excess = change - change.max(R::zero() - part.fall).min(part.rise);
+            if !excess.is_zero() {
+                let time = a.time + b.time;
+                let to_a = if time > R::zero() { excess * (b.time / time) } else { excess.half() };
+                (a.correction, b.correction) = (a.correction + to_a, b.correction - (excess - to_a));
+                is_level = false;
+            }
+            let (from, to) = if is_forwards { (a, b) } else { (b, a) };
+            if from.correction > from.most && to.time > R::zero() {
+                to.correction = to.correction + (from.correction - from.most) * (from.time / to.time);
+                from.correction = from.most;
+                is_level = false;
+            }
+        };
+        parts.iter().enumerate().for_each(|part| over(part, true));
+        parts.iter().enumerate().rev().for_each(|part| over(part, false));
+        if is_level {
+            return;
+        }
+    }
+}
+
+/// Puts the mixture of the largest corrections below and the least ones above, which change by no more than they may, in place of
+/// the corrections.
+fn cut<R: Real>(joints: &mut [Joint<R>], parts: &[Part<R>]) {
+    let allowed = |joint: &Joint<R>| joint.correction.min(joint.most).max(R::zero());
+    let mut bounds: Vec<[R; 2]> = joints.iter().map(|joint| [allowed(joint); 2]).collect();
+    let mut narrow = |(index, part): (usize, &Part<R>)| {
+        let Some([[low_a, high_a], [low_b, high_b]]) = bounds.get_mut(index..index + 2) else { return };
+        (*low_a, *low_b) = ((*low_a).min(*low_b + part.fall), (*low_b).min(*low_a + part.rise));
+        (*high_a, *high_b) = ((*high_a).max(*high_b - part.rise), (*high_b).max(*high_a - part.fall));
+    };
+    parts.iter().enumerate().for_each(&mut narrow);
+    parts.iter().enumerate().rev().for_each(&mut narrow);
+    // Where both are the same, nothing is to be mixed: each stretch between such joints has a sum of its own.
+    let mut due = R::zero();
+    let mut rest = &mut *joints;
+    let mut bounds = bounds.as_slice();
+    while !rest.is_empty() {
+        let differ = bounds.iter().take_while(|[low, high]| low < high).count();
+        let (these, others) = rest.split_at_mut(differ.max(1).min(rest.len()));
+        let (between, behind) = bounds.split_at(these.len().min(bounds.len()));
+        let mut most = R::zero();
+        for (joint, [low, high]) in these.iter().zip(between) {
+            due = due + (joint.correction - *low) * joint.time;
+            most = most + (*high - *low) * joint.time;
+        }
+        let share = if most > R::zero() { (due / most).max(R::zero()).min(R::one()) } else { R::zero() };
+        for (joint, [low, high]) in these.iter_mut().zip(between) {
+            joint.correction = *low + (*high - *low) * share;
+        }
+        due = due - most * share;
+        (rest, bounds) = (others, behind);
+    }
+    // What differs by rounding over a constant feed would be a jerk where that takes no time.
+    for (index, part) in parts.iter().enumerate().filter(|(_, part)| part.is_constant()) {
+        let Some([a, b]) = joints.get_mut(index..index + 2) else { continue };
+        if (b.correction - a.correction).abs() <= part.feeds[0] * R::resolution().scale(2) {
+            b.correction = a.correction;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nurbs_core::NurbsBuf;
+    use proptest::prelude::*;
+    use proptest::test_runner::TestCaseError;
+
+    use crate::schedule::stage::examples::stages;
+    use crate::test_paths::{in_periods, jerk_over_periods, limit_through};
+    use crate::{EndFeeds, FeedLimit, KinematicLimits, ProfileKind, ScheduleBuf, Stage, plan_with};
+
+    /// What peaks may rise by, and rounding.
+    const ROOM: f64 = 1.0 + 1.0 / 4096.0 + 1e-9;
+
+    /// The feeds of neighbours meet, and so do their accelerations; times stay, stops are where they were, and the lengths between
+    /// them are less by what they fall short.
+    fn assert_smooth(
+        arcs: &ScheduleBuf<f64>,
+        short: &ScheduleBuf<f64>,
+        shortfalls: &[f64],
+    ) -> Result<(), TestCaseError> {
+        let (mut feed, mut acceleration, mut start, mut before) = (0.0, 0.0, 0.0, 0.0_f64);
+        let most = |of: fn(&Stage<f64>) -> f64| arcs.stages().iter().map(of).fold(0.0, f64::max);
+        let accelerations = most(|stage| stage.piece().peak_acceleration().abs());
+        let jerks = most(|stage| stage.piece().peak_jerk().abs());
+        for stage in short.stages() {
+            prop_assert!((stage.start_feed - feed).abs() < 1e-14, "{stage:?} behind {feed}");
+            // A feed is rounded, and over a part of a millionth of a period that is a jerk.
+            let rounding = 8.0 * f64::EPSILON * stage.start_feed.max(stage.end_feed) / stage.duration;
+            let begins = (stage.acceleration_at(0.0) - acceleration).abs();
+            prop_assert!(
+                begins <= 1e-9 * accelerations + rounding.max(before),
+                "{stage:?} behind {acceleration}"
+            );
+            prop_assert!((stage.start - start).abs() < 1e-11 && stage.start_feed.min(stage.end_feed) >= 0.0);
+            let length = stage.piece().length();
+            prop_assert!((stage.length - length).abs() < 1e-11 * (1.0 + length), "{stage:?}: {length}");
+            let piece = stage.piece();
+            prop_assert!(piece.peak_acceleration().abs() <= accelerations * ROOM + rounding, "{stage:?}");
+            prop_assert!(
+                piece.peak_jerk().abs() <= jerks * ROOM + rounding / stage.duration,
+                "{stage:?} {jerks}"
+            );
+            before = rounding;
+            (feed, acceleration) = (stage.end_feed, stage.acceleration_at(stage.duration));
+            start = stage.start + stage.length;
+        }
+        prop_assert_eq!(feed, 0.0);
+        let lengths = |plan: &ScheduleBuf<f64>| -> Vec<f64> {
+            let sections = plan.stages.split_inclusive(|stage| stage.end_feed == 0.0);
+            sections.map(|stages| stages.iter().map(|stage| stage.length).sum()).collect()
+        };
+        let (before, after) = (lengths(arcs), lengths(short));
+        prop_assert_eq!(before.len(), after.len());
+        let mut rest = shortfalls;
+        let sections = arcs.stages.split_inclusive(|stage| stage.end_feed == 0.0);
+        for ((section, before), after) in sections.zip(before).zip(after) {
+            let (these, others) = rest.split_at(section.len());
+            let sum: f64 = these.iter().sum();
+            prop_assert!((before - after - sum).abs() < 1e-11 * (1.0 + before), "{before} {after} {sum}");
+            rest = others;
+        }
+        let (time, whole) = (short.as_schedule().duration(), arcs.as_schedule().duration());
+        prop_assert!((time - whole).abs() < 1e-12 * whole);
+        Ok(())
+    }
+
+    /// A spline that winds through points, more tightly at first.
+    fn spline() -> impl Strategy<Value = NurbsBuf<f64, 2>> {
+        let strides = prop::collection::vec((-0.3..0.7_f64, -0.5..0.5_f64), 6..30);
+        (2..5_usize, 4.0..60.0_f64, strides).prop_map(|(degree, scale, strides)| {
+            let (mut at, half) = ([0.0; 2], strides.len() / 2);
+            let points = strides.iter().enumerate().map(|(index, (x, y))| {
+                let scale = if index < half { scale } else { 3.0 * scale };
+                at = [at[0] + scale * x, at[1] + scale * y];
+                at
+            });
+            let points: Vec<_> = points.collect();
+            let last = (points.len() - degree) as f64;
+            let inner = (1..points.len() - degree).map(|knot| knot as f64);
+            let ends = |knot| std::iter::repeat_n(knot, degree + 1);
+            let knots = ends(0.0).chain(inner).chain(ends(last)).collect();
+            NurbsBuf::try_new_nonrational(degree, points, knots).unwrap()
+        })
+    }
+
+    #[test]
+    fn a_shortened_plan_keeps_its_times_and_its_feeds_meet() {
+        let plan = ScheduleBuf { stages: stages().to_vec(), interpolation_period: 1.0, periods: 4 };
+        let limit = limit_through(&[(0.0, 1.0), (2.475, 1.0)]);
+        let shortened = |shortfalls: &[f64]| {
+            let short = plan.clone().shortened(&limit, shortfalls);
+            assert!((short.as_schedule().duration() - plan.as_schedule().duration()).abs() < 1e-15);
+            let (mut start, mut feed) = (0.0, 0.0);
+            for stage in short.stages() {
+                assert!((stage.start - start).abs() < 1e-15, "{stage:?}");
+                assert_eq!(stage.start_feed, feed);
+                let mean = f64::midpoint(stage.start_feed, stage.end_feed);
+                assert!((mean * stage.duration - stage.length).abs() < 1e-15, "{stage:?}");
+                (start, feed) = (start + stage.length, stage.end_feed);
+            }
+            plan.as_schedule().length() - short.as_schedule().length()
+        };
+        // 0.3 is more than the second stage has.
+        for shortfalls in [[0.01, 0.0, 0.02], [0.0, 0.3, 0.0], [0.2, 0.0, 0.0]] {
+            let sum: f64 = shortfalls.iter().sum();
+            let less = shortened(&shortfalls);
+            assert!((less - sum).abs() < 1e-15, "{shortfalls:?}: {less}");
+        }
+        // Less than nothing is nothing, and so is what is not there.
+        assert!((shortened(&[-1.0, 0.02, 0.0]) - 0.02).abs() < 1e-15);
+        assert_eq!(plan.clone().shortened(&limit, &[]), plan);
+        // What is more than half of the path is left.
+        assert!((shortened(&[2.0, 2.0, 2.0]) - 2.475 / 2.0).abs() < 1e-15);
+    }
+
+    /// Each stop is landed on: what lies before it takes nothing from what lies behind.
+    #[test]
+    fn a_stop_divides_what_is_shortened() {
+        let [up, cruise, down] = stages();
+        let land = Stage { start_feed: 1.0, end_feed: 0.0, length: 0.55, ..down };
+        let stages = vec![up, cruise, land, Stage { start: 2.2, ..up }, Stage { start: 3.45, ..land }];
+        let plan = ScheduleBuf { stages, interpolation_period: 1.0, periods: 8 };
+        let limit = limit_through(&[(0.0, 1.0), (4.0, 1.0)]);
+        let short = plan.clone().shortened(&limit, &[0.1, 0.0, 0.0, 0.0, 0.02]);
+        let length = |stages: &[Stage<f64>]| stages.iter().map(|stage| stage.length).sum::<f64>();
+        for (range, less) in [(0..3, 0.1), (3..5, 0.02)] {
+            let [whole, less_long] = [&plan, &short].map(|plan| length(&plan.stages()[range.clone()]));
+            assert!((whole - less_long - less).abs() < 1e-15, "{range:?}: {whole} {less_long}");
+        }
+        assert_eq!((short.stages()[2].end_feed, short.stages()[3].start_feed), (0.0, 0.0));
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(48))]
+
+        /// A step of feed between two stages, each shortened for itself, was a jerk of up to 15 times the limit.
+        #[test]
+        fn a_plan_in_chords_keeps_the_jerk_at_any_chord_error(
+            curve in spline(), period in 1e-3..5e-3_f64, feedrate in 50.0..300.0_f64, acceleration in 500.0..4500.0_f64,
+            jerk in 1e4..1e5_f64, exponent in -4.0..-1.0_f64,
+        ) {
+            let limits = in_periods(period, feedrate, acceleration, jerk, 10.0_f64.powf(exponent));
+            let Ok(limit) = FeedLimit::along(&[curve.as_curve()], &limits) else { return Ok(()) };
+            for kind in ProfileKind::ALL {
+                let Ok(arcs) = plan_with(&limit, &limits, EndFeeds::default(), kind) else { continue };
+                let shortfalls = limit.shortfalls(&[curve.as_curve()], &arcs.as_schedule());
+                let short = arcs.clone().shortened(&limit, &shortfalls);
+                assert_smooth(&arcs, &short, &shortfalls)?;
+                let found = jerk_over_periods(&short.as_schedule());
+                prop_assert!(found <= limits.jerk * (1.0 + 1e-9), "{kind:?}: {found} of {}", limits.jerk);
+            }
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(400))]
+
+        #[test]
+        fn whatever_falls_short_is_taken_off_without_a_step(
+            rows in prop::collection::vec((0.01..30.0_f64, 0.02..1.0_f64, prop::bool::weighted(0.1)), 2..40),
+            shares in prop::collection::vec(prop_oneof![Just(0.0), 0.0..0.01_f64, 0.0..0.3_f64], 200),
+            jerk in 1e-5..0.1_f64, end in 0.0..0.1_f64,
+        ) {
+            let (mut distance, mut rests) = (0.0, true);
+            let points: Vec<_> = rows.into_iter().enumerate().map(|(index, (stride, feedrate, stops))| {
+                distance += if index > 0 { stride } else { 0.0 };
+                rests = stops && !rests;
+                (distance, if rests { 0.0 } else { feedrate })
+            }).collect();
+            let limits = KinematicLimits { jerk, ..in_periods(3e-3, 200.0, 5000.0, 4e5, 5e-4) };
+            let limit = limit_through(&points);
+            for kind in ProfileKind::ALL {
+                let Ok(arcs) = plan_with(&limit, &limits, EndFeeds::default(), kind) else { continue };
+                let shares = shares.iter().cycle();
+                let mut shortfalls: Vec<_> = arcs.stages().iter().zip(shares).map(|(stage, share)| stage.length * share).collect();
+                assert_smooth(&arcs, &arcs.clone().shortened(&limit, &shortfalls), &shortfalls)?;
+                let at_the_end = |stages: &[Stage<f64>]| stages[stages.len() - 1].length * end;
+                let short = arcs.clone().by_sections(&shortfalls, |stages, these| {
+                    super::shortened(&limit, stages, (these, at_the_end(stages)), 1.0)
+                });
+                let mut behind = 0;
+                for section in arcs.stages.split_inclusive(|stage| stage.end_feed == 0.0) {
+                    behind += section.len();
+                    shortfalls[behind - 1] += at_the_end(section);
+                }
+                assert_smooth(&arcs, &short, &shortfalls)?;
+            }
+        }
+    }
+}

@@ -1,0 +1,204 @@
+//! From a plan in arcs to one in chords that lands on its stops.
+//!
+//! What each stage falls short by ([`FeedLimit::shortfalls`]) is found for the chords of one plan, and the corrected feeds are those
+//! of another. That is nearly the same, but in a run of a thousand bends some micrometres remain, and at a stop the last step would
+//! take them all. So a run by the corrected plan's chords is followed to each stop, and what it would go beyond is taken off where
+//! the plan begins to come to rest there, behind most of the bends: one or two trials more, and the run lands.
+//!
+//! Nothing can be added there. Where a run does not come as far, all stages of the section are shortened by less, by a *lead*, so
+//! that there is something to be taken off.
+
+use alloc::vec::Vec;
+
+use nurbs_core::Differentiate;
+use real::Real;
+
+use crate::chords::feeds;
+use crate::chords::shortfall::Path;
+use crate::{FeedLimit, Schedule, ScheduleBuf, Stage};
+
+/// How often the run is followed to a stop, at most.
+const TRIALS: usize = 8;
+/// A run that is off its stop by less than 2⁻²⁰ of a step lands on it.
+const ON_STOP: i32 = -20;
+
+impl<R: Real> FeedLimit<R> {
+    /// The plan `arcs`, made under this limit, for setpoints whose chords, not arcs, have the planned lengths:
+    /// [`shortened`](ScheduleBuf::shortened) by its [`shortfalls`](Self::shortfalls), and each stretch between stops so that a run
+    /// by its chords lands on the stop. `curves` are those that this limit was made of.
+    #[must_use]
+    pub fn in_chords<const D: usize, C: Differentiate<R, D>>(
+        &self,
+        curves: &[C],
+        arcs: &ScheduleBuf<R>,
+    ) -> ScheduleBuf<R> {
+        let shortfalls = self.shortfalls(curves, &arcs.as_schedule());
+        let path = Path::new(self, curves);
+        let fastest = arcs.stages().iter().fold(R::zero(), |most, stage| most.max(stage.start_feed));
+        let rounding = if R::IS_FLOATING { R::resolution() * self.length() } else { R::resolution() };
+        let enough = (fastest * arcs.interpolation_period.scale(ON_STOP)).max(rounding);
+        arcs.clone()
+            .by_sections(&shortfalls, |stages, shortfalls| path.landed(arcs, (stages, shortfalls), enough))
+    }
+}
+
+impl<R: Real, C: Differentiate<R, D>, const D: usize> Path<'_, R, C, D> {
+    /// The stages of a section of `arcs`, shortened by what they fall short so that a run by their chords is off the stop by no more
+    /// than `enough`, or by the least that is found.
+    fn landed(
+        &self,
+        arcs: &ScheduleBuf<R>,
+        (stages, shortfalls): (&[Stage<R>], &[R]),
+        enough: R,
+    ) -> Vec<Stage<R>> {
+        // By a share of what they fall short, and by so much more where they come to rest.
+        let shortened = |share: R, at_the_end: R| {
+            let parts: Vec<_> = shortfalls.iter().map(|shortfall| *shortfall * share).collect();
+            feeds::shortened(self.limit, stages, (&parts, at_the_end), arcs.interpolation_period)
+        };
+        let shortfall = shortfalls.iter().fold(R::zero(), |sum, part| sum + part.max(R::zero()));
+        let (mut lead, mut at_the_end) = (R::zero(), R::zero());
+        let mut best = (shortened(R::one(), at_the_end), R::max_value());
+        let ends = stages.first().zip(stages.last().filter(|last| last.end_feed.is_zero()));
+        // Left in motion, there is no stop to land on.
+        let Some((first, last)) = ends.filter(|_| shortfall > enough) else { return best.0 };
+        let ends = [first.start, last.start + last.length];
+        for trial in 0..TRIALS {
+            let share = (R::one() - lead / shortfall).max(R::zero());
+            let short = if trial > 0 { shortened(share, at_the_end) } else { best.0.clone() };
+            let chords = Schedule::new(&short, arcs.interpolation_period, arcs.periods);
+            let off = self.beyond_stop(&chords, ends);
+            if off.abs() < best.1 {
+                best = (short, off.abs());
+            }
+            if !(off.abs() > enough) {
+                break;
+            }
+            at_the_end = at_the_end + off;
+            if at_the_end < R::zero() {
+                (lead, at_the_end) = (lead - at_the_end - at_the_end, R::zero());
+            }
+        }
+        best.0
+    }
+
+    /// By how much a run by chords from one distance to another would go beyond that stop if it did not land there.
+    fn beyond_stop(&self, chords: &Schedule<'_, R>, [begin, stop]: [R; 2]) -> R {
+        let (mut cursor, mut reached, mut beyond) = (chords.start(), begin, R::zero());
+        while let Some(wanted) = chords.advance(&mut cursor) {
+            let is_last = chords.is_over(&cursor) || cursor.stage() >= chords.stages().len();
+            let is_near = stop - reached <= wanted + wanted;
+            let rest = if is_last || is_near { self.step_between(reached, stop) } else { wanted };
+            if is_last || rest < wanted {
+                // Once there, all that is still wanted goes beyond.
+                (beyond, reached) = (beyond + wanted - rest, stop);
+            } else {
+                reached = (reached + self.arc_of_step(reached, wanted)).min(stop);
+            }
+            if is_last {
+                break;
+            }
+        }
+        beyond
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_paths::{in_periods, polyline, seed_000};
+    use crate::{EndFeeds, Junction, KinematicLimits, ProfileKind, plan_with, sections};
+    use nurbs_core::NurbsBuf;
+
+    /// What a run goes beyond each stop, in chords.
+    fn beyond(
+        curves: &[NurbsBuf<f64, 2>],
+        limits: &KinematicLimits<f64>,
+        feed: f64,
+        kind: ProfileKind,
+    ) -> Vec<f64> {
+        let curves: Vec<_> = curves.iter().map(NurbsBuf::as_curve).collect();
+        let limit = FeedLimit::along(&curves, limits).unwrap().capped(|_| feed).unwrap();
+        let arcs = plan_with(&limit, limits, EndFeeds::default(), kind).unwrap();
+        of_sections(&curves, &limit, &arcs)
+    }
+
+    fn of_sections<C: Differentiate<f64, 2>>(
+        curves: &[C],
+        limit: &FeedLimit<f64>,
+        arcs: &ScheduleBuf<f64>,
+    ) -> Vec<f64> {
+        let chords = limit.in_chords(curves, arcs);
+        assert!((chords.as_schedule().duration() - arcs.as_schedule().duration()).abs() < 1e-9);
+        let path = Path::new(limit, curves);
+        let mut begin = 0.0;
+        let sections = sections(arcs.stages()).zip(sections(chords.stages()));
+        let beyond = sections.map(|(whole, chords)| {
+            let stop = whole.stages().last().map_or(0.0, |last| last.start + last.length);
+            let chords = Schedule::new(chords.stages(), 1.0, u32::MAX);
+            path.beyond_stop(&chords, [core::mem::replace(&mut begin, stop), stop])
+        });
+        beyond.collect()
+    }
+
+    fn largest(off: &[f64]) -> f64 {
+        off.iter().fold(0.0, |most, x| most.max(x.abs()))
+    }
+
+    /// Two arcs with a stop between them land as near where the second is far away as where it begins at the first one's end.
+    #[test]
+    fn a_path_that_goes_on_elsewhere_behind_a_stop_lands_there_too() {
+        let arc = |x: f64| {
+            let points = vec![[x, 0.0], [x, 4.0], [x + 4.0, 4.0], [x + 8.0, 4.0], [x + 8.0, 0.0]];
+            NurbsBuf::try_new_nonrational(2, points, vec![0.0, 0.0, 0.0, 0.3, 0.6, 1.0, 1.0, 1.0]).unwrap()
+        };
+        let limits = in_periods(2e-3, 50.0, 1500.0, 3e4, 2e-3);
+        let beyond = |second: f64| {
+            let curves = [arc(0.0), arc(second)];
+            let curves: Vec<_> = curves.iter().map(NurbsBuf::as_curve).collect();
+            let limit = FeedLimit::along_with_stops(&curves, &limits, &[1]).unwrap();
+            let arcs = plan_with(&limit, &limits, EndFeeds::default(), ProfileKind::Cubic).unwrap();
+            (arcs.as_schedule().periods(), of_sections(&curves, &limit, &arcs))
+        };
+        let [(near, joined), (far, apart)] = [8.0, 500.0].map(beyond);
+        assert_eq!(near, far);
+        assert!(largest(&joined) < 1e-7 && largest(&apart) < 1e-7, "{joined:?} {apart:?}");
+    }
+
+    /// A zigzag whose corners are passed: with chords straight over its corners the run came to the end five periods early.
+    #[test]
+    fn a_run_over_corners_lands_on_its_end() {
+        let points = [[0, 0], [1, 0], [1, 1], [2, 1], [2, 0], [3, 0], [3, 1], [4, 1]];
+        let curves = polyline(&points.map(|point| point.map(f64::from)));
+        let limits = in_periods(2e-3, 150.0, 1500.0, 3e4, 2e-3);
+        let limits = KinematicLimits { junction: Junction::Deviation(0.02), ..limits };
+        for kind in ProfileKind::ALL {
+            let landed = beyond(&curves, &limits, 0.05, kind);
+            // J T³, what the jerk may change a step by, is 2.4e-4 mm.
+            assert!(largest(&landed) < 1e-7, "{kind:?}: {landed:?}");
+        }
+    }
+
+    /// A corner of 135°, met within a step at each of these feeds in another place.
+    #[test]
+    fn a_run_over_a_sharp_corner_lands_wherever_a_step_meets_it() {
+        let curves = polyline(&[[0.0, 0.0], [15.7, 0.0], [0.0, 15.7]]);
+        let limits = in_periods(2e-3, 150.0, 1500.0, 3e4, 2e-3);
+        let limits = KinematicLimits { junction: Junction::Deviation(0.02), ..limits };
+        for feed in [3.1e-3, 3.2e-3, 3.332e-3, 3.4e-3, 3.5e-3] {
+            for kind in ProfileKind::ALL {
+                let landed = beyond(&curves, &limits, feed, kind);
+                assert!(largest(&landed) < 4e-9, "{feed} {kind:?}: {landed:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_run_round_bends_lands_on_its_end() {
+        for chord_error in [5e-4, 0.05] {
+            let limits = KinematicLimits { chord_error, ..crate::test_paths::paper_limits() };
+            let landed = beyond(&[seed_000()], &limits, limits.feedrate, ProfileKind::Cubic);
+            assert!(largest(&landed) < 1e-6, "{landed:?}");
+        }
+    }
+}

@@ -1,0 +1,709 @@
+//! Moves finer than a step: the feed at which no chord of one period leaves the path by more than the chord error, however many
+//! breaks of the tangent it passes.
+//!
+//! A chord from p before a place c of the path to q behind it leaves that place by the distance of it from the line through the
+//! chord's ends. With `A = C(c) - C(c-p)`, `B = C(c+q) - C(c)`, that is the part across A + B of
+//!
+//! ```text
+//! h = (q A - p B) / (p + q)
+//! ```
+//!
+//! In the middle, p = q = L/2, h is half of A - B: for breaks of the tangent by Δe_k at distances d_k along the path
+//! `¼ Σ Δe_k (L - 2 d_k)`, for a curvature κ `κ L²/8`, and their sum where there is both. One formula serves lines, curves and what
+//! joins them.
+//!
+//! For turns of one sign a chord is farthest from the path at a break. So at each break the chord is lengthened
+//! until h is more than is allowed: the first such length L, not the greatest without, since a wave as long as a chord hides from it.
+//! Between two lengths at which an end of the chord passes a break, h is convex: it is greatest at one of them. Then `V ≤ L/T`
+//! holds for L/2 on both sides of the break, and up to the sample beyond. The middle is not quite where a chord over two breaks is
+//! farthest from the path: of two alike, half a chord apart, it is at 3/8 of its length, by an eighth more. So chords that have the
+//! break up to an eighth off their middle are looked at as well where the middle comes near.
+//!
+//! What is allowed is exceeded by 2⁻⁸ ([`SLACK`]) before a limit is set. So breaks in a row of the same shape share one limit,
+//! a break that is passed slowly enough anyway costs no more than one look, and plans over joints that are smooth but for rounding
+//! stay what they were.
+//!
+//! A corner that [`Junction::Deviation`] lets be passed has a feed of its own, and that holds for a whole step V T on both sides: a
+//! period over the corner begins and ends within, however fast the feed rises beyond ([`FineMoves::step_over_corner`]).
+//!
+//! The same difference says what turning takes of accelerations. Two steps of V T over the place change the step by A - B, p = q = V T,
+//! in a period: so the part of that across the path stays within a_n T², and each of its components within what the axis has left
+//! beside the path's reserve, for V T on both sides. A break that takes more alone was passed by its own rule, and may.
+//!
+//! A stop ends a chord. What is beyond it is taken as going straight on, and so it is beyond the path's ends.
+
+use alloc::collections::VecDeque;
+use alloc::vec::Vec;
+
+use real::Real;
+
+use crate::limit::axis_budget::{AxisBudget, Turning};
+use crate::limit::broken_chord::{Chord, Place, SLACK, crossing};
+use crate::limit::lowered_samples::{lower_acceleration_around, lower_around};
+use crate::limit::sample::LimitSample;
+use crate::limit::span_walk::tangent_rounding;
+use crate::limit::vector::{across, difference, sum, unit};
+use crate::{Junction, KinematicLimits, LimitPoint};
+
+/// A chord is lengthened by 2⁻⁴ at least, where breaks are denser than that.
+const LENGTHENING: i32 = -4;
+/// From 2⁻⁴⁰ of the longest chord on, that is so many times.
+const MOST_LENGTHENINGS: usize = 512;
+/// A chord that is shorter than the one found by no more than 2⁻⁷, or longer by 2⁻¹¹, is as good.
+const EVEN: i32 = -7;
+/// The share of what the axes may spend on turning from which on the path leaves it to them: 2⁻⁴.
+const NOTICEABLE: i32 = -4;
+/// Where h in the middle is below 1 - 2⁻² of what is allowed, it is nowhere above.
+const NEAR: i32 = -2;
+/// Where else in a chord a break is looked at, in sixteenths of it. Without 7 and 9, chords along random moves leave them by up to
+/// 1.04 of what is allowed; with them, by 1.01.
+const OFF_MIDDLE: [i32; 4] = [6, 7, 9, 10];
+/// What a million of its kind within a step do not add up to the chord error with is no break: 2⁻²⁰ of the one that does alone.
+const NOTABLE: i32 = -20;
+/// Places kept at least before any are forgotten.
+const FEW: usize = 64;
+
+/// The path as far as a chord reaches, and the breaks that were not looked at yet.
+#[derive(Debug)]
+pub(crate) struct FineMoves<R, const D: usize> {
+    /// In order; two of the same distance where the tangent breaks.
+    places: Vec<Place<R, D>>,
+    /// How many places there are when some are forgotten.
+    full: usize,
+    /// Their distances, in order. The path beyond them is not known far enough yet.
+    breaks: VecDeque<R>,
+    /// Largest difference of unit tangents that is no break.
+    negligible: R,
+    /// Half of the chord at full feed, and how far a chord reaches from a break.
+    half_step: R,
+    reach: R,
+    period: R,
+    /// The distance between chord and path that is allowed.
+    allowed: R,
+    /// The distance that a corner alone may be cut by, with [`Junction::Deviation`].
+    deviation: Option<R>,
+    /// What may be spent on turning: `a_n T²`, and that of the axes.
+    across: Option<R>,
+    budget: Option<AxisBudget<R>>,
+    /// Half of the last chord that limited the feed.
+    last_half: R,
+}
+
+impl<R: Real, const D: usize> FineMoves<R, D> {
+    pub(crate) fn new(limits: &KinematicLimits<R>) -> Self {
+        let period = limits.interpolation_period;
+        let across = limits.centripetal_acceleration.map(|acceleration| acceleration * period * period);
+        let budget = AxisBudget::new(limits).filter(AxisBudget::limits_acceleration);
+        let is_turning_limited = across.is_some() || budget.is_some();
+        let half_step = (limits.feedrate * period).half();
+        let deviation = match limits.junction {
+            Junction::Deviation(deviation) => Some(deviation),
+            _ => None,
+        };
+        let allowed = deviation.map_or(limits.chord_error, |most| most.max(limits.chord_error));
+        let reaches_whole_step = is_turning_limited || deviation.is_some();
+        let alone = limits.chord_error.scale(1) / half_step;
+        Self {
+            places: Vec::new(),
+            full: FEW,
+            breaks: VecDeque::new(),
+            negligible: tangent_rounding::<R>().max(alone.scale(NOTABLE)),
+            half_step,
+            reach: half_step + if reaches_whole_step { half_step } else { half_step.scale(-2) },
+            period,
+            allowed,
+            deviation,
+            across,
+            budget,
+            last_half: R::zero(),
+        }
+    }
+
+    /// The path goes on here, with this tangent.
+    pub(crate) fn pass(&mut self, distance: R, point: [R; D], tangent: [R; D]) {
+        self.places.push(Place { distance, point, tangent });
+    }
+
+    /// The path goes on from where it is known to, with another tangent; the difference has this length.
+    pub(crate) fn turn(&mut self, turn: R, tangent: [R; D]) {
+        let Some(end) = self.places.last().copied().filter(|_| self.is_break(turn)) else { return };
+        self.places.push(Place { tangent, ..end });
+        if self.breaks.back().is_none_or(|last| *last < end.distance) {
+            self.breaks.push_back(end.distance);
+        }
+    }
+
+    /// Whether such a difference of unit tangents is a break.
+    pub(crate) fn is_break(&self, turn: R) -> bool {
+        turn > self.negligible
+    }
+
+    /// Whether a chord over the last break reaches farther than the path is known: only there its places matter.
+    pub(crate) fn is_waiting(&self) -> bool {
+        self.breaks.back().zip(self.places.last()).is_some_and(|(at, end)| end.distance - *at < self.reach)
+    }
+
+    /// Whether no place is known from which the path could go on.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.places.is_empty()
+    }
+
+    /// Learns the places that a chord over a break at the last sample would reach before it, as far as they are on the same curve:
+    /// where no break is, a path is passed without. `place_at` gives point and tangent at a parameter.
+    pub(crate) fn recall(
+        &mut self,
+        samples: &[LimitSample<R>],
+        mut place_at: impl FnMut(R) -> ([R; D], [R; D]),
+    ) {
+        let Some(end) = samples.last().map(|sample| sample.point) else { return };
+        let known_to = self.places.last().map(|place| place.distance);
+        let is_unknown = |point: &LimitPoint<R>| {
+            point.curve == end.curve && known_to.is_none_or(|known| point.distance > known)
+        };
+        let known = self.places.len();
+        for point in samples.iter().rev().map(|sample| sample.point).take_while(is_unknown) {
+            let is_another = |later: &Place<R, D>| point.distance < later.distance;
+            if self.places.get(known..).unwrap_or_default().last().is_none_or(is_another) {
+                let (at, tangent) = place_at(point.u);
+                self.pass(point.distance, at, tangent);
+            }
+            if point.distance <= end.distance - self.reach {
+                // What was known before does not lead up to here.
+                self.places.drain(..known);
+                self.places.reverse();
+                return;
+            }
+        }
+        if let Some(recalled) = self.places.get_mut(known..) {
+            recalled.reverse();
+        }
+    }
+
+    /// Ends the path, and with it every chord: what follows begins anew.
+    pub(crate) fn end(&mut self, samples: &mut Vec<LimitSample<R>>) {
+        while let Some(at) = self.breaks.pop_front() {
+            self.limit_at(at, samples);
+        }
+        self.places.clear();
+    }
+
+    /// Lowers the samples around each break that the path is known far enough beyond, and forgets what no chord reaches any more.
+    pub(crate) fn settle(&mut self, samples: &mut Vec<LimitSample<R>>) {
+        let Some(end) = self.places.last().map(|place| place.distance) else { return };
+        while let Some(at) = self.breaks.front().copied().filter(|at| end - *at >= self.reach) {
+            self.breaks.pop_front();
+            self.limit_at(at, samples);
+        }
+        if self.places.len() >= self.full {
+            let begin = self.open_from(end);
+            let kept = self.places.partition_point(|place| place.distance <= begin);
+            self.places.drain(..kept.saturating_sub(1));
+            self.full = FEW.max(self.places.len().saturating_mul(2));
+        }
+    }
+
+    /// The distance from which on limits may still be lowered, of a path that goes on at `end`.
+    pub(crate) fn open_from(&self, end: R) -> R {
+        self.breaks.front().copied().unwrap_or(end) - self.reach
+    }
+
+    /// Limits the feed around the break at this distance.
+    fn limit_at(&mut self, at: R, samples: &mut Vec<LimitSample<R>>) {
+        if let Some(step) = self.step_over_corner(at) {
+            lower_around(samples, at, step, step / self.period);
+        }
+        let first = samples.partition_point(|sample| sample.point.distance < at);
+        let here = samples.iter().skip(first).take_while(|sample| sample.point.distance <= at);
+        let half_at =
+            |most: R, sample: &LimitSample<R>| most.min((sample.point.feedrate * self.period).half());
+        let half_there = here.clone().fold(self.half_step, half_at);
+        // What holds at one point alone says nothing of the period over it.
+        let mut half = here.filter(|sample| !sample.is_single).fold(self.half_step, half_at);
+        if let Some(least) = self.first_too_long(at, half, self.allowed, |chord| self.error(chord)) {
+            let least = self.as_before(least);
+            lower_around(samples, at, least, (least + least) / self.period);
+            half = least;
+        }
+        if self.across.is_some() || self.budget.is_some() {
+            self.limit_turning(at, half.min(half_there).scale(1), samples);
+        }
+    }
+
+    /// The longest step that cuts a corner at this distance by no more than the deviation δ, if full feed makes longer ones.
+    ///
+    /// A setpoint is as far from the last one as the plan's step c is long. Of all such chords over a turn by φ, that from as far before
+    /// the corner as behind it leaves it by most, `c/2 tan(φ/2)`; and none by more than c, for it begins within c of the corner.
+    fn step_over_corner(&self, at: R) -> Option<R> {
+        let (deviation, (along, turn)) = (self.deviation?, self.turn_at(at)?);
+        let (cosine, sine) = (R::norm(&along), R::norm(&turn));
+        let (most, across) = (self.half_step + self.half_step, deviation.scale(1) * cosine);
+        // Without a quotient, which a small turn makes large.
+        (deviation < most && across < most * sine).then(|| deviation.max(across / sine))
+    }
+
+    /// Limits the feed by what may be spent on turning, where a step is no longer than `step` anyway. Where the breaks turn the path
+    /// noticeably, the path keeps to its reserve of acceleration, as in a bend: of straight moves it has all that the axes can do.
+    fn limit_turning(&self, at: R, step: R, samples: &mut Vec<LimitSample<R>>) {
+        let alone = self
+            .turn_at(at)
+            .map_or_else(R::zero, |(along, turn)| self.strain(&along, &turn.map(|x| x * step)));
+        let most = alone.max(R::one());
+        let found = self.first_too_long(at, step, most, |chord| self.strain_over(chord));
+        if let Some(step) = found {
+            lower_around(samples, at, step, step / self.period);
+        }
+        let step = found.unwrap_or(step);
+        let (Some(budget), Some(mut chord)) = (&self.budget, Chord::new(&self.places, at)) else { return };
+        chord.lengthen_to(step);
+        if found.is_some() || self.strain_over(&chord) > alone + R::one().scale(NOTICEABLE) {
+            let (along, change) = Self::turn_over(&chord);
+            let reserve = budget.reserve(&Turning::at(&unit(&along), &change).share).acceleration;
+            lower_acceleration_around(samples, at, step, reserve);
+        }
+    }
+
+    /// This half of a chord, or the one before where that is as good: what turns evenly has one limit, not one a break.
+    fn as_before(&mut self, half: R) -> R {
+        let before = self.last_half;
+        let is_as_good = before >= half - half.scale(EVEN) && before <= half + half.scale(EVEN - 4);
+        if !is_as_good {
+            self.last_half = half;
+        }
+        self.last_half
+    }
+
+    /// Half of the shortest chord over the break at this distance of which `measure` is above what is allowed, if that is below
+    /// `most`.
+    fn first_too_long(
+        &self,
+        at: R,
+        most: R,
+        allowed: R,
+        measure: impl Fn(&Chord<'_, R, D>) -> R,
+    ) -> Option<R> {
+        let mut chord = Chord::new(&self.places, at)?;
+        let mut held = (R::zero(), R::zero());
+        for _ in 0..MOST_LENGTHENINGS {
+            let (half, _) = held;
+            if !(half < most) {
+                return None;
+            }
+            let half = chord.next_break().max(half + half.scale(LENGTHENING)).min(most);
+            chord.lengthen_to(half);
+            let found = measure(&chord);
+            if found > allowed + allowed.scale(SLACK) {
+                return Some(crossing(chord, held, (half, found), allowed, measure))
+                    .filter(|half| *half > R::zero());
+            }
+            held = (half, found);
+        }
+        None
+    }
+
+    /// By how much the chord leaves the path at the break, or one of the same length does that has it at another place.
+    fn error(&self, chord: &Chord<'_, R, D>) -> R {
+        let one_half = R::one().half();
+        let middle = self.across(chord, one_half);
+        if middle <= self.allowed - self.allowed.scale(NEAR) {
+            return middle;
+        }
+        let off_middle = OFF_MIDDLE.iter().map(|sixteenths| R::from_ratio(*sixteenths, 16));
+        off_middle.fold(middle, |most, share| most.max(self.across(chord, share)))
+    }
+
+    /// The distance of the break from a chord of this length that has it at this share of it.
+    fn across(&self, chord: &Chord<'_, R, D>, share: R) -> R {
+        let [before, behind] = chord.sides(share);
+        let rest = R::one() - share;
+        let offset: [R; D] = core::array::from_fn(|d| rest * before[d] - share * behind[d]);
+        let length = R::norm(&offset);
+        // Distances along the path are rounded, and that says nothing about the chord's error.
+        if length <= self.allowed { length } else { R::norm(&across(&offset, &sum(&before, &behind))) }
+    }
+
+    /// The share that the path's turning takes of what may be spent on it where half of the chord is travelled in a period.
+    fn strain_over(&self, chord: &Chord<'_, R, D>) -> R {
+        let (along, change) = Self::turn_over(chord);
+        self.strain(&along, &change)
+    }
+
+    /// The way of the chord, and what turns from its first half to its second.
+    fn turn_over(chord: &Chord<'_, R, D>) -> ([R; D], [R; D]) {
+        let [before, behind] = chord.sides(R::one().half());
+        let along = sum(&before, &behind);
+        (along, across(&difference(&behind, &before), &along))
+    }
+
+    /// The same of a change of the step, in a period, of a path in this direction.
+    fn strain(&self, along: &[R; D], change: &[R; D]) -> R {
+        let of_axes = self.budget.map_or_else(R::zero, |budget| {
+            let square = self.period * self.period;
+            budget.strain(&unit(along), &change.map(|x| x / square))
+        });
+        self.across.map_or(of_axes, |most| of_axes.max(R::norm(change) / most))
+    }
+
+    /// The sum and the difference of the unit tangents behind and before the break at this distance.
+    fn turn_at(&self, at: R) -> Option<([R; D], [R; D])> {
+        let first = self.places.partition_point(|place| place.distance < at);
+        let beyond = self.places.partition_point(|place| place.distance <= at);
+        let before = self.places.get(first)?.tangent;
+        let behind = self.places.get(beyond.checked_sub(1)?)?.tangent;
+        Some((sum(&behind, &before), difference(&behind, &before)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_paths::{self, circle, in_range, paper_limits, place_at, polyline};
+    use crate::{AxisLimits, EndFeeds, FeedLimit, ProfileKind, chord_feedrate, plan_with};
+    use nurbs_core::NurbsBuf;
+    use proptest::prelude::*;
+    use real::{Backend, I32F32};
+
+    /// Points of a path by their distance.
+    struct Track {
+        points: Vec<[f64; 2]>,
+        distances: Vec<f64>,
+    }
+
+    impl Track {
+        fn of(points: &[[f64; 2]]) -> Self {
+            let mut distances = vec![0.0];
+            for pair in points.windows(2) {
+                let step = (pair[1][0] - pair[0][0]).hypot(pair[1][1] - pair[0][1]);
+                distances.push(distances.last().unwrap() + step);
+            }
+            Self { points: points.to_vec(), distances }
+        }
+
+        fn at(&self, distance: f64) -> [f64; 2] {
+            let next = self.distances.partition_point(|d| *d < distance).clamp(1, self.points.len() - 1);
+            let (a, b) = (self.points[next - 1], self.points[next]);
+            let (from, to) = (self.distances[next - 1], self.distances[next]);
+            let x = if to > from { ((distance - from) / (to - from)).clamp(0.0, 1.0) } else { 0.0 };
+            [a[0] + x * (b[0] - a[0]), a[1] + x * (b[1] - a[1])]
+        }
+
+        /// The largest distance of a point of the path from the chord between two distances.
+        fn chord_error(&self, from: f64, to: f64) -> f64 {
+            let (a, b) = (self.at(from), self.at(to));
+            let along = [b[0] - a[0], b[1] - a[1]];
+            let length = along[0].hypot(along[1]);
+            let first = self.distances.partition_point(|d| *d <= from);
+            let end = self.distances.partition_point(|d| *d < to).max(first);
+            let off = |p: &[f64; 2]| ((p[0] - a[0]) * along[1] - (p[1] - a[1]) * along[0]).abs() / length;
+            self.points[first..end].iter().map(off).fold(0.0, f64::max)
+        }
+    }
+
+    /// The distances along the plan, eight a period.
+    fn places(limit: &FeedLimit<f64>, limits: &KinematicLimits<f64>, kind: ProfileKind) -> Vec<f64> {
+        let plan = plan_with(limit, limits, EndFeeds::default(), kind).unwrap();
+        let (place, schedule) = (place_at(plan.stages()), plan.as_schedule());
+        let times = (0..).map(|i| f64::from(i) / 8.0).take_while(|time| *time <= schedule.duration());
+        times.map(place).collect()
+    }
+
+    /// The largest error of a chord of one period along the plan, at eight phases, that passes no stop.
+    fn worst_chord(
+        track: &Track,
+        limit: &FeedLimit<f64>,
+        limits: &KinematicLimits<f64>,
+        kind: ProfileKind,
+    ) -> f64 {
+        let places = places(limit, limits, kind);
+        let stops: Vec<_> = limit.points().filter(|p| p.feedrate == 0.0).map(|p| p.distance).collect();
+        let passes_stop = |from: f64, to: f64| stops.iter().any(|stop| from < *stop && *stop < to);
+        let chords = places.iter().zip(&places[8.min(places.len())..]);
+        let chords = chords.filter(|(from, to)| !passes_stop(**from, **to));
+        chords.map(|(from, to)| track.chord_error(*from, *to)).fold(0.0, f64::max)
+    }
+
+    fn limit_along(points: &[[f64; 2]], limits: &KinematicLimits<f64>) -> FeedLimit<f64> {
+        test_paths::limit_along(&polyline(points), limits)
+    }
+
+    /// Moves over an arc that begins at the origin, along x.
+    fn arc(radius: f64, step: f64, angle: f64) -> Vec<[f64; 2]> {
+        let count = (0..).take_while(|i| f64::from(*i) * step < radius * angle).count();
+        let at = |i: usize| angle * i as f64 / count as f64;
+        (0..=count).map(|i| [radius * at(i).sin(), radius * (1.0 - at(i).cos())]).collect()
+    }
+
+    /// The least and the greatest limit, but for a tenth of the path at each end.
+    fn range(limit: &FeedLimit<f64>) -> (f64, f64) {
+        (100..=900)
+            .map(|i| limit.at(limit.length() * f64::from(i) / 1000.0))
+            .fold((f64::MAX, 0.0), |range, at| (range.0.min(at), range.1.max(at)))
+    }
+
+    /// E, mm.
+    const ALLOWED: f64 = 5e-4;
+    /// E and the slack, and what a chord makes of it that is not centred at a break and has another feed at its ends.
+    const WORST: f64 = ALLOWED * 1.02;
+
+    #[test]
+    fn a_circle_of_fine_moves_is_limited_as_a_circle() {
+        // Of the chord, 0.063 to 0.49 mm, a move is 1/63 to a tenth. The fewer there are, the more the first and the last matter:
+        // a chord over n breaks may be longer or shorter than that of the circle by about 1/(2 n).
+        for (radius, step, less) in [
+            (1.0, 0.001, 5e-3),
+            (10.0, 0.01, 5e-3),
+            (10.0, 0.001, 5e-3),
+            (5.0, 0.01, 0.015),
+            (30.0, 0.05, 0.14),
+        ] {
+            let (points, limits) = (arc(radius, step, 6.0), paper_limits());
+            let limit = limit_along(&points, &limits);
+            let expected = chord_feedrate(radius, ALLOWED, 1.0);
+            let (least, most) = range(&limit);
+            assert!(least > (1.0 - less) * expected, "{radius}, {step}: {least} of {expected}");
+            assert!(most < 1.005 * expected, "{radius}, {step}: {most} of {expected}");
+            for kind in ProfileKind::ALL {
+                let worst = worst_chord(&Track::of(&points), &limit, &limits, kind);
+                assert!(worst <= WORST, "{radius}, {step}: {worst}");
+            }
+        }
+    }
+
+    /// At 4E/(F T) each break of 10 µm moves round 1 mm would be a stop; with another junction it is passed.
+    #[test]
+    fn other_junctions_do_not_hide_what_breaks_do_together() {
+        let points = arc(1.0, 0.01, 6.0);
+        let with = |junction| KinematicLimits { junction, ..paper_limits() };
+        for (junction, allowed) in [
+            (Junction::Deviation(ALLOWED / 2.0), ALLOWED),
+            (Junction::Deviation(2.0 * ALLOWED), 2.0 * ALLOWED),
+        ] {
+            let limit = limit_along(&points, &with(junction));
+            let expected = chord_feedrate(1.0, allowed, 1.0);
+            let (least, most) = range(&limit);
+            assert!(
+                least > 0.97 * expected && most < 1.005 * expected,
+                "{junction:?}: {least} to {most}, {expected}"
+            );
+            let worst = worst_chord(&Track::of(&points), &limit, &with(junction), ProfileKind::Cubic);
+            assert!(worst <= 1.01 * allowed, "{junction:?}: {worst}");
+        }
+        // Breaks that are below 4E/(F T), and of which the velocity may jump by each.
+        let limit = limit_along(&arc(10.0, 0.01, 1.0), &with(Junction::VelocityJump([1.0; 3])));
+        let (least, most) = range(&limit);
+        let expected = chord_feedrate(10.0, ALLOWED, 1.0);
+        assert!(least > 0.99 * expected && most < 1.005 * expected, "{least} to {most}, {expected}");
+    }
+
+    /// Coordinates in whole nm, so that each break turns by up to 1e-3.
+    #[test]
+    fn a_straight_line_in_fine_moves_keeps_full_feed() {
+        let rounded = |x: f64| (x * 1e6).round() / 1e6;
+        let points: Vec<_> = (0..8000_u32)
+            .map(|i| [0.36, 0.93].map(|e: f64| rounded(e.sin() * 1e-3 * f64::from(i))))
+            .collect();
+        let limit = limit_along(&points, &paper_limits());
+        assert_eq!(range(&limit), (0.6, 0.6));
+        let breaks = points.windows(3).map(|p| {
+            let direction = |a: [f64; 2], b: [f64; 2]| (b[1] - a[1]).atan2(b[0] - a[0]);
+            (direction(p[1], p[2]) - direction(p[0], p[1])).abs()
+        });
+        assert!(breaks.clone().filter(|turn| *turn > 5e-4).count() > 1000);
+    }
+
+    /// The change of the step, in a period, that the plan asks of each axis and across the path, at eight phases.
+    fn most_change(track: &Track, limit: &FeedLimit<f64>, limits: &KinematicLimits<f64>) -> ([f64; 2], f64) {
+        let places = places(limit, limits, ProfileKind::SCurve);
+        let (mut of_axes, mut across) = ([0.0_f64; 2], 0.0_f64);
+        for place in places.windows(17) {
+            let [before, here, behind] = [0, 8, 16].map(|i| track.at(place[i]));
+            let change = [0, 1].map(|d| behind[d] - here[d] - (here[d] - before[d]));
+            let along = [behind[0] - before[0], behind[1] - before[1]];
+            let length = along[0].hypot(along[1]);
+            across = across.max((change[0] * along[1] - change[1] * along[0]).abs() / length);
+            of_axes = [0, 1].map(|d| of_axes[d].max(change[d].abs()));
+        }
+        (of_axes, across)
+    }
+
+    #[test]
+    fn turning_takes_no_more_than_it_may_of_accelerations() {
+        let points = arc(5.0, 5e-3, 6.0);
+        let track = Track::of(&points);
+        // √(a_n ρ) = 0.1; by the chord error it would be 0.141.
+        let limits = KinematicLimits { centripetal_acceleration: Some(2e-3), ..paper_limits() };
+        let limit = limit_along(&points, &limits);
+        let (least, most) = range(&limit);
+        assert!(least > 0.98 * 0.1 && most < 1.005 * 0.1, "{least} to {most}");
+        let (_, across) = most_change(&track, &limit, &limits);
+        assert!(across <= 2e-3 * 1.01, "{across}");
+
+        // By the axes, as fast as along the circle itself.
+        let axis = AxisLimits { acceleration: Some(2e-3), ..AxisLimits::default() };
+        let limits = KinematicLimits { axes: [axis; 3], ..paper_limits() };
+        let limit = limit_along(&points, &limits);
+        let (of_axes, _) = most_change(&track, &limit, &limits);
+        assert!(of_axes.iter().all(|change| *change <= 2e-3 * 1.02), "{of_axes:?}");
+        let circle = circle(5.0);
+        let of_circle = test_paths::limit_along(&[circle], &limits);
+        let mean = |limit: &FeedLimit<f64>| {
+            (100..900).map(|i| limit.at(limit.length() * f64::from(i) / 1000.0)).sum::<f64>() / 800.0
+        };
+        let (found, expected) = (mean(&limit), mean(&of_circle));
+        assert!(found > 0.95 * expected, "{found} for {expected}");
+    }
+
+    /// A wave as long as the step at full feed: chords from crest to crest do not see it.
+    #[test]
+    fn a_wave_as_long_as_a_step_does_not_hide() {
+        let wave = |amplitude: f64| {
+            let at = |i: u32| f64::from(i) * 0.01;
+            let points: Vec<_> = (0..=3000)
+                .map(|i| [at(i), amplitude * (core::f64::consts::TAU * at(i) / 0.6).cos()])
+                .collect();
+            let limit = limit_along(&points, &paper_limits());
+            let worst = worst_chord(&Track::of(&points), &limit, &paper_limits(), ProfileKind::SCurve);
+            assert!(worst <= WORST, "{amplitude}: {worst}");
+            range(&limit)
+        };
+        // At a crest, h = a (1 - cos(π L/λ)).
+        assert_eq!(wave(0.49 * ALLOWED), (0.6, 0.6));
+        let (least, most) = wave(ALLOWED);
+        assert!((least / 0.3 - 1.0).abs() < 0.02 && most < 0.34, "{least} to {most}");
+    }
+
+    #[test]
+    fn a_spiral_is_limited_by_its_radius_everywhere() {
+        // ρ = 6 - s/5 down to 1 mm and back.
+        let (mut angle, mut points, mut radii) = (0.0_f64, vec![[0.0, 0.0]], Vec::new());
+        for i in 0..=25_000_u32 {
+            let radius = 1.0 + (f64::from(i) * 2e-3 - 25.0).abs() / 5.0;
+            let last = points[points.len() - 1];
+            points.push([last[0] + 2e-3 * angle.cos(), last[1] + 2e-3 * angle.sin()]);
+            angle += 2e-3 / radius;
+            radii.push(radius);
+        }
+        let limit = limit_along(&points, &paper_limits());
+        for (i, radius) in radii.iter().enumerate().take(24_500).skip(500).step_by(100) {
+            let (found, expected) = (limit.at(2e-3 * i as f64), chord_feedrate(*radius, ALLOWED, 1.0));
+            // The least radius that a chord of up to 0.15 mm meets is up to 0.015 mm less.
+            assert!((0.975..1.005).contains(&(found / expected)), "{i}: {found} of {expected}");
+        }
+        let worst = worst_chord(&Track::of(&points), &limit, &paper_limits(), ProfileKind::Cubic);
+        assert!(worst <= WORST, "{worst}");
+    }
+
+    /// A quarter of a circle of 2 mm as a curve, and on in moves of 2 µm; and the other way round.
+    #[test]
+    fn moves_that_go_on_from_an_arc_are_limited_as_it_is() {
+        let half = 0.5_f64.sqrt();
+        let quarter = NurbsBuf::try_new(
+            2,
+            vec![[0.0, -2.0], [2.0, -2.0], [2.0, 0.0]],
+            vec![1.0, half, 1.0],
+            vec![0., 0., 0., 1., 1., 1.],
+        )
+        .unwrap();
+        let at = |i: u32| 1e-3 * f64::from(i);
+        let moves: Vec<_> = (0..=1500).map(|i| [2.0 * at(i).cos(), 2.0 * at(i).sin()]).collect();
+        let mut path = vec![quarter];
+        path.extend(polyline(&moves));
+        let limit = test_paths::limit_along(&path, &paper_limits());
+        let (least, most) = range(&limit);
+        let expected = chord_feedrate(2.0, ALLOWED, 1.0);
+        assert!(least > 0.99 * expected && most < 1.005 * expected, "{least} to {most}, {expected}");
+        let arc: Vec<_> = (0..1571).rev().map(|i| [2.0 * at(i).cos(), -2.0 * at(i).sin()]).collect();
+        let track = Track::of(&[arc, moves[1..].to_vec()].concat());
+        let worst = worst_chord(&track, &limit, &paper_limits(), ProfileKind::Cubic);
+        assert!(worst <= WORST, "{worst}");
+    }
+
+    /// Between two arcs of 0.5 mm in fine moves, 20 mm of straight: its limit is that of no break.
+    #[test]
+    fn beyond_half_a_chord_the_limit_is_what_it_was() {
+        let mut points = arc(0.5, 1e-3, 1.0);
+        let (end, angle) = (points[points.len() - 1], 1.0_f64);
+        points.push([end[0] + 20.0 * angle.cos(), end[1] + 20.0 * angle.sin()]);
+        let limit = limit_along(&points, &paper_limits());
+        let (bend, chord) = (0.5, chord_feedrate(0.5, ALLOWED, 1.0));
+        assert!(limit.at(bend - chord) < 1.005 * chord && limit.at(bend) < 1.5 * chord);
+        // V² rises to the next sample, which is no farther than a step away.
+        assert!(limit.at(bend + 0.2) > 0.3, "{}", limit.at(bend + 0.2));
+        assert_eq!(limit.at(bend + chord + 0.6), 0.6);
+    }
+
+    /// What is passed at a stop is passed by no chord.
+    #[test]
+    fn a_chord_ends_at_a_stop() {
+        let limits = paper_limits();
+        // Two turns by 0.003 that one chord must not pass at full feed, and a stop in between.
+        let turn = |angle: f64, length: f64| [length * angle.cos(), length * angle.sin()];
+        let chain = |moves: &[[f64; 2]]| {
+            let mut points = vec![[0.0, 0.0]];
+            for step in moves {
+                let last = points[points.len() - 1];
+                points.push([last[0] + step[0], last[1] + step[1]]);
+            }
+            points
+        };
+        let points = chain(&[turn(0.0, 5.0), turn(0.003, 0.1), turn(0.003, 0.1), turn(0.006, 5.0)]);
+        let path = polyline(&points);
+        let curves: Vec<_> = path.iter().map(NurbsBuf::as_curve).collect();
+        let along = |stops: &[usize]| FeedLimit::along_with_stops(&curves, &limits, stops).unwrap();
+        let least = |limit: &FeedLimit<f64>| {
+            limit.samples().iter().fold(f64::MAX, |least, sample| least.min(sample.lower.max(1e-9)))
+        };
+        // From L/2 - 0.05 before the first one, 0.003 (L - 0.1)²/(2 L) = E: L = 0.514.
+        let joined = along(&[]);
+        assert!((least(&joined) - 0.514).abs() < 0.003, "{}", least(&joined));
+        let stopped = along(&[2]);
+        let feeds: Vec<_> =
+            stopped.samples().iter().map(|sample| sample.lower).filter(|feed| *feed < 0.6).collect();
+        assert_eq!(feeds, [0.0]);
+    }
+
+    #[test]
+    fn narrow_formats_see_fine_moves_too() {
+        fn ratios<Q: Backend>(points: &[[f64; 2]], radius: f64) -> (f64, f64) {
+            let curves: Vec<_> = polyline(points).iter().map(|curve| curve.convert::<Q>().unwrap()).collect();
+            let views: Vec<_> = curves.iter().map(NurbsBuf::as_curve).collect();
+            let limits = in_range::<Q>(&paper_limits());
+            let limit = FeedLimit::along(&views, &limits).unwrap();
+            assert!(plan_with(&limit, &limits, EndFeeds::default(), ProfileKind::Cubic).is_ok());
+            let length = limit.length().to_f64();
+            let at = |i: u32| limit.at(Q::from_f64(length * f64::from(i) / 1000.0).unwrap()).to_f64();
+            let ratios = (100..=900).map(|i| at(i) / chord_feedrate(radius, ALLOWED, 1.0));
+            ratios.fold((f64::MAX, 0.0), |(least, most), ratio| (least.min(ratio), most.max(ratio)))
+        }
+        let (least, most) = ratios::<I32F32>(&arc(10.0, 0.01, 1.0), 10.0);
+        assert!(least > 0.98 && most < 1.01, "{least} to {most}");
+        let (least, most) = ratios::<f32>(&arc(20.0, 0.04, 1.0), 20.0);
+        assert!(least > 0.9 && most < 1.02, "{least} to {most}");
+    }
+
+    /// Moves of much less or about the length of a step, with turns below that of a stop to one side or to both.
+    fn random_path() -> impl Strategy<Value = Vec<[f64; 2]>> {
+        let scale = prop_oneof![Just(0.002), Just(0.02), Just(0.1), Just(0.4)];
+        let moves = prop::collection::vec((0.1..1.0_f64, -1.0..1.0_f64), 20..300);
+        (scale, 0.0..1.0_f64, moves).prop_map(|(scale, bias, moves)| {
+            let (mut angle, mut points) = (0.0_f64, vec![[0.0, 0.0]]);
+            for (length, turn) in moves {
+                let last = points[points.len() - 1];
+                points.push([last[0] + scale * length * angle.cos(), last[1] + scale * length * angle.sin()]);
+                angle += 3.3e-3 * (bias + (1.0 - bias) * turn);
+            }
+            points
+        })
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(128))]
+
+        #[test]
+        fn no_chord_along_fine_moves_leaves_them_by_more_than_allowed(points in random_path()) {
+            let limits = paper_limits();
+            let limit = limit_along(&points, &limits);
+            let worst = worst_chord(&Track::of(&points), &limit, &limits, ProfileKind::SCurve);
+            prop_assert!(worst <= WORST, "{worst}");
+        }
+    }
+}

@@ -1,0 +1,93 @@
+//! Samples of the limit lowered to a feed, on both sides of a place.
+
+use alloc::vec::Vec;
+
+use real::Real;
+
+use crate::LimitPoint;
+use crate::limit::sample::{LimitSample, lowered};
+
+/// Samples farther than 2⁻³ of half a chord from each other are too far apart to end a limit at.
+const FINE: i32 = -3;
+
+/// Adds a sample at a place on a straight line where the limit is constant and samples are farther than `apart`: or else the whole way
+/// to the next would be lowered with it.
+pub(crate) fn split<R: Real>(samples: &mut Vec<LimitSample<R>>, distance: R, apart: R) {
+    let next = samples.partition_point(|sample| sample.point.distance < distance);
+    let before = next.checked_sub(1).and_then(|before| samples.get(before));
+    let (Some(from), Some(to)) = (before, samples.get(next)) else { return };
+    let (a, b) = (from.point, to.point);
+    let length = b.distance - a.distance;
+    let is_even = a.curve == b.curve && from.speed == to.speed && to.margin.is_zero();
+    if !(is_even && length > apart && a.feedrate == b.feedrate && distance < b.distance) {
+        return;
+    }
+    let u = a.u + (b.u - a.u) * ((distance - a.distance) / length);
+    let sample = LimitSample { point: LimitPoint { distance, u, ..a }, is_single: false, ..*to };
+    samples.insert(next, sample);
+}
+
+/// Lowers samples to a feed, until one is beyond reach, which is lowered too, or a stop. How many were looked at.
+pub(crate) fn lower<'a, R: Real + 'a>(
+    samples: impl Iterator<Item = &'a mut LimitSample<R>>,
+    feed: R,
+    is_beyond: impl Fn(R) -> bool,
+) -> usize {
+    let mut count = 0;
+    for sample in samples {
+        if !(sample.point.feedrate > R::zero()) {
+            break;
+        }
+        // Beside a stop too: what turning takes of accelerations holds up to there.
+        for limit in [&mut sample.point.feedrate, &mut sample.feedrate_beside_stop] {
+            *limit = limit.min(feed);
+        }
+        count += 1;
+        if is_beyond(sample.point.distance) {
+            break;
+        }
+    }
+    count
+}
+
+/// Lowers what is within `half` of a place to a feed.
+pub(crate) fn lower_around<R: Real>(samples: &mut Vec<LimitSample<R>>, at: R, half: R, feed: R) {
+    let (begin, end) = (at - half, at + half);
+    for place in [begin, end] {
+        split(samples, place, half.scale(FINE));
+    }
+    let first = samples.partition_point(|sample| sample.point.distance < at);
+    let before = lower(samples.iter_mut().take(first).rev(), feed, |distance| distance <= begin);
+    let behind = lower(samples.iter_mut().skip(first), feed, |distance| distance >= end);
+    for single in first.saturating_sub(before)..first.saturating_add(behind) {
+        lower_single(samples, single);
+    }
+}
+
+/// Lowers a limit that holds at one point alone to what holds beside it now: above that, it would be a summit.
+pub(crate) fn lower_single<R: Real>(samples: &mut [LimitSample<R>], single: usize) {
+    let beside = |place: Option<usize>| {
+        let sample = place.and_then(|place| samples.get(place))?;
+        let margin = place.and_then(|place| samples.get(place + 1)).map_or_else(R::zero, |next| next.margin);
+        Some(lowered(sample.point.feedrate, sample.margin.max(margin)))
+    };
+    let most = [beside(single.checked_sub(1)), beside(single.checked_add(1))].into_iter().flatten();
+    let most = most.fold(R::max_value(), R::min);
+    if let Some(sample) = samples.get_mut(single).filter(|sample| sample.is_single) {
+        sample.point.feedrate = sample.point.feedrate.min(most);
+    }
+}
+
+/// Leaves the path no more than this acceleration within `reach` of a place.
+pub(crate) fn lower_acceleration_around<R: Real>(
+    samples: &mut [LimitSample<R>],
+    at: R,
+    reach: R,
+    acceleration: R,
+) {
+    let first = samples.partition_point(|sample| sample.point.distance < at - reach);
+    let within = samples.iter_mut().skip(first);
+    for sample in within.take_while(|sample| sample.point.distance <= at + reach) {
+        sample.allowance.acceleration = sample.allowance.acceleration.min(acceleration);
+    }
+}

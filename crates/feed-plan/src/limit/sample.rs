@@ -1,0 +1,110 @@
+//! One sample of the feed limit, and the limit between two of them.
+//!
+//! What a planner needs from the limit is a promise: *this feed is allowed from here to there*. Samples alone
+//! do not give it, since between two samples the limit may dip. So each sample carries a second value, a
+//! little lower, chosen so that the curve through these lower values stays below the limit in between as
+//! well. Between samples `V²` is taken as linear in the distance: near a sharp bend the chord limit is
+//! `√(8Eρ)/T`, so its square is as smooth as the radius, and a constant acceleration is a straight line.
+
+use real::Real;
+
+use crate::limit::axis_budget::Allowance;
+
+/// The feed limit at one point of the path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LimitPoint<R> {
+    /// Arc length from the path's start, mm.
+    pub distance: R,
+    /// Index of the curve.
+    pub curve: usize,
+    /// Parameter on that curve.
+    pub u: R,
+    /// Largest feed there; 0 at a stop.
+    pub feedrate: R,
+}
+
+/// A point of the limit with what is known of it and of the stretch that leads to it from the sample before.
+///
+/// Beside a stop the chord error may not limit the feed: the values without it are kept beside those with it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct LimitSample<R> {
+    pub(crate) point: LimitPoint<R>,
+    /// `|C'|`, mm; 0 if unknown.
+    pub(crate) speed: R,
+    /// Whether the limit holds at this point alone, not beside it.
+    pub(crate) is_single: bool,
+    /// Whether the direction changes over the stretch, or at the point by less than at a corner: chords fall short of the path.
+    pub(crate) bends: bool,
+    /// By how much `V²` may dip below the straight line over the stretch.
+    pub(crate) margin: R,
+    /// What the axes leave for the path on the stretch.
+    pub(crate) allowance: Allowance<R>,
+    /// The feed limit at the point without the chord error.
+    pub(crate) feedrate_beside_stop: R,
+    /// The margin of that limit.
+    pub(crate) margin_beside_stop: R,
+    /// What the axes leave for the path on the stretch if it is passed at that limit.
+    pub(crate) allowance_beside_stop: Allowance<R>,
+    /// Lower value of the limit at the point: 0 at a stop, never more than its `feedrate` elsewhere, except
+    /// next to a stop. [`FeedLimit`](crate::FeedLimit) finds it when the samples are complete.
+    pub(crate) lower: R,
+    /// The lower value that the stretch before the point ends with; differs from `lower` at a stop only.
+    pub(crate) lower_before: R,
+    /// The lower value that the stretch after the point begins with.
+    pub(crate) lower_after: R,
+}
+
+impl<R: Real> LimitSample<R> {
+    /// Of a point at which nothing but its feed is limited.
+    pub(crate) fn new(point: LimitPoint<R>) -> Self {
+        let feedrate = point.feedrate;
+        Self {
+            point,
+            speed: R::zero(),
+            is_single: feedrate.is_zero(),
+            bends: false,
+            margin: R::zero(),
+            allowance: Allowance::unlimited(),
+            feedrate_beside_stop: R::max_value(),
+            margin_beside_stop: R::zero(),
+            allowance_beside_stop: Allowance::unlimited(),
+            lower: feedrate,
+            lower_before: feedrate,
+            lower_after: feedrate,
+        }
+    }
+
+    /// One lower value at the point and on both sides of it.
+    pub(crate) fn with_lower(self, lower: R) -> Self {
+        Self { lower, lower_before: lower, lower_after: lower, ..self }
+    }
+}
+
+/// `√(V² - margin)`, and no less than half of V: a dip that deep is not resolved.
+pub(crate) fn lowered<R: Real>(feedrate: R, margin: R) -> R {
+    if !(margin > R::zero()) {
+        return feedrate;
+    }
+    (feedrate * feedrate - margin).sqrt().max(feedrate.half())
+}
+
+/// The feed at `distance` on the stretch between two points (distance, feed), `V²` linear in the distance.
+pub(crate) fn interpolate<R: Real>(from: (R, R), to: (R, R), distance: R) -> R {
+    let length = to.0 - from.0;
+    if from.1 == to.1 || !(length > R::zero()) {
+        return from.1.min(to.1);
+    }
+    let x = (distance - from.0) / length;
+    let square = from.1 * from.1 + x * ((to.1 - from.1) * (to.1 + from.1));
+    square.sqrt().max(from.1.min(to.1)).min(from.1.max(to.1))
+}
+
+/// Where on the stretch between two points (distance, feed) the feed is `feed`: the inverse of
+/// [`interpolate`].
+pub(crate) fn distance_at_feed<R: Real>(from: (R, R), to: (R, R), feed: R) -> R {
+    if from.1 == to.1 {
+        return to.0;
+    }
+    let x = ((feed - from.1) / (to.1 - from.1)) * ((feed + from.1) / (to.1 + from.1));
+    from.0 + (to.0 - from.0) * x.max(R::zero()).min(R::one())
+}

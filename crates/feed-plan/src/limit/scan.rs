@@ -1,0 +1,236 @@
+//! One pass along the path: samples of the feed limit over the arc length.
+//!
+//! The samples of each span are appended to the path, with a single point in between where a junction has a feed of its own: at a
+//! corner, a stop.
+
+use alloc::vec::Vec;
+
+use nurbs_core::{Differentiate, tangent_breaks};
+use real::Real;
+
+use crate::limit::fine_moves::FineMoves;
+use crate::limit::junctions::{Junctions, Turn};
+use crate::limit::sample::{LimitSample, lowered};
+use crate::limit::span_walk::{Sample, Sampling, Span, Station, Stretch};
+use crate::{KinematicLimits, LimitPoint, PlanError};
+
+/// The samples of the path so far.
+pub(crate) struct Scan<'l, R, const D: usize> {
+    sampling: Sampling<'l, R>,
+    junctions: Junctions<'l, R>,
+    distance: R,
+    /// Tangent and curvature vector at the end so far.
+    end: Option<([R; D], [R; D])>,
+    samples: Vec<LimitSample<R>>,
+    /// What breaks of the tangent within one step do together.
+    fine_moves: FineMoves<R, D>,
+    /// Distances at which the tangent breaks.
+    corners: Vec<R>,
+    /// The curves that begin at rest, and where.
+    from_rest: Vec<(R, usize)>,
+}
+
+impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
+    pub(crate) fn new(limits: &'l KinematicLimits<R>) -> Self {
+        Self {
+            sampling: Sampling::new(limits),
+            junctions: Junctions::new(limits),
+            distance: R::zero(),
+            end: None,
+            samples: Vec::new(),
+            fine_moves: FineMoves::new(limits),
+            corners: Vec::new(),
+            from_rest: Vec::new(),
+        }
+    }
+
+    /// Samples one curve, which begins at rest if `from_rest`, whatever the directions.
+    pub(crate) fn pass<C: Differentiate<R, D>>(
+        &mut self,
+        curve: usize,
+        shape: &C,
+        from_rest: bool,
+    ) -> Result<(), PlanError> {
+        (0..shape.span_count())
+            .try_for_each(|index| self.pass_span(curve, shape, index, from_rest && index == 0))
+    }
+
+    /// Samples one span of a curve; it begins at rest if `from_rest`.
+    pub(crate) fn pass_span<C: Differentiate<R, D>>(
+        &mut self,
+        curve: usize,
+        shape: &C,
+        index: usize,
+        from_rest: bool,
+    ) -> Result<(), PlanError> {
+        let stations = Span { shape, index, sampling: &self.sampling }.stations();
+        self.join(curve, shape, index, &stations, from_rest);
+        self.append(curve, shape, &stations).ok_or(PlanError::LengthOverflows { curve })?;
+        if index + 1 >= shape.span_count() {
+            self.recall(shape, index);
+        }
+        Ok(())
+    }
+
+    /// Ends the path.
+    pub(crate) fn finish(&mut self) {
+        self.fine_moves.end(&mut self.samples);
+    }
+
+    /// The samples so far, but for those forgotten.
+    pub(crate) fn samples(&self) -> &[LimitSample<R>] {
+        &self.samples
+    }
+
+    /// Those of them that stay as they are, whatever comes: what a chord reaches from a break still to come may be lowered, and the
+    /// sample before it.
+    pub(crate) fn settled(&self) -> &[LimitSample<R>] {
+        let begin = self.fine_moves.open_from(self.distance);
+        let count = self.samples.partition_point(|sample| sample.point.distance <= begin);
+        self.samples.get(..count.saturating_sub(1)).unwrap_or_default()
+    }
+
+    /// Distances at which the tangent breaks, but for those forgotten.
+    pub(crate) fn corners(&self) -> &[R] {
+        &self.corners
+    }
+
+    /// The curves that begin at rest, and the distances where they do.
+    pub(crate) fn from_rest(&self) -> &[(R, usize)] {
+        &self.from_rest
+    }
+
+    /// Arc length of what was sampled.
+    pub(crate) fn length(&self) -> R {
+        self.distance
+    }
+
+    /// Drops the samples before the last one that is no farther than `distance`.
+    pub(crate) fn forget_before(&mut self, distance: R) {
+        let kept = self.samples.partition_point(|sample| sample.point.distance <= distance);
+        self.samples.drain(..kept.saturating_sub(1));
+        self.corners.retain(|corner| *corner > distance);
+        self.from_rest.retain(|(begin, _)| *begin > distance);
+    }
+
+    /// Goes on from the path so far to the first sample of a span: a single point in between has the feed of the junction, if that is
+    /// lower than what holds on both sides. With `from_rest` it is a stop.
+    fn join<C: Differentiate<R, D>>(
+        &mut self,
+        curve: usize,
+        shape: &C,
+        index: usize,
+        stations: &[Station<R, D>],
+        from_rest: bool,
+    ) {
+        let Some(Station { at: first, .. }) = stations.first() else { return };
+        let is_corner = self.end.is_some_and(|(tangent, _)| tangent_breaks(&tangent, &first.tangent));
+        if is_corner {
+            self.corners.push(self.distance);
+        }
+        if from_rest && self.end.is_some() {
+            self.from_rest.push((self.distance, curve));
+        }
+        let is_lowest = |feedrate: &R| *feedrate < self.lower_beside(stations);
+        let stop = (from_rest && self.end.is_some()).then(R::zero);
+        let turn = self.end.map(|end| Turn::between(end, first));
+        let feedrate = stop.or_else(|| self.junctions.feed(turn.as_ref()?).filter(is_lowest));
+        if let Some(feedrate) = feedrate {
+            let single = self.sample(curve, &Sample { feedrate, ..*first }, None);
+            self.samples.push(LimitSample { is_single: true, ..single });
+        }
+        if index > 0 && turn.as_ref().is_some_and(|turn| self.fine_moves.is_break(turn.size)) {
+            self.recall(shape, index - 1);
+        }
+        let is_jump = turn.as_ref().is_some_and(|turn| self.junctions.is_jump(turn));
+        if is_jump || feedrate.is_some_and(|feedrate| feedrate.is_zero()) {
+            self.fine_moves.end(&mut self.samples);
+        }
+        match &turn {
+            Some(turn) if !self.fine_moves.is_empty() => self.fine_moves.turn(turn.size, first.tangent),
+            _ => self.fine_moves.pass(self.distance, shape.derivatives(first.u).point, first.tangent),
+        }
+        let is_continuation =
+            |end: &LimitSample<R>| end.point.curve == curve && end.point.feedrate == first.feedrate;
+        if !self.samples.last().is_some_and(is_continuation) {
+            self.samples.push(self.sample(curve, first, None));
+        }
+        if let Some(begin) = self.samples.last_mut() {
+            begin.bends |= !is_corner && turn.as_ref().is_some_and(|turn| self.junctions.turns(turn));
+        }
+    }
+
+    /// Appends the samples of a span behind its first one; `None` when a distance does not increase as numbers of the format should.
+    fn append<C: Differentiate<R, D>>(
+        &mut self,
+        curve: usize,
+        shape: &C,
+        stations: &[Station<R, D>],
+    ) -> Option<()> {
+        let point_at = |u| shape.derivatives(u).point;
+        for (before, station) in (0..).zip(stations.get(1..)?) {
+            let Station { at, stretch } = station;
+            let stretch = stretch.as_ref()?;
+            let next = self.distance + stretch.length;
+            if !(stretch.length >= R::zero() && next >= self.distance && next.is_finite()) {
+                return None;
+            }
+            self.distance = next;
+            self.samples.push(self.sample(curve, at, Some(stretch)));
+            if self.fine_moves.is_waiting() && bends_at(&stations[before..]) {
+                self.fine_moves.pass(next, point_at(at.u), at.tangent);
+            }
+            if at.feedrate.is_zero() {
+                self.fine_moves.end(&mut self.samples);
+                self.fine_moves.pass(next, point_at(at.u), at.tangent);
+            }
+        }
+        self.fine_moves.settle(&mut self.samples);
+        self.end = stations.last().map(|last| (last.at.tangent, last.at.bend));
+        Some(())
+    }
+
+    /// Learns what [`FineMoves`] needs of the path behind its end. The last span sampled is `index`.
+    fn recall<C: Differentiate<R, D>>(&mut self, shape: &C, mut index: usize) {
+        self.fine_moves.recall(&self.samples, |u| {
+            while index > 0 && u < shape.span_bounds(index).0 {
+                index -= 1;
+            }
+            let span = Span { shape, index, sampling: &self.sampling };
+            // `derivatives_in` is compiled into `sample` as long as nobody else asks for it.
+            (shape.derivatives(u).point, span.sample(u).tangent)
+        });
+    }
+
+    /// A sample of the limit at the end of the path, with the stretch that leads there.
+    fn sample(&self, curve: usize, at: &Sample<R, D>, before: Option<&Stretch<R>>) -> LimitSample<R> {
+        let &Sample { u, speed, feedrate, beside_stop, .. } = at;
+        let point = LimitPoint { distance: self.distance, curve, u, feedrate };
+        let sample = LimitSample { speed, feedrate_beside_stop: beside_stop, ..LimitSample::new(point) };
+        before.map_or(sample, |stretch| LimitSample {
+            bends: stretch.bends,
+            margin: stretch.course.margin,
+            allowance: stretch.allowance,
+            margin_beside_stop: stretch.beside_stop.margin,
+            allowance_beside_stop: stretch.reserve,
+            ..sample
+        })
+    }
+
+    /// The lower of the bounds that the limit has on both sides of the point where these samples begin. A single point above
+    /// either would stand out as a summit that the flank on that side cannot reach.
+    fn lower_beside(&self, stations: &[Station<R, D>]) -> R {
+        let before = self.samples.last().map(|end| lowered(end.point.feedrate, end.margin));
+        let after = stations.windows(2).next().map(|pair| {
+            let margin = pair[1].stretch.as_ref().map_or_else(R::zero, |stretch| stretch.course.margin);
+            lowered(pair[0].at.feedrate, margin)
+        });
+        before.into_iter().chain(after).fold(R::max_value(), R::min)
+    }
+}
+
+/// Whether the second of these stations is the last one, or not on a straight line with its neighbours.
+fn bends_at<R, const D: usize>(stations: &[Station<R, D>]) -> bool {
+    let [_, here, behind, ..] = stations else { return true };
+    [here, behind].iter().any(|station| station.stretch.as_ref().is_none_or(|stretch| stretch.bends))
+}

@@ -1,0 +1,390 @@
+//! The walk over one span of a curve: the feed limit at samples, and how far it dips between them.
+//!
+//! The span is walked in steps of the parameter that are short enough, then the local minima and cusps among its samples are
+//! located, and made stops where they are as good as corners. Last, the limits of the axes' jerk lower the samples.
+
+use alloc::vec::Vec;
+
+use nurbs_core::{Differentiate, Frenet, GaussLegendre, golden_section};
+use real::Real;
+
+use crate::KinematicLimits;
+use crate::limit::axis_budget::{Allowance, AxisBudget, Turning, components};
+use crate::limit::vector::difference;
+
+/// At least 2⁴ stretches a span.
+const COARSEST: i32 = -4;
+/// No stretch shorter than 2⁻²⁰ of a span, or than eight units of the format's resolution; once a span has taken
+/// `FINE_TRIALS`, none shorter than 2⁻¹⁴, so that the trials last to its end.
+const FINEST: [i32; 2] = [-20, -14];
+/// See [`FINEST`]: a cusp takes some hundred.
+const FINE_TRIALS: usize = 1 << 12;
+/// Stretches tried in a span, those refused among them; what is left of the span is then one stretch.
+const TRIALS: usize = 1 << 16;
+/// A stretch over which `V²` leaves the straight line by more than 2⁻⁸ of itself is halved.
+const STRAIGHTNESS: i32 = -8;
+/// Steps of a golden-section search: 0.618²⁴ = 10⁻⁵ of two stretches. A limit is flat at its minimum, so that
+/// the error of its value is of second order.
+const GOLDEN_STEPS: usize = 24;
+/// The least limit of a bend is a stop if it is below 2⁻¹² F.
+const STOP: i32 = -12;
+/// C' vanishes where it is below 2⁻⁶ of its value at the ends of the finest stretch.
+const CUSP: i32 = -6;
+/// Unit tangents that differ by less than 2⁴ units of the format's resolution may be the same but for rounding.
+const ROUNDING: i32 = 4;
+
+/// The largest difference of unit tangents that rounding may make.
+pub(crate) fn tangent_rounding<R: Real>() -> R {
+    R::resolution().scale(ROUNDING)
+}
+
+/// The curve at one parameter.
+#[derive(Clone, Copy)]
+pub(crate) struct Sample<R, const D: usize> {
+    pub(crate) u: R,
+    /// `|C'|`.
+    pub(crate) speed: R,
+    pub(crate) tangent: [R; D],
+    pub(crate) radius: R,
+    /// Curvature vector; 0 unless an axis is limited.
+    pub(crate) bend: [R; D],
+    pub(crate) feedrate: R,
+    /// The same without the chord error.
+    pub(crate) beside_stop: R,
+}
+
+/// A sample that stays.
+#[derive(Clone, Copy)]
+pub(crate) struct Station<R, const D: usize> {
+    pub(crate) at: Sample<R, D>,
+    /// The stretch from the previous one, once measured.
+    pub(crate) stretch: Option<Stretch<R>>,
+}
+
+/// The path between two samples.
+#[derive(Clone, Copy)]
+pub(crate) struct Stretch<R> {
+    pub(crate) length: R,
+    /// Whether the direction changes over it.
+    pub(crate) bends: bool,
+    /// Whether it is straight, short and even enough not to be halved.
+    is_fine: bool,
+    /// The sharpest turning seen inside and at both ends.
+    turning: Turning<R>,
+    pub(crate) course: Course<R>,
+    /// The same without the chord error.
+    pub(crate) beside_stop: Course<R>,
+    /// What the axes leave for the path, and the least that they do.
+    pub(crate) allowance: Allowance<R>,
+    pub(crate) reserve: Allowance<R>,
+}
+
+/// The limit on a stretch.
+#[derive(Clone, Copy)]
+pub(crate) struct Course<R> {
+    /// By how much `V²` dips below the straight line.
+    pub(crate) margin: R,
+    /// The largest limit seen inside.
+    highest: R,
+}
+
+/// What every span of a path is sampled with.
+pub(crate) struct Sampling<'l, R> {
+    limits: &'l KinematicLimits<R>,
+    budget: Option<AxisBudget<R>>,
+    rule: GaussLegendre<R>,
+    /// Longest stretch: the distance of one period at full feed.
+    longest: R,
+    /// The radius below which the chord error limits the feed.
+    chord_bound_radius: R,
+}
+
+impl<'l, R: Real> Sampling<'l, R> {
+    pub(crate) fn new(limits: &'l KinematicLimits<R>) -> Self {
+        Self {
+            limits,
+            budget: AxisBudget::new(limits),
+            rule: GaussLegendre::new(),
+            longest: limits.feedrate * limits.interpolation_period,
+            chord_bound_radius: limits.chord_bound_radius(),
+        }
+    }
+}
+
+/// One span of a curve.
+pub(crate) struct Span<'a, R, C, const D: usize> {
+    pub(crate) shape: &'a C,
+    pub(crate) index: usize,
+    pub(crate) sampling: &'a Sampling<'a, R>,
+}
+
+impl<R: Real, C: Differentiate<R, D>, const D: usize> Span<'_, R, C, D> {
+    /// Samples from one end of the span to the other, with the limit at each and on the stretch that leads to it.
+    pub(crate) fn stations(&self) -> Vec<Station<R, D>> {
+        let mut stations = self.walk();
+        self.locate_extremes(&mut stations);
+        self.rest_in_bends(&mut stations);
+        // A stop is one by its geometry; where only an axis's jerk asks for a creep, the path is crept along.
+        self.limit_by_jerk(&mut stations);
+        self.keep_moving(&mut stations);
+        stations
+    }
+
+    /// Samples from one end of the span to the other, close enough to each other.
+    fn walk(&self) -> Vec<Station<R, D>> {
+        let (begin, end) = self.shape.span_bounds(self.index);
+        let coarsest = (end - begin).scale(COARSEST);
+        let least = |finest| (end - begin).scale(finest).max(R::resolution().scale(3)).min(coarsest);
+        let finest = FINEST.map(least);
+        let mut here = self.sample(begin);
+        let mut stations = Vec::from([Station { at: here, stretch: None }]);
+        let mut step = coarsest;
+        for trial in 0..=TRIALS {
+            let finest = finest[usize::from(trial >= FINE_TRIALS)];
+            let wanted = here.u + step.min(self.sampling.longest / here.speed).max(finest);
+            let is_inside = wanted > here.u && wanted < end - finest && trial < TRIALS;
+            let next = self.sample(if is_inside { wanted } else { end });
+            let stretch = self.measure(&here, &next);
+            let width = next.u - here.u;
+            // A step of `finest` is never refused, even if rounding makes it a little wider.
+            if !stretch.is_fine && width > finest + finest.half() && trial < TRIALS {
+                step = width.half();
+                continue;
+            }
+            stations.push(Station { at: next, stretch: Some(stretch) });
+            if !is_inside {
+                break;
+            }
+            here = next;
+            step = (width + width).min(coarsest);
+        }
+        stations
+    }
+
+    /// Adds a sample at each local minimum of the limit and at each cusp that lies between two samples.
+    fn locate_extremes(&self, stations: &mut Vec<Station<R, D>>) {
+        let cusps = stations.windows(2).filter_map(|pair| self.cusp(&pair[0].at, &pair[1].at));
+        let minima = stations.windows(3).filter_map(|three| self.minimum(samples_of(three)?));
+        let located: Vec<_> = cusps.chain(minima).map(|at| Station { at, stretch: None }).collect();
+        if located.is_empty() {
+            return;
+        }
+        stations.extend(located);
+        stations.sort_by(|a, b| a.at.u.partial_cmp(&b.at.u).unwrap_or(core::cmp::Ordering::Equal));
+        for i in (1..stations.len()).rev() {
+            // A located sample has no stretch yet, and that after it has one that is too long.
+            if stations[i].stretch.is_none() || (i > 1 && stations[i - 1].stretch.is_none()) {
+                stations[i].stretch = Some(self.measure(&stations[i - 1].at, &stations[i].at));
+            }
+        }
+    }
+
+    /// Makes a stop of a bend at its least limit if that is below [`STOP`], or if the radius there is less than half of the
+    /// chord error E: it is as good as a corner. A step there turns by half a circle, so that a run a little off its plan
+    /// would skip the bend, or wait before it.
+    ///
+    /// On both sides the limit stays what it is: a bend may be longer than what a stop releases.
+    fn rest_in_bends(&self, stations: &mut [Station<R, D>]) {
+        let narrow = self.sampling.limits.chord_error.half();
+        let slow = self.sampling.limits.feedrate.scale(STOP);
+        let is_bend = |at: &Sample<R, D>| at.radius < narrow || at.feedrate < slow;
+        let inner = stations.windows(3).enumerate().filter_map(|(i, three)| {
+            (is_bend(&three[1].at) && samples_of(three).is_some_and(is_least)).then_some(i + 1)
+        });
+        // At a knot the bend may have its least limit too.
+        let falls_to = |end: usize, beside: usize| {
+            let (end_at, beside_at) = (&stations.get(end)?.at, &stations.get(beside)?.at);
+            (end_at.feedrate < slow && end_at.feedrate < beside_at.feedrate).then_some(end)
+        };
+        let last = stations.len().saturating_sub(1);
+        let ends = [falls_to(0, 1), falls_to(last, last.saturating_sub(1))];
+        let bends: Vec<usize> = inner.chain(ends.into_iter().flatten()).collect();
+        for bend in bends {
+            stations[bend].at.feedrate = R::zero();
+        }
+    }
+
+    /// Lowers the samples' feeds to what the jerk of the axes allows on the stretches at both sides, and finds what these
+    /// leave for the path.
+    fn limit_by_jerk(&self, stations: &mut [Station<R, D>]) {
+        let Some(budget) = &self.sampling.budget else { return };
+        for i in 1..stations.len() {
+            let Some(stretch) = stations[i].stretch else { continue };
+            let (from, to) = (stations[i - 1].at, stations[i].at);
+            let Stretch { turning, course, beside_stop, .. } = stretch;
+            let feed = budget.feed_on(&turning, from.feedrate.max(to.feedrate).max(course.highest));
+            let most = from.beside_stop.max(to.beside_stop).max(beside_stop.highest);
+            let feed_beside_stop = budget.feed_beside_stop(&turning, most);
+            for k in [i - 1, i] {
+                let at = &mut stations[k].at;
+                at.feedrate = at.feedrate.min(feed);
+                at.beside_stop = at.beside_stop.min(feed_beside_stop);
+            }
+            let (allowance, reserve) = (budget.allowance(&turning, feed), budget.reserve(&turning.share));
+            stations[i].stretch = Some(Stretch { allowance, reserve, ..stretch });
+        }
+    }
+
+    /// Raises what holds beside a stop to where no stretch takes more than a period, as far as setpoints then keep the limits
+    /// whatever way they go: at a cusp the curvature has no bound, or is none.
+    fn keep_moving(&self, stations: &mut [Station<R, D>]) {
+        let stretches = stations.iter().filter_map(|station| station.stretch.as_ref());
+        let widest = stretches.fold(Turning::none(), |most, stretch| most.max(&stretch.turning));
+        let most = self.sampling.limits.feed_in_any_direction(&widest.tangent);
+        for i in 1..stations.len() {
+            let Some(stretch) = &stations[i].stretch else { continue };
+            let least = (stretch.length / self.sampling.limits.interpolation_period).min(most);
+            for k in [i - 1, i] {
+                let at = &mut stations[k].at;
+                at.beside_stop = at.beside_stop.max(least);
+            }
+        }
+    }
+
+    /// Where C' vanishes between two samples, if it does: the direction is then reversed.
+    fn cusp(&self, from: &Sample<R, D>, to: &Sample<R, D>) -> Option<Sample<R, D>> {
+        if !(cosine(from, to) < R::zero()) {
+            return None;
+        }
+        let slowest = self.least(from.u, to.u, |sample| sample.speed)?;
+        let vanishes = slowest.speed <= from.speed.max(to.speed).scale(CUSP);
+        vanishes.then_some(Sample { feedrate: R::zero(), ..slowest })
+    }
+
+    /// The least limit around the middle one of three samples, if that is below the others by more than
+    /// rounding.
+    fn minimum(&self, [from, middle, to]: [&Sample<R, D>; 3]) -> Option<Sample<R, D>> {
+        if !is_least([from, middle, to]) {
+            return None;
+        }
+        let least = self.least(from.u, to.u, |sample| sample.feedrate)?;
+        (least.feedrate < middle.feedrate && least.u != middle.u).then_some(least)
+    }
+
+    /// The sample with the least `value` between two parameters, by golden-section search.
+    fn least(&self, from: R, to: R, value: impl Fn(&Sample<R, D>) -> R) -> Option<Sample<R, D>> {
+        let least = golden_section((from, to), GOLDEN_STEPS, |u| self.sample(u), value);
+        (least.at > least.from && least.at < least.to).then_some(least.found)
+    }
+
+    /// The curve and its limit at one parameter.
+    pub(crate) fn sample(&self, u: R) -> Sample<R, D> {
+        let frenet = Frenet::of(&self.shape.derivatives_in(self.index, u));
+        let Frenet { speed, tangent, .. } = frenet;
+        let radius = frenet.radius();
+        let chord = self.sampling.limits.feedrate_by_chord(radius, self.sampling.chord_bound_radius);
+        let across = self.sampling.limits.feedrate_across(radius);
+        let limited =
+            self.sampling.budget.as_ref().and_then(|budget| Some((budget, frenet.curvature_vector()?)));
+        let Some((budget, bend)) = limited else {
+            let feedrate = chord.min(across);
+            return Sample { u, speed, tangent, radius, bend: [R::zero(); D], feedrate, beside_stop: across };
+        };
+        let beside_stop = budget.feed_at(&Turning::at(&tangent, &bend), across);
+        Sample { u, speed, tangent, radius, bend, feedrate: chord.min(beside_stop), beside_stop }
+    }
+
+    /// Length of the path between two samples, and how far the limit dips in between.
+    fn measure(&self, from: &Sample<R, D>, to: &Sample<R, D>) -> Stretch<R> {
+        let width = to.u - from.u;
+        let inner: [Sample<R, D>; 5] =
+            core::array::from_fn(|i| self.sample(from.u + width * self.sampling.rule.points[i]));
+        let length = width * self.sampling.rule.mean(&inner.map(|sample| sample.speed));
+
+        let speeds = [from.speed, inner[2].speed, to.speed];
+        let shares = core::array::from_fn(|i| arc_share(speeds, self.sampling.rule.points[i + 1]));
+        let course_of = |feed: fn(&Sample<R, D>) -> R| {
+            let [_, within @ .., _] = inner.each_ref().map(feed);
+            let highest = inner.iter().fold(R::zero(), |most, sample| most.max(feed(sample)));
+            let (margin, is_straight) = dip([feed(from), feed(to)], within, shares);
+            (Course { margin, highest }, is_straight)
+        };
+        let (course, is_straight) = course_of(|sample| sample.feedrate);
+        let (beside_stop, _) = course_of(|sample| sample.beside_stop);
+        let is_short = length <= self.sampling.longest + self.sampling.longest;
+        let is_turning_little = cosine(from, to) >= R::one().half();
+        // Or else no parameter can be told from a distance.
+        let (slowest, fastest) = speeds
+            .iter()
+            .fold((speeds[0], speeds[0]), |(least, most), speed| (least.min(*speed), most.max(*speed)));
+        let is_even = fastest <= slowest + slowest;
+        let is_fine = is_straight && is_short && is_turning_little && is_even;
+        let turning = self.turning(from, &inner, to);
+        let mut tangents = from.tangent.iter().zip(to.tangent);
+        let bends = tangents.any(|(a, b)| (*a - b).abs() > tangent_rounding());
+        let unlimited = Allowance::unlimited();
+        Stretch {
+            length,
+            bends,
+            is_fine,
+            turning,
+            course,
+            beside_stop,
+            allowance: unlimited,
+            reserve: unlimited,
+        }
+    }
+
+    /// The largest components of tangent, curvature and its change on a stretch; the change from differences between
+    /// neighbours, an eighth added for what it may be in between.
+    fn turning(&self, from: &Sample<R, D>, inner: &[Sample<R, D>; 5], to: &Sample<R, D>) -> Turning<R> {
+        let mut turning = Turning::none();
+        if self.sampling.budget.is_none() {
+            return turning;
+        }
+        let mut previous = from;
+        for sample in core::iter::once(from).chain(inner).chain(core::iter::once(to)) {
+            let length = (sample.u - previous.u) * (sample.speed + previous.speed).half();
+            let difference = components(&difference(&sample.bend, &previous.bend));
+            let mut here = Turning::at(&sample.tangent, &sample.bend);
+            if length > R::zero() {
+                here.change = difference.map(|x| x / length + (x / length).scale(-3));
+            }
+            turning = turning.max(&here);
+            previous = sample;
+        }
+        turning
+    }
+}
+
+/// By how much `V²` may dip below the straight line between the feeds at both ends of a stretch, and whether it keeps to that line
+/// at the places where it is known: the three `shares` of the length.
+fn dip<R: Real>([from, to]: [R; 2], within: [R; 3], shares: [R; 3]) -> (R, bool) {
+    let (begin, rise) = (from * from, (to - from) * (to + from));
+    let (mut margin, mut is_straight) = (R::zero(), true);
+    for (share, feed) in shares.into_iter().zip(within) {
+        let line = begin + rise * share;
+        let dip = line - feed * feed;
+        margin = margin.max(dip);
+        is_straight &= dip.abs() <= line.scale(STRAIGHTNESS);
+    }
+    // The dip between the three places is at most a little deeper than at the deepest of them.
+    (margin + margin.scale(-2), is_straight)
+}
+
+/// Share of the arc length of a stretch that lies before the share `x` of its parameters, `|C'|` taken as the
+/// parabola through its values at 0, ½ and 1.
+fn arc_share<R: Real>([begin, middle, end]: [R; 3], x: R) -> R {
+    // |C'| = b + (e - b - q) x + q x², q = 2(b - 2m + e)
+    let q = (begin + end - middle - middle).scale(1);
+    let third = R::from_ratio(1, 3);
+    let integral = |x: R| x * (begin + x * ((end - begin - q).half() + x * q * third));
+    integral(x) / integral(R::one())
+}
+
+/// The samples of three stations.
+fn samples_of<R, const D: usize>(stations: &[Station<R, D>]) -> Option<[&Sample<R, D>; 3]> {
+    let three: &[_; 3] = stations.first_chunk()?;
+    Some(three.each_ref().map(|station| &station.at))
+}
+
+/// Whether the limit at the middle sample is below both others by more than rounding.
+fn is_least<R: Real, const D: usize>([from, middle, to]: [&Sample<R, D>; 3]) -> bool {
+    let rounding = middle.feedrate * R::resolution().sqrt();
+    from.feedrate - middle.feedrate > rounding && to.feedrate - middle.feedrate >= rounding
+}
+
+/// Cosine of the angle between the tangents of two samples.
+fn cosine<R: Real, const D: usize>(from: &Sample<R, D>, to: &Sample<R, D>) -> R {
+    R::sum_of_products(from.tangent.into_iter().zip(to.tangent))
+}

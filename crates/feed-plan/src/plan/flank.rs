@@ -1,0 +1,483 @@
+//! One flank of a plan: the way from a slow point up to cruising feed, under a limit.
+//!
+//! A ramp starts with zero acceleration, so it starts slowly; where the limit rises steadily, a single ramp
+//! must wait until it has room for its steep middle and then wastes the room above its foot. A chain of
+//! smaller ramps follows the limit closer, and costs time in each joint, where the acceleration returns to
+//! zero. Which levels of feed to stop at is found by dynamic programming.
+//!
+//! All distances here are measured from the slow point toward the fast one. A falling flank is the mirror
+//! image: the same chain, measured backward from the slow point at its end.
+
+use alloc::vec::Vec;
+
+use real::Real;
+
+use crate::limit::axis_budget::Allowance;
+use crate::limit::sample::distance_at_feed;
+use crate::{FeedLimit, KinematicLimits, ProfileKind, StageShape, Transition};
+
+/// Levels above the slow point's own. Twice as many save 0.2 to 0.7 % of time on the papers' curves, for
+/// nearly twice as many stages and three times the work.
+pub(crate) const LEVELS: i32 = 16;
+/// Levels between the slow point's feed and that of the other end of the way, if that is higher.
+pub(crate) const LEVELS_BETWEEN_ENDS: i32 = 4;
+/// A level between two others saves at least so many times what the ramp more costs. With half of it plans through short windows are up to
+/// 0.3 % faster on paths of many arcs, with twice as much up to 1 % slower; from here on up the plans of the papers' curves need no such level.
+const WORTH: i32 = 8;
+/// Levels below its end that a ramp may begin at, the nearest ones: the work then grows with the flank, not with its square. No ramp
+/// that pays passes over nearly as many.
+const NEAREST: usize = 96;
+/// How often the range between two levels is divided, at most: a bound on the work.
+const DEEPEST: usize = 24;
+/// Feeds down to 2⁻³² of the first level are tried for leaving a place of rest.
+const HALVINGS: usize = 32;
+/// Parts of a ramp for comparing it with the limit, a power of two: in each its largest feed counts, so that it starts later
+/// than it must by at most the last part's length. With 16 parts a plan with long ramps takes up to 2 %
+/// longer.
+const PARTS: usize = 32;
+
+/// The family of every ramp, divided into parts of equal time.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RampShape<R> {
+    kind: ProfileKind,
+    acceleration: R,
+    jerk: R,
+    parts: [Part<R>; PARTS],
+}
+
+/// One part of a ramp, of the time from `x` to `x + 1/PARTS` of the whole.
+#[derive(Clone, Copy, Debug, Default)]
+struct Part<R> {
+    x: R,
+    end: R,
+    /// G at its start: the share of the change of feed in the distance.
+    bow: R,
+    /// g at its end: the share of the change of feed reached.
+    rise: R,
+}
+
+impl<R: Real> Part<R> {
+    /// Of a ramp from `low` to `high`: distance to the part's start, and the largest feed in it.
+    #[inline]
+    fn step(&self, low: R, high: R, ramp: &Transition<R>) -> (R, R) {
+        let change = high - low;
+        let of_s_curve = ramp.s_curve_shares(self.x).zip(ramp.s_curve_shares(self.end));
+        let (bow, rise) = of_s_curve.map_or((self.bow, self.rise), |(begin, end)| (begin.1, end.0));
+        (ramp.duration() * (low * self.x + change * bow), (low + change * rise).min(high))
+    }
+}
+
+impl<R: Real> RampShape<R> {
+    pub(crate) fn new(kind: ProfileKind, limits: &KinematicLimits<R>) -> Self {
+        // An S-curve has a shape for each pair of feeds, so that its shares are found each time.
+        let shape = if kind == ProfileKind::Cubic { StageShape::Cubic } else { StageShape::Cosine };
+        let mut parts = [Part::default(); PARTS];
+        let width = R::one().scale(-PARTS.ilog2().cast_signed());
+        let mut x = R::zero();
+        for part in &mut parts {
+            let end = x + width;
+            *part = Part { x, end, bow: shape.travelled(x), rise: shape.reached(end) };
+            x = end;
+        }
+        Self { kind, acceleration: limits.acceleration, jerk: limits.jerk, parts }
+    }
+
+    /// The same on a stretch where the axes leave less.
+    pub(crate) fn within(&self, allowance: Allowance<R>) -> Self {
+        let least = allowance.min(Allowance { acceleration: self.acceleration, jerk: self.jerk });
+        Self { acceleration: least.acceleration, jerk: least.jerk, ..*self }
+    }
+
+    pub(crate) fn ramp(&self, from: R, to: R) -> Transition<R> {
+        Transition::fastest(self.kind, [from, to], self.acceleration, self.jerk)
+    }
+
+    /// Over each part of a ramp from `low` to `high`: distance to its start, and the largest feed in it.
+    fn staircase(&self, low: R, high: R, ramp: Transition<R>) -> impl Iterator<Item = (R, R)> {
+        self.parts.iter().map(move |part| part.step(low, high, &ramp))
+    }
+
+    /// Whether a ramp between a slow point and a fast one fits: its fast end at the fast point, its
+    /// slow end not beyond the slow point, and all of it under the limit.
+    pub(crate) fn fits(&self, limit: &FeedLimit<R>, slow: (R, R), fast: (R, R)) -> bool {
+        let ramp = self.ramp(slow.1, fast.1);
+        let room = (fast.0 - slow.0).abs();
+        if !(ramp.length() <= room) {
+            return false;
+        }
+        let wait = room - ramp.length();
+        let place = |along: R| if fast.0 < slow.0 { slow.0 - wait - along } else { slow.0 + wait + along };
+        let ends = self.staircase(slow.1, fast.1, ramp).skip(1).map(|(start, _)| start);
+        let ends = ends.chain([ramp.length()]);
+        self.staircase(slow.1, fast.1, ramp).zip(ends).all(|((start, feed), end)| {
+            let (a, b) = (place(start), place(end));
+            let (least, greatest) = (slow.0.min(fast.0), slow.0.max(fast.0));
+            limit.minimum_over(a.min(b).max(least), a.max(b).min(greatest)) >= feed
+        })
+    }
+}
+
+/// How a chain of ramps gets to a level of feed.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Arrival<R> {
+    /// The level.
+    pub(crate) feed: R,
+    /// Distance at which the chain arrives there, at the earliest.
+    pub(crate) distance: R,
+    /// Time lost until then against passing the same distance at this level. It stays the same however long
+    /// the level is then held, which is what makes the dynamic programme work.
+    loss: R,
+    /// Index of the level that the last ramp starts from, and the distance at which it starts.
+    last_ramp: Option<(usize, R)>,
+}
+
+/// One ramp of a chain.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Ramp<R> {
+    /// Distance at which it starts.
+    pub(crate) start: R,
+    pub(crate) low: R,
+    pub(crate) high: R,
+}
+
+/// The flank above one slow point.
+#[derive(Clone, Debug)]
+pub(crate) struct Flank<'s, R> {
+    shape: &'s RampShape<R>,
+    /// The limit as a function that never falls.
+    hull: Vec<HullPoint<R>>,
+    levels: Vec<Arrival<R>>,
+}
+
+impl<'s, R: Real> Flank<'s, R> {
+    /// The flank from limit point `slow`, passed at `feed`, to limit point `peak`: before it, the flank
+    /// falls.
+    pub(crate) fn new(
+        shape: &'s RampShape<R>,
+        limit: &FeedLimit<R>,
+        direction: Direction,
+        (slow, feed): (usize, R),
+        peak: usize,
+    ) -> Self {
+        let base = Arrival { feed, distance: R::zero(), loss: R::zero(), last_ramp: None };
+        Self { shape, hull: hull(limit, direction, slow, peak), levels: Vec::from([base]) }
+    }
+
+    /// Adds `count` levels, up to `feed`.
+    pub(crate) fn raise_to(&mut self, feed: R, count: i32) {
+        let from = self.levels.last().map_or(feed, |level| level.feed);
+        if !(from < feed) {
+            return;
+        }
+        for k in 1..count {
+            // Squares: the levels are dense where the limit, above its minimum, is flat.
+            let share = R::from_ratio(k, count);
+            let target = from + (feed - from) * (share * share);
+            if k == 1 {
+                self.double(from, target.half());
+            }
+            self.fill_below(target);
+            let level = self.arrival(target);
+            if k == 1 && level.is_none() {
+                self.leave_rest(target);
+            }
+            self.levels.extend(level.or_else(|| self.arrival(target)));
+        }
+        self.fill_below(feed);
+        let level = self.arrival(feed);
+        self.levels.extend(level);
+    }
+
+    /// Adds the levels below `target` at which the limit stays for so long that a ramp more pays, from the lowest up: arcs that follow
+    /// each other make a staircase of the limit, and with a fixed number of levels the plan falls short of its treads, the more of
+    /// them there are.
+    fn fill_below(&mut self, target: R) {
+        let Some(mut low) = self.levels.last().map(|level| level.feed) else { return };
+        let mut targets = Vec::from([target]);
+        while let Some(&high) = targets.last() {
+            let terrace = if targets.len() < DEEPEST { self.terrace(low, high) } else { None };
+            targets.extend(terrace);
+            if terrace.is_none() {
+                targets.pop();
+                if !targets.is_empty() {
+                    let level = self.arrival(high);
+                    self.levels.extend(level);
+                    low = high;
+                }
+            }
+        }
+    }
+
+    /// The feed v of the limit that saves most on the way from level a to level b, if that is worth a ramp more: held from where the
+    /// limit allows v, s(v), until it allows b, v saves `(s(b) - s(v)) (1/a - 1/v)` against a.
+    fn terrace(&self, low: R, high: R) -> Option<R> {
+        if !(low > R::zero() && high > low) {
+            return None;
+        }
+        let [first, next] = [low, high].map(|feed| self.hull.partition_point(|point| point.feed <= feed));
+        let end = self.distance_with(high, self.hull.partition_point(|point| point.feed < high))?;
+        let saved = |point: &HullPoint<R>| (end - point.distance) * ((point.feed - low) / point.feed) / low;
+        let between = self.hull.get(first..next)?.iter().filter(|point| point.feed < high);
+        let (gain, feed) =
+            between.map(|point| (saved(point), point.feed)).reduce(|a, b| if b.0 > a.0 { b } else { a })?;
+        let lost = |from: R, to: R| {
+            let ramp = self.shape.ramp(from, to);
+            ramp.duration() - ramp.length() / high
+        };
+        (gain > (lost(low, feed) + lost(feed, high) - lost(low, high)) * R::from_ratio(WORTH, 1))
+            .then_some(feed)
+    }
+
+    /// Adds levels below `target`, each twice the one before, from the highest that a ramp from rest can reach at once: at rest it
+    /// cannot wait for room, and where the limit is low over more than the first ramp no higher level is in reach.
+    fn leave_rest(&mut self, target: R) {
+        if self.levels.len() > 1 || self.base() > R::zero() {
+            return;
+        }
+        let halves = core::iter::successors(Some(target.half()), |feed| Some(feed.half()));
+        let Some(first) = halves.take(HALVINGS).find_map(|feed| self.arrival(feed)) else { return };
+        self.levels.push(first);
+        self.double(first.feed, target);
+    }
+
+    /// Adds levels below `target`, each twice the one before: with none between a very slow point and `target` the plan would keep the
+    /// slow feed until the limit has room for all of that ramp.
+    fn double(&mut self, from: R, target: R) {
+        if !(from > R::zero()) {
+            return;
+        }
+        let doubles = core::iter::successors(Some(from + from), |feed| Some(*feed + *feed));
+        for feed in doubles.take(HALVINGS).take_while(|feed| *feed < target) {
+            let level = self.arrival(feed);
+            self.levels.extend(level);
+        }
+    }
+
+    /// The feed at the slow point.
+    pub(crate) fn base(&self) -> R {
+        self.levels.first().map_or_else(R::zero, |base| base.feed)
+    }
+
+    /// The highest feed that the limit allows anywhere on the flank.
+    pub(crate) fn top(&self) -> R {
+        self.hull.last().map_or_else(R::zero, |point| point.feed)
+    }
+
+    /// The chain that gets to `feed` with the least loss; `None` when the limit is never as high.
+    pub(crate) fn arrival(&self, feed: R) -> Option<Arrival<R>> {
+        if let Some(base) = self.levels.first().filter(|base| base.feed == feed) {
+            return Some(*base);
+        }
+        let (mut best, mut narrowest) = (None, PARTS / 2);
+        // The nearest levels lose least as a rule, and what they lose soon rules out the others.
+        let below = self.levels.iter().enumerate().rev().filter(|(_, level)| level.feed < feed);
+        for (index, level) in below.take(NEAREST) {
+            let bound = best.map_or_else(R::max_value, |best: Arrival<R>| best.loss);
+            best = self.arrival_from(index, level, feed, bound, &mut narrowest).or(best);
+        }
+        best
+    }
+
+    /// A single ramp from the slow point to `feed`.
+    pub(crate) fn direct(&self, feed: R) -> Option<Arrival<R>> {
+        let base = self.levels.first()?;
+        if base.feed == feed { Some(*base) } else { self.arrival_from(0, base, feed, R::max_value(), &mut 0) }
+    }
+
+    /// Arrival at `feed` by one ramp from a lower level, if it loses less than `bound`. `narrowest` is the part of a ramp
+    /// that the limit left least room for, here or on the ramp from another level.
+    fn arrival_from(
+        &self,
+        index: usize,
+        level: &Arrival<R>,
+        feed: R,
+        bound: R,
+        narrowest: &mut usize,
+    ) -> Option<Arrival<R>> {
+        let ramp = self.shape.ramp(level.feed, feed);
+        let loss_from = |start: R| {
+            let waiting = if start > R::zero() { start / level.feed - start / feed } else { R::zero() };
+            level.loss + waiting + ramp.duration() - ramp.length() / feed
+        };
+        if !(loss_from(level.distance) < bound) {
+            return None; // Waiting for room would only add to it.
+        }
+        let latest = if bound < R::max_value() {
+            latest_start((level.feed, feed), bound - loss_from(R::zero()))
+        } else {
+            bound
+        };
+        let start = self.earliest_start(level.feed, feed, ramp, latest, narrowest)?.max(level.distance);
+        if start > R::zero() && !(level.feed > R::zero()) {
+            return None; // Standing still leads nowhere.
+        }
+        let (loss, distance) = (loss_from(start), start + ramp.length());
+        let is_number = loss >= level.loss && distance >= start;
+        (is_number && loss < bound).then_some(Arrival {
+            feed,
+            distance,
+            loss,
+            last_ramp: Some((index, start)),
+        })
+    }
+
+    /// The least distance at which a ramp can start and stay under the limit; `None` when there is none up to `latest`. That
+    /// is looked at for the part `narrowest` first.
+    fn earliest_start(
+        &self,
+        low: R,
+        high: R,
+        ramp: Transition<R>,
+        latest: R,
+        narrowest: &mut usize,
+    ) -> Option<R> {
+        if let Some(part) = self.shape.parts.get(*narrowest) {
+            let (travelled, feed) = part.step(low, high, &ramp);
+            let next = self.hull.partition_point(|point| point.feed < feed);
+            if self.distance_with(feed, next)? - travelled > latest {
+                return None;
+            }
+        }
+        let mut start = R::zero();
+        let mut next = self.hull.partition_point(|point| point.feed < low);
+        for (index, (travelled, feed)) in self.shape.staircase(low, high, ramp).enumerate() {
+            // The staircase rises, so that the place in the hull only ever moves on.
+            while self.hull.get(next).is_some_and(|point| point.feed < feed) {
+                next += 1;
+            }
+            let room = self.distance_with(feed, next)? - travelled;
+            if room > start {
+                (start, *narrowest) = (room, index);
+                if start > latest {
+                    return None;
+                }
+            }
+        }
+        Some(start)
+    }
+
+    /// The distance from which on the limit is at least `feed`, `next` being the first point that is.
+    fn distance_with(&self, feed: R, next: usize) -> Option<R> {
+        let to = self.hull.get(next)?;
+        let Some(from) = next.checked_sub(1).and_then(|i| self.hull.get(i)) else {
+            return Some(R::zero());
+        };
+        let beyond = (feed - from.feed) * (feed + from.feed) * from.distance_per_square;
+        Some((from.distance + beyond).min(to.distance))
+    }
+
+    /// The ramps that lead to an arrival, the first one first.
+    pub(crate) fn chain(&self, arrival: &Arrival<R>) -> Vec<Ramp<R>> {
+        let mut ramps = Vec::new();
+        let mut at = *arrival;
+        while let Some((index, start)) = at.last_ramp {
+            let Some(&from) = self.levels.get(index) else { break };
+            ramps.push(Ramp { start, low: from.feed, high: at.feed });
+            at = from; // Its index is lower: a level is reached from those before it.
+        }
+        ramps.reverse();
+        ramps
+    }
+}
+
+/// The distance that can be travelled at the lower of two feeds in place of the higher one at a loss of `spare`, rounded up
+/// by far more than rounding: `s/low - s/high = spare`.
+fn latest_start<R: Real>((low, high): (R, R), spare: R) -> R {
+    let latest = spare * low / ((high - low) / high);
+    let above = latest + latest.scale(-6) + R::resolution().scale(6);
+    // Where it does not fit the format, it is no limit.
+    if above >= latest { above } else { R::max_value() }
+}
+
+/// What the feed does along the path.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Direction {
+    /// The slow point comes first.
+    Rising,
+    /// The slow point comes last.
+    Falling,
+}
+
+/// A point of the hull: up to the next one, V² is linear in the distance.
+#[derive(Clone, Copy, Debug)]
+struct HullPoint<R> {
+    distance: R,
+    feed: R,
+    /// `ds/d(V²)` up to the next point.
+    distance_per_square: R,
+}
+
+/// The highest function under the limit that never falls from the slow point to the peak, by distance from
+/// the slow point.
+fn hull<R: Real>(limit: &FeedLimit<R>, direction: Direction, slow: usize, peak: usize) -> Vec<HullPoint<R>> {
+    let Some(foot) = limit.samples().get(slow) else { return Vec::new() };
+    let mut hull = Descent { origin: foot.point.distance, points: Vec::new() };
+    let at_foot = match direction {
+        Direction::Rising => {
+            for i in (slow..peak).rev() {
+                hull.pass(limit, i + 1);
+                limit.cell(i).into_iter().for_each(|(near, far)| hull.descend(near, far));
+            }
+            foot.lower_after
+        }
+        Direction::Falling => {
+            for i in peak..slow {
+                hull.pass(limit, i);
+                limit.cell(i).into_iter().for_each(|(far, near)| hull.descend(near, far));
+            }
+            foot.lower_before
+        }
+    };
+    hull.push(R::zero(), hull.least(at_foot));
+    hull.points.reverse();
+    hull.points
+}
+
+/// The hull as it is found, from the peak down.
+struct Descent<R> {
+    origin: R,
+    points: Vec<HullPoint<R>>,
+}
+
+impl<R: Real> Descent<R> {
+    fn least(&self, otherwise: R) -> R {
+        self.points.last().map_or(otherwise, |point| point.feed)
+    }
+
+    /// Follows the limit from the far end of a stretch to the near one as far as it falls.
+    fn descend(&mut self, near: (R, R), far: (R, R)) {
+        let local = |(distance, feed): (R, R)| ((distance - self.origin).abs(), feed);
+        let (near, far) = (local(near), local(far));
+        if self.points.is_empty() || far.1 < self.least(far.1) {
+            self.push(far.0, far.1);
+        }
+        let least = self.least(far.1);
+        if near.1 < least {
+            self.push(distance_at_feed(near, far, least), least);
+            self.push(near.0, near.1);
+        }
+    }
+
+    /// Jumps down at a point whose limit holds for itself alone.
+    fn pass(&mut self, limit: &FeedLimit<R>, point: usize) {
+        let Some(single) = limit.samples().get(point).filter(|sample| sample.is_single) else { return };
+        let distance = (single.point.distance - self.origin).abs();
+        match self.points.last().map(|last| last.feed) {
+            Some(least) if single.lower < least => {
+                self.push(distance, least);
+                self.push(distance, single.lower);
+            }
+            // The peak itself counts as seen from inside.
+            _ => {}
+        }
+    }
+
+    fn push(&mut self, distance: R, feed: R) {
+        let slope = |next: &HullPoint<R>| {
+            let rise = (next.feed - feed) * (next.feed + feed);
+            if rise > R::zero() { (next.distance - distance) / rise } else { R::zero() }
+        };
+        let distance_per_square = self.points.last().map_or_else(R::zero, slope);
+        self.points.push(HullPoint { distance, feed, distance_per_square });
+    }
+}

@@ -1,0 +1,99 @@
+//! A plan that takes a whole number of interpolation periods.
+//!
+//! From rest to rest each section of it does, so that every stop on the way is a setpoint: the chord of a period that
+//! passed a corner in its middle would cut it.
+
+use real::Real;
+
+use crate::schedule::section;
+use crate::{FeedLimit, PlanError, Stage};
+
+/// A section that bends is slowed down by 2⁻¹³ at least. That leaves 2⁻¹² of the acceleration, and more of the jerk, to a plan whose
+/// chords have the planned lengths ([`ScheduleBuf::shortened`](crate::ScheduleBuf::shortened)). Straight lines and their corners
+/// need nothing of it, for there chords and path are as long.
+pub(crate) const SLOWER: i32 = -13;
+
+/// Slows each section between two stops down evenly to a whole number of periods; their sum is returned.
+pub(crate) fn stretch<R: Real>(
+    stages: &mut [Stage<R>],
+    limit: &FeedLimit<R>,
+    period: R,
+) -> Result<u32, PlanError> {
+    let mut periods = Some(0_u32);
+    let mut rest = stages;
+    while !rest.is_empty() {
+        let (section, behind) = rest.split_at_mut(section::count(rest));
+        let ends = section.first().zip(section.last());
+        let bends = ends.is_some_and(|(first, last)| limit.bends_over(first.start, last.start + last.length));
+        let slower = if bends { R::one().scale(SLOWER) } else { R::zero() };
+        let taken = stretch_section(section, slower, period)?;
+        periods = periods.and_then(|sum| sum.checked_add(taken));
+        rest = behind;
+    }
+    periods.filter(|sum| *sum > 0).ok_or(PlanError::DurationOverflows)
+}
+
+fn stretch_section<R: Real>(stages: &mut [Stage<R>], slower: R, period: R) -> Result<u32, PlanError> {
+    let duration = stages.iter().fold(R::zero(), |sum, stage| sum + stage.duration);
+    let in_order = stages.iter().all(|stage| stage.duration > R::zero() && stage.duration <= duration);
+    let (periods, rounded) = round_up((duration + duration * slower) / period)
+        .filter(|_| in_order)
+        .ok_or(PlanError::DurationOverflows)?;
+    let factor = rounded * period / duration;
+    for stage in stages {
+        stage.duration = stage.duration * factor;
+        stage.start_feed = stage.start_feed / factor;
+        stage.end_feed = stage.end_feed / factor;
+    }
+    Ok(periods)
+}
+
+/// The least whole number not below `value`, as an integer and as a number; `None` beyond what either can
+/// hold.
+fn round_up<R: Real>(value: R) -> Option<(u32, R)> {
+    if !(value > R::zero() && value < R::max_value().half()) {
+        return None;
+    }
+    let mut power = R::one();
+    let mut bit = 1_u64;
+    while power <= value {
+        power = power + power;
+        bit = bit.checked_mul(2)?;
+    }
+    let (mut count, mut whole) = (0, R::zero());
+    while bit > 0 {
+        if whole + power <= value {
+            whole = whole + power;
+            count += bit;
+        }
+        power = power.half();
+        bit /= 2;
+    }
+    if whole < value {
+        whole = whole + R::one();
+        count += 1;
+    }
+    Some((u32::try_from(count).ok()?, whole))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use real::I16F16;
+
+    #[test]
+    fn numbers_are_rounded_up_in_any_format() {
+        for (value, whole) in
+            [(0.25, 1), (1.0, 1), (1.0001, 2), (1629.9, 1630), (4096.0, 4096), (16_000.5, 16_001)]
+        {
+            assert_eq!(round_up(value), Some((whole, f64::from(whole))));
+            let coarse = <I16F16 as real::Backend>::from_f64(value).unwrap();
+            assert_eq!(round_up(coarse).map(|(count, _)| count), Some(whole), "{value}");
+        }
+        assert_eq!(round_up(4_294_967_295.0_f64).map(|(count, _)| count), Some(u32::MAX));
+        for none in [0.0, -1.0, f64::NAN, f64::INFINITY, 4_294_967_296.0, 1e300] {
+            assert_eq!(round_up(none), None, "{none}");
+        }
+        assert_eq!(round_up(I16F16::from_ratio(20_000, 1)), None); // above half the format's range
+    }
+}

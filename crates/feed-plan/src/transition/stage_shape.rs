@@ -1,0 +1,309 @@
+//! How the feed goes from one value to the next: a curve from (0, 0) to (1, 1).
+//!
+//! Over a piece of duration t₂ the feed is `V(t) = V_s + (V_e - V_s) g(x)`, `x = t/t₂`. The acceleration is then
+//! `(V_e - V_s)/t₂ · g'(x)`, the jerk `(V_e - V_s)/t₂² · g''(x)`, the distance `t₂ (V_s x + (V_e - V_s) G(x))`, G the integral
+//! of g from 0. Everything is computed from x in [0, 1]: coefficients of powers of t span many orders of magnitude.
+//!
+//! | shape | g | g' | g'' | G | peak g' | peak g'' |
+//! |---|---|---|---|---|---|---|
+//! | cubic | 3x² - 2x³ | 6x(1 - x) | 6(1 - 2x) | x³ - x⁴/2 | 3/2 | 6 |
+//! | onset | x² | 2x | 2 | x³/3 | 2 | 2 |
+//! | steady | x | 1 | 0 | x²/2 | 1 | 0 |
+//! | easing | 2x - x² | 2(1 - x) | -2 | x² - x³/3 | 2 | 2 |
+//! | cosine | (1 - cos πx)/2 | π/2 sin πx | π²/2 cos πx | x/2 - sin(πx)/(2π) | π/2 | π²/2 |
+//!
+//! What real time needs is the mean of g over an interval of width w about m, which must not be a difference of two
+//! nearly equal values of G. For a polynomial of degree 3 it is `g(m) + g''(m) w²/24`, exactly. For the cosine it is
+//!
+//! `(1 - cos(πm) sinc(πw/2))/2 = S² + (C² - S²) (1 - sinc(πw/2))/2`, with `S = sin(πm/2)`, `C = cos(πm/2)`, `sinc z = sin z / z`,
+//!
+//! and `1 - sinc z = z²/6 (1 - z²/20 (1 - z²/42 …))` has no cancellation either.
+
+use real::{Real, Trigonometric};
+
+/// The shape g of a change of feed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum StageShape {
+    /// `3x² - 2x³`: no acceleration at both ends.
+    #[default]
+    Cubic,
+    /// `x²`: constant jerk, from no acceleration.
+    Onset,
+    /// `x`: constant acceleration; with no change of feed, constant feed.
+    Steady,
+    /// `2x - x²`: constant jerk, to no acceleration.
+    Easing,
+    /// `(1 - cos πx)/2`: no acceleration at both ends.
+    Cosine,
+}
+
+impl StageShape {
+    /// Every shape.
+    #[cfg(test)]
+    pub(crate) const ALL: [Self; 5] = [Self::Cubic, Self::Onset, Self::Steady, Self::Easing, Self::Cosine];
+
+    /// g(x), the share of the change of feed that is reached.
+    #[must_use]
+    pub fn reached<R: Real>(self, x: R) -> R {
+        match self {
+            Self::Cubic => x * x * (R::from_ratio(3, 1) - x - x),
+            Self::Onset => x * x,
+            Self::Steady => x,
+            Self::Easing => x * (R::one() + (R::one() - x)),
+            Self::Cosine => {
+                let (sine, _) = R::sin_cos_quarter(x);
+                sine * sine
+            }
+        }
+    }
+
+    /// g'(x), the acceleration against the mean acceleration.
+    #[must_use]
+    pub fn slope<R: Real>(self, x: R) -> R {
+        match self {
+            Self::Cubic => R::from_ratio(6, 1) * x * (R::one() - x),
+            Self::Onset => x + x,
+            Self::Steady => R::one(),
+            Self::Easing => (R::one() - x) + (R::one() - x),
+            Self::Cosine => {
+                let (sine, cosine) = R::sin_cos_quarter(x);
+                let half = sine * cosine;
+                R::half_pi() * (half + half)
+            }
+        }
+    }
+
+    /// g''(x), the jerk against mean acceleration over duration.
+    #[must_use]
+    pub fn bend<R: Real>(self, x: R) -> R {
+        match self {
+            Self::Cubic => R::from_ratio(6, 1) * (R::one() - x - x),
+            Self::Onset => R::from_ratio(2, 1),
+            Self::Steady => R::zero(),
+            Self::Easing => R::from_ratio(-2, 1),
+            Self::Cosine => {
+                let (sine, cosine) = R::sin_cos_quarter(x);
+                let square = R::half_pi() * R::half_pi();
+                (square + square) * (cosine * cosine - sine * sine)
+            }
+        }
+    }
+
+    /// G(x), the share of the change of feed in the distance.
+    #[must_use]
+    pub fn travelled<R: Real>(self, x: R) -> R {
+        let third = R::from_ratio(1, 3);
+        match self {
+            Self::Cubic => {
+                let cubed = x * x * x;
+                cubed - (cubed * x).half()
+            }
+            Self::Onset => x * x * x * third,
+            Self::Steady => (x * x).half(),
+            Self::Easing => x * x * (R::one() - x * third),
+            Self::Cosine => {
+                let (sine, cosine) = R::sin_cos_quarter(x);
+                (x - sine * cosine * R::two_over_pi()).half()
+            }
+        }
+    }
+
+    /// The mean of g over an interval of width `width` about `middle`, both shares of the duration, without cancellation.
+    ///
+    /// Range: with the interval in [0, 1] no intermediate exceeds 2 in magnitude, so two integer bits are enough.
+    #[inline]
+    #[must_use]
+    pub fn mean<R: Real>(self, middle: R, width: R) -> R {
+        let (square, rest) = (middle * middle, R::one() - middle);
+        let bow = || (width * width).scale(-2);
+        match self {
+            Self::Cubic => {
+                let bend = rest - middle;
+                if !R::IS_FLOATING {
+                    // Rounded once.
+                    return R::sum_of_products([
+                        (square, R::one()),
+                        (square, rest),
+                        (square, rest),
+                        (bow(), bend),
+                    ]);
+                }
+                let twice = square * rest;
+                square + twice + twice + (width * width * bend).scale(-2)
+            }
+            Self::Onset => square + bow() * R::from_ratio(1, 3),
+            Self::Steady => middle,
+            Self::Easing => middle + middle * rest - bow() * R::from_ratio(1, 3),
+            Self::Cosine => mean_of_cosine(middle, width),
+        }
+    }
+
+    /// Largest |g'|, by which a piece's peak acceleration is its mean acceleration.
+    #[must_use]
+    pub fn peak_slope<R: Real>(self) -> R {
+        match self {
+            Self::Cubic => R::from_ratio(3, 2),
+            Self::Onset | Self::Easing => R::from_ratio(2, 1),
+            Self::Steady => R::one(),
+            Self::Cosine => R::half_pi(),
+        }
+    }
+
+    /// Largest |g''|.
+    #[must_use]
+    pub fn peak_bend<R: Real>(self) -> R {
+        match self {
+            Self::Cubic => R::from_ratio(6, 1),
+            Self::Onset | Self::Easing => R::from_ratio(2, 1),
+            Self::Steady => R::zero(),
+            Self::Cosine => R::half_pi() * (R::half_pi() + R::half_pi()),
+        }
+    }
+
+    /// `c₀..c₃` of g as a polynomial of x; `None` for the cosine.
+    #[must_use]
+    pub fn coefficients(self) -> Option<[i32; 4]> {
+        match self {
+            Self::Cubic => Some([0, 0, 3, -2]),
+            Self::Onset => Some([0, 0, 1, 0]),
+            Self::Steady => Some([0, 1, 0, 0]),
+            Self::Easing => Some([0, 2, -1, 0]),
+            Self::Cosine => None,
+        }
+    }
+}
+
+/// The mean of `(1 - cos πx)/2`: sines are long, and would keep the polynomial shapes from being inlined.
+#[inline(never)]
+fn mean_of_cosine<R: Real>(middle: R, width: R) -> R {
+    let (sine, cosine) = R::sin_cos_quarter(middle);
+    let square = sine * sine;
+    (cosine * cosine - square).mul_add(sinc_lacks(width).half(), square)
+}
+
+/// `1 - sinc(πw/2)` for w in [0, 1]: with `q = (πw/4)²`, at most 0.62, `4q/6 (1 - 4q/20 (1 - 4q/42 …))`.
+fn sinc_lacks<R: Real>(width: R) -> R {
+    let quarter = R::half_pi().half() * width;
+    let square = quarter * quarter;
+    let mut lacks = R::zero();
+    for k in (1..=sinc_terms::<R>()).rev() {
+        lacks = square * ((R::one() - lacks) * R::from_ratio(4, 2 * k * (2 * k + 1)));
+    }
+    lacks
+}
+
+/// How many terms leave less than a third of a unit of the last place: after n, at most `(π/2)^(2n + 2)/(2n + 3)!` is left.
+fn sinc_terms<R: Real>() -> i32 {
+    // (resolution, terms): what is left is 2⁻¹⁸, 2⁻³¹, 2⁻³⁷, 2⁻⁶⁰, 2⁻⁶⁸, 2⁻¹¹⁹.
+    const TABLE: [(i32, i32); 5] = [(-16, 4), (-25, 6), (-36, 7), (-54, 10), (-64, 11)];
+    let enough = |(exponent, _): &&(i32, i32)| R::resolution() >= R::one().scale(*exponent);
+    TABLE.iter().find(enough).map_or(17, |(_, terms)| *terms)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use real::{Backend, DoubleDouble, I2F30, I8F24, I16F48};
+
+    /// Integral of g over [a, b] by Simpson's rule with 2000 panels.
+    fn integral(g: impl Fn(f64) -> f64, a: f64, b: f64) -> f64 {
+        let h = (b - a) / 2000.0;
+        let panel = |i: i32| {
+            let x = a + h * f64::from(i);
+            h / 6.0 * (g(x) + 4.0 * g(x + h / 2.0) + g(x + h))
+        };
+        (0..2000).map(panel).sum()
+    }
+
+    #[test]
+    fn each_column_of_the_table_is_the_integral_of_the_one_before() {
+        for shape in StageShape::ALL {
+            assert!(shape.reached(0.0_f64).abs() < 1e-15 && (shape.reached(1.0_f64) - 1.0).abs() < 1e-15);
+            for i in 1..=20 {
+                let x = f64::from(i) / 20.0;
+                let start: f64 = shape.slope(0.0);
+                assert!(
+                    (integral(|x| shape.bend(x), 0.0, x) + start - shape.slope(x)).abs() < 1e-11,
+                    "{shape:?} {x}"
+                );
+                assert!(
+                    (integral(|x| shape.slope(x), 0.0, x) - shape.reached(x)).abs() < 1e-12,
+                    "{shape:?} {x}"
+                );
+                assert!(
+                    (integral(|x| shape.reached(x), 0.0, x) - shape.travelled(x)).abs() < 1e-12,
+                    "{shape:?} {x}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn the_peaks_are_the_largest_values() {
+        for shape in StageShape::ALL {
+            let grid = || (0..=1000).map(|i| f64::from(i) / 1000.0);
+            let slope = grid().map(|x| shape.slope(x).abs()).fold(0.0, f64::max);
+            let bend = grid().map(|x| shape.bend(x).abs()).fold(0.0, f64::max);
+            assert!((slope - shape.peak_slope::<f64>()).abs() < 1e-12, "{shape:?} {slope}");
+            assert!((bend - shape.peak_bend::<f64>()).abs() < 1e-12, "{shape:?} {bend}");
+        }
+    }
+
+    #[test]
+    fn coefficients_are_those_of_g() {
+        for shape in StageShape::ALL {
+            let Some([c0, c1, c2, c3]) = shape.coefficients().map(|c| c.map(f64::from)) else {
+                assert_eq!(shape, StageShape::Cosine);
+                continue;
+            };
+            for x in [0.0, 0.3, 0.8, 1.0] {
+                assert!((c0 + x * (c1 + x * (c2 + x * c3)) - shape.reached(x)).abs() < 1e-15);
+            }
+        }
+    }
+
+    /// Largest error of the mean in `R` against the difference of G in double-double, in units of the resolution.
+    fn mean_error<R: Backend>(shape: StageShape) -> f64 {
+        let mut worst = 0.0_f64;
+        for i in 0..64 {
+            for k in 0..=16 {
+                let (from, to) = (f64::from(i) / 64.0, f64::from(i + (64 - i) * k / 16) / 64.0);
+                let (middle, width) = ((from + to) / 2.0, to - from);
+                let exact = |x: f64| DoubleDouble::from(x);
+                let expected = if width > 0.0 {
+                    ((shape.travelled(exact(to)) - shape.travelled(exact(from))) / exact(width)).value()
+                } else {
+                    shape.reached(exact(middle)).value()
+                };
+                let found = shape.mean(R::from_f64(middle).unwrap(), R::from_f64(width).unwrap());
+                worst = worst.max((found.to_f64() - expected).abs() / R::resolution().to_f64());
+            }
+        }
+        worst
+    }
+
+    #[test]
+    fn the_mean_is_good_to_a_few_units_in_every_format() {
+        for shape in StageShape::ALL {
+            for (name, error) in [
+                ("f64", mean_error::<f64>(shape)),
+                ("f32", mean_error::<f32>(shape)),
+                ("I2F30", mean_error::<I2F30>(shape)),
+                ("I8F24", mean_error::<I8F24>(shape)),
+            ] {
+                assert!(error <= 5.0, "{shape:?} in {name}: {error} units");
+            }
+            // Beyond f64, judged by twice the digits that f64 has: the reference is the same function, so this shows that
+            // the series is long enough.
+            assert!(mean_error::<I16F48>(shape) <= 5.0, "{shape:?}");
+        }
+    }
+
+    #[test]
+    fn the_series_is_long_enough_for_double_double() {
+        // sinc(π/2) = 2/π.
+        let lacks = sinc_lacks(DoubleDouble::from(1.0));
+        let exact = DoubleDouble::from(1.0) - DoubleDouble::two_over_pi();
+        assert!((lacks - exact).value().abs() < 1e-31);
+    }
+}

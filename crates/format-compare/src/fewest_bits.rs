@@ -1,0 +1,298 @@
+//! The fewest bits that are enough, beside a comparison: found where the comparison's runs were worst, confirmed on the whole path.
+//!
+//! [`size`](crate::size()) runs the whole path in every width. Here the widths are narrowed down on the parts of the path, from rest to
+//! rest, in which the formats compared came nearest to a limit or broke it. The width found there is then run over the whole path,
+//! and wider ones after it where it is not good, or narrower ones as long as they are.
+
+use std::ops::Range;
+
+use nurbs_core::Evaluate;
+use real::{Datapath, FormatName, Real};
+use serde::Serialize;
+
+use crate::compare::{Row, in_parallel};
+use crate::exact_plan::ExactPlan;
+use crate::formats::{Dimension, Space, plan_for, select};
+use crate::problem::Problem;
+use crate::reference::Reference;
+use crate::run::{Engine, Options, PlanIn, Refusal};
+use crate::size::{WIDTHS, narrowest_integer_part};
+
+/// Periods of the parts that the widths are narrowed down on, together: the three runs of them that most searches take are a matter
+/// of seconds.
+const MOST_PERIODS: f64 = 200_000.0;
+
+/// The width that a search begins with where no format that was compared says anything.
+const USUAL: u32 = 26;
+
+/// Integer bits, with the sign, that most paths need.
+const INTEGER_BITS: f64 = 2.0;
+
+/// Widths around the one found that are run over the whole path at most, in either direction.
+const NEIGHBOURS: u32 = 3;
+
+/// What the search came to.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case", tag = "result")]
+pub enum FewestBits {
+    /// The narrowest format that is good enough for all signals alike.
+    Found {
+        /// Its name.
+        format: String,
+        /// Its width.
+        bits: u32,
+        /// Its largest fluctuation at cruise.
+        fluctuation: f64,
+        /// The requirement over that figure: how much worse the fluctuation might be.
+        margin: f64,
+    },
+    /// No width that was tried is good enough.
+    None {
+        /// The widest.
+        up_to_bits: u32,
+    },
+    /// The search was left out.
+    LeftOut {
+        /// The periods of the shortest part from rest to rest that would have to be run many times.
+        periods: u64,
+    },
+}
+
+/// Searches for the fewest bits on which `problem` runs within the machine's requirements, after `rows` of it were compared.
+///
+/// # Errors
+/// [`Refusal`] when the part cannot be planned at all.
+pub fn fewest_bits<const D: usize>(
+    problem: &Problem<D>,
+    rows: &[Row],
+    options: &Options,
+) -> Result<FewestBits, Refusal>
+where
+    Space: Dimension<D>,
+{
+    let options = Options {
+        engine: Engine::Pieces,
+        plan_in: PlanIn::default(),
+        fluctuation: Some(options.fluctuation.unwrap_or(problem.machine.fluctuation_limit)),
+        ..options.clone()
+    };
+    let whole = Trial::new(problem.clone(), &options)?;
+    let parts = hardest_parts(problem, &whole.plan, rows);
+    let periods: f64 = parts.iter().map(|(_, periods)| periods).sum();
+    if periods > MOST_PERIODS {
+        return Ok(FewestBits::LeftOut { periods: periods.to_phase(-32) >> 32 });
+    }
+    let is_whole = |curves: &Range<usize>| curves.len() == problem.curves.len();
+    let own = |curves: &Range<usize>| match is_whole(curves) {
+        true => options.clone(),
+        false => Options { end_feeds_mm_per_s: [0.0; 2], ..options.clone() },
+    };
+    let trials = parts.into_iter().map(|(curves, _)| Trial::new(problem.part(curves.clone()), &own(&curves)));
+    let trials = trials.collect::<Result<Vec<_>, _>>()?;
+    let limit = problem.machine.fluctuation_limit;
+    let start = expected_width(rows, limit);
+    let width =
+        narrowest(start, |width| trials.iter().all(|trial| trial.run(width, &options).verdict.is_good()));
+    let good = |width: u32| Some(whole.run(width, &options)).filter(|row| row.verdict.is_good());
+    let last = *WIDTHS.end();
+    let Some(mut row) = (width..=last.min(width + NEIGHBOURS)).find_map(good) else {
+        return Ok(FewestBits::None { up_to_bits: last.min(width + NEIGHBOURS) });
+    };
+    for narrower in (row.bits.saturating_sub(NEIGHBOURS).max(*WIDTHS.start())..row.bits).rev() {
+        let Some(better) = good(narrower) else { break };
+        row = better;
+    }
+    let fluctuation = row.fluctuation.map_or(f64::NAN, |found| found.cruise_max_abs);
+    Ok(FewestBits::Found { format: row.format, bits: row.bits, fluctuation, margin: limit / fluctuation })
+}
+
+/// The width that is just enough if fluctuation falls by half with each bit, by the coarsest fixed-point format that was run.
+fn expected_width(rows: &[Row], limit: f64) -> u32 {
+    let fraction_bits = |row: &Row| match FormatName::named(&row.format) {
+        Some(FormatName::Fixed { fraction_bits, .. }) => Some(f64::from(fraction_bits)),
+        _ => None,
+    };
+    let of_row = |row: &Row| Some((row.fluctuation?.cruise_max_abs, fraction_bits(row)?));
+    let pieces = rows.iter().filter(|row| row.engine == Engine::Pieces).filter_map(of_row);
+    let Some((fluctuation, bits)) = pieces.filter(|one| one.0 > 0.0).max_by(|a, b| a.0.total_cmp(&b.0))
+    else {
+        return USUAL;
+    };
+    let width = bits - (limit / fluctuation).log2() + INTEGER_BITS;
+    WIDTHS.rev().find(|candidate| f64::from(*candidate) <= width).unwrap_or(*WIDTHS.start())
+}
+
+/// The narrowest of the widths that is good, if all wider ones of a good one are; the widest where none is. Three widths at a time are
+/// tried, from those around `start`.
+fn narrowest(start: u32, is_good: impl Fn(u32) -> bool + Sync) -> u32 {
+    let (low, high) = (*WIDTHS.start(), *WIDTHS.end());
+    let mut middle = start.clamp(low + 1, high - 1);
+    // All below are bad, and what is found is good, or nothing was yet.
+    let (mut bad_below, mut found) = (low, high);
+    loop {
+        let tried: Vec<u32> =
+            (middle - 1..=middle + 1).filter(|width| (bad_below..found).contains(width)).collect();
+        if tried.is_empty() {
+            return found;
+        }
+        let good = in_parallel(&tried, |width| is_good(*width));
+        for (width, good) in tried.into_iter().zip(good) {
+            if good {
+                found = found.min(width);
+            } else if width < found {
+                bad_below = bad_below.max(width + 1);
+            }
+        }
+        let next = if found <= middle + 1 { found.saturating_sub(2) } else { bad_below + 1 };
+        middle = next.clamp(low + 1, high - 1);
+    }
+}
+
+/// A path with its plan and its judge.
+struct Trial<const D: usize> {
+    problem: Problem<D>,
+    plan: ExactPlan,
+    reference: Reference<D>,
+}
+
+impl<const D: usize> Trial<D>
+where
+    Space: Dimension<D>,
+{
+    fn new(problem: Problem<D>, options: &Options) -> Result<Self, Refusal> {
+        let formats = select::<D>(&["f64".to_string()]).unwrap_or_default();
+        let plan = match formats.first() {
+            Some(format) => plan_for(&problem, format.as_ref(), options)?,
+            None => {
+                ExactPlan::in_format_with::<f64, D>(&problem, options.end_feeds_mm_per_s, options.profile)?
+            }
+        };
+        let reference = Reference::new(&problem)?;
+        Ok(Self { problem, plan, reference })
+    }
+
+    fn run(&self, width: u32, options: &Options) -> Row {
+        let format = (width, Datapath::default());
+        narrowest_integer_part(format, &self.problem, &self.plan, options, &self.reference)
+    }
+}
+
+/// The parts of the path, from rest to rest, in which the runs came nearest to their limits or broke them, with their periods: the worst
+/// first, as many as are no more than [`MOST_PERIODS`] together, and one in any case. The whole path where it is no longer than that.
+fn hardest_parts<const D: usize>(
+    problem: &Problem<D>,
+    plan: &ExactPlan,
+    rows: &[Row],
+) -> Vec<(Range<usize>, f64)> {
+    let all = f64::from(plan.periods());
+    if all <= MOST_PERIODS {
+        return vec![(0..problem.curves.len(), all)];
+    }
+    let parts = parts(problem, plan);
+    let mut hard: Vec<(f64, usize)> = Vec::new();
+    for one in rows.iter().filter(|row| row.engine == Engine::Pieces).flat_map(|row| &row.requirements) {
+        let Some(at) = one.at.filter(|_| one.limit > 0.0 && one.found.is_finite()) else { continue };
+        let period = at.period as f64;
+        hard.push((one.found / one.limit, parts.partition_point(|(_, end)| *end < period)));
+    }
+    hard.sort_by(|one, other| other.0.total_cmp(&one.0));
+    let (mut chosen, mut sum) = (Vec::new(), 0.0);
+    for (_, index) in hard {
+        let Some((curves, end)) = parts.get(index).cloned() else { continue };
+        let begin = index.checked_sub(1).and_then(|before| parts.get(before)).map_or(0.0, |(_, end)| *end);
+        let is_new = chosen.iter().all(|(other, _): &(Range<usize>, f64)| other.start != curves.start);
+        if is_new && (chosen.is_empty() || sum + (end - begin) <= MOST_PERIODS) {
+            sum += end - begin;
+            chosen.push((curves, end - begin));
+        }
+    }
+    chosen
+}
+
+/// The curves between rests that lie where a curve begins, and the period in which each such part ends.
+fn parts<const D: usize>(problem: &Problem<D>, plan: &ExactPlan) -> Vec<(Range<usize>, f64)> {
+    let begins_at = |(curve, u): (usize, f64)| {
+        let (first, last) = problem.curves.get(curve)?.as_curve().domain();
+        if u <= first { Some(curve) } else { (u >= last).then_some(curve + 1) }
+    };
+    let (mut found, mut begin, mut periods) = (Vec::new(), 0, 0.0);
+    for section in plan.schedule().sections() {
+        periods += section.duration().value();
+        let rest = section.rest().and_then(|(curve, u)| begins_at((curve, u.value())));
+        if let Some(next) = rest.filter(|next| *next > begin) {
+            found.push((begin..next, periods));
+            begin = next;
+        }
+    }
+    if begin < problem.curves.len() {
+        found.push((begin..problem.curves.len(), periods));
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::problem::examples::mill;
+    use crate::{compare, size};
+
+    fn rows(problem: &Problem<3>, names: &[&str]) -> Vec<Row> {
+        let formats = select::<3>(&names.iter().map(ToString::to_string).collect::<Vec<_>>()).unwrap();
+        compare(problem, &formats, &[Engine::Pieces], &Options::default()).unwrap().formats
+    }
+
+    #[test]
+    fn it_is_what_every_width_run_one_by_one_says() {
+        let problem = mill("G0 X0 Y0\nG1 X10 F3000\nG2 X20 Y10 R10\nG1 X40 Y12\nG3 X30 Y30 R12\n", "");
+        let found = fewest_bits(&problem, &rows(&problem, &["I8F24"]), &Options::default()).unwrap();
+        let plan = ExactPlan::in_format_with::<f64, 3>(&problem, [0.0; 2], Default::default()).unwrap();
+        let sizing = size(&problem, &plan, &Options::default(), Datapath::default()).unwrap();
+        let (row, margin) = sizing.uniform.zip(sizing.uniform_margin).unwrap();
+        let expected = FewestBits::Found {
+            fluctuation: row.fluctuation.unwrap().cruise_max_abs,
+            bits: row.bits,
+            format: row.format,
+            margin,
+        };
+        assert_eq!(found, expected);
+    }
+
+    /// Of a program of minutes, the parts in which coarse formats fail are enough.
+    #[test]
+    fn a_long_program_is_searched_by_its_hardest_parts() {
+        let mut program = String::from("G0 X0 Y0\nF600\n");
+        for i in 0..400 {
+            program += &format!("G1 X{} Y{}\n", (i % 7) * 5, i);
+        }
+        program += "G2 X40 Y399 R20\n";
+        let problem = mill(&program, "");
+        let rows = rows(&problem, &["I16F16", "I8F24"]);
+        let plan = ExactPlan::in_format_with::<f64, 3>(&problem, [0.0; 2], Default::default()).unwrap();
+        assert!(f64::from(plan.periods()) > 2.0 * MOST_PERIODS, "{}", plan.periods());
+        let parts = hardest_parts(&problem, &plan, &rows);
+        assert!(parts.iter().map(|(_, periods)| periods).sum::<f64>() <= MOST_PERIODS && !parts.is_empty());
+        let FewestBits::Found { bits, margin, .. } =
+            fewest_bits(&problem, &rows, &Options::default()).unwrap()
+        else {
+            panic!("found")
+        };
+        assert!((16..32).contains(&bits) && margin >= 1.0, "{bits} bits, {margin}");
+    }
+
+    #[test]
+    fn the_narrowest_good_width_is_found_from_any_start() {
+        for least in WIDTHS {
+            for start in [12, 25, 26, 40, 48, 60] {
+                assert_eq!(narrowest(start, |width| width >= least), least, "from {start}");
+            }
+        }
+        assert_eq!(narrowest(30, |_| false), 48);
+    }
+
+    #[test]
+    fn one_long_section_is_left_out() {
+        let problem = mill("G0 X0 Y0\nG1 X3000 F600\n", "");
+        let found = fewest_bits(&problem, &rows(&problem, &["I16F16"]), &Options::default()).unwrap();
+        assert!(matches!(found, FewestBits::LeftOut { periods } if periods > 290_000), "{found:?}");
+    }
+}
