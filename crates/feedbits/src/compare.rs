@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 use clap::Args;
+use clap_complete::ArgValueCandidates;
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
 use format_compare::{Comparison, Dimension, Engine, JudgedStep, Problem, Row, Run, Space, Trace};
 use target_cost::Target;
@@ -13,7 +14,7 @@ use crate::input::{AnyProblem, Input};
 use crate::progress::Progress;
 use crate::run_arguments::RunArguments;
 use crate::targets::{self, TargetArguments};
-use crate::{Ending, answer, output, report};
+use crate::{Ending, answer, completions, output, report};
 
 /// Options of `compare`.
 #[derive(Args)]
@@ -22,8 +23,9 @@ pub(crate) struct Arguments {
     input: Input,
     #[command(flatten)]
     run: RunArguments,
-    /// The formats to compare, comma-separated. Default: all; see `feedbits formats`.
-    #[arg(long, visible_alias = "format", value_delimiter = ',', value_parser = crate::formats::name, value_name = "F,F")]
+    /// The formats to compare, comma-separated. Default: all; see `feedbits formats`. Names in Q notation are
+    /// read by the register that they fill: Q8.24 (Arm) and Q7.24 (TI) are I8F24.
+    #[arg(long, visible_alias = "format", value_delimiter = ',', value_parser = crate::formats::name, value_name = "F,F", add = ArgValueCandidates::new(completions::formats))]
     formats: Vec<String>,
     /// Print all figures of each format, also of the textbook way *raw*: about 250 columns.
     #[arg(long)]

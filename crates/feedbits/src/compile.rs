@@ -2,13 +2,14 @@
 
 use anyhow::{Result, bail};
 use clap::Args;
+use clap_complete::ArgValueCandidates;
 use format_compare::{Constants, Dimension, Engine, Problem, Row, Space, Verdict};
 
 use crate::formats::selected;
 use crate::input::{AnyProblem, Input};
 use crate::progress::Progress;
 use crate::run_arguments::RunArguments;
-use crate::{Ending, output};
+use crate::{Ending, completions, output};
 
 /// Options of `compile`.
 #[derive(Args)]
@@ -18,7 +19,7 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     run: RunArguments,
     /// The number format: a float, or fixed point of 8, 16, 32 or 64 bits.
-    #[arg(long, value_name = "F")]
+    #[arg(long, value_name = "F", add = ArgValueCandidates::new(completions::formats))]
     format: String,
     /// Write to this file instead of the terminal.
     #[arg(long, value_name = "PATH")]
@@ -39,7 +40,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
         Verdict::Bad(reasons) => Some(reasons.join("; ")),
         Verdict::Refused(reason) => Some(reason),
     };
-    let fault = fault.map(|why| format!("{} is not good enough: {why}", arguments.format));
+    let fault = fault.map(|why| format!("{} is not good enough: {why}", row.format));
     let text = header(&about, fault.as_deref(), constants.bytes) + &constants.source;
     output::write(arguments.out.as_deref(), &text)?;
     let Constants { sections, pieces, stages, bytes, periods, checksum, .. } = constants;

@@ -1,6 +1,7 @@
 //! What `--help` shows of each subcommand. A test reads every line by the command's own grammar.
 
 pub(crate) const COMPARE: &str = "Examples:
+  feedbits compare part.nc --machine router
   feedbits compare part.nc --machine mill.toml
   feedbits compare --formats I8F24,I4F28,f32 --report report
   feedbits compare part.dxf --machine mill.toml --targets cortex-m4f,dsp48
@@ -41,6 +42,9 @@ pub(crate) const CHECK: &str = "Examples:
 pub(crate) const CONVERT: &str = "Examples:
   feedbits convert part.dxf --to g06.2 --out part.nc
   feedbits convert part.nc --to g1 --tolerance 0.001 --digits 3";
+pub(crate) const MACHINE: &str = "Examples:
+  feedbits machine
+  feedbits machine router --out my-machine.toml";
 pub(crate) const FORMATS: &str = "Examples:
   feedbits formats --json";
 pub(crate) const COMPLETIONS: &str = "Examples:

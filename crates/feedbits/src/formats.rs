@@ -1,13 +1,26 @@
 //! `feedbits formats`: the built-in number formats.
 
-use anyhow::Result;
+use anyhow::{Result, anyhow, bail};
 use clap::Args;
 use comfy_table::{CellAlignment, Table, presets};
 use format_compare::{Dimension, Space};
-use real::FormatName;
+use real::{FormatName, QName, RuntimeFormat};
 use serde::Serialize;
 
 use crate::{Ending, output};
+
+/// How names are formed, behind the list.
+const NAMES: &str = "
+Any fixed-point format of 3 to 64 bits can be named: I5F13 has 5 bits before the
+point, the sign among them and at least 2 of them, and 13 behind it. After that
+-even, -floor or -zero round otherwise than to nearest, and -sat saturates.
+
+A name in Q notation is read by the register of 8, 16, 32 or 64 bits it fills:
+    Q8.24       I8F24   as Arm counts: the sign is within m, m + n bits
+    Q7.24       I8F24   as TI counts: the sign is beside m, m + n + 1 bits
+    Q15, Q.15   I1F15   a sign and n bits behind the point; too few before it
+                        to be run here, for 1 is no number of that format
+";
 
 /// Options of `formats`.
 #[derive(Args)]
@@ -46,7 +59,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     Ok(Ending::Good)
 }
 
-/// The formats of these names, or all if none is given.
+/// The formats of these names, or all if none is given. How a name in Q notation was read is said.
 pub(crate) fn selected<const D: usize>(names: &[String]) -> Result<Vec<Box<dyn format_compare::Format<D>>>>
 where
     Space: Dimension<D>,
@@ -54,14 +67,67 @@ where
     if names.is_empty() {
         return Ok(format_compare::formats());
     }
-    format_compare::select(names)
-        .map_err(|name| {
-            let cases = [name.to_uppercase(), name.to_lowercase()];
-            match cases.iter().find(|meant| by_name::<D>(meant).is_some()) {
-                Some(meant) => anyhow::anyhow!("unknown format {name:?}: did you mean {meant}?"),
-                None => anyhow::anyhow!("unknown format {name:?}: expected one that `feedbits formats` lists, or a fixed-point format such as I5F13: 3 to 64 bits in all, at least 2 of them before the point; behind it -even, -floor or -zero, and then -sat"),
-            }
-        })
+    let names = names.iter().map(|name| meant(name)).collect::<Result<Vec<String>>>()?;
+    format_compare::select(&names).map_err(|name| unknown(&name))
+}
+
+/// The name of the format that is meant. How a name in Q notation was read is said.
+pub(crate) fn named(name: &str) -> Result<FormatName> {
+    let name = meant(name)?;
+    by_name::<3>(&name).map(|format| format.name()).ok_or_else(|| unknown(&name))
+}
+
+/// The name as formats are named here: one in Q notation is read, which is said; others are left as they are.
+pub(crate) fn meant(name: &str) -> Result<String> {
+    let (format, how) = match QName::read(name) {
+        None => return Ok(name.to_string()),
+        Some(QName::Arm(format)) => {
+            (format, format!("as Arm counts, the sign is within m, and m + n are {} bits", format.bits()))
+        }
+        Some(QName::Ti(format)) => {
+            (format, format!("as TI counts, the sign is beside m, and m + n + 1 are {} bits", format.bits()))
+        }
+        Some(QName::Fraction(format)) => {
+            (format, format!("a sign and n bits behind the point are {} bits", format.bits()))
+        }
+        Some(QName::Unclear { integer_bits: Some(m), fraction_bits: n }) => bail!(
+            "unknown format {name:?}: neither m + n, as Arm counts, nor m + n + 1, as TI does, is a register of 8, 16, 32 or 64 bits: \
+             expected I{m}F{n} if the sign is within m, or I{}F{n} if it is not",
+            m + 1
+        ),
+        Some(QName::Unclear { integer_bits: None, fraction_bits: n }) => bail!(
+            "unknown format {name:?}: a sign and {n} bits behind the point are no register of 8, 16, 32 or 64 bits: expected the bits \
+             before the point too, as in I{}F{n}",
+            if n <= 30 { 32 - n } else { 64_u32.saturating_sub(n).max(2) }
+        ),
+    };
+    let (read, bits) = (format.to_string(), format.bits());
+    if RuntimeFormat::named(&read).is_none() {
+        bail!(
+            "format {name:?} is {read}, which does not hold the number 1: expected at least 2 bits before the point, as in I2F{}",
+            bits - 2
+        );
+    }
+    output::note(&format!("{name} is read as {read}: {how}"));
+    Ok(read)
+}
+
+/// What to say of a name that no format has.
+fn unknown(name: &str) -> anyhow::Error {
+    let cases = [name.to_uppercase(), name.to_lowercase()];
+    let built_in: Vec<String> =
+        format_compare::formats::<3>().iter().map(|format| format.name().to_string()).collect();
+    let built_in: Vec<&str> = built_in.iter().map(String::as_str).collect();
+    let in_other_case = cases.iter().find(|meant| by_name::<3>(meant).is_some()).map(String::as_str);
+    let meant = in_other_case.or_else(|| part_program::nearest(name, &built_in));
+    match meant {
+        Some(meant) => anyhow!("unknown format {name:?}: did you mean `{meant}`?"),
+        None => anyhow!(
+            "unknown format {name:?}: expected one that `feedbits formats` lists, or a fixed-point format such as I5F13: 3 to 64 bits \
+             in all, at least 2 of them before the point; behind it -even, -floor or -zero, and then -sat; or one in Q notation that \
+             fills a register, as Q8.24 (Arm) or Q7.24 (TI) for I8F24"
+        ),
+    }
 }
 
 /// One name of a list, which may have blanks beside its commas.
@@ -100,5 +166,5 @@ fn table(listed: &[Listed]) -> String {
             column.set_cell_alignment(CellAlignment::Right);
         }
     }
-    format!("{table}\n")
+    format!("{table}\n{NAMES}")
 }

@@ -6,10 +6,11 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
+use clap_complete::{ArgValueCandidates, ArgValueCompleter};
 use format_compare::Problem;
 use part_program::{Diagnostics, Dialect, MAX_TEXT, Machine, Move, MoveKind, Part, ReadOptions};
 
-use crate::output;
+use crate::{completions, machine, output};
 
 /// The example that runs when no part is named: paper A's curve and machine.
 const EXAMPLE: &str = include_str!("../../../data/seed-000.toml");
@@ -20,11 +21,12 @@ pub(crate) struct Input {
     /// Part: a curve file (TOML), a part program, a drawing (DXF) or geomdl's JSON, told by its content; at most
     /// 64 MiB. `-` is the standard input. Default: the built-in example.
     part: Option<PathBuf>,
-    /// Machine file (TOML with a table `machine`). Default: the machine in the part's own file.
-    #[arg(long, value_name = "FILE")]
+    /// Machine: a preset's name, as `feedbits machine` lists them, or a file (TOML with a table `machine`). A file that is named as a
+    /// preset is given with its folder, as ./mill. Default: the machine in the part's own file.
+    #[arg(long, value_name = "NAME|FILE", add = ArgValueCompleter::new(completions::machines))]
     machine: Option<PathBuf>,
     /// The control that a part program is for: fanuc, linuxcnc or siemens. Default: told by its splines.
-    #[arg(long, value_name = "CONTROL")]
+    #[arg(long, value_name = "CONTROL", add = ArgValueCandidates::new(completions::dialects))]
     dialect: Option<Dialect>,
     /// Read over unknown words of a part program, with a warning each. A G word that is not read leaves the axes of its
     /// block out, and where they are is unknown until a move in G90 names them; after a cycle, or another motion that is
@@ -62,7 +64,11 @@ impl Input {
         let part = self.part()?;
         match self.machine_of(&part)? {
             Some(machine) => Ok((part, machine)),
-            None => bail!("{} names no machine: give its limits with --machine FILE.toml", part.name),
+            None => bail!(
+                "{} names no machine: give its limits with --machine FILE.toml, or take a preset such as --machine router; \
+                 `feedbits machine` lists them",
+                part.name
+            ),
         }
     }
 
@@ -96,7 +102,7 @@ impl Input {
     /// The machine that is given or that the part's file names.
     pub(crate) fn machine_of(&self, part: &Part) -> Result<Option<Machine>> {
         match &self.machine {
-            Some(path) => Ok(Some(part_program::read_machine(&path.display().to_string(), &text(path)?)?)),
+            Some(path) => machine::read(path).map(Some),
             None => Ok(part.machine.clone()),
         }
     }

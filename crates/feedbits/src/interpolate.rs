@@ -4,16 +4,18 @@ use std::fmt::Write;
 
 use anyhow::{Result, bail};
 use clap::Args;
+use clap_complete::ArgValueCandidates;
 use format_compare::{
-    Dimension, Engine, Options, OverrideTarget, Overrides, Problem, Reference, SetpointTable, Space,
+    Dimension, Engine, Options, OverrideTarget, Overrides, Problem, Reference, Run, SetpointTable, Space,
     jerk_of_chords,
 };
+use real::FormatName;
 
 use crate::formats::selected;
 use crate::input::{AnyProblem, Input};
 use crate::progress::Progress;
 use crate::run_arguments::RunArguments;
-use crate::{Ending, output};
+use crate::{Ending, completions, output};
 
 /// Options of `interpolate`.
 #[derive(Args)]
@@ -23,7 +25,7 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     run: RunArguments,
     /// The number format.
-    #[arg(long, value_name = "F", default_value = "f64")]
+    #[arg(long, value_name = "F", default_value = "f64", add = ArgValueCandidates::new(completions::formats))]
     format: String,
     /// Feed overrides on the way: from this time on, in s, this share of the commanded feed, 0 to 200 %. 0 is feed hold. Such a run
     /// goes from rest to rest.
@@ -53,7 +55,7 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     output::expect_place(arguments.output.out.as_deref())?;
     let progress = Progress::spinning("interpolating");
-    let (table, finished) = match arguments.run.problem(&arguments.input)? {
+    let (table, stopped) = match arguments.run.problem(&arguments.input)? {
         AnyProblem::Planar(problem) => setpoints(&problem, arguments)?,
         AnyProblem::Spatial(problem) => setpoints(&problem, arguments)?,
     };
@@ -61,23 +63,27 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     let text =
         if arguments.output.json { serde_json::to_string_pretty(&table)? + "\n" } else { csv(&table)? };
     output::write(arguments.output.out.as_deref(), &text)?;
-    if !finished {
-        output::say(&format!("feedbits: the run in {} stops before the end of the path", arguments.format));
-    }
-    Ok(if finished { Ending::Good } else { Ending::RequirementNotMet })
+    let Some(format) = stopped else { return Ok(Ending::Good) };
+    output::say(&format!("feedbits: the run in {format} stops before the end of the path"));
+    Ok(Ending::RequirementNotMet)
 }
 
-fn setpoints<const D: usize>(problem: &Problem<D>, arguments: &Arguments) -> Result<(SetpointTable, bool)>
+/// The setpoints, and the format if its run stops before the end of the path.
+fn setpoints<const D: usize>(
+    problem: &Problem<D>,
+    arguments: &Arguments,
+) -> Result<(SetpointTable, Option<FormatName>)>
 where
     Space: Dimension<D>,
 {
     let options = arguments.run.options_for(problem)?;
     let formats = selected::<D>(std::slice::from_ref(&arguments.format))?;
     let Some(format) = formats.first() else { bail!("no format") };
+    let stopped = |run: &Run| (!run.finished).then(|| format.name());
     if arguments.overrides.is_empty() {
         let plan = format_compare::plan_for(problem, format.as_ref(), &options)?;
         let run = format.run(problem, &plan, &options)?;
-        return Ok((Reference::new(problem)?.setpoints(problem, &run), run.finished));
+        return Ok((Reference::new(problem)?.setpoints(problem, &run), stopped(&run)));
     }
     if options.engine != Engine::Pieces {
         bail!("--override goes with pieces: give --evaluate pieces");
@@ -96,7 +102,7 @@ where
             target.time_s
         ));
     }
-    Ok((table, run.finished))
+    Ok((table, stopped(&run)))
 }
 
 /// A time and an override, as in `0.5:150`.

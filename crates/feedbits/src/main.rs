@@ -10,6 +10,7 @@ mod examples;
 mod formats;
 mod input;
 mod interpolate;
+mod machine;
 mod merge;
 mod output;
 mod plan;
@@ -88,6 +89,9 @@ enum Command {
     /// Write a part in another dialect, as straight moves within a tolerance, or as a curve file.
     #[command(after_help = examples::CONVERT)]
     Convert(convert::Arguments),
+    /// List machines that have a name, with the sources of their values, or print one as a machine file to start from.
+    #[command(after_help = examples::MACHINE)]
+    Machine(machine::Arguments),
     /// List the number formats.
     #[command(after_help = examples::FORMATS)]
     Formats(formats::Arguments),
@@ -104,6 +108,7 @@ enum Ending {
 }
 
 fn main() -> ExitCode {
+    completions::answer();
     let arguments = Arguments::parse();
     if arguments.quiet {
         output::be_quiet();
@@ -126,6 +131,7 @@ fn main() -> ExitCode {
         Command::Targets(arguments) => targets::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Convert(arguments) => convert::run(&arguments),
+        Command::Machine(arguments) => machine::run(&arguments),
         Command::Formats(arguments) => formats::run(&arguments),
         Command::Completions(arguments) => completions::run(&arguments),
     };

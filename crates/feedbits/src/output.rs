@@ -39,6 +39,11 @@ pub(crate) fn note(text: &str) {
     }
 }
 
+/// `did you mean …? ` where a word is near to one that is known, else nothing.
+pub(crate) fn did_you_mean(word: &str, known: &[&str]) -> String {
+    part_program::nearest(word, known).map_or_else(String::new, |meant| format!("did you mean `{meant}`? "))
+}
+
 /// A number and what it counts: one of it, or others.
 pub(crate) fn counted(count: usize, one: &str, others: &str) -> String {
     format!("{count} {}", if count == 1 { one } else { others })

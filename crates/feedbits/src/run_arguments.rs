@@ -1,11 +1,13 @@
 //! How a part is planned and run: options that several subcommands share.
 
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
+use clap_complete::ArgValueCandidates;
 use format_compare::{Engine, LeastPeriods, MOST_PERIODS, Options, PlanIn, Problem, ProfileKind};
 use part_program::{Machine, Part};
 
-use crate::formats::by_name;
+use crate::completions;
+use crate::formats::named;
 use crate::input::{AnyProblem, Input};
 
 /// How a part is planned and run.
@@ -35,7 +37,7 @@ pub(crate) struct RunArguments {
 #[derive(Args)]
 pub(crate) struct PlanArguments {
     /// The format to plan in: a format's name, or `same` for each its own.
-    #[arg(long, value_name = "F", default_value = "f64")]
+    #[arg(long, value_name = "F", default_value = "f64", add = ArgValueCandidates::new(completions::planners))]
     plan_in: String,
     /// The transitions that the plan is made of.
     #[arg(long, value_enum, default_value_t = ProfileName::Cubic)]
@@ -105,12 +107,10 @@ impl PlanArguments {
         let plan_in = match self.plan_in.as_str() {
             "" | "f64" => PlanIn::default(),
             "same" => PlanIn::Same,
-            name => match by_name::<3>(name) {
-                Some(format) => PlanIn::Format(format.name()),
-                None => bail!(
-                    "--plan-in {name}: no such format; `feedbits formats` lists them, `same` is each its own"
-                ),
-            },
+            name => PlanIn::Format(
+                named(name)
+                    .with_context(|| format!("--plan-in {name}, where `same` is each format its own"))?,
+            ),
         };
         for (option, value) in [("--start-feed", self.start_feed), ("--end-feed", self.end_feed)] {
             if !(value.is_finite() && value >= 0.0) {

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
+use clap_complete::ArgValueCandidates;
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
 use format_compare::{Dimension, Engine, ExactPlan, Format, MOST_PERIODS, Options, Problem, RunStep, Space};
 use nurbs_core::{Evaluate, NurbsBuf};
@@ -18,7 +19,7 @@ use crate::formats::selected;
 use crate::input::{self, AnyProblem, Input};
 use crate::progress::Progress;
 use crate::run_arguments::RunArguments;
-use crate::{Ending, output};
+use crate::{Ending, completions, output};
 
 /// The drive that runs when no servo file is given: fitted to paper D's circle test.
 const EXAMPLE: &str = include_str!("../../../data/servo.toml");
@@ -33,8 +34,9 @@ pub(crate) struct Arguments {
     servo: Option<PathBuf>,
     #[command(flatten)]
     run: RunArguments,
-    /// The formats to run, comma-separated. Default: all; see `feedbits formats`.
-    #[arg(long, visible_alias = "format", value_delimiter = ',', value_parser = crate::formats::name, value_name = "F,F")]
+    /// The formats to run, comma-separated. Default: all; see `feedbits formats`. Names in Q notation are
+    /// read by the register that they fill: Q8.24 (Arm) and Q7.24 (TI) are I8F24.
+    #[arg(long, visible_alias = "format", value_delimiter = ',', value_parser = crate::formats::name, value_name = "F,F", add = ArgValueCandidates::new(completions::formats))]
     formats: Vec<String>,
     /// Radius of the circle test, in mm.
     #[arg(long, allow_negative_numbers = true, value_name = "MM", default_value_t = 10.0)]

@@ -5,14 +5,16 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
+use clap_complete::ArgValueCandidates;
 use comfy_table::{CellAlignment, Table, presets};
 use format_compare::in_parallel;
 use serde::{Deserialize, Serialize};
 use stress::{SOAK_FORMATS, Soak, SoakFormat, SoakPaths, soak_path};
 use time::OffsetDateTime;
 
+use crate::formats::meant;
 use crate::progress::Progress;
-use crate::{Ending, input, output};
+use crate::{Ending, completions, input, output};
 
 /// Options of `soak`.
 #[derive(Args)]
@@ -21,7 +23,7 @@ pub(crate) struct Arguments {
     #[arg(long, allow_negative_numbers = true, value_name = "N", default_value = "1M", value_parser = count)]
     periods: u64,
     /// The formats, comma-separated. Default: the ten built-in ones, and I5F21 as one chosen at run time.
-    #[arg(long, visible_alias = "format", value_delimiter = ',', value_parser = crate::formats::name, value_name = "F,F")]
+    #[arg(long, visible_alias = "format", value_delimiter = ',', value_parser = crate::formats::name, value_name = "F,F", add = ArgValueCandidates::new(completions::formats))]
     formats: Vec<String>,
     /// Which paths are drawn.
     #[arg(long, allow_negative_numbers = true, value_name = "N", default_value_t = 1)]
@@ -115,6 +117,7 @@ fn selected(names: &[String]) -> Result<Vec<SoakFormat>> {
     }
     let mut selected: Vec<SoakFormat> = Vec::with_capacity(names.len());
     for name in names {
+        let name = &meant(name)?;
         let found = SOAK_FORMATS.iter().find(|format| format.name() == name).copied();
         let format = found.with_context(|| {
             let known: Vec<_> = SOAK_FORMATS.iter().map(SoakFormat::name).collect();

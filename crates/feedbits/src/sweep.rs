@@ -8,6 +8,7 @@ use std::sync::Mutex;
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
+use clap_complete::ArgValueCandidates;
 use format_compare::{Dimension, Engine, Format, LeastPeriods, Options, Problem, Row, Space, Verdict};
 use format_report::{Sweep, SweepCell, SweepResult};
 use nurbs_core::NurbsBuf;
@@ -17,7 +18,7 @@ use crate::formats::selected;
 use crate::input::Input;
 use crate::progress::Progress;
 use crate::run_arguments::RunArguments;
-use crate::{Ending, output, report, sweep_file};
+use crate::{Ending, completions, output, report, sweep_file};
 
 /// Options of `sweep`.
 #[derive(Args)]
@@ -45,8 +46,9 @@ pub(crate) struct Arguments {
         value_parser = clap::value_parser!(u16).range(1..=1000)
     )]
     points: u16,
-    /// The formats to run, comma-separated. Default: all; see `feedbits formats`.
-    #[arg(long, visible_alias = "format", value_delimiter = ',', value_parser = crate::formats::name, value_name = "F,F")]
+    /// The formats to run, comma-separated. Default: all; see `feedbits formats`. Names in Q notation are
+    /// read by the register that they fill: Q8.24 (Arm) and Q7.24 (TI) are I8F24.
+    #[arg(long, visible_alias = "format", value_delimiter = ',', value_parser = crate::formats::name, value_name = "F,F", add = ArgValueCandidates::new(completions::formats))]
     formats: Vec<String>,
     /// The most periods of a run; a cell that needs more is left out, and says so.
     #[arg(long, allow_negative_numbers = true, value_name = "N", default_value_t = 100_000)]

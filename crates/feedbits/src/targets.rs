@@ -5,17 +5,19 @@ use std::path::PathBuf;
 
 use anyhow::{Result, bail};
 use clap::Args;
+use clap_complete::ArgValueCandidates;
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
 use format_compare::{Comparison, Cost, PeriodCost, Row, Verdict};
 use serde::Serialize;
 use target_cost::{Calibration, Confidence, Kind, Known, Measure, Prediction, Target, built_in};
 
-use crate::{Ending, input, output};
+use crate::{Ending, completions, input, output};
 
 /// Options of `targets`.
 #[derive(Args)]
 pub(crate) struct Arguments {
     /// The target whose every number is to be listed, with its source. Default: all targets, a line each.
+    #[arg(add = ArgValueCandidates::new(completions::targets))]
     target: Option<String>,
     /// Target files to list beside the built-in ones.
     #[arg(long, value_name = "FILE")]
@@ -31,7 +33,7 @@ pub(crate) struct Arguments {
 #[derive(Args)]
 pub(crate) struct TargetArguments {
     /// Targets to price a period on, comma-separated; the recommendation is for the first. See `feedbits targets`.
-    #[arg(long, value_delimiter = ',', value_name = "T,T")]
+    #[arg(long, value_delimiter = ',', value_name = "T,T", add = ArgValueCandidates::new(completions::targets))]
     targets: Vec<String>,
     /// A target file (TOML); may be given more than once.
     #[arg(long, value_name = "FILE")]
@@ -59,7 +61,7 @@ impl TargetArguments {
             match known.iter().find(|target| target.name == *name) {
                 Some(target) if chosen.iter().any(|one| one.name == target.name) => {}
                 Some(target) => chosen.push(target.clone()),
-                None => bail!("unknown target {name:?}: expected {}", names(&known)),
+                None => bail!("{}", unknown(name, &known)),
             }
         }
         let unnamed = from_files.into_iter().filter(|target| !self.targets.contains(&target.name));
@@ -85,8 +87,9 @@ fn files(paths: &[PathBuf]) -> Result<Vec<Target>> {
     paths.iter().map(|path| Ok(Target::read(&path.display().to_string(), &input::text(path)?)?)).collect()
 }
 
-fn names(targets: &[Target]) -> String {
-    targets.iter().map(|target| target.name.as_str()).collect::<Vec<_>>().join(", ")
+fn unknown(name: &str, known: &[Target]) -> String {
+    let names: Vec<&str> = known.iter().map(|target| target.name.as_str()).collect();
+    format!("unknown target {name:?}: {}expected {}", output::did_you_mean(name, &names), names.join(", "))
 }
 
 /// Lists targets, or one target's numbers, or the predictions.
@@ -98,7 +101,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
         if json { serde_json::to_string_pretty(&checked)? + "\n" } else { check_table(&checked) }
     } else if let Some(name) = &arguments.target {
         let Some(target) = known.iter().find(|target| target.name == *name) else {
-            bail!("unknown target {name:?}: expected {}", names(&known));
+            bail!("{}", unknown(name, &known));
         };
         if json { serde_json::to_string_pretty(target)? + "\n" } else { numbers(target) }
     } else if json {

@@ -590,8 +590,8 @@ fn a_part_is_compiled_for_a_controller() {
     for (arguments, expected) in [
         (vec!["--format", "I5F13"], "I5F13 is no type of a controller"),
         (vec!["--format", "I1F31"], "unknown format \"I1F31\""),
-        (vec!["--format", "i5f27"], "unknown format \"i5f27\": did you mean I5F27?"),
-        (vec!["--format", "F32"], "unknown format \"F32\": did you mean f32?"),
+        (vec!["--format", "i5f27"], "unknown format \"i5f27\": did you mean `I5F27`?"),
+        (vec!["--format", "F32"], "unknown format \"F32\": did you mean `f32`?"),
         (vec!["--format", "f32", "--evaluate", "de-boor"], "a controller runs compiled pieces"),
         (vec!["--format", "f32", "--end-feed", "-1"], "--end-feed -1: expected a feed of at least 0 mm/s"),
     ] {

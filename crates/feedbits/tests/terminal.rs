@@ -60,6 +60,11 @@ fn the_formats() {
 }
 
 #[test]
+fn the_machines() {
+    shows(&["machine"], &expect_file!["terminal/machines.txt"]);
+}
+
+#[test]
 fn a_sweep_of_wrong_words() {
     shows(&["sweep", "--period", "4..1"], &expect_file!["terminal/wrong-span.txt"]);
 }
@@ -74,7 +79,7 @@ fn every_shell_gets_its_script() {
     for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
         let output = Command::new(env!("CARGO_BIN_EXE_feedbits")).args(["completions", shell]).output();
         let script = String::from_utf8(output.expect("the program starts").stdout).expect("text");
-        assert!(script.contains("sweep") && script.contains("report"), "{shell}");
+        assert!(script.contains("FEEDBITS_COMPLETE") && script.contains("feedbits"), "{shell}: {script}");
     }
 }
 

@@ -84,6 +84,7 @@ pub use ratio_words::{NoLargestRatio, RatioLost, RatioWords};
 pub use remark::{Oddity, Remark, SHORT_SPAN, TINY_MM, WEIGHT_RATIO};
 pub use rest::Rest;
 pub use rounding::{Rounded, StandsStill};
+pub use toml_table::nearest;
 pub use write::{WriteError, write_g1, write_g5_2, write_g06_2};
 pub use write_curves::write_curves;
 

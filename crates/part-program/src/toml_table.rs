@@ -64,6 +64,14 @@ impl<'r, 'd, 't> TableReader<'r, 'd, 't> {
         self.number_of(key, value, domain)
     }
 
+    /// A number within `domain`, or `default` if the key is not there.
+    pub(crate) fn number_or(&mut self, key: &'static str, domain: Domain, default: f64) -> Option<f64> {
+        match self.optional(key) {
+            Some(value) => self.number_of(key, value, domain),
+            None => Some(default),
+        }
+    }
+
     fn number_of(&mut self, key: &str, value: &Spanned<DeValue<'_>>, domain: Domain) -> Option<f64> {
         let number = number(self.report, key, value)?;
         if !(domain.holds)(number) {
@@ -223,20 +231,36 @@ pub(crate) fn is_published(name: &str) -> bool {
     name.starts_with("table_")
 }
 
-/// The known word that `word` was probably meant to be: at most a third of its letters differ.
-pub(crate) fn nearest<'w>(word: &str, known: &[&'w str]) -> Option<&'w str> {
-    let near = |candidate: &&str| {
+/// The known word that `word` was probably meant to be: at most a third of its letters differ, or of those before its unit.
+///
+/// ```
+/// let keys = ["jerk_mm_per_s3", "feedrate_mm_per_s"];
+/// assert_eq!(part_program::nearest("feedrat_mm_per_s", &keys), Some("feedrate_mm_per_s"));
+/// assert_eq!(part_program::nearest("jerk", &keys), Some("jerk_mm_per_s3"));
+/// assert_eq!(part_program::nearest("colour", &keys), None);
+/// ```
+#[must_use]
+pub fn nearest<'w>(word: &str, known: &[&'w str]) -> Option<&'w str> {
+    let near = |word: &str, candidate: &str| {
         let distance = strsim::damerau_levenshtein(word, candidate);
         (distance * 3 <= candidate.len().max(3)).then_some(distance)
     };
     if word.len() > 64 {
         return None;
     }
-    known
-        .iter()
-        .filter_map(|candidate| Some((near(candidate)?, *candidate)))
-        .min()
-        .map(|(_, candidate)| candidate)
+    let whole = known.iter().filter_map(|candidate| Some((near(word, candidate)?, *candidate))).min();
+    let before_unit = || {
+        let stems = known.iter().filter(|candidate| without_unit(candidate) != **candidate);
+        let near = |candidate: &'w str| near(without_unit(word), without_unit(candidate));
+        stems.filter_map(|candidate| Some((near(candidate)?, *candidate))).min()
+    };
+    whole.or_else(before_unit).map(|(_, candidate)| candidate)
+}
+
+/// A key without its unit: `jerk` of `jerk_mm_per_s3`.
+fn without_unit(key: &str) -> &str {
+    let units = ["_mm", "_m_", "_ms", "_us", "_s", "_inch"];
+    units.iter().filter_map(|unit| key.find(unit)).min().map_or(key, |end| &key[..end])
 }
 
 #[cfg(test)]

@@ -51,16 +51,11 @@ impl FormatName {
             "f64" => return Some(Self::Float { bits: 64 }),
             _ => {}
         }
-        let mut words = name.split('-').peekable();
+        let mut words = name.split('-');
         let (integer_bits, fraction_bits) = words.next()?.strip_prefix('I')?.split_once('F')?;
         let bits = |digits: &str| digits.parse().ok().filter(|bits| *bits <= 64);
         let (integer_bits, fraction_bits) = (bits(integer_bits)?, bits(fraction_bits)?);
-        let mut next =
-            |word: Option<&str>| word.is_some() && words.next_if(|next| Some(*next) == word).is_some();
-        let rounding = Rounding::ALL.into_iter().find(|rounding| next(rounding.word())).unwrap_or_default();
-        let overflow = Overflow::ALL.into_iter().find(|overflow| next(overflow.word())).unwrap_or_default();
-        let datapath = Datapath { rounding, overflow };
-        words.next().is_none().then_some(Self::Fixed { integer_bits, fraction_bits, datapath })
+        Some(Self::Fixed { integer_bits, fraction_bits, datapath: datapath_of(words)? })
     }
 
     /// Width in bits; the greatest `u32` where a name that no format has would give more.
@@ -89,6 +84,15 @@ impl fmt::Display for FormatName {
             Self::DoubleDouble => f.write_str("double-double"),
         }
     }
+}
+
+/// The datapath that the words behind a name's bits say; `None` if one of them is none, or is not in its place.
+pub(crate) fn datapath_of<'n>(words: impl Iterator<Item = &'n str>) -> Option<Datapath> {
+    let mut words = words.peekable();
+    let mut next = |word: Option<&str>| word.is_some() && words.next_if(|next| Some(*next) == word).is_some();
+    let rounding = Rounding::ALL.into_iter().find(|rounding| next(rounding.word())).unwrap_or_default();
+    let overflow = Overflow::ALL.into_iter().find(|overflow| next(overflow.word())).unwrap_or_default();
+    words.next().is_none().then_some(Datapath { rounding, overflow })
 }
 
 #[cfg(test)]

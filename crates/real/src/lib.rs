@@ -56,6 +56,7 @@ mod format_name;
 mod histogram;
 mod lane;
 mod operation;
+mod q_name;
 #[cfg(feature = "std")]
 mod quantized;
 #[allow(clippy::module_inception, reason = "the trait's file carries the crate's one noun")]
@@ -87,6 +88,7 @@ pub use format_name::FormatName;
 pub use histogram::Histogram;
 pub use lane::Lane;
 pub use operation::Operation;
+pub use q_name::QName;
 #[cfg(feature = "std")]
 pub use quantized::Quantized;
 pub use real::{Backend, Real};
