@@ -46,6 +46,16 @@ window.addEventListener('load', () => {
   const tip = document.getElementById('tip');
   say('tip', tip.hidden ? 'hidden' : /time \[s\]: 2\.\d+\nfeed +\d/.test(tip.textContent) || tip.textContent);
   say('answer', document.querySelector('#answer strong').textContent);
+  const box2 = document.querySelector('#table .scroll');
+  const cell = box2.querySelector('td');
+  const left = cell.getBoundingClientRect().left;
+  box2.scrollLeft = 400;
+  say('format stays', Math.abs(cell.getBoundingClientRect().left - left) < 1);
+  const half = document.getElementById('bits').getBoundingClientRect(), said = document.getElementById('answer').getBoundingClientRect();
+  say('picture', innerWidth >= 1120 ? half.left >= said.right && half.top < said.bottom : half.top >= said.bottom);
+  say('width used', document.querySelector('main').getBoundingClientRect().width >= Math.min(innerWidth, 1600) - 20);
+  say('raw', document.querySelector('#table details:not([open]) .data') !== null);
+  say('bits', /^26 bits are enough: I2F24/.test(document.querySelector('#answer .big').textContent));
   say('wide', document.documentElement.scrollWidth <= innerWidth);
   say('errors', window.errors.length + window.errors.join(';'));
   const note = document.createElement('pre');
@@ -108,7 +118,7 @@ fn the_report_opens_without_an_error_and_its_switches_work() {
         .output()
         .expect("the program starts");
     assert_eq!(run.status.code(), Some(0), "{}", String::from_utf8_lossy(&run.stderr));
-    for width in [1200, 500] {
+    for width in [1400, 900, 500] {
         let (page, log) = visit(&browser, folder.path(), width);
         let found = page.split("<pre id=\"found\">").nth(1).and_then(|rest| rest.split("</pre>").next());
         let found = found.unwrap_or_else(|| panic!("the script behind the page did not end\n{log}"));
@@ -123,6 +133,11 @@ fn the_report_opens_without_an_error_and_its_switches_work() {
             "theme=true",
             "tip=true",
             "answer=I8F24",
+            "format stays=true",
+            "picture=true",
+            "width used=true",
+            "raw=true",
+            "bits=true",
             "wide=true",
             "errors=0",
         ];

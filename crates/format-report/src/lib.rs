@@ -27,6 +27,7 @@ mod runs;
 mod sweep;
 mod table;
 mod tables;
+mod thinned;
 
 pub use figure::Figure;
 pub use material::{Material, Schedule, Solver};

@@ -1,7 +1,7 @@
 //! The whole report: a page, and a file for each picture and table.
 
 use askama::Template;
-use format_compare::{Comparison, Requirement, Verdict};
+use format_compare::{Comparison, Engine, FewestBits, Requirement, Verdict};
 
 use crate::figure::Figure;
 use crate::figures::{self, Chapter};
@@ -29,13 +29,20 @@ struct Page<'a> {
     answer: Answer,
     margins: Vec<MarginView>,
     runs: Vec<Switch>,
+    /// The formats on pieces, or by whatever they were run.
     formats: &'a Table,
+    /// The textbook way of the same formats, folded.
+    raw: Option<&'a Table>,
+    /// Bits against fluctuation, beside the answer.
+    bits: Option<&'a Chapter>,
     costs: Option<&'a Table>,
     chapters: &'a [Chapter],
     reference: &'a str,
 }
 
 struct Answer {
+    /// The fewest bits that are enough, where they were searched.
+    bits: Option<String>,
     format: Option<String>,
     why: Vec<String>,
 }
@@ -71,17 +78,23 @@ impl Report {
     pub fn of(material: &Material<'_>) -> Result<Self, askama::Error> {
         let comparison = material.comparison;
         let runs = runs::views(comparison, material.traces);
-        let chapters = figures::chapters(material, &runs);
+        let mut chapters = figures::chapters(material, &runs);
+        let bits =
+            chapters.iter().position(|chapter| chapter.id == "bits").map(|place| chapters.remove(place));
         let recommended = runs::recommended(comparison);
         // Those that can be used in part first.
         let mut requirements =
             recommended.map_or_else(Vec::new, |index| comparison.formats[index].requirements.clone());
         requirements.sort_by_key(|one| one.used().is_none());
-        let formats = tables::formats(&runs);
+        let formats = tables::formats(comparison.formats.iter());
         let costs = tables::costs(material, &runs);
         let margin_table = tables::margins(&requirements);
         let tables = [Some(&formats), Some(&margin_table), costs.as_ref()].into_iter().flatten();
-        let files = files(chapters.iter().flat_map(|chapter| &chapter.figures), tables);
+        let files = files(bits.iter().chain(&chapters).flat_map(|chapter| &chapter.figures), tables);
+        let (on_pieces, raw): (Vec<_>, Vec<_>) =
+            comparison.formats.iter().partition(|row| row.engine == Engine::Pieces);
+        let [on_pieces, raw] =
+            [on_pieces, raw].map(|rows| (!rows.is_empty()).then(|| tables::formats(rows.into_iter())));
         let title = format!("feedbits: {}", comparison.part.name);
         let question = "How many bits does your feed need?";
         let page = Page {
@@ -91,7 +104,9 @@ impl Report {
             answer: answer(comparison, &requirements),
             margins: requirements.iter().map(MarginView::of).collect(),
             runs: runs.iter().map(|run| Switch::of(run, recommended)).collect(),
-            formats: &formats,
+            formats: on_pieces.as_ref().or(raw.as_ref()).unwrap_or(&formats),
+            raw: on_pieces.as_ref().and(raw.as_ref()),
+            bits: bits.as_ref(),
             costs: costs.as_ref(),
             chapters: &chapters,
             reference: comparison.reference,
@@ -171,7 +186,7 @@ impl Switch {
 /// Which format, and why.
 fn answer(comparison: &Comparison, requirements: &[Requirement]) -> Answer {
     let Some(index) = runs::recommended(comparison) else {
-        return Answer { format: None, why: why_none(comparison) };
+        return Answer { bits: fewest_bits(comparison), format: None, why: why_none(comparison) };
     };
     let row = &comparison.formats[index];
     let priced = comparison.recommended_on.len();
@@ -211,7 +226,18 @@ fn answer(comparison: &Comparison, requirements: &[Requirement]) -> Answer {
     for (target, (format, engine)) in &comparison.recommended_on {
         why.push(format!("Cheapest on {target}: {format} {engine}."));
     }
-    Answer { format: Some(row.format.clone()), why }
+    Answer { bits: fewest_bits(comparison), format: Some(row.format.clone()), why }
+}
+
+/// How many bits are enough.
+fn fewest_bits(comparison: &Comparison) -> Option<String> {
+    match comparison.fewest_bits.as_ref()? {
+        FewestBits::Found { format, bits, margin, .. } => Some(format!(
+            "{bits} bits are enough: {format}, {} times better than asked",
+            number::short(*margin)
+        )),
+        _ => None,
+    }
 }
 
 fn path(row: &format_compare::Row) -> &'static str {

@@ -7,7 +7,7 @@ use crate::runs::RunView;
 use crate::table::{Cell, Column, Table};
 
 /// The formats with their figures and verdicts.
-pub(crate) fn formats(runs: &[RunView<'_>]) -> Table {
+pub(crate) fn formats<'a>(rows: impl Iterator<Item = &'a Row>) -> Table {
     let columns = [
         ("format", "format"),
         ("bits", "bits"),
@@ -33,7 +33,7 @@ pub(crate) fn formats(runs: &[RunView<'_>]) -> Table {
         name: "formats".into(),
         title: "All formats".into(),
         columns: columns.map(|(key, heading)| Column { key, heading }).to_vec(),
-        rows: runs.iter().map(|run| format_row(run.row)).collect(),
+        rows: rows.map(format_row).collect(),
     }
 }
 

@@ -10,9 +10,16 @@ use crate::material::Material;
 use crate::number;
 use crate::palette::LEVEL_COUNT;
 use crate::runs::RunView;
+use crate::thinned::thinned;
 
 /// Stretches that a path is cut into, at most: each has the colour of its worst period.
 const STRETCHES: usize = 400;
+
+/// Points of all pictures of the path together, at most: a page of them has about a megabyte.
+const MOST_POINTS: usize = 60_000;
+
+/// Points that each of them may have in any case.
+const FEW_POINTS: usize = 1500;
 
 /// A step below this share of the full step is near rest, and not judged by its ratio.
 const AT_CRUISE: f64 = 0.25;
@@ -25,7 +32,8 @@ pub(crate) fn figures(material: &Material<'_>, runs: &[RunView<'_>]) -> Vec<Figu
         high - low <= 1e-6
     });
     let views: &[(usize, usize, &str)] = if flat { &[(0, 1, "")] } else { &[(0, 1, "-xy"), (0, 2, "-xz")] };
-    let view = |run, view| figure(material, run, view);
+    let pictures = runs.iter().filter(|run| run.trace.is_some()).count().max(1) * views.len();
+    let view = |run, view| figure(material, run, view, (MOST_POINTS / pictures).max(FEW_POINTS));
     runs.iter().flat_map(|run| views.iter().filter_map(move |one| view(run, *one))).collect()
 }
 
@@ -33,17 +41,27 @@ fn figure(
     material: &Material<'_>,
     run: &RunView<'_>,
     (across, up, view): (usize, usize, &str),
+    most_points: usize,
 ) -> Option<Figure> {
     let trace = run.trace.filter(|trace| trace.periods() > 1)?;
     let points: Vec<(f64, f64)> = trace.point_mm.iter().map(|point| (point[across], point[up])).collect();
-    let (axes, height) =
+    let (axes, height, pixel) =
         equal_scales(&points, ["X [mm]", "Y [mm]", "Z [mm]"][across], ["X [mm]", "Y [mm]", "Z [mm]"][up]);
     let limit = material.comparison.machine.fluctuation_limit;
     let full_step = material.comparison.machine.feedrate_mm_per_s * material.period_s();
     let jumps = jumps(trace);
+    let mut stretches = stretches(trace, full_step, limit);
+    // Where the path goes over itself the worst is what is seen.
+    stretches.sort_by_key(|stretch| std::cmp::Reverse(stretch.level));
+    let lines = stretches
+        .iter()
+        .map(|stretch| without_jumps(&points, &jumps, stretch.first..stretch.last + 1))
+        .collect::<Vec<_>>();
+    let lines = thinned(&lines, pixel, most_points);
     let drawn = draw(axes, &Layout { height, ..Layout::default() }, |plot| {
-        for stretch in stretches(trace, full_step, limit) {
-            let lines = without_jumps(&points, &jumps, stretch.first..stretch.last + 1);
+        // The worst last, on top.
+        for (stretch, lines) in stretches.iter().zip(&lines).rev().filter(|(_, lines)| !lines.is_empty()) {
+            let lines: Vec<_> = lines.iter().map(Vec::as_slice).collect();
             let from = (stretch.first as f64 + 1.0) * material.period_s();
             let to = (stretch.last as f64 + 1.0) * material.period_s();
             let times = format!("{} to {} s", number::short(from), number::short(to));
@@ -73,8 +91,8 @@ fn figure(
     Some(drawn.named(&name, &title, &caption).of_run(run.index).with_legend(legend(limit, "near rest")))
 }
 
-/// Axes on which a circle is round, and the height that takes.
-fn equal_scales(points: &[(f64, f64)], x: &str, y: &str) -> ((Axis, Axis), u32) {
+/// Axes on which a circle is round, the height that takes, and what a pixel is, in mm.
+fn equal_scales(points: &[(f64, f64)], x: &str, y: &str) -> ((Axis, Axis), u32, f64) {
     let bounds = |of: fn(&(f64, f64)) -> f64| {
         let ends =
             points.iter().map(of).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
@@ -95,7 +113,7 @@ fn equal_scales(points: &[(f64, f64)], x: &str, y: &str) -> ((Axis, Axis), u32) 
     );
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "between 160 and 520")]
     let height = frame_height as u32 + 60;
-    (axes, height)
+    (axes, height, per_pixel)
 }
 
 /// The periods at whose beginning the part is elsewhere than at the end of the one before: a rapid move was left out.
