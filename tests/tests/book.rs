@@ -14,8 +14,8 @@ mod holes {
 #[test]
 fn a_part_in_flash_makes_the_run_that_was_judged() {
     let mut checksum = PositionChecksum::default();
-    for stretch in &part::STRETCHES {
-        let run = part::PATH.on(stretch);
+    for section in &part::SECTIONS {
+        let run = part::PATH.on(section);
         let mut state = run.start();
         while let Some(setpoint) = run.step(&mut state) {
             checksum.add(run.pieces.position(setpoint.piece, &setpoint.offset)); // In units of 2⁻³⁹ mm, 64 bits a coordinate.
@@ -27,7 +27,7 @@ fn a_part_in_flash_makes_the_run_that_was_judged() {
 #[test]
 fn lanes_end_when_the_longest_run_does() {
     let interpolators: [PieceInterpolator<'_, f64, 3>; 32] =
-        std::array::from_fn(|lane| holes::PATH.on(&holes::STRETCHES[lane % holes::STRETCHES.len()]));
+        std::array::from_fn(|lane| holes::PATH.on(&holes::SECTIONS[lane % holes::SECTIONS.len()]));
     let mut made = [0; 32];
     let mut lanes = LaneInterpolator::<f64, 3, 32>::new(interpolators);
     while lanes.step() > 0 {
@@ -35,5 +35,5 @@ fn lanes_end_when_the_longest_run_does() {
             *periods += usize::from(lanes.setpoint(lane).is_some()); // lanes.restart(lane, next) where a run has ended.
         }
     }
-    assert_eq!(made.iter().take(holes::STRETCHES.len()).sum::<usize>(), holes::PERIODS);
+    assert_eq!(made.iter().take(holes::SECTIONS.len()).sum::<usize>(), holes::PERIODS);
 }
