@@ -4,7 +4,10 @@
 //! rest, in which the formats compared came nearest to a limit or broke it. The width found there is then run over the whole path,
 //! and wider ones after it where it is not good, or narrower ones as long as they are.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 use nurbs_core::Evaluate;
 use real::{Datapath, FormatName, Real};
@@ -16,7 +19,7 @@ use crate::formats::{Dimension, Space, plan_for, select};
 use crate::problem::Problem;
 use crate::reference::Reference;
 use crate::run::{Engine, Options, PlanIn, Refusal};
-use crate::size::{WIDTHS, narrowest_integer_part};
+use crate::size::{FEWEST_INTEGER_BITS, WIDTHS, narrowest_integer_part};
 
 /// Periods of the parts that the widths are narrowed down on, together: the three runs of them that most searches take are a matter
 /// of seconds.
@@ -82,17 +85,15 @@ where
     if periods > MOST_PERIODS {
         return Ok(FewestBits::LeftOut { periods: periods.to_phase(-32) >> 32 });
     }
-    let is_whole = |curves: &Range<usize>| curves.len() == problem.curves.len();
-    let own = |curves: &Range<usize>| match is_whole(curves) {
-        true => options.clone(),
-        false => Options { end_feeds_mm_per_s: [0.0; 2], ..options.clone() },
-    };
-    let trials = parts.into_iter().map(|(curves, _)| Trial::new(problem.part(curves.clone()), &own(&curves)));
+    let from_rest = Options { end_feeds_mm_per_s: [0.0; 2], ..options.clone() };
+    let parts = parts.into_iter().filter(|(curves, _)| curves.len() < problem.curves.len());
+    let trials = parts.map(|(curves, _)| Trial::new(problem.part(curves), &from_rest));
     let trials = trials.collect::<Result<Vec<_>, _>>()?;
+    let hardest = if trials.is_empty() { std::slice::from_ref(&whole) } else { &trials };
     let limit = problem.machine.fluctuation_limit;
     let start = expected_width(rows, limit);
     let width =
-        narrowest(start, |width| trials.iter().all(|trial| trial.run(width, &options).verdict.is_good()));
+        narrowest(start, |width| hardest.iter().all(|trial| trial.run(width, &options).verdict.is_good()));
     let good = |width: u32| Some(whole.run(width, &options)).filter(|row| row.verdict.is_good());
     let last = *WIDTHS.end();
     let Some(mut row) = (width..=last.min(width + NEIGHBOURS)).find_map(good) else {
@@ -153,6 +154,10 @@ struct Trial<const D: usize> {
     problem: Problem<D>,
     plan: ExactPlan,
     reference: Reference<D>,
+    /// Integer bits that the path is known to need.
+    integer_bits: AtomicU32,
+    /// The runs so far, by their width.
+    rows: Mutex<BTreeMap<u32, Row>>,
 }
 
 impl<const D: usize> Trial<D>
@@ -168,12 +173,26 @@ where
             }
         };
         let reference = Reference::new(&problem)?;
-        Ok(Self { problem, plan, reference })
+        let integer_bits = AtomicU32::new(FEWEST_INTEGER_BITS);
+        Ok(Self { problem, plan, reference, integer_bits, rows: Mutex::default() })
     }
 
+    /// The run in this width, made once.
     fn run(&self, width: u32, options: &Options) -> Row {
+        let rows = || self.rows.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(row) = rows().get(&width) {
+            return row.clone();
+        }
         let format = (width, Datapath::default());
-        narrowest_integer_part(format, &self.problem, &self.plan, options, &self.reference)
+        let fewest = self.integer_bits.load(Ordering::Relaxed);
+        let row = narrowest_integer_part(format, fewest, &self.problem, &self.plan, options, &self.reference);
+        if let (Some(FormatName::Fixed { integer_bits, .. }), Some(_)) =
+            (FormatName::named(&row.format), row.periods)
+        {
+            self.integer_bits.fetch_max(integer_bits, Ordering::Relaxed);
+        }
+        rows().insert(width, row.clone());
+        row
     }
 }
 

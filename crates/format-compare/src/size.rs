@@ -116,8 +116,9 @@ where
         ..options.clone()
     };
     let widths: Vec<_> = WIDTHS.map(|width| (width, datapath)).collect();
-    let tried =
-        in_parallel(&widths, |format| narrowest_integer_part(*format, problem, plan, &options, &reference));
+    let tried = in_parallel(&widths, |format| {
+        narrowest_integer_part(*format, FEWEST_INTEGER_BITS, problem, plan, &options, &reference)
+    });
     let uniform = tried.iter().find(|row| row.verdict.is_good()).cloned();
     let mut runs = tried.len();
     let mixed = match &uniform {
@@ -136,9 +137,13 @@ where
     })
 }
 
-/// The run with as few integer bits as the path can be compiled for, at this width.
+/// Integer bits, with the sign, that a search begins with.
+pub(crate) const FEWEST_INTEGER_BITS: u32 = 2;
+
+/// The run with as few integer bits as the path can be compiled for, at this width, tried from `fewest` on.
 pub(crate) fn narrowest_integer_part<const D: usize>(
     (width, datapath): (u32, Datapath),
+    fewest: u32,
     problem: &Problem<D>,
     plan: &ExactPlan,
     options: &Options,
@@ -147,7 +152,7 @@ pub(crate) fn narrowest_integer_part<const D: usize>(
 where
     Space: Dimension<D>,
 {
-    let mut integer_bits = 2;
+    let mut integer_bits = fewest;
     loop {
         let fraction_bits = width.saturating_sub(integer_bits);
         let Some(format) = RuntimeFormat::new(width, fraction_bits, datapath.rounding, datapath.overflow)
