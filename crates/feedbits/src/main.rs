@@ -16,6 +16,7 @@ mod plan;
 mod progress;
 mod report;
 mod run_arguments;
+mod screen;
 mod servo;
 mod size;
 mod smooth;
@@ -104,7 +105,10 @@ enum Ending {
 }
 
 fn main() -> ExitCode {
-    let arguments = Arguments::parse();
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) => return output::usage(&error),
+    };
     if arguments.quiet {
         output::be_quiet();
     }
