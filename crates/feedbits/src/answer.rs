@@ -2,33 +2,17 @@
 
 use std::fmt::Write;
 
-use anstyle::{AnsiColor, Style};
 use format_compare::{Comparison, Cost, Engine, FewestBits, Requirement, Row, Verdict};
 
-/// Columns of the first screen.
-const COLUMNS: usize = 80;
-
-const STRONG: Style = Style::new().bold();
-const GOOD: Style = AnsiColor::Green.on_default();
-const BAD: Style = AnsiColor::Red.on_default();
+use crate::screen::{self, BAD, COLUMNS, GOOD, duration, list, short, times, times_short};
 
 /// The answer, and a line for each format whose path is one of `engines`. Its styles are for a terminal.
 pub(crate) fn screen(comparison: &Comparison, engines: &[Engine]) -> String {
-    let mut text = String::new();
-    for line in folded(&about(comparison)) {
-        text += &(line + "\n");
-    }
-    for (index, line) in folded(&answer(comparison)).into_iter().enumerate() {
-        if index == 0 {
-            // Writing to a String does not fail.
-            let _ = writeln!(text, "{STRONG}{line}{STRONG:#}");
-        } else {
-            text += &(line + "\n");
-        }
-    }
+    let mut text = screen::paragraph(&about(comparison)) + &screen::answer(&answer(comparison));
     let rows: Vec<_> = comparison.formats.iter().filter(|row| engines.contains(&row.engine)).collect();
     let names_path = engines.len() > 1;
     let path = if names_path { "  path  " } else { "" };
+    // Writing to a String does not fail.
     let _ = writeln!(
         text,
         "\nformat{:width$} bits{path}  fluctuation    margin  verdict",
@@ -44,8 +28,7 @@ pub(crate) fn screen(comparison: &Comparison, engines: &[Engine]) -> String {
 /// What was run.
 fn about(comparison: &Comparison) -> String {
     let (part, machine) = (&comparison.part, &comparison.machine);
-    let name = std::path::Path::new(&part.name).file_name();
-    let name = name.map_or_else(|| part.name.clone(), |name| name.to_string_lossy().into_owned());
+    let name = screen::file_name(&part.name);
     let from =
         part.lowest_feedrate_mm_per_s.map_or_else(String::new, |lowest| format!("{} to ", short(lowest)));
     let time = part.planned_time_s.map_or_else(String::new, |time| format!(" in {}", duration(time)));
@@ -148,14 +131,6 @@ fn by_cost(best: &Row, good: &[&Row]) -> String {
     format!("{what}, if not by much: the range of its cost overlaps that of {}.", list(&as_cheap))
 }
 
-fn list(names: &[&str]) -> String {
-    match names {
-        [] => String::new(),
-        [one] => (*one).to_string(),
-        [most @ .., last] => format!("{} and {last}", most.join(", ")),
-    }
-}
-
 fn name_width(rows: &[&Row]) -> usize {
     rows.iter().map(|row| row.format.len()).max().unwrap_or(0).max(6)
 }
@@ -192,71 +167,5 @@ fn first_broken(reasons: &[String]) -> String {
         [] => String::new(),
         [one] => one.clone(),
         [first, others @ ..] => format!("{first}, and {} more", others.len()),
-    }
-}
-
-/// So many times, in words: two digits, and beyond a million only that.
-fn times(margin: f64) -> String {
-    if margin > MANY {
-        "more than a million times".to_string()
-    } else {
-        format!("{} times", two_digits(margin))
-    }
-}
-
-fn times_short(margin: f64) -> String {
-    if margin > MANY { "> 1e6".to_string() } else { format!("{}×", two_digits(margin)) }
-}
-
-/// A margin beyond which its figure says nothing.
-const MANY: f64 = 1e6;
-
-fn two_digits(x: f64) -> String {
-    if x < 10.0 { format!("{x:.1}") } else { format!("{x:.0}") }
-}
-
-/// A figure of at most six digits.
-fn short(x: f64) -> String {
-    let digits = 5 - x.abs().max(1e-3).log10().floor().clamp(-3.0, 5.0) as i32;
-    let text = format!("{x:.*}", usize::try_from(digits).unwrap_or(0).min(6));
-    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_string() } else { text }
-}
-
-/// A time as people say it.
-pub(crate) fn duration(seconds: f64) -> String {
-    let whole = seconds.round();
-    if seconds < 100.0 {
-        format!("{seconds:.2} s")
-    } else if whole < 3600.0 {
-        format!("{:.0} min {:02.0} s", (whole / 60.0).floor(), whole % 60.0)
-    } else {
-        format!("{:.0} h {:02.0} min", (whole / 3600.0).floor(), (whole % 3600.0 / 60.0).floor())
-    }
-}
-
-/// The lines of a text, none longer than the screen.
-fn folded(text: &str) -> Vec<String> {
-    textwrap::wrap(text, COLUMNS).into_iter().map(Into::into).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn figures_are_short() {
-        assert_eq!(
-            [834.706_9, 200.0, 0.0005, 1e-3, 16_000.0, 22_368.358].map(short),
-            ["834.707", "200", "0.0005", "0.001", "16000", "22368.4"]
-        );
-        assert_eq!([4.887, 487.231, 16_742.0].map(duration), ["4.89 s", "8 min 07 s", "4 h 39 min"]);
-        assert_eq!([3.02, 41.0, 9e8].map(times), ["3.0 times", "41 times", "more than a million times"]);
-    }
-
-    #[test]
-    fn no_line_is_longer_than_the_screen() {
-        let text = "It is not a question of the format: f64 pieces fails too, with a chord error of 2.5 µm in line 17.";
-        assert!(folded(text).iter().all(|line| line.chars().count() <= COLUMNS));
-        assert_eq!(folded(text).join(" "), text);
     }
 }

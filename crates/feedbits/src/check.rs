@@ -10,7 +10,6 @@ use std::fmt::Write;
 
 use anyhow::Result;
 use clap::Args;
-use comfy_table::{CellAlignment, Table, presets};
 use feed_plan::chord_feedrate;
 use part_program::{
     Bend, Diagnostic, GAP_MM, Inspection, Joint, Machine, MoveKind, Oddity, Part, Remark, inspect,
@@ -18,6 +17,7 @@ use part_program::{
 use serde::Serialize;
 
 use crate::input::Input;
+use crate::screen::{self, labelled, short};
 use crate::{Ending, output};
 
 /// Options of `check`.
@@ -145,31 +145,37 @@ impl<'p> Report<'p> {
     }
 
     fn text(&self) -> Result<String> {
-        const MOST_SUSPICIONS: usize = 20;
-        let mut text = self.summary()?;
+        let mut text = self.answer() + "\n" + &self.summary()?;
         self.joints(&mut text)?;
         self.bends(&mut text)?;
-        match self.suspicious.len() {
-            0 => writeln!(text, "suspicious  nothing")?,
-            count => {
-                for one in self.suspicious.iter().take(MOST_SUSPICIONS) {
-                    writeln!(text, "suspicious  {one}")?;
-                }
-                if count > MOST_SUSPICIONS {
-                    writeln!(text, "suspicious  and {} more (--json lists all)", count - MOST_SUSPICIONS)?;
-                }
-            }
-        }
         Ok(text)
+    }
+
+    /// What decides the exit status.
+    fn answer(&self) -> String {
+        const MOST_SUSPICIONS: usize = 20;
+        let name = screen::file_name(self.part);
+        let count = self.suspicious.len();
+        let said = match count {
+            0 => format!("{name}: nothing is suspicious."),
+            1 => format!("{name}: one thing is suspicious."),
+            _ => format!("{name}: {count} things are suspicious."),
+        };
+        let shown = self.suspicious.iter().take(MOST_SUSPICIONS);
+        let mut text = screen::answer(&said) + &shown.map(|one| labelled("- ", one)).collect::<String>();
+        if count > MOST_SUSPICIONS {
+            text += &format!("- and {} more (--json lists all)\n", count - MOST_SUSPICIONS);
+        }
+        text
     }
 
     fn summary(&self) -> Result<String> {
         let seen = &self.seen;
-        let mut text = format!("{}\n", self.part);
+        let mut text = String::new();
         let kinds =
             [(seen.lines, "line"), (seen.arcs, "arc"), (seen.splines, "spline"), (seen.rapids, "rapid move")];
         let kinds = kinds.into_iter().filter(|(count, _)| *count > 0).map(|(count, kind)| many(count, kind));
-        writeln!(text, "moves       {}", kinds.collect::<Vec<_>>().join(", "))?;
+        text += &labelled("moves       ", &kinds.collect::<Vec<_>>().join(", "));
         if let Some((least, most)) = seen.degrees {
             let degrees = if least == most { format!("{least}") } else { format!("{least} to {most}") };
             writeln!(text, "curves      degree {degrees}, {}", many(seen.control_points, "control point"))?;
@@ -182,7 +188,7 @@ impl<'p> Report<'p> {
         if let Some((least, most)) = seen.bounding_box_mm {
             let ranges = ["X", "Y", "Z"].into_iter().zip(least.into_iter().zip(most));
             let ranges = ranges.map(|(axis, (least, most))| format!("{axis} {least:.3} to {most:.3}"));
-            writeln!(text, "within      {} mm", ranges.collect::<Vec<_>>().join(", "))?;
+            text += &labelled("within      ", &format!("{} mm", ranges.collect::<Vec<_>>().join(", ")));
         }
         match seen.feedrates_mm_per_s {
             Some((least, most)) if least == most => writeln!(text, "feed        {least:.3} mm/s")?,
@@ -209,7 +215,7 @@ impl<'p> Report<'p> {
             b.gap_mm.total_cmp(&a.gap_mm).then(b.tangent_break_rad.total_cmp(&a.tangent_break_rad))
         });
         let rows = worst.iter().take(WORST).map(|joint| {
-            let place = joint.knot.map_or(String::new(), |knot| format!("inside, at knot {knot}"));
+            let place = joint.knot.map_or(String::new(), |knot| format!("inside, at knot {}", short(knot)));
             let mut cells = row(joint.line, joint.point_mm);
             cells.extend([
                 format!("{:.2}", joint.tangent_break_rad.to_degrees()),
@@ -224,11 +230,13 @@ impl<'p> Report<'p> {
     fn bends(&self, text: &mut String) -> Result<()> {
         if let Some(bend) = self.seen.sharpest() {
             let [x, y, z] = bend.point_mm;
-            writeln!(
-                text,
-                "radius      {:.6} mm at least: line {}, X {x:.3} Y {y:.3} Z {z:.3}, u = {:.6}",
-                bend.radius_mm, bend.line, bend.parameter
-            )?;
+            *text += &labelled(
+                "radius      ",
+                &format!(
+                    "{:.6} mm at least: line {}, X {x:.3} Y {y:.3} Z {z:.3}, u = {:.6}",
+                    bend.radius_mm, bend.line, bend.parameter
+                ),
+            );
         }
         if self.slow_bends.is_empty() {
             return Ok(());
@@ -319,21 +327,10 @@ fn row(line: usize, point_mm: [f64; 3]) -> Vec<String> {
 
 /// A table of places; nothing if there are none.
 fn table(text: &mut String, count: usize, columns: &[&str], rows: Vec<Vec<String>>) -> Result<()> {
-    if rows.is_empty() {
-        return Ok(());
-    }
-    let mut table = Table::new();
-    let header = ["line", "x\nmm", "y\nmm", "z\nmm"].iter().chain(columns).copied();
-    table.load_preset(presets::UTF8_FULL_CONDENSED).set_header(header);
-    for column in 0..6 {
-        if let Some(column) = table.column_mut(column) {
-            column.set_cell_alignment(CellAlignment::Right);
-        }
-    }
     if count > rows.len() {
         writeln!(text, "The worst {} of {count} (--json lists all):", rows.len())?;
     }
-    table.add_rows(rows);
-    writeln!(text, "{table}")?;
+    let header: Vec<&str> = ["line", "x\nmm", "y\nmm", "z\nmm"].iter().chain(columns).copied().collect();
+    *text += &screen::table(&header, rows);
     Ok(())
 }

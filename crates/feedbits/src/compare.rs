@@ -94,9 +94,9 @@ where
     let text = if arguments.output.json {
         serde_json::to_string_pretty(&comparison)? + "\n"
     } else if arguments.wide {
-        table(&comparison) + &targets::costs(&comparison, targets)
+        table(&comparison) + &targets::costs(&comparison, targets, None)
     } else {
-        answer::screen(&comparison, &shown) + &targets::costs(&comparison, targets)
+        answer::screen(&comparison, &shown) + &targets::costs(&comparison, targets, Some(&shown))
     };
     output::write(arguments.output.out.as_deref(), &text)?;
     if let Some(folder) = &arguments.report {

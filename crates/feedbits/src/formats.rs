@@ -2,12 +2,11 @@
 
 use anyhow::{Result, anyhow, bail};
 use clap::Args;
-use comfy_table::{CellAlignment, Table, presets};
 use format_compare::{Dimension, Space};
 use real::{FormatName, QName, RuntimeFormat};
 use serde::Serialize;
 
-use crate::{Ending, output};
+use crate::{Ending, output, screen};
 
 /// How names are formed, behind the list.
 const NAMES: &str = "
@@ -144,27 +143,14 @@ where
 }
 
 fn table(listed: &[Listed]) -> String {
-    let mut table = Table::new();
-    table.load_preset(presets::UTF8_FULL_CONDENSED).set_header([
-        "format",
-        "bits",
-        "kind",
-        "range",
-        "step at 1",
-    ]);
-    for format in listed {
-        table.add_row([
+    let row = |format: &Listed| {
+        vec![
             format.format.clone(),
             format.bits.to_string(),
             format.kind.to_string(),
             format!("±{:.3e}", format.largest),
             format!("{:.1e}", format.resolution_at_1),
-        ]);
-    }
-    for column in [1, 3, 4] {
-        if let Some(column) = table.column_mut(column) {
-            column.set_cell_alignment(CellAlignment::Right);
-        }
-    }
-    format!("{table}\n{NAMES}")
+        ]
+    };
+    screen::table(&["format", "bits", "kind", "range", "step at 1"], listed.iter().map(row).collect()) + NAMES
 }

@@ -17,6 +17,7 @@ mod plan;
 mod progress;
 mod report;
 mod run_arguments;
+mod screen;
 mod servo;
 mod size;
 mod smooth;
@@ -109,7 +110,10 @@ enum Ending {
 
 fn main() -> ExitCode {
     completions::answer();
-    let arguments = Arguments::parse();
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) => return output::usage(&error),
+    };
     if arguments.quiet {
         output::be_quiet();
     }

@@ -3,10 +3,13 @@
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
+
+use crate::screen;
 
 /// Where a result goes.
 #[derive(Args)]
@@ -49,10 +52,21 @@ pub(crate) fn counted(count: usize, one: &str, others: &str) -> String {
     format!("{count} {}", if count == 1 { one } else { others })
 }
 
-/// Writes a line to the error stream. Where that is closed or full, nobody listens, and the exit status says what there is
+/// Writes a line to the error stream, folded to the screen. Where that is closed or full, nobody listens, and the exit status says what there is
 /// to say.
 pub(crate) fn say(line: &str) {
-    let _ = writeln!(io::stderr().lock(), "{line}");
+    let _ = writeln!(io::stderr().lock(), "{}", screen::message(line));
+}
+
+/// Says what is wrong with the command line, or prints the help that it asks for; the exit status.
+pub(crate) fn usage(error: &clap::Error) -> ExitCode {
+    if error.use_stderr() {
+        let text = screen::message(&error.render().ansi().to_string());
+        let _ = anstream::stderr().lock().write_all(text.as_bytes());
+    } else {
+        let _ = error.print();
+    }
+    ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2))
 }
 
 /// How a file is named until it is whole, around six characters by chance.

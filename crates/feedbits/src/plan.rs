@@ -4,13 +4,13 @@ use std::fmt::Write;
 
 use anyhow::{Result, bail};
 use clap::Args;
-use comfy_table::{CellAlignment, Table, presets};
 use format_compare::{AxisPeak, Dimension, ExactPlan, FeedSample, PlanSummary, Problem, Space, StageRow};
 
 use crate::formats::selected;
 use crate::input::{AnyProblem, Input};
 use crate::progress::Progress;
 use crate::run_arguments::{PlanArguments, expect_an_end};
+use crate::screen::{self, duration, short};
 use crate::{Ending, output};
 
 /// Options of `plan`.
@@ -39,9 +39,15 @@ pub(crate) struct Arguments {
         conflicts_with_all = ["plan_in", "start_feed", "end_feed"]
     )]
     window: Option<f64>,
+    /// Print every stage, with the parameters at its ends and the coefficients of its feed: about 130 columns.
+    #[arg(long)]
+    wide: bool,
     #[command(flatten)]
     output: output::Output,
 }
+
+/// Stages that the first screen shows.
+const MOST_STAGES: usize = 20;
 
 /// Plans; prints the stage table, and with --out writes the sampled plan.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
@@ -76,11 +82,19 @@ where
     let out = arguments.output.out.as_deref();
     let [(plan, summary)] = plans.as_slice() else {
         let summaries: Vec<_> = plans.into_iter().map(|(_, summary)| summary).collect();
-        let text = if arguments.output.json { json(&summaries)? } else { side_by_side(&summaries) };
+        let text = if arguments.output.json {
+            json(&summaries)?
+        } else {
+            side_by_side(&summaries, problem.period_s(), arguments.wide)
+        };
         output::write(out, &text)?;
         return Ok(Ending::Good);
     };
-    let text = if arguments.output.json { json(summary)? } else { table(summary) };
+    let text = if arguments.output.json {
+        json(summary)?
+    } else {
+        answer(summary, &problem.name, problem.period_s()) + "\n" + &stages(summary, arguments.wide)
+    };
     match out {
         None => output::write(None, &text)?,
         path if arguments.output.json => output::write(path, &text)?,
@@ -96,23 +110,59 @@ fn json(value: &impl serde::Serialize) -> Result<String> {
     Ok(serde_json::to_string_pretty(value)? + "\n")
 }
 
-/// One row a kind of transitions.
-fn side_by_side(summaries: &[PlanSummary]) -> String {
-    let mut table = Table::new();
-    table.load_preset(presets::UTF8_FULL_CONDENSED).set_header([
-        "profile",
-        "time\ns",
-        "periods",
-        "over the\nbound",
-        "at commanded\nfeed",
-        "that is\nrun at",
-        "peak acceleration\nmm/s²",
-        "in all directions\nmm/s²",
-        "peak jerk\nmm/s³",
-        "stages",
-    ]);
-    for summary in summaries {
-        table.add_row([
+/// One row a kind of transitions, below the fastest of them.
+fn side_by_side(summaries: &[PlanSummary], period_s: f64, wide: bool) -> String {
+    let fastest = summaries.iter().min_by(|a, b| a.time_s.total_cmp(&b.time_s));
+    let Some(fastest) = fastest else { return String::new() };
+    let answer = format!(
+        "{} is the fastest: {}, {} periods of {} ms.\n{} mm; without a jerk limit {} at least. Limits {:.0} mm/s² and {} mm/s³.",
+        fastest.profile,
+        duration(fastest.time_s),
+        fastest.periods,
+        short(1000.0 * period_s),
+        short(fastest.length_mm),
+        duration(fastest.jerk_free_time_s),
+        fastest.acceleration_limit_mm_per_s2,
+        short(fastest.jerk_limit_mm_per_s3),
+    );
+    let most = |a: &&PlanSummary, b: &&PlanSummary| {
+        a.total_acceleration_max_mm_per_s2.total_cmp(&b.total_acceleration_max_mm_per_s2)
+    };
+    let turning = summaries.iter().max_by(most).map_or_else(String::new, turning);
+    screen::answer(&answer) + &turning + "\n" + &if wide { wide_rows(summaries) } else { rows(summaries) }
+}
+
+fn rows(summaries: &[PlanSummary]) -> String {
+    let row = |summary: &PlanSummary| {
+        vec![
+            summary.profile.to_string(),
+            format!("{:.4}", summary.time_s),
+            summary.periods.to_string(),
+            format!("{:.2} %", 100.0 * summary.over_jerk_free),
+            format!("{:.1} %", 100.0 * summary.share_at_commanded_feed),
+            format!("{:.0}", summary.acceleration_max_mm_per_s2),
+            format!("{:.0}", summary.total_acceleration_max_mm_per_s2),
+            short(summary.jerk_max_mm_per_s3),
+        ]
+    };
+    screen::table(
+        &[
+            "profile",
+            "time\ns",
+            "periods",
+            "over the\nbound",
+            "at the\nfeed",
+            "along\nmm/s²",
+            "total\nmm/s²",
+            "jerk\nmm/s³",
+        ],
+        summaries.iter().map(row).collect(),
+    )
+}
+
+fn wide_rows(summaries: &[PlanSummary]) -> String {
+    let row = |summary: &PlanSummary| {
+        vec![
             summary.profile.to_string(),
             format!("{:.4}", summary.time_s),
             summary.periods.to_string(),
@@ -123,31 +173,84 @@ fn side_by_side(summaries: &[PlanSummary]) -> String {
             format!("{:.0}", summary.total_acceleration_max_mm_per_s2),
             format!("{:.3e}", summary.jerk_max_mm_per_s3),
             summary.stage_count.to_string(),
-        ]);
-    }
-    for column in table.column_iter_mut().skip(1) {
-        column.set_cell_alignment(CellAlignment::Right);
-    }
-    let bound = summaries.first().map_or_else(String::new, |summary| {
-        format!(
-            "{:.3} mm; without a jerk limit {:.4} s at least. Limits {:.0} mm/s² and {:.3e} mm/s³.\n",
-            summary.length_mm,
-            summary.jerk_free_time_s,
-            summary.acceleration_limit_mm_per_s2,
-            summary.jerk_limit_mm_per_s3,
-        )
-    });
-    let most = |a: &&PlanSummary, b: &&PlanSummary| {
-        a.total_acceleration_max_mm_per_s2.total_cmp(&b.total_acceleration_max_mm_per_s2)
+        ]
     };
-    let turning = summaries.iter().max_by(most).map_or_else(String::new, turning);
-    format!("{table}\n{bound}{turning}")
+    screen::wide_table(
+        &[
+            "profile",
+            "time\ns",
+            "periods",
+            "over the\nbound",
+            "at commanded\nfeed",
+            "that is\nrun at",
+            "peak acceleration\nmm/s²",
+            "in all directions\nmm/s²",
+            "peak jerk\nmm/s³",
+            "stages",
+        ],
+        summaries.iter().map(row).collect(),
+        &[0],
+    )
+}
+
+/// How long the path takes, and what that asks of the machine.
+fn answer(summary: &PlanSummary, name: &str, period_s: f64) -> String {
+    let time = format!(
+        "{}: {} mm in {}, {} periods of {} ms.",
+        screen::file_name(name),
+        short(summary.length_mm),
+        duration(summary.time_s),
+        summary.periods,
+        short(1000.0 * period_s),
+    );
+    let at_feed = format!(
+        "{:.0} % of the path at {}the commanded feed.\n\
+         Without a jerk limit it takes {} at least, {:.2} % less.",
+        100.0 * summary.share_at_commanded_feed,
+        summary.feed_over_commanded.map_or_else(String::new, |run| format!("{:.3} % of ", 100.0 * run)),
+        duration(summary.jerk_free_time_s),
+        100.0 * (1.0 - summary.jerk_free_time_s / summary.time_s),
+    );
+    let along = format!(
+        "Along the path: peak acceleration {:.0} of {:.0} mm/s², peak jerk {} of {} mm/s³.",
+        summary.acceleration_max_mm_per_s2,
+        summary.acceleration_limit_mm_per_s2,
+        short(summary.jerk_max_mm_per_s3),
+        short(summary.jerk_limit_mm_per_s3),
+    );
+    screen::answer(&time)
+        + &screen::paragraph(&at_feed)
+        + &screen::paragraph(&along)
+        + &turning(summary)
+        + &screen::paragraph(axes(summary).trim_end())
 }
 
 /// The stages; of a path of several curves with the numbers of the curves that `u start` and `u end` belong to.
-fn table(summary: &PlanSummary) -> String {
+fn stages(summary: &PlanSummary, wide: bool) -> String {
+    if wide {
+        return wide_stages(summary);
+    }
     let has_curves = summary.curves > 1;
-    let mut table = Table::new();
+    let mut header = vec!["stage", "shape", "v start\nmm/s", "v end\nmm/s", "length\nmm", "time\ns"];
+    if has_curves {
+        header.insert(2, "curve");
+    }
+    let row = |stage: &StageRow| {
+        let mut cells = vec![stage.kind.to_string(), stage.shape.to_string()];
+        cells.extend(has_curves.then(|| curves(stage)));
+        cells.extend(feeds(stage));
+        cells
+    };
+    let shown = summary.stages.iter().take(MOST_STAGES).map(row).collect();
+    let left = match summary.stages.len().saturating_sub(MOST_STAGES) {
+        0 => String::new(),
+        left => format!("and {left} more stages, which --wide prints too."),
+    };
+    screen::table(&header, shown) + &screen::paragraph(&left)
+}
+
+fn wide_stages(summary: &PlanSummary) -> String {
+    let has_curves = summary.curves > 1;
     let mut header = vec![
         "stage",
         "shape",
@@ -165,49 +268,40 @@ fn table(summary: &PlanSummary) -> String {
     if has_curves {
         header.insert(2, "curve");
     }
-    table.load_preset(presets::UTF8_FULL_CONDENSED).set_header(header);
-    for stage in &summary.stages {
-        let mut cells = cells(stage);
-        if has_curves {
-            cells.insert(2, curves(stage));
+    let row = |stage: &StageRow| {
+        let mut cells = vec![stage.kind.to_string(), stage.shape.to_string()];
+        cells.extend(has_curves.then(|| curves(stage)));
+        cells.extend([format!("{:.6}", stage.u_start), format!("{:.6}", stage.u_end)]);
+        cells.extend(feeds(stage));
+        if let Some([a0, a1, a2, a3]) = stage.coefficients {
+            cells.extend([format!("{a0:.3}"), format!("{a1:.0}"), format!("{a2:.3e}"), format!("{a3:.3e}")]);
         }
-        table.add_row(cells);
-    }
-    for column in table.column_iter_mut().skip(2) {
-        column.set_cell_alignment(CellAlignment::Right);
-    }
-    format!(
-        "{table}\n{} stages, {:.3} mm in {:.4} s ({} periods); without a jerk limit {:.4} s at least, {:.2} % less.\n\
-         Along the path: peak acceleration {:.0} of {:.0} mm/s², peak jerk {:.3e} of {:.3e} mm/s³.\n\
-         {:.0} % of the path at {}the commanded feed.\n",
-        summary.stages.len(),
-        summary.length_mm,
-        summary.time_s,
-        summary.periods,
-        summary.jerk_free_time_s,
-        100.0 * (1.0 - summary.jerk_free_time_s / summary.time_s),
-        summary.acceleration_max_mm_per_s2,
-        summary.acceleration_limit_mm_per_s2,
-        summary.jerk_max_mm_per_s3,
-        summary.jerk_limit_mm_per_s3,
-        100.0 * summary.share_at_commanded_feed,
-        summary.feed_over_commanded.map_or_else(String::new, |run| format!("{:.3} % of ", 100.0 * run)),
-    ) + &turning(summary)
-        + &axes(summary)
+        cells
+    };
+    screen::wide_table(&header, summary.stages.iter().map(row).collect(), &[0, 1])
+}
+
+fn feeds(stage: &StageRow) -> [String; 4] {
+    [
+        format!("{:.3}", stage.start_feed_mm_per_s),
+        format!("{:.3}", stage.end_feed_mm_per_s),
+        format!("{:.3}", stage.length_mm),
+        format!("{:.4}", stage.time_s),
+    ]
 }
 
 /// What the setpoints take in bends and at corners too, and whether that is more than one would think: than `limit` along the path,
 /// where none across it is set.
 pub(crate) fn in_all_directions(found: f64, limit: f64, is_free_across: bool) -> String {
-    let said = format!("In all directions: peak acceleration {found:.0} mm/s².\n");
+    let said = screen::paragraph(&format!("In all directions: peak acceleration {found:.0} mm/s²."));
     // A setpoint is off its place by some roundings of the path's length.
     if !is_free_across || found <= limit * 1.001 {
         return said;
     }
-    said + &format!(
+    said + &screen::paragraph(&format!(
         "Warning: `acceleration_mm_per_s2`, {limit:.0}, holds along the path; bends and corners take more. \
-         `centripetal_acceleration_mm_per_s2` limits it in bends, and `junction = \"stop\"` at corners.\n"
-    )
+         `centripetal_acceleration_mm_per_s2` limits it in bends, and `junction = \"stop\"` at corners."
+    ))
 }
 
 /// The same of a plan.
@@ -220,7 +314,7 @@ fn turning(summary: &PlanSummary) -> String {
 
 /// A line for each axis that has a limit of its own.
 fn axes(summary: &PlanSummary) -> String {
-    let of = |limit: Option<f64>| limit.map_or_else(String::new, |limit| format!(" of {limit}"));
+    let of = |limit: Option<f64>| limit.map_or_else(String::new, |limit| format!(" of {}", short(limit)));
     let line = |peak: &AxisPeak| {
         format!(
             "{} axis: velocity {:.1}{} mm/s, acceleration {:.0}{} mm/s², jerk {:.0}{} mm/s³ at most.\n",
@@ -244,23 +338,6 @@ fn axes(summary: &PlanSummary) -> String {
 fn curves(stage: &StageRow) -> String {
     let (first, last) = (stage.curve_start, stage.curve_end);
     if first == last { first.to_string() } else { format!("{first} to {last}") }
-}
-
-fn cells(stage: &StageRow) -> Vec<String> {
-    let mut cells = vec![
-        stage.kind.to_string(),
-        stage.shape.to_string(),
-        format!("{:.6}", stage.u_start),
-        format!("{:.6}", stage.u_end),
-        format!("{:.3}", stage.start_feed_mm_per_s),
-        format!("{:.3}", stage.end_feed_mm_per_s),
-        format!("{:.3}", stage.length_mm),
-        format!("{:.4}", stage.time_s),
-    ];
-    if let Some([a0, a1, a2, a3]) = stage.coefficients {
-        cells.extend([format!("{a0:.3}"), format!("{a1:.0}"), format!("{a2:.3e}"), format!("{a3:.3e}")]);
-    }
-    cells
 }
 
 /// The samples, with the number of the curve that u belongs to if there are several.

@@ -6,7 +6,6 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use clap_complete::ArgValueCandidates;
-use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
 use format_compare::{Dimension, Engine, ExactPlan, Format, MOST_PERIODS, Options, Problem, RunStep, Space};
 use nurbs_core::{Evaluate, NurbsBuf};
 use serde::Serialize;
@@ -19,6 +18,7 @@ use crate::formats::selected;
 use crate::input::{self, AnyProblem, Input};
 use crate::progress::Progress;
 use crate::run_arguments::RunArguments;
+use crate::screen::{self, short};
 use crate::{Ending, completions, output};
 
 /// The drive that runs when no servo file is given: fitted to paper D's circle test.
@@ -47,6 +47,9 @@ pub(crate) struct Arguments {
     /// Write the magnified roundness plot of the circle test to this SVG file.
     #[arg(long, value_name = "FILE.svg")]
     plot: Option<PathBuf>,
+    /// Print all figures of each format, also of the textbook way *raw*: about 170 columns.
+    #[arg(long)]
+    wide: bool,
     #[command(flatten)]
     output: output::Output,
 }
@@ -150,8 +153,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
         tuning,
         tuning_left_out: by_reason(&left_out),
     };
-    let text =
-        if arguments.output.json { serde_json::to_string_pretty(&report)? + "\n" } else { tables(&report) };
+    let text = if arguments.output.json {
+        serde_json::to_string_pretty(&report)? + "\n"
+    } else if arguments.wide {
+        shown(&report, &report.formats.iter().collect::<Vec<_>>(), wide_table)
+    } else {
+        shown(&report, &first_rows(&report, arguments.run.names_engine()), narrow_table)
+    };
     output::write(arguments.output.out.as_deref(), &text)?;
     Ok(ending(&report))
 }
@@ -339,24 +347,108 @@ fn stretches(breaks: &[usize], steps: &[RunStep]) -> Vec<(Range<usize>, Range<us
     found
 }
 
-fn tables(report: &Report) -> String {
+/// The rows of the first screen: pieces or what was asked for, and in place of pieces that are refused what was run.
+fn first_rows(report: &Report, names_engine: bool) -> Vec<&FormatRow> {
+    let ran = |row: &&FormatRow| matches!(row.outcome, Outcome::Ran { .. });
+    let pieces = || report.formats.iter().filter(|row| row.engine == Engine::Pieces);
+    let has_run = |format: &str| pieces().filter(ran).any(|row| row.format == format);
+    let is_shown = |row: &&FormatRow| {
+        names_engine || row.engine == Engine::Pieces || (ran(row) && !has_run(&row.format))
+    };
+    report.formats.iter().filter(is_shown).collect()
+}
+
+/// The answer, the formats, and what the drive is by itself.
+fn shown(report: &Report, rows: &[&FormatRow], table: fn(&[&FormatRow]) -> String) -> String {
     let servo = &report.servo;
-    let heading = format!(
-        "{}: period {} ms, position gain {} 1/s, lag {} ms, feed-forward {} %, velocity gain {} %",
-        report.part,
-        report.interpolation_period_ms,
-        servo.position_gain_per_s,
-        servo.velocity_lag_ms,
-        servo.feed_forward * 100.0,
-        servo.velocity_gain_percent,
+    let setting = format!(
+        "{}: a setpoint every {} ms; position gain {} 1/s, lag {} ms, feed-forward {} %, velocity gain {} %",
+        screen::file_name(&report.part),
+        short(report.interpolation_period_ms),
+        short(servo.position_gain_per_s),
+        short(servo.velocity_lag_ms),
+        short(servo.feed_forward * 100.0),
+        short(servo.velocity_gain_percent),
     );
-    format!(
-        "{heading}\n{}\n\n{}\n{}\n{}",
-        format_table(report),
-        circle_line(&report.circle),
-        tuning(report),
-        left_out(&report.tuning_left_out)
-    )
+    let blocks = [
+        screen::answer(&answer(rows)) + &screen::paragraph(&setting),
+        table(rows) + &notes(report, rows),
+        screen::paragraph(&circle_line(&report.circle))
+            + &tuning(report)
+            + &left_out(&report.tuning_left_out),
+    ];
+    blocks.join("\n")
+}
+
+/// How far the table is off the path, and whether that is for the formats.
+fn answer(rows: &[&FormatRow]) -> String {
+    let mut found: Vec<(&str, f64)> = Vec::new();
+    for row in rows {
+        match &row.outcome {
+            Outcome::Ran { does_not_follow: Some(reason), .. } => {
+                let mut reason = reason.chars();
+                let first = reason.next().map(|first| first.to_uppercase().to_string()).unwrap_or_default();
+                return format!("{first}{}.", reason.as_str());
+            }
+            Outcome::Ran { contour_error_mm, reached_the_end: true, .. } => {
+                found.push((&row.format, contour_error_mm.max));
+            }
+            _ => {}
+        }
+    }
+    let by_error = |a: &&(&str, f64), b: &&(&str, f64)| a.1.total_cmp(&b.1);
+    let (Some((best, least)), Some((worst, most))) =
+        (found.iter().min_by(by_error), found.iter().max_by(by_error))
+    else {
+        return "No format makes setpoints to the end of the path.".to_string();
+    };
+    let as_far: Vec<f64> =
+        found.iter().map(|(_, error)| *error).filter(|error| *error <= least * AS_FAR).collect();
+    let usual = micrometres(as_far.iter().copied().fold(*least, f64::max));
+    match as_far.len() {
+        count if count == found.len() => {
+            let with = if count == 1 { format!(" with {best}") } else { ", whatever the format".to_string() };
+            format!("The table is at most {usual} µm off the path{with}.")
+        }
+        count => {
+            let with =
+                if count == 1 { (*best).to_string() } else { format!("{count} of {} formats", found.len()) };
+            format!(
+                "The table is at most {usual} µm off the path with {with}, and up to {} µm with {worst}.",
+                micrometres(*most)
+            )
+        }
+    }
+}
+
+/// Contour errors within this ratio are the same: what the drive makes of any setpoints.
+const AS_FAR: f64 = 1.01;
+
+/// What there is to say of formats beside their figures, and of those that are not shown but decide how the command ends.
+fn notes(report: &Report, rows: &[&FormatRow]) -> String {
+    let is_shown = |row: &FormatRow| rows.iter().any(|shown| std::ptr::eq(*shown, row));
+    let name = |row: &FormatRow| match row.engine {
+        Engine::Pieces => row.format.clone(),
+        engine => format!("{} ({engine})", row.format),
+    };
+    let mut said = Vec::new();
+    for row in &report.formats {
+        match &row.outcome {
+            Outcome::Refused { refused } if is_shown(row) => {
+                said.push((name(row), format!("cannot run it: {refused}")));
+            }
+            Outcome::Ran { reached_the_end, does_not_follow, .. } => {
+                if let Some(reason) = does_not_follow {
+                    said.push((name(row), reason.clone()));
+                } else if !reached_the_end && is_shown(row) {
+                    said.push((name(row), "stops before the end".to_string()));
+                }
+            }
+            Outcome::Refused { .. } => {}
+        }
+    }
+    let line = |(names, words): (String, String)| screen::labelled("- ", &format!("{names}: {words}"));
+    screen::by_what_is_said(said).into_iter().map(line).collect()
 }
 
 fn circle_line(circle: &CircleReport) -> String {
@@ -378,30 +470,62 @@ fn left_out(settings: &[LeftOut]) -> String {
     settings
         .iter()
         .map(|LeftOut { velocity_gain_percent, feed_forwards, reason }| {
-            let percents: Vec<String> = feed_forwards.iter().map(|f| (f * 100.0).to_string()).collect();
+            let percents: Vec<String> = feed_forwards.iter().map(|f| short(f * 100.0)).collect();
             let percents = percents.join(", ");
-            format!(
-                "Left out: velocity gain {velocity_gain_percent} %, feed-forward {percents} %: {reason}\n"
-            )
+            screen::paragraph(&format!(
+                "Left out: velocity gain {velocity_gain_percent} %, feed-forward {percents} %: {reason}"
+            ))
         })
         .collect()
 }
 
-fn format_table(report: &Report) -> Table {
-    let size = |size: &ErrorSize| format!("{} / {}", micrometres(size.max), micrometres(size.rms));
-    let axes = report.formats.iter().find_map(|row| match &row.outcome {
+/// Names of the axes that the path has.
+fn axes(rows: &[&FormatRow]) -> impl Iterator<Item = &'static str> {
+    let count = rows.iter().find_map(|row| match &row.outcome {
         Outcome::Ran { following_error_mm, .. } => Some(following_error_mm.len()),
         Outcome::Refused { .. } => None,
     });
-    let axes = axes.unwrap_or(0);
-    let mut header = ["format", "path", "setpoints off the\ncurve, max / rms µm"].map(String::from).to_vec();
-    header.extend(
-        ["X", "Y", "Z"].iter().take(axes).map(|axis| format!("following error {axis}\nmax / rms µm")),
-    );
-    header.extend(["contour error\nmax / rms µm", "note"].map(String::from));
-    let columns = header.len();
-    let mut table = new_table(header);
-    for row in &report.formats {
+    ["X", "Y", "Z"].into_iter().take(count.unwrap_or(0))
+}
+
+/// The largest errors of the formats that were run.
+fn narrow_table(rows: &[&FormatRow]) -> String {
+    let names_path = rows.iter().any(|row| row.engine != Engine::Pieces);
+    let following: Vec<String> = axes(rows).map(|axis| format!("following\n{axis} max µm")).collect();
+    let path = names_path.then_some("path");
+    let header: Vec<&str> = ["format"]
+        .into_iter()
+        .chain(path)
+        .chain(["setpoints\noff µm"])
+        .chain(following.iter().map(String::as_str))
+        .chain(["contour\nmax µm", "\nrms µm"])
+        .collect();
+    let row = |row: &&FormatRow| {
+        let Outcome::Ran { setpoint_error_mm, following_error_mm, contour_error_mm, .. } = &row.outcome
+        else {
+            return None;
+        };
+        let mut cells = vec![row.format.clone()];
+        cells.extend(names_path.then(|| row.engine.to_string()));
+        cells.push(micrometres(setpoint_error_mm.max));
+        cells.extend(following_error_mm.iter().map(|size| micrometres(size.max)));
+        cells.extend([micrometres(contour_error_mm.max), micrometres(contour_error_mm.rms)]);
+        Some(cells)
+    };
+    screen::table(&header, rows.iter().filter_map(row).collect())
+}
+
+fn wide_table(rows: &[&FormatRow]) -> String {
+    let size = |size: &ErrorSize| format!("{} / {}", micrometres(size.max), micrometres(size.rms));
+    let following: Vec<String> =
+        axes(rows).map(|axis| format!("following error {axis}\nmax / rms µm")).collect();
+    let header: Vec<&str> = ["format", "path", "setpoints off the\ncurve, max / rms µm"]
+        .into_iter()
+        .chain(following.iter().map(String::as_str))
+        .chain(["contour error\nmax / rms µm", "note"])
+        .collect();
+    let note = header.len() - 1;
+    let row = |row: &&FormatRow| {
         let mut cells = vec![row.format.clone(), row.engine.to_string()];
         match &row.outcome {
             Outcome::Ran {
@@ -419,43 +543,28 @@ fn format_table(report: &Report) -> Table {
                 cells.push(stops.into_iter().chain(does_not_follow.clone()).collect::<Vec<_>>().join("; "));
             }
             Outcome::Refused { refused } => {
-                cells.resize(columns - 1, String::new());
+                cells.resize(note, String::new());
                 cells.push(format!("refused: {refused}"));
             }
         }
-        table.add_row(cells);
-    }
-    for column in table.column_iter_mut().skip(2).take(columns - 3) {
-        column.set_cell_alignment(CellAlignment::Right);
-    }
-    table
+        cells
+    };
+    screen::wide_table(&header, rows.iter().map(row).collect(), &[0, 1, note])
 }
 
-fn tuning(report: &Report) -> Table {
-    let mut table = new_table(
-        ["feed-forward\n%", "velocity gain\n%", "radial error\nmean µm", "roundness\nµm"]
-            .map(String::from)
-            .to_vec(),
-    );
-    for row in &report.tuning {
-        table.add_row([
-            format!("{}", row.feed_forward * 100.0),
-            format!("{}", row.velocity_gain_percent),
+fn tuning(report: &Report) -> String {
+    let row = |row: &TuningRow| {
+        vec![
+            short(row.feed_forward * 100.0),
+            short(row.velocity_gain_percent),
             micrometres(row.radial_error_mean_mm),
             micrometres(row.roundness_mm),
-        ]);
-    }
-    for column in table.column_iter_mut() {
-        column.set_cell_alignment(CellAlignment::Right);
-    }
-    table
-}
-
-fn new_table(header: Vec<String>) -> Table {
-    let mut table = Table::new();
-    table.load_preset(presets::UTF8_FULL_CONDENSED).set_content_arrangement(ContentArrangement::Dynamic);
-    table.set_header(header);
-    table
+        ]
+    };
+    screen::table(
+        &["feed-forward\n%", "velocity gain\n%", "radial error\nmean µm", "roundness\nµm"],
+        report.tuning.iter().map(row).collect(),
+    )
 }
 
 /// A length in mm as text in µm; three places are nanometres.

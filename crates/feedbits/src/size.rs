@@ -1,17 +1,15 @@
 //! `feedbits size`: the fewest bits that are enough.
 
-use std::fmt::Write;
-
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
-use comfy_table::{CellAlignment, Table, presets};
-use format_compare::{Dimension, Engine, Mixed, Problem, Sizing, Space};
+use format_compare::{Dimension, Engine, FrontPoint, Mixed, Problem, Register, Sizing, Space};
 use real::{Datapath, Overflow, Rounding};
 
 use crate::formats::selected;
 use crate::input::{AnyProblem, Input};
 use crate::progress::Progress;
 use crate::run_arguments::RunArguments;
+use crate::screen::{self, times};
 use crate::{Ending, output};
 
 /// Options of `size`.
@@ -79,7 +77,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     };
     progress.finish();
     let text =
-        if arguments.output.json { serde_json::to_string_pretty(&sizing)? + "\n" } else { report(&sizing)? };
+        if arguments.output.json { serde_json::to_string_pretty(&sizing)? + "\n" } else { report(&sizing) };
     output::write(arguments.output.out.as_deref(), &text)?;
     Ok(if sizing.uniform.is_some() { Ending::Good } else { Ending::RequirementNotMet })
 }
@@ -97,67 +95,58 @@ where
     Ok(format_compare::size(problem, &plan, &options, arguments.datapath())?)
 }
 
-fn report(sizing: &Sizing) -> Result<String> {
-    let mut text = String::from("Bits against fluctuation, one format for all signals:\n");
-    let mut table = Table::new();
-    table.load_preset(presets::UTF8_FULL_CONDENSED).set_header(["format", "bits", "fluctuation", ""]);
-    for point in &sizing.front {
-        let good = if point.good { "good enough" } else { "" };
-        table.add_row([&point.format, &point.bits.to_string(), &format!("{:.1e}", point.fluctuation), good]);
-    }
-    for column in [1, 2] {
-        if let Some(column) = table.column_mut(column) {
-            column.set_cell_alignment(CellAlignment::Right);
-        }
-    }
-    writeln!(text, "{table}")?;
-    match (&sizing.uniform, sizing.uniform_margin) {
+fn report(sizing: &Sizing) -> String {
+    let answer = match (&sizing.uniform, sizing.uniform_margin) {
         (Some(row), Some(margin)) => {
-            writeln!(
-                text,
-                "\nFewest bits, one format: {} ({} bits), {margin:.1} times better than asked.",
-                row.format, row.bits
-            )?;
+            format!("{} bits are enough: {}, {} better than asked.", row.bits, row.format, times(margin))
         }
         _ => {
-            writeln!(text, "\nNo format of up to 48 bits meets the requirements.")?;
-            if let Some(widest) = sizing.tried.last() {
-                writeln!(text, "The widest, {}: {}.", widest.format, widest.verdict)?;
-            }
-            if let Some(why) = &sizing.not_a_question_of_format {
-                writeln!(text, "{why}")?;
-            }
+            let widest = sizing.tried.last();
+            let widest = widest.map(|row| format!("The widest, {}: {}.", row.format, row.verdict));
+            let why = sizing.not_a_question_of_format.as_ref().map(ToString::to_string);
+            let lines = ["No format of up to 48 bits meets the requirements.".to_string()].into_iter();
+            lines.chain(widest).chain(why).collect::<Vec<_>>().join("\n")
         }
-    }
-    if let Some(mixed) = &sizing.mixed {
-        text += &registers(mixed)?;
-    }
-    writeln!(text, "{} runs of the whole path.", sizing.runs)?;
-    Ok(text)
+    };
+    let point = |point: &FrontPoint| {
+        let good = if point.good { "good enough" } else { "" };
+        vec![
+            point.format.clone(),
+            point.bits.to_string(),
+            format!("{:.1e}", point.fluctuation),
+            good.to_string(),
+        ]
+    };
+    let (mixed, registers) = sizing.mixed.as_ref().map(registers).unwrap_or_default();
+    screen::answer(&answer)
+        + &mixed
+        + "\nBits against fluctuation, one format for all signals:\n"
+        + &screen::table(&["format", "bits", "fluctuation", ""], sizing.front.iter().map(point).collect())
+        + &registers
+        + &format!("\n{} runs of the whole path.\n", sizing.runs)
 }
 
-fn registers(mixed: &Mixed) -> Result<String> {
-    let mut table = Table::new();
-    table.load_preset(presets::UTF8_FULL_CONDENSED).set_header([
-        "signal",
-        "group",
-        "format",
-        "bits",
-        "proven bound",
-    ]);
-    for s in &mixed.signals {
-        table.add_row([s.signal, s.group, &s.format, &s.bits.to_string(), &format!("{:.4}", s.bound)]);
-    }
-    for column in [3, 4] {
-        if let Some(column) = table.column_mut(column) {
-            column.set_cell_alignment(CellAlignment::Right);
-        }
-    }
-    let mut text = String::new();
-    writeln!(
-        text,
-        "Fewest bits, a register for each signal: {} bits in all, against {} in one format; fluctuation {:.1e}, {:.1} times better than asked.\n{table}",
-        mixed.bits, mixed.uniform_bits, mixed.fluctuation, mixed.margin
-    )?;
-    Ok(text)
+/// What a register for each signal saves, and the registers.
+fn registers(mixed: &Mixed) -> (String, String) {
+    let said = screen::paragraph(&format!(
+        "With a register for each signal {} bits in all, against {} in one format; fluctuation {:.1e}, {} better than asked.",
+        mixed.bits,
+        mixed.uniform_bits,
+        mixed.fluctuation,
+        times(mixed.margin)
+    ));
+    let row = |signal: &Register| {
+        vec![
+            signal.signal.to_string(),
+            signal.group.to_string(),
+            signal.format.clone(),
+            signal.bits.to_string(),
+            format!("{:.4}", signal.bound),
+        ]
+    };
+    let table = screen::table(
+        &["signal", "group", "format", "bits", "proven bound"],
+        mixed.signals.iter().map(row).collect(),
+    );
+    (said, format!("\nA register for each signal:\n{table}"))
 }

@@ -38,6 +38,9 @@ pub(crate) struct Arguments {
     /// Write the smoothed path: curves if the name ends in .toml, else a program of fine straight moves.
     #[arg(long, value_name = "PATH")]
     out: Option<PathBuf>,
+    /// Print every corner, with z.
+    #[arg(long)]
+    wide: bool,
     /// JSON instead of a table: every corner, and the totals.
     #[arg(long)]
     json: bool,
@@ -72,7 +75,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
         (Some(path), Some(text)) => text.and_then(|text| output::write(Some(path), &text)),
         _ => Ok(()),
     };
-    let text = if arguments.json { serde_json::to_string_pretty(&report)? + "\n" } else { report.text() };
+    let text = if arguments.json {
+        serde_json::to_string_pretty(&report)? + "\n"
+    } else {
+        report.text(arguments.wide)
+    };
     output::write(None, &text)?;
     // Only now: the report holds without the file.
     kept?;

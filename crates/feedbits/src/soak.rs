@@ -6,14 +6,14 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
 use clap_complete::ArgValueCandidates;
-use comfy_table::{CellAlignment, Table, presets};
 use format_compare::in_parallel;
 use serde::{Deserialize, Serialize};
-use stress::{SOAK_FORMATS, Soak, SoakFormat, SoakPaths, soak_path};
+use stress::{SOAK_FORMATS, Soak, SoakFormat, SoakPaths, Soaked, soak_path};
 use time::OffsetDateTime;
 
 use crate::formats::meant;
 use crate::progress::Progress;
+use crate::screen::{self, labelled};
 use crate::{Ending, completions, input, output};
 
 /// Options of `soak`.
@@ -160,36 +160,35 @@ impl Record {
         let Self { soak, seconds, date, .. } = self;
         let counted = &soak.counted;
         let paths = only.map_or_else(|| format!("{} paths", soak.next_path), |path| format!("path {path}"));
-        let mut text = format!("{}\n", self.table());
+        let mut text = match soak.violations {
+            0 => screen::answer("Every promise of a step is kept."),
+            count => screen::answer(&format!("{count} times a step breaks a promise.")),
+        };
+        text += "\n";
+        text += &self.table();
         if counted.operations > 0 {
-            text += &format!(
-                "operations  {} at most in a step, {:.2} of the bound that the code's loops prove\n",
-                counted.operations, counted.operations_share
+            text += &labelled(
+                "operations  ",
+                &format!(
+                    "{} at most in a step, {:.2} of the bound that the code's loops prove",
+                    counted.operations, counted.operations_share
+                ),
             );
         }
         let speed = if soak.paths.full_speed { ", full speed" } else { "" };
         text += &format!("seed        {}{speed}, {paths}, {seconds:.0} s, {date}\n", soak.paths.seed);
         text += &format!("violations  {}\n", soak.violations);
         for violation in &soak.first_violations {
-            text += &format!("  path {}: {}\n", only.unwrap_or(violation.path), violation.what);
+            let path = format!("  path {}: ", only.unwrap_or(violation.path));
+            text += &labelled(&path, &violation.what.to_string());
         }
         text
     }
 
-    fn table(&self) -> Table {
-        let mut table = Table::new();
-        table.load_preset(presets::UTF8_FULL_CONDENSED).set_header([
-            "format",
-            "periods",
-            "paths",
-            "refused",
-            "evaluations, most",
-            "chord off, of its bound",
-            "chord error, of its limit",
-        ]);
-        for soaked in &self.soak.formats {
+    fn table(&self) -> String {
+        let row = |soaked: &Soaked| {
             let worst = &soaked.worst;
-            table.add_row([
+            vec![
                 soaked.format.clone(),
                 worst.periods.to_string(),
                 soaked.paths.to_string(),
@@ -197,12 +196,20 @@ impl Record {
                 worst.evaluations.to_string(),
                 format!("{:.2}", worst.length_share),
                 format!("{:.2}", worst.chord_error_share),
-            ]);
-        }
-        for column in table.column_iter_mut().skip(1) {
-            column.set_cell_alignment(CellAlignment::Right);
-        }
-        table
+            ]
+        };
+        screen::table(
+            &[
+                "format",
+                "periods",
+                "paths",
+                "refused",
+                "evaluations\nat most",
+                "chord off,\nof its bound",
+                "chord error,\nof its limit",
+            ],
+            self.soak.formats.iter().map(row).collect(),
+        )
     }
 }
 

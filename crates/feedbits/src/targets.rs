@@ -6,11 +6,11 @@ use std::path::PathBuf;
 use anyhow::{Result, bail};
 use clap::Args;
 use clap_complete::ArgValueCandidates;
-use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
-use format_compare::{Comparison, Cost, PeriodCost, Row, Verdict};
+use format_compare::{Comparison, Cost, Engine, PeriodCost, Row, Verdict};
 use serde::Serialize;
 use target_cost::{Calibration, Confidence, Kind, Known, Measure, Prediction, Target, built_in};
 
+use crate::screen::{self, labelled, short};
 use crate::{Ending, completions, input, output};
 
 /// Options of `targets`.
@@ -25,6 +25,10 @@ pub(crate) struct Arguments {
     /// Predict the steps that were traced in the emulator, and print the ratios.
     #[arg(long, conflicts_with = "target")]
     check: bool,
+    /// Print the order of operations and where costs are from beside each target, and a source in each row of one: about 190
+    /// columns.
+    #[arg(long, conflicts_with = "check")]
+    wide: bool,
     #[command(flatten)]
     output: output::Output,
 }
@@ -103,50 +107,64 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
         let Some(target) = known.iter().find(|target| target.name == *name) else {
             bail!("{}", unknown(name, &known));
         };
-        if json { serde_json::to_string_pretty(target)? + "\n" } else { numbers(target) }
+        if json { serde_json::to_string_pretty(target)? + "\n" } else { numbers(target, arguments.wide) }
     } else if json {
         serde_json::to_string_pretty(&known)? + "\n"
     } else {
-        list(&known)
+        list(&known, arguments.wide)
     };
     output::write(arguments.output.out.as_deref(), &text)?;
     Ok(Ending::Good)
 }
 
-fn table(header: &[&str]) -> Table {
-    let mut table = Table::new();
-    table.load_preset(presets::UTF8_FULL_CONDENSED).set_content_arrangement(ContentArrangement::Dynamic);
-    table.set_header(header.to_vec());
-    table
-}
-
-fn list(targets: &[Target]) -> String {
-    let mut table = table(&["target", "what it is", "order", "clock MHz", "costs of operations"]);
-    for target in targets {
-        let order = match target.kind {
-            Kind::Processor => "in program order",
-            Kind::Vliw => "list schedule, several a cycle",
-            Kind::Fpga => "list schedule on bought units",
-        };
+fn list(targets: &[Target], wide: bool) -> String {
+    let clock = |target: &Target| {
         let clock = target.clock.iter().map(|clock| match clock.max_bits {
             Some(bits) => format!("{} to {bits} bits", clock.mhz),
             None => clock.mhz.to_string(),
         });
         let clock = clock.collect::<Vec<_>>().join(", ");
-        let costs = match (target.calibrated, target.measure) {
-            (true, Measure::Cycles) => "instructions counted in an emulator, cycles of the manual",
-            (true, Measure::Instructions) => "instructions counted in an emulator; cycles unknown",
-            (false, _) => "manuals",
-        };
-        let clock = if clock.is_empty() { "unknown".to_string() } else { clock };
-        table.add_row([target.name.as_str(), target.title.as_str(), order, clock.as_str(), costs]);
-    }
-    format!("{table}\nEvery number of a target with its source: feedbits targets NAME\n")
+        if clock.is_empty() { "unknown".to_string() } else { clock }
+    };
+    let row = |target: &Target| {
+        let mut cells = vec![target.name.clone(), target.title.clone()];
+        if wide {
+            let order = match target.kind {
+                Kind::Processor => "in program order",
+                Kind::Vliw => "list schedule, several a cycle",
+                Kind::Fpga => "list schedule on bought units",
+            };
+            cells.push(order.to_string());
+        }
+        cells.push(clock(target));
+        if wide {
+            let costs = match (target.calibrated, target.measure) {
+                (true, Measure::Cycles) => "instructions counted in an emulator, cycles of the manual",
+                (true, Measure::Instructions) => "instructions counted in an emulator; cycles unknown",
+                (false, _) => "manuals",
+            };
+            cells.push(costs.to_string());
+        }
+        cells
+    };
+    let rows: Vec<_> = targets.iter().map(row).collect();
+    let said = format!("{} targets. Every number of one with its source: feedbits targets NAME", rows.len());
+    let table = if wide {
+        let header = ["target", "what it is", "order", "clock MHz", "costs of operations"];
+        screen::wide_table(&header, rows, &[0, 1, 2, 3, 4])
+    } else {
+        screen::table(&["target", "what it is", "clock MHz"], rows)
+    };
+    format!("{}\n{table}", screen::paragraph(&said))
 }
 
-fn numbers(target: &Target) -> String {
-    let mut table =
-        table(&["operation", "formats", "cycles\nlow", "\ntypical", "\nhigh", "unit", "source", "trust"]);
+fn numbers(target: &Target, wide: bool) -> String {
+    let clocks = target.clock.iter().map(|clock| format!("clock {} MHz: {}", short(clock.mhz), clock.source));
+    let head = screen::answer(&format!("{}: {}", target.name, target.title))
+        + &clocks.map(|clock| screen::paragraph(&clock)).collect::<String>()
+        + "\n";
+    let mut sources: Vec<&str> = Vec::new();
+    let mut rows = Vec::new();
     for row in &target.operation {
         let formats = match row.max_bits {
             Some(bits) => format!("{} to {bits} bits", row.numbers),
@@ -156,22 +174,42 @@ fn numbers(target: &Target) -> String {
             (0.0, 0.0) => String::new(),
             (bit, fraction) => format!(" + {bit}·bits + {fraction}·fraction"),
         };
-        let cycles = match row.cycles {
-            Known::Cycles(c) => [c.low, c.typical, c.high].map(|cycles| format!("{cycles:.1}{per_bit}")),
-            Known::Not(_) => ["unknown"; 3].map(String::from),
-        };
         let trust = match row.confidence {
             Confidence::High => "high",
             Confidence::Medium => "medium",
             Confidence::Low => "low",
         };
-        let [low, typical, high] = cycles;
         let unit = row.unit.clone().unwrap_or_default();
-        let cells = [row.name.name().to_string(), formats, low, typical, high, unit, row.source.clone()];
-        table.add_row(cells.into_iter().chain([trust.to_string()]));
+        let mut cells = vec![row.name.name().to_string(), formats];
+        if wide {
+            cells.extend(match row.cycles {
+                Known::Cycles(c) => [c.low, c.typical, c.high].map(|cycles| format!("{cycles:.1}{per_bit}")),
+                Known::Not(_) => ["unknown"; 3].map(String::from),
+            });
+            cells.extend([unit, row.source.clone(), trust.to_string()]);
+        } else {
+            cells.push(match row.cycles {
+                Known::Cycles(c) => format!("{:.1} ({:.1}–{:.1}){per_bit}", c.typical, c.low, c.high),
+                Known::Not(_) => "unknown".to_string(),
+            });
+            let number = sources.iter().position(|source| *source == row.source);
+            let number = number.unwrap_or_else(|| {
+                sources.push(&row.source);
+                sources.len() - 1
+            });
+            cells.extend([unit, trust.to_string(), format!("[{}]", number + 1)]);
+        }
+        rows.push(cells);
     }
-    let clocks = target.clock.iter().map(|clock| format!("clock {} MHz: {}\n", clock.mhz, clock.source));
-    format!("{}: {}\n{}{table}\n", target.name, target.title, clocks.collect::<String>())
+    if wide {
+        let header =
+            ["operation", "formats", "cycles\nlow", "\ntypical", "\nhigh", "unit", "source", "trust"];
+        return head + &screen::wide_table(&header, rows, &[0, 1, 5, 6, 7]);
+    }
+    let header = ["operation", "formats", "cycles, typical\n(low–high)", "unit", "trust", "source"];
+    let sources = sources.iter().enumerate();
+    let sources = sources.map(|(index, source)| labelled(&format!("[{}] ", index + 1), source));
+    head + &screen::table(&header, rows) + "\n" + &sources.collect::<String>()
 }
 
 /// A target's predictions.
@@ -202,32 +240,39 @@ fn checks(targets: &[Target]) -> Result<Vec<Check>> {
 }
 
 fn check_table(checks: &[Check]) -> String {
-    let mut table = table(&["target", "format", "path", "traced", "predicted", "ratio"]);
-    for check in checks {
-        table.add_row([
+    let row = |check: &Check| {
+        vec![
             check.target.clone(),
             check.format.clone(),
             check.path.clone(),
             format!("{:.0}", check.traced),
             format!("{:.0}", check.predicted),
             format!("{:.3}", check.ratio),
-        ]);
-    }
-    for column in table.column_iter_mut().skip(3) {
-        column.set_cell_alignment(CellAlignment::Right);
-    }
-    format!(
-        "A step, mean: traced in the emulator, and predicted from the costs of its operations.\n{table}\n"
-    )
+        ]
+    };
+    let off = checks.iter().map(|check| (check.ratio - 1.0).abs()).fold(0.0, f64::max);
+    screen::answer(&format!("Predictions are at most {:.0} % off.", 100.0 * off))
+        + &screen::paragraph(
+            "A step, mean: traced in the emulator, and predicted from the costs of its operations.",
+        )
+        + "\n"
+        + &screen::table(
+            &["target", "format", "path", "traced", "predicted", "ratio"],
+            checks.iter().map(row).collect(),
+        )
 }
 
-/// The costs of a comparison that was priced, and what they say.
-pub(crate) fn costs(comparison: &Comparison, targets: &[Target]) -> String {
+/// The costs of a comparison that was priced, and what they say: of these forms of the path in 80 columns, or of all in full.
+pub(crate) fn costs(comparison: &Comparison, targets: &[Target], engines: Option<&[Engine]>) -> String {
     let mut text = String::new();
     for target in targets {
-        text += &format!("\n{}\n{}\n", heading(target), cost_table(comparison, target));
+        let table = match engines {
+            Some(engines) => narrow_costs(comparison, target, engines),
+            None => wide_costs(comparison, target),
+        };
+        text += &format!("\n{}{table}", screen::paragraph(&heading(target)));
         for line in findings(comparison, target) {
-            text += &format!("- {line}\n");
+            text += &labelled("- ", &line);
         }
     }
     text
@@ -244,11 +289,69 @@ fn heading(target: &Target) -> String {
     format!("{} ({level}{units})", target.title)
 }
 
-fn cost_table(comparison: &Comparison, target: &Target) -> Table {
-    let what = match target.measure {
+/// What a period's costs are counted in.
+fn counted_in(target: &Target) -> &'static str {
+    match target.measure {
         Measure::Cycles => "cycles",
         Measure::Instructions => "instructions",
-    };
+    }
+}
+
+fn range(middle: f64, [low, high]: [f64; 2]) -> String {
+    format!("{middle:.0} ({low:.0}–{high:.0})")
+}
+
+fn time_and_share(cost: &PeriodCost) -> [String; 2] {
+    let time = cost.microseconds_max.map_or_else(|| "unknown".to_string(), |us| format!("{us:.1}"));
+    let share = cost.share_of_period.map(|share| format!("{:.2} %", share * 100.0));
+    [time, share.unwrap_or_default()]
+}
+
+fn blocks_and_interval(cost: &PeriodCost) -> [String; 2] {
+    [
+        cost.dsp_blocks.map_or_else(String::new, |blocks| blocks.to_string()),
+        cost.initiation_interval_max.map_or_else(String::new, |i| format!("{i:.0}")),
+    ]
+}
+
+/// The longest period of each format, and below the table what is not known.
+fn narrow_costs(comparison: &Comparison, target: &Target, engines: &[Engine]) -> String {
+    let names_path = engines.len() > 1;
+    let fpga = target.kind == Kind::Fpga;
+    let worst = format!("{} of the\nworst period", counted_in(target));
+    let mut header = vec!["format", "path", &worst, "µs", "of the\nperiod", "most work\nin"];
+    if fpga {
+        header.extend(["DSP\nblocks", "to the\nnext axis"]);
+    }
+    if !names_path {
+        header.remove(1);
+    }
+    let (mut rows, mut unknown) = (Vec::new(), Vec::new());
+    let runs = |row: &&Row| engines.contains(&row.engine) && !matches!(row.verdict, Verdict::Refused(_));
+    for row in comparison.formats.iter().filter(runs) {
+        match row.cycles.get(&target.name) {
+            Some(Cost::Known(cost)) => {
+                let mut cells = vec![row.format.clone()];
+                cells.extend(names_path.then(|| row.engine.to_string()));
+                cells.push(range(cost.max, cost.max_range));
+                cells.extend(time_and_share(cost));
+                cells.push(format!("{} {:.0} %", cost.dominating, cost.dominating_share * 100.0));
+                cells.extend(fpga.then(|| blocks_and_interval(cost)).into_iter().flatten());
+                rows.push(cells);
+            }
+            Some(Cost::Unknown { unknown: what }) => {
+                unknown.push((row.format.clone(), format!("unknown, as nobody publishes its {what}")));
+            }
+            None => {}
+        }
+    }
+    let unknown = screen::by_what_is_said(unknown).into_iter();
+    let unknown = unknown.map(|(names, words)| labelled("- ", &format!("{names}: {words}")));
+    screen::table(&header, rows) + &unknown.collect::<String>()
+}
+
+fn wide_costs(comparison: &Comparison, target: &Target) -> String {
+    let what = counted_in(target);
     let mean = format!("{what} a period\nmean (low–high)");
     let max = format!("{what} a period\nworst (low–high)");
     let fpga = target.kind == Kind::Fpga;
@@ -256,34 +359,23 @@ fn cost_table(comparison: &Comparison, target: &Target) -> Table {
     if fpga {
         header.extend(["DSP\nblocks", "cycles to the\nnext axis"]);
     }
-    let mut table = table(&header);
-    for row in comparison.formats.iter().filter(|row| !matches!(row.verdict, Verdict::Refused(_))) {
+    let row = |row: &Row| {
         let mut cells = vec![row.format.clone(), row.engine.to_string()];
         match row.cycles.get(&target.name) {
             Some(Cost::Known(cost)) => {
-                let range = |middle: f64, [low, high]: [f64; 2]| format!("{middle:.0} ({low:.0}–{high:.0})");
                 cells.push(range(cost.mean, cost.mean_range));
                 cells.push(range(cost.max, cost.max_range));
-                cells.push(
-                    cost.microseconds_max.map_or_else(|| "unknown".to_string(), |us| format!("{us:.1}")),
-                );
-                let share = cost.share_of_period.map(|share| format!("{:.2} %", share * 100.0));
-                cells.push(share.unwrap_or_default());
+                cells.extend(time_and_share(cost));
                 cells.push(format!("{} {:.0} %", cost.dominating, cost.dominating_share * 100.0));
-                if fpga {
-                    cells.push(cost.dsp_blocks.map_or_else(String::new, |blocks| blocks.to_string()));
-                    cells.push(cost.initiation_interval_max.map_or_else(String::new, |i| format!("{i:.0}")));
-                }
+                cells.extend(fpga.then(|| blocks_and_interval(cost)).into_iter().flatten());
             }
             Some(Cost::Unknown { unknown }) => cells.push(format!("unknown: nobody publishes its {unknown}")),
             None => {}
         }
-        table.add_row(cells);
-    }
-    for column in table.column_iter_mut().skip(2).take(4) {
-        column.set_cell_alignment(CellAlignment::Right);
-    }
-    table
+        cells
+    };
+    let ran = comparison.formats.iter().filter(|row| !matches!(row.verdict, Verdict::Refused(_)));
+    screen::wide_table(&header, ran.map(row).collect(), &[0, 1, 6, 7, 8])
 }
 
 /// What the figures say on this target.

@@ -1,5 +1,8 @@
 //! The command line, as a person or a script uses it.
 
+mod message;
+
+use message::unfolded;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -33,7 +36,7 @@ fn without_arguments_the_built_in_example_is_compared() {
     let output = Command::new(env!("CARGO_BIN_EXE_feedbits")).current_dir(folder.path()).output();
     let output = output.expect("the program starts");
     let table = text(&output.stdout);
-    assert_eq!(output.status.code(), Some(0), "{table}{}", text(&output.stderr));
+    assert_eq!(output.status.code(), Some(0), "{table}{}", unfolded(&output.stderr));
     for expected in [
         "834.707 mm",
         "I16F16",
@@ -60,7 +63,7 @@ fn both_example_parts_compare_interpolate_and_plan() {
     for part in ["seed-000.toml", "seed-003.nc"].map(data) {
         let compared =
             feedbits(&["compare", &part, "--machine", &machine, "--formats", "f32,f64,I4F28", "--json"]);
-        assert_eq!(compared.status.code(), Some(0), "{}", text(&compared.stderr));
+        assert_eq!(compared.status.code(), Some(0), "{}", unfolded(&compared.stderr));
         let json: serde_json::Value = serde_json::from_slice(&compared.stdout).expect("JSON");
         for key in ["part", "machine", "reference", "formats", "recommended"] {
             assert!(json.get(key).is_some(), "{key}");
@@ -83,7 +86,7 @@ fn both_example_parts_compare_interpolate_and_plan() {
             "--out",
             &setpoints,
         ]);
-        assert_eq!(run.status.code(), Some(0), "{}", text(&run.stderr));
+        assert_eq!(run.status.code(), Some(0), "{}", unfolded(&run.stderr));
         let csv = fs::read_to_string(&setpoints).expect("written");
         let mut lines = csv.lines();
         assert_eq!(
@@ -96,7 +99,7 @@ fn both_example_parts_compare_interpolate_and_plan() {
 
         let plan = folder.path().join("p.csv").display().to_string();
         let planned = feedbits(&["plan", &part, "--machine", &machine, "--out", &plan]);
-        assert_eq!(planned.status.code(), Some(0), "{}", text(&planned.stderr));
+        assert_eq!(planned.status.code(), Some(0), "{}", unfolded(&planned.stderr));
         let csv = fs::read_to_string(&plan).expect("written");
         let header =
             "time_s,distance_mm,u,feed_mm_per_s,acceleration_mm_per_s2,jerk_mm_per_s3,limit_mm_per_s";
@@ -115,7 +118,7 @@ fn a_run_is_the_same_every_time() {
 #[test]
 fn the_fewest_bits_are_found() {
     let output = feedbits(&["size", "--json"]);
-    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    assert_eq!(output.status.code(), Some(0), "{}", unfolded(&output.stderr));
     let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
     let bits = json["uniform"]["bits"].as_u64().expect("a width");
     assert!((22..=28).contains(&bits), "{bits}");
@@ -128,7 +131,7 @@ fn formats_are_listed_and_any_fixed_point_format_can_be_named() {
     let list = text(&feedbits(&["formats"]).stdout);
     assert!(list.contains("I16F16") && list.contains("f64"), "{list}");
     let made = feedbits(&["compare", "--formats", "I5F21", "--evaluate", "pieces"]);
-    assert!(text(&made.stdout).contains("I5F21"), "{}", text(&made.stderr));
+    assert!(text(&made.stdout).contains("I5F21"), "{}", unfolded(&made.stderr));
 }
 
 /// "No format meets the requirements" said nothing where each cuts a corner that the machine file lets be passed too fast.
@@ -144,7 +147,7 @@ fn what_is_no_question_of_the_format_is_told_with_its_place_and_what_helps() {
     let report = folder.path().join("r").display().to_string();
     let run = |more: &[&str]| {
         let output = feedbits(&[&[more[0], &part, "--machine", &machine][..], &more[1..]].concat());
-        assert_eq!(output.status.code(), Some(1), "{}", text(&output.stderr));
+        assert_eq!(output.status.code(), Some(1), "{}", unfolded(&output.stderr));
         text(&output.stdout)
     };
     let words = [
@@ -288,7 +291,7 @@ fn bad_input_is_explained() {
         let part = written(folder.path(), &format!("case{index}.toml"), content);
         let out = folder.path().join("out.csv").display().to_string();
         let output = feedbits(&["interpolate", &part, "--machine", &part, "--out", &out]);
-        let message = text(&output.stderr);
+        let message = unfolded(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "case {index}: {message}");
         assert!(message.contains(&format!("case{index}.toml")), "case {index}: {message}");
         for word in expected {
@@ -333,13 +336,13 @@ fn rapid_moves_alone_are_run_as_if_they_cut_and_it_is_said() {
     let part = written(folder.path(), "r.nc", "G0 X0 Y0\nX10 Y5\nX30\n");
     let output = feedbits(&["compare", &part, "--machine", &data("seed-000.toml"), "--formats", "f64"]);
     assert!(
-        text(&output.stderr).contains("every move is a rapid one: they are run at 200 mm/s"),
+        unfolded(&output.stderr).contains("every move is a rapid one: they are run at 200 mm/s"),
         "{}",
-        text(&output.stderr)
+        unfolded(&output.stderr)
     );
     let mixed = written(folder.path(), "m.nc", "G0 X0 Y0\nX10 Y5\nG1 X30 F600\n");
     let output = feedbits(&["compare", &mixed, "--machine", &data("seed-000.toml"), "--formats", "f64"]);
-    assert!(!text(&output.stderr).contains("every move"), "{}", text(&output.stderr));
+    assert!(!unfolded(&output.stderr).contains("every move"), "{}", unfolded(&output.stderr));
 }
 
 #[test]
@@ -352,12 +355,12 @@ fn a_feedrate_that_nobody_commands_is_said() {
     ] {
         let part = written(folder.path(), "p.nc", program);
         let output = feedbits(&["compare", &part, "--machine", &data("seed-000.toml"), "--formats", "f64"]);
-        let said = text(&output.stderr);
+        let said = unfolded(&output.stderr);
         assert_eq!(said.contains("no feedrate is commanded"), expected.is_some(), "{said}");
         assert!(expected.is_none_or(|expected| said.contains(expected)), "{said}");
     }
-    assert_eq!(text(&feedbits(&["compare", "--formats", "f64", "--quiet"]).stderr), "");
-    assert!(!text(&feedbits(&["compare", "--formats", "f64"]).stderr).contains("no feedrate"));
+    assert_eq!(unfolded(&feedbits(&["compare", "--formats", "f64", "--quiet"]).stderr), "");
+    assert!(!unfolded(&feedbits(&["compare", "--formats", "f64"]).stderr).contains("no feedrate"));
 }
 
 #[test]
@@ -400,7 +403,7 @@ fn bad_usage_is_explained() {
         ),
     ] {
         let output = feedbits(&arguments);
-        let message = text(&output.stderr);
+        let message = unfolded(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
         assert!(message.contains(word), "{arguments:?}: {message}");
     }
@@ -415,7 +418,7 @@ fn a_cusp_is_run() {
     fs::write(&path, program).expect("the folder is writable");
     let output =
         feedbits(&["interpolate", path.to_str().expect("a path"), "--machine", &data("seed-000.toml")]);
-    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert!(output.status.success(), "{}", unfolded(&output.stderr));
     let table = text(&output.stdout);
     let last: Vec<f64> =
         table.lines().last().expect("a row").split(',').map_while(|x| x.parse().ok()).collect();
@@ -443,7 +446,7 @@ fn a_run_rests_at_a_rapid_move() {
     assert!((before[5] - 10.0).abs() < 1e-9 && before[8] == 0.0, "{before:?}");
     // The first step from rest; at the feed it has 0.15 mm.
     assert!(after[5] - 100.0 < 0.02 && after[6] == 100.0, "{after:?}");
-    assert!(text(&output.stderr).contains("1 rapid move is left out"), "{}", text(&output.stderr));
+    assert!(unfolded(&output.stderr).contains("1 rapid move is left out"), "{}", unfolded(&output.stderr));
 }
 
 #[test]
@@ -476,7 +479,7 @@ fn what_is_named_twice_is_run_once() {
         "cortex-m3,cortex-m3",
         "--json",
     ]);
-    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    assert_eq!(output.status.code(), Some(0), "{}", unfolded(&output.stderr));
     let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
     assert_eq!(json["formats"].as_array().map(Vec::len), Some(2));
     let table = feedbits(&[
@@ -516,7 +519,7 @@ fn endless_runs_are_refused_before_they_begin() {
         let machine = written(folder.path(), "m.toml", &good.replace(from, to));
         for command in ["compare", "interpolate", "plan", "size", "servo"] {
             let output = feedbits(&[command, "--machine", &machine]);
-            let message = text(&output.stderr);
+            let message = unfolded(&output.stderr);
             assert_eq!(output.status.code(), Some(2), "{command} {to}: {message}");
             assert!(
                 message.contains(words) && message.contains("at most 16777216"),
@@ -526,7 +529,7 @@ fn endless_runs_are_refused_before_they_begin() {
     }
     for arguments in [["--circle", "1e5"], ["--circle", "1e308"], ["--feed", "1e-3"]] {
         let output = feedbits(&[&["servo"], &arguments[..]].concat());
-        let message = text(&output.stderr);
+        let message = unfolded(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
         assert!(message.contains(arguments[0]) && message.contains("at most 16777216"), "{message}");
     }
@@ -548,7 +551,7 @@ fn quiet_runs_say_nothing_beside_the_result() {
         assert!(!said.stderr.is_empty(), "{arguments:?}");
         let quiet = feedbits(&[&["--quiet"], &arguments[..]].concat());
         assert_eq!(
-            (text(&quiet.stderr), quiet.status.code()),
+            (unfolded(&quiet.stderr), quiet.status.code()),
             (String::new(), said.status.code()),
             "{arguments:?}"
         );
@@ -564,7 +567,7 @@ fn a_part_is_compiled_for_a_controller() {
         feedbits(&[&["compile"], arguments, &out].concat())
     };
     let output = compile(&["--format", "I4F28"]);
-    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    assert_eq!(output.status.code(), Some(0), "{}", unfolded(&output.stderr));
     let source = fs::read_to_string(&file).expect("a file");
     let setpoints = text(&feedbits(&["interpolate", "--format", "I4F28"]).stdout).lines().count() - 1;
     assert!(source.contains(&format!("pub const PERIODS: usize = {setpoints};")), "{setpoints}");
@@ -574,9 +577,9 @@ fn a_part_is_compiled_for_a_controller() {
     let coarse = compile(&["--format", "I4F12"]);
     assert_eq!(coarse.status.code(), Some(1));
     assert!(
-        text(&coarse.stderr).contains("I4F12 is not good enough: fluctuation"),
+        unfolded(&coarse.stderr).contains("I4F12 is not good enough: fluctuation"),
         "{}",
-        text(&coarse.stderr)
+        unfolded(&coarse.stderr)
     );
     let before = fs::read_to_string(&file).expect("it is written all the same");
     assert!(before.contains("real::fixed::types::I4F12"));
@@ -597,7 +600,7 @@ fn a_part_is_compiled_for_a_controller() {
     ] {
         let output = compile(&arguments);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}");
-        assert!(text(&output.stderr).contains(expected), "{}", text(&output.stderr));
+        assert!(unfolded(&output.stderr).contains(expected), "{}", unfolded(&output.stderr));
         assert_eq!(fs::read_to_string(&file).expect("a file"), before, "what was there is kept");
     }
 }

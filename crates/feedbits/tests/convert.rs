@@ -1,5 +1,8 @@
 //! `feedbits convert`: what is written reads back.
 
+mod message;
+
+use message::unfolded;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
@@ -37,7 +40,7 @@ fn a_curve_file_is_planned_as_its_program_is() {
         stages.iter().filter(|stage| stage["end_feed_mm_per_s"] == 0.0).count()
     };
     let output = convert(&[&program, "--machine", &machine, "--to", "toml", "--out", &curves]);
-    assert!(text(&output.stderr).contains("but rests at them"), "{}", text(&output.stderr));
+    assert!(unfolded(&output.stderr).contains("but rests at them"), "{}", unfolded(&output.stderr));
     let of_program = plan(&program);
     assert_eq!(plan(&curves), of_program);
     // M8, both sides of the block with M9, the corner and the end; without the corner when it is smoothed.
@@ -46,7 +49,7 @@ fn a_curve_file_is_planned_as_its_program_is() {
         .args(["smooth", &program, "--machine", &machine, "--tolerance", "0.05", "--out", &smoothed])
         .output()
         .expect("starts");
-    assert!(smooth.status.success(), "{}", text(&smooth.stderr));
+    assert!(smooth.status.success(), "{}", unfolded(&smooth.stderr));
     assert_eq!(rests(&plan(&smoothed)), 4);
 }
 
@@ -65,7 +68,7 @@ fn what_is_not_in_the_program_that_is_written_is_said() {
         fs::write(&program, text_of).expect("the folder is writable");
         let out = path("q.nc");
         let output = convert(&[&[program.as_str(), "--to", "g06.2", "--out", &out], &options[..]].concat());
-        let said = text(&output.stderr);
+        let said = unfolded(&output.stderr);
         assert!(output.status.success(), "{said}");
         assert_eq!(said.contains("1 gap is crossed by a rapid move"), gap, "{said}");
         assert_eq!(said.contains("what the warnings name is not in what is written"), names, "{said}");
@@ -82,11 +85,11 @@ fn the_round_trip_can_be_typed() {
         [(&data("seed-003.nc"), "toml", &one), (&one, "g06.2", &two), (&two, "toml", &three)]
     {
         let output = convert(&[from, "--to", to, "--out", out]);
-        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        assert_eq!(output.status.code(), Some(0), "{}", unfolded(&output.stderr));
         assert!(
-            text(&output.stderr).contains("1 curve, which reads back bit by bit"),
+            unfolded(&output.stderr).contains("1 curve, which reads back bit by bit"),
             "{}",
-            text(&output.stderr)
+            unfolded(&output.stderr)
         );
         assert!(output.stdout.is_empty());
     }
@@ -103,17 +106,21 @@ fn the_round_trip_can_be_typed() {
 fn what_a_dialect_cannot_say_is_said() {
     let output = convert(&[&data("seed-003.nc"), "--to", "g5.2"]);
     assert!(text(&output.stdout).contains("G5.2 P1. L4"), "{}", text(&output.stdout));
-    assert!(text(&output.stderr).contains("read back as 7 others"), "{}", text(&output.stderr));
+    assert!(unfolded(&output.stderr).contains("read back as 7 others"), "{}", unfolded(&output.stderr));
     let output = convert(&[&data("engraving.nc"), "--to", "toml"]);
-    assert!(text(&output.stderr).contains("words M, S, T, D or H are left out"), "{}", text(&output.stderr));
-    assert!(text(&output.stderr).contains("read back bit by bit"), "{}", text(&output.stderr));
+    assert!(
+        unfolded(&output.stderr).contains("words M, S, T, D or H are left out"),
+        "{}",
+        unfolded(&output.stderr)
+    );
+    assert!(unfolded(&output.stderr).contains("read back bit by bit"), "{}", unfolded(&output.stderr));
 }
 
 #[test]
 fn the_tolerance_of_straight_moves_is_asked_for() {
     let moves = |tolerance: &str| {
         let output = convert(&["--to", "g1", "--tolerance", tolerance]);
-        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        assert_eq!(output.status.code(), Some(0), "{}", unfolded(&output.stderr));
         text(&output.stdout).matches("G1 ").count()
     };
     // Chords grow as the root of the tolerance: a hundredth of it needs ten times as many.
@@ -127,7 +134,7 @@ fn the_tolerance_of_straight_moves_is_asked_for() {
     ] {
         let output = convert(&arguments);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}");
-        assert!(text(&output.stderr).contains(said), "{said} in {}", text(&output.stderr));
+        assert!(unfolded(&output.stderr).contains(said), "{said} in {}", unfolded(&output.stderr));
         assert!(output.stdout.is_empty());
     }
 }
@@ -149,7 +156,7 @@ fn convert_text(program: &str, arguments: &[&str]) -> (Option<i32>, String, Stri
     let path = folder.path().join("part.nc").display().to_string();
     fs::write(&path, program).expect("the folder is writable");
     let output = convert(&[&[path.as_str()], arguments].concat());
-    (output.status.code(), text(&output.stdout), text(&output.stderr))
+    (output.status.code(), text(&output.stdout), unfolded(&output.stderr))
 }
 
 #[test]
@@ -188,11 +195,11 @@ K1.23456
     ] {
         let output =
             convert(&[&data("seed-003.nc"), "--to", "g1", "--tolerance", tolerance, "--digits", decimals]);
-        let said = text(&output.stderr);
+        let said = unfolded(&output.stderr);
         assert!(hint.map_or(!said.contains("straight moves by"), |hint| said.contains(hint)), "{said}");
     }
     let output = convert(&[&data("seed-003.nc"), "--to", "g5.2", "--digits", "4"]);
-    let (written, said) = (text(&output.stdout), text(&output.stderr));
+    let (written, said) = (text(&output.stdout), unfolded(&output.stderr));
     assert!(said.contains("1 curve is written as 7") && said.contains("where curves are cut"), "{said}");
     let short = |word: &str| word.split('.').nth(1).is_some_and(|digits| digits.len() <= 4);
     assert!(written.split_whitespace().filter(|word| word.starts_with(['X', 'Y'])).all(short), "{written}");
@@ -239,7 +246,7 @@ K123.456
 ";
     assert!(written.contains(expected), "{written}");
     assert!(
-        said.contains("0.000425 mm off the part\n") && said.contains(" mm farther off the part"),
+        said.contains("0.000425 mm off the part feedbits: ") && said.contains(" mm farther off the part"),
         "{said}"
     );
     // Of sin 45° in a circle of 100 mm six digits are left.

@@ -2,6 +2,9 @@
 //! and where.
 #![cfg(unix)]
 
+mod message;
+
+use message::unfolded;
 use std::fs;
 use std::os::unix::fs::{FileTypeExt, PermissionsExt, symlink};
 use std::path::Path;
@@ -18,7 +21,7 @@ fn in_shell(setup: &str, arguments: &str, folder: &Path) -> Output {
 }
 
 fn said(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
+    unfolded(&output.stderr)
 }
 
 fn is_refused(output: &Output, words: &[&str]) {
@@ -254,9 +257,9 @@ fn a_folder_is_refused_in_one_sentence() {
     fs::create_dir(folder.path().join("d")).expect("a folder");
     let output = in_shell(":", "formats --out d", folder.path());
     is_refused(&output, &[]);
-    assert_eq!(said(&output), "feedbits: cannot write d: it is a folder\n");
+    assert_eq!(said(&output), "feedbits: cannot write d: it is a folder");
     let output = in_shell(":", "formats --out no/file", folder.path());
-    assert_eq!(said(&output), "feedbits: cannot write no/file: No such file or directory (os error 2)\n");
+    assert_eq!(said(&output), "feedbits: cannot write no/file: No such file or directory (os error 2)");
     assert_eq!(names(folder.path()), ["d"]);
 }
 

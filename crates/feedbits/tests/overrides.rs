@@ -1,5 +1,8 @@
 //! Feed override and feed hold while a plan runs.
 
+mod message;
+
+use message::unfolded;
 use std::process::{Command, Output};
 
 fn interpolate(arguments: &[&str]) -> Output {
@@ -10,7 +13,7 @@ fn interpolate(arguments: &[&str]) -> Output {
 /// Chords of each period in mm, and the time of the run in s.
 fn chords(arguments: &[&str]) -> (Vec<f64>, f64) {
     let output = interpolate(&[arguments, &["--json"]].concat());
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(output.status.success(), "{}", unfolded(&output.stderr));
     let rows: Vec<serde_json::Value> = serde_json::from_slice(&output.stdout).expect("JSON");
     let chord = |row: &serde_json::Value| row["chord_mm"].as_f64().expect("a chord");
     (rows.iter().map(chord).collect(), rows.last().expect("rows")["time_s"].as_f64().expect("a time"))
@@ -92,7 +95,7 @@ fn what_each_axis_can_do_is_kept_while_the_rate_changes() {
         let overrides = ["--override", "0.3:0,0.5:100,0.9:30,1.3:100"];
         let output =
             interpolate(&[&[part.as_str(), "--machine", &machine, "--json"], &overrides[..]].concat());
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        assert!(output.status.success(), "{}", unfolded(&output.stderr));
         let rows: Vec<serde_json::Value> = serde_json::from_slice(&output.stdout).expect("JSON");
         let x = |row: &serde_json::Value| row["point_mm"][0].as_f64().expect("a place");
         // At rest before and after.
@@ -138,7 +141,7 @@ fn overrides_out_of_range_are_refused() {
         (&["--override", "1:50", "--end-feed", "100"], "cannot be used with"),
     ] {
         let refused = interpolate(arguments);
-        let message = String::from_utf8_lossy(&refused.stderr).into_owned();
+        let message = unfolded(&refused.stderr);
         assert_eq!(refused.status.code(), Some(2), "{arguments:?}");
         assert!(message.contains(reason) && refused.stdout.is_empty(), "{arguments:?}: {message}");
     }
@@ -150,7 +153,7 @@ fn an_override_behind_the_end_of_the_run_is_named() {
     let said = |overrides: &str| {
         let output = interpolate(&["--override", overrides]);
         assert_eq!(output.status.code(), Some(0));
-        String::from_utf8_lossy(&output.stderr).into_owned()
+        unfolded(&output.stderr)
     };
     let late = said("1:50,20:100");
     assert!(late.contains("the override at 20 s is never in force: the run ends at 8.745 s"), "{late}");

@@ -1,5 +1,8 @@
 //! `feedbits plan`, as a person runs it.
 
+mod message;
+
+use message::unfolded;
 use std::process::{Command, Output};
 
 fn feedbits(arguments: &[&str]) -> Output {
@@ -11,7 +14,7 @@ fn data(name: &str) -> String {
 }
 
 fn stdout(output: &Output) -> String {
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(output.status.success(), "{}", unfolded(&output.stderr));
     String::from_utf8_lossy(&output.stdout).into_owned()
 }
 
@@ -64,7 +67,7 @@ fn each_profile_runs_to_the_end_of_the_path() {
 fn all_profiles_at_once_are_for_plan_only() {
     let refused = feedbits(&["compare", "--profile", "all"]);
     assert_eq!(refused.status.code(), Some(2));
-    assert!(String::from_utf8_lossy(&refused.stderr).contains("--profile all goes with `plan`"));
+    assert!(unfolded(&refused.stderr).contains("--profile all goes with `plan`"));
 }
 
 #[test]
@@ -79,7 +82,7 @@ fn a_window_is_hardly_slower_when_it_is_long_enough() {
     assert!(narrow >= whole - 0.006, "{narrow} against {whole}");
     let refused = feedbits(&["plan", "--window", "0"]);
     assert_eq!(refused.status.code(), Some(2));
-    assert!(String::from_utf8_lossy(&refused.stderr).contains("--window 0: expected a positive length"));
+    assert!(unfolded(&refused.stderr).contains("--window 0: expected a positive length"));
 }
 
 /// `u end 0` and then `u start 1` are of two curves, and nothing said of which.
@@ -91,10 +94,15 @@ fn a_plan_along_several_curves_names_them() {
     std::fs::write(&program, "G21 G90\nG1 X0 Y0 F6000\nX20\nX40\nX40 Y20\nM30\n").expect("a file");
     let several = ["plan", &program, "--machine", &machine];
     let table = stdout(&feedbits(&several));
-    let cells = |line: &str| line.split(['│', '┆']).map(|cell| cell.trim().to_string()).collect::<Vec<_>>();
-    let rows: Vec<_> = table.lines().filter(|line| line.contains('┆')).map(cells).collect();
-    assert_eq!(rows[0][3], "curve", "{table}");
-    let curves: Vec<_> = rows[2..].iter().map(|row| row[3].as_str()).collect();
+    let cells = |line: &str| {
+        line.split("  ")
+            .map(|cell| cell.trim().to_string())
+            .filter(|cell| !cell.is_empty())
+            .collect::<Vec<_>>()
+    };
+    let rows: Vec<_> = table.lines().skip_while(|line| !line.starts_with("stage ")).map(cells).collect();
+    assert_eq!(rows[0][2], "curve", "{table}");
+    let curves: Vec<_> = rows[2..].iter().map(|row| row[2].as_str()).collect();
     assert_eq!((curves.first(), curves.last()), (Some(&"0"), Some(&"2")), "{table}");
     assert!(curves.contains(&"0 to 1"), "{table}");
     let plan: serde_json::Value =
@@ -104,6 +112,19 @@ fn a_plan_along_several_curves_names_them() {
     let csv = std::fs::read_to_string(&samples).expect("written");
     assert!(csv.starts_with("time_s,distance_mm,curve,u,"), "{csv}");
     assert!(!stdout(&feedbits(&["plan", &machine])).contains("curve"), "one curve needs no number");
+}
+
+/// The first screen has the first stages, and --wide all of them with u and coefficients.
+#[test]
+fn long_plans_are_cut_short_on_the_first_screen_only() {
+    let [first, wide] = [&["plan"][..], &["plan", "--wide"]].map(|plan| stdout(&feedbits(plan)));
+    let json: serde_json::Value =
+        serde_json::from_str(&stdout(&feedbits(&["plan", "--json"]))).expect("JSON");
+    let count = json["stage_count"].as_u64().expect("a count");
+    assert!(first.contains(&format!("and {} more stages", count - 20)), "{first}");
+    assert!(!first.contains("u start") && first.lines().count() < 35, "{first}");
+    assert!(wide.contains("u start") && wide.contains("a3"), "{wide}");
+    assert!(wide.lines().count() as u64 > count && first.lines().next() == wide.lines().next(), "{wide}");
 }
 
 /// The time that no plan can beat is that between the plan's own end feeds, and knows nothing of how this one shares out what
@@ -119,7 +140,7 @@ fn no_plan_beats_its_lower_bound() {
     let slow = ["--machine", machine.to_str().expect("a path")];
     for more in [&["--start-feed", "100", "--end-feed", "100"][..], &slow, &[]] {
         let output = feedbits(&[&["plan", "--json", &data("seed-000.toml")], more].concat());
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        assert!(output.status.success(), "{}", unfolded(&output.stderr));
         let plan: serde_json::Value = serde_json::from_str(&stdout(&output)).expect("JSON");
         assert!(
             plan["over_jerk_free"].as_f64().expect("a share") > 0.0,

@@ -1,5 +1,8 @@
 //! `feedbits compare --report`, as a folder on the disk.
 
+mod message;
+
+use message::unfolded;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
@@ -28,9 +31,9 @@ fn a_report_is_a_folder_and_changes_nothing_that_is_printed() {
     let arguments = ["compare", "--formats", "I16F16,I8F24,I4F28,f32,f64"];
     let plain = feedbits(folder.path(), &arguments);
     let with = feedbits(folder.path(), &[&arguments[..], &["--report", "a/b"]].concat());
-    assert_eq!(with.status.code(), Some(0), "{}", text(&with.stderr));
+    assert_eq!(with.status.code(), Some(0), "{}", unfolded(&with.stderr));
     assert_eq!(text(&plain.stdout), text(&with.stdout));
-    assert!(text(&with.stderr).contains("report in a/b/index.html"), "{}", text(&with.stderr));
+    assert!(unfolded(&with.stderr).contains("report in a/b/index.html"), "{}", unfolded(&with.stderr));
     let names = files(&folder.path().join("a/b"));
     for name in [
         "index.html",
@@ -58,7 +61,7 @@ fn a_report_is_a_folder_and_changes_nothing_that_is_printed() {
         .sum();
     assert!(size < 3_000_000, "the whole folder: {size}");
     let quiet = feedbits(folder.path(), &[&arguments[..], &["--report", "a/b", "--quiet"]].concat());
-    assert_eq!((text(&quiet.stderr), quiet.status.code()), (String::new(), Some(0)));
+    assert_eq!((unfolded(&quiet.stderr), quiet.status.code()), (String::new(), Some(0)));
 }
 
 /// A priced comparison shows its targets.
@@ -68,7 +71,7 @@ fn a_priced_report_has_costs() {
     let arguments =
         ["compare", "--formats", "I4F28", "--evaluate", "pieces", "--targets", "cortex-m3", "--report", "r"];
     let run = feedbits(folder.path(), &arguments);
-    assert_eq!(run.status.code(), Some(0), "{}", text(&run.stderr));
+    assert_eq!(run.status.code(), Some(0), "{}", unfolded(&run.stderr));
     let names = files(&folder.path().join("r"));
     for name in ["costs.csv", "costs.json", "cycles-cortex-m3.svg", "schedule-cortex-m3.svg"] {
         assert!(names.iter().any(|found| found == name), "{name} in {names:?}");
@@ -86,7 +89,7 @@ fn a_report_replaces_the_one_before() {
             folder.path(),
             &["compare", "--formats", formats, "--evaluate", "pieces", "--report", "r"],
         );
-        assert_eq!(run.status.code(), Some(0), "{}", text(&run.stderr));
+        assert_eq!(run.status.code(), Some(0), "{}", unfolded(&run.stderr));
     };
     fs::create_dir(&report).expect("a folder");
     for name in [".feedbits-aB3dE6.part", ".feedbits-notes.part", ".tmpaB3dE6", "path-mine.svg"] {
@@ -118,7 +121,7 @@ fn a_folder_that_cannot_be_made_is_an_error() {
     fs::write(folder.path().join("file"), "kept").expect("a file");
     let run = feedbits(folder.path(), &["compare", "--formats", "f64", "--report", "file"]);
     assert_eq!(run.status.code(), Some(2));
-    assert!(text(&run.stderr).contains("cannot make the folder file"), "{}", text(&run.stderr));
+    assert!(unfolded(&run.stderr).contains("cannot make the folder file"), "{}", unfolded(&run.stderr));
     assert_eq!(fs::read_to_string(folder.path().join("file")).expect("a file"), "kept");
 }
 
@@ -127,9 +130,9 @@ fn a_folder_that_cannot_be_made_is_an_error() {
 fn the_default_run_leaves_a_report() {
     let folder = tempfile::tempdir().expect("a folder");
     let run = feedbits(folder.path(), &[]);
-    assert_eq!(run.status.code(), Some(0), "{}", text(&run.stderr));
+    assert_eq!(run.status.code(), Some(0), "{}", unfolded(&run.stderr));
     assert_eq!(
-        text(&run.stderr).lines().collect::<Vec<_>>(),
+        unfolded(&run.stderr).lines().collect::<Vec<_>>(),
         ["feedbits: report in feedbits-report/index.html"]
     );
     assert!(folder.path().join("feedbits-report/index.html").exists());
@@ -139,5 +142,9 @@ fn the_default_run_leaves_a_report() {
     fs::write(taken.path().join("feedbits-report"), "kept").expect("a file");
     let without = feedbits(taken.path(), &[]);
     assert_eq!((without.status.code(), text(&without.stdout)), (Some(0), text(&run.stdout)));
-    assert!(text(&without.stderr).contains("no report: cannot make the folder"), "{}", text(&without.stderr));
+    assert!(
+        unfolded(&without.stderr).contains("no report: cannot make the folder"),
+        "{}",
+        unfolded(&without.stderr)
+    );
 }

@@ -1,9 +1,12 @@
 //! `feedbits servo`, as a person or a script uses it.
 
+mod message;
+
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
+use message::unfolded;
 use serde_json::Value;
 
 fn servo(arguments: &[&str]) -> Output {
@@ -17,7 +20,7 @@ fn text(bytes: &[u8]) -> String {
 
 fn json(arguments: &[&str]) -> Value {
     let output = servo(&[arguments, &["--json"]].concat());
-    serde_json::from_slice(&output.stdout).unwrap_or_else(|_| panic!("{}", text(&output.stderr)))
+    serde_json::from_slice(&output.stdout).unwrap_or_else(|_| panic!("{}", unfolded(&output.stderr)))
 }
 
 fn row<'a>(report: &'a Value, format: &str, engine: &str) -> &'a Value {
@@ -38,6 +41,18 @@ fn coarse_setpoints_raise_the_contour_error_and_fine_ones_do_not() {
     assert!(row(&report, "I8F24", "de-boor-secant")["refused"].as_str().unwrap().contains("control point 0"));
 }
 
+/// The first screen has pieces alone, and --wide both ways; whether all formats can be run is of both.
+#[test]
+fn the_first_screen_has_the_answer_and_pieces() {
+    let [first, wide] = [&[][..], &["--wide"]].map(|more| {
+        let output = servo(&[&["--formats", "I16F16,I8F24,f64"], more].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", unfolded(&output.stderr));
+        text(&output.stdout)
+    });
+    assert!(first.starts_with("The table is at most 3.5") && !first.contains("raw"), "{first}");
+    assert!(wide.contains("I16F16 ┆ raw") && wide.contains("refused: control point 0"), "{wide}");
+}
+
 #[test]
 fn every_setting_of_the_tuning_table_is_there_and_the_papers_trend_with_it() {
     let report = json(&["--formats", "f64"]);
@@ -56,7 +71,7 @@ fn the_circle_is_drawn() {
     let plot = folder.path().join("circle.svg");
     let plot = plot.to_str().unwrap();
     let output = servo(&["--formats", "f64", "--circle", "25", "--feed", "3000", "--plot", plot]);
-    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    assert_eq!(output.status.code(), Some(0), "{}", unfolded(&output.stderr));
     assert!(text(&output.stdout).contains("Circle R25 F3000"), "{}", text(&output.stdout));
     let svg = fs::read_to_string(Path::new(plot)).expect("the plot was written");
     assert!(svg.contains("<svg") && svg.contains("radius 25 mm"), "{svg}");
@@ -74,13 +89,13 @@ fn a_loop_that_cannot_be_is_refused_by_name() {
     ] {
         fs::write(&file, content).expect("the folder is writable");
         let output = servo(&["--servo", file.to_str().unwrap(), "--formats", "f64"]);
-        let message = text(&output.stderr);
+        let message = unfolded(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{content}{message}");
         assert!(message.contains(expected), "{expected} in {message}");
     }
     let output = servo(&["--circle", "0"]);
     assert_eq!(output.status.code(), Some(2));
-    assert!(text(&output.stderr).contains("radius"), "{}", text(&output.stderr));
+    assert!(unfolded(&output.stderr).contains("radius"), "{}", unfolded(&output.stderr));
 }
 
 /// A quarter of a circle of 5 mm at 50 mm/s, on a machine and with a drive in files beside it.
@@ -124,7 +139,7 @@ impl Quarter {
 #[test]
 fn root_mean_squares_are_those_of_the_motion() {
     let output = Quarter::new().servo("", &["--json"]);
-    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    assert_eq!(output.status.code(), Some(0), "{}", unfolded(&output.stderr));
     let report: Value = serde_json::from_slice(&output.stdout).expect("JSON");
     let row = row(&report, "f64", "pieces");
     for (size, [max, rms]) in
@@ -144,7 +159,7 @@ fn a_rapid_move_is_no_corner() {
     let program = "G21 G90\nG0 X0 Y0\nG1 X10 Y0 F3000\nG0 X100 Y100\nG1 X110 Y90\nM30\n";
     fs::write(part.path("quarter.nc"), program).expect("the folder is writable");
     let output = part.servo("", &["--json"]);
-    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    assert_eq!(output.status.code(), Some(0), "{}", unfolded(&output.stderr));
     let report: Value = serde_json::from_slice(&output.stdout).expect("JSON");
     let row = row(&report, "f64", "pieces");
     let contour = row["contour_error_mm"]["max"].as_f64().unwrap();
@@ -159,7 +174,7 @@ fn a_machine_that_does_not_move_is_not_perfect() {
     let quarter = Quarter::new();
     let output = quarter.servo("friction_mm_per_s2 = 1e9\n", &[]);
     let said = text(&output.stdout);
-    assert_eq!(output.status.code(), Some(1), "{said}{}", text(&output.stderr));
+    assert_eq!(output.status.code(), Some(1), "{said}{}", unfolded(&output.stderr));
     assert!(said.contains("Circle R10 F4000: the table does not follow the circle: it goes 0.0°"), "{said}");
     assert!(
         said.contains("Left out: velocity gain 100 %, feed-forward 0, 95, 98, 99, 100 %: the table"),
@@ -175,9 +190,9 @@ fn a_machine_that_does_not_move_is_not_perfect() {
         let plot = quarter.path("c.svg");
         let output = servo(&[&["--formats", "f64", "--plot", &plot], &circle[..]].concat());
         let said = text(&output.stdout);
-        assert_eq!(output.status.code(), Some(1), "{said}{}", text(&output.stderr));
+        assert_eq!(output.status.code(), Some(1), "{said}{}", unfolded(&output.stderr));
         assert!(said.contains("the table does not follow the circle"), "{said}");
-        assert!(text(&output.stderr).contains("c.svg is not written") && !Path::new(&plot).exists());
+        assert!(unfolded(&output.stderr).contains("c.svg is not written") && !Path::new(&plot).exists());
     }
 }
 
@@ -186,7 +201,7 @@ fn a_machine_that_does_not_move_is_not_perfect() {
 fn a_machine_that_follows_badly_is_measured() {
     let output = Quarter::new().servo("backlash_mm = 1\n", &[]);
     let said = text(&output.stdout);
-    assert_eq!(output.status.code(), Some(0), "{said}{}", text(&output.stderr));
+    assert_eq!(output.status.code(), Some(0), "{said}{}", unfolded(&output.stderr));
     assert!(!said.contains("does not follow") && said.contains("mean radial error -393.9"), "{said}");
 }
 
@@ -194,7 +209,7 @@ fn a_machine_that_follows_badly_is_measured() {
 fn a_feed_at_an_end_is_refused() {
     for option in ["--start-feed", "--end-feed"] {
         let output = Quarter::new().servo("", &[option, "100"]);
-        let message = text(&output.stderr);
+        let message = unfolded(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{message}");
         assert!(message.contains(&format!("{option} 100: expected 0")), "{message}");
         assert_eq!(Quarter::new().servo("", &[option, "0"]).status.code(), Some(0));
@@ -205,8 +220,8 @@ fn a_feed_at_an_end_is_refused() {
 fn settings_that_oscillate_are_left_out_with_the_reason() {
     let drive = "velocity_gain_percent = 50\nvelocity_gain_limit_percent = 60\n";
     let output = Quarter::new().servo(drive, &[]);
-    let said = text(&output.stdout);
-    assert_eq!(output.status.code(), Some(0), "{said}{}", text(&output.stderr));
+    let said = unfolded(&output.stdout);
+    assert_eq!(output.status.code(), Some(0), "{said}{}", unfolded(&output.stderr));
     for gain in [100, 200, 300] {
         let expected = format!(
             "Left out: velocity gain {gain} %, feed-forward 0, 95, 98, 99, 100 %: velocity_gain_percent = {gain}: the \
@@ -219,14 +234,14 @@ fn settings_that_oscillate_are_left_out_with_the_reason() {
 /// The closed form beside a simulation is that of the loop which is simulated: the filter takes 10.7 µm.
 #[test]
 fn the_closed_form_has_the_command_filter() {
-    let said = text(&Quarter::new().servo("command_filter_ms = 24\n", &[]).stdout);
+    let said = unfolded(&Quarter::new().servo("command_filter_ms = 24\n", &[]).stdout);
     assert!(said.contains("mean radial error -234.7") && said.contains("closed form: -234.7"), "{said}");
 }
 
 #[test]
 fn a_servo_file_is_refused_with_its_line() {
     let output = Quarter::new().servo("feed_forward = 98\n", &[]);
-    let message = text(&output.stderr);
+    let message = unfolded(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{message}");
     assert!(message.contains("s.toml: line 4: feed_forward = 98"), "{message}");
 }

@@ -1,9 +1,12 @@
 //! `feedbits smooth`, as a person or a script uses it.
 
+mod message;
+
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
+use message::unfolded;
 use serde_json::Value;
 
 fn feedbits(arguments: &[&str]) -> Output {
@@ -36,7 +39,7 @@ impl Folder {
     fn smooth(&self, options: &[&str]) -> Value {
         let (part, machine) = (self.path("part.nc"), data("seed-000.toml"));
         let output = feedbits(&[&["smooth", &part, "--machine", &machine, "--json"], options].concat());
-        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+        assert_eq!(output.status.code(), Some(0), "{}", unfolded(&output.stderr));
         serde_json::from_slice(&output.stdout).expect("JSON")
     }
 }
@@ -308,11 +311,11 @@ fn what_cannot_be_smoothed_is_said() {
         (&[], "--tolerance <MM>"),
     ] {
         let output = feedbits(&[&["smooth", &part, "--machine", &machine], options].concat());
-        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        let said = unfolded(&output.stderr);
         assert!(output.status.code() == Some(2) && said.contains(expected), "{said}");
     }
     let output = feedbits(&["smooth", &part, "--tolerance", "0.1"]);
-    assert!(String::from_utf8_lossy(&output.stderr).contains("names no machine"));
+    assert!(unfolded(&output.stderr).contains("names no machine"));
 }
 
 /// A joint may be a little off: no rapid move crosses it, and what comes behind it is measured against its own moves.
@@ -358,7 +361,7 @@ fn a_program_that_is_too_long_costs_the_file_and_not_the_report() {
             let arguments =
                 ["smooth", &part, "--machine", &machine, "--tolerance", tolerance, "--out", &fine];
             let output = feedbits(&[&arguments, options].concat());
-            let said = String::from_utf8_lossy(&output.stderr).into_owned();
+            let said = unfolded(&output.stderr);
             assert_eq!(output.status.code(), Some(2), "{said}");
             assert!(
                 said.contains(limit) && said.contains("a larger --tolerance") && said.contains(".toml"),
@@ -389,5 +392,5 @@ fn a_path_that_smoothing_makes_slower_is_said_to_be() {
     let (part, machine) = (folder.path("part.nc"), data("seed-000.toml"));
     let output = feedbits(&[&["smooth", &part, "--machine", &machine], &options[..]].concat());
     let said = String::from_utf8_lossy(&output.stdout).into_owned();
-    assert!(said.contains(&format!(" s smoothed: {speedup:.2} times as fast\n")), "{said}");
+    assert!(said.contains(&format!(" at every corner: {speedup:.2} times as fast.\n")), "{said}");
 }

@@ -1,9 +1,12 @@
 //! `feedbits sweep` and `feedbits merge`, as a person or a job array uses them.
 
+mod message;
+
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
+use message::unfolded;
 use serde_json::Value;
 
 /// A small part, so that many cells are soon run.
@@ -41,7 +44,7 @@ fn feedbits(folder: &Path, arguments: &[&str]) -> Output {
 
 fn sweep(folder: &Path, more: &[&str]) -> Output {
     let output = feedbits(folder, &[&GRID[..], more].concat());
-    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    assert_eq!(output.status.code(), Some(0), "{}", unfolded(&output.stderr));
     output
 }
 
@@ -79,7 +82,7 @@ fn an_interrupted_sweep_goes_on_where_it_was() {
     let torn = format!("{}\n{}", lines[..5].join("\n"), &lines[5][..lines[5].len() / 2]);
     fs::write(&path, &torn).expect("a file");
     let resumed = sweep(folder.path(), &["--out", "s.jsonl"]);
-    assert!(text(&resumed.stderr).contains("torn"), "{}", text(&resumed.stderr));
+    assert!(unfolded(&resumed.stderr).contains("torn"), "{}", unfolded(&resumed.stderr));
     assert_eq!(cells(&path), all);
     let now = fs::read_to_string(&path).expect("a file");
     assert!(now.starts_with(&(lines[..5].join("\n") + "\n")), "finished cells stay where they were");
@@ -98,7 +101,7 @@ fn shards_together_are_the_whole() {
     }
     let arguments = ["merge", "3.jsonl", "1.jsonl", "2.jsonl", "--out", "joined.jsonl", "--report", "maps"];
     let merged = feedbits(folder.path(), &arguments);
-    assert_eq!(merged.status.code(), Some(0), "{}", text(&merged.stderr));
+    assert_eq!(merged.status.code(), Some(0), "{}", unfolded(&merged.stderr));
     assert_eq!(cells(&folder.path().join("joined.jsonl")), cells(&folder.path().join("whole.jsonl")));
     let page = fs::read_to_string(folder.path().join("maps/index.html")).expect("a page");
     assert!(page.contains("heat-I4F28_pieces-1.svg") && !page.contains("are missing"));
@@ -117,23 +120,27 @@ fn what_does_not_belong_together_is_refused() {
         &[&GRID[..8], &["--formats", "f64", "--shard", "1/6", "--out", "a.jsonl"]].concat(),
     );
     assert_eq!(other.status.code(), Some(2));
-    assert!(text(&other.stderr).contains("of another sweep"), "{}", text(&other.stderr));
+    assert!(unfolded(&other.stderr).contains("of another sweep"), "{}", unfolded(&other.stderr));
 
     let content = fs::read_to_string(folder.path().join("a.jsonl")).expect("a file");
     fs::write(folder.path().join("b.jsonl"), content.replacen("\"good\":true", "\"good\":false", 1))
         .expect("a file");
     let merged = feedbits(folder.path(), &["merge", "a.jsonl", "b.jsonl", "--out", "c.jsonl"]);
     assert_eq!(merged.status.code(), Some(2));
-    assert!(text(&merged.stderr).contains("contradict each other on cell"), "{}", text(&merged.stderr));
+    assert!(
+        unfolded(&merged.stderr).contains("contradict each other on cell"),
+        "{}",
+        unfolded(&merged.stderr)
+    );
     assert!(!folder.path().join("c.jsonl").exists());
 
     fs::write(folder.path().join("d.jsonl"), content.replacen("\"cell\":0", "\"cell\":1", 1))
         .expect("a file");
     let moved = feedbits(folder.path(), &["merge", "d.jsonl", "--out", "c.jsonl"]);
     assert!(
-        text(&moved.stderr).contains("d.jsonl, line 2: cell 1 does not belong"),
+        unfolded(&moved.stderr).contains("d.jsonl, line 2: cell 1 does not belong"),
         "{}",
-        text(&moved.stderr)
+        unfolded(&moved.stderr)
     );
 }
 
@@ -149,10 +156,10 @@ fn a_sweep_of_a_part_with_other_stops_is_another() {
         feedbits(folder.path(), &[&arguments[..], &["--dialect", "linuxcnc", "--out", "s.jsonl"]].concat())
     };
     let first = on("G0 X0 Y0\nG1 X10 F600\nG1 X20\n");
-    assert_eq!(first.status.code(), Some(0), "{}", text(&first.stderr));
+    assert_eq!(first.status.code(), Some(0), "{}", unfolded(&first.stderr));
     let stopping = on("G61.1\nG0 X0 Y0\nG1 X10 F600\nG1 X20\n");
     assert_eq!(stopping.status.code(), Some(2), "{}", text(&stopping.stdout));
-    assert!(text(&stopping.stderr).contains("of another sweep"), "{}", text(&stopping.stderr));
+    assert!(unfolded(&stopping.stderr).contains("of another sweep"), "{}", unfolded(&stopping.stderr));
 }
 
 /// A cell that would take too long is said to be left out, not forgotten.
@@ -161,7 +168,7 @@ fn a_cell_of_too_many_periods_says_so() {
     let folder = folder();
     let run = feedbits(folder.path(), &[&GRID[..], &["--most-periods", "20", "--out", "s.jsonl"]].concat());
     // None is good in a cell that was run.
-    assert_eq!(run.status.code(), Some(1), "{}", text(&run.stderr));
+    assert_eq!(run.status.code(), Some(1), "{}", unfolded(&run.stderr));
     assert!(text(&run.stdout).contains("cells were not run; the file says why"), "{}", text(&run.stdout));
     let skipped =
         cells(&folder.path().join("s.jsonl")).into_iter().filter(|line| line.contains("more than 20"));
@@ -177,8 +184,12 @@ fn a_file_that_is_no_sweeps_is_left_as_it_is() {
     for content in ["important", "G1 X1 F600\nG1 X2", "{\"part\":1}\n", "\n", "{\"part\":\"other", "\u{e4}"] {
         fs::write(&path, content).expect("a file");
         let refused = feedbits(folder.path(), &into);
-        assert_eq!(refused.status.code(), Some(2), "{content:?}: {}", text(&refused.stderr));
-        assert!(text(&refused.stderr).contains("notes.txt"), "{content:?}: {}", text(&refused.stderr));
+        assert_eq!(refused.status.code(), Some(2), "{content:?}: {}", unfolded(&refused.stderr));
+        assert!(
+            unfolded(&refused.stderr).contains("notes.txt"),
+            "{content:?}: {}",
+            unfolded(&refused.stderr)
+        );
         assert_eq!(fs::read_to_string(&path).expect("a file"), content);
     }
     let latin = b"caf\xe9\n";
@@ -198,7 +209,7 @@ fn a_file_that_is_no_sweeps_is_left_as_it_is() {
     let torn = &whole[..whole.len() - 3];
     fs::write(&path, torn).expect("a file");
     let other = feedbits(folder.path(), &[&into[..], &["--feed", "3"]].concat());
-    assert_eq!(other.status.code(), Some(2), "{}", text(&other.stderr));
+    assert_eq!(other.status.code(), Some(2), "{}", unfolded(&other.stderr));
     assert_eq!(fs::read_to_string(&path).expect("a file"), torn);
 }
 
@@ -214,7 +225,7 @@ fn a_large_file_is_merged_and_resumed() {
     assert!(content.len() > 64 << 20, "{}", content.len());
     fs::write(&path, content).expect("a file");
     let merged = feedbits(folder.path(), &["merge", "s.jsonl", "--out", "joined.jsonl"]);
-    assert_eq!(merged.status.code(), Some(0), "{}", text(&merged.stderr));
+    assert_eq!(merged.status.code(), Some(0), "{}", unfolded(&merged.stderr));
     assert_eq!(cells(&folder.path().join("joined.jsonl")), before);
     let resumed = sweep(folder.path(), &["--out", "s.jsonl"]);
     assert!(text(&resumed.stdout).starts_with("12 of 12"), "{}", text(&resumed.stdout));
@@ -224,7 +235,11 @@ fn a_large_file_is_merged_and_resumed() {
     endless.set_len(1 << 34).expect("room");
     let refused = feedbits(folder.path(), &["merge", "zeros", "--out", "z.jsonl"]);
     assert_eq!(refused.status.code(), Some(2));
-    assert!(text(&refused.stderr).contains("zeros, line 1: longer than 64 MiB"), "{}", text(&refused.stderr));
+    assert!(
+        unfolded(&refused.stderr).contains("zeros, line 1: longer than 64 MiB"),
+        "{}",
+        unfolded(&refused.stderr)
+    );
 }
 
 /// Who comes second is told, and changes nothing; shards that name no file have one each.
@@ -238,7 +253,11 @@ fn two_sweeps_never_write_into_one_file() {
     other.lock().expect("a lock");
     let refused = feedbits(folder.path(), &[&GRID[..], &["--out", "s.jsonl"]].concat());
     assert_eq!(refused.status.code(), Some(2));
-    assert!(text(&refused.stderr).contains("another sweep writes s.jsonl"), "{}", text(&refused.stderr));
+    assert!(
+        unfolded(&refused.stderr).contains("another sweep writes s.jsonl"),
+        "{}",
+        unfolded(&refused.stderr)
+    );
     assert_eq!(fs::read_to_string(&path).expect("a file"), before);
     other.unlock().expect("a lock");
     sweep(folder.path(), &["--out", "s.jsonl"]);
@@ -261,14 +280,14 @@ fn a_sweep_of_another_program_is_not_resumed() {
         feedbits(folder.path(), &arguments)
     };
     let first = run("G1 X0 Y0 F6000\nG1 X10\nG1 X20 Y5\n");
-    assert_eq!(first.status.code(), Some(0), "{}", text(&first.stderr));
+    assert_eq!(first.status.code(), Some(0), "{}", unfolded(&first.stderr));
     for other in ["G1 X0 Y0 F6000\nG1 X10\nG1 X20 Y5 F3000\n", "G1 X0 Y0 F6000\nG1 X10\nG0 X20 Y5\n"] {
         let refused = run(other);
         assert_eq!(refused.status.code(), Some(2), "{other}");
-        assert!(text(&refused.stderr).contains("of another sweep"), "{}", text(&refused.stderr));
+        assert!(unfolded(&refused.stderr).contains("of another sweep"), "{}", unfolded(&refused.stderr));
     }
     let same = run("(once more)\nG1 X0 Y0 F6000\nG1 X10\nG1 X20 Y5\n");
-    assert_eq!(same.status.code(), Some(0), "{}", text(&same.stderr));
+    assert_eq!(same.status.code(), Some(0), "{}", unfolded(&same.stderr));
 }
 
 #[test]
@@ -283,7 +302,7 @@ fn spans_and_points_have_bounds() {
     ] {
         let refused = feedbits(folder.path(), &[&["sweep", "p.toml"], &arguments[..]].concat());
         assert_eq!(refused.status.code(), Some(2), "{arguments:?}");
-        assert!(text(&refused.stderr).contains(words), "{arguments:?}: {}", text(&refused.stderr));
+        assert!(unfolded(&refused.stderr).contains(words), "{arguments:?}: {}", unfolded(&refused.stderr));
     }
     assert!(!folder.path().join("sweep.jsonl").exists());
 }

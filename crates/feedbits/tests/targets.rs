@@ -1,8 +1,11 @@
 //! `feedbits targets` and `compare --targets`, as a person or a script uses them.
 
+mod message;
+
 use std::fs;
 use std::process::{Command, Output};
 
+use message::unfolded;
 use serde_json::Value;
 
 fn feedbits(arguments: &[&str]) -> Output {
@@ -15,7 +18,7 @@ fn text(bytes: &[u8]) -> String {
 
 fn json(arguments: &[&str]) -> Value {
     let output = feedbits(&[arguments, &["--json"]].concat());
-    serde_json::from_slice(&output.stdout).unwrap_or_else(|_| panic!("{}", text(&output.stderr)))
+    serde_json::from_slice(&output.stdout).unwrap_or_else(|_| panic!("{}", unfolded(&output.stderr)))
 }
 
 #[test]
@@ -36,7 +39,7 @@ fn every_target_is_listed_and_every_number_has_a_source() {
     );
     let unknown = feedbits(&["targets", "z80"]);
     assert_eq!(unknown.status.code(), Some(2));
-    assert!(text(&unknown.stderr).contains("cortex-m3"), "{}", text(&unknown.stderr));
+    assert!(unfolded(&unknown.stderr).contains("cortex-m3"), "{}", unfolded(&unknown.stderr));
 }
 
 /// Fixed point pays where there is no FPU, and f32 where there is one.
@@ -103,19 +106,19 @@ fn a_target_of_ones_own_is_read_and_a_format_that_does_not_fit_the_period_fails(
     fs::write(&path, format!("{SLOW}{rows}")).expect("the folder is writable");
     let file = path.to_str().unwrap();
     let output = feedbits(&["compare", "--formats", "f64", "--evaluate", "pieces", "--target-file", file]);
-    assert_eq!(output.status.code(), Some(1), "{}", text(&output.stderr));
+    assert_eq!(output.status.code(), Some(1), "{}", unfolded(&output.stderr));
     let said = text(&output.stdout).split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(said.contains("times the interpolation period"), "{said}");
 
     fs::write(&path, format!("{SLOW}{rows}").replace("typical = 2", "typical = 0")).expect("writable");
     let output = feedbits(&["compare", "--formats", "f64", "--target-file", file]);
     assert_eq!(output.status.code(), Some(2));
-    let message = text(&output.stderr);
+    let message = unfolded(&output.stderr);
     assert!(
         message.contains("relay.toml")
             && message.contains("operation add")
             && message.contains("typical = 0")
     );
     let output = feedbits(&["compare", "--targets", "relay"]);
-    assert!(text(&output.stderr).contains("unknown target \"relay\""), "{}", text(&output.stderr));
+    assert!(unfolded(&output.stderr).contains("unknown target \"relay\""), "{}", unfolded(&output.stderr));
 }

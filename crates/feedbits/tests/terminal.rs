@@ -29,8 +29,30 @@ fn masked(text: &str) -> String {
     shown + rest
 }
 
-fn shows(arguments: &[&str], expected: &ExpectFile) {
+/// The files that commands find where they are run.
+const FILES: [(&str, &str); 6] = [
+    ("part.nc", "G21 G90 G17\nG0 X0 Y0\nG1 X20 F3000\nG3 X20 Y10 I0 J5\nG1 X0\nM30\n"),
+    ("corners.nc", "G21 G90\nG0 X0 Y0\nG1 X20 F2400\nY10\nX10\nY20\nX0\nY0\nM30\n"),
+    ("bad.nc", "G21 G90\nG0 X0 Y0\nG1 XX20 F3000\n"),
+    ("mill.toml", MACHINE),
+    ("typo.toml", ""),
+    ("zero.toml", ""),
+];
+
+const MACHINE: &str = "[machine]\ninterpolation_period_ms = 1\nfeedrate_mm_per_s = 100\nacceleration_mm_per_s2 = 1000\n\
+    jerk_mm_per_s3 = 50000\nchord_error_mm = 0.002\nfluctuation_limit = 1e-5\nparameter_tolerance = 1e-8\nmax_iterations = 8\n";
+
+/// What a command prints on both streams, and its exit status.
+fn printed(arguments: &[&str]) -> (String, Option<i32>) {
     let folder = tempfile::tempdir().expect("a folder");
+    for (name, content) in FILES {
+        let spoilt = match name {
+            "typo.toml" => MACHINE.replace("acceleration_", "acceleraton_"),
+            "zero.toml" => MACHINE.replace("jerk_mm_per_s3 = 50000", "jerk_mm_per_s3 = 0"),
+            _ => content.to_string(),
+        };
+        std::fs::write(folder.path().join(name), spoilt).expect("the folder is writable");
+    }
     let output = Command::new(env!("CARGO_BIN_EXE_feedbits"))
         .args(arguments)
         .current_dir(folder.path())
@@ -38,7 +60,16 @@ fn shows(arguments: &[&str], expected: &ExpectFile) {
         .expect("the program starts");
     let text =
         String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
-    expected.assert_eq(&masked(&text));
+    (text, output.status.code())
+}
+
+fn shows(arguments: &[&str], expected: &ExpectFile) {
+    expected.assert_eq(&masked(&printed(arguments).0));
+}
+
+#[test]
+fn no_arguments() {
+    shows(&[], &expect_file!["terminal/feedbits.txt"]);
 }
 
 #[test]
@@ -50,8 +81,56 @@ fn a_comparison() {
 }
 
 #[test]
+fn a_comparison_of_a_program() {
+    shows(
+        &["compare", "part.nc", "--machine", "mill.toml", "--targets", "cortex-m4f,dsp48"],
+        &expect_file!["terminal/compare-program.txt"],
+    );
+}
+
+#[test]
 fn nothing_that_is_good_enough() {
     shows(&["compare", "--formats", "I16F16"], &expect_file!["terminal/none.txt"]);
+}
+
+#[test]
+fn the_fewest_bits() {
+    shows(&["size", "part.nc", "--machine", "mill.toml"], &expect_file!["terminal/size.txt"]);
+}
+
+#[test]
+fn a_part_that_is_looked_over() {
+    shows(&["check", "part.nc"], &expect_file!["terminal/check.txt"]);
+    shows(&["check", "corners.nc", "--machine", "mill.toml"], &expect_file!["terminal/check-corners.txt"]);
+}
+
+#[test]
+fn a_plan() {
+    shows(&["plan", "part.nc", "--machine", "mill.toml"], &expect_file!["terminal/plan.txt"]);
+    shows(&["plan"], &expect_file!["terminal/plan-long.txt"]);
+    shows(&["plan", "--profile", "all"], &expect_file!["terminal/plan-all.txt"]);
+}
+
+#[test]
+fn corners_that_are_smoothed() {
+    shows(
+        &["smooth", "corners.nc", "--machine", "mill.toml", "--tolerance", "0.02", "--outer", "loop"],
+        &expect_file!["terminal/smooth.txt"],
+    );
+}
+
+#[test]
+fn a_machine_that_follows() {
+    shows(
+        &["servo", "part.nc", "--machine", "mill.toml", "--formats", "I16F16,I4F28,I2F30,f64"],
+        &expect_file!["terminal/servo.txt"],
+    );
+}
+
+#[test]
+fn the_targets() {
+    shows(&["targets"], &expect_file!["terminal/targets.txt"]);
+    shows(&["targets", "dsp48"], &expect_file!["terminal/target.txt"]);
 }
 
 #[test]
@@ -65,8 +144,58 @@ fn the_machines() {
 }
 
 #[test]
+fn a_sweep() {
+    shows(
+        &["sweep", "part.nc", "--machine", "mill.toml", "--feed", "20..50/2", "--formats", "I8F24"],
+        &expect_file!["terminal/sweep.txt"],
+    );
+}
+
+#[test]
 fn a_sweep_of_wrong_words() {
     shows(&["sweep", "--period", "4..1"], &expect_file!["terminal/wrong-span.txt"]);
+}
+
+/// Ten mistakes that people make.
+#[test]
+fn errors() {
+    let mistakes = [
+        "check missing.nc",
+        "compare part.nc --machine mill.toml --formats I8F24,decimal",
+        "plan part.nc --machine typo.toml",
+        "plan --window far",
+        "check bad.nc",
+        "plan part.nc",
+        "plan part.nc --machine zero.toml",
+        "targets z80",
+        "plan --out nowhere/plan.csv",
+        "check part.nc --dialect klingon",
+    ];
+    let shown = mistakes.map(|command| {
+        let (text, status) = printed(&command.split(' ').collect::<Vec<_>>());
+        assert_eq!(status, Some(2), "{command}: {text}");
+        format!("$ feedbits {command}\n{text}")
+    });
+    expect_file!["terminal/errors.txt"].assert_eq(&masked(&shown.join("\n")));
+}
+
+/// A line of a file that is shown may be longer, as it is.
+#[test]
+fn no_line_is_longer_than_a_terminal_of_80_columns() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/terminal");
+    let mut snapshots = 0;
+    for entry in std::fs::read_dir(folder).expect("the snapshots") {
+        let path = entry.expect("an entry").path();
+        let text = std::fs::read_to_string(&path).expect("a snapshot");
+        let is_of_a_file = |line: &str| {
+            line.trim_start().trim_start_matches(|c: char| c.is_ascii_digit()).starts_with(" | ")
+        };
+        for line in text.lines().filter(|line| !is_of_a_file(line)) {
+            assert!(line.chars().count() <= 80, "{}: {line}", path.display());
+        }
+        snapshots += 1;
+    }
+    assert!(snapshots >= 18, "{snapshots}");
 }
 
 #[test]

@@ -2,11 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use comfy_table::{CellAlignment, Table, presets};
 use part_program::Machine;
 use serde::Serialize;
 
 use super::smooth_stretch::LEAST_LOOPED_DEG;
+use crate::output::counted;
+use crate::screen::{self, duration, labelled, short};
 
 /// What became of a corner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -153,29 +154,43 @@ impl Report {
         faults
     }
 
-    /// The report for the terminal: every corner if they are few, else the slowest, and the totals.
-    pub(crate) fn text(&self) -> String {
+    /// The report for the terminal: how much faster and how far off, the totals, and every corner if they are few, else the slowest.
+    pub(crate) fn text(&self, wide: bool) -> String {
         const MOST_ROWS: usize = 30;
         const SLOWEST: usize = 10;
+        let mut text = self.answer() + "\n" + &self.totals();
         let mut rows: Vec<&CornerRow> = self.corners.iter().collect();
-        let mut text = format!(
-            "{}: {} moves in {} stretches from rest to rest, {} corners; tolerance {} mm\n",
-            self.part,
-            self.moves,
-            self.stretches,
-            self.corners.len(),
-            self.tolerance_mm
-        );
-        if rows.len() > MOST_ROWS {
+        if !rows.is_empty() {
+            text += "\n";
+        }
+        if rows.len() > MOST_ROWS && !wide {
             rows.retain(|row| row.kind != Kind::Left);
             rows.sort_by(|a, b| a.feed_after_mm_per_s.total_cmp(&b.feed_after_mm_per_s));
             rows.truncate(SLOWEST);
-            text += &format!("The {} slowest of the smoothed corners (--json lists all):\n", rows.len());
+            text += &format!("The {} slowest of the smoothed corners (--wide lists all):\n", rows.len());
         }
-        if !rows.is_empty() {
-            text += &format!("{}\n", table(&rows));
-        }
-        text + &self.totals()
+        text + &table(&rows, wide)
+    }
+
+    /// What is won, what it takes, and what is broken.
+    fn answer(&self) -> String {
+        let faults = self.faults();
+        let what = format!(
+            "{} smoothed, {} with a stop at every corner: {:.2} times as fast.",
+            duration(self.smoothed.time_s),
+            duration(self.exact_stop.time_s),
+            self.speedup
+        );
+        let of = format!(
+            "{}: {} in {} from rest to rest, {}; tolerance {} mm",
+            screen::file_name(&self.part),
+            counted(self.moves, "move", "moves"),
+            counted(self.stretches, "stretch", "stretches"),
+            counted(self.corners.len(), "corner", "corners"),
+            short(self.tolerance_mm)
+        );
+        let broken = faults.iter().map(|fault| screen::paragraph(&format!("not met: {fault}")));
+        screen::answer(&what) + &broken.collect::<String>() + &screen::paragraph(&of)
     }
 
     fn totals(&self) -> String {
@@ -186,50 +201,60 @@ impl Report {
             0 => String::new(),
             count => format!(" ({count} outer, but of less than {LEAST_LOOPED_DEG}°)"),
         };
-        let mut text =
-            format!("corners     {} cut{shallow}, {} looped, {left} left{reasons}\n", self.cuts, self.loops);
-        text += &format!(
-            "distance    {:.6} mm at most of {} mm, measured both ways on {}\n",
-            self.error_mm_max, self.tolerance_mm, self.measured
+        let mut text = labelled(
+            "corners     ",
+            &format!("{} cut{shallow}, {} looped, {left} left{reasons}", self.cuts, self.loops),
         );
-        text += &format!(
-            "time        {:.3} s stopping at corners, {:.3} s smoothed: {:.2} times as fast\n",
-            self.exact_stop.time_s, self.smoothed.time_s, self.speedup
+        text += &labelled(
+            "distance    ",
+            &format!(
+                "{} mm at most of {} mm, measured both ways on {}",
+                small(self.error_mm_max),
+                small(self.tolerance_mm),
+                self.measured
+            ),
         );
         if self.cuts + self.loops > 0 {
             let forms = &self.forms;
-            text += &format!(
-                "real time   {} polynomials of degree {}, {:.1e} mm from sine and cosine (proven: {:.1e}); {} operations a point in place of {}\n",
-                forms.polynomials,
-                forms.polynomial_degree,
-                forms.distance_mm_max,
-                forms.distance_bound_mm,
-                forms.polynomial_operations,
-                forms.trigonometric_operations
+            text += &labelled(
+                "real time   ",
+                &format!(
+                    "{} polynomials of degree {}, {:.1e} mm from sine and cosine (proven: {:.1e}); {} operations a point in place of {}",
+                    forms.polynomials,
+                    forms.polynomial_degree,
+                    forms.distance_mm_max,
+                    forms.distance_bound_mm,
+                    forms.polynomial_operations,
+                    forms.trigonometric_operations
+                ),
             );
         }
-        text += &format!(
-            "setpoints   {} in f64, at most {:.1e} mm off the smoothed path and {:.6} mm off the program; chord error {:.1e} mm\n",
-            self.setpoints.count,
-            self.setpoints.off_path_mm_max,
-            self.setpoints.off_moves_mm_max,
-            self.setpoints.chord_error_mm_max
+        text += &labelled(
+            "setpoints   ",
+            &format!(
+                "{} in f64, at most {:.1e} mm off the smoothed path and {} mm off the program; chord error {:.1e} mm",
+                self.setpoints.count,
+                self.setpoints.off_path_mm_max,
+                small(self.setpoints.off_moves_mm_max),
+                self.setpoints.chord_error_mm_max
+            ),
         );
-        text += &crate::plan::in_all_directions(
+        text + &crate::plan::in_all_directions(
             self.setpoints.total_acceleration_max_mm_per_s2,
             self.machine.acceleration_mm_per_s2,
             self.machine.centripetal_acceleration_mm_per_s2.is_none(),
-        );
-        for fault in self.faults() {
-            text += &format!("not met: {fault}\n");
-        }
-        text
+        )
     }
 }
 
-fn table(rows: &[&CornerRow]) -> Table {
-    let mut table = Table::new();
-    table.load_preset(presets::UTF8_FULL_CONDENSED).set_header([
+/// A length that may be far below a micrometre.
+fn small(mm: f64) -> String {
+    if mm > 0.0 && mm < 1e-4 { format!("{mm:.1e}") } else { format!("{mm:.6}") }
+}
+
+/// The corners; z only where it is not the same in all of them, and in 80 columns if they need not be wide.
+fn table(rows: &[&CornerRow], wide: bool) -> String {
+    let header = [
         "line",
         "x\nmm",
         "y\nmm",
@@ -239,8 +264,8 @@ fn table(rows: &[&CornerRow]) -> Table {
         "error\nmm",
         "feed before\nmm/s",
         "after\nmm/s",
-    ]);
-    for row in rows {
+    ];
+    let cells = |row: &&CornerRow| {
         let [x, y, z] = row.point_mm.map(|x| format!("{x:.3}"));
         let kind = match (row.kind, &row.reason) {
             (Kind::Cut, None) => "cut".to_string(),
@@ -248,7 +273,7 @@ fn table(rows: &[&CornerRow]) -> Table {
             (Kind::Loop, _) => "loop".to_string(),
             (Kind::Left, reason) => format!("left: {}", reason.as_deref().unwrap_or_default()),
         };
-        table.add_row([
+        vec![
             row.line.to_string(),
             x,
             y,
@@ -258,12 +283,18 @@ fn table(rows: &[&CornerRow]) -> Table {
             format!("{:.5}", row.measured_error_mm),
             format!("{:.2}", row.feed_before_mm_per_s),
             format!("{:.2}", row.feed_after_mm_per_s),
-        ]);
+        ]
+    };
+    let mut cells: Vec<Vec<String>> = rows.iter().map(cells).collect();
+    if wide {
+        return screen::wide_table(&header, cells, &[5]);
     }
-    for index in [0, 1, 2, 3, 4, 6, 7, 8] {
-        if let Some(column) = table.column_mut(index) {
-            column.set_cell_alignment(CellAlignment::Right);
-        }
+    let mut header = header.to_vec();
+    header[7] = "before\nmm/s";
+    let first = rows.first().map_or(0.0, |row| row.point_mm[2]);
+    if rows.iter().all(|row| row.point_mm[2] == first) {
+        header.remove(3);
+        cells.iter_mut().for_each(|row| drop(row.remove(3)));
     }
-    table
+    screen::table(&header, cells)
 }

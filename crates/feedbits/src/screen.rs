@@ -1,0 +1,213 @@
+//! What a terminal of 80 columns shows: folded lines, tables that fit, and figures as people say them.
+
+use anstyle::{AnsiColor, Style};
+use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
+use textwrap::{Options, WordSplitter};
+
+/// Columns of the screen.
+pub(crate) const COLUMNS: usize = 80;
+
+pub(crate) const STRONG: Style = Style::new().bold();
+pub(crate) const GOOD: Style = AnsiColor::Green.on_default();
+pub(crate) const BAD: Style = AnsiColor::Red.on_default();
+
+/// Words are not cut: options, formats and paths are copied from the screen.
+fn whole_words<'i>() -> Options<'i> {
+    Options::new(COLUMNS).word_splitter(WordSplitter::NoHyphenation).break_words(false)
+}
+
+/// The lines of a text, none longer than the screen.
+pub(crate) fn folded(text: &str) -> Vec<String> {
+    textwrap::wrap(text, whole_words()).into_iter().map(Into::into).collect()
+}
+
+/// A text in lines of the screen, the last with its end too; nothing of no text.
+pub(crate) fn paragraph(text: &str) -> String {
+    if text.is_empty() { String::new() } else { folded(text).join("\n") + "\n" }
+}
+
+/// The same with its first line in bold: what was asked for.
+pub(crate) fn answer(text: &str) -> String {
+    let lines = paragraph(text);
+    match lines.split_once('\n') {
+        Some((first, more)) => format!("{STRONG}{first}{STRONG:#}\n{more}"),
+        None => lines,
+    }
+}
+
+/// A text behind a label, further lines below the text.
+pub(crate) fn labelled(label: &str, text: &str) -> String {
+    let below = " ".repeat(label.chars().count());
+    textwrap::fill(text, whole_words().initial_indent(label).subsequent_indent(&below)) + "\n"
+}
+
+/// A message of one line or more. The lines of a file that it shows, each behind a bar, and the place are as they are.
+pub(crate) fn message(text: &str) -> String {
+    let is_shown = |line: &str| {
+        let line = line.trim_start().trim_start_matches(|c: char| c.is_ascii_digit()).trim_start();
+        line.starts_with('|') || line.starts_with("-->")
+    };
+    let lines = text.split('\n').map(|line| {
+        if is_shown(line) {
+            return line.to_string();
+        }
+        let text = line.trim_start_matches([' ', '=']);
+        let below = (line.len() - text.len()).min(COLUMNS / 4);
+        textwrap::fill(line, whole_words().subsequent_indent(&" ".repeat(below)))
+    });
+    lines.collect::<Vec<_>>().join("\n")
+}
+
+/// A table no wider than the screen; nothing without rows. Figures are aligned to the right, words to the left.
+pub(crate) fn table(header: &[&str], rows: Vec<Vec<String>>) -> String {
+    const GAP: u16 = 2;
+    if rows.is_empty() {
+        return String::new();
+    }
+    let is_figure = |cell: &String| {
+        cell.is_empty()
+            || cell.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '-' | '±' | '<' | '>'))
+    };
+    let has_figures = |column: usize| rows.iter().filter_map(|row| row.get(column)).all(is_figure);
+    let figures: Vec<bool> = (0..header.len()).map(has_figures).collect();
+    let mut table = Table::new();
+    // The gap behind the last column is cut off.
+    table
+        .load_preset(presets::NOTHING)
+        .set_content_arrangement(ContentArrangement::Dynamic)
+        .set_width(u16::try_from(COLUMNS).unwrap_or(u16::MAX).saturating_add(GAP))
+        .set_header(header.to_vec());
+    table.add_rows(rows);
+    for (column, has_figures) in table.column_iter_mut().zip(figures) {
+        column.set_padding((0, GAP));
+        if has_figures {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    table.lines().map(|line| line.trim_end().to_string() + "\n").collect()
+}
+
+/// A table of all columns, as wide as they are, those of `words` aligned to the left; nothing without rows.
+pub(crate) fn wide_table(header: &[&str], rows: Vec<Vec<String>>, words: &[usize]) -> String {
+    if rows.is_empty() {
+        return String::new();
+    }
+    let mut table = Table::new();
+    table.load_preset(presets::UTF8_FULL_CONDENSED).set_header(header.to_vec());
+    table.add_rows(rows);
+    for (index, column) in table.column_iter_mut().enumerate() {
+        if !words.contains(&index) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    format!("{table}\n")
+}
+
+/// "A, B and C".
+pub(crate) fn list(names: &[&str]) -> String {
+    match names {
+        [] => String::new(),
+        [one] => (*one).to_string(),
+        [most @ .., last] => format!("{} and {last}", most.join(", ")),
+    }
+}
+
+/// What is said of names, those of which the same is said together, in the order of the first.
+pub(crate) fn by_what_is_said(said: impl IntoIterator<Item = (String, String)>) -> Vec<(String, String)> {
+    let mut groups: Vec<(String, Vec<String>)> = Vec::new();
+    for (name, words) in said {
+        match groups.iter_mut().find(|(known, _)| *known == words) {
+            Some((_, names)) => names.push(name),
+            None => groups.push((words, vec![name])),
+        }
+    }
+    let joined = |names: &[String]| list(&names.iter().map(String::as_str).collect::<Vec<_>>());
+    groups.into_iter().map(|(words, names)| (joined(&names), words)).collect()
+}
+
+/// The name of a part without the folders of its file.
+pub(crate) fn file_name(name: &str) -> String {
+    let last = std::path::Path::new(name).file_name();
+    last.map_or_else(|| name.to_string(), |last| last.to_string_lossy().into_owned())
+}
+
+/// A margin beyond which its figure says nothing.
+const MANY: f64 = 1e6;
+
+/// So many times, in words: two digits, and beyond a million only that.
+pub(crate) fn times(margin: f64) -> String {
+    if margin > MANY {
+        "more than a million times".to_string()
+    } else {
+        format!("{} times", two_digits(margin))
+    }
+}
+
+/// The same in a table.
+pub(crate) fn times_short(margin: f64) -> String {
+    if margin > MANY { "> 1e6".to_string() } else { format!("{}×", two_digits(margin)) }
+}
+
+fn two_digits(x: f64) -> String {
+    if x < 10.0 { format!("{x:.1}") } else { format!("{x:.0}") }
+}
+
+/// A figure of at most six digits; of seven, and from then on of three and an exponent.
+pub(crate) fn short(x: f64) -> String {
+    if x.abs() >= 1e7 {
+        return if x.is_finite() { format!("{x:.2e}") } else { "no bound".to_string() };
+    }
+    let digits = 5 - x.abs().max(1e-3).log10().floor().clamp(-3.0, 5.0) as i32;
+    let text = format!("{x:.*}", usize::try_from(digits).unwrap_or(0).min(6));
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_string() } else { text }
+}
+
+/// A time as people say it.
+pub(crate) fn duration(seconds: f64) -> String {
+    let whole = seconds.round();
+    if seconds < 100.0 {
+        format!("{seconds:.2} s")
+    } else if whole < 3600.0 {
+        format!("{:.0} min {:02.0} s", (whole / 60.0).floor(), whole % 60.0)
+    } else {
+        format!("{:.0} h {:02.0} min", (whole / 3600.0).floor(), (whole % 3600.0 / 60.0).floor())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn figures_are_short() {
+        assert_eq!(
+            [834.706_9, 200.0, 0.0005, 1e-3, 16_000.0, 22_368.358, 1.25e7].map(short),
+            ["834.707", "200", "0.0005", "0.001", "16000", "22368.4", "1.25e7"]
+        );
+        assert_eq!(short(7.000_000_000_000_001), "7");
+        assert_eq!([4.887, 487.231, 16_742.0].map(duration), ["4.89 s", "8 min 07 s", "4 h 39 min"]);
+        assert_eq!([3.02, 41.0, 9e8].map(times), ["3.0 times", "41 times", "more than a million times"]);
+    }
+
+    #[test]
+    fn no_line_is_longer_than_the_screen() {
+        let text = "It is not a question of the format: f64 pieces fails too, with a chord error of 2.5 µm in line 17.";
+        assert!(folded(text).iter().all(|line| line.chars().count() <= COLUMNS));
+        assert_eq!(folded(text).join(" "), text);
+        let words = "a verdict of many words ".repeat(9);
+        let cells = ["I8F24", "26", &words].map(String::from).to_vec();
+        let table = table(&["format", "bits", "verdict"], vec![cells]);
+        assert!(table.lines().all(|line| line.chars().count() <= COLUMNS), "{table}");
+    }
+
+    /// A line of a file is shown as it is, and an option is not cut at its hyphens.
+    #[test]
+    fn what_is_copied_from_the_screen_stays_whole() {
+        let excerpt = format!("  --> {}:3:1\n   |\n 3 | {}\n   | ^", "p".repeat(90), "G1 X1 ".repeat(20));
+        let text = format!("error: {}\n{excerpt}", "--piece-length-of-a-part ".repeat(6).trim_end());
+        let shown = message(&text);
+        assert!(shown.ends_with(&excerpt), "{shown}");
+        let words = shown.lines().take_while(|line| !line.contains("-->")).flat_map(str::split_whitespace);
+        assert!(words.skip(1).all(|word| word == "--piece-length-of-a-part"), "{shown}");
+    }
+}
