@@ -157,8 +157,8 @@ pub(crate) fn short(x: f64) -> String {
     if x.abs() >= 1e7 {
         return if x.is_finite() { format!("{x:.2e}") } else { "no bound".to_string() };
     }
-    let digits = 5 - x.abs().max(1e-3).log10().floor().clamp(-3.0, 5.0) as i32;
-    let text = format!("{x:.*}", usize::try_from(digits).unwrap_or(0).min(6));
+    let before_point = (0..6).take_while(|power| x.abs() >= 10.0_f64.powi(*power)).count();
+    let text = format!("{x:.*}", 6 - before_point);
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_string() } else { text }
 }
 

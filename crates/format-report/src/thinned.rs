@@ -12,7 +12,7 @@ type Cell = (i64, i64);
 /// quarter of a pixel at least. Groups are given in the order in which they matter; what an earlier one has drawn a later one does not.
 pub(crate) fn thinned(groups: &[Vec<&[(f64, f64)]>], pixel: f64, most: usize) -> Vec<Vec<Vec<(f64, f64)>>> {
     let count: usize = groups.iter().flatten().map(|line| line.len()).sum();
-    if count <= most || !(pixel > 0.0) {
+    if count <= most || pixel.is_nan() || pixel <= 0.0 {
         return groups.iter().map(|lines| lines.iter().map(|line| line.to_vec()).collect()).collect();
     }
     let mut size = pixel / 4.0;

@@ -80,7 +80,7 @@ impl<R: Real> FeedLimit<R> {
         }
         scan.finish();
         let limit = Self::assemble(scan.samples().to_vec(), scan.corners().to_vec(), limits.chord_error)?;
-        Ok(Self { from_rest: scan.from_rest().to_vec(), ..limit })
+        Ok(Self { from_rest: scan.curves_from_rest().to_vec(), ..limit })
     }
 
     /// The same where no curve is travelled faster than its own feed, given by its index: the F words of a program. A feed above

@@ -96,7 +96,7 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
     }
 
     /// The curves that begin at rest, and the distances where they do.
-    pub(crate) fn from_rest(&self) -> &[(R, usize)] {
+    pub(crate) fn curves_from_rest(&self) -> &[(R, usize)] {
         &self.from_rest
     }
 
