@@ -12,7 +12,7 @@
 use nurbs_core::NurbsCurve;
 use secant_interp::{
     FeedOverride, Interpolator, OverrideState, PieceInterpolator, PieceSetpoint, PieceState,
-    PositionChecksum, Setpoint, State, Section,
+    PositionChecksum, Section, Setpoint, State,
 };
 
 unsafe extern "C" {
