@@ -19,6 +19,11 @@ fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
 
+/// The words without the breaks of the lines that they were put into.
+fn in_a_line(said: &str) -> String {
+    said.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
 /// A folder with a part in it.
 fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -86,7 +91,7 @@ fn a_file_that_is_named_as_a_preset_is_given_with_its_folder() {
     assert_eq!((period("./router"), period("mine")), (Some(2.0), Some(2.0)));
     let plan = feedbits(folder.path(), &["plan", "part.nc", "--machine", "router"]);
     let said = text(&plan.stderr);
-    assert!(said.contains("--machine router is the preset; the file here is --machine ./router"), "{said}");
+    assert!(in_a_line(&said).contains("--machine router is the preset; the file here is --machine ./router"), "{said}");
 }
 
 /// What nobody has to look up is not asked for: the least machine file is four lines.
@@ -113,19 +118,24 @@ fn a_machine_that_is_none_is_told_with_what_was_meant() {
     fails(
         &["compare", "part.nc", "--machine", "ruter"],
         &expect![[r#"
-            feedbits: --machine ruter: no such preset and no such file: did you mean `router`? presets are router-8bit, router, router-linuxcnc, laser, printer, mill, stage; `feedbits machine` says what they are
+            feedbits: --machine ruter: no such preset and no such file: did you mean
+            `router`? presets are router-8bit, router, router-linuxcnc, laser, printer,
+            mill, stage; `feedbits machine` says what they are
         "#]],
     );
     fails(
         &["machine", "lathe"],
         &expect![[r#"
-            feedbits: unknown preset "lathe": presets are router-8bit, router, router-linuxcnc, laser, printer, mill, stage; `feedbits machine` says what they are
+            feedbits: unknown preset "lathe": presets are router-8bit, router,
+            router-linuxcnc, laser, printer, mill, stage; `feedbits machine` says what they
+            are
         "#]],
     );
     fails(
         &["compare", "part.nc"],
         &expect![[r#"
-            feedbits: part.nc names no machine: give its limits with --machine FILE.toml, or take a preset such as --machine router; `feedbits machine` lists them
+            feedbits: part.nc names no machine: give its limits with --machine FILE.toml, or
+            take a preset such as --machine router; `feedbits machine` lists them
         "#]],
     );
     let missing = feedbits(folder().path(), &["compare", "part.nc", "--machine", "router.toml"]);
@@ -140,7 +150,7 @@ fn a_mistyped_key_of_a_machine_is_told_with_what_was_meant() {
     fs::write(folder.path().join("m.toml"), file).expect("the folder is writable");
     let said = text(&feedbits(folder.path(), &["check", "part.nc", "--machine", "m.toml"]).stderr);
     for meant in ["feedrate_mm_per_s", "jerk_mm_per_s3", "velocity_mm_per_s"] {
-        assert!(said.contains(&format!("did you mean `{meant}`?")), "{meant} in\n{said}");
+        assert!(in_a_line(&said).contains(&format!("did you mean `{meant}`?")), "{meant} in\n{said}");
     }
 }
 
@@ -157,7 +167,7 @@ fn names_in_q_notation_are_read_by_the_register_that_they_fill() {
     ] {
         let output = feedbits(folder.path(), &[&arguments[..], &["--formats", name]].concat());
         let said = text(&output.stderr);
-        assert!(said.contains(&format!("feedbits: {name} is read as {format}: {how}\n")), "{said}");
+        assert!(in_a_line(&said).contains(&format!("feedbits: {name} is read as {format}: {how}")), "{said}");
         let found: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
         assert_eq!(found["formats"][0]["format"], format, "{name}");
     }
@@ -178,25 +188,31 @@ fn a_format_that_is_none_is_told_with_what_was_meant() {
         (
             "Q31",
             expect![[r#"
-                feedbits: format "Q31" is I1F31, which does not hold the number 1: expected at least 2 bits before the point, as in I2F30
+                feedbits: format "Q31" is I1F31, which does not hold the number 1: expected at
+                least 2 bits before the point, as in I2F30
             "#]],
         ),
         (
             "q15",
             expect![[r#"
-                feedbits: format "q15" is I1F15, which does not hold the number 1: expected at least 2 bits before the point, as in I2F14
+                feedbits: format "q15" is I1F15, which does not hold the number 1: expected at
+                least 2 bits before the point, as in I2F14
             "#]],
         ),
         (
             "Q5.13",
             expect![[r#"
-                feedbits: unknown format "Q5.13": neither m + n, as Arm counts, nor m + n + 1, as TI does, is a register of 8, 16, 32 or 64 bits: expected I5F13 if the sign is within m, or I6F13 if it is not
+                feedbits: unknown format "Q5.13": neither m + n, as Arm counts, nor m + n + 1,
+                as TI does, is a register of 8, 16, 32 or 64 bits: expected I5F13 if the sign is
+                within m, or I6F13 if it is not
             "#]],
         ),
         (
             "Q24",
             expect![[r#"
-                feedbits: unknown format "Q24": a sign and 24 bits behind the point are no register of 8, 16, 32 or 64 bits: expected the bits before the point too, as in I8F24
+                feedbits: unknown format "Q24": a sign and 24 bits behind the point are no
+                register of 8, 16, 32 or 64 bits: expected the bits before the point too, as in
+                I8F24
             "#]],
         ),
         (
@@ -208,7 +224,10 @@ fn a_format_that_is_none_is_told_with_what_was_meant() {
         (
             "fixed",
             expect![[r#"
-                feedbits: unknown format "fixed": expected one that `feedbits formats` lists, or a fixed-point format such as I5F13: 3 to 64 bits in all, at least 2 of them before the point; behind it -even, -floor or -zero, and then -sat; or one in Q notation that fills a register, as Q8.24 (Arm) or Q7.24 (TI) for I8F24
+                feedbits: unknown format "fixed": expected one that `feedbits formats` lists, or
+                a fixed-point format such as I5F13: 3 to 64 bits in all, at least 2 of them
+                before the point; behind it -even, -floor or -zero, and then -sat; or one in Q
+                notation that fills a register, as Q8.24 (Arm) or Q7.24 (TI) for I8F24
             "#]],
         ),
     ] {
@@ -217,13 +236,16 @@ fn a_format_that_is_none_is_told_with_what_was_meant() {
     fails(
         &["compare", "--plan-in", "f46"],
         &expect![[r#"
-            feedbits: --plan-in f46, where `same` is each format its own: unknown format "f46": did you mean `f64`?
+            feedbits: --plan-in f46, where `same` is each format its own: unknown format
+            "f46": did you mean `f64`?
         "#]],
     );
     fails(
         &["targets", "cortex-m4-f"],
         &expect![[r#"
-            feedbits: unknown target "cortex-m4-f": did you mean `cortex-m4f`? expected cortex-m0plus, cortex-m3, cortex-m4, cortex-m4f, cortex-m7, riscv32imac, c28x, c28x-tmu, c674x, dsp48, ecp5, ice40up
+            feedbits: unknown target "cortex-m4-f": did you mean `cortex-m4f`? expected
+            cortex-m0plus, cortex-m3, cortex-m4, cortex-m4f, cortex-m7, riscv32imac, c28x,
+            c28x-tmu, c674x, dsp48, ecp5, ice40up
         "#]],
     );
 }
