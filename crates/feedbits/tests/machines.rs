@@ -91,7 +91,10 @@ fn a_file_that_is_named_as_a_preset_is_given_with_its_folder() {
     assert_eq!((period("./router"), period("mine")), (Some(2.0), Some(2.0)));
     let plan = feedbits(folder.path(), &["plan", "part.nc", "--machine", "router"]);
     let said = text(&plan.stderr);
-    assert!(in_a_line(&said).contains("--machine router is the preset; the file here is --machine ./router"), "{said}");
+    assert!(
+        in_a_line(&said).contains("--machine router is the preset; the file here is --machine ./router"),
+        "{said}"
+    );
 }
 
 /// What nobody has to look up is not asked for: the least machine file is four lines.
