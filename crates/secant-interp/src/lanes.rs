@@ -249,7 +249,7 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
         let (run, state) = (&self.runs[lane], &mut self.states[lane]);
         let Some(row) = run.pieces.pieces.get(state.piece) else {
             state.is_ahead = false; // What is ahead was looked up before the lane moved the cursor.
-            self.alone[lane] = run.wait(state);
+            self.alone[lane] = run.wait(state).map(|length| PieceSetpoint { length, ..run.hold(state) });
             self.ended |= Mask::from(self.alone[lane].is_none()) << lane;
             return;
         };

@@ -151,7 +151,10 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     /// It is compiled into its caller: where flash is short, it is called from one place.
     #[inline(always)] // Called, it takes a tenth longer in fixed point: the state and the setpoint go through memory.
     pub fn step(&self, state: &mut PieceState<R, D>) -> Option<PieceSetpoint<R, D>> {
-        let Some(row) = self.pieces.pieces.get(state.piece) else { return self.wait(state) };
+        let Some(row) = self.pieces.pieces.get(state.piece) else {
+            let length = self.wait(state)?;
+            return Some(PieceSetpoint { length, ..self.hold(state) });
+        };
         if !state.is_ahead {
             self.look_ahead(state);
         }
@@ -190,17 +193,17 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         PieceSetpoint { piece, phase, offset, length: R::zero(), evaluations: 0 }
     }
 
-    /// The setpoint of a period for a run that has come to the end of its path before its schedule is over.
+    /// What the schedule wants of a period in which a run stands, for it came to the end of its path before its schedule is over.
     #[cold]
     #[inline(never)]
-    pub(crate) fn wait(&self, state: &mut PieceState<R, D>) -> Option<PieceSetpoint<R, D>> {
+    pub(crate) fn wait(&self, state: &mut PieceState<R, D>) -> Option<R> {
         if !state.is_ahead {
             self.look_ahead(state);
         }
         let length = state.ahead?;
         state.cursor = state.next;
         state.ahead = self.lengths.advance(&mut state.next);
-        Some(PieceSetpoint { length, ..self.hold(state) })
+        Some(length)
     }
 
     /// What the next period takes of the schedule, from where the cursor stands.
