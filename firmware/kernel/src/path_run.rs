@@ -34,9 +34,9 @@ impl<R: Bits> Run<R> {
         let mut setpoint =
             PieceSetpoint { piece: 0, phase: 0, offset: [zero; 2], length: zero, evaluations: 0 };
         let mut checksum = Checksum::new();
-        let mut calls = 1; // the last one, which finds the end
+        let mut calls = 0;
         board.paint_stack();
-        while step(interpolator, &mut state, &mut setpoint) {
+        while !interpolator.is_at_end(&state) && step(interpolator, &mut state, &mut setpoint) {
             calls += 1;
             checksum.add(setpoint.piece as u64);
             checksum.add(setpoint.phase);
