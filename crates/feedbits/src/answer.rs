@@ -6,9 +6,10 @@ use format_compare::{Comparison, Cost, Engine, FewestBits, Requirement, Row, Ver
 
 use crate::screen::{self, BAD, COLUMNS, GOOD, duration, list, short, times, times_short};
 
-/// The answer, and a line for each format whose path is one of `engines`. Its styles are for a terminal.
-pub(crate) fn screen(comparison: &Comparison, engines: &[Engine]) -> String {
-    let mut text = screen::paragraph(&about(comparison)) + &screen::answer(&answer(comparison));
+/// The answer, and a line for each format whose path is one of `engines`. What is recommended is the cheapest on `target`, if there is
+/// one. Its styles are for a terminal.
+pub(crate) fn screen(comparison: &Comparison, engines: &[Engine], target: Option<&str>) -> String {
+    let mut text = screen::paragraph(&about(comparison)) + &screen::answer(&answer(comparison, target));
     let rows: Vec<_> = comparison.formats.iter().filter(|row| engines.contains(&row.engine)).collect();
     let names_path = engines.len() > 1;
     let path = if names_path { "  path  " } else { "" };
@@ -43,7 +44,7 @@ fn about(comparison: &Comparison) -> String {
 }
 
 /// How many bits are enough, and which of the formats compared is recommended, by what, and how sure that is.
-fn answer(comparison: &Comparison) -> String {
+fn answer(comparison: &Comparison, target: Option<&str>) -> String {
     let mut text = match &comparison.fewest_bits {
         Some(FewestBits::Found { format, bits, margin, .. }) => {
             format!("{bits} bits are enough: {format}, {} better than asked.\n", times(*margin))
@@ -69,8 +70,7 @@ fn answer(comparison: &Comparison) -> String {
         }
         return text;
     };
-    let is_priced = comparison.formats.iter().any(|row| !row.cycles.is_empty());
-    if !is_priced {
+    if target.is_none() {
         let narrowest: Vec<_> =
             good.iter().filter(|row| row.bits == best.bits).map(|row| row.format.as_str()).collect();
         let _ = writeln!(
@@ -85,7 +85,7 @@ fn answer(comparison: &Comparison) -> String {
         text,
         "Recommended: {}, {}",
         named(best),
-        if is_priced { by_cost(best, &good) } else { by_bits(best, &good) }
+        target.map_or_else(|| by_bits(best, &good), |target| by_cost(best, &good, target))
     );
     if let Some(second) = good.iter().find(|row| row.format != best.format) {
         let _ = write!(text, " Second best: {}.", named(second));
@@ -104,14 +104,10 @@ fn by_bits(best: &Row, good: &[&Row]) -> String {
     format!("{why}; --targets goes by what a period costs.")
 }
 
-/// Why the cheapest by its cost on the first target is first, and whether others may be as cheap: the ranges of their costs overlap.
-fn by_cost(best: &Row, good: &[&Row]) -> String {
-    let known = best.cycles.iter().find_map(|(target, cost)| match cost {
-        Cost::Known(cost) => Some((target, cost)),
-        Cost::Unknown { .. } => None,
-    });
-    let Some((target, cost)) = known else {
-        return "though its cost on the targets is not known.".to_string();
+/// Why the cheapest by its cost on a target is first, and whether others may be as cheap: the ranges of their costs overlap.
+fn by_cost(best: &Row, good: &[&Row], target: &str) -> String {
+    let Some(Cost::Known(cost)) = best.cycles.get(target) else {
+        return "though its cost on the target is not known.".to_string();
     };
     let may_be_as_cheap = |row: &Row| match row.cycles.get(target) {
         Some(Cost::Known(other)) => {

@@ -96,7 +96,8 @@ where
     } else if arguments.wide {
         table(&comparison) + &targets::costs(&comparison, targets, None)
     } else {
-        answer::screen(&comparison, &shown) + &targets::costs(&comparison, targets, Some(&shown))
+        let first = targets.first().map(|target| target.name.as_str());
+        answer::screen(&comparison, &shown, first) + &targets::costs(&comparison, targets, Some(&shown))
     };
     output::write(arguments.output.out.as_deref(), &text)?;
     if let Some(folder) = &arguments.report {

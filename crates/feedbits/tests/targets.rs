@@ -42,6 +42,21 @@ fn every_target_is_listed_and_every_number_has_a_source() {
     assert!(unfolded(&unknown.stderr).contains("cortex-m3"), "{}", unfolded(&unknown.stderr));
 }
 
+/// It was said to be the cheapest on the target that comes first in the alphabet.
+#[test]
+fn the_first_screen_names_the_target_that_was_named_first() {
+    for targets in ["cortex-m4f,cortex-m0plus", "cortex-m0plus,cortex-m4f"] {
+        let shown = unfolded(&feedbits(&["compare", "--formats", "f32,I4F28", "--targets", targets]).stdout);
+        let first = targets.split(',').next().expect("a name");
+        let format = if first == "cortex-m4f" { "f32" } else { "I4F28" };
+        assert!(
+            shown
+                .contains(&format!("Recommended: {format}, whose longest period is the shortest on {first}")),
+            "{shown}"
+        );
+    }
+}
+
 /// Fixed point pays where there is no FPU, and f32 where there is one.
 #[test]
 fn the_recommendation_is_the_cheapest_on_the_first_target() {
@@ -107,7 +122,7 @@ fn a_target_of_ones_own_is_read_and_a_format_that_does_not_fit_the_period_fails(
     let file = path.to_str().unwrap();
     let output = feedbits(&["compare", "--formats", "f64", "--evaluate", "pieces", "--target-file", file]);
     assert_eq!(output.status.code(), Some(1), "{}", unfolded(&output.stderr));
-    let said = text(&output.stdout).split_whitespace().collect::<Vec<_>>().join(" ");
+    let said = unfolded(&output.stdout);
     assert!(said.contains("times the interpolation period"), "{said}");
 
     fs::write(&path, format!("{SLOW}{rows}").replace("typical = 2", "typical = 0")).expect("writable");
