@@ -132,18 +132,29 @@ fn side_by_side(summaries: &[PlanSummary], period_s: f64, wide: bool) -> String 
     screen::answer(&answer) + &turning + "\n" + &if wide { wide_rows(summaries) } else { rows(summaries) }
 }
 
+/// The first cells of a profile's row: its name, how long it takes, and what is travelled at the commanded feed.
+fn time_and_shares(summary: &PlanSummary) -> Vec<String> {
+    vec![
+        summary.profile.to_string(),
+        format!("{:.4}", summary.time_s),
+        summary.periods.to_string(),
+        format!("{:.2} %", 100.0 * summary.over_jerk_free),
+        format!("{:.1} %", 100.0 * summary.share_at_commanded_feed),
+    ]
+}
+
+/// Along the path, and in all directions.
+fn accelerations(summary: &PlanSummary) -> [String; 2] {
+    [summary.acceleration_max_mm_per_s2, summary.total_acceleration_max_mm_per_s2]
+        .map(|acceleration| format!("{acceleration:.0}"))
+}
+
 fn rows(summaries: &[PlanSummary]) -> String {
     let row = |summary: &PlanSummary| {
-        vec![
-            summary.profile.to_string(),
-            format!("{:.4}", summary.time_s),
-            summary.periods.to_string(),
-            format!("{:.2} %", 100.0 * summary.over_jerk_free),
-            format!("{:.1} %", 100.0 * summary.share_at_commanded_feed),
-            format!("{:.0}", summary.acceleration_max_mm_per_s2),
-            format!("{:.0}", summary.total_acceleration_max_mm_per_s2),
-            short(summary.jerk_max_mm_per_s3),
-        ]
+        let mut cells = time_and_shares(summary);
+        cells.extend(accelerations(summary));
+        cells.push(short(summary.jerk_max_mm_per_s3));
+        cells
     };
     screen::table(
         &[
@@ -162,18 +173,12 @@ fn rows(summaries: &[PlanSummary]) -> String {
 
 fn wide_rows(summaries: &[PlanSummary]) -> String {
     let row = |summary: &PlanSummary| {
-        vec![
-            summary.profile.to_string(),
-            format!("{:.4}", summary.time_s),
-            summary.periods.to_string(),
-            format!("{:.2} %", 100.0 * summary.over_jerk_free),
-            format!("{:.1} %", 100.0 * summary.share_at_commanded_feed),
-            summary.feed_over_commanded.map_or_else(String::new, |run| format!("{:.3} %", 100.0 * run)),
-            format!("{:.0}", summary.acceleration_max_mm_per_s2),
-            format!("{:.0}", summary.total_acceleration_max_mm_per_s2),
-            format!("{:.3e}", summary.jerk_max_mm_per_s3),
-            summary.stage_count.to_string(),
-        ]
+        let mut cells = time_and_shares(summary);
+        let run_at = summary.feed_over_commanded;
+        cells.push(run_at.map_or_else(String::new, |run| format!("{:.3} %", 100.0 * run)));
+        cells.extend(accelerations(summary));
+        cells.extend([format!("{:.3e}", summary.jerk_max_mm_per_s3), summary.stage_count.to_string()]);
+        cells
     };
     screen::wide_table(
         &[

@@ -157,7 +157,7 @@ fn what_is_no_question_of_the_format_is_told_with_its_place_and_what_helps() {
     ];
     let formats = ["--formats", "I8F24"];
     for said in [run(&[&["compare", "--report", &report][..], &formats].concat()), run(&["size"])] {
-        let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+        let said = unfolded(said.as_bytes());
         assert!(words.iter().all(|words| said.contains(words)), "{said}");
     }
     let page = fs::read_to_string(folder.path().join("r/index.html")).expect("a page");

@@ -1,10 +1,13 @@
 //! Machines that have a name, machine files of few keys, and names of formats, as a person types them.
 
+mod message;
+
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
 use expect_test::{Expect, expect};
+use message::unfolded;
 
 const PRESETS: [&str; 7] = ["router-8bit", "router", "router-linuxcnc", "laser", "printer", "mill", "stage"];
 
@@ -17,11 +20,6 @@ fn feedbits(folder: &Path, arguments: &[&str]) -> Output {
 
 fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
-}
-
-/// The words without the breaks of the lines that they were put into.
-fn in_a_line(said: &str) -> String {
-    said.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 /// A folder with a part in it.
@@ -92,7 +90,8 @@ fn a_file_that_is_named_as_a_preset_is_given_with_its_folder() {
     let plan = feedbits(folder.path(), &["plan", "part.nc", "--machine", "router"]);
     let said = text(&plan.stderr);
     assert!(
-        in_a_line(&said).contains("--machine router is the preset; the file here is --machine ./router"),
+        unfolded(said.as_bytes())
+            .contains("--machine router is the preset; the file here is --machine ./router"),
         "{said}"
     );
 }
@@ -153,7 +152,10 @@ fn a_mistyped_key_of_a_machine_is_told_with_what_was_meant() {
     fs::write(folder.path().join("m.toml"), file).expect("the folder is writable");
     let said = text(&feedbits(folder.path(), &["check", "part.nc", "--machine", "m.toml"]).stderr);
     for meant in ["feedrate_mm_per_s", "jerk_mm_per_s3", "velocity_mm_per_s"] {
-        assert!(in_a_line(&said).contains(&format!("did you mean `{meant}`?")), "{meant} in\n{said}");
+        assert!(
+            unfolded(said.as_bytes()).contains(&format!("did you mean `{meant}`?")),
+            "{meant} in\n{said}"
+        );
     }
 }
 
@@ -170,7 +172,10 @@ fn names_in_q_notation_are_read_by_the_register_that_they_fill() {
     ] {
         let output = feedbits(folder.path(), &[&arguments[..], &["--formats", name]].concat());
         let said = text(&output.stderr);
-        assert!(in_a_line(&said).contains(&format!("feedbits: {name} is read as {format}: {how}")), "{said}");
+        assert!(
+            unfolded(said.as_bytes()).contains(&format!("feedbits: {name} is read as {format}: {how}")),
+            "{said}"
+        );
         let found: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
         assert_eq!(found["formats"][0]["format"], format, "{name}");
     }

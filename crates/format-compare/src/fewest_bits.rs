@@ -15,10 +15,10 @@ use serde::Serialize;
 
 use crate::compare::{Row, in_parallel};
 use crate::exact_plan::ExactPlan;
-use crate::formats::{Dimension, Space, plan_for, select};
+use crate::formats::{Dimension, Space};
 use crate::problem::Problem;
 use crate::reference::Reference;
-use crate::run::{Engine, Options, PlanIn, Refusal};
+use crate::run::{Engine, Options, Refusal};
 use crate::size::{FEWEST_INTEGER_BITS, WIDTHS, narrowest_integer_part};
 
 /// Periods of the parts that the widths are narrowed down on, together: the three runs of them that most searches take are a matter
@@ -75,7 +75,6 @@ where
 {
     let options = Options {
         engine: Engine::Pieces,
-        plan_in: PlanIn::default(),
         fluctuation: Some(options.fluctuation.unwrap_or(problem.machine.fluctuation_limit)),
         ..options.clone()
     };
@@ -165,13 +164,8 @@ where
     Space: Dimension<D>,
 {
     fn new(problem: Problem<D>, options: &Options) -> Result<Self, Refusal> {
-        let formats = select::<D>(&["f64".to_string()]).unwrap_or_default();
-        let plan = match formats.first() {
-            Some(format) => plan_for(&problem, format.as_ref(), options)?,
-            None => {
-                ExactPlan::in_format_with::<f64, D>(&problem, options.end_feeds_mm_per_s, options.profile)?
-            }
-        };
+        let plan =
+            ExactPlan::in_format_with::<f64, D>(&problem, options.end_feeds_mm_per_s, options.profile)?;
         let reference = Reference::new(&problem)?;
         let integer_bits = AtomicU32::new(FEWEST_INTEGER_BITS);
         Ok(Self { problem, plan, reference, integer_bits, rows: Mutex::default() })
@@ -253,7 +247,7 @@ fn parts<const D: usize>(problem: &Problem<D>, plan: &ExactPlan) -> Vec<(Range<u
 mod tests {
     use super::*;
     use crate::problem::examples::mill;
-    use crate::{compare, size};
+    use crate::{compare, select, size};
 
     fn rows(problem: &Problem<3>, names: &[&str]) -> Vec<Row> {
         let formats = select::<3>(&names.iter().map(ToString::to_string).collect::<Vec<_>>()).unwrap();
