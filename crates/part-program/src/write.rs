@@ -16,7 +16,7 @@ use crate::MAX_TEXT;
 use crate::approach::Approach;
 use crate::bezier;
 use crate::curve::Curve;
-use crate::linuxcnc::LEAST_ORDER;
+use crate::gcode::LEAST_ORDER;
 use crate::options::Dialect;
 use crate::part::{Auxiliary, Move, MoveKind, Part};
 use crate::spline_blocks::uniform_knots;

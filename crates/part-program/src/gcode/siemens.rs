@@ -12,11 +12,11 @@
 //! SINUMERIK 840D sl / 828D, Programming Manual Job Planning, "Spline interpolation". The manual does not say which
 //! block's PL= is which interval; this is the order in which CAM systems write them.
 
-use crate::block::Block;
 use crate::curve::{Curve, MAX_DEGREE};
 use crate::diagnostic::Report;
-use crate::gcode_word::Key;
-use crate::modal::Modal;
+use crate::gcode::block::Block;
+use crate::gcode::modal::Modal;
+use crate::gcode::word::Key;
 use crate::source::Span;
 use crate::spline_blocks::{SplineBlocks, uniform_knots};
 

@@ -1,13 +1,13 @@
 //! G words: what they switch, and which motion they command.
 
 use crate::arc::Plane;
-use crate::block::Block;
 use crate::gcode::Reader;
-use crate::gcode_word::{Key, Word};
-use crate::modal::{FeedMode, Motion, PathMode};
+use crate::gcode::block::Block;
+use crate::gcode::modal::{FeedMode, Motion, PathMode};
+use crate::gcode::spline_move::Spline;
+use crate::gcode::word::{Key, Word};
 use crate::options::Dialect;
 use crate::source::Span;
-use crate::spline_move::Spline;
 
 impl Reader<'_, '_, '_> {
     /// Takes the G words, and says which motion the block commands, if it does; `None` when the block cannot be read.

@@ -8,11 +8,11 @@
 //! # Source
 //! FANUC Series 15i, B-63324EN/03, section 4.17 for the alarms PS1002 to PS1009, whose names head the messages here.
 
-use crate::block::Block;
 use crate::curve::{Curve, CurveFault, MAX_DEGREE};
 use crate::diagnostic::Report;
-use crate::gcode_word::Word;
-use crate::modal::Modal;
+use crate::gcode::block::Block;
+use crate::gcode::modal::Modal;
+use crate::gcode::word::Word;
 use crate::source::Span;
 use crate::spline_blocks::SplineBlocks;
 

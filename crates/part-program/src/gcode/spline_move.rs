@@ -1,14 +1,14 @@
 //! Splines of a part program, over as many blocks as they take.
 
 use crate::arc::Plane;
-use crate::block::Block;
 use crate::curve::Curve;
-use crate::fanuc::FanucNurbs;
 use crate::gcode::Reader;
-use crate::linuxcnc::{self, LinuxCncNurbs};
-use crate::modal::{FeedMode, Motion};
+use crate::gcode::block::Block;
+use crate::gcode::fanuc::FanucNurbs;
+use crate::gcode::linuxcnc::{self, LinuxCncNurbs};
+use crate::gcode::modal::{FeedMode, Motion};
+use crate::gcode::siemens::SiemensSpline;
 use crate::part::{MoveKind, Shape};
-use crate::siemens::SiemensSpline;
 use crate::source::Span;
 
 /// A spline of which more blocks may come.

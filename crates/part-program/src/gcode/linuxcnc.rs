@@ -11,10 +11,10 @@
 //! # Source
 //! LinuxCNC's interpreter (`convert_nurbs`, `convert_spline`, `knot_vector_creator`), whose behaviour this follows.
 
-use crate::block::Block;
 use crate::curve::{Curve, MAX_DEGREE};
 use crate::diagnostic::Report;
-use crate::modal::Modal;
+use crate::gcode::block::Block;
+use crate::gcode::modal::Modal;
 use crate::source::Span;
 use crate::spline_blocks::{SplineBlocks, uniform_knots};
 

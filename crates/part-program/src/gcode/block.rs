@@ -1,7 +1,7 @@
 //! One block of a part program: its words, by what they address.
 
 use crate::diagnostic::Report;
-use crate::gcode_word::{Key, Word};
+use crate::gcode::word::{Key, Word};
 use crate::source::{Source, Span};
 
 /// The words of a line, each taken by the first who asks for it.

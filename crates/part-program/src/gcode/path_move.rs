@@ -2,11 +2,11 @@
 
 use crate::approach::Approach;
 use crate::arc::{ArcFault, ArcMove, Circle, Plane, TAKEN_MM};
-use crate::block::Block;
 use crate::curve::{Curve, MAX_COORDINATE_MM};
 use crate::gcode::Reader;
-use crate::gcode_word::{Key, Word};
-use crate::modal::{FeedMode, Motion};
+use crate::gcode::block::Block;
+use crate::gcode::modal::{FeedMode, Motion};
+use crate::gcode::word::{Key, Word};
 use crate::part::{MoveKind, Shape};
 use crate::source::Span;
 

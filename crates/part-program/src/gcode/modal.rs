@@ -1,9 +1,7 @@
 //! Modal state of a program: what holds until another word changes it.
 
 use crate::arc::Plane;
-
-/// Millimetres of an inch.
-pub(crate) const INCH: f64 = 25.4;
+use crate::unit::INCH;
 
 /// The motion in force.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -15,16 +15,28 @@
 //! A coordinate that is not written keeps its value. Where the tool is at first is not known: an axis begins where it is
 //! first sent, and what came before is read as done there. One that incremental words move first begins at 0.
 
-use crate::block::Block;
+mod block;
+mod fanuc;
+mod linuxcnc;
+mod modal;
+mod path_move;
+mod preparatory;
+mod siemens;
+mod spline_move;
+mod word;
+
+pub(crate) use linuxcnc::LEAST_ORDER;
+
 use crate::curve::{Curve, MAX_COORDINATE_MM};
 use crate::diagnostic::Report;
-use crate::gcode_word::{self, Tape, Word};
+use crate::gcode::block::Block;
+use crate::gcode::modal::{FeedMode, Modal, Motion, PathMode};
+use crate::gcode::spline_move::Spline;
+use crate::gcode::word::{Tape, Word};
 use crate::joint;
-use crate::modal::{FeedMode, Modal, Motion, PathMode};
 use crate::options::{Dialect, ReadOptions};
 use crate::part::{Auxiliary, Move, MoveKind, Part, Shape};
 use crate::source::Span;
-use crate::spline_move::Spline;
 
 /// Highest feedrate that is believed, in mm/s.
 const MAX_FEEDRATE: f64 = 1e5;
@@ -54,13 +66,13 @@ pub(crate) fn read(report: &mut Report<'_>, part: &mut Part, options: ReadOption
         at += line.len();
         let mut read = 0;
         if !reader.ended {
-            let end = gcode_word::words(reader.report, options.lenient, &mut tape, start, line, &mut words);
+            let end = word::words(reader.report, options.lenient, &mut tape, start, line, &mut words);
             reader.block(&mut words);
             reader.ended |= end.is_some();
             read = end.unwrap_or(line.len());
         }
         if reader.ended
-            && let Some(span) = gcode_word::remainder(start + read, &line[read..])
+            && let Some(span) = word::remainder(start + read, &line[read..])
         {
             reader.report.warning(span, "what follows the end of the program is not read");
             break;
