@@ -15,6 +15,8 @@ pub struct Approach {
     pub feedrate_mm_per_s: Option<f64>,
     /// Line of the block that commands it, from 1.
     pub line: usize,
+    /// Number of that block in the order of execution, from 1.
+    pub block: u32,
 }
 
 impl Part {
@@ -24,24 +26,31 @@ impl Part {
         self.approaches.iter().any(|approach| approach.axes[2]) || self.curves.iter().any(in_space)
     }
 
-    /// Whether a block of this line is an approach.
-    pub(crate) fn approaches_in(&self, line: usize) -> bool {
-        self.approaches.binary_search_by_key(&line, |approach| approach.line).is_ok()
+    /// Whether this block is an approach.
+    pub(crate) fn approaches_in(&self, block: u32) -> bool {
+        self.approaches.binary_search_by_key(&block, |approach| approach.block).is_ok()
     }
 
     /// The approaches, with the axes that none of them brings to the first curve.
     pub(crate) fn whole_approaches(&self) -> Vec<Approach> {
         let mut approaches = self.approaches.clone();
         let Some(first) = self.moves.first() else { return approaches };
-        let own = approaches.partition_point(|approach| approach.line <= first.line);
+        let own = approaches.partition_point(|approach| approach.block <= first.block);
         let is_needed = [true, true, self.names_z()];
         let missing = std::array::from_fn(|axis| {
             is_needed[axis] && !approaches[..own].iter().any(|approach| approach.axes[axis])
         });
-        let rapid = |axes, line| Approach { axes, kind: MoveKind::Rapid, feedrate_mm_per_s: None, line };
+        let rapid = |axes, (line, block)| Approach {
+            axes,
+            kind: MoveKind::Rapid,
+            feedrate_mm_per_s: None,
+            line,
+            block,
+        };
+        let begin = (first.line, first.block);
         if own == 0 {
-            let line = self.first_switch().map_or(first.line, |word| word.line.min(first.line));
-            approaches.insert(0, rapid(missing, line));
+            let switch = self.first_switch().filter(|word| word.block < first.block);
+            approaches.insert(0, rapid(missing, switch.map_or(begin, |word| (word.line, word.block))));
             return approaches;
         }
         // The plane is reached before a word is obeyed that stands behind the first approach, and so is a height above it. The way
@@ -51,7 +60,7 @@ impl Part {
         approaches[0].axes[1] |= missing[1];
         approaches[0].axes[2] |= missing[2] && goes_up;
         if missing[2] && !goes_up {
-            let down = Approach { kind: MoveKind::Feed, ..rapid([false, false, true], first.line) };
+            let down = Approach { kind: MoveKind::Feed, ..rapid([false, false, true], begin) };
             approaches.insert(own, down);
         }
         approaches

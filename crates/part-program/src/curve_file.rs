@@ -116,7 +116,7 @@ fn curve_from(report: &mut Report<'_>, header: Span, table: &DeTable<'_>) -> Opt
     let shape =
         if curve.degree == 1 && curve.control_points_mm.len() == 2 { Shape::Line } else { Shape::Nurbs };
     let line = report.source.line_number(header.start);
-    Some((curve, Move { kind, shape, feedrate_mm_per_s, exact_stop, line }))
+    Some((curve, Move { kind, shape, feedrate_mm_per_s, exact_stop, line, block: 0 }))
 }
 
 /// What `shape` may say; without it the first holds.

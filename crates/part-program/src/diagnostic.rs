@@ -210,12 +210,20 @@ pub(crate) struct Report<'t> {
     warnings: Diagnostics,
     /// Takes what is said about a diagnostic that was not kept.
     scratch: Diagnostic,
+    /// The loop within which lines are read, by its line and its turn, or the line of the call.
+    pub(crate) within: Option<(usize, Option<u32>)>,
 }
 
 impl<'t> Report<'t> {
     pub(crate) fn new(source: Source<'t>) -> Self {
         let scratch = Diagnostic::new(Severity::Error, &source, Span::default(), String::new());
-        Self { source, errors: Diagnostics::default(), warnings: Diagnostics::default(), scratch }
+        Self {
+            source,
+            errors: Diagnostics::default(),
+            warnings: Diagnostics::default(),
+            scratch,
+            within: None,
+        }
     }
 
     pub(crate) fn error(&mut self, span: impl Into<Span>, message: impl Into<String>) -> &mut Diagnostic {
@@ -235,6 +243,11 @@ impl<'t> Report<'t> {
             kept.omitted += 1;
             return &mut self.scratch;
         }
+        let message = match self.within {
+            Some((line, Some(turn))) => format!("{message} (turn {turn} of the loop of line {line})"),
+            Some((line, None)) => format!("{message} (called from line {line})"),
+            None => message,
+        };
         let diagnostic = Diagnostic::new(severity, &self.source, span, message);
         let index = kept.list.len();
         kept.list.push(diagnostic);

@@ -365,6 +365,7 @@ impl<'t> Drawing<'_, 't, '_> {
             feedrate_mm_per_s: None,
             exact_stop: false,
             line,
+            block: 0,
         });
         self.part.curves.push(curve);
     }

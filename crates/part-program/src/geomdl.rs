@@ -93,7 +93,7 @@ pub(crate) fn read(report: &mut Report<'_>, part: &mut Part) {
         if let Some(curve) = curve_of(report, (index, span), data) {
             let (kind, shape, line) =
                 (MoveKind::Feed, PartShape::Nurbs, report.source.line_number(span.start));
-            part.moves.push(Move { kind, shape, feedrate_mm_per_s: None, exact_stop: false, line });
+            part.moves.push(Move { kind, shape, feedrate_mm_per_s: None, exact_stop: false, line, block: 0 });
             part.curves.push(curve);
         }
     }

@@ -42,10 +42,12 @@ impl Part {
     /// the machine's FIN, and LinuxCNC and Grbl let motion end before they switch a spindle or a coolant.
     #[must_use]
     pub(crate) fn has_word_before(&self, next: usize) -> bool {
-        let line = |index: usize| self.moves.get(index).map(|one| one.line);
-        let Some((before, after)) = next.checked_sub(1).and_then(line).zip(line(next)) else { return false };
-        let first = self.auxiliary.partition_point(|word| word.line < before);
-        self.auxiliary.get(first).is_some_and(|word| word.line <= after)
+        let block = |index: usize| self.moves.get(index).map(|one| one.block);
+        let Some((before, after)) = next.checked_sub(1).and_then(block).zip(block(next)) else {
+            return false;
+        };
+        let first = self.auxiliary.partition_point(|word| word.block < before);
+        self.auxiliary.get(first).is_some_and(|word| word.block <= after)
     }
 }
 
@@ -63,6 +65,8 @@ pub struct Move {
     pub exact_stop: bool,
     /// Line of the block that commands it, from 1.
     pub line: usize,
+    /// Number of that block in the order of execution, from 1: a loop executes a line more than once.
+    pub block: u32,
 }
 
 /// A word that does not move the tool.
@@ -74,6 +78,8 @@ pub struct Auxiliary {
     pub value: f64,
     /// Line of its block, from 1.
     pub line: usize,
+    /// Number of its block in the order of execution, from 1.
+    pub block: u32,
 }
 
 /// With or without cutting.

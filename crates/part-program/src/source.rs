@@ -56,6 +56,18 @@ impl<'t> Source<'t> {
         self.line_starts.partition_point(|start| *start <= at).max(1)
     }
 
+    /// Number of lines; of a text that ends with a line end, the empty one behind it is one.
+    pub(crate) fn lines(&self) -> usize {
+        self.line_starts.len()
+    }
+
+    /// The byte at which a line begins, and its text with its line end; lines count from 0, and there is nothing behind the last.
+    pub(crate) fn line(&self, index: usize) -> (usize, &'t str) {
+        let start_of = |index: usize| self.line_starts.get(index).copied().unwrap_or(self.text.len());
+        let start = start_of(index);
+        (start, self.text.get(start..start_of(index.saturating_add(1))).unwrap_or(""))
+    }
+
     /// The text of a span; empty if the span does not fall on characters.
     pub(crate) fn slice(&self, span: Span) -> &'t str {
         self.text.get(span.start..span.end).unwrap_or("")

@@ -240,19 +240,19 @@ fn write(
     let mut words = Words(&all);
     let mut approaches = part.whole_approaches().into_iter().peekable();
     for (index, (curve, one)) in part.curves.iter().zip(&part.moves).enumerate() {
-        while let Some(approach) = approaches.next_if(|approach| approach.line <= one.line) {
-            program.auxiliary(words.before(approach.line));
+        while let Some(approach) = approaches.next_if(|approach| approach.block <= one.block) {
+            program.auxiliary(words.before(approach.block));
             // Words of a block that makes a curve too are the curve's.
-            let is_own = approach.line < one.line && part.approaches_in(approach.line);
-            let [ahead, behind] = words.of_block(approach.line, is_own);
+            let is_own = approach.block < one.block && part.approaches_in(approach.block);
+            let [ahead, behind] = words.of_block(approach.block, is_own);
             program.auxiliary(&ahead);
             program.approach(&approach, curve, one);
             program.auxiliary(&behind);
         }
-        program.auxiliary(words.before(one.line));
+        program.auxiliary(words.before(one.block));
         // Several curves may come from one block: its words are written once, at the last of them.
-        let is_last = part.moves.get(index + 1).is_none_or(|next| next.line > one.line);
-        let [ahead, behind] = words.of_block(one.line, is_last);
+        let is_last = part.moves.get(index + 1).is_none_or(|next| next.block > one.block);
+        let [ahead, behind] = words.of_block(one.block, is_last);
         program.auxiliary(&ahead);
         program.curve(index, curve, one, &mut write_curve)?;
         program.auxiliary(&behind);
@@ -266,16 +266,16 @@ fn write(
 struct Words<'w, 'p>(&'w [&'p Auxiliary]);
 
 impl<'w, 'p> Words<'w, 'p> {
-    /// Takes those of the lines before one.
-    fn before(&mut self, line: usize) -> &'w [&'p Auxiliary] {
-        let (before, rest) = self.0.split_at(self.0.partition_point(|word| word.line < line));
+    /// Takes those of the blocks before one.
+    fn before(&mut self, block: u32) -> &'w [&'p Auxiliary] {
+        let (before, rest) = self.0.split_at(self.0.partition_point(|word| word.block < block));
         self.0 = rest;
         before
     }
 
     /// Takes those of a move's own block, if `is_last` of its moves: ahead of the move, and behind it.
-    fn of_block(&mut self, line: usize, is_last: bool) -> [Vec<&'p Auxiliary>; 2] {
-        let own = if is_last { self.before(line + 1) } else { &[] };
+    fn of_block(&mut self, block: u32, is_last: bool) -> [Vec<&'p Auxiliary>; 2] {
+        let own = if is_last { self.before(block.saturating_add(1)) } else { &[] };
         let (behind, ahead) = own.iter().copied().partition(|word| word.is_behind());
         [ahead, behind]
     }
@@ -358,7 +358,7 @@ impl Program {
     /// Words that do not move the tool, those of one line in one block. The end of the program is written at its end.
     fn auxiliary(&mut self, words: &[&Auxiliary]) {
         let ends = |word: &Auxiliary| word.letter == 'M' && (word.value == 2.0 || word.value == 30.0);
-        for block in words.chunk_by(|a, b| a.line == b.line) {
+        for block in words.chunk_by(|a, b| a.block == b.block) {
             for word in block.iter().filter(|word| !ends(word)) {
                 self.word(word.letter.encode_utf8(&mut [0; 4]), word.value);
             }

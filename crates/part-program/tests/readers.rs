@@ -62,9 +62,9 @@ fn faults_are_named_by_place() {
         (nc("P4", "P1"), "p.nc:3:", "order 1 is not supported"),
         (nc("X10.0", "XY"), "p.nc:4:", "`X` has no number"),
         (nc("Y34.1", "Q34.1"), "p.nc:4:", "no word of G06.2"),
-        (nc("G90;", "G81;"), "p.nc:2:1", "`G81` is not read"),
+        (nc("G90;", "G41;"), "p.nc:2:1", "cutter compensation, `G41`, is not read"),
         (nc("G90;", "(open;"), "p.nc:2:1", "no end"),
-        (nc("G90;", "#100=3;"), "p.nc:2:1", "variables and expressions"),
+        (nc("G90;", "#100=;"), "p.nc:2:6", "a value is missing"),
         (("".into(), "p.nc"), "p.nc:1:1", "holds no curve"),
         (("\u{1F600}".into(), "p.nc"), "p.nc:1:1", "no part of a word"),
     ] {

@@ -12,8 +12,14 @@ fn part(text: &str) -> Part {
 
 /// A part of curves that are all followed at one feedrate.
 fn at_feed(curves: &[Curve], feedrate_mm_per_s: Option<f64>) -> Part {
-    let one =
-        Move { kind: MoveKind::Feed, shape: Shape::Nurbs, feedrate_mm_per_s, exact_stop: false, line: 1 };
+    let one = Move {
+        kind: MoveKind::Feed,
+        shape: Shape::Nurbs,
+        feedrate_mm_per_s,
+        exact_stop: false,
+        line: 1,
+        block: 0,
+    };
     Part { curves: curves.to_vec(), moves: vec![one; curves.len()], ..Part::default() }
 }
 

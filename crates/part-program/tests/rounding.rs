@@ -51,6 +51,7 @@ fn at_feed(curves: Vec<Curve>) -> Part {
         feedrate_mm_per_s: Some(10.0),
         exact_stop: false,
         line: 1,
+        block: 0,
     };
     Part { moves: vec![one; curves.len()], curves, ..Part::default() }
 }

@@ -16,13 +16,19 @@
 //! first sent, and what came before is read as done there. One that incremental words move first begins at 0.
 
 mod block;
+mod command;
+mod cycle;
+mod expression;
 mod fanuc;
+mod flow;
 mod linuxcnc;
 mod modal;
+mod offsets;
 mod path_move;
 mod preparatory;
 mod siemens;
 mod spline_move;
+mod variables;
 mod word;
 
 pub(crate) use linuxcnc::LEAST_ORDER;
@@ -30,9 +36,14 @@ pub(crate) use linuxcnc::LEAST_ORDER;
 use crate::curve::{Curve, MAX_COORDINATE_MM};
 use crate::diagnostic::Report;
 use crate::gcode::block::Block;
-use crate::gcode::modal::{FeedMode, Modal, Motion, PathMode};
+use crate::gcode::cycle::Holes;
+use crate::gcode::expression::Scope;
+use crate::gcode::flow::{Call, Context, Flow};
+use crate::gcode::modal::{FeedMode, Modal, Motion, PathMode, WORK_OFFSETS};
+use crate::gcode::offsets::Placing;
 use crate::gcode::spline_move::Spline;
-use crate::gcode::word::{Tape, Word};
+use crate::gcode::variables::Variables;
+use crate::gcode::word::{Line, Tape, Word};
 use crate::joint;
 use crate::options::{Dialect, ReadOptions};
 use crate::part::{Auxiliary, Move, MoveKind, Part, Shape};
@@ -43,12 +54,20 @@ const MAX_FEEDRATE: f64 = 1e5;
 
 /// Reads a whole program into `part`. What is wrong goes to the report.
 pub(crate) fn read(report: &mut Report<'_>, part: &mut Part, options: ReadOptions) {
-    let text = report.source.text;
+    let length = report.source.text.len();
     let mut reader = Reader {
         report,
         part,
         options,
         modal: Modal::default(),
+        variables: Variables::default(),
+        flow: Flow::default(),
+        holes: Holes::default(),
+        placing: None,
+        known_origins: [false; WORK_OFFSETS],
+        shift_put_aside: [0.0; 3],
+        names_unit: false,
+        block_number: 0,
         unknown_from: [0; 3],
         whole_units: options.dialect == Some(Dialect::Fanuc),
         unread: None,
@@ -60,25 +79,9 @@ pub(crate) fn read(report: &mut Report<'_>, part: &mut Part, options: ReadOption
         smooth: None,
         ended: false,
     };
-    let (mut words, mut tape, mut at) = (Vec::new(), Tape::default(), 0);
-    for line in text.split_inclusive('\n') {
-        let start = at;
-        at += line.len();
-        let mut read = 0;
-        if !reader.ended {
-            let end = word::words(reader.report, options.lenient, &mut tape, start, line, &mut words);
-            reader.block(&mut words);
-            reader.ended |= end.is_some();
-            read = end.unwrap_or(line.len());
-        }
-        if reader.ended
-            && let Some(span) = word::remainder(start + read, &line[read..])
-        {
-            reader.report.warning(span, "what follows the end of the program is not read");
-            break;
-        }
-    }
-    reader.close(Span::new(text.len(), text.len()));
+    reader.lines();
+    reader.report.within = None;
+    reader.close(Span::new(length, length));
     part.feedrate_mm_per_s = part.highest_feedrate();
     if part.curves.is_empty() && !report.has_errors() {
         let cause = report.first_warning().map(|first| format!("line {}: {}", first.line, first.message));
@@ -90,12 +93,32 @@ pub(crate) fn read(report: &mut Report<'_>, part: &mut Part, options: ReadOption
     }
 }
 
+/// Where a block is: in the text, and in the order of execution.
+#[derive(Clone, Copy)]
+pub(crate) struct BlockPlace {
+    span: Span,
+    block: u32,
+}
+
 /// A program that is being read.
 pub(crate) struct Reader<'r, 't, 'p> {
     pub(crate) report: &'r mut Report<'t>,
     pub(crate) part: &'p mut Part,
     pub(crate) options: ReadOptions,
     pub(crate) modal: Modal,
+    pub(crate) variables: Variables,
+    pub(crate) flow: Flow,
+    pub(crate) holes: Holes,
+    /// What the block does with its coordinates other than move to them.
+    pub(crate) placing: Option<(Placing, Span)>,
+    /// The work offsets whose origins the program has set.
+    pub(crate) known_origins: [bool; WORK_OFFSETS],
+    /// The shift that G92.2 put aside.
+    pub(crate) shift_put_aside: [f64; 3],
+    /// Whether a word has said the unit of lengths.
+    pub(crate) names_unit: bool,
+    /// Blocks that have been executed.
+    block_number: u32,
     /// The first curve on which each axis is unknown, while it is.
     pub(crate) unknown_from: [usize; 3],
     /// The program is said to be FANUC's, and no length without a decimal point has been met.
@@ -110,26 +133,95 @@ pub(crate) struct Reader<'r, 't, 'p> {
     end: PathMode,
     /// Whether the exact stop of the last move is none if the next one goes on in its direction.
     passes_smooth_joints: bool,
-    pub(crate) spline: Option<(Spline, Span)>,
+    pub(crate) spline: Option<(Spline, BlockPlace)>,
     /// Inner point of a smooth continuation of G5, from its start.
     pub(crate) smooth: Option<[f64; 2]>,
     pub(crate) ended: bool,
 }
 
 impl Reader<'_, '_, '_> {
+    /// Executes the lines of the program in their order.
+    fn lines(&mut self) {
+        let (mut read, mut tape) = (Line::default(), Tape::default());
+        while let Some(index) = self.flow.advance(self.report) {
+            let (start, line) = self.report.source.line(index);
+            let scope =
+                Scope { variables: &self.variables, modal: &self.modal, dialect: self.options.dialect };
+            word::read_line(self.report, self.options.lenient, scope, &mut tape, start, line, &mut read);
+            self.line(&mut read);
+            let behind = read.ended.unwrap_or(line.len());
+            self.ended |= read.ended.is_some();
+            if self.ended {
+                self.look_behind_the_end(start + behind, &line[behind..], index);
+                return;
+            }
+        }
+        if self.flow.is_called() && !self.report.has_errors() {
+            let end = self.report.source.text.len();
+            self.report
+                .error(Span::new(end, end), "the program ends within a subprogram")
+                .expected("M99 or endsub at the end of the subprogram");
+        }
+    }
+
+    /// Executes what a line says.
+    fn line(&mut self, read: &mut Line) {
+        if let Some(dialect) = read.dialect {
+            self.options.dialect.get_or_insert(dialect);
+        }
+        self.block_number = self.block_number.saturating_add(1);
+        for (variable, value) in read.assignments.drain(..) {
+            self.variables.set(variable, value);
+        }
+        self.block(&mut read.words);
+        if let Some((command, span)) = read.command.take() {
+            let mut context = Context {
+                report: self.report,
+                variables: &mut self.variables,
+                modal: &self.modal,
+                dialect: self.options.dialect,
+            };
+            let is_obeyed = self.flow.obey(&mut context, command, span).is_some();
+            self.ended |= !is_obeyed;
+        }
+    }
+
+    /// Warns of words behind the end of the program, unless they may be those of subprograms.
+    fn look_behind_the_end(&mut self, start: usize, rest: &str, index: usize) {
+        if self.report.has_errors() || self.flow.has_called {
+            return;
+        }
+        self.report.within = None;
+        let mut found = word::remainder(start, rest);
+        let mut index = index + 1;
+        while found.is_none() && index < self.report.source.lines() {
+            let (start, line) = self.report.source.line(index);
+            found = word::remainder(start, line);
+            index += 1;
+        }
+        if let Some(span) = found {
+            self.report.warning(span, "what follows the end of the program is not read");
+        }
+    }
+
     fn block(&mut self, words: &mut Vec<Word>) {
         let Some(mut block) = Block::new(self.report, words) else { return };
         let span = block.span;
         self.unread = None;
         let Some(motion) = self.preparatory(&mut block) else { return };
         if let Some(motion) = motion {
+            if !matches!(motion, Motion::Cycle(_)) || !matches!(self.modal.motion, Motion::Cycle(_)) {
+                self.holes.end();
+            }
             self.modal.motion = motion;
         }
         self.look_for_points(&block);
         let ends = self.auxiliary(&mut block);
         let inverse_feed = self.feed(&mut block);
         let unread = self.unread.take();
-        if unread.is_some() || self.modal.motion == Motion::Unread {
+        if let Some((placing, span)) = self.placing.take().filter(|_| unread.is_none()) {
+            self.place_coordinates(&mut block, placing, span);
+        } else if unread.is_some() || self.modal.motion == Motion::Unread {
             self.leave_out(&mut block, unread);
         } else {
             self.motion(&mut block, motion.is_some(), inverse_feed);
@@ -168,28 +260,57 @@ impl Reader<'_, '_, '_> {
         let mut ends = false;
         for letter in *b"MSTDH" {
             while let Some(word) = block.take_letter(letter) {
-                if letter == b'M' && [98.0, 198.0].contains(&word.value) {
-                    self.call(block, word.span);
-                    continue;
+                match word.value {
+                    98.0 if letter == b'M' => self.call(block, word.span, None),
+                    198.0 if letter == b'M' => {
+                        for letter in *b"PLQ" {
+                            block.take_letter(letter);
+                        }
+                        self.not_in_this_file(word.span, "a subprogram of another device");
+                    }
+                    99.0 if letter == b'M' && self.flow.is_called() => {
+                        self.flow.return_from(&mut self.variables)
+                    }
+                    value => {
+                        if letter == b'S' {
+                            self.modal.spindle_per_minute = Some(value).filter(|speed| *speed > 0.0);
+                        }
+                        let line = self.line_of(word.span);
+                        ends |= letter == b'M' && [2.0, 30.0, 99.0].contains(&value);
+                        let block = self.block_number;
+                        self.part.auxiliary.push(Auxiliary { letter: letter.into(), value, line, block });
+                    }
                 }
-                let line = self.line(word.span);
-                ends |= letter == b'M' && ([2.0, 30.0, 99.0].contains(&word.value));
-                self.part.auxiliary.push(Auxiliary { letter: letter.into(), value: word.value, line });
             }
         }
         ends
     }
 
-    /// Says that a subprogram is not followed.
-    fn call(&mut self, block: &mut Block<'_>, span: Span) {
-        const MESSAGE: &str = "calls of subprograms are not followed";
-        for letter in *b"PQL" {
-            block.take_letter(letter);
+    /// Calls a subprogram of this file by M98 or G65.
+    pub(crate) fn call(&mut self, block: &mut Block<'_>, span: Span, arguments: Option<Vec<(u32, f64)>>) {
+        let program = block.take_letter(b'P').and_then(|word| whole(word.value));
+        let times = block.take_letter(b'L').map_or(Some(1), |word| whole(word.value));
+        block.take_letter(b'Q');
+        let (Some(program), Some(times)) = (program, times) else {
+            self.report
+                .error(span, "a call without the number of a program")
+                .expected("P with a whole number");
+            return;
+        };
+        let call = Call { program, times, arguments, span };
+        if !self.flow.call(self.report, &mut self.variables, &call) {
+            self.not_in_this_file(span, &format!("subprogram O{program}"));
         }
+    }
+
+    fn not_in_this_file(&mut self, span: Span, what: &str) {
+        let message = format!("{what} is not in this file");
         if self.options.lenient {
-            self.report.warning(span, MESSAGE);
+            self.report.warning(span, format!("{message}: its moves are left out"));
         } else {
-            self.report.error(span, MESSAGE).expected("the blocks of the subprogram in its place");
+            self.report
+                .error(span, message)
+                .expected("its lines behind the end of the program, from O and its number to M99");
         }
     }
 
@@ -204,9 +325,7 @@ impl Reader<'_, '_, '_> {
             FeedMode::PerMinute => {}
             FeedMode::InverseTime => return Some(word.value),
             FeedMode::PerRevolution => {
-                let text = self.report.source.slice(word.span).to_owned();
-                self.report
-                    .warning(word.span, format!("`{text}` is a feed per revolution: its moves have none"));
+                self.modal.feed_mm_per_revolution = Some(self.modal.mm(word.value));
                 return None;
             }
         }
@@ -242,6 +361,8 @@ impl Reader<'_, '_, '_> {
             }
             Motion::FanucNurbs | Motion::LinuxCncNurbs | Motion::Bspline => self.spline_block(block, is_new),
             Motion::Cubic | Motion::Quadratic => self.bezier(block, continues),
+            Motion::Cycle(cycle) if block.has_axis() => self.drill(block, cycle),
+            Motion::WithSpindle { comes_back } if block.has_axis() => self.with_spindle(block, comes_back),
             Motion::Broken => self.pass_over(block),
             _ => {}
         }
@@ -289,9 +410,9 @@ impl Reader<'_, '_, '_> {
         kind: MoveKind,
         shape: Shape,
         feedrate: Option<f64>,
-        span: Span,
+        place: BlockPlace,
     ) {
-        let line = self.line(span);
+        let (line, block) = (self.line_of(place.span), place.block);
         if let (Some(before), Some(last)) = (self.part.curves.last(), self.part.moves.last_mut())
             && last.exact_stop
             && self.passes_smooth_joints
@@ -300,11 +421,16 @@ impl Reader<'_, '_, '_> {
         }
         let exact_stop = kind == MoveKind::Feed && self.end != PathMode::Continuous;
         self.passes_smooth_joints = self.end == PathMode::ExactPath;
-        self.part.moves.push(Move { kind, shape, feedrate_mm_per_s: feedrate, exact_stop, line });
+        self.part.moves.push(Move { kind, shape, feedrate_mm_per_s: feedrate, exact_stop, line, block });
         self.part.curves.push(curve);
     }
 
-    pub(crate) fn line(&self, span: Span) -> usize {
+    /// Where the block is that is executed.
+    pub(crate) fn place(&self, span: Span) -> BlockPlace {
+        BlockPlace { span, block: self.block_number }
+    }
+
+    pub(crate) fn line_of(&self, span: Span) -> usize {
         self.report.source.line_number(span.start)
     }
 
@@ -334,6 +460,8 @@ impl Reader<'_, '_, '_> {
             Motion::Quadratic => "G5.1",
             Motion::LinuxCncNurbs => "G5.2",
             Motion::Bspline => "BSPLINE",
+            Motion::Cycle(_) => "a drilling cycle",
+            Motion::WithSpindle { .. } => "G33",
             Motion::Unread => "a motion that is not read",
         }
     }
@@ -348,6 +476,14 @@ impl Reader<'_, '_, '_> {
             Motion::Quadratic => "X, Y, I, J or F",
             Motion::LinuxCncNurbs => "X, Y, P, L or F",
             Motion::Bspline => "X, Y, Z, SD=, PW=, PL= or F",
+            Motion::Cycle(_) => "X, Y, Z, R, Q, P, L or F",
+            Motion::WithSpindle { .. } => "X, Y, Z or K",
         }
     }
+}
+
+/// A whole number of a word.
+fn whole(value: f64) -> Option<u32> {
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "whole, 0 ..= 99,999,999")]
+    ((0.0..=99_999_999.0).contains(&value) && value.fract() == 0.0).then_some(value as u32)
 }

@@ -1,7 +1,11 @@
 //! Modal state of a program: what holds until another word changes it.
 
 use crate::arc::Plane;
+use crate::gcode::cycle::Cycle;
 use crate::unit::INCH;
+
+/// Work offsets: G54 to G59, G59.1 to G59.3.
+pub(crate) const WORK_OFFSETS: usize = 9;
 
 /// The motion in force.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -25,7 +29,11 @@ pub(crate) enum Motion {
     LinuxCncNurbs,
     /// BSPLINE.
     Bspline,
-    /// A cycle or another motion that is not read, and was read over.
+    /// G73 to G89.
+    Cycle(Cycle),
+    /// G33, and G33.1, which comes back: along an axis with the spindle.
+    WithSpindle { comes_back: bool },
+    /// Another motion that is not read, and was read over.
     Unread,
     /// A motion whose first block is wrong, as has been said: the blocks that go on with it are passed over.
     Broken,
@@ -46,7 +54,7 @@ pub(crate) enum FeedMode {
     PerMinute,
     /// G93: 1/F minutes a move.
     InverseTime,
-    /// G95: length a revolution of a spindle that nobody knows. It is not read; read over, its moves have no feedrate.
+    /// G95: length a revolution of the spindle.
     PerRevolution,
 }
 
@@ -77,8 +85,18 @@ pub(crate) struct Modal {
     pub(crate) path_mode: PathMode,
     /// Feedrate of G94, in mm/s.
     pub(crate) feedrate_mm_per_s: Option<f64>,
-    /// Where the tool is, in mm; an axis that was never named is unknown, and one that a word moved that is not read.
+    /// Feed of G95, in mm a revolution.
+    pub(crate) feed_mm_per_revolution: Option<f64>,
+    /// S, in revolutions a minute.
+    pub(crate) spindle_per_minute: Option<f64>,
+    /// Where the tool is, in mm of the part; an axis that was never named is unknown, and one that a word moved that is not read.
     pub(crate) position: [Option<f64>; 3],
+    /// The work offset in force, from 0 for G54.
+    pub(crate) work_offset: u8,
+    /// Origins of the work offsets in the part, in mm; 0 for those that no G10 has set.
+    pub(crate) work_origins: [[f64; 3]; WORK_OFFSETS],
+    /// What G92 and G52 add to them, in mm.
+    pub(crate) shift: [f64; 3],
     /// Where an axis that is unknown is taken to be; 0 if it was never known.
     last_known: [f64; 3],
     /// Axes that incremental words moved from where they were taken to be.
@@ -98,11 +116,23 @@ impl Modal {
         std::array::from_fn(|axis| self.position[axis].unwrap_or(self.last_known[axis]))
     }
 
+    /// Where 0 of an axis, as the program counts, is in the part, in mm.
+    pub(crate) fn origin(&self, axis: usize) -> f64 {
+        let of_offset =
+            self.work_origins.get(usize::from(self.work_offset)).map_or(0.0, |origin| origin[axis]);
+        of_offset + self.shift[axis]
+    }
+
+    /// Where the tool is on an axis, as the program counts and in its unit.
+    pub(crate) fn programmed(&self, axis: usize) -> f64 {
+        (self.here()[axis] - self.origin(axis)) / self.mm(1.0)
+    }
+
     /// Where coordinates as written lead from `from`: those not written are kept.
     pub(crate) fn target(&self, from: [f64; 3], written: [Option<f64>; 3]) -> [f64; 3] {
         std::array::from_fn(|axis| match written[axis] {
             Some(value) if self.incremental => from[axis] + self.mm(value),
-            Some(value) => self.mm(value),
+            Some(value) => self.origin(axis) + self.mm(value),
             None => from[axis],
         })
     }

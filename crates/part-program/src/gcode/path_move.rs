@@ -18,7 +18,7 @@ impl Reader<'_, '_, '_> {
         if start == end {
             // A first move says where the tool is; a later one to the same place was meant to go somewhere.
             if self.modal.motion == Motion::Line && self.modal.position == before {
-                let line = self.line(span);
+                let line = self.line_of(span);
                 self.part.standstills.push(line);
                 self.rest_here();
             }
@@ -30,7 +30,7 @@ impl Reader<'_, '_, '_> {
             Motion::Rapid => (MoveKind::Rapid, None),
             _ => (MoveKind::Feed, self.feedrate(length, inverse_feed, block.span)),
         };
-        self.push(curve, kind, Shape::Line, feed, block.span);
+        self.push(curve, kind, Shape::Line, feed, self.place(block.span));
     }
 
     /// Notes the axes that were unknown before the straight move at hand and are known now.
@@ -46,8 +46,14 @@ impl Reader<'_, '_, '_> {
             (_, FeedMode::PerMinute) => (MoveKind::Feed, self.modal.feedrate_mm_per_s),
             (_, FeedMode::InverseTime | FeedMode::PerRevolution) => (MoveKind::Feed, None),
         };
-        let line = self.line(span);
-        self.part.approaches.push(Approach { axes, kind, feedrate_mm_per_s, line });
+        let line = self.line_of(span);
+        self.part.approaches.push(Approach {
+            axes,
+            kind,
+            feedrate_mm_per_s,
+            line,
+            block: self.place(span).block,
+        });
     }
 
     /// Start and end of a move by the block's coordinates; the position is brought to the end.
@@ -96,7 +102,7 @@ impl Reader<'_, '_, '_> {
         let is_known = self.start_is_known(plane, block.span);
         let Some((start, end)) = self.ends(block).filter(|_| is_known) else { return };
         let centre = |word: Option<Word>, axis: usize| match word {
-            Some(word) if self.modal.absolute_centres => self.modal.mm(word.value),
+            Some(word) if self.modal.absolute_centres => self.modal.origin(axis) + self.modal.mm(word.value),
             Some(word) => start[axis] + self.modal.mm(word.value),
             None => start[axis],
         };
@@ -123,7 +129,7 @@ impl Reader<'_, '_, '_> {
                     self.report.error(block.span, fault.to_string()).expected(fault.expected());
                     return;
                 }
-                self.push(curve, MoveKind::Feed, Shape::Arc, feed, block.span);
+                self.push(curve, MoveKind::Feed, Shape::Arc, feed, self.place(block.span));
             }
             Err(fault) => self.refuse_arc(fault, block.span),
         }
@@ -163,10 +169,10 @@ impl Reader<'_, '_, '_> {
     }
 
     /// The feedrate of a move of `length` mm.
-    fn feedrate(&mut self, length: f64, inverse_feed: Option<f64>, span: Span) -> Option<f64> {
+    pub(crate) fn feedrate(&mut self, length: f64, inverse_feed: Option<f64>, span: Span) -> Option<f64> {
         match (self.modal.feed_mode, inverse_feed) {
             (FeedMode::PerMinute, _) => self.modal.feedrate_mm_per_s,
-            (FeedMode::PerRevolution, _) => None,
+            (FeedMode::PerRevolution, _) => self.feedrate_of_spindle(self.modal.feed_mm_per_revolution, span),
             (FeedMode::InverseTime, Some(per_minute)) => Some(length * per_minute / 60.0),
             (FeedMode::InverseTime, None) => {
                 self.report
@@ -174,6 +180,38 @@ impl Reader<'_, '_, '_> {
                     .expected("F in every block of G93");
                 None
             }
+        }
+    }
+
+    /// The feedrate, in mm/s, of a feed per revolution.
+    fn feedrate_of_spindle(&mut self, per_revolution: Option<f64>, span: Span) -> Option<f64> {
+        let feedrate =
+            per_revolution.zip(self.modal.spindle_per_minute).map(|(feed, speed)| feed * speed / 60.0);
+        if feedrate.is_none() {
+            self.report
+                .warning(
+                    span,
+                    "a feed per revolution of a spindle whose speed is not known: the move has none",
+                )
+                .expected("S and F before it");
+        }
+        feedrate
+    }
+
+    /// G33: a straight move whose feed is K a revolution; G33.1 comes back the same way.
+    pub(crate) fn with_spindle(&mut self, block: &mut Block<'_>, comes_back: bool) {
+        let pitch = block.take_letter(b'K').map(|word| self.modal.mm(word.value));
+        let span = block.span;
+        let Some((start, end)) = self.ends(block) else { return };
+        if start == end {
+            return;
+        }
+        let feed = self.feedrate_of_spindle(pitch, span);
+        self.push(Curve::line(start, end), MoveKind::Feed, Shape::Line, feed, self.place(span));
+        if comes_back {
+            self.rest();
+            self.push(Curve::line(end, start), MoveKind::Feed, Shape::Line, feed, self.place(span));
+            self.modal.position = start.map(Some);
         }
     }
 }

@@ -3,6 +3,7 @@
 use crate::arc::Plane;
 use crate::gcode::Reader;
 use crate::gcode::block::Block;
+use crate::gcode::cycle::Cycle;
 use crate::gcode::modal::{FeedMode, Motion, PathMode};
 use crate::gcode::spline_move::Spline;
 use crate::gcode::word::{Key, Word};
@@ -67,53 +68,146 @@ impl Reader<'_, '_, '_> {
 
     /// Obeys one G word; a motion is handed back.
     fn general(&mut self, block: &mut Block<'_>, word: Word) -> Result<Option<Motion>, ()> {
-        let spline_words = b"XYIJQ".iter().any(|letter| block.has(*letter));
+        let Some(tenths) = code(word.value) else { return self.unread_word(word) };
+        if let Some(reason) = self.turning(block, tenths) {
+            self.report.error(word.span, format!("this is a program for a lathe: {reason}")).expected(
+                "a program for a mill: a lathe's X may be a diameter, and its feed one a revolution",
+            );
+            return Err(());
+        }
+        if let Some(placing) = self.placing(block, word) {
+            self.placing = Some((placing, word.span));
+            return Ok(None);
+        }
+        if let Some(motion) = self.motion_word(block, tenths) {
+            return Ok(Some(motion));
+        }
+        if self.mode(block, word, tenths)?
+            || self.stop_or_path_mode(block, word, tenths)
+            || self.is_aside(block, tenths)
+        {
+            return Ok(None);
+        }
+        self.unread_word(word)
+    }
+
+    /// What shows that a program turns: its diameters, speeds and cycles are those of a lathe.
+    fn turning(&self, block: &Block<'_>, tenths: u16) -> Option<&'static str> {
+        let has_contour = block.has(b'P') && block.has(b'Q') || block.has(b'U') && block.has(b'R');
+        match tenths {
+            70 if self.options.dialect != Some(Dialect::Fanuc) => Some("G7 makes X a diameter"),
+            960 => Some("G96 keeps the speed of the cut"),
+            500 if block.has(b'S') => Some("G50 with S limits the speed of the spindle"),
+            700..=723 if has_contour || block.has(b'D') => Some("G70 to G72 turn a contour"),
+            700..=723 if tenths % 10 != 0 => Some("G70 to G72 turn a contour"),
+            760 if block.has(b'P') && !block.has(b'X') && !block.has(b'Y') => Some("G76 cuts a thread"),
+            _ => None,
+        }
+    }
+
+    /// The motion that a word commands.
+    fn motion_word(&mut self, block: &Block<'_>, tenths: u16) -> Option<Motion> {
+        let spline_words = b"XYZIJKQ".iter().any(|letter| block.has(*letter));
+        Some(match tenths {
+            0 => Motion::Rapid,
+            10 => Motion::Line,
+            20 => Motion::Arc { clockwise: true },
+            30 => Motion::Arc { clockwise: false },
+            62 => Motion::FanucNurbs,
+            50 if spline_words => Motion::Cubic,
+            51 if b"IJK".iter().any(|letter| block.has(*letter)) || block.has_axis() => Motion::Quadratic,
+            52 => Motion::LinuxCncNurbs,
+            330 => Motion::WithSpindle { comes_back: false },
+            331 if self.may_be(&[Dialect::LinuxCnc]) => Motion::WithSpindle { comes_back: true },
+            _ => Motion::Cycle(Cycle::of(tenths)?),
+        })
+    }
+
+    /// Planes, units, coordinates and feeds; whether the word is one of them.
+    fn mode(&mut self, block: &mut Block<'_>, word: Word, tenths: u16) -> Result<bool, ()> {
+        match tenths {
+            50 => self.high_precision(block, word)?,
+            51 if block.has(b'Q') => drop(block.take_letter(b'Q')),
+            53 => self.end_of_linuxcnc_nurbs(word.span),
+            80 if block.has(b'P') => drop(block.take_letter(b'P')),
+            170 => self.modal.plane = Plane::Xy,
+            180 => self.modal.plane = Plane::Zx,
+            190 => self.modal.plane = Plane::Yz,
+            200 | 700 => self.modal.inches = true,
+            210 | 710 => self.modal.inches = false,
+            540..=590 if tenths % 10 == 0 => self.choose_work_offset(offset_of(tenths / 10 - 54), word.span),
+            591..=593 => self.choose_work_offset(offset_of(tenths - 585), word.span),
+            900 => self.absolute(word.span),
+            910 => self.modal.incremental = true,
+            901 => self.modal.absolute_centres = true,
+            911 => self.modal.absolute_centres = false,
+            921..=923 => self.change_shift(tenths),
+            930 => self.modal.feed_mode = FeedMode::InverseTime,
+            940 => self.modal.feed_mode = FeedMode::PerMinute,
+            950 => self.modal.feed_mode = FeedMode::PerRevolution,
+            800 => {
+                self.modal.motion = Motion::None;
+                self.holes.end();
+            }
+            980 | 990 if self.may_be(&[Dialect::Fanuc, Dialect::LinuxCnc]) => {
+                self.holes.returns_to_begin = Some(tenths == 980);
+            }
+            650 if block.has(b'P') => self.call_macro(block, word.span),
+            _ => return Ok(false),
+        }
+        if matches!(tenths, 200 | 700 | 210 | 710) {
+            self.names_unit = true;
+        }
+        Ok(true)
+    }
+
+    /// `G65 P9000 A1 B2`: the letters are variables of the subprogram.
+    fn call_macro(&mut self, block: &mut Block<'_>, span: Span) {
+        const LETTERS: [(u8, u32); 21] = [
+            (b'A', 1),
+            (b'B', 2),
+            (b'C', 3),
+            (b'I', 4),
+            (b'J', 5),
+            (b'K', 6),
+            (b'D', 7),
+            (b'E', 8),
+            (b'F', 9),
+            (b'H', 11),
+            (b'M', 13),
+            (b'Q', 17),
+            (b'R', 18),
+            (b'S', 19),
+            (b'T', 20),
+            (b'U', 21),
+            (b'V', 22),
+            (b'W', 23),
+            (b'X', 24),
+            (b'Y', 25),
+            (b'Z', 26),
+        ];
+        let arguments = LETTERS
+            .into_iter()
+            .filter_map(|(letter, number)| block.take_letter(letter).map(|word| (number, word.value)));
+        let arguments = arguments.collect();
+        self.call(block, span, Some(arguments));
+    }
+
+    /// How ends of moves are passed, and dwells; whether the word is one of them.
+    fn stop_or_path_mode(&mut self, block: &mut Block<'_>, word: Word, tenths: u16) -> bool {
         let dialect = self.options.dialect;
-        match code(word.value) {
-            Some(0) => return Ok(Some(Motion::Rapid)),
-            Some(10) => return Ok(Some(Motion::Line)),
-            Some(20) => return Ok(Some(Motion::Arc { clockwise: true })),
-            Some(30) => return Ok(Some(Motion::Arc { clockwise: false })),
-            Some(62) => return Ok(Some(Motion::FanucNurbs)),
-            Some(50) if spline_words => return Ok(Some(Motion::Cubic)),
-            Some(50) => self.high_precision(block, word)?,
-            Some(51) if block.has(b'I') || block.has(b'J') || block.has_axis() => {
-                return Ok(Some(Motion::Quadratic));
-            }
-            Some(51) if block.has(b'Q') => drop(block.take_letter(b'Q')),
-            Some(52) => return Ok(Some(Motion::LinuxCncNurbs)),
-            Some(53) => self.end_of_linuxcnc_nurbs(word.span),
-            Some(170) => self.modal.plane = Plane::Xy,
-            Some(180) => self.modal.plane = Plane::Zx,
-            Some(190) => self.modal.plane = Plane::Yz,
-            Some(200 | 700) => self.modal.inches = true,
-            Some(210 | 710) => self.modal.inches = false,
-            Some(900) => self.absolute(word.span),
-            Some(910) => self.modal.incremental = true,
-            Some(901) => self.modal.absolute_centres = true,
-            Some(911) => self.modal.absolute_centres = false,
-            Some(930) => self.modal.feed_mode = FeedMode::InverseTime,
-            Some(940) => self.modal.feed_mode = FeedMode::PerMinute,
-            Some(950) => {
-                self.modal.feed_mode = FeedMode::PerRevolution;
-                return self.unread_word(word);
-            }
-            Some(800) => self.modal.motion = Motion::None,
-            // The coordinate setting of lathes.
-            Some(500) if block.has_axis() => return self.unread_word(word),
-            // Compensation off, the first coordinate system.
-            Some(400 | 490 | 540 | 500 | 690) => {}
-            Some(90) if dialect != Some(Dialect::LinuxCnc) => self.block_stops = true,
-            Some(610) if dialect == Some(Dialect::LinuxCnc) => self.modal.path_mode = PathMode::ExactPath,
-            Some(610 | 611) => {
+        match tenths {
+            90 if dialect != Some(Dialect::LinuxCnc) => self.block_stops = true,
+            610 if dialect == Some(Dialect::LinuxCnc) => self.modal.path_mode = PathMode::ExactPath,
+            610 | 611 => {
                 self.modal.path_mode = PathMode::ExactStop;
                 self.is_unsure_of_stops |= word.value == 61.0 && dialect.is_none();
             }
             // FANUC's G60 is positioning from one side, which is not read.
-            Some(600) if dialect == Some(Dialect::Siemens) => self.modal.path_mode = PathMode::ExactStop,
+            600 if dialect == Some(Dialect::Siemens) => self.modal.path_mode = PathMode::ExactStop,
             // When a position is reached, fine or coarse: the tool rests at all of them.
-            Some(6010 | 6020 | 6030) if dialect == Some(Dialect::Siemens) => {}
-            Some(640) => {
+            6010 | 6020 | 6030 if dialect == Some(Dialect::Siemens) => {}
+            640 => {
                 self.modal.path_mode = PathMode::Continuous;
                 let may_have = if self.may_be(&[Dialect::LinuxCnc]) { &b"PQ"[..] } else { &[] };
                 if may_have.iter().filter(|letter| block.take_letter(**letter).is_some()).count() > 0 {
@@ -121,41 +215,43 @@ impl Reader<'_, '_, '_> {
                 }
             }
             // Rounding at the ends of blocks.
-            Some(6410 | 6420 | 6430 | 6440 | 6450) if dialect == Some(Dialect::Siemens) => {
+            6410 | 6420 | 6430 | 6440 | 6450 if dialect == Some(Dialect::Siemens) => {
                 self.report.warning(word.span, "blocks are rounded: the path is taken as commanded");
                 self.modal.path_mode = PathMode::Continuous;
             }
             // Siemens means other things by these.
-            Some(620 | 630) if dialect == Some(Dialect::Fanuc) => {
+            620 | 630 if dialect == Some(Dialect::Fanuc) => {
                 self.report
                     .warning(word.span, "a cutting mode that changes feeds: they are taken as commanded");
                 self.modal.path_mode = PathMode::Continuous;
             }
-            Some(40) => {
+            40 => {
                 self.report.warning(
                     word.span,
                     "a dwell: the tool rests here, and for how long is no part of the path",
                 );
-                for letter in *b"PXF" {
+                for letter in *b"PXFS" {
                     block.take_letter(letter);
                 }
                 self.rest();
             }
-            Some(430) => {
-                self.report.warning(word.span, "tool length compensation: the path is read as the tip's");
-            }
-            Some(550 | 560 | 570 | 580 | 590) => {
-                self.report.warning(word.span, "another work offset: its origin is taken as the first one's");
-            }
-            // Settings that are no part of the path, or switch off what is not read.
-            Some(970) => {}
-            Some(980 | 990) if self.may_be(&[Dialect::Fanuc, Dialect::LinuxCnc]) => {}
-            Some(131 | 150 | 230 | 250 | 401 | 670) if self.may_be(&[Dialect::Fanuc]) => {}
-            Some(501) if self.may_be(&[Dialect::Fanuc]) && !block.has_axis() => {}
-            Some(4500 | 4510 | 5000) if self.may_be(&[Dialect::Siemens]) => {}
-            _ => return self.unread_word(word),
+            _ => return false,
         }
-        Ok(None)
+        true
+    }
+
+    /// Whether a word is a setting that is no part of the path, or switches off what is not read.
+    fn is_aside(&mut self, block: &Block<'_>, tenths: u16) -> bool {
+        match tenths {
+            // The coordinate setting of lathes.
+            500 => !block.has_axis(),
+            400 | 490 | 690 | 970 | 430 => true,
+            80 => self.may_be(&[Dialect::LinuxCnc]),
+            131 | 150 | 230 | 250 | 401 | 670 => self.may_be(&[Dialect::Fanuc]),
+            501 => self.may_be(&[Dialect::Fanuc]) && !block.has_axis(),
+            4500 | 4510 | 5000 => self.may_be(&[Dialect::Siemens]),
+            _ => false,
+        }
     }
 
     /// Whether the program can be of one of these dialects.
@@ -172,7 +268,12 @@ impl Reader<'_, '_, '_> {
             }
             return Ok(moves(word.value).then_some(Motion::Unread));
         }
-        let message = format!("`{}` is not read", self.report.source.slice(word.span));
+        let text = self.report.source.slice(word.span);
+        let message = if matches!(code(word.value), Some(410..=429)) {
+            format!("cutter compensation, `{text}`, is not read")
+        } else {
+            format!("`{text}` is not read")
+        };
         self.report
             .error(word.span, message)
             .expected("a motion, G0 to G3 or a spline, or a setting such as G17 to G21, G90, G91, G93 or G94")
@@ -308,13 +409,17 @@ impl Setting {
 
 /// Whether a G word that is not read is a motion that stays in force: threads, probing, cycles, and other curves.
 fn moves(value: f64) -> bool {
-    code(value)
-        .is_some_and(|code| matches!(code / 10, 2 | 3 | 32..=35 | 38 | 73 | 74 | 76 | 81..=89 | 331 | 332))
+    code(value).is_some_and(|code| matches!(code / 10, 2 | 3 | 32..=35 | 38 | 76 | 87 | 331 | 332))
 }
 
 /// Ten times a G number, as G06.2 is 62; `None` for finer fractions and for what no G is.
-fn code(value: f64) -> Option<u16> {
+pub(crate) fn code(value: f64) -> Option<u16> {
     let tenths = (value * 10.0).round();
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 ..= 9999")]
     ((0.0..=9999.0).contains(&tenths) && (tenths / 10.0 - value).abs() < 1e-9).then_some(tenths as u16)
+}
+
+/// The index of a work offset.
+fn offset_of(index: u16) -> u8 {
+    u8::try_from(index).unwrap_or(0)
 }

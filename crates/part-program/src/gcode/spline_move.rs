@@ -2,12 +2,12 @@
 
 use crate::arc::Plane;
 use crate::curve::Curve;
-use crate::gcode::Reader;
 use crate::gcode::block::Block;
 use crate::gcode::fanuc::FanucNurbs;
 use crate::gcode::linuxcnc::{self, LinuxCncNurbs};
 use crate::gcode::modal::{FeedMode, Motion};
 use crate::gcode::siemens::SiemensSpline;
+use crate::gcode::{BlockPlace, Reader};
 use crate::part::{MoveKind, Shape};
 use crate::source::Span;
 
@@ -50,7 +50,7 @@ impl Reader<'_, '_, '_> {
                 self.break_off(block);
                 return;
             };
-            self.spline = Some((spline, block.span));
+            self.spline = Some((spline, self.place(block.span)));
         }
         if let Some((Spline::Fanuc(nurbs), _)) = &self.spline
             && nurbs.is_complete()
@@ -64,7 +64,7 @@ impl Reader<'_, '_, '_> {
             }
             let next = nurbs.next(block.span);
             self.close(block.span);
-            self.spline = Some((Spline::Fanuc(next), block.span));
+            self.spline = Some((Spline::Fanuc(next), self.place(block.span)));
         }
         match &mut self.spline {
             Some((Spline::Fanuc(nurbs), _)) => nurbs.block(self.report, &mut self.modal, block),
@@ -94,7 +94,7 @@ impl Reader<'_, '_, '_> {
         self.push_spline(curve, start);
     }
 
-    fn push_spline(&mut self, curve: Option<Curve>, start: Span) {
+    fn push_spline(&mut self, curve: Option<Curve>, start: BlockPlace) {
         if let Some(curve) = curve {
             self.push(curve, MoveKind::Feed, Shape::Nurbs, self.modal.feedrate_mm_per_s, start);
         }
@@ -132,7 +132,7 @@ impl Reader<'_, '_, '_> {
             return;
         };
         self.smooth = smooth;
-        self.push_spline(Some(curve), span);
+        self.push_spline(Some(curve), self.place(span));
     }
 
     pub(crate) fn end_of_linuxcnc_nurbs(&mut self, span: Span) {

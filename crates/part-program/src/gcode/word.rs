@@ -1,11 +1,15 @@
 //! Lexer of part programs: a line to its words.
 //!
-//! A word is a letter and a number (`X12.5`, `G06.2`), or in Siemens programs a name, `=` and a number (`PW=1.5`).
-//! Comments `( )` and from `;`, block numbers, program numbers and `%` are no words; a `%` that does not begin the program
-//! ends it. White space may stand anywhere but
-//! inside a number or a name.
+//! A word is a letter and a number (`X12.5`, `G06.2`) or an expression (`X[#1+2]`), or in Siemens programs a name, `=` and an expression
+//! (`PW=1.5`). Comments `( )` and from `;`, block numbers, program numbers and `%` are no words; a `%` that does not begin the program
+//! ends it. White space may stand anywhere but inside a number or a name. Beside words a line may give variables their values, and say
+//! which line is executed next.
 
 use crate::diagnostic::Report;
+use crate::gcode::command::{Command, Keyword, Label};
+use crate::gcode::expression::{Fault, Parser, Scope, Value, is_function};
+use crate::gcode::variables::Variable;
+use crate::options::Dialect;
 use crate::source::{Source, Span};
 use crate::toml_table::nearest;
 
@@ -42,10 +46,6 @@ pub(crate) struct Word {
     pub(crate) span: Span,
 }
 
-/// Said of everything that is computed while a program runs.
-const VARIABLES: &str = "variables and expressions are not evaluated";
-const EXPAND: &str = "let the control or the post-processor write the program with plain numbers";
-
 /// What is known of a program from the lines before.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Tape {
@@ -53,45 +53,118 @@ pub(crate) struct Tape {
     begun: bool,
 }
 
-/// The words of one line that begins at byte `start`, into `words`; the bytes that were read if a `%` ended the program.
-pub(crate) fn words(
+/// What stands in a line, with every expression evaluated.
+#[derive(Default)]
+pub(crate) struct Line {
+    pub(crate) words: Vec<Word>,
+    /// Variables with their new values, which hold from the next block on.
+    pub(crate) assignments: Vec<(Variable, Value)>,
+    /// What the line says of the order in which lines are executed.
+    pub(crate) command: Option<(Command, Span)>,
+    /// A control whose way of writing commands or variables the line shows.
+    pub(crate) dialect: Option<Dialect>,
+    /// The bytes that were read, if a `%` ended the program.
+    pub(crate) ended: Option<usize>,
+}
+
+impl Line {
+    fn clear(&mut self) {
+        self.words.clear();
+        self.assignments.clear();
+        (self.command, self.dialect, self.ended) = (None, None, None);
+    }
+}
+
+/// Reads one line that begins at byte `start` into `read`.
+pub(crate) fn read_line(
     report: &mut Report<'_>,
     lenient: bool,
+    scope: Scope<'_>,
     tape: &mut Tape,
     start: usize,
     line: &str,
-    words: &mut Vec<Word>,
-) -> Option<usize> {
-    words.clear();
-    let mut lexer = Lexer { report, lenient, start, line, at: 0, begun: tape.begun, ended: false };
+    read: &mut Line,
+) {
+    read.clear();
+    let mut lexer = Lexer { report, lenient, scope, start, line, at: 0, begun: tape.begun, read };
     if lexer.peek() == Some(b'/') {
         let span = lexer.span(0, 1);
         lexer.report.warning(span, "optional block: read as if the switch were off");
         lexer.at = 1;
+        // Of several switches, its number.
+        lexer.skip(|c| c.is_ascii_digit());
     }
-    while lexer.word(words).is_some() {}
-    tape.begun |= lexer.begun || !words.is_empty();
-    lexer.ended.then_some(lexer.at)
+    while lexer.item().is_some() {}
+    tape.begun |= lexer.begun || !lexer.read.words.is_empty();
+}
+
+/// The value in brackets at byte `at` of a line that begins at byte `start`: the condition of a command.
+pub(crate) fn condition(
+    report: &mut Report<'_>,
+    scope: Scope<'_>,
+    start: usize,
+    line: &str,
+    at: usize,
+) -> Option<f64> {
+    let mut parser = Parser::new(line, at, scope, false);
+    match parser.bracketed() {
+        Ok(value) => Some(value.unwrap_or(0.0)),
+        Err(fault) => {
+            say(report, start, fault);
+            None
+        }
+    }
+}
+
+/// The values in brackets from byte `at` of a line on: the arguments of a call.
+pub(crate) fn arguments(
+    report: &mut Report<'_>,
+    scope: Scope<'_>,
+    start: usize,
+    line: &str,
+    at: usize,
+) -> Option<Vec<f64>> {
+    let mut parser = Parser::new(line, at, scope, false);
+    let mut values = Vec::new();
+    while parser.peek() == Some(b'[') {
+        match parser.bracketed() {
+            Ok(value) => values.push(value.unwrap_or(0.0)),
+            Err(fault) => {
+                say(report, start, fault);
+                return None;
+            }
+        }
+    }
+    Some(values)
+}
+
+fn say(report: &mut Report<'_>, start: usize, fault: Fault) {
+    let span = Span::new(start + fault.place.start, start + fault.place.end);
+    report.error(span, fault.message).expected(fault.expected);
 }
 
 /// Where in a line behind the end of a program something stands that is no comment and no delimiter.
 pub(crate) fn remainder(start: usize, line: &str) -> Option<Span> {
+    let (modal, variables) = Default::default();
+    let scope = Scope { modal: &modal, variables: &variables, dialect: None };
     let mut aside = Report::new(Source::new("", ""));
-    let mut found = Vec::new();
-    words(&mut aside, false, &mut Tape::default(), start, line, &mut found);
+    let mut read = Line::default();
+    read_line(&mut aside, false, scope, &mut Tape::default(), start, line, &mut read);
     let whole = Span::new(start, start + line.trim_end().len());
-    found.first().map(|word| word.span).or(aside.has_errors().then_some(whole))
+    let is_more = aside.has_errors() || read.command.is_some() || !read.assignments.is_empty();
+    read.words.first().map(|word| word.span).or(is_more.then_some(whole))
 }
 
 struct Lexer<'r, 't, 'l> {
     report: &'r mut Report<'t>,
     lenient: bool,
+    scope: Scope<'l>,
     start: usize,
     line: &'l str,
     at: usize,
     /// See [`Tape`].
     begun: bool,
-    ended: bool,
+    read: &'r mut Line,
 }
 
 impl Lexer<'_, '_, '_> {
@@ -110,40 +183,99 @@ impl Lexer<'_, '_, '_> {
     }
 
     /// Reads one item of the line; `None` at its end.
-    fn word(&mut self, words: &mut Vec<Word>) -> Option<()> {
+    fn item(&mut self) -> Option<()> {
         self.skip(|c| c.is_ascii_whitespace());
         let begin = self.at;
         match self.peek()? {
             b';' => None,
             b'%' => {
                 self.at += 1;
-                self.ended = self.begun || !words.is_empty();
+                let ended = self.begun || !self.read.words.is_empty();
+                self.read.ended = ended.then_some(self.at);
                 self.begun = true;
-                (!self.ended).then_some(())
+                (!ended).then_some(())
             }
             b'(' => self.comment(),
-            c if c.is_ascii_alphabetic() || c == b'_' => self.address(begin, words),
-            b'#' | b'[' | b']' | b'=' | b'$' | b'<' | b'>' => {
-                self.refuse_rest(begin, VARIABLES, Some(EXPAND))
+            b'#' => self.assignment(false),
+            c if c.is_ascii_alphabetic() || c == b'_' => self.address(begin),
+            c @ (b'@' | b'^') => {
+                self.at += 1;
+                self.number(begin, Key::Letter(c))
             }
-            _ => {
-                let c = self.line[begin..].chars().next()?;
-                self.at += c.len_utf8();
-                let what = if c.is_ascii_digit() || matches!(c, '.' | '+' | '-') {
-                    self.skip(is_number);
-                    format!("the number `{}` has no letter", &self.line[begin..self.at])
-                } else {
-                    format!("`{}` is no part of a word", c.escape_debug())
-                };
-                let span = self.span(begin, self.at);
-                if self.lenient {
-                    self.report.warning(span, what);
-                    return Some(());
-                }
-                self.report.error(span, what).expected("a word such as X12.5");
+            _ => self.stray(begin),
+        }
+    }
+
+    /// A character that begins no word.
+    fn stray(&mut self, begin: usize) -> Option<()> {
+        let c = self.line[begin..].chars().next()?;
+        self.at += c.len_utf8();
+        let what = if c.is_ascii_digit() || matches!(c, '.' | '+' | '-') {
+            self.skip(is_number);
+            format!("the number `{}` has no letter", &self.line[begin..self.at])
+        } else {
+            format!("`{}` is no part of a word", c.escape_debug())
+        };
+        let span = self.span(begin, self.at);
+        if self.lenient {
+            self.report.warning(span, what);
+            return Some(());
+        }
+        self.report.error(span, what).expected("a word such as X12.5");
+        None
+    }
+
+    /// A parser of expressions that stands where the lexer does.
+    fn parser(&self, is_round: bool) -> Parser<'_> {
+        Parser::new(self.line, self.at, self.scope, is_round)
+    }
+
+    /// Takes what a parser has read, or says what is wrong with it, and ends the line.
+    fn parsed<T>(&mut self, read: Result<(T, usize), Fault>) -> Option<T> {
+        match read {
+            Ok((value, at)) => {
+                self.at = at;
+                Some(value)
+            }
+            Err(fault) => {
+                say(self.report, self.start, fault);
                 None
             }
         }
+    }
+
+    /// `#5 = expression`, or Siemens' `R5 = expression`.
+    fn assignment(&mut self, is_round: bool) -> Option<()> {
+        let begin = self.at;
+        let read = {
+            let mut parser = self.parser(is_round);
+            parser.variable().and_then(|(variable, place)| {
+                if parser.peek() != Some(b'=') {
+                    let message = "a variable without a letter before it or a value behind it";
+                    return Err(Fault {
+                        place,
+                        message: message.into(),
+                        expected: "a word, as X#5, or a value, as #5=1",
+                    });
+                }
+                parser.at += 1;
+                let value = parser.expression()?;
+                Ok(((variable, value), parser.at))
+            })
+        };
+        let (variable, value) = self.parsed(read)?;
+        if matches!(variable, Variable::Number(0)) {
+            let span = self.span(begin, self.at);
+            self.report.error(span, "variable 0 cannot be given a value").expected("a variable from #1 on");
+            return None;
+        }
+        self.read.dialect = match variable {
+            Variable::Name(_) => Some(Dialect::LinuxCnc),
+            Variable::R(_) => Some(Dialect::Siemens),
+            Variable::Number(_) => self.read.dialect,
+        };
+        self.read.assignments.push((variable, value));
+        Some(())
     }
 
     fn comment(&mut self) -> Option<()> {
@@ -159,60 +291,195 @@ impl Lexer<'_, '_, '_> {
         Some(())
     }
 
-    /// Says that the line from `begin` on is not read.
-    fn refuse_rest(&mut self, begin: usize, message: &str, hint: Option<&str>) -> Option<()> {
-        let end = begin + self.line[begin..].trim_end().len();
-        let diagnostic = self.report.error(self.span(begin, end.max(begin + 1)), message);
-        diagnostic.expected("words with plain numbers, such as X12.5");
-        if let Some(hint) = hint {
-            diagnostic.hint(hint);
+    /// A run of letters: an address with its number, or a word of a control's language.
+    fn address(&mut self, begin: usize) -> Option<()> {
+        self.skip(|c| c.is_ascii_alphabetic() || c == b'_');
+        let name = &self.line[begin..self.at];
+        match name.as_bytes() {
+            [b'O' | b'o'] => return self.o_word(begin),
+            [b'R' | b'r'] if self.is_assigned_parameter() => {
+                self.at = begin;
+                return self.assignment(true);
+            }
+            [letter] => return self.number(begin, Key::Letter(letter.to_ascii_uppercase())),
+            _ => {}
         }
+        match NAMES.iter().find(|(known, _)| known.eq_ignore_ascii_case(name)) {
+            Some((_, Key::Bspline)) => {
+                self.read.words.push(Word { key: Key::Bspline, value: 0.0, span: self.span(begin, self.at) });
+                Some(())
+            }
+            Some((_, key)) => self.number(begin, *key),
+            None => match name.to_ascii_uppercase().as_str() {
+                "IF" => self.condition_of_fanuc(begin),
+                "GOTO" => self.goto(begin, true),
+                "WHILE" => self.fanuc_loop(begin, true),
+                "DO" => self.fanuc_loop(begin, false),
+                "END" => {
+                    let number = self.whole_number()?;
+                    self.command(begin, Command::End(number), Dialect::Fanuc)
+                }
+                // An address with the value of a function, written without a space.
+                _ if is_function(&name[1..]) && self.next_is(b'[') => {
+                    self.at = begin + 1;
+                    self.number(begin, Key::Letter(name.as_bytes()[0].to_ascii_uppercase()))
+                }
+                _ => self.unknown_name(begin),
+            },
+        }
+    }
+
+    /// The next byte behind white space, which is not taken.
+    fn next_is(&self, byte: u8) -> bool {
+        self.line.as_bytes()[self.at..].iter().find(|c| !c.is_ascii_whitespace()) == Some(&byte)
+    }
+
+    /// Whether digits, or of Siemens brackets, and `=` stand behind an R.
+    fn is_assigned_parameter(&self) -> bool {
+        let rest = self.line[self.at..].trim_start();
+        let behind = match rest.split_once(']') {
+            Some((_, behind)) if rest.starts_with('[') && self.scope.dialect == Some(Dialect::Siemens) => {
+                behind
+            }
+            _ => rest.trim_start_matches(|c: char| c.is_ascii_digit()),
+        };
+        behind.len() < rest.len() && behind.trim_start().starts_with('=')
+    }
+
+    fn command(&mut self, begin: usize, command: Command, dialect: Dialect) -> Option<()> {
+        self.read.dialect = Some(dialect);
+        self.read.command = Some((command, self.span(begin, self.at)));
         None
     }
 
-    fn address(&mut self, begin: usize, words: &mut Vec<Word>) -> Option<()> {
-        self.skip(|c| c.is_ascii_alphabetic() || c == b'_');
-        let name = &self.line[begin..self.at];
-        let key = match name.as_bytes() {
-            [letter] => Key::Letter(letter.to_ascii_uppercase()),
-            _ => match NAMES.iter().find(|(known, _)| known.eq_ignore_ascii_case(name)) {
-                Some((_, Key::Bspline)) => {
-                    words.push(Word { key: Key::Bspline, value: 0.0, span: self.span(begin, self.at) });
-                    return Some(());
+    /// A whole number, given by an expression.
+    fn whole_number(&mut self) -> Option<u32> {
+        let read = {
+            let mut parser = self.parser(false);
+            let begin = parser.at;
+            parser.operand().and_then(|value| {
+                let value = value.unwrap_or(0.0).round();
+                if !(0.0..=99_999_999.0).contains(&value) {
+                    let message = format!("{value} is no number of a block or a loop");
+                    return Err(Fault { place: begin..parser.at, message, expected: "a whole number" });
                 }
-                Some((_, key)) => *key,
-                None => return self.unknown_name(begin),
-            },
+                #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "checked above")]
+                Ok((value as u32, parser.at))
+            })
         };
-        self.number(begin, key, words)
+        self.parsed(read)
+    }
+
+    /// FANUC's `IF [condition] GOTO 10` and `IF [condition] THEN #1=2`; the lexer stands behind IF.
+    fn condition_of_fanuc(&mut self, begin: usize) -> Option<()> {
+        let holds = self.in_brackets()? != 0.0;
+        self.skip(|c| c.is_ascii_whitespace());
+        let keyword = self.at;
+        self.skip(|c| c.is_ascii_alphabetic());
+        match self.line[keyword..self.at].to_ascii_uppercase().as_str() {
+            "GOTO" => self.goto(begin, holds),
+            "THEN" => {
+                self.read.dialect = Some(Dialect::Fanuc);
+                holds.then_some(())
+            }
+            _ => {
+                let span = self.span(begin, self.at.max(begin + 1));
+                self.report
+                    .error(span, "IF without GOTO or THEN")
+                    .expected("IF [condition] GOTO 10, or THEN #1=2");
+                None
+            }
+        }
+    }
+
+    fn in_brackets(&mut self) -> Option<f64> {
+        let read = {
+            let mut parser = self.parser(false);
+            parser.bracketed().map(|value| (value.unwrap_or(0.0), parser.at))
+        };
+        self.parsed(read)
+    }
+
+    fn goto(&mut self, begin: usize, is_taken: bool) -> Option<()> {
+        let number = self.whole_number()?;
+        if is_taken {
+            return self.command(begin, Command::Goto(number), Dialect::Fanuc);
+        }
+        self.read.dialect = Some(Dialect::Fanuc);
+        None
+    }
+
+    /// FANUC's `WHILE [condition] DO 1`, or `DO 1`, which has none.
+    fn fanuc_loop(&mut self, begin: usize, is_conditional: bool) -> Option<()> {
+        let mut holds = true;
+        if is_conditional {
+            holds = self.in_brackets()? != 0.0;
+            self.skip(|c| c.is_ascii_whitespace());
+            let keyword = self.at;
+            self.skip(|c| c.is_ascii_alphabetic());
+            if !self.line[keyword..self.at].eq_ignore_ascii_case("DO") {
+                let span = self.span(begin, self.at.max(begin + 1));
+                self.report.error(span, "WHILE without DO").expected("WHILE [condition] DO 1");
+                return None;
+            }
+        }
+        let number = self.whole_number()?;
+        self.command(begin, Command::While { number, holds }, Dialect::Fanuc)
+    }
+
+    /// `O1000`, the number of a program, or LinuxCNC's `o100 while [condition]`; the lexer stands behind the letter.
+    fn o_word(&mut self, begin: usize) -> Option<()> {
+        let label = self.label()?;
+        self.skip(|c| c.is_ascii_whitespace());
+        let word = self.at;
+        self.skip(|c| c.is_ascii_alphabetic());
+        match Keyword::of(&self.line[word..self.at]) {
+            Some(keyword) => {
+                let at = self.at;
+                self.command(begin, Command::Word { label, keyword, at }, Dialect::LinuxCnc)
+            }
+            None => {
+                self.at = word;
+                Some(())
+            }
+        }
+    }
+
+    /// The number or the name behind an O.
+    fn label(&mut self) -> Option<Label> {
+        let begin = self.at;
+        self.skip(|c| c == b' ' || c == b'\t');
+        if self.peek() == Some(b'<') {
+            let Some(length) = self.line[self.at..].find('>') else {
+                let span = self.span(begin, self.line.trim_end().len().max(begin + 1));
+                self.report.error(span, "the name of this O-word has no end").expected("`>`");
+                return None;
+            };
+            let name = Label::named(&self.line[self.at + 1..self.at + length]);
+            self.at += length + 1;
+            return Some(name);
+        }
+        self.whole_number().map(Label::Number)
     }
 
     /// The number of a word that begins at `begin`; the lexer stands behind its letter or name.
-    fn number(&mut self, begin: usize, key: Key, words: &mut Vec<Word>) -> Option<()> {
+    fn number(&mut self, begin: usize, key: Key) -> Option<()> {
         let name_end = self.at;
         self.skip(|c| c == b' ' || c == b'\t');
-        let assigned = self.peek() == Some(b'=');
-        if assigned {
+        let is_assigned = self.peek() == Some(b'=');
+        if is_assigned {
             self.at += 1;
             self.skip(|c| c == b' ' || c == b'\t');
         }
         let digits = self.at;
+        if is_assigned || self.is_expression() {
+            return self.evaluated(begin, key, is_assigned);
+        }
         self.skip(is_number);
         let text = &self.line[digits..self.at];
         let name = &self.line[begin..name_end];
         match text.parse::<f64>() {
-            Ok(value) if value.is_finite() => {
-                if !matches!(key, Key::Letter(b'N' | b'O')) {
-                    words.push(Word { key, value, span: self.span(begin, self.at) });
-                }
-            }
-            _ if text.is_empty()
-                && self
-                    .peek()
-                    .is_some_and(|c| b"#[$<".contains(&c) || assigned && c.is_ascii_alphabetic()) =>
-            {
-                return self.refuse_rest(begin, VARIABLES, Some(EXPAND));
-            }
+            Ok(value) if value.is_finite() => self.push(begin, key, value),
             _ if text.is_empty() => {
                 let message = format!("`{name}` has no number");
                 self.report
@@ -229,15 +496,54 @@ impl Lexer<'_, '_, '_> {
         Some(())
     }
 
+    fn push(&mut self, begin: usize, key: Key, value: f64) {
+        if !matches!(key, Key::Letter(b'N' | b'O')) {
+            self.read.words.push(Word { key, value, span: self.span(begin, self.at) });
+        }
+    }
+
+    /// Whether a value other than a plain number stands next.
+    fn is_expression(&self) -> bool {
+        let rest = self.line[self.at..].trim_start_matches(['+', '-', ' ', '\t']);
+        let letters = rest.bytes().take_while(u8::is_ascii_alphabetic).count();
+        rest.starts_with(['[', '#'])
+            || is_function(&rest[..letters]) && rest[letters..].trim_start().starts_with('[')
+    }
+
+    /// A word whose value is an expression, or an assignment of Siemens.
+    fn evaluated(&mut self, begin: usize, key: Key, is_assigned: bool) -> Option<()> {
+        let read = {
+            let mut parser = self.parser(is_assigned);
+            let value = if is_assigned { parser.expression() } else { parser.operand() };
+            value.map(|value| (value, parser.at))
+        };
+        match self.parsed(read)? {
+            Some(value) => self.push(begin, key, value),
+            // FANUC leaves out a word of a vacant variable.
+            None if self.scope.dialect == Some(Dialect::Fanuc) => {}
+            None => {
+                let span = self.span(begin, self.at);
+                self.report
+                    .warning(span, "a variable that has no value is taken as 0, as LinuxCNC does")
+                    .hint("FANUC leaves its word out, as with its dialect given");
+                self.push(begin, key, 0.0);
+            }
+        }
+        Some(())
+    }
+
     /// A run of letters that is no name: letters without their numbers, or words of a control's language.
     fn unknown_name(&mut self, begin: usize) -> Option<()> {
         let name = self.line[begin..self.at].to_ascii_uppercase();
-        const LANGUAGE: [&str; 14] = [
-            "IF", "THEN", "ELSE", "GOTO", "GOTOF", "GOTOB", "WHILE", "DO", "END", "FOR", "DEF", "PROC",
-            "SUB", "CALL",
-        ];
+        const LANGUAGE: [&str; 11] =
+            ["THEN", "ELSE", "ENDIF", "GOTOF", "GOTOB", "ENDWHILE", "FOR", "DEF", "PROC", "LOOP", "REPEAT"];
         if LANGUAGE.contains(&name.as_str()) || name.starts_with('_') {
-            return self.refuse_rest(begin, VARIABLES, Some(EXPAND));
+            let end = self.line.trim_end().len().max(begin + 1);
+            self.report
+                .error(self.span(begin, end), format!("`{name}` is not executed"))
+                .expected("a program without Siemens' jumps, loops and names of variables")
+                .hint("let the control or the post-processor write the program with plain numbers");
+            return None;
         }
         let known: Vec<&str> = NAMES.iter().map(|(name, _)| *name).collect();
         let near = nearest(&name, &known).filter(|_| name.len() > 2);

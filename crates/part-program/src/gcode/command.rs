@@ -1,0 +1,87 @@
+//! What a line says of the order in which lines are executed.
+
+/// What marks the lines that belong together: `o100`, `o<name>`.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Label {
+    Number(u32),
+    Name(Box<str>),
+}
+
+impl Label {
+    /// The label of a name, whose case and white space do not matter.
+    pub(crate) fn named(name: &str) -> Self {
+        Self::Name(name.chars().filter(|c| !c.is_whitespace()).collect::<String>().to_lowercase().into())
+    }
+}
+
+impl std::fmt::Display for Label {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Number(number) => write!(f, "O{number}"),
+            Self::Name(name) => write!(f, "O<{name}>"),
+        }
+    }
+}
+
+/// What stands behind the label of an O-word.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Keyword {
+    Sub,
+    EndSub,
+    Call,
+    Return,
+    If,
+    ElseIf,
+    Else,
+    EndIf,
+    While,
+    EndWhile,
+    Do,
+    Repeat,
+    EndRepeat,
+    Break,
+    Continue,
+}
+
+impl Keyword {
+    const ALL: [(&'static str, Self); 15] = [
+        ("sub", Self::Sub),
+        ("endsub", Self::EndSub),
+        ("call", Self::Call),
+        ("return", Self::Return),
+        ("if", Self::If),
+        ("elseif", Self::ElseIf),
+        ("else", Self::Else),
+        ("endif", Self::EndIf),
+        ("while", Self::While),
+        ("endwhile", Self::EndWhile),
+        ("do", Self::Do),
+        ("repeat", Self::Repeat),
+        ("endrepeat", Self::EndRepeat),
+        ("break", Self::Break),
+        ("continue", Self::Continue),
+    ];
+
+    /// The keyword that a run of letters is.
+    pub(crate) fn of(name: &str) -> Option<Self> {
+        Self::ALL.iter().find(|(known, _)| known.eq_ignore_ascii_case(name)).map(|(_, keyword)| *keyword)
+    }
+
+    /// As it is written.
+    pub(crate) fn name(self) -> &'static str {
+        Self::ALL.iter().find(|(_, keyword)| *keyword == self).map_or("", |(name, _)| name)
+    }
+}
+
+/// What a line says of the order of lines.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Command {
+    /// LinuxCNC's O-word; its values stand from byte `at` of the line on.
+    Word { label: Label, keyword: Keyword, at: usize },
+    /// FANUC's GOTO to the block of a number.
+    Goto(u32),
+    /// FANUC's WHILE … DO, with what its condition says.
+    While { number: u32, holds: bool },
+    /// FANUC's END of such a loop.
+    End(u32),
+}

@@ -1,0 +1,223 @@
+//! Where 0 is: work offsets, shifts of coordinates, and moves by the coordinates of the machine.
+//!
+//! | words | meaning |
+//! |---|---|
+//! | G54 to G59, G59.1 to G59.3 | the work offset in force |
+//! | G10 L2, G10 L20 | where the origin of a work offset is; with L20 by the coordinates that the tool has there |
+//! | G92, G52 | a shift of the coordinates: G92 gives the tool these coordinates, FANUC's G52 moves the origin by them |
+//! | G92.1, G92.2, G92.3 | the shift forgotten, put aside, taken up again |
+//! | G28, G30 | a rapid move over a point to a place of the machine's own |
+//! | G53 | a move by the coordinates of the machine |
+//!
+//! A part is in the coordinates of the first work offset as it is when the program begins. Where the machine's own 0 is, a program
+//! does not say: behind G28, G30 and G53 it is not known where the axes are, until a move names them.
+//!
+//! # Source
+//! LinuxCNC, "G Codes"; FANUC Series 30i, B-63944EN/03, sections 7.2 and 7.4.
+
+use crate::gcode::Reader;
+use crate::gcode::block::Block;
+use crate::gcode::modal::{Motion, WORK_OFFSETS};
+use crate::gcode::word::Word;
+use crate::options::Dialect;
+use crate::part::{MoveKind, Shape};
+use crate::source::Span;
+
+/// What a block does with its coordinates other than move to them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Placing {
+    /// G28, G30.
+    Home,
+    /// G53.
+    MachineCoordinates,
+    /// G10.
+    SetOffset,
+    /// G92, and LinuxCNC's G52.
+    SetPosition,
+    /// G52 of other controls.
+    MoveOrigin,
+    /// G28.1, G30.1, G43.1 and G43.2: coordinates that are no part of the path.
+    Ignored,
+}
+
+impl Reader<'_, '_, '_> {
+    /// The work offset of G54 to G59.3, `index` from 0.
+    pub(crate) fn choose_work_offset(&mut self, index: u8, span: Span) {
+        if index > 0 && !self.known_origins[usize::from(index)] {
+            self.report.warning(span, "another work offset: its origin is taken as the first one's");
+        }
+        self.modal.work_offset = index;
+    }
+
+    /// Obeys a block that does something else with its coordinates than move to them.
+    pub(crate) fn place_coordinates(&mut self, block: &mut Block<'_>, placing: Placing, span: Span) {
+        match placing {
+            Placing::Home => self.home(block, span),
+            Placing::MachineCoordinates => self.move_by_machine(block, span),
+            Placing::SetOffset => self.set_offset(block, span),
+            Placing::SetPosition => self.set_position(block),
+            Placing::MoveOrigin => {
+                for (axis, value) in block.take_axes().into_iter().enumerate() {
+                    self.modal.shift[axis] =
+                        value.map_or(self.modal.shift[axis], |value| self.modal.mm(value));
+                }
+            }
+            Placing::Ignored => drop(block.take_axes()),
+        }
+    }
+
+    /// Goes to the point that is written, as fast as the machine can, and from there to a place that nobody knows.
+    fn home(&mut self, block: &mut Block<'_>, span: Span) {
+        block.take_letter(b'P');
+        let written = block.take_axes();
+        let axes: Vec<usize> = if written == [None; 3] {
+            (0..3).collect()
+        } else {
+            (0..3).filter(|axis| written[*axis].is_some()).collect()
+        };
+        let over = self.modal.target(self.modal.here(), written);
+        self.traverse(over, span);
+        for axis in axes {
+            self.lose(axis);
+        }
+    }
+
+    /// G53: where the axes come to is not known.
+    fn move_by_machine(&mut self, block: &mut Block<'_>, span: Span) {
+        let written = block.take_axes();
+        if self.modal.motion != Motion::Rapid && written != [None; 3] {
+            self.report
+                .warning(span, "a move at feed by the coordinates of the machine is left out")
+                .hint("where the machine's own 0 is, a program does not say");
+        }
+        for axis in (0..3).filter(|axis| written[*axis].is_some()) {
+            self.lose(axis);
+        }
+    }
+
+    /// From here on it is not known where an axis is.
+    pub(crate) fn lose(&mut self, axis: usize) {
+        if self.modal.position[axis].is_some() {
+            self.unknown_from[axis] = self.part.curves.len();
+        }
+        self.modal.forget(axis);
+    }
+
+    /// A rapid move in which no axis that is unknown takes part, since it begins where it is sent.
+    pub(crate) fn traverse(&mut self, end: [f64; 3], span: Span) {
+        let start: [f64; 3] = std::array::from_fn(|axis| self.modal.position[axis].unwrap_or(end[axis]));
+        for axis in 0..3 {
+            if self.modal.position[axis].is_some() {
+                self.modal.position[axis] = Some(end[axis]);
+            }
+        }
+        if start != end {
+            self.push(
+                crate::curve::Curve::line(start, end),
+                MoveKind::Rapid,
+                Shape::Line,
+                None,
+                self.place(span),
+            );
+        }
+    }
+
+    /// G10.
+    fn set_offset(&mut self, block: &mut Block<'_>, span: Span) {
+        let what = block.take_letter(b'L').map(|word| word.value);
+        let number = block.take_letter(b'P').map_or(0.0, |word| word.value);
+        let rotation = block.take_letter(b'R');
+        match what {
+            Some(2.0 | 20.0) if rotation.is_some_and(|word| word.value != 0.0) => {
+                self.report
+                    .error(span, "a work offset that turns the coordinates")
+                    .expected("G10 without R, or R0");
+            }
+            Some(what @ (2.0 | 20.0)) => {
+                let index = if number == 0.0 { Some(self.modal.work_offset) } else { offset_index(number) };
+                let Some(index) = index else {
+                    self.report
+                        .error(span, format!("there is no work offset P{number}"))
+                        .expected("P0 to P9");
+                    return;
+                };
+                self.set_origin(block, index, what == 20.0);
+            }
+            // Tables of tools.
+            Some(1.0 | 10.0 | 11.0 | 12.0 | 13.0) => {
+                block.take_axes();
+                for letter in *b"IJQ" {
+                    block.take_letter(letter);
+                }
+            }
+            _ => {
+                self.report
+                    .error(span, "G10 without L2 or L20 sets what is not read")
+                    .expected("G10 L2 P1 X0 Y0 Z0");
+                block.clear();
+            }
+        }
+    }
+
+    /// Puts the origin of a work offset where it is written, or where the tool then has the coordinates that are written.
+    fn set_origin(&mut self, block: &mut Block<'_>, index: u8, by_tool: bool) {
+        let index = usize::from(index);
+        self.known_origins[index] = true;
+        for (axis, value) in block.take_axes().into_iter().enumerate() {
+            let Some(value) = value.map(|value| self.modal.mm(value)) else { continue };
+            let here = self.modal.here()[axis];
+            let origin = &mut self.modal.work_origins[index][axis];
+            *origin = match (by_tool, self.modal.incremental) {
+                (true, _) => here - self.modal.shift[axis] - value,
+                (false, true) => *origin + value,
+                (false, false) => value,
+            };
+        }
+    }
+
+    /// G92: the tool has these coordinates where it is.
+    fn set_position(&mut self, block: &mut Block<'_>) {
+        for (axis, value) in block.take_axes().into_iter().enumerate() {
+            let Some(value) = value.map(|value| self.modal.mm(value)) else { continue };
+            match self.modal.position[axis] {
+                Some(here) => self.modal.shift[axis] += here - (self.modal.origin(axis) + value),
+                // What a program says first of an axis is where it is.
+                None => {
+                    let here = self.modal.origin(axis) + value;
+                    self.modal.position[axis] = Some(here);
+                    self.modal.begun[axis] = Some(here);
+                }
+            }
+        }
+    }
+
+    /// G92.1, G92.2 and G92.3.
+    pub(crate) fn change_shift(&mut self, tenths: u16) {
+        match tenths {
+            921 => (self.modal.shift, self.shift_put_aside) = ([0.0; 3], [0.0; 3]),
+            922 => self.shift_put_aside = std::mem::take(&mut self.modal.shift),
+            _ => self.modal.shift = self.shift_put_aside,
+        }
+    }
+
+    /// What a G word does with the coordinates of its block, if it is one of these.
+    pub(crate) fn placing(&self, block: &Block<'_>, word: Word) -> Option<Placing> {
+        let is_fanuc = self.options.dialect == Some(Dialect::Fanuc);
+        match super::preparatory::code(word.value)? {
+            280 | 300 => Some(Placing::Home),
+            530 => Some(Placing::MachineCoordinates),
+            100 if block.has(b'L') => Some(Placing::SetOffset),
+            920 => Some(Placing::SetPosition),
+            520 if is_fanuc => Some(Placing::MoveOrigin),
+            520 if self.options.dialect == Some(Dialect::LinuxCnc) => Some(Placing::SetPosition),
+            281 | 301 | 431 | 432 => Some(Placing::Ignored),
+            _ => None,
+        }
+    }
+}
+
+/// Index of the work offset that G10 calls P1 to P9.
+fn offset_index(number: f64) -> Option<u8> {
+    #[allow(clippy::cast_possible_truncation, reason = "9")]
+    (1..=WORK_OFFSETS as u8).find(|index| f64::from(*index) == number).map(|index| index - 1)
+}

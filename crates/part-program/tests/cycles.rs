@@ -1,0 +1,91 @@
+//! Drilling cycles and shifted coordinates: the moves that LinuxCNC's `rs274` prints for the same blocks.
+
+use part_program::{Dialect, MoveKind, Part, ReadOptions, read_part_with};
+
+fn linuxcnc(text: &str) -> Part {
+    let options = ReadOptions { dialect: Some(Dialect::LinuxCnc), ..ReadOptions::default() };
+    read_part_with("p.ngc", text, options).unwrap_or_else(|errors| panic!("{errors}\n{text}"))
+}
+
+/// The moves behind a start at X0 Y0 Z5, each with its end, and `F` at feed.
+fn moves(text: &str) -> Vec<String> {
+    let part = linuxcnc(&format!("G21 G90 S500\nG0 X0 Y0 Z5\nF100\n{text}"));
+    let lines = part.moves.iter().zip(&part.curves).map(|(one, curve)| {
+        let [x, y, z] = curve.control_points_mm[1];
+        let round = |x: f64| (x * 1e4).round() / 1e4 + 0.0;
+        format!("{}{} {} {}", if one.kind == MoveKind::Feed { "F" } else { "" }, round(x), round(y), round(z))
+    });
+    lines.collect()
+}
+
+#[test]
+fn cycles_are_the_moves_of_rs274() {
+    for (text, expected) in [
+        (
+            "G83 X1 Y1 Z-3 R2 Q1.2",
+            "1 1 5|1 1 2|F1 1 0.8|1 1 2|1 1 1.054|F1 1 -0.4|1 1 2|1 1 -0.146|F1 1 -1.6|1 1 2|1 1 -1.346|F1 1 -2.8|1 1 2|\
+             1 1 -2.546|F1 1 -3|1 1 2",
+        ),
+        (
+            "G73 X3 Z-3 R2 Q1.2",
+            "3 0 5|3 0 2|F3 0 0.8|3 0 1.054|F3 0 -0.4|3 0 -0.146|F3 0 -1.6|3 0 -1.346|F3 0 -2.8|3 0 -2.546|F3 0 -3|3 0 2",
+        ),
+        ("G82 X4 Z-1 R1 P0.5\nX6", "4 0 5|4 0 1|F4 0 -1|4 0 1|6 0 1|F6 0 -1|6 0 1"),
+        ("G91 G98 G81 X1 Z-2 R-1 L2", "1 0 5|1 0 4|F1 0 2|1 0 5|2 0 5|2 0 4|F2 0 2|2 0 5"),
+        ("G98 G85 X5 Z-1 R1", "5 0 5|5 0 1|F5 0 -1|F5 0 1|5 0 5"),
+        ("G84 X7 Z-1 R1", "7 0 5|7 0 1|F7 0 -1|F7 0 1"),
+        ("G0 Z0\nG99 G81 X2 Z-1 R1", "0 0 0|0 0 1|2 0 1|F2 0 -1|2 0 1"),
+        ("G18 G81 X1 Z3 Y-1 R1", "0 1 5|1 1 3|F1 -1 3|1 1 3"),
+    ] {
+        let expected: Vec<_> = expected.split('|').collect();
+        assert_eq!(moves(text), expected, "{text}");
+    }
+}
+
+#[test]
+fn a_cycle_goes_on_until_another_motion() {
+    assert_eq!(
+        moves("G81 Z-1 R1\nM8\nX2\nG80\nG1 X3"),
+        ["0 0 1", "F0 0 -1", "0 0 1", "2 0 1", "F2 0 -1", "2 0 1", "F3 0 1"]
+    );
+}
+
+#[test]
+fn a_thread_moves_with_the_spindle() {
+    let part = linuxcnc("G21 G0 X0 Y0 Z5\nS300 M3\nG33 Z-2 K1.5\nG33.1 Z-4 K1\nG1 X1 F60\n");
+    let feeds: Vec<_> = part.moves.iter().map(|one| one.feedrate_mm_per_s).collect();
+    assert_eq!(feeds, [7.5, 5.0, 5.0, 1.0].map(Some));
+    assert_eq!(part.curves[3].control_points_mm, [[0.0, 0.0, -2.0], [1.0, 0.0, -2.0]]);
+}
+
+/// A part is in the coordinates that held at first: what a program shifts, it shifts in them.
+#[test]
+fn shifts_move_what_follows_them() {
+    for (text, expected) in [
+        ("G10 L2 P2 X100\nG55 G1 X1 Y0\nG54 G1 X2", "F101 0 5|F2 0 5"),
+        ("G92 X10\nG1 X11\nG92.2\nG1 X2\nG92.3 G1 X13\nG92.1 G1 X4", "F1 0 5|F2 0 5|F3 0 5|F4 0 5"),
+        ("G52 X10\nG1 X11\nG91 G1 X1\nG90 G52 X0 G1 Y1", "F1 0 5|F2 0 5"),
+        ("G10 L20 P1 X3\nG1 X4 Y1", "F1 1 5"),
+        ("G92 X1\nG2 X3 I1", "F2 0 5"),
+    ] {
+        let part = linuxcnc(&format!("G21 G90\nG0 X0 Y0 Z5\nF100\n{text}\n"));
+        let ends: Vec<_> = part
+            .curves
+            .iter()
+            .map(|curve| {
+                curve.control_points_mm[curve.control_points_mm.len() - 1]
+                    .map(|x| (x * 1e9).round() / 1e9 + 0.0)
+            })
+            .map(|[x, y, z]| format!("F{x} {y} {z}"))
+            .collect();
+        assert_eq!(ends, expected.split('|').collect::<Vec<_>>(), "{text}");
+    }
+}
+
+/// Where the machine's own places are, nobody knows: what leads there is no curve, and so is nothing that leads away.
+#[test]
+fn places_of_the_machine_are_not_known() {
+    // Y was not sent there, and moves on.
+    assert_eq!(moves("G28 X8 Z9\nG0 X1 Y1 Z1\nG1 X2"), ["8 0 9", "1 1 1", "F2 1 1"]);
+    assert_eq!(moves("G53 G0 Z0\nG0 X3 Y3\nZ2\nG1 X4"), ["3 3 2", "F4 3 2"]);
+}
