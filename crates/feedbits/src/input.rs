@@ -88,7 +88,7 @@ impl Input {
 
     /// The part, or what is wrong with its text.
     pub(crate) fn parsed(&self) -> Result<Result<Part, Diagnostics>> {
-        let options = ReadOptions { dialect: self.dialect(), lenient: self.lenient };
+        let options = ReadOptions { dialect: self.dialect(), lenient: self.lenient, ..ReadOptions::default() };
         Ok(match &self.part {
             Some(path) if path == Path::new("-") => {
                 let name = "standard input";
@@ -183,6 +183,6 @@ fn too_long(name: &str) -> String {
 
 /// Reads a program that was written, before it is kept.
 pub(crate) fn read_again(text: &str, dialect: Option<Dialect>) -> Result<Part> {
-    part_program::read_part_with("what was written", text, ReadOptions { dialect, lenient: false })
+    part_program::read_part_with("what was written", text, ReadOptions { dialect, lenient: false, ..ReadOptions::default() })
         .context("what was written does not read back: nothing is kept")
 }

@@ -79,6 +79,8 @@ pub(crate) struct ArcMove {
     pub(crate) start: [f64; 3],
     pub(crate) end: [f64; 3],
     pub(crate) circle: Circle,
+    /// How many turns it makes, the last of them to its end; at least 1.
+    pub(crate) turns: u32,
 }
 
 /// Why an arc is none.
@@ -97,6 +99,11 @@ pub(crate) enum ArcFault {
 }
 
 impl ArcMove {
+    /// An arc of at most one turn from the first to the second end.
+    pub(crate) fn new(plane: Plane, clockwise: bool, [start, end]: [[f64; 3]; 2], circle: Circle) -> Self {
+        Self { plane, clockwise, start, end, circle, turns: 1 }
+    }
+
     /// The curve and its length, in mm.
     pub(crate) fn curve(&self) -> Result<(Curve, f64), ArcFault> {
         let [a, b, normal] = self.plane.axes();
@@ -189,6 +196,7 @@ impl ArcMove {
                 (centre, [distance(from, centre); 2], turned)
             }
         };
+        let turned = turned + f64::from(self.turns.saturating_sub(1)) * TAU;
         Ok(Turn { centre, radii, sweep: if self.clockwise { -turned } else { turned } })
     }
 }
@@ -298,7 +306,7 @@ mod tests {
             };
             let (start, end) = (at(radius, first), at(radius + off, first + sweep));
             let circle = Circle::Centre(centre);
-            let (curve, length) = ArcMove { plane, clockwise, start, end, circle }.curve().unwrap();
+            let (curve, length) = ArcMove::new(plane, clockwise, [start, end], circle).curve().unwrap();
             prop_assert_eq!(curve.control_points_mm.first(), Some(&start));
             prop_assert_eq!(curve.control_points_mm.last(), Some(&end));
             let path = seen(curve, plane);
@@ -321,7 +329,7 @@ mod tests {
     fn a_helix_has_one_curvature_where_spans_meet() {
         let (start, end) = ([20.0, 0.0, 0.0], [20.0, 0.0, -8.0]);
         let circle = Circle::Centre([0.0; 2]);
-        let helix = ArcMove { plane: Plane::Xy, clockwise: false, start, end, circle };
+        let helix = ArcMove::new(Plane::Xy, false, [start, end], circle);
         let (curve, _) = helix.curve().unwrap();
         let nurbs =
             NurbsBuf::<f64, 3>::try_new(curve.degree, curve.control_points_mm, curve.weights, curve.knots);
@@ -350,7 +358,7 @@ mod tests {
         ] {
             let start = [10.0, 0.0, 0.0];
             let circle = Circle::Centre([0.0; 2]);
-            let arc = ArcMove { plane: Plane::Xy, clockwise, start, end, circle };
+            let arc = ArcMove::new(Plane::Xy, clockwise, [start, end], circle);
             let (curve, _) = arc.curve().unwrap();
             let turned = turned(&seen(curve, Plane::Xy), [0.0; 2]);
             assert!((turned - sweep).abs() < 1e-7, "{end:?}: {turned}, not {sweep}");
@@ -363,7 +371,7 @@ mod tests {
         for (radius, length) in [(10.0, 1e-9), (-10.0, 10.0 * TAU)] {
             let (start, end) = ([0.0; 3], [1e-9, 0.0, 0.0]);
             let circle = Circle::Radius(radius);
-            let arc = ArcMove { plane: Plane::Xy, clockwise: false, start, end, circle };
+            let arc = ArcMove::new(Plane::Xy, false, [start, end], circle);
             let (_, found) = arc.curve().unwrap();
             assert!((found - length).abs() < 1e-8, "{radius}: {found}, not {length}");
         }

@@ -10,6 +10,7 @@
 //!    = help: did you mean `weights`?
 //! ```
 
+use std::collections::HashMap;
 use std::fmt;
 use std::sync::Arc;
 
@@ -210,6 +211,8 @@ pub(crate) struct Report<'t> {
     warnings: Diagnostics,
     /// Takes what is said about a diagnostic that was not kept.
     scratch: Diagnostic,
+    /// What has been said of each kind: whether it is an error, where it is kept, and how often it was met.
+    kinds: HashMap<(bool, String), (usize, usize)>,
     /// The loop within which lines are read, by its line and its turn, or the line of the call.
     pub(crate) within: Option<(usize, Option<u32>)>,
 }
@@ -222,6 +225,7 @@ impl<'t> Report<'t> {
             errors: Diagnostics::default(),
             warnings: Diagnostics::default(),
             scratch,
+            kinds: HashMap::new(),
             within: None,
         }
     }
@@ -232,6 +236,27 @@ impl<'t> Report<'t> {
 
     pub(crate) fn warning(&mut self, span: impl Into<Span>, message: impl Into<String>) -> &mut Diagnostic {
         self.say(Severity::Warning, span.into(), message.into())
+    }
+
+    /// Says once what is met again and again: the first of its kind at its place, and how many more there are.
+    pub(crate) fn of_kind(
+        &mut self,
+        is_error: bool,
+        span: Span,
+        kind: impl fmt::Display,
+        message: impl Into<String>,
+    ) -> &mut Diagnostic {
+        if let Some((_, count)) = self.kinds.get_mut(&(is_error, kind.to_string())) {
+            *count += 1;
+            return &mut self.scratch;
+        }
+        let (severity, kept) = if is_error {
+            (Severity::Error, &self.errors.list)
+        } else {
+            (Severity::Warning, &self.warnings.list)
+        };
+        self.kinds.insert((is_error, kind.to_string()), (kept.len(), 0));
+        self.say(severity, span, message.into())
     }
 
     fn say(&mut self, severity: Severity, span: Span, message: String) -> &mut Diagnostic {
@@ -266,6 +291,12 @@ impl<'t> Report<'t> {
 
     /// The warnings, or the errors if there are any, sorted by place.
     pub(crate) fn finish(mut self) -> Result<Vec<Diagnostic>, Diagnostics> {
+        for ((is_error, _), (index, more)) in self.kinds.drain().filter(|(_, (_, more))| *more > 0) {
+            let kept = if is_error { &mut self.errors } else { &mut self.warnings };
+            if let Some(diagnostic) = kept.list.get_mut(index) {
+                diagnostic.message.push_str(&format!(", and {} more like it", thousands(more)));
+            }
+        }
         let place = |diagnostic: &Diagnostic| (diagnostic.line, diagnostic.column);
         if self.has_errors() {
             self.errors.list.sort_by_key(place);
@@ -274,6 +305,20 @@ impl<'t> Report<'t> {
         self.warnings.list.sort_by_key(place);
         Ok(self.warnings.list)
     }
+}
+
+/// A number with commas between its thousands.
+fn thousands(number: usize) -> String {
+    let digits = number.to_string();
+    let first = digits.len() % 3;
+    let mut grouped = digits[..first].to_owned();
+    for group in digits.as_bytes()[first..].chunks(3) {
+        if !grouped.is_empty() {
+            grouped.push(',');
+        }
+        grouped.extend(group.iter().map(|digit| char::from(*digit)));
+    }
+    grouped
 }
 
 #[cfg(test)]
@@ -322,6 +367,21 @@ mod tests {
     fn control_characters_do_not_reach_the_terminal() {
         let printed = say("G1 \u{1b}[2J X1", Span::new(3, 4)).to_string();
         assert!(!printed.contains('\u{1b}'), "{printed:?}");
+    }
+
+    #[test]
+    fn what_is_met_again_is_counted() {
+        let mut report = Report::new(Source::new("p", "A1 A2\nB3"));
+        for at in 0..1167 {
+            report.of_kind(true, Span::new(at.min(5), 6), 'A', "no `A`").hint("leave it out");
+        }
+        report.of_kind(true, Span::new(6, 8), 'B', "no `B`");
+        let errors = report.finish().unwrap_err();
+        let said: Vec<_> =
+            errors.iter().map(|error| (error.line, error.column, error.message.as_str())).collect();
+        assert_eq!(said, [(1, 1, "no `A`, and 1,166 more like it"), (2, 1, "no `B`")]);
+        assert_eq!(errors.iter().next().unwrap().hint.as_deref(), Some("leave it out"));
+        assert_eq!([7, 123, 1000, 1_234_567].map(thousands), ["7", "123", "1,000", "1,234,567"]);
     }
 
     #[test]

@@ -315,7 +315,7 @@ impl<'t> Drawing<'_, 't, '_> {
         span: Span,
     ) {
         let is_number = start.iter().chain(&end).all(|x| x.is_finite());
-        let curve = ArcMove { plane: Plane::Xy, clockwise, start, end, circle }.curve();
+        let curve = ArcMove::new(Plane::Xy, clockwise, [start, end], circle).curve();
         match curve {
             // What is no number has been said.
             _ if !is_number => {}

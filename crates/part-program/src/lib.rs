@@ -70,8 +70,8 @@ pub use diagnostic::{Diagnostic, Diagnostics, MAX_DIAGNOSTICS, Severity};
 pub use inspect::{Bend, Inspection, inspect};
 pub use joint::{GAP_MM, Joint, TANGENT_BREAK_RAD, is_joined};
 pub use machine::{Axes, AxisLimits, Junction, Machine, read_machine};
-pub use options::{Dialect, ReadOptions};
-pub use part::{Auxiliary, Move, MoveKind, Part, Shape};
+pub use options::{Dialect, ReadOptions, Unit};
+pub use part::{Auxiliary, Filament, Move, MoveKind, Part, Shape};
 pub use ratio_words::{NoLargestRatio, RatioLost, RatioWords};
 pub use remark::{Oddity, Remark, SHORT_SPAN, TINY_MM, WEIGHT_RATIO};
 pub use rest::Rest;
@@ -115,6 +115,15 @@ pub fn read_part_bytes(name: &str, bytes: &[u8], options: ReadOptions) -> Result
 /// Every fault of the text; with `lenient`, unknown words are warnings instead.
 pub fn read_part_with(name: &str, text: &str, options: ReadOptions) -> Result<Part, Diagnostics> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    if text.contains('\r') && !text.contains('\n') {
+        // As long as before, so that every place in it stays where it is.
+        return read_lines(name, &text.replace('\r', "\n"), options);
+    }
+    read_lines(name, text, options)
+}
+
+/// Reads a part from a text whose lines end with LF.
+fn read_lines(name: &str, text: &str, options: ReadOptions) -> Result<Part, Diagnostics> {
     let mut report = opened(name, text)?;
     let mut part = Part { name: name.to_owned(), ..Part::default() };
     if let Some((format, hint)) = unread(text) {
@@ -126,7 +135,7 @@ pub fn read_part_with(name: &str, text: &str, options: ReadOptions) -> Result<Pa
         geomdl::read(&mut report, &mut part);
     } else if drawing::is_drawing(text) {
         drawing::read(&mut report, &mut part);
-    } else if is_toml(text) {
+    } else if options.dialect.is_none() && is_toml(text) {
         if let Some(file) = curve_file::read(&mut report, text) {
             (part.curves, part.moves) = file.curves.into_iter().unzip();
             part.feedrate_mm_per_s = part.highest_feedrate();
@@ -166,13 +175,21 @@ fn too_long(name: &str, length: usize) -> Diagnostics {
     report.finish().err().unwrap_or_default()
 }
 
-/// A curve file has a line that opens a table or gives a key its value; a part program has neither.
+/// Whether the first line that is neither empty nor a comment opens a table of TOML or gives a key its value. A part program may do the
+/// like further below: an O-word's name is a key, and an expression stands in brackets.
 fn is_toml(text: &str) -> bool {
-    text.lines().map(str::trim_start).any(|line| {
-        let key = line.split('=').next().unwrap_or("").trim_end();
-        let is_key = key.len() < line.len()
-            && key.len() > 2
-            && key.chars().all(|c| c.is_ascii_lowercase() || c == '_' || c.is_ascii_digit());
-        is_key || (line.starts_with('[') && line.trim_end().ends_with(']'))
-    })
+    let is_comment = |line: &&str| {
+        line.is_empty() || line.starts_with('#') && !line[1..].trim_start().starts_with(is_parameter)
+    };
+    let Some(line) = text.lines().map(str::trim).find(|line| !is_comment(line)) else { return false };
+    let key = line.split('=').next().unwrap_or("").trim_end();
+    let is_key = key.len() < line.len()
+        && key.len() > 2
+        && key.chars().all(|c| c.is_ascii_lowercase() || c == '_' || c.is_ascii_digit());
+    is_key || line.starts_with('[')
+}
+
+/// What stands behind the `#` of a variable, and rarely behind that of a comment.
+fn is_parameter(c: char) -> bool {
+    c.is_ascii_digit() || c == '<'
 }

@@ -4,7 +4,7 @@ use std::fmt;
 use std::str::FromStr;
 
 /// Choices of a reader; the default finds the dialect out and refuses unknown words.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ReadOptions {
     /// The control that a program is for. `None`: told by the words of its splines.
     pub dialect: Option<Dialect>,
@@ -12,6 +12,33 @@ pub struct ReadOptions {
     /// where they are is unknown until a move in G90 names them; after a cycle, or another motion that is not read, no
     /// axes are moved until a motion that is read. Other G words of the block, F, M, S, T, D and H hold.
     pub lenient: bool,
+    /// Where the tool is when a program begins, in mm. `None`: an axis begins where it is first sent.
+    pub start_mm: Option<[f64; 3]>,
+    /// The unit of a program's lengths until a word names one. `None`: millimetres, with a warning if no word does.
+    pub unit: Option<Unit>,
+}
+
+/// A unit of length.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unit {
+    /// The millimetre.
+    Millimetre,
+    /// The inch, 25.4 mm.
+    Inch,
+}
+
+impl Unit {
+    /// Every unit.
+    pub const ALL: [Self; 2] = [Self::Millimetre, Self::Inch];
+
+    /// The name on the command line.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Millimetre => "mm",
+            Self::Inch => "inch",
+        }
+    }
 }
 
 /// A control, by the words of its splines.

@@ -1,9 +1,11 @@
 //! A part: the curves of one file, in the order in which they are followed.
 
 use crate::approach::Approach;
+use crate::bounds::bounding_box_mm;
 use crate::curve::Curve;
 use crate::diagnostic::Diagnostic;
 use crate::machine::Machine;
+use crate::unit::INCH;
 
 /// What a part program or a curve file says.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -16,12 +18,16 @@ pub struct Part {
     pub moves: Vec<Move>,
     /// Moves from where nobody knows, in the order of the program: no curves, but M3 may stand before or behind them.
     pub approaches: Vec<Approach>,
-    /// Words that do not move the tool: M, S, T, D and H, in the order of the program.
+    /// Words that do not move the tool: M, S, T, D and H, and other axes, in the order of the program.
     pub auxiliary: Vec<Auxiliary>,
     /// Lines of moves at feed that end where they start, and so are no curves.
     pub standstills: Vec<usize>,
     /// The feedrate that the program commands, in mm/s; the highest, if it commands several.
     pub feedrate_mm_per_s: Option<f64>,
+    /// Whether a part program names no unit of lengths, and millimetres were taken.
+    pub unit_is_assumed: bool,
+    /// What an extruder pushes, in a program for a 3-D printer.
+    pub filament: Option<Filament>,
     /// The machine that the file names, if it does.
     pub machine: Option<Machine>,
     /// Figures that a paper published about the curve: the tables `[table_…]` of a curve file.
@@ -35,6 +41,21 @@ impl Part {
     #[must_use]
     pub fn highest_feedrate(&self) -> Option<f64> {
         self.moves.iter().filter_map(|one| one.feedrate_mm_per_s).reduce(f64::max)
+    }
+
+    /// What to say of a unit that was assumed: how large the part is by it, and how large by the other one.
+    #[must_use]
+    pub fn assumed_unit(&self) -> Option<String> {
+        let (least, greatest) = bounding_box_mm(&self.curves).filter(|_| self.unit_is_assumed)?;
+        let size = |unit: f64| {
+            let side = |axis: usize| format!("{:.1}", (greatest[axis] - least[axis]) * unit);
+            format!("{} x {} x {} mm", side(0), side(1), side(2))
+        };
+        Some(format!(
+            "no word names the unit of lengths: millimetres are taken, and the part is {}; in inches it would be {}",
+            size(1.0),
+            size(INCH)
+        ))
     }
 
     /// Whether a word that does not move the tool stands in the block of this move, in that of the move before it or between
@@ -72,7 +93,7 @@ pub struct Move {
 /// A word that does not move the tool.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Auxiliary {
-    /// M, S, T, D or H.
+    /// M, S, T, D or H; A, B, C, U, V or W of an axis that turns the part, E of an extruder that works while the tool rests.
     pub letter: char,
     /// Its number.
     pub value: f64,
@@ -80,6 +101,15 @@ pub struct Auxiliary {
     pub line: usize,
     /// Number of its block in the order of execution, from 1.
     pub block: u32,
+}
+
+/// The filament that a program for a 3-D printer counts with its words E.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Filament {
+    /// The least position that E gets, in mm.
+    pub least_mm: f64,
+    /// The greatest position that E gets, in mm.
+    pub greatest_mm: f64,
 }
 
 /// With or without cutting.

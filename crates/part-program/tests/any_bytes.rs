@@ -56,7 +56,11 @@ const PIECES: [&str; 44] = [
 
 fn options() -> impl Strategy<Value = ReadOptions> {
     let dialect = prop::option::of(prop::sample::select(Dialect::ALL.to_vec()));
-    (dialect, any::<bool>()).prop_map(|(dialect, lenient)| ReadOptions { dialect, lenient })
+    (dialect, any::<bool>()).prop_map(|(dialect, lenient)| ReadOptions {
+        dialect,
+        lenient,
+        ..ReadOptions::default()
+    })
 }
 
 fn curves_at_feed(part: &Part) -> Vec<&Curve> {

@@ -83,7 +83,7 @@ fn an_axis_that_is_named_late_is_brought_before_the_first_curve() {
 /// Behind a motion that is not read nobody knows where the tool is, as at the start.
 #[test]
 fn words_behind_a_later_approach_stay_behind_it() {
-    let options = ReadOptions { lenient: true, dialect: None };
+    let options = ReadOptions { lenient: true, dialect: None, ..ReadOptions::default() };
     let program = "G0 X0 Y0\nM3\nG1 X9 F60\nM5\nG38.2 X10 Y10\nG80\nG0 X50 Y50\nM3\nG1 X60\n";
     for text in written(&read_part_with("p.nc", program, options).unwrap()) {
         let expected = "G0 X0. Y0.\nM3\nG1 X9. Y0. F60.\nM5\nG0 X50. Y50.\nM3\nG1 X60. Y50.\n";

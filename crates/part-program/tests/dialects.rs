@@ -105,9 +105,11 @@ fn a_given_dialect_refuses_the_others() {
     let texts = [(Dialect::Fanuc, FANUC), (Dialect::LinuxCnc, LINUXCNC), (Dialect::Siemens, SIEMENS)];
     for given in Dialect::ALL {
         for (own, text) in texts {
-            let options = ReadOptions { dialect: Some(given), lenient: false };
+            let options = ReadOptions { dialect: Some(given), lenient: false, ..ReadOptions::default() };
             let read = read_part_with("p.nc", text, options);
-            assert_eq!(read.is_ok(), given == own, "{given} reads {own}");
+            // LinuxCNC 2.10 has G6.2, too.
+            let is_its_own = given == own || (given, own) == (Dialect::LinuxCnc, Dialect::Fanuc);
+            assert_eq!(read.is_ok(), is_its_own, "{given} reads {own}");
             if let Err(errors) = read {
                 let said = format!("is a spline of {own}, and the program is read as {given}");
                 assert!(errors.to_string().contains(&said), "{errors}");
@@ -176,12 +178,14 @@ fn a_coordinate_that_is_not_written_keeps_its_value() {
 fn lenient_reading_lists_what_it_reads_over() {
     let text = "G0 X0 Y0\nG1 X10 Q7 A5\nCOMPCAD\nG64.7\nX20\n";
     assert_eq!(read_part("p.nc", text).unwrap_err().count(), 4);
-    let part = read_part_with("p.nc", text, ReadOptions { lenient: true, dialect: None }).unwrap();
+    let part =
+        read_part_with("p.nc", text, ReadOptions { lenient: true, dialect: None, ..ReadOptions::default() })
+            .unwrap();
     assert_eq!(part.curves.len(), 2);
     let said: Vec<_> = part.warnings.iter().map(|w| (w.line, w.message.as_str())).collect();
     let expected = [
         (2, "`Q7` is no word of G1"),
-        (2, "`A5` is no word of G1"),
+        (2, "`A5` moves an axis that is not followed while the tool cuts"),
         (3, "unknown word `COMPCAD`"),
         (4, "`G64.7` is not read"),
     ];
@@ -218,9 +222,11 @@ fn the_tool_rests_at_a_dwell() {
 /// They were read over but for their words, and without those in silence.
 #[test]
 fn a_call_of_a_subprogram_is_an_error_that_says_so() {
-    for text in
-        ["G0 X0 F60\nG1 X10\nM98 P2000 L3\n", "G0 X0 F60\nG1 X10\nM98 P2000\n", "G1 X0 F60\nX9\nM198 Q2 P1\n"]
-    {
+    for text in [
+        "G0 X0 F60\nG1 X10\nM98 P2000 L3\n",
+        "G0 X0 F60\nG1 X10\nM98 P2000\n",
+        "G0 X0 F60\nG1 X9\nM198 Q2 P1\n",
+    ] {
         let errors = read_part("p.nc", text).unwrap_err();
         let messages: Vec<_> = errors.iter().map(|error| (error.line, error.message.as_str())).collect();
         let called =
@@ -234,7 +240,7 @@ fn a_call_of_a_subprogram_is_an_error_that_says_so() {
 /// With everything read over, it was not said why nothing was left.
 #[test]
 fn a_program_of_nothing_names_what_was_read_over() {
-    let options = ReadOptions { lenient: true, dialect: None };
+    let options = ReadOptions { lenient: true, dialect: None, ..ReadOptions::default() };
     let errors = read_part_with("p.nc", "G0 X0 Y0\nG38.2 X10 Y10\nX20\n", options).unwrap_err();
     let hint = errors.iter().next().unwrap().hint.as_deref().unwrap();
     assert!(hint.contains("line 2: `G38.2` is not read"), "{hint}");
@@ -244,7 +250,10 @@ fn a_program_of_nothing_names_what_was_read_over() {
 
 #[test]
 fn lengths_without_a_decimal_point_are_warned_of_once_for_fanuc() {
-    let read = |dialect, text| read_part_with("p.nc", text, ReadOptions { dialect, lenient: false }).unwrap();
+    let read = |dialect, text| {
+        read_part_with("p.nc", text, ReadOptions { dialect, lenient: false, ..ReadOptions::default() })
+            .unwrap()
+    };
     let text = "G0 X0 Y0.\nG1 X1000 F600\nG2 X2000 R500\n";
     let part = read(Some(Dialect::Fanuc), text);
     assert_eq!(said(&part), [(2, "numbers without a decimal point are read as whole millimetres: `X1000`")]);
@@ -260,7 +269,7 @@ fn lengths_without_a_decimal_point_are_warned_of_once_for_fanuc() {
 }
 
 fn lenient(text: &str) -> Part {
-    let options = ReadOptions { lenient: true, dialect: None };
+    let options = ReadOptions { lenient: true, dialect: None, ..ReadOptions::default() };
     read_part_with("p.nc", text, options).unwrap_or_else(|errors| panic!("{errors}"))
 }
 
@@ -278,7 +287,7 @@ fn words_that_switch_nothing_of_the_path_are_read() {
     let part = part("G98 G20 G90 G15 G50 G50.1 G67 G97\nG99 G0 X0 Y0\nG1 X1 F10\n");
     assert_eq!(ends(&part), [(MoveKind::Feed, [25.4, 0.0, 0.0])]);
     assert_eq!(part.warnings, []);
-    let options = ReadOptions { lenient: false, dialect: Some(Dialect::Siemens) };
+    let options = ReadOptions { lenient: false, dialect: Some(Dialect::Siemens), ..ReadOptions::default() };
     let errors = read_part_with("p.nc", "G500 G450 G0 X0 Y0\nG98 G1 X1\n", options).unwrap_err();
     assert_eq!(errors.iter().map(|error| error.message.as_str()).collect::<Vec<_>>(), ["`G98` is not read"]);
 }
@@ -291,10 +300,13 @@ fn a_word_that_is_not_read_takes_no_modal_word_with_it() {
     assert_eq!(ends(&part), feeds.map(|end| (MoveKind::Feed, end)));
     assert!(part.moves.iter().all(|one| one.feedrate_mm_per_s == Some(10.0)));
     assert_eq!(part.auxiliary[0].letter, 'D');
-    assert_eq!(said(&part), [(2, "`G41` is not read: X10 left out of its block")]);
+    let lost = "where the tool is on X before this move at feed is not known: its way there is left out";
+    assert_eq!(said(&part), [(2, "`G41` is not read: X10 left out of its block"), (4, lost)]);
     let zero = lenient("G21 G0 X5 Y5 Z9\nG28 G91 Z0\nG53 G90 G0 X1 Y1\nG20 G187 P2\nG1 X1 Y1 Z1\nX2\n");
     assert_eq!(ends(&zero), [(MoveKind::Feed, [50.8, 25.4, 25.4])]);
-    assert_eq!(said(&zero), [(4, "`G187` is not read: P2 left out of its block")]);
+    let lost =
+        "where the tool is on X, Y, Z before this move at feed is not known: its way there is left out";
+    assert_eq!(said(&zero), [(4, "`G187` is not read: P2 left out of its block"), (5, lost)]);
 }
 
 /// The points of a motion that is not read were read as rapid moves, and so was what came after it.
@@ -311,7 +323,7 @@ fn after_a_motion_that_is_not_read_nothing_moves_until_another() {
 
 #[test]
 fn a_spline_with_a_word_that_is_not_read_is_refused() {
-    let options = ReadOptions { lenient: true, dialect: None };
+    let options = ReadOptions { lenient: true, dialect: None, ..ReadOptions::default() };
     let text = "G0 X0 Y0\nBSPLINE SD=2 X1 Y1\nG41 X2 Y0\nX3 Y1\n";
     let errors = read_part_with("p.nc", text, options).unwrap_err();
     assert!(
@@ -322,7 +334,8 @@ fn a_spline_with_a_word_that_is_not_read_is_refused() {
 
 /// Which moves at feed end in an exact stop.
 fn stops(text: &str, dialect: Option<Dialect>) -> Vec<bool> {
-    let part = read_part_with("p.nc", text, ReadOptions { lenient: false, dialect });
+    let part =
+        read_part_with("p.nc", text, ReadOptions { lenient: false, dialect, ..ReadOptions::default() });
     let part = part.unwrap_or_else(|errors| panic!("{errors}\n{text}"));
     let feed = part.moves.iter().filter(|one| one.kind == MoveKind::Feed);
     feed.map(|one| one.exact_stop).collect()
@@ -350,7 +363,7 @@ fn exact_stop_holds_for_a_block_or_until_it_is_ended() {
     assert_eq!(stops(&path("", "", "G61"), None), [false, false, false, false, false, true]);
     // What another control means by the same word is not taken for it.
     for (word, dialect) in [("G9", linuxcnc), ("G60", fanuc), ("G60", None), ("G62", siemens)] {
-        let options = ReadOptions { lenient: false, dialect };
+        let options = ReadOptions { lenient: false, dialect, ..ReadOptions::default() };
         let errors = read_part_with("p.nc", &path(word, "", ""), options).unwrap_err();
         assert!(errors.to_string().contains(&format!("`{word}` is not read")), "{errors}");
     }
@@ -426,7 +439,7 @@ fn path_modes_of_linuxcnc_and_siemens_end_exact_stops() {
     assert_eq!(stops(text, Some(Dialect::LinuxCnc)), [true, false]);
     assert_eq!(stops(text, None), [true, false]);
     assert_eq!(said(&part(text)), [(3, "a tolerance of the path: it is taken as commanded")]);
-    let options = ReadOptions { lenient: false, dialect: Some(Dialect::Fanuc) };
+    let options = ReadOptions { lenient: false, dialect: Some(Dialect::Fanuc), ..ReadOptions::default() };
     let errors = read_part_with("p.nc", text, options).unwrap_err();
     assert!(errors.to_string().contains("p.nc:3:5") && errors.to_string().contains("`P0.01`"), "{errors}");
     let siemens = "G60 G0 X0 Y0\nG1 X5 F600\nG641 X8\nX9\n";
@@ -439,7 +452,9 @@ fn a_g61_before_the_first_spline_of_linuxcnc_is_warned_of() {
     let text = LINUXCNC.replace("G0 X0 Y0", "G61 G0 X0 Y0");
     assert_ne!(text, LINUXCNC);
     let warned = |text: &str, dialect| {
-        let part = read_part_with("p.nc", text, ReadOptions { dialect, lenient: false }).unwrap();
+        let part =
+            read_part_with("p.nc", text, ReadOptions { dialect, lenient: false, ..ReadOptions::default() })
+                .unwrap();
         part.warnings.iter().filter(|warning| warning.message.starts_with("G61 before this")).count()
     };
     assert_eq!(
@@ -478,5 +493,39 @@ fn a_written_program_goes_down_where_it_begins_to_cut() {
     assert!(text.starts_with("G21 G90 G94\nG0 Z5.\nG0 X50. Y0. Z5.\nG1 X50. Y0. Z-2. F300.\n"), "{text}");
     for before in [down, up] {
         assert_eq!(part(&write_g1(&before, 0.01, None).unwrap()).curves, before.curves);
+    }
+}
+
+/// As LinuxCNC 2.10 comes with them: G6.2 in front of the closing knots, and Q. The same curve as FANUC's.
+#[test]
+fn g6_2_of_linuxcnc_is_that_of_fanuc() {
+    let points = "X10 Y20 R2 K0\nX20 Y-3 R0.7 K0\nX30 Y16 R1 K0\n";
+    let fanuc = part(&format!("G21 G0 X0 Y0\nG06.2 P4 K0 X0 Y0 R1.5 F600\n{points}K1\nK1\nK1\nK1\nG1 X31\n"));
+    let closing = "G6.2 K1\n".repeat(4);
+    let linuxcnc = part(&format!("G21 G0 X0 Y0\nG6.2 X0 Y0 R1.5 K0 P4 Q1 F600\n{points}{closing}G1 X31\n"));
+    assert_eq!(linuxcnc.curves, fanuc.curves);
+    assert_eq!(linuxcnc.curves.len(), 2);
+}
+
+#[test]
+fn splines_of_linuxcnc_lie_in_any_plane() {
+    let xy = "G5.2 X1 Y2 P1 L3\nX3 Y0 P2\nX4 Y1 P1\nG5.3\nG5 X6 Y2 I1 J0.5 P-1 Q0.25\nG5.1 X8 Y3 I1 J2\n";
+    let in_xy = part(&format!("G0 X0 Y0 Z0\n{xy}"));
+    for (plane, letters, axes) in [
+        ("G18", [('X', 'X'), ('Y', 'Z'), ('J', 'K')], [0, 2]),
+        ("G19", [('Y', 'Z'), ('X', 'Y'), ('J', 'K')], [1, 2]),
+    ] {
+        let mut text = xy.to_owned();
+        for (from, to) in letters {
+            text = text.replace(from, &to.to_string());
+        }
+        let text = if plane == "G19" { text.replace('I', "J") } else { text };
+        let turned = part(&format!("G0 X0 Y0 Z0\n{plane}\n{text}"));
+        for (a, b) in in_xy.curves.iter().zip(&turned.curves) {
+            let seen = |point: &[f64; 3]| [point[axes[0]], point[axes[1]]];
+            let expected: Vec<_> = a.control_points_mm.iter().map(|point| [point[0], point[1]]).collect();
+            assert_eq!(b.control_points_mm.iter().map(seen).collect::<Vec<_>>(), expected, "{plane}\n{text}");
+        }
+        assert_eq!(turned.curves.len(), 3);
     }
 }

@@ -83,7 +83,8 @@ const MALFORMED: &[(&str, &str, &str)] = &[
     ("G0 X0\nG1 X5 F-100", "2:7", "the feed is -100"),
     ("G0 X0\nG1 X5 F99999999", "2:7", "mm/s"),
     ("G93 G0 X0\nG1 X5", "2:1", "a move in inverse time feed without F"),
-    ("G0 X0\nG1 X1e9", "2:6", "`e9` is no word of G1"),
+    ("G0 X0 A0\nG1 X1 A9", "2:7", "`A9` moves an axis that is not followed while the tool cuts"),
+    ("G0 X0 Y0\nG2 X2 I1 P0", "2:10", "an arc of 0 turns"),
     ("G0 X0\nG1 X99999999", "2:1", "a coordinate is out of range"),
     ("", "1:1", "the program holds no curve"),
     ("(nothing)\nM30", "1:1", "the program holds no curve"),
@@ -128,9 +129,9 @@ const MALFORMED: &[(&str, &str, &str)] = &[
     ("G5.2 X1 Y1 P1\nX2 Y2 P1\nG5.3", "1:1", "where this curve starts on X is not known"),
     ("G0 X0\nG5.1 X1 Y1 I1 J2", "2:1", "where this curve starts on Y is not known"),
     ("G0 X0 Y0\nG5 X1 Y1 Z1 I1 J1 P1 Q1", "2:1", "G5 with Z"),
-    ("G18 G0 X0 Y0\nG5.1 X1 Y1 I1 J1", "2:1", "G5.1 in another plane than G17"),
+    ("G18 G0 X0 Z0\nG5.1 X1 Y1 I1 K1", "2:1", "G5.1 with Y"),
     ("G0 X0 Y0\nG5.2 X1 Y1 P1\nX2 Y2 Z1 P1\nX3 Y3 P1\nG5.3", "3:1", "G5.2 with Z"),
-    ("G19 G0 X0 Y0\nG5.2 X1 Y1 P1\nX2 Y2 P1\nG5.3", "2:1", "G5.2 in another plane than G17"),
+    ("G19 G0 X0 Y0\nG5.2 X1 Y1 P1\nX2 Y2 P1\nG5.3", "2:1", "where this curve starts on Z is not known"),
     // Siemens.
     ("G0 X0 Y0\nBSPLINE SD=3 X1 PL=1\nX2\nX3 Y1\nX4\n", "3:1", "a block of BSPLINE without a knot interval"),
     ("G0 X0 Y0\nBSPLINE SD=2 X1 PL=1\nX2 PL=2", "3:4", "a knot interval of 2 too many"),
@@ -209,7 +210,7 @@ fn an_error_is_not_followed_by_others_that_come_of_it() {
     }
     let errors = read_part("p", "G5.2 X1 Y1 P1\nX2 Y2 P1\nX3 Y3 P1\nG5.3\nG1 X4\n").unwrap_err();
     assert_eq!(errors.count(), 1, "{errors}");
-    let options = ReadOptions { lenient: false, dialect: Some(Dialect::Siemens) };
+    let options = ReadOptions { lenient: false, dialect: Some(Dialect::Siemens), ..ReadOptions::default() };
     let errors = read_part_with("p", &format!("G0 X0 Y0\n{fanuc}"), options).unwrap_err();
     assert_eq!(errors.count(), 1, "{errors}");
 }

@@ -47,9 +47,9 @@ impl<'w> Block<'w> {
         self.words.iter().any(|word| word.key == Key::Letter(letter))
     }
 
-    /// Whether a word names an axis.
+    /// Whether a word names an axis, or a polar coordinate.
     pub(crate) fn has_axis(&self) -> bool {
-        b"XYZ".iter().any(|axis| self.has(*axis))
+        b"XYZ@^".iter().any(|axis| self.has(*axis))
     }
 
     /// Takes X, Y and Z as they are written.

@@ -88,6 +88,7 @@ impl Reader<'_, '_, '_> {
         let span = block.span;
         let [first, second, normal] = self.modal.plane.axes();
         let mut written = block.take_axes();
+        let polar = [block.take_letter(b'@'), block.take_letter(b'^')];
         let height = written[normal].take();
         let repeats = self.repeats(block);
         block.take_letter(b'P');
@@ -101,6 +102,7 @@ impl Reader<'_, '_, '_> {
         let Some(heights) = self.heights(normal, span) else { return };
         let mut place = self.modal.here();
         for _ in 0..repeats {
+            self.polar(polar, place, &mut written);
             let next = self.modal.target(place, written);
             (place[first], place[second]) = (next[first], next[second]);
             if place.iter().any(|x| x.abs() > MAX_COORDINATE_MM) {

@@ -5,6 +5,9 @@
 //! keeps its value. The first control point is the current position. `G05 P10000` and `G05 P0` switch high-precision
 //! contouring on and off.
 //!
+//! LinuxCNC 2.10 reads the same blocks, with G6.2 also in front of the knots that close the curve, and with Q, which chooses how its own
+//! interpolator goes along the curve and is no part of it.
+//!
 //! # Source
 //! FANUC Series 15i, B-63324EN/03, section 4.17 for the alarms PS1002 to PS1009, whose names head the messages here.
 
@@ -32,12 +35,18 @@ impl FanucNurbs {
             None => 4,
             Some(word) => order(report, word)?,
         };
+        block.take_letter(b'Q');
         Some(Self { order, blocks: SplineBlocks { start: block.span, ..SplineBlocks::default() } })
     }
 
     /// Whether the curve has all its closing knots.
     pub(crate) fn is_complete(&self) -> bool {
         self.blocks.knots.len() >= self.blocks.points.len() + self.order
+    }
+
+    /// Whether a block with G6.2 goes on with the curve: it has a knot alone, and the curve lacks closing knots.
+    pub(crate) fn goes_on_with(&self, block: &Block<'_>) -> bool {
+        block.has(b'K') && !block.has(b'P') && !block.has(b'R') && !block.has_axis() && !self.is_complete()
     }
 
     /// The curve that follows a complete one without a new G06.2.

@@ -1,4 +1,5 @@
-//! LinuxCNC's splines: NURBS between G5.2 and G5.3, cubic G5, quadratic G5.1. All are planar: X and Y only.
+//! LinuxCNC's splines: NURBS between G5.2 and G5.3, cubic G5, quadratic G5.1. All lie in the plane in force: X and Y in G17, X and Z
+//! (with I and K) in G18, Y and Z (with J and K) in G19.
 //!
 //! `G5.2 X<> Y<> P<weight> L<order>` opens a curve whose first control point is the current position, of weight 1 (or of
 //! the weight P of a first block without X and Y); each block adds a point, and needs its P; G5.3 ends it. L is 3
@@ -11,6 +12,7 @@
 //! # Source
 //! LinuxCNC's interpreter (`convert_nurbs`, `convert_spline`, `knot_vector_creator`), whose behaviour this follows.
 
+use crate::arc::Plane;
 use crate::curve::{Curve, MAX_DEGREE};
 use crate::diagnostic::Report;
 use crate::gcode::block::Block;
@@ -24,12 +26,27 @@ pub(crate) const LEAST_ORDER: usize = 3;
 /// A curve of which more blocks may come.
 pub(crate) struct LinuxCncNurbs {
     order: usize,
+    /// The axes of its plane.
+    axes: [usize; 2],
     blocks: SplineBlocks,
 }
 
+/// The axes of a plane, in the order in which a spline names them.
+pub(crate) fn axes_of(plane: Plane) -> [usize; 2] {
+    match plane {
+        Plane::Xy => [0, 1],
+        Plane::Zx => [0, 2],
+        Plane::Yz => [1, 2],
+    }
+}
+
 impl LinuxCncNurbs {
-    pub(crate) fn open(span: Span) -> Self {
-        Self { order: LEAST_ORDER, blocks: SplineBlocks { start: span, ..SplineBlocks::default() } }
+    pub(crate) fn open(plane: Plane, span: Span) -> Self {
+        Self {
+            order: LEAST_ORDER,
+            axes: axes_of(plane),
+            blocks: SplineBlocks { start: span, ..SplineBlocks::default() },
+        }
     }
 
     /// Reads a block of G5.2.
@@ -47,10 +64,12 @@ impl LinuxCncNurbs {
                 }
             }
         }
-        let (x, y) = (block.has(b'X'), block.has(b'Y'));
+        let [x, y] = self.axes.map(|axis| block.has(b"XYZ"[axis]));
         let weight = block.take_letter(b'P');
         if x != y {
-            report.error(block.span, "a control point of G5.2 with one coordinate").expected("both X and Y");
+            report
+                .error(block.span, "a control point of G5.2 with one coordinate")
+                .expected("both axes of its plane");
         }
         if self.blocks.points.is_empty() {
             let first = weight.filter(|_| !x && !y).map_or(1.0, |word| word.value);
@@ -61,7 +80,9 @@ impl LinuxCncNurbs {
         }
         if !x && !y {
             if let Some(word) = weight {
-                report.error(word.span, "a weight without a control point").expected("X and Y before P");
+                report
+                    .error(word.span, "a weight without a control point")
+                    .expected("the coordinates before P");
             }
             return;
         }
@@ -102,7 +123,10 @@ pub(crate) fn bezier(
         _ => Err(format!("{} without {}", char::from(first), char::from(second))),
     };
     let (name, inner) = if cubic { ("G5", pair(block, b'P', b'Q')) } else { ("G5.1", Ok(None)) };
-    let outer = pair(block, b'I', b'J');
+    let axes = axes_of(modal.plane);
+    let [first, second] = axes.map(|axis| b"IJK"[axis]);
+    let outer = pair(block, first, second);
+    let [first, second] = [first, second].map(char::from);
     let (outer, inner) = match (outer, inner) {
         (Ok(outer), Ok(inner)) => (outer, inner),
         (Err(message), _) | (_, Err(message)) => {
@@ -112,8 +136,8 @@ pub(crate) fn bezier(
     };
     let Some(outer) = outer.or(smooth.filter(|_| cubic)) else {
         report
-            .error(span, format!("{name} without I and J"))
-            .expected("I and J: from the start to the next control point");
+            .error(span, format!("{name} without {first} and {second}"))
+            .expected(format!("{first} and {second}: from the start to the next control point"));
         return None;
     };
     if cubic && inner.is_none() {
@@ -126,7 +150,12 @@ pub(crate) fn bezier(
     let end = modal.target(modal.here(), written);
     let start = modal.start(end);
     modal.arrive(written, end);
-    let beside = |point: [f64; 3], offset: [f64; 2]| [point[0] + offset[0], point[1] + offset[1], point[2]];
+    let beside = |mut point: [f64; 3], offset: [f64; 2]| {
+        for (axis, offset) in axes.into_iter().zip(offset) {
+            point[axis] += offset;
+        }
+        point
+    };
     let mut blocks = SplineBlocks { start: span, ..SplineBlocks::default() };
     blocks.point(start, 1.0, span);
     blocks.point(beside(start, outer), 1.0, span);

@@ -24,6 +24,7 @@ mod flow;
 mod linuxcnc;
 mod modal;
 mod offsets;
+mod other_axes;
 mod path_move;
 mod preparatory;
 mod siemens;
@@ -41,11 +42,12 @@ use crate::gcode::expression::Scope;
 use crate::gcode::flow::{Call, Context, Flow};
 use crate::gcode::modal::{FeedMode, Modal, Motion, PathMode, WORK_OFFSETS};
 use crate::gcode::offsets::Placing;
+use crate::gcode::other_axes::OtherAxes;
 use crate::gcode::spline_move::Spline;
 use crate::gcode::variables::Variables;
 use crate::gcode::word::{Line, Tape, Word};
 use crate::joint;
-use crate::options::{Dialect, ReadOptions};
+use crate::options::{Dialect, ReadOptions, Unit};
 use crate::part::{Auxiliary, Move, MoveKind, Part, Shape};
 use crate::source::Span;
 
@@ -64,6 +66,7 @@ pub(crate) fn read(report: &mut Report<'_>, part: &mut Part, options: ReadOption
         flow: Flow::default(),
         holes: Holes::default(),
         placing: None,
+        others: OtherAxes::default(),
         known_origins: [false; WORK_OFFSETS],
         shift_put_aside: [0.0; 3],
         names_unit: false,
@@ -79,9 +82,14 @@ pub(crate) fn read(report: &mut Report<'_>, part: &mut Part, options: ReadOption
         smooth: None,
         ended: false,
     };
+    if let Some(start) = options.start_mm {
+        reader.modal.position = start.map(Some);
+    }
+    reader.modal.inches = options.unit == Some(Unit::Inch);
     reader.lines();
     reader.report.within = None;
     reader.close(Span::new(length, length));
+    reader.part.unit_is_assumed = !reader.names_unit && options.unit.is_none();
     part.feedrate_mm_per_s = part.highest_feedrate();
     if part.curves.is_empty() && !report.has_errors() {
         let cause = report.first_warning().map(|first| format!("line {}: {}", first.line, first.message));
@@ -111,6 +119,7 @@ pub(crate) struct Reader<'r, 't, 'p> {
     pub(crate) holes: Holes,
     /// What the block does with its coordinates other than move to them.
     pub(crate) placing: Option<(Placing, Span)>,
+    pub(crate) others: OtherAxes,
     /// The work offsets whose origins the program has set.
     pub(crate) known_origins: [bool; WORK_OFFSETS],
     /// The shift that G92.2 put aside.
@@ -170,6 +179,9 @@ impl Reader<'_, '_, '_> {
             self.options.dialect.get_or_insert(dialect);
         }
         self.block_number = self.block_number.saturating_add(1);
+        if read.is_homing {
+            (0..3).for_each(|axis| self.lose(axis));
+        }
         for (variable, value) in read.assignments.drain(..) {
             self.variables.set(variable, value);
         }
@@ -208,6 +220,7 @@ impl Reader<'_, '_, '_> {
         let Some(mut block) = Block::new(self.report, words) else { return };
         let span = block.span;
         self.unread = None;
+        let unit_before = self.modal.mm(1.0);
         let Some(motion) = self.preparatory(&mut block) else { return };
         if let Some(motion) = motion {
             if !matches!(motion, Motion::Cycle(_)) || !matches!(self.modal.motion, Motion::Cycle(_)) {
@@ -217,7 +230,8 @@ impl Reader<'_, '_, '_> {
         }
         self.look_for_points(&block);
         let ends = self.auxiliary(&mut block);
-        let inverse_feed = self.feed(&mut block);
+        self.other_axes(&mut block);
+        let inverse_feed = self.feed(&mut block, unit_before);
         let unread = self.unread.take();
         if let Some((placing, span)) = self.placing.take().filter(|_| unread.is_none()) {
             self.place_coordinates(&mut block, placing, span);
@@ -271,7 +285,11 @@ impl Reader<'_, '_, '_> {
                     99.0 if letter == b'M' && self.flow.is_called() => {
                         self.flow.return_from(&mut self.variables)
                     }
+                    value if letter == b'M' && self.printer_word(block, value) => {}
                     value => {
+                        if letter == b'M' {
+                            take_arguments(block, value);
+                        }
                         if letter == b'S' {
                             self.modal.spindle_per_minute = Some(value).filter(|speed| *speed > 0.0);
                         }
@@ -315,8 +333,20 @@ impl Reader<'_, '_, '_> {
     }
 
     /// Takes F: in G94 it becomes the feedrate, in G93 it is handed back, in 1/min, and in G95, which is not read, it is left out.
-    fn feed(&mut self, block: &mut Block<'_>) -> Option<f64> {
+    fn feed(&mut self, block: &mut Block<'_>, unit_before: f64) -> Option<f64> {
         let word = block.take_letter(b'F')?;
+        let mut unit = self.modal.mm(1.0);
+        if unit != unit_before {
+            let dialect = self.options.dialect;
+            if dialect == Some(Dialect::LinuxCnc) {
+                unit = unit_before;
+            } else if dialect.is_none() {
+                let text = self.report.source.slice(word.span).to_owned();
+                self.report
+                    .warning(word.span, format!("`{text}` is read in the unit that its block sets"))
+                    .hint("LinuxCNC reads it in the unit before, as with its dialect given");
+            }
+        }
         if word.value <= 0.0 {
             self.report.error(word.span, format!("the feed is {}", word.value)).expected("a feed above 0");
             return None;
@@ -325,11 +355,11 @@ impl Reader<'_, '_, '_> {
             FeedMode::PerMinute => {}
             FeedMode::InverseTime => return Some(word.value),
             FeedMode::PerRevolution => {
-                self.modal.feed_mm_per_revolution = Some(self.modal.mm(word.value));
+                self.modal.feed_mm_per_revolution = Some(word.value * unit);
                 return None;
             }
         }
-        let feedrate = self.modal.mm(word.value) / 60.0;
+        let feedrate = word.value * unit / 60.0;
         if feedrate > MAX_FEEDRATE {
             self.report
                 .error(word.span, format!("the feed is {feedrate} mm/s"))
@@ -439,11 +469,12 @@ impl Reader<'_, '_, '_> {
         let expected = self.motion_words();
         for word in block.rest().iter() {
             let text = self.report.source.slice(word.span);
-            let message = format!("`{text}` is no word of {}", self.motion_name());
-            if self.options.lenient {
-                self.report.warning(word.span, message);
-            } else {
-                self.report.error(word.span, message).expected(expected);
+            let name = self.motion_name();
+            let kind = format!("{:?} {name}", word.key);
+            let message = format!("`{text}` is no word of {name}");
+            let said = self.report.of_kind(!self.options.lenient, word.span, kind, message);
+            if !self.options.lenient {
+                said.expected(expected);
             }
         }
     }
@@ -479,6 +510,24 @@ impl Reader<'_, '_, '_> {
             Motion::Cycle(_) => "X, Y, Z, R, Q, P, L or F",
             Motion::WithSpindle { .. } => "X, Y, Z or K",
         }
+    }
+}
+
+/// Takes the words that belong to an M word of LinuxCNC's or of a spindle that is turned to an angle.
+fn take_arguments(block: &mut Block<'_>, value: f64) {
+    let letters: &[u8] = match value {
+        19.0 => b"RQP",
+        29.0 => b"S",
+        50.0..=53.0 => b"P",
+        61.0 => b"Q",
+        62.0..=65.0 => b"P",
+        66.0 => b"PELQ",
+        67.0 | 68.0 => b"EQ",
+        100.0..=199.0 => b"PQ",
+        _ => &[],
+    };
+    for letter in letters {
+        block.take_letter(*letter);
     }
 }
 

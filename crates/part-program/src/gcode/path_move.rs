@@ -10,6 +10,9 @@ use crate::gcode::word::{Key, Word};
 use crate::part::{MoveKind, Shape};
 use crate::source::Span;
 
+/// Turns of one arc; more are a mistyped number.
+const MAX_TURNS: f64 = 10_000.0;
+
 impl Reader<'_, '_, '_> {
     pub(crate) fn straight(&mut self, block: &mut Block<'_>, inverse_feed: Option<f64>) {
         let (before, span) = (self.modal.position, block.span);
@@ -46,6 +49,21 @@ impl Reader<'_, '_, '_> {
             (_, FeedMode::PerMinute) => (MoveKind::Feed, self.modal.feedrate_mm_per_s),
             (_, FeedMode::InverseTime | FeedMode::PerRevolution) => (MoveKind::Feed, None),
         };
+        if kind == MoveKind::Feed {
+            let letters: Vec<_> = ["X", "Y", "Z"]
+                .into_iter()
+                .zip(axes)
+                .filter(|(_, is)| *is)
+                .map(|(letter, _)| letter)
+                .collect();
+            let message = format!(
+                "where the tool is on {} before this move at feed is not known: its way there is left out",
+                letters.join(", ")
+            );
+            self.report
+                .of_kind(false, span, "start", message)
+                .hint("`--start X,Y,Z` says where the tool is at first");
+        }
         let line = self.line_of(span);
         self.part.approaches.push(Approach {
             axes,
@@ -58,7 +76,9 @@ impl Reader<'_, '_, '_> {
 
     /// Start and end of a move by the block's coordinates; the position is brought to the end.
     fn ends(&mut self, block: &mut Block<'_>) -> Option<([f64; 3], [f64; 3])> {
-        let written = block.take_axes();
+        let mut written = block.take_axes();
+        let polar = [block.take_letter(b'@'), block.take_letter(b'^')];
+        self.polar(polar, self.modal.here(), &mut written);
         let end = self.modal.target(self.modal.here(), written);
         if end.iter().any(|x| x.abs() > MAX_COORDINATE_MM) {
             self.report
@@ -70,6 +90,29 @@ impl Reader<'_, '_, '_> {
         self.modal.arrive(written, end);
         self.begin_axes();
         Some((start, end))
+    }
+
+    /// LinuxCNC's polar coordinates: `@` is the distance from 0 in the plane of X and Y, `^` the angle in degrees. They become X and Y.
+    pub(crate) fn polar(
+        &self,
+        [radius, angle]: [Option<Word>; 2],
+        from: [f64; 3],
+        written: &mut [Option<f64>; 3],
+    ) {
+        if radius.is_none() && angle.is_none() {
+            return;
+        }
+        let here = [0, 1].map(|axis| (from[axis] - self.modal.origin(axis)) / self.modal.mm(1.0));
+        let value = |word: Option<Word>, here: f64| match word {
+            Some(word) if self.modal.incremental => here + word.value,
+            Some(word) => word.value,
+            None => here,
+        };
+        let radius = value(radius, here[0].hypot(here[1]));
+        let (sin, cos) = value(angle, here[1].atan2(here[0]).to_degrees()).to_radians().sin_cos();
+        for (axis, to) in [radius * cos, radius * sin].into_iter().enumerate() {
+            written[axis] = Some(if self.modal.incremental { to - here[axis] } else { to });
+        }
     }
 
     /// Says that a curve cannot be read, because where it starts in its plane is not known.
@@ -90,7 +133,8 @@ impl Reader<'_, '_, '_> {
         let offset = |axis: usize| [b'I', b'J', b'K'][axis];
         let radius = block.take_letter(b'R').or_else(|| block.take(Key::CircleRadius));
         let (i, j) = (block.take_letter(offset(first)), block.take_letter(offset(second)));
-        if let Some(word) = block.take_letter(offset(normal)) {
+        let turns = self.turns(block);
+        if let Some(word) = block.take_letter(offset(normal)).filter(|word| word.value != 0.0) {
             let letters = [first, second].map(|axis| char::from(offset(axis)));
             self.report
                 .error(word.span, "this centre word is not in the plane of the arc")
@@ -120,7 +164,7 @@ impl Reader<'_, '_, '_> {
                 return;
             }
         };
-        let arc = ArcMove { plane, clockwise, start, end, circle };
+        let arc = ArcMove { turns, ..ArcMove::new(plane, clockwise, [start, end], circle) };
         match arc.curve() {
             Ok((curve, length)) => {
                 self.warn_of_strain(&arc, block.span);
@@ -133,6 +177,20 @@ impl Reader<'_, '_, '_> {
             }
             Err(fault) => self.refuse_arc(fault, block.span),
         }
+    }
+
+    /// P: how many turns an arc makes, the last of them to its end.
+    fn turns(&mut self, block: &mut Block<'_>) -> u32 {
+        let Some(word) = block.take_letter(b'P') else { return 1 };
+        if !(1.0..=MAX_TURNS).contains(&word.value) || word.value.fract() != 0.0 {
+            self.report
+                .error(word.span, format!("an arc of {} turns", word.value))
+                .expected(format!("P1 to P{MAX_TURNS}"));
+            return 1;
+        }
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "1 ..= MAX_TURNS")]
+        let turns = word.value as u32;
+        turns
     }
 
     /// Says that an arc is bent to fit by more than a control may take.

@@ -25,7 +25,9 @@ impl Reader<'_, '_, '_> {
                 }
                 settings.push((setting, word.span));
             }
-            if matches!(self.spline, Some((Spline::Fanuc(_), _))) {
+            if let Some((Spline::Fanuc(nurbs), _)) = &self.spline
+                && !(word.value == 6.2 && nurbs.goes_on_with(block))
+            {
                 self.close(word.span);
             }
             match self.general(block, word) {
@@ -40,11 +42,12 @@ impl Reader<'_, '_, '_> {
                 self.modal.motion = Motion::Broken;
                 return None;
             }
-            self.belongs(command, span)?;
+            self.belongs(block, command, span)?;
             let goes_on = matches!(
                 (command, &self.spline),
                 (Motion::LinuxCncNurbs, Some((Spline::LinuxCnc(_), _)))
                     | (Motion::Bspline, Some((Spline::Siemens(_), _)))
+                    | (Motion::FanucNurbs, Some((Spline::Fanuc(_), _)))
             );
             if !goes_on {
                 self.close(span);
@@ -246,6 +249,8 @@ impl Reader<'_, '_, '_> {
             // The coordinate setting of lathes.
             500 => !block.has_axis(),
             400 | 490 | 690 | 970 | 430 => true,
+            // Of printers: the bed is measured, filament is pulled and pushed.
+            290 | 100 | 110 if self.others.is_printer => true,
             80 => self.may_be(&[Dialect::LinuxCnc]),
             131 | 150 | 230 | 250 | 401 | 670 => self.may_be(&[Dialect::Fanuc]),
             501 => self.may_be(&[Dialect::Fanuc]) && !block.has_axis(),
@@ -263,8 +268,9 @@ impl Reader<'_, '_, '_> {
     fn unread_word(&mut self, word: Word) -> Result<Option<Motion>, ()> {
         if self.options.lenient {
             if let Some(other) = self.unread.replace(word.span) {
-                let message = format!("`{}` is not read", self.report.source.slice(other));
-                self.report.warning(other, message);
+                let text = self.report.source.slice(other).to_owned();
+                let message = format!("`{text}` is not read");
+                self.report.of_kind(false, other, text, message);
             }
             return Ok(moves(word.value).then_some(Motion::Unread));
         }
@@ -275,7 +281,7 @@ impl Reader<'_, '_, '_> {
             format!("`{text}` is not read")
         };
         self.report
-            .error(word.span, message)
+            .of_kind(true, word.span, format!("G{}", word.value), message)
             .expected("a motion, G0 to G3 or a spline, or a setting such as G17 to G21, G90, G91, G93 or G94")
             .hint("`--lenient` reads over it and says what of its block is left out");
         Err(())
@@ -346,8 +352,11 @@ impl Reader<'_, '_, '_> {
     }
 
     /// Checks that a spline is of the program's dialect.
-    fn belongs(&mut self, motion: Motion, span: Span) -> Option<()> {
+    fn belongs(&mut self, block: &Block<'_>, motion: Motion, span: Span) -> Option<()> {
         let own = match motion {
+            Motion::FanucNurbs if block.has(b'Q') || self.options.dialect == Some(Dialect::LinuxCnc) => {
+                Dialect::LinuxCnc
+            }
             Motion::FanucNurbs => Dialect::Fanuc,
             Motion::Cubic | Motion::Quadratic | Motion::LinuxCncNurbs => Dialect::LinuxCnc,
             Motion::Bspline => Dialect::Siemens,

@@ -1,10 +1,9 @@
 //! Splines of a part program, over as many blocks as they take.
 
-use crate::arc::Plane;
 use crate::curve::Curve;
 use crate::gcode::block::Block;
 use crate::gcode::fanuc::FanucNurbs;
-use crate::gcode::linuxcnc::{self, LinuxCncNurbs};
+use crate::gcode::linuxcnc::{self, LinuxCncNurbs, axes_of};
 use crate::gcode::modal::{FeedMode, Motion};
 use crate::gcode::siemens::SiemensSpline;
 use crate::gcode::{BlockPlace, Reader};
@@ -36,14 +35,15 @@ impl Reader<'_, '_, '_> {
             return;
         }
         if self.modal.motion == Motion::LinuxCncNurbs && !self.is_planar(block, "G5.2") {
-            block.take_letter(b'Z');
+            let [_, _, normal] = self.modal.plane.axes();
+            block.take_letter(b"XYZ"[normal]);
         }
         if self.spline.is_none() {
             let spline = match self.modal.motion {
                 Motion::FanucNurbs => FanucNurbs::open(self.report, block).map(Spline::Fanuc),
                 Motion::LinuxCncNurbs => self
-                    .start_is_known(Plane::Xy, block.span)
-                    .then(|| Spline::LinuxCnc(LinuxCncNurbs::open(block.span))),
+                    .start_is_known(self.modal.plane, block.span)
+                    .then(|| Spline::LinuxCnc(LinuxCncNurbs::open(self.modal.plane, block.span))),
                 _ => Some(Spline::Siemens(SiemensSpline::open(&self.modal, block.span))),
             };
             let Some(spline) = spline else {
@@ -100,19 +100,19 @@ impl Reader<'_, '_, '_> {
         }
     }
 
-    /// Says what LinuxCNC's splines do not have: Z, and another plane than G17.
+    /// Says that a spline of LinuxCNC leaves its plane.
     fn is_planar(&mut self, block: &Block<'_>, name: &str) -> bool {
-        let in_plane = self.modal.plane == Plane::Xy;
-        if !in_plane {
-            let message = format!("{name} in another plane than G17");
-            self.report.error(block.span, message).expected("G17 before it: this spline has X and Y only");
+        let [_, _, normal] = self.modal.plane.axes();
+        let leaves = block.has(b"XYZ"[normal]);
+        if leaves {
+            let [first, second] = axes_of(self.modal.plane).map(|axis| char::from(b"XYZ"[axis]));
+            let message = format!("{name} with {}", char::from(b"XYZ"[normal]));
+            self.report
+                .error(block.span, message)
+                .expected(format!("{first} and {second} only: this spline is planar"))
+                .hint("G17, G18 and G19 choose the plane");
         }
-        let has_z = block.has(b'Z');
-        if has_z {
-            let message = format!("{name} with Z");
-            self.report.error(block.span, message).expected("X and Y only: this spline is planar");
-        }
-        in_plane && !has_z
+        !leaves
     }
 
     /// A Bézier curve of G5 or G5.1, whole in one block.
@@ -121,7 +121,7 @@ impl Reader<'_, '_, '_> {
         let name = if is_cubic { "G5" } else { "G5.1" };
         let is_allowed = self.spline_allowed(span).is_some()
             && self.is_planar(block, name)
-            && self.start_is_known(Plane::Xy, span);
+            && self.start_is_known(self.modal.plane, span);
         let read = is_allowed
             .then(|| linuxcnc::bezier(self.report, &mut self.modal, block, is_cubic, continues))
             .flatten();

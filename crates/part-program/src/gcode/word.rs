@@ -63,6 +63,8 @@ pub(crate) struct Line {
     pub(crate) command: Option<(Command, Span)>,
     /// A control whose way of writing commands or variables the line shows.
     pub(crate) dialect: Option<Dialect>,
+    /// `$H` of Grbl: the machine goes to a place of its own.
+    pub(crate) is_homing: bool,
     /// The bytes that were read, if a `%` ended the program.
     pub(crate) ended: Option<usize>,
 }
@@ -71,7 +73,7 @@ impl Line {
     fn clear(&mut self) {
         self.words.clear();
         self.assignments.clear();
-        (self.command, self.dialect, self.ended) = (None, None, None);
+        (self.command, self.dialect, self.is_homing, self.ended) = (None, None, false, None);
     }
 }
 
@@ -89,12 +91,14 @@ pub(crate) fn read_line(
     let mut lexer = Lexer { report, lenient, scope, start, line, at: 0, begun: tape.begun, read };
     if lexer.peek() == Some(b'/') {
         let span = lexer.span(0, 1);
-        lexer.report.warning(span, "optional block: read as if the switch were off");
+        lexer.report.of_kind(false, span, '/', "optional block: read as if the switch were off");
         lexer.at = 1;
         // Of several switches, its number.
         lexer.skip(|c| c.is_ascii_digit());
     }
-    while lexer.item().is_some() {}
+    if !lexer.is_setting() {
+        while lexer.item().is_some() {}
+    }
     tape.begun |= lexer.begun || !lexer.read.words.is_empty();
 }
 
@@ -182,11 +186,45 @@ impl Lexer<'_, '_, '_> {
         }
     }
 
+    /// Takes a line that sets a control up and moves nothing: Grbl's `$100=250`, and commands of Klipper, `SET_FAN SPEED=1`.
+    fn is_setting(&mut self) -> bool {
+        let text = self.line.trim();
+        let first = text.split_whitespace().next().unwrap_or("");
+        let is_command = first.len() > 3
+            && first.contains('_')
+            && first.bytes().all(|c| c.is_ascii_uppercase() || c == b'_' || c.is_ascii_digit());
+        let begin = self.line.len() - self.line.trim_start().len();
+        let span = self.span(begin, begin + text.len());
+        match text.as_bytes() {
+            [b'$', b'H' | b'h', ..] => self.read.is_homing = true,
+            [b'$' | b'?' | b'!' | b'~', ..] => {
+                self.report.of_kind(
+                    false,
+                    span,
+                    '$',
+                    format!("`{text}` sets the control up: it is left out"),
+                );
+            }
+            _ if is_command => {
+                self.report.of_kind(
+                    false,
+                    span,
+                    '_',
+                    format!("`{first}` is a command of the control: it is left out"),
+                );
+            }
+            _ => return false,
+        }
+        true
+    }
+
     /// Reads one item of the line; `None` at its end.
     fn item(&mut self) -> Option<()> {
         self.skip(|c| c.is_ascii_whitespace());
         let begin = self.at;
         match self.peek()? {
+            // Text that a printer shows.
+            _ if self.is_shown_text() => None,
             b';' => None,
             b'%' => {
                 self.at += 1;
@@ -204,6 +242,12 @@ impl Lexer<'_, '_, '_> {
             }
             _ => self.stray(begin),
         }
+    }
+
+    /// Whether the last word was M117, M118 or M23, whose text is no word.
+    fn is_shown_text(&self) -> bool {
+        let shows = |word: &Word| word.key == Key::Letter(b'M') && [23.0, 117.0, 118.0].contains(&word.value);
+        self.read.words.last().is_some_and(shows)
     }
 
     /// A character that begins no word.
@@ -288,6 +332,12 @@ impl Lexer<'_, '_, '_> {
             return None;
         };
         self.at = begin + length + 1;
+        if let Some(at) = self.line[begin..self.at].find('\r') {
+            let span = self.span(begin + at, begin + at + 1);
+            self.report
+                .warning(span, "a CR without LF in a comment: what follows it may be a line of its own")
+                .expected("lines that end alike");
+        }
         Some(())
     }
 
@@ -562,12 +612,12 @@ impl Lexer<'_, '_, '_> {
         let message =
             format!("unknown word `{}`", self.line[begin..self.at].chars().take(40).collect::<String>());
         if self.lenient {
-            self.report.warning(span, message);
+            self.report.of_kind(false, span, &name, message);
             self.skip(|c| c == b' ' || c == b'=');
             self.skip(is_number);
             return Some(());
         }
-        let diagnostic = self.report.error(span, message);
+        let diagnostic = self.report.of_kind(true, span, &name, message);
         diagnostic.expected("a letter with a number, or BSPLINE, SD=, PW=, PL=, CR=");
         if let Some(near) = near {
             diagnostic.hint(format!("did you mean `{near}`?"));
