@@ -41,7 +41,6 @@ mod curve;
 mod curve_file;
 mod diagnostic;
 mod drawing;
-mod dxf;
 mod gcode;
 mod geomdl;
 mod inspect;

@@ -14,16 +14,18 @@
 //! # Source
 //! Autodesk, DXF Reference, chapters "ENTITIES section" and "Object coordinate systems".
 
+mod groups;
+
 use std::collections::{BTreeMap, HashSet};
 
 use crate::arc::{ArcFault, ArcMove, Circle, Plane};
 use crate::curve::Curve;
 use crate::diagnostic::Report;
-use crate::dxf::{Entity, Groups};
 use crate::part::{Move, MoveKind, Part, Shape};
 use crate::source::Span;
 use crate::spline_blocks::SplineBlocks;
 use crate::unit::INCH;
+use groups::{Entity, Groups};
 
 /// Whether a text is a drawing: pairs of a group code and a value, the first of them `0` and `SECTION`.
 pub(crate) fn is_drawing(text: &str) -> bool {
