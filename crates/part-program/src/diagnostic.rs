@@ -157,7 +157,7 @@ impl fmt::Display for Diagnostic {
     }
 }
 
-/// All errors of one text: never empty when returned as an error.
+/// All errors of one text, and a warning where one helps to see why: never empty when returned as an error.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Diagnostics {
     list: Vec<Diagnostic>,
@@ -224,6 +224,16 @@ impl<'t> Report<'t> {
 
     pub(crate) fn warning(&mut self, span: impl Into<Span>, message: impl Into<String>) -> &mut Diagnostic {
         self.say(Severity::Warning, span.into(), message.into())
+    }
+
+    /// A warning that is said with the errors too, if there are any.
+    pub(crate) fn warning_beside_errors(&mut self, span: Span, message: String) {
+        if self.has_errors() && self.errors.list.len() < MAX_DIAGNOSTICS {
+            let diagnostic = Diagnostic::new(Severity::Warning, &self.source, span, message);
+            self.errors.list.push(diagnostic);
+        } else {
+            self.warning(span, message);
+        }
     }
 
     fn say(&mut self, severity: Severity, span: Span, message: String) -> &mut Diagnostic {

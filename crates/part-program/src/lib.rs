@@ -8,7 +8,7 @@
 //! | splines as FANUC writes them, G06.2 | [`read_part`] | [`write_g06_2`] |
 //! | splines as LinuxCNC writes them, G5.2, G5, G5.1 | [`read_part`] | [`write_g5_2`] |
 //! | splines as Siemens writes them, BSPLINE | [`read_part`] | |
-//! | drawing: DXF with SPLINE, LINE, ARC, CIRCLE, LWPOLYLINE | [`read_part`] | |
+//! | drawing: DXF | [`read_part`] | |
 //! | JSON as geomdl exports it | [`read_part`] | |
 //! | machine file: TOML, table `[machine]` | [`read_machine`] | |
 //!
