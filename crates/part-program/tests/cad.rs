@@ -167,7 +167,7 @@ fn every_fault_of_a_drawing_is_said() {
 fn formats_that_are_not_read_are_named() {
     for (text, said) in [
         ("ISO-10303-21;\nHEADER;\n", "this is a STEP file, which is not read"),
-        ("AutoCAD Binary DXF\r\n\u{1a}\0", "this is a binary DXF file"),
+        ("AutoCAD Binary DXF\n\u{1a}\0", "this is a binary DXF file whose first bytes were changed"),
         ("AC1027\0\0", "this is a DWG file"),
     ] {
         let errors = read_part("p", text).unwrap_err().to_string();
@@ -493,6 +493,70 @@ fn inserts_are_bounded() {
     }
 }
 
+#[test]
+fn lines_may_end_with_carriage_returns_alone() {
+    let text = drawing(4, SPLINE);
+    for ends in ["\r", "\r\n", "\r\r\n"] {
+        let same = part(&text.replace('\n', ends));
+        assert_eq!((&same.curves, same.moves[0].line), (&part(&text).curves, 20), "{ends:?}");
+    }
+    let errors = refusal(&drawing(4, &SPLINE.replace("41 2", "41 -2")).replace('\n', "\r"));
+    assert!(errors.contains("p:48:1"), "{errors}");
+}
+
+/// A drawing's groups in binary, with codes of two bytes or as release 12 has them.
+fn binary(text: &str, is_wide: bool) -> Vec<u8> {
+    let mut bytes = b"AutoCAD Binary DXF\r\n\x1a\0".to_vec();
+    let lines: Vec<_> = text.lines().collect();
+    for group in lines.chunks_exact(2) {
+        let code: u16 = group[0].parse().unwrap();
+        match code {
+            _ if is_wide => bytes.extend(code.to_le_bytes()),
+            ..=254 => bytes.push(u8::try_from(code).unwrap()),
+            _ => bytes.extend([&[255], code.to_le_bytes().as_slice()].concat()),
+        }
+        match code {
+            10..=59 | 210..=239 => bytes.extend(group[1].parse::<f64>().unwrap().to_le_bytes()),
+            60..=79 => bytes.extend(group[1].parse::<i16>().unwrap().to_le_bytes()),
+            90..=99 => bytes.extend(group[1].parse::<i32>().unwrap().to_le_bytes()),
+            310 => bytes.extend([&[3], [1, 0, 255].as_slice()].concat()),
+            _ => bytes.extend([group[1].as_bytes(), &[0]].concat()),
+        }
+    }
+    bytes
+}
+
+fn of_bytes(bytes: &[u8]) -> Result<Part, part_program::Diagnostics> {
+    part_program::read_part_bytes("p", bytes, part_program::ReadOptions::default())
+}
+
+#[test]
+fn a_binary_drawing_is_the_drawing() {
+    let entities = format!("{SPLINE} 0 LWPOLYLINE 90 2 310 0 1001 ACAD 1000 x 10 1e300 10 0.1 20 -2.5 62 -3")
+        .replace("10 1e300 ", "");
+    let text = drawing(1, &format!("{entities} 10 5 20 0"));
+    for is_wide in [true, false] {
+        let bytes = binary(&text, is_wide);
+        assert_eq!(of_bytes(&bytes).unwrap_or_else(|errors| panic!("{errors}")), part(&text));
+        for length in 22..bytes.len() - 1 {
+            let errors = of_bytes(&bytes[..length]).unwrap_err().to_string();
+            assert!(errors.contains("the binary drawing is cut off in the group at byte"), "{errors}");
+        }
+    }
+    for (bytes, said) in [
+        (
+            [[0, 0].as_slice(), b"SECTION\0\x88\x13x\0"].concat(),
+            "byte 32 of the binary drawing begins a group 5000",
+        ),
+        ([[0, 0].as_slice(), b"EOF\0"].concat(), "this binary drawing does not begin with a section"),
+        (Vec::new(), "the binary drawing is cut off in the group at byte 22"),
+    ] {
+        let errors =
+            of_bytes(&[b"AutoCAD Binary DXF\r\n\x1a\0".as_slice(), &bytes].concat()).unwrap_err().to_string();
+        assert!(errors.contains(said), "{errors}");
+    }
+}
+
 const JSON: &str = r#"{"shape": {"type": "curve", "count": 1, "data": [{"type": "spline", "rational": true, "dimension": 2,
  "degree": 2, "knotvector": [0, 0, 0, 0.5, 1, 1, 1], "delta": 0.01,
  "control_points": {"points": [[0, 0], [1, 2.5], [3, 1], [4, 0]], "weights": [1, 2, 0.5, 1]}}]}}"#;
@@ -526,6 +590,30 @@ fn json_as_geomdl_exports_it() {
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(500))]
+
+    /// A good drawing of many entities, as text or binary, with a few bytes changed is read or refused.
+    #[test]
+    fn mutated_drawings_return(
+        changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..6),
+        form in 0..3,
+    ) {
+        let entities = format!("0 SPLINE 70 11 71 3 {FIT} 0 INSERT 2 Hole 10 0 20 0 70 2 0 ELLIPSE 10 1 20 2 11 0 21 2 40 0.5
+            0 POLYLINE 70 1 0 VERTEX 10 0 20 0 42 1 0 VERTEX 10 1 20 1 0 SEQEND {SPLINE}");
+        let text = with_blocks(&BLOCK.replace("0 ENDBLK", "0 INSERT 2 Other 10 0 20 0 0 ENDBLK"), &entities);
+        let mut bytes = match form {
+            0 => text.into_bytes(),
+            form => binary(&text, form == 1),
+        };
+        for (at, byte) in &changes {
+            let at = at.index(bytes.len());
+            bytes[at] = *byte;
+        }
+        if let Ok(part) = of_bytes(&bytes) {
+            for curve in &part.curves {
+                prop_assert_eq!(curve.faults(), []);
+            }
+        }
+    }
 
     /// A good file with a few bytes changed is read or refused.
     #[test]

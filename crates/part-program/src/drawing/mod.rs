@@ -21,6 +21,7 @@
 //! Autodesk, DXF Reference, chapters "ENTITIES section" and "Object coordinate systems".
 
 mod affine;
+pub(crate) mod binary;
 mod clamp;
 mod conic;
 mod fit;
@@ -56,6 +57,15 @@ pub(crate) fn is_drawing(text: &str) -> bool {
             first => return first.is_some_and(|first| first.code == 0 && first.text == "SECTION"),
         }
     }
+}
+
+/// The same drawing with line feeds, if its lines end with carriage returns alone.
+pub(crate) fn with_line_feeds(text: &str) -> Option<String> {
+    if text.contains('\n') || !text.contains('\r') {
+        return None;
+    }
+    let text = text.replace('\r', "\n");
+    is_drawing(&text).then_some(text)
 }
 
 /// Reads a drawing into `part`.
