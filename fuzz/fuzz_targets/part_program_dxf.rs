@@ -4,7 +4,8 @@ use feedbits_fuzz::holds;
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
-    // The reader that is meant, whatever the bytes.
-    let text = [b"0\nSECTION\n".as_slice(), bytes].concat();
-    holds(&text, None, false);
+    // The readers that are meant, whatever the bytes: of text, and of binary groups.
+    for head in [b"0\nSECTION\n".as_slice(), b"AutoCAD Binary DXF\r\n\x1a\0"] {
+        holds(&[head, bytes].concat(), None, false);
+    }
 });

@@ -158,7 +158,7 @@ impl fmt::Display for Diagnostic {
     }
 }
 
-/// All errors of one text: never empty when returned as an error.
+/// All errors of one text, and a warning where one helps to see why: never empty when returned as an error.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Diagnostics {
     list: Vec<Diagnostic>,
@@ -257,6 +257,16 @@ impl<'t> Report<'t> {
         };
         self.kinds.insert((is_error, kind.to_string()), (kept.len(), 0));
         self.say(severity, span, message.into())
+    }
+
+    /// A warning that is said with the errors too, if there are any.
+    pub(crate) fn warning_beside_errors(&mut self, span: Span, message: String) {
+        if self.has_errors() && self.errors.list.len() < MAX_DIAGNOSTICS {
+            let diagnostic = Diagnostic::new(Severity::Warning, &self.source, span, message);
+            self.errors.list.push(diagnostic);
+        } else {
+            self.warning(span, message);
+        }
     }
 
     fn say(&mut self, severity: Severity, span: Span, message: String) -> &mut Diagnostic {

@@ -8,7 +8,7 @@
 //! | splines as FANUC writes them, G06.2 | [`read_part`] | [`write_g06_2`] |
 //! | splines as LinuxCNC writes them, G5.2, G5, G5.1 | [`read_part`] | [`write_g5_2`] |
 //! | splines as Siemens writes them, BSPLINE | [`read_part`] | |
-//! | drawing: DXF with SPLINE, LINE, ARC, CIRCLE, LWPOLYLINE | [`read_part`] | |
+//! | drawing: DXF, as text or binary | [`read_part_bytes`] | |
 //! | JSON as geomdl exports it | [`read_part`] | |
 //! | machine file: TOML, table `[machine]` | [`read_machine`] | |
 //!
@@ -41,7 +41,6 @@ mod curve;
 mod curve_file;
 mod diagnostic;
 mod drawing;
-mod dxf;
 mod gcode;
 mod geomdl;
 mod inspect;
@@ -94,11 +93,14 @@ pub fn read_part(name: &str, text: &str) -> Result<Part, Diagnostics> {
     read_part_with(name, text, ReadOptions::default())
 }
 
-/// Reads a part from a file's bytes: UTF-8, or else Latin-1, as older controls and editors write their comments.
+/// Reads a part from a file's bytes: UTF-8, or else Latin-1, as older controls and editors write their comments; or a binary drawing.
 ///
 /// # Errors
 /// As [`read_part_with`].
 pub fn read_part_bytes(name: &str, bytes: &[u8], options: ReadOptions) -> Result<Part, Diagnostics> {
+    if bytes.starts_with(drawing::binary::SENTINEL) {
+        return read_part_with(name, &drawing::binary::as_text(name, bytes)?, options);
+    }
     match std::str::from_utf8(bytes) {
         Ok(text) => read_part_with(name, text, options),
         // Latin-1 doubles at most: refuse before the copy is made.
@@ -115,6 +117,9 @@ pub fn read_part_bytes(name: &str, bytes: &[u8], options: ReadOptions) -> Result
 /// Every fault of the text; with `lenient`, unknown words are warnings instead.
 pub fn read_part_with(name: &str, text: &str, options: ReadOptions) -> Result<Part, Diagnostics> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    if text.as_bytes().starts_with(drawing::binary::SENTINEL) {
+        return read_part_bytes(name, text.as_bytes(), options);
+    }
     if text.contains('\r') && !text.contains('\n') {
         // As long as before, so that every place in it stays where it is.
         return read_lines(name, &text.replace('\r', "\n"), options);
@@ -155,7 +160,8 @@ const READ: &str = "a part program, a curve file (TOML), a drawing (DXF) or geom
 /// What a text of another kind is, and what to do about it.
 fn unread(text: &str) -> Option<(&'static str, &'static str)> {
     const EXPORT: &str = "export the curves as DXF (text), where a spline is an entity SPLINE";
-    [("ISO-10303-21", "a STEP file"), ("AutoCAD Binary DXF", "a binary DXF file"), ("AC10", "a DWG file")]
+    let changed = "a binary DXF file whose first bytes were changed, as a transfer of text does,";
+    [("ISO-10303-21", "a STEP file"), ("AutoCAD Binary DXF", changed), ("AC10", "a DWG file")]
         .into_iter()
         .find(|(begin, _)| text.trim_start().starts_with(begin))
         .map(|(_, format)| (format, EXPORT))

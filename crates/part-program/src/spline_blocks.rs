@@ -27,12 +27,23 @@ impl SplineBlocks {
         report: &mut Report<'_>,
         named: impl Fn(&CurveFault) -> Option<&'static str>,
     ) -> Option<Curve> {
+        self.finish_except(degree, report, named, |_| false)
+    }
+
+    /// As [`finish`](Self::finish), but a curve may break the rules that are `forgiven`.
+    pub(crate) fn finish_except(
+        self,
+        degree: usize,
+        report: &mut Report<'_>,
+        named: impl Fn(&CurveFault) -> Option<&'static str>,
+        forgiven: impl Fn(&CurveFault) -> bool,
+    ) -> Option<Curve> {
         let (control_points_mm, point_spans): (Vec<_>, Vec<_>) = self.points.into_iter().unzip();
         let (weights, weight_spans): (Vec<_>, Vec<_>) = self.weights.into_iter().unzip();
         let (knots, knot_spans): (Vec<_>, Vec<_>) = self.knots.into_iter().unzip();
         let dimension = Curve::dimension_of(&control_points_mm);
         let curve = Curve { degree, control_points_mm, dimension, weights, knots };
-        let faults = curve.faults();
+        let faults: Vec<_> = curve.faults().into_iter().filter(|fault| !forgiven(fault)).collect();
         for fault in &faults {
             let span = match fault.element() {
                 Element::ControlPoint(i) => point_spans.get(i),

@@ -145,7 +145,10 @@ fn the_way_to_the_first_point_is_cut_from_a_start_that_is_given() {
     let unknown = part(text);
     assert_eq!(
         said(&unknown)[0],
-        (1, "where the tool is on X before this move at feed is not known: its way there is left out")
+        (
+            1,
+            "where the tool is on X before this move at feed is not known: its way there is left out, and 1 more like it"
+        )
     );
 }
 

@@ -3,6 +3,7 @@
 //! Our own, because the crate `dxf` (0.6) ends a drawing without a word at the first entity that it cannot read, and
 //! keeps no places.
 
+use super::affine::Affine;
 use crate::diagnostic::Report;
 use crate::source::Span;
 
@@ -21,8 +22,14 @@ pub(crate) struct Groups<'t> {
 }
 
 impl<'t> Groups<'t> {
-    pub(crate) fn new(text: &'t str) -> Self {
-        Self { text, at: 0 }
+    /// Reads from a byte of the text on, which begins a line.
+    pub(crate) fn new(text: &'t str, at: usize) -> Self {
+        Self { text, at }
+    }
+
+    /// The byte at which the next group begins.
+    pub(crate) fn at(&self) -> usize {
+        self.at
     }
 
     /// The next line without the spaces around it, and its place.
@@ -58,9 +65,64 @@ pub(crate) struct Entity<'t> {
     pub(crate) name: &'t str,
     pub(crate) span: Span,
     pub(crate) groups: Vec<Group<'t>>,
+    /// The entities VERTEX that follow a POLYLINE.
+    pub(crate) vertices: Vec<Entity<'t>>,
+}
+
+/// Reads entity after entity, to the end of their section or block.
+pub(crate) struct Entities<'t> {
+    groups: Groups<'t>,
+    /// The group 0 of the entity that is next.
+    opening: Option<Group<'t>>,
+}
+
+impl<'t> Entities<'t> {
+    /// Reads from a byte of the text on, where a group 0 begins.
+    pub(crate) fn new(text: &'t str, at: usize) -> Self {
+        let mut groups = Groups::new(text, at);
+        let opening = groups.next(None);
+        Self { groups, opening }
+    }
+
+    /// The next entity; a POLYLINE with its vertices.
+    fn polyline(&mut self) -> Option<Entity<'t>> {
+        let mut entity = self.one()?;
+        while entity.name == "POLYLINE" && self.opening.is_some_and(|next| next.text == "VERTEX") {
+            entity.vertices.extend(self.one());
+        }
+        Some(entity)
+    }
+
+    fn one(&mut self) -> Option<Entity<'t>> {
+        let opening = self.opening.filter(|group| group.code == 0)?;
+        if matches!(opening.text, "ENDSEC" | "ENDBLK" | "EOF" | "SECTION") {
+            return None;
+        }
+        let mut groups = Vec::new();
+        self.opening = loop {
+            match self.groups.next(None) {
+                Some(group) if group.code != 0 => groups.push(group),
+                next => break next,
+            }
+        };
+        Some(Entity { groups, ..Entity::new(opening.text, opening.span) })
+    }
+}
+
+impl<'t> Iterator for Entities<'t> {
+    type Item = Entity<'t>;
+
+    fn next(&mut self) -> Option<Entity<'t>> {
+        self.polyline()
+    }
 }
 
 impl<'t> Entity<'t> {
+    /// An entity without groups yet.
+    pub(crate) fn new(name: &'t str, span: Span) -> Self {
+        Self { name, span, groups: Vec::new(), vertices: Vec::new() }
+    }
+
     /// The text of a group code that stands there once.
     pub(crate) fn text(&self, code: i32) -> Option<&'t str> {
         self.groups.iter().find(|group| group.code == code).map(|group| group.text)
@@ -77,7 +139,14 @@ impl<'t> Entity<'t> {
         self.groups.iter().find(|group| group.code == code).map(|group| number(report, group))
     }
 
-    /// The value of a group code without which the entity is none.
+    /// The bits of a group code; none where it is not there.
+    pub(crate) fn flags(&self, report: &mut Report<'_>, code: i32) -> u32 {
+        let value = self.number(report, code).filter(|value| (0.0..65536.0).contains(value));
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 65535")]
+        value.map_or(0, |value| value as u32)
+    }
+
+    /// The value of a group code without which the entity is none; `None` once something is said about it.
     pub(crate) fn needed(&self, report: &mut Report<'_>, code: i32, what: &str) -> Option<f64> {
         let found = self.number(report, code);
         if found.is_none() {
@@ -85,7 +154,34 @@ impl<'t> Entity<'t> {
                 .error(self.span, format!("this {} has no {what}", self.name))
                 .expected(format!("a group {code}"));
         }
-        found
+        found.filter(|value| !value.is_nan())
+    }
+
+    /// The one point whose x has this code; `None` once something is said about it.
+    pub(crate) fn point(&self, report: &mut Report<'_>, x: i32, what: &str) -> Option<[f64; 3]> {
+        let points = self.points(report, x);
+        if let &[(point, _)] = points.as_slice() {
+            return point.iter().all(|x| !x.is_nan()).then_some(point);
+        }
+        let message = match points.len() {
+            0 => format!("this {} has no {what}", self.name),
+            count => format!("this {} has a {what} {count} times", self.name),
+        };
+        report.error(self.span, message).expected(format!("groups {x}, {} and {} once", x + 10, x + 20));
+        None
+    }
+
+    /// The map from the entity's plane to the drawing's axes; `None` once something is said about it.
+    pub(crate) fn plane(&self, report: &mut Report<'_>) -> Option<Affine> {
+        let normal = [(210, 0.0), (220, 0.0), (230, 1.0)]
+            .map(|(code, default)| self.number(report, code).unwrap_or(default));
+        let plane = Affine::of_plane(normal);
+        if plane.is_none() && normal.iter().all(|x| !x.is_nan()) {
+            report
+                .error(self.span, format!("the plane of this {} has no normal", self.name))
+                .expected("the groups 210, 220 and 230 to be a direction");
+        }
+        plane
     }
 
     /// The points whose x has the code `x`, y `x + 10` and z `x + 20`; a z that is not there is 0.

@@ -1,0 +1,93 @@
+//! Affine maps: planes of entities, inserted blocks, and the drawing's unit.
+//!
+//! The points of a rational curve are means of its control points with shares that sum to 1, so that an affine map of the control
+//! points is the same map of the curve, with no error but rounding: an arc that is scaled unevenly becomes its ellipse.
+//!
+//! # Source
+//! Autodesk, DXF Reference, "Arbitrary Axis Algorithm".
+
+use std::f64::consts::FRAC_PI_2;
+
+use crate::curve::Curve;
+use crate::vector::{cross, length};
+
+/// The map `p ↦ origin + x axes[0] + y axes[1] + z axes[2]`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Affine {
+    pub(crate) axes: [[f64; 3]; 3],
+    pub(crate) origin: [f64; 3],
+}
+
+impl Affine {
+    /// Multiplies each coordinate.
+    pub(crate) fn scaling(factors: [f64; 3]) -> Self {
+        let [x, y, z] = factors;
+        Self { axes: [[x, 0.0, 0.0], [0.0, y, 0.0], [0.0, 0.0, z]], origin: [0.0; 3] }
+    }
+
+    /// Moves by a vector.
+    pub(crate) fn moving(by: [f64; 3]) -> Self {
+        Self { origin: by, ..Self::scaling([1.0; 3]) }
+    }
+
+    /// Turns about the z axis, counterclockwise.
+    pub(crate) fn turning(angle: f64) -> Self {
+        let (sin, cos) = sin_cos(angle);
+        Self { axes: [[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]], origin: [0.0; 3] }
+    }
+
+    /// Takes the coordinates of an entity whose plane has this normal to the drawing's; `None` if the normal has no direction.
+    ///
+    /// The x axis of the plane is the drawing's y axis × the normal if the normal is within 1/64 of the drawing's z axis, else
+    /// the drawing's z axis × the normal.
+    pub(crate) fn of_plane(normal: [f64; 3]) -> Option<Self> {
+        const NEAR: f64 = 1.0 / 64.0;
+        let z = unit(normal)?;
+        let across = if z[0].abs() < NEAR && z[1].abs() < NEAR { [0.0, 1.0, 0.0] } else { [0.0, 0.0, 1.0] };
+        let x = unit(cross(across, z))?;
+        Some(Self { axes: [x, cross(z, x), z], origin: [0.0; 3] })
+    }
+
+    /// Where a point goes.
+    pub(crate) fn point(&self, point: [f64; 3]) -> [f64; 3] {
+        let turned = self.direction(point);
+        std::array::from_fn(|axis| turned[axis] + self.origin[axis])
+    }
+
+    /// Where a difference of points goes.
+    pub(crate) fn direction(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
+        std::array::from_fn(|axis| x * self.axes[0][axis] + y * self.axes[1][axis] + z * self.axes[2][axis])
+    }
+
+    /// This map after another one.
+    pub(crate) fn after(&self, first: &Self) -> Self {
+        Self { axes: first.axes.map(|axis| self.direction(axis)), origin: self.point(first.origin) }
+    }
+
+    /// Maps a curve.
+    pub(crate) fn curve(&self, mut curve: Curve) -> Curve {
+        for point in &mut curve.control_points_mm {
+            *point = self.point(*point);
+        }
+        curve.dimension = Curve::dimension_of(&curve.control_points_mm);
+        curve
+    }
+}
+
+/// A vector over its length; `None` where it has no direction.
+pub(crate) fn unit(vector: [f64; 3]) -> Option<[f64; 3]> {
+    let length = length(vector);
+    (length > 0.0 && length.is_finite()).then(|| vector.map(|x| x / length))
+}
+
+/// Sine and cosine of an angle in rad; of a whole number of right angles without the rounding of π.
+pub(crate) fn sin_cos(angle: f64) -> (f64, f64) {
+    let quarters = angle / FRAC_PI_2;
+    let whole = quarters.round();
+    let (sin, cos) = angle.sin_cos();
+    if (quarters - whole).abs() <= 4.0 * f64::EPSILON * whole.abs().max(1.0) {
+        (sin.round() + 0.0, cos.round() + 0.0)
+    } else {
+        (sin, cos)
+    }
+}

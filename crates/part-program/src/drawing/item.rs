@@ -1,0 +1,36 @@
+//! What an entity draws, in the units of the drawing or of its block.
+
+use super::insert::Insert;
+use crate::curve::Curve;
+use crate::part::Shape;
+use crate::source::Span;
+
+/// One thing that is drawn; `span` is where its entity, or the vertex of it, stands.
+#[derive(Clone, Debug)]
+pub(crate) enum Item<'t> {
+    /// A curve.
+    Curve { curve: Curve, shape: Shape, span: Span },
+    /// What ends where it starts.
+    Standstill(Span),
+    /// A block, once or in rows and columns.
+    Insert(Insert<'t>),
+}
+
+impl Item<'_> {
+    /// A straight line, or a standstill.
+    pub(crate) fn straight(from: [f64; 3], to: [f64; 3], span: Span) -> Self {
+        if from == to {
+            Self::Standstill(span)
+        } else {
+            Self::Curve { curve: Curve::line(from, to), shape: Shape::Line, span }
+        }
+    }
+
+    /// How many control points it has.
+    pub(crate) fn point_count(&self) -> usize {
+        match self {
+            Self::Curve { curve, .. } => curve.control_points_mm.len(),
+            Self::Standstill(_) | Self::Insert(_) => 0,
+        }
+    }
+}

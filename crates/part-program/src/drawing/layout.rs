@@ -1,0 +1,73 @@
+//! What stands where in a drawing: its layers, its blocks and its entities.
+
+use std::collections::{HashMap, HashSet};
+
+use super::groups::{Entity, Groups};
+use crate::diagnostic::Report;
+use crate::source::Span;
+
+/// Places of a drawing. Names are in lower case: a drawing's names have no case.
+#[derive(Default)]
+pub(crate) struct Layout {
+    /// Layers that are frozen or off.
+    pub(crate) hidden_layers: HashSet<String>,
+    /// By name, the byte at which a block's entity BLOCK begins.
+    pub(crate) blocks: HashMap<String, usize>,
+    /// The bytes at which the first entities of sections ENTITIES begin.
+    pub(crate) entities: Vec<usize>,
+}
+
+impl Layout {
+    /// Looks through the whole drawing, and says where it is none.
+    pub(crate) fn read(report: &mut Report<'_>) -> Self {
+        let mut layout = Self::default();
+        let mut groups = Groups::new(report.source.text, 0);
+        // A section has its name behind its group 0; layers and blocks are read up to the next.
+        let (mut section, mut is_new, mut open): (&str, bool, Option<(Entity<'_>, usize)>) =
+            ("", false, None);
+        loop {
+            let at = groups.at();
+            let Some(group) = groups.next(Some(report)) else { break };
+            if group.code == 0 {
+                if let Some((entity, start)) = open.take() {
+                    layout.note(&entity, start);
+                }
+                match (group.text, section) {
+                    ("EOF", _) => return layout,
+                    ("SECTION", _) => is_new = true,
+                    ("ENDSEC", _) => section = "",
+                    (name @ "LAYER", "TABLES") | (name @ "BLOCK", "BLOCKS") => {
+                        open = Some((Entity::new(name, group.span), at));
+                    }
+                    _ => {}
+                }
+            } else if let Some((entity, _)) = &mut open {
+                entity.groups.push(group);
+            } else if is_new && group.code == 2 {
+                (section, is_new) = (group.text, false);
+                if section == "ENTITIES" {
+                    layout.entities.push(groups.at());
+                }
+            }
+        }
+        if !report.has_errors() {
+            let end = report.source.text.len();
+            report.error(Span::new(end, end), "the drawing is cut off").expected("a group 0 with EOF");
+        }
+        layout
+    }
+
+    fn note(&mut self, entity: &Entity<'_>, start: usize) {
+        let number = |code: i32| entity.text(code).and_then(|text| text.parse::<i32>().ok());
+        let Some(name) = entity.text(2).map(str::to_lowercase) else { return };
+        if entity.name == "BLOCK" {
+            self.blocks.entry(name).or_insert(start);
+            return;
+        }
+        let is_frozen = number(70).is_some_and(|flags| flags & 1 == 1);
+        let is_off = number(62).is_some_and(|colour| colour < 0);
+        if is_frozen || is_off {
+            self.hidden_layers.insert(name);
+        }
+    }
+}
