@@ -122,6 +122,20 @@ fn offsets_shift_what_comes_later() {
     assert!((low[0] + 1.0).abs() < 1e-9 && high[0].abs() < 1e-9, "{low:?} {high:?}");
 }
 
+/// A half circle in XZ, turned by 90° about Z: it is one in YZ.
+#[test]
+fn a_rotation_turns_the_planes_of_arcs() {
+    let part = part(
+        "SET_XY_ROTATION(90)\nSELECT_PLANE(CANON_PLANE_XZ)\nSTRAIGHT_TRAVERSE(1, 0, 0, 0, 0, 0)\nSET_FEED_RATE(60)
+         ARC_FEED(0, 3, 0, 2, 1, 0, 0, 0, 0)\nSTRAIGHT_FEED(4, 0, 0, 0, 0, 0)",
+    );
+    assert_eq!(part.rest_before(1), None);
+    let (low, high) = bounding_box_mm(&part.curves[..1]).unwrap();
+    let is_near = |p: [f64; 3], q: [f64; 3]| (0..3).all(|axis| (p[axis] - q[axis]).abs() < 1e-9);
+    // Counterclockwise in G18 goes from Z to X: from the centre it begins at negative X, and goes over positive Z.
+    assert!(is_near(low, [0.0, 1.0, 0.0]) && is_near(high, [0.0, 3.0, 1.0]), "{low:?} {high:?}");
+}
+
 #[test]
 fn another_tool_length_moves_the_tip_and_not_the_machine() {
     let part = part(

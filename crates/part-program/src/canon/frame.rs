@@ -30,8 +30,13 @@ impl Frame {
         std::array::from_fn(|axis| turned[axis] + shift[axis])
     }
 
+    /// A direction or a distance before it was turned about Z.
+    pub(crate) fn turned_back(&self, p: [f64; 3]) -> [f64; 3] {
+        Self { rotation: -self.rotation, ..*self }.turned(p)
+    }
+
     /// A direction or a distance, turned about Z.
-    fn turned(&self, p: [f64; 3]) -> [f64; 3] {
+    pub(crate) fn turned(&self, p: [f64; 3]) -> [f64; 3] {
         if self.rotation == 0.0 {
             return p;
         }

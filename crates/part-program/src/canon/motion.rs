@@ -3,6 +3,7 @@
 use crate::approach::Approach;
 use crate::arc::{ArcFault, ArcMove, Circle};
 use crate::canon::call::Call;
+use crate::canon::frame::Frame;
 use crate::canon::{FeedMode, Once, PathMode, Reader};
 use crate::curve::{Curve, MAX_COORDINATE_MM};
 use crate::joint;
@@ -60,27 +61,22 @@ impl Reader<'_, '_, '_> {
         (centre[first], centre[second], centre[normal]) = (centre_a, centre_b, c);
         let places = self.place(end, call.span).zip(self.place(centre, call.span));
         let Some((end, centre)) = places else { return };
-        if self.frame.rotation != 0.0 && normal != 2 {
-            let expected = "arcs in the plane XY only";
-            return self.refuse(
-                call.span,
-                "an arc in a plane that a rotation about Z turns is not read",
-                expected,
-            );
-        }
         self.turns_rotary(rotary, call.span);
         let Some(start) = self.position.replace(end) else {
             let expected = "a straight move to its start";
             return self.refuse(call.span, "where this arc starts is not known", expected);
         };
+        // A rotation about Z turns the planes XZ and YZ: such an arc is made as it is written, and then turned.
+        let frame = if normal == 2 { Frame::default() } else { self.frame };
+        let [start, end, centre] = [start, end, centre].map(|point| frame.turned_back(point));
         let circle = Circle::Centre([centre[first], centre[second]]);
         let arc = ArcMove { plane: self.plane, clockwise: rotation < 0.0, start, end, circle };
-        match self.push_turns(arc, turns, call.span) {
+        match self.push_turns(arc, turns, frame, call.span) {
             Ok(()) => {}
             // A radius of less than the last decimal.
             Err(ArcFault::NoRadius) if start == end => self.part.standstills.push(self.line),
             Err(ArcFault::NoRadius) => {
-                self.push(Curve::line(start, end), MoveKind::Feed, Shape::Line, call.span);
+                self.push(turned(Curve::line(start, end), frame), MoveKind::Feed, Shape::Line, call.span);
             }
             Err(_) => {
                 self.report.error(call.span, "the helix is too high").expected("a rise that a machine has");
@@ -89,7 +85,7 @@ impl Reader<'_, '_, '_> {
     }
 
     /// Makes one curve of each turn of an arc; all but the last are whole ones.
-    fn push_turns(&mut self, arc: ArcMove, turns: u32, span: Span) -> Result<(), ArcFault> {
+    fn push_turns(&mut self, arc: ArcMove, turns: u32, frame: Frame, span: Span) -> Result<(), ArcFault> {
         let [.., normal] = arc.plane.axes();
         // The share of the height that one whole turn takes: the height goes with the angle.
         let angle = arc.sweep()?;
@@ -100,11 +96,11 @@ impl Reader<'_, '_, '_> {
             let mut to = arc.start;
             to[normal] += rise * f64::from(turn);
             let (curve, _) = ArcMove { start: from, end: to, ..arc }.spiral()?;
-            self.push(curve, MoveKind::Feed, Shape::Arc, span);
+            self.push(turned(curve, frame), MoveKind::Feed, Shape::Arc, span);
             from = to;
         }
         let (curve, _) = ArcMove { start: from, ..arc }.spiral()?;
-        self.push(curve, MoveKind::Feed, Shape::Arc, span);
+        self.push(turned(curve, frame), MoveKind::Feed, Shape::Arc, span);
         Ok(())
     }
 
@@ -208,6 +204,12 @@ impl Reader<'_, '_, '_> {
             self.passes_smooth_joints = false;
         }
     }
+}
+
+/// A curve turned about Z as the coordinates are.
+fn turned(mut curve: Curve, frame: Frame) -> Curve {
+    curve.control_points_mm.iter_mut().for_each(|point| *point = frame.turned(*point));
+    curve
 }
 
 /// The turns of an arc, without their direction.
