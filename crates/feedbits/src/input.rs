@@ -18,14 +18,15 @@ const EXAMPLE: &str = include_str!("../../../data/seed-000.toml");
 /// The part and its machine.
 #[derive(Args)]
 pub(crate) struct Input {
-    /// Part: a curve file (TOML), a part program, a drawing (DXF) or geomdl's JSON, told by its content; at most
-    /// 64 MiB. `-` is the standard input. Default: the built-in example.
+    /// Part: a curve file (TOML), a part program, what LinuxCNC's rs274 prints of one, a drawing (DXF) or geomdl's JSON, told by its
+    /// content; at most 64 MiB. `-` is the standard input. Default: the built-in example.
     part: Option<PathBuf>,
     /// Machine: a preset's name, as `feedbits machine` lists them, or a file (TOML with a table `machine`). A file that is named as a
     /// preset is given with its folder, as ./mill. Default: the machine in the part's own file.
     #[arg(long, value_name = "NAME|FILE", add = ArgValueCompleter::new(completions::machines))]
     machine: Option<PathBuf>,
-    /// The control that a part program is for: fanuc, linuxcnc or siemens. Default: told by its splines.
+    /// The control that a part program is for: fanuc, linuxcnc or siemens; canon is what LinuxCNC's rs274 prints of one. Default: told
+    /// by its splines, or by its lines.
     #[arg(long, value_name = "CONTROL", add = ArgValueCandidates::new(completions::dialects))]
     dialect: Option<Dialect>,
     /// Read over unknown words of a part program, with a warning each. A G word that is not read leaves the axes of its
@@ -81,14 +82,14 @@ impl Input {
         Ok(part)
     }
 
-    /// The control that the part is said to be for.
+    /// The control that a program is written for: the one that the part is said to be for.
     pub(crate) fn dialect(&self) -> Option<Dialect> {
-        self.dialect
+        self.dialect.map(Dialect::written)
     }
 
     /// The part, or what is wrong with its text.
     pub(crate) fn parsed(&self) -> Result<Result<Part, Diagnostics>> {
-        let options = ReadOptions { dialect: self.dialect(), lenient: self.lenient, ..ReadOptions::default() };
+        let options = ReadOptions { dialect: self.dialect, lenient: self.lenient, ..ReadOptions::default() };
         Ok(match &self.part {
             Some(path) if path == Path::new("-") => {
                 let name = "standard input";

@@ -106,9 +106,27 @@ impl ArcMove {
 
     /// The curve and its length, in mm.
     pub(crate) fn curve(&self) -> Result<(Curve, f64), ArcFault> {
+        self.within(CENTRE_TOLERANCE_MM)
+    }
+
+    /// The curve of an arc that a control has taken already, and its length, in mm: its end may be as far off the circle as it is.
+    pub(crate) fn spiral(&self) -> Result<(Curve, f64), ArcFault> {
+        self.within(f64::INFINITY)
+    }
+
+    /// The angle by which the path of an arc turns that a control has taken already, without its sign.
+    pub(crate) fn sweep(&self) -> Result<f64, ArcFault> {
+        let [a, b, _] = self.plane.axes();
+        let (from, to) = ([self.start[a], self.start[b]], [self.end[a], self.end[b]]);
+        let turn = self.turn(from, to, f64::INFINITY)?;
+        Ok(turn.sweep.abs())
+    }
+
+    /// The curve and its length, with an end that may be `tolerance_mm` off the circle about a centre.
+    fn within(&self, tolerance_mm: f64) -> Result<(Curve, f64), ArcFault> {
         let [a, b, normal] = self.plane.axes();
         let (from, to) = ([self.start[a], self.start[b]], [self.end[a], self.end[b]]);
-        let Turn { centre, radii, sweep } = self.turn(from, to)?;
+        let Turn { centre, radii, sweep } = self.turn(from, to, tolerance_mm)?;
         let rise = self.end[normal] - self.start[normal];
         let spans = span_count(sweep.abs(), rise.abs()).ok_or(ArcFault::TooLong)?;
 
@@ -161,7 +179,7 @@ impl ArcMove {
     }
 
     /// The centre, and how the path turns about it.
-    fn turn(&self, from: [f64; 2], to: [f64; 2]) -> Result<Turn, ArcFault> {
+    fn turn(&self, from: [f64; 2], to: [f64; 2], tolerance_mm: f64) -> Result<Turn, ArcFault> {
         let chord = distance(from, to);
         let (centre, radii, turned) = match self.circle {
             Circle::Centre(centre) => {
@@ -169,7 +187,7 @@ impl ArcMove {
                 if start == 0.0 {
                     return Err(ArcFault::NoRadius);
                 }
-                if (start - end).abs() > CENTRE_TOLERANCE_MM {
+                if (start - end).abs() > tolerance_mm {
                     return Err(ArcFault::EndOffCircle { start, end });
                 }
                 let angle = |p: [f64; 2]| (p[1] - centre[1]).atan2(p[0] - centre[0]);

@@ -8,6 +8,7 @@
 //! | splines as FANUC writes them, G06.2 | [`read_part`] | [`write_g06_2`] |
 //! | splines as LinuxCNC writes them, G5.2, G5, G5.1 | [`read_part`] | [`write_g5_2`] |
 //! | splines as Siemens writes them, BSPLINE | [`read_part`] | |
+//! | what LinuxCNC's `rs274 -g` prints of a part program | [`read_part`] | |
 //! | drawing: DXF, as text or binary | [`read_part_bytes`] | |
 //! | JSON as geomdl exports it | [`read_part`] | |
 //! | machine file: TOML, table `[machine]` | [`read_machine`] | |
@@ -37,6 +38,7 @@ mod arc;
 mod bend;
 mod bezier;
 mod bounds;
+mod canon;
 mod curve;
 mod curve_file;
 mod diagnostic;
@@ -136,6 +138,8 @@ fn read_lines(name: &str, text: &str, options: ReadOptions) -> Result<Part, Diag
             .error(Span::default(), format!("this is {format}, which is not read"))
             .expected(READ)
             .hint(hint);
+    } else if options.dialect == Some(Dialect::Canon) || canon::is_canon(text) {
+        canon::read(&mut report, &mut part, options);
     } else if text.trim_start().starts_with('{') {
         geomdl::read(&mut report, &mut part);
     } else if drawing::is_drawing(text) {
@@ -155,7 +159,8 @@ fn read_lines(name: &str, text: &str, options: ReadOptions) -> Result<Part, Diag
 }
 
 /// What a text may be.
-const READ: &str = "a part program, a curve file (TOML), a drawing (DXF) or geomdl's JSON";
+const READ: &str =
+    "a part program, what rs274 prints of one, a curve file (TOML), a drawing (DXF) or geomdl's JSON";
 
 /// What a text of another kind is, and what to do about it.
 fn unread(text: &str) -> Option<(&'static str, &'static str)> {

@@ -41,7 +41,7 @@ impl Unit {
     }
 }
 
-/// A control, by the words of its splines.
+/// A control, by the words of its splines, or by what its interpreter prints.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dialect {
     /// `G06.2 P K X Y Z R`.
@@ -50,11 +50,13 @@ pub enum Dialect {
     LinuxCnc,
     /// `BSPLINE` with `SD=`, `PW=` and `PL=`.
     Siemens,
+    /// What LinuxCNC's interpreter `rs274` prints of a program: `STRAIGHT_FEED(…)`, `ARC_FEED(…)`. It is read, and never written.
+    Canon,
 }
 
 impl Dialect {
     /// Every dialect.
-    pub const ALL: [Self; 3] = [Self::Fanuc, Self::LinuxCnc, Self::Siemens];
+    pub const ALL: [Self; 4] = [Self::Fanuc, Self::LinuxCnc, Self::Siemens, Self::Canon];
 
     /// The name on the command line.
     #[must_use]
@@ -63,7 +65,14 @@ impl Dialect {
             Self::Fanuc => "fanuc",
             Self::LinuxCnc => "linuxcnc",
             Self::Siemens => "siemens",
+            Self::Canon => "canon",
         }
+    }
+
+    /// The dialect in which a program is written whose part was read in this one.
+    #[must_use]
+    pub fn written(self) -> Self {
+        if self == Self::Canon { Self::LinuxCnc } else { self }
     }
 }
 
@@ -78,6 +87,6 @@ impl FromStr for Dialect {
 
     fn from_str(name: &str) -> Result<Self, Self::Err> {
         let named = Self::ALL.into_iter().find(|dialect| dialect.name().eq_ignore_ascii_case(name));
-        named.ok_or_else(|| format!("`{name}` is no dialect: expected fanuc, linuxcnc or siemens"))
+        named.ok_or_else(|| format!("`{name}` is no dialect: expected fanuc, linuxcnc, siemens or canon"))
     }
 }

@@ -107,7 +107,7 @@ impl std::error::Error for WriteError {}
 /// [`WriteError::CurvedRapid`], [`WriteError::SpanTooFine`], [`WriteError::TooManyChords`], [`WriteError::TooLong`].
 pub fn write_g1(part: &Part, tolerance_mm: f64, dialect: Option<Dialect>) -> Result<String, WriteError> {
     let exact_stop = match dialect {
-        Some(Dialect::LinuxCnc) => "G61.1",
+        Some(Dialect::LinuxCnc | Dialect::Canon) => "G61.1",
         Some(Dialect::Siemens) => "G60",
         Some(Dialect::Fanuc) | None => EXACT_STOP,
     };

@@ -54,6 +54,41 @@ const PIECES: [&str; 44] = [
     " ",
 ];
 
+/// Pieces of what LinuxCNC's interpreter prints.
+const CANON_PIECES: [&str; 31] = [
+    "\n    1 N..... STRAIGHT_FEED(",
+    "\n    2 N10    STRAIGHT_FEED(",
+    "\n    3 N..... STRAIGHT_TRAVERSE(",
+    "\n    4 N..... ARC_FEED(",
+    "\n    5 N..... ARC_FEED(10.0000, 0.0000, 5.0000, 0.0000, ",
+    "\n    6 N1234567USE_LENGTH_UNITS(CANON_UNITS_INCHES)",
+    "\n    7 N..... SELECT_PLANE(CANON_PLANE_XZ)",
+    "\n    8 N..... SELECT_PLANE(",
+    "\n    9 N..... SET_G5X_OFFSET(1, ",
+    "\n   10 N..... SET_XY_ROTATION(",
+    "\n   11 N..... USE_TOOL_LENGTH_OFFSET(0.0000 0.0000 1.0000, ",
+    "\n   12 N..... SET_FEED_RATE(",
+    "\n   13 N..... SET_MOTION_CONTROL_MODE(CANON_EXACT_PATH)",
+    "\n   14 N..... RIGID_TAP(",
+    "\n   15 N..... NURBS_FEED(4, ...)",
+    "\n   16 N..... DWELL(1.0000)",
+    "\n   17 N..... SET_SPINDLE_SPEED(0, ",
+    "\n   18 N..... PROGRAM_END()",
+    "\n   19 N..... ",
+    "0.0000, ",
+    "0.0000, 0.0000, 0.0000)",
+    "10.0000, ",
+    "-2.5000, ",
+    "1e300, ",
+    "99999999.0000, ",
+    "nan, ",
+    "1, ",
+    "-3, ",
+    ")",
+    "é",
+    "executing",
+];
+
 fn options() -> impl Strategy<Value = ReadOptions> {
     let dialect = prop::option::of(prop::sample::select(Dialect::ALL.to_vec()));
     (dialect, any::<bool>()).prop_map(|(dialect, lenient)| ReadOptions {
@@ -119,6 +154,12 @@ proptest! {
             _ => format!("{piece} "),
         }).collect();
         returns(text.as_bytes(), options)?;
+    }
+
+    #[test]
+    fn canon(pieces in prop::collection::vec(prop::sample::select(CANON_PIECES.to_vec()), 0..80), lenient: bool) {
+        let text = format!("1 N..... ON_RESET(){}", pieces.concat());
+        returns(text.as_bytes(), ReadOptions { dialect: None, lenient, ..ReadOptions::default() })?;
     }
 
     #[test]

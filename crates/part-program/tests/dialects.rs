@@ -103,7 +103,7 @@ fn the_same_curve_in_every_dialect_has_the_same_numbers() {
 #[test]
 fn a_given_dialect_refuses_the_others() {
     let texts = [(Dialect::Fanuc, FANUC), (Dialect::LinuxCnc, LINUXCNC), (Dialect::Siemens, SIEMENS)];
-    for given in Dialect::ALL {
+    for given in texts.map(|(dialect, _)| dialect) {
         for (own, text) in texts {
             let options = ReadOptions { dialect: Some(given), lenient: false, ..ReadOptions::default() };
             let read = read_part_with("p.nc", text, options);
