@@ -41,6 +41,7 @@ pub fn on_paper_as_machine<const D: usize>(name: &str, curve: NurbsBuf<f64, D>) 
         lines: Vec::new(),
         rapids_left_out: 0,
         gaps: 0,
+        filament_mm: None,
         machine: machine(),
     }
 }

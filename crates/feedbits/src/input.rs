@@ -8,7 +8,9 @@ use anyhow::{Context, Result, bail};
 use clap::Args;
 use clap_complete::{ArgValueCandidates, ArgValueCompleter};
 use format_compare::Problem;
-use part_program::{Diagnostics, Dialect, MAX_TEXT, Machine, Move, MoveKind, Part, ReadOptions};
+use part_program::{
+    Diagnostics, Dialect, MAX_COORDINATE_MM, MAX_TEXT, Machine, Move, MoveKind, Part, ReadOptions, Unit,
+};
 
 use crate::{completions, machine, output};
 
@@ -34,6 +36,25 @@ pub(crate) struct Input {
     /// not read, no axes are moved until a motion that is read. Other G words of the block, F, M, S, T, D and H hold.
     #[arg(long)]
     lenient: bool,
+    /// Where the tool is when a part program begins, in mm. Default: an axis begins where the program first sends it.
+    #[arg(long, value_name = "X,Y,Z", value_parser = place, allow_hyphen_values = true)]
+    start: Option<[f64; 3]>,
+    /// The unit of a part program's lengths until a word names one: mm or inch.
+    #[arg(long, value_name = "UNIT")]
+    units: Option<Unit>,
+}
+
+/// Reads `X,Y,Z`.
+fn place(text: &str) -> Result<[f64; 3], String> {
+    let numbers: Vec<f64> = text.split(',').map_while(|number| number.trim().parse().ok()).collect();
+    match numbers[..] {
+        [x, y, z]
+            if text.split(',').count() == 3 && [x, y, z].iter().all(|x| x.abs() <= MAX_COORDINATE_MM) =>
+        {
+            Ok([x, y, z])
+        }
+        _ => Err(format!("`{text}` is no place: expected three numbers in mm, as 0,0,5")),
+    }
 }
 
 /// A problem in the number of dimensions that its part has.
@@ -62,9 +83,14 @@ impl Input {
 
     /// Reads both files.
     pub(crate) fn part_and_machine(&self) -> Result<(Part, Machine)> {
-        let part = self.part()?;
+        let mut part = self.part()?;
         match self.machine_of(&part)? {
-            Some(machine) => Ok((part, machine)),
+            Some(machine) => {
+                if !machine.s_stops {
+                    part.pass_spindle_words();
+                }
+                Ok((part, machine))
+            }
             None => bail!(
                 "{} names no machine: give its limits with --machine FILE.toml, or take a preset such as --machine router; \
                  `feedbits machine` lists them",
@@ -79,6 +105,9 @@ impl Input {
         for warning in &part.warnings {
             output::say(&warning.to_string());
         }
+        if let Some(size) = part.assumed_unit() {
+            output::note(&format!("{size}; `--units mm` or `--units inch` says which"));
+        }
         Ok(part)
     }
 
@@ -89,7 +118,12 @@ impl Input {
 
     /// The part, or what is wrong with its text.
     pub(crate) fn parsed(&self) -> Result<Result<Part, Diagnostics>> {
-        let options = ReadOptions { dialect: self.dialect, lenient: self.lenient, ..ReadOptions::default() };
+        let options = ReadOptions {
+            dialect: self.dialect,
+            lenient: self.lenient,
+            start_mm: self.start,
+            unit: self.units,
+        };
         Ok(match &self.part {
             Some(path) if path == Path::new("-") => {
                 let name = "standard input";
@@ -184,6 +218,10 @@ fn too_long(name: &str) -> String {
 
 /// Reads a program that was written, before it is kept.
 pub(crate) fn read_again(text: &str, dialect: Option<Dialect>) -> Result<Part> {
-    part_program::read_part_with("what was written", text, ReadOptions { dialect, lenient: false, ..ReadOptions::default() })
-        .context("what was written does not read back: nothing is kept")
+    part_program::read_part_with(
+        "what was written",
+        text,
+        ReadOptions { dialect, lenient: false, ..ReadOptions::default() },
+    )
+    .context("what was written does not read back: nothing is kept")
 }

@@ -127,6 +127,7 @@ fn drive<R: Backend, const D: usize>(legs: &[Leg<'_, R, D>], plan: &ExactPlan, p
         steps,
         finished,
         planned_periods: plan.periods(),
+        filament_step_mm: None,
         resolution_mm: resolution_at::<R>(points.fold(0.0, |largest: f64, x| largest.max(x.abs()))),
         audit: Audit::default(),
     }

@@ -178,6 +178,7 @@ impl<'a, R: Backend, const D: usize> Drive<'a, R, D> {
             finished: self.finished,
             planned_periods: self.planned_periods,
             resolution_mm: unit * resolution_at::<R>(self.farthest),
+            filament_step_mm: None,
             fluctuation_resolution: 0.5 * unit_in_last_place::<R>(full_step) / full_step,
             audit: Audit::default(),
         }

@@ -32,6 +32,8 @@ pub struct Problem<const D: usize> {
     pub rapids_left_out: usize,
     /// The number of gaps that no rapid move bridges in the part.
     pub gaps: usize,
+    /// How far the position of a printer's filament gets from 0, in mm, if the part counts it.
+    pub filament_mm: Option<f64>,
     /// The machine's limits, with the highest feedrate that the part commands, if it does.
     pub machine: Machine,
 }
@@ -80,7 +82,19 @@ impl<const D: usize> Problem<D> {
             machine.feedrate_mm_per_s = feedrate;
         }
         let name = part.name.clone();
-        Ok(Self { name, curves, feed_shares, stops, breaks, lines, rapids_left_out, gaps, machine })
+        let filament_mm = part.filament.map(|filament| filament.greatest_mm.max(-filament.least_mm));
+        Ok(Self {
+            name,
+            curves,
+            feed_shares,
+            stops,
+            breaks,
+            lines,
+            rapids_left_out,
+            gaps,
+            filament_mm,
+            machine,
+        })
     }
 
     /// The curves of this range by themselves, on the same machine. The part rests where the range begins and ends.

@@ -151,7 +151,15 @@ pub(crate) fn requirements<const D: usize>(
     // The greater, or what is no number.
     let [place, rounding] = [run.resolution_mm / full_step, run.fluctuation_resolution];
     let step_of_format = if place.total_cmp(&rounding).is_gt() { place } else { rounding };
-    vec![
+    let increment = machine.position_increment_mm;
+    let filament = run.filament_step_mm.map(|step| {
+        let broken = format!(
+            "steps of the filament of {step:.1e} > {increment:.1e} mm, {:.0} mm from its 0",
+            problem.filament_mm.unwrap_or_default()
+        );
+        one("step of the filament's position", (step, increment, "mm"), None, broken)
+    });
+    let mut all = vec![
         one(
             "stops before the end of the path",
             (f64::from(u8::from(!run.finished)), 0.0, "count"),
@@ -198,7 +206,9 @@ pub(crate) fn requirements<const D: usize>(
             last,
             format!("ends {end_error_mm:.1e} mm from the end"),
         ),
-    ]
+    ];
+    all.extend(filament);
+    all
 }
 
 #[cfg(test)]
@@ -225,6 +235,7 @@ mod tests {
                 finished: true,
                 planned_periods: 0,
                 resolution_mm: 1e-6,
+                filament_step_mm: None,
                 fluctuation_resolution,
                 audit,
             };
@@ -264,6 +275,30 @@ mod tests {
             judged(|_, found, _| found.saturations = 3, 0.0),
             Verdict::Bad(vec!["3 overflows".into()])
         );
+    }
+
+    /// A print of 42 m: an absolute E in f32 has steps of 4 µm there, and 32 bits of fixed point steps of 31 nm.
+    #[test]
+    fn the_filament_of_a_long_print_is_judged_like_a_position() {
+        let step = |format: &str| {
+            let text = "[machine]\ninterpolation_period_ms = 1\nfeedrate_mm_per_s = 50\nacceleration_mm_per_s2 = 1000\n\
+                        jerk_mm_per_s3 = 20000\nposition_increment_mm = 0.001\n";
+            let machine = part_program::read_machine("m.toml", text).unwrap();
+            let print = "G21 M82\nG0 X0 Y0 Z0\nG92 E41990\nG1 X10 E42000 F3000\n";
+            let part = part_program::read_part("print.gcode", print).unwrap();
+            let problem = Problem::<2>::new(&part, &machine).unwrap();
+            let formats = crate::select(&[format.to_owned()]).unwrap();
+            let comparison =
+                crate::compare(&problem, &formats, &[crate::Engine::Pieces], &crate::Options::default())
+                    .unwrap();
+            let own = comparison.formats.iter().flat_map(|row| &row.requirements);
+            let own: Vec<_> =
+                own.filter(|one| one.what == "step of the filament's position").cloned().collect();
+            (own[0].found, own[0].holds())
+        };
+        assert_eq!(step("f32"), (2.0_f64.powi(-8), false));
+        assert_eq!(step("I4F28"), (2.0_f64.powi(13 - 28), true));
+        assert!(step("f64").1);
     }
 
     #[test]

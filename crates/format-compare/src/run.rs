@@ -200,6 +200,9 @@ pub struct Run {
     pub planned_periods: u32,
     /// The step between two neighbouring commanded points, in mm: of a float, at the largest coordinate.
     pub resolution_mm: f64,
+    /// The step between two neighbouring positions of a printer's filament where it is furthest from 0, in mm: of a fixed-point format, in
+    /// the smallest range that holds it.
+    pub filament_step_mm: Option<f64>,
     /// Half a unit in the last place of what the solver seeks, over the step: what rounding it alone may cost, as a
     /// fluctuation. On the global parameter, `½ ulp(u)/(u_{i+1} - u_i)`, the largest over the steps at cruise; on
     /// pieces, `½ ulp(L)/L` of the full step `L = F·T`, for there the parameter is a 64-bit phase and the length the
@@ -214,6 +217,17 @@ pub(crate) fn resolution_at<R: Backend>(largest: f64) -> f64 {
     match R::name() {
         FormatName::Fixed { .. } => R::resolution().to_f64(),
         _ => R::resolution().to_f64() * largest,
+    }
+}
+
+/// The step between neighbouring numbers of `R` in mm, where a position of its own scale is as far from 0 as `farthest_mm`.
+pub(crate) fn own_step_mm<R: Backend>(farthest_mm: f64) -> f64 {
+    match R::name() {
+        FormatName::Fixed { .. } => {
+            let doublings = (farthest_mm / R::max_value().to_f64()).log2().ceil();
+            R::resolution().to_f64() * doublings.max(0.0).exp2()
+        }
+        _ => unit_in_last_place::<R>(farthest_mm),
     }
 }
 
@@ -232,6 +246,7 @@ pub(crate) fn audited<R: Backend, A: Backend, const D: usize>(
     options: &Options,
 ) -> Result<Run, Refusal> {
     let mut run = once::<R, D>(problem, plan, options)?;
+    run.filament_step_mm = problem.filament_mm.filter(|farthest| *farthest > 0.0).map(own_step_mm::<R>);
     let (again, audit) = Audit::of(|| once::<A, D>(problem, plan, options));
     debug_assert!(again.is_ok_and(|again| again.steps == run.steps), "an audit changes no value");
     run.audit = audit;

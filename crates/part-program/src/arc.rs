@@ -27,8 +27,9 @@ use crate::curve::Curve;
 
 /// How far a point of a helix may be from its height, in mm: a tenth of what drives tell apart.
 pub const HELIX_TOLERANCE_MM: f64 = 1e-6;
-/// How far the end of an arc may be from the circle through its start, in mm: what rounding to two decimals does.
-const CENTRE_TOLERANCE_MM: f64 = 0.02;
+/// How far the end of an arc may be from the circle through its start, in mm: what rounding to two decimals does. Of a large arc it may
+/// be off by [`TAKEN_SHARE`] of the radius, as LinuxCNC allows.
+const CENTRE_TOLERANCE_MM: f64 = 0.03;
 /// Radii of start and end that differ by more than this, in mm, and by more than [`TAKEN_SHARE`], are worth a warning: Grbl refuses
 /// such an arc, and LinuxCNC does above 0.028 mm.
 pub(crate) const TAKEN_MM: f64 = 0.005;
@@ -187,7 +188,7 @@ impl ArcMove {
                 if start == 0.0 {
                     return Err(ArcFault::NoRadius);
                 }
-                if (start - end).abs() > tolerance_mm {
+                if (start - end).abs() > tolerance_mm.max(TAKEN_SHARE * start.max(end)) {
                     return Err(ArcFault::EndOffCircle { start, end });
                 }
                 let angle = |p: [f64; 2]| (p[1] - centre[1]).atan2(p[0] - centre[0]);

@@ -19,6 +19,7 @@ use crate::toml_table::{self, Domain, TableReader};
 /// | [`position_increment_mm`](Self::position_increment_mm) | 1e-5 | 10 nm, FANUC's increment system IS-D |
 /// | [`fluctuation_limit`](Self::fluctuation_limit) | 1e-4 | of a step of 0.1 mm, 100 mm/s at 1 ms, it is the 10 nm that drives tell apart: less could be computed, and no drive would see it |
 /// | [`parameter_tolerance`](Self::parameter_tolerance) | 1e-10 | a nanometre of a path of 10 m, so that of the two tests of a solver the one of the fluctuation decides |
+/// | [`s_stops`](Self::s_stops) | true | a spindle takes its time; a laser does not |
 /// | [`max_iterations`](Self::max_iterations) | 8 | along the curves of papers A and D in `f64` a secant takes two on average, and the few steps, next to rest, that do not end within 5 do not end within 12 either: more give the same fluctuation |
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Machine {
@@ -40,6 +41,9 @@ pub struct Machine {
     pub parameter_tolerance: f64,
     /// K, iterations after which a solver must stop.
     pub max_iterations: u32,
+    /// Whether the machine rests at S words, and at M3, M4 and M5: a laser's control passes them, as Grbl's does with `$32=1`.
+    #[serde(skip_serializing_if = "is_true")]
+    pub s_stops: bool,
     /// Acceleration across the path, in mm/s².
     #[serde(skip_serializing_if = "Option::is_none")]
     pub centripetal_acceleration_mm_per_s2: Option<f64>,
@@ -48,6 +52,12 @@ pub struct Machine {
     pub junction: Junction,
     /// Limits of single axes.
     pub axes: Axes,
+}
+
+/// Serde hands over a reference.
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "as serde calls it")]
+fn is_true(truth: &bool) -> bool {
+    *truth
 }
 
 /// Key of δ.
@@ -187,6 +197,7 @@ pub(crate) fn from_table(report: &mut Report<'_>, header: Span, table: &DeTable<
     let fluctuation_limit = keys.number_or("fluctuation_limit", RATIO, FLUCTUATION_LIMIT);
     let parameter_tolerance = keys.number_or("parameter_tolerance", RATIO, PARAMETER_TOLERANCE);
     let max_iterations = max_iterations(&mut keys);
+    let s_stops = keys.truth_or("s_stops", true);
     let centripetal_acceleration_mm_per_s2 =
         keys.optional_number("centripetal_acceleration_mm_per_s2", ACCELERATION);
     let junction = junction(&mut keys);
@@ -217,6 +228,7 @@ pub(crate) fn from_table(report: &mut Report<'_>, header: Span, table: &DeTable<
         fluctuation_limit: fluctuation_limit?,
         parameter_tolerance: parameter_tolerance?,
         max_iterations: max_iterations?,
+        s_stops,
         centripetal_acceleration_mm_per_s2,
         junction,
         axes,

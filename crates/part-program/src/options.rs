@@ -90,3 +90,12 @@ impl FromStr for Dialect {
         named.ok_or_else(|| format!("`{name}` is no dialect: expected fanuc, linuxcnc, siemens or canon"))
     }
 }
+
+impl FromStr for Unit {
+    type Err = String;
+
+    fn from_str(name: &str) -> Result<Self, Self::Err> {
+        let named = Self::ALL.into_iter().find(|unit| unit.name().eq_ignore_ascii_case(name));
+        named.ok_or_else(|| format!("`{name}` is no unit of a program: expected mm or inch"))
+    }
+}

@@ -68,7 +68,16 @@ impl Part {
             return false;
         };
         let first = self.auxiliary.partition_point(|word| word.block < before);
-        self.auxiliary.get(first).is_some_and(|word| word.block <= after)
+        let words = self.auxiliary.get(first..).unwrap_or_default();
+        words.iter().take_while(|word| word.block <= after).any(|word| !word.is_passed)
+    }
+
+    /// Lets the machine pass S words and M3, M4 and M5 without a rest, as [`s_stops`](crate::Machine::s_stops) says.
+    pub fn pass_spindle_words(&mut self) {
+        for word in &mut self.auxiliary {
+            word.is_passed |=
+                word.letter == 'S' || word.letter == 'M' && [3.0, 4.0, 5.0].contains(&word.value);
+        }
     }
 }
 
@@ -101,6 +110,8 @@ pub struct Auxiliary {
     pub line: usize,
     /// Number of its block in the order of execution, from 1.
     pub block: u32,
+    /// Whether the machine goes on without a rest.
+    pub is_passed: bool,
 }
 
 /// The filament that a program for a 3-D printer counts with its words E.

@@ -82,6 +82,20 @@ impl<'r, 'd, 't> TableReader<'r, 'd, 't> {
         Some(number)
     }
 
+    /// `true` or `false`, or `default` if the key is not there.
+    pub(crate) fn truth_or(&mut self, key: &'static str, default: bool) -> bool {
+        let Some(value) = self.optional(key) else { return default };
+        match value.get_ref() {
+            DeValue::Boolean(truth) => *truth,
+            _ => {
+                self.report
+                    .error(value.span(), format!("`{key}` is neither true nor false"))
+                    .expected("true or false");
+                default
+            }
+        }
+    }
+
     /// A required whole number of 0 to 2³² - 1.
     pub(crate) fn whole_number(&mut self, key: &'static str, expected: &str) -> Option<u32> {
         let value = self.required(key)?;

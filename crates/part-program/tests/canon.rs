@@ -249,7 +249,7 @@ const MALFORMED: [(&str, &str); 21] = [
     ("SET_G5X_OFFSET(1, 2, 3)", "is not as rs274 prints it"),
     ("USE_TOOL_LENGTH_OFFSET(1)", "is not as rs274 prints it"),
     ("SET_XY_ROTATION()", "is not as rs274 prints it"),
-    ("SET_FEED_RATE(-1)", "the feed is"),
+    ("SET_FEED_RATE(-1)", "is not as rs274 prints it"),
     ("SET_FEED_MODE(0, 7)", "is not as rs274 prints it"),
     ("SET_MOTION_CONTROL_MODE(UNKNOWN)", "is not as rs274 prints it"),
     ("SET_SPINDLE_SPEED()", "is not as rs274 prints it"),

@@ -279,6 +279,7 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
                 value: *value,
                 line: self.line,
                 block: self.block(),
+                is_passed: false,
             });
         } else if !WITHOUT_EFFECT.contains(&name) {
             let message = format!("the canonical function `{name}` is not known");
@@ -291,9 +292,13 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
         let numbers = call.numbers();
         let value = numbers.as_ref().and_then(|numbers| pick(numbers.split::<0>()?.1)).copied();
         match value {
-            Some(value) => {
-                self.part.auxiliary.push(Auxiliary { letter, value, line: self.line, block: self.block() })
-            }
+            Some(value) => self.part.auxiliary.push(Auxiliary {
+                letter,
+                value,
+                line: self.line,
+                block: self.block(),
+                is_passed: false,
+            }),
             None => self.malformed(call, "a number"),
         }
     }
@@ -352,14 +357,17 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
             return self.malformed(call, "a feed");
         };
         let feedrate = rate * self.unit / 60.0;
-        if !(0.0..=MAX_FEEDRATE).contains(&feedrate) {
-            self.report
-                .error(call.span, format!("the feed is {feedrate} mm/s"))
-                .expected(format!("0 to {MAX_FEEDRATE} mm/s"));
-            return;
+        if feedrate < 0.0 {
+            return self.malformed(call, "a feed of at least 0");
+        }
+        if feedrate > MAX_FEEDRATE {
+            let message =
+                format!("{feedrate:.0} mm/s are as fast as any machine can: the machine's own feed is taken");
+            self.report.of_kind(false, call.span, "fast", message);
         }
         // The interpreter prints 0 where no feed is set.
-        self.feedrate_mm_per_s = Some(feedrate).filter(|feedrate| *feedrate > 0.0);
+        self.feedrate_mm_per_s =
+            Some(feedrate).filter(|feedrate| *feedrate > 0.0 && *feedrate <= MAX_FEEDRATE);
     }
 
     /// `SET_FEED_MODE(spindle, mode)`, or without a spindle in older versions.

@@ -5,7 +5,7 @@
 //! | G81 | feeds to Z, and is back as fast as the machine can |
 //! | G82 | rests at Z before |
 //! | G83, G73 | feeds by Q at a time; G83 comes back to R in between, G73 by [`CLEARANCE_MM`] |
-//! | G84, G74 | taps: feeds to Z, and back to R at feed |
+//! | G84, G74 | taps: feeds to Z, and back to R at feed, of LinuxCNC to where it stays |
 //! | G85, G89 | bores: as G84; G89 rests at Z |
 //! | G86, G88, FANUC's G76 | bore: the spindle stops at Z; G88 rests there, too |
 //!
@@ -146,7 +146,8 @@ impl Reader<'_, '_, '_> {
         let here = self.modal.position[normal];
         let (bottom, retract) = (self.modal.mm(bottom), self.modal.mm(retract));
         let (retract, bottom) = if self.modal.incremental {
-            let retract = here.unwrap_or(0.0) + retract;
+            // From where the first cycle began.
+            let retract = self.holes.begin_mm.or(here).unwrap_or(0.0) + retract;
             (retract, retract + bottom)
         } else {
             let origin = self.modal.origin(normal);
@@ -157,7 +158,7 @@ impl Reader<'_, '_, '_> {
             self.report.error(span, message).expected("a bottom below R");
             return None;
         }
-        let begin = *self.holes.begin_mm.get_or_insert(here.unwrap_or(retract).max(retract));
+        let begin = *self.holes.begin_mm.get_or_insert(here.unwrap_or(retract));
         let is_linuxcnc = self.options.dialect == Some(Dialect::LinuxCnc);
         let clear =
             if self.holes.returns_to_begin.unwrap_or(!is_linuxcnc) { begin.max(retract) } else { retract };
@@ -203,7 +204,9 @@ impl Reader<'_, '_, '_> {
         match cycle {
             Cycle::Tap | Cycle::Bore { .. } => {
                 self.rest();
-                go(self, retract, MoveKind::Feed);
+                let is_linuxcnc = self.options.dialect == Some(Dialect::LinuxCnc);
+                let feeds_to_the_end = is_linuxcnc && cycle != Cycle::Bore { rests: false };
+                go(self, if feeds_to_the_end { clear } else { retract }, MoveKind::Feed);
             }
             Cycle::Drill | Cycle::DrillAndRest | Cycle::Peck { .. } | Cycle::BoreAndStop => self.rest(),
         }

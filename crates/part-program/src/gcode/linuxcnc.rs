@@ -150,11 +150,11 @@ pub(crate) fn bezier(
     let end = modal.target(modal.here(), written);
     let start = modal.start(end);
     modal.arrive(written, end);
-    let beside = |mut point: [f64; 3], offset: [f64; 2]| {
-        for (axis, offset) in axes.into_iter().zip(offset) {
-            point[axis] += offset;
-        }
-        point
+    let beside = |point: [f64; 3], along: [f64; 2]| {
+        let mut offset = [0.0; 3];
+        (offset[axes[0]], offset[axes[1]]) = (along[0], along[1]);
+        let offset = modal.turned(offset);
+        std::array::from_fn(|axis| point[axis] + offset[axis])
     };
     let mut blocks = SplineBlocks { start: span, ..SplineBlocks::default() };
     blocks.point(start, 1.0, span);

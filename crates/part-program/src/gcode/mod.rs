@@ -296,7 +296,13 @@ impl Reader<'_, '_, '_> {
                         let line = self.line_of(word.span);
                         ends |= letter == b'M' && [2.0, 30.0, 99.0].contains(&value);
                         let block = self.block_number;
-                        self.part.auxiliary.push(Auxiliary { letter: letter.into(), value, line, block });
+                        self.part.auxiliary.push(Auxiliary {
+                            letter: letter.into(),
+                            value,
+                            line,
+                            block,
+                            is_passed: false,
+                        });
                     }
                 }
             }
@@ -361,9 +367,12 @@ impl Reader<'_, '_, '_> {
         }
         let feedrate = word.value * unit / 60.0;
         if feedrate > MAX_FEEDRATE {
-            self.report
-                .error(word.span, format!("the feed is {feedrate} mm/s"))
-                .expected(format!("at most {MAX_FEEDRATE} mm/s, which is F{}", MAX_FEEDRATE * 60.0));
+            let text = self.report.source.slice(word.span);
+            let message = format!(
+                "`{text}` is {feedrate:.0} mm/s, as fast as any machine can: the machine's own feed is taken"
+            );
+            self.report.of_kind(false, word.span, "fast", message);
+            self.modal.feedrate_mm_per_s = None;
             return None;
         }
         self.modal.feedrate_mm_per_s = Some(feedrate);

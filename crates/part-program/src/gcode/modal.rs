@@ -95,6 +95,8 @@ pub(crate) struct Modal {
     pub(crate) work_offset: u8,
     /// Origins of the work offsets in the part, in mm; 0 for those that no G10 has set.
     pub(crate) work_origins: [[f64; 3]; WORK_OFFSETS],
+    /// By which angle each work offset turns X and Y about its origin, in rad.
+    pub(crate) work_turns: [f64; WORK_OFFSETS],
     /// What G92 and G52 add to them, in mm.
     pub(crate) shift: [f64; 3],
     /// Where an axis that is unknown is taken to be; 0 if it was never known.
@@ -123,13 +125,59 @@ impl Modal {
         of_offset + self.shift[axis]
     }
 
+    /// By which angle the work offset in force turns X and Y, in rad.
+    fn turn(&self) -> f64 {
+        self.work_turns.get(usize::from(self.work_offset)).copied().unwrap_or(0.0)
+    }
+
+    /// A distance along the axes of the program, in mm, along those of the part.
+    pub(crate) fn turned(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
+        match self.turn() {
+            0.0 => [x, y, z],
+            angle => {
+                let (sin, cos) = angle.sin_cos();
+                [x * cos - y * sin, x * sin + y * cos, z]
+            }
+        }
+    }
+
+    /// Where a place of the program is in the part, both in mm.
+    pub(crate) fn in_part(&self, place: [f64; 3]) -> [f64; 3] {
+        if self.turn() == 0.0 {
+            return std::array::from_fn(|axis| self.origin(axis) + place[axis]);
+        }
+        let turned = self.turned(std::array::from_fn(|axis| place[axis] + self.shift[axis]));
+        std::array::from_fn(|axis| self.origin(axis) - self.shift[axis] + turned[axis])
+    }
+
+    /// Where a place of the part is in the program, both in mm.
+    pub(crate) fn in_program(&self, place: [f64; 3]) -> [f64; 3] {
+        let angle = self.turn();
+        if angle == 0.0 {
+            return std::array::from_fn(|axis| place[axis] - self.origin(axis));
+        }
+        let [x, y, z]: [f64; 3] =
+            std::array::from_fn(|axis| place[axis] - self.origin(axis) + self.shift[axis]);
+        let (sin, cos) = angle.sin_cos();
+        let straight = [x * cos + y * sin, y * cos - x * sin, z];
+        std::array::from_fn(|axis| straight[axis] - self.shift[axis])
+    }
+
     /// Where the tool is on an axis, as the program counts and in its unit.
     pub(crate) fn programmed(&self, axis: usize) -> f64 {
-        (self.here()[axis] - self.origin(axis)) / self.mm(1.0)
+        self.in_program(self.here())[axis] / self.mm(1.0)
     }
 
     /// Where coordinates as written lead from `from`: those not written are kept.
     pub(crate) fn target(&self, from: [f64; 3], written: [Option<f64>; 3]) -> [f64; 3] {
+        if self.turn() != 0.0 && written != [None; 3] {
+            let here = self.in_program(from);
+            return self.in_part(std::array::from_fn(|axis| match written[axis] {
+                Some(value) if self.incremental => here[axis] + self.mm(value),
+                Some(value) => self.mm(value),
+                None => here[axis],
+            }));
+        }
         std::array::from_fn(|axis| match written[axis] {
             Some(value) if self.incremental => from[axis] + self.mm(value),
             Some(value) => self.origin(axis) + self.mm(value),
@@ -145,7 +193,11 @@ impl Modal {
     }
 
     /// Brings the axes that are written to `target`.
-    pub(crate) fn arrive(&mut self, written: [Option<f64>; 3], target: [f64; 3]) {
+    pub(crate) fn arrive(&mut self, mut written: [Option<f64>; 3], target: [f64; 3]) {
+        if self.turn() != 0.0 {
+            let either = written[0].or(written[1]);
+            (written[0], written[1]) = (either, either);
+        }
         for axis in (0..3).filter(|axis| written[*axis].is_some()) {
             if self.position[axis].is_none() {
                 self.from_unknown[axis] = self.incremental;

@@ -3,7 +3,7 @@
 //! | words | meaning |
 //! |---|---|
 //! | G54 to G59, G59.1 to G59.3 | the work offset in force |
-//! | G10 L2, G10 L20 | where the origin of a work offset is; with L20 by the coordinates that the tool has there |
+//! | G10 L2, G10 L20 | where the origin of a work offset is, and by how many degrees (R) it turns X and Y; with L20 by the coordinates that the tool has there |
 //! | G92, G52 | a shift of the coordinates: G92 gives the tool these coordinates, FANUC's G52 moves the origin by them |
 //! | G92.1, G92.2, G92.3 | the shift forgotten, put aside, taken up again |
 //! | G28, G30 | a rapid move over a point to a place of the machine's own |
@@ -128,11 +128,6 @@ impl Reader<'_, '_, '_> {
         let number = block.take_letter(b'P').map_or(0.0, |word| word.value);
         let rotation = block.take_letter(b'R');
         match what {
-            Some(2.0 | 20.0) if rotation.is_some_and(|word| word.value != 0.0) => {
-                self.report
-                    .error(span, "a work offset that turns the coordinates")
-                    .expected("G10 without R, or R0");
-            }
             Some(what @ (2.0 | 20.0)) => {
                 let index = if number == 0.0 { Some(self.modal.work_offset) } else { offset_index(number) };
                 let Some(index) = index else {
@@ -141,6 +136,9 @@ impl Reader<'_, '_, '_> {
                         .expected("P0 to P9");
                     return;
                 };
+                if let Some(rotation) = rotation {
+                    self.modal.work_turns[usize::from(index)] = rotation.value.to_radians();
+                }
                 self.set_origin(block, index, what == 20.0);
             }
             // Tables of tools.
@@ -163,24 +161,33 @@ impl Reader<'_, '_, '_> {
     fn set_origin(&mut self, block: &mut Block<'_>, index: u8, by_tool: bool) {
         let index = usize::from(index);
         self.known_origins[index] = true;
-        for (axis, value) in block.take_axes().into_iter().enumerate() {
-            let Some(value) = value.map(|value| self.modal.mm(value)) else { continue };
-            let here = self.modal.here()[axis];
-            let origin = &mut self.modal.work_origins[index][axis];
-            *origin = match (by_tool, self.modal.incremental) {
-                (true, _) => here - self.modal.shift[axis] - value,
-                (false, true) => *origin + value,
-                (false, false) => value,
-            };
+        let written = block.take_axes().map(|value| value.map(|value| self.modal.mm(value)));
+        let in_force = std::mem::replace(&mut self.modal.work_offset, u8::try_from(index).unwrap_or(0));
+        let here = self.modal.here();
+        let mut place = self.modal.in_program(here);
+        for axis in (0..3).filter(|_| by_tool) {
+            place[axis] = written[axis].unwrap_or(place[axis]);
         }
+        let off = self.modal.in_part(place);
+        for axis in 0..3 {
+            let origin = &mut self.modal.work_origins[index][axis];
+            match written[axis] {
+                _ if by_tool => *origin += here[axis] - off[axis],
+                Some(value) if self.modal.incremental => *origin += value,
+                Some(value) => *origin = value,
+                None => {}
+            }
+        }
+        self.modal.work_offset = in_force;
     }
 
     /// G92: the tool has these coordinates where it is.
     fn set_position(&mut self, block: &mut Block<'_>) {
+        let here = self.modal.in_program(self.modal.here());
         for (axis, value) in block.take_axes().into_iter().enumerate() {
             let Some(value) = value.map(|value| self.modal.mm(value)) else { continue };
             match self.modal.position[axis] {
-                Some(here) => self.modal.shift[axis] += here - (self.modal.origin(axis) + value),
+                Some(_) => self.modal.shift[axis] += here[axis] - value,
                 // What a program says first of an axis is where it is.
                 None => {
                     let here = self.modal.origin(axis) + value;

@@ -102,7 +102,7 @@ impl Reader<'_, '_, '_> {
         if radius.is_none() && angle.is_none() {
             return;
         }
-        let here = [0, 1].map(|axis| (from[axis] - self.modal.origin(axis)) / self.modal.mm(1.0));
+        let here = self.modal.in_program(from).map(|place| place / self.modal.mm(1.0));
         let value = |word: Option<Word>, here: f64| match word {
             Some(word) if self.modal.incremental => here + word.value,
             Some(word) => word.value,
@@ -145,14 +145,9 @@ impl Reader<'_, '_, '_> {
         }
         let is_known = self.start_is_known(plane, block.span);
         let Some((start, end)) = self.ends(block).filter(|_| is_known) else { return };
-        let centre = |word: Option<Word>, axis: usize| match word {
-            Some(word) if self.modal.absolute_centres => self.modal.origin(axis) + self.modal.mm(word.value),
-            Some(word) => start[axis] + self.modal.mm(word.value),
-            None => start[axis],
-        };
         let circle = match (radius, i.or(j)) {
             (Some(radius), None) => Circle::Radius(self.modal.mm(radius.value)),
-            (None, Some(_)) => Circle::Centre([centre(i, first), centre(j, second)]),
+            (None, Some(_)) => Circle::Centre(self.centre(start, [i, j])),
             (Some(radius), Some(_)) => {
                 self.report.error(radius.span, "an arc with both centre and radius").expected("one of them");
                 return;
@@ -177,6 +172,25 @@ impl Reader<'_, '_, '_> {
             }
             Err(fault) => self.refuse_arc(fault, block.span),
         }
+    }
+
+    /// The centre of an arc in its plane, by its words along the two axes of the plane.
+    fn centre(&self, start: [f64; 3], words: [Option<Word>; 2]) -> [f64; 2] {
+        let [first, second, _] = self.modal.plane.axes();
+        let values = words.map(|word| word.map(|word| self.modal.mm(word.value)));
+        let centre = if self.modal.absolute_centres {
+            let mut place = self.modal.in_program(start);
+            for (axis, value) in [first, second].into_iter().zip(values) {
+                place[axis] = value.unwrap_or(place[axis]);
+            }
+            self.modal.in_part(place)
+        } else {
+            let mut offset = [0.0; 3];
+            (offset[first], offset[second]) = (values[0].unwrap_or(0.0), values[1].unwrap_or(0.0));
+            let offset = self.modal.turned(offset);
+            std::array::from_fn(|axis| start[axis] + offset[axis])
+        };
+        [centre[first], centre[second]]
     }
 
     /// P: how many turns an arc makes, the last of them to its end.
