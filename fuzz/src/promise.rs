@@ -57,6 +57,10 @@ pub fn holds(bytes: &[u8], dialect: Option<Dialect>, lenient: bool) {
     for curve in &part.curves {
         assert_eq!(curve.faults(), []);
     }
+    // Loops and cycles may make more curves than there is time to write and read.
+    if part.curves.len() > 10_000 {
+        return;
+    }
     let seen = inspect(&part);
     assert!(seen.length_mm.is_finite() && seen.rapid_length_mm.is_finite());
     if let Ok(text) = write_g5_2(&part) {

@@ -176,7 +176,7 @@ fn dialect_and_lenience_are_options_of_every_command_that_reads_a_part() {
     let other = check(&[&fanuc, "--dialect", "siemens"]);
     assert_eq!(other.status.code(), Some(2));
     assert!(unfolded(&other.stderr).contains("is a spline of fanuc"), "{}", unfolded(&other.stderr));
-    assert!(unfolded(&check(&["--dialect", "klingon"]).stderr).contains("fanuc, linuxcnc or siemens"));
+    assert!(unfolded(&check(&["--dialect", "klingon"]).stderr).contains("fanuc, linuxcnc, siemens or canon"));
 }
 
 #[test]

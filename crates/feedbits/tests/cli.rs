@@ -540,7 +540,7 @@ fn endless_runs_are_refused_before_they_begin() {
 fn quiet_runs_say_nothing_beside_the_result() {
     let folder = folder();
     let machine = data("seed-000.toml");
-    let part = written(folder.path(), "p.nc", "G1 X0 Y0 F6000\nG1 X5\nG0 X10\nG1 X20 Y5\nM8\n");
+    let part = written(folder.path(), "p.nc", "G0 X0 Y0 F6000\nG1 X5\nG0 X10\nG1 X20 Y5\nM8\n");
     let out = folder.path().join("out").display().to_string();
     for arguments in [
         vec!["convert", &part, "--to", "toml", "--out", &out],

@@ -59,7 +59,7 @@ fn what_is_not_in_the_program_that_is_written_is_said() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = |name: &str| folder.path().join(name).display().to_string();
     let program = path("p.nc");
-    let lost = "G0 X0 Y0 Z1\nG1 X5 F300\nG81 X10 Y10 Z-2 R1 F100\nG80\nG1 X0 Y0 F100\nX10 Y10 Z-1\nX20\n";
+    let lost = "G0 X0 Y0 Z1\nG1 X5 F300\nG38.2 X10 Y10 Z-2 F100\nG80\nG1 X0 Y0 F100\nX10 Y10 Z-1\nX20\n";
     for (text_of, options, gap, names) in [
         (lost, vec!["--lenient"], true, true),
         ("G0 X0 Y0\nG1 X5 F300\nG4 P1\nX9\n", vec![], false, true),

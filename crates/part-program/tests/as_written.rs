@@ -168,3 +168,22 @@ fn a_program_for_a_lathe_is_refused_by_what_shows_it() {
         }
     }
 }
+
+/// Two sides of a square with a corner of radius 2, and one that 3 mm are cut off: 8 + π + 5 + √18 + 7 mm.
+#[test]
+fn corners_are_rounded_and_cut_off() {
+    for text in ["G1 X10 ,R2\nG1 Y10 ,C3\n", "G1 X10 RND=2\nG1 Y10 CHR=3\n"] {
+        let part = part(&format!("G21 G0 X0 Y0\nF60\n{text}G1 X0\n"));
+        let length = inspect(&part).length_mm;
+        let expected = 8.0 + std::f64::consts::PI + 5.0 + 18.0_f64.sqrt() + 7.0;
+        assert!((length - expected).abs() < 1e-9, "{length}, not {expected}");
+        let arc = &part.curves[1];
+        let off = |point: [f64; 3], [x, y]: [f64; 2]| (point[0] - x).hypot(point[1] - y);
+        assert!(
+            off(arc.control_points_mm[0], [8.0, 0.0]) < 1e-12
+                && off(arc.control_points_mm[2], [10.0, 2.0]) < 1e-12
+        );
+        assert_eq!(part.moves.iter().map(|one| one.line).collect::<Vec<_>>(), [3, 3, 4, 4, 5]);
+        assert_eq!(part.warnings, []);
+    }
+}

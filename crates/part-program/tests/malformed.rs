@@ -21,7 +21,13 @@ const MALFORMED: &[(&str, &str, &str)] = &[
     ("COMPRESSOR", "1:1", "unknown word `COMPRESSOR`"),
     ("G0 X0 Y0\nG2 X10 I5 J0 AR=90", "2:14", "unknown word `AR=`"),
     ("G0 X0 Y0\nG1 ANG=45 X5", "2:4", "unknown word `ANG=`"),
-    ("G0 X0 Y0\nG1 X5 RND = 2", "2:7", "unknown word `RND=`"),
+    ("G0 X0 Y0\nG1 X5 RNDM = 2", "2:7", "unknown word `RNDM=`"),
+    ("G0 X0 Y0\nG1 X5 ,R0\nG1 Y5", "2:7", "`,R0`: a corner of no size"),
+    ("G0 X0 Y0\nG1 X5 ,R9\nG1 Y5", "2:7", "this corner takes 9.0000 mm of moves of 5.0000 and 5.0000 mm"),
+    ("G0 X0 Y0\nG1 X5 ,C1\nG2 X9 I2", "2:7", "a corner between moves that are not both straight"),
+    ("G0 X0 Y0\nG1 X5 ,R1\nM30", "2:7", "no move follows this corner"),
+    ("G0 X0 Y0\nG1 X5 ,Q1", "2:7", "`,` is no part of a word"),
+    ("G0 X0 Y0 Z9\no1 while [1]\nG83 X1 Z-9999 R1 Q1 L99\no1 endwhile", "3:1", "the program makes more than"),
     ("G0 X0 Y0\nG1 X5 CHF=1", "2:7", "unknown word `CHF=`"),
     ("G0 X0 Y0\nG1 X5 POLF=R1", "2:7", "unknown word `POLF=`"),
     // What is computed.
@@ -160,7 +166,7 @@ fn every_error_of_a_program_is_said() {
 /// Names with a number were taken letter by letter: a missing number each, and a value without a letter.
 #[test]
 fn an_unknown_name_with_its_number_is_one_error() {
-    for word in ["AR=90", "ANG=45", "RND=2", "CHF=1", "ANG = -45.5"] {
+    for word in ["AR=90", "ANG=45", "RNDM=2", "CHF=1", "ANG = -45.5"] {
         let errors = read_part("p", &format!("G0 X0 Y0\nG1 X5 {word} Y3\n")).unwrap_err();
         assert_eq!(errors.count(), 1, "{errors}");
     }

@@ -111,6 +111,9 @@ impl Reader<'_, '_, '_> {
                     .expected(format!("coordinates within ±{MAX_COORDINATE_MM:e} mm"));
                 return;
             }
+            if self.is_full() {
+                return;
+            }
             self.hole(cycle, [place[first], place[second]], &heights, span);
         }
     }
@@ -139,7 +142,7 @@ impl Reader<'_, '_, '_> {
         let (Some(bottom), Some(retract)) = (self.holes.bottom, self.holes.retract) else {
             let missing = if self.holes.bottom.is_none() { letter } else { "R" };
             self.report
-                .error(span, format!("a cycle without {missing}"))
+                .of_kind(true, span, missing, format!("a cycle without {missing}"))
                 .expected("the bottom of the hole, and R above it");
             return None;
         };

@@ -23,7 +23,7 @@ use crate::options::Dialect;
 use crate::source::Span;
 
 /// Lines that jumps, calls and loops may execute more than once, in all.
-pub(crate) const MAX_REPEATED: usize = 4_000_000;
+pub(crate) const MAX_REPEATED: usize = 2_000_000;
 /// Bytes of those lines.
 pub(crate) const MAX_REPEATED_BYTES: usize = 1 << 28;
 /// Calls within one another.

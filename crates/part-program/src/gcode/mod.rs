@@ -17,6 +17,7 @@
 
 mod block;
 mod command;
+mod corner;
 mod cycle;
 mod expression;
 mod fanuc;
@@ -37,6 +38,7 @@ pub(crate) use linuxcnc::LEAST_ORDER;
 use crate::curve::{Curve, MAX_COORDINATE_MM};
 use crate::diagnostic::Report;
 use crate::gcode::block::Block;
+use crate::gcode::corner::Corner;
 use crate::gcode::cycle::Holes;
 use crate::gcode::expression::Scope;
 use crate::gcode::flow::{Call, Context, Flow};
@@ -50,6 +52,10 @@ use crate::joint;
 use crate::options::{Dialect, ReadOptions, Unit};
 use crate::part::{Auxiliary, Move, MoveKind, Part, Shape};
 use crate::source::Span;
+
+/// Control points that a program may make beside four for each of its bytes: what loops, cycles and arcs of many turns make of it must
+/// fit into memory.
+const MAX_POINTS: usize = 8_000_000;
 
 /// Highest feedrate that is believed, in mm/s.
 const MAX_FEEDRATE: f64 = 1e5;
@@ -66,10 +72,12 @@ pub(crate) fn read(report: &mut Report<'_>, part: &mut Part, options: ReadOption
         flow: Flow::default(),
         holes: Holes::default(),
         placing: None,
+        corner: None,
         others: OtherAxes::default(),
         known_origins: [false; WORK_OFFSETS],
         shift_put_aside: [0.0; 3],
         names_unit: false,
+        points: 0,
         block_number: 0,
         unknown_from: [0; 3],
         whole_units: options.dialect == Some(Dialect::Fanuc),
@@ -87,6 +95,7 @@ pub(crate) fn read(report: &mut Report<'_>, part: &mut Part, options: ReadOption
     }
     reader.modal.inches = options.unit == Some(Unit::Inch);
     reader.lines();
+    reader.end_corner();
     reader.report.within = None;
     reader.close(Span::new(length, length));
     reader.part.unit_is_assumed = !reader.names_unit && options.unit.is_none();
@@ -120,12 +129,16 @@ pub(crate) struct Reader<'r, 't, 'p> {
     /// What the block does with its coordinates other than move to them.
     pub(crate) placing: Option<(Placing, Span)>,
     pub(crate) others: OtherAxes,
+    /// What is to become of the corner behind the last move.
+    pub(crate) corner: Option<Corner>,
     /// The work offsets whose origins the program has set.
     pub(crate) known_origins: [bool; WORK_OFFSETS],
     /// The shift that G92.2 put aside.
     pub(crate) shift_put_aside: [f64; 3],
     /// Whether a word has said the unit of lengths.
     pub(crate) names_unit: bool,
+    /// Control points of the curves that have been made.
+    points: usize,
     /// Blocks that have been executed.
     block_number: u32,
     /// The first curve on which each axis is unknown, while it is.
@@ -158,6 +171,12 @@ impl Reader<'_, '_, '_> {
                 Scope { variables: &self.variables, modal: &self.modal, dialect: self.options.dialect };
             word::read_line(self.report, self.options.lenient, scope, &mut tape, start, line, &mut read);
             self.line(&mut read);
+            if self.is_full() {
+                let span = Span::new(start, start + line.trim_end().len());
+                let message = format!("the program makes more than {} control points", self.points - 1);
+                self.report.error(span, message).expected("fewer turns of arcs, holes and repeated lines");
+                return;
+            }
             let behind = read.ended.unwrap_or(line.len());
             self.ended |= read.ended.is_some();
             if self.ended {
@@ -171,6 +190,11 @@ impl Reader<'_, '_, '_> {
                 .error(Span::new(end, end), "the program ends within a subprogram")
                 .expected("M99 or endsub at the end of the subprogram");
         }
+    }
+
+    /// Whether the program makes more of its text than is taken.
+    pub(crate) fn is_full(&self) -> bool {
+        self.points > MAX_POINTS + 4 * self.report.source.text.len()
     }
 
     /// Executes what a line says.
@@ -445,13 +469,20 @@ impl Reader<'_, '_, '_> {
 
     pub(crate) fn push(
         &mut self,
-        curve: Curve,
+        mut curve: Curve,
         kind: MoveKind,
         shape: Shape,
         feedrate: Option<f64>,
         place: BlockPlace,
     ) {
         let (line, block) = (self.line_of(place.span), place.block);
+        if let Some(corner) = self.corner.take()
+            && let Some((between, one)) = self.turn_corner(corner, &mut curve, shape)
+        {
+            self.part.curves.push(between);
+            self.part.moves.push(one);
+        }
+        self.points += curve.control_points_mm.len();
         if let (Some(before), Some(last)) = (self.part.curves.last(), self.part.moves.last_mut())
             && last.exact_stop
             && self.passes_smooth_joints

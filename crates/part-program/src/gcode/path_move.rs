@@ -16,6 +16,7 @@ const MAX_TURNS: f64 = 10_000.0;
 impl Reader<'_, '_, '_> {
     pub(crate) fn straight(&mut self, block: &mut Block<'_>, inverse_feed: Option<f64>) {
         let (before, span) = (self.modal.position, block.span);
+        let corner = if self.modal.motion == Motion::Line { self.take_corner(block) } else { None };
         let Some((start, end)) = self.ends(block) else { return };
         self.approach(before, span);
         if start == end {
@@ -34,6 +35,7 @@ impl Reader<'_, '_, '_> {
             _ => (MoveKind::Feed, self.feedrate(length, inverse_feed, block.span)),
         };
         self.push(curve, kind, Shape::Line, feed, self.place(block.span));
+        self.corner = corner;
     }
 
     /// Notes the axes that were unknown before the straight move at hand and are known now.
@@ -237,7 +239,7 @@ impl Reader<'_, '_, '_> {
             }
             ArcFault::TooLong => ("the helix is too high".into(), "a rise that a machine has"),
         };
-        self.report.error(span, message).expected(expected);
+        self.report.of_kind(true, span, expected, message).expected(expected);
     }
 
     /// The feedrate of a move of `length` mm.

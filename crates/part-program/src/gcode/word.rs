@@ -28,14 +28,20 @@ pub(crate) enum Key {
     IntervalLength,
     /// `CR=`, circle radius.
     CircleRadius,
+    /// `,R` or `RND=`: the radius of the corner behind the move.
+    CornerRadius,
+    /// `,C` or `CHR=`: how much of the corner is cut off.
+    CornerDistance,
 }
 
-const NAMES: [(&str, Key); 5] = [
+const NAMES: [(&str, Key); 7] = [
     ("BSPLINE", Key::Bspline),
     ("SD", Key::SplineDegree),
     ("PW", Key::PointWeight),
     ("PL", Key::IntervalLength),
     ("CR", Key::CircleRadius),
+    ("RND", Key::CornerRadius),
+    ("CHR", Key::CornerDistance),
 ];
 
 /// A word: what it addresses, its number and its place.
@@ -235,6 +241,7 @@ impl Lexer<'_, '_, '_> {
             }
             b'(' => self.comment(),
             b'#' => self.assignment(false),
+            b',' => self.corner(begin),
             c if c.is_ascii_alphabetic() || c == b'_' => self.address(begin),
             c @ (b'@' | b'^') => {
                 self.at += 1;
@@ -248,6 +255,22 @@ impl Lexer<'_, '_, '_> {
     fn is_shown_text(&self) -> bool {
         let shows = |word: &Word| word.key == Key::Letter(b'M') && [23.0, 117.0, 118.0].contains(&word.value);
         self.read.words.last().is_some_and(shows)
+    }
+
+    /// `,R5` or `,C5`.
+    fn corner(&mut self, begin: usize) -> Option<()> {
+        self.at += 1;
+        self.skip(|c| c == b' ');
+        let key = match self.peek().map(|c| c.to_ascii_uppercase()) {
+            Some(b'R') => Key::CornerRadius,
+            Some(b'C') => Key::CornerDistance,
+            _ => {
+                self.at = begin;
+                return self.stray(begin);
+            }
+        };
+        self.at += 1;
+        self.number(begin, key)
     }
 
     /// A character that begins no word.

@@ -1,0 +1,119 @@
+//! Corners that a program has rounded or cut off: `,R` and `,C` of FANUC, `RND=` and `CHR=` of Siemens.
+//!
+//! The word stands in the block of a straight move and acts on the corner to the next one. `,R` puts an arc of this radius between the
+//! two moves, `,C` a straight line that begins and ends so far from the corner.
+//!
+//! # Source
+//! FANUC Series 30i, B-63944EN/03, section 4.12 ("optional angle chamfering and corner rounding"); SINUMERIK 840D sl, Programming
+//! Manual Fundamentals, "Chamfer, rounding".
+
+use crate::curve::Curve;
+use crate::gcode::Reader;
+use crate::gcode::block::Block;
+use crate::gcode::word::Key;
+use crate::joint;
+use crate::part::{Move, MoveKind, Shape};
+use crate::source::Span;
+
+/// What is to become of the end of the last move.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Corner {
+    size_mm: f64,
+    is_round: bool,
+    span: Span,
+}
+
+impl Reader<'_, '_, '_> {
+    /// Takes the word of a corner from the block of a straight move.
+    pub(crate) fn take_corner(&mut self, block: &mut Block<'_>) -> Option<Corner> {
+        let word = block.take(Key::CornerRadius).map(|word| (word, true));
+        let (word, is_round) = word.or_else(|| block.take(Key::CornerDistance).map(|word| (word, false)))?;
+        if word.value <= 0.0 {
+            let text = self.report.source.slice(word.span).to_owned();
+            self.report
+                .error(word.span, format!("`{text}`: a corner of no size"))
+                .expected("a length above 0");
+            return None;
+        }
+        Some(Corner { size_mm: self.modal.mm(word.value), is_round, span: word.span })
+    }
+
+    /// Says of a corner at the end of the program that nothing follows it.
+    pub(crate) fn end_corner(&mut self) {
+        if let Some(corner) = self.corner.take() {
+            self.report
+                .error(corner.span, "no move follows this corner")
+                .expected("a straight move behind it");
+        }
+    }
+
+    /// The move between the last one and `next`, both of which are shortened; what does not fit is said.
+    pub(crate) fn turn_corner(
+        &mut self,
+        corner: Corner,
+        next: &mut Curve,
+        next_shape: Shape,
+    ) -> Option<(Curve, Move)> {
+        let (Some(last), Some(before)) = (self.part.moves.last().copied(), self.part.curves.last_mut())
+        else {
+            return None;
+        };
+        let are_lines = last.shape == Shape::Line && next_shape == Shape::Line && last.kind == MoveKind::Feed;
+        let (Some(&[from, at]), Some(&[start, to])) = (
+            before.control_points_mm.first_chunk::<2>().filter(|_| are_lines),
+            next.control_points_mm.first_chunk::<2>().filter(|_| are_lines),
+        ) else {
+            self.report
+                .error(corner.span, "a corner between moves that are not both straight")
+                .expected("G1 before and behind it");
+            return None;
+        };
+        if !joint::is_joined(&at, &start) {
+            return None;
+        }
+        let (back, back_length) = direction(at, from);
+        let (on, on_length) = direction(at, to);
+        let cos_between: f64 = (0..3).map(|axis| back[axis] * on[axis]).sum();
+        // Half of the angle by which the path turns; its tangent tells where an arc of radius 1 begins.
+        let turn = (std::f64::consts::PI - cos_between.clamp(-1.0, 1.0).acos()) / 2.0;
+        let reach = if corner.is_round { corner.size_mm * turn.tan() } else { corner.size_mm };
+        if !(reach < back_length && reach < on_length) {
+            self.report
+                .error(
+                    corner.span,
+                    format!(
+                        "this corner takes {reach:.4} mm of moves of {back_length:.4} and {on_length:.4} mm"
+                    ),
+                )
+                .expected("moves that are longer");
+            return None;
+        }
+        if reach < 1e-9 {
+            return None;
+        }
+        let [begin, end] = [back, on].map(|way| std::array::from_fn(|axis| at[axis] + reach * way[axis]));
+        before.control_points_mm[1] = begin;
+        next.control_points_mm[0] = end;
+        let (curve, shape) = if corner.is_round {
+            (arc([begin, at, end], turn.cos()), Shape::Arc)
+        } else {
+            (Curve::line(begin, end), Shape::Line)
+        };
+        Some((curve, Move { shape, exact_stop: false, ..last }))
+    }
+}
+
+/// The unit vector from one place to another, and how far it is.
+fn direction(from: [f64; 3], to: [f64; 3]) -> ([f64; 3], f64) {
+    let way: [f64; 3] = std::array::from_fn(|axis| to[axis] - from[axis]);
+    let length = way.iter().map(|x| x * x).sum::<f64>().sqrt();
+    (way.map(|x| x / length), length)
+}
+
+/// The arc that touches two lines where it begins and ends, by its control points and the cosine of half its angle.
+fn arc(points: [[f64; 3]; 3], middle_weight: f64) -> Curve {
+    let control_points_mm = points.to_vec();
+    let dimension = Curve::dimension_of(&control_points_mm);
+    let knots = vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0];
+    Curve { degree: 2, control_points_mm, dimension, weights: vec![1.0, middle_weight, 1.0], knots }
+}
