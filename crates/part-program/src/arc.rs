@@ -27,9 +27,10 @@ use crate::curve::Curve;
 
 /// How far a point of a helix may be from its height, in mm: a tenth of what drives tell apart.
 pub const HELIX_TOLERANCE_MM: f64 = 1e-6;
-/// How far the end of an arc may be from the circle through its start, in mm: what rounding to two decimals does. Of a large arc it may
+/// How far the end of an arc may be from the circle through its start, in mm: what rounding to two decimals of
+/// an inch does, and LinuxCNC takes. Of a large arc it may
 /// be off by [`TAKEN_SHARE`] of the radius, as LinuxCNC allows.
-const CENTRE_TOLERANCE_MM: f64 = 0.03;
+const CENTRE_TOLERANCE_MM: f64 = 0.072;
 /// Radii of start and end that differ by more than this, in mm, and by more than [`TAKEN_SHARE`], are worth a warning: Grbl refuses
 /// such an arc, and LinuxCNC does above 0.028 mm.
 pub(crate) const TAKEN_MM: f64 = 0.005;

@@ -126,11 +126,11 @@ fn offsets_shift_what_comes_later() {
 #[test]
 fn a_rotation_turns_the_planes_of_arcs() {
     let part = part(
-        "SET_XY_ROTATION(90)\nSELECT_PLANE(CANON_PLANE_XZ)\nSTRAIGHT_TRAVERSE(1, 0, 0, 0, 0, 0)\nSET_FEED_RATE(60)
+        "STRAIGHT_TRAVERSE(0, 1, 0, 0, 0, 0)\nSET_XY_ROTATION(90)\nSELECT_PLANE(CANON_PLANE_XZ)\nSTRAIGHT_TRAVERSE(1, 0, 0, 0, 0, 0)\nSET_FEED_RATE(60)
          ARC_FEED(0, 3, 0, 2, 1, 0, 0, 0, 0)\nSTRAIGHT_FEED(4, 0, 0, 0, 0, 0)",
     );
-    assert_eq!(part.rest_before(1), None);
-    let (low, high) = bounding_box_mm(&part.curves[..1]).unwrap();
+    assert_eq!(part.rest_before(2), None);
+    let (low, high) = bounding_box_mm(&part.curves[1..2]).unwrap();
     let is_near = |p: [f64; 3], q: [f64; 3]| (0..3).all(|axis| (p[axis] - q[axis]).abs() < 1e-9);
     // Counterclockwise in G18 goes from Z to X: from the centre it begins at negative X, and goes over positive Z.
     assert!(is_near(low, [0.0, 1.0, 0.0]) && is_near(high, [0.0, 3.0, 1.0]), "{low:?} {high:?}");

@@ -89,3 +89,21 @@ fn places_of_the_machine_are_not_known() {
     assert_eq!(moves("G28 X8 Z9\nG0 X1 Y1 Z1\nG1 X2"), ["8 0 9", "1 1 1", "F2 1 1"]);
     assert_eq!(moves("G53 G0 Z0\nG0 X3 Y3\nZ2\nG1 X4"), ["3 3 2", "F4 3 2"]);
 }
+
+/// Offsets that are set before the first move are where the part begins, and those behind it turn and shift what follows.
+#[test]
+fn a_part_has_the_coordinates_of_its_first_move() {
+    let ends = |text: &str| {
+        let part = linuxcnc(&format!("G21 G90 F100\n{text}\n"));
+        let last = |curve: &part_program::Curve| curve.control_points_mm[curve.control_points_mm.len() - 1];
+        part.curves.iter().map(|curve| last(curve).map(|x| (x * 1e9).round() / 1e9 + 0.0)).collect::<Vec<_>>()
+    };
+    let square = "G0 X0 Y0 Z0\nG1 X4\nG3 X4 Y2 J1\n";
+    for before in ["", "G10 L2 P1 X-500 Y3 R30\n", "G92 X7\nG92 X0\n", "G10 L2 P2 X9 R-45\nG55\n"] {
+        assert_eq!(ends(&format!("{before}{square}")), [[4.0, 0.0, 0.0], [4.0, 2.0, 0.0]], "{before}");
+    }
+    // A quarter turn about the place (1, 0), and then an arc and increments in the turned system.
+    let turned =
+        ends("G0 X0 Y0 Z0\nG10 L2 P2 X1 R90\nG55 G1 X2 Y0\nG2 X4 I1\nG91 G1 X1 Y1\nG54 G90 G1 X9 Y9");
+    assert_eq!(turned, [[1.0, 2.0, 0.0], [1.0, 4.0, 0.0], [0.0, 5.0, 0.0], [9.0, 9.0, 0.0]]);
+}

@@ -164,7 +164,7 @@ fn hold_feeds(program: &[Run], canon: &[Run], tolerance: f64) -> Result<(), Faul
     let wrong = program.iter().zip(&canon).find(|(one, other)| !is_same(one, other));
     let (places, feeds) = match wrong {
         Some((one, other)) => ([one.place.as_str(), &other.place], [one.feed, other.feed]),
-        None if program.len() == canon.len() => return Ok(()),
+        None if program.len() == canon.len() || canon.iter().any(|one| one.feed.is_none()) => return Ok(()),
         None => {
             let shorter = program.len().min(canon.len());
             let at = |list: &[Stretch]| list.get(shorter).map_or("end".into(), |one| one.place.clone());

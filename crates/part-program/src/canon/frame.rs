@@ -23,11 +23,17 @@ impl Frame {
         std::array::from_fn(|axis| turned[axis] + self.g5x[axis])
     }
 
-    /// The point `p` of the program, counted from `origin` on the machine. Without a rotation and from its own zero it is `p` to the
-    /// last bit.
-    pub(crate) fn place(&self, p: [f64; 3], origin: [f64; 3]) -> [f64; 3] {
-        let (turned, shift) = (self.turned(p), difference(&self.zero(), &origin));
-        std::array::from_fn(|axis| turned[axis] + shift[axis])
+    /// This frame as it is seen from the first one, whose coordinates are those of the part.
+    pub(crate) fn seen_from(&self, first: &Self) -> Self {
+        let zero = first.turned_back(difference(&self.zero(), &first.zero()));
+        Self { g5x: zero, g92: [0.0; 3], rotation: self.rotation - first.rotation, tool: self.tool }
+    }
+
+    /// Where the point `p` of the program is in the coordinates of the first frame. In that frame itself it is `p` to the last bit.
+    pub(crate) fn place(&self, p: [f64; 3], first: &Self) -> [f64; 3] {
+        let seen = self.seen_from(first);
+        let turned = seen.turned(p);
+        std::array::from_fn(|axis| turned[axis] + seen.g5x[axis])
     }
 
     /// A direction or a distance before it was turned about Z.
@@ -53,13 +59,16 @@ mod tests {
     #[test]
     fn a_rotation_comes_before_the_offset() {
         let frame = Frame { g5x: [10.0, 20.0, 30.0], rotation: 45.0_f64.to_radians(), ..Frame::default() };
-        let [one, other] = [[3.0, 0.0, 4.0], [-4.8640, 7.8640, 4.0]].map(|p| frame.place(p, [0.0; 3]));
+        let [one, other] =
+            [[3.0, 0.0, 4.0], [-4.8640, 7.8640, 4.0]].map(|p| frame.place(p, &Frame::default()));
         assert!((other[0] - 1.0).abs() < 1e-4 && (other[1] - one[1]).abs() < 1e-4, "{one:?} {other:?}");
     }
 
     #[test]
     fn coordinates_from_the_own_zero_keep_their_bits() {
         let frame = Frame { g5x: [0.1, 0.7, -3.3], g92: [1e3, 0.3, 9.9], ..Frame::default() };
-        assert_eq!(frame.place([0.1, 0.2, 0.3], frame.zero()), [0.1, 0.2, 0.3]);
+        assert_eq!(frame.place([0.1, 0.2, 0.3], &frame), [0.1, 0.2, 0.3]);
+        let turned = Frame { rotation: 0.7, ..frame };
+        assert_eq!(turned.place([0.1, 0.2, 0.3], &turned), [0.1, 0.2, 0.3]);
     }
 }

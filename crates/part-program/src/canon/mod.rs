@@ -173,8 +173,8 @@ struct Reader<'r, 't, 'p> {
     unit: f64,
     plane: Plane,
     frame: Frame,
-    /// The program's zero at the first move, on the machine: the zero of the part.
-    origin: Option<[f64; 3]>,
+    /// The frame of the first move, whose coordinates are those of the part.
+    first_frame: Option<Frame>,
     /// Where the tip is in the part; unknown before the first move, and after one that is not read.
     position: Option<[f64; 3]>,
     /// Rotary axes and second linear ones, as the last move left them.
@@ -201,7 +201,7 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
             unit: 1.0,
             plane: Plane::Xy,
             frame: Frame::default(),
-            origin: None,
+            first_frame: None,
             position: options.start_mm,
             rotary: [0.0; 6],
             feed_mode: FeedMode::PerMinute,

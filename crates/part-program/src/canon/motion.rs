@@ -73,7 +73,8 @@ impl Reader<'_, '_, '_> {
             return self.refuse(call.span, "where this arc starts is not known", expected);
         };
         // A rotation about Z turns the planes XZ and YZ: such an arc is made as it is written, and then turned.
-        let frame = if normal == 2 { Frame::default() } else { self.frame };
+        let first_frame = self.first_frame.unwrap_or(self.frame);
+        let frame = if normal == 2 { Frame::default() } else { self.frame.seen_from(&first_frame) };
         let [start, end, centre] = [start, end, centre].map(|point| frame.turned_back(point));
         let circle = Circle::Centre([centre[first], centre[second]]);
         let arc = ArcMove::new(self.plane, rotation < 0.0, [start, end], circle);
@@ -150,8 +151,8 @@ impl Reader<'_, '_, '_> {
 
     /// Where a printed point is in the part, in mm.
     fn place(&mut self, point: [f64; 3], span: Span) -> Option<[f64; 3]> {
-        let origin = *self.origin.get_or_insert(self.frame.zero());
-        let place = self.frame.place(point.map(|x| x * self.unit), origin);
+        let first = *self.first_frame.get_or_insert(self.frame);
+        let place = self.frame.place(point.map(|x| x * self.unit), &first);
         // A sum of offsets that is no number is out of range too.
         if place.iter().all(|x| x.abs() <= MAX_COORDINATE_MM) {
             return Some(place);

@@ -408,6 +408,9 @@ impl Reader<'_, '_, '_> {
             return;
         }
         self.end = if self.block_stops { PathMode::ExactStop } else { self.modal.path_mode };
+        if block.has_axis() || b"IJK".iter().any(|letter| block.has(*letter)) {
+            self.modal.settle();
+        }
         let continues = std::mem::take(&mut self.smooth).filter(|_| self.modal.motion == Motion::Cubic);
         match self.modal.motion {
             Motion::None if block.has_axis() => {

@@ -97,6 +97,10 @@ pub(crate) struct Modal {
     pub(crate) work_origins: [[f64; 3]; WORK_OFFSETS],
     /// By which angle each work offset turns X and Y about its origin, in rad.
     pub(crate) work_turns: [f64; WORK_OFFSETS],
+    /// Where 0 of the part is, by the coordinates that no offset has shifted, in mm, and by which angle the part is turned there, in rad.
+    base: ([f64; 3], f64),
+    /// Whether a move has been made, so that the part has its coordinates.
+    is_settled: bool,
     /// What G92 and G52 add to them, in mm.
     pub(crate) shift: [f64; 3],
     /// Where an axis that is unknown is taken to be; 0 if it was never known.
@@ -118,11 +122,31 @@ impl Modal {
         std::array::from_fn(|axis| self.position[axis].unwrap_or(self.last_known[axis]))
     }
 
-    /// Where 0 of an axis, as the program counts, is in the part, in mm.
+    /// Gives the part the coordinates in which its first move is written: what shifts and turns them later, does so in these.
+    pub(crate) fn settle(&mut self) {
+        if std::mem::replace(&mut self.is_settled, true) {
+            return;
+        }
+        let here = self.in_program(self.here());
+        for (known, here) in self.position.iter_mut().zip(here) {
+            *known = known.map(|_| here);
+        }
+        let shift = turned_by(self.turn(), self.shift);
+        self.base = (std::array::from_fn(|axis| self.work_origin(axis) + shift[axis]), self.turn());
+    }
+
+    fn work_origin(&self, axis: usize) -> f64 {
+        self.work_origins.get(usize::from(self.work_offset)).map_or(0.0, |origin| origin[axis])
+    }
+
+    /// Where 0 of an axis, as the program counts, is in the part, in mm, while nothing is turned.
     pub(crate) fn origin(&self, axis: usize) -> f64 {
-        let of_offset =
-            self.work_origins.get(usize::from(self.work_offset)).map_or(0.0, |origin| origin[axis]);
-        of_offset + self.shift[axis]
+        self.work_origin(axis) + self.shift[axis] - self.base.0[axis]
+    }
+
+    /// Whether the axes of the program are turned against those of the part, or the part's own are.
+    fn is_turned(&self) -> bool {
+        self.turn() != 0.0 || self.base.1 != 0.0
     }
 
     /// By which angle the work offset in force turns X and Y, in rad.
@@ -131,35 +155,29 @@ impl Modal {
     }
 
     /// A distance along the axes of the program, in mm, along those of the part.
-    pub(crate) fn turned(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
-        match self.turn() {
-            0.0 => [x, y, z],
-            angle => {
-                let (sin, cos) = angle.sin_cos();
-                [x * cos - y * sin, x * sin + y * cos, z]
-            }
-        }
+    pub(crate) fn turned(&self, distance: [f64; 3]) -> [f64; 3] {
+        turned_by(self.turn() - self.base.1, distance)
     }
 
     /// Where a place of the program is in the part, both in mm.
     pub(crate) fn in_part(&self, place: [f64; 3]) -> [f64; 3] {
-        if self.turn() == 0.0 {
+        if !self.is_turned() {
             return std::array::from_fn(|axis| self.origin(axis) + place[axis]);
         }
-        let turned = self.turned(std::array::from_fn(|axis| place[axis] + self.shift[axis]));
-        std::array::from_fn(|axis| self.origin(axis) - self.shift[axis] + turned[axis])
+        let turned = turned_by(self.turn(), std::array::from_fn(|axis| place[axis] + self.shift[axis]));
+        let (base, angle) = self.base;
+        turned_by(-angle, std::array::from_fn(|axis| self.work_origin(axis) - base[axis] + turned[axis]))
     }
 
     /// Where a place of the part is in the program, both in mm.
     pub(crate) fn in_program(&self, place: [f64; 3]) -> [f64; 3] {
-        let angle = self.turn();
-        if angle == 0.0 {
+        if !self.is_turned() {
             return std::array::from_fn(|axis| place[axis] - self.origin(axis));
         }
-        let [x, y, z]: [f64; 3] =
-            std::array::from_fn(|axis| place[axis] - self.origin(axis) + self.shift[axis]);
-        let (sin, cos) = angle.sin_cos();
-        let straight = [x * cos + y * sin, y * cos - x * sin, z];
+        let (base, angle) = self.base;
+        let turned = turned_by(angle, place);
+        let off = std::array::from_fn(|axis| turned[axis] + base[axis] - self.work_origin(axis));
+        let straight = turned_by(-self.turn(), off);
         std::array::from_fn(|axis| straight[axis] - self.shift[axis])
     }
 
@@ -170,7 +188,7 @@ impl Modal {
 
     /// Where coordinates as written lead from `from`: those not written are kept.
     pub(crate) fn target(&self, from: [f64; 3], written: [Option<f64>; 3]) -> [f64; 3] {
-        if self.turn() != 0.0 && written != [None; 3] {
+        if self.is_turned() && written != [None; 3] {
             let here = self.in_program(from);
             return self.in_part(std::array::from_fn(|axis| match written[axis] {
                 Some(value) if self.incremental => here[axis] + self.mm(value),
@@ -194,7 +212,7 @@ impl Modal {
 
     /// Brings the axes that are written to `target`.
     pub(crate) fn arrive(&mut self, mut written: [Option<f64>; 3], target: [f64; 3]) {
-        if self.turn() != 0.0 {
+        if self.is_turned() {
             let either = written[0].or(written[1]);
             (written[0], written[1]) = (either, either);
         }
@@ -212,4 +230,13 @@ impl Modal {
         self.last_known[axis] = self.here()[axis];
         (self.position[axis], self.from_unknown[axis]) = (None, false);
     }
+}
+
+/// A distance, turned about Z.
+fn turned_by(angle: f64, [x, y, z]: [f64; 3]) -> [f64; 3] {
+    if angle == 0.0 {
+        return [x, y, z];
+    }
+    let (sin, cos) = angle.sin_cos();
+    [x * cos - y * sin, x * sin + y * cos, z]
 }

@@ -9,7 +9,7 @@
 //! | G28, G30 | a rapid move over a point to a place of the machine's own |
 //! | G53 | a move by the coordinates of the machine |
 //!
-//! A part is in the coordinates of the first work offset as it is when the program begins. Where the machine's own 0 is, a program
+//! A part is in the coordinates in which its first move is written. Where the machine's own 0 is, a program
 //! does not say: behind G28, G30 and G53 it is not known where the axes are, until a move names them.
 //!
 //! # Source
@@ -69,6 +69,7 @@ impl Reader<'_, '_, '_> {
     /// Goes to the point that is written, as fast as the machine can, and from there to a place that nobody knows.
     fn home(&mut self, block: &mut Block<'_>, span: Span) {
         block.take_letter(b'P');
+        self.modal.settle();
         let written = block.take_axes();
         let axes: Vec<usize> = if written == [None; 3] {
             (0..3).collect()
@@ -106,10 +107,8 @@ impl Reader<'_, '_, '_> {
     /// A rapid move in which no axis that is unknown takes part, since it begins where it is sent.
     pub(crate) fn traverse(&mut self, end: [f64; 3], span: Span) {
         let start: [f64; 3] = std::array::from_fn(|axis| self.modal.position[axis].unwrap_or(end[axis]));
-        for axis in 0..3 {
-            if self.modal.position[axis].is_some() {
-                self.modal.position[axis] = Some(end[axis]);
-            }
+        for (known, end) in self.modal.position.iter_mut().zip(end) {
+            *known = known.map(|_| end);
         }
         if start != end {
             self.push(

@@ -86,7 +86,7 @@ impl Reader<'_, '_, '_> {
     /// M words of printers: whether one was obeyed or is no part of the path.
     pub(crate) fn printer_word(&mut self, block: &mut Block<'_>, value: f64) -> bool {
         let is_its_own = [82.0, 83.0, 104.0, 106.0, 107.0, 109.0, 117.0, 140.0, 190.0].contains(&value);
-        if !is_its_own && !(self.others.is_printer && value > 72.0) {
+        if !(is_its_own || self.others.is_printer && value > 72.0) {
             return false;
         }
         self.others.is_printer = true;

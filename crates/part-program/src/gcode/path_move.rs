@@ -145,6 +145,13 @@ impl Reader<'_, '_, '_> {
             self.pass_over(block);
             return;
         }
+        if plane != Plane::Xy && self.modal.turned([1.0, 0.0, 0.0])[1] != 0.0 {
+            self.report
+                .error(block.span, "an arc in another plane than G17, while an offset turns the coordinates against the part")
+                .expected("the offset that turns before the first move");
+            self.pass_over(block);
+            return;
+        }
         let is_known = self.start_is_known(plane, block.span);
         let Some((start, end)) = self.ends(block).filter(|_| is_known) else { return };
         let circle = match (radius, i.or(j)) {

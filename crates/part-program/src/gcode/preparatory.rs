@@ -102,7 +102,7 @@ impl Reader<'_, '_, '_> {
             960 => Some("G96 keeps the speed of the cut"),
             500 if block.has(b'S') => Some("G50 with S limits the speed of the spindle"),
             700..=723 if has_contour || block.has(b'D') => Some("G70 to G72 turn a contour"),
-            700..=723 if tenths % 10 != 0 => Some("G70 to G72 turn a contour"),
+            700..=723 if !tenths.is_multiple_of(10) => Some("G70 to G72 turn a contour"),
             760 if block.has(b'P') && !block.has(b'X') && !block.has(b'Y') => Some("G76 cuts a thread"),
             _ => None,
         }
@@ -138,7 +138,9 @@ impl Reader<'_, '_, '_> {
             190 => self.modal.plane = Plane::Yz,
             200 | 700 => self.modal.inches = true,
             210 | 710 => self.modal.inches = false,
-            540..=590 if tenths % 10 == 0 => self.choose_work_offset(offset_of(tenths / 10 - 54), word.span),
+            540..=590 if tenths.is_multiple_of(10) => {
+                self.choose_work_offset(offset_of(tenths / 10 - 54), word.span)
+            }
             591..=593 => self.choose_work_offset(offset_of(tenths - 585), word.span),
             900 => self.absolute(word.span),
             910 => self.modal.incremental = true,
