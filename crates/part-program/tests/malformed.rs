@@ -1,5 +1,6 @@
 //! Programs that are wrong, each with the place and the words of what is said.
 
+use expect_test::expect_file;
 use part_program::{Dialect, ReadOptions, read_part, read_part_with};
 
 /// Program, where the fault is, what is said.
@@ -154,6 +155,16 @@ fn each_malformed_program_is_explained_at_its_place() {
         assert!(errors.contains(said), "{text:?}: {said:?} is not in\n{errors}");
         assert!(errors.contains(&format!("p:{place}\n")), "{text:?}: not at {place}\n{errors}");
     }
+}
+
+/// Every message as it is printed. `UPDATE_EXPECT=1 cargo test -p part-program --test malformed` writes what is said now.
+#[test]
+fn what_is_said_of_malformed_programs() {
+    let said = |text: &str| {
+        read_part("p", text).map_or_else(|errors| errors.to_string(), |part| format!("{part:?}"))
+    };
+    let all: String = MALFORMED.iter().map(|(text, _, _)| format!("{text:?}\n{}\n\n", said(text))).collect();
+    expect_file!["malformed.txt"].assert_eq(&all);
 }
 
 #[test]

@@ -11,13 +11,12 @@
 //! # Source
 //! LinuxCNC, "O Codes"; FANUC Series 30i, B-63944EN/03, chapter 16.
 
-use std::collections::HashMap;
-
 use crate::diagnostic::Report;
 use crate::gcode::command::{Command, Keyword, Label};
 use crate::gcode::expression::Scope;
+use crate::gcode::marks::Marks;
 use crate::gcode::modal::Modal;
-use crate::gcode::variables::{Variable, Variables};
+use crate::gcode::variables::Variables;
 use crate::gcode::word;
 use crate::options::Dialect;
 use crate::source::Span;
@@ -44,16 +43,16 @@ pub(crate) struct Call {
 
 /// A loop or a condition that has begun and not ended.
 #[derive(Clone, Debug)]
-struct Nested {
-    kind: Kind,
+pub(super) struct Nested {
+    pub(super) kind: Kind,
     /// Line on which it began.
-    line: usize,
+    pub(super) line: usize,
     /// How often its lines have begun to be executed.
-    turn: u32,
+    pub(super) turn: u32,
 }
 
 #[derive(Clone, Debug, PartialEq)]
-enum Kind {
+pub(super) enum Kind {
     If(Label),
     While(Label),
     Do(Label),
@@ -63,7 +62,7 @@ enum Kind {
 
 /// A program, or a subprogram that was called.
 #[derive(Default)]
-struct Frame {
+pub(super) struct Frame {
     /// The line of the call.
     call_line: usize,
     /// The first line that a call executes; how often it is executed again.
@@ -71,25 +70,14 @@ struct Frame {
     again: u32,
     /// Whether it has variables of its own.
     has_locals: bool,
-    nested: Vec<Nested>,
-}
-
-/// The lines that labels and numbers mark; lines count from 0.
-#[derive(Default)]
-struct Marks {
-    /// The O-words of each label, with their keyword; `None` begins a program.
-    words: HashMap<Label, Vec<(usize, Option<Keyword>)>>,
-    /// The lines of each block number.
-    blocks: HashMap<u32, Vec<usize>>,
-    /// FANUC's ENDs, by the number of the loop.
-    ends: HashMap<u32, Vec<usize>>,
+    pub(super) nested: Vec<Nested>,
 }
 
 /// Which line is executed next.
 pub(crate) struct Flow {
     /// The line that is executed, from 0.
     pub(crate) line: usize,
-    next: usize,
+    pub(super) next: usize,
     /// Found when the first command asks.
     marks: Option<Marks>,
     frames: Vec<Frame>,
@@ -110,12 +98,12 @@ pub(crate) struct Context<'c, 'r, 't> {
 }
 
 impl Context<'_, '_, '_> {
-    fn line(&self, line: usize) -> (usize, &str) {
+    pub(super) fn line(&self, line: usize) -> (usize, &str) {
         self.report.source.line(line)
     }
 
     /// The value in brackets at a byte of a line.
-    fn condition(&mut self, line: usize, at: usize) -> Option<f64> {
+    pub(super) fn condition(&mut self, line: usize, at: usize) -> Option<f64> {
         let (start, text) = self.report.source.line(line);
         let scope = Scope { variables: self.variables, modal: self.modal, dialect: self.dialect };
         word::condition(self.report, scope, start, text, at)
@@ -172,7 +160,7 @@ impl Flow {
         self.frames.len() > 1
     }
 
-    fn frame(&mut self) -> &mut Frame {
+    pub(super) fn frame(&mut self) -> &mut Frame {
         if self.frames.is_empty() {
             self.frames.push(Frame::default());
         }
@@ -180,7 +168,7 @@ impl Flow {
         &mut self.frames[last]
     }
 
-    fn marks(&mut self, report: &Report<'_>) -> &Marks {
+    pub(super) fn marks(&mut self, report: &Report<'_>) -> &Marks {
         self.marks.get_or_insert_with(|| Marks::of(report))
     }
 
@@ -265,14 +253,14 @@ impl Flow {
     }
 
     /// Ends a loop or a condition and all within it, if it has begun.
-    fn leave(&mut self, kind: &Kind) -> Option<Nested> {
+    pub(super) fn leave(&mut self, kind: &Kind) -> Option<Nested> {
         let index = self.frame().nested.iter().rposition(|nested| nested.kind == *kind)?;
         let left = self.frame().nested[index].clone();
         self.frame().nested.truncate(index);
         Some(left)
     }
 
-    fn begin(&mut self, context: &mut Context<'_, '_, '_>, kind: Kind, span: Span) -> Option<()> {
+    pub(super) fn begin(&mut self, context: &mut Context<'_, '_, '_>, kind: Kind, span: Span) -> Option<()> {
         let line = self.line;
         if self.frame().nested.len() == MAX_NESTED {
             let message = format!("more than {MAX_NESTED} loops and conditions within one another");
@@ -284,7 +272,7 @@ impl Flow {
     }
 
     /// The first line behind `after` with one of the keywords of a label.
-    fn find(
+    pub(super) fn find(
         &mut self,
         report: &Report<'_>,
         label: &Label,
@@ -300,7 +288,7 @@ impl Flow {
     }
 
     /// As `find`, from the line that is executed; that there is none is said.
-    fn needed(
+    pub(super) fn needed(
         &mut self,
         context: &mut Context<'_, '_, '_>,
         label: &Label,
@@ -315,224 +303,7 @@ impl Flow {
         found.map(|(line, _)| line)
     }
 
-    fn o_word(
-        &mut self,
-        context: &mut Context<'_, '_, '_>,
-        label: &Label,
-        keyword: Keyword,
-        at: usize,
-        span: Span,
-    ) -> Option<()> {
-        let line = self.line;
-        match keyword {
-            // Lines of a subprogram are executed when it is called.
-            Keyword::Sub => self.next = self.needed(context, label, Keyword::EndSub, span)? + 1,
-            Keyword::EndSub | Keyword::Return => self.end_of_sub(context, label, at, span)?,
-            Keyword::Call => self.call_word(context, label, at, span)?,
-            Keyword::If => self.branch(context, label, line, at, span)?,
-            Keyword::ElseIf | Keyword::Else => {
-                self.leave(&Kind::If(label.clone()));
-                self.next = self.needed(context, label, Keyword::EndIf, span)? + 1;
-            }
-            Keyword::EndIf => drop(self.leave(&Kind::If(label.clone()))),
-            Keyword::While => self.while_word(context, label, at, span)?,
-            Keyword::EndWhile => self.again(context, &Kind::While(label.clone()), span)?,
-            Keyword::Do => self.begin(context, Kind::Do(label.clone()), span)?,
-            Keyword::Repeat => self.repeat(context, label, at, span)?,
-            Keyword::EndRepeat => self.end_of_repeat(context, label, span)?,
-            Keyword::Break | Keyword::Continue => self.out_of_loop(context, label, keyword, span)?,
-        }
-        Some(())
-    }
-
-    /// `if`, or the first of its `elseif` and `else` that holds.
-    fn branch(
-        &mut self,
-        context: &mut Context<'_, '_, '_>,
-        label: &Label,
-        line: usize,
-        at: usize,
-        span: Span,
-    ) -> Option<()> {
-        let (mut line, mut at) = (line, at);
-        while context.condition(line, at)? == 0.0 {
-            let others = [Keyword::ElseIf, Keyword::Else, Keyword::EndIf];
-            let Some((next, keyword)) = self.find(context.report, label, line, &others) else {
-                context
-                    .report
-                    .error(span, format!("`{label}` has no endif behind it"))
-                    .expected(format!("a line `{label} endif`"));
-                return None;
-            };
-            self.next = next + 1;
-            match keyword {
-                Keyword::EndIf => return Some(()),
-                Keyword::Else => break,
-                _ => {
-                    line = next;
-                    let text = context.line(next).1;
-                    at = text
-                        .to_ascii_lowercase()
-                        .find("elseif")
-                        .map_or(text.len(), |begin| begin + "elseif".len());
-                }
-            }
-        }
-        self.begin(context, Kind::If(label.clone()), span)
-    }
-
-    /// `while`, at the begin of its loop or at the end of a `do`.
-    fn while_word(
-        &mut self,
-        context: &mut Context<'_, '_, '_>,
-        label: &Label,
-        at: usize,
-        span: Span,
-    ) -> Option<()> {
-        let line = self.line;
-        let holds = context.condition(line, at)? != 0.0;
-        let kind = Kind::Do(label.clone());
-        if let Some(index) = self.frame().nested.iter().rposition(|nested| nested.kind == kind) {
-            if holds {
-                let frame = self.frame();
-                frame.nested.truncate(index + 1);
-                frame.nested[index].turn = frame.nested[index].turn.saturating_add(1);
-                self.next = self.frame().nested[index].line + 1;
-            } else {
-                self.leave(&kind);
-            }
-            return Some(());
-        }
-        let kind = Kind::While(label.clone());
-        if !holds {
-            self.next = self.needed(context, label, Keyword::EndWhile, span)? + 1;
-            self.leave(&kind);
-            return Some(());
-        }
-        if !self.frame().nested.iter().any(|nested| nested.kind == kind) {
-            self.begin(context, kind, span)?;
-        }
-        Some(())
-    }
-
-    /// Goes back to where a loop begins.
-    fn again(&mut self, context: &mut Context<'_, '_, '_>, kind: &Kind, span: Span) -> Option<()> {
-        let Some(index) = self.frame().nested.iter().rposition(|nested| nested.kind == *kind) else {
-            context
-                .report
-                .error(span, "the end of a loop that has not begun")
-                .expected("its begin before it");
-            return None;
-        };
-        let frame = self.frame();
-        frame.nested.truncate(index + 1);
-        frame.nested[index].turn = frame.nested[index].turn.saturating_add(1);
-        self.next = self.frame().nested[index].line;
-        Some(())
-    }
-
-    fn repeat(
-        &mut self,
-        context: &mut Context<'_, '_, '_>,
-        label: &Label,
-        at: usize,
-        span: Span,
-    ) -> Option<()> {
-        let times = context.condition(self.line, at)?.round();
-        if times < 1.0 {
-            self.next = self.needed(context, label, Keyword::EndRepeat, span)? + 1;
-            return Some(());
-        }
-        #[allow(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "at least 1; a cast keeps to the most"
-        )]
-        let left = times as u32;
-        self.begin(context, Kind::Repeat { label: label.clone(), left }, span)
-    }
-
-    fn end_of_repeat(&mut self, context: &mut Context<'_, '_, '_>, label: &Label, span: Span) -> Option<()> {
-        let is_own =
-            |nested: &Nested| matches!(&nested.kind, Kind::Repeat { label: own, .. } if own == label);
-        let Some(index) = self.frame().nested.iter().rposition(is_own) else {
-            context.report.error(span, "endrepeat without repeat").expected("its repeat before it");
-            return None;
-        };
-        let frame = self.frame();
-        frame.nested.truncate(index + 1);
-        let nested = &mut frame.nested[index];
-        let line = nested.line;
-        let Kind::Repeat { left, .. } = &mut nested.kind else { return Some(()) };
-        *left -= 1;
-        if *left == 0 {
-            frame.nested.truncate(index);
-        } else {
-            nested.turn = nested.turn.saturating_add(1);
-            self.next = line + 1;
-        }
-        Some(())
-    }
-
-    /// `break` and `continue`.
-    fn out_of_loop(
-        &mut self,
-        context: &mut Context<'_, '_, '_>,
-        label: &Label,
-        keyword: Keyword,
-        span: Span,
-    ) -> Option<()> {
-        let is_own = |nested: &Nested| match &nested.kind {
-            Kind::While(own) | Kind::Do(own) | Kind::Repeat { label: own, .. } => own == label,
-            Kind::If(_) | Kind::Fanuc(_) => false,
-        };
-        let Some(index) = self.frame().nested.iter().rposition(is_own) else {
-            let message = format!("{} outside of loop `{label}`", keyword.name());
-            context.report.error(span, message).expected("a line of that loop");
-            return None;
-        };
-        let end = match self.frame().nested[index].kind {
-            Kind::Do(_) => Keyword::While,
-            Kind::Repeat { .. } => Keyword::EndRepeat,
-            _ => Keyword::EndWhile,
-        };
-        let line = self.needed(context, label, end, span)?;
-        if keyword == Keyword::Break {
-            self.frame().nested.truncate(index);
-            self.next = line + 1;
-        } else {
-            self.frame().nested.truncate(index + 1);
-            self.next = line;
-        }
-        Some(())
-    }
-
-    fn call_word(
-        &mut self,
-        context: &mut Context<'_, '_, '_>,
-        label: &Label,
-        at: usize,
-        span: Span,
-    ) -> Option<()> {
-        let (start, text) = context.report.source.line(self.line);
-        let scope = Scope { variables: context.variables, modal: context.modal, dialect: context.dialect };
-        let values = word::arguments(context.report, scope, start, text, at)?;
-        let first = self.marks(context.report).words.get(label).and_then(|lines| {
-            lines.iter().find(|(_, keyword)| *keyword == Some(Keyword::Sub)).map(|(line, _)| line + 1)
-        });
-        let Some(first) = first else {
-            context
-                .report
-                .error(span, format!("subroutine `{label}` is not in this file"))
-                .expected(format!("lines from `{label} sub` to `{label} endsub`; other files are not read"));
-            return None;
-        };
-        let arguments: Vec<_> = (1..).zip(values).collect();
-        context.variables.enter(&arguments);
-        self.enter(context.report, first, 0, true, span)
-    }
-
-    fn enter(
+    pub(super) fn enter(
         &mut self,
         report: &mut Report<'_>,
         first: usize,
@@ -549,32 +320,6 @@ impl Flow {
         self.has_called = true;
         self.frames.push(Frame { call_line: self.line, first, again, has_locals, nested: Vec::new() });
         self.next = first;
-        Some(())
-    }
-
-    fn end_of_sub(
-        &mut self,
-        context: &mut Context<'_, '_, '_>,
-        label: &Label,
-        at: usize,
-        span: Span,
-    ) -> Option<()> {
-        if !self.is_called() {
-            context
-                .report
-                .error(span, format!("`{label}` was not called"))
-                .expected("a return in a subroutine");
-            return None;
-        }
-        let (start, text) = context.report.source.line(self.line);
-        let scope = Scope { variables: context.variables, modal: context.modal, dialect: context.dialect };
-        let values = word::arguments(context.report, scope, start, text, at)?;
-        self.return_from(context.variables);
-        let has_value = f64::from(u8::from(!values.is_empty()));
-        let kept = [("_value", values.first().copied().unwrap_or(0.0)), ("_value_returned", has_value)];
-        for (name, value) in kept {
-            context.variables.set(Variable::Name(name.into()), Some(value));
-        }
         Some(())
     }
 
@@ -626,51 +371,4 @@ impl Flow {
         }
         true
     }
-}
-
-impl Marks {
-    fn of(report: &Report<'_>) -> Self {
-        let mut marks = Self::default();
-        for line in 0..report.source.lines() {
-            marks.line(line, report.source.line(line).1);
-        }
-        marks
-    }
-
-    fn line(&mut self, line: usize, text: &str) {
-        let mut text = text.trim_start().trim_start_matches('/').trim_start();
-        if let Some(rest) = text.strip_prefix(['N', 'n']) {
-            let (number, rest) = leading_number(rest.trim_start());
-            if let Some(number) = number {
-                self.blocks.entry(number).or_default().push(line);
-            }
-            text = rest.trim_start();
-        }
-        if let Some(rest) = text.strip_prefix(['O', 'o']) {
-            self.o_word(line, rest.trim_start());
-        } else if text.get(..3).is_some_and(|word| word.eq_ignore_ascii_case("END"))
-            && let (Some(number), _) = leading_number(text[3..].trim_start())
-        {
-            self.ends.entry(number).or_default().push(line);
-        }
-    }
-
-    fn o_word(&mut self, line: usize, text: &str) {
-        let (label, rest) = match text.strip_prefix('<').and_then(|text| text.split_once('>')) {
-            Some((name, rest)) => (Label::named(name), rest),
-            None => match leading_number(text) {
-                (Some(number), rest) => (Label::Number(number), rest),
-                _ => return,
-            },
-        };
-        let rest = rest.trim_start();
-        let letters = rest.bytes().take_while(u8::is_ascii_alphabetic).count();
-        self.words.entry(label).or_default().push((line, Keyword::of(&rest[..letters])));
-    }
-}
-
-/// The digits that a text begins with, as a number, and what follows them.
-fn leading_number(text: &str) -> (Option<u32>, &str) {
-    let digits = text.bytes().take_while(u8::is_ascii_digit).count();
-    (text[..digits].parse().ok(), &text[digits..])
 }

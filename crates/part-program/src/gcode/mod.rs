@@ -15,15 +15,19 @@
 //! A coordinate that is not written keeps its value. Where the tool is at first is not known: an axis begins where it is
 //! first sent, and what came before is read as done there. One that incremental words move first begins at 0.
 
+mod auxiliary;
 mod block;
 mod command;
+mod command_line;
 mod corner;
 mod cycle;
 mod expression;
 mod fanuc;
 mod flow;
 mod linuxcnc;
+mod marks;
 mod modal;
+mod o_words;
 mod offsets;
 mod other_axes;
 mod path_move;
@@ -41,7 +45,7 @@ use crate::gcode::block::Block;
 use crate::gcode::corner::Corner;
 use crate::gcode::cycle::Holes;
 use crate::gcode::expression::Scope;
-use crate::gcode::flow::{Call, Context, Flow};
+use crate::gcode::flow::{Context, Flow};
 use crate::gcode::modal::{FeedMode, Modal, Motion, PathMode, WORK_OFFSETS};
 use crate::gcode::offsets::Placing;
 use crate::gcode::other_axes::OtherAxes;
@@ -50,7 +54,7 @@ use crate::gcode::variables::Variables;
 use crate::gcode::word::{Line, Tape, Word};
 use crate::joint;
 use crate::options::{Dialect, ReadOptions, Unit};
-use crate::part::{Auxiliary, Move, MoveKind, Part, Shape};
+use crate::part::{Move, MoveKind, Part, Shape};
 use crate::source::Span;
 
 /// Control points that a program may make beside four for each of its bytes: what loops, cycles and arcs of many turns make of it must
@@ -140,7 +144,7 @@ pub(crate) struct Reader<'r, 't, 'p> {
     /// Control points of the curves that have been made.
     points: usize,
     /// Blocks that have been executed.
-    block_number: u32,
+    pub(crate) block_number: u32,
     /// The first curve on which each axis is unknown, while it is.
     pub(crate) unknown_from: [usize; 3],
     /// The program is said to be FANUC's, and no length without a decimal point has been met.
@@ -291,75 +295,6 @@ impl Reader<'_, '_, '_> {
             "a control may read them as increments of {increments}; with a point they are alike"
         ));
         self.whole_units = false;
-    }
-
-    /// Takes the words that do not move the tool; says whether the program ends here.
-    fn auxiliary(&mut self, block: &mut Block<'_>) -> bool {
-        let mut ends = false;
-        for letter in *b"MSTDH" {
-            while let Some(word) = block.take_letter(letter) {
-                match word.value {
-                    98.0 if letter == b'M' => self.call(block, word.span, None),
-                    198.0 if letter == b'M' => {
-                        for letter in *b"PLQ" {
-                            block.take_letter(letter);
-                        }
-                        self.not_in_this_file(word.span, "a subprogram of another device");
-                    }
-                    99.0 if letter == b'M' && self.flow.is_called() => {
-                        self.flow.return_from(&mut self.variables)
-                    }
-                    value if letter == b'M' && self.printer_word(block, value) => {}
-                    value => {
-                        if letter == b'M' {
-                            take_arguments(block, value);
-                        }
-                        if letter == b'S' {
-                            self.modal.spindle_per_minute = Some(value).filter(|speed| *speed > 0.0);
-                        }
-                        let line = self.line_of(word.span);
-                        ends |= letter == b'M' && [2.0, 30.0, 99.0].contains(&value);
-                        let block = self.block_number;
-                        self.part.auxiliary.push(Auxiliary {
-                            letter: letter.into(),
-                            value,
-                            line,
-                            block,
-                            is_passed: false,
-                        });
-                    }
-                }
-            }
-        }
-        ends
-    }
-
-    /// Calls a subprogram of this file by M98 or G65.
-    pub(crate) fn call(&mut self, block: &mut Block<'_>, span: Span, arguments: Option<Vec<(u32, f64)>>) {
-        let program = block.take_letter(b'P').and_then(|word| whole(word.value));
-        let times = block.take_letter(b'L').map_or(Some(1), |word| whole(word.value));
-        block.take_letter(b'Q');
-        let (Some(program), Some(times)) = (program, times) else {
-            self.report
-                .error(span, "a call without the number of a program")
-                .expected("P with a whole number");
-            return;
-        };
-        let call = Call { program, times, arguments, span };
-        if !self.flow.call(self.report, &mut self.variables, &call) {
-            self.not_in_this_file(span, &format!("subprogram O{program}"));
-        }
-    }
-
-    fn not_in_this_file(&mut self, span: Span, what: &str) {
-        let message = format!("{what} is not in this file");
-        if self.options.lenient {
-            self.report.warning(span, format!("{message}: its moves are left out"));
-        } else {
-            self.report
-                .error(span, message)
-                .expected("its lines behind the end of the program, from O and its number to M99");
-        }
     }
 
     /// Takes F: in G94 it becomes the feedrate, in G93 it is handed back, in 1/min, and in G95, which is not read, it is left out.
@@ -554,28 +489,4 @@ impl Reader<'_, '_, '_> {
             Motion::WithSpindle { .. } => "X, Y, Z or K",
         }
     }
-}
-
-/// Takes the words that belong to an M word of LinuxCNC's or of a spindle that is turned to an angle.
-fn take_arguments(block: &mut Block<'_>, value: f64) {
-    let letters: &[u8] = match value {
-        19.0 => b"RQP",
-        29.0 => b"S",
-        50.0..=53.0 => b"P",
-        61.0 => b"Q",
-        62.0..=65.0 => b"P",
-        66.0 => b"PELQ",
-        67.0 | 68.0 => b"EQ",
-        100.0..=199.0 => b"PQ",
-        _ => &[],
-    };
-    for letter in letters {
-        block.take_letter(*letter);
-    }
-}
-
-/// A whole number of a word.
-fn whole(value: f64) -> Option<u32> {
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "whole, 0 ..= 99,999,999")]
-    ((0.0..=99_999_999.0).contains(&value) && value.fract() == 0.0).then_some(value as u32)
 }
