@@ -50,7 +50,8 @@ impl Part {
         let begin = (first.line, first.block);
         if own == 0 {
             let switch = self.first_switch().filter(|word| word.block < first.block);
-            approaches.insert(0, rapid(missing, switch.map_or(begin, |word| (word.line, word.block))));
+            approaches
+                .insert(0, rapid(missing, switch.map_or(begin, |word| (word.line as usize, word.block))));
             return approaches;
         }
         // The plane is reached before a word is obeyed that stands behind the first approach, and so is a height above it. The way

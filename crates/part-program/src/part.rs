@@ -107,11 +107,19 @@ pub struct Auxiliary {
     /// Its number.
     pub value: f64,
     /// Line of its block, from 1.
-    pub line: usize,
+    pub line: u32,
     /// Number of its block in the order of execution, from 1.
     pub block: u32,
     /// Whether the machine goes on without a rest.
     pub is_passed: bool,
+}
+
+impl Auxiliary {
+    /// A word in a block of this line and number; the machine rests at it.
+    pub(crate) fn new(letter: impl Into<char>, value: f64, line: usize, block: u32) -> Self {
+        let line = u32::try_from(line).unwrap_or(u32::MAX);
+        Self { letter: letter.into(), value, line, block, is_passed: false }
+    }
 }
 
 /// The filament that a program for a 3-D printer counts with its words E.

@@ -220,7 +220,8 @@ fn a_whole_program_makes_the_round_trip() {
     assert_eq!(words(&after), words(&before));
     // Each word stands before or behind the same move as it did.
     let place = |part: &Part, letter: char, value: f64| {
-        let line = part.auxiliary.iter().find(|w| (w.letter, w.value) == (letter, value)).unwrap().line;
+        let line =
+            part.auxiliary.iter().find(|w| (w.letter, w.value) == (letter, value)).unwrap().line as usize;
         part.moves.iter().filter(|one| one.line < line).count()
     };
     for (letter, value, moves_before) in [('M', 3.0, 0), ('M', 8.0, 1), ('M', 9.0, 5), ('M', 5.0, 6)] {

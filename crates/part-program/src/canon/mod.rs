@@ -274,13 +274,7 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
         self.has_end |= ["PROGRAM_END", "FINISH"].contains(&name);
         let name = if name.ends_with(".WAIT_ORIENT_COMPLETE") { "ORIENT_SPINDLE" } else { name };
         if let Some((_, value)) = SWITCHES.iter().find(|(switch, _)| *switch == name) {
-            self.part.auxiliary.push(Auxiliary {
-                letter: 'M',
-                value: *value,
-                line: self.line,
-                block: self.block(),
-                is_passed: false,
-            });
+            self.part.auxiliary.push(Auxiliary::new(b'M', *value, self.line, self.block()));
         } else if !WITHOUT_EFFECT.contains(&name) {
             let message = format!("the canonical function `{name}` is not known");
             self.refuse(call.span, message, "a function of rs274 as LinuxCNC 2.9 prints it");
@@ -292,13 +286,7 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
         let numbers = call.numbers();
         let value = numbers.as_ref().and_then(|numbers| pick(numbers.split::<0>()?.1)).copied();
         match value {
-            Some(value) => self.part.auxiliary.push(Auxiliary {
-                letter,
-                value,
-                line: self.line,
-                block: self.block(),
-                is_passed: false,
-            }),
+            Some(value) => self.part.auxiliary.push(Auxiliary::new(letter, value, self.line, self.block())),
             None => self.malformed(call, "a number"),
         }
     }

@@ -34,13 +34,7 @@ impl Reader<'_, '_, '_> {
                         let line = self.line_of(word.span);
                         ends |= letter == b'M' && [2.0, 30.0, 99.0].contains(&value);
                         let block = self.block_number;
-                        self.part.auxiliary.push(Auxiliary {
-                            letter: letter.into(),
-                            value,
-                            line,
-                            block,
-                            is_passed: false,
-                        });
+                        self.part.auxiliary.push(Auxiliary::new(letter, value, line, block));
                     }
                 }
             }

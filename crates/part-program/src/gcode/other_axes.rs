@@ -49,13 +49,7 @@ impl Reader<'_, '_, '_> {
                 let message = format!("`{text}` turns the part: its path is read as it runs on X, Y and Z");
                 self.report.of_kind(false, word.span, letter, message);
                 let (line, block) = (self.line_of(word.span), self.place(word.span).block);
-                self.part.auxiliary.push(Auxiliary {
-                    letter: letter.into(),
-                    value: now,
-                    line,
-                    block,
-                    is_passed: false,
-                });
+                self.part.auxiliary.push(Auxiliary::new(letter, now, line, block));
             } else {
                 let message = format!("`{text}` moves an axis that is not followed while the tool cuts");
                 let said = self.report.of_kind(!self.options.lenient, word.span, letter, message);
@@ -79,7 +73,7 @@ impl Reader<'_, '_, '_> {
         filament.greatest_mm = filament.greatest_mm.max(now);
         if !is_set && now != before && !block.has_axis() {
             let (line, block) = (self.line_of(span), self.place(span).block);
-            self.part.auxiliary.push(Auxiliary { letter: 'E', value: now, line, block, is_passed: false });
+            self.part.auxiliary.push(Auxiliary::new(b'E', now, line, block));
         }
     }
 
