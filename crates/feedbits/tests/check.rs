@@ -225,3 +225,30 @@ fn rapid_moves_are_left_out_of_a_comparison() {
         .collect();
     assert!((last[5] - 90.0).abs() < 1e-9 && last[6].abs() < 1e-9, "{last:?}");
 }
+
+/// Where the tool is at first, and in which unit, a program may leave to who runs it.
+#[test]
+fn start_and_unit_can_be_given() {
+    let folder = Folder::new();
+    let part = folder.file("p.nc", "G1 X10 F600\nG1 Y10\nG1 X20\n");
+    let plain = check(&[&part]);
+    let said = unfolded(&plain.stderr);
+    assert!(said.contains("where the tool is on X before this move at feed is not known"), "{said}");
+    assert!(
+        said.contains("in inches it would be 254.0 x 0.0 x 0.0 mm; `--units mm` or `--units inch`"),
+        "{said}"
+    );
+    let given = check(&[&part, "--start", "0,0,5", "--units", "inch"]);
+    assert_eq!((given.status.code(), unfolded(&given.stderr)), (Some(0), String::new()));
+    assert!(text(&given.stdout).contains("762.000 mm at feed"), "{}", text(&given.stdout));
+    for (option, value, expected) in [
+        ("--start", "0,0", "expected three numbers in mm, as 0,0,5"),
+        ("--start", "0,0,x", "expected three numbers in mm, as 0,0,5"),
+        ("--start", "0,0,1e9", "expected three numbers in mm, as 0,0,5"),
+        ("--units", "feet", "expected mm or inch"),
+    ] {
+        let wrong = check(&[&part, option, value]);
+        assert_eq!(wrong.status.code(), Some(2));
+        assert!(unfolded(&wrong.stderr).contains(expected), "{}", unfolded(&wrong.stderr));
+    }
+}

@@ -326,3 +326,20 @@ fn what_bends_take_is_said() {
         }
     }
 }
+
+/// A raster of 53,000 S words rested 53,000 times.
+#[test]
+fn a_laser_passes_its_s_words() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let lines: String = (1..=50).map(|x| format!("G1 X{x} S{}\n", x * 10)).collect();
+    let program = format!("G21 G0 X0 Y0\nM4 S5\nF6000\n{lines}");
+    let time = |more: &str| {
+        let [part, machine] = turned(&folder, &program, more);
+        let json = stdout(&feedbits(&["plan", &part, "--machine", &machine, "--json"]));
+        let summary: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+        summary["time_s"].as_f64().expect("a time")
+    };
+    // 50 mm at 100 mm/s, and half of it again to start and stop; a rest at each millimetre takes ten times as long.
+    let (passed, stopped) = (time("s_stops = false"), time("s_stops = true"));
+    assert!(passed < 0.7 && stopped > 4.0, "{passed} {stopped}");
+}
