@@ -16,7 +16,7 @@ use part_program::{
 };
 use serde::Serialize;
 
-use crate::input::Input;
+use crate::input::{self, Input};
 use crate::screen::{self, labelled, short};
 use crate::{Ending, output};
 
@@ -54,7 +54,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     let report = Report::new(&part, machine.as_ref());
     let text = if output.json { serde_json::to_string_pretty(&report)? + "\n" } else { report.text()? };
     if !output.json {
-        part.warnings.iter().for_each(|warning| output::say(&warning.to_string()));
+        input::say_warnings(&part);
     }
     output::write(output.out.as_deref(), &text)?;
     Ok(if report.suspicious.is_empty() { Ending::Good } else { Ending::RequirementNotMet })
@@ -79,6 +79,9 @@ struct Report<'p> {
     slow_bends: Vec<SlowBend>,
     /// Moves at feed that are shorter than the travel of one period.
     shorter_than_a_period: Option<usize>,
+    /// How large the part is by the unit that was assumed, and by the other one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    assumed_unit: Option<String>,
     warnings: &'p [Diagnostic],
     /// What decides the exit status, a sentence each.
     suspicious: Vec<String>,
@@ -101,6 +104,7 @@ impl<'p> Report<'p> {
             machine,
             slow_bends: machine.map(|machine| slow_bends(part, &seen, machine)).unwrap_or_default(),
             shorter_than_a_period: machine.map(|machine| shorter_than_a_period(part, machine)),
+            assumed_unit: part.assumed_unit(),
             warnings: &part.warnings,
             seen,
             suspicious: Vec::new(),

@@ -102,12 +102,7 @@ impl Input {
     /// Reads the part. Its warnings are printed.
     pub(crate) fn part(&self) -> Result<Part> {
         let part = self.parsed()??;
-        for warning in &part.warnings {
-            output::say(&warning.to_string());
-        }
-        if let Some(size) = part.assumed_unit() {
-            output::note(&format!("{size}; `--units mm` or `--units inch` says which"));
-        }
+        say_warnings(&part);
         Ok(part)
     }
 
@@ -140,6 +135,16 @@ impl Input {
             Some(path) => machine::read(path).map(Some),
             None => Ok(part.machine.clone()),
         }
+    }
+}
+
+/// Says what a reader has to say of a part that it has read.
+pub(crate) fn say_warnings(part: &Part) {
+    for warning in &part.warnings {
+        output::say(&warning.to_string());
+    }
+    if let Some(size) = part.assumed_unit() {
+        output::note(&format!("{size}; `--units mm` or `--units inch` says which"));
     }
 }
 
