@@ -32,7 +32,7 @@ pub(crate) struct Input {
     #[arg(long, value_name = "CONTROL", add = ArgValueCandidates::new(completions::dialects))]
     dialect: Option<Dialect>,
     /// Read over unknown words of a part program, with a warning each. A G word that is not read leaves the axes of its
-    /// block out, and where they are is unknown until a move in G90 names them; after a cycle, or another motion that is
+    /// block out, and where they are is unknown until a move in G90 names them; after a motion that is
     /// not read, no axes are moved until a motion that is read. Other G words of the block, F, M, S, T, D and H hold.
     #[arg(long)]
     lenient: bool,

@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | curve file: TOML, tables `[curve]` or `[[curve]]`, and `[machine]` | [`read_part`] | [`write_curves`] |
 //! | curve file with `shape = "trigonometric"`: paper B's splines | [`read_part`] | |
-//! | part program: G0 to G3 | [`read_part`] | [`write_g1`] |
+//! | part program: G0 to G3, cycles, variables, loops and subprograms | [`read_part`] | [`write_g1`] |
 //! | splines as FANUC writes them, G06.2 | [`read_part`] | [`write_g06_2`] |
 //! | splines as LinuxCNC writes them, G5.2, G5, G5.1 | [`read_part`] | [`write_g5_2`] |
 //! | splines as Siemens writes them, BSPLINE | [`read_part`] | |

@@ -6,15 +6,16 @@ use std::str::FromStr;
 /// Choices of a reader; the default finds the dialect out and refuses unknown words.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ReadOptions {
-    /// The control that a program is for. `None`: told by the words of its splines.
+    /// The control that a program is for. `None`: told by its splines, its O-words, macros and variables, where it has such.
     pub dialect: Option<Dialect>,
     /// Read over unknown words, with a warning each. A G word that is not read leaves the axes of its block out, and
-    /// where they are is unknown until a move in G90 names them; after a cycle, or another motion that is not read, no
+    /// where they are is unknown until a move in G90 names them; after a motion that is not read, no
     /// axes are moved until a motion that is read. Other G words of the block, F, M, S, T, D and H hold.
     pub lenient: bool,
     /// Where the tool is when a program begins, in mm. `None`: an axis begins where it is first sent.
     pub start_mm: Option<[f64; 3]>,
-    /// The unit of a program's lengths until a word names one. `None`: millimetres, with a warning if no word does.
+    /// The unit of a program's lengths until a word names one. `None`: millimetres, and if no word names one,
+    /// [`Part::assumed_unit`](crate::Part::assumed_unit) says so.
     pub unit: Option<Unit>,
 }
 

@@ -1,14 +1,22 @@
 //! Part programs: blocks of words, with modal state, to curves.
 //!
-//! | words | meaning |
-//! |---|---|
-//! | G0 G1 | straight moves: curves of degree 1 |
-//! | G2 G3 with I J K or R (CR=) | arcs and full circles: rational curves of degree 2; helices: of degree 3 |
-//! | G06.2, G5.2 G5.3, G5, G5.1, BSPLINE | splines of FANUC, LinuxCNC and Siemens |
-//! | G17 G18 G19, G20 G21 (G70 G71), G90 G91, G90.1 G91.1 | planes, units, coordinates, centres |
-//! | F with G93 G94 | feed |
-//! | G9, G61 G61.1 G64, of FANUC G62 G63, of Siemens G60 | exact stop at the ends of moves, or not |
-//! | M S T D H | no effect on the path; listed. M2, M30 and M99 end the program, as the second `%` does |
+//! A line becomes words, variables with their new values, and at most one command (`word`, `command_line`, `expression`). The order in
+//! which lines are executed is that of `flow`, `o_words` and `marks`. What a block of words does is here and in the files named below.
+//!
+//! | words | meaning | file |
+//! |---|---|---|
+//! | G0 G1 G33 G33.1 | straight moves: curves of degree 1 | `path_move` |
+//! | G2 G3 with I J K or R (CR=), P turns | arcs and full circles: rational curves of degree 2; helices: of degree 3 | `path_move` |
+//! | `,R` `,C` RND= CHR= | corners that are rounded or cut off | `corner` |
+//! | G73 G74 G76 G80 to G89, G98 G99 | drilling cycles | `cycle` |
+//! | G06.2, G5.2 G5.3, G5, G5.1, BSPLINE | splines of FANUC, LinuxCNC and Siemens | `spline_move`, `fanuc`, `linuxcnc`, `siemens` |
+//! | G17 G18 G19, G20 G21 (G70 G71), G90 G91, G90.1 G91.1 | planes, units, coordinates, centres | `preparatory` |
+//! | G10 G28 G30 G52 G53 G54 to G59.3 G92 | where 0 is, and moves to places of the machine | `offsets` |
+//! | F with G93 G94 G95 | feed | here |
+//! | G9, G61 G61.1 G64, of FANUC G62 G63, of Siemens G60 | exact stop at the ends of moves, or not | `preparatory` |
+//! | M S T D H | no effect on the path; listed. M2, M30 and M99 end the program, as the second `%` does | `auxiliary` |
+//! | G65 M98 M99 | subprograms of the same text | `auxiliary`, `flow` |
+//! | A B C U V W, E | other axes, and a printer's filament | `other_axes` |
 //!
 //! Of each group of G words that exclude one another a block has one: G20 with G21 is an error, as G1 with G2 is.
 //!
