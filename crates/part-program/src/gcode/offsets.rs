@@ -4,7 +4,7 @@
 //! |---|---|
 //! | G54 to G59, G59.1 to G59.3 | the work offset in force |
 //! | G10 L2, G10 L20 | where the origin of a work offset is, and by how many degrees (R) it turns X and Y; with L20 by the coordinates that the tool has there |
-//! | G92, G52 | a shift of the coordinates: G92 gives the tool these coordinates, FANUC's G52 moves the origin by them |
+//! | G92, G52 | a shift of the coordinates: G92 gives the tool these coordinates, G52 puts the origin at them |
 //! | G92.1, G92.2, G92.3 | the shift forgotten, put aside, taken up again |
 //! | G28, G30 | a rapid move over a point to a place of the machine's own |
 //! | G53 | a move by the coordinates of the machine |
@@ -32,9 +32,9 @@ pub(crate) enum Placing {
     MachineCoordinates,
     /// G10.
     SetOffset,
-    /// G92, and LinuxCNC's G52.
+    /// G92.
     SetPosition,
-    /// G52 of other controls.
+    /// G52.
     MoveOrigin,
     /// G28.1, G30.1, G43.1 and G43.2: coordinates that are no part of the path.
     Ignored,
@@ -208,14 +208,12 @@ impl Reader<'_, '_, '_> {
 
     /// What a G word does with the coordinates of its block, if it is one of these.
     pub(crate) fn placing(&self, block: &Block<'_>, word: Word) -> Option<Placing> {
-        let is_fanuc = self.options.dialect == Some(Dialect::Fanuc);
         match super::preparatory::code(word.value)? {
             280 | 300 => Some(Placing::Home),
             530 => Some(Placing::MachineCoordinates),
             100 if block.has(b'L') => Some(Placing::SetOffset),
             920 => Some(Placing::SetPosition),
-            520 if is_fanuc => Some(Placing::MoveOrigin),
-            520 if self.options.dialect == Some(Dialect::LinuxCnc) => Some(Placing::SetPosition),
+            520 if self.options.dialect != Some(Dialect::Siemens) => Some(Placing::MoveOrigin),
             281 | 301 | 431 | 432 => Some(Placing::Ignored),
             _ => None,
         }
