@@ -16,7 +16,7 @@ use crate::gcode::command::{Command, Keyword, Label};
 use crate::gcode::expression::Scope;
 use crate::gcode::marks::Marks;
 use crate::gcode::modal::Modal;
-use crate::gcode::variables::Variables;
+use crate::gcode::variables::{FANUC_LOCALS, Variables};
 use crate::gcode::word;
 use crate::options::Dialect;
 use crate::source::Span;
@@ -364,7 +364,7 @@ impl Flow {
         }
         let has_locals = call.arguments.is_some();
         if let Some(arguments) = &call.arguments {
-            variables.enter(arguments);
+            variables.enter(FANUC_LOCALS, arguments);
         }
         if self.enter(report, first, times - 1, has_locals, call.span).is_none() {
             self.next = usize::MAX;

@@ -3,7 +3,7 @@
 use crate::gcode::command::{Keyword, Label};
 use crate::gcode::expression::Scope;
 use crate::gcode::flow::{Context, Flow, Kind, Nested};
-use crate::gcode::variables::Variable;
+use crate::gcode::variables::{LINUXCNC_LOCALS, Variable};
 use crate::gcode::word;
 use crate::source::Span;
 
@@ -222,7 +222,7 @@ impl Flow {
             return None;
         };
         let arguments: Vec<_> = (1..).zip(values).collect();
-        context.variables.enter(&arguments);
+        context.variables.enter(LINUXCNC_LOCALS, &arguments);
         self.enter(context.report, first, 0, true, span)
     }
 
