@@ -207,6 +207,24 @@ fn positions_and_settings_are_variables() {
         "{inches:?}"
     );
     assert_eq!(ends(&part("G0 X1\nG92 X10\nG1 X[#5420+1]\nG1 X[#<_metric>*2]\n")), [2.0, -7.0]);
+    for (settings, name, expected) in [
+        ("G18", "_plane", 180.0),
+        ("G1", "_motion_mode", 10.0),
+        ("G93", "_inverse_time", 1.0),
+        ("G93", "_units_per_minute", 0.0),
+        ("G90.1", "_ijk_absolute_mode", 1.0),
+        ("S200", "_rpm", 200.0),
+        ("", "_value", 0.0),
+        ("", "_value_returned", 0.0),
+        ("", "_ccomp", 400.0),
+        ("", "_call_level", 0.0),
+    ] {
+        let text = format!("{settings}\n#1=#<{name}>\nG94 G0 X-1\nG1 X#1\n");
+        assert_eq!(ends(&part(&text)), [expected], "{text}");
+    }
+    let text = "o2 sub\nG1 X[#<_call_level>*10]\no2 endsub\no1 sub\nG1 X#<_call_level>\no2 call\nG1 X[#<_call_level>+1]\n\
+                o1 endsub\nG0 X0\no1 call\nG1 X[#<_call_level>+5]\n";
+    assert_eq!(ends(&part(text)), [1.0, 20.0, 2.0, 5.0]);
 }
 
 #[test]

@@ -25,7 +25,8 @@
 
 use std::ops::Range;
 
-use crate::gcode::modal::Modal;
+use crate::arc::Plane;
+use crate::gcode::modal::{FeedMode, Modal, Motion};
 use crate::gcode::variables::{HIGHEST, Variable, Variables};
 use crate::options::Dialect;
 
@@ -77,16 +78,41 @@ impl Scope<'_> {
 
     /// LinuxCNC's predefined names.
     fn kept_name(&self, name: &str) -> Value {
-        let modal = self.modal;
+        let (modal, truth) = (self.modal, |holds| f64::from(u8::from(holds)));
+        let count = |calls: usize| u32::try_from(calls).map_or(0.0, f64::from);
         Some(match name {
             "_x" => modal.programmed(0),
             "_y" => modal.programmed(1),
             "_z" => modal.programmed(2),
-            "_a" | "_b" | "_c" | "_u" | "_v" | "_w" | "_task" | "_ccomp" | "_remap_level" => 0.0,
-            "_metric" => f64::from(u8::from(!modal.inches)),
-            "_imperial" => f64::from(u8::from(modal.inches)),
-            "_absolute" => f64::from(u8::from(!modal.incremental)),
-            "_incremental" => f64::from(u8::from(modal.incremental)),
+            "_a" | "_b" | "_c" | "_u" | "_v" | "_w" | "_task" | "_remap_level" => 0.0,
+            // Nothing has been returned.
+            "_value" | "_value_returned" => 0.0,
+            "_lathe_diameter_mode" => 0.0,
+            "_lathe_radius_mode" => 1.0,
+            "_ccomp" => 400.0,
+            "_plane" => match modal.plane {
+                Plane::Xy => 170.0,
+                Plane::Zx => 180.0,
+                Plane::Yz => 190.0,
+            },
+            "_motion_mode" => match modal.motion {
+                Motion::None => 800.0,
+                Motion::Rapid => 0.0,
+                Motion::Line => 10.0,
+                Motion::Arc { clockwise: true } => 20.0,
+                Motion::Arc { clockwise: false } => 30.0,
+                _ => return None,
+            },
+            "_inverse_time" => truth(modal.feed_mode == FeedMode::InverseTime),
+            "_units_per_minute" => truth(modal.feed_mode == FeedMode::PerMinute),
+            "_units_per_rev" => truth(modal.feed_mode == FeedMode::PerRevolution),
+            "_ijk_absolute_mode" => truth(modal.absolute_centres),
+            "_rpm" => modal.spindle_per_minute.unwrap_or(0.0),
+            "_call_level" => count(self.variables.calls),
+            "_metric" => truth(!modal.inches),
+            "_imperial" => truth(modal.inches),
+            "_absolute" => truth(!modal.incremental),
+            "_incremental" => truth(modal.incremental),
             "_feed" => modal.feedrate_mm_per_s.unwrap_or(0.0) * 60.0 / modal.mm(1.0),
             "_coord_system" if modal.work_offset > 5 => 585.0 + f64::from(modal.work_offset),
             "_coord_system" => 540.0 + 10.0 * f64::from(modal.work_offset),

@@ -336,6 +336,7 @@ impl Flow {
             return;
         }
         if let Some(frame) = self.frames.pop() {
+            variables.calls = self.frames.len() - 1;
             self.next = frame.call_line + 1;
             if frame.has_locals {
                 variables.leave();
@@ -369,6 +370,7 @@ impl Flow {
         if self.enter(report, first, times - 1, has_locals, call.span).is_none() {
             self.next = usize::MAX;
         }
+        variables.calls = self.frames.len() - 1;
         true
     }
 }

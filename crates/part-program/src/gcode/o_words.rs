@@ -223,7 +223,9 @@ impl Flow {
         };
         let arguments: Vec<_> = (1..).zip(values).collect();
         context.variables.enter(LINUXCNC_LOCALS, &arguments);
-        self.enter(context.report, first, 0, true, span)
+        self.enter(context.report, first, 0, true, span)?;
+        context.variables.calls += 1;
+        Some(())
     }
 
     fn end_of_sub(

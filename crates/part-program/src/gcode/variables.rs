@@ -48,12 +48,14 @@ pub(crate) struct Variables {
     r: HashMap<u32, f64>,
     /// Those of the program, then those of each subprogram that has been called and not left.
     locals: Vec<Locals>,
+    /// Calls that have not returned.
+    pub(crate) calls: usize,
 }
 
 impl Default for Variables {
     fn default() -> Self {
         let (numbers, names, r) = (HashMap::new(), HashMap::new(), HashMap::new());
-        Self { numbers, names, r, locals: vec![Locals::new(FANUC_LOCALS)] }
+        Self { numbers, names, r, locals: vec![Locals::new(FANUC_LOCALS)], calls: 0 }
     }
 }
 
