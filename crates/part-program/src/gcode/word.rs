@@ -346,7 +346,7 @@ impl Lexer<'_, '_, '_> {
         Some(())
     }
 
-    fn comment(&mut self) -> Option<()> {
+    pub(super) fn comment(&mut self) -> Option<()> {
         let begin = self.at;
         let Some(length) = self.line[begin..].find(')') else {
             let end = self.line.trim_end().len().max(begin + 1);
