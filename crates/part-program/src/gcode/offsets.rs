@@ -5,7 +5,7 @@
 //! | G54 to G59, G59.1 to G59.3 | the work offset in force |
 //! | G10 L2, G10 L20 | where the origin of a work offset is, and by how many degrees (R) it turns X and Y; with L20 by the coordinates that the tool has there |
 //! | G92, G52 | a shift of the coordinates: G92 gives the tool these coordinates, G52 puts the origin at them |
-//! | G92.1, G92.2, G92.3 | the shift forgotten, put aside, taken up again |
+//! | G92.1, G92.2, G92.3 | the shift forgotten, put aside; the last one that was written and not forgotten |
 //! | G28, G30 | a rapid move over a point to a place of the machine's own |
 //! | G53 | a move by the coordinates of the machine |
 //!
@@ -55,12 +55,16 @@ impl Reader<'_, '_, '_> {
             Placing::Home => self.home(block, span),
             Placing::MachineCoordinates => self.move_by_machine(block, span),
             Placing::SetOffset => self.set_offset(block, span),
-            Placing::SetPosition => self.set_position(block),
+            Placing::SetPosition => {
+                self.set_position(block);
+                self.kept_shift = self.modal.shift;
+            }
             Placing::MoveOrigin => {
                 for (axis, value) in block.take_axes().into_iter().enumerate() {
                     self.modal.shift[axis] =
                         value.map_or(self.modal.shift[axis], |value| self.modal.mm(value));
                 }
+                self.kept_shift = self.modal.shift;
             }
             Placing::Ignored => drop(block.take_axes()),
         }
@@ -200,9 +204,9 @@ impl Reader<'_, '_, '_> {
     /// G92.1, G92.2 and G92.3.
     pub(crate) fn change_shift(&mut self, tenths: u16) {
         match tenths {
-            921 => (self.modal.shift, self.shift_put_aside) = ([0.0; 3], [0.0; 3]),
-            922 => self.shift_put_aside = std::mem::take(&mut self.modal.shift),
-            _ => self.modal.shift = self.shift_put_aside,
+            921 => (self.modal.shift, self.kept_shift) = ([0.0; 3], [0.0; 3]),
+            922 => self.modal.shift = [0.0; 3],
+            _ => self.modal.shift = self.kept_shift,
         }
     }
 
