@@ -258,7 +258,7 @@ fn rests_follow_the_order_of_execution() {
 /// Comments hid the lines to which calls and loops lead, though not the commands themselves.
 #[test]
 fn comments_may_stand_around_labels() {
-    let text = "(a) N1 (b) o1 (c) sub\nG1 X#1\n/ (d) o1 (e) endsub\n(f) o<elseif> if [0]\no2 (g) repeat [2]\nG1 Y1\no2 endrepeat\n\
+    let text = "(a) N1 (b) o1 (c) sub\nG1 X#1\n / (d) o1 (e) endsub\n(f) o<elseif> if [0]\no2 (g) repeat [2]\nG1 Y1\no2 endrepeat\n\
                 (elseif [0]) o<elseif> (elseif) elseif [1]\nG1 X2\nN2(h)o<elseif> (i) endif\nG1 X3\n";
     assert_eq!(ends(&part(&format!("G0 X0\n{text}o1 (j) call (k) [5]\n"))), [2.0, 3.0, 5.0]);
 }
