@@ -262,3 +262,22 @@ fn comments_may_stand_around_labels() {
                 (elseif [0]) o<elseif> (elseif) elseif [1]\nG1 X2\nN2(h)o<elseif> (i) endif\nG1 X3\n";
     assert_eq!(ends(&part(&format!("G0 X0\n{text}o1 (j) call (k) [5]\n"))), [2.0, 3.0, 5.0]);
 }
+
+/// The main program and its subprograms number their blocks alike: GOTO stays in its own.
+#[test]
+fn a_goto_stays_in_its_program() {
+    let text = "O1\nG0 X0 F100\n#1=0\nN10 #1=#1+1\nG1 X#1\nIF [#1 LT 2] GOTO 10\nM98 P2\nGOTO 20\nG1 X98\nN20 M30\n\
+                O2\nN10 G1 X50\nGOTO 20\nX99\nN20 X60\nM99\n";
+    assert_eq!(ends(&of(Dialect::Fanuc, text)), [1.0, 2.0, 50.0, 60.0]);
+    let text = "O1\nG0 X0 F100\nG1 X1\nGOTO 10\nM30\nO2\nN10 M99\n";
+    let errors = read_part("p", text).unwrap_err().to_string();
+    assert!(errors.contains("there is no block N10 in this program"), "{errors}");
+}
+
+/// M99 P goes to a block of the caller, behind the call first, and in a main program to one of its own.
+#[test]
+fn a_subprogram_returns_to_a_block() {
+    let text = "O1\nG0 X0 F100\n#1=0\nN10 G1 X1\nM98 P2 L3\nG1 X99\nN10 G1 X2\nIF [#1 EQ 1] GOTO 30\n#1=1\nM99 P10\nN30 X4\nM30\n\
+                O2\nG1 X[5+#1]\nM99 P10\n";
+    assert_eq!(ends(&of(Dialect::Fanuc, text)), [1.0, 5.0, 2.0, 1.0, 6.0, 2.0, 4.0]);
+}

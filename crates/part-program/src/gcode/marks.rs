@@ -12,6 +12,8 @@ pub(crate) struct Marks {
     pub(crate) words: HashMap<Label, Vec<(usize, Option<Keyword>)>>,
     /// The lines of each block number.
     pub(crate) blocks: HashMap<u32, Vec<usize>>,
+    /// The lines on which programs begin.
+    pub(crate) programs: Vec<usize>,
     /// FANUC's ENDs, by the number of the loop.
     pub(crate) ends: HashMap<u32, Vec<usize>>,
 }
@@ -33,12 +35,27 @@ impl Marks {
         }
         if let Some((label, keyword)) = labelled(text) {
             let letters = keyword.bytes().take_while(u8::is_ascii_alphabetic).count();
-            self.words.entry(label).or_default().push((line, Keyword::of(&keyword[..letters])));
+            let keyword = Keyword::of(&keyword[..letters]);
+            if keyword.is_none() {
+                self.programs.push(line);
+            }
+            self.words.entry(label).or_default().push((line, keyword));
         } else if text.get(..3).is_some_and(|word| word.eq_ignore_ascii_case("END"))
             && let (Some(number), _) = leading_number(text[3..].trim_start())
         {
             self.ends.entry(number).or_default().push(line);
         }
+    }
+}
+
+impl Marks {
+    /// The line of a block number in the program in which line `here` stands: behind it, or else from the program's begin on.
+    pub(crate) fn block(&self, number: u32, here: usize) -> Option<usize> {
+        let next = self.programs.partition_point(|line| *line <= here);
+        let begin = next.checked_sub(1).map_or(0, |own| self.programs[own]);
+        let end = self.programs.get(next).copied().unwrap_or(usize::MAX);
+        let own = self.blocks.get(&number)?.iter().copied().filter(|line| (begin..end).contains(line));
+        own.clone().find(|line| *line > here).or_else(|| own.clone().next())
     }
 }
 
