@@ -281,3 +281,26 @@ fn a_subprogram_returns_to_a_block() {
                 O2\nG1 X[5+#1]\nM99 P10\n";
     assert_eq!(ends(&of(Dialect::Fanuc, text)), [1.0, 5.0, 2.0, 1.0, 6.0, 2.0, 4.0]);
 }
+
+/// By the macro manual of Series 30i, section 16.4: the bits of numbers, with AND as strong as `*`, OR and XOR as strong as `+`.
+#[test]
+fn logical_operators_of_fanuc_are_those_of_bits() {
+    for (expression, expected) in [
+        ("12 AND 10", 8.0),
+        ("12 OR 3", 15.0),
+        ("12 XOR 10", 6.0),
+        ("6 AND 3 + 8", 10.0),
+        ("8 + 6 AND 3", 10.0),
+        ("1 + 4 OR 2", 7.0),
+        ("[1 EQ 1] AND [2 GT 1]", 1.0),
+        ("[1 EQ 1] AND [2 LT 1]", 0.0),
+    ] {
+        let part = of(Dialect::Fanuc, &format!("G0 X-9 F100\nG1 X[{expression}]\n"));
+        assert_eq!(ends(&part), [expected], "{expression}");
+    }
+    assert_eq!(value("12 AND 10"), 1.0);
+    let text = "G0 X-9 F100\nG1 X[1.5 AND 1]\n";
+    let options = ReadOptions { dialect: Some(Dialect::Fanuc), ..ReadOptions::default() };
+    let errors = read_part_with("p", text, options).unwrap_err().to_string();
+    assert!(errors.contains("bits of a number that is not whole"), "{errors}");
+}

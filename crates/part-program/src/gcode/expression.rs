@@ -8,7 +8,7 @@
 //! | `*` `/` `MOD` `DIV` | `MOD` is never negative |
 //! | `+` `-` | |
 //! | `EQ` `NE` `GT` `GE` `LT` `LE`, of Siemens `==` `<>` `>` `>=` `<` `<=` | 1 or 0; LinuxCNC takes values for equal that are less than 0.0001 apart |
-//! | `AND` `OR` `XOR` | of what is not 0 |
+//! | `AND` `OR` `XOR` | of what is not 0; FANUC's are those of the bits, and bind as `*` (`AND`) and as `+` do |
 //!
 //! Functions: `ABS` `ACOS` `ASIN` `ATAN[y]/[x]` `COS` `EXISTS` `EXP` `FIX` `FUP` `LN` `ROUND` `SIN` `SQRT` `TAN`, of Siemens `ATAN2(y, x)`
 //! `POT` and `TRUNC`; angles are in degrees. `FIX` goes to the next lower whole number and `FUP` to the next higher one, of FANUC toward
@@ -184,6 +184,17 @@ const OPERATORS: [(&str, Operator, u8); 24] = [
     ("||", Operator::Or, 1),
 ];
 
+/// How strongly an operator binds.
+fn strength_of(operator: Operator) -> u8 {
+    OPERATORS.iter().find(|(_, one, _)| *one == operator).map_or(0, |(_, _, strength)| *strength)
+}
+
+/// A number whose bits FANUC combines.
+fn bits(value: f64) -> Option<u32> {
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "whole, within u32")]
+    ((0.0..=f64::from(u32::MAX)).contains(&value) && value.fract() == 0.0).then_some(value as u32)
+}
+
 /// The functions of one value.
 const FUNCTIONS: [&str; 18] = [
     "ABS", "ACOS", "ASIN", "ATAN", "ATAN2", "COS", "EXISTS", "EXP", "FIX", "FUP", "LN", "NOT", "POT",
@@ -286,8 +297,18 @@ impl<'a> Parser<'a> {
         OPERATORS.iter().find_map(|(text, operator, strength)| {
             let is_next =
                 rest.len() >= text.len() && rest[..text.len()].eq_ignore_ascii_case(text.as_bytes());
-            is_next.then_some((*operator, *strength, self.at + text.len()))
+            let strength = match operator {
+                Operator::And if self.is_of_bits() => strength_of(Operator::Times),
+                Operator::Or | Operator::ExclusiveOr if self.is_of_bits() => strength_of(Operator::Plus),
+                _ => *strength,
+            };
+            is_next.then_some((*operator, strength, self.at + text.len()))
         })
+    }
+
+    /// Whether AND, OR and XOR are FANUC's.
+    fn is_of_bits(&self) -> bool {
+        self.scope.dialect == Some(Dialect::Fanuc)
     }
 
     fn apply(&self, operator: Operator, a: Value, b: Value) -> Result<Value, (&'static str, &'static str)> {
@@ -318,6 +339,19 @@ impl<'a> Parser<'a> {
             Operator::AtLeast => truth(x >= y),
             Operator::Less => truth(x < y),
             Operator::AtMost => truth(x <= y),
+            Operator::And | Operator::Or | Operator::ExclusiveOr if self.is_of_bits() => {
+                let (Some(x), Some(y)) = (bits(x), bits(y)) else {
+                    return Err((
+                        "bits of a number that is not whole, or negative",
+                        "whole numbers from 0 on",
+                    ));
+                };
+                f64::from(match operator {
+                    Operator::And => x & y,
+                    Operator::Or => x | y,
+                    _ => x ^ y,
+                })
+            }
             Operator::And => truth(x != 0.0 && y != 0.0),
             Operator::Or => truth(x != 0.0 || y != 0.0),
             Operator::ExclusiveOr => truth((x != 0.0) != (y != 0.0)),
