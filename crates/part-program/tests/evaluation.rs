@@ -304,3 +304,13 @@ fn logical_operators_of_fanuc_are_those_of_bits() {
     let errors = read_part_with("p", text, options).unwrap_err().to_string();
     assert!(errors.contains("bits of a number that is not whole"), "{errors}");
 }
+
+/// A macro keeps the words in force, and ends with them: they were vacant, and G91 stayed.
+#[test]
+fn words_in_force_are_variables_of_fanuc() {
+    let text = "O1\nG21 G90 G17 G0 X0 F100\nG55 G1 X1\nM98 P9\nX2\nM30\nO9\n#1=#4001\n#2=#4003\n#3=#4014\n#4=#4109\nG91 G0 X5\n\
+                G#1 G#2 G#3 F#4\nX[#4002+#4006+#4005]\nM99\n";
+    let part = of(Dialect::Fanuc, text);
+    assert_eq!(ends(&part), [1.0, 6.0, 132.0, 2.0]);
+    assert!(part.moves[3].feedrate_mm_per_s == Some(100.0 / 60.0), "{:?}", part.moves);
+}

@@ -70,10 +70,42 @@ impl Scope<'_> {
         match number {
             5420..=5422 => Some(axis(5420)),
             5001..=5003 | 5021..=5023 | 5041..=5043 => Some(axis(number / 10 * 10 + 1)),
+            // FANUC's words in force.
+            4001..=4120 if self.dialect == Some(Dialect::Fanuc) => self.kept_word(number),
             5220 => Some(f64::from(self.modal.work_offset) + 1.0),
             1..=HIGHEST if self.dialect == Some(Dialect::LinuxCnc) => Some(0.0),
             _ => None,
         }
+    }
+
+    /// The number of the word in force of a group, as FANUC keeps it; `None` of groups that are not followed.
+    fn kept_word(&self, number: u32) -> Value {
+        let modal = self.modal;
+        Some(match number {
+            4001 => match modal.motion {
+                Motion::Rapid => 0.0,
+                Motion::Line => 1.0,
+                Motion::Arc { clockwise: true } => 2.0,
+                Motion::Arc { clockwise: false } => 3.0,
+                _ => return None,
+            },
+            4002 => match modal.plane {
+                Plane::Xy => 17.0,
+                Plane::Zx => 18.0,
+                Plane::Yz => 19.0,
+            },
+            4003 => 90.0 + f64::from(u8::from(modal.incremental)),
+            4005 => match modal.feed_mode {
+                FeedMode::InverseTime => 93.0,
+                FeedMode::PerMinute => 94.0,
+                FeedMode::PerRevolution => 95.0,
+            },
+            4006 => 21.0 - f64::from(u8::from(modal.inches)),
+            4014 if modal.work_offset < 6 => 54.0 + f64::from(modal.work_offset),
+            4109 => modal.feedrate_mm_per_s? * 60.0 / modal.mm(1.0),
+            4119 => modal.spindle_per_minute?,
+            _ => return None,
+        })
     }
 
     /// LinuxCNC's predefined names.
