@@ -64,7 +64,10 @@ fn shifts_move_what_follows_them() {
     for (text, expected) in [
         ("G10 L2 P2 X100\nG55 G1 X1 Y0\nG54 G1 X2", "F101 0 5|F2 0 5"),
         ("G92 X10\nG1 X11\nG92.2\nG1 X2\nG92.3 G1 X13\nG92.1 G1 X4", "F1 0 5|F2 0 5|F3 0 5|F4 0 5"),
-        ("G52 X10\nG1 X11\nG91 G1 X1\nG90 G52 X0 G1 Y1", "F1 0 5|F2 0 5"),
+        ("G52 X10\nG1 X11\nG52 Y5\nG91 G1 X1\nG90 G52 X0 Y0\nG1 X3 Y1", "F21 0 5|F22 0 5|F3 1 5"),
+        ("G52 X10\nG92 X100\nG1 X101\nG52 X-1\nX0", "F1 0 5|F-1 0 5"),
+        // What G92.3 takes up is what was written last, whether or not it was put aside.
+        ("G92 X10\nG92.3\nG1 X11\nG92.2\nG92.2\nG1 X2\nG92.3\nG1 X13", "F1 0 5|F2 0 5|F3 0 5"),
         ("G10 L20 P1 X3\nG1 X4 Y1", "F1 1 5"),
         ("G92 X1\nG2 X3 I1", "F2 0 5"),
     ] {

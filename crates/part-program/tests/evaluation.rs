@@ -207,6 +207,24 @@ fn positions_and_settings_are_variables() {
         "{inches:?}"
     );
     assert_eq!(ends(&part("G0 X1\nG92 X10\nG1 X[#5420+1]\nG1 X[#<_metric>*2]\n")), [2.0, -7.0]);
+    for (settings, name, expected) in [
+        ("G18", "_plane", 180.0),
+        ("G1", "_motion_mode", 10.0),
+        ("G93", "_inverse_time", 1.0),
+        ("G93", "_units_per_minute", 0.0),
+        ("G90.1", "_ijk_absolute_mode", 1.0),
+        ("S200", "_rpm", 200.0),
+        ("", "_value", 0.0),
+        ("", "_value_returned", 0.0),
+        ("", "_ccomp", 400.0),
+        ("", "_call_level", 0.0),
+    ] {
+        let text = format!("{settings}\n#1=#<{name}>\nG94 G0 X-1\nG1 X#1\n");
+        assert_eq!(ends(&part(&text)), [expected], "{text}");
+    }
+    let text = "o2 sub\nG1 X[#<_call_level>*10]\no2 endsub\no1 sub\nG1 X#<_call_level>\no2 call\nG1 X[#<_call_level>+1]\n\
+                o1 endsub\nG0 X0\no1 call\nG1 X[#<_call_level>+5]\n";
+    assert_eq!(ends(&part(text)), [1.0, 20.0, 2.0, 5.0]);
 }
 
 #[test]
@@ -235,4 +253,64 @@ fn rests_follow_the_order_of_execution() {
     );
     let rests: Vec<_> = (1..5).map(|next| part.rest_before(next).is_some()).collect();
     assert_eq!(rests, [false, true, false, true]);
+}
+
+/// Comments hid the lines to which calls and loops lead, though not the commands themselves.
+#[test]
+fn comments_may_stand_around_labels() {
+    let text = "(a) N1 (b) o1 (c) sub\nG1 X#1\n / (d) o1 (e) endsub\n(f) o<elseif> if [0]\no2 (g) repeat [2]\nG1 Y1\no2 endrepeat\n\
+                (elseif [0]) o<elseif> (elseif) elseif [1]\nG1 X2\nN2(h)o<elseif> (i) endif\nG1 X3\n";
+    assert_eq!(ends(&part(&format!("G0 X0\n{text}o1 (j) call (k) [5]\n"))), [2.0, 3.0, 5.0]);
+}
+
+/// The main program and its subprograms number their blocks alike: GOTO stays in its own.
+#[test]
+fn a_goto_stays_in_its_program() {
+    let text = "O1\nG0 X0 F100\n#1=0\nN10 #1=#1+1\nG1 X#1\nIF [#1 LT 2] GOTO 10\nM98 P2\nGOTO 20\nG1 X98\nN20 M30\n\
+                O2\nN10 G1 X50\nGOTO 20\nX99\nN20 X60\nM99\n";
+    assert_eq!(ends(&of(Dialect::Fanuc, text)), [1.0, 2.0, 50.0, 60.0]);
+    let text = "O1\nG0 X0 F100\nG1 X1\nGOTO 10\nM30\nO2\nN10 M99\n";
+    let errors = read_part("p", text).unwrap_err().to_string();
+    assert!(errors.contains("there is no block N10 in this program"), "{errors}");
+}
+
+/// M99 P goes to a block of the caller, behind the call first, and in a main program to one of its own.
+#[test]
+fn a_subprogram_returns_to_a_block() {
+    let text = "O1\nG0 X0 F100\n#1=0\nN10 G1 X1\nM98 P2 L3\nG1 X99\nN10 G1 X2\nIF [#1 EQ 1] GOTO 30\n#1=1\nM99 P10\nN30 X4\nM30\n\
+                O2\nG1 X[5+#1]\nM99 P10\n";
+    assert_eq!(ends(&of(Dialect::Fanuc, text)), [1.0, 5.0, 2.0, 1.0, 6.0, 2.0, 4.0]);
+}
+
+/// By the macro manual of Series 30i, section 16.4: the bits of numbers, with AND as strong as `*`, OR and XOR as strong as `+`.
+#[test]
+fn logical_operators_of_fanuc_are_those_of_bits() {
+    for (expression, expected) in [
+        ("12 AND 10", 8.0),
+        ("12 OR 3", 15.0),
+        ("12 XOR 10", 6.0),
+        ("6 AND 3 + 8", 10.0),
+        ("8 + 6 AND 3", 10.0),
+        ("1 + 4 OR 2", 7.0),
+        ("[1 EQ 1] AND [2 GT 1]", 1.0),
+        ("[1 EQ 1] AND [2 LT 1]", 0.0),
+    ] {
+        let part = of(Dialect::Fanuc, &format!("G0 X-9 F100\nG1 X[{expression}]\n"));
+        assert_eq!(ends(&part), [expected], "{expression}");
+    }
+    assert_eq!(value("12 AND 10"), 1.0);
+    let text = "G0 X-9 F100\nG1 X[1.5 AND 1]\n";
+    let options = ReadOptions { dialect: Some(Dialect::Fanuc), ..ReadOptions::default() };
+    let errors = read_part_with("p", text, options).unwrap_err().to_string();
+    assert!(errors.contains("bits of a number that is not whole"), "{errors}");
+}
+
+/// A macro keeps the words in force, and ends with them: they were vacant, and G91 stayed.
+#[test]
+fn words_in_force_are_variables_of_fanuc() {
+    let text = "O1\nG21 G90 G17 G0 X0 F100\nG55 G1 X1\nM98 P9\nX2\nM30\nO9\n#1=#4001\n#2=#4003\n#3=#4014\n#4=#4109\nG91 G0 X5\n\
+                G#1 G#2 G#3 F#4\nX[#4002+#4006+#4005]\nM99\n";
+    let part = of(Dialect::Fanuc, text);
+    assert_eq!(ends(&part), [1.0, 6.0, 132.0, 2.0]);
+    assert!(part.moves[3].feedrate_mm_per_s == Some(100.0 / 60.0), "{:?}", part.moves);
 }

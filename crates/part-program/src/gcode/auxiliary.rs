@@ -20,6 +20,9 @@ impl Reader<'_, '_, '_> {
                         }
                         self.not_in_this_file(word.span, "a subprogram of another device");
                     }
+                    99.0 if letter == b'M' && block.has(b'P') => {
+                        ends |= !self.return_to_block(block, word.span)
+                    }
                     99.0 if letter == b'M' && self.flow.is_called() => {
                         self.flow.return_from(&mut self.variables)
                     }
@@ -57,6 +60,18 @@ impl Reader<'_, '_, '_> {
         if !self.flow.call(self.report, &mut self.variables, &call) {
             self.not_in_this_file(span, &format!("subprogram O{program}"));
         }
+    }
+
+    /// `M99 P10`; whether there is such a block.
+    fn return_to_block(&mut self, block: &mut Block<'_>, span: Span) -> bool {
+        let Some(word) = block.take_letter(b'P') else { return false };
+        let Some(number) = whole(word.value) else {
+            self.report
+                .error(word.span, "M99 with a P that is no block number")
+                .expected("P with a whole number");
+            return false;
+        };
+        self.flow.return_to(self.report, &mut self.variables, number, span.to(word.span)).is_some()
     }
 
     fn not_in_this_file(&mut self, span: Span, what: &str) {

@@ -91,6 +91,10 @@ impl Lexer<'_, '_, '_> {
     pub(super) fn o_word(&mut self, begin: usize) -> Option<()> {
         let label = self.label()?;
         self.skip(|c| c.is_ascii_whitespace());
+        while self.peek() == Some(b'(') {
+            self.comment()?;
+            self.skip(|c| c.is_ascii_whitespace());
+        }
         let word = self.at;
         self.skip(|c| c.is_ascii_alphabetic());
         match Keyword::of(&self.line[word..self.at]) {

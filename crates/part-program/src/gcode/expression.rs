@@ -8,7 +8,7 @@
 //! | `*` `/` `MOD` `DIV` | `MOD` is never negative |
 //! | `+` `-` | |
 //! | `EQ` `NE` `GT` `GE` `LT` `LE`, of Siemens `==` `<>` `>` `>=` `<` `<=` | 1 or 0; LinuxCNC takes values for equal that are less than 0.0001 apart |
-//! | `AND` `OR` `XOR` | of what is not 0 |
+//! | `AND` `OR` `XOR` | of what is not 0; FANUC's are those of the bits, and bind as `*` (`AND`) and as `+` do |
 //!
 //! Functions: `ABS` `ACOS` `ASIN` `ATAN[y]/[x]` `COS` `EXISTS` `EXP` `FIX` `FUP` `LN` `ROUND` `SIN` `SQRT` `TAN`, of Siemens `ATAN2(y, x)`
 //! `POT` and `TRUNC`; angles are in degrees. `FIX` goes to the next lower whole number and `FUP` to the next higher one, of FANUC toward
@@ -25,7 +25,8 @@
 
 use std::ops::Range;
 
-use crate::gcode::modal::Modal;
+use crate::arc::Plane;
+use crate::gcode::modal::{FeedMode, Modal, Motion};
 use crate::gcode::variables::{HIGHEST, Variable, Variables};
 use crate::options::Dialect;
 
@@ -69,24 +70,81 @@ impl Scope<'_> {
         match number {
             5420..=5422 => Some(axis(5420)),
             5001..=5003 | 5021..=5023 | 5041..=5043 => Some(axis(number / 10 * 10 + 1)),
+            // FANUC's words in force.
+            4001..=4120 if self.dialect == Some(Dialect::Fanuc) => self.kept_word(number),
             5220 => Some(f64::from(self.modal.work_offset) + 1.0),
             1..=HIGHEST if self.dialect == Some(Dialect::LinuxCnc) => Some(0.0),
             _ => None,
         }
     }
 
+    /// The number of the word in force of a group, as FANUC keeps it; `None` of groups that are not followed.
+    fn kept_word(&self, number: u32) -> Value {
+        let modal = self.modal;
+        Some(match number {
+            4001 => match modal.motion {
+                Motion::Rapid => 0.0,
+                Motion::Line => 1.0,
+                Motion::Arc { clockwise: true } => 2.0,
+                Motion::Arc { clockwise: false } => 3.0,
+                _ => return None,
+            },
+            4002 => match modal.plane {
+                Plane::Xy => 17.0,
+                Plane::Zx => 18.0,
+                Plane::Yz => 19.0,
+            },
+            4003 => 90.0 + f64::from(u8::from(modal.incremental)),
+            4005 => match modal.feed_mode {
+                FeedMode::InverseTime => 93.0,
+                FeedMode::PerMinute => 94.0,
+                FeedMode::PerRevolution => 95.0,
+            },
+            4006 => 21.0 - f64::from(u8::from(modal.inches)),
+            4014 if modal.work_offset < 6 => 54.0 + f64::from(modal.work_offset),
+            4109 => modal.feedrate_mm_per_s? * 60.0 / modal.mm(1.0),
+            4119 => modal.spindle_per_minute?,
+            _ => return None,
+        })
+    }
+
     /// LinuxCNC's predefined names.
     fn kept_name(&self, name: &str) -> Value {
-        let modal = self.modal;
+        let (modal, truth) = (self.modal, |holds| f64::from(u8::from(holds)));
+        let count = |calls: usize| u32::try_from(calls).map_or(0.0, f64::from);
         Some(match name {
             "_x" => modal.programmed(0),
             "_y" => modal.programmed(1),
             "_z" => modal.programmed(2),
-            "_a" | "_b" | "_c" | "_u" | "_v" | "_w" | "_task" | "_ccomp" | "_remap_level" => 0.0,
-            "_metric" => f64::from(u8::from(!modal.inches)),
-            "_imperial" => f64::from(u8::from(modal.inches)),
-            "_absolute" => f64::from(u8::from(!modal.incremental)),
-            "_incremental" => f64::from(u8::from(modal.incremental)),
+            "_a" | "_b" | "_c" | "_u" | "_v" | "_w" | "_task" | "_remap_level" => 0.0,
+            // Nothing has been returned.
+            "_value" | "_value_returned" => 0.0,
+            "_lathe_diameter_mode" => 0.0,
+            "_lathe_radius_mode" => 1.0,
+            "_ccomp" => 400.0,
+            "_plane" => match modal.plane {
+                Plane::Xy => 170.0,
+                Plane::Zx => 180.0,
+                Plane::Yz => 190.0,
+            },
+            "_motion_mode" => match modal.motion {
+                Motion::None => 800.0,
+                Motion::Rapid => 0.0,
+                Motion::Line => 10.0,
+                Motion::Arc { clockwise: true } => 20.0,
+                Motion::Arc { clockwise: false } => 30.0,
+                _ => return None,
+            },
+            "_inverse_time" => truth(modal.feed_mode == FeedMode::InverseTime),
+            "_units_per_minute" => truth(modal.feed_mode == FeedMode::PerMinute),
+            "_units_per_rev" => truth(modal.feed_mode == FeedMode::PerRevolution),
+            "_ijk_absolute_mode" => truth(modal.absolute_centres),
+            "_rpm" => modal.spindle_per_minute.unwrap_or(0.0),
+            "_call_level" => count(self.variables.calls),
+            "_metric" => truth(!modal.inches),
+            "_imperial" => truth(modal.inches),
+            "_absolute" => truth(!modal.incremental),
+            "_incremental" => truth(modal.incremental),
             "_feed" => modal.feedrate_mm_per_s.unwrap_or(0.0) * 60.0 / modal.mm(1.0),
             "_coord_system" if modal.work_offset > 5 => 585.0 + f64::from(modal.work_offset),
             "_coord_system" => 540.0 + 10.0 * f64::from(modal.work_offset),
@@ -157,6 +215,17 @@ const OPERATORS: [(&str, Operator, u8); 24] = [
     ("&&", Operator::And, 1),
     ("||", Operator::Or, 1),
 ];
+
+/// How strongly an operator binds.
+fn strength_of(operator: Operator) -> u8 {
+    OPERATORS.iter().find(|(_, one, _)| *one == operator).map_or(0, |(_, _, strength)| *strength)
+}
+
+/// A number whose bits FANUC combines.
+fn bits(value: f64) -> Option<u32> {
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "whole, within u32")]
+    ((0.0..=f64::from(u32::MAX)).contains(&value) && value.fract() == 0.0).then_some(value as u32)
+}
 
 /// The functions of one value.
 const FUNCTIONS: [&str; 18] = [
@@ -260,8 +329,18 @@ impl<'a> Parser<'a> {
         OPERATORS.iter().find_map(|(text, operator, strength)| {
             let is_next =
                 rest.len() >= text.len() && rest[..text.len()].eq_ignore_ascii_case(text.as_bytes());
-            is_next.then_some((*operator, *strength, self.at + text.len()))
+            let strength = match operator {
+                Operator::And if self.is_of_bits() => strength_of(Operator::Times),
+                Operator::Or | Operator::ExclusiveOr if self.is_of_bits() => strength_of(Operator::Plus),
+                _ => *strength,
+            };
+            is_next.then_some((*operator, strength, self.at + text.len()))
         })
+    }
+
+    /// Whether AND, OR and XOR are FANUC's.
+    fn is_of_bits(&self) -> bool {
+        self.scope.dialect == Some(Dialect::Fanuc)
     }
 
     fn apply(&self, operator: Operator, a: Value, b: Value) -> Result<Value, (&'static str, &'static str)> {
@@ -292,6 +371,19 @@ impl<'a> Parser<'a> {
             Operator::AtLeast => truth(x >= y),
             Operator::Less => truth(x < y),
             Operator::AtMost => truth(x <= y),
+            Operator::And | Operator::Or | Operator::ExclusiveOr if self.is_of_bits() => {
+                let (Some(x), Some(y)) = (bits(x), bits(y)) else {
+                    return Err((
+                        "bits of a number that is not whole, or negative",
+                        "whole numbers from 0 on",
+                    ));
+                };
+                f64::from(match operator {
+                    Operator::And => x & y,
+                    Operator::Or => x | y,
+                    _ => x ^ y,
+                })
+            }
             Operator::And => truth(x != 0.0 && y != 0.0),
             Operator::Or => truth(x != 0.0 || y != 0.0),
             Operator::ExclusiveOr => truth((x != 0.0) != (y != 0.0)),

@@ -3,7 +3,7 @@
 //! | control | commands |
 //! |---|---|
 //! | LinuxCNC | `o100 sub` … `endsub`, `call`, `return`; `if`, `elseif`, `else`, `endif`; `while` … `endwhile`, `do` … `while`, `repeat` … `endrepeat`, `break`, `continue` |
-//! | FANUC | `IF [ ] GOTO 10`, `IF [ ] THEN`, `GOTO 10`, `WHILE [ ] DO 1` … `END 1`; `G65 P9000 A1`, `M98 P9000 L3` … `M99` |
+//! | FANUC | `IF [ ] GOTO 10`, `IF [ ] THEN`, `GOTO 10`, `WHILE [ ] DO 1` … `END 1`; `G65 P9000 A1`, `M98 P9000 L3` … `M99`, `M99 P10` |
 //!
 //! A program that repeats lines without an end is stopped: at most [`MAX_REPEATED`] lines are executed again, or as many bytes as
 //! [`MAX_REPEATED_BYTES`] says.
@@ -16,7 +16,7 @@ use crate::gcode::command::{Command, Keyword, Label};
 use crate::gcode::expression::Scope;
 use crate::gcode::marks::Marks;
 use crate::gcode::modal::Modal;
-use crate::gcode::variables::Variables;
+use crate::gcode::variables::{FANUC_LOCALS, Variables};
 use crate::gcode::word;
 use crate::options::Dialect;
 use crate::source::Span;
@@ -180,27 +180,37 @@ impl Flow {
         span: Span,
     ) -> Option<()> {
         match command {
-            Command::Goto(number) => {
-                let here = self.line;
-                let found = self
-                    .marks(context.report)
-                    .blocks
-                    .get(&number)
-                    .and_then(|lines| lines.iter().find(|line| **line > here).or(lines.first()).copied());
-                match found {
-                    Some(line) => self.next = line,
-                    None => {
-                        let message = format!("there is no block N{number}");
-                        context.report.error(span, message).expected("the number of a block");
-                        return None;
-                    }
-                }
-            }
+            Command::Goto(number) => self.jump(context.report, number, self.line, span)?,
             Command::While { number, holds } => self.fanuc_while(context, number, holds, span)?,
             Command::End(number) => self.fanuc_end(context, number, span)?,
             Command::Word { label, keyword, at } => self.o_word(context, &label, keyword, at, span)?,
         }
         Some(())
+    }
+
+    /// Goes to the block of a number, in the program in which line `here` stands; that there is none is said.
+    fn jump(&mut self, report: &mut Report<'_>, number: u32, here: usize, span: Span) -> Option<()> {
+        let Some(line) = self.marks(report).block(number, here) else {
+            let message = format!("there is no block N{number} in this program");
+            report.error(span, message).expected("the number of a block");
+            return None;
+        };
+        self.next = line;
+        Some(())
+    }
+
+    /// `M99 P10`: leaves the subprogram, if it is one, and goes to a block of the program that called it.
+    pub(crate) fn return_to(
+        &mut self,
+        report: &mut Report<'_>,
+        variables: &mut Variables,
+        number: u32,
+        span: Span,
+    ) -> Option<()> {
+        let here = if self.is_called() { self.frame().call_line } else { self.line };
+        self.frame().again = 0;
+        self.return_from(variables);
+        self.jump(report, number, here, span)
     }
 
     fn fanuc_while(
@@ -336,6 +346,7 @@ impl Flow {
             return;
         }
         if let Some(frame) = self.frames.pop() {
+            variables.calls = self.frames.len() - 1;
             self.next = frame.call_line + 1;
             if frame.has_locals {
                 variables.leave();
@@ -364,11 +375,12 @@ impl Flow {
         }
         let has_locals = call.arguments.is_some();
         if let Some(arguments) = &call.arguments {
-            variables.enter(arguments);
+            variables.enter(FANUC_LOCALS, arguments);
         }
         if self.enter(report, first, times - 1, has_locals, call.span).is_none() {
             self.next = usize::MAX;
         }
+        variables.calls = self.frames.len() - 1;
         true
     }
 }

@@ -12,6 +12,8 @@ pub(crate) struct Marks {
     pub(crate) words: HashMap<Label, Vec<(usize, Option<Keyword>)>>,
     /// The lines of each block number.
     pub(crate) blocks: HashMap<u32, Vec<usize>>,
+    /// The lines on which programs begin.
+    pub(crate) programs: Vec<usize>,
     /// FANUC's ENDs, by the number of the loop.
     pub(crate) ends: HashMap<u32, Vec<usize>>,
 }
@@ -27,34 +29,72 @@ impl Marks {
     }
 
     fn line(&mut self, line: usize, text: &str) {
-        let mut text = text.trim_start().trim_start_matches('/').trim_start();
-        if let Some(rest) = text.strip_prefix(['N', 'n']) {
-            let (number, rest) = leading_number(rest.trim_start());
-            if let Some(number) = number {
-                self.blocks.entry(number).or_default().push(line);
-            }
-            text = rest.trim_start();
+        let (number, text) = numbered(text);
+        if let Some(number) = number {
+            self.blocks.entry(number).or_default().push(line);
         }
-        if let Some(rest) = text.strip_prefix(['O', 'o']) {
-            self.o_word(line, rest.trim_start());
+        if let Some((label, keyword)) = labelled(text) {
+            let letters = keyword.bytes().take_while(u8::is_ascii_alphabetic).count();
+            let keyword = Keyword::of(&keyword[..letters]);
+            if keyword.is_none() {
+                self.programs.push(line);
+            }
+            self.words.entry(label).or_default().push((line, keyword));
         } else if text.get(..3).is_some_and(|word| word.eq_ignore_ascii_case("END"))
             && let (Some(number), _) = leading_number(text[3..].trim_start())
         {
             self.ends.entry(number).or_default().push(line);
         }
     }
+}
 
-    fn o_word(&mut self, line: usize, text: &str) {
-        let (label, rest) = match text.strip_prefix('<').and_then(|text| text.split_once('>')) {
-            Some((name, rest)) => (Label::named(name), rest),
-            None => match leading_number(text) {
-                (Some(number), rest) => (Label::Number(number), rest),
-                _ => return,
-            },
-        };
-        let rest = rest.trim_start();
-        let letters = rest.bytes().take_while(u8::is_ascii_alphabetic).count();
-        self.words.entry(label).or_default().push((line, Keyword::of(&rest[..letters])));
+impl Marks {
+    /// The line of a block number in the program in which line `here` stands: behind it, or else from the program's begin on.
+    pub(crate) fn block(&self, number: u32, here: usize) -> Option<usize> {
+        let next = self.programs.partition_point(|line| *line <= here);
+        let begin = next.checked_sub(1).map_or(0, |own| self.programs[own]);
+        let end = self.programs.get(next).copied().unwrap_or(usize::MAX);
+        let own = self.blocks.get(&number)?.iter().copied().filter(|line| (begin..end).contains(line));
+        own.clone().find(|line| *line > here).or_else(|| own.clone().next())
+    }
+}
+
+/// Where in a line the values of an O-word begin.
+pub(crate) fn behind_keyword(line: &str) -> usize {
+    let keyword = labelled(numbered(line).1).map_or("", |(_, keyword)| keyword);
+    line.len() - keyword.trim_start_matches(|c: char| c.is_ascii_alphabetic()).len()
+}
+
+/// The number of a block, and its words.
+fn numbered(line: &str) -> (Option<u32>, &str) {
+    let text = words(line);
+    let text = words(text.strip_prefix('/').map_or(text, |text| leading_number(text).1));
+    let Some(rest) = text.strip_prefix(['N', 'n']) else { return (None, text) };
+    let (number, rest) = leading_number(rest.trim_start());
+    (number, words(rest))
+}
+
+/// The label of an O-word, and what stands behind it.
+fn labelled(text: &str) -> Option<(Label, &str)> {
+    let text = text.strip_prefix(['O', 'o'])?.trim_start();
+    let (label, rest) = match text.strip_prefix('<').and_then(|text| text.split_once('>')) {
+        Some((name, rest)) => (Label::named(name), rest),
+        None => {
+            let (number, rest) = leading_number(text);
+            (Label::Number(number?), rest)
+        }
+    };
+    Some((label, words(rest)))
+}
+
+/// A text from behind the white space and the comments with which it begins.
+fn words(mut text: &str) -> &str {
+    loop {
+        text = text.trim_start();
+        match text.strip_prefix('(').and_then(|text| text.split_once(')')) {
+            Some((_, behind)) => text = behind,
+            None => return text,
+        }
     }
 }
 

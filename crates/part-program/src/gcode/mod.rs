@@ -87,7 +87,7 @@ pub(crate) fn read(report: &mut Report<'_>, part: &mut Part, options: ReadOption
         corner: None,
         others: OtherAxes::default(),
         known_origins: [false; WORK_OFFSETS],
-        shift_put_aside: [0.0; 3],
+        kept_shift: [0.0; 3],
         names_unit: false,
         points: 0,
         block_number: 0,
@@ -145,8 +145,8 @@ pub(crate) struct Reader<'r, 't, 'p> {
     pub(crate) corner: Option<Corner>,
     /// The work offsets whose origins the program has set.
     pub(crate) known_origins: [bool; WORK_OFFSETS],
-    /// The shift that G92.2 put aside.
-    pub(crate) shift_put_aside: [f64; 3],
+    /// The last shift that was written, to which G92.3 comes back.
+    pub(crate) kept_shift: [f64; 3],
     /// Whether a word has said the unit of lengths.
     pub(crate) names_unit: bool,
     /// Control points of the curves that have been made.

@@ -3,7 +3,8 @@
 use crate::gcode::command::{Keyword, Label};
 use crate::gcode::expression::Scope;
 use crate::gcode::flow::{Context, Flow, Kind, Nested};
-use crate::gcode::variables::Variable;
+use crate::gcode::marks::behind_keyword;
+use crate::gcode::variables::{LINUXCNC_LOCALS, Variable};
 use crate::gcode::word;
 use crate::source::Span;
 
@@ -64,11 +65,7 @@ impl Flow {
                 Keyword::Else => break,
                 _ => {
                     line = next;
-                    let text = context.line(next).1;
-                    at = text
-                        .to_ascii_lowercase()
-                        .find("elseif")
-                        .map_or(text.len(), |begin| begin + "elseif".len());
+                    at = behind_keyword(context.line(next).1);
                 }
             }
         }
@@ -222,8 +219,10 @@ impl Flow {
             return None;
         };
         let arguments: Vec<_> = (1..).zip(values).collect();
-        context.variables.enter(&arguments);
-        self.enter(context.report, first, 0, true, span)
+        context.variables.enter(LINUXCNC_LOCALS, &arguments);
+        self.enter(context.report, first, 0, true, span)?;
+        context.variables.calls += 1;
+        Some(())
     }
 
     fn end_of_sub(

@@ -4,8 +4,8 @@
 //! |---|---|
 //! | G54 to G59, G59.1 to G59.3 | the work offset in force |
 //! | G10 L2, G10 L20 | where the origin of a work offset is, and by how many degrees (R) it turns X and Y; with L20 by the coordinates that the tool has there |
-//! | G92, G52 | a shift of the coordinates: G92 gives the tool these coordinates, FANUC's G52 moves the origin by them |
-//! | G92.1, G92.2, G92.3 | the shift forgotten, put aside, taken up again |
+//! | G92, G52 | a shift of the coordinates: G92 gives the tool these coordinates, G52 puts the origin at them |
+//! | G92.1, G92.2, G92.3 | the shift forgotten, put aside; the last one that was written and not forgotten |
 //! | G28, G30 | a rapid move over a point to a place of the machine's own |
 //! | G53 | a move by the coordinates of the machine |
 //!
@@ -32,9 +32,9 @@ pub(crate) enum Placing {
     MachineCoordinates,
     /// G10.
     SetOffset,
-    /// G92, and LinuxCNC's G52.
+    /// G92.
     SetPosition,
-    /// G52 of other controls.
+    /// G52.
     MoveOrigin,
     /// G28.1, G30.1, G43.1 and G43.2: coordinates that are no part of the path.
     Ignored,
@@ -55,12 +55,16 @@ impl Reader<'_, '_, '_> {
             Placing::Home => self.home(block, span),
             Placing::MachineCoordinates => self.move_by_machine(block, span),
             Placing::SetOffset => self.set_offset(block, span),
-            Placing::SetPosition => self.set_position(block),
+            Placing::SetPosition => {
+                self.set_position(block);
+                self.kept_shift = self.modal.shift;
+            }
             Placing::MoveOrigin => {
                 for (axis, value) in block.take_axes().into_iter().enumerate() {
                     self.modal.shift[axis] =
                         value.map_or(self.modal.shift[axis], |value| self.modal.mm(value));
                 }
+                self.kept_shift = self.modal.shift;
             }
             Placing::Ignored => drop(block.take_axes()),
         }
@@ -200,22 +204,20 @@ impl Reader<'_, '_, '_> {
     /// G92.1, G92.2 and G92.3.
     pub(crate) fn change_shift(&mut self, tenths: u16) {
         match tenths {
-            921 => (self.modal.shift, self.shift_put_aside) = ([0.0; 3], [0.0; 3]),
-            922 => self.shift_put_aside = std::mem::take(&mut self.modal.shift),
-            _ => self.modal.shift = self.shift_put_aside,
+            921 => (self.modal.shift, self.kept_shift) = ([0.0; 3], [0.0; 3]),
+            922 => self.modal.shift = [0.0; 3],
+            _ => self.modal.shift = self.kept_shift,
         }
     }
 
     /// What a G word does with the coordinates of its block, if it is one of these.
     pub(crate) fn placing(&self, block: &Block<'_>, word: Word) -> Option<Placing> {
-        let is_fanuc = self.options.dialect == Some(Dialect::Fanuc);
         match super::preparatory::code(word.value)? {
             280 | 300 => Some(Placing::Home),
             530 => Some(Placing::MachineCoordinates),
             100 if block.has(b'L') => Some(Placing::SetOffset),
             920 => Some(Placing::SetPosition),
-            520 if is_fanuc => Some(Placing::MoveOrigin),
-            520 if self.options.dialect == Some(Dialect::LinuxCnc) => Some(Placing::SetPosition),
+            520 if self.options.dialect != Some(Dialect::Siemens) => Some(Placing::MoveOrigin),
             281 | 301 | 431 | 432 => Some(Placing::Ignored),
             _ => None,
         }

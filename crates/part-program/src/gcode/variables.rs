@@ -1,6 +1,6 @@
 //! Variables of a program: `#5`, `#<name>`, and `R5` of Siemens.
 //!
-//! Variables 1 to 30 (33 for FANUC) belong to a subprogram that was called with arguments, all others to the program. A name belongs
+//! Variables 1 to 30 belong to a subprogram that LinuxCNC's `call` calls, 1 to 33 to one of FANUC's G65, all others to the program. A name belongs
 //! to its subprogram, unless it begins with `_`.
 //!
 //! # Source
@@ -11,8 +11,10 @@ use std::collections::HashMap;
 
 /// Highest number of a variable; controls have fewer.
 pub(crate) const HIGHEST: u32 = 99_999;
-/// Variables of a subprogram's own.
-const LOCALS: usize = 33;
+/// Variables of a subprogram's own, of FANUC's G65.
+pub(crate) const FANUC_LOCALS: usize = 33;
+/// The same of LinuxCNC's `call`.
+pub(crate) const LINUXCNC_LOCALS: usize = 30;
 
 /// What a program calls a variable.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,13 +29,15 @@ pub(crate) enum Variable {
 
 /// The variables of a subprogram's own; of the program itself at first.
 struct Locals {
-    numbers: [Option<f64>; LOCALS],
+    numbers: [Option<f64>; FANUC_LOCALS],
+    /// How many of the numbers are its own; the others are those of its caller.
+    count: usize,
     names: HashMap<Box<str>, f64>,
 }
 
 impl Locals {
-    fn new() -> Self {
-        Self { numbers: [None; LOCALS], names: HashMap::new() }
+    fn new(count: usize) -> Self {
+        Self { numbers: [None; FANUC_LOCALS], count, names: HashMap::new() }
     }
 }
 
@@ -44,12 +48,14 @@ pub(crate) struct Variables {
     r: HashMap<u32, f64>,
     /// Those of the program, then those of each subprogram that has been called and not left.
     locals: Vec<Locals>,
+    /// Calls that have not returned.
+    pub(crate) calls: usize,
 }
 
 impl Default for Variables {
     fn default() -> Self {
         let (numbers, names, r) = (HashMap::new(), HashMap::new(), HashMap::new());
-        Self { numbers, names, r, locals: vec![Locals::new()] }
+        Self { numbers, names, r, locals: vec![Locals::new(FANUC_LOCALS)], calls: 0 }
     }
 }
 
@@ -59,7 +65,7 @@ impl Variables {
         let locals = self.locals.last()?;
         match variable {
             Variable::Number(number) => match local(*number) {
-                Some(index) => locals.numbers[index],
+                Some(index) => self.owner(index)?.numbers[index],
                 None => self.numbers.get(number).copied(),
             },
             Variable::Name(name) if name.starts_with('_') => self.names.get(name).copied(),
@@ -73,7 +79,11 @@ impl Variables {
         let Some(locals) = self.locals.last_mut() else { return };
         match variable {
             Variable::Number(number) => match local(number) {
-                Some(index) => locals.numbers[index] = value,
+                Some(index) => {
+                    if let Some(owner) = self.locals.iter_mut().rev().find(|locals| index < locals.count) {
+                        owner.numbers[index] = value;
+                    }
+                }
                 None => give(&mut self.numbers, number, value),
             },
             Variable::Name(name) if name.starts_with('_') => give(&mut self.names, name, value),
@@ -82,9 +92,14 @@ impl Variables {
         }
     }
 
-    /// Begins a subprogram whose variables from 1 on are `arguments`, given by their numbers.
-    pub(crate) fn enter(&mut self, arguments: &[(u32, f64)]) {
-        let mut locals = Locals::new();
+    /// Whose a number of a subprogram's own is.
+    fn owner(&self, index: usize) -> Option<&Locals> {
+        self.locals.iter().rev().find(|locals| index < locals.count)
+    }
+
+    /// Begins a subprogram whose variables 1 to `count` are its own, of which the `arguments` have values.
+    pub(crate) fn enter(&mut self, count: usize, arguments: &[(u32, f64)]) {
+        let mut locals = Locals::new(count);
         for (number, value) in arguments {
             if let Some(index) = local(*number) {
                 locals.numbers[index] = Some(*value);
@@ -104,7 +119,7 @@ impl Variables {
 /// Index of a variable that belongs to a subprogram.
 fn local(number: u32) -> Option<usize> {
     let index = (number as usize).checked_sub(1)?;
-    (index < LOCALS).then_some(index)
+    (index < FANUC_LOCALS).then_some(index)
 }
 
 fn give<K: std::hash::Hash + Eq>(values: &mut HashMap<K, f64>, key: K, value: Option<f64>) {
@@ -126,7 +141,7 @@ mod tests {
         for (index, variable) in [&first, &shared, &name, &global].into_iter().enumerate() {
             variables.set(variable.clone(), Some(f64::from(u8::try_from(index).unwrap())));
         }
-        variables.enter(&[(1, 7.0), (33, 8.0)]);
+        variables.enter(FANUC_LOCALS, &[(1, 7.0), (33, 8.0)]);
         assert_eq!(
             [&first, &shared, &name, &global].map(|v| variables.get(v)),
             [Some(7.0), Some(1.0), None, Some(3.0)]
@@ -136,5 +151,13 @@ mod tests {
         assert_eq!(variables.get(&Variable::Number(33)), Some(8.0));
         variables.leave();
         assert_eq!([&first, &shared, &name].map(|v| variables.get(v)), [Some(0.0), Some(5.0), Some(2.0)]);
+        // LinuxCNC keeps 30 of them apart.
+        let [last, next] = [30, 31].map(Variable::Number);
+        variables.set(next.clone(), Some(4.0));
+        variables.enter(LINUXCNC_LOCALS, &[]);
+        assert_eq!([&last, &next].map(|v| variables.get(v)), [None, Some(4.0)]);
+        variables.set(next.clone(), Some(6.0));
+        variables.leave();
+        assert_eq!(variables.get(&next), Some(6.0));
     }
 }

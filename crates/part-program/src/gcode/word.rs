@@ -95,10 +95,11 @@ pub(crate) fn read_line(
 ) {
     read.clear();
     let mut lexer = Lexer { report, lenient, scope, start, line, at: 0, begun: tape.begun, read };
+    lexer.skip(|c| c.is_ascii_whitespace());
     if lexer.peek() == Some(b'/') {
-        let span = lexer.span(0, 1);
+        let span = lexer.span(lexer.at, lexer.at + 1);
         lexer.report.of_kind(false, span, '/', "optional block: read as if the switch were off");
-        lexer.at = 1;
+        lexer.at += 1;
         // Of several switches, its number.
         lexer.skip(|c| c.is_ascii_digit());
     }
@@ -346,7 +347,7 @@ impl Lexer<'_, '_, '_> {
         Some(())
     }
 
-    fn comment(&mut self) -> Option<()> {
+    pub(super) fn comment(&mut self) -> Option<()> {
         let begin = self.at;
         let Some(length) = self.line[begin..].find(')') else {
             let end = self.line.trim_end().len().max(begin + 1);
