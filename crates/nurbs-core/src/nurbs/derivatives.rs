@@ -22,10 +22,10 @@
 
 use real::Real;
 
-use crate::basis::quotient;
-use crate::curve::weighted_sum;
-use crate::knots::{LocalKnots, SCRATCH};
-use crate::{BasisRows, Derivatives, NurbsCurve};
+use crate::nurbs::basis::{BasisRows, quotient};
+use crate::nurbs::curve::weighted_sum;
+use crate::nurbs::knots::{LocalKnots, SCRATCH};
+use crate::{Derivatives, NurbsCurve};
 
 impl<R: Real, const D: usize> NurbsCurve<'_, R, D> {
     /// `C(u)`, `C'(u)` and `C''(u)` of the span at knot index `span`.

@@ -9,8 +9,8 @@ use alloc::vec::Vec;
 
 use real::{Backend, Real};
 
-use crate::compile::CompileError;
-use crate::local_piece::LocalPiece;
+use crate::pieces::compile::CompileError;
+use crate::pieces::local_piece::LocalPiece;
 
 /// The proven bound of a signal of the real-time step.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,8 +2,9 @@
 
 use real::Real;
 
-use crate::knots::SCRATCH;
-use crate::{BasisRows, CurveError, Derivatives, Differentiate, Evaluate, KnotVector, Quantity};
+use crate::nurbs::basis::BasisRows;
+use crate::nurbs::knots::SCRATCH;
+use crate::{CurveError, Derivatives, Differentiate, Evaluate, KnotVector, Quantity};
 
 /// A NURBS curve in `D` dimensions whose numbers are borrowed: from flash, or from a
 #[cfg_attr(feature = "alloc", doc = "[`NurbsBuf`](crate::NurbsBuf).")]

@@ -2,8 +2,8 @@
 
 use alloc::vec::Vec;
 
-use crate::corner_segment::Planned;
-use crate::leg::Leg;
+use crate::smoothing::corner_segment::Planned;
+use crate::smoothing::leg::Leg;
 use crate::{Corner, CornerOutcome, CornerStyle, PathCurve, ShapeError, Turn};
 
 /// A path with its corners smoothed.
@@ -78,8 +78,8 @@ pub fn smooth_corners<const D: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::corner_segment::half_turn;
-    use crate::leg::distance;
+    use crate::smoothing::corner_segment::half_turn;
+    use crate::smoothing::leg::distance;
     use crate::{Arc, Differentiate, Evaluate, Line, Reason, Sense, curvature};
     use proptest::prelude::*;
     use real::Real;
@@ -374,7 +374,7 @@ mod tests {
     #[test]
     fn every_corner_of_an_engraving_is_within_tolerance() {
         // 6 500 cutting moves of 75 outlines; rapid moves and plunges are followed as they are.
-        let program = include_str!("../../../data/engraving.nc");
+        let program = include_str!("../../../../data/engraving.nc");
         let (mut at, mut points, mut cuts) = ([0.0; 3], vec![[0.0; 3]], Vec::new());
         for line in program.lines().filter(|line| line.starts_with('G')) {
             let mut next = at;

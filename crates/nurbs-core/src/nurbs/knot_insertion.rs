@@ -7,7 +7,7 @@ use alloc::vec::Vec;
 
 use real::Real;
 
-use crate::basis::quotient;
+use crate::nurbs::basis::quotient;
 use crate::{CurveError, NurbsBuf};
 
 impl<R: Real, const D: usize> NurbsBuf<R, D> {

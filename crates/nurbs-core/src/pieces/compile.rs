@@ -6,11 +6,11 @@ use alloc::vec::Vec;
 
 use real::{Backend, FormatName, Real};
 
-use crate::bezier::{Bezier, computed};
-use crate::local_piece::LocalPiece;
-use crate::local_piece::MAX_STEP_EXPONENT;
-use crate::pieces::{Joint, Piece, Pieces};
-use crate::ranges::{self, Scales, SignalBound, exponent_below, power_of_two};
+use crate::pieces::local_piece::LocalPiece;
+use crate::pieces::local_piece::MAX_STEP_EXPONENT;
+use crate::pieces::pieces::{Joint, Piece, Pieces};
+use crate::pieces::ranges::{self, Scales, SignalBound, exponent_below, power_of_two};
+use crate::polynomials::bezier::{Bezier, computed};
 use crate::{MAX_DEGREE, NurbsCurve};
 
 /// How finely to cut.

@@ -19,8 +19,8 @@ use alloc::vec::Vec;
 
 use real::Backend;
 
-use crate::bezier::{Bezier, computed};
-use crate::polynomial::power_basis;
+use crate::polynomials::bezier::{Bezier, computed};
+use crate::polynomials::polynomial::power_basis;
 use crate::{Derivatives, Differentiate, Evaluate, NurbsCurve};
 
 /// A NURBS curve converted for fast evaluation: p + 1 rows of coefficients a span.

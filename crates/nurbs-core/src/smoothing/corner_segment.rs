@@ -4,8 +4,8 @@ use alloc::vec::Vec;
 
 use real::{Real, Trigonometric};
 
-use crate::arc::quarter_turns;
-use crate::leg::{LEAST_LENGTH_MM, Leg, distance, minus};
+use crate::shapes::arc::quarter_turns;
+use crate::smoothing::leg::{LEAST_LENGTH_MM, Leg, distance, minus};
 use crate::{CornerStyle, Evaluate, PathCurve, Reason, TrigSegment, TrigSplineBuf, Turn, golden_section};
 
 /// A gap between two moves that is none, in mm.

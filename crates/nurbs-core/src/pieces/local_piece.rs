@@ -4,11 +4,11 @@ use alloc::vec::Vec;
 
 use real::{Backend, Real};
 
-use crate::bezier::Bezier;
-use crate::compile::Place;
-use crate::pieces::{Joint, ORIGIN_EXPONENT};
-use crate::polynomial::{PARTS, binomial, bound_on_unit_interval, hull, on_part, power_basis};
-use crate::ranges::{Scales, exponent_below, fraction_and_exponent, power_of_two};
+use crate::pieces::compile::Place;
+use crate::pieces::pieces::{Joint, ORIGIN_EXPONENT};
+use crate::pieces::ranges::{Scales, exponent_below, fraction_and_exponent, power_of_two};
+use crate::polynomials::bezier::Bezier;
+use crate::polynomials::polynomial::{PARTS, binomial, bound_on_unit_interval, hull, on_part, power_basis};
 use crate::tangent_breaks;
 
 /// A piece in high precision: power basis in t, coordinates in mm relative to the piece's first point.

@@ -4,7 +4,7 @@
 use real::Backend;
 use real::Real;
 
-use crate::curve::axis_too_wide;
+use crate::nurbs::curve::axis_too_wide;
 use crate::{Derivatives, Differentiate, Evaluate, ShapeError};
 
 /// The line `(1 - u) A + u B`, u in [0, 1].
@@ -54,7 +54,7 @@ impl<const D: usize> Line<f64, D> {
     /// # Errors
     /// [`ShapeError::OutOfRange`]; [`ShapeError::ExtentTooWide`].
     pub fn convert<Q: Backend>(&self) -> Result<Line<Q, D>, ShapeError> {
-        let [a, b] = self.ends.map(|end| crate::path_curve::round_all(&end, "an end of a line"));
+        let [a, b] = self.ends.map(|end| crate::shapes::path_curve::round_all(&end, "an end of a line"));
         Line::try_new(a?, b?)
     }
 }

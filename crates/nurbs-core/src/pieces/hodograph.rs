@@ -4,8 +4,8 @@ use alloc::vec::Vec;
 
 use real::Real;
 
-use crate::local_piece::Speed;
-use crate::polynomial::binomial;
+use crate::pieces::local_piece::Speed;
+use crate::polynomials::polynomial::binomial;
 
 /// Samples of the speed, and one more.
 const SAMPLES: u32 = 8;

@@ -21,7 +21,7 @@ use alloc::vec::Vec;
 
 use real::{Real, Trigonometric};
 
-use crate::trig_spline::TrigSegment;
+use crate::shapes::trig_spline::TrigSegment;
 use crate::{Evaluate, MAX_DEGREE, NurbsBuf, ShapeError, TrigSplineBuf};
 
 /// A spline as polynomials, and how far they are from it.

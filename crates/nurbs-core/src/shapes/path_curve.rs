@@ -4,7 +4,7 @@ use alloc::vec::Vec;
 
 use real::{Backend, Real};
 
-use crate::trig_spline::quarter_circle;
+use crate::shapes::trig_spline::quarter_circle;
 use crate::{
     Arc, Derivatives, Differentiate, Evaluate, Line, NurbsBuf, ShapeError, TrigSegment, TrigSplineBuf,
 };

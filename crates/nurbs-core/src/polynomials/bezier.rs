@@ -9,8 +9,8 @@ use alloc::vec::Vec;
 use real::{Backend, Real};
 
 use crate::NurbsCurve;
-use crate::hodograph;
-use crate::local_piece::Speed;
+use crate::pieces::hodograph;
+use crate::pieces::local_piece::Speed;
 
 /// A homogeneous Bezier segment: points times weights, and weights.
 pub(crate) struct Bezier<H, const D: usize> {

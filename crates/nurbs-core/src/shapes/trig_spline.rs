@@ -18,9 +18,9 @@ use real::Real;
 #[cfg(feature = "alloc")]
 use real::{Backend, Trigonometric};
 
-use crate::curve::{axis_too_wide, weighted_sum};
+use crate::nurbs::curve::{axis_too_wide, weighted_sum};
 #[cfg(feature = "alloc")]
-use crate::path_curve::round_all;
+use crate::shapes::path_curve::round_all;
 use crate::{
     Derivatives, Differentiate, Evaluate, ShapeError, ShapeFactors, trig_basis, trig_basis_derivatives,
 };
@@ -499,7 +499,7 @@ mod tests {
 
     #[test]
     fn the_curves_of_the_papers_figures() {
-        let table = include_str!("../../../data/trig-spline-figures.csv");
+        let table = include_str!("../../../../data/trig-spline-figures.csv");
         let rows = table.lines().filter(|line| line.starts_with(|c: char| c.is_ascii_digit()));
         let [a, b, c, d] = [[0.0, 0.0], [10.0, 30.0], [40.0, 35.0], [50.0, 5.0]];
         let mut count = 0;

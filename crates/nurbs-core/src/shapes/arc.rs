@@ -229,7 +229,7 @@ impl<const D: usize> Arc<f64, D> {
     /// # Errors
     /// [`ShapeError::OutOfRange`], also for an angle that becomes 0; [`ShapeError::ExtentTooWide`].
     pub fn convert<Q: Backend>(&self) -> Result<Arc<Q, D>, ShapeError> {
-        use crate::path_curve::round_all;
+        use crate::shapes::path_curve::round_all;
         let centre = round_all(&self.centre, "the centre of an arc")?;
         let [a, b] = self.radii.map(|radius| round_all(&radius, "a radius of an arc"));
         let [quarters] = round_all(&[self.quarters], "the angle of an arc")?;
