@@ -68,6 +68,7 @@ mod oracle;
 mod nurbs {
     pub(crate) mod basis;
     pub(crate) mod curve;
+    pub(crate) mod degree;
     mod derivatives;
     pub(crate) mod error;
     #[cfg(feature = "alloc")]
@@ -90,18 +91,33 @@ mod polynomials {
     pub(crate) mod fast_curve;
     pub(crate) mod polynomial;
     pub(crate) mod power_curve;
+    mod span_table;
 }
 
 mod pieces {
     #[cfg(feature = "alloc")]
     pub(crate) mod compile;
     #[cfg(feature = "alloc")]
-    pub(crate) mod hodograph;
+    pub(crate) mod compile_error;
     #[cfg(feature = "alloc")]
-    pub(crate) mod local_piece;
+    pub(crate) mod cut;
+    #[cfg(feature = "alloc")]
+    mod hodograph;
+    #[cfg(feature = "alloc")]
+    mod local_piece;
+    pub(crate) mod piece;
     pub(crate) mod pieces;
     #[cfg(feature = "alloc")]
+    pub(crate) mod pieces_buf;
+    #[cfg(feature = "alloc")]
+    pub(crate) mod place;
+    #[cfg(feature = "alloc")]
     pub(crate) mod ranges;
+    #[cfg(feature = "alloc")]
+    mod scales;
+    pub(crate) mod shift;
+    #[cfg(feature = "alloc")]
+    mod speed;
 }
 
 mod shapes {
@@ -135,10 +151,15 @@ pub use measure::{
 pub use nurbs::{
     basis::basis_functions,
     curve::NurbsCurve,
+    degree::MAX_DEGREE,
     error::{CurveError, End, Quantity},
-    knots::{KnotVector, MAX_DEGREE},
+    knots::KnotVector,
 };
-pub use pieces::pieces::{Joint, ORIGIN_EXPONENT, Piece, Pieces, Shifted, shift};
+pub use pieces::{
+    piece::{Joint, ORIGIN_EXPONENT, Piece},
+    pieces::Pieces,
+    shift::{Shifted, shift},
+};
 pub use shapes::{
     arc::{Arc, Sense},
     line::{Line, distance_to_segment, nearest_on_segment},
@@ -150,7 +171,11 @@ pub use shapes::{
 pub use {
     nurbs::owned::NurbsBuf,
     pieces::{
-        compile::{CompileError, PieceLimits, PiecesBuf, Place, compile, compile_with_stops},
+        compile::{compile, compile_with_stops},
+        compile_error::CompileError,
+        cut::PieceLimits,
+        pieces_buf::PiecesBuf,
+        place::Place,
         ranges::SignalBound,
     },
     polynomials::{

@@ -20,7 +20,8 @@
 
 use real::Real;
 
-use crate::nurbs::knots::{LocalKnots, SCRATCH};
+use crate::nurbs::degree::SCRATCH;
+use crate::nurbs::knots::LocalKnots;
 use crate::{KnotVector, MAX_DEGREE};
 
 /// The basis functions `N_{i-p,p}(u) … N_{i,p}(u)` in the span at knot index `span` = i; the rest of the array is 0.

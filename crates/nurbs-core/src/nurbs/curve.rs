@@ -3,8 +3,8 @@
 use real::Real;
 
 use crate::nurbs::basis::BasisRows;
-use crate::nurbs::knots::SCRATCH;
-use crate::{CurveError, Derivatives, Differentiate, Evaluate, KnotVector, Quantity};
+use crate::nurbs::degree::SCRATCH;
+use crate::{CurveError, Evaluate, KnotVector, Quantity};
 
 /// A NURBS curve in `D` dimensions whose numbers are borrowed: from flash, or from a
 #[cfg_attr(feature = "alloc", doc = "[`NurbsBuf`](crate::NurbsBuf).")]
@@ -189,25 +189,12 @@ impl<R: Real, const D: usize> Evaluate<R, D> for NurbsCurve<'_, R, D> {
     }
 }
 
-impl<R: Real, const D: usize> Differentiate<R, D> for NurbsCurve<'_, R, D> {
-    /// The point is that of [`point`](Evaluate::point); the derivatives are within a few units of the largest of their
-    /// span: 1e-15 of it in `f64`, 5e-7 in `f32`, 3e-9 in `I32F32` on the curves of the papers. Beyond the ends the outer
-    /// span is extrapolated.
-    fn derivatives(&self, u: R) -> Derivatives<R, D> {
-        self.derivatives_at(self.knots.find_span(u), u)
-    }
-
-    fn derivatives_in(&self, span: usize, u: R) -> Derivatives<R, D> {
-        self.derivatives_at(self.knots.span_index(span), u)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::golden;
     use crate::oracle::{self, exactly};
-    use crate::{NurbsBuf, generate};
+    use crate::{Differentiate, NurbsBuf, generate};
     use proptest::prelude::*;
     use real::{Backend, I8F24, I16F16, I32F32};
 

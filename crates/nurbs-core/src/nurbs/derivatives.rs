@@ -24,12 +24,26 @@ use real::Real;
 
 use crate::nurbs::basis::{BasisRows, quotient};
 use crate::nurbs::curve::weighted_sum;
-use crate::nurbs::knots::{LocalKnots, SCRATCH};
-use crate::{Derivatives, NurbsCurve};
+use crate::nurbs::degree::SCRATCH;
+use crate::nurbs::knots::LocalKnots;
+use crate::{Derivatives, Differentiate, NurbsCurve};
+
+impl<R: Real, const D: usize> Differentiate<R, D> for NurbsCurve<'_, R, D> {
+    /// The point is that of [`point`](Evaluate::point); the derivatives are within a few units of the largest of their
+    /// span: 1e-15 of it in `f64`, 5e-7 in `f32`, 3e-9 in `I32F32` on the curves of the papers. Beyond the ends the outer
+    /// span is extrapolated.
+    fn derivatives(&self, u: R) -> Derivatives<R, D> {
+        self.derivatives_at(self.knots.find_span(u), u)
+    }
+
+    fn derivatives_in(&self, span: usize, u: R) -> Derivatives<R, D> {
+        self.derivatives_at(self.knots.span_index(span), u)
+    }
+}
 
 impl<R: Real, const D: usize> NurbsCurve<'_, R, D> {
     /// `C(u)`, `C'(u)` and `C''(u)` of the span at knot index `span`.
-    pub(crate) fn derivatives_at(&self, span: usize, u: R) -> Derivatives<R, D> {
+    fn derivatives_at(&self, span: usize, u: R) -> Derivatives<R, D> {
         let knots = self.knots.around(span);
         let points = self.active(self.control_points, span);
         let mut rows = BasisRows::new(knots, u);

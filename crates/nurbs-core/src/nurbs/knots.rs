@@ -6,16 +6,7 @@
 
 use real::Real;
 
-use crate::{CurveError, End, Quantity};
-
-/// The highest degree of a curve.
-///
-/// It sizes the scratch arrays of every evaluation: 10 numbers. Controls accept degree 3 and sometimes 5,
-/// modelling systems write up to 9.
-pub const MAX_DEGREE: usize = 9;
-
-/// Scratch for one number per basis function that is not zero.
-pub(crate) const SCRATCH: usize = MAX_DEGREE + 1;
+use crate::{CurveError, End, MAX_DEGREE, Quantity};
 
 /// A valid, clamped knot vector, borrowed.
 #[derive(Clone, Copy, Debug)]

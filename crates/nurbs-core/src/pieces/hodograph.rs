@@ -4,7 +4,7 @@ use alloc::vec::Vec;
 
 use real::Real;
 
-use crate::pieces::local_piece::Speed;
+use crate::pieces::speed::Speed;
 use crate::polynomials::polynomial::binomial;
 
 /// Samples of the speed, and one more.

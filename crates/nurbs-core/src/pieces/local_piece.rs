@@ -4,12 +4,11 @@ use alloc::vec::Vec;
 
 use real::{Backend, Real};
 
-use crate::pieces::compile::Place;
-use crate::pieces::pieces::{Joint, ORIGIN_EXPONENT};
-use crate::pieces::ranges::{Scales, exponent_below, fraction_and_exponent, power_of_two};
+use crate::pieces::scales::{Scales, fraction_and_exponent, power_of_two};
+use crate::pieces::speed::Speed;
 use crate::polynomials::bezier::Bezier;
 use crate::polynomials::polynomial::{PARTS, binomial, bound_on_unit_interval, hull, on_part, power_basis};
-use crate::tangent_breaks;
+use crate::{Joint, ORIGIN_EXPONENT, Place, tangent_breaks};
 
 /// A piece in high precision: power basis in t, coordinates in mm relative to the piece's first point.
 pub(crate) struct LocalPiece<H, const D: usize> {
@@ -24,18 +23,6 @@ pub(crate) struct LocalPiece<H, const D: usize> {
     pub(crate) weight_range: (f64, f64),
     pub(crate) rational: bool,
     pub(crate) speed: Speed,
-}
-
-/// The greatest magnitude of a piece's step exponent.
-pub(crate) const MAX_STEP_EXPONENT: i32 = 60;
-
-/// |C'(t)| of a piece in mm per unit of t.
-#[derive(Clone, Copy)]
-pub(crate) struct Speed {
-    pub(crate) least: f64,
-    pub(crate) greatest: f64,
-    pub(crate) begin: f64,
-    pub(crate) end: f64,
 }
 
 impl<H: Backend, const D: usize> LocalPiece<H, D> {
@@ -246,27 +233,6 @@ fn product(a: &[f64], b: &[f64]) -> Vec<f64> {
         }
     }
     result
-}
-
-impl Speed {
-    /// Whether the path moves everywhere, and nowhere more than so many times as fast as elsewhere.
-    pub(crate) fn is_even(&self, max_ratio: f64) -> bool {
-        self.least > 0.0 && self.greatest <= max_ratio * self.least
-    }
-
-    /// s for which the mean of |C'|·2^(λ - s) lies between 1/√2 and √2.
-    pub(crate) fn step_exponent(&self, chord_exponent: i32) -> i32 {
-        let mean = (self.least * self.greatest).sqrt();
-        (exponent_below(mean * core::f64::consts::SQRT_2) + chord_exponent)
-            .clamp(-MAX_STEP_EXPONENT, MAX_STEP_EXPONENT)
-    }
-
-    /// The range of steps per chord, `1/|C'|` in the solver's scale, with a margin for trials.
-    pub(crate) fn step_per_chord(&self, exponent: i32) -> [f64; 2] {
-        const MARGIN: f64 = 1.0625;
-        let unit = power_of_two(exponent);
-        [1.0 / (self.greatest * unit * MARGIN), MARGIN / (self.least * unit)]
-    }
 }
 
 /// `x · 2³⁹` as an integer, rounded toward 0; `None` beyond ±2²⁴.

@@ -19,80 +19,8 @@ use core::ops::Range;
 
 use real::Real;
 
-use crate::MAX_DEGREE;
-
-/// Origins are in units of 2⁻³⁹ mm, which is 1.8e-12 mm: far below what a drive resolves, and with 64 bits a range of
-/// ±2²⁴ mm, which is 16 km.
-pub const ORIGIN_EXPONENT: i32 = -39;
-
-/// How the path goes on at the end of a piece.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Joint {
-    /// The next piece is the same polynomial further on: a step passes the joint as if it were not there.
-    Continues,
-    /// Another polynomial follows in the same direction, or none: a step over the joint is one straight chord.
-    Smooth,
-    /// The tangent breaks ([`tangent_breaks`](crate::tangent_breaks)): a step goes on behind the corner by what is left of its
-    /// length, as a chord of its own.
-    Breaks,
-}
-
-/// One row of the table: 32 bytes in a 32-bit format in the plane, 48 in a 64-bit one in space.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Piece<R, const D: usize> {
-    /// O in units of 2^[`ORIGIN_EXPONENT`] mm: what the local offset is added to.
-    pub origin: [i64; D],
-    /// e: this piece's coefficients are in units of 2^e mm. A short piece has as many significant bits as a long one. A
-    /// float has those in any unit; its tables have those in which nothing needs scaling, e = -λ and s = r = 0, and a step
-    /// relies on it.
-    pub coordinate_exponent: i8,
-    /// s: the solver's step is `η = h·2^s`, of the order of the chord in its own scale. At most 60 in magnitude.
-    pub step_exponent: i8,
-    /// r: the polynomials go by `x = η·2^-r`, which is of order one, so that the roundings of their coefficients are
-    /// not magnified. Chords and steps reach up to 2^r, to use the format's integer bits, but where the piece is
-    /// shorter than that, x = 1 is its whole length.
-    pub range_exponent: i8,
-    /// |C'| at the end of this piece over |C'| at the start of the next, in the solver's scales: by this a step
-    /// per chord of this piece becomes one of the next. In units of 2⁻¹⁶ from ½ on, `· 2^joint_exponent`: it only starts
-    /// the search for a chord, and where the next piece continues this one it is ½ exactly.
-    pub joint_ratio: u16,
-    /// Power of two that belongs to `joint_ratio`.
-    pub joint_exponent: i8,
-    /// How the path goes on at the piece's end.
-    pub joint: Joint,
-    /// Least and greatest step per chord, in the solver's scale: what a trial is clamped to, and what the proof of
-    /// the ranges rests on.
-    pub step_per_chord: [R; 2],
-}
-
-impl<R: Real, const D: usize> Piece<R, D> {
-    /// 2^s, the step over the whole piece; the format's greatest number where that does not fit, for no step comes
-    /// near it then.
-    #[inline]
-    #[must_use]
-    pub fn whole(&self) -> R {
-        if R::IS_FLOATING { R::one() } else { R::power_of_two(self.step_exponent.into()) }
-    }
-
-    /// [`joint_ratio`](Self::joint_ratio) as a number, below 1.
-    #[inline]
-    #[must_use]
-    pub fn ratio_at_joint(&self) -> R {
-        R::from_phase(u64::from(self.joint_ratio) << 48, 0)
-    }
-
-    /// r - s: how much larger the exponent of a power of h is than that of the one before.
-    fn per_power(&self) -> i32 {
-        i32::from(self.range_exponent) - i32::from(self.step_exponent)
-    }
-
-    /// A step as a part of the piece, in units of 2⁻⁶⁴; saturates.
-    #[inline]
-    #[must_use]
-    pub fn part(&self, step: R) -> u64 {
-        step.to_phase(if R::IS_FLOATING { 0 } else { -i32::from(self.step_exponent) })
-    }
-}
+use crate::pieces::shift::{divide_by_weight, horner};
+use crate::{MAX_DEGREE, ORIGIN_EXPONENT, Piece, Shifted, shift};
 
 /// A path of compiled pieces in the format `R`.
 #[derive(Clone, Copy, Debug)]
@@ -113,26 +41,6 @@ pub struct Pieces<'a, R, const D: usize> {
 
 /// n_1 to n_p of one piece; w_0, and w_1 to w_p, if it is rational.
 type Coefficients<'a, R, const D: usize> = (&'a [[R; D]], Option<(R, &'a [R])>);
-
-/// The coefficients of one piece, shifted to a parameter t.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Shifted<R, const D: usize> {
-    /// The chord polynomial in the solver's scale, q̃_k for k = 1..=degree: the chord to t + h is
-    /// `η Σ q̃_k x^{k-1}`, over `1 + Σ weight_k x^k` if rational.
-    pub chord: [[R; D]; MAX_DEGREE],
-    /// ω̃_k for k = 1..=degree; zeros if not rational.
-    pub weight: [R; MAX_DEGREE],
-    /// P: the point at t, as an offset from the piece's origin, in the piece's own units.
-    pub offset: [R; D],
-}
-
-impl<R: Real, const D: usize> Default for Shifted<R, D> {
-    /// Of a piece that is a point.
-    fn default() -> Self {
-        let zero = R::zero();
-        Self { offset: [zero; D], chord: [[zero; D]; MAX_DEGREE], weight: [zero; MAX_DEGREE] }
-    }
-}
 
 impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
     /// Whether points take a division by a weight.
@@ -353,72 +261,5 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
         core::iter::successors(Some(first.wrapping_add(per_power)), move |power| {
             Some(power.wrapping_add(per_power))
         })
-    }
-}
-
-/// Turns N and its derivatives into P and the chord's numerator: `c_k - P ω_k`, all over W(t). `weights` are those of
-/// the piece without the constant one; returns `ω_k/W(t)`.
-#[inline(always)] // Called, it takes a seventh longer in fixed point.
-fn divide_by_weight<R: Real, const D: usize, const N: usize>(
-    constant: R,
-    weights: &[R],
-    t: Option<R>,
-    offset: &mut [R; D],
-    chord: &mut [[R; D]],
-) -> [R; N] {
-    let mut turns = [[R::zero()]; N];
-    for (slot, w) in turns.iter_mut().zip(weights) {
-        *slot = [*w];
-    }
-    let rows = turns.get_mut(..weights.len()).unwrap_or_default();
-    let [rise] = t.map_or([R::zero()], |t| shift(rows, t));
-    let reciprocal = (R::one() / (constant + rise).signal("weight")).signal("weight_reciprocal");
-    *offset = offset.map(|x| (x * reciprocal).signal("offset"));
-    for (c, [turn]) in chord.iter_mut().zip(&mut turns).take(weights.len()) {
-        *turn = (*turn * reciprocal).signal("weight_coefficient");
-        for (x, p) in c.iter_mut().zip(&*offset) {
-            *x = R::sum_of_products([(*x, reciprocal), (-*p, *turn)]);
-        }
-    }
-    turns.map(|[turn]| turn)
-}
-
-/// `Σ_{k≥0} row_k t^k` by Horner's scheme, without a product for the top one.
-#[inline]
-fn horner<R: Real, const D: usize>(rows: impl DoubleEndedIterator<Item = [R; D]>, t: R) -> [R; D] {
-    let mut rows = rows.rev();
-    let top = rows.next().unwrap_or([R::zero(); D]);
-    rows.fold(top, |sum, row| core::array::from_fn(|d| sum[d].mul_add(t, row[d])))
-}
-
-/// Shifts the polynomial `Σ_{k≥1} row_{k-1} x^k` to `t` in place, by repeated synthetic division; returns its value
-/// at t. Afterwards `row_{k-1}` is the k-th derivative at t over k!. For degree p it takes p(p+1)/2 multiplications.
-#[inline]
-pub fn shift<R: Real, const D: usize>(rows: &mut [[R; D]], t: R) -> [R; D] {
-    // The first sweep divides the polynomial with its constant term 0, whose entry is the value; each later one the
-    // quotient before it, and leaves one derivative.
-    let mut value = [R::zero(); D];
-    divide(rows, t);
-    for (x, first) in value.iter_mut().zip(rows.first().into_iter().flatten()) {
-        *x = *first * t;
-    }
-    let mut rest = rows;
-    while !rest.is_empty() {
-        divide(rest, t);
-        rest = rest.get_mut(1..).unwrap_or_default();
-    }
-    value
-}
-
-/// One sweep of Horner's scheme from the top coefficient down, which leaves its sums.
-#[inline]
-fn divide<R: Real, const D: usize>(rows: &mut [[R; D]], t: R) {
-    let mut rows = rows.iter_mut().rev();
-    let Some(mut above) = rows.next() else { return };
-    for row in rows {
-        for (x, more) in row.iter_mut().zip(above.iter()) {
-            *x = more.mul_add(t, *x).signal("shifted_coefficient");
-        }
-        above = row;
     }
 }

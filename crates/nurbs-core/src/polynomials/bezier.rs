@@ -9,8 +9,6 @@ use alloc::vec::Vec;
 use real::{Backend, Real};
 
 use crate::NurbsCurve;
-use crate::pieces::hodograph;
-use crate::pieces::local_piece::Speed;
 
 /// A homogeneous Bezier segment: points times weights, and weights.
 pub(crate) struct Bezier<H, const D: usize> {
@@ -86,14 +84,9 @@ impl<H: Backend, const D: usize> Bezier<H, D> {
         heavy <= max_ratio * light
     }
 
-    /// |C'| and its range: see [`hodograph::speed`].
-    pub(crate) fn speed(&self) -> Speed {
-        hodograph::speed(&self.relative())
-    }
-
     /// Points times weights about the first point, and weights, in f64. The differences are taken before the rounding: of a
     /// span of one ulp they are all there is.
-    fn relative(&self) -> Vec<([f64; D], f64)> {
+    pub(crate) fn relative(&self) -> Vec<([f64; D], f64)> {
         let origin = self.euclidean(0);
         let point = |j: usize, d: usize| (self.points[j][d] - origin[d] * self.weights[j]).to_f64();
         let row = |j: usize| (core::array::from_fn(|d| point(j, d)), self.weights[j].to_f64());

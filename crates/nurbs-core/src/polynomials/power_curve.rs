@@ -21,6 +21,7 @@ use real::Backend;
 
 use crate::polynomials::bezier::{Bezier, computed};
 use crate::polynomials::polynomial::power_basis;
+use crate::polynomials::span_table::SpanTable;
 use crate::{Derivatives, Differentiate, Evaluate, NurbsCurve};
 
 /// A NURBS curve converted for fast evaluation: p + 1 rows of coefficients a span.
@@ -39,67 +40,6 @@ pub struct PowerCurve<const D: usize> {
     count: usize,
     domain: (f64, f64),
     table: SpanTable,
-}
-
-/// From a parameter to the spans in question.
-#[derive(Clone, Debug, PartialEq)]
-struct SpanTable {
-    /// u₀, and the number of the last interval over u_end - u₀.
-    scale: (f64, f64),
-    /// The last interval.
-    last: f64,
-    /// All intervals, and once more what is behind them.
-    intervals: Vec<Interval>,
-}
-
-/// What an interval of u knows of the spans: together, so that they are read at once, and which span is asked for is known before
-/// any is read.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Interval {
-    /// The last span that begins in an earlier interval.
-    before: u32,
-    /// Where the next one begins: in bytes, so that twelve are enough for both.
-    next: [u8; 8],
-}
-
-impl SpanTable {
-    fn new(begins: &[f64], (first, end): (f64, f64)) -> Self {
-        // A quarter more than spans: of knots that are not quite even, two would share an interval, and have to be searched. So
-        // would two of few spans, by chance.
-        let count = u32::try_from((begins.len() + begins.len() / 4).max(16)).unwrap_or(u32::MAX);
-        let last = count.min(1 << 31) - 1;
-        let scale = (first, f64::from(last) / (end - first));
-        let mut table = Self { scale, last: f64::from(last), intervals: Vec::new() };
-        let of_begins: Vec<usize> = begins[1..].iter().map(|u| table.interval(*u)).collect();
-        let interval = |interval| {
-            let before = of_begins.partition_point(|of| *of < interval);
-            let next = begins.get(before + 1).copied().unwrap_or(f64::NAN).to_ne_bytes();
-            Interval { before: u32::try_from(before).unwrap_or(u32::MAX), next }
-        };
-        table.intervals = (0..=last as usize + 1).map(interval).collect();
-        table
-    }
-
-    /// The interval of `u`; it never falls as u rises. It is the nearest integer to where u is between the ends: in the sum with
-    /// 2⁵², it is what the last digits say.
-    #[inline(always)]
-    #[allow(clippy::cast_possible_truncation, reason = "an interval has 31 bits at most")]
-    fn interval(&self, u: f64) -> usize {
-        let x = (u - self.scale.0) * self.scale.1;
-        // What is no number goes to 0.
-        let x = if x > 0.0 { x } else { 0.0 };
-        let x = if x < self.last { x } else { self.last };
-        (x + 4_503_599_627_370_496.0).to_bits() as u32 as usize
-    }
-
-    /// The first and the last span in question for `u`, and where the second one begins; no number, if there is only one.
-    #[inline(always)]
-    fn around(&self, u: f64) -> ([usize; 2], f64) {
-        let rest = self.intervals.get(self.interval(u)..).and_then(|rest| rest.first_chunk::<2>());
-        rest.map_or(([0; 2], f64::NAN), |pair| {
-            (pair.map(|interval| interval.before as usize), f64::from_ne_bytes(pair[0].next))
-        })
-    }
 }
 
 /// One span, ready to be evaluated.
@@ -310,7 +250,7 @@ impl<const D: usize> PowerCurve<D> {
     /// Bytes of the tables.
     #[must_use]
     pub fn bytes(&self) -> usize {
-        size_of_val(&*self.spans) + size_of_val(&*self.table.intervals)
+        size_of_val(&*self.spans) + self.table.bytes()
     }
 
     /// Where a span begins; behind the last one, where that ends.
