@@ -121,14 +121,19 @@ mod pieces {
 }
 
 mod shapes {
+    #[cfg(feature = "alloc")]
+    pub(crate) mod angle;
     pub(crate) mod arc;
     pub(crate) mod line;
     #[cfg(feature = "alloc")]
     pub(crate) mod path_curve;
+    #[cfg(feature = "alloc")]
+    mod rounded;
     pub(crate) mod shape_error;
     pub(crate) mod trig_basis;
     #[cfg(feature = "alloc")]
     pub(crate) mod trig_polynomial;
+    pub(crate) mod trig_segment;
     pub(crate) mod trig_spline;
 }
 
@@ -165,7 +170,8 @@ pub use shapes::{
     line::{Line, distance_to_segment, nearest_on_segment},
     shape_error::ShapeError,
     trig_basis::{ShapeFactors, trig_basis, trig_basis_derivatives},
-    trig_spline::{Ends, TrigSegment, TrigSpline},
+    trig_segment::TrigSegment,
+    trig_spline::{Ends, TrigSpline},
 };
 #[cfg(feature = "alloc")]
 pub use {

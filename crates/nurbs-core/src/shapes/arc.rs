@@ -4,10 +4,17 @@
 //! turn, and one span, except the last, which may be shorter.
 
 #[cfg(feature = "alloc")]
+use alloc::vec::Vec;
+
+#[cfg(feature = "alloc")]
 use real::Backend;
 use real::{Real, Trigonometric};
 
+#[cfg(feature = "alloc")]
+use crate::shapes::{angle::quarter_turns, rounded::round_all, trig_segment::quarter_circle};
 use crate::{Derivatives, Differentiate, Evaluate, ShapeError};
+#[cfg(feature = "alloc")]
+use crate::{NurbsBuf, TrigSegment, TrigSplineBuf};
 
 /// A circular arc of up to a full turn.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -229,7 +236,6 @@ impl<const D: usize> Arc<f64, D> {
     /// # Errors
     /// [`ShapeError::OutOfRange`], also for an angle that becomes 0; [`ShapeError::ExtentTooWide`].
     pub fn convert<Q: Backend>(&self) -> Result<Arc<Q, D>, ShapeError> {
-        use crate::shapes::path_curve::round_all;
         let centre = round_all(&self.centre, "the centre of an arc")?;
         let [a, b] = self.radii.map(|radius| round_all(&radius, "a radius of an arc"));
         let [quarters] = round_all(&[self.quarters], "the angle of an arc")?;
@@ -238,30 +244,51 @@ impl<const D: usize> Arc<f64, D> {
             other => other,
         })
     }
-}
 
-/// The angle of the vector `(x, y)` in quarter turns, in [0, 4): the inverse of [`Trigonometric::sin_cos_quarter`].
-///
-/// Within the first half of a quarter a rational guess is right to 5e-3, and each correction by the sine of what is missing,
-/// `δ + δ³/6`, takes the error to its fifth power. Error at most 4e-15 quarters. Domain: not both 0.
-#[cfg(feature = "alloc")]
-pub(crate) fn quarter_turns(x: f64, y: f64) -> f64 {
-    let length = f64::norm(&[x, y]);
-    let (c, s) = (x / length, y / length);
-    let (small, large) = if s.abs() < c.abs() { (s.abs(), c.abs()) } else { (c.abs(), s.abs()) };
-    let ratio = small / large;
-    let mut u = f64::two_over_pi() * ratio / (1.0 + 0.28 * ratio * ratio);
-    for _ in 0..3 {
-        let (sine, cosine) = f64::sin_cos_quarter(u);
-        let missing = small * cosine - large * sine;
-        u += f64::two_over_pi() * (missing + missing * missing * missing / 6.0);
+    /// The arc as a rational curve of degree 2 over the same domain, a Bezier segment for each quarter turn or less: the
+    /// same circle; only its parameter runs a little unevenly inside a segment.
+    ///
+    /// The middle control point of a segment of angle 2α is where the tangents of its ends meet, on the bisector at r/cos α,
+    /// and its weight is cos α.
+    ///
+    /// # Errors
+    /// [`ShapeError::Curve`] when the numbers are no curve.
+    ///
+    /// # Source
+    /// Piegl and Tiller, *The NURBS Book*, 2nd ed. (1997), section 7.3.
+    pub fn to_nurbs(&self) -> Result<NurbsBuf<f64, D>, ShapeError> {
+        let spans = self.span_count();
+        let count = f64::from(u32::try_from(spans).unwrap_or(1));
+        let width = self.quarters() / count;
+        let at = |radius: [f64; D], by: f64| core::array::from_fn(|d| self.centre()[d] + radius[d] / by);
+        let (_, cosine) = f64::sin_cos_quarter(width / 2.0);
+        let mut control_points = Vec::from([self.point(0.0)]);
+        let (mut weights, mut knots) = (Vec::from([1.0]), Vec::from([0.0; 3]));
+        for span in 0..spans {
+            let begin = width * f64::from(u32::try_from(span).unwrap_or(0));
+            let end = if span + 1 == spans { self.quarters() } else { begin + width };
+            let middle = self.turned(begin + width / 2.0)[0];
+            control_points.extend([at(middle, cosine), self.point(end)]);
+            weights.extend([cosine, 1.0]);
+            knots.extend([end; 2]);
+        }
+        knots.push(self.quarters());
+        Ok(NurbsBuf::try_new(2, control_points, weights, knots)?)
     }
-    let first_quarter = if s.abs() < c.abs() { u } else { 1.0 - u };
-    match (c < 0.0, s < 0.0) {
-        (false, false) => first_quarter,
-        (true, false) => 2.0 - first_quarter,
-        (true, true) => 2.0 + first_quarter,
-        (false, true) => 4.0 - first_quarter,
+
+    /// The arc as trigonometric segments, a quarter circle for each quarter turn or less, of which a part is passed: the same
+    /// points.
+    ///
+    /// # Errors
+    /// [`ShapeError::NotFinite`] when a control point overflows.
+    pub fn to_trig_spline(&self) -> Result<TrigSplineBuf<f64, D>, ShapeError> {
+        let spans = self.span_count();
+        let width = self.quarters() / f64::from(u32::try_from(spans).unwrap_or(1));
+        let segment = |span: usize| -> Result<TrigSegment<f64, D>, ShapeError> {
+            let [a, b] = self.turned(width * f64::from(u32::try_from(span).unwrap_or(0)));
+            quarter_circle(self.centre(), &a, &b)?.part(0.0, width.min(1.0))
+        };
+        TrigSplineBuf::try_new((0..spans).map(segment).collect::<Result<_, _>>()?)
     }
 }
 

@@ -1,10 +1,17 @@
 //! Straight moves.
 
 #[cfg(feature = "alloc")]
+use alloc::vec::Vec;
+
+#[cfg(feature = "alloc")]
 use real::Backend;
 use real::Real;
 
+#[cfg(feature = "alloc")]
+use crate::NurbsBuf;
 use crate::nurbs::curve::axis_too_wide;
+#[cfg(feature = "alloc")]
+use crate::shapes::rounded::round_all;
 use crate::{Derivatives, Differentiate, Evaluate, ShapeError};
 
 /// The line `(1 - u) A + u B`, u in [0, 1].
@@ -54,8 +61,16 @@ impl<const D: usize> Line<f64, D> {
     /// # Errors
     /// [`ShapeError::OutOfRange`]; [`ShapeError::ExtentTooWide`].
     pub fn convert<Q: Backend>(&self) -> Result<Line<Q, D>, ShapeError> {
-        let [a, b] = self.ends.map(|end| crate::shapes::path_curve::round_all(&end, "an end of a line"));
+        let [a, b] = self.ends.map(|end| round_all(&end, "an end of a line"));
         Line::try_new(a?, b?)
+    }
+
+    /// The line as a NURBS curve of degree 1 over [0, 1]: the same points.
+    ///
+    /// # Errors
+    /// [`ShapeError::Curve`] when the numbers are no curve.
+    pub fn to_nurbs(&self) -> Result<NurbsBuf<f64, D>, ShapeError> {
+        Ok(NurbsBuf::try_new_nonrational(1, self.ends.to_vec(), Vec::from([0.0, 0.0, 1.0, 1.0]))?)
     }
 }
 

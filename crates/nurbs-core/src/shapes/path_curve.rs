@@ -1,13 +1,8 @@
 //! One curve of a path, whatever its kind: what planner and interpolator run on when a path mixes kinds.
 
-use alloc::vec::Vec;
-
 use real::{Backend, Real};
 
-use crate::shapes::trig_spline::quarter_circle;
-use crate::{
-    Arc, Derivatives, Differentiate, Evaluate, Line, NurbsBuf, ShapeError, TrigSegment, TrigSplineBuf,
-};
+use crate::{Arc, Derivatives, Differentiate, Evaluate, Line, NurbsBuf, ShapeError, TrigSplineBuf};
 
 /// A curve of any kind that owns its numbers.
 ///
@@ -138,76 +133,6 @@ impl<const D: usize> PathCurve<f64, D> {
             Self::TrigSpline(spline) => Ok(spline.to_polynomials(tolerance_mm, POLYNOMIAL_DEGREE)?.curve),
         }
     }
-}
-
-impl<const D: usize> Line<f64, D> {
-    /// The line as a NURBS curve of degree 1 over [0, 1]: the same points.
-    ///
-    /// # Errors
-    /// [`ShapeError::Curve`] when the numbers are no curve.
-    pub fn to_nurbs(&self) -> Result<NurbsBuf<f64, D>, ShapeError> {
-        Ok(NurbsBuf::try_new_nonrational(1, self.ends().to_vec(), Vec::from([0.0, 0.0, 1.0, 1.0]))?)
-    }
-}
-
-impl<const D: usize> Arc<f64, D> {
-    /// The arc as a rational curve of degree 2 over the same domain, a Bezier segment for each quarter turn or less: the
-    /// same circle; only its parameter runs a little unevenly inside a segment.
-    ///
-    /// The middle control point of a segment of angle 2α is where the tangents of its ends meet, on the bisector at r/cos α,
-    /// and its weight is cos α.
-    ///
-    /// # Errors
-    /// [`ShapeError::Curve`] when the numbers are no curve.
-    ///
-    /// # Source
-    /// Piegl and Tiller, *The NURBS Book*, 2nd ed. (1997), section 7.3.
-    pub fn to_nurbs(&self) -> Result<NurbsBuf<f64, D>, ShapeError> {
-        let spans = self.span_count();
-        let count = f64::from(u32::try_from(spans).unwrap_or(1));
-        let width = self.quarters() / count;
-        let at = |radius: [f64; D], by: f64| core::array::from_fn(|d| self.centre()[d] + radius[d] / by);
-        let (_, cosine) = real::Trigonometric::sin_cos_quarter(width / 2.0);
-        let mut control_points = Vec::from([self.point(0.0)]);
-        let (mut weights, mut knots) = (Vec::from([1.0]), Vec::from([0.0; 3]));
-        for span in 0..spans {
-            let begin = width * f64::from(u32::try_from(span).unwrap_or(0));
-            let end = if span + 1 == spans { self.quarters() } else { begin + width };
-            let middle = self.turned(begin + width / 2.0)[0];
-            control_points.extend([at(middle, cosine), self.point(end)]);
-            weights.extend([cosine, 1.0]);
-            knots.extend([end; 2]);
-        }
-        knots.push(self.quarters());
-        Ok(NurbsBuf::try_new(2, control_points, weights, knots)?)
-    }
-
-    /// The arc as trigonometric segments, a quarter circle for each quarter turn or less, of which a part is passed: the same
-    /// points.
-    ///
-    /// # Errors
-    /// [`ShapeError::NotFinite`] when a control point overflows.
-    pub fn to_trig_spline(&self) -> Result<TrigSplineBuf<f64, D>, ShapeError> {
-        let spans = self.span_count();
-        let width = self.quarters() / f64::from(u32::try_from(spans).unwrap_or(1));
-        let segment = |span: usize| -> Result<TrigSegment<f64, D>, ShapeError> {
-            let [a, b] = self.turned(width * f64::from(u32::try_from(span).unwrap_or(0)));
-            quarter_circle(self.centre(), &a, &b)?.part(0.0, width.min(1.0))
-        };
-        TrigSplineBuf::try_new((0..spans).map(segment).collect::<Result<_, _>>()?)
-    }
-}
-
-/// Every number rounded to the nearest of another format.
-pub(crate) fn round_all<Q: Backend, const N: usize>(
-    numbers: &[f64; N],
-    what: &'static str,
-) -> Result<[Q; N], ShapeError> {
-    let mut rounded = [Q::zero(); N];
-    for (to, from) in rounded.iter_mut().zip(numbers) {
-        *to = Q::from_f64(*from).ok_or(ShapeError::OutOfRange { what })?;
-    }
-    Ok(rounded)
 }
 
 #[cfg(test)]

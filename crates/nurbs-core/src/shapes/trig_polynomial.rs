@@ -21,8 +21,7 @@ use alloc::vec::Vec;
 
 use real::{Real, Trigonometric};
 
-use crate::shapes::trig_spline::TrigSegment;
-use crate::{Evaluate, MAX_DEGREE, NurbsBuf, ShapeError, TrigSplineBuf};
+use crate::{Evaluate, MAX_DEGREE, NurbsBuf, ShapeError, TrigSegment, TrigSplineBuf};
 
 /// A spline as polynomials, and how far they are from it.
 #[derive(Clone, Debug, PartialEq)]

@@ -4,7 +4,7 @@ use alloc::vec::Vec;
 
 use real::{Real, Trigonometric};
 
-use crate::shapes::arc::quarter_turns;
+use crate::shapes::angle::quarter_turns;
 use crate::smoothing::leg::{LEAST_LENGTH_MM, Leg, distance, minus};
 use crate::{CornerStyle, Evaluate, PathCurve, Reason, TrigSegment, TrigSplineBuf, Turn, golden_section};
 

@@ -2,7 +2,7 @@
 
 use real::Real;
 
-use crate::shapes::arc::quarter_turns;
+use crate::shapes::angle::quarter_turns;
 use crate::{Arc, Differentiate, Evaluate, Line, PathCurve};
 
 /// Moves shorter than this are no moves, and cuts of no more than a thousand times this no cuts, in mm: far below what a drive
