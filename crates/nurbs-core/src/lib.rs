@@ -64,6 +64,7 @@ pub mod golden;
 mod golden_section;
 #[cfg(test)]
 mod oracle;
+mod vector;
 
 mod nurbs {
     pub(crate) mod basis;

@@ -14,6 +14,7 @@
 
 use real::Real;
 
+use crate::vector::{add, sub};
 use crate::{Differentiate, GaussLegendre};
 
 /// Panels waiting at once; a span can be halved once less.
@@ -270,9 +271,8 @@ impl<R: Real> GaussLegendre<R> {
 
 /// Whether two vectors are more than a right angle apart: `|a + b| < |a - b|`, in halves, which are no larger than they are.
 fn is_reversed<R: Real, const D: usize>(a: &[R; D], b: &[R; D]) -> bool {
-    let sum = core::array::from_fn::<_, D, _>(|d| a[d].half() + b[d].half());
-    let difference = core::array::from_fn::<_, D, _>(|d| a[d].half() - b[d].half());
-    R::norm(&sum) < R::norm(&difference)
+    let [a, b] = [a, b].map(|v| v.map(R::half));
+    R::norm(&add(&a, &b)) < R::norm(&sub(&a, &b))
 }
 
 #[cfg(test)]

@@ -10,6 +10,7 @@
 use real::Real;
 
 use crate::Derivatives;
+use crate::vector::{dot, over, sub};
 
 /// How a curve goes on from a point: what speed, tangent and bend have in common is computed once.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,12 +29,9 @@ impl<R: Real, const D: usize> Frenet<R, D> {
     pub fn of(derivatives: &Derivatives<R, D>) -> Self {
         let speed = R::norm(&derivatives.first);
         let divisor = if speed.is_zero() { R::one() } else { speed };
-        let tangent: [R; D] = derivatives.first.map(|x| x / divisor);
-        let along = R::sum_of_products(tangent.into_iter().zip(derivatives.second));
-        let mut across = derivatives.second;
-        for (component, direction) in across.iter_mut().zip(tangent) {
-            *component = *component - along * direction;
-        }
+        let tangent = over(&derivatives.first, divisor);
+        let along = dot(&tangent, &derivatives.second);
+        let across = sub(&derivatives.second, &tangent.map(|x| along * x));
         Self { speed, tangent, across }
     }
 

@@ -2,6 +2,8 @@
 
 use real::Real;
 
+use crate::vector::{over, sub};
+
 /// Whether the tangent breaks where a path arrives along `before` and goes on along `after`:
 /// `|after/|after| - before/|before|| > 2⁻¹²`, a turn of 0.014°.
 ///
@@ -15,7 +17,7 @@ pub fn tangent_breaks<R: Real, const D: usize>(before: &[R; D], after: &[R; D]) 
     if !(arriving > R::zero() && leaving > R::zero()) {
         return false;
     }
-    let turn: [R; D] = core::array::from_fn(|d| after[d] / leaving - before[d] / arriving);
+    let turn = sub(&over(after, leaving), &over(before, arriving));
     R::norm(&turn) > R::from_ratio(1, 4096)
 }
 

@@ -4,6 +4,7 @@ use real::Real;
 
 use crate::nurbs::basis::BasisRows;
 use crate::nurbs::degree::SCRATCH;
+use crate::vector::weighted_sum;
 use crate::{CurveError, Evaluate, KnotVector, Quantity};
 
 /// A NURBS curve in `D` dimensions whose numbers are borrowed: from flash, or from a
@@ -111,13 +112,6 @@ impl<'a, R: Real, const D: usize> NurbsCurve<'a, R, D> {
         }
         denominator
     }
-}
-
-/// `Σ factors_r · points_r`, axis by axis, each rounded once in fixed point.
-pub(crate) fn weighted_sum<R: Real, const D: usize>(factors: &[R], points: &[[R; D]]) -> [R; D] {
-    core::array::from_fn(|axis| {
-        R::sum_of_products(factors.iter().zip(points).map(|(factor, point)| (*factor, point[axis])))
-    })
 }
 
 fn check_weights<R: Real>(weights: &[R], expected: usize) -> Result<(), CurveError> {

@@ -23,9 +23,9 @@
 use real::Real;
 
 use crate::nurbs::basis::{BasisRows, quotient};
-use crate::nurbs::curve::weighted_sum;
 use crate::nurbs::degree::SCRATCH;
 use crate::nurbs::knots::LocalKnots;
+use crate::vector::{over, sub, weighted_sum};
 use crate::{Derivatives, Differentiate, NurbsCurve};
 
 impl<R: Real, const D: usize> Differentiate<R, D> for NurbsCurve<'_, R, D> {
@@ -55,13 +55,13 @@ impl<R: Real, const D: usize> NurbsCurve<'_, R, D> {
             return Derivatives { point, first, second };
         };
         let weights = self.active(weights, span);
-        let seen_from_point =
-            points.iter().zip(weights).map(|(p, w)| core::array::from_fn(|k| *w * (p[k] - point[k])));
+        let seen_from_point = points.iter().zip(weights).map(|(p, w)| sub(p, &point).map(|x| *w * x));
         let (first, second) = spline_derivatives(&scratch(seen_from_point), knots, &rows);
         let ([weight_rate], _) = spline_derivatives(&scratch(weights.iter().map(|w| [*w])), knots, &rows);
 
-        let first = first.map(|x| x / denominator);
-        let second = core::array::from_fn(|k| (second[k] - (weight_rate * first[k]).scale(1)) / denominator);
+        let first = over(&first, denominator);
+        let twice_turned = first.map(|x| (weight_rate * x).scale(1));
+        let second = over(&sub(&second, &twice_turned), denominator);
         Derivatives { point, first, second }
     }
 }
@@ -88,9 +88,7 @@ fn divided_differences<R: Real, const D: usize>(
     q: usize,
 ) -> [[R; D]; SCRATCH] {
     let pairs = coefficients.windows(2).zip(knots.supports(q));
-    scratch(
-        pairs.map(|(b, (left, right))| core::array::from_fn(|k| quotient(b[1][k] - b[0][k], right - left))),
-    )
+    scratch(pairs.map(|(b, (left, right))| sub(&b[1], &b[0]).map(|x| quotient(x, right - left))))
 }
 
 /// The items at the front of an array of zeros.

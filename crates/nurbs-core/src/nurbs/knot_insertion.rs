@@ -8,6 +8,7 @@ use alloc::vec::Vec;
 use real::Real;
 
 use crate::nurbs::basis::quotient;
+use crate::vector::lerp;
 use crate::{CurveError, NurbsBuf};
 
 impl<R: Real, const D: usize> NurbsBuf<R, D> {
@@ -47,7 +48,7 @@ impl<R: Real, const D: usize> NurbsBuf<R, D> {
             let (part_before, part_after) = (*w_before - *w_before * alpha, *w_after * alpha);
             let weight = part_before + part_after;
             let share = quotient(part_after, weight);
-            let point = core::array::from_fn(|axis| share.mul_add(after[axis] - before[axis], before[axis]));
+            let point = lerp(before, after, share);
             keep((&point, &weight));
         }
         homogeneous().skip(k - s).for_each(&mut keep);

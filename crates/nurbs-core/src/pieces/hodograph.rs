@@ -6,6 +6,7 @@ use real::Real;
 
 use crate::pieces::speed::Speed;
 use crate::polynomials::polynomial::binomial;
+use crate::vector::{add, dot, lerp, over, scaled, sub};
 
 /// Samples of the speed, and one more.
 const SAMPLES: u32 = 8;
@@ -47,15 +48,15 @@ fn velocity<const D: usize>(points: &[([f64; D], f64)], t: f64) -> [f64; D] {
     for round in (2..=degree).rev() {
         for k in 0..round {
             let next = rows[k + 1];
-            rows[k].0 = core::array::from_fn(|d| rows[k].0[d] + (next.0[d] - rows[k].0[d]) * t);
+            rows[k].0 = lerp(&rows[k].0, &next.0, t);
             rows[k].1 += (next.1 - rows[k].1) * t;
         }
     }
     let ((a, wa), (b, wb)) = (rows[0], rows[1]);
     let weight = wa + (wb - wa) * t;
-    let point: [f64; D] = core::array::from_fn(|d| (a[d] + (b[d] - a[d]) * t) / weight);
+    let point = over(&lerp(&a, &b, t), weight);
     let rise = (wb - wa) * degree as f64;
-    core::array::from_fn(|d| ((b[d] - a[d]) * degree as f64 - rise * point[d]) / weight)
+    over(&sub(&scaled(&sub(&b, &a), degree as f64), &scaled(&point, rise)), weight)
 }
 
 /// C' = V/W² of C = N/W on a part of a segment: `V = N'W - NW'` in Bezier form, of degree 2p - 1, and W.
@@ -70,7 +71,7 @@ impl<const D: usize> Hodograph<D> {
         let degree = points.len() - 1;
         let rise = |j: usize| {
             let ((a, wa), (b, wb)) = (points[j], points[j + 1]);
-            (core::array::from_fn::<_, D, _>(|d| (b[d] - a[d]) * degree as f64), (wb - wa) * degree as f64)
+            (scaled(&sub(&b, &a), degree as f64), (wb - wa) * degree as f64)
         };
         let mut velocity = alloc::vec![[0.0; D]; 2 * degree];
         // Bezier form of a product: c_k = Σ_{i+j=k} binomial(m, i) binomial(n, j) / binomial(m + n, k) a_i b_j.
@@ -78,9 +79,8 @@ impl<const D: usize> Hodograph<D> {
             let (n_rise, w_rise) = rise(i);
             for (j, (n, w)) in points.iter().enumerate() {
                 let share = binomial(degree - 1, i) * binomial(degree, j) / binomial(2 * degree - 1, i + j);
-                for d in 0..D {
-                    velocity[i + j][d] += share * (n_rise[d] * w - w_rise * n[d]);
-                }
+                let turn = sub(&scaled(&n_rise, *w), &scaled(n, w_rise));
+                velocity[i + j] = add(&velocity[i + j], &scaled(&turn, share));
             }
         }
         Self { velocity, weight: points.iter().map(|(_, w)| *w).collect() }
@@ -114,9 +114,9 @@ impl<const D: usize> Hodograph<D> {
 
     /// Bounds of |C'|: V lies in the hull of its Bezier points, W between its own.
     fn bounds(&self) -> (f64, f64) {
-        let mean: [f64; D] = core::array::from_fn(|d| self.velocity.iter().map(|v| v[d]).sum());
+        let mean = self.velocity.iter().fold([0.0; D], |sum, v| add(&sum, v));
         let length = f64::norm(&mean);
-        let along = |v: &[f64; D]| (0..D).map(|d| v[d] * mean[d]).sum::<f64>() / length;
+        let along = |v: &[f64; D]| dot(v, &mean) / length;
         // Of a mean that is 0 there is no direction along which V could be anything.
         let least = if length > 0.0 { self.velocity.iter().map(along).fold(f64::MAX, f64::min) } else { 0.0 };
         let greatest = self.velocity.iter().map(f64::norm).fold(0.0, f64::max);

@@ -8,6 +8,7 @@ use crate::pieces::scales::{Scales, fraction_and_exponent, power_of_two};
 use crate::pieces::speed::Speed;
 use crate::polynomials::bezier::Bezier;
 use crate::polynomials::polynomial::{PARTS, binomial, bound_on_unit_interval, hull, on_part, power_basis};
+use crate::vector::{add, over, scaled, sub};
 use crate::{Joint, ORIGIN_EXPONENT, Place, tangent_breaks};
 
 /// A piece in high precision: power basis in t, coordinates in mm relative to the piece's first point.
@@ -42,9 +43,7 @@ impl<H: Backend, const D: usize> LocalPiece<H, D> {
         let (first, last) = (bezier.weights[0], bezier.weights[bezier.weights.len() - 1]);
         let unit = (first * last).sqrt();
         let weight: Vec<H> = bezier.weights.iter().map(|w| *w / unit).collect();
-        let points = bezier.points.iter().zip(&bezier.weights);
-        let points: Vec<[H; D]> =
-            points.map(|(p, w)| core::array::from_fn(|d| (p[d] - start[d] * *w) / unit)).collect();
+        let points: Vec<[H; D]> = bezier.seen_from_start().map(|point| over(&point, unit)).collect();
         let mut numerator = alloc::vec![[H::zero(); D]; points.len()];
         for d in 0..D {
             let column = power_basis(&points.iter().map(|p| p[d]).collect::<Vec<_>>());
@@ -116,11 +115,13 @@ impl<H: Backend, const D: usize> LocalPiece<H, D> {
         let sum = |terms: &mut dyn Iterator<Item = H>| terms.fold(H::zero(), |sum, term| sum + term);
         let weight = sum(&mut self.weight.iter().copied());
         let weight_rise = sum(&mut (0..).zip(&self.weight).map(|(k, w)| whole(k) * *w));
-        core::array::from_fn(|d| {
-            let value = sum(&mut self.numerator.iter().map(|n| n[d]));
-            let rise = sum(&mut (1..).zip(&self.numerator).map(|(k, n)| whole(k) * n[d]));
-            rise * weight - value * weight_rise
-        })
+        let mut value = [H::zero(); D];
+        let mut rise = value;
+        for (k, n) in (1..).zip(&self.numerator) {
+            value = add(&value, n);
+            rise = add(&rise, &n.map(|x| whole(k) * x));
+        }
+        sub(&scaled(&rise, weight), &scaled(&value, weight_rise))
     }
 
     /// Whether `next` is the same polynomial further on.

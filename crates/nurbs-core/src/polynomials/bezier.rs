@@ -9,6 +9,7 @@ use alloc::vec::Vec;
 use real::{Backend, Real};
 
 use crate::NurbsCurve;
+use crate::vector::{over, scaled, sub};
 
 /// A homogeneous Bezier segment: points times weights, and weights.
 pub(crate) struct Bezier<H, const D: usize> {
@@ -65,15 +66,12 @@ impl<H: Backend, const D: usize> Bezier<H, D> {
     }
 
     pub(crate) fn euclidean(&self, j: usize) -> [H; D] {
-        self.points[j].map(|x| x / self.weights[j])
+        over(&self.points[j], self.weights[j])
     }
 
     /// Length of the control polygon, which is no shorter than the arc, in mm.
     pub(crate) fn polygon_mm(&self) -> f64 {
-        let leg = |j: usize| {
-            let (a, b) = (self.euclidean(j - 1), self.euclidean(j));
-            f64::norm(&core::array::from_fn::<_, D, _>(|d| (b[d] - a[d]).to_f64()))
-        };
+        let leg = |j: usize| f64::norm(&sub(&self.euclidean(j), &self.euclidean(j - 1)).map(|x| x.to_f64()));
         (1..self.points.len()).map(leg).sum()
     }
 
@@ -87,9 +85,13 @@ impl<H: Backend, const D: usize> Bezier<H, D> {
     /// Points times weights about the first point, and weights, in f64. The differences are taken before the rounding: of a
     /// span of one ulp they are all there is.
     pub(crate) fn relative(&self) -> Vec<([f64; D], f64)> {
-        let origin = self.euclidean(0);
-        let point = |j: usize, d: usize| (self.points[j][d] - origin[d] * self.weights[j]).to_f64();
-        let row = |j: usize| (core::array::from_fn(|d| point(j, d)), self.weights[j].to_f64());
-        (0..self.points.len()).map(row).collect()
+        let points = self.seen_from_start().map(|point| point.map(|x| x.to_f64()));
+        points.zip(self.weights.iter().map(|w| w.to_f64())).collect()
+    }
+
+    /// Points times weights about the first point: `w_j (P_j - P_0)`.
+    pub(crate) fn seen_from_start(&self) -> impl Iterator<Item = [H; D]> {
+        let start = self.euclidean(0);
+        self.points.iter().zip(&self.weights).map(move |(p, w)| sub(p, &scaled(&start, *w)))
     }
 }

@@ -22,6 +22,7 @@ use real::Backend;
 use crate::polynomials::bezier::{Bezier, computed};
 use crate::polynomials::polynomial::power_basis;
 use crate::polynomials::span_table::SpanTable;
+use crate::vector::{add, scaled};
 use crate::{Derivatives, Differentiate, Evaluate, NurbsCurve};
 
 /// A NURBS curve converted for fast evaluation: p + 1 rows of coefficients a span.
@@ -144,9 +145,9 @@ fn derivatives_at<const KNOWN: bool, const D: usize>(
         }
     }
     Derivatives {
-        point: core::array::from_fn(|d| offset[d] + origin[d]),
-        first: first.map(|x| x * rate),
-        second: half_second.map(|x| x * twice_square),
+        point: add(&offset, origin),
+        first: scaled(&first, rate),
+        second: scaled(&half_second, twice_square),
     }
 }
 
@@ -182,7 +183,7 @@ fn times_plus<const D: usize>(of: [f64; D], t: f64, more: [f64; D]) -> [f64; D] 
 /// From q, q' and q''/2 those of `t q`.
 #[inline(always)]
 fn expansion<const D: usize>([q, slope, bend]: [[f64; D]; 3], t: f64) -> [[f64; D]; 3] {
-    [q.map(|x| x * t), times_plus(slope, t, q), times_plus(bend, t, slope)]
+    [scaled(&q, t), times_plus(slope, t, q), times_plus(bend, t, slope)]
 }
 
 impl<const D: usize> PowerCurve<D> {
@@ -312,10 +313,8 @@ impl<const D: usize> PowerCurve<D> {
 /// Appends O, n_1 … n_p and, if rational, w_1 … w_p, with weights over the first one.
 fn push_span<H: Backend, const D: usize>(bezier: &Bezier<H, D>, numbers: &mut Vec<f64>) {
     let (start, unit) = (bezier.euclidean(0), bezier.weights[0]);
-    let column = |d: usize| {
-        let seen = bezier.points.iter().zip(&bezier.weights).map(|(p, w)| (p[d] - start[d] * *w) / unit);
-        power_basis(&seen.collect::<Vec<H>>())
-    };
+    let column =
+        |d: usize| power_basis(&bezier.seen_from_start().map(|point| point[d] / unit).collect::<Vec<H>>());
     let columns: [Vec<H>; D] = core::array::from_fn(column);
     numbers.extend(start.map(|x| x.to_f64()));
     numbers

@@ -12,6 +12,9 @@ use real::{Real, Trigonometric};
 
 #[cfg(feature = "alloc")]
 use crate::shapes::{angle::quarter_turns, rounded::round_all, trig_segment::quarter_circle};
+use crate::vector::{add, weighted_sum};
+#[cfg(feature = "alloc")]
+use crate::vector::{distance, dot, over, scaled, sub};
 use crate::{Derivatives, Differentiate, Evaluate, ShapeError};
 #[cfg(feature = "alloc")]
 use crate::{NurbsBuf, TrigSegment, TrigSplineBuf};
@@ -104,12 +107,7 @@ impl<R: Real, const D: usize> Arc<R, D> {
             }
         }
         let (s, c) = R::sin_cos_quarter(u);
-        let combine = |x: R, y: R| core::array::from_fn(|d| R::sum_of_products([(x, a[d]), (y, b[d])]));
-        [combine(c, s), combine(-s, c)]
-    }
-
-    fn at(&self, radius: &[R; D]) -> [R; D] {
-        core::array::from_fn(|d| self.centre[d] + radius[d])
+        [weighted_sum(&[c, s], &[a, b]), weighted_sum(&[-s, c], &[a, b])]
     }
 }
 
@@ -122,7 +120,7 @@ impl<R: Real, const D: usize> Evaluate<R, D> for Arc<R, D> {
     /// Accuracy: sine and cosine are within two units of the last place, so in fixed point each axis is within
     /// `2 √2 r + 1` units for a radius r, in floats within `6 ε r + ε |O|`.
     fn point(&self, u: R) -> [R; D] {
-        self.at(&self.turned(u)[0])
+        add(&self.centre, &self.turned(u)[0])
     }
 
     fn span_count(&self) -> usize {
@@ -148,7 +146,7 @@ impl<R: Real, const D: usize> Differentiate<R, D> for Arc<R, D> {
         let half_pi = R::half_pi();
         let [a, b] = self.turned(u);
         Derivatives {
-            point: self.at(&a),
+            point: add(&self.centre, &a),
             first: b.map(|x| half_pi * x),
             second: a.map(|x| -(half_pi * (half_pi * x))),
         }
@@ -184,33 +182,31 @@ impl<const D: usize> Arc<f64, D> {
             return Err(ShapeError::NoArc);
         }
         let flat = |p: &[f64; D]| [p[x], p[y]];
-        let minus = |p: [f64; 2], q: [f64; 2]| [p[0] - q[0], p[1] - q[1]];
-        let dot = |p: [f64; 2], q: [f64; 2]| p[0] * q[0] + p[1] * q[1];
         let (from, to, given) = (flat(&start), flat(&end), flat(&centre));
-        let difference = f64::norm(&minus(from, given)) - f64::norm(&minus(to, given));
+        let difference = distance(&from, &given) - distance(&to, &given);
         if difference.is_nan() || difference.abs() > tolerance_mm {
             return Err(ShapeError::RadiiDiffer);
         }
-        let chord = minus(to, from);
-        let middle = [(from[0] + to[0]) / 2.0, (from[1] + to[1]) / 2.0];
-        let square = dot(chord, chord);
-        let off = if square > 0.0 { dot(minus(middle, given), chord) / square } else { 0.0 };
+        let chord = sub(&to, &from);
+        let middle = over(&add(&from, &to), 2.0);
+        let square = dot(&chord, &chord);
+        let off = if square > 0.0 { dot(&sub(&middle, &given), &chord) / square } else { 0.0 };
         let ahead = |[x, y]: [f64; 2]| match sense {
             Sense::Counterclockwise => [-y, x],
             Sense::Clockwise => [y, -x],
         };
-        let (a, to_end) = (minus(from, given), minus(to, given));
-        let (cosine, sine) = (dot(to_end, a), dot(to_end, ahead(a)));
+        let (a, to_end) = (sub(&from, &given), sub(&to, &given));
+        let (cosine, sine) = (dot(&to_end, &a), dot(&to_end, &ahead(a)));
         let is_beyond_half = !(sine > 0.0 || (sine >= 0.0 && cosine < 0.0));
         let is_far = off.abs() * square.sqrt() > tolerance_mm;
         let off = if is_beyond_half && is_far { 0.0 } else { off };
-        let moved = [given[0] + off * chord[0], given[1] + off * chord[1]];
-        let (a, to_end) = (minus(from, moved), minus(to, moved));
+        let moved = add(&given, &scaled(&chord, off));
+        let (a, to_end) = (sub(&from, &moved), sub(&to, &moved));
         if f64::norm(&a) <= 0.0 {
             return Err(ShapeError::NoArc);
         }
         let b = ahead(a);
-        let quarters = if square > 0.0 { quarter_turns(dot(to_end, a), dot(to_end, b)) } else { 4.0 };
+        let quarters = if square > 0.0 { quarter_turns(dot(&to_end, &a), dot(&to_end, &b)) } else { 4.0 };
         let quarters = if is_beyond_half && quarters <= 0.0 { 4.0 } else { quarters };
         let mut circle_centre = start;
         (circle_centre[x], circle_centre[y]) = (moved[0], moved[1]);
@@ -260,7 +256,6 @@ impl<const D: usize> Arc<f64, D> {
         let spans = self.span_count();
         let count = f64::from(u32::try_from(spans).unwrap_or(1));
         let width = self.quarters() / count;
-        let at = |radius: [f64; D], by: f64| core::array::from_fn(|d| self.centre()[d] + radius[d] / by);
         let (_, cosine) = f64::sin_cos_quarter(width / 2.0);
         let mut control_points = Vec::from([self.point(0.0)]);
         let (mut weights, mut knots) = (Vec::from([1.0]), Vec::from([0.0; 3]));
@@ -268,7 +263,7 @@ impl<const D: usize> Arc<f64, D> {
             let begin = width * f64::from(u32::try_from(span).unwrap_or(0));
             let end = if span + 1 == spans { self.quarters() } else { begin + width };
             let middle = self.turned(begin + width / 2.0)[0];
-            control_points.extend([at(middle, cosine), self.point(end)]);
+            control_points.extend([add(&self.centre, &over(&middle, cosine)), self.point(end)]);
             weights.extend([cosine, 1.0]);
             knots.extend([end; 2]);
         }
@@ -372,7 +367,7 @@ mod tests {
             let arc = Arc::in_plane([at(from), at(to), centre], [1, 2], sense, 2e-3).unwrap();
             let [first, last] = [from, to].map(|end| f64::norm(&[at(end)[1] - noise[0], at(end)[2] - noise[1]]));
             for (found, expected) in [(arc.point(0.0), at(from)), (arc.point(arc.quarters()), at(to))] {
-                let off = f64::norm(&core::array::from_fn::<_, 3, _>(|d| found[d] - expected[d]));
+                let off = distance(&found, &expected);
                 let stays = by > 2.0 && arc.centre()[1..] == noise && expected == at(to);
                 let allowed = if stays { (first - last).abs() } else { 0.0 };
                 prop_assert!(off <= allowed + 1e-14 * radius.max(1.0) * 8.0, "{off}");
@@ -484,9 +479,7 @@ mod tests {
     fn a_part_lies_on_the_arc() {
         let (arc, part) = (unit_arc(3.5), unit_arc(3.5).part(1.25, 3.0).unwrap());
         assert_eq!(part.quarters(), 1.75);
-        let off = |u: f64| {
-            f64::norm(&core::array::from_fn::<_, 2, _>(|d| part.point(u)[d] - arc.point(1.25 + u)[d]))
-        };
+        let off = |u: f64| distance(&part.point(u), &arc.point(1.25 + u));
         assert!([0.0, 0.5, 1.75].into_iter().all(|u| off(u) <= 4e-15));
         assert!(arc.part(2.0, 2.0).is_err());
     }

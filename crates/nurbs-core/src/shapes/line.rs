@@ -12,6 +12,7 @@ use crate::NurbsBuf;
 use crate::nurbs::curve::axis_too_wide;
 #[cfg(feature = "alloc")]
 use crate::shapes::rounded::round_all;
+use crate::vector::{add, dot, scaled, sub, weighted_sum};
 use crate::{Derivatives, Differentiate, Evaluate, ShapeError};
 
 /// The line `(1 - u) A + u B`, u in [0, 1].
@@ -50,7 +51,7 @@ impl<R: Real, const D: usize> Line<R, D> {
 
     /// B - A.
     fn difference(&self) -> [R; D] {
-        core::array::from_fn(|d| self.ends[1][d] - self.ends[0][d])
+        sub(&self.ends[1], &self.ends[0])
     }
 }
 
@@ -81,8 +82,7 @@ impl<R: Real, const D: usize> Evaluate<R, D> for Line<R, D> {
 
     /// Exactly A and B at the ends; in between within one unit of the last place, in fixed point, or `2 ε` of the larger end.
     fn point(&self, u: R) -> [R; D] {
-        let [a, b] = &self.ends;
-        core::array::from_fn(|d| R::sum_of_products([(R::one() - u, a[d]), (u, b[d])]))
+        weighted_sum(&[R::one() - u, u], &self.ends)
     }
 
     fn span_count(&self) -> usize {
@@ -107,16 +107,16 @@ impl<R: Real, const D: usize> Differentiate<R, D> for Line<R, D> {
 /// Where the straight line from A to B is nearest to P: `(P - A)·(B - A)/|B - A|²`, cut off to [0, 1]; 0 where A is B.
 #[must_use]
 pub fn nearest_on_segment<const D: usize>(point: &[f64; D], [a, b]: &[[f64; D]; 2]) -> f64 {
-    let dot = |v: &dyn Fn(usize) -> f64| (0..D).map(|d| v(d) * (b[d] - a[d])).sum::<f64>();
-    let square = dot(&|d| b[d] - a[d]);
-    if square > 0.0 { (dot(&|d| point[d] - a[d]) / square).clamp(0.0, 1.0) } else { 0.0 }
+    let chord = sub(b, a);
+    let square = dot(&chord, &chord);
+    if square > 0.0 { (dot(&sub(point, a), &chord) / square).clamp(0.0, 1.0) } else { 0.0 }
 }
 
 /// The distance of P from the straight line from A to B, whose ends belong to it.
 #[must_use]
 pub fn distance_to_segment<const D: usize>(point: &[f64; D], ends: &[[f64; D]; 2]) -> f64 {
     let (u, [a, b]) = (nearest_on_segment(point, ends), ends);
-    f64::norm(&core::array::from_fn::<_, D, _>(|d| (a[d] - point[d]) + u * (b[d] - a[d])))
+    f64::norm(&add(&sub(a, point), &scaled(&sub(b, a), u)))
 }
 
 #[cfg(all(test, feature = "alloc"))]

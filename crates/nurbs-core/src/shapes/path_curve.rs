@@ -138,6 +138,7 @@ impl<const D: usize> PathCurve<f64, D> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::vector::distance;
     use crate::{Ends, Sense, ShapeFactors, arc_length, golden};
     use real::{I8F24, I16F16};
 
@@ -177,8 +178,7 @@ mod tests {
             let length = arc_length(&nurbs.as_curve(), begin, end, 1e-10).length;
             let steps = 20_000;
             let at = |step: i32| curve.point(begin + (end - begin) * f64::from(step) / f64::from(steps));
-            let chords =
-                (0..steps).map(|i| f64::norm(&core::array::from_fn::<_, 2, _>(|d| at(i + 1)[d] - at(i)[d])));
+            let chords = (0..steps).map(|i| distance(&at(i + 1), &at(i)));
             assert!((chords.sum::<f64>() - length).abs() < 1e-6);
         }
     }

@@ -198,7 +198,7 @@ fn float(count: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Differentiate, Ends, PieceLimits, ShapeFactors, compile};
+    use crate::{Differentiate, Ends, PieceLimits, ShapeFactors, compile, vector};
     use proptest::prelude::*;
     use real::DoubleDouble;
 
@@ -217,7 +217,7 @@ mod tests {
     }
 
     fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
-        f64::norm(&core::array::from_fn::<_, 2, _>(|d| a[d] - b[d]))
+        vector::distance(&a, &b)
     }
 
     proptest! {

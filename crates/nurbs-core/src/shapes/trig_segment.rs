@@ -18,9 +18,12 @@ use real::Real;
 #[cfg(feature = "alloc")]
 use real::{Backend, Trigonometric};
 
-use crate::nurbs::curve::{axis_too_wide, weighted_sum};
+use crate::nurbs::curve::axis_too_wide;
 #[cfg(feature = "alloc")]
 use crate::shapes::rounded::round_all;
+#[cfg(feature = "alloc")]
+use crate::vector::sub;
+use crate::vector::{add, weighted_sum};
 use crate::{
     Derivatives, Differentiate, Evaluate, ShapeError, ShapeFactors, trig_basis, trig_basis_derivatives,
 };
@@ -58,7 +61,7 @@ impl<R: Real, const D: usize> TrigSegment<R, D> {
     /// # Errors
     /// Those of [`try_new`](Self::try_new).
     pub fn between(ends: [[R; D]; 2], derivatives: [[R; D]; 2], lambda: R) -> Result<Self, ShapeError> {
-        let beyond = |i: usize| core::array::from_fn(|d| ends[i][d] + derivatives[i][d]);
+        let beyond = |i: usize| add(&ends[i], &derivatives[i]);
         let shape = ShapeFactors { lambda, k: -R::one() };
         Self::try_new([ends[0], ends[1], beyond(0), beyond(1)], shape)
     }
@@ -156,8 +159,7 @@ pub(crate) fn quarter_circle<R: Real, const D: usize>(
     b: &[R; D],
 ) -> Result<TrigSegment<R, D>, ShapeError> {
     let half_pi = R::half_pi();
-    let at = |offset: &dyn Fn(usize) -> R| core::array::from_fn(|d| centre[d] + offset(d));
-    let control_points =
-        [at(&|d| a[d]), at(&|d| b[d]), at(&|d| a[d] + half_pi * b[d]), at(&|d| b[d] - half_pi * a[d])];
-    TrigSegment::try_new(control_points, ShapeFactors::symmetric())
+    let along = |v: &[R; D]| v.map(|x| half_pi * x);
+    let offsets = [*a, *b, add(a, &along(b)), sub(b, &along(a))];
+    TrigSegment::try_new(offsets.map(|offset| add(centre, &offset)), ShapeFactors::symmetric())
 }

@@ -6,6 +6,9 @@ use real::Real;
 
 #[cfg(feature = "alloc")]
 use crate::ShapeFactors;
+use crate::vector::scaled;
+#[cfg(feature = "alloc")]
+use crate::vector::{add, sub};
 use crate::{Derivatives, Differentiate, Evaluate, ShapeError, TrigSegment};
 
 /// A curve of N segments, each over a unit of the parameter: segment i over [i, i + 1]. Borrowed, for flash.
@@ -95,7 +98,7 @@ impl<R: Real, const D: usize> Differentiate<R, D> for TrigSpline<'_, R, D> {
             return Derivatives::default();
         };
         let Derivatives { point, first, second } = segment.derivatives(local);
-        Derivatives { point, first: first.map(|x| x * width), second: second.map(|x| x * width * width) }
+        Derivatives { point, first: scaled(&first, width), second: scaled(&scaled(&second, width), width) }
     }
 }
 
@@ -151,9 +154,9 @@ impl<R: Real, const D: usize> TrigSplineBuf<R, D> {
             Ends::Repeated => sequence.extend([*last; 2]),
             Ends::Closed => sequence.extend_from_slice(&points[..3]),
             Ends::Continued => {
-                let before = points[points.len() - 2];
-                let beyond = |from: [R; D]| core::array::from_fn(|d| from[d] + (last[d] - before[d]));
-                sequence.extend([beyond(*last), beyond(beyond(*last))]);
+                let chord = sub(last, &points[points.len() - 2]);
+                let beyond = add(last, &chord);
+                sequence.extend([beyond, add(&beyond, &chord)]);
             }
         }
         let segment = |q: &[[R; D]]| TrigSegment::try_new([q[0], q[1], q[2], q[3]], shape);
@@ -254,7 +257,7 @@ mod tests {
             let q = [points[0], points[1], points[2], points[3]];
             let segment = TrigSegment::try_new(q, factors(lambda, k)).unwrap();
             let expected = |i: usize| -> [f64; 2] {
-                core::array::from_fn(|d| (q[i + 1][d] - q[i][d]) - k * (q[i + 2][d] - q[i + 1][d]))
+                sub(&sub(&q[i + 1], &q[i]), &scaled(&sub(&q[i + 2], &q[i + 1]), k))
             };
             prop_assert!(off(segment.derivatives(0.0).first, expected(0)) < 1e-12);
             prop_assert!(off(segment.derivatives(1.0).first, expected(1)) < 1e-12);

@@ -5,7 +5,8 @@ use alloc::vec::Vec;
 use real::{Real, Trigonometric};
 
 use crate::shapes::angle::quarter_turns;
-use crate::smoothing::leg::{LEAST_LENGTH_MM, Leg, distance, minus};
+use crate::smoothing::leg::{LEAST_LENGTH_MM, Leg};
+use crate::vector::{add, distance, scaled};
 use crate::{CornerStyle, Evaluate, PathCurve, Reason, TrigSegment, TrigSplineBuf, Turn, golden_section};
 
 /// A gap between two moves that is none, in mm.
@@ -118,8 +119,7 @@ impl<const D: usize> Planned<D> {
             return None; // an arc has turned the corner into a reversal
         }
         let reach = cut_tangent(cosine) * distance_mm;
-        let segment =
-            TrigSegment::between([q0, q1], [t1.map(|x| x * reach), t2.map(|x| x * reach)], 1.0).ok()?;
+        let segment = TrigSegment::between([q0, q1], [scaled(&t1, reach), scaled(&t2, reach)], 1.0).ok()?;
         let off = largest(|u| {
             let point = segment.point(u);
             before.distance_mm(&point).min(after.distance_mm(&point))
@@ -138,9 +138,8 @@ impl<const D: usize> Planned<D> {
     ) -> Result<Built<D>, Reason> {
         let ((_, t1), (_, t2)) = (before.at(before.length_mm), after.at(0.0));
         let corner = self.turn.point;
-        let of_length = |reach: f64| {
-            TrigSegment::between([corner; 2], [t1.map(|x| x * reach), t2.map(|x| x * reach)], 1.0)
-        };
+        let of_length =
+            |reach: f64| TrigSegment::between([corner; 2], [scaled(&t1, reach), scaled(&t2, reach)], 1.0);
         let farthest = |segment: &TrigSegment<f64, D>| {
             samples(segment).map(|p| distance(&p, &corner)).fold(0.0, f64::max)
         };
@@ -196,6 +195,5 @@ fn cut_tangent(cosine: f64) -> f64 {
 
 /// Sine and cosine of half the angle between two unit vectors: half the length of their difference and of their sum.
 pub(crate) fn half_turn<const D: usize>(t1: &[f64; D], t2: &[f64; D]) -> (f64, f64) {
-    let sum: [f64; D] = core::array::from_fn(|d| t1[d] + t2[d]);
-    (f64::norm(&minus(t2, t1)) / 2.0, f64::norm(&sum) / 2.0)
+    (distance(t2, t1) / 2.0, f64::norm(&add(t1, t2)) / 2.0)
 }

@@ -3,6 +3,7 @@
 use real::Real;
 
 use crate::shapes::angle::quarter_turns;
+use crate::vector::{distance, dot, sub};
 use crate::{Arc, Differentiate, Evaluate, Line, PathCurve};
 
 /// Moves shorter than this are no moves, and cuts of no more than a thousand times this no cuts, in mm: far below what a drive
@@ -77,8 +78,8 @@ impl<'a, const D: usize> Leg<'a, D> {
         let u = match self.curve {
             PathCurve::Line(line) => {
                 let [a, b] = line.ends();
-                let along = minus(b, a);
-                dot(&minus(point, a), &along) / dot(&along, &along)
+                let along = sub(b, a);
+                dot(&sub(point, a), &along) / dot(&along, &along)
             }
             PathCurve::Arc(arc) => nearest_on(arc, point),
             _ => return f64::INFINITY,
@@ -89,7 +90,7 @@ impl<'a, const D: usize> Leg<'a, D> {
 
 /// The parameter of the arc's point nearest to `point`, beyond the ends that of the nearer end.
 fn nearest_on<const D: usize>(arc: &Arc<f64, D>, point: &[f64; D]) -> f64 {
-    let arm = minus(point, arc.centre());
+    let arm = sub(point, arc.centre());
     let [a, b] = arc.radii();
     let (x, y) = (dot(&arm, a), dot(&arm, b));
     if x == 0.0 && y == 0.0 {
@@ -98,19 +99,4 @@ fn nearest_on<const D: usize>(arc: &Arc<f64, D>, point: &[f64; D]) -> f64 {
     let u = quarter_turns(x, y);
     let beyond = u - arc.quarters();
     if beyond > 0.0 && 4.0 - u < beyond { 0.0 } else { u }
-}
-
-/// `a - b`.
-pub(crate) fn minus<const D: usize>(a: &[f64; D], b: &[f64; D]) -> [f64; D] {
-    core::array::from_fn(|d| a[d] - b[d])
-}
-
-/// `a · b`.
-pub(crate) fn dot<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
-    f64::sum_of_products(a.iter().copied().zip(b.iter().copied()))
-}
-
-/// `|a - b|`.
-pub(crate) fn distance<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
-    f64::norm(&minus(a, b))
 }

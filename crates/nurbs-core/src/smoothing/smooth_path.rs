@@ -79,7 +79,7 @@ pub fn smooth_corners<const D: usize>(
 mod tests {
     use super::*;
     use crate::smoothing::corner_segment::half_turn;
-    use crate::smoothing::leg::distance;
+    use crate::vector::{add, distance, scaled};
     use crate::{Arc, Differentiate, Evaluate, Line, Reason, Sense, curvature};
     use proptest::prelude::*;
     use real::Real;
@@ -199,7 +199,7 @@ mod tests {
             let mut points = vec![[0.0; 3]];
             for step in steps {
                 let last = points[points.len() - 1];
-                points.push(core::array::from_fn(|d| last[d] + scale * step[d]));
+                points.push(add(&last, &scaled(&step, scale)));
             }
             let moves = polyline(&points);
             let style = if loops { CornerStyle::Loop } else { CornerStyle::Cut };
