@@ -26,9 +26,9 @@ use crate::{KnotVector, MAX_DEGREE};
 
 /// The basis functions `N_{i-p,p}(u) … N_{i,p}(u)` in the span at knot index `span` = i; the rest of the array is 0.
 ///
-/// `u` may lie outside the span: its polynomials are then extrapolated. An index below p or above n is taken as that, which are the
-/// first span and the last. That of an empty span, between equal knots, has no functions of its own: with 0/0 = 0 the recurrence
-/// gives numbers that sum to 1 and belong to no point of the curve.
+/// `u` may lie outside the span: its polynomials are then extrapolated. An index below p counts as p, the first
+/// span, and one above n as n, the last. An empty span, between equal knots, has no functions of its own: with 0/0 = 0 the
+/// recurrence gives numbers that sum to 1 and belong to no point of the curve.
 ///
 /// Accuracy, `u` inside the span: fixed point, each function is within `p(p+1)` units of the last place and the sum
 /// is exactly 1; floating point, each function is within a relative `4p` units.

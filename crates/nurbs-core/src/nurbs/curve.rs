@@ -7,9 +7,7 @@ use crate::nurbs::degree::SCRATCH;
 use crate::vector::weighted_sum;
 use crate::{CurveError, Evaluate, KnotVector, Quantity};
 
-/// A NURBS curve in `D` dimensions whose numbers are borrowed: from flash, or from a
-#[cfg_attr(feature = "alloc", doc = "[`NurbsBuf`](crate::NurbsBuf).")]
-#[cfg_attr(not(feature = "alloc"), doc = "`NurbsBuf` (feature `alloc`).")]
+/// A NURBS curve in `D` dimensions whose numbers are borrowed: from flash, or from a [`NurbsBuf`](crate::NurbsBuf).
 ///
 /// Construction checks everything that evaluation relies on; from then on every operation is total.
 ///

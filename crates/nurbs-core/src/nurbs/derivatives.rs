@@ -29,7 +29,7 @@ use crate::vector::{over, sub, weighted_sum};
 use crate::{Derivatives, Differentiate, NurbsCurve};
 
 impl<R: Real, const D: usize> Differentiate<R, D> for NurbsCurve<'_, R, D> {
-    /// The point is that of [`point`](Evaluate::point); the derivatives are within a few units of the largest of their
+    /// The point is that of [`point`](crate::Evaluate::point); the derivatives are within a few units of the largest of their
     /// span: 1e-15 of it in `f64`, 5e-7 in `f32`, 3e-9 in `I32F32` on the curves of the papers. Beyond the ends the outer
     /// span is extrapolated.
     fn derivatives(&self, u: R) -> Derivatives<R, D> {

@@ -21,20 +21,21 @@ pub struct PieceLimits {
 /// Longest chain of halvings of a span that make its pieces shorter, and their weights more even.
 pub(crate) const MAX_HALVINGS: i32 = 16;
 
-/// The same where only the speed is uneven. Towards a place where it vanishes |C'| falls by a power of two with each halving, down
-/// to [`STILL_MM`]: some pieces a halving are all that this takes.
+/// Longest chain of halvings where only the speed is uneven. Towards a place where |C'| vanishes, each halving of a span divides
+/// |C'| by a power of two, until what is left is shorter than [`STILL_MM`]: this takes a few pieces a halving.
 const MOST_HALVINGS: i32 = 40;
 
 /// Halvings beyond [`MAX_HALVINGS`] in a part of a span, at most: a place where |C'| vanishes takes a hundred.
 const MOST_FINER_HALVINGS: usize = 4096;
 
-/// What is uneven and no longer than this, in mm, stands still: far below what a drive resolves, 2⁻²⁵ of a usual step.
+/// An uneven part of the path that is no longer than this, in mm, counts as standing still. It is far below what a drive resolves,
+/// 2⁻²⁵ of a usual step.
 const STILL_MM: f64 = 1e-9;
 
-/// What is no longer than 2⁷ units in the last place of a curve's coordinates is rounding.
+/// A part of the path no longer than 2⁷ units in the last place of the curve's coordinates counts as rounding.
 const ROUNDING: i32 = 7;
 
-/// Less than 2⁻⁴⁰ of a span is rounding.
+/// A part of a span that is less than 2⁻⁴⁰ of it counts as rounding.
 pub(crate) const SLIVER: i32 = -40;
 
 /// Largest ratio of the greatest to the least |C'| on a piece, and of weights: it keeps the solver's unknown within
@@ -121,13 +122,13 @@ pub(crate) fn cut<H: Backend, const D: usize>(
     Ok(())
 }
 
-/// What of a curve stands still: no step per chord exists where C' vanishes, so no piece has such a place, and the path goes on
-/// from its other end.
+/// Which parts of a curve stand still. Where C' vanishes no step per chord exists, so such a part becomes no piece: the next piece
+/// begins where it ends.
 #[derive(Clone, Copy)]
 struct StillParts {
-    /// What is uneven and no longer than this, in mm.
+    /// An uneven part stands still if it is no longer than this, in mm.
     uneven_mm: f64,
-    /// What is no longer than this, in mm, whatever its speed: it is rounding.
+    /// Any part stands still if it is no longer than this, in mm: it is rounding.
     rounding_mm: f64,
 }
 

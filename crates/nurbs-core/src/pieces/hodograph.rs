@@ -8,15 +8,16 @@ use crate::pieces::speed::Speed;
 use crate::polynomials::polynomial::binomial;
 use crate::vector::{add, dot, lerp, over, scaled, sub};
 
-/// Samples of the speed, and one more.
+/// The speed is sampled at so many places, and one more.
 const SAMPLES: u32 = 8;
-/// How far samples may be from what is proven of all that lies between them.
+/// By which part the proven range of the speed may be wider than that of its samples; else a segment is halved, and its middle
+/// sampled.
 const NEAR: f64 = 1.0 / 64.0;
 /// Samples lie no closer than 2⁻¹⁰ of the segment: only next to a cusp is more needed.
 const DEPTH: u32 = 10;
 
-/// |C'| of homogeneous Bezier points (N, W): its least and greatest at nine places, and wherever else it is out of their range by
-/// more than a 64th. The solver's steps per chord are held within its inverse.
+/// |C'| of homogeneous Bezier points (N, W): its least and greatest at nine places, and wherever else it leaves their range by more
+/// than a 64th. The solver holds its steps per chord within the inverse of that range.
 ///
 /// The greatest is infinite where weights are so far apart, or so small, that a speed is no number of f64.
 pub(crate) fn speed<const D: usize>(points: &[([f64; D], f64)]) -> Speed {

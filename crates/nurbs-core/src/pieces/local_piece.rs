@@ -14,8 +14,9 @@ use crate::{Joint, ORIGIN_EXPONENT, Place, tangent_breaks};
 /// A piece in high precision: power basis in t, coordinates in mm relative to the piece's first point.
 pub(crate) struct LocalPiece<H, const D: usize> {
     pub(crate) place: Place,
-    /// Curve, and span or part of one, that it was cut from, and how often that was halved.
+    /// The curve that it was cut from, and which span of that, or part of a span between stops.
     pub(crate) part_of_span: (usize, usize),
+    /// How often that was halved.
     pub(crate) halvings: i32,
     pub(crate) origin: [i64; D],
     pub(crate) numerator: Vec<[H; D]>,

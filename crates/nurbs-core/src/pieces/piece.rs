@@ -23,9 +23,9 @@ pub enum Joint {
 pub struct Piece<R, const D: usize> {
     /// O in units of 2^[`ORIGIN_EXPONENT`] mm: what the local offset is added to.
     pub origin: [i64; D],
-    /// e: this piece's coefficients are in units of 2^e mm. A short piece has as many significant bits as a long one. A
-    /// float has those in any unit; its tables have those in which nothing needs scaling, e = -λ and s = r = 0, and a step
-    /// relies on it.
+    /// e: this piece's coefficients are in units of 2^e mm, so that a short piece has as many significant bits as a long
+    /// one. A float has them in any unit: its tables have e = -λ and s = r = 0, with which nothing is scaled, and a step
+    /// relies on that.
     pub coordinate_exponent: i8,
     /// s: the solver's step is `η = h·2^s`, of the order of the chord in its own scale. At most 60 in magnitude.
     pub step_exponent: i8,
@@ -33,9 +33,10 @@ pub struct Piece<R, const D: usize> {
     /// not magnified. Chords and steps reach up to 2^r, to use the format's integer bits, but where the piece is
     /// shorter than that, x = 1 is its whole length.
     pub range_exponent: i8,
-    /// |C'| at the end of this piece over |C'| at the start of the next, in the solver's scales: by this a step
-    /// per chord of this piece becomes one of the next. In units of 2⁻¹⁶ from ½ on, `· 2^joint_exponent`: it only starts
-    /// the search for a chord, and where the next piece continues this one it is ½ exactly.
+    /// |C'| at the end of this piece over |C'| at the start of the next, in the solver's scales: a step
+    /// per chord of this piece, multiplied by it, is one of the next. A fraction from ½ to 1 in units of 2⁻¹⁶, times
+    /// `2^joint_exponent`. The search for a chord only starts with it; where the next piece continues this one, the
+    /// fraction is exactly ½.
     pub joint_ratio: u16,
     /// Power of two that belongs to `joint_ratio`.
     pub joint_exponent: i8,

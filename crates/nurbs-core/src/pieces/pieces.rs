@@ -6,8 +6,9 @@
 //!
 //! `C(t) = O + 2^e N(t)/W(t)`, `N(t) = Σ_{k≥1} n_k t^k`, `W(t) = Σ_{k≥0} w_k t^k`
 //!
-//! where O is the piece's first point, e its coordinate exponent (n_k are in units of 2^e mm) and W stays near 1. A non-rational piece has W = 1 and stores no weights. N has no constant term, so a chord from t is formed
-//! without subtracting two nearly equal points:
+//! where O is the piece's first point, e its coordinate exponent (n_k are in units of 2^e mm) and W stays near 1. A
+//! non-rational piece has W = 1 and stores no weights. N has no constant term, so a chord from t is formed without
+//! subtracting two nearly equal points:
 //!
 //! `C(t+h) - C(t) = 2^e h Q(h)/W(t+h)`, `Q(h) = Σ_{k≥1} (c_k - P ω_k) h^{k-1}`
 //!
@@ -49,7 +50,7 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
         !self.weights.is_empty()
     }
 
-    /// Some pieces of the path, as a path of their own; without those that do not exist.
+    /// Some pieces of the path, as a path of their own; none of them, if one does not exist.
     #[must_use]
     pub fn part(&self, pieces: Range<usize>) -> Self {
         let rows = |width: usize| pieces.start.saturating_mul(width)..pieces.end.saturating_mul(width);
@@ -62,7 +63,7 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
         }
     }
 
-    /// p, a constant where it is N: loops have a known length then. Where N is [`MAX_DEGREE`] p is any.
+    /// p. Where N is p the compiler knows how long loops are; where N is [`MAX_DEGREE`] p may be any degree.
     #[inline]
     fn count<const N: usize>(&self) -> usize {
         if N == MAX_DEGREE { self.degree.min(N) } else { N }
@@ -110,7 +111,7 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
         self.pieces.get(piece).map_or(*offset, |row| self.in_units_of_path(row, offset))
     }
 
-    /// The same where the piece's row is known.
+    /// The same for a caller that has the piece's row.
     #[inline]
     #[must_use]
     pub fn in_units_of_path(&self, row: &Piece<R, D>, offset: &[R; D]) -> [R; D] {
@@ -146,13 +147,13 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
         at
     }
 
-    /// Those about the piece's begin, in place: there a polynomial is what it is, and no product is needed.
+    /// Writes the piece's polynomials about its begin into `at`. They are the coefficients of the table: no product is needed.
     #[inline(never)] // Once in a program, for whatever crosses joints.
     pub fn shift_to_begin(&self, piece: usize, at: &mut Shifted<R, D>) {
         self.shift_anew::<MAX_DEGREE, false>(piece, None, at);
     }
 
-    /// Those about `t`, in place: what is known of another point or piece of the same path is overwritten.
+    /// Writes the piece's polynomials about `t` into `at`, over those of another point or piece of the same path.
     ///
     /// N is the pieces' degree, which is fastest, or [`MAX_DEGREE`], which serves all. PLAIN says that the path has no
     /// weights, which spares the question.
@@ -160,8 +161,8 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
         self.shift_anew::<N, PLAIN>(piece, Some(t), at);
     }
 
-    /// The same where `at` holds those about another point of this piece, and the piece's row is known.
-    #[inline(always)] // Called, it would leave its rows in memory, in other parts than they are read in.
+    /// The same where `at` holds the polynomials about another point of this piece, and the caller has its row.
+    #[inline(always)] // Called, it would write its rows to memory in parts other than those in which they are read.
     pub fn shift_along<const N: usize, const PLAIN: bool>(
         &self,
         (piece, row): (usize, &Piece<R, D>),
@@ -171,7 +172,7 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
         self.shift_by::<N, PLAIN>((piece, row), Some(t), true, at);
     }
 
-    /// To t, or with no t to the begin, whatever `at` holds.
+    /// Writes the polynomials about `t`, or without a `t` about the begin, into `at`, whatever that holds.
     #[inline(always)]
     fn shift_anew<const N: usize, const PLAIN: bool>(
         &self,
@@ -185,7 +186,8 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
         }
     }
 
-    /// The same, or with no t to the begin; `is_along` says that `at` is of this piece. Which they are, the compiler knows.
+    /// The same for a caller that has the piece's row; `is_along` says that `at` holds polynomials of this piece. Whether there is
+    /// a `t`, and `is_along`, are constants to the compiler.
     #[inline(always)]
     fn shift_by<const N: usize, const PLAIN: bool>(
         &self,

@@ -42,15 +42,15 @@ impl<R: Real, const D: usize> PiecesBuf<R, D> {
         &self.places
     }
 
-    /// The parts of the path that are on no piece, in order: each stands still, at a cusp, where control points coincide or on a
-    /// curve that is a point, and moves by no more than 1e-9 mm, or than rounding. The piece behind begins where it ends.
+    /// The parts of the path that are on no piece, in order, because the path stands still there: at a cusp, where control points
+    /// coincide, or on a curve that is a point. None is longer than 1e-9 mm, or than rounding. The next piece begins where it ends.
     #[must_use]
     pub fn still_places(&self) -> &[Place] {
         &self.still
     }
 
-    /// The number of the piece that begins at the parameter `u` of curve number `curve`, or that follows the one that
-    /// ends there, or the place that stands still there; `None` where no joint is. `u` may be off by rounding, 2⁻²⁴ of a piece.
+    /// The number of the piece that begins at the parameter `u` of curve number `curve`, or that follows the piece that ends there
+    /// or the part that stands still there; `None` where there is no joint. `u` may be off by rounding, 2⁻²⁴ of a piece.
     #[must_use]
     pub fn joint(&self, curve: usize, u: f64) -> Option<usize> {
         let rounding = |place: &Place| (place.end.0 - place.begin.0).scale(SLIVER + MAX_HALVINGS);
@@ -63,13 +63,13 @@ impl<R: Real, const D: usize> PiecesBuf<R, D> {
         after.or_else(|| around.clone().find(begins)).or_else(|| self.is_still(curve, u).then_some(next))
     }
 
-    /// Whether the path stands still there.
+    /// Whether the path stands still at the parameter `u` of this curve.
     fn is_still(&self, curve: usize, u: f64) -> bool {
         let next = self.still.partition_point(|place| (place.curve, place.end.0) < (curve, u));
         self.still.get(next).is_some_and(|place| place.curve == curve && place.begin.0 <= u)
     }
 
-    /// The longest chord of a period that the bounds are proven for, in mm: [`PieceLimits::step_mm`].
+    /// The longest chord of a period that the bounds are proven for, in mm: [`PieceLimits::step_mm`](crate::PieceLimits::step_mm).
     #[must_use]
     pub fn step_mm(&self) -> f64 {
         self.step_mm
@@ -83,8 +83,9 @@ impl<R: Real, const D: usize> PiecesBuf<R, D> {
 }
 
 impl<R: Backend, const D: usize> PiecesBuf<R, D> {
-    /// What a resolution of a piece's coordinates is one of, in mm: the piece's unit, in which they are of order one; in a
-    /// float, whose unit says nothing of its digits, `Σ |n_k|` of them. 0 for a piece that does not exist.
+    /// What to multiply the format's resolution by for that of a piece's coordinates, in mm: in fixed point the piece's unit, in
+    /// which they are of order one; in a float, whose digits do not depend on the unit, `Σ |n_k|` of the axis on which that is
+    /// largest. 0 for a piece that does not exist.
     #[must_use]
     pub fn coordinate_size_mm(&self, piece: usize) -> f64 {
         let Some(row) = self.pieces.get(piece) else { return 0.0 };

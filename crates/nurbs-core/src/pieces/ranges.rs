@@ -18,8 +18,8 @@ use crate::pieces::scales::{Scales, exponent_below, power_of_two};
 pub struct SignalBound {
     /// The signal, by the name that an audit gives it.
     pub signal: &'static str,
-    /// In fixed point no value of it is larger in magnitude, but for a few units of the resolution. A float, which has room for it,
-    /// may go beyond with a guess that proves wrong.
+    /// In fixed point no value of the signal exceeds this in magnitude by more than a few units of the resolution. In a float, which
+    /// has room for it, a trial that the solver rejects may.
     pub bound: f64,
 }
 

@@ -18,14 +18,14 @@ pub(crate) struct Bezier<H, const D: usize> {
     pub(crate) rational: bool,
 }
 
-/// `x` in the computing type; where that does not hold it, what is no number, so that nothing made of it passes for geometry.
+/// `x` in the computing type, or NaN where that cannot hold it, so that nothing made of it passes for geometry.
 pub(crate) fn computed<H: Backend>(x: f64) -> H {
     const { assert!(H::IS_FLOATING, "curves are cut in a float: in fixed point their numbers do not fit") };
     H::from_f64(x).unwrap_or_else(|| H::zero() / H::zero())
 }
 
 impl<H: Backend, const D: usize> Bezier<H, D> {
-    /// The part [begin, end] of a span, by blossoming. Numbers that `H` does not hold make it one of no numbers.
+    /// The part [begin, end] of a span, by blossoming. If `H` cannot hold a number of the span, what is made of it is NaN.
     pub(crate) fn of_span(curve: &NurbsCurve<'_, f64, D>, span: usize, begin: H, end: H) -> Self {
         let degree = curve.degree();
         let first = span - degree;

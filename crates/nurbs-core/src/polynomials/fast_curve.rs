@@ -2,7 +2,7 @@
 
 use crate::{Derivatives, Differentiate, Evaluate, NurbsCurve, PowerCurve};
 
-/// Polynomials are taken as long as they may lose at most so many times what a coordinate's last place is worth.
+/// The most that polynomials may lose, in units of a coordinate's last place; where they may lose more, basis functions are used.
 const MOST_LOSS: f64 = 32768.0;
 
 /// What a planner runs on in f64: one polynomial a span, a third to a tenth of the work of basis functions; but basis

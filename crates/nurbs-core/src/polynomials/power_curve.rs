@@ -224,7 +224,7 @@ impl<const D: usize> PowerCurve<D> {
         self.degree
     }
 
-    /// Evaluation at parameters of which one is often in the same span as the one before it, or in the next.
+    /// For one parameter after another: fastest where each lies in the same span as the one before it, or in the next.
     #[must_use]
     pub fn cursor(&self) -> PowerCursor<'_, D> {
         PowerCursor { curve: self, span: self.span(0).unwrap_or(PowerSpan::NOWHERE) }

@@ -16,8 +16,8 @@ pub(crate) struct SpanTable {
     intervals: Vec<Interval>,
 }
 
-/// What an interval of u knows of the spans: together, so that they are read at once, and which span is asked for is known before
-/// any is read.
+/// What an interval of u knows of the spans. Both numbers lie side by side and are read at once: they say which span is asked for
+/// before any number of a span is read.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Interval {
     /// The last span that begins in an earlier interval.
@@ -44,8 +44,8 @@ impl SpanTable {
         table
     }
 
-    /// The interval of `u`; it never falls as u rises. It is the nearest integer to where u is between the ends: in the sum with
-    /// 2⁵², it is what the last digits say.
+    /// The interval of `u`; it never falls as u rises. It is the integer nearest to the place of u between the ends: the
+    /// last digits of the sum with 2⁵² are that integer.
     #[inline(always)]
     #[allow(clippy::cast_possible_truncation, reason = "an interval has 31 bits at most")]
     fn interval(&self, u: f64) -> usize {
@@ -56,7 +56,7 @@ impl SpanTable {
         (x + 4_503_599_627_370_496.0).to_bits() as u32 as usize
     }
 
-    /// The first and the last span in question for `u`, and where the second one begins; no number, if there is only one.
+    /// The first and the last span in question for `u`, and where the one behind the first begins: NaN if that is the curve's last.
     #[inline(always)]
     pub(crate) fn around(&self, u: f64) -> ([usize; 2], f64) {
         let rest = self.intervals.get(self.interval(u)..).and_then(|rest| rest.first_chunk::<2>());

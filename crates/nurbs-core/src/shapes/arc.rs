@@ -40,7 +40,7 @@ pub enum Sense {
 impl<R: Real, const D: usize> Arc<R, D> {
     /// The arc about `centre` from the radius a over `quarters` quarter turns toward the radius b.
     ///
-    /// That a and b are perpendicular and equally long is the caller's business: else it is an arc of an ellipse.
+    /// The caller takes care that a and b are perpendicular and equally long: else it is an arc of an ellipse.
     ///
     /// # Errors
     /// [`ShapeError::NotFinite`]; [`ShapeError::NoArc`] unless `0 < quarters ≤ 4`; [`ShapeError::ExtentTooWide`] unless the
@@ -164,9 +164,10 @@ impl<const D: usize> Arc<f64, D> {
     ///
     /// A centre as files hold it, rounded, is not equally far from both ends. It is moved onto the line of points that are,
     /// along the chord, so that the arc meets both ends. For radii that differ by Δr it moves by `|Δr| r / |chord|`: without
-    /// bound where a turn closes. More than half a turn for which that is beyond `tolerance_mm` goes about the given centre
-    /// from `start`, and ends within |Δr| of `end`; where that lies exactly behind `start` it is a full turn. So no point is
-    /// farther than the tolerance from a circle about the given centre through one of the ends, or between them.
+    /// bound where a turn closes. So an arc of more than half a turn whose centre would move by more than `tolerance_mm`
+    /// keeps the given one: it begins in `start` and ends within |Δr| of `end`, and is a full turn if both lie in the same direction
+    /// from the centre. No point is farther than the tolerance from a circle about the given centre through one of the ends, or
+    /// between them.
     ///
     /// # Errors
     /// [`ShapeError::RadiiDiffer`] when the radii differ by more than `tolerance_mm`; [`ShapeError::NoArc`] without a

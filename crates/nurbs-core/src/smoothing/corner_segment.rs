@@ -9,13 +9,13 @@ use crate::smoothing::leg::{LEAST_LENGTH_MM, Leg};
 use crate::vector::{add, distance, scaled};
 use crate::{CornerStyle, Evaluate, PathCurve, Reason, TrigSegment, TrigSplineBuf, Turn, golden_section};
 
-/// A gap between two moves that is none, in mm.
+/// Two moves meet if their ends are no farther apart than this, in mm.
 const JOINED_MM: f64 = 1e-6;
 
-/// A turn that is none, in rad: a planner that sees it would slow down for less than a millionth.
+/// A corner turns by more than this, in rad: at less, a planner that sees it would slow down by less than a millionth.
 const TANGENT_RAD: f64 = 1e-6;
 
-/// cos(85°): half of a turn that is a reversal.
+/// A turn is a reversal if the cosine of its half is less than this, cos(85°).
 const REVERSAL_COSINE: f64 = 0.087_155_742_747_658_17;
 
 /// How often a cut between arcs is halved before the corner is left.
@@ -24,10 +24,10 @@ const MAX_HALVINGS: usize = 24;
 /// Samples of a segment when its error is measured.
 const SAMPLES: u32 = 96;
 
-/// A sample that is a local maximum and this part of the largest may have the largest error beside it.
+/// The largest error may be beside any sample that is a local maximum and no less than this part of the largest sample.
 const LOCAL: f64 = 0.98;
 
-/// The part of its error that the measure of a cut may miss: on the way from an arc to the cut, a quarter of this was found.
+/// The part of a cut's error that measuring it may miss: of the distance of an arc from the cut, a quarter of this was missed.
 const MISSED: f64 = 1e-3;
 
 /// The part of the tolerance that is aimed at: the rest is for rounding and for what sampling misses.
