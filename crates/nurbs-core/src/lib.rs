@@ -1,7 +1,29 @@
 //! `nurbs-core`: where is the curve, how fast does it pass, how sharply does it bend, and how long is it?
 //!
-//! Answered for NURBS curves in any number format: floats, fixed point, or a wrapper that watches either. No heap, no
-//! `unwrap` or `panic!`, no loop without a bound.
+//! Answered for NURBS curves in any number format: floats, fixed point, or a wrapper that watches either. No heap in real
+//! time, no `unwrap` or `panic!`, no loop without a bound.
+//!
+//! | folder | answers | public names |
+//! |---|---|---|
+//! | | what does everything else ask of a curve? | [`Evaluate`], [`Differentiate`], [`Derivatives`] |
+//! | `nurbs/` | which knots are valid, and in which span is u? (A2.1) | [`KnotVector`] |
+//! | | what are the basis functions, whose sum in fixed point is exactly 1? (after A2.2) | [`basis_functions`] |
+//! | | where is the curve? (points A3.1, A4.1; derivatives after A3.3, A4.2) | [`NurbsCurve`] |
+//! | | who owns its numbers, in which format, with which knots inserted? (A5.1) | [`NurbsBuf`] |
+//! | `measure/` | how sharply does a curve bend? Curvature and radius, without cubes | [`curvature()`], [`curvature_vector`], [`radius`], all at once [`Frenet`] |
+//! | | does its tangent break at a joint? | [`tangent_breaks`] |
+//! | | how long is it, and where has it gone so far? The rule behind both | [`arc_length()`], [`parameter_at`], [`GaussLegendre`] |
+//! | `polynomials/` | how is a curve evaluated fastest in f64? One polynomial a span | [`PowerCurve`], where that is accurate [`FastCurve`] |
+//! | `pieces/` | what does real time evaluate? | [`Pieces`], made of [`Piece`]s |
+//! | | how is a path cut into them, with proven ranges? | [`compile()`], [`PiecesBuf`] |
+//! | `shapes/` | straight moves and circular arcs | [`Line`], [`Arc`] |
+//! | | cubic trigonometric splines: the basis, a segment, a curve, polynomials with a proven error | [`trig_basis()`], [`TrigSegment`], [`TrigSpline`], [`TrigSplineBuf::to_polynomials`] |
+//! | | a curve of any kind; conversion to NURBS | [`PathCurve`] |
+//! | `smoothing/` | which corners of moves can be cut or looped within a tolerance? | [`smooth_corners`] |
+//! | | where is a function least on an interval? | [`golden_section()`] |
+//!
+//! A folder uses only those above it in the table. The numbers refer to algorithms in Piegl and Tiller, *The NURBS Book*,
+//! 2nd ed. (1997).
 //!
 //! ```
 //! use nurbs_core::{Differentiate, Evaluate, NurbsCurve, arc_length, radius};
@@ -21,148 +43,155 @@
 //! # Ok::<(), nurbs_core::CurveError>(())
 //! ```
 //!
-//! | algorithm | where |
-//! |---|---|
-//! | knot vectors, the span of a parameter (A2.1) | [`KnotVector`] |
-//! | basis functions that sum to exactly 1 in fixed point (after A2.2) | [`basis_functions`] |
-//! | points (A3.1, A4.1) | [`NurbsCurve`], [`Evaluate`] |
-//! | first and second derivatives (after A3.3, A4.2) | [`Differentiate`] |
-//! | curvature and radius, without cubes | [`curvature()`], [`curvature_vector`], [`radius`], all at once [`Frenet`] |
-//! | arc length and its inverse, and the rule behind them | [`arc_length()`], [`parameter_at`], [`GaussLegendre`] |
-//! | compiled pieces: what real time evaluates | [`Pieces`] |
-//! | straight moves, circular arcs | [`Line`], [`Arc`] |
-//! | cubic trigonometric splines: the basis, a segment, a curve | [`trig_basis()`], [`TrigSegment`], [`TrigSpline`] |
-#![cfg_attr(feature = "alloc", doc = "| cutting a path into pieces, with proven ranges | [`compile()`] |")]
-#![cfg_attr(
-    feature = "alloc",
-    doc = "| one polynomial a span, in f64: the fastest points and derivatives | [`PowerCurve`], where accurate [`FastCurve`] |"
-)]
-#![cfg_attr(
-    feature = "alloc",
-    doc = "| curves that own their numbers; conversion to another format | [`NurbsBuf`] |"
-)]
-#![cfg_attr(feature = "alloc", doc = "| a curve of any kind; conversion to NURBS | [`PathCurve`] |")]
-#![cfg_attr(
-    feature = "alloc",
-    doc = "| trigonometric splines as polynomials, with a proven error | [`TrigSplineBuf::to_polynomials`] |"
-)]
-#![cfg_attr(
-    feature = "alloc",
-    doc = "| corners of straight moves and arcs: cut or looped, within a tolerance | [`smooth_corners`] |"
-)]
-#![cfg_attr(feature = "alloc", doc = "| knot insertion (A5.1) | [`NurbsBuf::insert_knot`] |")]
-//! | whether the tangent breaks at a joint | [`tangent_breaks`] |
-//! | the least value on an interval | [`golden_section()`] |
-#![cfg_attr(
-    any(test, feature = "generate"),
-    doc = "| curves for tests: random ones, those of the papers | [`generate`], [`golden`] |"
-)]
-//!
-//! The numbers refer to algorithms in Piegl and Tiller, *The NURBS Book*, 2nd ed. (1997).
-//!
 //! | feature | for |
 //! |---|---|
 //! | `std` (default) | square roots of floats through std; implies `alloc` |
 //! | `libm` | square roots of floats without std |
-//! | `alloc` | what owns its numbers: curves, compiling, smoothing; without it no allocator is linked |
-//! | `generate` | proptest strategies |
+//! | `alloc` | what owns its numbers: [`NurbsBuf`], `polynomials/`, [`compile()`], [`PathCurve`], `smoothing/`; without it no allocator is linked |
+//! | `generate` | curves for tests: proptest strategies in `generate`, the curves of the papers in `golden` |
 
 #![cfg_attr(not(any(test, feature = "std")), no_std)]
+#![allow(clippy::module_inception, reason = "a folder's main file has the folder's name")]
 
 #[cfg(feature = "alloc")]
 extern crate alloc;
 
-mod arc;
-mod arc_length;
-mod basis;
-#[cfg(feature = "alloc")]
-mod bezier;
-#[cfg(feature = "alloc")]
-mod compile;
-#[cfg(feature = "alloc")]
-mod corner;
-#[cfg(feature = "alloc")]
-mod corner_segment;
-mod curvature;
-mod curve;
-mod derivatives;
-mod error;
 mod evaluate;
-#[cfg(feature = "alloc")]
-mod fast_curve;
 #[cfg(any(test, feature = "generate"))]
 pub mod generate;
 #[cfg(any(test, feature = "generate"))]
 pub mod golden;
 mod golden_section;
-#[cfg(feature = "alloc")]
-mod hodograph;
-#[cfg(feature = "alloc")]
-mod knot_insertion;
-mod knots;
-#[cfg(feature = "alloc")]
-mod leg;
-mod line;
-#[cfg(feature = "alloc")]
-mod local_piece;
 #[cfg(test)]
 mod oracle;
-#[cfg(feature = "alloc")]
-mod owned;
-#[cfg(feature = "alloc")]
-mod path_curve;
-mod pieces;
-#[cfg(feature = "alloc")]
-mod polynomial;
-#[cfg(feature = "alloc")]
-mod power_curve;
-mod quadrature;
-#[cfg(feature = "alloc")]
-mod ranges;
-mod shape_error;
-#[cfg(feature = "alloc")]
-mod smooth_path;
-mod tangent_break;
-mod trig_basis;
-#[cfg(feature = "alloc")]
-mod trig_polynomial;
-mod trig_spline;
+mod vector;
 
-pub use arc::{Arc, Sense};
-pub use arc_length::{ArcLength, ParameterSearch, arc_length, parameter_at};
-pub use basis::basis_functions;
+mod nurbs {
+    pub(crate) mod basis;
+    pub(crate) mod curve;
+    pub(crate) mod degree;
+    mod derivatives;
+    pub(crate) mod error;
+    #[cfg(feature = "alloc")]
+    mod knot_insertion;
+    pub(crate) mod knots;
+    #[cfg(feature = "alloc")]
+    pub(crate) mod owned;
+}
+
+mod measure {
+    pub(crate) mod arc_length;
+    pub(crate) mod curvature;
+    pub(crate) mod quadrature;
+    pub(crate) mod tangent_break;
+}
+
 #[cfg(feature = "alloc")]
-pub use compile::{CompileError, PieceLimits, PiecesBuf, Place, compile, compile_with_stops};
+mod polynomials {
+    pub(crate) mod bezier;
+    pub(crate) mod fast_curve;
+    pub(crate) mod polynomial;
+    pub(crate) mod power_curve;
+    mod span_table;
+}
+
+mod pieces {
+    #[cfg(feature = "alloc")]
+    pub(crate) mod compile;
+    #[cfg(feature = "alloc")]
+    pub(crate) mod compile_error;
+    #[cfg(feature = "alloc")]
+    pub(crate) mod cut;
+    #[cfg(feature = "alloc")]
+    mod hodograph;
+    #[cfg(feature = "alloc")]
+    mod local_piece;
+    pub(crate) mod piece;
+    pub(crate) mod pieces;
+    #[cfg(feature = "alloc")]
+    pub(crate) mod pieces_buf;
+    #[cfg(feature = "alloc")]
+    pub(crate) mod place;
+    #[cfg(feature = "alloc")]
+    pub(crate) mod ranges;
+    #[cfg(feature = "alloc")]
+    mod scales;
+    pub(crate) mod shift;
+    #[cfg(feature = "alloc")]
+    mod speed;
+}
+
+mod shapes {
+    #[cfg(feature = "alloc")]
+    pub(crate) mod angle;
+    pub(crate) mod arc;
+    pub(crate) mod line;
+    #[cfg(feature = "alloc")]
+    pub(crate) mod path_curve;
+    #[cfg(feature = "alloc")]
+    mod rounded;
+    pub(crate) mod shape_error;
+    pub(crate) mod trig_basis;
+    #[cfg(feature = "alloc")]
+    pub(crate) mod trig_polynomial;
+    pub(crate) mod trig_segment;
+    pub(crate) mod trig_spline;
+}
+
 #[cfg(feature = "alloc")]
-pub use corner::{Corner, CornerOutcome, CornerStyle, Reason, Turn};
-pub use curvature::{Frenet, curvature, curvature_vector, radius};
-pub use curve::NurbsCurve;
-pub use error::{CurveError, End, Quantity};
+mod smoothing {
+    pub(crate) mod corner;
+    mod corner_segment;
+    mod leg;
+    pub(crate) mod smooth_path;
+}
+
 pub use evaluate::{Derivatives, Differentiate, Evaluate};
-#[cfg(feature = "alloc")]
-pub use fast_curve::FastCurve;
 pub use golden_section::{Least, golden_section};
-pub use knots::{KnotVector, MAX_DEGREE};
-pub use line::{Line, distance_to_segment, nearest_on_segment};
+pub use measure::{
+    arc_length::{ArcLength, ParameterSearch, arc_length, parameter_at},
+    curvature::{Frenet, curvature, curvature_vector, radius},
+    quadrature::GaussLegendre,
+    tangent_break::tangent_breaks,
+};
+pub use nurbs::{
+    basis::basis_functions,
+    curve::NurbsCurve,
+    degree::MAX_DEGREE,
+    error::{CurveError, End, Quantity},
+    knots::KnotVector,
+};
+pub use pieces::{
+    piece::{Joint, ORIGIN_EXPONENT, Piece},
+    pieces::Pieces,
+    shift::{Shifted, shift},
+};
+pub use shapes::{
+    arc::{Arc, Sense},
+    line::{Line, distance_to_segment, nearest_on_segment},
+    shape_error::ShapeError,
+    trig_basis::{ShapeFactors, trig_basis, trig_basis_derivatives},
+    trig_segment::TrigSegment,
+    trig_spline::{Ends, TrigSpline},
+};
 #[cfg(feature = "alloc")]
-pub use owned::NurbsBuf;
-#[cfg(feature = "alloc")]
-pub use path_curve::PathCurve;
-pub use pieces::{Joint, ORIGIN_EXPONENT, Piece, Pieces, Shifted, shift};
-#[cfg(feature = "alloc")]
-pub use power_curve::{PowerCursor, PowerCurve};
-pub use quadrature::GaussLegendre;
-#[cfg(feature = "alloc")]
-pub use ranges::SignalBound;
-pub use shape_error::ShapeError;
-#[cfg(feature = "alloc")]
-pub use smooth_path::{SmoothPath, smooth_corners};
-pub use tangent_break::tangent_breaks;
-pub use trig_basis::{ShapeFactors, trig_basis, trig_basis_derivatives};
-#[cfg(feature = "alloc")]
-pub use trig_polynomial::TrigPolynomials;
-#[cfg(feature = "alloc")]
-pub use trig_spline::TrigSplineBuf;
-pub use trig_spline::{Ends, TrigSegment, TrigSpline};
-
-use basis::BasisRows;
+pub use {
+    nurbs::owned::NurbsBuf,
+    pieces::{
+        compile::{compile, compile_with_stops},
+        compile_error::CompileError,
+        cut::PieceLimits,
+        pieces_buf::PiecesBuf,
+        place::Place,
+        ranges::SignalBound,
+    },
+    polynomials::{
+        fast_curve::FastCurve,
+        power_curve::{PowerCursor, PowerCurve},
+    },
+    shapes::{path_curve::PathCurve, trig_polynomial::TrigPolynomials, trig_spline::TrigSplineBuf},
+    smoothing::{
+        corner::{Corner, CornerOutcome, CornerStyle, Reason, Turn},
+        smooth_path::{SmoothPath, smooth_corners},
+    },
+};

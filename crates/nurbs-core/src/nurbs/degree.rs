@@ -1,0 +1,10 @@
+//! How high the degree of a curve may be, and the scratch memory that follows from it.
+
+/// The highest degree of a curve.
+///
+/// It sizes the scratch arrays of every evaluation: 10 numbers. Controls accept degree 3 and sometimes 5,
+/// modelling systems write up to 9.
+pub const MAX_DEGREE: usize = 9;
+
+/// Scratch for one number per basis function that is not zero.
+pub(crate) const SCRATCH: usize = MAX_DEGREE + 1;

@@ -1,0 +1,267 @@
+//! Compiled pieces: a path as a table of short polynomials, the form that real time evaluates.
+//!
+//! A raw curve drowns a 32-bit format: the parameter increment is about 1e-4, second derivatives are about 3e4 and
+//! their squares overflow. So the path is cut, before real time, into pieces short enough that every number a
+//! step works with is of order one. On a piece, with the local parameter t in [0, 1),
+//!
+//! `C(t) = O + 2^e N(t)/W(t)`, `N(t) = Σ_{k≥1} n_k t^k`, `W(t) = Σ_{k≥0} w_k t^k`
+//!
+//! where O is the piece's first point, e its coordinate exponent (n_k are in units of 2^e mm) and W stays near 1. A
+//! non-rational piece has W = 1 and stores no weights. N has no constant term, so a chord from t is formed without
+//! subtracting two nearly equal points:
+//!
+//! `C(t+h) - C(t) = 2^e h Q(h)/W(t+h)`, `Q(h) = Σ_{k≥1} (c_k - P ω_k) h^{k-1}`
+//!
+//! with `c_k = N^{(k)}(t)/k!` and `ω_k = W^{(k)}(t)/k!`, the coefficients shifted to t, and `P = N(t)/W(t)`.
+//!
+//! The table is plain data in borrowed slices: on a controller it lies in flash.
+
+use core::ops::Range;
+
+use real::Real;
+
+use crate::pieces::shift::{divide_by_weight, horner};
+use crate::{MAX_DEGREE, ORIGIN_EXPONENT, Piece, Shifted, shift};
+
+/// A path of compiled pieces in the format `R`.
+#[derive(Clone, Copy, Debug)]
+pub struct Pieces<'a, R, const D: usize> {
+    /// The rows.
+    pub pieces: &'a [Piece<R, D>],
+    /// n_1 to n_p of each piece, one after the other, in units of the piece's `2^coordinate_exponent` mm.
+    pub numerators: &'a [[R; D]],
+    /// w_0 to w_p of each piece, one after the other; empty for a path without rational pieces.
+    pub weights: &'a [R],
+    /// p, the same for all pieces: lower degrees are padded with zeros.
+    pub degree: usize,
+    /// The points given out are in units of 2^this mm: the greatest exponent of all pieces.
+    pub coordinate_exponent: i32,
+    /// λ: chords are in units of 2^-λ mm.
+    pub chord_exponent: i32,
+}
+
+/// n_1 to n_p of one piece; w_0, and w_1 to w_p, if it is rational.
+type Coefficients<'a, R, const D: usize> = (&'a [[R; D]], Option<(R, &'a [R])>);
+
+impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
+    /// Whether points take a division by a weight.
+    #[must_use]
+    pub fn is_rational(&self) -> bool {
+        !self.weights.is_empty()
+    }
+
+    /// Some pieces of the path, as a path of their own; none of them, if one does not exist.
+    #[must_use]
+    pub fn part(&self, pieces: Range<usize>) -> Self {
+        let rows = |width: usize| pieces.start.saturating_mul(width)..pieces.end.saturating_mul(width);
+        let coefficients = if self.is_rational() { self.degree.saturating_add(1) } else { 0 };
+        Self {
+            pieces: self.pieces.get(pieces.clone()).unwrap_or_default(),
+            numerators: self.numerators.get(rows(self.degree)).unwrap_or_default(),
+            weights: self.weights.get(rows(coefficients)).unwrap_or_default(),
+            ..*self
+        }
+    }
+
+    /// p. Where N is p the compiler knows how long loops are; where N is [`MAX_DEGREE`] p may be any degree.
+    #[inline]
+    fn count<const N: usize>(&self) -> usize {
+        if N == MAX_DEGREE { self.degree.min(N) } else { N }
+    }
+
+    /// n_1 to n_p.
+    #[inline]
+    fn numerator<const N: usize>(&self, piece: usize) -> Option<&'a [[R; D]]> {
+        if N < MAX_DEGREE {
+            return Some(self.numerators.as_chunks::<N>().0.get(piece)?);
+        }
+        let count = self.count::<N>();
+        let begin = piece.wrapping_mul(count);
+        self.numerators.get(begin..begin.checked_add(count)?)
+    }
+
+    /// w_0, and w_1 to w_p.
+    #[inline]
+    fn weight<const N: usize>(&self, piece: usize) -> Option<(R, &'a [R])> {
+        let count = self.count::<N>();
+        let begin = piece.wrapping_mul(count + 1);
+        let (constant, rest) = self.weights.get(begin..begin.checked_add(count + 1)?)?.split_first()?;
+        Some((*constant, rest))
+    }
+
+    /// The point at the local parameter `t` of `piece`, as an offset from the piece's origin, in units of
+    /// `2^coordinate_exponent` mm: a Horner chain a coordinate, and one reciprocal if rational. A piece that does
+    /// not exist has the offset 0.
+    #[must_use]
+    pub fn offset(&self, piece: usize, t: R) -> [R; D] {
+        let rows = self.numerator::<MAX_DEGREE>(piece).unwrap_or_default().iter();
+        let point = horner(rows.map(|n| n.map(|x| x.signal("coefficient"))), t).map(|x| x * t);
+        let Some((constant, weights)) = self.weight::<MAX_DEGREE>(piece) else {
+            return self.in_common_units(piece, &point);
+        };
+        let [weight] = horner(weights.iter().map(|w| [*w]), t);
+        let reciprocal = R::one() / weight.mul_add(t, constant).signal("weight");
+        self.in_common_units(piece, &point.map(|x| x * reciprocal))
+    }
+
+    /// An offset in the units of `piece` → in those of the path, `2^coordinate_exponent` mm.
+    #[inline]
+    #[must_use]
+    pub fn in_common_units(&self, piece: usize, offset: &[R; D]) -> [R; D] {
+        self.pieces.get(piece).map_or(*offset, |row| self.in_units_of_path(row, offset))
+    }
+
+    /// The same for a caller that has the piece's row.
+    #[inline]
+    #[must_use]
+    pub fn in_units_of_path(&self, row: &Piece<R, D>, offset: &[R; D]) -> [R; D] {
+        let units = i32::from(row.coordinate_exponent).wrapping_sub(self.coordinate_exponent);
+        // Not by `map`, which reads two numbers of 32 bits as one word, right after they were written one by one.
+        core::array::from_fn(|d| offset[d].rescaled(units).signal("offset"))
+    }
+
+    /// A point in units of 2^[`ORIGIN_EXPONENT`] mm: the piece's origin, and an offset from it in units of the path's
+    /// `2^coordinate_exponent` mm, cut towards the origin to whole units. Integers of 64 bits, so that nothing is lost where the
+    /// format itself does not hold the path's extent.
+    ///
+    /// At the end of the path, where the piece's number is that of pieces, it is an offset from the last one; without pieces
+    /// the point is 0. Domain: offsets of setpoints, which are above the format's least number; those beyond 2²⁴ mm count as
+    /// that, and sums beyond it wrap.
+    #[must_use]
+    pub fn position(&self, piece: usize, offset: &[R; D]) -> [i64; D] {
+        let Some(row) = self.pieces.get(piece).or(self.pieces.last()) else { return [0; D] };
+        let exponent = self.coordinate_exponent.wrapping_sub(ORIGIN_EXPONENT + 64);
+        // In two parts where it is out of to_phase's domain.
+        let beyond = (-64_i32).wrapping_sub(exponent).max(0).unsigned_abs();
+        let phase = |x: R| x.to_phase(exponent.clamp(-64, 64)).checked_shr(beyond).unwrap_or(0);
+        let units = |x: R| i64::try_from(phase(x)).unwrap_or(i64::MAX);
+        let signed = |x: R| if x < R::zero() { -units(-x) } else { units(x) };
+        core::array::from_fn(|d| row.origin[d].wrapping_add(signed(offset[d])))
+    }
+
+    /// The piece's polynomials about `t`: all that a step from there needs.
+    #[must_use]
+    pub fn shifted(&self, piece: usize, t: R) -> Shifted<R, D> {
+        let mut at = Shifted::default();
+        self.shift_to::<MAX_DEGREE, false>(piece, t, &mut at);
+        at
+    }
+
+    /// Writes the piece's polynomials about its begin into `at`. They are the coefficients of the table: no product is needed.
+    #[inline(never)] // Once in a program, for whatever crosses joints.
+    pub fn shift_to_begin(&self, piece: usize, at: &mut Shifted<R, D>) {
+        self.shift_anew::<MAX_DEGREE, false>(piece, None, at);
+    }
+
+    /// Writes the piece's polynomials about `t` into `at`, over those of another point or piece of the same path.
+    ///
+    /// N is the pieces' degree, which is fastest, or [`MAX_DEGREE`], which serves all. PLAIN says that the path has no
+    /// weights, which spares the question.
+    pub fn shift_to<const N: usize, const PLAIN: bool>(&self, piece: usize, t: R, at: &mut Shifted<R, D>) {
+        self.shift_anew::<N, PLAIN>(piece, Some(t), at);
+    }
+
+    /// The same where `at` holds the polynomials about another point of this piece, and the caller has its row.
+    #[inline(always)] // Called, it would write its rows to memory in parts other than those in which they are read.
+    pub fn shift_along<const N: usize, const PLAIN: bool>(
+        &self,
+        (piece, row): (usize, &Piece<R, D>),
+        t: R,
+        at: &mut Shifted<R, D>,
+    ) {
+        self.shift_by::<N, PLAIN>((piece, row), Some(t), true, at);
+    }
+
+    /// Writes the polynomials about `t`, or without a `t` about the begin, into `at`, whatever that holds.
+    #[inline(always)]
+    fn shift_anew<const N: usize, const PLAIN: bool>(
+        &self,
+        piece: usize,
+        t: Option<R>,
+        at: &mut Shifted<R, D>,
+    ) {
+        match self.pieces.get(piece) {
+            Some(row) => self.shift_by::<N, PLAIN>((piece, row), t, false, at),
+            None => *at = Shifted::default(),
+        }
+    }
+
+    /// The same for a caller that has the piece's row; `is_along` says that `at` holds polynomials of this piece. Whether there is
+    /// a `t`, and `is_along`, are constants to the compiler.
+    #[inline(always)]
+    fn shift_by<const N: usize, const PLAIN: bool>(
+        &self,
+        (piece, row): (usize, &Piece<R, D>),
+        t: Option<R>,
+        is_along: bool,
+        at: &mut Shifted<R, D>,
+    ) {
+        let Some(numerator) = self.numerator::<N>(piece) else {
+            *at = Shifted::default();
+            return;
+        };
+        let weights = if PLAIN { None } else { self.weight::<N>(piece) };
+        if N == MAX_DEGREE {
+            // In place: a controller would pay for rows that its degree does not have.
+            let chord = at.chord.get_mut(..numerator.len()).unwrap_or_default();
+            self.form::<N>(row, (numerator, weights), t, &mut at.offset, chord, &mut at.weight);
+            for (c, power) in chord.iter_mut().zip(self.chord_exponents(row)) {
+                for x in c {
+                    *x = x.rescaled(power).signal("chord_coefficient");
+                }
+            }
+            return;
+        }
+        // Few rows are formed in registers.
+        let mut rows = [[R::zero(); D]; N];
+        self.form::<N>(row, (numerator, weights), t, &mut at.offset, &mut rows, &mut at.weight);
+        // Without weights the top coefficient is the same at all points.
+        let changed =
+            if PLAIN && is_along { rows.split_last().map_or(&rows[..], |(_, rest)| rest) } else { &rows };
+        for ((slots, c), power) in at.chord.iter_mut().zip(changed).zip(self.chord_exponents(row)) {
+            for (slot, x) in slots.iter_mut().zip(c) {
+                *slot = x.rescaled(power).signal("chord_coefficient");
+            }
+        }
+    }
+
+    /// Forms the polynomials about `t`, and the offset there, in the slots for them: those of the chord in coordinate units.
+    #[inline(always)] // Called, it would return its rows through memory: 13 % more instructions a step.
+    fn form<const N: usize>(
+        &self,
+        row: &Piece<R, D>,
+        (numerator, weights): Coefficients<'_, R, D>,
+        t: Option<R>,
+        offset: &mut [R; D],
+        chord: &mut [[R; D]],
+        weight: &mut [R; MAX_DEGREE],
+    ) {
+        for (slot, x) in chord.as_flattened_mut().iter_mut().zip(numerator.as_flattened()) {
+            *slot = x.signal("coefficient");
+        }
+        let value = t.map_or([R::zero(); D], |t| shift(chord, t));
+        for (slot, x) in offset.iter_mut().zip(value) {
+            *slot = x.signal("offset");
+        }
+        if let Some((constant, weights)) = weights {
+            let turns = divide_by_weight::<_, D, N>(constant, weights, t, offset, chord);
+            let per_power = row.per_power();
+            let mut power = 0;
+            for (slot, w) in weight.iter_mut().zip(turns).take(chord.len()) {
+                power += per_power;
+                *slot = w.rescaled(power).signal("chord_weight");
+            }
+        }
+    }
+
+    /// Exponents that take coefficients of powers of h in coordinate units to those of `η x^{k-1}` in chord units, k from 1 on:
+    /// `h^k = x^k 2^(k (r - s))`.
+    #[inline(always)]
+    fn chord_exponents(&self, row: &Piece<R, D>) -> impl Iterator<Item = i32> {
+        let units = i32::from(row.coordinate_exponent) - i32::from(row.range_exponent);
+        let (first, per_power) = (units.wrapping_add(self.chord_exponent), row.per_power());
+        core::iter::successors(Some(first.wrapping_add(per_power)), move |power| {
+            Some(power.wrapping_add(per_power))
+        })
+    }
+}

@@ -1,0 +1,97 @@
+//! Compiled pieces that own their numbers.
+
+use alloc::vec::Vec;
+
+use real::{Backend, Real};
+
+use crate::pieces::cut::{MAX_HALVINGS, SLIVER};
+use crate::{Piece, Pieces, Place, SignalBound};
+
+/// Compiled pieces with their storage, and what a tool needs to read their results.
+#[derive(Clone, Debug)]
+pub struct PiecesBuf<R, const D: usize> {
+    pub(crate) pieces: Vec<Piece<R, D>>,
+    pub(crate) numerators: Vec<[R; D]>,
+    pub(crate) weights: Vec<R>,
+    pub(crate) degree: usize,
+    pub(crate) coordinate_exponent: i32,
+    pub(crate) chord_exponent: i32,
+    pub(crate) places: Vec<Place>,
+    pub(crate) still: Vec<Place>,
+    pub(crate) bounds: Vec<SignalBound>,
+    pub(crate) step_mm: f64,
+}
+
+impl<R: Real, const D: usize> PiecesBuf<R, D> {
+    /// The table that real time reads.
+    #[must_use]
+    pub fn as_pieces(&self) -> Pieces<'_, R, D> {
+        Pieces {
+            pieces: &self.pieces,
+            numerators: &self.numerators,
+            weights: &self.weights,
+            degree: self.degree,
+            coordinate_exponent: self.coordinate_exponent,
+            chord_exponent: self.chord_exponent,
+        }
+    }
+
+    /// Where each piece lies on the path.
+    #[must_use]
+    pub fn places(&self) -> &[Place] {
+        &self.places
+    }
+
+    /// The parts of the path that are on no piece, in order, because the path stands still there: at a cusp, where control points
+    /// coincide, or on a curve that is a point. None is longer than 1e-9 mm, or than rounding. The next piece begins where it ends.
+    #[must_use]
+    pub fn still_places(&self) -> &[Place] {
+        &self.still
+    }
+
+    /// The number of the piece that begins at the parameter `u` of curve number `curve`, or that follows the piece that ends there
+    /// or the part that stands still there; `None` where there is no joint. `u` may be off by rounding, 2⁻²⁴ of a piece.
+    #[must_use]
+    pub fn joint(&self, curve: usize, u: f64) -> Option<usize> {
+        let rounding = |place: &Place| (place.end.0 - place.begin.0).scale(SLIVER + MAX_HALVINGS);
+        let is_near = |place: &Place, end: f64| place.curve == curve && (end - u).abs() <= rounding(place);
+        let next = self.places.partition_point(|place| (place.curve, place.end.0) < (curve, u));
+        let around = next.saturating_sub(1)..self.places.len().min(next + 2);
+        let ends = |piece: &usize| is_near(&self.places[*piece], self.places[*piece].end.0);
+        let begins = |piece: &usize| is_near(&self.places[*piece], self.places[*piece].begin.0);
+        let after = around.clone().find(ends).map(|piece| piece + 1);
+        after.or_else(|| around.clone().find(begins)).or_else(|| self.is_still(curve, u).then_some(next))
+    }
+
+    /// Whether the path stands still at the parameter `u` of this curve.
+    fn is_still(&self, curve: usize, u: f64) -> bool {
+        let next = self.still.partition_point(|place| (place.curve, place.end.0) < (curve, u));
+        self.still.get(next).is_some_and(|place| place.curve == curve && place.begin.0 <= u)
+    }
+
+    /// The longest chord of a period that the bounds are proven for, in mm: [`PieceLimits::step_mm`](crate::PieceLimits::step_mm).
+    #[must_use]
+    pub fn step_mm(&self) -> f64 {
+        self.step_mm
+    }
+
+    /// The proven bounds, a signal each.
+    #[must_use]
+    pub fn bounds(&self) -> &[SignalBound] {
+        &self.bounds
+    }
+}
+
+impl<R: Backend, const D: usize> PiecesBuf<R, D> {
+    /// What to multiply the format's resolution by for that of a piece's coordinates, in mm: in fixed point the piece's unit, in
+    /// which they are of order one; in a float, whose digits do not depend on the unit, `Σ |n_k|` of the axis on which that is
+    /// largest. 0 for a piece that does not exist.
+    #[must_use]
+    pub fn coordinate_size_mm(&self, piece: usize) -> f64 {
+        let Some(row) = self.pieces.get(piece) else { return 0.0 };
+        let numerator = self.numerators.iter().skip(piece * self.degree).take(self.degree);
+        let sum = |d: usize| numerator.clone().map(|n| n[d].to_f64().abs()).sum::<f64>();
+        let units = if R::IS_FLOATING { (0..D).map(sum).fold(0.0, f64::max) } else { 1.0 };
+        units.scale(row.coordinate_exponent.into())
+    }
+}

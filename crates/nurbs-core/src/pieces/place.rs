@@ -1,0 +1,12 @@
+//! Where on its path a piece lies.
+
+/// Where a piece lies on the path it was cut from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// Index of the curve.
+    pub curve: usize,
+    /// The parameter at which the piece begins, as a sum of two floats.
+    pub begin: (f64, f64),
+    /// The parameter at which it ends.
+    pub end: (f64, f64),
+}

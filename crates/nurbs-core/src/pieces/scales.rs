@@ -1,0 +1,35 @@
+//! The powers of two by which the numbers of a piece are scaled to order one.
+
+use real::Real;
+
+/// The powers of two of one piece.
+#[derive(Clone, Copy)]
+pub(crate) struct Scales {
+    /// Coordinates are in units of 2^coordinate mm.
+    pub(crate) coordinate: i32,
+    /// Chords are in units of 2^-chord mm; the same for all pieces.
+    pub(crate) chord: i32,
+    /// The whole piece is a step of 2^step.
+    pub(crate) step: i32,
+    /// The polynomials go by the step over 2^range; at most `step`, so that it is no more than the piece.
+    pub(crate) range: i32,
+}
+
+pub(crate) fn power_of_two(exponent: i32) -> f64 {
+    1.0_f64.scale(exponent)
+}
+
+/// The largest e with `2^e ≤ x`, for positive x.
+pub(crate) fn exponent_below(x: f64) -> i32 {
+    let biased = (x.to_bits() >> 52) & 0x7ff;
+    i32::try_from(biased).unwrap_or(0) - 1023
+}
+
+/// `x = fraction · 2^exponent` with the fraction in [½, 1); a ratio that is no number counts as 1.
+pub(crate) fn fraction_and_exponent(x: f64) -> (f64, i32) {
+    if !(x > 0.0 && x.is_finite()) {
+        return (0.5, 1);
+    }
+    let exponent = exponent_below(x) + 1;
+    (x.scale(-exponent), exponent)
+}

@@ -1,0 +1,129 @@
+//! A curve in the form in which it is evaluated fastest, as far as that form is accurate.
+
+use crate::{Derivatives, Differentiate, Evaluate, NurbsCurve, PowerCurve};
+
+/// The most that polynomials may lose, in units of a coordinate's last place; where they may lose more, basis functions are used.
+const MOST_LOSS: f64 = 32768.0;
+
+/// What a planner runs on in f64: one polynomial a span, a third to a tenth of the work of basis functions; but basis
+/// functions where the polynomials of [`PowerCurve`] may lose more than 2¹⁵ units, as
+/// where the weights of a cubic differ more than eightfold.
+#[derive(Clone, Debug)]
+pub enum FastCurve<'a, const D: usize> {
+    /// One polynomial a span.
+    Polynomials(PowerCurve<D>),
+    /// Basis functions.
+    Basis(NurbsCurve<'a, f64, D>),
+}
+
+impl<'a, const D: usize> FastCurve<'a, D> {
+    /// The form for this curve.
+    #[must_use]
+    pub fn of(curve: NurbsCurve<'a, f64, D>) -> Self {
+        if loss(&curve) <= MOST_LOSS {
+            Self::Polynomials(PowerCurve::new::<f64>(&curve))
+        } else {
+            Self::Basis(curve)
+        }
+    }
+}
+
+/// `3^p`, and with weights from v to W `16 (W/v)²` times that: see [`PowerCurve`]'s points.
+fn loss<const D: usize>(curve: &NurbsCurve<'_, f64, D>) -> f64 {
+    let power = (0..curve.degree()).fold(1.0, |power, _| 3.0 * power);
+    let Some(weights) = curve.weights() else { return power };
+    let (least, most) =
+        weights.iter().fold((f64::MAX, 0.0_f64), |(least, most), w| (least.min(*w), most.max(*w)));
+    16.0 * power * (most / least) * (most / least)
+}
+
+/// Runs the same expression on whichever form it is.
+macro_rules! on_form {
+    ($self:expr, $curve:ident => $answer:expr) => {
+        match $self {
+            FastCurve::Polynomials($curve) => $answer,
+            FastCurve::Basis($curve) => $answer,
+        }
+    };
+}
+
+impl<const D: usize> Evaluate<f64, D> for FastCurve<'_, D> {
+    fn domain(&self) -> (f64, f64) {
+        on_form!(self, curve => curve.domain())
+    }
+
+    fn point(&self, u: f64) -> [f64; D] {
+        on_form!(self, curve => curve.point(u))
+    }
+
+    fn span_count(&self) -> usize {
+        on_form!(self, curve => curve.span_count())
+    }
+
+    fn span_bounds(&self, span: usize) -> (f64, f64) {
+        on_form!(self, curve => curve.span_bounds(span))
+    }
+}
+
+impl<const D: usize> Differentiate<f64, D> for FastCurve<'_, D> {
+    fn derivatives(&self, u: f64) -> Derivatives<f64, D> {
+        on_form!(self, curve => curve.derivatives(u))
+    }
+
+    fn derivatives_in(&self, span: usize, u: f64) -> Derivatives<f64, D> {
+        on_form!(self, curve => curve.derivatives_in(span, u))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{NurbsBuf, generate, golden};
+    use proptest::prelude::*;
+
+    fn is_polynomial<const D: usize>(curve: &NurbsBuf<f64, D>) -> bool {
+        matches!(FastCurve::of(curve.as_curve()), FastCurve::Polynomials(_))
+    }
+
+    #[test]
+    fn basis_functions_serve_where_polynomials_lose_too_much() {
+        let curve = golden::seed_003();
+        assert!(
+            is_polynomial(&golden::seed_000())
+                && is_polynomial(&curve)
+                && is_polynomial(&golden::circle(1.0))
+        );
+        let weighted = |most: f64| {
+            let mut weights = curve.weights().to_vec();
+            weights.fill(1.0);
+            weights[4] = most;
+            let (points, knots) = (curve.control_points().to_vec(), curve.knots().to_vec());
+            NurbsBuf::try_new(curve.degree(), points, weights, knots).unwrap()
+        };
+        assert!(is_polynomial(&weighted(8.0)) && !is_polynomial(&weighted(9.0)));
+        assert!(!is_polynomial(&weighted(1e-6)));
+    }
+
+    proptest! {
+        /// Spans, points and derivatives are those of the curve, within what the form may lose.
+        #[test]
+        fn both_forms_are_the_curve((curve, span, t) in generate::curve_span_and_fraction::<2>()) {
+            let (curve, fast) = (curve.as_curve(), FastCurve::of(curve.as_curve()));
+            prop_assert_eq!((fast.domain(), fast.span_count()), (curve.domain(), curve.span_count()));
+            let (a, b) = curve.span_bounds(span);
+            prop_assert_eq!(fast.span_bounds(span), (a, b));
+            let u = a + (b - a) * t;
+            let (found, exact) = (fast.derivatives_in(span, u), curve.derivatives_in(span, u));
+            let (looked_up, point) = (fast.derivatives(u), fast.point(u));
+            // 1000 mm of extent; each differentiation magnifies by p over the width and the ratio of weights.
+            let bound = 4.0 * f64::EPSILON * 1000.0 * (MOST_LOSS + 1.0);
+            let growth = 2.0 * curve.degree() as f64 / (b - a) * 100.0;
+            let off = |found: &[f64; 2], exact: &[f64; 2]| (found[0] - exact[0]).abs().max((found[1] - exact[1]).abs());
+            for point in [found.point, looked_up.point, point] {
+                prop_assert!(off(&point, &exact.point) <= bound);
+            }
+            prop_assert!(off(&found.first, &exact.first) <= bound * growth);
+            prop_assert!(off(&found.second, &exact.second) <= bound * growth * growth);
+        }
+    }
+}
