@@ -152,6 +152,17 @@ fn the_way_to_the_first_point_is_cut_from_a_start_that_is_given() {
     );
 }
 
+/// FANUC's G70 and G71 are cycles of a lathe, Siemens' are inches and millimetres.
+#[test]
+fn g70_is_what_the_control_makes_of_it() {
+    let read = |dialect| {
+        let options = ReadOptions { dialect: Some(dialect), ..ReadOptions::default() };
+        read_part_with("p.nc", "G70 G0 X0 Y0\nG1 X1 F60\n", options)
+    };
+    assert_eq!(read(Dialect::Siemens).unwrap().curves[0].control_points_mm[1], [25.4, 0.0, 0.0]);
+    assert!(read(Dialect::Fanuc).unwrap_err().to_string().contains("G70 to G72 turn a contour"));
+}
+
 #[test]
 fn a_program_for_a_lathe_is_refused_by_what_shows_it() {
     for (text, why) in [

@@ -98,6 +98,7 @@ impl Reader<'_, '_, '_> {
     fn turning(&self, block: &Block<'_>, tenths: u16) -> Option<&'static str> {
         let has_contour = block.has(b'P') && block.has(b'Q') || block.has(b'U') && block.has(b'R');
         match tenths {
+            700 | 710 if self.options.dialect == Some(Dialect::Fanuc) => Some("G70 to G72 turn a contour"),
             70 if self.options.dialect != Some(Dialect::Fanuc) => Some("G7 makes X a diameter"),
             960 => Some("G96 keeps the speed of the cut"),
             500 if block.has(b'S') => Some("G50 with S limits the speed of the spindle"),
