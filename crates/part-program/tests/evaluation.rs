@@ -314,3 +314,12 @@ fn words_in_force_are_variables_of_fanuc() {
     assert_eq!(ends(&part), [1.0, 6.0, 132.0, 2.0]);
     assert!(part.moves[3].feedrate_mm_per_s == Some(100.0 / 60.0), "{:?}", part.moves);
 }
+
+/// Each ATAN read its brackets twice, and so those within it four times: a line of 400 characters took hours.
+#[test]
+fn functions_within_one_another_are_read_once() {
+    let text = format!("G0 X0\n#1=[{}1{}]\nG1 X[#1+2]\n", "ATAN[".repeat(60), ",1]".repeat(60));
+    assert!(ends(&part(&text))[0] > 2.0, "{text}");
+    let errors = read_part("p", &format!("G0 X[{}1,\n", "ATAN[".repeat(60))).unwrap_err().to_string();
+    assert!(errors.contains("a value is missing here"), "{errors}");
+}
