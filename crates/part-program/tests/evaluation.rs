@@ -229,7 +229,14 @@ fn positions_and_settings_are_variables() {
 
 #[test]
 fn a_loop_without_an_end_is_stopped() {
-    for text in ["G0 X0\no1 while [1]\no1 endwhile\n", "N1 GOTO 1\n", "O1\nM98 P1\nM99\n"] {
+    // Conditions, and searches for a block that another program has a hundred thousand times.
+    let conditions = format!(
+        "G0 X0\no9 while [1]\no1 if [0]\n{}o1 endif\no9 endwhile\n",
+        "o1 elseif [0]\n".repeat(50_000)
+    );
+    let blocks = format!("G0 X0\nO1\nN8 X1\nGOTO 8\nO2\n{}", "N8\n".repeat(100_000));
+    let short = ["G0 X0\no1 while [1]\no1 endwhile\n", "N1 GOTO 1\n", "O1\nM98 P1\nM99\n"];
+    for text in short.into_iter().chain([&*conditions, &blocks]) {
         let errors = read_part("p", text).unwrap_err().to_string();
         assert!(errors.contains("executed again") || errors.contains("more than 100 calls"), "{errors}");
     }
