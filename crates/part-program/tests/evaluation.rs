@@ -229,7 +229,14 @@ fn positions_and_settings_are_variables() {
 
 #[test]
 fn a_loop_without_an_end_is_stopped() {
-    for text in ["G0 X0\no1 while [1]\no1 endwhile\n", "N1 GOTO 1\n", "O1\nM98 P1\nM99\n"] {
+    // Conditions, and searches for a block that another program has a hundred thousand times.
+    let conditions = format!(
+        "G0 X0\no9 while [1]\no1 if [0]\n{}o1 endif\no9 endwhile\n",
+        "o1 elseif [0]\n".repeat(50_000)
+    );
+    let blocks = format!("G0 X0\nO1\nN8 X1\nGOTO 8\nO2\n{}", "N8\n".repeat(100_000));
+    let short = ["G0 X0\no1 while [1]\no1 endwhile\n", "N1 GOTO 1\n", "O1\nM98 P1\nM99\n"];
+    for text in short.into_iter().chain([&*conditions, &blocks]) {
         let errors = read_part("p", text).unwrap_err().to_string();
         assert!(errors.contains("executed again") || errors.contains("more than 100 calls"), "{errors}");
     }
@@ -313,4 +320,13 @@ fn words_in_force_are_variables_of_fanuc() {
     let part = of(Dialect::Fanuc, text);
     assert_eq!(ends(&part), [1.0, 6.0, 132.0, 2.0]);
     assert!(part.moves[3].feedrate_mm_per_s == Some(100.0 / 60.0), "{:?}", part.moves);
+}
+
+/// Each ATAN read its brackets twice, and so those within it four times: a line of 400 characters took hours.
+#[test]
+fn functions_within_one_another_are_read_once() {
+    let text = format!("G0 X0\n#1=[{}1{}]\nG1 X[#1+2]\n", "ATAN[".repeat(60), ",1]".repeat(60));
+    assert!(ends(&part(&text))[0] > 2.0, "{text}");
+    let errors = read_part("p", &format!("G0 X[{}1,\n", "ATAN[".repeat(60))).unwrap_err().to_string();
+    assert!(errors.contains("a value is missing here"), "{errors}");
 }

@@ -277,6 +277,11 @@ impl<'a> Parser<'a> {
 
     /// `[expression]`.
     pub(crate) fn bracketed(&mut self) -> Parsed<Value> {
+        self.brackets(false).map(|(value, _)| value)
+    }
+
+    /// `[expression]`, or `[first, second]` where a function takes two.
+    fn brackets(&mut self, may_be_two: bool) -> Parsed<(Value, Option<Value>)> {
         let is_open = matches!(self.peek(), Some(b'[')) || self.is_round && self.peek() == Some(b'(');
         let begin = self.at;
         if !is_open {
@@ -293,6 +298,7 @@ impl<'a> Parser<'a> {
         }
         self.depth += 1;
         let value = self.expression()?;
+        let second = if may_be_two && self.takes(b',') { Some(self.expression()?) } else { None };
         self.depth -= 1;
         if !self.takes(close) {
             let place = self.at;
@@ -303,7 +309,7 @@ impl<'a> Parser<'a> {
                 "`]` or an operator",
             );
         }
-        Ok(value)
+        Ok((value, second))
     }
 
     /// Operators that bind at least as strongly as `least`.
@@ -557,16 +563,11 @@ impl<'a> Parser<'a> {
     /// `ATAN[y]/[x]`, of FANUC also `ATAN[y, x]` and `ATAN[y]`.
     fn atan(&mut self) -> Parsed<Value> {
         let begin = self.at;
-        let mut quotient =
-            Self { depth: self.depth, ..Self::new(self.line, self.at, self.scope, self.is_round) };
-        let y = match quotient.bracketed() {
-            Ok(y) => y.unwrap_or(0.0),
-            Err(fault) => match self.two_in_brackets() {
-                Ok((y, x)) => return Ok(Some(y.atan2(x).to_degrees())),
-                Err(_) => return Err(fault),
-            },
-        };
-        self.at = quotient.at;
+        let (y, x) = self.brackets(true)?;
+        let y = y.unwrap_or(0.0);
+        if let Some(x) = x {
+            return Ok(Some(y.atan2(x.unwrap_or(0.0)).to_degrees()));
+        }
         if self.peek() != Some(b'/') {
             return Ok(Some(y.atan().to_degrees()));
         }

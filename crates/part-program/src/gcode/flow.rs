@@ -6,7 +6,7 @@
 //! | FANUC | `IF [ ] GOTO 10`, `IF [ ] THEN`, `GOTO 10`, `WHILE [ ] DO 1` … `END 1`; `G65 P9000 A1`, `M98 P9000 L3` … `M99`, `M99 P10` |
 //!
 //! A program that repeats lines without an end is stopped: at most [`MAX_REPEATED`] lines are executed again, or as many bytes as
-//! [`MAX_REPEATED_BYTES`] says.
+//! [`MAX_REPEATED_BYTES`] says; fewer when an error has been found.
 //!
 //! # Source
 //! LinuxCNC, "O Codes"; FANUC Series 30i, B-63944EN/03, chapter 16.
@@ -24,7 +24,9 @@ use crate::source::Span;
 /// Lines that jumps, calls and loops may execute more than once, in all.
 pub(crate) const MAX_REPEATED: usize = 2_000_000;
 /// Bytes of those lines.
-pub(crate) const MAX_REPEATED_BYTES: usize = 1 << 28;
+pub(crate) const MAX_REPEATED_BYTES: usize = 1 << 26;
+/// Lines that are executed more than once in a program in which an error has been found.
+const MAX_REPEATED_WITH_ERRORS: usize = 100_000;
 /// Calls within one another.
 const MAX_CALLS: usize = 100;
 /// Loops and conditions within one another, of one program or subprogram.
@@ -83,8 +85,8 @@ pub(crate) struct Flow {
     frames: Vec<Frame>,
     /// The furthest line so far; those before it are executed again.
     furthest: usize,
-    repeated: usize,
-    repeated_bytes: usize,
+    pub(super) repeated: usize,
+    pub(super) repeated_bytes: usize,
     /// Whether a call was made, so that subprograms may stand behind the program's end.
     pub(crate) has_called: bool,
 }
@@ -135,12 +137,17 @@ impl Flow {
         if line < self.furthest {
             self.repeated += 1;
             self.repeated_bytes += report.source.line(line).1.len();
+            // The same faults would be found in each turn.
+            if report.has_errors() && self.repeated > MAX_REPEATED_WITH_ERRORS {
+                return None;
+            }
             if self.repeated > MAX_REPEATED || self.repeated_bytes > MAX_REPEATED_BYTES {
                 let (start, text) = report.source.line(line);
+                let again = self.repeated - 1;
                 report
                     .error(
                         Span::new(start, start + text.trim_end().len()),
-                        format!("{MAX_REPEATED} lines were executed again, and the program has not ended"),
+                        format!("{again} lines were executed again, and the program has not ended"),
                     )
                     .expected("loops and calls that end");
                 return None;

@@ -54,8 +54,9 @@ impl Marks {
         let next = self.programs.partition_point(|line| *line <= here);
         let begin = next.checked_sub(1).map_or(0, |own| self.programs[own]);
         let end = self.programs.get(next).copied().unwrap_or(usize::MAX);
-        let own = self.blocks.get(&number)?.iter().copied().filter(|line| (begin..end).contains(line));
-        own.clone().find(|line| *line > here).or_else(|| own.clone().next())
+        let lines = self.blocks.get(&number)?;
+        let from = |first: usize| lines[lines.partition_point(|line| *line < first)..].first().copied();
+        [here + 1, begin].into_iter().filter_map(from).find(|line| *line < end)
     }
 }
 

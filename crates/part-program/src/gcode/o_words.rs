@@ -65,7 +65,11 @@ impl Flow {
                 Keyword::Else => break,
                 _ => {
                     line = next;
-                    at = behind_keyword(context.line(next).1);
+                    let text = context.line(next).1;
+                    at = behind_keyword(text);
+                    // A condition is executed, though its line is not the next one.
+                    self.repeated += 1;
+                    self.repeated_bytes += text.len();
                 }
             }
         }
