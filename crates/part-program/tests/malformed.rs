@@ -28,7 +28,11 @@ const MALFORMED: &[(&str, &str, &str)] = &[
     ("G0 X0 Y0\nG1 X5 ,C1\nG2 X9 I2", "2:7", "a corner between moves that are not both straight"),
     ("G0 X0 Y0\nG1 X5 ,R1\nM30", "2:7", "no move follows this corner"),
     ("G0 X0 Y0\nG1 X5 ,Q1", "2:7", "`,` is no part of a word"),
-    ("G0 X0 Y0 Z9\no1 while [1]\nG83 X1 Z-9999 R1 Q1 L99\no1 endwhile", "3:1", "the program makes more than"),
+    (
+        "G0 X0 Y0 Z9\no1 while [1]\nG83 X1 Z-9999 R1 Q1 L99\no1 endwhile",
+        "3:1",
+        "the program makes more curves than are taken",
+    ),
     ("G0 X0 Y0\nG1 X5 CHF=1", "2:7", "unknown word `CHF=`"),
     ("G0 X0 Y0\nG1 X5 POLF=R1", "2:7", "unknown word `POLF=`"),
     // What is computed.

@@ -68,6 +68,8 @@ use crate::source::Span;
 /// Control points that a program may make beside four for each of its bytes: what loops, cycles and arcs of many turns make of it must
 /// fit into memory.
 const MAX_POINTS: usize = 8_000_000;
+/// A curve takes as much memory beside its control points as so many of them.
+const POINTS_OF_A_CURVE: usize = 4;
 
 /// Highest feedrate that is believed, in mm/s.
 const MAX_FEEDRATE: f64 = 1e5;
@@ -185,7 +187,7 @@ impl Reader<'_, '_, '_> {
             self.line(&mut read);
             if self.is_full() {
                 let span = Span::new(start, start + line.trim_end().len());
-                let message = format!("the program makes more than {} control points", self.points - 1);
+                let message = "the program makes more curves than are taken";
                 self.report.error(span, message).expected("fewer turns of arcs, holes and repeated lines");
                 return;
             }
@@ -428,7 +430,7 @@ impl Reader<'_, '_, '_> {
             self.part.curves.push(between);
             self.part.moves.push(one);
         }
-        self.points += curve.control_points_mm.len();
+        self.points += curve.control_points_mm.len() + POINTS_OF_A_CURVE;
         if let (Some(before), Some(last)) = (self.part.curves.last(), self.part.moves.last_mut())
             && last.exact_stop
             && self.passes_smooth_joints
