@@ -45,7 +45,8 @@ pub fn runs<R: Backend>(bytes: &[u8]) {
 /// # Panics
 /// When it breaks it.
 pub fn holds(bytes: &[u8], dialect: Option<Dialect>, lenient: bool) {
-    let part = match read_part_bytes("any", bytes, ReadOptions { dialect, lenient, ..ReadOptions::default() }) {
+    let part = match read_part_bytes("any", bytes, ReadOptions { dialect, lenient, ..ReadOptions::default() })
+    {
         Ok(part) => part,
         Err(errors) => {
             assert!(errors.count() > 0, "refused without a word");
