@@ -246,7 +246,8 @@ impl<'t> Report<'t> {
         kind: impl fmt::Display,
         message: impl Into<String>,
     ) -> &mut Diagnostic {
-        if let Some((_, count)) = self.kinds.get_mut(&(is_error, kind.to_string())) {
+        let kind = (is_error, kind.to_string());
+        if let Some((_, count)) = self.kinds.get_mut(&kind) {
             *count += 1;
             return &mut self.scratch;
         }
@@ -255,7 +256,7 @@ impl<'t> Report<'t> {
         } else {
             (Severity::Warning, &self.warnings.list)
         };
-        self.kinds.insert((is_error, kind.to_string()), (kept.len(), 0));
+        self.kinds.insert(kind, (kept.len(), 0));
         self.say(severity, span, message.into())
     }
 

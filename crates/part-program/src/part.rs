@@ -81,6 +81,9 @@ impl Part {
     }
 }
 
+/// Highest feedrate that is believed, in mm/s.
+pub(crate) const MAX_FEEDRATE: f64 = 1e5;
+
 /// How a curve is to be followed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Move {

@@ -54,55 +54,8 @@ const PIECES: [&str; 44] = [
     " ",
 ];
 
-/// Lines of programs that compute, which loops and calls lead into one another.
-const LINES: [&str; 46] = [
-    "o1 sub",
-    "o1 endsub [#1]",
-    "o1 return",
-    "o1 call [1] [#1+1]",
-    "o<b> sub",
-    "o<b> endsub",
-    "o<b> call [#1-1]",
-    "o2 if [#1 GT 2]",
-    "o2 elseif [#1 EQ 1]",
-    "o2 else",
-    "o2 endif",
-    "o3 while [#1 LT 5]",
-    "o3 endwhile",
-    "o3 break",
-    "o3 continue",
-    "o4 do",
-    "o4 while [#1 GT 0]",
-    "o5 repeat [3]",
-    "o5 endrepeat",
-    "#1=[#1+1]",
-    "#1=[#1-1]",
-    "#<_a>=[#1*2]",
-    "#[#1]=[1/#1]",
-    "G1 X#1 Y[#1*2] ,R1",
-    "G91 G1 X1 Z-[#1]",
-    "G90",
-    "G81 X#1 Z-1 R1",
-    "G2 X#1 I[#1/2] P2",
-    "M98 P7 L2",
-    "O7",
-    "M99",
-    "G65 P7 A#1 B2",
-    "IF [#1 GT 3] GOTO 5",
-    "N5 GOTO 6",
-    "N6",
-    "WHILE [#1 LT 4] DO1",
-    "END1",
-    "IF [#1 EQ #0] THEN #1=1",
-    "M30",
-    "G10 L2 P1 X#1 R30",
-    "G92 X0",
-    "R1=R1+1",
-    "G1 X=R1",
-    "G53 G0 Z0",
-    "G0 A#1",
-    "G1 E#1 X1",
-];
+/// Lines of programs that compute, which loops and calls lead into one another; the fuzz target takes them, too.
+const LINES: &str = include_str!("computed_lines.txt");
 
 /// Pieces of what LinuxCNC's interpreter prints.
 const CANON_PIECES: [&str; 31] = [
@@ -231,7 +184,7 @@ proptest! {
 
     #[test]
     fn lines_that_compute(
-        lines in prop::collection::vec(prop::sample::select(LINES.to_vec()), 0..40),
+        lines in prop::collection::vec(prop::sample::select(LINES.lines().collect::<Vec<_>>()), 0..40),
         options in options(),
     ) {
         returns(format!("G21 G0 X0 Y0 Z0\n{}\n", lines.join("\n")).as_bytes(), options)?;

@@ -42,13 +42,11 @@ use crate::arc::Plane;
 use crate::canon::call::Call;
 use crate::canon::frame::Frame;
 use crate::diagnostic::Report;
+use crate::gcode::PathMode;
 use crate::options::ReadOptions;
-use crate::part::{Auxiliary, Part};
+use crate::part::{Auxiliary, MAX_FEEDRATE, Part};
 use crate::source::Span;
 use crate::unit::INCH;
-
-/// Highest feedrate that is believed, in mm/s; as in a part program.
-const MAX_FEEDRATE: f64 = 1e5;
 
 /// Functions that do not bear on the path, and that no M, S or T word makes.
 const WITHOUT_EFFECT: [&str; 21] = [
@@ -129,18 +127,6 @@ pub(crate) fn read(report: &mut Report<'_>, part: &mut Part, options: ReadOption
         at += line.len();
     }
     reader.finish(Span::new(text.len(), text.len()));
-}
-
-/// How the ends of moves are passed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-enum PathMode {
-    /// G64.
-    #[default]
-    Continuous,
-    /// G61: at rest if the direction breaks there.
-    ExactPath,
-    /// G61.1.
-    ExactStop,
 }
 
 /// What the feed counts.

@@ -14,6 +14,7 @@ use crate::gcode::word::Key;
 use crate::joint;
 use crate::part::{Move, MoveKind, Shape};
 use crate::source::Span;
+use crate::vector::{difference, dot};
 
 /// What is to become of the end of the last move.
 #[derive(Clone, Copy, Debug)]
@@ -73,7 +74,7 @@ impl Reader<'_, '_, '_> {
         }
         let (back, back_length) = direction(at, from);
         let (on, on_length) = direction(at, to);
-        let cos_between: f64 = (0..3).map(|axis| back[axis] * on[axis]).sum();
+        let cos_between = dot(back, on);
         // Half of the angle by which the path turns; its tangent tells where an arc of radius 1 begins.
         let turn = (std::f64::consts::PI - cos_between.clamp(-1.0, 1.0).acos()) / 2.0;
         let reach = if corner.is_round { corner.size_mm * turn.tan() } else { corner.size_mm };
@@ -105,8 +106,8 @@ impl Reader<'_, '_, '_> {
 
 /// The unit vector from one place to another, and how far it is.
 fn direction(from: [f64; 3], to: [f64; 3]) -> ([f64; 3], f64) {
-    let way: [f64; 3] = std::array::from_fn(|axis| to[axis] - from[axis]);
-    let length = way.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let way = difference(&to, &from);
+    let length = dot(way, way).sqrt();
     (way.map(|x| x / length), length)
 }
 

@@ -15,11 +15,11 @@
 //! # Source
 //! LinuxCNC, "Canned Cycles", and the moves that its `rs274` prints; FANUC Series 30i, B-63944EN/03, section 13.1.
 
-use crate::curve::{Curve, MAX_COORDINATE_MM};
+use crate::curve::MAX_COORDINATE_MM;
 use crate::gcode::Reader;
 use crate::gcode::block::Block;
 use crate::options::Dialect;
-use crate::part::{MoveKind, Shape};
+use crate::part::MoveKind;
 use crate::source::Span;
 
 /// How far G73 comes back, and how far above the bottom G83 begins to feed again, in mm: LinuxCNC's 0.010 inch.
@@ -224,16 +224,8 @@ impl Reader<'_, '_, '_> {
         self.modal.arrive(names, end);
         self.modal.incremental = is_incremental;
         self.begin_axes();
-        if start == end {
-            return;
+        if start != end {
+            self.push_line([start, end], kind, None, span);
         }
-        let feed = match kind {
-            MoveKind::Rapid => None,
-            MoveKind::Feed => {
-                let length = (0..3).map(|axis| (end[axis] - start[axis]).powi(2)).sum::<f64>().sqrt();
-                self.feedrate(length, None, span)
-            }
-        };
-        self.push(Curve::line(start, end), kind, Shape::Line, feed, self.place(span));
     }
 }

@@ -110,6 +110,13 @@ impl Context<'_, '_, '_> {
         let scope = Scope { variables: self.variables, modal: self.modal, dialect: self.dialect };
         word::condition(self.report, scope, start, text, at)
     }
+
+    /// The values in brackets from a byte of a line on.
+    pub(super) fn arguments(&mut self, line: usize, at: usize) -> Option<Vec<f64>> {
+        let (start, text) = self.report.source.line(line);
+        let scope = Scope { variables: self.variables, modal: self.modal, dialect: self.dialect };
+        word::arguments(self.report, scope, start, text, at)
+    }
 }
 
 impl Default for Flow {
@@ -258,23 +265,32 @@ impl Flow {
 
     fn fanuc_end(&mut self, context: &mut Context<'_, '_, '_>, number: u32, span: Span) -> Option<()> {
         let kind = Kind::Fanuc(number);
-        let Some(index) = self.frame().nested.iter().rposition(|nested| nested.kind == kind) else {
+        let Some(index) = self.begun(&kind) else {
             context.report.error(span, format!("END{number} without DO{number}")).expected("one before it");
             return None;
         };
-        let frame = self.frame();
-        frame.nested.truncate(index + 1);
-        frame.nested[index].turn = frame.nested[index].turn.saturating_add(1);
-        self.next = self.frame().nested[index].line;
+        self.next = self.turn_again(index);
         Some(())
     }
 
+    /// Index of the innermost loop or condition of a kind that has begun.
+    pub(super) fn begun(&mut self, kind: &Kind) -> Option<usize> {
+        self.frame().nested.iter().rposition(|nested| nested.kind == *kind)
+    }
+
+    /// Begins the next turn of a loop, and ends what has begun within it; hands back the line on which the loop began.
+    pub(super) fn turn_again(&mut self, index: usize) -> usize {
+        let nested = &mut self.frame().nested;
+        nested.truncate(index + 1);
+        nested[index].turn = nested[index].turn.saturating_add(1);
+        nested[index].line
+    }
+
     /// Ends a loop or a condition and all within it, if it has begun.
-    pub(super) fn leave(&mut self, kind: &Kind) -> Option<Nested> {
-        let index = self.frame().nested.iter().rposition(|nested| nested.kind == *kind)?;
-        let left = self.frame().nested[index].clone();
-        self.frame().nested.truncate(index);
-        Some(left)
+    pub(super) fn leave(&mut self, kind: &Kind) {
+        if let Some(index) = self.begun(kind) {
+            self.frame().nested.truncate(index);
+        }
     }
 
     pub(super) fn begin(&mut self, context: &mut Context<'_, '_, '_>, kind: Kind, span: Span) -> Option<()> {

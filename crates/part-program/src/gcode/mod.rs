@@ -46,6 +46,7 @@ mod variables;
 mod word;
 
 pub(crate) use linuxcnc::LEAST_ORDER;
+pub(crate) use modal::PathMode;
 
 use crate::curve::{Curve, MAX_COORDINATE_MM};
 use crate::diagnostic::Report;
@@ -54,7 +55,7 @@ use crate::gcode::corner::Corner;
 use crate::gcode::cycle::Holes;
 use crate::gcode::expression::Scope;
 use crate::gcode::flow::{Context, Flow};
-use crate::gcode::modal::{FeedMode, Modal, Motion, PathMode, WORK_OFFSETS};
+use crate::gcode::modal::{FeedMode, Modal, Motion, WORK_OFFSETS};
 use crate::gcode::offsets::Placing;
 use crate::gcode::other_axes::OtherAxes;
 use crate::gcode::spline_move::Spline;
@@ -62,7 +63,7 @@ use crate::gcode::variables::Variables;
 use crate::gcode::word::{Line, Tape, Word};
 use crate::joint;
 use crate::options::{Dialect, ReadOptions, Unit};
-use crate::part::{Move, MoveKind, Part, Shape};
+use crate::part::{MAX_FEEDRATE, Move, MoveKind, Part, Shape};
 use crate::source::Span;
 
 /// Control points that a program may make beside four for each of its bytes: what loops, cycles and arcs of many turns make of it must
@@ -70,9 +71,6 @@ use crate::source::Span;
 const MAX_POINTS: usize = 8_000_000;
 /// A curve takes as much memory beside its control points as so many of them.
 const POINTS_OF_A_CURVE: usize = 4;
-
-/// Highest feedrate that is believed, in mm/s.
-const MAX_FEEDRATE: f64 = 1e5;
 
 /// Reads a whole program into `part`. What is wrong goes to the report.
 pub(crate) fn read(report: &mut Report<'_>, part: &mut Part, options: ReadOptions) {
@@ -307,7 +305,8 @@ impl Reader<'_, '_, '_> {
         self.whole_units = false;
     }
 
-    /// Takes F: in G94 it becomes the feedrate, in G93 it is handed back, in 1/min, and in G95, which is not read, it is left out.
+    /// Takes F: in G94 it becomes the feedrate, in G93 it is handed back, in 1/min, and in G95 it becomes the
+    /// feed of a revolution.
     fn feed(&mut self, block: &mut Block<'_>, unit_before: f64) -> Option<f64> {
         let word = block.take_letter(b'F')?;
         let mut unit = self.modal.mm(1.0);

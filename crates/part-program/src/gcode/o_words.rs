@@ -1,11 +1,9 @@
 //! LinuxCNC's O-words: what each does with the order of lines.
 
 use crate::gcode::command::{Keyword, Label};
-use crate::gcode::expression::Scope;
 use crate::gcode::flow::{Context, Flow, Kind, Nested};
 use crate::gcode::marks::behind_keyword;
 use crate::gcode::variables::{LINUXCNC_LOCALS, Variable};
-use crate::gcode::word;
 use crate::source::Span;
 
 impl Flow {
@@ -29,7 +27,7 @@ impl Flow {
                 self.leave(&Kind::If(label.clone()));
                 self.next = self.needed(context, label, Keyword::EndIf, span)? + 1;
             }
-            Keyword::EndIf => drop(self.leave(&Kind::If(label.clone()))),
+            Keyword::EndIf => self.leave(&Kind::If(label.clone())),
             Keyword::While => self.while_word(context, label, at, span)?,
             Keyword::EndWhile => self.again(context, &Kind::While(label.clone()), span)?,
             Keyword::Do => self.begin(context, Kind::Do(label.clone()), span)?,
@@ -87,12 +85,9 @@ impl Flow {
         let line = self.line;
         let holds = context.condition(line, at)? != 0.0;
         let kind = Kind::Do(label.clone());
-        if let Some(index) = self.frame().nested.iter().rposition(|nested| nested.kind == kind) {
+        if let Some(index) = self.begun(&kind) {
             if holds {
-                let frame = self.frame();
-                frame.nested.truncate(index + 1);
-                frame.nested[index].turn = frame.nested[index].turn.saturating_add(1);
-                self.next = self.frame().nested[index].line + 1;
+                self.next = self.turn_again(index) + 1;
             } else {
                 self.leave(&kind);
             }
@@ -104,7 +99,7 @@ impl Flow {
             self.leave(&kind);
             return Some(());
         }
-        if !self.frame().nested.iter().any(|nested| nested.kind == kind) {
+        if self.begun(&kind).is_none() {
             self.begin(context, kind, span)?;
         }
         Some(())
@@ -112,17 +107,14 @@ impl Flow {
 
     /// Goes back to where a loop begins.
     fn again(&mut self, context: &mut Context<'_, '_, '_>, kind: &Kind, span: Span) -> Option<()> {
-        let Some(index) = self.frame().nested.iter().rposition(|nested| nested.kind == *kind) else {
+        let Some(index) = self.begun(kind) else {
             context
                 .report
                 .error(span, "the end of a loop that has not begun")
                 .expected("its begin before it");
             return None;
         };
-        let frame = self.frame();
-        frame.nested.truncate(index + 1);
-        frame.nested[index].turn = frame.nested[index].turn.saturating_add(1);
-        self.next = self.frame().nested[index].line;
+        self.next = self.turn_again(index);
         Some(())
     }
 
@@ -155,16 +147,12 @@ impl Flow {
             return None;
         };
         let frame = self.frame();
-        frame.nested.truncate(index + 1);
-        let nested = &mut frame.nested[index];
-        let line = nested.line;
-        let Kind::Repeat { left, .. } = &mut nested.kind else { return Some(()) };
+        let Kind::Repeat { left, .. } = &mut frame.nested[index].kind else { return Some(()) };
         *left -= 1;
         if *left == 0 {
             frame.nested.truncate(index);
         } else {
-            nested.turn = nested.turn.saturating_add(1);
-            self.next = line + 1;
+            self.next = self.turn_again(index) + 1;
         }
         Some(())
     }
@@ -209,9 +197,7 @@ impl Flow {
         at: usize,
         span: Span,
     ) -> Option<()> {
-        let (start, text) = context.report.source.line(self.line);
-        let scope = Scope { variables: context.variables, modal: context.modal, dialect: context.dialect };
-        let values = word::arguments(context.report, scope, start, text, at)?;
+        let values = context.arguments(self.line, at)?;
         let first = self.marks(context.report).words.get(label).and_then(|lines| {
             lines.iter().find(|(_, keyword)| *keyword == Some(Keyword::Sub)).map(|(line, _)| line + 1)
         });
@@ -243,9 +229,7 @@ impl Flow {
                 .expected("a return in a subroutine");
             return None;
         }
-        let (start, text) = context.report.source.line(self.line);
-        let scope = Scope { variables: context.variables, modal: context.modal, dialect: context.dialect };
-        let values = word::arguments(context.report, scope, start, text, at)?;
+        let values = context.arguments(self.line, at)?;
         self.return_from(context.variables);
         let has_value = f64::from(u8::from(!values.is_empty()));
         let kept = [("_value", values.first().copied().unwrap_or(0.0)), ("_value_returned", has_value)];

@@ -20,7 +20,7 @@ use crate::gcode::block::Block;
 use crate::gcode::modal::{Motion, WORK_OFFSETS};
 use crate::gcode::word::Word;
 use crate::options::Dialect;
-use crate::part::{MoveKind, Shape};
+use crate::part::MoveKind;
 use crate::source::Span;
 
 /// What a block does with its coordinates other than move to them.
@@ -115,13 +115,7 @@ impl Reader<'_, '_, '_> {
             *known = known.map(|_| end);
         }
         if start != end {
-            self.push(
-                crate::curve::Curve::line(start, end),
-                MoveKind::Rapid,
-                Shape::Line,
-                None,
-                self.place(span),
-            );
+            self.push_line([start, end], MoveKind::Rapid, None, span);
         }
     }
 

@@ -9,6 +9,7 @@ use crate::gcode::modal::{FeedMode, Motion};
 use crate::gcode::word::{Key, Word};
 use crate::part::{MoveKind, Shape};
 use crate::source::Span;
+use crate::vector::{difference, dot};
 
 /// Turns of one arc; more are a mistyped number.
 const MAX_TURNS: f64 = 10_000.0;
@@ -28,14 +29,27 @@ impl Reader<'_, '_, '_> {
             }
             return;
         }
-        let length = (0..3).map(|axis| (end[axis] - start[axis]).powi(2)).sum::<f64>().sqrt();
-        let curve = Curve::line(start, end);
-        let (kind, feed) = match self.modal.motion {
-            Motion::Rapid => (MoveKind::Rapid, None),
-            _ => (MoveKind::Feed, self.feedrate(length, inverse_feed, block.span)),
-        };
-        self.push(curve, kind, Shape::Line, feed, self.place(block.span));
+        let kind = if self.modal.motion == Motion::Rapid { MoveKind::Rapid } else { MoveKind::Feed };
+        self.push_line([start, end], kind, inverse_feed, span);
         self.corner = corner;
+    }
+
+    /// Makes a straight move; at feed, at the one in force.
+    pub(crate) fn push_line(
+        &mut self,
+        [start, end]: [[f64; 3]; 2],
+        kind: MoveKind,
+        inverse_feed: Option<f64>,
+        span: Span,
+    ) {
+        let feed = match kind {
+            MoveKind::Rapid => None,
+            MoveKind::Feed => {
+                let way = difference(&end, &start);
+                self.feedrate(dot(way, way).sqrt(), inverse_feed, span)
+            }
+        };
+        self.push(Curve::line(start, end), kind, Shape::Line, feed, self.place(span));
     }
 
     /// Notes the axes that were unknown before the straight move at hand and are known now.
@@ -250,7 +264,7 @@ impl Reader<'_, '_, '_> {
     }
 
     /// The feedrate of a move of `length` mm.
-    pub(crate) fn feedrate(&mut self, length: f64, inverse_feed: Option<f64>, span: Span) -> Option<f64> {
+    fn feedrate(&mut self, length: f64, inverse_feed: Option<f64>, span: Span) -> Option<f64> {
         match (self.modal.feed_mode, inverse_feed) {
             (FeedMode::PerMinute, _) => self.modal.feedrate_mm_per_s,
             (FeedMode::PerRevolution, _) => self.feedrate_of_spindle(self.modal.feed_mm_per_revolution, span),
