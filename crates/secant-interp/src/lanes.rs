@@ -248,7 +248,7 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
         }
         let (run, state) = (&self.runs[lane], &mut self.states[lane]);
         let Some(row) = run.pieces.pieces.get(state.piece) else {
-            state.is_ahead = false; // What is ahead was looked up before the lane moved the cursor.
+            state.ahead = None; // What is ahead was looked up before the lane moved the cursor.
             self.alone[lane] = run.wait(state).map(|length| PieceSetpoint { length, ..run.hold(state) });
             self.ended |= Mask::from(self.alone[lane].is_none()) << lane;
             return;
@@ -258,7 +258,9 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
             Some(_) => Some(self.numbers.length[lane]),
             None => run.lengths.advance(&mut state.cursor),
         };
-        self.alone[lane] = Some(run.follow_aside(state, row, Wanted::Planned(planned)));
+        let is_last = run.lengths.is_over(&state.cursor);
+        let wanted = planned.map_or(Wanted::Landing, |length| run.planned(length, is_last));
+        self.alone[lane] = Some(run.follow_aside(state, row, wanted));
         if state.piece >= run.pieces.pieces.len() {
             // The end: the periods that are left are those of the schedule's cursor again.
             state.cursor.time -= left.unwrap_or(0) * PERIOD;

@@ -26,7 +26,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         feeds: &FeedOverride,
         rates: &mut OverrideState,
     ) -> Option<PieceSetpoint<R, D>> {
-        state.is_ahead = false;
+        state.ahead = None;
         let Some(row) = self.pieces.pieces.get(state.piece) else {
             let is_early = feeds.advance(&self.lengths, &mut state.cursor, rates).is_some();
             if !is_early {
@@ -40,14 +40,14 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
                 let is_last = self.lengths.is_over(&state.cursor);
                 let more =
                     if is_last { feeds.landing_jerk(self.landing_step).scale(REACH) } else { R::zero() };
-                Wanted::Given(length, sum_within(length, more, R::max_value()))
+                Wanted::Chord { length, reach: sum_within(length, more, R::max_value()) }
             }
             None => {
                 feeds.approach(rates);
                 self.land(state, row, feeds, &mut rates.landing)
             }
         };
-        if let Wanted::Given(_, reach) = wanted
+        if let Wanted::Chord { reach, .. } = wanted
             && reach <= R::zero()
         {
             return Some(self.hold(state));
@@ -65,12 +65,12 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         feeds: &FeedOverride,
         landing: &mut Landing,
     ) -> Wanted<R> {
-        let Some(rest) = self.rest(state, row) else { return Wanted::Planned(None) };
+        let Some(rest) = self.rest(state, row) else { return Wanted::Landing };
         let longest = self.landing_step;
         match landing.advance(rest, longest, feeds.landing_jerk(longest)) {
-            LandingStep::Part(part) => Wanted::Given(part, part),
-            LandingStep::Last => Wanted::Given(rest.min(longest), longest),
-            LandingStep::Over => Wanted::Planned(None),
+            LandingStep::Part(part) => Wanted::Chord { length: part, reach: part },
+            LandingStep::Last => Wanted::Chord { length: rest.min(longest), reach: longest },
+            LandingStep::Over => Wanted::Landing,
         }
     }
 

@@ -42,10 +42,10 @@ pub struct PieceInterpolator<'a, R, const D: usize> {
 #[derive(Clone, Copy, Debug)]
 pub struct PieceState<R, const D: usize> {
     pub(crate) cursor: LengthCursor,
-    /// The distance of the next period at the plan's own speed, and where the schedule stands after it, if `is_ahead`.
-    ahead: Option<R>,
+    /// The distance of the next period at the plan's own speed, and where the schedule stands after it. `None` behind the
+    /// schedule's end, and where the cursor was moved since: then the next step looks ahead anew.
+    pub(crate) ahead: Option<R>,
     next: LengthCursor,
-    pub(crate) is_ahead: bool,
     pub(crate) piece: usize,
     pub(crate) phase: u64,
     /// 2^s of `piece`: in fixed point it would take as long as a tenth of the step to form it anew.
@@ -110,7 +110,6 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
             cursor,
             ahead: None,
             next: cursor,
-            is_ahead: false,
             piece: 0,
             phase: 0,
             whole,
@@ -155,14 +154,15 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
             let length = self.wait(state)?;
             return Some(PieceSetpoint { length, ..self.hold(state) });
         };
-        if !state.is_ahead {
+        if state.ahead.is_none() {
             self.look_ahead(state);
         }
         let planned = state.ahead;
         state.cursor = state.next;
         // A period early: the processor has the distance ready by the time that the step before is found.
         state.ahead = self.lengths.advance(&mut state.next);
-        Some(self.follow(state, row, Wanted::Planned(planned)))
+        let is_last = state.ahead.is_none();
+        Some(self.follow(state, row, planned.map_or(Wanted::Landing, |length| self.planned(length, is_last))))
     }
 
     /// The next setpoint, a chord of this length on, whatever the schedule says; `None` once the end of the path has been
@@ -178,7 +178,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     pub fn step_by(&self, state: &mut PieceState<R, D>, length: R) -> Option<PieceSetpoint<R, D>> {
         let row = self.pieces.pieces.get(state.piece)?;
         Some(if length > R::zero() {
-            self.follow(state, row, Wanted::Given(length, length))
+            self.follow(state, row, Wanted::Chord { length, reach: length })
         } else {
             self.hold(state)
         })
@@ -197,7 +197,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     #[cold]
     #[inline(never)]
     pub(crate) fn wait(&self, state: &mut PieceState<R, D>) -> Option<R> {
-        if !state.is_ahead {
+        if state.ahead.is_none() {
             self.look_ahead(state);
         }
         let length = state.ahead?;
@@ -212,7 +212,6 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     fn look_ahead(&self, state: &mut PieceState<R, D>) {
         state.next = state.cursor;
         state.ahead = self.lengths.advance(&mut state.next);
-        state.is_ahead = true;
     }
 
     /// One period.
@@ -245,16 +244,13 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         self.follow(state, row, wanted)
     }
 
-    /// The chord that is wanted, and the one that is made unless the path ends before.
+    /// A chord of the plan. In the schedule's last period the step reaches further by a landing step, so that what rounding has
+    /// left of the path is travelled in it.
     #[inline(always)]
-    fn chord_wanted(&self, state: &PieceState<R, D>, row: &Piece<R, D>, wanted: Wanted<R>) -> (R, R) {
-        let planned = match wanted {
-            Wanted::Given(length, reach) => return (length, reach),
-            Wanted::Planned(planned) => planned,
-        };
-        let is_last = planned.is_some() && self.lengths.is_over(&state.cursor);
-        let length = planned.unwrap_or_else(|| self.landing(state, row)).signal("chord_length");
-        (length, if is_last { sum_within(length, self.landing_step, R::max_value()) } else { length })
+    pub(crate) fn planned(&self, length: R, is_last: bool) -> Wanted<R> {
+        let length = length.signal("chord_length");
+        let reach = if is_last { sum_within(length, self.landing_step, R::max_value()) } else { length };
+        Wanted::Chord { length, reach }
     }
 
     /// One period on pieces of degree N, or with [`MAX_DEGREE`] on any; if PLAIN only on those without weights.
@@ -265,7 +261,13 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         row: &Piece<R, D>,
         wanted: Wanted<R>,
     ) -> PieceSetpoint<R, D> {
-        let (length, reach) = self.chord_wanted(state, row, wanted);
+        let (length, reach) = match wanted {
+            Wanted::Chord { length, reach } => (length, reach),
+            Wanted::Landing => {
+                let length = self.landing(state, row).signal("chord_length");
+                (length, length)
+            }
+        };
         let evaluations = match self.find_ahead::<N, PLAIN>(state, row, reach) {
             Ok(sigma) => {
                 let step = sigma * reach;
@@ -556,10 +558,10 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
 /// The chord of a period.
 #[derive(Clone, Copy)]
 pub(crate) enum Wanted<R> {
-    /// What the plan says; nothing after its end, where a landing step is made.
-    Planned(Option<R>),
-    /// This, and the one that is made.
-    Given(R, R),
+    /// A chord of this length; the step is made as if it were `reach`, and ends where the path does.
+    Chord { length: R, reach: R },
+    /// What is left behind the schedule's end, in landing steps.
+    Landing,
 }
 
 /// The step to the end of the present piece.
