@@ -154,15 +154,27 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
             let length = self.wait(state)?;
             return Some(PieceSetpoint { length, ..self.hold(state) });
         };
-        if state.ahead.is_none() {
-            self.look_ahead(state);
-        }
-        let planned = state.ahead;
+        let Some(length) = state.ahead else { return Some(self.step_anew(state, row)) };
+        let wanted = self.take_ahead(state, length);
+        Some(self.follow(state, row, wanted))
+    }
+
+    /// A period whose distance is not known yet, as after one at another feed, or that lies behind the schedule's end.
+    #[cold]
+    #[inline(never)]
+    fn step_anew(&self, state: &mut PieceState<R, D>, row: &Piece<R, D>) -> PieceSetpoint<R, D> {
+        self.look_ahead(state);
+        let wanted = state.ahead.map_or(Wanted::Landing, |length| self.take_ahead(state, length));
+        self.follow_aside(state, row, wanted)
+    }
+
+    /// The chord of the period that was looked up, of this length. The distance of the one behind it is formed a period early: the
+    /// processor has it ready by the time that this step is found.
+    #[inline(always)]
+    fn take_ahead(&self, state: &mut PieceState<R, D>, length: R) -> Wanted<R> {
         state.cursor = state.next;
-        // A period early: the processor has the distance ready by the time that the step before is found.
         state.ahead = self.lengths.advance(&mut state.next);
-        let is_last = state.ahead.is_none();
-        Some(self.follow(state, row, planned.map_or(Wanted::Landing, |length| self.planned(length, is_last))))
+        self.planned(length, state.ahead.is_none())
     }
 
     /// The next setpoint, a chord of this length on, whatever the schedule says; `None` once the end of the path has been
