@@ -1,24 +1,17 @@
 //! `secant-interp`: real time. A curve and a schedule go in, one setpoint per interpolation period comes out.
 //!
 //! Each period wants a chord of a given length; sought is the parameter at which the curve has moved that far.
-//! | algorithm | where |
-//! |---|---|
-//! | the period loop, landing on the end | [`Interpolator`] |
-//! | safeguarded secant iteration | [`secant`] |
-//! | start values (6) and (7) | [`predictor`] |
-//! | Taylor expansions of first and second order | [`taylor`] |
-//! | the period loop on compiled pieces | [`PieceInterpolator`] |
-//! | the same by chords that are given, not planned | [`PieceInterpolator::step_by`] |
-//! | many runs of it at once, with the feature `lanes` | `LaneInterpolator` |
-//! | one chord on a piece, without division | [`Chord`] |
-//! | the distance of each period | [`StepLengths`] |
-//! | a run that lands on each stop on the way | [`CompiledPath::runs`], [`PieceInterpolator::on`] |
-//! | feed override and feed hold while a plan runs | [`FeedOverride`] |
-#![cfg_attr(
-    feature = "alloc",
-    doc = "| path and plan together, ready to run; with an example from curve to setpoints | [`CompiledPath`] |"
-)]
-//! | a run as constants for flash, with the feature `std`; whether a controller makes the same | `Constant`, [`PositionChecksum`] |
+//!
+//! | folder | answers | public names |
+//! |---|---|---|
+//! | | how far does each period go? | [`StepLengths`], made of [`LengthStage`]s |
+//! | `pieces/` | where does a chord end on compiled pieces? One chord without division, joints, runs from rest to rest | [`PieceInterpolator`], [`Chord`], [`Section`] |
+//! | | the same for many runs at once, with the feature `lanes` | `LaneInterpolator` |
+//! | `global_parameter/` | where does it end on a curve with one parameter? Paper A's step | [`Interpolator`], [`secant`], [`predictor`], [`taylor`], [`CurvePart`] |
+//! | `feed_override/` | which chord, while an operator turns the feed down or holds it? | [`FeedOverride`], [`PieceInterpolator::step_overridden`] |
+//! | `compiled/` | how is a run stored for a controller, and does it make the same setpoints there? | `CompiledPath` (feature `alloc`; with an example from curve to setpoints), `Constant` (feature `std`), [`PositionChecksum`] |
+//!
+//! For a chord that is given by someone else there is [`PieceInterpolator::step_by`].
 //!
 //! A step takes no heap, cannot panic and has no loop without a bound; everything is generic over [`real::Real`].
 //!
@@ -35,45 +28,65 @@
 //! Chinese: the step on the global parameter. What it misprints is in `docs/papers.md`. The step on pieces is ours.
 
 #![cfg_attr(not(feature = "std"), no_std)]
+#![allow(clippy::module_inception, reason = "a folder's main file has the folder's name")]
 
 #[cfg(feature = "alloc")]
 extern crate alloc;
 
-mod chord_step;
-#[cfg(feature = "alloc")]
-mod compiled_path;
-#[cfg(feature = "std")]
-mod constant;
-mod curve_part;
-mod feed_override;
-mod interpolator;
-mod joint;
-mod landing;
-#[cfg(feature = "lanes")]
-mod lanes;
-mod overridden_step;
-mod piece_interpolator;
-mod position_checksum;
-pub mod predictor;
-pub mod secant;
-mod section;
 mod step_lengths;
-pub mod taylor;
-mod trend;
 
-pub use chord_step::{Chord, ChordTolerance};
+mod global_parameter {
+    pub(crate) mod curve_part;
+    pub(crate) mod interpolator;
+    pub mod predictor;
+    pub mod secant;
+    pub mod taylor;
+}
+
+mod pieces {
+    pub(crate) mod chord_step;
+    pub(crate) mod joint;
+    #[cfg(feature = "lanes")]
+    pub(crate) mod lane_numbers;
+    #[cfg(feature = "lanes")]
+    pub(crate) mod lanes;
+    pub(crate) mod over_joints;
+    pub(crate) mod piece_interpolator;
+    pub(crate) mod place;
+    pub(crate) mod section;
+    pub(crate) mod state;
+    pub(crate) mod trend;
+}
+
+mod feed_override {
+    pub(crate) mod feed_override;
+    pub(crate) mod landing;
+    pub(crate) mod overridden_step;
+}
+
+mod compiled {
+    #[cfg(feature = "alloc")]
+    pub(crate) mod compiled_path;
+    #[cfg(feature = "std")]
+    pub(crate) mod constant;
+    pub(crate) mod position_checksum;
+}
+
 #[cfg(feature = "alloc")]
-pub use compiled_path::{CompiledPath, CompiledPathError};
+pub use compiled::compiled_path::{CompiledPath, CompiledPathError};
 #[cfg(feature = "std")]
-pub use constant::{Constant, number_function, number_type};
-pub use curve_part::CurvePart;
-pub use feed_override::{FeedOverride, OverrideLimits, OverrideState, Rate};
+pub use compiled::constant::{Constant, number_function, number_type};
+pub use compiled::position_checksum::PositionChecksum;
+pub use feed_override::feed_override::{FeedOverride, OverrideLimits, OverrideState, Rate};
 pub use feed_plan::StageShape;
-pub use interpolator::{Interpolator, Method, Setpoint, State};
+pub use global_parameter::curve_part::CurvePart;
+pub use global_parameter::interpolator::{Interpolator, Method, Setpoint, State};
+pub use global_parameter::secant::{Outcome, Tolerance};
+pub use global_parameter::{predictor, secant, taylor};
+pub use pieces::chord_step::{Chord, ChordTolerance};
 #[cfg(feature = "lanes")]
-pub use lanes::LaneInterpolator;
-pub use piece_interpolator::{PieceInterpolator, PieceSetpoint, PieceState};
-pub use position_checksum::PositionChecksum;
-pub use secant::{Outcome, Tolerance};
-pub use section::Section;
+pub use pieces::lanes::LaneInterpolator;
+pub use pieces::piece_interpolator::PieceInterpolator;
+pub use pieces::section::Section;
+pub use pieces::state::{PieceSetpoint, PieceState};
 pub use step_lengths::{LengthCursor, LengthStage, StepLengths};

@@ -1,7 +1,7 @@
-//! The way that is left behind the schedule's end, from rest to rest.
+//! The way that remains behind the schedule's end, travelled from standstill to standstill.
 //!
 //! Chords are shorter than arcs. A plan counts on what its own chords gain, and at the rate r a chord gains r² of that: an
-//! overridden run comes to rest before the end of the path, `1 - r²` of it behind. That rest δ is travelled with the jerk c, -c,
+//! overridden run comes to rest before the end of the path, `1 - r²` of it behind. What remains, δ, is travelled with the jerk c, -c,
 //! -c, c, m periods each:
 //!
 //! ```text
@@ -27,14 +27,14 @@ pub(crate) struct Landing {
     quarter: i32,
     /// Σ g_k over the periods to come.
     weight: i32,
-    /// Periods of rest that are owed to the landing.
-    rest: i32,
+    /// Periods without motion that are still to come behind the landing.
+    pause_left: i32,
 }
 
 /// One period of a landing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum LandingStep<R> {
-    /// So much of the rest.
+    /// So much of the remaining length.
     Part(R),
     /// All that is left.
     Last,
@@ -43,34 +43,34 @@ pub(crate) enum LandingStep<R> {
 }
 
 impl Landing {
-    /// What the next period takes of the rest of this length, with no more than `longest`, A T², in a step and `jerk`, J T³, as
+    /// What the next period takes of the remaining length, with no more than `longest`, A T², in a step and `jerk`, J T³, as
     /// the second difference of steps.
-    pub(crate) fn advance<R: Real>(&mut self, rest: R, longest: R, jerk: R) -> LandingStep<R> {
+    pub(crate) fn advance<R: Real>(&mut self, remaining: R, longest: R, jerk: R) -> LandingStep<R> {
         self.period = self.period.saturating_add(1);
         let k = self.period.saturating_sub(PAUSE);
         if k <= 0 {
             return LandingStep::Part(R::zero());
         }
         if k == 1 {
-            self.quarter = quarter(rest, longest, jerk);
+            self.quarter = quarter(remaining, longest, jerk);
             self.weight = 2 * self.quarter.pow(3);
         }
         let share = weight(self.quarter, k);
         if share == 0 || self.weight <= share {
             let is_last = share > 0;
             self.weight = 0;
-            self.rest = PAUSE;
+            self.pause_left = PAUSE;
             return if is_last { LandingStep::Last } else { LandingStep::Over };
         }
-        let part = (rest * R::from_ratio(share, self.weight)).min(longest);
+        let part = (remaining * R::from_ratio(share, self.weight)).min(longest);
         self.weight -= share;
         LandingStep::Part(part)
     }
 
-    /// Whether the next period, behind the end of the path, is one of rest.
-    pub(crate) fn rests(&mut self) -> bool {
-        let is_owed = self.rest > 0;
-        self.rest -= i32::from(is_owed);
+    /// Whether the next period, behind the end of the path, is one without motion.
+    pub(crate) fn pauses(&mut self) -> bool {
+        let is_owed = self.pause_left > 0;
+        self.pause_left -= i32::from(is_owed);
         is_owed
     }
 }
@@ -89,9 +89,10 @@ fn weight(quarter: i32, k: i32) -> i32 {
 }
 
 /// The smallest m, at most 2⁹, with `δ/(2m³) ≤ J T³` and `δ/(2m) ≤ A T²`.
-fn quarter<R: Real>(rest: R, longest: R, jerk: R) -> i32 {
-    let is_short =
-        |m: i32| rest * R::from_ratio(1, 2 * m.pow(3)) > jerk || rest * R::from_ratio(1, 2 * m) > longest;
+fn quarter<R: Real>(remaining: R, longest: R, jerk: R) -> i32 {
+    let is_short = |m: i32| {
+        remaining * R::from_ratio(1, 2 * m.pow(3)) > jerk || remaining * R::from_ratio(1, 2 * m) > longest
+    };
     let grown = |m: i32, bit: i32| if is_short(m + (1 << bit)) { m + (1 << bit) } else { m };
     (0..QUARTER_BITS).rev().fold(0, grown) + 1
 }
@@ -114,9 +115,9 @@ mod tests {
     }
 
     /// A landing in `R` keeps A and J to a few units, ends on the rest, and takes the periods that it must.
-    fn lands<R: Backend>(rest: f64, longest: f64, jerk: f64) {
+    fn lands<R: Backend>(remaining: f64, longest: f64, jerk: f64) {
         let number = |x: f64| R::from_f64(x).unwrap();
-        let (mut landing, mut left, mut steps) = (Landing::default(), number(rest), vec![0.0; 2]);
+        let (mut landing, mut left, mut steps) = (Landing::default(), number(remaining), vec![0.0; 2]);
         loop {
             let part = match landing.advance(left, number(longest), number(jerk)) {
                 LandingStep::Part(part) => part,
@@ -131,25 +132,25 @@ mod tests {
         assert!(left.is_zero(), "{}: {} left", R::name(), left.to_f64());
         let unit = R::resolution().to_f64();
         let found = steps.windows(3).map(|w| (w[2] - 2.0 * w[1] + w[0]).abs()).fold(0.0, f64::max);
-        assert!(found <= jerk * (1.0 + 1e-5) + 8.0 * unit, "{}: {found} > {jerk} for {rest}", R::name());
+        assert!(found <= jerk * (1.0 + 1e-5) + 8.0 * unit, "{}: {found} > {jerk} for {remaining}", R::name());
         let found = steps.iter().copied().fold(0.0, f64::max);
         assert!(found <= longest * (1.0 + 1e-5) + 2.0 * unit, "{}: {found} > {longest}", R::name());
-        let quarter = (rest / (2.0 * jerk)).cbrt().max(rest / (2.0 * longest)).max(0.9);
+        let quarter = (remaining / (2.0 * jerk)).cbrt().max(remaining / (2.0 * longest)).max(0.9);
         assert!(steps.len() as f64 <= 4.0 * (1.01 * quarter + 1.0) + 6.0, "{} periods", steps.len());
     }
 
     proptest! {
         #[test]
         fn a_landing_keeps_acceleration_and_jerk(
-            longest in 0.01_f64..0.5, jerks in 1e-3_f64..1.0, rests in -3_f64..2.0,
+            longest in 0.01_f64..0.5, jerks in 1e-3_f64..1.0, remains in -3_f64..2.0,
         ) {
-            let (jerk, rest) = (longest * jerks, (longest * rests.exp2()).min(3.9));
-            lands::<f64>(rest, longest, jerk);
-            lands::<f32>(rest, longest, jerk);
-            lands::<I4F28>(rest, longest, jerk);
-            lands::<I8F24>(rest, longest, jerk);
-            lands::<I4F60>(rest, longest, jerk);
-            lands::<I16F48>(rest, longest, jerk);
+            let (jerk, remaining) = (longest * jerks, (longest * remains.exp2()).min(3.9));
+            lands::<f64>(remaining, longest, jerk);
+            lands::<f32>(remaining, longest, jerk);
+            lands::<I4F28>(remaining, longest, jerk);
+            lands::<I8F24>(remaining, longest, jerk);
+            lands::<I4F60>(remaining, longest, jerk);
+            lands::<I16F48>(remaining, longest, jerk);
         }
     }
 

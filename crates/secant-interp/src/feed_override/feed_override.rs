@@ -30,7 +30,7 @@ use core::num::NonZeroU64;
 
 use real::Real;
 
-use crate::landing::Landing;
+use crate::feed_override::landing::Landing;
 use crate::step_lengths::{LengthCursor, StepLengths};
 
 /// The rate 1, in its unit.

@@ -1,28 +1,29 @@
 //! The real-time loop on compiled pieces: positions as (piece, phase), chords without loss.
+//!
+//! What a period does, from top to bottom; what stands further right is rarer:
+//!
+//! ```text
+//! step ──────── is the distance of this period known? ─── no ──────────> step_anew: look it up; behind the plan's end, creep
+//!   │
+//! find_ahead ── is the guess in range and on this piece? ─ no ─────────> search ─┐   up to the end of the piece, or from a guess
+//!   │                                                                           │   that is held to the range
+//!   ├────────── is one evaluation enough? ─── no ──────> refine ─┐               │
+//!   │                                                            ├─> travel <────┤   the end of the step on this piece
+//! onward ────── does the step end on this piece? ─── no ─────────┴─> pass_end    ├─> cross   (over_joints.rs)
+//!   │                                                                 │          │
+//!   │                                                                 └──────────┘   the polynomial changes at the joint
+//! shift_along: the polynomials about the new place        arrive: the same after all rare ways
+//! ```
 
-use nurbs_core::{Joint, MAX_DEGREE, Piece, Pieces, Shifted};
+use nurbs_core::{MAX_DEGREE, Piece, Pieces, Shifted};
 use real::Real;
 
-use crate::chord_step::{Chord, ChordTolerance, Evaluation, difference_within, within};
-use crate::joint::{Travelled, into_next, part_into_next, part_of_next, past};
+use crate::pieces::chord_step::{Chord, ChordTolerance, Evaluation, difference_within};
+use crate::pieces::joint::{Reached, sum_within};
+use crate::pieces::place::{after, is_on_piece, onward, place_of};
+use crate::pieces::state::{PieceSetpoint, PieceState};
+use crate::pieces::trend::Trend;
 use crate::step_lengths::{LengthCursor, StepLengths};
-use crate::trend::Trend;
-
-/// One setpoint on a path of pieces.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PieceSetpoint<R, const D: usize> {
-    /// Index of the piece; the number of pieces at the end of the path.
-    pub piece: usize,
-    /// The local parameter, in units of 2⁻⁶⁴.
-    pub phase: u64,
-    /// The point as an offset from the piece's origin, in coordinate units. At the end of the path it belongs to
-    /// the last piece.
-    pub offset: [R; D],
-    /// The chord that was wanted, in chord units.
-    pub length: R,
-    /// Evaluations of the chord in this period.
-    pub evaluations: u32,
-}
 
 /// Pieces, schedule and tolerances: what does not change during a run.
 #[derive(Clone, Copy, Debug)]
@@ -38,58 +39,9 @@ pub struct PieceInterpolator<'a, R, const D: usize> {
     pub landing_step: R,
 }
 
-/// What changes from period to period.
-#[derive(Clone, Copy, Debug)]
-pub struct PieceState<R, const D: usize> {
-    pub(crate) cursor: LengthCursor,
-    /// The distance of the next period at the plan's own speed, and where the schedule stands after it. `None` behind the
-    /// schedule's end, and where the cursor was moved since: then the next step looks ahead anew.
-    pub(crate) ahead: Option<R>,
-    next: LengthCursor,
-    pub(crate) piece: usize,
-    pub(crate) phase: u64,
-    /// 2^s of `piece`: in fixed point it would take as long as a tenth of the step to form it anew.
-    whole: R,
-    /// σ of the last steps, in the scale of `piece`.
-    pub(crate) trend: Trend<R>,
-    /// The piece's polynomials about t, the place of `phase`: they were formed for the setpoint there, and the next step begins
-    /// with them.
-    pub(crate) t: R,
-    pub(crate) at: Shifted<R, D>,
-}
-
-impl<R: Real, const D: usize> PieceState<R, D> {
-    /// Where the schedule stands.
-    #[must_use]
-    pub fn cursor(&self) -> &LengthCursor {
-        &self.cursor
-    }
-
-    /// The end of a step over a joint; its evaluations.
-    fn reach(&mut self, reached: &Reached<R>, pieces: &[Piece<R, D>]) -> u32 {
-        self.trend = self.trend.and(reached.sigma);
-        (self.piece, self.phase) = (reached.piece, reached.phase);
-        self.whole = pieces.get(self.piece).map_or(R::one(), Piece::whole);
-        reached.evaluations
-    }
-}
-
-/// `part + more`, but no more than `greatest`, which `part` is not above.
-pub(crate) fn sum_within<R: Real>(part: R, more: R, greatest: R) -> R {
-    part + more.min(greatest - part)
-}
-
 /// The degree that steps are compiled for besides all others, with the feature `cubic`: chains of three coefficients are
 /// unrolled.
 pub(crate) const CUBIC: usize = 3;
-
-/// The position reached by a step, and σ there.
-pub(crate) struct Reached<R> {
-    pub(crate) piece: usize,
-    pub(crate) phase: u64,
-    pub(crate) sigma: R,
-    pub(crate) evaluations: u32,
-}
 
 impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     /// Whether the end of the path has been commanded.
@@ -276,7 +228,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         let (length, reach) = match wanted {
             Wanted::Chord { length, reach } => (length, reach),
             Wanted::Landing => {
-                let length = self.landing(state, row).signal("chord_length");
+                let length = self.creep_length(state, row).signal("chord_length");
                 (length, length)
             }
         };
@@ -318,7 +270,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     /// step per chord, which is no less than the format's resolution.
     #[cold]
     #[inline(never)]
-    fn landing(&self, state: &PieceState<R, D>, row: &Piece<R, D>) -> R {
+    fn creep_length(&self, state: &PieceState<R, D>, row: &Piece<R, D>) -> R {
         let place = (state.phase, state.t);
         let moves = |length: R| onward(row, place, row.step_per_chord[0] * length) != Some(place);
         let mut length = self.landing_step.max(R::resolution());
@@ -418,127 +370,6 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         self.pass_end(state, row, length, &step)
     }
 
-    /// A step of a phase that leads past the end of the piece; the evaluations.
-    #[cold]
-    #[inline(never)]
-    fn pass_end(&self, state: &mut PieceState<R, D>, row: &Piece<R, D>, length: R, step: &Reached<R>) -> u32 {
-        if let Some(reached) = self.pass_joint(state.phase, &mut state.trend, row, step) {
-            return state.reach(&reached, self.pieces.pieces);
-        }
-        let travelled = self.way_to_end(state, row, length);
-        step.evaluations + self.cross(state, row, travelled, length)
-    }
-
-    /// What a step travels up to the end of the present piece.
-    #[inline]
-    fn way_to_end(&self, state: &PieceState<R, D>, row: &Piece<R, D>, length: R) -> Travelled<R, D> {
-        let step = step_to_end(state, row);
-        let way = self.chord(row, &state.at, length).over(step);
-        Travelled::new(way.map(|x| x / length), step / length)
-    }
-
-    /// Where a step of a phase leads that is past the end of a piece whose polynomial goes on; the trend comes into the scale
-    /// of the next piece. `None` if another polynomial follows there, or the step is none that was found on this one.
-    #[inline]
-    pub(crate) fn pass_joint(
-        &self,
-        phase: u64,
-        trend: &mut Trend<R>,
-        row: &Piece<R, D>,
-        step: &Reached<R>,
-    ) -> Option<Reached<R>> {
-        let next = self.pieces.pieces.get(step.piece + 1)?;
-        let is_found = is_inside(step.sigma, &row.step_per_chord) && step.phase < u64::MAX;
-        if row.joint != Joint::Continues || !is_found {
-            return None;
-        }
-        // Beyond the end lies what is more than the rest: nothing of a step that leads to the last phase.
-        let rest = phase.wrapping_neg(); // 2⁶⁴ - phase
-        let phase = part_of_next(row, next, step.phase.saturating_sub(rest))?;
-        *trend = trend.into_next(row, next);
-        Some(Reached { piece: step.piece + 1, phase, sigma: into_next(row, next, step.sigma), ..*step })
-    }
-
-    /// A step over one joint or more, with what was travelled at the first; the evaluations.
-    ///
-    /// It is rare, and one form of it serves all degrees: a second would cost a controller more flash than it saves time.
-    #[cold]
-    #[inline(never)]
-    fn cross(
-        &self,
-        state: &mut PieceState<R, D>,
-        row: &Piece<R, D>,
-        travelled: Travelled<R, D>,
-        length: R,
-    ) -> u32 {
-        let reached = self.find_across(state.piece, &mut state.trend, row, travelled, length);
-        let evaluations = state.reach(&reached, self.pieces.pieces);
-        if let Some(row) = self.pieces.pieces.get(state.piece) {
-            state.trend = state.trend.within(&row.step_per_chord);
-        }
-        evaluations
-    }
-
-    /// The end of a step over joints. Pieces that end nearer than the length are passed, and the rest is solved on the next. Behind
-    /// a corner, where the tangent breaks, what is left of the length is the length of a chord that begins there.
-    #[inline]
-    fn find_across(
-        &self,
-        piece: usize,
-        trend: &mut Trend<R>,
-        row: &Piece<R, D>,
-        mut travelled: Travelled<R, D>,
-        mut length: R,
-    ) -> Reached<R> {
-        let mut row = row;
-        let mut expected = trend.next(&row.step_per_chord);
-        let mut at = Shifted::default();
-        let mut evaluations = 0;
-        for (piece, next) in self.pieces.pieces.iter().enumerate().skip(piece + 1) {
-            let greatest = next.step_per_chord[1];
-            *trend = trend.into_next(row, next);
-            expected = into_next(row, next, expected);
-            if row.joint == Joint::Breaks {
-                length = length * travelled.left;
-                travelled = Travelled::nothing();
-            }
-            let Travelled { before, part, left } = travelled;
-            let part = part_into_next(row, next, part.min(row.step_per_chord[1]));
-            if left <= R::zero() || length <= R::zero() {
-                return Reached { piece, phase: 0, sigma: trend.newest, evaluations };
-            }
-            self.pieces.shift_to_begin(piece, &mut at);
-            let mut on_next = self.chord(next, &at, length);
-            let guess = if row.joint == Joint::Breaks {
-                expected = first_step_per_chord(&at.chord[0], &next.step_per_chord);
-                *trend = Trend::steady(expected);
-                expected
-            } else {
-                on_next = Chord { before: Some(before), range: [R::zero(), greatest], ..on_next };
-                // What is left begins later than a whole chord and ends with it: σ has gone on by half of that.
-                let earlier = ((trend.newest - expected) * (R::one() - left)).half();
-                (expected - within(earlier, expected, &next.step_per_chord)) * left
-            };
-            let is_long = guess * length >= on_next.whole;
-            let whole = || sum_within(part, on_next.whole / length, greatest);
-            if is_long && let Some(beyond) = past(&before, &on_next, length) {
-                (row, travelled) = (next, Travelled::new(beyond, whole()));
-                continue;
-            }
-            let (sigma, count) = on_next.solve(guess, &self.tolerance);
-            evaluations += count;
-            let step = sigma * length;
-            let beyond = if step < on_next.whole || is_long { None } else { past(&before, &on_next, length) };
-            let Some(beyond) = beyond else {
-                let phase = next.part(step);
-                let sigma = next.step_per_chord[0].max(sum_within(part, sigma, greatest));
-                return Reached { piece, phase, sigma, evaluations };
-            };
-            (row, travelled) = (next, Travelled::new(beyond, whole()));
-        }
-        Reached { piece: self.pieces.pieces.len(), phase: 0, sigma: trend.newest, evaluations }
-    }
-
     /// The chord on a piece, from the point about which it was shifted: in the form that serves all.
     pub(crate) fn chord<'b>(&self, row: &Piece<R, D>, at: &'b Shifted<R, D>, length: R) -> Chord<'b, R, D> {
         self.chord_on(row, row.whole(), at, length)
@@ -574,72 +405,4 @@ pub(crate) enum Wanted<R> {
     Chord { length: R, reach: R },
     /// What is left behind the schedule's end, in landing steps.
     Landing,
-}
-
-/// The step to the end of the present piece.
-#[inline]
-pub(crate) fn step_to_end<R: Real, const D: usize>(state: &PieceState<R, D>, row: &Piece<R, D>) -> R {
-    let rest = state.phase.wrapping_neg(); // 2⁶⁴ - phase; 0 stands for a whole piece
-    if rest == 0 { row.whole() } else { R::from_phase(rest, i32::from(row.step_exponent)) }
-}
-
-/// The phase that a step leads to on its piece; `None` past the end. Steps of a whole piece and more are saturated: from the
-/// piece's begin on, they end at the last phase.
-#[inline]
-pub(crate) fn after(phase: u64, step: u64) -> Option<u64> {
-    (step < !phase).then(|| phase.wrapping_add(step))
-}
-
-/// The place of a phase, as phase and as number. Where numbers are added up the phase has the digits of these: one with more
-/// would lie before a place that a short step leads to.
-pub(crate) fn place_of<R: Real>(phase: u64) -> (u64, R) {
-    let t = R::fraction(phase);
-    let digits = if R::ADDS_PLACES { t.place_to_phase() } else { None };
-    (digits.unwrap_or(phase), t)
-}
-
-/// The place on a piece that a step leads to, as phase and as number; `None` past the end.
-#[inline(always)]
-pub(crate) fn onward<R: Real, const D: usize>(
-    row: &Piece<R, D>,
-    (phase, t): (u64, R),
-    step: R,
-) -> Option<(u64, R)> {
-    if R::ADDS_PLACES {
-        let t = t + step;
-        return Some((t.place_to_phase()?, t));
-    }
-    let phase = after(phase, row.part(step))?;
-    Some((phase, R::fraction(phase)))
-}
-
-/// Whether a step of `guessed` is worth an evaluation on the present piece: not if it reaches past a knot by more than guesses
-/// are wrong by, nor past the whole piece.
-#[inline]
-fn is_on_piece<R: Real, const D: usize>(state: &PieceState<R, D>, row: &Piece<R, D>, guessed: R) -> bool {
-    let whole = if R::IS_FLOATING { row.whole() } else { state.whole };
-    guessed <= whole && (row.joint == Joint::Continues || !leads_past_end(state, row, guessed))
-}
-
-/// Whether a step of `guessed` reaches past the end of the present piece by more than guesses are wrong by, 2⁻⁸ of the way.
-#[inline]
-fn leads_past_end<R: Real, const D: usize>(state: &PieceState<R, D>, row: &Piece<R, D>, guessed: R) -> bool {
-    if R::IS_FLOATING {
-        let rest = R::one() - state.t;
-        return guessed > rest + rest.scale(-8);
-    }
-    let rest = state.phase.wrapping_neg().wrapping_sub(1); // 2⁶⁴ - 1 - phase
-    row.part(guessed).saturating_sub(rest) > rest / 256
-}
-
-/// σ of a short chord from the begin of a piece, in its range: 1/|C'|, of C' as the chord's first coefficient.
-fn first_step_per_chord<R: Real, const D: usize>(chord: &[R; D], range: &[R; 2]) -> R {
-    let speed = R::norm(chord);
-    if speed > R::zero() { (R::one() / speed).max(range[0]).min(range[1]) } else { range[1] }
-}
-
-/// Whether a root was found rather than the end of its range. The range is that of one piece: over a joint, the mean
-/// step per chord may lie beyond it.
-fn is_inside<R: Real>(sigma: R, range: &[R; 2]) -> bool {
-    range[0] < sigma && sigma < range[1]
 }

@@ -3,11 +3,12 @@
 use nurbs_core::{ORIGIN_EXPONENT, Piece, Shifted};
 use real::Real;
 
-use crate::feed_override::{FeedOverride, OverrideState};
-use crate::landing::{Landing, LandingStep};
-use crate::piece_interpolator::{
-    PieceInterpolator, PieceSetpoint, PieceState, Wanted, step_to_end, sum_within,
-};
+use crate::feed_override::feed_override::{FeedOverride, OverrideState};
+use crate::feed_override::landing::{Landing, LandingStep};
+use crate::pieces::joint::sum_within;
+use crate::pieces::piece_interpolator::{PieceInterpolator, Wanted};
+use crate::pieces::place::step_to_end;
+use crate::pieces::state::{PieceSetpoint, PieceState};
 
 /// An overridden run that is so near to the end in the last period of its schedule lands at once: 2⁻⁵ J T³ of more way are
 /// twice that of jerk.
@@ -32,7 +33,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
             if !is_early {
                 feeds.approach(rates);
             }
-            return (is_early || rates.landing.rests()).then(|| self.hold(state));
+            return (is_early || rates.landing.pauses()).then(|| self.hold(state));
         };
         let wanted = match feeds.advance(&self.lengths, &mut state.cursor, rates) {
             Some(length) => {
@@ -65,18 +66,18 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         feeds: &FeedOverride,
         landing: &mut Landing,
     ) -> Wanted<R> {
-        let Some(rest) = self.rest(state, row) else { return Wanted::Landing };
+        let Some(remaining) = self.remaining(state, row) else { return Wanted::Landing };
         let longest = self.landing_step;
-        match landing.advance(rest, longest, feeds.landing_jerk(longest)) {
+        match landing.advance(remaining, longest, feeds.landing_jerk(longest)) {
             LandingStep::Part(part) => Wanted::Chord { length: part, reach: part },
-            LandingStep::Last => Wanted::Chord { length: rest.min(longest), reach: longest },
+            LandingStep::Last => Wanted::Chord { length: remaining.min(longest), reach: longest },
             LandingStep::Over => Wanted::Landing,
         }
     }
 
     /// The way to the end of the path, in chord units: to the end of the piece, straight on to the last one, and over that. `None`
     /// where that is too far for the format.
-    fn rest(&self, state: &PieceState<R, D>, row: &Piece<R, D>) -> Option<R> {
+    fn remaining(&self, state: &PieceState<R, D>, row: &Piece<R, D>) -> Option<R> {
         let to_end = self.across(row, &state.at, step_to_end(state, row))?;
         let last = self.pieces.pieces.len().saturating_sub(1);
         let (Some(next), Some(end)) = (self.pieces.pieces.get(state.piece + 1), self.pieces.pieces.get(last))

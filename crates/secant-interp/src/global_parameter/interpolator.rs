@@ -4,9 +4,9 @@ use feed_plan::{Cursor, Schedule};
 use nurbs_core::{Derivatives, Differentiate};
 use real::Real;
 
-use crate::predictor::History;
-use crate::secant::{self, Outcome, Tolerance};
-use crate::taylor::{self, Order};
+use crate::global_parameter::predictor::History;
+use crate::global_parameter::secant::{self, Outcome, Tolerance};
+use crate::global_parameter::taylor::{self, Order};
 
 /// Evaluations that look for a start value where C' all but vanishes: the fourth root of a ratio as large as 2²⁰ is within a fifth
 /// of its limit then, where the chord goes by the square or cube of the increment.

@@ -3,8 +3,8 @@
 use nurbs_core::Piece;
 use real::Real;
 
-use crate::chord_step::within;
-use crate::joint::into_next;
+use crate::pieces::chord_step::within;
+use crate::pieces::joint::into_next;
 
 /// σ of the last step, and its differences to those before, all in the scale of one piece. They are kept instead of the σ
 /// themselves: a step has less to form and to move.

@@ -14,118 +14,18 @@
 
 use feed_plan::StageShape;
 use nurbs_core::{Joint, shift};
-use real::{Lane, Real};
+use real::Lane;
 
-use crate::chord_step::{Evaluation, correction, is_within, value_and_slope};
-use crate::piece_interpolator::{
-    CUBIC, PieceInterpolator, PieceSetpoint, PieceState, Reached, Wanted, after, onward, place_of,
-};
+use crate::pieces::chord_step::{Evaluation, correction, is_within, value_and_slope};
+use crate::pieces::joint::Reached;
+use crate::pieces::lane_numbers::{NONE, Numbers, Row, Words, nowhere};
+use crate::pieces::piece_interpolator::{CUBIC, PieceInterpolator, Wanted};
+use crate::pieces::place::{after, onward, place_of};
+use crate::pieces::state::{PieceSetpoint, PieceState};
 use crate::step_lengths::PERIOD;
-use crate::trend::Trend;
 
 /// A bit for each lane.
 type Mask = u64;
-
-/// One number of each lane.
-type Row<T, const W: usize> = [T; W];
-
-/// The integers of the lanes.
-#[derive(Clone, Debug)]
-#[repr(C, align(64))] // A row does not straddle the lines of the cache.
-struct Words<const W: usize> {
-    /// Where the lanes stand on their pieces.
-    phase: Row<u64, W>,
-    /// The periods that are left of those that the lane has distances for; [`NONE`] behind one that it had none for.
-    left: Row<u64, W>,
-    /// The middle of the period after the next as a fraction of the stage, and what a period adds to that: a phase and its
-    /// lower word.
-    middle: [Row<u64, W>; 2],
-    period: [Row<u64, W>; 2],
-    /// Whether the step was a common one.
-    is_common: Row<bool, W>,
-}
-
-/// One less than no periods.
-const NONE: u64 = u64::MAX;
-
-/// The numbers of the lanes.
-#[derive(Clone, Debug)]
-#[repr(C, align(64))] // A row does not straddle the lines of the cache.
-struct Numbers<R, const D: usize, const W: usize> {
-    /// σ of the last steps: the newest, its rise, and what the next one is expected to be less.
-    newest: Row<R, W>,
-    rise: Row<R, W>,
-    fall: Row<R, W>,
-    chord: [[Row<R, W>; D]; CUBIC],
-    offset: [Row<R, W>; D],
-    /// Of the pieces n_1 to n_3, and least and greatest step per chord.
-    numerator: [[Row<R, W>; D]; CUBIC],
-    range: [Row<R, W>; 2],
-    /// Of the stages a period's share, the feed at the begin and its change.
-    share: Row<R, W>,
-    feed: Row<R, W>,
-    change: Row<R, W>,
-    /// The place in the stage at the middle of the next period.
-    time: Row<R, W>,
-    /// The distance of the period.
-    length: Row<R, W>,
-    /// Where the lanes stand on their pieces, and from where on a guess would not be tried; [`nowhere`] in a lane that takes no
-    /// common step.
-    t: Row<R, W>,
-    end: Row<R, W>,
-    /// The largest |f| that one correction is enough for.
-    threshold: Row<R, W>,
-    /// σ of this step, and the step on the piece; -1 where one evaluation on the piece did not find it.
-    found: Row<R, W>,
-    step: Row<R, W>,
-}
-
-/// No guess ends before it.
-fn nowhere<R: Real>() -> R {
-    -R::max_value()
-}
-
-impl<const W: usize> Words<W> {
-    fn new() -> Self {
-        let none = [0; W];
-        Self { phase: none, left: none, middle: [none; 2], period: [none; 2], is_common: [false; W] }
-    }
-}
-
-impl<R: Real, const D: usize, const W: usize> Numbers<R, D, W> {
-    fn new() -> Self {
-        let zero = [R::zero(); W];
-        Self {
-            newest: zero,
-            rise: zero,
-            fall: zero,
-            chord: [[zero; D]; CUBIC],
-            offset: [zero; D],
-            numerator: [[zero; D]; CUBIC],
-            range: [zero; 2],
-            share: zero,
-            feed: zero,
-            change: zero,
-            time: zero,
-            length: zero,
-            t: zero,
-            end: [nowhere(); W],
-            threshold: zero,
-            found: zero,
-            step: zero,
-        }
-    }
-
-    #[inline(always)]
-    fn trend(&self, lane: usize) -> Trend<R> {
-        Trend { newest: self.newest[lane], rise: self.rise[lane], fall: self.fall[lane] }
-    }
-
-    #[inline(always)]
-    fn put_trend(&mut self, lane: usize, trend: &Trend<R>) {
-        (self.newest[lane], self.rise[lane], self.fall[lane]) = (trend.newest, trend.rise, trend.fall);
-    }
-}
 
 /// The numbers of one lane.
 #[inline(always)]
@@ -470,6 +370,8 @@ fn arrive<R: Lane, const D: usize, const W: usize>(words: &Words<W>, numbers: &m
 #[cfg(test)]
 mod tests {
     use super::*;
+    use real::Real;
+
     use crate::{ChordTolerance, LengthStage, StepLengths};
     use nurbs_core::{NurbsBuf, PieceLimits, PiecesBuf, compile};
     use real::{Backend, DoubleDouble};
@@ -481,7 +383,7 @@ mod tests {
         let curve = NurbsBuf::try_new_nonrational(3, points, knots).unwrap();
         let limits = PieceLimits { length_mm: 32.0, step_mm: 0.2 };
         let table: PiecesBuf<R, 2> = compile::<DoubleDouble, R, 2>(&[curve.as_curve()], &limits).unwrap();
-        let unit = 1.0.scale(table.as_pieces().chord_exponent);
+        let unit = 1.0_f64.scale(table.as_pieces().chord_exponent);
         let feed = |mm: f64| R::from_f64(mm * unit).unwrap();
         let stage = |i: i32| {
             let (from, to) = if i % 2 == 0 { (0.1, 0.2) } else { (0.2, 0.1) };

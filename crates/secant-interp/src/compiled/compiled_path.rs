@@ -10,9 +10,9 @@ use feed_plan::Schedule;
 use nurbs_core::PiecesBuf;
 use real::{Backend, Real};
 
-use crate::chord_step::ChordTolerance;
-use crate::piece_interpolator::PieceInterpolator;
-use crate::section::{Section, sections};
+use crate::pieces::chord_step::ChordTolerance;
+use crate::pieces::piece_interpolator::PieceInterpolator;
+use crate::pieces::section::{Section, sections};
 use crate::step_lengths::{LengthStage, StepLengths};
 
 /// Why a plan does not go into a number format. Values are in mm and periods.

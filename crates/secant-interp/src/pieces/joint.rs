@@ -3,7 +3,7 @@
 use nurbs_core::Piece;
 use real::Real;
 
-use crate::chord_step::Chord;
+use crate::pieces::chord_step::Chord;
 
 /// A step per chord on one piece in the scale of the next, and within its range.
 pub(crate) fn into_next<R: Real, const D: usize>(row: &Piece<R, D>, next: &Piece<R, D>, sigma: R) -> R {
@@ -69,4 +69,17 @@ pub(crate) fn past<R: Real, const D: usize>(
     let half: [R; D] = core::array::from_fn(|d| before[d].half() + across[d].half());
     let sum = || core::array::from_fn(|d| (before[d] + across[d]).signal("joint_travelled"));
     (R::norm(&half) < R::one().half()).then(sum)
+}
+
+/// The position reached by a step, and σ there.
+pub(crate) struct Reached<R> {
+    pub(crate) piece: usize,
+    pub(crate) phase: u64,
+    pub(crate) sigma: R,
+    pub(crate) evaluations: u32,
+}
+
+/// `part + more`, but no more than `greatest`, which `part` is not above.
+pub(crate) fn sum_within<R: Real>(part: R, more: R, greatest: R) -> R {
+    part + more.min(greatest - part)
 }

@@ -1,0 +1,107 @@
+//! What a common step needs of all lanes, side by side.
+
+use real::Real;
+
+use crate::pieces::piece_interpolator::CUBIC;
+use crate::pieces::trend::Trend;
+
+/// One number of each lane.
+pub(crate) type Row<T, const W: usize> = [T; W];
+
+/// The integers of the lanes.
+#[derive(Clone, Debug)]
+#[repr(C, align(64))] // A row does not straddle the lines of the cache.
+pub(crate) struct Words<const W: usize> {
+    /// Where the lanes stand on their pieces.
+    pub(crate) phase: Row<u64, W>,
+    /// The periods that are left of those that the lane has distances for; [`NONE`] behind one that it had none for.
+    pub(crate) left: Row<u64, W>,
+    /// The middle of the period after the next as a fraction of the stage, and what a period adds to that: a phase and its
+    /// lower word.
+    pub(crate) middle: [Row<u64, W>; 2],
+    pub(crate) period: [Row<u64, W>; 2],
+    /// Whether the step was a common one.
+    pub(crate) is_common: Row<bool, W>,
+}
+
+/// One less than no periods.
+pub(crate) const NONE: u64 = u64::MAX;
+
+/// The numbers of the lanes.
+#[derive(Clone, Debug)]
+#[repr(C, align(64))] // A row does not straddle the lines of the cache.
+pub(crate) struct Numbers<R, const D: usize, const W: usize> {
+    /// σ of the last steps: the newest, its rise, and what the next one is expected to be less.
+    pub(crate) newest: Row<R, W>,
+    pub(crate) rise: Row<R, W>,
+    pub(crate) fall: Row<R, W>,
+    pub(crate) chord: [[Row<R, W>; D]; CUBIC],
+    pub(crate) offset: [Row<R, W>; D],
+    /// Of the pieces n_1 to n_3, and least and greatest step per chord.
+    pub(crate) numerator: [[Row<R, W>; D]; CUBIC],
+    pub(crate) range: [Row<R, W>; 2],
+    /// Of the stages a period's share, the feed at the begin and its change.
+    pub(crate) share: Row<R, W>,
+    pub(crate) feed: Row<R, W>,
+    pub(crate) change: Row<R, W>,
+    /// The place in the stage at the middle of the next period.
+    pub(crate) time: Row<R, W>,
+    /// The distance of the period.
+    pub(crate) length: Row<R, W>,
+    /// Where the lanes stand on their pieces, and from where on a guess would not be tried; [`nowhere`] in a lane that takes no
+    /// common step.
+    pub(crate) t: Row<R, W>,
+    pub(crate) end: Row<R, W>,
+    /// The largest |f| that one correction is enough for.
+    pub(crate) threshold: Row<R, W>,
+    /// σ of this step, and the step on the piece; -1 where one evaluation on the piece did not find it.
+    pub(crate) found: Row<R, W>,
+    pub(crate) step: Row<R, W>,
+}
+
+/// No guess ends before it.
+pub(crate) fn nowhere<R: Real>() -> R {
+    -R::max_value()
+}
+
+impl<const W: usize> Words<W> {
+    pub(crate) fn new() -> Self {
+        let none = [0; W];
+        Self { phase: none, left: none, middle: [none; 2], period: [none; 2], is_common: [false; W] }
+    }
+}
+
+impl<R: Real, const D: usize, const W: usize> Numbers<R, D, W> {
+    pub(crate) fn new() -> Self {
+        let zero = [R::zero(); W];
+        Self {
+            newest: zero,
+            rise: zero,
+            fall: zero,
+            chord: [[zero; D]; CUBIC],
+            offset: [zero; D],
+            numerator: [[zero; D]; CUBIC],
+            range: [zero; 2],
+            share: zero,
+            feed: zero,
+            change: zero,
+            time: zero,
+            length: zero,
+            t: zero,
+            end: [nowhere(); W],
+            threshold: zero,
+            found: zero,
+            step: zero,
+        }
+    }
+
+    #[inline(always)]
+    pub(crate) fn trend(&self, lane: usize) -> Trend<R> {
+        Trend { newest: self.newest[lane], rise: self.rise[lane], fall: self.fall[lane] }
+    }
+
+    #[inline(always)]
+    pub(crate) fn put_trend(&mut self, lane: usize, trend: &Trend<R>) {
+        (self.newest[lane], self.rise[lane], self.fall[lane]) = (trend.newest, trend.rise, trend.fall);
+    }
+}
