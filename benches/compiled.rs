@@ -55,7 +55,7 @@ impl<R: Backend, const D: usize> Compiled<R, D> {
         (steps, sum / steps as f64)
     }
 
-    /// The same without a look at the points: what is timed.
+    /// Runs the path and looks at the last point alone, so that only the steps are timed.
     pub(crate) fn run(&self) -> f64 {
         let interpolator = self.interpolator();
         let mut state = interpolator.start();

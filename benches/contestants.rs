@@ -46,7 +46,7 @@ fn sum_of<const D: usize>(at: &Derivatives<f64, D>) -> f64 {
 pub(crate) const REMEMBERED: &str = "feedbits, span remembered";
 /// See [`REMEMBERED`].
 pub(crate) const LOOKED_UP: &str = "feedbits, span looked up";
-/// The same for many parameters at once.
+/// This project's polynomials evaluated at many parameters in one call.
 pub(crate) const MANY: &str = "feedbits, many at once";
 /// See [`REMEMBERED`].
 pub(crate) const BASIS: &str = "feedbits, basis functions";

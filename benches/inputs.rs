@@ -59,7 +59,7 @@ pub fn helix(name: &'static str, count: u32) -> Path<3> {
     helix_of_degree(name, 3, count, false)
 }
 
-/// The same of any degree, and with weights from 0.5 to 1.5 if rational.
+/// A [`helix`] of any degree, with weights from 0.5 to 1.5 if rational.
 ///
 /// # Panics
 /// With no more points than the degree.
@@ -99,7 +99,7 @@ pub fn winding(spans: u32) -> Path<2> {
 }
 
 impl Path<2> {
-    /// The same in three dimensions, with z = 0.
+    /// This path in three dimensions, with z = 0.
     ///
     /// # Panics
     /// Never: what is a curve in the plane is one in space.

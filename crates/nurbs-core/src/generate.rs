@@ -12,7 +12,7 @@ use crate::{Evaluate, NurbsBuf};
 /// How the next knot follows the one before it.
 #[derive(Clone, Copy, Debug)]
 enum Gap {
-    /// The same knot again, if its multiplicity allows.
+    /// The knot before is repeated, if its multiplicity allows.
     Repeat,
     /// A larger knot.
     Step(f64),

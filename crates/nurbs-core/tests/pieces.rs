@@ -30,7 +30,7 @@ fn point<R: Backend, const D: usize>(table: &PiecesBuf<R, D>, piece: usize, t: R
     core::array::from_fn(|d| in_mm(origin[d]) + exactly(offset[d]).scale(pieces.coordinate_exponent))
 }
 
-/// The same by way of whole units.
+/// That point as [`Pieces::position`] has it, by way of whole units.
 fn position<R: Backend, const D: usize>(table: &PiecesBuf<R, D>, piece: usize, t: R) -> [DoubleDouble; D] {
     let pieces = table.as_pieces();
     pieces.position(piece, &pieces.offset(piece, t)).map(in_mm)

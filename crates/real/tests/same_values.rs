@@ -1,4 +1,4 @@
-//! The same values in every build and on every machine: a checksum of a long sequence of operations a format.
+//! Every build and every machine computes equal values: a checksum of a long sequence of operations for each format.
 //!
 //! A debug build panics on an overflow that a release build lets pass, a 32-bit machine divides by Newton's reciprocal,
 //! a compiler may fuse or reorder what floats compute; none of that may change a bit. Whichever build runs is

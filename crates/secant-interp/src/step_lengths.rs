@@ -56,7 +56,7 @@ impl<R: Real> LengthStage<R> {
         Some(Self { period_share: R::from_phase(stage.fraction(2 * PERIOD.min(duration)), 0), ..stage })
     }
 
-    /// The same stage with its feed along another shape.
+    /// This stage with its feed along another shape.
     #[must_use]
     pub fn shaped(self, shape: StageShape) -> Self {
         Self { shape, ..self }
@@ -134,8 +134,8 @@ impl<R: Real> StepLengths<'_, R> {
         self.advance_by(cursor, PERIOD)
     }
 
-    /// The same over `units` of 2⁻³² periods of the schedule's time, at most one period: a period at a lower feed. `None` over
-    /// no time at all.
+    /// The distance over `units` of 2⁻³² periods of the schedule's time, at most one period: that of a period at a lower feed. `None`
+    /// over no time at all.
     #[inline(never)] // Within the above it would make every period save its registers.
     pub fn advance_by(&self, cursor: &mut LengthCursor, units: u64) -> Option<R> {
         let units = units.min(PERIOD);

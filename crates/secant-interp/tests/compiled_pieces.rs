@@ -222,7 +222,7 @@ fn table_of_residuals() {
     (1..=5).for_each(|seed| rows("rational", &rational(seed)));
 }
 
-/// The same steps in every build and on every machine: pieces, phases and evaluations of whole runs.
+/// Every build and every machine takes equal steps: pieces, phases and evaluations of whole runs.
 #[test]
 fn runs_are_the_same_bit_for_bit() {
     fn checksums<const D: usize>(path: &Path<D>) -> [u64; 7] {

@@ -56,7 +56,7 @@ fn by_hand<R: Real>() -> OperationCounts {
     }
 }
 
-/// The same on a piece that ends at a knot: fixed point compares phases, floats places with the rest of the piece.
+/// The operations of a common step on a piece that ends at a knot: fixed point compares phases, floats places with the rest of the piece.
 fn at_knot<R: Real>() -> OperationCounts {
     let common = by_hand::<R>();
     if !R::IS_FLOATING {

@@ -45,7 +45,7 @@ pub struct Roundness {
     pub roundness_mm: f64,
     /// Radial error of the continuous linear loop in closed form, in mm: no friction, play, limit, filter or sampling.
     pub continuous_closed_form_mm: f64,
-    /// The same of the sampled loop with command filter and interpolation, in mm.
+    /// Radial error of the linear loop in closed form where it is sampled, with command filter and interpolation, in mm.
     pub sampled_closed_form_mm: f64,
     /// The turn: angle in rad from the first axis, counter-clockwise, and radial error in mm.
     #[serde(skip)]

@@ -94,7 +94,7 @@ impl<'a, R: Backend, const D: usize> OnPieces<'a, R, D> {
         }
     }
 
-    /// The same with a judge that is there already.
+    /// Runs the path against a judge that the caller has made.
     pub(crate) fn run_judged(&self, judge: &Judge<D>) -> Result<Outcome<PieceFigures>, Violation> {
         let mut steps = Steps::new(self, judge);
         for (section, interpolator) in self.path.sections().iter().zip(self.path.runs()) {
@@ -204,7 +204,7 @@ const FALLING_WEIGHT: f64 = 1.5;
 /// Cosine of the turn within a step from which on its chord is not always found: the path comes back, and the chord
 /// shrinks before it grows.
 const RIGHT_ANGLE: f64 = 0.0;
-/// The same on one piece, whose steps per chord are held to a sixteenth above those of its slowest point.
+/// Cosine of that turn for a step on one piece: its steps per chord are held to a sixteenth above those of its slowest point.
 const SIXTY_DEGREES: f64 = 0.5;
 /// Cosine of the turn up to which the chord over a joint is held to the chord error, 0.1°; over a sharper one to the deviation, if
 /// the plan does not stop there.

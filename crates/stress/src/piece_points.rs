@@ -86,7 +86,7 @@ impl<const D: usize> Judge<D> {
         (if has_corner { -1.0 } else { smooth }, in_all)
     }
 
-    /// The same on a chord without a corner: at the joints, at the end, and halfway to it on the last piece.
+    /// The turns along a chord without a corner: at the joints, at the end, and halfway to it on the last piece.
     fn turns_on_chord(&self, (from, begin): (usize, f64), (to, end): (usize, f64)) -> (f64, f64) {
         let last = self.len().saturating_sub(1);
         let (from, to, end) = if to > last { (from.min(last), last, 1.0) } else { (from, to, end) };

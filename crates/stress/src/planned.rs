@@ -15,7 +15,7 @@ pub struct Planned<'a, const D: usize> {
     pub limit: FeedLimit<f64>,
     /// The plan along the curve.
     pub arcs: ScheduleBuf<f64>,
-    /// The same for setpoints whose chords have the planned lengths.
+    /// The plan that setpoints keep whose chords, not arcs, have the planned lengths.
     pub chords: ScheduleBuf<f64>,
     /// How many times slower than planned the path is run.
     slower: u32,

@@ -147,7 +147,7 @@ pub struct Soak {
     pub next_path: u64,
     /// What each format has gone through, in the order of [`SOAK_FORMATS`].
     pub formats: Vec<Soaked>,
-    /// The same paths with the operations of each step counted, one path in sixteen.
+    /// One path in sixteen is run again with the operations of each step counted.
     pub counted: PieceFigures,
     /// Promises broken in all.
     pub violations: u64,
@@ -224,7 +224,7 @@ pub enum SoakedRun {
 pub struct SoakedPath {
     /// An entry a format, in the order given.
     pub runs: Vec<SoakedRun>,
-    /// The same path in f64 with its operations counted.
+    /// A second run of the path, in f64, with its operations counted.
     pub counted: Option<PieceFigures>,
     /// What was broken.
     pub violations: Vec<SoakViolation>,

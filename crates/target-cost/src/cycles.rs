@@ -30,7 +30,7 @@ pub enum Level {
 }
 
 impl Cycles {
-    /// The same number three times.
+    /// A cost that is known exactly: low, typical and high are equal.
     #[must_use]
     pub const fn exactly(cycles: f64) -> Self {
         Self { low: cycles, typical: cycles, high: cycles }

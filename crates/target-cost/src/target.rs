@@ -229,7 +229,7 @@ impl Target {
         Ok(())
     }
 
-    /// The same target with so many of the units of this name.
+    /// This target with `count` units of this name, at least one.
     #[must_use]
     pub fn with_units(mut self, name: &str, count: u32) -> Self {
         for unit in self.unit.iter_mut().filter(|unit| unit.name == name) {

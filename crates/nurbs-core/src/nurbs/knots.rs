@@ -18,7 +18,7 @@ pub struct KnotVector<'a, R> {
     spans: &'a [usize],
 }
 
-/// The same degree and knots, whoever owns them.
+/// Two knot vectors are equal if degree and knots are, whoever owns them.
 impl<R: PartialEq> PartialEq for KnotVector<'_, R> {
     fn eq(&self, other: &Self) -> bool {
         self.degree == other.degree && self.knots == other.knots

@@ -37,7 +37,7 @@ pub fn compile<H: Backend, R: Backend, const D: usize>(
     compile_with_stops::<H, R, D>(curves, limits, &[])
 }
 
-/// The same with a joint at each of `stops`, pairs of a curve's number and a parameter in order, so that a run can land
+/// [`compile`] with a joint at each of `stops`, pairs of a curve's number and a parameter in order, so that a run can land
 /// there: a plan also rests in bends inside a span that are all but cusps. A stop outside its curve's domain, or on no curve
 /// of the path, makes none.
 ///

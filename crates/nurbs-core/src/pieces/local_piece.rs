@@ -145,7 +145,7 @@ impl<H: Backend, const D: usize> LocalPiece<H, D> {
         (0..D).map(|d| largest_shifted(&self.column(d))).fold(0.0, f64::max)
     }
 
-    /// The same for W without its constant, and W itself.
+    /// The largest entry in the synthetic division that shifts W without its constant, or W itself where that is larger.
     pub(crate) fn largest_weight(&self) -> f64 {
         largest_shifted(&self.weight_column()).max(self.weight_range.1)
     }

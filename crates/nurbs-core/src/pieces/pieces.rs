@@ -111,7 +111,7 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
         self.pieces.get(piece).map_or(*offset, |row| self.in_units_of_path(row, offset))
     }
 
-    /// The same for a caller that has the piece's row.
+    /// [`in_common_units`](Self::in_common_units) for a caller that has the piece's row.
     #[inline]
     #[must_use]
     pub fn in_units_of_path(&self, row: &Piece<R, D>, offset: &[R; D]) -> [R; D] {
@@ -161,7 +161,7 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
         self.shift_anew::<N, PLAIN>(piece, Some(t), at);
     }
 
-    /// The same where `at` holds the polynomials about another point of this piece, and the caller has its row.
+    /// [`shift_to`](Self::shift_to) where `at` holds the polynomials about another point of this piece, and the caller has its row.
     #[inline(always)] // Called, it would write its rows to memory in parts other than those in which they are read.
     pub fn shift_along<const N: usize, const PLAIN: bool>(
         &self,
@@ -186,7 +186,7 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
         }
     }
 
-    /// The same for a caller that has the piece's row; `is_along` says that `at` holds polynomials of this piece. Whether there is
+    /// `shift_anew` for a caller that has the piece's row; `is_along` says that `at` holds polynomials of this piece. Whether there is
     /// a `t`, and `is_along`, are constants to the compiler.
     #[inline(always)]
     fn shift_by<const N: usize, const PLAIN: bool>(

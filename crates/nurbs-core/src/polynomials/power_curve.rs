@@ -298,7 +298,7 @@ impl<const D: usize> PowerCurve<D> {
         self.span(self.index_of(u))
     }
 
-    /// The same among these.
+    /// The span that holds u, of those from `low` to `high`, by halving.
     #[cold]
     #[inline(never)]
     fn search(&self, u: f64, mut low: usize, mut high: usize) -> usize {
@@ -367,14 +367,14 @@ pub struct PowerCursor<'a, const D: usize> {
 }
 
 impl<const D: usize> PowerCursor<'_, D> {
-    /// The same as the curve's [`point`](Evaluate::point).
+    /// The point at u, bit for bit that of the curve's [`point`](Evaluate::point).
     #[inline]
     pub fn point(&mut self, u: f64) -> [f64; D] {
         self.seek(u);
         self.span.point(u)
     }
 
-    /// The same as the curve's [`derivatives`](Differentiate::derivatives).
+    /// Point and derivatives at u, bit for bit those of the curve's [`derivatives`](Differentiate::derivatives).
     #[inline]
     pub fn derivatives(&mut self, u: f64) -> Derivatives<f64, D> {
         self.seek(u);

@@ -176,7 +176,7 @@ impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D,
         self.refine(sigma, self.evaluate_aside(sigma), tolerance)
     }
 
-    /// The same with the first evaluation made.
+    /// [`solve`](Self::solve) where the chord was evaluated at `sigma` before.
     pub(crate) fn refine(
         &self,
         mut sigma: R,

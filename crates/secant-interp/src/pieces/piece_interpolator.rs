@@ -375,7 +375,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         self.chord_on(row, row.whole(), at, length)
     }
 
-    /// The same for the degree N, or for paths without weights, with the whole piece's step known.
+    /// The chord in the form for degree N, or for paths without weights; `whole` is the step over the whole piece.
     #[inline]
     fn chord_on<'b, const N: usize, const PLAIN: bool>(
         &self,
