@@ -10,6 +10,7 @@
 //! | | the same through a window, for a path of any length | [`plan_through_window`] |
 //! | | what can no plan beat? | [`jerk_free_duration`] |
 //! | `chords/` | which plan do setpoints keep whose chords, not arcs, have the planned lengths? | [`FeedLimit::in_chords`]; its parts [`FeedLimit::shortfalls`], [`ScheduleBuf::shortened`] |
+//! | | all of it in one call: the limit, the plan in arcs, the plan in chords | [`Planned`] |
 //!
 //! A folder uses only those above it in the table.
 //!
@@ -133,6 +134,7 @@ mod chords {
     mod corner_chords;
     pub(crate) mod feeds;
     mod landing;
+    pub(crate) mod planned;
     pub(crate) mod shortfall;
 }
 
@@ -144,6 +146,7 @@ pub use transition::stage_shape::StageShape;
 #[cfg(feature = "alloc")]
 pub use {
     chord_error::chord_feedrate,
+    chords::planned::Planned,
     error::PlanError,
     limit::{feed_limit::FeedLimit, sample::LimitPoint},
     limits::{AxisLimits, Junction, KinematicLimits},

@@ -87,7 +87,7 @@ impl core::error::Error for CompiledPathError {}
 /// A path compiled together with its plan. Only making it takes heap.
 ///
 /// ```
-/// use feed_plan::{EndFeeds, FeedLimit, KinematicLimits, Stage, plan};
+/// use feed_plan::{EndFeeds, KinematicLimits, Planned, ProfileKind};
 /// use nurbs_core::{NurbsCurve, PieceLimits, compile_with_stops};
 /// use real::{DoubleDouble, I4F28};
 /// use secant_interp::{ChordTolerance, CompiledPath};
@@ -107,16 +107,13 @@ impl core::error::Error for CompiledPathError {}
 ///     junction: Default::default(),
 /// };
 ///
-/// // Before real time: the plan, its chords in place of its arcs, and the path in pieces that end where it rests.
-/// let limit = FeedLimit::along(&curves, &limits)?;
-/// let arcs = plan(&limit, &limits, EndFeeds::default())?;
-/// let chords = limit.in_chords(&curves, &arcs);
-/// let stops: Vec<_> = chords.stages().iter().filter_map(Stage::rest).collect();
+/// // Before real time: the plan, and the path in pieces that end where it rests.
+/// let planned = Planned::along(&curves, &limits, EndFeeds::default(), ProfileKind::default())?;
 /// let landing_step = limits.acceleration; // A T²: from so long a step the axes stop within a period.
 /// let cut = PieceLimits { length_mm: 32.0, step_mm: limits.feedrate + landing_step };
-/// let pieces = compile_with_stops::<DoubleDouble, I4F28, 2>(&curves, &cut, &stops)?;
+/// let pieces = compile_with_stops::<DoubleDouble, I4F28, 2>(&curves, &cut, &planned.rests())?;
 /// let tolerance = ChordTolerance::for_fluctuation(Some(1e-6), 5);
-/// let path = CompiledPath::new(pieces, &chords.as_schedule(), tolerance, landing_step)?;
+/// let path = CompiledPath::new(pieces, &planned.chords.as_schedule(), tolerance, landing_step)?;
 ///
 /// // In real time: a setpoint a period, from stop to stop.
 /// let mut periods = 0;
@@ -126,7 +123,7 @@ impl core::error::Error for CompiledPathError {}
 ///         periods += 1; // setpoint.offset goes to the axes, added to the piece's origin.
 ///     }
 /// }
-/// assert_eq!(periods, chords.as_schedule().periods());
+/// assert_eq!(periods, planned.chords.as_schedule().periods());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]

@@ -1,0 +1,75 @@
+//! A planned path: its limit, and the plan in arcs and in chords, made together.
+
+use alloc::vec::Vec;
+
+use nurbs_core::Differentiate;
+use real::Real;
+
+use crate::{EndFeeds, FeedLimit, KinematicLimits, PlanError, ProfileKind, ScheduleBuf, Stage, plan_with};
+
+/// What is known of a path before it is run.
+#[derive(Clone, Debug)]
+pub struct Planned<R> {
+    /// The largest feed at each distance.
+    pub limit: FeedLimit<R>,
+    /// The plan along the curves: distances are arc lengths.
+    pub arcs: ScheduleBuf<R>,
+    /// The plan that an interpolator runs: distances are those of the chords between its setpoints.
+    pub chords: ScheduleBuf<R>,
+}
+
+impl<R: Real> Planned<R> {
+    /// Plans a path: [`FeedLimit::along`] it, [`plan_with`] under that limit, and that plan [in chords](FeedLimit::in_chords).
+    ///
+    /// # Errors
+    /// As [`FeedLimit::along`] and [`plan_with`].
+    pub fn along<const D: usize, C: Differentiate<R, D>>(
+        curves: &[C],
+        limits: &KinematicLimits<R>,
+        ends: EndFeeds<R>,
+        kind: ProfileKind,
+    ) -> Result<Self, PlanError> {
+        Self::under(FeedLimit::along(curves, limits)?, curves, limits, ends, kind)
+    }
+
+    /// Plans a path under a limit that was made of these curves and limits, with stops or feeds of its own.
+    ///
+    /// # Errors
+    /// As [`plan_with`].
+    pub fn under<const D: usize, C: Differentiate<R, D>>(
+        limit: FeedLimit<R>,
+        curves: &[C],
+        limits: &KinematicLimits<R>,
+        ends: EndFeeds<R>,
+        kind: ProfileKind,
+    ) -> Result<Self, PlanError> {
+        let arcs = plan_with(&limit, limits, ends, kind)?;
+        let chords = limit.in_chords(curves, &arcs);
+        Ok(Self { limit, arcs, chords })
+    }
+
+    /// Curve and parameter of each rest on the way and at the end, in order: the path is compiled with a joint there.
+    #[must_use]
+    pub fn rests(&self) -> Vec<(usize, R)> {
+        self.chords.stages().iter().filter_map(Stage::rest).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_paths::{paper_limits, polyline};
+
+    #[test]
+    fn the_three_belong_together() {
+        let (curves, limits) = (polyline(&[[0.0, 0.0], [10.0, 0.0], [10.0, 8.0]]), paper_limits());
+        let curves: Vec<_> = curves.iter().map(nurbs_core::NurbsBuf::as_curve).collect();
+        let planned = Planned::along(&curves, &limits, EndFeeds::default(), ProfileKind::SCurve).unwrap();
+        let limit = FeedLimit::along(&curves, &limits).unwrap();
+        let arcs = plan_with(&limit, &limits, EndFeeds::default(), ProfileKind::SCurve).unwrap();
+        assert_eq!(planned.limit.length(), limit.length());
+        assert_eq!(planned.arcs.stages(), arcs.stages());
+        assert_eq!(planned.chords.stages(), limit.in_chords(&curves, &arcs).stages());
+        assert_eq!(planned.rests().last().map(|(curve, _)| *curve), Some(curves.len() - 1));
+    }
+}
