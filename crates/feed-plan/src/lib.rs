@@ -123,6 +123,7 @@ mod plan {
     pub(crate) mod key_points;
     pub(crate) mod look_ahead;
     pub(crate) mod lower_bound;
+    pub(crate) mod ramp_shape;
     pub(crate) mod stages;
     pub(crate) mod whole_periods;
     pub(crate) mod window;

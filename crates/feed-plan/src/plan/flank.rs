@@ -12,16 +12,16 @@ use alloc::vec::Vec;
 
 use real::Real;
 
-use crate::limit::axis_budget::Allowance;
 use crate::limit::sample::distance_at_feed;
-use crate::{FeedLimit, KinematicLimits, ProfileKind, StageShape, Transition};
+use crate::plan::ramp_shape::{PARTS, RampShape};
+use crate::{FeedLimit, Transition};
 
 /// Levels above the slow point's own. Twice as many save 0.2 to 0.7 % of time on the papers' curves, for
 /// nearly twice as many stages and three times the work.
 pub(crate) const LEVELS: i32 = 16;
 /// Levels between the slow point's feed and that of the other end of the way, if that is higher.
 pub(crate) const LEVELS_BETWEEN_ENDS: i32 = 4;
-/// A level between two others saves at least so many times what the ramp more costs. With half of it plans through short windows are up to
+/// An extra level is added only if it saves so many times what its ramp costs. With half of it plans through short windows are up to
 /// 0.3 % faster on paths of many arcs, with twice as much up to 1 % slower; from here on up the plans of the papers' curves need no such level.
 const WORTH: i32 = 8;
 /// Levels below its end that a ramp may begin at, the nearest ones: the work then grows with the flank, not with its square. No ramp
@@ -31,91 +31,6 @@ const NEAREST: usize = 96;
 const DEEPEST: usize = 24;
 /// Feeds down to 2⁻³² of the first level are tried for leaving a place of rest.
 const HALVINGS: usize = 32;
-/// Parts of a ramp for comparing it with the limit, a power of two: in each its largest feed counts, so that it starts later
-/// than it must by at most the last part's length. With 16 parts a plan with long ramps takes up to 2 %
-/// longer.
-const PARTS: usize = 32;
-
-/// The family of every ramp, divided into parts of equal time.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct RampShape<R> {
-    kind: ProfileKind,
-    acceleration: R,
-    jerk: R,
-    parts: [Part<R>; PARTS],
-}
-
-/// One part of a ramp, of the time from `x` to `x + 1/PARTS` of the whole.
-#[derive(Clone, Copy, Debug, Default)]
-struct Part<R> {
-    x: R,
-    end: R,
-    /// G at its start: the share of the change of feed in the distance.
-    bow: R,
-    /// g at its end: the share of the change of feed reached.
-    rise: R,
-}
-
-impl<R: Real> Part<R> {
-    /// Of a ramp from `low` to `high`: distance to the part's start, and the largest feed in it.
-    #[inline]
-    fn step(&self, low: R, high: R, ramp: &Transition<R>) -> (R, R) {
-        let change = high - low;
-        let of_s_curve = ramp.s_curve_shares(self.x).zip(ramp.s_curve_shares(self.end));
-        let (bow, rise) = of_s_curve.map_or((self.bow, self.rise), |(begin, end)| (begin.1, end.0));
-        (ramp.duration() * (low * self.x + change * bow), (low + change * rise).min(high))
-    }
-}
-
-impl<R: Real> RampShape<R> {
-    pub(crate) fn new(kind: ProfileKind, limits: &KinematicLimits<R>) -> Self {
-        // An S-curve has a shape for each pair of feeds, so that its shares are found each time.
-        let shape = if kind == ProfileKind::Cubic { StageShape::Cubic } else { StageShape::Cosine };
-        let mut parts = [Part::default(); PARTS];
-        let width = R::one().scale(-PARTS.ilog2().cast_signed());
-        let mut x = R::zero();
-        for part in &mut parts {
-            let end = x + width;
-            *part = Part { x, end, bow: shape.travelled(x), rise: shape.reached(end) };
-            x = end;
-        }
-        Self { kind, acceleration: limits.acceleration, jerk: limits.jerk, parts }
-    }
-
-    /// The same on a stretch where the axes leave less.
-    pub(crate) fn within(&self, allowance: Allowance<R>) -> Self {
-        let least = allowance.min(Allowance { acceleration: self.acceleration, jerk: self.jerk });
-        Self { acceleration: least.acceleration, jerk: least.jerk, ..*self }
-    }
-
-    pub(crate) fn ramp(&self, from: R, to: R) -> Transition<R> {
-        Transition::fastest(self.kind, [from, to], self.acceleration, self.jerk)
-    }
-
-    /// Over each part of a ramp from `low` to `high`: distance to its start, and the largest feed in it.
-    fn staircase(&self, low: R, high: R, ramp: Transition<R>) -> impl Iterator<Item = (R, R)> {
-        self.parts.iter().map(move |part| part.step(low, high, &ramp))
-    }
-
-    /// Whether a ramp between a slow point and a fast one fits: its fast end at the fast point, its
-    /// slow end not beyond the slow point, and all of it under the limit.
-    pub(crate) fn fits(&self, limit: &FeedLimit<R>, slow: (R, R), fast: (R, R)) -> bool {
-        let ramp = self.ramp(slow.1, fast.1);
-        let room = (fast.0 - slow.0).abs();
-        if !(ramp.length() <= room) {
-            return false;
-        }
-        let wait = room - ramp.length();
-        let place = |along: R| if fast.0 < slow.0 { slow.0 - wait - along } else { slow.0 + wait + along };
-        let ends = self.staircase(slow.1, fast.1, ramp).skip(1).map(|(start, _)| start);
-        let ends = ends.chain([ramp.length()]);
-        self.staircase(slow.1, fast.1, ramp).zip(ends).all(|((start, feed), end)| {
-            let (a, b) = (place(start), place(end));
-            let (least, greatest) = (slow.0.min(fast.0), slow.0.max(fast.0));
-            limit.minimum_over(a.min(b).max(least), a.max(b).min(greatest)) >= feed
-        })
-    }
-}
 
 /// How a chain of ramps gets to a level of feed.
 #[derive(Clone, Copy, Debug)]

@@ -20,8 +20,9 @@ use real::Real;
 
 use crate::limit::axis_budget::Allowance;
 use crate::limit::sample::LimitSample;
-use crate::plan::flank::{Arrival, Direction, Flank, LEVELS, LEVELS_BETWEEN_ENDS, RampShape};
+use crate::plan::flank::{Arrival, Direction, Flank, LEVELS, LEVELS_BETWEEN_ENDS};
 use crate::plan::key_points::{Key, key_points};
+use crate::plan::ramp_shape::RampShape;
 use crate::plan::stages::Stages;
 use crate::plan::whole_periods::stretch;
 use crate::{EndFeeds, FeedLimit, KinematicLimits, PlanError, ProfileKind, ScheduleBuf, Stage};
