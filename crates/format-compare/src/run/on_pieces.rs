@@ -9,11 +9,14 @@ use secant_interp::{
     ChordTolerance, CompiledPath, CompiledPathError, LengthCursor, PieceSetpoint, StepLengths,
 };
 
-use crate::exact_plan::{ExactPlan, in_format};
-use crate::overrides::OverrideCommands;
-use crate::problem::Problem;
-use crate::recorded::RecordedRun;
-use crate::run::{Options, Refusal, Run, RunStep, most_periods, resolution_at, unit_in_last_place};
+use crate::plan::exact_plan::ExactPlan;
+use crate::plan::in_format::{exact, in_format, of_pair};
+use crate::problem::problem::Problem;
+use crate::refusal::Refusal;
+use crate::run::options::Options;
+use crate::run::overrides::OverrideCommands;
+use crate::run::recorded_run::RecordedRun;
+use crate::run::run::{Run, RunStep, most_periods, resolution_at, unit_in_last_place};
 
 /// So many periods more than planned are waited for at each stop of an overridden run: most land in a dozen.
 const LANDING: usize = 256;
@@ -39,7 +42,7 @@ pub(crate) fn run<R: Backend, const D: usize>(
     Ok(drive.finish())
 }
 
-/// The same with the plan's time stretched. The rate goes on from section to section.
+/// Runs the path with the plan's time stretched as commanded. The rate goes on from section to section.
 fn run_overridden<R: Backend, const D: usize>(
     path: &CompiledPath<R, D>,
     commands: &OverrideCommands,
@@ -63,7 +66,7 @@ fn run_overridden<R: Backend, const D: usize>(
     }
 }
 
-/// The operations of each of the first `most` steps of the same run, without changes of the feed. The state at the begin of a
+/// The operations of each of the first `most` steps of the run that [`run`] makes without overrides. The state at the begin of a
 /// section is formed before its first period.
 pub(crate) fn record<R: Backend, const D: usize>(
     problem: &Problem<D>,
@@ -72,17 +75,9 @@ pub(crate) fn record<R: Backend, const D: usize>(
     most: usize,
 ) -> Result<RecordedRun, Refusal> {
     let path = compiled::<Recorded<R>, D>(problem, plan, options)?;
-    let mut runs: Vec<_> = path.runs().map(|run| (run.start(), run)).collect();
-    let mut at = 0;
-    Ok(RecordedRun::of(most.min(most_periods(plan.periods())), || {
-        while let Some((state, run)) = runs.get_mut(at) {
-            if run.step(state).is_some() {
-                return true;
-            }
-            at += 1;
-        }
-        false
-    }))
+    let runs = path.runs().map(|run| (run.start(), run));
+    let most = most.min(most_periods(plan.periods()));
+    Ok(RecordedRun::of(most, runs, |run, state| run.step(state).is_some()))
 }
 
 /// Path and plan in `R`: what lies in a controller's flash.
@@ -131,7 +126,7 @@ impl<'a, R: Backend, const D: usize> Drive<'a, R, D> {
         Self {
             table,
             per_second: 1.0 / problem.period_s(),
-            full_step_mm: problem.machine.feedrate_mm_per_s * problem.period_s(),
+            full_step_mm: problem.full_step_mm(),
             planned_periods,
             most_periods: most_periods(planned_periods),
             steps: Vec::with_capacity(planned_periods as usize + 1),
@@ -185,11 +180,6 @@ impl<'a, R: Backend, const D: usize> Drive<'a, R, D> {
     }
 }
 
-fn exact<R: Backend>(x: R) -> DoubleDouble {
-    let (high, low) = x.to_f64_pair();
-    DoubleDouble::new(high, low)
-}
-
 /// The curve and its parameter at a setpoint, exactly as piece and phase say.
 fn parameter<R: Backend, const D: usize>(
     places: &[Place],
@@ -200,8 +190,7 @@ fn parameter<R: Backend, const D: usize>(
     if setpoint.piece > last {
         return (place.curve, place.end);
     }
-    let (begin, end) =
-        (DoubleDouble::new(place.begin.0, place.begin.1), DoubleDouble::new(place.end.0, place.end.1));
+    let [begin, end] = [place.begin, place.end].map(of_pair);
     let u = begin + (end - begin) * DoubleDouble::from_phase(setpoint.phase, 0);
     (place.curve, u.to_f64_pair())
 }
@@ -225,15 +214,13 @@ fn point_mm<R: Backend, const D: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use part_program::{read_machine, read_part};
+    use crate::examples::on_example_machine;
     use real::I8F24;
 
     /// On stairs of equal steps no kind of period is made but once, not that from rest and not that onto a stop.
     #[test]
     fn what_is_recorded_comes_to_rest_at_every_stop() {
-        let machine = read_machine("m", include_str!("../../../data/seed-000.toml")).unwrap();
-        let part = read_part("p.nc", "G1 X16 F6000\nY16\nX32\nY32\nX48\nY48\n").unwrap();
-        let problem = Problem::<3>::new(&part, &machine).unwrap();
+        let problem = on_example_machine::<3>("G1 X16 F6000\nY16\nX32\nY32\nX48\nY48\n", "");
         let plan = ExactPlan::in_format::<f64, 3>(&problem, [0.0; 2]).unwrap();
         let options = Options::default();
         let run = run::<I8F24, 3>(&problem, &plan, &options).unwrap();

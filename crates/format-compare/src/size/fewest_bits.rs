@@ -13,17 +13,18 @@ use nurbs_core::Evaluate;
 use real::{Datapath, FormatName, Real};
 use serde::Serialize;
 
-use crate::compare::{Row, in_parallel};
-use crate::exact_plan::ExactPlan;
-use crate::formats::{Dimension, Space};
-use crate::problem::Problem;
-use crate::reference::Reference;
-use crate::run::{Engine, Options, Refusal};
-use crate::size::{FEWEST_INTEGER_BITS, WIDTHS, narrowest_integer_part};
+use crate::judge::judged_run::JudgedRun;
+use crate::parallel::in_parallel;
+use crate::plan::exact_plan::ExactPlan;
+use crate::problem::problem::Problem;
+use crate::refusal::Refusal;
+use crate::run::formats::{Dimension, Space};
+use crate::run::options::{Engine, Options};
+use crate::size::trial::{FEWEST_INTEGER_BITS, Trial, WIDTHS, search_options};
 
 /// Periods of the parts that the widths are narrowed down on, together: the three runs of them that most searches take are a matter
 /// of seconds.
-const MOST_PERIODS: f64 = 200_000.0;
+const MOST_SEARCHED: f64 = 200_000.0;
 
 /// The width that a search begins with where no format that was compared says anything.
 const USUAL: u32 = 26;
@@ -67,33 +68,35 @@ pub enum FewestBits {
 /// [`Refusal`] when the part cannot be planned at all.
 pub fn fewest_bits<const D: usize>(
     problem: &Problem<D>,
-    rows: &[Row],
+    rows: &[JudgedRun],
     options: &Options,
 ) -> Result<FewestBits, Refusal>
 where
     Space: Dimension<D>,
 {
-    let options = Options {
-        engine: Engine::Pieces,
-        fluctuation: Some(options.fluctuation.unwrap_or(problem.machine.fluctuation_limit)),
-        ..options.clone()
-    };
-    let whole = Trial::new(problem.clone(), &options)?;
-    let parts = hardest_parts(problem, &whole.plan, rows);
+    let options = search_options(problem, options);
+    let planned =
+        |problem: &Problem<D>, ends| ExactPlan::in_format_with::<f64, D>(problem, ends, options.profile);
+    let plan = planned(problem, options.end_feeds_mm_per_s)?;
+    let whole = Widths::of(problem, &plan, &options)?;
+    let parts = hardest_parts(problem, &plan, rows);
     let periods: f64 = parts.iter().map(|(_, periods)| periods).sum();
-    if periods > MOST_PERIODS {
+    if periods > MOST_SEARCHED {
         return Ok(FewestBits::LeftOut { periods: periods.to_phase(-32) >> 32 });
     }
-    let from_rest = Options { end_feeds_mm_per_s: [0.0; 2], ..options.clone() };
     let parts = parts.into_iter().filter(|(curves, _)| curves.len() < problem.curves.len());
-    let trials = parts.map(|(curves, _)| Trial::new(problem.part(curves), &from_rest));
-    let trials = trials.collect::<Result<Vec<_>, _>>()?;
-    let hardest = if trials.is_empty() { std::slice::from_ref(&whole) } else { &trials };
+    let parts = parts.map(|(curves, _)| {
+        let part = problem.part(curves);
+        planned(&part, [0.0; 2]).map(|plan| (part, plan))
+    });
+    let parts = parts.collect::<Result<Vec<_>, _>>()?;
+    let parts = parts.iter().map(|(part, plan)| Widths::of(part, plan, &options));
+    let parts = parts.collect::<Result<Vec<_>, _>>()?;
+    let hardest = if parts.is_empty() { std::slice::from_ref(&whole) } else { &parts };
     let limit = problem.machine.fluctuation_limit;
     let start = expected_width(rows, limit);
-    let width =
-        narrowest(start, |width| hardest.iter().all(|trial| trial.run(width, &options).verdict.is_good()));
-    let good = |width: u32| Some(whole.run(width, &options)).filter(|row| row.verdict.is_good());
+    let width = narrowest(start, |width| hardest.iter().all(|path| path.run(width).verdict.is_good()));
+    let good = |width: u32| Some(whole.run(width)).filter(|run| run.verdict.is_good());
     let last = *WIDTHS.end();
     let Some(mut row) = (width..=last.min(width + NEIGHBOURS)).find_map(good) else {
         return Ok(FewestBits::None { up_to_bits: last.min(width + NEIGHBOURS) });
@@ -107,12 +110,12 @@ where
 }
 
 /// The width that is just enough if fluctuation falls by half with each bit, by the coarsest fixed-point format that was run.
-fn expected_width(rows: &[Row], limit: f64) -> u32 {
-    let fraction_bits = |row: &Row| match FormatName::named(&row.format) {
+fn expected_width(rows: &[JudgedRun], limit: f64) -> u32 {
+    let fraction_bits = |row: &JudgedRun| match FormatName::named(&row.format) {
         Some(FormatName::Fixed { fraction_bits, .. }) => Some(f64::from(fraction_bits)),
         _ => None,
     };
-    let of_row = |row: &Row| Some((row.fluctuation?.cruise_max_abs, fraction_bits(row)?));
+    let of_row = |row: &JudgedRun| Some((row.fluctuation?.cruise_max_abs, fraction_bits(row)?));
     let pieces = rows.iter().filter(|row| row.engine == Engine::Pieces).filter_map(of_row);
     let Some((fluctuation, bits)) = pieces.filter(|one| one.0 > 0.0).max_by(|a, b| a.0.total_cmp(&b.0))
     else {
@@ -148,57 +151,50 @@ fn narrowest(start: u32, is_good: impl Fn(u32) -> bool + Sync) -> u32 {
     }
 }
 
-/// A path with its plan and its judge.
-struct Trial<const D: usize> {
-    problem: Problem<D>,
-    plan: ExactPlan,
-    reference: Reference<D>,
+/// A path in the widths that it was run in so far.
+struct Widths<'a, const D: usize> {
+    trial: Trial<'a, D>,
     /// Integer bits that the path is known to need.
     integer_bits: AtomicU32,
-    /// The runs so far, by their width.
-    rows: Mutex<BTreeMap<u32, Row>>,
+    /// The runs, by their width.
+    runs: Mutex<BTreeMap<u32, JudgedRun>>,
 }
 
-impl<const D: usize> Trial<D>
+impl<'a, const D: usize> Widths<'a, D>
 where
     Space: Dimension<D>,
 {
-    fn new(problem: Problem<D>, options: &Options) -> Result<Self, Refusal> {
-        let plan =
-            ExactPlan::in_format_with::<f64, D>(&problem, options.end_feeds_mm_per_s, options.profile)?;
-        let reference = Reference::new(&problem)?;
-        let integer_bits = AtomicU32::new(FEWEST_INTEGER_BITS);
-        Ok(Self { problem, plan, reference, integer_bits, rows: Mutex::default() })
+    fn of(problem: &'a Problem<D>, plan: &'a ExactPlan, options: &'a Options) -> Result<Self, Refusal> {
+        let trial = Trial::new(problem, plan, options, Datapath::default())?;
+        Ok(Self { trial, integer_bits: AtomicU32::new(FEWEST_INTEGER_BITS), runs: Mutex::default() })
     }
 
     /// The run in this width, made once.
-    fn run(&self, width: u32, options: &Options) -> Row {
-        let rows = || self.rows.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(row) = rows().get(&width) {
-            return row.clone();
+    fn run(&self, width: u32) -> JudgedRun {
+        let runs = || self.runs.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(run) = runs().get(&width) {
+            return run.clone();
         }
-        let format = (width, Datapath::default());
-        let fewest = self.integer_bits.load(Ordering::Relaxed);
-        let row = narrowest_integer_part(format, fewest, &self.problem, &self.plan, options, &self.reference);
+        let run = self.trial.narrowest_integer_part(width, self.integer_bits.load(Ordering::Relaxed));
         if let (Some(FormatName::Fixed { integer_bits, .. }), Some(_)) =
-            (FormatName::named(&row.format), row.periods)
+            (FormatName::named(&run.format), run.periods)
         {
             self.integer_bits.fetch_max(integer_bits, Ordering::Relaxed);
         }
-        rows().insert(width, row.clone());
-        row
+        runs().insert(width, run.clone());
+        run
     }
 }
 
 /// The parts of the path, from rest to rest, in which the runs came nearest to their limits or broke them, with their periods: the worst
-/// first, as many as are no more than [`MOST_PERIODS`] together, and one in any case. The whole path where it is no longer than that.
+/// first, as many as are no more than [`MOST_SEARCHED`] together, and one in any case. The whole path where it is no longer than that.
 fn hardest_parts<const D: usize>(
     problem: &Problem<D>,
     plan: &ExactPlan,
-    rows: &[Row],
+    rows: &[JudgedRun],
 ) -> Vec<(Range<usize>, f64)> {
     let all = f64::from(plan.periods());
-    if all <= MOST_PERIODS {
+    if all <= MOST_SEARCHED {
         return vec![(0..problem.curves.len(), all)];
     }
     let parts = parts(problem, plan);
@@ -214,7 +210,7 @@ fn hardest_parts<const D: usize>(
         let Some((curves, end)) = parts.get(index).cloned() else { continue };
         let begin = index.checked_sub(1).and_then(|before| parts.get(before)).map_or(0.0, |(_, end)| *end);
         let is_new = chosen.iter().all(|(other, _): &(Range<usize>, f64)| other.start != curves.start);
-        if is_new && (chosen.is_empty() || sum + (end - begin) <= MOST_PERIODS) {
+        if is_new && (chosen.is_empty() || sum + (end - begin) <= MOST_SEARCHED) {
             sum += end - begin;
             chosen.push((curves, end - begin));
         }
@@ -246,19 +242,15 @@ fn parts<const D: usize>(problem: &Problem<D>, plan: &ExactPlan) -> Vec<(Range<u
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::problem::examples::mill;
-    use crate::{compare, select, size};
-
-    fn rows(problem: &Problem<3>, names: &[&str]) -> Vec<Row> {
-        let formats = select::<3>(&names.iter().map(ToString::to_string).collect::<Vec<_>>()).unwrap();
-        compare(problem, &formats, &[Engine::Pieces], &Options::default()).unwrap().formats
-    }
+    use crate::examples::{judged, mill};
+    use crate::size;
 
     #[test]
     fn it_is_what_every_width_run_one_by_one_says() {
-        let problem = mill("G0 X0 Y0\nG1 X10 F3000\nG2 X20 Y10 R10\nG1 X40 Y12\nG3 X30 Y30 R12\n", "");
-        let found = fewest_bits(&problem, &rows(&problem, &["I8F24"]), &Options::default()).unwrap();
-        let plan = ExactPlan::in_format_with::<f64, 3>(&problem, [0.0; 2], Default::default()).unwrap();
+        let problem: Problem<3> =
+            mill("G0 X0 Y0\nG1 X10 F3000\nG2 X20 Y10 R10\nG1 X40 Y12\nG3 X30 Y30 R12\n", "");
+        let found = fewest_bits(&problem, &judged(&problem, &["I8F24"]), &Options::default()).unwrap();
+        let plan = ExactPlan::in_format::<f64, 3>(&problem, [0.0; 2]).unwrap();
         let sizing = size(&problem, &plan, &Options::default(), Datapath::default()).unwrap();
         let (row, margin) = sizing.uniform.zip(sizing.uniform_margin).unwrap();
         let expected = FewestBits::Found {
@@ -278,12 +270,12 @@ mod tests {
             program += &format!("G1 X{} Y{}\n", (i % 7) * 5, i);
         }
         program += "G2 X40 Y399 R20\n";
-        let problem = mill(&program, "");
-        let rows = rows(&problem, &["I16F16", "I8F24"]);
-        let plan = ExactPlan::in_format_with::<f64, 3>(&problem, [0.0; 2], Default::default()).unwrap();
-        assert!(f64::from(plan.periods()) > 1.5 * MOST_PERIODS, "{}", plan.periods());
+        let problem: Problem<3> = mill(&program, "");
+        let rows = judged(&problem, &["I16F16", "I8F24"]);
+        let plan = ExactPlan::in_format::<f64, 3>(&problem, [0.0; 2]).unwrap();
+        assert!(f64::from(plan.periods()) > 1.5 * MOST_SEARCHED, "{}", plan.periods());
         let parts = hardest_parts(&problem, &plan, &rows);
-        assert!(parts.iter().map(|(_, periods)| periods).sum::<f64>() <= MOST_PERIODS && !parts.is_empty());
+        assert!(parts.iter().map(|(_, periods)| periods).sum::<f64>() <= MOST_SEARCHED && !parts.is_empty());
         let FewestBits::Found { bits, margin, .. } =
             fewest_bits(&problem, &rows, &Options::default()).unwrap()
         else {
@@ -304,8 +296,8 @@ mod tests {
 
     #[test]
     fn one_long_section_is_left_out() {
-        let problem = mill("G0 X0 Y0\nG1 X3000 F600\n", "");
-        let found = fewest_bits(&problem, &rows(&problem, &["I16F16"]), &Options::default()).unwrap();
+        let problem: Problem<3> = mill("G0 X0 Y0\nG1 X3000 F600\n", "");
+        let found = fewest_bits(&problem, &judged(&problem, &["I16F16"]), &Options::default()).unwrap();
         assert!(matches!(found, FewestBits::LeftOut { periods } if periods > 290_000), "{found:?}");
     }
 }

@@ -9,10 +9,12 @@ use secant_interp::{
     number_type,
 };
 
-use crate::exact_plan::ExactPlan;
-use crate::on_pieces;
-use crate::problem::Problem;
-use crate::run::{Options, Refusal, most_periods};
+use crate::plan::exact_plan::ExactPlan;
+use crate::problem::problem::Problem;
+use crate::refusal::Refusal;
+use crate::run::on_pieces;
+use crate::run::options::Options;
+use crate::run::run::most_periods;
 
 /// A module of constants, and what a controller has to make of them.
 #[derive(Clone, Debug, PartialEq)]

@@ -7,14 +7,16 @@ use nurbs_core::{Evaluate, NurbsCurve};
 use real::{Audit, Backend, DoubleDouble, Recorded};
 use secant_interp::{CurvePart, Interpolator, Method, Tolerance};
 
-use crate::exact_plan::{ExactPlan, in_format, nearest};
-use crate::metrics::cruise_mm;
-use crate::problem::Problem;
-use crate::recorded::RecordedRun;
-use crate::run::{Options, Refusal, Run, RunStep, most_periods, resolution_at, unit_in_last_place};
+use crate::plan::exact_plan::ExactPlan;
+use crate::plan::in_format::{in_format, nearest};
+use crate::problem::problem::Problem;
+use crate::refusal::Refusal;
+use crate::run::options::Options;
+use crate::run::recorded_run::RecordedRun;
+use crate::run::run::{Run, RunStep, cruise_mm, most_periods, resolution_at, unit_in_last_place};
 
-/// What steps from one stop to the next.
-type Leg<'a, R, const D: usize> = Interpolator<'a, R, CurvePart<R, NurbsCurve<'a, R, D>>>;
+/// What steps from one rest to the next.
+type RestToRest<'a, R, const D: usize> = Interpolator<'a, R, CurvePart<R, NurbsCurve<'a, R, D>>>;
 
 /// Converts curve, plan and limits to `R` and runs.
 pub(crate) fn run<R: Backend, const D: usize>(
@@ -26,7 +28,7 @@ pub(crate) fn run<R: Backend, const D: usize>(
     prepared::<R, D, _>(problem, plan, options, method, |legs| drive(legs, plan, problem))
 }
 
-/// The operations of each of the first `most` steps of the same run.
+/// The operations of each of the first `most` steps of the run that [`run`] makes.
 pub(crate) fn record<R: Backend, const D: usize>(
     problem: &Problem<D>,
     plan: &ExactPlan,
@@ -35,17 +37,8 @@ pub(crate) fn record<R: Backend, const D: usize>(
     most: usize,
 ) -> Result<RecordedRun, Refusal> {
     prepared::<Recorded<R>, D, _>(problem, plan, options, method, |legs| {
-        let mut runs = legs.iter().map(|leg| (leg.start(), leg)).collect::<Vec<_>>().into_iter();
-        let mut now = runs.next();
-        RecordedRun::of(most.min(most_periods(plan.periods())), || {
-            while let Some((state, leg)) = &mut now {
-                if leg.step(state).is_some() {
-                    return true;
-                }
-                now = runs.next();
-            }
-            false
-        })
+        let runs = legs.iter().map(|leg| (leg.start(), leg));
+        RecordedRun::of(most.min(most_periods(plan.periods())), runs, |leg, state| leg.step(state).is_some())
     })
 }
 
@@ -55,7 +48,7 @@ fn prepared<R: Backend, const D: usize, T>(
     plan: &ExactPlan,
     options: &Options,
     method: Method,
-    work: impl FnOnce(&[Leg<'_, R, D>]) -> T,
+    work: impl FnOnce(&[RestToRest<'_, R, D>]) -> T,
 ) -> Result<T, Refusal> {
     let [curve] = problem.curves.as_slice() else {
         return Err(Refusal::ManyCurves(problem.curves.len()));
@@ -111,7 +104,11 @@ fn from_rest_to_rest<R: Backend>(plan: &ExactPlan, (mut begin, end): (R, R)) -> 
     found
 }
 
-fn drive<R: Backend, const D: usize>(legs: &[Leg<'_, R, D>], plan: &ExactPlan, problem: &Problem<D>) -> Run {
+fn drive<R: Backend, const D: usize>(
+    legs: &[RestToRest<'_, R, D>],
+    plan: &ExactPlan,
+    problem: &Problem<D>,
+) -> Run {
     let mut planned = plan.lengths();
     let mut steps = Vec::with_capacity(plan.periods() as usize + 1);
     let mut finished = !legs.is_empty();
@@ -136,7 +133,7 @@ fn drive<R: Backend, const D: usize>(legs: &[Leg<'_, R, D>], plan: &ExactPlan, p
 /// Steps to the next stop, beside the distance that each period wants and the feed at its end; whether it is reached in no more than
 /// so many steps of the run.
 fn follow<R: Backend, const D: usize>(
-    leg: &Leg<'_, R, D>,
+    leg: &RestToRest<'_, R, D>,
     planned: Vec<(DoubleDouble, f64)>,
     most: usize,
     per_second: f64,
@@ -172,8 +169,7 @@ fn fluctuation_resolution<R: Backend, const D: usize>(
     steps: &[RunStep],
     problem: &Problem<D>,
 ) -> f64 {
-    let full_step = problem.machine.feedrate_mm_per_s * problem.period_s();
-    let cruise = cruise_mm(steps.iter().map(|step| step.wanted_mm.0), full_step);
+    let cruise = cruise_mm(steps.iter().map(|step| step.wanted_mm.0), problem.full_step_mm());
     let from = std::iter::once(start).chain(steps.iter().map(|step| step.u.0));
     let at_cruise = from.zip(steps).filter(|(_, step)| step.wanted_mm.0 >= cruise);
     let share = at_cruise.map(|(from, step)| 0.5 * unit_in_last_place::<R>(step.u.0) / (step.u.0 - from));

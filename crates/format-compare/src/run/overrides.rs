@@ -12,9 +12,9 @@ use secant_interp::{
     FeedOverride, LengthCursor, LengthStage, OverrideLimits, OverrideState, Rate, StepLengths,
 };
 
-use crate::exact_plan::ExactPlan;
-use crate::least_periods::MOST_PERIODS;
-use crate::problem::Problem;
+use crate::plan::exact_plan::ExactPlan;
+use crate::problem::least_periods::MOST_PERIODS;
+use crate::problem::problem::Problem;
 
 /// So many times the path's own limit is none for an axis.
 const AMPLE: f64 = 1e6;
@@ -242,20 +242,15 @@ impl OverrideCommands {
 #[cfg(test)]
 mod tests {
     use feed_plan::ProfileKind;
-    use part_program::{read_machine, read_part};
 
     use super::*;
+    use crate::examples::on_example_machine;
 
     #[test]
     fn an_axis_that_stands_still_delays_no_override() {
-        let part = read_part("circle.nc", "G0 X20 Y0 Z0\nG3 X20 Y0 I-20 J0 F6000\n").unwrap();
-        let machine = include_str!("../../../data/seed-000.toml");
-        let machine = &machine[machine.find("[machine]").unwrap()..];
-        let machine = machine.split("[[").next().unwrap();
         let overrides = Overrides::try_new(vec![OverrideTarget { time_s: 0.3, share: 0.5 }], 0.2).unwrap();
         let periods = |axes: &str| {
-            let machine = read_machine("m.toml", &format!("{machine}{axes}")).unwrap();
-            let problem = Problem::<3>::new(&part, &machine).unwrap();
+            let problem = on_example_machine::<3>("G0 X20 Y0 Z0\nG3 X20 Y0 I-20 J0 F6000\n", axes);
             let to_plan = overrides.to_plan(&problem);
             let plan = ExactPlan::in_format_with::<f64, 3>(&to_plan, [0.0; 2], ProfileKind::SCurve).unwrap();
             overrides.commands(&problem, &plan).unwrap().periods
