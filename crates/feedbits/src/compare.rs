@@ -83,7 +83,7 @@ where
     }
     if !targets.is_empty() {
         let progress = Progress::of("runs recorded for the targets", comparison.formats.len());
-        format_compare::price_with(&mut comparison, problem, targets, &options, || progress.step())?;
+        format_compare::price(&mut comparison, problem, targets, &options, || progress.step())?;
         progress.finish();
     }
     if shown.contains(&Engine::Pieces) {

@@ -61,6 +61,7 @@ mod run {
     mod by_engine;
     pub(crate) mod constants;
     pub(crate) mod formats;
+    pub(crate) mod job;
     mod on_global_parameter;
     pub(crate) mod on_pieces;
     pub(crate) mod options;
@@ -95,7 +96,7 @@ mod compare {
 }
 
 pub use compare::compare::{Comparison, PartSummary, compare, compare_with};
-pub use compare::price::{price, price_with};
+pub use compare::price::price;
 pub use cost::period_cost::{Cost, Level, PeriodCost};
 pub use feed_plan::ProfileKind;
 pub use judge::judged_run::{JudgedRun, Verdict};

@@ -16,27 +16,11 @@ use crate::run::recorded_run::RecordedRun;
 
 /// Records every run of `comparison` that was not refused, prices it on each of `targets`, and recommends anew: on the
 /// first target, the cheapest of the formats that are good and fit the period. A format that fits the period on none of
-/// the targets is no longer good.
+/// the targets is no longer good. `recorded` is called as each run has been recorded, which is what takes the time.
 ///
 /// # Errors
 /// [`Refusal`] if no plan can be made: that of the comparison.
 pub fn price<const D: usize>(
-    comparison: &mut Comparison,
-    problem: &Problem<D>,
-    targets: &[Target],
-    options: &Options,
-) -> Result<(), Refusal>
-where
-    Space: Dimension<D>,
-{
-    price_with(comparison, problem, targets, options, || ())
-}
-
-/// Does what [`price`] does, and calls `recorded` as each run has been recorded, which is what takes the time.
-///
-/// # Errors
-/// As [`price`].
-pub fn price_with<const D: usize>(
     comparison: &mut Comparison,
     problem: &Problem<D>,
     targets: &[Target],

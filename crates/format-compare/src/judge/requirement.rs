@@ -87,6 +87,7 @@ impl Worst {
 }
 
 /// What was measured of a run.
+#[derive(Default)]
 pub(crate) struct Findings {
     pub(crate) fluctuation: Worst,
     pub(crate) saturations: u64,
@@ -129,14 +130,6 @@ pub(crate) fn requirements<const D: usize>(
     problem: &Problem<D>,
     found: &Findings,
 ) -> Vec<Requirement> {
-    let Findings {
-        fluctuation,
-        saturations,
-        chord_error_mm,
-        corner_error_mm,
-        position_error_mm,
-        end_error_mm,
-    } = *found;
     let machine = &problem.machine;
     let one = |what, (found, limit, unit): (f64, f64, _), step: Option<usize>, broken: String| {
         let at = step.and_then(|index| PeriodEnd::of(problem, run, index));
@@ -145,6 +138,7 @@ pub(crate) fn requirements<const D: usize>(
         let broken = line.map_or_else(|| broken.clone(), |line| format!("{broken} in line {line}"));
         Requirement { what, found, limit, unit, at, broken }
     };
+    let Findings { saturations, end_error_mm, .. } = *found;
     let last = run.steps.len().checked_sub(1);
     let chord = machine.chord_error_mm;
     let (corner, corner_key) = machine.corner_error_mm();
@@ -180,27 +174,27 @@ pub(crate) fn requirements<const D: usize>(
         one("overflows", (saturations as f64, 0.0, "count"), None, format!("{saturations} overflows")),
         one(
             "feedrate fluctuation at cruise",
-            (fluctuation.figure, machine.fluctuation_limit, "ratio"),
-            fluctuation.step,
-            format!("fluctuation {:.1e} > {:.1e}", fluctuation.figure, machine.fluctuation_limit),
+            (found.fluctuation.figure, machine.fluctuation_limit, "ratio"),
+            found.fluctuation.step,
+            format!("fluctuation {:.1e} > {:.1e}", found.fluctuation.figure, machine.fluctuation_limit),
         ),
         one(
             "chord error",
-            (chord_error_mm.figure, chord * (1.0 + CHORD_ERROR_SLACK), "mm"),
-            chord_error_mm.step,
-            format!("chord error {:.2e} > {chord:.2e} mm", chord_error_mm.figure),
+            (found.chord_error_mm.figure, chord * (1.0 + CHORD_ERROR_SLACK), "mm"),
+            found.chord_error_mm.step,
+            format!("chord error {:.2e} > {chord:.2e} mm", found.chord_error_mm.figure),
         ),
         one(
             "corner error",
-            (corner_error_mm.figure, corner * (1.0 + CHORD_ERROR_SLACK), "mm"),
-            corner_error_mm.step,
-            format!("corner error {:.2e} > {corner:.2e} mm of `{corner_key}`", corner_error_mm.figure),
+            (found.corner_error_mm.figure, corner * (1.0 + CHORD_ERROR_SLACK), "mm"),
+            found.corner_error_mm.step,
+            format!("corner error {:.2e} > {corner:.2e} mm of `{corner_key}`", found.corner_error_mm.figure),
         ),
         one(
             "position error",
-            (position_error_mm.figure, off, "mm"),
-            position_error_mm.step,
-            format!("position error {:.1e} > {off:.1e} mm", position_error_mm.figure),
+            (found.position_error_mm.figure, off, "mm"),
+            found.position_error_mm.step,
+            format!("position error {:.1e} > {off:.1e} mm", found.position_error_mm.figure),
         ),
         one(
             "distance from the end of the path",
@@ -215,8 +209,6 @@ pub(crate) fn requirements<const D: usize>(
 
 #[cfg(test)]
 mod tests {
-    use real::Audit;
-
     use super::*;
     use crate::Verdict;
     use crate::examples::{EXAMPLE, judged, mill, on_example_machine};
@@ -229,25 +221,9 @@ mod tests {
         let increment = machine.position_increment_mm;
         let full_step = problem.full_step_mm();
         let judged = |change: fn(&mut Run, &mut Findings, f64), figure: f64| {
-            let audit = Audit::default();
-            let fluctuation_resolution = 1e-9;
-            let mut run = Run {
-                steps: Vec::new(),
-                finished: true,
-                planned_periods: 0,
-                resolution_mm: 1e-6,
-                filament_step_mm: None,
-                fluctuation_resolution,
-                audit,
-            };
-            let mut found = Findings {
-                fluctuation: Worst::default(),
-                saturations: 0,
-                chord_error_mm: Worst::default(),
-                corner_error_mm: Worst::default(),
-                position_error_mm: Worst::default(),
-                end_error_mm: 0.0,
-            };
+            let mut run =
+                Run { finished: true, resolution_mm: 1e-6, fluctuation_resolution: 1e-9, ..Run::default() };
+            let mut found = Findings::default();
             change(&mut run, &mut found, figure);
             Verdict::of(&requirements(&run, &problem, &found))
         };

@@ -86,8 +86,8 @@ mod tests {
         }
     }
 
-    /// What rounding the solved quantity alone may cost is not far above what is found in any format: of more than a
-    /// thousand periods one comes near it.
+    /// In every format the largest fluctuation found is at least a quarter of what rounding the solved quantity alone may cost: of more
+    /// than a thousand periods one comes near it.
     #[test]
     fn fluctuation_is_of_the_order_of_the_resolution() {
         let problem = on_example_machine::<2>(EXAMPLE, "");

@@ -136,7 +136,7 @@ mod tests {
         }
     }
 
-    /// The jerk with which the next move begins was that of the axis along which the last one had come to the stop.
+    /// The jerk at the begin of a move was counted for the axis of the move before.
     #[test]
     fn a_stop_begins_in_the_direction_of_the_next_move() {
         let limits = "\n[machine.axes.x]\njerk_mm_per_s3 = 10000\n";

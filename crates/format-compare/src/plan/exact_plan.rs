@@ -1,6 +1,6 @@
 //! A plan as every format can take it: the stages in double-double, which holds each format's numbers exactly.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::OnceLock;
 
 use feed_plan::{
     CommandedCurve, EndFeeds, FeedLimit, KinematicLimits, PlanError, ProfileKind, Schedule, Stage,
@@ -23,7 +23,7 @@ pub struct ExactPlan {
     periods: u32,
     profile: ProfileKind,
     /// What [`limit`](Self::limit) gives: of a plan in f64 the limit that it was made under, of any other once somebody has asked.
-    limit: OnceLock<Arc<FeedLimit<f64>>>,
+    limit: OnceLock<FeedLimit<f64>>,
 }
 
 impl ExactPlan {
@@ -56,7 +56,7 @@ impl ExactPlan {
                 end_feeds_mm_per_s,
                 profile,
             )?;
-            return Ok(Self { limit: Arc::new(limit).into(), ..plan });
+            return Ok(Self { limit: limit.into(), ..plan });
         }
         let limits = limits_in_format::<R>(&problem.limits_per_period()?)?;
         let curves = problem.curves.iter().map(NurbsBuf::convert::<R>).collect::<Result<Vec<_>, _>>()?;
@@ -132,7 +132,7 @@ impl ExactPlan {
     pub fn limit<const D: usize>(&self, problem: &Problem<D>) -> Result<&FeedLimit<f64>, PlanError> {
         match self.limit.get() {
             Some(limit) => Ok(limit),
-            None => problem.feed_limit().map(|limit| &**self.limit.get_or_init(|| limit.into())),
+            None => problem.feed_limit().map(|limit| self.limit.get_or_init(|| limit)),
         }
     }
 

@@ -56,7 +56,7 @@ pub struct PlanSummary {
     pub jerk_free_time_s: f64,
     /// By which part of that time the plan takes longer.
     pub over_jerk_free: f64,
-    /// Largest acceleration along the path, in mm/s², a step of feed between stages counted as its mean over a period.
+    /// Largest acceleration along the path, in mm/s². Where the feed steps from one stage to the next, the step over a period counts.
     pub acceleration_max_mm_per_s2: f64,
     /// Its limit.
     pub acceleration_limit_mm_per_s2: f64,
@@ -65,14 +65,14 @@ pub struct PlanSummary {
     pub total_acceleration_max_mm_per_s2: f64,
     /// Whether nothing limits the acceleration across the path in bends.
     pub is_free_across: bool,
-    /// Largest jerk along the path, in mm/s³, with such steps in the same way.
+    /// Largest jerk along the path, in mm/s³. Steps of the feed count by their mean over periods, too.
     pub jerk_max_mm_per_s3: f64,
     /// Its limit.
     pub jerk_limit_mm_per_s3: f64,
     /// Share of the path that is travelled at the commanded feed, or less than 0.5 % below it.
     pub share_at_commanded_feed: f64,
-    /// The feed that is run there, over the commanded one: less than 1, for a whole number of periods from rest to rest, and in
-    /// bends for what chords fall short. `None` where no part is travelled at it.
+    /// The mean feed there over the commanded one. It is less than 1, since the time is stretched to whole periods, and in bends since
+    /// chords are shorter than their arcs. `None` where no part is travelled at the commanded feed.
     pub feed_over_commanded: Option<f64>,
     /// What the plan asks of each axis.
     pub axes: Vec<AxisPeak>,
@@ -159,29 +159,25 @@ impl PlanSummary {
 /// The largest second difference of the points that periods end at, in mm. Where the plan begins or ends at rest, and where the machine
 /// makes another move in between, the tool stays where it is.
 fn total_acceleration<const D: usize>(plan: &ExactPlan, problem: &Problem<D>, limit: &FeedLimit<f64>) -> f64 {
-    let point =
-        |curve: usize, u: f64| problem.curves.get(curve).map_or([0.0; D], |curve| curve.as_curve().point(u));
-    let ends_of = |curve: usize| {
-        let domain = problem.curves.get(curve).map(|curve| curve.as_curve().domain());
-        domain.map(|(begin, end)| [point(curve, begin), point(curve, end)])
+    let on = |curve: usize, at: fn((f64, f64)) -> f64| {
+        let curve = problem.curves.get(curve)?.as_curve();
+        Some(curve.point(at(curve.domain())))
     };
+    let standing = |point: Option<[f64; D]>| point.into_iter().flat_map(|point| [point; 2]);
     let stages = plan.arcs().stages();
-    let rests = [
-        stages.first().is_some_and(|stage| stage.start_feed.value() == 0.0),
-        stages.last().is_some_and(|stage| stage.end_feed.value() == 0.0),
-    ];
+    let is_rest = |feed: Option<DoubleDouble>| feed.is_some_and(|feed| feed.value() == 0.0);
+    let starts_at_rest = is_rest(stages.first().map(|stage| stage.start_feed));
+    let ends_at_rest = is_rest(stages.last().map(|stage| stage.end_feed));
     let mut places = instants(plan, 1).map(|at| limit.parameter_at(at.distance())).peekable();
     let ends = problem.breaks.iter().copied().chain([problem.curves.len()]);
     let (mut begin, mut most) = (0, 0.0_f64);
     for end in ends {
-        let own = std::iter::from_fn(|| places.next_if(|(curve, _)| *curve < end))
-            .map(|(curve, u)| point(curve, u));
-        let before = ends_of(begin).filter(|_| begin > 0 || rests[0]).map(|[start, _]| [start; 2]);
-        let behind =
-            ends_of(end - 1).filter(|_| end < problem.curves.len() || rests[1]).map(|[_, last]| [last; 2]);
-        most = most.max(largest_second_difference(
-            before.into_iter().flatten().chain(own).chain(behind.into_iter().flatten()),
-        ));
+        let own = std::iter::from_fn(|| places.next_if(|(curve, _)| *curve < end));
+        let own = own.filter_map(|(curve, u)| Some(problem.curves.get(curve)?.as_curve().point(u)));
+        let before = on(begin, |domain| domain.0).filter(|_| begin > 0 || starts_at_rest);
+        let behind = on(end - 1, |domain| domain.1).filter(|_| end < problem.curves.len() || ends_at_rest);
+        let points = standing(before).chain(own).chain(standing(behind));
+        most = most.max(largest_second_difference(points));
         begin = end;
     }
     most
@@ -265,8 +261,8 @@ fn shape_name(shape: StageShape) -> &'static str {
     }
 }
 
-/// A stage this close to the commanded feed counts as at it: stretching the time to a whole number of periods
-/// lowers every feed by a part in a thousand or so, which [`PlanSummary::feed_over_commanded`] tells.
+/// A stage whose feed is less than the commanded one by no more than this part counts as at it. The time is stretched to whole
+/// periods, which lowers every feed by a thousandth or so: see [`PlanSummary::feed_over_commanded`].
 const AT_FEED: f64 = 0.005;
 /// Stages of less than 2⁻²⁰ of a period say nothing of the jerk.
 const SHORT: f64 = 1.0 / 1_048_576.0;

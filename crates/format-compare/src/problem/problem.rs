@@ -1,8 +1,8 @@
 //! What is to be run: a path and a machine's limits, in f64.
 //!
-//! Rapid moves cut nothing, so they are left out: what is compared are the moves at feed, where the part has them. Where one of
-//! those begins elsewhere than the one before it ends, be it for a rapid move or for a gap in a drawing, the machine rests, for it
-//! makes another move there: the path goes on at the next section's begin.
+//! Rapid moves cut nothing, so they are left out, and the moves at feed stay where the part has them. Where a move begins elsewhere
+//! than the one before it ends, behind a rapid move or a gap in a drawing, the machine makes another move in between. It rests there,
+//! and the path goes on where the next move begins.
 
 use std::ops::Range;
 
@@ -24,7 +24,7 @@ pub struct Problem<const D: usize> {
     /// Numbers of the curves that begin at rest whatever their direction, in order: those behind an exact stop, a rapid move, a
     /// gap, or a word of the machine as M8.
     pub stops: Vec<usize>,
-    /// Those of them before which the machine makes another move: behind a rapid move or a gap.
+    /// Those of `stops` before which the machine makes another move: behind a rapid move or a gap.
     pub breaks: Vec<usize>,
     /// The line of each curve in the part; empty if nobody knows.
     pub lines: Vec<usize>,
@@ -38,7 +38,7 @@ pub struct Problem<const D: usize> {
     pub machine: Machine,
 }
 
-/// The jump of velocity, in mm per period, of an axis that may not jump: so little that any break stops it.
+/// The jump of velocity allowed to an axis that may not jump, in mm per period: so little that any break of the tangent is a stop.
 const NO_JUMP: f64 = 1e-9;
 
 impl<const D: usize> Problem<D> {
@@ -195,7 +195,7 @@ fn rapid_moves(part: &Part) -> usize {
     if rapids == part.moves.len() { 0 } else { rapids }
 }
 
-/// The feedrates of these moves over the highest of the part's; empty if all have that one. A move that says none has it.
+/// The feedrates of these moves over the highest of the part; empty if all are that one. A move without a feedrate has the highest.
 fn feed_shares(part: &Part, moves: impl Iterator<Item = usize>) -> Vec<f64> {
     let Some(highest) = part.highest_feedrate() else { return Vec::new() };
     let own = |index: usize| part.moves.get(index).and_then(|one| one.feedrate_mm_per_s);

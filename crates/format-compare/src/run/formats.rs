@@ -9,6 +9,7 @@ use crate::problem::problem::Problem;
 use crate::refusal::Refusal;
 use crate::run::by_engine;
 use crate::run::constants::Constants;
+use crate::run::job::Job;
 use crate::run::options::{Options, PlanIn};
 use crate::run::recorded_run::RecordedRun;
 use crate::run::run::Run;
@@ -91,7 +92,7 @@ impl<R: Backend, const D: usize> Format<D> for Of<R> {
     }
 
     fn run(&self, problem: &Problem<D>, plan: &ExactPlan, options: &Options) -> Result<Run, Refusal> {
-        self.within(|| by_engine::audited::<R, Audited<R>, D>(problem, plan, options))
+        self.within(|| by_engine::audited::<R, Audited<R>, D>(&Job { problem, plan, options }))
     }
 
     fn record(
@@ -101,7 +102,7 @@ impl<R: Backend, const D: usize> Format<D> for Of<R> {
         options: &Options,
         most: usize,
     ) -> Result<RecordedRun, Refusal> {
-        by_engine::recorded(self.within(R::name), problem, plan, options, most)
+        by_engine::recorded(self.within(R::name), &Job { problem, plan, options }, most)
     }
 
     fn constants(
@@ -110,7 +111,7 @@ impl<R: Backend, const D: usize> Format<D> for Of<R> {
         plan: &ExactPlan,
         options: &Options,
     ) -> Result<Constants, Refusal> {
-        self.within(|| Constants::of::<R, D>(problem, plan, options))
+        self.within(|| Constants::of::<R, D>(&Job { problem, plan, options }))
     }
 }
 
@@ -179,7 +180,7 @@ where
     Space::formats()
 }
 
-/// The format with this name, if it is one of a format: one like `I5F13`, which no built-in format has, is made at run time.
+/// The format with this name. One like `I5F13` that is not built in is made at run time.
 #[must_use]
 pub fn format_named<const D: usize>(name: &str) -> Option<Box<dyn Format<D>>>
 where
@@ -192,7 +193,7 @@ where
 /// The [formats with these names](format_named), each once, narrow before wide.
 ///
 /// # Errors
-/// The first name that is none of a format.
+/// The first name that no format has.
 pub fn select<const D: usize>(names: &[impl AsRef<str>]) -> Result<Vec<Box<dyn Format<D>>>, String>
 where
     Space: Dimension<D>,

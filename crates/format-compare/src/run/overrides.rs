@@ -16,7 +16,7 @@ use crate::plan::exact_plan::ExactPlan;
 use crate::problem::least_periods::MOST_PERIODS;
 use crate::problem::problem::Problem;
 
-/// So many times the path's own limit is none for an axis.
+/// An axis without a limit has so many times the path's: it never limits.
 const AMPLE: f64 = 1e6;
 
 /// A new override from some time on.
@@ -163,9 +163,7 @@ impl Overrides {
             jerk: limits.jerk,
             planned_acceleration: most(FeedPiece::peak_acceleration) * up,
             planned_jerk: most(FeedPiece::peak_jerk) * up,
-            planned_feed: stages.iter().fold(f64::MIN_POSITIVE, |most, stage| {
-                most.max(stage.start_feed.value()).max(stage.end_feed.value())
-            }) * up,
+            planned_feed: plan.greatest_feed().max(f64::MIN_POSITIVE) * up,
         };
         let points = || problem.curves.iter().flat_map(|curve| curve.control_points());
         let moves = |d: usize| {
@@ -181,10 +179,10 @@ impl Overrides {
         let rate = |share: f64| Rate::of(share / self.highest());
         let period_of = |target: &OverrideTarget| (target.time_s / problem.period_s()).round();
         let targets = self.targets.iter().map(|target| (period_of(target), rate(target.share))).collect();
+        let (start, stages) = (rate(1.0), compiled(stages));
+        let mut commands = OverrideCommands { feeds, start, targets, stages, periods: 0 };
         // What is commanded from the first period on is there before it.
-        let at_start = self.targets.iter().take_while(|target| period_of(target) <= 0.0).last();
-        let start = rate(at_start.map_or(1.0, |target| target.share));
-        let mut commands = OverrideCommands { feeds, start, targets, stages: compiled(stages), periods: 0 };
+        commands.start = commands.commanded(0).unwrap_or(start);
         commands.periods = commands.count().ok_or(OverrideError::TooLong)?;
         Ok(commands)
     }
@@ -220,11 +218,15 @@ impl OverrideCommands {
         OverrideState::at(self.start)
     }
 
-    /// Sets what is commanded from this period on.
+    /// The rate that is commanded in this period; none before the first.
+    fn commanded(&self, period: usize) -> Option<Rate> {
+        self.targets.iter().take_while(|(from, _)| *from <= period as f64).last().map(|(_, rate)| *rate)
+    }
+
+    /// Sets the rate that is commanded in this period.
     pub(crate) fn command(&self, period: usize, rates: &mut OverrideState) {
-        let passed = self.targets.iter().take_while(|(from, _)| *from <= period as f64);
-        if let Some((_, rate)) = passed.last() {
-            rates.set(*rate);
+        if let Some(rate) = self.commanded(period) {
+            rates.set(rate);
         }
     }
 

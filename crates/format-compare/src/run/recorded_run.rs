@@ -50,12 +50,4 @@ impl RecordedRun {
         }
         recorded
     }
-
-    /// Mean of a figure over all steps.
-    #[must_use]
-    pub fn mean(&self, figure: impl Fn(&Step) -> f64) -> f64 {
-        let total: f64 = self.steps.iter().map(|(_, count)| f64::from(*count)).sum();
-        let sum: f64 = self.steps.iter().map(|(step, count)| figure(step) * f64::from(*count)).sum();
-        sum / total.max(1.0)
-    }
 }

@@ -20,7 +20,7 @@ pub struct RunStep {
 }
 
 /// A run from the start of a path to its end.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Run {
     /// The setpoints, a period each.
     pub steps: Vec<RunStep>,
@@ -30,8 +30,8 @@ pub struct Run {
     pub planned_periods: u32,
     /// The step between two neighbouring commanded points, in mm: of a float, at the largest coordinate.
     pub resolution_mm: f64,
-    /// The step between two neighbouring positions of a printer's filament where it is furthest from 0, in mm: of a fixed-point format, in
-    /// the smallest range that holds it.
+    /// The step between two neighbouring positions of a printer's filament where it is furthest from 0, in mm. A fixed-point format has the
+    /// smallest range, a power of two times its own, that holds that position.
     pub filament_step_mm: Option<f64>,
     /// Half a unit in the last place of what the solver seeks, over the step: what rounding it alone may cost, as a
     /// fluctuation. On the global parameter, `½ ulp(u)/(u_{i+1} - u_i)`, the largest over the steps at cruise; on
@@ -50,7 +50,8 @@ pub(crate) fn resolution_at<R: Backend>(largest: f64) -> f64 {
     }
 }
 
-/// The step between neighbouring numbers of `R` in mm, where a position of its own scale is as far from 0 as `farthest_mm`.
+/// The step between neighbouring positions at `farthest_mm` from 0, in mm. Of a fixed-point format its resolution, doubled until that
+/// position is in range.
 pub(crate) fn own_step_mm<R: Backend>(farthest_mm: f64) -> f64 {
     match R::name() {
         FormatName::Fixed { .. } => {
@@ -76,9 +77,4 @@ const AT_CRUISE: f64 = 0.25;
 /// never comes to F.
 pub(crate) fn cruise_mm(wanted_mm: impl Iterator<Item = f64>, full_step_mm: f64) -> f64 {
     AT_CRUISE * full_step_mm.min(wanted_mm.fold(0.0, f64::max))
-}
-
-/// Periods after which a run is given up: the format cannot run this plan.
-pub(crate) fn most_periods(planned: u32) -> usize {
-    2 * planned as usize + 16
 }

@@ -19,11 +19,11 @@ use crate::plan::exact_plan::ExactPlan;
 use crate::problem::problem::Problem;
 use crate::refusal::Refusal;
 use crate::run::formats::{Dimension, Space};
+use crate::run::job::Job;
 use crate::run::options::{Engine, Options};
 use crate::size::trial::{FEWEST_INTEGER_BITS, Trial, WIDTHS, search_options};
 
-/// Periods of the parts that the widths are narrowed down on, together: the three runs of them that most searches take are a matter
-/// of seconds.
+/// The most periods of the parts that the widths are narrowed down on, together. Most searches run them three times, in seconds.
 const MOST_SEARCHED: f64 = 200_000.0;
 
 /// The width that a search begins with where no format that was compared says anything.
@@ -62,13 +62,13 @@ pub enum FewestBits {
     },
 }
 
-/// Searches for the fewest bits on which `problem` runs within the machine's requirements, after `rows` of it were compared.
+/// Searches for the fewest bits on which `problem` runs within the machine's requirements, after `runs` of it were compared.
 ///
 /// # Errors
 /// [`Refusal`] when the part cannot be planned at all.
 pub fn fewest_bits<const D: usize>(
     problem: &Problem<D>,
-    rows: &[JudgedRun],
+    runs: &[JudgedRun],
     options: &Options,
 ) -> Result<FewestBits, Refusal>
 where
@@ -78,8 +78,8 @@ where
     let planned =
         |problem: &Problem<D>, ends| ExactPlan::in_format_with::<f64, D>(problem, ends, options.profile);
     let plan = planned(problem, options.end_feeds_mm_per_s)?;
-    let whole = Widths::of(problem, &plan, &options)?;
-    let parts = hardest_parts(problem, &plan, rows);
+    let whole = Widths::of(Job { problem, plan: &plan, options: &options })?;
+    let parts = hardest_parts(problem, &plan, runs);
     let periods: f64 = parts.iter().map(|(_, periods)| periods).sum();
     if periods > MOST_SEARCHED {
         return Ok(FewestBits::LeftOut { periods: periods.to_phase(-32) >> 32 });
@@ -90,11 +90,11 @@ where
         planned(&part, [0.0; 2]).map(|plan| (part, plan))
     });
     let parts = parts.collect::<Result<Vec<_>, _>>()?;
-    let parts = parts.iter().map(|(part, plan)| Widths::of(part, plan, &options));
+    let parts = parts.iter().map(|(part, plan)| Widths::of(Job { problem: part, plan, options: &options }));
     let parts = parts.collect::<Result<Vec<_>, _>>()?;
     let hardest = if parts.is_empty() { std::slice::from_ref(&whole) } else { &parts };
     let limit = problem.machine.fluctuation_limit;
-    let start = expected_width(rows, limit);
+    let start = expected_width(runs, limit);
     let width = narrowest(start, |width| hardest.iter().all(|path| path.run(width).verdict.is_good()));
     let good = |width: u32| Some(whole.run(width)).filter(|run| run.verdict.is_good());
     let last = *WIDTHS.end();
@@ -109,14 +109,14 @@ where
     Ok(FewestBits::Found { format: row.format, bits: row.bits, fluctuation, margin: limit / fluctuation })
 }
 
-/// The width that is just enough if fluctuation falls by half with each bit, by the coarsest fixed-point format that was run.
-fn expected_width(rows: &[JudgedRun], limit: f64) -> u32 {
+/// The width that the coarsest fixed-point run lets expect, if each further bit halves the fluctuation.
+fn expected_width(runs: &[JudgedRun], limit: f64) -> u32 {
     let fraction_bits = |row: &JudgedRun| match FormatName::named(&row.format) {
         Some(FormatName::Fixed { fraction_bits, .. }) => Some(f64::from(fraction_bits)),
         _ => None,
     };
     let of_row = |row: &JudgedRun| Some((row.fluctuation?.cruise_max_abs, fraction_bits(row)?));
-    let pieces = rows.iter().filter(|row| row.engine == Engine::Pieces).filter_map(of_row);
+    let pieces = runs.iter().filter(|run| run.engine == Engine::Pieces).filter_map(of_row);
     let Some((fluctuation, bits)) = pieces.filter(|one| one.0 > 0.0).max_by(|a, b| a.0.total_cmp(&b.0))
     else {
         return USUAL;
@@ -125,8 +125,8 @@ fn expected_width(rows: &[JudgedRun], limit: f64) -> u32 {
     WIDTHS.rev().find(|candidate| f64::from(*candidate) <= width).unwrap_or(*WIDTHS.start())
 }
 
-/// The narrowest of the widths that is good, if all wider ones of a good one are; the widest where none is. Three widths at a time are
-/// tried, from those around `start`.
+/// The narrowest good width, where every width above a good one is good; the widest where none is. Three neighbouring widths are tried at
+/// a time, the first around `start`.
 fn narrowest(start: u32, is_good: impl Fn(u32) -> bool + Sync) -> u32 {
     let (low, high) = (*WIDTHS.start(), *WIDTHS.end());
     let mut middle = start.clamp(low + 1, high - 1);
@@ -164,8 +164,8 @@ impl<'a, const D: usize> Widths<'a, D>
 where
     Space: Dimension<D>,
 {
-    fn of(problem: &'a Problem<D>, plan: &'a ExactPlan, options: &'a Options) -> Result<Self, Refusal> {
-        let trial = Trial::new(problem, plan, options, Datapath::default())?;
+    fn of(job: Job<'a, D>) -> Result<Self, Refusal> {
+        let trial = Trial::new(job, Datapath::default())?;
         Ok(Self { trial, integer_bits: AtomicU32::new(FEWEST_INTEGER_BITS), runs: Mutex::default() })
     }
 
@@ -191,7 +191,7 @@ where
 fn hardest_parts<const D: usize>(
     problem: &Problem<D>,
     plan: &ExactPlan,
-    rows: &[JudgedRun],
+    runs: &[JudgedRun],
 ) -> Vec<(Range<usize>, f64)> {
     let all = f64::from(plan.periods());
     if all <= MOST_SEARCHED {
@@ -199,7 +199,7 @@ fn hardest_parts<const D: usize>(
     }
     let parts = parts(problem, plan);
     let mut hard: Vec<(f64, usize)> = Vec::new();
-    for one in rows.iter().filter(|row| row.engine == Engine::Pieces).flat_map(|row| &row.requirements) {
+    for one in runs.iter().filter(|run| run.engine == Engine::Pieces).flat_map(|run| &run.requirements) {
         let Some(at) = one.at.filter(|_| one.limit > 0.0 && one.found.is_finite()) else { continue };
         let period = at.period as f64;
         hard.push((one.found / one.limit, parts.partition_point(|(_, end)| *end < period)));
@@ -271,13 +271,13 @@ mod tests {
         }
         program += "G2 X40 Y399 R20\n";
         let problem: Problem<3> = mill(&program, "");
-        let rows = judged(&problem, &["I16F16", "I8F24"]);
+        let runs = judged(&problem, &["I16F16", "I8F24"]);
         let plan = ExactPlan::in_format::<f64, 3>(&problem, [0.0; 2]).unwrap();
         assert!(f64::from(plan.periods()) > 1.5 * MOST_SEARCHED, "{}", plan.periods());
-        let parts = hardest_parts(&problem, &plan, &rows);
+        let parts = hardest_parts(&problem, &plan, &runs);
         assert!(parts.iter().map(|(_, periods)| periods).sum::<f64>() <= MOST_SEARCHED && !parts.is_empty());
         let FewestBits::Found { bits, margin, .. } =
-            fewest_bits(&problem, &rows, &Options::default()).unwrap()
+            fewest_bits(&problem, &runs, &Options::default()).unwrap()
         else {
             panic!("found")
         };

@@ -18,6 +18,7 @@ use crate::plan::exact_plan::ExactPlan;
 use crate::problem::problem::Problem;
 use crate::refusal::Refusal;
 use crate::run::formats::{Dimension, Space};
+use crate::run::job::Job;
 use crate::run::on_pieces;
 use crate::run::options::Options;
 use crate::size::trial::{FEWEST_INTEGER_BITS, Trial, WIDTHS, search_options};
@@ -33,7 +34,7 @@ pub struct Sizing {
     pub mixed: Option<Mixed>,
     /// Every uniform format that was tried, in order of width.
     pub tried: Vec<JudgedRun>,
-    /// Those of them that no narrower format beats in fluctuation.
+    /// Those of `tried` that no narrower format beats in fluctuation.
     pub front: Vec<FrontPoint>,
     /// Runs of the whole path that the search took.
     pub runs: usize,
@@ -109,7 +110,7 @@ where
     Space: Dimension<D>,
 {
     let options = search_options(problem, options);
-    let trial = Trial::new(problem, plan, &options, datapath)?;
+    let trial = Trial::new(Job { problem, plan, options: &options }, datapath)?;
     let widths: Vec<_> = WIDTHS.collect();
     let tried = in_parallel(&widths, |width| trial.narrowest_integer_part(*width, FEWEST_INTEGER_BITS));
     let uniform = tried.iter().find(|run| run.verdict.is_good()).cloned();
@@ -160,16 +161,15 @@ where
     Space: Dimension<D>,
 {
     fn new(trial: &'a Trial<'a, D>) -> Result<Self, Refusal> {
-        let path = on_pieces::compiled::<Quantized, D>(trial.problem, trial.plan, trial.options)?;
+        let path = on_pieces::compiled::<Quantized, D>(&trial.job)?;
         Ok(Self { trial, bounds: path.table().bounds().to_vec() })
     }
 
     fn run(&self, fraction_bits: &[i32]) -> Option<JudgedRun> {
-        let Trial { problem, plan, options, datapath, .. } = self.trial;
         let registers: Vec<_> =
             self.bounds.iter().map(|b| b.signal).zip(fraction_bits.iter().copied()).collect();
-        let run = Quantized::run(datapath.rounding, &registers, || {
-            on_pieces::run::<Quantized, D>(problem, plan, options)
+        let run = Quantized::run(self.trial.datapath.rounding, &registers, || {
+            on_pieces::run::<Quantized, D>(&self.trial.job)
         });
         let mut run = run.ok()?;
         run.audit = Audit::default();
@@ -231,7 +231,7 @@ where
             uniform_bits: uniform.bits * u32::try_from(signals.len()).ok()?,
             signals,
             fluctuation,
-            margin: self.trial.problem.machine.fluctuation_limit / fluctuation,
+            margin: self.trial.job.problem.machine.fluctuation_limit / fluctuation,
         })
     }
 }

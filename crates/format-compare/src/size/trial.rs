@@ -7,10 +7,10 @@ use real::{Datapath, FormatName, RuntimeFormat};
 
 use crate::judge::judged_run::JudgedRun;
 use crate::judge::reference::Reference;
-use crate::plan::exact_plan::ExactPlan;
 use crate::problem::problem::Problem;
 use crate::refusal::Refusal;
 use crate::run::formats::{Dimension, Space};
+use crate::run::job::Job;
 use crate::run::options::{Engine, Options};
 use crate::run::run::Run;
 
@@ -31,9 +31,7 @@ pub(crate) fn search_options<const D: usize>(problem: &Problem<D>, options: &Opt
 
 /// A path with its plan and its judge.
 pub(crate) struct Trial<'a, const D: usize> {
-    pub(crate) problem: &'a Problem<D>,
-    pub(crate) plan: &'a ExactPlan,
-    pub(crate) options: &'a Options,
+    pub(crate) job: Job<'a, D>,
     pub(crate) datapath: Datapath,
     reference: Reference<D>,
 }
@@ -42,24 +40,19 @@ impl<'a, const D: usize> Trial<'a, D>
 where
     Space: Dimension<D>,
 {
-    pub(crate) fn new(
-        problem: &'a Problem<D>,
-        plan: &'a ExactPlan,
-        options: &'a Options,
-        datapath: Datapath,
-    ) -> Result<Self, Refusal> {
-        Ok(Self { problem, plan, options, datapath, reference: Reference::new(problem)? })
+    pub(crate) fn new(job: Job<'a, D>, datapath: Datapath) -> Result<Self, Refusal> {
+        Ok(Self { job, datapath, reference: Reference::new(job.problem)? })
     }
 
     /// A run in this format as the reference judges it.
     pub(crate) fn judged(&self, format: FormatName, run: &Run) -> JudgedRun {
         let steps = self.reference.judge(run);
-        JudgedRun::of((format, Engine::Pieces), self.problem, &self.reference, (run, &steps))
+        JudgedRun::of((format, Engine::Pieces), self.job.problem, &self.reference, (run, &steps))
     }
 
     /// The run with as few integer bits as the path can be compiled for, at this width, tried from `fewest` on.
     pub(crate) fn narrowest_integer_part(&self, width: u32, fewest: u32) -> JudgedRun {
-        let datapath = self.datapath;
+        let (Job { problem, plan, options }, datapath) = (self.job, self.datapath);
         let mut integer_bits = fewest;
         loop {
             let fraction_bits = width.saturating_sub(integer_bits);
@@ -70,7 +63,7 @@ where
                 let refusal = Refusal::Limit { what, value, format: name };
                 return JudgedRun::refused((name, Engine::Pieces), &refusal);
             };
-            match Space::at_run_time(format).run(self.problem, self.plan, self.options) {
+            match Space::at_run_time(format).run(problem, plan, options) {
                 Ok(run) => return self.judged(format.name(), &run),
                 Err(Refusal::Compile(CompileError::DoesNotFit { integer_bits: needed, .. }))
                     if needed > integer_bits =>
