@@ -11,8 +11,8 @@
 //! | `judge/` | how good is a run, against double-double? | [`Reference::judge`] → [`JudgedStep`], [`Fluctuation`], [`Trace`] |
 //! | | does it keep what it must, and where does it not? | [`JudgedRun`], [`Requirement`], [`Verdict`] |
 //! | | why is no format good, if even `f64` is not? | [`not_of_format`] → [`NotOfFormat`] |
-//! | `size/` | how few bits are enough? | [`fewest_bits`] → [`FewestBits`], and for each signal [`size`] → [`Sizing`] |
-//! | `compare/` | which format is good enough, and which is the cheapest? | [`compare`], [`compare_with`] → [`Comparison`]; [`price`] |
+//! | `size/` | how few bits are enough? | [`fewest_bits`] → [`FewestBits`], and for each signal [`size()`] → [`Sizing`] |
+//! | `compare/` | which format is good enough, and which is the cheapest? | [`compare()`], [`compare_with`] → [`Comparison`]; [`price`] |
 //!
 //! A folder uses only those above it in the table. Why a part is refused, [`Refusal`], all of them say.
 //!
