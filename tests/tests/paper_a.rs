@@ -2,7 +2,8 @@
 
 use feedbits_tests::{PAPER_A, problem};
 use format_compare::{
-    Engine, ExactPlan, Fluctuation, JudgedStep, Options, Reference, Row, Verdict, compare, formats, select,
+    Engine, ExactPlan, Fluctuation, JudgedRun, JudgedStep, Options, Reference, Verdict, compare, formats,
+    select,
 };
 
 /// F·T.
@@ -94,7 +95,7 @@ fn a_tighter_tolerance_beats_the_printed_secant_row() {
     assert!(ours.cruise_max_abs < 1e-11 && ours.mean_abs < 8.79e-9, "{ours:?}");
 }
 
-fn row<'a>(rows: &'a [Row], format: &str, engine: Engine) -> &'a Row {
+fn row<'a>(rows: &'a [JudgedRun], format: &str, engine: Engine) -> &'a JudgedRun {
     rows.iter().find(|row| row.format == format && row.engine == engine).expect("the format was compared")
 }
 

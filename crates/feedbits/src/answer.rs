@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use format_compare::{Comparison, Cost, Engine, FewestBits, Requirement, Row, Verdict};
+use format_compare::{Comparison, Cost, Engine, FewestBits, JudgedRun, Requirement, Verdict};
 
 use crate::screen::{self, BAD, COLUMNS, GOOD, duration, list, short, times, times_short};
 
@@ -93,23 +93,23 @@ fn answer(comparison: &Comparison, target: Option<&str>) -> String {
     text
 }
 
-fn named(row: &Row) -> String {
+fn named(row: &JudgedRun) -> String {
     if row.engine == Engine::Pieces { row.format.clone() } else { format!("{} ({})", row.format, row.engine) }
 }
 
 /// Why the cheapest by its bits is first: among as many bits, fixed point before float, and the widest range.
-fn by_bits(best: &Row, good: &[&Row]) -> String {
+fn by_bits(best: &JudgedRun, good: &[&JudgedRun]) -> String {
     let is_alone = good.iter().all(|row| row.bits != best.bits || row.format == best.format);
     let why = if is_alone { "for its bits" } else { "for its range among those" };
     format!("{why}; --targets goes by what a period costs.")
 }
 
 /// Why the cheapest by its cost on a target is first, and whether others may be as cheap: the ranges of their costs overlap.
-fn by_cost(best: &Row, good: &[&Row], target: &str) -> String {
+fn by_cost(best: &JudgedRun, good: &[&JudgedRun], target: &str) -> String {
     let Some(Cost::Known(cost)) = best.cycles.get(target) else {
         return "though its cost on the target is not known.".to_string();
     };
-    let may_be_as_cheap = |row: &Row| match row.cycles.get(target) {
+    let may_be_as_cheap = |row: &JudgedRun| match row.cycles.get(target) {
         Some(Cost::Known(other)) => {
             other.dsp_blocks == cost.dsp_blocks && other.max_range[0] <= cost.max_range[1]
         }
@@ -127,12 +127,12 @@ fn by_cost(best: &Row, good: &[&Row], target: &str) -> String {
     format!("{what}, if not by much: the range of its cost overlaps that of {}.", list(&as_cheap))
 }
 
-fn name_width(rows: &[&Row]) -> usize {
+fn name_width(rows: &[&JudgedRun]) -> usize {
     rows.iter().map(|row| row.format.len()).max().unwrap_or(0).max(6)
 }
 
 /// A format's line: its first failing requirement, and how many more there are.
-fn line(text: &mut String, row: &Row, width: usize, names_path: bool) {
+fn line(text: &mut String, row: &JudgedRun, width: usize, names_path: bool) {
     let fluctuation =
         row.fluctuation.map_or_else(String::new, |found| format!("{:.1e}", found.cruise_max_abs));
     let path = if names_path { format!("  {:6}", row.engine.to_string()) } else { String::new() };
@@ -152,7 +152,7 @@ fn line(text: &mut String, row: &Row, width: usize, names_path: bool) {
 }
 
 /// How many times the fluctuation might be what it is.
-fn margin(row: &Row) -> Option<f64> {
+fn margin(row: &JudgedRun) -> Option<f64> {
     let fluctuation: &Requirement =
         row.requirements.iter().find(|one| one.what == "feedrate fluctuation at cruise")?;
     Some(fluctuation.limit / fluctuation.found)

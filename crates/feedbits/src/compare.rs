@@ -6,7 +6,7 @@ use anyhow::Result;
 use clap::Args;
 use clap_complete::ArgValueCandidates;
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
-use format_compare::{Comparison, Dimension, Engine, JudgedStep, Problem, Row, Run, Space, Trace};
+use format_compare::{Comparison, Dimension, Engine, JudgedRun, JudgedStep, Problem, Run, Space, Trace};
 use target_cost::Target;
 
 use crate::formats::selected;
@@ -68,7 +68,7 @@ where
     report::make_folder(arguments.report.as_deref())?;
     let progress = Progress::of("runs", formats.len() * engines.len());
     let wanted = arguments.report.is_some();
-    let keep = |_: &Row, run: Option<(&Run, &[JudgedStep])>| {
+    let keep = |_: &JudgedRun, run: Option<(&Run, &[JudgedStep])>| {
         let trace = run.filter(|_| wanted).map(|(run, steps)| Trace::of(run, steps));
         progress.step();
         trace
@@ -83,7 +83,7 @@ where
     }
     if !targets.is_empty() {
         let progress = Progress::of("runs recorded for the targets", comparison.formats.len());
-        format_compare::price_with(&mut comparison, problem, targets, &options, || progress.step())?;
+        format_compare::price(&mut comparison, problem, targets, &options, || progress.step())?;
         progress.finish();
     }
     if shown.contains(&Engine::Pieces) {
@@ -175,7 +175,7 @@ fn answer(comparison: &Comparison) -> String {
     format!("Cheapest format that is good enough: {format} ({engine}), {by}")
 }
 
-fn cells(row: &Row, passes_corners: bool) -> Vec<String> {
+fn cells(row: &JudgedRun, passes_corners: bool) -> Vec<String> {
     let figure = |value: Option<f64>| value.map_or_else(String::new, |x| format!("{x:.1e}"));
     let fluctuation = |of: fn(&format_compare::Fluctuation) -> f64| figure(row.fluctuation.as_ref().map(of));
     let mut cells = vec![

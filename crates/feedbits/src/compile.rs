@@ -3,7 +3,7 @@
 use anyhow::{Result, bail};
 use clap::Args;
 use clap_complete::ArgValueCandidates;
-use format_compare::{Constants, Dimension, Engine, Problem, Row, Space, Verdict};
+use format_compare::{Constants, Dimension, Engine, JudgedRun, Problem, Space, Verdict};
 
 use crate::formats::selected;
 use crate::input::{AnyProblem, Input};
@@ -55,7 +55,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
 }
 
 /// The constants, the judgement of the run that they make, and a line about where they come from.
-fn compiled<const D: usize>(problem: &Problem<D>, arguments: &Arguments) -> Result<(Constants, Row, String)>
+fn compiled<const D: usize>(
+    problem: &Problem<D>,
+    arguments: &Arguments,
+) -> Result<(Constants, JudgedRun, String)>
 where
     Space: Dimension<D>,
 {

@@ -139,7 +139,7 @@ pub(crate) fn by_name<const D: usize>(name: &str) -> Option<Box<dyn format_compa
 where
     Space: Dimension<D>,
 {
-    format_compare::select(&[name.to_string()]).ok().and_then(|mut found| found.pop())
+    format_compare::format_named(name)
 }
 
 fn table(listed: &[Listed]) -> String {

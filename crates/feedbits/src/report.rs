@@ -114,7 +114,7 @@ where
 {
     let Some(format) = by_name("f64").filter(|_| problem.curves.len() == 1) else { return Ok(Vec::new()) };
     let engines = [Engine::DeBoorSecant, Engine::DeBoorTaylor1, Engine::DeBoorTaylor2];
-    let keep = |_: &format_compare::Row, run: Option<(&Run, &[JudgedStep])>| {
+    let keep = |_: &format_compare::JudgedRun, run: Option<(&Run, &[JudgedStep])>| {
         run.map(|(run, steps)| Trace::of(run, steps))
     };
     let (_, traces) = format_compare::compare_with(problem, &[format], &engines, options, keep)?;
@@ -133,7 +133,7 @@ fn schedules<'a, const D: usize>(
 where
     Space: Dimension<D>,
 {
-    let recommended = |row: &&format_compare::Row| {
+    let recommended = |row: &&format_compare::JudgedRun| {
         Some(&row.format) == comparison.recommended.as_ref()
             && Some(row.engine) == comparison.recommended_engine
     };
@@ -144,7 +144,7 @@ where
     let Some(format) = by_name::<D>(&row.format) else { return Ok(Vec::new()) };
     let options = Options { engine: row.engine, ..options.clone() };
     let plan = format_compare::plan_for(problem, format.as_ref(), &options)?;
-    let recorded = Space::record(format.name(), problem, &plan, &options, RECORDED_PERIODS)?;
+    let recorded = format.record(problem, &plan, &options, RECORDED_PERIODS)?;
     let Some((step, _)) = recorded.steps.iter().max_by_key(|(_, count)| *count) else {
         return Ok(Vec::new());
     };

@@ -9,7 +9,7 @@ use std::sync::Mutex;
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use clap_complete::ArgValueCandidates;
-use format_compare::{Dimension, Engine, Format, LeastPeriods, Options, Problem, Row, Space, Verdict};
+use format_compare::{Dimension, Engine, Format, JudgedRun, LeastPeriods, Options, Problem, Space, Verdict};
 use format_report::{Sweep, SweepCell, SweepResult};
 use nurbs_core::NurbsBuf;
 use part_program::{Curve, Machine, Move, Part};
@@ -348,7 +348,7 @@ impl Base {
     }
 }
 
-fn result(row: &Row) -> SweepResult {
+fn result(row: &JudgedRun) -> SweepResult {
     SweepResult {
         good: row.verdict.is_good(),
         fluctuation: row.fluctuation.map(|fluctuation| fluctuation.cruise_max_abs),

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use anyhow::{Result, bail};
 use clap::Args;
 use clap_complete::ArgValueCandidates;
-use format_compare::{Comparison, Cost, Engine, PeriodCost, Row, Verdict};
+use format_compare::{Comparison, Cost, Engine, JudgedRun, PeriodCost, Verdict};
 use serde::Serialize;
 use target_cost::{Calibration, Confidence, Kind, Known, Measure, Prediction, Target, built_in};
 
@@ -327,7 +327,8 @@ fn narrow_costs(comparison: &Comparison, target: &Target, engines: &[Engine]) ->
         header.remove(1);
     }
     let (mut rows, mut unknown) = (Vec::new(), Vec::new());
-    let runs = |row: &&Row| engines.contains(&row.engine) && !matches!(row.verdict, Verdict::Refused(_));
+    let runs =
+        |row: &&JudgedRun| engines.contains(&row.engine) && !matches!(row.verdict, Verdict::Refused(_));
     for row in comparison.formats.iter().filter(runs) {
         match row.cycles.get(&target.name) {
             Some(Cost::Known(cost)) => {
@@ -359,7 +360,7 @@ fn wide_costs(comparison: &Comparison, target: &Target) -> String {
     if fpga {
         header.extend(["DSP\nblocks", "cycles to the\nnext axis"]);
     }
-    let row = |row: &Row| {
+    let row = |row: &JudgedRun| {
         let mut cells = vec![row.format.clone(), row.engine.to_string()];
         match row.cycles.get(&target.name) {
             Some(Cost::Known(cost)) => {
@@ -380,11 +381,11 @@ fn wide_costs(comparison: &Comparison, target: &Target) -> String {
 
 /// What the figures say on this target.
 fn findings(comparison: &Comparison, target: &Target) -> Vec<String> {
-    let known = |row: &Row| match row.cycles.get(&target.name) {
+    let known = |row: &JudgedRun| match row.cycles.get(&target.name) {
         Some(Cost::Known(cost)) => Some(cost.clone()),
         _ => None,
     };
-    let good: Vec<(&Row, PeriodCost)> = comparison
+    let good: Vec<(&JudgedRun, PeriodCost)> = comparison
         .formats
         .iter()
         .filter(|row| row.verdict.is_good())
@@ -415,7 +416,11 @@ fn findings(comparison: &Comparison, target: &Target) -> Vec<String> {
 }
 
 /// That the recommended format fits the period only by what operations typically take.
-fn may_not_fit(comparison: &Comparison, target: &Target, good: &[(&Row, PeriodCost)]) -> Option<String> {
+fn may_not_fit(
+    comparison: &Comparison,
+    target: &Target,
+    good: &[(&JudgedRun, PeriodCost)],
+) -> Option<String> {
     let (format, engine) = comparison.recommended_on.get(&target.name)?;
     let (_, cost) = good.iter().find(|(row, _)| row.format == *format && row.engine == *engine)?;
     let most = cost.share_of_period? * cost.max_range[1] / cost.max;
@@ -425,8 +430,8 @@ fn may_not_fit(comparison: &Comparison, target: &Target, good: &[(&Row, PeriodCo
 }
 
 /// What compiling buys where both forms were priced, and how much of the raw form is division and roots.
-fn divisions(comparison: &Comparison, known: &impl Fn(&Row) -> Option<PeriodCost>) -> Option<String> {
-    let mut by_format: BTreeMap<&str, Vec<(&Row, PeriodCost)>> = BTreeMap::new();
+fn divisions(comparison: &Comparison, known: &impl Fn(&JudgedRun) -> Option<PeriodCost>) -> Option<String> {
+    let mut by_format: BTreeMap<&str, Vec<(&JudgedRun, PeriodCost)>> = BTreeMap::new();
     for row in &comparison.formats {
         if let Some(cost) = known(row) {
             by_format.entry(&row.format).or_default().push((row, cost));

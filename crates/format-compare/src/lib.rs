@@ -1,62 +1,125 @@
 //! `format-compare`: one part, many number formats, a verdict each.
 //!
-//! | question | answer |
-//! |---|---|
-//! | what is run, within which limits? | [`Problem`] |
-//! | what is the plan, exactly? | [`ExactPlan`] |
-//! | which formats are there? | [`formats`], [`select`] |
-//! | what does one format make of it? | [`Format::run`] → [`Run`] |
-//! | the same with the feed overridden on the way? | [`Overrides`] |
-//! | how long does it take at the least? | [`LeastPeriods`] |
-//! | how good is that? | [`Reference::judge`] → [`JudgedStep`], [`Fluctuation`] |
-//! | which format is good enough? | [`compare`] → [`Comparison`] |
-//! | why is none, if even `f64` is not? | [`not_of_format`] → [`NotOfFormat`] |
-//! | what happened in each period? | [`compare_with`] → [`Trace`] |
-//! | what does a period cost on a target? | [`price`] → [`Cost`] |
-//! | how few bits are enough? | [`fewest_bits`] → [`FewestBits`], and for each signal [`size`] → [`Sizing`] |
+//! | folder | answers | public names |
+//! |---|---|---|
+//! | `problem/` | what is run, within which limits, and how long does that take at the least? | [`Problem`], [`LeastPeriods`] |
+//! | `plan/` | what is the plan, exactly, and what does it ask of the machine? | [`ExactPlan`], [`PlanSummary`], [`FeedSample`], [`AxisPeak`] |
+//! | `run/` | which formats are there, and what does each make of a plan? | [`formats`], [`select`], [`plan_for`], [`Format::run`] → [`Run`] |
+//! | | how is it run? Engine, profile, feed overrides | [`Options`], [`Engine`], [`Overrides`] |
+//! | | which operations does a step take, and what does a controller get? | [`RecordedRun`], [`Constants`] |
+//! | `cost/` | what does a period cost on a target? | [`Cost`] |
+//! | `judge/` | how good is a run, against double-double? | [`Reference::judge`] → [`JudgedStep`], [`Fluctuation`], [`Trace`] |
+//! | | does it keep what it must, and where does it not? | [`JudgedRun`], [`Requirement`], [`Verdict`] |
+//! | | why is no format good, if even `f64` is not? | [`not_of_format`] → [`NotOfFormat`] |
+//! | `size/` | how few bits are enough? | [`fewest_bits`] → [`FewestBits`], and for each signal [`size()`] → [`Sizing`] |
+//! | `compare/` | which format is good enough, and which is the cheapest? | [`compare()`], [`compare_with`] → [`Comparison`]; [`price`] |
+//!
+//! A folder uses only those above it in the table. Why a part is refused, [`Refusal`], all of them say.
+//!
+//! ```
+//! use format_compare::{Engine, Options, Problem, compare, select};
+//! use part_program::{read_machine, read_part};
+//!
+//! let machine = "[machine]
+//!     interpolation_period_ms = 1.0
+//!     feedrate_mm_per_s = 50.0
+//!     acceleration_mm_per_s2 = 1000.0
+//!     jerk_mm_per_s3 = 40000.0";
+//! let part = "G0 X0 Y0\nG1 X10 F3000\nG2 X20 Y10 R10\n";
+//! let problem = Problem::<2>::new(&read_part("part.nc", part)?, &read_machine("mill.toml", machine)?)?;
+//!
+//! let formats = select(&["I16F16", "I4F28", "f64"])?;
+//! let found = compare(&problem, &formats, &[Engine::Pieces], &Options::default())?;
+//! for run in &found.formats {
+//!     println!("{}: {}", run.format, run.verdict);
+//! }
+//! assert_eq!(found.recommended.as_deref(), Some("I4F28"));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
-mod axis_peaks;
-mod compare;
-mod constants;
-mod cost;
-mod exact_plan;
-mod fewest_bits;
-mod formats;
-mod least_periods;
-mod metrics;
-mod not_of_format;
-mod on_global_parameter;
-mod on_pieces;
-mod overrides;
-mod plan_table;
-mod problem;
-mod recorded;
-mod reference;
-mod requirement;
-mod run;
-mod setpoints;
-mod size;
-mod trace;
+#![allow(clippy::module_inception, reason = "a folder's main file has the folder's name")]
 
-pub use axis_peaks::AxisPeak;
-pub use compare::{Comparison, PartSummary, Row, Verdict, compare, compare_with, in_parallel};
-pub use constants::Constants;
-pub use cost::{Cost, Level, PeriodCost, price, price_with};
-pub use exact_plan::ExactPlan;
+#[cfg(test)]
+mod examples;
+mod parallel;
+mod refusal;
+
+mod problem {
+    pub(crate) mod least_periods;
+    pub(crate) mod problem;
+}
+
+mod plan {
+    pub(crate) mod axis_peaks;
+    pub(crate) mod exact_plan;
+    pub(crate) mod in_format;
+    pub(crate) mod plan_summary;
+    pub(crate) mod samples;
+}
+
+mod run {
+    mod by_engine;
+    pub(crate) mod constants;
+    pub(crate) mod formats;
+    pub(crate) mod job;
+    mod on_global_parameter;
+    pub(crate) mod on_pieces;
+    pub(crate) mod options;
+    pub(crate) mod overrides;
+    pub(crate) mod recorded_run;
+    pub(crate) mod run;
+}
+
+mod cost {
+    pub(crate) mod period_cost;
+}
+
+mod judge {
+    pub(crate) mod judged_run;
+    pub(crate) mod metrics;
+    pub(crate) mod not_of_format;
+    pub(crate) mod reference;
+    pub(crate) mod requirement;
+    pub(crate) mod setpoints;
+    pub(crate) mod trace;
+}
+
+mod size {
+    pub(crate) mod fewest_bits;
+    pub(crate) mod size;
+    mod trial;
+}
+
+mod compare {
+    pub(crate) mod compare;
+    pub(crate) mod price;
+}
+
+pub use compare::compare::{Comparison, PartSummary, compare, compare_with};
+pub use compare::price::price;
+pub use cost::period_cost::{Cost, Level, PeriodCost};
 pub use feed_plan::ProfileKind;
-pub use fewest_bits::{FewestBits, fewest_bits};
-pub use formats::{Dimension, Format, Space, formats, plan_for, select};
-pub use least_periods::{LeastPeriods, MOST_PERIODS};
-pub use metrics::{Fluctuation, JudgedStep, PerPeriod, jerk_of_chords};
-pub use not_of_format::{NotOfFormat, Remedy, not_of_format};
-pub use overrides::{OverrideCommands, OverrideError, OverrideTarget, Overrides};
+pub use judge::judged_run::{JudgedRun, Verdict};
+pub use judge::metrics::{Fluctuation, JudgedStep, PerPeriod, jerk_of_chords};
+pub use judge::not_of_format::{NotOfFormat, Remedy, not_of_format};
+pub use judge::reference::Reference;
+pub use judge::requirement::{PeriodEnd, Requirement};
+pub use judge::setpoints::{SetpointRow, SetpointTable};
+pub use judge::trace::Trace;
+pub use parallel::in_parallel;
 pub use part_program::Machine;
-pub use plan_table::{FeedSample, PlanSummary, StageRow, largest_second_difference};
-pub use problem::Problem;
-pub use recorded::RecordedRun;
-pub use reference::Reference;
-pub use requirement::{Place, Requirement};
-pub use run::{Engine, Options, PlanIn, Refusal, Run, RunStep};
-pub use setpoints::{SetpointRow, SetpointTable};
-pub use size::{FrontPoint, Mixed, Register, Sizing, size};
-pub use trace::Trace;
+pub use plan::axis_peaks::AxisPeak;
+pub use plan::exact_plan::ExactPlan;
+pub use plan::plan_summary::{PlanSummary, StageRow, largest_second_difference};
+pub use plan::samples::FeedSample;
+pub use problem::least_periods::{LeastPeriods, MOST_PERIODS};
+pub use problem::problem::Problem;
+pub use refusal::Refusal;
+pub use run::constants::Constants;
+pub use run::formats::{Dimension, Format, Space, format_named, formats, plan_for, select};
+pub use run::options::{Engine, Options, PlanIn};
+pub use run::overrides::{OverrideCommands, OverrideError, OverrideTarget, Overrides};
+pub use run::recorded_run::RecordedRun;
+pub use run::run::{Run, RunStep};
+pub use size::fewest_bits::{FewestBits, fewest_bits};
+pub use size::size::{FrontPoint, Mixed, Register, Sizing, size};

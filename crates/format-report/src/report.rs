@@ -217,7 +217,7 @@ fn answer(comparison: &Comparison, requirements: &[Requirement]) -> Answer {
             number::short(used * 100.0)
         ));
     }
-    let rejected: Vec<&format_compare::Row> =
+    let rejected: Vec<&format_compare::JudgedRun> =
         comparison.formats.iter().take(index).filter(|row| matches!(row.verdict, Verdict::Bad(_))).collect();
     if let Some(row) = rejected.last().filter(|_| priced == 0) {
         let reason = tables::verdict(&row.verdict);
@@ -240,7 +240,7 @@ fn fewest_bits(comparison: &Comparison) -> Option<String> {
     }
 }
 
-fn path(row: &format_compare::Row) -> &'static str {
+fn path(row: &format_compare::JudgedRun) -> &'static str {
     if row.engine == format_compare::Engine::Pieces { "compiled (pieces)" } else { "raw" }
 }
 
@@ -279,7 +279,7 @@ mod tests {
         let names: Vec<String> = formats.iter().map(ToString::to_string).collect();
         let formats = select::<3>(&names).expect("formats");
         let options = Options::default();
-        let keep = |_: &format_compare::Row,
+        let keep = |_: &format_compare::JudgedRun,
                     run: Option<(&format_compare::Run, &[format_compare::JudgedStep])>| {
             run.map(|(run, steps)| Trace::of(run, steps))
         };

@@ -1,6 +1,6 @@
 //! The runs of a comparison as the report shows them: names, colours, which are shown at first.
 
-use format_compare::{Comparison, Engine, Row, Trace, Verdict};
+use format_compare::{Comparison, Engine, JudgedRun, Trace, Verdict};
 
 use crate::palette::{DASH_COUNT, HUE_COUNT};
 
@@ -9,7 +9,7 @@ pub(crate) struct RunView<'a> {
     /// Its place in the comparison.
     pub(crate) index: usize,
     /// Its figures.
-    pub(crate) row: &'a Row,
+    pub(crate) row: &'a JudgedRun,
     /// What happened in each period; none if the format was refused.
     pub(crate) trace: Option<&'a Trace>,
     /// Its colour: a format has one.
@@ -85,7 +85,7 @@ pub(crate) fn recommended(comparison: &Comparison) -> Option<usize> {
 fn at_first(comparison: &Comparison) -> Vec<usize> {
     const MOST: usize = 6;
     let rows = &comparison.formats;
-    let ran = |row: &Row| !matches!(row.verdict, Verdict::Refused(_));
+    let ran = |row: &JudgedRun| !matches!(row.verdict, Verdict::Refused(_));
     let mut wanted: Vec<usize> = recommended(comparison).into_iter().collect();
     let chosen = comparison.recommended.as_deref().unwrap_or_default();
     let narrowest = rows.iter().find(|row| ran(row)).map_or("", |row| row.format.as_str());

@@ -1,13 +1,13 @@
 //! The tables of the report.
 
-use format_compare::{Cost, Fluctuation, Requirement, Row, Verdict};
+use format_compare::{Cost, Fluctuation, JudgedRun, Requirement, Verdict};
 
 use crate::material::Material;
 use crate::runs::RunView;
 use crate::table::{Cell, Column, Table};
 
 /// The formats with their figures and verdicts.
-pub(crate) fn formats<'a>(rows: impl Iterator<Item = &'a Row>) -> Table {
+pub(crate) fn formats<'a>(rows: impl Iterator<Item = &'a JudgedRun>) -> Table {
     let columns = [
         ("format", "format"),
         ("bits", "bits"),
@@ -37,7 +37,7 @@ pub(crate) fn formats<'a>(rows: impl Iterator<Item = &'a Row>) -> Table {
     }
 }
 
-fn format_row(row: &Row) -> Vec<Cell> {
+fn format_row(row: &JudgedRun) -> Vec<Cell> {
     let fluctuation = |of: fn(&Fluctuation) -> f64| Cell::maybe(row.fluctuation.as_ref().map(of));
     vec![
         Cell::text(&row.format),

@@ -2,7 +2,9 @@
 
 use serde::Serialize;
 
-use crate::{Fluctuation, JudgedStep, Problem, Run};
+use crate::judge::metrics::{Fluctuation, JudgedStep};
+use crate::problem::problem::Problem;
+use crate::run::run::Run;
 
 /// The chord-error limit takes the curve of a step as a circle of the radius at one point; where the radius changes
 /// within the step the true distance differs by a few parts in a thousand.
@@ -21,7 +23,7 @@ pub struct Requirement {
     pub unit: &'static str,
     /// The period in which it was found, of those that are one's own.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub at: Option<Place>,
+    pub at: Option<PeriodEnd>,
     /// What is said where it is not kept.
     #[serde(skip)]
     pub(crate) broken: String,
@@ -29,7 +31,7 @@ pub struct Requirement {
 
 /// Where a period of a run ends.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Place {
+pub struct PeriodEnd {
     /// The line of the move in the part, if it is known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub line: Option<usize>,
@@ -41,7 +43,7 @@ pub struct Place {
     pub point_mm: [f64; 3],
 }
 
-impl Place {
+impl PeriodEnd {
     fn of<const D: usize>(problem: &Problem<D>, run: &Run, index: usize) -> Option<Self> {
         let step = run.steps.get(index)?;
         Some(Self {
@@ -85,7 +87,8 @@ impl Worst {
 }
 
 /// What was measured of a run.
-pub(crate) struct Measured {
+#[derive(Default)]
+pub(crate) struct Findings {
     pub(crate) fluctuation: Worst,
     pub(crate) saturations: u64,
     pub(crate) chord_error_mm: Worst,
@@ -94,7 +97,7 @@ pub(crate) struct Measured {
     pub(crate) end_error_mm: f64,
 }
 
-impl Measured {
+impl Findings {
     /// What the reference says of a run's steps.
     pub(crate) fn of(
         steps: &[JudgedStep],
@@ -125,29 +128,22 @@ impl Measured {
 pub(crate) fn requirements<const D: usize>(
     run: &Run,
     problem: &Problem<D>,
-    measured: &Measured,
+    found: &Findings,
 ) -> Vec<Requirement> {
-    let Measured {
-        fluctuation,
-        saturations,
-        chord_error_mm,
-        corner_error_mm,
-        position_error_mm,
-        end_error_mm,
-    } = *measured;
     let machine = &problem.machine;
     let one = |what, (found, limit, unit): (f64, f64, _), step: Option<usize>, broken: String| {
-        let at = step.and_then(|index| Place::of(problem, run, index));
+        let at = step.and_then(|index| PeriodEnd::of(problem, run, index));
         // The only move of a part needs no name.
         let line = at.and_then(|at| at.line).filter(|_| problem.curves.len() > 1);
         let broken = line.map_or_else(|| broken.clone(), |line| format!("{broken} in line {line}"));
         Requirement { what, found, limit, unit, at, broken }
     };
+    let Findings { saturations, end_error_mm, .. } = *found;
     let last = run.steps.len().checked_sub(1);
     let chord = machine.chord_error_mm;
     let (corner, corner_key) = machine.corner_error_mm();
     let off = chord.min(machine.position_increment_mm);
-    let full_step = machine.feedrate_mm_per_s * (machine.interpolation_period_ms / 1000.0);
+    let full_step = problem.full_step_mm();
     // The greater, or what is no number.
     let [place, rounding] = [run.resolution_mm / full_step, run.fluctuation_resolution];
     let step_of_format = if place.total_cmp(&rounding).is_gt() { place } else { rounding };
@@ -178,27 +174,27 @@ pub(crate) fn requirements<const D: usize>(
         one("overflows", (saturations as f64, 0.0, "count"), None, format!("{saturations} overflows")),
         one(
             "feedrate fluctuation at cruise",
-            (fluctuation.figure, machine.fluctuation_limit, "ratio"),
-            fluctuation.step,
-            format!("fluctuation {:.1e} > {:.1e}", fluctuation.figure, machine.fluctuation_limit),
+            (found.fluctuation.figure, machine.fluctuation_limit, "ratio"),
+            found.fluctuation.step,
+            format!("fluctuation {:.1e} > {:.1e}", found.fluctuation.figure, machine.fluctuation_limit),
         ),
         one(
             "chord error",
-            (chord_error_mm.figure, chord * (1.0 + CHORD_ERROR_SLACK), "mm"),
-            chord_error_mm.step,
-            format!("chord error {:.2e} > {chord:.2e} mm", chord_error_mm.figure),
+            (found.chord_error_mm.figure, chord * (1.0 + CHORD_ERROR_SLACK), "mm"),
+            found.chord_error_mm.step,
+            format!("chord error {:.2e} > {chord:.2e} mm", found.chord_error_mm.figure),
         ),
         one(
             "corner error",
-            (corner_error_mm.figure, corner * (1.0 + CHORD_ERROR_SLACK), "mm"),
-            corner_error_mm.step,
-            format!("corner error {:.2e} > {corner:.2e} mm of `{corner_key}`", corner_error_mm.figure),
+            (found.corner_error_mm.figure, corner * (1.0 + CHORD_ERROR_SLACK), "mm"),
+            found.corner_error_mm.step,
+            format!("corner error {:.2e} > {corner:.2e} mm of `{corner_key}`", found.corner_error_mm.figure),
         ),
         one(
             "position error",
-            (position_error_mm.figure, off, "mm"),
-            position_error_mm.step,
-            format!("position error {:.1e} > {off:.1e} mm", position_error_mm.figure),
+            (found.position_error_mm.figure, off, "mm"),
+            found.position_error_mm.step,
+            format!("position error {:.1e} > {off:.1e} mm", found.position_error_mm.figure),
         ),
         one(
             "distance from the end of the path",
@@ -213,44 +209,25 @@ pub(crate) fn requirements<const D: usize>(
 
 #[cfg(test)]
 mod tests {
-    use real::Audit;
-
     use super::*;
     use crate::Verdict;
+    use crate::examples::{EXAMPLE, judged, mill, on_example_machine};
 
     #[test]
     fn a_verdict_names_each_requirement_that_is_not_kept_and_no_other() {
-        let text = include_str!("../../../data/seed-000.toml");
-        let machine = part_program::read_machine("seed-000.toml", text).unwrap();
-        let part = part_program::read_part("seed-000.toml", text).unwrap();
-        let problem = Problem::<2>::new(&part, &machine).unwrap();
+        let problem = on_example_machine::<2>(EXAMPLE, "");
+        let machine = &problem.machine;
         let (chord, limit) = (machine.chord_error_mm, machine.fluctuation_limit);
         let increment = machine.position_increment_mm;
-        let full_step = machine.feedrate_mm_per_s * machine.interpolation_period_ms / 1000.0;
-        let judged = |change: fn(&mut Run, &mut Measured, f64), figure: f64| {
-            let audit = Audit::default();
-            let fluctuation_resolution = 1e-9;
-            let mut run = Run {
-                steps: Vec::new(),
-                finished: true,
-                planned_periods: 0,
-                resolution_mm: 1e-6,
-                filament_step_mm: None,
-                fluctuation_resolution,
-                audit,
-            };
-            let mut measured = Measured {
-                fluctuation: Worst::default(),
-                saturations: 0,
-                chord_error_mm: Worst::default(),
-                corner_error_mm: Worst::default(),
-                position_error_mm: Worst::default(),
-                end_error_mm: 0.0,
-            };
-            change(&mut run, &mut measured, figure);
-            Verdict::of(&requirements(&run, &problem, &measured))
+        let full_step = problem.full_step_mm();
+        let judged = |change: fn(&mut Run, &mut Findings, f64), figure: f64| {
+            let mut run =
+                Run { finished: true, resolution_mm: 1e-6, fluctuation_resolution: 1e-9, ..Run::default() };
+            let mut found = Findings::default();
+            change(&mut run, &mut found, figure);
+            Verdict::of(&requirements(&run, &problem, &found))
         };
-        type Change = fn(&mut Run, &mut Measured, f64);
+        type Change = fn(&mut Run, &mut Findings, f64);
         // What the figure is put into, the most that is allowed, and what is said beyond.
         let cases: [(Change, f64, &str); 8] = [
             (|run, _, figure| run.finished = figure == 0.0, 0.0, "stops before the end of the path"),
@@ -281,20 +258,10 @@ mod tests {
     #[test]
     fn the_filament_of_a_long_print_is_judged_like_a_position() {
         let step = |format: &str| {
-            let text = "[machine]\ninterpolation_period_ms = 1\nfeedrate_mm_per_s = 50\nacceleration_mm_per_s2 = 1000\n\
-                        jerk_mm_per_s3 = 20000\nposition_increment_mm = 0.001\n";
-            let machine = part_program::read_machine("m.toml", text).unwrap();
             let print = "G21 M82\nG0 X0 Y0 Z0\nG92 E41990\nG1 X10 E42000 F3000\n";
-            let part = part_program::read_part("print.gcode", print).unwrap();
-            let problem = Problem::<2>::new(&part, &machine).unwrap();
-            let formats = crate::select(&[format.to_owned()]).unwrap();
-            let comparison =
-                crate::compare(&problem, &formats, &[crate::Engine::Pieces], &crate::Options::default())
-                    .unwrap();
-            let own = comparison.formats.iter().flat_map(|row| &row.requirements);
-            let own: Vec<_> =
-                own.filter(|one| one.what == "step of the filament's position").cloned().collect();
-            (own[0].found, own[0].holds())
+            let run = judged(&mill::<2>(print, "position_increment_mm = 0.001\n"), &[format]).remove(0);
+            let own = run.requirements.iter().find(|one| one.what == "step of the filament's position");
+            own.map(|own| (own.found, own.holds())).unwrap()
         };
         assert_eq!(step("f32"), (2.0_f64.powi(-8), false));
         assert_eq!(step("I4F28"), (2.0_f64.powi(13 - 28), true));

@@ -16,7 +16,7 @@ use feed_plan::chord_feedrate;
 use nurbs_core::{Differentiate, Evaluate, radius};
 use real::Real;
 
-use crate::problem::Problem;
+use crate::problem::problem::Problem;
 
 /// Periods after which a run is given up.
 pub const MOST_PERIODS: usize = 1 << 24;
@@ -113,23 +113,21 @@ fn passed<const D: usize>(problem: &Problem<D>, feeds: impl Fn(f64) -> [f64; 2])
 
 #[cfg(test)]
 mod tests {
-    use part_program::{read_machine, read_part};
-
     use super::*;
-    use crate::{Options, plan_for, select};
+    use crate::examples::{EXAMPLE, on_example_machine};
+    use crate::{ExactPlan, Machine};
 
-    const EXAMPLE: &str = include_str!("../../../data/seed-000.toml");
+    type Change = fn(&mut Machine);
 
-    fn problem(change: impl Fn(&mut part_program::Machine)) -> Problem<2> {
-        let mut machine = read_machine("m", EXAMPLE).expect("a machine");
-        change(&mut machine);
-        Problem::new(&read_part("p", EXAMPLE).expect("a part"), &machine).expect("a problem")
+    fn problem(change: Change) -> Problem<2> {
+        let mut problem = on_example_machine(EXAMPLE, "");
+        change(&mut problem.machine);
+        problem
     }
 
     /// What is planned never takes fewer, and at most so many times more where one limit is felt above all.
     #[test]
     fn no_plan_takes_fewer_periods() {
-        type Change = fn(&mut part_program::Machine);
         let changes: [(Change, &str, f64); 6] = [
             (|_| {}, "chord", 2.0),
             (|m| m.feedrate_mm_per_s = 5.0, "feedrate", 1.02),
@@ -138,12 +136,10 @@ mod tests {
             (|m| m.chord_error_mm = 1e-6, "chord", 1.6),
             (|m| m.centripetal_acceleration_mm_per_s2 = Some(0.5), "centripetal", 1.8),
         ];
-        let format = &select::<2>(&["f64".into()]).expect("a format")[0];
         for (change, word, most) in changes {
             let problem = problem(change);
             for ends in [[0.0; 2], [1.0, 2.0]] {
-                let options = Options { end_feeds_mm_per_s: ends, ..Options::default() };
-                let plan = plan_for(&problem, format.as_ref(), &options).expect("a plan");
+                let plan = ExactPlan::in_format::<f64, 2>(&problem, ends).expect("a plan");
                 let (planned, least) = (f64::from(plan.periods()), LeastPeriods::of(&problem, ends));
                 assert!(least.periods <= planned, "{word}: {planned} {least}");
                 assert!(least.periods * most >= planned, "{word}: {planned} {least}");
@@ -155,7 +151,6 @@ mod tests {
     /// Limits that no machine has are seen, each by its name.
     #[test]
     fn what_would_take_hours_is_seen() {
-        type Change = fn(&mut part_program::Machine);
         let changes: [(Change, &str); 4] = [
             (|m| m.interpolation_period_ms = 1e-5, "periods of 0.00001 ms"),
             (|m| m.acceleration_mm_per_s2 = 1e-10, "an acceleration of 0.0000000001 mm/s²"),

@@ -10,9 +10,9 @@ use part_program::AxisLimits;
 use real::Real;
 use serde::Serialize;
 
-use crate::exact_plan::ExactPlan;
-use crate::plan_table::{Sample, samples};
-use crate::problem::Problem;
+use crate::plan::exact_plan::ExactPlan;
+use crate::plan::samples::{Instant, instants};
+use crate::problem::problem::Problem;
 
 /// Samples a period. By the trapezoidal rule a step of the jerk is then off by `1/(12·4²)` of itself at most.
 const PER_PERIOD: u16 = 4;
@@ -52,7 +52,7 @@ pub(crate) fn axis_peaks<const D: usize>(
         })
         .collect();
     let t = problem.period_s();
-    let mut at = samples(plan, PER_PERIOD.into()).map(|sample| velocity(problem, limit, &sample));
+    let mut at = instants(plan, PER_PERIOD.into()).map(|at| velocity(problem, limit, &at));
     let mut end = at.next().unwrap_or([0.0; D]);
     let mut before = [end; 2];
     for _ in 0..plan.periods() + 2 {
@@ -75,25 +75,22 @@ pub(crate) fn axis_peaks<const D: usize>(
 }
 
 /// The velocities of the axes, in mm a period; 0 where the curve stands still.
-fn velocity<const D: usize>(problem: &Problem<D>, limit: &FeedLimit<f64>, sample: &Sample) -> [f64; D] {
-    let (curve, u) = limit.parameter_at(sample.distance);
+fn velocity<const D: usize>(problem: &Problem<D>, limit: &FeedLimit<f64>, at: &Instant<'_>) -> [f64; D] {
+    let (curve, u) = limit.parameter_at(at.distance());
     let along = problem.curves.get(curve).map_or([0.0; D], |curve| curve.as_curve().derivatives(u).first);
     let speed = f64::norm(&along);
-    along.map(|x| if speed > 0.0 { x / speed * sample.feed } else { 0.0 })
+    let feed = at.feed();
+    along.map(|x| if speed > 0.0 { x / speed * feed } else { 0.0 })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::examples::on_example_machine;
     use crate::{PlanSummary, ProfileKind};
-    use part_program::{read_machine, read_part};
 
     fn summary(part: &str, axes: &str) -> PlanSummary {
-        let machine = include_str!("../../../data/seed-000.toml");
-        let machine =
-            machine[machine.find("[machine]").unwrap()..].split("[[").next().unwrap().to_string() + axes;
-        let machine = read_machine("m", &machine).unwrap();
-        let problem = Problem::<2>::new(&read_part("p.nc", part).unwrap(), &machine).unwrap();
+        let problem = on_example_machine::<2>(part, axes);
         let plan = ExactPlan::in_format_with::<f64, 2>(&problem, [0.0; 2], ProfileKind::SCurve).unwrap();
         PlanSummary::of(&plan, &problem).unwrap()
     }
@@ -139,7 +136,7 @@ mod tests {
         }
     }
 
-    /// The jerk with which the next move begins was that of the axis along which the last one had come to the stop.
+    /// The jerk at the begin of a move was counted for the axis of the move before.
     #[test]
     fn a_stop_begins_in_the_direction_of_the_next_move() {
         let limits = "\n[machine.axes.x]\njerk_mm_per_s3 = 10000\n";

@@ -7,34 +7,34 @@
 //! bits start from the uniform winner's and are taken away, first from whole groups, then one by one, as long as the
 //! requirements are met. Between registers the operators are exact to 53 bits.
 
-use nurbs_core::{CompileError, SignalBound};
-use real::{Audit, Datapath, FormatName, Quantized, RuntimeFormat};
+use nurbs_core::SignalBound;
+use real::{Audit, Datapath, FormatName, Quantized};
 use serde::Serialize;
 
-use crate::compare::{Row, in_parallel, judged, refused};
-use crate::exact_plan::ExactPlan;
-use crate::formats::{Dimension, Space};
-use crate::not_of_format::{NotOfFormat, not_of_format};
-use crate::on_pieces;
-use crate::problem::Problem;
-use crate::reference::Reference;
-use crate::run::{Engine, Options, Refusal};
-
-/// Widths that the search tries, in bits.
-pub(crate) const WIDTHS: std::ops::RangeInclusive<u32> = 12..=48;
+use crate::judge::judged_run::JudgedRun;
+use crate::judge::not_of_format::{NotOfFormat, not_of_format};
+use crate::parallel::in_parallel;
+use crate::plan::exact_plan::ExactPlan;
+use crate::problem::problem::Problem;
+use crate::refusal::Refusal;
+use crate::run::formats::{Dimension, Space};
+use crate::run::job::Job;
+use crate::run::on_pieces;
+use crate::run::options::Options;
+use crate::size::trial::{FEWEST_INTEGER_BITS, Trial, WIDTHS, search_options};
 
 /// The result of a search.
 #[derive(Clone, Debug, Serialize)]
 pub struct Sizing {
     /// The narrowest format that is good enough for all signals alike.
-    pub uniform: Option<Row>,
+    pub uniform: Option<JudgedRun>,
     /// Its requirement over its figure: how much worse the fluctuation might be.
     pub uniform_margin: Option<f64>,
     /// A register for each signal.
     pub mixed: Option<Mixed>,
     /// Every uniform format that was tried, in order of width.
-    pub tried: Vec<Row>,
-    /// Those of them that no narrower format beats in fluctuation.
+    pub tried: Vec<JudgedRun>,
+    /// Those of `tried` that no narrower format beats in fluctuation.
     pub front: Vec<FrontPoint>,
     /// Runs of the whole path that the search took.
     pub runs: usize,
@@ -63,7 +63,7 @@ pub struct Mixed {
     pub signals: Vec<Register>,
     /// The widths of all registers together, in bits, each signal once.
     pub bits: u32,
-    /// The same if every signal had the uniform winner's width.
+    /// The widths of all registers together if every signal had the uniform winner's width.
     pub uniform_bits: u32,
     /// Largest fluctuation at cruise, in the run that confirms it.
     pub fluctuation: f64,
@@ -109,20 +109,14 @@ pub fn size<const D: usize>(
 where
     Space: Dimension<D>,
 {
-    let reference = Reference::new(problem)?;
-    let options = Options {
-        engine: Engine::Pieces,
-        fluctuation: Some(options.fluctuation.unwrap_or(problem.machine.fluctuation_limit)),
-        ..options.clone()
-    };
-    let widths: Vec<_> = WIDTHS.map(|width| (width, datapath)).collect();
-    let tried = in_parallel(&widths, |format| {
-        narrowest_integer_part(*format, FEWEST_INTEGER_BITS, problem, plan, &options, &reference)
-    });
-    let uniform = tried.iter().find(|row| row.verdict.is_good()).cloned();
+    let options = search_options(problem, options);
+    let trial = Trial::new(Job { problem, plan, options: &options }, datapath)?;
+    let widths: Vec<_> = WIDTHS.collect();
+    let tried = in_parallel(&widths, |width| trial.narrowest_integer_part(*width, FEWEST_INTEGER_BITS));
+    let uniform = tried.iter().find(|run| run.verdict.is_good()).cloned();
     let mut runs = tried.len();
     let mixed = match &uniform {
-        Some(row) => Search::new(problem, plan, &options, &reference, datapath)?.mixed(row, &mut runs),
+        Some(uniform) => Search::new(&trial)?.mixed(uniform, &mut runs),
         None => None,
     };
     let limit = problem.machine.fluctuation_limit;
@@ -137,49 +131,8 @@ where
     })
 }
 
-/// Integer bits, with the sign, that a search begins with.
-pub(crate) const FEWEST_INTEGER_BITS: u32 = 2;
-
-/// The run with as few integer bits as the path can be compiled for, at this width, tried from `fewest` on.
-pub(crate) fn narrowest_integer_part<const D: usize>(
-    (width, datapath): (u32, Datapath),
-    fewest: u32,
-    problem: &Problem<D>,
-    plan: &ExactPlan,
-    options: &Options,
-    reference: &Reference<D>,
-) -> Row
-where
-    Space: Dimension<D>,
-{
-    let mut integer_bits = fewest;
-    loop {
-        let fraction_bits = width.saturating_sub(integer_bits);
-        let Some(format) = RuntimeFormat::new(width, fraction_bits, datapath.rounding, datapath.overflow)
-        else {
-            let name = FormatName::Fixed { integer_bits, fraction_bits, datapath };
-            let refusal =
-                Refusal::Limit { what: "integer bits", value: f64::from(integer_bits), format: name };
-            return refused((name, Engine::Pieces), &refusal);
-        };
-        match <Space as Dimension<D>>::at_run_time(format).run(problem, plan, options) {
-            Ok(run) => {
-                let steps = reference.judge(&run);
-                return judged((format.name(), Engine::Pieces), problem, reference, (&run, &steps));
-            }
-            Err(Refusal::Compile(CompileError::DoesNotFit { integer_bits: needed, .. }))
-                if needed > integer_bits =>
-            {
-                integer_bits = needed;
-            }
-            Err(Refusal::Limit { .. }) if integer_bits < 8 => integer_bits += 1,
-            Err(refusal) => return refused((format.name(), Engine::Pieces), &refusal),
-        }
-    }
-}
-
-/// The rows that no narrower one beats.
-fn front(tried: &[Row]) -> Vec<FrontPoint> {
+/// The runs that no narrower one beats.
+fn front(tried: &[JudgedRun]) -> Vec<FrontPoint> {
     let mut best = f64::INFINITY;
     let mut front = Vec::new();
     for row in tried {
@@ -199,38 +152,28 @@ fn front(tried: &[Row]) -> Vec<FrontPoint> {
 
 /// The search for register widths.
 struct Search<'a, const D: usize> {
-    problem: &'a Problem<D>,
-    plan: &'a ExactPlan,
-    options: &'a Options,
-    reference: &'a Reference<D>,
-    datapath: Datapath,
+    trial: &'a Trial<'a, D>,
     bounds: Vec<SignalBound>,
 }
 
-impl<'a, const D: usize> Search<'a, D> {
-    fn new(
-        problem: &'a Problem<D>,
-        plan: &'a ExactPlan,
-        options: &'a Options,
-        reference: &'a Reference<D>,
-        datapath: Datapath,
-    ) -> Result<Self, Refusal> {
-        let path = on_pieces::compiled::<Quantized, D>(problem, plan, options)?;
-        let bounds = path.table().bounds().to_vec();
-        Ok(Self { problem, plan, options, reference, datapath, bounds })
+impl<'a, const D: usize> Search<'a, D>
+where
+    Space: Dimension<D>,
+{
+    fn new(trial: &'a Trial<'a, D>) -> Result<Self, Refusal> {
+        let path = on_pieces::compiled::<Quantized, D>(&trial.job)?;
+        Ok(Self { trial, bounds: path.table().bounds().to_vec() })
     }
 
-    fn run(&self, fraction_bits: &[i32]) -> Option<Row> {
+    fn run(&self, fraction_bits: &[i32]) -> Option<JudgedRun> {
         let registers: Vec<_> =
             self.bounds.iter().map(|b| b.signal).zip(fraction_bits.iter().copied()).collect();
-        let run = Quantized::run(self.datapath.rounding, &registers, || {
-            on_pieces::run::<Quantized, D>(self.problem, self.plan, self.options)
+        let run = Quantized::run(self.trial.datapath.rounding, &registers, || {
+            on_pieces::run::<Quantized, D>(&self.trial.job)
         });
-        let name = FormatName::Float { bits: 64 };
         let mut run = run.ok()?;
         run.audit = Audit::default();
-        let steps = self.reference.judge(&run);
-        Some(judged((name, Engine::Pieces), self.problem, self.reference, (&run, &steps)))
+        Some(self.trial.judged(FormatName::Float { bits: 64 }, &run))
     }
 
     fn is_good(&self, fraction_bits: &[i32], runs: &mut usize) -> bool {
@@ -239,7 +182,7 @@ impl<'a, const D: usize> Search<'a, D> {
     }
 
     /// Takes bits away while the requirements are met: groups first, then single signals, until no bit can go.
-    fn mixed(&self, uniform: &Row, runs: &mut usize) -> Option<Mixed> {
+    fn mixed(&self, uniform: &JudgedRun, runs: &mut usize) -> Option<Mixed> {
         let FormatName::Fixed { fraction_bits, .. } = FormatName::named(&uniform.format)? else {
             return None;
         };
@@ -273,18 +216,22 @@ impl<'a, const D: usize> Search<'a, D> {
         }
     }
 
-    fn confirmed(&self, bits: &[i32], uniform: &Row, runs: &mut usize) -> Option<Mixed> {
+    fn confirmed(&self, bits: &[i32], uniform: &JudgedRun, runs: &mut usize) -> Option<Mixed> {
         *runs += 1;
         let row = self.run(bits).filter(|row| row.verdict.is_good())?;
         let fluctuation = row.fluctuation?.cruise_max_abs;
-        let signals: Vec<Register> =
-            self.bounds.iter().zip(bits).map(|(bound, bits)| register(bound, *bits, self.datapath)).collect();
+        let signals: Vec<Register> = self
+            .bounds
+            .iter()
+            .zip(bits)
+            .map(|(bound, bits)| register(bound, *bits, self.trial.datapath))
+            .collect();
         Some(Mixed {
             bits: signals.iter().map(|s| s.bits).sum(),
             uniform_bits: uniform.bits * u32::try_from(signals.len()).ok()?,
             signals,
             fluctuation,
-            margin: self.problem.machine.fluctuation_limit / fluctuation,
+            margin: self.trial.job.problem.machine.fluctuation_limit / fluctuation,
         })
     }
 }

@@ -12,11 +12,11 @@ use secant_interp::{
     FeedOverride, LengthCursor, LengthStage, OverrideLimits, OverrideState, Rate, StepLengths,
 };
 
-use crate::exact_plan::ExactPlan;
-use crate::least_periods::MOST_PERIODS;
-use crate::problem::Problem;
+use crate::plan::exact_plan::ExactPlan;
+use crate::problem::least_periods::MOST_PERIODS;
+use crate::problem::problem::Problem;
 
-/// So many times the path's own limit is none for an axis.
+/// An axis without a limit has so many times the path's: it never limits.
 const AMPLE: f64 = 1e6;
 
 /// A new override from some time on.
@@ -163,9 +163,7 @@ impl Overrides {
             jerk: limits.jerk,
             planned_acceleration: most(FeedPiece::peak_acceleration) * up,
             planned_jerk: most(FeedPiece::peak_jerk) * up,
-            planned_feed: stages.iter().fold(f64::MIN_POSITIVE, |most, stage| {
-                most.max(stage.start_feed.value()).max(stage.end_feed.value())
-            }) * up,
+            planned_feed: plan.greatest_feed().max(f64::MIN_POSITIVE) * up,
         };
         let points = || problem.curves.iter().flat_map(|curve| curve.control_points());
         let moves = |d: usize| {
@@ -181,10 +179,10 @@ impl Overrides {
         let rate = |share: f64| Rate::of(share / self.highest());
         let period_of = |target: &OverrideTarget| (target.time_s / problem.period_s()).round();
         let targets = self.targets.iter().map(|target| (period_of(target), rate(target.share))).collect();
+        let (start, stages) = (rate(1.0), compiled(stages));
+        let mut commands = OverrideCommands { feeds, start, targets, stages, periods: 0 };
         // What is commanded from the first period on is there before it.
-        let at_start = self.targets.iter().take_while(|target| period_of(target) <= 0.0).last();
-        let start = rate(at_start.map_or(1.0, |target| target.share));
-        let mut commands = OverrideCommands { feeds, start, targets, stages: compiled(stages), periods: 0 };
+        commands.start = commands.commanded(0).unwrap_or(start);
         commands.periods = commands.count().ok_or(OverrideError::TooLong)?;
         Ok(commands)
     }
@@ -220,11 +218,15 @@ impl OverrideCommands {
         OverrideState::at(self.start)
     }
 
-    /// Sets what is commanded from this period on.
+    /// The rate that is commanded in this period; none before the first.
+    fn commanded(&self, period: usize) -> Option<Rate> {
+        self.targets.iter().take_while(|(from, _)| *from <= period as f64).last().map(|(_, rate)| *rate)
+    }
+
+    /// Sets the rate that is commanded in this period.
     pub(crate) fn command(&self, period: usize, rates: &mut OverrideState) {
-        let passed = self.targets.iter().take_while(|(from, _)| *from <= period as f64);
-        if let Some((_, rate)) = passed.last() {
-            rates.set(*rate);
+        if let Some(rate) = self.commanded(period) {
+            rates.set(rate);
         }
     }
 
@@ -242,20 +244,15 @@ impl OverrideCommands {
 #[cfg(test)]
 mod tests {
     use feed_plan::ProfileKind;
-    use part_program::{read_machine, read_part};
 
     use super::*;
+    use crate::examples::on_example_machine;
 
     #[test]
     fn an_axis_that_stands_still_delays_no_override() {
-        let part = read_part("circle.nc", "G0 X20 Y0 Z0\nG3 X20 Y0 I-20 J0 F6000\n").unwrap();
-        let machine = include_str!("../../../data/seed-000.toml");
-        let machine = &machine[machine.find("[machine]").unwrap()..];
-        let machine = machine.split("[[").next().unwrap();
         let overrides = Overrides::try_new(vec![OverrideTarget { time_s: 0.3, share: 0.5 }], 0.2).unwrap();
         let periods = |axes: &str| {
-            let machine = read_machine("m.toml", &format!("{machine}{axes}")).unwrap();
-            let problem = Problem::<3>::new(&part, &machine).unwrap();
+            let problem = on_example_machine::<3>("G0 X20 Y0 Z0\nG3 X20 Y0 I-20 J0 F6000\n", axes);
             let to_plan = overrides.to_plan(&problem);
             let plan = ExactPlan::in_format_with::<f64, 3>(&to_plan, [0.0; 2], ProfileKind::SCurve).unwrap();
             overrides.commands(&problem, &plan).unwrap().periods

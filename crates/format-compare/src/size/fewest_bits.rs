@@ -13,17 +13,18 @@ use nurbs_core::Evaluate;
 use real::{Datapath, FormatName, Real};
 use serde::Serialize;
 
-use crate::compare::{Row, in_parallel};
-use crate::exact_plan::ExactPlan;
-use crate::formats::{Dimension, Space};
-use crate::problem::Problem;
-use crate::reference::Reference;
-use crate::run::{Engine, Options, Refusal};
-use crate::size::{FEWEST_INTEGER_BITS, WIDTHS, narrowest_integer_part};
+use crate::judge::judged_run::JudgedRun;
+use crate::parallel::in_parallel;
+use crate::plan::exact_plan::ExactPlan;
+use crate::problem::problem::Problem;
+use crate::refusal::Refusal;
+use crate::run::formats::{Dimension, Space};
+use crate::run::job::Job;
+use crate::run::options::{Engine, Options};
+use crate::size::trial::{FEWEST_INTEGER_BITS, Trial, WIDTHS, search_options};
 
-/// Periods of the parts that the widths are narrowed down on, together: the three runs of them that most searches take are a matter
-/// of seconds.
-const MOST_PERIODS: f64 = 200_000.0;
+/// The most periods of the parts that the widths are narrowed down on, together. Most searches run them three times, in seconds.
+const MOST_SEARCHED: f64 = 200_000.0;
 
 /// The width that a search begins with where no format that was compared says anything.
 const USUAL: u32 = 26;
@@ -61,39 +62,41 @@ pub enum FewestBits {
     },
 }
 
-/// Searches for the fewest bits on which `problem` runs within the machine's requirements, after `rows` of it were compared.
+/// Searches for the fewest bits on which `problem` runs within the machine's requirements, after `runs` of it were compared.
 ///
 /// # Errors
 /// [`Refusal`] when the part cannot be planned at all.
 pub fn fewest_bits<const D: usize>(
     problem: &Problem<D>,
-    rows: &[Row],
+    runs: &[JudgedRun],
     options: &Options,
 ) -> Result<FewestBits, Refusal>
 where
     Space: Dimension<D>,
 {
-    let options = Options {
-        engine: Engine::Pieces,
-        fluctuation: Some(options.fluctuation.unwrap_or(problem.machine.fluctuation_limit)),
-        ..options.clone()
-    };
-    let whole = Trial::new(problem.clone(), &options)?;
-    let parts = hardest_parts(problem, &whole.plan, rows);
+    let options = search_options(problem, options);
+    let planned =
+        |problem: &Problem<D>, ends| ExactPlan::in_format_with::<f64, D>(problem, ends, options.profile);
+    let plan = planned(problem, options.end_feeds_mm_per_s)?;
+    let whole = Widths::of(Job { problem, plan: &plan, options: &options })?;
+    let parts = hardest_parts(problem, &plan, runs);
     let periods: f64 = parts.iter().map(|(_, periods)| periods).sum();
-    if periods > MOST_PERIODS {
+    if periods > MOST_SEARCHED {
         return Ok(FewestBits::LeftOut { periods: periods.to_phase(-32) >> 32 });
     }
-    let from_rest = Options { end_feeds_mm_per_s: [0.0; 2], ..options.clone() };
     let parts = parts.into_iter().filter(|(curves, _)| curves.len() < problem.curves.len());
-    let trials = parts.map(|(curves, _)| Trial::new(problem.part(curves), &from_rest));
-    let trials = trials.collect::<Result<Vec<_>, _>>()?;
-    let hardest = if trials.is_empty() { std::slice::from_ref(&whole) } else { &trials };
+    let parts = parts.map(|(curves, _)| {
+        let part = problem.part(curves);
+        planned(&part, [0.0; 2]).map(|plan| (part, plan))
+    });
+    let parts = parts.collect::<Result<Vec<_>, _>>()?;
+    let parts = parts.iter().map(|(part, plan)| Widths::of(Job { problem: part, plan, options: &options }));
+    let parts = parts.collect::<Result<Vec<_>, _>>()?;
+    let hardest = if parts.is_empty() { std::slice::from_ref(&whole) } else { &parts };
     let limit = problem.machine.fluctuation_limit;
-    let start = expected_width(rows, limit);
-    let width =
-        narrowest(start, |width| hardest.iter().all(|trial| trial.run(width, &options).verdict.is_good()));
-    let good = |width: u32| Some(whole.run(width, &options)).filter(|row| row.verdict.is_good());
+    let start = expected_width(runs, limit);
+    let width = narrowest(start, |width| hardest.iter().all(|path| path.run(width).verdict.is_good()));
+    let good = |width: u32| Some(whole.run(width)).filter(|run| run.verdict.is_good());
     let last = *WIDTHS.end();
     let Some(mut row) = (width..=last.min(width + NEIGHBOURS)).find_map(good) else {
         return Ok(FewestBits::None { up_to_bits: last.min(width + NEIGHBOURS) });
@@ -106,14 +109,14 @@ where
     Ok(FewestBits::Found { format: row.format, bits: row.bits, fluctuation, margin: limit / fluctuation })
 }
 
-/// The width that is just enough if fluctuation falls by half with each bit, by the coarsest fixed-point format that was run.
-fn expected_width(rows: &[Row], limit: f64) -> u32 {
-    let fraction_bits = |row: &Row| match FormatName::named(&row.format) {
+/// The width that the coarsest fixed-point run lets expect, if each further bit halves the fluctuation.
+fn expected_width(runs: &[JudgedRun], limit: f64) -> u32 {
+    let fraction_bits = |row: &JudgedRun| match FormatName::named(&row.format) {
         Some(FormatName::Fixed { fraction_bits, .. }) => Some(f64::from(fraction_bits)),
         _ => None,
     };
-    let of_row = |row: &Row| Some((row.fluctuation?.cruise_max_abs, fraction_bits(row)?));
-    let pieces = rows.iter().filter(|row| row.engine == Engine::Pieces).filter_map(of_row);
+    let of_row = |row: &JudgedRun| Some((row.fluctuation?.cruise_max_abs, fraction_bits(row)?));
+    let pieces = runs.iter().filter(|run| run.engine == Engine::Pieces).filter_map(of_row);
     let Some((fluctuation, bits)) = pieces.filter(|one| one.0 > 0.0).max_by(|a, b| a.0.total_cmp(&b.0))
     else {
         return USUAL;
@@ -122,8 +125,8 @@ fn expected_width(rows: &[Row], limit: f64) -> u32 {
     WIDTHS.rev().find(|candidate| f64::from(*candidate) <= width).unwrap_or(*WIDTHS.start())
 }
 
-/// The narrowest of the widths that is good, if all wider ones of a good one are; the widest where none is. Three widths at a time are
-/// tried, from those around `start`.
+/// The narrowest good width, where every width above a good one is good; the widest where none is. Three neighbouring widths are tried at
+/// a time, the first around `start`.
 fn narrowest(start: u32, is_good: impl Fn(u32) -> bool + Sync) -> u32 {
     let (low, high) = (*WIDTHS.start(), *WIDTHS.end());
     let mut middle = start.clamp(low + 1, high - 1);
@@ -148,62 +151,55 @@ fn narrowest(start: u32, is_good: impl Fn(u32) -> bool + Sync) -> u32 {
     }
 }
 
-/// A path with its plan and its judge.
-struct Trial<const D: usize> {
-    problem: Problem<D>,
-    plan: ExactPlan,
-    reference: Reference<D>,
+/// A path in the widths that it was run in so far.
+struct Widths<'a, const D: usize> {
+    trial: Trial<'a, D>,
     /// Integer bits that the path is known to need.
     integer_bits: AtomicU32,
-    /// The runs so far, by their width.
-    rows: Mutex<BTreeMap<u32, Row>>,
+    /// The runs, by their width.
+    runs: Mutex<BTreeMap<u32, JudgedRun>>,
 }
 
-impl<const D: usize> Trial<D>
+impl<'a, const D: usize> Widths<'a, D>
 where
     Space: Dimension<D>,
 {
-    fn new(problem: Problem<D>, options: &Options) -> Result<Self, Refusal> {
-        let plan =
-            ExactPlan::in_format_with::<f64, D>(&problem, options.end_feeds_mm_per_s, options.profile)?;
-        let reference = Reference::new(&problem)?;
-        let integer_bits = AtomicU32::new(FEWEST_INTEGER_BITS);
-        Ok(Self { problem, plan, reference, integer_bits, rows: Mutex::default() })
+    fn of(job: Job<'a, D>) -> Result<Self, Refusal> {
+        let trial = Trial::new(job, Datapath::default())?;
+        Ok(Self { trial, integer_bits: AtomicU32::new(FEWEST_INTEGER_BITS), runs: Mutex::default() })
     }
 
     /// The run in this width, made once.
-    fn run(&self, width: u32, options: &Options) -> Row {
-        let rows = || self.rows.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(row) = rows().get(&width) {
-            return row.clone();
+    fn run(&self, width: u32) -> JudgedRun {
+        let runs = || self.runs.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(run) = runs().get(&width) {
+            return run.clone();
         }
-        let format = (width, Datapath::default());
-        let fewest = self.integer_bits.load(Ordering::Relaxed);
-        let row = narrowest_integer_part(format, fewest, &self.problem, &self.plan, options, &self.reference);
+        let run = self.trial.narrowest_integer_part(width, self.integer_bits.load(Ordering::Relaxed));
         if let (Some(FormatName::Fixed { integer_bits, .. }), Some(_)) =
-            (FormatName::named(&row.format), row.periods)
+            (FormatName::named(&run.format), run.periods)
         {
             self.integer_bits.fetch_max(integer_bits, Ordering::Relaxed);
         }
-        rows().insert(width, row.clone());
-        row
+        runs().insert(width, run.clone());
+        run
     }
 }
 
 /// The parts of the path, from rest to rest, in which the runs came nearest to their limits or broke them, with their periods: the worst
-/// first, as many as are no more than [`MOST_PERIODS`] together, and one in any case. The whole path where it is no longer than that.
+/// first, as many as are no more than [`MOST_SEARCHED`] together, and one in any case. The whole path where it is no longer than that.
 fn hardest_parts<const D: usize>(
     problem: &Problem<D>,
     plan: &ExactPlan,
-    rows: &[Row],
+    runs: &[JudgedRun],
 ) -> Vec<(Range<usize>, f64)> {
     let all = f64::from(plan.periods());
-    if all <= MOST_PERIODS {
+    if all <= MOST_SEARCHED {
         return vec![(0..problem.curves.len(), all)];
     }
     let parts = parts(problem, plan);
     let mut hard: Vec<(f64, usize)> = Vec::new();
-    for one in rows.iter().filter(|row| row.engine == Engine::Pieces).flat_map(|row| &row.requirements) {
+    for one in runs.iter().filter(|run| run.engine == Engine::Pieces).flat_map(|run| &run.requirements) {
         let Some(at) = one.at.filter(|_| one.limit > 0.0 && one.found.is_finite()) else { continue };
         let period = at.period as f64;
         hard.push((one.found / one.limit, parts.partition_point(|(_, end)| *end < period)));
@@ -214,7 +210,7 @@ fn hardest_parts<const D: usize>(
         let Some((curves, end)) = parts.get(index).cloned() else { continue };
         let begin = index.checked_sub(1).and_then(|before| parts.get(before)).map_or(0.0, |(_, end)| *end);
         let is_new = chosen.iter().all(|(other, _): &(Range<usize>, f64)| other.start != curves.start);
-        if is_new && (chosen.is_empty() || sum + (end - begin) <= MOST_PERIODS) {
+        if is_new && (chosen.is_empty() || sum + (end - begin) <= MOST_SEARCHED) {
             sum += end - begin;
             chosen.push((curves, end - begin));
         }
@@ -246,19 +242,15 @@ fn parts<const D: usize>(problem: &Problem<D>, plan: &ExactPlan) -> Vec<(Range<u
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::problem::examples::mill;
-    use crate::{compare, select, size};
-
-    fn rows(problem: &Problem<3>, names: &[&str]) -> Vec<Row> {
-        let formats = select::<3>(&names.iter().map(ToString::to_string).collect::<Vec<_>>()).unwrap();
-        compare(problem, &formats, &[Engine::Pieces], &Options::default()).unwrap().formats
-    }
+    use crate::examples::{judged, mill};
+    use crate::size;
 
     #[test]
     fn it_is_what_every_width_run_one_by_one_says() {
-        let problem = mill("G0 X0 Y0\nG1 X10 F3000\nG2 X20 Y10 R10\nG1 X40 Y12\nG3 X30 Y30 R12\n", "");
-        let found = fewest_bits(&problem, &rows(&problem, &["I8F24"]), &Options::default()).unwrap();
-        let plan = ExactPlan::in_format_with::<f64, 3>(&problem, [0.0; 2], Default::default()).unwrap();
+        let problem: Problem<3> =
+            mill("G0 X0 Y0\nG1 X10 F3000\nG2 X20 Y10 R10\nG1 X40 Y12\nG3 X30 Y30 R12\n", "");
+        let found = fewest_bits(&problem, &judged(&problem, &["I8F24"]), &Options::default()).unwrap();
+        let plan = ExactPlan::in_format::<f64, 3>(&problem, [0.0; 2]).unwrap();
         let sizing = size(&problem, &plan, &Options::default(), Datapath::default()).unwrap();
         let (row, margin) = sizing.uniform.zip(sizing.uniform_margin).unwrap();
         let expected = FewestBits::Found {
@@ -278,14 +270,14 @@ mod tests {
             program += &format!("G1 X{} Y{}\n", (i % 7) * 5, i);
         }
         program += "G2 X40 Y399 R20\n";
-        let problem = mill(&program, "");
-        let rows = rows(&problem, &["I16F16", "I8F24"]);
-        let plan = ExactPlan::in_format_with::<f64, 3>(&problem, [0.0; 2], Default::default()).unwrap();
-        assert!(f64::from(plan.periods()) > 1.5 * MOST_PERIODS, "{}", plan.periods());
-        let parts = hardest_parts(&problem, &plan, &rows);
-        assert!(parts.iter().map(|(_, periods)| periods).sum::<f64>() <= MOST_PERIODS && !parts.is_empty());
+        let problem: Problem<3> = mill(&program, "");
+        let runs = judged(&problem, &["I16F16", "I8F24"]);
+        let plan = ExactPlan::in_format::<f64, 3>(&problem, [0.0; 2]).unwrap();
+        assert!(f64::from(plan.periods()) > 1.5 * MOST_SEARCHED, "{}", plan.periods());
+        let parts = hardest_parts(&problem, &plan, &runs);
+        assert!(parts.iter().map(|(_, periods)| periods).sum::<f64>() <= MOST_SEARCHED && !parts.is_empty());
         let FewestBits::Found { bits, margin, .. } =
-            fewest_bits(&problem, &rows, &Options::default()).unwrap()
+            fewest_bits(&problem, &runs, &Options::default()).unwrap()
         else {
             panic!("found")
         };
@@ -304,8 +296,8 @@ mod tests {
 
     #[test]
     fn one_long_section_is_left_out() {
-        let problem = mill("G0 X0 Y0\nG1 X3000 F600\n", "");
-        let found = fewest_bits(&problem, &rows(&problem, &["I16F16"]), &Options::default()).unwrap();
+        let problem: Problem<3> = mill("G0 X0 Y0\nG1 X3000 F600\n", "");
+        let found = fewest_bits(&problem, &judged(&problem, &["I16F16"]), &Options::default()).unwrap();
         assert!(matches!(found, FewestBits::LeftOut { periods } if periods > 290_000), "{found:?}");
     }
 }

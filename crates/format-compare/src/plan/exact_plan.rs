@@ -1,16 +1,17 @@
 //! A plan as every format can take it: the stages in double-double, which holds each format's numbers exactly.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::OnceLock;
 
 use feed_plan::{
-    CommandedCurve, EndFeeds, FeedLimit, Junction, KinematicLimits, PlanError, ProfileKind, Schedule,
-    ScheduleBuf, Stage, StageShape, plan_through_window, plan_with, sections,
+    CommandedCurve, EndFeeds, FeedLimit, KinematicLimits, PlanError, ProfileKind, Schedule, Stage,
+    StageShape, plan_through_window, plan_with, sections,
 };
 use nurbs_core::{Differentiate, NurbsBuf};
 use real::{Backend, DoubleDouble, Real};
 
-use crate::problem::Problem;
-use crate::run::Refusal;
+use crate::plan::in_format::{exact, in_format, limits_in_format, nearest};
+use crate::problem::problem::Problem;
+use crate::refusal::Refusal;
 
 /// A plan made in some format, with exactly the numbers that the format found.
 #[derive(Clone, Debug)]
@@ -18,11 +19,11 @@ pub struct ExactPlan {
     /// Along the path: its distances are arc lengths.
     arcs: Vec<Stage<DoubleDouble>>,
     /// For setpoints: their chords have its lengths.
-    stages: Vec<Stage<DoubleDouble>>,
+    chords: Vec<Stage<DoubleDouble>>,
     periods: u32,
     profile: ProfileKind,
-    /// What [`limit`](Self::limit) gives, once somebody has made it.
-    limit: OnceLock<Arc<FeedLimit<f64>>>,
+    /// What [`limit`](Self::limit) gives: of a plan in f64 the limit that it was made under, of any other once somebody has asked.
+    limit: OnceLock<FeedLimit<f64>>,
 }
 
 impl ExactPlan {
@@ -37,7 +38,7 @@ impl ExactPlan {
         Self::in_format_with::<R, D>(problem, end_feeds_mm_per_s, ProfileKind::Cubic)
     }
 
-    /// The same by transitions of another kind.
+    /// Plans `problem` in the format `R` by transitions of this kind, with the interpolation period as the unit of time.
     ///
     /// # Errors
     /// As [`in_format`](Self::in_format).
@@ -55,7 +56,7 @@ impl ExactPlan {
                 end_feeds_mm_per_s,
                 profile,
             )?;
-            return Ok(Self { limit: Arc::new(limit).into(), ..plan });
+            return Ok(Self { limit: limit.into(), ..plan });
         }
         let limits = limits_in_format::<R>(&problem.limits_per_period()?)?;
         let curves = problem.curves.iter().map(NurbsBuf::convert::<R>).collect::<Result<Vec<_>, _>>()?;
@@ -63,7 +64,7 @@ impl ExactPlan {
         Self::along(&curves, &limits, problem, end_feeds_mm_per_s, profile).map(|(plan, _)| plan)
     }
 
-    /// The same, with the problem's curves and limits in that format; and the limit that it was made under.
+    /// The plan of the problem's curves and limits, both in the format `R`, and the largest feed at each distance that it was made under.
     fn along<R: Backend, C: Differentiate<R, D>, const D: usize>(
         curves: &[C],
         limits: &KinematicLimits<R>,
@@ -79,8 +80,11 @@ impl ExactPlan {
         let [start, end] = end_feeds_mm_per_s.map(|feed| feed * problem.period_s());
         let ends = EndFeeds { start: in_format("start feed", start)?, end: in_format("end feed", end)? };
         let schedule = plan_with(&feed_limit, limits, ends, profile)?;
-        let plan = Self::of([&schedule, &feed_limit.in_chords(curves, &schedule)], profile);
-        Ok((plan, feed_limit))
+        let chords = feed_limit.in_chords(curves, &schedule);
+        let periods = chords.as_schedule().periods();
+        let [arcs, chords] = [&schedule, &chords]
+            .map(|schedule| on_the_grid(schedule.stages().iter().map(|stage| stage.map(exact))));
+        Ok((Self { arcs, chords, periods, profile, limit: OnceLock::new() }, feed_limit))
     }
 
     /// Plans `problem` in f64 with no more than `window_mm` in view at a time, from rest to rest. At each stop the plan
@@ -99,7 +103,7 @@ impl ExactPlan {
         let curves = problem.curves.iter().enumerate().map(|(index, curve)| CommandedCurve {
             curve: curve.as_curve(),
             feed: feed_of(index),
-            from_rest: problem.stops.binary_search(&index).is_ok(),
+            from_rest: problem.rests_before(index),
         });
         plan_through_window(curves, &limits, window_mm, profile, |stage| {
             stages.push(*stage);
@@ -117,18 +121,7 @@ impl ExactPlan {
         }
         let periods = u32::try_from(periods.to_phase(-32) >> 32).unwrap_or(u32::MAX);
         let stages = on_the_grid(stages.iter().map(|stage| stage.map(DoubleDouble::from)));
-        Ok(Self { arcs: stages.clone(), stages, periods, profile, limit: OnceLock::new() })
-    }
-
-    fn of<R: Backend>(arcs_and_chords: [&ScheduleBuf<R>; 2], profile: ProfileKind) -> Self {
-        let exact = |x: R| {
-            let (high, low) = x.to_f64_pair();
-            DoubleDouble::new(high, low)
-        };
-        let [arcs, stages] = arcs_and_chords
-            .map(|schedule| on_the_grid(schedule.stages().iter().map(|stage| stage.map(exact))));
-        let periods = arcs_and_chords[1].as_schedule().periods();
-        Self { arcs, stages, periods, profile, limit: OnceLock::new() }
+        Ok(Self { arcs: stages.clone(), chords: stages, periods, profile, limit: OnceLock::new() })
     }
 
     /// The largest feed at each distance, in f64, in mm and periods, and where on the path that is. `problem` is the one planned; its
@@ -139,7 +132,7 @@ impl ExactPlan {
     pub fn limit<const D: usize>(&self, problem: &Problem<D>) -> Result<&FeedLimit<f64>, PlanError> {
         match self.limit.get() {
             Some(limit) => Ok(limit),
-            None => problem.feed_limit().map(|limit| &**self.limit.get_or_init(|| limit.into())),
+            None => problem.feed_limit().map(|limit| self.limit.get_or_init(|| limit)),
         }
     }
 
@@ -153,12 +146,12 @@ impl ExactPlan {
     /// those along the path.
     #[must_use]
     pub fn schedule(&self) -> Schedule<'_, DoubleDouble> {
-        Schedule::new(&self.stages, DoubleDouble::from(1.0), self.periods)
+        Schedule::new(&self.chords, DoubleDouble::from(1.0), self.periods)
     }
 
     /// Curve and parameter of each rest, in order.
     pub(crate) fn rests(&self) -> impl Iterator<Item = (usize, f64)> {
-        self.stages.iter().filter_map(Stage::rest).map(|(curve, u)| (curve, u.value()))
+        self.chords.iter().filter_map(Stage::rest).map(|(curve, u)| (curve, u.value()))
     }
 
     /// The transitions that the plan is made of.
@@ -169,7 +162,7 @@ impl ExactPlan {
 
     /// The greatest feed, in mm per period.
     pub(crate) fn greatest_feed(&self) -> f64 {
-        let feeds = self.stages.iter().map(|stage| stage.start_feed.value().max(stage.end_feed.value()));
+        let feeds = self.chords.iter().map(|stage| stage.start_feed.value().max(stage.end_feed.value()));
         feeds.fold(0.0, f64::max)
     }
 
@@ -189,7 +182,7 @@ impl ExactPlan {
     pub fn stages_in<R: Backend>(&self) -> Result<Vec<Stage<R>>, Refusal> {
         let refusal =
             |what, value: DoubleDouble| Refusal::Limit { what, value: value.value(), format: R::name() };
-        for stage in &self.stages {
+        for stage in &self.chords {
             for (what, value) in [
                 ("stage feed", stage.start_feed),
                 ("stage feed", stage.end_feed),
@@ -201,7 +194,7 @@ impl ExactPlan {
         let saturated = |x: DoubleDouble| {
             nearest(x).unwrap_or(if x.value() > 0.0 { R::max_value() } else { R::min_value() })
         };
-        Ok(self.stages.iter().map(|stage| stage.map(saturated)).collect())
+        Ok(self.chords.iter().map(|stage| stage.map(saturated)).collect())
     }
 
     /// The distance of each period, in mm, exact to the reference's precision, and the feed at its end, in mm per
@@ -227,12 +220,6 @@ fn on_the_grid(stages: impl Iterator<Item = Stage<DoubleDouble>>) -> Vec<Stage<D
     stages
 }
 
-/// The number of `R` nearest to `x`.
-pub(crate) fn nearest<R: Backend>(x: DoubleDouble) -> Option<R> {
-    let (high, low) = x.to_f64_pair();
-    R::from_f64_pair(high, low)
-}
-
 /// A stop after `stage`.
 fn waiting(stage: &Stage<f64>, duration: f64) -> Stage<f64> {
     Stage {
@@ -248,19 +235,24 @@ fn waiting(stage: &Stage<f64>, duration: f64) -> Stage<f64> {
     }
 }
 
-/// `value` in the format `R`: refused when it is out of range, or positive and rounds to zero.
-pub(crate) fn in_format<R: Backend>(what: &'static str, value: f64) -> Result<R, Refusal> {
-    R::from_f64(value).filter(|x| value <= 0.0 || *x > R::zero()).ok_or(Refusal::Limit {
-        what,
-        value,
-        format: R::name(),
-    })
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::examples::{EXAMPLE, on_example_machine};
 
-fn limits_in_format<R: Backend>(limits: &KinematicLimits<f64>) -> Result<KinematicLimits<R>, Refusal> {
-    let Junction::VelocityJump(jumps) = limits.junction else { return limits.try_map(in_format) };
-    // What rounds to nothing is a stop all the same.
-    let jumps = jumps.map(|jump| R::from_f64(jump).unwrap_or_default().max(R::resolution()));
-    let others = KinematicLimits { junction: Junction::Stop, ..*limits }.try_map(in_format)?;
-    Ok(KinematicLimits { junction: Junction::VelocityJump(jumps), ..others })
+    #[test]
+    fn the_limit_is_that_of_the_problem_and_made_once() {
+        let problem = on_example_machine::<2>(EXAMPLE, "");
+        let expected = problem.feed_limit().unwrap();
+        for plan in [
+            ExactPlan::in_format::<f64, 2>(&problem, [0.0; 2]),
+            ExactPlan::in_format::<f32, 2>(&problem, [0.0; 2]),
+            ExactPlan::through_window(&problem, 50.0, ProfileKind::Cubic),
+        ] {
+            let plan = plan.unwrap();
+            let limit = plan.limit(&problem).unwrap();
+            assert_eq!(*limit, expected);
+            assert!(std::ptr::eq(limit, plan.limit(&problem).unwrap()), "made twice");
+        }
+    }
 }

@@ -4,33 +4,31 @@ use std::cell::Cell;
 use std::ops::Range;
 
 use nurbs_core::{NurbsBuf, ORIGIN_EXPONENT, PieceLimits, Pieces, PiecesBuf, Place, compile_with_stops};
-use real::{Audit, Backend, DoubleDouble, Real, Recorded};
+use real::{Backend, DoubleDouble, Real, Recorded};
 use secant_interp::{
     ChordTolerance, CompiledPath, CompiledPathError, LengthCursor, PieceSetpoint, StepLengths,
 };
 
-use crate::exact_plan::{ExactPlan, in_format};
-use crate::overrides::OverrideCommands;
-use crate::problem::Problem;
-use crate::recorded::RecordedRun;
-use crate::run::{Options, Refusal, Run, RunStep, most_periods, resolution_at, unit_in_last_place};
+use crate::plan::in_format::{exact, in_format, of_pair};
+use crate::problem::problem::Problem;
+use crate::refusal::Refusal;
+use crate::run::job::{Job, most_periods};
+use crate::run::overrides::OverrideCommands;
+use crate::run::recorded_run::RecordedRun;
+use crate::run::run::{Run, RunStep, resolution_at, unit_in_last_place};
 
-/// So many periods more than planned are waited for at each stop of an overridden run: most land in a dozen.
+/// Periods beyond the plan that an overridden run may take at each stop: most stops take a dozen.
 const LANDING: usize = 256;
 
 /// Compiles path and plan for `R` and runs, landing on each stop on the way.
-pub(crate) fn run<R: Backend, const D: usize>(
-    problem: &Problem<D>,
-    plan: &ExactPlan,
-    options: &Options,
-) -> Result<Run, Refusal> {
-    let path = compiled::<R, D>(problem, plan, options)?;
-    let mut drive = Drive::new(problem, path.table(), plan.periods());
-    if let Some(commands) = &options.overrides {
+pub(crate) fn run<R: Backend, const D: usize>(job: &Job<'_, D>) -> Result<Run, Refusal> {
+    let path = compiled::<R, D>(job)?;
+    let mut drive = Drive::new(job.problem, path.table(), job.plan.periods());
+    if let Some(commands) = &job.options.overrides {
         run_overridden(&path, commands, &mut drive);
         return Ok(drive.finish());
     }
-    let mut lengths = plan.lengths();
+    let mut lengths = job.plan.lengths();
     for (section, interpolator) in path.sections().iter().zip(path.runs()) {
         let mut state = interpolator.start();
         let planned: Vec<_> = lengths.by_ref().take(interpolator.lengths.periods()).collect();
@@ -39,7 +37,7 @@ pub(crate) fn run<R: Backend, const D: usize>(
     Ok(drive.finish())
 }
 
-/// The same with the plan's time stretched. The rate goes on from section to section.
+/// Runs the path with the plan's time stretched as commanded. The rate goes on from section to section.
 fn run_overridden<R: Backend, const D: usize>(
     path: &CompiledPath<R, D>,
     commands: &OverrideCommands,
@@ -63,34 +61,20 @@ fn run_overridden<R: Backend, const D: usize>(
     }
 }
 
-/// The operations of each of the first `most` steps of the same run, without changes of the feed. The state at the begin of a
+/// The operations of each of the first `most` steps of the run that [`run`] makes without overrides. The state at the begin of a
 /// section is formed before its first period.
 pub(crate) fn record<R: Backend, const D: usize>(
-    problem: &Problem<D>,
-    plan: &ExactPlan,
-    options: &Options,
+    job: &Job<'_, D>,
     most: usize,
 ) -> Result<RecordedRun, Refusal> {
-    let path = compiled::<Recorded<R>, D>(problem, plan, options)?;
-    let mut runs: Vec<_> = path.runs().map(|run| (run.start(), run)).collect();
-    let mut at = 0;
-    Ok(RecordedRun::of(most.min(most_periods(plan.periods())), || {
-        while let Some((state, run)) = runs.get_mut(at) {
-            if run.step(state).is_some() {
-                return true;
-            }
-            at += 1;
-        }
-        false
-    }))
+    let path = compiled::<Recorded<R>, D>(job)?;
+    let runs = path.runs().map(|run| (run.start(), run));
+    Ok(RecordedRun::of(most.min(job.most_periods()), runs, |run, state| run.step(state).is_some()))
 }
 
 /// Path and plan in `R`: what lies in a controller's flash.
-pub(crate) fn compiled<R: Backend, const D: usize>(
-    problem: &Problem<D>,
-    plan: &ExactPlan,
-    options: &Options,
-) -> Result<CompiledPath<R, D>, Refusal> {
+pub(crate) fn compiled<R: Backend, const D: usize>(job: &Job<'_, D>) -> Result<CompiledPath<R, D>, Refusal> {
+    let Job { problem, plan, options } = job;
     let limits = problem.limits_per_period()?;
     let landing_step_mm = limits.acceleration;
     let curves: Vec<_> = problem.curves.iter().map(NurbsBuf::as_curve).collect();
@@ -114,10 +98,8 @@ pub(crate) fn compiled<R: Backend, const D: usize>(
 
 /// Setpoints become steps in mm.
 struct Drive<'a, R, const D: usize> {
+    problem: &'a Problem<D>,
     table: &'a PiecesBuf<R, D>,
-    per_second: f64,
-    /// F·T.
-    full_step_mm: f64,
     planned_periods: u32,
     most_periods: usize,
     steps: Vec<RunStep>,
@@ -127,11 +109,10 @@ struct Drive<'a, R, const D: usize> {
 }
 
 impl<'a, R: Backend, const D: usize> Drive<'a, R, D> {
-    fn new(problem: &Problem<D>, table: &'a PiecesBuf<R, D>, planned_periods: u32) -> Self {
+    fn new(problem: &'a Problem<D>, table: &'a PiecesBuf<R, D>, planned_periods: u32) -> Self {
         Self {
+            problem,
             table,
-            per_second: 1.0 / problem.period_s(),
-            full_step_mm: problem.machine.feedrate_mm_per_s * problem.period_s(),
             planned_periods,
             most_periods: most_periods(planned_periods),
             steps: Vec::with_capacity(planned_periods as usize + 1),
@@ -148,7 +129,7 @@ impl<'a, R: Backend, const D: usize> Drive<'a, R, D> {
         planned: impl IntoIterator<Item = (DoubleDouble, f64)>,
         mut step: impl FnMut(usize) -> Option<PieceSetpoint<R, D>>,
     ) {
-        let mut planned = planned.into_iter();
+        let (mut planned, per_second) = (planned.into_iter(), 1.0 / self.problem.period_s());
         let places = self.table.places().get(pieces.clone()).unwrap_or_default();
         let pieces = self.table.as_pieces().part(pieces);
         while self.finished {
@@ -163,7 +144,7 @@ impl<'a, R: Backend, const D: usize> Drive<'a, R, D> {
                 u,
                 point_mm: point_mm(&pieces, &setpoint),
                 wanted_mm: wanted.to_f64_pair(),
-                feed_mm_per_s: feed * self.per_second,
+                feed_mm_per_s: feed * per_second,
                 evaluations: setpoint.evaluations,
             });
         }
@@ -172,22 +153,16 @@ impl<'a, R: Backend, const D: usize> Drive<'a, R, D> {
     fn finish(self) -> Run {
         let pieces = self.table.as_pieces();
         let unit = 1.0.scale(pieces.coordinate_exponent);
-        let full_step = self.full_step_mm * 1.0.scale(pieces.chord_exponent);
+        let full_step = self.problem.full_step_mm() * 1.0.scale(pieces.chord_exponent);
         Run {
             steps: self.steps,
             finished: self.finished,
             planned_periods: self.planned_periods,
             resolution_mm: unit * resolution_at::<R>(self.farthest),
-            filament_step_mm: None,
             fluctuation_resolution: 0.5 * unit_in_last_place::<R>(full_step) / full_step,
-            audit: Audit::default(),
+            ..Run::default()
         }
     }
-}
-
-fn exact<R: Backend>(x: R) -> DoubleDouble {
-    let (high, low) = x.to_f64_pair();
-    DoubleDouble::new(high, low)
 }
 
 /// The curve and its parameter at a setpoint, exactly as piece and phase say.
@@ -200,8 +175,7 @@ fn parameter<R: Backend, const D: usize>(
     if setpoint.piece > last {
         return (place.curve, place.end);
     }
-    let (begin, end) =
-        (DoubleDouble::new(place.begin.0, place.begin.1), DoubleDouble::new(place.end.0, place.end.1));
+    let [begin, end] = [place.begin, place.end].map(of_pair);
     let u = begin + (end - begin) * DoubleDouble::from_phase(setpoint.phase, 0);
     (place.curve, u.to_f64_pair())
 }
@@ -225,19 +199,18 @@ fn point_mm<R: Backend, const D: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use part_program::{read_machine, read_part};
+    use crate::examples::on_example_machine;
+    use crate::{ExactPlan, Options};
     use real::I8F24;
 
-    /// On stairs of equal steps no kind of period is made but once, not that from rest and not that onto a stop.
+    /// On stairs of equal steps every kind of period occurs more than once, also the one from rest and the one onto a stop.
     #[test]
     fn what_is_recorded_comes_to_rest_at_every_stop() {
-        let machine = read_machine("m", include_str!("../../../data/seed-000.toml")).unwrap();
-        let part = read_part("p.nc", "G1 X16 F6000\nY16\nX32\nY32\nX48\nY48\n").unwrap();
-        let problem = Problem::<3>::new(&part, &machine).unwrap();
+        let problem = on_example_machine::<3>("G1 X16 F6000\nY16\nX32\nY32\nX48\nY48\n", "");
         let plan = ExactPlan::in_format::<f64, 3>(&problem, [0.0; 2]).unwrap();
-        let options = Options::default();
-        let run = run::<I8F24, 3>(&problem, &plan, &options).unwrap();
-        let recorded = record::<I8F24, 3>(&problem, &plan, &options, usize::MAX).unwrap();
+        let job = Job { problem: &problem, plan: &plan, options: &Options::default() };
+        let run = run::<I8F24, 3>(&job).unwrap();
+        let recorded = record::<I8F24, 3>(&job, usize::MAX).unwrap();
         let counts: Vec<_> = recorded.steps.iter().map(|(_, count)| *count as usize).collect();
         assert_eq!(counts.iter().sum::<usize>(), run.steps.len());
         assert!(counts.iter().all(|count| *count > 1), "{counts:?}");

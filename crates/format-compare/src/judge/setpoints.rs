@@ -3,9 +3,9 @@
 use nurbs_core::Evaluate;
 use serde::Serialize;
 
-use crate::problem::Problem;
-use crate::reference::Reference;
-use crate::run::Run;
+use crate::judge::reference::Reference;
+use crate::problem::problem::Problem;
+use crate::run::run::Run;
 
 /// One setpoint with what the reference says of it.
 #[derive(Clone, Debug, Serialize)]

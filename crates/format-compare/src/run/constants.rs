@@ -9,10 +9,9 @@ use secant_interp::{
     number_type,
 };
 
-use crate::exact_plan::ExactPlan;
-use crate::on_pieces;
-use crate::problem::Problem;
-use crate::run::{Options, Refusal, most_periods};
+use crate::refusal::Refusal;
+use crate::run::job::Job;
+use crate::run::on_pieces;
 
 /// A module of constants, and what a controller has to make of them.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,15 +34,11 @@ pub struct Constants {
 
 impl Constants {
     /// Compiles the part and its plan, and runs what was compiled. The plan has to rest where the part has a gap.
-    pub(crate) fn of<R: Backend, const D: usize>(
-        problem: &Problem<D>,
-        plan: &ExactPlan,
-        options: &Options,
-    ) -> Result<Self, Refusal> {
+    pub(crate) fn of<R: Backend, const D: usize>(job: &Job<'_, D>) -> Result<Self, Refusal> {
         let number = number_type(R::name()).ok_or(Refusal::NoType(R::name()))?;
-        let path = on_pieces::compiled::<R, D>(problem, plan, options)?;
+        let path = on_pieces::compiled::<R, D>(job)?;
         let whole = path.interpolator();
-        let (periods, checksum) = run(&whole, path.sections(), most_periods(plan.periods()))?;
+        let (periods, checksum) = run(&whole, path.sections(), job.most_periods())?;
         let mut constants = Self {
             source: String::new(),
             sections: path.sections().len(),
@@ -53,7 +48,7 @@ impl Constants {
             periods,
             checksum,
         };
-        constants.source = constants.module(&number, &whole, path.sections(), problem.period_s());
+        constants.source = constants.module(&number, &whole, path.sections(), job.problem.period_s());
         Ok(constants)
     }
 

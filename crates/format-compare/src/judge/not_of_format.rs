@@ -5,15 +5,15 @@
 use std::fmt;
 
 use part_program::{Junction, Machine};
-use real::{Backend, FormatName};
+use real::Backend;
 use serde::Serialize;
 
-use crate::compare::{Row, judged};
-use crate::formats::{Dimension, Space, plan_for, select};
-use crate::problem::Problem;
-use crate::reference::Reference;
-use crate::requirement::Requirement;
-use crate::run::{Engine, Options, PlanIn};
+use crate::judge::judged_run::JudgedRun;
+use crate::judge::reference::Reference;
+use crate::judge::requirement::Requirement;
+use crate::problem::problem::Problem;
+use crate::run::formats::{Dimension, Space, format_named, plan_for};
+use crate::run::options::{Engine, Options, PlanIn};
 
 /// So many times what rounding alone may cost in `f64`, a figure is not rounding.
 const BEYOND_ROUNDING: f64 = 1000.0;
@@ -70,36 +70,37 @@ impl fmt::Display for NotOfFormat {
     }
 }
 
-/// Why none of `rows` is good, if `f64` on pieces fails by more than its rounding, at what each row fails that comes to the end of the
-/// path. There is nothing to say where a row is good, where `f64` would be, or where it refuses the part, as the rows do then. Runs
-/// `problem` in `f64` unless it is among the rows, and once more for each change that is tried.
+/// Why none of `runs` is good, if `f64` on pieces fails by more than its rounding, at what each of them fails that comes to the end of the
+/// path. There is nothing to say where one is good, where `f64` would be, or where it refuses the part, as they do then. Runs
+/// `problem` in `f64` unless that is among them, and once more for each change that is tried.
 #[must_use]
 pub fn not_of_format<const D: usize>(
     problem: &Problem<D>,
-    rows: &[Row],
+    runs: &[JudgedRun],
     options: &Options,
 ) -> Option<NotOfFormat>
 where
     Space: Dimension<D>,
 {
-    if rows.iter().any(|row| row.verdict.is_good()) {
+    if runs.iter().any(|run| run.verdict.is_good()) {
         return None;
     }
     let reference = Reference::new(problem).ok()?;
     let options = Options { engine: Engine::Pieces, plan_in: PlanIn::default(), ..options.clone() };
     let name = f64::name().to_string();
-    let listed = rows.iter().find(|row| row.format == name && row.engine == Engine::Pieces);
+    let listed = runs.iter().find(|run| run.format == name && run.engine == Engine::Pieces);
     let own = listed.cloned().or_else(|| run(problem, &reference, &options))?;
-    let fails = |row: &Row, what| row.requirements.iter().any(|one| one.what == what && !one.holds());
-    let ends = |row: &&Row| !row.requirements.is_empty() && !fails(row, "stops before the end of the path");
-    let is_shared = |one: &&Requirement| rows.iter().filter(ends).all(|row| fails(row, one.what));
-    let full_step = problem.machine.feedrate_mm_per_s * problem.period_s();
-    let is_broken = |one: &&Requirement| !one.holds() && is_beyond_rounding(one, &own, full_step);
+    let fails = |run: &JudgedRun, what| run.requirements.iter().any(|one| one.what == what && !one.holds());
+    let ends =
+        |run: &&JudgedRun| !run.requirements.is_empty() && !fails(run, "stops before the end of the path");
+    let is_shared = |one: &&Requirement| runs.iter().filter(ends).all(|run| fails(run, one.what));
+    let is_broken =
+        |one: &&Requirement| !one.holds() && is_beyond_rounding(one, &own, problem.full_step_mm());
     let broken: Vec<_> = own.requirements.iter().filter(is_broken).filter(is_shared).cloned().collect();
     if broken.is_empty() {
         return None;
     }
-    let time = |row: &Row| row.periods.map_or(0.0, |periods| problem.period_s() * f64::from(periods));
+    let time = |run: &JudgedRun| run.periods.map_or(0.0, |periods| problem.period_s() * f64::from(periods));
     let mut found = NotOfFormat {
         run: format!("{name} {}", own.engine),
         time_s: time(&own),
@@ -110,9 +111,9 @@ where
     for tries in changes(&problem.machine) {
         for (change, machine) in tries {
             let changed = Problem { machine, ..problem.clone() };
-            let Some(row) = run(&changed, &reference, &options) else { continue };
-            if row.verdict.is_good() {
-                found.helps.push(Remedy { change, time_s: time(&row) });
+            let Some(judged) = run(&changed, &reference, &options) else { continue };
+            if judged.verdict.is_good() {
+                found.helps.push(Remedy { change, time_s: time(&judged) });
                 break;
             }
             found.does_not_help.push(change);
@@ -123,26 +124,25 @@ where
 }
 
 /// The run in `f64`; none where it is refused or would take too long.
-fn run<const D: usize>(problem: &Problem<D>, reference: &Reference<D>, options: &Options) -> Option<Row>
+fn run<const D: usize>(problem: &Problem<D>, reference: &Reference<D>, options: &Options) -> Option<JudgedRun>
 where
     Space: Dimension<D>,
 {
-    let name: FormatName = f64::name();
-    let format = select::<D>(&[name.to_string()]).ok()?.pop()?;
+    let format = format_named(&f64::name().to_string())?;
     let plan = plan_for(problem, format.as_ref(), options).ok()?;
     if plan.periods() > MOST_TRIED {
         return None;
     }
     let run = format.run(problem, &plan, options).ok()?;
     let steps = reference.judge(&run);
-    Some(judged((name, options.engine), problem, reference, (&run, &steps)))
+    Some(JudgedRun::of((f64::name(), options.engine), problem, reference, (&run, &steps)))
 }
 
-/// Whether a requirement says something about the path, and its figure is more than the digits of `row` can make: of its positions,
+/// Whether a requirement says something about the path, and its figure is more than the digits of `run` can make: of its positions,
 /// and of lengths and positions in a step of F·T.
-fn is_beyond_rounding(one: &Requirement, row: &Row, full_step_mm: f64) -> bool {
+fn is_beyond_rounding(one: &Requirement, run: &JudgedRun, full_step_mm: f64) -> bool {
     let [place, length] =
-        [row.position_resolution_mm, row.fluctuation_resolution].map(Option::unwrap_or_default);
+        [run.position_resolution_mm, run.fluctuation_resolution].map(Option::unwrap_or_default);
     let rounding = match (one.what, one.unit) {
         ("position error" | "overflows" | "step of the format in a period's way", _) => return false,
         (_, "mm") => place,
@@ -170,13 +170,10 @@ fn changes(machine: &Machine) -> Vec<Vec<(String, Machine)>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::compare;
-    use crate::problem::examples::mill;
+    use crate::examples::{judged, mill};
 
     fn explained(problem: &Problem<3>, formats: &[&str]) -> Option<NotOfFormat> {
-        let formats = select::<3>(&formats.iter().map(ToString::to_string).collect::<Vec<_>>()).unwrap();
-        let rows = compare(problem, &formats, &[Engine::Pieces], &Options::default()).unwrap().formats;
-        not_of_format(problem, &rows, &Options::default())
+        not_of_format(problem, &judged(problem, formats), &Options::default())
     }
 
     /// A corner that two axes jump at cuts it by more than the chord error, in every format.

@@ -7,9 +7,13 @@ use nurbs_core::{
 };
 use real::{DoubleDouble, Real};
 
-use crate::metrics::{JudgedStep, greater};
-use crate::problem::Problem;
-use crate::run::{Run, RunStep};
+use crate::judge::metrics::{JudgedStep, greater};
+use crate::plan::in_format::of_pair;
+use crate::problem::problem::Problem;
+use crate::run::run::{Run, RunStep};
+
+/// A curve and its parameter, as a sum of two floats.
+type OnPath = (usize, (f64, f64));
 
 /// The path in about 106 bits.
 pub struct Reference<const D: usize> {
@@ -50,25 +54,31 @@ impl<const D: usize> Reference<D> {
         self.length_mm
     }
 
-    fn point(&self, curve: usize, u: (f64, f64)) -> [DoubleDouble; D] {
-        self.exact[curve].as_curve().point(DoubleDouble::new(u.0, u.1))
+    fn point(&self, (curve, u): OnPath) -> [DoubleDouble; D] {
+        self.exact[curve].as_curve().point(of_pair(u))
     }
 
-    fn start(&self) -> (usize, (f64, f64)) {
-        (0, (self.plain[0].as_curve().domain().0, 0.0))
+    fn begin(&self, curve: usize) -> OnPath {
+        (curve, (self.plain[curve].as_curve().domain().0, 0.0))
+    }
+
+    fn end(&self, curve: usize) -> OnPath {
+        (curve, (self.plain[curve].as_curve().domain().1, 0.0))
+    }
+
+    /// The begin of the next curve, where `at` is the end of one.
+    fn begin_of_next(&self, at: OnPath) -> Option<OnPath> {
+        let is_at_end = at.0 + 1 < self.plain.len() && at.1 >= self.end(at.0).1;
+        is_at_end.then(|| self.begin(at.0 + 1))
     }
 
     /// The corners between two places of the path, each a curve and its parameter: joints at which the tangent breaks and which may be
     /// passed. One at which a chord begins or ends is not between.
-    fn corners_between(&self, from: (usize, (f64, f64)), to: (usize, (f64, f64))) -> &[(usize, f64)] {
-        let order = |one: &(usize, f64), other: (usize, (f64, f64))| {
+    fn corners_between(&self, from: OnPath, to: OnPath) -> &[(usize, f64)] {
+        let order = |one: &(usize, f64), other: OnPath| {
             one.0.cmp(&other.0).then((one.1, 0.0).partial_cmp(&other.1).unwrap_or(Ordering::Equal))
         };
-        let last = |curve: usize| self.plain[curve].as_curve().domain().1;
-        // The end of a curve is where the next begins.
-        let is_at_end = from.0 + 1 < self.plain.len() && from.1 >= (last(from.0), 0.0);
-        let from =
-            if is_at_end { (from.0 + 1, (self.plain[from.0 + 1].as_curve().domain().0, 0.0)) } else { from };
+        let from = self.begin_of_next(from).unwrap_or(from);
         let begin = self.corners.partition_point(|corner| order(corner, from).is_le());
         let end = self.corners.partition_point(|corner| order(corner, to).is_lt());
         self.corners.get(begin..end).unwrap_or_default()
@@ -77,49 +87,43 @@ impl<const D: usize> Reference<D> {
     /// Measures each step of a run.
     #[must_use]
     pub fn judge(&self, run: &Run) -> Vec<JudgedStep> {
-        let mut from = self.start();
-        let mut from_point = self.point(from.0, from.1);
-        let mut commanded = from_point.map(DoubleDouble::value);
-        run.steps
-            .iter()
-            .map(|step| {
-                let to_point = self.point(step.curve, step.u);
-                if let Some(begin) = self.next_section(from, step) {
-                    from = begin;
-                    from_point = self.point(from.0, from.1);
-                    commanded = from_point.map(DoubleDouble::value);
-                }
-                let judged = self.judge_step(from, (&from_point, &commanded), step, &to_point);
-                commanded = core::array::from_fn(|d| step.point_mm[d]);
-                from = (step.curve, step.u);
-                from_point = to_point;
-                judged
-            })
-            .collect()
+        let standing = |at: OnPath| {
+            let point = self.point(at);
+            (at, point, point.map(|x| DoubleDouble::from(x.value())))
+        };
+        let (mut from, mut from_point, mut commanded) = standing(self.begin(0));
+        let judged = run.steps.iter().map(|step| {
+            if let Some(begin) = self.next_section(from, step) {
+                (from, from_point, commanded) = standing(begin);
+            }
+            let to = (step.curve, step.u);
+            let (to_point, reached) = (self.point(to), commanded_point(step));
+            let judged = self.judge_step(from, [&from_point, &commanded], step, [&to_point, &reached]);
+            (from, from_point, commanded) = (to, to_point, reached);
+            judged
+        });
+        judged.collect()
     }
 
     /// The begin of the section that a step goes along, where the place before it is the end of another.
-    fn next_section(&self, from: (usize, (f64, f64)), step: &RunStep) -> Option<(usize, (f64, f64))> {
-        let curve = from.0 + 1;
-        let begins = step.curve >= curve && self.stops.binary_search(&curve).is_ok();
-        let last = self.plain[from.0].as_curve().domain().1;
-        (begins && from.1 >= (last, 0.0)).then(|| (curve, (self.plain[curve].as_curve().domain().0, 0.0)))
+    fn next_section(&self, from: OnPath, step: &RunStep) -> Option<OnPath> {
+        let begins = step.curve > from.0 && self.stops.binary_search(&(from.0 + 1)).is_ok();
+        self.begin_of_next(from).filter(|_| begins)
     }
 
+    /// Judges a step between two exact points, and between the points commanded there.
     fn judge_step(
         &self,
-        from: (usize, (f64, f64)),
-        (from_point, commanded): (&[DoubleDouble; D], &[f64; D]),
+        from: OnPath,
+        [from_point, commanded]: [&[DoubleDouble; D]; 2],
         step: &RunStep,
-        to_point: &[DoubleDouble; D],
+        [to_point, reached]: [&[DoubleDouble; D]; 2],
     ) -> JudgedStep {
         let corners = self.corners_between(from, (step.curve, step.u)).iter();
-        let corners: Vec<_> = corners.map(|(curve, u)| self.point(*curve, (*u, 0.0))).collect();
+        let corners: Vec<_> = corners.map(|(curve, u)| self.point((*curve, (*u, 0.0)))).collect();
         let chord = legs(from_point, &corners, to_point);
-        let wanted = DoubleDouble::new(step.wanted_mm.0, step.wanted_mm.1);
-        let off = core::array::from_fn::<_, D, _>(|d| DoubleDouble::from(step.point_mm[d]) - to_point[d]);
-        let reached = core::array::from_fn(|d| DoubleDouble::from(step.point_mm[d]));
-        let commanded = legs(&commanded.map(DoubleDouble::from), &corners, &reached).value();
+        let wanted = of_pair(step.wanted_mm);
+        let commanded = legs(commanded, &corners, reached).value();
         JudgedStep {
             wanted_mm: wanted.value(),
             chord_mm: chord.value(),
@@ -127,7 +131,7 @@ impl<const D: usize> Reference<D> {
             commanded_shortfall_mm: wanted.value() - commanded,
             chord_error_mm: self.chord_error_mm(from, step, from_point, to_point),
             passes_corner: !corners.is_empty(),
-            position_error_mm: DoubleDouble::norm(&off).value(),
+            position_error_mm: distance(to_point, reached).value(),
         }
     }
 
@@ -135,7 +139,7 @@ impl<const D: usize> Reference<D> {
     /// points in f64: the distance is half a micrometre at least where it matters, and smooth in between.
     fn chord_error_mm(
         &self,
-        (curve, from): (usize, (f64, f64)),
+        (curve, from): OnPath,
         step: &RunStep,
         from_point: &[DoubleDouble; D],
         to_point: &[DoubleDouble; D],
@@ -144,9 +148,8 @@ impl<const D: usize> Reference<D> {
         let chord = [from_point, to_point].map(|end| end.map(DoubleDouble::value));
         let on_curve = |index: usize| {
             let plain = self.plain[index].as_curve();
-            let (first, last) = plain.domain();
-            let begin = if index == curve { from } else { (first, 0.0) };
-            let end = if index == step.curve { step.u } else { (last, 0.0) };
+            let begin = if index == curve { from } else { self.begin(index).1 };
+            let end = if index == step.curve { step.u } else { self.end(index).1 };
             let width = (end.0 - begin.0) + (end.1 - begin.1);
             let at = move |sample: i32| begin.0 + width * f64::from(sample) / f64::from(SAMPLES);
             let distance = |sample| distance_to_segment(&plain.point(at(sample)), &chord);
@@ -158,15 +161,18 @@ impl<const D: usize> Reference<D> {
     /// Distance of the last commanded point from the end of the path, in mm; from its start if there is none.
     #[must_use]
     pub fn end_error_mm(&self, run: &Run) -> f64 {
-        let last = self.exact.len() - 1;
-        let end = self.plain[last].as_curve().domain().1;
-        let end_point = self.point(last, (end, 0.0));
-        let commanded: [DoubleDouble; D] = match run.steps.last() {
-            Some(step) => core::array::from_fn(|d| DoubleDouble::from(step.point_mm[d])),
-            None => self.point(0, self.start().1),
-        };
-        DoubleDouble::norm(&core::array::from_fn::<_, D, _>(|d| commanded[d] - end_point[d])).value()
+        let commanded = run.steps.last().map_or_else(|| self.point(self.begin(0)), commanded_point);
+        distance(&self.point(self.end(self.plain.len() - 1)), &commanded).value()
     }
+}
+
+/// The point that a step commands.
+fn commanded_point<const D: usize>(step: &RunStep) -> [DoubleDouble; D] {
+    std::array::from_fn(|d| DoubleDouble::from(step.point_mm[d]))
+}
+
+fn distance<const D: usize>(from: &[DoubleDouble; D], to: &[DoubleDouble; D]) -> DoubleDouble {
+    DoubleDouble::norm(&std::array::from_fn::<_, D, _>(|d| to[d] - from[d]))
 }
 
 /// The sum of the chords from corner to corner.
@@ -175,11 +181,8 @@ fn legs<const D: usize>(
     corners: &[[DoubleDouble; D]],
     to: &[DoubleDouble; D],
 ) -> DoubleDouble {
-    let leg = |from: &[DoubleDouble; D], to: &[DoubleDouble; D]| {
-        DoubleDouble::norm(&core::array::from_fn::<_, D, _>(|d| to[d] - from[d]))
-    };
     let ends = corners.iter().chain([to]);
-    ends.fold((DoubleDouble::from(0.0), from), |(sum, from), to| (sum + leg(from, to), to)).0
+    ends.fold((DoubleDouble::from(0.0), from), |(sum, from), to| (sum + distance(from, to), to)).0
 }
 
 /// The corners that a path may pass: where curves meet and at knots of multiplicity p, wherever the tangent breaks, but for those
@@ -192,8 +195,7 @@ fn corners<const D: usize>(problem: &Problem<D>) -> Vec<(usize, f64)> {
         let (first, last) = curve.domain();
         let end = curve.span_count() - 1;
         let leaving = curve.derivatives_in(0, first).first;
-        let rests = problem.stops.binary_search(&index).is_ok();
-        if !rests && arriving.is_some_and(|before| tangent_breaks(&before, &leaving)) {
+        if !problem.rests_before(index) && arriving.is_some_and(|before| tangent_breaks(&before, &leaving)) {
             corners.push((index, first));
         }
         corners.extend((1..=end).filter_map(|span| {
@@ -212,11 +214,9 @@ fn corners<const D: usize>(problem: &Problem<D>) -> Vec<(usize, f64)> {
 mod tests {
     use std::fmt::Write;
 
-    use part_program::{read_machine, read_part};
-
     use super::*;
-    use crate::problem::examples::mill;
-    use crate::{Engine, Options, compare, select};
+    use crate::examples::{judged, mill, on_example_machine};
+    use crate::{ExactPlan, JudgedRun, Options, format_named};
 
     const DEVIATION: &str = "junction = \"deviation\"\njunction_deviation_mm = 0.01\n";
 
@@ -230,11 +230,7 @@ mod tests {
             let (x, y) = if is_level { (length, 0.0) } else { (0.866_025 * length, 0.5 * length) };
             writeln!(part, "G1 X{x:.6} Y{y:.6} F3000").unwrap();
         }
-        let formats = select::<2>(&["f64".to_string()]).unwrap();
-        let judged = |junction| {
-            let problem = mill::<2>(&part, junction);
-            compare(&problem, &formats, &[Engine::Pieces], &Options::default()).unwrap().formats.remove(0)
-        };
+        let judged = |junction| judged(&mill::<2>(&part, junction), &["f64"]).remove(0);
         let row = judged(DEVIATION);
         let (chord, corner) = (row.chord_error_mm_max.unwrap(), row.corner_error_mm_max.unwrap());
         assert!(
@@ -243,7 +239,7 @@ mod tests {
             row.verdict
         );
         let limit =
-            |row: &crate::Row| row.requirements.iter().find(|one| one.what == "corner error").unwrap().limit;
+            |row: &JudgedRun| row.requirements.iter().find(|one| one.what == "corner error").unwrap().limit;
         assert!((limit(&row) - 0.01 * 1.005).abs() < 1e-9);
         let stops = judged("");
         assert!(stops.corner_error_mm_max == Some(0.0) && (limit(&stops) - 0.001 * 1.005).abs() < 1e-9);
@@ -292,17 +288,14 @@ mod tests {
             let (y, x) = (f64::from(i) * 1e-3).sin_cos();
             writeln!(program, "G1 X{x:.9} Y{y:.9} F12000").unwrap();
         }
-        let machine = read_machine("m", include_str!("../../../data/seed-000.toml")).unwrap();
-        let problem = Problem::<2>::new(&read_part("p.nc", &program).unwrap(), &machine).unwrap();
-        let formats = select::<2>(&["f64".to_string()]).unwrap();
-        let row =
-            compare(&problem, &formats, &[Engine::Pieces], &Options::default()).unwrap().formats.remove(0);
-        let plan = crate::plan_for(&problem, formats[0].as_ref(), &Options::default()).unwrap();
-        let run = formats[0].run(&problem, &plan, &Options::default()).unwrap();
+        let problem = on_example_machine::<2>(&program, "");
+        let row = judged(&problem, &["f64"]).remove(0);
+        let plan = ExactPlan::in_format::<f64, 2>(&problem, [0.0; 2]).unwrap();
+        let run = format_named("f64").unwrap().run(&problem, &plan, &Options::default()).unwrap();
         let longest = run.steps.iter().map(|step| step.wanted_mm.0).fold(0.0, f64::max);
         // Moves of 1 µm turn by 1e-3 rad: each chord passes corners.
         let (found, sagitta) = (row.corner_error_mm_max.unwrap(), longest * longest / 8.0);
         assert!((found / sagitta - 1.0).abs() < 0.05, "{found} mm, not {sagitta}");
-        assert!(!row.verdict.is_good() || found <= 1.005 * machine.chord_error_mm, "{}", row.verdict);
+        assert!(!row.verdict.is_good() || found <= 1.005 * problem.machine.chord_error_mm, "{}", row.verdict);
     }
 }

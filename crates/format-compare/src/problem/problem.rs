@@ -1,8 +1,8 @@
 //! What is to be run: a path and a machine's limits, in f64.
 //!
-//! Rapid moves cut nothing, so they are left out: what is compared are the moves at feed, where the part has them. Where one of
-//! those begins elsewhere than the one before it ends, be it for a rapid move or for a gap in a drawing, the machine rests, for it
-//! makes another move there: the path goes on at the next section's begin.
+//! Rapid moves cut nothing, so they are left out, and the moves at feed stay where the part has them. Where a move begins elsewhere
+//! than the one before it ends, behind a rapid move or a gap in a drawing, the machine makes another move in between. It rests there,
+//! and the path goes on where the next move begins.
 
 use std::ops::Range;
 
@@ -10,7 +10,7 @@ use feed_plan::{AxisLimits, FeedLimit, Junction, KinematicLimits, PlanError};
 use nurbs_core::{CompileError, CurveError, FastCurve, NurbsBuf};
 use part_program::{Machine, MoveKind, Part, Rest};
 
-use crate::run::Refusal;
+use crate::refusal::Refusal;
 
 /// A path of curves in mm and the machine that is to follow it.
 #[derive(Clone, Debug)]
@@ -24,7 +24,7 @@ pub struct Problem<const D: usize> {
     /// Numbers of the curves that begin at rest whatever their direction, in order: those behind an exact stop, a rapid move, a
     /// gap, or a word of the machine as M8.
     pub stops: Vec<usize>,
-    /// Those of them before which the machine makes another move: behind a rapid move or a gap.
+    /// Those of `stops` before which the machine makes another move: behind a rapid move or a gap.
     pub breaks: Vec<usize>,
     /// The line of each curve in the part; empty if nobody knows.
     pub lines: Vec<usize>,
@@ -38,7 +38,7 @@ pub struct Problem<const D: usize> {
     pub machine: Machine,
 }
 
-/// The jump of velocity, in mm per period, of an axis that may not jump: so little that any break stops it.
+/// The jump of velocity allowed to an axis that may not jump, in mm per period: so little that any break of the tangent is a stop.
 const NO_JUMP: f64 = 1e-9;
 
 impl<const D: usize> Problem<D> {
@@ -114,6 +114,11 @@ impl<const D: usize> Problem<D> {
         }
     }
 
+    /// Whether the machine rests before it begins this curve, whatever the directions there.
+    pub(crate) fn rests_before(&self, curve: usize) -> bool {
+        self.stops.binary_search(&curve).is_ok()
+    }
+
     /// The feedrate of a curve, as a share of the machine's.
     #[must_use]
     pub fn feed_share(&self, curve: usize) -> f64 {
@@ -144,6 +149,12 @@ impl<const D: usize> Problem<D> {
         self.machine.interpolation_period_ms / 1000.0
     }
 
+    /// The step F·T of a period at the commanded feed, in mm.
+    #[must_use]
+    pub fn full_step_mm(&self) -> f64 {
+        self.machine.feedrate_mm_per_s * self.period_s()
+    }
+
     /// The limits with the interpolation period as the unit of time: F·T, A·T², J·T³ in mm per period to the
     /// first, second and third power. These are the numbers that a controller works with: they are of the order
     /// of a step, while the same limits per second span nine orders of magnitude.
@@ -155,7 +166,7 @@ impl<const D: usize> Problem<D> {
         let axes = [machine.axes.x, machine.axes.y, machine.axes.z];
         let limits = KinematicLimits {
             interpolation_period: 1.0,
-            feedrate: machine.feedrate_mm_per_s * t,
+            feedrate: self.full_step_mm(),
             acceleration: machine.acceleration_mm_per_s2 * t.powi(2),
             jerk: machine.jerk_mm_per_s3 * t.powi(3),
             chord_error: machine.chord_error_mm,
@@ -184,7 +195,7 @@ fn rapid_moves(part: &Part) -> usize {
     if rapids == part.moves.len() { 0 } else { rapids }
 }
 
-/// The feedrates of these moves over the highest of the part's; empty if all have that one. A move that says none has it.
+/// The feedrates of these moves over the highest of the part; empty if all are that one. A move without a feedrate has the highest.
 fn feed_shares(part: &Part, moves: impl Iterator<Item = usize>) -> Vec<f64> {
     let Some(highest) = part.highest_feedrate() else { return Vec::new() };
     let own = |index: usize| part.moves.get(index).and_then(|one| one.feedrate_mm_per_s);
@@ -193,30 +204,12 @@ fn feed_shares(part: &Part, moves: impl Iterator<Item = usize>) -> Vec<f64> {
 }
 
 #[cfg(test)]
-pub(crate) mod examples {
-    use part_program::{read_machine, read_part};
-
-    use super::Problem;
-
-    const MILL: &str = "[machine]\ninterpolation_period_ms = 1.0\nfeedrate_mm_per_s = 50.0\n\
-                        acceleration_mm_per_s2 = 1000.0\njerk_mm_per_s3 = 40000.0\nchord_error_mm = 0.001\n\
-                        fluctuation_limit = 1e-4\nparameter_tolerance = 1e-10\nmax_iterations = 8\n";
-
-    /// A part program on a milling machine with these further lines in its file.
-    pub(crate) fn mill<const D: usize>(program: &str, more: &str) -> Problem<D> {
-        let machine = read_machine("m", &(MILL.to_string() + more)).unwrap();
-        Problem::new(&read_part("p.nc", program).unwrap(), &machine).unwrap()
-    }
-}
-
-#[cfg(test)]
 mod tests {
     use super::*;
-    use part_program::{read_machine, read_part};
+    use crate::examples::on_example_machine;
 
-    fn problem(text: &str) -> Problem<3> {
-        let machine = read_machine("m", include_str!("../../../data/seed-000.toml")).unwrap();
-        Problem::new(&read_part("p.nc", text).unwrap(), &machine).unwrap()
+    fn problem(program: &str) -> Problem<3> {
+        on_example_machine(program, "")
     }
 
     /// The second curve that is run, behind a rapid move.
@@ -259,14 +252,13 @@ mod tests {
     fn the_machine_rests_where_it_makes_another_move() {
         let lifted = problem("G0 X0 Y0 Z0\nG1 X10 F600\nG0 Z5\nG0 Z0\nG1 X20\nG1 X30\n");
         assert_eq!((lifted.stops.as_slice(), lifted.gaps), (&[1][..], 0));
-        let machine = read_machine("m", include_str!("../../../data/seed-000.toml")).unwrap();
         let line = |from: f64, to: f64| {
             format!(
                 "[[curve]]\ndegree = 1\nknots = [0, 0, 1, 1]\ncontrol_points_mm = [[{from}, 0], [{to}, 0]]\n"
             )
         };
         let drawn = [line(0.0, 10.0), line(20.0, 30.0), line(30.0, 40.0)].concat();
-        let drawn = Problem::<2>::new(&read_part("d.toml", &drawn).unwrap(), &machine).unwrap();
+        let drawn: Problem<2> = on_example_machine(&drawn, "");
         assert_eq!((drawn.stops.as_slice(), drawn.gaps), (&[1][..], 1));
         let limit = drawn.feed_limit().unwrap();
         assert_eq!((limit.at(10.0), limit.at(20.0) > 0.1), (0.0, true));

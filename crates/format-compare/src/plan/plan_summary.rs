@@ -1,14 +1,15 @@
-//! A plan as people read it: the stage table in mm and s, a summary, and samples.
+//! A plan as people read it: a summary, and the stages in mm and s.
 
 use feed_plan::{EndFeeds, FeedLimit, ProfileKind, Stage, StageKind, StageShape, jerk_free_duration};
 use nurbs_core::Evaluate;
 use real::{DoubleDouble, Real};
 use serde::Serialize;
 
-use crate::axis_peaks::{AxisPeak, axis_peaks};
-use crate::exact_plan::ExactPlan;
-use crate::problem::Problem;
-use crate::run::Refusal;
+use crate::plan::axis_peaks::{AxisPeak, axis_peaks};
+use crate::plan::exact_plan::ExactPlan;
+use crate::plan::samples::instants;
+use crate::problem::problem::Problem;
+use crate::refusal::Refusal;
 
 /// One stage: paper A's {u_s, u_e, v_s, v_e, flag, a_0..a_3}, with length and time.
 #[derive(Clone, Debug, Serialize)]
@@ -55,7 +56,7 @@ pub struct PlanSummary {
     pub jerk_free_time_s: f64,
     /// By which part of that time the plan takes longer.
     pub over_jerk_free: f64,
-    /// Largest acceleration along the path, in mm/s², a step of feed between stages counted as its mean over a period.
+    /// Largest acceleration along the path, in mm/s². Where the feed steps from one stage to the next, the step over a period counts.
     pub acceleration_max_mm_per_s2: f64,
     /// Its limit.
     pub acceleration_limit_mm_per_s2: f64,
@@ -64,14 +65,14 @@ pub struct PlanSummary {
     pub total_acceleration_max_mm_per_s2: f64,
     /// Whether nothing limits the acceleration across the path in bends.
     pub is_free_across: bool,
-    /// Largest jerk along the path, in mm/s³, with such steps in the same way.
+    /// Largest jerk along the path, in mm/s³. Steps of the feed count by their mean over periods, too.
     pub jerk_max_mm_per_s3: f64,
     /// Its limit.
     pub jerk_limit_mm_per_s3: f64,
     /// Share of the path that is travelled at the commanded feed, or less than 0.5 % below it.
     pub share_at_commanded_feed: f64,
-    /// The feed that is run there, over the commanded one: less than 1, for a whole number of periods from rest to rest, and in
-    /// bends for what chords fall short. `None` where no part is travelled at it.
+    /// The mean feed there over the commanded one. It is less than 1, since the time is stretched to whole periods, and in bends since
+    /// chords are shorter than their arcs. `None` where no part is travelled at the commanded feed.
     pub feed_over_commanded: Option<f64>,
     /// What the plan asks of each axis.
     pub axes: Vec<AxisPeak>,
@@ -79,27 +80,6 @@ pub struct PlanSummary {
     pub stage_count: usize,
     /// The stages.
     pub stages: Vec<StageRow>,
-}
-
-/// The plan at one instant.
-#[derive(Clone, Copy, Debug, Serialize)]
-pub struct FeedSample {
-    /// Time, in s.
-    pub time_s: f64,
-    /// Distance along the path, in mm.
-    pub distance_mm: f64,
-    /// Number of the curve there, from 0.
-    pub curve: usize,
-    /// Its parameter there.
-    pub u: f64,
-    /// Feed, in mm/s.
-    pub feed_mm_per_s: f64,
-    /// Acceleration along the path, in mm/s².
-    pub acceleration_mm_per_s2: f64,
-    /// Jerk along the path, in mm/s³.
-    pub jerk_mm_per_s3: f64,
-    /// The feed limit there, in mm/s.
-    pub limit_mm_per_s: f64,
 }
 
 impl PlanSummary {
@@ -179,29 +159,25 @@ impl PlanSummary {
 /// The largest second difference of the points that periods end at, in mm. Where the plan begins or ends at rest, and where the machine
 /// makes another move in between, the tool stays where it is.
 fn total_acceleration<const D: usize>(plan: &ExactPlan, problem: &Problem<D>, limit: &FeedLimit<f64>) -> f64 {
-    let point =
-        |curve: usize, u: f64| problem.curves.get(curve).map_or([0.0; D], |curve| curve.as_curve().point(u));
-    let ends_of = |curve: usize| {
-        let domain = problem.curves.get(curve).map(|curve| curve.as_curve().domain());
-        domain.map(|(begin, end)| [point(curve, begin), point(curve, end)])
+    let on = |curve: usize, at: fn((f64, f64)) -> f64| {
+        let curve = problem.curves.get(curve)?.as_curve();
+        Some(curve.point(at(curve.domain())))
     };
+    let standing = |point: Option<[f64; D]>| point.into_iter().flat_map(|point| [point; 2]);
     let stages = plan.arcs().stages();
-    let rests = [
-        stages.first().is_some_and(|stage| stage.start_feed.value() == 0.0),
-        stages.last().is_some_and(|stage| stage.end_feed.value() == 0.0),
-    ];
-    let mut places = samples(plan, 1).map(|sample| limit.parameter_at(sample.distance)).peekable();
+    let is_rest = |feed: Option<DoubleDouble>| feed.is_some_and(|feed| feed.value() == 0.0);
+    let starts_at_rest = is_rest(stages.first().map(|stage| stage.start_feed));
+    let ends_at_rest = is_rest(stages.last().map(|stage| stage.end_feed));
+    let mut places = instants(plan, 1).map(|at| limit.parameter_at(at.distance())).peekable();
     let ends = problem.breaks.iter().copied().chain([problem.curves.len()]);
     let (mut begin, mut most) = (0, 0.0_f64);
     for end in ends {
-        let own = std::iter::from_fn(|| places.next_if(|(curve, _)| *curve < end))
-            .map(|(curve, u)| point(curve, u));
-        let before = ends_of(begin).filter(|_| begin > 0 || rests[0]).map(|[start, _]| [start; 2]);
-        let behind =
-            ends_of(end - 1).filter(|_| end < problem.curves.len() || rests[1]).map(|[_, last]| [last; 2]);
-        most = most.max(largest_second_difference(
-            before.into_iter().flatten().chain(own).chain(behind.into_iter().flatten()),
-        ));
+        let own = std::iter::from_fn(|| places.next_if(|(curve, _)| *curve < end));
+        let own = own.filter_map(|(curve, u)| Some(problem.curves.get(curve)?.as_curve().point(u)));
+        let before = on(begin, |domain| domain.0).filter(|_| begin > 0 || starts_at_rest);
+        let behind = on(end - 1, |domain| domain.1).filter(|_| end < problem.curves.len() || ends_at_rest);
+        let points = standing(before).chain(own).chain(standing(behind));
+        most = most.max(largest_second_difference(points));
         begin = end;
     }
     most
@@ -285,116 +261,8 @@ fn shape_name(shape: StageShape) -> &'static str {
     }
 }
 
-/// A stage this close to the commanded feed counts as at it: stretching the time to a whole number of periods
-/// lowers every feed by a part in a thousand or so, which [`PlanSummary::feed_over_commanded`] tells.
+/// A stage whose feed is less than the commanded one by no more than this part counts as at it. The time is stretched to whole
+/// periods, which lowers every feed by a thousandth or so: see [`PlanSummary::feed_over_commanded`].
 const AT_FEED: f64 = 0.005;
 /// Stages of less than 2⁻²⁰ of a period say nothing of the jerk.
 const SHORT: f64 = 1.0 / 1_048_576.0;
-
-/// The plan at one instant, in mm and periods.
-pub(crate) struct Sample {
-    time: f64,
-    pub(crate) distance: f64,
-    pub(crate) feed: f64,
-    pub(crate) acceleration: f64,
-    pub(crate) jerk: f64,
-}
-
-/// The plan `per_period` times a period, both ends included.
-pub(crate) fn samples(plan: &ExactPlan, per_period: u32) -> impl Iterator<Item = Sample> {
-    let stages = plan.arcs().stages();
-    let step = 1.0 / f64::from(per_period);
-    let (mut stage, mut before) = (0, 0.0);
-    (0..=plan.periods() * per_period).map(move |sample| {
-        let time = f64::from(sample) * step;
-        while stage + 1 < stages.len() && time >= before + stages[stage].duration.value() {
-            before += stages[stage].duration.value();
-            stage += 1;
-        }
-        let here = &stages[stage];
-        let local = DoubleDouble::from((time - before).min(here.duration.value()));
-        Sample {
-            time,
-            distance: (here.start + here.distance_at(local)).value(),
-            feed: here.feed_at(local).value(),
-            acceleration: here.acceleration_at(local).value(),
-            jerk: here.jerk_at(local).value(),
-        }
-    })
-}
-
-impl ExactPlan {
-    /// The plan sampled `per_period` times a period, both ends included.
-    ///
-    /// # Errors
-    /// [`Refusal::Plan`] when the limit curve cannot be made.
-    pub fn sampled<const D: usize>(
-        &self,
-        problem: &Problem<D>,
-        per_period: u32,
-    ) -> Result<Vec<FeedSample>, Refusal> {
-        let t = problem.period_s();
-        let feed_limit = self.limit(problem)?;
-        let rows = samples(self, per_period).map(|sample| {
-            let (curve, u) = feed_limit.parameter_at(sample.distance);
-            FeedSample {
-                time_s: sample.time * t,
-                distance_mm: sample.distance,
-                curve,
-                u,
-                feed_mm_per_s: sample.feed / t,
-                acceleration_mm_per_s2: sample.acceleration / t.powi(2),
-                jerk_mm_per_s3: sample.jerk / t.powi(3),
-                limit_mm_per_s: feed_limit.at(sample.distance) / t,
-            }
-        });
-        Ok(rows.collect())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use nurbs_core::arc_length;
-    use part_program::{read_machine, read_part};
-
-    use super::*;
-
-    fn problem(chord_error_mm: &str) -> Problem<2> {
-        let text = include_str!("../../../data/seed-000.toml").replace("0.0005", chord_error_mm);
-        Problem::new(&read_part("p.toml", &text).unwrap(), &read_machine("p.toml", &text).unwrap()).unwrap()
-    }
-
-    /// Sums of chords were taken for arc lengths: the last row was short of the end, and feeds stood beside the limit of another place.
-    #[test]
-    fn the_places_of_samples_are_those_of_the_plan() {
-        let problem = problem("0.1");
-        let plan = ExactPlan::in_format::<f64, 2>(&problem, [0.0; 2]).unwrap();
-        let limit = plan.limit(&problem).unwrap();
-        let chords: f64 = plan.lengths().map(|(length, _)| length.value()).sum();
-        assert!(limit.length() - chords > 1e-3, "chords fall short: {chords} of {}", limit.length());
-        let samples = plan.sampled(&problem, 2).unwrap();
-        let last = samples.last().unwrap();
-        assert!((last.distance_mm - limit.length()).abs() < 1e-9 && last.u > 1.0 - 1e-9, "{last:?}");
-        for sample in &samples {
-            assert!(sample.feed_mm_per_s <= sample.limit_mm_per_s * (1.0 + 1e-9), "{sample:?}");
-            let length = arc_length(&problem.curves[0].as_curve(), 0.0, sample.u, 1e-9).length;
-            assert!((length - sample.distance_mm).abs() < 1e-3, "{length} {sample:?}");
-        }
-    }
-
-    #[test]
-    fn the_limit_is_that_of_the_problem_and_made_once() {
-        let problem = problem("0.0005");
-        let expected = problem.feed_limit().unwrap();
-        for plan in [
-            ExactPlan::in_format::<f64, 2>(&problem, [0.0; 2]),
-            ExactPlan::in_format::<f32, 2>(&problem, [0.0; 2]),
-            ExactPlan::through_window(&problem, 50.0, ProfileKind::Cubic),
-        ] {
-            let plan = plan.unwrap();
-            let limit = plan.limit(&problem).unwrap();
-            assert_eq!(*limit, expected);
-            assert!(std::ptr::eq(limit, plan.limit(&problem).unwrap()), "made twice");
-        }
-    }
-}

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use real::{Histogram, SignalRange};
 
-use crate::metrics::JudgedStep;
-use crate::run::Run;
+use crate::judge::metrics::JudgedStep;
+use crate::run::run::Run;
 
 /// A run, a value a period; entry i is the period that ends at time (i + 1)·T.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -50,25 +50,17 @@ impl Trace {
 
 #[cfg(test)]
 mod tests {
-    use part_program::{read_machine, read_part};
-
     use super::*;
-    use crate::{Engine, Fluctuation, Options, Problem, compare, compare_with, select};
-
-    const EXAMPLE: &str = include_str!("../../../data/seed-000.toml");
-
-    fn problem() -> Problem<2> {
-        let machine = read_machine("m", EXAMPLE).expect("a machine");
-        Problem::new(&read_part("p", EXAMPLE).expect("a part"), &machine).expect("a problem")
-    }
+    use crate::examples::{EXAMPLE, on_example_machine};
+    use crate::{Engine, Fluctuation, JudgedRun, Options, compare, compare_with, select};
 
     /// The figures of a row are those of its trace, and keeping traces changes no row.
     #[test]
     fn a_trace_holds_the_figures_of_its_row() {
-        let problem = problem();
-        let formats = select::<2>(&["I4F28".into(), "f64".into()]).expect("formats");
+        let problem = on_example_machine::<2>(EXAMPLE, "");
+        let formats = select::<2>(&["I4F28", "f64"]).expect("formats");
         let engines = [Engine::DeBoorSecant, Engine::Pieces];
-        let keep = |_: &crate::Row, run: Option<(&Run, &[JudgedStep])>| {
+        let keep = |_: &JudgedRun, run: Option<(&Run, &[JudgedStep])>| {
             run.map(|(run, steps)| (Trace::of(run, steps), Fluctuation::of(steps, 0.6)))
         };
         let (comparison, kept) =
@@ -94,13 +86,13 @@ mod tests {
         }
     }
 
-    /// What rounding the solved quantity alone may cost is not far above what is found in any format: of more than a
-    /// thousand periods one comes near it.
+    /// In every format the largest fluctuation found is at least a quarter of what rounding the solved quantity alone may cost: of more
+    /// than a thousand periods one comes near it.
     #[test]
     fn fluctuation_is_of_the_order_of_the_resolution() {
-        let problem = problem();
+        let problem = on_example_machine::<2>(EXAMPLE, "");
         let names = ["I16F16", "I8F24", "I4F28", "f32", "I32F32", "f64"];
-        let formats = select::<2>(&names.map(String::from)).expect("formats");
+        let formats = select::<2>(&names).expect("formats");
         let options = Options { fluctuation: Some(1e-15), ..Options::default() };
         for engine in [Engine::DeBoorSecant, Engine::Pieces] {
             let compared = compare(&problem, &formats, &[engine], &options).expect("a comparison");

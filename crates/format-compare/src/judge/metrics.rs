@@ -2,14 +2,7 @@
 
 use serde::Serialize;
 
-/// The share of a full step from which on a step counts as one at cruise.
-const AT_CRUISE: f64 = 0.25;
-
-/// The length from which on a step counts as one at cruise: a quarter of F·T, or of the longest step wanted, where the plan
-/// never comes to F.
-pub(crate) fn cruise_mm(wanted_mm: impl Iterator<Item = f64>, full_step_mm: f64) -> f64 {
-    AT_CRUISE * full_step_mm.min(wanted_mm.fold(0.0, f64::max))
-}
+use crate::run::run::cruise_mm;
 
 /// Feedrate fluctuation δ_i = 1 - |C(u_{i+1}) - C(u_i)|/(V_i T) over a run, as ratios: of the exact points at the parameters
 /// that were found.
@@ -25,8 +18,8 @@ pub struct Fluctuation {
     /// last, which takes what is left of the path also where that is passed at full feed. A relative figure of a micrometre step near rest says nothing about the cut;
     /// this one is what a requirement is judged by.
     pub cruise_max_abs: f64,
-    /// The same with the commanded points in place of the exact ones: with the rounding of the positions, which is as large
-    /// in a short step as in a long one.
+    /// Largest |δ| over those steps of the commanded points in place of the exact ones: with the rounding of the positions, which is
+    /// as large in a short step as in a long one.
     pub commanded_cruise_max_abs: f64,
     /// Largest |chord - wanted chord| in mm, over all steps but the last: what says something about the steps near
     /// rest. The last step lands on the end and takes what is left.
@@ -42,7 +35,7 @@ pub struct JudgedStep {
     pub chord_mm: f64,
     /// `wanted - chord`, in mm, formed before rounding to f64.
     pub shortfall_mm: f64,
-    /// The same for the chord between the commanded points.
+    /// `wanted - chord`, in mm, of the chord between the commanded points.
     pub commanded_shortfall_mm: f64,
     /// Largest distance of the curve from the chord, in mm.
     pub chord_error_mm: f64,
@@ -59,7 +52,7 @@ impl JudgedStep {
         self.share(self.shortfall_mm)
     }
 
-    /// The same of the chord between the commanded points.
+    /// The feedrate fluctuation of the chord between the commanded points.
     #[must_use]
     pub fn commanded_fluctuation(&self) -> f64 {
         self.share(self.commanded_shortfall_mm)
@@ -162,16 +155,7 @@ mod tests {
 
     #[test]
     fn the_jerk_of_a_run_has_its_last_step_in_it() {
-        let step = |chord_mm: f64| JudgedStep {
-            wanted_mm: chord_mm,
-            chord_mm,
-            shortfall_mm: 0.0,
-            commanded_shortfall_mm: 0.0,
-            chord_error_mm: 0.0,
-            passes_corner: false,
-            position_error_mm: 0.0,
-        };
-        let steps = [4.0, 4.0, 3.0, 1.0, 2.0].map(step);
+        let steps = [4.0, 4.0, 3.0, 1.0, 2.0].map(|chord| step(chord, 0.0));
         // Accelerations 0, -1, -2, 1, and behind the end -2, 0.
         assert_eq!(jerk_max_mm_per_s3(&steps, 1.0, false), 3.0);
         assert_eq!(jerk_max_mm_per_s3(&steps[..4], 1.0, true), 1.0);

@@ -1,0 +1,156 @@
+//! Many formats side by side, with a verdict each and a recommendation.
+
+use std::collections::BTreeMap;
+
+use part_program::Machine;
+use serde::Serialize;
+
+use crate::judge::judged_run::JudgedRun;
+use crate::judge::metrics::JudgedStep;
+use crate::judge::not_of_format::NotOfFormat;
+use crate::judge::reference::Reference;
+use crate::parallel::in_parallel;
+use crate::problem::problem::Problem;
+use crate::refusal::Refusal;
+use crate::run::formats::{Dimension, Format, Space, plan_for};
+use crate::run::options::{Engine, Options, PlanIn};
+use crate::run::run::Run;
+use crate::size::fewest_bits::FewestBits;
+
+/// The result of a comparison.
+#[derive(Clone, Debug, Serialize)]
+pub struct Comparison {
+    /// What was run.
+    pub part: PartSummary,
+    /// The machine's limits.
+    pub machine: Machine,
+    /// What the formats are judged by.
+    pub reference: &'static str,
+    /// A run a format and engine, in the order of rising cost.
+    pub formats: Vec<JudgedRun>,
+    /// The first format whose verdict is good; priced on targets, the cheapest on the first of them.
+    pub recommended: Option<String>,
+    /// How that format is to be run.
+    pub recommended_engine: Option<Engine>,
+    /// The cheapest good format on each target, and how it is to be run.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub recommended_on: BTreeMap<String, (String, Engine)>,
+    /// The fewest bits that are enough, where [`fewest_bits`](crate::fewest_bits()) was asked.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fewest_bits: Option<FewestBits>,
+    /// Why no format is good, if even `f64` is not: what [`not_of_format`](crate::not_of_format) found, where it was asked.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub not_a_question_of_format: Option<NotOfFormat>,
+}
+
+/// What was run.
+#[derive(Clone, Debug, Serialize)]
+pub struct PartSummary {
+    /// Name of the part.
+    pub name: String,
+    /// Number of curves.
+    pub curves: usize,
+    /// Number of rapid moves that are not run.
+    pub rapids_left_out: usize,
+    /// Arc length, in mm.
+    pub length_mm: f64,
+    /// Planned time, in s; absent when each format plans for itself.
+    pub planned_time_s: Option<f64>,
+    /// The lowest feedrate that a move commands, in mm/s; absent where all command the machine's.
+    pub lowest_feedrate_mm_per_s: Option<f64>,
+}
+
+/// Runs `problem` in each format by each of `engines`, on as many threads as the machine has cores, and judges each
+/// run.
+///
+/// The f64 plan is made once for all, unless the options let each format plan for itself.
+///
+/// # Errors
+/// [`Refusal`] when the reference itself cannot be made or planned: the part or the limits are at fault, not a
+/// format.
+pub fn compare<const D: usize>(
+    problem: &Problem<D>,
+    formats: &[Box<dyn Format<D>>],
+    engines: &[Engine],
+    options: &Options,
+) -> Result<Comparison, Refusal>
+where
+    Space: Dimension<D>,
+{
+    compare_with(problem, formats, engines, options, |_, _| ()).map(|(comparison, _)| comparison)
+}
+
+/// What [`compare`] finds, and what `keep` makes of each judged run, of the run itself and of the steps as the reference judged them.
+/// There is no run where the format was refused. `keep` is called as the runs end, on the thread that ran them, so that what a
+/// run takes in memory can be given back before the next.
+///
+/// # Errors
+/// As [`compare`].
+pub fn compare_with<T: Send, const D: usize>(
+    problem: &Problem<D>,
+    formats: &[Box<dyn Format<D>>],
+    engines: &[Engine],
+    options: &Options,
+    keep: impl Fn(&JudgedRun, Option<(&Run, &[JudgedStep])>) -> T + Sync,
+) -> Result<(Comparison, Vec<T>), Refusal>
+where
+    Space: Dimension<D>,
+{
+    let reference = Reference::new(problem)?;
+    let common = match options.plan_in {
+        PlanIn::Same => None,
+        PlanIn::Format(_) => match formats.first() {
+            Some(any) => Some(plan_for(problem, any.as_ref(), options)?),
+            None => None,
+        },
+    };
+    let judged = |(format, engine): (&dyn Format<D>, Engine)| -> (JudgedRun, T) {
+        let options = &Options { engine, ..options.clone() };
+        let run = match &common {
+            Some(plan) => format.run(problem, plan, options),
+            None => format.plan(problem, options).and_then(|plan| format.run(problem, &plan, options)),
+        };
+        let name = (format.name(), engine);
+        match run {
+            Ok(run) => {
+                let steps = reference.judge(&run);
+                let judged = JudgedRun::of(name, problem, &reference, (&run, &steps));
+                let kept = keep(&judged, Some((&run, &steps)));
+                (judged, kept)
+            }
+            Err(refusal) => {
+                let refused = JudgedRun::refused(name, &refusal);
+                let kept = keep(&refused, None);
+                (refused, kept)
+            }
+        }
+    };
+    let runs: Vec<(&dyn Format<D>, Engine)> =
+        formats.iter().flat_map(|format| engines.iter().map(|engine| (format.as_ref(), *engine))).collect();
+    let (runs, kept): (Vec<_>, Vec<T>) = in_parallel(&runs, |run| judged(*run)).into_iter().unzip();
+    let recommended = runs.iter().find(|run| run.verdict.is_good());
+    let comparison = Comparison {
+        part: PartSummary {
+            name: problem.name.clone(),
+            curves: problem.curves.len(),
+            rapids_left_out: problem.rapids_left_out,
+            length_mm: reference.length_mm(),
+            planned_time_s: common.map(|plan| problem.period_s() * f64::from(plan.periods())),
+            lowest_feedrate_mm_per_s: problem
+                .feed_shares
+                .iter()
+                .copied()
+                .reduce(f64::min)
+                .map(|share| share * problem.machine.feedrate_mm_per_s),
+        },
+        machine: problem.machine.clone(),
+        reference: "double-double, 106 bits",
+        recommended: recommended.map(|run| run.format.clone()),
+        recommended_engine: recommended.map(|run| run.engine),
+        recommended_on: BTreeMap::new(),
+        fewest_bits: None,
+        not_a_question_of_format: None,
+        formats: runs,
+    };
+    Ok((comparison, kept))
+}

@@ -1,0 +1,109 @@
+//! The runs of a comparison priced on targets.
+
+use real::FormatName;
+use target_cost::Target;
+
+use crate::compare::compare::Comparison;
+use crate::cost::period_cost::{Cost, cost, operations};
+use crate::judge::judged_run::{JudgedRun, Verdict};
+use crate::judge::requirement::Requirement;
+use crate::parallel::in_parallel;
+use crate::problem::problem::Problem;
+use crate::refusal::Refusal;
+use crate::run::formats::{Dimension, Space, format_named, plan_for};
+use crate::run::options::Options;
+use crate::run::recorded_run::RecordedRun;
+
+/// Records every run of `comparison` that was not refused, prices it on each of `targets`, and recommends anew: on the
+/// first target, the cheapest of the formats that are good and fit the period. A format that fits the period on none of
+/// the targets is no longer good. `recorded` is called as each run has been recorded, which is what takes the time.
+///
+/// # Errors
+/// [`Refusal`] if no plan can be made: that of the comparison.
+pub fn price<const D: usize>(
+    comparison: &mut Comparison,
+    problem: &Problem<D>,
+    targets: &[Target],
+    options: &Options,
+    recorded: impl Fn() + Sync,
+) -> Result<(), Refusal>
+where
+    Space: Dimension<D>,
+{
+    let recorded = in_parallel(&comparison.formats, |run| {
+        let again = record(run, problem, options);
+        recorded();
+        again
+    });
+    for (run, recorded) in comparison.formats.iter_mut().zip(recorded) {
+        let Some((name, recorded)) = recorded? else { continue };
+        run.operations = Some(operations(&recorded));
+        for target in targets {
+            run.cycles.insert(target.name.clone(), cost(&recorded, target, name, problem.period_s()));
+        }
+        demand_that_it_fits(run, targets);
+    }
+    recommend(comparison, targets);
+    Ok(())
+}
+
+/// The run again, recorded; none if it was refused.
+fn record<const D: usize>(
+    run: &JudgedRun,
+    problem: &Problem<D>,
+    options: &Options,
+) -> Result<Option<(FormatName, RecordedRun)>, Refusal>
+where
+    Space: Dimension<D>,
+{
+    let Some(format) = format_named(&run.format).filter(|_| !run.is_refused()) else { return Ok(None) };
+    let options = Options { engine: run.engine, ..options.clone() };
+    let plan = plan_for(problem, format.as_ref(), &options)?;
+    Ok(Some((format.name(), format.record(problem, &plan, &options, usize::MAX)?)))
+}
+
+/// Adds to the requirements that the dearest period fits the interpolation period on one of the targets: on the one on which it
+/// takes the least of it, if that is known for all.
+fn demand_that_it_fits(run: &mut JudgedRun, targets: &[Target]) {
+    let known = |target: &Target| match run.cycles.get(&target.name) {
+        Some(Cost::Known(cost)) => Some((cost.share_of_period?, cost.microseconds_max?)),
+        _ => None,
+    };
+    let Some(costs) = targets.iter().map(known).collect::<Option<Vec<_>>>() else { return };
+    let Some((share, microseconds)) = costs.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)) else { return };
+    run.requirements.push(Requirement {
+        what: "dearest period in an interpolation period",
+        found: share,
+        limit: 1.0,
+        unit: "ratio",
+        at: None,
+        broken: format!("a period takes {microseconds:.0} µs, {share:.1} times the interpolation period"),
+    });
+    run.verdict = Verdict::of(&run.requirements);
+}
+
+/// The cheapest good run on each target.
+fn recommend(comparison: &mut Comparison, targets: &[Target]) {
+    for target in targets {
+        let price = |run: &JudgedRun| match run.cycles.get(&target.name) {
+            // An FPGA is bought by its blocks, a processor by its time.
+            Some(Cost::Known(cost)) if cost.fits() != Some(false) => {
+                Some((f64::from(cost.dsp_blocks.unwrap_or(0)), cost.max))
+            }
+            _ => None,
+        };
+        let good = comparison.formats.iter().filter(|run| run.verdict.is_good());
+        let cheapest = good
+            .filter_map(|run| Some((price(run)?, run)))
+            .min_by(|((a, b), _), ((c, d), _)| a.total_cmp(c).then(b.total_cmp(d)));
+        if let Some((_, run)) = cheapest {
+            let choice = (run.format.clone(), run.engine);
+            comparison.recommended_on.insert(target.name.clone(), choice);
+        }
+    }
+    if let Some(first) = targets.first() {
+        let choice = comparison.recommended_on.get(&first.name);
+        comparison.recommended = choice.map(|(format, _)| format.clone());
+        comparison.recommended_engine = choice.map(|(_, engine)| *engine);
+    }
+}

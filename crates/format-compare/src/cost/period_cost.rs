@@ -1,0 +1,122 @@
+//! What a period costs on a target.
+
+use std::collections::BTreeMap;
+
+use real::FormatName;
+use serde::Serialize;
+use target_cost::{Cycles, Kind, Measure, NoPrice, StepCost, Target};
+
+use crate::run::recorded_run::RecordedRun;
+
+/// The cost of a run on one target.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Cost {
+    /// Every operation has a price.
+    Known(PeriodCost),
+    /// One has none: nobody has published it.
+    Unknown {
+        /// The operation.
+        unknown: &'static str,
+    },
+}
+
+/// The cost of a period.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PeriodCost {
+    /// Mean over the run.
+    pub mean: f64,
+    /// The dearest period of the run.
+    pub max: f64,
+    /// Low and high of the mean.
+    pub mean_range: [f64; 2],
+    /// Low and high of the dearest period.
+    pub max_range: [f64; 2],
+    /// What is counted.
+    pub measure: Measure,
+    /// Where the figure is from.
+    pub level: Level,
+    /// The dearest period, in microseconds, if the clock is known.
+    pub microseconds_max: Option<f64>,
+    /// The dearest period as a share of the interpolation period, if the clock is known.
+    pub share_of_period: Option<f64>,
+    /// The kind of operation that takes most of the work.
+    pub dominating: &'static str,
+    /// Its share of the work.
+    pub dominating_share: f64,
+    /// DSP blocks, on an FPGA.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub dsp_blocks: Option<u32>,
+    /// The distance at which steps of other axes may begin, on an FPGA.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub initiation_interval_max: Option<f64>,
+}
+
+/// Where a figure is from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Level {
+    /// The recorded step on a model of the target, from manuals.
+    Scheduled,
+    /// The recorded step, with costs of operations counted in an emulator of the instruction set.
+    ScheduledOnCountedCosts,
+}
+
+impl PeriodCost {
+    /// Whether the dearest period fits the interpolation period; unknown without a clock.
+    #[must_use]
+    pub fn fits(&self) -> Option<bool> {
+        self.share_of_period.map(|share| share <= 1.0)
+    }
+}
+
+/// Mean operations of a step, by kind.
+pub(crate) fn operations(run: &RecordedRun) -> BTreeMap<&'static str, f64> {
+    let mut kinds = BTreeMap::new();
+    let total: u32 = run.steps.iter().map(|(_, count)| count).sum();
+    for (step, count) in &run.steps {
+        for task in step.tasks.iter().filter(|task| task.operation != target_cost::Priced::Load) {
+            *kinds.entry(task.operation.name()).or_insert(0.0) += f64::from(*count) / f64::from(total.max(1));
+        }
+    }
+    kinds
+}
+
+/// What a period of the run costs on `target`.
+pub(crate) fn cost(run: &RecordedRun, target: &Target, format: FormatName, period_s: f64) -> Cost {
+    let priced = run
+        .steps
+        .iter()
+        .map(|(step, count)| Ok((StepCost::of(step, target, format)?, f64::from(*count))))
+        .collect::<Result<Vec<_>, NoPrice>>();
+    let priced = match priced {
+        Ok(priced) => priced,
+        Err(none) => return Cost::Unknown { unknown: none.operation.name() },
+    };
+    let steps: f64 = priced.iter().map(|(_, count)| count).sum();
+    let mean = priced.iter().map(|(step, count)| step.length * (count / steps.max(1.0))).sum::<Cycles>();
+    let max = priced.iter().map(|(step, _)| step.length).fold(Cycles::default(), Cycles::max);
+    let mut work: BTreeMap<&'static str, f64> = BTreeMap::new();
+    for (step, count) in &priced {
+        step.work.iter().for_each(|(name, cycles)| *work.entry(name).or_insert(0.0) += cycles * count);
+    }
+    let all: f64 = work.values().sum();
+    let (dominating, most) = work.into_iter().max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or(("nothing", 0.0));
+    let clock = target.clock_mhz(format.bits()).filter(|_| target.measure == Measure::Cycles);
+    let fpga = target.kind == Kind::Fpga;
+    Cost::Known(PeriodCost {
+        mean: mean.typical,
+        max: max.typical,
+        mean_range: [mean.low, mean.high],
+        max_range: [max.low, max.high],
+        measure: target.measure,
+        level: if target.calibrated { Level::ScheduledOnCountedCosts } else { Level::Scheduled },
+        microseconds_max: clock.map(|mhz| max.typical / mhz),
+        share_of_period: clock.map(|mhz| max.typical / mhz * 1e-6 / period_s),
+        dominating,
+        dominating_share: if all > 0.0 { most / all } else { 0.0 },
+        dsp_blocks: fpga.then(|| priced.iter().map(|(step, _)| step.dsp_blocks).max().unwrap_or(0)),
+        initiation_interval_max: fpga
+            .then(|| priced.iter().map(|(step, _)| step.initiation_interval.typical).fold(0.0, f64::max)),
+    })
+}

@@ -1,0 +1,166 @@
+//! A run as it was judged: figures, requirements and the verdict.
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+use real::FormatName;
+use serde::Serialize;
+
+use crate::cost::period_cost::Cost;
+use crate::judge::metrics::{Fluctuation, JudgedStep, PerPeriod, jerk_max_mm_per_s3};
+use crate::judge::reference::Reference;
+use crate::judge::requirement::{Findings, Requirement, requirements};
+use crate::problem::problem::Problem;
+use crate::refusal::Refusal;
+use crate::run::options::Engine;
+use crate::run::run::Run;
+
+/// The run in one format by one engine: its figures, which are absent where it was refused, and the verdict.
+#[derive(Clone, Debug, Serialize)]
+pub struct JudgedRun {
+    /// The format's name.
+    pub format: String,
+    /// Its width.
+    pub bits: u32,
+    /// The form of the path and the solver.
+    pub engine: Engine,
+    /// Feedrate fluctuation.
+    pub fluctuation: Option<Fluctuation>,
+    /// Evaluations of the curve per period.
+    pub evaluations: Option<PerPeriod>,
+    /// Results that did not fit the format, and divisions by zero.
+    pub saturations: Option<u64>,
+    /// Integer bits, with the sign, that the largest named signal took.
+    pub integer_bits_needed: Option<u32>,
+    /// Largest distance of the curve from a chord, in mm, of the periods that pass no corner.
+    pub chord_error_mm_max: Option<f64>,
+    /// Largest distance of the curve from a chord, in mm, of the periods that pass a corner; 0 where none does.
+    pub corner_error_mm_max: Option<f64>,
+    /// Largest distance of a commanded point from the exact curve at its parameter, in mm.
+    pub position_error_mm_max: Option<f64>,
+    /// The step between two neighbouring commanded points, in mm: no position can be better than half of it.
+    pub position_resolution_mm: Option<f64>,
+    /// What rounding the solved quantity alone may cost at cruise, as a fluctuation; see
+    /// [`Run::fluctuation_resolution`].
+    pub fluctuation_resolution: Option<f64>,
+    /// Distance of the last commanded point from the curve's end, in mm.
+    pub end_error_mm: Option<f64>,
+    /// Largest change of acceleration along the path from one period to the next, over T, in mm/s³, with that of the last step:
+    /// `|c_{i+1} - 2 c_i + c_{i-1}|/T³` for the chords c. No requirement, for over corners that are passed it is what they take.
+    pub jerk_max_mm_per_s3: Option<f64>,
+    /// Periods run.
+    pub periods: Option<u32>,
+    /// Mean operations of a period, by kind; absent unless priced on targets.
+    pub operations: Option<BTreeMap<&'static str, f64>>,
+    /// What a period costs, by target.
+    pub cycles: BTreeMap<String, Cost>,
+    /// What the run must keep, with what was found.
+    pub requirements: Vec<Requirement>,
+    /// Good, or what is broken.
+    pub verdict: Verdict,
+}
+
+impl JudgedRun {
+    /// What `refusal` leaves of a run: no figure.
+    pub(crate) fn refused((format, engine): (FormatName, Engine), refusal: &Refusal) -> Self {
+        Self {
+            format: format.to_string(),
+            bits: format.bits(),
+            engine,
+            fluctuation: None,
+            evaluations: None,
+            saturations: None,
+            integer_bits_needed: None,
+            chord_error_mm_max: None,
+            corner_error_mm_max: None,
+            position_error_mm_max: None,
+            position_resolution_mm: None,
+            fluctuation_resolution: None,
+            end_error_mm: None,
+            jerk_max_mm_per_s3: None,
+            periods: None,
+            operations: None,
+            cycles: BTreeMap::new(),
+            requirements: Vec::new(),
+            verdict: Verdict::Refused(refusal.to_string()),
+        }
+    }
+
+    /// The figures of a run of `problem`, and of its steps as the reference judged them.
+    pub(crate) fn of<const D: usize>(
+        (format, engine): (FormatName, Engine),
+        problem: &Problem<D>,
+        reference: &Reference<D>,
+        (run, steps): (&Run, &[JudgedStep]),
+    ) -> Self {
+        let fluctuation = Fluctuation::of(steps, problem.full_step_mm());
+        let end_error = reference.end_error_mm(run);
+        let saturations = run.audit.overflows + run.audit.divisions_by_zero;
+        let found = Findings::of(steps, &fluctuation, saturations, end_error);
+        let requirements = requirements(run, problem, &found);
+        let ends_at_rest = run.steps.last().is_some_and(|step| step.feed_mm_per_s == 0.0);
+        Self {
+            format: format.to_string(),
+            bits: format.bits(),
+            engine,
+            fluctuation: Some(fluctuation),
+            evaluations: Some(PerPeriod::of(run.steps.iter().map(|step| step.evaluations))),
+            saturations: Some(saturations),
+            integer_bits_needed: Some(run.audit.integer_bits_needed()),
+            chord_error_mm_max: Some(found.chord_error_mm.figure),
+            corner_error_mm_max: Some(found.corner_error_mm.figure),
+            position_error_mm_max: Some(found.position_error_mm.figure),
+            position_resolution_mm: Some(run.resolution_mm),
+            fluctuation_resolution: Some(run.fluctuation_resolution),
+            end_error_mm: Some(end_error),
+            jerk_max_mm_per_s3: Some(jerk_max_mm_per_s3(steps, problem.period_s(), ends_at_rest)),
+            periods: u32::try_from(run.steps.len()).ok(),
+            operations: None,
+            cycles: BTreeMap::new(),
+            verdict: Verdict::of(&requirements),
+            requirements,
+        }
+    }
+
+    /// Whether there was no run.
+    #[must_use]
+    pub fn is_refused(&self) -> bool {
+        matches!(self.verdict, Verdict::Refused(_))
+    }
+}
+
+/// Whether a format meets the machine file's requirements.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case", tag = "result", content = "reasons")]
+pub enum Verdict {
+    /// Every requirement is met.
+    Good,
+    /// Requirements that are not met, each with figure and limit.
+    Bad(Vec<String>),
+    /// The part cannot be run in the format.
+    Refused(String),
+}
+
+impl Verdict {
+    pub(crate) fn of(requirements: &[Requirement]) -> Self {
+        let broken: Vec<_> =
+            requirements.iter().filter(|one| !one.holds()).map(|one| one.broken.clone()).collect();
+        if broken.is_empty() { Self::Good } else { Self::Bad(broken) }
+    }
+
+    /// Whether every requirement is met.
+    #[must_use]
+    pub fn is_good(&self) -> bool {
+        *self == Self::Good
+    }
+}
+
+impl fmt::Display for Verdict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Good => f.write_str("good"),
+            Self::Bad(reasons) => f.write_str(&reasons.join("; ")),
+            Self::Refused(reason) => write!(f, "refused: {reason}"),
+        }
+    }
+}

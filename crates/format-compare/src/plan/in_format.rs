@@ -1,0 +1,39 @@
+//! Numbers from f64 and double-double into a format, and back.
+
+use feed_plan::{Junction, KinematicLimits};
+use real::{Backend, DoubleDouble};
+
+use crate::refusal::Refusal;
+
+/// `value` in the format `R`: refused when it is out of range, or positive and rounds to zero.
+pub(crate) fn in_format<R: Backend>(what: &'static str, value: f64) -> Result<R, Refusal> {
+    let number = R::from_f64(value).filter(|x| value <= 0.0 || *x > R::zero());
+    number.ok_or(Refusal::Limit { what, value, format: R::name() })
+}
+
+/// Limits in mm and periods in the format `R`.
+pub(crate) fn limits_in_format<R: Backend>(
+    limits: &KinematicLimits<f64>,
+) -> Result<KinematicLimits<R>, Refusal> {
+    let Junction::VelocityJump(jumps) = limits.junction else { return limits.try_map(in_format) };
+    // A jump that rounds to nothing is a stop all the same.
+    let jumps = jumps.map(|jump| R::from_f64(jump).unwrap_or_default().max(R::resolution()));
+    let others = KinematicLimits { junction: Junction::Stop, ..*limits }.try_map(in_format)?;
+    Ok(KinematicLimits { junction: Junction::VelocityJump(jumps), ..others })
+}
+
+/// The number of `R` nearest to `x`; none beyond its range.
+pub(crate) fn nearest<R: Backend>(x: DoubleDouble) -> Option<R> {
+    let (high, low) = x.to_f64_pair();
+    R::from_f64_pair(high, low)
+}
+
+/// A number of any format, which two floats hold.
+pub(crate) fn exact<R: Backend>(x: R) -> DoubleDouble {
+    of_pair(x.to_f64_pair())
+}
+
+/// The sum of two floats.
+pub(crate) fn of_pair((high, low): (f64, f64)) -> DoubleDouble {
+    DoubleDouble::new(high, low)
+}

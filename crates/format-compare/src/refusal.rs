@@ -1,0 +1,92 @@
+//! Why a part is not run in a format.
+
+use std::fmt;
+
+use feed_plan::PlanError;
+use nurbs_core::{CompileError, CurveError};
+use real::FormatName;
+
+/// Why a part is not run in a format.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Refusal {
+    /// The curve does not fit the format, or is none after rounding.
+    Curve(CurveError),
+    /// A limit of the machine, in mm and periods, is beyond the format's range or rounds to zero.
+    Limit {
+        /// The limit.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+        /// The format.
+        format: FormatName,
+    },
+    /// No plan can be made in the format that it is to be made in.
+    PlanIn(FormatName, Box<Refusal>),
+    /// No plan exists.
+    Plan(PlanError),
+    /// The pieces do not fit the format.
+    Compile(CompileError),
+    /// A curve of the part that cannot be pieces, and where the part has it.
+    CurveAt {
+        /// Name of the part.
+        part: String,
+        /// Line of the move.
+        line: usize,
+        /// What is wrong with it.
+        error: CompileError,
+    },
+    /// The interpolator with one global parameter runs one curve.
+    ManyCurves(usize),
+    /// A controller has no type of this format.
+    NoType(FormatName),
+    /// The run was given up.
+    Unfinished {
+        /// The periods that it took.
+        periods: usize,
+        /// The format.
+        format: FormatName,
+    },
+}
+
+impl fmt::Display for Refusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Curve(error) => error.fmt(f),
+            Self::Limit { what, value, format } => {
+                write!(f, "{what} = {value:.3e} (mm, periods) is out of range or zero in {format}")
+            }
+            Self::PlanIn(format, refusal) => write!(f, "planning in {format}: {refusal}"),
+            Self::Plan(error) => write!(f, "planning failed: {error}"),
+            Self::Compile(error) => error.fmt(f),
+            Self::CurveAt { part, line, error } => write!(f, "{part}:{line}: {error}"),
+            Self::ManyCurves(count) => write!(f, "one global parameter runs one curve, not {count}"),
+            Self::NoType(format) => {
+                write!(f, "{format} is no type of a controller: expected a float, or 8, 16, 32 or 64 bits")
+            }
+            Self::Unfinished { periods, format } => {
+                write!(f, "the run in {format} is not at the end of the path after {periods} periods")
+            }
+        }
+    }
+}
+
+impl std::error::Error for Refusal {}
+
+impl From<CurveError> for Refusal {
+    fn from(error: CurveError) -> Self {
+        Self::Curve(error)
+    }
+}
+
+impl From<PlanError> for Refusal {
+    fn from(error: PlanError) -> Self {
+        Self::Plan(error)
+    }
+}
+
+impl From<CompileError> for Refusal {
+    fn from(error: CompileError) -> Self {
+        Self::Compile(error)
+    }
+}

@@ -1,0 +1,246 @@
+//! The formats that can be compared, by name.
+
+use std::marker::PhantomData;
+
+use real::{Audited, Backend, FormatName, RuntimeFixed, RuntimeFormat};
+
+use crate::plan::exact_plan::ExactPlan;
+use crate::problem::problem::Problem;
+use crate::refusal::Refusal;
+use crate::run::by_engine;
+use crate::run::constants::Constants;
+use crate::run::job::Job;
+use crate::run::options::{Options, PlanIn};
+use crate::run::recorded_run::RecordedRun;
+use crate::run::run::Run;
+
+/// A number format that a part of dimension `D` can be run in.
+pub trait Format<const D: usize>: Send + Sync {
+    /// The format's name.
+    fn name(&self) -> FormatName;
+
+    /// The largest number.
+    fn largest(&self) -> f64;
+
+    /// The step from 1 to the next larger number.
+    fn resolution(&self) -> f64;
+
+    /// Plans in this format.
+    ///
+    /// # Errors
+    /// [`Refusal`] when the part or a limit does not fit the format, or no plan exists.
+    fn plan(&self, problem: &Problem<D>, options: &Options) -> Result<ExactPlan, Refusal>;
+
+    /// Interpolates in this format, by a plan made in any.
+    ///
+    /// # Errors
+    /// [`Refusal`] when the part, the plan or a limit does not fit the format.
+    fn run(&self, problem: &Problem<D>, plan: &ExactPlan, options: &Options) -> Result<Run, Refusal>;
+
+    /// The operations of each of the first `most` steps of that run.
+    ///
+    /// # Errors
+    /// As [`run`](Self::run).
+    fn record(
+        &self,
+        problem: &Problem<D>,
+        plan: &ExactPlan,
+        options: &Options,
+        most: usize,
+    ) -> Result<RecordedRun, Refusal>;
+
+    /// Writes path and plan, compiled for this format, as constants for a controller.
+    ///
+    /// # Errors
+    /// [`Refusal`] as of [`run`](Self::run), and where a controller has no such type.
+    fn constants(
+        &self,
+        problem: &Problem<D>,
+        plan: &ExactPlan,
+        options: &Options,
+    ) -> Result<Constants, Refusal>;
+}
+
+/// The format of the numbers `R`, and which one that is where it is chosen at run time.
+struct Of<R>(Option<RuntimeFormat>, PhantomData<fn() -> R>);
+
+impl<R> Of<R> {
+    fn within<T>(&self, work: impl FnOnce() -> T) -> T {
+        match self.0 {
+            Some(format) => format.run::<0, _>(work),
+            None => work(),
+        }
+    }
+}
+
+impl<R: Backend, const D: usize> Format<D> for Of<R> {
+    fn name(&self) -> FormatName {
+        self.within(R::name)
+    }
+
+    fn largest(&self) -> f64 {
+        self.within(|| R::max_value().to_f64())
+    }
+
+    fn resolution(&self) -> f64 {
+        self.within(|| R::resolution().to_f64())
+    }
+
+    fn plan(&self, problem: &Problem<D>, options: &Options) -> Result<ExactPlan, Refusal> {
+        let ends = options.end_feeds_mm_per_s;
+        self.within(|| ExactPlan::in_format_with::<R, D>(problem, ends, options.profile))
+    }
+
+    fn run(&self, problem: &Problem<D>, plan: &ExactPlan, options: &Options) -> Result<Run, Refusal> {
+        self.within(|| by_engine::audited::<R, Audited<R>, D>(&Job { problem, plan, options }))
+    }
+
+    fn record(
+        &self,
+        problem: &Problem<D>,
+        plan: &ExactPlan,
+        options: &Options,
+        most: usize,
+    ) -> Result<RecordedRun, Refusal> {
+        by_engine::recorded(self.within(R::name), &Job { problem, plan, options }, most)
+    }
+
+    fn constants(
+        &self,
+        problem: &Problem<D>,
+        plan: &ExactPlan,
+        options: &Options,
+    ) -> Result<Constants, Refusal> {
+        self.within(|| Constants::of::<R, D>(&Job { problem, plan, options }))
+    }
+}
+
+/// The spaces that formats are built for: the plane, `D = 2`, and space, `D = 3`.
+///
+/// Both are instantiated here, once, and not again in every crate that compares: a format is the planner and two
+/// interpolators, plain and audited.
+pub trait Dimension<const D: usize> {
+    /// Every built-in format, narrow before wide, fixed point before float: the order of rising cost where nothing is
+    /// known of the target.
+    fn formats() -> Vec<Box<dyn Format<D>>>;
+
+    /// A format chosen at run time, to be compared like any other.
+    fn at_run_time(format: RuntimeFormat) -> Box<dyn Format<D>>;
+}
+
+/// The implementor of [`Dimension<2>`] and [`Dimension<3>`].
+#[derive(Clone, Copy, Debug)]
+pub struct Space;
+
+impl Dimension<2> for Space {
+    fn formats() -> Vec<Box<dyn Format<2>>> {
+        built_in()
+    }
+
+    fn at_run_time(format: RuntimeFormat) -> Box<dyn Format<2>> {
+        of::<RuntimeFixed<0>, 2>(Some(format))
+    }
+}
+
+impl Dimension<3> for Space {
+    fn formats() -> Vec<Box<dyn Format<3>>> {
+        built_in()
+    }
+
+    fn at_run_time(format: RuntimeFormat) -> Box<dyn Format<3>> {
+        of::<RuntimeFixed<0>, 3>(Some(format))
+    }
+}
+
+fn of<R: Backend + 'static, const D: usize>(at_run_time: Option<RuntimeFormat>) -> Box<dyn Format<D>> {
+    Box::new(Of::<R>(at_run_time, PhantomData))
+}
+
+fn built_in<const D: usize>() -> Vec<Box<dyn Format<D>>> {
+    vec![
+        of::<real::I16F16, D>(None),
+        of::<real::I8F24, D>(None),
+        of::<real::I4F28, D>(None),
+        of::<real::I3F29, D>(None),
+        of::<real::I2F30, D>(None),
+        of::<f32, D>(None),
+        of::<real::I32F32, D>(None),
+        of::<real::I16F48, D>(None),
+        of::<real::I4F60, D>(None),
+        of::<f64, D>(None),
+    ]
+}
+
+/// [`Dimension::formats`] of the space of `D` dimensions.
+#[must_use]
+pub fn formats<const D: usize>() -> Vec<Box<dyn Format<D>>>
+where
+    Space: Dimension<D>,
+{
+    Space::formats()
+}
+
+/// The format with this name. One like `I5F13` that is not built in is made at run time.
+#[must_use]
+pub fn format_named<const D: usize>(name: &str) -> Option<Box<dyn Format<D>>>
+where
+    Space: Dimension<D>,
+{
+    let built_in = formats().into_iter().find(|format| format.name().to_string() == name);
+    built_in.or_else(|| RuntimeFormat::named(name).map(Space::at_run_time))
+}
+
+/// The [formats with these names](format_named), each once, narrow before wide.
+///
+/// # Errors
+/// The first name that no format has.
+pub fn select<const D: usize>(names: &[impl AsRef<str>]) -> Result<Vec<Box<dyn Format<D>>>, String>
+where
+    Space: Dimension<D>,
+{
+    let mut selected: Vec<Box<dyn Format<D>>> = Vec::with_capacity(names.len());
+    for name in names.iter().map(AsRef::as_ref) {
+        let format = format_named(name).ok_or_else(|| name.to_owned())?;
+        if selected.iter().all(|one| one.name() != format.name()) {
+            selected.push(format);
+        }
+    }
+    selected.sort_by_key(|one| (one.name().bits(), matches!(one.name(), FormatName::Float { .. })));
+    Ok(selected)
+}
+
+/// The plan that `format` follows under these options.
+///
+/// # Errors
+/// As [`Format::plan`].
+pub fn plan_for<const D: usize>(
+    problem: &Problem<D>,
+    format: &dyn Format<D>,
+    options: &Options,
+) -> Result<ExactPlan, Refusal>
+where
+    Space: Dimension<D>,
+{
+    let PlanIn::Format(name) = options.plan_in else { return format.plan(problem, options) };
+    let planner = format_named(&name.to_string());
+    let planned = planner.as_deref().unwrap_or(format).plan(problem, options);
+    let is_asked_for = options.plan_in != PlanIn::default();
+    planned.map_err(|why| if is_asked_for { Refusal::PlanIn(name, Box::new(why)) } else { why })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn formats_come_in_order_of_width_and_are_found_by_name() {
+        let widths: Vec<u32> = formats::<2>().iter().map(|f| f.name().bits()).collect();
+        assert!(widths.is_sorted(), "{widths:?}");
+        let found = select::<2>(&["f64", "I16F16"]).expect("both exist");
+        assert_eq!(found[0].name().to_string(), "I16F16");
+        assert_eq!(select::<3>(&["I5F7"]).map(|f| f[0].name().bits()).ok(), Some(12));
+        let twice = ["f64", "I5F13", "I05F13", "f64"];
+        assert_eq!(select::<3>(&twice).map(|found| found.len()).ok(), Some(2));
+        assert_eq!(select::<3>(&["F5I7"]).err().as_deref(), Some("F5I7"));
+    }
+}

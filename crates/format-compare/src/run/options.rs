@@ -1,0 +1,96 @@
+//! How a part is run.
+
+use std::fmt;
+
+use feed_plan::ProfileKind;
+use real::{Backend, FormatName};
+use secant_interp::Method;
+use serde::Serialize;
+
+use crate::run::overrides::OverrideCommands;
+
+/// The form in which real time has the path, and what solves on it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Engine {
+    /// The textbook way: one global parameter, de Boor's scheme each time, paper A's secant iteration.
+    DeBoorSecant,
+    /// One global parameter and de Boor's scheme, with a first-order Taylor step.
+    DeBoorTaylor1,
+    /// One global parameter and de Boor's scheme, with a second-order Taylor step.
+    DeBoorTaylor2,
+    /// Compiled pieces, the chord without loss, Newton's correction without division.
+    Pieces,
+}
+
+impl Engine {
+    /// The method on the global parameter; none on pieces.
+    pub(crate) fn method(self) -> Option<Method> {
+        match self {
+            Self::DeBoorSecant => Some(Method::Secant),
+            Self::DeBoorTaylor1 => Some(Method::Taylor1),
+            Self::DeBoorTaylor2 => Some(Method::Taylor2),
+            Self::Pieces => None,
+        }
+    }
+}
+
+impl fmt::Display for Engine {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Self::DeBoorSecant => "raw",
+            Self::DeBoorTaylor1 => "raw, taylor 1",
+            Self::DeBoorTaylor2 => "raw, taylor 2",
+            Self::Pieces => "pieces",
+        })
+    }
+}
+
+/// How a part is run.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// The form of the path and the solver.
+    pub engine: Engine,
+    /// Longest compiled piece, in mm.
+    pub piece_length_mm: f64,
+    /// The format to plan in.
+    pub plan_in: PlanIn,
+    /// The transitions that the plan is made of.
+    pub profile: ProfileKind,
+    /// Feeds at the two ends of the path, in mm/s.
+    pub end_feeds_mm_per_s: [f64; 2],
+    /// The fluctuation that the solver stops at. By default the machine file's Δ on the global parameter, and the
+    /// format's resolution on pieces.
+    pub fluctuation: Option<f64>,
+    /// Changes of the feed while the plan runs, on pieces.
+    pub overrides: Option<OverrideCommands>,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            engine: Engine::Pieces,
+            piece_length_mm: 32.0,
+            plan_in: PlanIn::default(),
+            profile: ProfileKind::default(),
+            end_feeds_mm_per_s: [0.0; 2],
+            fluctuation: None,
+            overrides: None,
+        }
+    }
+}
+
+/// The format that a plan is made in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PlanIn {
+    /// All formats are run by a plan made in this one.
+    Format(FormatName),
+    /// Each format is run by a plan made in itself.
+    Same,
+}
+
+impl Default for PlanIn {
+    fn default() -> Self {
+        Self::Format(f64::name())
+    }
+}

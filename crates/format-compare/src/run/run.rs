@@ -1,0 +1,80 @@
+//! What a run is: its setpoints, and the steps between numbers that it was made in.
+
+use real::{Audit, Backend, FormatName};
+
+/// One setpoint, exactly as the format holds it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RunStep {
+    /// Index of the curve.
+    pub curve: usize,
+    /// The parameter, as a sum of two floats.
+    pub u: (f64, f64),
+    /// The commanded point, in mm.
+    pub point_mm: [f64; 3],
+    /// The chord that the plan wanted, in mm, as a sum of two floats.
+    pub wanted_mm: (f64, f64),
+    /// The planned feed at the end of the period, in mm/s; with an override, the mean over the period.
+    pub feed_mm_per_s: f64,
+    /// Evaluations of the curve.
+    pub evaluations: u32,
+}
+
+/// A run from the start of a path to its end.
+#[derive(Clone, Debug, Default)]
+pub struct Run {
+    /// The setpoints, a period each.
+    pub steps: Vec<RunStep>,
+    /// Whether the last setpoint is the path's end.
+    pub finished: bool,
+    /// Periods that the plan takes; the run may take more or fewer when rounding delays or hastens it.
+    pub planned_periods: u32,
+    /// The step between two neighbouring commanded points, in mm: of a float, at the largest coordinate.
+    pub resolution_mm: f64,
+    /// The step between two neighbouring positions of a printer's filament where it is furthest from 0, in mm. A fixed-point format has the
+    /// smallest range, a power of two times its own, that holds that position.
+    pub filament_step_mm: Option<f64>,
+    /// Half a unit in the last place of what the solver seeks, over the step: what rounding it alone may cost, as a
+    /// fluctuation. On the global parameter, `½ ulp(u)/(u_{i+1} - u_i)`, the largest over the steps at cruise; on
+    /// pieces, `½ ulp(L)/L` of the full step `L = F·T`, for there the parameter is a 64-bit phase and the length the
+    /// coarser of the two. Other roundings of a step add to it.
+    pub fluctuation_resolution: f64,
+    /// What the format's arithmetic met.
+    pub audit: Audit,
+}
+
+/// The step between neighbouring numbers of `R` at the magnitude of `largest`.
+pub(crate) fn resolution_at<R: Backend>(largest: f64) -> f64 {
+    match R::name() {
+        FormatName::Fixed { .. } => R::resolution().to_f64(),
+        _ => R::resolution().to_f64() * largest,
+    }
+}
+
+/// The step between neighbouring positions at `farthest_mm` from 0, in mm. Of a fixed-point format its resolution, doubled until that
+/// position is in range.
+pub(crate) fn own_step_mm<R: Backend>(farthest_mm: f64) -> f64 {
+    match R::name() {
+        FormatName::Fixed { .. } => {
+            let doublings = (farthest_mm / R::max_value().to_f64()).log2().ceil();
+            R::resolution().to_f64() * doublings.max(0.0).exp2()
+        }
+        _ => unit_in_last_place::<R>(farthest_mm),
+    }
+}
+
+/// The distance of `value` from the next larger number of `R`.
+pub(crate) fn unit_in_last_place<R: Backend>(value: f64) -> f64 {
+    match R::name() {
+        FormatName::Fixed { .. } => R::resolution().to_f64(),
+        _ => R::resolution().to_f64() * value.abs().log2().floor().exp2(),
+    }
+}
+
+/// The share of a full step from which on a step counts as one at cruise.
+const AT_CRUISE: f64 = 0.25;
+
+/// The length from which on a step counts as one at cruise: a quarter of F·T, or of the longest step wanted, where the plan
+/// never comes to F.
+pub(crate) fn cruise_mm(wanted_mm: impl Iterator<Item = f64>, full_step_mm: f64) -> f64 {
+    AT_CRUISE * full_step_mm.min(wanted_mm.fold(0.0, f64::max))
+}
