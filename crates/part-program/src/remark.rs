@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use crate::bend::Measure;
 use crate::curve::Curve;
-use crate::part::{Move, MoveKind};
+use crate::moves::{Move, MoveKind};
 
 /// A curve shorter than this, in mm, is shorter than the resolution of a machine's axes.
 pub const TINY_MM: f64 = 1e-3;

@@ -26,13 +26,15 @@
 
 mod frechet;
 mod path;
+mod point;
 
 use std::process::ExitCode;
 
 use part_program::{Dialect, Part, ReadOptions, Shape, read_part_bytes};
 
-use crate::frechet::{Walk, distance, walk};
-use crate::path::{Point, Run, cuts, runs};
+use crate::frechet::{Walk, walk};
+use crate::path::{Run, cuts, runs};
+use crate::point::{Point, distance};
 
 /// What four decimals of millimetres and the chords of arcs leave open, in mm.
 const MM_TOLERANCE: f64 = 1e-3;

@@ -11,7 +11,7 @@ use super::groups::Entity;
 use super::item::Item;
 use crate::curve::Curve;
 use crate::diagnostic::Report;
-use crate::part::Shape;
+use crate::moves::Shape;
 use crate::vector::{cross, difference, length};
 
 /// A share of a turn below which an arc is a full one: what rounding leaves of 360°.
