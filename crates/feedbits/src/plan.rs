@@ -6,12 +6,13 @@ use anyhow::{Result, bail};
 use clap::Args;
 use format_compare::{AxisPeak, Dimension, ExactPlan, FeedSample, PlanSummary, Problem, Space, StageRow};
 
+use crate::ending::Ending;
 use crate::formats::selected;
 use crate::input::{AnyProblem, Input};
+use crate::output;
 use crate::progress::Progress;
 use crate::run_arguments::{PlanArguments, expect_an_end};
 use crate::screen::{self, duration, short};
-use crate::{Ending, output};
 
 /// Options of `plan`.
 #[derive(Args)]

@@ -16,9 +16,10 @@ use clap::{Args, ValueEnum};
 use nurbs_core::CornerStyle;
 use part_program::{Dialect, Machine, MoveKind, Part};
 
+use crate::ending::Ending;
 use crate::input::Input;
+use crate::output;
 use crate::progress::Progress;
-use crate::{Ending, output};
 use followed::Followed;
 use report::{Forms, Kind, Measured, Report, SetpointCheck};
 use stretch::{rest_before, stretches, with_polygons_as_lines};
