@@ -310,7 +310,7 @@ pub(crate) fn in_all_directions(found: f64, limit: f64, is_free_across: bool) ->
     ))
 }
 
-/// The same of a plan.
+/// What the setpoints of a plan take in all directions.
 fn turning(summary: &PlanSummary) -> String {
     let &PlanSummary {
         total_acceleration_max_mm_per_s2, acceleration_limit_mm_per_s2, is_free_across, ..

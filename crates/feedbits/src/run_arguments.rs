@@ -175,7 +175,7 @@ impl RunArguments {
         })
     }
 
-    /// The same for a problem, which is refused if it would run for hours.
+    /// The options for a problem; a problem that would run for hours is refused.
     pub(crate) fn options_for<const D: usize>(&self, problem: &Problem<D>) -> Result<Options> {
         let options = self.options()?;
         expect_an_end(problem, &options)?;

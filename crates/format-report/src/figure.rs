@@ -108,7 +108,7 @@ impl Figure {
         self
     }
 
-    /// The same, but not in the page, which has the runs beside their switches.
+    /// Says below the picture which run has which line, in a file of its own only: the page has the runs beside their switches.
     pub(crate) fn with_runs(mut self, runs: &[RunView<'_>]) -> Self {
         let ran = runs.iter().filter(|run| run.trace.is_some());
         self.legend = ran.map(|run| Entry::line(&run.class(), &run.name())).collect();

@@ -28,7 +28,7 @@ impl RunView<'_> {
         format!("{} {}", self.row.format, self.row.engine)
     }
 
-    /// The same as a part of a file's name.
+    /// Format and form of the path, as a part of a file's name.
     pub(crate) fn file_part(&self) -> String {
         let name = self.name();
         name.chars()
@@ -42,7 +42,7 @@ impl RunView<'_> {
         format!("series run{} c{} d{}", self.index, self.hue, self.dash)
     }
 
-    /// The same in a picture that always shows all runs: a mark is hollow if a requirement is not met.
+    /// The classes of a mark in a picture that always shows all runs: it is hollow if a requirement is not met.
     pub(crate) fn look(&self) -> String {
         let hollow = if self.row.verdict.is_good() { "" } else { " hollow" };
         format!("c{} d0{hollow}", self.hue)

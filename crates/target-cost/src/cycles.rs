@@ -30,7 +30,7 @@ pub enum Level {
 }
 
 impl Cycles {
-    /// The same number three times.
+    /// Cycles that are known exactly: low, typical and high are one number.
     #[must_use]
     pub const fn exactly(cycles: f64) -> Self {
         Self { low: cycles, typical: cycles, high: cycles }

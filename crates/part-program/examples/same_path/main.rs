@@ -38,7 +38,7 @@ use crate::point::{Point, distance};
 
 /// What four decimals of millimetres and the chords of arcs leave open, in mm.
 const MM_TOLERANCE: f64 = 1e-3;
-/// The same of inches.
+/// What four decimals of inches and the chords of arcs leave open, in mm.
 const INCH_TOLERANCE: f64 = 5e-3;
 /// How far chords may be from a spline that an older interpreter prints as such, in mm.
 const SPLINE_TOLERANCE: f64 = 0.1;

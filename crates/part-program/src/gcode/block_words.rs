@@ -7,6 +7,7 @@ use crate::gcode::reader::Reader;
 use crate::gcode::word::Word;
 
 impl Reader<'_, '_, '_> {
+    /// Does what the words of a line say, if there are any.
     pub(crate) fn block(&mut self, words: &mut Vec<Word>) {
         let Some(mut block) = Block::new(self.report, words) else { return };
         let span = block.span;
@@ -39,6 +40,7 @@ impl Reader<'_, '_, '_> {
         }
     }
 
+    /// Moves as the motion in force says; `inverse_feed` is the F word of G93, in 1/min.
     fn motion(&mut self, block: &mut Block<'_>, is_new: bool, inverse_feed: Option<f64>) {
         if !is_new && block.is_empty() {
             return;
