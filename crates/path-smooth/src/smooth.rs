@@ -188,3 +188,40 @@ impl Report {
         self.speedup = self.exact_stop.time_s / self.smoothed.time_s;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MACHINE: &str = "[machine]\ninterpolation_period_ms = 1\nfeedrate_mm_per_s = 50\n\
+                           acceleration_mm_per_s2 = 1000\njerk_mm_per_s3 = 50000\n";
+
+    fn smoothed(program: &str, tolerance_mm: f64) -> Result<Smoothed, SmoothError> {
+        let part = part_program::read_part("p.nc", program).unwrap();
+        let machine = part_program::read_machine("m.toml", MACHINE).unwrap();
+        smooth(&part, &machine, &Options { tolerance_mm, outer: CornerStyle::Cut })
+    }
+
+    #[test]
+    fn a_tolerance_is_a_positive_length() {
+        for tolerance_mm in [0.0, -1.0, f64::INFINITY] {
+            let refused = smoothed("G1 X0 Y0 F600\nX9\nY9\n", tolerance_mm).err();
+            assert_eq!(refused, Some(SmoothError::Tolerance(tolerance_mm)));
+        }
+    }
+
+    /// A program's chords are farther off than the curves, and the report says so once the program is written.
+    #[test]
+    fn a_program_is_measured_as_it_reads_back() {
+        let mut smoothed = smoothed("G1 X0 Y0 F600\nX9\nY9\nM8\nX0\n", 0.1).unwrap();
+        let rests: Vec<_> = smoothed.report.corners.iter().map(|corner| corner.kind).collect();
+        assert_eq!(rests, [CornerKind::Cut, CornerKind::Left]);
+        let of_curves = smoothed.report.error_mm_max;
+        let program = smoothed.write_program(None).unwrap();
+        assert!(program.contains("M8") && program.lines().count() > 10, "{program}");
+        assert_eq!(smoothed.report.measured, Measured::StraightMoves);
+        let of_program = smoothed.report.error_mm_max;
+        assert!(of_program != of_curves && of_program <= 0.1, "{of_program}, of the curves {of_curves}");
+        assert_eq!((smoothed.report.cuts, smoothed.report.corners.len()), (1, 2));
+    }
+}
