@@ -16,9 +16,10 @@ use part_program::{
 };
 use serde::Serialize;
 
+use crate::ending::Ending;
 use crate::input::{self, Input};
+use crate::output;
 use crate::screen::{self, labelled, short};
-use crate::{Ending, output};
 
 /// Options of `check`.
 #[derive(Args)]

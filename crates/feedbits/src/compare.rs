@@ -9,12 +9,13 @@ use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
 use format_compare::{Comparison, Dimension, Engine, JudgedRun, JudgedStep, Problem, Run, Space, Trace};
 use target_cost::Target;
 
+use crate::ending::Ending;
 use crate::formats::selected;
 use crate::input::{AnyProblem, Input};
 use crate::progress::Progress;
 use crate::run_arguments::RunArguments;
 use crate::targets::{self, TargetArguments};
-use crate::{Ending, answer, completions, output, report};
+use crate::{answer, candidates, output, report};
 
 /// Options of `compare`.
 #[derive(Args)]
@@ -25,7 +26,7 @@ pub(crate) struct Arguments {
     run: RunArguments,
     /// The formats to compare, comma-separated. Default: all; see `feedbits formats`. Names in Q notation are
     /// read by the register that they fill: Q8.24 (Arm) and Q7.24 (TI) are I8F24.
-    #[arg(long, visible_alias = "format", value_delimiter = ',', value_parser = crate::formats::name, value_name = "F,F", add = ArgValueCandidates::new(completions::formats))]
+    #[arg(long, visible_alias = "format", value_delimiter = ',', value_parser = crate::formats::name, value_name = "F,F", add = ArgValueCandidates::new(candidates::formats))]
     formats: Vec<String>,
     /// Print all figures of each format, also of the textbook way *raw*: about 250 columns.
     #[arg(long)]

@@ -5,11 +5,12 @@ use clap::Args;
 use clap_complete::ArgValueCandidates;
 use format_compare::{Constants, Dimension, Engine, JudgedRun, Problem, Space, Verdict};
 
+use crate::ending::Ending;
 use crate::formats::selected;
 use crate::input::{AnyProblem, Input};
 use crate::progress::Progress;
 use crate::run_arguments::RunArguments;
-use crate::{Ending, completions, output};
+use crate::{candidates, output};
 
 /// Options of `compile`.
 #[derive(Args)]
@@ -19,7 +20,7 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     run: RunArguments,
     /// The number format: a float, or fixed point of 8, 16, 32 or 64 bits.
-    #[arg(long, value_name = "F", add = ArgValueCandidates::new(completions::formats))]
+    #[arg(long, value_name = "F", add = ArgValueCandidates::new(candidates::formats))]
     format: String,
     /// Write to this file instead of the terminal.
     #[arg(long, value_name = "PATH")]

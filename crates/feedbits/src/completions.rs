@@ -1,20 +1,17 @@
-//! `feedbits completions`: what a shell needs to complete the command's words, and the words.
+//! `feedbits completions`: what a shell needs to complete the command's words.
 //!
 //! The script asks this program at each press of the key, so that lists with commas, files beside presets, and what a later version
 //! adds are completed too.
 
-use std::ffi::OsStr;
 use std::path::PathBuf;
 
 use anyhow::{Context, Result};
-use clap::{Args, CommandFactory};
-use clap_complete::engine::{CompletionCandidate, PathCompleter, ValueCompleter};
+use clap::Args;
 use clap_complete::env::Shells;
 use clap_complete::{CompleteEnv, Shell};
-use part_program::Dialect;
 
-use crate::machine::PRESETS;
-use crate::{Ending, output};
+use crate::ending::Ending;
+use crate::output;
 
 /// The environment variable by which a script says that it asks for words, and for which shell.
 const VARIABLE: &str = "FEEDBITS_COMPLETE";
@@ -41,59 +38,16 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     Ok(Ending::Good)
 }
 
-/// Gives a script the words that it asks for, and ends; does nothing where none asks.
-pub(crate) fn answer() {
-    CompleteEnv::with_factory(crate::Arguments::command).var(VARIABLE).bin(PROGRAM).complete();
-}
-
-fn candidate(word: impl Into<String>, help: impl Into<String>) -> CompletionCandidate {
-    CompletionCandidate::new(word.into()).help(Some(help.into().into()))
-}
-
-/// The built-in formats.
-pub(crate) fn formats() -> Vec<CompletionCandidate> {
-    let names = format_compare::formats::<3>().into_iter().map(|format| format.name());
-    names.map(|name| candidate(name.to_string(), format!("{} bits", name.bits()))).collect()
-}
-
-/// What may be planned in.
-pub(crate) fn planners() -> Vec<CompletionCandidate> {
-    let mut words = formats();
-    words.push(candidate("same", "each format plans for itself"));
-    words
-}
-
-/// The built-in targets.
-pub(crate) fn targets() -> Vec<CompletionCandidate> {
-    let targets = target_cost::built_in().unwrap_or_default();
-    targets.into_iter().map(|target| candidate(target.name, target.title)).collect()
-}
-
-/// The dialects of part programs.
-pub(crate) fn dialects() -> Vec<CompletionCandidate> {
-    Dialect::ALL.map(|dialect| CompletionCandidate::new(dialect.name())).into()
-}
-
-/// The machines that have a name.
-pub(crate) fn presets() -> Vec<CompletionCandidate> {
-    PRESETS.iter().map(|preset| candidate(preset.name, preset.title())).collect()
-}
-
-/// The machines that have a name, and files.
-pub(crate) fn machines(begun: &OsStr) -> Vec<CompletionCandidate> {
-    let begins = |word: &CompletionCandidate| {
-        word.get_value().as_encoded_bytes().starts_with(begun.as_encoded_bytes())
-    };
-    let mut words: Vec<CompletionCandidate> = presets().into_iter().filter(begins).collect();
-    words.extend(PathCompleter::any().complete(begun));
-    words
+/// Gives a script the words that it asks for, those of `command`, and ends; does nothing where none asks.
+pub(crate) fn answer(command: fn() -> clap::Command) {
+    CompleteEnv::with_factory(command).var(VARIABLE).bin(PROGRAM).complete();
 }
 
 #[cfg(test)]
 mod tests {
     use std::ffi::OsString;
 
-    use super::*;
+    use clap::CommandFactory;
 
     /// The words that are offered for the last one of a command line.
     fn offered(line: &str) -> Vec<String> {

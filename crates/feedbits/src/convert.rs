@@ -10,9 +10,10 @@ use part_program::{
     write_g06_2,
 };
 
+use crate::ending::Ending;
 use crate::input::{Input, read_again};
+use crate::output;
 use crate::output::counted;
-use crate::{Ending, output};
 
 /// Turns of straight moves by rounding are said from here on, in degrees.
 const TURN_DEG: f64 = 2.0;

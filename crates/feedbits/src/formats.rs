@@ -6,7 +6,8 @@ use format_compare::{Dimension, Space};
 use real::{FormatName, QName, RuntimeFormat};
 use serde::Serialize;
 
-use crate::{Ending, output, screen};
+use crate::ending::Ending;
+use crate::{output, screen};
 
 /// How names are formed, behind the list.
 const NAMES: &str = "

@@ -1,7 +1,5 @@
 //! What every subcommand reads: a part, and the machine that is to follow it.
 
-use std::fs::File;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
@@ -9,10 +7,11 @@ use clap::Args;
 use clap_complete::{ArgValueCandidates, ArgValueCompleter};
 use format_compare::Problem;
 use part_program::{
-    Diagnostics, Dialect, MAX_COORDINATE_MM, MAX_TEXT, Machine, Move, MoveKind, Part, ReadOptions, Unit,
+    Diagnostics, Dialect, MAX_COORDINATE_MM, Machine, Move, MoveKind, Part, ReadOptions, Unit,
 };
 
-use crate::{completions, machine, output};
+use crate::files::{bytes, taken};
+use crate::{candidates, output, presets};
 
 /// The example that runs when no part is named: paper A's curve and machine.
 const EXAMPLE: &str = include_str!("../../../data/seed-000.toml");
@@ -25,11 +24,11 @@ pub(crate) struct Input {
     part: Option<PathBuf>,
     /// Machine: a preset's name, as `feedbits machine` lists them, or a file (TOML with a table `machine`). A file that is named as a
     /// preset is given with its folder, as ./mill. Default: the machine in the part's own file.
-    #[arg(long, value_name = "NAME|FILE", add = ArgValueCompleter::new(completions::machines))]
+    #[arg(long, value_name = "NAME|FILE", add = ArgValueCompleter::new(candidates::machines))]
     machine: Option<PathBuf>,
     /// The control that a part program is for: fanuc, linuxcnc or siemens; canon is what LinuxCNC's rs274 prints of one. Default: told
     /// by its splines, or by its lines.
-    #[arg(long, value_name = "CONTROL", add = ArgValueCandidates::new(completions::dialects))]
+    #[arg(long, value_name = "CONTROL", add = ArgValueCandidates::new(candidates::dialects))]
     dialect: Option<Dialect>,
     /// Read over unknown words of a part program, with a warning each. A G word that is not read leaves the axes of its
     /// block out, and where they are is unknown until a move in G90 names them; after a motion that is
@@ -132,7 +131,7 @@ impl Input {
     /// The machine that is given or that the part's file names.
     pub(crate) fn machine_of(&self, part: &Part) -> Result<Option<Machine>> {
         match &self.machine {
-            Some(path) => machine::read(path).map(Some),
+            Some(path) => presets::read(path).map(Some),
             None => Ok(part.machine.clone()),
         }
     }
@@ -185,40 +184,6 @@ fn say_feeds(part: &Part, feedrate: f64) {
             first.line
         ));
     }
-}
-
-/// A whole file as text.
-pub(crate) fn text(path: &Path) -> Result<String> {
-    String::from_utf8(bytes(path)?).map_err(|error| {
-        let at = error.utf8_error().valid_up_to();
-        anyhow::anyhow!("{}: byte {at} is not UTF-8 text: expected a TOML file", path.display())
-    })
-}
-
-/// A whole file. One that is too long to be read is refused before memory is taken for it; a pipe, once it is.
-fn bytes(path: &Path) -> Result<Vec<u8>> {
-    let name = path.display().to_string();
-    let cannot = || format!("cannot read {name}");
-    let file = File::open(path).with_context(cannot)?;
-    if file.metadata().with_context(cannot)?.len() > u64::try_from(MAX_TEXT)? {
-        bail!(too_long(&name));
-    }
-    taken(&name, file)
-}
-
-/// All that a source has, unless it is too much.
-fn taken(name: &str, source: impl Read) -> Result<Vec<u8>> {
-    let mut bytes = Vec::new();
-    let most = u64::try_from(MAX_TEXT)? + 1;
-    source.take(most).read_to_end(&mut bytes).with_context(|| format!("cannot read {name}"))?;
-    if bytes.len() > MAX_TEXT {
-        bail!(too_long(name));
-    }
-    Ok(bytes)
-}
-
-fn too_long(name: &str) -> String {
-    format!("{name} is longer than {} MiB, the most that is read", MAX_TEXT >> 20)
 }
 
 /// Reads a program that was written, before it is kept.

@@ -11,11 +11,12 @@ use format_compare::{
 };
 use real::FormatName;
 
+use crate::ending::Ending;
 use crate::formats::selected;
 use crate::input::{AnyProblem, Input};
 use crate::progress::Progress;
 use crate::run_arguments::RunArguments;
-use crate::{Ending, completions, output};
+use crate::{candidates, output};
 
 /// Options of `interpolate`.
 #[derive(Args)]
@@ -25,7 +26,7 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     run: RunArguments,
     /// The number format.
-    #[arg(long, value_name = "F", default_value = "f64", add = ArgValueCandidates::new(completions::formats))]
+    #[arg(long, value_name = "F", default_value = "f64", add = ArgValueCandidates::new(candidates::formats))]
     format: String,
     /// Feed overrides on the way: from this time on, in s, this share of the commanded feed, 0 to 200 %. 0 is feed hold. Such a run
     /// goes from rest to rest.

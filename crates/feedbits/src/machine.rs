@@ -1,7 +1,6 @@
 //! `feedbits machine`: machines to try a part on, and to start a machine file from.
 
 use std::fmt::Write;
-use std::path::Path;
 
 use anyhow::{Result, bail};
 use clap::Args;
@@ -9,52 +8,18 @@ use clap_complete::ArgValueCandidates;
 use part_program::Machine;
 use serde::Serialize;
 
-use crate::{Ending, completions, input, output};
+use crate::ending::Ending;
+use crate::presets::{PRESETS, expected, named};
+use crate::{candidates, output};
 
 /// Options of `machine`.
 #[derive(Args)]
 pub(crate) struct Arguments {
     /// The preset whose file is to be printed. Default: all presets, with their sources.
-    #[arg(add = ArgValueCandidates::new(completions::presets))]
+    #[arg(add = ArgValueCandidates::new(candidates::presets))]
     preset: Option<String>,
     #[command(flatten)]
     output: output::Output,
-}
-
-/// A machine that has a name.
-pub(crate) struct Preset {
-    /// By which `--machine` takes it: without what a path has, a dot or a slash.
-    pub(crate) name: &'static str,
-    /// A machine file. Its first line says what it is, and lines behind it where its values are from.
-    text: &'static str,
-}
-
-/// The presets of these names, each a file in data/machines.
-macro_rules! presets {
-    ($($name:literal),+) => {
-        &[$(Preset { name: $name, text: include_str!(concat!("../../../data/machines/", $name, ".toml")) }),+]
-    };
-}
-
-/// Every preset: hobby machines by their control, then industrial ones.
-pub(crate) const PRESETS: &[Preset] =
-    presets!["router-8bit", "router", "router-linuxcnc", "laser", "printer", "mill", "stage"];
-
-impl Preset {
-    /// What it is.
-    pub(crate) fn title(&self) -> &'static str {
-        let first = self.text.lines().next().unwrap_or_default();
-        first.trim_start_matches("# ").trim_end_matches('.')
-    }
-
-    /// Where its values are from.
-    fn sources(&self) -> Vec<&'static str> {
-        self.text.lines().filter_map(|line| line.strip_prefix("# Source: ")).collect()
-    }
-
-    fn machine(&self) -> Result<Machine> {
-        Ok(part_program::read_machine(&format!("preset {}", self.name), self.text)?)
-    }
 }
 
 #[derive(Serialize)]
@@ -104,74 +69,4 @@ fn list(listed: &[Listed]) -> Result<String> {
              To start a file from one: feedbits machine router > my-machine.toml\n\
              Its comments say where each value is from, and which are assumed.\n";
     Ok(text)
-}
-
-/// The machine that `--machine` names: a preset, or a file. A word without `.`, `/` and `\` is a preset's name wherever there is such a
-/// preset, so that what a command means does not depend on the folder that it is run in.
-pub(crate) fn read(path: &Path) -> Result<Machine> {
-    let word = path.to_str().filter(|word| !word.contains(['.', '/', '\\']));
-    if let Some(preset) = word.and_then(named) {
-        if path.exists() {
-            let name = preset.name;
-            output::note(&format!("--machine {name} is the preset; the file here is --machine ./{name}"));
-        }
-        return preset.machine();
-    }
-    if let Some(word) = word.filter(|_| !path.exists()) {
-        bail!("--machine {word}: no such preset and no such file: {}", expected(word));
-    }
-    Ok(part_program::read_machine(&path.display().to_string(), &input::text(path)?)?)
-}
-
-fn named(name: &str) -> Option<&'static Preset> {
-    PRESETS.iter().find(|preset| preset.name == name)
-}
-
-/// What could have been meant instead of `name`, and all that there is.
-fn expected(name: &str) -> String {
-    let names: Vec<&str> = PRESETS.iter().map(|preset| preset.name).collect();
-    let meant = output::did_you_mean(name, &names);
-    format!("{meant}presets are {}; `feedbits machine` says what they are", names.join(", "))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_preset_is_a_machine_with_a_title_and_a_source() {
-        for preset in PRESETS {
-            let machine = preset.machine().expect("a machine");
-            assert!(!preset.name.contains(['.', '/', '\\']), "{}", preset.name);
-            assert!(preset.title().len() > 10 && preset.title().len() <= 76, "{}", preset.title());
-            assert!(!preset.sources().is_empty(), "{}", preset.name);
-            assert!(preset.sources().iter().all(|source| source.len() <= 71), "{:?}", preset.sources());
-            assert!(machine.jerk_mm_per_s3 >= machine.acceleration_mm_per_s2, "{}", preset.name);
-        }
-    }
-
-    /// A value that nobody knows the origin of is no value to start from.
-    #[test]
-    fn every_value_of_a_preset_has_a_comment_above_it() {
-        for preset in PRESETS {
-            let mut said = false;
-            for line in preset.text.lines() {
-                match line {
-                    "" | "[machine]" => said = false,
-                    comment if comment.starts_with('#') => said = true,
-                    value => assert!(said || value.starts_with('['), "{}: {line}", preset.name),
-                }
-            }
-        }
-    }
-
-    /// What has a default is left to it, so that a preset shows what is its own.
-    #[test]
-    fn a_preset_says_nothing_about_solvers() {
-        for preset in PRESETS {
-            for key in ["parameter_tolerance", "max_iterations", "fluctuation_limit"] {
-                assert!(!preset.text.contains(key), "{}: {key}", preset.name);
-            }
-        }
-    }
 }

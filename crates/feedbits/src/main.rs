@@ -1,12 +1,15 @@
 //! `feedbits`: how many bits does your feed need?
 
 mod answer;
+mod candidates;
 mod check;
 mod compare;
 mod compile;
 mod completions;
 mod convert;
+mod ending;
 mod examples;
+mod files;
 mod formats;
 mod input;
 mod interpolate;
@@ -14,6 +17,7 @@ mod machine;
 mod merge;
 mod output;
 mod plan;
+mod presets;
 mod progress;
 mod report;
 mod run_arguments;
@@ -28,7 +32,9 @@ mod targets;
 
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
+
+use ending::Ending;
 
 /// How many bits does your feed need?
 ///
@@ -101,15 +107,8 @@ enum Command {
     Completions(completions::Arguments),
 }
 
-/// How a command that did not fail ended.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Ending {
-    Good,
-    RequirementNotMet,
-}
-
 fn main() -> ExitCode {
-    completions::answer();
+    completions::answer(Arguments::command);
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
         Err(error) => return output::usage(&error),

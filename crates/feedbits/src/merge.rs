@@ -7,7 +7,8 @@ use anyhow::{Result, bail};
 use clap::Args;
 use format_report::SweepCell;
 
-use crate::{Ending, output, sweep, sweep_file};
+use crate::ending::Ending;
+use crate::{output, sweep, sweep_file};
 
 /// Options of `merge`.
 #[derive(Args)]

@@ -6,12 +6,13 @@ use anyhow::{Result, bail};
 use clap::Args;
 use format_compare::{AxisPeak, Dimension, ExactPlan, FeedSample, PlanSummary, Problem, Space, StageRow};
 
+use crate::ending::Ending;
 use crate::formats::selected;
 use crate::input::{AnyProblem, Input};
+use crate::output;
 use crate::progress::Progress;
 use crate::run_arguments::{PlanArguments, expect_an_end};
 use crate::screen::{self, duration, short};
-use crate::{Ending, output};
 
 /// Options of `plan`.
 #[derive(Args)]
@@ -309,7 +310,7 @@ pub(crate) fn in_all_directions(found: f64, limit: f64, is_free_across: bool) ->
     ))
 }
 
-/// The same of a plan.
+/// What the setpoints of a plan take in all directions.
 fn turning(summary: &PlanSummary) -> String {
     let &PlanSummary {
         total_acceleration_max_mm_per_s2, acceleration_limit_mm_per_s2, is_free_across, ..

@@ -19,7 +19,7 @@ impl Progress {
         Self(bar.with_message(what))
     }
 
-    /// The same where nobody knows how many steps there will be.
+    /// A sign that the program works, where nobody knows how many steps there will be.
     pub(crate) fn spinning(what: &'static str) -> Self {
         let bar = if output::is_quiet() { ProgressBar::hidden() } else { ProgressBar::new_spinner() };
         bar.enable_steady_tick(Duration::from_millis(200));

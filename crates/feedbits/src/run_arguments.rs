@@ -6,7 +6,7 @@ use clap_complete::ArgValueCandidates;
 use format_compare::{Engine, LeastPeriods, MOST_PERIODS, Options, PlanIn, Problem, ProfileKind};
 use part_program::{Machine, Part};
 
-use crate::completions;
+use crate::candidates;
 use crate::formats::named;
 use crate::input::{AnyProblem, Input};
 
@@ -37,7 +37,7 @@ pub(crate) struct RunArguments {
 #[derive(Args)]
 pub(crate) struct PlanArguments {
     /// The format to plan in: a format's name, or `same` for each its own.
-    #[arg(long, value_name = "F", default_value = "f64", add = ArgValueCandidates::new(completions::planners))]
+    #[arg(long, value_name = "F", default_value = "f64", add = ArgValueCandidates::new(candidates::planners))]
     plan_in: String,
     /// The transitions that the plan is made of.
     #[arg(long, value_enum, default_value_t = ProfileName::Cubic)]
@@ -175,7 +175,7 @@ impl RunArguments {
         })
     }
 
-    /// The same for a problem, which is refused if it would run for hours.
+    /// The options for a problem; a problem that would run for hours is refused.
     pub(crate) fn options_for<const D: usize>(&self, problem: &Problem<D>) -> Result<Options> {
         let options = self.options()?;
         expect_an_end(problem, &options)?;

@@ -26,7 +26,7 @@ pub(crate) fn paragraph(text: &str) -> String {
     if text.is_empty() { String::new() } else { folded(text).join("\n") + "\n" }
 }
 
-/// The same with its first line in bold: what was asked for.
+/// A text in lines of the screen, its first line, which answers what was asked, in bold.
 pub(crate) fn answer(text: &str) -> String {
     let lines = paragraph(text);
     match lines.split_once('\n') {
@@ -143,7 +143,7 @@ pub(crate) fn times(margin: f64) -> String {
     }
 }
 
-/// The same in a table.
+/// So many times, as short as a cell of a table wants it.
 pub(crate) fn times_short(margin: f64) -> String {
     if margin > MANY { "> 1e6".to_string() } else { format!("{}×", two_digits(margin)) }
 }

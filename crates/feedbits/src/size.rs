@@ -5,12 +5,13 @@ use clap::{Args, ValueEnum};
 use format_compare::{Dimension, Engine, FrontPoint, Mixed, Problem, Register, Sizing, Space};
 use real::{Datapath, Overflow, Rounding};
 
+use crate::ending::Ending;
 use crate::formats::selected;
 use crate::input::{AnyProblem, Input};
+use crate::output;
 use crate::progress::Progress;
 use crate::run_arguments::RunArguments;
 use crate::screen::{self, times};
-use crate::{Ending, output};
 
 /// Options of `size`.
 #[derive(Args)]

@@ -11,10 +11,11 @@ use serde::{Deserialize, Serialize};
 use stress::{SOAK_FORMATS, Soak, SoakFormat, SoakPaths, Soaked, soak_path};
 use time::OffsetDateTime;
 
+use crate::ending::Ending;
 use crate::formats::meant;
 use crate::progress::Progress;
 use crate::screen::{self, labelled};
-use crate::{Ending, completions, input, output};
+use crate::{candidates, files, output};
 
 /// Options of `soak`.
 #[derive(Args)]
@@ -23,7 +24,7 @@ pub(crate) struct Arguments {
     #[arg(long, allow_negative_numbers = true, value_name = "N", default_value = "1M", value_parser = count)]
     periods: u64,
     /// The formats, comma-separated. Default: the ten built-in ones, and I5F21 as one chosen at run time.
-    #[arg(long, visible_alias = "format", value_delimiter = ',', value_parser = crate::formats::name, value_name = "F,F", add = ArgValueCandidates::new(completions::formats))]
+    #[arg(long, visible_alias = "format", value_delimiter = ',', value_parser = crate::formats::name, value_name = "F,F", add = ArgValueCandidates::new(candidates::formats))]
     formats: Vec<String>,
     /// Which paths are drawn.
     #[arg(long, allow_negative_numbers = true, value_name = "N", default_value_t = 1)]
@@ -134,7 +135,7 @@ fn selected(names: &[String]) -> Result<Vec<SoakFormat>> {
 fn resumed(path: &Path, paths: SoakPaths, formats: &[SoakFormat]) -> Result<Record> {
     let name = path.display();
     let record: Record =
-        serde_json::from_str(&input::text(path)?).with_context(|| format!("{name} is no state of a soak"))?;
+        serde_json::from_str(&files::text(path)?).with_context(|| format!("{name} is no state of a soak"))?;
     let soak = &record.soak;
     let SoakPaths { seed, full_speed } = soak.paths;
     ensure!(seed == paths.seed, "{name} is the state of a soak with seed {seed}");

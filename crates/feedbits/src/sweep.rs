@@ -14,11 +14,12 @@ use format_report::{Sweep, SweepCell, SweepResult};
 use nurbs_core::NurbsBuf;
 use part_program::{Curve, Machine, Move, Part};
 
+use crate::ending::Ending;
 use crate::formats::selected;
 use crate::input::Input;
 use crate::progress::Progress;
 use crate::run_arguments::RunArguments;
-use crate::{Ending, completions, output, report, sweep_file};
+use crate::{candidates, output, report, sweep_file};
 
 /// Options of `sweep`.
 #[derive(Args)]
@@ -48,7 +49,7 @@ pub(crate) struct Arguments {
     points: u16,
     /// The formats to run, comma-separated. Default: all; see `feedbits formats`. Names in Q notation are
     /// read by the register that they fill: Q8.24 (Arm) and Q7.24 (TI) are I8F24.
-    #[arg(long, visible_alias = "format", value_delimiter = ',', value_parser = crate::formats::name, value_name = "F,F", add = ArgValueCandidates::new(completions::formats))]
+    #[arg(long, visible_alias = "format", value_delimiter = ',', value_parser = crate::formats::name, value_name = "F,F", add = ArgValueCandidates::new(candidates::formats))]
     formats: Vec<String>,
     /// The most periods of a run; a cell that needs more is left out, and says so.
     #[arg(long, allow_negative_numbers = true, value_name = "N", default_value_t = 100_000)]

@@ -10,14 +10,15 @@ use format_compare::{Comparison, Cost, Engine, JudgedRun, PeriodCost, Verdict};
 use serde::Serialize;
 use target_cost::{Calibration, Confidence, Kind, Known, Measure, Prediction, Target, built_in};
 
+use crate::ending::Ending;
 use crate::screen::{self, labelled, short};
-use crate::{Ending, completions, input, output};
+use crate::{candidates, files, output};
 
 /// Options of `targets`.
 #[derive(Args)]
 pub(crate) struct Arguments {
     /// The target whose every number is to be listed, with its source. Default: all targets, a line each.
-    #[arg(add = ArgValueCandidates::new(completions::targets))]
+    #[arg(add = ArgValueCandidates::new(candidates::targets))]
     target: Option<String>,
     /// Target files to list beside the built-in ones.
     #[arg(long, value_name = "FILE")]
@@ -37,7 +38,7 @@ pub(crate) struct Arguments {
 #[derive(Args)]
 pub(crate) struct TargetArguments {
     /// Targets to price a period on, comma-separated; the recommendation is for the first. See `feedbits targets`.
-    #[arg(long, value_delimiter = ',', value_name = "T,T", add = ArgValueCandidates::new(completions::targets))]
+    #[arg(long, value_delimiter = ',', value_name = "T,T", add = ArgValueCandidates::new(candidates::targets))]
     targets: Vec<String>,
     /// A target file (TOML); may be given more than once.
     #[arg(long, value_name = "FILE")]
@@ -88,7 +89,7 @@ impl TargetArguments {
 }
 
 fn files(paths: &[PathBuf]) -> Result<Vec<Target>> {
-    paths.iter().map(|path| Ok(Target::read(&path.display().to_string(), &input::text(path)?)?)).collect()
+    paths.iter().map(|path| Ok(Target::read(&path.display().to_string(), &files::text(path)?)?)).collect()
 }
 
 fn unknown(name: &str, known: &[Target]) -> String {

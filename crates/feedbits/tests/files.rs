@@ -106,7 +106,7 @@ fn a_write_that_fails_half_way_leaves_the_old_file() {
     assert_eq!(names(folder.path()), ["s.csv"]);
 }
 
-/// The same, but the program is killed there and then.
+/// Past so many blocks of 512 bytes the program is killed: the file there was stays whole.
 #[test]
 fn a_run_that_is_killed_half_way_leaves_the_old_file() {
     let folder = tempfile::tempdir().expect("a folder");

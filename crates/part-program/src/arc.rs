@@ -230,7 +230,7 @@ struct Turn {
     sweep: f64,
 }
 
-/// The same spans with their degree raised by one, their heights those of a helix.
+/// Rational spans of degree 2 as ones of degree 3 with the same points in the plane, their heights those of a helix.
 ///
 /// Of a span with the points P₀ P₁ P₂ and the weights (1, c, 1), `c = cos a`, the inner points are `(P₀ + 2c P₁)/(1 + 2c)` and
 /// `(2c P₁ + P₂)/(1 + 2c)`, their weights `(1 + 2c)/3`. Their heights leave that of its middle by

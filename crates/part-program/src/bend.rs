@@ -11,7 +11,7 @@
 use nurbs_core::{Differentiate, Evaluate, NurbsBuf, arc_length, golden_section, radius};
 
 use crate::curve::Curve;
-use crate::part::Shape;
+use crate::moves::Shape;
 use crate::vector::{dot, length};
 
 /// Intervals of a knot span between samples.

@@ -137,6 +137,11 @@ pub enum CurveFault {
 }
 
 impl Curve {
+    /// Whether it is a straight move as G1 is read.
+    pub(crate) fn is_straight_move(&self) -> bool {
+        self.degree == 1 && self.weights == [1.0; 2] && self.knots == [0.0, 0.0, 1.0, 1.0]
+    }
+
     /// Every rule that the curve breaks. Rules that only make sense once the counts fit are tried only then.
     #[must_use]
     pub fn faults(&self) -> Vec<CurveFault> {

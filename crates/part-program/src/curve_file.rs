@@ -1,13 +1,13 @@
 //! A curve file: TOML with the table `[curve]`, or several `[[curve]]` that are followed in this order, and beside them
 //! `[machine]` and the figures that a paper printed. A curve is a NURBS, or with `shape = "trigonometric"` a spline of paper B.
 
-use toml::Spanned;
-use toml::de::{DeArray, DeTable, DeValue};
+use toml::de::{DeTable, DeValue};
 
-use crate::curve::{Curve, CurveFault, Element};
+use crate::curve::Curve;
+use crate::curve_numbers::{Places, control_points, numbers, say};
 use crate::diagnostic::Report;
 use crate::machine::{self, Machine};
-use crate::part::{Move, MoveKind, Shape};
+use crate::moves::{Move, MoveKind, Shape};
 use crate::source::Span;
 use crate::toml_table::{self, TableReader, wrong_kind};
 use crate::trig_curve;
@@ -70,38 +70,6 @@ fn owned(value: &DeValue<'_>, depth: usize) -> Option<toml::Value> {
     })
 }
 
-/// Where each number of a curve stands.
-#[derive(Default)]
-pub(crate) struct Places {
-    degree: Span,
-    points: Span,
-    pub(crate) point: Vec<Span>,
-    weights: Span,
-    weight: Vec<Span>,
-    knots: Span,
-    knot: Vec<Span>,
-}
-
-impl Places {
-    /// All numbers at the place of the control points, from which they are computed.
-    pub(crate) fn all_at(points: Span) -> Self {
-        Self { degree: points, points, weights: points, knots: points, ..Self::default() }
-    }
-
-    fn of(&self, element: Element) -> Span {
-        let one = |places: &[Span], index: usize, all: Span| places.get(index).copied().unwrap_or(all);
-        match element {
-            Element::Degree => self.degree,
-            Element::ControlPoints => self.points,
-            Element::ControlPoint(index) => one(&self.point, index, self.points),
-            Element::Weights => self.weights,
-            Element::Weight(index) => one(&self.weight, index, self.weights),
-            Element::Knots => self.knots,
-            Element::Knot(index) => one(&self.knot, index, self.knots),
-        }
-    }
-}
-
 fn curve_from(report: &mut Report<'_>, header: Span, table: &DeTable<'_>) -> Option<(Curve, Move)> {
     let mut keys = TableReader::new(report, "[curve]", header, table);
     let shape = keys.word("shape", &SHAPES)?;
@@ -156,13 +124,6 @@ fn nurbs_from_keys(mut keys: TableReader<'_, '_, '_>, header: Span) -> Option<Cu
     Some(curve)
 }
 
-/// Says each fault at its place.
-pub(crate) fn say(report: &mut Report<'_>, places: &Places, faults: &[CurveFault]) {
-    for fault in faults {
-        report.error(places.of(fault.element()), fault.to_string()).expected(fault.expected());
-    }
-}
-
 /// `move = "feed"`, which is the default, or `"rapid"`.
 fn kind_from(keys: &mut TableReader<'_, '_, '_>) -> MoveKind {
     match keys.word("move", &["feed", "rapid"]) {
@@ -183,51 +144,4 @@ fn exact_stop_from(keys: &mut TableReader<'_, '_, '_>, kind: MoveKind) -> bool {
         keys.report.error(value.span(), format!("`{KEY}` of a rapid move")).expected("a move at feed");
     }
     exact_stop
-}
-
-fn numbers(
-    report: &mut Report<'_>,
-    key: &str,
-    array: &DeArray<'_>,
-    places: &mut Vec<Span>,
-) -> Option<Vec<f64>> {
-    places.extend(array.iter().map(|item| Span::from(item.span())));
-    let numbers: Vec<_> = array.iter().map(|item| toml_table::number(report, key, item)).collect();
-    numbers.into_iter().collect()
-}
-
-/// The points, and how many coordinates each has.
-pub(crate) fn control_points(
-    report: &mut Report<'_>,
-    array: &DeArray<'_>,
-    places: &mut Vec<Span>,
-) -> Option<(Vec<[f64; 3]>, usize)> {
-    places.extend(array.iter().map(|item| Span::from(item.span())));
-    let dimension = array.first().and_then(|first| first.get_ref().as_array()).map_or(0, |point| point.len());
-    let points: Vec<_> = array.iter().map(|item| control_point(report, item, dimension)).collect();
-    Some((points.into_iter().collect::<Option<_>>()?, dimension.max(2)))
-}
-
-fn control_point(report: &mut Report<'_>, item: &Spanned<DeValue<'_>>, dimension: usize) -> Option<[f64; 3]> {
-    const KEY: &str = "control_points_mm";
-    let DeValue::Array(coordinates) = item.get_ref() else {
-        wrong_kind(report, KEY, item, "points of 2 or 3 coordinates, as [x, y] or [x, y, z]");
-        return None;
-    };
-    let found = coordinates.len();
-    if !(2..=3).contains(&found) {
-        let message = format!("a control point has {found} coordinates");
-        report.error(item.span(), message).expected("2 or 3 coordinates, as [x, y] or [x, y, z]");
-        return None;
-    }
-    if found != dimension && (2..=3).contains(&dimension) {
-        let message = format!("a control point has {found} coordinates, the first has {dimension}");
-        report.error(item.span(), message).expected("the same number of coordinates in every point");
-        return None;
-    }
-    let mut point = [0.0; 3];
-    for (coordinate, value) in point.iter_mut().zip(coordinates.iter()) {
-        *coordinate = toml_table::number(report, KEY, value)?;
-    }
-    Some(point)
 }

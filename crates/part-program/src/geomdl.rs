@@ -11,7 +11,8 @@ use serde::de::IgnoredAny;
 
 use crate::curve::Curve;
 use crate::diagnostic::Report;
-use crate::part::{Move, MoveKind, Part, Shape as PartShape};
+use crate::moves::{Move, MoveKind, Shape as PartShape};
+use crate::part::Part;
 use crate::source::Span;
 
 #[derive(Deserialize)]

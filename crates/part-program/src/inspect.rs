@@ -5,7 +5,8 @@ use serde::Serialize;
 use crate::bend::{Measure, measure};
 use crate::bounds::bounding_box_mm;
 use crate::joint::{Joint, joints};
-use crate::part::{MoveKind, Part, Shape};
+use crate::moves::{MoveKind, Shape};
+use crate::part::Part;
 use crate::remark::{Remark, oddities};
 
 /// What a part holds.

@@ -3,7 +3,8 @@
 use serde::Serialize;
 
 use crate::curve::Curve;
-use crate::part::{MoveKind, Part};
+use crate::moves::MoveKind;
+use crate::part::Part;
 use crate::vector::{angle, difference, length};
 
 /// A gap between curves from which on a joint is listed, in mm.

@@ -35,19 +35,23 @@
 
 mod approach;
 mod arc;
+mod auxiliary;
 mod bend;
 mod bezier;
 mod bounds;
 mod canon;
 mod curve;
 mod curve_file;
+mod curve_numbers;
 mod diagnostic;
 mod drawing;
+mod exact_stops;
 mod gcode;
 mod geomdl;
 mod inspect;
 mod joint;
 mod machine;
+mod moves;
 mod options;
 mod part;
 mod ratio_words;
@@ -56,36 +60,41 @@ mod rest;
 mod rounding;
 mod source;
 mod spline_blocks;
+mod text_length;
 mod toml_table;
 mod trig_curve;
 mod unit;
 mod vector;
+mod words_to_write;
 mod write;
 mod write_curves;
+mod write_error;
+mod written_program;
 
 pub use approach::Approach;
 pub use arc::HELIX_TOLERANCE_MM;
+pub use auxiliary::Auxiliary;
 pub use bounds::bounding_box_mm;
 pub use curve::{Curve, CurveFault, Element, End, MAX_COORDINATE_MM, MAX_DEGREE, MAX_KNOT, MAX_WEIGHT};
 pub use diagnostic::{Diagnostic, Diagnostics, MAX_DIAGNOSTICS, Severity};
 pub use inspect::{Bend, Inspection, inspect};
 pub use joint::{GAP_MM, Joint, TANGENT_BREAK_RAD, is_joined};
 pub use machine::{Axes, AxisLimits, Junction, Machine, read_machine};
+pub use moves::{Move, MoveKind, Shape};
 pub use options::{Dialect, ReadOptions, Unit};
-pub use part::{Auxiliary, Filament, Move, MoveKind, Part, Shape};
+pub use part::{Filament, Part};
 pub use ratio_words::{NoLargestRatio, RatioLost, RatioWords};
 pub use remark::{Oddity, Remark, SHORT_SPAN, TINY_MM, WEIGHT_RATIO};
 pub use rest::Rest;
 pub use rounding::{Rounded, StandsStill};
+pub use text_length::MAX_TEXT;
 pub use toml_table::nearest;
-pub use write::{WriteError, write_g1, write_g5_2, write_g06_2};
+pub use write::{write_g1, write_g5_2, write_g06_2};
 pub use write_curves::write_curves;
+pub use write_error::WriteError;
 
-use diagnostic::Report;
-use source::{Source, Span};
-
-/// Longest text that is read, in bytes: 64 MiB.
-pub const MAX_TEXT: usize = 64 << 20;
+use source::Span;
+use text_length::{opened, too_long};
 
 /// Reads a part: a curve file, a part program or a drawing, told by its content. `name` is what diagnostics call it.
 ///
@@ -170,20 +179,6 @@ fn unread(text: &str) -> Option<(&'static str, &'static str)> {
         .into_iter()
         .find(|(begin, _)| text.trim_start().starts_with(begin))
         .map(|(_, format)| (format, EXPORT))
-}
-
-/// A report on the text, unless it is too long.
-pub(crate) fn opened<'t>(name: &str, text: &'t str) -> Result<Report<'t>, Diagnostics> {
-    if text.len() > MAX_TEXT {
-        return Err(too_long(name, text.len()));
-    }
-    Ok(Report::new(Source::new(name, text)))
-}
-
-fn too_long(name: &str, length: usize) -> Diagnostics {
-    let mut report = Report::new(Source::new(name, ""));
-    report.error(Span::default(), format!("the text has {length} bytes")).expected("at most 64 MiB");
-    report.finish().err().unwrap_or_default()
 }
 
 /// Whether the first line that is neither empty nor a comment opens a table of TOML or gives a key its value. A part program may do the

@@ -6,6 +6,7 @@ use toml::de::DeTable;
 
 use crate::diagnostic::{Diagnostics, Report};
 use crate::source::Span;
+use crate::text_length::opened;
 use crate::toml_table::{self, Domain, TableReader};
 
 /// The limits that a part is to be run with.
@@ -134,7 +135,7 @@ pub struct AxisLimits {
 /// # Errors
 /// Everything that is wrong with the text, each at its place.
 pub fn read_machine(name: &str, text: &str) -> Result<Machine, Diagnostics> {
-    let mut report = crate::opened(name, text)?;
+    let mut report = opened(name, text)?;
     let machine = toml_table::parse(&mut report, text).and_then(|document| {
         toml_table::refuse_unknown_tables(&mut report, document.get_ref());
         let mut root = TableReader::new(&mut report, "the file", Span::default(), document.get_ref());

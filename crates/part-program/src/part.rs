@@ -1,10 +1,12 @@
 //! A part: the curves of one file, in the order in which they are followed.
 
 use crate::approach::Approach;
+use crate::auxiliary::Auxiliary;
 use crate::bounds::bounding_box_mm;
 use crate::curve::Curve;
 use crate::diagnostic::Diagnostic;
 use crate::machine::Machine;
+use crate::moves::{Move, MoveKind};
 use crate::unit::INCH;
 
 /// What a part program or a curve file says.
@@ -79,49 +81,57 @@ impl Part {
                 word.letter == 'S' || word.letter == 'M' && [3.0, 4.0, 5.0].contains(&word.value);
         }
     }
-}
 
-/// Highest feedrate that is believed, in mm/s.
-pub(crate) const MAX_FEEDRATE: f64 = 1e5;
+    /// Whether the part says where its Z is: in a word Z, or with a third coordinate.
+    pub(crate) fn names_z(&self) -> bool {
+        let in_space = |curve: &Curve| curve.dimension == 3 || curve.leaves_z_0();
+        self.approaches.iter().any(|approach| approach.axes[2]) || self.curves.iter().any(in_space)
+    }
 
-/// How a curve is to be followed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Move {
-    /// At the commanded feedrate, or as fast as the machine can.
-    pub kind: MoveKind,
-    /// What the program wrote.
-    pub shape: Shape,
-    /// The feedrate in force, in mm/s.
-    pub feedrate_mm_per_s: Option<f64>,
-    /// Whether the program wants the tool at rest where the move ends: G9, G61, Siemens' G60. Never of a rapid move,
-    /// which a control ends at rest anyhow.
-    pub exact_stop: bool,
-    /// Line of the block that commands it, from 1.
-    pub line: usize,
-    /// Number of that block in the order of execution, from 1: a loop executes a line more than once.
-    pub block: u32,
-}
+    /// Whether this block is an approach.
+    pub(crate) fn approaches_in(&self, block: u32) -> bool {
+        self.approaches.binary_search_by_key(&block, |approach| approach.block).is_ok()
+    }
 
-/// A word that does not move the tool.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Auxiliary {
-    /// M, S, T, D or H; A, B, C, U, V or W of an axis that turns the part, E of an extruder that works while the tool rests.
-    pub letter: char,
-    /// Its number.
-    pub value: f64,
-    /// Line of its block, from 1.
-    pub line: u32,
-    /// Number of its block in the order of execution, from 1.
-    pub block: u32,
-    /// Whether the machine goes on without a rest.
-    pub is_passed: bool,
-}
+    /// The approaches, with the axes that none of them brings to the first curve.
+    pub(crate) fn whole_approaches(&self) -> Vec<Approach> {
+        let mut approaches = self.approaches.clone();
+        let Some(first) = self.moves.first() else { return approaches };
+        let own = approaches.partition_point(|approach| approach.block <= first.block);
+        let is_needed = [true, true, self.names_z()];
+        let missing = std::array::from_fn(|axis| {
+            is_needed[axis] && !approaches[..own].iter().any(|approach| approach.axes[axis])
+        });
+        let rapid = |axes, (line, block)| Approach {
+            axes,
+            kind: MoveKind::Rapid,
+            feedrate_mm_per_s: None,
+            line,
+            block,
+        };
+        let begin = (first.line, first.block);
+        if own == 0 {
+            let switch = self.first_switch().filter(|word| word.block < first.block);
+            approaches
+                .insert(0, rapid(missing, switch.map_or(begin, |word| (word.line as usize, word.block))));
+            return approaches;
+        }
+        // The plane is reached before a word is obeyed that stands behind the first approach, and so is a height above it. The way
+        // down comes last.
+        let goes_up = self.curves[0].control_points_mm.first().is_some_and(|point| point[2] > 0.0);
+        approaches[0].axes[0] |= missing[0];
+        approaches[0].axes[1] |= missing[1];
+        approaches[0].axes[2] |= missing[2] && goes_up;
+        if missing[2] && !goes_up {
+            let down = Approach { kind: MoveKind::Feed, ..rapid([false, false, true], begin) };
+            approaches.insert(own, down);
+        }
+        approaches
+    }
 
-impl Auxiliary {
-    /// A word in a block of this line and number; the machine rests at it.
-    pub(crate) fn new(letter: impl Into<char>, value: f64, line: usize, block: u32) -> Self {
-        let line = u32::try_from(line).unwrap_or(u32::MAX);
-        Self { letter: letter.into(), value, line, block, is_passed: false }
+    /// The first word that may switch the tool on: an M other than the tool change, which needs none.
+    fn first_switch(&self) -> Option<&Auxiliary> {
+        self.auxiliary.iter().find(|word| word.letter == 'M' && word.value != 6.0)
     }
 }
 
@@ -132,25 +142,4 @@ pub struct Filament {
     pub least_mm: f64,
     /// The greatest position that E gets, in mm.
     pub greatest_mm: f64,
-}
-
-/// With or without cutting.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum MoveKind {
-    /// As fast as the machine can; no feedrate holds.
-    Rapid,
-    /// At the commanded feedrate.
-    Feed,
-}
-
-/// What a program or a drawing calls a curve.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Shape {
-    /// A straight line, degree 1.
-    Line,
-    /// A circular arc or a helix, rational.
-    Arc,
-    /// A spline as it was given.
-    Nurbs,
 }

@@ -107,7 +107,7 @@ impl RatioWords {
         from_origin().map(|x| self.word(x * factor)).collect()
     }
 
-    /// The same curve, but for the rounding.
+    /// The curve with its knots and weights fitted to words; control points stay as they are.
     fn fit_curve(&self, curve: &Curve) -> Result<Curve, Element> {
         let origin = curve.knots.first().copied().unwrap_or(0.0);
         let (knots, weights) = (self.fit(&curve.knots, origin), self.fit(&curve.weights, 0.0));

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use crate::bend::Measure;
 use crate::curve::Curve;
-use crate::part::{Move, MoveKind};
+use crate::moves::{Move, MoveKind};
 
 /// A curve shorter than this, in mm, is shorter than the resolution of a machine's axes.
 pub const TINY_MM: f64 = 1e-3;
@@ -37,7 +37,7 @@ pub enum Oddity {
     Tiny(f64),
     /// A curve, not a tiny one, bends with a radius below [`TINY_MM`], in mm: a cusp.
     Cusp(f64),
-    /// The same control point twice in a row, from this one: the direction may vanish there.
+    /// A control point that equals the next one, by its index: the direction may vanish there.
     RepeatedControlPoint(usize),
     /// Greatest over least weight, where it is above [`WEIGHT_RATIO`].
     WeightRatio(f64),

@@ -3,7 +3,8 @@
 use std::fmt;
 
 use crate::joint::is_joined;
-use crate::part::{MoveKind, Part};
+use crate::moves::MoveKind;
+use crate::part::Part;
 
 /// Why the machine rests between two moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -8,7 +8,8 @@
 use std::fmt;
 
 use crate::curve::Curve;
-use crate::part::{MoveKind, Part};
+use crate::moves::MoveKind;
+use crate::part::Part;
 use crate::vector::{angle, difference, length};
 
 /// A part with rounded coordinates.

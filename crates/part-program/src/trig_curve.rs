@@ -19,7 +19,7 @@
 use nurbs_core::{Ends, NurbsBuf, ShapeError, ShapeFactors, TrigSplineBuf};
 
 use crate::curve::{Curve, coordinate_faults};
-use crate::curve_file::{Places, control_points, say};
+use crate::curve_numbers::{Places, control_points, say};
 use crate::source::Span;
 use crate::toml_table::{Domain, TableReader};
 

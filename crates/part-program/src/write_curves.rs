@@ -6,7 +6,8 @@ use serde::Serialize;
 
 use crate::curve::Curve;
 use crate::machine::Machine;
-use crate::part::{MoveKind, Part};
+use crate::moves::MoveKind;
+use crate::part::Part;
 use crate::rest::Rest;
 
 /// Writes the curves of a part, each a table `[[curve]]`, and its machine.

@@ -33,6 +33,7 @@ mod cycles;
 mod error;
 mod schedule;
 mod target;
+mod target_file;
 mod task;
 
 pub use built_in::built_in;

@@ -3,7 +3,6 @@
 use real::{FormatName, Overflow, Rounding};
 use serde::{Deserialize, Serialize};
 
-use crate::calibration::Calibration;
 use crate::cycles::Cycles;
 use crate::error::TargetError;
 use crate::task::Priced;
@@ -163,18 +162,8 @@ pub struct Price {
 }
 
 impl Target {
-    /// Reads a target file.
-    ///
-    /// # Errors
-    /// [`TargetError`], naming the file and line, key and value.
-    pub fn read(file: &str, text: &str) -> Result<Self, TargetError> {
-        let target: Self =
-            toml::from_str(text).map_err(|error| TargetError::Toml { file: file.to_string(), error })?;
-        target.validate(file)?;
-        if target.calibrated { Calibration::committed()?.complete(file, target) } else { Ok(target) }
-    }
-
-    fn validate(&self, file: &str) -> Result<(), TargetError> {
+    /// Whether every value of a file is one that it may be.
+    pub(crate) fn validate(&self, file: &str) -> Result<(), TargetError> {
         let wrong = |key: String, value: String, expected: &'static str| {
             Err(TargetError::Value { file: file.to_string(), key, value, expected })
         };

@@ -2,7 +2,7 @@
 
 use crate::chart::{Axis, Layout, draw};
 use crate::figure::Figure;
-use crate::figures::over_time;
+use crate::figures::over_time::over_time;
 use crate::material::Material;
 use crate::runs::RunView;
 

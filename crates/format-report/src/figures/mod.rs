@@ -5,6 +5,7 @@ mod chord_error;
 mod cycles;
 mod evaluations;
 mod fluctuation;
+mod over_time;
 pub(crate) mod path;
 mod plan;
 mod ranges;
@@ -48,9 +49,4 @@ pub(crate) fn chapters(material: &Material<'_>, runs: &[RunView<'_>]) -> Vec<Cha
         chapter("schedule", "What does the target do in a period?", schedule::figures(material)),
     ];
     chapters.into_iter().filter(|chapter| !chapter.figures.is_empty()).collect()
-}
-
-/// A value a period against time in s; the first is that of the first period's end.
-fn over_time(values: &[f64], period_s: f64) -> Vec<(f64, f64)> {
-    values.iter().enumerate().map(|(index, value)| ((index + 1) as f64 * period_s, *value)).collect()
 }

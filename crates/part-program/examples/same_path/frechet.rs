@@ -9,7 +9,7 @@
 //! polygonal curves, 1995, section 3). Only squares that are reached are looked at: for paths that are near each other their number
 //! goes with the number of vertices.
 
-use crate::path::Point;
+use crate::point::{Point, distance};
 
 /// How far two walkers get.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -113,10 +113,6 @@ fn free(point: Point, [from, to]: [Point; 2], tolerance: f64) -> Option<[f64; 2]
     }
     let (first, last) = ((nearest - reach.sqrt()).max(0.0), (nearest + reach.sqrt()).min(1.0));
     (first <= last).then_some([first, last])
-}
-
-pub(crate) fn distance(p: Point, q: Point) -> f64 {
-    (p[0] - q[0]).hypot(p[1] - q[1]).hypot(p[2] - q[2])
 }
 
 #[cfg(test)]

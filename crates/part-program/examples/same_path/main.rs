@@ -26,17 +26,19 @@
 
 mod frechet;
 mod path;
+mod point;
 
 use std::process::ExitCode;
 
 use part_program::{Dialect, Part, ReadOptions, Shape, read_part_bytes};
 
-use crate::frechet::{Walk, distance, walk};
-use crate::path::{Point, Run, cuts, runs};
+use crate::frechet::{Walk, walk};
+use crate::path::{Run, cuts, runs};
+use crate::point::{Point, distance};
 
 /// What four decimals of millimetres and the chords of arcs leave open, in mm.
 const MM_TOLERANCE: f64 = 1e-3;
-/// The same of inches.
+/// What four decimals of inches and the chords of arcs leave open, in mm.
 const INCH_TOLERANCE: f64 = 5e-3;
 /// How far chords may be from a spline that an older interpreter prints as such, in mm.
 const SPLINE_TOLERANCE: f64 = 0.1;

@@ -3,9 +3,7 @@
 use nurbs_core::{Differentiate, Evaluate, NurbsBuf};
 use part_program::{Curve, MoveKind, Part, Shape};
 
-use crate::frechet::distance;
-
-pub(crate) type Point = [f64; 3];
+use crate::point::{Point, distance};
 
 /// How far chords may leave a curve, in mm.
 const CHORD_ERROR_MM: f64 = 1e-4;

@@ -39,12 +39,14 @@ mod frame;
 mod motion;
 
 use crate::arc::Plane;
+use crate::auxiliary::Auxiliary;
 use crate::canon::call::Call;
 use crate::canon::frame::Frame;
 use crate::diagnostic::Report;
-use crate::gcode::PathMode;
+use crate::exact_stops::{ExactStops, PathMode};
+use crate::moves::MAX_FEEDRATE;
 use crate::options::ReadOptions;
-use crate::part::{Auxiliary, MAX_FEEDRATE, Part};
+use crate::part::Part;
 use crate::source::Span;
 use crate::unit::INCH;
 
@@ -170,8 +172,7 @@ struct Reader<'r, 't, 'p> {
     is_synchronous: bool,
     feedrate_mm_per_s: Option<f64>,
     path_mode: PathMode,
-    /// Whether the exact stop of the last move is none if the next one goes on in its direction.
-    passes_smooth_joints: bool,
+    stops: ExactStops,
     said: Vec<Once>,
     /// `PROGRAM_END`, or `FINISH` of a program between two `%`.
     has_end: bool,
@@ -194,7 +195,7 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
             is_synchronous: false,
             feedrate_mm_per_s: None,
             path_mode: PathMode::Continuous,
-            passes_smooth_joints: false,
+            stops: ExactStops::default(),
             said: Vec::new(),
             has_end: false,
         }

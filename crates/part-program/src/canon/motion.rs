@@ -6,9 +6,8 @@ use crate::canon::call::Call;
 use crate::canon::frame::Frame;
 use crate::canon::{FeedMode, Once, Reader};
 use crate::curve::{Curve, MAX_COORDINATE_MM};
-use crate::gcode::PathMode;
-use crate::joint;
-use crate::part::{Move, MoveKind, Shape};
+use crate::exact_stops::PathMode;
+use crate::moves::{Move, MoveKind, Shape};
 use crate::source::Span;
 
 /// The most turns of one arc. A line of text is not to become more curves than a machine ever turns.
@@ -189,35 +188,18 @@ impl Reader<'_, '_, '_> {
             self.report.error(span, fault.to_string()).expected(fault.expected());
             return;
         }
-        if let (Some(before), Some(last)) = (self.part.curves.last(), self.part.moves.last_mut())
-            && last.exact_stop
-            && self.passes_smooth_joints
-        {
-            last.exact_stop = joint::breaks(before, &curve);
-        }
         let feedrate_mm_per_s = if kind == MoveKind::Feed { self.feedrate() } else { None };
         if kind == MoveKind::Feed && (self.feed_mode == FeedMode::PerRevolution || self.is_synchronous) {
             self.say_once(Once::Revolution, span, "moves with a feed per revolution have none");
         }
-        let exact_stop = kind == MoveKind::Feed && self.path_mode != PathMode::Continuous;
-        self.passes_smooth_joints = self.path_mode == PathMode::ExactPath;
-        self.part.moves.push(Move {
-            kind,
-            shape,
-            feedrate_mm_per_s,
-            exact_stop,
-            line: self.line,
-            block: self.block(),
-        });
-        self.part.curves.push(curve);
+        let (line, block) = (self.line, self.block());
+        let one = Move { kind, shape, feedrate_mm_per_s, exact_stop: false, line, block };
+        self.stops.push(self.part, self.path_mode, curve, one);
     }
 
     /// The last move ends at rest.
     pub(super) fn rest(&mut self) {
-        if let Some(last) = self.part.moves.last_mut() {
-            last.exact_stop |= last.kind == MoveKind::Feed;
-            self.passes_smooth_joints = false;
-        }
+        self.stops.rest(self.part);
     }
 }
 

@@ -10,10 +10,10 @@
 
 use std::fmt::Write;
 
-use crate::{Diagnostics, MAX_TEXT, too_long};
-
-use super::{Report, Span, is_drawing};
-use crate::source::Source;
+use super::is_drawing;
+use crate::diagnostic::{Diagnostics, Report};
+use crate::source::{Source, Span};
+use crate::text_length::{MAX_TEXT, too_long};
 
 /// What a binary drawing begins with.
 pub(crate) const SENTINEL: &[u8] = b"AutoCAD Binary DXF\r\n\x1a\0";

@@ -11,12 +11,12 @@ use super::groups::Entity;
 use super::item::Item;
 use crate::curve::Curve;
 use crate::diagnostic::Report;
-use crate::part::Shape;
+use crate::moves::Shape;
 use crate::vector::{cross, difference, length};
 
 /// A share of a turn below which an arc is a full one: what rounding leaves of 360°.
 const NO_TURN: f64 = 1e-9;
-/// The same of an arc whose angles are written apart, as 0 and 6.283186.
+/// A share of a turn below which an arc is a full one whose two angles are written apart, as 0 and 6.283186.
 const NO_TURN_AS_WRITTEN: f64 = 1e-6;
 
 /// An ellipse in space.

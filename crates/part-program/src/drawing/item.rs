@@ -2,7 +2,7 @@
 
 use super::insert::Insert;
 use crate::curve::Curve;
-use crate::part::Shape;
+use crate::moves::Shape;
 use crate::source::Span;
 
 /// One thing that is drawn; `span` is where its entity, or the vertex of it, stands.

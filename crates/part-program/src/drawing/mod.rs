@@ -22,31 +22,28 @@
 
 mod affine;
 pub(crate) mod binary;
+mod block;
 mod clamp;
 mod conic;
 mod fit;
 mod groups;
 mod insert;
+mod inserting;
 mod item;
 mod layout;
 mod left_out;
 mod polyline;
+mod reader;
 mod spline;
 
-use std::collections::HashMap;
-use std::rc::Rc;
-
-use crate::curve::Curve;
 use crate::diagnostic::Report;
-use crate::part::{Move, MoveKind, Part, Shape};
+use crate::part::Part;
 use crate::source::Span;
 use crate::unit::INCH;
 use affine::Affine;
-use groups::{Entities, Entity, Groups};
-use insert::{Block, Inserted};
-use item::Item;
+use groups::Groups;
 use layout::Layout;
-use left_out::LeftOut;
+use reader::Reader;
 
 /// Whether a text is a drawing: pairs of a group code and a value, the first of them `0` and `SECTION`.
 pub(crate) fn is_drawing(text: &str) -> bool {
@@ -63,17 +60,9 @@ pub(crate) fn is_drawing(text: &str) -> bool {
 pub(crate) fn read(report: &mut Report<'_>, part: &mut Part) {
     let unit = unit(report);
     let layout = Layout::read(report);
-    let mut drawing = Drawing {
-        report,
-        part,
-        layout,
-        blocks: HashMap::new(),
-        inserted: Inserted::default(),
-        left_out: LeftOut::default(),
-        free_ends: LeftOut::default(),
-    };
-    drawing.entities(&Affine::scaling([unit; 3]));
-    let Drawing { left_out, free_ends, .. } = drawing;
+    let mut reader = Reader::new(report, part, layout);
+    reader.entities(&Affine::scaling([unit; 3]));
+    let Reader { left_out, free_ends, .. } = reader;
     if part.curves.is_empty() && !report.has_errors() {
         report
             .error(Span::default(), "the drawing holds no curve")
@@ -124,120 +113,4 @@ fn unit(report: &mut Report<'_>) -> f64 {
 fn no_unit(report: &mut Report<'_>, span: Span) -> f64 {
     report.warning(span, "the drawing names no unit: its numbers are taken as millimetres");
     1.0
-}
-
-struct Drawing<'r, 't, 'p> {
-    report: &'r mut Report<'t>,
-    part: &'p mut Part,
-    layout: Layout,
-    /// Those that were inserted, by name.
-    blocks: HashMap<String, Rc<Block<'t>>>,
-    inserted: Inserted,
-    left_out: LeftOut,
-    /// Splines whose ends the drawing leaves free.
-    free_ends: LeftOut,
-}
-
-impl<'t> Drawing<'_, 't, '_> {
-    /// Draws the entities of the drawing itself.
-    fn entities(&mut self, map: &Affine) {
-        let mut items = Vec::new();
-        for start in std::mem::take(&mut self.layout.entities) {
-            for entity in Entities::new(self.report.source.text, start) {
-                self.read_entity(&entity, false, &mut items);
-                for item in items.drain(..) {
-                    self.draw(item, map);
-                }
-            }
-        }
-    }
-
-    /// Adds what an entity draws to `items`, or counts it as left out.
-    fn read_entity(&mut self, entity: &Entity<'t>, in_block: bool, items: &mut Vec<Item<'t>>) {
-        let (name, span) = (entity.name, entity.span);
-        match name {
-            // They belong to an entity before them, hold templates of texts, or look at the drawing.
-            "VERTEX" | "SEQEND" | "VIEWPORT" => return,
-            "ATTDEF" if in_block => return,
-            _ if self.is_hidden(entity, in_block) => {
-                return self.left_out.add(&format!("hidden {name}"), span);
-            }
-            _ if entity.text(67) == Some("1") => return self.left_out.add(&format!("{name} on paper"), span),
-            _ => {}
-        }
-        let report = &mut *self.report;
-        match name {
-            "SPLINE" => {
-                if spline::read(entity, report, items) {
-                    self.free_ends.add(name, span);
-                }
-            }
-            "LINE" => read_line(entity, report, items),
-            "ARC" | "CIRCLE" => conic::read_circle(entity, report, items),
-            "ELLIPSE" => conic::read_ellipse(entity, report, items),
-            "LWPOLYLINE" => polyline::read_light(entity, report, items),
-            "POLYLINE" if polyline::is_mesh(entity, report) => self.left_out.add("POLYLINE of a mesh", span),
-            "POLYLINE" => polyline::read(entity, report, items),
-            "INSERT" => insert::read(entity, report, items),
-            _ => self.left_out.add(name, span),
-        }
-    }
-
-    /// Whether an entity is invisible, or its layer is. In a block the layer 0 is the one on which the block is inserted.
-    fn is_hidden(&self, entity: &Entity<'t>, in_block: bool) -> bool {
-        let layer = entity.text(8).filter(|layer| !in_block || *layer != "0");
-        layer.is_some_and(|layer| self.layout.hidden_layers.contains(&layer.to_lowercase()))
-            || entity.text(60) == Some("1")
-    }
-
-    /// Takes an item to the drawing's axes, in mm, and adds it to the part.
-    fn draw(&mut self, item: Item<'t>, map: &Affine) {
-        match item {
-            Item::Curve { curve, shape, span } => {
-                let (curve, shape) = conic::mapped(map, curve, shape);
-                if curve.control_points_mm.windows(2).all(|pair| pair[0] == pair[1]) {
-                    self.stand_still(span);
-                } else {
-                    self.push(curve, shape, span);
-                }
-            }
-            Item::Standstill(span) => self.stand_still(span),
-            Item::Insert(insert) => self.insert(&insert, map),
-        }
-    }
-
-    fn stand_still(&mut self, span: Span) {
-        self.part.standstills.push(self.report.source.line_number(span.start));
-    }
-
-    fn push(&mut self, curve: Curve, shape: Shape, span: Span) {
-        for fault in curve.faults() {
-            self.report.error(span, fault.to_string()).expected(fault.expected());
-        }
-        let line = self.report.source.line_number(span.start);
-        self.part.moves.push(Move {
-            kind: MoveKind::Feed,
-            shape,
-            feedrate_mm_per_s: None,
-            exact_stop: false,
-            line,
-            block: 0,
-        });
-        self.part.curves.push(curve);
-    }
-}
-
-/// Reads a LINE.
-fn read_line<'t>(entity: &Entity<'t>, report: &mut Report<'_>, items: &mut Vec<Item<'t>>) {
-    let (from, to) = (entity.points(report, 10), entity.points(report, 11));
-    match (from.as_slice(), to.as_slice()) {
-        // What is no number has been said.
-        ([(from, _)], [(to, _)]) if from.iter().chain(to).any(|x| x.is_nan()) => {}
-        ([(from, _)], [(to, _)]) => items.push(Item::straight(*from, *to, entity.span)),
-        _ => {
-            report
-                .error(entity.span, "a LINE has two ends")
-                .expected("groups 10, 20, 30 and 11, 21, 31, once each");
-        }
-    }
 }

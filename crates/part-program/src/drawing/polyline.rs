@@ -5,7 +5,7 @@ use super::conic::bulged;
 use super::groups::{Entity, Group};
 use super::item::Item;
 use crate::diagnostic::Report;
-use crate::part::Shape;
+use crate::moves::Shape;
 use crate::source::Span;
 
 /// Bits of group 70 of a POLYLINE.

@@ -7,7 +7,7 @@ use super::groups::Entity;
 use super::item::Item;
 use crate::curve::{Curve, CurveFault};
 use crate::diagnostic::Report;
-use crate::part::Shape;
+use crate::moves::Shape;
 use crate::source::Span;
 use crate::spline_blocks::SplineBlocks;
 use crate::vector::{difference, length};

@@ -1,9 +1,9 @@
 //! Words that do not move the tool: M, S, T, D and H, and calls of subprograms.
 
-use crate::gcode::Reader;
+use crate::auxiliary::Auxiliary;
 use crate::gcode::block::Block;
 use crate::gcode::flow::Call;
-use crate::part::Auxiliary;
+use crate::gcode::reader::Reader;
 use crate::source::Span;
 
 impl Reader<'_, '_, '_> {

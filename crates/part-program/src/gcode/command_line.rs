@@ -2,7 +2,7 @@
 
 use crate::gcode::command::{Command, Keyword, Label};
 use crate::gcode::expression::Fault;
-use crate::gcode::word::Lexer;
+use crate::gcode::lexer::Lexer;
 use crate::options::Dialect;
 
 impl Lexer<'_, '_, '_> {

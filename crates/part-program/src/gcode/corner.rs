@@ -8,11 +8,13 @@
 //! Manual Fundamentals, "Chamfer, rounding".
 
 use crate::curve::Curve;
-use crate::gcode::Reader;
+use crate::diagnostic::Report;
 use crate::gcode::block::Block;
+use crate::gcode::modal::Modal;
 use crate::gcode::word::Key;
 use crate::joint;
-use crate::part::{Move, MoveKind, Shape};
+use crate::moves::{Move, MoveKind, Shape};
+use crate::part::Part;
 use crate::source::Span;
 use crate::vector::{difference, dot};
 
@@ -24,39 +26,33 @@ pub(crate) struct Corner {
     span: Span,
 }
 
-impl Reader<'_, '_, '_> {
+impl Corner {
     /// Takes the word of a corner from the block of a straight move.
-    pub(crate) fn take_corner(&mut self, block: &mut Block<'_>) -> Option<Corner> {
+    pub(crate) fn take(report: &mut Report<'_>, modal: &Modal, block: &mut Block<'_>) -> Option<Self> {
         let word = block.take(Key::CornerRadius).map(|word| (word, true));
         let (word, is_round) = word.or_else(|| block.take(Key::CornerDistance).map(|word| (word, false)))?;
         if word.value <= 0.0 {
-            let text = self.report.source.slice(word.span).to_owned();
-            self.report
-                .error(word.span, format!("`{text}`: a corner of no size"))
-                .expected("a length above 0");
+            let text = report.source.slice(word.span).to_owned();
+            report.error(word.span, format!("`{text}`: a corner of no size")).expected("a length above 0");
             return None;
         }
-        Some(Corner { size_mm: self.modal.mm(word.value), is_round, span: word.span })
+        Some(Self { size_mm: modal.mm(word.value), is_round, span: word.span })
     }
 
     /// Says of a corner at the end of the program that nothing follows it.
-    pub(crate) fn end_corner(&mut self) {
-        if let Some(corner) = self.corner.take() {
-            self.report
-                .error(corner.span, "no move follows this corner")
-                .expected("a straight move behind it");
-        }
+    pub(crate) fn say_unmet(self, report: &mut Report<'_>) {
+        report.error(self.span, "no move follows this corner").expected("a straight move behind it");
     }
 
     /// The move between the last one and `next`, both of which are shortened; what does not fit is said.
-    pub(crate) fn turn_corner(
-        &mut self,
-        corner: Corner,
+    pub(crate) fn turn(
+        self,
+        report: &mut Report<'_>,
+        part: &mut Part,
         next: &mut Curve,
         next_shape: Shape,
     ) -> Option<(Curve, Move)> {
-        let (Some(last), Some(before)) = (self.part.moves.last().copied(), self.part.curves.last_mut())
-        else {
+        let (Some(last), Some(before)) = (part.moves.last().copied(), part.curves.last_mut()) else {
             return None;
         };
         let are_lines = last.shape == Shape::Line && next_shape == Shape::Line && last.kind == MoveKind::Feed;
@@ -64,8 +60,8 @@ impl Reader<'_, '_, '_> {
             before.control_points_mm.first_chunk::<2>().filter(|_| are_lines),
             next.control_points_mm.first_chunk::<2>().filter(|_| are_lines),
         ) else {
-            self.report
-                .error(corner.span, "a corner between moves that are not both straight")
+            report
+                .error(self.span, "a corner between moves that are not both straight")
                 .expected("G1 before and behind it");
             return None;
         };
@@ -77,11 +73,11 @@ impl Reader<'_, '_, '_> {
         let cos_between = dot(back, on);
         // Half of the angle by which the path turns; its tangent tells where an arc of radius 1 begins.
         let turn = (std::f64::consts::PI - cos_between.clamp(-1.0, 1.0).acos()) / 2.0;
-        let reach = if corner.is_round { corner.size_mm * turn.tan() } else { corner.size_mm };
+        let reach = if self.is_round { self.size_mm * turn.tan() } else { self.size_mm };
         if !(reach < back_length && reach < on_length) {
-            self.report
+            report
                 .error(
-                    corner.span,
+                    self.span,
                     format!(
                         "this corner takes {reach:.4} mm of moves of {back_length:.4} and {on_length:.4} mm"
                     ),
@@ -95,7 +91,7 @@ impl Reader<'_, '_, '_> {
         let [begin, end] = [back, on].map(|way| std::array::from_fn(|axis| at[axis] + reach * way[axis]));
         before.control_points_mm[1] = begin;
         next.control_points_mm[0] = end;
-        let (curve, shape) = if corner.is_round {
+        let (curve, shape) = if self.is_round {
             (arc([begin, at, end], turn.cos()), Shape::Arc)
         } else {
             (Curve::line(begin, end), Shape::Line)

@@ -12,12 +12,12 @@
 //! LinuxCNC, "O Codes"; FANUC Series 30i, B-63944EN/03, chapter 16.
 
 use crate::diagnostic::Report;
+use crate::gcode::bracketed;
 use crate::gcode::command::{Command, Keyword, Label};
-use crate::gcode::expression::Scope;
 use crate::gcode::marks::Marks;
 use crate::gcode::modal::Modal;
+use crate::gcode::scope::Scope;
 use crate::gcode::variables::{FANUC_LOCALS, Variables};
-use crate::gcode::word;
 use crate::options::Dialect;
 use crate::source::Span;
 
@@ -108,14 +108,14 @@ impl Context<'_, '_, '_> {
     pub(super) fn condition(&mut self, line: usize, at: usize) -> Option<f64> {
         let (start, text) = self.report.source.line(line);
         let scope = Scope { variables: self.variables, modal: self.modal, dialect: self.dialect };
-        word::condition(self.report, scope, start, text, at)
+        bracketed::condition(self.report, scope, start, text, at)
     }
 
     /// The values in brackets from a byte of a line on.
     pub(super) fn arguments(&mut self, line: usize, at: usize) -> Option<Vec<f64>> {
         let (start, text) = self.report.source.line(line);
         let scope = Scope { variables: self.variables, modal: self.modal, dialect: self.dialect };
-        word::arguments(self.report, scope, start, text, at)
+        bracketed::arguments(self.report, scope, start, text, at)
     }
 }
 

@@ -1,6 +1,7 @@
 //! Modal state of a program: what holds until another word changes it.
 
 use crate::arc::Plane;
+use crate::exact_stops::PathMode;
 use crate::gcode::cycle::Cycle;
 use crate::unit::INCH;
 
@@ -44,6 +45,41 @@ impl Motion {
     pub(crate) fn is_spline(self) -> bool {
         matches!(self, Self::FanucNurbs | Self::Cubic | Self::Quadratic | Self::LinuxCncNurbs | Self::Bspline)
     }
+
+    /// What messages call it.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::None | Self::Broken => "a block without a motion",
+            Self::Rapid => "G0",
+            Self::Line => "G1",
+            Self::Arc { clockwise: true } => "G2",
+            Self::Arc { clockwise: false } => "G3",
+            Self::FanucNurbs => "G06.2",
+            Self::Cubic => "G5",
+            Self::Quadratic => "G5.1",
+            Self::LinuxCncNurbs => "G5.2",
+            Self::Bspline => "BSPLINE",
+            Self::Cycle(_) => "a drilling cycle",
+            Self::WithSpindle { .. } => "G33",
+            Self::Unread => "a motion that is not read",
+        }
+    }
+
+    /// The words that its blocks may have.
+    pub(crate) fn words(self) -> &'static str {
+        match self {
+            Self::None | Self::Unread | Self::Broken => "G, F, M, S, T, D or H",
+            Self::Rapid | Self::Line => "X, Y, Z or F",
+            Self::Arc { .. } => "X, Y, Z, I, J, K, R or F",
+            Self::FanucNurbs => "K, X, Y, Z, R, P or F",
+            Self::Cubic => "X, Y, I, J, P, Q or F",
+            Self::Quadratic => "X, Y, I, J or F",
+            Self::LinuxCncNurbs => "X, Y, P, L or F",
+            Self::Bspline => "X, Y, Z, SD=, PW=, PL= or F",
+            Self::Cycle(_) => "X, Y, Z, R, Q, P, L or F",
+            Self::WithSpindle { .. } => "X, Y, Z or K",
+        }
+    }
 }
 
 /// What F means.
@@ -56,18 +92,6 @@ pub(crate) enum FeedMode {
     InverseTime,
     /// G95: length a revolution of the spindle.
     PerRevolution,
-}
-
-/// How the ends of moves are passed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) enum PathMode {
-    /// G64: as the machine may.
-    #[default]
-    Continuous,
-    /// LinuxCNC's G61: through the point, at rest if the direction breaks there.
-    ExactPath,
-    /// G61 of other controls, LinuxCNC's G61.1, Siemens' G60: at rest.
-    ExactStop,
 }
 
 /// What holds until another word changes it.

@@ -15,30 +15,15 @@
 //! # Source
 //! LinuxCNC, "G Codes"; FANUC Series 30i, B-63944EN/03, sections 7.2 and 7.4.
 
-use crate::gcode::Reader;
 use crate::gcode::block::Block;
 use crate::gcode::modal::{Motion, WORK_OFFSETS};
+use crate::gcode::placing::Placing;
+use crate::gcode::preparatory::code;
+use crate::gcode::reader::Reader;
 use crate::gcode::word::Word;
+use crate::moves::MoveKind;
 use crate::options::Dialect;
-use crate::part::MoveKind;
 use crate::source::Span;
-
-/// What a block does with its coordinates other than move to them.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Placing {
-    /// G28, G30.
-    Home,
-    /// G53.
-    MachineCoordinates,
-    /// G10.
-    SetOffset,
-    /// G92.
-    SetPosition,
-    /// G52.
-    MoveOrigin,
-    /// G28.1, G30.1, G43.1 and G43.2: coordinates that are no part of the path.
-    Ignored,
-}
 
 impl Reader<'_, '_, '_> {
     /// The work offset of G54 to G59.3, `index` from 0.
@@ -206,7 +191,7 @@ impl Reader<'_, '_, '_> {
 
     /// What a G word does with the coordinates of its block, if it is one of these.
     pub(crate) fn placing(&self, block: &Block<'_>, word: Word) -> Option<Placing> {
-        match super::preparatory::code(word.value)? {
+        match code(word.value)? {
             280 | 300 => Some(Placing::Home),
             530 => Some(Placing::MachineCoordinates),
             100 if block.has(b'L') => Some(Placing::SetOffset),

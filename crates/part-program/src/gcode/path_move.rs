@@ -3,11 +3,12 @@
 use crate::approach::Approach;
 use crate::arc::{ArcFault, ArcMove, Circle, Plane, TAKEN_MM};
 use crate::curve::{Curve, MAX_COORDINATE_MM};
-use crate::gcode::Reader;
 use crate::gcode::block::Block;
+use crate::gcode::corner::Corner;
 use crate::gcode::modal::{FeedMode, Motion};
+use crate::gcode::reader::Reader;
 use crate::gcode::word::{Key, Word};
-use crate::part::{MoveKind, Shape};
+use crate::moves::{MoveKind, Shape};
 use crate::source::Span;
 use crate::vector::{difference, dot};
 
@@ -17,7 +18,11 @@ const MAX_TURNS: f64 = 10_000.0;
 impl Reader<'_, '_, '_> {
     pub(crate) fn straight(&mut self, block: &mut Block<'_>, inverse_feed: Option<f64>) {
         let (before, span) = (self.modal.position, block.span);
-        let corner = if self.modal.motion == Motion::Line { self.take_corner(block) } else { None };
+        let corner = if self.modal.motion == Motion::Line {
+            Corner::take(self.report, &self.modal, block)
+        } else {
+            None
+        };
         let Some((start, end)) = self.ends(block) else { return };
         self.approach(before, span);
         if start == end {

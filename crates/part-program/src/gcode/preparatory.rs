@@ -1,11 +1,12 @@
 //! G words: what they switch, and which motion they command.
 
 use crate::arc::Plane;
-use crate::gcode::Reader;
+use crate::exact_stops::PathMode;
 use crate::gcode::block::Block;
 use crate::gcode::cycle::Cycle;
-use crate::gcode::modal::{FeedMode, Motion, PathMode};
-use crate::gcode::spline_move::Spline;
+use crate::gcode::modal::{FeedMode, Motion};
+use crate::gcode::reader::Reader;
+use crate::gcode::spline::Spline;
 use crate::gcode::word::{Key, Word};
 use crate::options::Dialect;
 use crate::source::Span;

@@ -5,17 +5,11 @@ use crate::gcode::block::Block;
 use crate::gcode::fanuc::FanucNurbs;
 use crate::gcode::linuxcnc::{self, LinuxCncNurbs, axes_of};
 use crate::gcode::modal::{FeedMode, Motion};
+use crate::gcode::reader::{BlockPlace, Reader};
 use crate::gcode::siemens::SiemensSpline;
-use crate::gcode::{BlockPlace, Reader};
-use crate::part::{MoveKind, Shape};
+use crate::gcode::spline::Spline;
+use crate::moves::{MoveKind, Shape};
 use crate::source::Span;
-
-/// A spline of which more blocks may come.
-pub(crate) enum Spline {
-    Fanuc(FanucNurbs),
-    LinuxCnc(LinuxCncNurbs),
-    Siemens(SiemensSpline),
-}
 
 impl Reader<'_, '_, '_> {
     /// Splines have no feed by time: their length is not known while they are read.

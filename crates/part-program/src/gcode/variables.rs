@@ -9,11 +9,14 @@
 
 use std::collections::HashMap;
 
+/// A value; `None` is that of a vacant variable.
+pub(crate) type Value = Option<f64>;
+
 /// Highest number of a variable; controls have fewer.
 pub(crate) const HIGHEST: u32 = 99_999;
 /// Variables of a subprogram's own, of FANUC's G65.
 pub(crate) const FANUC_LOCALS: usize = 33;
-/// The same of LinuxCNC's `call`.
+/// Variables of a subprogram's own, of LinuxCNC's `call`.
 pub(crate) const LINUXCNC_LOCALS: usize = 30;
 
 /// What a program calls a variable.

@@ -2,18 +2,18 @@
 
 use std::ops::Range;
 
-use anyhow::Result;
 use nurbs_core::{
     Corner, CornerOutcome, CornerStyle, Evaluate, PathCurve, PieceLimits, Reason, TrigSplineBuf, compile,
 };
 use part_program::{Curve, Machine, Move, Part};
 use real::{Counted, OperationCounts};
 
-use super::deviation::Paths;
-use super::report::{self, CornerRow, Forms, Kind, SetpointCheck};
-use super::smooth_stretch::{LEAST_LOOPED_DEG, SmoothStretch};
-use super::stretch::{Rest, length, nurbs_of};
-use super::timing::Timed;
+use crate::deviation::Paths;
+use crate::error::SmoothError;
+use crate::report::{CornerKind, CornerRow, Forms, PathSummary, SetpointCheck};
+use crate::smooth_stretch::{LEAST_LOOPED_DEG, SmoothStretch};
+use crate::stretch::{Rest, length, nurbs_of, shape_of};
+use crate::timing::Timed;
 
 /// Parameters at which the two forms of a corner are compared, besides its begin.
 const COMPARED: u32 = 64;
@@ -25,8 +25,8 @@ pub(crate) struct Followed {
     pub(crate) corners: Vec<CornerRow>,
     /// For each corner that is smoothed its curve and the move before it.
     smoothed_corners: Vec<Option<(usize, usize)>>,
-    pub(crate) exact_stop: report::Path,
-    pub(crate) smoothed: report::Path,
+    pub(crate) exact_stop: PathSummary,
+    pub(crate) smoothed: PathSummary,
     pub(crate) error_mm_max: f64,
     pub(crate) forms: Forms,
     pub(crate) setpoints: SetpointCheck,
@@ -46,7 +46,7 @@ impl Followed {
         machine: &Machine,
         tolerance_mm: f64,
         outer: Option<CornerStyle>,
-    ) -> Result<Self> {
+    ) -> Result<Self, SmoothError> {
         let (curves, moves) = (&part.curves[range.clone()], &part.moves[range.clone()]);
         let smooth = SmoothStretch::new(curves, tolerance_mm, outer)?;
         let paths = Paths::new(curves, &smooth.curves, &smooth.path.moves)?;
@@ -57,7 +57,7 @@ impl Followed {
                 line: moves[corner.turn.before].line,
                 point_mm: corner.turn.point,
                 angle_deg: corner.turn.turn_rad.to_degrees(),
-                kind: Kind::Left,
+                kind: CornerKind::Left,
                 reason: None,
                 error_mm: 0.0,
                 measured_error_mm: 0.0,
@@ -66,7 +66,7 @@ impl Followed {
             };
             match corner.outcome {
                 CornerOutcome::Smoothed { style, curve, error_mm } => {
-                    row.kind = if style == CornerStyle::Loop { Kind::Loop } else { Kind::Cut };
+                    row.kind = if style == CornerStyle::Loop { CornerKind::Loop } else { CornerKind::Cut };
                     let is_too_shallow = style == CornerStyle::Cut && smooth.is_too_shallow(&corner.turn);
                     row.reason = is_too_shallow.then(|| format!("outer, less than {LEAST_LOOPED_DEG}°"));
                     row.error_mm = error_mm;
@@ -86,7 +86,7 @@ impl Followed {
             CornerOutcome::Left(_) => None,
         });
         let setpoints = setpoints(&smooth, &paths, &after)?;
-        let of = |curves: usize, timed: &Timed| report::Path {
+        let of = |curves: usize, timed: &Timed| PathSummary {
             curves,
             length_mm: timed.length_mm(),
             time_s: timed.time_s(),
@@ -121,8 +121,8 @@ impl Followed {
 }
 
 /// The corner before move `next`, at which the tool rests.
-pub(crate) fn between(part: &Part, next: usize, rest: Rest) -> Result<Option<CornerRow>> {
-    let ends = |index: usize| super::stretch::shape_of(&part.curves[index]);
+pub(crate) fn between(part: &Part, next: usize, rest: Rest) -> Result<Option<CornerRow>, SmoothError> {
+    let ends = |index: usize| shape_of(&part.curves[index]);
     // Two moves alone: smoothing them says where they meet, and how sharply.
     let path = nurbs_core::smooth_corners(&[ends(next - 1)?, ends(next)?], 1.0, |_| None)?;
     let before: &Move = &part.moves[next - 1];
@@ -130,7 +130,7 @@ pub(crate) fn between(part: &Part, next: usize, rest: Rest) -> Result<Option<Cor
         line: before.line,
         point_mm: corner.turn.point,
         angle_deg: corner.turn.turn_rad.to_degrees(),
-        kind: Kind::Left,
+        kind: CornerKind::Left,
         reason: Some(rest.to_string()),
         error_mm: 0.0,
         measured_error_mm: 0.0,
@@ -148,7 +148,7 @@ fn reason_of(reason: Reason) -> String {
 }
 
 /// Follows the smoothed stretch in f64, and measures each setpoint.
-fn setpoints(smooth: &SmoothStretch, paths: &Paths<'_>, timed: &Timed) -> Result<SetpointCheck> {
+fn setpoints(smooth: &SmoothStretch, paths: &Paths<'_>, timed: &Timed) -> Result<SetpointCheck, SmoothError> {
     let run = timed.setpoints()?;
     let nurbs = smooth.curves.iter().map(nurbs_of).collect::<Result<Vec<_>, _>>()?;
     let mut check = SetpointCheck {
@@ -176,7 +176,7 @@ fn setpoints(smooth: &SmoothStretch, paths: &Paths<'_>, timed: &Timed) -> Result
 }
 
 /// Compares the two forms of every corner.
-fn forms(smooth: &SmoothStretch) -> Result<Forms> {
+fn forms(smooth: &SmoothStretch) -> Result<Forms, SmoothError> {
     let mut forms = Forms { distance_bound_mm: smooth.polynomial_bound_mm, ..Forms::default() };
     for (curve, written) in smooth.path.curves.iter().zip(&smooth.curves) {
         let PathCurve::TrigSpline(spline) = curve else { continue };
@@ -198,7 +198,10 @@ fn forms(smooth: &SmoothStretch) -> Result<Forms> {
 }
 
 /// Operations that a point takes by sine and cosine, and on a compiled piece.
-fn operations(spline: &TrigSplineBuf<f64, 3>, nurbs: &nurbs_core::NurbsBuf<f64, 3>) -> Result<(u64, u64)> {
+fn operations(
+    spline: &TrigSplineBuf<f64, 3>,
+    nurbs: &nurbs_core::NurbsBuf<f64, 3>,
+) -> Result<(u64, u64), SmoothError> {
     let segment = spline.as_spline().segments()[0].convert::<Counted<f64>>()?;
     let limits = PieceLimits { length_mm: 32.0, step_mm: 1.0 };
     let table = compile::<f64, Counted<f64>, 3>(&[nurbs.as_curve()], &limits)?;

@@ -7,20 +7,20 @@ use nurbs_core::{
 };
 use part_program::Curve;
 
-use super::stretch::{curve_of, length, shape_of};
+use crate::stretch::{curve_of, length, shape_of};
 
 /// Share of the tolerance that is left to the chords of fine straight moves.
 pub(crate) const CHORD_SHARE: f64 = 0.02;
-/// Share of it that is left to the polynomials, and the most that they need, in mm.
+/// Share of the tolerance that is left to the polynomials, and the most that they need, in mm.
 const POLYNOMIAL_SHARE: f64 = 1e-3;
 const POLYNOMIAL_MM: f64 = 1e-6;
-/// Their degree: a corner takes a handful, and second derivatives at their joints are the spline's own.
+/// Degree of these polynomials: a corner takes a handful, and second derivatives at their joints are the spline's own.
 const POLYNOMIAL_DEGREE: usize = 5;
 
 /// Outer corners that turn by less are cut even where loops are wanted, in degrees. A loop turns by nearly a full turn more than its
 /// corner, in as little room as the tolerance gives: its least radius is a fifth of that at 90°, 1/35 at 30° and 1/1200 at 5°,
 /// where a cut has 2.4, 24 and 880 times the tolerance and all but keeps the feed.
-pub(crate) const LEAST_LOOPED_DEG: f64 = 30.0;
+pub const LEAST_LOOPED_DEG: f64 = 30.0;
 
 /// A stretch, smoothed.
 pub(crate) struct SmoothStretch {
@@ -28,7 +28,7 @@ pub(crate) struct SmoothStretch {
     pub(crate) moves: Vec<PathCurve<f64, 3>>,
     /// The smooth path, its corners trigonometric splines.
     pub(crate) path: SmoothPath<3>,
-    /// The same curves as NURBS: lines and arcs exactly, corners as polynomials of the same parameter.
+    /// The curves of `path` as NURBS: lines and arcs exactly, corners as polynomials of the same parameter.
     pub(crate) curves: Vec<Curve>,
     /// No polynomial is farther from its spline than this, in mm; proven.
     pub(crate) polynomial_bound_mm: f64,

@@ -7,7 +7,7 @@
 use nurbs_core::{CurveError, Evaluate, NurbsBuf, distance_to_segment, golden_section};
 use part_program::Curve;
 
-use super::stretch::{length, nurbs_of};
+use crate::stretch::{length, nurbs_of};
 
 /// Samples of a span that is bent; the distance between two of them is refined.
 const SAMPLES: u32 = 64;

@@ -1,11 +1,12 @@
 //! How long a stretch takes from rest to rest, and how fast each place of it is passed.
 
-use anyhow::Result;
 use feed_plan::Stage;
-use format_compare::{ExactPlan, Options, Problem, Run, largest_second_difference};
+use format_compare::{ExactPlan, Options, Problem, Refusal, Run, largest_second_difference};
 use nurbs_core::{PathCurve, arc_length};
 use part_program::{Curve, Machine, Move, Part};
-use real::DoubleDouble;
+use real::{Backend, DoubleDouble};
+
+use crate::error::SmoothError;
 
 /// A place is taken this wide, in mm, so that rounding does not miss the rest in its middle.
 const PLACE_MM: f64 = 1e-6;
@@ -25,7 +26,7 @@ impl Timed {
         shapes: &[PathCurve<f64, 3>],
         one: &Move,
         machine: &Machine,
-    ) -> Result<Self> {
+    ) -> Result<Self, SmoothError> {
         let part = Part {
             curves: curves.to_vec(),
             moves: vec![*one; curves.len()],
@@ -90,9 +91,10 @@ impl Timed {
     }
 
     /// The setpoints of the plan, interpolated on compiled pieces in f64.
-    pub(crate) fn setpoints(&self) -> Result<Run> {
-        let formats = crate::formats::selected::<3>(&["f64".to_string()])?;
-        let Some(format) = formats.first() else { anyhow::bail!("no format f64") };
+    pub(crate) fn setpoints(&self) -> Result<Run, SmoothError> {
+        let formats = format_compare::formats::<3>();
+        let format = formats.iter().find(|format| format.name() == f64::name());
+        let format = format.ok_or(Refusal::NoType(f64::name()))?;
         Ok(format.run(&self.problem, &self.plan, &Options::default())?)
     }
 }

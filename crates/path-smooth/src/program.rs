@@ -2,13 +2,12 @@
 
 use std::ops::Range;
 
-use anyhow::{Context, Result, bail};
-use part_program::{Curve, Dialect, MoveKind, Part, is_joined};
+use part_program::{Curve, Dialect, MoveKind, Part, ReadOptions, is_joined};
 
-use super::deviation::Paths;
-use super::followed::Followed;
-use super::smooth_stretch::CHORD_SHARE;
-use crate::input::read_again;
+use crate::deviation::Paths;
+use crate::error::ProgramError;
+use crate::followed::Followed;
+use crate::smooth_stretch::CHORD_SHARE;
 
 /// The program of a smoothed part; its stretches are measured anew on what it says.
 pub(crate) fn text(
@@ -17,12 +16,14 @@ pub(crate) fn text(
     smoothed: &Part,
     tolerance_mm: f64,
     dialect: Option<Dialect>,
-) -> Result<String> {
+) -> Result<String, ProgramError> {
     let chord_error_mm = tolerance_mm * CHORD_SHARE;
     let rounded = rounded(smoothed, chord_error_mm);
-    let text = part_program::write_g1(&rounded, chord_error_mm, dialect)
-        .context("no program is written; a larger --tolerance takes fewer chords, and a curve file, --out NAME.toml, none")?;
-    measure(part, followed, &rounded, &read_again(&text, dialect)?)?;
+    let text = part_program::write_g1(&rounded, chord_error_mm, dialect)?;
+    let options = ReadOptions { dialect, ..ReadOptions::default() };
+    let again =
+        part_program::read_part_with("what was written", &text, options).map_err(ProgramError::ReadBack)?;
+    measure(part, followed, &rounded, &again)?;
     Ok(text)
 }
 
@@ -58,7 +59,7 @@ fn close_gaps(part: &mut Part) {
 }
 
 /// Measures the stretches of a part anew on what was written, as it reads back.
-fn measure(part: &Part, followed: &mut [Followed], written: &Part, again: &Part) -> Result<()> {
+fn measure(part: &Part, followed: &mut [Followed], written: &Part, again: &Part) -> Result<(), ProgramError> {
     let chords = chords(written, again)?;
     let mut first = 0;
     for stretch in followed {
@@ -83,11 +84,13 @@ fn measure(part: &Part, followed: &mut [Followed], written: &Part, again: &Part)
 }
 
 /// For each curve that was written the moves that are read for it.
-fn chords(written: &Part, again: &Part) -> Result<Vec<Range<usize>>> {
+fn chords(written: &Part, again: &Part) -> Result<Vec<Range<usize>>, ProgramError> {
     let mut chords = Vec::with_capacity(written.curves.len());
     let mut next = 0;
     for (curve, one) in written.curves.iter().zip(&written.moves) {
-        let Some(end) = curve.control_points_mm.last() else { bail!("a curve without points") };
+        let Some(end) = curve.control_points_mm.last() else {
+            return Err(ProgramError::AnotherPath { line: one.line });
+        };
         if is_still(curve, end) {
             chords.push(next..next);
             continue;
@@ -102,7 +105,7 @@ fn chords(written: &Part, again: &Part) -> Result<Vec<Range<usize>>> {
         let ends_there = |chord: &Curve| chord.control_points_mm.last() == Some(end);
         match again.curves[begin..].iter().position(ends_there) {
             Some(count) => next += count + 1,
-            None => bail!("line {}: the path that reads back is another one: nothing is kept", one.line),
+            None => return Err(ProgramError::AnotherPath { line: one.line }),
         }
         chords.push(begin..next);
     }

@@ -1,0 +1,82 @@
+//! The circle test and the tuning table around it.
+
+use std::path::Path;
+
+use anyhow::{Context, Result, bail};
+use format_compare::MOST_PERIODS;
+use servo_sim::{
+    CircleTest, FEED_FORWARDS, ServoError, ServoParameters, VELOCITY_GAINS_PERCENT, roundness_plot,
+};
+
+use super::arguments::Arguments;
+use super::report::{CircleResult, LeftOut};
+use crate::output;
+
+/// Runs the circle test. A table that does not go round is a result; what else goes wrong is not.
+pub(super) fn circle(servo: &ServoParameters, test: &CircleTest) -> Result<CircleResult> {
+    match test.run::<f64>(&[*servo; 2]) {
+        Ok(circle) => Ok(CircleResult::Round(circle)),
+        Err(reason @ ServoError::DoesNotTurn { .. }) => {
+            Ok(CircleResult::DoesNotFollow { does_not_follow: reason.to_string() })
+        }
+        Err(error) => Err(error).context("circle test"),
+    }
+}
+
+/// Writes the roundness plot, if there is a circle.
+pub(super) fn plot(
+    path: &Path,
+    servo: &ServoParameters,
+    test: &CircleTest,
+    circle: &CircleResult,
+) -> Result<()> {
+    let circle = match circle {
+        CircleResult::Round(circle) => circle,
+        CircleResult::DoesNotFollow { does_not_follow } => {
+            output::say(&format!("feedbits: {} is not written: {does_not_follow}", path.display()));
+            return Ok(());
+        }
+    };
+    let title = format!(
+        "Circle test: feed-forward {} %, velocity gain {} %",
+        servo.feed_forward * 100.0,
+        servo.velocity_gain_percent
+    );
+    output::write(Some(path), &(roundness_plot(test, circle, &title) + "\n"))
+}
+
+/// What the tuning table leaves out: settings of one velocity gain and one reason together.
+pub(super) fn by_reason(settings: &[servo_sim::LeftOut]) -> Vec<LeftOut> {
+    let mut grouped: Vec<LeftOut> = Vec::new();
+    for setting in settings {
+        let (gain, reason) = (setting.velocity_gain_percent, setting.reason.to_string());
+        match grouped.last_mut() {
+            Some(last) if last.velocity_gain_percent == gain && last.reason == reason => {
+                last.feed_forwards.push(setting.feed_forward);
+            }
+            _ => grouped.push(LeftOut {
+                velocity_gain_percent: gain,
+                feed_forwards: vec![setting.feed_forward],
+                reason,
+            }),
+        }
+    }
+    grouped
+}
+
+/// The circle test that the options name; one that would run for hours is refused.
+pub(super) fn circle_test(arguments: &Arguments, period: f64) -> Result<CircleTest> {
+    let test = CircleTest { radius: arguments.circle, feedrate: arguments.feed / 60.0, period };
+    // A turn to settle and one to measure, in the servo's own setting and in each of the tuning table.
+    let runs = 1 + FEED_FORWARDS.len() * VELOCITY_GAINS_PERCENT.len();
+    let periods = 2.0 * test.setpoints_per_turn() * runs as f64;
+    if test.feedrate > 0.0 && periods > MOST_PERIODS as f64 {
+        bail!(
+            "--circle {} at --feed {}: {periods:.3e} periods of {} ms in {runs} settings: expected at most {MOST_PERIODS}",
+            arguments.circle,
+            arguments.feed,
+            period * 1000.0
+        );
+    }
+    Ok(test)
+}

@@ -1,0 +1,45 @@
+//! Blocks: entities that are drawn wherever an INSERT names them. Blocks hold inserts, so that few lines may stand for any number of
+//! curves: how many is bounded.
+
+use super::item::Item;
+use crate::diagnostic::Report;
+use crate::source::Span;
+
+/// Curves, standstills and cells that inserts may draw.
+const MAX_INSERTED: usize = 1_000_000;
+/// Control points that inserts may draw.
+const MAX_INSERTED_POINTS: usize = 4_000_000;
+
+/// The entities of a block.
+pub(crate) struct Block<'t> {
+    pub(super) base: [f64; 3],
+    pub(super) items: Vec<Item<'t>>,
+    /// Whether its entities are in another file.
+    pub(super) is_external: bool,
+}
+
+/// What inserts have drawn so far.
+#[derive(Default)]
+pub(crate) struct Inserted {
+    /// The blocks that are being drawn, one in the other.
+    pub(super) open: Vec<String>,
+    count: usize,
+    points: usize,
+    /// Whether too much has been asked for, which is said once.
+    pub(super) is_full: bool,
+}
+
+impl Inserted {
+    /// Counts what is about to be drawn; `false`, and an error the first time, once it is too much.
+    pub(super) fn take(&mut self, points: usize, span: Span, report: &mut Report<'_>) -> bool {
+        self.count += 1;
+        self.points += points;
+        if !self.is_full && (self.count > MAX_INSERTED || self.points > MAX_INSERTED_POINTS) {
+            self.is_full = true;
+            let expected =
+                format!("at most {MAX_INSERTED} curves with {MAX_INSERTED_POINTS} control points in all");
+            report.error(span, "the blocks that are inserted hold too many curves").expected(expected);
+        }
+        !self.is_full
+    }
+}

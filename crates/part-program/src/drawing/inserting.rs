@@ -1,0 +1,83 @@
+//! Draws blocks where they are inserted, and blocks within blocks down to a depth that is bounded.
+
+use std::rc::Rc;
+
+use super::affine::Affine;
+use super::block::Block;
+use super::groups::Entities;
+use super::insert::Insert;
+use super::reader::Reader;
+
+/// Blocks within blocks.
+const MAX_DEPTH: usize = 32;
+
+/// Bit of group 70 of a BLOCK that stands for another file.
+const EXTERNAL: u32 = 4;
+
+impl<'t> Reader<'_, 't, '_> {
+    /// Draws a block where it is inserted.
+    pub(crate) fn insert(&mut self, insert: &Insert<'t>, map: &Affine) {
+        let name = insert.name.to_lowercase();
+        if self.inserted.is_full || !self.may_open(&name, insert) {
+            return;
+        }
+        let Some(block) = self.block(&name) else {
+            self.left_out.add("INSERT of a block that is not there", insert.span);
+            return;
+        };
+        if block.is_external {
+            self.left_out.add("INSERT of another drawing", insert.span);
+            return;
+        }
+        self.inserted.open.push(name);
+        'cells: for cell in insert.maps(block.base) {
+            let cell = map.after(&cell);
+            if !self.inserted.take(0, insert.span, self.report) {
+                break;
+            }
+            for item in &block.items {
+                if !self.inserted.take(item.point_count(), insert.span, self.report) {
+                    break 'cells;
+                }
+                self.draw(item.clone(), &cell);
+            }
+        }
+        self.inserted.open.pop();
+    }
+
+    /// Whether a block may be drawn within those that are being drawn; what is said is said once.
+    fn may_open(&mut self, name: &str, insert: &Insert<'t>) -> bool {
+        let open = &self.inserted.open;
+        let shown: String = insert.name.chars().take(40).collect();
+        let message = if open.iter().any(|outer| outer == name) {
+            format!("the block {shown} is inserted into itself")
+        } else if open.len() >= MAX_DEPTH {
+            format!("the block {shown} is inserted {} blocks deep", MAX_DEPTH + 1)
+        } else {
+            return true;
+        };
+        self.inserted.is_full = true;
+        self.report
+            .error(insert.span, message)
+            .expected(format!("at most {MAX_DEPTH} blocks within each other"));
+        false
+    }
+
+    /// A block, read when it is first inserted: what is wrong with one that nobody inserts does not matter.
+    fn block(&mut self, name: &str) -> Option<Rc<Block<'t>>> {
+        if let Some(block) = self.blocks.get(name) {
+            return Some(Rc::clone(block));
+        }
+        let mut entities = Entities::new(self.report.source.text, *self.layout.blocks.get(name)?);
+        let header = entities.next()?;
+        let base = if header.text(10).is_some() { header.point(self.report, 10, "base point") } else { None };
+        let is_external = header.flags(self.report, 70) & EXTERNAL != 0;
+        let mut items = Vec::new();
+        for entity in entities {
+            self.read_entity(&entity, true, &mut items);
+        }
+        let block = Rc::new(Block { base: base.unwrap_or_default(), items, is_external });
+        self.blocks.insert(name.to_owned(), Rc::clone(&block));
+        Some(block)
+    }
+}

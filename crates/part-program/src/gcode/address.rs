@@ -1,0 +1,193 @@
+//! Addresses and their numbers: a letter or a name, and a number, an expression or an assignment behind it.
+
+use crate::gcode::command::Command;
+use crate::gcode::function::is_function;
+use crate::gcode::lexer::{Lexer, is_number};
+use crate::gcode::word::{Key, NAMES, Word};
+use crate::options::Dialect;
+use crate::toml_table::nearest;
+
+impl Lexer<'_, '_, '_> {
+    /// A run of letters: an address with its number, or a word of a control's language.
+    pub(super) fn address(&mut self, begin: usize) -> Option<()> {
+        self.skip(|c| c.is_ascii_alphabetic() || c == b'_');
+        let name = &self.line[begin..self.at];
+        match name.as_bytes() {
+            [b'O' | b'o'] => return self.o_word(begin),
+            [b'R' | b'r'] if self.is_assigned_parameter() => {
+                self.at = begin;
+                return self.assignment(true);
+            }
+            [letter] => return self.number(begin, Key::Letter(letter.to_ascii_uppercase())),
+            _ => {}
+        }
+        match NAMES.iter().find(|(known, _)| known.eq_ignore_ascii_case(name)) {
+            Some((_, Key::Bspline)) => {
+                self.read.words.push(Word { key: Key::Bspline, value: 0.0, span: self.span(begin, self.at) });
+                Some(())
+            }
+            Some((_, key)) => self.number(begin, *key),
+            None => match name.to_ascii_uppercase().as_str() {
+                "IF" => self.condition_of_fanuc(begin),
+                "GOTO" => self.goto(begin, true),
+                "WHILE" => self.fanuc_loop(begin, true),
+                "DO" => self.fanuc_loop(begin, false),
+                "END" => {
+                    let number = self.whole_number()?;
+                    self.command(begin, Command::End(number), Dialect::Fanuc)
+                }
+                // An address with the value of a function, written without a space.
+                _ if is_function(&name[1..]) && self.next_is(b'[') => {
+                    self.at = begin + 1;
+                    self.number(begin, Key::Letter(name.as_bytes()[0].to_ascii_uppercase()))
+                }
+                _ => self.unknown_name(begin),
+            },
+        }
+    }
+
+    /// The next byte behind white space, which is not taken.
+    fn next_is(&self, byte: u8) -> bool {
+        self.line.as_bytes()[self.at..].iter().find(|c| !c.is_ascii_whitespace()) == Some(&byte)
+    }
+
+    /// Whether digits, or of Siemens brackets, and `=` stand behind an R.
+    fn is_assigned_parameter(&self) -> bool {
+        let rest = self.line[self.at..].trim_start();
+        let behind = match rest.split_once(']') {
+            Some((_, behind)) if rest.starts_with('[') && self.scope.dialect == Some(Dialect::Siemens) => {
+                behind
+            }
+            _ => rest.trim_start_matches(|c: char| c.is_ascii_digit()),
+        };
+        behind.len() < rest.len() && behind.trim_start().starts_with('=')
+    }
+
+    /// The number of a word that begins at `begin`; the lexer stands behind its letter or name.
+    pub(super) fn number(&mut self, begin: usize, key: Key) -> Option<()> {
+        let name_end = self.at;
+        self.skip(|c| c == b' ' || c == b'\t');
+        let is_assigned = self.peek() == Some(b'=');
+        if is_assigned {
+            self.at += 1;
+            self.skip(|c| c == b' ' || c == b'\t');
+        }
+        let digits = self.at;
+        if is_assigned || self.is_expression() {
+            return self.evaluated(begin, key, is_assigned);
+        }
+        self.skip(is_number);
+        let text = &self.line[digits..self.at];
+        let name = &self.line[begin..name_end];
+        match text.parse::<f64>() {
+            Ok(value) if value.is_finite() => self.push(begin, key, value),
+            _ if text.is_empty() => {
+                let message = format!("`{name}` has no number");
+                self.report
+                    .error(self.span(begin, name_end), message)
+                    .expected(format!("a number, as {name}12.5"));
+            }
+            _ => {
+                let message = format!("`{text}` is no number");
+                self.report
+                    .error(self.span(digits, self.at), message)
+                    .expected("digits with at most one point");
+            }
+        }
+        Some(())
+    }
+
+    fn push(&mut self, begin: usize, key: Key, value: f64) {
+        if !matches!(key, Key::Letter(b'N' | b'O')) {
+            self.read.words.push(Word { key, value, span: self.span(begin, self.at) });
+        }
+    }
+
+    /// Whether a value other than a plain number stands next.
+    fn is_expression(&self) -> bool {
+        let rest = self.line[self.at..].trim_start_matches(['+', '-', ' ', '\t']);
+        let letters = rest.bytes().take_while(u8::is_ascii_alphabetic).count();
+        rest.starts_with(['[', '#'])
+            || is_function(&rest[..letters]) && rest[letters..].trim_start().starts_with('[')
+    }
+
+    /// A word whose value is an expression, or an assignment of Siemens.
+    fn evaluated(&mut self, begin: usize, key: Key, is_assigned: bool) -> Option<()> {
+        let read = {
+            let mut parser = self.parser(is_assigned);
+            let value = if is_assigned { parser.expression() } else { parser.operand() };
+            value.map(|value| (value, parser.at))
+        };
+        match self.parsed(read)? {
+            Some(value) => self.push(begin, key, value),
+            // FANUC leaves out a word of a vacant variable.
+            None if self.scope.dialect == Some(Dialect::Fanuc) => {}
+            None => {
+                let span = self.span(begin, self.at);
+                self.report
+                    .warning(span, "a variable that has no value is taken as 0, as LinuxCNC does")
+                    .hint("FANUC leaves its word out, as with its dialect given");
+                self.push(begin, key, 0.0);
+            }
+        }
+        Some(())
+    }
+
+    /// A run of letters that is no name: letters without their numbers, or words of a control's language.
+    fn unknown_name(&mut self, begin: usize) -> Option<()> {
+        let name = self.line[begin..self.at].to_ascii_uppercase();
+        const LANGUAGE: [&str; 11] =
+            ["THEN", "ELSE", "ENDIF", "GOTOF", "GOTOB", "ENDWHILE", "FOR", "DEF", "PROC", "LOOP", "REPEAT"];
+        if LANGUAGE.contains(&name.as_str()) || name.starts_with('_') {
+            let end = self.line.trim_end().len().max(begin + 1);
+            self.report
+                .error(self.span(begin, end), format!("`{name}` is not executed"))
+                .expected("a program without Siemens' jumps, loops and names of variables")
+                .hint("let the control or the post-processor write the program with plain numbers");
+            return None;
+        }
+        let known: Vec<&str> = NAMES.iter().map(|(name, _)| *name).collect();
+        let near = nearest(&name, &known).filter(|_| name.len() > 2);
+        if self.line[self.at..].trim_start_matches([' ', '\t']).starts_with('=') {
+            return self.unknown_assignment(begin);
+        }
+        if name.len() <= 3 && near.is_none() {
+            let message = format!("`{}` has no number", &name[..1]);
+            self.report
+                .error(self.span(begin, begin + 1), message)
+                .expected(format!("a number, as {}12.5", &name[..1]));
+            self.at = begin + 1;
+            return Some(());
+        }
+        let span = self.span(begin, self.at);
+        let message =
+            format!("unknown word `{}`", self.line[begin..self.at].chars().take(40).collect::<String>());
+        if self.lenient {
+            self.report.of_kind(false, span, &name, message);
+            self.skip(|c| c == b' ' || c == b'=');
+            self.skip(is_number);
+            return Some(());
+        }
+        let diagnostic = self.report.of_kind(true, span, &name, message);
+        diagnostic.expected("a letter with a number, or BSPLINE, SD=, PW=, PL=, CR=");
+        if let Some(near) = near {
+            diagnostic.hint(format!("did you mean `{near}`?"));
+        }
+        None
+    }
+
+    /// A name that no reader knows, with `=` and its number; the lexer stands behind the name.
+    fn unknown_assignment(&mut self, begin: usize) -> Option<()> {
+        let message =
+            format!("unknown word `{}=`", self.line[begin..self.at].chars().take(40).collect::<String>());
+        self.skip(|c| c == b' ' || c == b'\t' || c == b'=');
+        self.skip(is_number);
+        let span = self.span(begin, self.at);
+        if self.lenient {
+            self.report.warning(span, message);
+        } else {
+            self.report.error(span, message).expected("a letter with a number, or SD=, PW=, PL=, CR=");
+        }
+        Some(())
+    }
+}

@@ -1,0 +1,86 @@
+//! Axes beside X, Y and Z: rotary ones, and the extruder of a 3-D printer.
+//!
+//! A rotary or second linear axis (A, B, C, U, V, W) that stays where it is, changes nothing. One that turns on its own, or in a rapid
+//! move, turns the part between two cuts: the machine rests there, and the path is read as it runs on X, Y and Z. One that moves while
+//! the tool cuts is refused, since the path is then not that of X, Y and Z alone.
+//!
+//! E is the filament that an extruder has pushed. It goes along with the path: how far it gets, and how fast, is kept with the part. A
+//! block of E alone pushes or pulls filament while the tool rests.
+
+use crate::auxiliary::Auxiliary;
+use crate::gcode::block::Block;
+use crate::gcode::modal::Motion;
+use crate::gcode::other_axes::OTHERS;
+use crate::gcode::reader::Reader;
+use crate::part::Filament;
+
+impl Reader<'_, '_, '_> {
+    /// Takes the words of the other axes.
+    pub(crate) fn other_axes(&mut self, block: &mut Block<'_>) {
+        let is_set = self.placing.is_some();
+        for (index, letter) in OTHERS.into_iter().enumerate() {
+            let Some(word) = block.take_letter(letter) else { continue };
+            let before = self.others.rotary[index];
+            let now = match before {
+                Some(before) if self.modal.incremental && !is_set => before + word.value,
+                _ => word.value,
+            };
+            self.others.rotary[index] = Some(now);
+            let cuts = !matches!(self.modal.motion, Motion::Rapid | Motion::None);
+            // What a program says first of an axis is where it is, unless the tool cuts on the way there.
+            if is_set || before.unwrap_or(if cuts { 0.0 } else { now }) == now {
+                continue;
+            }
+            let text = self.report.source.slice(word.span);
+            if !cuts {
+                let message = format!("`{text}` turns the part: its path is read as it runs on X, Y and Z");
+                self.report.of_kind(false, word.span, letter, message);
+                let (line, block) = (self.line_of(word.span), self.place(word.span).block);
+                self.part.auxiliary.push(Auxiliary::new(letter, now, line, block));
+            } else {
+                let message = format!("`{text}` moves an axis that is not followed while the tool cuts");
+                let said = self.report.of_kind(!self.options.lenient, word.span, letter, message);
+                said.expected("cuts on X, Y and Z alone");
+            }
+        }
+        if let Some(word) = block.take_letter(b'E') {
+            self.extrude(block, self.modal.mm(word.value), is_set, word.span);
+        }
+    }
+
+    /// E: how far the filament gets in this block.
+    fn extrude(&mut self, block: &Block<'_>, value: f64, is_set: bool, span: crate::source::Span) {
+        self.others.is_printer = true;
+        let before = self.others.extruder_mm;
+        let is_relative = self.others.is_relative && !is_set;
+        let now = if is_relative { before + value } else { value };
+        self.others.extruder_mm = now;
+        let filament = self.part.filament.get_or_insert_with(Filament::default);
+        filament.least_mm = filament.least_mm.min(now);
+        filament.greatest_mm = filament.greatest_mm.max(now);
+        if !is_set && now != before && !block.has_axis() {
+            let (line, block) = (self.line_of(span), self.place(span).block);
+            self.part.auxiliary.push(Auxiliary::new(b'E', now, line, block));
+        }
+    }
+
+    /// M words of printers: whether one was obeyed or is no part of the path.
+    pub(crate) fn printer_word(&mut self, block: &mut Block<'_>, value: f64) -> bool {
+        let is_its_own = [82.0, 83.0, 104.0, 106.0, 107.0, 109.0, 117.0, 140.0, 190.0].contains(&value);
+        if !(is_its_own || self.others.is_printer && value > 72.0) {
+            return false;
+        }
+        self.others.is_printer = true;
+        match value {
+            82.0 => self.others.is_relative = false,
+            83.0 => self.others.is_relative = true,
+            _ => {}
+        }
+        block.clear();
+        // Words that a printer waits for.
+        !WAITED_FOR.contains(&value)
+    }
+}
+
+/// M words at which a printer rests: heat up, wait for the moves, park, change the filament.
+const WAITED_FOR: [f64; 6] = [84.0, 109.0, 190.0, 191.0, 400.0, 600.0];

@@ -1,0 +1,89 @@
+//! What the words of a block do, in their order: preparatory words, words that do not move the tool, the feed, and then the motion.
+
+use crate::exact_stops::PathMode;
+use crate::gcode::block::Block;
+use crate::gcode::modal::Motion;
+use crate::gcode::reader::Reader;
+use crate::gcode::word::Word;
+
+impl Reader<'_, '_, '_> {
+    /// Does what the words of a line say, if there are any.
+    pub(crate) fn block(&mut self, words: &mut Vec<Word>) {
+        let Some(mut block) = Block::new(self.report, words) else { return };
+        let span = block.span;
+        self.unread = None;
+        let unit_before = self.modal.mm(1.0);
+        let Some(motion) = self.preparatory(&mut block) else { return };
+        if let Some(motion) = motion {
+            if !matches!(motion, Motion::Cycle(_)) || !matches!(self.modal.motion, Motion::Cycle(_)) {
+                self.holes.end();
+            }
+            self.modal.motion = motion;
+        }
+        self.look_for_points(&block);
+        let ends = self.auxiliary(&mut block);
+        self.other_axes(&mut block);
+        let inverse_feed = self.feed(&mut block, unit_before);
+        let unread = self.unread.take();
+        if let Some((placing, span)) = self.placing.take().filter(|_| unread.is_none()) {
+            self.place_coordinates(&mut block, placing, span);
+        } else if unread.is_some() || self.modal.motion == Motion::Unread {
+            self.leave_out(&mut block, unread);
+        } else {
+            self.motion(&mut block, motion.is_some(), inverse_feed);
+            self.begin_axes();
+        }
+        self.refuse(block);
+        if ends {
+            self.close(span);
+            self.ended = true;
+        }
+    }
+
+    /// Moves as the motion in force says; `inverse_feed` is the F word of G93, in 1/min.
+    fn motion(&mut self, block: &mut Block<'_>, is_new: bool, inverse_feed: Option<f64>) {
+        if !is_new && block.is_empty() {
+            return;
+        }
+        self.end = if self.block_stops { PathMode::ExactStop } else { self.modal.path_mode };
+        if block.has_axis() || b"IJK".iter().any(|letter| block.has(*letter)) {
+            self.modal.settle();
+        }
+        let continues = std::mem::take(&mut self.smooth).filter(|_| self.modal.motion == Motion::Cubic);
+        match self.modal.motion {
+            Motion::None if block.has_axis() => {
+                self.report
+                    .error(block.span, "coordinates without a motion")
+                    .expected("G0, G1, G2, G3 or a spline");
+                block.take_axes();
+            }
+            Motion::Rapid | Motion::Line if block.has_axis() => self.straight(block, inverse_feed),
+            Motion::Arc { clockwise }
+                if is_new || block.has_axis() || b"IJK".iter().any(|c| block.has(*c)) =>
+            {
+                self.arc(block, clockwise, inverse_feed);
+            }
+            Motion::FanucNurbs | Motion::LinuxCncNurbs | Motion::Bspline => self.spline_block(block, is_new),
+            Motion::Cubic | Motion::Quadratic => self.bezier(block, continues),
+            Motion::Cycle(cycle) if block.has_axis() => self.drill(block, cycle),
+            Motion::WithSpindle { comes_back } if block.has_axis() => self.with_spindle(block, comes_back),
+            Motion::Broken => self.pass_over(block),
+            _ => {}
+        }
+    }
+
+    /// Says the words that nobody took.
+    fn refuse(&mut self, block: Block<'_>) {
+        let motion = self.modal.motion;
+        for word in block.rest().iter() {
+            let text = self.report.source.slice(word.span);
+            let name = motion.name();
+            let kind = format!("{:?} {name}", word.key);
+            let message = format!("`{text}` is no word of {name}");
+            let said = self.report.of_kind(!self.options.lenient, word.span, kind, message);
+            if !self.options.lenient {
+                said.expected(motion.words());
+            }
+        }
+    }
+}

@@ -1,0 +1,72 @@
+//! F words, and lengths that a control may read in another unit.
+
+use crate::gcode::block::Block;
+use crate::gcode::modal::{FeedMode, Motion};
+use crate::gcode::reader::Reader;
+use crate::moves::MAX_FEEDRATE;
+use crate::options::Dialect;
+
+impl Reader<'_, '_, '_> {
+    /// Warns once of a length without a decimal point, which many controls of FANUC count in least increments.
+    pub(crate) fn look_for_points(&mut self, block: &Block<'_>) {
+        if !self.whole_units {
+            return;
+        }
+        let letters: &[u8] = match self.modal.motion {
+            Motion::Arc { .. } => b"XYZIJKR",
+            _ => b"XYZ",
+        };
+        let source = &self.report.source;
+        let Some(word) = block.without_point(source, letters) else { return };
+        let (text, unit) =
+            (source.slice(word.span), if self.modal.inches { "inches" } else { "millimetres" });
+        let increments = if self.modal.inches { "0.0001 inch" } else { "0.001 mm" };
+        let message = format!("numbers without a decimal point are read as whole {unit}: `{text}`");
+        self.report.warning(word.span, message).hint(format!(
+            "a control may read them as increments of {increments}; with a point they are alike"
+        ));
+        self.whole_units = false;
+    }
+
+    /// Takes F: in G94 it becomes the feedrate, in G93 it is handed back, in 1/min, and in G95 it becomes the
+    /// feed of a revolution.
+    pub(crate) fn feed(&mut self, block: &mut Block<'_>, unit_before: f64) -> Option<f64> {
+        let word = block.take_letter(b'F')?;
+        let mut unit = self.modal.mm(1.0);
+        if unit != unit_before {
+            let dialect = self.options.dialect;
+            if dialect == Some(Dialect::LinuxCnc) {
+                unit = unit_before;
+            } else if dialect.is_none() {
+                let text = self.report.source.slice(word.span).to_owned();
+                self.report
+                    .warning(word.span, format!("`{text}` is read in the unit that its block sets"))
+                    .hint("LinuxCNC reads it in the unit before, as with its dialect given");
+            }
+        }
+        if word.value <= 0.0 {
+            self.report.error(word.span, format!("the feed is {}", word.value)).expected("a feed above 0");
+            return None;
+        }
+        match self.modal.feed_mode {
+            FeedMode::PerMinute => {}
+            FeedMode::InverseTime => return Some(word.value),
+            FeedMode::PerRevolution => {
+                self.modal.feed_mm_per_revolution = Some(word.value * unit);
+                return None;
+            }
+        }
+        let feedrate = word.value * unit / 60.0;
+        if feedrate > MAX_FEEDRATE {
+            let text = self.report.source.slice(word.span);
+            let message = format!(
+                "`{text}` is {feedrate:.0} mm/s, as fast as any machine can: the machine's own feed is taken"
+            );
+            self.report.of_kind(false, word.span, "fast", message);
+            self.modal.feedrate_mm_per_s = None;
+            return None;
+        }
+        self.modal.feedrate_mm_per_s = Some(feedrate);
+        None
+    }
+}

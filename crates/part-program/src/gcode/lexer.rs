@@ -1,0 +1,259 @@
+//! Lexer of part programs: a line to its words.
+//!
+//! A word is a letter and a number (`X12.5`, `G06.2`) or an expression (`X[#1+2]`), or in Siemens programs a name, `=` and an expression
+//! (`PW=1.5`). Comments `( )` and from `;`, block numbers, program numbers and `%` are no words; a `%` that does not begin the program
+//! ends it. White space may stand anywhere but inside a number or a name. Beside words a line may give variables their values, and say
+//! which line is executed next.
+
+use crate::diagnostic::Report;
+use crate::gcode::expression::{Fault, Parser};
+use crate::gcode::line::{Line, Tape};
+use crate::gcode::scope::Scope;
+use crate::gcode::variables::Variable;
+use crate::gcode::word::{Key, Word};
+use crate::options::Dialect;
+use crate::source::{Source, Span};
+
+/// Reads one line that begins at byte `start` into `read`.
+pub(crate) fn read_line(
+    report: &mut Report<'_>,
+    lenient: bool,
+    scope: Scope<'_>,
+    tape: &mut Tape,
+    start: usize,
+    line: &str,
+    read: &mut Line,
+) {
+    read.clear();
+    let mut lexer = Lexer { report, lenient, scope, start, line, at: 0, begun: tape.begun, read };
+    lexer.skip(|c| c.is_ascii_whitespace());
+    if lexer.peek() == Some(b'/') {
+        let span = lexer.span(lexer.at, lexer.at + 1);
+        lexer.report.of_kind(false, span, '/', "optional block: read as if the switch were off");
+        lexer.at += 1;
+        // Of several switches, its number.
+        lexer.skip(|c| c.is_ascii_digit());
+    }
+    if !lexer.is_setting() {
+        while lexer.item().is_some() {}
+    }
+    tape.begun |= lexer.begun || !lexer.read.words.is_empty();
+}
+
+/// Where in a line behind the end of a program something stands that is no comment and no delimiter.
+pub(crate) fn remainder(start: usize, line: &str) -> Option<Span> {
+    let (modal, variables) = Default::default();
+    let scope = Scope { modal: &modal, variables: &variables, dialect: None };
+    let mut aside = Report::new(Source::new("", ""));
+    let mut read = Line::default();
+    read_line(&mut aside, false, scope, &mut Tape::default(), start, line, &mut read);
+    let whole = Span::new(start, start + line.trim_end().len());
+    let is_more = aside.has_errors() || read.command.is_some() || !read.assignments.is_empty();
+    read.words.first().map(|word| word.span).or(is_more.then_some(whole))
+}
+
+/// Reads one line.
+pub(super) struct Lexer<'r, 't, 'l> {
+    pub(super) report: &'r mut Report<'t>,
+    pub(super) lenient: bool,
+    pub(super) scope: Scope<'l>,
+    pub(super) start: usize,
+    pub(super) line: &'l str,
+    pub(super) at: usize,
+    /// See [`Tape`].
+    pub(super) begun: bool,
+    pub(super) read: &'r mut Line,
+}
+
+impl Lexer<'_, '_, '_> {
+    pub(super) fn peek(&self) -> Option<u8> {
+        self.line.as_bytes().get(self.at).copied()
+    }
+
+    pub(super) fn span(&self, from: usize, to: usize) -> Span {
+        Span::new(self.start + from, self.start + to)
+    }
+
+    pub(super) fn skip(&mut self, skipped: impl Fn(u8) -> bool) {
+        while self.peek().is_some_and(&skipped) {
+            self.at += 1;
+        }
+    }
+
+    /// Takes a line that sets a control up and moves nothing: Grbl's `$100=250`, and commands of Klipper, `SET_FAN SPEED=1`.
+    fn is_setting(&mut self) -> bool {
+        let text = self.line.trim();
+        let first = text.split_whitespace().next().unwrap_or("");
+        let is_command = first.len() > 3
+            && first.contains('_')
+            && first.bytes().all(|c| c.is_ascii_uppercase() || c == b'_' || c.is_ascii_digit());
+        let begin = self.line.len() - self.line.trim_start().len();
+        let span = self.span(begin, begin + text.len());
+        match text.as_bytes() {
+            [b'$', b'H' | b'h', ..] => self.read.is_homing = true,
+            [b'$' | b'?' | b'!' | b'~', ..] => {
+                self.report.of_kind(
+                    false,
+                    span,
+                    '$',
+                    format!("`{text}` sets the control up: it is left out"),
+                );
+            }
+            _ if is_command => {
+                self.report.of_kind(
+                    false,
+                    span,
+                    '_',
+                    format!("`{first}` is a command of the control: it is left out"),
+                );
+            }
+            _ => return false,
+        }
+        true
+    }
+
+    /// Reads one item of the line; `None` at its end.
+    fn item(&mut self) -> Option<()> {
+        self.skip(|c| c.is_ascii_whitespace());
+        let begin = self.at;
+        match self.peek()? {
+            // Text that a printer shows.
+            _ if self.is_shown_text() => None,
+            b';' => None,
+            b'%' => {
+                self.at += 1;
+                let ended = self.begun || !self.read.words.is_empty();
+                self.read.ended = ended.then_some(self.at);
+                self.begun = true;
+                (!ended).then_some(())
+            }
+            b'(' => self.comment(),
+            b'#' => self.assignment(false),
+            b',' => self.corner(begin),
+            c if c.is_ascii_alphabetic() || c == b'_' => self.address(begin),
+            c @ (b'@' | b'^') => {
+                self.at += 1;
+                self.number(begin, Key::Letter(c))
+            }
+            _ => self.stray(begin),
+        }
+    }
+
+    /// Whether the last word was M117, M118 or M23, whose text is no word.
+    fn is_shown_text(&self) -> bool {
+        let shows = |word: &Word| word.key == Key::Letter(b'M') && [23.0, 117.0, 118.0].contains(&word.value);
+        self.read.words.last().is_some_and(shows)
+    }
+
+    /// `,R5` or `,C5`.
+    fn corner(&mut self, begin: usize) -> Option<()> {
+        self.at += 1;
+        self.skip(|c| c == b' ');
+        let key = match self.peek().map(|c| c.to_ascii_uppercase()) {
+            Some(b'R') => Key::CornerRadius,
+            Some(b'C') => Key::CornerDistance,
+            _ => {
+                self.at = begin;
+                return self.stray(begin);
+            }
+        };
+        self.at += 1;
+        self.number(begin, key)
+    }
+
+    /// A character that begins no word.
+    fn stray(&mut self, begin: usize) -> Option<()> {
+        let c = self.line[begin..].chars().next()?;
+        self.at += c.len_utf8();
+        let what = if c.is_ascii_digit() || matches!(c, '.' | '+' | '-') {
+            self.skip(is_number);
+            format!("the number `{}` has no letter", &self.line[begin..self.at])
+        } else {
+            format!("`{}` is no part of a word", c.escape_debug())
+        };
+        let span = self.span(begin, self.at);
+        if self.lenient {
+            self.report.warning(span, what);
+            return Some(());
+        }
+        self.report.error(span, what).expected("a word such as X12.5");
+        None
+    }
+
+    /// A parser of expressions that stands where the lexer does.
+    pub(super) fn parser(&self, is_round: bool) -> Parser<'_> {
+        Parser::new(self.line, self.at, self.scope, is_round)
+    }
+
+    /// Takes what a parser has read, or says what is wrong with it, and ends the line.
+    pub(super) fn parsed<T>(&mut self, read: Result<(T, usize), Fault>) -> Option<T> {
+        match read {
+            Ok((value, at)) => {
+                self.at = at;
+                Some(value)
+            }
+            Err(fault) => {
+                fault.say(self.report, self.start);
+                None
+            }
+        }
+    }
+
+    /// `#5 = expression`, or Siemens' `R5 = expression`.
+    pub(super) fn assignment(&mut self, is_round: bool) -> Option<()> {
+        let begin = self.at;
+        let read = {
+            let mut parser = self.parser(is_round);
+            parser.variable().and_then(|(variable, place)| {
+                if parser.peek() != Some(b'=') {
+                    let message = "a variable without a letter before it or a value behind it";
+                    return Err(Fault {
+                        place,
+                        message: message.into(),
+                        expected: "a word, as X#5, or a value, as #5=1",
+                    });
+                }
+                parser.at += 1;
+                let value = parser.expression()?;
+                Ok(((variable, value), parser.at))
+            })
+        };
+        let (variable, value) = self.parsed(read)?;
+        if matches!(variable, Variable::Number(0)) {
+            let span = self.span(begin, self.at);
+            self.report.error(span, "variable 0 cannot be given a value").expected("a variable from #1 on");
+            return None;
+        }
+        self.read.dialect = match variable {
+            Variable::Name(_) => Some(Dialect::LinuxCnc),
+            Variable::R(_) => Some(Dialect::Siemens),
+            Variable::Number(_) => self.read.dialect,
+        };
+        self.read.assignments.push((variable, value));
+        Some(())
+    }
+
+    pub(super) fn comment(&mut self) -> Option<()> {
+        let begin = self.at;
+        let Some(length) = self.line[begin..].find(')') else {
+            let end = self.line.trim_end().len().max(begin + 1);
+            self.report
+                .error(self.span(begin, end), "this comment has no end")
+                .expected("a `)` on the same line");
+            return None;
+        };
+        self.at = begin + length + 1;
+        if let Some(at) = self.line[begin..self.at].find('\r') {
+            let span = self.span(begin + at, begin + at + 1);
+            self.report
+                .warning(span, "a CR without LF in a comment: what follows it may be a line of its own")
+                .expected("lines that end alike");
+        }
+        Some(())
+    }
+}
+
+/// Whether a byte may stand in a number.
+pub(super) fn is_number(c: u8) -> bool {
+    c.is_ascii_digit() || matches!(c, b'.' | b'+' | b'-')
+}

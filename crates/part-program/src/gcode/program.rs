@@ -1,0 +1,108 @@
+//! A whole program: its lines in the order in which they are executed.
+
+use crate::diagnostic::Report;
+use crate::gcode::flow::Context;
+use crate::gcode::lexer;
+use crate::gcode::line::{Line, Tape};
+use crate::gcode::reader::Reader;
+use crate::gcode::scope::Scope;
+use crate::options::ReadOptions;
+use crate::part::Part;
+use crate::source::Span;
+
+/// Reads a whole program into `part`. What is wrong goes to the report.
+pub(crate) fn read(report: &mut Report<'_>, part: &mut Part, options: ReadOptions) {
+    let length = report.source.text.len();
+    let mut reader = Reader::new(report, part, options);
+    reader.lines();
+    if let Some(corner) = reader.corner.take() {
+        corner.say_unmet(reader.report);
+    }
+    reader.report.within = None;
+    reader.close(Span::new(length, length));
+    reader.part.unit_is_assumed = !reader.names_unit && options.unit.is_none();
+    part.feedrate_mm_per_s = part.highest_feedrate();
+    if part.curves.is_empty() && !report.has_errors() {
+        let cause = report.first_warning().map(|first| format!("line {}: {}", first.line, first.message));
+        let error = report.error(Span::new(0, 0), "the program holds no curve");
+        error.expected("a move from one point to another");
+        if let Some(cause) = cause {
+            error.hint(format!("what was read over may be why: {cause}"));
+        }
+    }
+}
+
+impl Reader<'_, '_, '_> {
+    /// Executes the lines of the program in their order.
+    fn lines(&mut self) {
+        let (mut read, mut tape) = (Line::default(), Tape::default());
+        while let Some(index) = self.flow.advance(self.report) {
+            let (start, line) = self.report.source.line(index);
+            let scope =
+                Scope { variables: &self.variables, modal: &self.modal, dialect: self.options.dialect };
+            lexer::read_line(self.report, self.options.lenient, scope, &mut tape, start, line, &mut read);
+            self.line(&mut read);
+            if self.is_full() {
+                let span = Span::new(start, start + line.trim_end().len());
+                let message = "the program makes more curves than are taken";
+                self.report.error(span, message).expected("fewer turns of arcs, holes and repeated lines");
+                return;
+            }
+            let behind = read.ended.unwrap_or(line.len());
+            self.ended |= read.ended.is_some();
+            if self.ended {
+                self.look_behind_the_end(start + behind, &line[behind..], index);
+                return;
+            }
+        }
+        if self.flow.is_called() && !self.report.has_errors() {
+            let end = self.report.source.text.len();
+            self.report
+                .error(Span::new(end, end), "the program ends within a subprogram")
+                .expected("M99 or endsub at the end of the subprogram");
+        }
+    }
+
+    /// Executes what a line says.
+    fn line(&mut self, read: &mut Line) {
+        if let Some(dialect) = read.dialect {
+            self.options.dialect.get_or_insert(dialect);
+        }
+        self.block_number = self.block_number.saturating_add(1);
+        if read.is_homing {
+            (0..3).for_each(|axis| self.lose(axis));
+        }
+        for (variable, value) in read.assignments.drain(..) {
+            self.variables.set(variable, value);
+        }
+        self.block(&mut read.words);
+        if let Some((command, span)) = read.command.take() {
+            let mut context = Context {
+                report: self.report,
+                variables: &mut self.variables,
+                modal: &self.modal,
+                dialect: self.options.dialect,
+            };
+            let is_obeyed = self.flow.obey(&mut context, command, span).is_some();
+            self.ended |= !is_obeyed;
+        }
+    }
+
+    /// Warns of words behind the end of the program, unless they may be those of subprograms.
+    fn look_behind_the_end(&mut self, start: usize, rest: &str, index: usize) {
+        if self.report.has_errors() || self.flow.has_called {
+            return;
+        }
+        self.report.within = None;
+        let mut found = lexer::remainder(start, rest);
+        let mut index = index + 1;
+        while found.is_none() && index < self.report.source.lines() {
+            let (start, line) = self.report.source.line(index);
+            found = lexer::remainder(start, line);
+            index += 1;
+        }
+        if let Some(span) = found {
+            self.report.warning(span, "what follows the end of the program is not read");
+        }
+    }
+}

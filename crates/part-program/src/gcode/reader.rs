@@ -1,0 +1,181 @@
+//! The state of a program that is being read, and what every word does to it: adding curves, resting, finding where axes begin.
+
+use crate::curve::{Curve, MAX_COORDINATE_MM};
+use crate::diagnostic::Report;
+use crate::exact_stops::{ExactStops, PathMode};
+use crate::gcode::block::Block;
+use crate::gcode::corner::Corner;
+use crate::gcode::cycle::Holes;
+use crate::gcode::flow::Flow;
+use crate::gcode::modal::{Modal, WORK_OFFSETS};
+use crate::gcode::other_axes::OtherAxes;
+use crate::gcode::placing::Placing;
+use crate::gcode::spline::Spline;
+use crate::gcode::variables::Variables;
+use crate::moves::{Move, MoveKind, Shape};
+use crate::options::{Dialect, ReadOptions, Unit};
+use crate::part::Part;
+use crate::source::Span;
+
+/// Control points that a program may make beside four for each of its bytes: what loops, cycles and arcs of many turns make of it must
+/// fit into memory.
+const MAX_POINTS: usize = 8_000_000;
+/// A curve takes as much memory beside its control points as so many of them.
+const POINTS_OF_A_CURVE: usize = 4;
+
+/// Where a block is: in the text, and in the order of execution.
+#[derive(Clone, Copy)]
+pub(crate) struct BlockPlace {
+    pub(crate) span: Span,
+    pub(crate) block: u32,
+}
+
+/// A program that is being read.
+pub(crate) struct Reader<'r, 't, 'p> {
+    pub(crate) report: &'r mut Report<'t>,
+    pub(crate) part: &'p mut Part,
+    pub(crate) options: ReadOptions,
+    pub(crate) modal: Modal,
+    pub(crate) variables: Variables,
+    pub(crate) flow: Flow,
+    pub(crate) holes: Holes,
+    /// What the block does with its coordinates other than move to them.
+    pub(crate) placing: Option<(Placing, Span)>,
+    pub(crate) others: OtherAxes,
+    /// What is to become of the corner behind the last move.
+    pub(crate) corner: Option<Corner>,
+    /// The work offsets whose origins the program has set.
+    pub(crate) known_origins: [bool; WORK_OFFSETS],
+    /// The last shift that was written, to which G92.3 comes back.
+    pub(crate) kept_shift: [f64; 3],
+    /// Whether a word has said the unit of lengths.
+    pub(crate) names_unit: bool,
+    /// Control points of the curves that have been made.
+    points: usize,
+    /// Blocks that have been executed.
+    pub(crate) block_number: u32,
+    /// The first curve on which each axis is unknown, while it is.
+    pub(crate) unknown_from: [usize; 3],
+    /// The program is said to be FANUC's, and no length without a decimal point has been met.
+    pub(crate) whole_units: bool,
+    /// A G word of the block that is read over.
+    pub(crate) unread: Option<Span>,
+    /// G9: this block alone ends at rest.
+    pub(crate) block_stops: bool,
+    /// G61 was read before it was known whether the program is LinuxCNC's.
+    pub(crate) is_unsure_of_stops: bool,
+    /// How the last block that moved passes its end; of a spline, the last of its blocks.
+    pub(crate) end: PathMode,
+    stops: ExactStops,
+    pub(crate) spline: Option<(Spline, BlockPlace)>,
+    /// Inner point of a smooth continuation of G5, from its start.
+    pub(crate) smooth: Option<[f64; 2]>,
+    pub(crate) ended: bool,
+}
+
+impl<'r, 't, 'p> Reader<'r, 't, 'p> {
+    /// A reader at the beginning of a program.
+    pub(crate) fn new(report: &'r mut Report<'t>, part: &'p mut Part, options: ReadOptions) -> Self {
+        let mut modal = Modal::default();
+        modal.inches = options.unit == Some(Unit::Inch);
+        if let Some(start) = options.start_mm {
+            modal.position = start.map(Some);
+        }
+        Self {
+            report,
+            part,
+            options,
+            modal,
+            variables: Variables::default(),
+            flow: Flow::default(),
+            holes: Holes::default(),
+            placing: None,
+            corner: None,
+            others: OtherAxes::default(),
+            known_origins: [false; WORK_OFFSETS],
+            kept_shift: [0.0; 3],
+            names_unit: false,
+            points: 0,
+            block_number: 0,
+            unknown_from: [0; 3],
+            whole_units: options.dialect == Some(Dialect::Fanuc),
+            unread: None,
+            block_stops: false,
+            is_unsure_of_stops: false,
+            end: PathMode::Continuous,
+            stops: ExactStops::default(),
+            spline: None,
+            smooth: None,
+            ended: false,
+        }
+    }
+
+    /// Whether the program makes more of its text than is taken.
+    pub(crate) fn is_full(&self) -> bool {
+        self.points > MAX_POINTS + 4 * self.report.source.text.len()
+    }
+
+    /// Goes to where a block leads that cannot be read: what is wrong has been said, and no other error is to follow from it.
+    pub(crate) fn pass_over(&mut self, block: &mut Block<'_>) {
+        let written = block.take_axes();
+        let end = self.modal.target(self.modal.here(), written);
+        if end.iter().all(|x| x.abs() <= MAX_COORDINATE_MM) {
+            self.modal.arrive(written, end);
+        }
+        block.clear();
+    }
+
+    /// Puts the curves that were made while an axis was unknown to where it began.
+    pub(crate) fn begin_axes(&mut self) {
+        for axis in 0..3 {
+            let Some(begin) = self.modal.begun[axis].take() else { continue };
+            for curve in &mut self.part.curves[self.unknown_from[axis]..] {
+                curve.control_points_mm.iter_mut().for_each(|point| point[axis] = begin);
+                curve.dimension = Curve::dimension_of(&curve.control_points_mm);
+            }
+        }
+    }
+
+    /// A block that goes nowhere ends in an exact stop all the same: where the move before it ended.
+    pub(crate) fn rest_here(&mut self) {
+        if self.end == PathMode::ExactStop {
+            self.rest();
+        }
+    }
+
+    /// The last move ends at rest.
+    pub(crate) fn rest(&mut self) {
+        self.stops.rest(self.part);
+    }
+
+    /// Adds a curve with its move, behind the corner that the program puts before it.
+    pub(crate) fn push(
+        &mut self,
+        mut curve: Curve,
+        kind: MoveKind,
+        shape: Shape,
+        feedrate: Option<f64>,
+        place: BlockPlace,
+    ) {
+        let (line, block) = (self.line_of(place.span), place.block);
+        if let Some(corner) = self.corner.take()
+            && let Some((between, one)) = corner.turn(self.report, self.part, &mut curve, shape)
+        {
+            self.part.curves.push(between);
+            self.part.moves.push(one);
+        }
+        self.points += curve.control_points_mm.len() + POINTS_OF_A_CURVE;
+        let one = Move { kind, shape, feedrate_mm_per_s: feedrate, exact_stop: false, line, block };
+        self.stops.push(self.part, self.end, curve, one);
+    }
+
+    /// Where the block is that is executed.
+    pub(crate) fn place(&self, span: Span) -> BlockPlace {
+        BlockPlace { span, block: self.block_number }
+    }
+
+    /// The line of a place, from 1.
+    pub(crate) fn line_of(&self, span: Span) -> usize {
+        self.report.source.line_number(span.start)
+    }
+}

@@ -1,0 +1,174 @@
+//! What smoothing did: each corner, and the totals.
+
+use std::collections::BTreeMap;
+
+use part_program::Machine;
+use serde::Serialize;
+
+/// What became of a corner.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum CornerKind {
+    /// Cut off on the inside.
+    Cut,
+    /// Left along the first move and met again along the second, in a loop.
+    Loop,
+    /// Left sharp.
+    Left,
+}
+
+/// One corner.
+#[derive(Clone, Debug, Serialize)]
+pub struct CornerRow {
+    /// Line of the block that ends in it.
+    pub line: usize,
+    /// Where it is, in mm.
+    pub point_mm: [f64; 3],
+    /// Angle by which the direction turns, in degrees.
+    pub angle_deg: f64,
+    /// What became of it.
+    pub kind: CornerKind,
+    /// Why it is left, or cut where loops were wanted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reason: Option<String>,
+    /// Distance from the moves, both ways, in mm, as the smoothing found it; 0 of one that is left.
+    pub error_mm: f64,
+    /// Distance from the moves, both ways, in mm, as measured: on the curves, or on the straight moves of a program as they read back.
+    pub measured_error_mm: f64,
+    /// Feed in the corner when every corner is a stop, in mm/s.
+    pub feed_before_mm_per_s: f64,
+    /// Lowest feed in the corner of the smoothed path, in mm/s.
+    pub feed_after_mm_per_s: f64,
+}
+
+/// The setpoints of the smoothed path, interpolated in f64.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct SetpointCheck {
+    /// How many there are.
+    pub count: usize,
+    /// Largest distance from the smoothed path, in mm, its corners by sine and cosine.
+    pub off_path_mm_max: f64,
+    /// Largest distance from the program's moves, in mm.
+    pub off_moves_mm_max: f64,
+    /// Largest distance of the chord between two setpoints from the smoothed path, in mm.
+    pub chord_error_mm_max: f64,
+    /// Largest acceleration in any direction, in mm/s²: the second difference of setpoints over T².
+    pub total_acceleration_max_mm_per_s2: f64,
+    /// Whether every stretch was followed to its end.
+    pub finished: bool,
+}
+
+/// The corners' two forms: by sine and cosine, and as the polynomials that real time evaluates.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct Forms {
+    /// Degree of the polynomials; 0 where no corner is smoothed.
+    pub polynomial_degree: usize,
+    /// Polynomials of all corners.
+    pub polynomials: usize,
+    /// Largest distance of the two forms at the same parameter, in mm, both evaluated in f64.
+    pub distance_mm_max: f64,
+    /// Proven bound of that distance, in mm, but for rounding.
+    pub distance_bound_mm: f64,
+    /// Operations for a point by sine and cosine.
+    pub trigonometric_operations: u64,
+    /// Operations for a point of a compiled piece.
+    pub polynomial_operations: u64,
+}
+
+/// The whole result.
+#[derive(Clone, Debug, Serialize)]
+pub struct Report {
+    /// Name of the part.
+    pub part: String,
+    /// Largest distance allowed between the two paths, in mm.
+    pub tolerance_mm: f64,
+    /// The machine that both paths are planned for.
+    pub machine: Machine,
+    /// Moves of the part; each side of a polygon is one.
+    pub moves: usize,
+    /// Runs of moves from rest to rest.
+    pub stretches: usize,
+    /// Corners that are cut.
+    pub cuts: usize,
+    /// Corners that are looped.
+    pub loops: usize,
+    /// Outer corners among the cuts that are too shallow for a loop.
+    pub shallow: usize,
+    /// Corners that are left, by reason.
+    pub left: BTreeMap<String, usize>,
+    /// Whose distance from the program is measured.
+    pub measured: Measured,
+    /// Largest distance between the two paths, both ways, in mm.
+    pub error_mm_max: f64,
+    /// The path with a stop at every corner.
+    pub exact_stop: PathSummary,
+    /// The smoothed path.
+    pub smoothed: PathSummary,
+    /// How many times as fast the smoothed path is: below 1 if it is slower.
+    pub speedup: f64,
+    /// The corners' two forms.
+    pub forms: Forms,
+    /// The setpoints of the smoothed path.
+    pub setpoints: SetpointCheck,
+    /// Every corner, in the order of the path.
+    pub corners: Vec<CornerRow>,
+}
+
+/// Of what a report states the distance.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Measured {
+    /// The smoothed curves.
+    #[default]
+    Curves,
+    /// The straight moves of the program that was written, as they read back.
+    StraightMoves,
+}
+
+impl std::fmt::Display for Measured {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Curves => "the curves",
+            Self::StraightMoves => "the straight moves, as they read back",
+        })
+    }
+}
+
+/// One of the two paths, planned from rest to rest stretch by stretch.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct PathSummary {
+    /// How many curves it has.
+    pub curves: usize,
+    /// Its length, in mm.
+    pub length_mm: f64,
+    /// The time that it takes, in s.
+    pub time_s: f64,
+}
+
+/// Largest distance of a setpoint from the path that it is on, in mm: twice what the polynomials may be off, and rounding.
+const ON_PATH_MM: f64 = 1e-8;
+
+impl Report {
+    /// What is broken of what smoothing promises; nothing if all is well.
+    #[must_use]
+    pub fn faults(&self) -> Vec<String> {
+        let mut faults = Vec::new();
+        let mut demand = |holds: bool, fault: String| {
+            if !holds {
+                faults.push(fault);
+            }
+        };
+        let (error, tolerance) = (self.error_mm_max, self.tolerance_mm);
+        demand(error <= tolerance, format!("the path is {error:.3e} mm off, more than {tolerance} mm"));
+        let setpoints = &self.setpoints;
+        let off = setpoints.off_path_mm_max;
+        demand(
+            off <= self.forms.distance_bound_mm + ON_PATH_MM,
+            format!("a setpoint is {off:.3e} mm off the path"),
+        );
+        let off = setpoints.off_moves_mm_max;
+        demand(off <= tolerance, format!("a setpoint is {off:.3e} mm off the program's moves"));
+        demand(setpoints.finished, "interpolation stops before the end".into());
+        faults
+    }
+}
