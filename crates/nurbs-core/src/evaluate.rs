@@ -1,4 +1,4 @@
-//! What planning and interpolation ask of a curve.
+//! The functions of a curve that planning and interpolation call.
 
 use real::Real;
 
@@ -9,7 +9,7 @@ pub trait Evaluate<R: Real, const D: usize> {
 
     /// The point `C(u)`, in the unit of the control points.
     ///
-    /// Beyond either end the outer span is extrapolated, so that a solver may try a parameter past the end.
+    /// Beyond either end the outer span is extrapolated: a solver may try a parameter past the end.
     fn point(&self, u: R) -> [R; D];
 
     /// Number of spans of nonzero length.
@@ -21,11 +21,11 @@ pub trait Evaluate<R: Real, const D: usize> {
 
 /// A curve with first and second derivatives with respect to its parameter.
 pub trait Differentiate<R: Real, const D: usize>: Evaluate<R, D> {
-    /// Point and derivatives at `u`; at a joint of two spans those of the span that begins there.
+    /// Point and derivatives at `u`. At a joint of two spans they are those of the span that begins there.
     fn derivatives(&self, u: R) -> Derivatives<R, D>;
 
-    /// Point and derivatives at `u` of the function that holds in span `span`: at the span's own ends, the
-    /// one-sided derivatives.
+    /// Point and derivatives at `u` of the function that describes span `span`. At the span's own ends the derivatives
+    /// are one-sided.
     fn derivatives_in(&self, span: usize, u: R) -> Derivatives<R, D>;
 }
 
@@ -41,7 +41,7 @@ pub struct Derivatives<R, const D: usize> {
 }
 
 impl<R: Real, const D: usize> Default for Derivatives<R, D> {
-    /// Of a curve that is the origin.
+    /// The derivatives of a curve that is a single point, the origin.
     fn default() -> Self {
         let zero = [R::zero(); D];
         Self { point: zero, first: zero, second: zero }

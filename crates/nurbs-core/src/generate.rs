@@ -1,8 +1,8 @@
 //! Random valid curves for property tests, as proptest strategies.
 //!
-//! Degree 1 to 7, 2 to 20 inner knots, which cluster (gaps of 1, 1e-2 and 1e-4 of each other) and repeat up to
-//! `degree` times; coordinates within ±500 mm; weights all equal in half of the curves, else 0.01 to 100. Every curve
-//! converts to `f32`; a fixed format may refuse one whose knots or weights it does not resolve.
+//! Degree 1 to 7. 2 to 20 inner knots: they cluster, with gaps of 1, 1e-2 and 1e-4 relative to each other, and repeat
+//! up to `degree` times. Coordinates within ±500 mm. Weights all equal in half of the curves, else 0.01 to 100. Every
+//! curve converts to `f32`. A fixed format may refuse a curve whose knots or weights it does not resolve.
 
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -66,7 +66,8 @@ pub fn curve<const D: usize>() -> impl Strategy<Value = NurbsBuf<f64, D>> {
         })
 }
 
-/// A random curve of which a third of the control points are where the one before them is, at the ends too; not all of them.
+/// A random curve, a third of whose control points coincide with the one before them, also at the ends. Not all points
+/// coincide.
 pub fn curve_with_coincident_points<const D: usize>() -> impl Strategy<Value = NurbsBuf<f64, D>> {
     let repeats = vec(prop_oneof![2 => Just(false), 1 => Just(true)], 1..=28);
     (curve::<D>(), repeats).prop_filter_map("not all points are the same", |(curve, repeats)| {

@@ -33,7 +33,7 @@ pub fn seed_003() -> NurbsBuf<f64, 2> {
 /// A full circle about the origin: four quarters of degree 2, The NURBS Book example 7.2.
 ///
 /// # Panics
-/// If the radius is 0 or no number.
+/// If the radius is 0, infinite or NaN.
 #[must_use]
 pub fn circle(radius: f64) -> NurbsBuf<f64, 2> {
     let (r, h) = (radius, core::f64::consts::FRAC_1_SQRT_2);

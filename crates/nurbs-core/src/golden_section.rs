@@ -2,23 +2,23 @@
 
 use real::Real;
 
-/// What a search has come to.
+/// The result of a search.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Least<R, T> {
     /// The place of the least value found.
     pub at: R,
-    /// What the function gave there.
+    /// The result of `of` there.
     pub found: T,
-    /// Where the minimum is, if the function has one only.
+    /// Where the interval of the minimum begins, if the function has only one minimum.
     pub from: R,
-    /// The end of that.
+    /// Where that interval ends.
     pub to: R,
 }
 
-/// Where `value(of(x))` is least on [from, to], by golden sections: with each of the `sections` the interval is 0.618 times as wide,
-/// and `of` is asked once, besides twice before the first.
+/// Finds where `value(of(x))` is least on [from, to], by golden sections. Each of the `sections` makes the interval
+/// 0.618 times as wide and evaluates `of` once; two evaluations come before the first.
 ///
-/// Of a function with more minima one is found. The ends themselves are not tried.
+/// If the function has several minima, one of them is found. The ends themselves are not tried.
 ///
 /// # Source
 /// Kiefer, "Sequential minimax search for a maximum", Proceedings of the American Mathematical Society 4, 1953.

@@ -1,20 +1,20 @@
 //! `nurbs-core`: where is the curve, how fast does it pass, how sharply does it bend, and how long is it?
 //!
-//! Answered for NURBS curves in any number format: floats, fixed point, or a wrapper that watches either. No heap in real
-//! time, no `unwrap` or `panic!`, no loop without a bound.
+//! It answers for NURBS curves in any number format: floats, fixed point, or a wrapper that watches either. It takes no
+//! heap in real time, and has no `unwrap`, no `panic!` and no loop without a bound.
 //!
 //! | folder | answers | public names |
 //! |---|---|---|
-//! | | what does everything else ask of a curve? | [`Evaluate`], [`Differentiate`], [`Derivatives`] |
+//! | | which functions does a curve offer to all the others? | [`Evaluate`], [`Differentiate`], [`Derivatives`] |
 //! | `nurbs/` | which knots are valid, and in which span is u? (A2.1) | [`KnotVector`] |
 //! | | what are the basis functions, whose sum in fixed point is exactly 1? (after A2.2) | [`basis_functions`] |
 //! | | where is the curve? (points A3.1, A4.1; derivatives after A3.3, A4.2) | [`NurbsCurve`] |
-//! | | who owns its numbers, in which format, with which knots inserted? (A5.1) | [`NurbsBuf`] |
+//! | | which curve owns its numbers, converts to another format, and takes inserted knots? (A5.1) | [`NurbsBuf`] |
 //! | `measure/` | how sharply does a curve bend? Curvature and radius, without cubes | [`curvature()`], [`curvature_vector`], [`radius`], all at once [`Frenet`] |
 //! | | does its tangent break at a joint? | [`tangent_breaks`] |
-//! | | how long is it, and where has it gone so far? The rule behind both | [`arc_length()`], [`parameter_at`], [`GaussLegendre`] |
-//! | `polynomials/` | how is a curve evaluated fastest in f64? One polynomial a span | [`PowerCurve`], where that is accurate [`FastCurve`] |
-//! | `pieces/` | what does real time evaluate? | [`Pieces`], made of [`Piece`]s |
+//! | | how long is a curve, and at which parameter has it reached a given length? The quadrature rule behind both | [`arc_length()`], [`parameter_at`], [`GaussLegendre`] |
+//! | `polynomials/` | how is a curve evaluated fastest in f64? One polynomial a span; basis functions where it would lose too many digits | [`PowerCurve`], [`FastCurve`] |
+//! | `pieces/` | which polynomials does real time evaluate? | [`Pieces`], made of [`Piece`]s |
 //! | | how is a path cut into them, with proven ranges? | [`compile()`], [`PiecesBuf`] |
 //! | `shapes/` | straight moves and circular arcs | [`Line`], [`Arc`] |
 //! | | cubic trigonometric splines: the basis, a segment, a curve, polynomials with a proven error | [`trig_basis()`], [`TrigSegment`], [`TrigSpline`], [`TrigSplineBuf::to_polynomials`] |
@@ -47,7 +47,7 @@
 //! |---|---|
 //! | `std` (default) | square roots of floats through std; implies `alloc` |
 //! | `libm` | square roots of floats without std |
-//! | `alloc` | what owns its numbers: [`NurbsBuf`], `polynomials/`, [`compile()`], [`PathCurve`], `smoothing/`; without it no allocator is linked |
+//! | `alloc` | types that own their numbers: [`NurbsBuf`], `polynomials/`, [`compile()`], [`PathCurve`], `smoothing/`; without it no allocator is linked |
 //! | `generate` | curves for tests: proptest strategies in `generate`, the curves of the papers in `golden` |
 
 #![cfg_attr(not(any(test, feature = "std")), no_std)]

@@ -1,4 +1,4 @@
-//! The definition of a NURBS curve, taken literally and in double-double: what tests judge evaluation by.
+//! The definition of a NURBS curve, taken literally and in double-double: tests compare evaluation with it.
 
 use crate::NurbsBuf;
 use real::{Backend, DoubleDouble, Real};
@@ -53,7 +53,7 @@ pub(crate) fn exactly<const D: usize>(curve: &NurbsBuf<f64, D>) -> NurbsBuf<Doub
     curve.convert().unwrap()
 }
 
-/// The curve with the numbers that a format of at most 53 significant bits has left of it.
+/// The curve in `f64`, with its numbers as a format of at most 53 significant bits holds them.
 pub(crate) fn in_f64<Q: Backend, const D: usize>(curve: &NurbsBuf<Q, D>) -> NurbsBuf<f64, D> {
     let all = |numbers: &[Q]| numbers.iter().map(|x| x.to_f64()).collect();
     let points = curve.control_points().iter().map(|p| p.map(Q::to_f64)).collect();

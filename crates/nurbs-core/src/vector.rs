@@ -1,7 +1,7 @@
 //! Vectors in any number of dimensions, component by component.
 //!
-//! Only [`dot`] and [`weighted_sum`] are sums of products, which fixed point rounds once; everything else rounds as it is
-//! written, from left to right.
+//! Only [`dot`] and [`weighted_sum`] are sums of products, which fixed point rounds once. Every other function rounds
+//! as it is written, from left to right.
 
 use core::array::from_fn;
 

@@ -1,8 +1,8 @@
 //! The auditing wrapper: the same values, with overflows and underflows counted and the range of every named signal recorded.
 //!
-//! The backend's result is handed on unchanged; beside it the exact one is formed, in integers for fixed point, to tell
-//! whether rounding alone lies between them. The records live in thread-local storage, so that a value stays as small as
-//! the backend's own and a kernel needs no extra argument.
+//! The wrapper hands on the backend's result unchanged. Beside it, it forms the exact result, in integers for fixed
+//! point, and checks whether the two differ by more than rounding. The records live in thread-local storage, so that a
+//! value stays as small as the backend's own and a kernel needs no extra argument.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -13,18 +13,19 @@ use crate::{Backend, FormatName, Histogram, Operation, Real};
 /// What happened while [`Audit::of`] watched.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Audit {
-    /// Results too large for the format: they wrapped, saturated, or became infinite or NaN. In fixed point, those that
-    /// differ from the exact result by a unit of the last place or more, which no rounding does.
+    /// Number of results too large for the format: they wrapped, saturated, or became infinite or NaN. In fixed point a
+    /// result counts if it differs from the exact one by a unit of the last place or more: rounding alone never differs
+    /// by so much.
     pub overflows: u64,
-    /// Results too small for the format: zero, where the exact result is not.
+    /// Number of results too small for the format: they are zero, and the exact ones are not.
     pub underflows: u64,
     /// Divisions by zero.
     pub divisions_by_zero: u64,
     /// The range of each named signal.
     pub signals: BTreeMap<&'static str, SignalRange>,
-    /// How large the values of each named signal were.
+    /// How large the values of each named signal were, by powers of two.
     pub histograms: BTreeMap<&'static str, Histogram>,
-    /// Overflows and underflows that a signal has been charged with.
+    /// Overflows and underflows that have already been counted for a signal.
     charged: (u64, u64),
 }
 
@@ -41,11 +42,11 @@ pub struct SignalRange {
     pub count: u64,
     /// How many of them were zero.
     pub zeros: u64,
-    /// Overflows on the way to this signal: after the signal named before it, whichever that was.
+    /// Overflows between this signal and the signal that was named before it, whichever that was.
     pub overflows: u64,
-    /// Underflows to zero on the way to this signal, in the same sense.
+    /// Underflows to zero between the same two signals.
     pub underflows: u64,
-    /// Largest distance to the shadow; `None` if the signal was not [`Shadowed`](crate::Shadowed).
+    /// Largest distance between value and shadow; `None` if the signal was not [`Shadowed`](crate::Shadowed).
     pub max_error: Option<f64>,
 }
 
@@ -82,16 +83,16 @@ thread_local! {
 }
 
 impl Audit {
-    /// Runs `work` and returns its result with what its [`Audited`] numbers met on this thread.
+    /// Runs `work`. Returns its result, and what the [`Audited`] numbers of this thread met meanwhile.
     ///
-    /// What an inner call records, the outer one does not.
+    /// An inner call keeps a record of its own, which the outer call does not see.
     pub fn of<T>(work: impl FnOnce() -> T) -> (T, Audit) {
         let outer = AUDIT.with(RefCell::take);
         let result = work();
         (result, AUDIT.with(|audit| audit.replace(outer)))
     }
 
-    /// Integer bits, the sign included, that the largest named signal needs; 1 if none was recorded.
+    /// Integer bits, the sign included, that the signal with the largest values needs; 1 if no signal was recorded.
     #[must_use]
     pub fn integer_bits_needed(&self) -> u32 {
         let bits = |range: &SignalRange| {
@@ -133,7 +134,7 @@ fn toward_zero(x: f64) -> f64 {
     f64::from_bits(x.to_bits() - 1)
 }
 
-/// What became of a result.
+/// How a result differs from the exact one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Fate {
     /// It is the exact one, rounded.

@@ -36,7 +36,7 @@ pub struct OperationCounts {
     pub norm_terms: u64,
     /// Multiplications by powers of two.
     pub scale: u64,
-    /// Comparisons, those with zero among them.
+    /// Comparisons, also those with zero.
     pub compare: u64,
     /// Conversions from and to phases and from floats.
     pub convert: u64,
@@ -64,9 +64,9 @@ thread_local! {
 }
 
 impl OperationCounts {
-    /// Runs `work` and returns its result with the operations that its [`Counted`] numbers did on this thread.
+    /// Runs `work`. Returns its result, and the operations that the [`Counted`] numbers of this thread did meanwhile.
     ///
-    /// What an inner call counts, the outer one does not.
+    /// An inner call keeps a count of its own, which the outer call does not see.
     pub fn of<T>(work: impl FnOnce() -> T) -> (T, OperationCounts) {
         let outer = COUNTS.take();
         let result = work();
@@ -96,7 +96,7 @@ impl OperationCounts {
         self.mul + self.mul_add + self.sum_of_products_terms + self.norm_terms
     }
 
-    /// Counts one operation on so many operands.
+    /// Counts one operation that has `operands` operands.
     pub(crate) fn count(&mut self, operation: Operation, operands: usize) {
         let operands = operands as u64;
         match operation {

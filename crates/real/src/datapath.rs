@@ -1,8 +1,9 @@
-//! What a fixed-point datapath does with what its registers cannot hold.
+//! How a fixed-point datapath rounds, and what it does on overflow.
 
-/// What happens to the bits that a result has too many of, in products, quotients, roots and shifts.
+/// How the datapath drops the bits below the last place, in products, quotients, roots and shifts.
 ///
-/// Conversions always go to nearest, as the [`Real`](crate::Real) table says: constants and inputs are not made by the datapath.
+/// Conversions always round to nearest, as the [`Real`](crate::Real) table says: the datapath does not make constants
+/// and inputs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Rounding {
     /// To the nearest number; ties up in products and shifts, away from zero in quotients, as `FixedPoint` does.
@@ -10,17 +11,17 @@ pub enum Rounding {
     Nearest,
     /// To the nearest number, ties to even.
     NearestEven,
-    /// Toward -∞: dropping the bits, which takes no adder.
+    /// Toward -∞: the datapath drops the bits, which takes no adder.
     Floor,
     /// Toward zero.
     TowardZero,
 }
 
 impl Rounding {
-    /// All of them.
+    /// All four ways of rounding.
     pub const ALL: [Self; 4] = [Self::Nearest, Self::NearestEven, Self::Floor, Self::TowardZero];
 
-    /// The word for it in a format's name; none for the common one.
+    /// The word for it in a format's name; `None` for the default, which a name leaves out.
     pub(crate) fn word(self) -> Option<&'static str> {
         match self {
             Self::Nearest => None,
@@ -31,7 +32,7 @@ impl Rounding {
     }
 }
 
-/// What happens to a sum or product that does not fit. Quotients, roots and norms saturate in any case.
+/// What becomes of a sum or product that does not fit. Quotients, roots and norms always saturate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Overflow {
     /// The high bits are lost.
@@ -42,10 +43,10 @@ pub enum Overflow {
 }
 
 impl Overflow {
-    /// Both.
+    /// Both ways.
     pub const ALL: [Self; 2] = [Self::Wrap, Self::Saturate];
 
-    /// The word for it in a format's name; none for the common one.
+    /// The word for it in a format's name; `None` for the default, which a name leaves out.
     pub(crate) fn word(self) -> Option<&'static str> {
         match self {
             Self::Wrap => None,
@@ -54,11 +55,12 @@ impl Overflow {
     }
 }
 
-/// Both. The default is what [`FixedPoint`](crate::FixedPoint) does: to nearest, and wrapping.
+/// How a datapath rounds and what it does on overflow. The default is that of [`FixedPoint`](crate::FixedPoint): it
+/// rounds to nearest and wraps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Datapath {
-    /// What happens to the bits below the last.
+    /// How bits below the last place are dropped.
     pub rounding: Rounding,
-    /// What happens to the bits above the first.
+    /// What happens to bits above the first place.
     pub overflow: Overflow,
 }

@@ -1,4 +1,4 @@
-//! Integer division of a double word by a word, by Newton's reciprocal: what fixed-point `/` stands on.
+//! Integer division of a double word by a word, by Newton's reciprocal: fixed-point `/` calls it.
 //!
 //! A processor of W bits multiplies two words into a double word in a few cycles, but divides a double word by
 //! a word, if at all, by a library routine that yields a bit or two per turn. The reciprocal costs
@@ -14,16 +14,18 @@
 //!    1/D, never reaches β, and ends at most 4 units below 1/D, the last square included.
 //! 3. *Quotient.* Of the numerator `n = n₁β + n₀ < dβ` the high word gives `q = ⌊n₁·X⌋`, too small by less than
 //!    11: less than 8 by X, 1 by the rounding, 2 by n₀.
-//! 4. *The rest.* The remainder `r = n − q·d < 11d` is divided in the same way, its four low bits left out so that
-//!    it fits a word: too small by less than `15/d + 11·4·2/β + 1 < 2` for W ≥ 8, so by one at most.
-//! 5. *The last unit.* If the remainder is still at least d, one more. Quotient and remainder are exact.
+//! 4. *The rest.* The remainder `r = n − q·d < 11d` is divided in the same way. Its four low bits are left out, so that
+//!    it fits a word. The second quotient is too small by less than `15/d + 11·4·2/β + 1 < 2` for W ≥ 8, so by one at
+//!    most.
+//! 5. *The last unit.* If the remainder is still at least d, the quotient grows by one. Quotient and remainder are now
+//!    exact.
 //!
 //! There is no loop whose length depends on the operands, no table, and one condition.
 //!
-//! Where a product of 64-bit words is made of four of 32 bits, the early steps would waste it. So for W = 64 the
-//! reciprocal of the divisor's upper half is the start: off by at most 4 units of `2^-31` to either side, half a
-//! unit of the divisor included. One step leaves 64 units of `2^-63`, and 3 by rounding. The quotient is then too
-//! small by less than 2·67 + 3 < 2⁸, and the rest leaves out eight bits instead of four.
+//! Some machines make a product of 64-bit words from four products of 32 bits; early steps in full width would waste
+//! them. So for W = 64 the reciprocal of the divisor's upper half is the start. It is off by at most 4 units of `2^-31`
+//! to either side, half a unit of the divisor included. One Newton step leaves 64 units of `2^-63`, and rounding adds
+//! 3. The quotient is then too small by less than 2·67 + 3 < 2⁸, so step 4 leaves out eight bits instead of four.
 
 #![allow(
     clippy::cast_possible_truncation,
@@ -35,7 +37,7 @@ macro_rules! division {
     ($word:ident, $double:ident, start: $start:expr, steps: $steps:expr, slack: $slack:literal) => {
         pub(crate) mod $word {
             const WIDTH: u32 = $word::BITS;
-            /// Bits that the remainder of the first quotient has more than a word.
+            /// Bits by which the remainder of the first quotient is longer than a word.
             const SLACK: u32 = $slack;
 
             #[inline]

@@ -7,10 +7,10 @@ use qd::Quad;
 
 use crate::{Backend, FormatName, Real};
 
-/// A double-double number of the `qd` crate, as a [`Real`]: what every format is judged against.
+/// A double-double number of the `qd` crate, as a [`Real`]: the reference that every format is compared with.
 ///
-/// Relative error of each operation below 1e-31; the crate's quick addition, which loses that under
-/// cancellation, is not used.
+/// The relative error of each operation is below 1e-31. The crate's quick addition would exceed that under
+/// cancellation, and is not used.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 pub struct DoubleDouble(Quad);
 
@@ -20,7 +20,8 @@ impl Default for DoubleDouble {
     }
 }
 
-/// An exponent of a phase beyond this, which is far beyond the domain, counts as this: powers of two stay normal numbers.
+/// A larger exponent of a phase counts as this one, so that powers of two stay normal numbers. This is far beyond the
+/// domain.
 const FARTHEST: i32 = 900;
 
 impl DoubleDouble {
@@ -122,8 +123,8 @@ impl Real for DoubleDouble {
     }
 
     fn norm<const N: usize>(vector: &[Self; N]) -> Self {
-        // The largest component decides on a power of two that keeps squares, and what multiplications drop,
-        // far from both ends of the range.
+        // All components are scaled by one power of two, which the largest of them decides. Squares, and the digits
+        // that multiplications drop, then stay far from both ends of the range.
         let largest = vector.iter().fold(0.0, |largest: f64, v| largest.max(v.value().abs()));
         let exponent = match largest {
             x if x > 1e100 => -600,

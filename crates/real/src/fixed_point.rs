@@ -1,9 +1,9 @@
 //! Fixed-point backends: the `fixed` crate's signed types with an explicit operation family.
 //!
-//! The operators of `fixed` itself panic on overflow in a debug build and wrap in release, round products
-//! toward −∞ and quotients toward 0. [`FixedPoint`] decides once for all builds: products, sums of products,
-//! quotients, roots and norms are formed in twice the width and rounded to nearest; what then does not fit
-//! wraps in `+`, `-`, `*` and saturates in `/`, `sqrt` and `norm`, as the table at [`Real`] says.
+//! The operators of the `fixed` crate panic on overflow in a debug build and wrap in release; they round products
+//! toward −∞ and quotients toward 0. [`FixedPoint`] does the same in all builds. It forms products, sums of products,
+//! quotients, roots and norms in twice the width and rounds them to nearest. A result that does not fit wraps in `+`,
+//! `-`, `*` and saturates in `/`, `sqrt` and `norm`, as the table at [`Real`] says.
 
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -33,7 +33,7 @@ where
 
     const BITS: usize = (F::INT_NBITS + F::FRAC_NBITS) as usize;
 
-    /// Whether a word of twice the width is one that the machine works with.
+    /// Whether the machine has registers of twice the width.
     const WIDE_IS_A_REGISTER: bool = 2 * Self::BITS <= usize::BITS as usize;
 
     /// The number `bits · 2⁻ᶠ`.
@@ -61,8 +61,8 @@ where
         Self(F::from_bits(wide.as_()))
     }
 
-    /// Drops `shift` bits, rounding to nearest and ties up. Adding half a unit may wrap; the sum is in wide
-    /// bits, of which the caller keeps the low half at most.
+    /// Drops `shift` bits, rounding to nearest and ties up. Adding half a unit may wrap the wide word; the caller keeps
+    /// at most its low half.
     #[inline]
     fn round(wide: WideBits<F>, shift: usize) -> WideBits<F> {
         if shift == 0 {
@@ -233,7 +233,8 @@ where
     fn to_phase(self, exponent: i32) -> u64 {
         let bits: u64 = self.0.to_bits().as_(); // of a negative number the first bit is set
         let left = (64 - F::FRAC_NBITS.cast_signed()).wrapping_add(exponent);
-        // A shift by so few bits loses nothing of a positive number. A word of 64 has too few of them to ask.
+        // A positive number of W bits has W - 1 digits: a shift to the left by up to 65 - W bits loses none. For W = 64
+        // that is a single shift, which is not worth the question.
         let few = 65_i32.wrapping_sub_unsigned(F::INT_NBITS + F::FRAC_NBITS);
         if few > 1 && (1..=few).contains(&left) && self.0 >= F::ZERO {
             return bits << left;

@@ -59,8 +59,8 @@ macro_rules! float_backend {
                 self * power_of_two::$float(exponent)
             }
 
-            /// The bits themselves, for a conversion would round to nearest: the leading one and what follows it are the
-            /// significand, its place is the exponent.
+            /// Works on the bits, because a conversion would round to nearest. The leading one and the bits after it
+            /// are the significand; the place of the leading one gives the exponent.
             #[inline]
             fn from_phase(phase: u64, exponent: i32) -> Self {
                 let zeros = phase.leading_zeros();
@@ -178,8 +178,8 @@ mod phase {
 
                 /// The exponent's bias.
                 pub(in super::super) const BIAS: i32 = $float::MAX_EXP - 1;
-                /// Distances that significands are shifted by are less: a subnormal number lies farther at every exponent
-                /// of the domain, zero with them.
+                /// Significands are shifted by less than this. A subnormal number and zero lie farther than this at
+                /// every exponent of the domain.
                 pub(in super::super) const FARTHEST: u32 =
                     if BIAS - 65 < 64 { (BIAS - 65).unsigned_abs() } else { 64 };
 
@@ -193,8 +193,8 @@ mod phase {
                     $float::from_bits((bits + significand) as _)
                 }
 
-                /// How far below ½ the exponent lies, more than ever for a negative number, and the significand of a normal
-                /// number in [1, 2) · 2⁶³.
+                /// How far the exponent lies below that of ½, and the significand of a normal number in [1, 2) · 2⁶³.
+                /// The sign bit counts as the exponent's top bit, so that the distance of a negative number is below 0.
                 #[inline]
                 #[allow(
                     clippy::cast_possible_truncation,
@@ -207,7 +207,8 @@ mod phase {
                     ((BIAS - 1).wrapping_sub((bits >> ($digits - 1)) as i32), significand)
                 }
 
-                /// All bits but the last ones, over what they stand for: from an integer that machines convert.
+                /// `phase · 2⁻⁶⁴` without the last bits of the phase: the others fit an integer that machines convert
+                /// in one instruction.
                 #[inline]
                 #[allow(
                     clippy::cast_precision_loss,
@@ -220,7 +221,7 @@ mod phase {
                         * super::super::power_of_two::$float($spared - 64)
                 }
 
-                /// 0, and what leaves the normal numbers.
+                /// `phase · 2^(exponent - 64)` where the phase is 0 or the result is not a normal number.
                 #[cold]
                 #[allow(
                     clippy::cast_precision_loss,
@@ -233,7 +234,7 @@ mod phase {
                     kept.scale(dropped.cast_signed() - 64).scale(exponent.clamp(-64, 64))
                 }
 
-                /// Nothing, all and more, negative numbers, and what is none.
+                /// `⌊x · 2^(64 + exponent)⌋` where the result is 0 or saturates, and where x is negative or NaN.
                 #[cold]
                 #[allow(
                     clippy::cast_possible_truncation,
@@ -268,8 +269,8 @@ impl Backend for f32 {
     }
     #[allow(clippy::cast_possible_truncation, reason = "rounding to the format is what is asked for")]
     fn from_f64_pair(high: f64, low: f64) -> Option<Self> {
-        // A second rounding of a rounded sum goes wrong where the first made it a tie. So the first goes to the
-        // neighbour with an odd last digit, which is never a tie: the sum itself if it needs no rounding.
+        // Rounding a rounded sum goes wrong if the first rounding made it a tie. So the first one goes to the neighbour
+        // with an odd last digit, which is never a tie. A sum that needs no rounding stays as it is.
         let sum = high + low;
         let rest = (high - sum) + low; // exact, as |high| >= |low|
         let odd = match (rest == 0.0 || sum.to_bits() & 1 == 1, (rest > 0.0) == (sum > 0.0)) {

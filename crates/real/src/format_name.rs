@@ -4,8 +4,9 @@ use core::fmt;
 
 use crate::{Datapath, Overflow, Rounding};
 
-/// The name of a number format: `f64`, or `I16F16` for 16 integer bits with the sign and 16 fraction bits. What the datapath does
-/// otherwise than to round to nearest, ties up, and to wrap comes behind it, as in `I16F16-floor` or `I16F16-even-sat`.
+/// The name of a number format: `f64`, or `I16F16` for 16 integer bits with the sign and 16 fraction bits. The default
+/// datapath rounds to nearest with ties up, and wraps. Suffixes name any other, as in `I16F16-floor` or
+/// `I16F16-even-sat`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum FormatName {
     /// A binary float of this many bits, by the name Rust gives it.
@@ -19,11 +20,11 @@ pub enum FormatName {
         integer_bits: u32,
         /// Bits after the binary point.
         fraction_bits: u32,
-        /// What happens to what does not fit.
+        /// How the datapath rounds, and what it does on overflow.
         datapath: Datapath,
     },
-    /// Two's complement with the binary point left of all digits: the value is below one half. Written with a negative
-    /// number of integer bits, as in `I-4F12` for 8 bits, 2⁻⁵ down to 2⁻¹² with the sign.
+    /// Two's complement with the binary point left of all digits: the value is below one half. The name has a negative
+    /// number of integer bits: `I-4F12` has 8 bits, which stand for 2⁻⁵ (the sign) down to 2⁻¹².
     Fraction {
         /// Width in bits, the sign included.
         bits: u32,
@@ -42,8 +43,9 @@ impl FormatName {
         Self::Fixed { integer_bits, fraction_bits, datapath }
     }
 
-    /// The format with this name: `f32`, `f64`, or `I5F13` with at most 64 bits on either side of the point; then `-even`, `-floor`
-    /// or `-zero` for how products are rounded, if not to nearest, and `-sat` if sums and products saturate.
+    /// The format with this name: `f32`, `f64`, or `I5F13` with at most 64 bits on either side of the point. `-even`,
+    /// `-floor` or `-zero` may follow for products that are not rounded to nearest with ties up, then `-sat` for sums
+    /// and products that saturate.
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         match name {
@@ -58,7 +60,7 @@ impl FormatName {
         Some(Self::Fixed { integer_bits, fraction_bits, datapath: datapath_of(words)? })
     }
 
-    /// Width in bits; the greatest `u32` where a name that no format has would give more.
+    /// Width in bits; `u32::MAX` where a name that no format has would give more.
     #[must_use]
     pub const fn bits(self) -> u32 {
         match self {
@@ -86,7 +88,7 @@ impl fmt::Display for FormatName {
     }
 }
 
-/// The datapath that the words behind a name's bits say; `None` if one of them is none, or is not in its place.
+/// The datapath that the suffixes of a name say; `None` if one is unknown or in the wrong place.
 pub(crate) fn datapath_of<'n>(words: impl Iterator<Item = &'n str>) -> Option<Datapath> {
     let mut words = words.peekable();
     let mut next = |word: Option<&str>| word.is_some() && words.next_if(|next| Some(*next) == word).is_some();

@@ -12,7 +12,7 @@ pub struct Histogram {
 }
 
 impl Histogram {
-    /// Counts a value, the exact sum of two floats, if it is neither zero nor infinite nor NaN.
+    /// Counts the value `high + low`, unless it is zero, infinite or NaN.
     pub fn include(&mut self, (high, low): (f64, f64)) {
         if high != 0.0 && high.is_finite() {
             // Rounding to `high` may have gone up to a power of two that the value does not reach.
@@ -22,7 +22,7 @@ impl Histogram {
         }
     }
 
-    /// How many values had their leading bit at `2^exponent`.
+    /// How many values had the leading bit at `2^exponent`.
     #[must_use]
     pub fn count(&self, exponent: i32) -> u64 {
         self.bins.get(&exponent).copied().unwrap_or(0)

@@ -1,10 +1,10 @@
-//! What many runs side by side ask of a float.
+//! The conversion that a run of many numbers side by side needs of a float.
 
 use crate::Real;
 
 /// A float that converts to phases without a branch, so that a loop over many numbers becomes vector instructions.
 pub trait Lane: Real {
-    /// `⌊self · 2⁶⁴⌋`, and whether that is right: not for numbers below 2⁻⁶² or from 1 on, nor for what is no number.
+    /// `⌊self · 2⁶⁴⌋`, and whether that is right. It is right for numbers from 2⁻⁶² on and below 1, and for no others.
     fn part_of_one(self) -> (u64, bool);
 }
 

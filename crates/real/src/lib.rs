@@ -30,7 +30,7 @@
 //! | wrapper | sees |
 //! |---|---|
 //! | `Audited`, read by `Audit::of` | overflows, underflows, and the range and `Histogram` of every named signal |
-//! | `Shadowed`, read by `Audit::of` too | how far every named signal is from what a better format makes of it |
+//! | `Shadowed`, read by `Audit::of` too | how far every named signal is from the same signal in a more precise format |
 //! | `Counted`, read by `OperationCounts::of` | how many operations of each kind are done |
 //! | `Recorded`, read by `Graph::of` | which operation takes its operands from which |
 //!

@@ -1,4 +1,4 @@
-//! The operations of a [`Real`], as values: what wrappers count and record.
+//! The operations of a [`Real`], as values: wrappers count and record them.
 
 use crate::Real;
 
@@ -32,7 +32,7 @@ pub enum Operation {
 }
 
 impl Operation {
-    /// The result for these operands, in their order: what the method of [`Real`] of the same name gives.
+    /// The result for these operands, in their order. The method of [`Real`] with the same name gives the same.
     ///
     /// # Panics
     /// If there are fewer operands than the operation takes, or a norm of more than 256 components.
@@ -55,7 +55,7 @@ impl Operation {
     }
 }
 
-/// The norm of a slice: zeros do not change it, so a short one is filled up to the next of a few lengths.
+/// The norm of a slice, filled up with zeros to 4, 16 or 256 components: zeros do not change the norm.
 fn norm<R: Real>(vector: &[R]) -> R {
     fn filled<R: Real, const N: usize>(vector: &[R]) -> R {
         R::norm::<N>(&core::array::from_fn(|i| vector.get(i).copied().unwrap_or(R::zero())))

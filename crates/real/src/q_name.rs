@@ -5,10 +5,10 @@ use crate::format_name::datapath_of;
 
 /// A name in Q notation, as it was read.
 ///
-/// `Qm.n` has n bits after the point. Whether the sign is one of the m bits before it depends on who writes: Arm counts it within m,
-/// TI does not. What tells them apart is that registers have 8, 16, 32 or 64 bits: `Q8.24` fills 32 bits as Arm counts, `Q7.24` as TI
-/// does, and no name fills a register both ways. `Qn` or `Q.n`
-/// is a fraction, one sign bit and n bits behind it: `Q15` is I1F15.
+/// `Qm.n` has n bits after the point. Arm counts the sign among the m bits before it; TI does not. The width tells the
+/// two apart, because registers have 8, 16, 32 or 64 bits: `Q8.24` fills 32 bits as Arm counts, `Q7.24` as TI does. No
+/// name fills a register both ways. `Qn` or `Q.n` is a fraction of one sign bit and n bits after the point: `Q15` is
+/// I1F15.
 ///
 /// ```
 /// use real::{FormatName, QName};
@@ -32,7 +32,7 @@ pub enum QName {
     Ti(FormatName),
     /// `Qn` or `Q.n`, where n + 1 is the width of a register.
     Fraction(FormatName),
-    /// No register has this width however the sign is counted, so that nobody can tell which format is meant.
+    /// No register has this width, whichever way the sign is counted: the format cannot be told.
     Unclear {
         /// m, unless the name has none.
         integer_bits: Option<u32>,
@@ -42,8 +42,8 @@ pub enum QName {
 }
 
 impl QName {
-    /// Reads `Qm.n`, `Qn` or `Q.n`, with a capital Q or not; words of the datapath may stand behind it as in
-    /// [`FormatName::named`]. `None` if the name is none in Q notation, or has more than 64 bits on a side of the point.
+    /// Reads `Qm.n`, `Qn` or `Q.n`, with a capital or a small q. Suffixes for the datapath may follow, as in
+    /// [`FormatName::named`]. `None` if the name is not in Q notation, or has more than 64 bits on a side of the point.
     #[must_use]
     pub fn read(name: &str) -> Option<Self> {
         let bits = |digits: &str| {

@@ -1,8 +1,8 @@
 //! Registers of different widths: every named signal is rounded to a format of its own.
 //!
-//! In hardware the word length is chosen register by register; the operators between two registers work on what they
-//! are given. [`Quantized`] computes in f64, whose 53 bits are more than any register it is used for, and rounds
-//! wherever a kernel names a [`signal`](crate::Real::signal). So the kernels run in mixed formats without knowing it.
+//! In hardware each register has its own word length, and an operator takes whatever lengths its registers have.
+//! [`Quantized`] computes in f64, whose 53 bits are more than any register it is used for. It rounds wherever a kernel
+//! names a [`signal`](crate::Real::signal). So a kernel runs in mixed formats without a change.
 
 use std::cell::RefCell;
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -15,7 +15,7 @@ use crate::{Backend, FormatName, Real, Rounding};
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
 pub struct Quantized(f64);
 
-/// How signals are rounded; name and fraction bits of each register.
+/// How signals are rounded, and the name and the fraction bits of each register.
 type Registers = (Rounding, Vec<(&'static str, i32)>);
 
 thread_local! {
@@ -23,8 +23,9 @@ thread_local! {
 }
 
 impl Quantized {
-    /// Runs `work` with these registers on this thread, name and fraction bits, rounded in one way, ties up where that is to
-    /// nearest. Other signals stay as they are. Afterwards, also by a panic, the registers are those of before.
+    /// Runs `work` with these registers on this thread. A register is a signal's name and its fraction bits. All round
+    /// in one way; to nearest, ties go up. Signals without a register are not rounded. After the call, also after a
+    /// panic, the former registers are in force again.
     pub fn run<T>(rounding: Rounding, registers: &[(&'static str, i32)], work: impl FnOnce() -> T) -> T {
         struct Restore(Registers);
         impl Drop for Restore {
@@ -39,7 +40,7 @@ impl Quantized {
     fn rounded(self, rounding: Rounding, fraction_bits: i32) -> Self {
         let units = self.0.scale(fraction_bits);
         let whole = match rounding {
-            // Adding a half to all of it would round once more.
+            // `(units + 0.5).floor()` would round twice, because the sum rounds.
             Rounding::Nearest => units.floor() + if units - units.floor() >= 0.5 { 1.0 } else { 0.0 },
             Rounding::NearestEven => units.round_ties_even(),
             Rounding::Floor => units.floor(),

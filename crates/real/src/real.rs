@@ -41,15 +41,15 @@ pub trait Real:
     + Sub<Output = Self>
     + Div<Output = Self>
 {
-    /// Whether kernels are compiled for common cases besides the form that serves all. What watches or imitates other numbers
-    /// is not run for speed: there it would only take the compiler's time.
+    /// Whether kernels are also compiled in variants for common cases, beside the form that serves all cases. Wrappers,
+    /// and numbers that imitate other formats, are not run for speed: variants would only cost them compile time.
     const IS_FOR_SPEED: bool = false;
 
     /// Whether a number carries its own exponent, so that no unit suits it better than another.
     const IS_FLOATING: bool = false;
 
-    /// Whether places on [0, 1) are added up as numbers, and phases are what they come to: their last digits are far less than any
-    /// setpoint shows. Other formats add phases.
+    /// How an interpolator adds up its place on a piece, a number in [0, 1). If true, it adds numbers and derives the
+    /// phase from the sum, whose last digit is far below any that a setpoint shows. If false, it adds phases.
     const ADDS_PLACES: bool = false;
 
     /// The step between 1 and the next larger number: 2⁻²³ in `f32`, 2⁻ᶠ with f fraction bits.
@@ -57,8 +57,7 @@ pub trait Real:
 
     /// The number nearest to `numerator / denominator`: how kernels write their constants.
     ///
-    /// A quotient that does not fit saturates. Domain, for a constant that means what it says: `denominator ≠ 0`, and
-    /// the quotient fits the format.
+    /// Domain: `denominator ≠ 0`, and the quotient fits the format. A quotient that does not fit saturates.
     fn from_ratio(numerator: i32, denominator: i32) -> Self;
 
     /// `self · factor + addend`.
@@ -67,8 +66,8 @@ pub trait Real:
     /// result is then the same on every machine.
     fn mul_add(self, factor: Self, addend: Self) -> Self;
 
-    /// `Σ aᵢ·bᵢ` over the pairs; 0 for none. In fixed point the sum is formed in an accumulator of twice the width,
-    /// which wraps, and is rounded once: the result is that of the exact sum, wrapped. Floats add from the first pair on.
+    /// `Σ aᵢ·bᵢ` over the pairs; 0 for none. Fixed point forms the sum in an accumulator of twice the width, which
+    /// wraps, and rounds it once: the result is the exact sum, rounded and wrapped. Floats add the products in order.
     fn sum_of_products(pairs: impl IntoIterator<Item = (Self, Self)>) -> Self;
 
     /// Euclidean length `√(Σ vᵢ²)`; 0 for no components. No intermediate overflows: only a result too large for the
@@ -82,14 +81,15 @@ pub trait Real:
     /// nearest, ties up; shifting left wraps. Domain: `|exponent| ≤ 126`.
     fn scale(self, exponent: i32) -> Self;
 
-    /// The number `phase · 2^(exponent - 64)`, rounded toward 0; saturates. A phase is a fraction in [0, 1) held as
-    /// a 64-bit integer, whose steps are equal and so fine that sums of small increments lose nothing, in
-    /// whatever format they are used. Domain: `|exponent| ≤ 64`.
+    /// The number `phase · 2^(exponent - 64)`, rounded toward 0; saturates. A phase is a fraction in [0, 1) held as a
+    /// 64-bit integer. Its steps are equal, and so fine that sums of small increments lose nothing in any format.
+    /// Domain: `|exponent| ≤ 64`.
     fn from_phase(phase: u64, exponent: i32) -> Self;
 
-    /// The number `phase · 2⁻⁶⁴`, from 0 to 1, as a place on [0, 1]: not as precise near 0 as a float could be, for it is off by
-    /// up to half of its last digit and by 2⁻⁶⁴ in `f64`, 2⁻³² in `f32`. This is what machines convert integers to, and
-    /// takes a third of the instructions of [`from_phase`](Real::from_phase). In fixed point it is the same as that.
+    /// The number `phase · 2⁻⁶⁴`, from 0 to 1, as a place on [0, 1]. It is off by up to half of its last digit and by
+    /// 2⁻⁶⁴ in `f64`, 2⁻³² in `f32`: a float near 0 could be more precise. Machines convert integers in this way, so
+    /// that it takes a third of the instructions of [`from_phase`](Real::from_phase). In fixed point it is the same as
+    /// `from_phase`.
     #[must_use]
     fn fraction(phase: u64) -> Self {
         Self::from_phase(phase, 0)
@@ -99,9 +99,9 @@ pub trait Real:
     /// 2⁶⁴ - 1 from 1 on. Domain: `|exponent| ≤ 64`.
     fn to_phase(self, exponent: i32) -> u64;
 
-    /// The place `self` on [0, 1) as a phase, off by up to half the resolution; `None` from 1 on, once rounded so.
-    /// The other way round than [`fraction`](Real::fraction), and in floats a third of the instructions of
-    /// [`to_phase`](Real::to_phase). In fixed point it is the same as that. Domain: `self ≥ 0`.
+    /// The place `self` on [0, 1) as a phase, off by up to half the resolution; `None` if the rounded place is 1 or
+    /// more. It is the inverse of [`fraction`](Real::fraction). In floats it takes a third of the instructions of
+    /// [`to_phase`](Real::to_phase); in fixed point it is the same as `to_phase`. Domain: `self ≥ 0`.
     #[must_use]
     fn place_to_phase(self) -> Option<u64> {
         Some(self.to_phase(0)).filter(|phase| *phase < u64::MAX)
@@ -110,21 +110,21 @@ pub trait Real:
     /// Whether this is a number: false only for the infinities and NaN of floats.
     fn is_finite(self) -> bool;
 
-    /// `2^exponent`, or the greatest number where that is more: a bound that nothing reaches then, so that no audit takes it
-    /// for an overflow. Domain: `-64 ≤ exponent ≤ 63`.
+    /// `2^exponent`, or the greatest number if that is less. The result is meant as a bound that no value reaches, so
+    /// that no audit counts an overflow here. Domain: `-64 ≤ exponent ≤ 63`.
     #[must_use]
     fn power_of_two(exponent: i32) -> Self {
         Self::from_phase(1 << 63, exponent.saturating_add(1))
     }
 
-    /// `self · 2^exponent`: from a compiled table's units of coordinates into those of chords. A float's tables have the
-    /// same for both, so that it is the number itself.
+    /// `self · 2^exponent`: converts from a compiled table's unit of coordinates to its unit of chords. A float's table
+    /// has one unit for both, so a float returns itself.
     #[must_use]
     fn rescaled(self, exponent: i32) -> Self {
         if Self::IS_FLOATING { self } else { self.scale(exponent) }
     }
 
-    /// Names this value for an observing wrapper. Every other backend returns it unchanged, at no cost.
+    /// Names this value for a wrapper that observes it. Every other backend returns it unchanged, at no cost.
     #[must_use]
     fn signal(self, _name: &'static str) -> Self {
         self
@@ -155,7 +155,7 @@ pub trait Real:
     }
 }
 
-/// A [`Real`] that tools can name, and convert from and to the floats that files hold. Kernels do without.
+/// A [`Real`] with a name and with conversions from and to the floats that files hold. Tools need them; kernels do not.
 pub trait Backend: Real {
     /// The format's name, as in `f32` or `I16F16`.
     fn name() -> crate::FormatName;

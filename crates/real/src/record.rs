@@ -1,7 +1,7 @@
 //! The recording wrapper: the same values, with the operations of a run written down as a data-flow graph.
 //!
-//! A graph is the trace of one path: the values are carried along, comparisons turn out as in the backend, and what they
-//! decided is recorded with them. It is what a cost model schedules and what a datapath is generated from.
+//! A graph is the trace of one run: its nodes hold the values, and its comparisons have the backend's outcome, which is
+//! recorded with them. A cost model schedules a graph; a datapath can be generated from it.
 
 use std::cell::RefCell;
 use std::cmp::Ordering;
@@ -43,7 +43,7 @@ pub enum NodeKind {
     Operation(Operation),
     /// A comparison of two operands, and how it turned out; `None` for a NaN.
     Compare(Option<Ordering>),
-    /// A 64-bit phase made of the operand: what becomes of it, integer arithmetic, is not recorded.
+    /// A 64-bit phase made of the operand. The integer arithmetic on a phase is not recorded.
     ToPhase {
         /// The operand counts units of `2^exponent`.
         exponent: i32,
@@ -55,9 +55,9 @@ pub enum NodeKind {
 pub struct Node {
     /// What it stands for.
     pub kind: NodeKind,
-    /// The exact value as a sum of two floats; of a comparison -1, 0, 1 or NaN, of a phase the fraction.
+    /// The exact value as a sum of two floats: -1, 0, 1 or NaN for a comparison, the fraction for a phase.
     pub value: (f64, f64),
-    /// Where its operands are in the graph's list, from and to.
+    /// From where to where its operands are in the graph's list.
     operands: (usize, usize),
 }
 
@@ -71,9 +71,9 @@ pub struct Graph {
 }
 
 impl Graph {
-    /// Runs `work` and returns its result with what its [`Recorded`] numbers did on this thread.
+    /// Runs `work`. Returns its result, and the operations that the [`Recorded`] numbers of this thread did meanwhile.
     ///
-    /// Inner recordings are graphs of their own, of which the outer one has nothing.
+    /// An inner recording is a graph of its own, and adds nothing to the outer one.
     pub fn of<T>(work: impl FnOnce() -> T) -> (T, Graph) {
         let recording = Recording { number: next_number(), ..Recording::default() };
         let outer = RECORDING.replace(Some(recording));
@@ -112,20 +112,20 @@ impl Graph {
         &self.operands[from..to]
     }
 
-    /// The numbers that a kernel has named, in the order it did; a name may occur more than once.
+    /// The numbers that kernels have named, in the order of naming; a name may occur more than once.
     #[must_use]
     pub fn signals(&self) -> &[(&'static str, NodeId)] {
         &self.signals
     }
 
-    /// The results, by the names they were given to [`Recorded::output`].
+    /// The results, by the names that [`Recorded::output`] was given.
     #[must_use]
     pub fn outputs(&self) -> &[(&'static str, NodeId)] {
         &self.outputs
     }
 
-    /// How many operations there are of each kind: what [`Counted`](crate::Counted) counts, but for conversions from
-    /// floats, which are constants here.
+    /// How many operations of each kind the graph has. [`Counted`](crate::Counted) counts the same, and also
+    /// conversions from floats, which are constants here.
     #[must_use]
     pub fn counts(&self) -> OperationCounts {
         let mut counts = OperationCounts::default();
@@ -192,8 +192,9 @@ impl Recording {
 
 /// A backend that records: computes exactly as `R` does, and writes into the [`Graph`] of its thread.
 ///
-/// A number made before the recording began, or by another one, enters it as a constant when it is first used, or as an
-/// input if it is named first, by [`Recorded::input`] or [`Real::signal`]. Outside of a recording nothing is written.
+/// A number may be older than the recording or belong to another. It enters this one as an input if [`Recorded::input`]
+/// or [`Real::signal`] names it first; else as a constant, when it is first used. Outside of a recording nothing is
+/// written.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Recorded<R> {
     value: R,

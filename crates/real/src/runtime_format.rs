@@ -1,8 +1,9 @@
-//! Fixed point of any width up to 64 bits, chosen at run time: what a search for the narrowest format runs in.
+//! Fixed point of any width up to 64 bits, chosen at run time: a search for the narrowest format runs in it.
 //!
-//! The format is not in the value but in thread-local storage, one slot a type parameter, so that a value is as small
-//! as an `i64` and a kernel needs no further argument. With [`Rounding::Nearest`] and [`Overflow::Wrap`] every
-//! operation gives the same bits as [`FixedPoint`](crate::FixedPoint) in the formats that both have.
+//! A value does not carry its format. Thread-local storage holds the format, in one slot for each type parameter, so
+//! that a value is as small as an `i64` and a kernel needs no further argument. With [`Rounding::Nearest`] and
+//! [`Overflow::Wrap`] every operation gives the same bits as [`FixedPoint`](crate::FixedPoint), in the formats that
+//! both have.
 
 use std::cell::Cell;
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -46,8 +47,8 @@ impl RuntimeFormat {
 
     /// The format with `width` bits in all, the sign included, whose resolution is `2^-fraction_bits`.
     ///
-    /// `None` unless `2 ≤ width ≤ 64` and `fraction_bits ≤ 62`. The point may lie left of all digits; where 1 does not
-    /// fit, `one` is the greatest number.
+    /// `None` unless `2 ≤ width ≤ 64` and `fraction_bits ≤ 62`. The point may lie left of all digits. Where 1 does not
+    /// fit the format, `one` gives the greatest number.
     #[must_use]
     pub const fn with_any_point(
         width: u32,
@@ -90,14 +91,14 @@ impl RuntimeFormat {
         self.datapath.rounding
     }
 
-    /// What happens to sums and products that do not fit.
+    /// What sums and products do that do not fit.
     #[must_use]
     pub const fn overflow(&self) -> Overflow {
         self.datapath.overflow
     }
 
-    /// Runs `work`, in which [`RuntimeFixed<SLOT>`] on this thread has this format. Afterwards, also by a panic, it has
-    /// the one it had before: runs nest.
+    /// Runs `work`. Meanwhile [`RuntimeFixed<SLOT>`] has this format on this thread. After the call, also after a
+    /// panic, the slot has its former format again: calls may be nested.
     pub fn run<const SLOT: usize, T>(self, work: impl FnOnce() -> T) -> T {
         struct Restore<const SLOT: usize>(RuntimeFormat);
         impl<const SLOT: usize> Drop for Restore<SLOT> {
@@ -145,7 +146,7 @@ impl RuntimeFormat {
         floor
             + match self.datapath.rounding {
                 Rounding::Nearest => first_dropped,
-                // A tie when the first bit dropped was the last one set.
+                // It is a tie if the first dropped bit is the last bit that is set.
                 Rounding::NearestEven => {
                     first_dropped & i128::from(floor & 1 == 1 || wide.trailing_zeros() != shift - 1)
                 }
@@ -213,10 +214,11 @@ fn slot<const SLOT: usize>(act: impl FnOnce(&Cell<RuntimeFormat>) -> RuntimeForm
     FORMATS.with(|formats| act(&formats[SLOT]))
 }
 
-/// A number in the format that [`RuntimeFormat::run`] has put in force for `SLOT`, 0 to 7; I16F16 outside of it.
+/// A number in the format that [`RuntimeFormat::run`] has put in force for `SLOT`, 0 to 7; outside of such a call, in
+/// I16F16.
 ///
-/// The value is an integer in units of the resolution, and means nothing to another format: numbers are made and used
-/// within the same run. Signals of different formats have slots of their own.
+/// The value is an integer in units of the resolution, and means nothing in another format: make and use a number
+/// within one call. Signals of different formats take different slots.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct RuntimeFixed<const SLOT: usize>(i64);
 
@@ -226,7 +228,7 @@ impl<const SLOT: usize> RuntimeFixed<SLOT> {
         slot::<SLOT>(Cell::get)
     }
 
-    /// The number of so many units of the format's resolution; what does not fit wraps or saturates.
+    /// The number of `bits` units of the resolution. A number that does not fit the format wraps or saturates.
     #[must_use]
     pub fn from_bits(bits: i64) -> Self {
         Self(Self::format().fit(bits.into()))
@@ -331,7 +333,7 @@ impl<const SLOT: usize> Real for RuntimeFixed<SLOT> {
         let products = pairs.into_iter().map(|(a, b)| a.wide() * b.wide());
         let sum = match format.datapath.overflow {
             Overflow::Wrap => products.fold(0, i128::wrapping_add),
-            // Once beyond 128 bits the sum may still come back: its high part is kept by itself.
+            // The sum may leave 128 bits and come back, so its high part is kept separately.
             Overflow::Saturate => {
                 let (low, carries) = products.fold((0_i128, 0_i64), |(low, carries), product| {
                     let (low, overflowed) = low.overflowing_add(product);

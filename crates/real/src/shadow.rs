@@ -1,17 +1,18 @@
-//! The shadowing wrapper: the same values, each beside what it would be in a better format.
+//! The shadowing wrapper: the same values, each beside its value in a better format.
 //!
-//! The comparisons are those of the backend's values, so that the shadow goes the same way; what it gathers is the
-//! rounding of everything before it, not the difference of two runs.
+//! Comparisons compare the backend's values, so that the shadow takes the same branches. The distance between value and
+//! shadow is then the rounding of everything before it, not the difference between two runs.
 
 use crate::audit::Audit;
 use crate::wrapper::{Wrapper, with_each, wrapper};
 use crate::{Backend, Operation};
 
-/// A number in `R` with its shadow in `S`: the result of the same operations there, inputs and constants included.
+/// A number in `R` with its shadow in `S`. The shadow is the result of the same operations in `S`, on inputs and
+/// constants in `S`.
 ///
-/// Wherever a kernel names a [`signal`](crate::Real::signal), the distance of the two is noted as the
+/// Wherever a kernel names a [`signal`](crate::Real::signal), the distance between value and shadow is noted as the
 /// [`max_error`](crate::SignalRange::max_error) of that name in the [`Audit`] of the thread. Around an
-/// [`Audited`](crate::Audited) backend, one run gives both ranges and errors. Distances are computed in f64: to a few
+/// [`Audited`](crate::Audited) backend, one run gives both ranges and errors. Distances are computed in f64, to a few
 /// units of the last place of the distance itself.
 ///
 /// ```
@@ -26,14 +27,14 @@ use crate::{Backend, Operation};
 /// ```
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Shadowed<R, S = f64> {
-    /// The backend's value: what is computed with, compared and handed on.
+    /// The backend's value, which kernels compute with, compare and hand on.
     pub value: R,
-    /// The better value.
+    /// The value in the better format.
     pub shadow: S,
 }
 
 impl<R: Backend, S: Backend> Shadowed<R, S> {
-    /// A number whose shadow is another one: an input before it was rounded, say.
+    /// A number with a shadow of its own: an input before it was rounded, say.
     #[must_use]
     pub fn new(value: R, shadow: S) -> Self {
         Self { value, shadow }

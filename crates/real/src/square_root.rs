@@ -1,4 +1,4 @@
-//! Integer square roots: what fixed-point `sqrt` and `norm` stand on.
+//! Integer square roots: fixed-point `sqrt` and `norm` call them.
 //!
 //! # Derivation
 //! *64 bits.* The radicand is shifted left by an even number of bits until `A = a/2⁶⁴ ∈ [¼, 1)`. With Y an
@@ -8,13 +8,13 @@
 //! 3. *The root* `S = A·Y` has the same error. A Newton step for the root in which Y stands for the division,
 //!    `S ← S + Y·(A − S²)/2`, makes it `s·y + s²/2 < 1/2 900 000`.
 //! 4. The same step again makes it `s·y + … < 1.7e-10`: 0.7 units of `2^-32`.
-//! 5. *The last unit.* Rounding down included the integer s is one too small at most; the remainder
-//!    `a − s²`, exact in 64 bits, tells.
+//! 5. *The last unit.* Rounding down included, the integer s is at most one too small. The remainder `a − s²`, exact in
+//!    64 bits, shows whether it is.
 //!
-//! *128 bits.* By halves (P. Zimmermann, *Karatsuba Square Root*, INRIA research report 3805, 1999): the root
-//! `s₁` of the high half is the high half of the root. With its remainder `r₁` and the next 32 bits `a₁` the low
-//! half is `⌊(r₁·2³² + a₁)/(2·s₁)⌋`, a [division](crate::division) of a double word by a word, too large by one
-//! at most; the remainder of the whole tells.
+//! *128 bits.* By halves (P. Zimmermann, *Karatsuba Square Root*, INRIA research report 3805, 1999): the root `s₁` of
+//! the high half is the high half of the root. With its remainder `r₁` and the next 32 bits `a₁` the low half is
+//! `⌊(r₁·2³² + a₁)/(2·s₁)⌋`, a [division](crate::division) of a double word by a word. This low half is at most one too
+//! large; the remainder of the whole root shows whether it is.
 
 #![allow(
     clippy::cast_possible_truncation,
@@ -49,7 +49,7 @@ fn normalised_u64(a: u64) -> (u32, u64) {
     let high = (a >> 32) as u32;
     // Units: y0 2^-8, product and bracket 2^-31, y 2^-30, s 2^-32.
     let y0 = 256 + RECIPROCAL_ROOTS[((high >> 26) as usize).clamp(16, 63) - 16] as u32;
-    // Less 2, what rounding A and the product down added at most.
+    // Less 2: rounding A and the product down has raised the bracket by at most that.
     let bracket = (3 << 30) - (product(high, y0 * y0, 17) >> 1) - 2;
     let y = product(y0, bracket, 9);
     let s = product(high, y, 30);

@@ -13,14 +13,14 @@ use crate::Real;
 
 /// Sine and cosine, for every [`Real`].
 ///
-/// No backend needs its own: a controller without a sine unit computes them just so, and a wrapper sees each
+/// All backends compute them by the same operations, as a controller without a sine unit has to. A wrapper sees each
 /// operation.
 pub trait Trigonometric: Real {
     /// π/2, rounded to nearest.
     #[must_use]
     fn half_pi() -> Self {
-        // The leading 24 bits are exact in every float; what follows them is added last and decides the rounding. One is
-        // added by itself: 1.57 then needs no more than the two integer bits that it has.
+        // The leading 24 bits are exact in every float; the digits after them are added last and decide the rounding.
+        // The 1 is added separately, so that 1.57 needs only the two integer bits that it has.
         let leading = Self::one() + from_digits([0x92_1fb4, 0, 0, 0, 0]);
         leading + from_digits([1, 0x44_42d1, 0x84_6989, 0x8c_c517, 0x01_b839])
     }
@@ -35,11 +35,12 @@ pub trait Trigonometric: Real {
     ///
     /// Exact at both ends: (0, 1) and (1, 0). For n terms it takes 4n + 2 multiplications and one fused with an addition.
     ///
-    /// Domain: u in [-1/2, 3/2], which leaves half a quarter turn at both ends for extrapolation; beyond, the value at
-    /// the end of that. Range: intermediates stay below 2 in magnitude, so two integer bits are enough.
+    /// Domain: u in [-1/2, 3/2], which leaves half a quarter turn at both ends for extrapolation. Outside, the result
+    /// is that at the nearer end of the domain. Range: intermediates stay below 2 in magnitude, so two integer bits are
+    /// enough.
     ///
-    /// Accuracy, in units of the last place: 2 in fixed point of any width, where a unit is the resolution; in floats, where it
-    /// is that of the result, 2 for `f32` and `f64` and 4e-32 relative for the double-double.
+    /// Accuracy: within 2 units of the last place in fixed point of any width, in `f32` and in `f64`; 4e-32 relative in
+    /// the double-double. In fixed point a unit is the resolution, in floats it is that of the result.
     #[must_use]
     fn sin_cos_quarter(u: Self) -> (Self, Self) {
         let half = Self::one().half();
@@ -58,7 +59,7 @@ impl<R: Real> Trigonometric for R {}
 fn small_angle<R: Real>(u: R) -> (R, R) {
     let angle = R::half_pi() * u; // |z| ≤ π/4
     let square = angle * angle;
-    // What the sine lacks of z, relative to z, and the cosine of 1.
+    // `1 - sin z / z` and `1 - cos z`.
     let (mut sine_lacks, mut cosine_lacks) = (R::zero(), R::zero());
     for k in (1..=terms::<R>()).rev() {
         let even = 2 * k;
@@ -68,10 +69,10 @@ fn small_angle<R: Real>(u: R) -> (R, R) {
     ((-angle).mul_add(sine_lacks, angle), R::one() - cosine_lacks)
 }
 
-/// How many terms leave less than a third of a unit of the last place: after n, `z^(2n+2)/(2n+2)!` is left of the
-/// cosine, and less of the sine.
+/// The number of terms whose error is less than a third of a unit of the last place. The cosine's error after n terms
+/// is `z^(2n+2)/(2n+2)!`, and the sine's is less.
 fn terms<R: Real>() -> i32 {
-    // (resolution, terms): what is left is 2⁻¹⁸, 2⁻³³, 2⁻⁴¹, 2⁻⁵⁸, 2⁻⁶⁸, 2⁻¹¹⁸.
+    // (resolution, terms): the error is 2⁻¹⁸, 2⁻³³, 2⁻⁴¹, 2⁻⁵⁸, 2⁻⁶⁸, 2⁻¹¹⁸.
     const TABLE: [(i32, i32); 5] = [(-16, 3), (-25, 5), (-36, 6), (-54, 8), (-64, 9)];
     let enough = |(exponent, _): &&(i32, i32)| R::resolution() >= R::one().scale(*exponent);
     TABLE.iter().find(enough).map_or(14, |(_, terms)| *terms)

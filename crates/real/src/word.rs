@@ -1,4 +1,4 @@
-//! The machine words behind fixed-point numbers, and the integer operations that `fixed` leaves open.
+//! The machine words behind fixed-point numbers, and the integer operations that the `fixed` crate does not offer.
 
 use num_traits::{AsPrimitive, FromPrimitive, PrimInt, WrappingAdd};
 
@@ -156,8 +156,8 @@ mod signed {
 
 /// The integer nearest to `high + low`, ties to even; `None` unless both are within ±2⁶³.
 ///
-/// Each float is cut to 62 fraction bits, remembering whether anything was lost. Only a float below 2⁻⁹ can
-/// lose something, so the two losses together matter only where `high` is that small and nothing is near a tie.
+/// Each float is cut to 62 fraction bits; the code remembers whether digits were lost. Only a float below 2⁻⁹ can lose
+/// digits. Both floats lose some only where `high` is that small, and then the sum is not near a tie.
 #[allow(clippy::cast_possible_truncation, clippy::cast_precision_loss, reason = "bounded by the first check")]
 pub(crate) fn nearest(high: f64, low: f64) -> Option<i128> {
     const UNIT: i128 = 1 << 62;

@@ -1,4 +1,4 @@
-//! What the wrappers have in common: each operation is done by the backend inside, and shown to the wrapper.
+//! The common part of the wrappers: the backend inside does each operation, and the wrapper is shown it.
 //!
 //! A wrapper says in [`Wrapper`] what it does with an operation; the macro `wrapper!` makes a
 //! [`Backend`](crate::Backend) of it. The operators belong to core, so that a blanket implementation is not possible.
@@ -72,7 +72,7 @@ pub(crate) fn with_operands<W: Wrapper, T>(
     act(if many.is_empty() { &few[..count] } else { &many })
 }
 
-/// Calls `act` with `of` each number; up to eight need no heap.
+/// Applies `of` to each number and calls `act` with the results; up to eight need no heap.
 pub(crate) fn with_each<T, U: Copy + Default, V>(
     numbers: &[T],
     of: impl Fn(&T) -> U,

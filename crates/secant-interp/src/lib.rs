@@ -1,17 +1,17 @@
 //! `secant-interp`: real time. A curve and a schedule go in, one setpoint per interpolation period comes out.
 //!
-//! Each period wants a chord of a given length; sought is the parameter at which the curve has moved that far.
+//! Each period has a chord of a given length. The interpolator finds the parameter at the chord's end.
 //!
 //! | folder | answers | public names |
 //! |---|---|---|
 //! | | how far does each period go? | [`StepLengths`], made of [`LengthStage`]s |
 //! | `pieces/` | where does a chord end on compiled pieces? One chord without division, joints, runs from rest to rest | [`PieceInterpolator`], [`Chord`], [`Section`] |
 //! | | the same for many runs at once, with the feature `lanes` | `LaneInterpolator` |
-//! | `global_parameter/` | where does it end on a curve with one parameter? Paper A's step | [`Interpolator`], [`secant`], [`predictor`], [`taylor`], [`CurvePart`] |
+//! | `global_parameter/` | where does a chord end on a curve with one parameter? Paper A's step | [`Interpolator`], [`secant`], [`predictor`], [`taylor`], [`CurvePart`] |
 //! | `feed_override/` | which chord, while an operator turns the feed down or holds it? | [`FeedOverride`], [`PieceInterpolator::step_overridden`] |
 //! | `compiled/` | how is a run stored for a controller, and does it make the same setpoints there? | `CompiledPath` (feature `alloc`; with an example from curve to setpoints), `Constant` (feature `std`), [`PositionChecksum`] |
 //!
-//! For a chord that is given by someone else there is [`PieceInterpolator::step_by`].
+//! [`PieceInterpolator::step_by`] makes a chord of a length that the caller gives.
 //!
 //! A step takes no heap, cannot panic and has no loop without a bound; everything is generic over [`real::Real`].
 //!
@@ -19,13 +19,14 @@
 //! |---|---|
 //! | `std` (default) | square roots of floats through std; implies `alloc` and `cubic` |
 //! | `libm` | square roots of floats without std |
-//! | `alloc` | `CompiledPath`: path and plan compiled where they are run; without it no allocator is linked |
+//! | `alloc` | `CompiledPath`: path and plan are compiled on the machine that runs them; without it no allocator is linked |
 //! | `cubic` | a step on cubics that takes up to 40 % fewer instructions and more flash |
 //! | `lanes` | simulations on a large machine |
 //!
 //! # Source
-//! *Paper A*: Wang Y., Gai R., Sun Y., Yang D., Han J., "NURBS interpolation algorithm for high-quality machining" (received 2012), in
-//! Chinese: the step on the global parameter. What it misprints is in `docs/papers.md`. The step on pieces is ours.
+//! *Paper A*: Wang Y., Gai R., Sun Y., Yang D., Han J., "NURBS interpolation algorithm for high-quality machining"
+//! (received 2012), in Chinese: the step on the global parameter. `docs/papers.md` lists its misprints. The step on
+//! pieces is ours.
 
 #![cfg_attr(not(feature = "std"), no_std)]
 #![allow(clippy::module_inception, reason = "a folder's main file has the folder's name")]

@@ -1,14 +1,14 @@
 //! The distance of each period, from a compiled schedule.
 //!
-//! A schedule is a list of stages; in each the feed goes from v to v + Δv as `v + Δv g(x)`, x = t/t₂, g one of a few
-//! shapes. What a period needs is not the feed at an instant but the distance travelled in it, `L = τ (v + Δv ḡ)` with
-//! the mean ḡ of g over the interval of length τ. [`StageShape::mean`] gives that with no difference of two large
-//! distances, and no intermediate larger than 2; for a cubic speed it is `x² + 2x²(1 - x) + ¼ (1 - 2x) (τ/t₂)²`, x at the
-//! interval's middle. A period that straddles joints adds up its parts.
+//! A schedule is a list of stages. In each the feed goes from v to v + Δv as `v + Δv g(x)`, x = t/t₂, and g is one of a
+//! few shapes. A period needs the distance travelled in it, not the feed at an instant: `L = τ (v + Δv ḡ)`, ḡ being the
+//! mean of g over the interval of length τ. [`StageShape::mean`] computes ḡ without a difference of two large
+//! distances, and with no intermediate larger than 2. For a cubic speed ḡ is `x² + 2x²(1 - x) + ¼ (1 - 2x) (τ/t₂)²`, x
+//! at the interval's middle. A period that straddles joints of stages adds up its parts.
 //!
-//! Time is counted in integers of 2⁻³² periods. So every format takes the same stages at the same times, and a
-//! run of any length loses nothing. Sums of times and exponents wrap: what is no stage gives no distance that means anything, but
-//! no panic either, in any build.
+//! Time is counted in integers of 2⁻³² periods. So every format takes the same stages at the same times, and a run of
+//! any length loses nothing. Sums of times and exponents wrap: a stage with invalid numbers gives a meaningless
+//! distance, but no panic, in any build.
 
 use feed_plan::StageShape;
 use real::Real;
@@ -25,7 +25,7 @@ pub struct LengthStage<R> {
     pub reciprocal: u64,
     /// See `reciprocal`; chosen so that `reciprocal` has its top bit set.
     pub reciprocal_exponent: u32,
-    /// One period over t₂: the width of all intervals but those that end in the middle of a period.
+    /// One period over t₂: the width of all intervals except those that end in the middle of a period.
     pub period_share: R,
     /// v: the feed at the start, in chord units per period.
     pub feed: R,
@@ -36,7 +36,7 @@ pub struct LengthStage<R> {
 }
 
 impl<R: Real> LengthStage<R> {
-    /// A stage of this duration whose feed is a cubic, or `None` if the duration is zero or 2⁶² and more.
+    /// A stage of this duration whose feed is a cubic; `None` if the duration is zero, or 2⁶² or more.
     #[must_use]
     pub fn new(duration: u64, feed: R, change: R) -> Option<Self> {
         let numerator = 1_u128 << 127;
@@ -62,8 +62,8 @@ impl<R: Real> LengthStage<R> {
         Self { shape, ..self }
     }
 
-    /// `half_units / (2 · duration)` as a phase, for `half_units ≤ 2 · duration`: twice the time, so that the middle
-    /// of an odd interval is a whole number too.
+    /// `half_units / (2 · duration)` as a phase, for `half_units ≤ 2 · duration`. The time is doubled, so that the
+    /// middle of an odd interval is a whole number too.
     #[inline]
     #[allow(
         clippy::cast_possible_truncation,
@@ -73,26 +73,27 @@ impl<R: Real> LengthStage<R> {
         (self.product(half_units) >> self.shift()) as u64
     }
 
-    /// time · 2^64 / duration = time · reciprocal / 2^exponent: the product, in two words.
+    /// time · 2^64 / duration = time · reciprocal / 2^exponent: this is the product, in two words.
     #[inline]
     pub(crate) fn product(&self, half_units: u64) -> u128 {
         u128::from(half_units) * u128::from(self.reciprocal)
     }
 
-    /// How far that is shifted to become a phase; that it is below 64 spares the compiler half of the work.
+    /// The shift that turns the product into a phase. The compiler knows that it is below 64, which saves half of the
+    /// work.
     #[inline]
     pub(crate) fn shift(&self) -> u32 {
         self.reciprocal_exponent.wrapping_add(1) & 63
     }
 
-    /// An interval over t₂; 1 but for the last place where it is longer.
+    /// An interval over t₂; for a longer interval, 1 up to the last place.
     #[inline]
     fn share(&self, interval: u64) -> R {
         if interval == PERIOD { self.period_share } else { R::from_phase(self.fraction(2 * interval), 0) }
     }
 
-    /// The mean feed over an interval of this share about the middle, which is in half units: what is travelled, over the
-    /// interval's length.
+    /// The mean feed over an interval of this share: the distance travelled over the interval's length. `middle` is the
+    /// middle of the interval, in half units.
     #[inline(always)]
     fn mean_feed(&self, middle: u64, share: R) -> R {
         if self.change.is_zero() {
@@ -103,7 +104,7 @@ impl<R: Real> LengthStage<R> {
     }
 }
 
-/// Where the run stands in its stages.
+/// The place of a run in its stages.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LengthCursor {
     pub(crate) stage: usize,
@@ -118,15 +119,15 @@ pub struct StepLengths<'a, R> {
 }
 
 impl<R: Real> StepLengths<'_, R> {
-    /// The distance of the next period, or `None` when the schedule is over. A schedule whose duration is no whole
-    /// number of periods ends with a shorter step. At most one turn of the loop a stage. A cursor that stands behind its
-    /// stage's end, as one of another schedule may, goes on with the next stage.
+    /// The distance of the next period, or `None` when the schedule is over. A schedule whose duration is not a whole
+    /// number of periods ends with a shorter step. The loop takes at most one turn for each stage. If the cursor stands
+    /// behind its stage's end, as a cursor of another schedule may, it goes on with the next stage.
     #[inline(always)] // Into the step, as that is into its caller: see there.
     pub fn advance(&self, cursor: &mut LengthCursor) -> Option<R> {
         let stage = self.stages.get(cursor.stage)?;
         let end = cursor.time.wrapping_add(PERIOD);
         if end < stage.duration {
-            // Wholly inside a stage, as most periods are.
+            // Wholly inside one stage, as most periods are.
             let middle = cursor.time.wrapping_add(end);
             cursor.time = end;
             return Some(stage.mean_feed(middle, stage.period_share));
@@ -134,8 +135,8 @@ impl<R: Real> StepLengths<'_, R> {
         self.advance_by(cursor, PERIOD)
     }
 
-    /// The distance over `units` of 2⁻³² periods of the schedule's time, at most one period: that of a period at a lower feed. `None`
-    /// over no time at all.
+    /// The distance over `units` of 2⁻³² periods of the schedule's time, at most one period: the distance of a period at a
+    /// lower feed. `None` if no time passes, because `units` is 0 or the schedule is over.
     #[inline(never)] // Within the above it would make every period save its registers.
     pub fn advance_by(&self, cursor: &mut LengthCursor, units: u64) -> Option<R> {
         let units = units.min(PERIOD);
@@ -160,7 +161,7 @@ impl<R: Real> StepLengths<'_, R> {
         (left < units).then_some(length)
     }
 
-    /// Number of periods that the schedule takes, the last one perhaps not whole.
+    /// Number of periods that the schedule takes, including a last one that may be shorter.
     #[must_use]
     pub fn periods(&self) -> usize {
         let units: u128 = self.stages.iter().map(|stage| u128::from(stage.duration)).sum();

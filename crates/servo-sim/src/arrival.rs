@@ -1,24 +1,25 @@
-//! Whether the table went where the path leads.
+//! Whether the table has followed the path to its end.
 //!
-//! The contour error looks from the table to the path, so a table that never leaves a point of the path has none. Two
-//! things tell it from one that follows:
+//! The contour error is the distance from the table to the path, so a table that never leaves one point of the path has
+//! none. Two conditions tell such a table from one that follows:
 //!
-//! - *the end*: once settled, the table is as near to the last command as its loop at rest can tell, which is
+//! - *the end*: once settled, the table is as near to the last command as its loop at rest can come, which is
 //!   [`ServoParameters::standstill_error_mm`](crate::ServoParameters::standstill_error_mm) on each axis;
-//! - *the reach*: it has been at least half as far from the start as the command, for a closed path ends where it begins.
+//! - *the reach*: the table has been at least half as far from the start as the command. The end alone is not enough,
+//!   because a closed path ends where it begins.
 //!
-//! A loop that cannot tell half of the path's reach from rest follows no path of that size.
+//! A loop whose standstill error is as large as half of the path's reach cannot follow a path of that size.
 
 use serde::Serialize;
 
 use crate::ServoError;
 
-/// Where a run took the table, and where it should have; all in mm.
+/// Where a run took the table, and where the commands led; all in mm.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Arrival {
     /// Distance of the table from the last command, once the loops have settled.
     pub end_error_mm: f64,
-    /// The most that loops at rest leave of it.
+    /// The largest part of that distance which loops at rest may leave.
     pub standstill_error_mm: f64,
     /// Largest distance of the command from the start.
     pub reach_mm: f64,
@@ -32,7 +33,7 @@ impl Arrival {
     /// # Errors
     /// [`ServoError::DoesNotArrive`], [`ServoError::StaysBehind`].
     pub fn validate(&self) -> Result<(), ServoError> {
-        /// Part of the reach that settling may leave: it ends at 2e-9 of what an old setpoint did.
+        /// The part of the reach that settling may leave: an old setpoint's effect has then fallen to 2e-9.
         const UNSETTLED: f64 = 1e-6;
         let half = self.reach_mm / 2.0;
         let most_mm = self.standstill_error_mm.min(half) + UNSETTLED * self.reach_mm;

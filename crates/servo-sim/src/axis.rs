@@ -8,7 +8,7 @@ use crate::control_law::{CommandedMotion, ControlLaw};
 use crate::drive::{Drive, MotorState};
 use crate::{SampledLoop, ServoParameters};
 
-/// The constants of one axis: what runs on the controller in the format `R`, and the machine in f64.
+/// The constants of one axis: the controller's in the format `R`, and the machine's in f64.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Axis<R> {
     law: ControlLaw<R>,
@@ -23,7 +23,7 @@ pub struct Axis<R> {
     dead_zone: f64,
 }
 
-/// What changes on an axis.
+/// The values of an axis that change.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisState<R> {
     motor: MotorState,
@@ -93,8 +93,8 @@ impl<R: Backend> Axis<R> {
         })
     }
 
-    /// Runs one period towards `setpoint` and hands each sub-step's end to `record`. `None` if the motor gets to
-    /// where the format cannot hold its position.
+    /// Runs one period towards `setpoint` and passes the end of each sub-step to `record`. `None` if the motor reaches
+    /// a position that the format cannot hold.
     pub fn run_period(
         &self,
         state: &mut AxisState<R>,
@@ -142,8 +142,8 @@ impl<R: Backend> Axis<R> {
         (self.settling_sub_steps / f64::from(self.sub_steps)).ceil()
     }
 
-    /// The most that this loop at rest leaves of the way to its setpoint, in mm: what its parameters leave, and the
-    /// rounding of the control law and of the encoder in the drive's format, `2ε/(Kp h)`.
+    /// The largest distance from its setpoint that this loop may keep at rest, in mm: the part due to its parameters,
+    /// and the rounding of the control law and of the encoder in the drive's format, `2ε/(Kp h)`.
     pub(crate) fn standstill_error(&self, state: &AxisState<R>) -> f64 {
         let scale = if R::IS_FLOATING { state.setpoint.to_f64().abs().max(1.0) } else { 1.0 };
         self.standstill_error + self.dead_zone * scale

@@ -1,4 +1,4 @@
-//! Play between motor and table, and what a control does about it at a reversal.
+//! Play between motor and table, and how a control compensates it at a reversal.
 
 use real::{Backend, Real};
 
@@ -7,7 +7,7 @@ use crate::control_law::in_format;
 
 /// Play of a given width: the table rests until the motor has crossed it.
 ///
-/// `table ← clamp(table, motor - b/2, motor + b/2)`. The encoder sits on the motor and sees nothing of it.
+/// `table ← clamp(table, motor - b/2, motor + b/2)`. The encoder sits on the motor and does not see the play.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Play {
     /// The width b, in mm.
@@ -15,7 +15,8 @@ pub struct Play {
 }
 
 impl Play {
-    /// Where the table is once the motor is at `motor`, all in mm. A motor at no number leaves the table where it is.
+    /// The table's position once the motor is at `motor`, all in mm. If the motor's position is NaN the table stays
+    /// where it is.
     #[must_use]
     pub fn follow(&self, table: f64, motor: f64) -> f64 {
         let half = self.width / 2.0;
@@ -23,19 +24,20 @@ impl Play {
     }
 }
 
-/// What the control adds when the commanded motion of an axis turns round: an offset of the command that crosses the
-/// play, and for some time an acceleration, given as the velocity `b_a τ` that the lag of the velocity loop turns into it.
+/// The compensation that the control adds when the commanded motion of an axis reverses. It is an offset of the command
+/// that crosses the play, and for some time an acceleration b_a. The acceleration is given as the velocity `b_a τ`,
+/// which the lag τ of the velocity loop turns into b_a.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReversalCompensation<R> {
     /// Half of the compensated play, in mm.
     half_width: R,
     /// The added velocity, in mm per sub-step.
     boost: R,
-    /// Sub-steps for which it is added.
+    /// Number of sub-steps for which the boost is added.
     boost_sub_steps: u32,
 }
 
-/// What the compensation remembers.
+/// The state of the compensation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ReversalState {
     direction: Option<Direction>,
@@ -48,7 +50,7 @@ enum Direction {
     Down,
 }
 
-/// What is to be added now.
+/// The values to add in this sub-step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Compensation<R> {
     /// To the commanded position, in mm.
@@ -81,8 +83,8 @@ impl<R: Backend> ReversalCompensation<R> {
 }
 
 impl<R: Real> ReversalCompensation<R> {
-    /// Takes the commanded increment of this sub-step. The first motion counts as no reversal: the play is taken to
-    /// be open to that side already.
+    /// Takes the commanded increment of this sub-step. The first motion does not count as a reversal: the motor is
+    /// assumed to be at that side of the play already.
     pub fn step(&self, state: &mut ReversalState, increment: R) -> Compensation<R> {
         let zero = R::zero();
         let direction = match increment {

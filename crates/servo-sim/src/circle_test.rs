@@ -1,17 +1,17 @@
-//! The circle test: a full circle at constant feed, and how round it comes out.
+//! The circle test: a full circle at constant feed, and the roundness of the path that results.
 //!
-//! As in the usual test (ISO 230-4), the path is judged by its distance from the commanded centre, over a turn that
-//! is entered and left in motion: the turns before it let the start die away.
+//! As in the usual test (ISO 230-4), the path is measured by its distance from the commanded centre, over a turn that
+//! begins and ends in motion. In the turns before it the effects of the start die away.
 //!
 //! - *radial error*: that distance minus the commanded radius, negative inside;
-//! - *roundness*: largest minus smallest distance from the least-squares centre, which takes out a shift of the whole
+//! - *roundness*: largest minus smallest distance from the least-squares centre, which removes a shift of the whole
 //!   circle. ISO 230-4 calls it circular deviation.
 //!
-//! Two equal axes without friction, play and limits make a perfect circle of a wrong radius; what makes it out of round
-//! sits at the four quadrant points, where an axis turns round.
+//! Two equal axes without friction, play and limits make a perfect circle of a wrong radius. Out-of-roundness comes
+//! from the four quadrant points, where an axis reverses.
 //!
-//! A table that rests has no radial error wherever on the circle it does. So it must go round the commanded centre once
-//! in the measured turn, however far off the circle.
+//! A table that rests at any point of the circle has no radial error. So the table must go round the commanded centre
+//! once in the measured turn, however far off the circle.
 
 use std::f64::consts::{PI, TAU};
 
@@ -32,7 +32,7 @@ pub struct CircleTest {
     pub period: f64,
 }
 
-/// What a circle test found.
+/// The result of a circle test.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Roundness {
     /// Mean radial error, in mm; negative inside.
@@ -47,7 +47,7 @@ pub struct Roundness {
     pub continuous_closed_form_mm: f64,
     /// Radial error of the linear loop in closed form where it is sampled, with command filter and interpolation, in mm.
     pub sampled_closed_form_mm: f64,
-    /// The turn: angle in rad from the first axis, counter-clockwise, and radial error in mm.
+    /// The measured turn: angle in rad from the first axis, counter-clockwise, and radial error in mm.
     #[serde(skip)]
     pub profile: Vec<(f64, f64)>,
 }
@@ -70,9 +70,7 @@ impl CircleTest {
 
     /// Runs the test on two axes whose loops run in `R`, with exact setpoints.
     ///
-    /// # Errors
-    /// [`ServoError`] of the parameters, or if the circle is passed in fewer than 8 periods, or
-    /// [`ServoError::DoesNotTurn`].
+    /// [`ServoError`] of the parameters, or if the circle takes fewer than 8 periods, or [`ServoError::DoesNotTurn`].
     pub fn run<R: Backend>(&self, axes: &[ServoParameters; 2]) -> Result<Roundness, ServoError> {
         self.run_with::<R>(axes, |point| point)
     }
@@ -91,7 +89,7 @@ impl CircleTest {
         let mut servo = Servo::<R, 2>::try_new(axes, self.period, start)?;
         let turn_periods = self.setpoints_per_turn();
         let settling = servo.settling_periods() as f64;
-        // Whole turns that settle, then one to measure.
+        // Whole turns in which the loops settle, then one turn to measure.
         let warm_up = (settling / turn_periods).ceil().max(1.0) * turn_periods;
         let mut samples = Vec::new();
         let mut measured = Vec::new();
@@ -111,7 +109,7 @@ impl CircleTest {
             measured.iter().zip(1_u32..).take_while(|(_, n)| f64::from(*n) <= turn_periods * sub_steps);
         let profile = self.profile(one_turn.map(|(sample, _)| sample));
         let turned = turned(&profile);
-        // A winding number, but for the part of a sub-step that the measured turn is not whole by.
+        // A winding number, except for the part of a sub-step by which the measured turn is not whole.
         if (turned - TAU).abs() >= PI {
             return Err(ServoError::DoesNotTurn { turned_degrees: turned.to_degrees() });
         }
@@ -119,7 +117,7 @@ impl CircleTest {
     }
 
     fn validate(&self) -> Result<(), ServoError> {
-        /// Fewer setpoints on a turn are a polygon.
+        /// With fewer setpoints on a turn, the path is a polygon.
         const FEWEST: f64 = 8.0;
         positive("radius", self.radius)?;
         positive("feedrate", self.feedrate)?;
@@ -146,7 +144,7 @@ impl CircleTest {
         let count = profile.len() as f64;
         let mean_of =
             |of: &dyn Fn(f64, f64) -> f64| profile.iter().map(|&(a, e)| of(a, e)).sum::<f64>() / count;
-        // The least-squares centre, to first order in error over radius: what is left out is below e²/R.
+        // The least-squares centre, to first order in error over radius: the terms left out are below e²/R.
         let mean = mean_of(&|_, error| error);
         let centre = [2.0 * mean_of(&|a, e| e * a.cos()), 2.0 * mean_of(&|a, e| e * a.sin())];
         let centred = |&(a, e): &(f64, f64)| e - centre[0] * a.cos() - centre[1] * a.sin();
@@ -172,7 +170,7 @@ impl CircleTest {
     }
 }
 
-/// The angle by which a profile goes round, in rad, counter-clockwise: each step the short way.
+/// The angle by which a profile goes round, in rad, counter-clockwise: each step turns the shorter way.
 fn turned(profile: &[(f64, f64)]) -> f64 {
     profile.windows(2).map(|pair| (pair[1].0 - pair[0].0 + PI).rem_euclid(TAU) - PI).sum()
 }

@@ -1,7 +1,8 @@
-//! The moving average over setpoints: linear acceleration of each axis after interpolation.
+//! The moving average over setpoints: controls call it linear acceleration after interpolation, for each axis.
 //!
-//! A velocity step becomes a ramp of the filter's length t. The price is the path: a circle passed with angular
-//! frequency ω shrinks by the factor of [`moving_average_gain`](crate::moving_average_gain), about `1 - (ωt)²/24`.
+//! It turns a velocity step into a ramp of the filter's length t. In exchange the path deviates: the radius of a circle
+//! at angular frequency ω shrinks by the factor of [`moving_average_gain`](crate::moving_average_gain), about
+//! `1 - (ωt)²/24`.
 
 use real::{Backend, Real};
 
@@ -11,9 +12,9 @@ use crate::error::within;
 
 /// Mean of the setpoints of the last `w = t/T` periods. A part of a period counts in proportion.
 ///
-/// `y_k = r_k + (Σ_{j=1}^{n-1} (r_{k-j} - r_k) + (w - n)(r_{k-n} - r_k)) / w`, with n = ⌊w⌋: differences to the newest
+/// `y_k = r_k + (Σ_{j=1}^{n-1} (r_{k-j} - r_k) + (w - n)(r_{k-n} - r_k)) / w`, with n = ⌊w⌋. Differences to the newest
 /// setpoint are small, so fixed point rounds twice at most, and a tool at rest stays exactly where it is. The sum is
-/// formed anew each period, in n additions: nothing accumulates.
+/// computed anew each period, in n additions, so no rounding accumulates.
 ///
 /// Range: the sum, up to `n · (path of one axis in t)`, must fit the format.
 #[derive(Clone, Debug)]
@@ -29,10 +30,10 @@ pub struct CommandFilter<R> {
 }
 
 impl<R: Backend> CommandFilter<R> {
-    /// A filter of `width_periods` = t/T, at rest at `position`. Up to one period it does nothing.
+    /// A filter of `width_periods` = t/T, at rest at `position`. A filter of one period or less does nothing.
     ///
     /// # Errors
-    /// [`ServoError`] if the width is no number from 0 to 10 000, or does not fit the format.
+    /// [`ServoError`] if the width is NaN, is not from 0 to 10 000, or does not fit the format.
     pub fn try_new(width_periods: f64, position: R) -> Result<Self, ServoError> {
         let width = within("command filter in periods", width_periods, 0.0, 10_000.0)?.max(1.0);
         let whole = (0..=10_000_usize).rev().find(|&n| n as f64 <= width).unwrap_or(1);
@@ -41,7 +42,7 @@ impl<R: Backend> CommandFilter<R> {
             window: vec![position; whole + 1],
             oldest: 0,
             width: in_format("command filter in periods", width)?,
-            // A fraction too small for the format is none.
+            // A fraction too small for the format counts as 0.
             fraction: R::from_f64(fraction).unwrap_or_else(R::zero),
         })
     }
@@ -60,7 +61,7 @@ impl<R: Real> CommandFilter<R> {
         setpoint + off(self.window[oldest]).mul_add(self.fraction, sum) / self.width
     }
 
-    /// Periods until a change of the setpoint has passed.
+    /// Number of periods after which a change of the setpoint has passed the filter.
     #[must_use]
     pub fn periods(&self) -> usize {
         self.window.len()

@@ -1,4 +1,4 @@
-//! The servo file: what a drive engineer would write on one page.
+//! The servo file: the drive's parameters, as a drive engineer would write them on one page.
 //!
 //! ```toml
 //! [servo]
@@ -14,32 +14,34 @@ use serde::{Deserialize, Serialize};
 use crate::error::{positive, within};
 use crate::{SampledLoop, ServoError};
 
-/// Parameters of one axis, in the units of the servo file. Those left out of the file are zero or as stated.
+/// Parameters of one axis, in the units of the servo file. A parameter that the file leaves out is zero, unless stated
+/// otherwise.
 ///
-/// The loop: the position loop asks for a velocity, in proportion to its error, plus the feed-forward; the velocity
-/// loop follows as a first-order lag; friction and the acceleration limit stand in its way; the table follows the
-/// motor through the backlash, and the encoder sits on the motor.
+/// The position loop commands a velocity in proportion to its error, plus the feed-forward. The velocity loop follows
+/// as a first-order lag, within friction and the acceleration limit. The table follows the motor through the backlash.
+/// The encoder sits on the motor.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct ServoParameters {
-    /// Position loop gain Kp, in 1/s: velocity asked for per position error.
+    /// Position loop gain Kp, in 1/s: commanded velocity over position error.
     pub position_gain_per_s: f64,
     /// Lag τ of the velocity loop at a velocity gain of 100 %, in ms: its bandwidth is 1/(2πτ).
     pub velocity_lag_ms: f64,
-    /// Velocity feed-forward α: the fraction of the commanded velocity that is added. 98 % is 0.98.
+    /// Velocity feed-forward α: the part of the commanded velocity that is added. 98 % is 0.98.
     #[serde(default)]
     pub feed_forward: f64,
-    /// Acceleration feed-forward β: the fraction of `τ · commanded acceleration` that is added to the velocity.
+    /// Acceleration feed-forward β: the part of `τ · commanded acceleration` that is added to the velocity.
     #[serde(default)]
     pub acceleration_feed_forward: f64,
     /// Velocity loop gain g, in per cent. The lag is τ/g.
     #[serde(default = "velocity_gain_percent")]
     pub velocity_gain_percent: f64,
-    /// The velocity gain at which the velocity loop oscillates, in per cent. A lag does not: the limit is measured on
-    /// the machine. By default 429 %: the paper has 300 % at 70 % of the limit.
+    /// The velocity gain at which the velocity loop oscillates, in per cent. A first-order lag never oscillates, so
+    /// this limit must be measured on the machine. By default 429 %: the paper runs at 300 %, which is 70 % of its
+    /// limit.
     #[serde(default = "velocity_gain_limit_percent")]
     pub velocity_gain_limit_percent: f64,
-    /// The current limit: the largest acceleration of the drive, in mm/s². Without it there is none.
+    /// The current limit: the largest acceleration of the drive, in mm/s². If it is left out there is no limit.
     #[serde(default)]
     pub acceleration_limit_mm_per_s2: Option<f64>,
     /// Coulomb friction, as the deceleration that it causes, in mm/s².
@@ -48,21 +50,21 @@ pub struct ServoParameters {
     /// Play between motor and table, in mm.
     #[serde(default)]
     pub backlash_mm: f64,
-    /// What the control adds to the command at a reversal, to make up for the play, in mm.
+    /// The offset that the control adds to the command at a reversal, to make up for the play, in mm.
     #[serde(default)]
     pub backlash_compensation_mm: f64,
     /// Acceleration that the control adds after a reversal, in mm/s².
     #[serde(default)]
     pub backlash_acceleration_mm_per_s2: f64,
-    /// How long it does, in ms; rounded to whole sub-steps.
+    /// How long the control adds it, in ms; rounded to whole sub-steps.
     #[serde(default)]
     pub backlash_acceleration_ms: f64,
     /// Step of the encoder, in mm; 0 for an exact one.
     #[serde(default)]
     pub encoder_resolution_mm: f64,
-    /// Length of the moving average over the setpoints of each axis (linear acceleration after interpolation), in ms;
-    /// 0 for none. It takes `R(ωt)²/24` off the radius of a circle: acceleration before interpolation, which the
-    /// planner does, does not.
+    /// Length of the moving average over the setpoints of each axis (linear acceleration after interpolation), in ms; 0
+    /// for none. It makes the radius of a circle smaller by `R(ωt)²/24`. Acceleration before interpolation, which the
+    /// planner does, leaves the radius as it is.
     #[serde(default)]
     pub command_filter_ms: f64,
     /// Position loop cycles in one interpolation period.
@@ -74,7 +76,7 @@ fn velocity_gain_percent() -> f64 {
     100.0
 }
 
-/// The paper runs at 300 % and calls that 70 % of the gain that oscillates.
+/// The paper runs at 300 % and says that this is 70 % of the gain at which the loop oscillates.
 fn velocity_gain_limit_percent() -> f64 {
     300.0 / 0.7
 }
@@ -85,7 +87,7 @@ fn sub_steps() -> u32 {
 }
 
 impl ServoParameters {
-    /// An ideal drive but for the gain Kp and the lag τ: no feed-forward, friction, backlash or limit.
+    /// An ideal drive except for the gain Kp and the lag τ: no feed-forward, friction, backlash or limit.
     #[must_use]
     pub fn new(position_gain_per_s: f64, velocity_lag_ms: f64) -> Self {
         Self {
@@ -107,11 +109,11 @@ impl ServoParameters {
         }
     }
 
-    /// Reads the table `[servo]` of a TOML text and checks it, but for stability, which depends on the
+    /// Reads the table `[servo]` of a TOML text and checks it. It does not check stability, which depends on the
     /// interpolation period: see [`validate`](Self::validate).
     ///
     /// # Errors
-    /// [`ReadError`], with line and column of a key that is unknown, missing or no number, or line, key and value that
+    /// [`ReadError`]: line and column of a key that is unknown, missing or not a number; or line, key and value that
     /// break a rule.
     pub fn from_toml(text: &str) -> Result<Self, ReadError> {
         #[derive(Deserialize)]
@@ -182,12 +184,13 @@ impl ServoParameters {
         self.velocity_lag_ms / 1000.0 / (self.velocity_gain_percent / 100.0)
     }
 
-    /// The most that the loop at rest leaves of the way to its command: `f τ/Kp + q + (b + c)/2`.
+    /// The largest distance from its command that the loop may keep at rest: `f τ/Kp + q + (b + c)/2`.
     ///
-    /// - `f τ/Kp`: an error e asks for the velocity `Kp e`, for which the drive pulls with `Kp e/τ`; friction f holds that;
-    /// - `q`: the encoder's value is within half of its step q, and what the control law extrapolates from two values
-    ///   within half of one more;
-    /// - `b/2`: the table is anywhere in the play b; `c/2`: the compensation moves the command by as much.
+    /// - `f τ/Kp`: an error e commands the velocity `Kp e`, for which the drive pulls with `Kp e/τ`; the friction f can
+    ///   hold this;
+    /// - `q`: the encoder's value is within half of its step q, and the control law's extrapolation from two values is
+    ///   within another half;
+    /// - `b/2`: the table may be anywhere in the play b; `c/2`: the compensation moves the command by this.
     ///
     /// Units: f in mm/s², τ = [`lag_s`](Self::lag_s) in s, Kp in 1/s, q, b, c and result in mm.
     #[must_use]
@@ -215,7 +218,7 @@ pub enum ReadError {
     Value {
         /// The rule, key and value.
         error: ServoError,
-        /// The line of the key, from 1; none for one that is left out, or stands in an inline table.
+        /// The line of the key, from 1; `None` for a key that is left out, or stands in an inline table.
         line: Option<usize>,
     },
 }

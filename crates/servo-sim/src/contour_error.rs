@@ -1,29 +1,30 @@
-//! Contour error: how far the table is from the curve, not from the setpoint of the same instant.
+//! Contour error: the distance of the table from the curve, not from the setpoint of the same instant.
 //!
-//! A table that lags but stays on the curve cuts a good part. So each position is compared with the *nearest point*
-//! of the path, its foot point:
+//! A table that lags but stays on the curve cuts a good part. So each position is compared with the *nearest point* of
+//! the path, its foot point:
 //!
-//! 1. The path is cut into cells, each so short that it bends little: none leaves its chord by more than 2 % of the
+//! 1. The path is cut into cells, each so short that it bends little: no cell leaves its chord by more than 2 % of the
 //!    chord's length.
-//! 2. Along a run the foot point is looked for near the last one: within an arc length of [`REACH`] times the largest
-//!    distance that the triangle inequality allows. So the search does not jump to another branch where a path
-//!    crosses itself, and does get round a corner.
-//! 3. Of the cells there, those whose chord is too far away to matter are left out; in the others the foot point is
-//!    the root of `g(u) = (C(u) - X)·C'(u)`, found by Newton's method between bounds that halve when it fails.
+//! 2. Along a run the foot point is searched near the last one: within an arc length of [`REACH`] times the largest
+//!    distance that the triangle inequality allows. So the search does not jump to another branch where a path crosses
+//!    itself, and it does get round a corner.
+//! 3. Among the cells there, those whose chord is too far away are left out. In the others the foot point is the root
+//!    of `g(u) = (C(u) - X)·C'(u)`. Newton's method finds it between bounds; where Newton fails, the interval is
+//!    halved.
 //! 4. A distance larger than the triangle inequality allows, `d_before + |X - X_before|`, proves that the nearest point
-//!    was missed: then the whole path is searched.
+//!    was missed. Then the whole path is searched.
 //!
-//! It looks from the table to the path only. A stretch of the path that the table never comes to, as the tip of a
-//! movement out and back on one line, is no contour error; where the table does not follow at all,
-//! [`Arrival`](crate::Arrival) says so.
+//! The contour error is measured from the table to the path only. If the table never comes to a part of the path, for
+//! example to the tip of a movement out and back on one line, this is not a contour error. If the table does not follow
+//! at all, [`Arrival`](crate::Arrival) says so.
 
 use nurbs_core::{Differentiate, Evaluate, distance_to_segment, nearest_on_segment};
 use real::Real;
 
 use crate::{ErrorSize, ServoError};
 
-/// How far from the last foot point, in multiples of the largest possible distance, the next is looked for. At a
-/// corner of interior angle φ a foot point jumps by `2d/tan(φ/2)`: 16 serves corners down to 15°.
+/// The arc length in which the next foot point is searched, in multiples of the largest possible distance. At a corner
+/// of interior angle φ a foot point jumps by `2d/tan(φ/2)`: 16 serves corners down to 15°.
 const REACH: f64 = 16.0;
 
 /// A cell leaves its chord by at most this part of the chord's length: it turns by no more than about 10°.
@@ -61,7 +62,7 @@ struct Cell<const D: usize> {
     ends: [[f64; D]; 2],
     /// Length of its chord, in mm.
     chord: f64,
-    /// How far it may leave its chord, in mm.
+    /// The most by which it may leave its chord, in mm.
     sag: f64,
 }
 
@@ -89,7 +90,7 @@ impl<'a, C: Differentiate<f64, D>, const D: usize> ContourTracker<'a, C, D> {
 
     /// The foot point of the next position of the run (mm).
     pub fn follow(&mut self, position: [f64; D]) -> Foot {
-        // 1e-9 mm for what rounding does to distances.
+        // 1e-9 mm for the rounding of distances.
         let farthest = self.last.distance + distance(&position, &self.position) + 1e-9;
         let near = self.cells_within(REACH * farthest);
         let mut found = self.nearest_in(near, &position);
@@ -114,7 +115,7 @@ impl<'a, C: Differentiate<f64, D>, const D: usize> ContourTracker<'a, C, D> {
                 })
                 .count()
         };
-        // The cell of the foot point itself has no length that counts: the foot may be at either end.
+        // The foot point's own cell counts with no length, because the foot may be at either end.
         let back = count(&mut before.iter().rev());
         let ahead = count(&mut after.iter().skip(1));
         self.last_cell - back..(self.last_cell + 1 + ahead).min(self.cells.len())
@@ -165,7 +166,7 @@ fn add_span<C: Differentiate<f64, D>, const D: usize>(
     span: usize,
     cells: &mut Vec<Cell<D>>,
 ) {
-    /// Cells of a span before their bend is looked at, so that no bend hides between samples.
+    /// Cells of a span before their bend is measured, so that no bend hides between samples.
     const FIRST_CUT: u32 = 16;
     let (from, to) = Evaluate::span_bounds(curve, span);
     let at = |part: u32| match part {
@@ -185,7 +186,7 @@ fn add_cells<C: Differentiate<f64, D>, const D: usize>(
     depth: u32,
     cells: &mut Vec<Cell<D>>,
 ) {
-    /// A cusp stays sharp however it is cut; by then a cell is 1e-5 of a span.
+    /// A cusp stays sharp however often it is halved; after so many halvings a cell is 1e-5 of a span.
     const DEEPEST: u32 = 12;
     let (curve_index, span) = place;
     let point = |part: f64| curve.derivatives_in(span, bounds[0] + (bounds[1] - bounds[0]) * part).point;
@@ -193,7 +194,7 @@ fn add_cells<C: Differentiate<f64, D>, const D: usize>(
     let chord = distance(&ends[0], &ends[1]);
     let off = [0.25, 0.5, 0.75].map(|part| distance_to_segment(&point(part), &ends));
     let largest = off.into_iter().fold(0.0, f64::max);
-    // Three samples of a shallow arch see all but a tenth of its height; half as much again is safe.
+    // Three samples of a shallow arch find all but a tenth of its height; a margin of one half is safe.
     let sag = 1.5 * largest;
     if largest > LARGEST_SAG * chord && depth < DEEPEST {
         let middle = bounds[0] + (bounds[1] - bounds[0]) / 2.0;
@@ -209,9 +210,9 @@ impl<const D: usize> Cell<D> {
         distance_to_segment(position, &self.ends)
     }
 
-    /// The root of g between the ends, or the end that g points to if there is none.
+    /// The root of g between the ends. Without a root, the end towards which g points.
     fn foot<C: Differentiate<f64, D>>(&self, curve: &C, position: &[f64; D]) -> Foot {
-        /// Halving alone would find a root to a part of 2⁻⁵⁰ of the cell.
+        /// So many halvings alone would find a root to 2⁻⁵⁰ of the cell.
         const MOST: u32 = 50;
         let [mut low, mut high] = self.bounds;
         let (mut low_tried, mut high_tried) = (false, false);
@@ -231,7 +232,7 @@ impl<const D: usize> Cell<D> {
             let newton = (u - slope / (speed_squared + dot(&arm, &d.second))).clamp(low, high);
             let tried = (newton == low && low_tried) || (newton == high && high_tried);
             let next = if tried || newton.is_nan() { low + (high - low) / 2.0 } else { newton };
-            // 1e-10 mm along the curve moves the distance by no more.
+            // A step of 1e-10 mm along the curve changes the distance by no more than that.
             if low >= high || (next - u).abs() * speed_squared.sqrt() <= 1e-10 {
                 break;
             }

@@ -1,14 +1,14 @@
 //! The position loop as a controller runs it: one velocity command a sub-step, in the controller's number format.
 //!
-//! The loop of the literature works in continuous time: `v_c = Kp (r - x) + α r' + β τ r''`. Sampled every h, and its
-//! command held for h, it would act on a state that is h/2 old on average; that is a lag of h/2 more, which changes
-//! every result with the step size. The law below works with the state in the *middle* of the sub-step that it commands:
-//! the setpoint there is known, for the path ahead is known, and the position is extrapolated from the last two
-//! encoder values,
+//! In the literature the loop works in continuous time: `v_c = Kp (r - x) + α r' + β τ r''`. If it is sampled every h
+//! and its command is held for h, it acts on a state that is h/2 old on average. This adds a lag of h/2, which changes
+//! every result with the step size. The law below works with the state in the *middle* of the sub-step that it
+//! commands. The setpoint there is known, because the path ahead is known. The position there is extrapolated from the
+//! last two encoder values:
 //!
 //! `v_c = Kp (r_{k+½} - (3x_k - x_{k-1})/2) + α (r_{k+1} - r_k)/h + β τ r''`.
 //!
-//! What remains of the sampling is of second order in h; see [`SampledLoop`](crate::SampledLoop) for how much.
+//! The remaining effect of the sampling is of second order in h; see [`SampledLoop`](crate::SampledLoop) for its size.
 
 use real::{Backend, Real};
 
@@ -27,11 +27,10 @@ pub struct CommandedMotion<R> {
 
 /// Gains of the position loop, per sub-step h.
 ///
-/// The unit of time is the sub-step, so a velocity is in mm per sub-step and fits the format in which a position
-/// fits.
+/// The unit of time is the sub-step, so a velocity is in mm per sub-step, and fits the format if a position does.
 ///
-/// Accuracy: rounding in a format of resolution ε moves the position by up to about `ε/(Kp h)`: the error times the
-/// small gain `Kp h` must still be a number. With Kp = 50.7/s and h = 0.125 ms that is 160 ε, or 2.4 µm in I16F16
+/// Accuracy: rounding in a format of resolution ε moves the position by up to about `ε/(Kp h)`, because the error times
+/// the small gain `Kp h` must not round to zero. With Kp = 50.7/s and h = 0.125 ms that is 160 ε, or 2.4 µm in I16F16
 /// and 10 nm in I8F24.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ControlLaw<R> {
@@ -47,8 +46,8 @@ impl<R: Backend> ControlLaw<R> {
     /// The law with position gain Kp (1/s), feed-forward α, acceleration feed-forward times lag βτ (s), sub-step h (s).
     ///
     /// # Errors
-    /// [`ServoError::ParameterNotInFormat`] if one of them, per sub-step, is out of the format's range or vanishes
-    /// in it.
+    /// [`ServoError::ParameterNotInFormat`] if one of them, per sub-step, is out of the format's range or rounds to
+    /// zero.
     pub fn try_new(
         position_gain: f64,
         feed_forward: f64,
@@ -67,7 +66,8 @@ impl<R: Backend> ControlLaw<R> {
 }
 
 impl<R: Real> ControlLaw<R> {
-    /// The velocity command for this sub-step, in mm per sub-step, from the encoder's value now and one sub-step ago.
+    /// The velocity command for this sub-step, in mm per sub-step. `encoder` is the encoder's value now,
+    /// `previous_encoder` its value one sub-step ago.
     pub fn velocity_command(&self, motion: &CommandedMotion<R>, encoder: R, previous_encoder: R) -> R {
         let lead = motion.increment - (encoder - previous_encoder);
         let error = motion.start - encoder + lead.half();
@@ -79,7 +79,7 @@ impl<R: Real> ControlLaw<R> {
     }
 }
 
-/// `value` in the format `R`; refuses one that is out of range, or that vanishes.
+/// `value` in the format `R`. A value that is out of range, or rounds to zero, is refused.
 pub(crate) fn in_format<R: Backend>(what: &'static str, value: f64) -> Result<R, ServoError> {
     match R::from_f64(value) {
         Some(number) if value == 0.0 || !number.is_zero() => Ok(number),

@@ -1,25 +1,26 @@
-//! The velocity loop and what it moves: a first-order lag with a limit on acceleration and Coulomb friction,
-//! solved exactly.
+//! The velocity loop and the motor: a first-order lag with a limit on acceleration and Coulomb friction, solved
+//! exactly.
 //!
 //! `x' = v`, `v' = clamp((v_c - v)/τ, ±A) - f·sgn(v)`
 //!
-//! for a velocity command `v_c` that is held. The right-hand side is linear within four kinds of phase, and each has
-//! a closed form that also tells when it ends:
+//! for a velocity command `v_c` that is held. The right-hand side is linear within each of the following phases, and
+//! each has a closed form that also gives its end:
 //!
 //! - *saturated*, `|v_c - v| > Aτ`: constant acceleration;
 //! - *linear*: with the target `w = v_c - fτ·sgn(v)`, `v = w + (v_0 - w)e^(-t/τ)`, `x = x_0 + w t + (v_0 - w)τ(1 - e^(-t/τ))`;
 //!   this is the matrix exponential of the system, written out;
-//! - *stuck*: `v = 0` and the drive pulls with less than f;
-//! - either moving phase ends where v passes zero, since friction turns round there.
+//! - *stuck*: `v = 0` and the drive pulls with less than f.
 //!
-//! So a step has no discretisation error, whatever its length and however often a limit is met.
+//! Either moving phase also ends where v passes zero, since friction changes its sign there.
+//!
+//! So a step has no discretisation error, whatever its length and however often a limit is reached.
 
 /// Constants of the drive of one axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drive {
     /// The lag τ of the velocity loop, in s, positive.
     pub lag: f64,
-    /// The acceleration limit A, in mm/s²; infinite for none.
+    /// The acceleration limit A, in mm/s²; infinite for no limit.
     pub acceleration_limit: f64,
     /// Coulomb friction f < A, in mm/s².
     pub friction: f64,
@@ -38,7 +39,8 @@ impl Drive {
     /// The motor after `duration` (s) under a held `velocity_command` (mm/s).
     #[must_use]
     pub fn advance(&self, mut motor: MotorState, velocity_command: f64, duration: f64) -> MotorState {
-        // At most: saturated, zero, saturated, linear; or linear, zero, linear. The rest is for rounding.
+        // At most these: saturated, zero, saturated, linear; or linear, zero, linear. The other phases are for
+        // rounding.
         const PHASES: usize = 8;
         let mut left = duration;
         for _ in 0..PHASES {
@@ -51,7 +53,7 @@ impl Drive {
         motor
     }
 
-    /// Moves the motor through one phase, or through `left` seconds of it, and returns how long that was.
+    /// Moves the motor through one phase, or through `left` seconds of it. Returns the duration.
     fn phase(&self, motor: &mut MotorState, command: f64, left: f64) -> f64 {
         let pull =
             ((command - motor.velocity) / self.lag).clamp(-self.acceleration_limit, self.acceleration_limit);
@@ -61,7 +63,7 @@ impl Drive {
         }
         let friction = -direction * self.friction;
         let velocity_at_limit = command - pull.signum() * self.acceleration_limit * self.lag;
-        // The comparison is exact after a saturated phase, which ends by setting this very velocity.
+        // The comparison is exact after a saturated phase, because that phase ends by setting exactly this velocity.
         let saturated = (velocity_at_limit - motor.velocity) * pull.signum() > 0.0;
         if saturated {
             self.saturated_phase(motor, pull + friction, velocity_at_limit, left)

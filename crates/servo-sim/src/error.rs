@@ -1,10 +1,10 @@
-//! Why a servo or a test of it was refused.
+//! The reasons why a servo or a test of it is refused.
 
 use std::fmt;
 
 use real::FormatName;
 
-/// Why parameters, a loop, a run or a circle test were refused. Keys are those of the servo file.
+/// The reason why parameters, a loop, a run or a circle test were refused. Keys are those of the servo file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum ServoError {
@@ -26,21 +26,21 @@ pub enum ServoError {
         /// The greatest value allowed.
         most: f64,
     },
-    /// The velocity loop's gain is at or beyond the one at which it oscillates.
+    /// The velocity loop's gain is at or above the gain at which the loop oscillates.
     VelocityLoopOscillates {
         /// The gain given, in per cent.
         velocity_gain_percent: f64,
         /// The gain at which the loop oscillates, in per cent.
         limit_percent: f64,
     },
-    /// The axes of a machine differ in their sub-steps.
+    /// The axes of a machine have different numbers of sub-steps.
     SubStepsDiffer {
-        /// Those of the first axis.
+        /// The number of the first axis.
         first: u32,
-        /// Those of another.
+        /// The number of the other axis.
         other: u32,
     },
-    /// Friction takes all of the acceleration that the drive has.
+    /// Friction takes all of the drive's acceleration.
     CannotMove {
         /// Deceleration by friction, in mm/s².
         friction_mm_per_s2: f64,
@@ -76,7 +76,7 @@ pub enum ServoError {
         /// The format.
         format: FormatName,
     },
-    /// A circle is passed in so few periods that its setpoints are no circle.
+    /// A circle takes so few periods that its setpoints are a polygon.
     CircleTooFast {
         /// Setpoints on a turn.
         setpoints_per_turn: f64,
@@ -87,19 +87,20 @@ pub enum ServoError {
     DoesNotArrive {
         /// Distance of the table from the end, in mm.
         end_error_mm: f64,
-        /// The most that friction, play and encoder of the resting loops explain, or half of the path's reach.
+        /// The largest distance that friction, play and encoder of the resting loops explain, or half of the path's
+        /// reach.
         most_mm: f64,
     },
-    /// The table has not been half as far from the start as the path leads.
+    /// The table has been less than half as far from the start as the path leads.
     StaysBehind {
-        /// How far it was, in mm.
+        /// The largest distance of the table from the start, in mm.
         reach_mm: f64,
-        /// How far the path leads, in mm.
+        /// The largest distance of the path from the start, in mm.
         commanded_mm: f64,
     },
     /// The table does not go round the circle's centre once while the setpoints do.
     DoesNotTurn {
-        /// The angle by which it does, in degrees, counter-clockwise.
+        /// The angle by which the table goes round, in degrees, counter-clockwise.
         turned_degrees: f64,
     },
     /// A path has no curve, or a curve that has no length.
@@ -107,7 +108,7 @@ pub enum ServoError {
 }
 
 impl ServoError {
-    /// The key of the servo file whose value was refused, if it is one key's.
+    /// The key of the servo file whose value was refused; `None` if the error is not about one key.
     #[must_use]
     pub fn key(&self) -> Option<&'static str> {
         match self {
@@ -170,7 +171,7 @@ impl fmt::Display for ServoError {
                 "the table does not follow: it goes {reach_mm:.4} mm far from the start, the path {commanded_mm:.4} mm"
             ),
             Self::DoesNotTurn { turned_degrees } => {
-                // Plus zero: a little less than nothing is no "-0.0".
+                // Adding 0 turns -0.0 into 0.0.
                 let turned = (turned_degrees * 10.0).round() / 10.0 + 0.0;
                 write!(
                     f,

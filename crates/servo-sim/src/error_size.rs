@@ -20,7 +20,8 @@ impl ErrorSize {
     /// The size of an error over a motion of `count` values, after which the machine settles: the largest magnitude of
     /// all values, and the root mean square of the first `count`.
     ///
-    /// A mean over the standstill too would depend on how long one looks at it, and so on the loop that settles.
+    /// A mean that includes the standstill would depend on the length of the standstill, and so on the loop that
+    /// settles.
     pub fn of_motion(values: impl IntoIterator<Item = f64>, count: usize) -> Self {
         let (mut max, mut sum, mut counted) = (0.0_f64, 0.0, 0.0);
         for (index, value) in values.into_iter().enumerate() {
@@ -33,7 +34,7 @@ impl ErrorSize {
         Self { max, rms: if counted > 0.0 { f64::sqrt(sum / counted) } else { 0.0 } }
     }
 
-    /// The size over several motions: of each, its own size and the number of its values.
+    /// The size over several motions, from the size and the number of values of each.
     pub fn joined(motions: impl IntoIterator<Item = (Self, usize)>) -> Self {
         let (mut max, mut sum, mut counted) = (0.0_f64, 0.0, 0.0);
         for (size, count) in motions {

@@ -1,7 +1,7 @@
-//! `servo-sim`: what does the machine make of the setpoints?
+//! `servo-sim`: how far is the machine's path from the curve?
 //!
-//! An interpolator commands a point a period; the part sees where the axes go. This crate runs setpoints through the
-//! axis servo loops of a machine tool and says how far the path is off the curve.
+//! An interpolator commands one point per period; the axes follow with errors. This crate runs setpoints through the
+//! axis servo loops of a machine tool and says how far the resulting path is off the curve.
 //!
 //! ```text
 //!             per period            per sub-step, in the drive's format                      the machine, f64
@@ -30,29 +30,29 @@
 //! | question | where |
 //! |---|---|
 //! | which parameters does an axis have? | [`ServoParameters`] |
-//! | what runs on the controller, in any number format? | [`CommandFilter`], [`ControlLaw`], [`ReversalCompensation`] |
-//! | what does the machine do with a velocity command? | [`Drive`], [`Play`] |
+//! | which parts run on the controller, in any number format? | [`CommandFilter`], [`ControlLaw`], [`ReversalCompensation`] |
+//! | how does the machine follow a velocity command? | [`Drive`], [`Play`] |
 //! | one axis, several axes | [`Axis`], [`Servo`] |
 //! | how far is the path off the curve? | [`contour_error()`], [`ContourTracker`] |
 //! | does the table follow at all? | [`Arrival`] |
-//! | how round is a circle? what does tuning do to it? | [`CircleTest`], [`tuning_table`], [`roundness_plot()`] |
-//! | what must come out, in closed form? | [`continuous_gain`], [`sampled_gain`], [`radius_change`] |
+//! | how round is a circle? how does tuning change it? | [`CircleTest`], [`tuning_table`], [`roundness_plot()`] |
+//! | which result follows in closed form? | [`continuous_gain`], [`sampled_gain`], [`radius_change`] |
 //! | is the loop stable? | [`SampledLoop`] |
 //!
 //! **Units**: mm and s; keys of the servo file carry their unit in the name.
 //!
-//! **Step size**: the drive is solved exactly, so the number of sub-steps only sets how often the position loop is closed.
-//! Its effect on a steady sinusoid is below `(ωh)²/2` of the amplitude; where the drive is at its acceleration limit A, it
-//! is below `32 A h²`.
+//! **Step size**: the drive is solved exactly, so the number of sub-steps only sets how often the position loop is
+//! closed. This number changes the result for a steady sinusoid by less than `(ωh)²/2` of the amplitude. Where the
+//! drive is at its acceleration limit A, it changes the position by less than `32 A h²`.
 //!
-//! **What is not modelled**: resonances of the mechanics, cross-talk of axes, cutting forces, an integral part of the
-//! velocity loop (friction then leaves a lasting error, which real loops remove within some ten ms), and the
-//! oscillation of a velocity loop with too much gain, whose limit is an input.
+//! **Not modelled**: resonances of the mechanics, cross-talk of axes, cutting forces, an integral part of the velocity
+//! loop, and the oscillation of a velocity loop with too much gain. Without the integral part friction leaves a lasting
+//! error, which real loops remove within some ten ms. The gain at which the loop oscillates is an input.
 //!
 //! # Source
 //! Paper D of `docs/papers.md`: Liu P., Wang M., Fan J., Zhao X., "Realizing real-time look-ahead NURBS interpolation in FANUC system",
-//! *Mechanical Science and Technology for Aerospace Engineering* 31 (2012) 791–795, section 3. Its test prints no
-//! loop parameters; `data/servo.toml` has those that fit its figures, and says how.
+//! *Mechanical Science and Technology for Aerospace Engineering* 31 (2012) 791–795, section 3. Its test prints no loop
+//! parameters. `data/servo.toml` has parameters that reproduce its figures, and says how they were found.
 
 mod arrival;
 mod axis;

@@ -1,4 +1,4 @@
-//! How the loop answers a sinusoid, in closed form: what a circle test must give.
+//! The response of the loop to a sinusoid, in closed form: a circle test must give this.
 //!
 //! **Continuous**, as in the literature: from `τ x'' + x' + Kp x = β τ r'' + α r' + Kp r`,
 //!
@@ -8,7 +8,7 @@
 //!
 //! `ΔR = R ω² (α² - 1 + 2 Kp τ (1 - β)) / (2 Kp²)`.
 //!
-//! Feed-forward of a little less than 1 makes up for the lag: the radius is right at `α² = 1 - 2 Kp τ`.
+//! Feed-forward of a little less than 1 compensates the lag: the radius is right at `α² = 1 - 2 Kp τ`.
 //!
 //! **Sampled**, exactly what [`Servo`](crate::Servo) runs: with z = exp(iωh), θ = ωT, s sub-steps and the symbols
 //! of [`SampledLoop`],
@@ -16,8 +16,8 @@
 //! `X/R = G F / (1 + k G (3 - 1/z)/2)`, `G = ((1-p)(z-e) + p(1-e)) / ((z-1)(z-e))`,
 //! `F = L (k (1+z)/2 + α (z-1)) + (βτ/h) 2(cos θ - 1) H/s²`.
 //!
-//! L = H² is what interpolating linearly between setpoints leaves of the sinusoid, `|H| = sin(θ/2)/(s sin(θ/2s))`; the
-//! rest are harmonics of the period.
+//! L = H² is the factor by which linear interpolation between setpoints reduces the sinusoid,
+//! `|H| = sin(θ/2)/(s sin(θ/2s))`. The other components are harmonics of the period.
 
 use nalgebra::Complex;
 
@@ -58,7 +58,8 @@ pub fn sampled_gain(parameters: &ServoParameters, period: f64, frequency: f64) -
     magnitude(closed) * moving_average_gain(width, theta)
 }
 
-/// What a moving average over `width` periods leaves of a sinusoid that advances by θ a period: for a whole width w,
+/// The factor by which a moving average over `width` periods reduces a sinusoid that advances by θ a period: for a
+/// whole width w,
 /// `sin(wθ/2)/(w sin(θ/2)) ≈ 1 - (wθ)²/24`.
 #[must_use]
 pub fn moving_average_gain(width: f64, theta: f64) -> f64 {

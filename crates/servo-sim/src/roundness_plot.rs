@@ -8,7 +8,7 @@ use svg::node::element::{Circle, Group, Line, Path, Text, Title};
 
 use crate::{CircleTest, Roundness};
 
-/// Side of the picture, in its own units, before the caption.
+/// Side of the picture without the caption, in the picture's units.
 const SIDE: f64 = 640.0;
 /// Height of the caption.
 const CAPTION: f64 = 90.0;
@@ -18,13 +18,13 @@ const NOMINAL: f64 = 190.0;
 const RING: f64 = 30.0;
 /// Rings on either side of the commanded circle.
 const RINGS: i32 = 3;
-/// Points of the profile in the picture: the extremes of as many sectors as half of it.
+/// Points of the profile in the picture: two extremes in each of half as many sectors.
 const POINTS: usize = 1440;
 
 /// The magnified roundness plot of a test, as SVG text.
 ///
-/// The commanded circle is the heavy ring; the rings beside it are whole steps of 1, 2 or 5 times a power of ten,
-/// chosen so that the largest error stays within the outermost. The axes carry the units.
+/// The heavy ring is the commanded circle. The rings beside it are whole steps of 1, 2 or 5 times a power of ten,
+/// chosen so that the largest error stays within the outermost ring. The axes carry the units.
 #[must_use]
 pub fn roundness_plot(test: &CircleTest, circle: &Roundness, title: &str) -> String {
     let largest = circle.radial_error_max_mm.abs().max(circle.radial_error_min_mm.abs());
@@ -79,7 +79,7 @@ fn grid(ring_um: f64) -> Group {
         }
         let error = f64::from(ring) * ring_um;
         let label = if ring == 0 { "0 µm".to_string() } else { format!("{error:+} µm") };
-        // Along a diagonal, clear of the axes and of the quadrant points.
+        // On a diagonal, away from the axes and the quadrant points.
         let offset = radius * 0.5_f64.sqrt();
         let place = text(SIDE / 2.0 + offset + 2.0, SIDE / 2.0 - offset - 2.0, "start", &label);
         group =

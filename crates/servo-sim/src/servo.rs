@@ -1,4 +1,4 @@
-//! Several axes driven by setpoints, a point a period.
+//! Several axes driven by setpoints, one point per period.
 
 use nurbs_core::Differentiate;
 use real::Backend;
@@ -10,13 +10,13 @@ use crate::{Arrival, ContourTracker, ErrorSize, ServoError, ServoParameters};
 
 /// A machine of `D` axes, whose command filters and control laws run in the number format `R`.
 ///
-/// `R` is the format of the drive; the interpolator's format shows in the setpoints.
+/// `R` is the format of the drive. The interpolator's format only affects the setpoints.
 #[derive(Clone, Debug)]
 pub struct Servo<R, const D: usize> {
     units: Vec<Unit<R>>,
 }
 
-/// What belongs to one axis.
+/// The parts of one axis.
 #[derive(Clone, Debug)]
 struct Unit<R> {
     axis: Axis<R>,
@@ -24,7 +24,7 @@ struct Unit<R> {
     state: AxisState<R>,
 }
 
-/// Where the axes are at the end of a sub-step, in mm.
+/// The positions of the axes at the end of a sub-step, in mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample<const D: usize> {
     /// The command, after filter and interpolation.
@@ -40,9 +40,9 @@ pub struct Trace<const D: usize> {
     pub sub_step: f64,
     /// The samples: those of the motion, then those of the machine settling.
     pub samples: Vec<Sample<D>>,
-    /// How many of them belong to the motion: the periods in which setpoints were commanded.
+    /// The number of samples that belong to the motion: those of the periods in which setpoints were commanded.
     pub motion_samples: usize,
-    /// The most that the loops at rest leave of the way to the last setpoint, in mm: the axes' together.
+    /// The largest distance from the last setpoint that the loops may keep at rest, in mm, for all axes together.
     pub standstill_error: f64,
 }
 
@@ -77,7 +77,7 @@ impl<R: Backend, const D: usize> Servo<R, D> {
     /// Runs one period towards `setpoint` (mm) and appends its sub-steps to `samples`.
     ///
     /// # Errors
-    /// [`ServoError::PositionNotInFormat`]; the machine is then somewhere within the period.
+    /// [`ServoError::PositionNotInFormat`]; the machine then stands somewhere within the period.
     pub fn step(&mut self, setpoint: [f64; D], samples: &mut Vec<Sample<D>>) -> Result<(), ServoError> {
         let begin = samples.len();
         let sub_steps = self.units.first().map_or(0, |unit| unit.axis.sub_steps());
@@ -127,7 +127,8 @@ impl<R: Backend, const D: usize> Servo<R, D> {
         })
     }
 
-    /// Periods after which what an old setpoint did has decayed to 2e-9 of itself, on the slowest axis; at most 1e6.
+    /// Number of periods after which an old setpoint's effect has fallen to 2e-9 of itself, on the slowest axis; at
+    /// most 1e6.
     #[must_use]
     #[allow(
         clippy::cast_possible_truncation,
@@ -152,8 +153,9 @@ impl<const D: usize> Trace<D> {
         })
     }
 
-    /// Contour error, the distance of the table from the path that `curves` make: the largest, and the root mean square
-    /// over the motion, in mm. Of a table that does not follow, see [`arrival`](Self::arrival), it says nothing.
+    /// Contour error, the distance of the table from the path that consists of `curves`: the largest, and the root mean
+    /// square over the motion, in mm. It is meaningless for a table that does not follow; see
+    /// [`arrival`](Self::arrival).
     ///
     /// # Errors
     /// [`ServoError::PathEmpty`].
@@ -163,7 +165,7 @@ impl<const D: usize> Trace<D> {
         Ok(ErrorSize::of_motion(distances, self.motion_samples))
     }
 
-    /// Where the run took the table; all zero for a run without setpoints.
+    /// Where the run took the table; all values are zero for a run without setpoints.
     #[must_use]
     pub fn arrival(&self) -> Arrival {
         let [Some(first), Some(last)] = [self.samples.first(), self.samples.last()] else {

@@ -1,8 +1,8 @@
-//! When the sampled position loop is stable, and what sampling does to it.
+//! The stability of the sampled position loop, and the effect of sampling on it.
 //!
-//! The error of the loop, without input, is `x'' τ + x' + Kp x = 0` in continuous time: stable for every gain, and free
-//! of overshoot up to `Kp = 1/(4τ)`. Closed every h, with the control law's extrapolation, it is a linear map of
-//! (x_k, h·v_k, x_{k-1}). With k = Kp h, e = exp(-h/τ), p = τ(1 - e)/h and the held command
+//! In continuous time the error of the loop without input obeys `x'' τ + x' + Kp x = 0`: it is stable for every gain,
+//! and free of overshoot up to `Kp = 1/(4τ)`. Closed every h, with the control law's extrapolation, the loop is a
+//! linear map of (x_k, h·v_k, x_{k-1}). With k = Kp h, e = exp(-h/τ), p = τ(1 - e)/h and the held command
 //! `h v_c = -k (3x_k - x_{k-1})/2`:
 //!
 //! `x_{k+1} = x_k + p h v_k + (1 - p) h v_c`, `h v_{k+1} = e h v_k + (1 - e) h v_c`.
@@ -26,7 +26,7 @@ pub struct SampledLoop {
 
 impl SampledLoop {
     /// The factor by which an error grows or decays from one sub-step to the next, in the long run: the largest
-    /// magnitude of the eigenvalues. Infinite if a parameter is not a positive number.
+    /// magnitude of the eigenvalues. Infinite if a parameter is not a finite number above 0.
     #[must_use]
     pub fn spectral_radius(&self) -> f64 {
         let system = self.system();
@@ -42,12 +42,12 @@ impl SampledLoop {
         0.5 / (self.position_gain * self.lag).sqrt()
     }
 
-    /// The gain Kp at which the loop begins to oscillate, in 1/s, to a relative 1e-9.
+    /// The gain Kp at which the loop begins to oscillate, in 1/s, to a relative error of 1e-9.
     #[must_use]
     pub fn largest_position_gain(&self) -> f64 {
         let unstable = |position_gain: f64| Self { position_gain, ..*self }.spectral_radius() >= 1.0;
         let mut high = 1.0 / self.sub_step;
-        // k = Kp h is at most of the order of 1 + τ/h; the bound only guards against parameters that are not numbers.
+        // k = Kp h is at most of the order of 1 + τ/h. The bound of the loop is only needed if a parameter is NaN.
         for _ in 0..1000 {
             if unstable(high) {
                 break;
@@ -118,9 +118,9 @@ impl SampledLoop {
 pub(crate) struct PerSubStep {
     /// k = Kp h.
     pub(crate) gain: f64,
-    /// e = exp(-h/τ): what is left of the velocity error.
+    /// e = exp(-h/τ): the part of the velocity error that remains after a sub-step.
     pub(crate) decay: f64,
-    /// p = τ(1 - e)/h: the path that a velocity of 1 runs on while it decays.
+    /// p = τ(1 - e)/h: the distance that a velocity of 1 travels while it decays.
     pub(crate) path: f64,
 }
 

@@ -1,4 +1,4 @@
-//! The tuning table: what feed-forward and velocity gain make of a circle.
+//! The tuning table: a circle at several settings of feed-forward and velocity gain.
 
 use serde::Serialize;
 
@@ -9,7 +9,7 @@ pub const FEED_FORWARDS: [f64; 5] = [0.0, 0.95, 0.98, 0.99, 1.0];
 /// Velocity gains of the table, in per cent.
 pub const VELOCITY_GAINS_PERCENT: [f64; 3] = [100.0, 200.0, 300.0];
 
-/// A circle at one setting.
+/// The circle at one setting.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct TuningRow {
     /// Feed-forward α, a fraction.
@@ -22,29 +22,29 @@ pub struct TuningRow {
     pub roundness_mm: f64,
 }
 
-/// A setting that makes no circle.
+/// A setting at which the table does not make a circle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LeftOut {
     /// Feed-forward α, a fraction.
     pub feed_forward: f64,
     /// Velocity gain, in per cent.
     pub velocity_gain_percent: f64,
-    /// Why it makes none.
+    /// The reason.
     pub reason: ServoError,
 }
 
-/// The tuning table: every setting is in one of the two lists.
+/// The tuning table. Every setting is in one of the two lists.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tuning {
     /// The circles.
     pub rows: Vec<TuningRow>,
-    /// The settings without one.
+    /// The settings without a circle.
     pub left_out: Vec<LeftOut>,
 }
 
-/// Runs `test` at every setting of [`FEED_FORWARDS`] and [`VELOCITY_GAINS_PERCENT`], all other parameters as given. A
-/// setting is left out, with the reason, if its velocity loop oscillates, its position loop is unstable, or its table
-/// does not follow the circle.
+/// Runs `test` at every setting of [`FEED_FORWARDS`] and [`VELOCITY_GAINS_PERCENT`], with all other parameters as
+/// given. A setting is left out, with the reason, if its velocity loop oscillates, its position loop is unstable, or
+/// its table does not follow the circle.
 ///
 /// # Errors
 /// [`ServoError`] of the other parameters, or of the test.
@@ -70,7 +70,7 @@ pub fn tuning_table(parameters: &[ServoParameters; 2], test: &CircleTest) -> Res
     Ok(tuning)
 }
 
-/// Whether another setting may do without this error.
+/// Whether this error depends on the setting, so that another setting may not have it.
 fn belongs_to_the_setting(reason: &ServoError) -> bool {
     matches!(
         reason,

@@ -1,7 +1,7 @@
 //! Paths and limits from bytes.
 //!
-//! Whatever the bytes, what comes out is a path: the same generator serves a fuzzer, which changes bytes and looks what
-//! code they reach, a property test, which shrinks them, and a soak, which draws them. Bytes that are missing read as 0.
+//! Any bytes give a path. So one generator serves a fuzzer, which changes bytes and watches which code they reach; a
+//! property test, which shrinks the bytes; and a soak, which draws them at random. Missing bytes read as 0.
 //!
 //! | kind | share | control points | weights | knots |
 //! |---|---|---|---|---|
@@ -16,7 +16,7 @@ use feed_plan::{AxisLimits, Junction, KinematicLimits, ProfileKind};
 use nurbs_core::{CurveError, MAX_DEGREE, NurbsBuf};
 use real::Real;
 
-/// Curves, each beginning where the one before it ends, and what they are to be followed with.
+/// Curves, each of which begins where the one before ends, and the limits and settings with which they are followed.
 #[derive(Clone, Debug)]
 pub struct RandomPath<const D: usize> {
     /// The curves, in mm.
@@ -31,7 +31,7 @@ pub struct RandomPath<const D: usize> {
     pub piece_mm: f64,
 }
 
-/// How much a path is like a part.
+/// How similar a path is to a real part.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Kind {
     Part,
@@ -63,19 +63,19 @@ impl Draws<'_, '_> {
         low + (high - low) * self.share()
     }
 
-    /// Evenly distributed in its logarithm.
+    /// A number whose logarithm is evenly distributed.
     fn power(&mut self, low: f64, high: f64) -> f64 {
         10.0_f64.powf(self.between(low, high))
     }
 }
 
 impl<const D: usize> RandomPath<D> {
-    /// The path that these bytes stand for; `None` for the few that stand for points alone.
+    /// The path for these bytes; `None` for the few that only give single points.
     pub fn from_bytes(bytes: &[u8]) -> Option<Self> {
         Self::draw(&mut Unstructured::new(bytes))
     }
 
-    /// The path that the next bytes stand for.
+    /// The path for the next bytes.
     pub fn draw(bytes: &mut Unstructured<'_>) -> Option<Self> {
         let mut draws = Draws(bytes);
         let kind = match draws.below(8) {
@@ -104,7 +104,8 @@ impl<const D: usize> RandomPath<D> {
         })
     }
 
-    /// The path with corners that are passed, cut by a tenth to ten times the chord error: by how much, its digits say.
+    /// The path with corners that are passed instead of stopped at. They may be cut by a tenth to ten times the chord
+    /// error; the chord error's digits decide how much.
     #[must_use]
     pub fn passing_corners(mut self) -> Self {
         let share = f64::from_phase(self.limits.chord_error.to_bits() << 12, 0);
@@ -114,7 +115,7 @@ impl<const D: usize> RandomPath<D> {
     }
 }
 
-/// Limits in which the feed is reached within 1 to 300 periods and the acceleration within 1 to 100.
+/// Limits with which the feed is reached within 1 to 300 periods and the acceleration within 1 to 100.
 fn limits(draws: &mut Draws<'_, '_>, feedrate: f64) -> KinematicLimits<f64> {
     let acceleration = feedrate * draws.power(-2.5, 0.0);
     KinematicLimits {
@@ -134,7 +135,7 @@ fn polygon_length<const D: usize>(curve: &NurbsBuf<f64, D>) -> f64 {
     curve.control_points().windows(2).map(leg).sum()
 }
 
-/// A curve of this kind and of about this size that begins at `start`; `None` if rounding has merged its knots.
+/// A curve of this kind that begins at `start` and has about this size; `None` if rounding has merged its knots.
 fn curve<const D: usize>(
     draws: &mut Draws<'_, '_>,
     kind: Kind,
@@ -210,7 +211,7 @@ fn knots(draws: &mut Draws<'_, '_>, kind: Kind, degree: usize, inner: usize) -> 
     ends(0.0).chain(knots.into_iter().map(|u| u / end)).chain(ends(1.0)).collect()
 }
 
-/// Any number at all: every bit pattern, and more often those at which arithmetic changes.
+/// Any number: every bit pattern is possible, and numbers at which arithmetic changes are more frequent.
 pub fn any_number(bytes: &mut Unstructured<'_>) -> f64 {
     let mut draws = Draws(bytes);
     match draws.below(8) {
@@ -225,10 +226,10 @@ pub fn any_number(bytes: &mut Unstructured<'_>) -> f64 {
     }
 }
 
-/// A curve of any numbers, and of any count of them: most are refused.
+/// A curve of any numbers, of any count: most are refused.
 ///
 /// # Errors
-/// What is wrong with it.
+/// The reason why the curve is refused.
 pub fn any_curve<const D: usize>(bytes: &mut Unstructured<'_>) -> Result<NurbsBuf<f64, D>, CurveError> {
     let mut draws = Draws(bytes);
     let degree = usize::from(draws.below(12));

@@ -1,8 +1,8 @@
-//! `stress`: random paths and limits, and what must hold of every step on them.
+//! `stress`: random paths and limits, and promises that every step on them must keep.
 //!
 //! | question | answer |
 //! |---|---|
-//! | which path, within which limits? | [`RandomPath`], made from bytes: of a fuzzer, of a property test, of a seeded generator |
+//! | which path, within which limits? | [`RandomPath`], made from bytes of a fuzzer, a property test or a seeded generator |
 //! | which numbers, valid or not? | [`any_curve`], [`any_number`] |
 //! | what does the plan promise? | [`Planned`], [`Planned::check`] |
 //! | what does each step on pieces promise? | [`OnPieces`] |
@@ -10,9 +10,9 @@
 //! | are pieces the curve that they were compiled from? | [`check_pieces`] |
 //! | does a fixed format follow a float? | [`check_against_float`] |
 //! | does all of that hold for a hundred million periods? | [`soak_path`], [`Soak`] |
-//! | what may a step take at most? | [`StepBound::of`] |
+//! | what is the largest number of operations of a step? | [`StepBound::of`] |
 //!
-//! A promise that is broken is a [`Violation`]; a path that is refused is not.
+//! A broken promise is a [`Violation`]; a refused path is not.
 
 mod generate;
 mod on_curve;

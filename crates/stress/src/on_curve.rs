@@ -1,4 +1,4 @@
-//! A run on one curve with its global parameter, each step held to its promises.
+//! A run on one curve with its global parameter; each step is checked.
 
 use feed_plan::{Schedule, Stage};
 use nurbs_core::{Differentiate, Evaluate, NurbsBuf};
@@ -17,7 +17,7 @@ pub struct OnCurve<'a, R, const D: usize> {
     landing_step: R,
 }
 
-/// The worst of a run.
+/// The worst figures of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct CurveFigures {
     /// Steps.
@@ -26,15 +26,15 @@ pub struct CurveFigures {
     pub evaluations: u64,
     /// Steps whose solver found the chord within its tolerance.
     pub converged: u64,
-    /// Runs that did not come to the end of the curve in twice their time: where the format moves less than its
-    /// resolution in a period, or where the solver finds no chord, as over coincident points.
+    /// Runs that did not reach the end of the curve in twice their time. Either the format's resolution is longer than
+    /// a step, or the solver finds no chord, as over coincident points.
     pub too_slow: u64,
-    /// Difference of a converged chord and the wanted one over its bound.
+    /// Difference between a converged chord and the wanted one, over its bound.
     pub length_share: f64,
 }
 
 impl CurveFigures {
-    /// The worse of two, and the counts of both.
+    /// The worse of two figures each, and the sums of the counts.
     #[must_use]
     pub fn with(self, other: &Self) -> Self {
         Self {
@@ -47,14 +47,14 @@ impl CurveFigures {
     }
 }
 
-/// The fluctuation that the solver is asked for.
+/// The fluctuation that the solver is to keep.
 const FLUCTUATION: f64 = 1e-6;
 
 impl<'a, R: Backend, const D: usize> OnCurve<'a, R, D> {
-    /// Takes curve and plan to `R`.
+    /// Converts curve and plan to `R`.
     ///
     /// # Errors
-    /// In words, what does not fit.
+    /// A text that says which number does not fit.
     pub fn new(planned: &'a Planned<'a, D>) -> Result<Self, String> {
         let [curve] = planned.path.curves.as_slice() else {
             return Err("one global parameter runs one curve".to_string());
@@ -73,19 +73,20 @@ impl<'a, R: Backend, const D: usize> OnCurve<'a, R, D> {
         Ok(Self { planned, curve, stages, tolerance, landing_step })
     }
 
-    /// Whether C' all but vanishes for a step of this length: `2 |C''| L ≥ |C'|²`. A run searches from `|C''| L ≥ |C'|²` on, in numbers
-    /// of its format; the factor of two is for their rounding.
+    /// Whether C' almost vanishes for a step of this length: `2 |C''| L ≥ |C'|²`. A run searches for a start value if
+    /// `|C''| L ≥ |C'|²`, in numbers of its format; the factor of two covers their rounding.
     fn is_slow(&self, u: R, length: R) -> bool {
         let Some(curve) = self.planned.path.curves.first() else { return false };
         let at = curve.as_curve().derivatives(u.to_f64());
         2.0 * f64::norm(&at.second) * length.to_f64() >= f64::norm(&at.first).powi(2)
     }
 
-    /// Runs to the end and holds every step to its promises: the parameter does not go back nor past the end, no step
-    /// takes more than K + 4 evaluations, of the first three where C' all but vanishes K + 12, and a chord whose solver has converged is as long as wanted.
+    /// Runs to the end and checks every step. The parameter neither goes back nor passes the end. No step takes more
+    /// than K + 4 evaluations; where C' almost vanishes, the first three may take K + 12. A chord whose solver has
+    /// converged has the wanted length.
     ///
     /// A run may fall behind its plan where the solver finds no chord: in a coarse format whose resolution is longer
-    /// than a step, or over coincident points. That is counted, and is no violation.
+    /// than a step, or over coincident points. Such runs are counted, and are not violations.
     ///
     /// # Errors
     /// The first promise that is broken.
@@ -120,7 +121,7 @@ impl<'a, R: Backend, const D: usize> OnCurve<'a, R, D> {
                 0.0,
             )?;
             let evaluations = u64::from(setpoint.evaluations);
-            // Without a history, eight trials where C' all but vanishes.
+            // Steps without a history take up to eight trials more where C' almost vanishes.
             let is_slow = step < 3 && self.is_slow(at, setpoint.length);
             let most = most + if is_slow { 8 } else { 0 };
             demand("evaluations", &name, step, evaluations as f64, most as f64)?;
@@ -140,8 +141,8 @@ impl<'a, R: Backend, const D: usize> OnCurve<'a, R, D> {
         Ok(Outcome::Ran(worst))
     }
 
-    /// The commanded points are a chord apart: |F| ≤ Δ L, as the solver says, and F is computed from those points with
-    /// a rounding each of a difference, a norm and a subtraction.
+    /// The commanded points are a chord apart: |F| ≤ Δ L, as the solver says. F is computed from these points with one
+    /// rounding each for a difference, a norm and a subtraction.
     fn check_length(
         &self,
         step: usize,
@@ -151,7 +152,7 @@ impl<'a, R: Backend, const D: usize> OnCurve<'a, R, D> {
         length: R,
     ) -> Result<f64, Violation> {
         let chord = f64::norm(&core::array::from_fn::<_, D, _>(|d| to[d].to_f64() - from[d].to_f64()));
-        // A rest that takes the landing step too may be longer by that.
+        // A last step that also takes the landing step may be longer by the landing step.
         let wanted = length.to_f64();
         let unit = match R::name() {
             FormatName::Fixed { .. } => R::resolution().to_f64(),
@@ -164,7 +165,7 @@ impl<'a, R: Backend, const D: usize> OnCurve<'a, R, D> {
     }
 }
 
-/// A stage in `R`: feeds and durations must fit, what only a table shows need not.
+/// A stage in `R`. Feeds and durations must fit; numbers that are only shown in a table need not.
 fn stage_in<R: Backend>(stage: &Stage<f64>) -> Option<Stage<R>> {
     let nearest = |x: f64| R::from_f64(x).unwrap_or_else(R::max_value);
     let fits = |x: &f64| R::from_f64(*x).is_some();

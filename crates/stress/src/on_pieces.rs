@@ -1,4 +1,4 @@
-//! A run on compiled pieces, each step held to its promises.
+//! A run on compiled pieces; each step is checked.
 
 use feed_plan::{Junction, Schedule};
 use nurbs_core::ORIGIN_EXPONENT;
@@ -16,7 +16,7 @@ pub struct OnPieces<'a, R, const D: usize> {
     path: CompiledPath<R, D>,
 }
 
-/// The worst of a run, in parts of what is promised: all at most 1.
+/// The worst figures of a run, as shares of their bounds: all are at most 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct PieceFigures {
     /// Steps.
@@ -29,22 +29,22 @@ pub struct PieceFigures {
     pub operations_share: f64,
     /// Most operations in a step.
     pub operations: u64,
-    /// Difference of chord and wanted chord over its bound.
+    /// Difference between chord and wanted chord, over its bound.
     pub length_share: f64,
-    /// Chord error over the limit, where rounding cannot have moved the run by more than an eighth of a chord; less what the
-    /// run is off its plan by steps that were not found.
+    /// Chord error over the limit, less the distance by which steps that were not found have moved the run off its
+    /// plan. It is taken where rounding has moved the run by at most an eighth of a chord.
     pub chord_error_share: f64,
-    /// Steps over three pieces or more whose chord error is above the limit: what is narrower than 2⁻²⁰ of a span, a
-    /// plan may miss ([`feed_plan::FeedLimit::along`]).
+    /// Steps over three pieces or more whose chord error is above the limit. A plan may miss a bend that is narrower
+    /// than 2⁻²⁰ of a span ([`feed_plan::FeedLimit::along`]).
     pub narrow_bends: u64,
-    /// Their worst, over the limit.
+    /// The largest chord error of these steps, over the limit.
     pub narrow_bend_share: f64,
-    /// Wanted chord over the longest.
+    /// Wanted chord over the longest chord that is allowed.
     pub feed_share: f64,
 }
 
 impl PieceFigures {
-    /// The worse of two, and the periods of both.
+    /// The worse of two figures each, and the sums of the counts.
     #[must_use]
     pub fn with(self, other: &Self) -> Self {
         Self {
@@ -66,7 +66,7 @@ impl<'a, R: Backend, const D: usize> OnPieces<'a, R, D> {
     /// Compiles path and plan for `R`.
     ///
     /// # Errors
-    /// In words, what does not fit.
+    /// A text that says which number does not fit.
     pub fn new(planned: &'a Planned<'a, D>) -> Result<Self, String> {
         let table = compiled::<R, D>(planned.path, &planned.stops())?;
         let tolerance = ChordTolerance::for_fluctuation(None, planned.path.max_evaluations);
@@ -77,13 +77,13 @@ impl<'a, R: Backend, const D: usize> OnPieces<'a, R, D> {
         Ok(Self { planned, path })
     }
 
-    /// What steps, over stops as over anything else.
+    /// The interpolator of the whole path, which does not land on stops.
     #[must_use]
     pub fn interpolator(&self) -> PieceInterpolator<'_, R, D> {
         self.path.interpolator()
     }
 
-    /// Runs to the end, from stop to stop, and holds every step to its promises.
+    /// Runs to the end, from stop to stop, and checks every step.
     ///
     /// # Errors
     /// The first promise that is broken.
@@ -94,7 +94,7 @@ impl<'a, R: Backend, const D: usize> OnPieces<'a, R, D> {
         }
     }
 
-    /// Runs the path against a judge that the caller has made.
+    /// Runs the path against a judge that the caller has already made.
     pub(crate) fn run_judged(&self, judge: &Judge<D>) -> Result<Outcome<PieceFigures>, Violation> {
         let mut steps = Steps::new(self, judge);
         for (section, interpolator) in self.path.sections().iter().zip(self.path.runs()) {
@@ -113,7 +113,7 @@ impl<const D: usize> OnPieces<'_, Counted<f64>, D> {
     /// Runs to the end and counts the operations of each step.
     ///
     /// # Errors
-    /// The first step that takes more than [`StepBound`] says.
+    /// The first step that takes more operations than [`StepBound`] allows.
     pub fn count(&self) -> Result<Outcome<PieceFigures>, Violation> {
         let interpolator = self.interpolator();
         let stages = most_stages_in_a_period(self.path.stages());
@@ -160,7 +160,7 @@ fn most_stages_in_a_period<R>(stages: &[LengthStage<R>]) -> usize {
             (first, touched) = (last, 1);
         }
     }
-    // The rest after the schedule's end is one more.
+    // The part of the path behind the schedule's end is one stage more.
     most + 1
 }
 
@@ -172,20 +172,21 @@ struct Steps<'a, R, const D: usize> {
     at: (usize, u64),
     worst: PieceFigures,
     units: LengthUnits,
-    /// How far the run may be from its plan since it last landed, in mm.
+    /// The distance in mm that the run may be from its plan since it last landed.
     adrift: f64,
-    /// What of that is no rounding: how far it is off by steps that were not found.
+    /// The part of that distance that is not rounding: it comes from steps that were not found.
     astray: f64,
 }
 
-/// In what the difference of a chord and the wanted chord is measured.
+/// The units for the difference between a chord and the wanted chord.
 ///
-/// A chord of L units (of 2⁻λ mm) is the root of a residual of order one, formed of terms that are each rounded to the
-/// format's resolution r. So it is found to a few r relative to itself, and L itself is a multiple of r, or in a float
-/// r relative to itself: `|chord - L| ≤ (ABSOLUTE + relative(p) L) r` in fixed point, `relative(p) L r` in a float. Forming the
-/// terms for degree p takes p(p + 1)/2 sums, each rounded in units up to four times those of the chord, and with weights as
-/// many again, whose roundings meet offsets of the order of the chord's units. With weights all of that is divided by W, which on
-/// a piece falls to no less than two thirds.
+/// A chord of L units (of 2⁻λ mm) is the root of a residual of order one. Each term of the residual is rounded to the
+/// format's resolution r. So the chord has a relative error of a few r. L itself is a multiple of r in fixed point, and
+/// has a relative error of r in a float. Together `|chord - L| ≤ (ABSOLUTE + relative(p) L) r` in fixed point,
+/// `relative(p) L r` in a float. The terms for degree p take p(p + 1)/2 sums, each rounded in units up to four times
+/// those of the chord. With weights they take as many sums again, whose roundings are multiplied by offsets of the
+/// order of the chord's units. With weights all of that is divided by W, which on a piece falls to no less than two
+/// thirds.
 struct LengthUnits {
     resolution: f64,
     is_fixed: bool,
@@ -201,25 +202,27 @@ fn relative(degree: usize, is_rational: bool) -> f64 {
 }
 /// See [`LengthUnits`].
 const FALLING_WEIGHT: f64 = 1.5;
-/// Cosine of the turn within a step from which on its chord is not always found: the path comes back, and the chord
-/// shrinks before it grows.
+/// Cosine of the turn within a step. If the path turns by more, the chord is not always found: the path comes back, and
+/// the chord shrinks before it grows.
 const RIGHT_ANGLE: f64 = 0.0;
-/// Cosine of that turn for a step on one piece: its steps per chord are held to a sixteenth above those of its slowest point.
+/// The same cosine for a step on one piece: steps per chord are limited to a sixteenth above that of the piece's
+/// slowest point.
 const SIXTY_DEGREES: f64 = 0.5;
-/// Cosine of the turn up to which the chord over a joint is held to the chord error, 0.1°; over a sharper one to the deviation, if
-/// the plan does not stop there.
+/// Cosine of a turn of 0.1° at a joint. Up to this turn the chord over the joint is checked against the chord error;
+/// over a sharper one against the deviation, if the plan does not stop there.
 const SMOOTH: f64 = 1.0 - 1.5e-6;
-/// The plan takes the curve of a step as a circle of the radius at one point: what the chord error may be above its
-/// limit where the radius changes within the step.
+/// The factor by which the chord error may exceed its limit. The plan takes the curve of a step as a circle of the
+/// radius at one point; the radius may change within the step.
 const CHORD_ERROR_SHARE: f64 = 1.5;
-/// The chord error of shorter chords is not judged: a run is within 1e-5 mm of its plan, and in a bend so narrow that the
-/// plan passes it with steps as short as that, not at its place.
+/// The chord error of shorter chords is not checked. A run is within 1e-5 mm of its plan. In a bend so narrow that the
+/// plan passes it with steps as short as this, the run is not at the planned place.
 const SHORT_MM: f64 = 1e-4;
-/// The chord error grows with the chord's square: one that was not found and is longer by more than that is not judged.
+/// The chord error grows with the square of the chord. A chord that was not found is not checked if it is longer than
+/// wanted by more than this part.
 const TOO_LONG: f64 = 1.0 / 64.0;
 /// The judge's own rounding, relative to a piece.
 const JUDGE: f64 = 1e-13;
-/// What a chord may be longer or shorter than one of its period's feed, for rounding.
+/// The part by which rounding may make a chord longer or shorter than that of its period's feed.
 const FEED_SLACK: f64 = 1e-6;
 
 fn fraction(phase: u64) -> f64 {
@@ -274,15 +277,15 @@ impl<'a, R: Backend, const D: usize> Steps<'a, R, D> {
             let converged = setpoint.evaluations < self.run.interpolator().tolerance.max_evaluations;
             self.check_chord(step, from, to, wanted, (converged, lands))?;
         }
-        // A landing step that does not arrive leaves the run as far behind its plan as it is.
+        // A landing step that does not arrive leaves the run as far behind its plan as the step is long.
         if lands && to.1 == 0 {
             (self.adrift, self.astray) = (0.0, 0.0);
         }
         Ok(())
     }
 
-    /// Periods after which the run has to be over. Each may lose a few units of a fixed format, and what all have lost is travelled in
-    /// landing steps, of one unit where that is longer.
+    /// Number of periods after which the run must be over. Each period may lose a few units of a fixed format. The run
+    /// travels the sum of these losses in landing steps, or in steps of one unit where that is longer.
     fn most_periods(&self) -> f64 {
         let landing = self.run.interpolator().landing_step.to_f64().max(self.units.resolution);
         let lost = if self.units.is_fixed { ABSOLUTE * self.units.resolution / landing } else { 0.0 };
@@ -290,7 +293,7 @@ impl<'a, R: Backend, const D: usize> Steps<'a, R, D> {
         (planned.most_periods() as f64).max(f64::from(planned.periods()) * (1.0 + lost))
     }
 
-    /// Length of a chord that does not land, and error of any.
+    /// Checks the length of a chord that does not land, and the chord error of any chord.
     fn check_chord(
         &mut self,
         step: usize,
@@ -315,7 +318,8 @@ impl<'a, R: Backend, const D: usize> Steps<'a, R, D> {
             + if joints > 0.0 {
                 4.0 * 1.0_f64.scale(ORIGIN_EXPONENT)
             } else {
-                // Phases are taken as f64: where a piece is fast, a unit of the last place is some way.
+                // Phases are converted to f64: where a piece is fast, a unit of their last place is a noticeable
+                // length.
                 2.0 * f64::EPSILON * chord / (to.1 - from.1).max(f64::MIN_POSITIVE)
             };
         let (turn, in_all) = self.judge.turns(from, to);
@@ -327,10 +331,11 @@ impl<'a, R: Backend, const D: usize> Steps<'a, R, D> {
             self.worst.length_share = self.worst.length_share.max(share);
         }
         let limits = &self.run.planned.path.limits;
-        // Each step is off its plan by a rounding, and in a slow run at one feed always to the same side. One that was not
-        // found, for want of evaluations or where the path comes back, is off by all that it is too long or too short; and
-        // it may end behind a hairpin rather than in front of it. So may one that was found, where the run is off its plan
-        // already: it reaches a hairpin at the feed of another place. Then it is off by no more than its whole way.
+        // Each step is off its plan by a rounding; in a slow run at one feed the sign is always the same. A step that
+        // was not found, for want of evaluations or where the path comes back, is off by its whole error of length, and
+        // may end behind a hairpin instead of in front of it. A step that was found may do so too if the run is off its
+        // plan already, because it reaches the hairpin at the feed of another place. Such a step is off by no more than
+        // its whole way.
         let off = if is_found || lands { 0.0 } else { (chord - wanted).abs() };
         self.astray += off;
         let comes_back = in_all <= RIGHT_ANGLE && !lands;
@@ -339,13 +344,14 @@ impl<'a, R: Backend, const D: usize> Steps<'a, R, D> {
         self.adrift += resolution + off + behind;
         let is_in_place = self.adrift <= wanted / 8.0 && (lands || chord <= wanted * (1.0 + TOO_LONG));
         let is_smooth = turn > SMOOTH;
-        // A corner may be cut by the deviation; by how much more, where an axis' velocity may jump, nobody says.
+        // A corner may be cut by the deviation. Where an axis' velocity may jump, no limit says by how much it may be
+        // cut.
         let allowed_mm = match limits.junction {
             Junction::Deviation(deviation) if !is_smooth => Some(limits.chord_error.max(deviation)),
             _ => is_smooth.then_some(limits.chord_error),
         };
         if let Some(allowed_mm) = allowed_mm.filter(|_| is_in_place && wanted > SHORT_MM) {
-            // Moving both ends of a chord along the path adds to its error no more than they are moved by.
+            // If both ends of a chord are moved along the path, its error grows by no more than they are moved.
             let error = self.judge.chord_error((from, &start), (to, &end)) - self.astray;
             let share = error / allowed_mm;
             if to.0 - from.0 > 1 {

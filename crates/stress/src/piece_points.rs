@@ -1,4 +1,4 @@
-//! Points of compiled pieces, and whether they are points of the curve.
+//! Points of compiled pieces, and a check that they lie on the curve.
 
 use nurbs_core::{
     Evaluate, Joint, NurbsBuf, ORIGIN_EXPONENT, PieceLimits, Pieces, PiecesBuf, compile_with_stops,
@@ -11,12 +11,12 @@ use crate::{Planned, RandomPath};
 /// Part of a piece over which its direction is measured.
 const TANGENT: f64 = 1e-6;
 
-/// How the pieces of a path are cut: for steps at full feed and a landing step.
+/// The limits with which the pieces of a path are cut: for steps at full feed plus a landing step.
 pub(crate) fn piece_limits<const D: usize>(path: &RandomPath<D>) -> PieceLimits {
     PieceLimits { length_mm: path.piece_mm, step_mm: path.limits.feedrate + path.limits.acceleration }
 }
 
-/// The pieces of a path in `R` with joints at these stops, or why there are none.
+/// The pieces of a path in `R`, with joints at these stops; or the reason why there are none.
 pub(crate) fn compiled<R: Backend, const D: usize>(
     path: &RandomPath<D>,
     stops: &[(usize, f64)],
@@ -26,8 +26,8 @@ pub(crate) fn compiled<R: Backend, const D: usize>(
         .map_err(|error| error.to_string())
 }
 
-/// The same pieces in f64: every format is measured against them. They are exact to 1e-15 of a piece, and
-/// [`check_pieces`] holds them to the curve.
+/// The same pieces in f64, with which every format is compared. They are exact to 1e-15 of a piece, and
+/// [`check_pieces`] compares them with the curve.
 pub(crate) struct Judge<const D: usize> {
     table: PiecesBuf<f64, D>,
 }
@@ -42,8 +42,8 @@ impl<const D: usize> Judge<D> {
         self.table.places().len()
     }
 
-    /// The point at the fraction `t` of `piece`, from the origin of the piece `about`, in mm; past the last piece, the
-    /// end.
+    /// The point at the fraction `t` of `piece`, relative to the origin of the piece `about`, in mm. Past the last
+    /// piece it is the end of the path.
     pub(crate) fn point(&self, piece: usize, t: f64, about: usize) -> [f64; D] {
         let last = self.len().saturating_sub(1);
         let (piece, t) = if piece > last { (last, 1.0) } else { (piece, t) };
@@ -56,7 +56,7 @@ impl<const D: usize> Judge<D> {
         })
     }
 
-    /// The length of a step between two positions: of the chords from corner to corner.
+    /// The length of a step between two positions: the sum of the chords from corner to corner.
     pub(crate) fn step_length(&self, from: (usize, f64), to: (usize, f64)) -> f64 {
         let chord = |[begin, end]: [(usize, f64); 2]| {
             let (a, b) = (self.point(begin.0, begin.1, from.0), self.point(end.0, end.1, from.0));
@@ -77,7 +77,8 @@ impl<const D: usize> Judge<D> {
         })
     }
 
-    /// Cosines of two turns between two positions: the sharpest at any joint, and on any chord the largest from its first direction.
+    /// Cosines of two turns between two positions: the sharpest turn at any joint, and the largest turn on any chord
+    /// from its first direction.
     pub(crate) fn turns(&self, from: (usize, f64), to: (usize, f64)) -> (f64, f64) {
         let on_leg = |[begin, end]: [(usize, f64); 2]| self.turns_on_chord(begin, end);
         let least = |a: (f64, f64), b: (f64, f64)| (a.0.min(b.0), a.1.min(b.1));
@@ -110,8 +111,9 @@ impl<const D: usize> Judge<D> {
         (at_joint, in_all)
     }
 
-    /// Largest distance of the path from the chord between two positions, in mm, at three places of each piece and at
-    /// the joints. Each position comes with its point, from the origin of the first one's piece.
+    /// Largest distance of the path from the chord between two positions, in mm. The path is sampled at three places of
+    /// each piece and at the joints. Each position comes with its point, relative to the origin of the first position's
+    /// piece.
     pub(crate) fn chord_error(
         &self,
         (from, start): ((usize, f64), &[f64; D]),
@@ -131,7 +133,7 @@ impl<const D: usize> Judge<D> {
         self.between(from, to).map(distance).fold(0.0, f64::max)
     }
 
-    /// Length of the path between two positions, in mm, by the same places.
+    /// Length of the path between two positions, in mm, by the same samples.
     pub(crate) fn way(&self, from: (usize, f64), to: (usize, f64)) -> f64 {
         let end = self.point(to.0, to.1, from.0);
         let mut last = self.point(from.0, from.1, from.0);
@@ -143,8 +145,8 @@ impl<const D: usize> Judge<D> {
         way
     }
 
-    /// Points between two positions: at three places of each piece and at the joints, from the origin of the first one's
-    /// piece.
+    /// Points between two positions, at three places of each piece and at the joints, relative to the origin of the
+    /// first position's piece.
     fn between(&self, from: (usize, f64), to: (usize, f64)) -> impl Iterator<Item = [f64; D]> {
         let last = to.0.min(self.len().saturating_sub(1));
         (from.0..=last).flat_map(move |piece| {
@@ -156,17 +158,17 @@ impl<const D: usize> Judge<D> {
     }
 }
 
-/// Pieces of `path` in `R` against de Boor's scheme in double-double, at `samples` places of each piece: no further
-/// apart than a few units of the format's resolution.
+/// Compares the pieces of `path` in `R` with de Boor's scheme in double-double, at `samples` places of each piece. They
+/// must differ by no more than a few units of the format's resolution.
 ///
 /// With r the resolution, a point P = N/W is a Horner chain of p coefficients, each rounded to r times the piece's
-/// [`coordinate_size_mm`](PiecesBuf::coordinate_size_mm), and so is W where it is rational; what both are off is divided by
-/// W, and the reciprocal is off by r/2 and multiplied by N = P W. Together `(p + 2) (1 + |P|) (1 + (1 + |P|) W)/min(W, 1)`
-/// units at most; to which comes half a unit of the largest `2^coordinate_exponent`, in which points are given out, and one of
-/// the origin's, 2⁻³⁹ mm.
+/// [`coordinate_size_mm`](PiecesBuf::coordinate_size_mm). W is such a chain too where the piece is rational. The errors
+/// of both are divided by W; the reciprocal is off by r/2, which is multiplied by N = P W. Together that is at most
+/// `(p + 2) (1 + |P|) (1 + (1 + |P|) W)/min(W, 1)` units. Half a unit of the largest `2^coordinate_exponent`, the unit
+/// of the points, is added, and one unit of the origin, 2⁻³⁹ mm.
 ///
 /// # Errors
-/// The first point that is further off.
+/// The first point that differs by more.
 pub fn check_pieces<R: Backend, const D: usize>(
     path: &RandomPath<D>,
     samples: u32,
@@ -189,7 +191,7 @@ pub fn check_pieces<R: Backend, const D: usize>(
         let scale = table.coordinate_size_mm(piece).max(f64::MIN_POSITIVE);
         for sample in 0..=samples {
             let phase = (u64::MAX / u64::from(samples.max(1))).saturating_mul(u64::from(sample));
-            // The format cuts the phase to its own digits, and the point belongs to what is left.
+            // The format cuts the phase to its own digits, and the point belongs to the cut phase.
             let t = R::from_phase(phase, 0);
             let offset = pieces.offset(piece, t);
             let last = resolution * 1.0_f64.scale(pieces.coordinate_exponent);

@@ -1,4 +1,4 @@
-//! The plan of a random path, and what it promises.
+//! The plan of a random path, and a check of its promises.
 
 use feed_plan::{EndFeeds, FeedLimit, ScheduleBuf, Stage, plan_with};
 use nurbs_core::FastCurve;
@@ -15,17 +15,17 @@ pub struct Planned<'a, const D: usize> {
     pub limit: FeedLimit<f64>,
     /// The plan along the curve.
     pub arcs: ScheduleBuf<f64>,
-    /// The plan that setpoints keep whose chords, not arcs, have the planned lengths.
+    /// The plan for setpoints: the planned lengths are those of chords, not of arcs.
     pub chords: ScheduleBuf<f64>,
-    /// How many times slower than planned the path is run.
+    /// By which factor the path is run slower than planned.
     slower: u32,
 }
 
-/// What rounding may add to a quantity of the plan: 10⁻¹² is promised, over some hundred stages.
+/// The rounding that is allowed in a quantity of the plan: 10⁻¹² is promised, over some hundred stages.
 const ROUNDING: f64 = 1e-9;
 
 impl<'a, const D: usize> Planned<'a, D> {
-    /// Plans from rest to rest; `None` for a path that is refused or takes more than `most_periods`.
+    /// Plans from rest to rest; `None` for a path that is refused or takes more than `most_periods` periods.
     #[must_use]
     pub fn new(path: &'a RandomPath<D>, most_periods: u32) -> Option<Self> {
         let curves: Vec<_> = path.curves.iter().map(|curve| FastCurve::of(curve.as_curve())).collect();
@@ -38,8 +38,8 @@ impl<'a, const D: usize> Planned<'a, D> {
         Some(Self { path, limit, arcs, chords, slower: 1 })
     }
 
-    /// The same path and plan, run so many times slower, as by an override: a run of so many times more periods, whose chords
-    /// are as long as their arcs but for a square of that.
+    /// The same path and plan, run `times` times slower, as with an override. The run has `times` times as many
+    /// periods. Its chords count as long as their arcs: their shortfall falls with the square of `times`.
     #[must_use]
     pub fn slower(self, times: u32) -> Self {
         Self { slower: times, chords: self.arcs.clone(), ..self }
@@ -51,13 +51,13 @@ impl<'a, const D: usize> Planned<'a, D> {
         self.chords.as_schedule().periods().saturating_mul(self.slower)
     }
 
-    /// The longest step from which a run comes to rest: the acceleration, or as much less as the run is slower.
+    /// The longest step from which a run comes to rest: A T² over the square of the factor by which the run is slower.
     #[must_use]
     pub fn landing_step(&self) -> f64 {
         self.path.limits.acceleration / f64::from(self.slower).powi(2)
     }
 
-    /// Periods after which a run has to be over.
+    /// Number of periods after which a run must be over.
     #[must_use]
     pub fn most_periods(&self) -> usize {
         2 * self.periods() as usize + 16
@@ -82,11 +82,11 @@ impl<'a, const D: usize> Planned<'a, D> {
         self.chords.stages().iter().map(slowed).collect()
     }
 
-    /// The plan keeps feed, acceleration and jerk at every stage, joins its stages, ends at rest at the end, and stays
-    /// under the limit at a hundred places of each stage.
+    /// Checks that the plan keeps feed, acceleration and jerk at every stage, joins its stages, ends at rest at the
+    /// end, and stays under the limit at a hundred places of each stage.
     ///
     /// # Errors
-    /// What it does not.
+    /// The first promise that is broken.
     pub fn check(&self) -> Result<(), Violation> {
         let limits = &self.path.limits;
         let plan = self.arcs.as_schedule();
@@ -123,7 +123,8 @@ impl<'a, const D: usize> Planned<'a, D> {
             for sample in 0..=100 {
                 let time = stage.duration * f64::from(sample) / 100.0;
                 let at = stage.start + stage.distance_at(time);
-                // At a jump of the limit both sides hold; rounding decides on which a place lies.
+                // Where the limit jumps, the values on both sides are allowed: rounding decides on which side a place
+                // lies.
                 let near = ROUNDING * (1.0 + plan.length());
                 let allowed =
                     self.limit.at(at).max(self.limit.at((at - near).max(0.0))).max(self.limit.at(at + near));

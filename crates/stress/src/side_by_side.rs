@@ -1,4 +1,4 @@
-//! A fixed format beside a float, period by period.
+//! A comparison of a fixed format with a float, period by period.
 
 use nurbs_core::ORIGIN_EXPONENT;
 use real::{Backend, FormatName, Real};
@@ -7,12 +7,12 @@ use crate::piece_points::Judge;
 use crate::violation::{Outcome, Violation, demand};
 use crate::{OnPieces, Planned};
 
-/// Runs `R` and f64 along the same pieces by the same plan, and holds them together: after n steps they are apart by no
-/// more than n differences of a chord and the wanted chord, and by what the path's bends make of that, a half. Behind a corner of a
-/// right angle or more they are not compared: there a chord may be found on either side.
+/// Runs `R` and f64 along the same pieces by the same plan and compares them. After n steps they may differ by n times
+/// the bound of a chord's error, and by half as much again for the path's bends. Behind a corner of a right angle or
+/// more they are not compared: a chord may be found on either side of it.
 ///
 /// # Errors
-/// The first step at which they are further apart.
+/// The first step at which they differ by more.
 pub fn check_against_float<R: Backend, const D: usize>(
     planned: &Planned<'_, D>,
 ) -> Result<Outcome<f64>, Violation> {

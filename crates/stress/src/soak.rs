@@ -1,4 +1,5 @@
-//! A soak: path after path from a seed, each run in many formats, until each has made so many periods.
+//! A soak: runs path after path from a seed, each in many formats, until each format has made a given number of
+//! periods.
 
 use real::{
     Backend, Counted, I2F30, I3F29, I4F28, I4F60, I8F24, I16F16, I16F48, I32F32, RuntimeFixed, RuntimeFormat,
@@ -9,16 +10,16 @@ use crate::piece_points::{Judge, compiled};
 use crate::violation::{Outcome, Violation};
 use crate::{OnPieces, PieceFigures, Planned, RandomPath, SplitMix64};
 
-/// Bytes a path is drawn from.
+/// Number of bytes from which a path is drawn.
 const BYTES: usize = 1500;
 /// Longest plan.
 const MOST_PERIODS: u32 = 20_000;
-/// By how much paths are slowed down, in turn: the first kind crosses many bends and joints, the others make many periods.
+/// Factors by which paths are slowed down, in turn. Fast runs cross many bends and joints; slow runs make many periods.
 const SLOWER: [u32; 4] = [1, 16, 64, 256];
 
 type Run = Result<Outcome<PieceFigures>, Violation>;
 
-/// What is done in a format with paths of one dimension.
+/// The checks in one format for paths of one dimension.
 #[derive(Clone, Copy)]
 struct InFormat<const D: usize> {
     /// Whether the path's pieces fit the format.
@@ -97,7 +98,7 @@ fn run_at_run_time<const D: usize>(
     format.run::<0, _>(|| run::<RuntimeFixed<0>, D>(planned, judge, None))
 }
 
-/// What a format has gone through.
+/// The record of one format.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Soaked {
     /// The format's name.
@@ -113,45 +114,45 @@ pub struct Soaked {
 /// A violation and the path on which it came up.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SoakViolation {
-    /// Number of the path; with the seed it says everything.
+    /// Number of the path. Seed and number determine the path.
     pub path: u64,
-    /// What was broken.
+    /// The promise that was broken.
     pub what: String,
 }
 
-/// The paths of a soak: by their number, the same each time.
+/// The paths of a soak, by number. A number always gives the same path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SoakPaths {
-    /// Draws them.
+    /// The seed of the generator.
     pub seed: u64,
-    /// Whether none of them is slowed down: more of what goes wrong in bends comes up in fewer periods.
+    /// Whether no path is slowed down: faults in bends then appear in fewer periods.
     #[serde(default)]
     pub full_speed: bool,
 }
 
 impl SoakPaths {
-    /// The path of this number as it is drawn, before it is slowed down. Every fifth one is run in space, the others in the plane.
+    /// The path of this number, before it is slowed down. Every fifth path is in space, the others are in the plane.
     #[must_use]
     pub fn draw<const D: usize>(self, path: u64) -> Option<RandomPath<D>> {
         RandomPath::from_bytes(&bytes(self.seed, path))
     }
 }
 
-/// Where a soak stands: it can be written down and gone on with.
+/// The state of a soak, which can be saved and continued.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Soak {
-    /// Which paths are run.
+    /// The paths to run.
     #[serde(flatten)]
     pub paths: SoakPaths,
     /// Number of the next path.
     pub next_path: u64,
-    /// What each format has gone through, in the order of [`SOAK_FORMATS`].
+    /// The record of each format, in the order of [`SOAK_FORMATS`].
     pub formats: Vec<Soaked>,
     /// One path in sixteen is run again with the operations of each step counted.
     pub counted: PieceFigures,
-    /// Promises broken in all.
+    /// Number of broken promises.
     pub violations: u64,
-    /// The first of them.
+    /// The first broken promises.
     pub first_violations: Vec<SoakViolation>,
 }
 
@@ -159,7 +160,7 @@ pub struct Soak {
 const MOST_KEPT: usize = 100;
 
 impl Soak {
-    /// Before the first path.
+    /// The state before the first path.
     #[must_use]
     pub fn new(paths: SoakPaths, formats: &[SoakFormat]) -> Self {
         let soaked = |format: &SoakFormat| Soaked { format: format.name.to_string(), ..Soaked::default() };
@@ -173,7 +174,7 @@ impl Soak {
         }
     }
 
-    /// Takes in what came of the next path.
+    /// Adds the results of the next path.
     pub fn add(&mut self, path: SoakedPath) {
         for (soaked, figures) in self.formats.iter_mut().zip(path.runs) {
             match figures {
@@ -194,23 +195,23 @@ impl Soak {
         self.next_path += 1;
     }
 
-    /// Whether format number `format` has made so many periods.
+    /// Whether format number `format` has made at least `periods` periods.
     #[must_use]
     pub fn has(&self, format: usize, periods: u64) -> bool {
         self.formats.get(format).is_some_and(|soaked| soaked.worst.periods >= periods)
     }
 
-    /// Periods of the format that has made the fewest.
+    /// Number of periods of the format that has made the fewest.
     #[must_use]
     pub fn least_periods(&self) -> u64 {
         self.formats.iter().map(|soaked| soaked.worst.periods).min().unwrap_or(0)
     }
 }
 
-/// What came of one path in one format.
+/// The result of one path in one format.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum SoakedRun {
-    /// Not run, for the format has its periods.
+    /// Not run, because the format has made its periods already.
     #[default]
     Spared,
     /// Refused, or a promise was broken.
@@ -219,19 +220,19 @@ pub enum SoakedRun {
     Ran(PieceFigures),
 }
 
-/// What came of one path.
+/// The results of one path.
 #[derive(Clone, Debug, Default)]
 pub struct SoakedPath {
-    /// An entry a format, in the order given.
+    /// One entry per format, in the order given.
     pub runs: Vec<SoakedRun>,
-    /// A second run of the path, in f64, with its operations counted.
+    /// The result of a second run of the path in f64, with its operations counted.
     pub counted: Option<PieceFigures>,
     /// What was broken.
     pub violations: Vec<SoakViolation>,
 }
 
-/// Runs path number `path` of `paths` in each of `formats` but those that are `spared`, by a plan whose own promises are
-/// checked too. Every fifth path is one in space, and every other one passes its corners.
+/// Runs path number `path` of `paths` in each of `formats`, except those that are `spared`. The promises of the plan
+/// are checked too. Every fifth path is in space, and every other path passes its corners.
 #[must_use]
 pub fn soak_path(
     paths: SoakPaths,

@@ -1,4 +1,4 @@
-//! What a step may take at most, read off the code's loops.
+//! The largest number of evaluations and operations of a step, from the loops of the code.
 
 /// The most that one step on compiled pieces may take.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -9,16 +9,16 @@ pub struct StepBound {
     pub operations: u64,
 }
 
-/// What the loops of a step run over.
+/// The lengths of the loops of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StepShape {
     /// p.
     pub degree: usize,
     /// D.
     pub dimensions: usize,
-    /// Whether points take a division.
+    /// Whether a point takes a division.
     pub rational: bool,
-    /// K: evaluations on a piece, at most.
+    /// K: the most evaluations on a piece.
     pub max_evaluations: u32,
     /// Pieces that the step touches: those that it leaves, and the one that it ends on.
     pub pieces: usize,
@@ -29,7 +29,8 @@ pub struct StepShape {
 impl StepBound {
     /// The bound of a step of this shape.
     ///
-    /// With p the degree, D the dimensions, K the evaluations allowed, each line counted in the code that it names:
+    /// The degree is p, the number of dimensions D, and K the evaluations allowed. Each line counts the code that it
+    /// names:
     ///
     /// | what | operations | times |
     /// |---|---|---|
@@ -39,7 +40,7 @@ impl StepBound {
     /// | to the end of a piece, and past a whole one (`over`, twice) | 2 (2pD + 2p + 5D + 8) | pieces |
     /// | start value, range, joint: the rest of `travel` and `cross` | 80 | pieces |
     /// | the point itself (`Pieces::offset`) | (p + 4) (D + 1) | 1 |
-    /// | landing step, reach, and the calls between | 10 | 1 |
+    /// | landing step, and the calls between | 10 | 1 |
     #[must_use]
     pub fn of(shape: &StepShape) -> Self {
         let StepShape { degree, dimensions, rational, max_evaluations, pieces, stages } = *shape;

@@ -5,7 +5,7 @@ use std::fmt;
 /// A promise that was broken, with the figure and its bound.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Violation {
-    /// What was promised.
+    /// The promise.
     pub what: &'static str,
     /// The format, where it matters.
     pub format: String,
@@ -13,7 +13,7 @@ pub struct Violation {
     pub step: usize,
     /// The figure.
     pub value: f64,
-    /// What it may be at most.
+    /// The bound of the figure.
     pub bound: f64,
 }
 
@@ -26,16 +26,16 @@ impl fmt::Display for Violation {
 
 impl std::error::Error for Violation {}
 
-/// How a run ended that broke no promise.
+/// The result of a run that broke no promise.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Outcome<F> {
-    /// To its end.
+    /// The run reached its end.
     Ran(F),
-    /// Not at all: the reason, in words.
+    /// The path was refused: the reason, in words.
     Refused(String),
 }
 
-/// Collects the worst figure of one promise, in parts of its bound.
+/// Records the worst figure of one promise, as a share of its bound.
 pub(crate) fn demand(
     what: &'static str,
     format: &str,

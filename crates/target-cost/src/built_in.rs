@@ -8,7 +8,7 @@ macro_rules! files {
     };
 }
 
-/// Name and text of each.
+/// Name and text of each target.
 const FILES: [(&str, &str); 12] = files![
     "cortex-m0plus",
     "cortex-m3",

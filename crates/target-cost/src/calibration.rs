@@ -1,15 +1,17 @@
 //! Costs of operations from instructions that were counted: `data/target-costs.toml`, which `scripts/firmware` writes.
 //!
-//! Counted is each operation alone, with the call, the loads of its operands and the store of its result, and whole
-//! steps along two paths. In a step an operation has no call, but its numbers come from tables and registers spill; a
-//! library's soft float may be inlined and so be cheaper than its call. So an operation costs
+//! Two things are counted. Each operation is counted alone, with the call, the loads of its operands and the store of
+//! its result. Whole steps are counted along two paths. In a step an operation has no call, but its numbers come from
+//! tables, and registers spill. A library's soft float may be inlined, and is then cheaper than its call. So an
+//! operation costs
 //!
 //! `(counted - counted copy)·g + λ`,
 //!
-//! where λ ≥ 0 (g = 1), the same for all operations of a format, makes the sum over the operations of a step of each
-//! path, together, the traced ones; where the sum is above them without any λ, λ = 0 and g < 1 does. One number is fitted to
-//! two paths, one of which has half as many operations again as the other: each step is predicted within 10 %, one of f32 on an
-//! FPU within 17 %, for little of it is arithmetic.
+//! where g and λ ≥ 0 are the same for all operations of a format. With g = 1, λ is chosen so that the costs of the
+//! operations of a step of each path, summed over both paths, equal the traced steps. If the sum exceeds the traced
+//! steps even with λ = 0, g < 1 is chosen instead. One number is fitted to two paths, one of which has half as many
+//! operations again as the other. Each step is predicted within 10 %; one of f32 on an FPU within 17 %, because little
+//! of it is arithmetic.
 
 use std::collections::BTreeMap;
 
@@ -21,7 +23,7 @@ use crate::target::{Confidence, Known, Measure, Row, Target, Unknown};
 use crate::task::Priced;
 
 const COMMITTED: &str = include_str!("../../../data/target-costs.toml");
-/// What was counted.
+/// The committed counts.
 #[derive(Clone, Debug, Deserialize)]
 pub struct Calibration {
     toolchain: BTreeMap<String, String>,
@@ -68,7 +70,7 @@ impl Cost {
     }
 }
 
-/// How an operation alone becomes one in a step: g and λ.
+/// The conversion from the cost of an operation alone to its cost in a step: g and λ.
 #[derive(Clone, Copy, Debug)]
 struct InAStep {
     gain: Cycles,
@@ -89,7 +91,7 @@ pub struct Prediction {
 }
 
 impl Calibration {
-    /// The committed counts.
+    /// Reads the committed counts.
     ///
     /// # Errors
     /// [`TargetError::Toml`] if the file has been damaged.
@@ -112,7 +114,7 @@ impl Calibration {
         let counted = counted.ok_or_else(missing)?;
         for format in &counted.format {
             let rows = self.rows(counted, format, target.measure);
-            // A 32-bit format stands for all of one word, a 64-bit one for all of two.
+            // A 32-bit format stands for all formats of one word, a 64-bit format for all of two words.
             let word = match format.name.as_str() {
                 "I4F28" => Some(32),
                 "I4F60" => Some(64),
@@ -156,7 +158,7 @@ impl Calibration {
         alone(format, measure).into_iter().map(row).collect()
     }
 
-    /// g and λ of a format; of its neighbour in width if its own steps were not traced.
+    /// g and λ of a format. If its own steps were not traced, those of the format that is nearest in width.
     fn in_a_step(&self, counted: &Counted, format: &CountedFormat, measure: Measure) -> Option<InAStep> {
         let stands_in = match format.name.as_str() {
             "I32F32" | "I16F48" => "I4F60",
@@ -208,7 +210,7 @@ impl Calibration {
     }
 }
 
-/// Low, typical and high in this order: differences of intervals may come out otherwise by a little.
+/// Low, typical and high in this order: differences of intervals may be slightly out of order.
 fn ordered(cycles: Cycles) -> Cycles {
     let typical = cycles.typical.max(0.0);
     Cycles { low: cycles.low.clamp(0.0, typical), typical, high: cycles.high.max(typical) }
@@ -222,9 +224,9 @@ fn alone(format: &CountedFormat, measure: Measure) -> Vec<(Priced, Option<Cycles
         Some(Cycles::each(|level| (cost.at(level) - than.at(level)).max(0.0)))
     };
     let own = |name: &str| less(name, "copy");
-    // The kernel `to_phase` makes a number of its phase again.
+    // The kernel `to_phase` also makes a number of its phase again.
     let convert = own("fraction").zip(less("to_phase", "fraction")).map(|(from, to)| (from + to) * 0.5);
-    // Powers of two are known when the program is built, more often than not.
+    // Powers of two are usually known when the program is built.
     let scale = own("half");
     vec![
         (Priced::Add, own("add")),
@@ -240,7 +242,7 @@ fn alone(format: &CountedFormat, measure: Measure) -> Vec<(Priced, Option<Cycles
     ]
 }
 
-/// Operations of a step, of all kinds; products beyond the second of a sum count as operations.
+/// Number of operations of a step, of all kinds. Each product of a sum beyond the second counts as one operation.
 fn count(operations: &Operations) -> f64 {
     let of = |name: &str| operations.get(name).copied().unwrap_or(0.0);
     let listed: f64 = operations.iter().filter(|(name, _)| !name.ends_with("_terms")).map(|(_, n)| n).sum();

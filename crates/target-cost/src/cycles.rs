@@ -5,8 +5,8 @@ use std::ops::{Add, Mul};
 
 use serde::{Deserialize, Serialize};
 
-/// Low, typical and high. What a manual leaves to the neighbours of an instruction, to operands or to an implementation
-/// lies between low and high.
+/// Low, typical and high. A cost may depend on neighbouring instructions, on operands or on an implementation, and a
+/// manual may leave it open: it then lies between low and high.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Cycles {

@@ -2,11 +2,11 @@
 
 use std::fmt;
 
-/// What is wrong with a target file.
+/// The fault of a target file.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum TargetError {
-    /// It is no TOML, or lacks a key, or has one that is not known.
+    /// The file is not TOML, lacks a key, or has an unknown key.
     Toml {
         /// The file.
         file: String,
@@ -24,7 +24,7 @@ pub enum TargetError {
         /// The rule.
         expected: &'static str,
     },
-    /// `calibrated = true`, and nothing was counted for a target of this name.
+    /// The file has `calibrated = true`, but nothing was counted for a target of this name.
     NotCalibrated {
         /// The file.
         file: String,

@@ -1,8 +1,8 @@
-//! `target-cost`: what does a recorded real-time step cost on a processor or an FPGA?
+//! `target-cost`: how much does a recorded real-time step cost on a processor or an FPGA?
 //!
-//! A step's data-flow graph ([`real::Graph`]) becomes a [`Step`] of operations, and a [`Target`] schedules it: in program
-//! order on a processor, by list scheduling on a VLIW's or an FPGA's units. Targets are data files; every number in
-//! them names its source and how far to trust it, and what nobody has published is `unknown`.
+//! A step's data-flow graph ([`real::Graph`]) becomes a [`Step`] of operations, and a [`Target`] schedules it: in
+//! program order on a processor, by list scheduling on the units of a VLIW or an FPGA. Targets are data files. Every
+//! number in them names its source and its confidence. A number that nobody has published is `unknown`.
 //!
 //! ```
 //! use real::{Graph, I4F28, Real, Recorded};
@@ -22,10 +22,10 @@
 //!
 //! | question | where |
 //! |---|---|
-//! | what operations has a step? | [`Step`], [`Task`], [`Priced`] |
-//! | what does one cost, and who says so? | [`Target`], [`Row`] |
-//! | what was counted on the instruction set? | [`Calibration`] |
-//! | how long is the step? what bounds it? | [`StepCost`] |
+//! | which operations does a step have? | [`Step`], [`Task`], [`Priced`] |
+//! | how much does one cost, and who says so? | [`Target`], [`Row`] |
+//! | which instructions were counted? | [`Calibration`] |
+//! | how long does the step take, and which limit decides that? | [`StepCost`] |
 
 mod built_in;
 mod calibration;

@@ -1,8 +1,9 @@
-//! When each operation of a step begins and ends on a target.
+//! The begin and the end of each operation of a step on a target.
 //!
-//! A processor issues in program order; an operation begins when the one before it has been issued, its operands are there
-//! and its unit is free. A VLIW and an FPGA begin whatever is ready, the longest way to the end first (list scheduling).
-//! Either way no schedule is shorter than the critical path, nor than the work of a unit over the number of such units.
+//! A processor issues in program order. An operation begins when the one before it has been issued, its operands are
+//! ready and its unit is free. A VLIW and an FPGA begin any operation that is ready; among several, the one with the
+//! longest chain to the end goes first (list scheduling). In both cases no schedule is shorter than the critical path,
+//! nor than the work of a unit divided by the number of such units.
 
 use std::collections::BTreeMap;
 
@@ -13,7 +14,7 @@ use crate::cycles::{Cycles, Level};
 use crate::target::{Kind, Price, Target};
 use crate::task::{Priced, Step, Task};
 
-/// An operation of a step that the target does at once: what a [`Task`] comes to on it.
+/// An operation of a step that the target does in one piece. A [`Task`] becomes one or more of them.
 #[derive(Clone, Debug)]
 struct Placeable {
     operation: Priced,
@@ -26,9 +27,9 @@ struct Placeable {
 pub struct StepCost {
     /// From the first operation to the last result.
     pub length: Cycles,
-    /// The longest chain of operations that need each other.
+    /// The longest chain of operations, each of which needs the result of the one before.
     pub critical_path: Cycles,
-    /// Steps of other axes or paths may begin at this distance: the work of the busiest unit.
+    /// Steps of other axes or paths may follow at this distance: the work of the busiest unit.
     pub initiation_interval: Cycles,
     /// Work by kind of operation, typical cycles.
     pub work: BTreeMap<&'static str, f64>,
@@ -54,7 +55,7 @@ pub struct Placed {
 /// Operations that a target has no price for in a format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct NoPrice {
-    /// The first of them.
+    /// The first operation without a price.
     pub operation: Priced,
 }
 
@@ -98,7 +99,7 @@ impl StepCost {
 /// The step in operations that the target prices.
 fn placeable(step: &Step, target: &Target, format: FormatName) -> Result<Vec<Placeable>, NoPrice> {
     let mut todo = Vec::with_capacity(step.tasks.len());
-    // Where the result of each task is found; none for a number that is there from the start.
+    // The operation that yields the result of each task; `None` for a number that exists from the start.
     let mut results: Vec<Option<usize>> = Vec::with_capacity(step.tasks.len());
     for task in &step.tasks {
         let operands: Vec<usize> = task.operands.iter().filter_map(|operand| results[*operand]).collect();
@@ -143,13 +144,13 @@ impl Lowering<'_> {
         Ok(self.todo.len() - 1)
     }
 
-    /// One more product onto a sum.
+    /// Adds one more product to a sum.
     fn more(&mut self, operands: Vec<usize>) -> Result<Vec<usize>, NoPrice> {
         let task = Task { operation: Priced::MulAdd, terms: 1, operands: Vec::new() };
         Ok(self.task(&task, operands)?.into_iter().collect())
     }
 
-    /// At its own price and that of each further product; else products and a chain of sums.
+    /// A sum at its own price plus that of each further product; without such a price, products and a chain of sums.
     fn sum_of_products(&mut self, terms: usize, operands: Vec<usize>) -> Result<usize, NoPrice> {
         if self.target.row(Priced::SumOfProducts, self.format).is_some() {
             let first = self.one(Priced::SumOfProducts, operands)?;
@@ -171,7 +172,7 @@ fn critical_path(todo: &[Placeable], level: Level) -> f64 {
     to_the_end(todo, level).into_iter().fold(0.0, f64::max)
 }
 
-/// The longest way from the begin of each operation to the end of the step.
+/// The longest chain from the begin of each operation to the end of the step.
 fn to_the_end(todo: &[Placeable], level: Level) -> Vec<f64> {
     let mut after = vec![0.0_f64; todo.len()];
     for (index, item) in todo.iter().enumerate().rev() {
@@ -183,7 +184,7 @@ fn to_the_end(todo: &[Placeable], level: Level) -> Vec<f64> {
     after
 }
 
-/// How long an operation keeps its unit, or the issue of the next.
+/// How long an operation occupies its unit, or blocks the issue of the next.
 fn busy(price: &Price, kind: Kind, level: Level) -> f64 {
     let default = if kind == Kind::Processor { price.latency.at(level) } else { 1.0 };
     price.busy.unwrap_or(default).min(price.latency.at(level).max(1.0))
@@ -207,7 +208,7 @@ fn place(todo: &[Placeable], target: &Target, level: Level) -> Vec<Placed> {
     let mut waiting: Vec<usize> = (0..todo.len()).collect();
     let urgency = to_the_end(todo, level);
     while !waiting.is_empty() {
-        // None as long as an operand has no end yet.
+        // `None` while an operand has no end yet.
         let ready = |index: usize| {
             todo[index].operands.iter().try_fold(0.0_f64, |latest, operand| {
                 let end = ends[*operand];
@@ -216,7 +217,7 @@ fn place(todo: &[Placeable], target: &Target, level: Level) -> Vec<Placed> {
         };
         let next = match target.kind {
             Kind::Processor => Some(0),
-            // The earliest that may begin, of these the one with the longest way to the end.
+            // The operations that may begin earliest; among them the one with the longest chain to the end.
             Kind::Vliw | Kind::Fpga => {
                 let start = |place: usize| {
                     let index = waiting[place];
@@ -238,15 +239,16 @@ fn place(todo: &[Placeable], target: &Target, level: Level) -> Vec<Placed> {
     placed
 }
 
-/// What is taken until when.
+/// The occupied units and issues.
 struct Machine<'a> {
     target: &'a Target,
     level: Level,
-    /// Of each unit, when each of its copies is free.
+    /// For each unit, the time at which each of its copies becomes free.
     units: Vec<Vec<f64>>,
     /// A processor's next issue.
     in_order: f64,
-    /// Issues by cycle, a whole number, by its bits: they are in the order of the numbers.
+    /// Number of issues in each cycle. The key is the bits of the whole number of the cycle, which sort as the numbers
+    /// do.
     issued: BTreeMap<u64, u32>,
 }
 
@@ -262,7 +264,7 @@ impl<'a> Machine<'a> {
         copies.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, 0.0))
     }
 
-    /// When an operation may begin whose operands are there at `ready`.
+    /// The earliest begin of an operation whose operands are ready at `ready`.
     fn earliest(&self, price: &Price, ready: f64) -> f64 {
         let free = price.unit.map_or(0.0, |unit| self.copy(unit).1);
         let mut start = ready.max(free).max(self.in_order);

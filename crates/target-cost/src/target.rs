@@ -1,4 +1,4 @@
-//! A target: what it is, its units, and what each operation costs on it.
+//! A target: its kind, its units, and the cost of each operation.
 
 use real::{FormatName, Overflow, Rounding};
 use serde::{Deserialize, Serialize};
@@ -15,21 +15,22 @@ pub struct Target {
     pub name: String,
     /// The name for people.
     pub title: String,
-    /// How a step is put in order.
+    /// How the operations of a step are ordered.
     pub kind: Kind,
-    /// What the figures count.
+    /// The unit of the figures.
     #[serde(default)]
     pub measure: Measure,
-    /// Operations that may begin in the same cycle; absent for no bound.
+    /// Number of operations that may begin in the same cycle; absent if there is no limit.
     #[serde(default)]
     pub issue_per_cycle: Option<u32>,
-    /// Clocks, the first that is wide enough for a format; a processor has one. None: unknown.
+    /// Clocks. The first one that is wide enough for a format counts; a processor has one clock. An empty list:
+    /// unknown.
     #[serde(default)]
     pub clock: Vec<Clock>,
     /// Units that several operations share.
     #[serde(default)]
     pub unit: Vec<Unit>,
-    /// Whether the costs of the operations are those counted on the instruction set.
+    /// Whether the costs of the operations were counted on the instruction set.
     #[serde(default)]
     pub calibrated: bool,
     /// The costs.
@@ -37,19 +38,19 @@ pub struct Target {
     pub operation: Vec<Row>,
 }
 
-/// How a step is put in order.
+/// How the operations of a step are ordered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Kind {
     /// In program order: an operation begins no earlier than the one before it.
     Processor,
-    /// A compiler orders it, for several units that begin in the same cycle.
+    /// A compiler orders them, for several units that begin in the same cycle.
     Vliw,
     /// A list schedule on units that are bought for the step.
     Fpga,
 }
 
-/// What the figures of a target count.
+/// The unit of a target's figures.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Measure {
@@ -69,7 +70,7 @@ pub struct Clock {
     pub max_bits: Option<u32>,
     /// In MHz.
     pub mhz: f64,
-    /// Where the number is from.
+    /// The source of the number.
     pub source: String,
 }
 
@@ -94,7 +95,7 @@ pub struct Row {
     /// The widest fixed-point format.
     #[serde(default)]
     pub max_bits: Option<u32>,
-    /// Until the result is there.
+    /// Cycles until the result is ready.
     pub cycles: Known,
     /// More cycles for each bit of the format.
     #[serde(default)]
@@ -102,11 +103,11 @@ pub struct Row {
     /// More cycles for each fraction bit of the format.
     #[serde(default)]
     pub per_fraction_bit: f64,
-    /// Cycles for which its unit, or the issue of the next operation, is held up; absent: until the result is there on a
-    /// processor, one cycle elsewhere.
+    /// Cycles for which the operation occupies its unit, or blocks the issue of the next operation. If absent: until
+    /// the result is ready on a processor, one cycle elsewhere.
     #[serde(default)]
     pub busy: Option<f64>,
-    /// The unit that does it; absent if there are as many as one wants.
+    /// The unit that does it; absent if there is no limit on their number.
     #[serde(default)]
     pub unit: Option<String>,
     /// DSP blocks in a unit.
@@ -114,7 +115,7 @@ pub struct Row {
     pub dsp_blocks: u32,
     /// Manual and table, or the derivation.
     pub source: String,
-    /// How far to trust it.
+    /// How reliable the number is.
     pub confidence: Confidence,
 }
 
@@ -136,13 +137,13 @@ pub enum Unknown {
     Unknown,
 }
 
-/// How far to trust a number.
+/// How reliable a number is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Confidence {
     /// Read in the source, or measured.
     High,
-    /// From the source by a derivation, or from a second hand.
+    /// Derived from the source, or from a second-hand source.
     Medium,
     /// An estimate.
     Low,
@@ -151,9 +152,9 @@ pub enum Confidence {
 /// The cost of an operation in one format.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Price {
-    /// Until the result is there.
+    /// Cycles until the result is ready.
     pub latency: Cycles,
-    /// How long its unit is taken.
+    /// How long its unit is occupied.
     pub busy: Option<f64>,
     /// The unit, by its place in [`Target::unit`].
     pub unit: Option<usize>,
@@ -233,9 +234,9 @@ impl Target {
         self.clock.iter().find(|clock| clock.max_bits.is_none_or(|most| bits <= most)).map(|clock| clock.mhz)
     }
 
-    /// The row that prices an operation in a format: the format's own, else the narrowest fixed-point row that is wide enough. What
-    /// rounds toward -∞ is priced as what rounds to nearest; for other ways of rounding, and for what saturates, only rows of their
-    /// own are known.
+    /// The row that prices an operation in a format: the format's own row, else the narrowest fixed-point row that is
+    /// wide enough. A format that rounds toward -∞ is priced like one that rounds to nearest. Formats that round in
+    /// other ways, or saturate, are priced only by rows of their own.
     #[must_use]
     pub fn row(&self, operation: Priced, format: FormatName) -> Option<&Row> {
         let named = |format: FormatName| {
@@ -245,7 +246,7 @@ impl Target {
         let FormatName::Fixed { integer_bits, fraction_bits, datapath } = format else {
             return named(format);
         };
-        // What rounds to nearest takes no less than what drops the bits; other ways may take more.
+        // Rounding to nearest takes no less than dropping the bits; other ways may take more.
         let is_no_dearer = matches!(datapath.rounding, Rounding::Nearest | Rounding::Floor);
         if !is_no_dearer || datapath.overflow != Overflow::Wrap {
             return named(format);

@@ -54,7 +54,7 @@ impl Priced {
 /// An operation of a step.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Task {
-    /// What it is.
+    /// The operation.
     pub operation: Priced,
     /// Products of a sum of products, components of a norm; else 1.
     pub terms: usize,
@@ -70,15 +70,16 @@ pub struct Step {
 }
 
 impl Step {
-    /// The tasks of a recorded graph, a node each, in its order.
+    /// The tasks of a recorded graph: one for each node, in the graph's order.
     ///
-    /// A decision that a comparison took is no operand of what follows: the graph is the trace of one path.
+    /// A decision that was taken by a comparison is not an operand of later operations: the graph is the trace of one
+    /// path.
     #[must_use]
     pub fn of(graph: &Graph) -> Self {
         Self { tasks: graph.iter().map(|(id, node)| task(graph, id, node.kind)).collect() }
     }
 
-    /// How often each operation occurs, loads left out.
+    /// Number of operations, without loads.
     #[must_use]
     pub fn operations(&self) -> usize {
         self.tasks.iter().filter(|task| task.operation != Priced::Load).count()
@@ -96,7 +97,7 @@ fn task(graph: &Graph, id: NodeId, kind: NodeKind) -> Task {
             Operation::Div => (Priced::Div, 1),
             Operation::Sqrt => (Priced::Sqrt, 1),
             Operation::Norm => (Priced::Norm, operands.len()),
-            // The operations of the trait are these; a new one is priced as a product until it has a name here.
+            // The trait has only these operations; a new one is priced as a product until it is named here.
             Operation::Scale { .. } => (Priced::Scale, 1),
             _ => (Priced::Mul, 1),
         },

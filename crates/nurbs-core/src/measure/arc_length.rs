@@ -1,16 +1,17 @@
 //! Arc length `s = ∫ |C'(u)| du` and its inverse.
 //!
-//! A span at a time, because |C'| is smooth only inside a span. On a panel [a, b] the five-point rule of Gauss and
-//! Legendre samples the speed; where it and the same rule on the two halves disagree, the halves become panels.
+//! The integral is taken span by span, because |C'| is smooth only inside a span. On a panel [a, b] the five-point rule
+//! of Gauss and Legendre samples the speed. Where the rule on the panel and the rule on its two halves disagree, the
+//! halves become panels.
 //!
-//! The error of the rule falls as the tenth power of a small panel: halving divides it by about 1000, and the
-//! disagreement overstates the error left by as much. Where the speed peaks within a fraction of a panel that is not
-//! yet so, and the rules may agree by accident; a panel is therefore accepted when it and the panel it is half of both
-//! agree, and to a sixteenth of the tolerance.
+//! The error of the rule falls as the tenth power of a small panel's width: halving divides the error by about 1000,
+//! and the disagreement is about 1000 times the error left. Where the speed peaks within a fraction of a panel, this
+//! does not hold yet, and the two results may agree by accident. So a panel is accepted only if it agrees, and the
+//! panel of which it is a half agreed too, both to a sixteenth of the tolerance.
 //!
-//! Where the curve turns back between the end of a panel and the first place at which the rules look, the speed is as
-//! smooth as before at all that they see, and they agree. So C' is taken at both ends of a panel that would be accepted: one
-//! over which it turns by more than a right angle to the nearest place is halved all the same.
+//! The curve may turn back between the end of a panel and the nearest place at which the rules sample. The speed is
+//! then smooth at all samples, and the rules agree. So C' is taken at both ends of a panel that would be accepted. If
+//! C' turns by more than a right angle from an end to the nearest sample, the panel is halved all the same.
 
 use real::Real;
 
@@ -19,42 +20,42 @@ use crate::{Differentiate, GaussLegendre};
 
 /// Panels waiting at once; a span can be halved once less.
 ///
-/// The last panels of 2⁻³¹ of a span are below what 32-bit formats resolve, and matter in `f64` only next to a cusp,
-/// where the error shrinks by 4 with each halving.
+/// The last panels, 2⁻³¹ of a span wide, are below the resolution of 32-bit formats. They matter in `f64` only next to
+/// a cusp, where the error shrinks by 4 with each halving.
 const MAX_DEPTH: usize = 32;
 
-/// Panels of a span that are looked at before halving stops: 10 evaluations each. A cusp resolved to 1e-12 takes
+/// Panels of a span that are looked at before halving stops, with 10 evaluations each. A cusp resolved to 1e-12 takes
 /// fewer than 100.
 const MAX_PANELS: usize = 2048;
 
 /// Iterations of [`parameter_at`]; Newton needs 2 to 8, and 100 let bisection alone exhaust 50 bits.
 const MAX_ITERATIONS: u32 = 100;
 
-/// An arc length and how sure it is.
+/// An arc length and an estimate of its error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ArcLength<R> {
     /// The length s, in the unit of the control points.
     pub length: R,
-    /// The disagreements of the accepted panels, summed. The error of a smooth curve's length is far smaller, down to
-    /// rounding.
+    /// The sum of the disagreements of the accepted panels. The error of a smooth curve's length is far smaller, down
+    /// to rounding.
     pub estimated_error: R,
 }
 
 /// How a search for a parameter ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ParameterSearch<R> {
-    /// The arc length up to `parameter` is the one wanted, within the tolerance.
+    /// The arc length up to `parameter` is within the tolerance of the given length.
     Converged {
         /// The parameter found.
         parameter: R,
         /// Iterations used.
         iterations: u32,
     },
-    /// The format's parameters are too coarse for the tolerance, or the curve is too short.
+    /// The format's parameters are too coarse for the tolerance, or the curve is shorter than the given length.
     LimitReached {
         /// The best parameter.
         parameter: R,
-        /// The wanted arc length less that up to `parameter`.
+        /// The given length less the arc length up to `parameter`.
         residual: R,
     },
 }
@@ -71,13 +72,13 @@ impl<R: Copy> ParameterSearch<R> {
 
 /// Arc length between the parameters `from` and `to`, whichever comes first, to within `tolerance`.
 ///
-/// Parameters outside the domain are taken as its ends. A tolerance below rounding costs no more than rounding
-/// deserves: a panel is not halved for a disagreement within 8 units of the last place of its length.
+/// A parameter outside the domain counts as the nearer end. A panel is not halved for a disagreement within 8 units of
+/// the last place of its length, so that a tolerance below rounding costs no more than rounding allows.
 ///
-/// Accuracy with tolerance 0, over the curves of the papers and a circle: relative 3e-15 in `f64`, 5e-7 in `f32`,
-/// 3e-10 in `I32F32`; on a circle of radius 10, 2e-5 in `I16F16`.
-/// Work: at most 2048 panels a span, and the at most 32 that still wait when halving stops; 10 derivatives a panel, and up to two
-/// more at the ends of one that is accepted.
+/// Accuracy with tolerance 0, over the curves of the papers and a circle: relative 3e-15 in `f64`, 5e-7 in `f32`, 3e-10
+/// in `I32F32`; on a circle of radius 10, 2e-5 in `I16F16`.
+/// Work: at most 2048 panels a span, and at most 32 more that still wait when halving stops. A panel takes 10
+/// derivatives, and an accepted one up to two more at its ends.
 /// Range: |C'| and the length must fit the format, with a few of their last places to spare.
 pub fn arc_length<R: Real, const D: usize>(
     curve: &impl Differentiate<R, D>,
@@ -100,9 +101,9 @@ pub fn arc_length<R: Real, const D: usize>(
 
 /// The parameter u at which the arc length from `from` is `length`: the inverse of [`arc_length`].
 ///
-/// Newton's iteration `u ← u - (s(u) - length)/|C'(u)|`, kept inside a bracket that shrinks with each trial; a step
-/// that would leave it, or that follows one which did not halve the residual, bisects it instead. At most 100
-/// iterations. `from` outside the domain is taken as its nearer end; a `length` of 0 or less gives `from`.
+/// Newton's iteration `u ← u - (s(u) - length)/|C'(u)|`, kept inside a bracket that shrinks with each trial. A step
+/// bisects the bracket instead if it would leave it, or if the step before did not halve the residual. At most 100
+/// iterations. A `from` outside the domain counts as the nearer end; a `length` of 0 or less gives `from`.
 ///
 /// Accuracy: where it converges, `tolerance` plus the error of [`arc_length`], in arc length.
 /// [`ParameterSearch::LimitReached`] says that the curve ends first (the parameter is then its end) or that no
@@ -134,7 +135,7 @@ pub fn parameter_at<R: Real, const D: usize>(
     finished(last, remaining, tolerance, 0)
 }
 
-/// The search within one span, over whose `bracket` the arc length `whole` is at least `length`.
+/// The search within one span. The arc length `whole` over its `bracket` is at least `length`.
 fn find_in_span<R: Real, const D: usize>(
     rule: &GaussLegendre<R>,
     curve: &impl Differentiate<R, D>,
@@ -195,7 +196,7 @@ struct Panel<R> {
     start: R,
     end: R,
     length: R,
-    /// Whether the panel that this one is half of agreed with its halves.
+    /// Whether the panel of which this one is a half agreed with its halves.
     agreed_before: bool,
 }
 
@@ -212,12 +213,12 @@ impl<R: Real> GaussLegendre<R> {
         let rates = self.points.map(|x| curve.derivatives_in(span, x.mul_add(width, start)).first);
         let [first, .., last] = rates;
         let speeds = rates.map(|rate| R::norm(&rate));
-        // About the middle one: a constant speed is its own mean, to whatever the weights were rounded.
+        // Relative to the middle speed: the mean of a constant speed is then exact, however the weights were rounded.
         let mean_speed = speeds[2] + self.mean(&speeds.map(|speed| speed - speeds[2]));
         (Panel { start, end, length: mean_speed * width, agreed_before: false }, [first, last])
     }
 
-    /// The length of [start, end] within one span, halved where needed.
+    /// The length of [start, end] within one span, with panels halved where needed.
     fn adaptive<const D: usize>(
         &self,
         curve: &impl Differentiate<R, D>,
@@ -229,7 +230,7 @@ impl<R: Real> GaussLegendre<R> {
         let mut total = ArcLength { length: R::zero(), estimated_error: R::zero() };
         let share = tolerance.scale(-4);
         let (first, _) = self.panel(curve, span, start, end);
-        // C' where the next panel starts, if the one before ended with it.
+        // C' at the begin of the next panel, if the panel before ended there.
         let mut entry = None;
         let mut waiting = [first; MAX_DEPTH];
         let mut count = 1;
@@ -247,7 +248,7 @@ impl<R: Real> GaussLegendre<R> {
             let can_split =
                 count + 2 <= MAX_DEPTH && panels_done < MAX_PANELS && start < middle && middle < end;
             let at = |u: R| curve.derivatives_in(span, u).first;
-            // What is shorter than its share holds no error beyond that.
+            // A panel shorter than its share of the tolerance cannot have a larger error.
             let is_looked_at = can_split && accepted && halves > share;
             let ends = is_looked_at.then(|| (entry.unwrap_or_else(|| at(start)), at(end)));
             let turns_back =
@@ -269,7 +270,8 @@ impl<R: Real> GaussLegendre<R> {
     }
 }
 
-/// Whether two vectors are more than a right angle apart: `|a + b| < |a - b|`, in halves, which are no larger than they are.
+/// Whether two vectors are more than a right angle apart: `|a + b| < |a - b|`. The vectors are halved, so that sum and
+/// difference are no larger than they are.
 fn is_reversed<R: Real, const D: usize>(a: &[R; D], b: &[R; D]) -> bool {
     let [a, b] = [a, b].map(|v| v.map(R::half));
     R::norm(&add(&a, &b)) < R::norm(&sub(&a, &b))

@@ -5,14 +5,14 @@
 //!
 //! `κ = |C''⊥| / |C'| / |C'|`, where `C''⊥ = C'' - (T·C'') T` is the part of C'' across the curve,
 //!
-//! and nothing is larger than C'' itself. That part has the length of `T × C''`, in any number of dimensions.
+//! and no intermediate is larger than C''. C''⊥ is as long as `T × C''`, and is defined in any number of dimensions.
 
 use real::Real;
 
 use crate::Derivatives;
 use crate::vector::{dot, over, sub};
 
-/// How a curve goes on from a point: what speed, tangent and bend have in common is computed once.
+/// Speed, tangent and bend of a curve at a point: the work common to them is done once.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frenet<R, const D: usize> {
     /// `|C'|`.
@@ -24,7 +24,7 @@ pub struct Frenet<R, const D: usize> {
 }
 
 impl<R: Real, const D: usize> Frenet<R, D> {
-    /// Of the derivatives at a point.
+    /// From the derivatives at a point.
     #[must_use]
     pub fn of(derivatives: &Derivatives<R, D>) -> Self {
         let speed = R::norm(&derivatives.first);
@@ -60,21 +60,21 @@ impl<R: Real, const D: usize> Frenet<R, D> {
 
 /// Curvature κ, in 1/mm for points in mm; 0 on a straight line.
 ///
-/// `C' = 0`, a cusp or coincident control points, has no curvature; it counts as the sharpest bend,
-/// `R::max_value()`.
+/// At `C' = 0`, which is a cusp or coincident control points, there is no curvature; the result is that of the sharpest
+/// bend, `R::max_value()`.
 ///
 /// Accuracy on a circle of radius 10: absolute 5e-16 in `f64`, 2e-7 in `f32`, 1e-9 in `I32F32`, 5e-5 in
 /// `I16F16`.
-/// Where `C''` is almost along the curve the error is a unit of `|C''|/|C'|²`.
+/// Where `C''` is almost parallel to the tangent the error is a unit of `|C''|/|C'|²`.
 #[must_use]
 pub fn curvature<R: Real, const D: usize>(derivatives: &Derivatives<R, D>) -> R {
     Frenet::of(derivatives).curvature()
 }
 
-/// The curvature vector `dT/ds = C''⊥ / |C'|²`, in 1/mm for points in mm: as long as κ, toward the centre of the bend. `None`
-/// where `C' = 0`.
+/// The curvature vector `dT/ds = C''⊥ / |C'|²`, in 1/mm for points in mm. Its length is κ, and it points to the centre
+/// of the bend. `None` where `C' = 0`.
 ///
-/// Accuracy: each component as that of [`curvature()`].
+/// Accuracy: that of [`curvature()`] for each component.
 #[must_use]
 pub fn curvature_vector<R: Real, const D: usize>(derivatives: &Derivatives<R, D>) -> Option<[R; D]> {
     Frenet::of(derivatives).curvature_vector()
@@ -82,8 +82,7 @@ pub fn curvature_vector<R: Real, const D: usize>(derivatives: &Derivatives<R, D>
 
 /// Radius of curvature ρ = 1/κ, in mm for points in mm; `R::max_value()` on a straight line, 0 where `C' = 0`.
 ///
-/// Computed as `|C'| / (|C''⊥| / |C'|)`: in fixed point a large radius keeps the digits that a small curvature has
-/// not got.
+/// Computed as `|C'| / (|C''⊥| / |C'|)`: in fixed point a large radius has digits that a small curvature has lost.
 ///
 /// Accuracy on a circle of radius 10: relative 3e-15 in `f64`, 2e-6 in `f32`, 1e-9 in `I32F32`, 5e-5 in
 /// `I16F16`.

@@ -5,18 +5,18 @@ use real::Real;
 /// Points and weights on [0, 1].
 ///
 /// With `r = √(10/7)` the points are `½` and `½ ± √(5/9 ± (2/9) r)/2`, the weights `64/225` and
-/// `161/900 ± (91/1800) r`, the larger for the inner points. They are computed in R: written as ratios of
-/// 32-bit integers they would be good for nine digits only. Nothing formed on the way is as large as 2.
+/// `161/900 ± (91/1800) r`, the larger for the inner points. They are computed in R, because ratios of 32-bit integers
+/// would be good for nine digits only. No intermediate is as large as 2.
 #[derive(Clone, Copy, Debug)]
 pub struct GaussLegendre<R> {
     /// The points, rising.
     pub points: [R; 5],
-    /// Their weights, which sum to 1 but for rounding.
+    /// Their weights; the sum is 1, up to rounding.
     pub weights: [R; 5],
 }
 
 impl<R: Real> GaussLegendre<R> {
-    /// The rule in this format: right to two units of its resolution.
+    /// The rule in this format, within two units of the resolution.
     #[must_use]
     #[allow(clippy::new_without_default, reason = "there is one rule, and no plainer one")]
     pub fn new() -> Self {

@@ -7,11 +7,11 @@ use crate::vector::{over, sub};
 /// Whether the tangent breaks where a path arrives along `before` and goes on along `after`:
 /// `|after/|after| - before/|before|| > 2⁻¹²`, a turn of 0.014°.
 ///
-/// The two are derivatives of any length and unit; only their directions count. A zero vector has no direction: the path rests there,
-/// or nobody can say where it goes, and neither is a break. A turn back by 180° is one.
+/// `before` and `after` are derivatives of any length and unit; only their directions count. A zero vector has no
+/// direction: the path rests there, or its direction is unknown. Neither is a break. A turn back by 180° is one.
 ///
-/// Domain: the lengths and the quotients, up to 1, fit the format. A format of 14 fraction bits or fewer may take its own rounding of
-/// the quotients for a break.
+/// Domain: the lengths and the quotients, up to 1, fit the format. A format of 14 fraction bits or fewer may take its
+/// own rounding of the quotients for a break.
 pub fn tangent_breaks<R: Real, const D: usize>(before: &[R; D], after: &[R; D]) -> bool {
     let [arriving, leaving] = [R::norm(before), R::norm(after)];
     if !(arriving > R::zero() && leaving > R::zero()) {

@@ -7,11 +7,12 @@
 //!
 //! `N_{k,q} = α_{k,q} N_{k,q-1} + (1 - α_{k+1,q}) N_{k+1,q-1}`.
 //!
-//! Read from the side of the lower degree, each `N_{k,q-1}` is *shared out*: the part α goes to `N_{k,q}`, the rest
-//! to `N_{k-1,q}`. [`raise_degree`] computes the smaller part as a product and the other as what is left over. So
+//! Read from the side of the lower degree, each `N_{k,q-1}` is divided between two functions: the part α goes to
+//! `N_{k,q}`, the rest to `N_{k-1,q}`. [`raise_degree`] computes the smaller part as a product and subtracts it for the
+//! other. So
 //!
-//! - one division per pair, as in algorithm A2.2, but of numbers whose quotient is in [0, 1]: A2.2 divides a basis
-//!   function by the width of a span, which overflows a fixed-point format where knots are close;
+//! - there is one division per pair, as in algorithm A2.2, but of numbers whose quotient is in [0, 1]. A2.2 divides a
+//!   basis function by the width of a span, which overflows a fixed-point format where knots are close;
 //! - in fixed point the functions sum to exactly 1, and each is exactly 0 or 1 at a clamped end;
 //! - in floating point each function is relatively accurate, however small, as no two numbers cancel.
 //!
@@ -26,8 +27,8 @@ use crate::{KnotVector, MAX_DEGREE};
 
 /// The basis functions `N_{i-p,p}(u) … N_{i,p}(u)` in the span at knot index `span` = i; the rest of the array is 0.
 ///
-/// `u` may lie outside the span: its polynomials are then extrapolated. An index below p counts as p, the first
-/// span, and one above n as n, the last. An empty span, between equal knots, has no functions of its own: with 0/0 = 0 the
+/// `u` may lie outside the span: the span's polynomials are then extrapolated. An index below p counts as p, the first
+/// span, and one above n as n, the last. An empty span, between equal knots, has no basis functions: with 0/0 = 0 the
 /// recurrence gives numbers that sum to 1 and belong to no point of the curve.
 ///
 /// Accuracy, `u` inside the span: fixed point, each function is within `p(p+1)` units of the last place and the sum
@@ -81,8 +82,8 @@ fn raise_degree<R: Real>(functions: &mut [R; SCRATCH], knots: LocalKnots<'_, R>,
     }
 }
 
-/// `numerator / denominator` with the convention of the recurrence, 0/0 = 0. Only a span that is empty, which no
-/// search returns, has a denominator of 0.
+/// `numerator / denominator` with the convention of the recurrence, 0/0 = 0. The denominator is 0 only in an empty
+/// span, which no search returns.
 pub(crate) fn quotient<R: Real>(numerator: R, denominator: R) -> R {
     if denominator.is_zero() { R::zero() } else { numerator / denominator }
 }

@@ -9,11 +9,11 @@ use crate::{CurveError, Evaluate, KnotVector, Quantity};
 
 /// A NURBS curve in `D` dimensions whose numbers are borrowed: from flash, or from a [`NurbsBuf`](crate::NurbsBuf).
 ///
-/// Construction checks everything that evaluation relies on; from then on every operation is total.
+/// The constructor checks all conditions of evaluation; after that every operation is total.
 ///
-/// Range, in fixed point: the format must hold the coordinates, the weights, the domain's width, the degree, and
-/// extent · max(1, largest weight), all of which but the degree construction checks. Derivatives must fit too, and
-/// with them their control polygons, `p ΔP_i / (u_{i+p+1} - u_{i+1})`, which saturate.
+/// Range, in fixed point: the format must hold the coordinates, the weights, the domain's width, the degree, and extent
+/// · max(1, largest weight). The constructor checks all of these but the degree. The format must also hold the
+/// derivatives and their control polygons, `p ΔP_i / (u_{i+p+1} - u_{i+1})`; these saturate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NurbsCurve<'a, R, const D: usize> {
     pub(crate) knots: KnotVector<'a, R>,
@@ -28,8 +28,9 @@ impl<'a, R: Real, const D: usize> NurbsCurve<'a, R, D> {
     /// If all weights are equal the curve is evaluated without division by a weight.
     ///
     /// # Errors
-    /// Those of [`KnotVector::try_new`]; one weight per point, finite and above 0; finite coordinates, whose extent
-    /// along each axis, times the largest weight if that is above 1, fits the format.
+    /// Those of [`KnotVector::try_new`]. Also if there is not one weight per point, if a weight is not finite and above
+    /// 0, if a coordinate is not finite, or if the extent along an axis, times the largest weight if that is above 1,
+    /// does not fit the format.
     pub fn try_new(
         degree: usize,
         control_points: &'a [[R; D]],
@@ -44,10 +45,10 @@ impl<'a, R: Real, const D: usize> NurbsCurve<'a, R, D> {
         Ok(Self { knots, control_points, weights })
     }
 
-    /// The curve without weights, which is the one with equal weights: a B-spline.
+    /// The curve without weights, a B-spline: it equals the curve with equal weights.
     ///
     /// # Errors
-    /// Those of [`try_new`](Self::try_new) that do not speak of weights.
+    /// Those of [`try_new`](Self::try_new), except errors of weights.
     pub fn try_new_nonrational(
         degree: usize,
         control_points: &'a [[R; D]],
@@ -96,8 +97,8 @@ impl<'a, R: Real, const D: usize> NurbsCurve<'a, R, D> {
 
     /// Turns basis functions `N_i` into rational ones, `R_i = w_i N_i / Σ w_j N_j`, and returns the denominator.
     ///
-    /// Weighing the functions instead of the points keeps every intermediate no larger than the largest weight,
-    /// whatever the coordinates are, and makes the one function left at a clamped end exactly 1.
+    /// The weights multiply the functions, not the points. So every intermediate is no larger than the largest weight,
+    /// whatever the coordinates are, and the only nonzero function at a clamped end is exactly 1.
     pub(crate) fn make_rational(&self, basis: &mut [R; SCRATCH], span: usize) -> R {
         let Some(weights) = self.weights else { return R::one() };
         let mut denominator = R::zero();
@@ -130,7 +131,7 @@ fn check_points<R: Real, const D: usize>(points: &[[R; D]], weights: &[R]) -> Re
         return Err(CurveError::NotFinite { what: Quantity::ControlPoint, index });
     }
     let largest_weight = weights.iter().fold(R::one(), |largest, w| largest.max(*w));
-    // Double-double cannot divide its greatest value; the NaN it gets limits nothing.
+    // Double-double cannot divide its greatest value: the quotient is NaN, and a comparison with NaN refuses no curve.
     let widest = R::max_value() / largest_weight;
     match axis_too_wide(points, widest) {
         Some(axis) => Err(CurveError::ExtentTooWide { axis }),
@@ -138,7 +139,7 @@ fn check_points<R: Real, const D: usize>(points: &[[R; D]], weights: &[R]) -> Re
     }
 }
 
-/// The first axis along which points are farther apart than `widest`, or than the format holds.
+/// The first axis along which two points are farther apart than `widest`, or than the format holds.
 pub(crate) fn axis_too_wide<R: Real, const D: usize>(points: &[[R; D]], widest: R) -> Option<usize> {
     (0..D).find(|axis| {
         let coordinates = || points.iter().map(|point| point[*axis]);
@@ -159,12 +160,12 @@ impl<R: Real, const D: usize> Evaluate<R, D> for NurbsCurve<'_, R, D> {
     /// Both ends are exactly the first and the last control point, in every format. Far beyond an end a rational curve
     /// may have a pole: the point is then infinite, not a number, or saturated.
     ///
-    /// Accuracy, `u` inside the domain and P the largest coordinate: floating point, `8 (p+1) ε P`, with or without weights.
-    /// Fixed point without weights, extent E of the control points of the span: `p(p+1)/2 · E + 1/2` units of the last
-    /// place along each axis, because raising the degree q - 1 to q shares out q functions, and each share that is
-    /// off by a unit moves the point by at most E units.
-    /// Fixed point with weights from v to W in the span: relative to the ratio of the weights,
-    /// `(p(p+1) E W/v + (p+1) (E/v + P) + 1)` units.
+    /// Accuracy, `u` inside the domain and P the largest coordinate: floating point, `8 (p+1) ε P`, with or without
+    /// weights.
+    /// Fixed point without weights, E being the extent of the span's control points: `p(p+1)/2 · E + 1/2` units of the
+    /// last place along each axis. Raising the degree from q - 1 to q divides q functions into two parts each, and each
+    /// part that is off by a unit moves the point by at most E units.
+    /// Fixed point with weights from v to W in the span: `(p(p+1) E W/v + (p+1) (E/v + P) + 1)` units.
     ///
     /// # Source
     /// Piegl and Tiller, *The NURBS Book*, 2nd ed. (1997), algorithms A3.1 and A4.1.

@@ -1,4 +1,4 @@
-//! How high the degree of a curve may be, and the scratch memory that follows from it.
+//! The highest degree of a curve, and the size of the scratch memory that follows from it.
 
 /// The highest degree of a curve.
 ///
@@ -6,5 +6,5 @@
 /// modelling systems write up to 9.
 pub const MAX_DEGREE: usize = 9;
 
-/// Scratch for one number per basis function that is not zero.
+/// The length of a scratch array with one number per basis function that is not zero.
 pub(crate) const SCRATCH: usize = MAX_DEGREE + 1;

@@ -1,24 +1,24 @@
 //! First and second derivatives of NURBS curves.
 //!
 //! The derivative of a B-spline `Σ B_i N_{i,p}` is the B-spline of degree p - 1 over the divided differences of its
-//! coefficients, `p Σ Q_i N_{i,p-1}` with `Q_i = (B_{i+1} - B_i) / (u_{i+p+1} - u_{i+1})`, and so on. No basis function is
-//! differentiated: their derivatives are as large as 1 / span and cancel in the sum, whereas the
+//! coefficients, `p Σ Q_i N_{i,p-1}` with `Q_i = (B_{i+1} - B_i) / (u_{i+p+1} - u_{i+1})`, and so on. No basis function
+//! is differentiated: the derivatives of basis functions are as large as 1 / span and cancel in the sum, whereas the
 //! differences are as small as the result.
 //!
 //! A rational curve is `C = A / w`, and by the rule for quotients
 //!
 //! `C' = (A' - w' C) / w`, `C'' = (A'' - 2 w' C' - w'' C) / w`.
 //!
-//! At a given u, C is a constant vector, and `A - w C = Σ w_i (P_i - C) N_i`: the curve seen from its own point. With that
-//! as the B-spline, coefficients `B_i = w_i (P_i - C)` and derivatives `A' - w' C` and `A'' - w'' C`, all that is
-//! left is to divide. Coordinates enter as differences only, so a curve far from the origin loses nothing.
+//! At a given u, C is a constant vector, and `A - w C = Σ w_i (P_i - C) N_i` is the curve relative to its own point.
+//! This B-spline has the coefficients `B_i = w_i (P_i - C)` and the derivatives `A' - w' C` and `A'' - w'' C`; only the
+//! divisions by w are left. Only differences of coordinates enter, so a curve far from the origin loses no digits.
 //!
 //! Accuracy over the curves of the papers, relative to the largest derivative: 1e-15 in `f64`, 5e-7 in `f32`, 3e-9 in
 //! `I32F32`; on the smaller of the two, 2e-4 in `I16F16`.
 //!
 //! # Source
-//! Piegl and Tiller, *The NURBS Book*, 2nd ed. (1997), equations 3.4 to 3.6 and 4.8; A4.2 evaluates the latter with
-//! `A'` and `w'C` apart.
+//! Piegl and Tiller, *The NURBS Book*, 2nd ed. (1997), equations 3.4 to 3.6 and 4.8. Algorithm A4.2 evaluates equation
+//! 4.8 with `A'` and `w'C` apart.
 
 use real::Real;
 
@@ -29,9 +29,9 @@ use crate::vector::{over, sub, weighted_sum};
 use crate::{Derivatives, Differentiate, NurbsCurve};
 
 impl<R: Real, const D: usize> Differentiate<R, D> for NurbsCurve<'_, R, D> {
-    /// The point is that of [`point`](crate::Evaluate::point); the derivatives are within a few units of the largest of their
-    /// span: 1e-15 of it in `f64`, 5e-7 in `f32`, 3e-9 in `I32F32` on the curves of the papers. Beyond the ends the outer
-    /// span is extrapolated.
+    /// The point is that of [`point`](crate::Evaluate::point). The derivatives are within a few units of the largest
+    /// derivative of their span: 1e-15 of it in `f64`, 5e-7 in `f32`, 3e-9 in `I32F32` on the curves of the papers.
+    /// Beyond the ends the outer span is extrapolated.
     fn derivatives(&self, u: R) -> Derivatives<R, D> {
         self.derivatives_at(self.knots.find_span(u), u)
     }
@@ -91,7 +91,7 @@ fn divided_differences<R: Real, const D: usize>(
     scratch(pairs.map(|(b, (left, right))| sub(&b[1], &b[0]).map(|x| quotient(x, right - left))))
 }
 
-/// The items at the front of an array of zeros.
+/// An array of zeros with the items at its front.
 fn scratch<R: Real, const D: usize>(items: impl Iterator<Item = [R; D]>) -> [[R; D]; SCRATCH] {
     let mut array = [[R::zero(); D]; SCRATCH];
     for (place, item) in array.iter_mut().zip(items) {

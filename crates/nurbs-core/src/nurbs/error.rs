@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-/// Which numbers of a curve an error speaks of.
+/// The kind of number that an error names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Quantity {
@@ -23,7 +23,7 @@ pub enum End {
     Last,
 }
 
-/// Why numbers are no curve. Every index counts from 0 in the slice the caller gave.
+/// Why numbers do not make a curve. Every index counts from 0 in the slice that the caller gave.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum CurveError {
@@ -53,9 +53,9 @@ pub enum CurveError {
         /// The number of knots given.
         found: usize,
     },
-    /// A value is infinite or not a number.
+    /// A value is infinite or NaN.
     NotFinite {
-        /// Of which numbers it is one.
+        /// The kind of number.
         what: Quantity,
         /// Its index.
         index: usize,
@@ -75,14 +75,14 @@ pub enum CurveError {
         end: End,
         /// Degree + 1.
         expected: usize,
-        /// How often the knot is there.
+        /// How often the knot occurs.
         multiplicity: usize,
     },
-    /// An inner knot is there more than `degree` times: the curve would jump.
+    /// An inner knot occurs more than `degree` times: the curve would jump.
     MultiplicityTooHigh {
         /// Index of the first of the equal knots.
         index: usize,
-        /// How often the knot is there.
+        /// How often the knot occurs.
         multiplicity: usize,
         /// The degree, which is the highest multiplicity.
         degree: usize,
@@ -98,14 +98,14 @@ pub enum CurveError {
         /// The axis, 0 for x.
         axis: usize,
     },
-    /// A value does not fit the format it is converted to; a weight, also when it would become 0.
+    /// A value does not fit the format it is converted to. A weight that would become 0 does not fit either.
     OutOfRange {
-        /// Of which numbers it is one.
+        /// The kind of number.
         what: Quantity,
         /// Its index.
         index: usize,
     },
-    /// Knots that differ become equal in the format they are converted to, more of them than the degree allows.
+    /// Knots that differ become equal in the format they are converted to, and their multiplicity exceeds the degree.
     KnotsMerge {
         /// Index of the first of the equal knots.
         index: usize,

@@ -18,8 +18,8 @@ impl<R: Real, const D: usize> NurbsBuf<R, D> {
     /// points are `Q_i = α_i P_i + (1 - α_i) P_{i-1}` for i = k-p+1 … k-s; those before and after are kept.
     ///
     /// # Errors
-    /// [`CurveError::OutsideDomain`] unless u is inside the domain, [`CurveError::MultiplicityTooHigh`] if u is
-    /// there `degree` times already.
+    /// [`CurveError::OutsideDomain`] unless u is inside the domain; [`CurveError::MultiplicityTooHigh`] if u already
+    /// occurs `degree` times.
     ///
     /// # Source
     /// Piegl and Tiller, *The NURBS Book*, 2nd ed. (1997), algorithm A5.1 with r = 1.

@@ -1,8 +1,8 @@
 //! Knot vectors: `u_0 ≤ u_1 ≤ … ≤ u_{n+p+1}` for degree p and control points `P_0 … P_n`.
 //!
-//! A knot vector here is clamped: the first and the last knot are there exactly p + 1 times, so that the curve
-//! begins in `P_0` and ends in `P_n`. An inner knot of multiplicity m leaves p - m continuous derivatives; m = p is
-//! a corner, and m = p + 1 would be a jump and is refused.
+//! A knot vector here is clamped: the first and the last knot occur exactly p + 1 times, so that the curve begins in
+//! `P_0` and ends in `P_n`. An inner knot of multiplicity m leaves p - m continuous derivatives. A knot of m = p is a
+//! corner; m = p + 1 would be a jump and is refused.
 
 use real::Real;
 
@@ -14,11 +14,11 @@ pub struct KnotVector<'a, R> {
     knots: &'a [R],
     degree: usize,
     span_count: usize,
-    /// The knot index of each span, where one who owns the knots has them.
+    /// The knot index of each span, if the owner of the knots has such a table.
     spans: &'a [usize],
 }
 
-/// Two knot vectors are equal if degree and knots are, whoever owns them.
+/// Two knot vectors are equal if their degrees and knots are equal, whoever owns the knots.
 impl<R: PartialEq> PartialEq for KnotVector<'_, R> {
     fn eq(&self, other: &Self) -> bool {
         self.degree == other.degree && self.knots == other.knots
@@ -29,9 +29,9 @@ impl<'a, R: Real> KnotVector<'a, R> {
     /// Checks the knots of a curve of `degree` with `point_count` control points.
     ///
     /// # Errors
-    /// The first violated relation of: degree within `1 ..= MAX_DEGREE`, at least degree + 1 points,
-    /// points + degree + 1 knots, all finite, none decreasing, a domain that is not empty and whose width fits the
-    /// format, ends of multiplicity degree + 1, inner knots of multiplicity at most degree.
+    /// The first of these that fails: degree within `1 ..= MAX_DEGREE`; at least degree + 1 points; points + degree + 1
+    /// knots; all knots finite; no knot less than the one before; a domain that is not empty and whose width fits the
+    /// format; ends of multiplicity degree + 1; inner knots of multiplicity at most degree.
     pub fn try_new(degree: usize, point_count: usize, knots: &'a [R]) -> Result<Self, CurveError> {
         if !(1..=MAX_DEGREE).contains(&degree) {
             return Err(CurveError::DegreeOutOfRange { degree });
@@ -54,7 +54,7 @@ impl<'a, R: Real> KnotVector<'a, R> {
         if first == last {
             return Err(CurveError::EmptyDomain);
         }
-        // The order is known, so a difference that is not positive has wrapped.
+        // The knots are in order, so a difference that is not positive has wrapped.
         let width = last - first;
         if !(width.is_finite() && width > R::zero()) {
             return Err(CurveError::DomainTooWide);
@@ -76,21 +76,22 @@ impl<'a, R: Real> KnotVector<'a, R> {
         Ok(Self { knots, degree, span_count, spans: &[] })
     }
 
-    /// What [`try_new`](Self::try_new) has already found valid, with its number of spans and their
+    /// A knot vector that [`try_new`](Self::try_new) has found valid, with the number of its spans and their
     /// [`repeated_spans`](Self::repeated_spans).
     #[cfg(feature = "alloc")]
     pub(crate) fn from_valid(degree: usize, knots: &'a [R], span_count: usize, spans: &'a [usize]) -> Self {
         Self { knots, degree, span_count, spans }
     }
 
-    /// The knot index of each span, if an inner knot is repeated: else [`span_index`](Self::span_index) needs no table.
+    /// The knot index of each span, if an inner knot is repeated; otherwise [`span_index`](Self::span_index) needs no
+    /// table.
     #[cfg(feature = "alloc")]
     pub(crate) fn repeated_spans(&self) -> alloc::vec::Vec<usize> {
         let spans = || self.starts().take(if self.is_simple() { 0 } else { self.span_count });
         spans().collect()
     }
 
-    /// Whether every inner knot is there once.
+    /// Whether every inner knot occurs once.
     fn is_simple(&self) -> bool {
         self.span_count == self.point_count() - self.degree
     }
@@ -128,19 +129,19 @@ impl<'a, R: Real> KnotVector<'a, R> {
 
     /// The index i with `u_i ≤ u < u_{i+1}`, by binary search; the span is never empty.
     ///
-    /// The last span is closed on the right. Total: a `u` before the domain, or not a number, gives the first
-    /// span, a `u` after it the last.
+    /// The last span is closed on the right. The function is total: a `u` before the domain or NaN gives the first
+    /// span, a `u` after the domain the last.
     ///
     /// # Source
-    /// Piegl and Tiller, *The NURBS Book*, 2nd ed. (1997), algorithm A2.1, there for `u` inside the domain.
+    /// Piegl and Tiller, *The NURBS Book*, 2nd ed. (1997), algorithm A2.1, which requires `u` inside the domain.
     #[must_use]
     pub fn find_span(&self, u: R) -> usize {
-        // Each inner knot that is not above u lies one span further on.
+        // Each inner knot that is not above u moves the span on by one.
         let inner = self.knots.get(self.degree + 1..self.point_count()).unwrap_or_default();
         self.degree + inner.partition_point(|knot| *knot <= u)
     }
 
-    /// How often the knot `u` is there: 0 if it is no knot.
+    /// The multiplicity of the knot `u`: 0 if u is not a knot.
     #[must_use]
     pub fn multiplicity(&self, u: R) -> usize {
         multiplicity(self.knots, u)
@@ -154,8 +155,8 @@ impl<'a, R: Real> KnotVector<'a, R> {
 
     /// The knot index at which the non-empty span number `span` begins; a larger number gives the last span.
     ///
-    /// It takes the same time for each, but a walk over the knots where one of them is repeated and they are borrowed:
-    /// `NurbsBuf` keeps a table then.
+    /// Each takes the same time, with one exception: if an inner knot is repeated and the knots are borrowed, it takes
+    /// a walk over the knots. `NurbsBuf` keeps a table in that case.
     #[must_use]
     pub fn span_index(&self, span: usize) -> usize {
         let last = self.point_count() - 1;
@@ -167,7 +168,7 @@ impl<'a, R: Real> KnotVector<'a, R> {
         found.unwrap_or(last)
     }
 
-    /// The number of the non-empty span in which `u` lies, as [`find_span`](Self::find_span) has it; at the same cost as
+    /// The number of the non-empty span that [`find_span`](Self::find_span) finds for `u`, at the same cost as
     /// [`span_index`](Self::span_index).
     #[must_use]
     pub fn span_number(&self, u: R) -> usize {
@@ -191,7 +192,7 @@ impl<'a, R: Real> KnotVector<'a, R> {
     /// The knots that matter in the span at knot index `span`.
     pub(crate) fn around(&self, span: usize) -> LocalKnots<'a, R> {
         let span = span.min(self.point_count() - 1).max(self.degree);
-        // A vector that was found valid has both.
+        // A vector that was found valid has both ranges.
         let part = |from: usize| self.knots.get(from..from + self.degree).unwrap_or_default();
         LocalKnots { left: part(span + 1 - self.degree), right: part(span + 1), degree: self.degree }
     }

@@ -87,12 +87,12 @@ impl<R: Real, const D: usize> NurbsBuf<R, D> {
 impl<const D: usize> NurbsBuf<f64, D> {
     /// The curve with every number rounded to the nearest of another format.
     ///
-    /// Knots that become equal make their span vanish, which moves the curve by no more than the rounding of its
+    /// Knots that become equal make their span vanish. This moves the curve by no more than the rounding of its
     /// numbers.
     ///
     /// # Errors
-    /// [`CurveError::OutOfRange`] names the first number that does not fit, or the first weight that would become 0;
-    /// [`CurveError::KnotsMerge`] the knots that become equal beyond the degree;
+    /// [`CurveError::OutOfRange`] names the first number that does not fit, or the first weight that would become 0.
+    /// [`CurveError::KnotsMerge`] names knots that become equal and whose multiplicity then exceeds the degree.
     /// [`CurveError::DomainTooWide`] and [`CurveError::ExtentTooWide`] say which difference does not fit.
     pub fn convert<Q: Backend>(&self) -> Result<NurbsBuf<Q, D>, CurveError> {
         let scalars = |what, numbers: &[f64]| -> Result<Vec<Q>, CurveError> {
@@ -124,7 +124,7 @@ impl<const D: usize> NurbsBuf<f64, D> {
     }
 }
 
-/// The first run of equal knots that is longer than its place allows.
+/// The first run of equal knots that is longer than is allowed at its place.
 fn merged_knots<R: Real>(knots: &[R], degree: usize) -> Option<CurveError> {
     let mut index = 0;
     for equal in knots.chunk_by(|a, b| a == b) {

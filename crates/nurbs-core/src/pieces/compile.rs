@@ -13,13 +13,13 @@ use crate::pieces::scales::{Scales, exponent_below, power_of_two};
 use crate::pieces::speed::MAX_STEP_EXPONENT;
 use crate::{CompileError, Joint, MAX_DEGREE, NurbsCurve, Piece, PieceLimits, PiecesBuf, Place};
 
-/// Largest chord in its own scale. A step of a quarter of the longest then has the resolution that the step per chord,
-/// which is about 1, has in any case; more would gain nothing.
+/// Largest chord in its own scale. With it, a step of a quarter of the longest is resolved as finely as the step per
+/// chord, which is about 1. A larger range would gain nothing.
 const MAX_CHORD_RANGE: f64 = 4.0;
 
 /// Cuts `curves` into pieces and rounds them to the format `R`; everything before the rounding is computed in `H`.
 ///
-/// `H` is a float, which is checked when it is compiled: in fixed point a curve's numbers do not fit.
+/// `H` must be a float, which the compiler checks: in fixed point the numbers of a curve do not fit.
 ///
 /// ```compile_fail
 /// # use nurbs_core::{NurbsCurve, PieceLimits, compile};
@@ -28,8 +28,8 @@ const MAX_CHORD_RANGE: f64 = 4.0;
 /// ```
 ///
 /// # Errors
-/// [`CompileError`], naming the curve, or the signal that does not fit. A number of a curve that `H` does not hold, as `f32` does
-/// not hold 1e300, is a [`CompileError::SpeedOutOfRange`].
+/// [`CompileError`], naming the curve, or the signal that does not fit. If `H` cannot hold a number of a curve, as
+/// `f32` cannot hold 1e300, the error is [`CompileError::SpeedOutOfRange`].
 pub fn compile<H: Backend, R: Backend, const D: usize>(
     curves: &[NurbsCurve<'_, f64, D>],
     limits: &PieceLimits,
@@ -37,9 +37,9 @@ pub fn compile<H: Backend, R: Backend, const D: usize>(
     compile_with_stops::<H, R, D>(curves, limits, &[])
 }
 
-/// [`compile`] with a joint at each of `stops`, pairs of a curve's number and a parameter in order, so that a run can land
-/// there: a plan also rests in bends inside a span that are all but cusps. A stop outside its curve's domain, or on no curve
-/// of the path, makes none.
+/// [`compile`] with a joint at each of `stops`, so that a run can land there: a plan also rests in bends inside a span
+/// that are all but cusps. A stop is the index of a curve and a parameter; stops come in order. A stop outside its
+/// curve's domain, or on no curve of the path, makes no joint.
 ///
 /// # Errors
 /// As [`compile`]; [`CompileError::StopOutOfOrder`].
@@ -118,7 +118,7 @@ fn rounded<H: Backend, R: Backend, const D: usize>(
             table.weights.push(round(weight).ok_or(out_of_range)?);
         }
         let row = row(piece, scales, local.get(index + 1));
-        // A step per chord that a float rounds to nothing, or does not hold, would leave a run where it is.
+        // A step per chord that a float rounds to zero, or cannot hold, would stop a run for good.
         if !row.step_per_chord.iter().all(|sigma: &R| *sigma > R::zero() && sigma.is_finite()) {
             return Err(out_of_range);
         }
@@ -132,7 +132,7 @@ fn scaled<H: Backend, R: Backend, const D: usize>(
     local: Vec<LocalPiece<H, D>>,
     step_mm: f64,
 ) -> Vec<(LocalPiece<H, D>, Scales)> {
-    // The chords use half of a fixed format's range; a float is content with numbers of order one.
+    // The chords use half of a fixed format's range. In a float, numbers of order one do as well as any.
     let fixed = matches!(R::name(), FormatName::Fixed { .. });
     let range = if fixed { R::max_value().to_f64() } else { 2.0 };
     let chord_range = (range / 2.0).min(MAX_CHORD_RANGE);
@@ -147,7 +147,7 @@ fn scaled<H: Backend, R: Backend, const D: usize>(
         let step = piece.speed.step_exponent(chord);
         let coordinate = (-exponent_below(range / piece.coordinate_bound_mm())).clamp(-120, 120);
         let mut scales = Scales { coordinate, chord, step, range: exponent_below(chord_range) };
-        // x is at most so much; the finer its unit the better, but it must fit.
+        // The largest x. Its unit should be as fine as possible, but x must fit.
         let eta = piece.step_per_chord(&scales)[1] * step_mm * power_of_two(chord);
         scales.range += i32::from(eta * power_of_two(-scales.range) >= range);
         Scales { range: scales.range.min(step), ..scales }
@@ -161,7 +161,7 @@ fn scaled<H: Backend, R: Backend, const D: usize>(
         .collect()
 }
 
-/// An exponent as a row has it: what is beyond is beyond every format.
+/// An exponent as a row holds it. An exponent that is cut off here lies beyond every format.
 fn small(exponent: i32) -> i8 {
     i8::try_from(exponent.clamp(-126, 126)).unwrap_or(0)
 }
@@ -182,7 +182,7 @@ fn row<H: Backend, R: Backend, const D: usize>(
     next: Option<&(LocalPiece<H, D>, Scales)>,
 ) -> Piece<R, D> {
     let near = |x: f64| R::from_f64(x).unwrap_or_else(R::zero);
-    // What fixed point rounds to nothing would leave a run where it is.
+    // In fixed point a step per chord that is rounded to zero would stop a run for good.
     let least = if R::IS_FLOATING { R::zero() } else { R::resolution() };
     let (joint_ratio, joint_exponent) =
         next.map_or((0.5, 1), |(next, next_scales)| piece.joint(scales, next, next_scales));

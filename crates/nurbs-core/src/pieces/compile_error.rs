@@ -13,21 +13,22 @@ pub enum CompileError {
         /// Its value.
         value: f64,
     },
-    /// A stop is not a number, or before the one before it.
+    /// A stop is NaN, or comes before the stop ahead of it in the list.
     StopOutOfOrder {
         /// Its index among the stops.
         index: usize,
     },
-    /// All of the path stands still; or C' all but vanishes on the piece that begins at `parameter` and is not short enough to be
-    /// left out: no step per chord exists there.
+    /// All of the path stands still; or C' almost vanishes on the piece that begins at `parameter`, and the piece is
+    /// too long to be left out. No step per chord exists there.
     Cusp {
         /// Index of the curve in the path.
         curve: usize,
         /// Where the piece begins.
         parameter: f64,
     },
-    /// The speed |C'|, or a coefficient, is no number where compiling is done, or its inverse is none of the format: on the
-    /// piece that begins at `parameter` weights are too far apart or too small, or the curve is too small or too large.
+    /// The speed |C'| or a coefficient is infinite or NaN in the computing type, or the format cannot hold the inverse
+    /// of the speed. On the piece that begins at `parameter` weights are too far apart or too small, or the curve is
+    /// too small or too large.
     SpeedOutOfRange {
         /// Index of the curve in the path.
         curve: usize,
@@ -53,7 +54,7 @@ pub enum CompileError {
 }
 
 impl CompileError {
-    /// Index of the curve that is at fault, if it is one.
+    /// Index of the curve at fault, if the error names one.
     #[must_use]
     pub fn curve(&self) -> Option<usize> {
         match *self {

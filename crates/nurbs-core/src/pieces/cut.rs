@@ -18,18 +18,19 @@ pub struct PieceLimits {
     pub step_mm: f64,
 }
 
-/// Longest chain of halvings of a span that make its pieces shorter, and their weights more even.
+/// Longest chain of halvings that make the pieces of a span shorter, and their weights more even.
 pub(crate) const MAX_HALVINGS: i32 = 16;
 
-/// Longest chain of halvings where only the speed is uneven. Towards a place where |C'| vanishes, each halving of a span divides
-/// |C'| by a power of two, until what is left is shorter than [`STILL_MM`]: this takes a few pieces a halving.
+/// Longest chain of halvings where only the speed is uneven. Towards a place where |C'| vanishes, each halving of a
+/// span divides |C'| by a power of two, until the part that holds the place is shorter than [`STILL_MM`]. Each halving
+/// makes a few pieces.
 const MOST_HALVINGS: i32 = 40;
 
-/// Halvings beyond [`MAX_HALVINGS`] in a part of a span, at most: a place where |C'| vanishes takes a hundred.
+/// Most halvings beyond [`MAX_HALVINGS`] in a part of a span: a place where |C'| vanishes takes a hundred.
 const MOST_FINER_HALVINGS: usize = 4096;
 
-/// An uneven part of the path that is no longer than this, in mm, counts as standing still. It is far below what a drive resolves,
-/// 2⁻²⁵ of a usual step.
+/// An uneven part of the path that is no longer than this, in mm, counts as standing still. The length is far below the
+/// resolution of a drive, and 2⁻²⁵ of a usual step.
 const STILL_MM: f64 = 1e-9;
 
 /// A part of the path no longer than 2⁷ units in the last place of the curve's coordinates counts as rounding.
@@ -38,14 +39,14 @@ const ROUNDING: i32 = 7;
 /// A part of a span that is less than 2⁻⁴⁰ of it counts as rounding.
 pub(crate) const SLIVER: i32 = -40;
 
-/// Largest ratio of the greatest to the least |C'| on a piece, and of weights: it keeps the solver's unknown within
+/// Largest ratio of the greatest to the least |C'| on a piece, and of its weights. It keeps the solver's unknown within
 /// a factor √1.5 of 1, which even two integer bits hold. A smaller ratio means more pieces.
 const MAX_RATIO: f64 = 1.5;
 
 /// |C'| below this part of the piece's mean speed counts as a cusp.
 const CUSP_RATIO: f64 = 1e-4;
 
-/// A path in pieces, and what of it stands still, in order.
+/// A path in pieces, and the parts of it that stand still, in order.
 pub(crate) struct Cut<H, const D: usize> {
     pub(crate) pieces: Vec<LocalPiece<H, D>>,
     pub(crate) still: Vec<Place>,
@@ -64,7 +65,7 @@ pub(crate) fn cut<H: Backend, const D: usize>(
     let mut stops = stops.peekable();
     let mut parts = Vec::new();
     for (span, mut begin, end) in ends {
-        // Nearer to a joint than rounding, a stop is that joint.
+        // A stop that is nearer to a joint than rounding is that joint.
         let sliver = (end - begin).scale(SLIVER);
         while let Some(stop) = stops.next_if(|stop| *stop < end) {
             if stop - begin > sliver && end - stop > sliver {
@@ -87,7 +88,7 @@ pub(crate) fn cut<H: Backend, const D: usize>(
             let is_even = speed.is_even(MAX_RATIO);
             if still.contain(length, is_even) {
                 out.still.push(place);
-                // What lies beyond does not continue what lies before.
+                // The curve after a part that stands still does not continue the curve before it.
                 part += 1;
                 continue;
             }
@@ -102,7 +103,7 @@ pub(crate) fn cut<H: Backend, const D: usize>(
                 rest.push((begin, middle, halvings + 1));
                 continue;
             }
-            // A number of the curve that `H` does not hold may be this parameter.
+            // If `H` cannot hold a number of the curve, that number may be this parameter.
             let parameter = if place.begin.0.is_finite() { place.begin.0 } else { first };
             let out_of_range = CompileError::SpeedOutOfRange { curve: index, parameter };
             if !bezier.is_finite() {
@@ -122,18 +123,18 @@ pub(crate) fn cut<H: Backend, const D: usize>(
     Ok(())
 }
 
-/// Which parts of a curve stand still. Where C' vanishes no step per chord exists, so such a part becomes no piece: the next piece
-/// begins where it ends.
+/// The lengths up to which parts of a curve stand still. Where C' vanishes no step per chord exists, so such a part
+/// becomes no piece: the next piece begins where the part ends.
 #[derive(Clone, Copy)]
 struct StillParts {
     /// An uneven part stands still if it is no longer than this, in mm.
     uneven_mm: f64,
-    /// Any part stands still if it is no longer than this, in mm: it is rounding.
+    /// Any part stands still if it is no longer than this, in mm: it is due to rounding.
     rounding_mm: f64,
 }
 
 impl StillParts {
-    /// p rounds of blossoming are off by some p² units in the last place of the coordinates.
+    /// Blossoming in p rounds is off by about p² units in the last place of the coordinates.
     fn of<H: Backend, const D: usize>(curve: &NurbsCurve<'_, f64, D>) -> Self {
         let farthest = curve.control_points().iter().flatten().fold(0.0_f64, |most, x| most.max(x.abs()));
         let rounding_mm = (farthest * H::resolution().to_f64()).scale(ROUNDING);

@@ -1,4 +1,4 @@
-//! The velocity of a Bezier segment, and how fast it is at least and at most.
+//! The velocity of a Bezier segment, and the range of its magnitude.
 
 use alloc::vec::Vec;
 
@@ -8,18 +8,18 @@ use crate::pieces::speed::Speed;
 use crate::polynomials::polynomial::binomial;
 use crate::vector::{add, dot, lerp, over, scaled, sub};
 
-/// The speed is sampled at so many places, and one more.
+/// The speed is sampled at the ends of this many equal parts.
 const SAMPLES: u32 = 8;
-/// By which part the proven range of the speed may be wider than that of its samples; else a segment is halved, and its middle
-/// sampled.
+/// The proven range of the speed may be wider than the range of its samples by this part. If it is wider, the segment
+/// is halved and the speed in the middle is sampled.
 const NEAR: f64 = 1.0 / 64.0;
 /// Samples lie no closer than 2⁻¹⁰ of the segment: only next to a cusp is more needed.
 const DEPTH: u32 = 10;
 
-/// |C'| of homogeneous Bezier points (N, W): its least and greatest at nine places, and wherever else it leaves their range by more
-/// than a 64th. The solver holds its steps per chord within the inverse of that range.
+/// The range of |C'| for homogeneous Bezier points (N, W): the range of nine samples, widened wherever the speed leaves
+/// it by more than a 64th. The solver holds its steps per chord within the inverse of this range.
 ///
-/// The greatest is infinite where weights are so far apart, or so small, that a speed is no number of f64.
+/// The greatest speed is infinite where weights are so far apart, or so small, that f64 cannot hold a speed.
 pub(crate) fn speed<const D: usize>(points: &[([f64; D], f64)]) -> Speed {
     let mut speed = sampled(points, SAMPLES);
     Hodograph::of(points).extend(&mut speed);
@@ -37,12 +37,12 @@ fn sampled<const D: usize>(points: &[([f64; D], f64)], samples: u32) -> Speed {
     }
 }
 
-/// What is no number counts as infinite: the greatest of several then tells.
+/// Replaces NaN by infinity, so that the greatest of several values shows it.
 fn infinite_unless_number(x: f64) -> f64 {
     if x.is_nan() { f64::INFINITY } else { x }
 }
 
-/// C' at t, by de Casteljau; no number where W is none.
+/// C' at t, by de Casteljau; NaN where W is NaN.
 fn velocity<const D: usize>(points: &[([f64; D], f64)], t: f64) -> [f64; D] {
     let mut rows = points.to_vec();
     let degree = rows.len() - 1;
@@ -60,14 +60,15 @@ fn velocity<const D: usize>(points: &[([f64; D], f64)], t: f64) -> [f64; D] {
     over(&sub(&scaled(&sub(&b, &a), degree as f64), &scaled(&point, rise)), weight)
 }
 
-/// C' = V/W² of C = N/W on a part of a segment: `V = N'W - NW'` in Bezier form, of degree 2p - 1, and W.
+/// On a part of a segment C = N/W, and C' = V/W². This holds `V = N'W - NW'` in Bezier form, of degree 2p - 1, and W.
 struct Hodograph<const D: usize> {
     velocity: Vec<[f64; D]>,
     weight: Vec<f64>,
 }
 
 impl<const D: usize> Hodograph<D> {
-    /// Of homogeneous points (N, W), in f64: of points relative to one of them, so that little is lost.
+    /// From homogeneous points (N, W), in f64. The points should be relative to one of them, so that few digits are
+    /// lost.
     fn of(points: &[([f64; D], f64)]) -> Self {
         let degree = points.len() - 1;
         let rise = |j: usize| {
@@ -87,7 +88,7 @@ impl<const D: usize> Hodograph<D> {
         Self { velocity, weight: points.iter().map(|(_, w)| *w).collect() }
     }
 
-    /// Extends the range of a speed that was sampled at both ends to what it is in between, to within 1/64.
+    /// Widens the range of a speed that was sampled at both ends to its range in between, to within 1/64.
     fn extend(&self, speed: &mut Speed) {
         self.extend_on(speed, DEPTH);
     }
@@ -113,12 +114,12 @@ impl<const D: usize> Hodograph<D> {
         second.extend_on(speed, depth - 1);
     }
 
-    /// Bounds of |C'|: V lies in the hull of its Bezier points, W between its own.
+    /// Bounds of |C'|: V lies in the hull of its Bezier points, and W between the least and the greatest of its own.
     fn bounds(&self) -> (f64, f64) {
         let mean = self.velocity.iter().fold([0.0; D], |sum, v| add(&sum, v));
         let length = f64::norm(&mean);
         let along = |v: &[f64; D]| dot(v, &mean) / length;
-        // Of a mean that is 0 there is no direction along which V could be anything.
+        // If the mean is 0 there is no direction on which V could be projected.
         let least = if length > 0.0 { self.velocity.iter().map(along).fold(f64::MAX, f64::min) } else { 0.0 };
         let greatest = self.velocity.iter().map(f64::norm).fold(0.0, f64::max);
         let (light, heavy) = self.weight.iter().fold((f64::MAX, 0.0_f64), |(l, h), w| (l.min(*w), h.max(*w)));

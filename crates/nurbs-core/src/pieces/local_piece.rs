@@ -14,9 +14,10 @@ use crate::{Joint, ORIGIN_EXPONENT, Place, tangent_breaks};
 /// A piece in high precision: power basis in t, coordinates in mm relative to the piece's first point.
 pub(crate) struct LocalPiece<H, const D: usize> {
     pub(crate) place: Place,
-    /// The curve that it was cut from, and which span of that, or part of a span between stops.
+    /// The index of the curve that the piece was cut from, and the index of the span, or of the part of a span between
+    /// stops.
     pub(crate) part_of_span: (usize, usize),
-    /// How often that was halved.
+    /// How often that span or part was halved.
     pub(crate) halvings: i32,
     pub(crate) origin: [i64; D],
     pub(crate) numerator: Vec<[H; D]>,
@@ -86,7 +87,7 @@ impl<H: Backend, const D: usize> LocalPiece<H, D> {
     /// exponent.
     pub(crate) fn joint(&self, scales: &Scales, next: &Self, next_scales: &Scales) -> (f64, i32) {
         let ratio = if self.continues_in(next) {
-            // Halves of halves of one span: the ratio of their widths is a power of two, exactly.
+            // Both pieces are halves of halves of one span, so the ratio of their widths is exactly a power of two.
             power_of_two(next.halvings - self.halvings)
         } else {
             self.speed.end / next.speed.begin
@@ -125,7 +126,7 @@ impl<H: Backend, const D: usize> LocalPiece<H, D> {
         sub(&scaled(&rise, weight), &scaled(&value, weight_rise))
     }
 
-    /// Whether `next` is the same polynomial further on.
+    /// Whether `next` continues the same polynomial.
     pub(crate) fn continues_in(&self, next: &Self) -> bool {
         self.part_of_span == next.part_of_span
     }
@@ -188,8 +189,8 @@ impl<H: Backend, const D: usize> LocalPiece<H, D> {
         (1..=self.numerator.len()).map(bound).collect()
     }
 
-    /// The largest length of a vector of polynomials over W^`power`, part by part: numerator and weight rise and
-    /// fall together, and one hull for each over the whole piece would forget that.
+    /// The largest length of a vector of polynomials over W^`power`, found part by part. Numerator and weight rise and
+    /// fall together; one hull of each over the whole piece would lose that.
     fn bound_over_weight(&self, vector: &[Vec<f64>], power: i32) -> f64 {
         let weight: Vec<f64> = self.weight.iter().map(|w| w.to_f64()).collect();
         let on = |part: u32| {
@@ -243,7 +244,7 @@ fn origin_units<H: Backend>(x: H) -> Option<i64> {
     if !(-range < x.to_f64() && x.to_f64() < range) {
         return None;
     }
-    // As a fraction of the range, in 64 bits; one of them is the sign's.
+    // As a fraction of the range, in 64 bits, one of which is the sign.
     let magnitude = (x.abs().to_phase(-(63 + ORIGIN_EXPONENT)) >> 1).cast_signed();
     Some(if x < H::zero() { -magnitude } else { magnitude })
 }

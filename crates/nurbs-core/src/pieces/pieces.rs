@@ -1,4 +1,4 @@
-//! Compiled pieces: a path as a table of short polynomials, the form that real time evaluates.
+//! Compiled pieces: a path as a table of short polynomials, which real time evaluates.
 //!
 //! A raw curve drowns a 32-bit format: the parameter increment is about 1e-4, second derivatives are about 3e4 and
 //! their squares overflow. So the path is cut, before real time, into pieces short enough that every number a
@@ -40,17 +40,17 @@ pub struct Pieces<'a, R, const D: usize> {
     pub chord_exponent: i32,
 }
 
-/// n_1 to n_p of one piece; w_0, and w_1 to w_p, if it is rational.
+/// n_1 to n_p of one piece; and, if it is rational, w_0, and w_1 to w_p.
 type Coefficients<'a, R, const D: usize> = (&'a [[R; D]], Option<(R, &'a [R])>);
 
 impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
-    /// Whether points take a division by a weight.
+    /// Whether a point takes a division by a weight.
     #[must_use]
     pub fn is_rational(&self) -> bool {
         !self.weights.is_empty()
     }
 
-    /// Some pieces of the path, as a path of their own; none of them, if one does not exist.
+    /// The path that consists of these pieces; it is empty if one of them does not exist.
     #[must_use]
     pub fn part(&self, pieces: Range<usize>) -> Self {
         let rows = |width: usize| pieces.start.saturating_mul(width)..pieces.end.saturating_mul(width);
@@ -63,7 +63,7 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
         }
     }
 
-    /// p. Where N is p the compiler knows how long loops are; where N is [`MAX_DEGREE`] p may be any degree.
+    /// p. If N is p, the compiler knows the length of loops; if N is [`MAX_DEGREE`], p may be any degree.
     #[inline]
     fn count<const N: usize>(&self) -> usize {
         if N == MAX_DEGREE { self.degree.min(N) } else { N }
@@ -104,7 +104,7 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
         self.in_common_units(piece, &point.map(|x| x * reciprocal))
     }
 
-    /// An offset in the units of `piece` → in those of the path, `2^coordinate_exponent` mm.
+    /// Converts an offset in the units of `piece` to the units of the path, `2^coordinate_exponent` mm.
     #[inline]
     #[must_use]
     pub fn in_common_units(&self, piece: usize, offset: &[R; D]) -> [R; D] {
@@ -116,22 +116,22 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
     #[must_use]
     pub fn in_units_of_path(&self, row: &Piece<R, D>, offset: &[R; D]) -> [R; D] {
         let units = i32::from(row.coordinate_exponent).wrapping_sub(self.coordinate_exponent);
-        // Not by `map`, which reads two numbers of 32 bits as one word, right after they were written one by one.
+        // Not by `map`: it reads two numbers of 32 bits as one word, right after they were written one by one.
         core::array::from_fn(|d| offset[d].rescaled(units).signal("offset"))
     }
 
-    /// A point in units of 2^[`ORIGIN_EXPONENT`] mm: the piece's origin, and an offset from it in units of the path's
-    /// `2^coordinate_exponent` mm, cut towards the origin to whole units. Integers of 64 bits, so that nothing is lost where the
-    /// format itself does not hold the path's extent.
+    /// A point in units of 2^[`ORIGIN_EXPONENT`] mm: the piece's origin plus an offset from it. The offset is in units
+    /// of the path's `2^coordinate_exponent` mm, and is cut towards the origin to whole units. The sum is in integers
+    /// of 64 bits, so that nothing is lost where the format itself cannot hold the path's extent.
     ///
-    /// At the end of the path, where the piece's number is that of pieces, it is an offset from the last one; without pieces
-    /// the point is 0. Domain: offsets of setpoints, which are above the format's least number; those beyond 2²⁴ mm count as
-    /// that, and sums beyond it wrap.
+    /// The end of the path has the number of pieces as its piece; the offset is then from the last piece's origin.
+    /// Without pieces the point is 0. Domain: offsets of setpoints, which are above the format's least number. Offsets
+    /// beyond 2²⁴ mm count as 2²⁴ mm, and sums beyond 2²⁴ mm wrap.
     #[must_use]
     pub fn position(&self, piece: usize, offset: &[R; D]) -> [i64; D] {
         let Some(row) = self.pieces.get(piece).or(self.pieces.last()) else { return [0; D] };
         let exponent = self.coordinate_exponent.wrapping_sub(ORIGIN_EXPONENT + 64);
-        // In two parts where it is out of to_phase's domain.
+        // In two parts where the exponent is outside to_phase's domain.
         let beyond = (-64_i32).wrapping_sub(exponent).max(0).unsigned_abs();
         let phase = |x: R| x.to_phase(exponent.clamp(-64, 64)).checked_shr(beyond).unwrap_or(0);
         let units = |x: R| i64::try_from(phase(x)).unwrap_or(i64::MAX);
@@ -139,7 +139,7 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
         core::array::from_fn(|d| row.origin[d].wrapping_add(signed(offset[d])))
     }
 
-    /// The piece's polynomials about `t`: all that a step from there needs.
+    /// The piece's polynomials about `t`, which are all that a step from there needs.
     #[must_use]
     pub fn shifted(&self, piece: usize, t: R) -> Shifted<R, D> {
         let mut at = Shifted::default();
@@ -155,8 +155,8 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
 
     /// Writes the piece's polynomials about `t` into `at`, over those of another point or piece of the same path.
     ///
-    /// N is the pieces' degree, which is fastest, or [`MAX_DEGREE`], which serves all. PLAIN says that the path has no
-    /// weights, which spares the question.
+    /// N is the pieces' degree, which is fastest, or [`MAX_DEGREE`], which serves every degree. PLAIN promises that the
+    /// path has no weights, which saves a test.
     pub fn shift_to<const N: usize, const PLAIN: bool>(&self, piece: usize, t: R, at: &mut Shifted<R, D>) {
         self.shift_anew::<N, PLAIN>(piece, Some(t), at);
     }
@@ -172,7 +172,7 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
         self.shift_by::<N, PLAIN>((piece, row), Some(t), true, at);
     }
 
-    /// Writes the polynomials about `t`, or without a `t` about the begin, into `at`, whatever that holds.
+    /// Writes the polynomials about `t`, or about the begin if `t` is `None`, into `at`, whatever `at` holds.
     #[inline(always)]
     fn shift_anew<const N: usize, const PLAIN: bool>(
         &self,
@@ -186,8 +186,8 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
         }
     }
 
-    /// `shift_anew` for a caller that has the piece's row; `is_along` says that `at` holds polynomials of this piece. Whether there is
-    /// a `t`, and `is_along`, are constants to the compiler.
+    /// `shift_anew` for a caller that has the piece's row; `is_along` says that `at` holds polynomials of this piece.
+    /// The compiler knows `is_along`, and whether there is a `t`, as constants.
     #[inline(always)]
     fn shift_by<const N: usize, const PLAIN: bool>(
         &self,
@@ -202,7 +202,7 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
         };
         let weights = if PLAIN { None } else { self.weight::<N>(piece) };
         if N == MAX_DEGREE {
-            // In place: a controller would pay for rows that its degree does not have.
+            // In place: on a controller, an array of its own would cost time for rows that the degree does not have.
             let chord = at.chord.get_mut(..numerator.len()).unwrap_or_default();
             self.form::<N>(row, (numerator, weights), t, &mut at.offset, chord, &mut at.weight);
             for (c, power) in chord.iter_mut().zip(self.chord_exponents(row)) {
@@ -212,7 +212,7 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
             }
             return;
         }
-        // Few rows are formed in registers.
+        // A few rows fit registers, and are formed there.
         let mut rows = [[R::zero(); D]; N];
         self.form::<N>(row, (numerator, weights), t, &mut at.offset, &mut rows, &mut at.weight);
         // Without weights the top coefficient is the same at all points.
@@ -225,7 +225,8 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
         }
     }
 
-    /// Forms the polynomials about `t`, and the offset there, in the slots for them: those of the chord in coordinate units.
+    /// Forms the polynomials about `t`, and the offset there, and writes them to the given slots. Those of the chord
+    /// are in coordinate units.
     #[inline(always)] // Called, it would return its rows through memory: 13 % more instructions a step.
     fn form<const N: usize>(
         &self,
@@ -254,8 +255,8 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
         }
     }
 
-    /// Exponents that take coefficients of powers of h in coordinate units to those of `η x^{k-1}` in chord units, k from 1 on:
-    /// `h^k = x^k 2^(k (r - s))`.
+    /// For k from 1 on, the exponent that converts the coefficient of h^k in coordinate units to that of `η x^{k-1}` in
+    /// chord units: `h^k = x^k 2^(k (r - s))`.
     #[inline(always)]
     fn chord_exponents(&self, row: &Piece<R, D>) -> impl Iterator<Item = i32> {
         let units = i32::from(row.coordinate_exponent) - i32::from(row.range_exponent);

@@ -7,7 +7,7 @@ use real::{Backend, Real};
 use crate::pieces::cut::{MAX_HALVINGS, SLIVER};
 use crate::{Piece, Pieces, Place, SignalBound};
 
-/// Compiled pieces with their storage, and what a tool needs to read their results.
+/// Compiled pieces with their storage, and the data that a tool needs to read their results.
 #[derive(Clone, Debug)]
 pub struct PiecesBuf<R, const D: usize> {
     pub(crate) pieces: Vec<Piece<R, D>>,
@@ -42,15 +42,17 @@ impl<R: Real, const D: usize> PiecesBuf<R, D> {
         &self.places
     }
 
-    /// The parts of the path that are on no piece, in order, because the path stands still there: at a cusp, where control points
-    /// coincide, or on a curve that is a point. None is longer than 1e-9 mm, or than rounding. The next piece begins where it ends.
+    /// The parts of the path that are on no piece, in order, because the path stands still there: at a cusp, where
+    /// control points coincide, or on a curve that is a point. No part is longer than 1e-9 mm, or than rounding. The
+    /// next piece begins where the part ends.
     #[must_use]
     pub fn still_places(&self) -> &[Place] {
         &self.still
     }
 
-    /// The number of the piece that begins at the parameter `u` of curve number `curve`, or that follows the piece that ends there
-    /// or the part that stands still there; `None` where there is no joint. `u` may be off by rounding, 2⁻²⁴ of a piece.
+    /// The number of the piece behind the joint at the parameter `u` of curve number `curve`. A piece, or a part that
+    /// stands still, ends there, or a piece begins there. `None` where there is no joint. `u` may be off by rounding,
+    /// 2⁻²⁴ of a piece.
     #[must_use]
     pub fn joint(&self, curve: usize, u: f64) -> Option<usize> {
         let rounding = |place: &Place| (place.end.0 - place.begin.0).scale(SLIVER + MAX_HALVINGS);
@@ -69,13 +71,14 @@ impl<R: Real, const D: usize> PiecesBuf<R, D> {
         self.still.get(next).is_some_and(|place| place.curve == curve && place.begin.0 <= u)
     }
 
-    /// The longest chord of a period that the bounds are proven for, in mm: [`PieceLimits::step_mm`](crate::PieceLimits::step_mm).
+    /// The longest chord of a period for which the bounds are proven, in mm:
+    /// [`PieceLimits::step_mm`](crate::PieceLimits::step_mm).
     #[must_use]
     pub fn step_mm(&self) -> f64 {
         self.step_mm
     }
 
-    /// The proven bounds, a signal each.
+    /// The proven bounds, one for each signal.
     #[must_use]
     pub fn bounds(&self) -> &[SignalBound] {
         &self.bounds
@@ -83,9 +86,9 @@ impl<R: Real, const D: usize> PiecesBuf<R, D> {
 }
 
 impl<R: Backend, const D: usize> PiecesBuf<R, D> {
-    /// What to multiply the format's resolution by for that of a piece's coordinates, in mm: in fixed point the piece's unit, in
-    /// which they are of order one; in a float, whose digits do not depend on the unit, `Σ |n_k|` of the axis on which that is
-    /// largest. 0 for a piece that does not exist.
+    /// The format's resolution times this, in mm, is the resolution of the piece's coordinates. In fixed point it is
+    /// the piece's unit, in which coordinates are of order one. In a float, whose digits do not depend on the unit, it
+    /// is the largest of the axes' `Σ |n_k|`. 0 for a piece that does not exist.
     #[must_use]
     pub fn coordinate_size_mm(&self, piece: usize) -> f64 {
         let Some(row) = self.pieces.get(piece) else { return 0.0 };

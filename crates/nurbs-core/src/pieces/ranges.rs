@@ -1,9 +1,9 @@
 //! Proven ranges: a bound for every named signal of a real-time step on compiled pieces.
 //!
-//! What depends on t is a polynomial on [0, 1] and bounded by its Bernstein coefficients; W lies between its least and
-//! its greatest one. What the solver tries is clamped to the row's `step_per_chord`, and a chord is no longer than the
-//! longest step, so the sums in x are bounded term by term. Whatever else a step computes is one of these signals, or
-//! a difference of two of them that is no larger.
+//! A signal that depends on t is a polynomial on [0, 1], and its Bernstein coefficients bound it; W lies between its
+//! least and its greatest one. The solver clamps its trials to the row's `step_per_chord`, and a chord is no longer
+//! than the longest step, so the sums in x are bounded term by term. Every other number of a step is one of these
+//! signals, or a difference of two of them that is no larger.
 
 use alloc::vec::Vec;
 
@@ -18,12 +18,12 @@ use crate::pieces::scales::{Scales, exponent_below, power_of_two};
 pub struct SignalBound {
     /// The signal, by the name that an audit gives it.
     pub signal: &'static str,
-    /// In fixed point no value of the signal exceeds this in magnitude by more than a few units of the resolution. In a float, which
-    /// has room for it, a trial that the solver rejects may.
+    /// In fixed point no value of the signal exceeds this in magnitude by more than a few units of the resolution. In a
+    /// float a trial that the solver rejects may exceed it; a float has the range for that.
     pub bound: f64,
 }
 
-/// The bounds over all pieces, a signal each.
+/// The bounds over all pieces, one for each signal.
 #[derive(Default)]
 struct Bounds(Vec<SignalBound>);
 
@@ -47,7 +47,7 @@ pub(crate) fn signal_bounds<H: Backend, const D: usize>(
     let mut bounds = Bounds::default();
     bounds.raise("parameter", 1.0);
     for (piece, scales) in local {
-        // p sweeps of the shift, each rounded, add up to 2^p units; so do the few roundings elsewhere.
+        // The p rounded sweeps of the shift add up to 2^p units; the few roundings elsewhere add as much again.
         let rounding = resolution * power_of_two(i32::try_from(piece.numerator.len()).unwrap_or(0) + 1);
         let coordinate = power_of_two(-scales.coordinate);
         let shifted = piece.largest_shifted_mm() * coordinate + rounding;
@@ -68,7 +68,7 @@ pub(crate) fn signal_bounds<H: Backend, const D: usize>(
         let [(piece, scales), (next, next_scales)] = pair else { continue };
         let [_, sigma] = next.step_per_chord(next_scales);
         let (_, exponent) = piece.joint(scales, next, next_scales);
-        // The greatest is compared in the smaller scale, rounded there.
+        // The greatest step per chord is compared in the smaller scale, and rounded there.
         bounds.raise("joint_step_per_chord", sigma + resolution * power_of_two(exponent.max(0)));
     }
     bounds.0
@@ -129,8 +129,8 @@ fn raise_chord_bounds<H: Backend, const D: usize>(
     bounds.raise("chord_residual", residual.max(heaviest * heaviest));
     let growth = direction * sigma * turn + heaviest * slope * x;
     bounds.raise("chord_growth", growth + (heaviest * heaviest - 1.0).max(1.0 - lightest * lightest));
-    // Over a joint b, no longer than 1, comes in, everything is halved, and W is divided out. The step begins at
-    // t = 0 and does not leave the piece, on which W lies between its least and greatest Bernstein weight.
+    // At a joint the direction has a further term b, no longer than 1; everything is halved, and W is divided out. The
+    // step begins at t = 0 and stays on the piece, on which W lies between its least and greatest Bernstein weight.
     let lightest = piece.weight_range.0 / piece.weight_range.1;
     let chord = chord / lightest;
     let direction = 0.5 * (1.0 + sigma * chord);
@@ -139,7 +139,7 @@ fn raise_chord_bounds<H: Backend, const D: usize>(
     bounds.raise("joint_residual", direction * direction);
     bounds.raise("joint_pull", pull);
     bounds.raise("joint_growth", 0.5 * direction * pull);
-    // A chord across the whole piece, and with what was travelled before.
+    // A chord across the whole piece, alone and with the distance travelled before.
     let across = eta.min(power_of_two(scales.step));
     bounds.raise("chord_travelled", chord * across);
     bounds.raise("joint_travelled", 1.0 + 2.0 * rounding); // no more is ever added up

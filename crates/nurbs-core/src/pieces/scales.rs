@@ -9,9 +9,9 @@ pub(crate) struct Scales {
     pub(crate) coordinate: i32,
     /// Chords are in units of 2^-chord mm; the same for all pieces.
     pub(crate) chord: i32,
-    /// The whole piece is a step of 2^step.
+    /// 2^step is the step over the whole piece.
     pub(crate) step: i32,
-    /// The polynomials go by the step over 2^range; at most `step`, so that it is no more than the piece.
+    /// The polynomials take the step over 2^range. `range` is at most `step`, so that it is no more than the piece.
     pub(crate) range: i32,
 }
 
@@ -25,7 +25,7 @@ pub(crate) fn exponent_below(x: f64) -> i32 {
     i32::try_from(biased).unwrap_or(0) - 1023
 }
 
-/// `x = fraction · 2^exponent` with the fraction in [½, 1); a ratio that is no number counts as 1.
+/// `x = fraction · 2^exponent` with the fraction in [½, 1). An x that is NaN, infinite or not above 0 counts as 1.
 pub(crate) fn fraction_and_exponent(x: f64) -> (f64, i32) {
     if !(x > 0.0 && x.is_finite()) {
         return (0.5, 1);

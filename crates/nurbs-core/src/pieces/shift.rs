@@ -1,4 +1,4 @@
-//! The polynomials of a piece about another parameter: where a step begins.
+//! The polynomials of a piece about another parameter, at which a step begins.
 
 use real::Real;
 
@@ -17,7 +17,7 @@ pub struct Shifted<R, const D: usize> {
 }
 
 impl<R: Real, const D: usize> Default for Shifted<R, D> {
-    /// Of a piece that is a point.
+    /// The polynomials of a piece that is a point.
     fn default() -> Self {
         let zero = R::zero();
         Self { offset: [zero; D], chord: [[zero; D]; MAX_DEGREE], weight: [zero; MAX_DEGREE] }
@@ -51,7 +51,7 @@ pub(crate) fn divide_by_weight<R: Real, const D: usize, const N: usize>(
     turns.map(|[turn]| turn)
 }
 
-/// `Σ_{k≥0} row_k t^k` by Horner's scheme, without a product for the top one.
+/// `Σ_{k≥0} row_k t^k` by Horner's scheme, without a product for the top row.
 #[inline]
 pub(crate) fn horner<R: Real, const D: usize>(rows: impl DoubleEndedIterator<Item = [R; D]>, t: R) -> [R; D] {
     let mut rows = rows.rev();
@@ -63,8 +63,8 @@ pub(crate) fn horner<R: Real, const D: usize>(rows: impl DoubleEndedIterator<Ite
 /// at t. Afterwards `row_{k-1}` is the k-th derivative at t over k!. For degree p it takes p(p+1)/2 multiplications.
 #[inline]
 pub fn shift<R: Real, const D: usize>(rows: &mut [[R; D]], t: R) -> [R; D] {
-    // The first sweep divides the polynomial with its constant term 0, whose entry is the value; each later one the
-    // quotient before it, and leaves one derivative.
+    // The first sweep divides the polynomial with the constant term 0, and that entry becomes the value. Each later
+    // sweep divides the quotient before it and leaves one derivative.
     let mut value = [R::zero(); D];
     divide(rows, t);
     for (x, first) in value.iter_mut().zip(rows.first().into_iter().flatten()) {
@@ -78,7 +78,7 @@ pub fn shift<R: Real, const D: usize>(rows: &mut [[R; D]], t: R) -> [R; D] {
     value
 }
 
-/// One sweep of Horner's scheme from the top coefficient down, which leaves its sums.
+/// One sweep of Horner's scheme from the top coefficient down; each entry becomes the sum so far.
 #[inline]
 fn divide<R: Real, const D: usize>(rows: &mut [[R; D]], t: R) {
     let mut rows = rows.iter_mut().rev();

@@ -1,4 +1,4 @@
-//! How fast a piece is passed: |C'|, and the steps per chord that follow from it.
+//! The speed |C'| on a piece, and the steps per chord that follow from it.
 
 use real::Real;
 
@@ -17,7 +17,7 @@ pub(crate) struct Speed {
 }
 
 impl Speed {
-    /// Whether the path moves everywhere, and nowhere more than so many times as fast as elsewhere.
+    /// Whether the greatest speed is at most `max_ratio` times the least, which is above 0.
     pub(crate) fn is_even(&self, max_ratio: f64) -> bool {
         self.least > 0.0 && self.greatest <= max_ratio * self.least
     }
@@ -29,7 +29,7 @@ impl Speed {
             .clamp(-MAX_STEP_EXPONENT, MAX_STEP_EXPONENT)
     }
 
-    /// The range of steps per chord, `1/|C'|` in the solver's scale, with a margin for trials.
+    /// The range of steps per chord: `1/|C'|` in the solver's scale, with a margin for trials.
     pub(crate) fn step_per_chord(&self, exponent: i32) -> [f64; 2] {
         const MARGIN: f64 = 1.0625;
         let unit = power_of_two(exponent);

@@ -1,8 +1,8 @@
 //! One Bezier segment of a curve, by blossoming.
 //!
-//! The Bezier point j of degree p on [a, b] is the curve's polar form at p-j times a and j times b, p rounds of de
-//! Boor's scheme with one argument each (Ramshaw, "Blossoms are polar forms", Computer Aided Geometric Design 6,
-//! 1989). It needs no knot insertion, and takes sub-intervals of a span as they come.
+//! The Bezier point j of degree p on [a, b] is the curve's polar form at p-j times a and j times b: p rounds of de
+//! Boor's scheme, each with one of these arguments (Ramshaw, "Blossoms are polar forms", Computer Aided Geometric
+//! Design 6, 1989). No knot is inserted, and the interval may be any part of a span.
 
 use alloc::vec::Vec;
 
@@ -18,14 +18,14 @@ pub(crate) struct Bezier<H, const D: usize> {
     pub(crate) rational: bool,
 }
 
-/// `x` in the computing type, or NaN where that cannot hold it, so that nothing made of it passes for geometry.
+/// `x` in the computing type, or NaN if the type cannot hold it, so that no result of it passes for geometry.
 pub(crate) fn computed<H: Backend>(x: f64) -> H {
     const { assert!(H::IS_FLOATING, "curves are cut in a float: in fixed point their numbers do not fit") };
     H::from_f64(x).unwrap_or_else(|| H::zero() / H::zero())
 }
 
 impl<H: Backend, const D: usize> Bezier<H, D> {
-    /// The part [begin, end] of a span, by blossoming. If `H` cannot hold a number of the span, what is made of it is NaN.
+    /// The part [begin, end] of a span, by blossoming. If `H` cannot hold a number of the span, the results are NaN.
     pub(crate) fn of_span(curve: &NurbsCurve<'_, f64, D>, span: usize, begin: H, end: H) -> Self {
         let degree = curve.degree();
         let first = span - degree;
@@ -60,7 +60,7 @@ impl<H: Backend, const D: usize> Bezier<H, D> {
         bezier
     }
 
-    /// Whether all its numbers are numbers.
+    /// Whether every point and weight is finite.
     pub(crate) fn is_finite(&self) -> bool {
         self.points.iter().flatten().chain(&self.weights).all(|x| x.is_finite())
     }
@@ -69,21 +69,21 @@ impl<H: Backend, const D: usize> Bezier<H, D> {
         over(&self.points[j], self.weights[j])
     }
 
-    /// Length of the control polygon, which is no shorter than the arc, in mm.
+    /// Length of the control polygon in mm; the arc is no longer than that.
     pub(crate) fn polygon_mm(&self) -> f64 {
         let leg = |j: usize| f64::norm(&sub(&self.euclidean(j), &self.euclidean(j - 1)).map(|x| x.to_f64()));
         (1..self.points.len()).map(leg).sum()
     }
 
-    /// Whether no weight is more than so many times another.
+    /// Whether no weight is more than `max_ratio` times another.
     pub(crate) fn has_even_weights(&self, max_ratio: f64) -> bool {
         let weights = self.weights.iter().map(|w| w.to_f64());
         let (light, heavy) = weights.fold((f64::MAX, 0.0_f64), |(l, h), w| (l.min(w), h.max(w)));
         heavy <= max_ratio * light
     }
 
-    /// Points times weights about the first point, and weights, in f64. The differences are taken before the rounding: of a
-    /// span of one ulp they are all there is.
+    /// Points times weights about the first point, and weights, in f64. The differences are taken before the rounding:
+    /// in a span of one ulp, only the differences tell points apart.
     pub(crate) fn relative(&self) -> Vec<([f64; D], f64)> {
         let points = self.seen_from_start().map(|point| point.map(|x| x.to_f64()));
         points.zip(self.weights.iter().map(|w| w.to_f64())).collect()

@@ -1,13 +1,14 @@
-//! A curve in the form in which it is evaluated fastest, as far as that form is accurate.
+//! A curve in the form that is evaluated fastest, where that form is accurate.
 
 use crate::{Derivatives, Differentiate, Evaluate, NurbsCurve, PowerCurve};
 
-/// The most that polynomials may lose, in units of a coordinate's last place; where they may lose more, basis functions are used.
+/// The most that polynomials may lose, in units of a coordinate's last place. Where they may lose more, basis functions
+/// are used.
 const MOST_LOSS: f64 = 32768.0;
 
-/// What a planner runs on in f64: one polynomial a span, a third to a tenth of the work of basis functions; but basis
-/// functions where the polynomials of [`PowerCurve`] may lose more than 2¹⁵ units, as
-/// where the weights of a cubic differ more than eightfold.
+/// The curve on which a planner runs in f64. It has one polynomial a span, which takes a third to a tenth of the work
+/// of basis functions. It has basis functions where the polynomials of [`PowerCurve`] may lose more than 2¹⁵ units, for
+/// example where the weights of a cubic differ more than eightfold.
 #[derive(Clone, Debug)]
 pub enum FastCurve<'a, const D: usize> {
     /// One polynomial a span.
@@ -28,7 +29,7 @@ impl<'a, const D: usize> FastCurve<'a, D> {
     }
 }
 
-/// `3^p`, and with weights from v to W `16 (W/v)²` times that: see [`PowerCurve`]'s points.
+/// The loss in units of the last place: `3^p`, times `16 (W/v)²` with weights from v to W. See [`PowerCurve`]'s points.
 fn loss<const D: usize>(curve: &NurbsCurve<'_, f64, D>) -> f64 {
     let power = (0..curve.degree()).fold(1.0, |power, _| 3.0 * power);
     let Some(weights) = curve.weights() else { return power };
@@ -37,7 +38,7 @@ fn loss<const D: usize>(curve: &NurbsCurve<'_, f64, D>) -> f64 {
     16.0 * power * (most / least) * (most / least)
 }
 
-/// Runs the same expression on whichever form it is.
+/// Runs the same expression on either form.
 macro_rules! on_form {
     ($self:expr, $curve:ident => $answer:expr) => {
         match $self {

@@ -31,8 +31,8 @@ pub(crate) fn bound_on_unit_interval(power: &[f64]) -> f64 {
     greatest.max(-least)
 }
 
-/// Into how many parts [0, 1] is cut where one hull for all of it would be too wide: with eight, the hull of a
-/// quarter circle's speed is a tenth wider than its range.
+/// [0, 1] is cut into this many parts where one hull for all of it would be too wide. With eight, the hull of a quarter
+/// circle's speed is a tenth wider than its range.
 pub(crate) const PARTS: u32 = 8;
 
 /// `p` on one of the [`PARTS`] of [0, 1], as a polynomial on [0, 1].
@@ -53,7 +53,7 @@ pub(crate) fn on_part(power: &[f64], part: u32) -> Vec<f64> {
     shifted
 }
 
-/// The least and the greatest Bernstein coefficient of `p(t) = Σ_k a_k t^k`: between them lies p on [0, 1]. Both are
+/// The least and the greatest Bernstein coefficient of `p(t) = Σ_k a_k t^k`: p lies between them on [0, 1]. Both are
 /// moved outward by the rounding of this computation and of [`on_part`] before it.
 pub(crate) fn hull(power: &[f64]) -> (f64, f64) {
     let degree = power.len().saturating_sub(1);
@@ -71,7 +71,8 @@ pub(crate) fn hull(power: &[f64]) -> (f64, f64) {
     (least - slack, greatest + slack)
 }
 
-/// Rounding relative to `Σ |a_k|`: of degree 14 at most, 15 sums of products of 15 factors, and as many for a shift.
+/// Rounding relative to `Σ |a_k|`. The degree is at most 14: 15 sums of products of 15 factors, and as many for a
+/// shift.
 const SLACK: f64 = 1e-12;
 
 #[cfg(test)]

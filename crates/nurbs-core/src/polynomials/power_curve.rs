@@ -1,19 +1,19 @@
-//! A curve as one polynomial a span: what evaluates fastest, where the numbers are `f64` and memory is not short.
+//! A curve as one polynomial a span: the fastest form where the numbers are `f64` and memory is not short.
 //!
 //! On the span from u_i to u_{i+1}, with t = (u - u_i)/(u_{i+1} - u_i) in [0, 1),
 //!
 //! `C(t) = O + N(t)/W(t)`, `N(t) = Σ_{k≥1} n_k t^k`, `W(t) = 1 + Σ_{k≥1} w_k t^k`,
 //!
-//! O being the point where the span begins: the curve is seen from there, and its distance from the origin of coordinates
-//! costs no digits. By Horner's scheme a point takes p multiplications a coordinate instead of the p² of basis functions,
-//! no division unless the curve is rational, and then one. Derivatives come from the same chain (Knuth, *The Art of Computer
-//! Programming* 2, section 4.6.4), and with weights by the rule for quotients,
+//! O is the point where the span begins. Coordinates are relative to O, so the distance from the origin of coordinates
+//! costs no digits. By Horner's scheme a point takes p multiplications a coordinate instead of the p² of basis
+//! functions. It takes one division if the curve is rational, and none if not. Derivatives come from the same chain
+//! (Knuth, *The Art of Computer Programming* 2, section 4.6.4), and with weights by the rule for quotients,
 //!
 //! `C' = (N' - W' c)/W`, `C'' = (N'' - 2 W' C' - W'' c)/W`, `c = N/W`.
 //!
-//! The span of a parameter is looked up in a table of equal intervals of u, at least one a span. The search is among
-//! the knots of one interval, so that on even knots it takes the same time for ten spans and for ten thousand, in whatever order
-//! they are asked for: a single knot takes no branch. On knots that crowd together it is a binary search.
+//! The span of a parameter is looked up in a table of equal intervals of u, at least one a span. Only the knots of one
+//! interval are searched. On even knots a look-up takes the same time for ten spans and for ten thousand, in any order
+//! of the parameters: for a single knot the search has no branch. On knots that crowd together it is a binary search.
 
 use alloc::vec::Vec;
 
@@ -27,13 +27,13 @@ use crate::{Derivatives, Differentiate, Evaluate, NurbsCurve};
 
 /// A NURBS curve converted for fast evaluation: p + 1 rows of coefficients a span.
 ///
-/// Memory, for one control point of a long curve with single knots: `8 ((p + 1) D + 2)` bytes, and 8 p more if rational; and 15
-/// bytes to look spans up.
+/// Memory for each control point of a long curve with single knots: `8 ((p + 1) D + 2)` bytes, 8 p more if the curve is
+/// rational, and 15 bytes for the table of spans.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PowerCurve<const D: usize> {
     degree: usize,
-    /// Of each span, side by side for the sake of caches: where it begins, the reciprocal of its width, O, n_1 to n_p and,
-    /// if rational, w_1 to w_p. Behind them all, where the last one ends.
+    /// For each span, side by side for the sake of caches: its begin, the reciprocal of its width, O, n_1 to n_p and,
+    /// if rational, w_1 to w_p. After all spans, the end of the last one.
     spans: Vec<f64>,
     /// How many numbers a span has.
     stride: usize,
@@ -49,15 +49,15 @@ struct PowerSpan<'a, const D: usize> {
     begin: f64,
     end: f64,
     reciprocal: f64,
-    /// Twice the square of that.
+    /// Twice the square of the reciprocal.
     twice_square: f64,
     coefficients: Coefficients<'a, D>,
-    /// The numbers of the spans behind it.
+    /// The numbers of the spans behind this one.
     onward: &'a [f64],
 }
 
-/// Rows and weights of a span. Cubics, the common case, go by chains of known length, which the compiler unrolls: a third of
-/// the instructions less.
+/// Rows and weights of a span. Cubics, the common case, have a length that the compiler knows, so that it unrolls their
+/// chains: a third of the instructions less.
 #[derive(Clone, Copy, Debug)]
 enum Coefficients<'a, const D: usize> {
     Cubic(&'a [[f64; D]; 4]),
@@ -76,7 +76,7 @@ impl<'a, const D: usize> Coefficients<'a, D> {
 }
 
 impl<const D: usize> PowerSpan<'_, D> {
-    /// Holds for no parameter.
+    /// A span that holds no parameter.
     const NOWHERE: Self = Self {
         begin: 0.0,
         end: 0.0,
@@ -86,7 +86,7 @@ impl<const D: usize> PowerSpan<'_, D> {
         onward: &[],
     };
 
-    // Inlined to the caller: what is returned through memory by parts and read as a whole is waited for.
+    // Inlined to the caller: a value returned through memory in parts and read as a whole makes the processor wait.
     #[inline(always)]
     fn point(&self, u: f64) -> [f64; D] {
         let t = (u - self.begin) * self.reciprocal;
@@ -123,7 +123,8 @@ fn point_at<const D: usize>(rows: &[[f64; D]], weights: &[f64], t: f64) -> [f64;
     times_plus(offset, factor, *origin)
 }
 
-/// The point, and C' and C'' by u, with dt/du and twice its square. KNOWN says that the compiler knows the number of rows.
+/// The point, and C' and C'' by u, from dt/du and twice its square. KNOWN says that the compiler knows the number of
+/// rows.
 #[inline(always)]
 fn derivatives_at<const KNOWN: bool, const D: usize>(
     rows: &[[f64; D]],
@@ -151,10 +152,11 @@ fn derivatives_at<const KNOWN: bool, const D: usize>(
     }
 }
 
-/// Of `q(t) = Σ row_k t^k`, q and its first derivatives over 1, 1, 2, …: as many as are asked for.
+/// q and its derivatives over 1, 1, 2, …, for `q(t) = Σ row_k t^k`; ASKED is how many of them.
 ///
-/// A chain is 0 until its first number has come down to it. Where that is KNOWN in advance the chain begins there, which spares
-/// a fifth of the instructions; a loop that has to ask in each turn, for more chains than one, would lose more than that.
+/// A chain is 0 until its first number has come down to it. If the number of rows is KNOWN, each chain begins where its
+/// first number does, which saves a fifth of the instructions. If not, the loop would have to test for it in each turn;
+/// with more chains than one, that costs more than it saves.
 #[inline(always)]
 fn chains<const KNOWN: bool, const D: usize, const ASKED: usize>(
     rows: &[[f64; D]],
@@ -180,7 +182,7 @@ fn times_plus<const D: usize>(of: [f64; D], t: f64, more: [f64; D]) -> [f64; D] 
     core::array::from_fn(|d| of[d] * t + more[d])
 }
 
-/// From q, q' and q''/2 those of `t q`.
+/// Turns q, q' and q''/2 into those of `t q`.
 #[inline(always)]
 fn expansion<const D: usize>([q, slope, bend]: [[f64; D]; 3], t: f64) -> [[f64; D]; 3] {
     [scaled(&q, t), times_plus(slope, t, q), times_plus(bend, t, slope)]
@@ -189,8 +191,8 @@ fn expansion<const D: usize>([q, slope, bend]: [[f64; D]; 3], t: f64) -> [[f64; 
 impl<const D: usize> PowerCurve<D> {
     /// Converts a curve; the coefficients are computed in `H` and rounded once.
     ///
-    /// `H` is a float, which is checked when it is compiled. Where it is so narrow that it does not hold a number of the curve,
-    /// as `f32` does not hold 1e300, points of the spans that have it are no numbers.
+    /// `H` must be a float, which the compiler checks. If `H` cannot hold a number of the curve, as `f32` cannot hold
+    /// 1e300, the points of the spans with that number are NaN or infinite.
     ///
     /// ```compile_fail
     /// # use nurbs_core::{NurbsCurve, PowerCurve};
@@ -224,17 +226,19 @@ impl<const D: usize> PowerCurve<D> {
         self.degree
     }
 
-    /// For one parameter after another: fastest where each lies in the same span as the one before it, or in the next.
+    /// A cursor for one parameter after another: fastest where each lies in the same span as the one before, or in the
+    /// next span.
     #[must_use]
     pub fn cursor(&self) -> PowerCursor<'_, D> {
         PowerCursor { curve: self, span: self.span(0).unwrap_or(PowerSpan::NOWHERE) }
     }
 
-    /// The points at these parameters, in any order, each as [`point`](Evaluate::point) has it; as many as the shorter slice has.
+    /// The points at these parameters, in any order. Each is the same as [`point`](Evaluate::point) gives. The number
+    /// of points is the length of the shorter slice.
     ///
-    /// The spans of some parameters are looked up before the first of them is evaluated, so that a processor waits for the memory
-    /// of many spans at once. On curves that its first cache does not hold, scattered parameters take from two thirds to three
-    /// quarters of the time that they take one by one.
+    /// The spans of some parameters are looked up before the first of them is evaluated, so that a processor waits for
+    /// the memory of many spans at once. On curves that do not fit its first cache, scattered parameters take from two
+    /// thirds to three quarters of the time that they take one by one.
     pub fn points(&self, parameters: &[f64], points: &mut [[f64; D]]) {
         const BLOCK: usize = 64;
         for (parameters, points) in parameters.chunks(BLOCK).zip(points.chunks_mut(BLOCK)) {
@@ -254,7 +258,7 @@ impl<const D: usize> PowerCurve<D> {
         size_of_val(&*self.spans) + self.table.bytes()
     }
 
-    /// Where a span begins; behind the last one, where that ends.
+    /// Where a span begins; for the index behind the last span, where the last span ends.
     #[inline(always)]
     fn begin(&self, index: usize) -> f64 {
         self.spans.get(index * self.stride).copied().unwrap_or(self.domain.1)
@@ -289,7 +293,7 @@ impl<const D: usize> PowerCurve<D> {
         if high - low > 1 {
             return self.search(u, low, high);
         }
-        // One span or two, which a processor would guess wrong as often as not: no branch.
+        // One or two spans, which a processor would guess wrong as often as right: no branch.
         low + usize::from(second <= u)
     }
 
@@ -298,7 +302,7 @@ impl<const D: usize> PowerCurve<D> {
         self.span(self.index_of(u))
     }
 
-    /// The span that holds u, of those from `low` to `high`, by halving.
+    /// The span that holds u, among the spans from `low` to `high`, by halving.
     #[cold]
     #[inline(never)]
     fn search(&self, u: f64, mut low: usize, mut high: usize) -> usize {
@@ -332,9 +336,9 @@ impl<const D: usize> Evaluate<f64, D> for PowerCurve<D> {
 
     /// The point `C(u)` by Horner's scheme.
     ///
-    /// Accuracy: the coefficients of a span whose control points have the extent E sum up to at most `3^p E`, and the error
-    /// is at most `4 ε` times that, and ε times the largest coordinate. With weights from v to W in the span it is
-    /// `16 (W/v)²` times as large.
+    /// Accuracy: the coefficients of a span whose control points have the extent E sum up to at most `3^p E`. The error
+    /// is at most `4 ε` times this sum plus ε times the largest coordinate. With weights from v to W in the span the
+    /// error is `16 (W/v)²` times as large.
     fn point(&self, u: f64) -> [f64; D] {
         self.span_of(u).map_or([0.0; D], |span| span.point(u))
     }
@@ -359,7 +363,8 @@ impl<const D: usize> Differentiate<f64, D> for PowerCurve<D> {
     }
 }
 
-/// Evaluates one curve at many parameters, and looks a span up only where neither the one before nor the next holds.
+/// Evaluates one curve at many parameters. It looks a span up only where neither the span before nor the next one holds
+/// the parameter.
 #[derive(Clone, Copy, Debug)]
 pub struct PowerCursor<'a, const D: usize> {
     curve: &'a PowerCurve<D>,
@@ -388,7 +393,7 @@ impl<const D: usize> PowerCursor<'_, D> {
         }
     }
 
-    /// Into the span of `u`, which is another one.
+    /// Moves to the span of `u`, which is not the present one.
     #[inline(never)] // Within the above it would make every evaluation save its registers.
     fn leave(&mut self, u: f64) {
         let next = self.curve.first_of(self.span.onward).filter(|next| next.begin <= u && u < next.end);

@@ -4,8 +4,9 @@ use real::{Real, Trigonometric};
 
 /// The angle of the vector `(x, y)` in quarter turns, in [0, 4): the inverse of [`Trigonometric::sin_cos_quarter`].
 ///
-/// Within the first half of a quarter a rational guess is right to 5e-3, and each correction by the sine of what is missing,
-/// `δ + δ³/6`, takes the error to its fifth power. Error at most 4e-15 quarters. Domain: not both 0.
+/// Within the first half of a quarter a rational guess is right to 5e-3. Each correction adds `δ + δ³/6`, δ being the
+/// sine of the angle that is missing, and takes the error to its fifth power. Error at most 4e-15 quarters. Domain: not
+/// both 0.
 pub(crate) fn quarter_turns(x: f64, y: f64) -> f64 {
     let length = f64::norm(&[x, y]);
     let (c, s) = (x / length, y / length);

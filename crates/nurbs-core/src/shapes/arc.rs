@@ -1,7 +1,7 @@
 //! Circular arcs: `P(u) = O + cos(πu/2) a + sin(πu/2) b`, u in quarter turns.
 //!
-//! O is the centre, a the radius to the start and b the radius a quarter turn on. One unit of the parameter is a quarter
-//! turn, and one span, except the last, which may be shorter.
+//! O is the centre, a the radius to the start, and b the radius a quarter turn further. One unit of the parameter is a
+//! quarter turn and one span; the last span may be shorter.
 
 #[cfg(feature = "alloc")]
 use alloc::vec::Vec;
@@ -28,7 +28,8 @@ pub struct Arc<R, const D: usize> {
     quarters: R,
 }
 
-/// Which way an arc turns, seen against the third axis: from the first axis of its plane toward the second, or back.
+/// The direction of an arc, seen from the positive end of the third axis: from the first axis of its plane toward the
+/// second, or back.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sense {
     /// From the first axis toward the second: G3 in the XY plane.
@@ -40,7 +41,8 @@ pub enum Sense {
 impl<R: Real, const D: usize> Arc<R, D> {
     /// The arc about `centre` from the radius a over `quarters` quarter turns toward the radius b.
     ///
-    /// The caller takes care that a and b are perpendicular and equally long: else it is an arc of an ellipse.
+    /// The caller takes care that a and b are perpendicular and equally long; otherwise the curve is an arc of an
+    /// ellipse.
     ///
     /// # Errors
     /// [`ShapeError::NotFinite`]; [`ShapeError::NoArc`] unless `0 < quarters ≤ 4`; [`ShapeError::ExtentTooWide`] unless the
@@ -49,15 +51,15 @@ impl<R: Real, const D: usize> Arc<R, D> {
         if !centre.iter().chain(radii.iter().flatten()).all(|x| x.is_finite()) {
             return Err(ShapeError::NotFinite { what: "the centre or a radius of an arc" });
         }
-        // A fourth of the angle is compared, so that the bound needs no more integer bits than the domain itself.
+        // A fourth of the angle is compared, so that the comparison needs no more integer bits than the domain itself.
         if !(quarters > R::zero() && quarters.scale(-2) <= R::one()) {
             return Err(ShapeError::NoArc);
         }
-        // In two steps, for (π/2)² does not fit two integer bits.
+        // In two steps, because (π/2)² does not fit two integer bits.
         let longest = R::max_value() / R::half_pi() / R::half_pi();
         let is_too_wide = |axis: &usize| {
             let (o, r) = (centre[*axis], R::norm(&radii.map(|radius| radius[*axis])));
-            // What a point may be off.
+            // The radius, and the largest error of a point.
             let reach = || r + (r * R::resolution().scale(2) + R::resolution());
             !r.is_finite() || r > longest || o > R::max_value() - reach() || o < R::min_value() + reach()
         };
@@ -97,9 +99,10 @@ impl<R: Real, const D: usize> Arc<R, D> {
         R::half_pi() * (self.quarters * self.radius())
     }
 
-    /// The radius to the point at `u`, and that a quarter turn on: a and b, turned.
+    /// The radius to the point at `u` and the radius a quarter turn further: a and b, turned.
     pub(crate) fn turned(&self, u: R) -> [[R; D]; 2] {
-        // Whole quarters exchange the radii, which is exact; what is left is between 0 and 1, but for extrapolation.
+        // Whole quarters exchange the radii, which is exact. The angle left is between 0 and 1, except where u is
+        // extrapolated.
         let ([mut a, mut b], mut u) = (self.radii, u);
         for _ in 0..3 {
             if u > R::one() {
@@ -117,7 +120,7 @@ impl<R: Real, const D: usize> Evaluate<R, D> for Arc<R, D> {
         (R::zero(), self.quarters)
     }
 
-    /// Accuracy: sine and cosine are within two units of the last place, so in fixed point each axis is within
+    /// Accuracy: sine and cosine are within two units of the last place. So in fixed point each axis is within
     /// `2 √2 r + 1` units for a radius r, in floats within `6 ε r + ε |O|`.
     fn point(&self, u: R) -> [R; D] {
         add(&self.centre, &self.turned(u)[0])
@@ -125,7 +128,7 @@ impl<R: Real, const D: usize> Evaluate<R, D> for Arc<R, D> {
 
     fn span_count(&self) -> usize {
         let (one, two) = (R::one(), R::one() + R::one());
-        // Halves, because three quarter turns need an integer bit more than the others.
+        // Halves, because three quarter turns need one integer bit more than one or two.
         match self.quarters {
             q if q <= one => 1,
             q if q.half() <= one => 2,
@@ -159,15 +162,16 @@ impl<R: Real, const D: usize> Differentiate<R, D> for Arc<R, D> {
 
 #[cfg(feature = "alloc")]
 impl<const D: usize> Arc<f64, D> {
-    /// The arc from `start` to `end` about `centre` in the plane of two coordinate axes; a full turn if both points are the
-    /// same in that plane. Other coordinates stay those of `start`.
+    /// The arc from `start` to `end` about `centre` in the plane of two coordinate axes; a full turn if both points are
+    /// the same in that plane. Other coordinates stay those of `start`.
     ///
-    /// A centre as files hold it, rounded, is not equally far from both ends. It is moved onto the line of points that are,
-    /// along the chord, so that the arc meets both ends. For radii that differ by Δr it moves by `|Δr| r / |chord|`: without
-    /// bound where a turn closes. So an arc of more than half a turn whose centre would move by more than `tolerance_mm`
-    /// keeps the given one: it begins in `start` and ends within |Δr| of `end`, and is a full turn if both lie in the same direction
-    /// from the centre. No point is farther than the tolerance from a circle about the given centre through one of the ends, or
-    /// between them.
+    /// The centre in a file is rounded, so it is not equally far from both ends. It is moved along the chord, onto the
+    /// line of points that are equally far from both, so that the arc meets both ends. If the radii differ by Δr the
+    /// centre moves by `|Δr| r / |chord|`, which has no bound where a turn closes. So an arc of more than half a turn
+    /// keeps the given centre if that would move by more than `tolerance_mm`. Such an arc begins in `start` and ends
+    /// within |Δr| of `end`; it is a full turn if both lie in the same direction from the centre. No point is farther
+    /// than the tolerance from a circle about the given centre through one of the ends, or from the ring between these
+    /// circles.
     ///
     /// # Errors
     /// [`ShapeError::RadiiDiffer`] when the radii differ by more than `tolerance_mm`; [`ShapeError::NoArc`] without a
@@ -216,11 +220,11 @@ impl<const D: usize> Arc<f64, D> {
             (radius[x], radius[y]) = (p[0], p[1]);
             radius
         };
-        // An end within rounding ahead of the start is an arc of next to nothing.
+        // An end within rounding ahead of the start makes an arc of almost no angle.
         Self::try_new(circle_centre, [lift(a), lift(b)], quarters.max(f64::MIN_POSITIVE))
     }
 
-    /// The part over u in [begin, end], turned so that its own parameter begins with 0.
+    /// The part over u in [begin, end], turned so that its own parameter begins at 0.
     ///
     /// # Errors
     /// [`ShapeError::NoArc`] unless `begin < end`.
@@ -231,7 +235,7 @@ impl<const D: usize> Arc<f64, D> {
     /// The arc with every number rounded to the nearest of another format.
     ///
     /// # Errors
-    /// [`ShapeError::OutOfRange`], also for an angle that becomes 0; [`ShapeError::ExtentTooWide`].
+    /// [`ShapeError::OutOfRange`], also if the angle becomes 0; [`ShapeError::ExtentTooWide`].
     pub fn convert<Q: Backend>(&self) -> Result<Arc<Q, D>, ShapeError> {
         let centre = round_all(&self.centre, "the centre of an arc")?;
         let [a, b] = self.radii.map(|radius| round_all(&radius, "a radius of an arc"));
@@ -242,14 +246,14 @@ impl<const D: usize> Arc<f64, D> {
         })
     }
 
-    /// The arc as a rational curve of degree 2 over the same domain, a Bezier segment for each quarter turn or less: the
-    /// same circle; only its parameter runs a little unevenly inside a segment.
+    /// The arc as a rational curve of degree 2 over the same domain, with a Bezier segment for each quarter turn or
+    /// less. The circle is the same; only the parameter runs a little unevenly inside a segment.
     ///
     /// The middle control point of a segment of angle 2α is where the tangents of its ends meet, on the bisector at r/cos α,
     /// and its weight is cos α.
     ///
     /// # Errors
-    /// [`ShapeError::Curve`] when the numbers are no curve.
+    /// [`ShapeError::Curve`] when the numbers do not make a curve.
     ///
     /// # Source
     /// Piegl and Tiller, *The NURBS Book*, 2nd ed. (1997), section 7.3.
@@ -272,8 +276,8 @@ impl<const D: usize> Arc<f64, D> {
         Ok(NurbsBuf::try_new(2, control_points, weights, knots)?)
     }
 
-    /// The arc as trigonometric segments, a quarter circle for each quarter turn or less, of which a part is passed: the same
-    /// points.
+    /// The arc as trigonometric segments, with the same points. Each is a quarter circle for a quarter turn or less; of
+    /// the last, only a part is used.
     ///
     /// # Errors
     /// [`ShapeError::NotFinite`] when a control point overflows.

@@ -69,7 +69,7 @@ impl<const D: usize> Line<f64, D> {
     /// The line as a NURBS curve of degree 1 over [0, 1]: the same points.
     ///
     /// # Errors
-    /// [`ShapeError::Curve`] when the numbers are no curve.
+    /// [`ShapeError::Curve`] when the numbers do not make a curve.
     pub fn to_nurbs(&self) -> Result<NurbsBuf<f64, D>, ShapeError> {
         Ok(NurbsBuf::try_new_nonrational(1, self.ends.to_vec(), Vec::from([0.0, 0.0, 1.0, 1.0]))?)
     }
@@ -80,7 +80,8 @@ impl<R: Real, const D: usize> Evaluate<R, D> for Line<R, D> {
         (R::zero(), R::one())
     }
 
-    /// Exactly A and B at the ends; in between within one unit of the last place, in fixed point, or `2 ε` of the larger end.
+    /// Exactly A and B at the ends. In between, within one unit of the last place in fixed point, or `2 ε` of the
+    /// larger end in floats.
     fn point(&self, u: R) -> [R; D] {
         weighted_sum(&[R::one() - u, u], &self.ends)
     }
@@ -104,7 +105,8 @@ impl<R: Real, const D: usize> Differentiate<R, D> for Line<R, D> {
     }
 }
 
-/// Where the straight line from A to B is nearest to P: `(P - A)·(B - A)/|B - A|²`, cut off to [0, 1]; 0 where A is B.
+/// The u at which the straight line from A to B is nearest to P: `(P - A)·(B - A)/|B - A|²`, cut off to [0, 1]; 0 where
+/// A is B.
 #[must_use]
 pub fn nearest_on_segment<const D: usize>(point: &[f64; D], [a, b]: &[[f64; D]; 2]) -> f64 {
     let chord = sub(b, a);
@@ -112,7 +114,7 @@ pub fn nearest_on_segment<const D: usize>(point: &[f64; D], [a, b]: &[[f64; D]; 
     if square > 0.0 { (dot(&sub(point, a), &chord) / square).clamp(0.0, 1.0) } else { 0.0 }
 }
 
-/// The distance of P from the straight line from A to B, whose ends belong to it.
+/// The distance of P from the straight line from A to B, including its ends.
 #[must_use]
 pub fn distance_to_segment<const D: usize>(point: &[f64; D], ends: &[[f64; D]; 2]) -> f64 {
     let (u, [a, b]) = (nearest_on_segment(point, ends), ends);

@@ -1,4 +1,4 @@
-//! One curve of a path, whatever its kind: what planner and interpolator run on when a path mixes kinds.
+//! One curve of a path, of any kind: planner and interpolator run on it when a path mixes kinds.
 
 use real::{Backend, Real};
 
@@ -32,7 +32,7 @@ pub enum PathCurve<R, const D: usize> {
     TrigSpline(TrigSplineBuf<R, D>),
 }
 
-/// Runs the same expression on whichever curve it is.
+/// Runs the same expression on a curve of any kind.
 macro_rules! on_curve {
     ($self:expr, $curve:ident => $answer:expr) => {
         match $self {
@@ -102,15 +102,15 @@ impl<R, const D: usize> From<TrigSplineBuf<R, D>> for PathCurve<R, D> {
     }
 }
 
-/// Degree of the polynomials that replace a trigonometric spline: with 5, the second derivatives at their joints are the
-/// spline's own, and a corner takes a handful of pieces.
+/// Degree of the polynomials that replace a trigonometric spline. With degree 5 the second derivatives at the joints
+/// are the spline's own, and a corner takes a handful of pieces.
 const POLYNOMIAL_DEGREE: usize = 5;
 
 impl<const D: usize> PathCurve<f64, D> {
     /// The curve with every number rounded to the nearest of another format.
     ///
     /// # Errors
-    /// [`ShapeError::OutOfRange`] names what does not fit; [`ShapeError::Curve`] for a NURBS curve.
+    /// [`ShapeError::OutOfRange`] names the number that does not fit; [`ShapeError::Curve`] for a NURBS curve.
     pub fn convert<Q: Backend>(&self) -> Result<PathCurve<Q, D>, ShapeError> {
         Ok(match self {
             Self::Nurbs(curve) => curve.convert()?.into(),
@@ -120,8 +120,9 @@ impl<const D: usize> PathCurve<f64, D> {
         })
     }
 
-    /// The curve as NURBS, which real time evaluates without sine and cosine: a line of degree 1 and an arc of degree 2 exactly, a
-    /// trigonometric spline by polynomials of degree 5 nowhere farther than `tolerance_mm` from it.
+    /// The curve as NURBS, which real time evaluates without sine and cosine. A line becomes degree 1 and an arc degree
+    /// 2, both exactly. A trigonometric spline becomes polynomials of degree 5 that are nowhere farther than
+    /// `tolerance_mm` from it.
     ///
     /// # Errors
     /// Those of [`TrigSplineBuf::to_polynomials`]; [`ShapeError::Curve`] when both ends of a line are one point.

@@ -1,4 +1,4 @@
-//! From f64 to another format, with a name for what does not fit.
+//! From f64 to another format; an error names the number that does not fit.
 
 use real::Backend;
 

@@ -1,4 +1,4 @@
-//! Why numbers are no line, arc or trigonometric spline, or why one cannot be converted.
+//! Why numbers do not make a line, arc or trigonometric spline, or why one cannot be converted.
 
 use core::fmt;
 
@@ -8,14 +8,14 @@ use crate::CurveError;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ShapeError {
-    /// A number is infinite or none.
+    /// A number is infinite or NaN.
     NotFinite {
-        /// What it belongs to.
+        /// The object to which the number belongs.
         what: &'static str,
     },
     /// A number does not fit the format it is converted to.
     OutOfRange {
-        /// What it belongs to.
+        /// The object to which the number belongs.
         what: &'static str,
     },
     /// The extent along one axis does not fit the number format: differences of points, or an arc's derivatives, would overflow.
@@ -48,12 +48,12 @@ pub enum ShapeError {
         /// The degree given.
         degree: usize,
     },
-    /// The tolerance would take more pieces than a segment may have.
+    /// The tolerance would take more pieces than are allowed for a segment.
     TooManyPieces {
         /// The most a segment may have.
         most: u32,
     },
-    /// The numbers are no NURBS curve.
+    /// The numbers do not make a NURBS curve.
     Curve(CurveError),
 }
 

@@ -1,7 +1,7 @@
 //! The cubic trigonometric basis: four functions of `S = sin(πu/2)` and `C = cos(πu/2)` with two shape factors.
 //!
-//! A segment is a Hermite curve over u in [0, 1]: it goes from its first control point `q_0` to its second `q_1`, and the other two
-//! only give the derivatives at both ends,
+//! A segment is a Hermite curve over u in [0, 1]. It goes from its first control point `q_0` to its second `q_1`; the
+//! other two only determine the derivatives at both ends,
 //!
 //! `P = H_00 q_0 + H_01 q_1 + H_10 D_0 + H_11 D_1`,
 //! `D_0 = (q_1 - q_0) - k (q_2 - q_1)`, `D_1 = (q_2 - q_1) - k (q_3 - q_2)`.
@@ -17,19 +17,19 @@
 //! `H_00' = (π/2) C S g`, `H_10' = C (1 + S g)`, `H_11' = S (1 + C g)`,
 //! `H_00'' = (π/2)² m`, `H_10'' = (π/2)(m - S)`, `H_11'' = (π/2)(m + C)`.
 //!
-//! **Source**: paper B (Tao Jianming et al.; see `docs/papers.md`), formulas (1) to (7). They are read here by their conditions
-//! at the ends, (3) to (5), because the text that we have is garbled.
+//! **Source**: paper B (Tao Jianming et al.; see `docs/papers.md`), formulas (1) to (7). The formulas follow here from
+//! the paper's conditions at the ends, (3) to (5), because our text of the paper is garbled.
 
 use real::{Real, Trigonometric};
 
 /// The two shape factors of a segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShapeFactors<R> {
-    /// λ: how much of the bump `S² - S³` is added. With 1 the basis is symmetric under `u → 1 - u`; with any other value a
+    /// λ: the factor of the bump `S² - S³`. With 1 the basis is symmetric under `u → 1 - u`. With any other value a
     /// segment with symmetric control points is skewed.
     pub lambda: R,
-    /// k: how much of the following chord is taken off the end derivatives. With -1 they are `q_2 - q_0` and
-    /// `q_3 - q_1`; segments that join with equal derivative have the same k.
+    /// k: the part of the following chord that is subtracted from the end derivatives. With -1 they are `q_2 - q_0` and
+    /// `q_3 - q_1`. Segments that join with equal derivative have the same k.
     pub k: R,
 }
 
@@ -43,8 +43,8 @@ impl<R: Real> ShapeFactors<R> {
 
 /// `B_0(u) … B_3(u)`.
 ///
-/// At u = 0 exactly (1, 0, 0, 0), at u = 1 exactly (0, 1, 0, 0), in every format; their sum is exactly 1 in fixed point. Domain: as
-/// [`Trigonometric::sin_cos_quarter`]; the functions are made for u in [0, 1].
+/// At u = 0 exactly (1, 0, 0, 0), at u = 1 exactly (0, 1, 0, 0), in every format. The sum is exactly 1 in fixed point.
+/// Domain: as [`Trigonometric::sin_cos_quarter`]; the functions are made for u in [0, 1].
 ///
 /// Range: for |λ| ≤ 2 and |k| ≤ 2 every intermediate stays below 4: three integer bits. Accuracy there: 12 units of the format's
 /// resolution.
@@ -77,8 +77,8 @@ pub fn trig_basis_derivatives<R: Real>(u: R, shape: &ShapeFactors<R>) -> [[R; 4]
     ]
 }
 
-/// Collects a combination of H_00, H_10 and H_11 by control points. What q_1 gets besides the constant 1 is what the
-/// others give away, so that the sum is exact.
+/// Collects a combination of H_00, H_10 and H_11 by control points. q_1 gets, besides the constant 1, the sum of the
+/// others' factors with opposite sign, so that the sum of all is exact.
 fn by_control_points<R: Real>(h00: R, h10: R, h11: R, shape: &ShapeFactors<R>) -> [R; 4] {
     let k = shape.k;
     let b0 = h00 - h10;

@@ -4,7 +4,7 @@
 //!
 //! `P = const + (3W/4 - (2/π) D_1) cos θ + ((2/π) D_0 - 3λW/4) sin θ - (λW/2) cos 2θ + (W/4) cos 3θ + (λW/4) sin 3θ`,
 //!
-//! so the n-th derivative is known for every n, and nowhere longer than
+//! so the n-th derivative is known for every n, and is nowhere longer than
 //!
 //! `M_n = (π/2)ⁿ (|(A_1, B_1)| + 2ⁿ |λW|/2 + 3ⁿ √(1 + λ²) |W|/4)`.
 //!
@@ -23,12 +23,13 @@ use real::{Real, Trigonometric};
 
 use crate::{Evaluate, MAX_DEGREE, NurbsBuf, ShapeError, TrigSegment, TrigSplineBuf};
 
-/// A spline as polynomials, and how far they are from it.
+/// A spline as polynomials, and the largest distance between the two.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrigPolynomials<const D: usize> {
     /// The polynomials, as one curve of the same parameter: a Bezier segment each.
     pub curve: NurbsBuf<f64, D>,
-    /// No point of the curve is farther than this from the spline's point of the same parameter, in mm, but for rounding.
+    /// No point of the curve is farther than this from the spline's point at the same parameter, in mm, apart from
+    /// rounding.
     pub error_bound_mm: f64,
 }
 
@@ -40,7 +41,7 @@ impl<const D: usize> TrigSplineBuf<f64, D> {
     ///
     /// # Errors
     /// [`ShapeError::ToleranceNotPositive`], [`ShapeError::DegreeNotOdd`], [`ShapeError::TooManyPieces`], and
-    /// [`ShapeError::Curve`] for coordinates that are no curve.
+    /// [`ShapeError::Curve`] for coordinates that do not make a curve.
     pub fn to_polynomials(&self, tolerance_mm: f64, degree: usize) -> Result<TrigPolynomials<D>, ShapeError> {
         if !(tolerance_mm > 0.0 && tolerance_mm.is_finite()) {
             return Err(ShapeError::ToleranceNotPositive);
@@ -59,11 +60,11 @@ impl<const D: usize> TrigSplineBuf<f64, D> {
             for piece in 0..pieces {
                 let at = |edge: u32| f64::from(edge) / f64::from(pieces);
                 let bezier = harmonics.hermite(at(piece), at(piece + 1), degree);
-                // A joint is one control point of both.
+                // Both segments share the control point at their joint.
                 control_points.extend_from_slice(&bezier[usize::from(!control_points.is_empty())..]);
                 knots.extend(core::iter::repeat_n(begin + (end - begin) * at(piece), degree));
             }
-            // The harmonics are rounded, the segment's ends are not.
+            // The harmonics are rounded; the ends of the segment are not.
             let (from, to) = segment.domain();
             if let Some(slot) = control_points.get_mut(joint) {
                 *slot = segment.point(from);
@@ -122,12 +123,12 @@ impl<const D: usize> Harmonics<D> {
         (0..3).map(|r| amplitude(r) * power(self.frequency(r), n)).sum()
     }
 
-    /// What harmonic r + 1 gains with each derivative.
+    /// The factor by which each derivative multiplies harmonic r + 1.
     fn frequency(&self, r: usize) -> f64 {
         [1.0, 2.0, 3.0][r] * f64::half_pi() * self.width
     }
 
-    /// The least number of pieces within the tolerance, and its bound.
+    /// The least number of pieces within the tolerance, and the error bound with it.
     fn pieces_within(&self, tolerance_mm: f64, degree: usize) -> Result<(u32, f64), ShapeError> {
         let factorial: f64 = (1_u8..=10).take(degree + 1).map(f64::from).product();
         let whole = self.derivative_bound(degree + 1) / factorial;
@@ -161,7 +162,8 @@ impl<const D: usize> Harmonics<D> {
         sum
     }
 
-    /// The Bezier points of the Hermite polynomial over [from, to]: those of one half follow from the derivatives at that end,
+    /// The Bezier points of the Hermite polynomial over [from, to]. Each half of the points follows from the
+    /// derivatives at its end,
     /// `b_j = Σ_{i ≤ j} binomial(j, i) (p - i)!/p! (±h)ⁱ f⁽ⁱ⁾`.
     fn hermite(&self, from: f64, to: f64, degree: usize) -> Vec<[f64; D]> {
         let half = degree.div_ceil(2);

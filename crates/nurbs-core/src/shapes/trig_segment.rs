@@ -11,7 +11,8 @@
 //! | quarter circle about O from a to b | O + a, O + b, O + a + π/2 b, O + b - π/2 a | k = -1, any λ: `P = O + C a + S b` |
 //! | free curve | each four consecutive ones of a sequence | any, k the same for all |
 //!
-//! The line stands still at both ends (`P' = 0`): where a planner is to pass, take [`Line`](crate::Line). On the circle λ drops
+//! The line stands still at both ends (`P' = 0`); for a planner that shall pass there, take [`Line`](crate::Line). On
+//! the circle λ drops
 //! out, because its bump is multiplied by `(q_0 - q_1) + (2/π)(D_0 + D_1)`, which is 0 there; paper B asks for λ = 1.
 
 use real::Real;
@@ -28,7 +29,7 @@ use crate::{
     Derivatives, Differentiate, Evaluate, ShapeError, ShapeFactors, trig_basis, trig_basis_derivatives,
 };
 
-/// One segment, or a part of one: a curve by itself, over u in [begin, end].
+/// One segment, or a part of one, as a curve over u in [begin, end].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrigSegment<R, const D: usize> {
     control_points: [[R; D]; 4],
@@ -55,8 +56,8 @@ impl<R: Real, const D: usize> TrigSegment<R, D> {
         }
     }
 
-    /// The segment from `q_0` to `q_1` with the derivatives `D_0` and `D_1` at its ends, in Hermite's manner: the other two
-    /// control points follow with k = -1.
+    /// The segment from `q_0` to `q_1` with the derivatives `D_0` and `D_1` at its ends, as in Hermite's form. The
+    /// other two control points follow with k = -1.
     ///
     /// # Errors
     /// Those of [`try_new`](Self::try_new).
@@ -104,11 +105,11 @@ impl<R: Real, const D: usize> Evaluate<R, D> for TrigSegment<R, D> {
         (self.begin, self.end)
     }
 
-    /// The point `P(u)`. At u = 0 and 1 exactly the first and the second control point, in every format. Beyond [-1/2, 3/2] it
-    /// stays where it is.
+    /// The point `P(u)`. At u = 0 and 1 it is exactly the first and the second control point, in every format. Beyond
+    /// [-1/2, 3/2] it stays where it is at the nearer end.
     ///
-    /// Accuracy: the basis functions are within 12 units and in fixed point their sum is exactly 1, so each axis is within
-    /// 12 units for every unit of length by which q_0, q_2 and q_3 are off q_1, and half a unit.
+    /// Accuracy: the basis functions are within 12 units, and in fixed point their sum is exactly 1. So each axis is
+    /// within half a unit plus 12 units for every unit of length by which q_0, q_2 and q_3 differ from q_1.
     fn point(&self, u: R) -> [R; D] {
         weighted_sum(&trig_basis(u, &self.shape), &self.control_points)
     }

@@ -13,14 +13,14 @@ use crate::{Derivatives, Differentiate, Evaluate, ShapeError, TrigSegment};
 
 /// A curve of N segments, each over a unit of the parameter: segment i over [i, i + 1]. Borrowed, for flash.
 ///
-/// A segment that is a part of a whole one is passed from its begin to its end in that unit.
+/// A segment that is a part of a whole one covers one unit of the parameter too.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrigSpline<'a, R, const D: usize> {
     segments: &'a [TrigSegment<R, D>],
 }
 
 impl<'a, R: Real, const D: usize> TrigSpline<'a, R, D> {
-    /// The curve of these segments. Whether each begins where the one before ends is the caller's business.
+    /// The curve of these segments. The caller takes care that each begins where the one before ends.
     ///
     /// # Errors
     /// [`ShapeError::TooFewPoints`] without segments; [`ShapeError::TooManySegments`] when the format cannot count them.
@@ -41,7 +41,7 @@ impl<'a, R: Real, const D: usize> TrigSpline<'a, R, D> {
         self.segments
     }
 
-    /// The segment that holds at `u`; the last one at the end.
+    /// The segment at `u`; the last one at the end of the curve.
     fn find_segment(&self, u: R) -> usize {
         let (mut low, mut high) = (0, self.segments.len());
         while high - low > 1 {
@@ -51,7 +51,7 @@ impl<'a, R: Real, const D: usize> TrigSpline<'a, R, D> {
         low
     }
 
-    /// Segment `index`, or the last; with its own parameter at `u`, and how fast that grows with `u`.
+    /// Segment `index`, or the last one; its own parameter at `u`; and the derivative of that parameter by `u`.
     fn local(&self, index: usize, u: R) -> Option<(&'a TrigSegment<R, D>, R, R)> {
         let index = index.min(self.segments.len().saturating_sub(1));
         let segment = self.segments.get(index)?;
@@ -72,7 +72,7 @@ impl<R: Real, const D: usize> Evaluate<R, D> for TrigSpline<'_, R, D> {
         (R::zero(), number(self.segments.len()))
     }
 
-    /// As the point of the [segment](TrigSegment) that holds at `u`.
+    /// The point of the [segment](TrigSegment) at `u`.
     fn point(&self, u: R) -> [R; D] {
         let found = self.local(self.find_segment(u), u);
         found.map_or([R::zero(); D], |(segment, local, _)| segment.point(local))
@@ -102,7 +102,7 @@ impl<R: Real, const D: usize> Differentiate<R, D> for TrigSpline<'_, R, D> {
     }
 }
 
-/// What happens at the end of a free curve, where a segment still needs two points beyond those it joins.
+/// How a free curve ends: its last segment needs two more points than the two that it joins.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Ends {
     /// The last two points only shape the curve, as in the paper: of n points it passes the first n - 2.
@@ -110,7 +110,7 @@ pub enum Ends {
     /// The last chord goes on straight for two more: the curve passes every point. The default.
     #[default]
     Continued,
-    /// The last point is repeated: the curve passes every point, and comes to it with `P' = 0`.
+    /// The last point is repeated: the curve passes every point, and reaches the last with `P' = 0`.
     Repeated,
     /// The first points follow the last: the curve passes every point and closes with equal first derivative.
     Closed,

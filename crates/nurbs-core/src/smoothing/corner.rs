@@ -1,38 +1,38 @@
-//! Corner smoothing: a path of straight moves and arcs, each corner replaced by one trigonometric segment.
+//! Corner smoothing: in a path of straight moves and arcs, one trigonometric segment replaces each corner.
 //!
-//! At a corner in B the direction turns by φ, from `t_1` to `t_2`. A segment that joins the moves smoothly is given by its ends
-//! and the derivatives there, along `t_1` and `t_2`, with k = -1 and λ = 1: only then is it symmetric, and the error the same
-//! whichever way the path is followed.
+//! At a corner in B the direction turns by φ, from `t_1` to `t_2`. A segment that joins the moves smoothly is given by
+//! its ends and by its derivatives there, along `t_1` and `t_2`, with k = -1 and λ = 1. Only with these factors is the
+//! segment symmetric, so that the error is the same in both directions of travel.
 //!
-//! **The cut** leaves the incoming move at a distance d before B, and meets the outgoing one at d behind it:
+//! **The cut** leaves the incoming move at a distance d before B, and meets the outgoing move at d behind B:
 //!
 //! `q_0 = B - d t_1`, `q_1 = B + d t_2`, `D_0 = m d t_1`, `D_1 = m d t_2`.
 //!
-//! It comes nearest to B in the middle, where `H_00 = 1/2` and `H_10 = -H_11 = η`, `η = (√2 - 1)/π`; there its distance, the
-//! corner error, is
+//! It comes nearest to B in the middle, where `H_00 = 1/2` and `H_10 = -H_11 = η`, `η = (√2 - 1)/π`. Its distance
+//! there, the corner error, is
 //!
 //! `ε = d sin(φ/2) (1 - 2 η m)`,
 //!
-//! so the distance for a given error is known. What is left is m, the length of the end derivatives. The longest curve is not
-//! the best; the feed on a bend follows from its curvature, so m is taken where the product of greatest curvature and error is
-//! least: for φ = 90° that is π/2, the quarter circle, and elsewhere it comes within 21 % of a circle's, which no tangent arc
-//! betters.
+//! so the distance d for a given error is known. The length m of the end derivatives is free. The longest curve is not
+//! the best. The feed on a bend follows from its curvature, so m is taken where the product of greatest curvature and
+//! error is least. For φ = 90° that is π/2, the quarter circle. At other angles the product is within 21 % of that of a
+//! circular arc tangent to both moves.
 //!
-//! **The loop** leaves B itself along the first move, turns round outside, and comes back to B along the second:
+//! **The loop** leaves the first move in B itself, turns round outside, and comes back to B along the second move:
 //!
 //! `q_0 = q_1 = B`, `D_0 = ℓ t_1`, `D_1 = ℓ t_2`.
 //!
-//! The corner stays sharp and both moves whole; the way is longer, and the curvature twelve times that of a cut of the same error at
-//! 90°. It begins and ends with curvature 0.
+//! The corner stays sharp and both moves stay whole. The path is longer, and at 90° the curvature is twelve times that
+//! of a cut of the same error. The loop begins and ends with curvature 0.
 //!
-//! Two corners share each move: each may take half of it, and more where the other needs less.
+//! Two corners share each move: each may take half of the move, and more where the other needs less.
 
 /// How a corner is smoothed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CornerStyle {
     /// Cut off, on the inside.
     Cut,
-    /// Left and met again in a loop, on the outside.
+    /// Passed in a loop on the outside, which leaves the corner and comes back to it.
     Loop,
 }
 
@@ -49,10 +49,10 @@ pub struct Turn<const D: usize> {
     pub turn_rad: f64,
 }
 
-/// What became of a corner.
+/// A corner and its outcome.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Corner<const D: usize> {
-    /// Where it is, and how sharp.
+    /// Where the corner is, and by how much it turns.
     pub turn: Turn<D>,
     /// Whether it was smoothed.
     pub outcome: CornerOutcome,
@@ -67,7 +67,7 @@ pub enum CornerOutcome {
         style: CornerStyle,
         /// Index of the segment among the curves of the smooth path.
         curve: usize,
-        /// Distance between the segment and what it replaces: largest one both ways, in mm.
+        /// Largest distance between the segment and the part of the moves that it replaces, measured both ways, in mm.
         error_mm: f64,
     },
     /// It stays as it is.
@@ -78,9 +78,9 @@ pub enum CornerOutcome {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Reason {
-    /// The moves join smoothly: there is no corner.
+    /// The moves join smoothly: there is no corner to smooth.
     Tangent,
-    /// The path turns back on itself, by more than 170°: whatever passes there all but stops.
+    /// The path turns back on itself, by more than 170°: any path there almost stops.
     Reversal,
     /// The outgoing move does not begin where the incoming one ends.
     NotJoined,
@@ -88,7 +88,7 @@ pub enum Reason {
     NotLineOrArc,
     /// No segment within the tolerance was found: the moves are too short, or an arc bends too much.
     NoRoom,
-    /// The caller wants it so.
+    /// The caller asked to leave it.
     Wanted,
 }
 

@@ -1,4 +1,4 @@
-//! The segment of one corner: how much of the moves it would take, and the best that fits.
+//! The segment of one corner: its length on the moves, and the best segment that fits.
 
 use alloc::vec::Vec;
 
@@ -12,28 +12,30 @@ use crate::{CornerStyle, Evaluate, PathCurve, Reason, TrigSegment, TrigSplineBuf
 /// Two moves meet if their ends are no farther apart than this, in mm.
 const JOINED_MM: f64 = 1e-6;
 
-/// A corner turns by more than this, in rad: at less, a planner that sees it would slow down by less than a millionth.
+/// A corner turns by more than this, in rad. At a smaller angle a planner would slow down by less than a millionth.
 const TANGENT_RAD: f64 = 1e-6;
 
 /// A turn is a reversal if the cosine of its half is less than this, cos(85°).
 const REVERSAL_COSINE: f64 = 0.087_155_742_747_658_17;
 
-/// How often a cut between arcs is halved before the corner is left.
+/// How often a cut between arcs is halved before the corner is left as it is.
 const MAX_HALVINGS: usize = 24;
 
-/// Samples of a segment when its error is measured.
+/// Number of samples of a segment when its error is measured.
 const SAMPLES: u32 = 96;
 
-/// The largest error may be beside any sample that is a local maximum and no less than this part of the largest sample.
+/// The largest error is searched beside every sample that is a local maximum and at least this part of the largest
+/// sample.
 const LOCAL: f64 = 0.98;
 
-/// The part of a cut's error that measuring it may miss: of the distance of an arc from the cut, a quarter of this was missed.
+/// The part of a cut's error that the measurement may miss. For the distance between an arc and the cut, it has missed
+/// a quarter of this.
 const MISSED: f64 = 1e-3;
 
-/// The part of the tolerance that is aimed at: the rest is for rounding and for what sampling misses.
+/// The part of the tolerance that a segment may use: the rest is for rounding and for errors between samples.
 const USED: f64 = 0.999;
 
-/// A corner, and how much of the moves it would take.
+/// A corner, and the distance that its segment would take off the moves.
 pub(crate) struct Planned<const D: usize> {
     pub(crate) turn: Turn<D>,
     style: Result<CornerStyle, Reason>,
@@ -45,7 +47,7 @@ pub(crate) struct Planned<const D: usize> {
 pub(crate) struct Built<const D: usize> {
     pub(crate) curve: PathCurve<f64, D>,
     pub(crate) style: CornerStyle,
-    /// What it takes off each move.
+    /// The distance that the segment takes off each move.
     pub(crate) distance_mm: f64,
     pub(crate) error_mm: f64,
 }
@@ -74,7 +76,7 @@ impl<const D: usize> Planned<D> {
         };
         let wanted_mm = match style {
             Ok(CornerStyle::Cut) => {
-                // Along an arc no farther than an eighth of a turn: beyond, it is another curve.
+                // On an arc at most an eighth of a turn: farther along, the arc is too different from its tangent.
                 let reach = |leg: &Leg<'_, D>| match leg.curve {
                     PathCurve::Arc(arc) => arc.radius() * f64::half_pi() / 2.0,
                     _ => f64::INFINITY,
@@ -157,8 +159,8 @@ fn samples<const D: usize>(segment: &TrigSegment<f64, D>) -> impl Iterator<Item 
 
 /// The largest value of `of` over [0, 1]: samples, and a golden-section search beside those that are local maxima.
 ///
-/// Between lines the farthest point of a cut is its middle, which is a sample. Beside an arc it lies anywhere, and samples
-/// alone miss up to 0.25 % where it bends away by much more than the error.
+/// Between lines the farthest point of a cut is its middle, which is a sample. Beside an arc the farthest point may be
+/// anywhere. There, samples alone miss up to 0.25 % if the arc bends away by much more than the error.
 fn largest(of: impl Fn(f64) -> f64) -> f64 {
     const STEPS: usize = 20;
     let at = |step: u32| f64::from(step) / f64::from(SAMPLES);

@@ -1,4 +1,4 @@
-//! A move between two corners: where it is along its length, and what is left when its ends are cut off.
+//! A move between two corners: its points by length, and the part left when its ends are cut off.
 
 use real::Real;
 
@@ -6,15 +6,15 @@ use crate::shapes::angle::quarter_turns;
 use crate::vector::{distance, dot, sub};
 use crate::{Arc, Differentiate, Evaluate, Line, PathCurve};
 
-/// Moves shorter than this are no moves, and cuts of no more than a thousand times this no cuts, in mm: far below what a drive
-/// resolves.
+/// A move shorter than this, in mm, is dropped, and a cut of no more than a thousand times this is not made: both are
+/// far below the resolution of a drive.
 pub(crate) const LEAST_LENGTH_MM: f64 = 1e-9;
 
 /// A move that has a length.
 pub(crate) struct Leg<'a, const D: usize> {
     pub(crate) index: usize,
     pub(crate) curve: &'a PathCurve<f64, D>,
-    /// Of a line or an arc; of others it is not needed.
+    /// The length of a line or an arc; for other curves it is not needed.
     pub(crate) length_mm: f64,
 }
 
@@ -32,13 +32,14 @@ impl<'a, const D: usize> Leg<'a, D> {
         matches!(self.curve, PathCurve::Line(_) | PathCurve::Arc(_))
     }
 
-    /// The parameter at a distance from the beginning, of a line or an arc, both of which run evenly.
+    /// The parameter at a distance from the beginning, on a line or an arc: both have constant |C'|.
     fn parameter(&self, distance_mm: f64) -> f64 {
         let (begin, end) = self.curve.domain();
         begin + (end - begin) * (distance_mm / self.length_mm)
     }
 
-    /// Point and direction at a distance from the beginning; of any other curve, at the end that the distance names.
+    /// Point and direction at a distance from the beginning; on any other curve, at the end that the distance stands
+    /// for.
     pub(crate) fn at(&self, distance_mm: f64) -> ([f64; D], [f64; D]) {
         let (begin, end) = self.curve.domain();
         let (span, u) = match distance_mm {
@@ -51,7 +52,7 @@ impl<'a, const D: usize> Leg<'a, D> {
         (derivatives.point, derivatives.first.map(|x| if speed > 0.0 { x / speed } else { 0.0 }))
     }
 
-    /// What is left when both ends are shortened; `None` if that is nothing.
+    /// The part left when both ends are shortened; `None` if nothing is left.
     pub(crate) fn without(&self, at_begin: f64, at_end: f64) -> Option<PathCurve<f64, D>> {
         if at_begin <= 0.0 && at_end <= 0.0 {
             return Some(self.curve.clone());
@@ -88,7 +89,7 @@ impl<'a, const D: usize> Leg<'a, D> {
     }
 }
 
-/// The parameter of the arc's point nearest to `point`, beyond the ends that of the nearer end.
+/// The parameter of the arc's point nearest to `point`. Beyond the ends it is that of the nearer end.
 fn nearest_on<const D: usize>(arc: &Arc<f64, D>, point: &[f64; D]) -> f64 {
     let arm = sub(point, arc.centre());
     let [a, b] = arc.radii();

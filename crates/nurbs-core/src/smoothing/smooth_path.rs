@@ -1,4 +1,5 @@
-//! A path with its corners smoothed: each corner planned by itself, then built in the room that its neighbours leave.
+//! A path with its corners smoothed: each corner is planned by itself, then built in the room that its neighbours
+//! leave.
 
 use alloc::vec::Vec;
 
@@ -9,19 +10,20 @@ use crate::{Corner, CornerOutcome, CornerStyle, PathCurve, ShapeError, Turn};
 /// A path with its corners smoothed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SmoothPath<const D: usize> {
-    /// The curves: what is left of the moves, and the segments between them.
+    /// The curves: the parts left of the moves, and the segments between them.
     pub curves: Vec<PathCurve<f64, D>>,
-    /// For each curve the index of the move that it is part of; for a corner, of the incoming one.
+    /// For each curve the index of the move that it is a part of; for a corner's segment, the index of the incoming
+    /// move.
     pub moves: Vec<usize>,
     /// Every corner, in order.
     pub corners: Vec<Corner<D>>,
 }
 
-/// Smooths the corners of `moves`, which follow each other. `style` is asked for each corner that can be smoothed; with `None` it is
-/// left.
+/// Smooths the corners of `moves`, which follow each other. `style` is called for each corner that can be smoothed; if
+/// it returns `None` the corner stays as it is.
 ///
-/// Moves without length are dropped. Each smoothed corner stays within `tolerance_mm` of the moves, and they within
-/// that of it; parts cut off a move at both its ends do not overlap.
+/// Moves without length are dropped. Each smoothed corner stays within `tolerance_mm` of the moves, and the moves stay
+/// within that distance of it. Parts that are cut off a move at both its ends do not overlap.
 ///
 /// # Errors
 /// [`ShapeError::ToleranceNotPositive`].

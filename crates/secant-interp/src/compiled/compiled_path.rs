@@ -1,7 +1,8 @@
-//! A path and its plan in one number format: everything that real time reads.
+//! A path and its plan in one number format: all the data that real time reads.
 //!
-//! Here a plan becomes stages. Feeds go into the chord units of the compiled pieces, joints of stages onto the grid of 2⁻³²
-//! periods in which a controller counts time, and where the plan comes to rest at a joint of pieces the run is cut.
+//! Here a plan becomes stages. Feeds are converted to the chord units of the compiled pieces. The ends of stages are
+//! rounded to 2⁻³² periods, the unit in which a controller counts time. The run is cut wherever the plan comes to rest
+//! at a joint of pieces.
 
 use alloc::vec::Vec;
 use core::fmt;
@@ -15,7 +16,7 @@ use crate::pieces::piece_interpolator::PieceInterpolator;
 use crate::pieces::section::{Section, sections};
 use crate::step_lengths::{LengthStage, StepLengths};
 
-/// Why a plan does not go into a number format. Values are in mm and periods.
+/// Why a number format cannot hold a plan. Values are in mm and periods.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum CompiledPathError {
@@ -31,7 +32,7 @@ pub enum CompiledPathError {
         /// The feed, in mm per period.
         feed: f64,
     },
-    /// The greatest feed and the landing step together are a step that the pieces were not compiled for.
+    /// The greatest feed and the landing step together make a step longer than the pieces were compiled for.
     StepTooLong {
         /// The first stage with that feed, from 0.
         stage: usize,
@@ -40,7 +41,7 @@ pub enum CompiledPathError {
         /// The longest step of the pieces, [`PieceLimits::step_mm`](nurbs_core::PieceLimits), in mm.
         longest: f64,
     },
-    /// The landing step is zero, negative or not a number: what rounding leaves behind the schedule's end would never be
+    /// The landing step is zero, negative or NaN: a remainder of the path behind the schedule's end would never be
     /// travelled.
     LandingStepNotPositive {
         /// The step, in mm.
@@ -84,7 +85,7 @@ impl fmt::Display for CompiledPathError {
 
 impl core::error::Error for CompiledPathError {}
 
-/// A path compiled together with its plan. Only making it takes heap.
+/// A path compiled together with its plan. Only its construction takes heap.
 ///
 /// ```
 /// use feed_plan::{EndFeeds, KinematicLimits, Planned, ProfileKind};
@@ -136,19 +137,21 @@ pub struct CompiledPath<R, const D: usize> {
 }
 
 impl<R: Backend, const D: usize> CompiledPath<R, D> {
-    /// Joins the pieces of a path with its plan in mm and periods, made in any format Q that holds the plan's duration: its
-    /// interpolation period is 1, so that its feeds are distances per period.
+    /// Joins the pieces of a path with its plan in mm and periods. The plan's interpolation period is 1, so that its
+    /// feeds are distances per period. Its format Q may be any that holds the plan's duration.
     ///
-    /// The plan's distances are those of chords ([`ScheduleBuf::shortened`](feed_plan::ScheduleBuf::shortened)), for these
-    /// are what a step makes. The pieces are compiled with a joint at each of its rests
-    /// ([`compile_with_stops`](nurbs_core::compile_with_stops)); a rest without one is passed at a feed of zero, not landed on.
-    /// Each joint of two stages moves to the nearest multiple of 2⁻³² periods. `landing_step_mm` is the longest step from
-    /// which the axes come to rest within one period, A T²: above 0, though it may round to zero in a coarse `R`.
+    /// The plan's distances are lengths of chords ([`ScheduleBuf::shortened`](feed_plan::ScheduleBuf::shortened)),
+    /// because a step makes a chord. The pieces are compiled with a joint at each of the plan's rests
+    /// ([`compile_with_stops`](nurbs_core::compile_with_stops)). Where a rest has no joint, the run passes it at a feed
+    /// of zero instead of landing on it. The end of each stage moves to the nearest multiple of 2⁻³² periods.
+    /// `landing_step_mm` is the longest step from which the axes come to rest within one period, A T². It must be above
+    /// 0, though it may round to zero in a coarse `R`.
     ///
     /// # Errors
-    /// [`CompiledPathError::PeriodNotOne`] for a plan in another unit of time; [`CompiledPathError::LandingStepNotPositive`];
-    /// [`CompiledPathError::StepTooLong`] when the greatest feed and the landing step are more together than the pieces were
-    /// compiled for, by more than rounding; the others when a feed or the landing step does not fit `R`.
+    /// [`CompiledPathError::PeriodNotOne`] for a plan in another unit of time.
+    /// [`CompiledPathError::LandingStepNotPositive`]. [`CompiledPathError::StepTooLong`] if the greatest feed and the
+    /// landing step together exceed the step that the pieces were compiled for by more than rounding. The others if a
+    /// feed or the landing step does not fit `R`.
     pub fn new<Q: Backend>(
         table: PiecesBuf<R, D>,
         plan: &Schedule<'_, Q>,
@@ -203,8 +206,8 @@ impl<R: Backend, const D: usize> CompiledPath<R, D> {
         &self.sections
     }
 
-    /// What steps over the whole path, over stops as over anything else: for a run whose time is stretched, which comes to
-    /// stops at other times than planned.
+    /// The interpolator of the whole path, which does not land on stops. It is for a run whose time is stretched: such
+    /// a run comes to the stops at other times than planned.
     #[must_use]
     pub fn interpolator(&self) -> PieceInterpolator<'_, R, D> {
         PieceInterpolator {
@@ -215,18 +218,20 @@ impl<R: Backend, const D: usize> CompiledPath<R, D> {
         }
     }
 
-    /// What steps from stop to stop, one after the other: each lands on its stop, and the next begins there on time. Setpoints
-    /// number pieces from the section's first.
+    /// The interpolators from stop to stop, one after the other. Each lands on its stop, and the next begins there on
+    /// time. The piece numbers of setpoints count from the section's first piece.
     pub fn runs(&self) -> impl Iterator<Item = PieceInterpolator<'_, R, D>> {
         let path = self.interpolator();
         self.sections.iter().map(move |section| path.on(section))
     }
 }
 
-/// By so much of itself a step may be longer than the pieces were compiled for: what a plan in a coarse format is off by.
+/// The part by which a step may exceed the step that the pieces were compiled for: a plan in a coarse format is off by
+/// this much.
 const ROUNDING: f64 = 1e-4;
 
-/// Refuses a plan with steps for which no range is proven: from the greatest feed a run may land.
+/// Refuses a plan with steps for which no range is proven. A run may land from its greatest feed, so the landing step
+/// is added.
 fn refuse_long_steps<Q: Backend>(
     plan: &Schedule<'_, Q>,
     landing_step: f64,

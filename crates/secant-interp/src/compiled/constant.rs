@@ -1,4 +1,4 @@
-//! A run as Rust source: what a controller has in flash.
+//! A run as Rust source, for a controller's flash.
 
 use core::fmt;
 
@@ -9,7 +9,7 @@ use crate::{LengthStage, PieceInterpolator};
 
 /// Shows a run as a Rust expression of a constant, every number exactly.
 ///
-/// Names of the expression are those of this crate and of nurbs-core; fixed-point numbers are calls of the function that
+/// The expression uses names of this crate and of nurbs-core. Fixed-point numbers are calls of the function that
 /// [`number_function`] writes, as in `i4f28(-134217728)`.
 #[derive(Clone, Copy, Debug)]
 pub struct Constant<'a, R, const D: usize>(pub &'a PieceInterpolator<'a, R, D>);
@@ -36,7 +36,7 @@ impl<R: Backend, const D: usize> fmt::Display for Constant<'_, R, D> {
     }
 }
 
-/// The type of the numbers as Rust source, with names of `real`; `None` for a format that has none there.
+/// The type of the numbers as Rust source, with names of `real`; `None` for a format that `real` has no type for.
 #[must_use]
 pub fn number_type(format: FormatName) -> Option<String> {
     match format {
@@ -51,7 +51,8 @@ pub fn number_type(format: FormatName) -> Option<String> {
     }
 }
 
-/// The function that makes a fixed-point number of its bits, as Rust source; `None` for a format that needs or has none.
+/// The function that makes a fixed-point number from its bits, as Rust source; `None` for a format without bits or
+/// without a type.
 #[must_use]
 pub fn number_function(format: FormatName) -> Option<String> {
     let FormatName::Fixed { .. } = format else { return None };
@@ -61,7 +62,7 @@ pub fn number_function(format: FormatName) -> Option<String> {
     ))
 }
 
-/// A field that is a slice, an element a line.
+/// A field that is a slice, with one element on a line.
 fn lines<T>(
     f: &mut fmt::Formatter<'_>,
     field: &str,
@@ -113,7 +114,7 @@ fn numbers<R: Backend, const N: usize>(numbers: &[R; N]) -> String {
     format!("[{}]", numbers.map(number).join(", "))
 }
 
-/// A literal of the format: the digits that tell a float from all others, or the bits of a fixed-point number.
+/// A literal of the format: for a float, the digits that no other float has; for a fixed-point number, its bits.
 #[allow(
     clippy::cast_possible_truncation,
     reason = "a number of 32 bits is one, and words have 64 bits at most"
@@ -124,7 +125,7 @@ fn number<R: Backend>(x: R) -> String {
         name @ FormatName::Fixed { fraction_bits, .. } => {
             let exponent = fraction_bits.cast_signed();
             let (high, low) = x.to_f64_pair();
-            // The greatest words round up to 2⁶³: as 128 bits they are taken back.
+            // The greatest words round up to 2⁶³ in `high`: the sum in 128 bits takes that back.
             let bits = high.scale(exponent) as i128 + low.scale(exponent) as i128;
             format!("{}({bits})", name.to_string().to_lowercase())
         }

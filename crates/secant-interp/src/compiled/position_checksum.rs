@@ -1,14 +1,16 @@
-//! A number by which two machines know that they made the same run.
+//! A checksum that shows whether two machines made the same run.
 
 /// A checksum over 64-bit words: the coordinates of one position after the other, as
 /// [`Pieces::position`](nurbs_core::Pieces::position) gives them.
 ///
-/// For each word `h ← (h ⊕ word) · 0x100000001b3` modulo 2⁶⁴, then `h ← h ⊕ ⌊h/2³²⌋`, from `h = 0xcbf29ce484222325` on. Both are
-/// bijections, so runs that differ in one word differ in it; of others it is likely. It does not withstand intent.
+/// For each word `h ← (h ⊕ word) · 0x100000001b3` modulo 2⁶⁴, then `h ← h ⊕ ⌊h/2³²⌋`, starting with
+/// `h = 0xcbf29ce484222325`. Both operations are bijections, so runs that differ in one word differ in the checksum;
+/// runs that differ in more words very likely do. A person can construct two runs with the same checksum.
 ///
 /// # Source
-/// The multiplier and the begin are those of Fowler G., Noll L. C., Vo K.-P., Eastlake D., "The FNV Non-Cryptographic Hash
-/// Algorithm", which goes byte by byte. The fold brings high bits down: coordinates on whole mm have no low ones.
+/// The multiplier and the start value are those of Fowler G., Noll L. C., Vo K.-P., Eastlake D., "The FNV
+/// Non-Cryptographic Hash Algorithm", which takes the input byte by byte. The second operation brings high bits down,
+/// because coordinates on whole mm have no low bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PositionChecksum(u64);
 

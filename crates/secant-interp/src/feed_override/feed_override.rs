@@ -1,4 +1,4 @@
-//! Feed override and feed hold while a plan runs: its time is stretched.
+//! Feed override and feed hold while a plan runs: they stretch the plan's time.
 //!
 //! With the plan's own time τ running at the rate `r = dτ/dt`, the feed is `r V(τ)`, and
 //!
@@ -7,24 +7,25 @@
 //! jerk          r³ j + 3 r r' a + r'' V
 //! ```
 //!
-//! A plan that uses up its limits has nothing left for r' and r'' where it accelerates. So it is made with less than the
-//! machine can do: within A_p < A and J_p < J, at feeds up to V_p. The bounds ρ₁ of |r'| and ρ₂ of |r''| that keep A and J
-//! everywhere, r being at most 1, are then
+//! A plan that uses up its limits has no acceleration and jerk left for r' and r''. So it is made with less than the
+//! machine can do: within A_p < A and J_p < J, at feeds up to V_p. The rate r is at most 1. The following bounds, ρ₁ of
+//! |r'| and ρ₂ of |r''|, then keep A and J everywhere:
 //!
 //! ```text
 //! ρ₁ = min((A - A_p)/V_p, (J - J_p)/(6 A_p))        ρ₂ = (J - J_p - 3 ρ₁ A_p)/V_p
 //! ```
 //!
-//! An override above 100 % needs a plan for the highest one: plan with that multiple of the commanded feed as the
-//! feedrate, under the same limits, and take r = 1 as that override. What is commanded at 100 % is then the plan at the
-//! rate 1/multiple. Chord error, centripetal acceleration and the axes' feeds hold at every rate up to 1, since each falls with the
-//! rate. What is said of the path holds of each axis, with its own A, J, A_p, J_p and V_p: where axes have limits, the bounds are the
-//! least of all ([`FeedOverride::and`]).
+//! An override above 100 % needs a plan for the highest override. Plan with that multiple of the commanded feed as the
+//! feedrate, under the same limits, and take r = 1 as that override. The commanded feed, 100 %, is then the rate
+//! 1/multiple. Chord error, centripetal acceleration and the axes' feeds hold at every rate up to 1, since each falls
+//! with the rate. The same bounds hold for each axis, with its own A, J, A_p, J_p and V_p. Where axes have limits, the
+//! least bounds of all are taken ([`FeedOverride::and`]).
 //!
-//! Hold is the rate 0. The rate is constant over a period, and goes to a new target as a position goes to rest: from
-//! period to period it changes by at most ρ₁, and that change by at most ρ₂, braked in time so that it is 0 at the target.
-//! A and J are kept in the same sense: by the distance of a period, its change from period to period, and the change of
-//! that. All are counted in whole units, so that rate and time are exact in every format, and the plan ends where it ends.
+//! Hold is the rate 0. The rate is constant over a period. From period to period it changes by at most ρ₁, and this
+//! change changes by at most ρ₂, braked in time so that it is 0 when the rate reaches its target. A and J are kept in
+//! the same sense: the change of a period's distance from one period to the next, and the change of that change, stay
+//! within them. Rate and time are counted in whole units, so that both are exact in every format and the plan ends exactly
+//! where its schedule ends.
 
 use core::num::NonZeroU64;
 
@@ -33,7 +34,7 @@ use real::Real;
 use crate::feed_override::landing::Landing;
 use crate::step_lengths::{LengthCursor, StepLengths};
 
-/// The rate 1, in its unit.
+/// The rate 1, in units of 2⁻³².
 const ONE: u64 = 1 << 32;
 
 /// A share of the plan's own speed, from 0 to 1, in units of 2⁻³²: the same in every format.
@@ -46,7 +47,7 @@ impl Rate {
     /// The plan as it is.
     pub const FULL: Self = Self(ONE);
 
-    /// A share as a rate, rounded down. More than 1 is 1, less than 0 and what is no number are 0.
+    /// A share as a rate, rounded down. A share above 1 gives 1; a share below 0 or NaN gives 0.
     #[must_use]
     pub fn of<R: Real>(share: R) -> Self {
         Self(units(share))
@@ -59,10 +60,10 @@ impl Rate {
     }
 }
 
-/// Machine and plan, as far as an override needs to know them, with the period as the unit of time.
+/// The limits of the machine and the largest values in the plan, with the period as the unit of time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OverrideLimits<R> {
-    /// A, which acceleration and override together keep.
+    /// A: the plan's acceleration and the override together keep it.
     pub acceleration: R,
     /// J.
     pub jerk: R,
@@ -79,13 +80,14 @@ pub struct OverrideLimits<R> {
 pub struct FeedOverride {
     slope: u64,
     bend: NonZeroU64,
-    /// A and J in units of 2⁻⁴⁸, and J over A, at most 1, in units of 2⁻³²: for the landing behind the schedule's end.
+    /// A and J in units of 2⁻⁴⁸, and J over A, at most 1, in units of 2⁻³². The landing behind the schedule's end needs
+    /// them.
     acceleration: u64,
     jerk: u64,
     jerk_per_acceleration: u64,
 }
 
-/// The rate as it stands: all that changes from period to period.
+/// The present rate: all values that change from period to period.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OverrideState {
     /// r, in units of 2⁻³².
@@ -93,12 +95,12 @@ pub struct OverrideState {
     /// r' in units per period.
     slope: i64,
     target: u64,
-    /// Behind the schedule's end.
+    /// The landing behind the schedule's end.
     pub(crate) landing: Landing,
 }
 
 impl OverrideState {
-    /// At this rate, and staying there.
+    /// The state at this rate, with this rate as the target.
     #[must_use]
     pub fn at(rate: Rate) -> Self {
         Self { rate: rate.0, slope: 0, target: rate.0, landing: Landing::default() }
@@ -115,7 +117,7 @@ impl OverrideState {
         Rate(self.rate)
     }
 
-    /// Whether the rate is what was asked for, and stays.
+    /// Whether the rate has reached its target and stays there.
     #[must_use]
     pub fn is_settled(&self) -> bool {
         self.rate == self.target && self.slope == 0
@@ -128,7 +130,7 @@ fn units<R: Real>(share: R) -> u64 {
 }
 
 impl FeedOverride {
-    /// The bounds ρ₁ and ρ₂; `None` when a number is not positive or the plan leaves nothing, and when what it leaves is
+    /// The bounds ρ₁ and ρ₂. `None` if a number is not positive, if the plan leaves no reserve, or if a bound would be
     /// less than the unit, 2⁻³².
     #[must_use]
     pub fn new<R: Real>(limits: &OverrideLimits<R>) -> Option<Self> {
@@ -149,8 +151,9 @@ impl FeedOverride {
         (slope > 0).then_some(Self { slope, bend, acceleration, jerk, jerk_per_acceleration })
     }
 
-    /// The rate changes as fast as both allow, and the landing takes the lesser J: what keeps the limits of the path and of an axis.
-    /// Both are in the same unit of distance, `self` those of the path, whose A T² is the landing step.
+    /// Keeps the limits of both: the rate changes as fast as both allow, and the landing takes the lesser J. The path's
+    /// override is `self`, an axis' is `other`. Both are in the same unit of distance, and the landing step is the
+    /// path's A T².
     #[must_use]
     pub fn and(self, other: Self) -> Self {
         let jerk = self.jerk.min(other.jerk);
@@ -163,14 +166,14 @@ impl FeedOverride {
         }
     }
 
-    /// J T³ in the unit of `landing_step`, A T²; at most that, at least the resolution.
+    /// J T³ in the unit of `landing_step`, which is A T². It is at most `landing_step` and at least the resolution.
     pub(crate) fn landing_jerk<R: Real>(&self, landing_step: R) -> R {
         (Rate(self.jerk_per_acceleration).share::<R>() * landing_step).max(R::resolution())
     }
 
-    /// The distance of the next period, or `None` when the plan is over. At hold it is 0.
+    /// The distance of the next period, or `None` when the plan is over. At hold the distance is 0.
     ///
-    /// No heap, and no loop beyond the stages that the period touches.
+    /// It takes no heap. Its only loop is over the stages that the period touches.
     pub fn advance<R: Real>(
         &self,
         lengths: &StepLengths<'_, R>,
@@ -186,8 +189,8 @@ impl FeedOverride {
 
     /// One period toward the target.
     ///
-    /// At the slope s, braking by ρ₂ each period adds `(s - ρ₂) + (s - 2ρ₂) + …` to the rate until s is 0. The slope is the
-    /// largest one, at most ρ₂ above the last, whose sum does not pass the target.
+    /// At the slope s, braking by ρ₂ each period adds `(s - ρ₂) + (s - 2ρ₂) + …` to the rate until s is 0. The new
+    /// slope is the largest whose sum does not pass the target, and is at most ρ₂ above the last slope.
     pub(crate) fn approach(&self, state: &mut OverrideState) {
         let rises = state.target > state.rate || (state.target == state.rate && state.slope < 0);
         let distance = state.target.abs_diff(state.rate);
@@ -209,8 +212,8 @@ fn quotient(jerk: u64, acceleration: u64) -> u64 {
 
 /// The largest s with `s + (s - ρ) + (s - 2ρ) + … ≤ distance`, the terms positive.
 ///
-/// For s from kρ on the sum has k + 1 terms, `(k + 1) s - ρ k (k + 1)/2`; at s = kρ it is `ρ k (k + 1)/2`, which says how large k
-/// may be.
+/// For s from kρ on the sum has k + 1 terms, `(k + 1) s - ρ k (k + 1)/2`. At s = kρ it is `ρ k (k + 1)/2`, which bounds
+/// k.
 fn largest_that_stops(distance: u64, bend: NonZeroU64) -> i64 {
     let terms = NonZeroU64::MIN.saturating_add(((8 * (distance / bend) + 1).isqrt() - 1) / 2);
     let shortfall = bend.get() * ((terms.get() - 1) * terms.get() / 2);

@@ -1,40 +1,44 @@
-//! The way that remains behind the schedule's end, travelled from standstill to standstill.
+//! The landing of an overridden run: it travels the rest of the path behind the schedule's end, from standstill to
+//! standstill.
 //!
-//! Chords are shorter than arcs. A plan counts on what its own chords gain, and at the rate r a chord gains r² of that: an
-//! overridden run comes to rest before the end of the path, `1 - r²` of it behind. What remains, δ, is travelled with the jerk c, -c,
-//! -c, c, m periods each:
+//! Chords are shorter than arcs, and a plan counts on the length that its own chords gain. At the rate r a chord gains
+//! only r² of that, so an overridden run comes to rest before the end of the path, short by the part `1 - r²` of the
+//! gain. The remaining length δ is travelled with the jerks c, -c, -c, c, for m periods each:
 //!
 //! ```text
 //! L_k = c g_k     g = 1, 3, 6, … m², m², … 6, 3, 1     Σ g_k = 2m³     c = δ/(2m³)
 //! ```
 //!
-//! with the smallest m at which c is no more than J T³ and the longest step c m² = δ/(2m) no more than A T². A period takes its
-//! share of what is left, measured anew, so that roundings do not add up and the last period takes all of it.
+//! with the smallest m at which c is at most J T³ and the longest step c m² = δ/(2m) is at most A T². Each period takes
+//! its share of the length that remains at that time, so that roundings do not add up and the last period takes all
+//! that remains.
 
 use real::Real;
 
-/// Periods without a step before and after: the jerk of what is there, and that of the landing, do not add up.
+/// Periods without a step before and after the landing: the jerk of the run before it and the jerk of the landing then
+/// do not add up.
 const PAUSE: i32 = 2;
 
-/// The longest quarter is this power of two: a thousand landing steps. 2m³ fits 32 bits.
+/// The longest quarter of a landing is 2 to this power: the landing is then a thousand landing steps long. 2m³ fits 32
+/// bits.
 const QUARTER_BITS: i32 = 9;
 
-/// Where a landing stands.
+/// The state of a landing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Landing {
-    /// Periods since the end of the schedule, and of a quarter, m.
+    /// Periods since the end of the schedule, and the periods of a quarter, m.
     period: i32,
     quarter: i32,
     /// Σ g_k over the periods to come.
     weight: i32,
-    /// Periods without motion that are still to come behind the landing.
+    /// Periods without motion that still follow the landing.
     pause_left: i32,
 }
 
 /// One period of a landing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum LandingStep<R> {
-    /// So much of the remaining length.
+    /// This part of the remaining length.
     Part(R),
     /// All that is left.
     Last,
@@ -43,8 +47,8 @@ pub(crate) enum LandingStep<R> {
 }
 
 impl Landing {
-    /// What the next period takes of the remaining length, with no more than `longest`, A T², in a step and `jerk`, J T³, as
-    /// the second difference of steps.
+    /// The part of the remaining length for the next period. No step is longer than `longest`, A T², and the second
+    /// difference of steps is at most `jerk`, J T³.
     pub(crate) fn advance<R: Real>(&mut self, remaining: R, longest: R, jerk: R) -> LandingStep<R> {
         self.period = self.period.saturating_add(1);
         let k = self.period.saturating_sub(PAUSE);
@@ -67,7 +71,7 @@ impl Landing {
         LandingStep::Part(part)
     }
 
-    /// Whether the next period, behind the end of the path, is one without motion.
+    /// Whether the next period, at the end of the path, is a period without motion.
     pub(crate) fn pauses(&mut self) -> bool {
         let is_owed = self.pause_left > 0;
         self.pause_left -= i32::from(is_owed);
@@ -75,7 +79,7 @@ impl Landing {
     }
 }
 
-/// g_k for k from 1 to 4m - 2, 0 beyond: it is the same from both ends.
+/// g_k for k from 1 to 4m - 2, 0 beyond. It is symmetric.
 fn weight(quarter: i32, k: i32) -> i32 {
     let k = k.min(quarter.saturating_mul(4).saturating_sub(k.saturating_add(1)));
     if k <= 0 {

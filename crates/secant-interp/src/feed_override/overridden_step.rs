@@ -1,4 +1,4 @@
-//! A period of a run whose feed is overridden, and how such a run comes to the end of its path.
+//! A period of a run with feed override, and the way in which such a run comes to the end of its path.
 
 use nurbs_core::{ORIGIN_EXPONENT, Piece, Shifted};
 use real::Real;
@@ -10,17 +10,18 @@ use crate::pieces::piece_interpolator::{PieceInterpolator, Wanted};
 use crate::pieces::place::step_to_end;
 use crate::pieces::state::{PieceSetpoint, PieceState};
 
-/// An overridden run that is so near to the end in the last period of its schedule lands at once: 2⁻⁵ J T³ of more way are
-/// twice that of jerk.
+/// An overridden run this near to the end in the last period of its schedule lands at once. A distance of 2⁻⁵ J T³ more
+/// in that period is twice as much jerk.
 const REACH: i32 = -5;
 
 impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
-    /// [`step`](Self::step) with the plan's time stretched, as [`FeedOverride::advance`] has it: feed override and feed hold. In
-    /// a period of hold the setpoint is that of the period before.
+    /// [`step`](Self::step) with the plan's time stretched by [`FeedOverride::advance`]: feed override and feed hold.
+    /// In a period of hold the setpoint is that of the period before.
     ///
-    /// A slower run is behind its plan when that is over. It comes to rest there, travels what is left from rest to rest within
-    /// A and J, in a dozen periods or so, even if held meanwhile, and rests on the end for two periods more. What is so far away
-    /// that the format does not hold it, or more than a thousand landing steps, is travelled in landing steps.
+    /// A slower run has not reached the end of the path when its plan is over. It comes to rest there. Then it travels
+    /// the remaining length from rest to rest within A and J, in about a dozen periods, even if held meanwhile, and
+    /// stands at the end for two more periods. A remaining length that the format cannot hold, or of more than a
+    /// thousand landing steps, is travelled in landing steps.
     pub fn step_overridden(
         &self,
         state: &mut PieceState<R, D>,
@@ -75,8 +76,8 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         }
     }
 
-    /// The way to the end of the path, in chord units: to the end of the piece, straight on to the last one, and over that. `None`
-    /// where that is too far for the format.
+    /// The length to the end of the path, in chord units: the chord to the end of the piece, the straight line to the
+    /// last piece, and the chord over that. `None` if the format cannot hold it.
     fn remaining(&self, state: &PieceState<R, D>, row: &Piece<R, D>) -> Option<R> {
         let to_end = self.across(row, &state.at, step_to_end(state, row))?;
         let last = self.pieces.pieces.len().saturating_sub(1);

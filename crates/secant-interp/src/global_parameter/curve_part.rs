@@ -5,8 +5,9 @@ use real::Real;
 
 /// The part of a curve between two parameters.
 ///
-/// Behind an end that is not the curve's own it stays where it is, so that no chord reaches past a stop round the corner or back from
-/// the cusp there: a step that is longer than what is left lands on the stop.
+/// Behind an end that is not the end of the whole curve, the point stays where it is. So no chord reaches past a stop,
+/// round the corner there or back from the cusp there, and a step that is longer than the remaining part lands on the
+/// stop.
 #[derive(Clone, Copy, Debug)]
 pub struct CurvePart<R, C> {
     curve: C,
@@ -28,7 +29,7 @@ impl<R: Real, C> CurvePart<R, C> {
         Self { curve, begin, end, ends_with_curve: end >= last }
     }
 
-    /// The parameter of the point that the part has at u.
+    /// u, cut off at the end of the part unless that is the end of the whole curve.
     fn within(&self, u: R) -> R {
         if self.ends_with_curve { u } else { u.min(self.end) }
     }

@@ -1,4 +1,4 @@
-//! The real-time loop on a curve with one global parameter, as paper A has it.
+//! The real-time loop on a curve with one global parameter, as in paper A.
 
 use feed_plan::{Cursor, Schedule};
 use nurbs_core::{Derivatives, Differentiate};
@@ -8,8 +8,8 @@ use crate::global_parameter::predictor::History;
 use crate::global_parameter::secant::{self, Outcome, Tolerance};
 use crate::global_parameter::taylor::{self, Order};
 
-/// Evaluations that look for a start value where C' all but vanishes: the fourth root of a ratio as large as 2²⁰ is within a fifth
-/// of its limit then, where the chord goes by the square or cube of the increment.
+/// Evaluations in the search for a start value where C' almost vanishes. After so many, the fourth root of a ratio as
+/// large as 2²⁰ is within a fifth of its limit, where the chord grows as the square or cube of the increment.
 const TRIALS: u32 = 8;
 
 /// How the next parameter is found.
@@ -38,23 +38,23 @@ pub struct Setpoint<R, const D: usize> {
     pub outcome: Outcome,
 }
 
-/// Curve, schedule and tolerances: what does not change during a run.
+/// Curve, schedule and tolerances: all values that stay the same during a run.
 #[derive(Clone, Copy, Debug)]
 pub struct Interpolator<'a, R, C> {
     /// The curve to follow.
     pub curve: C,
-    /// The distances to travel, a period each.
+    /// The distances to travel, one for each period.
     pub schedule: Schedule<'a, R>,
     /// How the next parameter is found.
     pub method: Method,
     /// When the solver stops.
     pub tolerance: Tolerance<R>,
-    /// The longest step from which the axes can come to rest within one period, A·T²: the end of the curve is
-    /// taken in one step when what is left is at most this longer than planned.
+    /// The longest step from which the axes can come to rest within one period, A·T². If the remaining length exceeds
+    /// the planned step by at most this, one step goes to the end of the curve.
     pub landing_step: R,
 }
 
-/// What changes from period to period: small, `Copy`, and all an interrupt routine writes.
+/// The values that change from period to period: small, `Copy`, and the only ones that an interrupt routine writes.
 #[derive(Clone, Copy, Debug)]
 pub struct State<R, const D: usize> {
     cursor: Cursor<R>,
@@ -66,7 +66,8 @@ pub struct State<R, const D: usize> {
 }
 
 impl<R: Real, const D: usize> State<R, D> {
-    /// Whether the run is over: at the end of the curve and of the schedule, or where the schedule gave a distance that is no finite number.
+    /// Whether the run is over: at the end of the curve and of the schedule, or where the schedule gave a distance that
+    /// is infinite or NaN.
     #[must_use]
     pub fn is_finished(&self) -> bool {
         self.finished
@@ -78,7 +79,7 @@ impl<R: Real, const D: usize> State<R, D> {
         self.landed
     }
 
-    /// Where the schedule stands.
+    /// The cursor of the schedule.
     #[must_use]
     pub fn cursor(&self) -> &Cursor<R> {
         &self.cursor
@@ -102,15 +103,18 @@ impl<R: Real, C> Interpolator<'_, R, C> {
         }
     }
 
-    /// The next setpoint; `None` once the end of the curve has been commanded and the schedule is over, or where the schedule or a landing step holds
-    /// what is no finite number: such a run ends where it stands.
+    /// The next setpoint. `None` once the end of the curve has been commanded and the schedule is over. Also `None`
+    /// where the schedule or a landing step holds a number that is infinite or NaN: the run then ends where it stands.
     ///
-    /// The parameter never decreases and never passes the end. The run ends by landing: a step that would reach
-    /// or pass the end commands exactly the end, and a run that is there early stands until its schedule is over. When the schedule is over before the curve is, as rounding in
-    /// a coarse format can make it, the rest is travelled in steps of `landing_step`, or of the parameter's resolution where
-    /// that is more, so that every run ends. In a period of no length the setpoint is that of the period before. No
-    /// heap, and no loop without a bound: at most `max_iterations + 4` evaluations of the curve: two start values and an iteration each, in
-    /// the first steps the expansions there, and the landing. Where a run begins with C' = 0, eight more in the first steps.
+    /// The parameter never decreases and never passes the end. The run ends by landing: a step that would reach or pass
+    /// the end commands exactly the end. A run that arrives early stands there until its schedule is over. In a coarse
+    /// format the schedule may be over before the curve is. The remaining length is then travelled in steps of
+    /// `landing_step`, or of the parameter's resolution where that is longer, so that every run ends. In a period of no
+    /// length the setpoint is that of the period before.
+    ///
+    /// A step takes no heap, and has no loop without a bound. It evaluates the curve at most `max_iterations + 4`
+    /// times: for two start values, for each iteration, and once each for the expansion in the first steps and for the
+    /// landing. If the run begins with C' = 0, the first steps take up to eight evaluations more.
     pub fn step<const D: usize>(&self, state: &mut State<R, D>) -> Option<Setpoint<R, D>>
     where
         C: Differentiate<R, D>,
@@ -136,7 +140,7 @@ impl<R: Real, C> Interpolator<'_, R, C> {
         let landing = if is_last { self.landing(state, reach) } else { None };
         let mut found = landing.unwrap_or_else(|| self.next_parameter(state, reach));
         if planned.is_none() && found.u <= u {
-            // The landing step is too short for the parameter's resolution here.
+            // The landing step is below the parameter's resolution here.
             found.u = u + R::resolution().max(u.abs() * R::resolution().scale(1));
             found.point = self.curve.point(found.u);
             found.evaluations += 1;
@@ -159,7 +163,8 @@ impl<R: Real, C> Interpolator<'_, R, C> {
         Some(Setpoint { length, ..found })
     }
 
-    /// The step to the end, if that is within reach: no root need be sought, and behind an end with C' = 0 there may be none.
+    /// The step to the end, if the end is within reach. No root needs to be found, and behind an end with C' = 0 there
+    /// may be none.
     fn landing<const D: usize>(&self, state: &State<R, D>, reach: R) -> Option<Setpoint<R, D>>
     where
         C: Differentiate<R, D>,
@@ -177,7 +182,7 @@ impl<R: Real, C> Interpolator<'_, R, C> {
     {
         let u = state.history.newest();
         let (begin, end) = self.curve.domain();
-        // Trials may pass the end, where the last span is extrapolated, but not far: a 64th of the curve.
+        // Trials may pass the end, where the last span is extrapolated, by no more than a 64th of the curve.
         let ceiling = end + (end - begin).scale(-6);
         let order = match self.method {
             Method::Secant => return self.next_by_secant(state, length, ceiling),
@@ -218,9 +223,9 @@ impl<R: Real, C> Interpolator<'_, R, C> {
 
     /// The two start values, and the evaluations that they took.
     ///
-    /// The first steps start from the two Taylor expansions, for want of a history. Later an extrapolation that
-    /// does not point forwards, as (6) does in the last steps of a ramp to rest, gives way to the last increment
-    /// in proportion to the step lengths.
+    /// The first steps have no history and start from the two Taylor expansions. Later steps extrapolate. An
+    /// extrapolation that does not point forwards, as (6) does in the last steps before a rest, is replaced by the last
+    /// increment in proportion to the step lengths.
     fn start_values<const D: usize>(&self, state: &State<R, D>, length: R, ceiling: R) -> ((R, R), u32)
     where
         C: Differentiate<R, D>,
@@ -238,19 +243,20 @@ impl<R: Real, C> Interpolator<'_, R, C> {
             let second = taylor::increment(&at, length, Order::Second);
             return ((ahead(first), ahead(second)), 1);
         }
-        // After a landing step of nothing there is no proportion.
+        // After a landing step of length zero there is no proportion.
         let share = if state.last_length > R::zero() { length / state.last_length } else { R::one() };
         let in_proportion = history.last_difference() * share;
         let forwards = |value: R| if value > u { value - u } else { in_proportion };
         ((ahead(forwards(history.adams())), ahead(forwards(history.taylor()))), 0)
     }
 
-    /// The last two of some increments whose chords come near the length where C' all but vanishes, as at a cusp or where control
-    /// points coincide: there a chord c goes by the n-th power of the increment, n > 1 unknown, and
+    /// Start values where C' almost vanishes, as at a cusp or where control points coincide. There a chord c grows as
+    /// the n-th power of the increment h, n > 1 unknown. The iteration
     ///
     /// `h ← h (L/c)^¼`
     ///
-    /// takes the share |1 - n/4| of the logarithm of h that was wrong, which is less than all of it for n up to 7.
+    /// multiplies the error of log h by |1 - n/4|, which is below 1 for n up to 7. The last two increments are
+    /// returned.
     fn search<const D: usize>(&self, state: &State<R, D>, length: R, ceiling: R) -> (R, R)
     where
         C: Differentiate<R, D>,
@@ -273,8 +279,8 @@ impl<R: Real, C> Interpolator<'_, R, C> {
     }
 }
 
-/// Whether the speed of the parameter is much the same over a step of this length as at its begin, |C''| L ≤ |C'|²; without squares
-/// or quotients, which may not fit.
+/// Whether the speed of the parameter changes little over a step of this length: |C''| L ≤ |C'|². It is computed
+/// without squares and quotients, which may not fit the format.
 fn is_expandable<R: Real, const D: usize>(at: &Derivatives<R, D>, length: R) -> bool {
     R::norm(&at.first) > (R::norm(&at.second) * length).sqrt()
 }

@@ -1,8 +1,8 @@
 //! Start values of the secant iteration, from the last four parameters.
 //!
-//! Both extrapolate the parameters u_i, u_{i-1}, … of past periods to u_{i+1}. They are written in the
-//! differences d₁ = u_i - u_{i-1}, d₂ = u_{i-1} - u_{i-2}, d₃ = u_{i-2} - u_{i-3}, which are small where the
-//! parameters are not: in fixed point nothing overflows and no digits are spent on the common part.
+//! Both extrapolate the parameters u_i, u_{i-1}, … of past periods to u_{i+1}. They are written in the differences d₁ =
+//! u_i - u_{i-1}, d₂ = u_{i-1} - u_{i-2}, d₃ = u_{i-2} - u_{i-3}. The differences are small even if the parameters are
+//! not: in fixed point nothing overflows, and the common part of the parameters takes no digits.
 //!
 //! Source: paper A (Wang Yunsen et al.; see `docs/papers.md`), equations (6), (7).
 
@@ -58,8 +58,8 @@ impl<R: Real> History<R> {
     /// Equation (7): `(99u_i - 73u_{i-1} + 41u_{i-2} - 19u_{i-3})/48 = u_i + (51d₁ - 22d₂ + 19d₃)/48`, exact
     /// where u is linear in i.
     ///
-    /// The paper prints 95 for 99. Its own equations (11)-(15) give 99, and only then do the coefficients sum
-    /// to 48, without which a constant history would not stay constant.
+    /// The paper prints 95 for 99. Its own equations (11)-(15) give 99, and only with 99 do the coefficients sum to 48,
+    /// which keeps a constant history constant.
     #[must_use]
     pub fn adams(&self) -> R {
         let [u0, u1, u2, u3] = self.parameters;

@@ -1,15 +1,15 @@
 //! The secant iteration for the next parameter, safeguarded.
 //!
-//! Sought is ξ > u_i with `F(ξ) = |C(ξ) - C(u_i)| - L = 0`. The iteration of paper A, equation (5),
+//! The root is ξ > u_i with `F(ξ) = |C(ξ) - C(u_i)| - L = 0`. The iteration of paper A, equation (5),
 //!
 //! `ξ_{k+1} = ξ_k - F(ξ_k)(ξ_k - ξ_{k-1})/(F(ξ_k) - F(ξ_{k-1}))`
 //!
-//! converges superlinearly near the root but has no safety of its own: F has a kink at u_i and a second root
-//! before it, and two equal residuals divide by zero, as happens all the time in coarse formats. Here every
-//! residual also narrows a bracket: F < 0 at its lower end (at first u_i, where F = -L), F ≥ 0 at its upper
-//! end. A trial outside the bracket is replaced by the bracket's middle, where the denominator vanishes the secant
-//! through u_i takes its place, and the best trial so far is the result. So ξ never goes behind u_i, and the number of
-//! evaluations is at most `max_iterations + 2`.
+//! converges superlinearly near the root but has no safety of its own. F has a kink at u_i and a second root before it,
+//! and two equal residuals divide by zero, as happens all the time in coarse formats. Here every residual also narrows
+//! a bracket: F < 0 at its lower end (at first u_i, where F = -L), F ≥ 0 at its upper end. A trial outside the bracket
+//! is replaced by the bracket's middle. Where the denominator vanishes, the secant through u_i takes its place. The
+//! best trial so far is the result. So ξ never goes behind u_i, and the number of evaluations is at most
+//! `max_iterations + 2`.
 
 use real::Real;
 
@@ -18,7 +18,7 @@ use real::Real;
 pub struct Tolerance<R> {
     /// ε: the largest change of the parameter in the last iteration.
     pub parameter: R,
-    /// Δ: the largest feedrate fluctuation |F|/L. Both must be met.
+    /// Δ: the largest feedrate fluctuation |F|/L. Both tolerances must be met.
     pub fluctuation: R,
     /// K: the iterations after which the best trial is taken as it is.
     pub max_iterations: u32,
@@ -40,7 +40,7 @@ pub enum Outcome {
 pub struct Root<R, P> {
     /// ξ, at least `from`.
     pub u: R,
-    /// What `evaluate` returned beside the residual: the point there.
+    /// The point that `evaluate` returned with the residual.
     pub point: P,
     /// F(ξ).
     pub residual: R,
@@ -50,7 +50,7 @@ pub struct Root<R, P> {
     pub outcome: Outcome,
 }
 
-/// A trial parameter, the residual there and what came with it.
+/// A trial parameter, its residual and its point.
 #[derive(Clone, Copy)]
 struct Trial<R, P> {
     u: R,
@@ -74,8 +74,8 @@ impl<R: Real> Bracket<R> {
         }
     }
 
-    /// `u` if it lies inside, else the middle, or for want of an upper end twice as far from `origin`; in no
-    /// case beyond the ceiling.
+    /// `u` if it lies inside the bracket. Otherwise the bracket's middle, or, without an upper end, twice the distance
+    /// from `origin`. In no case beyond the ceiling.
     fn admit(&self, u: R, origin: R) -> R {
         let beyond_upper = self.upper.is_some_and(|upper| u >= upper);
         let inside = if u > self.lower && !beyond_upper {
@@ -118,7 +118,7 @@ pub fn solve<R: Real, P: Copy>(
 
     let mut outcome = Outcome::LimitReached;
     for _ in 0..tolerance.max_iterations {
-        // Two trials that cannot be told apart have no secant; the one through u_i itself, where F = -L, does.
+        // Two equal trials have no secant. The secant through u_i, where F = -L, takes its place.
         let (mut run, mut rise) = (current.u - previous.u, current.residual - previous.residual);
         if run.is_zero() || rise.is_zero() {
             (run, rise) = (current.u - from, current.residual + step_length);

@@ -1,13 +1,13 @@
-//! Steps by Taylor expansion: the baselines of paper A, and the start values of the secant iteration until there are four
-//! parameters to extrapolate. (The paper takes the second-order expansion for these first steps themselves.)
+//! Steps by Taylor expansion: the baselines of paper A. The secant iteration also starts from them until it has four
+//! parameters to extrapolate. (In the paper the second-order expansion makes these first steps itself.)
 //!
 //! With the arc length s, du/ds = 1/|C'| and d²u/ds² = -(C'·C'')/|C'|⁴, so a step of length L goes from u to
 //! `u + L/|C'| - L² (C'·C'')/(2|C'|⁴)`. The powers of |C'| overflow fixed point at once (|C'|⁴ is 4e13 on the
 //! example curve); in terms of the unit tangent τ = C'/|C'| and the first-order step h = L/|C'| the same is
 //! `u + h - h·(h·(τ·C'')/|C'|)/2`, whose intermediates are no larger than C'' itself.
 //!
-//! Source: papers A, section 2.2, and C (Wang Haitao et al.), equation (2), which prints the second-order term with the
-//! wrong sign; see `docs/papers.md`.
+//! Source: papers A, section 2.2, and C (Wang Haitao et al.), equation (2). Paper C prints the second-order term with
+//! the wrong sign; see `docs/papers.md`.
 
 use nurbs_core::Derivatives;
 use real::Real;
@@ -21,11 +21,10 @@ pub enum Order {
     Second,
 }
 
-/// The parameter increment of a step of length `length` from where `at` was taken.
+/// The parameter increment of a step of length `length` from the point of `at`.
 ///
-/// Where C' = 0 the expansion does not exist and the increment is infinite or saturates: the caller bounds it.
-/// The result is never negative: where the second-order term would turn the step around, the first-order
-/// increment is returned.
+/// Where C' = 0 the expansion does not exist, and the increment is infinite or saturates: the caller bounds it. The
+/// result is never negative: if the second-order term would reverse the step, the result is the first-order increment.
 #[must_use]
 pub fn increment<R: Real, const D: usize>(at: &Derivatives<R, D>, length: R, order: Order) -> R {
     let speed = R::norm(&at.first).signal("parametric_speed");

@@ -1,47 +1,47 @@
-//! The step without loss: the parameter increment of a chord, on one compiled piece.
+//! The parameter increment of a chord on one compiled piece, without loss of digits.
 //!
-//! Sought is the step η that makes the chord L long. The chord from the present point is `η q(η)/w(η)`, known
-//! without cancellation (see [`Pieces`](nurbs_core::Pieces)). The unknown is not η but the step per chord,
-//! `σ = η/L`, which is of order one whatever the feed, and hardly changes from step to step. Its residual
+//! The step η is to make the chord L long. The chord from the present point is `η q(η)/w(η)`, known without
+//! cancellation (see [`Pieces`](nurbs_core::Pieces)). The unknown is not η but the step per chord, `σ = η/L`, which is
+//! of order one whatever the feed, and hardly changes from step to step. Its residual
 //!
 //! `f(σ) = |σ q|² - w²`, `q = q̃_1 + x(q̃_2 + x q̃_3 + …)`, `w = 1 + x(ω̃_1 + …)`, `x = 2^-r σL`
 //!
-//! is of order one too, takes neither a root nor a division, and its precision relative to the chord does not
-//! shrink with the step. Its slope is `df/dσ = (2/σ)(1 + f + g)` with
-//! `g = σ² q·(x q') - w (x w') + w² - 1`, the growth of the speed over the step; to second order in f and g the
-//! correction is
+//! is of order one too and takes neither a root nor a division. Its precision relative to the chord does not shrink
+//! with the step. Its slope is `df/dσ = (2/σ)(1 + f + g)` with `g = σ² q·(x q') - w (x w') + w² - 1`, the growth of the
+//! speed over the step. To second order in f and g the correction is
 //!
 //! `σ ← σ - σ f/2 (1 - g + g² - ¾f)`,
 //!
-//! again without a division. It leaves an error of the order of `|f| (|f| (|f| + |g|) + |g|³)`, so a second evaluation is owed only
-//! when |f| is above a threshold that the wanted fluctuation sets. Measured, over ten curves of the tests:
+//! again without a division. It leaves an error of the order of `|f| (|f| (|f| + |g|) + |g|³)`. So a second evaluation
+//! is needed only if |f| is above a threshold, which follows from the fluctuation that is allowed. Measured over ten
+//! curves of the tests:
 //!
 //! | threshold | 4e-3 | 1e-3 | 1e-4 | 3e-5 | 3e-6 |
 //! |---|---|---|---|---|---|
 //! | fluctuation | 2e-6 | 5e-8 | 1.2e-9 | 5e-10 | 2.3e-11 |
 //! | evaluations | 1.00–1.03 | 1.00–1.06 | 1.01–1.36 | 1.18–1.63 | 1.55–1.93 |
 //!
-//! Where a part b of the chord, in units of L, lies on pieces before this one, a division does no harm, for joints are
-//! rare: it is Newton's step on `|b + σ q/w|² - 1`.
+//! If a part b of the chord, in units of L, lies on pieces before this one, the correction is Newton's step on
+//! `|b + σ q/w|² - 1`. It takes a division, which costs little because joints are rare.
 
 use nurbs_core::{MAX_DEGREE, Shifted};
 use real::{Backend, Real};
 
-/// When the correction is repeated.
+/// When the correction is repeated, and how often.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChordTolerance<R> {
-    /// The largest |f| whose one correction is enough.
+    /// The largest |f| after which one correction is enough.
     pub residual: R,
     /// K: evaluations of f in a period, at most.
     pub max_evaluations: u32,
 }
 
 impl<R: Backend> ChordTolerance<R> {
-    /// The tolerance at which one correction leaves at most this fluctuation, |1 - chord/L|. `None`, or less than the format
-    /// resolves, gives two units of its resolution.
+    /// The tolerance at which one correction leaves at most this fluctuation, |1 - chord/L|. `None`, or a fluctuation
+    /// below the format's resolution, gives two units of the resolution.
     ///
-    /// A correction leaves an error of the order of `|f| (|f| (|f| + |g|) + |g|³)`, with the growth g of the parametric speed over a step
-    /// a few hundredths at most; measured, 2e-5 |f| on tightly curved rational parts.
+    /// A correction leaves an error of the order of `|f| (|f| (|f| + |g|) + |g|³)`. The growth g of the parametric
+    /// speed over a step is a few hundredths at most. Measured, the error is 2e-5 |f| on tightly curved rational parts.
     #[must_use]
     pub fn for_fluctuation(fluctuation: Option<f64>, max_evaluations: u32) -> Self {
         let finest = R::resolution() + R::resolution();
@@ -51,31 +51,31 @@ impl<R: Backend> ChordTolerance<R> {
 }
 
 impl<R: Real> ChordTolerance<R> {
-    /// The largest |f| whose one correction is enough and whose series holds.
+    /// The largest |f| for which one correction is enough and its series holds.
     #[inline]
     pub(crate) fn threshold(&self) -> R {
         self.residual.min(Evaluation::<R>::limits().0)
     }
 }
 
-/// A chord that is to be completed on a piece. N is the pieces' degree, so that loops have a known length, or
-/// [`MAX_DEGREE`] for any. PLAIN says that W is 1 whatever `rational` says.
+/// A chord that is to end on a piece. N is the pieces' degree, so that loops have a known length, or [`MAX_DEGREE`] for
+/// any degree. PLAIN says that W is 1, whatever `rational` says.
 #[derive(Clone, Copy, Debug)]
 pub struct Chord<'a, R, const D: usize, const N: usize = MAX_DEGREE, const PLAIN: bool = false> {
     /// The piece's polynomials about the point where the step on it begins.
     pub at: &'a Shifted<R, D>,
-    /// p; only asked for where N is [`MAX_DEGREE`].
+    /// p; read only if N is [`MAX_DEGREE`].
     pub degree: usize,
     /// Whether W is not 1.
     pub rational: bool,
-    /// r: the polynomials go by the step over 2^r.
+    /// r: the polynomials take the step over 2^r.
     pub range_exponent: i32,
-    /// The whole piece, as a step. Beyond it the chord is taken to grow in proportion to the step: no root is sought
-    /// there, only the knowledge that it is there.
+    /// The step over the whole piece. Beyond it the chord is assumed to grow in proportion to the step: the solver only
+    /// has to learn that the root is beyond the piece, not where.
     pub whole: R,
     /// L, in chord units.
     pub length: R,
-    /// b: what has been travelled on pieces before, over L, no longer than 1; `None` on the common path.
+    /// b: the length already travelled on pieces before, over L, at most 1; `None` on the common path.
     pub before: Option<[R; D]>,
     /// Least and greatest σ.
     pub range: [R; 2],
@@ -100,8 +100,8 @@ impl<R: Real> Evaluation<R> {
         lightening: Option<[(R, R); 3]>,
     ) -> Self {
         let along = chord.map(|q| (sigma * q).signal("chord_direction"));
-        // The weight comes first: at the end, compilers would pair it with the last coordinate, whose coefficient they then read
-        // together with the next one, before both are written.
+        // The weight comes first. At the end, compilers would pair it with the last coordinate, and read that
+        // coordinate's coefficient together with the next one before both are written.
         let squares = along.iter().map(|v| (*v, *v));
         let residual =
             R::sum_of_products([(-weight, weight)].into_iter().chain(squares)).signal("chord_residual");
@@ -125,7 +125,7 @@ impl<R: Real> Evaluation<R> {
         (self.residual.abs() <= threshold) & (self.slope.abs() <= Self::limits().1)
     }
 
-    /// f and g limited to where the series holds, which keeps the factor below 2 and the correction below σ/2.
+    /// f and g limited to the range of the series, which keeps the factor below 2 and the correction below σ/2.
     fn limited(&self) -> Self {
         let (largest, largest_growth) = Self::limits();
         Self {
@@ -136,7 +136,7 @@ impl<R: Real> Evaluation<R> {
 }
 
 impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D, N, PLAIN> {
-    /// How many coefficients there are: a constant where N says it.
+    /// The number of coefficients: a constant unless N is [`MAX_DEGREE`].
     #[inline]
     fn count(&self) -> usize {
         if N < MAX_DEGREE { N } else { self.degree.min(N) }
@@ -147,9 +147,9 @@ impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D,
         !PLAIN && self.rational
     }
 
-    /// σ from a start value in the range and its step σL, no longer than the whole piece, where one evaluation and one correction
-    /// are enough; the evaluation where not. What is small needs no limits: this comes to the same as
-    /// [`refine`](Self::refine), sooner.
+    /// σ and its step σL, which is no longer than the whole piece, if one evaluation at a start value in the range and
+    /// one correction are enough; otherwise the evaluation. f and g are so small in the first case that they need no
+    /// limits. The result is the same as that of [`refine`](Self::refine), and is found sooner.
     #[inline(always)]
     pub(crate) fn correct(
         &self,
@@ -160,7 +160,7 @@ impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D,
         let value = self.evaluate(sigma, step);
         if value.is_small(tolerance.threshold()) {
             let part = correction(sigma, &value);
-            // A float holds what lies beyond the range, and it is as good a root.
+            // In a float, a σ beyond the range fits too, and is as good a root.
             let found =
                 if R::IS_FLOATING { Some(sigma - part) } else { difference_within(sigma, part, &self.range) };
             if let Some(found) = found {
@@ -176,7 +176,7 @@ impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D,
         self.refine(sigma, self.evaluate_aside(sigma), tolerance)
     }
 
-    /// [`solve`](Self::solve) where the chord was evaluated at `sigma` before.
+    /// [`solve`](Self::solve) with a given evaluation of the chord at `sigma`.
     pub(crate) fn refine(
         &self,
         mut sigma: R,
@@ -207,7 +207,7 @@ impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D,
         (sigma - within(correction, sigma, &self.range)).signal("step_per_chord")
     }
 
-    /// The evaluation that is rarely needed, once in the program.
+    /// The evaluation in the rare case that a second one is needed; compiled once.
     #[inline(never)]
     fn evaluate_aside(&self, sigma: R) -> Evaluation<R> {
         self.evaluate(sigma, (sigma * self.length).signal("step").min(self.whole))
@@ -225,8 +225,8 @@ impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D,
         Evaluation::new(sigma, &chord, &turn, weight, self.is_rational().then(lightening))
     }
 
-    /// `f/4` and `⅛ df/dσ` of `f = |b + σ v|² - 1`, `v = q/w`: only where a joint is crossed, with a division if
-    /// rational. Halved, for |b + σ v| may come near to 2.
+    /// `f/4` and `⅛ df/dσ` of `f = |b + σ v|² - 1`, `v = q/w`. It is used only where a joint is crossed, and takes a
+    /// division if rational. All is halved, because |b + σ v| may come near to 2.
     fn evaluate_past_joint(
         &self,
         sigma: R,
@@ -289,8 +289,8 @@ impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D,
     }
 }
 
-/// `Σ row_k x^k` and its derivative by x, by one chain without products for the top coefficient. The names are of both, and of
-/// all that they come from.
+/// `Σ row_k x^k` and its derivative by x, by one chain without products for the top coefficient. The signals' names
+/// stand for both results and for all intermediates.
 #[inline(always)] // Called, it would return its rows through memory: a tenth of the step in fixed point.
 pub(crate) fn value_and_slope<'a, R: Real + 'a, const M: usize>(
     rows: impl DoubleEndedIterator<Item = &'a [R; M]>,
@@ -319,7 +319,7 @@ pub(crate) fn value_and_slope<'a, R: Real + 'a, const M: usize>(
     (values, slopes)
 }
 
-/// `σ f/2 (1 - g + g² - ¾f)`, of f and g that are limited.
+/// `σ f/2 (1 - g + g² - ¾f)`; f and g are limited already.
 #[inline]
 pub(crate) fn correction<R: Real>(sigma: R, value: &Evaluation<R>) -> R {
     let (f, g) = (value.residual, value.slope);
@@ -327,17 +327,18 @@ pub(crate) fn correction<R: Real>(sigma: R, value: &Evaluation<R>) -> R {
     let series = if R::IS_FLOATING {
         one - g + g * g - R::from_ratio(3, 4) * f
     } else {
-        // Rounded once; a product by a power of two is a shift.
+        // Rounded once: a product by a power of two is a shift.
         let (half, quarter, less) = (R::from_ratio(1, 2), R::from_ratio(1, 4), -f);
         R::sum_of_products([(one - g, one), (g, g), (less, half), (less, quarter)])
     };
     sigma.half() * f * series
 }
 
-/// `sigma - part` where that lies in the range; in floats, which hold what lies beyond, where it is positive.
+/// `sigma - part` if that lies in the range. In floats, which can hold σ beyond the range, the difference only has to
+/// be positive.
 ///
-/// In fixed point σ is positive: where the difference does not fit, it wraps to a negative number, which is in no range. What
-/// watches numbers is spared what would look like a fault there.
+/// In fixed point σ is positive. A difference that does not fit wraps to a negative number, which is in no range.
+/// Wrappers that watch for overflow compare before they subtract, so that they do not report this wrap as a fault.
 #[inline]
 pub(crate) fn difference_within<R: Real>(sigma: R, part: R, range: &[R; 2]) -> Option<R> {
     if R::IS_FLOATING {
@@ -355,20 +356,20 @@ pub(crate) fn is_within<R: Real>(sigma: R, range: &[R; 2]) -> bool {
     (range[0] <= sigma) & (sigma <= range[1])
 }
 
-/// What of `correction` does not take σ out of its range: the trial itself might not fit the format. What is not a
-/// number leads to the lower end.
+/// `correction`, cut so that σ stays in its range: the uncut trial might not fit the format. A NaN leads to the lower
+/// end of the range.
 #[inline]
 pub(crate) fn within<R: Real>(correction: R, sigma: R, range: &[R; 2]) -> R {
     (sigma - range[0]).min(correction).max(sigma - range[1])
 }
 
 /// `f / (df/dσ)`, at most `bound`. Where the chord shrinks along the step, as behind a sharp corner, the root lies
-/// beyond the shrinking, so the trial goes on.
+/// beyond the shrinking part, so the trial goes on.
 #[inline]
 fn joint_correction<R: Real>(value: &Evaluation<R>, bound: R) -> R {
     let f = value.residual;
-    // A quotient of 2 and more is beyond the bound in fixed point, where σ is of order one, and might not fit. In floats σ
-    // has any magnitude.
+    // In fixed point σ is of order one: a quotient of 2 or more is beyond the bound, and might not fit. In floats σ has
+    // any magnitude.
     let least = if R::IS_FLOATING { R::zero() } else { f.abs().scale(-2) };
     if value.slope > least {
         return (f.half() / value.slope).max(-bound).min(bound);

@@ -1,27 +1,28 @@
-//! What a step over the joint of two pieces carries on: steps per chord in the scale of the next piece, and the way so far.
+//! Values that a step carries over the joint of two pieces: steps per chord in the scale of the next piece, and the
+//! length travelled so far.
 
 use nurbs_core::Piece;
 use real::Real;
 
 use crate::pieces::chord_step::Chord;
 
-/// A step per chord on one piece in the scale of the next, and within its range.
+/// Converts a step per chord on one piece to the scale of the next, limited to the range of the next.
 pub(crate) fn into_next<R: Real, const D: usize>(row: &Piece<R, D>, next: &Piece<R, D>, sigma: R) -> R {
     next.step_per_chord[0].max(part_into_next(row, next, sigma)).signal("step_per_chord")
 }
 
-/// A part of a step per chord in the scale of the next piece, and no more than its greatest.
+/// Converts a part of a step per chord to the scale of the next piece, limited to the greatest step per chord there.
 pub(crate) fn part_into_next<R: Real, const D: usize>(row: &Piece<R, D>, next: &Piece<R, D>, part: R) -> R {
     let greatest = next.step_per_chord[1];
     let exponent = i32::from(row.joint_exponent);
     let part = part * row.ratio_at_joint();
-    // Compared in the smaller scale, for in the larger it might not fit a format without exponents.
+    // Compared in the smaller scale, because the part in the larger scale might not fit a format without exponents.
     let small = if !R::IS_FLOATING && exponent > 0 { part.min(greatest.scale(-exponent)) } else { part };
     small.scale(exponent).min(greatest).signal("joint_step_per_chord")
 }
 
-/// A part of one piece, as a part of the next one of the same span: their widths are as 1 to a power of two.
-/// `None` if it is longer than that.
+/// Converts a part of one piece to a part of the next piece of the same span: the ratio of their widths is a power of
+/// two. `None` if the part is longer than the next piece.
 pub(crate) fn part_of_next<R: Real, const D: usize>(
     row: &Piece<R, D>,
     next: &Piece<R, D>,
@@ -37,13 +38,13 @@ pub(crate) fn part_of_next<R: Real, const D: usize>(
     if phase.leading_zeros() < distance { None } else { Some(phase.checked_shl(distance).unwrap_or(0)) }
 }
 
-/// What a step over a joint has travelled up to there.
+/// The length that a step over a joint has travelled up to there.
 pub(crate) struct Travelled<R, const D: usize> {
-    /// The way, over the length.
+    /// The chord up to there, over the length of the whole chord.
     pub(crate) before: [R; D],
-    /// The step, over the length.
+    /// The step up to there, over the length.
     pub(crate) part: R,
-    /// What is left of the length, over it.
+    /// The remaining length, over the length.
     pub(crate) left: R,
 }
 
@@ -52,20 +53,20 @@ impl<R: Real, const D: usize> Travelled<R, D> {
         Self { before, part, left: R::one() - R::norm(&before) }
     }
 
-    /// At the begin of a chord.
+    /// The values at the begin of a chord.
     pub(crate) fn nothing() -> Self {
         Self { before: [R::zero(); D], part: R::zero(), left: R::one() }
     }
 }
 
-/// What is travelled at the end of a piece, over the length; `None` if that is the whole length or more.
+/// The values at the end of a piece; `None` if the whole length or more is travelled there.
 pub(crate) fn past<R: Real, const D: usize>(
     before: &[R; D],
     chord: &Chord<'_, R, D>,
     length: R,
 ) -> Option<[R; D]> {
     let across = chord.over(chord.whole).map(|x| x / length);
-    // In halves, for the sum may not fit the format before it is known to be short.
+    // In halves, because the sum may not fit the format before it is known to be short.
     let half: [R; D] = core::array::from_fn(|d| before[d].half() + across[d].half());
     let sum = || core::array::from_fn(|d| (before[d] + across[d]).signal("joint_travelled"));
     (R::norm(&half) < R::one().half()).then(sum)
@@ -79,7 +80,7 @@ pub(crate) struct Reached<R> {
     pub(crate) evaluations: u32,
 }
 
-/// `part + more`, but no more than `greatest`, which `part` is not above.
+/// `part + more`, limited to `greatest`; `part` is not above that.
 pub(crate) fn sum_within<R: Real>(part: R, more: R, greatest: R) -> R {
     part + more.min(greatest - part)
 }

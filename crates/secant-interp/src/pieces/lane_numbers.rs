@@ -1,4 +1,4 @@
-//! What a common step needs of all lanes, side by side.
+//! The numbers of all lanes that a common step needs, side by side.
 
 use real::Real;
 
@@ -12,35 +12,36 @@ pub(crate) type Row<T, const W: usize> = [T; W];
 #[derive(Clone, Debug)]
 #[repr(C, align(64))] // A row does not straddle the lines of the cache.
 pub(crate) struct Words<const W: usize> {
-    /// Where the lanes stand on their pieces.
+    /// Each lane's phase on its piece.
     pub(crate) phase: Row<u64, W>,
-    /// The periods that are left of those that the lane has distances for; [`NONE`] behind one that it had none for.
+    /// The periods that are left of those for which the lane has distances; [`NONE`] after a period for which it had
+    /// none.
     pub(crate) left: Row<u64, W>,
-    /// The middle of the period after the next as a fraction of the stage, and what a period adds to that: a phase and its
-    /// lower word.
+    /// The middle of the period after the next, as a fraction of the stage, and the increment of that per period: each
+    /// is a phase and its lower word.
     pub(crate) middle: [Row<u64, W>; 2],
     pub(crate) period: [Row<u64, W>; 2],
     /// Whether the step was a common one.
     pub(crate) is_common: Row<bool, W>,
 }
 
-/// One less than no periods.
+/// A count of periods that is one less than 0.
 pub(crate) const NONE: u64 = u64::MAX;
 
 /// The numbers of the lanes.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))] // A row does not straddle the lines of the cache.
 pub(crate) struct Numbers<R, const D: usize, const W: usize> {
-    /// σ of the last steps: the newest, its rise, and what the next one is expected to be less.
+    /// σ of the last steps: the newest, its rise, and the fall expected for the next one.
     pub(crate) newest: Row<R, W>,
     pub(crate) rise: Row<R, W>,
     pub(crate) fall: Row<R, W>,
     pub(crate) chord: [[Row<R, W>; D]; CUBIC],
     pub(crate) offset: [Row<R, W>; D],
-    /// Of the pieces n_1 to n_3, and least and greatest step per chord.
+    /// n_1 to n_3 of the pieces, and the least and greatest step per chord.
     pub(crate) numerator: [[Row<R, W>; D]; CUBIC],
     pub(crate) range: [Row<R, W>; 2],
-    /// Of the stages a period's share, the feed at the begin and its change.
+    /// For the stages, the share of a period, the feed at the begin and its change.
     pub(crate) share: Row<R, W>,
     pub(crate) feed: Row<R, W>,
     pub(crate) change: Row<R, W>,
@@ -48,18 +49,18 @@ pub(crate) struct Numbers<R, const D: usize, const W: usize> {
     pub(crate) time: Row<R, W>,
     /// The distance of the period.
     pub(crate) length: Row<R, W>,
-    /// Where the lanes stand on their pieces, and from where on a guess would not be tried; [`nowhere`] in a lane that takes no
-    /// common step.
+    /// Each lane's place on its piece, and the place from which on a guess is not tried; [`nowhere`] in a lane that
+    /// takes no common step.
     pub(crate) t: Row<R, W>,
     pub(crate) end: Row<R, W>,
-    /// The largest |f| that one correction is enough for.
+    /// The largest |f| for which one correction is enough.
     pub(crate) threshold: Row<R, W>,
-    /// σ of this step, and the step on the piece; -1 where one evaluation on the piece did not find it.
+    /// σ of this step, and the step on the piece; -1 if one evaluation on the piece did not find it.
     pub(crate) found: Row<R, W>,
     pub(crate) step: Row<R, W>,
 }
 
-/// No guess ends before it.
+/// A place before which no guess ends.
 pub(crate) fn nowhere<R: Real>() -> R {
     -R::max_value()
 }

@@ -1,16 +1,18 @@
-//! Many runs at once on one core, a lane each.
+//! Many runs at once on one core, one in each lane.
 //!
-//! A step is a chain of some fifty operations, each of which waits for the one before. In the same time a processor with wide
-//! registers takes the steps of eight runs or sixteen, which is what a search over feeds or a simulation of many parts
-//! wants. A [`LaneInterpolator`] keeps what a common step needs of all runs side by side, and takes it for all of them in loops
-//! that the compiler turns into vector instructions: those of the machine that it runs on, chosen at run time. A loop with
-//! words of 64 bits has as many lanes at a time as there are of these in a register; what needs none has loops of its own.
+//! A step is a chain of some fifty operations, each of which waits for the one before. In the same time a processor
+//! with wide registers takes the steps of eight or sixteen runs, which suits a search over feeds or a simulation of
+//! many parts. A [`LaneInterpolator`] keeps the numbers of all runs for a common step side by side, and takes the step
+//! for all of them in loops that the compiler turns into vector instructions. The instructions are those of the machine
+//! that it runs on, chosen at run time. A loop with words of 64 bits has as many lanes at a time as a register has such
+//! words; numbers of fewer bits have loops of their own.
 //!
-//! A common step is one on a cubic without weights that needs one evaluation and stays on its piece, or passes to one that the
-//! same polynomial goes on in. It has two parts, the departure up to the place that it leads to and the arrival there; between
-//! them lanes are given what they lack, the numbers of another piece or of another stage. Whatever else a lane meets it meets
-//! alone, as [`PieceInterpolator::step`] does. So the setpoints are those of [`PieceInterpolator`] bit for bit: a common step is
-//! the same operations in the same order, and counts only where nothing uncommon is seen.
+//! A common step is a step on a cubic without weights that needs one evaluation and stays on its piece, or passes to a
+//! piece of the same polynomial. It has two parts: the departure, up to the place where the step ends, and the arrival,
+//! which computes the point there. Between them, lanes get the numbers of another piece or of another stage where they
+//! need them. In all other cases a lane steps alone, as [`PieceInterpolator::step`] does. So the setpoints are those of
+//! [`PieceInterpolator`] bit for bit: a common step is the same operations in the same order, and counts only if no
+//! other case occurs.
 
 use feed_plan::StageShape;
 use nurbs_core::{Joint, shift};
@@ -40,15 +42,16 @@ fn put<T: Copy, const N: usize, const W: usize>(rows: &mut [Row<T, W>; N], lane:
     }
 }
 
-/// W interpolators side by side, 64 at most, in a format that has vector registers: best four times as many as fit one of
-/// these, 32 or 64, for each loop leaves to the next what that has to wait for.
+/// W interpolators side by side, 64 at most, in a format that has vector registers. W is best four times the lanes of a
+/// register, 32 or 64: each loop then has other work while results are awaited.
 #[derive(Clone, Debug)]
 pub struct LaneInterpolator<'a, R, const D: usize, const W: usize> {
     runs: [PieceInterpolator<'a, R, D>; W],
     states: [PieceState<R, D>; W],
     words: Words<W>,
     numbers: Numbers<R, D, W>,
-    /// Whether a run's place is in its lane, rather than in its state, whose cursor stands behind the periods that are left.
+    /// Whether a run's place is in its lane. If not, it is in its state. While it is in the lane, the state's cursor
+    /// stands behind the periods that are left.
     is_loaded: [bool; W],
     /// The lanes whose runs have ended.
     ended: Mask,
@@ -68,8 +71,8 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
         Self { runs, states, words, numbers, is_loaded: [false; W], ended: 0, alone: [None; W], arch }
     }
 
-    /// Puts another run into a lane, at its start, as when the lane's own has come to its end. Nothing happens for a lane that
-    /// does not exist.
+    /// Puts another run into a lane, at its start, for example when the lane's own run has ended. A lane that does not
+    /// exist is ignored.
     pub fn restart(&mut self, lane: usize, run: PieceInterpolator<'a, R, D>) {
         let Some(place) = self.runs.get_mut(lane) else { return };
         (*place, self.states[lane], self.alone[lane]) = (run, run.start(), None);
@@ -78,9 +81,9 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
         self.ended &= !(1 << lane);
     }
 
-    /// One period of every run; how many of them have a setpoint. 0 once all ends have been commanded.
+    /// Makes one period of every run. Returns how many runs have a setpoint: 0 once all ends have been commanded.
     ///
-    /// What [`PieceInterpolator::step`] promises of a period holds of each run.
+    /// Each run's period has the properties of [`PieceInterpolator::step`].
     pub fn step(&mut self) -> usize {
         let mut due = self.arch.dispatch(Departure(&mut self.words, &mut self.numbers)) & !self.ended;
         while due > 0 {
@@ -91,8 +94,8 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
         W - self.ended.count_ones() as usize
     }
 
-    /// The setpoint of a run in the last period; `None` before the first one, behind the run's end, and for a lane that
-    /// does not exist.
+    /// The setpoint of a run in the last period. `None` before the first period, behind the run's end, and for a lane
+    /// that does not exist.
     #[inline]
     #[must_use]
     pub fn setpoint(&self, lane: usize) -> Option<PieceSetpoint<R, D>> {
@@ -108,7 +111,7 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
         })
     }
 
-    /// What a lane needs between departure and arrival.
+    /// Gives a lane the numbers that it needs between departure and arrival.
     #[inline]
     fn attend(&mut self, lane: usize) {
         if !self.words.is_common[lane] && !self.pass_joint(lane) {
@@ -119,7 +122,7 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
         }
     }
 
-    /// Takes a common step on to the next piece; false if it is none.
+    /// Takes a common step on to the next piece; false if it is not a common step there.
     fn pass_joint(&mut self, lane: usize) -> bool {
         let (run, state, numbers) = (&self.runs[lane], &mut self.states[lane], &mut self.numbers);
         let (step, phase) = (numbers.step[lane], self.words.phase[lane]);
@@ -139,7 +142,7 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
         self.load_piece(lane)
     }
 
-    /// The step of a lane that is not a common one.
+    /// Makes a lane's step alone, because it is not a common one.
     #[cold]
     fn step_alone(&mut self, lane: usize) {
         let is_loaded = self.is_loaded[lane];
@@ -162,7 +165,7 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
         let wanted = planned.map_or(Wanted::Landing, |length| run.planned(length, is_last));
         self.alone[lane] = Some(run.follow_aside(state, row, wanted));
         if state.piece >= run.pieces.pieces.len() {
-            // The end: the periods that are left are those of the schedule's cursor again.
+            // The end: the state's cursor takes back the periods that are left.
             state.cursor.time -= left.unwrap_or(0) * PERIOD;
             self.numbers.end[lane] = nowhere();
             return;
@@ -171,7 +174,7 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
         self.load(lane);
     }
 
-    /// Takes a run's place out of its lane.
+    /// Moves a run's place from its lane to its state.
     fn unload(&mut self, lane: usize) {
         let state = &mut self.states[lane];
         self.is_loaded[lane] = false;
@@ -182,7 +185,7 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
         }
     }
 
-    /// Puts a run's place into its lane, if its steps can be common ones.
+    /// Moves a run's place from its state to its lane, if its steps can be common ones.
     fn load(&mut self, lane: usize) {
         let (run, state, numbers) = (&self.runs[lane], &self.states[lane], &mut self.numbers);
         numbers.put_trend(lane, &state.trend);
@@ -205,14 +208,15 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
         put(&mut numbers.range, lane, row.step_per_chord);
         self.words.phase[lane] = state.phase;
         numbers.t[lane] = state.t;
-        // Where another polynomial follows, a guess that may lead there is not for here.
+        // Where another polynomial follows, a guess that may lead past the end is not tried in the common step.
         let end = R::one() - R::one().scale(-20);
         numbers.end[lane] = if row.joint == Joint::Continues { R::max_value() } else { end };
         true
     }
 
-    /// Puts what the distances of the next periods need into a lane: whole periods in a cubic stage or at constant feed, or
-    /// else one period as one at constant feed. Where the schedule ends, the lane goes on alone.
+    /// Puts the numbers for the distances of the next periods into a lane: for whole periods in a cubic stage or at
+    /// constant feed; in other stages for one period, as one at constant feed. Where the schedule ends, the lane goes
+    /// on alone.
     fn load_lengths(&mut self, lane: usize) {
         let (run, cursor) = (&self.runs[lane], &mut self.states[lane].cursor);
         let (words, numbers) = (&mut self.words, &mut self.numbers);
@@ -255,12 +259,12 @@ fn sum([high, low]: [u64; 2], [more, rest]: [u64; 2]) -> [u64; 2] {
     [high.wrapping_add(more).wrapping_add(u64::from(sum < low)), sum]
 }
 
-/// The common step, compiled for each kind of vector registers: [`PieceInterpolator::step`] without its branches. This is its
-/// first part, up to the place that it leads to.
+/// The first part of a common step, up to the place where it ends. It is [`PieceInterpolator::step`] without its
+/// branches, compiled for each kind of vector registers.
 struct Departure<'a, R, const D: usize, const W: usize>(&'a mut Words<W>, &'a mut Numbers<R, D, W>);
 
 impl<R: Lane, const D: usize, const W: usize> pulp::WithSimd for Departure<'_, R, D, W> {
-    /// Which lanes need more than the common step.
+    /// The lanes that need more than the common step.
     type Output = Mask;
 
     #[inline(always)] // What is called instead is not compiled for them.
@@ -271,7 +275,7 @@ impl<R: Lane, const D: usize, const W: usize> pulp::WithSimd for Departure<'_, R
     }
 }
 
-/// The second part: the point there, and what the next step begins with.
+/// The second part of a common step: the point at its end, and the values with which the next step begins.
 struct Arrival<'a, R, const D: usize, const W: usize>(&'a Words<W>, &'a mut Numbers<R, D, W>);
 
 impl<R: Lane, const D: usize, const W: usize> pulp::WithSimd for Arrival<'_, R, D, W> {
@@ -283,8 +287,8 @@ impl<R: Lane, const D: usize, const W: usize> pulp::WithSimd for Arrival<'_, R, 
     }
 }
 
-/// The place in the stage of the next period: as [`StepLengths::advance`](crate::StepLengths::advance) has it, with the product
-/// of 128 bits carried on from period to period.
+/// The place in the stage of the next period. It is the place of [`StepLengths::advance`](crate::StepLengths::advance),
+/// with the product of 128 bits carried on from period to period.
 #[inline(always)]
 fn advance<R: Lane, const D: usize, const W: usize>(words: &mut Words<W>, numbers: &mut Numbers<R, D, W>) {
     for lane in 0..W {
@@ -323,7 +327,7 @@ fn solve<R: Lane, const D: usize, const W: usize>(numbers: &mut Numbers<R, D, W>
     }
 }
 
-/// The way of the step, in the lanes that stay on their piece.
+/// The place where the step ends, in the lanes that stay on their piece.
 #[inline(always)]
 fn travel<R: Lane, const D: usize, const W: usize>(
     words: &mut Words<W>,
@@ -349,11 +353,11 @@ fn travel<R: Lane, const D: usize, const W: usize>(
     due
 }
 
-/// The point there, and what the next step begins with.
+/// The point where the step ends, and the values with which the next step begins.
 #[inline(always)]
 fn arrive<R: Lane, const D: usize, const W: usize>(words: &Words<W>, numbers: &mut Numbers<R, D, W>) {
     for lane in 0..W {
-        // A lane that went alone has the trend with its step.
+        // A lane that stepped alone has its trend from that step.
         let (old, is_common) = (numbers.trend(lane), words.is_common[lane]);
         let new = old.and(numbers.found[lane]);
         numbers.newest[lane] = if is_common { new.newest } else { old.newest };

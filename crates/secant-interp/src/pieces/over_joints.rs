@@ -1,8 +1,9 @@
 //! Steps over the joints of pieces.
 //!
-//! A step that leads past the end of its piece ends on another. Where the polynomial goes on there, its end is only expressed on the
-//! next piece (`pass_joint`). At a knot another polynomial begins: the way up to the knot is taken off the chord, and the rest is solved
-//! on the next piece, or on the one behind it (`find_across`). At a corner the rest is the length of a chord of its own.
+//! A step that leads past the end of its piece ends on another piece. Where the polynomial continues, only the end of
+//! the step is converted to the next piece (`pass_joint`). At a knot another polynomial begins: the length up to the
+//! knot is subtracted from the chord, and the remaining length is solved on the next piece, or on one behind it
+//! (`find_across`). At a corner the remaining length is that of a chord of its own.
 
 use nurbs_core::{Joint, Piece, Shifted};
 use real::Real;
@@ -15,7 +16,7 @@ use crate::pieces::state::PieceState;
 use crate::pieces::trend::Trend;
 
 impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
-    /// A step of a phase that leads past the end of the piece; the evaluations.
+    /// Makes a step of a given phase that leads past the end of the piece. Returns the evaluations.
     #[cold]
     #[inline(never)]
     pub(crate) fn pass_end(
@@ -32,7 +33,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         step.evaluations + self.cross(state, row, travelled, length)
     }
 
-    /// What a step travels up to the end of the present piece.
+    /// The part of a step up to the end of the present piece.
     #[inline]
     pub(crate) fn way_to_end(
         &self,
@@ -45,8 +46,9 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         Travelled::new(way.map(|x| x / length), step / length)
     }
 
-    /// Where a step of a phase leads that is past the end of a piece whose polynomial goes on; the trend comes into the scale
-    /// of the next piece. `None` if another polynomial follows there, or the step is none that was found on this one.
+    /// The place where a step of a given phase ends behind the end of a piece whose polynomial continues; the trend is
+    /// converted to the scale of the next piece. `None` if another polynomial follows, or if the step was not found on
+    /// this piece.
     #[inline]
     pub(crate) fn pass_joint(
         &self,
@@ -60,16 +62,18 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         if row.joint != Joint::Continues || !is_found {
             return None;
         }
-        // Beyond the end lies what is more than the rest: nothing of a step that leads to the last phase.
+        // The part of the step that exceeds `rest` lies beyond the end: no part of a step that leads to the last phase
+        // does.
         let rest = phase.wrapping_neg(); // 2⁶⁴ - phase
         let phase = part_of_next(row, next, step.phase.saturating_sub(rest))?;
         *trend = trend.into_next(row, next);
         Some(Reached { piece: step.piece + 1, phase, sigma: into_next(row, next, step.sigma), ..*step })
     }
 
-    /// A step over one joint or more, with what was travelled at the first; the evaluations.
+    /// Makes a step over one joint or more, with the length travelled up to the first. Returns the evaluations.
     ///
-    /// It is rare, and one form of it serves all degrees: a second would cost a controller more flash than it saves time.
+    /// It is rare, and one form of it serves all degrees: a second form would cost a controller more flash than it
+    /// saves time.
     #[cold]
     #[inline(never)]
     pub(crate) fn cross(
@@ -87,8 +91,9 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         evaluations
     }
 
-    /// The end of a step over joints. Pieces that end nearer than the length are passed, and the rest is solved on the next. Behind
-    /// a corner, where the tangent breaks, what is left of the length is the length of a chord that begins there.
+    /// The end of a step over joints. A piece that ends within the length is passed, and the remaining length is solved
+    /// on the next. Behind a corner, where the tangent breaks, the remaining length is that of a chord that begins
+    /// there.
     #[inline]
     fn find_across(
         &self,
@@ -123,7 +128,8 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
                 expected
             } else {
                 on_next = Chord { before: Some(before), range: [R::zero(), greatest], ..on_next };
-                // What is left begins later than a whole chord and ends with it: σ has gone on by half of that.
+                // The remaining part begins later than a whole chord and ends with it: σ has gone on by half of that
+                // difference.
                 let earlier = ((trend.newest - expected) * (R::one() - left)).half();
                 (expected - within(earlier, expected, &next.step_per_chord)) * left
             };
@@ -148,14 +154,14 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     }
 }
 
-/// σ of a short chord from the begin of a piece, in its range: 1/|C'|, of C' as the chord's first coefficient.
+/// σ of a short chord from the begin of a piece, in its range: 1/|C'|, where the chord's first coefficient gives C'.
 fn first_step_per_chord<R: Real, const D: usize>(chord: &[R; D], range: &[R; 2]) -> R {
     let speed = R::norm(chord);
     if speed > R::zero() { (R::one() / speed).max(range[0]).min(range[1]) } else { range[1] }
 }
 
-/// Whether a root was found rather than the end of its range. The range is that of one piece: over a joint, the mean
-/// step per chord may lie beyond it.
+/// Whether σ is a root and not the end of its range. The range is that of one piece; over a joint, the mean step per
+/// chord may lie beyond it.
 fn is_inside<R: Real>(sigma: R, range: &[R; 2]) -> bool {
     range[0] < sigma && sigma < range[1]
 }

@@ -1,6 +1,6 @@
 //! The real-time loop on compiled pieces: positions as (piece, phase), chords without loss.
 //!
-//! What a period does, from top to bottom; what stands further right is rarer:
+//! The decisions of a period, from top to bottom. The further right, the rarer:
 //!
 //! ```text
 //! step ──────── is the distance of this period known? ─── no ──────────> step_anew: look it up; behind the plan's end, creep
@@ -25,22 +25,23 @@ use crate::pieces::state::{PieceSetpoint, PieceState};
 use crate::pieces::trend::Trend;
 use crate::step_lengths::{LengthCursor, StepLengths};
 
-/// Pieces, schedule and tolerances: what does not change during a run.
+/// Pieces, schedule and tolerances: all values that stay the same during a run.
 #[derive(Clone, Copy, Debug)]
 pub struct PieceInterpolator<'a, R, const D: usize> {
     /// The path.
     pub pieces: Pieces<'a, R, D>,
-    /// The distances to travel, a period each, in the pieces' chord units.
+    /// The distances to travel, one for each period, in the pieces' chord units.
     pub lengths: StepLengths<'a, R>,
     /// When the solver stops.
     pub tolerance: ChordTolerance<R>,
-    /// The longest step from which the axes come to rest within one period, A·T², in chord units. The pieces are compiled for
-    /// steps that are longer by this than the longest planned one ([`PieceLimits::step_mm`](nurbs_core::PieceLimits)).
+    /// The longest step from which the axes come to rest within one period, A·T², in chord units. The pieces must be
+    /// compiled for steps that exceed the longest planned one by this
+    /// ([`PieceLimits::step_mm`](nurbs_core::PieceLimits)).
     pub landing_step: R,
 }
 
-/// The degree that steps are compiled for besides all others, with the feature `cubic`: chains of three coefficients are
-/// unrolled.
+/// With the feature `cubic`, steps are also compiled for this degree alone: the compiler unrolls chains of three
+/// coefficients.
 pub(crate) const CUBIC: usize = 3;
 
 impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
@@ -76,8 +77,8 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         state
     }
 
-    /// σ of the first chord, found from the middle of the piece's range for want of a history. It is sought before the run, where
-    /// evaluations do not count: guesses from a history that is none would be off by most of the range.
+    /// σ of the first chord. There is no history, so it is found from the middle of the piece's range, before the run,
+    /// where evaluations do not count. Guesses from an arbitrary history would be off by most of the range.
     fn first_step_per_chord(&self, state: &PieceState<R, D>, row: &Piece<R, D>) -> R {
         let [low, high] = row.step_per_chord;
         let length = state.ahead.unwrap_or(self.landing_step);
@@ -87,19 +88,21 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
 
     /// The next setpoint; `None` once the end of the path has been commanded and the schedule is over.
     ///
-    /// The position never goes back and never passes the end. As in [`Interpolator`](crate::Interpolator), a step
-    /// that would reach the end lands on it: a run that rounding has brought there early stands on the end until its schedule is
-    /// over. A rest that rounding has left after the schedule's end is travelled in landing steps. Each of them moves on, in a format too coarse for the landing step by as much more as
-    /// it takes, so that every run ends. On one piece a step takes one re-expansion and at most `max_evaluations`
-    /// evaluations, and each further piece that it touches takes no more than that again.
+    /// The position never goes back and never passes the end. As in [`Interpolator`](crate::Interpolator), a step that
+    /// would reach the end lands on it. A run that rounding has brought there early stands on the end until its
+    /// schedule is over. If rounding has left a part of the path behind the schedule's end, the run travels it in
+    /// landing steps. In a format too coarse for the landing step, the step is doubled until it moves the position, so
+    /// that every run ends. On one piece a step takes one re-expansion and at most `max_evaluations` evaluations; each
+    /// further piece that it touches takes at most as many again.
     ///
-    /// A step over a corner, at which the tangent breaks, goes from corner to corner: the sum of these chords is the length. A chord
-    /// over which the path turns by more than 60° without one may come out shorter than planned: steps per chord are held to a
-    /// sixteenth above that of the piece's slowest point, and the arc over such a chord is longer by more.
+    /// A step over a corner, at which the tangent breaks, goes from corner to corner: the sum of these chords is the
+    /// length. A chord may come out shorter than planned if the path turns over it by more than 60° without a corner:
+    /// steps per chord are limited to a sixteenth above that of the piece's slowest point, and such a chord has an arc
+    /// that is longer by more.
     ///
-    /// The distance of the next period is formed a period early, so a state keeps to one schedule.
+    /// The distance of the next period is computed a period early, so a state must keep to one schedule.
     ///
-    /// It is compiled into its caller: where flash is short, it is called from one place.
+    /// The function is compiled into its caller: where flash is short, call it from one place.
     #[inline(always)] // Called, it takes a tenth longer in fixed point: the state and the setpoint go through memory.
     pub fn step(&self, state: &mut PieceState<R, D>) -> Option<PieceSetpoint<R, D>> {
         let Some(row) = self.pieces.pieces.get(state.piece) else {
@@ -111,7 +114,8 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         Some(self.follow(state, row, wanted))
     }
 
-    /// A period whose distance is not known yet, as after one at another feed, or that lies behind the schedule's end.
+    /// A period whose distance is not known yet, as after a period at another feed, or a period behind the schedule's
+    /// end.
     #[cold]
     #[inline(never)]
     fn step_anew(&self, state: &mut PieceState<R, D>, row: &Piece<R, D>) -> PieceSetpoint<R, D> {
@@ -120,8 +124,8 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         self.follow_aside(state, row, wanted)
     }
 
-    /// The chord of the period that was looked up, of this length. The distance of the one behind it is formed a period early: the
-    /// processor has it ready by the time that this step is found.
+    /// The chord of the period that was looked up, of this length. The distance of the period after it is computed now,
+    /// so that the processor has it ready by the time this step is found.
     #[inline(always)]
     fn take_ahead(&self, state: &mut PieceState<R, D>, length: R) -> Wanted<R> {
         state.cursor = state.next;
@@ -129,13 +133,15 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         self.planned(length, state.ahead.is_none())
     }
 
-    /// The next setpoint, a chord of this length on, whatever the schedule says; `None` once the end of the path has been
-    /// commanded. For who decides on the feed elsewhere: a planner of one's own, a handwheel, a spindle that leads.
+    /// The next setpoint, at a chord of this length, whatever the schedule says; `None` once the end of the path has
+    /// been commanded. It is for a program that decides on the feed elsewhere: a planner of its own, a handwheel, a
+    /// spindle that leads.
     ///
-    /// `length` is in the pieces' chord units, 2^-λ mm ([`Pieces::chord_exponent`]), and no longer than the steps that they were
-    /// compiled for ([`PieceLimits::step_mm`](nurbs_core::PieceLimits)): beyond, numbers of fixed point may wrap, and the
-    /// setpoint has no meaning. What is not above 0 gives the setpoint of the period before. A step that would pass the end
-    /// of the path lands on it, and is the last one. The schedule stays where it is.
+    /// `length` is in the pieces' chord units, 2^-λ mm ([`Pieces::chord_exponent`]), and no longer than the steps that
+    /// the pieces were compiled for ([`PieceLimits::step_mm`](nurbs_core::PieceLimits)). With a longer one, numbers of
+    /// fixed point may wrap, and the setpoint has no meaning. A length that is not above 0 gives the setpoint of the
+    /// period before. A step that would pass the end of the path lands on it, and is the last one. The schedule stays
+    /// where it is.
     ///
     /// As [`step`](Self::step), it is compiled into its caller.
     #[inline(always)] // As `step` is.
@@ -157,7 +163,8 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         PieceSetpoint { piece, phase, offset, length: R::zero(), evaluations: 0 }
     }
 
-    /// What the schedule wants of a period in which a run stands, for it came to the end of its path before its schedule is over.
+    /// The distance that the schedule has for a period in which a run stands, because it came to the end of its path
+    /// before its schedule is over.
     #[cold]
     #[inline(never)]
     pub(crate) fn wait(&self, state: &mut PieceState<R, D>) -> Option<R> {
@@ -170,7 +177,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         Some(length)
     }
 
-    /// What the next period takes of the schedule, from where the cursor stands.
+    /// Takes the next period's distance from the schedule.
     #[cold]
     #[inline(never)]
     fn look_ahead(&self, state: &mut PieceState<R, D>) {
@@ -208,8 +215,8 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         self.follow(state, row, wanted)
     }
 
-    /// A chord of the plan. In the schedule's last period the step reaches further by a landing step, so that what rounding has
-    /// left of the path is travelled in it.
+    /// A chord of the plan. In the schedule's last period the step reaches further by a landing step, so that it
+    /// includes any part of the path that rounding has left.
     #[inline(always)]
     pub(crate) fn planned(&self, length: R, is_last: bool) -> Wanted<R> {
         let length = length.signal("chord_length");
@@ -217,7 +224,8 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         Wanted::Chord { length, reach }
     }
 
-    /// One period on pieces of degree N, or with [`MAX_DEGREE`] on any; if PLAIN only on those without weights.
+    /// One period on pieces of degree N, or with [`MAX_DEGREE`] on pieces of any degree; if PLAIN, only on pieces
+    /// without weights.
     #[inline(always)]
     fn follow_on<const N: usize, const PLAIN: bool>(
         &self,
@@ -283,8 +291,8 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         length
     }
 
-    /// σ of a common step: on the present piece, where the guess and one correction are enough. If they are not, the evaluation
-    /// of the guess; nothing of a guess that is out of range or leads past the piece.
+    /// σ of a common step: on the present piece, if the guess and one correction are enough. If they are not, the
+    /// evaluation of the guess. If the guess is out of range or leads past the piece, `None` instead of an evaluation.
     #[inline(always)]
     fn find_ahead<const N: usize, const PLAIN: bool>(
         &self,
@@ -303,7 +311,8 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         chord.correct(guess, step, &self.tolerance).map_err(Some)
     }
 
-    /// The polynomials where a step arrived that was no common one; the piece that they are of.
+    /// Shifts the polynomials to the place where a step arrived that was not a common one. Returns the index of their
+    /// piece.
     #[cold]
     #[inline(never)]
     fn arrive<const N: usize, const PLAIN: bool>(&self, state: &mut PieceState<R, D>) -> usize {
@@ -320,8 +329,8 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         of
     }
 
-    /// A step whose guess is not in the range of its piece, or leads past it: past its end, where that is nearer than the length,
-    /// for the guess may be wrong; the evaluations.
+    /// Makes a step whose guess is not in the range of its piece or leads past it. The guess may be wrong, so the step
+    /// passes the piece's end only if the end is nearer than the length. Returns the evaluations.
     #[cold]
     #[inline(never)]
     fn search(&self, state: &mut PieceState<R, D>, row: &Piece<R, D>, length: R) -> u32 {
@@ -336,7 +345,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         self.travel(state, row, length, found)
     }
 
-    /// A step on the present piece where the evaluation of the guess is not enough; the evaluations.
+    /// Makes a step on the present piece where the evaluation of the guess is not enough. Returns the evaluations.
     #[cold]
     #[inline(never)]
     fn refine<const N: usize, const PLAIN: bool>(
@@ -352,7 +361,8 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         self.travel(state, row, length, found)
     }
 
-    /// A step of this σ from the present piece, found with so many evaluations; all evaluations.
+    /// Makes a step of this σ from the present piece, which took `evaluations` evaluations to find. Returns all
+    /// evaluations.
     fn travel(
         &self,
         state: &mut PieceState<R, D>,
@@ -370,7 +380,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         self.pass_end(state, row, length, &step)
     }
 
-    /// The chord on a piece, from the point about which it was shifted: in the form that serves all.
+    /// The chord on a piece, from the point about which it was shifted, in the form for every degree.
     pub(crate) fn chord<'b>(&self, row: &Piece<R, D>, at: &'b Shifted<R, D>, length: R) -> Chord<'b, R, D> {
         self.chord_on(row, row.whole(), at, length)
     }
@@ -387,7 +397,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         Chord {
             at,
             degree: self.pieces.degree,
-            // Of a degree that is known, the compiler knows this as well.
+            // If the degree is known at compile time, so is this.
             rational: if N < MAX_DEGREE { !PLAIN } else { self.pieces.is_rational() },
             range_exponent: i32::from(row.range_exponent),
             whole,
@@ -401,8 +411,8 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
 /// The chord of a period.
 #[derive(Clone, Copy)]
 pub(crate) enum Wanted<R> {
-    /// A chord of this length; the step is made as if it were `reach`, and ends where the path does.
+    /// A chord of this length. The step is solved for `reach`, and ends where the path does if the path ends within it.
     Chord { length: R, reach: R },
-    /// What is left behind the schedule's end, in landing steps.
+    /// A landing step on the part of the path behind the schedule's end.
     Landing,
 }

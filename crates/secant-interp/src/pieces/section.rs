@@ -1,7 +1,7 @@
-//! A path and its plan from one rest to the next: what a run is made of.
+//! A path and its plan from one rest to the next, which make one run.
 //!
-//! A section of the plan rests at a joint of two pieces. A run of the pieces up to there, by the section's stages, lands on the rest as
-//! on the end of a path, and the next begins there, on time.
+//! A section of the plan rests at a joint of two pieces. The run of the section takes the pieces up to there and the
+//! section's stages. It lands on the rest as on the end of a path, and the next run begins there, on time.
 
 #[cfg(feature = "alloc")]
 use alloc::vec::Vec;
@@ -21,8 +21,9 @@ pub struct Section {
     pub stages: Range<usize>,
 }
 
-/// The sections of a path of so many pieces, in order. For each section of its plan `ends` has the number of stages up to its end, and
-/// of the piece that begins where it rests. A section that rests at no joint, or at none behind the one before, goes on with the next.
+/// The sections of a path of `pieces` pieces, in order. For each section of its plan, `ends` has the number of stages
+/// up to its end, and the number of the piece that begins where it rests. A section without such a joint, or with a
+/// joint not behind the one before, is joined to the next.
 #[cfg(feature = "alloc")]
 pub(crate) fn sections(ends: &[(usize, Option<usize>)], pieces: usize) -> Vec<Section> {
     let (mut found, mut piece, mut stage) = (Vec::new(), 0, 0);
@@ -39,7 +40,8 @@ pub(crate) fn sections(ends: &[(usize, Option<usize>)], pieces: usize) -> Vec<Se
 }
 
 impl<'a, R: Real, const D: usize> PieceInterpolator<'a, R, D> {
-    /// The run of one section: its setpoints number pieces from the section's first. It ends on the stop.
+    /// The run of one section, which ends on the stop. The piece numbers of setpoints count from the section's first
+    /// piece.
     #[must_use]
     pub fn on(&self, section: &Section) -> PieceInterpolator<'a, R, D> {
         let stages = self.lengths.stages.get(section.stages.clone()).unwrap_or_default();

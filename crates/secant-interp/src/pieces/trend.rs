@@ -1,4 +1,4 @@
-//! How the step per chord has gone over the last steps, and where it is expected to go.
+//! The steps per chord of the last steps, and the value expected for the next.
 
 use nurbs_core::Piece;
 use real::Real;
@@ -6,54 +6,54 @@ use real::Real;
 use crate::pieces::chord_step::within;
 use crate::pieces::joint::into_next;
 
-/// σ of the last step, and its differences to those before, all in the scale of one piece. They are kept instead of the σ
-/// themselves: a step has less to form and to move.
+/// σ of the last step, and its differences to those before, all in the scale of one piece. The differences are kept
+/// instead of the σ themselves, because a step then has fewer numbers to compute and to move.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Trend<R> {
     /// σ_i.
     pub(crate) newest: R,
     /// σ_i - σ_{i-1}.
     pub(crate) rise: R,
-    /// What the next one, `3σ_i - 3σ_{i-1} + σ_{i-2}`, is less than σ_i.
+    /// By how much the expected next σ, `3σ_i - 3σ_{i-1} + σ_{i-2}`, is less than σ_i.
     pub(crate) fall: R,
 }
 
 impl<R: Real> Trend<R> {
-    /// As if it had always been this.
+    /// The trend of a constant σ.
     pub(crate) fn steady(sigma: R) -> Self {
         Self { newest: sigma, rise: R::zero(), fall: R::zero() }
     }
 
-    /// Of the last three, newest first.
+    /// The trend of the last three σ, newest first.
     fn of([newest, middle, oldest]: [R; 3]) -> Self {
         Self { newest: middle, rise: middle - oldest, fall: R::zero() }.and(newest)
     }
 
-    /// The last three, newest first: exactly in fixed point, but for rounding in floats.
+    /// The last three σ, newest first: exact in fixed point, up to rounding in floats.
     fn sigmas(&self) -> [R; 3] {
         let middle = self.newest - self.rise;
         [self.newest, middle, middle - (self.fall + self.rise + self.rise)]
     }
 
-    /// With σ of another step that was made.
+    /// The trend after another step, which had `sigma`.
     #[inline(always)]
     pub(crate) fn and(&self, sigma: R) -> Self {
         let rise = sigma - self.newest;
         Self { newest: sigma, rise, fall: (self.rise - rise - rise).signal("step_per_chord_fall") }
     }
 
-    /// The next one, within the range.
+    /// The expected next σ, limited to the range.
     pub(crate) fn next(&self, range: &[R; 2]) -> R {
         self.newest - self.within(range).fall
     }
 
-    /// With the next one within the range: to be said behind a step that was no common one, nor passed to a piece of the same
-    /// polynomial, for what breaks a trend there would lead the guess of the next step far off.
+    /// The trend with its expected σ limited to the range. It is needed after a step that was not a common one and did
+    /// not pass to a piece of the same polynomial: a break of the trend there would lead the next guess far off.
     pub(crate) fn within(&self, range: &[R; 2]) -> Self {
         Self { fall: within(self.fall, self.newest, range), ..*self }
     }
 
-    /// In the scale of the next piece, each σ within its range.
+    /// The trend in the scale of the next piece, each σ limited to its range.
     pub(crate) fn into_next<const D: usize>(self, row: &Piece<R, D>, next: &Piece<R, D>) -> Self {
         Self::of(self.sigmas().map(|sigma| into_next(row, next, sigma)))
     }
