@@ -3,8 +3,8 @@
 use std::sync::OnceLock;
 
 use feed_plan::{
-    CommandedCurve, EndFeeds, FeedLimit, KinematicLimits, PlanError, ProfileKind, Schedule, Stage,
-    StageShape, plan_through_window, plan_with, sections,
+    CommandedCurve, EndFeeds, FeedLimit, KinematicLimits, PlanError, Planned, ProfileKind, Schedule, Stage,
+    StageShape, plan_through_window, sections,
 };
 use nurbs_core::{Differentiate, NurbsBuf};
 use real::{Backend, DoubleDouble, Real};
@@ -24,6 +24,23 @@ pub struct ExactPlan {
     profile: ProfileKind,
     /// What [`limit`](Self::limit) gives: of a plan in f64 the limit that it was made under, of any other once somebody has asked.
     limit: OnceLock<FeedLimit<f64>>,
+}
+
+/// Plans the problem with its curves and limits in the format `R`.
+fn planned<R: Backend, C: Differentiate<R, D>, const D: usize>(
+    curves: &[C],
+    limits: &KinematicLimits<R>,
+    problem: &Problem<D>,
+    end_feeds_mm_per_s: [f64; 2],
+    profile: ProfileKind,
+) -> Result<Planned<R>, Refusal> {
+    let shares = problem.feed_shares.iter().map(|share| in_format("feedrate of a move", *share));
+    let shares = shares.collect::<Result<Vec<R>, _>>()?;
+    let feed_of = |curve: usize| shares.get(curve).map_or(limits.feedrate, |share| limits.feedrate * *share);
+    let limit = FeedLimit::along_with_stops(curves, limits, &problem.stops)?.capped(feed_of)?;
+    let [start, end] = end_feeds_mm_per_s.map(|feed| feed * problem.period_s());
+    let ends = EndFeeds { start: in_format("start feed", start)?, end: in_format("end feed", end)? };
+    Ok(Planned::under(limit, curves, limits, ends, profile)?)
 }
 
 impl ExactPlan {
@@ -48,43 +65,23 @@ impl ExactPlan {
         profile: ProfileKind,
     ) -> Result<Self, Refusal> {
         if R::name() == f64::name() {
-            let limits = problem.limits_per_period()?;
-            let (plan, limit) = Self::along(
-                &problem.fast_curves(),
-                &limits_in_format::<f64>(&limits)?,
-                problem,
-                end_feeds_mm_per_s,
-                profile,
-            )?;
-            return Ok(Self { limit: limit.into(), ..plan });
+            let limits = limits_in_format::<f64>(&problem.limits_per_period()?)?;
+            let planned = planned(&problem.fast_curves(), &limits, problem, end_feeds_mm_per_s, profile)?;
+            let plan = Self::of(&planned, profile);
+            return Ok(Self { limit: planned.limit.into(), ..plan });
         }
         let limits = limits_in_format::<R>(&problem.limits_per_period()?)?;
         let curves = problem.curves.iter().map(NurbsBuf::convert::<R>).collect::<Result<Vec<_>, _>>()?;
         let curves: Vec<_> = curves.iter().map(NurbsBuf::as_curve).collect();
-        Self::along(&curves, &limits, problem, end_feeds_mm_per_s, profile).map(|(plan, _)| plan)
+        Ok(Self::of(&planned(&curves, &limits, problem, end_feeds_mm_per_s, profile)?, profile))
     }
 
-    /// The plan of the problem's curves and limits, both in the format `R`, and the largest feed at each distance that it was made under.
-    fn along<R: Backend, C: Differentiate<R, D>, const D: usize>(
-        curves: &[C],
-        limits: &KinematicLimits<R>,
-        problem: &Problem<D>,
-        end_feeds_mm_per_s: [f64; 2],
-        profile: ProfileKind,
-    ) -> Result<(Self, FeedLimit<R>), Refusal> {
-        let shares = problem.feed_shares.iter().map(|share| in_format("feedrate of a move", *share));
-        let shares = shares.collect::<Result<Vec<R>, _>>()?;
-        let feed_of =
-            |curve: usize| shares.get(curve).map_or(limits.feedrate, |share| limits.feedrate * *share);
-        let feed_limit = FeedLimit::along_with_stops(curves, limits, &problem.stops)?.capped(feed_of)?;
-        let [start, end] = end_feeds_mm_per_s.map(|feed| feed * problem.period_s());
-        let ends = EndFeeds { start: in_format("start feed", start)?, end: in_format("end feed", end)? };
-        let schedule = plan_with(&feed_limit, limits, ends, profile)?;
-        let chords = feed_limit.in_chords(curves, &schedule);
-        let periods = chords.as_schedule().periods();
-        let [arcs, chords] = [&schedule, &chords]
+    /// The numbers of a plan in the format `R`, without its limit.
+    fn of<R: Backend>(planned: &Planned<R>, profile: ProfileKind) -> Self {
+        let [arcs, chords] = [&planned.arcs, &planned.chords]
             .map(|schedule| on_the_grid(schedule.stages().iter().map(|stage| stage.map(exact))));
-        Ok((Self { arcs, chords, periods, profile, limit: OnceLock::new() }, feed_limit))
+        let periods = planned.chords.as_schedule().periods();
+        Self { arcs, chords, periods, profile, limit: OnceLock::new() }
     }
 
     /// Plans `problem` in f64 with no more than `window_mm` in view at a time, from rest to rest. At each stop the plan
