@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use crate::wrapper::{Wrapper, with_each, wrapper};
 use crate::{Backend, FormatName, Histogram, Operation, Real};
 
-/// What happened while [`Audit::of`] watched.
+/// The record that [`Audit::of`] makes of a run.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Audit {
     /// Number of results too large for the format: they wrapped, saturated, or became infinite or NaN. In fixed point a

@@ -32,7 +32,7 @@ impl Rounding {
     }
 }
 
-/// What becomes of a sum or product that does not fit. Quotients, roots and norms always saturate.
+/// Whether a sum or product that does not fit wraps or saturates. Quotients, roots and norms always saturate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Overflow {
     /// The high bits are lost.

@@ -55,7 +55,7 @@ where
         self.0.to_bits().as_()
     }
 
-    /// Keeps the low bits: what does not fit wraps.
+    /// Keeps the low bits: a result that does not fit wraps.
     #[inline]
     fn wrap(wide: WideBits<F>) -> Self {
         Self(F::from_bits(wide.as_()))

@@ -169,7 +169,7 @@ mod power_of_two {
     }
 }
 
-/// What conversions from and to phases know of the layout of a float.
+/// The layout of a float, as conversions from and to phases use it.
 mod phase {
     macro_rules! layout {
         ($float:ident, $digits:literal, $spared:literal, $integer:ident) => {

@@ -26,7 +26,7 @@ fn id(place: usize) -> NodeId {
     NodeId(u32::try_from(place).unwrap_or(u32::MAX)) // so many nodes would not fit the memory
 }
 
-/// What a node stands for.
+/// The meaning of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum NodeKind {
@@ -144,7 +144,7 @@ impl Graph {
 /// A graph as it grows.
 #[derive(Default)]
 struct Recording {
-    /// Tells the numbers of this recording from those of others; 0 is none.
+    /// Marks the numbers of this recording; 0 stands for no recording.
     number: u32,
     graph: Graph,
     constants: HashMap<(u64, u64), NodeId>,

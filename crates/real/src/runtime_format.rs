@@ -91,7 +91,7 @@ impl RuntimeFormat {
         self.datapath.rounding
     }
 
-    /// What sums and products do that do not fit.
+    /// Whether sums and products that do not fit wrap or saturate.
     #[must_use]
     pub const fn overflow(&self) -> Overflow {
         self.datapath.overflow

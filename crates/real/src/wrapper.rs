@@ -1,6 +1,6 @@
 //! The common part of the wrappers: the backend inside does each operation, and the wrapper is shown it.
 //!
-//! A wrapper says in [`Wrapper`] what it does with an operation; the macro `wrapper!` makes a
+//! A wrapper implements [`Wrapper`], which is called for each operation; the macro `wrapper!` makes a
 //! [`Backend`](crate::Backend) of it. The operators belong to core, so that a blanket implementation is not possible.
 
 use core::cmp::Ordering;
@@ -8,7 +8,7 @@ use core::fmt::Debug;
 
 use crate::{Backend, Operation, Real};
 
-/// A value of a backend, with what is known about it besides.
+/// A value of a backend, with the data that a wrapper keeps about it.
 pub(crate) trait Wrapper: Copy + Debug + Default {
     /// The backend inside.
     type Inner: Backend;

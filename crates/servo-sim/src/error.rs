@@ -168,7 +168,7 @@ impl fmt::Display for ServoError {
             ),
             Self::StaysBehind { reach_mm, commanded_mm } => write!(
                 f,
-                "the table does not follow: it goes {reach_mm:.4} mm far from the start, the path {commanded_mm:.4} mm"
+                "the table does not follow: it goes {reach_mm:.4} mm from the start, the path goes {commanded_mm:.4} mm"
             ),
             Self::DoesNotTurn { turned_degrees } => {
                 // Adding 0 turns -0.0 into 0.0.

@@ -271,7 +271,7 @@ mod tests {
         assert!(servo.step([f64::NAN], &mut Vec::new()).is_err());
     }
 
-    /// A setpoint that fits the format, but whose velocity does not: the motor's position is then no number.
+    /// A setpoint that fits the format, but whose velocity does not: the motor's position is then NaN or infinite.
     #[test]
     fn a_motor_that_leaves_the_numbers_is_an_error() {
         let mut servo = Servo::<f64, 1>::try_new(&[ServoParameters::new(50.7, 0.39)], T, [0.0]).unwrap();

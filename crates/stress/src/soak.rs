@@ -227,7 +227,7 @@ pub struct SoakedPath {
     pub runs: Vec<SoakedRun>,
     /// The result of a second run of the path in f64, with its operations counted.
     pub counted: Option<PieceFigures>,
-    /// What was broken.
+    /// The promises that were broken.
     pub violations: Vec<SoakViolation>,
 }
 

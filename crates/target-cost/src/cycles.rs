@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 pub struct Cycles {
     /// The fewest.
     pub low: f64,
-    /// What to expect.
+    /// The number to expect.
     pub typical: f64,
     /// The most.
     pub high: f64,

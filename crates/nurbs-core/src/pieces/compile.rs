@@ -55,7 +55,7 @@ pub fn compile_with_stops<H: Backend, R: Backend, const D: usize>(
     }
     let mut before = (0, f64::NEG_INFINITY);
     for (index, stop) in stops.iter().enumerate() {
-        let is_in_order = before <= *stop; // not so for what is no number
+        let is_in_order = before <= *stop; // false for NaN
         if !is_in_order {
             return Err(CompileError::StopOutOfOrder { index });
         }

@@ -73,7 +73,7 @@ impl core::fmt::Display for CompileError {
                 write!(f, "{what} must be positive and finite, not {value}")
             }
             Self::StopOutOfOrder { index } => {
-                write!(f, "stop {index} is not a number, or before the one before it")
+                write!(f, "stop {index} is not a number, or lies before the stop ahead of it in the list")
             }
             Self::Cusp { curve, parameter } => {
                 write!(f, "curve {curve} does not move near u = {parameter}: its derivative vanishes there")
@@ -81,8 +81,8 @@ impl core::fmt::Display for CompileError {
             Self::SpeedOutOfRange { curve, parameter } => {
                 write!(
                     f,
-                    "curve {curve} has no speed near u = {parameter}, or one whose inverse the format does not hold: weights \
-                     too far apart, or a curve too small or too large"
+                    "the speed of curve {curve} near u = {parameter}, or its inverse, does not fit the format: weights are too \
+                     far apart, or the curve is too small or too large"
                 )
             }
             Self::DoesNotFit { signal, bound, integer_bits, format } => {

@@ -242,7 +242,7 @@ mod tests {
             // Polygons of 400 sides leave an arc of 20 mm and a full turn by 6e-4 mm at most.
             prop_assert!(deviation(&moves, &path) <= tolerance + 7e-4, "{}", deviation(&moves, &path));
             for corner in 0..2 {
-                // An arc that all but turns back, or bends a lot within what the tolerance would cut off, may leave no room.
+                // An arc that almost turns back, or bends a lot within the distance of a cut, may leave no room.
                 let turn = path.corners[corner].turn.turn_rad;
                 let may_lack_room = radius < 10.0 * tolerance || turn > 160.0_f64.to_radians();
                 let is_expected = match reason(&path, corner) {

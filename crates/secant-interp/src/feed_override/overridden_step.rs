@@ -10,8 +10,8 @@ use crate::pieces::piece_interpolator::{PieceInterpolator, Wanted};
 use crate::pieces::place::step_to_end;
 use crate::pieces::state::{PieceSetpoint, PieceState};
 
-/// An overridden run this near to the end in the last period of its schedule lands at once. A distance of 2⁻⁵ J T³ more
-/// in that period is twice as much jerk.
+/// An overridden run this near to the end in the last period of its schedule lands at once: a step that is longer by
+/// 2⁻⁵ J T³ adds twice that to the jerk.
 const REACH: i32 = -5;
 
 impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {

@@ -5,7 +5,7 @@
 //! many parts. A [`LaneInterpolator`] keeps the numbers of all runs for a common step side by side, and takes the step
 //! for all of them in loops that the compiler turns into vector instructions. The instructions are those of the machine
 //! that it runs on, chosen at run time. A loop with words of 64 bits has as many lanes at a time as a register has such
-//! words; numbers of fewer bits have loops of their own.
+//! words; work without such words has loops of its own, with more lanes at a time.
 //!
 //! A common step is a step on a cubic without weights that needs one evaluation and stays on its piece, or passes to a
 //! piece of the same polynomial. It has two parts: the departure, up to the place where the step ends, and the arrival,
@@ -151,7 +151,7 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
         }
         let (run, state) = (&self.runs[lane], &mut self.states[lane]);
         let Some(row) = run.pieces.pieces.get(state.piece) else {
-            state.ahead = None; // What is ahead was looked up before the lane moved the cursor.
+            state.ahead = None; // It was looked up before the lane moved the cursor.
             self.alone[lane] = run.wait(state).map(|length| PieceSetpoint { length, ..run.hold(state) });
             self.ended |= Mask::from(self.alone[lane].is_none()) << lane;
             return;
@@ -267,7 +267,7 @@ impl<R: Lane, const D: usize, const W: usize> pulp::WithSimd for Departure<'_, R
     /// The lanes that need more than the common step.
     type Output = Mask;
 
-    #[inline(always)] // What is called instead is not compiled for them.
+    #[inline(always)] // A function that is called is not compiled for these registers.
     fn with_simd<S: pulp::Simd>(self, _: S) -> Mask {
         solve(self.1);
         advance(self.0, self.1); // It waits for nothing: there is time for it while steps are solved.
