@@ -111,7 +111,7 @@ pub(crate) fn write(path: Option<&Path>, text: &str) -> Result<()> {
     Ok(())
 }
 
-/// What is where a file is to be written, if anything is: no folder.
+/// The metadata of the file that stands at `path` now, `None` if there is none. A folder there is an error.
 fn before(path: &Path) -> Result<Option<fs::Metadata>> {
     let cannot = || format!("cannot write {}", path.display());
     match fs::metadata(path) {

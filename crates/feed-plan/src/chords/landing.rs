@@ -1,12 +1,13 @@
 //! From a plan in arcs to one in chords that lands on its stops.
 //!
-//! What each stage falls short by ([`FeedLimit::shortfalls`]) is found for the chords of one plan, and the corrected feeds are those
-//! of another. That is nearly the same, but in a run of a thousand bends some micrometres remain, and at a stop the last step would
-//! take them all. So a run by the corrected plan's chords is followed to each stop, and what it would go beyond is taken off where
-//! the plan begins to come to rest there, behind most of the bends: one or two trials more, and the run lands.
+//! The shortfall of each stage ([`FeedLimit::shortfalls`]) is computed for the chords of one plan, and the corrected feeds make
+//! another plan, whose chords fall short by slightly different lengths. In a run of a thousand bends some micrometres remain, and the
+//! last step before a stop would take them all. So the planner follows a run by the corrected plan's chords to each stop. It takes the
+//! length by which the run would pass the stop off the stages that brake for it, behind most of the bends. After one or two more
+//! trials the run lands.
 //!
-//! Nothing can be added there. Where a run does not come as far, all stages of the section are shortened by less, by a *lead*, so
-//! that there is something to be taken off.
+//! Those stages cannot be lengthened. Where a run ends before the stop, all stages of the section are shortened by less, by a *lead*,
+//! so that the run passes the stop and the braking stages can take the rest off.
 
 use alloc::vec::Vec;
 

@@ -38,13 +38,13 @@ impl<R: Real> FeedLimit<R> {
     /// whose limit is below F/4096 and the least limit of a bend whose radius there is below E/2, which a run a little off
     /// its plan would skip.
     ///
-    /// Breaks that are no stops are looked at together: no chord of one period leaves the path by more than the chord error, and
-    /// 2 % of it, whatever it passes, lines, curves and breaks. With [`Junction::Deviation`](crate::Junction) its distance is
-    /// allowed if that is more; with [`Junction::VelocityJump`](crate::Junction) a chord ends at a break that would be a stop. That is
-    /// said of the chord of each arc that the plan travels in a period. A run's chords are themselves as long as such arcs, which over
-    /// sharp corners is more: those over one corner leave it by no more than the deviation, those over several may. So do
-    /// breaks within a period take no more of the centripetal acceleration and of those of the axes than a bend may, and 2⁻⁸ of
-    /// it; of the axes' jerk they take what they take.
+    /// Breaks of the tangent that are no stops are judged together: the chord of each arc that the plan travels in a period leaves
+    /// the path by no more than 1.02 times the chord error, whether the arc passes lines, curves or breaks. With
+    /// [`Junction::Deviation`](crate::Junction) the deviation is allowed instead where it is larger; with
+    /// [`Junction::VelocityJump`](crate::Junction) a chord ends at a break that would be a stop. The chords of a run are as long as
+    /// these arcs, so over a sharp corner they reach further: a step over one corner stays within the deviation, a step over several
+    /// may exceed it. The breaks within a period take at most `1 + 2⁻⁸` times the centripetal acceleration, and the acceleration of
+    /// each axis, that a bend may take. The jerk of an axis at a break is not limited.
     ///
     /// Between two points the limit is tested at three places. What is narrower than a third of the finest
     /// step, 2⁻²⁰ of a span, can be missed.

@@ -225,8 +225,8 @@ impl<R: Real, C: Differentiate<R, D>, const D: usize> Span<'_, R, C, D> {
         }
     }
 
-    /// Raises what holds beside a stop to where no stretch takes more than a period, as far as setpoints then keep the limits
-    /// whatever way they go: at a cusp the curvature has no bound, or is none.
+    /// Raises the limit beside a stop until no stretch takes more than a period, capped at the feed that is safe in any direction: at
+    /// a cusp the curvature is unbounded or undefined.
     fn keep_moving(&self, stations: &mut [Station<R, D>]) {
         let stretches = stations.iter().filter_map(|station| station.stretch.as_ref());
         let widest = stretches.fold(Turning::none(), |most, stretch| most.max(&stretch.turning));

@@ -21,8 +21,8 @@ use crate::{FeedLimit, Transition};
 pub(crate) const LEVELS: i32 = 16;
 /// Levels between the slow point's feed and that of the other end of the way, if that is higher.
 pub(crate) const LEVELS_BETWEEN_ENDS: i32 = 4;
-/// An extra level is added only if it saves so many times what its ramp costs. With half of it plans through short windows are up to
-/// 0.3 % faster on paths of many arcs, with twice as much up to 1 % slower; from here on up the plans of the papers' curves need no such level.
+/// An extra level is added only if it saves so many times what its ramp costs. With half of that, plans through short windows are up to
+/// 0.3 % faster on paths of many arcs, with twice as much up to 1 % slower. From 8 on, the plans of the papers' curves need no extra level.
 const WORTH: i32 = 8;
 /// Levels below its end that a ramp may begin at, the nearest ones: the work then grows with the flank, not with its square. No ramp
 /// that pays passes over nearly as many.

@@ -40,7 +40,7 @@ pub struct JudgedRun {
     pub position_error_mm_max: Option<f64>,
     /// The step between two neighbouring commanded points, in mm: no position can be better than half of it.
     pub position_resolution_mm: Option<f64>,
-    /// What rounding the solved quantity alone may cost at cruise, as a fluctuation; see
+    /// The fluctuation at cruise that rounding of the step per chord, the solved quantity, may cause by itself; see
     /// [`Run::fluctuation_resolution`].
     pub fluctuation_resolution: Option<f64>,
     /// Distance of the last commanded point from the curve's end, in mm.
