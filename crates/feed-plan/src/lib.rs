@@ -15,14 +15,12 @@
 //! A folder uses only those above it in the table.
 //!
 //! ```
-//! use feed_plan::{EndFeeds, FeedLimit, KinematicLimits, plan};
+//! use feed_plan::{EndFeeds, KinematicLimits, Planned, ProfileKind};
 //! use nurbs_core::NurbsCurve;
 //!
 //! // A quarter circle of 50 mm, in mm and periods of 1 ms: 200 mm/s, 5 m/s², 400 m/s³, 0.5 µm.
-//! let points = [[50.0, 0.0], [50.0, 50.0], [0.0, 50.0]];
-//! let weights = [1.0, 0.5_f64.sqrt(), 1.0];
-//! let knots = [0.0, 0.0, 0.0, 1.0, 1.0, 1.0];
-//! let curve = NurbsCurve::try_new(2, &points, &weights, &knots)?;
+//! let (points, weights) = ([[50.0, 0.0], [50.0, 50.0], [0.0, 50.0]], [1.0, 0.5_f64.sqrt(), 1.0]);
+//! let curves = [NurbsCurve::try_new(2, &points, &weights, &[0.0, 0.0, 0.0, 1.0, 1.0, 1.0])?];
 //! let limits = KinematicLimits {
 //!     interpolation_period: 1.0,
 //!     feedrate: 0.2,
@@ -33,17 +31,12 @@
 //!     axes: Default::default(),
 //!     junction: Default::default(),
 //! };
-//!
-//! let limit = FeedLimit::along(&[curve], &limits)?;
-//! let plan = plan(&limit, &limits, EndFeeds::default())?;
+//! let planned = Planned::along(&curves, &limits, EndFeeds::default(), ProfileKind::default())?;
 //!
 //! // The real-time side: a cursor of a few words, and one call a period.
-//! let schedule = plan.as_schedule();
+//! let schedule = planned.arcs.as_schedule();
 //! let mut cursor = schedule.start();
-//! let mut travelled = 0.0;
-//! while let Some(step) = schedule.advance(&mut cursor) {
-//!     travelled += step;
-//! }
+//! let travelled: f64 = std::iter::from_fn(|| schedule.advance(&mut cursor)).sum();
 //! assert!((travelled - 25.0 * std::f64::consts::PI).abs() < 1e-10);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

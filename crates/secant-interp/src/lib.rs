@@ -13,6 +13,28 @@
 //!
 //! [`PieceInterpolator::step_by`] makes a chord of a length that the caller gives.
 //!
+//! ```
+//! use nurbs_core::{NurbsCurve, PieceLimits, compile};
+//! use real::{Backend, DoubleDouble, I4F28, Real};
+//! use secant_interp::{ChordTolerance, PieceInterpolator, StepLengths};
+//!
+//! // A quarter circle of 50 mm as pieces for I4F28, and a chord of 0.2 mm in their units of 2^-λ mm.
+//! let (points, weights) = ([[50.0, 0.0], [50.0, 50.0], [0.0, 50.0]], [1.0, 0.5_f64.sqrt(), 1.0]);
+//! let curve = NurbsCurve::try_new(2, &points, &weights, &[0.0, 0.0, 0.0, 1.0, 1.0, 1.0])?;
+//! let limits = PieceLimits { length_mm: 32.0, step_mm: 0.2 };
+//! let table = compile::<DoubleDouble, I4F28, 2>(&[curve], &limits)?;
+//! let pieces = table.as_pieces();
+//! let chord = I4F28::from_f64(0.2.scale(pieces.chord_exponent)).unwrap_or_default();
+//!
+//! // Somebody else decides on the feed, so there are no stages: 0.2 mm a period, up to the end.
+//! let tolerance = ChordTolerance::for_fluctuation(Some(1e-6), 5);
+//! let run = PieceInterpolator { pieces, lengths: StepLengths { stages: &[] }, tolerance, landing_step: chord };
+//! let mut state = run.start();
+//! let setpoints = std::iter::from_fn(|| run.step_by(&mut state, chord)).count();
+//! assert_eq!(setpoints, 393); // 25π mm / 0.2 mm = 392.7
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! A step takes no heap, cannot panic and has no loop without a bound; everything is generic over [`real::Real`].
 //!
 //! | feature | for |
