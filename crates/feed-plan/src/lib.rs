@@ -117,6 +117,19 @@ mod limit {
 
 #[cfg(feature = "alloc")]
 mod plan {
+    pub(crate) mod fastest {
+        pub(crate) mod caps;
+        pub(crate) mod contacts;
+        pub(crate) mod fastest;
+        pub(crate) mod fit;
+        pub(crate) mod grid;
+        pub(crate) mod motion;
+        #[cfg(test)]
+        mod published;
+        pub(crate) mod sections;
+        pub(crate) mod touches;
+        pub(crate) mod valleys;
+    }
     pub(crate) mod flank;
     pub(crate) mod flexible;
     pub(crate) mod key_points;

@@ -272,6 +272,7 @@ fn profile_name(kind: ProfileKind) -> &'static str {
         ProfileKind::SCurve => "s-curve",
         ProfileKind::Trigonometric => "trigonometric",
         ProfileKind::Flexible => "flexible",
+        ProfileKind::Fastest => "fastest",
     }
 }
 
