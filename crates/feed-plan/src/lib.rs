@@ -8,7 +8,7 @@
 //! | `schedule/` | what is a plan, and how far does it go in each period? | [`Stage`], [`Section`], [`Schedule`], [`Cursor`], [`ScheduleBuf`] |
 //! | `plan/` | which feed is reached where? Key points, passes, cruise, whole periods | [`plan()`], [`plan_with`] |
 //! | | the same through a window, for a path of any length | [`plan_through_window`] |
-//! | | what can no plan beat? | [`jerk_free_duration`] |
+//! | | what can no plan beat? | [`jerk_free_duration`], and with the jerk limited [`least_duration`] |
 //! | `chords/` | which plan do setpoints keep whose chords, not arcs, have the planned lengths? | [`FeedLimit::in_chords`]; its parts [`FeedLimit::shortfalls`], [`ScheduleBuf::shortened`] |
 //!
 //! A folder uses only those above it in the table.
@@ -125,7 +125,7 @@ mod plan {
         pub(crate) mod grid;
         pub(crate) mod motion;
         #[cfg(test)]
-        mod published;
+        pub(crate) mod published;
         pub(crate) mod sections;
         pub(crate) mod touches;
         pub(crate) mod valleys;
@@ -133,6 +133,7 @@ mod plan {
     pub(crate) mod flank;
     pub(crate) mod flexible;
     pub(crate) mod key_points;
+    pub(crate) mod least_duration;
     pub(crate) mod look_ahead;
     pub(crate) mod lower_bound;
     pub(crate) mod stages;
@@ -163,6 +164,7 @@ pub use {
     plan::{
         key_points::EndFeeds,
         look_ahead::{plan, plan_with},
+        least_duration::least_duration,
         lower_bound::jerk_free_duration,
         window::{CommandedCurve, WindowedPlan, plan_through_window},
     },
