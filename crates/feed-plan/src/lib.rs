@@ -163,8 +163,8 @@ pub use {
     limits::{AxisLimits, Junction, KinematicLimits},
     plan::{
         key_points::EndFeeds,
-        look_ahead::{plan, plan_with},
         least_duration::least_duration,
+        look_ahead::{plan, plan_with},
         lower_bound::jerk_free_duration,
         window::{CommandedCurve, WindowedPlan, plan_through_window},
     },

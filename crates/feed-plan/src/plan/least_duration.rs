@@ -49,11 +49,7 @@ const MERGES: usize = 3;
 /// limit. What the axes leave of acceleration and jerk is not counted. A limit that is zero over a stretch gives the greatest
 /// number of the format. Time: in proportion to the limit points and to the duration in times A/J.
 #[must_use]
-pub fn least_duration<R: Real>(
-    limit: &FeedLimit<R>,
-    limits: &KinematicLimits<R>,
-    ends: EndFeeds<R>,
-) -> R {
+pub fn least_duration<R: Real>(limit: &FeedLimit<R>, limits: &KinematicLimits<R>, ends: EndFeeds<R>) -> R {
     let most = Most { acceleration: limits.acceleration, jerk: limits.jerk };
     let nodes = nodes(&stretches(limit), limits, ends);
     let mut duration = R::zero();
@@ -82,11 +78,7 @@ struct Most<R> {
 type Node<R> = (R, R);
 
 /// The jerk-free feeds at the limit points and between them.
-fn nodes<R: Real>(
-    stretches: &[Stretch<R>],
-    limits: &KinematicLimits<R>,
-    ends: EndFeeds<R>,
-) -> Vec<Node<R>> {
+fn nodes<R: Real>(stretches: &[Stretch<R>], limits: &KinematicLimits<R>, ends: EndFeeds<R>) -> Vec<Node<R>> {
     let acceleration = limits.acceleration;
     let at_end = |feed: R, inside: Option<R>| (feed * feed).min(inside.unwrap_or(R::zero()));
     let first = at_end(ends.start, stretches.first().map(|first| first.inside[0]));
@@ -183,7 +175,8 @@ fn of_section<R: Real>(nodes: &[Node<R>], most: &Most<R>) -> Option<R> {
     }
     // Between the last place and a rest at the end the window is divided where the feed is highest.
     if let Some(place) = places.last().filter(|_| last.1.is_zero()).map(|place| place.node) {
-        let highest = (place..end).fold(place, |best, k| if profile[k].1 > profile[best].1 { k } else { best });
+        let highest =
+            (place..end).fold(place, |best, k| if profile[k].1 > profile[best].1 { k } else { best });
         windows.push(Window { nodes: [begin, highest], places: core::mem::take(&mut places), time: None });
         begin = highest;
     }
@@ -242,9 +235,9 @@ struct Place<R> {
 fn add<R: Real>(places: &mut Vec<Place<R>>, place: Place<R>) {
     if places.len() < PLACES {
         places.push(place);
-    } else if let Some(least) = (0..places.len()).min_by(|a, b| {
-        places[*a].jump.partial_cmp(&places[*b].jump).unwrap_or(core::cmp::Ordering::Equal)
-    }) && places[least].jump < place.jump
+    } else if let Some(least) = (0..places.len())
+        .min_by(|a, b| places[*a].jump.partial_cmp(&places[*b].jump).unwrap_or(core::cmp::Ordering::Equal))
+        && places[least].jump < place.jump
     {
         places[least] = place;
     }
