@@ -251,8 +251,8 @@ fn mirror<R: Real>(nodes: &[Node<R>]) -> Vec<Node<R>> {
 fn follow<R: Real>(profile: &mut [Node<R>], [from, to]: [usize; 2], departure: R, jerk: R) {
     let (s0, v0) = profile[from];
     let mut time = R::zero();
-    for k in from + 1..to {
-        let (s, bound) = profile[k];
+    for node in profile.iter_mut().take(to).skip(from + 1) {
+        let (s, bound) = *node;
         // Newton's method from the node before.
         let down = R::zero() - jerk;
         for _ in 0..6 {
@@ -265,7 +265,7 @@ fn follow<R: Real>(profile: &mut [Node<R>], [from, to]: [usize; 2], departure: R
             }
         }
         let v = v0 + time * (departure + (down * time).half());
-        profile[k].1 = if v > R::zero() { v.min(bound) } else { bound };
+        node.1 = if v > R::zero() { v.min(bound) } else { bound };
     }
 }
 
