@@ -23,6 +23,7 @@ fn planning(criterion: &mut Criterion) {
             ("s-curve", ProfileKind::SCurve),
             ("trigonometric", ProfileKind::Trigonometric),
             ("flexible", ProfileKind::Flexible),
+            ("fastest", ProfileKind::Fastest),
         ] {
             let plan = || plan_with(&limit, &limits, EndFeeds::default(), kind);
             group.bench_function(BenchmarkId::new(name, &what), |b| b.iter(plan));

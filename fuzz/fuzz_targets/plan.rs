@@ -3,7 +3,7 @@
 use std::convert::Infallible;
 
 use arbitrary::Unstructured;
-use feed_plan::{EndFeeds, FeedLimit, Junction, KinematicLimits, plan_with};
+use feed_plan::{EndFeeds, FeedLimit, Junction, KinematicLimits, ProfileKind, plan_with};
 use feedbits_fuzz::{MOST_PERIODS, expect};
 use libfuzzer_sys::fuzz_target;
 use nurbs_core::NurbsBuf;
@@ -53,7 +53,9 @@ fn in_format<R: Backend>(path: &RandomPath<2>, limits: &KinematicLimits<f64>, en
     let curves: Vec<_> = curves.iter().map(NurbsBuf::as_curve).collect();
     let Ok(limit) = FeedLimit::along(&curves, &limits) else { return };
     let ends = EndFeeds { start: number(ends[0]), end: number(ends[1]) };
-    if let Ok(plan) = plan_with(&limit, &limits, ends, path.profile) {
-        assert!(plan.as_schedule().periods() > 0);
+    for profile in [path.profile, ProfileKind::Fastest] {
+        if let Ok(plan) = plan_with(&limit, &limits, ends, profile) {
+            assert!(plan.as_schedule().periods() > 0);
+        }
     }
 }

@@ -8,7 +8,7 @@
 //! | `schedule/` | what is a plan, and how far does it go in each period? | [`Stage`], [`Section`], [`Schedule`], [`Cursor`], [`ScheduleBuf`] |
 //! | `plan/` | which feed is reached where? Key points, passes, cruise, whole periods | [`plan()`], [`plan_with`] |
 //! | | the same through a window, for a path of any length | [`plan_through_window`] |
-//! | | what can no plan beat? | [`jerk_free_duration`] |
+//! | | what can no plan beat? | [`jerk_free_duration`], and with the jerk limited [`least_duration`] |
 //! | `chords/` | which plan do setpoints keep whose chords, not arcs, have the planned lengths? | [`FeedLimit::in_chords`]; its parts [`FeedLimit::shortfalls`], [`ScheduleBuf::shortened`] |
 //! | | all of it in one call: the limit, the plan in arcs, the plan in chords | [`Planned`] |
 //!
@@ -111,9 +111,23 @@ mod limit {
 
 #[cfg(feature = "alloc")]
 mod plan {
+    pub(crate) mod fastest {
+        pub(crate) mod caps;
+        pub(crate) mod contacts;
+        pub(crate) mod fastest;
+        pub(crate) mod fit;
+        pub(crate) mod grid;
+        pub(crate) mod motion;
+        #[cfg(test)]
+        pub(crate) mod published;
+        pub(crate) mod sections;
+        pub(crate) mod touches;
+        pub(crate) mod valleys;
+    }
     pub(crate) mod flank;
     pub(crate) mod flexible;
     pub(crate) mod key_points;
+    pub(crate) mod least_duration;
     pub(crate) mod look_ahead;
     pub(crate) mod lower_bound;
     pub(crate) mod ramp_shape;
@@ -146,6 +160,7 @@ pub use {
     limits::{AxisLimits, Junction, KinematicLimits},
     plan::{
         key_points::EndFeeds,
+        least_duration::least_duration,
         look_ahead::{plan, plan_with},
         lower_bound::jerk_free_duration,
         window::{CommandedCurve, WindowedPlan, plan_through_window},

@@ -116,12 +116,14 @@ fn side_by_side(summaries: &[PlanSummary], period_s: f64, wide: bool) -> String 
     let fastest = summaries.iter().min_by(|a, b| a.time_s.total_cmp(&b.time_s));
     let Some(fastest) = fastest else { return String::new() };
     let answer = format!(
-        "{} is the fastest: {}, {} periods of {} ms.\n{} mm; without a jerk limit {} at least. Limits {:.0} mm/s² and {} mm/s³.",
+        "{} is the fastest: {}, {} periods of {} ms.\n{} mm; no plan takes less than {}, nor without a jerk limit than {}. Limits {:.0} mm/s² and {} \
+         mm/s³.",
         fastest.profile,
         duration(fastest.time_s),
         fastest.periods,
         short(1000.0 * period_s),
         short(fastest.length_mm),
+        duration(fastest.least_time_s),
         duration(fastest.jerk_free_time_s),
         fastest.acceleration_limit_mm_per_s2,
         short(fastest.jerk_limit_mm_per_s3),
@@ -139,7 +141,7 @@ fn time_and_shares(summary: &PlanSummary) -> Vec<String> {
         summary.profile.to_string(),
         format!("{:.4}", summary.time_s),
         summary.periods.to_string(),
-        format!("{:.2} %", 100.0 * summary.over_jerk_free),
+        format!("{:.2} %", 100.0 * summary.over_least),
         format!("{:.1} %", 100.0 * summary.share_at_commanded_feed),
     ]
 }
@@ -211,9 +213,11 @@ fn answer(summary: &PlanSummary, name: &str, period_s: f64) -> String {
     );
     let at_feed = format!(
         "{:.0} % of the path at {}the commanded feed.\n\
-         Without a jerk limit it takes {} at least, {:.2} % less.",
+         No plan takes less than {}, {:.2} % less, nor without a jerk limit than {}, {:.2} % less.",
         100.0 * summary.share_at_commanded_feed,
         summary.feed_over_commanded.map_or_else(String::new, |run| format!("{:.3} % of ", 100.0 * run)),
+        duration(summary.least_time_s),
+        100.0 * (1.0 - summary.least_time_s / summary.time_s),
         duration(summary.jerk_free_time_s),
         100.0 * (1.0 - summary.jerk_free_time_s / summary.time_s),
     );

@@ -85,6 +85,8 @@ enum ProfileName {
     Trigonometric,
     /// S-curves, and half-cosines over stretches whose limit changes again before a transition has ended.
     Flexible,
+    /// Pieces of constant jerk that carry acceleration through the minima of the limit: within half a percent of the fastest plan.
+    Fastest,
     /// All of them side by side; for `plan` only.
     All,
 }
@@ -92,12 +94,13 @@ enum ProfileName {
 impl PlanArguments {
     /// The kinds of transitions that the options name.
     pub(crate) fn profiles(&self) -> &'static [ProfileKind] {
-        use ProfileKind::{Cubic, Flexible, SCurve, Trigonometric};
+        use ProfileKind::{Cubic, Fastest, Flexible, SCurve, Trigonometric};
         match self.profile {
             ProfileName::Cubic => &[Cubic],
             ProfileName::SCurve => &[SCurve],
             ProfileName::Trigonometric => &[Trigonometric],
             ProfileName::Flexible => &[Flexible],
+            ProfileName::Fastest => &[Fastest],
             ProfileName::All => &ProfileKind::ALL,
         }
     }

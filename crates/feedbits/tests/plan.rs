@@ -21,17 +21,21 @@ fn stdout(output: &Output) -> String {
 #[test]
 fn profiles_stand_side_by_side() {
     let table = stdout(&feedbits(&["plan", "--profile", "all"]));
-    for name in ["cubic", "s-curve", "trigonometric", "flexible"] {
+    for name in ["cubic", "s-curve", "trigonometric", "flexible", "fastest"] {
         assert!(table.contains(name), "{table}");
     }
     let json = stdout(&feedbits(&["plan", "--profile", "all", "--json"]));
     let summaries: serde_json::Value = serde_json::from_str(&json).expect("JSON");
     let summaries = summaries.as_array().expect("an array");
-    assert_eq!(summaries.len(), 4);
+    assert_eq!(summaries.len(), 5);
     for summary in summaries {
         let figure = |key: &str| summary[key].as_f64().unwrap_or_else(|| panic!("{key} in {summary}"));
         assert!(figure("time_s") >= figure("jerk_free_time_s"));
         assert!(figure("over_jerk_free") < 0.02, "{summary}");
+        assert!(figure("least_time_s") >= figure("jerk_free_time_s"));
+        assert!((0.0..figure("over_jerk_free")).contains(&figure("over_least")), "{summary}");
+        // In whole periods.
+        assert!(summary["profile"] != "fastest" || figure("over_least") < 0.002, "{summary}");
         assert!(figure("acceleration_max_mm_per_s2") <= figure("acceleration_limit_mm_per_s2"));
         assert!(figure("jerk_max_mm_per_s3") <= figure("jerk_limit_mm_per_s3"));
         assert!((0.5..1.0).contains(&figure("share_at_commanded_feed")));
@@ -147,6 +151,7 @@ fn no_plan_beats_its_lower_bound() {
             "{more:?}: {}",
             plan["over_jerk_free"]
         );
+        assert!(plan["over_least"].as_f64().expect("a share") > 0.0, "{more:?}: {}", plan["over_least"]);
         let bound = plan["jerk_free_time_s"].as_f64().expect("a time");
         assert!(bound < 4.848, "{more:?}: {bound}");
     }

@@ -113,6 +113,12 @@ impl<const D: usize> RandomPath<D> {
             Junction::Deviation(self.limits.chord_error * 10.0_f64.powf(2.0 * share - 1.0));
         self
     }
+
+    /// The path with the fastest profile in place of the drawn one, which is one of the others.
+    #[must_use]
+    pub fn fastest(self) -> Self {
+        Self { profile: ProfileKind::Fastest, ..self }
+    }
 }
 
 /// Limits with which the feed is reached within 1 to 300 periods and the acceleration within 1 to 100.

@@ -14,7 +14,8 @@
 //! Between two stops, where there is nothing to correct:
 //!
 //! 1. *Joints*: a part of the path, be it a change of feed or a constant one, gives each of its two joints half of what it falls short
-//!    by. The correction at a joint is what it was given over half the time of the parts beside it; over a constant feed it
+//!    by. The correction at a joint is what it was given over its share of the time of the parts beside it, which is half of it where
+//!    they are symmetric in time, and else the mean of g at their end and what that leaves of 1 at their begin; over a constant feed it
 //!    is constant. What a run would go beyond the stop is given to the joint from which the feed falls to it.
 //! 2. *Level*: where it changes by more than it may, what is too much moves to the joint on the other side. So the sum stays as it
 //!    is, and what the run is off its plan by stays near.
@@ -48,8 +49,7 @@ impl<R: Real> ScheduleBuf<R> {
     /// its plan near a joint at which the shortfall changes, by a part of what it changes by over a transition: over a tight bend
     /// by half of the bend's shortfall. A stage of constant feed may become three, of which the outer ones lead to other feeds.
     ///
-    /// `limit` is the one that the plan was made under: it says where on the path such a stage is divided. Transitions are taken
-    /// to be symmetric, as all of a plan are.
+    /// `limit` is the one that the plan was made under: it says where on the path such a stage is divided.
     #[must_use]
     pub fn shortened(self, limit: &FeedLimit<R>, shortfalls: &[R]) -> Self {
         let period = self.interpolation_period;
@@ -95,6 +95,8 @@ struct Part<R> {
     begin: R,
     duration: R,
     feeds: [R; 2],
+    /// The share of the time with which the correction at its end counts for its length: a half where it is symmetric in time.
+    late: R,
     shortfall: R,
     /// By how much the correction may rise over it, and fall.
     rise: R,
@@ -165,7 +167,8 @@ fn parts<R: Real>(stages: &[Stage<R>], shortfalls: &[R], period: R) -> Vec<Part<
         let feeds = [begins.start_feed, ends.end_feed];
         let (most, least) = ((feeds[1] - feeds[0]).abs(), (feeds[1] - feeds[0]).abs().scale(ROOM));
         let (rise, fall) = if feeds[1] > feeds[0] { (most, least) } else { (least, most) };
-        let part = Part { first, behind, begin: R::zero(), duration, feeds, shortfall, rise, fall };
+        let late = late(change, duration, feeds);
+        let part = Part { first, behind, begin: R::zero(), duration, feeds, late, shortfall, rise, fall };
         let middle = duration - bend - bend;
         if part.is_constant() && change.len() == 1 && middle > bend {
             let of = |begin, duration| Part {
@@ -188,8 +191,8 @@ fn parts<R: Real>(stages: &[Stage<R>], shortfalls: &[R], period: R) -> Vec<Part<
             (before.iter().rev().find_map(|peaks| *peaks), behind.iter().find_map(|peaks| *peaks));
         let [a, b] = [before.or(after), after.or(before)].map(|peaks| peaks.unwrap_or([R::zero(); 2]));
         let (acceleration, jerk) = (a[0].min(b[0]), a[1].min(b[1]));
-        let by_acceleration = acceleration * part.duration / StageShape::Cubic.peak_slope();
-        let by_jerk = jerk * part.duration * part.duration / StageShape::Cubic.peak_bend();
+        let by_acceleration = acceleration * part.duration / StageShape::<R>::Cubic.peak_slope();
+        let by_jerk = jerk * part.duration * part.duration / StageShape::<R>::Cubic.peak_bend();
         // Over less than a period it would change by next to nothing.
         let most = if part.duration < period { R::zero() } else { by_acceleration.min(by_jerk) };
         (part.rise, part.fall) = (most, most);
@@ -197,9 +200,23 @@ fn parts<R: Real>(stages: &[Stage<R>], shortfalls: &[R], period: R) -> Vec<Part<
     parts
 }
 
+/// The mean of g over a change of feed. Over a chain of stages of constant jerk that need not be a half.
+fn late<R: Real>(stages: &[Stage<R>], duration: R, [from, to]: [R; 2]) -> R {
+    let half = R::one().half();
+    let is_symmetric = !stages.iter().any(|stage| matches!(stage.shape, StageShape::Bent(_)))
+        && stages.iter().map(|stage| stage.duration).eq(stages.iter().rev().map(|stage| stage.duration));
+    let change = (to - from) * duration;
+    if is_symmetric || change.is_zero() {
+        return half;
+    }
+    let above = stages.iter().fold(R::zero(), |sum, stage| sum + (stage.length - from * stage.duration));
+    (above / change).max(R::zero()).min(R::one())
+}
+
 /// Whether a stage ends with acceleration, so that the next one goes on with its change of feed.
 fn is_under_way<R: Real>(stage: &Stage<R>) -> bool {
-    matches!(stage.shape, StageShape::Onset | StageShape::Steady) && stage.start_feed != stage.end_feed
+    matches!(stage.shape, StageShape::Onset | StageShape::Steady | StageShape::Bent(_))
+        && stage.start_feed != stage.end_feed
 }
 
 /// The largest acceleration and jerk of a part's stages.
@@ -218,7 +235,7 @@ struct Joint<R> {
     correction: R,
     /// It is half of the feed at most.
     most: R,
-    /// Half the time of the parts beside it, for which the correction counts.
+    /// The share of the time of the parts beside it for which the correction counts: half of it where they are symmetric.
     time: R,
 }
 
@@ -237,8 +254,9 @@ fn joints<R: Real>(parts: &[Part<R>]) -> Vec<Joint<R>> {
             (true, false) => (part.shortfall, R::zero()),
             _ => (half, part.shortfall - half),
         };
-        (a.correction, a.time) = (a.correction + to_a, a.time + part.duration.half());
-        (b.correction, b.time) = (b.correction + to_b, b.time + part.duration.half());
+        let late = part.duration * part.late;
+        (a.correction, a.time) = (a.correction + to_a, a.time + (part.duration - late));
+        (b.correction, b.time) = (b.correction + to_b, b.time + late);
     }
     // The joints of a constant feed have one correction.
     let mut rest = joints.as_mut_slice();

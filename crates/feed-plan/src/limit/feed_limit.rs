@@ -244,7 +244,7 @@ impl<R: Real> FeedLimit<R> {
     }
 
     /// What rounding may have moved a distance by.
-    fn rounding(&self) -> R {
+    pub(crate) fn rounding(&self) -> R {
         R::resolution().scale(6) * self.length().max(R::one())
     }
 

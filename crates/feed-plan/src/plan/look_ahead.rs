@@ -91,8 +91,10 @@ pub(crate) fn stages<R: Real>(
             between(limit, &shape.within(to.allowance), from, to, &mut stages)?;
         }
     }
-    if kind == ProfileKind::Flexible {
-        stages.merge(limits);
+    match kind {
+        ProfileKind::Flexible => stages.merge(limits),
+        ProfileKind::Fastest => stages.quicken(limits, ends),
+        ProfileKind::Cubic | ProfileKind::SCurve | ProfileKind::Trigonometric => {}
     }
     Ok(stages.with_parameters())
 }

@@ -47,15 +47,16 @@ pub fn jerk_free_duration<R: Real>(
 }
 
 /// The path between two limit points, with V² limited in between and at its end.
-struct Stretch<R> {
-    length: R,
+pub(crate) struct Stretch<R> {
+    pub(crate) length: R,
     /// The limit at its begin and end, seen from inside.
-    inside: [R; 2],
+    pub(crate) inside: [R; 2],
     /// The limit at the end point, where there may be a stop.
-    allowed_end: R,
+    pub(crate) allowed_end: R,
 }
 
-fn stretches<R: Real>(limit: &FeedLimit<R>) -> Vec<Stretch<R>> {
+/// The stretches between the limit points.
+pub(crate) fn stretches<R: Real>(limit: &FeedLimit<R>) -> Vec<Stretch<R>> {
     let samples = limit.samples();
     let square = |feed: R| feed * feed;
     // Without the margin; but next to a stop, where the limit is released, the lower value is the higher one.
@@ -72,7 +73,7 @@ fn stretches<R: Real>(limit: &FeedLimit<R>) -> Vec<Stretch<R>> {
 
 impl<R: Real> Stretch<R> {
     /// The most that V² can change by, `2 A s`.
-    fn rise(&self, limits: &KinematicLimits<R>) -> R {
+    pub(crate) fn rise(&self, limits: &KinematicLimits<R>) -> R {
         (limits.acceleration * self.length).scale(1)
     }
 

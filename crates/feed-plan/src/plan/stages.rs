@@ -4,8 +4,9 @@ use alloc::vec::Vec;
 
 use real::Real;
 
+use crate::plan::fastest::sections::fastest;
 use crate::plan::flexible::merge;
-use crate::{FeedLimit, FeedPiece, KinematicLimits, Stage, StageShape, Transition};
+use crate::{EndFeeds, FeedLimit, FeedPiece, KinematicLimits, Stage, StageShape, Transition};
 
 /// Stages, each beginning where the one before ends.
 pub(crate) struct Stages<'l, R> {
@@ -50,6 +51,11 @@ impl<'l, R: Real> Stages<'l, R> {
     /// Puts one transition in place of several where that keeps every limit: [`merge`].
     pub(crate) fn merge(&mut self, limits: &KinematicLimits<R>) {
         self.stages = merge(self.limit, limits, &self.stages);
+    }
+
+    /// Puts the fastest profile in place of each section that it is faster than.
+    pub(crate) fn quicken(&mut self, limits: &KinematicLimits<R>, ends: EndFeeds<R>) {
+        self.stages = fastest(self.limit, limits, ends, &self.stages);
     }
 
     fn push(&mut self, start: R, length: R, piece: &FeedPiece<R>) {

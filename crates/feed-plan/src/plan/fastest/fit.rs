@@ -1,0 +1,274 @@
+//! Stages: a profile given by states, as few pieces of constant jerk as keep it.
+//!
+//! Two pieces of the same time lead from any state to any other. With the mean `v̄ = (v₀ + v₁)/2` they take the time
+//! `h = 2Δs/(v̄ + √(v̄² + (a₀ - a₁) Δs/3))`, as one piece does, and the acceleration in the middle is `2Δv/h - (a₀ + a₁)/2`. Where that
+//! is the mean of both, they are one.
+//!
+//! From each state the longest such arc is taken that is hardly slower than the profile and breaks no limit by more than a stretch of
+//! time by 2⁻¹³ heals. Where none is found, one to a state further on or from one before takes its place.
+
+use alloc::vec::Vec;
+
+use real::Real;
+
+use crate::plan::fastest::grid::Node;
+use crate::plan::fastest::motion::State;
+
+/// A stretch by 2⁻¹³ may be needed.
+const TOLERANCE: i32 = -13;
+/// An arc may be slower than the profile by 2⁻¹² of its time.
+const SLOWER: i32 = -12;
+/// States that one arc passes, at most.
+const LONGEST: usize = 1 << 10;
+/// States further on, and arcs before, that are tried where none fits.
+const FURTHER: usize = 12;
+const BEFORE: usize = 4;
+/// Newton's steps to the time at a node.
+const STEPS: usize = 4;
+
+/// A state that the motion may pass, its time from the section's begin, and the last node up to it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Point<R> {
+    pub(crate) state: State<R>,
+    pub(crate) time: R,
+    pub(crate) node: usize,
+}
+
+/// Constant jerk for a time.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Piece<R> {
+    pub(crate) from: State<R>,
+    pub(crate) to: State<R>,
+    pub(crate) time: R,
+}
+
+impl<R: Real> Piece<R> {
+    pub(crate) fn jerk(&self) -> R {
+        (self.to.a - self.from.a) / self.time
+    }
+
+    /// The time at which the feed is highest or lowest within it.
+    pub(crate) fn turn(&self) -> Option<R> {
+        let (a, b) = (self.from.a, self.to.a);
+        let turns = (a > R::zero() && b < R::zero()) || (a < R::zero() && b > R::zero());
+        turns.then(|| self.time * (a / (a - b)))
+    }
+}
+
+/// What a piece lasts at least: rounding of its feeds changes the jerk by no more than a small share then, [`rounding`].
+pub(crate) fn shortest<R: Real>(feed: R, jerk: R) -> R {
+    (R::resolution().sqrt() * feed.max(R::one().half()) / jerk).sqrt()
+}
+
+/// By how much time is stretched for the roundings of feeds.
+pub(crate) fn rounding<R: Real>() -> R {
+    R::resolution().sqrt().scale(1)
+}
+
+/// The time from one state to another at constant jerk.
+pub(crate) fn time_between<R: Real>(from: &State<R>, to: &State<R>) -> Option<R> {
+    let (length, mean) = (to.s - from.s, (from.v + to.v).half());
+    let square = mean * mean + (from.a - to.a) * length * R::from_ratio(1, 3);
+    if !(square >= R::zero() && length > R::zero()) {
+        return None;
+    }
+    let sum = mean + square.sqrt();
+    (sum > R::zero()).then(|| length.scale(1) / sum)
+}
+
+fn arc<R: Real>(from: &State<R>, to: &State<R>) -> Option<[Piece<R>; 2]> {
+    let time = time_between(from, to).filter(|time| time.is_finite())?;
+    let mean = (from.a + to.a).half();
+    let a = ((to.v - from.v) / time).scale(1) - mean;
+    let most = from.a.abs().max(to.a.abs());
+    let a = if (a - mean).abs() <= most * R::resolution().sqrt().scale(-2) { mean } else { a };
+    let half = time.half();
+    let v = from.v + half * (from.a + a).half();
+    let s = from.s + half * (from.v + v).half() - half * half * (a - from.a) * R::from_ratio(1, 12);
+    let middle = State { s, v, a };
+    Some([Piece { from: *from, to: middle, time: half }, Piece { from: middle, to: *to, time: half }])
+}
+
+/// The limits of a section.
+pub(crate) struct Bounds<'a, R> {
+    pub(crate) nodes: &'a [Node<R>],
+    pub(crate) acceleration: R,
+    pub(crate) jerk: R,
+    /// What a piece lasts at least.
+    pub(crate) shortest: R,
+}
+
+impl<R: Real> Bounds<'_, R> {
+    /// By how much time would have to be stretched for a piece to keep the limits, as a share.
+    fn broken(&self, piece: &Piece<R>, node: &mut usize) -> R {
+        let over = |used: R, limit: R| used.abs() / limit - R::one();
+        let jerk = piece.jerk();
+        let acceleration = piece.from.a.abs().max(piece.to.a.abs());
+        let by_acceleration = over(acceleration, self.acceleration).half();
+        let by_jerk = over(jerk, self.jerk) * R::from_ratio(1, 3);
+        let mut broken = by_acceleration.max(by_jerk).max(R::zero());
+        if broken > R::one().scale(-3) {
+            return broken; // The place at a time could be anywhere.
+        }
+        let (mut time, mut here) = (R::zero(), piece.from);
+        while let Some([a, b]) = self.nodes.get(*node..*node + 2) {
+            let is_last = piece.to.s <= b.s || *node + 2 >= self.nodes.len();
+            let end = if is_last { piece.time } else { time_at(piece, jerk, b.s, (here, time)) };
+            let there = if is_last { piece.to } else { piece.from.after(end, jerk) };
+            let (b0, b1) = (a.limit * a.limit, b.limit * b.limit);
+            let slope = (b1 - b0) / (b.s - a.s);
+            let above = |state: &State<R>| {
+                let limit = b0 + slope * (state.s - a.s);
+                let excess = state.v * state.v - limit;
+                if excess > R::zero() { (excess / limit).half() } else { R::zero() }
+            };
+            broken = broken.max(above(&there)).max(above(&here));
+            // v² is furthest above the line where the acceleration is that of the line.
+            let steepest = (slope.half() - here.a) / jerk;
+            if jerk < R::zero() && steepest > R::zero() && time + steepest < end {
+                broken = broken.max(above(&here.after(steepest, jerk)));
+            }
+            if is_last {
+                break;
+            }
+            (time, here) = (end, there);
+            *node += 1;
+        }
+        if !(there_is_motion(piece)) { R::max_value() } else { broken }
+    }
+
+    /// Whether all parts of an arc last long enough.
+    fn lasts(&self, pieces: &[Piece<R>; 2]) -> bool {
+        pieces.iter().all(|piece| {
+            let turn = piece.turn().unwrap_or(R::zero());
+            let parts = [turn, piece.time - turn];
+            parts.iter().all(|time| time.is_zero() || *time >= self.shortest)
+        })
+    }
+
+    fn broken_by(&self, pieces: &[Piece<R>; 2], node: usize) -> R {
+        let mut node = node;
+        let first = self.broken(&pieces[0], &mut node);
+        first.max(self.broken(&pieces[1], &mut node))
+    }
+}
+
+/// Whether the feed does not fall below zero within a piece.
+fn there_is_motion<R: Real>(piece: &Piece<R>) -> bool {
+    let (from, to) = (piece.from, piece.to);
+    let least = if from.a < R::zero() && to.a > R::zero() {
+        let jerk = piece.jerk();
+        from.v - from.a * from.a / (jerk + jerk)
+    } else {
+        from.v.min(to.v)
+    };
+    least >= R::zero()
+}
+
+/// When a piece is at a place, from an earlier state of it.
+fn time_at<R: Real>(piece: &Piece<R>, jerk: R, place: R, (here, time): (State<R>, R)) -> R {
+    let mut end = time;
+    let mut state = here;
+    for _ in 0..STEPS {
+        let off = place - state.s;
+        if !(state.v > off.abs().scale(-20)) {
+            // From rest.
+            end = end + (piece.time - end).half();
+        } else {
+            end = (end + off / state.v).min(piece.time);
+            if off.abs() < (place - here.s).abs().scale(-20) {
+                break;
+            }
+        }
+        state = piece.from.after(end, jerk);
+    }
+    end
+}
+
+/// Pieces along points.
+pub(crate) struct Fit<R> {
+    pub(crate) pieces: Vec<Piece<R>>,
+    /// By how much time must be stretched for them to keep the limits, as a share.
+    pub(crate) stretch: R,
+    /// Nodes between which an arc breaks them by more than others, and by how much.
+    pub(crate) worst: Vec<([usize; 2], R)>,
+}
+
+impl<R: Real> Fit<R> {
+    /// Time over the section, stretched.
+    pub(crate) fn duration(&self) -> R {
+        let sum = self.pieces.iter().fold(R::zero(), |sum, piece| sum + piece.time);
+        sum + sum * self.stretch
+    }
+}
+
+/// The pieces along the points.
+pub(crate) fn fit<R: Real>(points: &[Point<R>], bounds: &Bounds<'_, R>) -> Option<Fit<R>> {
+    let tolerance = R::one().scale(TOLERANCE);
+    let judged = |from: usize, to: usize| -> Option<([Piece<R>; 2], R)> {
+        let (from, to) = (points.get(from)?, points.get(to)?);
+        let pieces = arc(&from.state, &to.state).filter(|pieces| bounds.lasts(pieces))?;
+        let wanted = to.time - from.time;
+        let late = (pieces[0].time.scale(1) - wanted) / wanted - R::one().scale(SLOWER);
+        let broken = bounds.broken_by(&pieces, from.node);
+        Some((pieces, broken.max(late.scale(-2))))
+    };
+    let fits = |from: usize, to: usize| judged(from, to).is_some_and(|(_, broken)| broken <= tolerance);
+    let last = points.len().checked_sub(1)?;
+    let mut joints = Vec::from([0]);
+    while let Some(&here) = joints.last().filter(|here| **here < last) {
+        if fits(here, here + 1) {
+            joints.push(longest(here, last, &fits));
+            continue;
+        }
+        let mut best: Option<(usize, usize, R)> = None;
+        'all: for before in 0..BEFORE.min(joints.len()) {
+            let from = joints[joints.len() - 1 - before];
+            for to in here + 1..=(here + FURTHER).min(last) {
+                let Some((_, broken)) = judged(from, to) else { continue };
+                if best.is_none_or(|(_, _, least)| broken < least) {
+                    best = Some((before, to, broken));
+                }
+                if broken <= tolerance {
+                    break 'all;
+                }
+            }
+        }
+        let (before, to, _) = best?;
+        joints.truncate(joints.len() - before);
+        joints.push(to);
+    }
+    let mut pieces = Vec::with_capacity(joints.len() * 2);
+    let (mut stretch, mut worst) = (R::zero(), Vec::new());
+    for pair in joints.windows(2) {
+        let ([first, second], _) = judged(pair[0], pair[1])?;
+        let mut node = points[pair[0]].node;
+        let broken = bounds.broken(&first, &mut node).max(bounds.broken(&second, &mut node));
+        stretch = stretch.max(broken);
+        if broken > tolerance {
+            worst.push(([points[pair[0]].node, points[pair[1]].node + 1], broken));
+        }
+        if (first.from.a + second.to.a).half() == first.to.a {
+            pieces.push(Piece { from: first.from, to: second.to, time: first.time + second.time });
+        } else {
+            pieces.extend([first, second]);
+        }
+    }
+    Some(Fit { pieces, stretch, worst })
+}
+
+/// The furthest point that an arc leads to, by doubling and halving.
+fn longest(here: usize, last: usize, fits: &impl Fn(usize, usize) -> bool) -> usize {
+    let (mut good, mut step) = (here + 1, 1);
+    while step < LONGEST && good + step <= last && fits(here, good + step) {
+        good += step;
+        step *= 2;
+    }
+    while step > 1 {
+        step /= 2;
+        if good + step <= last && fits(here, good + step) {
+            good += step;
+        }
+    }
+    good
+}

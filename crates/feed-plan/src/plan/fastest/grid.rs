@@ -1,0 +1,169 @@
+//! The nodes at which a section is looked at, from one rest to the next.
+//!
+//! Between two limit points the square of the limit is linear in the distance, and so are the squares of the feeds that A lets be
+//! reached from one and braked for at the other. The least of the three lines is f², the *jerk-free* profile. Nodes lie at the
+//! corners of that and between them, no more than a share of the time A/J apart near the corners and further apart away from them.
+
+use alloc::vec::Vec;
+
+use real::Real;
+
+use crate::FeedLimit;
+
+/// Nodes in one stretch between corners of f, at most, from each side.
+const MOST: usize = 400;
+
+/// A place of the section.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Node<R> {
+    /// Distance from the path's start.
+    pub(crate) s: R,
+    /// The limit; between two nodes its square is linear.
+    pub(crate) limit: R,
+    /// The jerk-free feed, at most the limit.
+    pub(crate) free: R,
+}
+
+/// Distance and limit of the samples from `first` to `last`, at a jump the less of both sides; at both ends what holds inside. Where
+/// `begin` lies behind the first, the points begin there.
+pub(crate) fn limit_points<R: Real>(
+    limit: &FeedLimit<R>,
+    [first, last]: [usize; 2],
+    begin: R,
+) -> Vec<(R, R)> {
+    let mut points: Vec<(R, R)> = Vec::with_capacity(last - first + 1);
+    for (index, sample) in (first..).zip(limit.samples().get(first..=last).unwrap_or_default()) {
+        let s = sample.point.distance;
+        if s < begin {
+            continue;
+        }
+        if points.is_empty() && s > begin {
+            points.push((begin, limit.minimum_over(begin, begin)));
+        }
+        let v = if index == first {
+            sample.lower_after
+        } else if index == last {
+            sample.lower_before
+        } else {
+            sample.lower.min(sample.lower_before).min(sample.lower_after)
+        };
+        match points.last_mut().filter(|point| !(s > point.0)) {
+            Some(point) => point.1 = point.1.min(v),
+            None => points.push((s, v)),
+        }
+    }
+    points
+}
+
+/// The greatest values below the given ones of which none is above its neighbour by more than A allows: `v₁² ≤ v₀² + 2 A Δs`.
+pub(crate) fn scan<R: Real>(points: &[(R, R)], acceleration: R) -> Vec<R> {
+    let mut free: Vec<R> = points.iter().map(|point| point.1).collect();
+    let reach = |from: R, to: R, length: R| {
+        let rise = (acceleration * length).scale(1);
+        // √ is spared where it would change nothing.
+        if to > from && to * to > from * from + rise { (from * from + rise).sqrt().min(to) } else { to }
+    };
+    for k in 1..free.len() {
+        free[k] = reach(free[k - 1], free[k], points[k].0 - points[k - 1].0);
+    }
+    for k in (1..free.len()).rev() {
+        free[k - 1] = reach(free[k], free[k - 1], points[k].0 - points[k - 1].0);
+    }
+    free
+}
+
+/// The nodes of a section; `step` is the time between nodes near corners.
+pub(crate) fn nodes<R: Real>(points: &[(R, R)], beside: [R; 2], acceleration: R, step: R) -> Vec<Node<R>> {
+    let free = scan(points, acceleration);
+    let mut nodes = Vec::with_capacity(points.len() + points.len());
+    let last = points.len().saturating_sub(1);
+    let begin = |k: usize| {
+        let limit = if k == 0 {
+            beside[0]
+        } else if k == last {
+            beside[1]
+        } else {
+            points[k].1
+        };
+        Node { s: points[k].0, limit, free: free[k] }
+    };
+    for k in 0..last {
+        let (from, to) = (begin(k), begin(k + 1));
+        nodes.push(from);
+        let corners = corners(&from, &to, acceleration);
+        let mut before = from;
+        for corner in corners.into_iter().flatten().chain([to]) {
+            divide(&before, &corner, (&from, &to), step, &mut nodes);
+            before = corner;
+        }
+    }
+    nodes.extend(points.len().checked_sub(1).map(begin));
+    nodes
+}
+
+/// The limit between two limit points.
+fn limit_at<R: Real>(from: &Node<R>, to: &Node<R>, s: R) -> R {
+    crate::limit::sample::interpolate((from.s, from.limit), (to.s, to.limit), s)
+}
+
+/// Where the least of the three lines of f² changes between two limit points.
+fn corners<R: Real>(from: &Node<R>, to: &Node<R>, acceleration: R) -> [Option<Node<R>>; 2] {
+    let length = to.s - from.s;
+    let square = |v: R| v * v;
+    let (rise, slack) = ((acceleration * length).scale(1), R::one().scale(-16));
+    let (b0, b1) = (square(from.limit), square(to.limit));
+    let (f0, f1) = (square(from.free), square(to.free));
+    // As shares of the length: where the line of a side meets the limit, or both lines meet.
+    let meets = |f: R, b: R, towards: R| {
+        let closing = rise - towards;
+        if closing > R::zero() { ((b - f) / closing).max(R::zero()) } else { R::one() }
+    };
+    let up = meets(f0, b0, b1 - b0);
+    let down = meets(f1, b1, b0 - b1);
+    let node = |x: R| {
+        let s = from.s + length * x;
+        let limit = limit_at(from, to, s);
+        let reach = |f: R, x: R| (f + rise * x).sqrt();
+        Node { s, limit, free: limit.min(reach(f0, x)).min(reach(f1, R::one() - x)) }
+    };
+    let inside = |x: R| (x > slack && x < R::one() - slack).then(|| node(x));
+    if up + down < R::one() {
+        [inside(up), inside(R::one() - down)]
+    } else {
+        let peak = if rise > R::zero() { (R::one() + (f1 - f0) / rise).half() } else { R::zero() };
+        [inside(peak), None]
+    }
+}
+
+/// Nodes between two corners, between which the acceleration is constant: so the feed is linear in time.
+fn divide<R: Real>(a: &Node<R>, b: &Node<R>, cell: (&Node<R>, &Node<R>), step: R, nodes: &mut Vec<Node<R>>) {
+    if nodes.last().is_none_or(|last| a.s > last.s) {
+        nodes.push(*a);
+    }
+    let (length, sum) = (b.s - a.s, a.free + b.free);
+    if !(length > R::zero() && sum > R::zero()) {
+        return;
+    }
+    let duration = length.scale(1) / sum;
+    let half = duration.half();
+    // Times from each end, with gaps that grow by a quarter; mirrored, so that the middle is the widest.
+    let mut times = Vec::new();
+    let (mut time, mut gap) = (step, step);
+    while time < half - gap.half() && times.len() < MOST {
+        times.push(time);
+        gap = gap + gap.scale(-3);
+        time = time + gap;
+    }
+    let middle = (duration > step + step.half()).then_some(half);
+    let forward = times.iter().copied();
+    let backward = times.iter().rev().map(|time| duration - *time);
+    for time in forward.chain(middle).chain(backward) {
+        let x = time / duration;
+        let free = a.free + (b.free - a.free) * x;
+        let s = a.s + (a.free + free).half() * time;
+        if nodes.last().is_some_and(|last| s > last.s) && s < b.s {
+            let limit = limit_at(cell.0, cell.1, s);
+            nodes.push(Node { s, limit, free: free.min(limit) });
+        }
+    }
+}

@@ -1,0 +1,132 @@
+//! Touches: where the profile passes a sharp bend of the limit, and with which acceleration.
+//!
+//! A bend of the jerk-free profile is *sharp* where its acceleration rises faster than J. No motion follows it: the profile touches it
+//! at one node and leaves it on both sides along arcs of jerk J. Which acceleration θ it has there is the one freedom of a plan. The caps
+//! below the jerk-free profile arrive there with a⁻ and depart with a⁺; `θ = 0.3 (a⁻ + a⁺)` at a minimum of the feed and
+//! `0.4 (a⁻ + a⁺)` on a flank came closest to the optimum over many curves. It lies between the accelerations of the jerk-free profile on
+//! both sides, and `|θ| ≤ √(J v/2)`, so that no arc of jerk J comes to rest beside the touch.
+
+use alloc::vec::Vec;
+
+use real::Real;
+
+use crate::plan::fastest::caps::Contact;
+
+/// How a node takes part in a sharp bend.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Bend<R> {
+    /// None there, or one that the profile reaches along an arc that comes from its touch.
+    Mild,
+    /// The profile touches it there with this acceleration.
+    Touch(R),
+    /// Sharp, before or behind the touch of the bend.
+    Before,
+    Behind,
+}
+
+/// Accelerations of the jerk-free profile, and times, from each node to the next.
+pub(crate) struct Cells<R> {
+    pub(crate) acceleration: Vec<R>,
+    pub(crate) time: Vec<R>,
+}
+
+impl<R: Real> Cells<R> {
+    pub(crate) fn new(count: usize, at: impl Fn(usize) -> (R, R)) -> Self {
+        let mut cells = Self { acceleration: Vec::with_capacity(count), time: Vec::with_capacity(count) };
+        for k in 1..count {
+            let ((s0, v0), (s1, v1)) = (at(k - 1), at(k));
+            let sum = v0 + v1;
+            let time = if sum > R::zero() { (s1 - s0).scale(1) / sum } else { R::zero() };
+            cells.acceleration.push(if time > R::zero() { (v1 - v0) / time } else { R::zero() });
+            cells.time.push(time);
+        }
+        cells
+    }
+
+    /// The acceleration at a node, exact where that changes linearly in time.
+    pub(crate) fn at_node(&self, k: usize) -> R {
+        let last = self.time.len();
+        if k == 0 || k >= last {
+            let cell = k.min(last.saturating_sub(1));
+            return self.acceleration.get(cell).copied().unwrap_or(R::zero());
+        }
+        let (before, behind) = (self.time[k - 1], self.time[k]);
+        let (a, b) = (self.acceleration[k - 1], self.acceleration[k]);
+        let sum = before + behind;
+        if sum > R::zero() { a + (b - a) * (before / sum) } else { a }
+    }
+
+    fn is_sharp(&self, k: usize, jerk: R) -> bool {
+        if k == 0 || k >= self.time.len() {
+            return false;
+        }
+        let rise = self.acceleration[k] - self.acceleration[k - 1];
+        rise > jerk * (self.time[k] + self.time[k - 1]).half()
+    }
+}
+
+/// The bend at each node.
+pub(crate) fn bends<R: Real>(
+    feeds: &[R],
+    cells: &Cells<R>,
+    contacts: &[Contact<R>],
+    acceleration: R,
+    jerk: R,
+) -> Vec<Bend<R>> {
+    let mut bends: Vec<Bend<R>> = feeds.iter().map(|_| Bend::Mild).collect();
+    let mut contacts = contacts.iter().peekable();
+    let mut k = 0;
+    while k < feeds.len() {
+        if !cells.is_sharp(k, jerk) {
+            k += 1;
+            continue;
+        }
+        let (first, last) = (k, end_of_run(cells, k, jerk));
+        while contacts.next_if(|contact| contact.node < first).is_some() {}
+        let mut touched = None;
+        while let Some(contact) = contacts.next_if(|contact| contact.node <= last) {
+            let (_, arrival, _, _) = touched.unwrap_or((contact.node, contact.arrival, R::zero(), 0));
+            touched = Some((first, arrival, contact.departure, contact.node));
+        }
+        let touch = touched.map(|(_, arrival, departure, _)| {
+            let theta = wanted(arrival, departure);
+            let place = (first..last).find(|k| cells.acceleration[*k] >= theta).unwrap_or(last);
+            let theta = theta.max(cells.acceleration[place - 1]).min(cells.acceleration[place]);
+            let most = (jerk * feeds[place]).scale(1).sqrt() * R::from_ratio(9, 10);
+            let most = most.min(acceleration);
+            (place, theta.min(most).max(R::zero() - most))
+        });
+        for (k, bend) in bends.iter_mut().enumerate().take(last + 1).skip(first) {
+            *bend = match touch {
+                Some((place, theta)) if k == place => Bend::Touch(theta),
+                Some((place, _)) if k > place => Bend::Behind,
+                Some(_) => Bend::Before,
+                // The caps pass below it, and mostly so does what comes of them.
+                None => Bend::Behind,
+            };
+        }
+        k = last + 1;
+    }
+    bends
+}
+
+fn wanted<R: Real>(arrival: R, departure: R) -> R {
+    let is_minimum = arrival < R::zero() && departure > R::zero();
+    (arrival + departure) * R::from_ratio(if is_minimum { 3 } else { 4 }, 10)
+}
+
+/// The last node of the sharp bend that begins at a node. Nodes between limit points make gaps in it.
+fn end_of_run<R: Real>(cells: &Cells<R>, first: usize, jerk: R) -> usize {
+    let mut last = first;
+    let mut gap = R::zero();
+    for k in first + 1..cells.time.len() {
+        gap = gap + cells.time[k - 1];
+        if cells.acceleration[k] < cells.acceleration[k - 1] {
+            break;
+        }
+        if cells.acceleration[k] - cells.acceleration[k - 1] > jerk * gap {
+            (last, gap) = (k, R::zero());
+        }
+    }
+    last
+}

@@ -1,0 +1,204 @@
+//! Valleys: the jerk-free profile with arcs of jerk J through its touches.
+//!
+//! What rises from a touch with the acceleration θ rises no faster than the arc of jerk J, on to the acceleration A; the same holds
+//! backwards in time. The least of several profiles with `j ≤ J` is such a profile. One pass forward and one backward carry feed and
+//! acceleration along such an arc until it meets the jerk-free profile. A touch that an arc passes below is none.
+
+use alloc::vec::Vec;
+
+use real::Real;
+
+use crate::plan::fastest::motion::time_over;
+use crate::plan::fastest::touches::{Bend, Cells};
+
+/// Passes in which touches that are passed below are found.
+const ROUNDS: usize = 3;
+
+/// The profile at a node.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Carrier<R> {
+    pub(crate) v: R,
+    pub(crate) a: R,
+    /// Jerk of the profile as it goes on in both directions from here.
+    pub(crate) jerk_before: R,
+    pub(crate) jerk_behind: R,
+    pub(crate) is_touch: bool,
+}
+
+/// What a pass finds at a node.
+#[derive(Clone, Copy)]
+struct Reached<R> {
+    v: R,
+    a: R,
+    /// Whether an arc leads on from here, and with which jerk.
+    behind: Option<R>,
+    /// The same for the arc that leads here.
+    before: Option<R>,
+}
+
+/// The least of the jerk-free profile and the arcs through its touches.
+pub(crate) fn valleys<R: Real>(
+    places: &[R],
+    feeds: &[R],
+    bends: &mut [Bend<R>],
+    acceleration: R,
+    jerk: R,
+) -> Vec<Carrier<R>> {
+    let count = feeds.len();
+    let at = |k: usize| (places[k], feeds[k]);
+    let cells = Cells::new(count, at);
+    let reversed_places: Vec<R> = places.iter().rev().map(|s| R::zero() - *s).collect();
+    let reversed_feeds: Vec<R> = feeds.iter().rev().copied().collect();
+    let backward_cells = Cells::new(count, |k| (reversed_places[k], reversed_feeds[k]));
+    let (mut forward, mut backward) = (Vec::new(), Vec::new());
+    for _ in 0..ROUNDS {
+        forward = climb(places, feeds, &cells, bends, (acceleration, jerk));
+        drop_passed(bends, feeds, &forward);
+        let reversed: Vec<_> = bends.iter().rev().map(|bend| mirrored(*bend)).collect();
+        backward = climb(&reversed_places, &reversed_feeds, &backward_cells, &reversed, (acceleration, jerk));
+        backward.reverse();
+        if !drop_passed(bends, feeds, &backward) {
+            break;
+        }
+    }
+    let mut carriers: Vec<_> = (0..count)
+        .map(|k| {
+            let (f, b) = (forward[k], backward[k]);
+            let from_b = Reached { v: b.v, a: R::zero() - b.a, behind: b.before, before: b.behind };
+            let (one, is_touch) = match bends[k] {
+                Bend::Touch(theta) => {
+                    let both = Reached { v: feeds[k], a: theta, behind: f.behind, before: b.behind };
+                    (both, true)
+                }
+                // The ends are passed without acceleration.
+                _ if k == 0 || k + 1 == count => {
+                    (Reached { v: feeds[k], a: R::zero(), behind: f.behind, before: b.behind }, true)
+                }
+                _ if f.v < b.v || (f.v == b.v && f.before.is_some() && b.behind.is_none()) => (f, false),
+                _ if b.v < f.v || b.behind.or(b.before).is_some() => (from_b, false),
+                _ => (Reached { a: cells.at_node(k), ..f }, false),
+            };
+            let unknown = R::max_value();
+            let jerk_before = one.before.unwrap_or(unknown);
+            Carrier { v: one.v, a: one.a, jerk_before, jerk_behind: one.behind.unwrap_or(unknown), is_touch }
+        })
+        .collect();
+    along_the_limit(&mut carriers, places, jerk);
+    carriers
+}
+
+fn mirrored<R: Real>(bend: Bend<R>) -> Bend<R> {
+    match bend {
+        Bend::Touch(theta) => Bend::Touch(R::zero() - theta),
+        Bend::Before => Bend::Behind,
+        Bend::Behind => Bend::Before,
+        Bend::Mild => Bend::Mild,
+    }
+}
+
+/// Takes touches back that a pass is below.
+fn drop_passed<R: Real>(bends: &mut [Bend<R>], feeds: &[R], reached: &[Reached<R>]) -> bool {
+    let mut is_changed = false;
+    for ((bend, feed), reached) in bends.iter_mut().zip(feeds).zip(reached) {
+        if matches!(bend, Bend::Touch(_)) && reached.v < *feed - feed.scale(-30) {
+            *bend = Bend::Mild;
+            is_changed = true;
+        }
+    }
+    is_changed
+}
+
+/// One pass: from rest or the start, whose acceleration is zero, and from each touch an arc until it meets the jerk-free profile.
+fn climb<R: Real>(
+    places: &[R],
+    feeds: &[R],
+    cells: &Cells<R>,
+    bends: &[Bend<R>],
+    (acceleration, jerk): (R, R),
+) -> Vec<Reached<R>> {
+    let mut reached = Vec::with_capacity(feeds.len());
+    let Some(first) = feeds.first() else { return reached };
+    let mut here = Reached { v: *first, a: R::zero(), behind: Some(jerk), before: None };
+    for k in 0..feeds.len() {
+        let is_free = here.v >= feeds[k];
+        if k > 0 {
+            here.behind = match bends[k] {
+                _ if !is_free => Some(jerk),
+                Bend::Touch(theta) => {
+                    here.a = theta;
+                    Some(jerk)
+                }
+                Bend::Behind => {
+                    here.a = cells.acceleration[k - 1];
+                    Some(jerk)
+                }
+                _ => {
+                    here.a = cells.at_node(k);
+                    None
+                }
+            };
+        }
+        let Some(to) = feeds.get(k + 1) else {
+            reached.push(here);
+            break;
+        };
+        let length = places[k + 1] - places[k];
+        let mut next = Reached { v: *to, a: R::zero(), behind: None, before: None };
+        if here.behind.is_some() {
+            let (v, a, used) = step(length, (here.v, here.a), acceleration, jerk);
+            here.behind = Some(used);
+            if v < *to {
+                next = Reached { v, a, behind: None, before: Some(used) };
+            }
+        }
+        reached.push(here);
+        here = next;
+    }
+    reached
+}
+
+/// Feed, acceleration and jerk over a length at the jerk J, or at what reaches A at its end.
+fn step<R: Real>(length: R, (v, a): (R, R), acceleration: R, jerk: R) -> (R, R, R) {
+    let saturated = || {
+        // Δs = v h + h² (2a + A)/6.
+        let sixth = (a + a + acceleration) * R::from_ratio(1, 6);
+        let root = (v * v + (sixth * length).scale(2)).sqrt();
+        let time = length.scale(1) / (v + root);
+        let used = if time > R::zero() { (acceleration - a) / time } else { R::zero() };
+        (v + time * (a + acceleration).half(), acceleration, used)
+    };
+    if a >= acceleration {
+        return saturated();
+    }
+    let time = time_over(length, v, a, jerk);
+    let end = a + jerk * time;
+    if end > acceleration { saturated() } else { (v + time * (a + end).half(), end, jerk) }
+}
+
+/// The jerk where the profile follows the limit: by the accelerations of neighbouring nodes that do so too, at most half of J either
+/// way, so that a cap can be told from it.
+fn along_the_limit<R: Real>(carriers: &mut [Carrier<R>], places: &[R], jerk: R) {
+    let unknown = R::max_value();
+    let most = jerk.half();
+    let mut before: Option<R> = None;
+    for k in 0..carriers.len() {
+        let from = carriers[k];
+        if from.jerk_before == unknown {
+            carriers[k].jerk_before = before.unwrap_or(R::zero());
+        }
+        before = None;
+        if from.jerk_behind != unknown {
+            continue;
+        }
+        carriers[k].jerk_behind = R::zero();
+        let Some(to) = carriers.get(k + 1).copied() else { break };
+        let sum = from.v + to.v;
+        if to.jerk_before == unknown && sum > R::zero() {
+            let time = (places[k + 1] - places[k]).scale(1) / sum;
+            let change = if time > R::zero() { (to.a - from.a) / time } else { R::zero() };
+            let change = change.min(most).max(R::zero() - most);
+            carriers[k].jerk_behind = change;
+            before = Some(change);
+        }
+    }
+}

@@ -1,0 +1,424 @@
+//! What no plan beats, with the jerk limited too.
+//!
+//! All motions here keep `|a| ≤ A`, `|j| ≤ J` and the limit, and rest without acceleration wherever they rest. `b = v²` over the
+//! distance has `b' = 2a` and `b'' = 2j/√b`.
+//!
+//! 1. *Caps*. Between two nodes no motion is faster than the arc of jerk -J through upper bounds of its feeds there: where it were, up
+//!    to the places where both are equal, `b'' ≥ -2J/√b` would be at least the arc's, so that the difference of both b, zero at
+//!    the ends, would be convex and so not positive. The times of these arcs are a bound, whichever nodes are taken: the fewest that
+//!    [`caps`] finds give the largest.
+//! 2. *From rest*. No motion u that rests at a place is faster behind it than the motion M with jerk J, then acceleration A. Let M start
+//!    later so that both are at a place at the same time, and w be u's distance less M's from M's start on. `w''' ≤ 0`, so w' is concave;
+//!    `w ≥ 0` and `w' ≥ 0` at first. Were u faster at that place, `w' > 0` at the end, `w' ≥ 0` throughout, and `w = 0` at the end would make it
+//!    zero. Where M has the acceleration A, nothing gains on it over the same distance. Before a rest the same holds in reverse.
+//! 3. *Windows*. The path falls into windows with a place p in each. Of motions u with an acceleration of at most θ at p none is sooner
+//!    anywhere behind p than M: from the bound of 2 at p and θ with jerk J, no further than A, then an arc of jerk -J onto the profile P
+//!    of 1 and 2 that it touches, then along P. While M's jerk is J, it leads in a, v and s at every time. On the arc u's a less M's
+//!    only grows. Where u came level with M, it would be no slower and its a no less, so that b, whose `b''` is no less than M's there,
+//!    would be above P where M touches P. Behind that u is no faster than P. So the time behind p is at least M's for θ, that
+//!    before p M's in reverse for -θ, and the sum, θ being somewhere between -A and A, is at least the least one. It is
+//!    taken over intervals of θ, each with M's times for its two ends. Where M would start above P, the time along P is the bound.
+
+use alloc::vec::Vec;
+
+use real::Real;
+
+use crate::plan::fastest::caps::caps;
+use crate::plan::fastest::motion::time_over;
+use crate::plan::lower_bound::{Stretch, stretches};
+use crate::{EndFeeds, FeedLimit, KinematicLimits};
+
+/// Nodes per time A/J.
+const NODES: i32 = 16;
+/// Nodes in one stretch between limit points, at most, from each side.
+const MOST: usize = 100;
+/// Intervals of θ between the accelerations of P before and behind p.
+const INTERVALS: i32 = 24;
+/// Windows are divided within caps over so many nodes at least.
+const CAP: usize = 2;
+/// Places of a window that are tried: each gives a bound, and the largest holds.
+const PLACES: usize = 3;
+/// Rounds in which neighbouring windows are joined.
+const MERGES: usize = 3;
+
+/// A lower bound of the duration of any motion under the limit with `|a| ≤ A` and `|j| ≤ J` that begins and ends at these feeds, or
+/// at the limit where that is lower, without acceleration where it rests.
+///
+/// At least [`jerk_free_duration`](crate::jerk_free_duration), but for rounding: on the published curves within 0.3 % of the
+/// fastest motion that is known, and within 8.3 % with a jerk so low that no feed is held. The limit points are taken as there, so the value is a lower bound to within the sampling of the
+/// limit. What the axes leave of acceleration and jerk is not counted. A limit that is zero over a stretch gives the greatest
+/// number of the format. Time: in proportion to the limit points and to the duration in times A/J.
+#[must_use]
+pub fn least_duration<R: Real>(limit: &FeedLimit<R>, limits: &KinematicLimits<R>, ends: EndFeeds<R>) -> R {
+    let most = Most { acceleration: limits.acceleration, jerk: limits.jerk };
+    let nodes = nodes(&stretches(limit), limits, ends);
+    let mut duration = R::zero();
+    let mut first = 0;
+    while first + 1 < nodes.len() {
+        let is_rest = |node: &(R, R)| !(node.1 > R::zero());
+        let behind = nodes.iter().skip(first + 1).position(is_rest);
+        let last = behind.map_or(nodes.len() - 1, |behind| first + 1 + behind);
+        let section = nodes.get(first..=last).unwrap_or_default();
+        match of_section(section, &most) {
+            Some(time) => duration = duration + time,
+            None => return R::max_value(),
+        }
+        first = last;
+    }
+    duration.max(crate::jerk_free_duration(limit, limits, ends))
+}
+
+#[derive(Clone, Copy)]
+struct Most<R> {
+    acceleration: R,
+    jerk: R,
+}
+
+/// Distance and jerk-free feed.
+type Node<R> = (R, R);
+
+/// The jerk-free feeds at the limit points and between them.
+fn nodes<R: Real>(stretches: &[Stretch<R>], limits: &KinematicLimits<R>, ends: EndFeeds<R>) -> Vec<Node<R>> {
+    let acceleration = limits.acceleration;
+    let at_end = |feed: R, inside: Option<R>| (feed * feed).min(inside.unwrap_or(R::zero()));
+    let first = at_end(ends.start, stretches.first().map(|first| first.inside[0]));
+    let last = at_end(ends.end, stretches.last().map(|last| last.inside[1]));
+    let mut squares = Vec::from([first]);
+    squares.extend(stretches.iter().map(|stretch| stretch.allowed_end));
+    if let Some(end) = squares.last_mut() {
+        *end = end.min(last);
+    }
+    let rise = |k: usize| stretches[k].rise(limits);
+    for k in 0..stretches.len() {
+        squares[k + 1] = squares[k + 1].min(squares[k] + rise(k));
+    }
+    for k in (0..stretches.len()).rev() {
+        squares[k] = squares[k].min(squares[k + 1] + rise(k));
+    }
+    let step = acceleration / limits.jerk / R::from_ratio(NODES, 1);
+    let step = step.max(limits.interpolation_period.scale(-2));
+    let mut nodes = Vec::from([(R::zero(), squares[0].sqrt())]);
+    let mut begin = R::zero();
+    for (stretch, ends) in stretches.iter().zip(squares.windows(2)) {
+        let length = stretch.length;
+        let [b0, b1] = [ends[0], ends[1]];
+        let at = |x: R| {
+            let limit = stretch.inside[0] + (stretch.inside[1] - stretch.inside[0]) * (x / length);
+            let reach = |b: R, x: R| b + (acceleration * x).scale(1);
+            limit.min(reach(b0, x)).min(reach(b1, length - x)).sqrt()
+        };
+        let from = |feed: R| gaps(feed, acceleration, step, length.half());
+        let (up, down) = (from(b0.sqrt()), from(b1.sqrt()));
+        let inner = up.iter().copied().chain([length.half()]).chain(down.iter().rev().map(|x| length - *x));
+        for x in inner.chain([length]) {
+            let feed = if x == length { b1.sqrt() } else { at(x) };
+            let s = begin + x;
+            match nodes.last_mut() {
+                Some(last) if !(s > last.0) => last.1 = last.1.min(feed),
+                _ => nodes.push((s, feed)),
+            }
+        }
+        begin = begin + length;
+    }
+    nodes
+}
+
+/// Distances from an end of a stretch, up to its half: a step of time apart at first, then further and further.
+fn gaps<R: Real>(feed: R, acceleration: R, step: R, half: R) -> Vec<R> {
+    let mut places = Vec::new();
+    let mut gap = step * (feed + (acceleration * step).half());
+    let mut place = gap;
+    while place < half && gap > R::zero() && places.len() < MOST {
+        places.push(place);
+        gap = gap + gap.scale(-2);
+        place = place + gap;
+    }
+    places
+}
+
+/// The bound between two rests.
+fn of_section<R: Real>(nodes: &[Node<R>], most: &Most<R>) -> Option<R> {
+    let (first, last) = (nodes.first()?, nodes.last()?);
+    if nodes.len() < 3 && !(first.1 + last.1 > R::zero()) {
+        return None;
+    }
+    let mut bounds = nodes.to_vec();
+    if first.1.is_zero() {
+        let _ = lower_by_arc(&mut bounds, R::zero(), most);
+    }
+    let mut mirrored = mirror(&bounds);
+    if last.1.is_zero() {
+        let _ = lower_by_arc(&mut mirrored, R::zero(), most);
+    }
+    let bounds = mirror(&mirrored);
+    let contacts = caps(bounds.len(), |k| bounds[k], most.jerk);
+    // The profile P at all nodes.
+    let mut profile = bounds.clone();
+    // A rest is a place of its own, whose θ is zero.
+    let at_rest = |node: usize| Place { node, ends: [R::zero(); 2], jump: R::max_value() };
+    let end = profile.len() - 1;
+    let (mut begin, mut places) = (0, Vec::new());
+    places.extend(first.1.is_zero().then(|| at_rest(0)));
+    let mut windows: Vec<Window<R>> = Vec::new();
+    for pair in contacts.windows(2) {
+        let (from, to) = (&pair[0], &pair[1]);
+        follow(&mut profile, [from.node, to.node], from.departure, most.jerk);
+        if from.node > 0 {
+            let ends = [from.arrival, from.departure];
+            add(&mut places, Place { node: from.node, ends, jump: from.departure - from.arrival });
+        }
+        if to.node >= from.node + CAP && from.node >= begin && !places.is_empty() {
+            let middle = from.node.midpoint(to.node);
+            windows.push(Window { nodes: [begin, middle], places: core::mem::take(&mut places), time: None });
+            begin = middle;
+        }
+    }
+    // Between the last place and a rest at the end the window is divided where the feed is highest.
+    if let Some(place) = places.last().filter(|_| last.1.is_zero()).map(|place| place.node) {
+        let highest =
+            (place..end).fold(place, |best, k| if profile[k].1 > profile[best].1 { k } else { best });
+        windows.push(Window { nodes: [begin, highest], places: core::mem::take(&mut places), time: None });
+        begin = highest;
+    }
+    places.extend(last.1.is_zero().then(|| at_rest(end)));
+    windows.push(Window { nodes: [begin, end], places, time: None });
+    for _ in 0..MERGES {
+        let count = windows.len();
+        windows = merged(&profile, windows, most);
+        if windows.len() == count {
+            break;
+        }
+    }
+    Some(windows.iter_mut().fold(R::zero(), |sum, window| sum + window.bound(&profile, most)))
+}
+
+/// Nodes from one to another, the places there that are tried, and the bound of the time if it is known.
+struct Window<R> {
+    nodes: [usize; 2],
+    places: Vec<Place<R>>,
+    time: Option<R>,
+}
+
+impl<R: Real> Window<R> {
+    fn bound(&mut self, profile: &[Node<R>], most: &Most<R>) -> R {
+        let Self { nodes, places, time } = self;
+        *time.get_or_insert_with(|| of_window(profile, *nodes, places, most))
+    }
+}
+
+/// Neighbouring windows as one wherever that is the better bound: at a low jerk one place governs a long way.
+fn merged<R: Real>(profile: &[Node<R>], windows: Vec<Window<R>>, most: &Most<R>) -> Vec<Window<R>> {
+    let mut merged: Vec<Window<R>> = Vec::with_capacity(windows.len());
+    for mut window in windows {
+        let Some(before) = merged.last_mut() else {
+            merged.push(window);
+            continue;
+        };
+        let mut places = before.places.clone();
+        window.places.iter().for_each(|place| add(&mut places, *place));
+        let mut both = Window { nodes: [before.nodes[0], window.nodes[1]], places, time: None };
+        let apart = before.bound(profile, most) + window.bound(profile, most);
+        if both.bound(profile, most) > apart { *before = both } else { merged.push(window) }
+    }
+    merged
+}
+
+/// A node where P touches its upper bounds, with its accelerations there.
+#[derive(Clone, Copy)]
+struct Place<R> {
+    node: usize,
+    ends: [R; 2],
+    jump: R,
+}
+
+/// Keeps the places where the acceleration of P jumps most.
+fn add<R: Real>(places: &mut Vec<Place<R>>, place: Place<R>) {
+    if places.len() < PLACES {
+        places.push(place);
+    } else if let Some(least) = (0..places.len())
+        .min_by(|a, b| places[*a].jump.partial_cmp(&places[*b].jump).unwrap_or(core::cmp::Ordering::Equal))
+        && places[least].jump < place.jump
+    {
+        places[least] = place;
+    }
+}
+
+fn mirror<R: Real>(nodes: &[Node<R>]) -> Vec<Node<R>> {
+    nodes.iter().rev().map(|(s, v)| (R::zero() - *s, *v)).collect()
+}
+
+/// Puts the feeds of an arc of jerk -J between two nodes; those at both are there.
+fn follow<R: Real>(profile: &mut [Node<R>], [from, to]: [usize; 2], departure: R, jerk: R) {
+    let (s0, v0) = profile[from];
+    let mut time = R::zero();
+    for node in profile.iter_mut().take(to).skip(from + 1) {
+        let (s, bound) = *node;
+        // Newton's method from the node before.
+        let down = R::zero() - jerk;
+        for _ in 0..6 {
+            let v = v0 + time * (departure + (down * time).half());
+            let off = s - s0 - time * (v0 + time * (departure.half() + down * time * R::from_ratio(1, 6)));
+            if v > R::zero() {
+                time = time + off / v;
+            } else {
+                time = (off.abs() / jerk).sqrt();
+            }
+        }
+        let v = v0 + time * (departure + (down * time).half());
+        node.1 = if v > R::zero() { v.min(bound) } else { bound };
+    }
+}
+
+/// Lowers feeds to those of the motion from the first node with an acceleration θ at jerk J, no further than A. Between A's being
+/// reached and the node behind it, the motion is no faster than either alone. The times at the nodes, at most those of that motion;
+/// `None` where it comes to rest.
+fn lower_by_arc<R: Real>(nodes: &mut [Node<R>], theta: R, most: &Most<R>) -> Option<Vec<R>> {
+    let &(mut s, mut v) = nodes.first()?;
+    let mut times = Vec::with_capacity(nodes.len());
+    let mut now = R::zero();
+    times.push(now);
+    let mut a = theta.min(most.acceleration);
+    if a < R::zero() && a * a >= (most.jerk * v).scale(1) {
+        return None;
+    }
+    for node in nodes.iter_mut().skip(1) {
+        let length = node.0 - s;
+        let by_acceleration = (v * v + (most.acceleration * length).scale(1)).sqrt();
+        if a < most.acceleration {
+            let time = time_over(length, v, a, most.jerk);
+            let next = v + time * (a + (most.jerk * time).half());
+            a = a + most.jerk * time;
+            now = now + time;
+            v = if a >= most.acceleration { next.min(by_acceleration) } else { next };
+            a = a.min(most.acceleration);
+        } else {
+            now = now + (by_acceleration - v) / most.acceleration;
+            v = by_acceleration;
+        }
+        times.push(now);
+        s = node.0;
+        node.1 = node.1.min(v);
+    }
+    Some(times)
+}
+
+/// The time of the arcs below feeds.
+fn time_below<R: Real>(nodes: &[Node<R>], jerk: R) -> R {
+    caps(nodes.len(), |k| nodes[k], jerk).iter().fold(R::zero(), |sum, contact| sum + contact.time)
+}
+
+/// The least time of motions along P with at most the acceleration θ at the first node: up to some node that of the motion at jerk J,
+/// which leads any, and that of arcs behind it.
+fn time_from<R: Real>(nodes: &[Node<R>], theta: R, most: &Most<R>) -> R {
+    let mut nodes = nodes.to_vec();
+    let Some(times) = lower_by_arc(&mut nodes, theta, most) else { return R::max_value().half() };
+    let contacts = caps(nodes.len(), |k| nodes[k], most.jerk);
+    let (mut behind, mut least) = (R::zero(), R::zero());
+    for contact in contacts.iter().rev() {
+        least = least.max(times[contact.node] + behind);
+        behind = behind + contact.time;
+    }
+    least
+}
+
+/// The largest bound of a window that one of the places gives.
+fn of_window<R: Real>(
+    profile: &[Node<R>],
+    [begin, end]: [usize; 2],
+    places: &[Place<R>],
+    most: &Most<R>,
+) -> R {
+    let whole = time_below(&profile[begin..=end], most.jerk);
+    let of = |place: &Place<R>| {
+        let node = place.node.max(begin).min(end);
+        by_place(&mirror(&profile[begin..=node]), &profile[node..=end], place.ends, most)
+    };
+    places.iter().map(of).fold(whole, R::max)
+}
+
+/// The least time of a window, over all accelerations at p; the nodes before p in reverse.
+fn by_place<R: Real>(
+    before: &[Node<R>],
+    behind: &[Node<R>],
+    [arrival, departure]: [R; 2],
+    most: &Most<R>,
+) -> R {
+    let along = [before, behind].map(|nodes| {
+        let rests = nodes.first().is_some_and(|first| first.1.is_zero());
+        if rests { time_from(nodes, R::zero(), most) } else { time_below(nodes, most.jerk) }
+    });
+    let whole = along[0] + along[1];
+    if !(departure > arrival) || before.len() < 2 || behind.len() < 2 {
+        return whole;
+    }
+    // Below the first θ only what is before p is free, above the last only what is behind.
+    let theta = |k: i32| arrival + (departure - arrival) * R::from_ratio(k, INTERVALS);
+    let mut least = R::max_value();
+    let mut time_before = along[0];
+    for k in 0..=INTERVALS {
+        let time_behind = time_from(behind, theta(k), most).max(along[1]);
+        least = least.min(time_before + time_behind);
+        time_before = time_from(before, R::zero() - theta(k), most).max(along[0]);
+    }
+    least.min(time_before + along[1]).max(whole)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plan::fastest::published::{CASES, case};
+    use crate::test_paths::{limit_through, paper_limits};
+    use crate::{ProfileKind, jerk_free_duration, plan_with};
+    use proptest::prelude::*;
+
+    #[test]
+    fn published_curves_are_bounded_within_half_a_percent_of_the_optimum() {
+        for row in CASES {
+            let (limit, limits, _) = case(row);
+            let (name, t, a, j, optimum) = row;
+            let share = |bound: f64| 100.0 * (bound * t / optimum - 1.0);
+            let bound = share(least_duration(&limit, &limits, EndFeeds::default()));
+            let free = share(jerk_free_duration(&limit, &limits, EndFeeds::default()));
+            println!("{name}, T {t}, A {a}, J {j}: {bound:.3} %, without jerk {free:.3} %");
+            // Where J is so low that the whole path is one coming and going, no window is long enough.
+            let least = if j < 1e4 { -9.0 } else { -0.5 };
+            assert!(bound > least && bound < 0.02 && bound >= free, "{row:?}: {bound} %");
+        }
+    }
+
+    /// From rest to rest where nothing but A and J binds: `t = 4 ∛(L/(2J))`.
+    #[test]
+    fn a_short_line_is_bounded_by_its_own_time() {
+        let (limit, limits) = (limit_through(&[(0.0, 0.6), (0.05, 0.6)]), paper_limits());
+        let exact = 4.0 * (0.05 / (2.0 * limits.jerk)).cbrt();
+        let bound = least_duration(&limit, &limits, EndFeeds::default());
+        assert!(bound <= exact * (1.0 + 1e-12) && bound > 0.99 * exact, "{bound} {exact}");
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(300))]
+
+        #[test]
+        fn no_plan_is_faster(
+            rows in prop::collection::vec((0.01..8.0_f64, 0.02..0.6_f64, prop::bool::weighted(0.05)), 2..40),
+            exponent in -5.0..-1.0_f64,
+        ) {
+            let mut distance = 0.0;
+            let mut rests = true;
+            let points: Vec<_> = rows.into_iter().map(|(stride, feed, stops)| {
+                distance += stride;
+                rests = stops && !rests;
+                (distance, if rests { 0.0 } else { feed })
+            }).collect();
+            let points: Vec<_> = points.iter().map(|(s, v)| (s - points[0].0, *v)).collect();
+            let limits = KinematicLimits { jerk: 10.0_f64.powf(exponent), ..paper_limits() };
+            let limit = limit_through(&points);
+            let bound = least_duration(&limit, &limits, EndFeeds::default());
+            for kind in ProfileKind::ALL {
+                let Ok(plan) = plan_with(&limit, &limits, EndFeeds::default(), kind) else { continue };
+                let duration = plan.as_schedule().duration();
+                prop_assert!(duration >= bound * (1.0 - 1e-9), "{kind:?}: {duration} {bound}");
+            }
+        }
+    }
+}
