@@ -127,7 +127,7 @@ fn joined<R: Real>(segments: &[Segment<R>]) -> Option<Stage<R>> {
     Some(Stage { length, duration, end_feed: segments.last()?.whole.end_feed, ..segments.first()?.whole })
 }
 
-/// The half-cosine between two feeds that covers `length`; `None` between two feeds of 0, which cover nothing.
+/// The half-cosine between two feeds that covers `length`; `None` if both feeds are 0, since it would cover no length.
 fn half_cosine_over<R: Real>([start_feed, end_feed]: [R; 2], length: R) -> Option<FeedPiece<R>> {
     let (shape, sum) = (StageShape::Cosine, start_feed + end_feed);
     (sum > R::zero()).then(|| FeedPiece { shape, start_feed, end_feed, duration: (length + length) / sum })

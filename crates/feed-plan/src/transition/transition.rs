@@ -64,7 +64,7 @@ use crate::{FeedPiece, StageShape};
 
 /// An S-curve holds its acceleration for at least 2⁻²⁰ of the time in which it builds the acceleration up. Over a
 /// shorter hold, the feeds at both of its ends would be equal or differ by rounding only. A transition without the hold
-/// has hardly more jerk.
+/// has only slightly less jerk.
 const SHORTEST_HOLD: i32 = -20;
 
 /// The law by which a plan changes from one feed to another.
