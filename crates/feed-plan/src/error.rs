@@ -1,4 +1,4 @@
-//! Why no plan could be made.
+//! The reasons why no plan could be made.
 
 use core::fmt;
 
@@ -21,10 +21,10 @@ pub enum PlanError {
         /// Index of the curve.
         curve: usize,
     },
-    /// The path has no length: no curve, no span, or a single point.
+    /// The path has no length: it has no curve or no span, or it is a single point.
     PathEmpty,
-    /// The arc length does not increase up to this curve's end: it overflows the format, or the curve's
-    /// derivatives do.
+    /// The arc length does not increase up to this curve's end: either the length or a derivative of the curve
+    /// overflows the format.
     LengthOverflows {
         /// Index of the curve.
         curve: usize,
@@ -34,15 +34,16 @@ pub enum PlanError {
         /// Index of the first point that is not after its predecessor.
         index: usize,
     },
-    /// No feed leads from one key point of the limit, an end, a stop or a minimum, to the next: the limit is zero over a whole
-    /// stretch between them, or so low, or the way so short, that the format resolves no transition.
+    /// No feed leads from one key point of the limit to the next. A key point is an end, a stop or a minimum. Either
+    /// the limit is zero over a whole stretch between the two, or the limit is so low, or the distance so short, that
+    /// the format resolves no transition.
     CannotMove {
-        /// Index of the limit point that is the first of the two.
+        /// Index of the limit point that is the first of the two key points.
         index: usize,
     },
-    /// The feed asked for at the start is above the limit there, or too fast to brake for what follows.
+    /// The feed asked for at the start is above the limit there, or the path is too short to brake from it.
     StartFeedTooHigh,
-    /// The feed asked for at the end is above the limit there, or cannot be reached by then.
+    /// The feed asked for at the end is above the limit there, or the path is too short to reach it.
     EndFeedTooHigh,
     /// The duration, in periods, is more than the format or a `u32` holds.
     DurationOverflows,

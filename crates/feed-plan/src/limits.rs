@@ -1,4 +1,4 @@
-//! What the machine and the part allow.
+//! The limits that machine and part set to a plan.
 
 use real::Real;
 
@@ -6,12 +6,12 @@ use crate::{PlanError, chord_error};
 
 /// The limits of a plan.
 ///
-/// Lengths are in mm. The unit of time is the caller's, the same throughout; with the interpolation period as
-/// the unit (`interpolation_period` = 1, feeds in mm/period, accelerations in mm/period², jerks in
-/// mm/period³) all values of a usual machine lie between 10⁻⁴ and 10, which a fixed-point format needs.
+/// Lengths are in mm. The caller chooses the unit of time and uses it for all limits. With the interpolation period as
+/// the unit (`interpolation_period` = 1, feeds in mm/period, accelerations in mm/period², jerks in mm/period³) all
+/// values of a usual machine lie between 10⁻⁴ and 10, which a fixed-point format needs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KinematicLimits<R> {
-    /// Interpolation period T: one setpoint each.
+    /// Interpolation period T: the time from one setpoint to the next.
     pub interpolation_period: R,
     /// Command feedrate F, mm per unit of time.
     pub feedrate: R,
@@ -21,19 +21,19 @@ pub struct KinematicLimits<R> {
     pub jerk: R,
     /// Largest distance E, mm, between the curve and the chord of one period.
     pub chord_error: R,
-    /// Largest acceleration across the path, if it is limited beside the chord error.
+    /// Largest acceleration across the path, if it is limited in addition to the chord error.
     pub centripetal_acceleration: Option<R>,
-    /// What single axes can do, x first; a curve in the plane has the first two.
+    /// Limits of single axes, x first; a curve in the plane uses the first two.
     pub axes: [AxisLimits<R>; 3],
-    /// How a break of the tangent is passed.
+    /// How the plan passes a break of the tangent.
     pub junction: Junction<R>,
 }
 
-/// Axes that can have limits of their own. (Public types say 3: with the constant there, rustc 1.95 breaks off compiling
-/// a closure that captures one of their fields.)
+/// The number of axes that can have limits of their own. (Public types say 3: with the constant there, rustc 1.95 stops
+/// compiling a closure that captures one of their fields.)
 pub(crate) const AXES: usize = 3;
 
-/// What one axis can do, as far as it is limited.
+/// The limits of one axis; `None` is no limit.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AxisLimits<R> {
     /// Largest velocity.
@@ -44,21 +44,23 @@ pub struct AxisLimits<R> {
     pub jerk: Option<R>,
 }
 
-/// How a break of the tangent is passed, where curves join and inside one.
+/// How the plan passes a break of the tangent, between two curves or inside one.
 ///
-/// A turn by θ is a stop, if stops are asked for, where it is above `min(4E/(F T), A T/F)`: one below leaves the corner by no more
-/// than the chord error E at full feed, and changes the velocity by no more than A T. The others limit every break at
-/// which full feed F would be more than they allow, but for one that rounding of the tangents may be.
+/// With [`Stop`](Self::Stop), a turn by θ is a stop where θ is above `min(4E/(F T), A T/F)`. At full feed a smaller
+/// turn cuts the corner by no more than the chord error E and changes the velocity by no more than A T. The other
+/// junctions limit the feed at every break where full feed F would be more than they allow, unless the break may come
+/// from rounding of the tangents.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Junction<R> {
-    /// At rest, where it is a corner.
+    /// The plan comes to rest at a corner.
     #[default]
     Stop,
-    /// As if rounded within this distance δ, mm, at the acceleration A, or the centripetal one if that is less:
-    /// `V² = A δ cos(φ/2) / (1 - cos(φ/2))` for a turn by φ. From a step V T before it to one behind it no faster than `2δ/(T tan(φ/2))`,
-    /// or δ/T if that is more: the chord of no period over a corner alone leaves it by more than δ, wherever the period begins.
+    /// The plan passes the break as if it were rounded within this distance δ, mm, at the acceleration A or the
+    /// centripetal one, whichever is less: `V² = A δ cos(φ/2) / (1 - cos(φ/2))` for a turn by φ. Over a whole step V T
+    /// before and behind the break the feed is no more than `2δ/(T tan(φ/2))`, or δ/T if that is more. So the chord of
+    /// a period over a single corner leaves the corner by no more than δ, wherever the period begins.
     Deviation(R),
-    /// With a jump of each axis's velocity by at most this: `V |e₂ - e₁|ᵢ ≤ Δvᵢ`, e the unit tangents.
+    /// The velocity of each axis jumps by at most this: `V |e₂ - e₁|ᵢ ≤ Δvᵢ`, e the unit tangents.
     VelocityJump([R; 3]),
 }
 
@@ -76,7 +78,7 @@ impl<R: Real> KinematicLimits<R> {
         self.try_map(positive).map(|_| ())
     }
 
-    /// The limits with each number converted; `convert` is given its name in words, too.
+    /// Converts each number of the limits; `convert` is also given the number's name in words.
     ///
     /// # Errors
     /// The first error of `convert`.
@@ -118,14 +120,14 @@ impl<R: Real> KinematicLimits<R> {
         })
     }
 
-    /// What a corner may be rounded with.
+    /// The acceleration with which a corner may be rounded.
     pub(crate) fn acceleration_across(&self) -> R {
         self.centripetal_acceleration.map_or(self.acceleration, |most| most.min(self.acceleration))
     }
 
-    /// The feed up to which setpoints keep the limits of the axes and the centripetal acceleration whatever way they go, along axis i
-    /// with no more than `reach`ᵢ of it: steps of no more than V T make accelerations of no more than 2V/T, and jerks of no
-    /// more than 4V/T².
+    /// The feed up to which setpoints keep the limits of the axes and the centripetal acceleration in whatever
+    /// direction the path goes, if it uses at most the share `reach`ᵢ of the direction of axis i. Steps of at most V T
+    /// make accelerations of at most 2V/T and jerks of at most 4V/T².
     pub(crate) fn feed_in_any_direction(&self, reach: &[R; AXES]) -> R {
         let period = self.interpolation_period;
         let by_acceleration = |most: R| most.half() * period;
@@ -142,14 +144,14 @@ impl<R: Real> KinematicLimits<R> {
 
     /// Largest feedrate on a bend of radius `radius` ρ: `min(F, V_e(ρ), √(a_n ρ))`.
     ///
-    /// V_e is [`chord_feedrate`](crate::chord_feedrate), a_n the centripetal acceleration. An infinite or
-    /// saturated radius is a straight line, and gives F; radius 0 gives 0, as does a number that is none.
+    /// V_e is [`chord_feedrate`](crate::chord_feedrate), a_n the centripetal acceleration. An infinite or saturated
+    /// radius is a straight line and gives F; radius 0 gives 0, and so does NaN.
     #[must_use]
     pub fn feedrate_at_radius(&self, radius: R) -> R {
         self.feedrate_by_chord(radius, self.chord_bound_radius()).min(self.feedrate_across(radius))
     }
 
-    /// `min(F, V_e(ρ))`, with the [`chord_bound_radius`](Self::chord_bound_radius) known.
+    /// `min(F, V_e(ρ))`, given the [`chord_bound_radius`](Self::chord_bound_radius).
     pub(crate) fn feedrate_by_chord(&self, radius: R, chord_bound_radius: R) -> R {
         if !(radius > R::zero()) {
             return R::zero();
@@ -208,7 +210,7 @@ mod tests {
         assert!(names.iter().copied().eq(fields.split(',')), "{names:?}");
     }
 
-    /// Steps to and fro make the largest differences.
+    /// Steps back and forth make the largest differences between setpoints.
     #[test]
     fn setpoints_keep_the_limits_of_an_axis_whatever_way_they_go() {
         let (t, jerk, acceleration, velocity) = (3.0, Some(4e-3), Some(0.01), Some(0.02));

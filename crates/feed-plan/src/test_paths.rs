@@ -40,7 +40,7 @@ pub(crate) fn triple_knot() -> NurbsBuf<f64, 2> {
     NurbsBuf::try_new(3, points.to_vec(), vec![1.0; 7], knots.to_vec()).unwrap()
 }
 
-/// `|C'|²/|C''| = (3/4 width)²/60` in the middle, where it turns by 180° and more; a cusp for width 0.
+/// In the middle, where the curve turns by 180° or more, `|C'|²/|C''| = (3/4 width)²/60`; width 0 is a cusp.
 pub(crate) fn hairpin(width: f64) -> NurbsBuf<f64, 2> {
     let points = [[0.0, 0.0], [10.0 - width / 2.0, 10.0], [width / 2.0, 10.0], [10.0, 0.0]];
     NurbsBuf::try_new(3, points.to_vec(), vec![1.0; 4], vec![0., 0., 0., 0., 1., 1., 1., 1.]).unwrap()
@@ -53,7 +53,8 @@ pub(crate) fn polyline(points: &[[f64; 2]]) -> Vec<NurbsBuf<f64, 2>> {
     points.windows(2).map(line).collect()
 }
 
-/// Arcs that turn to and fro, each by its angle in quarter turns round its radius, and go on in the direction of the one before.
+/// Arcs, each given by its angle in quarter turns and its radius. They bend to the left and to the right in turn, and
+/// each begins in the direction in which the one before ends.
 pub(crate) fn arcs(shapes: impl IntoIterator<Item = (f64, f64)>) -> Vec<Arc<f64, 2>> {
     let (mut at, mut heading, mut side) = ([0.0, 0.0], 0.0_f64, 1.0);
     let arc = |(radius, quarters): (f64, f64)| {
@@ -95,7 +96,7 @@ pub(crate) fn jerk_over_periods(schedule: &Schedule<'_, f64>) -> f64 {
     steps.windows(3).map(change).fold(0.0, f64::max)
 }
 
-/// The distance along a plan at a time, no more than its duration.
+/// The distance along a plan as a function of the time; the time must not exceed the duration.
 pub(crate) fn place_at(stages: &[Stage<f64>]) -> impl Fn(f64) -> f64 {
     let end_of = |time: &mut f64, stage: &Stage<f64>| {
         *time += stage.duration;

@@ -6,14 +6,14 @@ use format_compare::{Comparison, Cost, Engine, FewestBits, JudgedRun, Requiremen
 
 use crate::screen::{self, BAD, COLUMNS, GOOD, duration, list, short, times, times_short};
 
-/// The answer, and a line for each format whose path is one of `engines`. What is recommended is the cheapest on `target`, if there is
-/// one. Its styles are for a terminal.
+/// The answer, and a line for each format that ran by one of `engines`. If there is a `target`, the recommended format
+/// is the cheapest on it. The text has styles for a terminal.
 pub(crate) fn screen(comparison: &Comparison, engines: &[Engine], target: Option<&str>) -> String {
     let mut text = screen::paragraph(&about(comparison)) + &screen::answer(&answer(comparison, target));
     let rows: Vec<_> = comparison.formats.iter().filter(|row| engines.contains(&row.engine)).collect();
     let names_path = engines.len() > 1;
     let path = if names_path { "  path  " } else { "" };
-    // Writing to a String does not fail.
+    // Writing to a String cannot fail.
     let _ = writeln!(
         text,
         "\nformat{:width$} bits{path}  fluctuation    margin  verdict",
@@ -26,7 +26,7 @@ pub(crate) fn screen(comparison: &Comparison, engines: &[Engine], target: Option
     text
 }
 
-/// What was run.
+/// The part, the machine and the requirements, in a sentence.
 fn about(comparison: &Comparison) -> String {
     let (part, machine) = (&comparison.part, &comparison.machine);
     let name = screen::file_name(&part.name);
@@ -43,7 +43,7 @@ fn about(comparison: &Comparison) -> String {
     )
 }
 
-/// How many bits are enough, and which of the formats compared is recommended, by what, and how sure that is.
+/// How many bits are enough; and which of the compared formats is recommended, by which measure, and how sure that is.
 fn answer(comparison: &Comparison, target: Option<&str>) -> String {
     let mut text = match &comparison.fewest_bits {
         Some(FewestBits::Found { format, bits, margin, .. }) => {
@@ -97,14 +97,16 @@ fn named(row: &JudgedRun) -> String {
     if row.engine == Engine::Pieces { row.format.clone() } else { format!("{} ({})", row.format, row.engine) }
 }
 
-/// Why the cheapest by its bits is first: among as many bits, fixed point before float, and the widest range.
+/// Why the format that is cheapest by its bits is first. Among formats of as many bits, fixed point comes before float,
+/// and then the widest range.
 fn by_bits(best: &JudgedRun, good: &[&JudgedRun]) -> String {
     let is_alone = good.iter().all(|row| row.bits != best.bits || row.format == best.format);
     let why = if is_alone { "for its bits" } else { "for its range among those" };
     format!("{why}; --targets goes by what a period costs.")
 }
 
-/// Why the cheapest by its cost on a target is first, and whether others may be as cheap: the ranges of their costs overlap.
+/// Why the format that is cheapest on a target is first, and which others may be as cheap, since the ranges of their
+/// costs overlap.
 fn by_cost(best: &JudgedRun, good: &[&JudgedRun], target: &str) -> String {
     let Some(Cost::Known(cost)) = best.cycles.get(target) else {
         return "though its cost on the target is not known.".to_string();
@@ -131,7 +133,7 @@ fn name_width(rows: &[&JudgedRun]) -> usize {
     rows.iter().map(|row| row.format.len()).max().unwrap_or(0).max(6)
 }
 
-/// A format's line: its first failing requirement, and how many more there are.
+/// A format's line, with its first broken requirement and the number of further ones.
 fn line(text: &mut String, row: &JudgedRun, width: usize, names_path: bool) {
     let fluctuation =
         row.fluctuation.map_or_else(String::new, |found| format!("{:.1e}", found.cruise_max_abs));
@@ -151,7 +153,7 @@ fn line(text: &mut String, row: &JudgedRun, width: usize, names_path: bool) {
     }
 }
 
-/// How many times the fluctuation might be what it is.
+/// The largest fluctuation allowed over the one found.
 fn margin(row: &JudgedRun) -> Option<f64> {
     let fluctuation: &Requirement =
         row.requirements.iter().find(|one| one.what == "feedrate fluctuation at cruise")?;

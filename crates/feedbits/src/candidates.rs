@@ -17,7 +17,7 @@ pub(crate) fn formats() -> Vec<CompletionCandidate> {
     names.map(|name| candidate(name.to_string(), format!("{} bits", name.bits()))).collect()
 }
 
-/// What may be planned in.
+/// Names for the format to plan in.
 pub(crate) fn planners() -> Vec<CompletionCandidate> {
     let mut words = formats();
     words.push(candidate("same", "each format plans for itself"));

@@ -1,9 +1,9 @@
-//! `feedbits check`: what a file holds, and what in it is suspicious.
+//! `feedbits check`: the contents of a file, and anything suspicious in it.
 //!
-//! *Suspicious* is what is rarely meant: a gap, a move without length or below what axes resolve, a spline with a corner
-//! or a cusp inside, weights or knots over many decades, a feedrate that is missing, a bend that takes nine tenths of
-//! the feed, words read over, arcs bent to fit. Corners between moves, moves shorter than a period's travel and bends that slow
-//! the machine down are what programs are made of: they are counted, not judged.
+//! *Suspicious* is what a programmer rarely intends: a gap; a move without length or shorter than the axes resolve; a
+//! spline with a corner or a cusp inside; weights or knots over many decades; a missing feedrate; a bend that takes
+//! nine tenths of the feed; words that are skipped; arcs bent to fit. Corners between moves, moves shorter than a
+//! period's travel and bends that slow the machine down occur in most programs: they are counted, not judged.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -33,12 +33,12 @@ pub(crate) struct Arguments {
     output: output::Output,
 }
 
-/// Rows of a table of the worst.
+/// Rows in a table of the worst places.
 const WORST: usize = 5;
 /// A bend that leaves less than this share of the feed is suspicious.
 const LEAST_SHARE_OF_FEED: f64 = 0.1;
 
-/// Reads, looks over and prints.
+/// Reads the part, inspects it and prints the result.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     let output = &arguments.output;
     let part = match arguments.input.parsed()? {
@@ -61,30 +61,30 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     Ok(if report.suspicious.is_empty() { Ending::Good } else { Ending::RequirementNotMet })
 }
 
-/// What `--json` prints of a text that cannot be read.
+/// The JSON for a text that cannot be read.
 #[derive(Serialize)]
 struct BadInput<'d> {
     errors: Vec<&'d Diagnostic>,
-    /// With those beyond the first thousand, which are not kept.
+    /// The number of errors, including those beyond the first thousand, which are not kept.
     count: usize,
 }
 
-/// What `--json` prints.
+/// The JSON for a part.
 #[derive(Serialize)]
 struct Report<'p> {
     part: &'p str,
     machine: Option<&'p Machine>,
     #[serde(flatten)]
     seen: Inspection,
-    /// Bends where the machine must be slower than commanded, the slowest first.
+    /// Bends that the machine must pass more slowly than commanded, the slowest first.
     slow_bends: Vec<SlowBend>,
     /// Moves at feed that are shorter than the travel of one period.
     shorter_than_a_period: Option<usize>,
-    /// How large the part is by the unit that was assumed, and by the other one.
+    /// The size of the part in the unit that was assumed, and in the other unit.
     #[serde(skip_serializing_if = "Option::is_none")]
     assumed_unit: Option<String>,
     warnings: &'p [Diagnostic],
-    /// What decides the exit status, a sentence each.
+    /// The suspicious things, a sentence for each. They decide the exit status.
     suspicious: Vec<String>,
 }
 
@@ -156,7 +156,7 @@ impl<'p> Report<'p> {
         Ok(text)
     }
 
-    /// What decides the exit status.
+    /// The suspicious things, which decide the exit status.
     fn answer(&self) -> String {
         const MOST_SUSPICIONS: usize = 20;
         let name = screen::file_name(self.part);
@@ -265,7 +265,7 @@ impl<'p> Report<'p> {
     }
 }
 
-/// The bends where chord error or centripetal acceleration allow less than the feed, the slowest first.
+/// The bends where chord error or centripetal acceleration allow less than the commanded feed, the slowest first.
 fn slow_bends(part: &Part, seen: &Inspection, machine: &Machine) -> Vec<SlowBend> {
     let period_s = machine.interpolation_period_ms / 1000.0;
     let slow = seen.bends.iter().map(|bend| {
@@ -287,7 +287,7 @@ fn shorter_than_a_period(part: &Part, machine: &Machine) -> usize {
     let period_s = machine.interpolation_period_ms / 1000.0;
     let feeds = part.moves.iter().enumerate().filter(|(_, one)| one.kind == MoveKind::Feed);
     let short = feeds.filter(|(index, _)| {
-        // A control polygon is at least as long as its curve: what counts is shorter for certain.
+        // A control polygon is at least as long as its curve, so each move counted is certainly shorter.
         part.curves[*index].polygon_length_mm() < commanded(part, *index, machine) * period_s
     });
     short.count()
@@ -309,12 +309,12 @@ fn kind(oddity: &Oddity) -> &'static str {
     }
 }
 
-/// "3 lines": a count with its noun.
+/// A count with its noun, as in "3 lines".
 fn many(count: usize, noun: &str) -> String {
     format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
 }
 
-/// "lines 3, 4, 9 and 12 more"; `None` of an empty list.
+/// A list of lines, as in "lines 3, 4, 9 and 12 more"; `None` if there are none.
 fn line_list(lines: &[usize]) -> Option<String> {
     const MOST: usize = 5;
     let (shown, rest) = lines.split_at(lines.len().min(MOST));

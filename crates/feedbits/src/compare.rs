@@ -41,14 +41,14 @@ pub(crate) struct Arguments {
 }
 
 impl Arguments {
-    /// The forms of the path that the first screen shows: pieces, or what was asked for.
+    /// The forms of the path on the first screen: pieces, or those that the options name.
     fn shown(&self) -> Result<Vec<Engine>> {
         let asked = self.run.engines()?;
         Ok(if self.run.names_engine() { asked } else { vec![Engine::Pieces] })
     }
 }
 
-/// Compares and prints; writes the report if one is asked for.
+/// Compares and prints. Writes the report if the options name a folder for it.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     let targets = arguments.targets.read()?;
     match arguments.run.problem(&arguments.input)? {
@@ -77,7 +77,7 @@ where
     let (mut comparison, traces) = format_compare::compare_with(problem, &formats, &engines, &options, keep)?;
     progress.finish();
     if comparison.recommended.is_none() {
-        let progress = Progress::spinning("looking for what no format can mend");
+        let progress = Progress::spinning("looking for why no format is good");
         comparison.not_a_question_of_format =
             format_compare::not_of_format(problem, &comparison.formats, &options);
         progress.finish();
@@ -108,7 +108,7 @@ where
     Ok(if comparison.recommended.is_some() { Ending::Good } else { Ending::RequirementNotMet })
 }
 
-/// Heading of a column that is shown where a run passes a corner.
+/// Heading of the column for runs that pass a corner.
 const CORNER_ERROR: &str = "corner error\nmm";
 
 fn table(comparison: &Comparison) -> String {
@@ -161,7 +161,7 @@ fn table(comparison: &Comparison) -> String {
     format!("{text}\n{table}\n{}\n", answer(comparison))
 }
 
-/// The recommendation, and what makes it the cheapest.
+/// The recommendation, and the measure by which the format is the cheapest.
 fn answer(comparison: &Comparison) -> String {
     let Some((format, engine)) = comparison.recommended.as_ref().zip(comparison.recommended_engine) else {
         let why = comparison.not_a_question_of_format.as_ref();

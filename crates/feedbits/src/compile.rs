@@ -27,7 +27,7 @@ pub(crate) struct Arguments {
     out: Option<std::path::PathBuf>,
 }
 
-/// Compiles, judges what was compiled as `compare` does, and writes it.
+/// Compiles the part, judges the result as `compare` does, and writes it.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     output::expect_place(arguments.out.as_deref())?;
     let progress = Progress::spinning("compiling");
@@ -55,7 +55,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     Ok(Ending::RequirementNotMet)
 }
 
-/// The constants, the judgement of the run that they make, and a line about where they come from.
+/// The constants, the judged run that they make, and a line about their origin.
 fn compiled<const D: usize>(
     problem: &Problem<D>,
     arguments: &Arguments,
@@ -78,7 +78,8 @@ where
     Ok((constants, row, about))
 }
 
-/// What stands before the module's text. No inner documentation, so that the file may be a module or be included in one.
+/// The comment before the module's text. It is no inner documentation, so that the file may be a module or be included
+/// in one.
 fn header(about: &str, fault: Option<&str>, bytes: usize) -> String {
     let fault = fault.map_or_else(String::new, |fault| format!("// {}\n//\n", in_a_comment(fault)));
     format!(
@@ -101,7 +102,7 @@ fn header(about: &str, fault: Option<&str>, bytes: usize) -> String {
     )
 }
 
-/// Without what would end a comment's line, or show its text in another order than it has.
+/// Removes characters that would end a comment's line or change the order of its text on a screen.
 fn in_a_comment(text: &str) -> String {
     let is_odd = |c: char| {
         c.is_control()

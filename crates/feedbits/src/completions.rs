@@ -1,7 +1,7 @@
-//! `feedbits completions`: what a shell needs to complete the command's words.
+//! `feedbits completions`: a script with which a shell completes the command's words.
 //!
-//! The script asks this program at each press of the key, so that lists with commas, files beside presets, and what a later version
-//! adds are completed too.
+//! The script asks this program each time the key is pressed. So it also completes lists with commas, files beside
+//! presets, and words of later versions.
 
 use std::path::PathBuf;
 
@@ -13,7 +13,7 @@ use clap_complete::{CompleteEnv, Shell};
 use crate::ending::Ending;
 use crate::output;
 
-/// The environment variable by which a script says that it asks for words, and for which shell.
+/// The environment variable by which a script asks for words, and names its shell.
 const VARIABLE: &str = "FEEDBITS_COMPLETE";
 const PROGRAM: &str = "feedbits";
 
@@ -38,7 +38,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     Ok(Ending::Good)
 }
 
-/// Gives a script the words that it asks for, those of `command`, and ends; does nothing where none asks.
+/// If a script asks for words of `command`, prints them and exits; otherwise does nothing.
 pub(crate) fn answer(command: fn() -> clap::Command) {
     CompleteEnv::with_factory(command).var(VARIABLE).bin(PROGRAM).complete();
 }
@@ -49,7 +49,7 @@ mod tests {
 
     use clap::CommandFactory;
 
-    /// The words that are offered for the last one of a command line.
+    /// The words offered for the last word of a command line.
     fn offered(line: &str) -> Vec<String> {
         let words: Vec<OsString> = line.split(' ').map(OsString::from).collect();
         let last = words.len() - 1;

@@ -15,7 +15,7 @@ use crate::input::{Input, read_again};
 use crate::output;
 use crate::output::counted;
 
-/// Turns of straight moves by rounding are said from here on, in degrees.
+/// If rounding turns a straight move by more than this, in degrees, a note says so.
 const TURN_DEG: f64 = 2.0;
 /// The highest order of G06.2 (FANUC Series 15i, B-63324EN/03, section 4.17).
 const FANUC_ORDER: usize = 4;
@@ -50,7 +50,7 @@ impl Arguments {
     }
 }
 
-/// What can be written.
+/// The forms that can be written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Target {
     /// FANUC's NURBS; every number is kept bit by bit, but for what --digits and --ratios round.
@@ -65,7 +65,7 @@ enum Target {
     Toml,
 }
 
-/// Reads, writes, reads back, and says what has changed.
+/// Reads the part, writes it, reads the result back, and says what has changed.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     if let Some(tolerance) = arguments.tolerance.filter(|length| !(*length > 0.0 && length.is_finite())) {
         bail!("--tolerance {tolerance}: expected a positive length in mm");
@@ -106,7 +106,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     Ok(Ending::Good)
 }
 
-/// The text of a part, and what is read of it.
+/// The text of a part, and the part as it reads back.
 fn written(part: &Part, arguments: &Arguments) -> Result<(String, Part)> {
     let text = match arguments.to {
         Target::G06_2 => write_g06_2(part)?,
@@ -114,13 +114,13 @@ fn written(part: &Part, arguments: &Arguments) -> Result<(String, Part)> {
         Target::G1 => write_g1(part, arguments.tolerance(), arguments.input.dialect())?,
         Target::Toml => write_curves(part),
     };
-    // Of the others, the words tell whose they are.
+    // For the other targets, the words of the text tell the dialect.
     let dialect = arguments.input.dialect().filter(|_| arguments.to == Target::G1);
     let again = read_again(&text, dialect)?;
     Ok((text, again))
 }
 
-/// What was written of a part, rounded: what the dialect cuts is cut before.
+/// The rounded part. Curves that the dialect cuts are cut before the rounding.
 fn rounded(part: &Part, written: &Part, to: Target, digits: u8) -> Result<Rounded> {
     if to != Target::G1 {
         part.keeps_moving_rounded(digits.into()).with_context(|| {
@@ -136,7 +136,7 @@ fn rounded(part: &Part, written: &Part, to: Target, digits: u8) -> Result<Rounde
     Ok(rounded)
 }
 
-/// How far rounding moves the path, as a bound, and what it leaves out.
+/// A bound of how far rounding moves the path, and the moves that it leaves out.
 fn rounding_notes(part: &Part, rounded: &Rounded, arguments: &Arguments, digits: u8) -> Vec<String> {
     let has_curves = at_feed(part).iter().any(|curve| curve.control_points_mm.len() > 2);
     let (off_mm, of_cutting) = match arguments.to {
@@ -166,14 +166,14 @@ fn rounding_notes(part: &Part, rounded: &Rounded, arguments: &Arguments, digits:
     notes
 }
 
-/// How far the rounding of knots and weights moves the path, as a bound.
+/// A bound of how far rounding of the knots and weights moves the path.
 fn ratio_note(arguments: &Arguments, moved_mm: f64) -> String {
     let off_mm = (moved_mm * 1e9).ceil() / 1e9;
     let farther = if arguments.digits.is_some() { " farther" } else { "" };
     format!("knots and weights are scaled and rounded: the path is at most {off_mm} mm{farther} off the part")
 }
 
-/// What a reader of the new file has to know.
+/// Notes for a reader of the new file.
 fn notes(part: &Part, again: &Part, arguments: &Arguments) -> Vec<String> {
     let (to, before, after) = (arguments.to, at_feed(part), at_feed(again));
     let mut notes = vec![match to {
@@ -204,7 +204,7 @@ fn notes(part: &Part, again: &Part, arguments: &Arguments) -> Vec<String> {
     } else if kept > words {
         notes.push("M30 was added at the end".into());
     }
-    // As `check` counts them.
+    // Gaps are counted as `check` counts them.
     let gaps = inspect(part).joints.iter().filter(|joint| joint.gap_mm > GAP_MM).count();
     if gaps > 0 {
         notes.push(format!(

@@ -1,10 +1,10 @@
-//! How a command ends.
+//! The end of a command.
 
-/// How a command that did not fail ended.
+/// The result of a command that did not fail.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Ending {
     /// Every stated requirement is met.
     Good,
-    /// One is not.
+    /// A stated requirement is not met.
     RequirementNotMet,
 }

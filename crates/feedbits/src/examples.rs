@@ -1,4 +1,4 @@
-//! What `--help` shows of each subcommand. A test reads every line by the command's own grammar.
+//! The examples in `--help` of each subcommand. A test reads every line by the command's own grammar.
 
 pub(crate) const COMPARE: &str = "Examples:
   feedbits compare part.nc --machine router

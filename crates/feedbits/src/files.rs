@@ -1,4 +1,4 @@
-//! Whole files, and what a pipe has, up to the most that is read.
+//! Reads whole files and pipes, up to the largest size allowed.
 
 use std::fs::File;
 use std::io::Read;
@@ -15,7 +15,7 @@ pub(crate) fn text(path: &Path) -> Result<String> {
     })
 }
 
-/// A whole file. One that is too long to be read is refused before memory is taken for it; a pipe, once it is.
+/// A whole file. A file that is too long is refused before memory is taken for it; a pipe, once it has given too much.
 pub(crate) fn bytes(path: &Path) -> Result<Vec<u8>> {
     let name = path.display().to_string();
     let cannot = || format!("cannot read {name}");
@@ -26,7 +26,7 @@ pub(crate) fn bytes(path: &Path) -> Result<Vec<u8>> {
     taken(&name, file)
 }
 
-/// All that a source has, unless it is too much.
+/// All bytes of a source, unless there are too many.
 pub(crate) fn taken(name: &str, source: impl Read) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
     let most = u64::try_from(MAX_TEXT)? + 1;

@@ -9,7 +9,7 @@ use serde::Serialize;
 use crate::ending::Ending;
 use crate::{output, screen};
 
-/// How names are formed, behind the list.
+/// How names are formed; printed below the list.
 const NAMES: &str = "
 Any fixed-point format of 3 to 64 bits can be named: I5F13 has 5 bits before the
 point, the sign among them and at least 2 of them, and 13 behind it. After that
@@ -59,7 +59,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     Ok(Ending::Good)
 }
 
-/// The formats of these names, or all if none is given. How a name in Q notation was read is said.
+/// The formats of these names; all formats if there are no names. A note says how a name in Q notation was read.
 pub(crate) fn selected<const D: usize>(names: &[String]) -> Result<Vec<Box<dyn format_compare::Format<D>>>>
 where
     Space: Dimension<D>,
@@ -71,13 +71,14 @@ where
     format_compare::select(&names).map_err(|name| unknown(&name))
 }
 
-/// The name of the format that is meant. How a name in Q notation was read is said.
+/// The name of the format that is meant. A note says how a name in Q notation was read.
 pub(crate) fn named(name: &str) -> Result<FormatName> {
     let name = meant(name)?;
     by_name::<3>(&name).map(|format| format.name()).ok_or_else(|| unknown(&name))
 }
 
-/// The name as formats are named here: one in Q notation is read, which is said; others are left as they are.
+/// The name in this program's notation. A name in Q notation is translated, which a note says; other names are returned
+/// unchanged.
 pub(crate) fn meant(name: &str) -> Result<String> {
     let (format, how) = match QName::read(name) {
         None => return Ok(name.to_string()),
@@ -112,7 +113,7 @@ pub(crate) fn meant(name: &str) -> Result<String> {
     Ok(read)
 }
 
-/// What to say of a name that no format has.
+/// The error for a name that no format has.
 fn unknown(name: &str) -> anyhow::Error {
     let cases = [name.to_uppercase(), name.to_lowercase()];
     let built_in: Vec<String> =
@@ -130,7 +131,7 @@ fn unknown(name: &str) -> anyhow::Error {
     }
 }
 
-/// One name of a list, which may have blanks beside its commas.
+/// One name of a list, without the blanks beside its commas.
 pub(crate) fn name(text: &str) -> Result<String, std::convert::Infallible> {
     Ok(text.trim().to_string())
 }

@@ -1,4 +1,4 @@
-//! What every subcommand reads: a part, and the machine that is to follow it.
+//! The input of every subcommand: a part, and the machine that is to follow it.
 
 use std::path::{Path, PathBuf};
 
@@ -56,14 +56,14 @@ fn place(text: &str) -> Result<[f64; 3], String> {
     }
 }
 
-/// A problem in the number of dimensions that its part has.
+/// A problem in the number of dimensions of its part.
 pub(crate) enum AnyProblem {
     Planar(Problem<2>),
     Spatial(Problem<3>),
 }
 
 impl AnyProblem {
-    /// In the plane, if the whole part is. What is left out of the run is said.
+    /// A problem in the plane if the whole part is in it, otherwise in space. Notes say what the run leaves out.
     pub(crate) fn new(part: &Part, machine: &Machine) -> Result<Self> {
         Ok(if part.curves.iter().all(|curve| curve.dimension == 2) {
             Self::Planar(problem(part, machine)?)
@@ -74,7 +74,7 @@ impl AnyProblem {
 }
 
 impl Input {
-    /// Reads both files as a problem to plan and run. What is left out of the run is said.
+    /// Reads both files as a problem to plan and run. Notes say what the run leaves out.
     pub(crate) fn read(&self) -> Result<AnyProblem> {
         let (part, machine) = self.part_and_machine()?;
         AnyProblem::new(&part, &machine)
@@ -98,19 +98,19 @@ impl Input {
         }
     }
 
-    /// Reads the part. Its warnings are printed.
+    /// Reads the part and prints its warnings.
     pub(crate) fn part(&self) -> Result<Part> {
         let part = self.parsed()??;
         say_warnings(&part);
         Ok(part)
     }
 
-    /// The control that a program is written for: the one that the part is said to be for.
+    /// The control for which a program is written: the one that the options name for the part.
     pub(crate) fn dialect(&self) -> Option<Dialect> {
         self.dialect.map(Dialect::written)
     }
 
-    /// The part, or what is wrong with its text.
+    /// The part, or the errors in its text.
     pub(crate) fn parsed(&self) -> Result<Result<Part, Diagnostics>> {
         let options = ReadOptions {
             dialect: self.dialect,
@@ -128,7 +128,7 @@ impl Input {
         })
     }
 
-    /// The machine that is given or that the part's file names.
+    /// The machine that the options name, or that the part's file contains.
     pub(crate) fn machine_of(&self, part: &Part) -> Result<Option<Machine>> {
         match &self.machine {
             Some(path) => presets::read(path).map(Some),
@@ -137,7 +137,7 @@ impl Input {
     }
 }
 
-/// Says what a reader has to say of a part that it has read.
+/// Prints the notes about a part that was read.
 pub(crate) fn say_warnings(part: &Part) {
     for warning in &part.warnings {
         output::say(&warning.to_string());
@@ -147,7 +147,7 @@ pub(crate) fn say_warnings(part: &Part) {
     }
 }
 
-/// The problem; what is left out of it or is not as the part has it is said.
+/// The problem. Notes say what it leaves out and where it differs from the part.
 fn problem<const D: usize>(part: &Part, machine: &Machine) -> Result<Problem<D>> {
     let problem = Problem::new(part, machine)?;
     say_feeds(part, problem.machine.feedrate_mm_per_s);
@@ -167,13 +167,13 @@ fn problem<const D: usize>(part: &Part, machine: &Machine) -> Result<Problem<D>>
     Ok(problem)
 }
 
-/// Says which moves are run at a feedrate, in mm/s, that they do not command.
+/// Notes that some moves command no feedrate, or that all moves are rapid, and at which feedrate in mm/s they are run.
 fn say_feeds(part: &Part, feedrate: f64) {
     if !part.moves.is_empty() && part.moves.iter().all(|one| one.kind == MoveKind::Rapid) {
         output::note(&format!("every move is a rapid one: they are run at {feedrate} mm/s, as if they cut"));
     }
     let lacks = |one: &&Move| one.kind == MoveKind::Feed && one.feedrate_mm_per_s.is_none();
-    // A curve file with a machine of its own has the feedrate there.
+    // A curve file with a machine of its own gives the feedrate there.
     if part.machine.is_none()
         && let Some(first) = part.moves.iter().find(lacks)
     {
@@ -186,7 +186,7 @@ fn say_feeds(part: &Part, feedrate: f64) {
     }
 }
 
-/// Reads a program that was written, before it is kept.
+/// Reads back a program that was written, before the program is kept.
 pub(crate) fn read_again(text: &str, dialect: Option<Dialect>) -> Result<Part> {
     part_program::read_part_with(
         "what was written",

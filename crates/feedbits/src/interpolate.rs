@@ -52,7 +52,7 @@ pub(crate) struct Arguments {
     output: output::Output,
 }
 
-/// Interpolates and writes a line a period.
+/// Interpolates and writes a line for each period.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     output::expect_place(arguments.output.out.as_deref())?;
     let progress = Progress::spinning("interpolating");
@@ -69,7 +69,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     Ok(Ending::RequirementNotMet)
 }
 
-/// The setpoints, and the format if its run stops before the end of the path.
+/// The setpoints, and the format's name if its run stops before the end of the path.
 fn setpoints<const D: usize>(
     problem: &Problem<D>,
     arguments: &Arguments,
@@ -114,7 +114,7 @@ fn override_target(text: &str) -> Result<OverrideTarget, String> {
     Ok(OverrideTarget { time_s, share: percent / 100.0 })
 }
 
-/// What the setpoints take of acceleration and jerk, from rest to rest: from the chords of neighbouring periods.
+/// The largest acceleration and jerk of the setpoints, from rest to rest, from the chords of neighbouring periods.
 fn kept<const D: usize>(table: &SetpointTable, problem: &Problem<D>) -> String {
     let t = problem.period_s();
     let rest = || [0.0, 0.0].into_iter();
@@ -131,7 +131,7 @@ fn kept<const D: usize>(table: &SetpointTable, problem: &Problem<D>) -> String {
     )
 }
 
-/// The table as CSV; numbers as short as they can be and still be read back as the same.
+/// The table as CSV. Each number is the shortest text that reads back as the same number.
 fn csv(table: &SetpointTable) -> Result<String> {
     let mut text =
         String::from("step,time_s,span,t,u,x_mm,y_mm,z_mm,feed_mm_per_s,chord_mm,fluctuation,evaluations\n");

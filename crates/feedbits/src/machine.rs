@@ -1,4 +1,4 @@
-//! `feedbits machine`: machines to try a part on, and to start a machine file from.
+//! `feedbits machine`: named machines, to try a part on and to start a machine file from.
 
 use std::fmt::Write;
 
@@ -30,7 +30,7 @@ struct Listed {
     machine: Machine,
 }
 
-/// Lists the presets, or prints one's file.
+/// Lists the presets, or prints the file of one.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     let json = arguments.output.json;
     let text = match &arguments.preset {

@@ -1,4 +1,4 @@
-//! `feedbits merge`: the files of a sweep's shards as one.
+//! `feedbits merge`: joins the files of a sweep's shards.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -24,7 +24,7 @@ pub(crate) struct Arguments {
     report: Option<PathBuf>,
 }
 
-/// Joins and writes.
+/// Joins the files and writes the result.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     let mut joined = None;
     let mut cells: BTreeMap<usize, (SweepCell, String)> = BTreeMap::new();

@@ -1,4 +1,4 @@
-//! Where results go: to the terminal, or into a file that appears whole or not at all.
+//! The destination of results: the terminal, or a file that appears whole or not at all.
 
 use std::fs;
 use std::io::{self, Write};
@@ -22,43 +22,43 @@ pub(crate) struct Output {
     pub(crate) json: bool,
 }
 
-/// Whether nothing but results, warnings and errors is to be printed.
+/// Whether only results, warnings and errors are printed.
 static QUIET: AtomicBool = AtomicBool::new(false);
 
-/// Prints nothing but results, warnings and errors from here on.
+/// From now on prints only results, warnings and errors.
 pub(crate) fn be_quiet() {
     QUIET.store(true, Ordering::Relaxed);
 }
 
-/// Whether nothing but results, warnings and errors is to be printed.
+/// Whether only results, warnings and errors are printed.
 pub(crate) fn is_quiet() -> bool {
     QUIET.load(Ordering::Relaxed)
 }
 
-/// Says something beside the result.
+/// Prints a note beside the result.
 pub(crate) fn note(text: &str) {
     if !is_quiet() {
         say(&format!("feedbits: {text}"));
     }
 }
 
-/// `did you mean …? ` where a word is near to one that is known, else nothing.
+/// `did you mean …? ` if a known word is near to `word`, otherwise an empty text.
 pub(crate) fn did_you_mean(word: &str, known: &[&str]) -> String {
     part_program::nearest(word, known).map_or_else(String::new, |meant| format!("did you mean `{meant}`? "))
 }
 
-/// A number and what it counts: one of it, or others.
+/// A number with its noun: the one for a single thing, or the one for several.
 pub(crate) fn counted(count: usize, one: &str, others: &str) -> String {
     format!("{count} {}", if count == 1 { one } else { others })
 }
 
-/// Writes a line to the error stream, folded to the screen. Where that is closed or full, nobody listens, and the exit status says what there is
-/// to say.
+/// Writes a line to the error stream, folded to the screen. If that stream is closed or full the line is lost, and only
+/// the exit status tells the result.
 pub(crate) fn say(line: &str) {
     let _ = writeln!(io::stderr().lock(), "{}", screen::message(line));
 }
 
-/// Says what is wrong with the command line, or prints the help that it asks for; the exit status.
+/// Prints the error in the command line, or the help that the command line asks for. Returns the exit status.
 pub(crate) fn usage(error: &clap::Error) -> ExitCode {
     if error.use_stderr() {
         let text = screen::message(&error.render().ansi().to_string());
@@ -69,13 +69,14 @@ pub(crate) fn usage(error: &clap::Error) -> ExitCode {
     ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2))
 }
 
-/// How a file is named until it is whole, around six characters by chance.
+/// The begin and end of a file's name until the file is whole; six random characters stand between.
 const UNFINISHED: [&str; 2] = [".feedbits-", ".part"];
 
-/// Writes `text` to `path`, or to the terminal if there is none. The file is written under another name beside its
-/// place and renamed when complete, so an error leaves what was there before. What a link points to is written, be it
-/// there or not; what is no file, as a device or a pipe, takes the text as it comes. Styles are shown on a terminal that has them,
-/// unless the environment says NO_COLOR, and left out elsewhere.
+/// Writes `text` to `path`, or to the terminal if there is no path. The file is written under another name beside its
+/// place and renamed when it is complete, so an error leaves the old file unchanged. If `path` is a link, its target is
+/// written, whether the target exists or not. If it is not a regular file, as a device or a pipe, the text goes to it
+/// directly. Styles are shown on a terminal that has them, unless the environment says NO_COLOR, and are left out
+/// elsewhere.
 pub(crate) fn write(path: Option<&Path>, text: &str) -> Result<()> {
     let Some(path) = path else {
         return match anstream::stdout().lock().write_all(text.as_bytes()) {
@@ -99,7 +100,7 @@ pub(crate) fn write(path: Option<&Path>, text: &str) -> Result<()> {
         .suffix(UNFINISHED[1])
         .make_in(folder_of(&target), |path| fs::File::create_new(path))
         .with_context(cannot)?;
-    // Until it is closed, the lock says that it is no leftover.
+    // Until the file is closed, the lock tells that it is no leftover.
     let _ = file.as_file().try_lock();
     if let Some(found) = before {
         // Before the text is in it: what was private is so all the while.
@@ -111,7 +112,7 @@ pub(crate) fn write(path: Option<&Path>, text: &str) -> Result<()> {
     Ok(())
 }
 
-/// The metadata of the file that stands at `path` now, `None` if there is none. A folder there is an error.
+/// The metadata of the file that is at `path` now; `None` if there is none. A folder there is an error.
 fn before(path: &Path) -> Result<Option<fs::Metadata>> {
     let cannot = || format!("cannot write {}", path.display());
     match fs::metadata(path) {
@@ -122,7 +123,8 @@ fn before(path: &Path) -> Result<Option<fs::Metadata>> {
     }
 }
 
-/// Refuses, before long work, a place at which [`write()`] could write nothing: a folder, or a file in a folder that is not there.
+/// Before long work, refuses a place to which [`write()`] cannot write: a folder, or a file in a folder that does not
+/// exist.
 pub(crate) fn expect_place(path: Option<&Path>) -> Result<()> {
     let Some(path) = path else { return Ok(()) };
     if before(path)?.is_none() {
@@ -137,7 +139,7 @@ fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// Removes from a folder the files that an interrupted run has left unfinished, and none that someone still writes.
+/// Removes from a folder the unfinished files that an interrupted run has left, but none that another run still writes.
 pub(crate) fn clear_unfinished(folder: &Path) {
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         let name = entry.file_name().to_string_lossy().into_owned();
@@ -151,7 +153,7 @@ pub(crate) fn clear_unfinished(folder: &Path) {
     }
 }
 
-/// The name to which links lead where no file is.
+/// The name to which links lead if no file is there.
 fn named_at_last(path: &Path) -> PathBuf {
     let mut target = path.to_path_buf();
     while let Ok(next) = fs::read_link(&target) {

@@ -47,10 +47,10 @@ pub(crate) struct Arguments {
     output: output::Output,
 }
 
-/// Stages that the first screen shows.
+/// Most stages on the first screen.
 const MOST_STAGES: usize = 20;
 
-/// Plans; prints the stage table, and with --out writes the sampled plan.
+/// Plans and prints the table of stages; with --out, writes the sampled plan.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     output::expect_place(arguments.output.out.as_deref())?;
     match arguments.input.read()? {
@@ -111,7 +111,7 @@ fn json(value: &impl serde::Serialize) -> Result<String> {
     Ok(serde_json::to_string_pretty(value)? + "\n")
 }
 
-/// One row a kind of transitions, below the fastest of them.
+/// A table with a row for each kind of transitions, below a line about the fastest.
 fn side_by_side(summaries: &[PlanSummary], period_s: f64, wide: bool) -> String {
     let fastest = summaries.iter().min_by(|a, b| a.time_s.total_cmp(&b.time_s));
     let Some(fastest) = fastest else { return String::new() };
@@ -135,7 +135,7 @@ fn side_by_side(summaries: &[PlanSummary], period_s: f64, wide: bool) -> String 
     screen::answer(&answer) + &turning + "\n" + &if wide { wide_rows(summaries) } else { rows(summaries) }
 }
 
-/// The first cells of a profile's row: its name, how long it takes, and what is travelled at the commanded feed.
+/// The first cells of a profile's row: its name, its time, and the share of the path at the commanded feed.
 fn time_and_shares(summary: &PlanSummary) -> Vec<String> {
     vec![
         summary.profile.to_string(),
@@ -146,7 +146,7 @@ fn time_and_shares(summary: &PlanSummary) -> Vec<String> {
     ]
 }
 
-/// Along the path, and in all directions.
+/// The cells for acceleration and jerk along the path and in all directions.
 fn accelerations(summary: &PlanSummary) -> [String; 2] {
     [summary.acceleration_max_mm_per_s2, summary.total_acceleration_max_mm_per_s2]
         .map(|acceleration| format!("{acceleration:.0}"))
@@ -201,7 +201,7 @@ fn wide_rows(summaries: &[PlanSummary]) -> String {
     )
 }
 
-/// How long the path takes, and what that asks of the machine.
+/// The time that the path takes, and the acceleration and jerk that the plan asks of the machine.
 fn answer(summary: &PlanSummary, name: &str, period_s: f64) -> String {
     let time = format!(
         "{}: {} mm in {}, {} periods of {} ms.",
@@ -235,7 +235,8 @@ fn answer(summary: &PlanSummary, name: &str, period_s: f64) -> String {
         + &screen::paragraph(axes(summary).trim_end())
 }
 
-/// The stages; of a path of several curves with the numbers of the curves that `u start` and `u end` belong to.
+/// The stages. If the path has several curves, the numbers of the curves that `u start` and `u end` belong to are
+/// added.
 fn stages(summary: &PlanSummary, wide: bool) -> String {
     if wide {
         return wide_stages(summary);
@@ -300,11 +301,11 @@ fn feeds(stage: &StageRow) -> [String; 4] {
     ]
 }
 
-/// What the setpoints take in bends and at corners too, and whether that is more than one would think: than `limit` along the path,
-/// where none across it is set.
+/// The acceleration of the setpoints, including bends and corners. If no acceleration across the path is limited and
+/// the setpoints have more than `limit`, the limit along the path, a sentence says so.
 pub(crate) fn in_all_directions(found: f64, limit: f64, is_free_across: bool) -> String {
     let said = screen::paragraph(&format!("In all directions: peak acceleration {found:.0} mm/s²."));
-    // A setpoint is off its place by some roundings of the path's length.
+    // Rounding puts a setpoint off its place by some units of the path's length.
     if !is_free_across || found <= limit * 1.001 {
         return said;
     }
@@ -314,7 +315,7 @@ pub(crate) fn in_all_directions(found: f64, limit: f64, is_free_across: bool) ->
     ))
 }
 
-/// What the setpoints of a plan take in all directions.
+/// The largest acceleration of a plan's setpoints in all directions.
 fn turning(summary: &PlanSummary) -> String {
     let &PlanSummary {
         total_acceleration_max_mm_per_s2, acceleration_limit_mm_per_s2, is_free_across, ..
@@ -344,13 +345,13 @@ fn axes(summary: &PlanSummary) -> String {
     summary.axes.iter().filter(is_limited).map(line).collect()
 }
 
-/// The curves that a stage begins and ends on, numbered from 0.
+/// The curves on which a stage begins and ends, numbered from 0.
 fn curves(stage: &StageRow) -> String {
     let (first, last) = (stage.curve_start, stage.curve_end);
     if first == last { first.to_string() } else { format!("{first} to {last}") }
 }
 
-/// The samples, with the number of the curve that u belongs to if there are several.
+/// The samples. If there are several curves, the number of the curve that u belongs to is added.
 fn csv(samples: &[FeedSample], has_curves: bool) -> Result<String> {
     let curve_column = if has_curves { "curve," } else { "" };
     let mut text = format!(

@@ -1,4 +1,4 @@
-//! Machines that have a name, and the machine that `--machine` names.
+//! Machines that have a name, and the machine that `--machine` selects.
 
 use std::path::Path;
 
@@ -9,9 +9,9 @@ use crate::{files, output};
 
 /// A machine that has a name.
 pub(crate) struct Preset {
-    /// By which `--machine` takes it: without what a path has, a dot or a slash.
+    /// The name for `--machine`. It has no dot and no slash, since these make a path.
     pub(crate) name: &'static str,
-    /// A machine file. Its first line says what it is, and lines behind it where its values are from.
+    /// A machine file. Its first line describes the machine; the lines after it name the sources of its values.
     pub(crate) text: &'static str,
 }
 
@@ -27,13 +27,13 @@ pub(crate) const PRESETS: &[Preset] =
     presets!["router-8bit", "router", "router-linuxcnc", "laser", "printer", "mill", "stage"];
 
 impl Preset {
-    /// What it is.
+    /// The description of the machine.
     pub(crate) fn title(&self) -> &'static str {
         let first = self.text.lines().next().unwrap_or_default();
         first.trim_start_matches("# ").trim_end_matches('.')
     }
 
-    /// Where its values are from.
+    /// The sources of its values.
     pub(crate) fn sources(&self) -> Vec<&'static str> {
         self.text.lines().filter_map(|line| line.strip_prefix("# Source: ")).collect()
     }
@@ -44,8 +44,8 @@ impl Preset {
     }
 }
 
-/// The machine that `--machine` names: a preset, or a file. A word without `.`, `/` and `\` is a preset's name wherever there is such a
-/// preset, so that what a command means does not depend on the folder that it is run in.
+/// The machine that `--machine` selects: a preset, or a file. A word without `.`, `/` and `\` is a preset's name if
+/// there is such a preset. So the meaning of a command does not depend on the folder in which it runs.
 pub(crate) fn read(path: &Path) -> Result<Machine> {
     let word = path.to_str().filter(|word| !word.contains(['.', '/', '\\']));
     if let Some(preset) = word.and_then(named) {
@@ -66,7 +66,7 @@ pub(crate) fn named(name: &str) -> Option<&'static Preset> {
     PRESETS.iter().find(|preset| preset.name == name)
 }
 
-/// What could have been meant instead of `name`, and all that there is.
+/// The preset that may have been meant instead of `name`, and the list of all.
 pub(crate) fn expected(name: &str) -> String {
     let names: Vec<&str> = PRESETS.iter().map(|preset| preset.name).collect();
     let meant = output::did_you_mean(name, &names);
@@ -89,7 +89,7 @@ mod tests {
         }
     }
 
-    /// A value that nobody knows the origin of is no value to start from.
+    /// Every value has a source: a user cannot start from a value of unknown origin.
     #[test]
     fn every_value_of_a_preset_has_a_comment_above_it() {
         for preset in PRESETS {
@@ -104,7 +104,7 @@ mod tests {
         }
     }
 
-    /// What has a default is left to it, so that a preset shows what is its own.
+    /// A preset leaves out values that have a default, so that its file shows only its own.
     #[test]
     fn a_preset_says_nothing_about_solvers() {
         for preset in PRESETS {

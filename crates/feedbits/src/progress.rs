@@ -1,4 +1,4 @@
-//! How far a long command is: a bar on a terminal, nothing elsewhere.
+//! The progress of a long command: a bar on a terminal, nothing elsewhere.
 
 use std::time::Duration;
 
@@ -6,7 +6,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::output;
 
-/// A bar on the terminal's error stream. What is over within half a second is not drawn.
+/// A bar on the terminal's error stream. It is not drawn for work that ends within half a second.
 pub(crate) struct Progress(ProgressBar);
 
 impl Progress {
@@ -19,19 +19,19 @@ impl Progress {
         Self(bar.with_message(what))
     }
 
-    /// A sign that the program works, where nobody knows how many steps there will be.
+    /// A sign that the program works, if the number of steps is unknown.
     pub(crate) fn spinning(what: &'static str) -> Self {
         let bar = if output::is_quiet() { ProgressBar::hidden() } else { ProgressBar::new_spinner() };
         bar.enable_steady_tick(Duration::from_millis(200));
         Self(bar.with_message(what))
     }
 
-    /// One step is done.
+    /// Counts a step that is done.
     pub(crate) fn step(&self) {
         self.0.inc(1);
     }
 
-    /// So many steps were done before.
+    /// Sets the number of steps that were done before.
     pub(crate) fn start_at(&self, steps: usize) {
         self.0.set_position(steps as u64);
     }

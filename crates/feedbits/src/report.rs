@@ -14,16 +14,17 @@ use target_cost::{StepCost, Target, built_in};
 use crate::formats::by_name;
 use crate::output;
 
-/// Where the report goes when no command is given.
+/// The folder of the report if no command is given.
 pub(crate) const FOLDER: &str = "feedbits-report";
 
-/// Targets whose schedule is shown when none is named: one that does a thing at a time, one that does many.
+/// Targets whose schedule is shown if none is named: one that runs one operation at a time, and one that runs many.
 const SHOWN_TARGETS: [&str; 2] = ["cortex-m4f", "dsp48"];
 
-/// Periods among which the most common one is scheduled.
+/// Number of periods of which the most common one is scheduled.
 const RECORDED_PERIODS: usize = 200;
 
-/// What is run when no command is given: the built-in example, with a report where a folder for it can be made.
+/// The command that runs if none is given: it compares the built-in example, and writes a report if it can make a
+/// folder.
 pub(crate) fn default_command() -> Vec<&'static str> {
     match fs::create_dir_all(FOLDER) {
         Ok(()) => vec!["feedbits", "compare", "--report", FOLDER],
@@ -34,7 +35,8 @@ pub(crate) fn default_command() -> Vec<&'static str> {
     }
 }
 
-/// Writes the report and returns the page's path. The page is written last, so it never names a file that is not there.
+/// Writes the report and returns the page's path. The page is written last, so it never names a file that does not
+/// exist.
 pub(crate) fn write<const D: usize>(
     folder: &Path,
     problem: &Problem<D>,
@@ -72,10 +74,11 @@ pub(crate) fn command() -> String {
     format!("feedbits {}", arguments.join(" ")).trim_end().to_string()
 }
 
-/// Writes a report into a folder, which is made if there is none; the page last. Returns the page's path.
+/// Writes a report into a folder, which is made if it does not exist. The page is written last. Returns the page's
+/// path.
 ///
-/// What an interrupted run has left unfinished goes first, and last what the page of a report before listed and this one
-/// does not. Everything else in the folder stays.
+/// Before, the unfinished files of an interrupted run are removed. Afterwards, files are removed that the page of an
+/// earlier report listed and the new page does not. All other files in the folder stay.
 pub(crate) fn into(folder: &Path, report: &Report) -> Result<PathBuf> {
     make_folder(Some(folder))?;
     output::clear_unfinished(folder);
@@ -85,19 +88,20 @@ pub(crate) fn into(folder: &Path, report: &Report) -> Result<PathBuf> {
         output::write(Some(&folder.join(name)), content)?;
     }
     for name in before.iter().filter(|name| report.files.iter().all(|(kept, _)| kept != *name)) {
-        // Whoever has removed it before has done no harm.
+        // If somebody else has removed the file already, that is no error.
         let _ = fs::remove_file(folder.join(name));
     }
     Ok(page)
 }
 
-/// Makes the folder of a report, if there is to be one and there is none: before long work, which would else be lost with it.
+/// Makes the folder of a report, if one is named and it does not exist. This is done before long work, whose result
+/// would otherwise be lost.
 pub(crate) fn make_folder(folder: Option<&Path>) -> Result<()> {
     let Some(folder) = folder else { return Ok(()) };
     fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))
 }
 
-/// The plan, a sample a period; nothing if each format plans for itself.
+/// The plan, with one sample a period; empty if each format plans for itself.
 fn sampled_plan<const D: usize>(problem: &Problem<D>, options: &Options) -> Result<Vec<FeedSample>>
 where
     Space: Dimension<D>,
@@ -107,7 +111,7 @@ where
     Ok(format_compare::plan_for(problem, format.as_ref(), options)?.sampled(problem, 1)?)
 }
 
-/// The papers' solvers in f64, by the same plan; they run on a single curve only.
+/// Runs by the papers' solvers in f64 that follow the same plan; they run on a single curve only.
 fn solvers<const D: usize>(problem: &Problem<D>, options: &Options) -> Result<Vec<Solver>>
 where
     Space: Dimension<D>,
@@ -122,8 +126,8 @@ where
     Ok(named.filter_map(|(name, trace)| Some(Solver { name: name.to_string(), trace: trace? })).collect())
 }
 
-/// The most common period of the recommended run, or of the last that was not refused, on each target that has a price
-/// for it.
+/// The most common period of the recommended run, or of the last run that was not refused, on each target that can
+/// price it.
 fn schedules<'a, const D: usize>(
     problem: &Problem<D>,
     comparison: &Comparison,

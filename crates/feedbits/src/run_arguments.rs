@@ -1,4 +1,4 @@
-//! How a part is planned and run: options that several subcommands share.
+//! Options for planning and running a part, which several subcommands share.
 
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
@@ -10,7 +10,7 @@ use crate::candidates;
 use crate::formats::named;
 use crate::input::{AnyProblem, Input};
 
-/// How a part is planned and run.
+/// Options for planning and running a part.
 #[derive(Args)]
 pub(crate) struct RunArguments {
     /// Form of the path in real time. Default: pieces; `compare`, `servo` and `sweep` run both, side by side.
@@ -33,7 +33,7 @@ pub(crate) struct RunArguments {
     solver_tolerance: Option<f64>,
 }
 
-/// How a part is planned.
+/// Options for planning a part.
 #[derive(Args)]
 pub(crate) struct PlanArguments {
     /// The format to plan in: a format's name, or `same` for each its own.
@@ -126,13 +126,13 @@ impl PlanArguments {
 }
 
 impl RunArguments {
-    /// Reads the problem to plan and run, and says what is left out of it.
+    /// Reads the problem to plan and run. Notes say what the run leaves out.
     pub(crate) fn problem(&self, input: &Input) -> Result<AnyProblem> {
         let (part, machine) = self.part_and_machine(input)?;
         AnyProblem::new(&part, &machine)
     }
 
-    /// Reads the part and its machine, with the fluctuation that is asked for in place of the file's.
+    /// Reads the part and its machine. If the options give a fluctuation, it replaces the file's.
     pub(crate) fn part_and_machine(&self, input: &Input) -> Result<(Part, Machine)> {
         let asked = ratio("--fluctuation", self.fluctuation)?;
         let (part, machine) = input.part_and_machine()?;
@@ -162,7 +162,7 @@ impl RunArguments {
         self.evaluate.is_some() || self.solver.is_some()
     }
 
-    /// The options of a run, with the last of the engines.
+    /// The options of a run. If there are several engines, the last one is used.
     pub(crate) fn options(&self) -> Result<Options> {
         let [profile] = *self.plan.profiles() else {
             bail!("--profile all goes with `plan`: expected one kind of transitions here");
@@ -186,7 +186,7 @@ impl RunArguments {
     }
 }
 
-/// A ratio that an option gives, if it does.
+/// A ratio that an option gives; `None` if it does not.
 fn ratio(option: &str, value: Option<f64>) -> Result<Option<f64>> {
     match value {
         Some(value) if !(value > 0.0 && value < 1.0) => {
@@ -196,7 +196,7 @@ fn ratio(option: &str, value: Option<f64>) -> Result<Option<f64>> {
     }
 }
 
-/// Refuses what takes more periods than are run, before any is planned.
+/// Refuses a problem that takes more periods than can be run, before it is planned.
 pub(crate) fn expect_an_end<const D: usize>(problem: &Problem<D>, options: &Options) -> Result<()> {
     let least = LeastPeriods::of(problem, options.end_feeds_mm_per_s);
     if least.are_too_many() {

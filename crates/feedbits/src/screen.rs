@@ -1,4 +1,4 @@
-//! What a terminal of 80 columns shows: folded lines, tables that fit, and figures as people say them.
+//! Text for a terminal of 80 columns: folded lines, tables that fit, and figures for people.
 
 use anstyle::{AnsiColor, Style};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
@@ -11,7 +11,7 @@ pub(crate) const STRONG: Style = Style::new().bold();
 pub(crate) const GOOD: Style = AnsiColor::Green.on_default();
 pub(crate) const BAD: Style = AnsiColor::Red.on_default();
 
-/// Words are not cut: options, formats and paths are copied from the screen.
+/// Words are not cut, since options, formats and paths are copied from the screen.
 fn whole_words<'i>() -> Options<'i> {
     Options::new(COLUMNS).word_splitter(WordSplitter::NoHyphenation).break_words(false)
 }
@@ -21,12 +21,12 @@ pub(crate) fn folded(text: &str) -> Vec<String> {
     textwrap::wrap(text, whole_words()).into_iter().map(Into::into).collect()
 }
 
-/// A text in lines of the screen, the last with its end too; nothing of no text.
+/// A text in lines of the screen, each with its end; an empty text has no line.
 pub(crate) fn paragraph(text: &str) -> String {
     if text.is_empty() { String::new() } else { folded(text).join("\n") + "\n" }
 }
 
-/// A text in lines of the screen, its first line, which answers what was asked, in bold.
+/// A text in lines of the screen. The first line, which has the answer, is bold.
 pub(crate) fn answer(text: &str) -> String {
     let lines = paragraph(text);
     match lines.split_once('\n') {
@@ -35,13 +35,14 @@ pub(crate) fn answer(text: &str) -> String {
     }
 }
 
-/// A text behind a label, further lines below the text.
+/// A text behind a label. Further lines begin below the text.
 pub(crate) fn labelled(label: &str, text: &str) -> String {
     let below = " ".repeat(label.chars().count());
     textwrap::fill(text, whole_words().initial_indent(label).subsequent_indent(&below)) + "\n"
 }
 
-/// A message of one line or more. The lines of a file that it shows, each behind a bar, and the place are as they are.
+/// A message of one line or more. Lines that show a file, each behind a bar, and the line with the place are not
+/// folded.
 pub(crate) fn message(text: &str) -> String {
     let is_shown = |line: &str| {
         let line = line.trim_start().trim_start_matches(|c: char| c.is_ascii_digit()).trim_start();
@@ -58,7 +59,7 @@ pub(crate) fn message(text: &str) -> String {
     lines.collect::<Vec<_>>().join("\n")
 }
 
-/// A table no wider than the screen; nothing without rows. Figures are aligned to the right, words to the left.
+/// A table no wider than the screen; an empty text without rows. Figures are aligned to the right, words to the left.
 pub(crate) fn table(header: &[&str], rows: Vec<Vec<String>>) -> String {
     const GAP: u16 = 2;
     if rows.is_empty() {
@@ -71,7 +72,7 @@ pub(crate) fn table(header: &[&str], rows: Vec<Vec<String>>) -> String {
     let has_figures = |column: usize| rows.iter().filter_map(|row| row.get(column)).all(is_figure);
     let figures: Vec<bool> = (0..header.len()).map(has_figures).collect();
     let mut table = Table::new();
-    // The gap behind the last column is cut off.
+    // The gap behind the last column is removed.
     table
         .load_preset(presets::NOTHING)
         .set_content_arrangement(ContentArrangement::Dynamic)
@@ -87,7 +88,8 @@ pub(crate) fn table(header: &[&str], rows: Vec<Vec<String>>) -> String {
     table.lines().map(|line| line.trim_end().to_string() + "\n").collect()
 }
 
-/// A table of all columns, as wide as they are, those of `words` aligned to the left; nothing without rows.
+/// A table of all columns in their full width; the columns of `words` are aligned to the left. An empty text without
+/// rows.
 pub(crate) fn wide_table(header: &[&str], rows: Vec<Vec<String>>, words: &[usize]) -> String {
     if rows.is_empty() {
         return String::new();
@@ -103,7 +105,7 @@ pub(crate) fn wide_table(header: &[&str], rows: Vec<Vec<String>>, words: &[usize
     format!("{table}\n")
 }
 
-/// "A, B and C".
+/// A list of names, as in "A, B and C".
 pub(crate) fn list(names: &[&str]) -> String {
     match names {
         [] => String::new(),
@@ -112,7 +114,7 @@ pub(crate) fn list(names: &[&str]) -> String {
     }
 }
 
-/// What is said of names, those of which the same is said together, in the order of the first.
+/// Joins the names that have the same words after them. The groups are in the order of their first names.
 pub(crate) fn by_what_is_said(said: impl IntoIterator<Item = (String, String)>) -> Vec<(String, String)> {
     let mut groups: Vec<(String, Vec<String>)> = Vec::new();
     for (name, words) in said {
@@ -131,10 +133,10 @@ pub(crate) fn file_name(name: &str) -> String {
     last.map_or_else(|| name.to_string(), |last| last.to_string_lossy().into_owned())
 }
 
-/// A margin beyond which its figure says nothing.
+/// For a margin above this, no figure is printed.
 const MANY: f64 = 1e6;
 
-/// So many times, in words: two digits, and beyond a million only that.
+/// A ratio in words, with two digits, as in "41 times". Above a million, only that is said.
 pub(crate) fn times(margin: f64) -> String {
     if margin > MANY {
         "more than a million times".to_string()
@@ -143,7 +145,7 @@ pub(crate) fn times(margin: f64) -> String {
     }
 }
 
-/// So many times, as short as a cell of a table wants it.
+/// A ratio in short form, for a cell of a table.
 pub(crate) fn times_short(margin: f64) -> String {
     if margin > MANY { "> 1e6".to_string() } else { format!("{}×", two_digits(margin)) }
 }
@@ -152,7 +154,7 @@ fn two_digits(x: f64) -> String {
     if x < 10.0 { format!("{x:.1}") } else { format!("{x:.0}") }
 }
 
-/// A figure of at most six digits; of seven, and from then on of three and an exponent.
+/// A figure of at most six or seven digits; larger ones have three digits and an exponent.
 pub(crate) fn short(x: f64) -> String {
     if x.abs() >= 1e7 {
         return if x.is_finite() { format!("{x:.2e}") } else { "no bound".to_string() };
@@ -162,7 +164,7 @@ pub(crate) fn short(x: f64) -> String {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_string() } else { text }
 }
 
-/// A time as people say it.
+/// A time in units that people use.
 pub(crate) fn duration(seconds: f64) -> String {
     let whole = seconds.round();
     if seconds < 100.0 {
@@ -200,7 +202,7 @@ mod tests {
         assert!(table.lines().all(|line| line.chars().count() <= COLUMNS), "{table}");
     }
 
-    /// A line of a file is shown as it is, and an option is not cut at its hyphens.
+    /// A line of a file is shown unchanged, and an option is not cut at its hyphens.
     #[test]
     fn what_is_copied_from_the_screen_stays_whole() {
         let excerpt = format!("  --> {}:3:1\n   |\n 3 | {}\n   | ^", "p".repeat(90), "G1 X1 ".repeat(20));

@@ -1,4 +1,4 @@
-//! `feedbits servo`: what the machine makes of each format's setpoints.
+//! `feedbits servo`: how the machine follows each format's setpoints.
 
 mod arguments;
 mod circle;
@@ -21,7 +21,7 @@ use print::{first_rows, narrow_table, shown, wide_table};
 use report::{CircleReport, CircleResult, FormatRow, Outcome, Report};
 use simulate::rows;
 
-/// The drive that runs when no servo file is given: fitted to paper D's circle test.
+/// The drive that is simulated if no servo file is given: fitted to paper D's circle test.
 const EXAMPLE: &str = include_str!("../../../data/servo.toml");
 
 /// Simulates and prints.
@@ -66,8 +66,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     Ok(ending(&report))
 }
 
-/// A format that cannot run the raw problem is an answer, not a failure; one that runs neither way is. So is a machine
-/// that does not follow.
+/// If a format cannot run the raw problem, that is a result, not a failure. A format that can run neither form is a
+/// failure, and so is a machine that does not follow.
 fn ending(report: &Report) -> Ending {
     let ran = |row: &&FormatRow| matches!(row.outcome, Outcome::Ran { reached_the_end: true, .. });
     let any_ran = |format: &str| report.formats.iter().filter(ran).any(|row| row.format == format);

@@ -68,7 +68,7 @@ impl Arguments {
     }
 }
 
-/// Searches and prints.
+/// Searches and prints the result.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     output::expect_place(arguments.output.out.as_deref())?;
     let progress = Progress::spinning("running the path in formats of 12 to 48 bits");
@@ -127,7 +127,7 @@ fn report(sizing: &Sizing) -> String {
         + &format!("\n{} runs of the whole path.\n", sizing.runs)
 }
 
-/// What a register for each signal saves, and the registers.
+/// The bits that a register for each signal saves, and the registers.
 fn registers(mixed: &Mixed) -> (String, String) {
     let said = screen::paragraph(&format!(
         "With a register for each signal {} bits in all, against {} in one format; fluctuation {:.1e}, {} better than asked.",

@@ -47,7 +47,7 @@ enum Outer {
     Cut,
 }
 
-/// Smooths, measures and prints.
+/// Smooths, measures and prints the result.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     let tolerance_mm = arguments.tolerance;
     if !(tolerance_mm > 0.0 && tolerance_mm.is_finite()) {
@@ -75,12 +75,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
         print::text(report, arguments.wide)
     };
     output::write(None, &text)?;
-    // Only now: the report holds without the file.
+    // The error comes last: the report is valid without the file.
     kept?;
     Ok(if report.faults().is_empty() { Ending::Good } else { Ending::RequirementNotMet })
 }
 
-/// What is written.
+/// The form in which the path is written.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Form {
     /// A curve file, with the smoothed curves as they are.
@@ -95,7 +95,7 @@ impl Form {
         if is_toml { Self::Curves } else { Self::Program(dialect) }
     }
 
-    /// What is written, or why nothing is.
+    /// The text to write, or the reason why there is none.
     fn text_of(self, smoothed: &mut Smoothed) -> Result<String> {
         const NO_PROGRAM: &str = "no program is written; a larger --tolerance takes fewer chords, and a curve file, --out NAME.toml, none";
         match self {

@@ -42,10 +42,10 @@ pub(crate) struct Arguments {
     output: output::Output,
 }
 
-/// A soak with when and how long.
+/// The state of a soak, with its date and duration.
 #[derive(Serialize, Deserialize)]
 struct Record {
-    /// Of the last path, UTC.
+    /// Date of the last path, UTC.
     date: String,
     /// The version that ran.
     version: String,
@@ -57,12 +57,12 @@ struct Record {
 
 /// Paths that are run at a time.
 const BATCH: u64 = 32;
-/// Paths after which a format that has refused them all is given up.
+/// A format that has refused all of this many paths is given up.
 const PATIENCE: u64 = 4096;
 /// Time between two states.
 const BETWEEN_STATES: Duration = Duration::from_secs(5);
 
-/// Runs until every format has its periods.
+/// Runs until every format has made its periods.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     let formats = selected(&arguments.formats)?;
     let paths = SoakPaths { seed: arguments.seed, full_speed: arguments.full_speed };
@@ -131,7 +131,7 @@ fn selected(names: &[String]) -> Result<Vec<SoakFormat>> {
     Ok(selected)
 }
 
-/// The state that an earlier run has left.
+/// The state that an earlier run has written.
 fn resumed(path: &Path, paths: SoakPaths, formats: &[SoakFormat]) -> Result<Record> {
     let name = path.display();
     let record: Record =
@@ -214,7 +214,7 @@ impl Record {
     }
 }
 
-/// A number with k, M or G behind it.
+/// A number that may end in k, M or G.
 fn count(text: &str) -> Result<u64, String> {
     let units = [('k', 1_000), ('M', 1_000_000), ('G', 1_000_000_000)];
     let (digits, unit) = units

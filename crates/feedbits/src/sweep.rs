@@ -113,12 +113,12 @@ impl Span {
     }
 }
 
-/// Six digits: a grid's values are read by people.
+/// Rounds to six digits, since people read the values of a grid.
 fn rounded(value: f64) -> f64 {
     format!("{value:.5e}").parse().unwrap_or(value)
 }
 
-/// Shard i of n, from 1.
+/// Shard i of n, counted from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Shard {
     index: usize,
@@ -142,7 +142,7 @@ impl Shard {
         cell % self.count == self.index - 1
     }
 
-    /// Each shard its own file, as they may run at the same time.
+    /// Each shard has its own file, since shards may run at the same time.
     fn file(self) -> PathBuf {
         match self {
             Self { count: 1, .. } => "sweep.jsonl".into(),
@@ -154,7 +154,7 @@ impl Shard {
 /// The longest period, in ms, and the highest feed, in mm/s, that a machine file may give.
 const MOST: [f64; 2] = [1e3, 1e5];
 
-/// Refuses spans beyond what a machine file may give.
+/// Refuses spans with values that a machine file may not give.
 fn expect_limits_of_a_machine(arguments: &Arguments) -> Result<()> {
     let spans = [("--period", arguments.period, MOST[0], "ms"), ("--feed", arguments.feed, MOST[1], "mm/s")];
     for (option, span, most, unit) in spans {
@@ -165,7 +165,7 @@ fn expect_limits_of_a_machine(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// What every cell is made from.
+/// The part and the machine from which every cell is made.
 struct Base {
     part: Part,
     machine: Machine,
@@ -173,7 +173,7 @@ struct Base {
     extent_mm: f64,
 }
 
-/// Sweeps, or goes on where an earlier run ended.
+/// Sweeps, or continues where an earlier run ended.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     expect_limits_of_a_machine(arguments)?;
     let (part, machine) = arguments.run.part_and_machine(&arguments.input)?;
@@ -204,7 +204,7 @@ where
     let cells = format_compare::in_parallel(&left, |number| -> Result<SweepCell> {
         let cell = base.cell(&plan, *number, arguments.most_periods, (&formats, &engines, &options))?;
         let line = serde_json::to_string(&cell)? + "\n";
-        // A line is written at once, so that an interrupted sweep tears the last one at most.
+        // A whole line is written at once, so an interrupted sweep tears only the last one.
         let mut file = file.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         file.write_all(line.as_bytes())
             .and_then(|()| file.flush())
@@ -219,7 +219,7 @@ where
     conclude(&plan, &cells, &out, arguments.report.as_deref())
 }
 
-/// Says what came out, and writes the report if one is asked for.
+/// Prints the results, and writes the report if the options name a folder for it.
 pub(crate) fn conclude(
     plan: &Sweep,
     cells: &[SweepCell],
@@ -240,13 +240,13 @@ pub(crate) fn conclude(
         let page = report::into(folder, &plan.report(cells, &report::command())?)?;
         output::note(&format!("report in {}", page.display()));
     }
-    // What one shard has not, another may have.
+    // A shard lacks cells that other shards may have.
     let is_whole = cells.len() == plan.len();
     let is_bad = (0..plan.runs.len()).all(|run| plan.good(cells, run).0 == 0);
     Ok(if is_whole && is_bad { Ending::RequirementNotMet } else { Ending::Good })
 }
 
-/// A curve of a problem with three coordinates.
+/// A curve of a problem, with three coordinates.
 fn in_space<const D: usize>(nurbs: &NurbsBuf<f64, D>) -> Curve {
     let point = |point: &[f64; D]| std::array::from_fn(|axis| point.get(axis).copied().unwrap_or(0.0));
     Curve {
@@ -261,7 +261,7 @@ fn in_space<const D: usize>(nurbs: &NurbsBuf<f64, D>) -> Curve {
 impl Base {
     fn new<const D: usize>(part: Part, machine: Machine) -> Result<Self> {
         let problem = Problem::<D>::new(&part, &machine)?;
-        // The problem's curves, which follow on each other without gaps.
+        // The curves of the problem. Its rapid moves are left out.
         let curves: Vec<_> = problem.curves.iter().map(in_space).collect();
         let bounds = part_program::bounding_box_mm(&curves);
         let extent_mm =
@@ -284,7 +284,7 @@ impl Base {
         };
         let own_feed = self.part.feedrate_mm_per_s.unwrap_or(self.machine.feedrate_mm_per_s);
         let runs = formats.iter().flat_map(|format| engines.iter().map(move |engine| (format, engine)));
-        // What a move's line is, or its words were, changes no cell.
+        // The line and the words of a move change no cell.
         let of_move = |one: &Move| (one.kind, one.feedrate_mm_per_s, one.exact_stop);
         let moves: Vec<_> = self.part.moves.iter().map(of_move).collect();
         let plan = Sweep {
@@ -361,8 +361,8 @@ fn result(row: &JudgedRun) -> SweepResult {
     }
 }
 
-/// A number of 64 bits that differs for different texts, all but certainly: the hash of Fowler, Noll and Vo, version 1a,
-/// which is the same everywhere and always.
+/// A number of 64 bits that almost certainly differs for different texts: the hash of Fowler, Noll and Vo, version 1a,
+/// which is the same on every machine and at any time.
 fn fingerprint(text: &str) -> String {
     let hash = text.bytes().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
         (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)
@@ -393,7 +393,7 @@ mod tests {
         assert!(["0/2", "3/2", "1", "a/b", "1/0"].iter().all(|wrong| wrong.parse::<Shard>().is_err()));
     }
 
-    /// The bounds of the machine file's own reader.
+    /// The spans have the bounds of the machine file's own reader.
     #[test]
     fn spans_end_where_a_machine_file_does() {
         let example = include_str!("../../../data/seed-000.toml");

@@ -1,5 +1,5 @@
-//! The file of a sweep: what is swept in the first line, then a line of JSON for each cell, in the order in which they
-//! end. A line is written at once, so whoever is interrupted tears the last one at most.
+//! The file of a sweep. Its first line holds the sweep's parameters. Then it has a line of JSON for each cell, in the
+//! order in which they end. A whole line is written at once, so an interruption tears only the last one.
 
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{BufRead, BufReader, Read, Seek, SeekFrom, Write};
@@ -11,8 +11,8 @@ use part_program::MAX_TEXT;
 
 use crate::output;
 
-/// Opens the file of a sweep, with the cells that it has; nobody else may sweep into it until it is closed. What is not
-/// the file of this sweep is left as it is. A last line that was torn is cut off.
+/// Opens the file of a sweep and returns the cells that it has. No other sweep may write it until it is closed. A file
+/// that is not of this sweep is left unchanged. If its last line is torn, that line is cut off.
 pub(crate) fn resume(path: &Path, plan: &Sweep) -> Result<(File, Vec<SweepCell>)> {
     let name = path.display();
     let cannot = || format!("cannot open {name}");
@@ -52,7 +52,7 @@ pub(crate) fn resume(path: &Path, plan: &Sweep) -> Result<(File, Vec<SweepCell>)
     Ok((file, cells))
 }
 
-/// Keeps other sweeps out of a file. Where files cannot be locked, as on some networks, that is said.
+/// Keeps other sweeps out of a file. If the file cannot be locked, as on some networks, a note says so.
 fn lock(file: &File, path: &Path) -> Result<()> {
     let name = path.display();
     match file.try_lock() {
@@ -75,11 +75,11 @@ pub(crate) fn read(path: &Path) -> Result<Found> {
     found.with_context(|| format!("{name}: expected the file of a sweep, found no line of it"))
 }
 
-/// What is swept, and the cells that are there.
+/// The sweep's parameters, and the cells in the file.
 type Found = (Sweep, Vec<SweepCell>);
 
-/// What the whole lines say, if there is one, and where they end. Every cell is where its number says, and has a result
-/// for each run or a reason.
+/// The parameters and the cells in the whole lines, if there is one, and where these lines end. Every cell is at the
+/// place of its number, and has a result for each run or a reason.
 fn parsed<S: BufRead>(name: &str, source: S) -> Result<(Option<Found>, Lines<S>)> {
     let mut lines = Lines { source, number: 0, whole: 0, last: Vec::new() };
     if !lines.advance(name)? {
@@ -102,19 +102,19 @@ fn parsed<S: BufRead>(name: &str, source: S) -> Result<(Option<Found>, Lines<S>)
     Ok((Some((plan, cells)), lines))
 }
 
-/// Lines one by one: a sweep's file may be longer than what is read at once.
+/// Lines one by one: a sweep's file may be longer than the most that is read at once.
 struct Lines<S> {
     source: S,
-    /// Lines that were read, the torn one among them.
+    /// Number of lines read, including a torn one.
     number: usize,
-    /// Length of the whole lines, in bytes.
+    /// Total length of the whole lines, in bytes.
     whole: u64,
-    /// The last line that was read; at the end, the torn one.
+    /// The last line read; at the end of the file, the torn line.
     last: Vec<u8>,
 }
 
 impl<S: BufRead> Lines<S> {
-    /// Reads the next line; false if none is left that is whole.
+    /// Reads the next line; `false` if no whole line is left.
     fn advance(&mut self, name: &str) -> Result<bool> {
         self.last.clear();
         self.number += 1;

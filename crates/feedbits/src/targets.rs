@@ -52,7 +52,7 @@ pub(crate) struct TargetArguments {
 }
 
 impl TargetArguments {
-    /// The targets in the order given, those of files that are not named after them.
+    /// The targets in the order of the options; targets of files that are not named come last.
     pub(crate) fn read(&self) -> Result<Vec<Target>> {
         for (option, value) in [("--multipliers", self.multipliers), ("--dividers", self.dividers)] {
             if value == Some(0) {
@@ -263,7 +263,8 @@ fn check_table(checks: &[Check]) -> String {
         )
 }
 
-/// The costs of a comparison that was priced, and what they say: of these forms of the path in 80 columns, or of all in full.
+/// The costs of a comparison that was priced, with remarks: for these forms of the path in 80 columns, or for all forms
+/// in full width.
 pub(crate) fn costs(comparison: &Comparison, targets: &[Target], engines: Option<&[Engine]>) -> String {
     let mut text = String::new();
     for target in targets {
@@ -290,7 +291,7 @@ fn heading(target: &Target) -> String {
     format!("{} ({level}{units})", target.title)
 }
 
-/// What a period's costs are counted in.
+/// The unit of a period's costs.
 fn counted_in(target: &Target) -> &'static str {
     match target.measure {
         Measure::Cycles => "cycles",
@@ -315,7 +316,7 @@ fn blocks_and_interval(cost: &PeriodCost) -> [String; 2] {
     ]
 }
 
-/// The longest period of each format, and below the table what is not known.
+/// The longest period of each format, and below the table the costs that are unknown.
 fn narrow_costs(comparison: &Comparison, target: &Target, engines: &[Engine]) -> String {
     let names_path = engines.len() > 1;
     let fpga = target.kind == Kind::Fpga;
@@ -380,7 +381,7 @@ fn wide_costs(comparison: &Comparison, target: &Target) -> String {
     screen::wide_table(&header, ran.map(row).collect(), &[0, 1, 6, 7, 8])
 }
 
-/// What the figures say on this target.
+/// Remarks about the figures on this target.
 fn findings(comparison: &Comparison, target: &Target) -> Vec<String> {
     let known = |row: &JudgedRun| match row.cycles.get(&target.name) {
         Some(Cost::Known(cost)) => Some(cost.clone()),
@@ -399,7 +400,7 @@ fn findings(comparison: &Comparison, target: &Target) -> Vec<String> {
         lines.push(format!("No format is known to be good and fast enough on {}", target.name));
     }
     lines.extend(may_not_fit(comparison, target, &good));
-    // Fixed point against float: the cheapest good one of each.
+    // Compares fixed point with float by the cheapest good format of each.
     let cheapest = |fixed: bool| {
         let of_kind = good.iter().filter(|(row, _)| row.format.starts_with('I') == fixed);
         of_kind.min_by(|a, b| a.1.max.total_cmp(&b.1.max))
@@ -416,7 +417,7 @@ fn findings(comparison: &Comparison, target: &Target) -> Vec<String> {
     lines
 }
 
-/// That the recommended format fits the period only by what operations typically take.
+/// A remark if the recommended format fits the period only with the typical costs of operations, not with the highest.
 fn may_not_fit(
     comparison: &Comparison,
     target: &Target,
@@ -430,7 +431,7 @@ fn may_not_fit(
     })
 }
 
-/// What compiling buys where both forms were priced, and how much of the raw form is division and roots.
+/// How much compiling saves, if both forms were priced, and the share of division and roots in the raw form.
 fn divisions(comparison: &Comparison, known: &impl Fn(&JudgedRun) -> Option<PeriodCost>) -> Option<String> {
     let mut by_format: BTreeMap<&str, Vec<(&JudgedRun, PeriodCost)>> = BTreeMap::new();
     for row in &comparison.formats {

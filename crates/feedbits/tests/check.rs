@@ -1,4 +1,4 @@
-//! `feedbits check`: what a part holds, and what in it is suspicious.
+//! `feedbits check`: the contents of a part, and anything suspicious in it.
 
 mod message;
 
@@ -33,7 +33,7 @@ impl Folder {
     }
 }
 
-/// Paper A's curve: length and sharpest bend are those that other commands and tests know.
+/// Paper A's curve: its length and its sharpest bend are those that other commands and tests find.
 #[test]
 fn the_built_in_example_is_good_and_its_bends_are_slow() {
     let output = check(&[]);
@@ -70,7 +70,7 @@ fn corners_are_counted_and_the_worst_are_listed() {
     assert_eq!(json["suspicious"].as_array().map(Vec::len), Some(0));
 }
 
-/// Each with the machine, so that only what is meant is suspicious.
+/// Each part is given with a machine, so that only the intended thing is suspicious.
 #[test]
 fn what_is_suspicious_is_exit_status_1() {
     let folder = Folder::new();
@@ -116,7 +116,7 @@ fn without_a_machine_a_missing_feedrate_is_suspicious() {
     let output = check(&[&data("seed-003.nc")]);
     assert_eq!(output.status.code(), Some(1));
     assert!(text(&output.stdout).contains("no feedrate is commanded"), "{}", text(&output.stdout));
-    // With one, its feed holds; on paper D's curve it is too high for the sharpest bend.
+    // With a machine, its feed holds; on paper D's curve that feed is too high for the sharpest bend.
     let output = check(&[&data("seed-003.nc"), "--machine", &data("seed-000.toml")]);
     assert_eq!(output.status.code(), Some(1));
     assert!(!text(&output.stdout).contains("no feedrate is commanded"), "{}", text(&output.stdout));
@@ -185,14 +185,14 @@ fn bytes_that_are_no_text_and_files_that_are_too_long_are_refused() {
     let latin = folder.file("latin.nc", b"(Fr\xe4sen)\nG0 X0 Y0 F600\nG1 X5\n");
     assert_eq!(check(&[&latin]).status.code(), Some(0));
     let long = folder.0.path().join("long.nc");
-    // A file of zeros that takes no room.
+    // A file of zeros that takes no space on the disk.
     fs::File::create(&long).and_then(|file| file.set_len((64 << 20) + 1)).expect("a sparse file");
     let output = check(&[&long.display().to_string()]);
     assert_eq!(output.status.code(), Some(2));
     assert!(unfolded(&output.stderr).contains("longer than 64 MiB"), "{}", unfolded(&output.stderr));
 }
 
-/// What is not cut is not compared, and that is said.
+/// Moves that are not cut are not compared, and a note says so.
 #[test]
 fn rapid_moves_are_left_out_of_a_comparison() {
     let folder = Folder::new();
@@ -214,7 +214,7 @@ fn rapid_moves_are_left_out_of_a_comparison() {
     let length = json["part"]["length_mm"].as_f64().expect("a length");
     assert!((length - 30.0 * std::f64::consts::PI).abs() < 1e-9, "{length}");
     assert_eq!(run(&["plan"]).status.code(), Some(0));
-    // Setpoints are where the part has them: the second arc ends at (90, 0).
+    // Setpoints are in the part's coordinates: the second arc ends at (90, 0).
     let setpoints = text(&run(&["interpolate"]).stdout);
     let last: Vec<f64> = setpoints
         .lines()
@@ -226,7 +226,7 @@ fn rapid_moves_are_left_out_of_a_comparison() {
     assert!((last[5] - 90.0).abs() < 1e-9 && last[6].abs() < 1e-9, "{last:?}");
 }
 
-/// Where the tool is at first, and in which unit, a program may leave to who runs it.
+/// A program may leave the tool's first place and the first unit to the person who runs it.
 #[test]
 fn start_and_unit_can_be_given() {
     let folder = Folder::new();

@@ -134,7 +134,8 @@ fn formats_are_listed_and_any_fixed_point_format_can_be_named() {
     assert!(text(&made.stdout).contains("I5F21"), "{}", unfolded(&made.stderr));
 }
 
-/// "No format meets the requirements" said nothing where each cuts a corner that the machine file lets be passed too fast.
+/// "No format meets the requirements" once gave no reason if each format cuts a corner that the machine file allows to
+/// be passed too fast.
 #[test]
 fn what_is_no_question_of_the_format_is_told_with_its_place_and_what_helps() {
     let folder = folder();
@@ -174,8 +175,8 @@ fn what_is_no_question_of_the_format_is_told_with_its_place_and_what_helps() {
     }
 }
 
-/// At 1 mm/s and 0.25 ms a step is as short as the grid of a narrow format's positions. The parameter is an integer of 64 bits and
-/// knows nothing of it.
+/// At 1 mm/s and 0.25 ms a step is as short as the grid of a narrow format's positions. The parameter, an integer of 64
+/// bits, is much finer.
 #[test]
 fn what_positions_are_rounded_by_is_told_and_judged() {
     let folder = folder();
@@ -214,7 +215,7 @@ fn what_positions_are_rounded_by_is_told_and_judged() {
         line.split(',').nth(column).and_then(|text| text.parse::<f64>().ok()).expect("a number")
     };
     let points: Vec<_> = table.lines().skip(1).map(|line| [number(line, x), number(line, y)]).collect();
-    // From one second on, and to one before the end, the feed is that of the program.
+    // From one second on until one second before the end, the feed is that of the program.
     let cruise = &points[4000..points.len() - 4000];
     let off = cruise
         .windows(2)
@@ -223,7 +224,7 @@ fn what_positions_are_rounded_by_is_told_and_judged() {
     assert!((0.5..=1.000_001).contains(&(largest / told)), "{largest} of {told}");
 }
 
-/// Dropping the bits errs by up to a unit to one side, rounding by half a unit to either.
+/// Dropping the bits has an error of up to a unit to one side; rounding has one of up to half a unit to either side.
 #[test]
 fn a_format_that_drops_bits_is_coarser_than_one_that_rounds() {
     let at_cruise = |format: &str| {
@@ -235,7 +236,7 @@ fn a_format_that_drops_bits_is_coarser_than_one_that_rounds() {
     };
     let (rounded, dropped) = (at_cruise("I2F24"), at_cruise("I2F24-floor"));
     assert!(dropped > 1.2 * rounded && dropped < 8.0 * rounded, "{dropped} for {rounded}");
-    // What never overflows never saturates.
+    // A run that never overflows never saturates.
     assert_eq!(at_cruise("I2F24-floor-sat"), dropped);
 }
 
@@ -257,7 +258,7 @@ fn bits_are_sized_for_a_way_of_rounding() {
     assert!(!format.contains('-'), "{format}");
     let (dropping, more, all_dropping, register) = sized(&["--rounding", "floor", "--overflow", "saturate"]);
     assert!(dropping.ends_with("-floor-sat") && register.ends_with("-floor-sat"), "{dropping}, {register}");
-    // Up to a unit for half a unit: about one bit more, here none as it happens.
+    // The error is up to a unit in place of half a unit: about one more bit, but none in this case.
     assert!((bits..=bits + 1).contains(&more), "{more} bits for {bits}");
     assert!(all_dropping > all, "{all_dropping} bits for {all}");
 }
@@ -268,7 +269,7 @@ fn a_requirement_that_no_format_meets_is_exit_status_1() {
     assert_eq!(output.status.code(), Some(1), "{}", text(&output.stdout));
 }
 
-/// Bad input: exit status 2, a message that names what and where, and no file.
+/// Bad input gives exit status 2, a message with the fault and its place, and no file.
 #[test]
 fn bad_input_is_explained() {
     let folder = folder();
@@ -301,7 +302,7 @@ fn bad_input_is_explained() {
     }
 }
 
-/// `--fluctuation` set only what the solver stops at: the verdict went by the machine file all the same.
+/// `--fluctuation` once set only the fluctuation at which the solver stops; the verdict still used the machine file's.
 #[test]
 fn the_fluctuation_that_is_asked_for_is_the_one_that_is_judged() {
     let good = |more: &[&str]| {
@@ -409,7 +410,7 @@ fn bad_usage_is_explained() {
     }
 }
 
-/// The second curve that is run, behind a rapid move. It was refused, in every format.
+/// The second curve of the run, behind a rapid move, was once refused in every format.
 #[test]
 fn a_cusp_is_run() {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -425,7 +426,7 @@ fn a_cusp_is_run() {
     assert!((last[5] - 40.0).abs() < 1e-9 && last[6].abs() < 1e-9, "{last:?}");
 }
 
-/// Straight on as it would be: the machine makes another move in between, from rest to rest.
+/// The path would go straight on, but the machine makes another move in between, so the run goes from rest to rest.
 #[test]
 fn a_run_rests_at_a_rapid_move() {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -444,7 +445,7 @@ fn a_run_rests_at_a_rapid_move() {
     let jump = rows.windows(2).position(|pair| pair[1][5] - pair[0][5] > 50.0).expect("a jump to X100");
     let [before, after] = [&rows[jump], &rows[jump + 1]];
     assert!((before[5] - 10.0).abs() < 1e-9 && before[8] == 0.0, "{before:?}");
-    // The first step from rest; at the feed it has 0.15 mm.
+    // This is the first step from rest; a step at the feed has 0.15 mm.
     assert!(after[5] - 100.0 < 0.02 && after[6] == 100.0, "{after:?}");
     assert!(unfolded(&output.stderr).contains("1 rapid move is left out"), "{}", unfolded(&output.stderr));
 }
@@ -466,7 +467,7 @@ fn where_no_format_is_enough_the_widest_says_why() {
     );
 }
 
-/// A format or a target that is named twice is one all the same.
+/// A format or a target that is named twice counts once.
 #[test]
 fn what_is_named_twice_is_run_once() {
     let output = feedbits(&[
@@ -494,14 +495,14 @@ fn what_is_named_twice_is_run_once() {
     assert_eq!(text(&table.stdout).matches("Cheapest good format on cortex-m3").count(), 1);
 }
 
-/// The last step of a path that is left in motion is no step at cruise.
+/// The last step of a path that ends in motion is not a step at cruise.
 #[test]
 fn a_path_that_is_left_in_motion_has_a_good_format() {
     let output = feedbits(&["compare", "--formats", "I4F28", "--evaluate", "pieces", "--end-feed", "200"]);
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stdout));
 }
 
-/// Runs of hours are refused at once, with the numbers that make them so long.
+/// Runs of hours are refused at once, and the message has the numbers that make them so long.
 #[test]
 fn endless_runs_are_refused_before_they_begin() {
     let folder = folder();
@@ -535,7 +536,7 @@ fn endless_runs_are_refused_before_they_begin() {
     }
 }
 
-/// Notes are no results, warnings or errors.
+/// Notes are not results, warnings or errors.
 #[test]
 fn quiet_runs_say_nothing_beside_the_result() {
     let folder = folder();

@@ -1,4 +1,4 @@
-//! `feedbits convert`: what is written reads back.
+//! `feedbits convert`: everything that it writes reads back.
 
 mod message;
 
@@ -19,7 +19,8 @@ fn data(name: &str) -> String {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data").join(name).display().to_string()
 }
 
-/// The words are no part of a curve file, and the rest at them was lost with them where the path goes straight on.
+/// The words are not part of a curve file. If the path went straight on, the rest at a word was once lost with the
+/// word.
 #[test]
 fn a_curve_file_is_planned_as_its_program_is() {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -43,7 +44,8 @@ fn a_curve_file_is_planned_as_its_program_is() {
     assert!(unfolded(&output.stderr).contains("but rests at them"), "{}", unfolded(&output.stderr));
     let of_program = plan(&program);
     assert_eq!(plan(&curves), of_program);
-    // M8, both sides of the block with M9, the corner and the end; without the corner when it is smoothed.
+    // The tool rests at M8, on both sides of the block with M9, at the corner and at the end; not at the corner once it
+    // is smoothed.
     assert_eq!(rests(&of_program), 5);
     let smooth = Command::new(env!("CARGO_BIN_EXE_feedbits"))
         .args(["smooth", &program, "--machine", &machine, "--tolerance", "0.05", "--out", &smoothed])
@@ -53,7 +55,8 @@ fn a_curve_file_is_planned_as_its_program_is() {
     assert_eq!(rests(&plan(&smoothed)), 4);
 }
 
-/// What was read over was gone from the program that was written, and a rapid move stood in its place, without a word.
+/// Words that were skipped were once missing in the written program; a rapid move stood in their place, without a
+/// warning.
 #[test]
 fn what_is_not_in_the_program_that_is_written_is_said() {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -75,7 +78,8 @@ fn what_is_not_in_the_program_that_is_written_is_said() {
     }
 }
 
-/// Paper D's program to a curve file to a program to a curve file: the two curve files are the same.
+/// Paper D's program is converted to a curve file, to a program and to a curve file again: the two curve files are the
+/// same.
 #[test]
 fn the_round_trip_can_be_typed() {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -123,7 +127,8 @@ fn the_tolerance_of_straight_moves_is_asked_for() {
         assert_eq!(output.status.code(), Some(0), "{}", unfolded(&output.stderr));
         text(&output.stdout).matches("G1 ").count()
     };
-    // Chords grow as the root of the tolerance: a hundredth of it needs ten times as many.
+    // The length of a chord grows as the root of the tolerance: for a hundredth of the tolerance there are ten times as
+    // many.
     let (coarse, fine) = (moves("0.1"), moves("0.001"));
     assert!((5..=20).contains(&(fine / coarse)), "{coarse} {fine}");
     for (arguments, said) in [
@@ -139,7 +144,7 @@ fn the_tolerance_of_straight_moves_is_asked_for() {
     }
 }
 
-/// A line, and a spline whose end is off the thousandths by (0.3, 0.3) µm, the farthest of all: 0.4243 µm.
+/// A line, and a spline whose end is off the grid of thousandths by (0.3, 0.3) µm, the farthest of all: 0.4243 µm.
 const FINE: &str = "G0 X0 Y0
 G1 X1.0001 Y0.0001 F100.12345
 G06.2 P3 K0 X1.0001 Y0.0001
@@ -163,7 +168,7 @@ fn convert_text(program: &str, arguments: &[&str]) -> (Option<i32>, String, Stri
 fn coordinates_have_the_digits_asked_and_how_far_off_that_is_is_said() {
     let (status, written, said) = convert_text(FINE, &["--to", "g06.2", "--digits", "3"]);
     assert_eq!(status, Some(0), "{said}");
-    // The feed, the weight and the knots are no coordinates, and the curves join.
+    // Feed, weight and knots are not coordinates, so they are not rounded; and the curves join.
     let expected = "G0 X0. Y0.
 G1 X1. Y0. F100.12345
 G06.2 P3 K0. X1. Y0. R1.
@@ -176,13 +181,13 @@ K1.23456
         said.contains("3 decimals: the path is at most 0.000425 mm off the part; other numbers"),
         "{said}"
     );
-    // The tolerance of the chords comes on top, where there are any.
+    // If there are chords, their tolerance is added.
     let lines = "G0 X0 Y0\nG1 X1.0003 Y-1.0003 F600\n";
     for (program, bound) in [(FINE, "at most 0.010"), (lines, "at most 0.000425 mm")] {
         let (_, _, said) = convert_text(program, &["--to", "g1", "--tolerance", "0.01", "--digits", "3"]);
         assert!(said.contains(bound), "{said}");
     }
-    // Chords shorter than the decimals are fine make a staircase; long ones and fine decimals do not.
+    // Chords shorter than the decimals resolve make a staircase; long chords and fine decimals do not.
     for (tolerance, decimals, hint) in [
         (
             "0.001",
@@ -205,7 +210,8 @@ K1.23456
     assert!(written.split_whitespace().filter(|word| word.starts_with(['X', 'Y'])).all(short), "{written}");
 }
 
-/// Of a part that leaves the plane, each curve in it was said to read back as another: with a third coordinate, which is 0.
+/// If a part leaves the plane, each of its plane curves was once said to read back as another one: it had a third
+/// coordinate, which is 0.
 #[test]
 fn curves_in_the_plane_and_out_of_it_read_back_bit_by_bit() {
     let program = "G21 G90\nG0 X0 Y0 Z0\nG1 X10 Y10 F1200\nG1 Z2\n";
@@ -215,7 +221,7 @@ fn curves_in_the_plane_and_out_of_it_read_back_bit_by_bit() {
     }
 }
 
-/// The tool was on during the way to the part: M3 stood in front of the first rapid move, in every dialect.
+/// The tool was once on during the way to the part: M3 stood before the first rapid move, in every dialect.
 #[test]
 fn the_tool_is_switched_on_where_the_program_says() {
     let program = "G21 G90\nG0 X50 Y50\nM3 S100\nG1 X60 F1000\nM5\nG0 X80\nM3\nG1 X90\nM5\nM30\n";
@@ -236,7 +242,7 @@ fn knots_and_weights_have_the_digits_of_a_control_if_asked() {
     let (status, written, said) =
         convert_text(FINE, &["--to", "g06.2", "--digits", "3", "--ratios", "999999.999"]);
     assert_eq!(status, Some(0), "{said}");
-    // Powers of ten make words of all of them.
+    // Factors that are powers of ten make words of all of them.
     let expected = "G06.2 P3 K0. X1. Y0. R100000.
 K0. X2. Y1. R70710.678
 K0. X3. Y0. R100000.
@@ -249,7 +255,7 @@ K123.456
         said.contains("0.000425 mm off the part feedbits: ") && said.contains(" mm farther off the part"),
         "{said}"
     );
-    // Of sin 45° in a circle of 100 mm six digits are left.
+    // For a circle of 100 mm, six digits of sin 45° are kept.
     let circle = "G0 X100 Y0\nG3 X100 Y0 I-100 F600\n";
     let (_, written, said) = convert_text(circle, &["--to", "g06.2", "--ratios", "99.9999"]);
     let bound: f64 =

@@ -1,5 +1,5 @@
-//! What files can do: be full, locked, huge, binary, no files at all. Nothing is half-written, and each error says what
-//! and where.
+//! Files may be full, locked, huge, binary, or not files at all. No file is written by halves, and each error names the
+//! fault and its place.
 #![cfg(unix)]
 
 mod message;
@@ -14,7 +14,7 @@ fn feedbits(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_feedbits")).args(arguments).output().expect("the program starts")
 }
 
-/// In a shell, after `setup`, the program takes the shell's place.
+/// Runs the program in a shell after `setup`; the program replaces the shell.
 fn in_shell(setup: &str, arguments: &str, folder: &Path) -> Output {
     let script = format!("{setup}; exec {} {arguments}", env!("CARGO_BIN_EXE_feedbits"));
     Command::new("sh").args(["-c", &script]).current_dir(folder).output().expect("a shell")
@@ -88,14 +88,15 @@ fn a_folder_that_cannot_be_written_is_named() {
         let sweep = folder.path().join("sweep.jsonl");
         let output = feedbits(&[command, "--report", below, "--out", sweep.to_str().expect("a name")]);
         is_refused(&output, &[&format!("cannot make the folder {below}")]);
-        // Before any work.
+        // The error comes before any work.
         assert!(output.stdout.is_empty() && !sweep.exists(), "{command}");
     }
-    // Nobody may make files there, whoever runs this.
+    // Nobody may make files there, not even root.
     is_refused(&feedbits(&["formats", "--out", "/proc/formats"]), &["cannot write /proc/formats"]);
 }
 
-/// Past so many blocks of 512 bytes a write fails, as on a full disk: the file there was stays whole, and nothing is left.
+/// A write past so many blocks of 512 bytes fails, as on a full disk. The old file stays whole, and no other file is
+/// left.
 #[test]
 fn a_write_that_fails_half_way_leaves_the_old_file() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -106,7 +107,7 @@ fn a_write_that_fails_half_way_leaves_the_old_file() {
     assert_eq!(names(folder.path()), ["s.csv"]);
 }
 
-/// Past so many blocks of 512 bytes the program is killed: the file there was stays whole.
+/// The program is killed past so many blocks of 512 bytes: the old file stays whole.
 #[test]
 fn a_run_that_is_killed_half_way_leaves_the_old_file() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -116,7 +117,7 @@ fn a_run_that_is_killed_half_way_leaves_the_old_file() {
     assert_eq!(fs::read_to_string(folder.path().join("s.csv")).expect("a file"), "old");
 }
 
-/// A file of 16 GiB that takes no room, under a limit of address space that it would burst.
+/// A file of 16 GiB that takes no space on the disk, and is larger than the limit of the address space.
 #[test]
 fn a_huge_file_is_refused_before_memory_is_taken_for_it() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -183,7 +184,7 @@ fn a_soak_goes_on_where_it_stopped_and_refuses_what_is_not_its_own() {
     is_refused(&run("--formats I4F28 --resume s.json"), &["s.json is no state of a soak"]);
 }
 
-/// What nobody reads is not written, and the exit status is that of a run that was heard.
+/// If nobody reads the output, it is not written, and the exit status is the same as if somebody did.
 #[test]
 fn streams_that_are_closed_or_full_change_no_exit_status() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -205,7 +206,7 @@ fn streams_that_are_closed_or_full_change_no_exit_status() {
     ] {
         let full = in_shell(":", &format!("{arguments} 2> /dev/full"), folder.path());
         assert_eq!(full.status.code(), Some(status), "{arguments}, full");
-        // The reader has gone when the program starts.
+        // The reader has ended before the program starts.
         for stream in ["2>&1 >/dev/null", ">&1 2>/dev/null", "2>&1"] {
             let script = format!("(sleep 0.2; {program} {arguments} {stream}; echo $? > status) | true");
             let ran = Command::new("sh").args(["-c", &script]).current_dir(folder.path()).status();
@@ -216,7 +217,7 @@ fn streams_that_are_closed_or_full_change_no_exit_status() {
     }
 }
 
-/// The mode of a file that was there stays, and a new one has what the umask leaves.
+/// A file that existed keeps its mode, and a new one has the mode that the umask leaves.
 #[test]
 fn modes_are_kept_and_the_umask_obeyed() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -233,7 +234,7 @@ fn modes_are_kept_and_the_umask_obeyed() {
     }
 }
 
-/// A link is followed also where it leads to nothing yet; one that leads back to itself is an error.
+/// A link is followed even if its target does not exist; a link that leads back to itself is an error.
 #[test]
 fn links_that_lead_nowhere_are_followed() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -263,7 +264,7 @@ fn a_folder_is_refused_in_one_sentence() {
     assert_eq!(names(folder.path()), ["d"]);
 }
 
-/// A part may come through a pipe; what it is, is told by its content as ever.
+/// A part may come through a pipe; its content tells its kind, as that of a file does.
 #[test]
 fn the_standard_input_is_a_part() {
     let folder = tempfile::tempdir().expect("a folder");

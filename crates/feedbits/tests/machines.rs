@@ -29,7 +29,7 @@ fn folder() -> tempfile::TempDir {
     folder
 }
 
-/// What a comparison in f64 says, in JSON, of the part on a machine.
+/// The JSON of a comparison of the part in f64 on a machine.
 fn judged(folder: &Path, machine: &str) -> serde_json::Value {
     let arguments = ["compare", "part.nc", "--machine", machine, "--formats", "f64", "--evaluate", "pieces"];
     let output = feedbits(folder, &[&arguments[..], &["--json"]].concat());
@@ -52,7 +52,7 @@ fn every_preset_judges_a_program() {
     }
 }
 
-/// What `feedbits machine` prints of a preset is a file that says the same, and so one to start from.
+/// `feedbits machine` prints a preset as a file for the same machine, so a user can start from it.
 #[test]
 fn the_file_of_a_preset_is_the_machine_of_its_name() {
     let folder = folder();
@@ -75,7 +75,7 @@ fn the_file_of_a_preset_is_the_machine_of_its_name() {
     }
 }
 
-/// A command means the same in every folder: a file does not take the place of a preset.
+/// A command means the same in every folder: a file does not replace a preset of the same name.
 #[test]
 fn a_file_that_is_named_as_a_preset_is_given_with_its_folder() {
     let folder = folder();
@@ -96,7 +96,7 @@ fn a_file_that_is_named_as_a_preset_is_given_with_its_folder() {
     );
 }
 
-/// What nobody has to look up is not asked for: the least machine file is four lines.
+/// The least machine file has four lines: it has no value that a user must look up.
 #[test]
 fn a_file_of_four_keys_judges_a_program() {
     let folder = folder();
@@ -108,7 +108,7 @@ fn a_file_of_four_keys_judges_a_program() {
     let defaults = ["chord_error_mm", "fluctuation_limit", "parameter_tolerance", "max_iterations"];
     let defaults = defaults.map(|key| found["machine"][key].as_f64().expect("a number"));
     assert_eq!(defaults, [1e-3, 1e-4, 1e-10, 8.0]);
-    // The textbook's solver, which the last two are for, ends by them.
+    // The textbook's solver uses the last two values to stop.
     let curve = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/seed-003.nc").display().to_string();
     let arguments = ["compare", &curve, "--machine", "m.toml", "--formats", "f64", "--evaluate", "de-boor"];
     let raw = feedbits(folder.path(), &arguments);
@@ -258,7 +258,7 @@ fn a_format_that_is_none_is_told_with_what_was_meant() {
     );
 }
 
-/// What bash asks while a line is typed, and what it is told.
+/// The words that bash asks for while a line is typed, and the answers.
 #[test]
 fn a_shell_is_told_the_words_that_it_asks_for() {
     let folder = folder();

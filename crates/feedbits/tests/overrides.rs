@@ -37,7 +37,7 @@ fn a_hold_stops_the_feed_and_the_path_is_finished_all_the_same() {
         let overrides = ["--format", format, "--override", "0.9:50,1.8:0,3.5:150"];
         let (chords, time) = chords(&overrides);
         assert_kept(&chords, slack);
-        // At half the feed of 200 mm/s at most, then held, and released at period 1167.
+        // At most half of the feed of 200 mm/s, then a hold that ends at period 1167.
         let slow = chords[400..600].iter().copied().fold(0.0, f64::max);
         assert!(slow <= 0.3 * (1.0 + 1e-6), "{format}: {slow}");
         let held = chords.iter().take_while(|chord| **chord > 0.0).count();
@@ -56,11 +56,12 @@ fn without_a_change_the_feed_is_the_plan_s() {
     let (chords, _) = chords(&["--override", "0:100"]);
     assert_kept(&chords, 1e-7);
     let fastest = chords.iter().copied().fold(0.0, f64::max);
-    // The plan takes a whole number of periods, so it is a little slower than it might be.
+    // The plan takes a whole number of periods, so it is slightly slower than possible.
     assert!((0.599..=0.6).contains(&fastest), "{fastest}");
 }
 
-/// What is commanded from the start on holds there too: nothing moves off at the full feed to slow down on the way.
+/// An override that holds from the start on holds at the start too: the run does not begin at the full feed and then
+/// slow down.
 #[test]
 fn an_override_from_the_start_on_is_there_at_the_start() {
     let (held, _) = chords(&["--override", "0:0,1:100"]);
@@ -98,7 +99,7 @@ fn what_each_axis_can_do_is_kept_while_the_rate_changes() {
         assert!(output.status.success(), "{}", unfolded(&output.stderr));
         let rows: Vec<serde_json::Value> = serde_json::from_slice(&output.stdout).expect("JSON");
         let x = |row: &serde_json::Value| row["point_mm"][0].as_f64().expect("a place");
-        // At rest before and after.
+        // The tool is at rest before and after.
         let end = rows.last().map(x).expect("rows");
         let places: Vec<f64> = [0.0; 3].into_iter().chain(rows.iter().map(x)).chain([end; 3]).collect();
         let peak = |differences: Vec<f64>| differences.iter().fold(0.0_f64, |most, d| most.max(d.abs()));
@@ -109,8 +110,8 @@ fn what_each_axis_can_do_is_kept_while_the_rate_changes() {
     }
 }
 
-/// A slower run was up to a few micrometres before each stop when its plan was there, cut the corner, and took what was left in
-/// the last period: that with up to 32 times the jerk limit.
+/// A run slower than its plan was once up to a few micrometres before a stop when the plan was there. It cut the
+/// corner, and took the rest in the last period, with up to 32 times the jerk limit.
 #[test]
 fn a_slower_run_lands_on_every_stop() {
     let part = concat!(env!("CARGO_MANIFEST_DIR"), "/../../data/engraving.nc");
@@ -147,7 +148,7 @@ fn overrides_out_of_range_are_refused() {
     }
 }
 
-/// One that came too late changed nothing, without a word.
+/// An override that came too late once changed nothing, without a message.
 #[test]
 fn an_override_behind_the_end_of_the_run_is_named() {
     let said = |overrides: &str| {

@@ -89,7 +89,7 @@ fn a_window_is_hardly_slower_when_it_is_long_enough() {
     assert!(unfolded(&refused.stderr).contains("--window 0: expected a positive length"));
 }
 
-/// `u end 0` and then `u start 1` are of two curves, and nothing said of which.
+/// `u end 0` and the following `u start 1` belong to two curves; the output once did not say to which.
 #[test]
 fn a_plan_along_several_curves_names_them() {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -118,7 +118,7 @@ fn a_plan_along_several_curves_names_them() {
     assert!(!stdout(&feedbits(&["plan", &machine])).contains("curve"), "one curve needs no number");
 }
 
-/// The first screen has the first stages, and --wide all of them with u and coefficients.
+/// The first screen has the first stages; --wide has all of them, with u and coefficients.
 #[test]
 fn long_plans_are_cut_short_on_the_first_screen_only() {
     let [first, wide] = [&["plan"][..], &["plan", "--wide"]].map(|plan| stdout(&feedbits(plan)));
@@ -131,8 +131,8 @@ fn long_plans_are_cut_short_on_the_first_screen_only() {
     assert!(wide.lines().count() as u64 > count && first.lines().next() == wide.lines().next(), "{wide}");
 }
 
-/// The time that no plan can beat is that between the plan's own end feeds, and knows nothing of how this one shares out what
-/// an axis can do.
+/// The least time of any plan has the same end feeds as the plan. It does not depend on how the plan shares out an
+/// axis's limits.
 #[test]
 fn no_plan_beats_its_lower_bound() {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -157,7 +157,8 @@ fn no_plan_beats_its_lower_bound() {
     }
 }
 
-/// Each break of a circle in moves of 1 µm is far below that of a stop, and they were passed at up to 135 mm/s, 20 µm off.
+/// Each break of a circle in moves of 1 µm is far too small for a stop. The plan once passed the breaks at up to 135
+/// mm/s, 20 µm off.
 #[test]
 fn a_circle_in_fine_moves_is_planned_within_the_chord_error() {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -171,7 +172,7 @@ fn a_circle_in_fine_moves_is_planned_within_the_chord_error() {
     let json = |more: &[&str]| -> serde_json::Value {
         serde_json::from_str(&stdout(&feedbits(&[more, &arguments].concat()))).expect("JSON")
     };
-    // 2 sqrt(E (2 ρ - E))/T = 21.08 mm/s over 6.283 mm are 0.298 s.
+    // At 2 sqrt(E (2 ρ - E))/T = 21.08 mm/s, 6.283 mm take 0.298 s.
     for window in [&[][..], &["--window", "1"]] {
         let plan = json(&[&["plan"], window].concat());
         let time = plan["time_s"].as_f64().expect("a time");
@@ -185,7 +186,8 @@ fn a_circle_in_fine_moves_is_planned_within_the_chord_error() {
     }
 }
 
-/// Of stages of 1e-10 s, whose feeds differ by a unit of the last place, twice the jerk was printed that is allowed.
+/// Stages of 1e-10 s have feeds that differ by a unit of the last place. For such stages twice the allowed jerk was
+/// once printed.
 #[test]
 fn what_rounding_makes_of_the_shortest_stages_is_no_peak() {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -202,8 +204,8 @@ fn what_rounding_makes_of_the_shortest_stages_is_no_peak() {
     assert!((3.9e5..=4.001e5).contains(&jerk), "{jerk}");
 }
 
-/// With a chord error of 0.1 mm a stage ended at 154.528 mm/s and the next began at 153.787: the third difference of the distance
-/// was twice the jerk that is allowed, and the peak that was printed within it.
+/// With a chord error of 0.1 mm a stage once ended at 154.528 mm/s and the next began at 153.787. The third difference
+/// of the distance was twice the allowed jerk, though the printed peak was within it.
 #[test]
 fn feeds_meet_where_the_chord_error_is_large() {
     let part = "[curve]
@@ -216,7 +218,8 @@ knots = [0.0, 0.0, 0.0, 0.0, 0.113, 0.134, 0.373, 0.919, 0.951, 1.0, 1.0, 1.0, 1
     assert_third_differences_within(part, "chord_error_mm = 0.1");
 }
 
-/// Where corners are passed at a feed, the chord over each is shorter than the path, all within a period.
+/// Where corners are passed at a feed, the chord over each is shorter than the path, and the difference falls into one
+/// period.
 #[test]
 fn feeds_meet_at_corners_that_are_passed() {
     let zigzag = "G21 G90\nG0 X0 Y0\nG1 X1 F1500\nY1\nX2\nY0\nX3\nY1\nX4\nM30\n";
@@ -226,8 +229,8 @@ fn feeds_meet_at_corners_that_are_passed() {
     );
 }
 
-/// Third differences of the distance at the period are means of the jerk: no more than what is printed, and that no more than the
-/// limit.
+/// Third differences of the distance over a period are means of the jerk. They are no more than the printed jerk, and
+/// the printed jerk is no more than the limit.
 fn assert_third_differences_within(part: &str, more: &str) {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let file = |name: &str, text: &str| {
@@ -253,12 +256,13 @@ fn assert_third_differences_within(part: &str, more: &str) {
         let json = stdout(&feedbits(&[&plan[..], &["--json"]].concat()));
         let summary: serde_json::Value = serde_json::from_str(&json).expect("JSON");
         let printed = summary["jerk_max_mm_per_s3"].as_f64().expect("a jerk");
-        // The rounding of stages and distances, in a file of all their digits.
+        // The allowance is for rounding of stages and distances, in a file with all their digits.
         assert!(found <= (1.0 + 1e-7) * printed && printed <= 20_000.0, "{profile}: {found} {printed}");
     }
 }
 
-/// A part and a machine with a period of 1 ms, 1000 mm/s² and some keys more, by their names in a folder.
+/// Writes a part and a machine into a folder and returns their names. The machine has a period of 1 ms, 1000 mm/s² and
+/// the given further keys.
 fn turned(folder: &tempfile::TempDir, program: &str, more: &str) -> [String; 2] {
     let machine = format!(
         "[machine]\ninterpolation_period_ms = 1\nfeedrate_mm_per_s = 100\nacceleration_mm_per_s2 = 1000\n\
@@ -273,13 +277,13 @@ fn turned(folder: &tempfile::TempDir, program: &str, more: &str) -> [String; 2] 
     })
 }
 
-/// A line of 16 m took 0.23 s more than at F500, and was said to be run at that.
+/// A line of 16 m took 0.23 s longer than at F500, but was said to be run at F500.
 #[test]
 fn the_feed_that_is_run_is_said() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     for (program, at_least, at_most) in [
         ("G1 X16000 F500", 1.0 - 1e-6, 1.0),
-        // What bends keeps a part in 8,192 back.
+        // A section that bends keeps one part in 8,192 in reserve.
         ("G2 I300 J0 F500", 1.0 - 1.0 / 8192.0 - 1e-5, 1.0 - 1.0 / 8192.0 + 1e-7),
     ] {
         let [part, machine] = turned(&folder, program, "");
@@ -290,7 +294,7 @@ fn the_feed_that_is_run_is_said() {
         assert!((at_least..=at_most).contains(&run), "{program}: {run}");
         let at_feed = summary["length_mm"].as_f64().expect("a length") / (500.0 / 60.0);
         let time = summary["time_s"].as_f64().expect("a time");
-        // The ramps at both ends take some hundredths of a second more than F does.
+        // The ramps at both ends take some hundredths of a second longer than the feed F would.
         assert!((0.0..0.05).contains(&(time - at_feed / run)), "{program}: {time} {at_feed}");
         let text = stdout(&feedbits(&plan));
         let said = format!("100 % of the path at {:.3} % of the commanded feed.", 100.0 * run);
@@ -298,7 +302,8 @@ fn the_feed_that_is_run_is_said() {
     }
 }
 
-/// "Peak acceleration 1000 of 1000 mm/s²" was all that was said where setpoints take five times as much across the path.
+/// "Peak acceleration 1000 of 1000 mm/s²" was once the only message where setpoints have five times as much across the
+/// path.
 #[test]
 fn what_bends_take_is_said() {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -332,7 +337,7 @@ fn what_bends_take_is_said() {
     }
 }
 
-/// A raster of 53,000 S words rested 53,000 times.
+/// A plan of a raster with 53,000 S words once rested 53,000 times.
 #[test]
 fn a_laser_passes_its_s_words() {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -344,7 +349,8 @@ fn a_laser_passes_its_s_words() {
         let summary: serde_json::Value = serde_json::from_str(&json).expect("JSON");
         summary["time_s"].as_f64().expect("a time")
     };
-    // 50 mm at 100 mm/s, and half of it again to start and stop; a rest at each millimetre takes ten times as long.
+    // The path is 50 mm at 100 mm/s, and half of that time again to start and stop; with a rest at each millimetre it
+    // takes ten times as long.
     let (passed, stopped) = (time("s_stops = false"), time("s_stops = true"));
     assert!(passed < 0.7 && stopped > 4.0, "{passed} {stopped}");
 }

@@ -24,7 +24,7 @@ fn files(folder: &Path) -> Vec<String> {
     names
 }
 
-/// The report stands beside what the command prints, which is the same with it and without.
+/// The command prints the same with a report and without.
 #[test]
 fn a_report_is_a_folder_and_changes_nothing_that_is_printed() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -64,7 +64,7 @@ fn a_report_is_a_folder_and_changes_nothing_that_is_printed() {
     assert_eq!((unfolded(&quiet.stderr), quiet.status.code()), (String::new(), Some(0)));
 }
 
-/// A priced comparison shows its targets.
+/// A report on a priced comparison shows the targets.
 #[test]
 fn a_priced_report_has_costs() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -78,8 +78,8 @@ fn a_priced_report_has_costs() {
     }
 }
 
-/// A report takes the place of the one before: what only that one had goes, and what interrupted runs left; not what others
-/// have put there, nor what is still written.
+/// A report replaces an older one. Files that only the older one listed are removed, and so are those that interrupted
+/// runs left. Files of others stay, and so do files that are still being written.
 #[test]
 fn a_report_replaces_the_one_before() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -109,7 +109,7 @@ fn a_report_replaces_the_one_before() {
     }
     assert!(!report.join(".feedbits-aB3dE6.part").exists());
 
-    // The page of somebody else lists nothing of ours.
+    // The page of another program lists no file of a report.
     fs::write(report.join("index.html"), "<a href=\"path-mine.svg\" download>").expect("a file");
     run("I4F28");
     assert_eq!(files(&report), expected);
@@ -125,7 +125,7 @@ fn a_folder_that_cannot_be_made_is_an_error() {
     assert_eq!(fs::read_to_string(folder.path().join("file")).expect("a file"), "kept");
 }
 
-/// Without a command the built-in example is compared, and the report lies in a folder of a known name.
+/// Without a command the built-in example is compared, and the report is written into a folder with a fixed name.
 #[test]
 fn the_default_run_leaves_a_report() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -137,7 +137,7 @@ fn the_default_run_leaves_a_report() {
     );
     assert!(folder.path().join("feedbits-report/index.html").exists());
 
-    // Where no folder can be made, the answer is given all the same.
+    // If no folder can be made, the answer is still printed.
     let taken = tempfile::tempdir().expect("a folder");
     fs::write(taken.path().join("feedbits-report"), "kept").expect("a file");
     let without = feedbits(taken.path(), &[]);

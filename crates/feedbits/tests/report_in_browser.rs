@@ -1,13 +1,14 @@
-//! The report as a person has it: opened in a browser, with its switches clicked.
+//! The report opened in a browser, with clicks on its switches.
 //!
-//! A headless Chromium loads the page with a script behind it that clicks, looks, and writes what it saw into the page;
-//! the page is then read back. Without a browser the test says so and passes, unless `FEEDBITS_BROWSER=required`.
+//! A headless Chromium loads the page with an additional script. The script clicks, looks, and writes its findings into
+//! the page; the page is then read back. Without a browser the test says so and passes, unless
+//! `FEEDBITS_BROWSER=required`.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Clicks and looks. Each line of what it writes is a finding: a name, `=`, what was seen.
+/// The additional script. Each line that it writes is a finding: a name, `=`, and the value found.
 const VISIT: &str = r#"
 <script>
 window.addEventListener('load', () => {
@@ -66,7 +67,7 @@ window.addEventListener('load', () => {
 </script>
 "#;
 
-/// What goes wrong in the page's own script is caught from the first line on.
+/// Errors of the page's own script are caught from its first line on.
 const WATCH: &str = "<script>window.errors=[];window.addEventListener('error',e=>window.errors.push(e.message));\
                      console.error=(...a)=>window.errors.push(a.join(' '));</script>";
 

@@ -41,7 +41,7 @@ fn coarse_setpoints_raise_the_contour_error_and_fine_ones_do_not() {
     assert!(row(&report, "I8F24", "de-boor-secant")["refused"].as_str().unwrap().contains("control point 0"));
 }
 
-/// The first screen has pieces alone, and --wide both ways; whether all formats can be run is of both.
+/// The first screen has pieces alone; --wide has both forms. The exit status depends on both forms.
 #[test]
 fn the_first_screen_has_the_answer_and_pieces() {
     let [first, wide] = [&[][..], &["--wide"]].map(|more| {
@@ -134,8 +134,8 @@ impl Quarter {
     }
 }
 
-/// The figures of an independent simulation, by Euler's method in Python: largest and root mean square over the motion.
-/// A mean over the standstill that follows would be 65 and 367 µm.
+/// The figures of an independent simulation, by Euler's method in Python: the largest and the root mean square over the
+/// motion. With the standstill behind it, the mean would be 65 and 367 µm.
 #[test]
 fn root_mean_squares_are_those_of_the_motion() {
     let output = Quarter::new().servo("", &["--json"]);
@@ -196,7 +196,7 @@ fn a_machine_that_does_not_move_is_not_perfect() {
     }
 }
 
-/// Play of 1 mm on a path of 5 mm is bad, and measured.
+/// Play of 1 mm on a path of 5 mm is bad, but it is measured, not refused.
 #[test]
 fn a_machine_that_follows_badly_is_measured() {
     let output = Quarter::new().servo("backlash_mm = 1\n", &[]);
@@ -231,7 +231,7 @@ fn settings_that_oscillate_are_left_out_with_the_reason() {
     }
 }
 
-/// The closed form beside a simulation is that of the loop which is simulated: the filter takes 10.7 µm.
+/// The closed form beside a simulation is that of the simulated loop: the filter causes 10.7 µm.
 #[test]
 fn the_closed_form_has_the_command_filter() {
     let said = unfolded(&Quarter::new().servo("command_filter_ms = 24\n", &[]).stdout);

@@ -35,7 +35,7 @@ impl Folder {
         fs::read_to_string(self.path(name)).expect("the file is there")
     }
 
-    /// Smooths the program on paper A's machine, and gives the report.
+    /// Smooths the program on paper A's machine, and returns the report.
     fn smooth(&self, options: &[&str]) -> Value {
         let (part, machine) = (self.path("part.nc"), data("seed-000.toml"));
         let output = feedbits(&[&["smooth", &part, "--machine", &machine, "--json"], options].concat());
@@ -130,7 +130,7 @@ fn an_engraving_becomes_faster_within_the_tolerance() {
         |arguments: &[&str]| feedbits(&[arguments, &[curves.as_str(), "--machine", &machine]].concat());
     let compared = periods(&["compare", "--formats", "I4F28,f64", "--evaluate", "pieces", "--json"]);
     let compared: Value = serde_json::from_slice(&compared.stdout).expect("JSON");
-    // Rapid moves are not interpolated; all else is.
+    // All moves but rapid ones are interpolated.
     let part = &compared["part"];
     assert_eq!(
         number(&part["curves"]) + number(&part["rapids_left_out"]),
@@ -143,10 +143,10 @@ fn an_engraving_becomes_faster_within_the_tolerance() {
     let table = folder.path("setpoints.csv");
     assert_eq!(periods(&["interpolate", "--format", "I4F28", "--out", &table]).status.code(), Some(0));
 
-    // And so are the fine moves, with all that stood between them.
+    // The fine moves keep all words that stood between the moves.
     let report = folder.smooth(&["--tolerance", "0.01", "--out", &moves]);
     let stated = number(&report["error_mm_max"]);
-    // Of the chords, which are not the curves.
+    // The distance is that of the chords, not of the curves.
     assert!(stated != error && (stated - error).abs() <= 2e-4, "{stated} {error}");
     let (program, fine) = (engraving(), folder.read("smoothed.nc"));
     let (was, is) = (points(&program), points(&fine));
@@ -195,7 +195,7 @@ fn rapid_moves_and_changes_of_feed_stay_sharp() {
     let text = folder.read("fine.nc");
     let rapids = "G0 X5. Y0. Z5.\nG0 X5. Y5. Z5.\nG1 X5. Y5. Z0. F300.\nG1 X8.";
     assert!(text.contains(rapids), "{text}");
-    // Ends of curves too have no more digits than the chords need.
+    // The ends of curves have no more digits than the chords need, either.
     assert!(
         text.split_whitespace().all(|word| word.split('.').nth(1).is_none_or(|d| d.len() <= 7)),
         "{text}"
@@ -218,7 +218,7 @@ fn the_tool_rests_at_a_gap() {
 
 #[test]
 fn a_word_of_a_move_that_is_cut_stays_at_its_place() {
-    // M8 acts before its move, M9 behind it; what is between two moves stays between them.
+    // M8 acts before its move, M9 after it; a word between two moves stays between them.
     let folder = Folder::with("G0 X0 Y0\nG1 X10 F2400\nY10\nM3 S900\nX20\nY20 M8\nX30 M9\nM30\n");
     let fine = folder.path("fine.nc");
     let report = folder.smooth(&["--tolerance", "0.05", "--out", &fine]);
@@ -232,7 +232,7 @@ fn a_word_of_a_move_that_is_cut_stays_at_its_place() {
 
 #[test]
 fn an_exact_stop_is_left_sharp_and_kept() {
-    // By block and by mode, with a smooth joint at which the tool rests all the same.
+    // Exact stops by block and by mode; the tool also rests at a smooth joint.
     let program = "G0 X0 Y0\nG1 X10 F2400\nG9 Y10\nX20\nG61 Y20\nX30\nG64 X40\nY30\nM30\n";
     let folder = Folder::with(program);
     let (fine, curves) = (folder.path("fine.nc"), folder.path("curves.toml"));
@@ -241,7 +241,7 @@ fn an_exact_stop_is_left_sharp_and_kept() {
         let report = folder.smooth(&["--tolerance", "0.05", "--out", out]);
         assert_eq!(kinds(&report), ["cut", stop, "cut", stop, stop, "cut"]);
         assert_eq!(number(&report["left"]["at an exact stop"]), 3.0);
-        // What is written has the same stops.
+        // The written path has the same stops.
         let machine = data("seed-000.toml");
         let again = feedbits(&["smooth", out, "--machine", &machine, "--tolerance", "0.05", "--json"]);
         let again: Value = serde_json::from_slice(&again.stdout).expect("JSON");
@@ -270,7 +270,7 @@ fn a_planner_that_rounds_corners_rests_at_exact_stops_and_words() {
     };
     let sharp = "G0 X0 Y0\nG1 X10 F2400\nY10\nX20\nX30\n";
     let exact = "G0 X0 Y0\nG61 G1 X10 F2400\nG64 Y10\nG9 X20\nX30\n";
-    // Coolant on and off, as `smooth` rests there.
+    // Coolant on and off: `smooth` rests at both words.
     let words = "G0 X0 Y0\nG1 X10 F2400\nM8\nY10\nX20\nM9\nX30\nM30\n";
     // The end is one of them; X20 lies on a straight line.
     for options in [&[][..], &["--window", "15"]] {
@@ -285,7 +285,8 @@ fn an_arc_that_becomes_chords_has_its_words_and_its_stop_at_its_end() {
     let report = folder.smooth(&["--tolerance", "0.05", "--out", &fine]);
     let text = folder.read("fine.nc");
     assert!(text.contains("\nG61\nG1 X0. Y5.\nM9\nG64\nG1 X0. Y9.\n"), "{text}");
-    // A thousandth of a millimetre is left to the chords, and they use most of it: what is stated is theirs.
+    // A thousandth of a millimetre is left to the chords, and they use most of it. The report states the distance of
+    // the chords.
     let error = number(&report["error_mm_max"]);
     assert!((3e-4..=1e-3).contains(&error), "{error}");
     assert_eq!(report["measured"], "straight_moves");
@@ -318,7 +319,8 @@ fn what_cannot_be_smoothed_is_said() {
     assert!(unfolded(&output.stderr).contains("names no machine"));
 }
 
-/// A joint may be a little off: no rapid move crosses it, and what comes behind it is measured against its own moves.
+/// A joint may be slightly open: no rapid move crosses it, and the moves behind it are measured against their own
+/// moves.
 #[test]
 fn a_joint_that_is_not_exact_is_cut_through() {
     for gap in ["5.0000008", "5.0001"] {

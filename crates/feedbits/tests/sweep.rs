@@ -9,7 +9,7 @@ use std::process::{Command, Output};
 use message::unfolded;
 use serde_json::Value;
 
-/// A small part, so that many cells are soon run.
+/// A small part, so that many cells take little time.
 const PART: &str = "[curve]\ndegree = 2\ncontrol_points_mm = [[0, 0], [10, 0], [10, 10]]\nweights = [1, 0.8, 1]\n\
                     knots = [0, 0, 0, 1, 1, 1]\n\n[machine]\ninterpolation_period_ms = 2.0\nfeedrate_mm_per_s = 100.0\n\
                     acceleration_mm_per_s2 = 5000.0\njerk_mm_per_s3 = 400000.0\nchord_error_mm = 0.0005\n\
@@ -52,7 +52,7 @@ fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
 
-/// The lines of a sweep's file but the first, in the order of the cells.
+/// The lines of a sweep's file without the first, in the order of the cells.
 fn cells(path: &Path) -> Vec<String> {
     let mut lines: Vec<String> =
         fs::read_to_string(path).expect("a file").lines().skip(1).map(String::from).collect();
@@ -61,7 +61,7 @@ fn cells(path: &Path) -> Vec<String> {
     lines
 }
 
-/// Whatever was finished is kept as it is, a torn line is run again, and the result is that of one run.
+/// Finished cells are kept, a torn line is run again, and the result is the same as that of a single run.
 #[test]
 fn an_interrupted_sweep_goes_on_where_it_was() {
     let folder = folder();
@@ -106,7 +106,7 @@ fn shards_together_are_the_whole() {
     let page = fs::read_to_string(folder.path().join("maps/index.html")).expect("a page");
     assert!(page.contains("heat-I4F28_pieces-1.svg") && !page.contains("are missing"));
 
-    // A joined file is a sweep's file: nothing is left to run.
+    // A joined file is a sweep's file in which no cell is missing.
     let resumed = sweep(folder.path(), &["--out", "joined.jsonl"]);
     assert!(text(&resumed.stdout).starts_with("12 of 12"), "{}", text(&resumed.stdout));
 }
@@ -175,7 +175,7 @@ fn a_cell_of_too_many_periods_says_so() {
     assert!(skipped.count() > 0);
 }
 
-/// Whatever is no sweep's file is left byte for byte, be it one line without an end or many lines.
+/// A file that is not a sweep's stays byte for byte the same, be it a single line without an end or many lines.
 #[test]
 fn a_file_that_is_no_sweeps_is_left_as_it_is() {
     let folder = folder();
@@ -213,7 +213,7 @@ fn a_file_that_is_no_sweeps_is_left_as_it_is() {
     assert_eq!(fs::read_to_string(&path).expect("a file"), torn);
 }
 
-/// Twelve cells with ten MiB of spaces behind each are more than a part may have.
+/// A file of twelve cells, each followed by ten MiB of spaces, is longer than a part may be.
 #[test]
 fn a_large_file_is_merged_and_resumed() {
     let folder = folder();
@@ -230,7 +230,7 @@ fn a_large_file_is_merged_and_resumed() {
     let resumed = sweep(folder.path(), &["--out", "s.jsonl"]);
     assert!(text(&resumed.stdout).starts_with("12 of 12"), "{}", text(&resumed.stdout));
 
-    // What has no lines at all is not read for ever.
+    // A file without line ends is not read for ever.
     let endless = fs::File::create(folder.path().join("zeros")).expect("a file");
     endless.set_len(1 << 34).expect("room");
     let refused = feedbits(folder.path(), &["merge", "zeros", "--out", "z.jsonl"]);
@@ -242,7 +242,8 @@ fn a_large_file_is_merged_and_resumed() {
     );
 }
 
-/// Who comes second is told, and changes nothing; shards that name no file have one each.
+/// A second sweep on the same file ends with a message and changes nothing. Shards without a named file have a file
+/// each.
 #[test]
 fn two_sweeps_never_write_into_one_file() {
     let folder = folder();
@@ -270,7 +271,7 @@ fn two_sweeps_never_write_into_one_file() {
     }
 }
 
-/// Programs of the same curves are others if a move's feed or kind is; a comment changes nothing.
+/// Programs of the same curves are different if the feed or the kind of a move differs; a comment makes no difference.
 #[test]
 fn a_sweep_of_another_program_is_not_resumed() {
     let folder = folder();
@@ -307,7 +308,7 @@ fn spans_and_points_have_bounds() {
     assert!(!folder.path().join("sweep.jsonl").exists());
 }
 
-/// A sweep ended as if all were well where no format is good in any cell.
+/// A sweep in which no format is good in any cell once ended with the exit status of success.
 #[test]
 fn a_sweep_in_which_nothing_is_good_says_so_at_its_end() {
     let folder = folder();
@@ -315,7 +316,7 @@ fn a_sweep_in_which_nothing_is_good_says_so_at_its_end() {
         ["sweep", "p.toml", "--formats", "I16F16", "--evaluate", "pieces", "--fluctuation", "1e-12"];
     let with = |more: &[&str]| feedbits(folder.path(), &[&arguments[..], more].concat()).status.code();
     assert_eq!(with(&["--period", "1..4/3"]), Some(1));
-    // Nobody knows what the other shards have.
+    // The results of the other shards are not known.
     assert_eq!(with(&["--period", "1..4/3", "--shard", "1/3"]), Some(0));
     assert_eq!(with(&["--period", "2", "--formats", "f64", "--out", "good.jsonl"]), Some(0));
 }

@@ -42,7 +42,8 @@ fn every_target_is_listed_and_every_number_has_a_source() {
     assert!(unfolded(&unknown.stderr).contains("cortex-m3"), "{}", unfolded(&unknown.stderr));
 }
 
-/// It was said to be the cheapest on the target that comes first in the alphabet.
+/// A format was once said to be the cheapest on the target that comes first in the alphabet, not on the first one
+/// named.
 #[test]
 fn the_first_screen_names_the_target_that_was_named_first() {
     for targets in ["cortex-m4f,cortex-m0plus", "cortex-m0plus,cortex-m4f"] {
@@ -76,7 +77,8 @@ fn the_recommendation_is_the_cheapest_on_the_first_target() {
     assert!(row["operations"]["mul_add"].as_f64().is_some_and(|count| count >= 20.0), "{row}");
 }
 
-/// By what its operations typically take the worst step has 99.96 % of this period, by the most they may take 2.8 periods.
+/// The worst step takes 99.96 % of this period with the typical costs of its operations, and 2.8 periods with the
+/// highest.
 #[test]
 fn a_format_that_may_not_fit_the_period_is_named() {
     let folder = tempfile::tempdir().expect("a temporary folder");

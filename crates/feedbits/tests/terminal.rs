@@ -1,5 +1,5 @@
-//! What the terminal shows, as a whole. Digits of measured figures are masked: they may differ in the last place between
-//! machines. `UPDATE_EXPECT=1 cargo test -p feedbits --test terminal` writes what is shown now.
+//! Whole outputs on a terminal. Digits of measured figures are masked, since they may differ in the last place between
+//! machines. `UPDATE_EXPECT=1 cargo test -p feedbits --test terminal` writes the present outputs.
 
 use std::process::Command;
 
@@ -29,7 +29,7 @@ fn masked(text: &str) -> String {
     shown + rest
 }
 
-/// The files that commands find where they are run.
+/// The files that commands find in their folder.
 const FILES: [(&str, &str); 6] = [
     ("part.nc", "G21 G90 G17\nG0 X0 Y0\nG1 X20 F3000\nG3 X20 Y10 I0 J5\nG1 X0\nM30\n"),
     ("corners.nc", "G21 G90\nG0 X0 Y0\nG1 X20 F2400\nY10\nX10\nY20\nX0\nY0\nM30\n"),
@@ -179,7 +179,7 @@ fn errors() {
     expect_file!["terminal/errors.txt"].assert_eq(&masked(&shown.join("\n")));
 }
 
-/// A line of a file that is shown may be longer, as it is.
+/// A line of a file is shown unfolded and may be longer.
 #[test]
 fn no_line_is_longer_than_a_terminal_of_80_columns() {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/terminal");
@@ -212,7 +212,7 @@ fn every_shell_gets_its_script() {
     }
 }
 
-/// Nothing that is not a terminal gets colours or progress, asked for or not.
+/// Only a terminal gets colours or progress, whatever the options say.
 #[test]
 fn no_colours_where_nobody_looks() {
     for (name, value) in [("NO_COLOR", "1"), ("CLICOLOR", "1")] {

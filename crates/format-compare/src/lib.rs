@@ -14,7 +14,8 @@
 //! | `size/` | how few bits are enough? | [`fewest_bits`] → [`FewestBits`], and for each signal [`size()`] → [`Sizing`] |
 //! | `compare/` | which format is good enough, and which is the cheapest? | [`compare()`], [`compare_with`] → [`Comparison`]; [`price`] |
 //!
-//! A folder uses only those above it in the table. Why a part is refused, [`Refusal`], all of them say.
+//! A folder uses only those above it in the table. [`Refusal`], the reason why a part is refused, is shared by all of
+//! them.
 //!
 //! ```
 //! use format_compare::{Engine, Options, Problem, compare, select};

@@ -10,7 +10,7 @@ use real::FormatName;
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Refusal {
-    /// The curve does not fit the format, or is none after rounding.
+    /// The curve does not fit the format, or is no valid curve after rounding.
     Curve(CurveError),
     /// A limit of the machine, in mm and periods, is beyond the format's range or rounds to zero.
     Limit {
@@ -21,28 +21,28 @@ pub enum Refusal {
         /// The format.
         format: FormatName,
     },
-    /// No plan can be made in the format that it is to be made in.
+    /// No plan can be made in the format that was chosen for planning.
     PlanIn(FormatName, Box<Refusal>),
     /// No plan exists.
     Plan(PlanError),
     /// The pieces do not fit the format.
     Compile(CompileError),
-    /// A curve of the part that cannot be pieces, and where the part has it.
+    /// A curve of the part cannot be compiled to pieces.
     CurveAt {
         /// Name of the part.
         part: String,
         /// Line of the move.
         line: usize,
-        /// What is wrong with it.
+        /// The reason.
         error: CompileError,
     },
-    /// The interpolator with one global parameter runs one curve.
+    /// The interpolator with one global parameter runs a single curve; the path has so many.
     ManyCurves(usize),
     /// A controller has no type of this format.
     NoType(FormatName),
     /// The run was given up.
     Unfinished {
-        /// The periods that it took.
+        /// The periods after which it was given up.
         periods: usize,
         /// The format.
         format: FormatName,

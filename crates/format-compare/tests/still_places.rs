@@ -1,5 +1,6 @@
-//! Paths that stand still somewhere, C' = 0: each is run as well as the same path would be without that place, on pieces and on the
-//! global parameter. `check` and a plan knew such places; the run was refused on pieces, and cut them on the global parameter.
+//! Paths that stand still at a place, C' = 0. Each must run as well as the same path without that place, on pieces and
+//! on the global parameter. `check` and a plan knew such places; but a run on pieces was once refused, and a run on the
+//! global parameter cut them.
 
 use format_compare::{Comparison, Engine, Options, Problem, compare, select};
 use nurbs_core::generate;
@@ -34,7 +35,7 @@ fn spline(degree: usize, points: &[[f64; 2]], inner: &[f64]) -> String {
     format!("[curve]\ndegree = {degree}\nknots = {knots:?}\ncontrol_points_mm = {points:?}\n")
 }
 
-/// Each case, and the same path in lines where it is one.
+/// Each case, with the same path in lines if it consists of lines.
 fn cases() -> Vec<(&'static str, String, Option<&'static str>)> {
     let [b, c] = [[10.0, 30.0], [40.0, 35.0]];
     let [p, q, r] = [[10.0, 15.0], [20.0, -5.0], [30.0, 20.0]];
@@ -69,7 +70,7 @@ fn each_is_good_in_32_bits_on_pieces_in_the_same_time() {
             assert!(row.verdict.is_good(), "{name}, {}: {}", row.format, row.verdict);
             let periods = row.periods.unwrap();
             assert!((f64::from(periods) - planned * 1e3).abs() < 1.5, "{name}: {periods} for {planned} s");
-            // It rests and goes on as planned: 40,000 mm/s³.
+            // The run rests and goes on as planned: the limit is 40,000 mm/s³.
             let jerk = row.jerk_max_mm_per_s3.unwrap();
             assert!(jerk < 4.4e4, "{name}, {}: {jerk} mm/s³", row.format);
             if let Some(lines) = &lines {
@@ -91,14 +92,14 @@ fn each_is_good_on_the_global_parameter() {
             assert!((f64::from(periods) - planned * 1e3).abs() < 1.5, "{name}: {periods} for {planned} s");
             let jerk = row.jerk_max_mm_per_s3.unwrap();
             assert!(jerk < 4.4e4, "{name}, {}: {jerk} mm/s³", row.format);
-            // A chord over a cusp was up to a step short.
+            // A chord over a cusp was once short by up to a step.
             let off = row.fluctuation.unwrap().length_error_mm_max;
             assert!(off < 1e-6, "{name}, {}: {off} mm", row.format);
         }
     }
 }
 
-/// `cases` unless the environment asks for a long run.
+/// The number of cases is `cases` unless the environment asks for a long run.
 fn config(cases: u32) -> ProptestConfig {
     let cases = std::env::var("PROPTEST_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(cases);
     ProptestConfig { cases, ..ProptestConfig::default() }
@@ -107,7 +108,7 @@ fn config(cases: u32) -> ProptestConfig {
 proptest! {
     #![proptest_config(config(8))]
 
-    /// The chord error holds at each of them, the run ends on the end of the path, and nothing overflows.
+    /// At each such place the chord error holds, the run ends at the end of the path, and nothing overflows.
     #[test]
     fn random_curves_with_coincident_points_are_run_to_their_end(
         curve in generate::curve_with_coincident_points::<2>(),
@@ -120,7 +121,7 @@ proptest! {
         let found = compared("random.toml", &text, &["f64", "I4F28"], Engine::Pieces);
         for row in &found.formats {
             let Some(chord_error) = row.chord_error_mm_max else {
-                // What random weights make of a short span need not fit four integer bits.
+                // For random weights, a short span may need more than four integer bits.
                 prop_assert!(row.format == "I4F28" && row.verdict.to_string().contains("integer bits"), "{}", row.verdict);
                 continue;
             };

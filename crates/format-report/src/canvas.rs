@@ -1,7 +1,7 @@
-//! Where plotters draws: SVG elements with classes in place of colours, so that a page can theme them and a script
+//! The canvas of plotters: SVG elements with classes in place of colours, so that a page can theme them and a script
 //! can find them.
 //!
-//! Plotters counts in whole pixels; a tenth of one is drawn, so that curves do not turn into stairs.
+//! Plotters counts in whole pixels. Here its pixel is a tenth of a pixel, so that curves do not turn into stairs.
 
 use std::cell::RefCell;
 use std::convert::Infallible;
@@ -17,10 +17,10 @@ use plotters_backend::{
 use svg::Node;
 use svg::node::element::{Circle, Group, Path, Rectangle, Text};
 
-/// What plotters takes for a pixel, in a pixel.
+/// The number of plotters' pixels in a pixel.
 pub(crate) const UNITS: i32 = 10;
 
-/// What is drawn with: each is a class of the elements, and a colour to plotters, which hands it on.
+/// A kind of line, area or text. Each is a class of the elements; plotters is given it as a colour, which it hands on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Pen {
     /// Axes and their ticks.
@@ -29,7 +29,7 @@ pub(crate) enum Pen {
     Grid,
     /// The numbers of an axis.
     Tick,
-    /// What an axis shows.
+    /// The label of an axis.
     Label,
     /// The line of a series, in the series' colour and dashes.
     Line,
@@ -37,7 +37,7 @@ pub(crate) enum Pen {
     Fill,
     /// A limit.
     Limit,
-    /// What a picture says beside its axes.
+    /// Words in a picture beside those of its axes.
     Note,
 }
 
@@ -83,12 +83,12 @@ impl Canvas {
         Self { size: (width * units, height * units), groups: Rc::new(RefCell::new(vec![Group::new()])) }
     }
 
-    /// Begins a group; what is drawn next is in it.
+    /// Begins a group, which holds what is drawn until it ends.
     pub(crate) fn open(&self, group: Group) {
         self.groups.borrow_mut().push(group);
     }
 
-    /// Ends the group that was begun last.
+    /// Ends the group that began last.
     pub(crate) fn close(&self) {
         let mut groups = self.groups.borrow_mut();
         if groups.len() > 1
@@ -106,7 +106,7 @@ impl Canvas {
         }
     }
 
-    /// All that was drawn.
+    /// All elements drawn.
     pub(crate) fn finish(self) -> Group {
         while self.groups.borrow().len() > 1 {
             self.close();
@@ -115,7 +115,7 @@ impl Canvas {
     }
 }
 
-/// A length in pixels, as short as it can be written.
+/// A length in pixels, written as briefly as possible.
 pub(crate) fn pixels(units: i32) -> String {
     let (whole, tenths) = (units / UNITS, (units % UNITS).abs());
     let sign = if units < 0 && whole == 0 { "-" } else { "" };
@@ -225,7 +225,7 @@ impl DrawingBackend for Canvas {
             HPos::Center => "middle",
             HPos::Right => "end",
         };
-        // From the given place down to the base line, in heights of a letter.
+        // The shift from the given place down to the base line, in heights of a letter.
         let down = match anchor.v_pos {
             VPos::Top => "0.8em",
             VPos::Center => "0.35em",

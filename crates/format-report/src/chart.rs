@@ -1,4 +1,4 @@
-//! One picture with two axes, and what can be drawn between them.
+//! A picture with two axes, and the elements that can be drawn between them.
 
 use std::ops::Range;
 
@@ -24,11 +24,11 @@ pub(crate) const WIDTH: u32 = 760;
 /// One axis.
 #[derive(Clone, Debug)]
 pub(crate) struct Axis {
-    /// What it shows, with the unit.
+    /// The quantity, with its unit.
     pub(crate) label: String,
     /// The least and the greatest value.
     pub(crate) range: Range<f64>,
-    /// Whether equal ratios are equally long.
+    /// Whether the axis is logarithmic: equal ratios are equally long.
     pub(crate) logarithmic: bool,
     /// Names in place of numbers, at 0, 1, 2, …
     pub(crate) names: Vec<String>,
@@ -41,7 +41,7 @@ impl Axis {
         Self { label: label.to_string(), range: wide, logarithmic: false, names: Vec::new() }
     }
 
-    /// A linear axis over all of `values`, and over zero.
+    /// A linear axis over all of `values` and over zero.
     pub(crate) fn over(label: &str, values: impl IntoIterator<Item = f64>) -> Self {
         let finite = values.into_iter().filter(|x| x.is_finite());
         let (low, high) = finite.fold((0.0_f64, 0.0_f64), |(low, high), x| (low.min(x), high.max(x)));
@@ -49,7 +49,8 @@ impl Axis {
         Self::linear(label, if low < 0.0 { low - air } else { 0.0 }..high + air)
     }
 
-    /// A logarithmic axis of whole decades over the positive ones of `values`, of at most `decades`, the greatest kept.
+    /// A logarithmic axis of whole decades over the positive ones of `values`. Of more than `decades` decades, the
+    /// greatest are kept.
     pub(crate) fn decades(label: &str, values: impl IntoIterator<Item = f64>, decades: i32) -> Self {
         let finite = values.into_iter().filter(|x| *x > 0.0 && x.is_finite()).map(f64::log10);
         let (low, high) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
@@ -60,13 +61,14 @@ impl Axis {
         Self { label: label.to_string(), range, logarithmic: true, names: Vec::new() }
     }
 
-    /// An axis of names, each half a unit to both sides of its number, the first on top or at the left.
+    /// An axis of names. Each takes half a unit on both sides of its number; the first is on top or at the left.
     pub(crate) fn of_names(label: &str, names: Vec<String>) -> Self {
         let range = -0.5..names.len() as f64 - 0.5;
         Self { label: label.to_string(), range, logarithmic: false, names }
     }
 
-    /// Where plotters has a value: its logarithm, if the axis has it so; what lies beyond is on the edge.
+    /// The place of a value for plotters: its logarithm on a logarithmic axis. A value beyond the range is put on the
+    /// edge.
     fn place(&self, value: f64) -> f64 {
         let value = if self.range.start < self.range.end {
             value.max(self.range.start).min(self.range.end)
@@ -114,14 +116,14 @@ impl Axis {
     }
 }
 
-/// How a picture is laid out.
+/// The layout of a picture.
 #[derive(Clone, Debug)]
 pub(crate) struct Layout {
     /// Height in pixels.
     pub(crate) height: u32,
     /// Space for the vertical axis, in pixels.
     pub(crate) left: u32,
-    /// Whether y grows downwards, as a list of names does.
+    /// Whether y grows downwards, as in a list of names.
     pub(crate) from_top: bool,
 }
 
@@ -131,7 +133,7 @@ impl Default for Layout {
     }
 }
 
-/// An axis as plotters wants it: ticks where the axis has them, not where plotters would put them.
+/// An axis in the form that plotters needs. Its ticks are where the axis has them, not where plotters would put them.
 #[derive(Clone)]
 struct Scale {
     linear: RangedCoordf64,
@@ -158,7 +160,7 @@ impl Ranged for Scale {
 
 type Coordinates = Cartesian2d<Scale, Scale>;
 
-/// What a figure draws on.
+/// The picture that a figure draws on.
 pub(crate) struct Plot<'a> {
     canvas: Canvas,
     chart: ChartContext<'a, Canvas, Coordinates>,
@@ -166,7 +168,7 @@ pub(crate) struct Plot<'a> {
     y: Axis,
 }
 
-/// Draws a figure: the axes, and what `content` puts between them.
+/// Draws a figure: the axes, and between them what `content` draws.
 pub(crate) fn draw((x, y): (Axis, Axis), layout: &Layout, content: impl FnOnce(&mut Plot<'_>)) -> Figure {
     let canvas = Canvas::new(WIDTH, layout.height);
     let area = canvas.clone().into_drawing_area();
@@ -179,8 +181,8 @@ pub(crate) fn draw((x, y): (Axis, Axis), layout: &Layout, content: impl FnOnce(&
     Figure::new(WIDTH, layout.height, canvas.finish(), described)
 }
 
-/// The axes with their grid, and the frame's left, right, top and bottom in pixels. A canvas takes whatever is drawn, so
-/// plotters only fails on a frame without area.
+/// Draws the axes with their grid. Returns the frame's left, right, top and bottom in pixels. A canvas accepts
+/// everything, so plotters fails only on a frame without area.
 fn axes<'a>(
     area: &'a DrawingArea<Canvas, Shift>,
     x: &Axis,
@@ -231,8 +233,8 @@ fn axes<'a>(
 }
 
 impl Plot<'_> {
-    /// What `content` draws belongs together: one format's series, one limit. `class` says which, `tip` is shown when the
-    /// pointer is on it.
+    /// Groups the elements that `content` draws: one format's series, or one limit. `class` is the class of the group;
+    /// `tip` is shown when the pointer is on it.
     pub(crate) fn group(&mut self, class: &str, name: &str, content: impl FnOnce(&mut Self)) {
         let mut group = Group::new().set("class", class);
         if !name.is_empty() {
@@ -243,7 +245,7 @@ impl Plot<'_> {
         self.canvas.close();
     }
 
-    /// A line through points that are sorted by x, no more of them than the pixels show.
+    /// A line through points that are sorted by x, thinned to what the pixels show.
     pub(crate) fn line(&mut self, points: &[(f64, f64)]) {
         let placed: Vec<_> = points.iter().map(|(x, y)| (self.x.place(*x), self.y.place(*y))).collect();
         let range = (self.x.place(self.x.range.start), self.x.place(self.x.range.end));
@@ -272,7 +274,7 @@ impl Plot<'_> {
         self.canvas.add(tipped(Path::new().set("class", "mark").set("d", data), tip));
     }
 
-    /// Boxes of one area, `[x from, x to, y from, y to]`, with a tip.
+    /// Boxes of one area, each `[x from, x to, y from, y to]`, with one tip.
     pub(crate) fn boxes(&mut self, class: &str, boxes: &[[f64; 4]], tip: &str) {
         let corners = boxes.iter().map(|[left, right, from, to]| {
             let ((left, from), (right, to)) = (self.pixel(*left, *from), self.pixel(*right, *to));
@@ -316,7 +318,7 @@ impl Plot<'_> {
         for<'b> &'b E: plotters::element::PointCollection<'b, (f64, f64)>,
         E: plotters::element::Drawable<Canvas>,
     {
-        // A canvas takes whatever is drawn.
+        // A canvas accepts everything that is drawn.
         let _ = self.chart.draw_series(std::iter::once(element));
     }
 }

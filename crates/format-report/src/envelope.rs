@@ -2,8 +2,8 @@
 
 /// The points to draw of a series that is sorted by x, over the range `[from, to]` that `columns` pixels show.
 ///
-/// A series of up to two points a column is drawn as it is. Of a longer one each column keeps its least and greatest
-/// value, in the order in which they come, so that no extreme is lost and the line fills what the whole one would fill.
+/// A series of up to two points a column is drawn unchanged. In a longer one, each column keeps its least and its
+/// greatest value, in their order. So no extreme is lost, and the line fills the same pixels as the whole series.
 pub(crate) fn envelope(points: &[(f64, f64)], (from, to): (f64, f64), columns: usize) -> Vec<(f64, f64)> {
     if points.len() <= 2 * columns || columns == 0 || to <= from {
         return points.to_vec();

@@ -11,11 +11,12 @@ use crate::runs::RunView;
 pub struct Figure {
     /// The name of its file, without ending.
     pub name: String,
-    /// What it shows.
+    /// The title.
     pub title: String,
-    /// How it is to be read.
+    /// How a reader is to read it.
     pub caption: String,
-    /// Which of several pictures of its kind: that of the run with this number; none if there is only one.
+    /// The number of the run that the picture shows, if there is one picture for each run; `None` if there is only one
+    /// picture.
     pub of_run: Option<usize>,
     size: (u32, u32),
     content: Group,
@@ -25,12 +26,12 @@ pub struct Figure {
     legend_only_in_file: bool,
 }
 
-/// A sample and what it stands for.
+/// An entry of a legend: a sample and its meaning.
 #[derive(Clone, Debug)]
 pub(crate) struct Entry {
     class: String,
     is_line: bool,
-    /// What it stands for.
+    /// The meaning of the sample.
     pub(crate) name: String,
 }
 
@@ -96,19 +97,20 @@ impl Figure {
         self
     }
 
-    /// Lets the page show the values of all lines where the pointer is.
+    /// Makes the page show the values of all lines at the place of the pointer.
     pub(crate) fn following_the_pointer(mut self) -> Self {
         self.follows_pointer = true;
         self
     }
 
-    /// Says below the picture what its colours and dashes stand for.
+    /// Adds a legend below the picture, for its colours and dashes.
     pub(crate) fn with_legend(mut self, legend: Vec<Entry>) -> Self {
         self.legend = legend;
         self
     }
 
-    /// Adds a legend of the runs to the picture's own file. The page needs none: it lists the runs beside their switches.
+    /// Adds a legend of the runs to the picture's own file. The page lists the runs beside their switches and needs no
+    /// legend.
     pub(crate) fn with_runs(mut self, runs: &[RunView<'_>]) -> Self {
         let ran = runs.iter().filter(|run| run.trace.is_some());
         self.legend = ran.map(|run| Entry::line(&run.class(), &run.name())).collect();
@@ -131,7 +133,7 @@ impl Figure {
         document.to_string()
     }
 
-    /// The file: the same with its styles, on white.
+    /// The picture as a file of its own, with its styles, on white.
     #[must_use]
     pub fn file(&self) -> String {
         let paper = Rectangle::new().set("width", "100%").set("height", "100%").set("fill", "#ffffff");

@@ -1,8 +1,8 @@
-//! What stands around the content of a page.
+//! The frame of a page, around its content.
 
 use crate::palette;
 
-/// What every page has around its content.
+/// The parts that every page has around its content.
 pub(crate) struct Frame<'a> {
     pub(crate) title: String,
     pub(crate) question: &'static str,
@@ -15,7 +15,7 @@ pub(crate) struct Frame<'a> {
 }
 
 impl<'a> Frame<'a> {
-    /// The frame of a page about `part` that lies beside `files`.
+    /// The frame of a page about `part`, with links to `files` beside it.
     pub(crate) fn new(
         (title, question): (String, &'static str),
         part: &'a str,

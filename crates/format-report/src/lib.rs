@@ -1,4 +1,4 @@
-//! `format-report`: a comparison of number formats as a page that people look at.
+//! `format-report`: a comparison of number formats as a page for people.
 //!
 //! One file, `index.html`, opens anywhere without a network: the answer, the formats with their verdicts, and pictures
 //! whose formats can be switched on and off. Beside it lies each picture as SVG and each table as CSV and JSON.
@@ -9,9 +9,9 @@
 //! | where does a format stay good? | [`Sweep`], [`SweepCell`] |
 //! | what does it consist of? | [`Report`], [`Figure`], [`Table`] |
 //!
-//! Axes, ticks and grids are drawn by `plotters`, on a canvas of SVG elements that have classes in place of colours. A
-//! long series is drawn by the least and the greatest value of each pixel column, so a picture of a million periods takes
-//! no more room than one of a thousand, and no extreme is lost.
+//! `plotters` draws axes, ticks and grids on a canvas of SVG elements that have classes in place of colours. A long
+//! series is drawn by the least and the greatest value of each pixel column. So a picture of a million periods takes no
+//! more room than one of a thousand, and no extreme is lost.
 
 mod canvas;
 mod chart;

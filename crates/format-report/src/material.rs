@@ -1,22 +1,22 @@
-//! What a report is made of.
+//! The data of a report.
 
 use format_compare::{Comparison, FeedSample, Trace};
 use target_cost::{StepCost, Target};
 
-/// What a report is made of: a comparison, and what was kept of its runs.
+/// The data of a report: a comparison, and the data kept of its runs.
 #[derive(Clone, Copy, Debug)]
 pub struct Material<'a> {
     /// The comparison.
     pub comparison: &'a Comparison,
-    /// The trace of each of its rows; none where the format was refused.
+    /// The trace of each row of the comparison; `None` where the format was refused.
     pub traces: &'a [Option<Trace>],
     /// The plan, sampled; empty if each format plans for itself.
     pub plan: &'a [FeedSample],
-    /// The papers' solvers on the raw path in f64; empty if there is none.
+    /// Runs by the papers' solvers on the raw path in f64; may be empty.
     pub solvers: &'a [Solver],
     /// The targets that the comparison was priced on.
     pub targets: &'a [Target],
-    /// Periods on targets.
+    /// Schedules of a period on targets.
     pub schedules: &'a [Schedule<'a>],
     /// The command that makes the report again.
     pub command: &'a str,
@@ -25,9 +25,9 @@ pub struct Material<'a> {
 /// A run by one of the papers' solvers.
 #[derive(Clone, Debug)]
 pub struct Solver {
-    /// What it is called.
+    /// The solver's name.
     pub name: String,
-    /// What it did.
+    /// The trace of its run.
     pub trace: Trace,
 }
 

@@ -1,6 +1,7 @@
-//! Numbers as people read them.
+//! Numbers written for people.
 
-/// A number on a linear axis whose numbers are `step` apart: no more decimals than the step has, thousands set apart.
+/// A number on a linear axis whose numbers are `step` apart: it has no more decimals than the step, and thousands are
+/// separated.
 pub(crate) fn tick(value: f64, step: f64) -> String {
     let decimals = (0..12).find(|d| {
         let scaled = step * 10.0_f64.powi(*d);
@@ -15,7 +16,7 @@ pub(crate) fn tick(value: f64, step: f64) -> String {
     grouped(&text)
 }
 
-/// Thousands set apart by narrow spaces, from ten thousand on.
+/// Separates thousands by narrow spaces, from ten thousand on.
 fn grouped(text: &str) -> String {
     let (number, fraction) = text.split_once('.').map_or((text, None), |(n, f)| (n, Some(f)));
     let (sign, digits) = number.strip_prefix('-').map_or(("", number), |digits| ("−", digits));
@@ -46,7 +47,7 @@ pub(crate) fn power_of_ten(exponent: f64) -> String {
     }
 }
 
-/// Two or three digits, as a power of ten where it is very large or very small.
+/// A number with two or three digits, as a power of ten if it is very large or very small.
 pub(crate) fn short(value: f64) -> String {
     let size = value.abs();
     if value == 0.0 {

@@ -1,6 +1,6 @@
-//! Colours and dashes. The hues are those of Okabe and Ito (Color Universal Design, 2008), which people with any of
-//! the common colour blindnesses can tell apart; yellow, too faint on white, is left out. Dashes and marks say the same
-//! once more without colour.
+//! Colours and dashes. The hues are those of Okabe and Ito (Color Universal Design, 2008), which people with any of the
+//! common colour blindnesses can tell apart; yellow, too faint on white, is left out. Dashes and marks distinguish the
+//! series once more, without colour.
 
 use std::fmt::Write;
 
@@ -15,7 +15,7 @@ const HUES: [(&str, &str); 7] = [
     ("#3a93bf", "#8fd3f5"),
 ];
 
-/// Dashes; the first is a whole line.
+/// Dashes; the first is a solid line.
 const DASHES: [&str; 4] = ["none", "7 4", "2 3", "10 3 2 3"];
 
 /// Number of hues.
@@ -24,8 +24,8 @@ pub(crate) const HUE_COUNT: usize = HUES.len();
 /// Number of dashes.
 pub(crate) const DASH_COUNT: usize = DASHES.len();
 
-/// From far within a limit to far beyond it, on white and on dark grey: a blue half and an orange half, which all
-/// people tell apart.
+/// Colours from far within a limit to far beyond it, on white and on dark grey. One half is blue and one orange, which
+/// all people tell apart.
 const LEVELS: [(&str, &str); 8] = [
     ("#053061", "#9ecae1"),
     ("#2166ac", "#6baed6"),
@@ -45,7 +45,7 @@ const FIXED: &str = "text{font-family:system-ui,-apple-system,'Segoe UI',Roboto,
 .axis{stroke-width:1}.grid{stroke-width:.6}.limit{stroke-width:1.3;stroke-dasharray:5 3}.trail{stroke-width:3.2;stroke-linecap:round}\
 .rest{stroke-width:1.6}.bound .line{stroke-width:1;opacity:.75;stroke-dasharray:1 3}.mark{stroke-width:1}.operation{opacity:.72}.off{display:none}";
 
-/// The styles of one theme, each rule after `before`, which says when it holds.
+/// The styles of one theme. Each rule begins with `before`, the selector under which it holds.
 fn themed(before: &str, theme: impl Fn(&(&'static str, &'static str)) -> &'static str) -> String {
     let ink = theme(&("#1b1f24", "#e6e8eb"));
     let soft = theme(&("#5a636e", "#a4adb8"));
@@ -82,7 +82,7 @@ pub(crate) fn styles_of_a_file() -> String {
     FIXED.to_string() + &themed("", |(light, _)| light) + &dashes()
 }
 
-/// The styles of the pictures in the page, in both themes: that of the system, unless the page says otherwise.
+/// The styles of the pictures in the page, in both themes. The system's theme holds unless the page sets another.
 pub(crate) fn styles_of_the_page() -> String {
     let light = themed("svg ", |(light, _)| light);
     let dark = themed(":root:not([data-theme=light]) svg ", |(_, dark)| dark);
@@ -113,7 +113,7 @@ mod tests {
         0.2126 * part(1) + 0.7152 * part(3) + 0.0722 * part(5)
     }
 
-    /// Contrast as WCAG 2 defines it; 3 : 1 is what it asks of graphics.
+    /// Contrast as WCAG 2 defines it; WCAG asks for 3 : 1 in graphics.
     #[test]
     fn every_hue_stands_out_in_both_themes() {
         let contrast = |a: f64, b: f64| (a.max(b) + 0.05) / (a.min(b) + 0.05);

@@ -29,9 +29,9 @@ struct Page<'a> {
     answer: Answer,
     margins: Vec<MarginView>,
     runs: Vec<Switch>,
-    /// The formats on pieces, or by whatever they were run.
+    /// The formats on pieces, or by the engine that ran them if none ran on pieces.
     formats: &'a Table,
-    /// The textbook way of the same formats, folded.
+    /// The same formats on the global parameter, in a part of the page that is folded.
     raw: Option<&'a Table>,
     /// Bits against fluctuation, beside the answer.
     bits: Option<&'a Chapter>,
@@ -41,7 +41,7 @@ struct Page<'a> {
 }
 
 struct Answer {
-    /// The fewest bits that are enough, where they were searched.
+    /// The fewest bits that are enough, if they were searched.
     bits: Option<String>,
     format: Option<String>,
     why: Vec<String>,
@@ -71,10 +71,10 @@ impl Report {
     /// The name of the page.
     pub const PAGE: &str = "index.html";
 
-    /// Draws all that the material has something for.
+    /// Draws all chapters for which the material has data.
     ///
     /// # Errors
-    /// [`askama::Error`] if the page cannot be put together; no material is known that leads to one.
+    /// [`askama::Error`] if the page cannot be rendered; no known material causes this.
     pub fn of(material: &Material<'_>) -> Result<Self, askama::Error> {
         let comparison = material.comparison;
         let runs = runs::views(comparison, material.traces);
@@ -82,7 +82,7 @@ impl Report {
         let bits =
             chapters.iter().position(|chapter| chapter.id == "bits").map(|place| chapters.remove(place));
         let recommended = runs::recommended(comparison);
-        // Those that can be used in part first.
+        // Requirements with a limit above 0 come first.
         let mut requirements =
             recommended.map_or_else(Vec::new, |index| comparison.formats[index].requirements.clone());
         requirements.sort_by_key(|one| one.used().is_none());
@@ -134,8 +134,8 @@ pub(crate) fn files<'a>(
     pictures.chain(tables).collect()
 }
 
-/// The files that a report's page lists beside itself; none of a page that is no report's. Names that could not be a
-/// picture's or a table's in the page's own folder are left out.
+/// The files that a report's page lists as beside it; none if the page is not a report's. Names that could not be those
+/// of a picture or a table in the page's own folder are left out.
 #[must_use]
 pub fn listed(page: &str) -> Vec<String> {
     let is_ours = page.contains("<p>Made by <code>feedbits");
@@ -183,7 +183,7 @@ impl Switch {
     }
 }
 
-/// Which format, and why.
+/// The recommended format, and the reasons.
 fn answer(comparison: &Comparison, requirements: &[Requirement]) -> Answer {
     let Some(index) = runs::recommended(comparison) else {
         return Answer { bits: fewest_bits(comparison), format: None, why: why_none(comparison) };
@@ -229,7 +229,7 @@ fn answer(comparison: &Comparison, requirements: &[Requirement]) -> Answer {
     Answer { bits: fewest_bits(comparison), format: Some(row.format.clone()), why }
 }
 
-/// How many bits are enough.
+/// The number of bits that is enough.
 fn fewest_bits(comparison: &Comparison) -> Option<String> {
     match comparison.fewest_bits.as_ref()? {
         FewestBits::Found { format, bits, margin, .. } => Some(format!(
@@ -257,7 +257,7 @@ fn why_none(comparison: &Comparison) -> Vec<String> {
 }
 
 impl Chapter {
-    /// A picture for the page, in whose template it stands as it is.
+    /// A picture for the page. The template inserts it without escaping.
     fn shown(&self) -> impl Iterator<Item = (&Figure, String)> {
         self.figures.iter().map(|figure| (figure, figure.inline()))
     }
@@ -303,7 +303,7 @@ mod tests {
         report.files.iter().find(|file| file.0 == name).map_or_else(|| panic!("{name}"), |file| &file.1)
     }
 
-    /// The page stands alone, links to files that are there, and says what cannot be a tag.
+    /// The page links only to files that are there, and escapes names.
     #[test]
     fn the_page_needs_nothing_but_the_files_beside_it() {
         let report = example(EXAMPLE, &["I16F16", "I4F28", "f64"]);
@@ -322,7 +322,7 @@ mod tests {
         assert!(page.len() < 3_000_000, "{}", page.len());
     }
 
-    /// A chapter and its first picture may have the same name.
+    /// A chapter and its first picture may share a name.
     #[test]
     fn every_id_is_given_once() {
         let report = example(EXAMPLE, &["I16F16", "I4F28", "f64"]);
@@ -335,7 +335,7 @@ mod tests {
         assert!(twice.is_empty(), "{twice:?}");
     }
 
-    /// Both axes of each picture say what they show and in which unit; names need none.
+    /// Both axes of each picture have a label with a unit; names need no unit.
     #[test]
     fn every_axis_has_a_unit() {
         let report = example(EXAMPLE, &["I4F28"]);
@@ -358,7 +358,7 @@ mod tests {
         assert!(pictures >= 10, "{pictures}");
     }
 
-    /// A path in space is shown from two sides, and a verdict of none is said first.
+    /// A path in space is shown from two sides. If no format is good, the page says so first.
     #[test]
     fn a_path_in_space_and_no_format_that_does() {
         let report = example("G0 X0 Y0 Z0\nG1 X10 Y0 F6000\nG1 X20 Y5 Z10\n", &["I16F16"]);
@@ -366,7 +366,7 @@ mod tests {
         assert!(file(&report, "index.html").contains("meets the requirements"));
     }
 
-    /// What the page lists is what lies beside it, and a page of anybody else lists nothing.
+    /// The page lists exactly the files beside it. A page that is not a report's lists none.
     #[test]
     fn a_page_lists_the_files_beside_it() {
         let report = example(EXAMPLE, &["I4F28", "f64"]);
@@ -388,7 +388,7 @@ mod tests {
         assert!(csv.starts_with("format,bits,path,verdict,fluctuation_at_cruise,"), "{csv}");
         let margins: serde_json::Value = serde_json::from_str(file(&report, "margins.json")).expect("JSON");
         let margins = margins.as_array().expect("a row a requirement");
-        // What nothing at all is allowed of comes last.
+        // Requirements whose limit is 0 come last.
         assert_eq!(margins.iter().filter(|one| one["used_percent"].is_null()).count(), 2);
         assert!(margins[6..].iter().all(|one| one["used_percent"].is_null()), "{margins:?}");
         let chord = margins.iter().find(|one| one["requirement"] == "chord error").expect("the chord error");

@@ -1,4 +1,4 @@
-//! The runs of a comparison as the report shows them: names, colours, which are shown at first.
+//! The runs of a comparison in the report: their names and colours, and which of them are shown at first.
 
 use format_compare::{Comparison, Engine, JudgedRun, Trace, Verdict};
 
@@ -10,25 +10,25 @@ pub(crate) struct RunView<'a> {
     pub(crate) index: usize,
     /// Its figures.
     pub(crate) row: &'a JudgedRun,
-    /// What happened in each period; none if the format was refused.
+    /// The trace of the run; `None` if the format was refused.
     pub(crate) trace: Option<&'a Trace>,
-    /// Its colour: a format has one.
+    /// Its colour, which all runs of a format share.
     pub(crate) hue: usize,
-    /// Its dashes: whole on pieces.
+    /// Its dashes: a solid line on pieces.
     pub(crate) dash: usize,
-    /// Whether it is the one that the comparison recommends.
+    /// Whether the comparison recommends it.
     pub(crate) recommended: bool,
-    /// Whether it is shown before anyone chooses.
+    /// Whether it is shown before the reader chooses.
     pub(crate) shown: bool,
 }
 
 impl RunView<'_> {
-    /// Format and form of the path.
+    /// The name: format and form of the path.
     pub(crate) fn name(&self) -> String {
         format!("{} {}", self.row.format, self.row.engine)
     }
 
-    /// The name in letters, digits, `-` and `_` alone, as a part of a file's name.
+    /// The name with letters, digits, `-` and `_` only, for use in a file's name.
     pub(crate) fn file_part(&self) -> String {
         let name = self.name();
         name.chars()
@@ -37,7 +37,7 @@ impl RunView<'_> {
             .replace("__", "_")
     }
 
-    /// The classes of what belongs to it in a picture.
+    /// The classes of the run's elements in a picture.
     pub(crate) fn class(&self) -> String {
         format!("series run{} c{} d{}", self.index, self.hue, self.dash)
     }
@@ -80,8 +80,8 @@ pub(crate) fn recommended(comparison: &Comparison) -> Option<usize> {
     comparison.formats.iter().position(|row| row.format == *format && row.engine == engine)
 }
 
-/// At most six runs: more lines than that hide each other. The recommended one, those of its format, of the narrowest and
-/// of the floats.
+/// The runs that are shown at first, at most six: more lines hide each other. The recommended run comes first, then
+/// those of its format, of floats and of the narrowest format, then the others.
 fn at_first(comparison: &Comparison) -> Vec<usize> {
     const MOST: usize = 6;
     let rows = &comparison.formats;

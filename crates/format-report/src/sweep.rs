@@ -14,15 +14,15 @@ use crate::number;
 use crate::report::{Report, files};
 use crate::table::{Cell, Column, Table};
 
-/// What is swept: the first line of a sweep's file. Two files with the same first line are parts of one sweep.
+/// The parameters of a sweep: the first line of its file. Two files with the same first line are parts of one sweep.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Sweep {
     /// Name of the part.
     pub part: String,
-    /// A number that differs when the part's curves, the machine's limits or the options do.
+    /// A number that changes if the part's curves, the machine's limits or the options change.
     pub fingerprint: String,
-    /// The fluctuation at cruise that a run is judged by.
+    /// The largest fluctuation at cruise of a good run.
     pub fluctuation_limit: f64,
     /// Interpolation periods, in ms.
     pub periods_ms: Vec<f64>,
@@ -34,7 +34,7 @@ pub struct Sweep {
     pub runs: Vec<String>,
 }
 
-/// One period, feed and size, and what became of each run: a line of a sweep's file.
+/// One period, feed and size with the result of each run: a line of a sweep's file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SweepCell {
@@ -46,22 +46,22 @@ pub struct SweepCell {
     pub feed_mm_per_s: f64,
     /// The size, in mm.
     pub size_mm: f64,
-    /// Why nothing was run.
+    /// The reason if nothing was run.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub skipped: Option<String>,
-    /// A result for each of the sweep's runs; none if nothing was run.
+    /// A result for each of the sweep's runs; empty if nothing was run.
     pub results: Vec<SweepResult>,
 }
 
-/// What became of a run.
+/// The result of a run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SweepResult {
     /// Whether every requirement is met.
     pub good: bool,
-    /// Largest fluctuation at cruise; none if the format was refused.
+    /// Largest fluctuation at cruise; `None` if the format was refused.
     pub fluctuation: Option<f64>,
-    /// What is not met.
+    /// The requirements that are not met.
     pub reason: String,
 }
 
@@ -72,14 +72,14 @@ impl Sweep {
         self.periods_ms.len() * self.feeds_mm_per_s.len() * self.sizes_mm.len()
     }
 
-    /// Whether there is nothing to do.
+    /// Whether the sweep has no cell.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Period in ms, feed in mm/s and size in mm of a cell: the period changes fastest, the size slowest. None beyond the
-    /// last cell.
+    /// Period in ms, feed in mm/s and size in mm of a cell: the period changes fastest, the size slowest. `None` beyond
+    /// the last cell.
     #[must_use]
     pub fn place(&self, cell: usize) -> Option<(f64, f64, f64)> {
         let (periods, feeds) = (self.periods_ms.len(), self.feeds_mm_per_s.len());
@@ -89,7 +89,7 @@ impl Sweep {
         Some((*period, *feed, *size))
     }
 
-    /// Draws a heat map for each run and size, and counts.
+    /// Draws a heat map for each run and size, with counts.
     ///
     /// # Errors
     /// As [`Report::of`].
@@ -112,7 +112,7 @@ impl Sweep {
         Ok(Report::new(page.render()?, files))
     }
 
-    /// How many of the cells that were run a run is good in, and how many those are.
+    /// In how many of the cells that were run a run is good, and the number of these cells.
     #[must_use]
     pub fn good(&self, cells: &[SweepCell], run: usize) -> (usize, usize) {
         let results = || cells.iter().filter_map(|cell| cell.results.get(run));
@@ -170,7 +170,7 @@ impl Sweep {
         figure.with_legend(legend(self.fluctuation_limit, "refused"))
     }
 
-    /// The class of a cell, what stands on it, and its tip.
+    /// The class of a cell, its text, and its tip.
     fn shown(&self, run: usize, cell: &SweepCell) -> (String, &'static str, String) {
         let place = format!(
             "T {} ms, {} mm/s, {} mm",

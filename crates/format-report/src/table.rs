@@ -9,11 +9,11 @@ use crate::number;
 pub struct Table {
     /// The name of its files, without ending.
     pub name: String,
-    /// What it shows.
+    /// The title.
     pub title: String,
     /// Its columns.
     pub columns: Vec<Column>,
-    /// Its rows, a cell a column.
+    /// Its rows, each with a cell for each column.
     pub rows: Vec<Vec<Cell>>,
 }
 
@@ -26,14 +26,14 @@ pub struct Column {
     pub heading: &'static str,
 }
 
-/// What stands in a table.
+/// A cell of a table.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Cell {
     /// Words.
     Text(String),
     /// A number.
     Number(f64),
-    /// Nothing is known.
+    /// The value is unknown.
     Nothing,
 }
 
@@ -48,7 +48,7 @@ impl Cell {
         Self::Text(text.into())
     }
 
-    /// As the page shows it.
+    /// The text in the page.
     #[must_use]
     pub fn shown(&self) -> String {
         match self {
@@ -64,7 +64,7 @@ impl Cell {
         !matches!(self, Self::Text(_))
     }
 
-    /// With every digit, as a file has it.
+    /// The text in a file, with every digit.
     fn exact(&self) -> String {
         match self {
             Self::Text(text) => text.clone(),
@@ -91,13 +91,13 @@ impl Table {
         let header = self.columns.iter().map(|column| column.key.to_string()).collect();
         let rows = self.rows.iter().map(|row| row.iter().map(Cell::exact).collect::<Vec<_>>());
         for record in std::iter::once(header).chain(rows) {
-            // A vector takes all that is written to it, and every row has a cell a column.
+            // A vector accepts everything that is written to it, and every row has a cell for each column.
             let _ = writer.write_record(record);
         }
         writer.into_inner().ok().and_then(|bytes| String::from_utf8(bytes).ok()).unwrap_or_default()
     }
 
-    /// As a list of objects.
+    /// The table as a list of objects.
     #[must_use]
     pub fn json(&self) -> String {
         let object = |row: &Vec<Cell>| {

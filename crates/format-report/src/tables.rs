@@ -97,7 +97,7 @@ pub(crate) fn margins(requirements: &[Requirement]) -> Table {
     }
 }
 
-/// What a period costs, a row a run and target; none if the comparison was not priced.
+/// The cost of a period, with a row for each run and target; `None` if the comparison was not priced.
 pub(crate) fn costs(material: &Material<'_>, runs: &[RunView<'_>]) -> Option<Table> {
     let columns = [
         ("target", "target"),

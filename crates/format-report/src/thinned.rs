@@ -1,15 +1,17 @@
 //! Lines in the plane with no more points than a picture shows.
 //!
-//! A program of hours has millions of setpoints, and a picture some hundred thousand pixels. On a grid of cells a line keeps a point for
-//! each cell that it enters, and of lines that go from one cell to the same next one, only the first is kept.
+//! A program of hours has millions of setpoints, a picture only some hundred thousand pixels. A line on a grid of cells
+//! keeps one point in each cell that it enters. If several lines go from one cell to the same next cell, only the first
+//! is kept.
 
 use std::collections::HashSet;
 
 /// A cell of the grid.
 type Cell = (i64, i64);
 
-/// The lines of each group, of at most so many points together: as they are, or on the finest grid that is coarse enough. Its cells are a
-/// quarter of a pixel at least. Groups are given in the order in which they matter; what an earlier one has drawn a later one does not.
+/// The lines of each group, thinned to at most so many points in total: unchanged if they have no more, or else on the
+/// finest grid that is coarse enough. Its cells are at least a quarter of a pixel. Groups must be given in order of
+/// importance: a line of a later group is left out where an earlier one has drawn it.
 pub(crate) fn thinned(groups: &[Vec<&[(f64, f64)]>], pixel: f64, most: usize) -> Vec<Vec<Vec<(f64, f64)>>> {
     let count: usize = groups.iter().flatten().map(|line| line.len()).sum();
     if count <= most || pixel.is_nan() || pixel <= 0.0 {
@@ -73,7 +75,7 @@ mod tests {
         assert_eq!(thinned(&[vec![&line]], 0.1, 3), [vec![line.to_vec()]]);
     }
 
-    /// Ten laps of a circle are drawn once, by as many points as are allowed, and none is off the circle.
+    /// Ten laps of a circle are drawn once, with as many points as are allowed, and no point is off the circle.
     #[test]
     fn a_path_over_itself_is_drawn_once() {
         let points: Vec<_> =

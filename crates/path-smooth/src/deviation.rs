@@ -1,22 +1,22 @@
-//! How far is one path from another? Measured on curves, or on the fine straight moves of a program as they read back, by
-//! sampling, whatever made them.
+//! The distance of one path from another. It is measured by sampling, on curves or on the fine straight moves of a
+//! program as they read back, whatever made them.
 //!
-//! Nothing here knows how a corner was smoothed: only which moves a curve lies between, so that a distance is taken to the
-//! moves nearby and not to another outline that happens to pass.
+//! Nothing here depends on how a corner was smoothed. The module only knows between which moves a curve lies, so that a
+//! distance is measured to the moves nearby and not to another outline that happens to pass there.
 
 use nurbs_core::{CurveError, Evaluate, NurbsBuf, distance_to_segment, golden_section};
 use part_program::Curve;
 
 use crate::stretch::{length, nurbs_of};
 
-/// Samples of a span that is bent; the distance between two of them is refined.
+/// Samples of a span that is not straight; the distance between two samples is refined.
 const SAMPLES: u32 = 64;
-/// Samples of a straight move besides its ends.
+/// Samples of a straight move, without its ends.
 const STRAIGHT_SAMPLES: u32 = 8;
-/// Golden sections of a refinement: each leaves 0.618 of the range, all together 3e-8 of three sample widths. A distance is
-/// off by as much of them for a point on the curve, and by the square for others.
+/// Golden sections of a refinement. Each leaves 0.618 of the range, all together 3e-8 of three sample widths. For a
+/// point on the curve the error of the distance is of that order; for other points it is of second order.
 const SECTIONS: usize = 36;
-/// A curve is compared with as many moves before and after its own.
+/// A curve is compared with this many moves before its own and this many after it.
 const NEAR: usize = 3;
 
 /// A curve to which distances are measured.
@@ -52,7 +52,7 @@ impl Track {
         Ok(Self { curve: nurbs, samples, is_straight, low, high })
     }
 
-    /// The distance from `point` to the curve, unless it is not less than `limit`, which is then the answer.
+    /// The distance from `point` to the curve, or `limit` if that is less.
     pub(crate) fn distance_below(&self, point: &[f64; 3], limit: f64) -> f64 {
         let Some((nearest, distance)) = self.nearest_side(point, limit) else { return limit };
         if self.is_straight {
@@ -62,8 +62,8 @@ impl Track {
         self.refined(point, at(nearest.saturating_sub(1)), at(nearest + 2)).min(limit)
     }
 
-    /// The side nearest to `point` of the polygon of samples, and its distance; none if the curve is not nearer than
-    /// `limit`.
+    /// Connects the samples to a polygon. Returns the polygon's side nearest to `point`, with its distance; `None` if
+    /// the curve is not nearer than `limit`.
     fn nearest_side(&self, point: &[f64; 3], limit: f64) -> Option<(usize, f64)> {
         // The curve lies within the box of its control points.
         let outside = std::array::from_fn(|d| (self.low[d] - point[d]).max(point[d] - self.high[d]).max(0.0));
@@ -78,7 +78,7 @@ impl Track {
         sides.min_by(|a, b| a.1.total_cmp(&b.1))
     }
 
-    /// The least distance over [from, to], and at its ends.
+    /// The least distance over [from, to], both ends included.
     fn refined(&self, point: &[f64; 3], from: f64, to: f64) -> f64 {
         let curve = self.curve.as_curve();
         let distance = |u: f64| {
@@ -90,7 +90,7 @@ impl Track {
     }
 }
 
-/// Two versions of a path, and which move each curve of the second belongs to.
+/// Two versions of a path. Each curve of the second belongs to a move of the first.
 pub(crate) struct Paths<'p> {
     moves: Vec<Track>,
     curves: Vec<Track>,
@@ -118,8 +118,8 @@ impl<'p> Paths<'p> {
         least_distance(&self.curves[begin..end], point)
     }
 
-    /// Distance of a chord, from a point of curve `from` to one of curve `to`, from the curves it passes over: the largest at
-    /// its quarters.
+    /// Distance of a chord from the curves that it passes, from a point of curve `from` to one of curve `to`: the
+    /// largest of the distances at its quarters.
     pub(crate) fn chord_to_curves(&self, (from, to): (usize, usize), ends: [&[f64; 3]; 2]) -> f64 {
         let passed = self.curves.get(from..=to).unwrap_or_default();
         let distance = |share: f64| {
@@ -147,7 +147,7 @@ impl<'p> Paths<'p> {
 }
 
 fn least_distance(tracks: &[Track], point: &[f64; 3]) -> f64 {
-    // Straight ones first: they cost little, and most points lie on one.
+    // Straight tracks come first: they take little time, and most points lie on one.
     let kind = |straight: bool| tracks.iter().filter(move |track| track.is_straight == straight);
     kind(true).chain(kind(false)).fold(f64::INFINITY, |least, track| track.distance_below(point, least))
 }
@@ -204,7 +204,7 @@ mod tests {
 
     #[test]
     fn the_chord_error_on_an_arc_is_its_sagitta() {
-        // Far less than that of the samples, which are 2.8 degrees apart.
+        // The error is far less than the sagitta of the samples, which are 2.8 degrees apart.
         let part = part_program::read_part("p.nc", "G1 X50 Y0 F60\nG3 X-50 Y0 I-50 J0\n").unwrap();
         let arc = part.curves.last().unwrap().clone();
         let paths = Paths::new(&part.curves, &[arc], &[1]).unwrap();

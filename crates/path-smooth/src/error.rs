@@ -1,4 +1,4 @@
-//! Why a part is not smoothed, or not written.
+//! Reasons why a part is not smoothed, or not written.
 
 use std::error::Error;
 use std::fmt;
@@ -11,7 +11,7 @@ use part_program::{Diagnostics, WriteError};
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum SmoothError {
-    /// The tolerance, in mm, is no positive length.
+    /// The tolerance, in mm, is not a positive length.
     Tolerance(f64),
     /// Moves from rest to rest cannot be smoothed, planned or run.
     Moves {
@@ -19,12 +19,12 @@ pub enum SmoothError {
         part: String,
         /// Line of the first move.
         line: usize,
-        /// Why.
+        /// The reason.
         error: Box<SmoothError>,
     },
-    /// A curve of the part is none.
+    /// A curve of the part is not valid.
     Curve(CurveError),
-    /// A move or a corner is no shape that can be computed.
+    /// The shape of a move or a corner cannot be computed.
     Shape(ShapeError),
     /// The path cannot be planned or run in f64.
     Refused(Refusal),
@@ -33,7 +33,7 @@ pub enum SmoothError {
 }
 
 impl SmoothError {
-    /// This error, of the moves of a part from a line on.
+    /// This error, for the moves of a part from a line on.
     pub(crate) fn of_moves(self, part: &str, line: usize) -> Self {
         Self::Moves { part: part.to_owned(), line, error: Box::new(self) }
     }
@@ -95,16 +95,16 @@ impl From<CompileError> for SmoothError {
 #[derive(Debug)]
 #[non_exhaustive]
 pub enum ProgramError {
-    /// The program cannot be written: its chords are too many, or it is too long.
+    /// The program cannot be written: it has too many chords, or it is too long.
     Write(WriteError),
     /// The program has faults when it is read back.
     ReadBack(Diagnostics),
     /// The program is another path when it is read back.
     AnotherPath {
-        /// Line of the part's move from which on it is.
+        /// Line of the part's first move that differs.
         line: usize,
     },
-    /// A curve that is read back is none.
+    /// A curve is not valid when it is read back.
     Curve(CurveError),
 }
 

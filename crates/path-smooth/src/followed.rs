@@ -1,4 +1,4 @@
-//! One stretch, followed twice: stopping at its corners, and smoothed.
+//! One stretch, planned and run twice: with a stop at each corner, and smoothed.
 
 use std::ops::Range;
 
@@ -15,15 +15,15 @@ use crate::smooth_stretch::{LEAST_LOOPED_DEG, SmoothStretch};
 use crate::stretch::{Rest, length, nurbs_of, shape_of};
 use crate::timing::Timed;
 
-/// Parameters at which the two forms of a corner are compared, besides its begin.
+/// Parameters at which the two forms of a corner are compared, in addition to its begin.
 const COMPARED: u32 = 64;
 
-/// What became of a stretch.
+/// A stretch with its two plans, its corners and the distances measured on it.
 pub(crate) struct Followed {
     pub(crate) range: Range<usize>,
     pub(crate) path: Written,
     pub(crate) corners: Vec<CornerRow>,
-    /// For each corner that is smoothed its curve and the move before it.
+    /// For each corner that is smoothed, its curve and the move before it.
     smoothed_corners: Vec<Option<(usize, usize)>>,
     pub(crate) exact_stop: PathSummary,
     pub(crate) smoothed: PathSummary,
@@ -32,7 +32,7 @@ pub(crate) struct Followed {
     pub(crate) setpoints: SetpointCheck,
 }
 
-/// The smoothed curves, and for each the move of the stretch that it belongs to.
+/// The smoothed curves, each with the move of the stretch to which it belongs.
 pub(crate) struct Written {
     pub(crate) curves: Vec<Curve>,
     pub(crate) move_of: Vec<usize>,
@@ -106,8 +106,8 @@ impl Followed {
         Ok(followed)
     }
 
-    /// Measures how far the moves and the path as it is written are from each other, on the whole and at each corner;
-    /// `written` are the curves of `paths` as which one of the smoothed curves is written.
+    /// Measures the distances between the moves and the written path, in total and at each corner. `written` returns
+    /// the curves of `paths` as which a smoothed curve is written.
     pub(crate) fn measure(&mut self, paths: &Paths<'_>, written: impl Fn(usize) -> Range<usize>) {
         let off = paths.of_curves();
         self.error_mm_max = off.iter().copied().fold(paths.of_moves(), f64::max);
@@ -120,10 +120,10 @@ impl Followed {
     }
 }
 
-/// The corner before move `next`, at which the tool rests.
+/// The row of the corner before move `next`, at which the tool rests.
 pub(crate) fn between(part: &Part, next: usize, rest: Rest) -> Result<Option<CornerRow>, SmoothError> {
     let ends = |index: usize| shape_of(&part.curves[index]);
-    // Two moves alone: smoothing them says where they meet, and how sharply.
+    // Smoothing the two moves alone shows where they meet, and at which angle.
     let path = nurbs_core::smooth_corners(&[ends(next - 1)?, ends(next)?], 1.0, |_| None)?;
     let before: &Move = &part.moves[next - 1];
     Ok(path.corners.first().map(|corner| CornerRow {
@@ -141,13 +141,13 @@ pub(crate) fn between(part: &Part, next: usize, rest: Rest) -> Result<Option<Cor
 
 fn reason_of(reason: Reason) -> String {
     match reason {
-        // Only corners of rapid moves are not asked for.
+        // Corners are left as `Wanted` only between rapid moves.
         Reason::Wanted => Rest::Machine(part_program::Rest::Rapid).to_string(),
         other => other.to_string(),
     }
 }
 
-/// Follows the smoothed stretch in f64, and measures each setpoint.
+/// Runs the smoothed stretch in f64, and measures each setpoint.
 fn setpoints(smooth: &SmoothStretch, paths: &Paths<'_>, timed: &Timed) -> Result<SetpointCheck, SmoothError> {
     let run = timed.setpoints()?;
     let nurbs = smooth.curves.iter().map(nurbs_of).collect::<Result<Vec<_>, _>>()?;
@@ -158,7 +158,7 @@ fn setpoints(smooth: &SmoothStretch, paths: &Paths<'_>, timed: &Timed) -> Result
         ..SetpointCheck::default()
     };
     for step in &run.steps {
-        // Any point of the path at all is no nearer than the nearest one.
+        // The distance to any one point of the path is an upper bound of the least distance.
         let on_path = match &smooth.path.curves[step.curve] {
             PathCurve::TrigSpline(spline) => spline.as_spline().point(step.u.0),
             _ => nurbs[step.curve].as_curve().point(step.u.0),
@@ -197,7 +197,7 @@ fn forms(smooth: &SmoothStretch) -> Result<Forms, SmoothError> {
     Ok(forms)
 }
 
-/// Operations that a point takes by sine and cosine, and on a compiled piece.
+/// Operations for a point by sine and cosine, and for a point on a compiled piece.
 fn operations(
     spline: &TrigSplineBuf<f64, 3>,
     nurbs: &nurbs_core::NurbsBuf<f64, 3>,
@@ -211,7 +211,7 @@ fn operations(
     Ok((total(&by_sine_and_cosine), total(&by_polynomial)))
 }
 
-/// Arithmetic of any kind; a sum of products counts by its terms.
+/// All arithmetic operations; a sum of products counts as the number of its terms.
 fn total(counts: &OperationCounts) -> u64 {
     let OperationCounts {
         add, sub, neg, mul, mul_add, sum_of_products_terms, div, sqrt, scale, compare, ..

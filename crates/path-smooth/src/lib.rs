@@ -1,4 +1,4 @@
-//! `path-smooth`: how much faster is a part whose corners are smoothed, and how far off is it then?
+//! `path-smooth`: how much faster is a part with smoothed corners, and how far is it off the programmed path?
 //!
 //! [`smooth`] takes a part, a machine's limits and [`Options`], and returns the smoothed moves with a table of the corners.
 //!

@@ -1,4 +1,4 @@
-//! A smoothed part as a program of fine straight moves, and how far that is from the program that it came from.
+//! A smoothed part as a program of fine straight moves, and its distance from the original program.
 
 use std::ops::Range;
 
@@ -9,7 +9,7 @@ use crate::error::ProgramError;
 use crate::followed::Followed;
 use crate::smooth_stretch::CHORD_SHARE;
 
-/// The program of a smoothed part; its stretches are measured anew on what it says.
+/// The program of a smoothed part. The distances of the stretches are measured again on the program as it reads back.
 pub(crate) fn text(
     part: &Part,
     followed: &mut [Followed],
@@ -27,14 +27,14 @@ pub(crate) fn text(
     Ok(text)
 }
 
-/// A smoothed part with the ends of its curves rounded to a thousandth of the chord error, and to a nanometre at least: a
-/// control need not take seventeen digits.
+/// A smoothed part whose curves' ends are rounded to a thousandth of the chord error, but to no less than a nanometre.
+/// So a control need not read seventeen digits.
 fn rounded(smoothed: &Part, chord_error_mm: f64) -> Part {
     let decimals = (6..15).find(|decimals| 0.1_f64.powi(*decimals) <= 1e-3 * chord_error_mm).unwrap_or(15);
     let unit = 10.0_f64.powi(decimals);
     let mut part = smoothed.clone();
     for curve in &mut part.curves {
-        // No negative zero.
+        // Adding 0 avoids a negative zero.
         let round = |point: &mut [f64; 3]| *point = point.map(|x| (x * unit).round() / unit + 0.0);
         curve.control_points_mm.first_mut().into_iter().for_each(round);
         curve.control_points_mm.last_mut().into_iter().for_each(round);
@@ -43,7 +43,8 @@ fn rounded(smoothed: &Part, chord_error_mm: f64) -> Part {
     part
 }
 
-/// Lets moves at feed begin where the one before ends, if that is no gap in a path: a rapid move would cross it.
+/// Makes moves at feed begin where the one before ends, if the distance is too short for a gap in a path. A rapid move
+/// would otherwise cross it.
 fn close_gaps(part: &mut Part) {
     for next in 1..part.curves.len() {
         let (before, after) = part.curves.split_at_mut(next);
@@ -58,14 +59,14 @@ fn close_gaps(part: &mut Part) {
     }
 }
 
-/// Measures the stretches of a part anew on what was written, as it reads back.
+/// Measures the stretches of a part again, on the written program as it reads back.
 fn measure(part: &Part, followed: &mut [Followed], written: &Part, again: &Part) -> Result<(), ProgramError> {
     let chords = chords(written, again)?;
     let mut first = 0;
     for stretch in followed {
         let of_stretch = &chords[first..first + stretch.path.curves.len()];
         first += of_stretch.len();
-        // Without the rapid moves that cross gaps.
+        // The rapid moves that cross gaps are left out.
         let curves: Vec<_> =
             of_stretch.iter().flat_map(|chords| again.curves[chords.clone()].to_vec()).collect();
         let move_of = of_stretch.iter().zip(&stretch.path.move_of);
@@ -83,7 +84,7 @@ fn measure(part: &Part, followed: &mut [Followed], written: &Part, again: &Part)
     Ok(())
 }
 
-/// For each curve that was written the moves that are read for it.
+/// For each written curve, the moves that are read for it.
 fn chords(written: &Part, again: &Part) -> Result<Vec<Range<usize>>, ProgramError> {
     let mut chords = Vec::with_capacity(written.curves.len());
     let mut next = 0;
@@ -95,7 +96,7 @@ fn chords(written: &Part, again: &Part) -> Result<Vec<Range<usize>>, ProgramErro
             chords.push(next..next);
             continue;
         }
-        // A gap is crossed by a rapid move.
+        // A rapid move crosses a gap.
         while one.kind == MoveKind::Feed
             && again.moves.get(next).is_some_and(|one| one.kind == MoveKind::Rapid)
         {
@@ -112,7 +113,7 @@ fn chords(written: &Part, again: &Part) -> Result<Vec<Range<usize>>, ProgramErro
     Ok(chords)
 }
 
-/// Whether nothing is left of a curve once its points are rounded.
+/// Whether a curve has no length once its points are rounded.
 fn is_still(curve: &Curve, end: &[f64; 3]) -> bool {
     const NOTHING_MM: f64 = 1e-9;
     curve

@@ -1,17 +1,17 @@
-//! What smoothing did: each corner, and the totals.
+//! The result of smoothing: each corner, and the totals.
 
 use std::collections::BTreeMap;
 
 use part_program::Machine;
 use serde::Serialize;
 
-/// What became of a corner.
+/// How a corner was treated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum CornerKind {
     /// Cut off on the inside.
     Cut,
-    /// Left along the first move and met again along the second, in a loop.
+    /// Passed by a loop: the path leaves the corner along the first move and comes back along the second.
     Loop,
     /// Left sharp.
     Left,
@@ -22,18 +22,19 @@ pub enum CornerKind {
 pub struct CornerRow {
     /// Line of the block that ends in it.
     pub line: usize,
-    /// Where it is, in mm.
+    /// Its place, in mm.
     pub point_mm: [f64; 3],
     /// Angle by which the direction turns, in degrees.
     pub angle_deg: f64,
-    /// What became of it.
+    /// How it was treated.
     pub kind: CornerKind,
-    /// Why it is left, or cut where loops were wanted.
+    /// The reason why it is left sharp, or why it is cut where loops were wanted.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
-    /// Distance from the moves, both ways, in mm, as the smoothing found it; 0 of one that is left.
+    /// Distance from the moves, both ways, in mm, as computed by the smoothing; 0 for a corner that is left sharp.
     pub error_mm: f64,
-    /// Distance from the moves, both ways, in mm, as measured: on the curves, or on the straight moves of a program as they read back.
+    /// Distance from the moves, both ways, in mm, as measured: on the curves, or on the straight moves of a program as
+    /// they read back.
     pub measured_error_mm: f64,
     /// Feed in the corner when every corner is a stop, in mm/s.
     pub feed_before_mm_per_s: f64,
@@ -44,9 +45,9 @@ pub struct CornerRow {
 /// The setpoints of the smoothed path, interpolated in f64.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct SetpointCheck {
-    /// How many there are.
+    /// Their number.
     pub count: usize,
-    /// Largest distance from the smoothed path, in mm, its corners by sine and cosine.
+    /// Largest distance from the smoothed path, in mm. The corners of that path are evaluated by sine and cosine.
     pub off_path_mm_max: f64,
     /// Largest distance from the program's moves, in mm.
     pub off_moves_mm_max: f64,
@@ -58,16 +59,16 @@ pub struct SetpointCheck {
     pub finished: bool,
 }
 
-/// The corners' two forms: by sine and cosine, and as the polynomials that real time evaluates.
+/// The two forms of the corners: by sine and cosine, and as the polynomials that real time evaluates.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct Forms {
-    /// Degree of the polynomials; 0 where no corner is smoothed.
+    /// Degree of the polynomials; 0 if no corner is smoothed.
     pub polynomial_degree: usize,
-    /// Polynomials of all corners.
+    /// Number of polynomials of all corners.
     pub polynomials: usize,
-    /// Largest distance of the two forms at the same parameter, in mm, both evaluated in f64.
+    /// Largest distance between the two forms at the same parameter, in mm, both evaluated in f64.
     pub distance_mm_max: f64,
-    /// Proven bound of that distance, in mm, but for rounding.
+    /// Proven bound of that distance, in mm, without rounding.
     pub distance_bound_mm: f64,
     /// Operations for a point by sine and cosine.
     pub trigonometric_operations: u64,
@@ -86,17 +87,17 @@ pub struct Report {
     pub machine: Machine,
     /// Moves of the part; each side of a polygon is one.
     pub moves: usize,
-    /// Runs of moves from rest to rest.
+    /// Number of stretches, each from rest to rest.
     pub stretches: usize,
     /// Corners that are cut.
     pub cuts: usize,
     /// Corners that are looped.
     pub loops: usize,
-    /// Outer corners among the cuts that are too shallow for a loop.
+    /// Outer corners that are cut because they are too shallow for a loop.
     pub shallow: usize,
-    /// Corners that are left, by reason.
+    /// Number of corners that are left sharp, by reason.
     pub left: BTreeMap<String, usize>,
-    /// Whose distance from the program is measured.
+    /// The form of the path whose distance from the program is measured.
     pub measured: Measured,
     /// Largest distance between the two paths, both ways, in mm.
     pub error_mm_max: f64,
@@ -104,7 +105,7 @@ pub struct Report {
     pub exact_stop: PathSummary,
     /// The smoothed path.
     pub smoothed: PathSummary,
-    /// How many times as fast the smoothed path is: below 1 if it is slower.
+    /// The time of the path with stops over that of the smoothed path: below 1 if smoothing makes it slower.
     pub speedup: f64,
     /// The corners' two forms.
     pub forms: Forms,
@@ -114,7 +115,7 @@ pub struct Report {
     pub corners: Vec<CornerRow>,
 }
 
-/// Of what a report states the distance.
+/// The form of the path whose distance a report states.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Measured {
@@ -137,7 +138,7 @@ impl std::fmt::Display for Measured {
 /// One of the two paths, planned from rest to rest stretch by stretch.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct PathSummary {
-    /// How many curves it has.
+    /// The number of its curves.
     pub curves: usize,
     /// Its length, in mm.
     pub length_mm: f64,
@@ -145,11 +146,11 @@ pub struct PathSummary {
     pub time_s: f64,
 }
 
-/// Largest distance of a setpoint from the path that it is on, in mm: twice what the polynomials may be off, and rounding.
+/// Largest distance of a setpoint from its path, in mm: twice the largest error of the polynomials, and rounding.
 const ON_PATH_MM: f64 = 1e-8;
 
 impl Report {
-    /// What is broken of what smoothing promises; nothing if all is well.
+    /// The promises of smoothing that are broken; empty if all are kept.
     #[must_use]
     pub fn faults(&self) -> Vec<String> {
         let mut faults = Vec::new();

@@ -11,42 +11,44 @@ use crate::program;
 use crate::report::{CornerKind, CornerRow, Forms, Measured, PathSummary, Report, SetpointCheck};
 use crate::stretch::{rest_before, stretches, with_polygons_as_lines};
 
-/// What is allowed, and wanted.
+/// The tolerance, and the wanted form of outer corners.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
     /// Largest distance between the smoothed path and the part's moves, both ways, in mm; above 0.
     pub tolerance_mm: f64,
-    /// What becomes of outer corners, which turn the way that their outline turns: a loop around the corner, or a cut like the
-    /// others. Those of less than [`LEAST_LOOPED_DEG`](crate::LEAST_LOOPED_DEG) are cut in any case.
+    /// The form of outer corners, which turn in the same sense as their outline: a loop around the corner, or a cut
+    /// like the others. Corners of less than [`LEAST_LOOPED_DEG`](crate::LEAST_LOOPED_DEG) are always cut.
     pub outer: CornerStyle,
 }
 
-/// A part whose corners are smoothed.
+/// A part with smoothed corners.
 pub struct Smoothed {
-    /// The smoothed curves, each with its move; words that do not move the tool are the part's.
+    /// The smoothed curves, each with its move. Words that do not move the tool are copied from the part.
     pub path: Part,
     /// The table of corners, and the totals.
     pub report: Report,
-    /// The part that was smoothed, each polygon as straight moves.
+    /// The part before smoothing, with each polygon as straight moves.
     original: Part,
     stretches: Vec<Followed>,
-    /// For each stretch the corner behind it, at which the tool rests.
+    /// For each stretch, the corner at its end, where the tool rests.
     rests: Vec<Option<CornerRow>>,
     options: Options,
 }
 
-/// Smooths the corners of a part's straight moves and arcs, plans the path before and after for a machine, and measures both.
+/// Smooths the corners of a part's straight moves and arcs, plans the path before and after for a machine, and measures
+/// both.
 ///
-/// Of the part each stretch from rest to rest is smoothed by itself; rapid moves, gaps, exact stops, words that do not move the tool
-/// and changes of feed stay where they are. Corners are trigonometric splines and, in [`Smoothed::path`], the polynomials that real
-/// time evaluates. Lengths are in mm, feeds in mm/s, times in s.
+/// Each stretch of the part, from rest to rest, is smoothed by itself. Rapid moves, gaps, exact stops, words that do
+/// not move the tool and changes of feed stay where they are. Corners are trigonometric splines; in [`Smoothed::path`]
+/// they are the polynomials that real time evaluates. Lengths are in mm, feeds in mm/s, times in s.
 ///
 /// # Errors
-/// [`SmoothError::Tolerance`] unless the tolerance is above 0 and finite; [`SmoothError::Moves`], with the line of the first move, where
-/// a stretch has a curve that is none, cannot be planned for the machine, or cannot be run.
+/// [`SmoothError::Tolerance`] unless the tolerance is above 0 and finite. [`SmoothError::Moves`], with the line of the
+/// first move, if a stretch has a curve that is not valid, cannot be planned for the machine, or cannot be run.
 ///
 /// # Source
-/// Paper B (Tao Jianming et al.; see `docs/papers.md`): corners as trigonometric splines. Planning and measuring them is ours.
+/// Paper B (Tao Jianming et al.; see `docs/papers.md`): corners as trigonometric splines. The paper does not cover
+/// planning and measuring.
 pub fn smooth(part: &Part, machine: &Machine, options: &Options) -> Result<Smoothed, SmoothError> {
     let &Options { tolerance_mm, outer } = options;
     if !(tolerance_mm > 0.0 && tolerance_mm.is_finite()) {
@@ -80,7 +82,7 @@ fn joined(part: &Part, machine: &Machine, followed: &[Followed]) -> Part {
     for one in followed {
         smoothed.moves.extend(one.path.move_of.iter().map(|index| part.moves[one.range.start + index]));
         smoothed.curves.extend_from_slice(&one.path.curves);
-        // A corner may take all of the last move, whose end still is the stretch's.
+        // A corner may take up the last move, but the stop at that move's end still belongs to the stretch.
         if let Some(last) = smoothed.moves.last_mut() {
             last.exact_stop |= part.moves[one.range.end - 1].exact_stop;
         }
@@ -112,11 +114,11 @@ fn empty_report(part: &Part, machine: &Machine, tolerance_mm: f64, stretches: us
 }
 
 impl Smoothed {
-    /// Writes the smoothed path as a program of fine straight moves for a control, and measures the distances of the report anew on what
-    /// that program says, read back. They are 0.02 of the tolerance off the curves at most.
+    /// Writes the smoothed path as a program of fine straight moves for a control. The report's distances are measured
+    /// again on that program as it reads back. Its moves are at most 0.02 of the tolerance off the curves.
     ///
     /// # Errors
-    /// [`ProgramError`]: the program would be too long, or it is not the smoothed path when it is read back.
+    /// [`ProgramError`] if the program would be too long, or if it is not the smoothed path when it is read back.
     pub fn write_program(&mut self, dialect: Option<Dialect>) -> Result<String, ProgramError> {
         let tolerance_mm = self.options.tolerance_mm;
         let written = program::text(&self.original, &mut self.stretches, &self.path, tolerance_mm, dialect);
@@ -124,7 +126,7 @@ impl Smoothed {
         written
     }
 
-    /// Makes the report of what is known of each stretch.
+    /// Makes the report from the data of each stretch.
     fn tally(&mut self, measured: Measured) {
         let machine = self.report.machine.clone();
         let mut report =
@@ -210,7 +212,8 @@ mod tests {
         }
     }
 
-    /// A program's chords are farther off than the curves, and the report says so once the program is written.
+    /// The chords of a program are farther off than the curves. Once the program is written, the report gives their
+    /// distance.
     #[test]
     fn a_program_is_measured_as_it_reads_back() {
         let mut smoothed = smoothed("G1 X0 Y0 F600\nX9\nY9\nM8\nX0\n", 0.1).unwrap();

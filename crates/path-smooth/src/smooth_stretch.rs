@@ -1,4 +1,5 @@
-//! One stretch with its corners smoothed: as lines, arcs and trigonometric splines, and as real time evaluates it.
+//! One stretch with smoothed corners: as lines, arcs and trigonometric splines, and in the form that real time
+//! evaluates.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -11,33 +12,35 @@ use crate::stretch::{curve_of, length, shape_of};
 
 /// Share of the tolerance that is left to the chords of fine straight moves.
 pub(crate) const CHORD_SHARE: f64 = 0.02;
-/// Share of the tolerance that is left to the polynomials, and the most that they need, in mm.
+/// Share of the tolerance that is left to the polynomials, and the largest distance that they need, in mm.
 const POLYNOMIAL_SHARE: f64 = 1e-3;
 const POLYNOMIAL_MM: f64 = 1e-6;
-/// Degree of these polynomials: a corner takes a handful, and second derivatives at their joints are the spline's own.
+/// Degree of these polynomials. A corner has a handful of them, and their second derivatives at joints are those of the
+/// spline.
 const POLYNOMIAL_DEGREE: usize = 5;
 
-/// Outer corners that turn by less are cut even where loops are wanted, in degrees. A loop turns by nearly a full turn more than its
-/// corner, in as little room as the tolerance gives: its least radius is a fifth of that at 90°, 1/35 at 30° and 1/1200 at 5°,
-/// where a cut has 2.4, 24 and 880 times the tolerance and all but keeps the feed.
+/// Outer corners that turn by less, in degrees, are cut even where loops are wanted. A loop turns by nearly a full turn
+/// more than its corner, in as little room as the tolerance gives. Its least radius is a fifth of the tolerance at 90°,
+/// 1/35 at 30° and 1/1200 at 5°. A cut there has a radius of 2.4, 24 and 880 times the tolerance, and almost keeps the
+/// feed.
 pub const LEAST_LOOPED_DEG: f64 = 30.0;
 
-/// A stretch, smoothed.
+/// A smoothed stretch.
 pub(crate) struct SmoothStretch {
-    /// The moves as they were.
+    /// The moves before smoothing.
     pub(crate) moves: Vec<PathCurve<f64, 3>>,
-    /// The smooth path, its corners trigonometric splines.
+    /// The smooth path; its corners are trigonometric splines.
     pub(crate) path: SmoothPath<3>,
     /// The curves of `path` as NURBS: lines and arcs exactly, corners as polynomials of the same parameter.
     pub(crate) curves: Vec<Curve>,
-    /// No polynomial is farther from its spline than this, in mm; proven.
+    /// Proven bound of the distance of a polynomial from its spline, in mm.
     pub(crate) polynomial_bound_mm: f64,
-    /// Which corners are outer ones, if those are to be looped.
+    /// The turning senses that tell which corners are outer ones, if outer corners are to be looped.
     looped: Option<Sides>,
 }
 
 impl SmoothStretch {
-    /// Smooths the corners of moves, but for those of `style` `None`.
+    /// Smooths the corners of moves; if `outer` is `None`, it leaves them all sharp.
     pub(crate) fn new(
         curves: &[Curve],
         tolerance_mm: f64,
@@ -68,7 +71,7 @@ impl SmoothStretch {
         Ok(Self { moves, path, curves: written, polynomial_bound_mm: bound, looped })
     }
 
-    /// Whether a corner would be looped if it were not as shallow.
+    /// Whether a corner is cut only because it is too shallow for a loop.
     pub(crate) fn is_too_shallow(&self, turn: &Turn<3>) -> bool {
         is_shallow(turn) && self.looped.as_ref().is_some_and(|sides| sides.is_outer(turn))
     }
@@ -78,7 +81,7 @@ fn is_shallow(turn: &Turn<3>) -> bool {
     turn.turn_rad.to_degrees() < LEAST_LOOPED_DEG
 }
 
-/// Which way a stretch turns on the whole, and each of its corners.
+/// In which sense a stretch turns in total, and in which sense each of its corners turns.
 struct Sides {
     /// Directions at both ends of each move.
     directions: Vec<[[f64; 3]; 2]>,
@@ -105,7 +108,7 @@ impl Sides {
         Self { directions, total }
     }
 
-    /// Whether a corner turns the way that its stretch turns: a convex corner of an outline.
+    /// Whether a corner turns in the same sense as its stretch, as a convex corner of an outline does.
     fn is_outer(&self, turn: &Turn<3>) -> bool {
         let direction =
             |index: usize, end: usize| self.directions.get(index).map_or([0.0; 3], |ends| ends[end]);
@@ -160,11 +163,12 @@ mod tests {
         };
         assert_eq!(styles(&program(&mut points.iter())), [Loop, Loop, Cut, Loop, Loop].map(Some));
         assert_eq!(styles(&program(&mut points.iter().rev())), [Loop, Loop, Cut, Loop, Loop].map(Some));
-        // A half circle turns the path on the whole, and the corner behind it the other way.
+        // A half circle decides the sense of the whole path, and the corner behind it turns the other way.
         assert_eq!(styles("G1 X0 Y0 F60\nX10\nG3 X10 Y10 J5\nG1 X5\nY20\n"), [None, None, Some(Cut)]);
     }
 
-    /// A loop round a corner of 3° has a radius of 1/3300 of the tolerance: it was made, and all but stopped at.
+    /// A loop round a corner of 3° has a radius of 1/3300 of the tolerance. It was once made, and the plan almost
+    /// stopped at it.
     #[test]
     fn shallow_outer_corners_are_cut() {
         use CornerStyle::{Cut, Loop};

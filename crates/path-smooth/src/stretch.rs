@@ -1,4 +1,4 @@
-//! A program as stretches: runs of moves that the tool passes from rest to rest, with one feed and nothing in between.
+//! A program as stretches: moves that the tool passes from rest to rest, with one feed and no other word between them.
 
 use std::fmt;
 use std::ops::Range;
@@ -6,12 +6,12 @@ use std::ops::Range;
 use nurbs_core::{Arc, CurveError, Evaluate, Line, NurbsBuf, PathCurve, ShapeError};
 use part_program::{Curve, Move, Part, Shape};
 
-/// Why the tool rests between two moves, whatever their directions.
+/// The reason why the tool rests between two moves, whatever their directions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Rest {
     /// The machine would rest there in any run.
     Machine(part_program::Rest),
-    /// They have different feeds, and a smoothed corner has one.
+    /// The moves have different feeds, and a smoothed corner has only one.
     FeedChange,
 }
 
@@ -46,7 +46,7 @@ pub(crate) fn with_polygons_as_lines(part: &Part) -> Part {
             });
             moves.push(Move { shape: Shape::Line, exact_stop: false, ..*one });
         }
-        // Only the last of its sides ends where the polygon does.
+        // Only the last side ends where the polygon ends.
         if let Some(last) = moves[first..].last_mut() {
             last.exact_stop = one.exact_stop;
         }
@@ -67,14 +67,14 @@ pub(crate) fn stretches(part: &Part) -> Vec<Range<usize>> {
     found
 }
 
-/// Why the tool rests before a move, if it does.
+/// The reason why the tool rests before a move; `None` if it does not.
 pub(crate) fn rest_before(part: &Part, next: usize) -> Option<Rest> {
     let (before, after) = (part.moves.get(next.checked_sub(1)?)?, part.moves.get(next)?);
     let changes = before.feedrate_mm_per_s != after.feedrate_mm_per_s;
     part.rest_before(next).map(Rest::Machine).or(changes.then_some(Rest::FeedChange))
 }
 
-/// A move as the smoothing knows it: a line, an arc of a circle, or whatever curve it is.
+/// The shape of a move for smoothing: a line, an arc of a circle, or any other curve.
 pub(crate) fn shape_of(curve: &Curve) -> Result<PathCurve<f64, 3>, ShapeError> {
     if let ([a, b], 1) = (curve.control_points_mm.as_slice(), curve.degree) {
         return Ok(Line::try_new(*a, *b)?.into());
@@ -96,7 +96,7 @@ pub(crate) fn nurbs_of(curve: &Curve) -> Result<NurbsBuf<f64, 3>, CurveError> {
     )
 }
 
-/// The curve as a part program holds it.
+/// The curve in the form of a part program.
 pub(crate) fn curve_of(nurbs: &NurbsBuf<f64, 3>, dimension: usize) -> Curve {
     Curve {
         degree: nurbs.degree(),
@@ -107,13 +107,14 @@ pub(crate) fn curve_of(nurbs: &NurbsBuf<f64, 3>, dimension: usize) -> Curve {
     }
 }
 
-/// How far a rational curve may be from the circle that it is taken for, in mm.
+/// A rational curve is taken for a circle if it is no farther from it than this, in mm.
 const CIRCLE_TOLERANCE_MM: f64 = 1e-7;
 
-/// The circular arc that a rational curve of degree 2 is, if it is one whose spans are equal, as readers make them.
+/// The circular arc that a rational curve of degree 2 represents; `None` if it is no arc, or if its spans are not
+/// equal, as readers make them.
 ///
-/// A span from S to E whose tangents meet in M has the weight w = cos α in the middle, α being half its angle. Its centre
-/// lies on the line through M and the middle Q of the chord, `Q - (M - Q) w²/(1 - w²)`.
+/// A span from S to E whose tangents meet in M has the weight w = cos α in the middle, where α is half the span's
+/// angle. The centre lies on the line through M and the middle Q of the chord, at `Q - (M - Q) w²/(1 - w²)`.
 fn circle_of(nurbs: &NurbsBuf<f64, 3>) -> Option<Arc<f64, 3>> {
     let (points, weights) = (nurbs.control_points(), nurbs.weights());
     if nurbs.degree() != 2 || points.len().is_multiple_of(2) {
@@ -131,7 +132,8 @@ fn circle_of(nurbs: &NurbsBuf<f64, 3>) -> Option<Arc<f64, 3>> {
     let spans = f64::from(u32::try_from(points.len() / 2).ok()?);
     let quarters = (spans * tangent_of_half.atan() * 4.0 / std::f64::consts::PI).min(4.0);
     let arc = Arc::try_new(centre, [arm, tangent.map(|x| x / tangent_of_half)], quarters).ok()?;
-    // At the ends and in the middle of a span the parameters run together.
+    // The curve's parameter and the arc's angle agree at the ends and in the middle of a span, so the curve is compared
+    // there.
     let curve = nurbs.as_curve();
     let (first, last) = curve.domain();
     let checks = 2 * u32::try_from(points.len() / 2).ok()?;

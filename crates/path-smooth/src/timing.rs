@@ -1,4 +1,4 @@
-//! How long a stretch takes from rest to rest, and how fast each place of it is passed.
+//! The time that a stretch takes from rest to rest, and the feed at each place of it.
 
 use feed_plan::Stage;
 use format_compare::{ExactPlan, Options, Problem, Refusal, Run, largest_second_difference};
@@ -8,7 +8,7 @@ use real::{Backend, DoubleDouble};
 
 use crate::error::SmoothError;
 
-/// A place is taken this wide, in mm, so that rounding does not miss the rest in its middle.
+/// The width of a place, in mm, so that rounding does not miss a rest in its middle.
 const PLACE_MM: f64 = 1e-6;
 
 /// A stretch with its plan, in f64.
@@ -20,7 +20,7 @@ pub(crate) struct Timed {
 }
 
 impl Timed {
-    /// Plans curves of which every one is followed as `one` says; `shapes` are the same curves, for their lengths.
+    /// Plans curves that are all followed like the move `one`; `shapes` are the same curves, and give the lengths.
     pub(crate) fn new(
         curves: &[Curve],
         shapes: &[PathCurve<f64, 3>],
@@ -70,8 +70,8 @@ impl Timed {
         self.ends.get(curve).copied().unwrap_or_else(|| self.length_mm())
     }
 
-    /// The lowest feed over a range of distances: feeds rise or fall within a stage, so it is at an end of one, or of
-    /// the range.
+    /// The lowest feed over a range of distances. A feed only rises or only falls within a stage, so the lowest is at
+    /// an end of a stage or of the range.
     fn lowest_feed(&self, from: f64, to: f64) -> f64 {
         let stages = self.plan.arcs().stages();
         let first = stages.partition_point(|stage| (stage.start + stage.length).value() < from);
@@ -81,7 +81,7 @@ impl Timed {
         if lowest.is_finite() { lowest / self.problem.period_s() } else { 0.0 }
     }
 
-    /// The largest acceleration in any direction of setpoints from rest to rest, in mm/s².
+    /// The largest acceleration of setpoints in any direction, from rest to rest, in mm/s².
     pub(crate) fn total_acceleration_mm_per_s2(&self, run: &Run) -> f64 {
         let start = self.problem.curves.first().and_then(|curve| curve.control_points().first());
         let steps = run.steps.iter().map(|step| step.point_mm);
@@ -111,7 +111,8 @@ fn length_mm(curve: &PathCurve<f64, 3>) -> f64 {
     }
 }
 
-/// The feed of a stage at a distance from the path's start, or at the nearer end of the stage.
+/// The feed of a stage at a distance from the path's start. If the distance is outside of the stage, the feed at its
+/// nearer end.
 fn feed_in(stage: &Stage<DoubleDouble>, distance: f64) -> f64 {
     let along = distance - stage.start.value();
     if along <= 0.0 {

@@ -1,4 +1,4 @@
-//! Tests of the chords over corners that are passed: by how much they leave them, wherever the period begins.
+//! Tests of chords over corners that the plan passes: how far they leave the corner, wherever the period begins.
 
 use nurbs_core::NurbsBuf;
 use proptest::prelude::*;
@@ -15,7 +15,8 @@ struct Corner {
 }
 
 impl Corner {
-    /// The distance of the corner from the chord that begins p before it and ends q behind it; 0 if it does not pass it.
+    /// The distance of the corner from the chord that begins p before it and ends q behind it; 0 if the chord does not
+    /// pass the corner.
     fn cut(&self, [p, q]: [f64; 2]) -> f64 {
         if !(p > 0.0 && q > 0.0) {
             return 0.0;
@@ -26,7 +27,8 @@ impl Corner {
         (share * along[0] - p).hypot(share * along[1])
     }
 
-    /// The most that periods over the corner cut it by: along the plan in arcs at 64 phases, and in a run by its chords.
+    /// The largest distance by which periods over the corner cut it: first along the plan in arcs at 64 phases, then in
+    /// a run by the plan's chords.
     fn cuts(&self, limits: &KinematicLimits<f64>, kind: ProfileKind) -> [f64; 2] {
         let &Self { degrees, before, behind } = self;
         let (sine, cosine) = degrees.to_radians().sin_cos();
@@ -59,8 +61,8 @@ impl Corner {
     }
 }
 
-/// Paper A's limits: a right angle was cut by up to 0.91 µm where 0.5 were allowed, 3.6 for 2 and 22.9 for 20. Now by as much as is
-/// allowed but for a quarter: the feed is not lower than it must be.
+/// With paper A's limits a right angle was once cut by up to 0.91 µm where 0.5 were allowed, 3.6 for 2 and 22.9 for 20.
+/// The cut must also be more than 0.69 of what is allowed: the feed is not lower than it must be.
 #[test]
 fn a_right_angle_is_cut_by_no_more_than_its_deviation() {
     let corner = Corner { degrees: 90.0, before: 10.0, behind: 7.3 };
@@ -78,8 +80,9 @@ fn a_right_angle_is_cut_by_no_more_than_its_deviation() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(512))]
 
-    /// The feed of a corner held at its point alone: with a jerk that changes the feed much within a period, it was cut by up to
-    /// eleven times the deviation, and in a run, whose chords are as long as the plan's arcs, by up to thirty.
+    /// The feed of a corner once held at the corner's point alone. With a jerk that changes the feed much within a
+    /// period, the plan cut the corner by up to eleven times the deviation. A run, whose chords are as long as the
+    /// plan's arcs, cut it by up to thirty times.
     #[test]
     fn a_corner_alone_is_cut_by_no_more_than_its_deviation(
         (degrees, phase) in (10.0..170.0_f64, 0.0..1.0_f64),

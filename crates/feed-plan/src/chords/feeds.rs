@@ -1,26 +1,30 @@
-//! The feeds of a plan in chords: lowered by what the chords fall short, without a step of feed or acceleration.
+//! The feeds of a plan in chords: lowered by what the chords fall short, so that feed and acceleration stay continuous.
 //!
-//! Each stage falls short by a part of its own. Were its feeds lowered by that alone, they would not meet those of its neighbours,
-//! and where the chord error is some micrometres a step of feed within a period is a jerk of several times the limit. So the feed V is
-//! lowered by a correction c that is a continuous function of time. Over a *change* of feed, from V_s to V_e and from no
-//! acceleration to none, the correction goes from c_s to c_e along the same shape:
+//! Each stage falls short by a length of its own. If its feeds were lowered by that length alone, they would not meet
+//! those of its neighbours. Where the chord error is some micrometres, such a step of feed within a period is a jerk of
+//! several times the limit. So the feed V is lowered by a correction c that is a continuous function of time. Over a
+//! *change* of feed, from V_s to V_e and from no acceleration to none, the correction goes from c_s to c_e along the
+//! same shape:
 //!
 //! `V - c = V_s - c_s + (1 - k) (V - V_s)`, `k = (c_e - c_s)/(V_e - V_s)`,
 //!
-//! which has the acceleration and the jerk of V, times `1 - k`. They rise where k is negative: where the correction falls while
-//! the feed rises, as out of a bend. There it may fall by 2⁻¹² of what the feed rises by. Where the feed is
-//! constant the correction may change along a cubic, at no more acceleration and jerk than the changes of feed beside it have.
+//! which has the acceleration and the jerk of V, times `1 - k`. Acceleration and jerk rise where k is negative: where
+//! the correction falls while the feed rises, as out of a bend. There the correction may fall by 2⁻¹² of the rise of
+//! the feed. Where the feed is constant the correction may change along a cubic, with no more acceleration and jerk
+//! than the changes of feed beside it have.
 //!
-//! Between two stops, where there is nothing to correct:
+//! The corrections between two stops, where they are 0, are found in three steps:
 //!
-//! 1. *Joints*: a part of the path, be it a change of feed or a constant one, gives each of its two joints half of what it falls short
-//!    by. The correction at a joint is what it was given over its share of the time of the parts beside it, which is half of it where
-//!    they are symmetric in time, and else the mean of g at their end and what that leaves of 1 at their begin; over a constant feed it
-//!    is constant. What a run would go beyond the stop is given to the joint from which the feed falls to it.
-//! 2. *Level*: where it changes by more than it may, what is too much moves to the joint on the other side. So the sum stays as it
-//!    is, and what the run is off its plan by stays near.
-//! 3. *Cut*: sweeps leave a rest. Of all corrections that change by no more than they may, the largest one below and the least one
-//!    above are mixed so that the sum is right. The conditions are linear, so the mixture keeps them.
+//! 1. *Joints*: each part of the path, a change of feed or a constant one, gives each of its two joints half of its
+//!    shortfall. The correction at a joint is the length that the joint was given, over its share of the time of the two
+//!    parts beside it. That share is half where the parts are symmetric in time; else it is the mean of g for the joint at a part's
+//!    end and 1 minus that mean for the joint at its begin. Over a constant feed the correction is constant. The length by which a run
+//!    would pass the stop is given to the joint from which the feed falls to the stop.
+//! 2. *Level*: where the correction changes by more than it may over a part, the excess moves to the joint on the other
+//!    side. So the sum stays the same, and the run leaves its plan only nearby.
+//! 3. *Cut*: sweeps leave a small excess. Of all corrections that change by no more than they may, the largest one
+//!    below and the least one above are mixed so that the sum is right. The conditions are linear, so the mixture keeps
+//!    them.
 
 use alloc::vec::Vec;
 
@@ -28,28 +32,32 @@ use real::Real;
 
 use crate::{FeedLimit, FeedPiece, ScheduleBuf, Stage, StageShape};
 
-/// By 2⁻¹² of themselves acceleration and jerk of a change of feed may rise: as much as the stretch to whole periods leaves at least
-/// ([`SLOWER`](crate::plan::whole_periods::SLOWER)). Without any, what a tight bend falls short by spread so far that a run reached
-/// the bend 11 steps late, at 2.1 E; with a hundred times as much, the chord errors of 240 random splines were the same.
+/// Acceleration and jerk of a change of feed may rise by 2⁻¹² of themselves: the least that the stretch to whole
+/// periods leaves ([`SLOWER`](crate::plan::whole_periods::SLOWER)). With no room at all, the shortfall of a tight bend
+/// was spread so far that a run reached the bend 11 steps late, at 2.1 E. With a hundred times as much room, the chord
+/// errors of 240 random splines were the same.
 const ROOM: i32 = -12;
-/// Periods at both ends of a constant feed over which the correction may change. A feed that is constant for three times as
-/// long stays so in between.
+/// Number of periods at each end of a constant feed over which the correction may change. If a feed is constant for
+/// more than three times as long, it stays constant in between.
 const BEND: i32 = 32;
-/// Sweeps there and back. Most plans take two, and what sixteen leave is cut.
+/// Sweeps back and forth. Most plans take two; an excess that is left after sixteen is cut.
 const SWEEPS: usize = 16;
 
 impl<R: Real> ScheduleBuf<R> {
-    /// The same plan for setpoints whose chords, not arcs, have the planned lengths.
+    /// The plan for setpoints whose chords, not arcs, have the planned lengths.
     ///
-    /// The chords are shorter than their arcs, in each stage by what `shortfalls` says ([`FeedLimit::shortfalls`]): an
-    /// interpolator that makes each chord as long as the plan says would be ahead of the plan by that much, and pass the next bend
-    /// where the feed is still, or again, that of the straight. Here the feed is lowered by that, in the same time: from stop to
-    /// stop the lengths are less by the sum of the shortfalls. Feed and acceleration stay continuous wherever they were;
-    /// acceleration and jerk rise by no more than the stretch to whole periods left of their limits. For that the run is led off
-    /// its plan near a joint at which the shortfall changes, by a part of what it changes by over a transition: over a tight bend
-    /// by half of the bend's shortfall. A stage of constant feed may become three, of which the outer ones lead to other feeds.
+    /// The chords of each stage are shorter than their arcs by what `shortfalls` says ([`FeedLimit::shortfalls`]). An
+    /// interpolator that makes each chord as long as the plan's arc would be ahead of the plan by that much. It would
+    /// pass the next bend at the feed of the straight before or behind it. So this function lowers the feed and keeps
+    /// the times: from stop to stop the length is less by the sum of the shortfalls. Feed and acceleration stay
+    /// continuous wherever they were. Acceleration and jerk rise by no more than the stretch to whole periods left of
+    /// their limits.
     ///
-    /// `limit` is the one that the plan was made under: it says where on the path such a stage is divided.
+    /// The price is that the run leaves its plan near a joint at which the shortfall changes. It does so by a share of
+    /// the change of the shortfall over a transition; over a tight bend, by half of the bend's shortfall. A stage of
+    /// constant feed may become three stages, of which the outer two lead to other feeds.
+    ///
+    /// `limit` is the limit that the plan was made under: it says where on the path such a stage is divided.
     #[must_use]
     pub fn shortened(self, limit: &FeedLimit<R>, shortfalls: &[R]) -> Self {
         let period = self.interpolation_period;
@@ -57,8 +65,8 @@ impl<R: Real> ScheduleBuf<R> {
     }
 }
 
-/// The stages from one stop to the next, shortened by what each falls short by, and by so much more where the last one begins to
-/// come to rest; their starts are left as they are.
+/// Shortens the stages from one stop to the next, each by its shortfall, and by `at_the_end` more where the last change
+/// of feed begins to brake to the stop. The starts of the stages are left as they are.
 pub(crate) fn shortened<R: Real>(
     limit: &FeedLimit<R>,
     stages: &[Stage<R>],
@@ -85,20 +93,20 @@ pub(crate) fn shortened<R: Real>(
     short
 }
 
-/// A change of feed, a constant feed, or one end or the middle of that.
+/// A change of feed, a constant feed, or one end or the middle of a constant feed.
 #[derive(Clone, Copy)]
 struct Part<R> {
-    /// The stages: the first, and the one behind the last.
+    /// Indices of its stages: the first, and the one behind the last.
     first: usize,
     behind: usize,
-    /// Time since the begin of the first stage.
+    /// Time from the begin of the first stage to the begin of the part.
     begin: R,
     duration: R,
     feeds: [R; 2],
     /// The share of the time with which the correction at its end counts for its length: a half where it is symmetric in time.
     late: R,
     shortfall: R,
-    /// By how much the correction may rise over it, and fall.
+    /// By how much the correction may rise, and by how much it may fall, over the part.
     rise: R,
     fall: R,
 }
@@ -108,7 +116,8 @@ impl<R: Real> Part<R> {
         self.feeds[0] == self.feeds[1]
     }
 
-    /// A stage of a change of feed, its feeds lowered between those corrections at its ends.
+    /// One stage of a change of feed, with its feeds lowered by corrections that go from `begin` to `end` over the
+    /// change.
     fn lowered(&self, stage: &Stage<R>, [begin, end]: [R; 2]) -> Stage<R> {
         let [from, to] = self.feeds;
         let change = to - from;
@@ -123,7 +132,7 @@ impl<R: Real> Part<R> {
         }
     }
 
-    /// A part of a stage of constant feed, or what it makes the last of the shortened stages longer by.
+    /// Appends this part of a stage of constant feed, or lengthens the last of the shortened stages by it.
     fn lower_constant(
         &self,
         stage: &Stage<R>,
@@ -193,7 +202,7 @@ fn parts<R: Real>(stages: &[Stage<R>], shortfalls: &[R], period: R) -> Vec<Part<
         let (acceleration, jerk) = (a[0].min(b[0]), a[1].min(b[1]));
         let by_acceleration = acceleration * part.duration / StageShape::<R>::Cubic.peak_slope();
         let by_jerk = jerk * part.duration * part.duration / StageShape::<R>::Cubic.peak_bend();
-        // Over less than a period it would change by next to nothing.
+        // In less than a period the correction could hardly change.
         let most = if part.duration < period { R::zero() } else { by_acceleration.min(by_jerk) };
         (part.rise, part.fall) = (most, most);
     }
@@ -213,7 +222,7 @@ fn late<R: Real>(stages: &[Stage<R>], duration: R, [from, to]: [R; 2]) -> R {
     (above / change).max(R::zero()).min(R::one())
 }
 
-/// Whether a stage ends with acceleration, so that the next one goes on with its change of feed.
+/// Whether a stage ends with acceleration, so that the next stage continues its change of feed.
 fn is_under_way<R: Real>(stage: &Stage<R>) -> bool {
     matches!(stage.shape, StageShape::Onset | StageShape::Steady | StageShape::Bent(_))
         && stage.start_feed != stage.end_feed
@@ -228,22 +237,22 @@ fn peaks<R: Real>(part: &Part<R>, stages: &[Stage<R>]) -> [R; 2] {
     pieces.fold([R::zero(); 2], larger)
 }
 
-/// Where two parts meet, or the first begins, or the last ends.
+/// The place where two parts meet, where the first begins, or where the last ends.
 #[derive(Clone, Copy)]
 struct Joint<R> {
-    /// By so much the feed is lowered there.
+    /// The feed is lowered by this much there.
     correction: R,
-    /// It is half of the feed at most.
+    /// The largest correction: half of the feed.
     most: R,
     /// The share of the time of the parts beside it for which the correction counts: half of it where they are symmetric.
     time: R,
 }
 
-/// The joints with what they are given, over their time.
+/// The joints, each with the length that its parts give it, divided by its time.
 fn joints<R: Real>(parts: &[Part<R>]) -> Vec<Joint<R>> {
     let first = parts.first().map(|part| part.feeds[0]);
     let feeds = first.into_iter().chain(parts.iter().map(|part| part.feeds[1]));
-    // The correction is a length until it is divided by the time.
+    // `correction` holds a length until it is divided by the time.
     let new = |feed: R| Joint { correction: R::zero(), most: feed.half(), time: R::zero() };
     let mut joints: Vec<_> = feeds.map(new).collect();
     for (index, part) in parts.iter().enumerate() {
@@ -258,7 +267,7 @@ fn joints<R: Real>(parts: &[Part<R>]) -> Vec<Joint<R>> {
         (a.correction, a.time) = (a.correction + to_a, a.time + (part.duration - late));
         (b.correction, b.time) = (b.correction + to_b, b.time + late);
     }
-    // The joints of a constant feed have one correction.
+    // All joints of a constant feed have the same correction.
     let mut rest = joints.as_mut_slice();
     let mut parts = parts.iter();
     while !rest.is_empty() {
@@ -273,8 +282,8 @@ fn joints<R: Real>(parts: &[Part<R>]) -> Vec<Joint<R>> {
     joints
 }
 
-/// Moves what a correction changes by too much over a part to the other end of the part, and what is too much at a joint to the
-/// next.
+/// Where a correction changes by too much over a part, moves the excess to the other end of the part. Where a
+/// correction is too large at a joint, moves the excess to the next joint.
 fn level<R: Real>(joints: &mut [Joint<R>], parts: &[Part<R>]) {
     for _ in 0..SWEEPS {
         let mut is_level = true;
@@ -303,8 +312,8 @@ fn level<R: Real>(joints: &mut [Joint<R>], parts: &[Part<R>]) {
     }
 }
 
-/// Puts the mixture of the largest corrections below and the least ones above, which change by no more than they may, in place of
-/// the corrections.
+/// Replaces the corrections by a mixture. Of all corrections that change by no more than they may, it mixes the largest
+/// one below the given ones with the least one above.
 fn cut<R: Real>(joints: &mut [Joint<R>], parts: &[Part<R>]) {
     let allowed = |joint: &Joint<R>| joint.correction.min(joint.most).max(R::zero());
     let mut bounds: Vec<[R; 2]> = joints.iter().map(|joint| [allowed(joint); 2]).collect();
@@ -315,7 +324,7 @@ fn cut<R: Real>(joints: &mut [Joint<R>], parts: &[Part<R>]) {
     };
     parts.iter().enumerate().for_each(&mut narrow);
     parts.iter().enumerate().rev().for_each(&mut narrow);
-    // Where both are the same, nothing is to be mixed: each stretch between such joints has a sum of its own.
+    // Where both bounds are equal there is nothing to mix: each stretch between such joints has a sum of its own.
     let mut due = R::zero();
     let mut rest = &mut *joints;
     let mut bounds = bounds.as_slice();
@@ -335,7 +344,7 @@ fn cut<R: Real>(joints: &mut [Joint<R>], parts: &[Part<R>]) {
         due = due - most * share;
         (rest, bounds) = (others, behind);
     }
-    // What differs by rounding over a constant feed would be a jerk where that takes no time.
+    // A difference by rounding over a constant feed would be a large jerk if the part is short.
     for (index, part) in parts.iter().enumerate().filter(|(_, part)| part.is_constant()) {
         let Some([a, b]) = joints.get_mut(index..index + 2) else { continue };
         if (b.correction - a.correction).abs() <= part.feeds[0] * R::resolution().scale(2) {
@@ -354,11 +363,11 @@ mod tests {
     use crate::test_paths::{in_periods, jerk_over_periods, limit_through};
     use crate::{EndFeeds, FeedLimit, KinematicLimits, ProfileKind, ScheduleBuf, Stage, plan_with};
 
-    /// What peaks may rise by, and rounding.
+    /// The share by which peaks may rise, with an allowance for rounding.
     const ROOM: f64 = 1.0 + 1.0 / 4096.0 + 1e-9;
 
-    /// The feeds of neighbours meet, and so do their accelerations; times stay, stops are where they were, and the lengths between
-    /// them are less by what they fall short.
+    /// Checks a shortened plan. Feeds and accelerations of neighbours meet. Times stay the same, and so do the places
+    /// of stops. The lengths between stops are less by the shortfalls.
     fn assert_smooth(
         arcs: &ScheduleBuf<f64>,
         short: &ScheduleBuf<f64>,
@@ -370,7 +379,7 @@ mod tests {
         let jerks = most(|stage| stage.piece().peak_jerk().abs());
         for stage in short.stages() {
             prop_assert!((stage.start_feed - feed).abs() < 1e-14, "{stage:?} behind {feed}");
-            // A feed is rounded, and over a part of a millionth of a period that is a jerk.
+            // A feed is rounded, and over a stage of a millionth of a period that rounding is a jerk.
             let rounding = 8.0 * f64::EPSILON * stage.start_feed.max(stage.end_feed) / stage.duration;
             let begins = (stage.acceleration_at(0.0) - acceleration).abs();
             prop_assert!(
@@ -452,14 +461,14 @@ mod tests {
             let less = shortened(&shortfalls);
             assert!((less - sum).abs() < 1e-15, "{shortfalls:?}: {less}");
         }
-        // Less than nothing is nothing, and so is what is not there.
+        // A negative shortfall counts as 0, and so does a missing one.
         assert!((shortened(&[-1.0, 0.02, 0.0]) - 0.02).abs() < 1e-15);
         assert_eq!(plan.clone().shortened(&limit, &[]), plan);
-        // What is more than half of the path is left.
+        // No more than half of the path is taken off.
         assert!((shortened(&[2.0, 2.0, 2.0]) - 2.475 / 2.0).abs() < 1e-15);
     }
 
-    /// Each stop is landed on: what lies before it takes nothing from what lies behind.
+    /// The run lands on each stop: shortfalls before the stop do not shorten the path behind it.
     #[test]
     fn a_stop_divides_what_is_shortened() {
         let [up, cruise, down] = stages();
@@ -479,7 +488,8 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(48))]
 
-        /// A step of feed between two stages, each shortened for itself, was a jerk of up to 15 times the limit.
+        /// When each stage was shortened for itself, a step of feed between two stages was a jerk of up to 15 times the
+        /// limit.
         #[test]
         fn a_plan_in_chords_keeps_the_jerk_at_any_chord_error(
             curve in spline(), period in 1e-3..5e-3_f64, feedrate in 50.0..300.0_f64, acceleration in 500.0..4500.0_f64,

@@ -24,9 +24,10 @@ const TRIALS: usize = 8;
 const ON_STOP: i32 = -20;
 
 impl<R: Real> FeedLimit<R> {
-    /// The plan `arcs`, made under this limit, for setpoints whose chords, not arcs, have the planned lengths:
-    /// [`shortened`](ScheduleBuf::shortened) by its [`shortfalls`](Self::shortfalls), and each stretch between stops so that a run
-    /// by its chords lands on the stop. `curves` are those that this limit was made of.
+    /// The plan `arcs` for setpoints whose chords, not arcs, have the planned lengths. `arcs` must have been made under
+    /// this limit, and `curves` are those that this limit was made of. Each section is
+    /// [`shortened`](ScheduleBuf::shortened) by its [`shortfalls`](Self::shortfalls) so that a run by its chords lands
+    /// on the stop at its end.
     #[must_use]
     pub fn in_chords<const D: usize, C: Differentiate<R, D>>(
         &self,
@@ -44,15 +45,15 @@ impl<R: Real> FeedLimit<R> {
 }
 
 impl<R: Real, C: Differentiate<R, D>, const D: usize> Path<'_, R, C, D> {
-    /// The stages of a section of `arcs`, shortened by what they fall short so that a run by their chords is off the stop by no more
-    /// than `enough`, or by the least that is found.
+    /// Shortens the stages of a section of `arcs` by their shortfalls. Of at most [`TRIALS`] trials it returns the
+    /// first after which a run by the chords is off the stop by no more than `enough`, or else the best.
     fn landed(
         &self,
         arcs: &ScheduleBuf<R>,
         (stages, shortfalls): (&[Stage<R>], &[R]),
         enough: R,
     ) -> Vec<Stage<R>> {
-        // By a share of what they fall short, and by so much more where they come to rest.
+        // Shortens all stages by a share of their shortfalls, and those that brake to the stop by `at_the_end` more.
         let shortened = |share: R, at_the_end: R| {
             let parts: Vec<_> = shortfalls.iter().map(|shortfall| *shortfall * share).collect();
             feeds::shortened(self.limit, stages, (&parts, at_the_end), arcs.interpolation_period)
@@ -61,7 +62,7 @@ impl<R: Real, C: Differentiate<R, D>, const D: usize> Path<'_, R, C, D> {
         let (mut lead, mut at_the_end) = (R::zero(), R::zero());
         let mut best = (shortened(R::one(), at_the_end), R::max_value());
         let ends = stages.first().zip(stages.last().filter(|last| last.end_feed.is_zero()));
-        // Left in motion, there is no stop to land on.
+        // A section that ends in motion has no stop to land on.
         let Some((first, last)) = ends.filter(|_| shortfall > enough) else { return best.0 };
         let ends = [first.start, last.start + last.length];
         for trial in 0..TRIALS {
@@ -83,7 +84,7 @@ impl<R: Real, C: Differentiate<R, D>, const D: usize> Path<'_, R, C, D> {
         best.0
     }
 
-    /// By how much a run by chords from one distance to another would go beyond that stop if it did not land there.
+    /// By how much a run by chords that starts at `begin` would pass `stop` if it did not land there.
     fn beyond_stop(&self, chords: &Schedule<'_, R>, [begin, stop]: [R; 2]) -> R {
         let (mut cursor, mut reached, mut beyond) = (chords.start(), begin, R::zero());
         while let Some(wanted) = chords.advance(&mut cursor) {
@@ -91,7 +92,7 @@ impl<R: Real, C: Differentiate<R, D>, const D: usize> Path<'_, R, C, D> {
             let is_near = stop - reached <= wanted + wanted;
             let rest = if is_last || is_near { self.step_between(reached, stop) } else { wanted };
             if is_last || rest < wanted {
-                // Once there, all that is still wanted goes beyond.
+                // Once the run is at the stop, each length that is still wanted would pass it.
                 (beyond, reached) = (beyond + wanted - rest, stop);
             } else {
                 reached = (reached + self.arc_of_step(reached, wanted)).min(stop);
@@ -111,7 +112,7 @@ mod tests {
     use crate::{EndFeeds, Junction, KinematicLimits, ProfileKind, plan_with, sections};
     use nurbs_core::NurbsBuf;
 
-    /// What a run goes beyond each stop, in chords.
+    /// By how much a run in chords would pass each stop.
     fn beyond(
         curves: &[NurbsBuf<f64, 2>],
         limits: &KinematicLimits<f64>,
@@ -146,7 +147,7 @@ mod tests {
         off.iter().fold(0.0, |most, x| most.max(x.abs()))
     }
 
-    /// Two arcs with a stop between them land as near where the second is far away as where it begins at the first one's end.
+    /// Between two arcs is a stop. A run lands on it equally well whether the second arc begins there or far away.
     #[test]
     fn a_path_that_goes_on_elsewhere_behind_a_stop_lands_there_too() {
         let arc = |x: f64| {
@@ -166,7 +167,8 @@ mod tests {
         assert!(largest(&joined) < 1e-7 && largest(&apart) < 1e-7, "{joined:?} {apart:?}");
     }
 
-    /// A zigzag whose corners are passed: with chords straight over its corners the run came to the end five periods early.
+    /// The plan passes the corners of a zigzag. When chords went straight over the corners, the run came to the end
+    /// five periods early.
     #[test]
     fn a_run_over_corners_lands_on_its_end() {
         let points = [[0, 0], [1, 0], [1, 1], [2, 1], [2, 0], [3, 0], [3, 1], [4, 1]];
@@ -175,12 +177,12 @@ mod tests {
         let limits = KinematicLimits { junction: Junction::Deviation(0.02), ..limits };
         for kind in ProfileKind::ALL {
             let landed = beyond(&curves, &limits, 0.05, kind);
-            // J T³, what the jerk may change a step by, is 2.4e-4 mm.
+            // The jerk may change a step by J T³, which is 2.4e-4 mm.
             assert!(largest(&landed) < 1e-7, "{kind:?}: {landed:?}");
         }
     }
 
-    /// A corner of 135°, met within a step at each of these feeds in another place.
+    /// A corner of 135°; at each of these feeds a step meets it at another place within the step.
     #[test]
     fn a_run_over_a_sharp_corner_lands_wherever_a_step_meets_it() {
         let curves = polyline(&[[0.0, 0.0], [15.7, 0.0], [0.0, 15.7]]);

@@ -7,19 +7,20 @@ use real::Real;
 
 use crate::{EndFeeds, FeedLimit, KinematicLimits, PlanError, ProfileKind, ScheduleBuf, Stage, plan_with};
 
-/// What is known of a path before it is run.
+/// The limit and the two plans of a path, which are known before it is run.
 #[derive(Clone, Debug)]
 pub struct Planned<R> {
     /// The largest feed at each distance.
     pub limit: FeedLimit<R>,
     /// The plan along the curves: distances are arc lengths.
     pub arcs: ScheduleBuf<R>,
-    /// The plan that an interpolator runs: distances are those of the chords between its setpoints.
+    /// The plan that an interpolator runs: distances are summed lengths of the chords between setpoints.
     pub chords: ScheduleBuf<R>,
 }
 
 impl<R: Real> Planned<R> {
-    /// Plans a path: [`FeedLimit::along`] it, [`plan_with`] under that limit, and that plan [in chords](FeedLimit::in_chords).
+    /// Plans a path in three steps: the limit with [`FeedLimit::along`], the plan in arcs with [`plan_with`], and the
+    /// plan [in chords](FeedLimit::in_chords).
     ///
     /// # Errors
     /// As [`FeedLimit::along`] and [`plan_with`].
@@ -32,7 +33,8 @@ impl<R: Real> Planned<R> {
         Self::under(FeedLimit::along(curves, limits)?, curves, limits, ends, kind)
     }
 
-    /// Plans a path under a limit that was made of these curves and limits, with stops or feeds of its own.
+    /// Plans a path under a limit that was made of these curves and limits, and that may have stops or feeds of its
+    /// own.
     ///
     /// # Errors
     /// As [`plan_with`].
@@ -48,7 +50,8 @@ impl<R: Real> Planned<R> {
         Ok(Self { limit, arcs, chords })
     }
 
-    /// Curve and parameter of each rest on the way and at the end, in order: the path is compiled with a joint there.
+    /// Curve and parameter of each rest on the way and at the end, in order. The path must be compiled with a joint at
+    /// each.
     #[must_use]
     pub fn rests(&self) -> Vec<(usize, R)> {
         self.chords.stages().iter().filter_map(Stage::rest).collect()

@@ -1,14 +1,16 @@
-//! From a plan in arcs to one in chords: what the setpoints of each stage fall short by.
+//! From a plan in arcs to one in chords: how much the chords of each stage fall short of its arcs.
 //!
-//! An interpolator that makes each chord as long as the plan's arc gains a little in every bend, since the arc over
-//! a chord is longer. After a thousand bends it is ahead of the plan by more than a bend is long, and passes the
-//! next one at the feed of the straight. Here is found by how much each stage would have to be shortened for itself;
-//! [`ScheduleBuf::shortened`](crate::ScheduleBuf::shortened) takes it off so that the feeds still meet.
+//! An interpolator that makes each chord as long as the plan's arc gains a little in every bend, since the arc over a
+//! chord is longer than the chord. After a thousand bends the run is ahead of the plan by more than the length of a
+//! bend, and passes the next bend at the feed of the straight. This module finds by how much each stage would have to
+//! be shortened for itself; [`ScheduleBuf::shortened`](crate::ScheduleBuf::shortened) takes these lengths off so that
+//! the feeds still meet.
 //!
-//! The run is followed chord by chord, stage after stage: each is shortened until the run is back on its plan at the end of
-//! the last period that begins in it. What a stage cannot take back, the next ones do. Stages shorter than a period have no
-//! chord of their own: as many as take a period are shortened together, so that their feeds fall all by the same. One that
-//! took back all of a period's shortfall would lower the feed there many times too much.
+//! The run is followed chord by chord, stage after stage. Each stage is shortened until the run is back on its plan at
+//! the end of the last period that begins in the stage. A difference that one stage cannot take back is left to the
+//! next ones. Stages shorter than a period have no chord of their own. Stages that together take a period are shortened
+//! together, so that their feeds all fall by the same amount: if one short stage took back the shortfall of a whole
+//! period, its feed would fall many times too much.
 
 use alloc::vec::Vec;
 use core::ops::Range;
@@ -20,38 +22,40 @@ use crate::Cursor;
 use crate::limit::vector::difference;
 use crate::{FeedLimit, Schedule, Stage};
 
-/// How often a stage is followed, at most; what is left falls by a factor of ten and more each time.
+/// How often a stage is followed, at most; the remaining difference falls by a factor of ten or more each time.
 const TRIALS: usize = 8;
 /// A run that is off by less than 2⁻³⁴ of a step is on its plan.
 const ON_PLAN: i32 = -34;
-/// The run is kept ahead of its plan by 2⁻²⁰ of a step up to the stage that ends at a stop: distances between limit points
-/// are that uncertain, and what a stage lacks there could not be added to it.
+/// The run is kept ahead of its plan by 2⁻²⁰ of a step up to the stage that ends at a stop. Distances between limit
+/// points are uncertain by about that much, and a length that is missing at the stop could not be added.
 const LEAD: i32 = -20;
-/// Stages are shortened together if their highest feeds are within 2² of each other: where one is much slower, its bend is most of
-/// what they fall short.
+/// Stages are shortened together if their highest feeds are within 2² of each other. If one stage is much slower, its
+/// bend causes most of the shortfall.
 const SAME_FEED: i32 = 2;
-/// Corrections of an arc until its chord is as long as wanted; each leaves an eighth of the squared angle of the
-/// chord.
+/// Corrections of an arc until its chord is as long as wanted; each correction leaves an error of an eighth of the
+/// squared angle of the chord.
 const CORRECTIONS: usize = 8;
-/// Strides of at most an eighth of a chord in which it is looked for where that does not end: it is no longer than four
-/// chords.
+/// Where the corrections do not converge, the arc is looked for in strides of at most an eighth of a chord. It is no
+/// longer than four chords.
 const STRIDES: usize = 48;
-/// Halvings of the stride that it lies in.
+/// Halvings of the stride in which the arc ends.
 const HALVINGS: usize = 48;
 
 impl<R: Real> FeedLimit<R> {
-    /// By how much each stage is to be shortened if each chord, not each arc, is to have the planned length, mm: at most
-    /// half of the stage.
+    /// By how much each stage must be shortened, mm, if each chord, not each arc, is to have the planned length: at
+    /// most half of the stage.
     ///
-    /// `curves` are those that this limit was made of; where they are missing, nothing falls short. Parameters
-    /// are interpolated between limit points, and what one is off does not add up: it is gone in the next
-    /// period. Of stages that take a period only together all feeds fall by the same. Were each stage shortened for itself, a run
-    /// by these chords would at the ends of its stages be within 1e-5 mm of the plan, in f64, where a stage has a period of its
-    /// own and no step turns by a right angle; behind one that does, it may be off by a share of that step, which the next
-    /// stages take back. A stop on the way is taken to be landed on, as the end is: nothing that a run is off there goes
-    /// beyond it.
+    /// `curves` are those that this limit was made of; where they are missing, nothing falls short. Parameters are
+    /// interpolated between limit points. Their errors do not add up: each is gone in the next period. Where several
+    /// stages together take a period, all their feeds fall by the same amount.
     ///
-    /// See [`ScheduleBuf::shortened`](crate::ScheduleBuf::shortened) for what to do about it.
+    /// If each stage were shortened for itself, a run by these chords would be within 1e-5 mm of the plan at the ends
+    /// of stages, in f64. That holds where each stage has a period of its own and no step turns by a right angle.
+    /// Behind a step that does, the run may be off by a share of that step, which the next stages take back. The run is
+    /// taken to land on each stop on the way, as it does at the end, so an error before a stop is not carried beyond
+    /// it.
+    ///
+    /// [`ScheduleBuf::shortened`](crate::ScheduleBuf::shortened) applies these lengths.
     #[must_use]
     pub fn shortfalls<const D: usize, C: Differentiate<R, D>>(
         &self,
@@ -61,7 +65,7 @@ impl<R: Real> FeedLimit<R> {
         let mut shortfalls: Vec<R> = schedule.stages().iter().map(|_| R::zero()).collect();
         let mut short = schedule.stages().to_vec();
         let path = Path::new(self, curves);
-        // A period that begins in one stage and ends in another is run with each of them.
+        // A period that begins in one stage and ends in another is run once for each of the two.
         let mut run = Run { cursor: schedule.start(), planned: R::zero(), reached: R::zero() };
         let mut begins_in = 0;
         while begins_in < schedule.stages().len() {
@@ -76,23 +80,23 @@ impl<R: Real> FeedLimit<R> {
     }
 }
 
-/// Where a run by chords stands.
+/// The state of a run by chords.
 #[derive(Clone, Copy)]
 struct Run<R> {
     cursor: Cursor<R>,
-    /// Distance that the plan is at.
+    /// Distance that the plan has come to.
     planned: R,
     /// Distance that the chords have come to.
     reached: R,
 }
 
-/// Where a run stands behind the last period that began in a stage, and before that period.
+/// The state of a run behind the last period that began in a stage, and its state before that period.
 #[derive(Clone, Copy)]
 struct End<R> {
     run: Run<R>,
     last_period: Run<R>,
-    /// By how much the chords have come further than the plan and its lead; at a stop, by how much the last one would go
-    /// beyond that.
+    /// By how much the chords have come further than the plan and its lead; at a stop, by how much the last chord would
+    /// pass the stop.
     ahead: R,
 }
 
@@ -101,7 +105,7 @@ pub(crate) struct Path<'a, R, C, const D: usize> {
     pub(crate) limit: &'a FeedLimit<R>,
     curves: &'a [C],
     rule: GaussLegendre<R>,
-    /// Whether the parameter says everywhere where the path is. Where it does not, a chord counts as long as its arc.
+    /// Whether the parameter tells everywhere where the path is. Where it does not, a chord counts as long as its arc.
     is_resolved: bool,
 }
 
@@ -114,7 +118,7 @@ impl<'a, R: Real, C: Differentiate<R, D>, const D: usize> Path<'a, R, C, D> {
         self.is_resolved || self.limit.is_resolved_at(distance)
     }
 
-    /// The length of a step between two distances: of the chords from corner to corner.
+    /// The length of a step between two distances: the sum of its chords from corner to corner.
     pub(crate) fn step_between(&self, from: R, to: R) -> R {
         let corners = self.limit.corners_from(from).iter().take_while(|corner| **corner < to);
         let ends = corners.copied().chain([to]);
@@ -126,8 +130,8 @@ impl<'a, R: Real, C: Differentiate<R, D>, const D: usize> Path<'a, R, C, D> {
         chord(&self.leaving(from), &self.arriving(from, to))
     }
 
-    /// The point at a distance, on the path that goes on from there: after a rest that may be elsewhere than where the path before
-    /// it ends.
+    /// The point from which the path goes on at a distance. After a rest, it may be another point than the one at which
+    /// the path before the rest ends.
     fn leaving(&self, distance: R) -> [R; D] {
         let place = match self.limit.begins_at_rest(distance) {
             Some(curve) => (curve, self.curves.get(curve).map_or(R::zero(), |curve| curve.domain().0)),
@@ -136,7 +140,7 @@ impl<'a, R: Real, C: Differentiate<R, D>, const D: usize> Path<'a, R, C, D> {
         self.point(place)
     }
 
-    /// The point at a distance, on the path that comes from another; no farther than the next rest.
+    /// The point at which the path from `from` arrives at `to`; at the latest, the next rest.
     fn arriving(&self, from: R, to: R) -> [R; D] {
         let rest = self.limit.next_from_rest(from).filter(|(rest, _)| to >= *rest);
         let place = match rest.and_then(|(_, next)| next.checked_sub(1)) {
@@ -150,8 +154,9 @@ impl<'a, R: Real, C: Differentiate<R, D>, const D: usize> Path<'a, R, C, D> {
         self.curves.get(curve).map_or([R::zero(); D], |curve| curve.point(u))
     }
 
-    /// Arc length up to the point at a distance. That point is interpolated between limit points, and where the speed changes
-    /// a little off: where a stage ends it would be taken for a shortfall, which no later stage could add to.
+    /// Arc length up to the point that is found at a distance. The point is interpolated between limit points, and is a
+    /// little off where the speed changes. At the end of a stage this error would be taken for a shortfall, and if it
+    /// is negative, no later stage could make up for it.
     fn length_to(&self, distance: R) -> R {
         let (index, u) = self.limit.parameter_at(distance);
         let is_resolved = self.is_resolved_at(distance);
@@ -162,8 +167,8 @@ impl<'a, R: Real, C: Differentiate<R, D>, const D: usize> Path<'a, R, C, D> {
         begin.distance + width * self.rule.mean(&self.rule.points.map(speed))
     }
 
-    /// Shortens stages until the run is on its plan behind them, as far as half of them will do: by how much, and where the run
-    /// ends then.
+    /// Shortens the stages, each by at most half, until the run is on its plan behind them. Returns the length that was
+    /// taken off, and the state of the run there.
     fn take_back(
         &self,
         arcs: &Schedule<'_, R>,
@@ -209,7 +214,7 @@ impl<'a, R: Real, C: Differentiate<R, D>, const D: usize> Path<'a, R, C, D> {
     fn follow(&self, arcs: &Schedule<'_, R>, short: &[Stage<R>], behind: usize, from: Run<R>) -> End<R> {
         let chords = Schedule::new(short, arcs.interpolation_period(), arcs.periods());
         let (mut end, mut last_period) = (from, from);
-        // What the last chord has too much to land on a stop, or the lead that another is to leave.
+        // By how much the last chord is too long to land on a stop; and the lead that any other chord is to leave.
         let (mut over_stop, mut lead) = (None, R::zero());
         while end.cursor.stage() < behind {
             let mut run = end;
@@ -236,8 +241,8 @@ impl<'a, R: Real, C: Differentiate<R, D>, const D: usize> Path<'a, R, C, D> {
         End { run: end, last_period, ahead }
     }
 
-    /// The arc of a step from `begin` on: to each corner within it a chord, and behind the last one the first arc whose chord is as
-    /// long as what is left.
+    /// The arc of a step that begins at `begin`. The step has a chord to each corner within it. Behind the last corner
+    /// it ends with the first arc whose chord is as long as the length that is left.
     pub(crate) fn arc_of_step(&self, begin: R, wanted: R) -> R {
         if !(self.is_resolved_at(begin) && self.is_resolved_at(begin + wanted)) {
             return wanted;
@@ -253,12 +258,13 @@ impl<'a, R: Real, C: Differentiate<R, D>, const D: usize> Path<'a, R, C, D> {
         from - begin + self.arc_over(from, left)
     }
 
-    /// The first arc from `begin` on whose chord is as long as wanted; four times the chord where none is.
+    /// The first arc from `begin` on whose chord is as long as wanted; four times that length if there is no such arc.
     fn arc_over(&self, begin: R, wanted: R) -> R {
         let from = self.leaving(begin);
         let missing = |arc: R| wanted - chord(&from, &self.arriving(begin, begin + arc));
         let rounding = R::resolution() * self.limit.length().max(R::one());
-        // A chord is no longer than its arc: an arc that is longer by what its chord lacks is not yet past the first.
+        // A chord is no longer than its arc. So the arc, lengthened by what its chord lacks, does not pass the first
+        // solution.
         let mut arc = wanted;
         for _ in 0..CORRECTIONS {
             let rest = missing(arc);
@@ -267,8 +273,9 @@ impl<'a, R: Real, C: Differentiate<R, D>, const D: usize> Path<'a, R, C, D> {
             }
             arc = (arc + rest).max(wanted.half()).min(wanted + wanted);
         }
-        // Slow across a corner, where the way leads back along the chord. Behind it more than one arc may have the chord, and
-        // the first may be near: strides begin with what was missing last.
+        // Corrections converge slowly across a corner where the path leads back along the chord. Behind such a corner
+        // several arcs may have the wanted chord, and the first may be near: strides begin with the length that was
+        // missing last.
         let (mut low, mut high) = (wanted.half(), arc);
         let (mut stride, longest) = (wanted.scale(-16), wanted.scale(-3));
         for _ in 0..STRIDES {
@@ -287,8 +294,8 @@ impl<'a, R: Real, C: Differentiate<R, D>, const D: usize> Path<'a, R, C, D> {
     }
 }
 
-/// Behind which stage those from `begin` on take a period together, or end at a stop, or go at another feed than the first by
-/// more than [`SAME_FEED`].
+/// The index behind the stages from `begin` on that are shortened together. They end once they take a period, at a
+/// stop, or before a stage whose feed differs from the first one's by more than [`SAME_FEED`].
 fn end_of_period<R: Real>(schedule: &Schedule<'_, R>, begin: usize) -> usize {
     let stages = schedule.stages().get(begin..).unwrap_or_default();
     let mut left = schedule.interpolation_period();
@@ -301,8 +308,8 @@ fn end_of_period<R: Real>(schedule: &Schedule<'_, R>, begin: usize) -> usize {
     begin + 1 + stages.windows(2).take_while(goes_on).count()
 }
 
-/// What of `off` each stage is shortened by: its share of the time, so that all feeds fall by the same, and no more than half of
-/// it.
+/// The parts of `off` by which the stages are shortened. Each is proportional to the stage's time, so that all feeds
+/// fall by the same amount, and at most half of the stage.
 fn parts<R: Real>(schedule: &Schedule<'_, R>, stages: Range<usize>, off: R) -> impl Iterator<Item = R> {
     let stages = schedule.stages().get(stages).unwrap_or_default();
     let duration = stages.iter().fold(R::zero(), |sum, stage| sum + stage.duration);
@@ -311,7 +318,7 @@ fn parts<R: Real>(schedule: &Schedule<'_, R>, stages: Range<usize>, off: R) -> i
 }
 
 impl<R: Real> Stage<R> {
-    /// The stage with its distances and feeds scaled so that it is shorter by `off`, in the same time.
+    /// Shortens the stage by `off` in the same time: its length and feeds are scaled.
     fn shortened_by(&self, off: R) -> Self {
         if !(off > R::zero()) {
             return *self;
@@ -336,7 +343,8 @@ mod tests {
     use crate::test_paths::{in_periods, jerk_over_periods, polyline};
     use crate::{EndFeeds, Junction, KinematicLimits, ProfileKind, plan_with};
 
-    /// A step over corners of any angle covers as much of the path as it is long; on a spline too, whose corner lies within.
+    /// A step over corners of any angle covers a length of path equal to its own; so does a step on a spline with a
+    /// corner inside.
     #[test]
     fn a_step_over_corners_goes_along_the_path() {
         let limits = in_periods(2e-3, 150.0, 1500.0, 3e4, 2e-3);
@@ -362,11 +370,11 @@ mod tests {
         }
     }
 
-    /// Between knots a rounding apart the parameter says nothing of where the path is, and what was read there was taken for
-    /// shortfalls of a hundred millimetres: half of each stage before and behind.
+    /// Between knots that differ by a rounding, the parameter does not tell where the path is. Lengths that were read
+    /// there were once taken for shortfalls of a hundred millimetres: half of each stage before and behind.
     #[test]
     fn between_knots_a_rounding_apart_nothing_is_taken_for_a_shortfall() {
-        // A circle of control points, a tenth of it on five knots that are neighbours among numbers.
+        // Control points on a circle; a tenth of them belong to five knots that are neighbouring floats.
         let turn = |i: u32| (core::f64::consts::TAU / 24.0 * f64::from(i)).sin_cos();
         let points: Vec<_> = (0..=24).map(turn).map(|(sine, cosine)| [60.0 * cosine, 60.0 * sine]).collect();
         let inner = (1..22).map(|i: i32| match i {
@@ -381,14 +389,15 @@ mod tests {
         assert!(!limit.is_resolved() && limit.is_resolved_at(1.0));
         let arcs = plan_with(&limit, &limits, EndFeeds::default(), ProfileKind::Cubic).unwrap();
         let shortfalls = limit.shortfalls(&curves, &arcs.as_schedule());
-        // Of a circle of 60 mm chords of 0.4 mm fall short by 2e-6 of themselves.
+        // On a circle with a radius of 60 mm, chords of 0.4 mm fall short by 2e-6 of themselves.
         let sum: f64 = shortfalls.iter().sum();
         assert!(sum < 1e-4 * limit.length(), "{sum} of {}: {shortfalls:?}", limit.length());
     }
 
     #[test]
     fn a_stage_shorter_than_a_period_does_not_take_back_what_a_period_falls_short() {
-        // Of degree 2: at each knot the curvature steps, and the least feeds are held for a third of a period there.
+        // A curve of degree 2: at each knot the curvature steps, and the plan holds the least feeds for a third of a
+        // period there.
         let points = vec![
             [-7.3753, -16.7373, 9.3019],
             [22.2662, -17.081, -28.3976],

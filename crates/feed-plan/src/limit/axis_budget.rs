@@ -1,4 +1,4 @@
-//! What limits of single axes leave for the path.
+//! How much of the axes' limits is left for the motion along the path.
 //!
 //! With the unit tangent e, the curvature vector `k = de/ds`, and `c = dk/ds`, the motion of the axes at the feed V is
 //!
@@ -8,31 +8,34 @@
 //! jerk          e j + 3 k V a + c V³
 //! ```
 //!
-//! Part of what an axis can do goes into turning the path, the rest into changing the feed. How it is shared out is
-//! decided before the plan is made. An acceleration `a₀ = min(A₀, √(j₀ V))`, with `A₀ = min(A, 0.7 min Aᵢ/σᵢ)`, and a jerk
-//! `j₀ = min(J, ½ min Jᵢ/σᵢ)` are kept for the path, and the feed is limited so that the axes can turn with what is left:
+//! A part of each axis's limit goes into turning the path, the rest into changing the feed. The shares are decided
+//! before the plan is made. An acceleration `a₀ = min(A₀, √(j₀ V))`, with `A₀ = min(A, 0.7 min Aᵢ/σᵢ)`, and a jerk `j₀
+//! = min(J, ½ min Jᵢ/σᵢ)` are reserved for the path. The feed is limited so that the axes can turn with the rest:
 //!
 //! ```text
 //! V |eᵢ| ≤ Vᵢ        V² |kᵢ| ≤ Aᵢ - |eᵢ| A₀        3 |kᵢ| V a₀ + |cᵢ| V³ ≤ Jᵢ - |eᵢ| j₀
 //! ```
 //!
-//! The share `σᵢ = √(eᵢ² + nᵢ²)`, `n = k/|k|`, is the largest component that the direction of axis i has in the plane in which the
-//! path bends: 1 for both axes of a circle in their plane, all the way round, `|eᵢ|` on a straight line, and 0 for an axis that
-//! stands still, which so limits nothing. It depends on the shape alone, not on the spans that represent it. An axis outside of
-//! that plane keeps its limits like any other, only nothing is reserved of it.
+//! The share `σᵢ = √(eᵢ² + nᵢ²)`, `n = k/|k|`, is the largest component that the direction of axis i has in the plane
+//! in which the path bends. It is 1 for both axes of a circle in their plane, all the way round, and `|eᵢ|` on a
+//! straight line. It is 0 for an axis that stands still, so that such an axis limits nothing. It depends on the shape
+//! alone, not on the spans that represent the shape. An axis outside of that plane keeps its limits like any other, but
+//! no reserve is taken from it.
 //!
-//! A ramp from rest to V with jerk j₀ never exceeds √(j₀ V): reserving more would waste the axes' jerk in bends. V counts as at least
-//! F/16 in that root, for the reserve of a slow point holds up to the next key point: with F/4 plans took up to two fifths longer,
-//! with F/64 up to a sixth.
+//! A ramp from rest to V with jerk j₀ never exceeds √(j₀ V): a larger reserve would waste the axes' jerk in bends. In
+//! that root V counts as at least F/16, since the reserve of a slow point holds up to the next key point. With F/4
+//! plans took up to two fifths longer, with F/64 up to a sixth.
 //!
-//! With 0.7 the second one leaves at least 0.7 Aᵢ/σᵢ for turning, whatever the direction: `(1 - 0.7 cos θ)/sin θ` is least at
-//! `cos θ = 0.7`. With all of Aᵢ in reserve, the feed would have to vanish where a bend begins along the axis. Where the path is
-//! straighter or slower than that, more than the reserve is left: the path's acceleration and jerk on a stretch between
-//! two key points are the least allowance found on it, by 2⁻⁶ of the surplus less since it is found at samples.
+//! With the factor 0.7 the second inequality leaves at least 0.7 Aᵢ/σᵢ for turning, whatever the direction: `(1 - 0.7
+//! cos θ)/sin θ` is least at `cos θ = 0.7`. If all of Aᵢ were reserved, the feed would have to vanish where a bend
+//! begins along the axis. Where the path is straighter or slower, more than the reserve is left for the path. The
+//! path's acceleration and jerk on a stretch between two key points are the least allowance found on it. Since that is
+//! found at samples, 2⁻⁶ of the surplus over the reserve is taken off.
 //!
-//! Beside a stop a₀ is `min(A₀, √(2 j₀ V))`, however slow: `d(a²) = 2 j dV`, so that no more than that is reached between rest and V
-//! with the jerk j₀, and the path has no more than j₀ there. So the feed may fall as ρ^(2/3) where a bend of radius ρ is all
-//! but a cusp, and the bend takes a time of `(ρ/Jᵢ)^(1/3)`: with F/16 it was crept along for up to half a second.
+//! Beside a stop a₀ is `min(A₀, √(2 j₀ V))`, however low the feed. The path has no more jerk than j₀ there, and since
+//! `d(a²) = 2 j dV`, it reaches no more acceleration than that between rest and V. So the feed may fall as ρ^(2/3)
+//! where a bend of radius ρ is almost a cusp, and the bend takes a time of `(ρ/Jᵢ)^(1/3)`. With F/16 the plan crept
+//! along such a bend for up to half a second.
 //!
 //! Where the curvature steps, as from a line to an arc, the jerk of an axis is infinite at any feed. The step of its
 //! acceleration is then limited to what its jerk allows in one period: `V² |k₂ - k₁|ᵢ ≤ Jᵢ T`.
@@ -42,11 +45,11 @@ use real::Real;
 use crate::limits::AXES;
 use crate::{AxisLimits, KinematicLimits};
 
-/// Halvings in the search for a feed: what is left of it then is no number any more.
+/// Halvings in the search for a feed: after so many, no format resolves the interval that is left.
 const HALVINGS: usize = 64;
-/// The share of F that √(j₀ V) is reckoned with at least, as a power of two.
+/// The root √(j₀ V) is taken of no less than this share of F, as a power of two.
 const LEAST_FEED: i32 = -4;
-/// Taken off what samples leave beyond the reserve.
+/// The share of the surplus over the reserve that is taken off, since samples may miss the least surplus.
 const SURPLUS_MARGIN: i32 = -6;
 
 /// Direction and curvature of the path at one point, or the largest of each component on a stretch.
@@ -63,13 +66,13 @@ pub(crate) struct Turning<R> {
 }
 
 impl<R: Real> Turning<R> {
-    /// Of a straight, or no path.
+    /// The turning of a straight line, or of no path.
     pub(crate) fn none() -> Self {
         let none = [R::zero(); AXES];
         Self { tangent: none, curvature: none, change: none, share: none }
     }
 
-    /// At one point; its change is not known.
+    /// The turning at one point, without its change, which is not known there.
     pub(crate) fn at<const D: usize>(tangent: &[R; D], bend: &[R; D]) -> Self {
         let (tangent, curvature) = (components(tangent), components(bend));
         let length = R::norm(&curvature);
@@ -80,7 +83,7 @@ impl<R: Real> Turning<R> {
         Self { tangent, curvature, share, ..Self::none() }
     }
 
-    /// The largest of both.
+    /// The larger of both, component by component.
     pub(crate) fn max(self, other: &Self) -> Self {
         let largest = |a: [R; AXES], b: [R; AXES]| core::array::from_fn(|i| a[i].max(b[i]));
         Self {
@@ -92,7 +95,7 @@ impl<R: Real> Turning<R> {
     }
 }
 
-/// The path's acceleration and jerk on a stretch.
+/// The acceleration and jerk that are allowed along the path on a stretch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Allowance<R> {
     pub(crate) acceleration: R,
@@ -119,7 +122,7 @@ pub(crate) struct AxisBudget<R> {
 }
 
 impl<R: Real> AxisBudget<R> {
-    /// `None` when no axis has a limit.
+    /// The budget; `None` when no axis has a limit.
     pub(crate) fn new(limits: &KinematicLimits<R>) -> Option<Self> {
         let is_limited = |axis: &AxisLimits<R>| axis.velocity.or(axis.acceleration).or(axis.jerk).is_some();
         limits.axes.iter().any(is_limited).then(|| Self {
@@ -142,7 +145,7 @@ impl<R: Real> AxisBudget<R> {
         })
     }
 
-    /// `min(A₀, √(j₀ V))` of V; A₀ where no axis that moves has a limit of jerk.
+    /// The function `V ↦ min(A₀, √(j₀ V))`; A₀ where no axis that moves has a limit of jerk.
     fn reached(&self, share: &[R; AXES]) -> impl Fn(R) -> R {
         let reserve = self.reserve(share);
         let is_limited =
@@ -151,12 +154,12 @@ impl<R: Real> AxisBudget<R> {
         move |feed| root.map_or(reserve.acceleration, |root| (root * feed.sqrt()).min(reserve.acceleration))
     }
 
-    /// a₀ where the path is passed at up to `feed`.
+    /// a₀ where the path is passed at no more than `feed`.
     fn acceleration_at(&self, share: &[R; AXES], feed: R) -> R {
         self.reached(share)(feed.max(self.least_feed))
     }
 
-    /// The largest feed up to `feed` at which velocities and accelerations leave the reserve, at a point.
+    /// The largest feed at a point, up to `feed`, at which velocities and accelerations leave the reserve to the path.
     pub(crate) fn feed_at(&self, turning: &Turning<R>, feed: R) -> R {
         let mut feed = feed;
         let reserve = self.reserve(&turning.share);
@@ -180,7 +183,8 @@ impl<R: Real> AxisBudget<R> {
         self.axes.iter().any(|axis| axis.acceleration.is_some())
     }
 
-    /// The largest part that these accelerations across a path in this direction take of what the reserve leaves.
+    /// The share of the axes' accelerations, less the reserve, that these accelerations across a path in this direction
+    /// use: the largest of all axes.
     pub(crate) fn strain<const D: usize>(&self, tangent: &[R; D], across: &[R; D]) -> R {
         let turning = Turning::at(tangent, across);
         let reserve = self.reserve(&turning.share).acceleration;
@@ -190,31 +194,31 @@ impl<R: Real> AxisBudget<R> {
         parts.fold(R::zero(), R::max)
     }
 
-    /// The largest feed up to `feed` at which jerks leave the reserve, on a stretch.
+    /// The largest feed on a stretch, up to `feed`, at which jerks leave the reserve to the path.
     pub(crate) fn feed_on(&self, turning: &Turning<R>, feed: R) -> R {
         self.feed_by_jerk(turning, feed, |feed| feed.max(self.least_feed))
     }
 
-    /// The same beside a stop, where the path's acceleration is no more than the feed has come to since rest.
+    /// [`feed_on`](Self::feed_on) beside a stop, where the path's acceleration is at most what it can reach from rest.
     pub(crate) fn feed_beside_stop(&self, turning: &Turning<R>, feed: R) -> R {
         self.feed_by_jerk(turning, feed, |feed| feed + feed)
     }
 
-    /// `reckoned` is what √(j₀ V) is taken of.
+    /// The largest feed by jerk; the root √(j₀ V) is taken of `reckoned(V)`.
     fn feed_by_jerk(&self, turning: &Turning<R>, feed: R, reckoned: impl Fn(R) -> R) -> R {
         let (reserve, reached) = (self.reserve(&turning.share), self.reached(&turning.share));
         self.axes.iter().enumerate().fold(feed, |feed, (i, axis)| {
             let Some(most) = axis.jerk else { return feed };
             let left = most - turning.tangent[i] * reserve.jerk;
             let bend = turning.curvature[i] * R::from_ratio(3, 1);
-            // It rises with the feed.
+            // The jerk that the axis uses rises with the feed.
             largest(feed, |feed| {
                 bend * reached(reckoned(feed)) * feed + turning.change[i] * feed * feed * feed <= left
             })
         })
     }
 
-    /// The largest feed up to `feed` for a step of the curvature.
+    /// The largest feed, up to `feed`, at which the axes' jerk can follow a step of the curvature.
     pub(crate) fn feed_over(&self, step: &[R; AXES], feed: R) -> R {
         let pairs = self.axes.iter().zip(step);
         pairs.fold(feed, |feed, (axis, step)| match axis.jerk {
@@ -225,7 +229,7 @@ impl<R: Real> AxisBudget<R> {
         })
     }
 
-    /// What is left for the path on a stretch that is passed at up to `feed`.
+    /// The acceleration and jerk that are left for the path on a stretch that is passed at no more than `feed`.
     pub(crate) fn allowance(&self, turning: &Turning<R>, feed: R) -> Allowance<R> {
         let reserve = self.reserve(&turning.share);
         let mut acceleration = self.path.acceleration;
@@ -256,7 +260,8 @@ pub(crate) fn components<R: Real, const D: usize>(vector: &[R; D]) -> [R; AXES] 
     core::array::from_fn(|i| vector.get(i).map_or_else(R::zero, |component| component.abs()))
 }
 
-/// The largest value up to `most` that holds, where all below one do, and 0 does.
+/// The largest value up to `most` for which `holds` is true. It must hold for 0 and for every value below one that
+/// holds.
 fn largest<R: Real>(most: R, holds: impl Fn(R) -> bool) -> R {
     if holds(most) {
         return most;
@@ -269,12 +274,12 @@ fn largest<R: Real>(most: R, holds: impl Fn(R) -> bool) -> R {
     low
 }
 
-/// `value / divisor`; the largest number where that would be no limit.
+/// `value / divisor`; the largest number where the divisor is 0, since nothing is limited then.
 fn quotient<R: Real>(value: R, divisor: R) -> R {
     if divisor > R::zero() { value / divisor } else { R::max_value() }
 }
 
-/// The reserve, and most of what is left beyond it.
+/// The reserve, and the surplus of `found` over it less a margin.
 fn above<R: Real>(reserve: R, found: R) -> R {
     let surplus = found - reserve;
     if surplus > R::zero() { reserve + (surplus - surplus.scale(SURPLUS_MARGIN)) } else { reserve }
@@ -308,7 +313,7 @@ mod tests {
         assert!((0.000_98..=0.001).contains(&left.jerk), "{left:?}");
     }
 
-    /// A circle in XY took 10.4 s with a weak Z that stands still, and 1.76 s without.
+    /// With a weak Z that stands still, a circle in XY once took 10.4 s; without it, 1.76 s.
     #[test]
     fn a_helix_takes_of_an_axis_what_its_slope_asks_for() {
         let [slope, along] = [0.06, (1.0 - 0.06_f64 * 0.06).sqrt()];
@@ -326,7 +331,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig { max_shrink_iters: 20, ..ProptestConfig::with_cases(64) })]
 
-        /// Whatever the curves and the limits of the other axes, with breaks of the tangent, bends and cusps.
+        /// Holds for any curves, with breaks of the tangent, bends and cusps, and for any limits of the other axes.
         #[test]
         fn an_axis_that_stands_still_changes_no_plan(
             curve in nurbs_core::generate::curve::<2>(),
@@ -350,7 +355,8 @@ mod tests {
     }
 
     proptest! {
-        /// Whatever feed up to the limit, acceleration and jerk up to the allowance a plan takes, each axis keeps its own.
+        /// A plan may take any feed up to the limit and any acceleration and jerk up to the allowance: each axis keeps
+        /// its limits.
         #[test]
         fn the_axes_keep_their_limits(
             angle in 0.0..1.6_f64, curvature in 0.0..2.0_f64, change in 0.0..2.0_f64, velocity in 0.01..1.0_f64,

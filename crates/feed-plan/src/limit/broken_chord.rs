@@ -1,12 +1,12 @@
-//! A chord over breaks of the tangent, and the path that it leaves.
+//! A chord over breaks of the tangent, and how far it leaves the path.
 
 use real::Real;
 
 use crate::limit::vector::difference;
 
-/// A limit is set where a measure is more than 2⁻⁸ above what is allowed, and found to that.
+/// A limit is set where a measure is more than 2⁻⁸ above the allowed value, and it is found with the same tolerance.
 pub(crate) const SLACK: i32 = -8;
-/// Secants to the length at which h is what is allowed.
+/// Secants in the search for the length at which h is the allowed distance.
 const SECANTS: usize = 6;
 
 /// A place of the path.
@@ -17,8 +17,8 @@ pub(crate) struct Place<R, const D: usize> {
     pub(crate) tangent: [R; D],
 }
 
-/// Half of the chord at which `measure` is what is allowed: between one that holds and one that does not, by secants. Where the measure
-/// is convex each is short of it.
+/// Half of the chord at which `measure` has the allowed value, found by secants between `held`, a half chord that keeps
+/// it, and `over`, one that does not. Where the measure is convex each secant falls short of the solution.
 pub(crate) fn crossing<R: Real, const D: usize>(
     mut chord: Chord<'_, R, D>,
     mut held: (R, R),
@@ -35,7 +35,7 @@ pub(crate) fn crossing<R: Real, const D: usize>(
         let half = held.0 + width * (room / rise);
         chord.change_to(half);
         let found = measure(&chord);
-        // What rounding adds must not throw it back to where it began.
+        // The tolerance for `over`: rounding must not throw the search back to where it began.
         let is_over = found > allowed + allowed.scale(SLACK).half();
         if is_over { over = (half, found) } else { held = (half, found) }
     }
@@ -48,12 +48,12 @@ pub(crate) struct Chord<'a, R, const D: usize> {
     at: R,
     centre: [R; D],
     pub(crate) half: R,
-    /// The places from the first to the second are within the chord.
+    /// The range of the places within the chord: the first, and the one behind the last.
     within: (usize, usize),
 }
 
 impl<'a, R: Real, const D: usize> Chord<'a, R, D> {
-    /// Of no length; `None` beyond the places.
+    /// A chord of no length over the break at a distance; `None` beyond the places.
     pub(crate) fn new(places: &'a [Place<R, D>], at: R) -> Option<Self> {
         let first = places.partition_point(|place| place.distance < at);
         let centre = places.get(first)?.point;
@@ -87,7 +87,7 @@ impl<'a, R: Real, const D: usize> Chord<'a, R, D> {
         self.lengthen_to(half);
     }
 
-    /// Half of the next longer chord that ends at a place; of any length beyond them.
+    /// Half of the next longer chord that ends at a place; the largest number if there is none.
     pub(crate) fn next_break(&self) -> R {
         let (first, beyond) = self.within;
         let before = first.checked_sub(1).and_then(|place| self.distance_of(place));
@@ -96,7 +96,8 @@ impl<'a, R: Real, const D: usize> Chord<'a, R, D> {
         before.min(behind)
     }
 
-    /// From the begin of a chord of this length that has the break at this share of it to the break, and from there to its end.
+    /// Moves the chord along the path so that the break divides it at this share of its length. Returns the vectors
+    /// from its begin to the break and from the break to its end.
     pub(crate) fn sides(&self, share: R) -> [[R; D]; 2] {
         let (begin, end) = if share == R::one().half() {
             let (first, beyond) = self.within;
@@ -112,8 +113,8 @@ impl<'a, R: Real, const D: usize> Chord<'a, R, D> {
         self.point(self.places.partition_point(|place| place.distance < distance), distance)
     }
 
-    /// The point at this distance, which is before place `next` and not before the one before that: by the cubic that has the
-    /// tangents of both, or straight on beyond the ends.
+    /// The point at a distance that lies between place `next` and the one before. It is on the cubic with the points
+    /// and tangents of both; beyond the ends, the path goes straight on.
     fn point(&self, next: usize, distance: R) -> [R; D] {
         let before = next.checked_sub(1).and_then(|place| self.places.get(place));
         match (before, self.places.get(next)) {

@@ -1,7 +1,8 @@
-//! The feed limit as a function of the distance along the path: samples, and lower values between them that are never above it.
+//! The feed limit as a function of the distance along the path: samples, and between them values that never exceed the
+//! limit.
 //!
-//! At a corner or a cusp, the limit is 0 at one point only: a *stop*. The feed there must be 0, and up to the
-//! neighbouring samples the neighbour's limit holds.
+//! At a corner or a cusp, the limit is 0 at one point only: a *stop*. The feed must be 0 there. On the way to each
+//! neighbouring sample, that neighbour's limit holds.
 
 use alloc::vec::Vec;
 
@@ -14,7 +15,7 @@ use crate::limit::scan::Scan;
 use crate::limit::stops::release_stops;
 use crate::{KinematicLimits, LimitPoint, PlanError};
 
-/// Between points less than 2⁴ roundings apart the parameter does not say where the path is.
+/// Between points that are less than 2⁴ roundings apart the parameter does not tell where the path is.
 const RESOLVED: i32 = 4;
 
 /// The largest feed that a path allows, as a function of the distance along it.
@@ -23,34 +24,39 @@ pub struct FeedLimit<R> {
     samples: Vec<LimitSample<R>>,
     /// Distances of the corners: where the tangent breaks.
     corners: Vec<R>,
-    /// The curves that begin at rest whatever their direction, and where: the path may go on there at another point.
+    /// The curves that begin at rest whatever their direction, with their distances. Such a curve may begin elsewhere
+    /// than the one before it ends.
     from_rest: Vec<(R, usize)>,
 }
 
 impl<R: Real> FeedLimit<R> {
     /// The limit along curves that follow each other, each starting where the one before ends.
     ///
-    /// The path is sampled at steps of at most about one period at full feed, finer where the limit bends;
-    /// each local minimum of the limit is found and becomes a point. Arc length is integrated along the way.
-    /// A break of the tangent becomes a stop when, passed at the feedrate F, it would cut the corner by more than the chord
+    /// The path is sampled at steps of at most about one period at full feed, finer where the limit bends; each local
+    /// minimum of the limit is found and becomes a point. Arc length is integrated along the way.
+    ///
+    /// A break of the tangent becomes a stop if it would, at the feedrate F, cut the corner by more than the chord
     /// error or change the velocity by more than A T: `θ > min(4E/(F T), A T/F)`. With another
-    /// [`Junction`](crate::Junction) it becomes a point with the feed that this allows, if that is below F. A point where C' vanishes, as in a cusp, is a stop too, and so are a point
-    /// whose limit is below F/4096 and the least limit of a bend whose radius there is below E/2, which a run a little off
-    /// its plan would skip.
+    /// [`Junction`](crate::Junction) it becomes a point with the feed that the junction allows, if that is below F.
+    /// Two more kinds of points are stops: a point where C' vanishes, as in a cusp; and the point with the least limit
+    /// of a bend, if the limit there is below F/4096 or the radius below E/2, since a run slightly off its plan would
+    /// skip the bend.
     ///
-    /// Breaks of the tangent that are no stops are judged together: the chord of each arc that the plan travels in a period leaves
-    /// the path by no more than 1.02 times the chord error, whether the arc passes lines, curves or breaks. With
-    /// [`Junction::Deviation`](crate::Junction) the deviation is allowed instead where it is larger; with
-    /// [`Junction::VelocityJump`](crate::Junction) a chord ends at a break that would be a stop. The chords of a run are as long as
-    /// these arcs, so over a sharp corner they reach further: a step over one corner stays within the deviation, a step over several
-    /// may exceed it. The breaks within a period take at most `1 + 2⁻⁸` times the centripetal acceleration, and the acceleration of
-    /// each axis, that a bend may take. The jerk of an axis at a break is not limited.
+    /// Breaks of the tangent that are no stops are judged together: the chord of each arc that the plan travels in a
+    /// period leaves the path by no more than 1.02 times the chord error, whether the arc passes lines, curves or
+    /// breaks. With [`Junction::Deviation`](crate::Junction) the deviation is allowed instead where it is larger; with
+    /// [`Junction::VelocityJump`](crate::Junction) a chord ends at a break that would be a stop. The chords of a run
+    /// are as long as these arcs, so over a sharp corner they reach further: a step over one corner stays within the
+    /// deviation, a step over several may exceed it. The breaks within a period take at most `1 + 2⁻⁸` times the
+    /// centripetal acceleration, and the acceleration of each axis, that a bend may take. The jerk of an axis at a
+    /// break is not limited.
     ///
-    /// Between two points the limit is tested at three places. What is narrower than a third of the finest
-    /// step, 2⁻²⁰ of a span, can be missed.
+    /// Between two points the limit is tested at three places. A bend narrower than a third of the finest step, 2⁻²⁰ of
+    /// a span, can be missed.
     ///
-    /// Within the chord error E of a stop, that error limits the feed no more than at E from it: no chord that starts and ends there
-    /// can leave the curve by more than E. The limits of the axes and of the centripetal acceleration hold up to the stop.
+    /// Within the chord error E of a stop, the chord error limits the feed no more than at the distance E from it: no
+    /// chord that starts and ends there can leave the curve by more than E. The limits of the axes and of the
+    /// centripetal acceleration hold up to the stop.
     ///
     /// # Errors
     /// [`PlanError::NotPositive`] for limits that [`validate`](KinematicLimits::validate) refuses,
@@ -63,8 +69,9 @@ impl<R: Real> FeedLimit<R> {
         Self::along_with_stops(curves, limits, &[])
     }
 
-    /// The same with a stop where each curve of `stops`, numbers in order, begins: exact stop, whatever the directions
-    /// and the [`Junction`](crate::Junction). Such a curve may begin elsewhere than the one before it ends.
+    /// As [`along`](Self::along), with a stop at the begin of each curve whose index is in `stops`. The indices must be
+    /// in order. Such an exact stop does not depend on the directions or on the [`Junction`](crate::Junction). Its
+    /// curve may begin elsewhere than the one before it ends.
     ///
     /// # Errors
     /// As [`along`](Self::along).
@@ -83,8 +90,8 @@ impl<R: Real> FeedLimit<R> {
         Ok(Self { from_rest: scan.curves_from_rest().to_vec(), ..limit })
     }
 
-    /// The same where no curve is travelled faster than its own feed, given by its index: the F words of a program. A feed above
-    /// the limit changes nothing, nor does one that is infinite.
+    /// Caps the limit on each curve at the curve's own feed, given by its index: the F words of a program. A feed above
+    /// the limit changes nothing, and may be infinite.
     ///
     /// # Errors
     /// [`PlanError::CurveFeedNotPositive`] names the first curve whose feed is zero, negative or not a number.
@@ -96,7 +103,7 @@ impl<R: Real> FeedLimit<R> {
         let mut before = self.samples.first().map_or(0, |sample| sample.point.curve);
         for sample in &mut self.samples {
             let feed = positive(sample.point.curve)?;
-            // Where a single point joins two curves, both feeds hold.
+            // At a single point between two curves, the feeds of both hold.
             let feed = if sample.is_single { feed.min(positive(before)?) } else { feed };
             before = sample.point.curve;
             let LimitSample { point, lower, lower_before, lower_after, .. } = sample;
@@ -107,13 +114,13 @@ impl<R: Real> FeedLimit<R> {
         Ok(self)
     }
 
-    /// A limit given by points, `V²` linear in the distance between them; a single point of feedrate 0 is a
+    /// A limit given by points. Between two of them `V²` is linear in the distance; a single point of feedrate 0 is a
     /// stop.
     ///
     /// Two points of the same distance make a jump. The first distance is 0.
     ///
     /// # Errors
-    /// [`PlanError::PointsOutOfOrder`] when a distance is less than the one before, or a number is none;
+    /// [`PlanError::PointsOutOfOrder`] when a distance is less than the one before, or a value is NaN;
     /// [`PlanError::PathEmpty`] when the last distance is 0.
     pub fn from_points(points: &[LimitPoint<R>]) -> Result<Self, PlanError> {
         let mut previous = R::zero();
@@ -132,7 +139,7 @@ impl<R: Real> FeedLimit<R> {
         Self::assemble(samples, Vec::new(), R::zero())
     }
 
-    /// The limit through complete samples; beside a stop the chord error limits nothing.
+    /// The limit through complete samples. Within `chord_error` of a stop, the chord error does not limit the feed.
     pub(crate) fn assemble(
         mut samples: Vec<LimitSample<R>>,
         corners: Vec<R>,
@@ -144,7 +151,7 @@ impl<R: Real> FeedLimit<R> {
         let mut margin_after = R::zero();
         for sample in samples.iter_mut().rev() {
             let margin = sample.margin.max(core::mem::replace(&mut margin_after, sample.margin));
-            // A single point is no end of a stretch over which the limit could dip.
+            // No stretch over which the limit could dip begins or ends with a single point.
             let margin = if sample.is_single { R::zero() } else { margin };
             *sample = sample.with_lower(lowered(sample.point.feedrate, margin));
         }
@@ -152,8 +159,8 @@ impl<R: Real> FeedLimit<R> {
         Ok(Self { samples, corners, from_rest: Vec::new() })
     }
 
-    /// The points, in order of distance. Points of the same distance are one-sided limits at a joint, with a
-    /// stop between them at a corner.
+    /// The points, in order of distance. Two points of the same distance are the limits on both sides of a joint; at a
+    /// corner a stop stands between them.
     #[must_use]
     pub fn points(&self) -> impl ExactSizeIterator<Item = &LimitPoint<R>> + Clone {
         self.samples.iter().map(|sample| &sample.point)
@@ -169,9 +176,9 @@ impl<R: Real> FeedLimit<R> {
         self.samples.last().map_or_else(R::zero, |sample| sample.point.distance)
     }
 
-    /// A lower bound of the limit at `distance`: what the planner keeps to.
+    /// A lower bound of the limit at `distance`, which the planner keeps.
     ///
-    /// Beyond the ends, the bound at the end; 0 at a distance that is no number.
+    /// Beyond the ends it is the bound at the end; for NaN it is 0.
     #[must_use]
     pub fn at(&self, distance: R) -> R {
         if distance.partial_cmp(&distance).is_none() {
@@ -206,7 +213,7 @@ impl<R: Real> FeedLimit<R> {
         Some(((from.point.distance, from.lower_after), (to.point.distance, to.lower_before)))
     }
 
-    /// The limit from `distance` on, distances as before.
+    /// The limit from `distance` on. Distances still count from the path's start.
     pub(crate) fn beginning_at(mut self, distance: R) -> Self {
         let next = self.count_up_to(distance);
         if next == 0 || next >= self.samples.len() || !(distance > R::zero()) {
@@ -222,13 +229,13 @@ impl<R: Real> FeedLimit<R> {
         self
     }
 
-    /// What the axes leave for the path between two points.
+    /// The acceleration and jerk that the axes leave for the path between two points.
     pub(crate) fn allowance(&self, from: usize, to: usize) -> Allowance<R> {
         let samples = self.samples.get(from + 1..to + 1).unwrap_or_default();
         samples.iter().fold(Allowance::unlimited(), |least, sample| least.min(sample.allowance))
     }
 
-    /// The same between two distances.
+    /// The acceleration and jerk that the axes leave for the path between two distances.
     pub(crate) fn allowance_over(&self, from: R, to: R) -> Allowance<R> {
         let before = self.count_before(from).saturating_sub(1);
         let after = self.count_before(to);
@@ -243,13 +250,13 @@ impl<R: Real> FeedLimit<R> {
         self.samples.iter().take(behind).skip(first).any(|sample| sample.bends)
     }
 
-    /// What rounding may have moved a distance by.
+    /// By how much rounding may have moved a distance.
     pub(crate) fn rounding(&self) -> R {
         R::resolution().scale(6) * self.length().max(R::one())
     }
 
-    /// Curve and parameter where a plan comes to rest: at the stop, or the path's end, nearest to `distance` where rounding
-    /// may have moved that.
+    /// Curve and parameter where a plan comes to rest. Rounding may have moved `distance`, so the place is the nearest
+    /// stop or the path's end.
     pub(crate) fn rest_at(&self, distance: R) -> (usize, R) {
         let rounding = self.rounding();
         let first = self.count_before(distance - rounding);
@@ -286,34 +293,34 @@ impl<R: Real> FeedLimit<R> {
         self.corners.get(passed..).unwrap_or_default()
     }
 
-    /// The curve that begins at rest, whatever its direction, at a distance that rounding may have moved.
+    /// The curve that begins at rest, whatever its direction, at `distance`, give or take rounding.
     pub(crate) fn begins_at_rest(&self, distance: R) -> Option<usize> {
         let rounding = self.rounding();
         let next = self.from_rest.partition_point(|(begin, _)| *begin < distance - rounding);
         self.from_rest.get(next).filter(|(begin, _)| *begin <= distance + rounding).map(|(_, curve)| *curve)
     }
 
-    /// The first curve that begins at rest, whatever its direction, beyond a distance, and where.
+    /// The first curve beyond `distance` that begins at rest whatever its direction, with the distance of its begin.
     pub(crate) fn next_from_rest(&self, distance: R) -> Option<(R, usize)> {
         let beyond = distance + self.rounding();
         let next = self.from_rest.partition_point(|(begin, _)| *begin <= beyond);
         self.from_rest.get(next).copied()
     }
 
-    /// Whether the parameter tells places apart everywhere: between knots a few roundings apart there are none, though the path may
-    /// be long there.
+    /// Whether the parameter tells places apart everywhere. Between knots that are a few roundings apart it does not,
+    /// though the path between them may be long.
     pub(crate) fn is_resolved(&self) -> bool {
         self.samples.windows(2).all(is_resolved)
     }
 
-    /// The same near `distance`.
+    /// Whether the parameter tells places apart near `distance`.
     pub(crate) fn is_resolved_at(&self, distance: R) -> bool {
         let next = self.count_before(distance);
         let pair = next.checked_sub(1).and_then(|before| self.samples.get(before..=next));
         pair.is_none_or(is_resolved)
     }
 
-    /// Curve and parameter at `distance`: the inverse of the arc length, between points by the cubic that has
+    /// Curve and parameter at `distance`: the inverse of the arc length. Between two points it is the cubic that has
     /// `du/ds = 1/|C'|` at both.
     #[must_use]
     pub fn parameter_at(&self, distance: R) -> (usize, R) {
@@ -339,7 +346,7 @@ impl<R: Real> FeedLimit<R> {
     }
 }
 
-/// Whether the parameter tells places between neighbouring points apart, if the path goes anywhere between them.
+/// Whether the parameter tells places between two neighbouring points apart, or the path has no length between them.
 fn is_resolved<R: Real>(pair: &[LimitSample<R>]) -> bool {
     let [LimitSample { point: a, .. }, LimitSample { point: b, .. }] = pair else { return true };
     let rounding = R::resolution() * a.u.abs().max(b.u.abs());
@@ -370,7 +377,7 @@ mod tests {
         limit.samples().iter().fold(f64::MAX, |least, sample| least.min(sample.lower))
     }
 
-    /// Where the limit comes to 0.
+    /// The points at which the limit is 0.
     fn rests(limit: &FeedLimit<f64>) -> Vec<LimitPoint<f64>> {
         limit.samples().iter().filter(|sample| sample.lower == 0.0).map(|sample| sample.point).collect()
     }
@@ -406,8 +413,8 @@ mod tests {
 
     #[test]
     fn a_span_is_walked_to_its_end_in_small_steps() {
-        // In the fourth span a step of the finest width was refused for ever: rounding had made it a little
-        // wider, and the rest of the span became one stretch of 15 mm.
+        // In the fourth span the walk once refused a step of the finest width for ever: rounding had made the step
+        // slightly wider. The rest of the span became one stretch of 15 mm.
         let points = [
             [0., 0.],
             [0., 0.],
@@ -490,7 +497,7 @@ mod tests {
         };
         assert!(stops(&[]).is_empty());
         assert_eq!(stops(&[1]), [(1, 10.0)]);
-        // The start is at rest anyhow.
+        // The first curve begins at rest anyway.
         assert_eq!(stops(&[0, 1, 2]), [(1, 10.0), (2, 20.0)]);
     }
 
@@ -505,7 +512,7 @@ mod tests {
         assert_eq!((stops(0.0033), stops(0.0034)), (0, 1));
     }
 
-    /// Breaks below the one at which a stop is made were passed at full feed whatever the junction allowed.
+    /// A break too small for a stop was once passed at full feed whatever the junction allowed.
     #[test]
     fn a_small_break_keeps_the_limit_of_its_junction() {
         let angle = 0.0033;
@@ -577,8 +584,9 @@ mod tests {
         }
     }
 
-    /// F/4096 is 0.05 mm a period, a hundred times the chord error: each place with a limit below that was a stop, and each
-    /// released what was beside it, so that of a bend of some tenths of a mm one stop was left, and no limit.
+    /// F/4096 is 0.05 mm a period, a hundred times the chord error. Each place with a limit below that was once a stop,
+    /// and each stop released the places beside it. Of a bend of some tenths of a mm a single stop was left, and no
+    /// limit.
     #[test]
     fn beside_the_stop_in_a_bend_its_limit_holds() {
         let limits = KinematicLimits { feedrate: 200.0, ..paper_limits() };
@@ -599,7 +607,7 @@ mod tests {
         assert!(slow > 20, "{slow}");
     }
 
-    /// The limit of the next point held from the stop on, 30 mm before it.
+    /// From the stop on, the limit of the next point was once held: that point was 30 mm away.
     #[test]
     fn a_stop_releases_the_limit_within_the_chord_error_only() {
         let points =
@@ -642,8 +650,8 @@ mod tests {
         }
     }
 
-    /// Where the speed along a curve changes a thousandfold within a span, distances were once off by half of a stretch, and
-    /// what a stage was shortened by with them.
+    /// Where the speed along a curve changes a thousandfold within a span, distances were once off by half of a
+    /// stretch, and so were the lengths by which stages were shortened.
     #[test]
     fn parameters_follow_the_arc_length_where_the_speed_changes_much() {
         let points = vec![[0.0, 0.0], [40.0, 30.0], [80.0, 0.0]];

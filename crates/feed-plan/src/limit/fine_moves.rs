@@ -1,36 +1,42 @@
-//! Moves finer than a step: the feed at which no chord of one period leaves the path by more than the chord error, however many
-//! breaks of the tangent it passes.
+//! Moves finer than a step: the feed at which the chord of a period leaves the path by no more than the chord error,
+//! however many breaks of the tangent it passes.
 //!
-//! A chord from p before a place c of the path to q behind it leaves that place by the distance of it from the line through the
-//! chord's ends. With `A = C(c) - C(c-p)`, `B = C(c+q) - C(c)`, that is the part across A + B of
+//! Let a chord go from p before a place c of the path to q behind it. It leaves the place by the place's distance from
+//! the line through the chord's ends. With `A = C(c) - C(c-p)`, `B = C(c+q) - C(c)`, that distance is the part across A
+//! + B of
 //!
 //! ```text
 //! h = (q A - p B) / (p + q)
 //! ```
 //!
-//! In the middle, p = q = L/2, h is half of A - B: for breaks of the tangent by Δe_k at distances d_k along the path
-//! `¼ Σ Δe_k (L - 2 d_k)`, for a curvature κ `κ L²/8`, and their sum where there is both. One formula serves lines, curves and what
-//! joins them.
+//! In the middle, p = q = L/2, h is half of A - B. For breaks of the tangent by Δe_k at distances d_k along the path it
+//! is `¼ Σ Δe_k (L - 2 d_k)`, for a curvature κ it is `κ L²/8`, and where there is both it is the sum. One formula
+//! serves lines, curves and their joints.
 //!
-//! For turns of one sign a chord is farthest from the path at a break. So at each break the chord is lengthened
-//! until h is more than is allowed: the first such length L, not the greatest without, since a wave as long as a chord hides from it.
-//! Between two lengths at which an end of the chord passes a break, h is convex: it is greatest at one of them. Then `V ≤ L/T`
-//! holds for L/2 on both sides of the break, and up to the sample beyond. The middle is not quite where a chord over two breaks is
-//! farthest from the path: of two alike, half a chord apart, it is at 3/8 of its length, by an eighth more. So chords that have the
-//! break up to an eighth off their middle are looked at as well where the middle comes near.
+//! For turns of one sign a chord is farthest from the path at a break. So at each break the chord is lengthened until h
+//! is more than is allowed. The limit comes from the first such length L, not from the greatest length with an allowed
+//! h, since a wave as long as a chord hides from the chord. Between two lengths at which an end of the chord passes a
+//! break, h is convex: it is greatest at one of the two. Then `V ≤ L/T` holds for L/2 on both sides of the break, and
+//! up to the sample beyond.
 //!
-//! What is allowed is exceeded by 2⁻⁸ ([`SLACK`]) before a limit is set. So breaks in a row of the same shape share one limit,
-//! a break that is passed slowly enough anyway costs no more than one look, and plans over joints that are smooth but for rounding
-//! stay what they were.
+//! A chord over two breaks is not quite farthest from the path where a break is in its middle. For two equal breaks,
+//! half a chord apart, it is farthest at 3/8 of its length, by an eighth more than in the middle. So where the middle
+//! comes near the allowed distance, chords that have the break up to an eighth off their middle are tested as well.
 //!
-//! A corner that [`Junction::Deviation`] lets be passed has a feed of its own, and that holds for a whole step V T on both sides: a
-//! period over the corner begins and ends within, however fast the feed rises beyond ([`FineMoves::step_over_corner`]).
+//! A limit is set only where the allowed distance is exceeded by 2⁻⁸ ([`SLACK`]). So breaks in a row of the same shape
+//! share one limit, a break that the plan passes slowly anyway costs a single test, and plans over joints that are
+//! smooth up to rounding stay the same.
 //!
-//! The same difference says what turning takes of accelerations. Two steps of V T over the place change the step by A - B, p = q = V T,
-//! in a period: so the part of that across the path stays within a_n T², and each of its components within what the axis has left
-//! beside the path's reserve, for V T on both sides. A break that takes more alone was passed by its own rule, and may.
+//! A corner that is passed with [`Junction::Deviation`] has a feed of its own. That feed holds for a whole step V T on
+//! both sides. So a period over the corner begins and ends within these steps, however fast the feed rises beyond them
+//! ([`FineMoves::step_over_corner`]).
 //!
-//! A stop ends a chord. What is beyond it is taken as going straight on, and so it is beyond the path's ends.
+//! The difference A - B also gives the accelerations that turning needs. With p = q = V T, two steps over the place
+//! change the step by A - B in a period. So the part of A - B across the path stays within a_n T², and each of its
+//! components stays within the axis's limit less the path's reserve, for V T on both sides. If a break alone needs
+//! more, its own rule has allowed that, and it is passed.
+//!
+//! A stop ends a chord. Beyond a stop, and beyond the path's ends, the path is taken to go straight on.
 
 use alloc::collections::VecDeque;
 use alloc::vec::Vec;
@@ -45,32 +51,33 @@ use crate::limit::span_walk::tangent_rounding;
 use crate::limit::vector::{across, difference, sum, unit};
 use crate::{Junction, KinematicLimits, LimitPoint};
 
-/// A chord is lengthened by 2⁻⁴ at least, where breaks are denser than that.
+/// Where breaks are denser than that, a chord is lengthened by at least 2⁻⁴ of itself.
 const LENGTHENING: i32 = -4;
-/// From 2⁻⁴⁰ of the longest chord on, that is so many times.
+/// Most lengthenings: that many lead from 2⁻⁴⁰ of the longest chord to the longest.
 const MOST_LENGTHENINGS: usize = 512;
-/// A chord that is shorter than the one found by no more than 2⁻⁷, or longer by 2⁻¹¹, is as good.
+/// The last chord is used again if it is shorter than the one found by at most 2⁻⁷ of it, or longer by at most 2⁻¹¹.
 const EVEN: i32 = -7;
-/// The share of what the axes may spend on turning from which on the path leaves it to them: 2⁻⁴.
+/// If turning uses more than this share of the axes' limits for turning, 2⁻⁴, the path keeps to its reserve.
 const NOTICEABLE: i32 = -4;
-/// Where h in the middle is below 1 - 2⁻² of what is allowed, it is nowhere above.
+/// Where h in the middle is at most 1 - 2⁻² of the allowed distance, h exceeds that distance nowhere.
 const NEAR: i32 = -2;
-/// Where else in a chord a break is looked at, in sixteenths of it. Without 7 and 9, chords along random moves leave them by up to
-/// 1.04 of what is allowed; with them, by 1.01.
+/// Other places within a chord at which a break is tested, in sixteenths of the chord. Without 7 and 9, chords along
+/// random moves leave them by up to 1.04 of the allowed distance; with them, by 1.01.
 const OFF_MIDDLE: [i32; 4] = [6, 7, 9, 10];
-/// What a million of its kind within a step do not add up to the chord error with is no break: 2⁻²⁰ of the one that does alone.
+/// Breaks under 2⁻²⁰ of the one that alone uses up the chord error are ignored: a million of them within a step stay
+/// within the chord error.
 const NOTABLE: i32 = -20;
-/// Places kept at least before any are forgotten.
+/// Places are not forgotten before there are at least this many.
 const FEW: usize = 64;
 
-/// The path as far as a chord reaches, and the breaks that were not looked at yet.
+/// The path as far as a chord reaches, and the breaks that have not been tested yet.
 #[derive(Debug)]
 pub(crate) struct FineMoves<R, const D: usize> {
-    /// In order; two of the same distance where the tangent breaks.
+    /// Places in order; where the tangent breaks, two of them have the same distance.
     places: Vec<Place<R, D>>,
-    /// How many places there are when some are forgotten.
+    /// At this number of places some are forgotten.
     full: usize,
-    /// Their distances, in order. The path beyond them is not known far enough yet.
+    /// The distances of breaks, in order, beyond which the path is not known far enough yet.
     breaks: VecDeque<R>,
     /// Largest difference of unit tangents that is no break.
     negligible: R,
@@ -80,9 +87,9 @@ pub(crate) struct FineMoves<R, const D: usize> {
     period: R,
     /// The distance between chord and path that is allowed.
     allowed: R,
-    /// The distance that a corner alone may be cut by, with [`Junction::Deviation`].
+    /// The distance by which a single corner may be cut, with [`Junction::Deviation`].
     deviation: Option<R>,
-    /// What may be spent on turning: `a_n T²`, and that of the axes.
+    /// The limits for turning: `a_n T²` across the path, and the budget of the axes.
     across: Option<R>,
     budget: Option<AxisBudget<R>>,
     /// Half of the last chord that limited the feed.
@@ -119,12 +126,12 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
         }
     }
 
-    /// The path goes on here, with this tangent.
+    /// Adds a place from which the path goes on with this tangent.
     pub(crate) fn pass(&mut self, distance: R, point: [R; D], tangent: [R; D]) {
         self.places.push(Place { distance, point, tangent });
     }
 
-    /// The path goes on from where it is known to, with another tangent; the difference has this length.
+    /// From its known end the path goes on with another tangent; `turn` is the length of the tangents' difference.
     pub(crate) fn turn(&mut self, turn: R, tangent: [R; D]) {
         let Some(end) = self.places.last().copied().filter(|_| self.is_break(turn)) else { return };
         self.places.push(Place { tangent, ..end });
@@ -133,12 +140,12 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
         }
     }
 
-    /// Whether such a difference of unit tangents is a break.
+    /// Whether unit tangents whose difference has this length make a break.
     pub(crate) fn is_break(&self, turn: R) -> bool {
         turn > self.negligible
     }
 
-    /// Whether a chord over the last break reaches farther than the path is known: only there its places matter.
+    /// Whether a chord over the last break reaches beyond the known path. Only there are the places of the path needed.
     pub(crate) fn is_waiting(&self) -> bool {
         self.breaks.back().zip(self.places.last()).is_some_and(|(at, end)| end.distance - *at < self.reach)
     }
@@ -148,8 +155,9 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
         self.places.is_empty()
     }
 
-    /// Learns the places that a chord over a break at the last sample would reach before it, as far as they are on the same curve:
-    /// where no break is, a path is passed without. `place_at` gives point and tangent at a parameter.
+    /// Adds the places before the last sample that a chord over a break at that sample would reach, as far as they are
+    /// on the same curve. They are missing because a path without breaks is not recorded. `place_at` gives point and
+    /// tangent at a parameter.
     pub(crate) fn recall(
         &mut self,
         samples: &[LimitSample<R>],
@@ -168,7 +176,7 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
                 self.pass(point.distance, at, tangent);
             }
             if point.distance <= end.distance - self.reach {
-                // What was known before does not lead up to here.
+                // The places that were known before do not lead up to here.
                 self.places.drain(..known);
                 self.places.reverse();
                 return;
@@ -179,7 +187,7 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
         }
     }
 
-    /// Ends the path, and with it every chord: what follows begins anew.
+    /// Ends the path and every chord on it. The next place begins a new path.
     pub(crate) fn end(&mut self, samples: &mut Vec<LimitSample<R>>) {
         while let Some(at) = self.breaks.pop_front() {
             self.limit_at(at, samples);
@@ -187,7 +195,8 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
         self.places.clear();
     }
 
-    /// Lowers the samples around each break that the path is known far enough beyond, and forgets what no chord reaches any more.
+    /// Lowers the samples around each break beyond which the path is known far enough. Forgets places that no chord
+    /// reaches any more.
     pub(crate) fn settle(&mut self, samples: &mut Vec<LimitSample<R>>) {
         let Some(end) = self.places.last().map(|place| place.distance) else { return };
         while let Some(at) = self.breaks.front().copied().filter(|at| end - *at >= self.reach) {
@@ -202,7 +211,7 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
         }
     }
 
-    /// The distance from which on limits may still be lowered, of a path that goes on at `end`.
+    /// For a path that goes on at `end`: the distance from which on limits may still be lowered.
     pub(crate) fn open_from(&self, end: R) -> R {
         self.breaks.front().copied().unwrap_or(end) - self.reach
     }
@@ -217,7 +226,7 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
         let half_at =
             |most: R, sample: &LimitSample<R>| most.min((sample.point.feedrate * self.period).half());
         let half_there = here.clone().fold(self.half_step, half_at);
-        // What holds at one point alone says nothing of the period over it.
+        // A limit at one point alone does not hold for the period over the point.
         let mut half = here.filter(|sample| !sample.is_single).fold(self.half_step, half_at);
         if let Some(least) = self.first_too_long(at, half, self.allowed, |chord| self.error(chord)) {
             let least = self.as_before(least);
@@ -229,20 +238,23 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
         }
     }
 
-    /// The longest step that cuts a corner at this distance by no more than the deviation δ, if full feed makes longer ones.
+    /// The longest step that cuts a corner at this distance by no more than the deviation δ; `None` if steps at full
+    /// feed do.
     ///
-    /// A setpoint is as far from the last one as the plan's step c is long. Of all such chords over a turn by φ, that from as far before
-    /// the corner as behind it leaves it by most, `c/2 tan(φ/2)`; and none by more than c, for it begins within c of the corner.
+    /// A setpoint is as far from the last one as the plan's step c is long. Over a turn by φ, the chord of length c
+    /// that begins as far before the corner as it ends behind it leaves the corner by most: by `c/2 tan(φ/2)`. No chord
+    /// leaves the corner by more than c, for it begins within c of the corner.
     fn step_over_corner(&self, at: R) -> Option<R> {
         let (deviation, (along, turn)) = (self.deviation?, self.turn_at(at)?);
         let (cosine, sine) = (R::norm(&along), R::norm(&turn));
         let (most, across) = (self.half_step + self.half_step, deviation.scale(1) * cosine);
-        // Without a quotient, which a small turn makes large.
+        // Compares without a quotient, which would be large for a small turn.
         (deviation < most && across < most * sine).then(|| deviation.max(across / sine))
     }
 
-    /// Limits the feed by what may be spent on turning, where a step is no longer than `step` anyway. Where the breaks turn the path
-    /// noticeably, the path keeps to its reserve of acceleration, as in a bend: of straight moves it has all that the axes can do.
+    /// Limits the feed by the accelerations that turning needs; `step` is the longest step that other limits leave.
+    /// Where breaks turn the path noticeably, the path keeps to its reserve of acceleration, as in a bend. On straight
+    /// moves it may use all that the axes have.
     fn limit_turning(&self, at: R, step: R, samples: &mut Vec<LimitSample<R>>) {
         let alone = self
             .turn_at(at)
@@ -262,7 +274,8 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
         }
     }
 
-    /// This half of a chord, or the one before where that is as good: what turns evenly has one limit, not one a break.
+    /// This half of a chord, or the last one if that is close enough: an even turn has one limit, not one for each
+    /// break.
     fn as_before(&mut self, half: R) -> R {
         let before = self.last_half;
         let is_as_good = before >= half - half.scale(EVEN) && before <= half + half.scale(EVEN - 4);
@@ -272,8 +285,8 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
         self.last_half
     }
 
-    /// Half of the shortest chord over the break at this distance of which `measure` is above what is allowed, if that is below
-    /// `most`.
+    /// Half of the shortest chord over the break at this distance for which `measure` exceeds `allowed`; `None` if that
+    /// is not below `most`.
     fn first_too_long(
         &self,
         at: R,
@@ -300,7 +313,8 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
         None
     }
 
-    /// By how much the chord leaves the path at the break, or one of the same length does that has it at another place.
+    /// By how much the chord leaves the path at the break: the most over chords of this length with the break in other
+    /// places.
     fn error(&self, chord: &Chord<'_, R, D>) -> R {
         let one_half = R::one().half();
         let middle = self.across(chord, one_half);
@@ -311,30 +325,31 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
         off_middle.fold(middle, |most, share| most.max(self.across(chord, share)))
     }
 
-    /// The distance of the break from a chord of this length that has it at this share of it.
+    /// The distance of the break from a chord of this length that the break divides at this share.
     fn across(&self, chord: &Chord<'_, R, D>, share: R) -> R {
         let [before, behind] = chord.sides(share);
         let rest = R::one() - share;
         let offset: [R; D] = core::array::from_fn(|d| rest * before[d] - share * behind[d]);
         let length = R::norm(&offset);
-        // Distances along the path are rounded, and that says nothing about the chord's error.
+        // An offset this short may be a rounding of distances along the path, which is no error of the chord.
         if length <= self.allowed { length } else { R::norm(&across(&offset, &sum(&before, &behind))) }
     }
 
-    /// The share that the path's turning takes of what may be spent on it where half of the chord is travelled in a period.
+    /// The share of the accelerations for turning that the path uses if half of the chord is travelled in a period.
     fn strain_over(&self, chord: &Chord<'_, R, D>) -> R {
         let (along, change) = Self::turn_over(chord);
         self.strain(&along, &change)
     }
 
-    /// The way of the chord, and what turns from its first half to its second.
+    /// The vector of the whole chord, and the difference of its two halves across that vector.
     fn turn_over(chord: &Chord<'_, R, D>) -> ([R; D], [R; D]) {
         let [before, behind] = chord.sides(R::one().half());
         let along = sum(&before, &behind);
         (along, across(&difference(&behind, &before), &along))
     }
 
-    /// The same of a change of the step, in a period, of a path in this direction.
+    /// The share of the accelerations for turning that a path in the direction `along` uses if its step changes by
+    /// `change` in a period.
     fn strain(&self, along: &[R; D], change: &[R; D]) -> R {
         let of_axes = self.budget.map_or_else(R::zero, |budget| {
             let square = self.period * self.period;
@@ -398,7 +413,7 @@ mod tests {
         }
     }
 
-    /// The distances along the plan, eight a period.
+    /// The distances along the plan, at eight times in each period.
     fn places(limit: &FeedLimit<f64>, limits: &KinematicLimits<f64>, kind: ProfileKind) -> Vec<f64> {
         let plan = plan_with(limit, limits, EndFeeds::default(), kind).unwrap();
         let (place, schedule) = (place_at(plan.stages()), plan.as_schedule());
@@ -406,7 +421,7 @@ mod tests {
         times.map(place).collect()
     }
 
-    /// The largest error of a chord of one period along the plan, at eight phases, that passes no stop.
+    /// The largest error of a one-period chord along the plan that passes no stop, at eight phases.
     fn worst_chord(
         track: &Track,
         limit: &FeedLimit<f64>,
@@ -425,14 +440,14 @@ mod tests {
         test_paths::limit_along(&polyline(points), limits)
     }
 
-    /// Moves over an arc that begins at the origin, along x.
+    /// Moves along an arc that begins at the origin in the direction of x.
     fn arc(radius: f64, step: f64, angle: f64) -> Vec<[f64; 2]> {
         let count = (0..).take_while(|i| f64::from(*i) * step < radius * angle).count();
         let at = |i: usize| angle * i as f64 / count as f64;
         (0..=count).map(|i| [radius * at(i).sin(), radius * (1.0 - at(i).cos())]).collect()
     }
 
-    /// The least and the greatest limit, but for a tenth of the path at each end.
+    /// The least and the greatest limit, without a tenth of the path at each end.
     fn range(limit: &FeedLimit<f64>) -> (f64, f64) {
         (100..=900)
             .map(|i| limit.at(limit.length() * f64::from(i) / 1000.0))
@@ -441,13 +456,15 @@ mod tests {
 
     /// E, mm.
     const ALLOWED: f64 = 5e-4;
-    /// E and the slack, and what a chord makes of it that is not centred at a break and has another feed at its ends.
+    /// E with the slack, and with an allowance for chords that are not centred at a break and whose ends have different
+    /// feeds.
     const WORST: f64 = ALLOWED * 1.02;
 
     #[test]
     fn a_circle_of_fine_moves_is_limited_as_a_circle() {
-        // Of the chord, 0.063 to 0.49 mm, a move is 1/63 to a tenth. The fewer there are, the more the first and the last matter:
-        // a chord over n breaks may be longer or shorter than that of the circle by about 1/(2 n).
+        // A chord is 0.063 to 0.49 mm long, a move 1/63 to a tenth of that. The fewer moves a chord has, the more its
+        // first and last move matter: a chord over n breaks may be longer or shorter than the chord of the circle by
+        // about 1/(2 n).
         for (radius, step, less) in [
             (1.0, 0.001, 5e-3),
             (10.0, 0.01, 5e-3),
@@ -468,7 +485,8 @@ mod tests {
         }
     }
 
-    /// At 4E/(F T) each break of 10 µm moves round 1 mm would be a stop; with another junction it is passed.
+    /// With stops at 4E/(F T), each break of 10 µm moves along a radius of 1 mm would be a stop; with another junction
+    /// it is passed.
     #[test]
     fn other_junctions_do_not_hide_what_breaks_do_together() {
         let points = arc(1.0, 0.01, 6.0);
@@ -487,7 +505,7 @@ mod tests {
             let worst = worst_chord(&Track::of(&points), &limit, &with(junction), ProfileKind::Cubic);
             assert!(worst <= 1.01 * allowed, "{junction:?}: {worst}");
         }
-        // Breaks that are below 4E/(F T), and of which the velocity may jump by each.
+        // Breaks that are below 4E/(F T), each within the velocity jump that is allowed.
         let limit = limit_along(&arc(10.0, 0.01, 1.0), &with(Junction::VelocityJump([1.0; 3])));
         let (least, most) = range(&limit);
         let expected = chord_feedrate(10.0, ALLOWED, 1.0);
@@ -510,7 +528,7 @@ mod tests {
         assert!(breaks.clone().filter(|turn| *turn > 5e-4).count() > 1000);
     }
 
-    /// The change of the step, in a period, that the plan asks of each axis and across the path, at eight phases.
+    /// The largest change of the step in a period, for each axis and across the path, at eight phases of the plan.
     fn most_change(track: &Track, limit: &FeedLimit<f64>, limits: &KinematicLimits<f64>) -> ([f64; 2], f64) {
         let places = places(limit, limits, ProfileKind::SCurve);
         let (mut of_axes, mut across) = ([0.0_f64; 2], 0.0_f64);
@@ -529,7 +547,7 @@ mod tests {
     fn turning_takes_no_more_than_it_may_of_accelerations() {
         let points = arc(5.0, 5e-3, 6.0);
         let track = Track::of(&points);
-        // √(a_n ρ) = 0.1; by the chord error it would be 0.141.
+        // By the centripetal acceleration the feed is √(a_n ρ) = 0.1; by the chord error it would be 0.141.
         let limits = KinematicLimits { centripetal_acceleration: Some(2e-3), ..paper_limits() };
         let limit = limit_along(&points, &limits);
         let (least, most) = range(&limit);
@@ -537,7 +555,7 @@ mod tests {
         let (_, across) = most_change(&track, &limit, &limits);
         assert!(across <= 2e-3 * 1.01, "{across}");
 
-        // By the axes, as fast as along the circle itself.
+        // With limits of the axes the feed is the same as along the circle itself.
         let axis = AxisLimits { acceleration: Some(2e-3), ..AxisLimits::default() };
         let limits = KinematicLimits { axes: [axis; 3], ..paper_limits() };
         let limit = limit_along(&points, &limits);
@@ -552,7 +570,7 @@ mod tests {
         assert!(found > 0.95 * expected, "{found} for {expected}");
     }
 
-    /// A wave as long as the step at full feed: chords from crest to crest do not see it.
+    /// A wave as long as the step at full feed: a chord from crest to crest does not leave it.
     #[test]
     fn a_wave_as_long_as_a_step_does_not_hide() {
         let wave = |amplitude: f64| {
@@ -573,7 +591,7 @@ mod tests {
 
     #[test]
     fn a_spiral_is_limited_by_its_radius_everywhere() {
-        // ρ = 6 - s/5 down to 1 mm and back.
+        // The radius falls along the path, ρ = 6 - s/5, down to 1 mm, and rises again.
         let (mut angle, mut points, mut radii) = (0.0_f64, vec![[0.0, 0.0]], Vec::new());
         for i in 0..=25_000_u32 {
             let radius = 1.0 + (f64::from(i) * 2e-3 - 25.0).abs() / 5.0;
@@ -585,14 +603,14 @@ mod tests {
         let limit = limit_along(&points, &paper_limits());
         for (i, radius) in radii.iter().enumerate().take(24_500).skip(500).step_by(100) {
             let (found, expected) = (limit.at(2e-3 * i as f64), chord_feedrate(*radius, ALLOWED, 1.0));
-            // The least radius that a chord of up to 0.15 mm meets is up to 0.015 mm less.
+            // A chord of up to 0.15 mm meets radii that are up to 0.015 mm less.
             assert!((0.975..1.005).contains(&(found / expected)), "{i}: {found} of {expected}");
         }
         let worst = worst_chord(&Track::of(&points), &limit, &paper_limits(), ProfileKind::Cubic);
         assert!(worst <= WORST, "{worst}");
     }
 
-    /// A quarter of a circle of 2 mm as a curve, and on in moves of 2 µm; and the other way round.
+    /// A quarter of a circle of 2 mm as a curve that goes on in moves of 2 µm, and moves that go on in such a curve.
     #[test]
     fn moves_that_go_on_from_an_arc_are_limited_as_it_is() {
         let half = 0.5_f64.sqrt();
@@ -617,7 +635,8 @@ mod tests {
         assert!(worst <= WORST, "{worst}");
     }
 
-    /// Between two arcs of 0.5 mm in fine moves, 20 mm of straight: its limit is that of no break.
+    /// Two arcs of 0.5 mm in fine moves with 20 mm of straight line between them: no break lowers the limit of the
+    /// line.
     #[test]
     fn beyond_half_a_chord_the_limit_is_what_it_was() {
         let mut points = arc(0.5, 1e-3, 1.0);
@@ -631,11 +650,11 @@ mod tests {
         assert_eq!(limit.at(bend + chord + 0.6), 0.6);
     }
 
-    /// What is passed at a stop is passed by no chord.
+    /// No chord passes a break at a stop.
     #[test]
     fn a_chord_ends_at_a_stop() {
         let limits = paper_limits();
-        // Two turns by 0.003 that one chord must not pass at full feed, and a stop in between.
+        // Two turns by 0.003, which one chord must not pass at full feed, with a stop between them.
         let turn = |angle: f64, length: f64| [length * angle.cos(), length * angle.sin()];
         let chain = |moves: &[[f64; 2]]| {
             let mut points = vec![[0.0, 0.0]];
@@ -652,7 +671,7 @@ mod tests {
         let least = |limit: &FeedLimit<f64>| {
             limit.samples().iter().fold(f64::MAX, |least, sample| least.min(sample.lower.max(1e-9)))
         };
-        // From L/2 - 0.05 before the first one, 0.003 (L - 0.1)²/(2 L) = E: L = 0.514.
+        // The chord begins L/2 - 0.05 before the first turn: 0.003 (L - 0.1)²/(2 L) = E, so L = 0.514.
         let joined = along(&[]);
         assert!((least(&joined) - 0.514).abs() < 0.003, "{}", least(&joined));
         let stopped = along(&[2]);
@@ -680,7 +699,8 @@ mod tests {
         assert!(least > 0.9 && most < 1.02, "{least} to {most}");
     }
 
-    /// Moves of much less or about the length of a step, with turns below that of a stop to one side or to both.
+    /// Moves much shorter than a step or about as long, whose turns are smaller than that of a stop, to one side or to
+    /// both.
     fn random_path() -> impl Strategy<Value = Vec<[f64; 2]>> {
         let scale = prop_oneof![Just(0.002), Just(0.02), Just(0.1), Just(0.4)];
         let moves = prop::collection::vec((0.1..1.0_f64, -1.0..1.0_f64), 20..300);

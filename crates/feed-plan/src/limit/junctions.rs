@@ -1,4 +1,4 @@
-//! Junctions: where one span ends and the next begins, and the feed at which a break of the tangent is passed there.
+//! Junctions between one span and the next, and the feed at which a plan passes a break of the tangent there.
 
 use real::Real;
 
@@ -7,7 +7,7 @@ use crate::limit::span_walk::{Sample, tangent_rounding};
 use crate::limit::vector::difference;
 use crate::{Junction, KinematicLimits};
 
-/// What changes where a span begins.
+/// The change of direction and curvature where a span begins.
 pub(crate) struct Turn<R, const D: usize> {
     /// The difference e₂ - e₁ of the unit tangents, and its length.
     difference: [R; D],
@@ -17,7 +17,7 @@ pub(crate) struct Turn<R, const D: usize> {
 }
 
 impl<R: Real, const D: usize> Turn<R, D> {
-    /// From where a span ends, with this tangent and curvature vector, to where the next begins.
+    /// The change from the end of a span, with this tangent and curvature vector, to the begin of the next.
     pub(crate) fn between((end_tangent, end_bend): ([R; D], [R; D]), first: &Sample<R, D>) -> Self {
         let turn = difference(&first.tangent, &end_tangent);
         Self { difference: turn, size: R::norm(&turn), bend_step: difference(&first.bend, &end_bend) }
@@ -48,13 +48,13 @@ impl<'l, R: Real> Junctions<'l, R> {
         turn.size > self.rounding
     }
 
-    /// Whether the velocity jumps there, as [`Junction::VelocityJump`] allows: then no chord passes over the break.
+    /// Whether the velocity jumps there, as [`Junction::VelocityJump`] allows. If so, no chord passes the break.
     pub(crate) fn is_jump<const D: usize>(&self, turn: &Turn<R, D>) -> bool {
         matches!(self.limits.junction, Junction::VelocityJump(_)) && turn.size > self.break_tolerance
     }
 
-    /// The feed at the point where a span begins, if the tangent breaks there, or the curvature steps more than the axes can
-    /// follow.
+    /// The feed at the point where a span begins, if the tangent breaks there or if the curvature steps by more than
+    /// the axes can follow.
     pub(crate) fn feed<const D: usize>(&self, turn: &Turn<R, D>) -> Option<R> {
         let &Turn { difference, size: turn, bend_step } = turn;
         let feedrate = self.limits.feedrate;
@@ -67,7 +67,7 @@ impl<'l, R: Real> Junctions<'l, R> {
                     feedrate
                 }
             }
-            // Where the tangents' own rounding error could be all of it, it is no break for anybody.
+            // If rounding of the tangents may account for all of the turn, no junction takes it for a break.
             _ if !(turn > self.rounding) => feedrate,
             Junction::Deviation(deviation) if is_break || self.deviates(turn, deviation) => {
                 self.feed_by_deviation(turn, deviation)
@@ -92,8 +92,8 @@ impl<'l, R: Real> Junctions<'l, R> {
         (feed < feedrate).then_some(feed)
     }
 
-    /// Whether full feed is above [`feed_by_deviation`](Self::feed_by_deviation), without a quotient, which a small turn makes
-    /// large.
+    /// Whether full feed is above [`feed_by_deviation`](Self::feed_by_deviation), found without a quotient, which would
+    /// be large for a small turn.
     fn deviates(&self, turn: R, deviation: R) -> bool {
         let sine = turn.half();
         let cosine = (R::one() - sine * sine).sqrt();
@@ -101,7 +101,7 @@ impl<'l, R: Real> Junctions<'l, R> {
         across * across > self.limits.acceleration_across() * deviation * (cosine * (R::one() + cosine))
     }
 
-    /// [`Junction::Deviation`], `turn` = |e₂ - e₁| = 2 sin(φ/2).
+    /// The feed of [`Junction::Deviation`], with `turn` = |e₂ - e₁| = 2 sin(φ/2).
     fn feed_by_deviation(&self, turn: R, deviation: R) -> R {
         let sine = turn.half();
         let cosine = (R::one() - sine * sine).sqrt();

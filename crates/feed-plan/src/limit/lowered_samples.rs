@@ -7,11 +7,12 @@ use real::Real;
 use crate::LimitPoint;
 use crate::limit::sample::{LimitSample, lowered};
 
-/// Samples farther than 2⁻³ of half a chord from each other are too far apart to end a limit at.
+/// If two samples are farther apart than 2⁻³ of half a chord, a lower limit may not end at either of them: a sample is
+/// added.
 const FINE: i32 = -3;
 
-/// Adds a sample at a place on a straight line where the limit is constant and samples are farther than `apart`: or else the whole way
-/// to the next would be lowered with it.
+/// Adds a sample at a place on a straight line where the limit is constant and samples are farther than `apart`.
+/// Without it, the limit would be lowered all the way to the next sample.
 pub(crate) fn split<R: Real>(samples: &mut Vec<LimitSample<R>>, distance: R, apart: R) {
     let next = samples.partition_point(|sample| sample.point.distance < distance);
     let before = next.checked_sub(1).and_then(|before| samples.get(before));
@@ -27,7 +28,8 @@ pub(crate) fn split<R: Real>(samples: &mut Vec<LimitSample<R>>, distance: R, apa
     samples.insert(next, sample);
 }
 
-/// Lowers samples to a feed, until one is beyond reach, which is lowered too, or a stop. How many were looked at.
+/// Lowers samples to a feed, up to and including the first that is beyond reach; a stop ends the walk too. Returns the
+/// number of samples lowered.
 pub(crate) fn lower<'a, R: Real + 'a>(
     samples: impl Iterator<Item = &'a mut LimitSample<R>>,
     feed: R,
@@ -38,7 +40,7 @@ pub(crate) fn lower<'a, R: Real + 'a>(
         if !(sample.point.feedrate > R::zero()) {
             break;
         }
-        // Beside a stop too: what turning takes of accelerations holds up to there.
+        // The limit beside a stop is lowered too: the accelerations for turning are limited up to the stop.
         for limit in [&mut sample.point.feedrate, &mut sample.feedrate_beside_stop] {
             *limit = limit.min(feed);
         }
@@ -50,7 +52,7 @@ pub(crate) fn lower<'a, R: Real + 'a>(
     count
 }
 
-/// Lowers what is within `half` of a place to a feed.
+/// Lowers the samples within `half` of a place to a feed.
 pub(crate) fn lower_around<R: Real>(samples: &mut Vec<LimitSample<R>>, at: R, half: R, feed: R) {
     let (begin, end) = (at - half, at + half);
     for place in [begin, end] {
@@ -64,7 +66,8 @@ pub(crate) fn lower_around<R: Real>(samples: &mut Vec<LimitSample<R>>, at: R, ha
     }
 }
 
-/// Lowers a limit that holds at one point alone to what holds beside it now: above that, it would be a summit.
+/// Lowers a limit that holds at one point alone to the limit that holds beside the point now. A higher limit would be a
+/// summit.
 pub(crate) fn lower_single<R: Real>(samples: &mut [LimitSample<R>], single: usize) {
     let beside = |place: Option<usize>| {
         let sample = place.and_then(|place| samples.get(place))?;
@@ -78,7 +81,7 @@ pub(crate) fn lower_single<R: Real>(samples: &mut [LimitSample<R>], single: usiz
     }
 }
 
-/// Leaves the path no more than this acceleration within `reach` of a place.
+/// Leaves at most this acceleration for the path within `reach` of a place.
 pub(crate) fn lower_acceleration_around<R: Real>(
     samples: &mut [LimitSample<R>],
     at: R,

@@ -23,9 +23,10 @@ pub struct LimitPoint<R> {
     pub feedrate: R,
 }
 
-/// A point of the limit with what is known of it and of the stretch that leads to it from the sample before.
+/// A point of the limit, with the properties of the point and of the stretch that leads to it from the sample before.
 ///
-/// Beside a stop the chord error may not limit the feed: the values without it are kept beside those with it.
+/// Within E of a stop the chord error does not limit the feed, so the sample holds its values with and without the
+/// chord error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct LimitSample<R> {
     pub(crate) point: LimitPoint<R>,
@@ -33,29 +34,31 @@ pub(crate) struct LimitSample<R> {
     pub(crate) speed: R,
     /// Whether the limit holds at this point alone, not beside it.
     pub(crate) is_single: bool,
-    /// Whether the direction changes over the stretch, or at the point by less than at a corner: chords fall short of the path.
+    /// Whether the direction changes over the stretch, or at the point by less than at a corner. If so, chords are
+    /// shorter than the path.
     pub(crate) bends: bool,
     /// By how much `V²` may dip below the straight line over the stretch.
     pub(crate) margin: R,
-    /// What the axes leave for the path on the stretch.
+    /// The acceleration and jerk that the axes leave for the path on the stretch.
     pub(crate) allowance: Allowance<R>,
     /// The feed limit at the point without the chord error.
     pub(crate) feedrate_beside_stop: R,
     /// The margin of that limit.
     pub(crate) margin_beside_stop: R,
-    /// What the axes leave for the path on the stretch if it is passed at that limit.
+    /// The acceleration and jerk that the axes leave for the path on the stretch if it is passed at
+    /// `feedrate_beside_stop`.
     pub(crate) allowance_beside_stop: Allowance<R>,
     /// Lower value of the limit at the point: 0 at a stop, never more than its `feedrate` elsewhere, except
     /// next to a stop. [`FeedLimit`](crate::FeedLimit) finds it when the samples are complete.
     pub(crate) lower: R,
-    /// The lower value that the stretch before the point ends with; differs from `lower` at a stop only.
+    /// The lower value at the end of the stretch before the point; it differs from `lower` at a stop only.
     pub(crate) lower_before: R,
-    /// The lower value that the stretch after the point begins with.
+    /// The lower value at the begin of the stretch after the point.
     pub(crate) lower_after: R,
 }
 
 impl<R: Real> LimitSample<R> {
-    /// Of a point at which nothing but its feed is limited.
+    /// A sample at which only the feed is limited.
     pub(crate) fn new(point: LimitPoint<R>) -> Self {
         let feedrate = point.feedrate;
         Self {
@@ -74,13 +77,13 @@ impl<R: Real> LimitSample<R> {
         }
     }
 
-    /// One lower value at the point and on both sides of it.
+    /// The sample with the same lower value at the point and on both sides of it.
     pub(crate) fn with_lower(self, lower: R) -> Self {
         Self { lower, lower_before: lower, lower_after: lower, ..self }
     }
 }
 
-/// `√(V² - margin)`, and no less than half of V: a dip that deep is not resolved.
+/// `√(V² - margin)`, but at least half of V: samples do not resolve a deeper dip.
 pub(crate) fn lowered<R: Real>(feedrate: R, margin: R) -> R {
     if !(margin > R::zero()) {
         return feedrate;
@@ -99,7 +102,7 @@ pub(crate) fn interpolate<R: Real>(from: (R, R), to: (R, R), distance: R) -> R {
     square.sqrt().max(from.1.min(to.1)).min(from.1.max(to.1))
 }
 
-/// Where on the stretch between two points (distance, feed) the feed is `feed`: the inverse of
+/// The distance at which the feed is `feed` on the stretch between two points (distance, feed): the inverse of
 /// [`interpolate`].
 pub(crate) fn distance_at_feed<R: Real>(from: (R, R), to: (R, R), feed: R) -> R {
     if from.1 == to.1 {

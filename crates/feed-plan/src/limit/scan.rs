@@ -1,7 +1,7 @@
 //! One pass along the path: samples of the feed limit over the arc length.
 //!
-//! The samples of each span are appended to the path, with a single point in between where a junction has a feed of its own: at a
-//! corner, a stop.
+//! The samples of each span are appended to the path. If a junction has a feed of its own, a single point with that
+//! feed comes before them; at a corner with a stop, the feed is 0.
 
 use alloc::vec::Vec;
 
@@ -19,14 +19,14 @@ pub(crate) struct Scan<'l, R, const D: usize> {
     sampling: Sampling<'l, R>,
     junctions: Junctions<'l, R>,
     distance: R,
-    /// Tangent and curvature vector at the end so far.
+    /// Tangent and curvature vector at the end of the path so far.
     end: Option<([R; D], [R; D])>,
     samples: Vec<LimitSample<R>>,
-    /// What breaks of the tangent within one step do together.
+    /// The limit that several breaks of the tangent within one step make together.
     fine_moves: FineMoves<R, D>,
     /// Distances at which the tangent breaks.
     corners: Vec<R>,
-    /// The curves that begin at rest, and where.
+    /// The curves that begin at rest, with their distances.
     from_rest: Vec<(R, usize)>,
 }
 
@@ -44,7 +44,7 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
         }
     }
 
-    /// Samples one curve, which begins at rest if `from_rest`, whatever the directions.
+    /// Samples one curve. It begins at rest if `from_rest`, whatever the directions.
     pub(crate) fn pass<C: Differentiate<R, D>>(
         &mut self,
         curve: usize,
@@ -77,30 +77,30 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
         self.fine_moves.end(&mut self.samples);
     }
 
-    /// The samples so far, but for those forgotten.
+    /// The samples so far, without those forgotten.
     pub(crate) fn samples(&self) -> &[LimitSample<R>] {
         &self.samples
     }
 
-    /// Those of them that stay as they are, whatever comes: what a chord reaches from a break still to come may be lowered, and the
-    /// sample before it.
+    /// The samples so far that no later curve can change. A break still to come may lower the samples that a chord over
+    /// it reaches, and the sample before those.
     pub(crate) fn settled(&self) -> &[LimitSample<R>] {
         let begin = self.fine_moves.open_from(self.distance);
         let count = self.samples.partition_point(|sample| sample.point.distance <= begin);
         self.samples.get(..count.saturating_sub(1)).unwrap_or_default()
     }
 
-    /// Distances at which the tangent breaks, but for those forgotten.
+    /// Distances at which the tangent breaks, without those forgotten.
     pub(crate) fn corners(&self) -> &[R] {
         &self.corners
     }
 
-    /// The curves that begin at rest, and the distances where they do.
+    /// The curves that begin at rest, with their distances.
     pub(crate) fn curves_from_rest(&self) -> &[(R, usize)] {
         &self.from_rest
     }
 
-    /// Arc length of what was sampled.
+    /// Arc length of the curves sampled so far.
     pub(crate) fn length(&self) -> R {
         self.distance
     }
@@ -113,8 +113,8 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
         self.from_rest.retain(|(begin, _)| *begin > distance);
     }
 
-    /// Goes on from the path so far to the first sample of a span: a single point in between has the feed of the junction, if that is
-    /// lower than what holds on both sides. With `from_rest` it is a stop.
+    /// Joins the path so far to the first sample of a span. A single point between them has the feed of the junction,
+    /// if that is lower than the limits on both sides; with `from_rest` it is a stop.
     fn join<C: Differentiate<R, D>>(
         &mut self,
         curve: usize,
@@ -160,7 +160,8 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
         }
     }
 
-    /// Appends the samples of a span behind its first one; `None` when a distance does not increase as numbers of the format should.
+    /// Appends the samples of a span after its first one; `None` when the format overflows, so that a distance does not
+    /// increase.
     fn append<C: Differentiate<R, D>>(
         &mut self,
         curve: usize,
@@ -190,14 +191,14 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
         Some(())
     }
 
-    /// Learns what [`FineMoves`] needs of the path behind its end. The last span sampled is `index`.
+    /// Gives [`FineMoves`] the end of the path so far. The last span sampled is `index`.
     fn recall<C: Differentiate<R, D>>(&mut self, shape: &C, mut index: usize) {
         self.fine_moves.recall(&self.samples, |u| {
             while index > 0 && u < shape.span_bounds(index).0 {
                 index -= 1;
             }
             let span = Span { shape, index, sampling: &self.sampling };
-            // `derivatives_in` is compiled into `sample` as long as nobody else asks for it.
+            // `derivatives_in` is inlined into `sample` as long as it has no other caller.
             (shape.derivatives(u).point, span.sample(u).tangent)
         });
     }
@@ -217,8 +218,8 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
         })
     }
 
-    /// The lower of the bounds that the limit has on both sides of the point where these samples begin. A single point above
-    /// either would stand out as a summit that the flank on that side cannot reach.
+    /// The lower one of the two bounds of the limit before and behind the point where these samples begin. A single
+    /// point above either bound would be a summit that the flank on that side cannot reach.
     fn lower_beside(&self, stations: &[Station<R, D>]) -> R {
         let before = self.samples.last().map(|end| lowered(end.point.feedrate, end.margin));
         let after = stations.windows(2).next().map(|pair| {
@@ -229,7 +230,7 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
     }
 }
 
-/// Whether the second of these stations is the last one, or not on a straight line with its neighbours.
+/// Whether the second of these stations is the last one, or does not lie on a straight line with its neighbours.
 fn bends_at<R, const D: usize>(stations: &[Station<R, D>]) -> bool {
     let [_, here, behind, ..] = stations else { return true };
     [here, behind].iter().any(|station| station.stretch.as_ref().is_none_or(|stretch| stretch.bends))

@@ -1,7 +1,7 @@
 //! The walk over one span of a curve: the feed limit at samples, and how far it dips between them.
 //!
-//! The span is walked in steps of the parameter that are short enough, then the local minima and cusps among its samples are
-//! located, and made stops where they are as good as corners. Last, the limits of the axes' jerk lower the samples.
+//! The walk takes steps of the parameter that are short enough. Then the local minima and cusps among the samples are
+//! located; those that are as good as corners become stops. Last, the limits of the axes' jerk lower the samples.
 
 use alloc::vec::Vec;
 
@@ -12,14 +12,14 @@ use crate::KinematicLimits;
 use crate::limit::axis_budget::{Allowance, AxisBudget, Turning, components};
 use crate::limit::vector::difference;
 
-/// At least 2⁴ stretches a span.
+/// A span has at least 2⁴ stretches.
 const COARSEST: i32 = -4;
-/// No stretch shorter than 2⁻²⁰ of a span, or than eight units of the format's resolution; once a span has taken
-/// `FINE_TRIALS`, none shorter than 2⁻¹⁴, so that the trials last to its end.
+/// No stretch is shorter than 2⁻²⁰ of a span, nor than eight units of the format's resolution. Once a span has taken
+/// `FINE_TRIALS` trials, none is shorter than 2⁻¹⁴ of the span, so that the trials last to its end.
 const FINEST: [i32; 2] = [-20, -14];
-/// See [`FINEST`]: a cusp takes some hundred.
+/// Trials after which the second number of [`FINEST`] holds; a cusp takes some hundred.
 const FINE_TRIALS: usize = 1 << 12;
-/// Stretches tried in a span, those refused among them; what is left of the span is then one stretch.
+/// Stretches tried in a span, including those refused. After so many, the rest of the span becomes one stretch.
 const TRIALS: usize = 1 << 16;
 /// A stretch over which `V²` leaves the straight line by more than 2⁻⁸ of itself is halved.
 const STRAIGHTNESS: i32 = -8;
@@ -30,7 +30,7 @@ const GOLDEN_STEPS: usize = 24;
 const STOP: i32 = -12;
 /// C' vanishes where it is below 2⁻⁶ of its value at the ends of the finest stretch.
 const CUSP: i32 = -6;
-/// Unit tangents that differ by less than 2⁴ units of the format's resolution may be the same but for rounding.
+/// Unit tangents that differ by less than 2⁴ units of the format's resolution may differ by rounding only.
 const ROUNDING: i32 = 4;
 
 /// The largest difference of unit tangents that rounding may make.
@@ -49,15 +49,15 @@ pub(crate) struct Sample<R, const D: usize> {
     /// Curvature vector; 0 unless an axis is limited.
     pub(crate) bend: [R; D],
     pub(crate) feedrate: R,
-    /// The same without the chord error.
+    /// The feed limit without the chord error.
     pub(crate) beside_stop: R,
 }
 
-/// A sample that stays.
+/// A sample that is kept.
 #[derive(Clone, Copy)]
 pub(crate) struct Station<R, const D: usize> {
     pub(crate) at: Sample<R, D>,
-    /// The stretch from the previous one, once measured.
+    /// The stretch from the previous station, once it has been measured.
     pub(crate) stretch: Option<Stretch<R>>,
 }
 
@@ -72,23 +72,23 @@ pub(crate) struct Stretch<R> {
     /// The sharpest turning seen inside and at both ends.
     turning: Turning<R>,
     pub(crate) course: Course<R>,
-    /// The same without the chord error.
+    /// The limit without the chord error.
     pub(crate) beside_stop: Course<R>,
-    /// What the axes leave for the path, and the least that they do.
+    /// The acceleration and jerk that the axes leave for the path, and the least that they always leave.
     pub(crate) allowance: Allowance<R>,
     pub(crate) reserve: Allowance<R>,
 }
 
-/// The limit on a stretch.
+/// The limit between the two ends of a stretch.
 #[derive(Clone, Copy)]
 pub(crate) struct Course<R> {
     /// By how much `V²` dips below the straight line.
     pub(crate) margin: R,
-    /// The largest limit seen inside.
+    /// The largest limit found inside.
     highest: R,
 }
 
-/// What every span of a path is sampled with.
+/// The settings with which every span of a path is sampled.
 pub(crate) struct Sampling<'l, R> {
     limits: &'l KinematicLimits<R>,
     budget: Option<AxisBudget<R>>,
@@ -124,7 +124,8 @@ impl<R: Real, C: Differentiate<R, D>, const D: usize> Span<'_, R, C, D> {
         let mut stations = self.walk();
         self.locate_extremes(&mut stations);
         self.rest_in_bends(&mut stations);
-        // A stop is one by its geometry; where only an axis's jerk asks for a creep, the path is crept along.
+        // The geometry alone decides where a stop is. Where only an axis's jerk asks for a very low feed, the plan does
+        // not stop.
         self.limit_by_jerk(&mut stations);
         self.keep_moving(&mut stations);
         stations
@@ -172,18 +173,18 @@ impl<R: Real, C: Differentiate<R, D>, const D: usize> Span<'_, R, C, D> {
         stations.extend(located);
         stations.sort_by(|a, b| a.at.u.partial_cmp(&b.at.u).unwrap_or(core::cmp::Ordering::Equal));
         for i in (1..stations.len()).rev() {
-            // A located sample has no stretch yet, and that after it has one that is too long.
+            // A sample that was added has no stretch yet, and the stretch of the sample after it is too long.
             if stations[i].stretch.is_none() || (i > 1 && stations[i - 1].stretch.is_none()) {
                 stations[i].stretch = Some(self.measure(&stations[i - 1].at, &stations[i].at));
             }
         }
     }
 
-    /// Makes a stop of a bend at its least limit if that is below [`STOP`], or if the radius there is less than half of the
-    /// chord error E: it is as good as a corner. A step there turns by half a circle, so that a run a little off its plan
-    /// would skip the bend, or wait before it.
+    /// Makes a stop of the point with the least limit of a bend, if that limit is below [`STOP`], or if the radius
+    /// there is less than half of the chord error E. Such a bend is as good as a corner: a step there turns by half a
+    /// circle, so that a run slightly off its plan would skip the bend, or wait before it.
     ///
-    /// On both sides the limit stays what it is: a bend may be longer than what a stop releases.
+    /// On both sides of the stop the limit stays the same: a bend may be longer than the stretch that a stop releases.
     fn rest_in_bends(&self, stations: &mut [Station<R, D>]) {
         let narrow = self.sampling.limits.chord_error.half();
         let slow = self.sampling.limits.feedrate.scale(STOP);
@@ -191,7 +192,7 @@ impl<R: Real, C: Differentiate<R, D>, const D: usize> Span<'_, R, C, D> {
         let inner = stations.windows(3).enumerate().filter_map(|(i, three)| {
             (is_bend(&three[1].at) && samples_of(three).is_some_and(is_least)).then_some(i + 1)
         });
-        // At a knot the bend may have its least limit too.
+        // The least limit of a bend may also be at a knot.
         let falls_to = |end: usize, beside: usize| {
             let (end_at, beside_at) = (&stations.get(end)?.at, &stations.get(beside)?.at);
             (end_at.feedrate < slow && end_at.feedrate < beside_at.feedrate).then_some(end)
@@ -204,8 +205,8 @@ impl<R: Real, C: Differentiate<R, D>, const D: usize> Span<'_, R, C, D> {
         }
     }
 
-    /// Lowers the samples' feeds to what the jerk of the axes allows on the stretches at both sides, and finds what these
-    /// leave for the path.
+    /// Lowers the feeds of the samples to what the jerk of the axes allows on the stretches on both sides. Finds the
+    /// acceleration and jerk that these feeds leave for the path.
     fn limit_by_jerk(&self, stations: &mut [Station<R, D>]) {
         let Some(budget) = &self.sampling.budget else { return };
         for i in 1..stations.len() {
@@ -225,8 +226,8 @@ impl<R: Real, C: Differentiate<R, D>, const D: usize> Span<'_, R, C, D> {
         }
     }
 
-    /// Raises the limit beside a stop until no stretch takes more than a period, capped at the feed that is safe in any direction: at
-    /// a cusp the curvature is unbounded or undefined.
+    /// Raises the limit beside a stop until no stretch takes more than a period, but at most to the feed that is safe
+    /// in any direction. Without this, a plan would creep at a cusp, where the curvature is unbounded or undefined.
     fn keep_moving(&self, stations: &mut [Station<R, D>]) {
         let stretches = stations.iter().filter_map(|station| station.stretch.as_ref());
         let widest = stretches.fold(Turning::none(), |most, stretch| most.max(&stretch.turning));
@@ -241,7 +242,7 @@ impl<R: Real, C: Differentiate<R, D>, const D: usize> Span<'_, R, C, D> {
         }
     }
 
-    /// Where C' vanishes between two samples, if it does: the direction is then reversed.
+    /// The place between two samples where C' vanishes, if there is one: the direction is then reversed.
     fn cusp(&self, from: &Sample<R, D>, to: &Sample<R, D>) -> Option<Sample<R, D>> {
         if !(cosine(from, to) < R::zero()) {
             return None;
@@ -303,7 +304,7 @@ impl<R: Real, C: Differentiate<R, D>, const D: usize> Span<'_, R, C, D> {
         let (beside_stop, _) = course_of(|sample| sample.beside_stop);
         let is_short = length <= self.sampling.longest + self.sampling.longest;
         let is_turning_little = cosine(from, to) >= R::one().half();
-        // Or else no parameter can be told from a distance.
+        // Otherwise a distance would not determine the parameter.
         let (slowest, fastest) = speeds
             .iter()
             .fold((speeds[0], speeds[0]), |(least, most), speed| (least.min(*speed), most.max(*speed)));
@@ -325,8 +326,8 @@ impl<R: Real, C: Differentiate<R, D>, const D: usize> Span<'_, R, C, D> {
         }
     }
 
-    /// The largest components of tangent, curvature and its change on a stretch; the change from differences between
-    /// neighbours, an eighth added for what it may be in between.
+    /// The largest components of tangent, curvature and change of curvature on a stretch. The change is found from
+    /// differences between neighbours; an eighth is added for values in between.
     fn turning(&self, from: &Sample<R, D>, inner: &[Sample<R, D>; 5], to: &Sample<R, D>) -> Turning<R> {
         let mut turning = Turning::none();
         if self.sampling.budget.is_none() {
@@ -347,8 +348,8 @@ impl<R: Real, C: Differentiate<R, D>, const D: usize> Span<'_, R, C, D> {
     }
 }
 
-/// By how much `V²` may dip below the straight line between the feeds at both ends of a stretch, and whether it keeps to that line
-/// at the places where it is known: the three `shares` of the length.
+/// By how much `V²` may dip below the straight line between the feeds at both ends of a stretch, and whether it keeps
+/// to that line at the three places where it is known. These lie at the `shares` of the length.
 fn dip<R: Real>([from, to]: [R; 2], within: [R; 3], shares: [R; 3]) -> (R, bool) {
     let (begin, rise) = (from * from, (to - from) * (to + from));
     let (mut margin, mut is_straight) = (R::zero(), true);
@@ -362,7 +363,7 @@ fn dip<R: Real>([from, to]: [R; 2], within: [R; 3], shares: [R; 3]) -> (R, bool)
     (margin + margin.scale(-2), is_straight)
 }
 
-/// Share of the arc length of a stretch that lies before the share `x` of its parameters, `|C'|` taken as the
+/// The share of a stretch's arc length that lies before the share `x` of its parameters. `|C'|` is taken as the
 /// parabola through its values at 0, ½ and 1.
 fn arc_share<R: Real>([begin, middle, end]: [R; 3], x: R) -> R {
     // |C'| = b + (e - b - q) x + q x², q = 2(b - 2m + e)

@@ -1,8 +1,9 @@
-//! What a stop leaves of the limit beside it.
+//! The limit beside a stop.
 //!
-//! No chord that starts and ends within the chord error of a stop can leave the curve by more, however sharp the corner or tight
-//! the bend: up to there, the limit at that distance holds. Axes know nothing of chords: what they and the centripetal
-//! acceleration allow holds up to the stop.
+//! No chord that starts and ends within the chord error of a stop can leave the curve by more than the chord error,
+//! however sharp the corner or tight the bend. So within the chord error of a stop, the limit at that distance from the
+//! stop holds. The limits of the axes and of the centripetal acceleration do not depend on chords: they hold up to the
+//! stop.
 
 use alloc::collections::VecDeque;
 
@@ -10,12 +11,13 @@ use real::Real;
 
 use crate::limit::sample::{LimitSample, interpolate, lowered};
 
-/// Lets the limit jump at stops: within `reach` of one, the limit at `reach` from it holds. On the stretch that leads on from
-/// there, at a distance x of the stop, V² is above the limit's by no more than `reach`/x of it.
+/// Lets the limit jump at stops: within `reach` of a stop, the limit at the distance `reach` from it holds. On the
+/// stretch that leads on from there, at a distance x of the stop, V² is above the limit's square by no more than
+/// `reach`/x of it.
 ///
-/// The time is linear in the points, however many stops are within reach of each other: what lies within reach of a stop is looked
-/// for from where it was found last, and a point is lifted when it is asked for, once to all that the stops on either side
-/// lift it to.
+/// The time is linear in the number of points, however many stops are within reach of each other. The search for points
+/// within reach of a stop goes on where it ended for the stop before. A point is lifted once, when it is asked for, to
+/// the highest of the limits from the stops on either side.
 pub(crate) fn release_stops<R: Real>(samples: &mut [LimitSample<R>], reach: R) {
     let (mut behind, mut next) = (0, 0); // Points before `behind` are beyond reach, and so are those from `next` on.
     let (mut ahead, mut back) = (Lifts::default(), Lifts::default());
@@ -52,8 +54,8 @@ pub(crate) fn release_stops<R: Real>(samples: &mut [LimitSample<R>], reach: R) {
     }
 }
 
-/// What points are lifted to: each holds before a point, a later one no less far than those added earlier. Kept are those that
-/// are highest somewhere, so that they fall.
+/// The limits that points are lifted to. Each holds for the points before a given point; an item added later reaches at
+/// least as far as the earlier ones. Only items that are highest at some point are kept, so that their limits fall.
 #[derive(Debug)]
 struct Lifts<R>(VecDeque<(usize, R)>);
 
@@ -74,7 +76,8 @@ impl<R: Real> Lifts<R> {
         self.0.push_back((before, at_least));
     }
 
-    /// The highest at a point; 0 where there is none. Asked for in order: what holds only before it is forgotten.
+    /// The highest limit at a point; 0 where there is none. Points must be asked for in order: items that end before
+    /// the point are forgotten.
     fn at(&mut self, point: usize) -> R {
         while self.0.front().is_some_and(|(before, _)| *before <= point) {
             self.0.pop_front();
@@ -82,7 +85,7 @@ impl<R: Real> Lifts<R> {
         self.0.front().map_or_else(R::zero, |(_, at_least)| *at_least)
     }
 
-    /// The same at the last point before which any holds.
+    /// The limit at a point that only the last item may reach; 0 if it does not.
     fn last_at(&self, point: usize) -> R {
         self.0.back().filter(|(before, _)| *before > point).map_or_else(R::zero, |(_, at_least)| *at_least)
     }
@@ -97,7 +100,7 @@ fn limit_between<R: Real>(samples: &[LimitSample<R>], next: usize, distance: R) 
     }
 }
 
-/// Lifts the limit at a point to `at_least`, as far as what holds beside a stop allows.
+/// Lifts the limit at a point to `at_least`, but no higher than the limit beside a stop.
 fn lift<R: Real>(samples: &mut [LimitSample<R>], i: usize, at_least: R) {
     let Some((sample, behind)) = samples.get_mut(i..).and_then(<[_]>::split_first_mut) else { return };
     if !(at_least > R::zero()) || (sample.is_single && sample.lower > R::zero()) {
@@ -135,7 +138,7 @@ mod tests {
         steps.iter().map(sample).collect()
     }
 
-    /// 18,000 mm/s³ an axis, and 1000 mm/s², across the path too.
+    /// Limits with 18,000 mm/s³ and 1000 mm/s² for each axis, and 1000 mm/s² across the path.
     fn limits_with_axes(t: f64, feedrate: f64, chord_error: f64) -> KinematicLimits<f64> {
         let (acceleration, jerk) = (Some(1000.0 * t.powi(2)), Some(18_000.0 * t.powi(3)));
         let axis = AxisLimits { velocity: None, acceleration, jerk };
@@ -143,8 +146,8 @@ mod tests {
         KinematicLimits { axes: [axis; 3], centripetal_acceleration: acceleration, ..limits }
     }
 
-    /// What a plan makes of accelerations and jerks of axes, and of the acceleration across the path, within the chord error
-    /// of a stop: the largest, as ratios to the limits.
+    /// The largest acceleration and jerk of an axis, and the largest acceleration across the path, of a plan within the
+    /// chord error of a stop, as ratios to their limits.
     fn used_beside(
         stop: f64,
         curve: &NurbsCurve<'_, f64, 2>,
@@ -160,7 +163,7 @@ mod tests {
             let time = share * stage.duration;
             let distance = stage.start + stage.distance_at(time);
             let (v, a, j) = (stage.feed_at(time), stage.acceleration_at(time), stage.jerk_at(time));
-            // Nearer than that, u is not known well enough for differences.
+            // At smaller distances, u is not known well enough for differences.
             if !(1e-9..=limits.chord_error).contains(&(distance - stop).abs()) {
                 continue;
             }
@@ -179,8 +182,8 @@ mod tests {
         used
     }
 
-    /// The stop lifted all of the limit: 1.55 times the jerk of an axis was reached, and 22,757 of 18,000 mm/s³ printed. Kept
-    /// with the reserve of other slow points, the bends were crept through, for up to half a second.
+    /// A stop once lifted all of the limit: an axis reached 1.55 times its jerk, and 22,757 of 18,000 mm/s³ were
+    /// printed. With the reserve of other slow points, the plan crept through the bends for up to half a second.
     #[test]
     fn beside_a_stop_the_limits_of_the_axes_hold_and_nothing_creeps() {
         for (t, feedrate) in [(3e-3, 200.0), (1e-3, 100.0), (1e-4, 100.0)] {
@@ -210,8 +213,8 @@ mod tests {
         }
     }
 
-    /// A bend so tight that the limit is zero at each of its points, within reach of each other: every one looked for
-    /// all others, which a fuzzer timed at minutes.
+    /// A bend so tight that the limit is zero at each of its points, which are within reach of each other. Each point
+    /// once looked for all others, and a fuzzer measured minutes.
     #[test]
     fn a_hundred_thousand_stops_within_reach_are_released_at_once() {
         let mut steps: Vec<_> =
@@ -221,8 +224,8 @@ mod tests {
         assert_eq!(limit.samples().len(), 200_000);
     }
 
-    /// The same where the axes allow nothing beside them, and each might lift more than the one before: looked at by each, for 14 and
-    /// 29 seconds.
+    /// Stops within reach of each other beside which the axes allow nothing; each might lift more than the one before.
+    /// Each once looked at all others, which took 14 and 29 seconds.
     #[test]
     fn a_hundred_thousand_stops_that_stay_are_looked_at_once() {
         let stops = (0..100_000).map(|_| (1e-6, 0.0, 0.0));
@@ -237,7 +240,7 @@ mod tests {
         }
     }
 
-    /// What the pointers of `release_stops` find, looked for anew at every stop.
+    /// The result of `release_stops`, found by a new search at every stop.
     fn released_one_by_one(mut lowers: Vec<f64>, beside: &[f64], distances: &[f64], reach: f64) -> Vec<f64> {
         let lift = |lowers: &mut [f64], range: Range<usize>, release: f64| {
             range.for_each(|k| lowers[k] = lowers[k].max(release.min(beside[k])));

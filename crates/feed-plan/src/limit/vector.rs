@@ -12,7 +12,7 @@ pub(crate) fn difference<R: Real, const D: usize>(a: &[R; D], b: &[R; D]) -> [R;
     from_fn(|d| a[d] - b[d])
 }
 
-/// The direction of a vector; 0 where it has none.
+/// The direction of a vector; 0 for the vector 0.
 pub(crate) fn unit<R: Real, const D: usize>(vector: &[R; D]) -> [R; D] {
     let length = R::norm(vector);
     vector.map(|x| if length > R::zero() { x / length } else { R::zero() })

@@ -1,9 +1,9 @@
 //! One flank of a plan: the way from a slow point up to cruising feed, under a limit.
 //!
-//! A ramp starts with zero acceleration, so it starts slowly; where the limit rises steadily, a single ramp
-//! must wait until it has room for its steep middle and then wastes the room above its foot. A chain of
-//! smaller ramps follows the limit closer, and costs time in each joint, where the acceleration returns to
-//! zero. Which levels of feed to stop at is found by dynamic programming.
+//! A ramp starts with zero acceleration, so it starts slowly; where the limit rises steadily, a single ramp must wait
+//! until it has room for its steep middle and then wastes the room above its foot. A chain of smaller ramps follows the
+//! limit closer, and costs time in each joint, where the acceleration returns to zero. Dynamic programming finds the
+//! levels of feed between the ramps.
 //!
 //! All distances here are measured from the slow point toward the fast one. A falling flank is the mirror
 //! image: the same chain, measured backward from the slow point at its end.
@@ -16,31 +16,32 @@ use crate::limit::sample::distance_at_feed;
 use crate::plan::ramp_shape::{PARTS, RampShape};
 use crate::{FeedLimit, Transition};
 
-/// Levels above the slow point's own. Twice as many save 0.2 to 0.7 % of time on the papers' curves, for
-/// nearly twice as many stages and three times the work.
+/// Levels above the slow point's feed. Twice as many save 0.2 to 0.7 % of time on the papers' curves, for nearly twice
+/// as many stages and three times the work.
 pub(crate) const LEVELS: i32 = 16;
-/// Levels between the slow point's feed and that of the other end of the way, if that is higher.
+/// Levels between the slow point's feed and the feed at the other end of the flank, if that is higher.
 pub(crate) const LEVELS_BETWEEN_ENDS: i32 = 4;
-/// An extra level is added only if it saves so many times what its ramp costs. With half of that, plans through short windows are up to
-/// 0.3 % faster on paths of many arcs, with twice as much up to 1 % slower. From 8 on, the plans of the papers' curves need no extra level.
+/// An extra level is added only if it saves eight times what its ramp costs. With half of that, plans through short
+/// windows are up to 0.3 % faster on paths of many arcs; with twice as much they are up to 1 % slower. From 8 on, the
+/// plans of the papers' curves need no extra level.
 const WORTH: i32 = 8;
-/// Levels below its end that a ramp may begin at, the nearest ones: the work then grows with the flank, not with its square. No ramp
-/// that pays passes over nearly as many.
+/// A ramp may begin at this many levels below its end, the nearest ones. So the work grows with the flank, not with its
+/// square. No ramp that pays passes over nearly as many levels.
 const NEAREST: usize = 96;
-/// How often the range between two levels is divided, at most: a bound on the work.
+/// How often the range between two levels is divided, at most: this bounds the work.
 const DEEPEST: usize = 24;
-/// Feeds down to 2⁻³² of the first level are tried for leaving a place of rest.
+/// Feeds down to 2⁻³² of the first level are tried for the first ramp from rest.
 const HALVINGS: usize = 32;
 
-/// How a chain of ramps gets to a level of feed.
+/// How a chain of ramps reaches a level of feed.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Arrival<R> {
     /// The level.
     pub(crate) feed: R,
-    /// Distance at which the chain arrives there, at the earliest.
+    /// The earliest distance at which the chain arrives there.
     pub(crate) distance: R,
-    /// Time lost until then against passing the same distance at this level. It stays the same however long
-    /// the level is then held, which is what makes the dynamic programme work.
+    /// Time lost until then, compared with travelling the same distance at this level. It stays the same however long
+    /// the level is then held. The dynamic programme depends on this.
     loss: R,
     /// Index of the level that the last ramp starts from, and the distance at which it starts.
     last_ramp: Option<(usize, R)>,
@@ -59,14 +60,14 @@ pub(crate) struct Ramp<R> {
 #[derive(Clone, Debug)]
 pub(crate) struct Flank<'s, R> {
     shape: &'s RampShape<R>,
-    /// The limit as a function that never falls.
+    /// The limit, lowered to a function that never falls.
     hull: Vec<HullPoint<R>>,
     levels: Vec<Arrival<R>>,
 }
 
 impl<'s, R: Real> Flank<'s, R> {
-    /// The flank from limit point `slow`, passed at `feed`, to limit point `peak`: before it, the flank
-    /// falls.
+    /// The flank from limit point `slow`, passed at `feed`, to limit point `peak`. If `peak` comes before `slow`, the
+    /// flank falls.
     pub(crate) fn new(
         shape: &'s RampShape<R>,
         limit: &FeedLimit<R>,
@@ -85,7 +86,7 @@ impl<'s, R: Real> Flank<'s, R> {
             return;
         }
         for k in 1..count {
-            // Squares: the levels are dense where the limit, above its minimum, is flat.
+            // Squares of the shares: the levels are dense just above the minimum of the limit, where the limit is flat.
             let share = R::from_ratio(k, count);
             let target = from + (feed - from) * (share * share);
             if k == 1 {
@@ -103,9 +104,9 @@ impl<'s, R: Real> Flank<'s, R> {
         self.levels.extend(level);
     }
 
-    /// Adds the levels below `target` at which the limit stays for so long that a ramp more pays, from the lowest up: arcs that follow
-    /// each other make a staircase of the limit, and with a fixed number of levels the plan falls short of its treads, the more of
-    /// them there are.
+    /// Adds the levels below `target` at which the limit stays so long that an extra ramp pays, from the lowest up.
+    /// Arcs that follow each other make a staircase of the limit. With a fixed number of levels the plan falls short of
+    /// its treads, the more so the more treads there are.
     fn fill_below(&mut self, target: R) {
         let Some(mut low) = self.levels.last().map(|level| level.feed) else { return };
         let mut targets = Vec::from([target]);
@@ -123,8 +124,9 @@ impl<'s, R: Real> Flank<'s, R> {
         }
     }
 
-    /// The feed v of the limit that saves most on the way from level a to level b, if that is worth a ramp more: held from where the
-    /// limit allows v, s(v), until it allows b, v saves `(s(b) - s(v)) (1/a - 1/v)` against a.
+    /// The feed v of the limit that saves most time between level a and level b, if it saves enough for an extra ramp.
+    /// The limit allows v from s(v) on, and b from s(b) on. Between these, v saves `(s(b) - s(v)) (1/a - 1/v)` against
+    /// a.
     fn terrace(&self, low: R, high: R) -> Option<R> {
         if !(low > R::zero() && high > low) {
             return None;
@@ -143,8 +145,9 @@ impl<'s, R: Real> Flank<'s, R> {
             .then_some(feed)
     }
 
-    /// Adds levels below `target`, each twice the one before, from the highest that a ramp from rest can reach at once: at rest it
-    /// cannot wait for room, and where the limit is low over more than the first ramp no higher level is in reach.
+    /// Adds levels below `target`, each twice the one before. The lowest is the highest that a ramp from rest can reach
+    /// at once: at rest the plan cannot wait for room, and where the limit is low over more than the first ramp no
+    /// higher level can be reached.
     fn leave_rest(&mut self, target: R) {
         if self.levels.len() > 1 || self.base() > R::zero() {
             return;
@@ -155,8 +158,8 @@ impl<'s, R: Real> Flank<'s, R> {
         self.double(first.feed, target);
     }
 
-    /// Adds levels below `target`, each twice the one before: with none between a very slow point and `target` the plan would keep the
-    /// slow feed until the limit has room for all of that ramp.
+    /// Adds levels below `target`, each twice the one before. With no level between a very slow point and `target` the
+    /// plan would keep the slow feed until the limit has room for the whole ramp.
     fn double(&mut self, from: R, target: R) {
         if !(from > R::zero()) {
             return;
@@ -178,13 +181,13 @@ impl<'s, R: Real> Flank<'s, R> {
         self.hull.last().map_or_else(R::zero, |point| point.feed)
     }
 
-    /// The chain that gets to `feed` with the least loss; `None` when the limit is never as high.
+    /// The chain that reaches `feed` with the least loss; `None` when the limit is nowhere as high.
     pub(crate) fn arrival(&self, feed: R) -> Option<Arrival<R>> {
         if let Some(base) = self.levels.first().filter(|base| base.feed == feed) {
             return Some(*base);
         }
         let (mut best, mut narrowest) = (None, PARTS / 2);
-        // The nearest levels lose least as a rule, and what they lose soon rules out the others.
+        // The nearest levels usually lose least, and their loss soon rules out the others.
         let below = self.levels.iter().enumerate().rev().filter(|(_, level)| level.feed < feed);
         for (index, level) in below.take(NEAREST) {
             let bound = best.map_or_else(R::max_value, |best: Arrival<R>| best.loss);
@@ -199,8 +202,8 @@ impl<'s, R: Real> Flank<'s, R> {
         if base.feed == feed { Some(*base) } else { self.arrival_from(0, base, feed, R::max_value(), &mut 0) }
     }
 
-    /// Arrival at `feed` by one ramp from a lower level, if it loses less than `bound`. `narrowest` is the part of a ramp
-    /// that the limit left least room for, here or on the ramp from another level.
+    /// Arrival at `feed` by one ramp from a lower level, if it loses less than `bound`. `narrowest` is the part of a
+    /// ramp for which the limit leaves least room, on this ramp or on the one tried before from another level.
     fn arrival_from(
         &self,
         index: usize,
@@ -236,8 +239,8 @@ impl<'s, R: Real> Flank<'s, R> {
         })
     }
 
-    /// The least distance at which a ramp can start and stay under the limit; `None` when there is none up to `latest`. That
-    /// is looked at for the part `narrowest` first.
+    /// The least distance at which a ramp can start and stay under the limit; `None` when it is beyond `latest`. The
+    /// part `narrowest` is tested first.
     fn earliest_start(
         &self,
         low: R,
@@ -256,7 +259,7 @@ impl<'s, R: Real> Flank<'s, R> {
         let mut start = R::zero();
         let mut next = self.hull.partition_point(|point| point.feed < low);
         for (index, (travelled, feed)) in self.shape.staircase(low, high, ramp).enumerate() {
-            // The staircase rises, so that the place in the hull only ever moves on.
+            // The feeds of the staircase rise, so the place in the hull only moves forward.
             while self.hull.get(next).is_some_and(|point| point.feed < feed) {
                 next += 1;
             }
@@ -271,7 +274,7 @@ impl<'s, R: Real> Flank<'s, R> {
         Some(start)
     }
 
-    /// The distance from which on the limit is at least `feed`, `next` being the first point that is.
+    /// The distance from which on the limit is at least `feed`; `next` is the first point of the hull whose feed is.
     fn distance_with(&self, feed: R, next: usize) -> Option<R> {
         let to = self.hull.get(next)?;
         let Some(from) = next.checked_sub(1).and_then(|i| self.hull.get(i)) else {
@@ -295,16 +298,16 @@ impl<'s, R: Real> Flank<'s, R> {
     }
 }
 
-/// The distance that can be travelled at the lower of two feeds in place of the higher one at a loss of `spare`, rounded up
-/// by far more than rounding: `s/low - s/high = spare`.
+/// The distance s that may be travelled at the lower of two feeds, in place of the higher one, at a loss of `spare`:
+/// `s/low - s/high = spare`. It is increased by far more than rounding may take away.
 fn latest_start<R: Real>((low, high): (R, R), spare: R) -> R {
     let latest = spare * low / ((high - low) / high);
     let above = latest + latest.scale(-6) + R::resolution().scale(6);
-    // Where it does not fit the format, it is no limit.
+    // A distance that does not fit the format is no limit.
     if above >= latest { above } else { R::max_value() }
 }
 
-/// What the feed does along the path.
+/// Whether the feed rises or falls along the path.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Direction {
     /// The slow point comes first.
@@ -322,8 +325,8 @@ struct HullPoint<R> {
     distance_per_square: R,
 }
 
-/// The highest function under the limit that never falls from the slow point to the peak, by distance from
-/// the slow point.
+/// The highest function under the limit that never falls from the slow point to the peak. Distances count from the slow
+/// point.
 fn hull<R: Real>(limit: &FeedLimit<R>, direction: Direction, slow: usize, peak: usize) -> Vec<HullPoint<R>> {
     let Some(foot) = limit.samples().get(slow) else { return Vec::new() };
     let mut hull = Descent { origin: foot.point.distance, points: Vec::new() };
@@ -348,7 +351,7 @@ fn hull<R: Real>(limit: &FeedLimit<R>, direction: Direction, slow: usize, peak: 
     hull.points
 }
 
-/// The hull as it is found, from the peak down.
+/// The hull as it is built, from the peak down to the slow point.
 struct Descent<R> {
     origin: R,
     points: Vec<HullPoint<R>>,
@@ -373,7 +376,7 @@ impl<R: Real> Descent<R> {
         }
     }
 
-    /// Jumps down at a point whose limit holds for itself alone.
+    /// Passes a point; the hull jumps down if the limit there holds at the point alone.
     fn pass(&mut self, limit: &FeedLimit<R>, point: usize) {
         let Some(single) = limit.samples().get(point).filter(|sample| sample.is_single) else { return };
         let distance = (single.point.distance - self.origin).abs();
@@ -382,7 +385,7 @@ impl<R: Real> Descent<R> {
                 self.push(distance, least);
                 self.push(distance, single.lower);
             }
-            // The peak itself counts as seen from inside.
+            // At the peak itself, the limit on the side of the flank counts.
             _ => {}
         }
     }

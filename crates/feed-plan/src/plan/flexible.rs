@@ -1,21 +1,22 @@
 //! Flexible acceleration: one half-cosine in place of several S-curves.
 //!
 //! Where the limit changes again before a transition has ended, an S-curve plan accelerates, brakes and accelerates
-//! once more, and each time its jerk steps. From the feed V_i at the start of such a stretch to V_k at its end, one
-//! trigonometric transition in the time `t_a = 2L/(V_i + V_k)` covers the same length L with two steps of the jerk.
+//! once more, and each time its jerk steps. Let L be the length of such a stretch, V_i the feed at its start and V_k
+//! the feed at its end. One trigonometric transition in the time `t_a = 2L/(V_i + V_k)` covers the same length with two
+//! steps of the jerk.
 //!
-//! From each point without acceleration the look-ahead reads at least the distance in which the commanded feed can
-//! be braked to rest, and beyond it to the next curvature maximum (the next point where the feed is least) if a bend
-//! starts within. Of the stretches that start there and hold at least two transitions it takes the longest one that may
-//! be merged. A merge must
+//! From each point without acceleration the merge reads ahead at least the distance in which the commanded feed can be
+//! braked to rest. If a bend starts within that distance, it reads on to the next curvature maximum (the next point
+//! where the feed is least). Of the stretches that start there and hold at least two transitions, it takes the longest
+//! one that may be merged. A merge must
 //!
 //! 1. keep A: `|V_k - V_i| π/(2t_a) ≤ A`, and J: `|V_k - V_i| π²/(2t_a²) ≤ J`;
 //! 2. stay below the limit everywhere, inner minima of the limit and stops among them;
 //! 3. take not much longer than what it replaces: it gives up small peaks of the feed, not large ones.
 //!
-//! Else the S-curves stay. (Replacing a single S-curve by a half-cosine of its length breaks A or J, always.)
+//! Otherwise the S-curves stay. (A half-cosine in place of a single S-curve of the same length always breaks A or J.)
 //!
-//! Source: paper C (Wang Haitao et al.), section 2.1, which states none of the three conditions.
+//! Source: paper C (Wang Haitao et al.), section 2.1, which does not state any of the three conditions.
 
 use alloc::vec::Vec;
 
@@ -23,24 +24,24 @@ use real::Real;
 
 use crate::{FeedLimit, FeedPiece, KinematicLimits, ProfileKind, Stage, StageShape, Transition};
 
-/// Parts of a transition for comparing it with the limit; in each its largest feed counts.
+/// Parts into which a transition is divided to compare it with the limit; the largest feed of each part counts.
 const PARTS: i32 = 32;
-/// Segments that one merge can take in, so that planning costs in proportion to the path.
+/// Most segments in one merge, so that the cost of planning is proportional to the path.
 const MOST_SEGMENTS: usize = 16;
-/// A merge may take longer than what it replaces by 2⁻⁶ of that: it gives up the small peaks in between. Paper A's
+/// A merge may take 2⁻⁶ longer than the stages that it replaces: it gives up the small peaks between them. Paper A's
 /// curve then takes 0.2 % longer than with S-curves alone, with 93 stages in place of 425.
 const TIME_ALLOWANCE: i32 = -6;
 
 /// Why a stretch keeps its S-curves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Refusal {
-    /// Nothing moves.
+    /// The stretch has no length or no feed.
     Rest,
     Acceleration,
     Jerk,
-    /// It would pass a point of the path above its limit.
+    /// The half-cosine would pass a point of the path above its limit.
     Limit,
-    /// It would take longer.
+    /// The half-cosine would take longer than is allowed.
     Time,
 }
 
@@ -50,11 +51,11 @@ struct Segment<R> {
     /// Indices of its stages.
     first: usize,
     end: usize,
-    /// All of them as one stage, whose shape says nothing.
+    /// All of them as one stage. The stage's shape has no meaning.
     whole: Stage<R>,
 }
 
-/// The stages of an S-curve plan with merged ones wherever they are allowed.
+/// The stages of an S-curve plan, merged wherever a merge is allowed.
 pub(crate) fn merge<R: Real>(
     limit: &FeedLimit<R>,
     limits: &KinematicLimits<R>,
@@ -105,7 +106,7 @@ fn segments<R: Real>(stages: &[Stage<R>]) -> Vec<Segment<R>> {
     segments
 }
 
-/// The segments from the first one on that begin within `stopping`, and on to the next point where the feed is least.
+/// The segments that begin within `stopping`, and those up to the next point where the feed is least.
 fn read_ahead<R: Real>(segments: &[Segment<R>], stopping: R) -> &[Segment<R>] {
     let mut distance = R::zero();
     let mut count = 0;
@@ -119,20 +120,21 @@ fn read_ahead<R: Real>(segments: &[Segment<R>], stopping: R) -> &[Segment<R>] {
     segments.get(..count).unwrap_or_default()
 }
 
-/// Segments in a row as one stage, whose shape says nothing.
+/// Segments in a row as one stage. The stage's shape has no meaning.
 fn joined<R: Real>(segments: &[Segment<R>]) -> Option<Stage<R>> {
     let sum = |of: fn(&Stage<R>) -> R| segments.iter().fold(R::zero(), |sum, s| sum + of(&s.whole));
     let (length, duration) = (sum(|whole| whole.length), sum(|whole| whole.duration));
     Some(Stage { length, duration, end_feed: segments.last()?.whole.end_feed, ..segments.first()?.whole })
 }
 
-/// The half-cosine between two feeds that covers `length`; `None` between two feeds of 0, which cover nothing.
+/// The half-cosine between two feeds that covers `length`; `None` if both feeds are 0, since it would cover no length.
 fn half_cosine_over<R: Real>([start_feed, end_feed]: [R; 2], length: R) -> Option<FeedPiece<R>> {
     let (shape, sum) = (StageShape::Cosine, start_feed + end_feed);
     (sum > R::zero()).then(|| FeedPiece { shape, start_feed, end_feed, duration: (length + length) / sum })
 }
 
-/// The half-cosine over a stretch, if it may replace what takes `duration` there now.
+/// The half-cosine over a stretch, if it may replace the stages there. `stretch` holds their length, feeds and
+/// duration.
 pub(crate) fn merged_piece<R: Real>(
     limit: &FeedLimit<R>,
     limits: &KinematicLimits<R>,
@@ -186,7 +188,7 @@ mod tests {
         }
     }
 
-    /// The way that fastest S-curves take through these feeds, and a limit that is `inner` at the inner ones and far above
+    /// A stretch whose fastest S-curves pass these feeds, with a limit that is `inner` at the inner feeds and far above
     /// the feeds elsewhere.
     fn through(feeds: &[f64]) -> (FeedLimit<f64>, Stage<f64>) {
         let (mut distance, mut duration) = (0.0, 0.0);
@@ -200,7 +202,7 @@ mod tests {
             let is_minimum = feeds.get(i + 2).is_none_or(|next| *next > pair[1] && pair[0] > pair[1]);
             points.push((distance, if is_minimum { pair[1] } else { 200.0 }));
         }
-        // Beyond the ends the limit is free: only inner minima can refuse.
+        // At the ends the limit is free: only inner minima can refuse a merge.
         points[0].1 = 200.0;
         if let Some(last) = points.last_mut() {
             last.1 = 200.0;
@@ -216,10 +218,10 @@ mod tests {
         merged_piece(&limit, &limits(), &stretch)
     }
 
-    /// Cases worked out independently: what breaks in each.
+    /// Cases computed independently, each with the limit that a merge would break.
     #[test]
     fn a_merge_that_breaks_a_limit_is_refused() {
-        // 20-25-24-100 over its own length would need 1.139 A.
+        // 20-25-24-100 merged over its own length would need 1.139 A.
         assert_eq!(outcome(&[20.0, 25.0, 24.0, 100.0]), Err(Refusal::Acceleration));
         let (_, stretch) = through(&[20.0, 25.0, 24.0, 100.0]);
         let merged = half_cosine_over([20.0, 100.0], stretch.length).unwrap();
@@ -252,8 +254,8 @@ mod tests {
         assert_eq!(half_cosine_over([0.0, 0.0], 3.0), None);
     }
 
-    /// What paper C passes over: an S-curve replaced by one half-cosine of the same length and so of the same time
-    /// breaks the jerk by π²/8 where only the jerk binds.
+    /// Paper C does not mention this: a half-cosine that replaces an S-curve of the same length, and so of the same
+    /// time, exceeds the jerk limit by the factor π²/8 where only the jerk binds.
     #[test]
     fn in_the_time_of_an_s_curve_it_breaks_the_jerk() {
         let s_curve = Transition::fastest(ProfileKind::SCurve, [50.0, 52.0], 1000.0, 5e4);
@@ -295,7 +297,7 @@ mod tests {
             flexible.stages().len(),
             plain.stages().len()
         );
-        // Rounding of the waits around it aside, the plan passes the sharp bend at its limit.
+        // The plan passes the sharp bend at the bend's limit, apart from rounding of the waits around it.
         let passes = |s: &&Stage<f64>| s.start < 41.0 && s.start + s.length > 41.0;
         let there = flexible.stages().iter().find(passes).unwrap();
         assert!(there.start_feed <= 20.0 && there.end_feed <= 20.0, "{there:?}");

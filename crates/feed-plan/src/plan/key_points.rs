@@ -1,4 +1,4 @@
-//! The points of the limit that a plan is hung up on: the ends, and the local minima.
+//! The points of the limit between which a plan is made: the ends and the local minima.
 
 use alloc::vec::Vec;
 
@@ -7,8 +7,8 @@ use real::Real;
 use crate::limit::axis_budget::Allowance;
 use crate::{FeedLimit, PlanError};
 
-/// Minima less deep than 2⁻⁸ of the limit are no key points: a constant limit, sampled, is full of them. The
-/// plan still respects them.
+/// Minima less deep than 2⁻⁸ of the limit are no key points: the samples of a constant limit have many. The plan still
+/// keeps below them.
 const SIGNIFICANT: i32 = -8;
 
 /// Feeds at the two ends of the path; at rest by default.
@@ -26,9 +26,9 @@ pub(crate) struct Key<R> {
     pub(crate) point: usize,
     pub(crate) distance: R,
     pub(crate) feed: R,
-    /// The limit points between which the feed is highest on the way from the key before.
+    /// The limit points between which the limit is highest on the way from the key before.
     pub(crate) summit: (usize, usize),
-    /// What the axes leave for the path on the way from the key before.
+    /// The acceleration and jerk that the axes leave for the path on the way from the key before.
     pub(crate) allowance: Allowance<R>,
 }
 
@@ -66,7 +66,7 @@ pub(crate) fn key_points<R: Real>(limit: &FeedLimit<R>, ends: EndFeeds<R>) -> Re
     Ok(keys)
 }
 
-/// A feed asked for at an end of the path, as far as the planner's lower limit allows.
+/// Checks a feed asked for at an end of the path against the lower bound of the limit there.
 fn end_feed<R: Real>(
     limit: &FeedLimit<R>,
     point: usize,

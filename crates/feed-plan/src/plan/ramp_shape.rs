@@ -1,16 +1,16 @@
-//! The ramps from one feed to another, divided into parts of equal time, in which they are held against the limit.
+//! The ramps from one feed to another, divided into parts of equal time that are compared with the limit one by one.
 
 use real::Real;
 
 use crate::limit::axis_budget::Allowance;
 use crate::{FeedLimit, KinematicLimits, ProfileKind, StageShape, Transition};
 
-/// Parts of a ramp for comparing it with the limit, a power of two: in each its largest feed counts, so that it starts later
-/// than it must by at most the last part's length. With 16 parts a plan with long ramps takes up to 2 %
-/// longer.
+/// Parts into which a ramp is divided to compare it with the limit, a power of two. In each part the largest feed
+/// counts, so a ramp starts later than it must by at most the last part's length. With 16 parts a plan with long ramps
+/// takes up to 2 % longer.
 pub(crate) const PARTS: usize = 32;
 
-/// The family of every ramp, divided into parts of equal time.
+/// All ramps of one kind of transition, divided into parts of equal time.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RampShape<R> {
     kind: ProfileKind,
@@ -19,19 +19,19 @@ pub(crate) struct RampShape<R> {
     pub(crate) parts: [Part<R>; PARTS],
 }
 
-/// One part of a ramp, of the time from `x` to `x + 1/PARTS` of the whole.
+/// One part of a ramp: the time from `x` to `x + 1/PARTS` of the whole time.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Part<R> {
     x: R,
     end: R,
-    /// G at its start: the share of the change of feed in the distance.
+    /// G at the part's start: the coefficient of the change of feed in the distance.
     bow: R,
-    /// g at its end: the share of the change of feed reached.
+    /// g at the part's end: the share of the change of feed that has been reached.
     rise: R,
 }
 
 impl<R: Real> Part<R> {
-    /// Of a ramp from `low` to `high`: distance to the part's start, and the largest feed in it.
+    /// For a ramp from `low` to `high`: the distance to the part's start, and the largest feed in the part.
     #[inline]
     pub(crate) fn step(&self, low: R, high: R, ramp: &Transition<R>) -> (R, R) {
         let change = high - low;
@@ -43,7 +43,7 @@ impl<R: Real> Part<R> {
 
 impl<R: Real> RampShape<R> {
     pub(crate) fn new(kind: ProfileKind, limits: &KinematicLimits<R>) -> Self {
-        // An S-curve has a shape for each pair of feeds, so that its shares are found each time.
+        // An S-curve has another shape for each pair of feeds, so its shares are computed each time.
         let shape = if kind == ProfileKind::Cubic { StageShape::Cubic } else { StageShape::Cosine };
         let mut parts = [Part::default(); PARTS];
         let width = R::one().scale(-PARTS.ilog2().cast_signed());
@@ -56,7 +56,7 @@ impl<R: Real> RampShape<R> {
         Self { kind, acceleration: limits.acceleration, jerk: limits.jerk, parts }
     }
 
-    /// The ramps of a stretch on which the axes leave this acceleration and jerk, or less.
+    /// The ramps of a stretch on which the axes leave no more than this acceleration and jerk.
     pub(crate) fn within(&self, allowance: Allowance<R>) -> Self {
         let least = allowance.min(Allowance { acceleration: self.acceleration, jerk: self.jerk });
         Self { acceleration: least.acceleration, jerk: least.jerk, ..*self }
@@ -66,13 +66,13 @@ impl<R: Real> RampShape<R> {
         Transition::fastest(self.kind, [from, to], self.acceleration, self.jerk)
     }
 
-    /// Over each part of a ramp from `low` to `high`: distance to its start, and the largest feed in it.
+    /// For each part of a ramp from `low` to `high`: the distance to its start, and the largest feed in it.
     pub(crate) fn staircase(&self, low: R, high: R, ramp: Transition<R>) -> impl Iterator<Item = (R, R)> {
         self.parts.iter().map(move |part| part.step(low, high, &ramp))
     }
 
-    /// Whether a ramp between a slow point and a fast one fits: its fast end at the fast point, its
-    /// slow end not beyond the slow point, and all of it under the limit.
+    /// Whether a ramp between a slow point and a fast one fits. Its fast end is at the fast point; its slow end must
+    /// not lie beyond the slow point, and all of it must be under the limit.
     pub(crate) fn fits(&self, limit: &FeedLimit<R>, slow: (R, R), fast: (R, R)) -> bool {
         let ramp = self.ramp(slow.1, fast.1);
         let room = (fast.0 - slow.0).abs();

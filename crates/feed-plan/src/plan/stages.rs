@@ -1,4 +1,4 @@
-//! The stages of a plan as it is put together, from its start on.
+//! The stages of a plan while it is put together from its start.
 
 use alloc::vec::Vec;
 
@@ -19,8 +19,8 @@ impl<'l, R: Real> Stages<'l, R> {
         Self { limit, stages: Vec::new() }
     }
 
-    /// A stretch of constant feed, joined to the last stage if that is at the same; nothing if it has no
-    /// length.
+    /// Adds a stretch of constant feed. It lengthens the last stage if that has the same feed; a stretch of no length
+    /// adds nothing.
     pub(crate) fn constant(&mut self, start: R, length: R, feed: R) {
         if !(length > R::zero() && feed > R::zero()) {
             return;
@@ -38,7 +38,7 @@ impl<'l, R: Real> Stages<'l, R> {
         }
     }
 
-    /// The pieces of a transition.
+    /// Adds the pieces of a transition.
     pub(crate) fn transition(&mut self, start: R, transition: &Transition<R>) {
         let mut at = start;
         for piece in transition.pieces().iter().filter(|piece| piece.duration > R::zero()) {
@@ -48,7 +48,7 @@ impl<'l, R: Real> Stages<'l, R> {
         }
     }
 
-    /// Puts one transition in place of several where that keeps every limit: [`merge`].
+    /// Replaces several transitions by one wherever all limits stay kept: [`merge`].
     pub(crate) fn merge(&mut self, limits: &KinematicLimits<R>) {
         self.stages = merge(self.limit, limits, &self.stages);
     }
@@ -75,7 +75,7 @@ impl<'l, R: Real> Stages<'l, R> {
         });
     }
 
-    /// The finished stages, with the parameters that they start and end at.
+    /// The finished stages, with the parameters at which they start and end.
     pub(crate) fn with_parameters(mut self) -> Vec<Stage<R>> {
         for stage in &mut self.stages {
             (stage.curve_start, stage.u_start) = self.limit.parameter_at(stage.start);

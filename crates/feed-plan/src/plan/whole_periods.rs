@@ -1,19 +1,19 @@
 //! A plan that takes a whole number of interpolation periods.
 //!
-//! From rest to rest each section of it does, so that every stop on the way is a setpoint: the chord of a period that
-//! passed a corner in its middle would cut it.
+//! Each section of such a plan, from rest to rest, takes whole periods, so that every stop on the way is a setpoint. If
+//! a period passed a corner in its middle, its chord would cut the corner.
 
 use real::Real;
 
 use crate::schedule::section;
 use crate::{FeedLimit, PlanError, Stage};
 
-/// A section that bends is slowed down by 2⁻¹³ at least. That leaves 2⁻¹² of the acceleration, and more of the jerk, to a plan whose
-/// chords have the planned lengths ([`ScheduleBuf::shortened`](crate::ScheduleBuf::shortened)). Straight lines and their corners
-/// need nothing of it, for there chords and path are as long.
+/// A section that bends is slowed down by at least 2⁻¹³. That leaves 2⁻¹² of the acceleration, and more of the jerk, to
+/// a plan whose chords have the planned lengths ([`ScheduleBuf::shortened`](crate::ScheduleBuf::shortened)). Straight
+/// lines and their corners need no such room, since their chords are as long as the path.
 pub(crate) const SLOWER: i32 = -13;
 
-/// Slows each section between two stops down evenly to a whole number of periods; their sum is returned.
+/// Slows each section between two stops down evenly to a whole number of periods, and returns the sum of these numbers.
 pub(crate) fn stretch<R: Real>(
     stages: &mut [Stage<R>],
     limit: &FeedLimit<R>,
@@ -48,8 +48,7 @@ fn stretch_section<R: Real>(stages: &mut [Stage<R>], slower: R, period: R) -> Re
     Ok(periods)
 }
 
-/// The least whole number not below `value`, as an integer and as a number; `None` beyond what either can
-/// hold.
+/// The least whole number not below `value`, as an integer and in the format; `None` if either cannot hold it.
 fn round_up<R: Real>(value: R) -> Option<(u32, R)> {
     if !(value > R::zero() && value < R::max_value().half()) {
         return None;

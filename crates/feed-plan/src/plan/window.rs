@@ -1,17 +1,18 @@
 //! Streaming: a path of any length, planned through a window.
 //!
-//! So many millimetres of path are looked at at a time. They are planned as if the path ended in rest at the window's
-//! end, which is always possible, and of that plan the stages up to the middle of the window are final: the next window
-//! begins where the acceleration is zero, at constant feed or at a joint of stages, with the feed that the plan has there. What lies
-//! behind a window can only let the plan go on faster, so every limit holds; but where half the window is shorter than
-//! the distance that the machine needs to stop, the plan is slower than with the whole path in view.
+//! The planner looks at a *window* of so many millimetres of path at a time. It plans the window as if the path ended
+//! in rest at the window's end, which is always possible. Of that plan, the stages up to the middle of the window are
+//! final. The next window begins at a place where the acceleration is zero, at constant feed or at a joint of stages,
+//! with the feed that the plan has there. The path behind a window can only let the plan go faster, so every limit
+//! holds. But where half the window is shorter than the distance that the machine needs to stop, the plan is slower
+//! than with the whole path in view.
 //!
-//! Should the planner find no way from that joint, where its search is coarser than the plan it came from, the rest of
-//! that plan is taken, to rest: there is always a way on.
+//! The planner may find no plan from that joint, where its search is coarser than in the window before. It then follows
+//! the rest of the window's plan before, to rest: so there is always a plan.
 //!
-//! Spans are sampled once, as the window reaches them, and their samples forgotten behind it: memory holds the samples
-//! of one window and one span, whatever the length of the path. Stages are not stretched to whole periods; who runs them
-//! can wait at a stop until the period is over.
+//! Spans are sampled once, as the window reaches them, and their samples are forgotten behind it. So memory holds the
+//! samples of one window and one span, whatever the length of the path. Stages are not stretched to whole periods; at a
+//! stop, a caller can wait until the period is over.
 
 use alloc::collections::VecDeque;
 use alloc::vec::Vec;
@@ -27,7 +28,7 @@ use crate::{EndFeeds, FeedLimit, KinematicLimits, PlanError, ProfileKind, Stage,
 /// A window's plan is followed over at least 2⁻⁶ of the window.
 const LEAST_ADVANCE: i32 = -6;
 
-/// What a plan through a window came to.
+/// The result of planning through a window.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WindowedPlan<R> {
     /// Arc length of the path, mm.
@@ -45,21 +46,22 @@ pub struct WindowedPlan<R> {
 pub struct CommandedCurve<C, R> {
     /// The curve, which starts where the one before ends.
     pub curve: C,
-    /// No more than this feed on it, above 0, as for [`FeedLimit::capped`].
+    /// The largest feed on the curve, above 0, as for [`FeedLimit::capped`].
     pub feed: R,
     /// Whether it begins at rest whatever the directions, as for [`FeedLimit::along_with_stops`].
     pub from_rest: bool,
 }
 
-/// Plans curves that follow each other, from rest to rest, with `window` mm in view; `emit` takes the stages, in order
-/// and for good.
+/// Plans curves that follow each other, from rest to rest, with `window` mm in view. `emit` is given the stages in
+/// order; they are final.
 ///
 /// Distances count from the path's start and curves from the first one. The feed is continuous over windows, and all
-/// limits of [`plan`](crate::plan()) hold. Planning costs in proportion to the path: each span is sampled once, and each
-/// sample planned over about twice.
+/// limits of [`plan`](crate::plan()) hold. The cost of planning is proportional to the path: each span is sampled once,
+/// and the plan covers each sample about twice.
 ///
 /// # Errors
-/// As [`plan`](crate::plan()) and [`FeedLimit::capped`]; [`PlanError::NotPositive`] for a window that is none. What was emitted before an error stands.
+/// As [`plan`](crate::plan()) and [`FeedLimit::capped`]; [`PlanError::NotPositive`] for a window that is not a positive
+/// number. Stages that were emitted before an error stay valid.
 pub fn plan_through_window<R: Real, const D: usize, C: Differentiate<R, D>>(
     curves: impl IntoIterator<Item = CommandedCurve<C, R>>,
     limits: &KinematicLimits<R>,
@@ -82,7 +84,7 @@ pub fn plan_through_window<R: Real, const D: usize, C: Differentiate<R, D>>(
         let ends = EndFeeds { start: feed, end: R::zero() };
         let (mut stages, is_new) = match look_ahead::stages(&limit, limits, ends, kind) {
             Ok(stages) => (stages, true),
-            // The rest of the plan before leads to rest, at the end of the window before.
+            // The rest of the plan before leads to rest at the end of the window before.
             Err(_) if !rest.is_empty() => (rest, false),
             Err(error) => return Err(error),
         };
@@ -100,12 +102,12 @@ pub fn plan_through_window<R: Real, const D: usize, C: Differentiate<R, D>>(
     if done.length > R::zero() { Ok(done) } else { Err(PlanError::PathEmpty) }
 }
 
-/// Splits off what of a window's plan is not final. Final is what lies before the middle of the window, if the feed is
-/// constant there, or else before the last joint in the window's first half from which the next window can go on, or else
-/// before the first such joint that brings the plan on.
+/// Splits off the stages of a window's plan that are not final. The final stages end at the middle of the window, if
+/// the feed is constant there. Otherwise they end at the last joint in the window's first half from which the next
+/// window can go on, or at the first such joint behind it.
 ///
-/// At such a joint the acceleration is zero and the next stage does not fall: where braking begins, the next plan would have
-/// to brake at that very point, and rounding may have moved it past.
+/// At such a joint the acceleration is zero and the next stage does not fall. Where braking begins, the next plan would
+/// have to brake at that very point, and rounding may have moved the point too far along the path.
 fn split_rest<R: Real>(stages: &mut Vec<Stage<R>>, limit: &FeedLimit<R>, begin: R) -> Vec<Stage<R>> {
     let window = limit.length() - begin;
     let (least, middle) = (begin + window.scale(LEAST_ADVANCE), begin + window.half());
@@ -128,7 +130,7 @@ fn split_rest<R: Real>(stages: &mut Vec<Stage<R>>, limit: &FeedLimit<R>, begin: 
     stages.split_off(count)
 }
 
-/// A stage of constant feed in two, at a distance within it.
+/// Cuts a stage of constant feed in two at a distance within it.
 fn cut<R: Real>(stage: &Stage<R>, distance: R, limit: &FeedLimit<R>) -> (Stage<R>, Stage<R>) {
     let length = distance - stage.start;
     let duration = stage.duration * (length / stage.length);
@@ -145,10 +147,10 @@ fn cut<R: Real>(stage: &Stage<R>, distance: R, limit: &FeedLimit<R>) -> (Stage<R
     (before, after)
 }
 
-/// The curves still to come, span by span.
+/// The curves still to come, which are sampled span by span.
 struct Source<C, R, I> {
     curves: I,
-    /// The curve at hand, its index, and its next span.
+    /// The current curve, its index, and its next span.
     at: Option<(CommandedCurve<C, R>, usize, usize)>,
     /// The feeds of the curves in view, each with the curve's index.
     feeds: VecDeque<(usize, R)>,
@@ -205,7 +207,7 @@ impl<C, R: Real, I: Iterator<Item = CommandedCurve<C, R>>> Source<C, R, I> {
     }
 }
 
-/// What is in view: the samples from the window's begin to its end.
+/// The samples in view, from the window's begin to its end.
 struct View<'l, R, const D: usize, C, I> {
     source: Source<C, R, I>,
     scan: Scan<'l, R, D>,
@@ -216,9 +218,9 @@ struct View<'l, R, const D: usize, C, I> {
 impl<R: Real, const D: usize, C: Differentiate<R, D>, I: Iterator<Item = CommandedCurve<C, R>>>
     View<'_, R, D, C, I>
 {
-    /// Moves the window's begin; whether there is any path left.
+    /// Moves the window's begin. Returns whether any path is left.
     fn advance(&mut self, begin: R) -> Result<bool, PlanError> {
-        // A stop lets the limit jump within the chord error of it: as far back, samples still matter.
+        // A stop lets the limit jump within the chord error of it: samples that far back are still needed.
         self.scan.forget_before(begin - self.limits.chord_error.scale(1));
         if let Some(first) = self.scan.samples().first() {
             self.source.forget_before(first.point.curve);
@@ -250,7 +252,7 @@ mod tests {
     use crate::test_paths::{arcs, in_periods, limit_along, paper_limits, polyline, seed_000, seed_003};
     use nurbs_core::{NurbsBuf, NurbsCurve};
 
-    /// A staircase of short lines and, in between, the papers' curves moved to where the path is.
+    /// A path of staircases of short lines, with the papers' curves between them, moved to the path's end.
     fn long_path(repeats: usize) -> Vec<NurbsBuf<f64, 2>> {
         let mut path = Vec::new();
         for i in 0..repeats {
@@ -350,10 +352,11 @@ mod tests {
         }
     }
 
-    /// What a break lowers before it is not final yet where a window ends, however short the window.
+    /// A break lowers samples before it. Such samples are not final at the end of a window, however short the window.
     #[test]
     fn moves_finer_than_a_step_have_the_same_limit_through_a_window() {
-        // Straight, and into ever tighter bends in moves of 2 µm: from 20 mm to 1 mm and back.
+        // A straight line, and then ever tighter bends in moves of 2 µm: the radius falls from 20 mm to 1 mm and rises
+        // again.
         let (mut angle, mut points) = (0.0_f64, vec![[-3.0, 0.0], [0.0, 0.0]]);
         for i in 0..=4000 {
             let last = points[points.len() - 1];
@@ -367,7 +370,7 @@ mod tests {
             let limit = assert_kept(&curves, &stages);
             assert!(limit.at(7.0) < 0.08 && limit.at(1.0) == 0.6, "{}", limit.at(7.0));
             assert!(done.duration >= whole.duration * (1.0 - 1e-3), "{window}: {}", done.duration);
-            // Samples of a window, of what a chord reaches beyond it, and of a span.
+            // The samples of a window, of the stretch that a chord reaches beyond it, and of a span.
             let most = 17.0 * (1000.0 + 500.0 * window);
             assert!((done.most_points as f64) < most, "{} of {most}", done.most_points);
         }
@@ -392,8 +395,9 @@ mod tests {
         }
     }
 
-    /// With the centripetal acceleration limited each arc has a feed of its own, and a longer window sees longer flights of such steps.
-    /// With 16 levels for a flight, however long, 80 mm in view took 6 % longer than 20 here, and up to 14 % on other paths.
+    /// With a limit of the centripetal acceleration each arc has a feed of its own, so the limit is a staircase; a
+    /// longer window sees longer staircases. With 16 levels for a staircase of any length, a window of 80 mm took 6 %
+    /// longer than one of 20 mm here, and up to 14 % longer on other paths.
     #[test]
     fn the_more_is_in_view_the_less_time_a_path_of_arcs_takes() {
         let shape = |i: u64| {
@@ -450,7 +454,7 @@ mod tests {
         }
     }
 
-    /// Slow, fast and unbounded moves in a row: with the whole path in view and through windows.
+    /// Slow, fast and unbounded moves in a row, planned with the whole path in view and through windows.
     #[test]
     fn every_curve_is_travelled_at_its_own_feed_at_most() {
         let curves: Vec<_> = (0..12_i32)
@@ -489,7 +493,7 @@ mod tests {
     fn an_exact_stop_is_rested_at_in_every_window() {
         let curves = long_path(40);
         let views: Vec<_> = curves.iter().map(NurbsBuf::as_curve).collect();
-        // Joints that the tool passes without them.
+        // Joints that the tool passes if no stop is asked for there.
         let stops = [4, 49, 103];
         let limit = FeedLimit::along_with_stops(&views, &paper_limits(), &stops).unwrap();
         let free = FeedLimit::along(&views, &paper_limits()).unwrap();

@@ -5,7 +5,7 @@ use real::Real;
 use crate::schedule::section::AT_REST;
 use crate::{Section, Stage, sections};
 
-/// A plan over borrowed stages: `Copy`, without heap, and all that the real-time loop needs.
+/// A plan over borrowed stages. It is `Copy`, needs no heap, and is all that the real-time loop needs.
 ///
 /// A controller without an allocator can keep the stages of a plan made elsewhere in flash.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,11 +15,11 @@ pub struct Schedule<'a, R> {
     periods: u32,
 }
 
-/// Where a run stands: a few words, and all that changes from period to period.
+/// The state of a run: a few words that change from period to period. All else is constant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cursor<R> {
     stage: usize,
-    /// Time into the stage of its first setpoint.
+    /// Time from the start of the stage to the first setpoint in it.
     offset: R,
     /// Periods since then, a whole number. The time is `offset + count T`: summed period by period, it would
     /// lose a unit of its last place each.
@@ -34,7 +34,7 @@ impl<R: Real> Cursor<R> {
         self.stage
     }
 
-    /// Number of periods gone.
+    /// Number of periods that have been given out.
     #[must_use]
     pub fn period(&self) -> u32 {
         self.period
@@ -42,7 +42,7 @@ impl<R: Real> Cursor<R> {
 }
 
 impl<'a, R: Real> Schedule<'a, R> {
-    /// A schedule over stages made elsewhere, which take `periods` whole interpolation periods together.
+    /// A schedule over stages made elsewhere, which together take `periods` interpolation periods.
     #[must_use]
     pub const fn new(stages: &'a [Stage<R>], interpolation_period: R, periods: u32) -> Self {
         Self { stages, interpolation_period, periods }
@@ -54,12 +54,12 @@ impl<'a, R: Real> Schedule<'a, R> {
         self.stages
     }
 
-    /// What the plan does from rest to rest, in order.
+    /// The sections of the plan, each from rest to rest, in order.
     pub fn sections(&self) -> impl Iterator<Item = Section<'a, R>> + use<'a, R> {
         sections(self.stages)
     }
 
-    /// Time of the whole plan: `periods()` times the interpolation period, but for rounding.
+    /// Time of the whole plan: `periods()` times the interpolation period, up to rounding.
     #[must_use]
     pub fn duration(&self) -> R {
         self.stages.iter().fold(R::zero(), |sum, stage| sum + stage.duration)
@@ -71,7 +71,7 @@ impl<'a, R: Real> Schedule<'a, R> {
         self.stages.iter().fold(R::zero(), |sum, stage| sum + stage.length)
     }
 
-    /// The interpolation period T, in the unit of time that the plan was made in; 1 where that is the period itself.
+    /// The interpolation period T, in the unit of time in which the plan was made; 1 if that unit is the period.
     #[must_use]
     pub fn interpolation_period(&self) -> R {
         self.interpolation_period
@@ -97,9 +97,10 @@ impl<'a, R: Real> Schedule<'a, R> {
 
     /// The distance to travel in the next period, the exact integral of the feed; `None` after the last.
     ///
-    /// A period that straddles joints of stages sums its parts. The last period takes all that is left, and one that ends
-    /// less than 2⁻¹⁰ of a period before a stop takes the rest of the way to it, so that rounding of times loses no
-    /// distance. Takes as many steps as the period has joints.
+    /// For a period that straddles joints of stages, it is the sum of the parts. The last period takes the whole
+    /// distance that is left. A period that ends less than 2⁻¹⁰ of a period before a stop takes the rest of the way to
+    /// the stop, so that rounding of times loses no distance. The function takes as many steps as the period has
+    /// joints.
     pub fn advance(&self, cursor: &mut Cursor<R>) -> Option<R> {
         if self.is_over(cursor) {
             return None;
@@ -136,7 +137,8 @@ impl<'a, R: Real> Schedule<'a, R> {
         cursor.count.mul_add(self.interpolation_period, cursor.offset)
     }
 
-    /// Feed at the cursor; at a joint that of the stage that begins there, after the end that at the end.
+    /// Feed at the cursor. At a joint it is the feed of the stage that begins there; behind the end it is the feed at
+    /// the end.
     #[must_use]
     pub fn feed(&self, cursor: &Cursor<R>) -> R {
         self.at(cursor, Stage::feed_at)
@@ -194,7 +196,7 @@ mod tests {
             assert!((steps[0].0 + steps[1].0 - stages[0].length).abs() < 1e-12, "{off}");
             assert!((steps[2].0 + steps[3].0 - 1.0).abs() < 1e-12, "{off}");
         }
-        // A stop within a period is passed.
+        // A stop in the middle of a period is passed.
         let stages = [Stage { start_feed: 1.0, ..fall(2.1) }, Stage { start: 1.05, ..rise }];
         let schedule = Schedule::new(&stages, 1.0, 5);
         let mut cursor = schedule.start();
@@ -212,8 +214,8 @@ mod tests {
 
     #[test]
     fn long_stages_give_equal_steps_in_narrow_formats() {
-        // 100 000 periods at constant feed, from half a period into the stage: the sum of times would be off
-        // by far more.
+        // 100 000 periods at constant feed, which begin half a period into the stage: if times were summed, the error
+        // would be far larger.
         let first = Stage { duration: 0.5_f32, length: 0.15, ..constant(0.3) };
         let stages = [first, Stage { duration: 100_000.0, length: 30_000.0, ..constant(0.3) }];
         let schedule = Schedule::new(&stages, 1.0, 100_001);

@@ -15,7 +15,7 @@ pub struct ScheduleBuf<R> {
 }
 
 impl<R: Real> ScheduleBuf<R> {
-    /// The plan, borrowed: everything else is asked of that.
+    /// The plan, borrowed. It has all other functions.
     #[must_use]
     pub fn as_schedule(&self) -> Schedule<'_, R> {
         Schedule::new(&self.stages, self.interpolation_period, self.periods)
@@ -27,8 +27,8 @@ impl<R: Real> ScheduleBuf<R> {
         &self.stages
     }
 
-    /// The plan with other stages in place of those from each stop to the next, which it is given with their part of a list; where
-    /// they start follows from their lengths.
+    /// Replaces the stages from each stop to the next by those that `other` makes of them and of their part of `list`.
+    /// The starts of the new stages follow from their lengths.
     pub(crate) fn by_sections(
         self,
         list: &[R],

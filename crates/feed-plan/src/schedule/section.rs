@@ -1,17 +1,19 @@
-//! Sections: what a plan does from rest to rest.
+//! Sections: the parts of a plan from one rest to the next.
 //!
-//! At each rest the machine stands still and nothing is owed: so a section has a clock of its own, which begins at 0 and ends on a
-//! whole period, and no rounding before it reaches into it. Runs are made and judged section by section.
+//! At each rest the machine stands still, and no distance is left over from before. So a section has a clock of its
+//! own, which begins at 0 and ends on a whole period. No rounding in earlier sections changes it. Runs are made and
+//! judged section by section.
 
 use real::Real;
 
 use crate::Stage;
 
-/// A rest that is off a whole period by less than 2⁻¹⁰ of it lies on it: sections are planned in whole periods, and what is off is
-/// the rounding of times.
+/// A rest that is off a whole period by less than 2⁻¹⁰ of a period counts as on it: sections are planned in whole
+/// periods, and the difference is the rounding of times.
 pub(crate) const AT_REST: i32 = -10;
 
-/// The stages from one rest to the next, or to the end of the plan. Pauses behind a rest belong to the section before.
+/// The stages from one rest to the next, or to the end of the plan. Pauses after a rest belong to the section before
+/// the rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Section<'a, R> {
     stages: &'a [Stage<R>],
@@ -29,7 +31,7 @@ pub fn sections<R: Real>(stages: &[Stage<R>]) -> impl Iterator<Item = Section<'_
     })
 }
 
-/// The number of stages in the section that these begin with.
+/// The number of stages in the section with which these stages begin.
 pub(crate) fn count<R: Real>(stages: &[Stage<R>]) -> usize {
     let goes_on = |pair: &&[Stage<R>]| !pair[0].end_feed.is_zero() || pair[1].is_pause();
     stages.windows(2).take_while(goes_on).count() + 1
@@ -54,16 +56,17 @@ impl<'a, R: Real> Section<'a, R> {
         self.stages.last().and_then(Stage::rest)
     }
 
-    /// Time over the section.
+    /// Duration of the section.
     #[must_use]
     pub fn duration(&self) -> R {
         self.stages.iter().fold(R::zero(), |sum, stage| sum + stage.duration)
     }
 
-    /// Durations of its stages in 2⁻³² periods, the unit in which a controller counts time, where the plan's unit is the period.
+    /// Durations of the section's stages in 2⁻³² periods, the unit in which a controller counts time. The plan's unit
+    /// of time must be the period.
     ///
-    /// Each stage ends at the nearest such time of the section's clock, so that roundings do not add up, and the last at the
-    /// whole period if the section rests within 2⁻¹⁰ of one. A stage may get no time.
+    /// Each stage ends at the nearest such time of the section's clock, so that roundings do not add up. The last stage
+    /// ends at a whole period if the section rests within 2⁻¹⁰ of one. A stage may get the duration 0.
     pub fn durations(&self) -> impl Iterator<Item = u64> + use<'a, R> {
         let half_unit = R::one().scale(-33);
         let last = self.rest().map(|_| self.stages.len());
@@ -77,7 +80,7 @@ impl<'a, R: Real> Section<'a, R> {
     }
 }
 
-/// The whole period within 2⁻¹⁰ of this time in 2⁻³² periods, or the time itself.
+/// Rounds a time in 2⁻³² periods to a whole period if that is within 2⁻¹⁰ of a period; otherwise returns the time.
 fn at_whole_period(time: u64) -> u64 {
     let nearest = time.saturating_add(1 << 31) >> 32 << 32;
     if time.abs_diff(nearest) < 1 << (32 + AT_REST) { nearest } else { time }
@@ -103,7 +106,8 @@ mod tests {
         assert_eq!(sections::<f64>(&[]).count(), 0);
     }
 
-    /// Summed over a whole program, some thirty thousand rests were a unit behind their period, and runs a period late.
+    /// When times were summed over a whole program, some thirty thousand rests were a unit behind their period, and
+    /// runs were a period late.
     #[test]
     fn each_section_takes_whole_periods_however_many_lie_before_it() {
         let third = 1.0 / 3.0 + 1e-13;
@@ -116,7 +120,8 @@ mod tests {
         }
     }
 
-    /// Of thirds of a period each is rounded down by a third of a unit: three of them are a period all the same.
+    /// Three stages of a third of a period: each is rounded down by a third of a unit, and together they are still a
+    /// period.
     #[test]
     fn rounded_durations_do_not_add_up() {
         let plan: Vec<_> = (0..300).map(|_| with(1.0 / 3.0, 1.0)).collect();

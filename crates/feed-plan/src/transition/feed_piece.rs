@@ -76,8 +76,9 @@ impl<R: Real> FeedPiece<R> {
         }
     }
 
-    /// `a₀..a₃` of the feed as a polynomial of the time since the start, as the acceleration table of paper A has
-    /// them; `None` for a cosine. For reading only: a₃ is below the resolution of most fixed-point formats.
+    /// The coefficients `a₀..a₃` of the feed as a polynomial of the time since the start, as in the acceleration table
+    /// of paper A; `None` for a cosine. They are for display only: a₃ is below the resolution of most fixed-point
+    /// formats.
     #[must_use]
     pub fn coefficients(&self) -> Option<[R; 4]> {
         let [_, c1, c2, c3] = self.shape.coefficients()?;
@@ -143,7 +144,8 @@ mod tests {
         ) {
             let piece = FeedPiece { shape: StageShape::Cubic, start_feed: start, end_feed: end, duration };
             let (from, to) = (from * duration, to * duration);
-            // Simpson's rule is exact for a cubic; a hundred panels show that the closed form is the same.
+            // Simpson's rule is exact for a cubic. For a cosine, a hundred panels show that the closed form has the
+            // same value.
             let h = (to - from) / 100.0;
             let panel = |i: i32| {
                 let t = from + h * f64::from(i);

@@ -1,8 +1,8 @@
 //! Transitions between two feeds, with no acceleration at both ends.
 //!
-//! Every kind is symmetric in time: what is gained in the first half is gained in the second, so a transition from
-//! V_s to V_e in the time t₂ covers `t₂ (V_s + V_e)/2`. Each is made of one to three [`FeedPiece`]s. With
-//! `D = |V_e - V_s|` and the limits A and J, the fastest ones are these.
+//! Every kind is symmetric in time: the feed changes as much in the second half as in the first. So a transition from
+//! V_s to V_e in the time t₂ covers `t₂ (V_s + V_e)/2`. Each is made of one to three [`FeedPiece`]s. With `D = |V_e -
+//! V_s|` and the limits A and J, the fastest transitions are these.
 //!
 //! # Cubic
 //! With `x = t/t₂`:
@@ -15,33 +15,34 @@
 //! S(t) = t₂ (V_s x + (V_e - V_s)(x³ - x⁴/2))   S(t₂) = t₂ (V_s + V_e)/2
 //! ```
 //!
-//! The acceleration is continuous and zero at both ends; the jerk steps there. The three cases of the source
-//! are in the one line for t₂: `D = 8A²/(3J)` makes both terms equal and reaches both limits, a smaller D
-//! reaches J only, a larger one A only. Everything is computed from x in [0, 1]: the printed coefficients of
-//! powers of t span many orders of magnitude.
+//! The acceleration is continuous and zero at both ends; the jerk steps there. The source distinguishes three cases,
+//! which the one line for t₂ covers: `D = 8A²/(3J)` makes both terms equal and reaches both limits, a smaller D reaches
+//! J only, a larger one A only. Everything is computed from x in [0, 1], since the printed coefficients of powers of t
+//! span many orders of magnitude.
 //!
 //! Source: Paper A (Wang Yunsen et al.), section 2.1.1, with the sign of J(0) corrected.
 //!
 //! # S-curve
-//! The acceleration rises with the jerk J for a time t_j, stays at its peak for t_h, and falls back for t_j; the area under this
-//! trapezoid is the change of feed, `a (t_j + t_h) = D`.
+//! The acceleration rises with the jerk J for a time t_j, stays at its peak a for t_h, and falls back for t_j. The area
+//! under this trapezoid is the change of feed, `a (t_j + t_h) = D`.
 //!
 //! ```text
 //! D ≤ A²/J:  the peak a = √(DJ) does not reach A:  t_j = √(D/J), t_h = 0            t₂ = 2 √(D/J)
 //! D > A²/J:  the peak is A:                        t_j = A/J,    t_h = D/A - A/J    t₂ = D/A + A/J
 //! ```
 //!
-//! Both meet at `D = A²/J`. Nothing that starts and ends without acceleration is faster. The three pieces change the feed
-//! by `a t_j/2`, `a t_h` and `a t_j/2`.
+//! Both cases meet at `D = A²/J`. No transition that starts and ends without acceleration is faster. The three pieces
+//! change the feed by `a t_j/2`, `a t_h` and `a t_j/2`.
 //!
-//! The feeds at the joints are rounded, by up to half a unit ε of their last place. Where a piece changes the feed by a few
-//! units only, that would raise the jerk: `D + 4ε` in place of D, and `A/J + 8ε/A` in place of A/J, leave room for it.
+//! The feeds at the joints are rounded by up to half a unit ε of their last place. If a piece changes the feed by only
+//! a few units, that rounding would raise the jerk. `D + 4ε` in place of D, and `A/J + 8ε/A` in place of A/J, leave
+//! room for it.
 //!
 //! As a function of `x = t/t₂`, with `h = t_j/t₂` in (0, 1/2] and the steepest slope `p = 1/(1 - h)`:
 //! `g = p x²/(2h)` up to h, `p (x - h/2)` up to 1 - h, then by symmetry `1 - g(1 - x)`; its integral is
 //! `G = p x³/(6h)`, `p (h²/6 + (x² - hx)/2)`, and `x - 1/2 + G(1 - x)`.
 //!
-//! Source: paper C (Wang Haitao et al.), section 2, which takes the S-curve as known.
+//! Source: paper C (Wang Haitao et al.), section 2, which assumes that the reader knows the S-curve.
 //!
 //! # Half-cosine
 //!
@@ -61,17 +62,18 @@ use real::{Real, Trigonometric};
 
 use crate::{FeedPiece, StageShape};
 
-/// An S-curve holds its acceleration for at least 2⁻²⁰ of the time that it builds it up in: over less, the feeds at both ends would be
-/// the same but for rounding. Leaving the hold out hardly lowers the jerk.
+/// An S-curve holds its acceleration for at least 2⁻²⁰ of the time in which it builds the acceleration up. Over a
+/// shorter hold, the feeds at both of its ends would be equal or differ by rounding only. A transition without the hold
+/// has only slightly less jerk.
 const SHORTEST_HOLD: i32 = -20;
 
-/// How a plan gets from one feed to another.
+/// The law by which a plan changes from one feed to another.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ProfileKind {
     /// Cubic polynomials of time, as in paper A.
     #[default]
     Cubic,
-    /// Pieces of constant jerk: the fastest that acceleration and jerk allow.
+    /// Pieces of constant jerk: the fastest transition that acceleration and jerk allow.
     SCurve,
     /// Half-cosines.
     Trigonometric,
@@ -103,12 +105,13 @@ pub struct Transition<R> {
 enum Course<R> {
     /// Along one shape.
     Shape(StageShape<R>),
-    /// With the jerk for t_j, at its peak of acceleration for t_h, and back for t_j.
+    /// The acceleration changes with constant jerk for t_j, stays at its peak for t_h, and falls back for t_j.
     SCurve { jerk_time: R, hold_time: R },
 }
 
 impl<R: Real> Transition<R> {
-    /// The fastest transition of a kind from the first of `feeds` to the second within `acceleration` A and `jerk` J.
+    /// The fastest transition of a kind between `feeds`, from the first to the second, within `acceleration` A and
+    /// `jerk` J.
     #[must_use]
     pub fn fastest(kind: ProfileKind, feeds: [R; 2], acceleration: R, jerk: R) -> Self {
         let [start_feed, end_feed] = feeds;
@@ -122,7 +125,7 @@ impl<R: Real> Transition<R> {
         Self { start_feed, end_feed, duration, course }
     }
 
-    /// The pieces in order; those without duration say nothing.
+    /// The pieces in order. A piece without duration has no meaning.
     #[must_use]
     pub fn pieces(&self) -> [FeedPiece<R>; 3] {
         let Self { start_feed: from, end_feed: to, duration, course } = *self;
@@ -138,7 +141,7 @@ impl<R: Real> Transition<R> {
                 let onset =
                     if area > R::zero() { (to - from) * (jerk_time.half() / area) } else { R::zero() };
                 let first = from + onset;
-                // Without a hold the two feeds in the middle are one number in every format.
+                // Without a hold, the two feeds in the middle must be the same number in every format.
                 let second = if hold_time > R::zero() { to - onset } else { first };
                 [
                     piece(StageShape::Onset, from, first, jerk_time),
@@ -161,8 +164,8 @@ impl<R: Real> Transition<R> {
         self.duration * (self.start_feed + (self.end_feed - self.start_feed).half())
     }
 
-    /// For an S-curve, g and G at the share `x` of the time: they depend on the share of the time in which the jerk builds the
-    /// acceleration up. `None` for what is of one shape, whatever the feeds.
+    /// For an S-curve, g and G at the share `x` of the time; they depend on the share of the time in which the jerk
+    /// builds the acceleration up. `None` for the other kinds, which have one shape for all feeds.
     pub(crate) fn s_curve_shares(&self, x: R) -> Option<(R, R)> {
         let Course::SCurve { jerk_time, .. } = self.course else { return None };
         if !(self.duration > R::zero()) {
@@ -315,7 +318,8 @@ mod tests {
         }
     }
 
-    /// Feed and acceleration do not step from piece to piece, A and J are kept and one of them is reached.
+    /// Checks that feed and acceleration do not step from piece to piece, that A and J are kept, and that one of them
+    /// is reached.
     fn assert_promises(kind: ProfileKind, feeds: [f64; 2], most_acceleration: f64, most_jerk: f64) {
         let transition = Transition::fastest(kind, feeds, most_acceleration, most_jerk);
         let (mut feed, mut acceleration, mut duration, mut length) = (feeds[0], 0.0, 0.0, 0.0);
@@ -346,7 +350,7 @@ mod tests {
             }
         }
 
-        /// What the look-ahead rests on when it refuses a ramp as too long.
+        /// The look-ahead depends on this when it refuses a ramp as too long.
         #[test]
         fn no_chain_of_transitions_is_shorter_than_one(
             feeds in prop::array::uniform3(0.0..1.0_f64), acceleration in 1e-4..0.5_f64, jerk in 1e-6..0.5_f64,
@@ -369,7 +373,7 @@ mod tests {
             let transition =
                 Transition::fastest(ProfileKind::SCurve, [start, start + change], acceleration, jerk);
             let (reached, travelled) = transition.s_curve_shares(x).unwrap();
-            // The piece that is under way, and what was travelled before it.
+            // The piece in which the time lies, and the distance of the pieces before it.
             let (mut time, mut before) = (x * transition.duration(), 0.0);
             let under_way = transition.pieces().into_iter().find(|piece| {
                 let is_over = time > piece.duration;

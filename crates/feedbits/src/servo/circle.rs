@@ -12,7 +12,7 @@ use super::arguments::Arguments;
 use super::report::{CircleResult, LeftOut};
 use crate::output;
 
-/// Runs the circle test. A table that does not go round is a result; what else goes wrong is not.
+/// Runs the circle test. A table that does not go round is a result; any other fault is an error.
 pub(super) fn circle(servo: &ServoParameters, test: &CircleTest) -> Result<CircleResult> {
     match test.run::<f64>(&[*servo; 2]) {
         Ok(circle) => Ok(CircleResult::Round(circle)),
@@ -23,7 +23,7 @@ pub(super) fn circle(servo: &ServoParameters, test: &CircleTest) -> Result<Circl
     }
 }
 
-/// Writes the roundness plot, if there is a circle.
+/// Writes the roundness plot, if the table makes a circle.
 pub(super) fn plot(
     path: &Path,
     servo: &ServoParameters,
@@ -45,7 +45,7 @@ pub(super) fn plot(
     output::write(Some(path), &(roundness_plot(test, circle, &title) + "\n"))
 }
 
-/// What the tuning table leaves out: settings of one velocity gain and one reason together.
+/// The settings that the tuning table leaves out, one entry for each velocity gain and reason.
 pub(super) fn by_reason(settings: &[servo_sim::LeftOut]) -> Vec<LeftOut> {
     let mut grouped: Vec<LeftOut> = Vec::new();
     for setting in settings {
@@ -67,7 +67,7 @@ pub(super) fn by_reason(settings: &[servo_sim::LeftOut]) -> Vec<LeftOut> {
 /// The circle test that the options name; one that would run for hours is refused.
 pub(super) fn circle_test(arguments: &Arguments, period: f64) -> Result<CircleTest> {
     let test = CircleTest { radius: arguments.circle, feedrate: arguments.feed / 60.0, period };
-    // A turn to settle and one to measure, in the servo's own setting and in each of the tuning table.
+    // One turn to settle and one to measure, in the servo's own setting and in each setting of the tuning table.
     let runs = 1 + FEED_FORWARDS.len() * VELOCITY_GAINS_PERCENT.len();
     let periods = 2.0 * test.setpoints_per_turn() * runs as f64;
     if test.feedrate > 0.0 && periods > MOST_PERIODS as f64 {

@@ -1,4 +1,4 @@
-//! A simulation for the terminal.
+//! The result of a simulation for the terminal.
 
 use format_compare::Engine;
 use servo_sim::{ErrorSize, TuningRow};
@@ -6,7 +6,8 @@ use servo_sim::{ErrorSize, TuningRow};
 use super::report::{CircleReport, CircleResult, FormatRow, LeftOut, Outcome, Report};
 use crate::screen::{self, short};
 
-/// The rows of the first screen: pieces or what was asked for, and in place of pieces that are refused what was run.
+/// The rows of the first screen: those on pieces, or those that the options name. If pieces were refused, the other run
+/// of the format is shown.
 pub(super) fn first_rows(report: &Report, names_engine: bool) -> Vec<&FormatRow> {
     let ran = |row: &&FormatRow| matches!(row.outcome, Outcome::Ran { .. });
     let pieces = || report.formats.iter().filter(|row| row.engine == Engine::Pieces);
@@ -17,7 +18,7 @@ pub(super) fn first_rows(report: &Report, names_engine: bool) -> Vec<&FormatRow>
     report.formats.iter().filter(is_shown).collect()
 }
 
-/// The answer, the formats, and what the drive is by itself.
+/// The answer, the formats, and the behaviour of the drive alone.
 pub(super) fn shown(report: &Report, rows: &[&FormatRow], table: fn(&[&FormatRow]) -> String) -> String {
     let servo = &report.servo;
     let setting = format!(
@@ -39,7 +40,7 @@ pub(super) fn shown(report: &Report, rows: &[&FormatRow], table: fn(&[&FormatRow
     blocks.join("\n")
 }
 
-/// How far the table is off the path, and whether that is for the formats.
+/// How far the table is off the path, and whether the formats are the cause.
 fn answer(rows: &[&FormatRow]) -> String {
     let mut found: Vec<(&str, f64)> = Vec::new();
     for row in rows {
@@ -80,10 +81,10 @@ fn answer(rows: &[&FormatRow]) -> String {
     }
 }
 
-/// Contour errors within this ratio are the same: what the drive makes of any setpoints.
+/// Contour errors within this ratio count as equal: the drive causes them, whatever the setpoints.
 const AS_FAR: f64 = 1.01;
 
-/// What there is to say of formats beside their figures, and of those that are not shown but decide how the command ends.
+/// Remarks about formats in addition to their figures, and about formats that are not shown but decide the exit status.
 fn notes(report: &Report, rows: &[&FormatRow]) -> String {
     let is_shown = |row: &FormatRow| rows.iter().any(|shown| std::ptr::eq(*shown, row));
     let name = |row: &FormatRow| match row.engine {
@@ -124,7 +125,7 @@ fn circle_line(circle: &CircleReport) -> String {
     format!("Circle R{radius_mm} F{feedrate_mm_per_min}: {said}")
 }
 
-/// A line for each reason why settings are not in the tuning table.
+/// A line for each reason why the tuning table leaves settings out.
 fn left_out(settings: &[LeftOut]) -> String {
     settings
         .iter()
@@ -138,7 +139,7 @@ fn left_out(settings: &[LeftOut]) -> String {
         .collect()
 }
 
-/// Names of the axes that the path has.
+/// Names of the path's axes.
 fn axes(rows: &[&FormatRow]) -> impl Iterator<Item = &'static str> {
     let count = rows.iter().find_map(|row| match &row.outcome {
         Outcome::Ran { following_error_mm, .. } => Some(following_error_mm.len()),
@@ -227,7 +228,7 @@ fn tuning(report: &Report) -> String {
     )
 }
 
-/// A length in mm as text in µm; three places are nanometres.
+/// A length in mm as text in µm, with three decimals, that is nanometres.
 fn micrometres(mm: f64) -> String {
     format!("{:.3}", mm * 1000.0)
 }

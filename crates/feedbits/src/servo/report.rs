@@ -1,10 +1,10 @@
-//! What a simulation found: each format, the circle test and the tuning table.
+//! The results of a simulation: each format, the circle test and the tuning table.
 
 use format_compare::Engine;
 use serde::Serialize;
 use servo_sim::{Arrival, ErrorSize, Roundness, ServoParameters, TuningRow};
 
-/// What `--json` prints.
+/// The JSON of the results.
 #[derive(Serialize)]
 pub(super) struct Report {
     pub(super) part: String,
@@ -13,7 +13,7 @@ pub(super) struct Report {
     pub(super) formats: Vec<FormatRow>,
     pub(super) circle: CircleReport,
     pub(super) tuning: Vec<TuningRow>,
-    /// The settings of the table that make no circle.
+    /// The settings of the table that do not make a circle.
     pub(super) tuning_left_out: Vec<LeftOut>,
 }
 
@@ -32,17 +32,17 @@ pub(super) enum Outcome {
     Ran {
         /// Distance of the setpoints from the curve.
         setpoint_error_mm: ErrorSize,
-        /// Command minus table, an axis each.
+        /// Command minus table, for each axis.
         following_error_mm: Vec<ErrorSize>,
         /// Distance of the table from the curve.
         contour_error_mm: ErrorSize,
         reached_the_end: bool,
         arrival: Arrival,
-        /// Why the contour error means nothing.
+        /// The reason if the contour error has no meaning.
         #[serde(skip_serializing_if = "Option::is_none")]
         does_not_follow: Option<String>,
     },
-    /// Why the format was not run.
+    /// The reason why the format was not run.
     Refused { refused: String },
 }
 
@@ -58,13 +58,13 @@ pub(super) struct CircleReport {
 #[serde(untagged)]
 pub(super) enum CircleResult {
     Round(Roundness),
-    /// Why there is no circle to judge.
+    /// The reason why there is no circle to judge.
     DoesNotFollow {
         does_not_follow: String,
     },
 }
 
-/// Settings of one velocity gain that make no circle, for one reason.
+/// Settings of one velocity gain that do not make a circle, all for the same reason.
 #[derive(Serialize)]
 pub(super) struct LeftOut {
     pub(super) velocity_gain_percent: f64,

@@ -42,7 +42,7 @@ where
     Ok(rows)
 }
 
-/// Refuses a feed at either end: the axes are at rest before the first setpoint, and hold the last one.
+/// Refuses a feed above 0 at either end: the axes are at rest before the first setpoint, and hold the last one.
 fn expect_rest_at_the_ends(options: &Options) -> Result<()> {
     for (option, feed) in ["--start-feed", "--end-feed"].into_iter().zip(options.end_feeds_mm_per_s) {
         if feed > 0.0 {
@@ -54,7 +54,7 @@ fn expect_rest_at_the_ends(options: &Options) -> Result<()> {
     Ok(())
 }
 
-/// The part in one format, on a machine whose drives are exact: what differs between rows is the setpoints.
+/// The part in one format, on a machine whose drives are computed exactly: rows differ by their setpoints only.
 fn simulate<const D: usize>(
     problem: &Problem<D>,
     format: &dyn Format<D>,
@@ -94,8 +94,8 @@ fn simulate<const D: usize>(
     })
 }
 
-/// The parts of a run between which the machine makes another move, as ranges of its steps and of the path's curves: its axes are
-/// at rest by the time that it comes back.
+/// The parts of a run between which the machine makes another move, as ranges of its steps and of the path's curves.
+/// The axes come to rest during the other move.
 fn stretches(breaks: &[usize], steps: &[RunStep]) -> Vec<(Range<usize>, Range<usize>)> {
     let mut begin = (0, 0);
     let mut found = Vec::new();

@@ -6,7 +6,8 @@ use crate::output::counted;
 use crate::plan::in_all_directions;
 use crate::screen::{self, duration, labelled, short};
 
-/// The report for the terminal: how much faster and how far off, the totals, and every corner if they are few, else the slowest.
+/// The report for the terminal: the gain in time, the distance from the moves, the totals, and every corner if they are
+/// few, otherwise the slowest.
 pub(super) fn text(report: &Report, wide: bool) -> String {
     const MOST_ROWS: usize = 30;
     const SLOWEST: usize = 10;
@@ -24,7 +25,7 @@ pub(super) fn text(report: &Report, wide: bool) -> String {
     text + &table(&rows, wide)
 }
 
-/// What is won, what it takes, and what is broken.
+/// The time saved, the cost of it, and any promise that is broken.
 fn answer(report: &Report) -> String {
     let faults = report.faults();
     let what = format!(
@@ -45,7 +46,7 @@ fn answer(report: &Report) -> String {
     screen::answer(&what) + &broken.collect::<String>() + &screen::paragraph(&of)
 }
 
-/// The totals, and what the setpoints take.
+/// The totals, and the figures of the setpoints.
 fn totals(report: &Report) -> String {
     let left: usize = report.left.values().sum();
     let reasons: Vec<_> = report.left.iter().map(|(reason, count)| format!("{count} {reason}")).collect();
@@ -104,7 +105,7 @@ fn small(mm: f64) -> String {
     if mm > 0.0 && mm < 1e-4 { format!("{mm:.1e}") } else { format!("{mm:.6}") }
 }
 
-/// The corners; z only where it is not the same in all of them, and in 80 columns if they need not be wide.
+/// The table of corners. It has z only if the corners differ in z. It fits 80 columns unless it may be wide.
 fn table(rows: &[&CornerRow], wide: bool) -> String {
     let header = [
         "line",

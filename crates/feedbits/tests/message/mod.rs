@@ -1,6 +1,6 @@
-//! What commands say, whose lines are folded to a terminal's width wherever its words end.
+//! Messages of commands, which are folded to a terminal's width at the ends of words.
 
-/// The words with a blank between two.
+/// The words of a message, with one blank between two.
 pub(crate) fn unfolded(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).split_whitespace().collect::<Vec<_>>().join(" ")
 }

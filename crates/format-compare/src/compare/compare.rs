@@ -1,4 +1,4 @@
-//! Many formats side by side, with a verdict each and a recommendation.
+//! Many formats side by side, each with a verdict, and a recommendation.
 
 use std::collections::BTreeMap;
 
@@ -20,30 +20,32 @@ use crate::size::fewest_bits::FewestBits;
 /// The result of a comparison.
 #[derive(Clone, Debug, Serialize)]
 pub struct Comparison {
-    /// What was run.
+    /// The part that was run.
     pub part: PartSummary,
     /// The machine's limits.
     pub machine: Machine,
-    /// What the formats are judged by.
+    /// The reference against which the formats are judged.
     pub reference: &'static str,
-    /// A run a format and engine, in the order of rising cost.
+    /// One run for each format and engine, in the order of rising cost.
     pub formats: Vec<JudgedRun>,
-    /// The first format whose verdict is good; priced on targets, the cheapest on the first of them.
+    /// The first format whose verdict is good. After pricing on targets, it is the cheapest good one on the first
+    /// target.
     pub recommended: Option<String>,
-    /// How that format is to be run.
+    /// The engine that runs the recommended format.
     pub recommended_engine: Option<Engine>,
-    /// The cheapest good format on each target, and how it is to be run.
+    /// The cheapest good format on each target, with the engine that runs it.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub recommended_on: BTreeMap<String, (String, Engine)>,
-    /// The fewest bits that are enough, where [`fewest_bits`](crate::fewest_bits()) was asked.
+    /// The fewest bits that are enough, if [`fewest_bits`](crate::fewest_bits()) was called.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fewest_bits: Option<FewestBits>,
-    /// Why no format is good, if even `f64` is not: what [`not_of_format`](crate::not_of_format) found, where it was asked.
+    /// Why no format is good if even `f64` is not: the result of [`not_of_format`](crate::not_of_format), if it was
+    /// called.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub not_a_question_of_format: Option<NotOfFormat>,
 }
 
-/// What was run.
+/// The part that was run, in figures.
 #[derive(Clone, Debug, Serialize)]
 pub struct PartSummary {
     /// Name of the part.
@@ -54,7 +56,7 @@ pub struct PartSummary {
     pub rapids_left_out: usize,
     /// Arc length, in mm.
     pub length_mm: f64,
-    /// Planned time, in s; absent when each format plans for itself.
+    /// The lowest feedrate that a move commands, in mm/s; absent if all moves command the machine's feedrate.
     pub planned_time_s: Option<f64>,
     /// The lowest feedrate that a move commands, in mm/s; absent where all command the machine's.
     pub lowest_feedrate_mm_per_s: Option<f64>,
@@ -66,8 +68,7 @@ pub struct PartSummary {
 /// The f64 plan is made once for all, unless the options let each format plan for itself.
 ///
 /// # Errors
-/// [`Refusal`] when the reference itself cannot be made or planned: the part or the limits are at fault, not a
-/// format.
+/// [`Refusal`] when the reference cannot be made or planned: the part or the limits are at fault, not a format.
 pub fn compare<const D: usize>(
     problem: &Problem<D>,
     formats: &[Box<dyn Format<D>>],
@@ -80,9 +81,9 @@ where
     compare_with(problem, formats, engines, options, |_, _| ()).map(|(comparison, _)| comparison)
 }
 
-/// What [`compare`] finds, and what `keep` makes of each judged run, of the run itself and of the steps as the reference judged them.
-/// There is no run where the format was refused. `keep` is called as the runs end, on the thread that ran them, so that what a
-/// run takes in memory can be given back before the next.
+/// As [`compare`], and returns the value of `keep` for each run. `keep` is given the judged run, the run itself and its
+/// steps as the reference judged them; the last two are missing where the format was refused. It is called as soon as a
+/// run ends, on the thread that ran it, so that the memory of the run can be given back before the next.
 ///
 /// # Errors
 /// As [`compare`].

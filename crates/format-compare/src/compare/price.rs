@@ -14,12 +14,13 @@ use crate::run::formats::{Dimension, Space, format_named, plan_for};
 use crate::run::options::Options;
 use crate::run::recorded_run::RecordedRun;
 
-/// Records every run of `comparison` that was not refused, prices it on each of `targets`, and recommends anew: on the
-/// first target, the cheapest of the formats that are good and fit the period. A format that fits the period on none of
-/// the targets is no longer good. `recorded` is called as each run has been recorded, which is what takes the time.
+/// Records every run of `comparison` that was not refused, prices it on each of `targets`, and makes a new
+/// recommendation. It recommends the format that costs least on the first target, among those that are good and fit the
+/// period. A format that fits the period on none of the targets is no longer good. `recorded` is called each time a run
+/// has been recorded, since recording takes most of the time.
 ///
 /// # Errors
-/// [`Refusal`] if no plan can be made: that of the comparison.
+/// [`Refusal`] if no plan can be made, as in the comparison.
 pub fn price<const D: usize>(
     comparison: &mut Comparison,
     problem: &Problem<D>,
@@ -47,7 +48,7 @@ where
     Ok(())
 }
 
-/// The run again, recorded; none if it was refused.
+/// Repeats a run and records it; `None` if the run was refused.
 fn record<const D: usize>(
     run: &JudgedRun,
     problem: &Problem<D>,
@@ -62,8 +63,8 @@ where
     Ok(Some((format.name(), format.record(problem, &plan, &options, usize::MAX)?)))
 }
 
-/// Adds to the requirements that the dearest period fits the interpolation period on one of the targets: on the one on which it
-/// takes the least of it, if that is known for all.
+/// Adds a requirement: the dearest period must fit the interpolation period on at least one of the targets. The target
+/// on which it takes the least share counts. Nothing is added unless that share is known for all targets.
 fn demand_that_it_fits(run: &mut JudgedRun, targets: &[Target]) {
     let known = |target: &Target| match run.cycles.get(&target.name) {
         Some(Cost::Known(cost)) => Some((cost.share_of_period?, cost.microseconds_max?)),
@@ -86,7 +87,7 @@ fn demand_that_it_fits(run: &mut JudgedRun, targets: &[Target]) {
 fn recommend(comparison: &mut Comparison, targets: &[Target]) {
     for target in targets {
         let price = |run: &JudgedRun| match run.cycles.get(&target.name) {
-            // An FPGA is bought by its blocks, a processor by its time.
+            // The cost of an FPGA is its blocks first, that of a processor its time.
             Some(Cost::Known(cost)) if cost.fits() != Some(false) => {
                 Some((f64::from(cost.dsp_blocks.unwrap_or(0)), cost.max))
             }

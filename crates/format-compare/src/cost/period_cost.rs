@@ -1,4 +1,4 @@
-//! What a period costs on a target.
+//! The cost of a period on a target.
 
 use std::collections::BTreeMap;
 
@@ -14,7 +14,7 @@ use crate::run::recorded_run::RecordedRun;
 pub enum Cost {
     /// Every operation has a price.
     Known(PeriodCost),
-    /// One has none: nobody has published it.
+    /// An operation has no price, since nobody has published it.
     Unknown {
         /// The operation.
         unknown: &'static str,
@@ -32,9 +32,9 @@ pub struct PeriodCost {
     pub mean_range: [f64; 2],
     /// Low and high of the dearest period.
     pub max_range: [f64; 2],
-    /// What is counted.
+    /// The unit of the figures.
     pub measure: Measure,
-    /// Where the figure is from.
+    /// The source of the figures.
     pub level: Level,
     /// The dearest period, in microseconds, if the clock is known.
     pub microseconds_max: Option<f64>,
@@ -42,23 +42,23 @@ pub struct PeriodCost {
     pub share_of_period: Option<f64>,
     /// The kind of operation that takes most of the work.
     pub dominating: &'static str,
-    /// Its share of the work.
+    /// The share of the work that this kind of operation takes.
     pub dominating_share: f64,
     /// DSP blocks, on an FPGA.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub dsp_blocks: Option<u32>,
-    /// The distance at which steps of other axes may begin, on an FPGA.
+    /// On an FPGA, the least distance between the starts of two steps, of different axes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub initiation_interval_max: Option<f64>,
 }
 
-/// Where a figure is from.
+/// The source of a figure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Level {
-    /// The recorded step on a model of the target, from manuals.
+    /// The recorded step runs on a model of the target that is taken from manuals.
     Scheduled,
-    /// The recorded step, with costs of operations counted in an emulator of the instruction set.
+    /// The recorded step, where the cost of an operation was counted in an emulator of the instruction set.
     ScheduledOnCountedCosts,
 }
 
@@ -82,7 +82,7 @@ pub(crate) fn operations(run: &RecordedRun) -> BTreeMap<&'static str, f64> {
     kinds
 }
 
-/// What a period of the run costs on `target`.
+/// The cost of a period of the run on `target`.
 pub(crate) fn cost(run: &RecordedRun, target: &Target, format: FormatName, period_s: f64) -> Cost {
     let priced = run
         .steps

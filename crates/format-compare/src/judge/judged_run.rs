@@ -1,4 +1,4 @@
-//! A run as it was judged: figures, requirements and the verdict.
+//! A judged run: figures, requirements and the verdict.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -15,7 +15,7 @@ use crate::refusal::Refusal;
 use crate::run::options::Engine;
 use crate::run::run::Run;
 
-/// The run in one format by one engine: its figures, which are absent where it was refused, and the verdict.
+/// The run in one format by one engine, with its verdict and its figures. A refused run has no figures.
 #[derive(Clone, Debug, Serialize)]
 pub struct JudgedRun {
     /// The format's name.
@@ -30,38 +30,39 @@ pub struct JudgedRun {
     pub evaluations: Option<PerPeriod>,
     /// Results that did not fit the format, and divisions by zero.
     pub saturations: Option<u64>,
-    /// Integer bits, with the sign, that the largest named signal took.
+    /// Integer bits, with the sign, that the largest named signal needed.
     pub integer_bits_needed: Option<u32>,
-    /// Largest distance of the curve from a chord, in mm, of the periods that pass no corner.
+    /// Largest distance of the curve from a chord, in mm, over the periods that pass no corner.
     pub chord_error_mm_max: Option<f64>,
-    /// Largest distance of the curve from a chord, in mm, of the periods that pass a corner; 0 where none does.
+    /// Largest distance of the curve from a chord, in mm, over the periods that pass a corner; 0 if none does.
     pub corner_error_mm_max: Option<f64>,
     /// Largest distance of a commanded point from the exact curve at its parameter, in mm.
     pub position_error_mm_max: Option<f64>,
     /// The step between two neighbouring commanded points, in mm: no position can be better than half of it.
     pub position_resolution_mm: Option<f64>,
-    /// The fluctuation at cruise that rounding of the step per chord, the solved quantity, may cause by itself; see
+    /// The fluctuation at cruise that comes from rounding the step per chord alone; see
     /// [`Run::fluctuation_resolution`].
     pub fluctuation_resolution: Option<f64>,
     /// Distance of the last commanded point from the curve's end, in mm.
     pub end_error_mm: Option<f64>,
-    /// Largest change of acceleration along the path from one period to the next, over T, in mm/s³, with that of the last step:
-    /// `|c_{i+1} - 2 c_i + c_{i-1}|/T³` for the chords c. No requirement, for over corners that are passed it is what they take.
+    /// Largest change of acceleration along the path from one period to the next, over T, in mm/s³: `|c_{i+1} - 2 c_i +
+    /// c_{i-1}|/T³` for the chords c, including the last one. There is no requirement for it, since a run that passes a
+    /// corner has the jerk that the corner causes.
     pub jerk_max_mm_per_s3: Option<f64>,
     /// Periods run.
     pub periods: Option<u32>,
     /// Mean operations of a period, by kind; absent unless priced on targets.
     pub operations: Option<BTreeMap<&'static str, f64>>,
-    /// What a period costs, by target.
+    /// The cost of a period on each target.
     pub cycles: BTreeMap<String, Cost>,
-    /// What the run must keep, with what was found.
+    /// The requirements of the run, each with the figure found.
     pub requirements: Vec<Requirement>,
-    /// Good, or what is broken.
+    /// Good, or the requirements that are broken.
     pub verdict: Verdict,
 }
 
 impl JudgedRun {
-    /// What `refusal` leaves of a run: no figure.
+    /// The entry of a refused run: it has no figures.
     pub(crate) fn refused((format, engine): (FormatName, Engine), refusal: &Refusal) -> Self {
         Self {
             format: format.to_string(),
@@ -86,7 +87,7 @@ impl JudgedRun {
         }
     }
 
-    /// The figures of a run of `problem`, and of its steps as the reference judged them.
+    /// The figures of a run of `problem`, from the run and from its steps as the reference judged them.
     pub(crate) fn of<const D: usize>(
         (format, engine): (FormatName, Engine),
         problem: &Problem<D>,

@@ -4,8 +4,8 @@ use serde::Serialize;
 
 use crate::run::run::cruise_mm;
 
-/// Feedrate fluctuation δ_i = 1 - |C(u_{i+1}) - C(u_i)|/(V_i T) over a run, as ratios: of the exact points at the parameters
-/// that were found.
+/// Feedrate fluctuation δ_i = 1 - |C(u_{i+1}) - C(u_i)|/(V_i T) over a run, a ratio. It is computed from the exact
+/// points at the parameters of the run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Fluctuation {
     /// Largest δ: the step that falls furthest short.
@@ -14,15 +14,16 @@ pub struct Fluctuation {
     pub min: f64,
     /// Mean of |δ|.
     pub mean_abs: f64,
-    /// Largest |δ| over the steps of at least a quarter of F·T, or of the longest step where the plan never comes to F; but the
-    /// last, which takes what is left of the path also where that is passed at full feed. A relative figure of a micrometre step near rest says nothing about the cut;
-    /// this one is what a requirement is judged by.
+    /// Largest |δ| over the steps at cruise, of at least a quarter of F·T. If the plan never reaches F, they are the
+    /// steps of at least a quarter of the longest step. The last step does not count: it takes the rest of the path,
+    /// even if it is passed at full feed. A relative figure of a micrometre step near rest says nothing about the cut,
+    /// so a requirement is judged by this figure.
     pub cruise_max_abs: f64,
-    /// Largest |δ| over those steps of the commanded points in place of the exact ones: with the rounding of the positions, which is
-    /// as large in a short step as in a long one.
+    /// Largest |δ| over the steps at cruise, computed from the commanded points in place of the exact ones. It includes
+    /// the rounding of the positions, which is as large in a short step as in a long one.
     pub commanded_cruise_max_abs: f64,
-    /// Largest |chord - wanted chord| in mm, over all steps but the last: what says something about the steps near
-    /// rest. The last step lands on the end and takes what is left.
+    /// Largest |chord - wanted chord| in mm, over all steps but the last. This figure also covers the steps near rest.
+    /// The last step lands on the end and takes the rest of the path.
     pub length_error_mm_max: f64,
 }
 
@@ -33,20 +34,20 @@ pub struct JudgedStep {
     pub wanted_mm: f64,
     /// The chord between the exact points, in mm.
     pub chord_mm: f64,
-    /// `wanted - chord`, in mm, formed before rounding to f64.
+    /// `wanted - chord`, in mm, subtracted before rounding to f64.
     pub shortfall_mm: f64,
-    /// `wanted - chord`, in mm, of the chord between the commanded points.
+    /// `wanted - chord`, in mm, for the chord between the commanded points.
     pub commanded_shortfall_mm: f64,
     /// Largest distance of the curve from the chord, in mm.
     pub chord_error_mm: f64,
-    /// Whether the chord lies over a corner of the path, a joint at which the tangent breaks.
+    /// Whether the chord passes a corner of the path, a joint at which the tangent breaks.
     pub passes_corner: bool,
     /// Distance of the commanded point from the exact one, in mm.
     pub position_error_mm: f64,
 }
 
 impl JudgedStep {
-    /// The feedrate fluctuation δ; 0 for a step that is wanted to be nothing and is nothing.
+    /// The feedrate fluctuation δ; 0 if both the wanted chord and the chord are 0.
     #[must_use]
     pub fn fluctuation(&self) -> f64 {
         self.share(self.shortfall_mm)
@@ -64,7 +65,7 @@ impl JudgedStep {
 }
 
 impl Fluctuation {
-    /// The figures of a run whose full step is `full_step_mm`, F·T. An empty run has none: all 0.
+    /// The figures of a run whose full step F·T is `full_step_mm`. For an empty run all figures are 0.
     #[must_use]
     pub fn of(steps: &[JudgedStep], full_step_mm: f64) -> Self {
         let mut result = Self::default();
@@ -93,21 +94,23 @@ impl Fluctuation {
     }
 }
 
-/// The greater of two figures, or what is no number among them: that must not be lost before it is judged.
+/// The greater of two figures, or NaN if either is NaN: a NaN must not be lost before it is judged.
 pub(crate) fn greater(one: f64, other: f64) -> f64 {
     if one.is_nan() || other <= one { one } else { other }
 }
 
-/// The largest change of acceleration along the path from one period to the next, over the period T, in mm/s³: of the chords c
-/// between the exact points, `|c_{i+1} - 2 c_i + c_{i-1}|/T³`, from the second period on and, where a run ends at rest, until it has
-/// been at rest for two. What a format lacks of the way at its end is in it.
+/// The largest change of acceleration along the path from one period to the next, over the period T, in mm/s³:
+/// `|c_{i+1} - 2 c_i + c_{i-1}|/T³` for the chords c between the exact points. It is taken from the second period on.
+/// If a run ends at rest, two periods of rest are appended, so the figure shows a format that ends short of the path's
+/// end.
 pub(crate) fn jerk_max_mm_per_s3(steps: &[JudgedStep], period_s: f64, ends_at_rest: bool) -> f64 {
     let rest = [0.0; 2].into_iter().take(if ends_at_rest { 2 } else { 0 });
     let chords: Vec<f64> = steps.iter().map(|step| step.chord_mm).chain(rest).collect();
     jerk_of_chords(&chords, period_s)
 }
 
-/// `|c_{i+1} - 2 c_i + c_{i-1}|/T³` at most, in mm/s³, of the chords c of neighbouring periods T, in mm and s; 0 of fewer than three.
+/// The largest `|c_{i+1} - 2 c_i + c_{i-1}|/T³`, in mm/s³, for the chords c of successive periods T, in mm and s; 0 for
+/// fewer than three chords.
 #[must_use]
 pub fn jerk_of_chords(chords_mm: &[f64], period_s: f64) -> f64 {
     let bends = chords_mm.windows(3).map(|three| (three[2] - three[1] - (three[1] - three[0])).abs());
@@ -156,7 +159,7 @@ mod tests {
     #[test]
     fn the_jerk_of_a_run_has_its_last_step_in_it() {
         let steps = [4.0, 4.0, 3.0, 1.0, 2.0].map(|chord| step(chord, 0.0));
-        // Accelerations 0, -1, -2, 1, and behind the end -2, 0.
+        // The accelerations are 0, -1, -2, 1, and behind the end -2, 0.
         assert_eq!(jerk_max_mm_per_s3(&steps, 1.0, false), 3.0);
         assert_eq!(jerk_max_mm_per_s3(&steps[..4], 1.0, true), 1.0);
         assert_eq!(jerk_max_mm_per_s3(&steps, 0.5, true), 8.0 * 3.0);
@@ -176,14 +179,14 @@ mod tests {
         assert!((figures.mean_abs - (0.001 + 0.002 + 0.5) / 3.0).abs() < 1e-15);
     }
 
-    /// A feed that is never reached exempts no step.
+    /// If the plan never reaches the feed, its longest steps are still judged.
     #[test]
     fn where_the_plan_stays_far_below_the_feed_its_longest_steps_are_the_cruise() {
         let run = [step(0.001, 0.0005), step(0.04, 0.0002), step(0.01, 0.0001), step(0.6, 0.3)];
         assert_eq!(Fluctuation::of(&run, 0.6).cruise_max_abs, 0.01);
     }
 
-    /// A path that is left in motion ends within a step at cruise.
+    /// A plan that ends in motion ends within a step at cruise.
     #[test]
     fn the_last_step_is_no_cruise() {
         let run = [step(0.6, 0.0006), step(0.6, -0.0012), step(0.6, 0.3)];
@@ -191,7 +194,7 @@ mod tests {
         assert_eq!((figures.cruise_max_abs, figures.length_error_mm_max, figures.max), (0.002, 0.0012, 0.5));
     }
 
-    /// `f64::max` takes the other number for one that is none.
+    /// `f64::max` returns the other number if one is NaN.
     #[test]
     fn a_figure_that_is_no_number_is_not_lost() {
         for at in 0..3 {

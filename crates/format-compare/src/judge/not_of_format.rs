@@ -1,6 +1,7 @@
-//! Why no format is good where that is no question of the format: what `f64` fails by too, where, and what helps.
+//! Why no format is good where the format is not the cause: which requirements `f64` does not keep either, where, and
+//! what changes help.
 //!
-//! What helps is not guessed: each change is planned and run in `f64`, and named only if that run keeps every requirement.
+//! No remedy is guessed: each change is planned and run in `f64`, and named only if that run keeps every requirement.
 
 use std::fmt;
 
@@ -15,22 +16,23 @@ use crate::problem::problem::Problem;
 use crate::run::formats::{Dimension, Space, format_named, plan_for};
 use crate::run::options::{Engine, Options, PlanIn};
 
-/// So many times what rounding alone may cost in `f64`, a figure is not rounding.
+/// A figure of `f64` that is this many times what rounding alone may cause is not a matter of rounding.
 const BEYOND_ROUNDING: f64 = 1000.0;
 
-/// Periods up to which a change is tried: a run and its judgement take 140 bytes a period.
+/// Periods up to which a change is tried: a run and its judged steps take 140 bytes a period.
 const MOST_TRIED: u32 = 1 << 22;
 
-/// Why no format can be good: what `f64` fails by, although its digits are enough.
+/// Why no format can be good: the requirements that `f64` does not keep, although its digits are enough.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct NotOfFormat {
     /// The run that shows it: `f64 pieces`.
     pub run: String,
-    /// How long it takes along the path, in s.
+    /// The time that it takes along the path, in s.
     pub time_s: f64,
-    /// The requirements that it does not keep, nor any format that comes to the end of the path: figure, limit and place.
+    /// The requirements, with figure, limit and place, that it does not keep. No other format that reaches the end of
+    /// the path keeps them either.
     pub broken: Vec<Requirement>,
-    /// Changes with which it keeps every requirement, each tried alone.
+    /// Changes after which `f64` keeps every requirement; each was tried alone.
     pub helps: Vec<Remedy>,
     /// Changes that were tried and are not enough.
     pub does_not_help: Vec<String>,
@@ -39,9 +41,9 @@ pub struct NotOfFormat {
 /// A change that helps.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Remedy {
-    /// What is changed, in the words of the machine file where it has any.
+    /// The change, in the words of the machine file if it has any for it.
     pub change: String,
-    /// How long the run takes then, in s.
+    /// The time that the run takes after the change, in s.
     pub time_s: f64,
 }
 
@@ -70,9 +72,9 @@ impl fmt::Display for NotOfFormat {
     }
 }
 
-/// Why none of `runs` is good, if `f64` on pieces fails by more than its rounding, at what each of them fails that comes to the end of the
-/// path. There is nothing to say where one is good, where `f64` would be, or where it refuses the part, as they do then. Runs
-/// `problem` in `f64` unless that is among them, and once more for each change that is tried.
+/// Why none of `runs` is good, if `f64` on pieces breaks requirements by more than its rounding and every run that
+/// reaches the end of the path breaks them too. `None` if a run is good, if `f64` would be good, or if `f64` refuses
+/// the part. Runs `problem` in `f64` unless that run is among `runs`, and once more for each change that is tried.
 #[must_use]
 pub fn not_of_format<const D: usize>(
     problem: &Problem<D>,
@@ -123,7 +125,7 @@ where
     Some(found)
 }
 
-/// The run in `f64`; none where it is refused or would take too long.
+/// The run in `f64`; `None` if it is refused or would take too long.
 fn run<const D: usize>(problem: &Problem<D>, reference: &Reference<D>, options: &Options) -> Option<JudgedRun>
 where
     Space: Dimension<D>,
@@ -138,8 +140,8 @@ where
     Some(JudgedRun::of((f64::name(), options.engine), problem, reference, (&run, &steps)))
 }
 
-/// Whether a requirement says something about the path, and its figure is more than the digits of `run` can make: of its positions,
-/// and of lengths and positions in a step of F·T.
+/// Whether a requirement concerns the path, and its figure is more than the digits of `run` can cause: rounding of its
+/// positions, and of lengths and positions in a step of F·T.
 fn is_beyond_rounding(one: &Requirement, run: &JudgedRun, full_step_mm: f64) -> bool {
     let [place, length] =
         [run.position_resolution_mm, run.fluctuation_resolution].map(Option::unwrap_or_default);
@@ -152,7 +154,7 @@ fn is_beyond_rounding(one: &Requirement, run: &JudgedRun, full_step_mm: f64) -> 
     one.found.is_nan() || one.found > BEYOND_ROUNDING * rounding
 }
 
-/// What may help: of each list the first that does.
+/// Lists of changes that may help. Of each list, the first change that helps counts.
 fn changes(machine: &Machine) -> Vec<Vec<(String, Machine)>> {
     let mut changes = Vec::new();
     if machine.junction != Junction::Stop {
@@ -176,7 +178,7 @@ mod tests {
         not_of_format(problem, &judged(problem, formats), &Options::default())
     }
 
-    /// A corner that two axes jump at cuts it by more than the chord error, in every format.
+    /// A corner at which the velocity of two axes jumps. Every format cuts it by more than the chord error.
     const CORNER: &str = "G0 X0 Y0\nG1 X10 F3000\nG1 X20\nG1 X20 Y10\nG1 X30 Y10\n";
     const JUMP: &str = "junction = \"velocity-jump\"\n[machine.axes.x]\nvelocity_jump_mm_per_s = 16\n\
                         [machine.axes.y]\nvelocity_jump_mm_per_s = 16\n";
@@ -189,7 +191,7 @@ mod tests {
             let [one] = found.broken.as_slice() else { panic!("{found:?}") };
             assert_eq!((one.what, one.unit), ("corner error", "mm"));
             assert!((one.limit - 1.005e-3).abs() < 1e-9, "{}", one.limit);
-            // Δv T/4 = √(16² + 16²) · 0.001/4 is the most.
+            // The most that can be cut is Δv T/4 = √(16² + 16²) · 0.001/4.
             assert!(one.found > 1.2e-3 && one.found < 5.657e-3, "{}", one.found);
             let at = one.at.unwrap();
             let near =
@@ -215,7 +217,7 @@ mod tests {
         let coarse =
             Problem { machine: Machine { fluctuation_limit: 1e-12, ..stop.machine.clone() }, ..stop.clone() };
         assert_eq!(explained(&coarse, &["I16F16"]), None);
-        // Nor is it one of the path where 53 bits are not enough.
+        // If 53 bits are not enough, the path is not the cause either.
         let fine = Problem { machine: Machine { fluctuation_limit: 1e-17, ..stop.machine.clone() }, ..stop };
         assert_eq!(explained(&fine, &["f64"]), None);
     }

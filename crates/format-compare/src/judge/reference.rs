@@ -19,7 +19,7 @@ type OnPath = (usize, (f64, f64));
 pub struct Reference<const D: usize> {
     exact: Vec<NurbsBuf<DoubleDouble, D>>,
     plain: Vec<NurbsBuf<f64, D>>,
-    /// Curve and parameter of each corner that may be passed.
+    /// Curve and parameter of each corner that a run may pass.
     corners: Vec<(usize, f64)>,
     /// Curves that begin at rest.
     stops: Vec<usize>,
@@ -27,7 +27,7 @@ pub struct Reference<const D: usize> {
 }
 
 impl<const D: usize> Reference<D> {
-    /// The reference of a problem. The curves' numbers are taken as they stand: every f64 is a double-double.
+    /// The reference of a problem. The curves' numbers are taken without rounding: every f64 is a double-double.
     ///
     /// # Errors
     /// [`CurveError`] if a curve is not valid.
@@ -66,14 +66,14 @@ impl<const D: usize> Reference<D> {
         (curve, (self.plain[curve].as_curve().domain().1, 0.0))
     }
 
-    /// The begin of the next curve, where `at` is the end of one.
+    /// The begin of the next curve, if `at` is the end of one.
     fn begin_of_next(&self, at: OnPath) -> Option<OnPath> {
         let is_at_end = at.0 + 1 < self.plain.len() && at.1 >= self.end(at.0).1;
         is_at_end.then(|| self.begin(at.0 + 1))
     }
 
-    /// The corners between two places of the path, each a curve and its parameter: joints at which the tangent breaks and which may be
-    /// passed. One at which a chord begins or ends is not between.
+    /// The corners between two places of the path, each a curve and its parameter: joints at which the tangent breaks
+    /// and which a run may pass. A corner at which a chord begins or ends is not between.
     fn corners_between(&self, from: OnPath, to: OnPath) -> &[(usize, f64)] {
         let order = |one: &(usize, f64), other: OnPath| {
             one.0.cmp(&other.0).then((one.1, 0.0).partial_cmp(&other.1).unwrap_or(Ordering::Equal))
@@ -105,13 +105,13 @@ impl<const D: usize> Reference<D> {
         judged.collect()
     }
 
-    /// The begin of the section that a step goes along, where the place before it is the end of another.
+    /// The begin of the section in which a step lies, if the place before the step is the end of another section.
     fn next_section(&self, from: OnPath, step: &RunStep) -> Option<OnPath> {
         let begins = step.curve > from.0 && self.stops.binary_search(&(from.0 + 1)).is_ok();
         self.begin_of_next(from).filter(|_| begins)
     }
 
-    /// Judges a step between two exact points, and between the points commanded there.
+    /// Judges a step between two exact points, and between the points that the run commands there.
     fn judge_step(
         &self,
         from: OnPath,
@@ -135,8 +135,9 @@ impl<const D: usize> Reference<D> {
         }
     }
 
-    /// The largest distance of the path between two setpoints from their chord, over joints too, sampled on each curve at eight
-    /// points in f64: the distance is half a micrometre at least where it matters, and smooth in between.
+    /// The largest distance between the path and the chord of two setpoints, over joints too. It is sampled at eight
+    /// points of each curve in f64: where the distance matters it is at least half a micrometre, and it is smooth in
+    /// between.
     fn chord_error_mm(
         &self,
         (curve, from): OnPath,
@@ -158,7 +159,8 @@ impl<const D: usize> Reference<D> {
         (curve..=step.curve).map(on_curve).fold(0.0, greater)
     }
 
-    /// Distance of the last commanded point from the end of the path, in mm; from its start if there is none.
+    /// Distance of the last commanded point from the end of the path, in mm; from the path's start if the run has no
+    /// step.
     #[must_use]
     pub fn end_error_mm(&self, run: &Run) -> f64 {
         let commanded = run.steps.last().map_or_else(|| self.point(self.begin(0)), commanded_point);
@@ -175,7 +177,7 @@ fn distance<const D: usize>(from: &[DoubleDouble; D], to: &[DoubleDouble; D]) ->
     DoubleDouble::norm(&std::array::from_fn::<_, D, _>(|d| to[d] - from[d]))
 }
 
-/// The sum of the chords from corner to corner.
+/// The sum of the lengths of the chords from corner to corner.
 fn legs<const D: usize>(
     from: &[DoubleDouble; D],
     corners: &[[DoubleDouble; D]],
@@ -185,8 +187,8 @@ fn legs<const D: usize>(
     ends.fold((DoubleDouble::from(0.0), from), |(sum, from), to| (sum + distance(from, to), to)).0
 }
 
-/// The corners that a path may pass: where curves meet and at knots of multiplicity p, wherever the tangent breaks, but for those
-/// at which the program rests.
+/// The corners that a run may pass: where curves meet and at knots of multiplicity p, wherever the tangent breaks,
+/// except those at which the program rests.
 fn corners<const D: usize>(problem: &Problem<D>) -> Vec<(usize, f64)> {
     let mut corners = Vec::new();
     let mut arriving = None;
@@ -220,12 +222,13 @@ mod tests {
 
     const DEVIATION: &str = "junction = \"deviation\"\njunction_deviation_mm = 0.01\n";
 
-    /// A corner of 30°, passed at 16.8 mm/s, is cut by up to 2.2 µm, of 10 allowed: that was bad in every format, by the chord error.
+    /// A corner of 30°, passed at 16.8 mm/s, is cut by up to 2.2 µm of the 10 µm allowed. Every format was once judged
+    /// bad there, by the chord error.
     #[test]
     fn a_passed_corner_is_judged_by_what_it_may_be_cut_by() {
         let mut part = String::from("G0 X0 Y0\nG91\n");
         for i in 0..24 {
-            // The lengths differ, so that corners are cut at all places of a period.
+            // The lengths differ, so that corners are cut at many different places within a period.
             let (length, is_level) = (3.0 + 0.0137 * f64::from(i), i % 2 == 0);
             let (x, y) = if is_level { (length, 0.0) } else { (0.866_025 * length, 0.5 * length) };
             writeln!(part, "G1 X{x:.6} Y{y:.6} F3000").unwrap();
@@ -243,7 +246,7 @@ mod tests {
         assert!((limit(&row) - 0.01 * 1.005).abs() < 1e-9);
         let stops = judged("");
         assert!(stops.corner_error_mm_max == Some(0.0) && (limit(&stops) - 0.001 * 1.005).abs() < 1e-9);
-        // What a jump of velocity cuts is still the chord error's.
+        // For a corner that is passed with a jump of velocity, the chord error is still the limit.
         let jumps = judged(
             "junction = \"velocity-jump\"\n[machine.axes.x]\nvelocity_jump_mm_per_s = 20\n\
                             [machine.axes.y]\nvelocity_jump_mm_per_s = 20\n",
@@ -252,7 +255,7 @@ mod tests {
         assert!(jumps.verdict.to_string().contains("mm of `chord_error_mm` in line "), "{}", jumps.verdict);
     }
 
-    /// Smooth joints, exact stops and what a chord only touches are no corners that it passes.
+    /// A chord passes no corner at a smooth joint, at an exact stop, or where it only begins or ends at a corner.
     #[test]
     fn corners_are_where_the_tangent_breaks_within_a_chord() {
         let part =
@@ -279,8 +282,8 @@ mod tests {
         assert_eq!(curve("[[0, 0], [10, 0], [15, 0]]"), []);
     }
 
-    /// Thousands of straight moves along a circle of 1 mm: each corner is within the limit, and a chord passes many of them.
-    /// Chords over joints were not judged.
+    /// Thousands of straight moves along a circle of 1 mm: each corner is within the limit, and a chord passes many of
+    /// them. Chords over joints were once not judged.
     #[test]
     fn a_chord_over_joints_is_judged() {
         let mut program = String::from("G0 X1 Y0\n");

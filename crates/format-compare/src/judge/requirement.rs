@@ -1,4 +1,4 @@
-//! What a run must keep to be good, each with what was found, where, and the most that is allowed.
+//! The requirements that a good run keeps, each with the figure found, its place, and the largest value allowed.
 
 use serde::Serialize;
 
@@ -10,26 +10,26 @@ use crate::run::run::Run;
 /// within the step the true distance differs by a few parts in a thousand.
 const CHORD_ERROR_SLACK: f64 = 5e-3;
 
-/// One thing that a run must keep.
+/// One requirement of a run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Requirement {
-    /// What is measured.
+    /// The quantity that is measured.
     pub what: &'static str,
-    /// What was found.
+    /// The figure found.
     pub found: f64,
-    /// The most that is allowed.
+    /// The largest value allowed.
     pub limit: f64,
     /// The unit of both: `mm`, `ratio` or `count`.
     pub unit: &'static str,
-    /// The period in which it was found, of those that are one's own.
+    /// The period in which the figure was found, for figures that belong to one period.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub at: Option<PeriodEnd>,
-    /// What is said where it is not kept.
+    /// The message for a requirement that is not kept.
     #[serde(skip)]
     pub(crate) broken: String,
 }
 
-/// Where a period of a run ends.
+/// The end of a period of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PeriodEnd {
     /// The line of the move in the part, if it is known.
@@ -39,7 +39,7 @@ pub struct PeriodEnd {
     pub period: usize,
     /// Time at its end, in s.
     pub time_s: f64,
-    /// The commanded point, in mm, where the part has it.
+    /// The commanded point, in mm, in the part's coordinates.
     pub point_mm: [f64; 3],
 }
 
@@ -56,13 +56,13 @@ impl PeriodEnd {
 }
 
 impl Requirement {
-    /// Whether it is kept: a figure that is no number is not.
+    /// Whether the requirement is kept. It is not kept if the figure is NaN.
     #[must_use]
     pub fn holds(&self) -> bool {
         self.found <= self.limit
     }
 
-    /// The part of the limit that is used; none where nothing at all is allowed.
+    /// The figure as a share of the limit; `None` if the limit is 0.
     #[must_use]
     pub fn used(&self) -> Option<f64> {
         (self.limit > 0.0).then(|| self.found / self.limit)
@@ -77,7 +77,7 @@ pub(crate) struct Worst {
 }
 
 impl Worst {
-    /// The greatest of these figures of steps, 0 of none; what is no number is greater than any.
+    /// The greatest of these figures, with its step; 0 if there are none. NaN counts as greater than any number.
     pub(crate) fn of(figures: impl Iterator<Item = (usize, f64)>) -> Self {
         figures.fold(Self::default(), |worst, (step, figure)| {
             let is_worse = worst.step.is_none() || !(worst.figure.is_nan() || figure <= worst.figure);
@@ -86,7 +86,7 @@ impl Worst {
     }
 }
 
-/// What was measured of a run.
+/// The figures measured in a run.
 #[derive(Default)]
 pub(crate) struct Findings {
     pub(crate) fluctuation: Worst,
@@ -98,7 +98,7 @@ pub(crate) struct Findings {
 }
 
 impl Findings {
-    /// What the reference says of a run's steps.
+    /// The figures of a run's steps as the reference judged them.
     pub(crate) fn of(
         steps: &[JudgedStep],
         fluctuation: &Fluctuation,
@@ -124,7 +124,7 @@ impl Findings {
     }
 }
 
-/// All that a run must keep, what says most where it is not kept first.
+/// All requirements of a run. The one that tells most if it is broken comes first.
 pub(crate) fn requirements<const D: usize>(
     run: &Run,
     problem: &Problem<D>,
@@ -133,7 +133,7 @@ pub(crate) fn requirements<const D: usize>(
     let machine = &problem.machine;
     let one = |what, (found, limit, unit): (f64, f64, _), step: Option<usize>, broken: String| {
         let at = step.and_then(|index| PeriodEnd::of(problem, run, index));
-        // The only move of a part needs no name.
+        // A part with a single move needs no line.
         let line = at.and_then(|at| at.line).filter(|_| problem.curves.len() > 1);
         let broken = line.map_or_else(|| broken.clone(), |line| format!("{broken} in line {line}"));
         Requirement { what, found, limit, unit, at, broken }
@@ -144,7 +144,7 @@ pub(crate) fn requirements<const D: usize>(
     let (corner, corner_key) = machine.corner_error_mm();
     let off = chord.min(machine.position_increment_mm);
     let full_step = problem.full_step_mm();
-    // The greater, or what is no number.
+    // The greater of both, or NaN if either is NaN.
     let [place, rounding] = [run.resolution_mm / full_step, run.fluctuation_resolution];
     let step_of_format = if place.total_cmp(&rounding).is_gt() { place } else { rounding };
     let increment = machine.position_increment_mm;
@@ -228,7 +228,7 @@ mod tests {
             Verdict::of(&requirements(&run, &problem, &found))
         };
         type Change = fn(&mut Run, &mut Findings, f64);
-        // What the figure is put into, the most that is allowed, and what is said beyond.
+        // Each case: how a figure is set, the largest value allowed, and the message for a greater one.
         let cases: [(Change, f64, &str); 8] = [
             (|run, _, figure| run.finished = figure == 0.0, 0.0, "stops before the end of the path"),
             (|run, _, figure| run.resolution_mm = figure, full_step, "cannot run this feed"),
@@ -254,7 +254,8 @@ mod tests {
         );
     }
 
-    /// A print of 42 m: an absolute E in f32 has steps of 4 µm there, and 32 bits of fixed point steps of 31 nm.
+    /// A print of 42 m of filament: at an absolute E of that size, f32 has steps of 4 µm, and 32 bits of fixed point
+    /// steps of 31 nm.
     #[test]
     fn the_filament_of_a_long_print_is_judged_like_a_position() {
         let step = |format: &str| {

@@ -1,4 +1,4 @@
-//! A run as a table, a row a period.
+//! A run as a table, with a row for each period.
 
 use nurbs_core::Evaluate;
 use serde::Serialize;
@@ -7,7 +7,7 @@ use crate::judge::reference::Reference;
 use crate::problem::problem::Problem;
 use crate::run::run::Run;
 
-/// One setpoint with what the reference says of it.
+/// One setpoint with the figures that the reference finds for it.
 #[derive(Clone, Debug, Serialize)]
 pub struct SetpointRow {
     /// Number of the period, from 1.

@@ -1,4 +1,4 @@
-//! What happened in each period of a run: what figures are drawn from.
+//! The figures of each period of a run, from which charts are drawn.
 
 use std::collections::BTreeMap;
 
@@ -7,10 +7,10 @@ use real::{Histogram, SignalRange};
 use crate::judge::metrics::JudgedStep;
 use crate::run::run::Run;
 
-/// A run, a value a period; entry i is the period that ends at time (i + 1)·T.
+/// A run with a value for each period; entry i is the period that ends at time (i + 1)·T.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Trace {
-    /// The commanded point at the end of the period, in mm, where the part has it.
+    /// The commanded point at the end of the period, in mm, in the part's coordinates.
     pub point_mm: Vec<[f64; 3]>,
     /// The wanted chord, in mm.
     pub wanted_mm: Vec<f64>,
@@ -22,12 +22,12 @@ pub struct Trace {
     pub evaluations: Vec<u32>,
     /// The range of each named signal over the whole run.
     pub signals: BTreeMap<&'static str, SignalRange>,
-    /// How large the values of each named signal were.
+    /// A histogram of the magnitudes of each named signal.
     pub histograms: BTreeMap<&'static str, Histogram>,
 }
 
 impl Trace {
-    /// The trace of a run and of its steps as the reference judged them, one for one.
+    /// The trace of a run. `steps` are its steps as the reference judged them, one for each step of the run.
     #[must_use]
     pub fn of(run: &Run, steps: &[JudgedStep]) -> Self {
         Self {
@@ -86,8 +86,8 @@ mod tests {
         }
     }
 
-    /// In every format the largest fluctuation found is at least a quarter of what rounding the solved quantity alone may cost: of more
-    /// than a thousand periods one comes near it.
+    /// In every format the largest fluctuation found is at least a quarter of the fluctuation that comes from rounding
+    /// the solved quantity alone: of more than a thousand periods, at least one comes near it.
     #[test]
     fn fluctuation_is_of_the_order_of_the_resolution() {
         let problem = on_example_machine::<2>(EXAMPLE, "");

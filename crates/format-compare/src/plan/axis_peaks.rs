@@ -1,8 +1,9 @@
-//! What a plan asks of each axis, as its drive gets it: period by period.
+//! The velocity, acceleration and jerk that a plan asks of each axis, period by period, as the axis's drive gets it.
 //!
-//! With the unit tangent e an axis has the velocity `e V`. Its mean over a period T is the step to the next setpoint over T. Its
-//! acceleration is the difference of two of them over T, and its jerk that of two accelerations: what breaks of the tangent and
-//! steps of the curvature ask for is in them, and what lasts for less than a period counts for as much as a drive gets of it.
+//! With the unit tangent e an axis has the velocity `e V`. Its mean over a period T is the step to the next setpoint
+//! over T. Its acceleration is the difference of two such means over T, and its jerk that of two accelerations over T.
+//! These figures include the demands of breaks of the tangent and of steps of the curvature. A peak shorter than a
+//! period counts as the drive gets it: by its mean over the period.
 
 use feed_plan::FeedLimit;
 use nurbs_core::Differentiate;
@@ -14,10 +15,10 @@ use crate::plan::exact_plan::ExactPlan;
 use crate::plan::samples::{Instant, instants};
 use crate::problem::problem::Problem;
 
-/// Samples a period. By the trapezoidal rule a step of the jerk is then off by `1/(12·4²)` of itself at most.
+/// Samples in each period. The trapezoidal rule then has an error of at most `1/(12·4²)` of a step of the jerk.
 const PER_PERIOD: u16 = 4;
 
-/// The largest means over a period of one axis over a plan, and the machine's limits.
+/// The largest one-period means of one axis over a plan, with the machine's limits.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct AxisPeak {
     /// `x`, `y` or `z`.
@@ -32,7 +33,8 @@ pub struct AxisPeak {
     pub limits: AxisLimits,
 }
 
-/// The peaks of each axis that the path has. Before the plan and behind it the axes go on as at its ends.
+/// The peaks of each axis of the path. Before the plan and behind it, each axis keeps the velocity that it has at that
+/// end.
 pub(crate) fn axis_peaks<const D: usize>(
     plan: &ExactPlan,
     problem: &Problem<D>,
@@ -74,7 +76,7 @@ pub(crate) fn axis_peaks<const D: usize>(
     peaks
 }
 
-/// The velocities of the axes, in mm a period; 0 where the curve stands still.
+/// The velocities of the axes, in mm per period; 0 where the curve stands still.
 fn velocity<const D: usize>(problem: &Problem<D>, limit: &FeedLimit<f64>, at: &Instant<'_>) -> [f64; D] {
     let (curve, u) = limit.parameter_at(at.distance());
     let along = problem.curves.get(curve).map_or([0.0; D], |curve| curve.as_curve().derivatives(u).first);
@@ -112,8 +114,8 @@ mod tests {
     fn on_a_circle_an_axis_turns_and_keeps_its_limits() {
         let circle = "G0 X0 Y0\nG2 I30 J0 F6000\n";
         let free = summary(circle, "");
-        // At F on radius 30: V²/r across, as the x axis sees it where the path runs along y; near the start and the end,
-        // where the feed changes along y, it sees a little of that too.
+        // At F on radius 30 the acceleration across is V²/r. The x axis has it where the path runs along y. Near the
+        // start and the end, where the feed changes, x has a small share of that change too.
         let (x, turning) = (free.axes[0], 100.0_f64.powi(2) / 30.0);
         let used = x.acceleration_max_mm_per_s2 / turning;
         assert!((0.98..2.0).contains(&used), "{x:?}");
@@ -124,8 +126,8 @@ mod tests {
         assert!(x.jerk_max_mm_per_s3 <= 5000.0 * (1.0 + 1e-6), "{x:?}");
     }
 
-    /// At an inner knot of degree 2 the curvature steps, which is no jerk of the span on either side. The plan keeps the jerk of
-    /// the axes, and so do its samples.
+    /// At an inner knot of degree 2 the curvature steps. This step is not part of the jerk of the span on either side.
+    /// The plan keeps the jerk of the axes, and so do its samples.
     #[test]
     fn a_step_of_curvature_is_no_jerk() {
         let spline = "[curve]\ndegree = 2\ncontrol_points_mm = [[0, 0], [30, 40], [60, -20], [90, 30]]\nknots = [0, 0, 0, 1, 2, 2, 2]\n";
@@ -136,7 +138,7 @@ mod tests {
         }
     }
 
-    /// The jerk at the begin of a move was counted for the axis of the move before.
+    /// The jerk at the begin of a move was once counted for the axis of the move before.
     #[test]
     fn a_stop_begins_in_the_direction_of_the_next_move() {
         let limits = "\n[machine.axes.x]\njerk_mm_per_s3 = 10000\n";

@@ -1,4 +1,4 @@
-//! A plan as every format can take it: the stages in double-double, which holds each format's numbers exactly.
+//! A plan that every format can use: the stages in double-double, which holds the numbers of each format exactly.
 
 use std::sync::OnceLock;
 
@@ -13,16 +13,17 @@ use crate::plan::in_format::{exact, in_format, limits_in_format, nearest};
 use crate::problem::problem::Problem;
 use crate::refusal::Refusal;
 
-/// A plan made in some format, with exactly the numbers that the format found.
+/// A plan made in some format, with exactly the numbers that this format computed.
 #[derive(Clone, Debug)]
 pub struct ExactPlan {
-    /// Along the path: its distances are arc lengths.
+    /// The plan along the path: its distances are arc lengths.
     arcs: Vec<Stage<DoubleDouble>>,
-    /// For setpoints: their chords have its lengths.
+    /// The plan for setpoints: its distances are summed lengths of the chords between them.
     chords: Vec<Stage<DoubleDouble>>,
     periods: u32,
     profile: ProfileKind,
-    /// What [`limit`](Self::limit) gives: of a plan in f64 the limit that it was made under, of any other once somebody has asked.
+    /// The result of [`limit`](Self::limit). A plan made in f64 has its own limit from the start; for any other, the
+    /// limit is made at the first call.
     limit: OnceLock<FeedLimit<f64>>,
 }
 
@@ -76,7 +77,7 @@ impl ExactPlan {
         Ok(Self::of(&planned(&curves, &limits, problem, end_feeds_mm_per_s, profile)?, profile))
     }
 
-    /// The numbers of a plan in the format `R`, without its limit.
+    /// The numbers of a plan made in the format `R`, without its limit.
     fn of<R: Backend>(planned: &Planned<R>, profile: ProfileKind) -> Self {
         let [arcs, chords] = [&planned.arcs, &planned.chords]
             .map(|schedule| on_the_grid(schedule.stages().iter().map(|stage| stage.map(exact))));
@@ -121,8 +122,8 @@ impl ExactPlan {
         Ok(Self { arcs: stages.clone(), chords: stages, periods, profile, limit: OnceLock::new() })
     }
 
-    /// The largest feed at each distance, in f64, in mm and periods, and where on the path that is. `problem` is the one planned; its
-    /// limit is made once, if not for the plan itself.
+    /// The largest feed at each distance, in f64, in mm and periods, with the place on the path. `problem` must be the
+    /// one that was planned. Unless the plan has kept its limit, it is made once.
     ///
     /// # Errors
     /// As [`Problem::feed_limit`].
@@ -133,14 +134,14 @@ impl ExactPlan {
         }
     }
 
-    /// The plan along the path, in arc length: it says where on the path the tool is, and keeps the limit there.
+    /// The plan along the path, in arc length. It tells where on the path the tool is, and keeps the limit there.
     #[must_use]
     pub fn arcs(&self) -> Schedule<'_, DoubleDouble> {
         Schedule::new(&self.arcs, DoubleDouble::from(1.0), self.periods)
     }
 
-    /// The plan for setpoints, whose chords have its lengths. Where chords fall short of their arcs its distances are less than
-    /// those along the path.
+    /// The plan for setpoints. Its distances are summed lengths of the chords between setpoints. Where chords are
+    /// shorter than their arcs, its distances are less than those along the path.
     #[must_use]
     pub fn schedule(&self) -> Schedule<'_, DoubleDouble> {
         Schedule::new(&self.chords, DoubleDouble::from(1.0), self.periods)
@@ -151,7 +152,7 @@ impl ExactPlan {
         self.chords.iter().filter_map(Stage::rest).map(|(curve, u)| (curve, u.value()))
     }
 
-    /// The transitions that the plan is made of.
+    /// The kind of transitions in the plan.
     #[must_use]
     pub fn profile(&self) -> ProfileKind {
         self.profile
@@ -171,8 +172,8 @@ impl ExactPlan {
 
     /// The stages in the format `R`.
     ///
-    /// Feeds and durations, by which real time goes, must fit. Distances and parameters are for the table only, and
-    /// a value out of range goes to the nearest extreme.
+    /// Feeds and durations must fit, since real time uses them. Distances and parameters are for the table only; a
+    /// value out of range becomes the nearest number of the format.
     ///
     /// # Errors
     /// [`Refusal::Limit`] naming the quantity that does not fit.
@@ -194,8 +195,8 @@ impl ExactPlan {
         Ok(self.chords.iter().map(|stage| stage.map(saturated)).collect())
     }
 
-    /// The distance of each period, in mm, exact to the reference's precision, and the feed at its end, in mm per
-    /// period.
+    /// The distance of each period, in mm, exact to the reference's precision, with the feed at the period's end, in mm
+    /// per period.
     pub fn lengths(&self) -> impl Iterator<Item = (DoubleDouble, f64)> {
         let schedule = self.schedule();
         let mut cursor = schedule.start();
@@ -206,8 +207,8 @@ impl ExactPlan {
     }
 }
 
-/// Stages that end at multiples of 2⁻³² periods of their section's clock, as a controller counts time; a distance moves by 1e-10 of a
-/// step at most.
+/// Moves the ends of stages to multiples of 2⁻³² periods on their section's clock, in which a controller counts time. A
+/// distance changes by at most 1e-10 of a step.
 fn on_the_grid(stages: impl Iterator<Item = Stage<DoubleDouble>>) -> Vec<Stage<DoubleDouble>> {
     let mut stages: Vec<_> = stages.collect();
     let durations: Vec<_> = sections(&stages).flat_map(|section| section.durations()).collect();
@@ -217,7 +218,7 @@ fn on_the_grid(stages: impl Iterator<Item = Stage<DoubleDouble>>) -> Vec<Stage<D
     stages
 }
 
-/// A stop after `stage`.
+/// A pause after `stage`.
 fn waiting(stage: &Stage<f64>, duration: f64) -> Stage<f64> {
     Stage {
         start: stage.start + stage.length,

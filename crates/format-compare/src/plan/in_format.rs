@@ -1,4 +1,4 @@
-//! Numbers from f64 and double-double into a format, and back.
+//! Conversion of numbers from f64 and double-double into a format, and back.
 
 use feed_plan::{Junction, KinematicLimits};
 use real::{Backend, DoubleDouble};
@@ -16,19 +16,19 @@ pub(crate) fn limits_in_format<R: Backend>(
     limits: &KinematicLimits<f64>,
 ) -> Result<KinematicLimits<R>, Refusal> {
     let Junction::VelocityJump(jumps) = limits.junction else { return limits.try_map(in_format) };
-    // A jump that rounds to nothing is a stop all the same.
+    // A velocity jump that rounds to zero has the effect of a stop, so it is not refused.
     let jumps = jumps.map(|jump| R::from_f64(jump).unwrap_or_default().max(R::resolution()));
     let others = KinematicLimits { junction: Junction::Stop, ..*limits }.try_map(in_format)?;
     Ok(KinematicLimits { junction: Junction::VelocityJump(jumps), ..others })
 }
 
-/// The number of `R` nearest to `x`; none beyond its range.
+/// The number of `R` nearest to `x`; `None` if `x` is beyond its range.
 pub(crate) fn nearest<R: Backend>(x: DoubleDouble) -> Option<R> {
     let (high, low) = x.to_f64_pair();
     R::from_f64_pair(high, low)
 }
 
-/// A number of any format, which two floats hold.
+/// A number of any format, exactly: two floats hold it.
 pub(crate) fn exact<R: Backend>(x: R) -> DoubleDouble {
     of_pair(x.to_f64_pair())
 }

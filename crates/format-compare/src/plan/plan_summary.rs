@@ -1,4 +1,4 @@
-//! A plan as people read it: a summary, and the stages in mm and s.
+//! A plan for people to read: a summary, and the stages in mm and s.
 
 use feed_plan::{
     EndFeeds, FeedLimit, ProfileKind, Stage, StageKind, StageShape, jerk_free_duration, least_duration,
@@ -23,11 +23,11 @@ pub struct StageRow {
     pub shape: &'static str,
     /// Number of the curve that the stage starts on, from 0.
     pub curve_start: usize,
-    /// Parameter of that curve where it starts.
+    /// Parameter on that curve at the start.
     pub u_start: f64,
-    /// Number of the curve that it ends on.
+    /// Number of the curve that the stage ends on.
     pub curve_end: usize,
-    /// Parameter of that curve where it ends.
+    /// Parameter on that curve at the end.
     pub u_end: f64,
     /// Feed at the start, in mm/s.
     pub start_feed_mm_per_s: f64,
@@ -37,7 +37,7 @@ pub struct StageRow {
     pub length_mm: f64,
     /// Time, in s.
     pub time_s: f64,
-    /// a_0 to a_3 of the feed as a polynomial of the time in s; none for a cosine.
+    /// a_0 to a_3 of the feed as a polynomial of the time in s; `None` for a cosine.
     pub coefficients: Option<[f64; 4]>,
 }
 
@@ -56,7 +56,7 @@ pub struct PlanSummary {
     pub periods: u32,
     /// The least time that a plan without a jerk limit needs, in s.
     pub jerk_free_time_s: f64,
-    /// By which part of that time the plan takes longer.
+    /// The additional time of the plan, as a share of that least time.
     pub over_jerk_free: f64,
     /// A time, in s, that no plan with the jerk limited is below.
     pub least_time_s: f64,
@@ -66,21 +66,22 @@ pub struct PlanSummary {
     pub acceleration_max_mm_per_s2: f64,
     /// Its limit.
     pub acceleration_limit_mm_per_s2: f64,
-    /// Largest acceleration in any direction, in mm/s², of the setpoints: the second difference of the points that periods end at,
-    /// over T². In bends and at corners that are passed it is more than that along the path.
+    /// Largest acceleration of the setpoints in any direction, in mm/s²: the second difference of the points at which
+    /// periods end, over T². In bends and at corners that are passed it is more than the acceleration along the path.
     pub total_acceleration_max_mm_per_s2: f64,
     /// Whether nothing limits the acceleration across the path in bends.
     pub is_free_across: bool,
-    /// Largest jerk along the path, in mm/s³. Steps of the feed count by their mean over periods, too.
+    /// Largest jerk along the path, in mm/s³. Steps of the feed count too, by their mean over periods.
     pub jerk_max_mm_per_s3: f64,
     /// Its limit.
     pub jerk_limit_mm_per_s3: f64,
     /// Share of the path that is travelled at the commanded feed, or less than 0.5 % below it.
     pub share_at_commanded_feed: f64,
-    /// The mean feed there over the commanded one. It is less than 1, since the time is stretched to whole periods, and in bends since
-    /// chords are shorter than their arcs. `None` where no part is travelled at the commanded feed.
+    /// The mean feed on that part of the path, over the commanded feed. It is less than 1, since the time is stretched
+    /// to whole periods and since chords in bends are shorter than their arcs. `None` if no part is travelled at the
+    /// commanded feed.
     pub feed_over_commanded: Option<f64>,
-    /// What the plan asks of each axis.
+    /// The velocity, acceleration and jerk that the plan asks of each axis.
     pub axes: Vec<AxisPeak>,
     /// Number of stages.
     pub stage_count: usize,
@@ -124,7 +125,8 @@ impl PlanSummary {
         let pieces = || plan.schedule().stages().iter().map(Stage::piece);
         let (by_periods, jerk_by_periods) = differences_over_periods(plan);
         let acceleration = pieces().map(|piece| piece.peak_acceleration().value()).fold(by_periods, f64::max);
-        // What the feed of a shorter stage is rounded by would be much of a jerk over so little time, and comes to nothing.
+        // In a shorter stage, the rounding of its feeds would look like a large jerk, but it changes nothing in so
+        // short a time.
         let lasting = pieces().filter(|piece| piece.duration.value() > SHORT);
         let jerk = lasting.map(|piece| piece.peak_jerk().value()).fold(jerk_by_periods, f64::max);
         let time_s = f64::from(plan.periods()) * t;
@@ -164,8 +166,8 @@ impl PlanSummary {
     }
 }
 
-/// The largest second difference of the points that periods end at, in mm. Where the plan begins or ends at rest, and where the machine
-/// makes another move in between, the tool stays where it is.
+/// The largest second difference of the points at which periods end, in mm. The tool stands still before and behind the
+/// plan where that begins or ends at rest, and wherever the machine makes another move in between.
 fn total_acceleration<const D: usize>(plan: &ExactPlan, problem: &Problem<D>, limit: &FeedLimit<f64>) -> f64 {
     let on = |curve: usize, at: fn((f64, f64)) -> f64| {
         let curve = problem.curves.get(curve)?.as_curve();
@@ -191,7 +193,8 @@ fn total_acceleration<const D: usize>(plan: &ExactPlan, problem: &Problem<D>, li
     most
 }
 
-/// The largest second difference of a series of points; over T² of points a period apart the largest acceleration in any direction.
+/// The largest second difference of a series of points. For points a period T apart, it is T² times the largest
+/// acceleration in any direction.
 pub fn largest_second_difference<const D: usize>(points: impl IntoIterator<Item = [f64; D]>) -> f64 {
     let (mut last, mut most) = ([None::<[f64; D]>; 2], 0.0_f64);
     for point in points {
@@ -204,8 +207,8 @@ pub fn largest_second_difference<const D: usize>(points: impl IntoIterator<Item 
     most
 }
 
-/// The largest acceleration and jerk, in mm and periods, as means over a period: second and third differences of the distance. They
-/// exceed those of every stage where the feed steps from one stage to the next.
+/// The largest acceleration and jerk, in mm and periods, as means over a period: the second and third differences of
+/// the distance. Where the feed steps from one stage to the next, they exceed those of every stage.
 fn differences_over_periods(plan: &ExactPlan) -> (f64, f64) {
     let (mut acceleration, mut jerk) = (0.0_f64, 0.0_f64);
     let mut before = [DoubleDouble::from(0.0); 2];
@@ -269,8 +272,8 @@ fn shape_name<R>(shape: StageShape<R>) -> &'static str {
     }
 }
 
-/// A stage whose feed is less than the commanded one by no more than this part counts as at it. The time is stretched to whole
-/// periods, which lowers every feed by a thousandth or so: see [`PlanSummary::feed_over_commanded`].
+/// A stage counts as travelled at the commanded feed if its feed is lower by at most this share. The time is stretched
+/// to whole periods, which lowers every feed by a thousandth or so: see [`PlanSummary::feed_over_commanded`].
 const AT_FEED: f64 = 0.005;
-/// Stages of less than 2⁻²⁰ of a period say nothing of the jerk.
+/// Stages shorter than 2⁻²⁰ of a period are not used for the jerk.
 const SHORT: f64 = 1.0 / 1_048_576.0;

@@ -1,4 +1,4 @@
-//! A plan instant by instant.
+//! A plan sampled at instants.
 
 use feed_plan::Stage;
 use real::DoubleDouble;
@@ -103,7 +103,8 @@ mod tests {
     use super::*;
     use crate::examples::{EXAMPLE, on_example_machine};
 
-    /// Sums of chords were taken for arc lengths: the last row was short of the end, and feeds stood beside the limit of another place.
+    /// Sums of chords were once taken for arc lengths. The last row was short of the end, and feeds stood beside the
+    /// limit of another place.
     #[test]
     fn the_places_of_samples_are_those_of_the_plan() {
         let mut problem = on_example_machine::<2>(EXAMPLE, "");

@@ -1,12 +1,12 @@
-//! How many periods a run takes at the least, from its path and its limits alone: what would take hours and more memory
-//! than there is can be refused before it is planned.
+//! The least number of periods that a run takes, from its path and its limits alone. So a run that would take hours, or
+//! more memory than there is, can be refused before it is planned.
 //!
-//! With the path's length L and the larger V of the feeds at its ends, a run takes a time t of at least
+//! Let L be the path's length and V the larger of the feeds at its ends. A run takes a time t of at least
 //! - `L/F` at the feedrate F;
-//! - `∫ ds/v` where chord error or centripetal acceleration allow v;
-//! - what the acceleration A needs: `L ≤ V·t + A·t²/4`, half the time up and half of it down;
-//! - what the jerk J needs: `L ≤ V·t + J·t³/32`, a quarter of the time up, two down and one up. One of the two terms makes up half
-//!   of L or more, so `t ≥ min(L/(2V), ∛(16·L/J))`.
+//! - `∫ ds/v` where chord error or centripetal acceleration allow the feed v;
+//! - the time that follows from the acceleration A: `L ≤ V·t + A·t²/4`, with half the time up and half of it down;
+//! - the time that follows from the jerk J: `L ≤ V·t + J·t³/32`, with a quarter of the time up, two down and one up.
+//!   One of the two terms makes up half of L or more, so `t ≥ min(L/(2V), ∛(16·L/J))`.
 //!
 //! Stops on the way and limits of single axes are left out.
 
@@ -21,7 +21,7 @@ use crate::problem::problem::Problem;
 /// Periods after which a run is given up.
 pub const MOST_PERIODS: usize = 1 << 24;
 
-/// The limit by which a run takes longest, and how long at the least.
+/// The limit by which a run takes longest, and the least number of periods under it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LeastPeriods {
     /// The periods.
@@ -32,14 +32,14 @@ pub struct LeastPeriods {
 }
 
 impl LeastPeriods {
-    /// Of a run of `problem` with these feeds at its ends, in mm/s.
+    /// The least periods of a run of `problem` with these feeds at its ends, in mm/s.
     #[must_use]
     pub fn of<const D: usize>(problem: &Problem<D>, end_feeds_mm_per_s: [f64; 2]) -> Self {
         let (machine, ends) = (&problem.machine, end_feeds_mm_per_s[0].max(end_feeds_mm_per_s[1]));
         let chord = machine.chord_error_mm;
         let (acceleration, jerk) = (machine.acceleration_mm_per_s2, machine.jerk_mm_per_s3);
         let across = machine.centripetal_acceleration_mm_per_s2;
-        // A radius below the chord error is a stop: it is passed at once, however slowly.
+        // A bend with a radius below the chord error may be a stop, which takes no time, however low the feed.
         let bends = |radius: f64| {
             let radius = radius.max(chord);
             [
@@ -64,7 +64,7 @@ impl LeastPeriods {
         Self { periods: time_s / problem.period_s(), length_mm, period_ms, limit }
     }
 
-    /// Whether that is more than is run.
+    /// Whether that is more than [`MOST_PERIODS`].
     #[must_use]
     pub fn are_too_many(&self) -> bool {
         self.periods > MOST_PERIODS as f64
@@ -81,10 +81,10 @@ impl fmt::Display for LeastPeriods {
     }
 }
 
-/// Length of the path, in mm, by chords, and the time at each of two feeds that depend on the radius. A step between
-/// two samples counts with the faster of its ends, so that a sharp bend does not stand for its surroundings.
+/// Length of the path, in mm, by chords, and the time at each of two feeds that depend on the radius. For a step
+/// between two samples, the higher feed of its two ends counts, so that a sharp bend does not slow its surroundings.
 fn passed<const D: usize>(problem: &Problem<D>, feeds: impl Fn(f64) -> [f64; 2]) -> (f64, [f64; 2]) {
-    /// Steps on a span of a curve; a line takes one.
+    /// Steps on a span of a curve; a line has one.
     const STEPS: usize = 8;
     let (mut length, mut times) = (0.0, [0.0; 2]);
     for (curve, fast) in problem.curves.iter().zip(problem.fast_curves()) {
@@ -125,7 +125,7 @@ mod tests {
         problem
     }
 
-    /// What is planned never takes fewer, and at most so many times more where one limit is felt above all.
+    /// No plan takes fewer periods. Where one limit dominates, a plan takes at most so many times more.
     #[test]
     fn no_plan_takes_fewer_periods() {
         let changes: [(Change, &str, f64); 6] = [
@@ -148,7 +148,7 @@ mod tests {
         }
     }
 
-    /// Limits that no machine has are seen, each by its name.
+    /// Limits that no machine has are refused, each by its name.
     #[test]
     fn what_would_take_hours_is_seen() {
         let changes: [(Change, &str); 4] = [

@@ -1,8 +1,8 @@
-//! What is to be run: a path and a machine's limits, in f64.
+//! The input of a run: a path and a machine's limits, in f64.
 //!
-//! Rapid moves cut nothing, so they are left out, and the moves at feed stay where the part has them. Where a move begins elsewhere
-//! than the one before it ends, behind a rapid move or a gap in a drawing, the machine makes another move in between. It rests there,
-//! and the path goes on where the next move begins.
+//! Rapid moves cut nothing, so they are left out. The moves at feed stay at their places in the part. Behind a rapid
+//! move or a gap in a drawing, a move begins elsewhere than the one before it ends. The machine rests there and makes
+//! another move, and the path goes on where the next move begins.
 
 use std::ops::Range;
 
@@ -19,26 +19,27 @@ pub struct Problem<const D: usize> {
     pub name: String,
     /// The curves, in the order in which they are followed.
     pub curves: Vec<NurbsBuf<f64, D>>,
-    /// Each curve's own feedrate, as a share of the machine's; empty if all are 1.
+    /// The feedrate of each curve, as a share of the machine's; empty if all are 1.
     pub feed_shares: Vec<f64>,
-    /// Numbers of the curves that begin at rest whatever their direction, in order: those behind an exact stop, a rapid move, a
-    /// gap, or a word of the machine as M8.
+    /// Numbers of the curves that begin at rest whatever their direction, in order: those behind an exact stop, a rapid
+    /// move, a gap, or a word for the machine such as M8.
     pub stops: Vec<usize>,
-    /// Those of `stops` before which the machine makes another move: behind a rapid move or a gap.
+    /// The members of `stops` before which the machine makes another move: behind a rapid move or a gap.
     pub breaks: Vec<usize>,
-    /// The line of each curve in the part; empty if nobody knows.
+    /// The line of each curve in the part; empty if the lines are unknown.
     pub lines: Vec<usize>,
     /// The number of rapid moves that were left out.
     pub rapids_left_out: usize,
-    /// The number of gaps that no rapid move bridges in the part.
+    /// The number of gaps for which the part has no rapid move.
     pub gaps: usize,
-    /// How far the position of a printer's filament gets from 0, in mm, if the part counts it.
+    /// The largest distance of a printer's filament position from 0, in mm, if the part counts the position.
     pub filament_mm: Option<f64>,
-    /// The machine's limits, with the highest feedrate that the part commands, if it does.
+    /// The machine's limits. Their feedrate is the highest that the part commands, if it commands one.
     pub machine: Machine,
 }
 
-/// The jump of velocity allowed to an axis that may not jump, in mm per period: so little that any break of the tangent is a stop.
+/// The jump of velocity allowed to an axis that may not jump, in mm per period. It is so small that any break of the
+/// tangent is a stop.
 const NO_JUMP: f64 = 1e-9;
 
 impl<const D: usize> Problem<D> {
@@ -48,8 +49,8 @@ impl<const D: usize> Problem<D> {
         self.curves.iter().map(|curve| FastCurve::of(curve.as_curve())).collect()
     }
 
-    /// Takes the moves at feed of `part` in `D` dimensions; coordinates beyond are dropped, so `D` must be at least
-    /// the part's own dimension. A part of rapid moves alone is taken as it stands.
+    /// Takes the moves at feed of `part` in `D` dimensions. Coordinates beyond `D` are dropped, so `D` must be at least
+    /// the part's dimension. If a part has rapid moves only, these are taken.
     ///
     /// # Errors
     /// [`CurveError`] of the first curve that is not valid.
@@ -97,7 +98,7 @@ impl<const D: usize> Problem<D> {
         })
     }
 
-    /// The curves of this range by themselves, on the same machine. The part rests where the range begins and ends.
+    /// A problem of the curves of this range alone, on the same machine. It rests where the range begins and ends.
     #[must_use]
     pub(crate) fn part(&self, curves: Range<usize>) -> Self {
         let of_range = |all: &[usize]| {
@@ -125,7 +126,7 @@ impl<const D: usize> Problem<D> {
         self.feed_shares.get(curve).copied().unwrap_or(1.0)
     }
 
-    /// Why the curves cannot be compiled, with the place in the part.
+    /// The refusal for curves that cannot be compiled, with the place in the part.
     pub(crate) fn refusal(&self, error: CompileError) -> Refusal {
         match error.curve().and_then(|curve| self.lines.get(curve)) {
             Some(line) => Refusal::CurveAt { part: self.name.clone(), line: *line, error },
@@ -155,9 +156,9 @@ impl<const D: usize> Problem<D> {
         self.machine.feedrate_mm_per_s * self.period_s()
     }
 
-    /// The limits with the interpolation period as the unit of time: F·T, A·T², J·T³ in mm per period to the
-    /// first, second and third power. These are the numbers that a controller works with: they are of the order
-    /// of a step, while the same limits per second span nine orders of magnitude.
+    /// The limits with the interpolation period as the unit of time: F·T, A·T², J·T³ in mm per period to the first,
+    /// second and third power. A controller works with these numbers. They are of the order of a step, while the same
+    /// limits per second span nine orders of magnitude.
     ///
     /// # Errors
     /// [`PlanError`] when a limit is not positive.
@@ -189,13 +190,14 @@ impl<const D: usize> Problem<D> {
     }
 }
 
-/// The number of rapid moves that a [`Problem`] leaves out: all of them, or none of a part that has nothing else.
+/// The number of rapid moves that a [`Problem`] leaves out: all of the part's, or none if the part has nothing else.
 fn rapid_moves(part: &Part) -> usize {
     let rapids = part.moves.iter().filter(|one| one.kind == MoveKind::Rapid).count();
     if rapids == part.moves.len() { 0 } else { rapids }
 }
 
-/// The feedrates of these moves over the highest of the part; empty if all are that one. A move without a feedrate has the highest.
+/// The feedrates of these moves over the highest of the part; empty if all are the highest. A move without a feedrate
+/// has the highest.
 fn feed_shares(part: &Part, moves: impl Iterator<Item = usize>) -> Vec<f64> {
     let Some(highest) = part.highest_feedrate() else { return Vec::new() };
     let own = |index: usize| part.moves.get(index).and_then(|one| one.feedrate_mm_per_s);
@@ -247,7 +249,7 @@ mod tests {
         assert_eq!(ends[2], ([25.0, 7.0, 6.0], [25.0, 9.0, 6.0]));
     }
 
-    /// Straight on as it would be, behind a lift, a gap in a drawing or an exact stop.
+    /// The machine rests behind a lift, a gap in a drawing or an exact stop, even if the path goes straight on.
     #[test]
     fn the_machine_rests_where_it_makes_another_move() {
         let lifted = problem("G0 X0 Y0 Z0\nG1 X10 F600\nG0 Z5\nG0 Z0\nG1 X20\nG1 X30\n");
@@ -264,12 +266,13 @@ mod tests {
         assert_eq!((limit.at(10.0), limit.at(20.0) > 0.1), (0.0, true));
     }
 
-    /// `smooth` rested there, and what plans and runs passed at full feed.
+    /// `smooth` rested there, but plans and runs once passed these places at full feed.
     #[test]
     fn the_machine_rests_where_a_word_acts() {
         let stops = |text: &str| problem(text).stops;
         assert_eq!(stops("G0 X0 Y0 Z0\nM3 S900\nG1 X10 F600\nM8\nG1 X20\nG1 X30\nG1 X40\nM30\n"), [1]);
-        // In the block of a move: on both sides of it, for some words act before their move and some behind it.
+        // A word in the block of a move makes a rest on both sides of the move: some words act before the move and some
+        // after it.
         assert_eq!(stops("G0 X0 Y0 Z0\nG1 X10 F600\nG1 X20\nG1 X30 M9\nG1 X40\nG1 X50\nM30\n"), [2, 3]);
         let limit = problem("G0 X0 Y0 Z0\nG1 X10 F600\nM8\nG1 X20\n").feed_limit().unwrap();
         assert_eq!((limit.at(10.0), limit.at(5.0) > 0.0), (0.0, true));

@@ -1,4 +1,4 @@
-//! A run by the engine that is asked for: audited, or recorded.
+//! A run by the chosen engine: audited, or recorded.
 
 use real::{Audit, Backend, FormatName, RuntimeFixed, RuntimeFormat};
 
@@ -25,8 +25,9 @@ fn once<R: Backend, const D: usize>(job: &Job<'_, D>) -> Result<Run, Refusal> {
     }
 }
 
-/// Records the first `most` steps of a run in the format of this name. Fixed point of every kind is recorded in the run-time format,
-/// bit for bit the run that is compared, so that f32, f64 and that one are all the instances there are.
+/// Records the first `most` steps of a run in the format of this name. Fixed point of every kind is recorded in the
+/// run-time format, whose run equals the compared run bit for bit. So this code is compiled for f32, f64 and the
+/// run-time format only.
 pub(crate) fn recorded<const D: usize>(
     format: FormatName,
     job: &Job<'_, D>,

@@ -13,7 +13,7 @@ use crate::refusal::Refusal;
 use crate::run::job::Job;
 use crate::run::on_pieces;
 
-/// A module of constants, and what a controller has to make of them.
+/// A module of constants, and the results that a controller must reproduce.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Constants {
     /// The module: `Number`, `PERIOD_S`, `PERIODS`, `CHECKSUM`, `PATH` and `SECTIONS`.
@@ -33,7 +33,7 @@ pub struct Constants {
 }
 
 impl Constants {
-    /// Compiles the part and its plan, and runs what was compiled. The plan has to rest where the part has a gap.
+    /// Compiles the part and its plan, and runs the result. The plan must rest at each gap of the part.
     pub(crate) fn of<R: Backend, const D: usize>(job: &Job<'_, D>) -> Result<Self, Refusal> {
         let number = number_type(R::name()).ok_or(Refusal::NoType(R::name()))?;
         let path = on_pieces::compiled::<R, D>(job)?;
@@ -85,16 +85,16 @@ impl Constants {
     }
 }
 
-/// Before what a program may leave alone.
+/// The attribute before items that a program need not use.
 const UNASKED: &str = "#[allow(dead_code, reason = \"a program need not ask\")]\n";
 
-/// What the constants name.
+/// The imports for the names in the constants.
 const USES: &str = "use nurbs_core::{Joint, Piece, Pieces};
 use secant_interp::{ChordTolerance, LengthStage, PieceInterpolator, StageShape, StepLengths, Section};
 
 ";
 
-/// The setpoints of the runs from stop to stop, and the checksum of their positions.
+/// The number of setpoints of the runs from stop to stop, and the checksum of their positions.
 fn run<R: Backend, const D: usize>(
     path: &PieceInterpolator<'_, R, D>,
     sections: &[Section],
@@ -115,7 +115,7 @@ fn run<R: Backend, const D: usize>(
     Ok((periods, checksum.value()))
 }
 
-/// What the tables take whose numbers are words of the format, and addresses words of 32 bits.
+/// Bytes of the tables, with numbers in words of the format and addresses in words of 32 bits.
 fn bytes<R: Backend, const D: usize>(path: &CompiledPath<R, D>) -> usize {
     fn of<W, const D: usize>(rows: [usize; 4]) -> usize {
         let sizes =

@@ -31,7 +31,7 @@ pub trait Format<const D: usize>: Send + Sync {
     /// [`Refusal`] when the part or a limit does not fit the format, or no plan exists.
     fn plan(&self, problem: &Problem<D>, options: &Options) -> Result<ExactPlan, Refusal>;
 
-    /// Interpolates in this format, by a plan made in any.
+    /// Interpolates in this format, following a plan made in any format.
     ///
     /// # Errors
     /// [`Refusal`] when the part, the plan or a limit does not fit the format.
@@ -52,7 +52,7 @@ pub trait Format<const D: usize>: Send + Sync {
     /// Writes path and plan, compiled for this format, as constants for a controller.
     ///
     /// # Errors
-    /// [`Refusal`] as of [`run`](Self::run), and where a controller has no such type.
+    /// [`Refusal`] as from [`run`](Self::run), and if a controller has no such type.
     fn constants(
         &self,
         problem: &Problem<D>,
@@ -61,7 +61,7 @@ pub trait Format<const D: usize>: Send + Sync {
     ) -> Result<Constants, Refusal>;
 }
 
-/// The format of the numbers `R`, and which one that is where it is chosen at run time.
+/// The format of the numbers `R`. If `R` is the run-time format, the first field says which format that is.
 struct Of<R>(Option<RuntimeFormat>, PhantomData<fn() -> R>);
 
 impl<R> Of<R> {
@@ -115,16 +115,16 @@ impl<R: Backend, const D: usize> Format<D> for Of<R> {
     }
 }
 
-/// The spaces that formats are built for: the plane, `D = 2`, and space, `D = 3`.
+/// The spaces for which formats are compiled: the plane, `D = 2`, and space, `D = 3`.
 ///
-/// Both are instantiated here, once, and not again in every crate that compares: a format is the planner and two
-/// interpolators, plain and audited.
+/// Both are compiled here, once, and not again in every crate that compares formats: for each format, that is the
+/// planner and two interpolators, plain and audited.
 pub trait Dimension<const D: usize> {
-    /// Every built-in format, narrow before wide, fixed point before float: the order of rising cost where nothing is
-    /// known of the target.
+    /// Every built-in format, narrow before wide, fixed point before float: the order of rising cost on an unknown
+    /// target.
     fn formats() -> Vec<Box<dyn Format<D>>>;
 
-    /// A format chosen at run time, to be compared like any other.
+    /// A format chosen at run time; it can be compared like any other.
     fn at_run_time(format: RuntimeFormat) -> Box<dyn Format<D>>;
 }
 
@@ -171,7 +171,7 @@ fn built_in<const D: usize>() -> Vec<Box<dyn Format<D>>> {
     ]
 }
 
-/// [`Dimension::formats`] of the space of `D` dimensions.
+/// [`Dimension::formats`] for `D` dimensions.
 #[must_use]
 pub fn formats<const D: usize>() -> Vec<Box<dyn Format<D>>>
 where
@@ -180,7 +180,7 @@ where
     Space::formats()
 }
 
-/// The format with this name. One like `I5F13` that is not built in is made at run time.
+/// The format with this name. A format such as `I5F13` that is not built in is made at run time.
 #[must_use]
 pub fn format_named<const D: usize>(name: &str) -> Option<Box<dyn Format<D>>>
 where

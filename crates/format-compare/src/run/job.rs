@@ -1,10 +1,10 @@
-//! What is run: a problem, a plan of it, and how.
+//! The input of a run: a problem, a plan of it, and the options.
 
 use crate::plan::exact_plan::ExactPlan;
 use crate::problem::problem::Problem;
 use crate::run::options::Options;
 
-/// A run that is asked for.
+/// A run that is to be made.
 #[derive(Clone, Copy)]
 pub(crate) struct Job<'a, const D: usize> {
     pub(crate) problem: &'a Problem<D>,
@@ -19,7 +19,7 @@ impl<const D: usize> Job<'_, D> {
     }
 }
 
-/// Periods after which a run is given up that is planned to take so many.
+/// The periods after which a run is given up whose plan takes `planned` periods.
 pub(crate) fn most_periods(planned: u32) -> usize {
     2 * planned as usize + 16
 }

@@ -1,4 +1,4 @@
-//! A run on one curve with a global parameter: the textbook way, raw in every format.
+//! A run on one curve with a global parameter: the textbook's form, raw in every format.
 
 use feed_plan::Schedule;
 use nurbs_core::{Evaluate, NurbsCurve};
@@ -12,7 +12,7 @@ use crate::run::job::Job;
 use crate::run::recorded_run::RecordedRun;
 use crate::run::run::{Run, RunStep, cruise_mm, resolution_at, unit_in_last_place};
 
-/// What steps from one rest to the next.
+/// The interpolator from one rest to the next.
 type RestToRest<'a, R, const D: usize> = Interpolator<'a, R, CurvePart<R, NurbsCurve<'a, R, D>>>;
 
 /// Converts curve, plan and limits to `R` and runs.
@@ -32,8 +32,8 @@ pub(crate) fn record<R: Backend, const D: usize>(
     })
 }
 
-/// Hands what the run needs, in `R`, to `work`: the path and its plan from rest to rest, so that each is landed on. Rests that are one
-/// parameter in a coarse format divide nothing.
+/// Converts the path and its plan to `R`, divides them at rests so that a run lands on each, and passes the parts to
+/// `work`. Rests whose parameters are equal in a coarse format divide nothing.
 fn prepared<R: Backend, const D: usize, T>(
     Job { problem, plan, options }: &Job<'_, D>,
     method: Method,
@@ -49,7 +49,7 @@ fn prepared<R: Backend, const D: usize, T>(
     let stages = plan.stages_in::<R>()?;
     let landing_step = in_format("acceleration", limits.acceleration)?;
     let tolerance = Tolerance {
-        // Below the format's resolution a tolerance is 0, and the solver goes on to the last digit.
+        // A tolerance below the format's resolution becomes 0, and the solver goes on to the last digit.
         parameter: R::from_f64(machine.parameter_tolerance).unwrap_or_else(R::zero),
         fluctuation: R::from_f64(fluctuation).unwrap_or_else(R::zero),
         max_iterations: machine.max_iterations,
@@ -93,8 +93,8 @@ fn drive<R: Backend, const D: usize>(parts: &[RestToRest<'_, R, D>], job: &Job<'
     }
 }
 
-/// Steps to the next rest, beside the distance that each period wants and the feed at its end; whether it is reached in no more than
-/// so many steps of the run.
+/// Makes steps to the next rest; `planned` has the wanted distance of each period and the feed at its end. Returns
+/// whether the run reaches the rest within its first `most` steps.
 fn follow<R: Backend, const D: usize>(
     part: &RestToRest<'_, R, D>,
     planned: Vec<(DoubleDouble, f64)>,
@@ -126,7 +126,7 @@ fn follow<R: Backend, const D: usize>(
     state.is_finished()
 }
 
-/// `½ ulp(u)/(u_{i+1} - u_i)`, the largest over the steps that a fluctuation at cruise is judged by.
+/// `½ ulp(u)/(u_{i+1} - u_i)`, the largest over the steps at cruise, by which fluctuation is judged.
 fn fluctuation_resolution<R: Backend, const D: usize>(
     start: f64,
     steps: &[RunStep],

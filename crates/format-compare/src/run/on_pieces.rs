@@ -17,7 +17,7 @@ use crate::run::overrides::OverrideCommands;
 use crate::run::recorded_run::RecordedRun;
 use crate::run::run::{Run, RunStep, resolution_at, unit_in_last_place};
 
-/// Periods beyond the plan that an overridden run may take at each stop: most stops take a dozen.
+/// Additional periods that an overridden run may take at each stop: most stops take a dozen.
 const LANDING: usize = 256;
 
 /// Compiles path and plan for `R` and runs, landing on each stop on the way.
@@ -37,7 +37,7 @@ pub(crate) fn run<R: Backend, const D: usize>(job: &Job<'_, D>) -> Result<Run, R
     Ok(drive.finish())
 }
 
-/// Runs the path with the plan's time stretched as commanded. The rate goes on from section to section.
+/// Runs the path with the plan's time stretched by the overrides. The rate is carried over from section to section.
 fn run_overridden<R: Backend, const D: usize>(
     path: &CompiledPath<R, D>,
     commands: &OverrideCommands,
@@ -61,8 +61,8 @@ fn run_overridden<R: Backend, const D: usize>(
     }
 }
 
-/// The operations of each of the first `most` steps of the run that [`run`] makes without overrides. The state at the begin of a
-/// section is formed before its first period.
+/// The operations of each of the first `most` steps of the run that [`run`] makes without overrides. The state at the
+/// begin of a section is computed before the section's first period.
 pub(crate) fn record<R: Backend, const D: usize>(
     job: &Job<'_, D>,
     most: usize,
@@ -72,13 +72,13 @@ pub(crate) fn record<R: Backend, const D: usize>(
     Ok(RecordedRun::of(most.min(job.most_periods()), runs, |run, state| run.step(state).is_some()))
 }
 
-/// Path and plan in `R`: what lies in a controller's flash.
+/// Path and plan in `R`, as they lie in a controller's flash.
 pub(crate) fn compiled<R: Backend, const D: usize>(job: &Job<'_, D>) -> Result<CompiledPath<R, D>, Refusal> {
     let Job { problem, plan, options } = job;
     let limits = problem.limits_per_period()?;
     let landing_step_mm = limits.acceleration;
     let curves: Vec<_> = problem.curves.iter().map(NurbsBuf::as_curve).collect();
-    // With an override the plan is made for the highest, and a coarse format may round the feed up.
+    // With overrides, the plan is made for the highest of them, and a coarse format may round the feed up.
     let fastest = limits.feedrate.max(plan.greatest_feed());
     let piece_limits = PieceLimits { length_mm: options.piece_length_mm, step_mm: fastest + landing_step_mm };
     let stops: Vec<_> = plan.rests().collect();
@@ -96,7 +96,7 @@ pub(crate) fn compiled<R: Backend, const D: usize>(job: &Job<'_, D>) -> Result<C
     })
 }
 
-/// Setpoints become steps in mm.
+/// Collects the setpoints of a run as steps in mm.
 struct Drive<'a, R, const D: usize> {
     problem: &'a Problem<D>,
     table: &'a PiecesBuf<R, D>,
@@ -121,8 +121,8 @@ impl<'a, R: Backend, const D: usize> Drive<'a, R, D> {
         }
     }
 
-    /// Takes the setpoints on some pieces until there are none, beside the distance that each period wants and the feed at
-    /// its end.
+    /// Makes steps on some pieces until `step` gives no more setpoints; `planned` has the wanted distance of each
+    /// period and the feed at its end.
     fn run(
         &mut self,
         pieces: Range<usize>,
@@ -165,7 +165,7 @@ impl<'a, R: Backend, const D: usize> Drive<'a, R, D> {
     }
 }
 
-/// The curve and its parameter at a setpoint, exactly as piece and phase say.
+/// The curve and its parameter at a setpoint, computed exactly from piece and phase.
 fn parameter<R: Backend, const D: usize>(
     places: &[Place],
     setpoint: &PieceSetpoint<R, D>,
@@ -180,7 +180,7 @@ fn parameter<R: Backend, const D: usize>(
     (place.curve, u.to_f64_pair())
 }
 
-/// Origin and offset together, in mm.
+/// The sum of origin and offset, in mm.
 fn point_mm<R: Backend, const D: usize>(
     pieces: &Pieces<'_, R, D>,
     setpoint: &PieceSetpoint<R, D>,
@@ -203,7 +203,8 @@ mod tests {
     use crate::{ExactPlan, Options};
     use real::I8F24;
 
-    /// On stairs of equal steps every kind of period occurs more than once, also the one from rest and the one onto a stop.
+    /// On stairs of equal steps, every kind of period occurs more than once, including the one from rest and the one
+    /// onto a stop.
     #[test]
     fn what_is_recorded_comes_to_rest_at_every_stop() {
         let problem = on_example_machine::<3>("G1 X16 F6000\nY16\nX32\nY32\nX48\nY48\n", "");

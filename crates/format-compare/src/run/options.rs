@@ -1,4 +1,4 @@
-//! How a part is run.
+//! The options of a run.
 
 use std::fmt;
 
@@ -9,22 +9,22 @@ use serde::Serialize;
 
 use crate::run::overrides::OverrideCommands;
 
-/// The form in which real time has the path, and what solves on it.
+/// The form of the path in real time, and the solver for it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Engine {
-    /// The textbook way: one global parameter, de Boor's scheme each time, paper A's secant iteration.
+    /// The textbook's form: one global parameter, de Boor's scheme in each evaluation, paper A's secant iteration.
     DeBoorSecant,
     /// One global parameter and de Boor's scheme, with a first-order Taylor step.
     DeBoorTaylor1,
     /// One global parameter and de Boor's scheme, with a second-order Taylor step.
     DeBoorTaylor2,
-    /// Compiled pieces, the chord without loss, Newton's correction without division.
+    /// Compiled pieces, the chord without cancellation, Newton's correction without division.
     Pieces,
 }
 
 impl Engine {
-    /// The method on the global parameter; none on pieces.
+    /// The method on the global parameter; `None` on pieces.
     pub(crate) fn method(self) -> Option<Method> {
         match self {
             Self::DeBoorSecant => Some(Method::Secant),
@@ -46,7 +46,7 @@ impl fmt::Display for Engine {
     }
 }
 
-/// How a part is run.
+/// The options of a run.
 #[derive(Clone, Debug)]
 pub struct Options {
     /// The form of the path and the solver.
@@ -55,14 +55,14 @@ pub struct Options {
     pub piece_length_mm: f64,
     /// The format to plan in.
     pub plan_in: PlanIn,
-    /// The transitions that the plan is made of.
+    /// The kind of transitions in the plan.
     pub profile: ProfileKind,
     /// Feeds at the two ends of the path, in mm/s.
     pub end_feeds_mm_per_s: [f64; 2],
-    /// The fluctuation that the solver stops at. By default the machine file's Δ on the global parameter, and the
-    /// format's resolution on pieces.
+    /// The fluctuation at which the solver stops. By default it is the machine file's Δ on the global parameter, and
+    /// the format's resolution on pieces.
     pub fluctuation: Option<f64>,
-    /// Changes of the feed while the plan runs, on pieces.
+    /// Changes of the feed while the plan runs; on pieces only.
     pub overrides: Option<OverrideCommands>,
 }
 
@@ -83,9 +83,9 @@ impl Default for Options {
 /// The format that a plan is made in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PlanIn {
-    /// All formats are run by a plan made in this one.
+    /// All formats follow a plan made in this format.
     Format(FormatName),
-    /// Each format is run by a plan made in itself.
+    /// Each format follows a plan made in itself.
     Same,
 }
 

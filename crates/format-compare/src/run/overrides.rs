@@ -1,8 +1,8 @@
 //! Feed overrides that are commanded while a plan runs.
 //!
-//! The plan is made with a reserve: within less acceleration and jerk than the machine has, and for the highest override
-//! asked for. What is kept back is what changes of the rate may take ([`FeedOverride`]). Rates are integers, so that
-//! every format runs the same plan at the same rates, and the distance that each period wants is known exactly.
+//! The plan is made for the highest override, with a reserve: it uses less acceleration and jerk than the machine has.
+//! Changes of the rate may use the reserve ([`FeedOverride`]). Rates are integers, so that every format runs the same
+//! plan at the same rates, and the wanted distance of each period is known exactly.
 
 use std::fmt;
 
@@ -16,7 +16,7 @@ use crate::plan::exact_plan::ExactPlan;
 use crate::problem::least_periods::MOST_PERIODS;
 use crate::problem::problem::Problem;
 
-/// An axis without a limit has so many times the path's: it never limits.
+/// An axis without a limit gets this many times the path's limit: it never limits.
 const AMPLE: f64 = 1e6;
 
 /// A new override from some time on.
@@ -28,7 +28,7 @@ pub struct OverrideTarget {
     pub share: f64,
 }
 
-/// The overrides of a run, and how much of the machine is kept for them.
+/// The overrides of a run, and the share of the machine's limits that is kept for them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Overrides {
     targets: Vec<OverrideTarget>,
@@ -39,17 +39,17 @@ pub struct Overrides {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum OverrideError {
-    /// A share below 0, above 2, or no number.
+    /// A share is below 0, above 2, or NaN.
     Share(f64),
-    /// A time below 0, or before the one before it.
+    /// A time is below 0, or less than the one before it.
     Time(f64),
-    /// The last override is 0: the run would stand for ever.
+    /// The last override is 0: the run would stand still for ever.
     EndsInHold,
-    /// No share of the acceleration and jerk between 0 and 1.
+    /// The reserve of acceleration and jerk is not a share between 0 and 1.
     Reserve(f64),
-    /// The plan leaves less than the unit of the rate.
+    /// The acceleration and jerk that the plan leaves change the rate by less than its unit.
     NothingLeft,
-    /// More periods than are run.
+    /// The run takes more than [`MOST_PERIODS`] periods.
     TooLong,
 }
 
@@ -73,8 +73,8 @@ impl fmt::Display for OverrideError {
 impl std::error::Error for OverrideError {}
 
 impl Overrides {
-    /// Overrides in order of time, at 100 % before the first; `reserve` is the share of acceleration and jerk that the plan
-    /// leaves.
+    /// Overrides in order of time; before the first it is 100 %. `reserve` is the share of acceleration and jerk that
+    /// the plan leaves unused.
     ///
     /// # Errors
     /// [`OverrideError`] naming the number that is out of range.
@@ -104,7 +104,8 @@ impl Overrides {
         self.targets.iter().fold(1.0, |most, target| most.max(target.share))
     }
 
-    /// The problem to plan: its feed the highest override's, its accelerations and jerks without the reserve.
+    /// The problem for the planner: its feed is that of the highest override, and its accelerations and jerks are
+    /// without the reserve.
     #[must_use]
     pub fn to_plan<const D: usize>(&self, problem: &Problem<D>) -> Problem<D> {
         let mut problem = problem.clone();
@@ -119,8 +120,9 @@ impl Overrides {
         problem
     }
 
-    /// The limits of an axis, and what the plan may take of them: all but the reserve. Of an acceleration without a limit it takes
-    /// no more than the path's and what turns the path, to which the chord error sets a limit, `V² |k| ≤ 8 E/T²`.
+    /// The limits of an axis, and the part of them that the plan may use: all but the reserve. If the acceleration has
+    /// no limit, the plan uses at most the path's acceleration and the acceleration across the path, which the chord
+    /// error limits: `V² |k| ≤ 8 E/T²`.
     fn of_axis(
         &self,
         path: &OverrideLimits<f64>,
@@ -142,7 +144,7 @@ impl Overrides {
         OverrideLimits { acceleration, jerk, planned_acceleration, planned_jerk, planned_feed }
     }
 
-    /// The rates period by period for a plan of [`to_plan`](Self::to_plan)'s problem, on the machine of `problem`.
+    /// The rate of each period, for a plan of [`to_plan`](Self::to_plan)'s problem on the machine of `problem`.
     ///
     /// # Errors
     /// [`OverrideError::NothingLeft`] and [`OverrideError::TooLong`].
@@ -156,7 +158,7 @@ impl Overrides {
         let most = |of: fn(&FeedPiece<DoubleDouble>) -> DoubleDouble| {
             stages.iter().map(|stage| of(&stage.piece()).value()).fold(f64::MIN_POSITIVE, f64::max)
         };
-        // A limit on a change of the rate follows from the plan's own peaks, rounded up.
+        // The limit for changes of the rate follows from the plan's own peaks, rounded up.
         let up = 1.0 + 1e-12;
         let path = OverrideLimits {
             acceleration: limits.acceleration,
@@ -181,28 +183,28 @@ impl Overrides {
         let targets = self.targets.iter().map(|target| (period_of(target), rate(target.share))).collect();
         let (start, stages) = (rate(1.0), compiled(stages));
         let mut commands = OverrideCommands { feeds, start, targets, stages, periods: 0 };
-        // What is commanded from the first period on is there before it.
+        // A rate that is commanded from the first period on holds before that period too.
         commands.start = commands.commanded(0).unwrap_or(start);
         commands.periods = commands.count().ok_or(OverrideError::TooLong)?;
         Ok(commands)
     }
 }
 
-/// What is commanded in each period.
+/// The rate that is commanded in each period.
 #[derive(Clone, Debug)]
 pub struct OverrideCommands {
     /// How fast the rate may change.
     pub(crate) feeds: FeedOverride,
     start: Rate,
-    /// Rates, each from a number of periods on.
+    /// The commanded rates, each with the number of periods after which it holds.
     targets: Vec<(f64, Rate)>,
     /// The plan, in mm and 2⁻³² periods.
     pub(crate) stages: Vec<LengthStage<DoubleDouble>>,
-    /// How many periods the plan takes so, without what it takes to land on its stops.
+    /// The number of periods that the plan takes at these rates, without the periods for landing on its stops.
     pub(crate) periods: usize,
 }
 
-/// The stages of a plan as [`CompiledPath`](secant_interp::CompiledPath) has them, exactly.
+/// The stages of a plan in the form of [`CompiledPath`](secant_interp::CompiledPath), exactly.
 fn compiled(stages: &[Stage<DoubleDouble>]) -> Vec<LengthStage<DoubleDouble>> {
     let durations = sections(stages).flat_map(|section| section.durations());
     let compiled = stages.iter().zip(durations).filter_map(|(stage, duration)| {
@@ -218,19 +220,19 @@ impl OverrideCommands {
         OverrideState::at(self.start)
     }
 
-    /// The rate that is commanded in this period; none before the first.
+    /// The rate that is commanded in this period; `None` before the first command.
     fn commanded(&self, period: usize) -> Option<Rate> {
         self.targets.iter().take_while(|(from, _)| *from <= period as f64).last().map(|(_, rate)| *rate)
     }
 
-    /// Sets the rate that is commanded in this period.
+    /// Sets `rates` to the rate that is commanded in this period.
     pub(crate) fn command(&self, period: usize, rates: &mut OverrideState) {
         if let Some(rate) = self.commanded(period) {
             rates.set(rate);
         }
     }
 
-    /// `None` when the run is too long.
+    /// The number of periods of the run; `None` if the run is too long.
     fn count(&self) -> Option<usize> {
         let (own, mut cursor) = (StepLengths { stages: &self.stages }, LengthCursor::default());
         let mut rates = self.start();

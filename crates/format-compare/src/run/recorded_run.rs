@@ -1,4 +1,4 @@
-//! The operations of every step of a run, by which targets price it.
+//! The operations of every step of a run, from which the run is priced on targets.
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -6,16 +6,17 @@ use std::collections::hash_map::Entry;
 use real::Graph;
 use target_cost::Step;
 
-/// The steps of a run: how often each sequence of operations occurs. Most steps make the same one.
+/// The steps of a run: each sequence of operations, and how often it occurs. Most steps make the same sequence.
 #[derive(Clone, Debug, Default)]
 pub struct RecordedRun {
-    /// Each sequence, and how many steps made it.
+    /// Each sequence, with the number of steps that made it.
     pub steps: Vec<(Step, u32)>,
 }
 
 impl RecordedRun {
-    /// Records the first `most` periods of these runs, one after the other, each from its state; `step` says whether there was one
-    /// more. A period at the begin of a run holds what the last run took to find its own end.
+    /// Records the first `most` periods of these runs, one after the other, each from its state. `step` returns whether
+    /// there was another period. The first period of a run also holds the operations with which the run before found
+    /// its end.
     pub(crate) fn of<S, L>(
         most: usize,
         runs: impl IntoIterator<Item = (S, L)>,

@@ -1,4 +1,4 @@
-//! What a run is: its setpoints, and the steps between numbers that it was made in.
+//! A run: its setpoints, and the resolution of the numbers in which it was made.
 
 use real::{Audit, Backend, FormatName};
 
@@ -22,23 +22,23 @@ pub struct RunStep {
 /// A run from the start of a path to its end.
 #[derive(Clone, Debug, Default)]
 pub struct Run {
-    /// The setpoints, a period each.
+    /// The setpoints, one for each period.
     pub steps: Vec<RunStep>,
     /// Whether the last setpoint is the path's end.
     pub finished: bool,
     /// Periods that the plan takes; the run may take more or fewer when rounding delays or hastens it.
     pub planned_periods: u32,
-    /// The step between two neighbouring commanded points, in mm: of a float, at the largest coordinate.
+    /// The step between two neighbouring commanded points, in mm; for a float, at the largest coordinate.
     pub resolution_mm: f64,
-    /// The step between two neighbouring positions of a printer's filament where it is furthest from 0, in mm. A fixed-point format has the
-    /// smallest range, a power of two times its own, that holds that position.
+    /// The step between two neighbouring positions of a printer's filament where it is furthest from 0, in mm. For a
+    /// fixed-point format, the range is doubled until it holds that position.
     pub filament_step_mm: Option<f64>,
-    /// Half a unit in the last place of what the solver seeks, over the step: what rounding it alone may cost, as a
-    /// fluctuation. On the global parameter, `½ ulp(u)/(u_{i+1} - u_i)`, the largest over the steps at cruise; on
-    /// pieces, `½ ulp(L)/L` of the full step `L = F·T`, for there the parameter is a 64-bit phase and the length the
+    /// The fluctuation that comes from rounding the solved quantity alone: half a unit in its last place over the step.
+    /// On the global parameter it is `½ ulp(u)/(u_{i+1} - u_i)`, the largest over the steps at cruise. On pieces it is
+    /// `½ ulp(L)/L` for the full step `L = F·T`, since the parameter there is a 64-bit phase and the length is the
     /// coarser of the two. Other roundings of a step add to it.
     pub fluctuation_resolution: f64,
-    /// What the format's arithmetic met.
+    /// The overflows and ranges that the format's arithmetic met.
     pub audit: Audit,
 }
 
@@ -50,8 +50,8 @@ pub(crate) fn resolution_at<R: Backend>(largest: f64) -> f64 {
     }
 }
 
-/// The step between neighbouring positions at `farthest_mm` from 0, in mm. Of a fixed-point format its resolution, doubled until that
-/// position is in range.
+/// The step between neighbouring positions at `farthest_mm` from 0, in mm. For a fixed-point format it is the
+/// resolution, doubled until that position is in range.
 pub(crate) fn own_step_mm<R: Backend>(farthest_mm: f64) -> f64 {
     match R::name() {
         FormatName::Fixed { .. } => {
@@ -70,11 +70,10 @@ pub(crate) fn unit_in_last_place<R: Backend>(value: f64) -> f64 {
     }
 }
 
-/// The share of a full step from which on a step counts as one at cruise.
+/// A step of at least this share of a full step is at cruise.
 const AT_CRUISE: f64 = 0.25;
 
-/// The length from which on a step counts as one at cruise: a quarter of F·T, or of the longest step wanted, where the plan
-/// never comes to F.
+/// The least length of a step at cruise: a quarter of F·T, or of the longest step wanted if the plan never reaches F.
 pub(crate) fn cruise_mm(wanted_mm: impl Iterator<Item = f64>, full_step_mm: f64) -> f64 {
     AT_CRUISE * full_step_mm.min(wanted_mm.fold(0.0, f64::max))
 }

@@ -1,8 +1,10 @@
-//! The fewest bits that are enough, beside a comparison: found where the comparison's runs were worst, confirmed on the whole path.
+//! The fewest bits that are enough, found after a comparison: searched where the comparison's runs were worst,
+//! confirmed on the whole path.
 //!
-//! [`size`](crate::size()) runs the whole path in every width. Here the widths are narrowed down on the parts of the path, from rest to
-//! rest, in which the formats compared came nearest to a limit or broke it. The width found there is then run over the whole path,
-//! and wider ones after it where it is not good, or narrower ones as long as they are.
+//! [`size`](crate::size()) runs the whole path in every width. This search first uses the parts of the path, from rest
+//! to rest, in which the compared formats came nearest to a limit or broke it. The width found there is then run over
+//! the whole path. If it is not good, wider ones follow until one is; if it is good, narrower ones follow as long as
+//! they are good.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -23,19 +25,20 @@ use crate::run::job::Job;
 use crate::run::options::{Engine, Options};
 use crate::size::trial::{FEWEST_INTEGER_BITS, Trial, WIDTHS, search_options};
 
-/// The most periods of the parts that the widths are narrowed down on, together. Most searches run them three times, in seconds.
+/// Most periods, in total, of the parts on which widths are searched. Most searches run these parts three times, in
+/// seconds.
 const MOST_SEARCHED: f64 = 200_000.0;
 
-/// The width that a search begins with where no format that was compared says anything.
+/// The width with which a search begins if the compared formats give no hint.
 const USUAL: u32 = 26;
 
 /// Integer bits, with the sign, that most paths need.
 const INTEGER_BITS: f64 = 2.0;
 
-/// Widths around the one found that are run over the whole path at most, in either direction.
+/// Most widths on either side of the one found that are run over the whole path.
 const NEIGHBOURS: u32 = 3;
 
-/// What the search came to.
+/// The result of the search.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case", tag = "result")]
 pub enum FewestBits {
@@ -47,7 +50,7 @@ pub enum FewestBits {
         bits: u32,
         /// Its largest fluctuation at cruise.
         fluctuation: f64,
-        /// The requirement over that figure: how much worse the fluctuation might be.
+        /// The largest fluctuation allowed over the one found.
         margin: f64,
     },
     /// No width that was tried is good enough.
@@ -57,12 +60,12 @@ pub enum FewestBits {
     },
     /// The search was left out.
     LeftOut {
-        /// The periods of the shortest part from rest to rest that would have to be run many times.
+        /// The number of periods of the shortest part from rest to rest, which would have to be run many times.
         periods: u64,
     },
 }
 
-/// Searches for the fewest bits on which `problem` runs within the machine's requirements, after `runs` of it were compared.
+/// Searches for the fewest bits with which `problem` keeps the machine's requirements. `runs` are its compared runs.
 ///
 /// # Errors
 /// [`Refusal`] when the part cannot be planned at all.
@@ -109,7 +112,7 @@ where
     Ok(FewestBits::Found { format: row.format, bits: row.bits, fluctuation, margin: limit / fluctuation })
 }
 
-/// The width that the coarsest fixed-point run lets expect, if each further bit halves the fluctuation.
+/// The width expected from the coarsest fixed-point run, if each additional bit halves the fluctuation.
 fn expected_width(runs: &[JudgedRun], limit: f64) -> u32 {
     let fraction_bits = |row: &JudgedRun| match FormatName::named(&row.format) {
         Some(FormatName::Fixed { fraction_bits, .. }) => Some(f64::from(fraction_bits)),
@@ -125,12 +128,12 @@ fn expected_width(runs: &[JudgedRun], limit: f64) -> u32 {
     WIDTHS.rev().find(|candidate| f64::from(*candidate) <= width).unwrap_or(*WIDTHS.start())
 }
 
-/// The narrowest good width, where every width above a good one is good; the widest where none is. Three neighbouring widths are tried at
-/// a time, the first around `start`.
+/// The narrowest good width, provided that every width above a good one is good; the widest if none is good. Three
+/// neighbouring widths are tried at a time, the first three around `start`.
 fn narrowest(start: u32, is_good: impl Fn(u32) -> bool + Sync) -> u32 {
     let (low, high) = (*WIDTHS.start(), *WIDTHS.end());
     let mut middle = start.clamp(low + 1, high - 1);
-    // All below are bad, and what is found is good, or nothing was yet.
+    // All widths below `bad_below` are bad. `found` is good, or no good width has been found yet.
     let (mut bad_below, mut found) = (low, high);
     loop {
         let tried: Vec<u32> =
@@ -151,7 +154,7 @@ fn narrowest(start: u32, is_good: impl Fn(u32) -> bool + Sync) -> u32 {
     }
 }
 
-/// A path in the widths that it was run in so far.
+/// A path with its runs so far, by width.
 struct Widths<'a, const D: usize> {
     trial: Trial<'a, D>,
     /// Integer bits that the path is known to need.
@@ -169,7 +172,7 @@ where
         Ok(Self { trial, integer_bits: AtomicU32::new(FEWEST_INTEGER_BITS), runs: Mutex::default() })
     }
 
-    /// The run in this width, made once.
+    /// The run in this width, which is made once.
     fn run(&self, width: u32) -> JudgedRun {
         let runs = || self.runs.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(run) = runs().get(&width) {
@@ -186,8 +189,9 @@ where
     }
 }
 
-/// The parts of the path, from rest to rest, in which the runs came nearest to their limits or broke them, with their periods: the worst
-/// first, as many as are no more than [`MOST_SEARCHED`] together, and one in any case. The whole path where it is no longer than that.
+/// The parts of the path, from rest to rest, in which the runs came nearest to their limits or broke them, the worst
+/// first, with their periods. There is at least one; further ones are added while their periods stay within
+/// [`MOST_SEARCHED`] in total. If the whole path is no longer than that, it is the only part.
 fn hardest_parts<const D: usize>(
     problem: &Problem<D>,
     plan: &ExactPlan,
@@ -218,7 +222,7 @@ fn hardest_parts<const D: usize>(
     chosen
 }
 
-/// The curves between rests that lie where a curve begins, and the period in which each such part ends.
+/// The ranges of curves between rests at the begins of curves, with the number of the period in which each range ends.
 fn parts<const D: usize>(problem: &Problem<D>, plan: &ExactPlan) -> Vec<(Range<usize>, f64)> {
     let begins_at = |(curve, u): (usize, f64)| {
         let (first, last) = problem.curves.get(curve)?.as_curve().domain();
@@ -262,7 +266,7 @@ mod tests {
         assert_eq!(found, expected);
     }
 
-    /// Of a program of minutes, the parts in which coarse formats fail are enough.
+    /// In a program of several minutes, the parts in which coarse formats fail are enough for the search.
     #[test]
     fn a_long_program_is_searched_by_its_hardest_parts() {
         let mut program = String::from("G0 X0 Y0\nF600\n");

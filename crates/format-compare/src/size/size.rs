@@ -1,11 +1,11 @@
-//! The fewest bits that are enough: one format for all, and a register width for each signal.
+//! The fewest bits that are enough: in one format for all signals, and in a register for each signal.
 //!
 //! *Uniform.* Every width in the range is tried, with as few integer bits as the proven ranges of the compiled path
-//! leave it; the narrowest that meets every requirement is confirmed by the rows around it, which are all in the front.
+//! allow. The narrowest width that meets every requirement is the result; the runs in all widths tried show that it is.
 //!
-//! *Mixed.* Each named signal of the step is a register. Its integer bits follow from its proven bound; its fraction
-//! bits start from the uniform winner's and are taken away, first from whole groups, then one by one, as long as the
-//! requirements are met. Between registers the operators are exact to 53 bits.
+//! *Mixed.* Each named signal of the step has a register. Its integer bits follow from its proven bound. Its fraction
+//! bits start from those of the uniform result and are taken away as long as the requirements are met, first from whole
+//! groups of signals, then from single ones. Between registers the operators are exact to 53 bits.
 
 use nurbs_core::SignalBound;
 use real::{Audit, Datapath, FormatName, Quantized};
@@ -28,15 +28,15 @@ use crate::size::trial::{FEWEST_INTEGER_BITS, Trial, WIDTHS, search_options};
 pub struct Sizing {
     /// The narrowest format that is good enough for all signals alike.
     pub uniform: Option<JudgedRun>,
-    /// Its requirement over its figure: how much worse the fluctuation might be.
+    /// The requirement over the figure found: how much larger the fluctuation might be.
     pub uniform_margin: Option<f64>,
     /// A register for each signal.
     pub mixed: Option<Mixed>,
     /// Every uniform format that was tried, in order of width.
     pub tried: Vec<JudgedRun>,
-    /// Those of `tried` that no narrower format beats in fluctuation.
+    /// Runs of `tried` whose fluctuation is less than that of every narrower format.
     pub front: Vec<FrontPoint>,
-    /// Runs of the whole path that the search took.
+    /// Number of runs of the whole path in the search.
     pub runs: usize,
     /// Why no format is good enough, if even `f64` is not.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -63,11 +63,11 @@ pub struct Mixed {
     pub signals: Vec<Register>,
     /// The widths of all registers together, in bits, each signal once.
     pub bits: u32,
-    /// The widths of all registers together if every signal had the uniform winner's width.
+    /// The sum of the widths of all registers if every signal had the width of the uniform result.
     pub uniform_bits: u32,
     /// Largest fluctuation at cruise, in the run that confirms it.
     pub fluctuation: f64,
-    /// Its requirement over that figure.
+    /// The requirement over the figure found.
     pub margin: f64,
 }
 
@@ -76,13 +76,13 @@ pub struct Mixed {
 pub struct Register {
     /// Name of the signal.
     pub signal: &'static str,
-    /// What it belongs to: parameter, coordinates, step or weight.
+    /// The group of the signal: parameter, coordinates, step or weight.
     pub group: &'static str,
     /// The format's name.
     pub format: String,
     /// Its width.
     pub bits: u32,
-    /// The proven bound that its integer bits follow from.
+    /// The proven bound, from which the integer bits follow.
     pub bound: f64,
 }
 
@@ -96,7 +96,7 @@ fn group(signal: &str) -> &'static str {
     }
 }
 
-/// Searches for the fewest bits on which `problem` runs within the machine's requirements, in formats with this datapath.
+/// Searches for the fewest bits with which `problem` keeps the machine's requirements, in formats with this datapath.
 ///
 /// # Errors
 /// [`Refusal`] when the part cannot be planned or compiled at all.
@@ -131,7 +131,7 @@ where
     })
 }
 
-/// The runs that no narrower one beats.
+/// The runs whose fluctuation is less than that of every narrower one.
 fn front(tried: &[JudgedRun]) -> Vec<FrontPoint> {
     let mut best = f64::INFINITY;
     let mut front = Vec::new();
@@ -181,13 +181,15 @@ where
         self.run(fraction_bits).is_some_and(|row| row.verdict.is_good())
     }
 
-    /// Takes bits away while the requirements are met: groups first, then single signals, until no bit can go.
+    /// Takes bits away while the requirements are met: first from groups, then from single signals, until no bit can
+    /// go.
     fn mixed(&self, uniform: &JudgedRun, runs: &mut usize) -> Option<Mixed> {
         let FormatName::Fixed { fraction_bits, .. } = FormatName::named(&uniform.format)? else {
             return None;
         };
         let mut bits = vec![fraction_bits.cast_signed(); self.bounds.len()];
-        // Unrounded operators between registers differ from a uniform format's rounding; a bit more makes up for it.
+        // Unrounded operators between registers differ from a uniform format's rounding; an additional bit makes up for
+        // this.
         while !self.is_good(&bits, runs) {
             bits.iter_mut().for_each(|b| *b += 1);
             if bits[0] > 52 {
@@ -205,7 +207,7 @@ where
         self.confirmed(&bits, uniform, runs)
     }
 
-    /// Takes one bit at a time from the members together, as long as the requirements are met.
+    /// Takes one bit at a time from all members together, as long as the requirements are met.
     fn lower(&self, bits: &mut [i32], members: &[usize], runs: &mut usize) {
         while members.iter().all(|&i| bits[i] > 1) && !members.is_empty() {
             members.iter().for_each(|&i| bits[i] -= 1);

@@ -1,4 +1,4 @@
-//! A path in one width after another: each run with as few integer bits as it can be compiled for.
+//! A path in one width after another, each time with as few integer bits as the compiled path allows.
 
 use std::ops::RangeInclusive;
 
@@ -17,10 +17,10 @@ use crate::run::run::Run;
 /// Widths that are tried, in bits.
 pub(crate) const WIDTHS: RangeInclusive<u32> = 12..=48;
 
-/// Integer bits, with the sign, that a search begins with.
+/// Integer bits, with the sign, with which a search begins.
 pub(crate) const FEWEST_INTEGER_BITS: u32 = 2;
 
-/// The options of a search: on pieces, where the solver goes on to the fluctuation that is allowed.
+/// The options of a search: it runs on pieces, and the solver stops at the fluctuation that is allowed.
 pub(crate) fn search_options<const D: usize>(problem: &Problem<D>, options: &Options) -> Options {
     Options {
         engine: Engine::Pieces,
@@ -44,13 +44,13 @@ where
         Ok(Self { job, datapath, reference: Reference::new(job.problem)? })
     }
 
-    /// A run in this format as the reference judges it.
+    /// Judges a run in this format by the reference.
     pub(crate) fn judged(&self, format: FormatName, run: &Run) -> JudgedRun {
         let steps = self.reference.judge(run);
         JudgedRun::of((format, Engine::Pieces), self.job.problem, &self.reference, (run, &steps))
     }
 
-    /// The run with as few integer bits as the path can be compiled for, at this width, tried from `fewest` on.
+    /// The run at this width with the fewest integer bits for which the path compiles, tried from `fewest` on.
     pub(crate) fn narrowest_integer_part(&self, width: u32, fewest: u32) -> JudgedRun {
         let (Job { problem, plan, options }, datapath) = (self.job, self.datapath);
         let mut integer_bits = fewest;

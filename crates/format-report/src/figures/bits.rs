@@ -1,4 +1,4 @@
-//! Bits against fluctuation, and the front of those that no narrower format beats.
+//! Bits against fluctuation, and the front: the formats that no narrower format beats.
 
 use format_compare::Engine;
 use plotters::style::text_anchor::{HPos, VPos};
@@ -51,15 +51,15 @@ pub(crate) fn figures(material: &Material<'_>, runs: &[RunView<'_>]) -> Vec<Figu
     vec![figure.named("bits", "Bits against fluctuation", caption)]
 }
 
-/// The height of a label, as a share of the picture's.
+/// The height of a label, as a share of the picture's height.
 const LABEL_HEIGHT: f64 = 0.036;
 
 fn is_raw(run: &RunView<'_>) -> bool {
     run.row.engine != Engine::Pieces
 }
 
-/// Where the labels of marks stand so that none is on another: each at its mark or below, `apart` decades from the one
-/// above it on the same side of the same width.
+/// The places of the marks' labels, so that no label covers another. Each is at its mark or below it. Two labels on the
+/// same side of the same width are `apart` decades from each other.
 fn labels(points: &[(&RunView<'_>, f64, f64)], apart: f64) -> Vec<f64> {
     let mut order: Vec<usize> = (0..points.len()).collect();
     order.sort_by(|a, b| points[*b].2.total_cmp(&points[*a].2));
@@ -75,7 +75,7 @@ fn labels(points: &[(&RunView<'_>, f64, f64)], apart: f64) -> Vec<f64> {
     places
 }
 
-/// The least value from each width on, as a line of steps, narrow before wide.
+/// The least value up to each width, as a line of steps, narrow before wide.
 fn front(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let mut sorted = points.to_vec();
     sorted.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));

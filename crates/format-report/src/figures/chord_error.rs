@@ -1,4 +1,4 @@
-//! Chord error a period in each format.
+//! Chord error of each period in each format.
 
 use crate::chart::{Axis, Layout, draw};
 use crate::figure::Figure;
@@ -16,7 +16,7 @@ pub(crate) fn figures(material: &Material<'_>, runs: &[RunView<'_>]) -> Vec<Figu
     if longest == 0 {
         return Vec::new();
     }
-    // A format that is far off must not squeeze the others into a line.
+    // A format with very large errors must not squeeze the others into a line.
     let values = runs.iter().filter_map(|run| run.trace).flat_map(|trace| trace.chord_error_mm.iter());
     let y = Axis::over(
         "chord error [µm]",

@@ -1,4 +1,4 @@
-//! What a period costs on each target against fluctuation.
+//! The cost of a period on each target against fluctuation.
 
 use format_compare::{Cost, PeriodCost};
 use plotters::style::text_anchor::{HPos, VPos};

@@ -1,4 +1,4 @@
-//! How many evaluations of the curve a period takes, as a histogram.
+//! A histogram of the evaluations of the curve in a period.
 
 use crate::chart::{Axis, Layout, draw};
 use crate::figure::Figure;
@@ -16,7 +16,7 @@ pub(crate) fn figures(runs: &[RunView<'_>]) -> Vec<Figure> {
     let names = (0..most).map(|count| count.to_string()).collect();
     let x = Axis::of_names("evaluations of the curve in a period [count]", names);
     let y = Axis::linear("share of the periods [%]", 0.0..100.0);
-    // The bars of all runs side by side, in eight tenths of the room.
+    // The bars of all runs stand side by side in eight tenths of the room.
     let width = 0.8 / counted.len() as f64;
     let figure = draw((x, y), &Layout::default(), |plot| {
         for (place, (run, shares)) in counted.iter().enumerate() {

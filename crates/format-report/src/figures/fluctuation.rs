@@ -1,4 +1,4 @@
-//! Fluctuation a period in each format, with what the format's resolution alone costs.
+//! Fluctuation of each period in each format, with the fluctuation that comes from the format's resolution alone.
 
 use crate::chart::{Axis, Layout, draw};
 use crate::figure::Figure;
@@ -6,7 +6,7 @@ use crate::figures::over_time::over_time;
 use crate::material::Material;
 use crate::runs::RunView;
 
-/// The recommended run last, before it the others from wide to narrow: what is drawn last is seen.
+/// The runs in the order of drawing: from wide to narrow, then the recommended one, since the last is on top.
 fn in_front<'a, 'b>(series: &'b [(&'a RunView<'a>, Vec<f64>)]) -> Vec<&'b (&'a RunView<'a>, Vec<f64>)> {
     let mut ordered: Vec<_> = series.iter().collect();
     ordered.sort_by_key(|(run, _)| (run.recommended, std::cmp::Reverse(run.index)));
@@ -25,7 +25,7 @@ pub(crate) fn figures(material: &Material<'_>, runs: &[RunView<'_>]) -> Vec<Figu
     if longest == 0 {
         return Vec::new();
     }
-    // What is exactly 0 lies on the lower edge; a value far below every resolution would only squeeze the rest.
+    // Fluctuations of 0 lie on the lower edge; a value far below every resolution would only squeeze the others.
     let bounds = series.iter().filter_map(|(run, _)| run.row.fluctuation_resolution).filter(|x| *x > 0.0);
     let lowest = bounds.fold(f64::INFINITY, f64::min) / 10.0;
     let values = series.iter().flat_map(|(_, values)| values.iter().copied()).filter(|x| *x >= lowest);

@@ -1,4 +1,4 @@
-//! The figures, one a file.
+//! The figures, each in a file.
 
 mod bits;
 mod chord_error;
@@ -33,7 +33,7 @@ impl Chapter {
     }
 }
 
-/// All chapters that the material has something for.
+/// All chapters for which the material has data.
 pub(crate) fn chapters(material: &Material<'_>, runs: &[RunView<'_>]) -> Vec<Chapter> {
     let chapter = |id, title, figures| Chapter { id, title, figures };
     let chapters = vec![

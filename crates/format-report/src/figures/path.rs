@@ -12,19 +12,19 @@ use crate::palette::LEVEL_COUNT;
 use crate::runs::RunView;
 use crate::thinned::thinned;
 
-/// Stretches that a path is cut into, at most: each has the colour of its worst period.
+/// Most stretches that a path is cut into. Each has the colour of its worst period.
 const STRETCHES: usize = 400;
 
-/// Points of all pictures of the path together, at most: a page of them has about a megabyte.
+/// Most points of all pictures of the path together: a page with so many is about a megabyte.
 const MOST_POINTS: usize = 60_000;
 
-/// Points that each of them may have in any case.
+/// Points that each of these pictures may have in any case.
 const FEW_POINTS: usize = 1500;
 
-/// A step below this share of the full step is near rest, and not judged by its ratio.
+/// A step below this share of the full step is near rest, and its ratio is not judged.
 const AT_CRUISE: f64 = 0.25;
 
-/// A picture for each run, from above; one more from the front if the path leaves its plane.
+/// A picture for each run, from above. If the path is not in the plane of X and Y, one more from the front.
 pub(crate) fn figures(material: &Material<'_>, runs: &[RunView<'_>]) -> Vec<Figure> {
     let flat = runs.iter().filter_map(|run| run.trace).all(|trace| {
         let heights = trace.point_mm.iter().map(|point| point[2]);
@@ -51,7 +51,7 @@ fn figure(
     let full_step = material.comparison.machine.feedrate_mm_per_s * material.period_s();
     let jumps = jumps(trace);
     let mut stretches = stretches(trace, full_step, limit);
-    // Where the path goes over itself the worst is what is seen.
+    // Where the path crosses itself, the worst stretch must be on top.
     stretches.sort_by_key(|stretch| std::cmp::Reverse(stretch.level));
     let lines = stretches
         .iter()
@@ -59,7 +59,7 @@ fn figure(
         .collect::<Vec<_>>();
     let lines = thinned(&lines, pixel, most_points);
     let drawn = draw(axes, &Layout { height, ..Layout::default() }, |plot| {
-        // The worst last, on top.
+        // The worst is drawn last, on top.
         for (stretch, lines) in stretches.iter().zip(&lines).rev().filter(|(_, lines)| !lines.is_empty()) {
             let lines: Vec<_> = lines.iter().map(Vec::as_slice).collect();
             let from = (stretch.first as f64 + 1.0) * material.period_s();
@@ -91,7 +91,7 @@ fn figure(
     Some(drawn.named(&name, &title, &caption).of_run(run.index).with_legend(legend(limit, "near rest")))
 }
 
-/// Axes on which a circle is round, the height that takes, and what a pixel is, in mm.
+/// Axes with equal scales, the height that they need, and the size of a pixel in mm.
 fn equal_scales(points: &[(f64, f64)], x: &str, y: &str) -> ((Axis, Axis), u32, f64) {
     let bounds = |of: fn(&(f64, f64)) -> f64| {
         let ends =
@@ -99,7 +99,8 @@ fn equal_scales(points: &[(f64, f64)], x: &str, y: &str) -> ((Axis, Axis), u32, 
         (0.5 * (ends.0 + ends.1), ends.1 - ends.0)
     };
     let ((x_middle, x_size), (y_middle, y_size)) = (bounds(|p| p.0), bounds(|p| p.1));
-    // The frame's width is the picture's less the vertical axis and the margins, its height less the horizontal one.
+    // The frame is as wide as the picture less the vertical axis and the margins, and as high as it less the horizontal
+    // axis.
     let (frame_width, least, most) = (f64::from(WIDTH) - 92.0, 160.0, 520.0);
     let x_room = (1.1 * x_size).max(1e-6);
     let y_room = (1.1 * y_size).max(1e-6);
@@ -116,18 +117,18 @@ fn equal_scales(points: &[(f64, f64)], x: &str, y: &str) -> ((Axis, Axis), u32, 
     (axes, height, per_pixel)
 }
 
-/// The periods at whose beginning the part is elsewhere than at the end of the one before: a rapid move was left out.
+/// The periods that do not begin where the one before ends: a rapid move was left out.
 fn jumps(trace: &Trace) -> Vec<usize> {
     let distance = |pair: &[[f64; 3]]| pair[1].iter().zip(&pair[0]).fold(0.0_f64, |d, (a, b)| d.hypot(a - b));
     let is_jump = |(index, pair): (usize, &[[f64; 3]])| {
-        // A chord is as long as it is wanted to be, but for rounding.
+        // A chord has the wanted length, up to rounding.
         let allowed = 2.0 * trace.wanted_mm[index + 1] + GAP_MM;
         (distance(pair) > allowed).then_some(index + 1)
     };
     trace.point_mm.windows(2).enumerate().filter_map(is_jump).collect()
 }
 
-/// What no chord is longer than by rounding alone, in mm.
+/// The longest chord, in mm, that rounding alone can make.
 const GAP_MM: f64 = 0.05;
 
 /// The points of these periods, as a line from each jump to the next.
@@ -141,12 +142,12 @@ fn without_jumps<'a>(
     ends.windows(2).map(|ends| &points[ends[0]..ends[1]]).collect()
 }
 
-/// A part of the path in one colour.
+/// A part of the path that has one colour.
 #[derive(Debug, PartialEq)]
 struct Stretch {
     first: usize,
     last: usize,
-    /// None near rest.
+    /// The level of the colour; `None` near rest.
     level: Option<usize>,
     largest: f64,
 }
@@ -158,7 +159,7 @@ fn stretches(trace: &Trace, full_step: f64, limit: f64) -> Vec<Stretch> {
     for first in (0..trace.periods()).step_by(group) {
         let last = (first + group).min(trace.periods() - 1);
         let periods = first..(first + group).min(trace.periods());
-        // The last period takes what is left of the path: it is no cruise, as in the figures.
+        // The last period takes the rest of the path: it is not at cruise, as in the figures of a run.
         let judged = periods.filter(|period| {
             period + 1 < trace.periods() && trace.wanted_mm[*period] >= AT_CRUISE * full_step
         });
@@ -175,14 +176,14 @@ fn stretches(trace: &Trace, full_step: f64, limit: f64) -> Vec<Stretch> {
     stretches
 }
 
-/// The colour of a fluctuation: a step a decade, the limit in the middle.
+/// The level of a fluctuation's colour: one level for each decade, the limit in the middle.
 pub(crate) fn level(fluctuation: f64, limit: f64) -> usize {
     let beyond = (fluctuation / limit).log10().ceil();
     let levels = || (0..LEVEL_COUNT).map(|level| (level, level as f64 - LEVEL_COUNT as f64 / 2.0 + 1.0));
     levels().find(|(_, upper)| beyond <= *upper).map_or(LEVEL_COUNT - 1, |(level, _)| level)
 }
 
-/// What the colours stand for; grey, for what has no fluctuation.
+/// The meaning of the colours; grey is for stretches without a fluctuation.
 pub(crate) fn legend(limit: f64, grey: &str) -> Vec<Entry> {
     let middle = LEVEL_COUNT / 2;
     let name = |level: usize| {
@@ -210,7 +211,7 @@ mod tests {
         assert_eq!(legend(1e-6, "")[7].name, "above 10.0·10⁻⁴".replace("10.0·10⁻⁴", "0.001"));
     }
 
-    /// What the tool does not cut is not drawn.
+    /// Rapid moves are not drawn.
     #[test]
     fn a_rapid_move_that_was_left_out_is_a_gap() {
         let along = |x: f64| [x, 0.0, 0.0];
@@ -226,7 +227,7 @@ mod tests {
         assert_eq!(lines, [&[(1.0, 0.0), (1.5, 0.0)], &[(40.0, 0.0), (40.5, 0.0)]]);
     }
 
-    /// Stretches meet, cover the path, and each has the colour of its worst period.
+    /// Stretches join without gaps, cover the path, and each has the colour of its worst period.
     #[test]
     fn stretches_cover_the_path() {
         let periods = 1000;

@@ -6,7 +6,7 @@ use crate::chart::{Axis, Layout, draw};
 use crate::figure::{Entry, Figure};
 use crate::material::Material;
 
-/// Four pictures; none if each format plans for itself.
+/// Four pictures, or none if each format plans for itself.
 pub(crate) fn figures(material: &Material<'_>) -> Vec<Figure> {
     let (plan, machine) = (material.plan, &material.comparison.machine);
     let Some(last) = plan.last() else { return Vec::new() };

@@ -1,4 +1,4 @@
-//! Which powers of two each named signal took, against the format's range.
+//! The powers of two of each named signal's values, against the format's range.
 
 use plotters::style::text_anchor::{HPos, VPos};
 use real::{FormatName, RuntimeFormat};
@@ -19,7 +19,7 @@ fn figure(run: &RunView<'_>) -> Option<Figure> {
         || trace.histograms.values().flat_map(|histogram| histogram.bins().map(|(exponent, _)| exponent));
     let (low, high) = (exponents().min()?, exponents().max()?);
     let edges = edges(&run.row.format);
-    // The format's range belongs into the picture if it is near the values; a float's is far away.
+    // The picture shows the format's range if it is near the values; the range of a float is far away.
     let (low, high) = edges.map_or((low - 2, high + 3), |(least, beyond)| {
         ((least - 6).min(low - 1), (beyond + 8).max(high + 6))
     });
@@ -91,7 +91,7 @@ fn signals(plot: &mut Plot<'_>, trace: &format_compare::Trace, right: f64) {
     }
 }
 
-/// The exponent of a fixed-point format's resolution, and the first that is beyond its range.
+/// The exponent of a fixed-point format's resolution, and the first exponent beyond its range.
 fn edges(format: &str) -> Option<(i32, i32)> {
     match RuntimeFormat::named(format)?.name() {
         FormatName::Fixed { integer_bits, fraction_bits, .. } => {

@@ -1,4 +1,4 @@
-//! The data-flow graph of a period on a target: what runs when, and on what.
+//! The data-flow graph of a period on a target: when each operation runs, and on which unit.
 
 use std::collections::BTreeMap;
 
@@ -64,7 +64,7 @@ fn figure(schedule: &Schedule<'_>) -> Figure {
 
 type Lane = (String, Vec<Placed>);
 
-/// Operations by unit, copies of a unit apart; by kind where there is one unit for all.
+/// Operations by unit, a row for each copy of a unit; by kind if there is a single unit for all.
 fn lanes(placed: &[Placed], target: &Target) -> Vec<Lane> {
     let mut lanes: BTreeMap<(usize, usize), Lane> = BTreeMap::new();
     for operation in placed {
