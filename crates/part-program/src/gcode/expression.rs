@@ -17,7 +17,8 @@
 //! A variable without a value is *vacant*. It counts as 0, except in a comparison with another vacant variable, such as
 //! FANUC's `#0`.
 //!
-//! The grammar is small, but spans of faults and white space within names are not common: so no parser library is used.
+//! No parser library is used: the grammar is small, and most of the work is spans of faults and white space within
+//! names.
 //!
 //! # Source
 //! LinuxCNC, "Expressions", whose order of operators this is; FANUC Series 30i, B-63944EN/03, section 16.4; SINUMERIK 840D sl,
