@@ -94,7 +94,7 @@ impl Part {
         self.approaches.binary_search_by_key(&block, |approach| approach.block).is_ok()
     }
 
-    /// The approaches, and one more for the axes of the first curve that none of them makes known.
+    /// The approaches. Axes of the first curve that none of them makes known are added to them.
     pub(crate) fn whole_approaches(&self) -> Vec<Approach> {
         let mut approaches = self.approaches.clone();
         let Some(first) = self.moves.first() else { return approaches };

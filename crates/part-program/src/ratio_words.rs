@@ -92,8 +92,8 @@ impl RatioWords {
     }
 
     /// Ratios as words. If they are words already, they stay the same. Otherwise `ratio - origin` is multiplied by the
-    /// least power of ten that makes all of them words. If there is none, the factor makes the greatest ratio the
-    /// largest word.
+    /// least power of ten with which rounding to words changes nothing beyond [`SCALING`]. If there is none, the factor
+    /// makes the greatest ratio the largest word.
     fn fit(&self, ratios: &[f64], origin: f64) -> Vec<f64> {
         if ratios.iter().all(|x| self.is_word(*x)) {
             return ratios.to_vec();

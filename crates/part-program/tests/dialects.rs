@@ -219,7 +219,7 @@ fn the_tool_rests_at_a_dwell() {
     assert_eq!(said(&part).iter().map(|(line, _)| *line).collect::<Vec<_>>(), [3, 7]);
 }
 
-/// Such blocks were once skipped but for their words, and without words there was no message.
+/// Calls of subprograms were once skipped but for their words, and without words there was no message.
 #[test]
 fn a_call_of_a_subprogram_is_an_error_that_says_so() {
     for text in [
