@@ -1,14 +1,14 @@
-//! Approaches: moves from where nobody knows to where curves begin. They are no curves, but words that do not move the tool have
-//! their place before or behind them: a spindle that starts behind the approach is not to run on the way.
+//! Approaches: moves from an unknown place to the begin of a curve. They are not curves, but words that do not move the
+//! tool stand before or after them: a spindle that starts after the approach must not run on the way.
 
 use crate::moves::MoveKind;
 
-/// A straight move that says where axes are, after which they are known.
+/// A straight move that gives the places of axes, which are known afterwards.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Approach {
-    /// Whether it brings X, Y and Z: those that it names and that were unknown.
+    /// Which of X, Y and Z it makes known: those that it names and that were unknown.
     pub axes: [bool; 3],
-    /// At the commanded feedrate, or as fast as the machine can.
+    /// Whether it is at the commanded feedrate, or as fast as the machine can.
     pub kind: MoveKind,
     /// The feedrate in force, in mm/s.
     pub feedrate_mm_per_s: Option<f64>,

@@ -4,40 +4,40 @@
 //! and the weights (1, cos δ/2, 1). Longer arcs are one curve of several such spans, each of at most 90°, joined at
 //! double knots.
 //!
-//! A helix is no rational curve. Its projection here is the exact circle, raised to degree 3. With φ the angle from the middle of a
-//! span of half angle a, and `τ = tan a/2`, its height there stands for φ by
+//! A helix is not a rational curve. Here its projection is the exact circle, raised to degree 3. Let φ be the angle
+//! from the middle of a span of half angle a, and `τ = tan a/2`. The height of the curve is that of a helix with f(φ)
+//! in place of φ:
 //!
 //! ```text
 //! f(φ) = 2a (tan φ/2 + (1 + τ²)²/4 sin φ) / (τ (3 + τ²))        f(a) = a        f″(a) = 0
 //! ```
 //!
-//! f is odd and the same in all spans, so that they meet with the same slope and curvature: a limit of an axis finds nothing to act
-//! on where they join. The difference from φ is at most `0.0073 a⁵` for a up to 45°, and spans are short enough for
-//! [`HELIX_TOLERANCE_MM`].
+//! f is odd and the same in all spans, so that spans meet with the same slope and curvature: at their joints the limit
+//! of an axis has no effect. The difference from φ is at most `0.0073 a⁵` for a up to 45°, and spans are short enough
+//! for [`HELIX_TOLERANCE_MM`].
 //!
-//! Programs round, so that start and end are at different distances r₀ and r₁ from the centre as written. The centre
-//! stays: on the bisector of a short chord it would be up to a radius away, and the arc another one. Instead the radius
-//! of the control points goes from r₀ to r₁ as their angle goes from start to end. In a span from ρ - d over ρ to ρ + d
-//! the conic is `ρ e^{iφ} + d (e^{ia} B₂ - e^{-ia} B₀) / (B₀ + B₁ cos a + B₂)`, and so within d of the circle of radius
-//! ρ: the whole path is between the circles of radius r₀ and r₁.
+//! Programs round, so that start and end are at different distances r₀ and r₁ from the centre as written. The centre is
+//! kept: if it were moved onto the bisector of a short chord, it could move by up to a radius, and the arc would be
+//! another one. Instead the radius of the control points goes from r₀ to r₁ as their angle goes from start to end. In a
+//! span from ρ - d over ρ to ρ + d the conic is `ρ e^{iφ} + d (e^{ia} B₂ - e^{-ia} B₀) / (B₀ + B₁ cos a + B₂)`, and so
+//! within d of the circle of radius ρ: the whole path is between the circles of radius r₀ and r₁.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use crate::curve::Curve;
 
-/// How far a point of a helix may be from its height, in mm: a tenth of what drives tell apart.
+/// How far a point of a helix may be from its height, in mm: a tenth of the least length that drives resolve.
 pub const HELIX_TOLERANCE_MM: f64 = 1e-6;
-/// How far the end of an arc may be from the circle through its start, in mm: what rounding to two decimals of
-/// an inch does, and LinuxCNC takes. Of a large arc it may
-/// be off by [`TAKEN_SHARE`] of the radius, as LinuxCNC allows.
+/// How far the end of an arc may be from the circle through its start, in mm. Rounding to two decimals of an inch
+/// causes as much, and LinuxCNC accepts it. For a large arc, [`TAKEN_SHARE`] of the radius is allowed, as in LinuxCNC.
 const CENTRE_TOLERANCE_MM: f64 = 0.072;
-/// Radii of start and end that differ by more than this, in mm, and by more than [`TAKEN_SHARE`], are worth a warning: Grbl refuses
-/// such an arc, and LinuxCNC does above 0.028 mm.
+/// If the radii of start and end differ by more than this, in mm, and by more than [`TAKEN_SHARE`], the reader warns.
+/// Grbl refuses such an arc, and LinuxCNC does above 0.028 mm.
 pub(crate) const TAKEN_MM: f64 = 0.005;
-/// The share of the radius that belongs to it, in both controls.
+/// The share of the radius for the same warning; both controls use it.
 const TAKEN_SHARE: f64 = 1e-3;
-/// An arc to its own start is a full turn, and so is one that goes no further than this, in mm: what sums of
-/// incremental moves lose.
+/// An arc to its own start is a full turn. So is one whose end is no farther from its start than this, in mm: sums of
+/// incremental moves lose as much.
 const FULL_TURN_MM: f64 = 1e-6;
 /// Spans of one arc; a helix that needs more is refused.
 const MAX_SPANS: usize = 100_000;
@@ -64,7 +64,7 @@ impl Plane {
     }
 }
 
-/// How an arc's circle is given.
+/// The circle of an arc, as the program gives it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Circle {
     /// The centre, in the coordinates (first, second) of the plane.
@@ -81,11 +81,11 @@ pub(crate) struct ArcMove {
     pub(crate) start: [f64; 3],
     pub(crate) end: [f64; 3],
     pub(crate) circle: Circle,
-    /// How many turns it makes, the last of them to its end; at least 1.
+    /// The number of turns, the last of which ends at the arc's end; at least 1.
     pub(crate) turns: u32,
 }
 
-/// Why an arc is none.
+/// The reason why an arc is not valid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum ArcFault {
     /// The centre is the start.
@@ -94,14 +94,14 @@ pub(crate) enum ArcFault {
     EndOffCircle { start: f64, end: f64 },
     /// Start and end are further apart than the diameter.
     RadiusTooSmall { radius: f64, chord: f64 },
-    /// A radius does not say which full circle.
+    /// A full circle is given by its radius, which does not determine it.
     FullCircleByRadius,
     /// The helix is too long to be represented.
     TooLong,
 }
 
 impl ArcMove {
-    /// An arc of at most one turn from the first to the second end.
+    /// An arc of at most one turn between two ends, from the first to the second.
     pub(crate) fn new(plane: Plane, clockwise: bool, [start, end]: [[f64; 3]; 2], circle: Circle) -> Self {
         Self { plane, clockwise, start, end, circle, turns: 1 }
     }
@@ -111,12 +111,13 @@ impl ArcMove {
         self.within(CENTRE_TOLERANCE_MM)
     }
 
-    /// The curve of an arc that a control has taken already, and its length, in mm: its end may be as far off the circle as it is.
+    /// The curve and its length, in mm, of an arc that a control has accepted: its end may be off the circle by any
+    /// distance.
     pub(crate) fn spiral(&self) -> Result<(Curve, f64), ArcFault> {
         self.within(f64::INFINITY)
     }
 
-    /// The angle by which the path of an arc turns that a control has taken already, without its sign.
+    /// The angle, without its sign, by which an arc turns that a control has accepted.
     pub(crate) fn sweep(&self) -> Result<f64, ArcFault> {
         let [a, b, _] = self.plane.axes();
         let (from, to) = ([self.start[a], self.start[b]], [self.end[a], self.end[b]]);
@@ -124,7 +125,7 @@ impl ArcMove {
         Ok(turn.sweep.abs())
     }
 
-    /// The curve and its length, with an end that may be `tolerance_mm` off the circle about a centre.
+    /// The curve and its length. If the circle is given by a centre, the end may be off it by `tolerance_mm`.
     fn within(&self, tolerance_mm: f64) -> Result<(Curve, f64), ArcFault> {
         let [a, b, normal] = self.plane.axes();
         let (from, to) = ([self.start[a], self.start[b]], [self.end[a], self.end[b]]);
@@ -167,8 +168,8 @@ impl ArcMove {
         Ok((curve, around.hypot(radii[1] - radii[0]).hypot(rise)))
     }
 
-    /// The radii at start and end, or the radius as it is written and half of the chord that is longer, where they differ by more than
-    /// controls take.
+    /// If they differ by more than controls accept: the radii at start and end; or the radius as written and half of
+    /// the chord, which is longer.
     pub(crate) fn strained_radii(&self) -> Option<[f64; 2]> {
         let [a, b, _] = self.plane.axes();
         let (from, to) = ([self.start[a], self.start[b]], [self.end[a], self.end[b]]);
@@ -180,7 +181,7 @@ impl ArcMove {
         (difference > TAKEN_MM && difference > TAKEN_SHARE * radii[0]).then_some(radii)
     }
 
-    /// The centre, and how the path turns about it.
+    /// The centre, with the radii and the angle of the turn about it.
     fn turn(&self, from: [f64; 2], to: [f64; 2], tolerance_mm: f64) -> Result<Turn, ArcFault> {
         let chord = distance(from, to);
         let (centre, radii, turned) = match self.circle {
@@ -224,17 +225,19 @@ impl ArcMove {
 /// An arc about its centre.
 struct Turn {
     centre: [f64; 2],
-    /// Distances of start and end from the centre; they differ by what the program rounded.
+    /// Distances of start and end from the centre; they differ by the program's rounding.
     radii: [f64; 2],
     /// The signed angle, counterclockwise positive.
     sweep: f64,
 }
 
-/// Rational spans of degree 2 as ones of degree 3 with the same points in the plane, their heights those of a helix.
+/// Raises rational spans of degree 2 to degree 3. Their points in the plane stay the same; their heights are those of a
+/// helix.
 ///
-/// Of a span with the points P₀ P₁ P₂ and the weights (1, c, 1), `c = cos a`, the inner points are `(P₀ + 2c P₁)/(1 + 2c)` and
-/// `(2c P₁ + P₂)/(1 + 2c)`, their weights `(1 + 2c)/3`. Their heights leave that of its middle by
-/// `(1 - 2 sin² a/(2 + c))/(1 + 2c)` of half its rise: f in Bezier form.
+/// For a span with the points P₀ P₁ P₂ and the weights (1, c, 1), `c = cos a`, the inner points are `(P₀ + 2c P₁)/(1 +
+/// 2c)` and `(2c P₁ + P₂)/(1 + 2c)`, and their weights are `(1 + 2c)/3`. The heights of the inner points are above and
+/// below the height of the span's middle by `(1 - 2 sin² a/(2 + c))/(1 + 2c)` of half the span's rise: f in Bezier
+/// form.
 fn raised(points: &[[f64; 3]], weights: &[f64], normal: usize) -> (Vec<[f64; 3]>, Vec<f64>) {
     let (mut raised_points, mut raised_weights) = (vec![points[0]], vec![1.0]);
     for (span, weights) in points.windows(3).zip(weights.windows(3)).step_by(2) {
@@ -302,8 +305,8 @@ mod tests {
     }
 
     proptest! {
-        /// Ends rounded by up to 0.01 mm, chords from a few micrometres to full circles: the path is between the circles
-        /// through its start and its end, turns by what was meant, and ends where it was sent.
+        /// Ends are rounded by up to 0.01 mm; chords go from a few micrometres to full circles. The path lies between
+        /// the circles through its start and its end, turns by the intended angle, and ends at the commanded point.
         #[test]
         fn a_rounded_end_keeps_centre_and_turn(
             plane in prop::sample::select(vec![Plane::Xy, Plane::Zx, Plane::Yz]),
@@ -344,7 +347,8 @@ mod tests {
         }
     }
 
-    /// z″ of a helix stepped by 6.4e-4 /mm where spans met, 15 mm apart, and an axis with a limit of jerk slowed down at each.
+    /// z″ of a helix once stepped by 6.4e-4 /mm where spans met, every 15 mm, and an axis with a limit of jerk slowed
+    /// down there.
     #[test]
     fn a_helix_has_one_curvature_where_spans_meet() {
         let (start, end) = ([20.0, 0.0, 0.0], [20.0, 0.0, -8.0]);
@@ -366,8 +370,8 @@ mod tests {
         }
     }
 
-    /// The centre of an arc whose ends are 1 µm apart was moved onto the bisector of its chord, and a full circle of radius
-    /// 10 mm read as half a one of 0.5 µm.
+    /// The centre of an arc whose ends are 1 µm apart was once moved onto the bisector of its chord: a full circle of
+    /// radius 10 mm became a half circle of 0.5 µm.
     #[test]
     fn an_end_beside_the_start_is_a_full_circle_and_no_point() {
         for (end, clockwise, sweep) in [
@@ -385,7 +389,7 @@ mod tests {
         }
     }
 
-    /// By a radius, an end beside the start is the shorter arc or the longer one, as the sign says.
+    /// If a radius is given and the end is close to the start, the sign selects the shorter arc or the longer one.
     #[test]
     fn a_short_chord_by_radius_is_no_full_circle() {
         for (radius, length) in [(10.0, 1e-9), (-10.0, 10.0 * TAU)] {

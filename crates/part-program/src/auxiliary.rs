@@ -1,4 +1,4 @@
-//! Words that do not move the tool: M, S, T, D and H, and axes beside X, Y and Z.
+//! Words that do not move the tool: M, S, T, D and H, and those of axes other than X, Y and Z.
 
 /// A word that does not move the tool.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,7 +11,7 @@ pub struct Auxiliary {
     pub line: u32,
     /// Number of its block in the order of execution, from 1.
     pub block: u32,
-    /// Whether the machine goes on without a rest.
+    /// Whether the machine goes on without a rest at it.
     pub is_passed: bool,
 }
 

@@ -1,12 +1,12 @@
-//! How long a curve is, and where it bends most.
+//! The length of a curve, and its sharpest bend.
 //!
-//! The curvature has no formula for its maximum. Each knot span is sampled at [`SAMPLES`] + 1 parameters; around each
-//! sample that bends more than its neighbours, and around each at which the curve passes more slowly than at its
-//! neighbours (a bend too narrow for the samples is where the speed dips), the maximum is narrowed down by golden
-//! sections. An arc bends alike everywhere, so one look a span is enough.
+//! The maximum of the curvature has no formula. Each knot span is sampled at [`SAMPLES`] + 1 parameters. Golden
+//! sections search the maximum around each sample that bends more than its neighbours, and around each sample at which
+//! the curve is slower than at its neighbours: if a bend is too narrow for the samples, the speed dips there. An arc
+//! has the same curvature everywhere, so a single sample for each span is enough.
 //!
-//! Where the curve stands still for a moment it has no curvature, and on a straight line none beside it: it may turn back on itself
-//! there. That counts as a bend of radius 0.
+//! Where the curve stands still for a moment it has no curvature. If it is a straight line there, it may turn back.
+//! That counts as a bend of radius 0.
 
 use nurbs_core::{Differentiate, Evaluate, NurbsBuf, arc_length, golden_section, radius};
 
@@ -18,16 +18,17 @@ use crate::vector::{dot, length};
 const SAMPLES: u8 = 16;
 /// Golden sections: 40 shrink an interval by 4e-9.
 const SECTIONS: usize = 40;
-/// Lengths are integrated to this, in mm a knot span.
+/// Tolerance of the integrated length of a knot span, in mm.
 const LENGTH_TOLERANCE_MM: f64 = 1e-7;
-/// Where an end control point is there twice, the curve leaves it with no speed, and rounding decides how it bends:
-/// within this share of a span from the end of the curve, a speed below [`NO_DIRECTION`] of the fastest is not judged.
+/// If an end control point is doubled, the curve starts there with speed 0, and rounding decides the computed bend. So
+/// within this share of a span from the end of the curve, places with a speed below [`NO_DIRECTION`] of the fastest are
+/// not judged.
 const NEAR_END: f64 = 1e-3;
-/// See [`NEAR_END`]. Elsewhere a curve of this share of the speed beside stands still.
+/// See [`NEAR_END`]. Elsewhere, a curve stands still if its speed is below this share of the speed beside.
 const NO_DIRECTION: f64 = 1e-5;
-/// Only below this share of the fastest is looked whether a curve stands still.
+/// Only places with a speed below this share of the fastest are tested for a standstill.
 const SLOW: f64 = 1e-3;
-/// A radius beyond which a bend is the rounding of a straight line, in mm: 1000 km.
+/// A bend with a larger radius is the rounding of a straight line, in mm: 1000 km.
 const STRAIGHT_MM: f64 = 1e9;
 
 /// The length of a curve and its sharpest bend.
@@ -47,7 +48,7 @@ pub(crate) struct Place {
     pub(crate) radius_mm: f64,
 }
 
-/// Measures a curve that breaks no rule.
+/// Measures a curve that obeys every rule.
 pub(crate) fn measure(curve: &Curve, shape: Shape) -> Measure {
     if curve.degree == 1 {
         return Measure { length_mm: curve.polygon_length_mm(), sharpest: None };
@@ -125,7 +126,7 @@ impl<'c, C: Differentiate<f64, 3>> Search<'c, C> {
         place(self.curve, self.span, u).radius_mm
     }
 
-    /// Parameters where the bend may be sharpest.
+    /// Parameters at which the bend may be sharpest.
     fn candidates(&self) -> Vec<f64> {
         let (speed, bend) = (|u| self.speed(u), |u| self.bend(u));
         let within_end = NEAR_END * (self.to - self.from) / 10.0;
@@ -153,7 +154,7 @@ impl<'c, C: Differentiate<f64, 3>> Search<'c, C> {
         candidates
     }
 
-    /// The bend at a parameter, unless rounding decides how it bends there.
+    /// The bend at a parameter; `None` if rounding decides it.
     fn seen(&self, u: f64) -> Option<Place> {
         let (begin, end) = self.curve.domain();
         let near = NEAR_END * (self.to - self.from);
@@ -170,14 +171,14 @@ impl<'c, C: Differentiate<f64, 3>> Search<'c, C> {
         Some(if stands_still { Place { radius_mm: 0.0, ..seen } } else { seen })
     }
 
-    /// A sixteenth of a sample's interval to both sides, within the span.
+    /// The interval of a sixteenth of the samples' distance to both sides, within the span.
     fn beside(&self, u: f64) -> (f64, f64) {
         let width = (self.to - self.from) / f64::from(SAMPLES) / 16.0;
         ((u - width).max(self.from), (u + width).min(self.to))
     }
 }
 
-/// Where a function of one minimum in [from, to] has it.
+/// The place of the minimum of a function that has only one in [from, to].
 fn least(from: f64, to: f64, of: impl Fn(f64) -> f64) -> f64 {
     let least = golden_section((from, to), SECTIONS, of, |y| *y);
     f64::midpoint(least.from, least.to)
@@ -227,7 +228,7 @@ mod tests {
         assert!((place.parameter - 0.3).abs() < 1e-5 && place.radius_mm < 1e-6, "{place:?}");
     }
 
-    /// On a straight line the radius is infinite on both sides of where it turns back.
+    /// On a straight line the radius is infinite on both sides of the place where the line turns back.
     #[test]
     fn a_straight_spline_that_turns_back_has_a_cusp() {
         // C' = 2 [20 (1 - u) - 15 u] = 0 at u = 4/7.
@@ -245,7 +246,7 @@ mod tests {
             let place = measure(&bezier(points, weights), Shape::Nurbs).sharpest;
             assert!(place.is_some_and(|place| place.radius_mm == 0.0), "{what}: {place:?}");
         }
-        // At a knot, of two spans that both end there.
+        // At a knot where two spans end.
         let at_knot = Curve {
             degree: 2,
             dimension: 2,
@@ -285,7 +286,7 @@ mod tests {
             prop_assert!(sharpest.is_none_or(|place| place.radius_mm > 0.01 && !is_straight), "{sharpest:?}");
         }
 
-        /// No bend of 5000 that are looked at is sharper by more than a hundredth.
+        /// Of 5000 bends sampled, none is sharper by more than a hundredth.
         #[test]
         fn no_sharper_bend_is_found_by_looking_everywhere(
             points in prop::collection::vec([-10.0..10.0_f64, -10.0..10.0_f64, -3.0..3.0_f64], 3..6),

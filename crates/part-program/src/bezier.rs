@@ -1,12 +1,12 @@
-//! A curve as Bézier pieces, and a piece as chords.
+//! A curve as Bézier pieces, and a Bézier piece as chords.
 //!
 //! The piece of degree p over the knot span [a, b] has the polar forms of the curve as its points: point j is the polar
 //! form at p - j times a and j times b, p rounds of de Boor's scheme with one argument each (Ramshaw, "Blossoms are
 //! polar forms", Computer Aided Geometric Design 6, 1989).
 //!
-//! With positive weights a piece lies in the convex hull of its control points, and a point within a tolerance of a
-//! segment is so for the whole hull if it is for its corners: a piece whose control points are all near its chord is
-//! near its chord everywhere.
+//! With positive weights a piece lies in the convex hull of its control points. If the corners of a hull are within a
+//! tolerance of a segment, the whole hull is. So a piece whose control points are all near its chord is near its chord
+//! everywhere.
 
 use nurbs_core::distance_to_segment;
 
@@ -19,8 +19,8 @@ pub(crate) struct Bezier {
     points: Vec<[f64; 4]>,
 }
 
-/// The pieces of a curve that breaks no rule, one a knot span. They join to the last bit, and begin and end where the
-/// curve does.
+/// The pieces of a curve that obeys every rule, one for each knot span. Neighbours share their end points to the last
+/// bit, and the first and the last piece have the end points of the curve.
 pub(crate) fn pieces(curve: &Curve) -> Vec<Bezier> {
     let degree = curve.degree;
     let mut pieces: Vec<Bezier> = Vec::new();
@@ -46,8 +46,8 @@ fn homogeneous(curve: &Curve, index: usize) -> [f64; 4] {
     [x * w, y * w, z * w, w]
 }
 
-/// `from` and `to` in the shares given, which sum to 1. A difference `to - from` would round by the larger of the two: of
-/// weights 1e9 and 1e-9 nothing would be left.
+/// The mean of `from` and `to` with the given shares, which sum to 1. The form `to - from` would have the rounding of
+/// the larger of the two: for weights 1e9 and 1e-9 nothing would be left of the smaller.
 fn mean(from: [f64; 4], to: [f64; 4], shares: [f64; 2]) -> [f64; 4] {
     std::array::from_fn(|axis| from[axis] * shares[0] + to[axis] * shares[1])
 }
@@ -72,23 +72,23 @@ impl Bezier {
         Self { points: (0..=degree).map(blossom).collect() }
     }
 
-    /// The weights, within the bounds that a curve has: rounding may leave them.
+    /// The weights, limited to the bounds of a curve's weights, which rounding may exceed.
     pub(crate) fn weights(&self) -> Vec<f64> {
         self.points.iter().map(|point| point[3].clamp(1.0 / MAX_WEIGHT, MAX_WEIGHT)).collect()
     }
 
-    /// The control points, in mm, within the same bounds.
+    /// The control points, in mm, limited to the bounds of a curve's coordinates.
     pub(crate) fn points_mm(&self) -> Vec<[f64; 3]> {
         let bounded = |x: f64| x.clamp(-MAX_COORDINATE_MM, MAX_COORDINATE_MM);
         self.points.iter().map(|[x, y, z, w]| [x / w, y / w, z / w].map(bounded)).collect()
     }
 
-    /// No point is farther, in mm, from the other piece's point at the same share of the span. With the points b_j and b'_j, the
-    /// weights β_j and β'_j, and r_j = β'_j/β_j, the two are apart by a mean of
+    /// A bound in mm of the distance between points of the two pieces at the same share of the span. Let b_j and b'_j
+    /// be the points, β_j and β'_j the weights, and r_j = β'_j/β_j. The distance is a mean of
     ///
     /// `(b_j - b'_j) + (1 - r_j) (b'_j - C')`, C' in the convex hull of the b'_k,
     ///
-    /// for any common factor of the β'_j; here that for which r is as far above 1 as below.
+    /// for any common factor of the β'_j. Here the factor is the one for which r is as far above 1 as below.
     pub(crate) fn distance_mm(&self, other: &Self) -> f64 {
         let (points, others) = (self.points_mm(), other.points_mm());
         let ratios = || self.points.iter().zip(&other.points).map(|(one, other)| other[3] / one[3]);
@@ -104,7 +104,7 @@ impl Bezier {
         apart.fold(0.0, f64::max)
     }
 
-    /// The piece over each half of its span.
+    /// The two pieces over the halves of the span.
     pub(crate) fn halves(&self) -> (Self, Self) {
         let degree = self.points.len() - 1;
         let (mut row, mut left, mut right) = (self.points.clone(), Vec::new(), Vec::new());
@@ -119,8 +119,8 @@ impl Bezier {
         (Self { points: left }, Self { points: right })
     }
 
-    /// Adds the ends of chords that leave the piece by no more than `tolerance_mm`; `None` if `most` halvings of it are
-    /// not enough.
+    /// Adds the ends of chords that leave the piece by no more than `tolerance_mm`; `None` if more than `most` halvings
+    /// of the piece are needed.
     pub(crate) fn chords(&self, tolerance_mm: f64, most: u32, ends: &mut Vec<[f64; 3]>) -> Option<()> {
         let points = self.points_mm();
         let (first, last) = (points[0], points[points.len() - 1]);
@@ -158,7 +158,7 @@ mod tests {
         );
     }
 
-    /// By the Bernstein polynomials, not by de Boor's scheme.
+    /// Evaluates by the Bernstein polynomials, not by de Boor's scheme.
     fn point(points: &[[f64; 4]], t: f64) -> [f64; 4] {
         let (degree, mut sum, mut binomial) = (points.len() - 1, [0.0; 4], 1.0);
         let power = |x: f64, exponent: usize| (0..exponent).fold(1.0, |product, _| product * x);
@@ -171,8 +171,8 @@ mod tests {
     }
 
     proptest! {
-        /// A point is a mean with positive factors: with weights of any size it is right to a few roundings of the largest
-        /// coordinate. Knots and parameters are such that they have none.
+        /// A point is a mean with positive factors. With weights of any size its error is a few roundings of the
+        /// largest coordinate. The knots and parameters here have no rounding error.
         #[test]
         fn weights_of_any_size_keep_the_points(
             corners in prop::collection::vec(([-100.0..100.0_f64, -100.0..100.0, -100.0..100.0], -9.0..9.0_f64), 4..9),
@@ -218,8 +218,8 @@ mod tests {
         assert_eq!(pieces[6].points_mm().last(), curve.control_points_mm.last());
     }
 
-    /// Every point of the curve, seen at 200 parameters a span, is as near to the chords as was asked, and a tenth of the
-    /// tolerance needs about √10 times the chords.
+    /// At 200 parameters a span, every point of the curve is within the tolerance of the chords. For a tenth of the
+    /// tolerance there are about √10 times as many chords.
     #[test]
     fn chords_keep_their_distance() {
         let pieces = pieces(&paper_d());

@@ -1,21 +1,21 @@
-//! Between which coordinates curves run.
+//! The bounding box of curves.
 //!
-//! The polygon of the control points encloses a curve, and may be much larger than it. Bézier pieces whose polygon reaches
-//! beyond what the curve is known to reach are halved: with every halving the polygon comes four times as near to the
-//! curve, and nearly all of the halves are inside.
+//! The polygon of the control points encloses a curve, and may be much larger than it. If the polygon of a Bézier piece
+//! reaches beyond the known extent of the curve, the piece is halved. Each halving brings the polygon four times as
+//! near to the curve, and nearly all halves are then inside.
 
 use crate::bezier::{self, Bezier};
 use crate::curve::Curve;
 
-/// How near the bounds are to the curves, as a share of the extent of their control points.
+/// Distance of the bounds from the curves, as a share of the extent of the control points.
 const ACCURACY: f64 = 1e-9;
-/// Halvings of one piece. Each adds at least a bit, and a number has 53.
+/// Most halvings of one piece. Each yields at least a bit, and a number has 53.
 const MAX_HALVINGS: u32 = 60;
 
-/// Least and greatest coordinates of curves that break no rule, in mm; `None` without curves.
+/// Least and greatest coordinates of curves that obey every rule, in mm; `None` without curves.
 ///
-/// They are coordinates of points of the curves. None is further inside than 1e-9 of the greatest extent of the control
-/// points along an axis.
+/// They are coordinates of points of the curves. Each is inside of the exact bound by at most 1e-9 of the greatest
+/// extent of the control points along an axis.
 #[must_use]
 pub fn bounding_box_mm<'c>(
     curves: impl IntoIterator<Item = &'c Curve, IntoIter: Clone>,
@@ -69,7 +69,7 @@ impl Bounds {
         points.iter().any(leaves)
     }
 
-    /// Takes in a piece, but for what is no further outside than `tolerance`.
+    /// Extends the bounds by a piece; parts that are outside by no more than `tolerance` are left out.
     fn widen(&mut self, piece: &Bezier, tolerance: f64, most_halvings: u32) {
         let points = piece.points_mm();
         *self = [points.first(), points.last()].into_iter().flatten().fold(*self, Self::with);

@@ -1,4 +1,4 @@
-//! A NURBS curve as plain numbers, and the rules that make numbers a curve.
+//! A NURBS curve as plain numbers, and the rules that such numbers must obey.
 
 use std::fmt;
 
@@ -20,7 +20,8 @@ pub struct Curve {
     pub degree: usize,
     /// Control points P_0 … P_n, in mm. A planar curve has z = 0.
     pub control_points_mm: Vec<[f64; 3]>,
-    /// 2 for a curve in the plane z = 0; else 3, and of one there too whose file gives its points a third coordinate.
+    /// 2 for a curve in the plane z = 0, otherwise 3. It is also 3 if the file gives points of that plane a third
+    /// coordinate.
     pub dimension: usize,
     /// Weights w_0 … w_n, positive.
     pub weights: Vec<f64>,
@@ -28,7 +29,7 @@ pub struct Curve {
     pub knots: Vec<f64>,
 }
 
-/// Which of a curve's numbers is meant; indices count from 0.
+/// One of a curve's numbers, or a list of them; indices count from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Element {
     /// The degree.
@@ -63,7 +64,7 @@ pub enum CurveFault {
         /// The number given.
         found: usize,
     },
-    /// There is not one weight a control point.
+    /// The number of weights is not the number of control points.
     WrongWeightCount {
         /// The number of control points.
         expected: usize,
@@ -112,22 +113,22 @@ pub enum CurveFault {
         /// The value of them all.
         knot: f64,
     },
-    /// An end knot is not there degree + 1 times.
+    /// An end knot does not occur degree + 1 times.
     NotClamped {
         /// Which end.
         end: End,
         /// Degree + 1.
         expected: usize,
-        /// How often it is there.
+        /// The number of times that it occurs.
         multiplicity: usize,
-        /// The first knot, seen from that end, that ought to be equal or to differ.
+        /// The first knot, counted from that end, that must be equal and differs, or must differ and is equal.
         index: usize,
     },
-    /// An inner knot is there more than degree times: the curve would break.
+    /// An inner knot occurs more than degree times: the curve would break.
     KnotRepeatsTooOften {
         /// The first knot too many.
         index: usize,
-        /// How often it is there.
+        /// The number of times that it occurs.
         multiplicity: usize,
         /// The degree.
         degree: usize,
@@ -137,7 +138,7 @@ pub enum CurveFault {
 }
 
 impl Curve {
-    /// Whether it is a straight move as G1 is read.
+    /// Whether it is a straight move in the form that the reader of G1 makes.
     pub(crate) fn is_straight_move(&self) -> bool {
         self.degree == 1 && self.weights == [1.0; 2] && self.knots == [0.0, 0.0, 1.0, 1.0]
     }
@@ -251,7 +252,8 @@ impl Curve {
         legs.map(|leg| length(difference(&leg[1], &leg[0]))).sum()
     }
 
-    /// Whether degree, points, weights and knots are the same: a point of the plane z = 0 may be given with a third coordinate or without.
+    /// Whether degree, points, weights and knots are equal. The dimension may differ: a point of the plane z = 0 may be
+    /// given with or without a third coordinate.
     #[must_use]
     pub fn has_same_numbers(&self, other: &Self) -> bool {
         self.degree == other.degree
@@ -271,7 +273,7 @@ impl Curve {
     }
 }
 
-/// The points that have no place on a machine.
+/// The points that are beyond the range of a machine.
 pub(crate) fn coordinate_faults(points: &[[f64; 3]]) -> Vec<CurveFault> {
     let wrong = |point: &[f64; 3]| point.iter().copied().find(|x| x.is_nan() || x.abs() > MAX_COORDINATE_MM);
     let fault = |(index, point)| Some(CurveFault::CoordinateOutOfRange { index, value: wrong(point)? });
@@ -296,7 +298,7 @@ impl CurveFault {
         }
     }
 
-    /// What would have been right.
+    /// The correct form.
     #[must_use]
     pub fn expected(&self) -> String {
         match *self {

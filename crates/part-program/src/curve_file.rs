@@ -1,5 +1,6 @@
-//! A curve file: TOML with the table `[curve]`, or several `[[curve]]` that are followed in this order, and beside them
-//! `[machine]` and the figures that a paper printed. A curve is a NURBS, or with `shape = "trigonometric"` a spline of paper B.
+//! A curve file: TOML with the table `[curve]`, or several tables `[[curve]]` that are followed in this order. It may
+//! also have a table `[machine]` and figures that a paper printed. A curve is a NURBS, or with `shape =
+//! "trigonometric"` a spline of paper B.
 
 use toml::de::{DeTable, DeValue};
 
@@ -12,14 +13,14 @@ use crate::source::Span;
 use crate::toml_table::{self, TableReader, wrong_kind};
 use crate::trig_curve;
 
-/// What a curve file holds.
+/// The contents of a curve file.
 pub(crate) struct CurveFile {
     pub(crate) curves: Vec<(Curve, Move)>,
     pub(crate) machine: Option<Machine>,
     pub(crate) published: Option<toml::Table>,
 }
 
-/// Reads a curve file; `None` if an error was said.
+/// Reads a curve file; `None` after an error was reported.
 pub(crate) fn read(report: &mut Report<'_>, text: &str) -> Option<CurveFile> {
     let document = toml_table::parse(report, text)?;
     let root = document.get_ref();
@@ -45,7 +46,7 @@ fn published(root: &DeTable<'_>) -> Option<toml::Table> {
     published.collect::<Option<toml::Table>>().filter(|published| !published.is_empty())
 }
 
-/// A value without its places. Numbers too large for TOML's types are kept as text.
+/// A value without the places of its parts. Numbers too large for TOML's types are kept as text.
 fn owned(value: &DeValue<'_>, depth: usize) -> Option<toml::Value> {
     const MAX_DEPTH: usize = 16;
     if depth > MAX_DEPTH {
@@ -87,7 +88,7 @@ fn curve_from(report: &mut Report<'_>, header: Span, table: &DeTable<'_>) -> Opt
     Some((curve, Move { kind, shape, feedrate_mm_per_s, exact_stop, line, block: 0 }))
 }
 
-/// What `shape` may say; without it the first holds.
+/// The values of `shape`; without the key the first holds.
 const SHAPES: [&str; 2] = ["nurbs", TRIGONOMETRIC];
 const TRIGONOMETRIC: &str = "trigonometric";
 

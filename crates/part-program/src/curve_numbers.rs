@@ -1,4 +1,4 @@
-//! The numbers of a curve in a curve file, and where each of them stands.
+//! The numbers of a curve in a curve file, each with its place.
 
 use toml::Spanned;
 use toml::de::{DeArray, DeValue};
@@ -8,7 +8,7 @@ use crate::diagnostic::Report;
 use crate::source::Span;
 use crate::toml_table::{self, wrong_kind};
 
-/// Where each number of a curve stands.
+/// The places of a curve's numbers.
 #[derive(Default)]
 pub(crate) struct Places {
     pub(crate) degree: Span,
@@ -40,14 +40,14 @@ impl Places {
     }
 }
 
-/// Says each fault at its place.
+/// Reports each fault at its place.
 pub(crate) fn say(report: &mut Report<'_>, places: &Places, faults: &[CurveFault]) {
     for fault in faults {
         report.error(places.of(fault.element()), fault.to_string()).expected(fault.expected());
     }
 }
 
-/// The numbers of an array; `places` get where they stand.
+/// The numbers of an array; their places are added to `places`.
 pub(crate) fn numbers(
     report: &mut Report<'_>,
     key: &str,
@@ -59,7 +59,7 @@ pub(crate) fn numbers(
     numbers.into_iter().collect()
 }
 
-/// The points, and how many coordinates each has.
+/// The points, and the number of coordinates of each.
 pub(crate) fn control_points(
     report: &mut Report<'_>,
     array: &DeArray<'_>,

@@ -1,4 +1,4 @@
-//! What a reader has to say about a text, printed as a compiler prints it.
+//! Diagnostics of a text, printed in the form of a compiler.
 //!
 //! ```text
 //! error: unknown key `weigths`
@@ -19,13 +19,14 @@ use unicode_width::UnicodeWidthStr;
 
 use crate::source::{Place, Source, Span};
 
-/// Diagnostics kept of one text; the rest are counted. It bounds memory when a large file of another kind is read.
+/// Diagnostics kept for one text; further ones are only counted. This limits memory when a large file of another kind
+/// is read.
 pub const MAX_DIAGNOSTICS: usize = 1000;
 
 /// Characters of a source line that are kept around the offending word.
 const EXCERPT: usize = 100;
 
-/// How bad it is.
+/// The severity of a diagnostic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Severity {
@@ -35,10 +36,10 @@ pub enum Severity {
     Warning,
 }
 
-/// One thing to say about one place of a text.
+/// One fault or remark about one place of a text.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Diagnostic {
-    /// How bad it is.
+    /// Its severity.
     pub severity: Severity,
     /// Name of the text, as the caller gave it.
     #[serde(serialize_with = "as_text")]
@@ -49,11 +50,11 @@ pub struct Diagnostic {
     pub column: usize,
     /// Number of offending characters on that line, at least 1.
     pub length: usize,
-    /// What is wrong, naming the value and the violated relation.
+    /// The fault, with the value and the violated relation.
     pub message: String,
-    /// What would have been right.
+    /// The correct form.
     pub expected: Option<String>,
-    /// What to do about it.
+    /// A hint how to correct it.
     pub hint: Option<String>,
     #[serde(skip)]
     excerpt: Excerpt,
@@ -88,13 +89,13 @@ impl Diagnostic {
         }
     }
 
-    /// Says what would have been right.
+    /// Adds the correct form.
     pub(crate) fn expected(&mut self, expected: impl Into<String>) -> &mut Self {
         self.expected = Some(expected.into());
         self
     }
 
-    /// Says what to do about it.
+    /// Adds a hint how to correct it.
     pub(crate) fn hint(&mut self, hint: impl Into<String>) -> &mut Self {
         self.hint = Some(hint.into());
         self
@@ -120,7 +121,7 @@ impl Excerpt {
     }
 }
 
-/// The character itself, or what stands for it where a terminal would act on it.
+/// The character, or a substitute if a terminal would act on it.
 fn printable(c: char) -> char {
     match c {
         '\t' => ' ',
@@ -158,7 +159,8 @@ impl fmt::Display for Diagnostic {
     }
 }
 
-/// All errors of one text, and a warning where one helps to see why: never empty when returned as an error.
+/// All errors of one text, with warnings that help to understand them. It is never empty when it is returned as an
+/// error.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Diagnostics {
     list: Vec<Diagnostic>,
@@ -171,7 +173,7 @@ impl Diagnostics {
         self.list.iter()
     }
 
-    /// How many there are, with those beyond [`MAX_DIAGNOSTICS`].
+    /// The number of diagnostics, including those beyond [`MAX_DIAGNOSTICS`].
     #[must_use]
     pub fn count(&self) -> usize {
         self.list.len() + self.omitted
@@ -204,16 +206,16 @@ impl fmt::Display for Diagnostics {
 
 impl std::error::Error for Diagnostics {}
 
-/// Collects what is said while a text is read.
+/// Collects diagnostics while a text is read.
 pub(crate) struct Report<'t> {
     pub(crate) source: Source<'t>,
     errors: Diagnostics,
     warnings: Diagnostics,
-    /// Takes what is said about a diagnostic that was not kept.
+    /// A place for additions to a diagnostic that was not kept.
     scratch: Diagnostic,
-    /// What has been said of each kind: whether it is an error, where it is kept, and how often it was met.
+    /// For each kind of diagnostic, given by severity and name: its index among those kept, and how often it occurred.
     kinds: HashMap<(bool, String), (usize, usize)>,
-    /// The loop within which lines are read, by its line and its turn, or the line of the call.
+    /// The loop whose lines are being read, as its line and its turn, or the line of the call.
     pub(crate) within: Option<(usize, Option<u32>)>,
 }
 
@@ -238,7 +240,7 @@ impl<'t> Report<'t> {
         self.say(Severity::Warning, span.into(), message.into())
     }
 
-    /// Says once what is met again and again: the first of its kind at its place, and how many more there are.
+    /// Reports a frequent fault once: the first of its kind at its place, with the number of further ones.
     pub(crate) fn of_kind(
         &mut self,
         is_error: bool,
@@ -260,7 +262,7 @@ impl<'t> Report<'t> {
         self.say(severity, span, message.into())
     }
 
-    /// A warning that is said with the errors too, if there are any.
+    /// A warning that is also shown if there are errors.
     pub(crate) fn warning_beside_errors(&mut self, span: Span, message: String) {
         if self.has_errors() && self.errors.list.len() < MAX_DIAGNOSTICS {
             let diagnostic = Diagnostic::new(Severity::Warning, &self.source, span, message);
@@ -295,7 +297,7 @@ impl<'t> Report<'t> {
         self.warnings.list.first()
     }
 
-    /// Whether an error has been said.
+    /// Whether an error has been reported.
     pub(crate) fn has_errors(&self) -> bool {
         !self.errors.list.is_empty()
     }

@@ -1,14 +1,14 @@
-//! Exact stops: how the ends of moves are passed, and which of them are stops.
+//! Exact stops: how the tool passes the ends of moves, and which ends are stops.
 
 use crate::curve::Curve;
 use crate::joint;
 use crate::moves::{Move, MoveKind};
 use crate::part::Part;
 
-/// How the ends of moves are passed.
+/// How the tool passes the ends of moves.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum PathMode {
-    /// G64: as the machine may.
+    /// G64: in the way that the machine chooses.
     #[default]
     Continuous,
     /// LinuxCNC's G61: through the point, at rest if the direction breaks there.
@@ -17,18 +17,18 @@ pub(crate) enum PathMode {
     ExactStop,
 }
 
-/// Adds moves to a part, and settles for each whether it ends in an exact stop.
+/// Adds moves to a part, and decides for each whether it ends in an exact stop.
 ///
-/// A move at feed ends in one in [`PathMode::ExactStop`]. In [`PathMode::ExactPath`] it does unless the next move goes on in its
-/// direction, which is known only once that move is added.
+/// In [`PathMode::ExactStop`] every move at feed does. In [`PathMode::ExactPath`] a move does unless the next move goes
+/// on in its direction, which is known only once the next move is added.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct ExactStops {
-    /// Whether the exact stop of the last move is none if the next one goes on in its direction.
+    /// Whether the exact stop of the last move is dropped if the next one goes on in its direction.
     passes_smooth_joints: bool,
 }
 
 impl ExactStops {
-    /// Adds a curve, whose end is passed as `mode` says, and its move, whose exact stop is set here.
+    /// Adds a curve, whose end is passed as `mode` says, and its move. The exact stop of the move is set here.
     pub(crate) fn push(&mut self, part: &mut Part, mode: PathMode, curve: Curve, one: Move) {
         if let (Some(before), Some(last)) = (part.curves.last(), part.moves.last_mut())
             && last.exact_stop
@@ -42,7 +42,7 @@ impl ExactStops {
         part.curves.push(curve);
     }
 
-    /// Lets the last move end at rest, wherever the next one goes.
+    /// Makes the last move end at rest, whatever the direction of the next one.
     pub(crate) fn rest(&mut self, part: &mut Part) {
         if let Some(last) = part.moves.last_mut() {
             last.exact_stop |= last.kind == MoveKind::Feed;

@@ -1,8 +1,8 @@
 //! Curves in JSON, in the layout that the Python library geomdl exports: `shape.data[i]` with `degree`, `knotvector` and
 //! `control_points` of `points` and, where the curve is rational, `weights`. Points are not multiplied by weights.
 //!
-//! `rational`, `dimension`, `count` and `size` repeat what the numbers say and are checked against them; `delta`, `name`
-//! and the like say how to draw a curve; any other key is read over with a warning.
+//! `rational`, `dimension`, `count` and `size` repeat information of the numbers and are checked against them; `delta`,
+//! `name` and similar keys are for drawing a curve; any other key is skipped with a warning.
 
 use std::collections::BTreeMap;
 
@@ -103,7 +103,7 @@ pub(crate) fn read(report: &mut Report<'_>, part: &mut Part) {
     }
 }
 
-/// Where a key stands, time after time: the parser keeps no places.
+/// The places at which a key occurs, one after the other: the parser keeps no places.
 fn key_places<'t>(report: &Report<'t>, key: &'static str) -> impl Iterator<Item = Span> + use<'t> {
     let found = report.source.text.match_indices(key);
     found.map(move |(at, _)| Span::new(at, at + key.len()))

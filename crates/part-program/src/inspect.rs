@@ -1,4 +1,4 @@
-//! What a part holds: counts, extent, lengths, bends, joints, and what is odd.
+//! The contents of a part: counts, extent, lengths, bends, joints, and oddities.
 
 use serde::Serialize;
 
@@ -9,7 +9,7 @@ use crate::moves::{MoveKind, Shape};
 use crate::part::Part;
 use crate::remark::{Remark, oddities};
 
-/// What a part holds.
+/// The contents of a part.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Inspection {
     /// Rapid moves.
@@ -36,13 +36,13 @@ pub struct Inspection {
     pub bends: Vec<Bend>,
     /// Joints with a gap or a change of direction.
     pub joints: Vec<Joint>,
-    /// What is odd.
+    /// The oddities of its curves.
     pub remarks: Vec<Remark>,
     /// Lines of moves at feed that end where they start.
     pub standstills: Vec<usize>,
 }
 
-/// Where a curve bends most.
+/// The sharpest bend of a curve.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Bend {
     /// Index of the curve.
@@ -65,7 +65,7 @@ impl Inspection {
     }
 }
 
-/// Looks a part over.
+/// Inspects a part.
 #[must_use]
 pub fn inspect(part: &Part) -> Inspection {
     let count = |wanted: Shape| {

@@ -1,4 +1,4 @@
-//! Joints: where one curve ends and the next begins, and where a curve itself has a corner.
+//! Joints between one curve and the next, and corners inside a curve.
 
 use serde::Serialize;
 
@@ -12,16 +12,16 @@ pub const GAP_MM: f64 = 1e-6;
 /// A change of direction from which on a joint is listed, in rad: a twentieth of a degree.
 pub const TANGENT_BREAK_RAD: f64 = 1e-3;
 
-/// Where a path jumps or changes its direction at once.
+/// A place where a path jumps or changes its direction suddenly.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Joint {
     /// Index of the curve that begins there, or that has the corner inside.
     pub curve: usize,
     /// Line of its block.
     pub line: usize,
-    /// The knot at which the curve itself has a corner; `None` where it begins.
+    /// The knot at which the curve itself has a corner; `None` for the begin of the curve.
     pub knot: Option<f64>,
-    /// Where the path goes on, in mm.
+    /// The place at which the path goes on, in mm.
     pub point_mm: [f64; 3],
     /// Distance from the end of the one to the start of the other, in mm.
     pub gap_mm: f64,
@@ -54,10 +54,10 @@ pub(crate) fn joints(part: &Part) -> Vec<Joint> {
     joints
 }
 
-/// A change of direction that LinuxCNC's exact path still takes for none, in rad.
+/// A smaller change of direction, in rad, is none for LinuxCNC's exact path.
 const COLLINEAR_RAD: f64 = 1e-6;
 
-/// Whether the path breaks where the one curve ends and the next begins: in direction, or by a gap.
+/// Whether the path breaks between two curves: by a change of direction, or by a gap.
 pub(crate) fn breaks(one: &Curve, next: &Curve) -> bool {
     let ends = one.control_points_mm.last().zip(next.control_points_mm.first());
     let is_joined = ends.is_some_and(|(end, start)| is_joined(end, start));

@@ -1,4 +1,4 @@
-//! `part-program`: what does this text say, and where is it wrong?
+//! `part-program`: which path does a text describe, and where does it have faults?
 //!
 //! | text | reader | writer |
 //! |---|---|---|
@@ -13,10 +13,10 @@
 //! | JSON as geomdl exports it | [`read_part`] | |
 //! | machine file: TOML, table `[machine]` | [`read_machine`] | |
 //!
-//! What a text is, its content tells; [`read_part_with`] takes a dialect that is known, and reads over unknown words;
-//! [`read_part_bytes`] takes a file as it is. [`inspect`] looks a part over: lengths, bends, joints, and what is odd;
-//! [`bounding_box_mm`] says between which coordinates curves run; [`Part::rounded`] gives coordinates fewer decimals, and says how far
-//! that moves a path; [`Part::in_ratio_words`] does so with knots and weights.
+//! The content of a text tells its kind. [`read_part_with`] is given a known dialect, and may skip unknown words;
+//! [`read_part_bytes`] reads the bytes of a file. [`inspect`] finds a part's lengths, bends, joints, and oddities;
+//! [`bounding_box_mm`] finds the bounds of curves. [`Part::rounded`] gives coordinates fewer decimals, and returns how
+//! far that moves a path; [`Part::in_ratio_words`] does the same for knots and weights.
 //!
 //! ```
 //! let part = part_program::read_part("seed.nc", "G06.2 P2 K0 X0 Y0\nK0 X10 Y5\nK1\nK1\n")?;
@@ -27,11 +27,11 @@
 //! # Ok::<(), part_program::Diagnostics>(())
 //! ```
 //!
-//! Every fault of a text is said, with line, column, what was expected and a hint; nothing is dropped silently.
+//! Every fault of a text is reported, with line, column, the correct form and a hint; nothing is dropped silently.
 //!
-//! STEP is not read. The one parser there is for its text, `ruststep` (0.4, which `truck-stepio` uses too), panics at a
-//! whole number beyond 64 bits, overflows the stack at nested brackets and refuses every file with an apostrophe in a
-//! name, so it cannot be given files that it has not seen; CAD systems export the same curves as DXF.
+//! STEP is not read. The only parser for its text, `ruststep` (0.4, which `truck-stepio` uses too), panics at a whole
+//! number beyond 64 bits, overflows the stack at nested brackets and refuses every file with an apostrophe in a name.
+//! So it cannot be given unknown files. CAD systems export the same curves as DXF.
 
 mod approach;
 mod arc;
@@ -96,7 +96,7 @@ pub use write_error::WriteError;
 use source::Span;
 use text_length::{opened, too_long};
 
-/// Reads a part: a curve file, a part program or a drawing, told by its content. `name` is what diagnostics call it.
+/// Reads a part: a curve file, a part program or a drawing, told by its content. Diagnostics call it `name`.
 ///
 /// # Errors
 /// Every fault of the text.
@@ -114,7 +114,7 @@ pub fn read_part_bytes(name: &str, bytes: &[u8], options: ReadOptions) -> Result
     }
     match std::str::from_utf8(bytes) {
         Ok(text) => read_part_with(name, text, options),
-        // Latin-1 doubles at most: refuse before the copy is made.
+        // Latin-1 at most doubles in length: a text that is too long is refused before it is copied.
         Err(_) if bytes.len() > MAX_TEXT => Err(too_long(name, bytes.len())),
         Err(_) => {
             read_part_with(name, &bytes.iter().map(|byte| char::from(*byte)).collect::<String>(), options)
@@ -122,7 +122,7 @@ pub fn read_part_bytes(name: &str, bytes: &[u8], options: ReadOptions) -> Result
     }
 }
 
-/// Reads a part as [`read_part`] does, with choices.
+/// Reads a part as [`read_part`] does, with options.
 ///
 /// # Errors
 /// Every fault of the text; with `lenient`, unknown words are warnings instead.
@@ -132,7 +132,7 @@ pub fn read_part_with(name: &str, text: &str, options: ReadOptions) -> Result<Pa
         return read_part_bytes(name, text.as_bytes(), options);
     }
     if text.contains('\r') && !text.contains('\n') {
-        // As long as before, so that every place in it stays where it is.
+        // The text keeps its length, so that every place in it stays the same.
         return read_lines(name, &text.replace('\r', "\n"), options);
     }
     read_lines(name, text, options)
@@ -167,11 +167,11 @@ fn read_lines(name: &str, text: &str, options: ReadOptions) -> Result<Part, Diag
     Ok(part)
 }
 
-/// What a text may be.
+/// The kinds of texts.
 const READ: &str =
     "a part program, what rs274 prints of one, a curve file (TOML), a drawing (DXF) or geomdl's JSON";
 
-/// What a text of another kind is, and what to do about it.
+/// The name of another kind of text, with a hint how to read it.
 fn unread(text: &str) -> Option<(&'static str, &'static str)> {
     const EXPORT: &str = "export the curves as DXF (text), where a spline is an entity SPLINE";
     let changed = "a binary DXF file whose first bytes were changed, as a transfer of text does,";
@@ -181,8 +181,9 @@ fn unread(text: &str) -> Option<(&'static str, &'static str)> {
         .map(|(_, format)| (format, EXPORT))
 }
 
-/// Whether the first line that is neither empty nor a comment opens a table of TOML or gives a key its value. A part program may do the
-/// like further below: an O-word's name is a key, and an expression stands in brackets.
+/// Whether the first line that is neither empty nor a comment opens a table of TOML or gives a value to a key. Later
+/// lines do not count, since a part program may have similar ones: an O-word's name looks like a key, and expressions
+/// stand in brackets.
 fn is_toml(text: &str) -> bool {
     let is_comment = |line: &&str| {
         line.is_empty() || line.starts_with('#') && !line[1..].trim_start().starts_with(is_parameter)
@@ -195,7 +196,7 @@ fn is_toml(text: &str) -> bool {
     is_key || line.starts_with('[')
 }
 
-/// What stands behind the `#` of a variable, and rarely behind that of a comment.
+/// The characters that follow the `#` of a variable, and rarely that of a comment.
 fn is_parameter(c: char) -> bool {
     c.is_ascii_digit() || c == '<'
 }

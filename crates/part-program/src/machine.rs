@@ -9,10 +9,11 @@ use crate::source::Span;
 use crate::text_length::opened;
 use crate::toml_table::{self, Domain, TableReader};
 
-/// The limits that a part is to be run with.
+/// The limits under which a part is run.
 ///
-/// A file gives the period, the feedrate, the acceleration and the jerk, which no two machines share. The others say how well a run
-/// is to be made and when a solver may stop; where a file is silent, they are
+/// A file must give the period, the feedrate, the acceleration and the jerk, which differ between any two machines. The
+/// other values set the quality of a run and the point at which a solver may stop. If a file does not give them, they
+/// are
 ///
 /// | limit | value | why |
 /// |---|---|---|
@@ -26,7 +27,7 @@ use crate::toml_table::{self, Domain, TableReader};
 pub struct Machine {
     /// T, time between two setpoints, in ms.
     pub interpolation_period_ms: f64,
-    /// F, feedrate where the part commands none, in mm/s.
+    /// F, feedrate for moves for which the part commands none, in mm/s.
     pub feedrate_mm_per_s: f64,
     /// A, acceleration along the path, in mm/s².
     pub acceleration_mm_per_s2: f64,
@@ -34,7 +35,7 @@ pub struct Machine {
     pub jerk_mm_per_s3: f64,
     /// E_max, distance allowed between chord and arc, in mm.
     pub chord_error_mm: f64,
-    /// The least step that the drives tell apart, in mm: so far at most a commanded position may be off the path.
+    /// The least step that the drives resolve, in mm: a commanded position may be off the path by at most this.
     pub position_increment_mm: f64,
     /// Δ, feedrate fluctuation allowed, a ratio.
     pub fluctuation_limit: f64,
@@ -48,7 +49,7 @@ pub struct Machine {
     /// Acceleration across the path, in mm/s².
     #[serde(skip_serializing_if = "Option::is_none")]
     pub centripetal_acceleration_mm_per_s2: Option<f64>,
-    /// How a break of the tangent is passed.
+    /// How the plan passes a break of the tangent.
     #[serde(flatten)]
     pub junction: Junction,
     /// Limits of single axes.
@@ -65,8 +66,8 @@ fn is_true(truth: &bool) -> bool {
 const DEVIATION: &str = "junction_deviation_mm";
 
 impl Machine {
-    /// The most that the path may be off the chord of a period that passes a corner, in mm, and the key that says so: max(E, δ), where
-    /// δ is `junction_deviation_mm`. With other junctions it is E.
+    /// The largest chord error of a period that passes a corner, in mm, with the key that sets it: max(E, δ), where δ
+    /// is `junction_deviation_mm`. With other junctions it is E.
     #[must_use]
     pub fn corner_error_mm(&self) -> (f64, &'static str) {
         match self.junction {
@@ -76,16 +77,16 @@ impl Machine {
     }
 }
 
-/// How a break of the tangent is passed: key `junction`.
+/// How the plan passes a break of the tangent: key `junction`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Junction {
-    /// `"stop"`, also without the key: at rest.
+    /// `"stop"`, the default: at rest.
     #[default]
     Stop,
     /// `"deviation"`: as if rounded within this many mm, key `junction_deviation_mm`.
     DeviationMm(f64),
-    /// `"velocity-jump"`: with a jump of each axis's velocity by at most `velocity_jump_mm_per_s` of its table; one
-    /// that gives none may not jump at all.
+    /// `"velocity-jump"`: with a jump of each axis's velocity by at most `velocity_jump_mm_per_s` of the axis's table.
+    /// An axis without this key may not jump at all.
     VelocityJump,
 }
 
@@ -117,7 +118,7 @@ pub struct Axes {
     pub z: AxisLimits,
 }
 
-/// What one axis can do.
+/// The limits of one axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct AxisLimits {
     /// In mm/s.
@@ -133,7 +134,7 @@ pub struct AxisLimits {
 /// Reads a machine file: TOML with a table `[machine]`. The other tables of a curve file may stand beside it.
 ///
 /// # Errors
-/// Everything that is wrong with the text, each at its place.
+/// Every fault of the text, each at its place.
 pub fn read_machine(name: &str, text: &str) -> Result<Machine, Diagnostics> {
     let mut report = opened(name, text)?;
     let machine = toml_table::parse(&mut report, text).and_then(|document| {
@@ -156,7 +157,8 @@ pub fn read_machine(name: &str, text: &str) -> Result<Machine, Diagnostics> {
     }
 }
 
-/// Positive and at most a bound that no machine reaches; a unit mistaken by a factor of a thousand is found here.
+/// A number must be positive and at most a bound that no machine reaches. This finds a unit that is wrong by a factor
+/// of a thousand.
 macro_rules! up_to {
     ($bound:literal, $unit:literal) => {
         Domain {
@@ -181,12 +183,12 @@ const RATIO: Domain = Domain { expected: "a ratio above 0 and below 1", holds: |
 const FLUCTUATION_LIMIT: f64 = 1e-4;
 /// 1 nm of a path of 10 m.
 const PARAMETER_TOLERANCE: f64 = 1e-10;
-/// A secant that has not ended after as many finds no better parameter with more.
+/// A secant that has not converged after as many iterations finds no better parameter with more.
 const ITERATIONS: u32 = 8;
 /// More iterations than this are a loop, not a solver.
 const MAX_ITERATIONS: u32 = 1000;
 
-/// Reads the table `[machine]`; `None` if an error was said.
+/// Reads the table `[machine]`; `None` after an error was reported.
 pub(crate) fn from_table(report: &mut Report<'_>, header: Span, table: &DeTable<'_>) -> Option<Machine> {
     let mut keys = TableReader::new(report, "[machine]", header, table);
     let interpolation_period_ms = keys.number("interpolation_period_ms", PERIOD);
@@ -420,7 +422,7 @@ velocity = 3
         assert_eq!(errors.iter().next().unwrap().message, "`position_increment_mm` is 0");
     }
 
-    /// What nobody has to look up is not asked for.
+    /// Only values that a user must look up are required.
     #[test]
     fn four_keys_are_a_machine() {
         let four = "[machine]\nfeedrate_mm_per_s = 50\nacceleration_mm_per_s2 = 1000\njerk_mm_per_s3 = 40000\n\

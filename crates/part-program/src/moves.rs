@@ -1,16 +1,16 @@
-//! How a curve is followed: at which feed, and whether the tool rests behind it.
+//! How a curve is followed: at which feed, and whether the tool rests at its end.
 
 /// How a curve is to be followed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Move {
     /// At the commanded feedrate, or as fast as the machine can.
     pub kind: MoveKind,
-    /// What the program wrote.
+    /// The kind of curve in the program.
     pub shape: Shape,
     /// The feedrate in force, in mm/s.
     pub feedrate_mm_per_s: Option<f64>,
-    /// Whether the program wants the tool at rest where the move ends: G9, G61, Siemens' G60. Never of a rapid move,
-    /// which a control ends at rest anyhow.
+    /// Whether the program wants the tool at rest at the end of the move: G9, G61, Siemens' G60. It is never set for a
+    /// rapid move, which a control ends at rest anyway.
     pub exact_stop: bool,
     /// Line of the block that commands it, from 1.
     pub line: usize,
@@ -27,7 +27,7 @@ pub enum MoveKind {
     Feed,
 }
 
-/// What a program or a drawing calls a curve.
+/// The kind of a curve in a program or a drawing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Shape {
@@ -35,9 +35,9 @@ pub enum Shape {
     Line,
     /// A circular arc or a helix, rational.
     Arc,
-    /// A spline as it was given.
+    /// A spline with the given numbers.
     Nurbs,
 }
 
-/// Highest feedrate that is believed, in mm/s.
+/// Highest feedrate that is accepted, in mm/s.
 pub(crate) const MAX_FEEDRATE: f64 = 1e5;

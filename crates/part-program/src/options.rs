@@ -1,18 +1,18 @@
-//! How a text is to be read, where its content does not say.
+//! How to read a text if its content does not tell.
 
 use std::fmt;
 use std::str::FromStr;
 
-/// Choices of a reader; the default finds the dialect out and refuses unknown words.
+/// Options of a reader. By default it finds out the dialect and refuses unknown words.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ReadOptions {
     /// The control that a program is for. `None`: told by its splines, its O-words, macros and variables, where it has such.
     pub dialect: Option<Dialect>,
-    /// Read over unknown words, with a warning each. A G word that is not read leaves the axes of its block out, and
-    /// where they are is unknown until a move in G90 names them; after a motion that is not read, no
-    /// axes are moved until a motion that is read. Other G words of the block, F, M, S, T, D and H hold.
+    /// Skip unknown words, with a warning each. A G word that is not read leaves the axes of its block out; their
+    /// places are then unknown until a move in G90 names them. After a motion that is not read, no axes are moved until
+    /// a motion that is read. Other G words of the block, F, M, S, T, D and H hold.
     pub lenient: bool,
-    /// Where the tool is when a program begins, in mm. `None`: an axis begins where it is first sent.
+    /// The place of the tool when a program begins, in mm. `None`: an axis begins where it is first sent.
     pub start_mm: Option<[f64; 3]>,
     /// The unit of a program's lengths until a word names one. `None`: millimetres, and if no word names one,
     /// [`Part::assumed_unit`](crate::Part::assumed_unit) says so.
@@ -70,7 +70,7 @@ impl Dialect {
         }
     }
 
-    /// The dialect in which a program is written whose part was read in this one.
+    /// The dialect in which the program of a part is written that was read in this one.
     #[must_use]
     pub fn written(self) -> Self {
         if self == Self::Canon { Self::LinuxCnc } else { self }

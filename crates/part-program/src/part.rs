@@ -9,32 +9,33 @@ use crate::machine::Machine;
 use crate::moves::{Move, MoveKind};
 use crate::unit::INCH;
 
-/// What a part program or a curve file says.
+/// The contents of a part program or a curve file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Part {
     /// Name of the text, as the caller gave it.
     pub name: String,
     /// The curves, in the order in which they are followed. Never empty in a part that a reader returns.
     pub curves: Vec<Curve>,
-    /// What the program says of each curve: `moves[i]` belongs to `curves[i]`.
+    /// The moves: `moves[i]` belongs to `curves[i]`.
     pub moves: Vec<Move>,
-    /// Moves from where nobody knows, in the order of the program: no curves, but M3 may stand before or behind them.
+    /// Moves from an unknown place, in the order of the program. They are not curves, but M3 may stand before or after
+    /// them.
     pub approaches: Vec<Approach>,
     /// Words that do not move the tool: M, S, T, D and H, and other axes, in the order of the program.
     pub auxiliary: Vec<Auxiliary>,
-    /// Lines of moves at feed that end where they start, and so are no curves.
+    /// Lines of moves at feed that end where they start, and so are not curves.
     pub standstills: Vec<usize>,
     /// The feedrate that the program commands, in mm/s; the highest, if it commands several.
     pub feedrate_mm_per_s: Option<f64>,
     /// Whether a part program names no unit of lengths, and millimetres were taken.
     pub unit_is_assumed: bool,
-    /// What an extruder pushes, in a program for a 3-D printer.
+    /// The filament of an extruder, in a program for a 3-D printer.
     pub filament: Option<Filament>,
-    /// The machine that the file names, if it does.
+    /// The machine in the file, if it has one.
     pub machine: Option<Machine>,
     /// Figures that a paper published about the curve: the tables `[table_…]` of a curve file.
     pub published: Option<toml::Table>,
-    /// What was read over, and what is odd.
+    /// Remarks about words that were skipped, and oddities.
     pub warnings: Vec<Diagnostic>,
 }
 
@@ -45,7 +46,7 @@ impl Part {
         self.moves.iter().filter_map(|one| one.feedrate_mm_per_s).reduce(f64::max)
     }
 
-    /// What to say of a unit that was assumed: how large the part is by it, and how large by the other one.
+    /// A remark about a unit that was assumed: the size of the part in this unit and in the other one.
     #[must_use]
     pub fn assumed_unit(&self) -> Option<String> {
         let (least, greatest) = bounding_box_mm(&self.curves).filter(|_| self.unit_is_assumed)?;
@@ -60,9 +61,9 @@ impl Part {
         ))
     }
 
-    /// Whether a word that does not move the tool stands in the block of this move, in that of the move before it or between
-    /// them: the tool rests then between the two. A control begins the next block when the word is done, as FANUC's waits for
-    /// the machine's FIN, and LinuxCNC and Grbl let motion end before they switch a spindle or a coolant.
+    /// Whether the tool rests before this move at a word that does not move the tool: in the block of this move, in
+    /// that of the move before it, or between them. A control begins the next block when the word is done: FANUC's
+    /// waits for the machine's FIN, and LinuxCNC and Grbl let motion end before they switch a spindle or a coolant.
     #[must_use]
     pub(crate) fn has_word_before(&self, next: usize) -> bool {
         let block = |index: usize| self.moves.get(index).map(|one| one.block);
@@ -74,7 +75,7 @@ impl Part {
         words.iter().take_while(|word| word.block <= after).any(|word| !word.is_passed)
     }
 
-    /// Lets the machine pass S words and M3, M4 and M5 without a rest, as [`s_stops`](crate::Machine::s_stops) says.
+    /// Makes the machine pass S words and M3, M4 and M5 without a rest, as [`s_stops`](crate::Machine::s_stops) allows.
     pub fn pass_spindle_words(&mut self) {
         for word in &mut self.auxiliary {
             word.is_passed |=
@@ -82,7 +83,7 @@ impl Part {
         }
     }
 
-    /// Whether the part says where its Z is: in a word Z, or with a third coordinate.
+    /// Whether the part gives the place of Z: in a word Z, or with a third coordinate.
     pub(crate) fn names_z(&self) -> bool {
         let in_space = |curve: &Curve| curve.dimension == 3 || curve.leaves_z_0();
         self.approaches.iter().any(|approach| approach.axes[2]) || self.curves.iter().any(in_space)
@@ -93,7 +94,7 @@ impl Part {
         self.approaches.binary_search_by_key(&block, |approach| approach.block).is_ok()
     }
 
-    /// The approaches, with the axes that none of them brings to the first curve.
+    /// The approaches. Axes of the first curve that none of them makes known are added to them.
     pub(crate) fn whole_approaches(&self) -> Vec<Approach> {
         let mut approaches = self.approaches.clone();
         let Some(first) = self.moves.first() else { return approaches };
@@ -116,8 +117,8 @@ impl Part {
                 .insert(0, rapid(missing, switch.map_or(begin, |word| (word.line as usize, word.block))));
             return approaches;
         }
-        // The plane is reached before a word is obeyed that stands behind the first approach, and so is a height above it. The way
-        // down comes last.
+        // The place in the plane, and a height above it, are reached before a word behind the first approach is
+        // executed. The way down comes last.
         let goes_up = self.curves[0].control_points_mm.first().is_some_and(|point| point[2] > 0.0);
         approaches[0].axes[0] |= missing[0];
         approaches[0].axes[1] |= missing[1];
@@ -129,17 +130,17 @@ impl Part {
         approaches
     }
 
-    /// The first word that may switch the tool on: an M other than the tool change, which needs none.
+    /// The first word that may switch the tool on: any M word but the tool change.
     fn first_switch(&self) -> Option<&Auxiliary> {
         self.auxiliary.iter().find(|word| word.letter == 'M' && word.value != 6.0)
     }
 }
 
-/// The filament that a program for a 3-D printer counts with its words E.
+/// The filament that a program for a 3-D printer counts in its words E.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Filament {
-    /// The least position that E gets, in mm.
+    /// The least position of E, in mm.
     pub least_mm: f64,
-    /// The greatest position that E gets, in mm.
+    /// The greatest position of E, in mm.
     pub greatest_mm: f64,
 }

@@ -1,7 +1,7 @@
-//! Knots and weights in the few digits that a control takes.
+//! Knots and weights with the few digits that a control accepts.
 //!
-//! They are ratios: a curve is the same with the knots `a (u - u_0)` and the weights `b w`, for any positive a and b. So they are
-//! brought to where the digits resolve them best before they are rounded.
+//! They are ratios: a curve is the same with the knots `a (u - u_0)` and the weights `b w`, for any positive a and b.
+//! So they are scaled to the range that the digits resolve best before they are rounded.
 //!
 //! # Source
 //! FANUC Series 15i, B-63324EN/03, section 4.17: a knot or weight has nine digits, in the least unit of the reference axis; at
@@ -15,20 +15,21 @@ use crate::curve::{Curve, Element};
 use crate::part::Part;
 use crate::rounding::rounded;
 
-/// Digits that an f64 keeps, whatever they are.
+/// Decimal digits that an f64 always keeps.
 const MAX_DIGITS: usize = 15;
-/// What scaling may change of a number without being said, over the greatest number.
+/// The largest change of a number by scaling that is not reported, over the greatest number.
 const SCALING: f64 = 4.0 * f64::EPSILON;
 
-/// The knots and weights that a control takes: no greater than the largest, and with no more decimals than it has. It is read of
-/// that number, as `999999.999`.
+/// The knots and weights that a control accepts: at most the largest number, with at most its decimals. It is parsed
+/// from that number, as in `999999.999`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RatioWords {
     largest: f64,
     decimals: usize,
 }
 
-/// A text is no largest number: it is below 1, has signs or an exponent, or more digits than the 15 that f64 keeps.
+/// The text is not a largest number: it is below 1, has signs or an exponent, or more digits than the 15 that f64
+/// keeps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NoLargestRatio;
 
@@ -44,7 +45,7 @@ impl fmt::Display for NoLargestRatio {
 
 impl std::error::Error for NoLargestRatio {}
 
-/// Numbers of a curve that are no longer a curve's once rounded.
+/// Numbers that are no longer those of a valid curve once they are rounded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RatioLost {
     /// Line of the move that the curve belongs to.
@@ -81,7 +82,7 @@ impl FromStr for RatioWords {
 }
 
 impl RatioWords {
-    /// The word next to a number.
+    /// The word nearest to a number.
     fn word(&self, x: f64) -> f64 {
         rounded(x, self.decimals).min(self.largest)
     }
@@ -90,8 +91,9 @@ impl RatioWords {
         x.abs() <= self.largest && self.word(x) == x
     }
 
-    /// Ratios as words. What are words stay as they are; else `ratio - origin` is multiplied by the least power of ten that leaves
-    /// nothing to be rounded, or if none does by what makes the greatest ratio the largest word.
+    /// Ratios as words. If they are words already, they stay the same. Otherwise `ratio - origin` is multiplied by the
+    /// least power of ten with which rounding to words changes nothing beyond [`SCALING`]. If there is none, the factor
+    /// makes the greatest ratio the largest word.
     fn fit(&self, ratios: &[f64], origin: f64) -> Vec<f64> {
         if ratios.iter().all(|x| self.is_word(*x)) {
             return ratios.to_vec();
@@ -123,8 +125,9 @@ impl RatioWords {
 }
 
 impl Part {
-    /// The part with knots and weights that a control takes, and how far at most that moves a point of a curve, in mm, at the same
-    /// share of its knot span. Coordinates and feedrates are kept bit by bit, and joints inside a curve as smooth as they are.
+    /// The part with knots and weights that a control accepts, and a bound of how far that moves a point of a curve, in
+    /// mm, at the same share of its knot span. Coordinates and feedrates are kept bit by bit; joints inside a curve
+    /// stay as smooth as they are.
     ///
     /// # Errors
     /// [`RatioLost`] for the first curve with so narrow a knot span, or so small a weight, that rounding leaves nothing of it.

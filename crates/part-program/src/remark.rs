@@ -1,4 +1,4 @@
-//! What is odd about a curve: rarely meant, and hard on a machine or on a number format.
+//! Oddities of a curve: rarely intended, and difficult for a machine or a number format.
 
 use std::fmt;
 
@@ -22,11 +22,11 @@ pub struct Remark {
     pub curve: usize,
     /// Line of its block.
     pub line: usize,
-    /// What it is.
+    /// The oddity.
     pub oddity: Oddity,
 }
 
-/// What is odd about a curve.
+/// An oddity of a curve.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
@@ -63,7 +63,7 @@ impl fmt::Display for Oddity {
     }
 }
 
-/// What is odd about a curve that was measured.
+/// The oddities of a curve that was measured.
 pub(crate) fn oddities(curve: &Curve, one: &Move, measure: &Measure) -> Vec<Oddity> {
     let mut odd = Vec::new();
     if one.kind == MoveKind::Feed && one.feedrate_mm_per_s.is_none() {

@@ -1,4 +1,4 @@
-//! Where the machine rests between two moves, whatever their directions: the one place where this is decided.
+//! The rests of a machine between two moves, whatever their directions. Only this file decides where they are.
 
 use std::fmt;
 
@@ -6,7 +6,7 @@ use crate::joint::is_joined;
 use crate::moves::MoveKind;
 use crate::part::Part;
 
-/// Why the machine rests between two moves.
+/// The reason why the machine rests between two moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Rest {
@@ -32,7 +32,7 @@ impl fmt::Display for Rest {
 }
 
 impl Part {
-    /// Why the machine rests before move `next`, if it does; before the first move there is nothing to rest from.
+    /// The reason why the machine rests before move `next`, if it does. Before the first move there is no rest.
     #[must_use]
     pub fn rest_before(&self, next: usize) -> Option<Rest> {
         let (before, after) = (self.moves.get(next.checked_sub(1)?)?, self.moves.get(next)?);

@@ -1,9 +1,9 @@
-//! A part with coordinates of a few decimals, as a control takes them.
+//! A part with coordinates of a few decimals, as a control accepts them.
 //!
 //! A point of a curve, `C(u) = Σ N_i(u) w_i P_i / Σ N_i(u) w_i`, is a mean of control points: the factors are not negative and
 //! sum to 1. With the same knots and weights it moves by no more than the control point that moves farthest.
 //!
-//! Points that are the same to the last bit are so once rounded: what joins stays joined.
+//! Points that are equal to the last bit are equal after rounding: curves that join stay joined.
 
 use std::fmt;
 
@@ -26,10 +26,10 @@ pub struct Rounded {
     pub left_out: usize,
 }
 
-/// A curve stands still over a knot span once its points are rounded.
+/// A curve that would stand still over a knot span once its points are rounded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StandsStill {
-    /// Line of the move that it belongs to.
+    /// Line of its move.
     pub line: usize,
     /// The first of the degree + 1 control points that become one, from 0.
     pub first: usize,
@@ -55,7 +55,8 @@ impl Part {
     /// The part with every coordinate, in mm, rounded to the nearest number of so many decimals. Knots, weights and feedrates
     /// are kept bit by bit.
     ///
-    /// Moves all of whose points become one are left out. The exact stop of one is then that of the move at feed before it.
+    /// Moves whose points all become one are left out. The exact stop of such a move goes to the move at feed before
+    /// it.
     #[must_use]
     pub fn rounded(&self, decimals: usize) -> Rounded {
         let mut part = Self { curves: Vec::new(), moves: Vec::new(), ..self.clone() };
@@ -80,8 +81,9 @@ impl Part {
         Rounded { part, moved_mm, turned_deg, left_out }
     }
 
-    /// Looks for curves that [`rounded`](Self::rounded) would let stand still over a knot span, at feed: degree + 1 control
-    /// points in a row that differ now become one. Straight moves, which are then none, are no such curves.
+    /// Searches for curves at feed that [`rounded`](Self::rounded) would let stand still over a knot span: degree + 1
+    /// successive control points that differ now become one. Straight moves without a length are left out and do not
+    /// count.
     ///
     /// # Errors
     /// [`StandsStill`], for the first of them.
@@ -110,7 +112,7 @@ impl Curve {
         difference(&points[points.len() - 1], &points[0])
     }
 
-    /// The first control point of a knot span over which the curve moves now, and not once rounded.
+    /// The first control point of a knot span over which the curve moves now, but not after rounding.
     fn stands_still_rounded(&self, decimals: usize) -> Option<usize> {
         let rounded = self.rounded(decimals);
         (self.degree..self.control_points_mm.len()).map(|span| span - self.degree).find(|&first| {
@@ -126,7 +128,8 @@ fn are_one(points: &[[f64; 3]]) -> bool {
     points.windows(2).all(|pair| pair[0] == pair[1])
 }
 
-/// The number next to a decimal of so many places, by way of the decimal: scaling by a power of ten would round twice.
+/// The number nearest to a decimal of so many places. It is found through the decimal: scaling by a power of ten would
+/// round twice.
 pub(crate) fn rounded(x: f64, decimals: usize) -> f64 {
     // No negative zero. What was written as a number reads as one.
     format!("{x:.decimals$}").parse().unwrap_or(x) + 0.0
@@ -194,7 +197,7 @@ mod tests {
         let circle = "G0 X0 Y0\nG1 X5 F60\nG3 X5 Y0 I0.0002\n";
         let refused = refused(circle, 3).unwrap_err().to_string();
         assert!(refused.starts_with("the curve of line 3 would stand still with 3 decimals"), "{refused}");
-        // One that stands still as it is may.
+        // A curve that already stands still there may do so.
         let still = spline.replace("X2.0002", "X2").replace("X2.0003", "X2");
         assert_eq!(part(&still).keeps_moving_rounded(3), Ok(()));
     }

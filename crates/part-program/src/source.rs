@@ -1,4 +1,4 @@
-//! A text with a name, and where in it a byte is.
+//! A text with a name, and the place of a byte in it.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -34,7 +34,7 @@ pub(crate) struct Source<'t> {
     line_starts: Vec<usize>,
 }
 
-/// A span as a reader of the text counts it; line and column begin at 1, columns count characters.
+/// A span as a reader of the text counts; line and column begin at 1, columns count characters.
 pub(crate) struct Place<'t> {
     pub(crate) line: usize,
     pub(crate) column: usize,

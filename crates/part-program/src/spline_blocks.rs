@@ -1,4 +1,4 @@
-//! A spline that is being read, block by block: its numbers and where each stands.
+//! A spline that is being read block by block: its numbers, each with its place.
 
 use crate::curve::{Curve, CurveFault, Element};
 use crate::diagnostic::Report;
@@ -20,7 +20,7 @@ impl SplineBlocks {
         self.weights.push((weight, span));
     }
 
-    /// The curve, if it breaks no rule. `named` is the control's word for a fault, put before the message.
+    /// The curve, if it obeys every rule. `named` is the control's word for a fault, which the message begins with.
     pub(crate) fn finish(
         self,
         degree: usize,

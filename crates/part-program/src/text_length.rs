@@ -1,4 +1,4 @@
-//! The longest text that is read, and what is said of a longer one.
+//! The length of the longest text that is read, and the error for a longer one.
 
 use crate::diagnostic::{Diagnostics, Report};
 use crate::source::{Source, Span};
@@ -6,7 +6,7 @@ use crate::source::{Source, Span};
 /// Longest text that is read, in bytes: 64 MiB.
 pub const MAX_TEXT: usize = 64 << 20;
 
-/// A report on the text, unless it is too long.
+/// A report on the text; an error if the text is too long.
 pub(crate) fn opened<'t>(name: &str, text: &'t str) -> Result<Report<'t>, Diagnostics> {
     if text.len() > MAX_TEXT {
         return Err(too_long(name, text.len()));
@@ -14,7 +14,7 @@ pub(crate) fn opened<'t>(name: &str, text: &'t str) -> Result<Report<'t>, Diagno
     Ok(Report::new(Source::new(name, text)))
 }
 
-/// Says that a text of this many bytes is too long.
+/// Reports that a text of this many bytes is too long.
 pub(crate) fn too_long(name: &str, length: usize) -> Diagnostics {
     let mut report = Report::new(Source::new(name, ""));
     report.error(Span::default(), format!("the text has {length} bytes")).expected("at most 64 MiB");

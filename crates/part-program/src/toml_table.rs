@@ -1,4 +1,4 @@
-//! A TOML table read key by key, so that each fault is said at its own place and none hides another.
+//! A TOML table read key by key, so that each fault is reported at its own place and none hides another.
 
 use toml::Spanned;
 use toml::de::{DeArray, DeTable, DeValue};
@@ -6,15 +6,15 @@ use toml::de::{DeArray, DeTable, DeValue};
 use crate::diagnostic::Report;
 use crate::source::Span;
 
-/// What a number must be.
+/// The range of a number.
 #[derive(Clone, Copy)]
 pub(crate) struct Domain {
-    /// Said when it is not.
+    /// The message for a number outside.
     pub(crate) expected: &'static str,
     pub(crate) holds: fn(f64) -> bool,
 }
 
-/// One table and the keys that were asked for.
+/// A table, with the keys that have been read.
 pub(crate) struct TableReader<'r, 'd, 't> {
     pub(crate) report: &'r mut Report<'t>,
     table: &'d DeTable<'d>,
@@ -110,7 +110,7 @@ impl<'r, 'd, 't> TableReader<'r, 'd, 't> {
         whole
     }
 
-    /// One of some words, or the first of them where the key is not there.
+    /// One of some words; the first of them if the key is missing.
     pub(crate) fn word(&mut self, key: &'static str, words: &[&'static str]) -> Option<&'static str> {
         let Some(value) = self.optional(key) else { return words.first().copied() };
         let found = value.get_ref().as_str().and_then(|text| words.iter().find(|word| **word == text));
@@ -156,7 +156,7 @@ impl<'r, 'd, 't> TableReader<'r, 'd, 't> {
         tables
     }
 
-    /// Says every key that was not asked for; gives the report back.
+    /// Reports every key that was not read, and returns the report.
     pub(crate) fn finish(self) -> &'r mut Report<'t> {
         for key in self.table.keys().filter(|key| !self.known.contains(&key.get_ref().as_ref())) {
             let diagnostic = self.report.error(key.span(), format!("unknown key `{key}` in {}", self.name));
@@ -169,7 +169,7 @@ impl<'r, 'd, 't> TableReader<'r, 'd, 't> {
     }
 }
 
-/// Parses `source`, telling every syntax error at its place.
+/// Parses `source` and reports every syntax error at its place.
 pub(crate) fn parse<'t>(report: &mut Report<'_>, source_text: &'t str) -> Option<Spanned<DeTable<'t>>> {
     let (document, errors) = DeTable::parse_recoverable(source_text);
     if errors.is_empty() {
@@ -212,7 +212,7 @@ pub(crate) fn wrong_kind(report: &mut Report<'_>, key: &str, value: &Spanned<DeV
     report.error(value.span(), format!("`{key}` holds {article} {kind}")).expected(expected);
 }
 
-/// "a, b or c".
+/// A list of words, as in "a, b or c".
 pub(crate) fn listed(words: &[&str]) -> String {
     match words {
         [] => "nothing".into(),
@@ -221,8 +221,8 @@ pub(crate) fn listed(words: &[&str]) -> String {
     }
 }
 
-/// Says every key of a file that is none of the tables `[curve]`, `[machine]` and `[table_…]`, the figures that a paper
-/// published.
+/// Reports every key of a file that is not one of the tables `[curve]`, `[machine]` and `[table_…]`, the figures of a
+/// paper.
 pub(crate) fn refuse_unknown_tables(report: &mut Report<'_>, root: &DeTable<'_>) {
     const TABLES: [&str; 2] = ["curve", "machine"];
     for key in root.keys() {

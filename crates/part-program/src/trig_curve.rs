@@ -23,14 +23,14 @@ use crate::curve_numbers::{Places, control_points, say};
 use crate::source::Span;
 use crate::toml_table::{Domain, TableReader};
 
-/// Beyond this a segment is a loop far longer than its chord.
+/// For a larger value a segment is a loop far longer than its chord.
 const FACTOR: Domain = Domain { expected: "a number within ±1000", holds: |x| x.abs() <= 1e3 };
 const TOLERANCE: Domain =
     Domain { expected: "a number above 0 and at most 1 mm", holds: |x| x > 0.0 && x <= 1.0 };
 const TOLERANCE_MM: f64 = 1e-6;
 /// With degree 5 the polynomials have the spline's own second derivatives at their joints.
 const DEGREE: usize = 5;
-/// What may follow the last point; without the key the first holds.
+/// The ways to continue behind the last point; without the key the first holds.
 const ENDS: [(&str, Ends); 4] = [
     ("continued", Ends::Continued),
     ("repeated", Ends::Repeated),
@@ -38,7 +38,7 @@ const ENDS: [(&str, Ends); 4] = [
     ("as-given", Ends::AsGiven),
 ];
 
-/// Reads the keys that other curves do not have; the table's header is at `header`.
+/// Reads the keys that only these curves have; the table's header is at `header`.
 pub(crate) fn from_keys(mut keys: TableReader<'_, '_, '_>, header: Span) -> Option<Curve> {
     let points = keys.array("control_points_mm");
     let lambda = keys.number("lambda", FACTOR);

@@ -1,14 +1,14 @@
-//! Parts to part programs. Numbers are written as the shortest decimals that read back as the same f64, and with a
-//! decimal point, since a control may take a number without one as micrometres.
+//! Parts to part programs. Numbers are written as the shortest decimals that read back as the same f64. They have a
+//! decimal point, since a control may read a number without one as micrometres.
 //!
-//! Rapid moves stay G0 and straight moves G1, whatever becomes of the curves between them. Words that do not move the
-//! tool stay at their moves: M0, M1, M5 and M9 of a move's own block behind it, all others before it. The way to the first curve
-//! is written where the program had it, among them.
+//! Rapid moves stay G0 and straight moves G1, however the curves between them are written. Words that do not move the
+//! tool stay at their moves: M0, M1, M5 and M9 of a move's own block after it, all others before it. The way to the
+//! first curve is written among them, where the program had it.
 //!
 //! A part in the plane Z = 0 is written without Z, but for the way to it if the program names Z.
 //!
-//! An exact stop is G61 before the block that ends in it, G61.1 for LinuxCNC, whose G61 passes smooth joints, G60 for Siemens;
-//! G64 stands before the next block at feed without one.
+//! An exact stop is written before the block that ends in it: as G61, as G61.1 for LinuxCNC, whose G61 passes smooth
+//! joints, and as G60 for Siemens. G64 stands before the next block at feed without one.
 
 use crate::bezier;
 use crate::curve::Curve;
@@ -21,13 +21,13 @@ use crate::words_to_write::Words;
 use crate::write_error::{MAX_CHORDS, MAX_HALVINGS, WriteError};
 use crate::written_program::{EXACT_STOP, Program};
 
-/// Chords that are counted at most, to say how many a program would need.
+/// Most chords that are counted in order to report how many a program would need.
 const MAX_COUNTED: usize = 4 * MAX_CHORDS;
 /// Writes a part as G1 moves that leave its curves by no more than `tolerance_mm`.
 ///
 /// The bound is proven, by the convex hulls of Bézier pieces. Ends of curves are written to the last bit; points
-/// between them are rounded to a thousandth of the tolerance, or to less. The control `dialect` says which word an exact stop is;
-/// without one it is G61, by which LinuxCNC passes smooth joints.
+/// between them are rounded to a thousandth of the tolerance, or finer. The control `dialect` determines the word for
+/// an exact stop. Without it the word is G61, with which LinuxCNC passes smooth joints.
 ///
 /// # Errors
 /// [`WriteError::CurvedRapid`], [`WriteError::SpanTooFine`], [`WriteError::TooManyChords`], [`WriteError::TooLong`].
@@ -149,7 +149,8 @@ fn line_of(part: &Part, curve: usize) -> usize {
     part.moves.get(curve).map_or(0, |one| one.line)
 }
 
-/// Writes a part, with `write_curve` for what is neither rapid nor a straight move, between a first and a last line.
+/// Writes a part between a first and a last line. `write_curve` writes curves that are neither rapid nor straight
+/// moves.
 fn write(
     part: &Part,
     around: Option<[&str; 2]>,
@@ -165,7 +166,7 @@ fn write(
     for (index, (curve, one)) in part.curves.iter().zip(&part.moves).enumerate() {
         while let Some(approach) = approaches.next_if(|approach| approach.block <= one.block) {
             program.auxiliary(words.before(approach.block));
-            // Words of a block that makes a curve too are the curve's.
+            // If a block makes a curve, its words are written with the curve.
             let is_own = approach.block < one.block && part.approaches_in(approach.block);
             let [ahead, behind] = words.of_block(approach.block, is_own);
             program.auxiliary(&ahead);

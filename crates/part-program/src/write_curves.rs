@@ -12,8 +12,8 @@ use crate::rest::Rest;
 
 /// Writes the curves of a part, each a table `[[curve]]`, and its machine.
 ///
-/// Numbers are the shortest decimals that read back as the same f64. Words that do not move the tool are no part of
-/// a curve file, but the rest at them is, as an exact stop; the lines of its moves are its own.
+/// Numbers are the shortest decimals that read back as the same f64. Words that do not move the tool are not part of a
+/// curve file, but their rests are, as exact stops. The lines of the moves are those of the new file.
 #[must_use]
 pub fn write_curves(part: &Part) -> String {
     let mut text = String::new();
@@ -29,7 +29,7 @@ pub fn write_curves(part: &Part) -> String {
             text.push_str("exact_stop = true\n");
         }
         if let Some(feedrate) = one.feedrate_mm_per_s {
-            // Writing to a String does not fail.
+            // Writing to a String cannot fail.
             let _ = writeln!(text, "feedrate_mm_per_s = {feedrate:?}");
         }
         numbers(&mut text, curve, planar);
@@ -92,7 +92,7 @@ mod tests {
         }
     }
 
-    /// With the word the rest was lost, and the plan of the curves went on at full feed.
+    /// The rest was once lost with the word, and the plan of the curves went on at full feed.
     #[test]
     fn a_rest_at_a_word_is_an_exact_stop() {
         let program = "G0 X0 Y0\nM3 S900\nG1 X10 F600\nM8\nX20\nX30\nX40 M9\nX50\nM5\nM30\n";

@@ -1,4 +1,4 @@
-//! Why a part cannot be written as a program.
+//! Reasons why a part cannot be written as a program.
 
 use std::fmt;
 
@@ -9,7 +9,7 @@ pub(crate) const MAX_CHORDS: usize = 5_000_000;
 /// Halvings of a span at most: 2²⁰ chords.
 pub(crate) const MAX_HALVINGS: u32 = 20;
 
-/// Why a part cannot be written.
+/// The reason why a part cannot be written.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum WriteError {
@@ -36,7 +36,7 @@ pub enum WriteError {
     },
     /// The tolerance asks for more than five million chords.
     TooManyChords {
-        /// So many at least: counting ends beyond twenty million.
+        /// A lower bound of the number of chords: counting ends beyond twenty million.
         needed: usize,
     },
     /// The program is longer than [`MAX_TEXT`], so that no reader of this crate takes it.

@@ -1,4 +1,4 @@
-//! A program that is being written: its text, and where the tool is by what has been written.
+//! A program that is being written: its text, and the state that this text gives to the machine.
 
 use std::fmt::{self, Write};
 
@@ -15,7 +15,7 @@ pub(crate) const EXACT_STOP: &str = "G61";
 pub(crate) struct Program {
     text: String,
     planar: bool,
-    /// Where the tool is, as written.
+    /// The place of the tool according to the text.
     position: [Option<f64>; 3],
     /// In mm/s: the feedrate that holds, as written.
     feedrate: Option<f64>,
@@ -23,7 +23,7 @@ pub(crate) struct Program {
     feed: Option<f64>,
     /// The word for exact stop.
     exact_stop: &'static str,
-    /// Whether it holds, as written.
+    /// Whether it is in force according to the text.
     stops: bool,
     /// Whether the move at hand ends in one.
     ends_at_rest: bool,
@@ -54,7 +54,7 @@ impl Program {
         }
     }
 
-    /// Words that do not move the tool, those of one line in one block. The end of the program is written at its end.
+    /// Writes words that do not move the tool, those of one line in one block. The end of the program is written last.
     pub(crate) fn auxiliary(&mut self, words: &[&Auxiliary]) {
         let ends = |word: &Auxiliary| word.letter == 'M' && (word.value == 2.0 || word.value == 30.0);
         for block in words.chunk_by(|a, b| a.block == b.block) {
@@ -99,7 +99,7 @@ impl Program {
 
     /// Straight moves at feed to the end of the move at hand.
     pub(crate) fn lines_to_end(&mut self, mut points: Vec<[f64; 3]>) {
-        // What comes to the end before it would leave no block to stop at.
+        // A move that reaches the end too early would leave no block at which to stop.
         points.dedup();
         let Some((end, inner)) = points.split_last() else { return };
         if !inner.is_empty() {
@@ -110,7 +110,7 @@ impl Program {
         self.line_through("G1", &[*end]);
     }
 
-    /// Says whether the next block, which ends the move at hand if `is_last`, ends in an exact stop.
+    /// Sets whether the next block, which ends the current move if `is_last`, ends in an exact stop.
     pub(crate) fn path_mode(&mut self, is_last: bool) {
         let stops = is_last && self.ends_at_rest;
         if stops != self.stops {
@@ -128,7 +128,7 @@ impl Program {
         if !self.block.is_empty() {
             self.block.push(' ');
         }
-        // Writing to a String does not fail.
+        // Writing to a String cannot fail.
         let _ = write!(self.block, "{address}{number}");
     }
 
@@ -174,17 +174,17 @@ impl Program {
         (0..3).all(|axis| !axes[axis] || is_there(axis))
     }
 
-    /// A move of axes to where the next curve begins, unless the tool is there.
+    /// Moves axes to the begin of the next curve, unless the tool is there.
     ///
-    /// Where the tool is before, nobody knows: in one block with others, Z goes up before them, and down once they are there, at the
-    /// feed of the curve if that has one.
+    /// The place of the tool before is unknown. So Z moves apart from the other axes. It goes up before them, or it goes
+    /// down after them, at the feed of the curve if that has one.
     pub(crate) fn approach(&mut self, approach: &Approach, curve: &Curve, one: &Move) {
         let Some(&to) = curve.control_points_mm.first() else { return };
         let [x, y, z] = approach.axes;
         if self.is_at(to, approach.axes) {
             return;
         }
-        // From where the program has been, a move at feed would cut what it did not.
+        // From the place that the program has reached, a move at feed would cut material that the part leaves.
         let was_known = (0..3).any(|axis| approach.axes[axis] && self.position[axis].is_some());
         let is_rapid = approach.kind == MoveKind::Rapid || was_known;
         let own_feedrate = approach.feedrate_mm_per_s.or(one.feedrate_mm_per_s).filter(|_| !is_rapid);

@@ -1,4 +1,4 @@
-//! Whatever the bytes: the readers return, and what they return is valid.
+//! For any bytes the readers return, and the parts that they return are valid.
 
 use part_program::{
     Curve, Dialect, MoveKind, Part, ReadOptions, inspect, read_machine, read_part, read_part_bytes,
@@ -101,7 +101,7 @@ fn options() -> impl Strategy<Value = ReadOptions> {
     })
 }
 
-/// How many curves are written and read back; programs that repeat themselves make more than a test has time for.
+/// Most curves that are written and read back; programs that repeat lines make more than a test has time for.
 const MAX_CURVES: usize = 2_000;
 
 fn curves_at_feed(part: &Part) -> Vec<&Curve> {
@@ -122,7 +122,7 @@ fn returns(bytes: &[u8], options: ReadOptions) -> Result<(), TestCaseError> {
             }
             drop(inspect(&part));
             drop(write_g5_2(&part));
-            // What is written is a program, and says the same.
+            // The written text is a program of the same path.
             if let Ok(text) = write_g06_2(&part) {
                 match read_part("again", &text) {
                     Ok(again) => {

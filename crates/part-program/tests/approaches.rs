@@ -1,4 +1,4 @@
-//! The way to the first curve is written where the program had it: in front of the words that stood behind it.
+//! The way to the first curve is written where the program had it: before the words that stood behind it.
 
 use part_program::{
     Dialect, Part, ReadOptions, read_part, read_part_with, write_curves, write_g1, write_g5_2, write_g06_2,
@@ -18,7 +18,7 @@ fn written(part: &Part) -> [String; 3] {
     })
 }
 
-/// `M3` was written in front of the rapid move: the tool was on all the way to the part.
+/// `M3` was once written before the rapid move: the tool was on all the way to the part.
 #[test]
 fn words_behind_the_first_rapid_move_stay_behind_it() {
     let rest = "G1 X60. Y50. F1000.\nM5\nG0 X80. Y50.\nM3\nG1 X90. Y50.\nM5\n";
@@ -80,7 +80,7 @@ fn an_axis_that_is_named_late_is_brought_before_the_first_curve() {
     }
 }
 
-/// Behind a motion that is not read nobody knows where the tool is, as at the start.
+/// After a motion that is not read the place of the tool is unknown, as at the start.
 #[test]
 fn words_behind_a_later_approach_stay_behind_it() {
     let options = ReadOptions { lenient: true, dialect: None, ..ReadOptions::default() };
@@ -91,7 +91,7 @@ fn words_behind_a_later_approach_stay_behind_it() {
     }
 }
 
-/// A part in the plane Z = 0 was written without a Z, and so cut wherever Z stood.
+/// A part in the plane Z = 0 was once written without a Z, and so cut at any height at which Z stood.
 #[test]
 fn a_z_of_0_is_written_if_the_program_names_it() {
     let program = "G21 G90\nG0 X0 Y0 Z0\nG1 X10 F1000\nG1 X10 Y10\nM30\n";

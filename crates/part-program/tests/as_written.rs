@@ -10,7 +10,8 @@ fn said(part: &Part) -> Vec<(usize, &str)> {
     part.warnings.iter().map(|warning| (warning.line, warning.message.as_str())).collect()
 }
 
-/// A helix of many turns was read as a plunge. 15 turns of 3 mm, up by 4 mm: √((15·2π·1.5)² + 4²), the circle's radius being 1.5.
+/// A helix of many turns was once read as a plunge. This one has 15 turns and rises by 4 mm: √((15·2π·1.5)² + 4²) for
+/// the circle's radius of 1.5.
 #[test]
 fn an_arc_makes_the_turns_of_p() {
     let part = part("G21 G0 X0 Y0 Z0\nG1 X3 F100\nG3 X3 Y0 Z4 I-1.5 P15\nG2 X0 Y0 I-1.5 P2\n");
@@ -55,7 +56,7 @@ fn a_centre_word_of_0_outside_the_plane_says_nothing() {
     assert_eq!(part("G21 G0 X0 Y0\nG2 X10 I5 J0 K0 F60\n").curves.len(), 1);
 }
 
-/// 42,994 errors were said of one print.
+/// One print once gave 42,994 errors.
 #[test]
 fn a_print_is_read_and_its_filament_counted() {
     let text = "M104 S200\nM109 S200\nG21\nG28\nG29\nM82\nG92 E0\nG0 X0 Y0 Z0.2 F6000\nG1 X10 E1.5 F1200\nG1 X10 Y10 E3\nG1 E1 F2400\n\
@@ -69,7 +70,7 @@ fn a_print_is_read_and_its_filament_counted() {
     assert_eq!(said(&part), [(14, "`SET_PRESSURE_ADVANCE` is a command of the control: it is left out")]);
 }
 
-/// 7,002 lines were printed of one axis.
+/// One axis once gave 7,002 lines of messages.
 #[test]
 fn an_axis_that_is_not_followed_is_said_once() {
     let turned = |count: u32| (1..=count).map(|index| format!("G1 X{index} A{index}\n")).collect::<String>();
@@ -135,7 +136,7 @@ fn a_unit_that_nothing_names_is_told_with_both_sizes() {
     assert_eq!((inches.assumed_unit(), inches.feedrate_mm_per_s), (None, Some(25.4)));
 }
 
-/// The way from where the tool is at first was left out, and nothing was said of it.
+/// The way from the first place of the tool was once left out without a message.
 #[test]
 fn the_way_to_the_first_point_is_cut_from_a_start_that_is_given() {
     let text = "G21 G1 X10 F60\nG1 Y5\nG1 X20\n";

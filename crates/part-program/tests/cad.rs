@@ -220,7 +220,7 @@ fn a_periodic_spline_is_what_is_drawn_between_its_inner_knots() {
     }
 }
 
-/// Knots that differ by rounding alone made a curve that is not clamped.
+/// Knots that differ by rounding alone once made a curve that is not clamped.
 #[test]
 fn knots_that_differ_by_rounding_are_equal() {
     let clean = part(&drawing(4, SPLINE)).curves;
@@ -442,7 +442,8 @@ fn blocks_within_blocks() {
     assert_eq!(lines, [[112.0, 0.0, 0.0], [98.0, 14.0, 0.0]]);
 }
 
-/// What is left out is counted where it is drawn: not in blocks that nobody inserts, and not by the insert.
+/// Entities that are left out are counted where they are drawn: not in blocks that are never inserted, and not by the
+/// insert.
 #[test]
 fn what_is_left_out_of_blocks_is_counted() {
     let blocks = format!(

@@ -1,4 +1,4 @@
-//! What LinuxCNC's interpreter prints of a program is read as the control moves.
+//! The output of LinuxCNC's interpreter for a program is read as the moves of the control.
 
 use part_program::{
     Dialect, MoveKind, Part, ReadOptions, Rest, Shape, bounding_box_mm, inspect, read_part, read_part_with,
@@ -209,7 +209,7 @@ fn a_dwell_is_a_rest() {
     assert_eq!([1, 2].map(|next| part.rest_before(next)), [Some(Rest::ExactStop), None]);
 }
 
-/// A spline is refused, for its points are not printed; read over, the path goes on behind it.
+/// A spline is refused, since its points are not printed; if it is skipped, the path goes on behind it.
 #[test]
 fn a_move_whose_end_is_not_printed_is_not_read() {
     let text = canon(

@@ -58,7 +58,7 @@ fn a_thread_moves_with_the_spindle() {
     assert_eq!(part.curves[3].control_points_mm, [[0.0, 0.0, -2.0], [1.0, 0.0, -2.0]]);
 }
 
-/// A part is in the coordinates that held at first: what a program shifts, it shifts in them.
+/// A part is in the coordinates that held first; later shifts are made in them.
 #[test]
 fn shifts_move_what_follows_them() {
     for (text, expected) in [
@@ -85,7 +85,7 @@ fn shifts_move_what_follows_them() {
     }
 }
 
-/// Where the machine's own places are, nobody knows: what leads there is no curve, and so is nothing that leads away.
+/// The machine's own places are unknown: a move to such a place is not a curve, nor is a move away from it.
 #[test]
 fn places_of_the_machine_are_not_known() {
     // Y was not sent there, and moves on.

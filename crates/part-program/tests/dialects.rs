@@ -219,7 +219,7 @@ fn the_tool_rests_at_a_dwell() {
     assert_eq!(said(&part).iter().map(|(line, _)| *line).collect::<Vec<_>>(), [3, 7]);
 }
 
-/// They were read over but for their words, and without those in silence.
+/// Calls of subprograms were once skipped but for their words, and without words there was no message.
 #[test]
 fn a_call_of_a_subprogram_is_an_error_that_says_so() {
     for text in [
@@ -237,7 +237,7 @@ fn a_call_of_a_subprogram_is_an_error_that_says_so() {
     }
 }
 
-/// With everything read over, it was not said why nothing was left.
+/// When all blocks were skipped, no message said why no curve was left.
 #[test]
 fn a_program_of_nothing_names_what_was_read_over() {
     let options = ReadOptions { lenient: true, dialect: None, ..ReadOptions::default() };
@@ -309,7 +309,7 @@ fn a_word_that_is_not_read_takes_no_modal_word_with_it() {
     assert_eq!(said(&zero), [(4, "`G187` is not read: P2 left out of its block"), (5, lost)]);
 }
 
-/// The points of a motion that is not read were read as rapid moves, and so was what came after it.
+/// The points of a motion that is not read were once read as rapid moves, and so was the motion behind it.
 #[test]
 fn after_a_motion_that_is_not_read_nothing_moves_until_another() {
     let part = lenient("G0 X0 Y0 Z2\nG38.2 X10 Y10 Z-5 F100\nX20\nM8\nG80\nG0 X50 Y50\nG0 Z2\nG1 X60\n");
@@ -482,7 +482,7 @@ fn a_curve_that_ends_in_a_doubled_point_keeps_its_stop() {
     );
 }
 
-/// Where the tool is before the program, nobody knows: a rapid move straight down could end in the clamps.
+/// The place of the tool before the program is unknown: a rapid move straight down could end in the clamps.
 #[test]
 fn a_written_program_goes_down_where_it_begins_to_cut() {
     let down = part("G0 X50 Y0\nG1 Z-2 F300\nX60\nY10\n");

@@ -1,5 +1,5 @@
-//! Programs that compute: variables, expressions, conditions, loops and subprograms. Right values are those of LinuxCNC's `rs274` where
-//! nothing else is said.
+//! Programs that compute: variables, expressions, conditions, loops and subprograms. Expected values are those of
+//! LinuxCNC's `rs274` unless a comment names another source.
 
 use part_program::{Dialect, Part, ReadOptions, read_part, read_part_with};
 
@@ -242,7 +242,7 @@ fn a_loop_without_an_end_is_stopped() {
     }
 }
 
-/// The same line was said a thousand times, and nobody knew in which turn.
+/// The same line once gave a thousand messages, none of which named the turn.
 #[test]
 fn a_message_in_a_loop_names_its_turn() {
     let text = "G0 X0\n#1=3\no1 while [#1 GE 0]\n#1=[#1-1]\nG1 X[1/#1]\no1 endwhile\n";

@@ -1,4 +1,4 @@
-//! What a part holds, and what is odd about it.
+//! The contents of a part, and its oddities.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 

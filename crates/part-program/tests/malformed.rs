@@ -1,4 +1,4 @@
-//! Programs that are wrong, each with the place and the words of what is said.
+//! Programs with faults, each with its place and the words of its message.
 
 use expect_test::expect_file;
 use part_program::{Dialect, ReadOptions, read_part, read_part_with};
@@ -194,7 +194,7 @@ fn a_text_beyond_the_limit_is_refused() {
     assert!(errors.contains("the text has 67108865 bytes") && errors.contains("at most 64 MiB"), "{errors}");
 }
 
-/// The last word won, without a word about it.
+/// The last word once won, without a message.
 #[test]
 fn a_contradiction_within_a_group_is_one_error_and_a_repetition_is_none() {
     for (program, faults) in [
@@ -234,7 +234,7 @@ fn an_error_is_not_followed_by_others_that_come_of_it() {
     assert_eq!(errors.count(), 1, "{errors}");
 }
 
-/// What is wrong behind the curve is said all the same.
+/// A fault behind the curve is reported too.
 #[test]
 fn errors_behind_a_broken_curve_are_said() {
     let errors = read_part("p", "G0 X0 Y0\nG06.2 P1 K0 X0\nK0 X1\nK1\nG1 X5 Q1\nG2 X9\n").unwrap_err();

@@ -225,7 +225,7 @@ fn moves_and_curves_go_together() {
     assert_eq!(part.moves.iter().map(rapid).collect::<Vec<_>>(), [false, false, true]);
 }
 
-/// Arcs were bent to fit by up to 0.02 mm without a word.
+/// Arcs were once bent by up to 0.02 mm without a message.
 #[test]
 fn radii_that_a_control_may_refuse_are_named_with_their_line() {
     let said = |text: &str| {

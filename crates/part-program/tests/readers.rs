@@ -31,7 +31,7 @@ fn paper_ds_program() {
     assert_eq!((part.feedrate_mm_per_s, part.machine), (None, None));
 }
 
-/// A change of a good text, where the fault is, and a word of what is said.
+/// A change of a good text, the place of the fault, and a word of the message.
 #[test]
 fn faults_are_named_by_place() {
     let toml = |from: &str, to: &str| (PAPER_A.replacen(from, to, 1), "p.toml");

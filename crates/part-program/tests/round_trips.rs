@@ -1,4 +1,4 @@
-//! What is written is read back, bit by bit.
+//! Every written part reads back bit by bit.
 
 use part_program::{
     Curve, Move, MoveKind, Part, Shape, WriteError, inspect, read_part, write_curves, write_g1, write_g5_2,

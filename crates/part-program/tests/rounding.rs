@@ -1,4 +1,4 @@
-//! What is written with few decimals lies as near to the part as is stated, and stays joined.
+//! A part written with few decimals lies within the stated distance of the original, and its curves stay joined.
 
 use nurbs_core::{Evaluate, NurbsBuf};
 use part_program::{
@@ -60,7 +60,7 @@ fn read(text: &str) -> Part {
     read_part("p.nc", text).unwrap_or_else(|errors| panic!("{errors}\n{text}"))
 }
 
-/// What `write` makes of a part, with `decimals`, and as it reads back.
+/// A part as `write` writes it with `decimals`, and as it reads back.
 fn rounded(part: &Part, decimals: usize, write: impl Fn(&Part) -> String) -> (Rounded, Part, String) {
     let rounded = read(&write(part)).rounded(decimals);
     let text = write(&rounded.part);

@@ -1,13 +1,13 @@
 //! Whether two polylines are one path: their Fréchet distance is at most a tolerance.
 //!
-//! Two points walk along the two polylines, from start to end and never back. The distance is the least that the longest leash between
-//! them must have. Where vertices stand does not matter, so that a curve may be cut into other pieces, but a loop that one of them
-//! leaves out does, and so does a stretch that is walked the other way.
+//! Two points walk along the two polylines, from start to end and never back. The Fréchet distance is the least length
+//! of a leash between them that allows such a walk. The places of vertices do not matter, so a curve may be cut into
+//! other pieces. But a loop that one polyline leaves out matters, and so does a stretch that is walked the other way.
 //!
-//! For segment i of the one and j of the other, the pairs of points within the tolerance are a convex set in the unit square; what can
-//! be walked to is settled by the intervals on the sides of these squares (H. Alt, M. Godau, Computing the Fréchet distance between two
-//! polygonal curves, 1995, section 3). Only squares that are reached are looked at: for paths that are near each other their number
-//! goes with the number of vertices.
+//! For segment i of the one and j of the other, the pairs of points within the tolerance are a convex set in the unit
+//! square. The intervals on the sides of these squares tell which squares can be reached (H. Alt, M. Godau, Computing
+//! the Fréchet distance between two polygonal curves, 1995, section 3). Only squares that are reached are looked at:
+//! for paths near each other their number is proportional to the number of vertices.
 
 use crate::point::{Point, distance};
 

@@ -1,4 +1,4 @@
-//! Whether a part program is read as LinuxCNC's interpreter reads it: holds its feed path against what `rs274 -g` prints of it.
+//! Compares how a part program is read with LinuxCNC's interpreter: its feed path against the output of `rs274 -g`.
 //!
 //! ```text
 //! cargo run --release --example same_path -- PROGRAM CANON [--dialect D] [--lenient]
@@ -19,8 +19,9 @@
 //! most, a point by 0.09 µm, an arc with its end and its centre by three times that; a tolerance of 1 µm leaves room for chords, which
 //! are within 0.1 µm on each side. In inches all that is 25.4 times as much: 5 µm.
 //!
-//! Of splines the interpreter prints no points. They and the move behind them are left out on both sides, and counted: `same` with 0
-//! runs says that nothing was compared. An interpreter that prints them as chords is held to 0.1 mm.
+//! The interpreter prints no points of splines. They and the move behind them are left out on both sides, and counted:
+//! `same` with 0 runs means that nothing was compared. If an interpreter prints splines as chords, the tolerance is 0.1
+//! mm.
 //!
 //! Feedrates are the same within 0.1 %, and within the last decimal; they change at the same places.
 
@@ -36,9 +37,9 @@ use crate::frechet::{Walk, walk};
 use crate::path::{Run, cuts, runs};
 use crate::point::{Point, distance};
 
-/// What four decimals of millimetres and the chords of arcs leave open, in mm.
+/// The distance in mm that comes from four decimals of millimetres and from the chords of arcs.
 const MM_TOLERANCE: f64 = 1e-3;
-/// What four decimals of inches and the chords of arcs leave open, in mm.
+/// The distance in mm that comes from four decimals of inches and from the chords of arcs.
 const INCH_TOLERANCE: f64 = 5e-3;
 /// How far chords may be from a spline that an older interpreter prints as such, in mm.
 const SPLINE_TOLERANCE: f64 = 0.1;

@@ -6,7 +6,7 @@
 //!    12 N1234567FLOOD_ON()
 //! ```
 //!
-//! Numbers are apart by commas or by blanks alone, and an N word of more than six digits has no blank behind it.
+//! Numbers are separated by commas or by blanks alone. An N word of more than six digits has no blank behind it.
 
 use crate::source::Span;
 
@@ -18,7 +18,7 @@ const MAX_NUMBERS: usize = 16;
 pub(crate) struct Call<'t> {
     /// `STRAIGHT_FEED`.
     pub(crate) name: &'t str,
-    /// What stands between the parentheses; `None` if they are not there.
+    /// The text between the parentheses; `None` if there are no parentheses.
     pub(crate) arguments: Option<&'t str>,
     /// From the name to the end of the line.
     pub(crate) span: Span,

@@ -1,8 +1,9 @@
-//! Where the coordinates are that `rs274` prints.
+//! The place of the coordinates that `rs274` prints.
 //!
-//! They are the program's: a point `p` of them is at `R(θ)·(p + g92) + g5x` in those of the machine, with the rotation θ about Z
-//! (`SET_XY_ROTATION`, in degrees), the offset of G92 (`SET_G92_OFFSET`) and that of the work coordinate system
-//! (`SET_G5X_OFFSET`). The length of the tool is left out: the path is that of its tip.
+//! They are the program's coordinates. A point `p` in them is at `R(θ)·(p + g92) + g5x` in the machine's coordinates. θ
+//! is the rotation about Z (`SET_XY_ROTATION`, in degrees), g92 the offset of G92 (`SET_G92_OFFSET`), and g5x the
+//! offset of the work coordinate system (`SET_G5X_OFFSET`). The length of the tool is left out: the path is that of its
+//! tip.
 
 use crate::vector::difference;
 
@@ -17,26 +18,27 @@ pub(crate) struct Frame {
 }
 
 impl Frame {
-    /// Where the program's zero is on the machine.
+    /// The program's zero in the machine's coordinates.
     pub(crate) fn zero(&self) -> [f64; 3] {
         let turned = self.turned(self.g92);
         std::array::from_fn(|axis| turned[axis] + self.g5x[axis])
     }
 
-    /// This frame as it is seen from the first one, whose coordinates are those of the part.
+    /// This frame relative to the first one, whose coordinates are those of the part.
     pub(crate) fn seen_from(&self, first: &Self) -> Self {
         let zero = first.turned_back(difference(&self.zero(), &first.zero()));
         Self { g5x: zero, g92: [0.0; 3], rotation: self.rotation - first.rotation, tool: self.tool }
     }
 
-    /// Where the point `p` of the program is in the coordinates of the first frame. In that frame itself it is `p` to the last bit.
+    /// The point `p` of the program in the coordinates of the first frame. In the first frame itself it is `p` to the
+    /// last bit.
     pub(crate) fn place(&self, p: [f64; 3], first: &Self) -> [f64; 3] {
         let seen = self.seen_from(first);
         let turned = seen.turned(p);
         std::array::from_fn(|axis| turned[axis] + seen.g5x[axis])
     }
 
-    /// A direction or a distance before it was turned about Z.
+    /// The direction or distance that a turn about Z brings to this one.
     pub(crate) fn turned_back(&self, p: [f64; 3]) -> [f64; 3] {
         Self { rotation: -self.rotation, ..*self }.turned(p)
     }
@@ -55,7 +57,8 @@ impl Frame {
 mod tests {
     use super::*;
 
-    /// What `G10 L2 P1 X10 Y20 Z30 R45`, `G1 X3 Y0` and `G53 G1 X1` print: X is then at 1 on the machine, and Y where it was.
+    /// The output of `G10 L2 P1 X10 Y20 Z30 R45`, `G1 X3 Y0` and `G53 G1 X1`: X is then at 1 on the machine, and Y is
+    /// where it was.
     #[test]
     fn a_rotation_comes_before_the_offset() {
         let frame = Frame { g5x: [10.0, 20.0, 30.0], rotation: 45.0_f64.to_radians(), ..Frame::default() };

@@ -1,7 +1,7 @@
 //! Canonical machining functions to curves: what LinuxCNC's stand-alone interpreter prints, `rs274 -g part.ngc > part.canon`.
 //!
-//! The interpreter has evaluated parameters, O-words, cycles and the compensation of the tool's radius, so that each line is a move or
-//! a switch.
+//! The interpreter has already evaluated parameters, O-words, cycles and the compensation of the tool's radius. So each
+//! line is a move or a switch.
 //!
 //! | function | meaning |
 //! |---|---|
@@ -14,25 +14,30 @@
 //! | `RIGID_TAP` | to the depth and back, without a feedrate |
 //! | `STRAIGHT_PROBE`, `NURBS_FEED` | not read: where they lead is not printed |
 //!
-//! `ARC_FEED(a, b, centre a, centre b, turns, c, A, B, C)`: (a, b, c) is (x, y, z) in XY, (y, z, x) in YZ and (z, x, y) in XZ. The number
-//! of turns counts the last one as one, though it may be a part of one; it is negative clockwise. An arc whose start and end are printed
-//! the same is a full turn: one of less than the last decimal cannot be told from it.
+//! `ARC_FEED(a, b, centre a, centre b, turns, c, A, B, C)`: (a, b, c) is (x, y, z) in XY, (y, z, x) in YZ and (z, x, y)
+//! in XZ. The number of turns counts the last one as one, even if it is only a part of a turn; it is negative
+//! clockwise. An arc with equal printed ends is a full turn: an arc shorter than the last decimal cannot be told from
+//! it.
 //!
-//! What follows was found by trial, with LinuxCNC 2.9.0, a block and its printed line at a time:
+//! These rules were found by trial with LinuxCNC 2.9.0, one block and its printed line at a time:
 //!
-//! - Units are those of `USE_LENGTH_UNITS`, which G20 and G21 print: `G20` `G1 X2 F10` prints 2 and a feed of 10 a minute, and what is
-//!   printed after the next G21 is millimetres. Offsets are in the unit in force too, and are not printed again when it changes; nor is
-//!   the feed. Before G20 and G21 it is millimetres.
-//! - Coordinates are the program's, as under [`frame`]: after `G10 L2 P1 X10` and G54, `G0 X1` prints 1. So the curves of a part are in
-//!   the coordinates of the system in force at its first move; what another one shifts or turns later is shifted and turned, as the
-//!   machine moves. When a tool's length comes into force the tip is elsewhere at once, though nothing moves: a gap.
+//! - Lengths are in the unit of `USE_LENGTH_UNITS`, which G20 and G21 print: `G20` `G1 X2 F10` prints 2 and a feed of
+//!   10 a minute, and numbers after the next G21 are in millimetres. Offsets and the feed are in the unit in force too,
+//!   and are not printed again when it changes. Before G20 and G21 the unit is the millimetre.
+//! - Coordinates are the program's, as described in [`frame`]: after `G10 L2 P1 X10` and G54, `G0 X1` prints 1. So the
+//!   curves of a part are in the coordinates of the system in force at its first move. If another system shifts or
+//!   turns later moves, they are shifted and turned as the machine moves. When a tool's length comes into force, the
+//!   tip is at another place at once, though nothing moves: a gap.
 //! - The interpreter takes the machine to be at zero at first, which is not known: the first straight move is an
 //!   [`Approach`](crate::Approach).
-//! - Four decimals, in millimetres or inches; no option prints more. The end of an arc may be off its circle by that, or by what LinuxCNC
-//!   takes: it is accepted, whatever it is, and the path goes from the one radius to the other.
-//! - G93 prints the feed of each move per minute. With G95, in threads and in rigid tapping it is per revolution: such moves have none.
+//! - Numbers have four decimals, in millimetres or inches; no option prints more. The end of an arc may be off its
+//!   circle by that, or by the distance that LinuxCNC accepts. Any distance is accepted here, and the path goes from
+//!   one radius to the other.
+//! - In G93 the feed of each move is printed per minute. In G95, in threads and in rigid tapping it is per revolution:
+//!   such moves have no feedrate.
 //! - Cycles are cut in G61 and switch back to G64 when they end.
-//! - Errors go to the standard error output, with status 1, and the lines end there. `(print, …)` stands among the lines.
+//! - Errors go to the standard error output, with status 1, and the lines end there. The text of `(print, …)` stands
+//!   among the lines.
 
 mod call;
 mod frame;
@@ -50,7 +55,7 @@ use crate::part::Part;
 use crate::source::Span;
 use crate::unit::INCH;
 
-/// Functions that do not bear on the path, and that no M, S or T word makes.
+/// Functions that do not affect the path and that no M, S or T word makes.
 const WITHOUT_EFFECT: [&str; 21] = [
     "CHANGE_TOOL_NUMBER",
     "COMMENT",
@@ -75,7 +80,7 @@ const WITHOUT_EFFECT: [&str; 21] = [
     "CLAMP_AXIS",
 ];
 
-/// Functions that an M word makes, and its number.
+/// Functions that an M word makes, each with the word's number.
 const SWITCHES: [(&str, f64); 28] = [
     ("PROGRAM_STOP", 0.0),
     ("OPTIONAL_PROGRAM_STOP", 1.0),
@@ -107,18 +112,18 @@ const SWITCHES: [(&str, f64); 28] = [
     ("SET_AUX_OUTPUT_VALUE", 68.0),
 ];
 
-/// Whether a text is what `rs274` prints: its first line is, but for what the interpreter says when it begins.
+/// Whether a text is output of `rs274`: its first line is, not counting what the interpreter prints when it begins.
 pub(crate) fn is_canon(text: &str) -> bool {
     let mut lines = text.lines().filter(|line| !is_chatter(line)).take(1);
     lines.any(|line| Call::of(line, 0).is_some())
 }
 
-/// A line that says nothing: empty, or `executing`, which goes to the standard error output.
+/// A line without a function: empty, or `executing`, which goes to the standard error output.
 fn is_chatter(line: &str) -> bool {
     ["", "executing"].contains(&line.trim())
 }
 
-/// Reads canonical functions into `part`. What is wrong goes to the report.
+/// Reads canonical functions into `part`. Errors and warnings go to the report.
 pub(crate) fn read(report: &mut Report<'_>, part: &mut Part, options: ReadOptions) {
     let text = report.source.text;
     let mut reader = Reader::new(report, part, options);
@@ -131,7 +136,7 @@ pub(crate) fn read(report: &mut Report<'_>, part: &mut Part, options: ReadOption
     reader.finish(Span::new(text.len(), text.len()));
 }
 
-/// What the feed counts.
+/// The unit of the feed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum FeedMode {
     /// Length a minute.
@@ -141,7 +146,7 @@ enum FeedMode {
     PerRevolution,
 }
 
-/// What is said once of a text.
+/// A remark that is made once for a text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Once {
     Text,
@@ -163,9 +168,9 @@ struct Reader<'r, 't, 'p> {
     frame: Frame,
     /// The frame of the first move, whose coordinates are those of the part.
     first_frame: Option<Frame>,
-    /// Where the tip is in the part; unknown before the first move, and after one that is not read.
+    /// The place of the tip in the part; unknown before the first move, and after a move that is not read.
     position: Option<[f64; 3]>,
-    /// Rotary axes and second linear ones, as the last move left them.
+    /// Places of rotary axes and second linear axes after the last move.
     rotary: [f64; 6],
     feed_mode: FeedMode,
     /// Threading: the feed follows the spindle.
@@ -223,7 +228,7 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
         }
     }
 
-    /// Obeys one function.
+    /// Executes one function.
     fn call(&mut self, call: &Call<'_>) {
         match call.name {
             "STRAIGHT_TRAVERSE" | "STRAIGHT_FEED" => self.straight(call),
@@ -256,7 +261,7 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
         }
     }
 
-    /// A function that an M word made, one without effect, or one that nobody knows.
+    /// Executes a function that an M word made, ignores one without effect, and refuses an unknown one.
     fn switch(&mut self, call: &Call<'_>, name: &str) {
         self.has_end |= ["PROGRAM_END", "FINISH"].contains(&name);
         let name = if name.ends_with(".WAIT_ORIENT_COMPLETE") { "ORIENT_SPINDLE" } else { name };
@@ -296,7 +301,7 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
         };
     }
 
-    /// An offset of the last six numbers at most; the first one of `SET_G5X_OFFSET` is that of the system.
+    /// An offset, given by the last six numbers at most; the first number of `SET_G5X_OFFSET` is that of the system.
     fn offset(&mut self, call: &Call<'_>, set: impl Fn(&mut Frame, [f64; 3])) {
         let skipped = usize::from(call.name == "SET_G5X_OFFSET");
         let numbers = call.numbers();
@@ -307,7 +312,7 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
         set(&mut self.frame, offset);
     }
 
-    /// The tip is elsewhere at once when another length of the tool is in force, for the machine stands.
+    /// When another tool length comes into force, the tip is at another place at once, since the machine stands still.
     fn tool_length(&mut self, call: &Call<'_>) {
         let numbers = call.numbers();
         let Some((offset, _)) = numbers.as_ref().and_then(|numbers| numbers.split::<3>()) else {
@@ -340,7 +345,7 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
                 format!("{feedrate:.0} mm/s are as fast as any machine can: the machine's own feed is taken");
             self.report.of_kind(false, call.span, "fast", message);
         }
-        // The interpreter prints 0 where no feed is set.
+        // The interpreter prints 0 if no feed is set.
         self.feedrate_mm_per_s =
             Some(feedrate).filter(|feedrate| *feedrate > 0.0 && *feedrate <= MAX_FEEDRATE);
     }
@@ -365,7 +370,7 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
         };
     }
 
-    /// Says what is missing where a text ends, and which is the highest feedrate.
+    /// Reports what is missing at the end of a text, and sets the highest feedrate.
     fn finish(self, end: Span) {
         self.part.feedrate_mm_per_s = self.part.highest_feedrate();
         if !self.has_end {
@@ -380,7 +385,7 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
         }
     }
 
-    /// Says that a function has not what it needs.
+    /// Reports a function whose arguments are wrong.
     fn malformed(&mut self, call: &Call<'_>, expected: &str) {
         let message = format!("`{}` is not as rs274 prints it", call.name);
         self.report.error(call.span, message).expected(expected);
@@ -395,7 +400,7 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
         }
     }
 
-    /// Warns of what may be there in every line, where it is met first.
+    /// Warns of something that may be in every line, only the first time.
     fn say_once(
         &mut self,
         what: Once,

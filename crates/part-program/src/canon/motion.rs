@@ -1,4 +1,4 @@
-//! Moves: straight ones, arcs, and those whose end is not printed.
+//! Moves: straight moves, arcs, and moves whose end is not printed.
 
 use crate::approach::Approach;
 use crate::arc::{ArcFault, ArcMove, Circle};
@@ -10,7 +10,7 @@ use crate::exact_stops::PathMode;
 use crate::moves::{Move, MoveKind, Shape};
 use crate::source::Span;
 
-/// The most turns of one arc. A line of text is not to become more curves than a machine ever turns.
+/// The most turns of one arc. So a line of text cannot become more curves than a machine ever turns.
 const MAX_TURNS: u32 = 1000;
 
 impl Reader<'_, '_, '_> {
@@ -72,7 +72,8 @@ impl Reader<'_, '_, '_> {
             let expected = "a straight move to its start";
             return self.refuse(call.span, "where this arc starts is not known", expected);
         };
-        // A rotation about Z turns the planes XZ and YZ: such an arc is made as it is written, and then turned.
+        // A rotation about Z turns the planes XZ and YZ: such an arc is made in the coordinates as written, and then
+        // turned.
         let first_frame = self.first_frame.unwrap_or(self.frame);
         let frame = if normal == 2 { Frame::default() } else { self.frame.seen_from(&first_frame) };
         let [start, end, centre] = [start, end, centre].map(|point| frame.turned_back(point));
@@ -80,7 +81,7 @@ impl Reader<'_, '_, '_> {
         let arc = ArcMove::new(self.plane, rotation < 0.0, [start, end], circle);
         match self.push_turns(arc, turns, frame, call.span) {
             Ok(()) => {}
-            // A radius of less than the last decimal.
+            // The radius is less than the last decimal.
             Err(ArcFault::NoRadius) if start == end => self.part.standstills.push(self.line),
             Err(ArcFault::NoRadius) => {
                 self.push(turned(Curve::line(start, end), frame), MoveKind::Feed, Shape::Line, call.span);
@@ -91,10 +92,10 @@ impl Reader<'_, '_, '_> {
         }
     }
 
-    /// Makes one curve of each turn of an arc; all but the last are whole ones.
+    /// Makes one curve of each turn of an arc; all but the last are full turns.
     fn push_turns(&mut self, arc: ArcMove, turns: u32, frame: Frame, span: Span) -> Result<(), ArcFault> {
         let [.., normal] = arc.plane.axes();
-        // The share of the height that one whole turn takes: the height goes with the angle.
+        // The share of the height for one full turn: the height is proportional to the angle.
         let angle = arc.sweep()?;
         let whole = f64::from(turns - 1) * std::f64::consts::TAU;
         let rise = (arc.end[normal] - arc.start[normal]) * std::f64::consts::TAU / (whole + angle);
@@ -135,7 +136,7 @@ impl Reader<'_, '_, '_> {
         }
     }
 
-    /// A move whose end is not printed: where the tool is after it is not known.
+    /// A move whose end is not printed. After it, the place of the tool is unknown.
     pub(super) fn lose(&mut self, call: &Call<'_>) {
         let (message, expected) = match call.name {
             "NURBS_FEED" => (
@@ -149,11 +150,11 @@ impl Reader<'_, '_, '_> {
         self.position = None;
     }
 
-    /// Where a printed point is in the part, in mm.
+    /// The place of a printed point in the part, in mm.
     fn place(&mut self, point: [f64; 3], span: Span) -> Option<[f64; 3]> {
         let first = *self.first_frame.get_or_insert(self.frame);
         let place = self.frame.place(point.map(|x| x * self.unit), &first);
-        // A sum of offsets that is no number is out of range too.
+        // If the sum of offsets is NaN, it is out of range too.
         if place.iter().all(|x| x.abs() <= MAX_COORDINATE_MM) {
             return Some(place);
         }
@@ -163,7 +164,7 @@ impl Reader<'_, '_, '_> {
         None
     }
 
-    /// Notes where rotary axes and second linear ones are, and says once that they move.
+    /// Stores the places of rotary axes and second linear axes, and reports once that they move.
     fn turns_rotary(&mut self, rotary: &[f64], span: Span) -> bool {
         let mut now = self.rotary;
         now.iter_mut().zip(rotary).for_each(|(axis, value)| *axis = *value);
@@ -182,7 +183,7 @@ impl Reader<'_, '_, '_> {
         self.feedrate_mm_per_s.filter(|_| is_known)
     }
 
-    /// Adds a curve; the stop of the one before it is settled by its direction.
+    /// Adds a curve. Its direction decides whether the curve before it ends with a stop.
     fn push(&mut self, curve: Curve, kind: MoveKind, shape: Shape, span: Span) {
         if let Some(fault) = curve.faults().first() {
             self.report.error(span, fault.to_string()).expected(fault.expected());
@@ -203,13 +204,13 @@ impl Reader<'_, '_, '_> {
     }
 }
 
-/// A curve turned about Z as the coordinates are.
+/// A curve turned about Z like the coordinates.
 fn turned(mut curve: Curve, frame: Frame) -> Curve {
     curve.control_points_mm.iter_mut().for_each(|point| *point = frame.turned(*point));
     curve
 }
 
-/// The turns of an arc, without their direction.
+/// The number of an arc's turns, without their sense.
 fn turns(rotation: f64) -> Option<u32> {
     (1..=MAX_TURNS).find(|turns| f64::from(*turns) == rotation.abs())
 }

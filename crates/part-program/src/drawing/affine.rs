@@ -1,7 +1,8 @@
 //! Affine maps: planes of entities, inserted blocks, and the drawing's unit.
 //!
-//! The points of a rational curve are means of its control points with shares that sum to 1, so that an affine map of the control
-//! points is the same map of the curve, with no error but rounding: an arc that is scaled unevenly becomes its ellipse.
+//! The points of a rational curve are means of its control points with shares that sum to 1. So an affine map of the
+//! control points maps the curve, with no error but rounding: an arc that is scaled unevenly becomes an arc of an
+//! ellipse.
 //!
 //! # Source
 //! Autodesk, DXF Reference, "Arbitrary Axis Algorithm".
@@ -36,10 +37,11 @@ impl Affine {
         Self { axes: [[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]], origin: [0.0; 3] }
     }
 
-    /// Takes the coordinates of an entity whose plane has this normal to the drawing's; `None` if the normal has no direction.
+    /// Maps the coordinates of an entity whose plane has this normal to the drawing's; `None` if the normal has no
+    /// direction.
     ///
-    /// The x axis of the plane is the drawing's y axis × the normal if the normal is within 1/64 of the drawing's z axis, else
-    /// the drawing's z axis × the normal.
+    /// The x axis of the plane is the drawing's y axis × the normal if the normal is within 1/64 of the drawing's z
+    /// axis, otherwise the drawing's z axis × the normal.
     pub(crate) fn of_plane(normal: [f64; 3]) -> Option<Self> {
         const NEAR: f64 = 1.0 / 64.0;
         let z = unit(normal)?;
@@ -48,18 +50,18 @@ impl Affine {
         Some(Self { axes: [x, cross(z, x), z], origin: [0.0; 3] })
     }
 
-    /// Where a point goes.
+    /// The image of a point.
     pub(crate) fn point(&self, point: [f64; 3]) -> [f64; 3] {
         let turned = self.direction(point);
         std::array::from_fn(|axis| turned[axis] + self.origin[axis])
     }
 
-    /// Where a difference of points goes.
+    /// The image of a difference of points.
     pub(crate) fn direction(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
         std::array::from_fn(|axis| x * self.axes[0][axis] + y * self.axes[1][axis] + z * self.axes[2][axis])
     }
 
-    /// This map after another one.
+    /// The map that applies first the other map and then this one.
     pub(crate) fn after(&self, first: &Self) -> Self {
         Self { axes: first.axes.map(|axis| self.direction(axis)), origin: self.point(first.origin) }
     }
@@ -74,13 +76,13 @@ impl Affine {
     }
 }
 
-/// A vector over its length; `None` where it has no direction.
+/// A vector over its length; `None` if it has no direction.
 pub(crate) fn unit(vector: [f64; 3]) -> Option<[f64; 3]> {
     let length = length(vector);
     (length > 0.0 && length.is_finite()).then(|| vector.map(|x| x / length))
 }
 
-/// Sine and cosine of an angle in rad; of a whole number of right angles without the rounding of π.
+/// Sine and cosine of an angle in rad. For a whole number of right angles they are exact, without the rounding of π.
 pub(crate) fn sin_cos(angle: f64) -> (f64, f64) {
     let quarters = angle / FRAC_PI_2;
     let whole = quarters.round();

@@ -1,9 +1,9 @@
 //! Binary DXF: the groups of a drawing as bytes, turned into the text that has the same groups.
 //!
-//! Behind the sentinel each group is its code and its value. A code has two bytes, low one first; in files of release 12 and before
-//! one byte, or 255 and two bytes. The code says what the value is: a text with a 0 behind it, a number of 1, 2, 4 or 8 bytes,
-//! low ones first, or a count in one byte and so many bytes. Line and column of what is said about such a drawing are those of the
-//! text: group n stands in its lines 2n - 1 and 2n.
+//! Behind the sentinel each group is its code and its value. A code has two bytes, low one first; in files of release
+//! 12 and before it has one byte, or 255 and two bytes. The code tells the kind of the value: a text with a 0 behind
+//! it; a number of 1, 2, 4 or 8 bytes, low ones first; or a count in one byte and so many bytes. Diagnostics of such a
+//! drawing have the line and the column of the text: group n stands in its lines 2n - 1 and 2n.
 //!
 //! # Source
 //! Autodesk, DXF Reference, "Binary DXF Files" and "Group Code Value Types".
@@ -15,10 +15,10 @@ use crate::diagnostic::{Diagnostics, Report};
 use crate::source::{Source, Span};
 use crate::text_length::{MAX_TEXT, too_long};
 
-/// What a binary drawing begins with.
+/// The first bytes of a binary drawing.
 pub(crate) const SENTINEL: &[u8] = b"AutoCAD Binary DXF\r\n\x1a\0";
 
-/// Why bytes are no groups, and the byte where it shows.
+/// Why bytes are not groups, with the byte at which this shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Fault {
     CutOff(usize),
@@ -29,7 +29,7 @@ enum Fault {
 /// The text with the same groups.
 ///
 /// # Errors
-/// The place in the file from which on it is no drawing.
+/// The place in the file from which on it is not a drawing.
 pub(crate) fn as_text(name: &str, bytes: &[u8]) -> Result<String, Diagnostics> {
     let (message, expected) = match text_of(bytes.get(SENTINEL.len()..).unwrap_or_default()) {
         Ok(text) if is_drawing(&text) => return Ok(text),
@@ -78,7 +78,7 @@ fn is_wide(bytes: &[u8]) -> bool {
     matches!(bytes, [0, 0, ..] | [0xe7, 3, ..])
 }
 
-/// What the value of a group is.
+/// The kind of a group's value.
 #[derive(Clone, Copy)]
 enum Kind {
     Text,
@@ -155,7 +155,7 @@ impl<'b> Reader<'b> {
     }
 }
 
-/// A text on one line: UTF-8, or else Latin-1.
+/// A text on one line, read as UTF-8 or, if it is not valid, as Latin-1.
 fn line_of(bytes: &[u8]) -> String {
     match std::str::from_utf8(bytes) {
         Ok(text) => text.replace(['\r', '\n'], " "),

@@ -1,5 +1,5 @@
-//! Blocks: entities that are drawn wherever an INSERT names them. Blocks hold inserts, so that few lines may stand for any number of
-//! curves: how many is bounded.
+//! Blocks: entities that are drawn wherever an INSERT names them. Blocks may hold inserts, so a few lines may stand for
+//! any number of curves; that number is limited.
 
 use super::item::Item;
 use crate::diagnostic::Report;
@@ -21,16 +21,17 @@ pub(crate) struct Block<'t> {
 /// What inserts have drawn so far.
 #[derive(Default)]
 pub(crate) struct Inserted {
-    /// The blocks that are being drawn, one in the other.
+    /// The names of the blocks that are being drawn, each within the one before.
     pub(super) open: Vec<String>,
     count: usize,
     points: usize,
-    /// Whether too much has been asked for, which is said once.
+    /// Whether the limit was exceeded, which is reported once.
     pub(super) is_full: bool,
 }
 
 impl Inserted {
-    /// Counts what is about to be drawn; `false`, and an error the first time, once it is too much.
+    /// Counts the curves that are about to be drawn. Beyond the limit it returns `false`, and reports an error the
+    /// first time.
     pub(super) fn take(&mut self, points: usize, span: Span, report: &mut Report<'_>) -> bool {
         self.count += 1;
         self.points += points;

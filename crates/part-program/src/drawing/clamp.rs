@@ -1,13 +1,14 @@
-//! Knot vectors as drawings have them, made ones as controls have them: clamped, inner knots at most degree times.
+//! The knot vectors of drawings, converted to the form that controls need: clamped, inner knots at most degree times.
 //!
-//! A curve of degree p with the points `P_0 … P_n` is drawn on `[u_p, u_{n+1}]`, whatever the knots outside. A knot a is inserted by
+//! A curve of degree p with the points `P_0 … P_n` is drawn on `[u_p, u_{n+1}]`, whatever the knots outside. Inserting
+//! a knot a gives the points
 //!
 //! ```text
 //! Q_i = α_i P_i + (1 - α_i) P_{i-1}        α_i = (a - u_i)/(u_{i+p} - u_i)        k-p+1 ≤ i ≤ k-s
 //! ```
 //!
-//! where `u_k` is the last knot that equals a, s times there; points are homogeneous. With s = p the curve passes through a point, and what
-//! is before it falls away. All α are between 0 and 1, so that nothing grows.
+//! where `u_k` is the last knot that equals a, with multiplicity s, and points are homogeneous. With s = p the curve
+//! passes through a point, and the points before it are dropped. All α are between 0 and 1, so that no number grows.
 //!
 //! # Source
 //! W. Boehm, "Inserting new knots into B-spline curves", Computer-Aided Design 12 (1980); Piegl and Tiller, The NURBS Book,
@@ -16,19 +17,19 @@
 use crate::curve::Curve;
 use crate::vector::{difference, length};
 
-/// A share of the parameter's range within which knots are equal where a drawing does not say it.
+/// A share of the parameter's range within which knots are equal, if the drawing does not give one.
 const EQUAL_KNOTS: f64 = 1e-10;
-/// The least and the largest share that a drawing may say.
+/// The least and the largest share that a drawing may give.
 const EQUAL_KNOTS_RANGE: [f64; 2] = [1e-12, 1e-6];
-/// A share of a curve's extent within which its points are equal.
+/// A share of a curve's extent within which points are equal.
 const EQUAL_POINTS: f64 = 1e-9;
 
-/// Makes knots equal that differ by no more than rounding; `tolerance` is what the drawing says of it.
+/// Makes knots equal that differ by no more than rounding; `tolerance` is the one that the drawing gives.
 pub(crate) fn merge_knots(knots: &mut [f64], tolerance: Option<f64>) {
     let (Some(first), Some(last)) = (knots.first(), knots.last()) else { return };
     let width = (last - first).abs();
     let [least, most] = EQUAL_KNOTS_RANGE.map(|share| share * width);
-    // A width that is none leaves the knots to be said to be wrong.
+    // If the width is NaN, the knots stay as they are, and a later check reports them.
     let tolerance = tolerance.unwrap_or(EQUAL_KNOTS * width).max(least).min(most);
     let mut kept = *first;
     for knot in knots {
@@ -40,8 +41,8 @@ pub(crate) fn merge_knots(knots: &mut [f64], tolerance: Option<f64>) {
     }
 }
 
-/// The curves that are drawn, one where nothing breaks. `None` if the range of the parameter is empty. Counts of points, weights
-/// and knots fit, and knots do not decrease.
+/// The curves that are drawn: several if the curve breaks at a knot. `None` if the range of the parameter is empty. The
+/// counts of points, weights and knots must fit, and knots must not decrease.
 pub(crate) fn clamped(mut curve: Curve) -> Option<Vec<Curve>> {
     if curve.knots[curve.degree] >= curve.knots[curve.control_points_mm.len()] {
         return None;
@@ -53,7 +54,7 @@ pub(crate) fn clamped(mut curve: Curve) -> Option<Vec<Curve>> {
     Some(joined(pieces(curve)))
 }
 
-/// Makes the first knot one of multiplicity degree + 1.
+/// Gives the first knot the multiplicity degree + 1.
 fn clamp_start(curve: &mut Curve) {
     let (degree, start) = (curve.degree, curve.knots[curve.degree]);
     let mut last = curve.knots.partition_point(|knot| *knot <= start) - 1;
@@ -69,7 +70,7 @@ fn clamp_start(curve: &mut Curve) {
     curve.knots[0] = start;
 }
 
-/// Inserts the knot with this index once more; it is the last of its value, and there `multiplicity` times.
+/// Inserts the knot with this index once more. It must be the last of its value, which has `multiplicity` knots.
 fn insert_knot(curve: &mut Curve, index: usize, multiplicity: usize) {
     let (degree, knot) = (curve.degree, curve.knots[index]);
     let (first, last) = (index + 1 - degree, index - multiplicity);
@@ -81,13 +82,13 @@ fn insert_knot(curve: &mut Curve, index: usize, multiplicity: usize) {
         points.push(point);
         weights.push(weight);
     }
-    // Of the points from first - 1 to last, the ends stay.
+    // Of the points from first - 1 to last, the two ends are kept.
     curve.control_points_mm.splice(first..last, points);
     curve.weights.splice(first..last, weights);
     curve.knots.insert(index, knot);
 }
 
-/// Points i - 1 and i in the shares given. Equal weights stay what they are.
+/// The mean of points i - 1 and i with the given shares. Equal weights stay the same.
 fn mean(curve: &Curve, i: usize, [before, this]: [f64; 2]) -> ([f64; 3], f64) {
     let (p, q) = (curve.control_points_mm[i - 1], curve.control_points_mm[i]);
     let (v, w) = (curve.weights[i - 1], curve.weights[i]);
@@ -98,7 +99,7 @@ fn mean(curve: &Curve, i: usize, [before, this]: [f64; 2]) -> ([f64; 3], f64) {
     (std::array::from_fn(|axis| (before * v * p[axis] + this * w * q[axis]) / weight), weight)
 }
 
-/// Runs the curve backwards.
+/// Reverses the curve.
 fn reverse(curve: &mut Curve) {
     curve.control_points_mm.reverse();
     curve.weights.reverse();
@@ -108,7 +109,7 @@ fn reverse(curve: &mut Curve) {
     }
 }
 
-/// The curves between inner knots that are there more than degree times: nothing holds them together.
+/// Cuts the curve at inner knots of a multiplicity above the degree: the curve breaks there.
 fn pieces(curve: Curve) -> Vec<Curve> {
     let degree = curve.degree;
     let inner = degree + 1..curve.control_points_mm.len();
@@ -144,7 +145,7 @@ fn piece(curve: &Curve, start: usize, end: usize) -> Curve {
     }
 }
 
-/// Joins curves that meet: of the two points and the degree + 1 knots there, one each falls away.
+/// Joins curves that meet. Of the two points there, one is dropped, and so is one of the degree + 1 knots.
 fn joined(pieces: Vec<Curve>) -> Vec<Curve> {
     let mut joined: Vec<Curve> = Vec::with_capacity(pieces.len());
     for piece in pieces {
@@ -156,18 +157,19 @@ fn joined(pieces: Vec<Curve>) -> Vec<Curve> {
     joined
 }
 
-/// Whether one curve ends where the next begins, but for rounding.
+/// Whether one curve ends where the next begins, up to rounding.
 fn meets(one: &Curve, next: &Curve) -> bool {
     let (Some(end), Some(start)) = (one.control_points_mm.last(), next.control_points_mm.first()) else {
         return false;
     };
     let extent = next.control_points_mm.iter().map(|point| length(difference(point, start)));
-    // Far from the origin numbers are coarser.
+    // Far from the origin, floats are coarser.
     let coarse = start.iter().fold(0.0, |most: f64, x| most.max(x.abs())) * 4.0 * f64::EPSILON;
     length(difference(start, end)) <= (EQUAL_POINTS * extent.fold(0.0, f64::max)).max(coarse)
 }
 
-/// Appends a curve that meets this one. Weights of a curve may all be multiplied: the next begins with the weight of the one's end.
+/// Appends a curve that meets this one. All weights of a curve may be multiplied by a factor: the appended curve then
+/// begins with the last weight of the first.
 fn append(one: &mut Curve, next: Curve) {
     let scale = one.weights.last().copied().unwrap_or(1.0) / next.weights[0];
     one.knots.pop();
@@ -183,7 +185,7 @@ mod tests {
 
     use super::*;
 
-    /// By the recurrence of Cox and de Boor, with whatever knots there are.
+    /// Evaluates by the recurrence of Cox and de Boor, with any knots.
     fn basis(knots: &[f64], degree: usize, i: usize, u: f64) -> f64 {
         if degree == 0 {
             return if knots[i] <= u && u < knots[i + 1] { 1.0 } else { 0.0 };
@@ -206,7 +208,7 @@ mod tests {
     }
 
     proptest! {
-        /// Whatever the knots, the clamped curve has the points of the one that was drawn.
+        /// For any knots, the clamped curve has the same points as the curve in the drawing.
         #[test]
         fn clamping_keeps_the_curve(
             degree in 1_usize..6,

@@ -1,8 +1,8 @@
 //! ARC, CIRCLE and ELLIPSE, and the arcs of polylines, as rational curves of degree 2.
 //!
-//! An ellipse is `C(θ) = M + cos θ a + sin θ b` with two vectors a and b; of a circle they are perpendicular and equally long. The span
-//! about θ with the half angle h is the conic with the control points `C(θ - h)`, `M + (cos θ a + sin θ b) / cos h`, `C(θ + h)` and
-//! the weights (1, cos h, 1): it is the affine image of an arc of the unit circle.
+//! An ellipse is `C(θ) = M + cos θ a + sin θ b` with two vectors a and b; for a circle they are perpendicular and
+//! equally long. The span about θ with the half angle h is the conic with the control points `C(θ - h)`, `M + (cos θ a
+//! + sin θ b) / cos h`, `C(θ + h)` and the weights (1, cos h, 1): it is the affine image of an arc of the unit circle.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -14,9 +14,9 @@ use crate::diagnostic::Report;
 use crate::moves::Shape;
 use crate::vector::{cross, difference, length};
 
-/// A share of a turn below which an arc is a full one: what rounding leaves of 360°.
+/// An arc of less than this share of a turn is a full turn: the share is the rounding of 360°.
 const NO_TURN: f64 = 1e-9;
-/// A share of a turn below which an arc is a full one whose two angles are written apart, as 0 and 6.283186.
+/// The same share for an arc whose two angles are written as different numbers, such as 0 and 6.283186.
 const NO_TURN_AS_WRITTEN: f64 = 1e-6;
 
 /// An ellipse in space.
@@ -30,7 +30,7 @@ pub(crate) struct Ellipse {
 }
 
 impl Ellipse {
-    /// The point at an angle, as far out as `reach`.
+    /// The point at an angle, with the distance from the centre multiplied by `reach`.
     fn point(&self, angle: f64, reach: f64) -> [f64; 3] {
         let (sin, cos) = sin_cos(angle);
         std::array::from_fn(|axis| {
@@ -38,7 +38,7 @@ impl Ellipse {
         })
     }
 
-    /// The arc from an angle on, in rad, in spans of at most a right angle. `sweep` is at most a full turn.
+    /// The arc that begins at an angle, in rad, in spans of at most a right angle. `sweep` is at most a full turn.
     pub(crate) fn arc(&self, first: f64, sweep: f64) -> Curve {
         // Rounding may leave a quarter turn a hair above a right angle; it stays one span.
         let count = (sweep.abs() / FRAC_PI_2 - 1e-9).ceil().clamp(1.0, 4.0);
@@ -81,7 +81,7 @@ pub(crate) fn bulged(from: [f64; 3], to: [f64; 3], bulge: f64) -> Curve {
     let square = bulge * bulge;
     let half_cos = (1.0 - square) / (1.0 + square);
     if half_cos >= std::f64::consts::FRAC_1_SQRT_2 {
-        // A straight bulge has its centre nowhere.
+        // With a bulge of 0 the centre is at infinity.
         let meet = beside_middle(-bulge / (1.0 - square));
         return conic(vec![from, meet, to], vec![1.0, half_cos, 1.0]);
     }
@@ -105,7 +105,7 @@ pub(crate) fn is_circular(curve: &Curve) -> bool {
     [first, last].iter().all(|leg| (leg * cos - half_chord).abs() <= 1e-9 * half_chord)
 }
 
-/// The angle from `first` to `last`, counterclockwise, where `full` is a full turn; a full one if there is none between them.
+/// The angle from `first` to `last`, counterclockwise, where `full` is a full turn. Equal angles give a full turn.
 fn sweep(first: f64, last: f64, full: f64) -> f64 {
     let between = last - first;
     let sweep = between.rem_euclid(full);
@@ -139,7 +139,7 @@ pub(crate) fn read_circle<'t>(entity: &Entity<'t>, report: &mut Report<'_>, item
     items.push(Item::Curve { curve: plane.curve(curve), shape: Shape::Arc, span: entity.span });
 }
 
-/// Reads an ELLIPSE, whose points are the drawing's, whatever its plane.
+/// Reads an ELLIPSE. Its points are in the drawing's coordinates, whatever its plane.
 pub(crate) fn read_ellipse<'t>(entity: &Entity<'t>, report: &mut Report<'_>, items: &mut Vec<Item<'t>>) {
     let plane = entity.plane(report);
     let (centre, major) = (entity.point(report, 10, "centre"), entity.point(report, 11, "major axis"));
@@ -148,7 +148,7 @@ pub(crate) fn read_ellipse<'t>(entity: &Entity<'t>, report: &mut Report<'_>, ite
     let last = entity.number(report, 42).unwrap_or(TAU);
     let (Some(plane), Some(centre), Some(major), Some(ratio)) = (plane, centre, major, ratio) else { return };
     if first.is_nan() || last.is_nan() {
-        // It has been said to be none.
+        // The number has been reported as invalid.
         return;
     }
     let Some(normal) = unit(plane.axes[2]).filter(|_| ratio > 0.0 && length(major) > 0.0) else {
@@ -162,7 +162,7 @@ pub(crate) fn read_ellipse<'t>(entity: &Entity<'t>, report: &mut Report<'_>, ite
     items.push(Item::Curve { curve, shape, span: entity.span });
 }
 
-/// A curve that is mapped by an inserted block: an arc may be one no more.
+/// A curve that an inserted block maps: a circular arc may become another conic.
 pub(crate) fn mapped(map: &Affine, curve: Curve, shape: Shape) -> (Curve, Shape) {
     let curve = map.curve(curve);
     let shape = if shape == Shape::Arc && !is_circular(&curve) { Shape::Nurbs } else { shape };

@@ -1,19 +1,20 @@
 //! A SPLINE by the points it passes through: the cubic with two continuous derivatives.
 //!
-//! The parameter runs as the chords `h_i` between the points do. With the slopes `D_i` there and those of the chords `Δ_i`, the second
-//! derivative is continuous where
+//! The parameter is proportional to the chords `h_i` between the points. Let `D_i` be the slopes at the points and
+//! `Δ_i` those of the chords. The second derivative is continuous where
 //!
 //! ```text
 //! h_i D_{i-1} + 2 (h_{i-1} + h_i) D_i + h_{i-1} D_{i+1} = 3 (h_i Δ_{i-1} + h_{i-1} Δ_i)
 //! ```
 //!
-//! An end has the unit vector along the tangent that the drawing gives, or no curvature: `2 D_0 + D_1 = 3 Δ_0`. A closed spline
-//! goes on from its last point to its first. In each row the slope itself has at least twice the factors of the others together, so
-//! that each sweep of Gauss and Seidel halves what is wrong, and 60 leave nothing of it.
+//! An end has as its slope the unit vector along the tangent that the drawing gives, or it has no curvature: `2 D_0 +
+//! D_1 = 3 Δ_0`. A closed spline goes on from its last point to its first. In each row the factor of the slope itself
+//! is at least twice the sum of the others, so each sweep of Gauss and Seidel halves the error, and 60 sweeps remove
+//! it.
 //!
 //! # Source
-//! Piegl and Tiller, The NURBS Book, section 9.2.3, which has the same curve in another form. That tangents have length 1 for this
-//! parameter is what a drawing with a known length shows: tests/cad.rs.
+//! Piegl and Tiller, The NURBS Book, section 9.2.3, which has the same curve in another form. A drawing of known length
+//! shows that tangents have length 1 in this parameter: tests/cad.rs.
 
 use crate::curve::Curve;
 use crate::vector::{difference, length};
@@ -21,16 +22,17 @@ use crate::vector::{difference, length};
 /// Sweeps over the rows: 2⁻⁶⁰ is below the rounding of f64.
 const SWEEPS: usize = 60;
 
-/// How a spline begins or ends.
+/// The ends of a spline.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Ends {
-    /// Along unit vectors, or without curvature.
+    /// The ends have these unit vectors as tangents, or no curvature.
     Open([Option<[f64; 3]>; 2]),
-    /// In its own start.
+    /// The spline ends in its own start.
     Closed,
 }
 
-/// The cubic through points that differ from their neighbours, two or more; a closed one ends in its first point.
+/// The cubic through two or more points, each of which differs from its neighbours. A closed one ends in its first
+/// point.
 pub(crate) fn through(points: &[[f64; 3]], ends: Ends) -> Curve {
     let chords: Vec<_> = points.windows(2).map(|pair| length(difference(&pair[1], &pair[0]))).collect();
     let slopes = slopes(points, &chords, ends);
@@ -42,7 +44,7 @@ pub(crate) fn through(points: &[[f64; 3]], ends: Ends) -> Curve {
     };
     let mut control = vec![points[0], inner(0)[0]];
     for i in 1..last {
-        // The polar form at three knots, from the piece that is the longer: on it the third is nearer.
+        // The polar form at three knots, taken from the longer piece: the third knot is nearer to it.
         let (before, next) = (chords[i - 1], chords[i]);
         let ([from, to], share) =
             if next >= before { (inner(i), -before / next) } else { (inner(i - 1), 1.0 + next / before) };
@@ -67,7 +69,7 @@ fn slopes(points: &[[f64; 3]], chords: &[f64], ends: Ends) -> Vec<[f64; 3]> {
     let last = points.len() - 1;
     let chord_slope = |i: usize| difference(&points[i + 1], &points[i]).map(|x| x / chords[i]);
     let mut slopes = vec![[0.0; 3]; last + 1];
-    // Of a row: the slopes before and behind, and what the mean with the next chord gives.
+    // For each row: the factors of the slopes before and behind, and the mean with the next chord's slope.
     let inner = |slopes: &[[f64; 3]], before: usize, i: usize| {
         let (h, next) = (chords[before], chords[i]);
         let (low, high) = (chord_slope(before), chord_slope(i));
@@ -98,7 +100,7 @@ fn slopes(points: &[[f64; 3]], chords: &[f64], ends: Ends) -> Vec<[f64; 3]> {
     slopes
 }
 
-/// The point `share` of a vector away.
+/// The point at `share` of a vector.
 fn along(point: [f64; 3], vector: [f64; 3], share: f64) -> [f64; 3] {
     std::array::from_fn(|axis| point[axis] + share * vector[axis])
 }

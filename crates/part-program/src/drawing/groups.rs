@@ -1,7 +1,7 @@
 //! Lexer of DXF: pairs of lines, a group code and a value, to entities.
 //!
-//! Our own, because the crate `dxf` (0.6) ends a drawing without a word at the first entity that it cannot read, and
-//! keeps no places.
+//! A lexer of our own: the crate `dxf` (0.6) ends a drawing without a message at the first entity that it cannot read,
+//! and does not keep places.
 
 use super::affine::Affine;
 use crate::diagnostic::Report;
@@ -15,14 +15,14 @@ pub(crate) struct Group<'t> {
     pub(crate) span: Span,
 }
 
-/// Reads group after group; `None` at the end, or where there is no group code, which is said.
+/// Reads group after group; `None` at the end, or if there is no group code, which is reported.
 pub(crate) struct Groups<'t> {
     text: &'t str,
     at: usize,
 }
 
 impl<'t> Groups<'t> {
-    /// Reads from a byte of the text on, which begins a line.
+    /// Reads from a byte of the text on; the byte must begin a line.
     pub(crate) fn new(text: &'t str, at: usize) -> Self {
         Self { text, at }
     }
@@ -72,12 +72,12 @@ pub(crate) struct Entity<'t> {
 /// Reads entity after entity, to the end of their section or block.
 pub(crate) struct Entities<'t> {
     groups: Groups<'t>,
-    /// The group 0 of the entity that is next.
+    /// The group 0 of the next entity.
     opening: Option<Group<'t>>,
 }
 
 impl<'t> Entities<'t> {
-    /// Reads from a byte of the text on, where a group 0 begins.
+    /// Reads from a byte of the text on, at which a group 0 must begin.
     pub(crate) fn new(text: &'t str, at: usize) -> Self {
         let mut groups = Groups::new(text, at);
         let opening = groups.next(None);
@@ -123,30 +123,30 @@ impl<'t> Entity<'t> {
         Self { name, span, groups: Vec::new(), vertices: Vec::new() }
     }
 
-    /// The text of a group code that stands there once.
+    /// The text of a group code that occurs once.
     pub(crate) fn text(&self, code: i32) -> Option<&'t str> {
         self.groups.iter().find(|group| group.code == code).map(|group| group.text)
     }
 
-    /// The values of a group code that may stand there several times; each that is no number is said.
+    /// The values of a group code that may occur several times; each that is not a number is reported.
     pub(crate) fn numbers(&self, report: &mut Report<'_>, code: i32) -> Vec<(f64, Span)> {
         let groups = self.groups.iter().filter(|group| group.code == code);
         groups.map(|group| (number(report, group), group.span)).collect()
     }
 
-    /// The value of a group code that stands there once.
+    /// The value of a group code that occurs once.
     pub(crate) fn number(&self, report: &mut Report<'_>, code: i32) -> Option<f64> {
         self.groups.iter().find(|group| group.code == code).map(|group| number(report, group))
     }
 
-    /// The bits of a group code; none where it is not there.
+    /// The bits of a group code; no bit is set if the code is missing.
     pub(crate) fn flags(&self, report: &mut Report<'_>, code: i32) -> u32 {
         let value = self.number(report, code).filter(|value| (0.0..65536.0).contains(value));
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 65535")]
         value.map_or(0, |value| value as u32)
     }
 
-    /// The value of a group code without which the entity is none; `None` once something is said about it.
+    /// The value of a group code that the entity must have; `None` after an error was reported.
     pub(crate) fn needed(&self, report: &mut Report<'_>, code: i32, what: &str) -> Option<f64> {
         let found = self.number(report, code);
         if found.is_none() {
@@ -157,7 +157,7 @@ impl<'t> Entity<'t> {
         found.filter(|value| !value.is_nan())
     }
 
-    /// The one point whose x has this code; `None` once something is said about it.
+    /// The single point whose x has this code; `None` after an error was reported.
     pub(crate) fn point(&self, report: &mut Report<'_>, x: i32, what: &str) -> Option<[f64; 3]> {
         let points = self.points(report, x);
         if let &[(point, _)] = points.as_slice() {
@@ -171,7 +171,7 @@ impl<'t> Entity<'t> {
         None
     }
 
-    /// The map from the entity's plane to the drawing's axes; `None` once something is said about it.
+    /// The map from the entity's plane to the drawing's axes; `None` after an error was reported.
     pub(crate) fn plane(&self, report: &mut Report<'_>) -> Option<Affine> {
         let normal = [(210, 0.0), (220, 0.0), (230, 1.0)]
             .map(|(code, default)| self.number(report, code).unwrap_or(default));
@@ -184,7 +184,7 @@ impl<'t> Entity<'t> {
         plane
     }
 
-    /// The points whose x has the code `x`, y `x + 10` and z `x + 20`; a z that is not there is 0.
+    /// The points whose x has the code `x`, y `x + 10` and z `x + 20`; a missing z is 0.
     pub(crate) fn points(&self, report: &mut Report<'_>, x: i32) -> Vec<([f64; 3], Span)> {
         let mut points: Vec<([f64; 3], Span)> = Vec::new();
         let mut has_y = true;
@@ -220,7 +220,7 @@ impl<'t> Entity<'t> {
     }
 }
 
-/// A number, or NaN once it is said that it is none.
+/// A number; NaN after an error was reported.
 fn number(report: &mut Report<'_>, group: &Group<'_>) -> f64 {
     match group.text.parse::<f64>() {
         Ok(value) if value.is_finite() => value,

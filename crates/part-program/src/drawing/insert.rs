@@ -1,7 +1,7 @@
 //! INSERT: a block, scaled, turned and moved, once or in rows and columns.
 //!
-//! A point p of a block with the base point b goes to `plane · (place + turn · (cell + scale · (p - b)))`, the cell being its column and
-//! its row times their distances.
+//! A point p of a block with the base point b goes to `plane · (place + turn · (cell + scale · (p - b)))`. The cell is
+//! the column and the row times their distances.
 
 use super::affine::Affine;
 use super::groups::Entity;
@@ -12,7 +12,7 @@ use crate::source::Span;
 #[derive(Clone, Debug)]
 pub(crate) struct Insert<'t> {
     pub(super) name: &'t str,
-    /// From behind the scale to the drawing, without the cell.
+    /// The map from the scaled block to the drawing, without the cell.
     turn: Affine,
     scale: [f64; 3],
     /// Columns and rows.
@@ -21,7 +21,7 @@ pub(crate) struct Insert<'t> {
     pub(super) span: Span,
 }
 
-/// Reads an INSERT; `None` if an error was said.
+/// Reads an INSERT; `None` after an error was reported.
 pub(crate) fn read<'t>(entity: &Entity<'t>, report: &mut Report<'_>) -> Option<Insert<'t>> {
     let plane = entity.plane(report);
     let place = entity.point(report, 10, "place");
@@ -36,7 +36,7 @@ pub(crate) fn read<'t>(entity: &Entity<'t>, report: &mut Report<'_>) -> Option<I
     };
     let (Some(plane), Some(place)) = (plane, place) else { return None };
     if scale.iter().chain(&distances).chain([&angle]).any(|x| x.is_nan()) {
-        // It has been said to be none.
+        // The number has been reported as invalid.
         return None;
     }
     let turn = Affine::turning(angle.rem_euclid(360.0).to_radians());
@@ -45,7 +45,7 @@ pub(crate) fn read<'t>(entity: &Entity<'t>, report: &mut Report<'_>) -> Option<I
 }
 
 impl Insert<'_> {
-    /// The maps from the block to where it is inserted, row after row.
+    /// The maps from the block to its places, row after row.
     pub(super) fn maps(&self, base: [f64; 3]) -> impl Iterator<Item = Affine> {
         let inner = Affine::scaling(self.scale).after(&Affine::moving(base.map(|x| -x)));
         let [columns, rows] = self.counts;

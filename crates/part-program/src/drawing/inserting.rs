@@ -1,4 +1,4 @@
-//! Draws blocks where they are inserted, and blocks within blocks down to a depth that is bounded.
+//! Draws blocks where they are inserted, and blocks within blocks down to a limited depth.
 
 use std::rc::Rc;
 
@@ -8,7 +8,7 @@ use super::groups::Entities;
 use super::insert::Insert;
 use super::reader::Reader;
 
-/// Blocks within blocks.
+/// The largest depth of blocks within blocks.
 const MAX_DEPTH: usize = 32;
 
 /// Bit of group 70 of a BLOCK that stands for another file.
@@ -45,7 +45,7 @@ impl<'t> Reader<'_, 't, '_> {
         self.inserted.open.pop();
     }
 
-    /// Whether a block may be drawn within those that are being drawn; what is said is said once.
+    /// Whether a block may be drawn within those that are being drawn. A refusal is reported once.
     fn may_open(&mut self, name: &str, insert: &Insert<'t>) -> bool {
         let open = &self.inserted.open;
         let shown: String = insert.name.chars().take(40).collect();
@@ -63,7 +63,7 @@ impl<'t> Reader<'_, 't, '_> {
         false
     }
 
-    /// A block, read when it is first inserted: what is wrong with one that nobody inserts does not matter.
+    /// A block, read when it is first inserted: errors in a block that is never inserted do not matter.
     fn block(&mut self, name: &str) -> Option<Rc<Block<'t>>> {
         if let Some(block) = self.blocks.get(name) {
             return Some(Rc::clone(block));

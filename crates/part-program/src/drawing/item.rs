@@ -1,16 +1,16 @@
-//! What an entity draws, in the units of the drawing or of its block.
+//! The items that an entity draws, in the units of the drawing or of its block.
 
 use super::insert::Insert;
 use crate::curve::Curve;
 use crate::moves::Shape;
 use crate::source::Span;
 
-/// One thing that is drawn; `span` is where its entity, or the vertex of it, stands.
+/// One item that is drawn; `span` is the place of its entity, or of the vertex that draws it.
 #[derive(Clone, Debug)]
 pub(crate) enum Item<'t> {
     /// A curve.
     Curve { curve: Curve, shape: Shape, span: Span },
-    /// What ends where it starts.
+    /// A line that ends where it starts.
     Standstill(Span),
     /// A block, once or in rows and columns.
     Insert(Insert<'t>),
@@ -26,7 +26,7 @@ impl Item<'_> {
         }
     }
 
-    /// How many control points it has.
+    /// The number of its control points.
     pub(crate) fn point_count(&self) -> usize {
         match self {
             Self::Curve { curve, .. } => curve.control_points_mm.len(),

@@ -1,4 +1,4 @@
-//! What stands where in a drawing: its layers, its blocks and its entities.
+//! The places of a drawing's layers, blocks and entities.
 
 use std::collections::{HashMap, HashSet};
 
@@ -6,7 +6,7 @@ use super::groups::{Entity, Groups};
 use crate::diagnostic::Report;
 use crate::source::Span;
 
-/// Places of a drawing. Names are in lower case: a drawing's names have no case.
+/// Places in a drawing. Names are in lower case, since a drawing's names have no case.
 #[derive(Default)]
 pub(crate) struct Layout {
     /// Layers that are frozen or off.
@@ -18,11 +18,11 @@ pub(crate) struct Layout {
 }
 
 impl Layout {
-    /// Looks through the whole drawing, and says where it is none.
+    /// Looks through the whole drawing, and reports where the text is not a drawing.
     pub(crate) fn read(report: &mut Report<'_>) -> Self {
         let mut layout = Self::default();
         let mut groups = Groups::new(report.source.text, 0);
-        // A section has its name behind its group 0; layers and blocks are read up to the next.
+        // The name of a section follows its group 0; layers and blocks are read up to the next section.
         let (mut section, mut is_new, mut open): (&str, bool, Option<(Entity<'_>, usize)>) =
             ("", false, None);
         loop {

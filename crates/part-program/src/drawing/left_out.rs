@@ -1,13 +1,13 @@
-//! What a drawing holds that no path is made of.
+//! The entities of a drawing that do not become a path.
 
 use crate::source::Span;
 
-/// Kinds that are named; the rest are counted.
+/// Most kinds that are named; the others are only counted.
 const MAX_KINDS: usize = 30;
-/// Characters of a name that are shown.
+/// Most characters of a name that are shown.
 const MAX_NAME: usize = 40;
 
-/// Kinds of entities, in the order in which they are found, and how many there are of each.
+/// Kinds of entities, in the order in which they are found, each with its number.
 #[derive(Default)]
 pub(crate) struct LeftOut {
     kinds: Vec<(String, usize)>,
@@ -32,7 +32,7 @@ impl LeftOut {
         }
     }
 
-    /// Where the first is, and `3 TEXT, 2 HATCH`; `None` if there is none.
+    /// The place of the first, and a text such as `3 TEXT, 2 HATCH`; `None` if there is none.
     pub(crate) fn words(&self) -> Option<(Span, String)> {
         let mut kinds: Vec<_> = self.kinds.iter().map(|(kind, count)| format!("{count} {kind}")).collect();
         if self.others > 0 {

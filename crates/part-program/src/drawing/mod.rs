@@ -1,4 +1,4 @@
-//! DXF drawings: what they draw, in the order of the file, in millimetres.
+//! DXF drawings: their curves, in the order of the file, in millimetres.
 //!
 //! | entity | groups that are read |
 //! |---|---|
@@ -11,11 +11,11 @@
 //! | POLYLINE | 30 height, 70 whether it is closed, or in space; its entities VERTEX: 10 20 30, 42 bulge |
 //! | INSERT | 2 block, 10 20 30 place, 41 42 43 scales, 50 angle in degrees, 70 and 71 columns and rows, 44 and 45 their distances |
 //!
-//! A plane is turned by its normal, 210 220 230. $INSUNITS gives the unit. A knot vector is made a clamped one, and a spline
-//! that breaks is several curves.
+//! A plane is turned by its normal, 210 220 230. $INSUNITS gives the unit. Knot vectors are converted to clamped ones,
+//! and a spline that breaks becomes several curves.
 //!
-//! What is drawn on paper (67), what is invisible (60) or on a layer that is frozen (70, bit 1) or off (62 below 0), and
-//! every other entity is left out, with one warning that counts them by kind.
+//! Entities on paper (67), invisible ones (60), those on a layer that is frozen (70, bit 1) or off (62 below 0), and
+//! all other kinds are left out. One warning counts them by kind.
 //!
 //! # Source
 //! Autodesk, DXF Reference, chapters "ENTITIES section" and "Object coordinate systems".
@@ -45,7 +45,7 @@ use groups::Groups;
 use layout::Layout;
 use reader::Reader;
 
-/// Whether a text is a drawing: pairs of a group code and a value, the first of them `0` and `SECTION`.
+/// Whether a text is a drawing: pairs of a group code and a value, of which the first is `0` and `SECTION`.
 pub(crate) fn is_drawing(text: &str) -> bool {
     let mut groups = Groups::new(text, 0);
     loop {
@@ -81,7 +81,7 @@ pub(crate) fn read(report: &mut Report<'_>, part: &mut Part) {
     }
 }
 
-/// Millimetres of the drawing's unit; 1 once something is said about it.
+/// Millimetres of the drawing's unit; 1 after an error was reported.
 fn unit(report: &mut Report<'_>) -> f64 {
     let mut groups = Groups::new(report.source.text, 0);
     while let Some(group) = groups.next(None) {

@@ -22,7 +22,7 @@ struct Vertex {
     span: Span,
 }
 
-/// Reads an LWPOLYLINE: its vertices are groups of its own.
+/// Reads an LWPOLYLINE. Its vertices are groups of the entity itself.
 pub(crate) fn read_light<'t>(entity: &Entity<'t>, report: &mut Report<'_>, items: &mut Vec<Item<'t>>) {
     let plane = entity.plane(report);
     let height = entity.number(report, 38).unwrap_or(0.0);
@@ -39,7 +39,7 @@ pub(crate) fn read_light<'t>(entity: &Entity<'t>, report: &mut Report<'_>, items
     }
 }
 
-/// The bulge behind each vertex: a group 42 follows the vertex it belongs to.
+/// The bulge behind each vertex: a group 42 follows the vertex to which it belongs.
 fn bulges(entity: &Entity<'_>, report: &mut Report<'_>) -> Option<Vec<f64>> {
     let mut bulges = Vec::new();
     let mut sound = true;
@@ -65,17 +65,17 @@ fn bulge(group: &Group<'_>) -> Option<f64> {
     group.text.parse::<f64>().ok().filter(|value| value.is_finite())
 }
 
-/// Whether a POLYLINE is a net of faces and no path.
+/// Whether a POLYLINE is a net of faces, which is not a path.
 pub(crate) fn is_mesh(entity: &Entity<'_>, report: &mut Report<'_>) -> bool {
     entity.flags(report, 70) & MESH != 0
 }
 
-/// Reads a POLYLINE that is no mesh.
+/// Reads a POLYLINE that is not a mesh.
 pub(crate) fn read<'t>(entity: &Entity<'t>, report: &mut Report<'_>, items: &mut Vec<Item<'t>>) {
     let flags = entity.flags(report, 70);
     let in_space = flags & IN_SPACE != 0;
     let plane = if in_space { Some(Affine::scaling([1.0; 3])) } else { entity.plane(report) };
-    // The heights of vertices of a plane are those of the polyline.
+    // In a plane polyline, the vertices have the height of the polyline.
     let height = entity.number(report, 30).filter(|_| !in_space);
     let mut vertices = Vec::with_capacity(entity.vertices.len());
     for vertex in &entity.vertices {
@@ -91,7 +91,7 @@ pub(crate) fn read<'t>(entity: &Entity<'t>, report: &mut Report<'_>, items: &mut
     }
 }
 
-/// Whether there are vertices enough, and all of them numbers; what is none has been said.
+/// Whether there are enough vertices and all of them are numbers; other values have been reported.
 fn has_length(entity: &Entity<'_>, vertices: &[Vertex], report: &mut Report<'_>) -> bool {
     if vertices.len() < 2 {
         let message = format!("this {} has no length", entity.name);

@@ -1,4 +1,4 @@
-//! Reads the entities of a drawing, and adds what they draw to the part.
+//! Reads the entities of a drawing, and adds their curves to the part.
 
 use std::collections::HashMap;
 use std::rc::Rc;
@@ -21,11 +21,11 @@ pub(super) struct Reader<'r, 't, 'p> {
     pub(super) report: &'r mut Report<'t>,
     pub(super) part: &'p mut Part,
     pub(super) layout: Layout,
-    /// Those that were inserted, by name.
+    /// The blocks inserted so far, by name.
     pub(super) blocks: HashMap<String, Rc<Block<'t>>>,
     pub(super) inserted: Inserted,
     pub(super) left_out: LeftOut,
-    /// Splines whose ends the drawing leaves free.
+    /// The number of splines whose ends the drawing leaves free.
     pub(super) free_ends: LeftOut,
 }
 
@@ -42,7 +42,7 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
         }
     }
 
-    /// Draws the entities of the drawing itself.
+    /// Draws the entities that are not in a block.
     pub(super) fn entities(&mut self, map: &Affine) {
         let mut items = Vec::new();
         for start in std::mem::take(&mut self.layout.entities) {
@@ -55,11 +55,11 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
         }
     }
 
-    /// Adds what an entity draws to `items`, or counts it as left out.
+    /// Adds the items of an entity to `items`, or counts the entity as left out.
     pub(super) fn read_entity(&mut self, entity: &Entity<'t>, in_block: bool, items: &mut Vec<Item<'t>>) {
         let (name, span) = (entity.name, entity.span);
         match name {
-            // They belong to an entity before them, hold templates of texts, or look at the drawing.
+            // These belong to an entity before them, hold templates of texts, or define a view of the drawing.
             "VERTEX" | "SEQEND" | "VIEWPORT" => return,
             "ATTDEF" if in_block => return,
             _ if self.is_hidden(entity, in_block) => {
@@ -86,14 +86,15 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
         }
     }
 
-    /// Whether an entity is invisible, or its layer is. In a block the layer 0 is the one on which the block is inserted.
+    /// Whether an entity is invisible, or its layer is. In a block, layer 0 means the layer on which the block is
+    /// inserted.
     fn is_hidden(&self, entity: &Entity<'t>, in_block: bool) -> bool {
         let layer = entity.text(8).filter(|layer| !in_block || *layer != "0");
         layer.is_some_and(|layer| self.layout.hidden_layers.contains(&layer.to_lowercase()))
             || entity.text(60) == Some("1")
     }
 
-    /// Takes an item to the drawing's axes, in mm, and adds it to the part.
+    /// Maps an item to the drawing's axes, in mm, and adds it to the part.
     pub(super) fn draw(&mut self, item: Item<'t>, map: &Affine) {
         match item {
             Item::Curve { curve, shape, span } => {
@@ -134,7 +135,7 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
 fn read_line<'t>(entity: &Entity<'t>, report: &mut Report<'_>, items: &mut Vec<Item<'t>>) {
     let (from, to) = (entity.points(report, 10), entity.points(report, 11));
     match (from.as_slice(), to.as_slice()) {
-        // What is no number has been said.
+        // A value that is not a number has been reported.
         ([(from, _)], [(to, _)]) if from.iter().chain(to).any(|x| x.is_nan()) => {}
         ([(from, _)], [(to, _)]) => items.push(Item::straight(*from, *to, entity.span)),
         _ => {

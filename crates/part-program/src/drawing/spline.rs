@@ -12,12 +12,12 @@ use crate::source::Span;
 use crate::spline_blocks::SplineBlocks;
 use crate::vector::{difference, length};
 
-/// A share of the extent of points within which one is the one before.
+/// A share of the extent of the points. A point closer than this to the one before counts as the same point.
 const SAME_POINT: f64 = 1e-12;
 /// Bit of group 70.
 const CLOSED: u32 = 1;
 
-/// Reads a SPLINE. Whether its ends are not given by the drawing, so that CAD systems may differ there.
+/// Reads a SPLINE. Returns whether the drawing leaves its ends free, so that CAD systems may differ there.
 pub(crate) fn read<'t>(entity: &Entity<'t>, report: &mut Report<'_>, items: &mut Vec<Item<'t>>) -> bool {
     let points = entity.points(report, 10);
     if points.is_empty() {
@@ -36,7 +36,7 @@ pub(crate) fn read<'t>(entity: &Entity<'t>, report: &mut Report<'_>, items: &mut
     false
 }
 
-/// The curve as its numbers say, its knots clamped or not.
+/// The curve with the entity's numbers; its knots may not be clamped.
 fn by_control_points(
     entity: &Entity<'_>,
     points: Vec<([f64; 3], Span)>,
@@ -48,7 +48,7 @@ fn by_control_points(
     let degree = entity.needed(report, 71, "degree")?;
     let numbers = points.iter().flat_map(|(point, _)| point);
     if numbers.chain(weights.iter().chain(&knots).map(|(number, _)| number)).any(|number| number.is_nan()) {
-        // It has been said to be none.
+        // The number has been reported as invalid.
         return None;
     }
     let mut values: Vec<_> = knots.iter().map(|(knot, _)| *knot).collect();
@@ -67,7 +67,7 @@ fn by_control_points(
     blocks.finish_except(degree, report, named, |fault| {
         matches!(
             fault,
-            // Coordinates count where they are drawn.
+            // Coordinates are checked where the curve is drawn.
             CurveFault::CoordinateOutOfRange { .. }
                 | CurveFault::NotClamped { .. }
                 | CurveFault::KnotRepeatsTooOften { .. }
@@ -76,7 +76,7 @@ fn by_control_points(
     })
 }
 
-/// Says which numbers of knots and points are not those that the entity states.
+/// Reports if the entity states other numbers of knots and points than it has.
 fn check_counts(entity: &Entity<'_>, counts: [(i32, &str, usize); 2], report: &mut Report<'_>) {
     for (code, what, found) in counts {
         #[allow(clippy::cast_precision_loss, reason = "a drawing has fewer than 2⁵³ of anything")]
@@ -97,12 +97,12 @@ fn drawn<'t>(curve: Curve, span: Span) -> Item<'t> {
     }
 }
 
-/// Reads a spline through points, whatever degree it names. Whether an end has no tangent.
+/// Reads a spline through points; the degree that it names is not used. Returns whether an end has no tangent.
 fn by_fit_points<'t>(entity: &Entity<'t>, report: &mut Report<'_>, items: &mut Vec<Item<'t>>) -> bool {
     let found = entity.points(report, 11);
     let tangents = [12, 13].map(|code| entity.points(report, code).first().map(|(tangent, _)| *tangent));
     if found.iter().map(|(point, _)| point).chain(tangents.iter().flatten()).flatten().any(|x| x.is_nan()) {
-        // It has been said to be none.
+        // The number has been reported as invalid.
         return false;
     }
     let mut points: Vec<_> = found.into_iter().map(|(point, _)| point).collect();

@@ -1,4 +1,4 @@
-//! Addresses and their numbers: a letter or a name, and a number, an expression or an assignment behind it.
+//! Addresses and their numbers: a letter or a name, followed by a number, an expression or an assignment.
 
 use crate::gcode::command::Command;
 use crate::gcode::function::is_function;
@@ -36,7 +36,7 @@ impl Lexer<'_, '_, '_> {
                     let number = self.whole_number()?;
                     self.command(begin, Command::End(number), Dialect::Fanuc)
                 }
-                // An address with the value of a function, written without a space.
+                // An address with a function as its value, written without a space.
                 _ if is_function(&name[1..]) && self.next_is(b'[') => {
                     self.at = begin + 1;
                     self.number(begin, Key::Letter(name.as_bytes()[0].to_ascii_uppercase()))
@@ -46,12 +46,12 @@ impl Lexer<'_, '_, '_> {
         }
     }
 
-    /// The next byte behind white space, which is not taken.
+    /// The next byte that is not white space; it is not consumed.
     fn next_is(&self, byte: u8) -> bool {
         self.line.as_bytes()[self.at..].iter().find(|c| !c.is_ascii_whitespace()) == Some(&byte)
     }
 
-    /// Whether digits, or of Siemens brackets, and `=` stand behind an R.
+    /// Whether an R is followed by digits, or by Siemens' brackets, and then by `=`.
     fn is_assigned_parameter(&self) -> bool {
         let rest = self.line[self.at..].trim_start();
         let behind = match rest.split_once(']') {
@@ -63,7 +63,7 @@ impl Lexer<'_, '_, '_> {
         behind.len() < rest.len() && behind.trim_start().starts_with('=')
     }
 
-    /// The number of a word that begins at `begin`; the lexer stands behind its letter or name.
+    /// The number of a word that begins at `begin`. The lexer must be behind the word's letter or name.
     pub(super) fn number(&mut self, begin: usize, key: Key) -> Option<()> {
         let name_end = self.at;
         self.skip(|c| c == b' ' || c == b'\t');
@@ -103,7 +103,7 @@ impl Lexer<'_, '_, '_> {
         }
     }
 
-    /// Whether a value other than a plain number stands next.
+    /// Whether the next value is not a plain number.
     fn is_expression(&self) -> bool {
         let rest = self.line[self.at..].trim_start_matches(['+', '-', ' ', '\t']);
         let letters = rest.bytes().take_while(u8::is_ascii_alphabetic).count();
@@ -120,7 +120,7 @@ impl Lexer<'_, '_, '_> {
         };
         match self.parsed(read)? {
             Some(value) => self.push(begin, key, value),
-            // FANUC leaves out a word of a vacant variable.
+            // FANUC ignores a word whose variable is vacant.
             None if self.scope.dialect == Some(Dialect::Fanuc) => {}
             None => {
                 let span = self.span(begin, self.at);
@@ -133,7 +133,7 @@ impl Lexer<'_, '_, '_> {
         Some(())
     }
 
-    /// A run of letters that is no name: letters without their numbers, or words of a control's language.
+    /// A run of letters that is not a name: letters without their numbers, or words of a control's language.
     fn unknown_name(&mut self, begin: usize) -> Option<()> {
         let name = self.line[begin..self.at].to_ascii_uppercase();
         const LANGUAGE: [&str; 11] =
@@ -176,7 +176,7 @@ impl Lexer<'_, '_, '_> {
         None
     }
 
-    /// A name that no reader knows, with `=` and its number; the lexer stands behind the name.
+    /// An unknown name with `=` and its number. The lexer must be behind the name.
     fn unknown_assignment(&mut self, begin: usize) -> Option<()> {
         let message =
             format!("unknown word `{}=`", self.line[begin..self.at].chars().take(40).collect::<String>());

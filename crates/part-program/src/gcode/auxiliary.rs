@@ -7,7 +7,7 @@ use crate::gcode::reader::Reader;
 use crate::source::Span;
 
 impl Reader<'_, '_, '_> {
-    /// Takes the words that do not move the tool; says whether the program ends here.
+    /// Takes the words that do not move the tool. Returns whether the program ends here.
     pub(crate) fn auxiliary(&mut self, block: &mut Block<'_>) -> bool {
         let mut ends = false;
         for letter in *b"MSTDH" {
@@ -62,7 +62,7 @@ impl Reader<'_, '_, '_> {
         }
     }
 
-    /// `M99 P10`; whether there is such a block.
+    /// `M99 P10`. Returns whether the block exists.
     fn return_to_block(&mut self, block: &mut Block<'_>, span: Span) -> bool {
         let Some(word) = block.take_letter(b'P') else { return false };
         let Some(number) = whole(word.value) else {
@@ -86,7 +86,7 @@ impl Reader<'_, '_, '_> {
     }
 }
 
-/// Takes the words that belong to an M word of LinuxCNC's or of a spindle that is turned to an angle.
+/// Takes the words that belong to an M word of LinuxCNC, or to one that turns the spindle to an angle.
 fn take_arguments(block: &mut Block<'_>, value: f64) {
     let letters: &[u8] = match value {
         19.0 => b"RQP",

@@ -1,11 +1,11 @@
-//! Axes beside X, Y and Z: rotary ones, and the extruder of a 3-D printer.
+//! Axes other than X, Y and Z: rotary axes, and the extruder of a 3-D printer.
 //!
-//! A rotary or second linear axis (A, B, C, U, V, W) that stays where it is, changes nothing. One that turns on its own, or in a rapid
-//! move, turns the part between two cuts: the machine rests there, and the path is read as it runs on X, Y and Z. One that moves while
-//! the tool cuts is refused, since the path is then not that of X, Y and Z alone.
+//! A rotary or second linear axis (A, B, C, U, V, W) that stays at its place changes nothing. An axis that turns alone,
+//! or in a rapid move, turns the part between two cuts: the machine rests there, and the path goes on in X, Y and Z. An
+//! axis that moves while the tool cuts is refused, since the path would then not be that of X, Y and Z alone.
 //!
-//! E is the filament that an extruder has pushed. It goes along with the path: how far it gets, and how fast, is kept with the part. A
-//! block of E alone pushes or pulls filament while the tool rests.
+//! E is the length of filament that an extruder has pushed. It moves along with the path: the part keeps how far it
+//! gets, and how fast. A block with E alone pushes or pulls filament while the tool rests.
 
 use crate::auxiliary::Auxiliary;
 use crate::gcode::block::Block;
@@ -27,7 +27,7 @@ impl Reader<'_, '_, '_> {
             };
             self.others.rotary[index] = Some(now);
             let cuts = !matches!(self.modal.motion, Motion::Rapid | Motion::None);
-            // What a program says first of an axis is where it is, unless the tool cuts on the way there.
+            // The first number of an axis gives its place, unless the tool cuts on the way there.
             if is_set || before.unwrap_or(if cuts { 0.0 } else { now }) == now {
                 continue;
             }
@@ -48,7 +48,7 @@ impl Reader<'_, '_, '_> {
         }
     }
 
-    /// E: how far the filament gets in this block.
+    /// E: the length of filament in this block.
     fn extrude(&mut self, block: &Block<'_>, value: f64, is_set: bool, span: crate::source::Span) {
         self.others.is_printer = true;
         let before = self.others.extruder_mm;
@@ -64,7 +64,7 @@ impl Reader<'_, '_, '_> {
         }
     }
 
-    /// M words of printers: whether one was obeyed or is no part of the path.
+    /// M words of printers. Returns whether the word was executed or does not affect the path.
     pub(crate) fn printer_word(&mut self, block: &mut Block<'_>, value: f64) -> bool {
         let is_its_own = [82.0, 83.0, 104.0, 106.0, 107.0, 109.0, 117.0, 140.0, 190.0].contains(&value);
         if !(is_its_own || self.others.is_printer && value > 72.0) {
@@ -77,7 +77,7 @@ impl Reader<'_, '_, '_> {
             _ => {}
         }
         block.clear();
-        // Words that a printer waits for.
+        // Words at which a printer waits.
         !WAITED_FOR.contains(&value)
     }
 }

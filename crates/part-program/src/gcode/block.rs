@@ -1,10 +1,10 @@
-//! One block of a part program: its words, by what they address.
+//! One block of a part program: its words, by their addresses.
 
 use crate::diagnostic::Report;
 use crate::gcode::word::{Key, Word};
 use crate::source::{Source, Span};
 
-/// The words of a line, each taken by the first who asks for it.
+/// The words of a line. Each is taken by the first function that asks for it.
 pub(crate) struct Block<'w> {
     words: &'w mut Vec<Word>,
     /// From the first word to the last.
@@ -12,12 +12,12 @@ pub(crate) struct Block<'w> {
 }
 
 impl<'w> Block<'w> {
-    /// The block of `words`; a letter other than G and M that stands there twice is an error.
+    /// The block of `words`. It is an error if a letter other than G and M occurs twice.
     pub(crate) fn new(report: &mut Report<'_>, words: &'w mut Vec<Word>) -> Option<Self> {
         let span = words.first()?.span.to(words.last()?.span);
         for (index, word) in words.iter().enumerate() {
             let repeats = !matches!(word.key, Key::Letter(b'G' | b'M'));
-            // A line of a million words would make this quadratic: no block needs more than a few.
+            // The search is quadratic, which a line of a million words would show: no block needs more than a few.
             if index > MAX_WORDS {
                 report.error(word.span, format!("the block has more than {MAX_WORDS} words"));
                 return None;
@@ -73,12 +73,12 @@ impl<'w> Block<'w> {
         self.words.is_empty()
     }
 
-    /// Gives up the words that are left: what is wrong with the block has been said.
+    /// Drops the words that are left: the fault of the block has been reported.
     pub(crate) fn clear(&mut self) {
         self.words.clear();
     }
 
-    /// The words that nobody took.
+    /// The words that were not taken.
     pub(crate) fn rest(self) -> &'w mut Vec<Word> {
         self.words
     }

@@ -1,4 +1,5 @@
-//! What the words of a block do, in their order: preparatory words, words that do not move the tool, the feed, and then the motion.
+//! Executes the words of a block in order: preparatory words, words that do not move the tool, the feed, then the
+//! motion.
 
 use crate::exact_stops::PathMode;
 use crate::gcode::block::Block;
@@ -7,7 +8,7 @@ use crate::gcode::reader::Reader;
 use crate::gcode::word::Word;
 
 impl Reader<'_, '_, '_> {
-    /// Does what the words of a line say, if there are any.
+    /// Executes the words of a line, if there are any.
     pub(crate) fn block(&mut self, words: &mut Vec<Word>) {
         let Some(mut block) = Block::new(self.report, words) else { return };
         let span = block.span;
@@ -40,7 +41,7 @@ impl Reader<'_, '_, '_> {
         }
     }
 
-    /// Moves as the motion in force says; `inverse_feed` is the F word of G93, in 1/min.
+    /// Executes the motion in force; `inverse_feed` is the F word of G93, in 1/min.
     fn motion(&mut self, block: &mut Block<'_>, is_new: bool, inverse_feed: Option<f64>) {
         if !is_new && block.is_empty() {
             return;
@@ -72,7 +73,7 @@ impl Reader<'_, '_, '_> {
         }
     }
 
-    /// Says the words that nobody took.
+    /// Reports the words that were not taken.
     fn refuse(&mut self, block: Block<'_>) {
         let motion = self.modal.motion;
         for word in block.rest().iter() {

@@ -1,6 +1,6 @@
-//! What a line says of the order in which lines are executed.
+//! The commands in a line that change the order in which lines are executed.
 
-/// What marks the lines that belong together: `o100`, `o<name>`.
+/// The label of lines that belong together: `o100`, `o<name>`.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Label {
     Number(u32),
@@ -23,7 +23,7 @@ impl std::fmt::Display for Label {
     }
 }
 
-/// What stands behind the label of an O-word.
+/// The keyword behind the label of an O-word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Keyword {
     Sub,
@@ -62,25 +62,25 @@ impl Keyword {
         ("continue", Self::Continue),
     ];
 
-    /// The keyword that a run of letters is.
+    /// The keyword of a run of letters.
     pub(crate) fn of(name: &str) -> Option<Self> {
         Self::ALL.iter().find(|(known, _)| known.eq_ignore_ascii_case(name)).map(|(_, keyword)| *keyword)
     }
 
-    /// As it is written.
+    /// The keyword as programs write it.
     pub(crate) fn name(self) -> &'static str {
         Self::ALL.iter().find(|(_, keyword)| *keyword == self).map_or("", |(name, _)| name)
     }
 }
 
-/// What a line says of the order of lines.
+/// A command that changes the order of lines.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Command {
-    /// LinuxCNC's O-word; its values stand from byte `at` of the line on.
+    /// LinuxCNC's O-word; its values begin at byte `at` of the line.
     Word { label: Label, keyword: Keyword, at: usize },
-    /// FANUC's GOTO to the block of a number.
+    /// FANUC's GOTO to the block with a number.
     Goto(u32),
-    /// FANUC's WHILE … DO, with what its condition says.
+    /// FANUC's WHILE … DO, with the value of its condition.
     While { number: u32, holds: bool },
     /// FANUC's END of such a loop.
     End(u32),

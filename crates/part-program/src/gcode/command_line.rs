@@ -30,7 +30,7 @@ impl Lexer<'_, '_, '_> {
         self.parsed(read)
     }
 
-    /// FANUC's `IF [condition] GOTO 10` and `IF [condition] THEN #1=2`; the lexer stands behind IF.
+    /// FANUC's `IF [condition] GOTO 10` and `IF [condition] THEN #1=2`. The lexer must be behind IF.
     pub(super) fn condition_of_fanuc(&mut self, begin: usize) -> Option<()> {
         let holds = self.in_brackets()? != 0.0;
         self.skip(|c| c.is_ascii_whitespace());
@@ -69,7 +69,7 @@ impl Lexer<'_, '_, '_> {
         None
     }
 
-    /// FANUC's `WHILE [condition] DO 1`, or `DO 1`, which has none.
+    /// FANUC's `WHILE [condition] DO 1`, or `DO 1`, which has no condition.
     pub(super) fn fanuc_loop(&mut self, begin: usize, is_conditional: bool) -> Option<()> {
         let mut holds = true;
         if is_conditional {
@@ -87,7 +87,7 @@ impl Lexer<'_, '_, '_> {
         self.command(begin, Command::While { number, holds }, Dialect::Fanuc)
     }
 
-    /// `O1000`, the number of a program, or LinuxCNC's `o100 while [condition]`; the lexer stands behind the letter.
+    /// `O1000`, the number of a program, or LinuxCNC's `o100 while [condition]`. The lexer must be behind the letter.
     pub(super) fn o_word(&mut self, begin: usize) -> Option<()> {
         let label = self.label()?;
         self.skip(|c| c.is_ascii_whitespace());

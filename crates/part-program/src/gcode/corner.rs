@@ -1,7 +1,7 @@
 //! Corners that a program has rounded or cut off: `,R` and `,C` of FANUC, `RND=` and `CHR=` of Siemens.
 //!
-//! The word stands in the block of a straight move and acts on the corner to the next one. `,R` puts an arc of this radius between the
-//! two moves, `,C` a straight line that begins and ends so far from the corner.
+//! The word stands in the block of a straight move and changes the corner to the next move. `,R` puts an arc of this
+//! radius between the two moves, `,C` a straight line that begins and ends at this distance from the corner.
 //!
 //! # Source
 //! FANUC Series 30i, B-63944EN/03, section 4.12 ("optional angle chamfering and corner rounding"); SINUMERIK 840D sl, Programming
@@ -18,7 +18,7 @@ use crate::part::Part;
 use crate::source::Span;
 use crate::vector::{difference, dot};
 
-/// What is to become of the end of the last move.
+/// The change of the corner at the end of the last move.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Corner {
     size_mm: f64,
@@ -39,12 +39,12 @@ impl Corner {
         Some(Self { size_mm: modal.mm(word.value), is_round, span: word.span })
     }
 
-    /// Says of a corner at the end of the program that nothing follows it.
+    /// Reports a word of a corner at the end of the program, where no move follows.
     pub(crate) fn say_unmet(self, report: &mut Report<'_>) {
         report.error(self.span, "no move follows this corner").expected("a straight move behind it");
     }
 
-    /// The move between the last one and `next`, both of which are shortened; what does not fit is said.
+    /// The move between the last one and `next`, both of which are shortened. It is an error if it does not fit.
     pub(crate) fn turn(
         self,
         report: &mut Report<'_>,
@@ -100,14 +100,14 @@ impl Corner {
     }
 }
 
-/// The unit vector from one place to another, and how far it is.
+/// The unit vector from one place to another, and their distance.
 fn direction(from: [f64; 3], to: [f64; 3]) -> ([f64; 3], f64) {
     let way = difference(&to, &from);
     let length = dot(way, way).sqrt();
     (way.map(|x| x / length), length)
 }
 
-/// The arc that touches two lines where it begins and ends, by its control points and the cosine of half its angle.
+/// The arc that touches two lines at its ends, as its control points and the cosine of half its angle.
 fn arc(points: [[f64; 3]; 3], middle_weight: f64) -> Curve {
     let control_points_mm = points.to_vec();
     let dimension = Curve::dimension_of(&control_points_mm);

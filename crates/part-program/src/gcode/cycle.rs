@@ -1,4 +1,4 @@
-//! Drilling cycles: which there are, and what they keep from block to block.
+//! Drilling cycles: their kinds, and the values that they keep from block to block.
 
 /// A cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -12,7 +12,7 @@ pub(crate) enum Cycle {
 }
 
 impl Cycle {
-    /// The cycle that ten times a G number commands.
+    /// The cycle whose G number times ten is given.
     pub(crate) fn of(tenths: u16) -> Option<Self> {
         Some(match tenths {
             810 => Self::Drill,
@@ -28,10 +28,10 @@ impl Cycle {
     }
 }
 
-/// What cycles keep from block to block.
+/// The values that cycles keep from block to block.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Holes {
-    /// Z as it is written, R and Q.
+    /// Z as the program writes it, R and Q.
     pub(crate) bottom: Option<f64>,
     pub(crate) retract: Option<f64>,
     pub(crate) step: Option<f64>,
@@ -42,7 +42,7 @@ pub(crate) struct Holes {
 }
 
 impl Holes {
-    /// Forgets all but G98 and G99, when a cycle ends.
+    /// Forgets all values but G98 and G99, when a cycle ends.
     pub(crate) fn end(&mut self) {
         *self = Self { returns_to_begin: self.returns_to_begin, ..Self::default() };
     }

@@ -1,4 +1,4 @@
-//! Drilling cycles as the moves that they are.
+//! Drilling cycles as their moves.
 //!
 //! | word | what it does at each place |
 //! |---|---|
@@ -9,8 +9,9 @@
 //! | G85, G89 | bores: as G84; G89 rests at Z |
 //! | G86, G88, FANUC's G76 | bore: the spindle stops at Z; G88 rests there, too |
 //!
-//! The tool goes to R, if it is below, to the place, to R above it, and after the cycle to R (G99) or to the height that it had when the
-//! first cycle began (G98). LinuxCNC begins with G99, other controls with G98. L (FANUC's K) repeats the block.
+//! If the tool is below R, it first goes to R. Then it goes to the place, and to R above it. After the cycle it goes to
+//! R (G99), or to the height that it had when the first cycle began (G98). LinuxCNC begins with G99, other controls
+//! with G98. L (FANUC's K) repeats the block.
 //!
 //! # Source
 //! LinuxCNC, "Canned Cycles", and the moves that its `rs274` prints; FANUC Series 30i, B-63944EN/03, section 13.1.
@@ -23,9 +24,9 @@ use crate::moves::MoveKind;
 use crate::options::Dialect;
 use crate::source::Span;
 
-/// How far G73 comes back, and how far above the bottom G83 begins to feed again, in mm: LinuxCNC's 0.010 inch.
+/// How far G73 retracts, and how far above the bottom G83 begins to feed again, in mm: LinuxCNC's 0.010 inch.
 pub(crate) const CLEARANCE_MM: f64 = 0.254;
-/// Steps of one hole, and repetitions of one block: more are a mistyped number.
+/// Most steps of one hole, and most repetitions of one block: larger numbers are typing errors.
 const MAX_STEPS: f64 = 10_000.0;
 
 /// The heights of one hole, in mm.
@@ -71,7 +72,7 @@ impl Reader<'_, '_, '_> {
         }
     }
 
-    /// How often a block is executed: L, or K of FANUC.
+    /// The number of times that a block is executed: L, or K of FANUC.
     fn repeats(&mut self, block: &mut Block<'_>) -> u32 {
         let word = match self.options.dialect {
             Some(Dialect::LinuxCnc) => block.take_letter(b'L'),
@@ -89,7 +90,7 @@ impl Reader<'_, '_, '_> {
         repeats
     }
 
-    /// The heights of the holes of a block; what is missing or wrong is said.
+    /// The heights of the holes of a block. Missing and wrong numbers are reported.
     fn heights(&mut self, normal: usize, span: Span) -> Option<Heights> {
         let letter = ["X", "Y", "Z"][normal];
         let (Some(bottom), Some(retract)) = (self.holes.bottom, self.holes.retract) else {
@@ -102,7 +103,7 @@ impl Reader<'_, '_, '_> {
         let here = self.modal.position[normal];
         let (bottom, retract) = (self.modal.mm(bottom), self.modal.mm(retract));
         let (retract, bottom) = if self.modal.incremental {
-            // From where the first cycle began.
+            // From the height at which the first cycle began.
             let retract = self.holes.begin_mm.or(here).unwrap_or(0.0) + retract;
             (retract, retract + bottom)
         } else {
@@ -169,7 +170,7 @@ impl Reader<'_, '_, '_> {
         go(self, clear, MoveKind::Rapid);
     }
 
-    /// A straight move of a cycle; an axis that is unknown begins where it is sent.
+    /// A straight move of a cycle. If an axis is unknown, the move begins at the place to which it is sent.
     fn hole_move(&mut self, end: [f64; 3], kind: MoveKind, span: Span) {
         let start: [f64; 3] = std::array::from_fn(|axis| self.modal.position[axis].unwrap_or(end[axis]));
         let names = end.map(Some);

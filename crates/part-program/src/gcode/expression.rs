@@ -14,10 +14,11 @@
 //! `POT` and `TRUNC`; angles are in degrees. `FIX` goes to the next lower whole number and `FUP` to the next higher one, of FANUC toward
 //! 0 and away from it.
 //!
-//! A variable that has no value is *vacant*. It counts as 0, except where it is compared with one that is vacant, too, such as FANUC's
-//! `#0`.
+//! A variable without a value is *vacant*. It counts as 0, except in a comparison with another vacant variable, such as
+//! FANUC's `#0`.
 //!
-//! The grammar is small, spans of faults and white space within names are not, which is why no parser of another library is used.
+//! No parser library is used: the grammar is small, and most of the work is spans of faults and white space within
+//! names.
 //!
 //! # Source
 //! LinuxCNC, "Expressions", whose order of operators this is; FANUC Series 30i, B-63944EN/03, section 16.4; SINUMERIK 840D sl,
@@ -32,9 +33,9 @@ use crate::gcode::scope::Scope;
 use crate::gcode::variables::{HIGHEST, Value, Variable};
 use crate::source::Span;
 
-/// Brackets within brackets; each takes some stack.
+/// Most brackets within brackets; each takes some stack.
 const MAX_DEPTH: usize = 64;
-/// What is wrong with an expression, and where in its line.
+/// The fault of an expression, with its place in the line.
 #[derive(Debug)]
 pub(crate) struct Fault {
     pub(crate) place: Range<usize>,
@@ -43,19 +44,19 @@ pub(crate) struct Fault {
 }
 
 impl Fault {
-    /// Says what is wrong; the line begins at byte `start`.
+    /// Reports the fault; the line begins at byte `start`.
     pub(crate) fn say(self, report: &mut Report<'_>, start: usize) {
         let span = Span::new(start + self.place.start, start + self.place.end);
         report.error(span, self.message).expected(self.expected);
     }
 }
 
-/// Reads expressions of one line, from a byte on.
+/// A parser of the expressions of one line, from a byte on.
 pub(crate) struct Parser<'a> {
     pub(crate) line: &'a str,
     pub(crate) at: usize,
     pub(crate) scope: Scope<'a>,
-    /// Round brackets group, as Siemens writes them; elsewhere they hold comments.
+    /// Whether round brackets group, as Siemens writes them; otherwise they hold comments.
     pub(crate) is_round: bool,
     depth: usize,
 }
@@ -63,7 +64,7 @@ pub(crate) struct Parser<'a> {
 type Parsed<T> = Result<T, Fault>;
 
 impl<'a> Parser<'a> {
-    /// A parser that stands at byte `at` of a line.
+    /// A parser at byte `at` of a line.
     pub(crate) fn new(line: &'a str, at: usize, scope: Scope<'a>, is_round: bool) -> Self {
         Self { line, at, scope, is_round, depth: 0 }
     }
@@ -87,14 +88,14 @@ impl<'a> Parser<'a> {
         Err(Fault { place: begin..end, message: message.into(), expected })
     }
 
-    /// Takes a byte if it is the next one.
+    /// Consumes a byte if it is the next one.
     fn takes(&mut self, byte: u8) -> bool {
         let is_next = self.peek() == Some(byte);
         self.at += usize::from(is_next);
         is_next
     }
 
-    /// An expression with operators, up to where it does not go on.
+    /// An expression with operators, as long as it goes on.
     pub(crate) fn expression(&mut self) -> Parsed<Value> {
         self.binary(1)
     }
@@ -136,7 +137,7 @@ impl<'a> Parser<'a> {
         Ok((value, second))
     }
 
-    /// The operator that stands next, with how strongly it binds and where it ends; it is not taken.
+    /// The next operator, with its precedence and its end. It is not consumed.
     fn operator(&mut self) -> Option<(Operator, u8, usize)> {
         self.peek()?;
         let rest = &self.line.as_bytes()[self.at..];
@@ -144,7 +145,7 @@ impl<'a> Parser<'a> {
         Some((operator, strength, self.at + length))
     }
 
-    /// Operators that bind at least as strongly as `least`.
+    /// Evaluates operators that bind at least as strongly as `least`.
     fn binary(&mut self, least: u8) -> Parsed<Value> {
         let mut value = self.operand()?;
         while let Some((operator, strength, end)) =

@@ -5,8 +5,8 @@
 //! keeps its value. The first control point is the current position. `G05 P10000` and `G05 P0` switch high-precision
 //! contouring on and off.
 //!
-//! LinuxCNC 2.10 reads the same blocks, with G6.2 also in front of the knots that close the curve, and with Q, which chooses how its own
-//! interpolator goes along the curve and is no part of it.
+//! LinuxCNC 2.10 reads the same blocks. It also reads G6.2 before the knots that close the curve, and Q, which selects
+//! how its own interpolator follows the curve and does not belong to the curve.
 //!
 //! # Source
 //! FANUC Series 15i, B-63324EN/03, section 4.17 for the alarms PS1002 to PS1009, whose names head the messages here.
@@ -19,10 +19,10 @@ use crate::gcode::word::Word;
 use crate::source::Span;
 use crate::spline_blocks::SplineBlocks;
 
-/// How far the first control point may be from the position, in mm: what sums of incremental moves lose.
+/// The first control point may be this far from the position, in mm: sums of incremental moves lose as much.
 const POSITION_TOLERANCE_MM: f64 = 1e-6;
 
-/// A curve of which more blocks may come.
+/// A curve that may have further blocks.
 pub(crate) struct FanucNurbs {
     order: usize,
     blocks: SplineBlocks,
@@ -44,12 +44,12 @@ impl FanucNurbs {
         self.blocks.knots.len() >= self.blocks.points.len() + self.order
     }
 
-    /// Whether a block with G6.2 goes on with the curve: it has a knot alone, and the curve lacks closing knots.
+    /// Whether a block with G6.2 continues the curve: it has a knot alone, and the curve lacks closing knots.
     pub(crate) fn goes_on_with(&self, block: &Block<'_>) -> bool {
         block.has(b'K') && !block.has(b'P') && !block.has(b'R') && !block.has_axis() && !self.is_complete()
     }
 
-    /// The curve that follows a complete one without a new G06.2.
+    /// The curve that follows a complete one if there is no new G06.2.
     pub(crate) fn next(&self, span: Span) -> Self {
         Self { order: self.order, blocks: SplineBlocks { start: span, ..SplineBlocks::default() } }
     }
@@ -64,7 +64,7 @@ impl FanucNurbs {
                     .error(block.span, "PS1002: a block of G06.2 without a knot")
                     .expected("a word K")
                     .hint("every control point has a knot, and order blocks with a K alone close the curve");
-                // Its value is not known; the one before it keeps the other rules quiet.
+                // The value is unknown. The value before it keeps the other rules from reporting errors.
                 let last = self.blocks.knots.last().map_or(0.0, |(knot, _)| *knot);
                 self.blocks.knots.push((last, block.span));
             }
@@ -95,7 +95,7 @@ impl FanucNurbs {
         modal.arrive(written, point);
     }
 
-    /// The curve, if it breaks no rule.
+    /// The curve, if it obeys every rule.
     pub(crate) fn finish(self, report: &mut Report<'_>, after: Span) -> Option<Curve> {
         let (points, knots) = (self.blocks.points.len(), self.blocks.knots.len());
         let closing = knots.saturating_sub(points);

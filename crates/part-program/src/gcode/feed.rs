@@ -28,8 +28,8 @@ impl Reader<'_, '_, '_> {
         self.whole_units = false;
     }
 
-    /// Takes F: in G94 it becomes the feedrate, in G93 it is handed back, in 1/min, and in G95 it becomes the
-    /// feed of a revolution.
+    /// Takes F: in G94 it becomes the feedrate, in G93 it is returned, in 1/min, and in G95 it becomes the feed of a
+    /// revolution.
     pub(crate) fn feed(&mut self, block: &mut Block<'_>, unit_before: f64) -> Option<f64> {
         let word = block.take_letter(b'F')?;
         let mut unit = self.modal.mm(1.0);

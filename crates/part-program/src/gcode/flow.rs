@@ -5,8 +5,8 @@
 //! | LinuxCNC | `o100 sub` … `endsub`, `call`, `return`; `if`, `elseif`, `else`, `endif`; `while` … `endwhile`, `do` … `while`, `repeat` … `endrepeat`, `break`, `continue` |
 //! | FANUC | `IF [ ] GOTO 10`, `IF [ ] THEN`, `GOTO 10`, `WHILE [ ] DO 1` … `END 1`; `G65 P9000 A1`, `M98 P9000 L3` … `M99`, `M99 P10` |
 //!
-//! A program that repeats lines without an end is stopped: at most [`MAX_REPEATED`] lines are executed again, or as many bytes as
-//! [`MAX_REPEATED_BYTES`] says; fewer when an error has been found.
+//! A program that repeats lines without an end is stopped: at most [`MAX_REPEATED`] lines, with at most
+//! [`MAX_REPEATED_BYTES`] bytes, are executed again. After an error the number of lines is less.
 //!
 //! # Source
 //! LinuxCNC, "O Codes"; FANUC Series 30i, B-63944EN/03, chapter 16.
@@ -21,24 +21,24 @@ use crate::gcode::variables::{FANUC_LOCALS, Variables};
 use crate::options::Dialect;
 use crate::source::Span;
 
-/// Lines that jumps, calls and loops may execute more than once, in all.
+/// Most lines, in total, that jumps, calls and loops may execute again.
 pub(crate) const MAX_REPEATED: usize = 2_000_000;
-/// Bytes of those lines.
+/// Most bytes of these lines.
 pub(crate) const MAX_REPEATED_BYTES: usize = 1 << 26;
-/// Lines that are executed more than once in a program in which an error has been found.
+/// Most lines that are executed again in a program in which an error has been found.
 const MAX_REPEATED_WITH_ERRORS: usize = 100_000;
-/// Calls within one another.
+/// Most calls within one another.
 const MAX_CALLS: usize = 100;
-/// Loops and conditions within one another, of one program or subprogram.
+/// Most loops and conditions within one another, in one program or subprogram.
 const MAX_NESTED: usize = 100;
 
-/// What calls a subprogram: `G65` with arguments, or `M98`.
+/// A call of a subprogram: `G65` with arguments, or `M98`.
 pub(crate) struct Call {
     /// Number of the program, P.
     pub(crate) program: u32,
-    /// How often it is executed.
+    /// The number of times that it is executed.
     pub(crate) times: u32,
-    /// The variables that a macro call gives it; `None` of M98.
+    /// The variables that a macro call gives to the subprogram; `None` for M98.
     pub(crate) arguments: Option<Vec<(u32, f64)>>,
     pub(crate) span: Span,
 }
@@ -49,7 +49,7 @@ pub(super) struct Nested {
     pub(super) kind: Kind,
     /// Line on which it began.
     pub(super) line: usize,
-    /// How often its lines have begun to be executed.
+    /// The number of times that its lines have begun.
     pub(super) turn: u32,
 }
 
@@ -67,7 +67,7 @@ pub(super) enum Kind {
 pub(super) struct Frame {
     /// The line of the call.
     call_line: usize,
-    /// The first line that a call executes; how often it is executed again.
+    /// The first line that a call executes, and how many more times it is executed.
     first: usize,
     again: u32,
     /// Whether it has variables of its own.
@@ -75,23 +75,23 @@ pub(super) struct Frame {
     pub(super) nested: Vec<Nested>,
 }
 
-/// Which line is executed next.
+/// The line that is executed next.
 pub(crate) struct Flow {
     /// The line that is executed, from 0.
     pub(crate) line: usize,
     pub(super) next: usize,
-    /// Found when the first command asks.
+    /// The marks of the program, found when the first command needs them.
     marks: Option<Marks>,
     frames: Vec<Frame>,
-    /// The furthest line so far; those before it are executed again.
+    /// The furthest line so far. A line before it is executed again.
     furthest: usize,
     pub(super) repeated: usize,
     pub(super) repeated_bytes: usize,
-    /// Whether a call was made, so that subprograms may stand behind the program's end.
+    /// Whether a call was made, so that subprograms may follow the program's end.
     pub(crate) has_called: bool,
 }
 
-/// What the commands of a line work on.
+/// The state that the commands of a line change.
 pub(crate) struct Context<'c, 'r, 't> {
     pub(crate) report: &'r mut Report<'t>,
     pub(crate) variables: &'c mut Variables,
@@ -135,7 +135,7 @@ impl Default for Flow {
 }
 
 impl Flow {
-    /// Goes on to the next line; `None` at the end of the text, or when too many lines were repeated, which is said.
+    /// Goes on to the next line; `None` at the end of the text, or if too many lines were repeated, which is reported.
     pub(crate) fn advance(&mut self, report: &mut Report<'_>) -> Option<usize> {
         let line = self.next;
         if line >= report.source.lines() {
@@ -186,7 +186,7 @@ impl Flow {
         self.marks.get_or_insert_with(|| Marks::of(report))
     }
 
-    /// Obeys the command of the line that is executed.
+    /// Executes the command of the current line.
     pub(crate) fn obey(
         &mut self,
         context: &mut Context<'_, '_, '_>,
@@ -202,7 +202,7 @@ impl Flow {
         Some(())
     }
 
-    /// Goes to the block of a number, in the program in which line `here` stands; that there is none is said.
+    /// Goes to the block with a number, in the program in which line `here` stands. A missing block is reported.
     fn jump(&mut self, report: &mut Report<'_>, number: u32, here: usize, span: Span) -> Option<()> {
         let Some(line) = self.marks(report).block(number, here) else {
             let message = format!("there is no block N{number} in this program");
@@ -213,7 +213,7 @@ impl Flow {
         Some(())
     }
 
-    /// `M99 P10`: leaves the subprogram, if it is one, and goes to a block of the program that called it.
+    /// `M99 P10`: leaves the subprogram, if it is one, and goes to a block of the calling program.
     pub(crate) fn return_to(
         &mut self,
         report: &mut Report<'_>,
@@ -278,7 +278,8 @@ impl Flow {
         self.frame().nested.iter().rposition(|nested| nested.kind == *kind)
     }
 
-    /// Begins the next turn of a loop, and ends what has begun within it; hands back the line on which the loop began.
+    /// Begins the next turn of a loop, and ends everything that has begun within it. Returns the line on which the loop
+    /// began.
     pub(super) fn turn_again(&mut self, index: usize) -> usize {
         let nested = &mut self.frame().nested;
         nested.truncate(index + 1);
@@ -304,7 +305,7 @@ impl Flow {
         Some(())
     }
 
-    /// The first line behind `after` with one of the keywords of a label.
+    /// The first line behind `after` that has one of the keywords of a label.
     pub(super) fn find(
         &mut self,
         report: &Report<'_>,
@@ -320,7 +321,7 @@ impl Flow {
         lines[begin..].iter().find_map(is_wanted)
     }
 
-    /// As `find`, from the line that is executed; that there is none is said.
+    /// As `find`, from the current line on. A missing line is reported.
     pub(super) fn needed(
         &mut self,
         context: &mut Context<'_, '_, '_>,
@@ -356,7 +357,7 @@ impl Flow {
         Some(())
     }
 
-    /// Goes on behind the call of the subprogram that is executed, or executes it again.
+    /// Goes on behind the call of the current subprogram, or executes the subprogram again.
     pub(crate) fn return_from(&mut self, variables: &mut Variables) {
         if !self.is_called() {
             return;
@@ -377,7 +378,7 @@ impl Flow {
         }
     }
 
-    /// Calls a program by its number; whether it is there.
+    /// Calls a program by its number. Returns whether the program exists.
     pub(crate) fn call(&mut self, report: &mut Report<'_>, variables: &mut Variables, call: &Call) -> bool {
         let program_line = |marks: &Marks, program: u32| {
             let lines = marks.words.get(&Label::Number(program))?;
@@ -385,7 +386,7 @@ impl Flow {
             lines.iter().find(|(_, keyword)| is_begin(keyword)).map(|(line, _)| line + 1)
         };
         let marks = self.marks(report);
-        // Older controls write how often in front of a number of four digits.
+        // Older controls write the number of repetitions before a program number of four digits.
         let (first, times) = match program_line(marks, call.program) {
             Some(first) => (first, call.times),
             None => match program_line(marks, call.program % 10_000) {

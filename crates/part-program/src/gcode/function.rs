@@ -14,7 +14,7 @@ pub(crate) fn is_function(name: &str) -> bool {
     FUNCTIONS.iter().any(|function| function.eq_ignore_ascii_case(name))
 }
 
-/// A function of one number, by the rules of a control; or the numbers that it takes.
+/// A function of one number, by the rules of a control; the error is the range of numbers that it accepts.
 pub(crate) fn function(name: &str, x: f64, dialect: Option<Dialect>) -> Result<Value, &'static str> {
     let is_fanuc = dialect == Some(Dialect::Fanuc);
     let value = match name {

@@ -1,9 +1,9 @@
 //! Lexer of part programs: a line to its words.
 //!
-//! A word is a letter and a number (`X12.5`, `G06.2`) or an expression (`X[#1+2]`), or in Siemens programs a name, `=` and an expression
-//! (`PW=1.5`). Comments `( )` and from `;`, block numbers, program numbers and `%` are no words; a `%` that does not begin the program
-//! ends it. White space may stand anywhere but inside a number or a name. Beside words a line may give variables their values, and say
-//! which line is executed next.
+//! A word is a letter and a number (`X12.5`, `G06.2`) or an expression (`X[#1+2]`). In Siemens programs it may be a
+//! name, `=` and an expression (`PW=1.5`). Comments `( )` and from `;`, block numbers, program numbers and `%` are not
+//! words; a `%` that does not begin the program ends it. White space may stand anywhere but inside a number or a name.
+//! In addition to words, a line may give values to variables, and commands that select the line to be executed next.
 
 use crate::diagnostic::Report;
 use crate::gcode::expression::{Fault, Parser};
@@ -31,7 +31,7 @@ pub(crate) fn read_line(
         let span = lexer.span(lexer.at, lexer.at + 1);
         lexer.report.of_kind(false, span, '/', "optional block: read as if the switch were off");
         lexer.at += 1;
-        // Of several switches, its number.
+        // If a control has several block-skip switches, the digit is the number of one.
         lexer.skip(|c| c.is_ascii_digit());
     }
     if !lexer.is_setting() {
@@ -40,7 +40,7 @@ pub(crate) fn read_line(
     tape.begun |= lexer.begun || !lexer.read.words.is_empty();
 }
 
-/// Where in a line behind the end of a program something stands that is no comment and no delimiter.
+/// The place in a line, behind the end of a program, of anything but comments and delimiters.
 pub(crate) fn remainder(start: usize, line: &str) -> Option<Span> {
     let (modal, variables) = Default::default();
     let scope = Scope { modal: &modal, variables: &variables, dialect: None };
@@ -80,7 +80,8 @@ impl Lexer<'_, '_, '_> {
         }
     }
 
-    /// Takes a line that sets a control up and moves nothing: Grbl's `$100=250`, and commands of Klipper, `SET_FAN SPEED=1`.
+    /// Takes a line that sets up a control and moves nothing: Grbl's `$100=250`, and commands of Klipper, `SET_FAN
+    /// SPEED=1`.
     fn is_setting(&mut self) -> bool {
         let text = self.line.trim();
         let first = text.split_whitespace().next().unwrap_or("");
@@ -139,7 +140,7 @@ impl Lexer<'_, '_, '_> {
         }
     }
 
-    /// Whether the last word was M117, M118 or M23, whose text is no word.
+    /// Whether the last word was M117, M118 or M23. The text behind them has no words.
     fn is_shown_text(&self) -> bool {
         let shows = |word: &Word| word.key == Key::Letter(b'M') && [23.0, 117.0, 118.0].contains(&word.value);
         self.read.words.last().is_some_and(shows)
@@ -161,7 +162,7 @@ impl Lexer<'_, '_, '_> {
         self.number(begin, key)
     }
 
-    /// A character that begins no word.
+    /// A character with which no word begins.
     fn stray(&mut self, begin: usize) -> Option<()> {
         let c = self.line[begin..].chars().next()?;
         self.at += c.len_utf8();
@@ -180,12 +181,12 @@ impl Lexer<'_, '_, '_> {
         None
     }
 
-    /// A parser of expressions that stands where the lexer does.
+    /// A parser of expressions at the lexer's place.
     pub(super) fn parser(&self, is_round: bool) -> Parser<'_> {
         Parser::new(self.line, self.at, self.scope, is_round)
     }
 
-    /// Takes what a parser has read, or says what is wrong with it, and ends the line.
+    /// Takes the result of a parser, or reports its fault and ends the line.
     pub(super) fn parsed<T>(&mut self, read: Result<(T, usize), Fault>) -> Option<T> {
         match read {
             Ok((value, at)) => {

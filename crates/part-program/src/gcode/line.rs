@@ -1,4 +1,4 @@
-//! What stands in a line.
+//! The contents of a line.
 
 use crate::gcode::command::Command;
 use crate::gcode::variables::{Value, Variable};
@@ -6,26 +6,26 @@ use crate::gcode::word::Word;
 use crate::options::Dialect;
 use crate::source::Span;
 
-/// What is known of a program from the lines before.
+/// The state of a program after the lines before.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Tape {
     /// A word or a `%` has been read, so that the next `%` ends the program.
     pub(super) begun: bool,
 }
 
-/// What stands in a line, with every expression evaluated.
+/// The contents of a line, with every expression evaluated.
 #[derive(Default)]
 pub(crate) struct Line {
     pub(crate) words: Vec<Word>,
     /// Variables with their new values, which hold from the next block on.
     pub(crate) assignments: Vec<(Variable, Value)>,
-    /// What the line says of the order in which lines are executed.
+    /// The command of the line that changes the order of lines.
     pub(crate) command: Option<(Command, Span)>,
-    /// A control whose way of writing commands or variables the line shows.
+    /// The control whose way of writing commands or variables is found in the line.
     pub(crate) dialect: Option<Dialect>,
-    /// `$H` of Grbl: the machine goes to a place of its own.
+    /// Whether the line is `$H` of Grbl: the machine goes to its home position.
     pub(crate) is_homing: bool,
-    /// The bytes that were read, if a `%` ended the program.
+    /// The number of bytes read, if a `%` ended the program.
     pub(crate) ended: Option<usize>,
 }
 

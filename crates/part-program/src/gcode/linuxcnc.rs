@@ -23,7 +23,7 @@ use crate::spline_blocks::{SplineBlocks, uniform_knots};
 /// The smallest order that LinuxCNC makes.
 pub(crate) const LEAST_ORDER: usize = 3;
 
-/// A curve of which more blocks may come.
+/// A curve that may have further blocks.
 pub(crate) struct LinuxCncNurbs {
     order: usize,
     /// The axes of its plane.
@@ -95,7 +95,7 @@ impl LinuxCncNurbs {
         modal.arrive(written, target);
     }
 
-    /// The curve, if it breaks no rule.
+    /// The curve, if it obeys every rule.
     pub(crate) fn finish(mut self, report: &mut Report<'_>) -> Option<Curve> {
         let degree = self.order - 1;
         let start = self.blocks.start;
@@ -105,7 +105,7 @@ impl LinuxCncNurbs {
     }
 }
 
-/// A Bézier curve as it is programmed, and the inner point that a smooth continuation needs.
+/// A Bézier curve as programmed, with the inner point that a smooth continuation needs.
 pub(crate) fn bezier(
     report: &mut Report<'_>,
     modal: &mut Modal,

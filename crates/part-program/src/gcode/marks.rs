@@ -1,4 +1,4 @@
-//! Where the labels, block numbers and loop ends of a program stand, to which commands lead.
+//! The places of a program's labels, block numbers and loop ends, to which commands lead.
 
 use std::collections::HashMap;
 
@@ -19,7 +19,7 @@ pub(crate) struct Marks {
 }
 
 impl Marks {
-    /// Looks for them in all lines.
+    /// Searches all lines for marks.
     pub(crate) fn of(report: &Report<'_>) -> Self {
         let mut marks = Self::default();
         for line in 0..report.source.lines() {
@@ -49,7 +49,8 @@ impl Marks {
 }
 
 impl Marks {
-    /// The line of a block number in the program in which line `here` stands: behind it, or else from the program's begin on.
+    /// The line of a block number in the program in which line `here` stands. The search goes from there to the
+    /// program's end, and then from its begin.
     pub(crate) fn block(&self, number: u32, here: usize) -> Option<usize> {
         let next = self.programs.partition_point(|line| *line <= here);
         let begin = next.checked_sub(1).map_or(0, |own| self.programs[own]);
@@ -60,7 +61,7 @@ impl Marks {
     }
 }
 
-/// Where in a line the values of an O-word begin.
+/// The place in a line where the values of an O-word begin.
 pub(crate) fn behind_keyword(line: &str) -> usize {
     let keyword = labelled(numbered(line).1).map_or("", |(_, keyword)| keyword);
     line.len() - keyword.trim_start_matches(|c: char| c.is_ascii_alphabetic()).len()
@@ -75,7 +76,7 @@ fn numbered(line: &str) -> (Option<u32>, &str) {
     (number, words(rest))
 }
 
-/// The label of an O-word, and what stands behind it.
+/// The label of an O-word, and the text behind it.
 fn labelled(text: &str) -> Option<(Label, &str)> {
     let text = text.strip_prefix(['O', 'o'])?.trim_start();
     let (label, rest) = match text.strip_prefix('<').and_then(|text| text.split_once('>')) {
@@ -88,7 +89,7 @@ fn labelled(text: &str) -> Option<(Label, &str)> {
     Some((label, words(rest)))
 }
 
-/// A text from behind the white space and the comments with which it begins.
+/// A text without the white space and the comments at its begin.
 fn words(mut text: &str) -> &str {
     loop {
         text = text.trim_start();
@@ -99,7 +100,7 @@ fn words(mut text: &str) -> &str {
     }
 }
 
-/// The digits that a text begins with, as a number, and what follows them.
+/// The digits at the begin of a text, as a number, and the text behind them.
 fn leading_number(text: &str) -> (Option<u32>, &str) {
     let digits = text.bytes().take_while(u8::is_ascii_digit).count();
     (text[..digits].parse().ok(), &text[digits..])

@@ -1,8 +1,9 @@
 //! Part programs: blocks of words, with modal state, to curves.
 //!
-//! A line becomes words, variables with their new values, and at most one command (`lexer`, `address`, `command_line`, `expression`). The order in
-//! which lines are executed is that of `program`, `flow`, `o_words` and `marks`. What a block of words does begins in `block_words` and goes on
-//! in the files named below; all of them work on the state in `reader`.
+//! A line becomes words, variables with their new values, and at most one command (`lexer`, `address`, `command_line`,
+//! `expression`). `program`, `flow`, `o_words` and `marks` decide the order in which lines are executed. The execution
+//! of a block of words begins in `block_words` and goes on in the files named below; all of them work on the state in
+//! `reader`.
 //!
 //! | words | meaning | file |
 //! |---|---|---|
@@ -19,10 +20,11 @@
 //! | G65 M98 M99 | subprograms of the same text | `auxiliary`, `flow` |
 //! | A B C U V W, E | other axes, and a printer's filament | `axis_words` |
 //!
-//! Of each group of G words that exclude one another a block has one: G20 with G21 is an error, as G1 with G2 is.
+//! A block has at most one word of each group of G words that exclude one another: G20 with G21 is an error, and so is
+//! G1 with G2.
 //!
-//! A coordinate that is not written keeps its value. Where the tool is at first is not known: an axis begins where it is
-//! first sent, and what came before is read as done there. One that incremental words move first begins at 0.
+//! A missing coordinate keeps its value. The tool's first place is unknown: an axis begins where it is first sent, and
+//! earlier blocks are read as executed there. An axis that incremental words move first begins at 0.
 
 mod address;
 mod auxiliary;

@@ -1,4 +1,4 @@
-//! Modal state of a program: what holds until another word changes it.
+//! Modal state of a program: settings that hold until another word changes them.
 
 use crate::arc::Plane;
 use crate::exact_stops::PathMode;
@@ -34,9 +34,9 @@ pub(crate) enum Motion {
     Cycle(Cycle),
     /// G33, and G33.1, which comes back: along an axis with the spindle.
     WithSpindle { comes_back: bool },
-    /// Another motion that is not read, and was read over.
+    /// Another motion that is not read, and was skipped.
     Unread,
-    /// A motion whose first block is wrong, as has been said: the blocks that go on with it are passed over.
+    /// A motion whose first block is wrong, which has been reported. The blocks that continue it are skipped.
     Broken,
 }
 
@@ -46,7 +46,7 @@ impl Motion {
         matches!(self, Self::FanucNurbs | Self::Cubic | Self::Quadratic | Self::LinuxCncNurbs | Self::Bspline)
     }
 
-    /// What messages call it.
+    /// Its name in messages.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::None | Self::Broken => "a block without a motion",
@@ -82,7 +82,7 @@ impl Motion {
     }
 }
 
-/// What F means.
+/// The meaning of F.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum FeedMode {
     /// G94: length a minute.
@@ -94,7 +94,7 @@ pub(crate) enum FeedMode {
     PerRevolution,
 }
 
-/// What holds until another word changes it.
+/// Settings that hold until another word changes them.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Modal {
     pub(crate) motion: Motion,
@@ -113,25 +113,27 @@ pub(crate) struct Modal {
     pub(crate) feed_mm_per_revolution: Option<f64>,
     /// S, in revolutions a minute.
     pub(crate) spindle_per_minute: Option<f64>,
-    /// Where the tool is, in mm of the part; an axis that was never named is unknown, and one that a word moved that is not read.
+    /// The place of the tool, in mm of the part. It is unknown for an axis that was never named, and for one that was
+    /// moved by a word that is not read.
     pub(crate) position: [Option<f64>; 3],
     /// The work offset in force, from 0 for G54.
     pub(crate) work_offset: u8,
     /// Origins of the work offsets in the part, in mm; 0 for those that no G10 has set.
     pub(crate) work_origins: [[f64; 3]; WORK_OFFSETS],
-    /// By which angle each work offset turns X and Y about its origin, in rad.
+    /// The angle by which each work offset turns X and Y about its origin, in rad.
     pub(crate) work_turns: [f64; WORK_OFFSETS],
-    /// Where 0 of the part is, by the coordinates that no offset has shifted, in mm, and by which angle the part is turned there, in rad.
+    /// The part's zero in the coordinates that no offset has shifted, in mm, and the angle by which the part is turned
+    /// there, in rad.
     base: ([f64; 3], f64),
     /// Whether a move has been made, so that the part has its coordinates.
     is_settled: bool,
-    /// What G92 and G52 add to them, in mm.
+    /// The shift that G92 and G52 add to the coordinates, in mm.
     pub(crate) shift: [f64; 3],
-    /// Where an axis that is unknown is taken to be; 0 if it was never known.
+    /// The assumed place of an axis that is unknown; 0 if it was never known.
     last_known: [f64; 3],
-    /// Axes that incremental words moved from where they were taken to be.
+    /// Axes that incremental words moved from their assumed places.
     pub(crate) from_unknown: [bool; 3],
-    /// Where axes begin that have been named since this was last asked, and were unknown before.
+    /// The first places of axes that were unknown and have been named since this was last read.
     pub(crate) begun: [Option<f64>; 3],
 }
 
@@ -146,7 +148,8 @@ impl Modal {
         std::array::from_fn(|axis| self.position[axis].unwrap_or(self.last_known[axis]))
     }
 
-    /// Gives the part the coordinates in which its first move is written: what shifts and turns them later, does so in these.
+    /// Gives the part the coordinates in which its first move is written. Later shifts and turns are made in these
+    /// coordinates.
     pub(crate) fn settle(&mut self) {
         if std::mem::replace(&mut self.is_settled, true) {
             return;
@@ -163,27 +166,27 @@ impl Modal {
         self.work_origins.get(usize::from(self.work_offset)).map_or(0.0, |origin| origin[axis])
     }
 
-    /// Where 0 of an axis, as the program counts, is in the part, in mm, while nothing is turned.
+    /// The zero of the program's coordinate of an axis, in mm of the part, if nothing is turned.
     pub(crate) fn origin(&self, axis: usize) -> f64 {
         self.work_origin(axis) + self.shift[axis] - self.base.0[axis]
     }
 
-    /// Whether the axes of the program are turned against those of the part, or the part's own are.
+    /// Whether the program's axes are turned against those of the part, or the part's own axes are turned.
     fn is_turned(&self) -> bool {
         self.turn() != 0.0 || self.base.1 != 0.0
     }
 
-    /// By which angle the work offset in force turns X and Y, in rad.
+    /// The angle by which the work offset in force turns X and Y, in rad.
     fn turn(&self) -> f64 {
         self.work_turns.get(usize::from(self.work_offset)).copied().unwrap_or(0.0)
     }
 
-    /// A distance along the axes of the program, in mm, along those of the part.
+    /// Turns a distance along the axes of the program, in mm, to the axes of the part.
     pub(crate) fn turned(&self, distance: [f64; 3]) -> [f64; 3] {
         turned_by(self.turn() - self.base.1, distance)
     }
 
-    /// Where a place of the program is in the part, both in mm.
+    /// The place in the part of a place in the program, both in mm.
     pub(crate) fn in_part(&self, place: [f64; 3]) -> [f64; 3] {
         if !self.is_turned() {
             return std::array::from_fn(|axis| self.origin(axis) + place[axis]);
@@ -193,7 +196,7 @@ impl Modal {
         turned_by(-angle, std::array::from_fn(|axis| self.work_origin(axis) - base[axis] + turned[axis]))
     }
 
-    /// Where a place of the part is in the program, both in mm.
+    /// The place in the program of a place in the part, both in mm.
     pub(crate) fn in_program(&self, place: [f64; 3]) -> [f64; 3] {
         if !self.is_turned() {
             return std::array::from_fn(|axis| place[axis] - self.origin(axis));
@@ -205,12 +208,12 @@ impl Modal {
         std::array::from_fn(|axis| straight[axis] - self.shift[axis])
     }
 
-    /// Where the tool is on an axis, as the program counts and in its unit.
+    /// The tool's place on an axis, in the program's coordinates and unit.
     pub(crate) fn programmed(&self, axis: usize) -> f64 {
         self.in_program(self.here())[axis] / self.mm(1.0)
     }
 
-    /// Where coordinates as written lead from `from`: those not written are kept.
+    /// The end of a move from `from` with these coordinates; missing ones are kept.
     pub(crate) fn target(&self, from: [f64; 3], written: [Option<f64>; 3]) -> [f64; 3] {
         if self.is_turned() && written != [None; 3] {
             let here = self.in_program(from);
@@ -227,14 +230,14 @@ impl Modal {
         })
     }
 
-    /// Start of a move to `target`: an axis whose position is unknown starts where it is sent; in G91 it moves by what is
-    /// written wherever it starts.
+    /// Start of a move to `target`. An axis whose position is unknown starts where it is sent. In G91 it moves by the
+    /// written distance, wherever it starts.
     pub(crate) fn start(&self, target: [f64; 3]) -> [f64; 3] {
         let unknown = |axis: usize| if self.incremental { self.last_known[axis] } else { target[axis] };
         std::array::from_fn(|axis| self.position[axis].unwrap_or_else(|| unknown(axis)))
     }
 
-    /// Brings the axes that are written to `target`.
+    /// Moves the axes with a coordinate to `target`.
     pub(crate) fn arrive(&mut self, mut written: [Option<f64>; 3], target: [f64; 3]) {
         if self.is_turned() {
             let either = written[0].or(written[1]);
@@ -249,7 +252,7 @@ impl Modal {
         }
     }
 
-    /// Forgets where an axis is.
+    /// Forgets the place of an axis.
     pub(crate) fn forget(&mut self, axis: usize) {
         self.last_known[axis] = self.here()[axis];
         (self.position[axis], self.from_unknown[axis]) = (None, false);

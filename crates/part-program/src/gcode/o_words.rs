@@ -1,4 +1,4 @@
-//! LinuxCNC's O-words: what each does with the order of lines.
+//! LinuxCNC's O-words: how each changes the order of lines.
 
 use crate::gcode::command::{Keyword, Label};
 use crate::gcode::flow::{Context, Flow, Kind, Nested};
@@ -7,7 +7,7 @@ use crate::gcode::variables::{LINUXCNC_LOCALS, Variable};
 use crate::source::Span;
 
 impl Flow {
-    /// Obeys an O-word.
+    /// Executes an O-word.
     pub(super) fn o_word(
         &mut self,
         context: &mut Context<'_, '_, '_>,
@@ -38,7 +38,7 @@ impl Flow {
         Some(())
     }
 
-    /// `if`, or the first of its `elseif` and `else` that holds.
+    /// `if`, or the first of its `elseif` and `else` whose condition holds.
     fn branch(
         &mut self,
         context: &mut Context<'_, '_, '_>,

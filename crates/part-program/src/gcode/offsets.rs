@@ -1,4 +1,4 @@
-//! Where 0 is: work offsets, shifts of coordinates, and moves by the coordinates of the machine.
+//! The zero of coordinates: work offsets, shifts of coordinates, and moves in the coordinates of the machine.
 //!
 //! | words | meaning |
 //! |---|---|
@@ -9,8 +9,8 @@
 //! | G28, G30 | a rapid move over a point to a place of the machine's own |
 //! | G53 | a move by the coordinates of the machine |
 //!
-//! A part is in the coordinates in which its first move is written. Where the machine's own 0 is, a program
-//! does not say: behind G28, G30 and G53 it is not known where the axes are, until a move names them.
+//! A part is in the coordinates in which its first move is written. A program does not give the machine's own zero:
+//! after G28, G30 and G53 the places of the axes are unknown until a move names them.
 //!
 //! # Source
 //! LinuxCNC, "G Codes"; FANUC Series 30i, B-63944EN/03, sections 7.2 and 7.4.
@@ -34,7 +34,7 @@ impl Reader<'_, '_, '_> {
         self.modal.work_offset = index;
     }
 
-    /// Obeys a block that does something else with its coordinates than move to them.
+    /// Executes a block whose coordinates are not the end of a move.
     pub(crate) fn place_coordinates(&mut self, block: &mut Block<'_>, placing: Placing, span: Span) {
         match placing {
             Placing::Home => self.home(block, span),
@@ -55,7 +55,7 @@ impl Reader<'_, '_, '_> {
         }
     }
 
-    /// Goes to the point that is written, as fast as the machine can, and from there to a place that nobody knows.
+    /// Goes to the written point, as fast as the machine can, and from there to an unknown place.
     fn home(&mut self, block: &mut Block<'_>, span: Span) {
         block.take_letter(b'P');
         self.modal.settle();
@@ -72,7 +72,7 @@ impl Reader<'_, '_, '_> {
         }
     }
 
-    /// G53: where the axes come to is not known.
+    /// G53: the places of the axes are then unknown.
     fn move_by_machine(&mut self, block: &mut Block<'_>, span: Span) {
         let written = block.take_axes();
         if self.modal.motion != Motion::Rapid && written != [None; 3] {
@@ -85,7 +85,7 @@ impl Reader<'_, '_, '_> {
         }
     }
 
-    /// From here on it is not known where an axis is.
+    /// From here on the place of an axis is unknown.
     pub(crate) fn lose(&mut self, axis: usize) {
         if self.modal.position[axis].is_some() {
             self.unknown_from[axis] = self.part.curves.len();
@@ -93,7 +93,7 @@ impl Reader<'_, '_, '_> {
         self.modal.forget(axis);
     }
 
-    /// A rapid move in which no axis that is unknown takes part, since it begins where it is sent.
+    /// A rapid move. An unknown axis takes no part in it, since it begins where it is sent.
     pub(crate) fn traverse(&mut self, end: [f64; 3], span: Span) {
         let start: [f64; 3] = std::array::from_fn(|axis| self.modal.position[axis].unwrap_or(end[axis]));
         for (known, end) in self.modal.position.iter_mut().zip(end) {
@@ -139,7 +139,8 @@ impl Reader<'_, '_, '_> {
         }
     }
 
-    /// Puts the origin of a work offset where it is written, or where the tool then has the coordinates that are written.
+    /// Puts the origin of a work offset at the written place, or at the place at which the tool has the written
+    /// coordinates.
     fn set_origin(&mut self, block: &mut Block<'_>, index: u8, by_tool: bool) {
         let index = usize::from(index);
         self.known_origins[index] = true;
@@ -163,14 +164,14 @@ impl Reader<'_, '_, '_> {
         self.modal.work_offset = in_force;
     }
 
-    /// G92: the tool has these coordinates where it is.
+    /// G92: gives the tool these coordinates at its place.
     fn set_position(&mut self, block: &mut Block<'_>) {
         let here = self.modal.in_program(self.modal.here());
         for (axis, value) in block.take_axes().into_iter().enumerate() {
             let Some(value) = value.map(|value| self.modal.mm(value)) else { continue };
             match self.modal.position[axis] {
                 Some(_) => self.modal.shift[axis] += here[axis] - value,
-                // What a program says first of an axis is where it is.
+                // The first number of an axis gives its place.
                 None => {
                     let here = self.modal.origin(axis) + value;
                     self.modal.position[axis] = Some(here);
@@ -189,7 +190,7 @@ impl Reader<'_, '_, '_> {
         }
     }
 
-    /// What a G word does with the coordinates of its block, if it is one of these.
+    /// How a G word uses the coordinates of its block, if they are not the end of a move.
     pub(crate) fn placing(&self, block: &Block<'_>, word: Word) -> Option<Placing> {
         match code(word.value)? {
             280 | 300 => Some(Placing::Home),

@@ -1,9 +1,9 @@
-//! Operators of expressions: how they are written, how strongly they bind, and what they make of two values.
+//! Operators of expressions: their names, their precedence, and their results.
 
 use crate::gcode::variables::Value;
 use crate::options::Dialect;
 
-/// Values that LinuxCNC takes for equal differ by less.
+/// LinuxCNC takes two values for equal if they differ by less.
 pub(crate) const EQUAL: f64 = 1e-4;
 
 /// An operator of two values.
@@ -27,7 +27,7 @@ pub(crate) enum Operator {
     ExclusiveOr,
 }
 
-/// The operators as they are written, longer ones before those that begin them, each with how strongly it binds.
+/// The names of the operators with their precedence. A longer name comes before one with which it begins.
 const OPERATORS: [(&str, Operator, u8); 24] = [
     ("**", Operator::Power, 5),
     ("*", Operator::Times, 4),
@@ -55,13 +55,13 @@ const OPERATORS: [(&str, Operator, u8); 24] = [
     ("||", Operator::Or, 1),
 ];
 
-/// How strongly an operator binds.
+/// The precedence of an operator.
 fn strength_of(operator: Operator) -> u8 {
     OPERATORS.iter().find(|(_, one, _)| *one == operator).map_or(0, |(_, _, strength)| *strength)
 }
 
 impl Operator {
-    /// The operator that a text begins with, by the rules of a control: how strongly it binds, and how long it is.
+    /// The operator at the begin of a text, by the rules of a control, with its precedence and its length.
     pub(crate) fn next(rest: &[u8], dialect: Option<Dialect>) -> Option<(Self, u8, usize)> {
         OPERATORS.iter().find_map(|(text, operator, strength)| {
             let is_next =
@@ -75,7 +75,8 @@ impl Operator {
         })
     }
 
-    /// What the operator makes of two values, by the rules of a control; or what is wrong with them, and what is expected.
+    /// The result of the operator for two values, by the rules of a control; the error has the fault and the expected
+    /// values.
     pub(crate) fn apply(
         self,
         dialect: Option<Dialect>,

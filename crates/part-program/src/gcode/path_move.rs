@@ -12,7 +12,7 @@ use crate::moves::{MoveKind, Shape};
 use crate::source::Span;
 use crate::vector::{difference, dot};
 
-/// Turns of one arc; more are a mistyped number.
+/// Most turns of one arc; a larger number is a typing error.
 const MAX_TURNS: f64 = 10_000.0;
 
 impl Reader<'_, '_, '_> {
@@ -26,7 +26,7 @@ impl Reader<'_, '_, '_> {
         let Some((start, end)) = self.ends(block) else { return };
         self.approach(before, span);
         if start == end {
-            // A first move says where the tool is; a later one to the same place was meant to go somewhere.
+            // A first move gives the place of the tool. A later move to the same place was meant to have a length.
             if self.modal.motion == Motion::Line && self.modal.position == before {
                 let line = self.line_of(span);
                 self.part.standstills.push(line);
@@ -57,11 +57,11 @@ impl Reader<'_, '_, '_> {
         self.push(Curve::line(start, end), kind, Shape::Line, feed, self.place(span));
     }
 
-    /// Notes the axes that were unknown before the straight move at hand and are known now.
+    /// Stores the axes that were unknown before this straight move and are known now.
     fn approach(&mut self, before: [Option<f64>; 3], span: Span) {
         let here = self.modal.position;
         let axes = std::array::from_fn(|axis| before[axis].is_none() && here[axis].is_some());
-        // Incremental words do not say where they begin.
+        // Incremental words do not give their start.
         if self.modal.incremental || axes == [false; 3] {
             return;
         }
@@ -95,7 +95,7 @@ impl Reader<'_, '_, '_> {
         });
     }
 
-    /// Start and end of a move by the block's coordinates; the position is brought to the end.
+    /// Start and end of a move by the block's coordinates. The position is set to the end.
     fn ends(&mut self, block: &mut Block<'_>) -> Option<([f64; 3], [f64; 3])> {
         let mut written = block.take_axes();
         let polar = [block.take_letter(b'@'), block.take_letter(b'^')];
@@ -136,7 +136,7 @@ impl Reader<'_, '_, '_> {
         }
     }
 
-    /// Says that a curve cannot be read, because where it starts in its plane is not known.
+    /// Reports that a curve cannot be read, because its start in its plane is unknown.
     pub(crate) fn start_is_known(&mut self, plane: Plane, span: Span) -> bool {
         let [first, second, _] = plane.axes();
         let unknown = [first, second].into_iter().find(|axis| self.modal.position[*axis].is_none());
@@ -221,7 +221,7 @@ impl Reader<'_, '_, '_> {
         [centre[first], centre[second]]
     }
 
-    /// P: how many turns an arc makes, the last of them to its end.
+    /// P: the number of turns of an arc, the last of which ends at the arc's end.
     fn turns(&mut self, block: &mut Block<'_>) -> u32 {
         let Some(word) = block.take_letter(b'P') else { return 1 };
         if !(1.0..=MAX_TURNS).contains(&word.value) || word.value.fract() != 0.0 {
@@ -235,7 +235,7 @@ impl Reader<'_, '_, '_> {
         turns
     }
 
-    /// Says that an arc is bent to fit by more than a control may take.
+    /// Warns if the reader bends an arc by more than a control may accept.
     fn warn_of_strain(&mut self, arc: &ArcMove, span: Span) {
         let Some([start, end]) = arc.strained_radii() else { return };
         let message = match arc.circle {

@@ -1,6 +1,6 @@
-//! What a block does with its coordinates other than move to them.
+//! Blocks whose coordinates are not the end of a move.
 
-/// What a block does with its coordinates other than move to them.
+/// How a block uses its coordinates if they are not the end of a move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Placing {
     /// G28, G30.
@@ -13,6 +13,6 @@ pub(crate) enum Placing {
     SetPosition,
     /// G52.
     MoveOrigin,
-    /// G28.1, G30.1, G43.1 and G43.2: coordinates that are no part of the path.
+    /// G28.1, G30.1, G43.1 and G43.2: their coordinates do not affect the path.
     Ignored,
 }

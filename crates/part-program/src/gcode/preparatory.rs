@@ -1,4 +1,4 @@
-//! G words: what they switch, and which motion they command.
+//! G words: the settings that they change, and the motions that they command.
 
 use crate::arc::Plane;
 use crate::exact_stops::PathMode;
@@ -12,7 +12,7 @@ use crate::options::Dialect;
 use crate::source::Span;
 
 impl Reader<'_, '_, '_> {
-    /// Takes the G words, and says which motion the block commands, if it does; `None` when the block cannot be read.
+    /// Takes the G words. Returns the motion that the block commands, if it does; `None` if the block cannot be read.
     pub(crate) fn preparatory(&mut self, block: &mut Block<'_>) -> Option<Option<Motion>> {
         let mut motion: Option<Motion> = None;
         let bspline = block.take(Key::Bspline).map(|word| (Motion::Bspline, word.span));
@@ -58,7 +58,7 @@ impl Reader<'_, '_, '_> {
         Some(motion)
     }
 
-    /// Says that a word sets what an earlier one of the block sets otherwise.
+    /// Reports a word that contradicts an earlier word of the block.
     fn contradicts(&mut self, setting: Setting, span: Span, earlier: &[(Setting, Span)]) -> bool {
         let Some((_, other)) = earlier.iter().find(|(other, _)| other.contradicts(setting)) else {
             return false;
@@ -70,7 +70,7 @@ impl Reader<'_, '_, '_> {
         true
     }
 
-    /// Obeys one G word; a motion is handed back.
+    /// Executes one G word; a motion is returned.
     fn general(&mut self, block: &mut Block<'_>, word: Word) -> Result<Option<Motion>, ()> {
         let Some(tenths) = code(word.value) else { return self.unread_word(word) };
         if let Some(reason) = self.turning(block, tenths) {
@@ -95,7 +95,7 @@ impl Reader<'_, '_, '_> {
         self.unread_word(word)
     }
 
-    /// What shows that a program turns: its diameters, speeds and cycles are those of a lathe.
+    /// The feature that shows that a program is for a lathe: its diameters, speeds or cycles.
     fn turning(&self, block: &Block<'_>, tenths: u16) -> Option<&'static str> {
         let has_contour = block.has(b'P') && block.has(b'Q') || block.has(b'U') && block.has(b'R');
         match tenths {
@@ -128,7 +128,7 @@ impl Reader<'_, '_, '_> {
         })
     }
 
-    /// Planes, units, coordinates and feeds; whether the word is one of them.
+    /// Planes, units, coordinates and feeds. Returns whether the word is one of them.
     fn mode(&mut self, block: &mut Block<'_>, word: Word, tenths: u16) -> Result<bool, ()> {
         match tenths {
             50 => self.high_precision(block, word)?,
@@ -200,7 +200,7 @@ impl Reader<'_, '_, '_> {
         self.call(block, span, Some(arguments));
     }
 
-    /// How ends of moves are passed, and dwells; whether the word is one of them.
+    /// The mode for ends of moves, and dwells. Returns whether the word is one of them.
     fn stop_or_path_mode(&mut self, block: &mut Block<'_>, word: Word, tenths: u16) -> bool {
         let dialect = self.options.dialect;
         match tenths {
@@ -212,7 +212,7 @@ impl Reader<'_, '_, '_> {
             }
             // FANUC's G60 is positioning from one side, which is not read.
             600 if dialect == Some(Dialect::Siemens) => self.modal.path_mode = PathMode::ExactStop,
-            // When a position is reached, fine or coarse: the tool rests at all of them.
+            // The window, fine or coarse, within which a position counts as reached: the tool rests with each of them.
             6010 | 6020 | 6030 if dialect == Some(Dialect::Siemens) => {}
             640 => {
                 self.modal.path_mode = PathMode::Continuous;
@@ -226,7 +226,7 @@ impl Reader<'_, '_, '_> {
                 self.report.warning(word.span, "blocks are rounded: the path is taken as commanded");
                 self.modal.path_mode = PathMode::Continuous;
             }
-            // Siemens means other things by these.
+            // In Siemens programs these words have other meanings.
             620 | 630 if dialect == Some(Dialect::Fanuc) => {
                 self.report
                     .warning(word.span, "a cutting mode that changes feeds: they are taken as commanded");
@@ -247,7 +247,7 @@ impl Reader<'_, '_, '_> {
         true
     }
 
-    /// Whether a word is a setting that is no part of the path, or switches off what is not read.
+    /// Whether a word is a setting that does not affect the path, or switches off a function that is not read.
     fn is_aside(&mut self, block: &Block<'_>, tenths: u16) -> bool {
         match tenths {
             // The coordinate setting of lathes.
@@ -263,12 +263,13 @@ impl Reader<'_, '_, '_> {
         }
     }
 
-    /// Whether the program can be of one of these dialects.
+    /// Whether the program can be in one of these dialects.
     fn may_be(&self, dialects: &[Dialect]) -> bool {
         self.options.dialect.is_none_or(|dialect| dialects.contains(&dialect))
     }
 
-    /// A G word that is not read: an error, or else remembered with what it leaves out of the block.
+    /// A G word that is not read: an error; or, for a lenient reader, the words of the block that it leaves out are
+    /// stored.
     fn unread_word(&mut self, word: Word) -> Result<Option<Motion>, ()> {
         if self.options.lenient {
             if let Some(other) = self.unread.replace(word.span) {
@@ -291,7 +292,7 @@ impl Reader<'_, '_, '_> {
         Err(())
     }
 
-    /// Leaves out what is left of a block that `by` makes unreadable, or a motion that is in force and is not read.
+    /// Leaves out the rest of a block that `by` makes unreadable, or that continues a motion that is not read.
     pub(crate) fn leave_out(&mut self, block: &mut Block<'_>, by: Option<Span>) {
         let span = by.unwrap_or(block.span);
         let word = by.map(|by| format!("`{}` is not read", self.report.source.slice(by)));
@@ -322,7 +323,7 @@ impl Reader<'_, '_, '_> {
         }
     }
 
-    /// G90. Where incremental words moved an axis from that was unknown matters from here on.
+    /// G90. If incremental words moved an axis from an unknown place, that place matters from here on.
     fn absolute(&mut self, span: Span) {
         self.modal.incremental = false;
         let moved = std::mem::take(&mut self.modal.from_unknown);
@@ -384,16 +385,16 @@ impl Reader<'_, '_, '_> {
     }
 }
 
-/// What a word of a modal group sets, of which a block has one. Words that set the same are one setting.
+/// The setting of a modal group, of which a block has one. Words with the same effect are one setting.
 #[derive(Clone, Copy)]
 struct Setting {
-    /// What the group chooses between.
+    /// The subject of the group.
     group: &'static str,
-    /// Which of them, in the order of [`GROUPS`].
+    /// Index of the setting, in the order of [`GROUPS`].
     index: usize,
 }
 
-/// The modal groups besides the motions: ten times the numbers of the words of each setting.
+/// The modal groups other than the motions: for each setting, ten times the numbers of its words.
 const GROUPS: [(&str, &[&[u16]]); 6] = [
     ("planes", &[&[170], &[180], &[190]]),
     ("units", &[&[200, 700], &[210, 710]]),
@@ -425,7 +426,7 @@ fn moves(value: f64) -> bool {
     code(value).is_some_and(|code| matches!(code / 10, 2 | 3 | 32..=35 | 38 | 76 | 87 | 331 | 332))
 }
 
-/// Ten times a G number, as G06.2 is 62; `None` for finer fractions and for what no G is.
+/// Ten times a G number: 62 for G06.2. `None` for finer fractions and for numbers that no G word has.
 pub(crate) fn code(value: f64) -> Option<u16> {
     let tenths = (value * 10.0).round();
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 ..= 9999")]

@@ -10,7 +10,7 @@ use crate::options::ReadOptions;
 use crate::part::Part;
 use crate::source::Span;
 
-/// Reads a whole program into `part`. What is wrong goes to the report.
+/// Reads a whole program into `part`. Errors and warnings go to the report.
 pub(crate) fn read(report: &mut Report<'_>, part: &mut Part, options: ReadOptions) {
     let length = report.source.text.len();
     let mut reader = Reader::new(report, part, options);
@@ -63,7 +63,7 @@ impl Reader<'_, '_, '_> {
         }
     }
 
-    /// Executes what a line says.
+    /// Executes the words and the command of a line.
     fn line(&mut self, read: &mut Line) {
         if let Some(dialect) = read.dialect {
             self.options.dialect.get_or_insert(dialect);

@@ -1,4 +1,5 @@
-//! The state of a program that is being read, and what every word does to it: adding curves, resting, finding where axes begin.
+//! The state of a program that is being read, and the changes that every word makes: curves, rests, first places of
+//! axes.
 
 use crate::curve::{Curve, MAX_COORDINATE_MM};
 use crate::diagnostic::Report;
@@ -17,13 +18,13 @@ use crate::options::{Dialect, ReadOptions, Unit};
 use crate::part::Part;
 use crate::source::Span;
 
-/// Control points that a program may make beside four for each of its bytes: what loops, cycles and arcs of many turns make of it must
-/// fit into memory.
+/// Control points that a program may have beyond four for each of its bytes. The curves of its loops, cycles and arcs
+/// of many turns must fit into memory.
 const MAX_POINTS: usize = 8_000_000;
-/// A curve takes as much memory beside its control points as so many of them.
+/// The memory of a curve without its control points, in control points.
 const POINTS_OF_A_CURVE: usize = 4;
 
-/// Where a block is: in the text, and in the order of execution.
+/// The place of a block: in the text, and in the order of execution.
 #[derive(Clone, Copy)]
 pub(crate) struct BlockPlace {
     pub(crate) span: Span,
@@ -39,16 +40,16 @@ pub(crate) struct Reader<'r, 't, 'p> {
     pub(crate) variables: Variables,
     pub(crate) flow: Flow,
     pub(crate) holes: Holes,
-    /// What the block does with its coordinates other than move to them.
+    /// How the block uses its coordinates if they are not the end of a move.
     pub(crate) placing: Option<(Placing, Span)>,
     pub(crate) others: OtherAxes,
-    /// What is to become of the corner behind the last move.
+    /// The change of the corner behind the last move.
     pub(crate) corner: Option<Corner>,
     /// The work offsets whose origins the program has set.
     pub(crate) known_origins: [bool; WORK_OFFSETS],
-    /// The last shift that was written, to which G92.3 comes back.
+    /// The last shift that was written, which G92.3 restores.
     pub(crate) kept_shift: [f64; 3],
-    /// Whether a word has said the unit of lengths.
+    /// Whether a word has given the unit of lengths.
     pub(crate) names_unit: bool,
     /// Control points of the curves that have been made.
     points: usize,
@@ -56,15 +57,15 @@ pub(crate) struct Reader<'r, 't, 'p> {
     pub(crate) block_number: u32,
     /// The first curve on which each axis is unknown, while it is.
     pub(crate) unknown_from: [usize; 3],
-    /// The program is said to be FANUC's, and no length without a decimal point has been met.
+    /// Whether the program is declared as FANUC's, and no length without a decimal point has been found yet.
     pub(crate) whole_units: bool,
-    /// A G word of the block that is read over.
+    /// A G word of the block that is skipped.
     pub(crate) unread: Option<Span>,
     /// G9: this block alone ends at rest.
     pub(crate) block_stops: bool,
-    /// G61 was read before it was known whether the program is LinuxCNC's.
+    /// Whether G61 was read before it was known whether the program is LinuxCNC's.
     pub(crate) is_unsure_of_stops: bool,
-    /// How the last block that moved passes its end; of a spline, the last of its blocks.
+    /// How the last block with a move passes its end; for a spline, the last of its blocks.
     pub(crate) end: PathMode,
     stops: ExactStops,
     pub(crate) spline: Option<(Spline, BlockPlace)>,
@@ -110,12 +111,12 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
         }
     }
 
-    /// Whether the program makes more of its text than is taken.
+    /// Whether the program has more control points than are allowed for its text.
     pub(crate) fn is_full(&self) -> bool {
         self.points > MAX_POINTS + 4 * self.report.source.text.len()
     }
 
-    /// Goes to where a block leads that cannot be read: what is wrong has been said, and no other error is to follow from it.
+    /// Goes to the end of a block that cannot be read. Its fault has been reported and must not cause further errors.
     pub(crate) fn pass_over(&mut self, block: &mut Block<'_>) {
         let written = block.take_axes();
         let end = self.modal.target(self.modal.here(), written);
@@ -125,7 +126,7 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
         block.clear();
     }
 
-    /// Puts the curves that were made while an axis was unknown to where it began.
+    /// Moves the curves that were made while an axis was unknown to the place where the axis began.
     pub(crate) fn begin_axes(&mut self) {
         for axis in 0..3 {
             let Some(begin) = self.modal.begun[axis].take() else { continue };
@@ -136,7 +137,7 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
         }
     }
 
-    /// A block that goes nowhere ends in an exact stop all the same: where the move before it ended.
+    /// A block without a length may also have an exact stop: it is at the end of the move before.
     pub(crate) fn rest_here(&mut self) {
         if self.end == PathMode::ExactStop {
             self.rest();
@@ -148,7 +149,7 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
         self.stops.rest(self.part);
     }
 
-    /// Adds a curve with its move, behind the corner that the program puts before it.
+    /// Adds a curve with its move, after the corner that the program puts before it.
     pub(crate) fn push(
         &mut self,
         mut curve: Curve,
@@ -169,7 +170,7 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
         self.stops.push(self.part, self.end, curve, one);
     }
 
-    /// Where the block is that is executed.
+    /// The place of the block that is executed.
     pub(crate) fn place(&self, span: Span) -> BlockPlace {
         BlockPlace { span, block: self.block_number }
     }

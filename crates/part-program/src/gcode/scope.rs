@@ -1,11 +1,11 @@
-//! What expressions read: the values of variables, and where the tool is.
+//! The inputs of expressions: the values of variables, and the place of the tool.
 
 use crate::arc::Plane;
 use crate::gcode::modal::{FeedMode, Modal, Motion};
 use crate::gcode::variables::{HIGHEST, Value, Variable, Variables};
 use crate::options::Dialect;
 
-/// What expressions read: the values of variables, and where the tool is.
+/// The inputs of expressions: the values of variables, and the place of the tool.
 #[derive(Clone, Copy)]
 pub(crate) struct Scope<'a> {
     pub(crate) variables: &'a Variables,
@@ -14,7 +14,7 @@ pub(crate) struct Scope<'a> {
 }
 
 impl Scope<'_> {
-    /// The value of a variable, or of what a control keeps under its name.
+    /// The value of a variable, or the value that a control keeps under its name.
     pub(crate) fn get(&self, variable: &Variable) -> Value {
         self.variables.get(variable).or_else(|| match variable {
             Variable::Number(number) => self.kept_number(*number),
@@ -23,7 +23,7 @@ impl Scope<'_> {
         })
     }
 
-    /// Where the tool is, by the numbers of LinuxCNC and FANUC, and the settings of LinuxCNC that have a number.
+    /// The tool's place, by the numbers of LinuxCNC and FANUC, and LinuxCNC's settings that have a number.
     fn kept_number(&self, number: u32) -> Value {
         let axis = |first: u32| self.modal.programmed((number - first) as usize);
         match number {
@@ -37,7 +37,7 @@ impl Scope<'_> {
         }
     }
 
-    /// The number of the word in force of a group, as FANUC keeps it; `None` of groups that are not followed.
+    /// The number of a group's word in force, as FANUC keeps it; `None` for groups that are not followed.
     fn kept_word(&self, number: u32) -> Value {
         let modal = self.modal;
         Some(match number {
@@ -76,7 +76,7 @@ impl Scope<'_> {
             "_y" => modal.programmed(1),
             "_z" => modal.programmed(2),
             "_a" | "_b" | "_c" | "_u" | "_v" | "_w" | "_task" | "_remap_level" => 0.0,
-            // Nothing has been returned.
+            // No value has been returned.
             "_value" | "_value_returned" => 0.0,
             "_lathe_diameter_mode" => 0.0,
             "_lathe_radius_mode" => 1.0,

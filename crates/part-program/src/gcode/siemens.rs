@@ -20,7 +20,7 @@ use crate::gcode::word::Key;
 use crate::source::Span;
 use crate::spline_blocks::{SplineBlocks, uniform_knots};
 
-/// A curve of which more blocks may come.
+/// A curve that may have further blocks.
 pub(crate) struct SiemensSpline {
     degree: usize,
     blocks: SplineBlocks,
@@ -80,7 +80,7 @@ impl SiemensSpline {
         modal.arrive(written, point);
     }
 
-    /// The curve, if it breaks no rule.
+    /// The curve, if it obeys every rule.
     pub(crate) fn finish(mut self, report: &mut Report<'_>) -> Option<Curve> {
         let (points, degree) = (self.blocks.points.len(), self.degree);
         let start = self.blocks.start;

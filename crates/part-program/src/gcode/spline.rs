@@ -4,7 +4,7 @@ use crate::gcode::fanuc::FanucNurbs;
 use crate::gcode::linuxcnc::LinuxCncNurbs;
 use crate::gcode::siemens::SiemensSpline;
 
-/// A spline of which more blocks may come.
+/// A spline that may have further blocks.
 pub(crate) enum Spline {
     Fanuc(FanucNurbs),
     LinuxCnc(LinuxCncNurbs),

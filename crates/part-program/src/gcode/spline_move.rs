@@ -1,4 +1,4 @@
-//! Splines of a part program, over as many blocks as they take.
+//! Splines of a part program, each over one or more blocks.
 
 use crate::curve::Curve;
 use crate::gcode::block::Block;
@@ -68,7 +68,7 @@ impl Reader<'_, '_, '_> {
         }
     }
 
-    /// Passes over a spline whose first block is wrong.
+    /// Skips a spline whose first block is wrong.
     fn break_off(&mut self, block: &mut Block<'_>) {
         self.modal.motion = Motion::Broken;
         self.pass_over(block);
@@ -94,7 +94,7 @@ impl Reader<'_, '_, '_> {
         }
     }
 
-    /// Says that a spline of LinuxCNC leaves its plane.
+    /// Reports that a spline of LinuxCNC leaves its plane.
     fn is_planar(&mut self, block: &Block<'_>, name: &str) -> bool {
         let [_, _, normal] = self.modal.plane.axes();
         let leaves = block.has(b"XYZ"[normal]);
@@ -109,7 +109,7 @@ impl Reader<'_, '_, '_> {
         !leaves
     }
 
-    /// A Bézier curve of G5 or G5.1, whole in one block.
+    /// A Bézier curve of G5 or G5.1, in a single block.
     pub(crate) fn bezier(&mut self, block: &mut Block<'_>, continues: Option<[f64; 2]>) {
         let (span, is_cubic) = (block.span, self.modal.motion == Motion::Cubic);
         let name = if is_cubic { "G5" } else { "G5.1" };
@@ -120,7 +120,7 @@ impl Reader<'_, '_, '_> {
             .then(|| linuxcnc::bezier(self.report, &mut self.modal, block, is_cubic, continues))
             .flatten();
         let Some((curve, smooth)) = read else {
-            // A block that goes on smoothly from this one is not to blame.
+            // A block that continues this one smoothly has no fault of its own.
             self.smooth = is_cubic.then_some([0.0; 2]);
             self.pass_over(block);
             return;

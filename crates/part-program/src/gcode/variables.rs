@@ -1,7 +1,7 @@
 //! Variables of a program: `#5`, `#<name>`, and `R5` of Siemens.
 //!
-//! Variables 1 to 30 belong to a subprogram that LinuxCNC's `call` calls, 1 to 33 to one of FANUC's G65, all others to the program. A name belongs
-//! to its subprogram, unless it begins with `_`.
+//! Variables 1 to 30 belong to a subprogram that LinuxCNC's `call` calls, 1 to 33 to one of FANUC's G65; all others
+//! belong to the program. A name belongs to its subprogram, unless it begins with `_`.
 //!
 //! # Source
 //! LinuxCNC, "Parameters" and "Subroutine parameters"; FANUC Series 30i, B-63944EN/03, section 16.1; SINUMERIK 840D sl, "Arithmetic
@@ -9,17 +9,17 @@
 
 use std::collections::HashMap;
 
-/// A value; `None` is that of a vacant variable.
+/// A value; `None` for a vacant variable.
 pub(crate) type Value = Option<f64>;
 
 /// Highest number of a variable; controls have fewer.
 pub(crate) const HIGHEST: u32 = 99_999;
-/// Variables of a subprogram's own, of FANUC's G65.
+/// Number of a subprogram's own variables, for FANUC's G65.
 pub(crate) const FANUC_LOCALS: usize = 33;
-/// Variables of a subprogram's own, of LinuxCNC's `call`.
+/// Number of a subprogram's own variables, for LinuxCNC's `call`.
 pub(crate) const LINUXCNC_LOCALS: usize = 30;
 
-/// What a program calls a variable.
+/// The name of a variable in a program.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Variable {
     /// `#5`.
@@ -30,10 +30,10 @@ pub(crate) enum Variable {
     R(u32),
 }
 
-/// The variables of a subprogram's own; of the program itself at first.
+/// The own variables of a subprogram, or of the program itself.
 struct Locals {
     numbers: [Option<f64>; FANUC_LOCALS],
-    /// How many of the numbers are its own; the others are those of its caller.
+    /// How many numbers are its own; the others are those of its caller.
     count: usize,
     names: HashMap<Box<str>, f64>,
 }
@@ -44,12 +44,12 @@ impl Locals {
     }
 }
 
-/// The values that variables have been given.
+/// The values of variables.
 pub(crate) struct Variables {
     numbers: HashMap<u32, f64>,
     names: HashMap<Box<str>, f64>,
     r: HashMap<u32, f64>,
-    /// Those of the program, then those of each subprogram that has been called and not left.
+    /// The variables of the program, then those of each subprogram that has been called and has not returned.
     locals: Vec<Locals>,
     /// Calls that have not returned.
     pub(crate) calls: usize,
@@ -63,7 +63,7 @@ impl Default for Variables {
 }
 
 impl Variables {
-    /// The value of a variable; `None` if it has been given none.
+    /// The value of a variable; `None` if it has none.
     pub(crate) fn get(&self, variable: &Variable) -> Option<f64> {
         let locals = self.locals.last()?;
         match variable {
@@ -95,7 +95,7 @@ impl Variables {
         }
     }
 
-    /// Whose a number of a subprogram's own is.
+    /// The owner of a number that may belong to a subprogram.
     fn owner(&self, index: usize) -> Option<&Locals> {
         self.locals.iter().rev().find(|locals| index < locals.count)
     }

@@ -1,8 +1,8 @@
-//! Words: what they address, and their numbers.
+//! Words: their addresses and their numbers.
 
 use crate::source::Span;
 
-/// What a word addresses.
+/// The address of a word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Key {
     /// A letter, in upper case.
@@ -19,7 +19,7 @@ pub(crate) enum Key {
     CircleRadius,
     /// `,R` or `RND=`: the radius of the corner behind the move.
     CornerRadius,
-    /// `,C` or `CHR=`: how much of the corner is cut off.
+    /// `,C` or `CHR=`: the length of the corner that is cut off.
     CornerDistance,
 }
 
@@ -34,7 +34,7 @@ pub(super) const NAMES: [(&str, Key); 7] = [
     ("CHR", Key::CornerDistance),
 ];
 
-/// A word: what it addresses, its number and its place.
+/// A word: its address, its number and its place.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Word {
     pub(crate) key: Key,
