@@ -16,7 +16,7 @@ pub mod path_run;
 
 mod checksum;
 #[cfg_attr(
-    not(all(feature = "floats", feature = "fixed-point")),
+    not(all(feature = "floats", feature = "fixed-32", feature = "fixed-64")),
     allow(dead_code, unused_imports, reason = "an image has a part of the formats")
 )]
 mod compiled {

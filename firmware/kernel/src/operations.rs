@@ -115,14 +115,14 @@ macro_rules! formats {
 }
 
 /// `⌊a·b/2⁶⁴⌋`, the product that a time takes to become a fraction of its stage.
-#[cfg(feature = "fixed-point")]
+#[cfg(feature = "fixed-32")]
 #[unsafe(export_name = "k_high_product_u64")]
 #[inline(never)]
 fn high_product(factors: &[u64; 2], result: &mut u64) {
     *result = ((u128::from(factors[0]) * u128::from(factors[1])) >> 64) as u64;
 }
 
-#[cfg(feature = "fixed-point")]
+#[cfg(feature = "fixed-32")]
 fn run_high_product(board: &mut impl Board) {
     let mut seed = 2;
     let mut checksum = Checksum::new();
@@ -146,11 +146,13 @@ fn run_high_product(board: &mut impl Board) {
 pub(crate) fn run_all(board: &mut impl Board) {
     #[cfg(feature = "floats")]
     formats!(board: f64 = "f64", f32 = "f32");
-    #[cfg(feature = "fixed-point")]
+    #[cfg(feature = "fixed-32")]
     formats!(board:
         real::I16F16 = "I16F16", real::I8F24 = "I8F24", real::I4F28 = "I4F28", real::I3F29 = "I3F29",
-        real::I2F30 = "I2F30", real::I32F32 = "I32F32", real::I16F48 = "I16F48", real::I4F60 = "I4F60"
+        real::I2F30 = "I2F30"
     );
-    #[cfg(feature = "fixed-point")]
+    #[cfg(feature = "fixed-64")]
+    formats!(board: real::I32F32 = "I32F32", real::I16F48 = "I16F48", real::I4F60 = "I4F60");
+    #[cfg(feature = "fixed-32")]
     run_high_product(board);
 }

@@ -105,10 +105,13 @@ pub(crate) fn run_all(board: &mut impl Board) {
         f64 = "f64": PAPER_A_F64, TEN_POINTS_F64;
         f32 = "f32": PAPER_A_F32, TEN_POINTS_F32;
     );
-    #[cfg(feature = "fixed-point")]
+    #[cfg(feature = "fixed-32")]
     formats!(board:
         real::I3F29 = "I3F29": PAPER_A_I3F29, TEN_POINTS_I3F29;
         real::I4F28 = "I4F28": PAPER_A_I4F28, TEN_POINTS_I4F28;
+    );
+    #[cfg(feature = "fixed-64")]
+    formats!(board:
         real::I4F60 = "I4F60": PAPER_A_I4F60, TEN_POINTS_I4F60;
     );
 }
