@@ -3,6 +3,7 @@
 mod arguments;
 mod circle;
 mod print;
+mod ramp;
 mod report;
 mod simulate;
 

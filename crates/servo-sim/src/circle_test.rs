@@ -19,7 +19,7 @@ use real::Backend;
 use serde::Serialize;
 
 use crate::error::positive;
-use crate::{Sample, Servo, ServoError, ServoParameters, continuous_gain, sampled_gain};
+use crate::{CommandFilter, Sample, Servo, ServoError, ServoParameters, continuous_gain, sampled_gain};
 
 /// A circle test.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -88,7 +88,9 @@ impl CircleTest {
         let start = setpoint([self.radius, 0.0]);
         let mut servo = Servo::<R, 2>::try_new(axes, self.period, start)?;
         let turn_periods = self.setpoints_per_turn();
-        let settling = servo.settling_periods() as f64;
+        let mut ramp = CommandFilter::<f64>::try_new(axes[0].feed_ramp_ms / 1000.0 / self.period, 0.0)?;
+        let ramp_periods = if axes[0].feed_ramp_ms > 0.0 { ramp.periods() } else { 0 };
+        let settling = (servo.settling_periods() + ramp_periods) as f64;
         // Whole turns in which the loops settle, then one turn to measure.
         let warm_up = (settling / turn_periods).ceil().max(1.0) * turn_periods;
         let mut samples = Vec::new();
@@ -96,7 +98,8 @@ impl CircleTest {
         let mut period = 0.0;
         while period < warm_up + turn_periods {
             period += 1.0;
-            let angle = self.angular_frequency() * self.period * period;
+            // At constant feed the angle is the distance along the path, so the ramp is over periods.
+            let angle = self.angular_frequency() * self.period * ramp.step(period);
             let (sin, cos) = f64::sin_cos(angle);
             samples.clear();
             servo.step(setpoint([self.radius * cos, self.radius * sin]), &mut samples)?;
@@ -238,6 +241,23 @@ mod tests {
         let found = run(fitted(0.95, 100.0));
         let off = found.radial_error_mean_mm - found.continuous_closed_form_mm;
         assert!((off + 3.7e-5).abs() < 3.5e-6, "{off} mm");
+    }
+
+    /// A moving average of 24 ms takes `R(ωt)²/24` = 10.66 µm off the radius after interpolation, and nothing before it.
+    /// The measured turn begins elsewhere between two setpoints: up to 1e-8 mm, as for the closed form.
+    #[test]
+    fn a_ramp_of_the_feed_leaves_the_radius_and_a_filter_of_each_axis_does_not() {
+        let mean = |parameters| run(parameters).radial_error_mean_mm;
+        let none = mean(fitted(0.95, 100.0));
+        for ramp in [0.5, 7.25, 24.0] {
+            let ramped = run(ServoParameters { feed_ramp_ms: ramp, ..fitted(0.95, 100.0) });
+            let off = ramped.radial_error_mean_mm - none;
+            assert!(off.abs() < 1e-8, "{ramp} ms: {off} mm");
+            assert!((ramped.radial_error_mean_mm - ramped.sampled_closed_form_mm).abs() < 1e-8);
+        }
+        let filtered = mean(ServoParameters { command_filter_ms: 24.0, ..fitted(0.95, 100.0) }) - none;
+        let expected = 10.0 * (CircleTest::PAPER.angular_frequency() * 0.024).powi(2) / 24.0;
+        assert!((filtered + expected).abs() < 0.01 * expected, "{filtered} {expected} mm");
     }
 
     #[test]

@@ -63,10 +63,14 @@ pub struct ServoParameters {
     #[serde(default)]
     pub encoder_resolution_mm: f64,
     /// Length of the moving average over the setpoints of each axis (linear acceleration after interpolation), in ms; 0
-    /// for none. It makes the radius of a circle smaller by `R(ωt)²/24`. Acceleration before interpolation, which the
-    /// planner does, leaves the radius as it is.
+    /// for none. It makes the radius of a circle smaller by `R(ωt)²/24`.
     #[serde(default)]
     pub command_filter_ms: f64,
+    /// Length of the moving average over the feed along the path (linear acceleration before interpolation), in ms; 0 for
+    /// none. The axes must agree on it. It leaves the path as it is; see [`ramp_feed`](crate::ramp_feed). Setpoints
+    /// that are given to [`Servo`](crate::Servo) are taken as ramped already.
+    #[serde(default)]
+    pub feed_ramp_ms: f64,
     /// Position loop cycles in one interpolation period.
     #[serde(default = "sub_steps")]
     pub sub_steps: u32,
@@ -105,6 +109,7 @@ impl ServoParameters {
             backlash_acceleration_ms: 0.0,
             encoder_resolution_mm: 0.0,
             command_filter_ms: 0.0,
+            feed_ramp_ms: 0.0,
             sub_steps: sub_steps(),
         }
     }
@@ -159,6 +164,7 @@ impl ServoParameters {
             within(key, value, 0.0, HUGE)?;
         }
         within("command_filter_ms", self.command_filter_ms, 0.0, 1e4)?;
+        within("feed_ramp_ms", self.feed_ramp_ms, 0.0, 1e4)?;
         within("sub_steps", f64::from(self.sub_steps), 1.0, 10_000.0)?;
         if self.velocity_gain_percent >= self.velocity_gain_limit_percent {
             return Err(ServoError::VelocityLoopOscillates {
@@ -284,6 +290,7 @@ mod tests {
             ("feed_forward = 98", "feed_forward = 98: expected a number from 0 to 1.5"),
             ("feed_forward = nan", "feed_forward = NaN: expected a number from 0 to 1.5"),
             ("backlash_mm = -1e-3", "backlash_mm = -0.001: expected a number from 0 to 1000000000000"),
+            ("feed_ramp_ms = -24", "feed_ramp_ms = -24: expected a number from 0 to 10000"),
             ("sub_steps = 0", "sub_steps = 0: expected a number from 1 to 10000"),
             (
                 "acceleration_limit_mm_per_s2 = 0",

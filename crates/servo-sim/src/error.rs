@@ -40,6 +40,13 @@ pub enum ServoError {
         /// The number of the other axis.
         other: u32,
     },
+    /// The axes of a machine have different ramps of the feed, which they share.
+    FeedRampsDiffer {
+        /// The ramp of the first axis, in ms.
+        first: f64,
+        /// The ramp of the other axis, in ms.
+        other: f64,
+    },
     /// Friction takes all of the drive's acceleration.
     CannotMove {
         /// Deceleration by friction, in mm/s².
@@ -116,6 +123,7 @@ impl ServoError {
             Self::VelocityLoopOscillates { .. } => Some("velocity_gain_percent"),
             Self::CannotMove { .. } => Some("friction_mm_per_s2"),
             Self::SubStepsDiffer { .. } => Some("sub_steps"),
+            Self::FeedRampsDiffer { .. } => Some("feed_ramp_ms"),
             Self::Unstable { .. } => Some("position_gain_per_s"),
             _ => None,
         }
@@ -136,6 +144,9 @@ impl fmt::Display for ServoError {
             ),
             Self::SubStepsDiffer { first, other } => {
                 write!(f, "sub_steps = {other}: expected {first} as on the first axis")
+            }
+            Self::FeedRampsDiffer { first, other } => {
+                write!(f, "feed_ramp_ms = {other}: expected {first} as on the first axis")
             }
             Self::CannotMove { friction_mm_per_s2, acceleration_limit_mm_per_s2 } => write!(
                 f,

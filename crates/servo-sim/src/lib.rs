@@ -31,6 +31,7 @@
 //! |---|---|
 //! | which parameters does an axis have? | [`ServoParameters`] |
 //! | which parts run on the controller, in any number format? | [`CommandFilter`], [`ControlLaw`], [`ReversalCompensation`] |
+//! | how is the feed ramped before interpolation? | [`ramp_feed`] |
 //! | how does the machine follow a velocity command? | [`Drive`], [`Play`] |
 //! | one axis, several axes | [`Axis`], [`Servo`] |
 //! | how far is the path off the curve? | [`contour_error()`], [`ContourTracker`] |
@@ -65,6 +66,7 @@ mod control_law;
 mod drive;
 mod error;
 mod error_size;
+mod feed_ramp;
 mod response;
 mod roundness_plot;
 mod servo;
@@ -82,6 +84,7 @@ pub use control_law::{CommandedMotion, ControlLaw};
 pub use drive::{Drive, MotorState};
 pub use error::ServoError;
 pub use error_size::ErrorSize;
+pub use feed_ramp::{RunPlace, Travelled, ramp_feed};
 pub use response::{continuous_gain, moving_average_gain, radius_change, sampled_gain};
 pub use roundness_plot::roundness_plot;
 pub use servo::{Sample, Servo, Trace};
