@@ -70,6 +70,7 @@ impl CircleTest {
 
     /// Runs the test on two axes whose loops run in `R`, with exact setpoints.
     ///
+    /// # Errors
     /// [`ServoError`] of the parameters, or if the circle takes fewer than 8 periods, or [`ServoError::DoesNotTurn`].
     pub fn run<R: Backend>(&self, axes: &[ServoParameters; 2]) -> Result<Roundness, ServoError> {
         self.run_with::<R>(axes, |point| point)
@@ -245,6 +246,30 @@ mod tests {
 
     /// A moving average of 24 ms takes `R(ωt)²/24` = 10.66 µm off the radius after interpolation, and nothing before it.
     /// The measured turn begins elsewhere between two setpoints: up to 1e-8 mm, as for the closed form.
+    /// The simulated circle is that of the closed form, and its dependence on the sub-step is of second order.
+    #[test]
+    fn with_a_vibration_filter_the_steady_state_is_the_closed_form() {
+        let at = |sub_steps| {
+            run(ServoParameters {
+                vibration_filter_hz: 200.0,
+                vibration_filter_bandwidth_hz: 60.0,
+                sub_steps,
+                ..fitted(0.95, 100.0)
+            })
+        };
+        let finest = at(100).radial_error_mean_mm;
+        for sub_steps in [1_u32, 2, 4, 8] {
+            let found = at(sub_steps);
+            let off = (found.radial_error_mean_mm - found.sampled_closed_form_mm).abs();
+            assert!(off < 1e-8, "{sub_steps}: {found:?} off by {off} mm");
+            // A circle is slow against the filter, so the bound is that of the loop alone.
+            let h = 1e-3 / f64::from(sub_steps);
+            let bound = 10.0 * (CircleTest::PAPER.angular_frequency() * h).powi(2) / 2.0;
+            let change = (found.radial_error_mean_mm - finest).abs();
+            assert!(change <= bound, "{sub_steps}: {change} > {bound} mm");
+        }
+    }
+
     #[test]
     fn a_ramp_of_the_feed_leaves_the_radius_and_a_filter_of_each_axis_does_not() {
         let mean = |parameters| run(parameters).radial_error_mean_mm;

@@ -12,7 +12,7 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 use crate::error::{positive, within};
-use crate::{SampledLoop, ServoError};
+use crate::{Notch, SampledLoop, ServoError};
 
 /// Parameters of one axis, in the units of the servo file. A parameter that the file leaves out is zero, unless stated
 /// otherwise.
@@ -71,6 +71,13 @@ pub struct ServoParameters {
     /// that are given to [`Servo`](crate::Servo) are taken as ramped already.
     #[serde(default)]
     pub feed_ramp_ms: f64,
+    /// Centre of the vibration filter, a notch on the velocity command, in Hz; at most a quarter of the position
+    /// loop's rate.
+    #[serde(default)]
+    pub vibration_filter_hz: f64,
+    /// Width of the vibration filter, in Hz: between the two frequencies that are passed by 1/√2. 0 for no filter.
+    #[serde(default)]
+    pub vibration_filter_bandwidth_hz: f64,
     /// Position loop cycles in one interpolation period.
     #[serde(default = "sub_steps")]
     pub sub_steps: u32,
@@ -110,6 +117,8 @@ impl ServoParameters {
             encoder_resolution_mm: 0.0,
             command_filter_ms: 0.0,
             feed_ramp_ms: 0.0,
+            vibration_filter_hz: 0.0,
+            vibration_filter_bandwidth_hz: 0.0,
             sub_steps: sub_steps(),
         }
     }
@@ -139,8 +148,35 @@ impl ServoParameters {
     pub fn validate(&self, period_s: f64) -> Result<(), ServoError> {
         self.check_values()?;
         let sub_step_s = self.sub_step_s(positive("interpolation period", period_s)?);
-        SampledLoop { position_gain: self.position_gain_per_s, lag: self.lag_s(), sub_step: sub_step_s }
-            .validate()
+        self.check_vibration_filter(sub_step_s)?;
+        self.sampled_loop(sub_step_s).validate()
+    }
+
+    /// Refuses a vibration filter that is too fast for the position loop, or has only one of its two values.
+    fn check_vibration_filter(&self, sub_step_s: f64) -> Result<(), ServoError> {
+        let most = 0.25 / sub_step_s;
+        let [centre, width] = [self.vibration_filter_hz, self.vibration_filter_bandwidth_hz];
+        within("vibration_filter_hz", centre, 0.0, most)?;
+        within("vibration_filter_bandwidth_hz", width, 0.0, most)?;
+        match (centre > 0.0, width > 0.0) {
+            (true, false) => positive("vibration_filter_bandwidth_hz", width).map(drop),
+            (false, true) => positive("vibration_filter_hz", centre).map(drop),
+            _ => Ok(()),
+        }
+    }
+
+    /// The position loop, closed every `sub_step_s` (s).
+    pub(crate) fn sampled_loop(&self, sub_step_s: f64) -> SampledLoop {
+        SampledLoop {
+            vibration_filter: self.notch(),
+            ..SampledLoop::new(self.position_gain_per_s, self.lag_s(), sub_step_s)
+        }
+    }
+
+    /// The vibration filter, if there is one.
+    #[must_use]
+    pub fn notch(&self) -> Option<Notch> {
+        Notch::of_hertz(self.vibration_filter_hz, self.vibration_filter_bandwidth_hz)
     }
 
     fn check_values(&self) -> Result<(), ServoError> {
@@ -165,6 +201,7 @@ impl ServoParameters {
         }
         within("command_filter_ms", self.command_filter_ms, 0.0, 1e4)?;
         within("feed_ramp_ms", self.feed_ramp_ms, 0.0, 1e4)?;
+        self.check_vibration_filter(0.25 / HUGE)?;
         within("sub_steps", f64::from(self.sub_steps), 1.0, 10_000.0)?;
         if self.velocity_gain_percent >= self.velocity_gain_limit_percent {
             return Err(ServoError::VelocityLoopOscillates {
@@ -291,6 +328,9 @@ mod tests {
             ("feed_forward = nan", "feed_forward = NaN: expected a number from 0 to 1.5"),
             ("backlash_mm = -1e-3", "backlash_mm = -0.001: expected a number from 0 to 1000000000000"),
             ("feed_ramp_ms = -24", "feed_ramp_ms = -24: expected a number from 0 to 10000"),
+            ("vibration_filter_hz = 200", "vibration_filter_bandwidth_hz = 0: expected a positive number"),
+            ("vibration_filter_bandwidth_hz = 60", "vibration_filter_hz = 0: expected a positive number"),
+            ("vibration_filter_hz = nan", "vibration_filter_hz = NaN: expected a number from 0 to"),
             ("sub_steps = 0", "sub_steps = 0: expected a number from 1 to 10000"),
             (
                 "acceleration_limit_mm_per_s2 = 0",
@@ -330,6 +370,19 @@ mod tests {
         for text in ["", "position_gain_per_s = 30\nvelocity_lag_ms = 1\n", "[machine]\nfeed = 1\n"] {
             assert!(message(text).starts_with("expected a table [servo]"), "{text}: {}", message(text));
         }
+    }
+
+    /// A position loop of 0.125 ms runs at 8 kHz.
+    #[test]
+    fn a_vibration_filter_beyond_a_quarter_of_the_rate_is_refused() {
+        let at = |vibration_filter_hz| ServoParameters {
+            vibration_filter_hz,
+            vibration_filter_bandwidth_hz: 60.0,
+            ..ServoParameters::new(50.7, 0.39)
+        };
+        assert_eq!(at(2000.0).validate(1e-3), Ok(()));
+        let refused = at(2001.0).validate(1e-3).unwrap_err();
+        assert_eq!(refused.to_string(), "vibration_filter_hz = 2001: expected a number from 0 to 2000");
     }
 
     #[test]

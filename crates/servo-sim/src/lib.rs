@@ -30,7 +30,7 @@
 //! | question | where |
 //! |---|---|
 //! | which parameters does an axis have? | [`ServoParameters`] |
-//! | which parts run on the controller, in any number format? | [`CommandFilter`], [`ControlLaw`], [`ReversalCompensation`] |
+//! | which parts run on the controller, in any number format? | [`CommandFilter`], [`ControlLaw`], [`ReversalCompensation`], [`VibrationFilter`] |
 //! | how is the feed ramped before interpolation? | [`ramp_feed`] |
 //! | how does the machine follow a velocity command? | [`Drive`], [`Play`] |
 //! | one axis, several axes | [`Axis`], [`Servo`] |
@@ -72,6 +72,7 @@ mod roundness_plot;
 mod servo;
 mod stability;
 mod tuning;
+mod vibration_filter;
 
 pub use arrival::Arrival;
 pub use axis::{Axis, AxisSample, AxisState};
@@ -90,3 +91,4 @@ pub use roundness_plot::roundness_plot;
 pub use servo::{Sample, Servo, Trace};
 pub use stability::SampledLoop;
 pub use tuning::{FEED_FORWARDS, LeftOut, Tuning, TuningRow, VELOCITY_GAINS_PERCENT, tuning_table};
+pub use vibration_filter::{FilterState, Notch, VibrationFilter};

@@ -10,18 +10,21 @@
 //!
 //! Feed-forward of a little less than 1 compensates the lag: the radius is right at `α² = 1 - 2 Kp τ`.
 //!
+//! A vibration filter N multiplies the numerator and, in the denominator, Kp. Its delay b/ω₀² adds to the lag there:
+//! `2 Kp (τ (1 - β) + b/ω₀²)` takes the place of `2 Kp τ (1 - β)`.
+//!
 //! **Sampled**, exactly what [`Servo`](crate::Servo) runs: with z = exp(iωh), θ = ωT, s sub-steps and the symbols
 //! of [`SampledLoop`],
 //!
 //! `X/R = G F / (1 + k G (3 - 1/z)/2)`, `G = ((1-p)(z-e) + p(1-e)) / ((z-1)(z-e))`,
 //! `F = L (k (1+z)/2 + α (z-1)) + (βτ/h) 2(cos θ - 1) H/s²`.
 //!
-//! L = H² is the factor by which linear interpolation between setpoints reduces the sinusoid,
+//! With a vibration filter `G N(e^(iθ/s))` takes the place of G. L = H² is the factor by which linear interpolation between setpoints reduces the sinusoid,
 //! `|H| = sin(θ/2)/(s sin(θ/2s))`. The other components are harmonics of the period.
 
 use nalgebra::Complex;
 
-use crate::{SampledLoop, ServoParameters};
+use crate::ServoParameters;
 
 /// `|X/R|` of the continuous loop at the angular frequency ω (rad/s), without command filter.
 #[must_use]
@@ -29,7 +32,10 @@ pub fn continuous_gain(parameters: &ServoParameters, frequency: f64) -> f64 {
     let s = Complex::new(0.0, frequency);
     let (gain, lag) = (parameters.position_gain_per_s, parameters.lag_s());
     let answer = s * s * lag * parameters.acceleration_feed_forward + s * parameters.feed_forward + gain;
-    magnitude(answer / (s * s * lag + s + gain))
+    match parameters.notch().map(|notch| notch.continuous(s)) {
+        Some(passed) => magnitude(answer * passed / (s * s * lag + s + passed * gain)),
+        None => magnitude(answer / (s * s * lag + s + gain)),
+    }
 }
 
 /// `|X/R|` of the sampled loop at the angular frequency ω (rad/s), with interpolation between the setpoints of a period
@@ -39,8 +45,7 @@ pub fn sampled_gain(parameters: &ServoParameters, period: f64, frequency: f64) -
     let sub_step = parameters.sub_step_s(period);
     let sub_steps = f64::from(parameters.sub_steps);
     let lag = parameters.lag_s();
-    let sampled = SampledLoop { position_gain: parameters.position_gain_per_s, lag, sub_step };
-    let constants = sampled.per_sub_step();
+    let constants = parameters.sampled_loop(sub_step).per_sub_step();
     let (k, e, p) = (constants.gain, constants.decay, constants.path);
 
     let theta = frequency * period;
@@ -49,6 +54,10 @@ pub fn sampled_gain(parameters: &ServoParameters, period: f64, frequency: f64) -
     let hold_gain = sine_ratio(theta / 2.0, sub_steps);
     let hold = turn(-theta * (sub_steps - 1.0) / (2.0 * sub_steps)) * hold_gain;
     let plant = ((z - e) * (1.0 - p) + p * (1.0 - e)) / ((z - one) * (z - e));
+    let plant = match parameters.notch() {
+        Some(notch) => plant * notch.sampled(sub_step, frequency),
+        None => plant,
+    };
     let second_difference = -4.0 * (theta / 2.0).sin().powi(2);
     let forward = ((z + one) * (k / 2.0) + (z - one) * parameters.feed_forward) * hold_gain.powi(2)
         + hold
@@ -74,12 +83,14 @@ pub fn moving_average_gain(width: f64, theta: f64) -> f64 {
 }
 
 /// Change of the radius of a circle in mm, to lowest order: `R ω² (α² - 1 + 2 Kp τ (1 - β)) / (2 Kp²)` with ω = F/R,
-/// for R in mm and F in mm/s. Negative: the circle becomes smaller.
+/// for R in mm and F in mm/s. Negative: the circle becomes smaller. A vibration filter adds `b/ω₀²` to `τ (1 - β)`.
 #[must_use]
 pub fn radius_change(parameters: &ServoParameters, radius: f64, feedrate: f64) -> f64 {
     let gain = parameters.position_gain_per_s;
     let alpha = parameters.feed_forward;
-    let lag_term = 2.0 * gain * parameters.lag_s() * (1.0 - parameters.acceleration_feed_forward);
+    let filter_lag = parameters.notch().map_or(0.0, |notch| notch.bandwidth / notch.frequency.powi(2));
+    let drive_lag = parameters.lag_s() * (1.0 - parameters.acceleration_feed_forward);
+    let lag_term = 2.0 * gain * (drive_lag + filter_lag);
     let frequency = feedrate / radius;
     radius * frequency.powi(2) * (alpha * alpha - 1.0 + lag_term) / (2.0 * gain * gain)
 }
@@ -147,6 +158,20 @@ mod tests {
     fn full_feed_forward_of_velocity_and_acceleration_is_exact() {
         let parameters = ServoParameters { acceleration_feed_forward: 1.0, ..fitted(1.0, 100.0) };
         assert!((continuous_gain(&parameters, 50.0) - 1.0).abs() < 1e-15);
+    }
+
+    /// A notch of 60 Hz at 200 Hz is a lag of 0.239 ms more: R ω² · 2 Kp · 0.239 ms/(2 Kp²) = 2.1 µm more radius.
+    #[test]
+    fn a_vibration_filter_is_a_lag_on_a_slow_circle() {
+        let plain = fitted(0.98, 100.0);
+        let filtered =
+            ServoParameters { vibration_filter_hz: 200.0, vibration_filter_bandwidth_hz: 60.0, ..plain };
+        let found = 10.0 * (continuous_gain(&filtered, FEED / 10.0) - continuous_gain(&plain, FEED / 10.0));
+        let expected = radius_change(&filtered, 10.0, FEED) - radius_change(&plain, 10.0, FEED);
+        assert!(
+            (found / expected - 1.0).abs() < 0.03 && (found - 2.1e-3).abs() < 1e-4,
+            "{found} {expected} mm"
+        );
     }
 
     #[test]
