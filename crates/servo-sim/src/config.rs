@@ -12,7 +12,7 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 use crate::error::{positive, within};
-use crate::{Notch, SampledLoop, ServoError};
+use crate::{Notch, SampledLoop, ServoError, velocity_gain_of_load_inertia};
 
 /// Parameters of one axis, in the units of the servo file. A parameter that the file leaves out is zero, unless stated
 /// otherwise.
@@ -36,6 +36,10 @@ pub struct ServoParameters {
     /// Velocity loop gain g, in per cent. The lag is τ/g.
     #[serde(default = "velocity_gain_percent")]
     pub velocity_gain_percent: f64,
+    /// Inertia of the load in 256ths of the motor's, as FANUC's parameter 2021 has it: it sets the velocity gain to
+    /// [`velocity_gain_of_load_inertia`](crate::velocity_gain_of_load_inertia). A file gives this or the gain; values that disagree are refused.
+    #[serde(default)]
+    pub load_inertia_256ths: Option<f64>,
     /// The velocity gain at which the velocity loop oscillates, in per cent. A first-order lag never oscillates, so
     /// this limit must be measured on the machine. By default 429 %: the paper runs at 300 %, which is 70 % of its
     /// limit.
@@ -107,6 +111,7 @@ impl ServoParameters {
             feed_forward: 0.0,
             acceleration_feed_forward: 0.0,
             velocity_gain_percent: velocity_gain_percent(),
+            load_inertia_256ths: None,
             velocity_gain_limit_percent: velocity_gain_limit_percent(),
             acceleration_limit_mm_per_s2: None,
             friction_mm_per_s2: 0.0,
@@ -131,11 +136,23 @@ impl ServoParameters {
     /// break a rule.
     pub fn from_toml(text: &str) -> Result<Self, ReadError> {
         #[derive(Deserialize)]
-        struct File {
-            servo: Option<ServoParameters>,
+        struct File<T> {
+            servo: Option<T>,
         }
-        let file: File = toml::from_str(text).map_err(ReadError::Toml)?;
-        let parameters = file.servo.ok_or(ReadError::NoTable)?;
+        /// The key that a load inertia replaces, where it is given.
+        #[derive(Deserialize)]
+        struct Given {
+            velocity_gain_percent: Option<f64>,
+        }
+        let file: File<ServoParameters> = toml::from_str(text).map_err(ReadError::Toml)?;
+        let mut parameters = file.servo.ok_or(ReadError::NoTable)?;
+        let given: File<Given> = toml::from_str(text).map_err(ReadError::Toml)?;
+        let gain_is_given = given.servo.is_some_and(|keys| keys.velocity_gain_percent.is_some());
+        if let Some(inertia) = parameters.load_inertia_256ths
+            && !gain_is_given
+        {
+            parameters.velocity_gain_percent = velocity_gain_of_load_inertia(inertia);
+        }
         let at_its_line = |error: ServoError| ReadError::Value { error, line: line_of(text, &error) };
         parameters.check_values().map_err(at_its_line)?;
         Ok(parameters)
@@ -150,6 +167,22 @@ impl ServoParameters {
         let sub_step_s = self.sub_step_s(positive("interpolation period", period_s)?);
         self.check_vibration_filter(sub_step_s)?;
         self.sampled_loop(sub_step_s).validate()
+    }
+
+    fn check_load_inertia(&self) -> Result<(), ServoError> {
+        let Some(load_inertia_256ths) = self.load_inertia_256ths else { return Ok(()) };
+        within("load_inertia_256ths", load_inertia_256ths, 0.0, 1e6)?;
+        if self.velocity_gain_percent == velocity_gain_of_load_inertia(load_inertia_256ths) {
+            return Ok(());
+        }
+        let velocity_gain_percent = self.velocity_gain_percent;
+        Err(ServoError::GainAgainstInertia { velocity_gain_percent, load_inertia_256ths })
+    }
+
+    /// These parameters at another velocity gain, in per cent, in place of one set by the load's inertia.
+    #[must_use]
+    pub fn with_velocity_gain(self, velocity_gain_percent: f64) -> Self {
+        Self { velocity_gain_percent, load_inertia_256ths: None, ..self }
     }
 
     /// Refuses a vibration filter that is too fast for the position loop, or has only one of its two values.
@@ -187,6 +220,7 @@ impl ServoParameters {
         within("velocity_lag_ms", positive("velocity_lag_ms", self.velocity_lag_ms)?, 1e-9, HUGE)?;
         within("feed_forward", self.feed_forward, 0.0, 1.5)?;
         within("acceleration_feed_forward", self.acceleration_feed_forward, 0.0, 1.5)?;
+        self.check_load_inertia()?;
         positive("velocity_gain_percent", self.velocity_gain_percent)?;
         positive("velocity_gain_limit_percent", self.velocity_gain_limit_percent)?;
         for (key, value) in [
@@ -383,6 +417,43 @@ mod tests {
         assert_eq!(at(2000.0).validate(1e-3), Ok(()));
         let refused = at(2001.0).validate(1e-3).unwrap_err();
         assert_eq!(refused.to_string(), "vibration_filter_hz = 2001: expected a number from 0 to 2000");
+    }
+
+    /// The paper: a velocity gain of 300 % for a load inertia of about 512.
+    #[test]
+    fn a_load_inertia_sets_the_velocity_gain() {
+        for (inertia, percent) in [(0.0, 100.0), (256.0, 200.0), (512.0, 300.0)] {
+            assert_eq!(velocity_gain_of_load_inertia(inertia), percent);
+            let text = format!("{MINIMAL}load_inertia_256ths = {inertia}");
+            let read = ServoParameters::from_toml(&text).unwrap();
+            assert_eq!(read.velocity_gain_percent, percent);
+            assert!((read.lag_s() * percent - 0.1).abs() < 1e-15, "{read:?}");
+        }
+    }
+
+    #[test]
+    fn a_load_inertia_that_the_gain_contradicts_is_refused_with_its_line() {
+        for (lines, expected) in [
+            (
+                "velocity_gain_percent = 100\nload_inertia_256ths = 512",
+                "line 5: load_inertia_256ths = 512: it sets velocity_gain_percent to 300, and 100 is given; expected one of \
+                 the two keys",
+            ),
+            (
+                "load_inertia_256ths = -1",
+                "line 4: load_inertia_256ths = -1: expected a number from 0 to 1000000",
+            ),
+            ("load_inertia_256ths = 1000", "velocity_gain_percent = 490.625: the velocity loop oscillates"),
+        ] {
+            let said = message(&format!("{MINIMAL}{lines}"));
+            assert!(said.starts_with(expected), "{lines}: {said}");
+        }
+        assert!(
+            ServoParameters::from_toml(&format!(
+                "{MINIMAL}velocity_gain_percent = 300\nload_inertia_256ths = 512"
+            ))
+            .is_ok()
+        );
     }
 
     #[test]

@@ -4,6 +4,8 @@ use std::fmt;
 
 use real::FormatName;
 
+use crate::load_inertia::velocity_gain_of_load_inertia;
+
 /// The reason why parameters, a loop, a run or a circle test were refused. Keys are those of the servo file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
@@ -32,6 +34,13 @@ pub enum ServoError {
         velocity_gain_percent: f64,
         /// The gain at which the loop oscillates, in per cent.
         limit_percent: f64,
+    },
+    /// The velocity gain is not the one that the load's inertia sets.
+    GainAgainstInertia {
+        /// The gain given, in per cent.
+        velocity_gain_percent: f64,
+        /// The load's inertia, in 256ths of the motor's.
+        load_inertia_256ths: f64,
     },
     /// The axes of a machine have different numbers of sub-steps.
     SubStepsDiffer {
@@ -121,6 +130,7 @@ impl ServoError {
         match self {
             Self::NotPositive { key, .. } | Self::OutOfRange { key, .. } => Some(key),
             Self::VelocityLoopOscillates { .. } => Some("velocity_gain_percent"),
+            Self::GainAgainstInertia { .. } => Some("load_inertia_256ths"),
             Self::CannotMove { .. } => Some("friction_mm_per_s2"),
             Self::SubStepsDiffer { .. } => Some("sub_steps"),
             Self::FeedRampsDiffer { .. } => Some("feed_ramp_ms"),
@@ -141,6 +151,12 @@ impl fmt::Display for ServoError {
                 f,
                 "velocity_gain_percent = {velocity_gain_percent}: the velocity loop oscillates from \
                  velocity_gain_limit_percent = {limit_percent:.0} on; 70 % of that is usual"
+            ),
+            Self::GainAgainstInertia { velocity_gain_percent, load_inertia_256ths } => write!(
+                f,
+                "load_inertia_256ths = {load_inertia_256ths}: it sets velocity_gain_percent to {}, and \
+                 {velocity_gain_percent} is given; expected one of the two keys",
+                velocity_gain_of_load_inertia(load_inertia_256ths)
             ),
             Self::SubStepsDiffer { first, other } => {
                 write!(f, "sub_steps = {other}: expected {first} as on the first axis")
