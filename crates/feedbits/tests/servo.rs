@@ -260,6 +260,20 @@ fn a_ramp_of_the_feed_does_not_change_the_path() {
 }
 
 #[test]
+fn table_2_of_paper_d_is_one_command() {
+    let output = servo(&["--paper-table"]);
+    assert_eq!(output.status.code(), Some(0), "{}", unfolded(&output.stderr));
+    let said = text(&output.stdout);
+    assert!(said.contains("-4.930") && said.contains("-13.66") && said.contains("close to 0"), "{said}");
+    let rows = json(&["--paper-table"]);
+    assert_eq!(rows.as_array().map(Vec::len), Some(4));
+    assert_eq!(rows[0]["printed_radial_error_mm"], -0.005);
+    let closed = rows[0]["printed_gain"]["closed_form_mm"].as_f64().unwrap();
+    assert!((closed + 0.01366).abs() < 1e-5, "{closed} mm");
+    assert_eq!(servo(&["part.nc", "--paper-table"]).status.code(), Some(2));
+}
+
+#[test]
 fn a_servo_file_is_refused_with_its_line() {
     let output = Quarter::new().servo("feed_forward = 98\n", &[]);
     let message = unfolded(&output.stderr);

@@ -37,6 +37,7 @@
 //! | how far is the path off the curve? | [`contour_error()`], [`ContourTracker`] |
 //! | does the table follow at all? | [`Arrival`] |
 //! | how round is a circle? how does tuning change it? | [`CircleTest`], [`tuning_table`], [`roundness_plot()`] |
+//! | what does paper D print, and what comes out here? | [`paper_table`] |
 //! | which result follows in closed form? | [`continuous_gain`], [`sampled_gain`], [`radius_change`] |
 //! | is the loop stable? | [`SampledLoop`] |
 //!
@@ -68,6 +69,7 @@ mod error;
 mod error_size;
 mod feed_ramp;
 mod load_inertia;
+mod paper_table;
 mod response;
 mod roundness_plot;
 mod servo;
@@ -88,6 +90,10 @@ pub use error::ServoError;
 pub use error_size::ErrorSize;
 pub use feed_ramp::{RunPlace, Travelled, ramp_feed};
 pub use load_inertia::velocity_gain_of_load_inertia;
+pub use paper_table::{
+    PAPER_SETTINGS, PRINTED_POSITION_GAIN_PER_S, PaperCircle, PaperRow, PaperSetting, lag_of_right_radius_ms,
+    paper_table,
+};
 pub use response::{continuous_gain, moving_average_gain, radius_change, sampled_gain};
 pub use roundness_plot::roundness_plot;
 pub use servo::{Sample, Servo, Trace};

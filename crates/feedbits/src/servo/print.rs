@@ -228,6 +228,6 @@ fn tuning(report: &Report) -> String {
 }
 
 /// A length in mm as text in µm; three places are nanometres.
-fn micrometres(mm: f64) -> String {
+pub(super) fn micrometres(mm: f64) -> String {
     format!("{:.3}", mm * 1000.0)
 }
