@@ -5,7 +5,8 @@ use real::Backend;
 use crate::ServoError;
 use crate::backlash::{Play, ReversalCompensation, ReversalState};
 use crate::control_law::{CommandedMotion, ControlLaw};
-use crate::drive::{Drive, MotorState};
+use crate::drive::Drive;
+use crate::motor::MotorState;
 use crate::{FilterState, ServoParameters, VibrationFilter};
 
 /// The constants of one axis: the controller's in the format `R`, and the machine's in f64.
@@ -71,6 +72,7 @@ impl<R: Backend> Axis<R> {
             vibration_filter: filter.transpose()?,
             drive: Drive {
                 lag,
+                current_lag: parameters.current_lag_ms / 1000.0,
                 acceleration_limit: parameters.acceleration_limit_mm_per_s2.unwrap_or(f64::INFINITY),
                 friction: parameters.friction_mm_per_s2,
             },
@@ -88,7 +90,7 @@ impl<R: Backend> Axis<R> {
     #[must_use]
     pub fn at_rest(&self, position: f64) -> Option<AxisState<R>> {
         Some(AxisState {
-            motor: MotorState { position, velocity: 0.0 },
+            motor: MotorState { position, velocity: 0.0, pull: 0.0 },
             table: position,
             setpoint: R::from_f64(position)?,
             period_increment: R::zero(),

@@ -27,6 +27,10 @@ pub struct ServoParameters {
     pub position_gain_per_s: f64,
     /// Lag τ of the velocity loop at a velocity gain of 100 %, in ms: its bandwidth is 1/(2πτ).
     pub velocity_lag_ms: f64,
+    /// Lag τᵢ of the current loop below the velocity loop, in ms; 0 for none. At most the lag of the velocity loop at its
+    /// gain, τ/g, or the velocity rings.
+    #[serde(default)]
+    pub current_lag_ms: f64,
     /// Velocity feed-forward α: the part of the commanded velocity that is added. 98 % is 0.98.
     #[serde(default)]
     pub feed_forward: f64,
@@ -108,6 +112,7 @@ impl ServoParameters {
         Self {
             position_gain_per_s,
             velocity_lag_ms,
+            current_lag_ms: 0.0,
             feed_forward: 0.0,
             acceleration_feed_forward: 0.0,
             velocity_gain_percent: velocity_gain_percent(),
@@ -202,6 +207,7 @@ impl ServoParameters {
     pub(crate) fn sampled_loop(&self, sub_step_s: f64) -> SampledLoop {
         SampledLoop {
             vibration_filter: self.notch(),
+            current_lag: self.current_lag_ms / 1000.0,
             ..SampledLoop::new(self.position_gain_per_s, self.lag_s(), sub_step_s)
         }
     }
@@ -237,6 +243,12 @@ impl ServoParameters {
         within("feed_ramp_ms", self.feed_ramp_ms, 0.0, 1e4)?;
         self.check_vibration_filter(0.25 / HUGE)?;
         within("sub_steps", f64::from(self.sub_steps), 1.0, 10_000.0)?;
+        within("current_lag_ms", self.current_lag_ms, 0.0, HUGE)?;
+        let velocity_lag_ms = self.lag_s() * 1000.0;
+        if self.current_lag_ms > velocity_lag_ms {
+            let current_lag_ms = self.current_lag_ms;
+            return Err(ServoError::CurrentLoopSlow { current_lag_ms, velocity_lag_ms });
+        }
         if self.velocity_gain_percent >= self.velocity_gain_limit_percent {
             return Err(ServoError::VelocityLoopOscillates {
                 velocity_gain_percent: self.velocity_gain_percent,
@@ -365,6 +377,11 @@ mod tests {
             ("vibration_filter_hz = 200", "vibration_filter_bandwidth_hz = 0: expected a positive number"),
             ("vibration_filter_bandwidth_hz = 60", "vibration_filter_hz = 0: expected a positive number"),
             ("vibration_filter_hz = nan", "vibration_filter_hz = NaN: expected a number from 0 to"),
+            ("current_lag_ms = -0.1", "current_lag_ms = -0.1: expected a number from 0 to"),
+            (
+                "current_lag_ms = 1.5",
+                "line 4: current_lag_ms = 1.5: expected at most 1, the lag of the velocity loop",
+            ),
             ("sub_steps = 0", "sub_steps = 0: expected a number from 1 to 10000"),
             (
                 "acceleration_limit_mm_per_s2 = 0",

@@ -42,6 +42,13 @@ pub enum ServoError {
         /// The load's inertia, in 256ths of the motor's.
         load_inertia_256ths: f64,
     },
+    /// The current loop is slower than the velocity loop above it.
+    CurrentLoopSlow {
+        /// The lag of the current loop, in ms.
+        current_lag_ms: f64,
+        /// The lag of the velocity loop at its gain, in ms.
+        velocity_lag_ms: f64,
+    },
     /// The axes of a machine have different numbers of sub-steps.
     SubStepsDiffer {
         /// The number of the first axis.
@@ -131,6 +138,7 @@ impl ServoError {
             Self::NotPositive { key, .. } | Self::OutOfRange { key, .. } => Some(key),
             Self::VelocityLoopOscillates { .. } => Some("velocity_gain_percent"),
             Self::GainAgainstInertia { .. } => Some("load_inertia_256ths"),
+            Self::CurrentLoopSlow { .. } => Some("current_lag_ms"),
             Self::CannotMove { .. } => Some("friction_mm_per_s2"),
             Self::SubStepsDiffer { .. } => Some("sub_steps"),
             Self::FeedRampsDiffer { .. } => Some("feed_ramp_ms"),
@@ -157,6 +165,11 @@ impl fmt::Display for ServoError {
                 "load_inertia_256ths = {load_inertia_256ths}: it sets velocity_gain_percent to {}, and \
                  {velocity_gain_percent} is given; expected one of the two keys",
                 velocity_gain_of_load_inertia(load_inertia_256ths)
+            ),
+            Self::CurrentLoopSlow { current_lag_ms, velocity_lag_ms } => write!(
+                f,
+                "current_lag_ms = {current_lag_ms}: expected at most {velocity_lag_ms}, the lag of the velocity loop at \
+                 its gain, or the velocity rings"
             ),
             Self::SubStepsDiffer { first, other } => {
                 write!(f, "sub_steps = {other}: expected {first} as on the first axis")

@@ -64,11 +64,13 @@ mod command_filter;
 mod config;
 mod contour_error;
 mod control_law;
+mod current_loop;
 mod drive;
 mod error;
 mod error_size;
 mod feed_ramp;
 mod load_inertia;
+mod motor;
 mod paper_table;
 mod response;
 mod roundness_plot;
@@ -85,11 +87,12 @@ pub use command_filter::CommandFilter;
 pub use config::{ReadError, ServoParameters};
 pub use contour_error::{ContourTracker, Foot, contour_error};
 pub use control_law::{CommandedMotion, ControlLaw};
-pub use drive::{Drive, MotorState};
+pub use drive::Drive;
 pub use error::ServoError;
 pub use error_size::ErrorSize;
 pub use feed_ramp::{RunPlace, Travelled, ramp_feed};
 pub use load_inertia::velocity_gain_of_load_inertia;
+pub use motor::MotorState;
 pub use paper_table::{
     PAPER_SETTINGS, PRINTED_POSITION_GAIN_PER_S, PaperCircle, PaperRow, PaperSetting, lag_of_right_radius_ms,
     paper_table,

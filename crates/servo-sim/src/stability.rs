@@ -7,13 +7,14 @@
 //!
 //! `x_{k+1} = x_k + p h v_k + (1 - p) h v_c`, `h v_{k+1} = e h v_k + (1 - e) h v_c`.
 //!
-//! A vibration filter between the two has two states more.
+//! A vibration filter has two states more, and a
+//! current loop that lags one; in continuous time such a loop is stable up to `Kp = 1/τᵢ`.
 //!
 //! The loop is stable while every eigenvalue of that matrix is less than 1 in magnitude.
 
 use nalgebra::{Complex, Matrix3, SMatrix};
 
-use crate::{FilterState, Notch, ServoError, VibrationFilter};
+use crate::{Drive, FilterState, MotorState, Notch, ServoError, VibrationFilter};
 
 /// A position loop that is closed every `sub_step`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,13 +27,15 @@ pub struct SampledLoop {
     pub sub_step: f64,
     /// The vibration filter on the velocity command.
     pub vibration_filter: Option<Notch>,
+    /// Lag τᵢ of the current loop, in s; 0 for none.
+    pub current_lag: f64,
 }
 
 impl SampledLoop {
     /// A loop of a gain Kp (1/s), a lag τ (s) and nothing else, closed every h (s).
     #[must_use]
     pub fn new(position_gain: f64, lag: f64, sub_step: f64) -> Self {
-        Self { position_gain, lag, sub_step, vibration_filter: None }
+        Self { position_gain, lag, sub_step, vibration_filter: None, current_lag: 0.0 }
     }
 
     /// The factor by which an error grows or decays from one sub-step to the next, in the long run: the largest
@@ -40,8 +43,8 @@ impl SampledLoop {
     #[must_use]
     pub fn spectral_radius(&self) -> f64 {
         let magnitude = |z: &Complex<f64>| z.re.hypot(z.im);
-        if self.vibration_filter.is_some() {
-            let system = self.system_with_filter();
+        if self.vibration_filter.is_some() || self.current_lag != 0.0 {
+            let system = self.system_with_all();
             if !system.iter().all(|x| x.is_finite()) {
                 return f64::INFINITY;
             }
@@ -122,31 +125,43 @@ impl SampledLoop {
         )
     }
 
-    /// The map of (x, h v, x_before, p, q), with the states p and q of the vibration filter: its columns are the
-    /// images of the unit vectors.
-    fn system_with_filter(&self) -> SMatrix<f64, 5, 5> {
-        let PerSubStep { gain: k, decay: e, path: p } = self.per_sub_step();
+    /// The map of (x, h v, h² a, x_before, p, q), with the pull a above a lagging current loop and the states p and q of
+    /// the vibration filter: its columns are the images of the unit vectors.
+    fn system_with_all(&self) -> SMatrix<f64, 6, 6> {
+        let gain = self.position_gain * self.sub_step;
         let filter =
             self.vibration_filter.map(|notch| VibrationFilter::<f64>::try_new(&notch, self.sub_step));
-        let mut columns = SMatrix::<f64, 5, 5>::identity();
+        let mut columns = SMatrix::<f64, 6, 6>::identity();
         for mut column in columns.column_iter_mut() {
-            let [x, v, before, band, low] = [column[0], column[1], column[2], column[3], column[4]];
+            let [x, v, a, before, band, low] = core::array::from_fn(|row| column[row]);
             let mut state = FilterState { band, low };
-            let command = -k * (3.0 * x - before) / 2.0;
+            let command = -gain * (3.0 * x - before) / 2.0;
             let command = match &filter {
                 Some(Ok(filter)) => filter.step(&mut state, command),
                 Some(Err(_)) => f64::NAN,
                 None => command,
             };
-            column.copy_from_slice(&[
-                x + p * v + (1.0 - p) * command,
-                e * v + (1.0 - e) * command,
-                x,
-                state.band,
-                state.low,
-            ]);
+            let [next, velocity, pull] = self.drive([x, v, a], command);
+            // States that nothing has are forgotten, for kept they would count as an error that stays.
+            let pull = if self.current_lag > 0.0 { pull } else { 0.0 };
+            let [band, low] = if filter.is_some() { [state.band, state.low] } else { [0.0; 2] };
+            column.copy_from_slice(&[next, velocity, pull, x, band, low]);
         }
         columns
+    }
+
+    /// (x, h v, h² a) a sub-step later under the command `h v_c`, without friction and limit.
+    pub(crate) fn drive(&self, [x, v, a]: [f64; 3], command: f64) -> [f64; 3] {
+        let h = self.sub_step;
+        let drive = Drive {
+            lag: self.lag,
+            current_lag: self.current_lag,
+            acceleration_limit: f64::INFINITY,
+            friction: 0.0,
+        };
+        let motor = MotorState { position: x, velocity: v / h, pull: a / (h * h) };
+        let moved = drive.advance(motor, command / h, h);
+        [moved.position, moved.velocity * h, moved.pull * h * h]
     }
 
     pub(crate) fn per_sub_step(&self) -> PerSubStep {
@@ -172,7 +187,6 @@ pub(crate) struct PerSubStep {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::drive::{Drive, MotorState};
     use proptest::prelude::*;
 
     fn fitted(sub_step: f64) -> SampledLoop {
@@ -235,10 +249,21 @@ mod tests {
         assert!(found < 0.5 * SampledLoop::new(1.0, lag, 1e-5).largest_position_gain());
     }
 
+    /// `τ τᵢ s³ + τ s² + s + Kp`: Routh's condition is `Kp < 1/τᵢ`, whatever τ is.
+    #[test]
+    fn a_current_lag_lowers_the_limit_to_one_over_it() {
+        for (lag, current_lag) in [(0.39e-3, 0.2e-3), (2e-3, 0.5e-3), (1e-3, 1e-3)] {
+            let sampled = SampledLoop { current_lag, ..SampledLoop::new(1.0, lag, 1e-6) };
+            let found = sampled.largest_position_gain();
+            assert!((found * current_lag - 1.0).abs() < 3e-3, "{lag} {current_lag}: {found}");
+        }
+    }
+
     /// The largest position of the loop, let go at 1 mm, over the last of `cycles`.
     fn amplitude_after(sampled: &SampledLoop, cycles: f64) -> f64 {
-        let drive = Drive { lag: sampled.lag, acceleration_limit: f64::INFINITY, friction: 0.0 };
-        let mut motor = MotorState { position: 1.0, velocity: 0.0 };
+        let drive =
+            Drive { lag: sampled.lag, current_lag: 0.0, acceleration_limit: f64::INFINITY, friction: 0.0 };
+        let mut motor = MotorState { position: 1.0, velocity: 0.0, pull: 0.0 };
         let mut before = 1.0;
         let mut largest = 0.0_f64;
         let mut left = cycles;

@@ -77,6 +77,7 @@ fn belongs_to_the_setting(reason: &ServoError) -> bool {
     matches!(
         reason,
         ServoError::VelocityLoopOscillates { .. }
+            | ServoError::CurrentLoopSlow { .. }
             | ServoError::Unstable { .. }
             | ServoError::DoesNotTurn { .. }
     )
