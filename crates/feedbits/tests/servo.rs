@@ -259,6 +259,20 @@ fn a_ramp_of_the_feed_does_not_change_the_path() {
     );
 }
 
+/// The plan rests at each corner. A ramp that went on across it would cut it: 24 ms at 50 mm/s are 1.2 mm of path.
+#[test]
+fn a_ramp_of_the_feed_rests_where_the_plan_does() {
+    let part = Quarter::new();
+    let program = "G21 G90\nG0 X0 Y0\nG1 X10 Y0 F3000\nG1 X10 Y10\nG1 X20 Y10\nM30\n";
+    fs::write(part.path("quarter.nc"), program).expect("the folder is writable");
+    let drive = "feed_forward = 1\nacceleration_feed_forward = 1\nfeed_ramp_ms = 24\n";
+    let output = part.servo(drive, &["--json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", unfolded(&output.stderr));
+    let report: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let contour = row(&report, "f64", "pieces")["contour_error_mm"]["max"].as_f64().unwrap();
+    assert!(contour < 0.001, "{contour} mm");
+}
+
 #[test]
 fn table_2_of_paper_d_is_one_command() {
     let output = servo(&["--paper-table"]);

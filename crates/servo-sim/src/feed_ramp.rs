@@ -4,6 +4,10 @@
 //! do in the [`CommandFilter`]. A step of the feed then becomes a ramp of the average's length t. The ramped distance
 //! σ is a place on the path, so the geometry does not change: a circle keeps its radius, where the same average over
 //! the setpoints of each axis takes about `R(ωt)²/24` off it. The run takes t longer.
+//!
+//! # Source
+//! FANUC, connection manual B-63503EN, chapter 7, has both: acceleration before interpolation leaves the contour, linear
+//! acceleration after it takes `t² v²/(24 R)` off a radius.
 
 use crate::{CommandFilter, ServoError};
 

@@ -6,7 +6,7 @@
 //! ```text
 //!             per period            per sub-step, in the drive's format                      the machine, f64
 //!  setpoint ─> CommandFilter ─┬─> velocity, acceleration feed-forward ──┐
-//!                             └─> position error × gain ──> ControlLaw ─┴─> Drive (lag, limit, friction) ─> Play ─> table
+//!                             └─> position error × gain ──> ControlLaw ─┴─> VibrationFilter ─> Drive (lags, limit, friction) ─> Play ─> table
 //!                                          └───────────── encoder <──────────────────┘
 //! ```
 //!
