@@ -243,7 +243,8 @@ impl ServoParameters {
         within("feed_ramp_ms", self.feed_ramp_ms, 0.0, 1e4)?;
         self.check_vibration_filter(0.25 / HUGE)?;
         within("sub_steps", f64::from(self.sub_steps), 1.0, 10_000.0)?;
-        within("current_lag_ms", self.current_lag_ms, 0.0, HUGE)?;
+        let least = if self.current_lag_ms > 0.0 { 1e-9 } else { 0.0 };
+        within("current_lag_ms", self.current_lag_ms, least, HUGE)?;
         let velocity_lag_ms = self.lag_s() * 1000.0;
         if self.current_lag_ms > velocity_lag_ms {
             let current_lag_ms = self.current_lag_ms;

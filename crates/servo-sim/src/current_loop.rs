@@ -42,12 +42,18 @@ impl CurrentLoop {
             if left <= 0.0 {
                 break;
             }
-            left -= self.phase(&mut motor, command, left);
+            left -= self.phase(&mut motor, command, left, true);
+        }
+        if left > 0.0 {
+            // After so many half-turns the velocity is at its target to the last bit, and meets no limit.
+            self.phase(&mut motor, command, left, false);
         }
         motor
     }
 
-    fn phase(&self, motor: &mut MotorState, command: f64, left: f64) -> f64 {
+    /// Moves the motor through one phase, or through `left` seconds of it, and returns the duration. It looks for limits
+    /// and turns only if `may_end`.
+    fn phase(&self, motor: &mut MotorState, command: f64, left: f64, may_end: bool) -> f64 {
         let limit = self.acceleration_limit;
         let wanted = ((command - motor.velocity) / self.lag).clamp(-limit, limit);
         if motor.velocity == 0.0 && self.sticks(motor.pull, wanted) {
@@ -65,13 +71,13 @@ impl CurrentLoop {
         } else {
             Law::Linear(command - friction * self.lag)
         };
-        let has_limits = self.friction > 0.0 || limit.is_finite();
+        let has_limits = may_end && (self.friction > 0.0 || limit.is_finite());
         let turn = if has_limits { self.extremum(law, motor, slope) } else { f64::INFINITY };
         let time = turn.min(left);
         let end = self.after(law, motor, slope, time);
         let zero = if self.friction > 0.0 { 0.0 } else { f64::NAN };
         let passed = first_passed([zero, low, high], motor.velocity, end.velocity);
-        if let Some(value) = passed {
+        if let Some(value) = passed.filter(|_| may_end) {
             let time = self.time_of(value, law, motor, slope, time);
             *motor = MotorState { velocity: value, ..self.after(law, motor, slope, time) };
             return time;
@@ -273,6 +279,14 @@ mod tests {
                 assert!(off < 2e-6, "{command}: {exact:?} {x} {v} {a}");
             }
         }
+    }
+
+    /// Ten million half-turns in one step: the rest of it was left out, and the motor stood still.
+    #[test]
+    fn a_step_of_many_half_turns_is_made_to_its_end() {
+        let drive = CurrentLoop { lag: 1e-8, current_lag: 1e-8, acceleration_limit: 1e12, friction: 5.0 };
+        let found = drive.advance(MotorState::default(), 70.0, 1.0);
+        assert!((found.position - 70.0).abs() < 1e-5 && (found.velocity - 70.0).abs() < 1e-6, "{found:?}");
     }
 
     proptest! {
