@@ -22,6 +22,10 @@ fuzz_target!(|bytes: &[u8]| {
     parameters.backlash_acceleration_ms = near(1.0);
     parameters.encoder_resolution_mm = near(0.0001);
     parameters.command_filter_ms = near(1.0).min(1e4);
+    parameters.feed_ramp_ms = near(1.0).min(1e4);
+    parameters.current_lag_ms = near(0.1);
+    parameters.vibration_filter_hz = near(200.0);
+    parameters.vibration_filter_bandwidth_hz = near(60.0);
     parameters.sub_steps = near(8.0).clamp(0.0, 64.0) as u32;
     let period = near(0.001);
     let setpoints: Vec<[f64; 2]> = (0..50).map(|_| [near(1.0), near(1.0)]).collect();

@@ -2,7 +2,9 @@
 
 mod arguments;
 mod circle;
+mod paper;
 mod print;
+mod ramp;
 mod report;
 mod simulate;
 
@@ -29,6 +31,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     let servo = parameters(arguments.servo.as_ref())?;
     for path in [&arguments.output.out, &arguments.plot] {
         output::expect_place(path.as_deref())?;
+    }
+    if arguments.paper_table {
+        return paper::print(&servo, arguments);
     }
     let progress = Progress::spinning("simulating the axes");
     let (part, period, formats) = match arguments.run.problem(&arguments.input)? {

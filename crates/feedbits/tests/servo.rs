@@ -238,6 +238,81 @@ fn the_closed_form_has_the_command_filter() {
     assert!(said.contains("mean radial error -234.7") && said.contains("closed form: -234.7"), "{said}");
 }
 
+/// Before interpolation the average of 24 ms leaves the circle as it is, and slows the run; after it, the same average
+/// takes 10.7 µm and more off the path.
+#[test]
+fn a_ramp_of_the_feed_does_not_change_the_path() {
+    let run = |drive: &str| {
+        let exact = "feed_forward = 1\nacceleration_feed_forward = 1\n";
+        let output = Quarter::new().servo(&format!("{exact}{drive}"), &["--json"]);
+        assert_eq!(output.status.code(), Some(0), "{}", unfolded(&output.stderr));
+        let report: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        let contour = row(&report, "f64", "pieces")["contour_error_mm"]["max"].as_f64().unwrap();
+        (contour, report["circle"]["radial_error_mean_mm"].as_f64().unwrap())
+    };
+    let [plain, ramped, filtered] = ["", "feed_ramp_ms = 24\n", "command_filter_ms = 24\n"].map(run);
+    assert!((plain.1 - ramped.1).abs() < 1e-8, "{plain:?} {ramped:?} mm");
+    assert!((plain.1 - filtered.1 - 0.01066).abs() < 1e-4, "{plain:?} {filtered:?} mm");
+    assert!(
+        ramped.0 <= 1.01 * plain.0 && filtered.0 > plain.0 + 0.01,
+        "{plain:?} {ramped:?} {filtered:?} mm"
+    );
+}
+
+/// The plan rests at each corner. A ramp that went on across it would cut it: 24 ms at 50 mm/s are 1.2 mm of path.
+#[test]
+fn a_ramp_of_the_feed_rests_where_the_plan_does() {
+    let part = Quarter::new();
+    let program = "G21 G90\nG0 X0 Y0\nG1 X10 Y0 F3000\nG1 X10 Y10\nG1 X20 Y10\nM30\n";
+    fs::write(part.path("quarter.nc"), program).expect("the folder is writable");
+    let drive = "feed_forward = 1\nacceleration_feed_forward = 1\nfeed_ramp_ms = 24\n";
+    let output = part.servo(drive, &["--json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", unfolded(&output.stderr));
+    let report: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let contour = row(&report, "f64", "pieces")["contour_error_mm"]["max"].as_f64().unwrap();
+    assert!(contour < 0.001, "{contour} mm");
+}
+
+#[test]
+fn table_2_of_paper_d_is_one_command() {
+    let output = servo(&["--paper-table"]);
+    assert_eq!(output.status.code(), Some(0), "{}", unfolded(&output.stderr));
+    let said = text(&output.stdout);
+    assert!(said.contains("-4.930") && said.contains("-13.66") && said.contains("close to 0"), "{said}");
+    let rows = json(&["--paper-table"]);
+    assert_eq!(rows.as_array().map(Vec::len), Some(4));
+    assert_eq!(rows[0]["printed_radial_error_mm"], -0.005);
+    let closed = rows[0]["printed_gain"]["closed_form_mm"].as_f64().unwrap();
+    assert!((closed + 0.01366).abs() < 1e-5, "{closed} mm");
+    assert_eq!(servo(&["part.nc", "--paper-table"]).status.code(), Some(2));
+}
+
+/// The circle that paper D prints, from its text to the contour error: three turns about (-10, 0). With the fitted drive
+/// as a linear loop the table is 4.97 µm inside in the steady state, and further off while it starts and stops.
+#[test]
+fn the_program_of_the_papers_circle_runs_to_its_contour_error() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let program = "G91;\nG08P1;\nG17G02I-10.0F4000;\nI-10.0;\nI-10.0;\nG08P0;\nG04X3;\nM99;\n";
+    let drive = "[servo]\nposition_gain_per_s = 50.7\nvelocity_lag_ms = 0.39\nfeed_forward = 0.95\nfeed_ramp_ms = 24\n";
+    for (name, content) in [("circle.nc", program), ("m.toml", Quarter::MACHINE), ("s.toml", drive)] {
+        fs::write(path(name), content).expect("the folder is writable");
+    }
+    let (part, machine, drive) = (path("circle.nc"), path("m.toml"), path("s.toml"));
+    for dialect in [&[][..], &["--dialect", "fanuc"]] {
+        let arguments =
+            [&part, "--machine", &machine, "--servo", &drive, "--formats", "f64", "--evaluate", "pieces"];
+        let report = json(&[&arguments[..], dialect].concat());
+        let row = row(&report, "f64", "pieces");
+        assert_eq!(row["reached_the_end"], true, "{row}");
+        let [max, rms] = ["max", "rms"].map(|size| row["contour_error_mm"][size].as_f64().unwrap());
+        assert!((rms - 0.00497).abs() < 0.0002 && (0.00495..0.006).contains(&max), "{max} {rms} mm");
+        let following = row["following_error_mm"][0]["max"].as_f64().unwrap();
+        // (1 - α) V/Kp = 65.7 µm, and what the lag adds.
+        assert!((following / 0.0657 - 1.0).abs() < 0.1, "{following} mm");
+    }
+}
+
 #[test]
 fn a_servo_file_is_refused_with_its_line() {
     let output = Quarter::new().servo("feed_forward = 98\n", &[]);

@@ -5,14 +5,16 @@ use real::Backend;
 use crate::ServoError;
 use crate::backlash::{Play, ReversalCompensation, ReversalState};
 use crate::control_law::{CommandedMotion, ControlLaw};
-use crate::drive::{Drive, MotorState};
-use crate::{SampledLoop, ServoParameters};
+use crate::drive::Drive;
+use crate::motor::MotorState;
+use crate::{FilterState, ServoParameters, VibrationFilter};
 
 /// The constants of one axis: the controller's in the format `R`, and the machine's in f64.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Axis<R> {
     law: ControlLaw<R>,
     reversal: ReversalCompensation<R>,
+    vibration_filter: Option<VibrationFilter<R>>,
     drive: Drive,
     play: Play,
     encoder_resolution: f64,
@@ -31,6 +33,7 @@ pub struct AxisState<R> {
     setpoint: R,
     period_increment: R,
     encoder: R,
+    filter: FilterState<R>,
     reversal: ReversalState,
 }
 
@@ -55,7 +58,8 @@ impl<R: Backend> Axis<R> {
         let (lag, sub_step) = (parameters.lag_s(), parameters.sub_step_s(period));
         let position_gain = parameters.position_gain_per_s;
         let acceleration_lag = parameters.acceleration_feed_forward * lag;
-        let sampled = SampledLoop { position_gain, lag, sub_step };
+        let sampled = parameters.sampled_loop(sub_step);
+        let filter = parameters.notch().map(|notch| VibrationFilter::try_new(&notch, sub_step));
         Ok(Self {
             law: ControlLaw::try_new(position_gain, parameters.feed_forward, acceleration_lag, sub_step)?,
             reversal: ReversalCompensation::try_new(
@@ -65,8 +69,10 @@ impl<R: Backend> Axis<R> {
                 lag,
                 sub_step,
             )?,
+            vibration_filter: filter.transpose()?,
             drive: Drive {
                 lag,
+                current_lag: parameters.current_lag_ms / 1000.0,
                 acceleration_limit: parameters.acceleration_limit_mm_per_s2.unwrap_or(f64::INFINITY),
                 friction: parameters.friction_mm_per_s2,
             },
@@ -84,11 +90,12 @@ impl<R: Backend> Axis<R> {
     #[must_use]
     pub fn at_rest(&self, position: f64) -> Option<AxisState<R>> {
         Some(AxisState {
-            motor: MotorState { position, velocity: 0.0 },
+            motor: MotorState { position, velocity: 0.0, pull: 0.0 },
             table: position,
             setpoint: R::from_f64(position)?,
             period_increment: R::zero(),
             encoder: self.read_encoder(position)?,
+            filter: FilterState { band: R::zero(), low: R::zero() },
             reversal: ReversalState::default(),
         })
     }
@@ -113,6 +120,10 @@ impl<R: Backend> Axis<R> {
                 CommandedMotion { start: at(sub_step) + added.position, increment, increment_change };
             let encoder = self.read_encoder(state.motor.position)?;
             let command = self.law.velocity_command(&motion, encoder, state.encoder) + added.velocity;
+            let command = match &self.vibration_filter {
+                Some(filter) => filter.step(&mut state.filter, command),
+                None => command,
+            };
             state.encoder = encoder;
             state.motor = self.drive.advance(state.motor, command.to_f64() / self.sub_step, self.sub_step);
             if !state.motor.position.is_finite() {

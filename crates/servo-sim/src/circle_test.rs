@@ -19,7 +19,7 @@ use real::Backend;
 use serde::Serialize;
 
 use crate::error::positive;
-use crate::{Sample, Servo, ServoError, ServoParameters, continuous_gain, sampled_gain};
+use crate::{CommandFilter, Sample, Servo, ServoError, ServoParameters, continuous_gain, sampled_gain};
 
 /// A circle test.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,6 +70,7 @@ impl CircleTest {
 
     /// Runs the test on two axes whose loops run in `R`, with exact setpoints.
     ///
+    /// # Errors
     /// [`ServoError`] of the parameters, or if the circle takes fewer than 8 periods, or [`ServoError::DoesNotTurn`].
     pub fn run<R: Backend>(&self, axes: &[ServoParameters; 2]) -> Result<Roundness, ServoError> {
         self.run_with::<R>(axes, |point| point)
@@ -88,7 +89,9 @@ impl CircleTest {
         let start = setpoint([self.radius, 0.0]);
         let mut servo = Servo::<R, 2>::try_new(axes, self.period, start)?;
         let turn_periods = self.setpoints_per_turn();
-        let settling = servo.settling_periods() as f64;
+        let mut ramp = CommandFilter::<f64>::try_new(axes[0].feed_ramp_ms / 1000.0 / self.period, 0.0)?;
+        let ramp_periods = if axes[0].feed_ramp_ms > 0.0 { ramp.periods() } else { 0 };
+        let settling = (servo.settling_periods() + ramp_periods) as f64;
         // Whole turns in which the loops settle, then one turn to measure.
         let warm_up = (settling / turn_periods).ceil().max(1.0) * turn_periods;
         let mut samples = Vec::new();
@@ -96,7 +99,8 @@ impl CircleTest {
         let mut period = 0.0;
         while period < warm_up + turn_periods {
             period += 1.0;
-            let angle = self.angular_frequency() * self.period * period;
+            // At constant feed the angle is the distance along the path, so the ramp is over periods.
+            let angle = self.angular_frequency() * self.period * ramp.step(period);
             let (sin, cos) = f64::sin_cos(angle);
             samples.clear();
             servo.step(setpoint([self.radius * cos, self.radius * sin]), &mut samples)?;
@@ -238,6 +242,71 @@ mod tests {
         let found = run(fitted(0.95, 100.0));
         let off = found.radial_error_mean_mm - found.continuous_closed_form_mm;
         assert!((off + 3.7e-5).abs() < 3.5e-6, "{off} mm");
+    }
+
+    /// A moving average of 24 ms takes `R(ωt)²/24` = 10.66 µm off the radius after interpolation, and nothing before it.
+    /// The measured turn begins elsewhere between two setpoints: up to 1e-8 mm, as for the closed form.
+    /// A fast small circle, ω = 100 rad/s, where the current lag counts.
+    #[test]
+    fn with_a_current_lag_the_steady_state_is_the_closed_form() {
+        let test = CircleTest { radius: 1.0, feedrate: 100.0, period: 1e-3 };
+        let at = |current_lag_ms, width| {
+            let axis = ServoParameters {
+                current_lag_ms,
+                vibration_filter_hz: width,
+                vibration_filter_bandwidth_hz: width,
+                acceleration_limit_mm_per_s2: Some(1e6),
+                ..fitted(0.95, 100.0)
+            };
+            test.run::<f64>(&[axis; 2]).unwrap()
+        };
+        for (current_lag_ms, width) in [(0.05, 0.0), (0.39, 0.0), (0.2, 150.0)] {
+            let found = at(current_lag_ms, width);
+            let off = (found.radial_error_mean_mm - found.sampled_closed_form_mm).abs();
+            // The harmonics of the period, R (ωT)²/8 = 1.2 µm, over the part of a period that a turn is not whole by.
+            assert!(off < 2e-5, "{current_lag_ms} {width}: {found:?} off by {off} mm");
+        }
+        let change = at(0.39, 0.0).sampled_closed_form_mm - at(0.0, 0.0).sampled_closed_form_mm;
+        assert!(change.abs() > 1e-4, "{change} mm");
+    }
+
+    /// The simulated circle is that of the closed form, and its dependence on the sub-step is of second order.
+    #[test]
+    fn with_a_vibration_filter_the_steady_state_is_the_closed_form() {
+        let at = |sub_steps| {
+            run(ServoParameters {
+                vibration_filter_hz: 200.0,
+                vibration_filter_bandwidth_hz: 60.0,
+                sub_steps,
+                ..fitted(0.95, 100.0)
+            })
+        };
+        let finest = at(100).radial_error_mean_mm;
+        for sub_steps in [1_u32, 2, 4, 8] {
+            let found = at(sub_steps);
+            let off = (found.radial_error_mean_mm - found.sampled_closed_form_mm).abs();
+            assert!(off < 1e-8, "{sub_steps}: {found:?} off by {off} mm");
+            // A circle is slow against the filter, so the bound is that of the loop alone.
+            let h = 1e-3 / f64::from(sub_steps);
+            let bound = 10.0 * (CircleTest::PAPER.angular_frequency() * h).powi(2) / 2.0;
+            let change = (found.radial_error_mean_mm - finest).abs();
+            assert!(change <= bound, "{sub_steps}: {change} > {bound} mm");
+        }
+    }
+
+    #[test]
+    fn a_ramp_of_the_feed_leaves_the_radius_and_a_filter_of_each_axis_does_not() {
+        let mean = |parameters| run(parameters).radial_error_mean_mm;
+        let none = mean(fitted(0.95, 100.0));
+        for ramp in [0.5, 7.25, 24.0] {
+            let ramped = run(ServoParameters { feed_ramp_ms: ramp, ..fitted(0.95, 100.0) });
+            let off = ramped.radial_error_mean_mm - none;
+            assert!(off.abs() < 1e-8, "{ramp} ms: {off} mm");
+            assert!((ramped.radial_error_mean_mm - ramped.sampled_closed_form_mm).abs() < 1e-8);
+        }
+        let filtered = mean(ServoParameters { command_filter_ms: 24.0, ..fitted(0.95, 100.0) }) - none;
+        let expected = 10.0 * (CircleTest::PAPER.angular_frequency() * 0.024).powi(2) / 24.0;
+        assert!((filtered + expected).abs() < 0.01 * expected, "{filtered} {expected} mm");
     }
 
     #[test]

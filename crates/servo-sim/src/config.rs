@@ -12,7 +12,7 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 use crate::error::{positive, within};
-use crate::{SampledLoop, ServoError};
+use crate::{Notch, SampledLoop, ServoError, velocity_gain_of_load_inertia};
 
 /// Parameters of one axis, in the units of the servo file. A parameter that the file leaves out is zero, unless stated
 /// otherwise.
@@ -27,6 +27,10 @@ pub struct ServoParameters {
     pub position_gain_per_s: f64,
     /// Lag τ of the velocity loop at a velocity gain of 100 %, in ms: its bandwidth is 1/(2πτ).
     pub velocity_lag_ms: f64,
+    /// Lag τᵢ of the current loop below the velocity loop, in ms; 0 for none. At most the lag of the velocity loop at its
+    /// gain, τ/g, or the velocity rings.
+    #[serde(default)]
+    pub current_lag_ms: f64,
     /// Velocity feed-forward α: the part of the commanded velocity that is added. 98 % is 0.98.
     #[serde(default)]
     pub feed_forward: f64,
@@ -36,6 +40,10 @@ pub struct ServoParameters {
     /// Velocity loop gain g, in per cent. The lag is τ/g.
     #[serde(default = "velocity_gain_percent")]
     pub velocity_gain_percent: f64,
+    /// Inertia of the load in 256ths of the motor's, as FANUC's parameter 2021 has it: it sets the velocity gain to
+    /// [`velocity_gain_of_load_inertia`](crate::velocity_gain_of_load_inertia). A file gives this or the gain; values that disagree are refused.
+    #[serde(default)]
+    pub load_inertia_256ths: Option<f64>,
     /// The velocity gain at which the velocity loop oscillates, in per cent. A first-order lag never oscillates, so
     /// this limit must be measured on the machine. By default 429 %: the paper runs at 300 %, which is 70 % of its
     /// limit.
@@ -63,10 +71,21 @@ pub struct ServoParameters {
     #[serde(default)]
     pub encoder_resolution_mm: f64,
     /// Length of the moving average over the setpoints of each axis (linear acceleration after interpolation), in ms; 0
-    /// for none. It makes the radius of a circle smaller by `R(ωt)²/24`. Acceleration before interpolation, which the
-    /// planner does, leaves the radius as it is.
+    /// for none. It makes the radius of a circle smaller by `R(ωt)²/24`.
     #[serde(default)]
     pub command_filter_ms: f64,
+    /// Length of the moving average over the feed along the path (linear acceleration before interpolation), in ms; 0 for
+    /// none. The axes must agree on it. It leaves the path as it is; see [`ramp_feed`](crate::ramp_feed). Setpoints
+    /// that are given to [`Servo`](crate::Servo) are taken as ramped already.
+    #[serde(default)]
+    pub feed_ramp_ms: f64,
+    /// Centre of the vibration filter, a notch on the velocity command, in Hz; at most a quarter of the position
+    /// loop's rate.
+    #[serde(default)]
+    pub vibration_filter_hz: f64,
+    /// Width of the vibration filter, in Hz: between the two frequencies that are passed by 1/√2. 0 for no filter.
+    #[serde(default)]
+    pub vibration_filter_bandwidth_hz: f64,
     /// Position loop cycles in one interpolation period.
     #[serde(default = "sub_steps")]
     pub sub_steps: u32,
@@ -93,9 +112,11 @@ impl ServoParameters {
         Self {
             position_gain_per_s,
             velocity_lag_ms,
+            current_lag_ms: 0.0,
             feed_forward: 0.0,
             acceleration_feed_forward: 0.0,
             velocity_gain_percent: velocity_gain_percent(),
+            load_inertia_256ths: None,
             velocity_gain_limit_percent: velocity_gain_limit_percent(),
             acceleration_limit_mm_per_s2: None,
             friction_mm_per_s2: 0.0,
@@ -105,6 +126,9 @@ impl ServoParameters {
             backlash_acceleration_ms: 0.0,
             encoder_resolution_mm: 0.0,
             command_filter_ms: 0.0,
+            feed_ramp_ms: 0.0,
+            vibration_filter_hz: 0.0,
+            vibration_filter_bandwidth_hz: 0.0,
             sub_steps: sub_steps(),
         }
     }
@@ -117,11 +141,23 @@ impl ServoParameters {
     /// break a rule.
     pub fn from_toml(text: &str) -> Result<Self, ReadError> {
         #[derive(Deserialize)]
-        struct File {
-            servo: Option<ServoParameters>,
+        struct File<T> {
+            servo: Option<T>,
         }
-        let file: File = toml::from_str(text).map_err(ReadError::Toml)?;
-        let parameters = file.servo.ok_or(ReadError::NoTable)?;
+        /// The key that a load inertia replaces, where it is given.
+        #[derive(Deserialize)]
+        struct Given {
+            velocity_gain_percent: Option<f64>,
+        }
+        let file: File<ServoParameters> = toml::from_str(text).map_err(ReadError::Toml)?;
+        let mut parameters = file.servo.ok_or(ReadError::NoTable)?;
+        let given: File<Given> = toml::from_str(text).map_err(ReadError::Toml)?;
+        let gain_is_given = given.servo.is_some_and(|keys| keys.velocity_gain_percent.is_some());
+        if let Some(inertia) = parameters.load_inertia_256ths
+            && !gain_is_given
+        {
+            parameters.velocity_gain_percent = velocity_gain_of_load_inertia(inertia);
+        }
         let at_its_line = |error: ServoError| ReadError::Value { error, line: line_of(text, &error) };
         parameters.check_values().map_err(at_its_line)?;
         Ok(parameters)
@@ -134,8 +170,52 @@ impl ServoParameters {
     pub fn validate(&self, period_s: f64) -> Result<(), ServoError> {
         self.check_values()?;
         let sub_step_s = self.sub_step_s(positive("interpolation period", period_s)?);
-        SampledLoop { position_gain: self.position_gain_per_s, lag: self.lag_s(), sub_step: sub_step_s }
-            .validate()
+        self.check_vibration_filter(sub_step_s)?;
+        self.sampled_loop(sub_step_s).validate()
+    }
+
+    fn check_load_inertia(&self) -> Result<(), ServoError> {
+        let Some(load_inertia_256ths) = self.load_inertia_256ths else { return Ok(()) };
+        within("load_inertia_256ths", load_inertia_256ths, 0.0, 1e6)?;
+        if self.velocity_gain_percent == velocity_gain_of_load_inertia(load_inertia_256ths) {
+            return Ok(());
+        }
+        let velocity_gain_percent = self.velocity_gain_percent;
+        Err(ServoError::GainAgainstInertia { velocity_gain_percent, load_inertia_256ths })
+    }
+
+    /// These parameters at another velocity gain, in per cent, in place of one set by the load's inertia.
+    #[must_use]
+    pub fn with_velocity_gain(self, velocity_gain_percent: f64) -> Self {
+        Self { velocity_gain_percent, load_inertia_256ths: None, ..self }
+    }
+
+    /// Refuses a vibration filter that is too fast for the position loop, or has only one of its two values.
+    fn check_vibration_filter(&self, sub_step_s: f64) -> Result<(), ServoError> {
+        let most = 0.25 / sub_step_s;
+        let [centre, width] = [self.vibration_filter_hz, self.vibration_filter_bandwidth_hz];
+        within("vibration_filter_hz", centre, 0.0, most)?;
+        within("vibration_filter_bandwidth_hz", width, 0.0, most)?;
+        match (centre > 0.0, width > 0.0) {
+            (true, false) => positive("vibration_filter_bandwidth_hz", width).map(drop),
+            (false, true) => positive("vibration_filter_hz", centre).map(drop),
+            _ => Ok(()),
+        }
+    }
+
+    /// The position loop, closed every `sub_step_s` (s).
+    pub(crate) fn sampled_loop(&self, sub_step_s: f64) -> SampledLoop {
+        SampledLoop {
+            vibration_filter: self.notch(),
+            current_lag: self.current_lag_ms / 1000.0,
+            ..SampledLoop::new(self.position_gain_per_s, self.lag_s(), sub_step_s)
+        }
+    }
+
+    /// The vibration filter, if there is one.
+    #[must_use]
+    pub fn notch(&self) -> Option<Notch> {
+        Notch::of_hertz(self.vibration_filter_hz, self.vibration_filter_bandwidth_hz)
     }
 
     fn check_values(&self) -> Result<(), ServoError> {
@@ -146,6 +226,7 @@ impl ServoParameters {
         within("velocity_lag_ms", positive("velocity_lag_ms", self.velocity_lag_ms)?, 1e-9, HUGE)?;
         within("feed_forward", self.feed_forward, 0.0, 1.5)?;
         within("acceleration_feed_forward", self.acceleration_feed_forward, 0.0, 1.5)?;
+        self.check_load_inertia()?;
         positive("velocity_gain_percent", self.velocity_gain_percent)?;
         positive("velocity_gain_limit_percent", self.velocity_gain_limit_percent)?;
         for (key, value) in [
@@ -159,7 +240,16 @@ impl ServoParameters {
             within(key, value, 0.0, HUGE)?;
         }
         within("command_filter_ms", self.command_filter_ms, 0.0, 1e4)?;
+        within("feed_ramp_ms", self.feed_ramp_ms, 0.0, 1e4)?;
+        self.check_vibration_filter(0.25 / HUGE)?;
         within("sub_steps", f64::from(self.sub_steps), 1.0, 10_000.0)?;
+        let least = if self.current_lag_ms > 0.0 { 1e-9 } else { 0.0 };
+        within("current_lag_ms", self.current_lag_ms, least, HUGE)?;
+        let velocity_lag_ms = self.lag_s() * 1000.0;
+        if self.current_lag_ms > velocity_lag_ms {
+            let current_lag_ms = self.current_lag_ms;
+            return Err(ServoError::CurrentLoopSlow { current_lag_ms, velocity_lag_ms });
+        }
         if self.velocity_gain_percent >= self.velocity_gain_limit_percent {
             return Err(ServoError::VelocityLoopOscillates {
                 velocity_gain_percent: self.velocity_gain_percent,
@@ -284,6 +374,15 @@ mod tests {
             ("feed_forward = 98", "feed_forward = 98: expected a number from 0 to 1.5"),
             ("feed_forward = nan", "feed_forward = NaN: expected a number from 0 to 1.5"),
             ("backlash_mm = -1e-3", "backlash_mm = -0.001: expected a number from 0 to 1000000000000"),
+            ("feed_ramp_ms = -24", "feed_ramp_ms = -24: expected a number from 0 to 10000"),
+            ("vibration_filter_hz = 200", "vibration_filter_bandwidth_hz = 0: expected a positive number"),
+            ("vibration_filter_bandwidth_hz = 60", "vibration_filter_hz = 0: expected a positive number"),
+            ("vibration_filter_hz = nan", "vibration_filter_hz = NaN: expected a number from 0 to"),
+            ("current_lag_ms = -0.1", "current_lag_ms = -0.1: expected a number from 0 to"),
+            (
+                "current_lag_ms = 1.5",
+                "line 4: current_lag_ms = 1.5: expected at most 1, the lag of the velocity loop",
+            ),
             ("sub_steps = 0", "sub_steps = 0: expected a number from 1 to 10000"),
             (
                 "acceleration_limit_mm_per_s2 = 0",
@@ -323,6 +422,56 @@ mod tests {
         for text in ["", "position_gain_per_s = 30\nvelocity_lag_ms = 1\n", "[machine]\nfeed = 1\n"] {
             assert!(message(text).starts_with("expected a table [servo]"), "{text}: {}", message(text));
         }
+    }
+
+    /// A position loop of 0.125 ms runs at 8 kHz.
+    #[test]
+    fn a_vibration_filter_beyond_a_quarter_of_the_rate_is_refused() {
+        let at = |vibration_filter_hz| ServoParameters {
+            vibration_filter_hz,
+            vibration_filter_bandwidth_hz: 60.0,
+            ..ServoParameters::new(50.7, 0.39)
+        };
+        assert_eq!(at(2000.0).validate(1e-3), Ok(()));
+        let refused = at(2001.0).validate(1e-3).unwrap_err();
+        assert_eq!(refused.to_string(), "vibration_filter_hz = 2001: expected a number from 0 to 2000");
+    }
+
+    /// The paper: a velocity gain of 300 % for a load inertia of about 512.
+    #[test]
+    fn a_load_inertia_sets_the_velocity_gain() {
+        for (inertia, percent) in [(0.0, 100.0), (256.0, 200.0), (512.0, 300.0)] {
+            assert_eq!(velocity_gain_of_load_inertia(inertia), percent);
+            let text = format!("{MINIMAL}load_inertia_256ths = {inertia}");
+            let read = ServoParameters::from_toml(&text).unwrap();
+            assert_eq!(read.velocity_gain_percent, percent);
+            assert!((read.lag_s() * percent - 0.1).abs() < 1e-15, "{read:?}");
+        }
+    }
+
+    #[test]
+    fn a_load_inertia_that_the_gain_contradicts_is_refused_with_its_line() {
+        for (lines, expected) in [
+            (
+                "velocity_gain_percent = 100\nload_inertia_256ths = 512",
+                "line 5: load_inertia_256ths = 512: it sets velocity_gain_percent to 300, and 100 is given; expected one of \
+                 the two keys",
+            ),
+            (
+                "load_inertia_256ths = -1",
+                "line 4: load_inertia_256ths = -1: expected a number from 0 to 1000000",
+            ),
+            ("load_inertia_256ths = 1000", "velocity_gain_percent = 490.625: the velocity loop oscillates"),
+        ] {
+            let said = message(&format!("{MINIMAL}{lines}"));
+            assert!(said.starts_with(expected), "{lines}: {said}");
+        }
+        assert!(
+            ServoParameters::from_toml(&format!(
+                "{MINIMAL}velocity_gain_percent = 300\nload_inertia_256ths = 512"
+            ))
+            .is_ok()
+        );
     }
 
     #[test]

@@ -15,30 +15,32 @@
 //!
 //! So a step has no discretisation error, whatever its length and however often a limit is reached.
 
+use crate::current_loop::CurrentLoop;
+use crate::motor::MotorState;
+
 /// Constants of the drive of one axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drive {
     /// The lag τ of the velocity loop, in s, positive.
     pub lag: f64,
+    /// The lag τᵢ of the current loop below, in s; 0 for none. `τᵢ a' = clamp((v_c - v)/τ, ±A) - a` then takes the place
+    /// of the pull.
+    pub current_lag: f64,
     /// The acceleration limit A, in mm/s²; infinite for no limit.
     pub acceleration_limit: f64,
     /// Coulomb friction f < A, in mm/s².
     pub friction: f64,
 }
 
-/// The motor of one axis.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct MotorState {
-    /// Position x, in mm of the axis.
-    pub position: f64,
-    /// Velocity v, in mm/s.
-    pub velocity: f64,
-}
-
 impl Drive {
     /// The motor after `duration` (s) under a held `velocity_command` (mm/s).
     #[must_use]
     pub fn advance(&self, mut motor: MotorState, velocity_command: f64, duration: f64) -> MotorState {
+        if self.current_lag > 0.0 {
+            let Self { lag, current_lag, acceleration_limit, friction } = *self;
+            let below = CurrentLoop { lag, current_lag, acceleration_limit, friction };
+            return below.advance(motor, velocity_command, duration);
+        }
         // At most these: saturated, zero, saturated, linear; or linear, zero, linear. The other phases are for
         // rounding.
         const PHASES: usize = 8;
@@ -107,7 +109,8 @@ mod tests {
     use nalgebra::{Matrix3, Vector3};
     use proptest::prelude::*;
 
-    const IDEAL: Drive = Drive { lag: 0.39e-3, acceleration_limit: f64::INFINITY, friction: 0.0 };
+    const IDEAL: Drive =
+        Drive { lag: 0.39e-3, current_lag: 0.0, acceleration_limit: f64::INFINITY, friction: 0.0 };
 
     #[test]
     fn a_linear_step_is_the_matrix_exponential_of_the_system() {
@@ -116,7 +119,8 @@ mod tests {
         let system = Matrix3::new(0.0, 1.0, 0.0, 0.0, -rate, rate, 0.0, 0.0, 0.0);
         for duration in [1e-6, 1e-4, 1e-3, 1e-2] {
             let expected = (system * duration).exp() * Vector3::new(3.0, -20.0, 70.0);
-            let found = IDEAL.advance(MotorState { position: 3.0, velocity: -20.0 }, 70.0, duration);
+            let found =
+                IDEAL.advance(MotorState { position: 3.0, velocity: -20.0, pull: 0.0 }, 70.0, duration);
             assert!((found.position - expected.x).abs() < 1e-12, "{duration}: {found:?} {expected}");
             assert!((found.velocity - expected.y).abs() < 1e-11, "{duration}: {found:?} {expected}");
         }
@@ -126,7 +130,7 @@ mod tests {
     fn a_saturated_start_takes_the_time_of_the_limit() {
         // 100 mm/s at 5000 mm/s² with τ = 1 ms: saturated to 95 mm/s, for 19 ms and 0.9025 mm, then a lag that is
         // through after 30 ms more: 5 mm/s · 1 ms = 5 µm behind.
-        let drive = Drive { lag: 1e-3, acceleration_limit: 5000.0, friction: 0.0 };
+        let drive = Drive { lag: 1e-3, current_lag: 0.0, acceleration_limit: 5000.0, friction: 0.0 };
         let at_limit = drive.advance(MotorState::default(), 100.0, 0.019);
         assert!((at_limit.velocity - 95.0).abs() < 1e-9 && (at_limit.position - 0.9025).abs() < 1e-12);
         let later = drive.advance(MotorState::default(), 100.0, 0.049);
@@ -148,7 +152,7 @@ mod tests {
         let drive = Drive { friction: 400.0, ..IDEAL };
         let weak = 0.99 * 400.0 * IDEAL.lag;
         assert_eq!(drive.advance(MotorState::default(), weak, 1.0), MotorState::default());
-        let stopped = drive.advance(MotorState { position: 0.0, velocity: 5.0 }, weak, 1.0);
+        let stopped = drive.advance(MotorState { position: 0.0, velocity: 5.0, pull: 0.0 }, weak, 1.0);
         assert_eq!(stopped.velocity, 0.0);
         assert!(drive.advance(MotorState::default(), weak / 0.98, 1.0).position > 0.0);
     }
@@ -163,8 +167,8 @@ mod tests {
             friction_ratio in 0.0..0.95_f64,
             lag in 1e-4..1e-2_f64,
         ) {
-            let drive = Drive { lag, acceleration_limit: limit, friction: friction_ratio * limit };
-            let start = MotorState { position: 0.0, velocity };
+            let drive = Drive { lag, current_lag: 0.0, acceleration_limit: limit, friction: friction_ratio * limit };
+            let start = MotorState { position: 0.0, velocity, pull: 0.0 };
             let at_once = drive.advance(start, command, 0.02);
             let bit_by_bit = (0..1000).fold(start, |motor, _| drive.advance(motor, command, 0.02 / 1000.0));
             prop_assert!((at_once.position - bit_by_bit.position).abs() < 1e-9, "{at_once:?} {bit_by_bit:?}");
@@ -174,8 +178,8 @@ mod tests {
         /// The velocity never changes faster than limit and friction allow.
         #[test]
         fn acceleration_is_limited(velocity in -100.0..100.0_f64, command in -1e4..1e4_f64, limit in 1e3..1e5_f64) {
-            let drive = Drive { lag: 1e-3, acceleration_limit: limit, friction: 0.1 * limit };
-            let after = drive.advance(MotorState { position: 0.0, velocity }, command, 1e-3);
+            let drive = Drive { lag: 1e-3, current_lag: 0.0, acceleration_limit: limit, friction: 0.1 * limit };
+            let after = drive.advance(MotorState { position: 0.0, velocity, pull: 0.0 }, command, 1e-3);
             let change = (after.velocity - velocity).abs();
             prop_assert!(change <= 1.1 * limit * 1e-3 * (1.0 + 1e-9), "{change}");
         }

@@ -4,6 +4,8 @@ use std::fmt;
 
 use real::FormatName;
 
+use crate::load_inertia::velocity_gain_of_load_inertia;
+
 /// The reason why parameters, a loop, a run or a circle test were refused. Keys are those of the servo file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
@@ -33,12 +35,33 @@ pub enum ServoError {
         /// The gain at which the loop oscillates, in per cent.
         limit_percent: f64,
     },
+    /// The velocity gain is not the one that the load's inertia sets.
+    GainAgainstInertia {
+        /// The gain given, in per cent.
+        velocity_gain_percent: f64,
+        /// The load's inertia, in 256ths of the motor's.
+        load_inertia_256ths: f64,
+    },
+    /// The current loop is slower than the velocity loop above it.
+    CurrentLoopSlow {
+        /// The lag of the current loop, in ms.
+        current_lag_ms: f64,
+        /// The lag of the velocity loop at its gain, in ms.
+        velocity_lag_ms: f64,
+    },
     /// The axes of a machine have different numbers of sub-steps.
     SubStepsDiffer {
         /// The number of the first axis.
         first: u32,
         /// The number of the other axis.
         other: u32,
+    },
+    /// The axes of a machine have different ramps of the feed, which they share.
+    FeedRampsDiffer {
+        /// The ramp of the first axis, in ms.
+        first: f64,
+        /// The ramp of the other axis, in ms.
+        other: f64,
     },
     /// Friction takes all of the drive's acceleration.
     CannotMove {
@@ -114,8 +137,11 @@ impl ServoError {
         match self {
             Self::NotPositive { key, .. } | Self::OutOfRange { key, .. } => Some(key),
             Self::VelocityLoopOscillates { .. } => Some("velocity_gain_percent"),
+            Self::GainAgainstInertia { .. } => Some("load_inertia_256ths"),
+            Self::CurrentLoopSlow { .. } => Some("current_lag_ms"),
             Self::CannotMove { .. } => Some("friction_mm_per_s2"),
             Self::SubStepsDiffer { .. } => Some("sub_steps"),
+            Self::FeedRampsDiffer { .. } => Some("feed_ramp_ms"),
             Self::Unstable { .. } => Some("position_gain_per_s"),
             _ => None,
         }
@@ -134,8 +160,22 @@ impl fmt::Display for ServoError {
                 "velocity_gain_percent = {velocity_gain_percent}: the velocity loop oscillates from \
                  velocity_gain_limit_percent = {limit_percent:.0} on; 70 % of that is usual"
             ),
+            Self::GainAgainstInertia { velocity_gain_percent, load_inertia_256ths } => write!(
+                f,
+                "load_inertia_256ths = {load_inertia_256ths}: it sets velocity_gain_percent to {}, and \
+                 {velocity_gain_percent} is given; expected one of the two keys",
+                velocity_gain_of_load_inertia(load_inertia_256ths)
+            ),
+            Self::CurrentLoopSlow { current_lag_ms, velocity_lag_ms } => write!(
+                f,
+                "current_lag_ms = {current_lag_ms}: expected at most {velocity_lag_ms}, the lag of the velocity loop at \
+                 its gain, or the velocity rings"
+            ),
             Self::SubStepsDiffer { first, other } => {
                 write!(f, "sub_steps = {other}: expected {first} as on the first axis")
+            }
+            Self::FeedRampsDiffer { first, other } => {
+                write!(f, "feed_ramp_ms = {other}: expected {first} as on the first axis")
             }
             Self::CannotMove { friction_mm_per_s2, acceleration_limit_mm_per_s2 } => write!(
                 f,

@@ -6,7 +6,7 @@
 //! ```text
 //!             per period            per sub-step, in the drive's format                      the machine, f64
 //!  setpoint ─> CommandFilter ─┬─> velocity, acceleration feed-forward ──┐
-//!                             └─> position error × gain ──> ControlLaw ─┴─> Drive (lag, limit, friction) ─> Play ─> table
+//!                             └─> position error × gain ──> ControlLaw ─┴─> VibrationFilter ─> Drive (lags, limit, friction) ─> Play ─> table
 //!                                          └───────────── encoder <──────────────────┘
 //! ```
 //!
@@ -30,12 +30,14 @@
 //! | question | where |
 //! |---|---|
 //! | which parameters does an axis have? | [`ServoParameters`] |
-//! | which parts run on the controller, in any number format? | [`CommandFilter`], [`ControlLaw`], [`ReversalCompensation`] |
+//! | which parts run on the controller, in any number format? | [`CommandFilter`], [`ControlLaw`], [`ReversalCompensation`], [`VibrationFilter`] |
+//! | how is the feed ramped before interpolation? | [`ramp_feed`] |
 //! | how does the machine follow a velocity command? | [`Drive`], [`Play`] |
 //! | one axis, several axes | [`Axis`], [`Servo`] |
 //! | how far is the path off the curve? | [`contour_error()`], [`ContourTracker`] |
 //! | does the table follow at all? | [`Arrival`] |
 //! | how round is a circle? how does tuning change it? | [`CircleTest`], [`tuning_table`], [`roundness_plot()`] |
+//! | what does paper D print, and what comes out here? | [`paper_table`] |
 //! | which result follows in closed form? | [`continuous_gain`], [`sampled_gain`], [`radius_change`] |
 //! | is the loop stable? | [`SampledLoop`] |
 //!
@@ -62,14 +64,20 @@ mod command_filter;
 mod config;
 mod contour_error;
 mod control_law;
+mod current_loop;
 mod drive;
 mod error;
 mod error_size;
+mod feed_ramp;
+mod load_inertia;
+mod motor;
+mod paper_table;
 mod response;
 mod roundness_plot;
 mod servo;
 mod stability;
 mod tuning;
+mod vibration_filter;
 
 pub use arrival::Arrival;
 pub use axis::{Axis, AxisSample, AxisState};
@@ -79,11 +87,19 @@ pub use command_filter::CommandFilter;
 pub use config::{ReadError, ServoParameters};
 pub use contour_error::{ContourTracker, Foot, contour_error};
 pub use control_law::{CommandedMotion, ControlLaw};
-pub use drive::{Drive, MotorState};
+pub use drive::Drive;
 pub use error::ServoError;
 pub use error_size::ErrorSize;
+pub use feed_ramp::{RunPlace, Travelled, ramp_feed};
+pub use load_inertia::velocity_gain_of_load_inertia;
+pub use motor::MotorState;
+pub use paper_table::{
+    PAPER_SETTINGS, PRINTED_POSITION_GAIN_PER_S, PaperCircle, PaperRow, PaperSetting, lag_of_right_radius_ms,
+    paper_table,
+};
 pub use response::{continuous_gain, moving_average_gain, radius_change, sampled_gain};
 pub use roundness_plot::roundness_plot;
 pub use servo::{Sample, Servo, Trace};
 pub use stability::SampledLoop;
 pub use tuning::{FEED_FORWARDS, LeftOut, Tuning, TuningRow, VELOCITY_GAINS_PERCENT, tuning_table};
+pub use vibration_filter::{FilterState, Notch, VibrationFilter};

@@ -50,8 +50,8 @@ impl<R: Backend, const D: usize> Servo<R, D> {
     /// A machine at rest at `start` (mm), with a set of parameters an axis and an interpolation period (s).
     ///
     /// # Errors
-    /// [`ServoError`] if a value is out of its range, a loop is unstable, the axes differ in `sub_steps`, or a number
-    /// does not fit `R`.
+    /// [`ServoError`] if a value is out of its range, a loop is unstable, the axes differ in `sub_steps` or
+    /// `feed_ramp_ms`, or a number does not fit `R`.
     pub fn try_new(
         parameters: &[ServoParameters; D],
         period: f64,
@@ -70,6 +70,9 @@ impl<R: Backend, const D: usize> Servo<R, D> {
         let [first, others @ ..] = parameters.as_slice() else { return Err(ServoError::PathEmpty) };
         if let Some(other) = others.iter().find(|other| other.sub_steps != first.sub_steps) {
             return Err(ServoError::SubStepsDiffer { first: first.sub_steps, other: other.sub_steps });
+        }
+        if let Some(other) = others.iter().find(|other| other.feed_ramp_ms != first.feed_ramp_ms) {
+            return Err(ServoError::FeedRampsDiffer { first: first.feed_ramp_ms, other: other.feed_ramp_ms });
         }
         Ok(Self { units })
     }
@@ -263,6 +266,14 @@ mod tests {
         let other = ServoParameters { sub_steps: 5, ..one };
         let refused = Servo::<f64, 2>::try_new(&[one, other], T, [0.0; 2]).unwrap_err();
         assert_eq!(refused.to_string(), "sub_steps = 5: expected 8 as on the first axis");
+    }
+
+    #[test]
+    fn axes_that_differ_in_the_ramp_of_the_feed_are_refused() {
+        let one = ServoParameters::new(50.7, 0.39);
+        let other = ServoParameters { feed_ramp_ms: 24.0, ..one };
+        let refused = Servo::<f64, 2>::try_new(&[one, other], T, [0.0; 2]).unwrap_err();
+        assert_eq!(refused.to_string(), "feed_ramp_ms = 24: expected 0 as on the first axis");
     }
 
     #[test]

@@ -52,7 +52,9 @@ pub fn tuning_table(parameters: &[ServoParameters; 2], test: &CircleTest) -> Res
     let mut tuning = Tuning::default();
     for velocity_gain_percent in VELOCITY_GAINS_PERCENT {
         for feed_forward in FEED_FORWARDS {
-            let set = |p: ServoParameters| ServoParameters { feed_forward, velocity_gain_percent, ..p };
+            let set = |p: ServoParameters| {
+                ServoParameters { feed_forward, ..p }.with_velocity_gain(velocity_gain_percent)
+            };
             match test.run::<f64>(&parameters.map(set)) {
                 Ok(circle) => tuning.rows.push(TuningRow {
                     feed_forward,
@@ -75,6 +77,7 @@ fn belongs_to_the_setting(reason: &ServoError) -> bool {
     matches!(
         reason,
         ServoError::VelocityLoopOscillates { .. }
+            | ServoError::CurrentLoopSlow { .. }
             | ServoError::Unstable { .. }
             | ServoError::DoesNotTurn { .. }
     )

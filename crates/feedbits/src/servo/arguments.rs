@@ -32,6 +32,10 @@ pub(crate) struct Arguments {
     /// Write the magnified roundness plot of the circle test to this SVG file.
     #[arg(long, value_name = "FILE.svg")]
     pub(super) plot: Option<PathBuf>,
+    /// Print table 2 of paper D, its four settings of the circle test, beside the figures of the drive and of the printed
+    /// position gain of 30 1/s, and nothing else.
+    #[arg(long, conflicts_with_all = ["part", "plot", "wide", "formats"])]
+    pub(super) paper_table: bool,
     /// Print all figures of each format, also of the textbook way *raw*: about 170 columns.
     #[arg(long)]
     pub(super) wide: bool,

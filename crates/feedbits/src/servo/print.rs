@@ -229,6 +229,6 @@ fn tuning(report: &Report) -> String {
 }
 
 /// A length in mm as text in µm, with three decimals, that is nanometres.
-fn micrometres(mm: f64) -> String {
+pub(super) fn micrometres(mm: f64) -> String {
     format!("{:.3}", mm * 1000.0)
 }

@@ -9,6 +9,7 @@ use servo_sim::{Arrival, ErrorSize, Servo, ServoParameters, contour_error};
 
 use super::arguments::Arguments;
 use super::circle::circle_test;
+use super::ramp::ramped_setpoints;
 use super::report::{FormatRow, Outcome};
 use crate::formats::selected;
 
@@ -70,12 +71,14 @@ fn simulate<const D: usize>(
         run.steps.iter().map(|step| core::array::from_fn(|d| step.point_mm[d])).collect();
     let curves: Vec<_> = problem.curves.iter().map(NurbsBuf::as_curve).collect();
     let (mut following, mut contour, mut arrival) = (Vec::new(), Vec::new(), Arrival::default());
+    let ramp_periods = servo.feed_ramp_ms / 1000.0 / problem.period_s();
     for (stretch, first) in stretches(&problem.breaks, &run.steps) {
         let own = curves.get(first.clone()).context("the path has no curve")?;
         let begin = own.first().context("the path has no curve")?;
         let servo =
             Servo::<f64, D>::try_new(&[*servo; D], problem.period_s(), begin.point(begin.domain().0))?;
-        let trace = servo.run(setpoints[stretch].iter().copied())?;
+        let trace =
+            servo.run(ramped_setpoints(&problem.curves, first.start, &run.steps[stretch], ramp_periods)?)?;
         following.push((trace.following_error(), trace.motion_samples));
         contour.push((trace.contour_error(own)?, trace.motion_samples));
         if trace.arrival().reach_mm >= arrival.reach_mm {
