@@ -109,19 +109,14 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
             let length = self.wait(state)?;
             return Some(PieceSetpoint { length, ..self.hold(state) });
         };
-        let Some(length) = state.ahead else { return Some(self.step_anew(state, row)) };
-        let wanted = self.take_ahead(state, length);
+        if state.ahead.is_none() {
+            self.look_ahead(state);
+        }
+        let wanted = match state.ahead {
+            Some(length) => self.take_ahead(state, length),
+            None => Wanted::Landing,
+        };
         Some(self.follow(state, row, wanted))
-    }
-
-    /// A period whose distance is not known yet, as after a period at another feed, or a period behind the schedule's
-    /// end.
-    #[cold]
-    #[inline(never)]
-    fn step_anew(&self, state: &mut PieceState<R, D>, row: &Piece<R, D>) -> PieceSetpoint<R, D> {
-        self.look_ahead(state);
-        let wanted = state.ahead.map_or(Wanted::Landing, |length| self.take_ahead(state, length));
-        self.follow_aside(state, row, wanted)
     }
 
     /// The chord of the period that was looked up, of this length. The distance of the period after it is computed now,
