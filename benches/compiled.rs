@@ -89,8 +89,8 @@ fn millimetres<R: Backend, const D: usize>(
 ) -> [f64; D] {
     let origin = pieces.pieces[piece].origin;
     let at = |d: usize| {
-        (origin[d] as f64).scale(nurbs_core::ORIGIN_EXPONENT)
-            + offset[d].to_f64().scale(pieces.coordinate_exponent)
+        (origin[d] as f64).ldexp(nurbs_core::ORIGIN_EXPONENT)
+            + offset[d].to_f64().ldexp(pieces.coordinate_exponent)
     };
     std::array::from_fn(at)
 }

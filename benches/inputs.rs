@@ -160,7 +160,7 @@ impl<const D: usize> Path<D> {
     /// Never: the feed fits every format that the curve was compiled for.
     #[must_use]
     pub fn stages<R: Backend>(&self, chord_exponent: i32) -> Vec<LengthStage<R>> {
-        let full = self.feed_mm.scale(chord_exponent);
+        let full = self.feed_mm.ldexp(chord_exponent);
         let feed = |part: f64| R::from_f64(full * part).unwrap_or_else(R::zero);
         let stage = |i: u32| {
             let (from, to) = if i.is_multiple_of(2) { (0.5, 1.0) } else { (1.0, 0.5) };

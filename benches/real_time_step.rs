@@ -15,7 +15,7 @@ use crate::textbook::Textbook;
 /// The step in f64 beside the textbook way, on the same feeds.
 pub(crate) fn beside_textbook<const D: usize>(path: &Path<D>) {
     let ours = Compiled::<f64, D>::new(path);
-    let unit_mm = 1.0_f64.scale(-ours.table.as_pieces().chord_exponent);
+    let unit_mm = 1.0_f64.ldexp(-ours.table.as_pieces().chord_exponent);
     let textbook = Textbook::new(&path.curve, StepLengths { stages: &ours.stages }, unit_mm);
     let (steps, mean) = ours.follow();
     let mut state = textbook.start();

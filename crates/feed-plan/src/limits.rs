@@ -132,7 +132,7 @@ impl<R: Real> KinematicLimits<R> {
         let period = self.interpolation_period;
         let by_acceleration = |most: R| most.half() * period;
         let of_axis = |(axis, reach): (&AxisLimits<R>, &R)| {
-            let by_jerk = axis.jerk.map(|most| most.scale(-2) * period * period);
+            let by_jerk = axis.jerk.map(|most| most.ldexp(-2) * period * period);
             let reach = *reach;
             [axis.velocity, axis.acceleration.map(by_acceleration), by_jerk]
                 .map(|most| most.filter(|_| reach > R::zero()).map(|most| most / reach))

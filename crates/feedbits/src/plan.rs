@@ -116,7 +116,7 @@ fn side_by_side(summaries: &[PlanSummary], period_s: f64, wide: bool) -> String 
     let fastest = summaries.iter().min_by(|a, b| a.time_s.total_cmp(&b.time_s));
     let Some(fastest) = fastest else { return String::new() };
     let answer = format!(
-        "{} is the fastest: {}, {} periods of {} ms.\n{} mm; no plan takes less than {}, nor without a jerk limit than {}. Limits {:.0} mm/s² and {} \
+        "`{}` takes the least time: {}, {} periods of {} ms.\n{} mm; no plan takes less than {}, nor without a jerk limit than {}. Limits {:.0} mm/s² and {} \
          mm/s³.",
         fastest.profile,
         duration(fastest.time_s),

@@ -27,7 +27,7 @@ fn exactly<R: Backend>(x: R) -> DoubleDouble {
 fn point<R: Backend, const D: usize>(table: &PiecesBuf<R, D>, piece: usize, t: R) -> [DoubleDouble; D] {
     let pieces = table.as_pieces();
     let (origin, offset) = (pieces.pieces[piece].origin, pieces.offset(piece, t));
-    core::array::from_fn(|d| in_mm(origin[d]) + exactly(offset[d]).scale(pieces.coordinate_exponent))
+    core::array::from_fn(|d| in_mm(origin[d]) + exactly(offset[d]).ldexp(pieces.coordinate_exponent))
 }
 
 /// That point as [`Pieces::position`] has it, by way of whole units.
@@ -37,8 +37,8 @@ fn position<R: Backend, const D: usize>(table: &PiecesBuf<R, D>, piece: usize, t
 }
 
 fn in_mm(units: i64) -> DoubleDouble {
-    let high = (units >> 32) as f64 * 1.0_f64.scale(32);
-    DoubleDouble::new(high, (units & 0xffff_ffff) as f64).scale(ORIGIN_EXPONENT)
+    let high = (units >> 32) as f64 * 1.0_f64.ldexp(32);
+    DoubleDouble::new(high, (units & 0xffff_ffff) as f64).ldexp(ORIGIN_EXPONENT)
 }
 
 /// How far a point of a piece may be from the curve, in mm.
@@ -57,8 +57,8 @@ fn bound<R: Backend, const D: usize>(table: &PiecesBuf<R, D>, piece: usize) -> f
     let rational = if pieces.is_rational() { 2.0 * (1.0 + largest) } else { 1.0 };
     let fixed = matches!(R::name(), FormatName::Fixed { .. });
     let shared =
-        if fixed { R::resolution().to_f64() * 1.0_f64.scale(pieces.coordinate_exponent) } else { 0.0 };
-    (p + 1.0) * (p + 1.0) * unit * rational + shared + 1.0_f64.scale(ORIGIN_EXPONENT)
+        if fixed { R::resolution().to_f64() * 1.0_f64.ldexp(pieces.coordinate_exponent) } else { 0.0 };
+    (p + 1.0) * (p + 1.0) * unit * rational + shared + 1.0_f64.ldexp(ORIGIN_EXPONENT)
 }
 
 fn distance<const D: usize>(a: &[DoubleDouble; D], b: &[DoubleDouble; D]) -> f64 {
@@ -78,7 +78,7 @@ fn lies_on_the_curve<R: Backend, const D: usize>(
             prop_assert!(matches!(format, FormatName::Fixed { .. }), "{format} holds everything");
             prop_assert!(bound >= R::max_value().to_f64(), "{format} refused {bound}");
             prop_assert!(
-                bound < 1.0_f64.scale(i32::try_from(integer_bits).unwrap() - 1),
+                bound < 1.0_f64.ldexp(i32::try_from(integer_bits).unwrap() - 1),
                 "{bound}: {integer_bits}"
             );
             return Ok(false);
@@ -101,12 +101,12 @@ fn lies_on_the_curve<R: Backend, const D: usize>(
                 R::name()
             );
             let off = distance(&position(&table, piece, R::from_ratio(eighth, 8)), &found);
-            prop_assert!(off <= 1.0_f64.scale(ORIGIN_EXPONENT), "{}: position off by {off}", R::name());
+            prop_assert!(off <= 1.0_f64.ldexp(ORIGIN_EXPONENT), "{}: position off by {off}", R::name());
         }
         if piece + 1 < count {
             let gap = distance(&point(&table, piece, R::one()), &point(&table, piece + 1, R::zero()));
             let stands_still = place.end != table.places()[piece + 1].begin;
-            let bound = bound + 1.0_f64.scale(ORIGIN_EXPONENT) + if stands_still { STILL_MM } else { 0.0 };
+            let bound = bound + 1.0_f64.ldexp(ORIGIN_EXPONENT) + if stands_still { STILL_MM } else { 0.0 };
             prop_assert!(gap <= bound, "{} after piece {piece}: {gap} > {bound}", R::name());
         }
     }
@@ -161,15 +161,15 @@ proptest! {
         let row = &pieces.pieces[piece];
         let (t, h) = (DoubleDouble::from(t), DoubleDouble::from(h * (1.0 - t)));
         let at = pieces.shifted(piece, t);
-        let step = h.scale(i32::from(row.step_exponent));
-        let x = step.scale(-i32::from(row.range_exponent));
+        let step = h.ldexp(i32::from(row.step_exponent));
+        let x = step.ldexp(-i32::from(row.range_exponent));
         let zero = DoubleDouble::from(0.0);
         let weight = at.weight.iter().rev().fold(zero, |sum, w| sum.mul_add(x, *w));
         let weight = weight.mul_add(x, DoubleDouble::from(1.0));
         let (from, to) = (point(&table, piece, t), point(&table, piece, t + h));
         for d in 0..2 {
             let chord = at.chord.iter().rev().fold(zero, |sum, c| sum.mul_add(x, c[d]));
-            let chord = (chord * step / weight).scale(-pieces.chord_exponent);
+            let chord = (chord * step / weight).ldexp(-pieces.chord_exponent);
             let error = (chord - (to[d] - from[d])).value().abs();
             // 106 bits of at most 500 mm, that is 6e-30 mm, magnified by 2^p and the sums of a dozen roundings.
             prop_assert!(error <= 1e-26, "{error}");

@@ -98,7 +98,7 @@ impl Audit {
         let bits = |range: &SignalRange| {
             // A value v fits n integer bits when -2^(n-1) <= v < 2^(n-1).
             (1..=128).find(|n| {
-                let bound = 1.0_f64.scale(n - 1);
+                let bound = 1.0_f64.ldexp(n - 1);
                 range.min >= -bound && range.max < bound
             })
         };
@@ -245,7 +245,7 @@ fn fraction_bits<R: Backend>() -> Option<u32> {
 #[allow(clippy::cast_possible_truncation, reason = "both parts are integers of 64 bits")]
 fn units<R: Backend>(number: R, fraction_bits: u32) -> i128 {
     let (high, low) = number.to_f64_pair();
-    let units = |part: f64| part.scale(fraction_bits.cast_signed());
+    let units = |part: f64| part.ldexp(fraction_bits.cast_signed());
     let (high, low) = (units(high), units(low) as i64);
     // Of all words only the greatest ones round up to 2^63, where the cast saturates at 2^63 - 1.
     let beyond = i128::from(high >= 9_223_372_036_854_775_808.0);
@@ -395,7 +395,7 @@ mod tests {
                 check("-", &|| -x, -a, 0.5);
                 check("√", &|| x.sqrt(), (a.max(0.0) * 16.0).sqrt(), 0.5);
                 for exponent in -126..=126 {
-                    check("scale", &|| x.scale(exponent), a * 2.0_f64.powi(exponent), 0.5);
+                    check("ldexp", &|| x.ldexp(exponent), a * 2.0_f64.powi(exponent), 0.5);
                 }
             }
         }
@@ -436,10 +436,10 @@ mod tests {
         assert_eq!(events(&|| number(1 << 30).mul_add(number(1 << 29), number(0))), (0, 0)); // half a unit goes up
         assert_eq!(events(&|| number(1 << 30).mul_add(number(1 << 28), number(0))), (0, 1));
         assert_eq!(events(&|| Real::norm(&[least; 20])), (1, 0));
-        assert_eq!(number(-1).scale(63).0, least.0);
-        assert_eq!(events(&|| number(-1).scale(63)), (0, 0));
+        assert_eq!(number(-1).ldexp(63).0, least.0);
+        assert_eq!(events(&|| number(-1).ldexp(63)), (0, 0));
         for (x, exponent) in [(number(1), 63), (least, 63), (number(-1), 64), (least, i32::MAX)] {
-            assert_eq!(events(&|| x.scale(exponent)), (1, 0), "{x:?} by 2^{exponent}");
+            assert_eq!(events(&|| x.ldexp(exponent)), (1, 0), "{x:?} by 2^{exponent}");
         }
     }
 
@@ -465,7 +465,7 @@ mod tests {
         };
         assert_eq!(events(&|| tiny * tiny), (0, 1));
         assert_eq!(events(&|| tiny / Audited(1e30)), (0, 1));
-        assert_eq!(events(&|| tiny.scale(-126)), (0, 1));
+        assert_eq!(events(&|| tiny.ldexp(-126)), (0, 1));
         assert_eq!(events(&|| tiny.mul_add(tiny, Audited(0.0))), (0, 1));
         assert_eq!(events(&|| Real::sum_of_products([(tiny, tiny), (tiny, Audited(0.0))])), (0, 1));
         assert_eq!(events(&|| Real::sum_of_products([(tiny, Audited(1.0)), (tiny, Audited(-1.0))])), (0, 0));
@@ -524,10 +524,10 @@ mod tests {
             random = random.wrapping_mul(1_103_515_245).wrapping_add(12_345);
             let [x, y] = numbers(random, random.rotate_left(11) >> (random & 15));
             let [a, b] = [x, y].map(Audited);
-            let audited = [a + b, a - b, -a, a * b, a / b, a.mul_add(b, a), a.sqrt(), a.scale(random % 20)];
+            let audited = [a + b, a - b, -a, a * b, a / b, a.mul_add(b, a), a.sqrt(), a.ldexp(random % 20)];
             assert_eq!(
                 audited.map(|r| r.0),
-                [x + y, x - y, -x, x * y, x / y, x.mul_add(y, x), x.sqrt(), x.scale(random % 20)]
+                [x + y, x - y, -x, x * y, x / y, x.mul_add(y, x), x.sqrt(), x.ldexp(random % 20)]
             );
             assert_eq!(Real::norm(&[a, b]).0, Real::norm(&[x, y]));
             let terms = 1 + (random & 31).unsigned_abs() as usize; // also more than the stack holds

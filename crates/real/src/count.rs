@@ -8,7 +8,7 @@ use crate::{Backend, Operation};
 
 /// How many operations of each kind [`OperationCounts::of`] has seen.
 ///
-/// Constants (`zero`, `from_ratio`, …) are compiled in and count nothing. `half` is a `scale`; `max` and `min` are a
+/// Constants (`zero`, `from_ratio`, …) are compiled in and count nothing. `half` counts as a `scale`; `max` and `min` are a
 /// comparison; `abs` is a comparison and, below zero, a `neg`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct OperationCounts {

@@ -131,23 +131,23 @@ impl Real for DoubleDouble {
             x if x < 1e-100 => 600,
             _ => 0,
         };
-        let scaled = vector.iter().map(|v| v.scale(exponent)).map(|v| (v, v));
-        Self::sqrt(Self::sum_of_products(scaled)).scale(-exponent)
+        let scaled = vector.iter().map(|v| v.ldexp(exponent)).map(|v| (v, v));
+        Self::sqrt(Self::sum_of_products(scaled)).ldexp(-exponent)
     }
 
     fn sqrt(self) -> Self {
         if self < Self::zero() { Self::zero() } else { Self(self.0.sqrt()) }
     }
 
-    fn scale(self, exponent: i32) -> Self {
-        Self(Quad(self.0.0.scale(exponent), self.0.1.scale(exponent)))
+    fn ldexp(self, exponent: i32) -> Self {
+        Self(Quad(self.0.0.ldexp(exponent), self.0.1.ldexp(exponent)))
     }
 
     #[allow(clippy::cast_precision_loss, reason = "each half of the phase has 32 bits")]
     fn from_phase(phase: u64, exponent: i32) -> Self {
         let exponent = exponent.clamp(-FARTHEST, FARTHEST);
         let (high, low) = ((phase >> 32) as f64, (phase & 0xffff_ffff) as f64);
-        Self::new(high.scale(exponent - 32), low.scale(exponent - 64))
+        Self::new(high.ldexp(exponent - 32), low.ldexp(exponent - 64))
     }
 
     #[allow(
@@ -156,7 +156,7 @@ impl Real for DoubleDouble {
         reason = "saturates, as the contract says"
     )]
     fn to_phase(self, exponent: i32) -> u64 {
-        let scaled = self.scale(64 + exponent.clamp(-FARTHEST, FARTHEST));
+        let scaled = self.ldexp(64 + exponent.clamp(-FARTHEST, FARTHEST));
         let whole = scaled.0.0.clamp(0.0, 2.0_f64.powi(64)).trunc() as u128;
         let rest = (scaled
             - Self::new((whole >> 32) as f64 * 2.0_f64.powi(32), (whole & 0xffff_ffff) as f64))

@@ -193,7 +193,7 @@ where
     }
 
     #[inline]
-    fn scale(self, exponent: i32) -> Self {
+    fn ldexp(self, exponent: i32) -> Self {
         let width = F::INT_NBITS + F::FRAC_NBITS;
         if Self::WIDE_IS_A_REGISTER {
             // To the left within the wide word, and its width to the right: the same for both signs of the exponent.
@@ -264,7 +264,7 @@ where
 
     fn from_f64_pair(high: f64, low: f64) -> Option<Self> {
         let exponent = F::FRAC_NBITS.cast_signed();
-        let word = Bits::<F>::nearest(high.scale(exponent), low.scale(exponent))?;
+        let word = Bits::<F>::nearest(high.ldexp(exponent), low.ldexp(exponent))?;
         Some(Self(F::from_bits(word)))
     }
 
@@ -272,7 +272,7 @@ where
     fn to_f64_pair(self) -> (f64, f64) {
         let (high, low) = self.0.to_bits().split();
         let exponent = -F::FRAC_NBITS.cast_signed();
-        (high.scale(exponent), low.scale(exponent))
+        (high.ldexp(exponent), low.ldexp(exponent))
     }
 }
 

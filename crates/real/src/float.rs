@@ -37,13 +37,13 @@ macro_rules! float_backend {
             #[inline]
             fn norm<const N: usize>(vector: &[Self; N]) -> Self {
                 let squared = |exponent: i32| {
-                    vector.iter().map(|v| v.scale(exponent)).fold(0.0, |sum: $float, v| sum + v * v)
+                    vector.iter().map(|v| v.ldexp(exponent)).fold(0.0, |sum: $float, v| sum + v * v)
                 };
                 let sum = squared(0);
                 if sum < $float::MIN_POSITIVE / $float::EPSILON {
-                    Real::sqrt(squared($half_range)).scale(-$half_range)
+                    Real::sqrt(squared($half_range)).ldexp(-$half_range)
                 } else if sum > $float::MAX {
-                    Real::sqrt(squared(-$half_range)).scale($half_range)
+                    Real::sqrt(squared(-$half_range)).ldexp($half_range)
                 } else {
                     Real::sqrt(sum)
                 }
@@ -55,7 +55,7 @@ macro_rules! float_backend {
             }
 
             #[inline]
-            fn scale(self, exponent: i32) -> Self {
+            fn ldexp(self, exponent: i32) -> Self {
                 self * power_of_two::$float(exponent)
             }
 
@@ -231,7 +231,7 @@ mod phase {
                     let surplus = 64 - $digits;
                     let dropped = surplus - phase.leading_zeros().min(surplus);
                     let kept = (phase >> dropped).cast_signed() as $float;
-                    kept.scale(dropped.cast_signed() - 64).scale(exponent.clamp(-64, 64))
+                    kept.ldexp(dropped.cast_signed() - 64).ldexp(exponent.clamp(-64, 64))
                 }
 
                 /// `⌊x · 2^(64 + exponent)⌋` where the result is 0 or saturates, and where x is negative or NaN.
@@ -242,7 +242,7 @@ mod phase {
                     reason = "the cast rounds toward 0 and saturates, as the contract says"
                 )]
                 pub(in super::super) fn to_beyond(x: $float, exponent: i32) -> u64 {
-                    x.scale(64).scale(exponent.clamp(-64, 64)) as u64
+                    x.ldexp(64).ldexp(exponent.clamp(-64, 64)) as u64
                 }
             }
         };
@@ -365,11 +365,11 @@ mod tests {
         )]
         fn fractions_are_as_accurate_as_said(phase: u64, shift in 0..64_u32) {
             for phase in [phase, phase >> shift, u64::MAX - (phase >> shift), 0, 1, u64::MAX] {
-                let off = |x: f64| (x.scale(64) as u128).abs_diff(phase.into()) as f64;
+                let off = |x: f64| (x.ldexp(64) as u128).abs_diff(phase.into()) as f64;
                 let (double, single) = (f64::fraction(phase), f32::fraction(phase));
                 let half_digit = |resolution: f64| phase as f64 * resolution.half();
                 prop_assert!(off(double) <= half_digit(f64::EPSILON) + 1.0, "{}: {}", phase, double);
-                let bound = half_digit(f32::EPSILON.into()) + 1.0.scale(32);
+                let bound = half_digit(f32::EPSILON.into()) + 1.0.ldexp(32);
                 prop_assert!(off(single.into()) <= bound, "{}: {}", phase, single);
                 let next = phase.saturating_add(1 << shift);
                 prop_assert!(double <= f64::fraction(next) && single <= f32::fraction(next));
@@ -399,8 +399,8 @@ mod tests {
 
     #[test]
     fn scale_is_exact() {
-        assert_eq!(3.0_f64.scale(-70), 3.0 / 2.0_f64.powi(70));
-        assert_eq!(3.0_f32.scale(20), 3.0 * 1_048_576.0);
+        assert_eq!(3.0_f64.ldexp(-70), 3.0 / 2.0_f64.powi(70));
+        assert_eq!(3.0_f32.ldexp(20), 3.0 * 1_048_576.0);
     }
 
     #[test]

@@ -24,7 +24,7 @@ pub enum Operation {
     Sqrt,
     /// `√(Σ vᵢ²)`.
     Norm,
-    /// `a · 2^exponent`.
+    /// `a · 2^exponent`, [`Real::ldexp`]; files of costs call it `scale`.
     Scale {
         /// The power of two.
         exponent: i32,
@@ -50,7 +50,7 @@ impl Operation {
             Self::Div => operands[0] / operands[1],
             Self::Sqrt => operands[0].sqrt(),
             Self::Norm => norm(operands),
-            Self::Scale { exponent } => operands[0].scale(exponent),
+            Self::Scale { exponent } => operands[0].ldexp(exponent),
         }
     }
 }
@@ -87,7 +87,7 @@ mod tests {
         assert_eq!(Operation::SumOfProducts.apply(&[a, b, c, d]), I16F16::sum_of_products([(a, b), (c, d)]));
         assert_eq!(Operation::Div.apply(&[a, b]), a / b);
         assert_eq!(Operation::Sqrt.apply(&[a]), a.sqrt());
-        assert_eq!(Operation::Scale { exponent: -3 }.apply(&[a]), a.scale(-3));
+        assert_eq!(Operation::Scale { exponent: -3 }.apply(&[a]), a.ldexp(-3));
         assert_eq!(Operation::Norm.apply(&[a, b, c]), I16F16::norm(&[a, b, c]));
         assert_eq!(Operation::Norm.apply(&[a, b, c, d, a]), I16F16::norm(&[a, b, c, d, a]));
         assert_eq!(Operation::Norm.apply(&[I4F4::one(); 49]), I4F4::from_ratio(7, 1));

@@ -38,7 +38,7 @@ impl Quantized {
     }
 
     fn rounded(self, rounding: Rounding, fraction_bits: i32) -> Self {
-        let units = self.0.scale(fraction_bits);
+        let units = self.0.ldexp(fraction_bits);
         let whole = match rounding {
             // `(units + 0.5).floor()` would round twice, because the sum rounds.
             Rounding::Nearest => units.floor() + if units - units.floor() >= 0.5 { 1.0 } else { 0.0 },
@@ -46,7 +46,7 @@ impl Quantized {
             Rounding::Floor => units.floor(),
             Rounding::TowardZero => units.trunc(),
         };
-        Self(whole.scale(-fraction_bits))
+        Self(whole.ldexp(-fraction_bits))
     }
 }
 
@@ -134,8 +134,8 @@ impl Real for Quantized {
         Self(Real::sqrt(self.0))
     }
 
-    fn scale(self, exponent: i32) -> Self {
-        Self(self.0.scale(exponent))
+    fn ldexp(self, exponent: i32) -> Self {
+        Self(self.0.ldexp(exponent))
     }
 
     fn from_phase(phase: u64, exponent: i32) -> Self {

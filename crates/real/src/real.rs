@@ -14,7 +14,7 @@ use num_traits::{Bounded, One, Zero};
 /// | operation | float | fixed point |
 /// |---|---|---|
 /// | `+` `-` negation | IEEE 754 | exact, then wrap |
-/// | `*`, [`mul_add`](Real::mul_add), [`sum_of_products`](Real::sum_of_products), [`scale`](Real::scale) | IEEE 754, each step rounded | to nearest, ties up (toward +∞), once; then wrap |
+/// | `*`, [`mul_add`](Real::mul_add), [`sum_of_products`](Real::sum_of_products), [`ldexp`](Real::ldexp) | IEEE 754, each step rounded | to nearest, ties up (toward +∞), once; then wrap |
 /// | `/` | IEEE 754 | to nearest, ties away from zero; then saturate |
 /// | [`sqrt`](Real::sqrt) | IEEE 754 | to nearest (a tie cannot be) |
 /// | [`norm`](Real::norm) | each step rounded | to nearest (a tie cannot be), once; then saturate |
@@ -79,7 +79,7 @@ pub trait Real:
 
     /// `self · 2^exponent`: a shift in fixed point, an exponent change in a float. Shifting right rounds to
     /// nearest, ties up; shifting left wraps. Domain: `|exponent| ≤ 126`.
-    fn scale(self, exponent: i32) -> Self;
+    fn ldexp(self, exponent: i32) -> Self;
 
     /// The number `phase · 2^(exponent - 64)`, rounded toward 0; saturates. A phase is a fraction in [0, 1) held as a
     /// 64-bit integer. Its steps are equal, and so fine that sums of small increments lose nothing in any format.
@@ -121,7 +121,7 @@ pub trait Real:
     /// has one unit for both, so a float returns itself.
     #[must_use]
     fn rescaled(self, exponent: i32) -> Self {
-        if Self::IS_FLOATING { self } else { self.scale(exponent) }
+        if Self::IS_FLOATING { self } else { self.ldexp(exponent) }
     }
 
     /// Names this value for a wrapper that observes it. Every other backend returns it unchanged, at no cost.
@@ -151,7 +151,7 @@ pub trait Real:
     /// `self / 2`.
     #[must_use]
     fn half(self) -> Self {
-        self.scale(-1)
+        self.ldexp(-1)
     }
 }
 

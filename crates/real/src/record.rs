@@ -324,7 +324,7 @@ mod tests {
         }
         let length = R::norm(&[x, x.sqrt(), -x]);
         let phase = R::from_phase((x * R::from_ratio(1, 4)).to_phase(-1), 1);
-        R::sum_of_products([(x, length), (phase, two)]).mul_add(x, two).scale(-2)
+        R::sum_of_products([(x, length), (phase, two)]).mul_add(x, two).ldexp(-2)
     }
 
     /// Every node's value is its operation on the values of its operands: the graph says what was computed.

@@ -359,7 +359,7 @@ impl<const SLOT: usize> Real for RuntimeFixed<SLOT> {
         Self(format.root(u128::from(self.0.max(0).unsigned_abs()) << format.fraction_bits))
     }
 
-    fn scale(self, exponent: i32) -> Self {
+    fn ldexp(self, exponent: i32) -> Self {
         let format = Self::format();
         let shift = exponent.unsigned_abs();
         Self(match format.datapath.overflow {
@@ -410,14 +410,14 @@ impl<const SLOT: usize> Backend for RuntimeFixed<SLOT> {
     fn from_f64_pair(high: f64, low: f64) -> Option<Self> {
         let format = Self::format();
         let exponent = format.fraction_bits.cast_signed();
-        let bits = i64::nearest(high.scale(exponent), low.scale(exponent))?;
+        let bits = i64::nearest(high.ldexp(exponent), low.ldexp(exponent))?;
         (format.least()..=format.greatest()).contains(&bits).then_some(Self(bits))
     }
 
     fn to_f64_pair(self) -> (f64, f64) {
         let (high, low) = self.0.split();
         let exponent = -Self::format().fraction_bits.cast_signed();
-        (high.scale(exponent), low.scale(exponent))
+        (high.ldexp(exponent), low.ldexp(exponent))
     }
 }
 
@@ -433,7 +433,7 @@ mod tests {
     #[allow(clippy::cast_possible_truncation, reason = "both parts are whole numbers below 2^64")]
     fn bits<R: Backend>(x: R, fraction_bits: u32) -> i64 {
         let (high, low) = x.to_f64_pair();
-        let units = |part: f64| part.scale(fraction_bits.cast_signed()) as i128;
+        let units = |part: f64| part.ldexp(fraction_bits.cast_signed()) as i128;
         i64::try_from(units(high) + units(low)).unwrap()
     }
 
@@ -464,7 +464,7 @@ mod tests {
             );
             same("norm", Real::norm(&[a, b, c]), Real::norm(&[x, y, z]));
             same("root", a.sqrt(), x.sqrt());
-            same("scale", a.scale(exponent), x.scale(exponent));
+            same("ldexp", a.ldexp(exponent), x.ldexp(exponent));
             same("ratio", Real::from_ratio(ratio.0, ratio.1), Real::from_ratio(ratio.0, ratio.1));
             same("from phase", Real::from_phase(phase, exponent), Real::from_phase(phase, exponent));
             same("one", FixedPoint::one(), Runtime::one());

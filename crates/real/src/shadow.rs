@@ -110,7 +110,7 @@ mod tests {
             (third / seven, 1.0 / 3.0 / 7.0),
             (third.mul_add(seven, third), 1.0 / 3.0 * 7.0 + 1.0 / 3.0),
             (third.sqrt(), (1.0_f64 / 3.0).sqrt()),
-            (third.scale(-4), 1.0 / 48.0),
+            (third.ldexp(-4), 1.0 / 48.0),
             (Number::norm(&[third, seven]), f64::norm(&[1.0 / 3.0, 7.0])),
             (Number::sum_of_products([(third, seven); 3]), f64::sum_of_products([(1.0 / 3.0, 7.0); 3])),
             (Number::from_phase(3 << 62, 0), 0.75),

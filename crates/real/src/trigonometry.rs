@@ -74,7 +74,7 @@ fn small_angle<R: Real>(u: R) -> (R, R) {
 fn terms<R: Real>() -> i32 {
     // (resolution, terms): the error is 2⁻¹⁸, 2⁻³³, 2⁻⁴¹, 2⁻⁵⁸, 2⁻⁶⁸, 2⁻¹¹⁸.
     const TABLE: [(i32, i32); 5] = [(-16, 3), (-25, 5), (-36, 6), (-54, 8), (-64, 9)];
-    let enough = |(exponent, _): &&(i32, i32)| R::resolution() >= R::one().scale(*exponent);
+    let enough = |(exponent, _): &&(i32, i32)| R::resolution() >= R::one().ldexp(*exponent);
     TABLE.iter().find(enough).map_or(14, |(_, terms)| *terms)
 }
 
@@ -87,7 +87,7 @@ fn from_digits<R: Real>(digits: Digits) -> R {
     let [a, b, c, d, e] = digits;
     // Twice the number, cut off one bit below the last place in fixed point; halving then rounds to nearest. The last
     // two digits lie beyond a phase's range, and count in the double-double only.
-    let beyond = phase(e, -47).scale(-48) + phase(d, -47).scale(-24);
+    let beyond = phase(e, -47).ldexp(-48) + phase(d, -47).ldexp(-24);
     let doubled = beyond + phase(c, -47) + phase(b, -23) + phase(a, 1);
     doubled.half()
 }
@@ -143,7 +143,7 @@ mod tests {
     fn ulp(bits: i32) -> impl Fn(f64) -> f64 {
         move |x| {
             let power_of_two_below = f64::from_bits(x.abs().max(1e-30).to_bits() & (0x7ff << 52));
-            power_of_two_below.scale(1 - bits)
+            power_of_two_below.ldexp(1 - bits)
         }
     }
 

@@ -198,8 +198,8 @@ macro_rules! wrapper {
                 Self::observe(Operation::Sqrt, &[self], self.inner().sqrt())
             }
 
-            fn scale(self, exponent: i32) -> Self {
-                Self::observe(Operation::Scale { exponent }, &[self], self.inner().scale(exponent))
+            fn ldexp(self, exponent: i32) -> Self {
+                Self::observe(Operation::Scale { exponent }, &[self], self.inner().ldexp(exponent))
             }
 
             fn from_phase(phase: u64, exponent: i32) -> Self {

@@ -113,7 +113,7 @@ macro_rules! exact {
 
                 #[test]
                 fn scaling_is_nearest_and_wraps(a in number(), exponent in -126..=126) {
-                    let scaled = a.scale(exponent);
+                    let scaled = a.ldexp(exponent);
                     if exponent >= 0 {
                         let wrapped = if exponent < 64 { exact(a) << exponent } else { 0 };
                         prop_assert_eq!(scaled.to_bits(), wrapped as $word);

@@ -154,9 +154,9 @@ fn scaling_goes_to_nearest_ties_up_and_wraps() {
             } else {
                 0
             };
-            assert_eq!(number(a).scale(exponent).to_bits(), expected, "{a} * 2^{exponent}");
+            assert_eq!(number(a).ldexp(exponent).to_bits(), expected, "{a} * 2^{exponent}");
         }
-        assert_eq!(number(a).half(), number(a).scale(-1));
+        assert_eq!(number(a).half(), number(a).ldexp(-1));
     }
 }
 

@@ -148,7 +148,7 @@ fn every_number_in_every_mode() {
                 // Beyond 2^±40 only the sign and whether there is anything left count.
                 let power = Exact::from_integer(1 << exponent.unsigned_abs().min(40));
                 let scaled = if exponent < 0 { units(a) / power } else { units(a) * power };
-                same(x.scale(exponent), expect.fitted(scaled), ("scale", a, exponent), format);
+                same(x.ldexp(exponent), expect.fitted(scaled), ("scale", a, exponent), format);
             }
             let value = a as f64 / (1_u64 << expect.fraction_bits) as f64;
             assert_eq!(x.to_f64(), value);

@@ -47,7 +47,7 @@ fn checksum<R: Backend>() -> u64 {
             8 => R::sum_of_products([(a, b), (c, d)]),
             9 => R::norm(&[a, b, c]),
             10 => a.sqrt(),
-            11 => a.scale(exponent),
+            11 => a.ldexp(exponent),
             12 => R::from_ratio(random.next() as i32, random.next() as i32 >> random.below(31)),
             13 => R::from_phase(a.to_phase(exponent), exponent),
             14 => Real::min(Real::max(a, b), c.abs()),

@@ -12,7 +12,7 @@ fn check<R: Backend>() {
     for exponent in EXPONENTS {
         let in_domain = exponent.unsigned_abs() <= 64;
         for x in numbers {
-            let (_, _, part) = (x.scale(exponent), x.rescaled(exponent), x.to_phase(exponent));
+            let (_, _, part) = (x.ldexp(exponent), x.rescaled(exponent), x.to_phase(exponent));
             let _ = x.place_to_phase();
             assert!(!in_domain || x > R::zero() || part == 0, "{} {exponent}", R::name());
         }
@@ -21,7 +21,7 @@ fn check<R: Backend>() {
         }
         let (power, fits) = (R::power_of_two(exponent), (-1..=0).contains(&exponent));
         assert!(
-            power >= R::zero() && (!fits || power == R::one().scale(exponent)),
+            power >= R::zero() && (!fits || power == R::one().ldexp(exponent)),
             "{} {exponent}",
             R::name()
         );

@@ -24,7 +24,7 @@
 //! let limits = PieceLimits { length_mm: 32.0, step_mm: 0.2 };
 //! let table = compile::<DoubleDouble, I4F28, 2>(&[curve], &limits)?;
 //! let pieces = table.as_pieces();
-//! let chord = I4F28::from_f64(0.2.scale(pieces.chord_exponent)).unwrap_or_default();
+//! let chord = I4F28::from_f64(0.2.ldexp(pieces.chord_exponent)).unwrap_or_default();
 //!
 //! // Somebody else decides on the feed, so there are no stages: 0.2 mm a period, up to the end.
 //! let tolerance = ChordTolerance::for_fluctuation(Some(1e-6), 5);

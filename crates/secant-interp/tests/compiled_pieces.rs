@@ -247,7 +247,7 @@ fn periods_by_the_plan_and_by_override_take_turns() {
     fn same<R: Backend>() {
         let path = paper_a();
         let table: PiecesBuf<R, 2> = compiled(&path, &Settings::default()).unwrap();
-        let stages = swing::<R>(path.feed_mm.scale(table.as_pieces().chord_exponent));
+        let stages = swing::<R>(path.feed_mm.ldexp(table.as_pieces().chord_exponent));
         let interpolator =
             interpolator(&path, &Settings { residual: 1e-3, ..Settings::default() }, &table, &stages);
         let number = |x: f64| R::from_f64(x).unwrap();
@@ -283,7 +283,7 @@ fn periods_by_the_plan_and_by_override_take_turns() {
 /// What is asked of a run over `path`: with it, and with all of its setpoints by a plan that swings.
 fn by_plan<R: Backend>(path: &Path<2>, ask: impl Fn(&PieceInterpolator<'_, R, 2>, &[PieceSetpoint<R, 2>])) {
     let table: PiecesBuf<R, 2> = compiled(path, &Settings::default()).unwrap();
-    let stages = swing::<R>(path.feed_mm.scale(table.as_pieces().chord_exponent));
+    let stages = swing::<R>(path.feed_mm.ldexp(table.as_pieces().chord_exponent));
     let interpolator = interpolator(path, &Settings::default(), &table, &stages);
     let mut state = interpolator.start();
     let mut setpoints = Vec::new();

@@ -32,14 +32,14 @@ fn steady(start: f64, feed: f64, duration: f64) -> Stage<f64> {
 fn steps_on_pieces<R: Backend>(feed: f64, missing_mm: f64, landing_mm: f64) -> Vec<[f64; 2]> {
     let (curve, limits) = (line(10.0), PieceLimits { length_mm: 32.0, step_mm: feed + landing_mm });
     let table = compile::<DoubleDouble, R, 2>(&[curve.as_curve()], &limits).unwrap();
-    let unit = 1.0_f64.scale(table.as_pieces().chord_exponent);
+    let unit = 1.0_f64.ldexp(table.as_pieces().chord_exponent);
     let stages = [steady(0.0, feed, (10.0 - missing_mm) / feed)];
     let tolerance = ChordTolerance::for_fluctuation(None, 5);
     let path = CompiledPath::new(table, &Schedule::new(&stages, 1.0, 0), tolerance, landing_mm).unwrap();
     let run = path.runs().next().unwrap();
     let (mut state, mut x, mut steps) = (run.start(), 0.0, Vec::new());
     while let Some(setpoint) = run.step(&mut state) {
-        let next = setpoint.offset[0].to_f64().scale(run.pieces.coordinate_exponent);
+        let next = setpoint.offset[0].to_f64().ldexp(run.pieces.coordinate_exponent);
         steps.push([setpoint.length.to_f64() / unit, next - x]);
         x = next;
         assert!(steps.len() < 10_000, "{} does not end", R::name());
@@ -81,7 +81,7 @@ fn a_landing_step_that_the_pieces_were_not_cut_for_ends() {
         &PieceLimits { length_mm: 32.0, step_mm: 0.021 },
     )
     .unwrap();
-    let unit = 1.0_f64.scale(table.as_pieces().chord_exponent);
+    let unit = 1.0_f64.ldexp(table.as_pieces().chord_exponent);
     let number = |mm: f64| I4F28::from_f64(mm * unit).unwrap();
     let stages = [LengthStage::new(485 << 32, number(0.02), number(0.0)).unwrap()];
     let run = PieceInterpolator {

@@ -58,7 +58,7 @@ type Compiled<R, const D: usize> = (PiecesBuf<R, D>, Vec<LengthStage<R>>, ChordT
 fn compiled<R: Backend, const D: usize>(run: &Run<D>) -> Option<Compiled<R, D>> {
     let limits = PieceLimits { length_mm: 32.0, step_mm: 1.05 * run.feed_mm };
     let table = compile::<DoubleDouble, R, D>(&[run.curve.as_curve()], &limits).ok()?;
-    let full = run.feed_mm.scale(table.as_pieces().chord_exponent);
+    let full = run.feed_mm.ldexp(table.as_pieces().chord_exponent);
     let number = |x: f64| R::from_f64(x).unwrap();
     let shapes = [
         StageShape::Cubic,

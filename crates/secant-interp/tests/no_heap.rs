@@ -43,7 +43,7 @@ fn paper_a() -> NurbsBuf<f64, 2> {
 fn on_pieces<R: Backend>() {
     let limits = PieceLimits { length_mm: 32.0, step_mm: 0.63 };
     let table: PiecesBuf<R, 2> = compile::<DoubleDouble, R, 2>(&[paper_a().as_curve()], &limits).unwrap();
-    let unit = 1.0.scale(table.as_pieces().chord_exponent);
+    let unit = 1.0.ldexp(table.as_pieces().chord_exponent);
     let number = |x: f64| R::from_f64(x * unit).unwrap();
     let swing = [(0.0, 0.6), (0.6, 0.3), (0.3, 0.3), (0.3, 0.6)];
     let swing = swing.into_iter().chain([(0.6, 0.3), (0.3, 0.6)].into_iter().cycle().take(100));
@@ -53,7 +53,7 @@ fn on_pieces<R: Backend>() {
     let interpolator = PieceInterpolator {
         pieces: table.as_pieces(),
         lengths: StepLengths { stages: &stages },
-        tolerance: ChordTolerance { residual: R::resolution().scale(2), max_evaluations: 6 },
+        tolerance: ChordTolerance { residual: R::resolution().ldexp(2), max_evaluations: 6 },
         landing_step: number(0.03),
     };
     let mut state = interpolator.start();

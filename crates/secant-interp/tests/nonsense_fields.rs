@@ -13,7 +13,7 @@ fn steps<R: Backend>() {
     let limits = PieceLimits { length_mm: 8.0, step_mm: 0.6 };
     let table = compile::<DoubleDouble, R, 2>(&[curve.as_curve()], &limits).unwrap();
     let good = table.as_pieces();
-    let feed = R::from_f64(0.5.scale(good.chord_exponent)).unwrap();
+    let feed = R::from_f64(0.5.ldexp(good.chord_exponent)).unwrap();
     let stage = LengthStage::new(100 << 32, R::zero(), feed).unwrap();
     let run = |pieces: Pieces<'_, R, 2>, stage: LengthStage<R>| {
         let run = PieceInterpolator {

@@ -75,7 +75,7 @@ fn counts_of_common_steps<R: Backend>() -> Vec<OperationCounts> {
         compile::<DoubleDouble, _, 2>(&[curve.as_curve()], &limits).unwrap();
     let pieces = table.as_pieces();
     let number = |x: f64| Counted::<R>::from_f64(x).unwrap();
-    let unit = 1.0.scale(pieces.chord_exponent);
+    let unit = 1.0.ldexp(pieces.chord_exponent);
     let stages = [LengthStage::new(1500 << 32, number(0.5 * unit), number(0.0)).unwrap()];
     let interpolator = PieceInterpolator {
         pieces,

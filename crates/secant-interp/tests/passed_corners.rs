@@ -53,7 +53,7 @@ fn jerk(
 ) -> (f64, String) {
     let curves: Vec<_> = curves.iter().map(NurbsBuf::as_curve).collect();
     let path = landing_run::compiled::<f64>(&curves, plan, limits);
-    let unit = 1.0_f64.scale(path.table().as_pieces().chord_exponent);
+    let unit = 1.0_f64.ldexp(path.table().as_pieces().chord_exponent);
     let mut worst = (0.0_f64, String::new());
     for (number, (section, run)) in path.sections().iter().zip(path.runs()).enumerate() {
         let places = &path.table().places()[section.pieces.clone()];

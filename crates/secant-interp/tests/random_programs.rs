@@ -79,7 +79,7 @@ fn sections<R: Backend>(
 ) -> Vec<Vec<[f64; 2]>> {
     let curves: Vec<_> = program.curves.iter().map(NurbsBuf::as_curve).collect();
     let path = landing_run::compiled::<R>(&curves, plan, limits);
-    let unit = 1.0_f64.scale(path.table().as_pieces().chord_exponent);
+    let unit = 1.0_f64.ldexp(path.table().as_pieces().chord_exponent);
     let Junction::Deviation(deviation) = limits.junction else { unreachable!() };
     let most = CUT * limits.chord_error.max(deviation);
     let (name, resolution) = (R::name(), R::resolution().to_f64());

@@ -235,7 +235,7 @@ impl<'a, R: Backend, const D: usize> Steps<'a, R, D> {
         let units = LengthUnits {
             resolution: R::resolution().to_f64(),
             is_fixed: matches!(R::name(), FormatName::Fixed { .. }),
-            chord: 1.0_f64.scale(-pieces.chord_exponent),
+            chord: 1.0_f64.ldexp(-pieces.chord_exponent),
         };
         let worst = PieceFigures::default();
         Self { run, judge, name: R::name().to_string(), at: (0, 0), worst, units, adrift: 0.0, astray: 0.0 }
@@ -316,7 +316,7 @@ impl<'a, R: Backend, const D: usize> Steps<'a, R, D> {
         let bound = (absolute + relative * wanted) * falling * units.resolution * (1.0 + joints)
             + JUDGE * piece
             + if joints > 0.0 {
-                4.0 * 1.0_f64.scale(ORIGIN_EXPONENT)
+                4.0 * 1.0_f64.ldexp(ORIGIN_EXPONENT)
             } else {
                 // Phases are converted to f64: where a piece is fast, a unit of their last place is a noticeable
                 // length.

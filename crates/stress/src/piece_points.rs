@@ -52,7 +52,7 @@ impl<const D: usize> Judge<D> {
         let (from, to) = (pieces.pieces[about.min(last)].origin, pieces.pieces[piece].origin);
         core::array::from_fn(|d| {
             let origin = (to[d] - from[d]) as f64;
-            origin.scale(ORIGIN_EXPONENT) + offset[d].scale(pieces.coordinate_exponent)
+            origin.ldexp(ORIGIN_EXPONENT) + offset[d].ldexp(pieces.coordinate_exponent)
         })
     }
 
@@ -183,7 +183,7 @@ pub fn check_pieces<R: Backend, const D: usize>(
     let pieces = table.as_pieces();
     let resolution = R::resolution().to_f64();
     let degree = pieces.degree as f64;
-    let origin = 1.01_f64.scale(ORIGIN_EXPONENT);
+    let origin = 1.01_f64.ldexp(ORIGIN_EXPONENT);
     for (piece, (row, place)) in pieces.pieces.iter().zip(table.places()).enumerate() {
         let Some(curve) = exact.get(place.curve) else { continue };
         let (begin, end) =
@@ -194,17 +194,17 @@ pub fn check_pieces<R: Backend, const D: usize>(
             // The format cuts the phase to its own digits, and the point belongs to the cut phase.
             let t = R::from_phase(phase, 0);
             let offset = pieces.offset(piece, t);
-            let last = resolution * 1.0_f64.scale(pieces.coordinate_exponent);
+            let last = resolution * 1.0_f64.ldexp(pieces.coordinate_exponent);
             let weight = weight_at(&pieces, piece, t.to_f64());
             let (high, low) = t.to_f64_pair();
             let at = curve.as_curve().point(begin + (end - begin) * DoubleDouble::new(high, low));
             for d in 0..D {
                 let (high, low) = offset[d].to_f64_pair();
-                let offset = DoubleDouble::new(high, low).scale(pieces.coordinate_exponent);
+                let offset = DoubleDouble::new(high, low).ldexp(pieces.coordinate_exponent);
                 let (high, low) = (row.origin[d] >> 32, row.origin[d] & 0xffff_ffff);
                 let base = DoubleDouble::new(
-                    (high as f64).scale(32 + ORIGIN_EXPONENT),
-                    (low as f64).scale(ORIGIN_EXPONENT),
+                    (high as f64).ldexp(32 + ORIGIN_EXPONENT),
+                    (low as f64).ldexp(ORIGIN_EXPONENT),
                 );
                 let off = (base + offset - at[d]).value().abs();
                 let size = 1.0 + (offset.value() / scale).abs();

@@ -28,13 +28,13 @@ pub fn check_against_float<R: Backend, const D: usize>(
     let (one, other) = (fixed.interpolator(), float.interpolator());
     let (mut one_state, mut other_state) = (one.start(), other.start());
     let is_fixed = matches!(R::name(), FormatName::Fixed { .. });
-    let unit = 1.0_f64.scale(-one.pieces.chord_exponent);
+    let unit = 1.0_f64.ldexp(-one.pieces.chord_exponent);
     let resolution = R::resolution().to_f64();
     let (mut joints, mut travelled, mut worst) = (0.0, 0.0, 0.0_f64);
     let mut from = (0, 0);
     for step in 0..planned.most_periods() {
         let (Some(a), Some(b)) = (one.step(&mut one_state), other.step(&mut other_state)) else { break };
-        travelled += b.length * 1.0_f64.scale(-other.pieces.chord_exponent);
+        travelled += b.length * 1.0_f64.ldexp(-other.pieces.chord_exponent);
         joints += (b.piece - from.0) as f64;
         let ahead = (a.piece, a.phase).max((b.piece, b.phase));
         let place = |(piece, phase): (usize, u64)| (piece, f64::from_phase(phase, 0));
@@ -48,7 +48,7 @@ pub fn check_against_float<R: Backend, const D: usize>(
         let steps = step as f64 + 1.0;
         let absolute = if is_fixed { 8.0 * unit * (steps + joints) } else { 0.0 };
         let longest = planned.path.limits.feedrate;
-        let origins = if a.piece == b.piece { 0.0 } else { 2.0 * 1.0_f64.scale(ORIGIN_EXPONENT) };
+        let origins = if a.piece == b.piece { 0.0 } else { 2.0 * 1.0_f64.ldexp(ORIGIN_EXPONENT) };
         let rounding = 1.5 * resolution * (absolute + 64.0 * (travelled + joints * longest));
         let bound = rounding + 1e-11 * travelled + origins;
         worst = worst.max(demand("apart from the float, mm", &name, step, apart, bound)?);

@@ -103,7 +103,7 @@ macro_rules! formats {
             mul(x) = x.a * x.b;
             mul_add(x) = Real::mul_add(x.a, x.b, x.c);
             sum_of_products(x) = Real::sum_of_products([(x.a, x.b), (x.c, x.d)]);
-            scale(x) = Real::scale(x.a, x.exponent);
+            scale(x) = Real::ldexp(x.a, x.exponent);
             half(x) = Real::half(x.a);
             div(x) = x.a / x.b;
             sqrt(x) = Real::sqrt(Real::abs(x.a));

@@ -61,13 +61,13 @@ fn with_run<R: Backend, T>(
     let limits = PieceLimits { length_mm: PIECE_MM, step_mm: path.feed_mm * (1.0 + LANDING) };
     let table: PiecesBuf<R, 2> = compile::<DoubleDouble, R, 2>(&curves, &limits)?;
     let pieces = table.as_pieces();
-    let unit = 1.0_f64.scale(pieces.chord_exponent);
+    let unit = 1.0_f64.ldexp(pieces.chord_exponent);
     let number = |value: f64| R::from_f64(value).unwrap_or_default();
     Ok(show(&PieceInterpolator {
         pieces,
         lengths: StepLengths { stages: &path.stages::<R>(unit) },
         tolerance: ChordTolerance {
-            residual: number(RESIDUAL).max(R::resolution().scale(2)),
+            residual: number(RESIDUAL).max(R::resolution().ldexp(2)),
             max_evaluations: MAX_EVALUATIONS,
         },
         landing_step: number(LANDING * path.feed_mm * unit),

@@ -174,7 +174,7 @@ fn parts<R: Real>(stages: &[Stage<R>], shortfalls: &[R], period: R) -> Vec<Part<
         let shortfall = shortfalls.iter().take(behind).skip(first);
         let shortfall = shortfall.fold(R::zero(), |sum, part| sum + part.max(R::zero()));
         let feeds = [begins.start_feed, ends.end_feed];
-        let (most, least) = ((feeds[1] - feeds[0]).abs(), (feeds[1] - feeds[0]).abs().scale(ROOM));
+        let (most, least) = ((feeds[1] - feeds[0]).abs(), (feeds[1] - feeds[0]).abs().ldexp(ROOM));
         let (rise, fall) = if feeds[1] > feeds[0] { (most, least) } else { (least, most) };
         let late = late(change, duration, feeds);
         let part = Part { first, behind, begin: R::zero(), duration, feeds, late, shortfall, rise, fall };
@@ -347,7 +347,7 @@ fn cut<R: Real>(joints: &mut [Joint<R>], parts: &[Part<R>]) {
     // A difference by rounding over a constant feed would be a large jerk if the part is short.
     for (index, part) in parts.iter().enumerate().filter(|(_, part)| part.is_constant()) {
         let Some([a, b]) = joints.get_mut(index..index + 2) else { continue };
-        if (b.correction - a.correction).abs() <= part.feeds[0] * R::resolution().scale(2) {
+        if (b.correction - a.correction).abs() <= part.feeds[0] * R::resolution().ldexp(2) {
             b.correction = a.correction;
         }
     }

@@ -38,7 +38,7 @@ impl<R: Real> FeedLimit<R> {
         let path = Path::new(self, curves);
         let fastest = arcs.stages().iter().fold(R::zero(), |most, stage| most.max(stage.start_feed));
         let rounding = if R::IS_FLOATING { R::resolution() * self.length() } else { R::resolution() };
-        let enough = (fastest * arcs.interpolation_period.scale(ON_STOP)).max(rounding);
+        let enough = (fastest * arcs.interpolation_period.ldexp(ON_STOP)).max(rounding);
         arcs.clone()
             .by_sections(&shortfalls, |stages, shortfalls| path.landed(arcs, (stages, shortfalls), enough))
     }

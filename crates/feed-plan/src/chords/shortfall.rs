@@ -192,7 +192,7 @@ impl<'a, R: Real, C: Differentiate<R, D>, const D: usize> Path<'a, R, C, D> {
         };
         let within_half = |off: R| off.max(R::zero()).min(length.half());
         let step = fastest * arcs.interpolation_period();
-        let enough = step.scale(ON_PLAN).max(R::resolution().scale(2) * self.limit.length().max(R::one()));
+        let enough = step.ldexp(ON_PLAN).max(R::resolution().ldexp(2) * self.limit.length().max(R::one()));
         let mut off = within_half(self.length_to(from.reached) - from.planned);
         let mut end = follow(off);
         let mut best = (off, end);
@@ -234,7 +234,7 @@ impl<'a, R: Real, C: Differentiate<R, D>, const D: usize> Path<'a, R, C, D> {
                 run.reached = (run.reached + self.arc_of_step(run.reached, wanted)).min(self.limit.length());
                 None
             };
-            lead = wanted.scale(LEAD);
+            lead = wanted.ldexp(LEAD);
             (end, last_period) = (run, end);
         }
         let ahead = over_stop.unwrap_or_else(|| self.length_to(end.reached) - end.planned - lead);
@@ -249,7 +249,7 @@ impl<'a, R: Real, C: Differentiate<R, D>, const D: usize> Path<'a, R, C, D> {
         }
         let (mut from, mut left) = (begin, wanted);
         for &corner in self.limit.corners_from(begin) {
-            let chord = if corner - from > left.scale(2) { left } else { self.leg(from, corner) };
+            let chord = if corner - from > left.ldexp(2) { left } else { self.leg(from, corner) };
             if chord >= left {
                 break;
             }
@@ -277,14 +277,14 @@ impl<'a, R: Real, C: Differentiate<R, D>, const D: usize> Path<'a, R, C, D> {
         // several arcs may have the wanted chord, and the first may be near: strides begin with the length that was
         // missing last.
         let (mut low, mut high) = (wanted.half(), arc);
-        let (mut stride, longest) = (wanted.scale(-16), wanted.scale(-3));
+        let (mut stride, longest) = (wanted.ldexp(-16), wanted.ldexp(-3));
         for _ in 0..STRIDES {
             let rest = missing(high);
             if !(rest > R::zero()) {
                 break;
             }
             stride = (stride + stride).max(rest).min(longest);
-            (low, high) = (high, (high + stride).min(wanted.scale(2)));
+            (low, high) = (high, (high + stride).min(wanted.ldexp(2)));
         }
         for _ in 0..HALVINGS {
             arc = low + (high - low).half();
@@ -302,7 +302,7 @@ fn end_of_period<R: Real>(schedule: &Schedule<'_, R>, begin: usize) -> usize {
     let goes_on = |pair: &&[Stage<R>]| {
         left = left - pair[0].duration;
         let [a, b] = [&stages[0], &pair[1]].map(|stage| stage.start_feed.max(stage.end_feed));
-        let is_same_feed = a <= b.scale(SAME_FEED) && b <= a.scale(SAME_FEED);
+        let is_same_feed = a <= b.ldexp(SAME_FEED) && b <= a.ldexp(SAME_FEED);
         left > R::zero() && !pair[0].end_feed.is_zero() && is_same_feed
     };
     begin + 1 + stages.windows(2).take_while(goes_on).count()

@@ -128,7 +128,7 @@ impl<R: Real> AxisBudget<R> {
         limits.axes.iter().any(is_limited).then(|| Self {
             axes: limits.axes,
             path: Allowance { acceleration: limits.acceleration, jerk: limits.jerk },
-            least_feed: limits.feedrate.scale(LEAST_FEED),
+            least_feed: limits.feedrate.ldexp(LEAST_FEED),
             period: limits.interpolation_period,
         })
     }
@@ -282,7 +282,7 @@ fn quotient<R: Real>(value: R, divisor: R) -> R {
 /// The reserve, and the surplus of `found` over it less a margin.
 fn above<R: Real>(reserve: R, found: R) -> R {
     let surplus = found - reserve;
-    if surplus > R::zero() { reserve + (surplus - surplus.scale(SURPLUS_MARGIN)) } else { reserve }
+    if surplus > R::zero() { reserve + (surplus - surplus.ldexp(SURPLUS_MARGIN)) } else { reserve }
 }
 
 #[cfg(test)]

@@ -29,14 +29,14 @@ pub(crate) fn crossing<R: Real, const D: usize>(
     for _ in 0..SECANTS {
         let (width, rise) = (over.0 - held.0, over.1 - held.1);
         let room = allowed - held.1;
-        if !(room > allowed.scale(SLACK) && rise > R::zero()) {
+        if !(room > allowed.ldexp(SLACK) && rise > R::zero()) {
             break;
         }
         let half = held.0 + width * (room / rise);
         chord.change_to(half);
         let found = measure(&chord);
         // The tolerance for `over`: rounding must not throw the search back to where it began.
-        let is_over = found > allowed + allowed.scale(SLACK).half();
+        let is_over = found > allowed + allowed.ldexp(SLACK).half();
         if is_over { over = (half, found) } else { held = (half, found) }
     }
     held.0

@@ -252,7 +252,7 @@ impl<R: Real> FeedLimit<R> {
 
     /// By how much rounding may have moved a distance.
     pub(crate) fn rounding(&self) -> R {
-        R::resolution().scale(6) * self.length().max(R::one())
+        R::resolution().ldexp(6) * self.length().max(R::one())
     }
 
     /// Curve and parameter where a plan comes to rest. Rounding may have moved `distance`, so the place is the nearest
@@ -350,7 +350,7 @@ impl<R: Real> FeedLimit<R> {
 fn is_resolved<R: Real>(pair: &[LimitSample<R>]) -> bool {
     let [LimitSample { point: a, .. }, LimitSample { point: b, .. }] = pair else { return true };
     let rounding = R::resolution() * a.u.abs().max(b.u.abs());
-    a.curve != b.curve || a.distance == b.distance || b.u - a.u > rounding.scale(RESOLVED)
+    a.curve != b.curve || a.distance == b.distance || b.u - a.u > rounding.ldexp(RESOLVED)
 }
 
 #[cfg(test)]

@@ -109,14 +109,14 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
         };
         let allowed = deviation.map_or(limits.chord_error, |most| most.max(limits.chord_error));
         let reaches_whole_step = is_turning_limited || deviation.is_some();
-        let alone = limits.chord_error.scale(1) / half_step;
+        let alone = limits.chord_error.ldexp(1) / half_step;
         Self {
             places: Vec::new(),
             full: FEW,
             breaks: VecDeque::new(),
-            negligible: tangent_rounding::<R>().max(alone.scale(NOTABLE)),
+            negligible: tangent_rounding::<R>().max(alone.ldexp(NOTABLE)),
             half_step,
-            reach: half_step + if reaches_whole_step { half_step } else { half_step.scale(-2) },
+            reach: half_step + if reaches_whole_step { half_step } else { half_step.ldexp(-2) },
             period,
             allowed,
             deviation,
@@ -234,7 +234,7 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
             half = least;
         }
         if self.across.is_some() || self.budget.is_some() {
-            self.limit_turning(at, half.min(half_there).scale(1), samples);
+            self.limit_turning(at, half.min(half_there).ldexp(1), samples);
         }
     }
 
@@ -247,7 +247,7 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
     fn step_over_corner(&self, at: R) -> Option<R> {
         let (deviation, (along, turn)) = (self.deviation?, self.turn_at(at)?);
         let (cosine, sine) = (R::norm(&along), R::norm(&turn));
-        let (most, across) = (self.half_step + self.half_step, deviation.scale(1) * cosine);
+        let (most, across) = (self.half_step + self.half_step, deviation.ldexp(1) * cosine);
         // Compares without a quotient, which would be large for a small turn.
         (deviation < most && across < most * sine).then(|| deviation.max(across / sine))
     }
@@ -267,7 +267,7 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
         let step = found.unwrap_or(step);
         let (Some(budget), Some(mut chord)) = (&self.budget, Chord::new(&self.places, at)) else { return };
         chord.lengthen_to(step);
-        if found.is_some() || self.strain_over(&chord) > alone + R::one().scale(NOTICEABLE) {
+        if found.is_some() || self.strain_over(&chord) > alone + R::one().ldexp(NOTICEABLE) {
             let (along, change) = Self::turn_over(&chord);
             let reserve = budget.reserve(&Turning::at(&unit(&along), &change).share).acceleration;
             lower_acceleration_around(samples, at, step, reserve);
@@ -278,7 +278,7 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
     /// break.
     fn as_before(&mut self, half: R) -> R {
         let before = self.last_half;
-        let is_as_good = before >= half - half.scale(EVEN) && before <= half + half.scale(EVEN - 4);
+        let is_as_good = before >= half - half.ldexp(EVEN) && before <= half + half.ldexp(EVEN - 4);
         if !is_as_good {
             self.last_half = half;
         }
@@ -301,10 +301,10 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
             if !(half < most) {
                 return None;
             }
-            let half = chord.next_break().max(half + half.scale(LENGTHENING)).min(most);
+            let half = chord.next_break().max(half + half.ldexp(LENGTHENING)).min(most);
             chord.lengthen_to(half);
             let found = measure(&chord);
-            if found > allowed + allowed.scale(SLACK) {
+            if found > allowed + allowed.ldexp(SLACK) {
                 return Some(crossing(chord, held, (half, found), allowed, measure))
                     .filter(|half| *half > R::zero());
             }
@@ -318,7 +318,7 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
     fn error(&self, chord: &Chord<'_, R, D>) -> R {
         let one_half = R::one().half();
         let middle = self.across(chord, one_half);
-        if middle <= self.allowed - self.allowed.scale(NEAR) {
+        if middle <= self.allowed - self.allowed.ldexp(NEAR) {
             return middle;
         }
         let off_middle = OFF_MIDDLE.iter().map(|sixteenths| R::from_ratio(*sixteenths, 16));

@@ -36,7 +36,7 @@ pub(crate) struct Junctions<'l, R> {
 
 impl<'l, R: Real> Junctions<'l, R> {
     pub(crate) fn new(limits: &'l KinematicLimits<R>) -> Self {
-        let by_chord_error = limits.chord_error.scale(2) / (limits.feedrate * limits.interpolation_period);
+        let by_chord_error = limits.chord_error.ldexp(2) / (limits.feedrate * limits.interpolation_period);
         let by_acceleration = limits.acceleration * limits.interpolation_period / limits.feedrate;
         let rounding = tangent_rounding();
         let break_tolerance = by_chord_error.min(by_acceleration).max(rounding);

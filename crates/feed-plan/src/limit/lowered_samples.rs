@@ -56,7 +56,7 @@ pub(crate) fn lower<'a, R: Real + 'a>(
 pub(crate) fn lower_around<R: Real>(samples: &mut Vec<LimitSample<R>>, at: R, half: R, feed: R) {
     let (begin, end) = (at - half, at + half);
     for place in [begin, end] {
-        split(samples, place, half.scale(FINE));
+        split(samples, place, half.ldexp(FINE));
     }
     let first = samples.partition_point(|sample| sample.point.distance < at);
     let before = lower(samples.iter_mut().take(first).rev(), feed, |distance| distance <= begin);

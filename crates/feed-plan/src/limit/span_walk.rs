@@ -35,7 +35,7 @@ const ROUNDING: i32 = 4;
 
 /// The largest difference of unit tangents that rounding may make.
 pub(crate) fn tangent_rounding<R: Real>() -> R {
-    R::resolution().scale(ROUNDING)
+    R::resolution().ldexp(ROUNDING)
 }
 
 /// The curve at one parameter.
@@ -134,8 +134,8 @@ impl<R: Real, C: Differentiate<R, D>, const D: usize> Span<'_, R, C, D> {
     /// Samples from one end of the span to the other, close enough to each other.
     fn walk(&self) -> Vec<Station<R, D>> {
         let (begin, end) = self.shape.span_bounds(self.index);
-        let coarsest = (end - begin).scale(COARSEST);
-        let least = |finest| (end - begin).scale(finest).max(R::resolution().scale(3)).min(coarsest);
+        let coarsest = (end - begin).ldexp(COARSEST);
+        let least = |finest| (end - begin).ldexp(finest).max(R::resolution().ldexp(3)).min(coarsest);
         let finest = FINEST.map(least);
         let mut here = self.sample(begin);
         let mut stations = Vec::from([Station { at: here, stretch: None }]);
@@ -187,7 +187,7 @@ impl<R: Real, C: Differentiate<R, D>, const D: usize> Span<'_, R, C, D> {
     /// On both sides of the stop the limit stays the same: a bend may be longer than the stretch that a stop releases.
     fn rest_in_bends(&self, stations: &mut [Station<R, D>]) {
         let narrow = self.sampling.limits.chord_error.half();
-        let slow = self.sampling.limits.feedrate.scale(STOP);
+        let slow = self.sampling.limits.feedrate.ldexp(STOP);
         let is_bend = |at: &Sample<R, D>| at.radius < narrow || at.feedrate < slow;
         let inner = stations.windows(3).enumerate().filter_map(|(i, three)| {
             (is_bend(&three[1].at) && samples_of(three).is_some_and(is_least)).then_some(i + 1)
@@ -248,7 +248,7 @@ impl<R: Real, C: Differentiate<R, D>, const D: usize> Span<'_, R, C, D> {
             return None;
         }
         let slowest = self.least(from.u, to.u, |sample| sample.speed)?;
-        let vanishes = slowest.speed <= from.speed.max(to.speed).scale(CUSP);
+        let vanishes = slowest.speed <= from.speed.max(to.speed).ldexp(CUSP);
         vanishes.then_some(Sample { feedrate: R::zero(), ..slowest })
     }
 
@@ -339,7 +339,7 @@ impl<R: Real, C: Differentiate<R, D>, const D: usize> Span<'_, R, C, D> {
             let difference = components(&difference(&sample.bend, &previous.bend));
             let mut here = Turning::at(&sample.tangent, &sample.bend);
             if length > R::zero() {
-                here.change = difference.map(|x| x / length + (x / length).scale(-3));
+                here.change = difference.map(|x| x / length + (x / length).ldexp(-3));
             }
             turning = turning.max(&here);
             previous = sample;
@@ -357,17 +357,17 @@ fn dip<R: Real>([from, to]: [R; 2], within: [R; 3], shares: [R; 3]) -> (R, bool)
         let line = begin + rise * share;
         let dip = line - feed * feed;
         margin = margin.max(dip);
-        is_straight &= dip.abs() <= line.scale(STRAIGHTNESS);
+        is_straight &= dip.abs() <= line.ldexp(STRAIGHTNESS);
     }
     // The dip between the three places is at most a little deeper than at the deepest of them.
-    (margin + margin.scale(-2), is_straight)
+    (margin + margin.ldexp(-2), is_straight)
 }
 
 /// The share of a stretch's arc length that lies before the share `x` of its parameters. `|C'|` is taken as the
 /// parabola through its values at 0, ½ and 1.
 fn arc_share<R: Real>([begin, middle, end]: [R; 3], x: R) -> R {
     // |C'| = b + (e - b - q) x + q x², q = 2(b - 2m + e)
-    let q = (begin + end - middle - middle).scale(1);
+    let q = (begin + end - middle - middle).ldexp(1);
     let third = R::from_ratio(1, 3);
     let integral = |x: R| x * (begin + x * ((end - begin - q).half() + x * q * third));
     integral(x) / integral(R::one())

@@ -302,7 +302,7 @@ impl<'s, R: Real> Flank<'s, R> {
 /// `s/low - s/high = spare`. It is increased by far more than rounding may take away.
 fn latest_start<R: Real>((low, high): (R, R), spare: R) -> R {
     let latest = spare * low / ((high - low) / high);
-    let above = latest + latest.scale(-6) + R::resolution().scale(6);
+    let above = latest + latest.ldexp(-6) + R::resolution().ldexp(6);
     // A distance that does not fit the format is no limit.
     if above >= latest { above } else { R::max_value() }
 }

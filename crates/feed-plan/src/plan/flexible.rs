@@ -153,7 +153,7 @@ pub(crate) fn merged_piece<R: Real>(
     if !(piece.peak_jerk() <= limits.jerk.min(left.jerk)) {
         return Err(Refusal::Jerk);
     }
-    if !(piece.duration <= stretch.duration + stretch.duration.scale(TIME_ALLOWANCE)) {
+    if !(piece.duration <= stretch.duration + stretch.duration.ldexp(TIME_ALLOWANCE)) {
         return Err(Refusal::Time);
     }
     let mut begin = (stretch.start, from);

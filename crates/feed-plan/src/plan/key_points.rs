@@ -45,7 +45,7 @@ pub(crate) fn key_points<R: Real>(limit: &FeedLimit<R>, ends: EndFeeds<R>) -> Re
     let (mut is_falling, mut extreme) = (true, 0);
     for (i, sample) in samples.iter().enumerate() {
         let Some(reference) = samples.get(extreme).map(|sample| sample.lower) else { break };
-        let significance = reference.scale(SIGNIFICANT);
+        let significance = reference.ldexp(SIGNIFICANT);
         let is_beyond = if is_falling { sample.lower < reference } else { sample.lower > reference };
         if is_beyond {
             extreme = i;

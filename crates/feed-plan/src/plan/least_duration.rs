@@ -96,7 +96,7 @@ fn nodes<R: Real>(stretches: &[Stretch<R>], limits: &KinematicLimits<R>, ends: E
         squares[k] = squares[k].min(squares[k + 1] + rise(k));
     }
     let step = acceleration / limits.jerk / R::from_ratio(NODES, 1);
-    let step = step.max(limits.interpolation_period.scale(-2));
+    let step = step.max(limits.interpolation_period.ldexp(-2));
     let mut nodes = Vec::from([(R::zero(), squares[0].sqrt())]);
     let mut begin = R::zero();
     for (stretch, ends) in stretches.iter().zip(squares.windows(2)) {
@@ -104,7 +104,7 @@ fn nodes<R: Real>(stretches: &[Stretch<R>], limits: &KinematicLimits<R>, ends: E
         let [b0, b1] = [ends[0], ends[1]];
         let at = |x: R| {
             let limit = stretch.inside[0] + (stretch.inside[1] - stretch.inside[0]) * (x / length);
-            let reach = |b: R, x: R| b + (acceleration * x).scale(1);
+            let reach = |b: R, x: R| b + (acceleration * x).ldexp(1);
             limit.min(reach(b0, x)).min(reach(b1, length - x)).sqrt()
         };
         let from = |feed: R| gaps(feed, acceleration, step, length.half());
@@ -130,7 +130,7 @@ fn gaps<R: Real>(feed: R, acceleration: R, step: R, half: R) -> Vec<R> {
     let mut place = gap;
     while place < half && gap > R::zero() && places.len() < MOST {
         places.push(place);
-        gap = gap + gap.scale(-2);
+        gap = gap + gap.ldexp(-2);
         place = place + gap;
     }
     places
@@ -278,12 +278,12 @@ fn lower_by_arc<R: Real>(nodes: &mut [Node<R>], theta: R, most: &Most<R>) -> Opt
     let mut now = R::zero();
     times.push(now);
     let mut a = theta.min(most.acceleration);
-    if a < R::zero() && a * a >= (most.jerk * v).scale(1) {
+    if a < R::zero() && a * a >= (most.jerk * v).ldexp(1) {
         return None;
     }
     for node in nodes.iter_mut().skip(1) {
         let length = node.0 - s;
-        let by_acceleration = (v * v + (most.acceleration * length).scale(1)).sqrt();
+        let by_acceleration = (v * v + (most.acceleration * length).ldexp(1)).sqrt();
         if a < most.acceleration {
             let time = time_over(length, v, a, most.jerk);
             let next = v + time * (a + (most.jerk * time).half());

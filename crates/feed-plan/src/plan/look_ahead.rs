@@ -238,7 +238,7 @@ fn cruise<R: Real>(
     room: R,
 ) -> Option<(Arrival<R>, Arrival<R>)> {
     // Room for the rounding of distances, so that a transition that just fits still does.
-    let rounding = (room + R::one()) * R::resolution().scale(2);
+    let rounding = (room + R::one()) * R::resolution().ldexp(2);
     let if_it_fits = |(up, down): (Arrival<R>, Arrival<R>)| {
         let fits = up.feed > R::zero() && up.distance + down.distance <= room + rounding;
         fits.then_some((up, down))

@@ -74,7 +74,7 @@ pub(crate) fn stretches<R: Real>(limit: &FeedLimit<R>) -> Vec<Stretch<R>> {
 impl<R: Real> Stretch<R> {
     /// The most that V² can change by, `2 A s`.
     pub(crate) fn rise(&self, limits: &KinematicLimits<R>) -> R {
-        (limits.acceleration * self.length).scale(1)
+        (limits.acceleration * self.length).ldexp(1)
     }
 
     /// Time between given V² at both ends: along the limit, or up to a peak below it and down again.
@@ -84,7 +84,7 @@ impl<R: Real> Stretch<R> {
         }
         let (slow, fast) = (begin.sqrt(), end.sqrt());
         if [begin, end] == self.inside {
-            return (slow + fast > R::zero()).then(|| self.length.scale(1) / (slow + fast));
+            return (slow + fast > R::zero()).then(|| self.length.ldexp(1) / (slow + fast));
         }
         let reachable = (begin + end + self.rise(limits)).half();
         let peak = reachable.min(self.inside[0].max(self.inside[1])).max(begin).max(end);

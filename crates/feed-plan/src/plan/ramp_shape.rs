@@ -46,7 +46,7 @@ impl<R: Real> RampShape<R> {
         // An S-curve has another shape for each pair of feeds, so its shares are computed each time.
         let shape = if kind == ProfileKind::Cubic { StageShape::Cubic } else { StageShape::Cosine };
         let mut parts = [Part::default(); PARTS];
-        let width = R::one().scale(-PARTS.ilog2().cast_signed());
+        let width = R::one().ldexp(-PARTS.ilog2().cast_signed());
         let mut x = R::zero();
         for part in &mut parts {
             let end = x + width;

@@ -25,7 +25,7 @@ pub(crate) fn stretch<R: Real>(
         let (section, behind) = rest.split_at_mut(section::count(rest));
         let ends = section.first().zip(section.last());
         let bends = ends.is_some_and(|(first, last)| limit.bends_over(first.start, last.start + last.length));
-        let slower = if bends { R::one().scale(SLOWER) } else { R::zero() };
+        let slower = if bends { R::one().ldexp(SLOWER) } else { R::zero() };
         let taken = stretch_section(section, slower, period)?;
         periods = periods.and_then(|sum| sum.checked_add(taken));
         rest = behind;

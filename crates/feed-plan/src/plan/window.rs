@@ -110,7 +110,7 @@ pub fn plan_through_window<R: Real, const D: usize, C: Differentiate<R, D>>(
 /// have to brake at that very point, and rounding may have moved the point too far along the path.
 fn split_rest<R: Real>(stages: &mut Vec<Stage<R>>, limit: &FeedLimit<R>, begin: R) -> Vec<Stage<R>> {
     let window = limit.length() - begin;
-    let (least, middle) = (begin + window.scale(LEAST_ADVANCE), begin + window.half());
+    let (least, middle) = (begin + window.ldexp(LEAST_ADVANCE), begin + window.half());
     let at_middle = stages.partition_point(|stage| stage.start + stage.length <= middle);
     if let Some(stage) = stages.get_mut(at_middle).filter(|stage| stage.kind() == StageKind::Constant) {
         let (before, after) = cut(stage, middle, limit);
@@ -221,7 +221,7 @@ impl<R: Real, const D: usize, C: Differentiate<R, D>, I: Iterator<Item = Command
     /// Moves the window's begin. Returns whether any path is left.
     fn advance(&mut self, begin: R) -> Result<bool, PlanError> {
         // A stop lets the limit jump within the chord error of it: samples that far back are still needed.
-        self.scan.forget_before(begin - self.limits.chord_error.scale(1));
+        self.scan.forget_before(begin - self.limits.chord_error.ldexp(1));
         if let Some(first) = self.scan.samples().first() {
             self.source.forget_before(first.point.curve);
         }

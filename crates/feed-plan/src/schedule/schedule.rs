@@ -113,7 +113,7 @@ impl<'a, R: Real> Schedule<'a, R> {
         for stage in self.stages.get(cursor.stage..)? {
             let until_joint = stage.duration - time;
             let is_at_stop =
-                || stage.end_feed.is_zero() && until_joint - left < self.interpolation_period.scale(AT_REST);
+                || stage.end_feed.is_zero() && until_joint - left < self.interpolation_period.ldexp(AT_REST);
             if !takes_the_rest && left < until_joint && !is_at_stop() {
                 (cursor.offset, cursor.count) = if cursor.stage == begun_in {
                     (cursor.offset, cursor.count + R::one())

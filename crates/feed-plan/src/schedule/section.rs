@@ -68,7 +68,7 @@ impl<'a, R: Real> Section<'a, R> {
     /// Each stage ends at the nearest such time of the section's clock, so that roundings do not add up. The last stage
     /// ends at a whole period if the section rests within 2⁻¹⁰ of one. A stage may get the duration 0.
     pub fn durations(&self) -> impl Iterator<Item = u64> + use<'a, R> {
-        let half_unit = R::one().scale(-33);
+        let half_unit = R::one().ldexp(-33);
         let last = self.rest().map(|_| self.stages.len());
         let (mut time, mut begin) = (R::zero(), 0);
         (1..).zip(self.stages).map(move |(number, stage)| {

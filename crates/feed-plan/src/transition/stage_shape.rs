@@ -154,7 +154,7 @@ impl<R: Real> StageShape<R> {
     #[must_use]
     pub fn mean(self, middle: R, width: R) -> R {
         let (square, rest) = (middle * middle, R::one() - middle);
-        let bow = || (width * width).scale(-2);
+        let bow = || (width * width).ldexp(-2);
         match self {
             Self::Cubic => {
                 let bend = rest - middle;
@@ -168,7 +168,7 @@ impl<R: Real> StageShape<R> {
                     ]);
                 }
                 let twice = square * rest;
-                square + twice + twice + (width * width * bend).scale(-2)
+                square + twice + twice + (width * width * bend).ldexp(-2)
             }
             Self::Onset => square + bow() * R::from_ratio(1, 3),
             Self::Steady => middle,
@@ -220,7 +220,7 @@ impl<R: Real> StageShape<R> {
 /// The mean of `x + b x(1 - x)`. Inlined, its products would cost the other shapes registers.
 #[inline(never)]
 fn mean_of_bent<R: Real>(by: R, middle: R, width: R) -> R {
-    let bow = (width * width).scale(-2) * R::from_ratio(1, 3);
+    let bow = (width * width).ldexp(-2) * R::from_ratio(1, 3);
     by.mul_add(middle * (R::one() - middle) - bow, middle)
 }
 
@@ -247,7 +247,7 @@ fn sinc_lacks<R: Real>(width: R) -> R {
 fn sinc_terms<R: Real>() -> i32 {
     // (resolution, terms): what is left is 2⁻¹⁸, 2⁻³¹, 2⁻³⁷, 2⁻⁶⁰, 2⁻⁶⁸, 2⁻¹¹⁹.
     const TABLE: [(i32, i32); 5] = [(-16, 4), (-25, 6), (-36, 7), (-54, 10), (-64, 11)];
-    let enough = |(exponent, _): &&(i32, i32)| R::resolution() >= R::one().scale(*exponent);
+    let enough = |(exponent, _): &&(i32, i32)| R::resolution() >= R::one().ldexp(*exponent);
     TABLE.iter().find(enough).map_or(17, |(_, terms)| *terms)
 }
 

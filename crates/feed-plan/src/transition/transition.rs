@@ -201,12 +201,12 @@ fn s_curve<R: Real>([from, to]: [R; 2], acceleration: R, jerk: R) -> (Course<R>,
     if !(exact > R::zero()) {
         return (Course::SCurve { jerk_time: R::zero(), hold_time: R::zero() }, R::zero());
     }
-    let rounding = from.max(to).max(R::one()) * R::resolution().scale(2);
+    let rounding = from.max(to).max(R::one()) * R::resolution().ldexp(2);
     let difference = exact + rounding;
     let by_acceleration = difference / acceleration;
     let build_up = acceleration / jerk + (rounding + rounding) / acceleration;
     let hold = by_acceleration - build_up;
-    let (jerk_time, hold_time) = if hold > build_up.scale(SHORTEST_HOLD) {
+    let (jerk_time, hold_time) = if hold > build_up.ldexp(SHORTEST_HOLD) {
         (build_up, hold)
     } else if hold > R::zero() {
         (by_acceleration, R::zero())

@@ -84,7 +84,7 @@ pub(crate) fn compiled<R: Backend, const D: usize>(job: &Job<'_, D>) -> Result<C
     let stops: Vec<_> = plan.rests().collect();
     let table = compile_with_stops::<DoubleDouble, R, D>(&curves, &piece_limits, &stops)
         .map_err(|error| problem.refusal(error))?;
-    in_format::<R>("acceleration", landing_step_mm.scale(table.as_pieces().chord_exponent))?;
+    in_format::<R>("acceleration", landing_step_mm.ldexp(table.as_pieces().chord_exponent))?;
     let tolerance = ChordTolerance::for_fluctuation(options.fluctuation, problem.machine.max_iterations);
     CompiledPath::new(table, &plan.schedule(), tolerance, landing_step_mm).map_err(|error| {
         let (what, value) = match error {
@@ -135,7 +135,7 @@ impl<'a, R: Backend, const D: usize> Drive<'a, R, D> {
         while self.finished {
             self.finished = self.steps.len() < self.most_periods;
             let Some(setpoint) = step(self.steps.len()) else { break };
-            let length = exact(setpoint.length).scale(-pieces.chord_exponent);
+            let length = exact(setpoint.length).ldexp(-pieces.chord_exponent);
             let (wanted, feed) = planned.next().unwrap_or((length, length.value()));
             let (curve, u) = parameter(places, &setpoint);
             self.farthest = setpoint.offset.iter().fold(self.farthest, |most, x| most.max(x.to_f64().abs()));
@@ -152,8 +152,8 @@ impl<'a, R: Backend, const D: usize> Drive<'a, R, D> {
 
     fn finish(self) -> Run {
         let pieces = self.table.as_pieces();
-        let unit = 1.0.scale(pieces.coordinate_exponent);
-        let full_step = self.problem.full_step_mm() * 1.0.scale(pieces.chord_exponent);
+        let unit = 1.0.ldexp(pieces.coordinate_exponent);
+        let full_step = self.problem.full_step_mm() * 1.0.ldexp(pieces.chord_exponent);
         Run {
             steps: self.steps,
             finished: self.finished,
@@ -190,8 +190,8 @@ fn point_mm<R: Backend, const D: usize>(
     for d in 0..D {
         let (high, low) = (origin[d] >> 32, origin[d] & 0xffff_ffff);
         let base =
-            DoubleDouble::new((high as f64).scale(32 + ORIGIN_EXPONENT), (low as f64).scale(ORIGIN_EXPONENT));
-        point[d] = (base + exact(setpoint.offset[d]).scale(pieces.coordinate_exponent)).value();
+            DoubleDouble::new((high as f64).ldexp(32 + ORIGIN_EXPONENT), (low as f64).ldexp(ORIGIN_EXPONENT));
+        point[d] = (base + exact(setpoint.offset[d]).ldexp(pieces.coordinate_exponent)).value();
     }
     point
 }

@@ -228,7 +228,7 @@ impl<R: Real> GaussLegendre<R> {
         tolerance: R,
     ) -> ArcLength<R> {
         let mut total = ArcLength { length: R::zero(), estimated_error: R::zero() };
-        let share = tolerance.scale(-4);
+        let share = tolerance.ldexp(-4);
         let (first, _) = self.panel(curve, span, start, end);
         // C' at the begin of the next panel, if the panel before ended there.
         let mut entry = None;
@@ -242,7 +242,7 @@ impl<R: Real> GaussLegendre<R> {
             let (right, [_, last]) = self.panel(curve, span, middle, end);
             let halves = left.length + right.length;
             let disagreement = (halves - length).abs();
-            let rounding = (halves * R::resolution()).scale(3).max(R::resolution());
+            let rounding = (halves * R::resolution()).ldexp(3).max(R::resolution());
             let agrees = disagreement <= share.max(rounding);
             let accepted = disagreement <= rounding || (agrees && agreed_before);
             let can_split =

@@ -60,7 +60,7 @@ impl<R: Real, const D: usize> NurbsCurve<'_, R, D> {
         let ([weight_rate], _) = spline_derivatives(&scratch(weights.iter().map(|w| [*w])), knots, &rows);
 
         let first = over(&first, denominator);
-        let twice_turned = first.map(|x| (weight_rate * x).scale(1));
+        let twice_turned = first.map(|x| (weight_rate * x).ldexp(1));
         let second = over(&sub(&second, &twice_turned), denominator);
         Derivatives { point, first, second }
     }

@@ -109,7 +109,7 @@ fn rounded<H: Backend, R: Backend, const D: usize>(
             let power = piece.numerator.get(k).copied().unwrap_or([H::zero(); D]);
             let mut rounded = [R::zero(); D];
             for (to, x) in rounded.iter_mut().zip(power) {
-                *to = round(x.scale(-scales.coordinate)).ok_or(out_of_range)?;
+                *to = round(x.ldexp(-scales.coordinate)).ok_or(out_of_range)?;
             }
             table.numerators.push(rounded);
         }
@@ -173,7 +173,7 @@ fn small(exponent: i32) -> i8 {
     reason = "the cast saturates, and no fraction is negative"
 )]
 fn sixteen_bits(fraction: f64) -> u16 {
-    (fraction.scale(16) + 0.5) as u16
+    (fraction.ldexp(16) + 0.5) as u16
 }
 
 fn row<H: Backend, R: Backend, const D: usize>(

@@ -66,7 +66,7 @@ pub(crate) fn cut<H: Backend, const D: usize>(
     let mut parts = Vec::new();
     for (span, mut begin, end) in ends {
         // A stop that is nearer to a joint than rounding is that joint.
-        let sliver = (end - begin).scale(SLIVER);
+        let sliver = (end - begin).ldexp(SLIVER);
         while let Some(stop) = stops.next_if(|stop| *stop < end) {
             if stop - begin > sliver && end - stop > sliver {
                 parts.push((span, begin, stop));
@@ -137,7 +137,7 @@ impl StillParts {
     /// Blossoming in p rounds is off by about p² units in the last place of the coordinates.
     fn of<H: Backend, const D: usize>(curve: &NurbsCurve<'_, f64, D>) -> Self {
         let farthest = curve.control_points().iter().flatten().fold(0.0_f64, |most, x| most.max(x.abs()));
-        let rounding_mm = (farthest * H::resolution().to_f64()).scale(ROUNDING);
+        let rounding_mm = (farthest * H::resolution().to_f64()).ldexp(ROUNDING);
         Self { uneven_mm: rounding_mm.max(STILL_MM), rounding_mm }
     }
 

@@ -240,7 +240,7 @@ fn product(a: &[f64], b: &[f64]) -> Vec<f64> {
 
 /// `x · 2³⁹` as an integer, rounded toward 0; `None` beyond ±2²⁴.
 fn origin_units<H: Backend>(x: H) -> Option<i64> {
-    let range = 1.0_f64.scale(63 + ORIGIN_EXPONENT);
+    let range = 1.0_f64.ldexp(63 + ORIGIN_EXPONENT);
     if !(-range < x.to_f64() && x.to_f64() < range) {
         return None;
     }

@@ -55,7 +55,7 @@ impl<R: Real, const D: usize> PiecesBuf<R, D> {
     /// 2⁻²⁴ of a piece.
     #[must_use]
     pub fn joint(&self, curve: usize, u: f64) -> Option<usize> {
-        let rounding = |place: &Place| (place.end.0 - place.begin.0).scale(SLIVER + MAX_HALVINGS);
+        let rounding = |place: &Place| (place.end.0 - place.begin.0).ldexp(SLIVER + MAX_HALVINGS);
         let is_near = |place: &Place, end: f64| place.curve == curve && (end - u).abs() <= rounding(place);
         let next = self.places.partition_point(|place| (place.curve, place.end.0) < (curve, u));
         let around = next.saturating_sub(1)..self.places.len().min(next + 2);
@@ -95,6 +95,6 @@ impl<R: Backend, const D: usize> PiecesBuf<R, D> {
         let numerator = self.numerators.iter().skip(piece * self.degree).take(self.degree);
         let sum = |d: usize| numerator.clone().map(|n| n[d].to_f64().abs()).sum::<f64>();
         let units = if R::IS_FLOATING { (0..D).map(sum).fold(0.0, f64::max) } else { 1.0 };
-        units.scale(row.coordinate_exponent.into())
+        units.ldexp(row.coordinate_exponent.into())
     }
 }

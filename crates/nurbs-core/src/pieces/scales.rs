@@ -16,7 +16,7 @@ pub(crate) struct Scales {
 }
 
 pub(crate) fn power_of_two(exponent: i32) -> f64 {
-    1.0_f64.scale(exponent)
+    1.0_f64.ldexp(exponent)
 }
 
 /// The largest e with `2^e ≤ x`, for positive x.
@@ -31,5 +31,5 @@ pub(crate) fn fraction_and_exponent(x: f64) -> (f64, i32) {
         return (0.5, 1);
     }
     let exponent = exponent_below(x) + 1;
-    (x.scale(-exponent), exponent)
+    (x.ldexp(-exponent), exponent)
 }

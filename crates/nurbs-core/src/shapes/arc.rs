@@ -52,7 +52,7 @@ impl<R: Real, const D: usize> Arc<R, D> {
             return Err(ShapeError::NotFinite { what: "the centre or a radius of an arc" });
         }
         // A fourth of the angle is compared, so that the comparison needs no more integer bits than the domain itself.
-        if !(quarters > R::zero() && quarters.scale(-2) <= R::one()) {
+        if !(quarters > R::zero() && quarters.ldexp(-2) <= R::one()) {
             return Err(ShapeError::NoArc);
         }
         // In two steps, because (π/2)² does not fit two integer bits.
@@ -60,7 +60,7 @@ impl<R: Real, const D: usize> Arc<R, D> {
         let is_too_wide = |axis: &usize| {
             let (o, r) = (centre[*axis], R::norm(&radii.map(|radius| radius[*axis])));
             // The radius, and the largest error of a point.
-            let reach = || r + (r * R::resolution().scale(2) + R::resolution());
+            let reach = || r + (r * R::resolution().ldexp(2) + R::resolution());
             !r.is_finite() || r > longest || o > R::max_value() - reach() || o < R::min_value() + reach()
         };
         match (0..D).find(is_too_wide) {

@@ -168,7 +168,7 @@ impl<R: Backend, const D: usize> CompiledPath<R, D> {
         }
         let exponent = table.as_pieces().chord_exponent;
         let landing_step =
-            R::from_f64(step.scale(exponent)).ok_or(CompiledPathError::LandingStepTooLong { step })?;
+            R::from_f64(step.ldexp(exponent)).ok_or(CompiledPathError::LandingStepTooLong { step })?;
         refuse_long_steps(plan, step, table.step_mm())?;
         let (mut stages, mut ends) = (Vec::new(), Vec::new());
         for section in plan.sections() {
@@ -252,5 +252,5 @@ fn refuse_long_steps<Q: Backend>(
 /// The number of `R` nearest to `x` times a power of two, `None` where it is out of range.
 fn nearest<Q: Backend, R: Backend>(x: Q, exponent: i32) -> Option<R> {
     let (high, low) = x.to_f64_pair();
-    R::from_f64_pair(high.scale(exponent), low.scale(exponent))
+    R::from_f64_pair(high.ldexp(exponent), low.ldexp(exponent))
 }

@@ -130,7 +130,7 @@ fn number<R: Backend>(x: R) -> String {
             let exponent = fraction_bits.cast_signed();
             let (high, low) = x.to_f64_pair();
             // The greatest words round up to 2⁶³ in `high`: the sum in 128 bits takes that back.
-            let bits = high.scale(exponent) as i128 + low.scale(exponent) as i128;
+            let bits = high.ldexp(exponent) as i128 + low.ldexp(exponent) as i128;
             format!("{}({bits})", name.to_string().to_lowercase())
         }
         _ => format!("{:?}", x.to_f64()),

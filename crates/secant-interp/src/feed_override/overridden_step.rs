@@ -41,7 +41,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
                 rates.landing = Landing::default();
                 let is_last = self.lengths.is_over(&state.cursor);
                 let more =
-                    if is_last { feeds.landing_jerk(self.landing_step).scale(REACH) } else { R::zero() };
+                    if is_last { feeds.landing_jerk(self.landing_step).ldexp(REACH) } else { R::zero() };
                 Wanted::Chord { length, reach: sum_within(length, more, R::max_value()) }
             }
             None => {

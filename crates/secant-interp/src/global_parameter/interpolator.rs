@@ -141,7 +141,7 @@ impl<R: Real, C> Interpolator<'_, R, C> {
         let mut found = landing.unwrap_or_else(|| self.next_parameter(state, reach));
         if planned.is_none() && found.u <= u {
             // The landing step is below the parameter's resolution here.
-            found.u = u + R::resolution().max(u.abs() * R::resolution().scale(1));
+            found.u = u + R::resolution().max(u.abs() * R::resolution().ldexp(1));
             found.point = self.curve.point(found.u);
             found.evaluations += 1;
         }
@@ -183,7 +183,7 @@ impl<R: Real, C> Interpolator<'_, R, C> {
         let u = state.history.newest();
         let (begin, end) = self.curve.domain();
         // Trials may pass the end, where the last span is extrapolated, by no more than a 64th of the curve.
-        let ceiling = end + (end - begin).scale(-6);
+        let ceiling = end + (end - begin).ldexp(-6);
         let order = match self.method {
             Method::Secant => return self.next_by_secant(state, length, ceiling),
             Method::Taylor1 => Order::First,
@@ -268,8 +268,8 @@ impl<R: Real, C> Interpolator<'_, R, C> {
             let point = self.curve.point(u + newer);
             let chord = R::norm::<D>(&core::array::from_fn(|d| point[d] - state.point[d]));
             older = newer;
-            newer = if chord <= length.scale(-4) {
-                newer.scale(1) // No quotient is greater.
+            newer = if chord <= length.ldexp(-4) {
+                newer.ldexp(1) // No quotient is greater.
             } else {
                 newer * (length / chord).sqrt().sqrt()
             };

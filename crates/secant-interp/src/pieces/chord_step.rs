@@ -183,7 +183,7 @@ impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D,
         mut value: Evaluation<R>,
         tolerance: &ChordTolerance<R>,
     ) -> (R, u32) {
-        let threshold = if self.before.is_some() { tolerance.residual.scale(-2) } else { tolerance.residual };
+        let threshold = if self.before.is_some() { tolerance.residual.ldexp(-2) } else { tolerance.residual };
         let mut evaluations = 1;
         loop {
             let correction = match self.before {
@@ -370,7 +370,7 @@ fn joint_correction<R: Real>(value: &Evaluation<R>, bound: R) -> R {
     let f = value.residual;
     // In fixed point σ is of order one: a quotient of 2 or more is beyond the bound, and might not fit. In floats σ has
     // any magnitude.
-    let least = if R::IS_FLOATING { R::zero() } else { f.abs().scale(-2) };
+    let least = if R::IS_FLOATING { R::zero() } else { f.abs().ldexp(-2) };
     if value.slope > least {
         return (f.half() / value.slope).max(-bound).min(bound);
     }

@@ -17,8 +17,8 @@ pub(crate) fn part_into_next<R: Real, const D: usize>(row: &Piece<R, D>, next: &
     let exponent = i32::from(row.joint_exponent);
     let part = part * row.ratio_at_joint();
     // Compared in the smaller scale, because the part in the larger scale might not fit a format without exponents.
-    let small = if !R::IS_FLOATING && exponent > 0 { part.min(greatest.scale(-exponent)) } else { part };
-    small.scale(exponent).min(greatest).signal("joint_step_per_chord")
+    let small = if !R::IS_FLOATING && exponent > 0 { part.min(greatest.ldexp(-exponent)) } else { part };
+    small.ldexp(exponent).min(greatest).signal("joint_step_per_chord")
 }
 
 /// Converts a part of one piece to a part of the next piece of the same span: the ratio of their widths is a power of

@@ -209,7 +209,7 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
         self.words.phase[lane] = state.phase;
         numbers.t[lane] = state.t;
         // Where another polynomial follows, a guess that may lead past the end is not tried in the common step.
-        let end = R::one() - R::one().scale(-20);
+        let end = R::one() - R::one().ldexp(-20);
         numbers.end[lane] = if row.joint == Joint::Continues { R::max_value() } else { end };
         true
     }
@@ -387,7 +387,7 @@ mod tests {
         let curve = NurbsBuf::try_new_nonrational(3, points, knots).unwrap();
         let limits = PieceLimits { length_mm: 32.0, step_mm: 0.2 };
         let table: PiecesBuf<R, 2> = compile::<DoubleDouble, R, 2>(&[curve.as_curve()], &limits).unwrap();
-        let unit = 1.0_f64.scale(table.as_pieces().chord_exponent);
+        let unit = 1.0_f64.ldexp(table.as_pieces().chord_exponent);
         let feed = |mm: f64| R::from_f64(mm * unit).unwrap();
         let stage = |i: i32| {
             let (from, to) = if i % 2 == 0 { (0.1, 0.2) } else { (0.2, 0.1) };

@@ -60,7 +60,7 @@ pub(crate) fn is_on_piece<R: Real, const D: usize>(
 fn leads_past_end<R: Real, const D: usize>(state: &PieceState<R, D>, row: &Piece<R, D>, guessed: R) -> bool {
     if R::IS_FLOATING {
         let rest = R::one() - state.t;
-        return guessed > rest + rest.scale(-8);
+        return guessed > rest + rest.ldexp(-8);
     }
     let rest = state.phase.wrapping_neg().wrapping_sub(1); // 2⁶⁴ - 1 - phase
     row.part(guessed).saturating_sub(rest) > rest / 256

@@ -73,12 +73,12 @@ pub(crate) fn interpolator<'a, R: Backend, const D: usize>(
     stages: &'a [LengthStage<R>],
 ) -> PieceInterpolator<'a, R, D> {
     let pieces = table.as_pieces();
-    let landing_step = (0.05 * path.feed_mm).scale(pieces.chord_exponent);
+    let landing_step = (0.05 * path.feed_mm).ldexp(pieces.chord_exponent);
     PieceInterpolator {
         pieces,
         lengths: StepLengths { stages },
         tolerance: ChordTolerance {
-            residual: R::from_f64(settings.residual).unwrap().max(R::resolution().scale(2)),
+            residual: R::from_f64(settings.residual).unwrap().max(R::resolution().ldexp(2)),
             max_evaluations: settings.max_evaluations,
         },
         landing_step: R::from_f64(landing_step).unwrap(),
@@ -91,7 +91,7 @@ pub(crate) fn run<R: Backend, const D: usize>(
     settings: &Settings,
 ) -> Result<Figures, CompileError> {
     let table: PiecesBuf<R, D> = compiled(path, settings)?;
-    let stages = swing::<R>(path.feed_mm.scale(table.as_pieces().chord_exponent));
+    let stages = swing::<R>(path.feed_mm.ldexp(table.as_pieces().chord_exponent));
     let interpolator = interpolator(path, settings, &table, &stages);
 
     let exact: Vec<_> = path.curves.iter().map(|curve| curve.convert::<DoubleDouble>().unwrap()).collect();
@@ -133,7 +133,7 @@ pub(crate) fn run<R: Backend, const D: usize>(
         }
         chord = chord + leg(&from, &to);
         let (high, low) = setpoint.length.to_f64_pair();
-        let wanted = DoubleDouble::new(high, low).scale(-table.as_pieces().chord_exponent);
+        let wanted = DoubleDouble::new(high, low).ldexp(-table.as_pieces().chord_exponent);
         if at.0 < table.places().len() && wanted.value() >= 0.25 * path.feed_mm {
             let delta = (DoubleDouble::from(1.0) - chord / wanted).value().abs();
             figures.cruise = figures.cruise.max(delta);

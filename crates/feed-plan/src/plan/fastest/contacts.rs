@@ -91,7 +91,7 @@ impl<R: Real> Profile<R> {
                 return None;
             }
             let moved = d1.abs().max(dh.abs()).max(d2.abs());
-            if moved <= h * R::resolution().scale(10) {
+            if moved <= h * R::resolution().ldexp(10) {
                 is_found = true;
                 break;
             }

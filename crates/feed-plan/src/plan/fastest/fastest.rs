@@ -58,7 +58,7 @@ pub(crate) fn section<R: Real>(
     // The ends are passed at their feeds; beside them the limit holds.
     points.first_mut()?.1 = feeds[0].min(first.1);
     points.last_mut()?.1 = feeds[1].min(last.1);
-    let step = (most.acceleration / most.jerk / R::from_ratio(NODES, 1)).max(most.period.scale(-2));
+    let step = (most.acceleration / most.jerk / R::from_ratio(NODES, 1)).max(most.period.ldexp(-2));
     let nodes = nodes(&points, [first.1, last.1], most.acceleration, step);
     let fastest = nodes.iter().fold(R::zero(), |most, node| most.max(node.free));
     let shortest = shortest(fastest, most.jerk);
@@ -158,7 +158,7 @@ fn points<R: Real>(
     jerk: R,
 ) -> Option<Vec<Point<R>>> {
     let mut points: Vec<Point<R>> = Vec::with_capacity(states.len());
-    let (gap, level) = (shortest.scale(1), (shortest * jerk).scale(1));
+    let (gap, level) = (shortest.ldexp(1), (shortest * jerk).ldexp(1));
     let mut node = 0;
     let last = states.len().checked_sub(1)?;
     for (k, state) in states.iter_mut().enumerate() {

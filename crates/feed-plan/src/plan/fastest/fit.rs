@@ -62,7 +62,7 @@ pub(crate) fn shortest<R: Real>(feed: R, jerk: R) -> R {
 
 /// By how much time is stretched for the roundings of feeds.
 pub(crate) fn rounding<R: Real>() -> R {
-    R::resolution().sqrt().scale(1)
+    R::resolution().sqrt().ldexp(1)
 }
 
 /// The time from one state to another at constant jerk.
@@ -73,15 +73,15 @@ pub(crate) fn time_between<R: Real>(from: &State<R>, to: &State<R>) -> Option<R>
         return None;
     }
     let sum = mean + square.sqrt();
-    (sum > R::zero()).then(|| length.scale(1) / sum)
+    (sum > R::zero()).then(|| length.ldexp(1) / sum)
 }
 
 fn arc<R: Real>(from: &State<R>, to: &State<R>) -> Option<[Piece<R>; 2]> {
     let time = time_between(from, to).filter(|time| time.is_finite())?;
     let mean = (from.a + to.a).half();
-    let a = ((to.v - from.v) / time).scale(1) - mean;
+    let a = ((to.v - from.v) / time).ldexp(1) - mean;
     let most = from.a.abs().max(to.a.abs());
-    let a = if (a - mean).abs() <= most * R::resolution().sqrt().scale(-2) { mean } else { a };
+    let a = if (a - mean).abs() <= most * R::resolution().sqrt().ldexp(-2) { mean } else { a };
     let half = time.half();
     let v = from.v + half * (from.a + a).half();
     let s = from.s + half * (from.v + v).half() - half * half * (a - from.a) * R::from_ratio(1, 12);
@@ -107,7 +107,7 @@ impl<R: Real> Bounds<'_, R> {
         let by_acceleration = over(acceleration, self.acceleration).half();
         let by_jerk = over(jerk, self.jerk) * R::from_ratio(1, 3);
         let mut broken = by_acceleration.max(by_jerk).max(R::zero());
-        if broken > R::one().scale(-3) {
+        if broken > R::one().ldexp(-3) {
             return broken; // The place at a time could be anywhere.
         }
         let (mut time, mut here) = (R::zero(), piece.from);
@@ -171,12 +171,12 @@ fn time_at<R: Real>(piece: &Piece<R>, jerk: R, place: R, (here, time): (State<R>
     let mut state = here;
     for _ in 0..STEPS {
         let off = place - state.s;
-        if !(state.v > off.abs().scale(-20)) {
+        if !(state.v > off.abs().ldexp(-20)) {
             // From rest.
             end = end + (piece.time - end).half();
         } else {
             end = (end + off / state.v).min(piece.time);
-            if off.abs() < (place - here.s).abs().scale(-20) {
+            if off.abs() < (place - here.s).abs().ldexp(-20) {
                 break;
             }
         }
@@ -204,14 +204,14 @@ impl<R: Real> Fit<R> {
 
 /// The pieces along the points.
 pub(crate) fn fit<R: Real>(points: &[Point<R>], bounds: &Bounds<'_, R>) -> Option<Fit<R>> {
-    let tolerance = R::one().scale(TOLERANCE);
+    let tolerance = R::one().ldexp(TOLERANCE);
     let judged = |from: usize, to: usize| -> Option<([Piece<R>; 2], R)> {
         let (from, to) = (points.get(from)?, points.get(to)?);
         let pieces = arc(&from.state, &to.state).filter(|pieces| bounds.lasts(pieces))?;
         let wanted = to.time - from.time;
-        let late = (pieces[0].time.scale(1) - wanted) / wanted - R::one().scale(SLOWER);
+        let late = (pieces[0].time.ldexp(1) - wanted) / wanted - R::one().ldexp(SLOWER);
         let broken = bounds.broken_by(&pieces, from.node);
-        Some((pieces, broken.max(late.scale(-2))))
+        Some((pieces, broken.max(late.ldexp(-2))))
     };
     let fits = |from: usize, to: usize| judged(from, to).is_some_and(|(_, broken)| broken <= tolerance);
     let last = points.len().checked_sub(1)?;

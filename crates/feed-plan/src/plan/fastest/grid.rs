@@ -59,7 +59,7 @@ pub(crate) fn limit_points<R: Real>(
 pub(crate) fn scan<R: Real>(points: &[(R, R)], acceleration: R) -> Vec<R> {
     let mut free: Vec<R> = points.iter().map(|point| point.1).collect();
     let reach = |from: R, to: R, length: R| {
-        let rise = (acceleration * length).scale(1);
+        let rise = (acceleration * length).ldexp(1);
         // √ is spared where it would change nothing.
         if to > from && to * to > from * from + rise { (from * from + rise).sqrt().min(to) } else { to }
     };
@@ -110,7 +110,7 @@ fn limit_at<R: Real>(from: &Node<R>, to: &Node<R>, s: R) -> R {
 fn corners<R: Real>(from: &Node<R>, to: &Node<R>, acceleration: R) -> [Option<Node<R>>; 2] {
     let length = to.s - from.s;
     let square = |v: R| v * v;
-    let (rise, slack) = ((acceleration * length).scale(1), R::one().scale(-16));
+    let (rise, slack) = ((acceleration * length).ldexp(1), R::one().ldexp(-16));
     let (b0, b1) = (square(from.limit), square(to.limit));
     let (f0, f1) = (square(from.free), square(to.free));
     // As shares of the length: where the line of a side meets the limit, or both lines meet.
@@ -144,14 +144,14 @@ fn divide<R: Real>(a: &Node<R>, b: &Node<R>, cell: (&Node<R>, &Node<R>), step: R
     if !(length > R::zero() && sum > R::zero()) {
         return;
     }
-    let duration = length.scale(1) / sum;
+    let duration = length.ldexp(1) / sum;
     let half = duration.half();
     // Times from each end, with gaps that grow by a quarter; mirrored, so that the middle is the widest.
     let mut times = Vec::new();
     let (mut time, mut gap) = (step, step);
     while time < half - gap.half() && times.len() < MOST {
         times.push(time);
-        gap = gap + gap.scale(-3);
+        gap = gap + gap.ldexp(-3);
         time = time + gap;
     }
     let middle = (duration > step + step.half()).then_some(half);

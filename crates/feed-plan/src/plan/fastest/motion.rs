@@ -37,14 +37,14 @@ pub(crate) fn time_over<R: Real>(length: R, v: R, a: R, jerk: R) -> R {
     let sixth = jerk * R::from_ratio(1, 6);
     // Each term alone takes longer than all together.
     let mut time = R::max_value();
-    if v > R::zero() && v > length.scale(-20) {
+    if v > R::zero() && v > length.ldexp(-20) {
         time = length / v;
         if a < R::zero() {
             time = time + time.half();
         }
     }
     if a > R::zero() {
-        time = time.min((length.scale(1) / a).sqrt());
+        time = time.min((length.ldexp(1) / a).sqrt());
     }
     if !(time < R::max_value()) || time * time * sixth > v {
         time = time.min(cube_root(length / sixth));
@@ -57,7 +57,7 @@ pub(crate) fn time_over<R: Real>(length: R, v: R, a: R, jerk: R) -> R {
         }
         let step = off / slope;
         time = time - step;
-        if !(step.abs() > time.abs() * R::resolution().scale(3)) {
+        if !(step.abs() > time.abs() * R::resolution().ldexp(3)) {
             break;
         }
     }

@@ -74,18 +74,18 @@ fn of_section<R: Real>(
     };
     let begin = limit.samples().get(first)?.point.distance;
     let lead = if feeds[0] > R::zero() { lead_in(feeds[0], &most) } else { R::zero() };
-    let planned = [feeds[0] - feeds[0].scale(LOWER), feeds[1]];
+    let planned = [feeds[0] - feeds[0].ldexp(LOWER), feeds[1]];
     let Fit { pieces, stretch, .. } = section(limit, [first, last], begin + lead, planned, &most)?;
     let slower = R::one() + stretch + rounding();
     let mut stages = Vec::with_capacity(pieces.len() + 2);
     if feeds[0] > R::zero() {
         let to = pieces.first()?.from.v / slower;
         // It was planned to be stretched by as much at most.
-        if !(to >= feeds[0] - feeds[0].scale(LOWER + 1)) {
+        if !(to >= feeds[0] - feeds[0].ldexp(LOWER + 1)) {
             return None;
         }
         stages.extend(leading(begin, lead, [feeds[0], to]));
-    } else if !(stretch <= R::one().scale(MOST_STRETCHED)) {
+    } else if !(stretch <= R::one().ldexp(MOST_STRETCHED)) {
         return None;
     }
     for piece in &pieces {
@@ -98,9 +98,9 @@ fn of_section<R: Real>(
 
 /// The way in which a feed falls by 2⁻⁹ of itself at most, within half of J: two pieces of the time τ with `ΔV = J τ²/2`.
 fn lead_in<R: Real>(feed: R, most: &Most<R>) -> R {
-    let fall = feed.scale(LOWER + 1);
-    let time = (fall.scale(1) / most.jerk).sqrt().max(fall.scale(1) / most.acceleration);
-    (feed * time).scale(1)
+    let fall = feed.ldexp(LOWER + 1);
+    let time = (fall.ldexp(1) / most.jerk).sqrt().max(fall.ldexp(1) / most.acceleration);
+    (feed * time).ldexp(1)
 }
 
 /// Two stages over a length, without acceleration at their ends.

@@ -36,7 +36,7 @@ impl<R: Real> Cells<R> {
         for k in 1..count {
             let ((s0, v0), (s1, v1)) = (at(k - 1), at(k));
             let sum = v0 + v1;
-            let time = if sum > R::zero() { (s1 - s0).scale(1) / sum } else { R::zero() };
+            let time = if sum > R::zero() { (s1 - s0).ldexp(1) / sum } else { R::zero() };
             cells.acceleration.push(if time > R::zero() { (v1 - v0) / time } else { R::zero() });
             cells.time.push(time);
         }
@@ -92,7 +92,7 @@ pub(crate) fn bends<R: Real>(
             let theta = wanted(arrival, departure);
             let place = (first..last).find(|k| cells.acceleration[*k] >= theta).unwrap_or(last);
             let theta = theta.max(cells.acceleration[place - 1]).min(cells.acceleration[place]);
-            let most = (jerk * feeds[place]).scale(1).sqrt() * R::from_ratio(9, 10);
+            let most = (jerk * feeds[place]).ldexp(1).sqrt() * R::from_ratio(9, 10);
             let most = most.min(acceleration);
             (place, theta.min(most).max(R::zero() - most))
         });

@@ -100,7 +100,7 @@ fn mirrored<R: Real>(bend: Bend<R>) -> Bend<R> {
 fn drop_passed<R: Real>(bends: &mut [Bend<R>], feeds: &[R], reached: &[Reached<R>]) -> bool {
     let mut is_changed = false;
     for ((bend, feed), reached) in bends.iter_mut().zip(feeds).zip(reached) {
-        if matches!(bend, Bend::Touch(_)) && reached.v < *feed - feed.scale(-30) {
+        if matches!(bend, Bend::Touch(_)) && reached.v < *feed - feed.ldexp(-30) {
             *bend = Bend::Mild;
             is_changed = true;
         }
@@ -162,8 +162,8 @@ fn step<R: Real>(length: R, (v, a): (R, R), acceleration: R, jerk: R) -> (R, R, 
     let saturated = || {
         // Δs = v h + h² (2a + A)/6.
         let sixth = (a + a + acceleration) * R::from_ratio(1, 6);
-        let root = (v * v + (sixth * length).scale(2)).sqrt();
-        let time = length.scale(1) / (v + root);
+        let root = (v * v + (sixth * length).ldexp(2)).sqrt();
+        let time = length.ldexp(1) / (v + root);
         let used = if time > R::zero() { (acceleration - a) / time } else { R::zero() };
         (v + time * (a + acceleration).half(), acceleration, used)
     };
@@ -194,7 +194,7 @@ fn along_the_limit<R: Real>(carriers: &mut [Carrier<R>], places: &[R], jerk: R) 
         let Some(to) = carriers.get(k + 1).copied() else { break };
         let sum = from.v + to.v;
         if to.jerk_before == unknown && sum > R::zero() {
-            let time = (places[k + 1] - places[k]).scale(1) / sum;
+            let time = (places[k + 1] - places[k]).ldexp(1) / sum;
             let change = if time > R::zero() { (to.a - from.a) / time } else { R::zero() };
             let change = change.min(most).max(R::zero() - most);
             carriers[k].jerk_behind = change;
