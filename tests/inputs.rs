@@ -35,7 +35,7 @@ pub fn on_paper_as_machine<const D: usize>(name: &str, curve: NurbsBuf<f64, D>) 
     Problem {
         name: name.to_string(),
         curves: vec![curve],
-        feed_shares: Vec::new(),
+        feeds_mm_per_s: Vec::new(),
         stops: Vec::new(),
         breaks: Vec::new(),
         lines: Vec::new(),

@@ -150,7 +150,7 @@ pub(crate) fn say_warnings(part: &Part) {
 /// The problem. Notes say what it leaves out and where it differs from the part.
 fn problem<const D: usize>(part: &Part, machine: &Machine) -> Result<Problem<D>> {
     let problem = Problem::new(part, machine)?;
-    say_feeds(part, problem.machine.feedrate_mm_per_s);
+    say_feeds(part, problem.feedrate_mm_per_s());
     for (count, one, many, why) in [
         (
             problem.rapids_left_out,

@@ -342,10 +342,9 @@ impl Base {
         for point in part.curves.iter_mut().flat_map(|curve| &mut curve.control_points_mm) {
             *point = point.map(|x| x * scale);
         }
-        part.feedrate_mm_per_s = Some(feed_mm_per_s);
         let mut machine = self.machine.clone();
         machine.interpolation_period_ms = period_ms;
-        Ok(Problem::new(&part, &machine)?)
+        Ok(Problem::new(&part, &machine)?.at_feedrate(feed_mm_per_s))
     }
 }
 

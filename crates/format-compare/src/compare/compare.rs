@@ -22,7 +22,7 @@ use crate::size::fewest_bits::FewestBits;
 pub struct Comparison {
     /// The part that was run.
     pub part: PartSummary,
-    /// The machine's limits.
+    /// The machine's limits, with the highest commanded feedrate in place of its own.
     pub machine: Machine,
     /// The reference against which the formats are judged.
     pub reference: &'static str,
@@ -56,9 +56,9 @@ pub struct PartSummary {
     pub rapids_left_out: usize,
     /// Arc length, in mm.
     pub length_mm: f64,
-    /// The lowest feedrate that a move commands, in mm/s; absent if all moves command the machine's feedrate.
+    /// How long the plan takes that all formats run, in s; absent if each format plans for itself.
     pub planned_time_s: Option<f64>,
-    /// The lowest feedrate that a move commands, in mm/s; absent where all command the machine's.
+    /// The lowest feedrate that a move commands, in mm/s; absent if all moves have the same one.
     pub lowest_feedrate_mm_per_s: Option<f64>,
 }
 
@@ -130,6 +130,8 @@ where
         formats.iter().flat_map(|format| engines.iter().map(|engine| (format.as_ref(), *engine))).collect();
     let (runs, kept): (Vec<_>, Vec<T>) = in_parallel(&runs, |run| judged(*run)).into_iter().unzip();
     let recommended = runs.iter().find(|run| run.verdict.is_good());
+    let feedrate_mm_per_s = problem.feedrate_mm_per_s();
+    let lowest = problem.feeds_mm_per_s.iter().copied().reduce(f64::min);
     let comparison = Comparison {
         part: PartSummary {
             name: problem.name.clone(),
@@ -137,14 +139,9 @@ where
             rapids_left_out: problem.rapids_left_out,
             length_mm: reference.length_mm(),
             planned_time_s: common.map(|plan| problem.period_s() * f64::from(plan.periods())),
-            lowest_feedrate_mm_per_s: problem
-                .feed_shares
-                .iter()
-                .copied()
-                .reduce(f64::min)
-                .map(|share| share * problem.machine.feedrate_mm_per_s),
+            lowest_feedrate_mm_per_s: lowest.filter(|lowest| *lowest < feedrate_mm_per_s),
         },
-        machine: problem.machine.clone(),
+        machine: Machine { feedrate_mm_per_s, ..problem.machine.clone() },
         reference: "double-double, 106 bits",
         recommended: recommended.map(|run| run.format.clone()),
         recommended_engine: recommended.map(|run| run.engine),

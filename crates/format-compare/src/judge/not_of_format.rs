@@ -5,7 +5,7 @@
 
 use std::fmt;
 
-use part_program::{Junction, Machine};
+use part_program::Junction;
 use real::Backend;
 use serde::Serialize;
 
@@ -110,9 +110,8 @@ where
         helps: Vec::new(),
         does_not_help: Vec::new(),
     };
-    for tries in changes(&problem.machine) {
-        for (change, machine) in tries {
-            let changed = Problem { machine, ..problem.clone() };
+    for tries in changes(problem) {
+        for (change, changed) in tries {
             let Some(judged) = run(&changed, &reference, &options) else { continue };
             if judged.verdict.is_good() {
                 found.helps.push(Remedy { change, time_s: time(&judged) });
@@ -155,15 +154,15 @@ fn is_beyond_rounding(one: &Requirement, run: &JudgedRun, full_step_mm: f64) -> 
 }
 
 /// Lists of changes that may help. Of each list, the first change that helps counts.
-fn changes(machine: &Machine) -> Vec<Vec<(String, Machine)>> {
+fn changes<const D: usize>(problem: &Problem<D>) -> Vec<Vec<(String, Problem<D>)>> {
     let mut changes = Vec::new();
-    if machine.junction != Junction::Stop {
-        let stop = Machine { junction: Junction::Stop, ..machine.clone() };
+    if problem.machine.junction != Junction::Stop {
+        let mut stop = problem.clone();
+        stop.machine.junction = Junction::Stop;
         changes.push(vec![("`junction = \"stop\"` in the machine file".to_string(), stop)]);
     }
     let slower = [("half", 0.5), ("a quarter", 0.25)].map(|(words, share)| {
-        let feedrate_mm_per_s = machine.feedrate_mm_per_s * share;
-        (format!("{words} of the feed everywhere"), Machine { feedrate_mm_per_s, ..machine.clone() })
+        (format!("{words} of the feed everywhere"), problem.at_feedrate(problem.feedrate_mm_per_s() * share))
     });
     changes.push(slower.to_vec());
     changes
@@ -171,6 +170,8 @@ fn changes(machine: &Machine) -> Vec<Vec<(String, Machine)>> {
 
 #[cfg(test)]
 mod tests {
+    use part_program::Machine;
+
     use super::*;
     use crate::examples::{judged, mill};
 

@@ -27,6 +27,21 @@ pub struct ExactPlan {
     limit: OnceLock<FeedLimit<f64>>,
 }
 
+/// The feed of each curve in the format `R`, in mm per period, if the highest is `highest`. The format rounds the ratio
+/// of each feedrate to the highest, for many formats hold no feedrate in mm/s.
+fn feeds_in_format<R: Backend, const D: usize>(
+    problem: &Problem<D>,
+    highest: R,
+) -> Result<impl Fn(usize) -> R, Refusal> {
+    let feedrate = problem.feedrate_mm_per_s();
+    let feed = |feed: &f64| match feed / feedrate {
+        ratio if ratio < 1.0 => Ok(highest * in_format::<R>("feedrate of a move", ratio)?),
+        _ => Ok(highest),
+    };
+    let feeds = problem.feeds_mm_per_s.iter().map(feed).collect::<Result<Vec<_>, Refusal>>()?;
+    Ok(move |curve: usize| feeds.get(curve).copied().unwrap_or(highest))
+}
+
 /// Plans the problem with its curves and limits in the format `R`.
 fn planned<R: Backend, C: Differentiate<R, D>, const D: usize>(
     curves: &[C],
@@ -35,9 +50,7 @@ fn planned<R: Backend, C: Differentiate<R, D>, const D: usize>(
     end_feeds_mm_per_s: [f64; 2],
     profile: ProfileKind,
 ) -> Result<Planned<R>, Refusal> {
-    let shares = problem.feed_shares.iter().map(|share| in_format("feedrate of a move", *share));
-    let shares = shares.collect::<Result<Vec<R>, _>>()?;
-    let feed_of = |curve: usize| shares.get(curve).map_or(limits.feedrate, |share| limits.feedrate * *share);
+    let feed_of = feeds_in_format(problem, limits.feedrate)?;
     let limit = FeedLimit::along_with_stops(curves, limits, &problem.stops)?.capped(feed_of)?;
     let [start, end] = end_feeds_mm_per_s.map(|feed| feed * problem.period_s());
     let ends = EndFeeds { start: in_format("start feed", start)?, end: in_format("end feed", end)? };
@@ -97,7 +110,7 @@ impl ExactPlan {
     ) -> Result<Self, Refusal> {
         let limits = problem.limits_per_period()?;
         let (mut stages, mut periods, mut time) = (Vec::new(), 0.0, 0.0_f64);
-        let feed_of = |curve: usize| limits.feedrate * problem.feed_share(curve);
+        let feed_of = feeds_in_format(problem, limits.feedrate)?;
         let curves = problem.curves.iter().enumerate().map(|(index, curve)| CommandedCurve {
             curve: curve.as_curve(),
             feed: feed_of(index),

@@ -134,8 +134,8 @@ impl PlanSummary {
         let length_mm: f64 = stages.iter().map(|s| s.length_mm).sum();
         let [mut full_mm, mut commanded_mm] = [0.0; 2];
         for row in &stages {
-            let shares = (row.curve_start..=row.curve_end).map(|curve| problem.feed_share(curve));
-            let commanded = shares.fold(1.0, f64::min) * problem.machine.feedrate_mm_per_s;
+            let feeds = (row.curve_start..=row.curve_end).map(|curve| problem.feed_mm_per_s(curve));
+            let commanded = feeds.fold(f64::INFINITY, f64::min);
             if row.start_feed_mm_per_s.min(row.end_feed_mm_per_s) >= commanded * (1.0 - AT_FEED) {
                 full_mm += row.length_mm;
                 commanded_mm += row.time_s * commanded;

@@ -56,7 +56,7 @@ impl LeastPeriods {
             (by_acceleration, ("an acceleration of", acceleration, "mm/s²")),
             (by_jerk, ("a jerk of", jerk, "mm/s³")),
         ];
-        let feed = machine.feedrate_mm_per_s;
+        let feed = problem.feedrate_mm_per_s();
         let first = (length_mm / feed, ("a feedrate of", feed, "mm/s"));
         let (time_s, limit) =
             limits.into_iter().fold(first, |most, one| if one.0 > most.0 { one } else { most });

@@ -19,8 +19,8 @@ pub struct Problem<const D: usize> {
     pub name: String,
     /// The curves, in the order in which they are followed.
     pub curves: Vec<NurbsBuf<f64, D>>,
-    /// The feedrate of each curve, as a share of the machine's; empty if all are 1.
-    pub feed_shares: Vec<f64>,
+    /// The commanded feedrate of each curve, in mm/s; empty if the part commands none, and the machine's holds.
+    pub feeds_mm_per_s: Vec<f64>,
     /// Numbers of the curves that begin at rest whatever their direction, in order: those behind an exact stop, a rapid
     /// move, a gap, or a word for the machine such as M8.
     pub stops: Vec<usize>,
@@ -34,7 +34,7 @@ pub struct Problem<const D: usize> {
     pub gaps: usize,
     /// The largest distance of a printer's filament position from 0, in mm, if the part counts the position.
     pub filament_mm: Option<f64>,
-    /// The machine's limits. Their feedrate is the highest that the part commands, if it commands one.
+    /// The machine's limits.
     pub machine: Machine,
 }
 
@@ -61,7 +61,7 @@ impl<const D: usize> Problem<D> {
             rapids_left_out == 0 || !is_rapid
         });
         let (indices, taken): (Vec<_>, Vec<_>) = taken.unzip();
-        let feed_shares = feed_shares(part, indices.iter().copied());
+        let feeds_mm_per_s = commanded_feeds(part, &indices);
         let lines = indices.iter().map_while(|index| part.moves.get(*index)).map(|one| one.line).collect();
         let (mut stops, mut breaks, mut gaps) = (Vec::new(), Vec::new(), 0);
         for (curve, pair) in (1..).zip(indices.windows(2)) {
@@ -78,16 +78,12 @@ impl<const D: usize> Problem<D> {
             NurbsBuf::try_new(curve.degree, points, curve.weights.clone(), curve.knots.clone())
         });
         let curves = curves.collect::<Result<_, _>>()?;
-        let mut machine = machine.clone();
-        if let Some(feedrate) = part.feedrate_mm_per_s {
-            machine.feedrate_mm_per_s = feedrate;
-        }
-        let name = part.name.clone();
+        let (name, machine) = (part.name.clone(), machine.clone());
         let filament_mm = part.filament.map(|filament| filament.greatest_mm.max(-filament.least_mm));
         Ok(Self {
             name,
             curves,
-            feed_shares,
+            feeds_mm_per_s,
             stops,
             breaks,
             lines,
@@ -107,7 +103,7 @@ impl<const D: usize> Problem<D> {
         };
         Self {
             curves: self.curves.get(curves.clone()).unwrap_or_default().to_vec(),
-            feed_shares: self.feed_shares.get(curves.clone()).unwrap_or_default().to_vec(),
+            feeds_mm_per_s: self.feeds_mm_per_s.get(curves.clone()).unwrap_or_default().to_vec(),
             lines: self.lines.get(curves.clone()).unwrap_or_default().to_vec(),
             stops: of_range(&self.stops),
             breaks: of_range(&self.breaks),
@@ -120,10 +116,30 @@ impl<const D: usize> Problem<D> {
         self.stops.binary_search(&curve).is_ok()
     }
 
-    /// The feedrate of a curve, as a share of the machine's.
+    /// The highest commanded feedrate F, in mm/s.
     #[must_use]
-    pub fn feed_share(&self, curve: usize) -> f64 {
-        self.feed_shares.get(curve).copied().unwrap_or(1.0)
+    pub fn feedrate_mm_per_s(&self) -> f64 {
+        self.feeds_mm_per_s.iter().copied().reduce(f64::max).unwrap_or(self.machine.feedrate_mm_per_s)
+    }
+
+    /// The commanded feedrate of a curve, in mm/s.
+    #[must_use]
+    pub fn feed_mm_per_s(&self, curve: usize) -> f64 {
+        self.feeds_mm_per_s.get(curve).copied().unwrap_or(self.machine.feedrate_mm_per_s)
+    }
+
+    /// The problem with this highest feedrate F, in mm/s. The other feedrates keep their ratios to the highest.
+    #[must_use]
+    pub fn at_feedrate(&self, feedrate_mm_per_s: f64) -> Self {
+        let mut changed = self.clone();
+        let highest = self.feedrate_mm_per_s();
+        for feed in &mut changed.feeds_mm_per_s {
+            *feed = feedrate_mm_per_s * (*feed / highest);
+        }
+        if changed.feeds_mm_per_s.is_empty() {
+            changed.machine.feedrate_mm_per_s = feedrate_mm_per_s;
+        }
+        changed
     }
 
     /// The refusal for curves that cannot be compiled, with the place in the part.
@@ -141,7 +157,8 @@ impl<const D: usize> Problem<D> {
     pub fn feed_limit(&self) -> Result<FeedLimit<f64>, PlanError> {
         let limits = self.limits_per_period()?;
         let limit = FeedLimit::along_with_stops(&self.fast_curves(), &limits, &self.stops)?;
-        limit.capped(|curve| limits.feedrate * self.feed_share(curve))
+        let feedrate = self.feedrate_mm_per_s();
+        limit.capped(|curve| limits.feedrate * (self.feed_mm_per_s(curve) / feedrate))
     }
 
     /// The interpolation period T, in s.
@@ -150,10 +167,10 @@ impl<const D: usize> Problem<D> {
         self.machine.interpolation_period_ms / 1000.0
     }
 
-    /// The step F·T of a period at the commanded feed, in mm.
+    /// The step F·T of a period at the highest commanded feed, in mm.
     #[must_use]
     pub fn full_step_mm(&self) -> f64 {
-        self.machine.feedrate_mm_per_s * self.period_s()
+        self.feedrate_mm_per_s() * self.period_s()
     }
 
     /// The limits with the interpolation period as the unit of time: F·T, A·T², J·T³ in mm per period to the first,
@@ -196,13 +213,12 @@ fn rapid_moves(part: &Part) -> usize {
     if rapids == part.moves.len() { 0 } else { rapids }
 }
 
-/// The feedrates of these moves over the highest of the part; empty if all are the highest. A move without a feedrate
-/// has the highest.
-fn feed_shares(part: &Part, moves: impl Iterator<Item = usize>) -> Vec<f64> {
-    let Some(highest) = part.highest_feedrate() else { return Vec::new() };
-    let own = |index: usize| part.moves.get(index).and_then(|one| one.feedrate_mm_per_s);
-    let shares: Vec<_> = moves.map(|index| own(index).map_or(1.0, |feedrate| feedrate / highest)).collect();
-    if shares.iter().all(|share| *share >= 1.0) { Vec::new() } else { shares }
+/// The commanded feedrates of these moves, in mm/s; empty if the part commands none. A move without a feedrate has the
+/// highest of the part.
+fn commanded_feeds(part: &Part, moves: &[usize]) -> Vec<f64> {
+    let Some(highest) = part.feedrate_mm_per_s else { return Vec::new() };
+    let own = |index: &usize| part.moves.get(*index).and_then(|one| one.feedrate_mm_per_s);
+    moves.iter().map(|index| own(index).unwrap_or(highest)).collect()
 }
 
 #[cfg(test)]
@@ -225,8 +241,9 @@ mod tests {
     #[test]
     fn each_move_has_its_own_feedrate() {
         let problem = problem("G0 X0 Y0\nG1 X10 F600\nG0 X20\nG1 X40 F6000\nX60\n");
-        assert_eq!(problem.machine.feedrate_mm_per_s, 100.0);
-        assert_eq!([0, 1, 2].map(|curve| problem.feed_share(curve)), [0.1, 1.0, 1.0]);
+        assert_eq!((problem.feedrate_mm_per_s(), problem.machine.feedrate_mm_per_s), (100.0, 200.0));
+        assert_eq!(problem.feeds_mm_per_s, [10.0, 100.0, 100.0]);
+        assert_eq!(problem.at_feedrate(50.0).feeds_mm_per_s, [5.0, 50.0, 50.0]);
         let limit = problem.feed_limit().unwrap();
         let at = |distance: f64| limit.at(distance) / problem.period_s();
         assert!(

@@ -108,9 +108,8 @@ impl Overrides {
     /// without the reserve.
     #[must_use]
     pub fn to_plan<const D: usize>(&self, problem: &Problem<D>) -> Problem<D> {
-        let mut problem = problem.clone();
+        let mut problem = problem.at_feedrate(problem.feedrate_mm_per_s() * self.highest());
         let (machine, kept) = (&mut problem.machine, 1.0 - self.reserve);
-        machine.feedrate_mm_per_s *= self.highest();
         machine.acceleration_mm_per_s2 *= kept;
         machine.jerk_mm_per_s3 *= kept;
         for axis in [&mut machine.axes.x, &mut machine.axes.y, &mut machine.axes.z] {
