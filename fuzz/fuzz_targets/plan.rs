@@ -8,12 +8,12 @@ use feedbits_fuzz::{MOST_PERIODS, expect};
 use libfuzzer_sys::fuzz_target;
 use nurbs_core::NurbsBuf;
 use real::{Backend, I16F16, I32F32};
-use stress::{Planned, RandomPath, any_number};
+use stress::{PlannedPath, RandomPath, any_number};
 
 fuzz_target!(|bytes: &[u8]| {
     let mut bytes = Unstructured::new(bytes);
     let Some(path) = RandomPath::<2>::draw(&mut bytes) else { return };
-    if let Some(planned) = Planned::new(&path, MOST_PERIODS) {
+    if let Some(planned) = PlannedPath::new(&path, MOST_PERIODS) {
         expect(planned.check());
     }
     // Any limits, near usual ones and far from them: a plan or a refusal.

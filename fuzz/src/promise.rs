@@ -9,7 +9,7 @@ use part_program::{
 };
 use real::Backend;
 use secant_interp::Method;
-use stress::{OnCurve, OnPieces, Planned, RandomPath, Violation};
+use stress::{OnCurve, OnPieces, PlannedPath, RandomPath, Violation};
 
 /// The longest plan that a fuzzer has time for.
 pub const MOST_PERIODS: u32 = 2_000;
@@ -30,7 +30,7 @@ pub fn runs<R: Backend>(bytes: &[u8]) {
     let Some(path) = RandomPath::<2>::from_bytes(bytes) else { return };
     let path = if bytes.len() % 2 == 1 { path.passing_corners() } else { path };
     let path = if bytes.len() % 4 >= 2 { path.fastest() } else { path };
-    let Some(planned) = Planned::new(&path, MOST_PERIODS) else { return };
+    let Some(planned) = PlannedPath::new(&path, MOST_PERIODS) else { return };
     if let Ok(run) = OnPieces::<R, 2>::new(&planned) {
         expect(run.run());
     }

@@ -37,12 +37,12 @@ pub(crate) struct Measure {
     /// In mm, within 1e-7 mm a knot span.
     pub(crate) length_mm: f64,
     /// `None` on a straight line.
-    pub(crate) sharpest: Option<Place>,
+    pub(crate) sharpest: Option<SharpestBend>,
 }
 
 /// A place of a curve with the radius of its bend there.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Place {
+pub(crate) struct SharpestBend {
     pub(crate) parameter: f64,
     pub(crate) point_mm: [f64; 3],
     pub(crate) radius_mm: f64,
@@ -60,7 +60,7 @@ pub(crate) fn measure(curve: &Curve, shape: Shape) -> Measure {
     let nurbs = nurbs.as_curve();
     let (first, last) = nurbs.domain();
     let length_mm = arc_length(&nurbs, first, last, LENGTH_TOLERANCE_MM).length;
-    let mut sharpest: Option<Place> = None;
+    let mut sharpest: Option<SharpestBend> = None;
     for span in 0..nurbs.span_count() {
         let place = match shape {
             Shape::Arc => {
@@ -75,12 +75,12 @@ pub(crate) fn measure(curve: &Curve, shape: Shape) -> Measure {
     Measure { length_mm, sharpest }
 }
 
-fn place(curve: &impl Differentiate<f64, 3>, span: usize, parameter: f64) -> Place {
+fn place(curve: &impl Differentiate<f64, 3>, span: usize, parameter: f64) -> SharpestBend {
     let derivatives = curve.derivatives_in(span, parameter);
-    Place { parameter, point_mm: derivatives.point, radius_mm: radius(&derivatives) }
+    SharpestBend { parameter, point_mm: derivatives.point, radius_mm: radius(&derivatives) }
 }
 
-fn sharpest_in(curve: &impl Differentiate<f64, 3>, span: usize) -> Place {
+fn sharpest_in(curve: &impl Differentiate<f64, 3>, span: usize) -> SharpestBend {
     let search = Search::new(curve, span);
     let middle = place(curve, span, f64::midpoint(search.from, search.to));
     let seen = search.candidates().into_iter().filter_map(|u| search.seen(u));
@@ -155,7 +155,7 @@ impl<'c, C: Differentiate<f64, 3>> Search<'c, C> {
     }
 
     /// The bend at a parameter; `None` if rounding decides it.
-    fn seen(&self, u: f64) -> Option<Place> {
+    fn seen(&self, u: f64) -> Option<SharpestBend> {
         let (begin, end) = self.curve.domain();
         let near = NEAR_END * (self.to - self.from);
         let is_near_end = u - begin < near || end - u < near;
@@ -168,7 +168,7 @@ impl<'c, C: Differentiate<f64, 3>> Search<'c, C> {
             let (before, after) = self.beside(u);
             speed <= NO_DIRECTION * self.speed(before).max(self.speed(after))
         };
-        Some(if stands_still { Place { radius_mm: 0.0, ..seen } } else { seen })
+        Some(if stands_still { SharpestBend { radius_mm: 0.0, ..seen } } else { seen })
     }
 
     /// The interval of a sixteenth of the samples' distance to both sides, within the span.

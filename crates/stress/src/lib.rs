@@ -4,7 +4,7 @@
 //! |---|---|
 //! | which path, within which limits? | [`RandomPath`], made from bytes of a fuzzer, a property test or a seeded generator |
 //! | which numbers, valid or not? | [`any_curve`], [`any_number`] |
-//! | what does the plan promise? | [`Planned`], [`Planned::check`] |
+//! | what does the plan promise? | [`PlannedPath`], [`PlannedPath::check`] |
 //! | what does each step on pieces promise? | [`OnPieces`] |
 //! | what does each step on the global parameter promise? | [`OnCurve`] |
 //! | are pieces the curve that they were compiled from? | [`check_pieces`] |
@@ -18,7 +18,7 @@ mod generate;
 mod on_curve;
 mod on_pieces;
 mod piece_points;
-mod planned;
+mod planned_path;
 mod side_by_side;
 mod soak;
 mod split_mix;
@@ -29,7 +29,7 @@ pub use generate::{RandomPath, any_curve, any_number};
 pub use on_curve::{CurveFigures, OnCurve};
 pub use on_pieces::{OnPieces, PieceFigures};
 pub use piece_points::check_pieces;
-pub use planned::Planned;
+pub use planned_path::PlannedPath;
 pub use side_by_side::check_against_float;
 pub use soak::{
     SOAK_FORMATS, Soak, SoakFormat, SoakPaths, SoakViolation, Soaked, SoakedPath, SoakedRun, soak_path,

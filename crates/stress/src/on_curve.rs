@@ -5,12 +5,12 @@ use nurbs_core::{Differentiate, Evaluate, NurbsBuf};
 use real::{Backend, FormatName, Real};
 use secant_interp::{Interpolator, Method, Outcome as Ending, Tolerance};
 
-use crate::Planned;
+use crate::PlannedPath;
 use crate::violation::{Outcome, Violation, demand};
 
 /// A curve and its plan in `R`, ready to run.
 pub struct OnCurve<'a, R, const D: usize> {
-    planned: &'a Planned<'a, D>,
+    planned: &'a PlannedPath<'a, D>,
     curve: NurbsBuf<R, D>,
     stages: Vec<Stage<R>>,
     tolerance: Tolerance<R>,
@@ -55,7 +55,7 @@ impl<'a, R: Backend, const D: usize> OnCurve<'a, R, D> {
     ///
     /// # Errors
     /// A text that says which number does not fit.
-    pub fn new(planned: &'a Planned<'a, D>) -> Result<Self, String> {
+    pub fn new(planned: &'a PlannedPath<'a, D>) -> Result<Self, String> {
         let [curve] = planned.path.curves.as_slice() else {
             return Err("one global parameter runs one curve".to_string());
         };

@@ -5,14 +5,14 @@ use nurbs_core::ORIGIN_EXPONENT;
 use real::{Backend, Counted, FormatName, OperationCounts, Real};
 use secant_interp::{ChordTolerance, CompiledPath, LengthStage, PieceInterpolator, PieceSetpoint};
 
-use crate::Planned;
+use crate::PlannedPath;
 use crate::piece_points::{Judge, compiled};
 use crate::step_bound::{StepBound, StepShape};
 use crate::violation::{Outcome, Violation, demand};
 
 /// Path, plan and tolerances in `R`, ready to run.
 pub struct OnPieces<'a, R, const D: usize> {
-    planned: &'a Planned<'a, D>,
+    planned: &'a PlannedPath<'a, D>,
     path: CompiledPath<R, D>,
 }
 
@@ -67,7 +67,7 @@ impl<'a, R: Backend, const D: usize> OnPieces<'a, R, D> {
     ///
     /// # Errors
     /// A text that says which number does not fit.
-    pub fn new(planned: &'a Planned<'a, D>) -> Result<Self, String> {
+    pub fn new(planned: &'a PlannedPath<'a, D>) -> Result<Self, String> {
         let table = compiled::<R, D>(planned.path, &planned.stops())?;
         let tolerance = ChordTolerance::for_fluctuation(None, planned.path.max_evaluations);
         let stages = planned.stages();

@@ -6,7 +6,7 @@ use nurbs_core::{
 use real::{Backend, DoubleDouble, Real};
 
 use crate::violation::{Outcome, Violation, demand};
-use crate::{Planned, RandomPath};
+use crate::{PlannedPath, RandomPath};
 
 /// Part of a piece over which its direction is measured.
 const TANGENT: f64 = 1e-6;
@@ -33,7 +33,7 @@ pub(crate) struct Judge<const D: usize> {
 }
 
 impl<const D: usize> Judge<D> {
-    pub(crate) fn new(planned: &Planned<'_, D>) -> Result<Self, String> {
+    pub(crate) fn new(planned: &PlannedPath<'_, D>) -> Result<Self, String> {
         Ok(Self { table: compiled::<f64, D>(planned.path, &planned.stops())? })
     }
 

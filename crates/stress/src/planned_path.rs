@@ -8,7 +8,7 @@ use crate::violation::{Violation, demand};
 
 /// A path with its plan, made in f64.
 #[derive(Debug)]
-pub struct Planned<'a, const D: usize> {
+pub struct PlannedPath<'a, const D: usize> {
     /// The path.
     pub path: &'a RandomPath<D>,
     /// The largest feed at each distance.
@@ -24,7 +24,7 @@ pub struct Planned<'a, const D: usize> {
 /// The rounding that is allowed in a quantity of the plan: 10⁻¹² is promised, over some hundred stages.
 const ROUNDING: f64 = 1e-9;
 
-impl<'a, const D: usize> Planned<'a, D> {
+impl<'a, const D: usize> PlannedPath<'a, D> {
     /// Plans from rest to rest; `None` for a path that is refused or takes more than `most_periods` periods.
     #[must_use]
     pub fn new(path: &'a RandomPath<D>, most_periods: u32) -> Option<Self> {

@@ -5,7 +5,7 @@ use real::{Backend, FormatName, Real};
 
 use crate::piece_points::Judge;
 use crate::violation::{Outcome, Violation, demand};
-use crate::{OnPieces, Planned};
+use crate::{OnPieces, PlannedPath};
 
 /// Runs `R` and f64 along the same pieces by the same plan and compares them. After n steps they may differ by n times
 /// the bound of a chord's error, and by half as much again for the path's bends. Behind a corner of a right angle or
@@ -14,7 +14,7 @@ use crate::{OnPieces, Planned};
 /// # Errors
 /// The first step at which they differ by more.
 pub fn check_against_float<R: Backend, const D: usize>(
-    planned: &Planned<'_, D>,
+    planned: &PlannedPath<'_, D>,
 ) -> Result<Outcome<f64>, Violation> {
     let (fixed, float) = match (OnPieces::<R, D>::new(planned), OnPieces::<f64, D>::new(planned)) {
         (Ok(fixed), Ok(float)) => (fixed, float),

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::piece_points::{Judge, compiled};
 use crate::violation::{Outcome, Violation};
-use crate::{OnPieces, PieceFigures, Planned, RandomPath, SplitMix64};
+use crate::{OnPieces, PieceFigures, PlannedPath, RandomPath, SplitMix64};
 
 /// Number of bytes from which a path is drawn.
 const BYTES: usize = 1500;
@@ -24,7 +24,7 @@ type Run = Result<Outcome<PieceFigures>, Violation>;
 struct InFormat<const D: usize> {
     /// Whether the path's pieces fit the format.
     fits: fn(&RandomPath<D>, Option<RuntimeFormat>) -> bool,
-    run: fn(&Planned<'_, D>, &Judge<D>, Option<RuntimeFormat>) -> Run,
+    run: fn(&PlannedPath<'_, D>, &Judge<D>, Option<RuntimeFormat>) -> Run,
 }
 
 impl<const D: usize> InFormat<D> {
@@ -79,7 +79,7 @@ fn fit_at_run_time<const D: usize>(path: &RandomPath<D>, format: Option<RuntimeF
 }
 
 fn run<R: Backend, const D: usize>(
-    planned: &Planned<'_, D>,
+    planned: &PlannedPath<'_, D>,
     judge: &Judge<D>,
     _: Option<RuntimeFormat>,
 ) -> Run {
@@ -90,7 +90,7 @@ fn run<R: Backend, const D: usize>(
 }
 
 fn run_at_run_time<const D: usize>(
-    planned: &Planned<'_, D>,
+    planned: &PlannedPath<'_, D>,
     judge: &Judge<D>,
     format: Option<RuntimeFormat>,
 ) -> Run {
@@ -268,7 +268,7 @@ fn soaked<const D: usize>(
     if fitting.is_empty() {
         return soaked;
     }
-    let Some(planned) = Planned::new(&drawn, MOST_PERIODS) else { return soaked };
+    let Some(planned) = PlannedPath::new(&drawn, MOST_PERIODS) else { return soaked };
     let kind = usize::try_from(path % SLOWER.len() as u64).unwrap_or(0);
     let planned = if kind > 0 && !paths.full_speed { planned.slower(SLOWER[kind]) } else { planned };
     let mut broken = |violation: &Violation| {

@@ -4,7 +4,7 @@
 use feed_plan::ProfileKind;
 use real::{I8F24, I32F32, Overflow, Rounding, RuntimeFixed, RuntimeFormat};
 use stress::{
-    OnCurve, OnPieces, Outcome, Planned, RandomPath, SOAK_FORMATS, SoakFormat, SoakPaths, SoakedRun,
+    OnCurve, OnPieces, Outcome, PlannedPath, RandomPath, SOAK_FORMATS, SoakFormat, SoakPaths, SoakedRun,
     SplitMix64, check_against_float, soak_path,
 };
 
@@ -73,7 +73,7 @@ fn run_soaked_at(of: SoakPaths, formats: &[SoakFormat], paths: &[(u64, u32)]) {
 fn a_smooth_joint_is_passed_at_the_right_length() {
     for (seed, expected) in [(15, 0x5912_38c2), (22, 0xf1bc_d5ba), (42, 0xd805_c15a)] {
         let path = drawn(&bytes(seed), expected);
-        let planned = Planned::new(&path, 5000).unwrap();
+        let planned = PlannedPath::new(&path, 5000).unwrap();
         OnPieces::<f64, 2>::new(&planned).unwrap().run().unwrap();
     }
 }
@@ -82,7 +82,7 @@ fn a_smooth_joint_is_passed_at_the_right_length() {
 #[test]
 fn a_short_run_takes_no_more_evaluations_than_documented() {
     let path = drawn(&bytes(264), 0x3242_6389);
-    let planned = Planned::new(&path, 5000).unwrap();
+    let planned = PlannedPath::new(&path, 5000).unwrap();
     OnCurve::<f64, 2>::new(&planned).unwrap().run(secant_interp::Method::Secant).unwrap();
 }
 
@@ -224,7 +224,7 @@ fn falling_weights_have_larger_roundings() {
         0x00, 0x00, 0x6f,
     ];
     let path = drawn(&bytes, 0x21cb_ab84);
-    let planned = Planned::new(&path, 2000).unwrap();
+    let planned = PlannedPath::new(&path, 2000).unwrap();
     OnPieces::<I32F32, 2>::new(&planned).unwrap().run().unwrap();
 }
 
@@ -242,7 +242,7 @@ fn a_run_ends_in_a_format_too_coarse_for_its_landing_step() {
         0xc8, 0x15, 0x21, 0x0b, 0xc5, 0x1d, 0x18, 0x41, 0x8e, 0xff, 0x8b, 0x18, 0x6e, 0x66, 0x00, 0x87, 0x00,
     ];
     let path = drawn(&bytes, 0x670f_5ce9);
-    let planned = Planned::new(&path, 2000).unwrap();
+    let planned = PlannedPath::new(&path, 2000).unwrap();
     let mut runs = 0;
     for (fraction, rounding) in (0..8).flat_map(|f| Rounding::ALL.map(|r| (f, r))) {
         let format = RuntimeFormat::new(26, fraction, rounding, Overflow::Saturate).unwrap();
@@ -261,7 +261,7 @@ fn what_a_coarse_format_loses_takes_as_many_landing_steps() {
     let format = RuntimeFormat::new(27, 3, Rounding::ALL[0], Overflow::Wrap).unwrap();
     for (seed, expected) in [(56, 0x76ed_b1b4), (132, 0x701c_4d36)] {
         let path = drawn(&bytes(seed), expected);
-        let planned = Planned::new(&path, 1000).unwrap();
+        let planned = PlannedPath::new(&path, 1000).unwrap();
         let ran =
             format.run::<0, _>(|| OnPieces::<RuntimeFixed<0>, 2>::new(&planned).unwrap().run().unwrap());
         assert!(matches!(ran, Outcome::Ran(figures) if figures.periods > 2 * u64::from(planned.periods())));
@@ -274,7 +274,7 @@ fn what_a_coarse_format_loses_takes_as_many_landing_steps() {
 fn few_evaluations_find_a_chord_in_floats_as_in_fixed_point() {
     for (seed, expected) in [(5, 0x7490_8388), (14, 0xa4ba_ac79), (29, 0x827b_af42)] {
         let path = drawn(&bytes(seed), expected);
-        let planned = Planned::new(&path, 2000).unwrap();
+        let planned = PlannedPath::new(&path, 2000).unwrap();
         check_against_float::<I8F24, 2>(&planned).unwrap();
     }
 }
@@ -285,7 +285,7 @@ fn few_evaluations_find_a_chord_in_floats_as_in_fixed_point() {
 fn a_bend_over_a_smooth_joint_is_no_corner() {
     for (seed, expected) in [(272, 0xd124_1178), (590, 0x6aeb_0275)] {
         let path = drawn(&bytes(seed), expected);
-        let planned = Planned::new(&path, 2000).unwrap();
+        let planned = PlannedPath::new(&path, 2000).unwrap();
         OnPieces::<f64, 2>::new(&planned).unwrap().run().unwrap();
     }
 }

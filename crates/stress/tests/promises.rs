@@ -4,7 +4,9 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use real::{Backend, Counted, I4F28, I8F24, I16F16, I16F48, I32F32};
 use secant_interp::Method;
-use stress::{OnCurve, OnPieces, Outcome, Planned, RandomPath, Violation, check_against_float, check_pieces};
+use stress::{
+    OnCurve, OnPieces, Outcome, PlannedPath, RandomPath, Violation, check_against_float, check_pieces,
+};
 
 /// `cases` unless the environment asks for a long run.
 fn config(cases: u32) -> ProptestConfig {
@@ -14,14 +16,14 @@ fn config(cases: u32) -> ProptestConfig {
 
 const MOST_PERIODS: u32 = 2_000;
 
-fn on_pieces<R: Backend, const D: usize>(planned: &Planned<'_, D>) -> Result<(), Violation> {
+fn on_pieces<R: Backend, const D: usize>(planned: &PlannedPath<'_, D>) -> Result<(), Violation> {
     if let Ok(run) = OnPieces::<R, D>::new(planned) {
         run.run()?;
     }
     Ok(())
 }
 
-fn on_curve<R: Backend, const D: usize>(planned: &Planned<'_, D>) -> Result<(), Violation> {
+fn on_curve<R: Backend, const D: usize>(planned: &PlannedPath<'_, D>) -> Result<(), Violation> {
     if let Ok(run) = OnCurve::<R, D>::new(planned) {
         for method in [Method::Secant, Method::Taylor1, Method::Taylor2] {
             run.run(method)?;
@@ -36,7 +38,7 @@ fn keeps_every_promise<const D: usize>(bytes: &[u8]) -> Result<(), Violation> {
     let path = if bytes.len() % 4 >= 2 { path.fastest() } else { path };
     check_pieces::<f64, D>(&path, 5)?;
     check_pieces::<I4F28, D>(&path, 5)?;
-    let Some(planned) = Planned::new(&path, MOST_PERIODS) else { return Ok(()) };
+    let Some(planned) = PlannedPath::new(&path, MOST_PERIODS) else { return Ok(()) };
     planned.check()?;
     on_pieces::<f64, D>(&planned)?;
     on_pieces::<f32, D>(&planned)?;
