@@ -14,8 +14,8 @@ use crate::formats::selected;
 use crate::input::{AnyProblem, Input};
 use crate::progress::Progress;
 use crate::run_arguments::RunArguments;
-use crate::targets::{self, TargetArguments};
-use crate::{answer, candidates, output, report};
+use crate::targets::TargetArguments;
+use crate::{answer, candidates, output, period_costs, report};
 
 /// Options of `compare`.
 #[derive(Args)]
@@ -95,10 +95,10 @@ where
     let text = if arguments.output.json {
         serde_json::to_string_pretty(&comparison)? + "\n"
     } else if arguments.wide {
-        table(&comparison) + &targets::costs(&comparison, targets, None)
+        table(&comparison) + &period_costs::tables(&comparison, targets, None)
     } else {
         let first = targets.first().map(|target| target.name.as_str());
-        answer::screen(&comparison, &shown, first) + &targets::costs(&comparison, targets, Some(&shown))
+        answer::screen(&comparison, &shown, first) + &period_costs::tables(&comparison, targets, Some(&shown))
     };
     output::write(arguments.output.out.as_deref(), &text)?;
     if let Some(folder) = &arguments.report {

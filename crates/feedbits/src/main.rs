@@ -16,6 +16,7 @@ mod interpolate;
 mod machine;
 mod merge;
 mod output;
+mod period_costs;
 mod plan;
 mod presets;
 mod progress;
