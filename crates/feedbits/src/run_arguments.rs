@@ -39,8 +39,8 @@ pub(crate) struct PlanArguments {
     /// The format to plan in: a format's name, or `same` for each its own.
     #[arg(long, value_name = "F", default_value = "f64", add = ArgValueCandidates::new(candidates::planners))]
     plan_in: String,
-    /// The transitions that the plan is made of.
-    #[arg(long, value_enum, default_value_t = ProfileName::Cubic)]
+    /// How the plan changes from one feed to another.
+    #[arg(long, value_enum, default_value_t = ProfileName::Fastest)]
     profile: ProfileName,
     /// Feed at the start of the path, in mm/s.
     #[arg(long, allow_negative_numbers = true, value_name = "MM_PER_S", default_value_t = 0.0)]
@@ -77,16 +77,17 @@ enum SolverName {
 /// Kinds of transitions, by their names on the command line.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum ProfileName {
+    /// Pieces of constant jerk that carry acceleration through the minima of the limit: within half a percent of the
+    /// fastest plan.
+    Fastest,
     /// Cubic polynomials of time.
     Cubic,
-    /// Pieces of constant jerk.
+    /// Pieces of constant jerk between constant feeds.
     SCurve,
     /// Half-cosines.
     Trigonometric,
     /// S-curves, and half-cosines over stretches whose limit changes again before a transition has ended.
     Flexible,
-    /// Pieces of constant jerk that carry acceleration through the minima of the limit: within half a percent of the fastest plan.
-    Fastest,
     /// All of them side by side; for `plan` only.
     All,
 }

@@ -44,7 +44,7 @@ fn without_arguments_the_built_in_example_is_compared() {
         "I32F32",
         "f32",
         "f64",
-        "26 bits are enough: I2F24",
+        "25 bits are enough: I2F23",
         "Recommended: I8F24",
     ] {
         assert!(table.contains(expected), "{expected} in\n{table}");
@@ -153,7 +153,7 @@ fn what_is_no_question_of_the_format_is_told_with_its_place_and_what_helps() {
     };
     let words = [
         "It is not a question of the format: f64 pieces fails too.",
-        "corner error 4.87e-3 > 1.00e-3 mm of `chord_error_mm` in line 5, at X20.011 Y",
+        "corner error 3.59e-3 > 1.00e-3 mm of `chord_error_mm` in line 5, at X20.012 Y",
         "What helps: `junction = \"stop\"` in the machine file. The path then takes ",
     ];
     let formats = ["--formats", "I8F24"];
@@ -162,7 +162,7 @@ fn what_is_no_question_of_the_format_is_told_with_its_place_and_what_helps() {
         assert!(words.iter().all(|words| said.contains(words)), "{said}");
     }
     let page = fs::read_to_string(folder.path().join("r/index.html")).expect("a page");
-    assert!(page.contains(words[0]) && page.contains("corner error 4.87e-3"), "the page says why");
+    assert!(page.contains(words[0]) && page.contains("corner error 3.59e-3"), "the page says why");
     for found in [run(&[&["compare", "--json"][..], &formats].concat()), run(&["size", "--json"])] {
         let found: serde_json::Value = serde_json::from_str(&found).expect("JSON");
         let why = &found["not_a_question_of_format"];
@@ -210,16 +210,17 @@ fn what_positions_are_rounded_by_is_told_and_judged() {
     let table = fs::read_to_string(&out).expect("setpoints");
     let columns: Vec<&str> = table.lines().next().expect("a header").split(',').collect();
     let column = |name: &str| columns.iter().position(|column| *column == name).expect(name);
-    let [x, y] = ["x_mm", "y_mm"].map(column);
+    let [x, y, feed] = ["x_mm", "y_mm", "feed_mm_per_s"].map(column);
     let number = |line: &str, column: usize| {
         line.split(',').nth(column).and_then(|text| text.parse::<f64>().ok()).expect("a number")
     };
-    let points: Vec<_> = table.lines().skip(1).map(|line| [number(line, x), number(line, y)]).collect();
-    // From one second on until one second before the end, the feed is that of the program.
+    let points: Vec<_> = table.lines().skip(1).map(|line| [x, y, feed].map(|of| number(line, of))).collect();
+    // From one second on until one second before the end, the feed is constant.
     let cruise = &points[4000..points.len() - 4000];
-    let off = cruise
-        .windows(2)
-        .map(|pair| (1.0 - (pair[1][0] - pair[0][0]).hypot(pair[1][1] - pair[0][1]) / 2.5e-4).abs());
+    let off = cruise.windows(2).map(|pair| {
+        let planned = pair[1][2] * 2.5e-4;
+        (1.0 - (pair[1][0] - pair[0][0]).hypot(pair[1][1] - pair[0][1]) / planned).abs()
+    });
     let (largest, told) = (off.fold(0.0, f64::max), figure(&wide, "commanded_cruise_max_abs"));
     assert!((0.5..=1.000_001).contains(&(largest / told)), "{largest} of {told}");
 }
@@ -258,8 +259,8 @@ fn bits_are_sized_for_a_way_of_rounding() {
     assert!(!format.contains('-'), "{format}");
     let (dropping, more, all_dropping, register) = sized(&["--rounding", "floor", "--overflow", "saturate"]);
     assert!(dropping.ends_with("-floor-sat") && register.ends_with("-floor-sat"), "{dropping}, {register}");
-    // The error is up to a unit in place of half a unit: about one more bit, but none in this case.
-    assert!((bits..=bits + 1).contains(&more), "{more} bits for {bits}");
+    // The error is up to a unit to one side, in place of half a unit to either side: about one or two bits more.
+    assert!((bits..=bits + 2).contains(&more), "{more} bits for {bits}");
     assert!(all_dropping > all, "{all_dropping} bits for {all}");
 }
 

@@ -56,7 +56,7 @@ window.addEventListener('load', () => {
   say('picture', innerWidth >= 1120 ? half.left >= said.right && half.top < said.bottom : half.top >= said.bottom);
   say('width used', document.querySelector('main').getBoundingClientRect().width >= Math.min(innerWidth, 1600) - 20);
   say('raw', document.querySelector('#table details:not([open]) .data') !== null);
-  say('bits', /^26 bits are enough: I2F24/.test(document.querySelector('#answer .big').textContent));
+  say('bits', /^25 bits are enough: I2F23/.test(document.querySelector('#answer .big').textContent));
   say('wide', document.documentElement.scrollWidth <= innerWidth);
   say('errors', window.errors.length + window.errors.join(';'));
   const note = document.createElement('pre');

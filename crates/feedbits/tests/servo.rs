@@ -138,7 +138,7 @@ impl Quarter {
 /// motion. With the standstill behind it, the mean would be 65 and 367 µm.
 #[test]
 fn root_mean_squares_are_those_of_the_motion() {
-    let output = Quarter::new().servo("", &["--json"]);
+    let output = Quarter::new().servo("", &["--json", "--profile", "cubic"]);
     assert_eq!(output.status.code(), Some(0), "{}", unfolded(&output.stderr));
     let report: Value = serde_json::from_slice(&output.stdout).expect("JSON");
     let row = row(&report, "f64", "pieces");

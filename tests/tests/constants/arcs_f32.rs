@@ -10,11 +10,11 @@ pub const PERIOD_S: f64 = 0.003;
 
 /// Setpoints from begin to end.
 #[allow(dead_code, reason = "a program need not ask")]
-pub const PERIODS: usize = 135;
+pub const PERIODS: usize = 129;
 
 /// `secant_interp::PositionChecksum` of all of them.
 #[allow(dead_code, reason = "a program need not ask")]
-pub const CHECKSUM: u64 = 0x76f9fd937441eee8;
+pub const CHECKSUM: u64 = 0x18b85da5440e4752;
 
 /// Path and plan.
 pub static PATH: PieceInterpolator<'static, Number, 3> = PieceInterpolator {
@@ -49,15 +49,21 @@ pub static PATH: PieceInterpolator<'static, Number, 3> = PieceInterpolator {
     },
     lengths: StepLengths {
         stages: &[
-            LengthStage { duration: 36506659433, reciprocal: 17361909031347078081, reciprocal_exponent: 35, period_share: 0.11764887, feed: 0.0, change: 0.470581, shape: StageShape::Cubic },
-            LengthStage { duration: 1125166, reciprocal: 17191075018116497294, reciprocal_exponent: 20, period_share: 0.99999994, feed: 0.470581, change: 0.0, shape: StageShape::Steady },
-            LengthStage { duration: 36506659433, reciprocal: 17361909031347078081, reciprocal_exponent: 35, period_share: 0.11764887, feed: 0.470581, change: -0.470581, shape: StageShape::Cubic },
-            LengthStage { duration: 36586877163, reciprocal: 17323842570392886000, reciprocal_exponent: 35, period_share: 0.11739092, feed: 0.0, change: 0.49784213, shape: StageShape::Cubic },
-            LengthStage { duration: 180229316138, reciprocal: 14067085504087475998, reciprocal_exponent: 37, period_share: 0.023830568, feed: 0.49784213, change: 0.0, shape: StageShape::Steady },
-            LengthStage { duration: 36586877163, reciprocal: 17323842570392886000, reciprocal_exponent: 35, period_share: 0.11739092, feed: 0.49784213, change: -0.49784213, shape: StageShape::Cubic },
-            LengthStage { duration: 36586877163, reciprocal: 17323842570392886000, reciprocal_exponent: 35, period_share: 0.11739092, feed: 0.0, change: 0.49784213, shape: StageShape::Cubic },
-            LengthStage { duration: 180229316138, reciprocal: 14067085504087475998, reciprocal_exponent: 37, period_share: 0.023830568, feed: 0.49784213, change: 0.0, shape: StageShape::Steady },
-            LengthStage { duration: 36586877163, reciprocal: 17323842570392886000, reciprocal_exponent: 35, period_share: 0.11739092, feed: 0.49784213, change: -0.49784213, shape: StageShape::Cubic },
+            LengthStage { duration: 16106127360, reciprocal: 9838263505978427528, reciprocal_exponent: 33, period_share: 0.26666665, feed: 0.0, change: 0.26666668, shape: StageShape::Onset },
+            LengthStage { duration: 16106127360, reciprocal: 9838263505978427528, reciprocal_exponent: 33, period_share: 0.26666665, feed: 0.26666668, change: 0.26666668, shape: StageShape::Easing },
+            LengthStage { duration: 16106127360, reciprocal: 9838263505978427528, reciprocal_exponent: 33, period_share: 0.26666665, feed: 0.53333336, change: -0.26666668, shape: StageShape::Onset },
+            LengthStage { duration: 16106127360, reciprocal: 9838263505978427528, reciprocal_exponent: 33, period_share: 0.26666665, feed: 0.26666668, change: -0.26666668, shape: StageShape::Easing },
+            LengthStage { duration: 14823531364, reciprocal: 10689512582227951980, reciprocal_exponent: 33, period_share: 0.28973982, feed: 0.0, change: 0.25082973, shape: StageShape::Onset },
+            LengthStage { duration: 14823531365, reciprocal: 10689512581506834163, reciprocal_exponent: 33, period_share: 0.28973982, feed: 0.25082973, change: 0.25082973, shape: StageShape::Easing },
+            LengthStage { duration: 185519010414, reciprocal: 13665991397855876679, reciprocal_exponent: 37, period_share: 0.023151089, feed: 0.50165945, change: 0.0, shape: StageShape::Steady },
+            LengthStage { duration: 14823531365, reciprocal: 10689512581506834163, reciprocal_exponent: 33, period_share: 0.28973982, feed: 0.50165945, change: -0.25082973, shape: StageShape::Onset },
+            LengthStage { duration: 14823531364, reciprocal: 10689512582227951980, reciprocal_exponent: 33, period_share: 0.28973982, feed: 0.25082973, change: -0.25082973, shape: StageShape::Easing },
+            LengthStage { duration: 14823531364, reciprocal: 10689512582227951980, reciprocal_exponent: 33, period_share: 0.28973982, feed: 0.0, change: 0.25082973, shape: StageShape::Onset },
+            LengthStage { duration: 14823531365, reciprocal: 10689512581506834163, reciprocal_exponent: 33, period_share: 0.28973982, feed: 0.25082973, change: 0.25082973, shape: StageShape::Easing },
+            LengthStage { duration: 92759505207, reciprocal: 13665991397855876679, reciprocal_exponent: 36, period_share: 0.046302177, feed: 0.50165945, change: 0.0, shape: StageShape::Onset },
+            LengthStage { duration: 92759505207, reciprocal: 13665991397855876679, reciprocal_exponent: 36, period_share: 0.046302177, feed: 0.50165945, change: 0.0, shape: StageShape::Easing },
+            LengthStage { duration: 14823531365, reciprocal: 10689512581506834163, reciprocal_exponent: 33, period_share: 0.28973982, feed: 0.50165945, change: -0.25082973, shape: StageShape::Onset },
+            LengthStage { duration: 14823531364, reciprocal: 10689512582227951980, reciprocal_exponent: 33, period_share: 0.28973982, feed: 0.25082973, change: -0.25082973, shape: StageShape::Easing },
         ],
     },
     tolerance: ChordTolerance { residual: 2.3841858e-7, max_evaluations: 5 },
@@ -67,7 +73,7 @@ pub static PATH: PieceInterpolator<'static, Number, 3> = PieceInterpolator {
 /// From stop to stop.
 #[allow(dead_code, reason = "a program need not ask")]
 pub static SECTIONS: [Section; 3] = [
-    Section { pieces: 0..1, stages: 0..3 },
-    Section { pieces: 1..2, stages: 3..6 },
-    Section { pieces: 2..3, stages: 6..9 },
+    Section { pieces: 0..1, stages: 0..4 },
+    Section { pieces: 1..2, stages: 4..9 },
+    Section { pieces: 2..3, stages: 9..15 },
 ];

@@ -10,11 +10,11 @@ pub const PERIOD_S: f64 = 0.003;
 
 /// Setpoints from begin to end.
 #[allow(dead_code, reason = "a program need not ask")]
-pub const PERIODS: usize = 135;
+pub const PERIODS: usize = 129;
 
 /// `secant_interp::PositionChecksum` of all of them.
 #[allow(dead_code, reason = "a program need not ask")]
-pub const CHECKSUM: u64 = 0x5636c2be3efe0192;
+pub const CHECKSUM: u64 = 0x2b3640a8f8bfffea;
 
 /// Path and plan.
 pub static PATH: PieceInterpolator<'static, Number, 3> = PieceInterpolator {
@@ -49,15 +49,21 @@ pub static PATH: PieceInterpolator<'static, Number, 3> = PieceInterpolator {
     },
     lengths: StepLengths {
         stages: &[
-            LengthStage { duration: 36506659433, reciprocal: 17361909031347078081, reciprocal_exponent: 35, period_share: i16f48(33115213453954), feed: i16f48(0), change: i16f48(529827085544640), shape: StageShape::Cubic },
-            LengthStage { duration: 1125166, reciprocal: 17191075018116497294, reciprocal_exponent: 20, period_share: i16f48(281474976710655), feed: i16f48(529827085544640), change: i16f48(0), shape: StageShape::Steady },
-            LengthStage { duration: 36506659433, reciprocal: 17361909031347078081, reciprocal_exponent: 35, period_share: i16f48(33115213453954), feed: i16f48(529827085544640), change: i16f48(-529827085544640), shape: StageShape::Cubic },
-            LengthStage { duration: 36586877163, reciprocal: 17323842570392886000, reciprocal_exponent: 35, period_share: i16f48(33042607441697), feed: i16f48(0), change: i16f48(560520396821057), shape: StageShape::Cubic },
-            LengthStage { duration: 180229316138, reciprocal: 14067085504087475998, reciprocal_exponent: 37, period_share: i16f48(6707709075969), feed: i16f48(560520396821057), change: i16f48(0), shape: StageShape::Steady },
-            LengthStage { duration: 36586877163, reciprocal: 17323842570392886000, reciprocal_exponent: 35, period_share: i16f48(33042607441697), feed: i16f48(560520396821057), change: i16f48(-560520396821057), shape: StageShape::Cubic },
-            LengthStage { duration: 36586877163, reciprocal: 17323842570392886000, reciprocal_exponent: 35, period_share: i16f48(33042607441697), feed: i16f48(0), change: i16f48(560520396821056), shape: StageShape::Cubic },
-            LengthStage { duration: 180229316138, reciprocal: 14067085504087475998, reciprocal_exponent: 37, period_share: i16f48(6707709075969), feed: i16f48(560520396821056), change: i16f48(0), shape: StageShape::Steady },
-            LengthStage { duration: 36586877163, reciprocal: 17323842570392886000, reciprocal_exponent: 35, period_share: i16f48(33042607441697), feed: i16f48(560520396821056), change: i16f48(-560520396821056), shape: StageShape::Cubic },
+            LengthStage { duration: 16106127360, reciprocal: 9838263505978427528, reciprocal_exponent: 33, period_share: i16f48(75059993789508), feed: i16f48(0), change: i16f48(300239975158033), shape: StageShape::Onset },
+            LengthStage { duration: 16106127360, reciprocal: 9838263505978427528, reciprocal_exponent: 33, period_share: i16f48(75059993789508), feed: i16f48(300239975158033), change: i16f48(300239975158033), shape: StageShape::Easing },
+            LengthStage { duration: 16106127360, reciprocal: 9838263505978427528, reciprocal_exponent: 33, period_share: i16f48(75059993789508), feed: i16f48(600479950316066), change: i16f48(-300239975158033), shape: StageShape::Onset },
+            LengthStage { duration: 16106127360, reciprocal: 9838263505978427528, reciprocal_exponent: 33, period_share: i16f48(75059993789508), feed: i16f48(300239975158033), change: i16f48(-300239975158033), shape: StageShape::Easing },
+            LengthStage { duration: 14823531364, reciprocal: 10689512582227951980, reciprocal_exponent: 33, period_share: i16f48(81554508836578), feed: i16f48(0), change: i16f48(282409173078591), shape: StageShape::Onset },
+            LengthStage { duration: 14823531365, reciprocal: 10689512581506834163, reciprocal_exponent: 33, period_share: i16f48(81554508831076), feed: i16f48(282409173078591), change: i16f48(282409173078591), shape: StageShape::Easing },
+            LengthStage { duration: 185519010414, reciprocal: 13665991397855876679, reciprocal_exponent: 37, period_share: i16f48(6516452502181), feed: i16f48(564818346157182), change: i16f48(0), shape: StageShape::Steady },
+            LengthStage { duration: 14823531365, reciprocal: 10689512581506834163, reciprocal_exponent: 33, period_share: i16f48(81554508831076), feed: i16f48(564818346157182), change: i16f48(-282409173078591), shape: StageShape::Onset },
+            LengthStage { duration: 14823531364, reciprocal: 10689512582227951980, reciprocal_exponent: 33, period_share: i16f48(81554508836578), feed: i16f48(282409173078591), change: i16f48(-282409173078591), shape: StageShape::Easing },
+            LengthStage { duration: 14823531364, reciprocal: 10689512582227951980, reciprocal_exponent: 33, period_share: i16f48(81554508836578), feed: i16f48(0), change: i16f48(282409173078591), shape: StageShape::Onset },
+            LengthStage { duration: 14823531365, reciprocal: 10689512581506834163, reciprocal_exponent: 33, period_share: i16f48(81554508831076), feed: i16f48(282409173078591), change: i16f48(282409173078592), shape: StageShape::Easing },
+            LengthStage { duration: 92759505207, reciprocal: 13665991397855876679, reciprocal_exponent: 36, period_share: i16f48(13032905004363), feed: i16f48(564818346157183), change: i16f48(0), shape: StageShape::Onset },
+            LengthStage { duration: 92759505207, reciprocal: 13665991397855876679, reciprocal_exponent: 36, period_share: i16f48(13032905004363), feed: i16f48(564818346157183), change: i16f48(0), shape: StageShape::Easing },
+            LengthStage { duration: 14823531365, reciprocal: 10689512581506834163, reciprocal_exponent: 33, period_share: i16f48(81554508831076), feed: i16f48(564818346157183), change: i16f48(-282409173078592), shape: StageShape::Onset },
+            LengthStage { duration: 14823531364, reciprocal: 10689512582227951980, reciprocal_exponent: 33, period_share: i16f48(81554508836578), feed: i16f48(282409173078591), change: i16f48(-282409173078591), shape: StageShape::Easing },
         ],
     },
     tolerance: ChordTolerance { residual: i16f48(2), max_evaluations: 5 },
@@ -67,9 +73,9 @@ pub static PATH: PieceInterpolator<'static, Number, 3> = PieceInterpolator {
 /// From stop to stop.
 #[allow(dead_code, reason = "a program need not ask")]
 pub static SECTIONS: [Section; 3] = [
-    Section { pieces: 0..1, stages: 0..3 },
-    Section { pieces: 1..2, stages: 3..6 },
-    Section { pieces: 2..3, stages: 6..9 },
+    Section { pieces: 0..1, stages: 0..4 },
+    Section { pieces: 1..2, stages: 4..9 },
+    Section { pieces: 2..3, stages: 9..15 },
 ];
 
 const fn i16f48(bits: i64) -> real::FixedPoint<real::fixed::types::I16F48> {

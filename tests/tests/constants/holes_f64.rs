@@ -10,11 +10,11 @@ pub const PERIOD_S: f64 = 0.003;
 
 /// Setpoints from begin to end.
 #[allow(dead_code, reason = "a program need not ask")]
-pub const PERIODS: usize = 108;
+pub const PERIODS: usize = 105;
 
 /// `secant_interp::PositionChecksum` of all of them.
 #[allow(dead_code, reason = "a program need not ask")]
-pub const CHECKSUM: u64 = 0x37f66570912746b9;
+pub const CHECKSUM: u64 = 0xded8fbcd876a6e5a;
 
 /// Path and plan.
 pub static PATH: PieceInterpolator<'static, Number, 3> = PieceInterpolator {
@@ -36,15 +36,21 @@ pub static PATH: PieceInterpolator<'static, Number, 3> = PieceInterpolator {
     },
     lengths: StepLengths {
         stages: &[
-            LengthStage { duration: 39431637335, reciprocal: 16074029458358901817, reciprocal_exponent: 35, period_share: 0.10892186037092948, feed: 0.0, change: 0.5965895993069906, shape: StageShape::Cubic },
-            LengthStage { duration: 75755547986, reciprocal: 16733435819941497921, reciprocal_exponent: 36, period_share: 0.0566950858410229, feed: 0.5965895993069906, change: 0.0, shape: StageShape::Steady },
-            LengthStage { duration: 39431637335, reciprocal: 16074029458358901817, reciprocal_exponent: 35, period_share: 0.10892186037092948, feed: 0.5965895993069906, change: -0.5965895993069906, shape: StageShape::Cubic },
-            LengthStage { duration: 39431637335, reciprocal: 16074029458358901817, reciprocal_exponent: 35, period_share: 0.10892186037092948, feed: 0.0, change: 0.5965895993069916, shape: StageShape::Cubic },
-            LengthStage { duration: 75755547986, reciprocal: 16733435819941497921, reciprocal_exponent: 36, period_share: 0.0566950858410229, feed: 0.5965895993069916, change: 0.0, shape: StageShape::Steady },
-            LengthStage { duration: 39431637335, reciprocal: 16074029458358901817, reciprocal_exponent: 35, period_share: 0.10892186037092948, feed: 0.5965895993069916, change: -0.5965895993069916, shape: StageShape::Cubic },
-            LengthStage { duration: 39431637335, reciprocal: 16074029458358901817, reciprocal_exponent: 35, period_share: 0.10892186037092948, feed: 0.0, change: 0.5965895993069916, shape: StageShape::Cubic },
-            LengthStage { duration: 75755547986, reciprocal: 16733435819941497921, reciprocal_exponent: 36, period_share: 0.0566950858410229, feed: 0.5965895993069916, change: 0.0, shape: StageShape::Steady },
-            LengthStage { duration: 39431637335, reciprocal: 16074029458358901817, reciprocal_exponent: 35, period_share: 0.10892186037092948, feed: 0.5965895993069916, change: -0.5965895993069916, shape: StageShape::Cubic },
+            LengthStage { duration: 16419115229, reciprocal: 9650722515708868540, reciprocal_exponent: 33, period_share: 0.26158335793965815, feed: 0.0, change: 0.29245908507142276, shape: StageShape::Onset },
+            LengthStage { duration: 16419115229, reciprocal: 9650722515708868540, reciprocal_exponent: 33, period_share: 0.26158335793965815, feed: 0.29245908507142276, change: 0.29245908507142276, shape: StageShape::Easing },
+            LengthStage { duration: 84647394444, reciprocal: 14975660013573912924, reciprocal_exponent: 36, period_share: 0.050739509753503546, feed: 0.5849181701428455, change: 0.0, shape: StageShape::Steady },
+            LengthStage { duration: 16419115229, reciprocal: 9650722515708868540, reciprocal_exponent: 33, period_share: 0.26158335793965815, feed: 0.5849181701428455, change: -0.29245908507142276, shape: StageShape::Onset },
+            LengthStage { duration: 16419115229, reciprocal: 9650722515708868540, reciprocal_exponent: 33, period_share: 0.26158335793965815, feed: 0.29245908507142276, change: -0.29245908507142276, shape: StageShape::Easing },
+            LengthStage { duration: 16419115229, reciprocal: 9650722515708868540, reciprocal_exponent: 33, period_share: 0.26158335793965815, feed: 0.0, change: 0.2924590850714234, shape: StageShape::Onset },
+            LengthStage { duration: 16419115229, reciprocal: 9650722515708868540, reciprocal_exponent: 33, period_share: 0.26158335793965815, feed: 0.2924590850714234, change: 0.2924590850714234, shape: StageShape::Easing },
+            LengthStage { duration: 84647394444, reciprocal: 14975660013573912924, reciprocal_exponent: 36, period_share: 0.050739509753503546, feed: 0.5849181701428467, change: 0.0, shape: StageShape::Steady },
+            LengthStage { duration: 16419115229, reciprocal: 9650722515708868540, reciprocal_exponent: 33, period_share: 0.26158335793965815, feed: 0.5849181701428467, change: -0.2924590850714234, shape: StageShape::Onset },
+            LengthStage { duration: 16419115229, reciprocal: 9650722515708868540, reciprocal_exponent: 33, period_share: 0.26158335793965815, feed: 0.2924590850714234, change: -0.2924590850714234, shape: StageShape::Easing },
+            LengthStage { duration: 16419115229, reciprocal: 9650722515708868540, reciprocal_exponent: 33, period_share: 0.26158335793965815, feed: 0.0, change: 0.2924590850714231, shape: StageShape::Onset },
+            LengthStage { duration: 16419115229, reciprocal: 9650722515708868540, reciprocal_exponent: 33, period_share: 0.26158335793965815, feed: 0.2924590850714231, change: 0.2924590850714231, shape: StageShape::Easing },
+            LengthStage { duration: 84647394444, reciprocal: 14975660013573912924, reciprocal_exponent: 36, period_share: 0.050739509753503546, feed: 0.5849181701428462, change: 0.0, shape: StageShape::Steady },
+            LengthStage { duration: 16419115229, reciprocal: 9650722515708868540, reciprocal_exponent: 33, period_share: 0.26158335793965815, feed: 0.5849181701428462, change: -0.29245908507142304, shape: StageShape::Onset },
+            LengthStage { duration: 16419115229, reciprocal: 9650722515708868540, reciprocal_exponent: 33, period_share: 0.26158335793965815, feed: 0.29245908507142315, change: -0.29245908507142315, shape: StageShape::Easing },
         ],
     },
     tolerance: ChordTolerance { residual: 4.440892098500626e-16, max_evaluations: 5 },
@@ -54,7 +60,7 @@ pub static PATH: PieceInterpolator<'static, Number, 3> = PieceInterpolator {
 /// From stop to stop.
 #[allow(dead_code, reason = "a program need not ask")]
 pub static SECTIONS: [Section; 3] = [
-    Section { pieces: 0..1, stages: 0..3 },
-    Section { pieces: 1..2, stages: 3..6 },
-    Section { pieces: 2..3, stages: 6..9 },
+    Section { pieces: 0..1, stages: 0..5 },
+    Section { pieces: 1..2, stages: 5..10 },
+    Section { pieces: 2..3, stages: 10..15 },
 ];

@@ -10,11 +10,11 @@ pub const PERIOD_S: f64 = 0.003;
 
 /// Setpoints from begin to end.
 #[allow(dead_code, reason = "a program need not ask")]
-pub const PERIODS: usize = 103;
+pub const PERIODS: usize = 97;
 
 /// `secant_interp::PositionChecksum` of all of them.
 #[allow(dead_code, reason = "a program need not ask")]
-pub const CHECKSUM: u64 = 0x4a958277ef808db1;
+pub const CHECKSUM: u64 = 0x89c072f56bdc9a56;
 
 /// Path and plan.
 pub static PATH: PieceInterpolator<'static, Number, 2> = PieceInterpolator {
@@ -36,15 +36,27 @@ pub static PATH: PieceInterpolator<'static, Number, 2> = PieceInterpolator {
     },
     lengths: StepLengths {
         stages: &[
-            LengthStage { duration: 55599517945, reciprocal: 11399834450743000965, reciprocal_exponent: 35, period_share: i4f28(20736178), feed: i4f28(0), change: i4f28(642486979), shape: StageShape::Cubic },
-            LengthStage { duration: 30534884878, reciprocal: 10378707872102996646, reciprocal_exponent: 34, period_share: i4f28(37757519), feed: i4f28(642486979), change: i4f28(0), shape: StageShape::Steady },
-            LengthStage { duration: 55599517945, reciprocal: 11399834450743000965, reciprocal_exponent: 35, period_share: i4f28(20736178), feed: i4f28(642486979), change: i4f28(-642486979), shape: StageShape::Cubic },
-            LengthStage { duration: 55599517945, reciprocal: 11399834450743000965, reciprocal_exponent: 35, period_share: i4f28(20736178), feed: i4f28(0), change: i4f28(642486979), shape: StageShape::Cubic },
-            LengthStage { duration: 30534884878, reciprocal: 10378707872102996646, reciprocal_exponent: 34, period_share: i4f28(37757519), feed: i4f28(642486979), change: i4f28(0), shape: StageShape::Steady },
-            LengthStage { duration: 55599517945, reciprocal: 11399834450743000965, reciprocal_exponent: 35, period_share: i4f28(20736178), feed: i4f28(642486979), change: i4f28(-642486979), shape: StageShape::Cubic },
-            LengthStage { duration: 55527399163, reciprocal: 11414640513839452429, reciprocal_exponent: 35, period_share: i4f28(20763110), feed: i4f28(0), change: i4f28(643321438), shape: StageShape::Cubic },
-            LengthStage { duration: 47858991626, reciprocal: 13243599135293546870, reciprocal_exponent: 35, period_share: i4f28(24089966), feed: i4f28(643321438), change: i4f28(0), shape: StageShape::Steady },
-            LengthStage { duration: 55527399163, reciprocal: 11414640513839452429, reciprocal_exponent: 35, period_share: i4f28(20763110), feed: i4f28(643321438), change: i4f28(-643321438), shape: StageShape::Cubic },
+            LengthStage { duration: 17992430564, reciprocal: 17613665309407907429, reciprocal_exponent: 34, period_share: i4f28(64078141), feed: i4f28(0), change: i4f28(200244191), shape: StageShape::Onset },
+            LengthStage { duration: 10795458339, reciprocal: 14678054423690798996, reciprocal_exponent: 33, period_share: i4f28(106796901), feed: i4f28(200244191), change: i4f28(240293029), shape: StageShape::Steady },
+            LengthStage { duration: 17992430564, reciprocal: 17613665309407907429, reciprocal_exponent: 34, period_share: i4f28(64078141), feed: i4f28(440537220), change: i4f28(200244191), shape: StageShape::Easing },
+            LengthStage { duration: 39583347242, reciprocal: 16012423008067214043, reciprocal_exponent: 35, period_share: i4f28(29126427), feed: i4f28(640781411), change: i4f28(0), shape: StageShape::Steady },
+            LengthStage { duration: 17992430564, reciprocal: 17613665309407907429, reciprocal_exponent: 34, period_share: i4f28(64078141), feed: i4f28(640781411), change: i4f28(-200244191), shape: StageShape::Onset },
+            LengthStage { duration: 10795458339, reciprocal: 14678054423690798996, reciprocal_exponent: 33, period_share: i4f28(106796901), feed: i4f28(440537220), change: i4f28(-240293029), shape: StageShape::Steady },
+            LengthStage { duration: 17992430564, reciprocal: 17613665309407907429, reciprocal_exponent: 34, period_share: i4f28(64078141), feed: i4f28(200244191), change: i4f28(-200244191), shape: StageShape::Easing },
+            LengthStage { duration: 17992430564, reciprocal: 17613665309407907429, reciprocal_exponent: 34, period_share: i4f28(64078141), feed: i4f28(0), change: i4f28(200244191), shape: StageShape::Onset },
+            LengthStage { duration: 10795458339, reciprocal: 14678054423690798996, reciprocal_exponent: 33, period_share: i4f28(106796901), feed: i4f28(200244191), change: i4f28(240293029), shape: StageShape::Steady },
+            LengthStage { duration: 17992430564, reciprocal: 17613665309407907429, reciprocal_exponent: 34, period_share: i4f28(64078141), feed: i4f28(440537220), change: i4f28(200244191), shape: StageShape::Easing },
+            LengthStage { duration: 39583347242, reciprocal: 16012423008067214043, reciprocal_exponent: 35, period_share: i4f28(29126427), feed: i4f28(640781411), change: i4f28(0), shape: StageShape::Steady },
+            LengthStage { duration: 17992430564, reciprocal: 17613665309407907429, reciprocal_exponent: 34, period_share: i4f28(64078141), feed: i4f28(640781411), change: i4f28(-200244191), shape: StageShape::Onset },
+            LengthStage { duration: 10795458339, reciprocal: 14678054423690798996, reciprocal_exponent: 33, period_share: i4f28(106796901), feed: i4f28(440537220), change: i4f28(-240293029), shape: StageShape::Steady },
+            LengthStage { duration: 17992430564, reciprocal: 17613665309407907429, reciprocal_exponent: 34, period_share: i4f28(64078141), feed: i4f28(200244191), change: i4f28(-200244191), shape: StageShape::Easing },
+            LengthStage { duration: 17962238520, reciprocal: 17643271449947172306, reciprocal_exponent: 34, period_share: i4f28(64185847), feed: i4f28(0), change: i4f28(200580774), shape: StageShape::Onset },
+            LengthStage { duration: 10777343112, reciprocal: 14702726208289310255, reciprocal_exponent: 33, period_share: i4f28(106976412), feed: i4f28(200580774), change: i4f28(240696928), shape: StageShape::Steady },
+            LengthStage { duration: 17962238520, reciprocal: 17643271449947172306, reciprocal_exponent: 34, period_share: i4f28(64185847), feed: i4f28(441277702), change: i4f28(200580774), shape: StageShape::Easing },
+            LengthStage { duration: 56920215056, reciprocal: 11135328626052032615, reciprocal_exponent: 35, period_share: i4f28(20255044), feed: i4f28(641858476), change: i4f28(0), shape: StageShape::Steady },
+            LengthStage { duration: 17962238520, reciprocal: 17643271449947172306, reciprocal_exponent: 34, period_share: i4f28(64185847), feed: i4f28(641858476), change: i4f28(-200580774), shape: StageShape::Onset },
+            LengthStage { duration: 10777343112, reciprocal: 14702726208289310255, reciprocal_exponent: 33, period_share: i4f28(106976412), feed: i4f28(441277702), change: i4f28(-240696928), shape: StageShape::Steady },
+            LengthStage { duration: 17962238520, reciprocal: 17643271449947172306, reciprocal_exponent: 34, period_share: i4f28(64185847), feed: i4f28(200580774), change: i4f28(-200580774), shape: StageShape::Easing },
         ],
     },
     tolerance: ChordTolerance { residual: i4f28(2), max_evaluations: 5 },
@@ -54,9 +66,9 @@ pub static PATH: PieceInterpolator<'static, Number, 2> = PieceInterpolator {
 /// From stop to stop.
 #[allow(dead_code, reason = "a program need not ask")]
 pub static SECTIONS: [Section; 3] = [
-    Section { pieces: 0..1, stages: 0..3 },
-    Section { pieces: 1..2, stages: 3..6 },
-    Section { pieces: 2..3, stages: 6..9 },
+    Section { pieces: 0..1, stages: 0..7 },
+    Section { pieces: 1..2, stages: 7..14 },
+    Section { pieces: 2..3, stages: 14..21 },
 ];
 
 const fn i4f28(bits: i32) -> real::FixedPoint<real::fixed::types::I4F28> {

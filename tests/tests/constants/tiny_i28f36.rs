@@ -34,12 +34,15 @@ pub static PATH: PieceInterpolator<'static, Number, 2> = PieceInterpolator {
     },
     lengths: StepLengths {
         stages: &[
-            LengthStage { duration: 2147456192, reciprocal: 9223489960984537932, reciprocal_exponent: 30, period_share: i28f36(68719476735), feed: i28f36(0), change: i28f36(10994976), shape: StageShape::Cubic },
-            LengthStage { duration: 54912, reciprocal: 11007847279416422409, reciprocal_exponent: 15, period_share: i28f36(68719476735), feed: i28f36(10994976), change: i28f36(0), shape: StageShape::Steady },
-            LengthStage { duration: 2147456192, reciprocal: 9223489960984537932, reciprocal_exponent: 30, period_share: i28f36(68719476735), feed: i28f36(10994976), change: i28f36(-10994976), shape: StageShape::Cubic },
-            LengthStage { duration: 2147432199, reciprocal: 9223593013921313749, reciprocal_exponent: 30, period_share: i28f36(68719476735), feed: i28f36(0), change: i28f36(6596912), shape: StageShape::Cubic },
-            LengthStage { duration: 102898, reciprocal: 11748778592534637939, reciprocal_exponent: 16, period_share: i28f36(68719476735), feed: i28f36(6596912), change: i28f36(0), shape: StageShape::Steady },
-            LengthStage { duration: 2147432199, reciprocal: 9223593013921313749, reciprocal_exponent: 30, period_share: i28f36(68719476735), feed: i28f36(6596912), change: i28f36(-6596912), shape: StageShape::Cubic },
+            LengthStage { duration: 1073741824, reciprocal: 18446744073709551615, reciprocal_exponent: 30, period_share: i28f36(68719476735), feed: i28f36(0), change: i28f36(5497558), shape: StageShape::Onset },
+            LengthStage { duration: 1073741824, reciprocal: 18446744073709551615, reciprocal_exponent: 30, period_share: i28f36(68719476735), feed: i28f36(5497558), change: i28f36(5497558), shape: StageShape::Easing },
+            LengthStage { duration: 1073741824, reciprocal: 18446744073709551615, reciprocal_exponent: 30, period_share: i28f36(68719476735), feed: i28f36(10995116), change: i28f36(-5497558), shape: StageShape::Onset },
+            LengthStage { duration: 1073741824, reciprocal: 18446744073709551615, reciprocal_exponent: 30, period_share: i28f36(68719476735), feed: i28f36(5497558), change: i28f36(-5497558), shape: StageShape::Easing },
+            LengthStage { duration: 1073741824, reciprocal: 18446744073709551615, reciprocal_exponent: 30, period_share: i28f36(68719476735), feed: i28f36(0), change: i28f36(3298535), shape: StageShape::Onset },
+            LengthStage { duration: 1073741824, reciprocal: 18446744073709551615, reciprocal_exponent: 30, period_share: i28f36(68719476735), feed: i28f36(3298535), change: i28f36(3298535), shape: StageShape::Easing },
+            LengthStage { duration: 805306368, reciprocal: 12297829382473034410, reciprocal_exponent: 29, period_share: i28f36(68719476735), feed: i28f36(6597070), change: i28f36(-1855426), shape: StageShape::Onset },
+            LengthStage { duration: 268435456, reciprocal: 18446744073709551615, reciprocal_exponent: 28, period_share: i28f36(68719476735), feed: i28f36(4741644), change: i28f36(-1443109), shape: StageShape::Bent(i28f36(-9817068105)) },
+            LengthStage { duration: 1073741824, reciprocal: 18446744073709551615, reciprocal_exponent: 30, period_share: i28f36(68719476735), feed: i28f36(3298535), change: i28f36(-3298535), shape: StageShape::Easing },
         ],
     },
     tolerance: ChordTolerance { residual: i28f36(2), max_evaluations: 5 },
@@ -49,8 +52,8 @@ pub static PATH: PieceInterpolator<'static, Number, 2> = PieceInterpolator {
 /// From stop to stop.
 #[allow(dead_code, reason = "a program need not ask")]
 pub static SECTIONS: [Section; 2] = [
-    Section { pieces: 0..1, stages: 0..3 },
-    Section { pieces: 1..2, stages: 3..6 },
+    Section { pieces: 0..1, stages: 0..4 },
+    Section { pieces: 1..2, stages: 4..9 },
 ];
 
 const fn i28f36(bits: i64) -> real::FixedPoint<real::fixed::types::I28F36> {

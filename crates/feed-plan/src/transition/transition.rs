@@ -71,7 +71,6 @@ const SHORTEST_HOLD: i32 = -20;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ProfileKind {
     /// Cubic polynomials of time, as in paper A.
-    #[default]
     Cubic,
     /// Pieces of constant jerk: the fastest transition that acceleration and jerk allow.
     SCurve,
@@ -82,6 +81,7 @@ pub enum ProfileKind {
     Flexible,
     /// Pieces of constant jerk that carry acceleration through the minima of the limit and along it: within half a percent of the
     /// fastest plan.
+    #[default]
     Fastest,
 }
 

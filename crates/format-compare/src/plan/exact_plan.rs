@@ -58,7 +58,7 @@ fn planned<R: Backend, C: Differentiate<R, D>, const D: usize>(
 }
 
 impl ExactPlan {
-    /// Plans `problem` in the format `R` by cubic transitions, with the interpolation period as the unit of time.
+    /// Plans `problem` in the format `R` by the default profile, with the interpolation period as the unit of time.
     ///
     /// # Errors
     /// [`Refusal`] when the curves or a limit do not fit the format, or no plan exists.
@@ -66,7 +66,7 @@ impl ExactPlan {
         problem: &Problem<D>,
         end_feeds_mm_per_s: [f64; 2],
     ) -> Result<Self, Refusal> {
-        Self::in_format_with::<R, D>(problem, end_feeds_mm_per_s, ProfileKind::Cubic)
+        Self::in_format_with::<R, D>(problem, end_feeds_mm_per_s, ProfileKind::default())
     }
 
     /// Plans `problem` in the format `R` by transitions of this kind, with the interpolation period as the unit of time.
