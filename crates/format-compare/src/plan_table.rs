@@ -275,13 +275,14 @@ fn profile_name(kind: ProfileKind) -> &'static str {
     }
 }
 
-fn shape_name(shape: StageShape) -> &'static str {
+fn shape_name<R>(shape: StageShape<R>) -> &'static str {
     match shape {
         StageShape::Cubic => "cubic",
         StageShape::Onset => "onset",
         StageShape::Steady => "steady",
         StageShape::Easing => "easing",
         StageShape::Cosine => "cosine",
+        StageShape::Bent(_) => "bent",
     }
 }
 

@@ -32,7 +32,7 @@ pub struct LengthStage<R> {
     /// Δv.
     pub change: R,
     /// g.
-    pub shape: StageShape,
+    pub shape: StageShape<R>,
 }
 
 impl<R: Real> LengthStage<R> {
@@ -58,7 +58,7 @@ impl<R: Real> LengthStage<R> {
 
     /// This stage with its feed along another shape.
     #[must_use]
-    pub fn shaped(self, shape: StageShape) -> Self {
+    pub fn shaped(self, shape: StageShape<R>) -> Self {
         Self { shape, ..self }
     }
 
@@ -181,17 +181,25 @@ mod tests {
     use real::{Backend, I4F28};
     use std::f64::consts::PI;
 
-    const SHAPES: [StageShape; 5] =
-        [StageShape::Cubic, StageShape::Onset, StageShape::Steady, StageShape::Easing, StageShape::Cosine];
+    const SHAPES: [StageShape<f64>; 7] = [
+        StageShape::Cubic,
+        StageShape::Onset,
+        StageShape::Steady,
+        StageShape::Easing,
+        StageShape::Cosine,
+        StageShape::Bent(-0.75),
+        StageShape::Bent(0.125),
+    ];
 
     /// Distance travelled up to t in a stage: v t + Δv t₂ G(x), G the integral of the shape.
-    fn distance(shape: StageShape, feed: f64, change: f64, duration: f64, t: f64) -> f64 {
+    fn distance(shape: StageShape<f64>, feed: f64, change: f64, duration: f64, t: f64) -> f64 {
         let x = t / duration;
         let integral = match shape {
             StageShape::Cubic => x.powi(3) - x.powi(4) / 2.0,
             StageShape::Onset => x.powi(3) / 3.0,
             StageShape::Steady => x * x / 2.0,
             StageShape::Easing => x * x - x.powi(3) / 3.0,
+            StageShape::Bent(by) => x * x / 2.0 + by * (x * x / 2.0 - x.powi(3) / 3.0),
             StageShape::Cosine => x / 2.0 - (PI * x).sin() / (2.0 * PI),
         };
         feed * t + change * duration * integral
@@ -222,7 +230,7 @@ mod tests {
         fn lengths_are_the_integrals_of_the_feed(
             durations in proptest::collection::vec(0.05_f64..9.0, 1..6),
             feeds in proptest::collection::vec(0.0_f64..1.0, 7),
-            shape in (0..5_usize).prop_map(|i| SHAPES[i]),
+            shape in (0..7_usize).prop_map(|i| SHAPES[i]),
         ) {
             let durations: Vec<u64> = durations.into_iter().map(in_units).collect();
             let periods = |units: u64| units as f64 / PERIOD as f64;
@@ -230,6 +238,7 @@ mod tests {
                 .filter_map(|(&d, v)| LengthStage::new(d, v[0], v[1] - v[0])).map(|stage| stage.shaped(shape)).collect();
             let fixed: Vec<_> = durations.iter().zip(feeds.windows(2)).filter_map(|(&d, v)| {
                 let of = |x: f64| I4F28::from_f64(x).unwrap();
+                let shape = shape.map(of);
                 LengthStage::new(d, of(v[0]), of(v[1]) - of(v[0])).map(|stage| stage.shaped(shape))
             }).collect();
             let up_to = |time: u64| {

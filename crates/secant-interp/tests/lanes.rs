@@ -37,7 +37,7 @@ fn run<const D: usize>() -> impl Strategy<Value = Run<D>> {
         let knots = [0.0; 4].into_iter().chain(inner).chain([1.0; 4]).collect();
         NurbsBuf::try_new_nonrational(3, points, knots).unwrap_or(curve)
     });
-    let stage = (0.3..60.0_f64, 0.0..1.0_f64, prop_oneof![4 => Just(0_usize), 1 => 0..5_usize]);
+    let stage = (0.3..60.0_f64, 0.0..1.0_f64, prop_oneof![4 => Just(0_usize), 1 => 0..6_usize]);
     let tolerance = (prop_oneof![Just(1e-3), Just(1e-9), Just(0.4)], 1..5_u32);
     let stages = proptest::collection::vec(stage, 1..20);
     let length = prop_oneof![Just(400_usize), 1..40_usize];
@@ -60,8 +60,14 @@ fn compiled<R: Backend, const D: usize>(run: &Run<D>) -> Option<Compiled<R, D>> 
     let table = compile::<DoubleDouble, R, D>(&[run.curve.as_curve()], &limits).ok()?;
     let full = run.feed_mm.scale(table.as_pieces().chord_exponent);
     let number = |x: f64| R::from_f64(x).unwrap();
-    let shapes =
-        [StageShape::Cubic, StageShape::Onset, StageShape::Steady, StageShape::Easing, StageShape::Cosine];
+    let shapes = [
+        StageShape::Cubic,
+        StageShape::Onset,
+        StageShape::Steady,
+        StageShape::Easing,
+        StageShape::Cosine,
+        StageShape::Bent(number(0.625)),
+    ];
     let mut feed = 0.0;
     let mut stages = Vec::new();
     for (periods, part, shape) in run.stages.iter().cycle().take(run.length) {

@@ -188,8 +188,8 @@ fn parts<R: Real>(stages: &[Stage<R>], shortfalls: &[R], period: R) -> Vec<Part<
             (before.iter().rev().find_map(|peaks| *peaks), behind.iter().find_map(|peaks| *peaks));
         let [a, b] = [before.or(after), after.or(before)].map(|peaks| peaks.unwrap_or([R::zero(); 2]));
         let (acceleration, jerk) = (a[0].min(b[0]), a[1].min(b[1]));
-        let by_acceleration = acceleration * part.duration / StageShape::Cubic.peak_slope();
-        let by_jerk = jerk * part.duration * part.duration / StageShape::Cubic.peak_bend();
+        let by_acceleration = acceleration * part.duration / StageShape::<R>::Cubic.peak_slope();
+        let by_jerk = jerk * part.duration * part.duration / StageShape::<R>::Cubic.peak_bend();
         // Over less than a period it would change by next to nothing.
         let most = if part.duration < period { R::zero() } else { by_acceleration.min(by_jerk) };
         (part.rise, part.fall) = (most, most);
@@ -199,7 +199,8 @@ fn parts<R: Real>(stages: &[Stage<R>], shortfalls: &[R], period: R) -> Vec<Part<
 
 /// Whether a stage ends with acceleration, so that the next one goes on with its change of feed.
 fn is_under_way<R: Real>(stage: &Stage<R>) -> bool {
-    matches!(stage.shape, StageShape::Onset | StageShape::Steady) && stage.start_feed != stage.end_feed
+    matches!(stage.shape, StageShape::Onset | StageShape::Steady | StageShape::Bent(_))
+        && stage.start_feed != stage.end_feed
 }
 
 /// The largest acceleration and jerk of a part's stages.

@@ -30,7 +30,7 @@ pub struct Stage<R> {
     /// Time over the stage.
     pub duration: R,
     /// How the feed changes over that time.
-    pub shape: StageShape,
+    pub shape: StageShape<R>,
     /// Index of the curve that the stage starts on.
     pub curve_start: usize,
     /// Parameter where the stage starts, interpolated between limit points: for the table, not for motion.
@@ -62,7 +62,7 @@ impl<R: Real> Stage<R> {
             start_feed: convert(self.start_feed),
             end_feed: convert(self.end_feed),
             duration: convert(self.duration),
-            shape: self.shape,
+            shape: self.shape.map(&mut convert),
             curve_start: self.curve_start,
             u_start: convert(self.u_start),
             curve_end: self.curve_end,

@@ -8,7 +8,7 @@ use crate::StageShape;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FeedPiece<R> {
     /// The shape g.
-    pub shape: StageShape,
+    pub shape: StageShape<R>,
     /// V_s.
     pub start_feed: R,
     /// V_e.
@@ -80,7 +80,7 @@ impl<R: Real> FeedPiece<R> {
     /// them; `None` for a cosine. For reading only: a₃ is below the resolution of most fixed-point formats.
     #[must_use]
     pub fn coefficients(&self) -> Option<[R; 4]> {
-        let [_, c1, c2, c3] = self.shape.coefficients()?.map(|c| R::from_ratio(c, 1));
+        let [_, c1, c2, c3] = self.shape.coefficients()?;
         if !(self.duration > R::zero()) {
             return Some([self.start_feed, R::zero(), R::zero(), R::zero()]);
         }
@@ -123,7 +123,7 @@ mod tests {
         fn acceleration_and_jerk_are_derivatives(
             start in 0.0..1.0_f64, end in 0.0..1.0_f64, duration in 0.1..100.0_f64, x in 0.01..0.99_f64,
         ) {
-            for shape in StageShape::ALL {
+            for shape in StageShape::all() {
                 let piece = FeedPiece { shape, start_feed: start, end_feed: end, duration };
                 let (time, h) = (x * duration, 1e-4 * duration);
                 let derivative = |of: fn(&FeedPiece<f64>, f64) -> f64| {

@@ -10,10 +10,15 @@
 //! | onset | x² | 2x | 2 | x³/3 | 2 | 2 |
 //! | steady | x | 1 | 0 | x²/2 | 1 | 0 |
 //! | easing | 2x - x² | 2(1 - x) | -2 | x² - x³/3 | 2 | 2 |
+//! | bent by b | x + b x(1 - x) | 1 + b (1 - 2x) | -2b | x²/2 + b (x²/2 - x³/3) | 1 + \|b\| | 2\|b\| |
 //! | cosine | (1 - cos πx)/2 | π/2 sin πx | π²/2 cos πx | x/2 - sin(πx)/(2π) | π/2 | π²/2 |
 //!
+//! The shape bent by b, with b from -1 to 1, has constant jerk between any two accelerations of one sign, `1 + b` and `1 - b` times
+//! the mean one: onset at -1, steady at 0, easing at 1. Since b is a ratio, a plan that is stretched in time keeps it.
+//!
 //! What real time needs is the mean of g over an interval of width w about m, which must not be a difference of two
-//! nearly equal values of G. For a polynomial of degree 3 it is `g(m) + g''(m) w²/24`, exactly. For the cosine it is
+//! nearly equal values of G. For a polynomial of degree 3 it is `g(m) + g''(m) w²/24`, exactly: for the bent
+//! shape `m + b (m(1 - m) - w²/12)`. For the cosine it is
 //!
 //! `(1 - cos(πm) sinc(πw/2))/2 = S² + (C² - S²) (1 - sinc(πw/2))/2`, with `S = sin(πm/2)`, `C = cos(πm/2)`, `sinc z = sin z / z`,
 //!
@@ -23,7 +28,7 @@ use real::{Real, Trigonometric};
 
 /// The shape g of a change of feed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum StageShape {
+pub enum StageShape<R> {
     /// `3x² - 2x³`: no acceleration at both ends.
     #[default]
     Cubic,
@@ -35,21 +40,52 @@ pub enum StageShape {
     Easing,
     /// `(1 - cos πx)/2`: no acceleration at both ends.
     Cosine,
+    /// `x + b x(1 - x)`: constant jerk from `1 + b` times the mean acceleration to `1 - b` times that, b from -1 to 1.
+    Bent(R),
 }
 
-impl StageShape {
+impl<R: Real> StageShape<R> {
     /// Every shape.
     #[cfg(test)]
-    pub(crate) const ALL: [Self; 5] = [Self::Cubic, Self::Onset, Self::Steady, Self::Easing, Self::Cosine];
+    pub(crate) fn all() -> [Self; 8] {
+        let [third, most] = [R::from_ratio(1, 3), R::from_ratio(15, 16)];
+        let bent = [Self::Bent(third), Self::Bent(R::zero() - most), Self::Bent(R::one())];
+        let [a, b, c] = bent;
+        [Self::Cubic, Self::Onset, Self::Steady, Self::Easing, Self::Cosine, a, b, c]
+    }
+
+    /// The same shape, its number converted if it has one.
+    ///
+    /// # Errors
+    /// That of `convert`.
+    pub fn try_map<Q, E>(self, convert: impl FnOnce(R) -> Result<Q, E>) -> Result<StageShape<Q>, E> {
+        Ok(match self {
+            Self::Cubic => StageShape::Cubic,
+            Self::Onset => StageShape::Onset,
+            Self::Steady => StageShape::Steady,
+            Self::Easing => StageShape::Easing,
+            Self::Cosine => StageShape::Cosine,
+            Self::Bent(by) => StageShape::Bent(convert(by)?),
+        })
+    }
+
+    /// The same shape, its number converted if it has one.
+    pub fn map<Q>(self, convert: impl FnOnce(R) -> Q) -> StageShape<Q> {
+        match self.try_map(|by| Ok::<_, core::convert::Infallible>(convert(by))) {
+            Ok(shape) => shape,
+            Err(never) => match never {},
+        }
+    }
 
     /// g(x), the share of the change of feed that is reached.
     #[must_use]
-    pub fn reached<R: Real>(self, x: R) -> R {
+    pub fn reached(self, x: R) -> R {
         match self {
             Self::Cubic => x * x * (R::from_ratio(3, 1) - x - x),
             Self::Onset => x * x,
             Self::Steady => x,
             Self::Easing => x * (R::one() + (R::one() - x)),
+            Self::Bent(by) => x + by * (x * (R::one() - x)),
             Self::Cosine => {
                 let (sine, _) = R::sin_cos_quarter(x);
                 sine * sine
@@ -59,12 +95,13 @@ impl StageShape {
 
     /// g'(x), the acceleration against the mean acceleration.
     #[must_use]
-    pub fn slope<R: Real>(self, x: R) -> R {
+    pub fn slope(self, x: R) -> R {
         match self {
             Self::Cubic => R::from_ratio(6, 1) * x * (R::one() - x),
             Self::Onset => x + x,
             Self::Steady => R::one(),
             Self::Easing => (R::one() - x) + (R::one() - x),
+            Self::Bent(by) => R::one() + by * (R::one() - x - x),
             Self::Cosine => {
                 let (sine, cosine) = R::sin_cos_quarter(x);
                 let half = sine * cosine;
@@ -75,12 +112,13 @@ impl StageShape {
 
     /// g''(x), the jerk against mean acceleration over duration.
     #[must_use]
-    pub fn bend<R: Real>(self, x: R) -> R {
+    pub fn bend(self, x: R) -> R {
         match self {
             Self::Cubic => R::from_ratio(6, 1) * (R::one() - x - x),
             Self::Onset => R::from_ratio(2, 1),
             Self::Steady => R::zero(),
             Self::Easing => R::from_ratio(-2, 1),
+            Self::Bent(by) => R::zero() - by - by,
             Self::Cosine => {
                 let (sine, cosine) = R::sin_cos_quarter(x);
                 let square = R::half_pi() * R::half_pi();
@@ -91,7 +129,7 @@ impl StageShape {
 
     /// G(x), the share of the change of feed in the distance.
     #[must_use]
-    pub fn travelled<R: Real>(self, x: R) -> R {
+    pub fn travelled(self, x: R) -> R {
         let third = R::from_ratio(1, 3);
         match self {
             Self::Cubic => {
@@ -101,6 +139,7 @@ impl StageShape {
             Self::Onset => x * x * x * third,
             Self::Steady => (x * x).half(),
             Self::Easing => x * x * (R::one() - x * third),
+            Self::Bent(by) => x * x * (R::one().half() + by * (R::one().half() - x * third)),
             Self::Cosine => {
                 let (sine, cosine) = R::sin_cos_quarter(x);
                 (x - sine * cosine * R::two_over_pi()).half()
@@ -113,7 +152,7 @@ impl StageShape {
     /// Range: with the interval in [0, 1] no intermediate exceeds 2 in magnitude, so two integer bits are enough.
     #[inline]
     #[must_use]
-    pub fn mean<R: Real>(self, middle: R, width: R) -> R {
+    pub fn mean(self, middle: R, width: R) -> R {
         let (square, rest) = (middle * middle, R::one() - middle);
         let bow = || (width * width).scale(-2);
         match self {
@@ -135,39 +174,44 @@ impl StageShape {
             Self::Steady => middle,
             Self::Easing => middle + middle * rest - bow() * R::from_ratio(1, 3),
             Self::Cosine => mean_of_cosine(middle, width),
+            Self::Bent(by) => by.mul_add(middle * rest - bow() * R::from_ratio(1, 3), middle),
         }
     }
 
     /// Largest |g'|, by which a piece's peak acceleration is its mean acceleration.
     #[must_use]
-    pub fn peak_slope<R: Real>(self) -> R {
+    pub fn peak_slope(self) -> R {
         match self {
             Self::Cubic => R::from_ratio(3, 2),
             Self::Onset | Self::Easing => R::from_ratio(2, 1),
             Self::Steady => R::one(),
             Self::Cosine => R::half_pi(),
+            Self::Bent(by) => R::one() + by.abs(),
         }
     }
 
     /// Largest |g''|.
     #[must_use]
-    pub fn peak_bend<R: Real>(self) -> R {
+    pub fn peak_bend(self) -> R {
         match self {
             Self::Cubic => R::from_ratio(6, 1),
             Self::Onset | Self::Easing => R::from_ratio(2, 1),
             Self::Steady => R::zero(),
             Self::Cosine => R::half_pi() * (R::half_pi() + R::half_pi()),
+            Self::Bent(by) => by.abs() + by.abs(),
         }
     }
 
     /// `c₀..c₃` of g as a polynomial of x; `None` for the cosine.
     #[must_use]
-    pub fn coefficients(self) -> Option<[i32; 4]> {
+    pub fn coefficients(self) -> Option<[R; 4]> {
+        let whole = |coefficients: [i32; 4]| Some(coefficients.map(|c| R::from_ratio(c, 1)));
         match self {
-            Self::Cubic => Some([0, 0, 3, -2]),
-            Self::Onset => Some([0, 0, 1, 0]),
-            Self::Steady => Some([0, 1, 0, 0]),
-            Self::Easing => Some([0, 2, -1, 0]),
+            Self::Cubic => whole([0, 0, 3, -2]),
+            Self::Onset => whole([0, 0, 1, 0]),
+            Self::Steady => whole([0, 1, 0, 0]),
+            Self::Easing => whole([0, 2, -1, 0]),
+            Self::Bent(by) => Some([R::zero(), R::one() + by, R::zero() - by, R::zero()]),
             Self::Cosine => None,
         }
     }
@@ -217,7 +261,7 @@ mod tests {
 
     #[test]
     fn each_column_of_the_table_is_the_integral_of_the_one_before() {
-        for shape in StageShape::ALL {
+        for shape in StageShape::<f64>::all() {
             assert!(shape.reached(0.0_f64).abs() < 1e-15 && (shape.reached(1.0_f64) - 1.0).abs() < 1e-15);
             for i in 1..=20 {
                 let x = f64::from(i) / 20.0;
@@ -240,19 +284,19 @@ mod tests {
 
     #[test]
     fn the_peaks_are_the_largest_values() {
-        for shape in StageShape::ALL {
+        for shape in StageShape::<f64>::all() {
             let grid = || (0..=1000).map(|i| f64::from(i) / 1000.0);
             let slope = grid().map(|x| shape.slope(x).abs()).fold(0.0, f64::max);
             let bend = grid().map(|x| shape.bend(x).abs()).fold(0.0, f64::max);
-            assert!((slope - shape.peak_slope::<f64>()).abs() < 1e-12, "{shape:?} {slope}");
-            assert!((bend - shape.peak_bend::<f64>()).abs() < 1e-12, "{shape:?} {bend}");
+            assert!((slope - shape.peak_slope()).abs() < 1e-12, "{shape:?} {slope}");
+            assert!((bend - shape.peak_bend()).abs() < 1e-12, "{shape:?} {bend}");
         }
     }
 
     #[test]
     fn coefficients_are_those_of_g() {
-        for shape in StageShape::ALL {
-            let Some([c0, c1, c2, c3]) = shape.coefficients().map(|c| c.map(f64::from)) else {
+        for shape in StageShape::<f64>::all() {
+            let Some([c0, c1, c2, c3]) = shape.coefficients() else {
                 assert_eq!(shape, StageShape::Cosine);
                 continue;
             };
@@ -263,7 +307,9 @@ mod tests {
     }
 
     /// Largest error of the mean in `R` against the difference of G in double-double, in units of the resolution.
-    fn mean_error<R: Backend>(shape: StageShape) -> f64 {
+    fn mean_error<R: Backend>(shape: StageShape<f64>) -> f64 {
+        let rounded = shape.map(|by| R::from_f64(by).unwrap());
+        let shape = rounded.map(|by| DoubleDouble::from(by.to_f64()));
         let mut worst = 0.0_f64;
         for i in 0..64 {
             for k in 0..=16 {
@@ -275,7 +321,7 @@ mod tests {
                 } else {
                     shape.reached(exact(middle)).value()
                 };
-                let found = shape.mean(R::from_f64(middle).unwrap(), R::from_f64(width).unwrap());
+                let found = rounded.mean(R::from_f64(middle).unwrap(), R::from_f64(width).unwrap());
                 worst = worst.max((found.to_f64() - expected).abs() / R::resolution().to_f64());
             }
         }
@@ -284,7 +330,7 @@ mod tests {
 
     #[test]
     fn the_mean_is_good_to_a_few_units_in_every_format() {
-        for shape in StageShape::ALL {
+        for shape in StageShape::<f64>::all() {
             for (name, error) in [
                 ("f64", mean_error::<f64>(shape)),
                 ("f32", mean_error::<f32>(shape)),

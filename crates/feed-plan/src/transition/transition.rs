@@ -98,7 +98,7 @@ pub struct Transition<R> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Course<R> {
     /// Along one shape.
-    Shape(StageShape),
+    Shape(StageShape<R>),
     /// With the jerk for t_j, at its peak of acceleration for t_h, and back for t_j.
     SCurve { jerk_time: R, hold_time: R },
 }

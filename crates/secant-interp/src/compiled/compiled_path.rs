@@ -177,7 +177,11 @@ impl<R: Backend, const D: usize> CompiledPath<R, D> {
                 };
                 let (from, to) = (feed(stage.start_feed)?, feed(stage.end_feed)?);
                 let compiled = LengthStage::new(duration, from, to - from);
-                stages.extend(compiled.map(|compiled| compiled.shaped(stage.shape)));
+                let shape = stage.shape.try_map(|by| {
+                    nearest::<Q, R>(by, 0)
+                        .ok_or(CompiledPathError::FeedTooHigh { stage: index, feed: stage.end_feed.to_f64() })
+                })?;
+                stages.extend(compiled.map(|compiled| compiled.shaped(shape)));
             }
             ends.push((stages.len(), section.rest().and_then(|(curve, u)| table.joint(curve, u.to_f64()))));
         }

@@ -5,7 +5,7 @@ use core::fmt;
 use nurbs_core::Piece;
 use real::{Backend, FormatName, Real};
 
-use crate::{LengthStage, PieceInterpolator};
+use crate::{LengthStage, PieceInterpolator, StageShape};
 
 /// Shows a run as a Rust expression of a constant, every number exactly.
 ///
@@ -102,10 +102,14 @@ fn stage<R: Backend>(stage: &LengthStage<R>) -> String {
     let LengthStage { duration, reciprocal, reciprocal_exponent, period_share, feed, change, shape } = stage;
     format!(
         "LengthStage {{ duration: {duration}, reciprocal: {reciprocal}, reciprocal_exponent: {reciprocal_exponent}, \
-         period_share: {}, feed: {}, change: {}, shape: StageShape::{shape:?} }}",
+         period_share: {}, feed: {}, change: {}, shape: StageShape::{} }}",
         number(*period_share),
         number(*feed),
-        number(*change)
+        number(*change),
+        match shape {
+            StageShape::Bent(by) => format!("Bent({})", number(*by)),
+            other => format!("{other:?}"),
+        }
     )
 }
 

@@ -435,7 +435,9 @@ mod tests {
         let of = |x: f64| I4F28::from_f64(x).unwrap();
         let coarse: Vec<_> = stages
             .iter()
-            .filter_map(|s| Some(LengthStage::new(s.duration, of(s.feed), of(s.change))?.shaped(s.shape)))
+            .filter_map(|s| {
+                Some(LengthStage::new(s.duration, of(s.feed), of(s.change))?.shaped(s.shape.map(of)))
+            })
             .collect();
         let lengths = StepLengths { stages: &coarse };
         let (mut cursor, mut state) = (LengthCursor::default(), OverrideState::at(Rate::FULL));
