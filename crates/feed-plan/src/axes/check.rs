@@ -1,0 +1,64 @@
+//! What pieces of a plan take of what is allowed, seen closely.
+
+use alloc::vec::Vec;
+
+use nurbs_core::Differentiate;
+
+use crate::FeedPiece;
+use crate::axes::grid::Grid;
+use crate::axes::way::{Motion, Strain, Way};
+
+/// Looks in each period, at least.
+const LOOKS: f64 = 10.0;
+/// Looks in each piece, at least.
+const LEAST: f64 = 4.0;
+
+/// The largest strain in each cell of the grid, of pieces that follow each other from the way's begin.
+pub(crate) fn strains<const D: usize, C: Differentiate<f64, D>>(
+    way: &Way<'_, C>,
+    grid: &Grid,
+    pieces: &[FeedPiece<f64>],
+) -> Vec<Strain> {
+    let mut strains = alloc::vec![Strain::default(); grid.pieces.len()];
+    let mut start = way.begin;
+    let step = way.limits.interpolation_period / LOOKS;
+    for piece in pieces {
+        let mut count = LEAST;
+        while count * step < piece.duration {
+            count += count;
+        }
+        let mut look = 0.0;
+        while look <= count {
+            // Off the joints by a rounding, where the jerk jumps.
+            let time = piece.duration * look / count;
+            let motion = Motion {
+                distance: start + piece.distance(time),
+                feed: piece.feed(time),
+                acceleration: piece.acceleration(time),
+                jerk: piece.jerk(time),
+            };
+            look += 1.0;
+            if motion.distance < way.begin || motion.distance > way.end {
+                continue;
+            }
+            let cell = grid.nodes.partition_point(|node| *node < motion.distance).saturating_sub(1);
+            let most = if motion.feed > 0.0 { way.feed(motion.distance) } else { 1.0 };
+            let bend = way.bend(motion.distance);
+            if let Some(strain) = strains.get_mut(cell) {
+                *strain = strain.max(way.strain(&motion, &bend, most));
+            }
+        }
+        start += piece.length();
+    }
+    strains
+}
+
+/// By what all of it is to be stretched in time.
+pub(crate) fn stretch(strains: &[Strain]) -> f64 {
+    strains.iter().fold(1.0, |most: f64, strain| most.max(strain.stretch()))
+}
+
+/// The time of pieces.
+pub(crate) fn duration(pieces: &[FeedPiece<f64>]) -> f64 {
+    pieces.iter().fold(0.0, |sum, piece| sum + piece.duration)
+}
