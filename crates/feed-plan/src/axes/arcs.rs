@@ -17,7 +17,7 @@ use real::Real;
 use crate::axes::geometry::Bend;
 use crate::axes::grid::Grid;
 use crate::axes::rows::Place;
-use crate::axes::spline::cells;
+use crate::axes::spline::{Cell, cells};
 use crate::axes::way::{Motion, Way};
 use crate::{FeedPiece, StageShape};
 
@@ -27,6 +27,8 @@ const TOLERANCE: f64 = 1e-4;
 const SLOWER: f64 = 1e-4;
 /// Cells in one arc.
 const LONGEST: usize = 512;
+/// Parts that a cell is divided into, where an arc over it takes more of the limits than the spline does.
+const PARTS: [usize; 3] = [2, 4, 8];
 /// Times at which an arc is looked at in each cell.
 const LOOKS: usize = 2;
 
@@ -57,42 +59,57 @@ pub(crate) fn pieces<C>(
     x: &[f64],
     unit: f64,
 ) -> Option<Vec<FeedPiece<f64>>> {
-    let nodes = nodes(grid, x, unit)?;
+    let cells: Vec<Cell> = cells(&grid.nodes).collect();
+    let nodes = nodes(grid, &cells, x, unit)?;
     let (first, last) = (nodes.first()?, nodes.last()?);
     let rest = |node: &Node, width: f64| 3.0 * width / node.feed;
     let mut pieces = Vec::new();
-    let at_rest = FeedPiece { shape: StageShape::Onset, start_feed: 0.0, end_feed: first.feed, duration: 0.0 };
+    let at_rest =
+        FeedPiece { shape: StageShape::Onset, start_feed: 0.0, end_feed: first.feed, duration: 0.0 };
     pieces.push(FeedPiece { duration: rest(first, first.distance - way.begin), ..at_rest });
-    let arcs = Arcs { way, grid, places, nodes: &nodes };
+    let arcs = Arcs { way, grid, places, nodes: &nodes, cells: &cells, x, unit };
     let mut from = 0;
     while from + 1 < nodes.len() {
-        let (to, parts) = arcs.longest(from)?;
-        append(&mut pieces, &parts, nodes.get(to)?);
+        let (count, arc) = arcs.longest(from)?;
+        let to = from + count;
+        if count > 1 || arcs.is_good(from, 1, &arc) {
+            append(&mut pieces, &arc, nodes.get(to)?);
+        } else {
+            arcs.divide(from, &mut pieces)?;
+        }
         from = to;
     }
-    let to_rest = FeedPiece { shape: StageShape::Easing, start_feed: last.feed, end_feed: 0.0, duration: 0.0 };
+    let to_rest =
+        FeedPiece { shape: StageShape::Easing, start_feed: last.feed, end_feed: 0.0, duration: 0.0 };
     pieces.push(FeedPiece { duration: rest(last, way.end - last.distance), ..to_rest });
     Some(pieces)
 }
 
 /// The nodes that touch no rest.
-fn nodes(grid: &Grid, x: &[f64], unit: f64) -> Option<Vec<Node>> {
-    let square = unit * unit;
+fn nodes(grid: &Grid, cells: &[Cell], x: &[f64], unit: f64) -> Option<Vec<Node>> {
     let mut nodes = Vec::with_capacity(grid.nodes.len());
-    let node = |distance: f64, b: f64, a: f64, time: f64| {
-        (b > 0.0).then(|| Node { distance, feed: Real::sqrt(b) * unit, acceleration: a * square, time })
-    };
     let mut time = 0.0;
-    let mut last = None;
-    for (cell, distance) in cells(&grid.nodes).zip(grid.nodes.get(1..)?) {
-        nodes.push(node(*distance, cell.value(0.0).of(x), cell.acceleration(0.0).of(x), time)?);
+    for (cell, distance) in cells.iter().zip(grid.nodes.get(1..)?) {
+        nodes.push(Node { time, ..Node::on(cell, 0.0, *distance, x, unit)? });
         let inverse = |share: f64| 1.0 / (Real::sqrt(cell.value(share).of(x)) * unit);
         time += cell.width * (inverse(0.0) + 4.0 * inverse(0.5) + inverse(1.0)) / 6.0;
-        last = Some(cell);
     }
-    let (cell, distance) = (last?, grid.nodes.get(grid.nodes.len().checked_sub(2)?)?);
-    nodes.push(node(*distance, cell.value(1.0).of(x), cell.acceleration(1.0).of(x), time)?);
+    let (cell, distance) = (cells.last()?, grid.nodes.get(grid.nodes.len().checked_sub(2)?)?);
+    nodes.push(Node { time, ..Node::on(cell, 1.0, *distance, x, unit)? });
     Some(nodes)
+}
+
+impl Node {
+    /// At a share of a cell that begins at `distance`, or ends there if the share is 1. Its time is not known.
+    fn on(cell: &Cell, share: f64, distance: f64, x: &[f64], unit: f64) -> Option<Self> {
+        let (b, a) = (cell.value(share).of(x), cell.acceleration(share).of(x));
+        (b > 0.0).then(|| Self {
+            distance,
+            feed: Real::sqrt(b) * unit,
+            acceleration: a * unit * unit,
+            time: 0.0,
+        })
+    }
 }
 
 struct Arcs<'a, 'w, C> {
@@ -100,10 +117,13 @@ struct Arcs<'a, 'w, C> {
     grid: &'a Grid,
     places: &'a [Place],
     nodes: &'a [Node],
+    cells: &'a [Cell],
+    x: &'a [f64],
+    unit: f64,
 }
 
 impl<C> Arcs<'_, '_, C> {
-    /// The longest arc from a node that is good, and where it ends.
+    /// The longest arc from a node that is good, or that to the next node, and over how many cells.
     fn longest(&self, from: usize) -> Option<(usize, [Part; 2])> {
         let most = (self.nodes.len() - 1 - from).min(LONGEST);
         let mut best = (1, self.arc(from, 1)?);
@@ -125,23 +145,39 @@ impl<C> Arcs<'_, '_, C> {
                 None => refused = count,
             }
         }
-        Some((from + best.0, best.1))
+        Some(best)
     }
 
     fn arc(&self, from: usize, count: usize) -> Option<[Part; 2]> {
-        let (from, to) = (self.nodes.get(from)?, self.nodes.get(from + count)?);
-        let length = to.distance - from.distance;
-        let mean = 0.5 * (from.feed + to.feed);
-        let root = Real::sqrt(mean.mul_add(mean, (from.acceleration - to.acceleration) * length / 3.0));
-        let time = 2.0 * length / (mean + root);
-        let rise = to.feed - from.feed - 0.5 * time * (from.acceleration + to.acceleration);
-        let (even, odd) = ((to.acceleration - from.acceleration) / time, 4.0 * rise / (time * time));
-        let half = 0.5 * time;
-        let first = Part { feed: from.feed, acceleration: from.acceleration, jerk: even + odd, time: half };
-        let acceleration = from.acceleration + first.jerk * half;
-        let feed = from.feed + half * (from.acceleration + 0.5 * first.jerk * half);
-        let second = Part { feed, acceleration, jerk: even - odd, time: half };
-        (time > 0.0 && time < f64::MAX && feed > 0.0).then_some([first, second])
+        Part::between(self.nodes.get(from)?, self.nodes.get(from + count)?)
+    }
+
+    /// Appends as many arcs over the cell behind a node as are good, or the most of [`PARTS`].
+    fn divide(&self, from: usize, pieces: &mut Vec<FeedPiece<f64>>) -> Option<()> {
+        let (begin, end, cell) = (self.nodes.get(from)?, self.nodes.get(from + 1)?, self.cells.get(from)?);
+        for count in PARTS {
+            let node = |i: usize| {
+                let share = i as f64 / count as f64;
+                match i {
+                    0 => Some(*begin),
+                    _ if i == count => Some(*end),
+                    _ => Node::on(cell, share, begin.distance + share * cell.width, self.x, self.unit),
+                }
+            };
+            let nodes: Vec<Node> = (0..=count).map(node).collect::<Option<_>>()?;
+            let arcs: Vec<[Part; 2]> =
+                nodes.windows(2).map(|pair| Part::between(&pair[0], &pair[1])).collect::<Option<_>>()?;
+            let mut pairs = nodes.iter().zip(&arcs);
+            if PARTS.last() == Some(&count)
+                || pairs.all(|(node, arc)| self.is_kept(from, 1, node.distance, arc))
+            {
+                for (arc, node) in arcs.iter().zip(nodes.get(1..)?) {
+                    append(pieces, arc, node);
+                }
+                return Some(());
+            }
+        }
+        None
     }
 
     /// Whether an arc over this many cells keeps the limits and loses no time.
@@ -149,16 +185,21 @@ impl<C> Arcs<'_, '_, C> {
         let (Some(begin), Some(end)) = (self.nodes.get(from), self.nodes.get(from + count)) else {
             return false;
         };
-        if arc[0].time + arc[1].time > (end.time - begin.time) * (1.0 + SLOWER) {
-            return false;
-        }
+        arc[0].time + arc[1].time <= (end.time - begin.time) * (1.0 + SLOWER)
+            && self.is_kept(from, count, begin.distance, arc)
+    }
+
+    /// Whether an arc that begins at a distance keeps the limits, on these cells.
+    fn is_kept(&self, from: usize, count: usize, begin: f64, arc: &[Part; 2]) -> bool {
         let looks = (count * LOOKS).div_ceil(2).max(2);
-        let (mut distance, mut cell) = (begin.distance, from + 1);
+        let (mut distance, mut cell) = (begin, from + 1);
         for part in arc {
             for look in 0..=looks {
                 let time = part.time * look as f64 / looks as f64;
                 let motion = part.motion(distance, time);
-                while cell < from + count && self.grid.nodes.get(cell + 1).is_some_and(|end| *end < motion.distance) {
+                while cell < from + count
+                    && self.grid.nodes.get(cell + 1).is_some_and(|end| *end < motion.distance)
+                {
                     cell += 1;
                 }
                 if !self.is_within(cell, &motion) {
@@ -171,7 +212,8 @@ impl<C> Arcs<'_, '_, C> {
     }
 
     fn is_within(&self, cell: usize, motion: &Motion) -> bool {
-        let (Some(place), Some([from, to])) = (self.places.get(cell), self.grid.nodes.get(cell..cell + 2)) else {
+        let (Some(place), Some([from, to])) = (self.places.get(cell), self.grid.nodes.get(cell..cell + 2))
+        else {
             return false;
         };
         let share = ((motion.distance - from) / (to - from)).clamp(0.0, 1.0);
@@ -184,11 +226,27 @@ impl<C> Arcs<'_, '_, C> {
         let quarter = [0.25, 0.5, 0.75].iter().filter(|edge| share >= **edge).count();
         let x = 4.0 * share - quarter as f64;
         let feed = between(place.feeds[quarter], place.feeds[quarter + 1], x);
-        motion.feed > 0.0 && self.way.strain(motion, &bend, feed).stretch() <= 1.0 + TOLERANCE
+        motion.feed > 0.0 && self.way.strain(motion, &bend, feed).is_within(1.0 + TOLERANCE)
     }
 }
 
 impl Part {
+    /// The two parts that lead from one node to another.
+    fn between(from: &Node, to: &Node) -> Option<[Self; 2]> {
+        let length = to.distance - from.distance;
+        let mean = 0.5 * (from.feed + to.feed);
+        let root = Real::sqrt(mean.mul_add(mean, (from.acceleration - to.acceleration) * length / 3.0));
+        let time = 2.0 * length / (mean + root);
+        let rise = to.feed - from.feed - 0.5 * time * (from.acceleration + to.acceleration);
+        let (even, odd) = ((to.acceleration - from.acceleration) / time, 4.0 * rise / (time * time));
+        let half = 0.5 * time;
+        let first = Self { feed: from.feed, acceleration: from.acceleration, jerk: even + odd, time: half };
+        let acceleration = from.acceleration + first.jerk * half;
+        let feed = from.feed + half * (from.acceleration + 0.5 * first.jerk * half);
+        let second = Self { feed, acceleration, jerk: even - odd, time: half };
+        (time > 0.0 && time < f64::MAX && feed > 0.0).then_some([first, second])
+    }
+
     fn motion(&self, from: f64, time: f64) -> Motion {
         let &Self { feed, acceleration, jerk, .. } = self;
         let travelled = time * (feed + time * (0.5 * acceleration + time * jerk / 6.0));

@@ -55,7 +55,8 @@ pub(crate) fn strains<const D: usize, C: Differentiate<f64, D>>(
 
 /// By what all of it is to be stretched in time.
 pub(crate) fn stretch(strains: &[Strain]) -> f64 {
-    strains.iter().fold(1.0, |most: f64, strain| most.max(strain.stretch()))
+    let most = strains.iter().fold(Strain::default(), |most, strain| most.max(*strain));
+    most.stretch().max(1.0)
 }
 
 /// The time of pieces.

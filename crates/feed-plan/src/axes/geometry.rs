@@ -144,7 +144,10 @@ mod tests {
     use crate::test_paths::{circle, limit_along, paper_limits, seed_000, seed_003};
     use nurbs_core::{Evaluate, NurbsBuf};
 
-    fn with_geometry(curve: &NurbsBuf<f64, 2>, check: impl Fn(&Geometry<'_, nurbs_core::NurbsCurve<'_, f64, 2>>)) {
+    fn with_geometry(
+        curve: &NurbsBuf<f64, 2>,
+        check: impl Fn(&Geometry<'_, nurbs_core::NurbsCurve<'_, f64, 2>>),
+    ) {
         let limit = limit_along(core::slice::from_ref(curve), &paper_limits());
         let curves = [curve.as_curve()];
         check(&Geometry::new(&curves, &limit).unwrap());
@@ -193,7 +196,10 @@ mod tests {
                     let most = found.c[0].hypot(found.c[1]);
                     for axis in 0..2 {
                         let expected = (after[axis] - before[axis]) / (2.0 * step * at(u).speed);
-                        assert!((found.c[axis] - expected).abs() <= 1e-5 * most + 1e-9, "{u}: {found:?} {expected}");
+                        assert!(
+                            (found.c[axis] - expected).abs() <= 1e-5 * most + 1e-9,
+                            "{u}: {found:?} {expected}"
+                        );
                     }
                 }
             }
@@ -205,7 +211,8 @@ mod tests {
         for t in [-2.0, -1.3, 0.0, 0.4, 2.0_f64] {
             let value = |x: f64| 1.0 + x - 2.0 * x * x + 0.5 * x.powi(3) - 0.25 * x.powi(4);
             let slope = 1.0 - 4.0 * t + 1.5 * t * t - t.powi(3);
-            let found: f64 = (-2..=2).zip(slope_weights(t)).map(|(x, weight)| weight * value(f64::from(x))).sum();
+            let found: f64 =
+                (-2..=2).zip(slope_weights(t)).map(|(x, weight)| weight * value(f64::from(x))).sum();
             assert!((found - slope).abs() < 1e-13, "{t}: {found} {slope}");
         }
     }

@@ -194,8 +194,10 @@ impl Grid {
             }
         };
         let (first, last) = (way.pieces.first()?, way.pieces.last()?);
-        let start = way.begin + rest_width(way, way.begin, cell_time).min(0.5 * (first.end.min(way.end) - way.begin));
-        let end = way.end - rest_width(way, way.end, cell_time).min(0.5 * (way.end - last.begin.max(way.begin)));
+        let start =
+            way.begin + rest_width(way, way.begin, cell_time).min(0.5 * (first.end.min(way.end) - way.begin));
+        let end =
+            way.end - rest_width(way, way.end, cell_time).min(0.5 * (way.end - last.begin.max(way.begin)));
         let (mut nodes, mut pieces) = (Vec::from([way.begin, start]), Vec::from([0]));
         for (index, piece) in way.pieces.iter().enumerate() {
             let (from, to) = (piece.begin.max(start), piece.end.min(end));

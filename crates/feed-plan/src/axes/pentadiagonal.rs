@@ -29,7 +29,7 @@ impl Pentadiagonal {
     /// Adds `scale w wᵀ`, w being zero but for `weights` from index `first` on. What lies beyond the matrix is left out.
     pub(crate) fn add_square(&mut self, first: usize, weights: &[f64; 3], scale: f64) {
         let [w0, w1, w2] = *weights;
-        let Some([a, b, c]) = self.rows.get_mut(first..first + 3) else { return };
+        let Some([a, b, c, ..]) = self.rows.get_mut(first..) else { return };
         let (s0, s1) = (scale * w0, scale * w1);
         a[0] += s0 * w0;
         a[1] += s0 * w1;

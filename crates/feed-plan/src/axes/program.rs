@@ -26,6 +26,8 @@ use crate::axes::spline::Functional;
 
 /// Steps end this far from where the first slack or multiplier would vanish.
 const TO_THE_BOUNDARY: f64 = 0.995;
+/// The gap is not made less than this share of what is left of the slope: multipliers that have all but vanished do not come back.
+const WEIGHT_OF_SLOPE: f64 = 0.1;
 /// No value of b falls below this share of what it was in one step.
 const LEAST_SHARE: f64 = 0.1;
 
@@ -106,14 +108,16 @@ impl Program {
                 return None;
             }
             let affine = self.step(&matrix, &state, &slope, |_| 0.0);
-            let (primal, dual) = (self.reach(&state, &affine, 1.0), reach(&state.multiplier, &affine.multiplier, 1.0));
+            let (primal, dual) =
+                (self.reach(&state, &affine, 1.0), reach(&state.multiplier, &affine.multiplier, 1.0));
             let mean_after = (0..state.slack.len()).fold(0.0, |sum, i| {
                 sum + (state.slack[i] + primal * affine.slack[i])
                     * (state.multiplier[i] + dual * affine.multiplier[i])
             }) / count;
             let ratio = (mean_after / mean).clamp(0.0, 1.0);
-            let centred = ratio * ratio * ratio * mean;
-            let step = self.step(&matrix, &state, &slope, |i| centred - affine.slack[i] * affine.multiplier[i]);
+            let centred = (ratio * ratio * ratio * mean).max(WEIGHT_OF_SLOPE * off.min(time) / count);
+            let step =
+                self.step(&matrix, &state, &slope, |i| centred - affine.slack[i] * affine.multiplier[i]);
             self.take(&mut state, &step);
         }
         None
@@ -232,9 +236,12 @@ impl Program {
 
 /// The share up to 1 of a step that takes no value below `1 - share` of itself.
 fn reach(values: &[f64], steps: &[f64], share: f64) -> f64 {
-    values.iter().zip(steps).fold(1.0, |reach: f64, (value, step)| {
-        if *step < 0.0 { reach.min(share * value / -step) } else { reach }
-    })
+    values.iter().zip(steps).fold(
+        1.0,
+        |reach: f64, (value, step)| {
+            if *step < 0.0 { reach.min(share * value / -step) } else { reach }
+        },
+    )
 }
 
 fn advance(values: &mut [f64], steps: &[f64], share: f64) {
@@ -244,8 +251,11 @@ fn advance(values: &mut [f64], steps: &[f64], share: f64) {
 }
 
 fn add(sum: &mut [f64], first: usize, weights: &[f64; 3], scale: f64) {
-    for (sum, weight) in sum.iter_mut().skip(first).zip(weights) {
-        *sum += scale * weight;
+    let [u, v, w] = weights;
+    if let Some([x, y, z, ..]) = sum.get_mut(first..) {
+        *x += scale * u;
+        *y += scale * v;
+        *z += scale * w;
     }
 }
 

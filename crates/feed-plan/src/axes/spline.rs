@@ -29,8 +29,11 @@ pub(crate) struct Functional {
 
 impl Functional {
     pub(crate) fn of(&self, unknowns: &[f64]) -> f64 {
-        let three = unknowns.get(self.first..self.first + 3).unwrap_or_default();
-        self.weights.iter().zip(three).fold(0.0, |sum, (weight, x)| sum + weight * x)
+        let [u, v, w] = self.weights;
+        match unknowns.get(self.first..) {
+            Some([x, y, z, ..]) => u * x + v * y + w * z,
+            _ => 0.0,
+        }
     }
 
     /// This one times a number, and another on the same cell.

@@ -33,6 +33,12 @@ impl Strain {
         }
     }
 
+    /// Whether a stretch in time by this factor is enough.
+    pub(crate) fn is_within(&self, stretch: f64) -> bool {
+        let square = stretch * stretch;
+        self.feed <= stretch && self.acceleration <= square && self.jerk <= square * stretch
+    }
+
     /// By what a motion is to be stretched in time so that nothing is above what is allowed.
     pub(crate) fn stretch(&self) -> f64 {
         self.feed.max(Real::sqrt(self.acceleration)).max(cube_root(self.jerk))
@@ -94,7 +100,10 @@ impl<'a, C> Way<'a, C> {
     /// The path's acceleration on a straight way in the direction of this bend.
     pub(crate) fn acceleration_along(&self, bend: &Bend) -> f64 {
         let of_axes = (0..AXES).filter_map(|i| Some((bend.e[i].abs(), self.limits.axes[i].acceleration?)));
-        of_axes.fold(self.limits.acceleration, |least, (e, most)| if e * least > most { most / e } else { least })
+        of_axes.fold(
+            self.limits.acceleration,
+            |least, (e, most)| if e * least > most { most / e } else { least },
+        )
     }
 
     /// What a motion takes of what is allowed where the path bends like this.

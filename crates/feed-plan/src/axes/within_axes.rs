@@ -43,7 +43,7 @@ const GAPS: [f64; 2] = [1e-2, 1e-4];
 /// Strains are lowered to 1 less this.
 const BELOW: f64 = 1e-5;
 /// Strains this far above 1 are worth another solution.
-const WORTH: f64 = 1e-4;
+const WORTH: f64 = 3e-4;
 
 /// What a way took.
 #[derive(Clone, Copy, Debug, Default)]
@@ -162,7 +162,12 @@ pub(crate) fn solve<const D: usize, C: Differentiate<f64, D>>(
 
 fn slower(piece: &FeedPiece<f64>, factor: f64) -> FeedPiece<f64> {
     let &FeedPiece { shape, start_feed, end_feed, duration } = piece;
-    FeedPiece { shape, start_feed: start_feed / factor, end_feed: end_feed / factor, duration: duration * factor }
+    FeedPiece {
+        shape,
+        start_feed: start_feed / factor,
+        end_feed: end_feed / factor,
+        duration: duration * factor,
+    }
 }
 
 /// A grid, what holds on it, and the solution.
@@ -247,17 +252,38 @@ mod tests {
 
     fn cases() -> Vec<Case> {
         let none = AxisLimits::default();
-        let case = |name, curve, axes| Case { name, curve, limits: KinematicLimits { axes, ..paper_limits() } };
+        let case =
+            |name, curve, axes| Case { name, curve, limits: KinematicLimits { axes, ..paper_limits() } };
         let generous = axis(200.0, 5000.0, 4e5);
         let weak = axis(100.0, 1000.0, 4e4);
         vec![
-            case("seed-000 with axes", seed_000(), [axis(120.0, 2000.0, 1e5), axis(150.0, 3000.0, 2e5), none]),
+            case(
+                "seed-000 with axes",
+                seed_000(),
+                [axis(120.0, 2000.0, 1e5), axis(150.0, 3000.0, 2e5), none],
+            ),
             case("seed-000, equal generous axes", seed_000(), [generous, generous, none]),
             case("seed-000, one weak axis", seed_000(), [generous, weak, none]),
-            case("seed-003 with axes", seed_003(), [axis(150.0, 3000.0, 2e5), axis(200.0, 4000.0, 3e5), none]),
-            case("seed-003, acceleration binds", seed_003(), [axis(200.0, 1500.0, 4e5), axis(200.0, 1500.0, 4e5), none]),
-            case("seed-003, jerk binds", seed_003(), [axis(200.0, 5000.0, 6e4), axis(200.0, 5000.0, 6e4), none]),
-            case("seed-003, an idle weak Z", seed_003(), [axis(150.0, 3000.0, 2e5), axis(200.0, 4000.0, 3e5), axis(10.0, 50.0, 500.0)]),
+            case(
+                "seed-003 with axes",
+                seed_003(),
+                [axis(150.0, 3000.0, 2e5), axis(200.0, 4000.0, 3e5), none],
+            ),
+            case(
+                "seed-003, acceleration binds",
+                seed_003(),
+                [axis(200.0, 1500.0, 4e5), axis(200.0, 1500.0, 4e5), none],
+            ),
+            case(
+                "seed-003, jerk binds",
+                seed_003(),
+                [axis(200.0, 5000.0, 6e4), axis(200.0, 5000.0, 6e4), none],
+            ),
+            case(
+                "seed-003, an idle weak Z",
+                seed_003(),
+                [axis(150.0, 3000.0, 2e5), axis(200.0, 4000.0, 3e5), axis(10.0, 50.0, 500.0)],
+            ),
             case("circle R10", circle(10.0), [generous, generous, none]),
             case("circle R10, unequal", circle(10.0), [generous, axis(200.0, 3000.0, 1e5), none]),
         ]
@@ -277,11 +303,20 @@ mod tests {
             let found = solve(&way, before, CELL);
             let taken = start.elapsed().as_secs_f64();
             let fine = solve(&way, before, CELL / 4.0);
-            let Some((pieces, effort)) = found else { println!("{name}: none ({before})"); continue };
+            let Some((pieces, effort)) = found else {
+                println!("{name}: none ({before})");
+                continue;
+            };
             let best = fine.map_or(0.0, |(_, effort)| effort.time);
-            println!("{name}: {before:.2} -> {:.3} for {best:.3}: {:+.3} %, s-curve {:+.2} %; {} stages for {}; {effort:?} {:.1} us a node",
-                duration(&pieces), 100.0 * (duration(&pieces) / best - 1.0), 100.0 * (before / best - 1.0), pieces.len(), today.stages().len(),
-                taken / effort.nodes as f64 * 1e6);
+            println!(
+                "{name}: {before:.2} -> {:.3} for {best:.3}: {:+.3} %, s-curve {:+.2} %; {} stages for {}; {effort:?} {:.1} us a node",
+                duration(&pieces),
+                100.0 * (duration(&pieces) / best - 1.0),
+                100.0 * (before / best - 1.0),
+                pieces.len(),
+                today.stages().len(),
+                taken / effort.nodes as f64 * 1e6
+            );
         }
     }
 }
