@@ -125,7 +125,9 @@ struct Arcs<'a, 'w, C> {
 impl<C> Arcs<'_, '_, C> {
     /// The longest arc from a node that is good, or that to the next node, and over how many cells.
     fn longest(&self, from: usize) -> Option<(usize, [Part; 2])> {
-        let most = (self.nodes.len() - 1 - from).min(LONGEST);
+        let within =
+            (from + 1..self.nodes.len() - 1).take(LONGEST - 1).take_while(|node| !self.jumps(*node)).count();
+        let most = within + 1;
         let mut best = (1, self.arc(from, 1)?);
         let mut refused = most + 1;
         let mut count = 2;
@@ -146,6 +148,23 @@ impl<C> Arcs<'_, '_, C> {
             }
         }
         Some(best)
+    }
+
+    /// Whether the curvature or its change jumps at a node, by more than an arc may leave the limits.
+    fn jumps(&self, node: usize) -> bool {
+        let (Some(before), Some(after)) = (self.places.get(node), self.places.get(node + 1)) else {
+            return false;
+        };
+        let (low, high) = (&before.bends[2], &after.bends[0]);
+        let still = Bend {
+            k: core::array::from_fn(|i| high.k[i] - low.k[i]),
+            c: core::array::from_fn(|i| high.c[i] - low.c[i]),
+            ..Bend::default()
+        };
+        let feed = before.feeds[4];
+        let motion = Motion { distance: 0.0, feed, acceleration: self.way.limits.acceleration, jerk: 0.0 };
+        self.way.strain(&Motion { acceleration: 0.0, ..motion }, &still, f64::MAX).jerk > TOLERANCE
+            || self.way.strain(&motion, &still, f64::MAX).jerk > TOLERANCE
     }
 
     fn arc(&self, from: usize, count: usize) -> Option<[Part; 2]> {

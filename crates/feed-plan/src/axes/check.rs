@@ -13,6 +13,9 @@ const LOOKS: f64 = 10.0;
 /// Looks in each piece, at least.
 const LEAST: f64 = 4.0;
 
+/// Share of a piece from its ends to the nearest look.
+const WITHIN: f64 = 1e-8;
+
 /// The largest strain in each cell of the grid, of pieces that follow each other from the way's begin.
 pub(crate) fn strains<const D: usize, C: Differentiate<f64, D>>(
     way: &Way<'_, C>,
@@ -29,8 +32,8 @@ pub(crate) fn strains<const D: usize, C: Differentiate<f64, D>>(
         }
         let mut look = 0.0;
         while look <= count {
-            // Off the joints by a rounding, where the jerk jumps.
-            let time = piece.duration * look / count;
+            // Within the piece by more than rounding: where it ends, jerk and curvature may jump.
+            let time = piece.duration * (look / count).clamp(WITHIN, 1.0 - WITHIN);
             let motion = Motion {
                 distance: start + piece.distance(time),
                 feed: piece.feed(time),

@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 use nurbs_core::Differentiate;
 use real::Real;
 
-use crate::axes::spline::{cells, sites};
+use crate::axes::spline::Spline;
 use crate::axes::way::{Way, cube_root};
 use crate::limits::AXES;
 
@@ -70,30 +70,12 @@ impl Profile {
         profile
     }
 
-    /// That of a solution on a grid, at its nodes, between them, and where the limit has points.
-    pub(crate) fn of<C>(way: &Way<'_, C>, grid: &Grid, x: &[f64]) -> Self {
+    /// That of a solution on a grid, in units of `square`, at its nodes, between them, and where the limit has points.
+    pub(crate) fn of<C>(way: &Way<'_, C>, grid: &Grid, x: &[f64], square: f64) -> Self {
         let mut places: Vec<f64> = way.geometry.limit().points().map(|point| point.distance).collect();
         places.extend(grid.nodes.windows(2).flat_map(|pair| [pair[0], 0.5 * (pair[0] + pair[1])]));
-        let cells: Vec<_> = cells(&grid.nodes).collect();
-        Self::at(way, places, |distance| {
-            let cell = grid.nodes.partition_point(|node| *node <= distance).saturating_sub(1);
-            let [first, last] = [1, grid.nodes.len().saturating_sub(3)];
-            let rests_law = |b: f64, from: f64, width: f64| {
-                let share = cube_root(from / width);
-                b * (share * share) * (share * share)
-            };
-            let at = |i: usize| grid.nodes.get(i).copied().unwrap_or_default();
-            if cell < first {
-                let b = cells.first().map_or(0.0, |cell| cell.left.of(x));
-                rests_law(b, distance - way.begin, at(1) - way.begin)
-            } else if cell > last {
-                let b = cells.last().map_or(0.0, |cell| cell.right.of(x));
-                rests_law(b, way.end - distance, way.end - at(last + 1))
-            } else {
-                let share = (distance - at(cell)) / (at(cell + 1) - at(cell));
-                cells.get(cell - 1).map_or(0.0, |cell| cell.value(share).of(x))
-            }
-        })
+        let spline = Spline::new(&grid.nodes, x);
+        Self::at(way, places, |distance| spline.at(distance).0 * square)
     }
 
     fn at<C>(way: &Way<'_, C>, mut places: Vec<f64>, square: impl Fn(f64) -> f64) -> Self {
@@ -133,17 +115,6 @@ impl Profile {
             (Some(only), None) | (None, Some(only)) => only.square,
             (None, None) => 0.0,
         }
-    }
-
-    /// The same in other units of feed: squares times a number.
-    pub(crate) fn times(&self, square: f64) -> Self {
-        let times = |point: &Point| Point { square: point.square * square, ..*point };
-        Self { points: self.points.iter().map(times).collect() }
-    }
-
-    /// The unknowns of the spline that is near this profile.
-    pub(crate) fn unknowns(&self, grid: &Grid) -> Vec<f64> {
-        sites(&grid.nodes).into_iter().map(|site| self.square(site)).collect()
     }
 
     /// How many cells are wanted from the first point up to each.

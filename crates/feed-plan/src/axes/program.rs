@@ -23,11 +23,16 @@ use real::Real;
 
 use crate::axes::pentadiagonal::Pentadiagonal;
 use crate::axes::spline::Functional;
+use crate::axes::way::cube_root;
 
 /// Steps end this far from where the first slack or multiplier would vanish.
 const TO_THE_BOUNDARY: f64 = 0.995;
 /// The gap is not made less than this share of what is left of the slope: multipliers that have all but vanished do not come back.
 const WEIGHT_OF_SLOPE: f64 = 0.1;
+/// Share of its right side that a row's left side has at most in a first guess.
+const ROOM: f64 = 0.9;
+/// The factor by which a first guess is slowed at most.
+const SLOWEST: f64 = 2.0;
 /// No value of b falls below this share of what it was in one step.
 const LEAST_SHARE: f64 = 0.1;
 
@@ -88,7 +93,7 @@ impl Program {
     /// The solution found from a first guess, all of whose b are positive, with a gap of this share of the time; `None` if it is not
     /// reached within the iterations.
     pub(crate) fn solve(&self, guess: Vec<f64>, gap: f64, stop: Stop) -> Option<Solution> {
-        let mut state = self.start(guess, gap)?;
+        let mut state = self.start(self.slowed(guess), gap)?;
         let count = self.rows.len().max(1) as f64;
         let mut matrix = Pentadiagonal::zeros(state.x.len());
         for iterations in 0..=stop.iterations {
@@ -100,6 +105,14 @@ impl Program {
             }
             let slope = self.slope(&state);
             let off = slope.iter().zip(&state.x).fold(0.0, |sum, (slope, x)| sum + (slope * x).abs());
+            #[cfg(test)]
+            if std::env::var("IT").is_ok() {
+                println!(
+                    "{iterations} t {time:.6} gap {:.3e} inf {infeasible:.2e} off {off:.2e} n {}",
+                    mean * count,
+                    state.x.len()
+                );
+            }
             if mean * count <= stop.gap * time && infeasible <= stop.gap && off <= 10.0 * stop.gap * time {
                 return Some(Solution { x: state.x, iterations });
             }
@@ -118,6 +131,15 @@ impl Program {
             let centred = (ratio * ratio * ratio * mean).max(WEIGHT_OF_SLOPE * off.min(time) / count);
             let step =
                 self.step(&matrix, &state, &slope, |i| centred - affine.slack[i] * affine.multiplier[i]);
+            #[cfg(test)]
+            if std::env::var("IT").is_ok() {
+                println!(
+                    "  affine {primal:.3} {dual:.3} ratio {ratio:.3} step {:.4} {:.4} slacks alone {:.4}",
+                    self.reach(&state, &step, 0.995),
+                    reach(&state.multiplier, &step.multiplier, 0.995),
+                    reach(&state.slack, &step.slack, 0.995)
+                );
+            }
             self.take(&mut state, &step);
         }
         None
@@ -126,6 +148,24 @@ impl Program {
     /// The time of a solution.
     pub(crate) fn time(&self, x: &[f64]) -> f64 {
         self.terms.iter().fold(0.0, |sum, term| sum + term.weight / Real::sqrt(term.b.of(x)))
+    }
+
+    /// A guess slowed evenly, `b/η²`, until no row is above [`ROOM`], but by no more than [`SLOWEST`].
+    fn slowed(&self, mut x: Vec<f64>) -> Vec<f64> {
+        let mut factor = 1.0_f64;
+        for row in &self.rows {
+            let value = row.w.of(&x) / ROOM;
+            factor = factor.max(match row.p {
+                None => Real::sqrt(value.max(0.0)),
+                Some(weights) => {
+                    let taken = value * Real::sqrt(Functional { weights, ..row.w }.of(&x).max(0.0));
+                    if taken > factor * factor * factor { cube_root(taken) } else { factor }
+                }
+            });
+        }
+        let factor = factor.min(SLOWEST);
+        x.iter_mut().for_each(|x| *x /= factor * factor);
+        x
     }
 
     fn start(&self, x: Vec<f64>, gap: f64) -> Option<State> {

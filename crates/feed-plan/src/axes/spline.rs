@@ -20,6 +20,8 @@
 
 use alloc::vec::Vec;
 
+use crate::axes::way::cube_root;
+
 /// A linear function of the unknowns: weights of three neighbours, the first of them at an index.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Functional {
@@ -112,15 +114,55 @@ pub(crate) fn cells(nodes: &[f64]) -> impl Iterator<Item = Cell> + '_ {
     })
 }
 
-/// Where the unknowns have most of their weight: the ends, and the middles of the cells between.
-pub(crate) fn sites(nodes: &[f64]) -> Vec<f64> {
+/// A spline with its unknowns.
+pub(crate) struct Spline<'a> {
+    nodes: &'a [f64],
+    cells: Vec<Cell>,
+    x: &'a [f64],
+}
+
+impl<'a> Spline<'a> {
+    pub(crate) fn new(nodes: &'a [f64], x: &'a [f64]) -> Self {
+        Self { nodes, cells: cells(nodes).collect(), x }
+    }
+
+    /// b at a distance, and b''.
+    pub(crate) fn at(&self, distance: f64) -> (f64, f64) {
+        let node = |i: usize| self.nodes.get(i).copied().unwrap_or_default();
+        let index = self.nodes.partition_point(|node| *node <= distance).saturating_sub(1);
+        let last = self.nodes.len().saturating_sub(2);
+        let rest = |from: f64, width: f64, cell: Option<&Cell>, end: fn(&Cell) -> Functional| {
+            let b = cell.map_or(0.0, |cell| end(cell).of(self.x));
+            let root = cube_root(from.max(width * 1e-9) / width);
+            let square = root * root;
+            (b * square * square, b * (4.0 / 9.0) / (square * width * width))
+        };
+        if index == 0 {
+            rest(distance - node(0), node(1) - node(0), self.cells.first(), |cell| cell.left)
+        } else if index >= last {
+            rest(node(last + 1) - distance, node(last + 1) - node(last), self.cells.last(), |cell| cell.right)
+        } else {
+            let share = (distance - node(index)) / (node(index + 1) - node(index));
+            let cell = self.cells.get(index - 1);
+            cell.map_or((0.0, 0.0), |cell| (cell.value(share).of(self.x), 2.0 * cell.half_bend().of(self.x)))
+        }
+    }
+}
+
+/// The unknowns of the spline on these nodes that is near a function with this value and second derivative: a coefficient is the
+/// function where the coefficient has most of its weight, less `h²/8` of the second derivative.
+pub(crate) fn near(nodes: &[f64], at: impl Fn(f64) -> (f64, f64)) -> Vec<f64> {
     let last = unknowns(nodes.len()).saturating_sub(1);
-    let site = |i: usize| match i {
-        0 => nodes.get(1).copied(),
-        _ if i == last => nodes.get(last + 2).copied(),
-        _ => nodes.get(i + 1..i + 3).map(|pair| 0.5 * (pair[0] + pair[1])),
+    let coefficient = |i: usize| match i {
+        0 => nodes.get(1).map(|node| at(*node).0),
+        _ if i == last => nodes.get(last + 2).map(|node| at(*node).0),
+        _ => nodes.get(i + 1..i + 3).map(|pair| {
+            let (value, bend) = at(0.5 * (pair[0] + pair[1]));
+            let width = pair[1] - pair[0];
+            (value - 0.125 * width * width * bend).max(0.5 * value)
+        }),
     };
-    (0..=last).filter_map(site).collect()
+    (0..=last).filter_map(coefficient).collect()
 }
 
 #[cfg(test)]

@@ -24,6 +24,7 @@ use crate::axes::geometry::Geometry;
 use crate::axes::grid::{Grid, Profile};
 use crate::axes::program::Stop;
 use crate::axes::rows::{Place, all_of, places, program};
+use crate::axes::spline::{Spline, near};
 use crate::axes::way::{Strain, Way};
 use crate::plan::stages::Stages;
 use crate::plan::whole_periods::{SLOWER, stretch_section};
@@ -132,14 +133,16 @@ pub(crate) fn solve<const D: usize, C: Differentiate<f64, D>>(
     let rough = Profile::rough(way, COARSER * cell_time);
     let coarse = Grid::new(way, &rough, COARSER * cell_time, COARSER)?;
     let mut solver = Solver::new(way, coarse);
-    let guess = rough.unknowns(&solver.grid).iter().map(|b| 0.5 * b / solver.square()).collect();
+    let square = solver.square();
+    let guess = near(&solver.grid.nodes, |distance| (0.5 * rough.square(distance) / square, 0.0));
     solver.run(guess, 1.0, GAPS[0])?;
-    let profile = Profile::of(way, &solver.grid, &solver.x);
     let mut effort = Effort { iterations: [solver.iterations, 0, 0], ..Effort::default() };
-    let unit = solver.square();
+    let profile = Profile::of(way, &solver.grid, &solver.x, square);
+    let fine = Grid::new(way, &profile, cell_time, 1.0)?;
+    let spline = Spline::new(&solver.grid.nodes, &solver.x);
+    let guess = near(&fine.nodes, |distance| spline.at(distance));
 
-    let mut solver = Solver::new(way, Grid::new(way, &profile.times(unit), cell_time, 1.0)?);
-    let guess = profile.unknowns(&solver.grid).iter().map(|b| 0.9 * b).collect();
+    let mut solver = Solver::new(way, fine);
     solver.run(guess, 0.1, GAPS[1])?;
     effort = Effort { nodes: solver.grid.nodes.len(), ..effort };
     effort.iterations[1] = solver.iterations;
@@ -147,7 +150,7 @@ pub(crate) fn solve<const D: usize, C: Differentiate<f64, D>>(
     effort = Effort { time: solver.time, stretch: best.1, ..effort };
     if best.1 > 1.0 + WORTH {
         solver.lower(&strains);
-        let guess = solver.x.iter().map(|b| 0.98 * b).collect();
+        let guess = solver.x.clone();
         if solver.run(guess, 0.02, GAPS[1]).is_some() {
             effort.iterations[2] = solver.iterations;
             if let Some((other, _)) = solver.arcs().filter(|(other, _)| other.0 * other.1 < best.0 * best.1) {
@@ -211,6 +214,13 @@ impl<'a, 'w, C> Solver<'a, 'w, C> {
     {
         let pieces = arcs::pieces(self.way, &self.grid, &self.places, &self.x, self.way.limits.feedrate)?;
         let strains = strains(self.way, &self.grid, &pieces);
+        if std::env::var("WORST").is_ok() {
+            let mut w: Vec<_> = strains.iter().enumerate().map(|(i, s)| (s.stretch(), i, *s)).collect();
+            w.sort_by(|a, b| b.0.total_cmp(&a.0));
+            for x in w.iter().take(4) {
+                println!("   {x:?} of {} at {} of {}", strains.len(), self.grid.nodes[x.1], self.way.end);
+            }
+        }
         Some(((duration(&pieces), stretch(&strains), pieces), strains))
     }
 
@@ -318,5 +328,84 @@ mod tests {
                 taken / effort.nodes as f64 * 1e6
             );
         }
+    }
+}
+#[cfg(test)]
+mod trial {
+    use super::*;
+    use crate::test_paths::paper_limits;
+    use crate::{AxisLimits, EndFeeds, ProfileKind, plan_with};
+    use nurbs_core::NurbsBuf;
+
+    struct Rng(u64);
+    impl Rng {
+        fn next(&mut self) -> f64 {
+            self.0 ^= self.0 << 13;
+            self.0 ^= self.0 >> 7;
+            self.0 ^= self.0 << 17;
+            (self.0 >> 11) as f64 / (1u64 << 53) as f64
+        }
+    }
+
+    #[test]
+    fn random() {
+        let (mut sum, mut worst, mut n, mut fails, mut sums, mut slower) = (0.0, 0.0_f64, 0, 0, 0.0, 0);
+        for seed in std::env::var("FROM").map_or(0, |s| s.parse().unwrap())
+            ..std::env::var("SEEDS").map_or(24, |s| s.parse().unwrap())
+        {
+            let mut rng = Rng(0x9E3779B97F4A7C15 ^ (seed * 7919 + 1) * 0x2545F4914F6CDD1D);
+            for _ in 0..10 {
+                rng.next();
+            }
+            let count = 5 + (rng.next() * 8.0) as usize;
+            let scale = 10.0_f64.powf(1.0 + rng.next());
+            let points: Vec<[f64; 2]> = (0..count)
+                .map(|i| [i as f64 * scale * 0.3 + scale * rng.next(), scale * rng.next()])
+                .collect();
+            let inner = (1..count - 3).map(|k| k as f64);
+            let knots: Vec<f64> = [0.0; 4].into_iter().chain(inner).chain([(count - 3) as f64; 4]).collect();
+            let curve = NurbsBuf::try_new_nonrational(3, points, knots).unwrap();
+            let t: f64 = 3e-3;
+            let mut axis = || AxisLimits {
+                velocity: Some(t * 200.0 * 10.0_f64.powf(-rng.next())),
+                acceleration: Some(t * t * 5000.0 * 10.0_f64.powf(-2.0 * rng.next())),
+                jerk: Some(t * t * t * 4e5 * 10.0_f64.powf(-2.0 * rng.next())),
+            };
+            let limits = KinematicLimits { axes: [axis(), axis(), AxisLimits::default()], ..paper_limits() };
+            let curves = [curve.as_curve()];
+            let reserved = FeedLimit::along(&curves, &limits).unwrap();
+            let today = plan_with(&reserved, &limits, EndFeeds::default(), ProfileKind::SCurve).unwrap();
+            let limit = FeedLimit::without_reserves(&curves, &limits, &[]).unwrap();
+            let geometry = Geometry::new(&curves, &limit).unwrap();
+            let before = today.as_schedule().duration();
+            let section = today.as_schedule().sections().count();
+            let way = Way::new(&geometry, &limits, (0.0, limit.length())).unwrap();
+            let found = solve(&way, before, CELL);
+            let fine = solve(&way, before, CELL / 4.0);
+            let best = fine.map_or(f64::NAN, |(_, effort)| effort.time);
+            let Some((pieces, effort)) = found else {
+                println!("{seed}: none ({before}, sections {section}) {best}");
+                fails += 1;
+                continue;
+            };
+            let over = 100.0 * (duration(&pieces) / best - 1.0);
+            sum += over;
+            worst = worst.max(over);
+            n += 1;
+            sums += before / best - 1.0;
+            slower += usize::from(duration(&pieces) > before);
+            println!(
+                "{seed}: {before:.2} -> {:.3} for {best:.3}: {over:+.3} %, s-curve {:+.2} %; {} stages for {}; {effort:?} sections {section}",
+                duration(&pieces),
+                100.0 * (before / best - 1.0),
+                pieces.len(),
+                today.stages().len()
+            );
+        }
+        println!(
+            "mean {} worst {worst} fails {fails} s-curve {} slower {slower}",
+            sum / n as f64,
+            100.0 * sums / n as f64
+        );
     }
 }
