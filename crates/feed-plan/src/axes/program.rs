@@ -28,13 +28,13 @@ use crate::axes::way::cube_root;
 /// Steps end this far from where the first slack or multiplier would vanish.
 const TO_THE_BOUNDARY: f64 = 0.995;
 /// The gap is not made less than this share of what is left of the slope: multipliers that have all but vanished do not come back.
-const WEIGHT_OF_SLOPE: f64 = 0.1;
+const WEIGHT_OF_SLOPE: f64 = 1.0;
 /// Share of its right side that a row's left side has at most in a first guess.
 const ROOM: f64 = 0.9;
 /// The factor by which a first guess is slowed at most.
 const SLOWEST: f64 = 2.0;
 /// No value of b falls below this share of what it was in one step.
-const LEAST_SHARE: f64 = 0.1;
+const LEAST_SHARE: f64 = 0.5;
 
 /// `w·x ≤ 1`, or, if there is a p, `w·x ≤ 1/√(p·x)`.
 #[derive(Clone, Copy, Debug)]
