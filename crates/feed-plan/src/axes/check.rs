@@ -45,7 +45,9 @@ pub(crate) fn strains<const D: usize, C: Differentiate<f64, D>>(
                 continue;
             }
             let cell = grid.nodes.partition_point(|node| *node < motion.distance).saturating_sub(1);
-            let most = if motion.feed > 0.0 { way.feed(motion.distance) } else { 1.0 };
+            // At its ends a single point, or a jump, may be lower than what holds beside it.
+            let beside = if look > 1.0 && look <= count { 0.0 } else { piece.length() * 2.0 * WITHIN };
+            let most = way.least_feed(motion.distance - beside, motion.distance + beside);
             let bend = way.bend(motion.distance);
             if let Some(strain) = strains.get_mut(cell) {
                 *strain = strain.max(way.strain(&motion, &bend, most));

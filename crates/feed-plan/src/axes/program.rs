@@ -28,7 +28,7 @@ use crate::axes::way::cube_root;
 /// Steps end this far from where the first slack or multiplier would vanish.
 const TO_THE_BOUNDARY: f64 = 0.995;
 /// The gap is not made less than this share of what is left of the slope: multipliers that have all but vanished do not come back.
-const WEIGHT_OF_SLOPE: f64 = 1.0;
+const WEIGHT_OF_SLOPE: f64 = 0.3;
 /// Share of its right side that a row's left side has at most in a first guess.
 const ROOM: f64 = 0.9;
 /// The factor by which a first guess is slowed at most.
@@ -105,14 +105,6 @@ impl Program {
             }
             let slope = self.slope(&state);
             let off = slope.iter().zip(&state.x).fold(0.0, |sum, (slope, x)| sum + (slope * x).abs());
-            #[cfg(test)]
-            if std::env::var("IT").is_ok() {
-                println!(
-                    "{iterations} t {time:.6} gap {:.3e} inf {infeasible:.2e} off {off:.2e} n {}",
-                    mean * count,
-                    state.x.len()
-                );
-            }
             if mean * count <= stop.gap * time && infeasible <= stop.gap && off <= 10.0 * stop.gap * time {
                 return Some(Solution { x: state.x, iterations });
             }
@@ -131,15 +123,6 @@ impl Program {
             let centred = (ratio * ratio * ratio * mean).max(WEIGHT_OF_SLOPE * off.min(time) / count);
             let step =
                 self.step(&matrix, &state, &slope, |i| centred - affine.slack[i] * affine.multiplier[i]);
-            #[cfg(test)]
-            if std::env::var("IT").is_ok() {
-                println!(
-                    "  affine {primal:.3} {dual:.3} ratio {ratio:.3} step {:.4} {:.4} slacks alone {:.4}",
-                    self.reach(&state, &step, 0.995),
-                    reach(&state.multiplier, &step.multiplier, 0.995),
-                    reach(&state.slack, &step.slack, 0.995)
-                );
-            }
             self.take(&mut state, &step);
         }
         None

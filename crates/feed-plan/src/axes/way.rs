@@ -91,6 +91,17 @@ impl<'a, C> Way<'a, C> {
         self.geometry.limit().at(distance)
     }
 
+    /// The least limit of the feed between two distances, beyond the rests at both ends.
+    pub(crate) fn least_feed(&self, from: f64, to: f64) -> f64 {
+        let inside = |distance: f64| distance.clamp(self.begin, self.end);
+        let rests = from <= self.begin || to >= self.end;
+        if rests {
+            self.feed(0.5 * (from + to))
+        } else {
+            self.geometry.limit().minimum_over(inside(from), inside(to))
+        }
+    }
+
     /// The path's jerk on a straight way in the direction of this bend.
     pub(crate) fn jerk_along(&self, bend: &Bend) -> f64 {
         let of_axes = (0..AXES).filter_map(|i| Some((bend.e[i].abs(), self.limits.axes[i].jerk?)));
