@@ -10,7 +10,9 @@
 //! c is the derivative with respect to u of the polynomial of degree 4 through k at five parameters, over `|C'|`. They
 //! lie around u, and at the ends of a span within it.
 //!
-//! Error: with the five δ = 2⁻¹¹ of a span apart, that of rounding is about `2⁻⁵³ k/δ`, that of the polynomial `δ⁴/30` of the
+//! Where the slope of second order differs much from that of fourth, as in a bend that is narrow against the span, they are brought closer.
+//!
+//! Error: with the five δ apart, 2⁻¹¹ of a span or less, that of rounding is about `2⁻⁵³ k/δ`, that of the polynomial `δ⁴/30` of the
 //! fifth derivative of k; see the tests.
 
 use alloc::vec::Vec;
@@ -20,7 +22,11 @@ use nurbs_core::{Differentiate, Frenet};
 use crate::FeedLimit;
 use crate::limits::AXES;
 
-/// Distance of the five parameters, as a share of the span.
+/// Times that the five parameters are brought four times as close.
+const NARROWINGS: usize = 8;
+/// They are close enough where slopes of second and fourth order differ by this share.
+const CLOSE: f64 = 1e-3;
+/// Distance of the five parameters at first, as a share of the span.
 const APART: f64 = 1.0 / 2048.0;
 
 /// Tangent, curvature vector and its derivative, axis by axis; those of an axis that the path has not are 0.
@@ -105,21 +111,27 @@ fn bend_at<const D: usize, C: Differentiate<f64, D>>(
     let frenet = |u: f64| Frenet::of(&shape.derivatives_in(span, u));
     let curvature = |u: f64| axes_of(&frenet(u).curvature_vector().unwrap_or([0.0; D]));
     let here = frenet(u);
-    let apart = (high - low) * APART;
-    let centre = u.clamp(low + 2.0 * apart, high - 2.0 * apart);
+    let k = axes_of(&here.curvature_vector().unwrap_or([0.0; D]));
+    let mut apart = (high - low) * APART;
     let mut c = [0.0; AXES];
-    for (place, weight) in (-2..=2).zip(slope_weights((u - centre) / apart)) {
-        let k = curvature(centre + f64::from(place) * apart);
-        for (c, k) in c.iter_mut().zip(k) {
-            *c += weight * k;
+    for narrowing in 0..=NARROWINGS {
+        let centre = u.clamp(low + 2.0 * apart, high - 2.0 * apart);
+        let five = [-2.0, -1.0, 0.0, 1.0, 2.0].map(|place| curvature(centre + place * apart));
+        let weights = slope_weights((u - centre) / apart);
+        c = core::array::from_fn(|i| {
+            weights.iter().zip(&five).fold(0.0, |sum, (weight, k)| sum + weight * k[i])
+        });
+        // At the centre the slope is (8 (k₁ - k₋₁) - (k₂ - k₋₂))/12; what it has beyond (k₁ - k₋₁)/2 falls as the square.
+        let beyond = |i: usize| (2.0 * (five[3][i] - five[1][i]) - (five[4][i] - five[0][i])).abs() / 12.0;
+        let largest = |of: &dyn Fn(usize) -> f64| (0..AXES).fold(0.0_f64, |most, i| most.max(of(i)));
+        let rounding = largest(&|i| k[i].abs()) * 1e-13;
+        if largest(&beyond) <= largest(&|i| c[i].abs()) * CLOSE + rounding || narrowing == NARROWINGS {
+            break;
         }
+        apart *= 0.25;
     }
     let per_length = if here.speed > 0.0 { 1.0 / (apart * here.speed) } else { 0.0 };
-    Bend {
-        e: axes_of(&here.tangent),
-        k: axes_of(&here.curvature_vector().unwrap_or([0.0; D])),
-        c: c.map(|c| c * per_length),
-    }
+    Bend { e: axes_of(&here.tangent), k, c: c.map(|c| c * per_length) }
 }
 
 /// What the values at -2, -1, 0, 1 and 2 count for in the slope at t of the polynomial through them.
