@@ -87,9 +87,8 @@ mod tests {
             b.swap(i, best);
             for k in i + 1..n {
                 let factor = a[k][i] / a[i][i];
-                for col in i..n {
-                    a[k][col] -= factor * a[i][col];
-                }
+                let pivot = a[i].clone();
+                a[k].iter_mut().zip(&pivot).for_each(|(a, pivot)| *a -= factor * pivot);
                 b[k] -= factor * b[i];
             }
         }
@@ -111,13 +110,13 @@ mod tests {
             let n = squares.len() + 2;
             let mut banded = Pentadiagonal::zeros(n);
             let mut full = vec![vec![0.0; n]; n];
-            for i in 0..n {
+            for (i, row) in full.iter_mut().enumerate() {
                 // A small share of the unit matrix keeps it definite.
                 let (first, place) = if i + 3 <= n { (i, 0) } else { (n - 3, i + 3 - n) };
                 let mut unit = [0.0; 3];
                 unit[place] = 1.0;
                 banded.add_square(first, &unit, 0.1);
-                full[i][i] += 0.1;
+                row[i] += 0.1;
             }
             for (first, (weights, scale)) in squares.iter().enumerate() {
                 banded.add_square(first, weights, *scale);

@@ -50,14 +50,15 @@ const WORTH: [f64; 2] = [3e-4, 1e-3];
 
 /// What a way took.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Effort {
-    pub(crate) nodes: usize,
+#[cfg_attr(not(test), allow(dead_code, reason = "tests read it"))]
+struct Effort {
+    nodes: usize,
     /// Of the rough solution, the one on the whole grid, the one with lowered limits.
-    pub(crate) iterations: [u32; 3],
+    iterations: [u32; 3],
     /// Time of the last solution, before arcs and stretch.
-    pub(crate) time: f64,
+    time: f64,
     /// By what the arcs were stretched.
-    pub(crate) stretch: f64,
+    stretch: f64,
 }
 
 /// The plan with each way from rest to rest replaced by a faster one, where it bends and there is one.
@@ -126,7 +127,7 @@ fn faster<const D: usize, C: Differentiate<f64, D>>(
 }
 
 /// The pieces of a way, which keep every limit, before they take whole periods.
-pub(crate) fn solve<const D: usize, C: Differentiate<f64, D>>(
+fn solve<const D: usize, C: Differentiate<f64, D>>(
     way: &Way<'_, C>,
     today: f64,
     cell: f64,
