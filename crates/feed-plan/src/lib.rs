@@ -133,6 +133,7 @@ mod plan {
 mod axes {
     mod arcs;
     mod check;
+    mod cube_root;
     mod geometry;
     mod grid;
     mod pentadiagonal;

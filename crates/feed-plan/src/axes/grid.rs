@@ -5,8 +5,9 @@ use alloc::vec::Vec;
 use nurbs_core::Differentiate;
 use real::Real;
 
+use crate::axes::cube_root::cube_root;
 use crate::axes::spline::Spline;
-use crate::axes::way::{Way, cube_root};
+use crate::axes::way::Way;
 use crate::limits::AXES;
 
 /// Cells for each change of the feed, or of its limit, by a factor e.

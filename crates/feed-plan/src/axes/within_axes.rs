@@ -8,7 +8,7 @@
 //! 3. *Program*: the least time, by an interior point.
 //! 4. *Arcs*: the longest of constant jerk that follow the solution.
 //! 5. *Check* at ten places a period at least. Where it finds more than is allowed, that cell's limits are lowered and the program is solved
-//!    again, once; the rest is stretched in time evenly.
+//!    again, three times at most; the rest is stretched in time evenly.
 //! 6. *Whole periods*, as for every plan.
 //!
 //! A way for which any of that fails keeps the plan that it had, and so does one that would not be faster.
@@ -66,7 +66,7 @@ struct Effort {
 /// `limit` is the feed limit [without reserves](FeedLimit::without_reserves) of these curves, `today` a plan under
 /// [`FeedLimit::along`] them. From a replaced way on, the plan keeps the feed limit, acceleration and jerk of the path, and of each
 /// axis velocity `e v`, acceleration `e a + k v²` and jerk `e j + 3 k v a + c v³`, seen at ten places a period, but for rounding.
-/// Not the least time: the program is not convex, and the arcs lose a little. Takes no more than 60 iterations for each of three
+/// Not the least time: the program is not convex, and the arcs lose a little. Takes no more than 60 iterations for each of five
 /// solutions; time and memory are linear in the duration.
 ///
 /// # Errors
@@ -121,6 +121,7 @@ fn faster<const D: usize, C: Differentiate<f64, D>>(
     let mut stages = stages.with_parameters();
     let period = limits.interpolation_period;
     let taken = stretch_section(&mut stages, 1.0_f64.scale(SLOWER), period).ok()?;
+    // It takes whole periods already, but for rounding.
     let mut before = section.stages().to_vec();
     let periods = stretch_section(&mut before, -1e-9, period).ok()?;
     (taken < periods).then(|| (stages, periods - taken))
