@@ -1,4 +1,4 @@
-use nurbs_core::{Differentiate, Frenet, NurbsBuf};
+use nurbs_core::{Differentiate, Evaluate, Frenet, NurbsBuf};
 use proptest::prelude::*;
 
 use super::*;
@@ -199,14 +199,12 @@ fn steps_of_curvature_are_passed_within_the_jerk_of_the_axes() {
     let limits = with_axes([axis(200.0, 3000.0, jerk), axis(150.0, 2000.0, jerk), AxisLimits::default()]);
     assert_kept(&curves, &limits);
     let (limit, _, plan) = plans(&curves, &limits);
-    let joints = limit.points().filter(|point| point.u == 1.0).map(|point| point.distance);
-    let mut joints: Vec<f64> = joints.collect();
-    joints.dedup();
-    for (end, pair) in joints.into_iter().zip(curves.windows(2)) {
+    for (i, pair) in curves.windows(2).enumerate() {
+        let end = limit.points().filter(|point| point.curve == i).last().unwrap().distance;
         let stage = plan.stages().iter().find(|stage| stage.start + stage.length > end - 1e-6).unwrap();
         let feed = if stage.start > end - 1e-6 { stage.start_feed } else { stage.end_feed };
         let bend = |u: f64, at: usize| Frenet::of(&pair[at].derivatives(u)).curvature_vector().unwrap();
-        let (before, after) = (bend(1.0, 0), bend(0.0, 1));
+        let (before, after) = (bend(pair[0].domain().1, 0), bend(pair[1].domain().0, 1));
         let most = jerk * PERIOD * PERIOD * PERIOD;
         for i in 0..2 {
             let step = (after[i] - before[i]).abs() * feed * feed;
