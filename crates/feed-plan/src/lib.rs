@@ -9,6 +9,7 @@
 //! | `plan/` | which feed is reached where? Key points, passes, cruise, whole periods | [`plan()`], [`plan_with`] |
 //! | | the same through a window, for a path of any length | [`plan_through_window`] |
 //! | | what can no plan beat? | [`jerk_free_duration`], and with the jerk limited [`least_duration`] |
+//! | `axes/` | what is the fastest plan where single axes are limited? Interior point on a spline of v² | [`plan_within_axes`] |
 //! | `chords/` | which plan do setpoints keep whose chords, not arcs, have the planned lengths? | [`FeedLimit::in_chords`]; its parts [`FeedLimit::shortfalls`], [`ScheduleBuf::shortened`] |
 //! | | all of it in one call: the limit, the plan in arcs, the plan in chords | [`Planned`] |
 //!
@@ -137,6 +138,21 @@ mod plan {
 }
 
 #[cfg(feature = "alloc")]
+mod axes {
+    mod arcs;
+    mod check;
+    mod cube_root;
+    mod geometry;
+    mod grid;
+    mod pentadiagonal;
+    mod program;
+    mod rows;
+    mod spline;
+    mod way;
+    pub(crate) mod within_axes;
+}
+
+#[cfg(feature = "alloc")]
 mod chords {
     #[cfg(test)]
     mod corner_chords;
@@ -153,6 +169,7 @@ pub use transition::feed_piece::FeedPiece;
 pub use transition::stage_shape::StageShape;
 #[cfg(feature = "alloc")]
 pub use {
+    axes::within_axes::plan_within_axes,
     chord_error::chord_feedrate,
     chords::planned::Planned,
     error::PlanError,

@@ -133,6 +133,12 @@ impl<R: Real> AxisBudget<R> {
         })
     }
 
+    /// Of the velocities of the axes alone: nothing is kept for the path, nor asked for turning it.
+    pub(crate) fn of_velocities(self) -> Self {
+        let axes = self.axes.map(|axis| AxisLimits { velocity: axis.velocity, ..AxisLimits::default() });
+        Self { axes, ..self }
+    }
+
     /// A₀ and j₀ where the axes have these shares.
     pub(crate) fn reserve(&self, share: &[R; AXES]) -> Allowance<R> {
         let most = R::from_ratio(7, 10);

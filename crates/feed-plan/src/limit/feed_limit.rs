@@ -81,7 +81,30 @@ impl<R: Real> FeedLimit<R> {
         stops: &[usize],
     ) -> Result<Self, PlanError> {
         limits.validate()?;
-        let mut scan = Scan::new(limits);
+        Self::scanned(Scan::new(limits), curves, limits, stops)
+    }
+
+    /// The same without what is kept of the accelerations and jerks of the axes: for a plan that shares them out itself,
+    /// [`plan_within_axes`](crate::plan_within_axes). The velocities of the axes, and their limits at breaks of the tangent and
+    /// steps of the curvature, are in it.
+    ///
+    /// # Errors
+    /// As [`along`](Self::along).
+    pub fn without_reserves<const D: usize, C: Differentiate<R, D>>(
+        curves: &[C],
+        limits: &KinematicLimits<R>,
+        stops: &[usize],
+    ) -> Result<Self, PlanError> {
+        limits.validate()?;
+        Self::scanned(Scan::new(limits).without_reserves(), curves, limits, stops)
+    }
+
+    fn scanned<const D: usize, C: Differentiate<R, D>>(
+        mut scan: Scan<'_, R, D>,
+        curves: &[C],
+        limits: &KinematicLimits<R>,
+        stops: &[usize],
+    ) -> Result<Self, PlanError> {
         for (index, curve) in curves.iter().enumerate() {
             scan.pass(index, curve, stops.binary_search(&index).is_ok())?;
         }

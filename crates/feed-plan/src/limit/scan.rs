@@ -44,6 +44,11 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
         }
     }
 
+    /// This scan without what spans ask of the accelerations and jerks of the axes; junctions still do.
+    pub(crate) fn without_reserves(self) -> Self {
+        Self { sampling: self.sampling.without_reserves(), ..self }
+    }
+
     /// Samples one curve. It begins at rest if `from_rest`, whatever the directions.
     pub(crate) fn pass<C: Differentiate<R, D>>(
         &mut self,

@@ -109,6 +109,11 @@ impl<'l, R: Real> Sampling<'l, R> {
             chord_bound_radius: limits.chord_bound_radius(),
         }
     }
+
+    /// Without what the accelerations and jerks of the axes ask for.
+    pub(crate) fn without_reserves(self) -> Self {
+        Self { budget: self.budget.map(AxisBudget::of_velocities), ..self }
+    }
 }
 
 /// One span of a curve.

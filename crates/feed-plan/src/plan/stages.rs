@@ -58,7 +58,8 @@ impl<'l, R: Real> Stages<'l, R> {
         self.stages = fastest(self.limit, limits, ends, &self.stages);
     }
 
-    fn push(&mut self, start: R, length: R, piece: &FeedPiece<R>) {
+    /// One piece.
+    pub(crate) fn push(&mut self, start: R, length: R, piece: &FeedPiece<R>) {
         let &FeedPiece { shape, start_feed, end_feed, duration } = piece;
         let (curve, u) = (0, R::zero());
         self.stages.push(Stage {

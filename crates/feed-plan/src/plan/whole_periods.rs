@@ -33,7 +33,12 @@ pub(crate) fn stretch<R: Real>(
     periods.filter(|sum| *sum > 0).ok_or(PlanError::DurationOverflows)
 }
 
-fn stretch_section<R: Real>(stages: &mut [Stage<R>], slower: R, period: R) -> Result<u32, PlanError> {
+/// Slows one section down evenly to a whole number of periods, and by this share at least.
+pub(crate) fn stretch_section<R: Real>(
+    stages: &mut [Stage<R>],
+    slower: R,
+    period: R,
+) -> Result<u32, PlanError> {
     let duration = stages.iter().fold(R::zero(), |sum, stage| sum + stage.duration);
     let in_order = stages.iter().all(|stage| stage.duration > R::zero() && stage.duration <= duration);
     let (periods, rounded) = round_up((duration + duration * slower) / period)

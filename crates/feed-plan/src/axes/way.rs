@@ -1,0 +1,143 @@
+//! A way from rest to rest, and everything that limits the feed along it.
+
+use nurbs_core::Differentiate;
+use real::Real;
+
+use crate::KinematicLimits;
+use crate::axes::cube_root::cube_root;
+use crate::axes::geometry::{Bend, Geometry, Piece};
+use crate::limits::AXES;
+
+/// The way between two distances at which the plan rests.
+pub(crate) struct Way<'a, C> {
+    pub(crate) geometry: &'a Geometry<'a, C>,
+    pub(crate) limits: &'a KinematicLimits<f64>,
+    pub(crate) begin: f64,
+    pub(crate) end: f64,
+    pub(crate) pieces: &'a [Piece],
+}
+
+/// Largest ratio of what a motion takes to what is allowed, of the feed, of accelerations and of jerks.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Strain {
+    pub(crate) feed: f64,
+    pub(crate) acceleration: f64,
+    pub(crate) jerk: f64,
+}
+
+impl Strain {
+    pub(crate) fn max(self, other: Self) -> Self {
+        Self {
+            feed: self.feed.max(other.feed),
+            acceleration: self.acceleration.max(other.acceleration),
+            jerk: self.jerk.max(other.jerk),
+        }
+    }
+
+    /// Whether a stretch in time by this factor is enough.
+    pub(crate) fn is_within(&self, stretch: f64) -> bool {
+        let square = stretch * stretch;
+        self.feed <= stretch && self.acceleration <= square && self.jerk <= square * stretch
+    }
+
+    /// By what a motion is to be stretched in time so that nothing is above what is allowed.
+    pub(crate) fn stretch(&self) -> f64 {
+        self.feed.max(Real::sqrt(self.acceleration)).max(cube_root(self.jerk))
+    }
+}
+
+/// Feed, acceleration and jerk along the path at one place.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Motion {
+    pub(crate) distance: f64,
+    pub(crate) feed: f64,
+    pub(crate) acceleration: f64,
+    pub(crate) jerk: f64,
+}
+
+impl<'a, C> Way<'a, C> {
+    /// `None` if there is nothing of the path between the two distances.
+    pub(crate) fn new<const D: usize>(
+        geometry: &'a Geometry<'a, C>,
+        limits: &'a KinematicLimits<f64>,
+        (begin, end): (f64, f64),
+    ) -> Option<Self>
+    where
+        C: Differentiate<f64, D>,
+    {
+        let rounding = (1.0 + end.abs()) * 1e-12;
+        let pieces = geometry.pieces_between(begin + rounding, end - rounding);
+        (end > begin && !pieces.is_empty()).then_some(Self { geometry, limits, begin, end, pieces })
+    }
+
+    pub(crate) fn length(&self) -> f64 {
+        self.end - self.begin
+    }
+
+    /// The piece that a distance is in, the earlier one at a joint.
+    pub(crate) fn piece_at(&self, distance: f64) -> Option<&'a Piece> {
+        let next = self.pieces.partition_point(|piece| piece.end < distance);
+        self.pieces.get(next).or(self.pieces.last())
+    }
+
+    pub(crate) fn bend<const D: usize>(&self, distance: f64) -> Bend
+    where
+        C: Differentiate<f64, D>,
+    {
+        self.piece_at(distance).map_or_else(Bend::default, |piece| self.geometry.bend(piece, distance))
+    }
+
+    /// The limit of the feed.
+    pub(crate) fn feed(&self, distance: f64) -> f64 {
+        self.geometry.limit().at(distance)
+    }
+
+    /// The least limit of the feed between two distances, beyond the rests at both ends.
+    pub(crate) fn least_feed(&self, from: f64, to: f64) -> f64 {
+        let inside = |distance: f64| distance.clamp(self.begin, self.end);
+        let rests = from <= self.begin || to >= self.end;
+        if rests {
+            self.feed(0.5 * (from + to))
+        } else {
+            self.geometry.limit().minimum_over(inside(from), inside(to))
+        }
+    }
+
+    /// The path's jerk on a straight way in the direction of this bend.
+    pub(crate) fn jerk_along(&self, bend: &Bend) -> f64 {
+        let of_axes = (0..AXES).filter_map(|i| Some((bend.e[i].abs(), self.limits.axes[i].jerk?)));
+        of_axes.fold(self.limits.jerk, |least, (e, most)| if e * least > most { most / e } else { least })
+    }
+
+    /// The path's acceleration on a straight way in the direction of this bend.
+    pub(crate) fn acceleration_along(&self, bend: &Bend) -> f64 {
+        let of_axes = (0..AXES).filter_map(|i| Some((bend.e[i].abs(), self.limits.axes[i].acceleration?)));
+        of_axes.fold(
+            self.limits.acceleration,
+            |least, (e, most)| if e * least > most { most / e } else { least },
+        )
+    }
+
+    /// What a motion takes of what is allowed where the path bends like this.
+    pub(crate) fn strain(&self, motion: &Motion, bend: &Bend, most: f64) -> Strain {
+        let &Motion { feed: v, acceleration: a, jerk: j, .. } = motion;
+        let mut strain = Strain {
+            feed: if v > 0.0 { v / most } else { 0.0 },
+            acceleration: a.abs() / self.limits.acceleration,
+            jerk: j.abs() / self.limits.jerk,
+        };
+        for (i, axis) in self.limits.axes.iter().enumerate() {
+            let (e, k, c) = (bend.e[i], bend.k[i], bend.c[i]);
+            if let Some(most) = axis.velocity {
+                strain.feed = strain.feed.max(e.abs() * v / most);
+            }
+            if let Some(most) = axis.acceleration {
+                strain.acceleration = strain.acceleration.max((e * a + k * v * v).abs() / most);
+            }
+            if let Some(most) = axis.jerk {
+                strain.jerk = strain.jerk.max((e * j + 3.0 * k * v * a + c * v * v * v).abs() / most);
+            }
+        }
+        strain
+    }
+}
