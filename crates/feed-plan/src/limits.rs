@@ -65,6 +65,12 @@ pub enum Junction<R> {
 }
 
 impl<R: Real> KinematicLimits<R> {
+    /// Whether the acceleration or the jerk of a single axis is limited.
+    #[must_use]
+    pub fn limit_accelerations_of_axes(&self) -> bool {
+        self.axes.iter().any(|axis| axis.acceleration.or(axis.jerk).is_some())
+    }
+
     /// Checks that each limit is a positive number.
     ///
     /// # Errors

@@ -77,8 +77,8 @@ pub fn plan_within_axes<const D: usize, C: Differentiate<f64, D>>(
     limit: &FeedLimit<f64>,
     today: &ScheduleBuf<f64>,
 ) -> Result<ScheduleBuf<f64>, PlanError> {
-    let is_limited = limits.axes.iter().any(|axis| axis.acceleration.or(axis.jerk).is_some());
-    let Some(geometry) = is_limited.then(|| Geometry::new(curves, limit)).flatten() else {
+    let Some(geometry) = limits.limit_accelerations_of_axes().then(|| Geometry::new(curves, limit)).flatten()
+    else {
         return Ok(today.clone());
     };
     let mut stages = Vec::with_capacity(today.stages.len());

@@ -5,7 +5,10 @@ use alloc::vec::Vec;
 use nurbs_core::Differentiate;
 use real::Real;
 
-use crate::{EndFeeds, FeedLimit, KinematicLimits, PlanError, ProfileKind, ScheduleBuf, Stage, plan_with};
+use crate::{
+    EndFeeds, FeedLimit, KinematicLimits, PlanError, ProfileKind, ScheduleBuf, Stage, plan_with,
+    plan_within_axes,
+};
 
 /// The limit and the two plans of a path, which are known before it is run.
 #[derive(Clone, Debug)]
@@ -55,6 +58,25 @@ impl<R: Real> Planned<R> {
     #[must_use]
     pub fn rests(&self) -> Vec<(usize, R)> {
         self.chords.stages().iter().filter_map(Stage::rest).collect()
+    }
+}
+
+impl Planned<f64> {
+    /// Plans the sections from rest to rest anew in which single axes are limited, so that each axis may use all of its
+    /// acceleration and jerk: [`plan_within_axes`]. `limit` is that of these curves
+    /// [without reserves](FeedLimit::without_reserves) for the axes, with the same stops and feeds as `self.limit`.
+    ///
+    /// # Errors
+    /// As [`plan_within_axes`].
+    pub fn within_axes<const D: usize, C: Differentiate<f64, D>>(
+        self,
+        limit: FeedLimit<f64>,
+        curves: &[C],
+        limits: &KinematicLimits<f64>,
+    ) -> Result<Self, PlanError> {
+        let arcs = plan_within_axes(curves, limits, &limit, &self.arcs)?;
+        let chords = limit.in_chords(curves, &arcs);
+        Ok(Self { limit, arcs, chords })
     }
 }
 

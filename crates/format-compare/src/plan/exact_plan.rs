@@ -80,7 +80,13 @@ impl ExactPlan {
     ) -> Result<Self, Refusal> {
         if R::name() == f64::name() {
             let limits = limits_in_format::<f64>(&problem.limits_per_period()?)?;
-            let planned = planned(&problem.fast_curves(), &limits, problem, end_feeds_mm_per_s, profile)?;
+            let curves = problem.fast_curves();
+            let mut planned = planned(&curves, &limits, problem, end_feeds_mm_per_s, profile)?;
+            if profile == ProfileKind::Fastest && limits.limit_accelerations_of_axes() {
+                let limit = FeedLimit::without_reserves(&curves, &limits, &problem.stops)?
+                    .capped(feeds_in_format(problem, limits.feedrate)?)?;
+                planned = planned.within_axes(limit, &curves, &limits)?;
+            }
             let plan = Self::of(&planned, profile);
             return Ok(Self { limit: planned.limit.into(), ..plan });
         }
