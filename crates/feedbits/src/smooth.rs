@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
-use nurbs_core::CornerStyle;
+use nurbs_core::{CornerLambda, CornerStyle, MOST_CORNER_LAMBDA};
 use part_program::Dialect;
 use path_smooth::{Options, ProgramError, Smoothed};
 
@@ -27,6 +27,10 @@ pub(crate) struct Arguments {
     /// than 30° are cut in any case.
     #[arg(long, value_enum, default_value_t = Outer::Cut)]
     outer: Outer,
+    /// Shape factor λ of the corners' splines, from -2 to 2; or `auto`: for each corner the λ with the greatest least
+    /// radius, so that its slowest place is as fast as the tolerance allows.
+    #[arg(long, allow_negative_numbers = true, value_name = "LAMBDA", default_value = "1")]
+    lambda: String,
     /// Write the smoothed path: curves if the name ends in .toml, else a program of fine straight moves.
     #[arg(long, value_name = "PATH")]
     out: Option<PathBuf>,
@@ -53,6 +57,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     if !(tolerance_mm > 0.0 && tolerance_mm.is_finite()) {
         bail!("--tolerance {tolerance_mm}: expected a positive length in mm");
     }
+    let lambda = lambda(&arguments.lambda)?;
     let (part, machine) = arguments.input.part_and_machine()?;
     let outer = match arguments.outer {
         Outer::Loop => CornerStyle::Loop,
@@ -60,7 +65,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     };
     output::expect_place(arguments.out.as_deref())?;
     let progress = Progress::spinning("smoothing and planning");
-    let mut smoothed = path_smooth::smooth(&part, &machine, &Options { tolerance_mm, outer })?;
+    let mut smoothed = path_smooth::smooth(&part, &machine, &Options { tolerance_mm, outer, lambda })?;
     let form = arguments.out.as_deref().map(|path| Form::of(path, arguments.input.dialect()));
     let written = form.map(|form| form.text_of(&mut smoothed));
     progress.finish();
@@ -78,6 +83,19 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     // The error comes last: the report is valid without the file.
     kept?;
     Ok(if report.faults().is_empty() { Ending::Good } else { Ending::RequirementNotMet })
+}
+
+/// The shape factor that `--lambda` names.
+fn lambda(text: &str) -> Result<CornerLambda> {
+    if text == "auto" {
+        return Ok(CornerLambda::Auto);
+    }
+    match text.parse::<f64>() {
+        Ok(lambda) if lambda.abs() <= MOST_CORNER_LAMBDA => Ok(CornerLambda::Given(lambda)),
+        _ => bail!(
+            "--lambda {text}: expected `auto` or a number from -{MOST_CORNER_LAMBDA} to {MOST_CORNER_LAMBDA}"
+        ),
+    }
 }
 
 /// The form in which the path is written.

@@ -62,6 +62,8 @@ pub mod generate;
 #[cfg(any(test, feature = "generate"))]
 pub mod golden;
 mod golden_section;
+#[cfg(feature = "alloc")]
+mod nelder_mead;
 #[cfg(test)]
 mod oracle;
 mod vector;
@@ -142,6 +144,7 @@ mod shapes {
 mod smoothing {
     pub(crate) mod corner;
     mod corner_segment;
+    pub(crate) mod corner_shape;
     mod leg;
     pub(crate) mod smooth_path;
 }
@@ -192,6 +195,7 @@ pub use {
     shapes::{path_curve::PathCurve, trig_polynomial::TrigPolynomials, trig_spline::TrigSplineBuf},
     smoothing::{
         corner::{Corner, CornerOutcome, CornerStyle, Reason, Turn},
+        corner_shape::{CornerLambda, MOST_CORNER_LAMBDA},
         smooth_path::{SmoothPath, smooth_corners},
     },
 };

@@ -13,6 +13,8 @@ use part_program::{Diagnostics, WriteError};
 pub enum SmoothError {
     /// The tolerance, in mm, is not a positive length.
     Tolerance(f64),
+    /// The shape factor λ of corners is not from -2 to 2.
+    Lambda(f64),
     /// Moves from rest to rest cannot be smoothed, planned or run.
     Moves {
         /// Name of the part.
@@ -45,6 +47,9 @@ impl fmt::Display for SmoothError {
             Self::Tolerance(tolerance_mm) => {
                 write!(f, "the tolerance is {tolerance_mm}: expected a positive length in mm")
             }
+            Self::Lambda(lambda) => {
+                write!(f, "the shape factor is {lambda}: expected a number from -2 to 2")
+            }
             Self::Moves { part, line, .. } => write!(f, "{part}: the moves from line {line} on"),
             Self::Curve(error) => error.fmt(f),
             Self::Shape(error) => error.fmt(f),
@@ -57,7 +62,7 @@ impl fmt::Display for SmoothError {
 impl Error for SmoothError {
     fn source(&self) -> Option<&(dyn Error + 'static)> {
         match self {
-            Self::Tolerance(_) => None,
+            Self::Tolerance(_) | Self::Lambda(_) => None,
             Self::Moves { error, .. } => Some(error.as_ref()),
             Self::Curve(error) => error.source(),
             Self::Shape(error) => error.source(),

@@ -3,20 +3,24 @@
 use std::ops::Range;
 
 use nurbs_core::{
-    Corner, CornerOutcome, CornerStyle, Evaluate, PathCurve, PieceLimits, Reason, TrigSplineBuf, compile,
+    Corner, CornerLambda, CornerOutcome, CornerStyle, Differentiate, Evaluate, PathCurve, PieceLimits,
+    Reason, TrigSplineBuf, compile, curvature,
 };
 use part_program::{Curve, Machine, Move, Part};
 use real::{Counted, OperationCounts};
 
 use crate::deviation::Paths;
 use crate::error::SmoothError;
-use crate::report::{CornerKind, CornerRow, Forms, PathSummary, SetpointCheck};
+use crate::report::{CornerKind, CornerRow, Forms, PathSummary, SetpointCheck, WithLambda1};
+use crate::smooth::Options;
 use crate::smooth_stretch::{LEAST_LOOPED_DEG, SmoothStretch};
 use crate::stretch::{Rest, length, nurbs_of, shape_of};
 use crate::timing::Timed;
 
 /// Parameters at which the two forms of a corner are compared, in addition to its begin.
 const COMPARED: u32 = 64;
+/// Places of a corner at which its curvature is computed.
+const BENDS: u32 = 256;
 
 /// A stretch with its two plans, its corners and the distances measured on it.
 pub(crate) struct Followed {
@@ -27,6 +31,8 @@ pub(crate) struct Followed {
     smoothed_corners: Vec<Option<(usize, usize)>>,
     pub(crate) exact_stop: PathSummary,
     pub(crate) smoothed: PathSummary,
+    /// The stretch smoothed with λ = 1, if another λ was asked for.
+    pub(crate) with_lambda_1: Option<PathSummary>,
     pub(crate) error_mm_max: f64,
     pub(crate) forms: Forms,
     pub(crate) setpoints: SetpointCheck,
@@ -44,59 +50,48 @@ impl Followed {
         part: &Part,
         range: Range<usize>,
         machine: &Machine,
-        tolerance_mm: f64,
+        options: &Options,
         outer: Option<CornerStyle>,
     ) -> Result<Self, SmoothError> {
         let (curves, moves) = (&part.curves[range.clone()], &part.moves[range.clone()]);
-        let smooth = SmoothStretch::new(curves, tolerance_mm, outer)?;
+        let smoothed = |lambda| -> Result<(SmoothStretch, Timed), SmoothError> {
+            let smooth = SmoothStretch::new(curves, options.tolerance_mm, lambda, outer)?;
+            let after = Timed::new(&smooth.curves, &smooth.path.curves, &moves[0], machine)?;
+            Ok((smooth, after))
+        };
+        let is_plain = options.lambda == CornerLambda::default();
+        let plain = if is_plain { None } else { Some(smoothed(CornerLambda::default())?) };
+        let (mut smooth, mut after) = smoothed(options.lambda)?;
+        let with_lambda_1 = plain.as_ref().map(|(smooth, plain)| summary(smooth.curves.len(), plain));
+        let plain_corners = plain.as_ref().map_or_else(Vec::new, |(smooth, plain)| with_1(smooth, plain));
+        if let Some(plain) = plain
+            && options.lambda == CornerLambda::Auto
+            && plain.1.time_s() <= after.time_s()
+        {
+            (smooth, after) = plain;
+        }
         let paths = Paths::new(curves, &smooth.curves, &smooth.path.moves)?;
         let before = Timed::new(curves, &smooth.moves, &moves[0], machine)?;
-        let after = Timed::new(&smooth.curves, &smooth.path.curves, &moves[0], machine)?;
-        let row = |corner: &Corner<3>| {
-            let mut row = CornerRow {
-                line: moves[corner.turn.before].line,
-                point_mm: corner.turn.point,
-                angle_deg: corner.turn.turn_rad.to_degrees(),
-                kind: CornerKind::Left,
-                reason: None,
-                error_mm: 0.0,
-                measured_error_mm: 0.0,
-                feed_before_mm_per_s: before.feed_at_end_of(corner.turn.before),
-                feed_after_mm_per_s: 0.0,
-            };
-            match corner.outcome {
-                CornerOutcome::Smoothed { style, curve, error_mm } => {
-                    row.kind = if style == CornerStyle::Loop { CornerKind::Loop } else { CornerKind::Cut };
-                    let is_too_shallow = style == CornerStyle::Cut && smooth.is_too_shallow(&corner.turn);
-                    row.reason = is_too_shallow.then(|| format!("outer, less than {LEAST_LOOPED_DEG}°"));
-                    row.error_mm = error_mm;
-                    row.feed_after_mm_per_s = after.lowest_feed_along(curve);
-                }
-                CornerOutcome::Left(reason) => {
-                    row.reason = Some(reason_of(reason));
-                    let next = smooth.path.moves.partition_point(|own| *own <= corner.turn.before);
-                    row.feed_after_mm_per_s = after.feed_at_end_of(next.saturating_sub(1));
-                }
-            }
-            row
-        };
-        let corners = smooth.path.corners.iter().map(row).collect();
+        let rows = smooth.path.corners.iter().enumerate().map(|(index, corner)| {
+            let with_lambda_1 = plain_corners.get(index).copied().flatten();
+            let feed_before_mm_per_s = before.feed_at_end_of(corner.turn.before);
+            let line = moves[corner.turn.before].line;
+            let row = CornerRow { feed_before_mm_per_s, with_lambda_1, ..sharp(line, corner) };
+            outcome_of(row, corner, &smooth, &after)
+        });
+        let corners = rows.collect();
         let smoothed_corners = smooth.path.corners.iter().map(|corner| match corner.outcome {
             CornerOutcome::Smoothed { curve, .. } => Some((curve, corner.turn.before)),
             CornerOutcome::Left(_) => None,
         });
         let setpoints = setpoints(&smooth, &paths, &after)?;
-        let of = |curves: usize, timed: &Timed| PathSummary {
-            curves,
-            length_mm: timed.length_mm(),
-            time_s: timed.time_s(),
-        };
         let mut followed = Self {
             range,
             corners,
             smoothed_corners: smoothed_corners.collect(),
-            exact_stop: of(curves.len(), &before),
-            smoothed: of(smooth.curves.len(), &after),
+            exact_stop: summary(curves.len(), &before),
+            smoothed: summary(smooth.curves.len(), &after),
+            with_lambda_1,
             error_mm_max: 0.0,
             forms: forms(&smooth)?,
             setpoints,
@@ -120,23 +115,77 @@ impl Followed {
     }
 }
 
-/// The row of the corner before move `next`, at which the tool rests.
-pub(crate) fn between(part: &Part, next: usize, rest: Rest) -> Result<Option<CornerRow>, SmoothError> {
-    let ends = |index: usize| shape_of(&part.curves[index]);
-    // Smoothing the two moves alone shows where they meet, and at which angle.
-    let path = nurbs_core::smooth_corners(&[ends(next - 1)?, ends(next)?], 1.0, |_| None)?;
-    let before: &Move = &part.moves[next - 1];
-    Ok(path.corners.first().map(|corner| CornerRow {
-        line: before.line,
+/// The row of a corner, as if it were left sharp.
+fn sharp(line: usize, corner: &Corner<3>) -> CornerRow {
+    CornerRow {
+        line,
         point_mm: corner.turn.point,
         angle_deg: corner.turn.turn_rad.to_degrees(),
         kind: CornerKind::Left,
-        reason: Some(rest.to_string()),
+        reason: None,
         error_mm: 0.0,
         measured_error_mm: 0.0,
         feed_before_mm_per_s: 0.0,
         feed_after_mm_per_s: 0.0,
-    }))
+        lambda: None,
+        least_radius_mm: None,
+        with_lambda_1: None,
+    }
+}
+
+/// The row with what became of its corner.
+fn outcome_of(mut row: CornerRow, corner: &Corner<3>, smooth: &SmoothStretch, after: &Timed) -> CornerRow {
+    match corner.outcome {
+        CornerOutcome::Smoothed { style, curve, error_mm, lambda } => {
+            row.kind = if style == CornerStyle::Loop { CornerKind::Loop } else { CornerKind::Cut };
+            let is_too_shallow = style == CornerStyle::Cut && smooth.is_too_shallow(&corner.turn);
+            row.reason = is_too_shallow.then(|| format!("outer, less than {LEAST_LOOPED_DEG}°"));
+            row.error_mm = error_mm;
+            row.feed_after_mm_per_s = after.lowest_feed_along(curve);
+            row.lambda = Some(lambda);
+            row.least_radius_mm = Some(least_radius_mm(&smooth.path.curves[curve]));
+        }
+        CornerOutcome::Left(reason) => {
+            row.reason = Some(reason_of(reason));
+            let next = smooth.path.moves.partition_point(|own| *own <= corner.turn.before);
+            row.feed_after_mm_per_s = after.feed_at_end_of(next.saturating_sub(1));
+        }
+    }
+    row
+}
+
+/// The corners of a stretch that is smoothed with λ = 1; `None` for those that are left sharp.
+fn with_1(smooth: &SmoothStretch, timed: &Timed) -> Vec<Option<WithLambda1>> {
+    let of = |corner: &Corner<3>| match corner.outcome {
+        CornerOutcome::Smoothed { curve, .. } => Some(WithLambda1 {
+            least_radius_mm: least_radius_mm(&smooth.path.curves[curve]),
+            feed_after_mm_per_s: timed.lowest_feed_along(curve),
+        }),
+        CornerOutcome::Left(_) => None,
+    };
+    smooth.path.corners.iter().map(of).collect()
+}
+
+/// The least radius of a curve, in mm, at [`BENDS`] places.
+fn least_radius_mm(curve: &PathCurve<f64, 3>) -> f64 {
+    let (begin, end) = curve.domain();
+    let place = |step: u32| begin + (end - begin) * f64::from(step) / f64::from(BENDS);
+    1.0 / (0..=BENDS).map(|step| curvature(&curve.derivatives(place(step)))).fold(0.0, f64::max)
+}
+
+fn summary(curves: usize, timed: &Timed) -> PathSummary {
+    PathSummary { curves, length_mm: timed.length_mm(), time_s: timed.time_s() }
+}
+
+/// The row of the corner before move `next`, at which the tool rests.
+pub(crate) fn between(part: &Part, next: usize, rest: Rest) -> Result<Option<CornerRow>, SmoothError> {
+    let ends = |index: usize| shape_of(&part.curves[index]);
+    // Smoothing the two moves alone shows where they meet, and at which angle.
+    let path =
+        nurbs_core::smooth_corners(&[ends(next - 1)?, ends(next)?], 1.0, CornerLambda::default(), |_| None)?;
+    let before: &Move = &part.moves[next - 1];
+    let row = |corner: &Corner<3>| CornerRow { reason: Some(rest.to_string()), ..sharp(before.line, corner) };
+    Ok(path.corners.first().map(row))
 }
 
 fn reason_of(reason: Reason) -> String {

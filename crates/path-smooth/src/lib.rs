@@ -3,7 +3,7 @@
 //! [`smooth`] takes a part, a machine's limits and [`Options`], and returns the smoothed moves with a table of the corners.
 //!
 //! ```
-//! use nurbs_core::CornerStyle;
+//! use nurbs_core::{CornerLambda, CornerStyle};
 //! use path_smooth::{Options, smooth};
 //!
 //! let part = part_program::read_part("square.nc", "G1 X0 Y0 F1200\nX10\nY10\nX0\nY0\n")?;
@@ -12,7 +12,7 @@
 //! let machine = part_program::read_machine("machine.toml", limits)?;
 //!
 //! // No point of the path is farther than 0.05 mm from the part's moves, and none of them from it.
-//! let options = Options { tolerance_mm: 0.05, outer: CornerStyle::Cut };
+//! let options = Options { tolerance_mm: 0.05, outer: CornerStyle::Cut, lambda: CornerLambda::Auto };
 //! let smoothed = smooth(&part, &machine, &options)?;
 //!
 //! // Three corners between four moves.
@@ -43,6 +43,8 @@ mod stretch;
 mod timing;
 
 pub use error::{ProgramError, SmoothError};
-pub use report::{CornerKind, CornerRow, Forms, Measured, PathSummary, Report, SetpointCheck};
+pub use report::{
+    CornerKind, CornerRow, Forms, Lambda, Measured, PathSummary, Report, SetpointCheck, WithLambda1,
+};
 pub use smooth::{Options, Smoothed, smooth};
 pub use smooth_stretch::LEAST_LOOPED_DEG;

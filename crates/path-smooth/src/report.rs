@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use nurbs_core::CornerLambda;
 use part_program::Machine;
 use serde::Serialize;
 
@@ -40,6 +41,43 @@ pub struct CornerRow {
     pub feed_before_mm_per_s: f64,
     /// Lowest feed in the corner of the smoothed path, in mm/s.
     pub feed_after_mm_per_s: f64,
+    /// The shape factor λ of its spline; `None` for a corner that is left sharp.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lambda: Option<f64>,
+    /// Least radius of its spline, in mm, at 256 places; `None` for a corner that is left sharp.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub least_radius_mm: Option<f64>,
+    /// The same corner with λ = 1, if another λ was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub with_lambda_1: Option<WithLambda1>,
+}
+
+/// A corner as it would be with λ = 1.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct WithLambda1 {
+    /// Least radius of its spline, in mm, at 256 places.
+    pub least_radius_mm: f64,
+    /// Lowest feed in the corner, in mm/s.
+    pub feed_after_mm_per_s: f64,
+}
+
+/// The shape factor λ that was asked for: in JSON a number, or `auto`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Lambda {
+    /// One λ for all corners.
+    Given(f64),
+    /// Each corner has its own: the word `auto`.
+    Auto(&'static str),
+}
+
+impl From<CornerLambda> for Lambda {
+    fn from(lambda: CornerLambda) -> Self {
+        match lambda {
+            CornerLambda::Given(lambda) => Self::Given(lambda),
+            CornerLambda::Auto => Self::Auto("auto"),
+        }
+    }
 }
 
 /// The setpoints of the smoothed path, interpolated in f64.
@@ -105,6 +143,11 @@ pub struct Report {
     pub exact_stop: PathSummary,
     /// The smoothed path.
     pub smoothed: PathSummary,
+    /// The shape factor λ that was asked for.
+    pub lambda: Lambda,
+    /// The path smoothed with λ = 1, if another λ was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub with_lambda_1: Option<PathSummary>,
     /// The time of the path with stops over that of the smoothed path: below 1 if smoothing makes it slower.
     pub speedup: f64,
     /// The corners' two forms.

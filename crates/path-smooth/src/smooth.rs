@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use nurbs_core::CornerStyle;
+use nurbs_core::{CornerLambda, CornerStyle, MOST_CORNER_LAMBDA};
 use part_program::{Dialect, Machine, MoveKind, Part};
 
 use crate::error::{ProgramError, SmoothError};
@@ -19,6 +19,9 @@ pub struct Options {
     /// The form of outer corners, which turn in the same sense as their outline: a loop around the corner, or a cut
     /// like the others. Corners of less than [`LEAST_LOOPED_DEG`](crate::LEAST_LOOPED_DEG) are always cut.
     pub outer: CornerStyle,
+    /// The shape factor λ of the corners' splines. With [`CornerLambda::Auto`] each corner has the λ of the greatest
+    /// least radius, and a stretch that is slower with it has λ = 1.
+    pub lambda: CornerLambda,
 }
 
 /// A part with smoothed corners.
@@ -43,22 +46,28 @@ pub struct Smoothed {
 /// they are the polynomials that real time evaluates. Lengths are in mm, feeds in mm/s, times in s.
 ///
 /// # Errors
-/// [`SmoothError::Tolerance`] unless the tolerance is above 0 and finite. [`SmoothError::Moves`], with the line of the
+/// [`SmoothError::Tolerance`] unless the tolerance is above 0 and finite. [`SmoothError::Lambda`] unless a given λ is
+/// from -2 to 2. [`SmoothError::Moves`], with the line of the
 /// first move, if a stretch has a curve that is not valid, cannot be planned for the machine, or cannot be run.
 ///
 /// # Source
 /// Paper B (Tao Jianming et al.; see `docs/papers.md`): corners as trigonometric splines. The paper does not cover
 /// planning and measuring.
 pub fn smooth(part: &Part, machine: &Machine, options: &Options) -> Result<Smoothed, SmoothError> {
-    let &Options { tolerance_mm, outer } = options;
+    let &Options { tolerance_mm, outer, lambda } = options;
     if !(tolerance_mm > 0.0 && tolerance_mm.is_finite()) {
         return Err(SmoothError::Tolerance(tolerance_mm));
+    }
+    if let CornerLambda::Given(lambda) = lambda
+        && !(lambda.abs() <= MOST_CORNER_LAMBDA)
+    {
+        return Err(SmoothError::Lambda(lambda));
     }
     let part = with_polygons_as_lines(part);
     let followed = format_compare::in_parallel(&stretches(&part), |range| {
         let first = part.moves[range.start];
         let outer = (first.kind == MoveKind::Feed).then_some(outer);
-        Followed::new(&part, range.clone(), machine, tolerance_mm, outer)
+        Followed::new(&part, range.clone(), machine, options, outer)
             .map_err(|error| error.of_moves(&part.name, first.line))
     });
     let followed = followed.into_iter().collect::<Result<Vec<_>, _>>()?;
@@ -68,7 +77,7 @@ pub fn smooth(part: &Part, machine: &Machine, options: &Options) -> Result<Smoot
     };
     let rests = followed.iter().map(behind).collect::<Result<Vec<_>, _>>()?;
     let path = joined(&part, machine, &followed);
-    let report = empty_report(&part, machine, tolerance_mm, followed.len());
+    let report = empty_report(&part, machine, options, followed.len());
     let mut smoothed =
         Smoothed { path, report, original: part, stretches: followed, rests, options: *options };
     smoothed.tally(Measured::Curves);
@@ -91,7 +100,9 @@ fn joined(part: &Part, machine: &Machine, followed: &[Followed]) -> Part {
 }
 
 /// A report to which no stretch has been added.
-fn empty_report(part: &Part, machine: &Machine, tolerance_mm: f64, stretches: usize) -> Report {
+fn empty_report(part: &Part, machine: &Machine, options: &Options, stretches: usize) -> Report {
+    let &Options { tolerance_mm, lambda, .. } = options;
+    let is_plain = lambda == CornerLambda::default();
     Report {
         part: part.name.clone(),
         tolerance_mm,
@@ -106,6 +117,8 @@ fn empty_report(part: &Part, machine: &Machine, tolerance_mm: f64, stretches: us
         error_mm_max: 0.0,
         exact_stop: PathSummary::default(),
         smoothed: PathSummary::default(),
+        lambda: lambda.into(),
+        with_lambda_1: (!is_plain).then(PathSummary::default),
         speedup: 1.0,
         forms: Forms::default(),
         setpoints: SetpointCheck { finished: true, ..SetpointCheck::default() },
@@ -129,8 +142,7 @@ impl Smoothed {
     /// Makes the report from the data of each stretch.
     fn tally(&mut self, measured: Measured) {
         let machine = self.report.machine.clone();
-        let mut report =
-            empty_report(&self.original, &machine, self.options.tolerance_mm, self.stretches.len());
+        let mut report = empty_report(&self.original, &machine, &self.options, self.stretches.len());
         report.measured = measured;
         for (one, rest) in self.stretches.iter().zip(&self.rests) {
             report.add(one);
@@ -151,6 +163,9 @@ impl Report {
         };
         sum(&mut self.exact_stop, &followed.exact_stop);
         sum(&mut self.smoothed, &followed.smoothed);
+        if let Some((total, plain)) = self.with_lambda_1.as_mut().zip(followed.with_lambda_1.as_ref()) {
+            sum(total, plain);
+        }
         self.error_mm_max = self.error_mm_max.max(followed.error_mm_max);
         self.corners.extend_from_slice(&followed.corners);
 
@@ -201,7 +216,11 @@ mod tests {
     fn smoothed(program: &str, tolerance_mm: f64) -> Result<Smoothed, SmoothError> {
         let part = part_program::read_part("p.nc", program).unwrap();
         let machine = part_program::read_machine("m.toml", MACHINE).unwrap();
-        smooth(&part, &machine, &Options { tolerance_mm, outer: CornerStyle::Cut })
+        smooth(
+            &part,
+            &machine,
+            &Options { tolerance_mm, outer: CornerStyle::Cut, lambda: CornerLambda::default() },
+        )
     }
 
     #[test]

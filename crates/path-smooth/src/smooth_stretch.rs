@@ -4,7 +4,8 @@
 use std::f64::consts::FRAC_PI_2;
 
 use nurbs_core::{
-    CornerStyle, Differentiate, Evaluate, PathCurve, ShapeError, SmoothPath, Turn, smooth_corners,
+    CornerLambda, CornerStyle, Differentiate, Evaluate, PathCurve, ShapeError, SmoothPath, Turn,
+    smooth_corners,
 };
 use part_program::Curve;
 
@@ -44,6 +45,7 @@ impl SmoothStretch {
     pub(crate) fn new(
         curves: &[Curve],
         tolerance_mm: f64,
+        lambda: CornerLambda,
         outer: Option<CornerStyle>,
     ) -> Result<Self, ShapeError> {
         let moves = curves.iter().map(shape_of).collect::<Result<Vec<_>, _>>()?;
@@ -53,7 +55,7 @@ impl SmoothStretch {
             Some(CornerStyle::Loop) if is_shallow(turn) || !sides.is_outer(turn) => Some(CornerStyle::Cut),
             outer => outer,
         };
-        let path = smooth_corners(&moves, tolerance_mm * (1.0 - CHORD_SHARE) - polynomial_mm, style)?;
+        let path = smooth_corners(&moves, tolerance_mm * (1.0 - CHORD_SHARE) - polynomial_mm, lambda, style)?;
         let dimension = curves.iter().map(|curve| curve.dimension).max().unwrap_or(3);
         let (mut written, mut bound) = (Vec::with_capacity(path.curves.len()), 0.0_f64);
         for curve in &path.curves {
@@ -145,7 +147,8 @@ mod tests {
 
     fn styles(program: &str) -> Vec<Option<CornerStyle>> {
         let part = part_program::read_part("p.nc", program).unwrap();
-        let smooth = SmoothStretch::new(&part.curves, 0.1, Some(CornerStyle::Loop)).unwrap();
+        let smooth =
+            SmoothStretch::new(&part.curves, 0.1, CornerLambda::default(), Some(CornerStyle::Loop)).unwrap();
         let style = |outcome| match outcome {
             CornerOutcome::Smoothed { style, .. } => Some(style),
             CornerOutcome::Left(_) => None,

@@ -1,6 +1,6 @@
 //! A report on smoothing for the terminal.
 
-use path_smooth::{CornerKind, CornerRow, LEAST_LOOPED_DEG, Report};
+use path_smooth::{CornerKind, CornerRow, LEAST_LOOPED_DEG, Lambda, Report};
 
 use crate::output::counted;
 use crate::plan::in_all_directions;
@@ -68,6 +68,7 @@ fn totals(report: &Report) -> String {
             report.measured
         ),
     );
+    text += &shape_factor(report);
     if report.cuts + report.loops > 0 {
         let forms = &report.forms;
         text += &labelled(
@@ -97,6 +98,46 @@ fn totals(report: &Report) -> String {
         report.setpoints.total_acceleration_max_mm_per_s2,
         report.machine.acceleration_mm_per_s2,
         report.machine.centripetal_acceleration_mm_per_s2.is_none(),
+    )
+}
+
+/// The time and the radii beside those of λ = 1; nothing if λ is 1.
+fn shape_factor(report: &Report) -> String {
+    let Some(plain) = &report.with_lambda_1 else { return String::new() };
+    let asked = match report.lambda {
+        Lambda::Given(lambda) => short(lambda),
+        Lambda::Auto(word) => word.to_string(),
+    };
+    let gained = plain.time_s - report.smoothed.time_s;
+    let gain = match gained {
+        0.0 => "the same time as with 1".to_string(),
+        gained => {
+            let word = if gained > 0.0 { "less" } else { "more" };
+            format!(
+                "{:.3} s {word} than with 1, {:.2} % of {}",
+                gained.abs(),
+                100.0 * gained.abs() / plain.time_s,
+                duration(plain.time_s)
+            )
+        }
+    };
+    let ratios: Vec<f64> = report
+        .corners
+        .iter()
+        .filter_map(|row| Some(row.least_radius_mm? / row.with_lambda_1?.least_radius_mm))
+        .collect();
+    let another = report.corners.iter().filter(|row| row.lambda.is_some_and(|lambda| lambda != 1.0)).count();
+    // The geometric mean: a ratio and its inverse cancel.
+    let mean = (ratios.iter().map(|ratio| ratio.ln()).sum::<f64>() / ratios.len().max(1) as f64).exp();
+    let best = ratios.iter().copied().fold(0.0, f64::max);
+    labelled(
+        "λ           ",
+        &format!(
+            "{asked}: {gain}; {} with another λ than 1, least radii {:+.1} % in the mean, {:+.1} % at most",
+            counted(another, "corner", "corners"),
+            100.0 * (mean - 1.0),
+            100.0 * (best - 1.0)
+        ),
     )
 }
 
@@ -138,11 +179,17 @@ fn table(rows: &[&CornerRow], wide: bool) -> String {
             format!("{:.2}", row.feed_after_mm_per_s),
         ]
     };
+    let mut header = header.to_vec();
     let mut cells: Vec<Vec<String>> = rows.iter().map(cells).collect();
+    if wide && rows.iter().any(|row| row.with_lambda_1.is_some()) {
+        header.extend(["λ", "radius\nmm", "with λ = 1\nmm", "feed with λ = 1\nmm/s"]);
+        for (row, cells) in rows.iter().zip(&mut cells) {
+            cells.extend(shape_cells(row));
+        }
+    }
     if wide {
         return screen::wide_table(&header, cells, &[5]);
     }
-    let mut header = header.to_vec();
     header[7] = "before\nmm/s";
     let first = rows.first().map_or(0.0, |row| row.point_mm[2]);
     if rows.iter().all(|row| row.point_mm[2] == first) {
@@ -150,4 +197,18 @@ fn table(rows: &[&CornerRow], wide: bool) -> String {
         cells.iter_mut().for_each(|row| drop(row.remove(3)));
     }
     screen::table(&header, cells)
+}
+
+/// λ, the least radius, and radius and feed with λ = 1.
+fn shape_cells(row: &CornerRow) -> [String; 4] {
+    let of = |value: Option<f64>, digits: usize| {
+        value.map_or_else(String::new, |value| format!("{value:.digits$}"))
+    };
+    let plain = row.with_lambda_1;
+    [
+        of(row.lambda, 3),
+        of(row.least_radius_mm, 5),
+        of(plain.map(|plain| plain.least_radius_mm), 5),
+        of(plain.map(|plain| plain.feed_after_mm_per_s), 2),
+    ]
 }

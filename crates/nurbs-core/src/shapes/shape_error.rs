@@ -43,6 +43,8 @@ pub enum ShapeError {
     NoArc,
     /// A tolerance is not positive and finite.
     ToleranceNotPositive,
+    /// The shape factor λ of corners is not within -2 ..= 2.
+    LambdaOutOfRange,
     /// The degree asked for is not odd or not within 3 ..= 9.
     DegreeNotOdd {
         /// The degree given.
@@ -77,6 +79,7 @@ impl fmt::Display for ShapeError {
             Self::RadiiDiffer => f.write_str("start and end of the arc are not equally far from its centre"),
             Self::NoArc => f.write_str("an arc needs a radius above 0 and an angle in (0, 2π]"),
             Self::ToleranceNotPositive => f.write_str("the tolerance is not a positive number"),
+            Self::LambdaOutOfRange => f.write_str("the shape factor of corners is not within -2 and 2"),
             Self::DegreeNotOdd { degree } => write!(f, "degree {degree} is not one of 3, 5, 7 and 9"),
             Self::TooManyPieces { most } => {
                 write!(

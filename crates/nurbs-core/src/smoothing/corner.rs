@@ -2,7 +2,8 @@
 //!
 //! At a corner in B the direction turns by φ, from `t_1` to `t_2`. A segment that joins the moves smoothly is given by
 //! its ends and by its derivatives there, along `t_1` and `t_2`, with k = -1 and λ = 1. Only with these factors is the
-//! segment symmetric, so that the error is the same in both directions of travel.
+//! segment symmetric, so that the error is the same in both directions of travel. Other λ, and the best λ of each
+//! corner, are in `corner_shape`: their segments are not symmetric.
 //!
 //! **The cut** leaves the incoming move at a distance d before B, and meets the outgoing move at d behind B:
 //!
@@ -69,6 +70,8 @@ pub enum CornerOutcome {
         curve: usize,
         /// Largest distance between the segment and the part of the moves that it replaces, measured both ways, in mm.
         error_mm: f64,
+        /// The segment's shape factor λ.
+        lambda: f64,
     },
     /// It stays as it is.
     Left(Reason),

@@ -5,6 +5,7 @@ use alloc::vec::Vec;
 use real::{Real, Trigonometric};
 
 use crate::shapes::angle::quarter_turns;
+use crate::smoothing::corner_shape::{CornerLambda, CornerShape};
 use crate::smoothing::leg::{LEAST_LENGTH_MM, Leg};
 use crate::vector::{add, distance, scaled};
 use crate::{CornerStyle, Evaluate, PathCurve, Reason, TrigSegment, TrigSplineBuf, Turn, golden_section};
@@ -35,10 +36,14 @@ const MISSED: f64 = 1e-3;
 /// The part of the tolerance that a segment may use: the rest is for rounding and for errors between samples.
 const USED: f64 = 0.999;
 
+/// The same for a shape that is searched. Its farthest point lies between samples.
+const USED_BY_SEARCH: f64 = 0.997;
+
 /// A corner, and the distance that its segment would take off the moves.
 pub(crate) struct Planned<const D: usize> {
     pub(crate) turn: Turn<D>,
     style: Result<CornerStyle, Reason>,
+    lambda: CornerLambda,
     /// Distance d of a cut.
     pub(crate) wanted_mm: f64,
 }
@@ -50,6 +55,7 @@ pub(crate) struct Built<const D: usize> {
     /// The distance that the segment takes off each move.
     pub(crate) distance_mm: f64,
     pub(crate) error_mm: f64,
+    pub(crate) lambda: f64,
 }
 
 impl<const D: usize> Planned<D> {
@@ -57,6 +63,7 @@ impl<const D: usize> Planned<D> {
         before: &Leg<'_, D>,
         after: &Leg<'_, D>,
         tolerance_mm: f64,
+        lambda: CornerLambda,
         style: &mut impl FnMut(&Turn<D>) -> Option<CornerStyle>,
     ) -> Self {
         let ((point, t1), (begin, t2)) = (before.at(before.length_mm), after.at(0.0));
@@ -81,11 +88,12 @@ impl<const D: usize> Planned<D> {
                     PathCurve::Arc(arc) => arc.radius() * f64::half_pi() / 2.0,
                     _ => f64::INFINITY,
                 };
-                cut_distance(sine, cosine, USED * tolerance_mm).min(reach(before)).min(reach(after))
+                let by_error = cut_distance(lambda, (sine, cosine), tolerance_mm);
+                by_error.min(reach(before)).min(reach(after))
             }
             _ => 0.0,
         };
-        Self { turn, style, wanted_mm }
+        Self { turn, style, lambda, wanted_mm }
     }
 
     pub(crate) fn build(
@@ -103,7 +111,8 @@ impl<const D: usize> Planned<D> {
                     if distance_mm <= 1e3 * LEAST_LENGTH_MM {
                         break;
                     }
-                    let cut = self.build_cut(before, after, distance_mm).ok_or(Reason::NoRoom)?;
+                    let cut =
+                        self.build_cut(before, after, distance_mm, tolerance_mm).ok_or(Reason::NoRoom)?;
                     if cut.error_mm * (1.0 + MISSED) <= tolerance_mm {
                         return Ok(cut);
                     }
@@ -114,14 +123,22 @@ impl<const D: usize> Planned<D> {
         }
     }
 
-    fn build_cut(&self, before: &Leg<'_, D>, after: &Leg<'_, D>, distance_mm: f64) -> Option<Built<D>> {
+    fn build_cut(
+        &self,
+        before: &Leg<'_, D>,
+        after: &Leg<'_, D>,
+        distance_mm: f64,
+        tolerance_mm: f64,
+    ) -> Option<Built<D>> {
         let ((q0, t1), (q1, t2)) = (before.at(before.length_mm - distance_mm), after.at(distance_mm));
-        let (_, cosine) = half_turn(&t1, &t2);
-        if cosine < REVERSAL_COSINE {
+        let half = half_turn(&t1, &t2);
+        if half.1 < REVERSAL_COSINE {
             return None; // an arc has turned the corner into a reversal
         }
-        let reach = cut_tangent(cosine) * distance_mm;
-        let segment = TrigSegment::between([q0, q1], [scaled(&t1, reach), scaled(&t2, reach)], 1.0).ok()?;
+        let allowed = USED_BY_SEARCH * tolerance_mm / distance_mm;
+        let shape = cut_shape(self.lambda, half, Some(allowed));
+        let [d0, d1] = [(&t1, 0), (&t2, 1)].map(|(t, end)| scaled(t, shape.reaches[end] * distance_mm));
+        let segment = TrigSegment::between([q0, q1], [d0, d1], shape.lambda).ok()?;
         let off = largest(|u| {
             let point = segment.point(u);
             before.distance_mm(&point).min(after.distance_mm(&point))
@@ -129,7 +146,8 @@ impl<const D: usize> Planned<D> {
         let to_corner = samples(&segment).map(|point| distance(&point, &self.turn.point));
         let nearest = to_corner.fold(f64::INFINITY, f64::min);
         let curve = TrigSplineBuf::try_new(Vec::from([segment])).ok()?.into();
-        Some(Built { curve, style: CornerStyle::Cut, distance_mm, error_mm: off.max(nearest) })
+        let (style, lambda) = (CornerStyle::Cut, shape.lambda);
+        Some(Built { curve, style, distance_mm, error_mm: off.max(nearest), lambda })
     }
 
     fn build_loop(
@@ -140,8 +158,12 @@ impl<const D: usize> Planned<D> {
     ) -> Result<Built<D>, Reason> {
         let ((_, t1), (_, t2)) = (before.at(before.length_mm), after.at(0.0));
         let corner = self.turn.point;
-        let of_length =
-            |reach: f64| TrigSegment::between([corner; 2], [scaled(&t1, reach), scaled(&t2, reach)], 1.0);
+        let (style, unit) = (CornerStyle::Loop, CornerShape::symmetric(1.0));
+        let CornerShape { lambda, reaches: [m1, m2] } =
+            CornerShape::best(self.lambda, style, half_turn(&t1, &t2), unit, None);
+        let of_length = |length: f64| {
+            TrigSegment::between([corner; 2], [scaled(&t1, m1 * length), scaled(&t2, m2 * length)], lambda)
+        };
         let farthest = |segment: &TrigSegment<f64, D>| {
             samples(segment).map(|p| distance(&p, &corner)).fold(0.0, f64::max)
         };
@@ -149,7 +171,7 @@ impl<const D: usize> Planned<D> {
         let segment = of_length(USED * tolerance_mm / farthest(&of_unit)).map_err(|_| Reason::NoRoom)?;
         let error_mm = farthest(&segment);
         let curve = TrigSplineBuf::try_new(Vec::from([segment])).map_err(|_| Reason::NoRoom)?.into();
-        Ok(Built { curve, style: CornerStyle::Loop, distance_mm: 0.0, error_mm })
+        Ok(Built { curve, style, distance_mm: 0.0, error_mm, lambda })
     }
 }
 
@@ -176,16 +198,29 @@ fn largest(of: impl Fn(f64) -> f64) -> f64 {
     found
 }
 
-/// `d = ε / (sin(φ/2)(1 - 2ηm))`, from sine and cosine of φ/2.
-fn cut_distance(sine: f64, cosine: f64, error_mm: f64) -> f64 {
-    let eta = (core::f64::consts::SQRT_2 - 1.0) / (2.0 * f64::half_pi());
-    error_mm / (sine * (1.0 - 2.0 * eta * cut_tangent(cosine)))
+/// The shape of a cut, from sine and cosine of φ/2. The error in units of d may be `error_allowed`; if it is `None`, d
+/// follows from the error.
+fn cut_shape(lambda: CornerLambda, half: (f64, f64), error_allowed: Option<f64>) -> CornerShape {
+    let symmetric = CornerShape::symmetric(cut_tangent(half.1));
+    CornerShape::best(lambda, CornerStyle::Cut, half, symmetric, error_allowed)
+}
+
+/// The distance d at which a cut uses up the tolerance, in mm, from sine and cosine of φ/2. With λ = 1 it is
+/// `d = ε / (sin(φ/2)(1 - 2ηm))`.
+fn cut_distance(lambda: CornerLambda, half: (f64, f64), tolerance_mm: f64) -> f64 {
+    let (sine, cosine) = half;
+    if lambda == CornerLambda::default() {
+        let eta = (core::f64::consts::SQRT_2 - 1.0) / (2.0 * f64::half_pi());
+        USED * tolerance_mm / (sine * (1.0 - 2.0 * eta * cut_tangent(cosine)))
+    } else {
+        USED_BY_SEARCH * tolerance_mm / cut_shape(lambda, half, None).error(half)
+    }
 }
 
 /// The best m for cos(φ/2), at which greatest curvature times error is least.
 ///
 /// The table was found by golden-section search at steps of a tenth; between its entries the product is within 2 % of its least.
-fn cut_tangent(cosine: f64) -> f64 {
+pub(crate) fn cut_tangent(cosine: f64) -> f64 {
     const TABLE: [f64; 11] =
         [0.2, 0.4765, 0.8025, 1.0411, 1.2215, 1.362, 1.474, 1.565, 1.7135, 1.8553, 1.9858];
     let place = (cosine * 10.0).clamp(0.0, 10.0);

@@ -4,6 +4,7 @@
 use alloc::vec::Vec;
 
 use crate::smoothing::corner_segment::Planned;
+use crate::smoothing::corner_shape::{CornerLambda, MOST_CORNER_LAMBDA};
 use crate::smoothing::leg::Leg;
 use crate::{Corner, CornerOutcome, CornerStyle, PathCurve, ShapeError, Turn};
 
@@ -20,25 +21,33 @@ pub struct SmoothPath<const D: usize> {
 }
 
 /// Smooths the corners of `moves`, which follow each other. `style` is called for each corner that can be smoothed; if
-/// it returns `None` the corner stays as it is.
+/// it returns `None` the corner stays as it is. `lambda` is the shape factor of all corners, or how it is found.
 ///
 /// Moves without length are dropped. Each smoothed corner stays within `tolerance_mm` of the moves, and the moves stay
 /// within that distance of it. Parts that are cut off a move at both its ends do not overlap.
 ///
 /// # Errors
-/// [`ShapeError::ToleranceNotPositive`].
+/// [`ShapeError::ToleranceNotPositive`]; [`ShapeError::LambdaOutOfRange`] unless |λ| ≤ [`MOST_CORNER_LAMBDA`].
 pub fn smooth_corners<const D: usize>(
     moves: &[PathCurve<f64, D>],
     tolerance_mm: f64,
+    lambda: CornerLambda,
     mut style: impl FnMut(&Turn<D>) -> Option<CornerStyle>,
 ) -> Result<SmoothPath<D>, ShapeError> {
     if !(tolerance_mm > 0.0 && tolerance_mm.is_finite()) {
         return Err(ShapeError::ToleranceNotPositive);
     }
+    if let CornerLambda::Given(lambda) = lambda
+        && !(lambda.abs() <= MOST_CORNER_LAMBDA)
+    {
+        return Err(ShapeError::LambdaOutOfRange);
+    }
     let legs: Vec<Leg<'_, D>> =
         moves.iter().enumerate().filter_map(|(i, curve)| Leg::new(i, curve)).collect();
-    let planned: Vec<Planned<D>> =
-        legs.windows(2).map(|pair| Planned::new(&pair[0], &pair[1], tolerance_mm, &mut style)).collect();
+    let planned: Vec<Planned<D>> = legs
+        .windows(2)
+        .map(|pair| Planned::new(&pair[0], &pair[1], tolerance_mm, lambda, &mut style))
+        .collect();
     let wanted = |joint: Option<usize>| joint.and_then(|j| planned.get(j)).map_or(0.0, |p| p.wanted_mm);
     // Leg i lies between the joints i - 1 and i.
     let room = |leg: usize, other: Option<usize>| {
@@ -67,7 +76,8 @@ pub fn smooth_corners<const D: usize>(
                     let curve = path.curves.len();
                     path.curves.push(built.curve);
                     path.moves.push(leg.index);
-                    CornerOutcome::Smoothed { style: built.style, curve, error_mm: built.error_mm }
+                    let (style, error_mm, lambda) = (built.style, built.error_mm, built.lambda);
+                    CornerOutcome::Smoothed { style, curve, error_mm, lambda }
                 }
                 Err(reason) => CornerOutcome::Left(reason),
             };
@@ -91,7 +101,7 @@ mod tests {
     }
 
     fn cut<const D: usize>(moves: &[PathCurve<f64, D>], tolerance: f64) -> SmoothPath<D> {
-        smooth_corners(moves, tolerance, |_| Some(CornerStyle::Cut)).unwrap()
+        smooth_corners(moves, tolerance, CornerLambda::default(), |_| Some(CornerStyle::Cut)).unwrap()
     }
 
     fn reason<const D: usize>(path: &SmoothPath<D>, corner: usize) -> Option<Reason> {
@@ -205,7 +215,7 @@ mod tests {
             }
             let moves = polyline(&points);
             let style = if loops { CornerStyle::Loop } else { CornerStyle::Cut };
-            let path = smooth_corners(&moves, tolerance, |_| Some(style)).unwrap();
+            let path = smooth_corners(&moves, tolerance, CornerLambda::default(), |_| Some(style)).unwrap();
             prop_assert_eq!(path.corners.len(), moves.len() - 1);
             is_continuous(&path)?;
             prop_assert!(deviation(&moves, &path) <= tolerance * (1.0 + 1e-9), "{}", deviation(&moves, &path));
@@ -317,7 +327,8 @@ mod tests {
     fn a_loop_has_the_figures_of_another_program() {
         // For ℓ = 1 and 90°: farthest 0.187, greatest curvature 28.3; no curvature at its ends.
         let moves = turning(90.0);
-        let path = smooth_corners(&moves, 0.187, |_| Some(CornerStyle::Loop)).unwrap();
+        let path =
+            smooth_corners(&moves, 0.187, CornerLambda::default(), |_| Some(CornerStyle::Loop)).unwrap();
         let (curve, error) = corner_of(&path, 0);
         assert!((error - 0.999 * 0.187).abs() < 1e-12);
         assert!((greatest_curvature(curve) - 28.3).abs() < 0.1, "{}", greatest_curvature(curve));
@@ -348,10 +359,13 @@ mod tests {
         assert_eq!(reason(&path, 0), Some(Reason::NotJoined));
         let path = cut(&[line([0.0, 0.0], [10.0, 0.0]), spline], 0.1);
         assert_eq!((reason(&path, 0), path.curves.len()), (Some(Reason::NotLineOrArc), 2));
-        let path = smooth_corners(&turning(90.0), 0.1, |_| None).unwrap();
+        let path = smooth_corners(&turning(90.0), 0.1, CornerLambda::default(), |_| None).unwrap();
         assert_eq!((reason(&path, 0), path.curves), (Some(Reason::Wanted), turning(90.0)));
         assert_eq!(cut::<2>(&[], 0.1).curves, []);
-        assert_eq!(smooth_corners::<2>(&[], 0.0, |_| None), Err(ShapeError::ToleranceNotPositive));
+        assert_eq!(
+            smooth_corners::<2>(&[], 0.0, CornerLambda::default(), |_| None),
+            Err(ShapeError::ToleranceNotPositive)
+        );
     }
 
     #[test]
@@ -394,8 +408,10 @@ mod tests {
         let moves = polyline(&points);
         let cutting = |turn: &Turn<3>| cuts[turn.before] && cuts[turn.after];
         let tolerance = 0.01;
-        let path =
-            smooth_corners(&moves, tolerance, |turn| cutting(turn).then_some(CornerStyle::Cut)).unwrap();
+        let path = smooth_corners(&moves, tolerance, CornerLambda::default(), |turn| {
+            cutting(turn).then_some(CornerStyle::Cut)
+        })
+        .unwrap();
         let count = |of: Option<Reason>| (0..path.corners.len()).filter(|i| reason(&path, *i) == of).count();
         let smoothed = count(None);
         assert_eq!(smoothed + count(Some(Reason::Tangent)) + count(Some(Reason::Wanted)), path.corners.len());
