@@ -11,8 +11,8 @@ use real::{Counted, OperationCounts};
 
 use crate::deviation::Paths;
 use crate::error::SmoothError;
+use crate::options::Options;
 use crate::report::{CornerKind, CornerRow, Forms, PathSummary, SetpointCheck, WithLambda1};
-use crate::smooth::Options;
 use crate::smooth_stretch::{LEAST_LOOPED_DEG, SmoothStretch};
 use crate::stretch::{Rest, length, nurbs_of, shape_of};
 use crate::timing::Timed;

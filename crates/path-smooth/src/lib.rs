@@ -35,6 +35,7 @@
 mod deviation;
 mod error;
 mod followed;
+mod options;
 mod program;
 mod report;
 mod smooth;
@@ -43,8 +44,9 @@ mod stretch;
 mod timing;
 
 pub use error::{ProgramError, SmoothError};
+pub use options::Options;
 pub use report::{
     CornerKind, CornerRow, Forms, Lambda, Measured, PathSummary, Report, SetpointCheck, WithLambda1,
 };
-pub use smooth::{Options, Smoothed, smooth};
+pub use smooth::{Smoothed, smooth};
 pub use smooth_stretch::LEAST_LOOPED_DEG;

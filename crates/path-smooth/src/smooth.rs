@@ -2,27 +2,15 @@
 
 use std::collections::BTreeMap;
 
-use nurbs_core::{CornerLambda, CornerStyle, MOST_CORNER_LAMBDA};
+use nurbs_core::{CornerLambda, MOST_CORNER_LAMBDA};
 use part_program::{Dialect, Machine, MoveKind, Part};
 
 use crate::error::{ProgramError, SmoothError};
 use crate::followed::{Followed, between};
+use crate::options::Options;
 use crate::program;
 use crate::report::{CornerKind, CornerRow, Forms, Measured, PathSummary, Report, SetpointCheck};
 use crate::stretch::{rest_before, stretches, with_polygons_as_lines};
-
-/// The tolerance, and the wanted form of outer corners.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Options {
-    /// Largest distance between the smoothed path and the part's moves, both ways, in mm; above 0.
-    pub tolerance_mm: f64,
-    /// The form of outer corners, which turn in the same sense as their outline: a loop around the corner, or a cut
-    /// like the others. Corners of less than [`LEAST_LOOPED_DEG`](crate::LEAST_LOOPED_DEG) are always cut.
-    pub outer: CornerStyle,
-    /// The shape factor λ of the corners' splines. With [`CornerLambda::Auto`] each corner has the λ of the greatest
-    /// least radius, and a stretch that is slower with it has λ = 1.
-    pub lambda: CornerLambda,
-}
 
 /// A part with smoothed corners.
 pub struct Smoothed {
@@ -59,7 +47,7 @@ pub fn smooth(part: &Part, machine: &Machine, options: &Options) -> Result<Smoot
         return Err(SmoothError::Tolerance(tolerance_mm));
     }
     if let CornerLambda::Given(lambda) = lambda
-        && !(lambda.abs() <= MOST_CORNER_LAMBDA)
+        && (lambda.is_nan() || lambda.abs() > MOST_CORNER_LAMBDA)
     {
         return Err(SmoothError::Lambda(lambda));
     }
@@ -208,6 +196,8 @@ impl Report {
 
 #[cfg(test)]
 mod tests {
+    use nurbs_core::CornerStyle;
+
     use super::*;
 
     const MACHINE: &str = "[machine]\ninterpolation_period_ms = 1\nfeedrate_mm_per_s = 50\n\

@@ -88,7 +88,7 @@ impl CornerShape {
         let [reach, _] = symmetric.reaches;
         let of_loop = |lambda, share: f64| Self { lambda, reaches: [reach, reach * share] };
         let found = match (lambda, style) {
-            (CornerLambda::Given(lambda), _) if lambda == 1.0 => return symmetric,
+            (CornerLambda::Given(1.0), _) => return symmetric,
             (CornerLambda::Given(lambda), CornerStyle::Cut) => {
                 let of = |[m1, m2]: &[f64; 2]| Self { lambda, reaches: [*m1, *m2] };
                 [[reach, reach], [0.8 * reach, reach]].map(|start| searched(start, of, cost))

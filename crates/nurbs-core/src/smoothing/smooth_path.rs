@@ -38,7 +38,7 @@ pub fn smooth_corners<const D: usize>(
         return Err(ShapeError::ToleranceNotPositive);
     }
     if let CornerLambda::Given(lambda) = lambda
-        && !(lambda.abs() <= MOST_CORNER_LAMBDA)
+        && (lambda.is_nan() || lambda.abs() > MOST_CORNER_LAMBDA)
     {
         return Err(ShapeError::LambdaOutOfRange);
     }
