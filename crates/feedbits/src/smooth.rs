@@ -90,8 +90,8 @@ fn lambda(text: &str) -> Result<CornerLambda> {
     if text == "auto" {
         return Ok(CornerLambda::Auto);
     }
-    match text.parse::<f64>() {
-        Ok(lambda) if lambda.abs() <= MOST_CORNER_LAMBDA => Ok(CornerLambda::Given(lambda)),
+    match text.parse().map(CornerLambda::Given) {
+        Ok(lambda) if lambda.is_in_range() => Ok(lambda),
         _ => bail!(
             "--lambda {text}: expected `auto` or a number from -{MOST_CORNER_LAMBDA} to {MOST_CORNER_LAMBDA}"
         ),

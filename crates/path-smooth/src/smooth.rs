@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use nurbs_core::{CornerLambda, MOST_CORNER_LAMBDA};
+use nurbs_core::CornerLambda;
 use part_program::{Dialect, Machine, MoveKind, Part};
 
 use crate::error::{ProgramError, SmoothError};
@@ -46,10 +46,10 @@ pub fn smooth(part: &Part, machine: &Machine, options: &Options) -> Result<Smoot
     if !(tolerance_mm > 0.0 && tolerance_mm.is_finite()) {
         return Err(SmoothError::Tolerance(tolerance_mm));
     }
-    if let CornerLambda::Given(lambda) = lambda
-        && (lambda.is_nan() || lambda.abs() > MOST_CORNER_LAMBDA)
+    if let CornerLambda::Given(given) = lambda
+        && !lambda.is_in_range()
     {
-        return Err(SmoothError::Lambda(lambda));
+        return Err(SmoothError::Lambda(given));
     }
     let part = with_polygons_as_lines(part);
     let followed = format_compare::in_parallel(&stretches(&part), |range| {

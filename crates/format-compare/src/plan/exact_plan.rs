@@ -33,12 +33,12 @@ fn feeds_in_format<R: Backend, const D: usize>(
     problem: &Problem<D>,
     highest: R,
 ) -> Result<impl Fn(usize) -> R, Refusal> {
-    let feedrate = problem.feedrate_mm_per_s();
-    let feed = |feed: &f64| match feed / feedrate {
+    let ratio = problem.feed_ratios();
+    let feed = |curve: usize| match ratio(curve) {
         ratio if ratio < 1.0 => Ok(highest * in_format::<R>("feedrate of a move", ratio)?),
         _ => Ok(highest),
     };
-    let feeds = problem.feeds_mm_per_s.iter().map(feed).collect::<Result<Vec<_>, Refusal>>()?;
+    let feeds = (0..problem.feeds_mm_per_s.len()).map(feed).collect::<Result<Vec<_>, Refusal>>()?;
     Ok(move |curve: usize| feeds.get(curve).copied().unwrap_or(highest))
 }
 

@@ -128,6 +128,12 @@ impl<const D: usize> Problem<D> {
         self.feeds_mm_per_s.get(curve).copied().unwrap_or(self.machine.feedrate_mm_per_s)
     }
 
+    /// The commanded feedrate of a curve over the highest.
+    pub(crate) fn feed_ratios(&self) -> impl Fn(usize) -> f64 + '_ {
+        let highest = self.feedrate_mm_per_s();
+        move |curve| self.feed_mm_per_s(curve) / highest
+    }
+
     /// The problem with this highest feedrate F, in mm/s. The other feedrates keep their ratios to the highest.
     #[must_use]
     pub fn at_feedrate(&self, feedrate_mm_per_s: f64) -> Self {
@@ -157,8 +163,8 @@ impl<const D: usize> Problem<D> {
     pub fn feed_limit(&self) -> Result<FeedLimit<f64>, PlanError> {
         let limits = self.limits_per_period()?;
         let limit = FeedLimit::along_with_stops(&self.fast_curves(), &limits, &self.stops)?;
-        let feedrate = self.feedrate_mm_per_s();
-        limit.capped(|curve| limits.feedrate * (self.feed_mm_per_s(curve) / feedrate))
+        let ratio = self.feed_ratios();
+        limit.capped(|curve| limits.feedrate * ratio(curve))
     }
 
     /// The interpolation period T, in s.

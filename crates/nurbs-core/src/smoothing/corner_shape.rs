@@ -47,6 +47,17 @@ pub enum CornerLambda {
     Auto,
 }
 
+impl CornerLambda {
+    /// Whether a given λ is from -2 to 2.
+    #[must_use]
+    pub fn is_in_range(&self) -> bool {
+        match self {
+            Self::Given(lambda) => lambda.abs() <= MOST_CORNER_LAMBDA,
+            Self::Auto => true,
+        }
+    }
+}
+
 impl Default for CornerLambda {
     fn default() -> Self {
         Self::Given(1.0)

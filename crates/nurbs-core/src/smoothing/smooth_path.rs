@@ -4,7 +4,7 @@
 use alloc::vec::Vec;
 
 use crate::smoothing::corner_segment::Planned;
-use crate::smoothing::corner_shape::{CornerLambda, MOST_CORNER_LAMBDA};
+use crate::smoothing::corner_shape::CornerLambda;
 use crate::smoothing::leg::Leg;
 use crate::{Corner, CornerOutcome, CornerStyle, PathCurve, ShapeError, Turn};
 
@@ -27,7 +27,7 @@ pub struct SmoothPath<const D: usize> {
 /// within that distance of it. Parts that are cut off a move at both its ends do not overlap.
 ///
 /// # Errors
-/// [`ShapeError::ToleranceNotPositive`]; [`ShapeError::LambdaOutOfRange`] unless |λ| ≤ [`MOST_CORNER_LAMBDA`].
+/// [`ShapeError::ToleranceNotPositive`]; [`ShapeError::LambdaOutOfRange`] unless |λ| ≤ [`MOST_CORNER_LAMBDA`](crate::MOST_CORNER_LAMBDA).
 pub fn smooth_corners<const D: usize>(
     moves: &[PathCurve<f64, D>],
     tolerance_mm: f64,
@@ -37,9 +37,7 @@ pub fn smooth_corners<const D: usize>(
     if !(tolerance_mm > 0.0 && tolerance_mm.is_finite()) {
         return Err(ShapeError::ToleranceNotPositive);
     }
-    if let CornerLambda::Given(lambda) = lambda
-        && (lambda.is_nan() || lambda.abs() > MOST_CORNER_LAMBDA)
-    {
+    if !lambda.is_in_range() {
         return Err(ShapeError::LambdaOutOfRange);
     }
     let legs: Vec<Leg<'_, D>> =
