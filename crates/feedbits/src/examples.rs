@@ -41,7 +41,8 @@ pub(crate) const CHECK: &str = "Examples:
   feedbits check part.nc --dialect siemens";
 pub(crate) const CONVERT: &str = "Examples:
   feedbits convert part.dxf --to g06.2 --out part.nc
-  feedbits convert part.nc --to g1 --tolerance 0.001 --digits 3";
+  feedbits convert part.nc --to g1 --tolerance 0.001 --digits 3
+  feedbits convert part.nc --fit 0.01 --out curves.nc";
 pub(crate) const MACHINE: &str = "Examples:
   feedbits machine
   feedbits machine router --out my-machine.toml";
