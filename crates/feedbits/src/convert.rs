@@ -47,6 +47,9 @@ pub(crate) struct Arguments {
         default_value_t = 30.0
     )]
     corner: f64,
+    /// With --fit: let curves pass every point between the moves, as paper D does, in place of as few as keep within MM.
+    #[arg(long, requires = "fit")]
+    every_point: bool,
     /// With --to g1: largest distance between the curves and the straight moves, in mm. Default: 0.001.
     #[arg(long, allow_negative_numbers = true, value_name = "MM")]
     tolerance: Option<f64>,
@@ -143,7 +146,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
 /// The part with curves in place of runs of straight moves, if that is asked for.
 fn fitted(part: &Part, arguments: &Arguments) -> Result<Option<Fitted>> {
     let Some(tolerance_mm) = arguments.fit else { return Ok(None) };
-    let options = FitOptions { tolerance_mm, corner_deg: arguments.corner };
+    let options =
+        FitOptions { tolerance_mm, corner_deg: arguments.corner, every_point: arguments.every_point };
     match fit_curves(part, &options) {
         Ok(fitted) => Ok(Some(fitted)),
         Err(FitError::Tolerance(_)) => bail!("--fit {tolerance_mm}: expected a positive length in mm"),

@@ -26,6 +26,10 @@ pub(crate) const MERGE: &str = "Examples:
 pub(crate) const SERVO: &str = "Examples:
   feedbits servo --plot circle.svg
   feedbits servo part.nc --machine mill.toml --formats I4F28,f32";
+pub(crate) const PAPERS: &str = "Examples:
+  feedbits papers
+  feedbits papers --report pictures
+  feedbits papers --contour";
 pub(crate) const SMOOTH: &str = "Examples:
   feedbits smooth part.nc --machine mill.toml --tolerance 0.01 --out smooth.toml";
 pub(crate) const SOAK: &str = "Examples:

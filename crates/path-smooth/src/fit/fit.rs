@@ -58,9 +58,9 @@ pub struct FitReport {
 ///
 /// # Source
 /// Paper D (Liu Ping et al.; see `docs/papers.md`), section 2 with equations (5) and (6): curves through points of a part,
-/// knots by chord length. It takes every point, of which a control knows nothing else; here the tolerance says which.
+/// knots by chord length. Its curves pass every point, as with [`FitOptions::every_point`].
 pub fn fit_curves(part: &Part, options: &FitOptions) -> Result<Fitted, FitError> {
-    let &FitOptions { tolerance_mm, corner_deg } = options;
+    let &FitOptions { tolerance_mm, corner_deg, .. } = options;
     if !(tolerance_mm > 0.0 && tolerance_mm.is_finite()) {
         return Err(FitError::Tolerance(tolerance_mm));
     }
@@ -112,7 +112,7 @@ impl Fitted {
             direction_beside(part, moves.end, Some(moves.end), options),
         ];
         let line = part.moves[moves.start].line;
-        let pieces = fit(&points, conditions, options.tolerance_mm).map_err(|error| FitError::Run {
+        let pieces = fit(&points, conditions, options).map_err(|error| FitError::Run {
             part: part.name.clone(),
             line,
             error,

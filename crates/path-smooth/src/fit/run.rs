@@ -11,6 +11,7 @@ use nurbs_core::{
 };
 use real::{Backend, DoubleDouble};
 
+use crate::fit::options::FitOptions;
 use crate::stretch::length;
 
 /// A run of fewer moves stays as it is: a curve would be longer to write.
@@ -39,13 +40,16 @@ pub(crate) struct FittedCurve {
 
 type Ends = [EndCondition<3>; 2];
 
+/// Ends that nothing is beside.
+const FREE: Ends = [EndCondition::Parabola; 2];
+
 /// Fits moves from point to point. Neighbours among the points are apart; `ends` are those of the whole run.
 pub(crate) fn fit(
     points: &[[f64; 3]],
     ends: Ends,
-    tolerance_mm: f64,
+    options: &FitOptions,
 ) -> Result<Vec<Piece>, InterpolationError> {
-    let run = Run::new(points, tolerance_mm);
+    let run = Run::new(points, options);
     let mut pieces = Vec::new();
     // What is left to do, the last first.
     let mut left = vec![Task::Fit(0..points.len() - 1, ends)];
@@ -88,22 +92,28 @@ struct Run<'p> {
     /// The length of the moves before each point, in mm.
     lengths: Vec<f64>,
     tolerance_mm: f64,
+    every_point: bool,
 }
 
 impl<'p> Run<'p> {
-    fn new(points: &'p [[f64; 3]], tolerance_mm: f64) -> Self {
+    fn new(points: &'p [[f64; 3]], options: &FitOptions) -> Self {
         let mut lengths = vec![0.0];
         let mut sum = 0.0;
         for pair in points.windows(2) {
             sum += length(&between(&pair[0], &pair[1]));
             lengths.push(sum);
         }
-        Self { points, lengths, tolerance_mm }
+        let &FitOptions { tolerance_mm, every_point, .. } = options;
+        Self { points, lengths, tolerance_mm, every_point }
     }
 
     /// Tries one curve for some of the moves.
     fn attempt(&self, moves: Range<usize>, mut ends: Ends) -> Result<Attempt, InterpolationError> {
-        let mut passed = vec![moves.start, moves.end];
+        let few = vec![moves.start, moves.end];
+        if self.every_point && ends == FREE && self.is_straight(&few)? {
+            return Ok(Attempt::IsStraight);
+        }
+        let mut passed = if self.every_point { (moves.start..=moves.end).collect() } else { few };
         // Every round adds a point or gives up the direction of an end; or it is the last.
         for _ in 0..=moves.len() + 2 {
             while let Some(at) =
@@ -119,7 +129,7 @@ impl<'p> Run<'p> {
                 failing = self.failing::<DoubleDouble>(&curve.as_curve(), &passed);
             }
             if failing.is_empty() {
-                let is_straight = passed.len() == 2 && ends == [EndCondition::Parabola; 2];
+                let is_straight = passed.len() == 2 && ends == FREE;
                 let bound_mm = self.bound(&curve.as_curve(), &passed);
                 let fitted = FittedCurve { moves, curve, bound_mm };
                 return Ok(if is_straight { Attempt::IsStraight } else { Attempt::Curve(fitted) });
@@ -140,6 +150,13 @@ impl<'p> Run<'p> {
             }
         }
         Ok(Attempt::Without(moves.collect()))
+    }
+
+    /// Whether the straight line between the two points is near enough to all moves between them.
+    fn is_straight(&self, ends: &[usize]) -> Result<bool, InterpolationError> {
+        let points: Vec<_> = ends.iter().map(|at| self.points[*at]).collect();
+        Ok(points[0] != points[1]
+            && self.failing::<DoubleDouble>(&interpolate(&points, FREE)?.as_curve(), ends).is_empty())
     }
 
     /// The point nearest to the middle of the moves between two points that are not neighbours.
@@ -265,7 +282,9 @@ mod tests {
 
     use super::*;
 
-    const FREE: Ends = [EndCondition::Parabola; 2];
+    fn within(points: &[[f64; 3]], tolerance_mm: f64) -> Vec<Piece> {
+        fit(points, FREE, &FitOptions::within(tolerance_mm)).unwrap()
+    }
 
     fn circle(radius: f64, count: u32) -> Vec<[f64; 3]> {
         let at = |k: u32| f64::from(k % count) / f64::from(count) * TAU;
@@ -297,7 +316,7 @@ mod tests {
     fn a_circle_of_chords_is_one_curve() {
         let points = circle(5.0, 120);
         for (tolerance_mm, most) in [(0.002, 125), (0.005, 40)] {
-            let pieces = fit(&points, FREE, tolerance_mm).unwrap();
+            let pieces = within(&points, tolerance_mm);
             let [Piece::Curve(fitted)] = pieces.as_slice() else { panic!("{pieces:?}") };
             assert_eq!(fitted.moves, 0..120);
             let count = fitted.curve.control_points().len();
@@ -315,6 +334,24 @@ mod tests {
             }
             assert!(fitted.curve.control_points().iter().all(|point| point[2] == 1.5));
         }
+    }
+
+    /// Through every point, the curve is far nearer to the circle than the chords are, but for the ends, where it knows no
+    /// direction; straight moves stay also then.
+    #[test]
+    fn a_curve_through_every_point_is_the_circle() {
+        let options = FitOptions { every_point: true, ..FitOptions::within(0.005) };
+        let pieces = fit(&circle(5.0, 120), FREE, &options).unwrap();
+        let [Piece::Curve(fitted)] = pieces.as_slice() else { panic!("{pieces:?}") };
+        assert_eq!(fitted.curve.control_points().len(), 123);
+        for k in 0..=500_u32 {
+            let u = f64::from(k) / 500.0;
+            let [x, y, _] = fitted.curve.as_curve().point(u);
+            let most = if (0.05..=0.95).contains(&u) { 2e-7 } else { 1e-4 };
+            assert!((x.hypot(y) - 5.0).abs() <= most, "u = {u}: {}", x.hypot(y) - 5.0);
+        }
+        let line: Vec<[f64; 3]> = (0..9_u32).map(|k| [f64::from(k), 0.0, 0.0]).collect();
+        assert_eq!(fit(&line, FREE, &options).unwrap(), (0..8).map(Piece::Straight).collect::<Vec<_>>());
     }
 
     /// A long move between two arcs stays straight, and the curves beside it begin and end along it.
@@ -339,7 +376,7 @@ mod tests {
                 far[d] + 4.0 * angle.sin() * unit[d] + 4.0 * (1.0 - angle.cos()) * side[d]
             }));
         }
-        let pieces = fit(&points, FREE, 0.004).unwrap();
+        let pieces = within(&points, 0.004);
         let [Piece::Curve(first), Piece::Straight(30), Piece::Curve(second)] = pieces.as_slice() else {
             panic!("{pieces:?}")
         };
@@ -356,10 +393,10 @@ mod tests {
     fn straight_moves_and_short_runs_stay() {
         let line: Vec<[f64; 3]> = (0..9_u32).map(|k| [f64::from(k), 2.0 * f64::from(k), 0.0]).collect();
         let kept = |count| (0..count).map(Piece::Straight).collect::<Vec<_>>();
-        assert_eq!(fit(&line, FREE, 0.001).unwrap(), kept(8));
-        assert_eq!(fit(&circle(5.0, 120)[..3], FREE, 0.01).unwrap(), kept(2));
+        assert_eq!(within(&line, 0.001), kept(8));
+        assert_eq!(within(&circle(5.0, 120)[..3], 0.01), kept(2));
         // A polygon of long sides: no curve is near enough.
-        assert_eq!(fit(&circle(50.0, 24), FREE, 0.01).unwrap(), kept(24));
+        assert_eq!(within(&circle(50.0, 24), 0.01), kept(24));
     }
 
     proptest! {
@@ -379,7 +416,7 @@ mod tests {
                 points.push([x + step * heading.cos(), y + step * heading.sin(), z + step * rise]);
             }
             let mut next = 0;
-            for piece in fit(&points, FREE, tolerance_mm).unwrap() {
+            for piece in within(&points, tolerance_mm) {
                 let fitted = match piece {
                     Piece::Straight(at) => {
                         prop_assert_eq!(at, next);
