@@ -83,18 +83,23 @@ fn paper(rows: &[Row]) -> String {
             row.place.to_string(),
             labelled_quantity(row),
             printed(row),
-            short(row.measured),
+            figure(row.measured),
             setting,
             if is_off { reason } else { String::new() },
         ]
     });
     let lines: Vec<_> = lines.collect();
     let title = screen::answer(&format!("Paper {}", rows.first().map_or('A', |row| row.paper)));
-    let table =
-        screen::wide_table(&["place", "quantity", "printed", "here", "setting", "why"], lines, &[0, 1, 2]);
+    let table = screen::table(&["place", "quantity", "printed", "here", "set-\nting", "why"], lines);
     let notes: String =
         notes.iter().enumerate().map(|(at, text)| screen::labelled(&format!("{}  ", at + 1), text)).collect();
     [title, table, notes].concat()
+}
+
+/// A number with five digits; a small or large one with three and a power of ten.
+fn figure(number: f64) -> String {
+    let size = number.abs();
+    if size != 0.0 && (size < 1e-3 || size >= 1e6) { format!("{number:.2e}") } else { short(number) }
 }
 
 fn labelled_quantity(row: &Row) -> String {
@@ -103,8 +108,8 @@ fn labelled_quantity(row: &Row) -> String {
 
 fn printed(row: &Row) -> String {
     match row.printed {
-        Printed::Number(number) => short(number),
-        Printed::AtMost(most) => format!("≤ {}", short(most)),
+        Printed::Number(number) => figure(number),
+        Printed::AtMost(most) => format!("≤ {}", figure(most)),
         Printed::Words(words) => words.to_string(),
     }
 }
@@ -124,8 +129,9 @@ fn contour(rows: &[ContourRow]) -> String {
     let header =
         ["paper D's curve as", "curves", "time\ns", "setpoints\nµm", "table\nµm", "rms\nµm", "printed\nµm"];
     let about = screen::paragraph(
-        "Distance from the NURBS, planned alike at F4000, T 1 ms, A 1000 mm/s², and run through the drive of table 2, part d: of the \
-         setpoints, and of the table. The paper prints 10 and 1 µm for a part that it does not name.",
+        "Largest distance from the NURBS, of the setpoints and of the table, and its root mean square. All are planned alike, \
+         F4000, T 1 ms, A 1000 mm/s² along and across, corners of moves passed within 0.01 mm, and run through the drive of \
+         table 2, part d. The paper prints 10 and 1 µm for a part that it does not name.",
     );
     [about, screen::table(&header, lines.collect())].join("\n")
 }

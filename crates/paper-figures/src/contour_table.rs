@@ -57,8 +57,11 @@ pub fn contour_table() -> Result<Vec<ContourRow>, PaperError> {
     let nurbs = part("paper D", PAPER_D)?;
     let cam = straight_moves(&nurbs, CAM_TOLERANCE_MM)?;
     let fine = straight_moves(&nurbs, FINE_TOLERANCE_MM)?;
-    let fitted =
-        fit_curves(&cam, &FitOptions::within(CAM_TOLERANCE_MM)).map_err(PaperError::of("the fit"))?.path;
+    let fit = |every_point| {
+        let options = FitOptions { every_point, ..FitOptions::within(CAM_TOLERANCE_MM) };
+        fit_curves(&cam, &options).map(|fitted| fitted.path).map_err(PaperError::of("the fit"))
+    };
+    let [few, every] = [fit(false)?, fit(true)?];
     let rows = [
         ("G1 within 0.01 mm of the curve", &cam, Some(0.01)),
         ("these moves by convert --fit 0.01", &few, None),

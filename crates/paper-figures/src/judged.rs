@@ -35,6 +35,12 @@ impl Judged {
         Fluctuation::of(self.without_landing(), problem.full_step_mm())
     }
 
+    /// The steps of at least a quarter of F T: a step of a Taylor expansion next to rest may be short by nearly all of it.
+    pub(crate) fn long_steps(&self, problem: &Problem<2>) -> Vec<JudgedStep> {
+        let long = |step: &&JudgedStep| step.wanted_mm >= 0.25 * problem.full_step_mm();
+        self.without_landing().iter().filter(long).copied().collect()
+    }
+
     /// All steps but the landing: the last of the plan, and those of a run that is late.
     pub(crate) fn without_landing(&self) -> &[JudgedStep] {
         let planned = self.steps.len().min(self.run.planned_periods as usize);

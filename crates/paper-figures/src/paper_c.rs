@@ -1,7 +1,7 @@
 //! Paper C (Wang Haitao et al.; see `docs/papers.md`): its formulas, and its pictures of a run without and with look-ahead.
 //!
 //! The page of our text with the curve and the setting of section 3 is missing. What the text says of figure 10a tells the limit
-//! of acceleration, 1 m/s²; the curve here is paper A's.
+//! of acceleration, 1 m/s²; the curve here is paper D's, whose bends are sharp.
 
 use feed_plan::Transition;
 use format_compare::{FeedSample, Options, Problem, ProfileKind};
@@ -12,14 +12,17 @@ use crate::adaptive_feed::{AdaptiveStep, adaptive_feed, taylor_step};
 use crate::error::PaperError;
 use crate::judged::{Judged, largest, machine, part, problem};
 use crate::row::{Printed, Row};
-use crate::{PAPER_A, PaperFigures};
+use crate::{PAPER_A, PAPER_D, PaperFigures};
 
 /// Limits of the runs: acceleration in mm/s², jerk in mm/s³, chord error in µm.
 const ACCELERATION: f64 = 1000.0;
-const JERK: f64 = 20_000.0;
-const CHORD_ERROR_UM: f64 = 0.5;
+const JERK: f64 = 50_000.0;
+const CHORD_ERROR_UM: f64 = 1.0;
+/// Feed, in mm/s, and period, in ms.
+const FEEDRATE: f64 = 100.0;
+const PERIOD_MS: f64 = 1.0;
 
-const SETTING: &str = "paper A's curve, F 200 mm/s, T 3 ms, δ 0.5 µm, A 1000 mm/s², J 2e4 mm/s³";
+const SETTING: &str = "paper D's curve, F 100 mm/s, T 1 ms, δ 1 µm, A 1000 mm/s², J 5e4 mm/s³";
 const OTHER_CURVE: &str =
     "another curve: that of the paper is not in our text; nothing limits this acceleration but the curve";
 
@@ -27,14 +30,17 @@ pub(crate) fn figures() -> Result<PaperFigures, PaperError> {
     let mut limits = machine("paper A", PAPER_A)?;
     limits.acceleration_mm_per_s2 = ACCELERATION;
     limits.jerk_mm_per_s3 = JERK;
-    let problem = problem(&part("paper A", PAPER_A)?, &limits)?;
+    limits.feedrate_mm_per_s = FEEDRATE;
+    limits.interpolation_period_ms = PERIOD_MS;
+    limits.chord_error_mm = CHORD_ERROR_UM / 1000.0;
+    let problem = problem(&part("paper D", PAPER_D)?, &limits)?;
     let curve = problem.curves.first().ok_or("no curve").map_err(PaperError::of("paper C's figures"))?;
-    let before = adaptive_feed(curve, 200.0, CHORD_ERROR_UM / 1000.0, problem.period_s());
+    let before = adaptive_feed(curve, FEEDRATE, CHORD_ERROR_UM / 1000.0, problem.period_s());
     let options = Options { profile: ProfileKind::Flexible, ..Options::default() };
     let after = Judged::new(&problem, &options)?;
     let samples = after.sampled(&problem)?;
 
-    let mut rows = formula_rows(curve);
+    let mut rows = formula_rows()?;
     rows.extend(run_rows(&problem, &before, &after, &samples));
     let pictures = pictures(&problem, &before, &after, &samples);
     Ok(PaperFigures { rows, pictures })
@@ -54,7 +60,9 @@ fn row(place: &'static str, quantity: &str, unit: &'static str, printed: Printed
 }
 
 /// Equation (2) with both signs, and the half-cosine's (9), (10) and (12) by differences and sums of (6).
-fn formula_rows(curve: &nurbs_core::NurbsBuf<f64, 2>) -> Vec<Row> {
+fn formula_rows() -> Result<Vec<Row>, PaperError> {
+    let of_paper_a = problem(&part("paper A", PAPER_A)?, &machine("paper A", PAPER_A)?)?;
+    let curve = of_paper_a.curves.first().ok_or("no curve").map_err(PaperError::of("paper C's (2)"))?;
     let (u, wanted) = (0.26, 0.6);
     let here = curve.as_curve().derivatives(u);
     let off = |sign: f64| {
@@ -107,7 +115,7 @@ fn formula_rows(curve: &nurbs_core::NurbsBuf<f64, 2>) -> Vec<Row> {
         )
     });
     rows.push(merge_row());
-    rows
+    Ok(rows)
 }
 
 /// 2.1: a half-cosine over the length of one S-curve.
@@ -119,7 +127,7 @@ fn merge_row() -> Row {
     let over = (rise * pi / (2.0 * duration) / ACCELERATION)
         .max(rise * pi * pi / (2.0 * duration * duration) / JERK);
     Row {
-        setting: "20 to 100 mm/s, A 1000 mm/s², J 2e4 mm/s³",
+        setting: "20 to 100 mm/s, A 1000 mm/s², J 5e4 mm/s³",
         reason: "over the length of one S-curve a half-cosine always breaks A or J: the plan merges only where both are kept",
         ..row(
             "2.1",
@@ -170,7 +178,7 @@ fn run_rows(
             "figure 9b",
             "largest feed with look-ahead",
             "mm/s",
-            at_most(200.0),
+            at_most(FEEDRATE),
             most(|one| one.feed_mm_per_s),
         ),
         row(
@@ -212,7 +220,7 @@ fn pictures(
             .line("without look-ahead (a)", without)
             .line("with look-ahead (b)", after)
     };
-    let told = "Paper A's curve with limits of 1 m/s² and 20 m/s³: the paper's own curve is not in our text.";
+    let told = "Paper D's curve with limits of 1 m/s² and 50 m/s³: the paper's own curve is not in our text.";
     let chords = |steps: Vec<f64>| steps.into_iter().map(|mm| mm * 1000.0).collect::<Vec<_>>();
     let with = chords(after.steps.iter().map(|step| step.chord_error_mm).collect());
     let without = chords(before.iter().map(|step| step.chord_error_mm).collect());

@@ -105,7 +105,8 @@ fn table_rows(table: &[PaperRow]) -> Vec<Row> {
 fn contour_rows() -> Result<Vec<Row>, PaperError> {
     let table = contour_table()?;
     let rows = table.iter().map(|one| Row {
-        setting: "the curve of the program, F4000, T 1 ms, A 1000 mm/s², drive of table 2, part d",
+        setting: "the curve of the program, F4000, T 1 ms, A 1000 mm/s² along and across, corners of moves passed within 0.01 mm; drive of \
+                  table 2, part d",
         reason: if one.printed_mm.is_some() { "another part: the paper does not name its own" } else { "" },
         ..row(
             "section 3, end",
@@ -128,10 +129,10 @@ fn picture(table: &[PaperRow]) -> Figure {
         .zip(1_u32..)
         .filter_map(|(one, index)| Some((f64::from(index), one.setting.printed_radial_error_mm? * 1000.0)));
     LineChart::new(["part of table 2: a = 1 to d = 4 [count]", "radial error, roundness [µm]"])
-        .line("mean radial error, 50.7 1/s", line(|one| one.fitted.radial_error_mean_mm))
-        .line("mean radial error, 30 1/s", line(|one| one.printed_gain.radial_error_mean_mm))
+        .line("error, 50.7 1/s", line(|one| one.fitted.radial_error_mean_mm))
+        .line("error, 30 1/s", line(|one| one.printed_gain.radial_error_mean_mm))
         .line("roundness, 50.7 1/s", line(|one| one.fitted.roundness_mm))
-        .line("printed radial error", printed.collect())
+        .line("printed error", printed.collect())
         .drawn()
         .named(
             "d-table-2",
