@@ -119,6 +119,13 @@ fn moves_that_become_curves() {
 }
 
 #[test]
+fn the_papers_figures() {
+    shows(&["papers"], &expect_file!["terminal/papers.txt"]);
+    shows(&["papers", "--contour"], &expect_file!["terminal/papers-contour.txt"]);
+    shows(&["papers", "--report", "r", "--out", "papers.txt"], &expect_file!["terminal/papers-report.txt"]);
+}
+
+#[test]
 fn a_plan() {
     shows(&["plan", "part.nc", "--machine", "mill.toml"], &expect_file!["terminal/plan.txt"]);
     shows(&["plan"], &expect_file!["terminal/plan-long.txt"]);
