@@ -80,7 +80,7 @@ fn compiled<R: Backend, const D: usize>(run: &Run<D>) -> Option<Compiled<R, D>> 
         );
         feed = next;
     }
-    let tolerance = ChordTolerance { residual: number(run.residual), max_evaluations: run.max_evaluations };
+    let tolerance = ChordTolerance::up_to_residual(number(run.residual), run.max_evaluations);
     Some((table, stages, tolerance))
 }
 

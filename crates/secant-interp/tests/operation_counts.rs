@@ -80,7 +80,7 @@ fn counts_of_common_steps<R: Backend>() -> Vec<OperationCounts> {
     let interpolator = PieceInterpolator {
         pieces,
         lengths: StepLengths { stages: &stages },
-        tolerance: ChordTolerance { residual: number(1e-3), max_evaluations: 6 },
+        tolerance: ChordTolerance::up_to_residual(number(1e-3), 6),
         landing_step: number(0.01 * unit),
     };
     let mut state = interpolator.start();

@@ -66,10 +66,7 @@ fn with_run<R: Backend, T>(
     Ok(show(&PieceInterpolator {
         pieces,
         lengths: StepLengths { stages: &path.stages::<R>(unit) },
-        tolerance: ChordTolerance {
-            residual: number(RESIDUAL).max(R::resolution().ldexp(2)),
-            max_evaluations: MAX_EVALUATIONS,
-        },
+        tolerance: ChordTolerance::up_to_residual(number(RESIDUAL).max(R::resolution().ldexp(2)), MAX_EVALUATIONS),
         landing_step: number(LANDING * path.feed_mm * unit),
     }))
 }

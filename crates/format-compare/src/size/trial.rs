@@ -20,11 +20,14 @@ pub(crate) const WIDTHS: RangeInclusive<u32> = 12..=48;
 /// Integer bits, with the sign, with which a search begins.
 pub(crate) const FEWEST_INTEGER_BITS: u32 = 2;
 
-/// The options of a search: it runs on pieces, and the solver stops at the fluctuation that is allowed.
+/// The solver's share of the fluctuation that is allowed. The format's roundings may have the rest.
+const SHARE_OF_SOLVER: f64 = 0.25;
+
+/// The options of a search: it runs on pieces, and the solver stops at its share of the fluctuation that is allowed.
 pub(crate) fn search_options<const D: usize>(problem: &Problem<D>, options: &Options) -> Options {
     Options {
         engine: Engine::Pieces,
-        fluctuation: Some(options.fluctuation.unwrap_or(problem.machine.fluctuation_limit)),
+        fluctuation: options.fluctuation.or(Some(SHARE_OF_SOLVER * problem.machine.fluctuation_limit)),
         ..options.clone()
     }
 }

@@ -29,8 +29,12 @@ impl<R: Backend, const D: usize> fmt::Display for Constant<'_, R, D> {
         writeln!(f, "    lengths: StepLengths {{")?;
         lines(f, "        stages", lengths.stages, stage)?;
         writeln!(f, "    }},")?;
-        let (residual, most) = (number(tolerance.residual), tolerance.max_evaluations);
-        writeln!(f, "    tolerance: ChordTolerance {{ residual: {residual}, max_evaluations: {most} }},")?;
+        writeln!(f, "    tolerance: ChordTolerance {{")?;
+        writeln!(f, "        residual: {},", number(tolerance.residual))?;
+        writeln!(f, "        growth: {},", number(tolerance.growth))?;
+        writeln!(f, "        fluctuation: {},", number(tolerance.fluctuation))?;
+        writeln!(f, "        max_evaluations: {},", tolerance.max_evaluations)?;
+        writeln!(f, "    }},")?;
         writeln!(f, "    landing_step: {},", number(*landing_step))?;
         write!(f, "}}")
     }

@@ -12,9 +12,13 @@
 //!
 //! `σ ← σ - σ f/2 (1 - g + g² - ¾f)`,
 //!
-//! again without a division. It leaves an error of the order of `|f| (|f| (|f| + |g|) + |g|³)`. So a second evaluation
-//! is needed only if |f| is above a threshold, which follows from the fluctuation that is allowed. Measured over ten
-//! curves of the tests:
+//! again without a division. The chord that it leaves is off by
+//!
+//! `½ f (g³ + f (2g + h/8)) + O(f³)`
+//!
+//! of its length, where h is the second growth of the speed over the step, at most 1 on a piece. So a second evaluation
+//! is needed only if |f| or |g| is above a threshold; [`ChordTolerance::for_fluctuation`] derives both from the
+//! fluctuation that is allowed. Measured over ten curves of the tests, whose |g| is below a tenth:
 //!
 //! | threshold | 4e-3 | 1e-3 | 1e-4 | 3e-5 | 3e-6 |
 //! |---|---|---|---|---|---|
@@ -30,31 +34,53 @@ use real::{Backend, Real};
 /// When the correction is repeated, and how often.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChordTolerance<R> {
-    /// The largest |f| after which one correction is enough.
+    /// The largest |f|, at most ½, after which one correction is enough, provided that |g| is at most
+    /// [`growth`](Self::growth).
     pub residual: R,
+    /// The largest |g|, at most ⅜, at which one correction is enough.
+    pub growth: R,
+    /// The largest |f| after which one correction is enough whatever the growth.
+    pub fluctuation: R,
     /// K: evaluations of f in a period, at most.
     pub max_evaluations: u32,
 }
 
 impl<R: Backend> ChordTolerance<R> {
-    /// The tolerance at which one correction leaves at most this fluctuation, |1 - chord/L|. `None`, or a fluctuation
-    /// below the format's resolution, gives two units of the resolution.
+    /// The tolerance at which the last correction leaves at most this fluctuation ε, |1 - chord/L|, before roundings.
+    /// `None`, or a fluctuation below the format's resolution, gives two units of the resolution.
     ///
-    /// A correction leaves an error of the order of `|f| (|f| (|f| + |g|) + |g|³)`. The growth g of the parametric
-    /// speed over a step is a few hundredths at most. Measured, the error is 2e-5 |f| on tightly curved rational parts.
+    /// A correction leaves `½ |f| (|g|³ + |f| (2|g| + h/8))`. With |f| ≤ √ε and |g|³ ≤ √ε, that is at most
+    /// `½ε (1 + 2|g| + h/8)`, below ε while |g| ≤ ⅜ and the second growth h is at most 1. A larger g asks for |f| ≤ ε.
+    /// The greatest g is the greatest power of two among those allowed, which every format holds exactly.
     #[must_use]
     pub fn for_fluctuation(fluctuation: Option<f64>, max_evaluations: u32) -> Self {
         let finest = R::resolution() + R::resolution();
-        let wanted = fluctuation.map_or(0.0, |wanted| Real::sqrt(wanted).min(1e4 * wanted));
-        Self { residual: R::from_f64(wanted).unwrap_or(finest).max(finest), max_evaluations }
+        let Some(wanted) =
+            fluctuation.filter(|wanted| R::from_f64(*wanted).is_some_and(|wanted| wanted > finest))
+        else {
+            return Self::up_to_residual(finest, max_evaluations);
+        };
+        let of = |value: f64| R::from_f64(value).unwrap_or_else(R::one);
+        let (largest, largest_growth) = Evaluation::<R>::limits();
+        let root = Real::sqrt(wanted);
+        // |g|³ falls by 8 with each halving of g.
+        let halvings = (0..64).find(|k| root.ldexp(3 * k) >= 1.0).unwrap_or(64);
+        Self {
+            residual: of(root).min(largest),
+            growth: R::one().ldexp(-halvings).min(largest_growth),
+            fluctuation: of(wanted).min(largest),
+            max_evaluations,
+        }
     }
 }
 
 impl<R: Real> ChordTolerance<R> {
-    /// The largest |f| for which one correction is enough and its series holds.
-    #[inline]
-    pub(crate) fn threshold(&self) -> R {
-        self.residual.min(Evaluation::<R>::limits().0)
+    /// One correction is enough after a residual |f| up to `residual`, cut to ½, whatever the growth.
+    #[must_use]
+    pub fn up_to_residual(residual: R, max_evaluations: u32) -> Self {
+        let (largest, growth) = Evaluation::<R>::limits();
+        let residual = residual.min(largest);
+        Self { residual, growth, fluctuation: residual, max_evaluations }
     }
 }
 
@@ -119,10 +145,10 @@ impl<R: Real> Evaluation<R> {
         (R::from_ratio(1, 2), R::from_ratio(3, 8))
     }
 
-    /// Whether |f| is at most `threshold`, and |g| small enough for the series of the correction.
+    /// Whether |f| and |g| are at most these.
     #[inline]
-    pub(crate) fn is_small(&self, threshold: R) -> bool {
-        (self.residual.abs() <= threshold) & (self.slope.abs() <= Self::limits().1)
+    pub(crate) fn is_within(&self, residual: R, growth: R) -> bool {
+        (self.residual.abs() <= residual) & (self.slope.abs() <= growth)
     }
 
     /// f and g limited to the range of the series, which keeps the factor below 2 and the correction below σ/2.
@@ -158,7 +184,7 @@ impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D,
         tolerance: &ChordTolerance<R>,
     ) -> Result<R, Evaluation<R>> {
         let value = self.evaluate(sigma, step);
-        if value.is_small(tolerance.threshold()) {
+        if value.is_within(tolerance.residual, tolerance.growth) {
             let part = correction(sigma, &value);
             // In a float, a σ beyond the range fits too, and is as good a root.
             let found =
@@ -183,7 +209,6 @@ impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D,
         mut value: Evaluation<R>,
         tolerance: &ChordTolerance<R>,
     ) -> (R, u32) {
-        let threshold = if self.before.is_some() { tolerance.residual.ldexp(-2) } else { tolerance.residual };
         let mut evaluations = 1;
         loop {
             let correction = match self.before {
@@ -192,12 +217,24 @@ impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D,
             };
             let trial = sigma;
             sigma = self.next(trial, correction);
-            if value.residual.abs() <= threshold || sigma == trial || evaluations >= tolerance.max_evaluations
+            if self.is_enough(&value, tolerance) || sigma == trial || evaluations >= tolerance.max_evaluations
             {
                 return (sigma, evaluations);
             }
             evaluations += 1;
             value = self.evaluate_aside(sigma);
+        }
+    }
+
+    /// Whether one correction after this evaluation is enough.
+    #[inline]
+    fn is_enough(&self, value: &Evaluation<R>, tolerance: &ChordTolerance<R>) -> bool {
+        match self.before {
+            None => {
+                value.residual.abs() <= tolerance.fluctuation
+                    || value.is_within(tolerance.residual, tolerance.growth)
+            }
+            Some(_) => value.residual.abs() <= tolerance.fluctuation.ldexp(-2),
         }
     }
 
@@ -394,6 +431,38 @@ mod tests {
                 let left = ((sigma - correction(sigma, &value)) / root - 1.0).abs();
                 let bound = f * (f * (f + g) + g.powi(3));
                 assert!(left <= 1.25 * bound + 1e-15, "{growth} {off}: {left} of {bound}");
+            }
+        }
+    }
+
+    /// Chords that turn by up to half a radian and grow by up to a half over the step, from guesses off by up to a
+    /// third; half of them begin on a piece before, at an angle.
+    #[test]
+    fn the_chord_found_is_off_by_at_most_the_fluctuation_asked_for() {
+        let parts = [-0.15, -0.05, 0.0, 0.01, 0.1, 0.3];
+        let bends = parts.iter().flat_map(|along| parts.map(|across| (*along, across)));
+        let paths =
+            bends.flat_map(|bend| [None, Some([0.4, 0.1]), Some([0.7, -0.5])].map(|before| (bend, before)));
+        for ((along, across), before) in paths {
+            let mut at = Shifted::<f64, 2>::default();
+            at.chord[..3].copy_from_slice(&[[1.0, 0.0], [along, across], [0.1 * across, -0.2 * along]]);
+            let chord: Chord<'_, f64, 2> = Chord {
+                at: &at,
+                degree: 3,
+                rational: false,
+                range_exponent: 0,
+                whole: 4.0,
+                length: 1.0,
+                before,
+                range: [0.1, 4.0],
+            };
+            for (allowed, guess) in
+                [1e-3, 1e-6, 1e-8, 1e-10].iter().flat_map(|a| [0.7, 0.95, 1.3].map(|g| (*a, g)))
+            {
+                let (sigma, _) = chord.solve(guess, &ChordTolerance::for_fluctuation(Some(allowed), 20));
+                let ([x, y], [bx, by]) = (chord.over(sigma), before.unwrap_or_default());
+                let off = ((x + bx).hypot(y + by) - 1.0).abs();
+                assert!(off <= allowed, "{along} {across} {before:?} {guess}: {off:e} of {allowed:e}");
             }
         }
     }

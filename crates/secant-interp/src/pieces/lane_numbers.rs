@@ -53,8 +53,9 @@ pub(crate) struct Numbers<R, const D: usize, const W: usize> {
     /// takes no common step.
     pub(crate) t: Row<R, W>,
     pub(crate) end: Row<R, W>,
-    /// The largest |f| for which one correction is enough.
-    pub(crate) threshold: Row<R, W>,
+    /// The largest |f| and |g| for which one correction is enough.
+    pub(crate) residual: Row<R, W>,
+    pub(crate) growth: Row<R, W>,
     /// σ of this step, and the step on the piece; -1 if one evaluation on the piece did not find it.
     pub(crate) found: Row<R, W>,
     pub(crate) step: Row<R, W>,
@@ -90,7 +91,8 @@ impl<R: Real, const D: usize, const W: usize> Numbers<R, D, W> {
             length: zero,
             t: zero,
             end: [nowhere(); W],
-            threshold: zero,
+            residual: zero,
+            growth: zero,
             found: zero,
             step: zero,
         }

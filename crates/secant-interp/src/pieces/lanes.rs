@@ -189,7 +189,7 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
     fn load(&mut self, lane: usize) {
         let (run, state, numbers) = (&self.runs[lane], &self.states[lane], &mut self.numbers);
         numbers.put_trend(lane, &state.trend);
-        numbers.threshold[lane] = run.tolerance.threshold();
+        (numbers.residual[lane], numbers.growth[lane]) = (run.tolerance.residual, run.tolerance.growth);
         let is_plain_cubic = run.pieces.degree == CUBIC && !run.pieces.is_rational();
         self.is_loaded[lane] = is_plain_cubic && self.load_piece(lane);
         if !self.is_loaded[lane] {
@@ -320,7 +320,7 @@ fn solve<R: Lane, const D: usize, const W: usize>(numbers: &mut Numbers<R, D, W>
         let is_found = (x + numbers.t[lane] < numbers.end[lane])
             & (x <= R::one())
             & is_within(guess, &range)
-            & value.is_small(numbers.threshold[lane])
+            & value.is_within(numbers.residual[lane], numbers.growth[lane])
             & is_within(sigma, &range);
         numbers.found[lane] = sigma;
         numbers.step[lane] = if is_found { sigma * length } else { -R::one() };
@@ -397,7 +397,7 @@ mod tests {
         let run = PieceInterpolator {
             pieces: table.as_pieces(),
             lengths: StepLengths { stages: &stages },
-            tolerance: ChordTolerance { residual: R::from_f64(1e-3).unwrap(), max_evaluations: 5 },
+            tolerance: ChordTolerance::up_to_residual(R::from_f64(1e-3).unwrap(), 5),
             landing_step: feed(0.01),
         };
         let mut lanes = LaneInterpolator::new([run; 4]);

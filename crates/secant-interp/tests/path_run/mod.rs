@@ -77,10 +77,10 @@ pub(crate) fn interpolator<'a, R: Backend, const D: usize>(
     PieceInterpolator {
         pieces,
         lengths: StepLengths { stages },
-        tolerance: ChordTolerance {
-            residual: R::from_f64(settings.residual).unwrap().max(R::resolution().ldexp(2)),
-            max_evaluations: settings.max_evaluations,
-        },
+        tolerance: ChordTolerance::up_to_residual(
+            R::from_f64(settings.residual).unwrap().max(R::resolution().ldexp(2)),
+            settings.max_evaluations,
+        ),
         landing_step: R::from_f64(landing_step).unwrap(),
     }
 }
