@@ -9,7 +9,7 @@ use servo_sim::{Servo, ServoParameters, contour_error};
 
 use crate::error::PaperError;
 use crate::judged::{Judged, machine, part, problem};
-use crate::{PAPER_D, SERVO};
+use crate::papers_data::{PAPER_D, SERVO};
 
 /// The tolerance of a CAM system's straight moves, in mm: with it the printed error of 0.01 mm comes out.
 const CAM_TOLERANCE_MM: f64 = 0.01;

@@ -14,41 +14,19 @@
 mod adaptive_feed;
 mod contour_table;
 mod error;
+mod figures;
 mod judged;
 mod paper_a;
 mod paper_b;
 mod paper_c;
 mod paper_d;
+mod papers_data;
 mod row;
-
-use format_report::Figure;
 
 pub use contour_table::{ContourRow, contour_table};
 pub use error::PaperError;
+pub use figures::PaperFigures;
 pub use row::{Printed, Row};
-
-/// Paper A's curve and machine.
-pub(crate) const PAPER_A: &str = include_str!("../../../data/seed-000.toml");
-/// Paper D's program.
-pub(crate) const PAPER_D: &str = include_str!("../../../data/seed-003.nc");
-/// The drive that is fitted to paper D's circle test.
-pub(crate) const SERVO: &str = include_str!("../../../data/servo.toml");
-
-/// The figures of all papers.
-#[derive(Clone, Debug, Default)]
-pub struct PaperFigures {
-    /// The numbers, paper by paper, in the order in which they are printed.
-    pub rows: Vec<Row>,
-    /// The pictures, named `a-06-feed` and so on.
-    pub pictures: Vec<Figure>,
-}
-
-impl PaperFigures {
-    fn add(&mut self, mut other: Self) {
-        self.rows.append(&mut other.rows);
-        self.pictures.append(&mut other.pictures);
-    }
-}
 
 /// Computes the figures of all papers, in some seconds.
 ///

@@ -5,9 +5,10 @@ use format_report::{Figure, LineChart};
 use nurbs_core::Evaluate;
 
 use crate::error::PaperError;
+use crate::figures::PaperFigures;
 use crate::judged::{Judged, largest, machine, part, problem};
+use crate::papers_data::PAPER_A;
 use crate::row::{Printed, Row};
-use crate::{PAPER_A, PaperFigures};
 
 const SETTING: &str = "F 200 mm/s, T 3 ms, E 0.5 µm, A 5000 mm/s², J 4e5 mm/s³, Δ = ε = 1e-6, K = 5; f64, cubic transitions, \
                        started at 199.9 mm/s, without the landing";

@@ -2,8 +2,8 @@
 
 use nurbs_core::{Differentiate, Ends, Evaluate, ShapeError, ShapeFactors, TrigSegment, TrigSplineBuf};
 
-use crate::PaperFigures;
 use crate::error::PaperError;
+use crate::figures::PaperFigures;
 use crate::judged::largest;
 use crate::row::{Printed, Row};
 
@@ -99,10 +99,9 @@ fn ends_off() -> Result<f64, ShapeError> {
             let segment = TrigSegment::try_new(q, ShapeFactors { lambda, k })?;
             for (u, end) in [(0.0, 0), (1.0, 1)] {
                 let found = segment.derivatives(u);
-                for axis in 0..2 {
-                    off.push(found.point[axis] - q[end][axis]);
-                    off.push(found.first[axis] - (chord(end, axis) - k * chord(end + 1, axis)));
-                }
+                let tangent = [0, 1].map(|axis| chord(end, axis) - k * chord(end + 1, axis));
+                off.extend(found.point.iter().zip(&q[end]).map(|(ours, given)| ours - given));
+                off.extend(found.first.iter().zip(&tangent).map(|(ours, given)| ours - given));
             }
         }
     }

@@ -10,9 +10,10 @@ use nurbs_core::{Differentiate, Evaluate};
 
 use crate::adaptive_feed::{AdaptiveStep, adaptive_feed, taylor_step};
 use crate::error::PaperError;
+use crate::figures::PaperFigures;
 use crate::judged::{Judged, largest, machine, part, problem};
+use crate::papers_data::{PAPER_A, PAPER_D};
 use crate::row::{Printed, Row};
-use crate::{PAPER_A, PAPER_D, PaperFigures};
 
 /// Limits of the runs: acceleration in mm/s², jerk in mm/s³, chord error in µm.
 const ACCELERATION: f64 = 1000.0;

@@ -6,9 +6,10 @@ use servo_sim::{PaperRow, Servo, ServoParameters, paper_table};
 
 use crate::contour_table::contour_table;
 use crate::error::PaperError;
+use crate::figures::PaperFigures;
 use crate::judged::part;
+use crate::papers_data::{PAPER_D, SERVO};
 use crate::row::{Printed, Row};
-use crate::{PAPER_D, PaperFigures, SERVO};
 
 const CIRCLE: &str =
     "circle R10 F4000, 24 ms before interpolation, position gain 50.7 1/s, lag 0.39 ms, data/servo.toml";

@@ -4,6 +4,7 @@ use nurbs_core::{Differentiate, arc_length, radius};
 
 use super::*;
 use crate::adaptive_feed::adaptive_feed;
+use crate::papers_data::{PAPER_A, PAPER_D};
 
 fn all() -> &'static PaperFigures {
     static ALL: std::sync::OnceLock<PaperFigures> = std::sync::OnceLock::new();
