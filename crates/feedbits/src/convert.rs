@@ -9,6 +9,7 @@ use part_program::{
     Curve, GAP_MM, MoveKind, Part, RatioWords, Rounded, inspect, write_curves, write_g1, write_g5_2,
     write_g06_2,
 };
+use path_smooth::{FitError, FitOptions, FitReport, Fitted, fit_curves};
 
 use crate::ending::Ending;
 use crate::input::{Input, read_again};
@@ -25,9 +26,30 @@ const FANUC_ORDER: usize = 4;
 pub(crate) struct Arguments {
     #[command(flatten)]
     input: Input,
-    /// What to write.
-    #[arg(long, value_enum)]
-    to: Target,
+    /// What to write. Default with --fit: g06.2.
+    #[arg(
+        long,
+        value_enum,
+        required_unless_present = "fit",
+        default_value_if("fit", clap::builder::ArgPredicate::IsPresent, "g06.2")
+    )]
+    to: Option<Target>,
+    /// Write runs of straight moves as cubic curves that are at most so far from them, in mm; the distance is proven. Corners,
+    /// rests and changes of feed stay.
+    #[arg(long, allow_negative_numbers = true, value_name = "MM")]
+    fit: Option<f64>,
+    /// With --fit: a change of direction above this, in degrees, is a corner.
+    #[arg(
+        long,
+        allow_negative_numbers = true,
+        value_name = "DEGREES",
+        requires = "fit",
+        default_value_t = 30.0
+    )]
+    corner: f64,
+    /// With --fit: let curves pass every point between the moves, as paper D does, in place of as few as keep within MM.
+    #[arg(long, requires = "fit")]
+    every_point: bool,
     /// With --to g1: largest distance between the curves and the straight moves, in mm. Default: 0.001.
     #[arg(long, allow_negative_numbers = true, value_name = "MM")]
     tolerance: Option<f64>,
@@ -47,6 +69,11 @@ impl Arguments {
     /// The largest distance of straight moves from their curves, in mm.
     fn tolerance(&self) -> f64 {
         self.tolerance.unwrap_or(0.001)
+    }
+
+    /// What to write; clap demands it, or takes the default.
+    fn to(&self) -> Target {
+        self.to.unwrap_or(Target::G06_2)
     }
 }
 
@@ -70,21 +97,28 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     if let Some(tolerance) = arguments.tolerance.filter(|length| !(*length > 0.0 && length.is_finite())) {
         bail!("--tolerance {tolerance}: expected a positive length in mm");
     }
-    if arguments.to != Target::G1 && arguments.tolerance.is_some() {
+    if arguments.to() != Target::G1 && arguments.tolerance.is_some() {
         bail!("--tolerance: curves are kept as they are there; expected --to g1");
     }
-    if arguments.to == Target::Toml && arguments.digits.is_some() {
+    if arguments.to() == Target::Toml && arguments.digits.is_some() {
         bail!("--digits: a curve file keeps every number bit by bit; expected --to g06.2, g5.2 or g1");
     }
-    if arguments.to != Target::G06_2 && arguments.ratios.is_some() {
+    if arguments.to() != Target::G06_2 && arguments.ratios.is_some() {
         bail!("--ratios: no knots and weights are rounded there; expected --to g06.2");
+    }
+    if arguments.to() == Target::G1 && arguments.fit.is_some() {
+        bail!("--fit: it makes curves, and --to g1 would cut them again; expected --to g06.2, g5.2 or toml");
     }
     let mut part = arguments.input.part()?;
     part.machine = arguments.input.machine_of(&part)?;
+    let fitted = fitted(&part, arguments)?;
+    if let Some(fitted) = &fitted {
+        part = fitted.path.clone();
+    }
     let (mut text, mut again) = written(&part, arguments)?;
     let mut rounding = Vec::new();
     if let Some(digits) = arguments.digits {
-        let rounded = rounded(&part, &again, arguments.to, digits)?;
+        let rounded = rounded(&part, &again, arguments.to(), digits)?;
         (text, again) = written(&rounded.part, arguments)?;
         if !are_same(&again.curves, &rounded.part.curves) {
             bail!("what was rounded reads back as another path: nothing is kept");
@@ -100,22 +134,53 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
         rounding.push(ratio_note(arguments, moved_mm));
     }
     output::write(arguments.out.as_deref(), &text)?;
+    if let Some(fitted) = &fitted {
+        output::note(&fit_note(&fitted.report, arguments));
+    }
     for note in notes(&part, &again, arguments).iter().chain(&rounding) {
         output::note(note);
     }
     Ok(Ending::Good)
 }
 
+/// The part with curves in place of runs of straight moves, if that is asked for.
+fn fitted(part: &Part, arguments: &Arguments) -> Result<Option<Fitted>> {
+    let Some(tolerance_mm) = arguments.fit else { return Ok(None) };
+    let options =
+        FitOptions { tolerance_mm, corner_deg: arguments.corner, every_point: arguments.every_point };
+    match fit_curves(part, &options) {
+        Ok(fitted) => Ok(Some(fitted)),
+        Err(FitError::Tolerance(_)) => bail!("--fit {tolerance_mm}: expected a positive length in mm"),
+        Err(error @ FitError::Corner(_)) => Err(error).context("--corner"),
+        Err(error) => Err(error).with_context(|| format!("--fit {tolerance_mm}: nothing is written")),
+    }
+}
+
+/// What became of the straight moves, and the proven bound.
+fn fit_note(report: &FitReport, arguments: &Arguments) -> String {
+    let bound_mm = (report.bound_mm * 1e6).ceil() / 1e6;
+    let rounded = arguments.digits.is_some() || arguments.ratios.is_some();
+    format!(
+        "{} of {} straight moves are {} of degree 3 with {} control points, at most {bound_mm} mm from the moves{}; {}",
+        report.fitted,
+        report.straight_moves,
+        counted(report.curves, "curve", "curves"),
+        report.control_points,
+        if rounded { " before the rounding" } else { "" },
+        counted(report.corners, "corner stays", "corners stay"),
+    )
+}
+
 /// The text of a part, and the part as it reads back.
 fn written(part: &Part, arguments: &Arguments) -> Result<(String, Part)> {
-    let text = match arguments.to {
+    let text = match arguments.to() {
         Target::G06_2 => write_g06_2(part)?,
         Target::G5_2 => write_g5_2(part)?,
         Target::G1 => write_g1(part, arguments.tolerance(), arguments.input.dialect())?,
         Target::Toml => write_curves(part),
     };
     // For the other targets, the words of the text tell the dialect.
-    let dialect = arguments.input.dialect().filter(|_| arguments.to == Target::G1);
+    let dialect = arguments.input.dialect().filter(|_| arguments.to() == Target::G1);
     let again = read_again(&text, dialect)?;
     Ok((text, again))
 }
@@ -139,7 +204,7 @@ fn rounded(part: &Part, written: &Part, to: Target, digits: u8) -> Result<Rounde
 /// A bound of how far rounding moves the path, and the moves that it leaves out.
 fn rounding_notes(part: &Part, rounded: &Rounded, arguments: &Arguments, digits: u8) -> Vec<String> {
     let has_curves = at_feed(part).iter().any(|curve| curve.control_points_mm.len() > 2);
-    let (off_mm, of_cutting) = match arguments.to {
+    let (off_mm, of_cutting) = match arguments.to() {
         Target::G1 if has_curves => (rounded.moved_mm + arguments.tolerance(), ""),
         Target::G5_2 if has_curves => {
             (rounded.moved_mm, ", but for the rounding of f64 where curves are cut")
@@ -157,7 +222,8 @@ fn rounding_notes(part: &Part, rounded: &Rounded, arguments: &Arguments, digits:
         notes.push(format!("{} moves that round to one point are left out", rounded.left_out));
     }
     if rounded.turned_deg >= TURN_DEG {
-        let coarser = if arguments.to == Target::G1 && has_curves { " or a larger --tolerance" } else { "" };
+        let coarser =
+            if arguments.to() == Target::G1 && has_curves { " or a larger --tolerance" } else { "" };
         notes.push(format!(
             "rounding turns straight moves by up to {:.0}°, and a control may slow down at such corners: give more --digits{coarser}",
             rounded.turned_deg
@@ -175,7 +241,7 @@ fn ratio_note(arguments: &Arguments, moved_mm: f64) -> String {
 
 /// Notes for a reader of the new file.
 fn notes(part: &Part, again: &Part, arguments: &Arguments) -> Vec<String> {
-    let (to, before, after) = (arguments.to, at_feed(part), at_feed(again));
+    let (to, before, after) = (arguments.to(), at_feed(part), at_feed(again));
     let mut notes = vec![match to {
         Target::G1 => {
             format!("{} {} straight moves", counted(before.len(), "curve is", "curves are"), after.len())

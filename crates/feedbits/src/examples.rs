@@ -26,6 +26,10 @@ pub(crate) const MERGE: &str = "Examples:
 pub(crate) const SERVO: &str = "Examples:
   feedbits servo --plot circle.svg
   feedbits servo part.nc --machine mill.toml --formats I4F28,f32";
+pub(crate) const PAPERS: &str = "Examples:
+  feedbits papers
+  feedbits papers --report pictures
+  feedbits papers --contour";
 pub(crate) const SMOOTH: &str = "Examples:
   feedbits smooth part.nc --machine mill.toml --tolerance 0.01 --out smooth.toml";
 pub(crate) const SOAK: &str = "Examples:
@@ -41,7 +45,8 @@ pub(crate) const CHECK: &str = "Examples:
   feedbits check part.nc --dialect siemens";
 pub(crate) const CONVERT: &str = "Examples:
   feedbits convert part.dxf --to g06.2 --out part.nc
-  feedbits convert part.nc --to g1 --tolerance 0.001 --digits 3";
+  feedbits convert part.nc --to g1 --tolerance 0.001 --digits 3
+  feedbits convert part.nc --fit 0.01 --out curves.nc";
 pub(crate) const MACHINE: &str = "Examples:
   feedbits machine
   feedbits machine router --out my-machine.toml";

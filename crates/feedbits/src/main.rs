@@ -16,6 +16,7 @@ mod interpolate;
 mod machine;
 mod merge;
 mod output;
+mod papers;
 mod period_costs;
 mod plan;
 mod presets;
@@ -82,6 +83,9 @@ enum Command {
     /// Simulate the axis servo loops: following and contour error per format, circle test, tuning table.
     #[command(after_help = examples::SERVO)]
     Servo(servo::Arguments),
+    /// Print every figure of papers A to D beside the one that comes out here, with the setting and why they differ.
+    #[command(after_help = examples::PAPERS)]
+    Papers(papers::Arguments),
     /// Smooth the corners of straight moves and arcs within a tolerance: corner by corner, and the time it saves.
     #[command(after_help = examples::SMOOTH)]
     Smooth(smooth::Arguments),
@@ -130,6 +134,7 @@ fn main() -> ExitCode {
         Command::Sweep(arguments) => sweep::run(&arguments),
         Command::Merge(arguments) => merge::run(&arguments),
         Command::Servo(arguments) => servo::run(&arguments),
+        Command::Papers(arguments) => papers::run(&arguments),
         Command::Smooth(arguments) => smooth::run(&arguments),
         Command::Soak(arguments) => soak::run(&arguments),
         Command::Targets(arguments) => targets::run(&arguments),

@@ -3,6 +3,7 @@
 mod message;
 
 use message::unfolded;
+use nurbs_core::{Evaluate, NurbsBuf, distance_to_segment};
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
@@ -294,4 +295,81 @@ fn what_rounding_would_break_is_refused() {
     let (status, written, said) = convert_text(circle, &["--to", "g1", "--digits", "3"]);
     assert!(status == Some(0) && written.contains("G1 X5. Y0. F600.\nM30"), "{written}");
     assert!(said.contains("moves that round to one point are left out"), "{said}");
+}
+
+/// Points of the curves and moves of a program at feed, in order, `count` a span.
+fn points_at_feed(program: &str, count: u32) -> Vec<Vec<[f64; 3]>> {
+    let part = part_program::read_part("p.nc", program).expect("it reads");
+    let feed =
+        part.curves.iter().zip(&part.moves).filter(|(_, one)| one.kind == part_program::MoveKind::Feed);
+    let sampled = |curve: &part_program::Curve| {
+        let parts = (curve.control_points_mm.clone(), curve.weights.clone(), curve.knots.clone());
+        let nurbs = NurbsBuf::<f64, 3>::try_new(curve.degree, parts.0, parts.1, parts.2).expect("a curve");
+        let nurbs = nurbs.as_curve();
+        let (begin, end) = nurbs.domain();
+        let all = if curve.degree == 1 { 1 } else { count * u32::try_from(nurbs.span_count()).expect("few") };
+        (0..=all).map(|k| nurbs.point(begin + (end - begin) * f64::from(k) / f64::from(all))).collect()
+    };
+    feed.map(|(curve, _)| sampled(curve)).collect()
+}
+
+fn distance(point: &[f64; 3], path: &[Vec<[f64; 3]>]) -> f64 {
+    let sides = path.iter().flat_map(|points| points.windows(2));
+    sides.map(|side| distance_to_segment(point, &[side[0], side[1]])).fold(f64::MAX, f64::min)
+}
+
+/// The engraving within 0.01 mm: what is written reads back, is planned, and is as near to the moves as is said, measured with
+/// no knowledge of which curve stands for which move.
+#[test]
+fn an_engraving_of_fine_moves_becomes_curves() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let out = folder.path().join("curves.nc").display().to_string();
+    let output = convert(&[&data("engraving.nc"), "--fit", "0.01", "--out", &out]);
+    let said = unfolded(&output.stderr);
+    assert!(output.status.success() && said.contains("which read back bit by bit"), "{said}");
+    let words: Vec<&str> = said.split_whitespace().collect();
+    let number = |before: &str| -> f64 {
+        let place = words.iter().position(|word| *word == before).expect("it is said");
+        words[place - 1].parse().expect("a number")
+    };
+    let (fitted, bound) = (number("of"), number("mm"));
+    assert!(fitted > 6000.0 && bound <= 0.01, "{said}");
+    let (before, after) = (
+        points_at_feed(&fs::read_to_string(data("engraving.nc")).expect("it is there"), 1),
+        points_at_feed(&fs::read_to_string(&out).expect("written"), 4),
+    );
+    assert!(after.len() < before.len() / 8, "{} of {}", after.len(), before.len());
+    for point in after.iter().flatten().step_by(11) {
+        let off = distance(point, &before);
+        assert!(off <= bound, "{point:?} is {off} mm from the moves");
+    }
+    // The polygon of the samples is up to 1 µm off the curve.
+    for point in before.iter().flatten().step_by(37) {
+        let off = distance(point, &after);
+        assert!(off <= bound + 0.001, "{point:?} is {off} mm from the curves");
+    }
+    let check = Command::new(env!("CARGO_BIN_EXE_feedbits")).args(["check", &out]).output().expect("starts");
+    assert!(text(&check.stdout).contains("nothing is suspicious"), "{}", text(&check.stdout));
+}
+
+#[test]
+fn a_fit_that_cannot_be_is_refused_and_nothing_is_written() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let (square, out) = (path("square.nc"), path("out.nc"));
+    fs::write(&square, "G0 X0 Y0\nG1 X9 F600\nG1 Y9\nG1 X0\nG1 Y0\n").expect("the folder is writable");
+    for (options, expected) in [
+        (&["--fit", "0.01"][..], "--fit 0.01: nothing is written: no curve is made of 4 straight moves"),
+        (&["--fit", "0"], "--fit 0: expected a positive length in mm"),
+        (&["--fit", "-1"], "--fit -1: expected a positive length in mm"),
+        (&["--fit", "1", "--corner", "120"], "expected degrees above 0, at most 90"),
+        (&["--fit", "1", "--to", "g1"], "expected --to g06.2, g5.2 or toml"),
+        (&["--to", "toml", "--corner", "20"], "--fit"),
+        (&[], "--to"),
+    ] {
+        let output = convert(&[&[square.as_str(), "--out", &out], options].concat());
+        let said = unfolded(&output.stderr);
+        assert!(output.status.code() == Some(2) && said.contains(expected), "{options:?}: {said}");
+        assert!(!Path::new(&out).exists());
+    }
 }

@@ -30,14 +30,22 @@ fn masked(text: &str) -> String {
 }
 
 /// The files that commands find in their folder.
-const FILES: [(&str, &str); 6] = [
+const FILES: [(&str, &str); 7] = [
     ("part.nc", "G21 G90 G17\nG0 X0 Y0\nG1 X20 F3000\nG3 X20 Y10 I0 J5\nG1 X0\nM30\n"),
     ("corners.nc", "G21 G90\nG0 X0 Y0\nG1 X20 F2400\nY10\nX10\nY20\nX0\nY0\nM30\n"),
+    ("fine.nc", FINE),
     ("bad.nc", "G21 G90\nG0 X0 Y0\nG1 XX20 F3000\n"),
     ("mill.toml", MACHINE),
     ("typo.toml", ""),
     ("zero.toml", ""),
 ];
+
+/// A quarter circle of 18 chords between straight moves.
+const FINE: &str = "G21 G90\nG0 X10 Y-8\nG1 Y0 F1200\nG1 X9.962 Y0.872\nG1 X9.848 Y1.736\nG1 X9.659 Y2.588\n\
+    G1 X9.397 Y3.420\nG1 X9.063 Y4.226\nG1 X8.660 Y5.000\nG1 X8.192 Y5.736\nG1 X7.660 Y6.428\n\
+    G1 X7.071 Y7.071\nG1 X6.428 Y7.660\nG1 X5.736 Y8.192\nG1 X5.000 Y8.660\nG1 X4.226 Y9.063\n\
+    G1 X3.420 Y9.397\nG1 X2.588 Y9.659\nG1 X1.736 Y9.848\nG1 X0.872 Y9.962\nG1 X0.000 Y10.000\nG1 X-8\n\
+    G1 Y0\nM30\n";
 
 const MACHINE: &str = "[machine]\ninterpolation_period_ms = 1\nfeedrate_mm_per_s = 100\nacceleration_mm_per_s2 = 1000\n\
     jerk_mm_per_s3 = 50000\nchord_error_mm = 0.002\nfluctuation_limit = 1e-5\nparameter_tolerance = 1e-8\nmax_iterations = 8\n";
@@ -102,6 +110,19 @@ fn the_fewest_bits() {
 fn a_part_that_is_looked_over() {
     shows(&["check", "part.nc"], &expect_file!["terminal/check.txt"]);
     shows(&["check", "corners.nc", "--machine", "mill.toml"], &expect_file!["terminal/check-corners.txt"]);
+}
+
+#[test]
+fn moves_that_become_curves() {
+    shows(&["convert", "fine.nc", "--fit", "0.012"], &expect_file!["terminal/convert-fit.txt"]);
+    shows(&["convert", "corners.nc", "--fit", "0.01"], &expect_file!["terminal/convert-fit-nothing.txt"]);
+}
+
+#[test]
+fn the_papers_figures() {
+    shows(&["papers"], &expect_file!["terminal/papers.txt"]);
+    shows(&["papers", "--contour"], &expect_file!["terminal/papers-contour.txt"]);
+    shows(&["papers", "--report", "r", "--out", "papers.txt"], &expect_file!["terminal/papers-report.txt"]);
 }
 
 #[test]

@@ -90,7 +90,9 @@ impl Figure {
         Self::new(width, height, Group::new(), (String::new(), String::new()))
     }
 
-    pub(crate) fn named(mut self, name: &str, title: &str, caption: &str) -> Self {
+    /// Gives the picture its file's name, its title and its caption.
+    #[must_use]
+    pub fn named(mut self, name: &str, title: &str, caption: &str) -> Self {
         self.name = name.to_string();
         self.title = title.to_string();
         self.caption = caption.to_string();

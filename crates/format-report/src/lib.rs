@@ -8,6 +8,7 @@
 //! | what is a report made of? | [`Material`], [`Solver`], [`Schedule`] |
 //! | where does a format stay good? | [`Sweep`], [`SweepCell`] |
 //! | what does it consist of? | [`Report`], [`Figure`], [`Table`] |
+//! | what is a picture of any lines? | [`LineChart`] |
 //!
 //! `plotters` draws axes, ticks and grids on a canvas of SVG elements that have classes in place of colours. A long
 //! series is drawn by the least and the greatest value of each pixel column. So a picture of a million periods takes no
@@ -19,6 +20,7 @@ mod envelope;
 mod figure;
 mod figures;
 mod frame;
+mod line_chart;
 mod material;
 mod number;
 mod palette;
@@ -30,6 +32,7 @@ mod tables;
 mod thinned;
 
 pub use figure::Figure;
+pub use line_chart::LineChart;
 pub use material::{Material, Schedule, Solver};
 pub use report::{Report, listed};
 pub use sweep::{Sweep, SweepCell, SweepResult};

@@ -19,6 +19,8 @@
 //! | `shapes/` | straight moves and circular arcs | [`Line`], [`Arc`] |
 //! | | cubic trigonometric splines: the basis, a segment, a curve, polynomials with a proven error | [`trig_basis()`], [`TrigSegment`], [`TrigSpline`], [`TrigSplineBuf::to_polynomials`] |
 //! | | a curve of any kind; conversion to NURBS | [`PathCurve`] |
+//! | `fitting/` | which cubic curve passes given points, with accumulated chords as knots? | [`interpolate()`], [`chord_length_parameters`] |
+//! | | how far, proven, is a part of a curve from a straight move? | [`distance_from_segment`] |
 //! | `smoothing/` | which corners of moves can be cut or looped within a tolerance? | [`smooth_corners`] |
 //! | | where is a function least on an interval? | [`golden_section()`] |
 //!
@@ -47,7 +49,7 @@
 //! |---|---|
 //! | `std` (default) | square roots of floats through std; implies `alloc` |
 //! | `libm` | square roots of floats without std |
-//! | `alloc` | types that own their numbers: [`NurbsBuf`], `polynomials/`, [`compile()`], [`PathCurve`], `smoothing/`; without it no allocator is linked |
+//! | `alloc` | types that own their numbers: [`NurbsBuf`], `polynomials/`, [`compile()`], [`PathCurve`], `fitting/`, `smoothing/`; without it no allocator is linked |
 //! | `generate` | curves for tests: proptest strategies in `generate`, the curves of the papers in `golden` |
 
 #![cfg_attr(not(any(test, feature = "std")), no_std)]
@@ -141,6 +143,12 @@ mod shapes {
 }
 
 #[cfg(feature = "alloc")]
+mod fitting {
+    pub(crate) mod interpolation;
+    pub(crate) mod segment_distance;
+}
+
+#[cfg(feature = "alloc")]
 mod smoothing {
     pub(crate) mod corner;
     mod corner_segment;
@@ -179,6 +187,10 @@ pub use shapes::{
 };
 #[cfg(feature = "alloc")]
 pub use {
+    fitting::{
+        interpolation::{EndCondition, InterpolationError, chord_length_parameters, interpolate},
+        segment_distance::distance_from_segment,
+    },
     nurbs::owned::NurbsBuf,
     pieces::{
         compile::{compile, compile_with_stops},

@@ -1,5 +1,7 @@
 //! `path-smooth`: how much faster is a part with smoothed corners, and how far is it off the programmed path?
 //!
+//! And the other way round: which curves are the fine straight moves of a program?
+//!
 //! [`smooth`] takes a part, a machine's limits and [`Options`], and returns the smoothed moves with a table of the corners.
 //!
 //! ```
@@ -31,6 +33,9 @@
 //! | what became of each corner of a stretch? | `followed` |
 //! | what does the part gain? | [`smooth`], [`Report`] |
 //! | what is the path as straight moves? | [`Smoothed::write_program`] |
+//! | which curves stand for runs of short straight moves? | [`fit_curves`] |
+
+#![allow(clippy::module_inception, reason = "a folder's main file has the folder's name")]
 
 mod deviation;
 mod error;
@@ -43,7 +48,19 @@ mod smooth_stretch;
 mod stretch;
 mod timing;
 
+mod fit {
+    pub(crate) mod error;
+    pub(crate) mod fit;
+    pub(crate) mod options;
+    mod run;
+}
+
 pub use error::{ProgramError, SmoothError};
+pub use fit::{
+    error::FitError,
+    fit::{FitReport, Fitted, fit_curves},
+    options::FitOptions,
+};
 pub use options::Options;
 pub use report::{
     CornerKind, CornerRow, Forms, Lambda, Measured, PathSummary, Report, SetpointCheck, WithLambda1,
