@@ -20,6 +20,7 @@ use real::Real;
 
 use crate::limit::axis_budget::Allowance;
 use crate::limit::sample::LimitSample;
+use crate::plan::fastest::sections::quickly;
 use crate::plan::flank::{Arrival, Direction, Flank, LEVELS, LEVELS_BETWEEN_ENDS};
 use crate::plan::key_points::{Key, key_points};
 use crate::plan::ramp_shape::RampShape;
@@ -84,19 +85,72 @@ pub(crate) fn stages<R: Real>(
 ) -> Result<Vec<Stage<R>>, PlanError> {
     limits.validate()?;
     let shape = RampShape::new(kind, limits);
-    let keys = reachable(limit, &shape, &key_points(limit, ends)?)?;
+    let keys = key_points(limit, ends)?;
     let mut stages = Stages::new(limit);
-    for pair in keys.windows(2) {
-        if let [from, to] = pair {
-            between(limit, &shape.within(to.allowance), from, to, &mut stages)?;
-        }
+    if kind == ProfileKind::Fastest {
+        quick_sections(limit, limits, &shape, &keys, &mut stages)?;
+    } else {
+        ramps(limit, &shape, &keys, &mut stages)?;
     }
-    match kind {
-        ProfileKind::Flexible => stages.merge(limits),
-        ProfileKind::Fastest => stages.quicken(limits, ends),
-        ProfileKind::Cubic | ProfileKind::SCurve | ProfileKind::Trigonometric => {}
+    if kind == ProfileKind::Flexible {
+        stages.merge(limits);
     }
     Ok(stages.with_parameters())
+}
+
+/// Transitions from key to key.
+fn ramps<R: Real>(
+    limit: &FeedLimit<R>,
+    shape: &RampShape<R>,
+    keys: &[Key<R>],
+    stages: &mut Stages<'_, R>,
+) -> Result<(), PlanError> {
+    for pair in reachable(limit, shape, keys)?.windows(2) {
+        if let [from, to] = pair {
+            between(limit, &shape.within(to.allowance), from, to, stages)?;
+        }
+    }
+    Ok(())
+}
+
+/// From rest to rest the fastest profile; S-curves where none is found, or where they are faster than one that follows it badly.
+fn quick_sections<R: Real>(
+    limit: &FeedLimit<R>,
+    limits: &KinematicLimits<R>,
+    shape: &RampShape<R>,
+    keys: &[Key<R>],
+    stages: &mut Stages<'_, R>,
+) -> Result<(), PlanError> {
+    let mut rest = keys;
+    while let [from, behind @ ..] = rest
+        && !behind.is_empty()
+    {
+        let last = behind.iter().position(|key| key.feed.is_zero()).unwrap_or(behind.len() - 1) + 1;
+        let (section, to) = (&rest[..=last], &rest[last]);
+        let quick = quickly(limit, limits, [from.point, to.point], [from.feed, to.feed]);
+        stages.extend(&match quick {
+            Some(quick) if quick.is_close => quick.stages,
+            _ => {
+                let mut slow = Stages::new(limit);
+                let found = ramps(limit, shape, section, &mut slow).map(|()| slow.bare());
+                faster(quick.map(|quick| quick.stages), found)?
+            }
+        });
+        rest = &rest[last..];
+    }
+    Ok(())
+}
+
+fn faster<R: Real>(
+    quick: Option<Vec<Stage<R>>>,
+    slow: Result<Vec<Stage<R>>, PlanError>,
+) -> Result<Vec<Stage<R>>, PlanError> {
+    let duration = |stages: &[Stage<R>]| stages.iter().fold(R::zero(), |sum, stage| sum + stage.duration);
+    match (quick, slow) {
+        (Some(quick), Ok(slow)) if duration(&slow) < duration(&quick) => Ok(slow),
+        (Some(quick), _) => Ok(quick),
+        (None, slow) => slow,
+    }
 }
 
 /// The keys that can be reached from each other, in order.

@@ -60,17 +60,24 @@ pub(crate) fn section<R: Real>(
     points.last_mut()?.1 = feeds[1].min(last.1);
     let step = (most.acceleration / most.jerk / R::from_ratio(NODES, 1)).max(most.period.ldexp(-2));
     let nodes = nodes(&points, [first.1, last.1], most.acceleration, step);
+    // Whoever is too fast to brake, or to have got so fast, is not on the profile.
+    if nodes.first()?.free < points.first()?.1 || nodes.last()?.free < points.last()?.1 {
+        return None;
+    }
     let fastest = nodes.iter().fold(R::zero(), |most, node| most.max(node.free));
     let shortest = shortest(fastest, most.jerk);
-    let bounds = Bounds { nodes: &nodes, acceleration: most.acceleration, jerk: most.jerk, shortest };
-    let mut best = fit(&profile(&nodes, most, shortest)?, &bounds)?;
+    let mut squares: Vec<_> = points.iter().map(|(s, v)| (*s, *v * *v)).collect();
+    squares.first_mut()?.1 = first.1 * first.1;
+    squares.last_mut()?.1 = last.1 * last.1;
+    let bounds = Bounds { squares, acceleration: most.acceleration, jerk: most.jerk, shortest };
+    let mut best = fit(&profile(&nodes, most, &bounds)?, &bounds)?;
     let mut lowered = nodes.clone();
     for _ in 0..AGAIN {
         if best.worst.is_empty() {
             break;
         }
         lower(&mut lowered, &best.worst, most.acceleration);
-        match profile(&lowered, most, shortest).and_then(|points| fit(&points, &bounds)) {
+        match profile(&lowered, most, &bounds).and_then(|points| fit(&points, &bounds)) {
             Some(other) if other.duration() < best.duration() => best = other,
             _ => break,
         }
@@ -79,10 +86,12 @@ pub(crate) fn section<R: Real>(
 }
 
 /// Lowers the jerk-free profile where arcs along it broke a limit.
-fn lower<R: Real>(nodes: &mut [Node<R>], worst: &[([usize; 2], R)], acceleration: R) {
+fn lower<R: Real>(nodes: &mut [Node<R>], worst: &[([R; 2], R)], acceleration: R) {
     for &([from, to], broken) in worst {
         let share = R::one() - broken;
-        for node in nodes.iter_mut().take(to + 1).skip(from) {
+        let first = nodes.partition_point(|node| node.s <= from).saturating_sub(1);
+        let behind = nodes.partition_point(|node| node.s < to) + 1;
+        for node in nodes.iter_mut().take(behind).skip(first) {
             node.free = node.free * share;
         }
     }
@@ -92,7 +101,7 @@ fn lower<R: Real>(nodes: &mut [Node<R>], worst: &[([usize; 2], R)], acceleration
 }
 
 /// The profile of a section, and the states along it.
-fn profile<R: Real>(nodes: &[Node<R>], most: &Most<R>, shortest: R) -> Option<Vec<Point<R>>> {
+fn profile<R: Real>(nodes: &[Node<R>], most: &Most<R>, bounds: &Bounds<R>) -> Option<Vec<Point<R>>> {
     let (acceleration, jerk) = (most.acceleration, most.jerk);
     let places: Vec<R> = nodes.iter().map(|node| node.s).collect();
     let feeds: Vec<R> = nodes.iter().map(|node| node.free).collect();
@@ -126,7 +135,7 @@ fn profile<R: Real>(nodes: &[Node<R>], most: &Most<R>, shortest: R) -> Option<Ve
         states.pop();
     }
     states.push(end);
-    points(&mut states, nodes, shortest, jerk)
+    points(&mut states, bounds)
 }
 
 /// Puts a cap behind the states that are before it. Where it begins before the cap in front of it has ended, there is no tangent
@@ -151,15 +160,10 @@ fn add_cap<R: Real>(states: &mut Vec<State<R>>, fixed: &mut usize, cap: &Cap<R>,
 
 /// The states with their times and nodes: those that are further apart than the shortest arc, and without acceleration where it is
 /// that for less.
-fn points<R: Real>(
-    states: &mut [State<R>],
-    nodes: &[Node<R>],
-    shortest: R,
-    jerk: R,
-) -> Option<Vec<Point<R>>> {
+fn points<R: Real>(states: &mut [State<R>], bounds: &Bounds<R>) -> Option<Vec<Point<R>>> {
     let mut points: Vec<Point<R>> = Vec::with_capacity(states.len());
-    let (gap, level) = (shortest.ldexp(1), (shortest * jerk).ldexp(1));
-    let mut node = 0;
+    let (gap, level) = (bounds.shortest.ldexp(1), (bounds.shortest * bounds.jerk).ldexp(1));
+    let (squares, mut cell) = (&bounds.squares, 0);
     let last = states.len().checked_sub(1)?;
     for (k, state) in states.iter_mut().enumerate() {
         if state.a.abs() < level {
@@ -181,10 +185,10 @@ fn points<R: Real>(
         if !(time < R::max_value()) {
             continue;
         }
-        while nodes.get(node + 1).is_some_and(|next| next.s <= state.s) && node + 2 < nodes.len() {
-            node += 1;
+        while squares.get(cell + 1).is_some_and(|next| next.0 <= state.s) && cell + 2 < squares.len() {
+            cell += 1;
         }
-        points.push(Point { state: *state, time, node });
+        points.push(Point { state: *state, time, cell });
     }
     Some(points)
 }

@@ -11,7 +11,6 @@ use alloc::vec::Vec;
 
 use real::Real;
 
-use crate::plan::fastest::grid::Node;
 use crate::plan::fastest::motion::State;
 
 /// A stretch by 2⁻¹³ may be needed.
@@ -25,13 +24,15 @@ const FURTHER: usize = 12;
 const BEFORE: usize = 4;
 /// Newton's steps to the time at a node.
 const STEPS: usize = 4;
+/// The place is found to this share of the way between two limit points.
+const CLOSE: i32 = -16;
 
-/// A state that the motion may pass, its time from the section's begin, and the last node up to it.
+/// A state that the motion may pass, its time from the section's begin, and the last limit point up to it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Point<R> {
     pub(crate) state: State<R>,
     pub(crate) time: R,
-    pub(crate) node: usize,
+    pub(crate) cell: usize,
 }
 
 /// Constant jerk for a time.
@@ -90,51 +91,55 @@ fn arc<R: Real>(from: &State<R>, to: &State<R>) -> Option<[Piece<R>; 2]> {
 }
 
 /// The limits of a section.
-pub(crate) struct Bounds<'a, R> {
-    pub(crate) nodes: &'a [Node<R>],
+pub(crate) struct Bounds<R> {
+    /// Distance and square of the limit, which is linear between them.
+    pub(crate) squares: Vec<(R, R)>,
     pub(crate) acceleration: R,
     pub(crate) jerk: R,
     /// What a piece lasts at least.
     pub(crate) shortest: R,
 }
 
-impl<R: Real> Bounds<'_, R> {
-    /// By how much time would have to be stretched for a piece to keep the limits, as a share.
-    fn broken(&self, piece: &Piece<R>, node: &mut usize) -> R {
+impl<R: Real> Bounds<R> {
+    /// By how much time would have to be stretched for a piece to keep acceleration and jerk, as a share.
+    fn strained(&self, piece: &Piece<R>) -> R {
         let over = |used: R, limit: R| used.abs() / limit - R::one();
-        let jerk = piece.jerk();
         let acceleration = piece.from.a.abs().max(piece.to.a.abs());
         let by_acceleration = over(acceleration, self.acceleration).half();
-        let by_jerk = over(jerk, self.jerk) * R::from_ratio(1, 3);
-        let mut broken = by_acceleration.max(by_jerk).max(R::zero());
-        if broken > R::one().ldexp(-3) {
-            return broken; // The place at a time could be anywhere.
-        }
+        let by_jerk = over(piece.jerk(), self.jerk) * R::from_ratio(1, 3);
+        if there_is_motion(piece) { by_acceleration.max(by_jerk).max(R::zero()) } else { R::max_value() }
+    }
+
+    /// The same for the limit, or more than `enough` if it is that at some place.
+    fn broken(&self, piece: &Piece<R>, cell: &mut usize, enough: R) -> R {
+        let jerk = piece.jerk();
+        let mut broken = R::zero();
         let (mut time, mut here) = (R::zero(), piece.from);
-        while let Some([a, b]) = self.nodes.get(*node..*node + 2) {
-            let is_last = piece.to.s <= b.s || *node + 2 >= self.nodes.len();
-            let end = if is_last { piece.time } else { time_at(piece, jerk, b.s, (here, time)) };
+        while let Some(&[(a, b0), (b, b1)]) = self.squares.get(*cell..*cell + 2) {
+            let is_last = piece.to.s <= b || *cell + 2 >= self.squares.len();
+            let end = if is_last { piece.time } else { time_at(piece, jerk, b, (here, time)) };
             let there = if is_last { piece.to } else { piece.from.after(end, jerk) };
-            let (b0, b1) = (a.limit * a.limit, b.limit * b.limit);
-            let slope = (b1 - b0) / (b.s - a.s);
+            let slope = (b1 - b0) / (b - a);
             let above = |state: &State<R>| {
-                let limit = b0 + slope * (state.s - a.s);
+                let limit = b0 + slope * (state.s - a);
                 let excess = state.v * state.v - limit;
                 if excess > R::zero() { (excess / limit).half() } else { R::zero() }
             };
             broken = broken.max(above(&there)).max(above(&here));
             // v² is furthest above the line where the acceleration is that of the line.
-            let steepest = (slope.half() - here.a) / jerk;
-            if jerk < R::zero() && steepest > R::zero() && time + steepest < end {
-                broken = broken.max(above(&here.after(steepest, jerk)));
+            if jerk < R::zero() {
+                let steepest = (slope.half() - here.a) / jerk;
+                if steepest > R::zero() && time + steepest < end {
+                    broken = broken.max(above(&here.after(steepest, jerk)));
+                }
             }
-            if is_last {
+            if is_last || broken > enough {
                 break;
             }
             (time, here) = (end, there);
-            *node += 1;
+            *cell += 1;
         }
-        if !(there_is_motion(piece)) { R::max_value() } else { broken }
+        broken
     }
 
     /// Whether all parts of an arc last long enough.
@@ -146,10 +151,16 @@ impl<R: Real> Bounds<'_, R> {
         })
     }
 
-    fn broken_by(&self, pieces: &[Piece<R>; 2], node: usize) -> R {
-        let mut node = node;
-        let first = self.broken(&pieces[0], &mut node);
-        first.max(self.broken(&pieces[1], &mut node))
+    /// By how much time would have to be stretched for an arc to keep all limits, or more than `enough`.
+    fn broken_by(&self, pieces: &[Piece<R>; 2], mut cell: usize, enough: R) -> R {
+        let mut broken = self.strained(&pieces[0]).max(self.strained(&pieces[1]));
+        for piece in pieces {
+            if broken > enough {
+                break;
+            }
+            broken = broken.max(self.broken(piece, &mut cell, enough));
+        }
+        broken
     }
 }
 
@@ -165,22 +176,20 @@ fn there_is_motion<R: Real>(piece: &Piece<R>) -> bool {
     least >= R::zero()
 }
 
-/// When a piece is at a place, from an earlier state of it.
+/// When a piece is at a place, from an earlier state of it: first as if the acceleration stayed what it is there.
 fn time_at<R: Real>(piece: &Piece<R>, jerk: R, place: R, (here, time): (State<R>, R)) -> R {
-    let mut end = time;
-    let mut state = here;
+    let off = place - here.s;
+    let square = (here.v * here.v + (here.a * off).ldexp(1)).max(R::zero());
+    let mut end = (time + off.ldexp(1) / (here.v + square.sqrt())).min(piece.time);
     for _ in 0..STEPS {
-        let off = place - state.s;
-        if !(state.v > off.abs().ldexp(-20)) {
-            // From rest.
-            end = end + (piece.time - end).half();
-        } else {
-            end = (end + off / state.v).min(piece.time);
-            if off.abs() < (place - here.s).abs().ldexp(-20) {
-                break;
-            }
+        let state = piece.from.after(end, jerk);
+        let rest = place - state.s;
+        if rest.abs() <= off * R::one().ldexp(CLOSE) {
+            break;
         }
-        state = piece.from.after(end, jerk);
+        // From rest the feed says nothing.
+        let step = if state.v > rest.abs().ldexp(-20) { rest / state.v } else { (piece.time - end).half() };
+        end = (end + step).min(piece.time).max(time);
     }
     end
 }
@@ -190,8 +199,8 @@ pub(crate) struct Fit<R> {
     pub(crate) pieces: Vec<Piece<R>>,
     /// By how much time must be stretched for them to keep the limits, as a share.
     pub(crate) stretch: R,
-    /// Nodes between which an arc breaks them by more than others, and by how much.
-    pub(crate) worst: Vec<([usize; 2], R)>,
+    /// Distances between which an arc breaks them by more than others, and by how much.
+    pub(crate) worst: Vec<([R; 2], R)>,
 }
 
 impl<R: Real> Fit<R> {
@@ -203,17 +212,19 @@ impl<R: Real> Fit<R> {
 }
 
 /// The pieces along the points.
-pub(crate) fn fit<R: Real>(points: &[Point<R>], bounds: &Bounds<'_, R>) -> Option<Fit<R>> {
+pub(crate) fn fit<R: Real>(points: &[Point<R>], bounds: &Bounds<R>) -> Option<Fit<R>> {
     let tolerance = R::one().ldexp(TOLERANCE);
-    let judged = |from: usize, to: usize| -> Option<([Piece<R>; 2], R)> {
+    let judged = |from: usize, to: usize, enough: R| -> Option<([Piece<R>; 2], R)> {
         let (from, to) = (points.get(from)?, points.get(to)?);
         let pieces = arc(&from.state, &to.state).filter(|pieces| bounds.lasts(pieces))?;
         let wanted = to.time - from.time;
-        let late = (pieces[0].time.ldexp(1) - wanted) / wanted - R::one().ldexp(SLOWER);
-        let broken = bounds.broken_by(&pieces, from.node);
-        Some((pieces, broken.max(late.ldexp(-2))))
+        let late = ((pieces[0].time.ldexp(1) - wanted) / wanted - R::one().ldexp(SLOWER)).ldexp(-2);
+        let broken =
+            if late > enough { late } else { late.max(bounds.broken_by(&pieces, from.cell, enough)) };
+        Some((pieces, broken))
     };
-    let fits = |from: usize, to: usize| judged(from, to).is_some_and(|(_, broken)| broken <= tolerance);
+    let fits =
+        |from: usize, to: usize| judged(from, to, tolerance).is_some_and(|(_, broken)| broken <= tolerance);
     let last = points.len().checked_sub(1)?;
     let mut joints = Vec::from([0]);
     while let Some(&here) = joints.last().filter(|here| **here < last) {
@@ -225,8 +236,9 @@ pub(crate) fn fit<R: Real>(points: &[Point<R>], bounds: &Bounds<'_, R>) -> Optio
         'all: for before in 0..BEFORE.min(joints.len()) {
             let from = joints[joints.len() - 1 - before];
             for to in here + 1..=(here + FURTHER).min(last) {
-                let Some((_, broken)) = judged(from, to) else { continue };
-                if best.is_none_or(|(_, _, least)| broken < least) {
+                let least = best.map_or(R::max_value(), |(_, _, least)| least);
+                let Some((_, broken)) = judged(from, to, least) else { continue };
+                if broken < least {
                     best = Some((before, to, broken));
                 }
                 if broken <= tolerance {
@@ -241,12 +253,12 @@ pub(crate) fn fit<R: Real>(points: &[Point<R>], bounds: &Bounds<'_, R>) -> Optio
     let mut pieces = Vec::with_capacity(joints.len() * 2);
     let (mut stretch, mut worst) = (R::zero(), Vec::new());
     for pair in joints.windows(2) {
-        let ([first, second], _) = judged(pair[0], pair[1])?;
-        let mut node = points[pair[0]].node;
-        let broken = bounds.broken(&first, &mut node).max(bounds.broken(&second, &mut node));
+        let (from, to) = (&points[pair[0]], &points[pair[1]]);
+        let [first, second] = arc(&from.state, &to.state)?;
+        let broken = bounds.broken_by(&[first, second], from.cell, R::max_value());
         stretch = stretch.max(broken);
         if broken > tolerance {
-            worst.push(([points[pair[0]].node, points[pair[1]].node + 1], broken));
+            worst.push(([from.state.s, to.state.s], broken));
         }
         if (first.from.a + second.to.a).half() == first.to.a {
             pieces.push(Piece { from: first.from, to: second.to, time: first.time + second.time });

@@ -7,65 +7,29 @@ use real::Real;
 use crate::plan::fastest::fastest::{Most, section};
 use crate::plan::fastest::fit::{Fit, Piece, rounding};
 use crate::plan::fastest::motion::State;
-use crate::{EndFeeds, FeedLimit, KinematicLimits, Stage, StageShape};
+use crate::{FeedLimit, KinematicLimits, Stage, StageShape};
 
 /// A section that would have to be stretched by more than 2⁻⁶ is one of S-curves.
 const MOST_STRETCHED: i32 = -6;
+/// One that has to be by more than 2⁻¹⁰ is compared with S-curves.
+const CLOSE: i32 = -10;
 /// A section that begins in motion is planned with a feed there that is lower by 2⁻¹⁰: the stretch lowers it further, and what goes
 /// before it does not change.
 const LOWER: i32 = -10;
 
-/// The stages of each section from `s_curves` or, where that is found and faster, along the fastest profile.
-pub(crate) fn fastest<R: Real>(
-    limit: &FeedLimit<R>,
-    limits: &KinematicLimits<R>,
-    ends: EndFeeds<R>,
-    s_curves: &[Stage<R>],
-) -> Vec<Stage<R>> {
-    let samples = limit.samples();
-    let last = samples.len().saturating_sub(1);
-    let mut stages = Vec::with_capacity(s_curves.len());
-    let mut first = 0;
-    for section in crate::sections(s_curves) {
-        let these = section.stages();
-        let end = these.last().map_or(R::zero(), |stage| stage.start + stage.length);
-        let behind = next_rest(limit, first, end).unwrap_or(last);
-        let feeds = [
-            if first == 0 { ends.start } else { R::zero() },
-            if behind == last { ends.end } else { R::zero() },
-        ];
-        let found = of_section(limit, limits, [first, behind], feeds);
-        let faster = found.filter(|found| duration(found) <= duration(these));
-        match faster {
-            Some(found) => stages.extend(found),
-            None => stages.extend_from_slice(these),
-        }
-        first = behind;
-    }
-    stages
+/// Stages of a section, and whether they are hardly slower than what they were made of.
+pub(crate) struct Quick<R> {
+    pub(crate) stages: Vec<Stage<R>>,
+    pub(crate) is_close: bool,
 }
 
-fn duration<R: Real>(stages: &[Stage<R>]) -> R {
-    stages.iter().fold(R::zero(), |sum, stage| sum + stage.duration)
-}
-
-/// The first limit point behind `first` where the feed is zero, or the last one; `end` is where S-curves have it.
-fn next_rest<R: Real>(limit: &FeedLimit<R>, first: usize, end: R) -> Option<usize> {
-    let samples = limit.samples();
-    let behind = samples.get(first + 1..)?;
-    let rest = behind.iter().position(|sample| !(sample.lower > R::zero()))?;
-    let rest = first + 1 + rest;
-    let place = samples.get(rest)?.point.distance;
-    // Where both disagree, the section is not the one that was meant.
-    ((place - end).abs() <= limit.rounding()).then_some(rest)
-}
-
-fn of_section<R: Real>(
+/// The stages between two points of the limit, with these feeds there, along the fastest profile; `None` where none is found.
+pub(crate) fn quickly<R: Real>(
     limit: &FeedLimit<R>,
     limits: &KinematicLimits<R>,
     [first, last]: [usize; 2],
     feeds: [R; 2],
-) -> Option<Vec<Stage<R>>> {
+) -> Option<Quick<R>> {
     let left = limit.allowance(first, last);
     let most = Most {
         acceleration: limits.acceleration.min(left.acceleration),
@@ -93,7 +57,7 @@ fn of_section<R: Real>(
             stages.push(stage(&part, slower));
         }
     }
-    Some(stages)
+    Some(Quick { stages, is_close: stretch <= R::one().ldexp(CLOSE) })
 }
 
 /// The way in which a feed falls by 2⁻⁹ of itself at most, within half of J: two pieces of the time τ with `ΔV = J τ²/2`.
