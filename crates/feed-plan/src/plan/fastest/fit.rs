@@ -194,93 +194,124 @@ fn time_at<R: Real>(piece: &Piece<R>, jerk: R, place: R, (here, time): (State<R>
     end
 }
 
+/// Two pieces from one point to another.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Arc<R> {
+    pub(crate) from: Point<R>,
+    pub(crate) to: Point<R>,
+    pub(crate) pieces: [Piece<R>; 2],
+    /// By how much time must be stretched for them to keep the limits, as a share.
+    pub(crate) broken: R,
+}
+
+impl<R: Real> Arc<R> {
+    /// Whether it breaks them by more than others.
+    pub(crate) fn is_hard(&self) -> bool {
+        self.broken > R::one().ldexp(TOLERANCE)
+    }
+}
+
 /// Pieces along points.
 pub(crate) struct Fit<R> {
     pub(crate) pieces: Vec<Piece<R>>,
     /// By how much time must be stretched for them to keep the limits, as a share.
     pub(crate) stretch: R,
-    /// Distances between which an arc breaks them by more than others, and by how much.
-    pub(crate) worst: Vec<([R; 2], R)>,
 }
 
 impl<R: Real> Fit<R> {
-    /// Time over the section, stretched.
-    pub(crate) fn duration(&self) -> R {
-        let sum = self.pieces.iter().fold(R::zero(), |sum, piece| sum + piece.time);
-        sum + sum * self.stretch
+    /// The pieces of arcs: one, where that does.
+    pub(crate) fn of(arcs: &[Arc<R>]) -> Self {
+        let mut pieces = Vec::with_capacity(arcs.len() * 2);
+        for Arc { pieces: [first, second], .. } in arcs {
+            if (first.from.a + second.to.a).half() == first.to.a {
+                pieces.push(Piece { from: first.from, to: second.to, time: first.time + second.time });
+            } else {
+                pieces.extend([*first, *second]);
+            }
+        }
+        Self { pieces, stretch: worst(arcs) }
     }
 }
 
-/// The pieces along the points.
-pub(crate) fn fit<R: Real>(points: &[Point<R>], bounds: &Bounds<R>) -> Option<Fit<R>> {
-    let tolerance = R::one().ldexp(TOLERANCE);
-    let judged = |from: usize, to: usize, enough: R| -> Option<([Piece<R>; 2], R)> {
-        let (from, to) = (points.get(from)?, points.get(to)?);
-        let pieces = arc(&from.state, &to.state).filter(|pieces| bounds.lasts(pieces))?;
-        let wanted = to.time - from.time;
-        let late = ((pieces[0].time.ldexp(1) - wanted) / wanted - R::one().ldexp(SLOWER)).ldexp(-2);
-        let broken =
-            if late > enough { late } else { late.max(bounds.broken_by(&pieces, from.cell, enough)) };
-        Some((pieces, broken))
-    };
-    let fits =
-        |from: usize, to: usize| judged(from, to, tolerance).is_some_and(|(_, broken)| broken <= tolerance);
+/// By how much the worst of arcs breaks limits.
+pub(crate) fn worst<R: Real>(arcs: &[Arc<R>]) -> R {
+    arcs.iter().fold(R::zero(), |worst, arc| worst.max(arc.broken))
+}
+
+/// Few arcs along the points, from the first to the last.
+pub(crate) fn fit<R: Real>(points: &[Point<R>], bounds: &Bounds<R>) -> Option<Vec<Arc<R>>> {
+    let way = Way { points, bounds };
     let last = points.len().checked_sub(1)?;
     let mut joints = Vec::from([0]);
     while let Some(&here) = joints.last().filter(|here| **here < last) {
-        if fits(here, here + 1) {
-            joints.push(longest(here, last, &fits));
-            continue;
+        if way.fits(here, here + 1) {
+            joints.push(way.longest(here, last));
+        } else {
+            let (before, to) = way.least_broken(&joints, here, last)?;
+            joints.truncate(joints.len() - before);
+            joints.push(to);
         }
-        let mut best: Option<(usize, usize, R)> = None;
-        'all: for before in 0..BEFORE.min(joints.len()) {
-            let from = joints[joints.len() - 1 - before];
+    }
+    let arcs = joints.windows(2).map(|pair| {
+        let (from, to) = (points[pair[0]], points[pair[1]]);
+        let pieces = arc(&from.state, &to.state)?;
+        let broken = bounds.broken_by(&pieces, from.cell, R::max_value());
+        Some(Arc { from, to, pieces, broken })
+    });
+    arcs.collect()
+}
+
+struct Way<'a, R> {
+    points: &'a [Point<R>],
+    bounds: &'a Bounds<R>,
+}
+
+impl<R: Real> Way<'_, R> {
+    /// By how much an arc between two points breaks the limits, or more than `enough`. An arc that is slower than the profile breaks
+    /// one too.
+    fn broken(&self, from: usize, to: usize, enough: R) -> Option<R> {
+        let (from, to) = (self.points.get(from)?, self.points.get(to)?);
+        let pieces = arc(&from.state, &to.state).filter(|pieces| self.bounds.lasts(pieces))?;
+        let wanted = to.time - from.time;
+        let late = ((pieces[0].time.ldexp(1) - wanted) / wanted - R::one().ldexp(SLOWER)).ldexp(-2);
+        Some(if late > enough { late } else { late.max(self.bounds.broken_by(&pieces, from.cell, enough)) })
+    }
+
+    fn fits(&self, from: usize, to: usize) -> bool {
+        let tolerance = R::one().ldexp(TOLERANCE);
+        self.broken(from, to, tolerance).is_some_and(|broken| broken <= tolerance)
+    }
+
+    /// The furthest point that an arc leads to, by doubling and halving.
+    fn longest(&self, here: usize, last: usize) -> usize {
+        let (mut good, mut step) = (here + 1, 1);
+        while step < LONGEST && good + step <= last && self.fits(here, good + step) {
+            good += step;
+            step *= 2;
+        }
+        while step > 1 {
+            step /= 2;
+            if good + step <= last && self.fits(here, good + step) {
+                good += step;
+            }
+        }
+        good
+    }
+
+    /// Where none fits from the last joint: how many joints are left out for an arc to which point.
+    fn least_broken(&self, joints: &[usize], here: usize, last: usize) -> Option<(usize, usize)> {
+        let (mut least, mut best) = (R::max_value(), None);
+        for (before, from) in joints.iter().rev().take(BEFORE).enumerate() {
             for to in here + 1..=(here + FURTHER).min(last) {
-                let least = best.map_or(R::max_value(), |(_, _, least)| least);
-                let Some((_, broken)) = judged(from, to, least) else { continue };
-                if broken < least {
-                    best = Some((before, to, broken));
-                }
-                if broken <= tolerance {
-                    break 'all;
+                let Some(broken) = self.broken(*from, to, least).filter(|broken| *broken < least) else {
+                    continue;
+                };
+                (least, best) = (broken, Some((before, to)));
+                if broken <= R::one().ldexp(TOLERANCE) {
+                    return best;
                 }
             }
         }
-        let (before, to, _) = best?;
-        joints.truncate(joints.len() - before);
-        joints.push(to);
+        best
     }
-    let mut pieces = Vec::with_capacity(joints.len() * 2);
-    let (mut stretch, mut worst) = (R::zero(), Vec::new());
-    for pair in joints.windows(2) {
-        let (from, to) = (&points[pair[0]], &points[pair[1]]);
-        let [first, second] = arc(&from.state, &to.state)?;
-        let broken = bounds.broken_by(&[first, second], from.cell, R::max_value());
-        stretch = stretch.max(broken);
-        if broken > tolerance {
-            worst.push(([from.state.s, to.state.s], broken));
-        }
-        if (first.from.a + second.to.a).half() == first.to.a {
-            pieces.push(Piece { from: first.from, to: second.to, time: first.time + second.time });
-        } else {
-            pieces.extend([first, second]);
-        }
-    }
-    Some(Fit { pieces, stretch, worst })
-}
-
-/// The furthest point that an arc leads to, by doubling and halving.
-fn longest(here: usize, last: usize, fits: &impl Fn(usize, usize) -> bool) -> usize {
-    let (mut good, mut step) = (here + 1, 1);
-    while step < LONGEST && good + step <= last && fits(here, good + step) {
-        good += step;
-        step *= 2;
-    }
-    while step > 1 {
-        step /= 2;
-        if good + step <= last && fits(here, good + step) {
-            good += step;
-        }
-    }
-    good
 }

@@ -141,7 +141,7 @@ fn divide<R: Real>(a: &Node<R>, b: &Node<R>, cell: (&Node<R>, &Node<R>), step: R
         nodes.push(*a);
     }
     let (length, sum) = (b.s - a.s, a.free + b.free);
-    if !(length > R::zero() && sum > R::zero()) {
+    if !(length > R::zero() && sum > R::zero()) || (a.free == a.limit && b.free == b.limit) {
         return;
     }
     let duration = length.ldexp(1) / sum;
