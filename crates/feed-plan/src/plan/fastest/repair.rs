@@ -8,19 +8,24 @@ use alloc::vec::Vec;
 
 use real::Real;
 
-use crate::plan::fastest::fit::{Arc, Bounds, fit, worst};
+use crate::plan::fastest::fit::{Arc, Bounds, Point, fit, worst};
 use crate::plan::fastest::grid::{Node, scan};
 use crate::plan::fastest::motion::State;
 use crate::plan::fastest::profile::{states, timed};
 
 /// Times A/J from the arc to the joints that stay, and from there to where the profile is begun.
 const REACH: i32 = 3;
+/// Arcs on each side of it, at least.
+const LEAST: usize = 4;
 /// Profiles that are tried.
 const AGAIN: usize = 5;
+/// Feeds are lowered by 2⁻⁹ at a time, at most.
+const MOST: i32 = -9;
 
 /// The arcs, the hard ones and their neighbours replaced where better ones are found.
 pub(crate) fn repair<R: Real>(arcs: Vec<Arc<R>>, nodes: &[Node<R>], bounds: &Bounds<R>) -> Vec<Arc<R>> {
     let reach = bounds.acceleration / bounds.jerk * R::from_ratio(REACH, 1);
+    let full = bounds.acceleration - bounds.acceleration.ldexp(-6);
     let mut done: Vec<Arc<R>> = Vec::with_capacity(arcs.len());
     let mut next = 0;
     while let Some(arc) = arcs.get(next) {
@@ -29,9 +34,14 @@ pub(crate) fn repair<R: Real>(arcs: Vec<Arc<R>>, nodes: &[Node<R>], bounds: &Bou
             next += 1;
             continue;
         }
-        let begin = done.iter().rposition(|other| arc.from.time - other.from.time >= reach).unwrap_or(0);
-        let end = arcs.iter().skip(next).position(|other| other.to.time - arc.to.time >= reach);
-        let end = end.map_or(arcs.len(), |end| next + end + 1);
+        // Where A is used up, a lower profile is lower as far as that lasts.
+        let is_free = |point: &Point<R>| point.state.a.abs() < full;
+        let begins = |other: &Arc<R>| is_free(&other.from) && arc.from.time - other.from.time >= reach;
+        let ends = |other: &Arc<R>| is_free(&other.to) && other.to.time - arc.to.time >= reach;
+        let before = done.len().saturating_sub(LEAST);
+        let begin = done.iter().take(before + 1).rposition(begins).unwrap_or(0);
+        let end = arcs.iter().skip(next + LEAST).position(ends);
+        let end = end.map_or(arcs.len(), |end| next + LEAST + end + 1);
         let mut these = done.split_off(begin);
         these.extend(arcs.get(next..end).unwrap_or_default());
         done.extend(better(these, nodes, bounds, reach));
@@ -83,6 +93,6 @@ fn lower<R: Real>(nodes: &mut [Node<R>], arc: &Arc<R>) {
     let behind = nodes.partition_point(|node| node.s < to + length);
     for node in nodes.iter_mut().take(behind).skip(first) {
         let off = (from - node.s).max(node.s - to).max(R::zero()) / length;
-        node.free = node.free - node.free * arc.broken * (R::one() - off);
+        node.free = node.free - node.free * arc.broken.min(R::one().ldexp(MOST)) * (R::one() - off);
     }
 }
