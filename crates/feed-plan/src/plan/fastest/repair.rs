@@ -56,7 +56,7 @@ fn better<R: Real>(arcs: Vec<Arc<R>>, nodes: &[Node<R>], bounds: &Bounds<R>, rea
     let (from, to) = (first.from, last.to);
     // As far as a motion at these feeds gets, and further where it is faster.
     let fastest = arcs.iter().fold(R::zero(), |most, arc| most.max(arc.to.state.v));
-    let beside = reach * (fastest + bounds.acceleration * reach.half());
+    let beside = reach * fastest;
     let begin = nodes.partition_point(|node| node.s < from.state.s - beside).saturating_sub(1);
     let end = (nodes.partition_point(|node| node.s <= to.state.s + beside) + 1).min(nodes.len());
     let mut nodes = nodes.get(begin..end).unwrap_or_default().to_vec();
@@ -93,6 +93,6 @@ fn lower<R: Real>(nodes: &mut [Node<R>], arc: &Arc<R>) {
     let behind = nodes.partition_point(|node| node.s < to + length);
     for node in nodes.iter_mut().take(behind).skip(first) {
         let off = (from - node.s).max(node.s - to).max(R::zero()) / length;
-        node.free = node.free - node.free * arc.broken.min(R::one().ldexp(MOST)) * (R::one() - off);
+        node.free = node.free - node.free * (arc.broken + arc.broken.ldexp(-2)).min(R::one().ldexp(MOST)) * (R::one() - off);
     }
 }

@@ -11,8 +11,8 @@ use crate::{FeedLimit, KinematicLimits, Stage, StageShape};
 
 /// A section that would have to be stretched by more than 2⁻⁶ is one of S-curves.
 const MOST_STRETCHED: i32 = -6;
-/// One that has to be by more than 2⁻¹⁰ is compared with S-curves.
-const CLOSE: i32 = -10;
+/// One that has to be by more than 2⁻⁹ is compared with S-curves.
+const CLOSE: i32 = -9;
 /// A section that begins in motion is planned with a feed there that is lower by 2⁻¹⁰: the stretch lowers it further, and what goes
 /// before it does not change.
 const LOWER: i32 = -10;
