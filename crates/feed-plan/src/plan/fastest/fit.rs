@@ -15,8 +15,8 @@ use crate::plan::fastest::motion::State;
 
 /// A stretch by 2⁻¹³ may be needed.
 const TOLERANCE: i32 = -13;
-/// An arc may be slower than the profile by 2⁻¹² of its time.
-const SLOWER: i32 = -12;
+/// An arc may be slower than the profile by 2⁻¹³ of its time.
+const SLOWER: i32 = -13;
 /// States that one arc passes, at most.
 const LONGEST: usize = 1 << 10;
 /// States further on, and arcs before, that are tried where none fits.

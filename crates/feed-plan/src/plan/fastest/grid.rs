@@ -1,8 +1,9 @@
 //! The nodes at which a section is looked at, from one rest to the next.
 //!
 //! Between two limit points the square of the limit is linear in the distance, and so are the squares of the feeds that A lets be
-//! reached from one and braked for at the other. The least of the three lines is f², the *jerk-free* profile. Nodes lie at the
-//! corners of that and between them, no more than a share of the time A/J apart near the corners and further apart away from them.
+//! reached from one and braked for at the other. The least of the three lines is f², the *jerk-free* profile. Nodes lie at the limit
+//! points, at the corners of f² and, away from the limit, between them: no more than a share of the time A/J apart near the corners and
+//! further apart away from them. Along the limit more of them would follow the steps of its acceleration at the limit points.
 
 use alloc::vec::Vec;
 

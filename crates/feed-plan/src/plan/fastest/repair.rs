@@ -93,6 +93,7 @@ fn lower<R: Real>(nodes: &mut [Node<R>], arc: &Arc<R>) {
     let behind = nodes.partition_point(|node| node.s < to + length);
     for node in nodes.iter_mut().take(behind).skip(first) {
         let off = (from - node.s).max(node.s - to).max(R::zero()) / length;
-        node.free = node.free - node.free * (arc.broken + arc.broken.ldexp(-2)).min(R::one().ldexp(MOST)) * (R::one() - off);
+        node.free = node.free
+            - node.free * (arc.broken + arc.broken.ldexp(-2)).min(R::one().ldexp(MOST)) * (R::one() - off);
     }
 }
