@@ -33,8 +33,7 @@ const CRUISE_HALVINGS: usize = 40;
 /// The cruising feed is within 2⁻¹⁴ of the highest possible.
 const CRUISE_REFINEMENTS: usize = 14;
 
-/// A schedule along the path of cubic transitions: [`plan_with`] [`ProfileKind::Cubic`]. The acceleration is zero at both
-/// ends of each stage.
+/// A schedule along the path by the profile for whoever names none: [`plan_with`] [`ProfileKind::default`].
 ///
 /// # Errors
 /// As [`plan_with`].
@@ -43,14 +42,14 @@ pub fn plan<R: Real>(
     limits: &KinematicLimits<R>,
     ends: EndFeeds<R>,
 ) -> Result<ScheduleBuf<R>, PlanError> {
-    plan_with(limit, limits, ends, ProfileKind::Cubic)
+    plan_with(limit, limits, ends, ProfileKind::default())
 }
 
-/// A schedule along the path: under the limit everywhere, within acceleration and jerk, as fast as a chain of
-/// transitions of the given kind between a few levels of feed is.
+/// A schedule along the path: under the limit everywhere, within acceleration and jerk. [`ProfileKind::Fastest`] is as fast as any
+/// motion within these limits may be, nearly; the other profiles as a chain of transitions between a few levels of feed.
 ///
 /// The feed is continuous and so is the acceleration. At both ends of a stage that is a whole transition or a cruise it is
-/// zero; an S-curve is up to three stages, and the acceleration is not zero between them. Each
+/// zero; between stages of constant jerk it is not. Each
 /// part between two stops is slowed down evenly to a whole number of interpolation periods, and where it bends by 2⁻¹³ at least: that
 /// is left to [`FeedLimit::in_chords`]. So no feed is quite the commanded one, and end feeds other than 0 come out slightly lower than
 /// asked for.
