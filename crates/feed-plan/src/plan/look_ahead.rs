@@ -70,16 +70,18 @@ pub fn plan_with<R: Real>(
     ends: EndFeeds<R>,
     kind: ProfileKind,
 ) -> Result<ScheduleBuf<R>, PlanError> {
-    let mut stages = stages(limit, limits, ends, kind)?;
+    let mut stages = stages(limit, limits, ends, None, kind)?;
     let periods = stretch(&mut stages, limit, limits.interpolation_period)?;
     Ok(ScheduleBuf { stages, interpolation_period: limits.interpolation_period, periods })
 }
 
-/// The stages before they are stretched to whole periods.
+/// The stages before they are stretched to whole periods. With a `start`, the acceleration at the begin, other stages can go on from
+/// any joint of the fastest profile; the other profiles know none.
 pub(crate) fn stages<R: Real>(
     limit: &FeedLimit<R>,
     limits: &KinematicLimits<R>,
     ends: EndFeeds<R>,
+    start: Option<R>,
     kind: ProfileKind,
 ) -> Result<Vec<Stage<R>>, PlanError> {
     limits.validate()?;
@@ -87,7 +89,7 @@ pub(crate) fn stages<R: Real>(
     let keys = key_points(limit, ends)?;
     let mut stages = Stages::new(limit);
     if kind == ProfileKind::Fastest {
-        quick_sections(limit, limits, &shape, &keys, &mut stages)?;
+        quick_sections(limit, limits, &shape, &keys, start, &mut stages)?;
     } else {
         ramps(limit, &shape, &keys, &mut stages)?;
     }
@@ -118,6 +120,7 @@ fn quick_sections<R: Real>(
     limits: &KinematicLimits<R>,
     shape: &RampShape<R>,
     keys: &[Key<R>],
+    mut start: Option<R>,
     stages: &mut Stages<'_, R>,
 ) -> Result<(), PlanError> {
     let mut rest = keys;
@@ -126,15 +129,18 @@ fn quick_sections<R: Real>(
     {
         let last = behind.iter().position(|key| key.feed.is_zero()).unwrap_or(behind.len() - 1) + 1;
         let (section, to) = (&rest[..=last], &rest[last]);
-        let quick = quickly(limit, limits, [from.point, to.point], [from.feed, to.feed]);
+        let quick = quickly(limit, limits, [from.point, to.point], [from.feed, to.feed], start);
         stages.extend(&match quick {
             Some(quick) if quick.is_close => quick.stages,
+            // S-curves have no acceleration at their begin.
+            None if start.is_some_and(|start| !start.is_zero()) => return Err(PlanError::StartFeedTooHigh),
             _ => {
                 let mut slow = Stages::new(limit);
                 let found = ramps(limit, shape, section, &mut slow).map(|()| slow.bare());
                 faster(quick.map(|quick| quick.stages), found)?
             }
         });
+        start = start.map(|_| R::zero());
         rest = &rest[last..];
     }
     Ok(())

@@ -18,7 +18,7 @@
 
 use real::Real;
 
-use crate::plan::fastest::fit::{Bounds, Fit, fit, shortest};
+use crate::plan::fastest::fit::{Bounds, Fit, TOLERANCE, fit, shortest};
 use crate::plan::fastest::grid::{limit_points, nodes};
 use crate::plan::fastest::profile::{states, timed};
 use crate::plan::fastest::repair::repair;
@@ -34,22 +34,23 @@ pub(crate) struct Most<R> {
     pub(crate) period: R,
 }
 
-/// The pieces between two points of a limit, from the distance `begin` behind the first of them on, with these feeds at their ends
-/// and no acceleration; `None` where none are found.
+/// The pieces between two points of a limit, with these feeds at their ends, this acceleration at the begin and none at the end; `None`
+/// where none are found.
 pub(crate) fn section<R: Real>(
     limit: &crate::FeedLimit<R>,
     ends: [usize; 2],
-    begin: R,
     feeds: [R; 2],
+    start: R,
     most: &Most<R>,
 ) -> Option<Fit<R>> {
-    let mut points = limit_points(limit, ends, begin);
+    let mut points = limit_points(limit, ends);
     let (first, last) = (*points.first()?, *points.last()?);
-    if points.iter().any(|point| !(point.1 > R::zero())) || points.len() < 2 {
+    let is_slow = feeds[0] <= first.1 + first.1.ldexp(TOLERANCE);
+    if points.iter().any(|point| !(point.1 > R::zero())) || points.len() < 2 || !is_slow {
         return None;
     }
     // The ends are passed at their feeds; beside them the limit holds.
-    points.first_mut()?.1 = feeds[0].min(first.1);
+    points.first_mut()?.1 = feeds[0];
     points.last_mut()?.1 = feeds[1].min(last.1);
     let step = (most.acceleration / most.jerk / R::from_ratio(NODES, 1)).max(most.period.ldexp(-2));
     let nodes = nodes(&points, [first.1, last.1], most.acceleration, step);
@@ -63,7 +64,7 @@ pub(crate) fn section<R: Real>(
     squares.first_mut()?.1 = first.1 * first.1;
     squares.last_mut()?.1 = last.1 * last.1;
     let bounds = Bounds { squares, acceleration: most.acceleration, jerk: most.jerk, shortest };
-    let states = states(&nodes, most.acceleration, most.jerk);
+    let states = states(&nodes, start, most.acceleration, most.jerk);
     let arcs = fit(&timed(states, 0, &bounds)?, &bounds)?;
     Some(Fit::of(&repair(arcs, &nodes, &bounds)))
 }

@@ -14,7 +14,7 @@ use real::Real;
 use crate::plan::fastest::motion::State;
 
 /// A stretch by 2⁻¹³ may be needed.
-const TOLERANCE: i32 = -13;
+pub(crate) const TOLERANCE: i32 = -13;
 /// An arc may be slower than the profile by 2⁻¹³ of its time.
 const SLOWER: i32 = -13;
 /// States that one arc passes, at most.

@@ -25,22 +25,11 @@ pub(crate) struct Node<R> {
     pub(crate) free: R,
 }
 
-/// Distance and limit of the samples from `first` to `last`, at a jump the less of both sides; at both ends what holds inside. Where
-/// `begin` lies behind the first, the points begin there.
-pub(crate) fn limit_points<R: Real>(
-    limit: &FeedLimit<R>,
-    [first, last]: [usize; 2],
-    begin: R,
-) -> Vec<(R, R)> {
+/// Distance and limit of the samples from `first` to `last`, at a jump the less of both sides; at both ends what holds inside.
+pub(crate) fn limit_points<R: Real>(limit: &FeedLimit<R>, [first, last]: [usize; 2]) -> Vec<(R, R)> {
     let mut points: Vec<(R, R)> = Vec::with_capacity(last - first + 1);
     for (index, sample) in (first..).zip(limit.samples().get(first..=last).unwrap_or_default()) {
         let s = sample.point.distance;
-        if s < begin {
-            continue;
-        }
-        if points.is_empty() && s > begin {
-            points.push((begin, limit.minimum_over(begin, begin)));
-        }
         let v = if index == first {
             sample.lower_after
         } else if index == last {

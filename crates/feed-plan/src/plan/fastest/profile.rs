@@ -15,14 +15,15 @@ use crate::plan::fastest::valleys::valleys;
 /// States on a cap that the motion may pass.
 const ON_CAP: i32 = 8;
 
-/// The states along the profile between the first and the last node, which it passes without acceleration.
-pub(crate) fn states<R: Real>(nodes: &[Node<R>], acceleration: R, jerk: R) -> Vec<State<R>> {
+/// The states along the profile between the first and the last node, the first with the
+/// acceleration `start`, the last without.
+pub(crate) fn states<R: Real>(nodes: &[Node<R>], start: R, acceleration: R, jerk: R) -> Vec<State<R>> {
     let places: Vec<R> = nodes.iter().map(|node| node.s).collect();
     let feeds: Vec<R> = nodes.iter().map(|node| node.free).collect();
     let cells = Cells::new(nodes.len(), |k| (places[k], feeds[k]));
     let contacts = caps(nodes.len(), |k| (places[k], feeds[k]), jerk);
     let mut bends = bends(&feeds, &cells, &contacts, acceleration, jerk);
-    let carriers = valleys(&places, &feeds, &mut bends, acceleration, jerk);
+    let carriers = valleys(&places, &feeds, &mut bends, start, [acceleration, jerk]);
     let contacts = caps(nodes.len(), |k| (places[k], carriers[k].v), jerk);
     let profile = Profile { places, carriers, jerk };
     let mut states: Vec<State<R>> = Vec::with_capacity(nodes.len());

@@ -33,7 +33,7 @@ pub(crate) fn case(
 }
 
 fn stages(limit: &FeedLimit<f64>, limits: &KinematicLimits<f64>, kind: ProfileKind) -> Vec<Stage<f64>> {
-    look_ahead::stages(limit, limits, EndFeeds::default(), kind).unwrap()
+    look_ahead::stages(limit, limits, EndFeeds::default(), None, kind).unwrap()
 }
 
 fn duration(stages: &[Stage<f64>]) -> f64 {

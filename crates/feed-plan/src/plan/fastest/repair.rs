@@ -59,6 +59,7 @@ fn better<R: Real>(arcs: Vec<Arc<R>>, nodes: &[Node<R>], bounds: &Bounds<R>, rea
     let beside = reach * fastest;
     let begin = nodes.partition_point(|node| node.s < from.state.s - beside).saturating_sub(1);
     let end = (nodes.partition_point(|node| node.s <= to.state.s + beside) + 1).min(nodes.len());
+    let start = if begin == 0 { from.state.a } else { R::zero() };
     let mut nodes = nodes.get(begin..end).unwrap_or_default().to_vec();
     let mut best = arcs;
     let mut latest = best.clone();
@@ -72,7 +73,7 @@ fn better<R: Real>(arcs: Vec<Arc<R>>, nodes: &[Node<R>], bounds: &Bounds<R>, rea
         nodes.iter_mut().zip(jerk_free).for_each(|(node, free)| node.free = free);
         let inside = |state: &State<R>| state.s > from.state.s && state.s < to.state.s;
         let mut along = Vec::from([from.state]);
-        along.extend(states(&nodes, bounds.acceleration, bounds.jerk).into_iter().filter(inside));
+        along.extend(states(&nodes, start, bounds.acceleration, bounds.jerk).into_iter().filter(inside));
         along.push(to.state);
         let Some(found) = timed(along, from.cell, bounds).and_then(|points| fit(&points, bounds)) else {
             break;

@@ -13,9 +13,8 @@ use crate::{FeedLimit, KinematicLimits, Stage, StageShape};
 const MOST_STRETCHED: i32 = -6;
 /// One that has to be by more than 2⁻⁹ is compared with S-curves.
 const CLOSE: i32 = -9;
-/// A section that begins in motion is planned with a feed there that is lower by 2⁻¹⁰: the stretch lowers it further, and what goes
-/// before it does not change.
-const LOWER: i32 = -10;
+/// What begins in motion is stretched by as much as what goes before it, whose arcs may need 2⁻¹³: so the states of both are the same.
+const IN_MOTION: i32 = -13;
 
 /// Stages of a section, and whether they are hardly slower than what they were made of.
 pub(crate) struct Quick<R> {
@@ -23,12 +22,14 @@ pub(crate) struct Quick<R> {
     pub(crate) is_close: bool,
 }
 
-/// The stages between two points of the limit, with these feeds there, along the fastest profile; `None` where none is found.
+/// The stages between two points of the limit, with these feeds there, along the fastest profile; `None` where none is found. With a
+/// `start`, which is the acceleration at the begin, another section can go on from any joint.
 pub(crate) fn quickly<R: Real>(
     limit: &FeedLimit<R>,
     limits: &KinematicLimits<R>,
     [first, last]: [usize; 2],
     feeds: [R; 2],
+    start: Option<R>,
 ) -> Option<Quick<R>> {
     let left = limit.allowance(first, last);
     let most = Most {
@@ -36,60 +37,19 @@ pub(crate) fn quickly<R: Real>(
         jerk: limits.jerk.min(left.jerk),
         period: limits.interpolation_period,
     };
-    let begin = limit.samples().get(first)?.point.distance;
-    let lead = if feeds[0] > R::zero() { lead_in(feeds[0], &most) } else { R::zero() };
-    let planned = [feeds[0] - feeds[0].ldexp(LOWER), feeds[1]];
-    let Fit { pieces, stretch, .. } = section(limit, [first, last], begin + lead, planned, &most)?;
-    let slower = R::one() + stretch + rounding();
-    let mut stages = Vec::with_capacity(pieces.len() + 2);
-    if feeds[0] > R::zero() {
-        let to = pieces.first()?.from.v / slower;
-        // It was planned to be stretched by as much at most.
-        if !(to >= feeds[0] - feeds[0].ldexp(LOWER + 1)) {
-            return None;
-        }
-        stages.extend(leading(begin, lead, [feeds[0], to]));
-    } else if !(stretch <= R::one().ldexp(MOST_STRETCHED)) {
+    let in_motion = R::one() + R::one().ldexp(IN_MOTION) + rounding();
+    let start_feed = feeds[0] * in_motion;
+    let acceleration = start.unwrap_or(R::zero()) * in_motion * in_motion;
+    let Fit { pieces, stretch } = section(limit, [first, last], [start_feed, feeds[1]], acceleration, &most)?;
+    let stretched = R::one() + stretch + rounding();
+    let (begins_in_motion, is_window) = (feeds[0] > R::zero(), start.is_some());
+    if stretch > R::one().ldexp(MOST_STRETCHED) || (begins_in_motion && stretched > in_motion) {
         return None;
     }
-    for piece in &pieces {
-        for part in monotone(piece).into_iter().flatten() {
-            stages.push(stage(&part, slower));
-        }
-    }
+    let slower = if begins_in_motion || is_window { stretched.max(in_motion) } else { stretched };
+    let parts = pieces.iter().flat_map(|piece| monotone(piece).into_iter().flatten());
+    let stages = parts.map(|part| stage(&part, slower)).collect();
     Some(Quick { stages, is_close: stretch <= R::one().ldexp(CLOSE) })
-}
-
-/// The way in which a feed falls by 2⁻⁹ of itself at most, within half of J: two pieces of the time τ with `ΔV = J τ²/2`.
-fn lead_in<R: Real>(feed: R, most: &Most<R>) -> R {
-    let fall = feed.ldexp(LOWER + 1);
-    let time = (fall.ldexp(1) / most.jerk).sqrt().max(fall.ldexp(1) / most.acceleration);
-    (feed * time).ldexp(1)
-}
-
-/// Two stages over a length, without acceleration at their ends.
-fn leading<R: Real>(begin: R, length: R, [from, to]: [R; 2]) -> [Stage<R>; 2] {
-    let duration = length / (from + to);
-    let middle = (from + to).half();
-    let sixth = (from - to) * duration * R::from_ratio(1, 6);
-    // Over the first half the feed is higher than its mean by a sixth of what it falls by.
-    let first = (from + middle).half() * duration + sixth.half();
-    let half = |start: R, length: R, start_feed: R, end_feed: R, shape| Stage {
-        start,
-        length,
-        start_feed,
-        end_feed,
-        duration,
-        shape,
-        curve_start: 0,
-        u_start: R::zero(),
-        curve_end: 0,
-        u_end: R::zero(),
-    };
-    [
-        half(begin, first, from, middle, StageShape::Onset),
-        half(begin + first, length - first, middle, to, StageShape::Easing),
-    ]
 }
 
 /// A piece, or its parts before and behind the instant at which its acceleration is zero.
