@@ -132,8 +132,8 @@ fn quick_sections<R: Real>(
         let quick = quickly(limit, limits, [from.point, to.point], [from.feed, to.feed], start);
         stages.extend(&match quick {
             Some(quick) if quick.is_close => quick.stages,
-            // S-curves have no acceleration at their begin.
-            None if start.is_some_and(|start| !start.is_zero()) => return Err(PlanError::StartFeedTooHigh),
+            // The rest of the plan before is better than S-curves, which have no acceleration at their begin.
+            None if start.is_some() && from.feed > R::zero() => return Err(PlanError::StartFeedTooHigh),
             _ => {
                 let mut slow = Stages::new(limit);
                 let found = ramps(limit, shape, section, &mut slow).map(|()| slow.bare());
@@ -526,7 +526,7 @@ mod tests {
         for (lines, limits) in [(straight, limits), (stairs.clone(), limits), (stairs, passed)] {
             let limit = limit_along(&lines, &limits);
             for kind in ProfileKind::ALL {
-                let fastest = stages(&limit, &limits, EndFeeds::default(), kind).unwrap();
+                let fastest = stages(&limit, &limits, EndFeeds::default(), None, kind).unwrap();
                 let plan = plan_with(&limit, &limits, EndFeeds::default(), kind).unwrap();
                 let durations = crate::sections(&fastest).map(|section| section.duration().ceil());
                 assert_eq!(f64::from(plan.as_schedule().periods()), durations.sum::<f64>(), "{kind:?}");
@@ -540,8 +540,9 @@ mod tests {
         let breaks = polyline(&[[0.0, 0.0], [8000.0, 0.0], [16_000.0, 1.0]]);
         let limits = paper_limits();
         for limit in [breaks, vec![circle(3000.0)]].map(|curves| limit_along(&curves, &limits)) {
-            let fastest = stages(&limit, &limits, EndFeeds::default(), ProfileKind::Cubic).unwrap();
-            let plan = plan(&limit, &limits, EndFeeds::default()).unwrap().as_schedule().duration();
+            let fastest = stages(&limit, &limits, EndFeeds::default(), None, ProfileKind::Cubic).unwrap();
+            let plan = plan_with(&limit, &limits, EndFeeds::default(), ProfileKind::Cubic).unwrap();
+            let plan = plan.as_schedule().duration();
             let fastest: f64 = fastest.iter().map(|stage| stage.duration).sum();
             assert!(plan >= fastest * (1.0 + 1.0 / 8192.0), "{plan} {fastest}");
         }

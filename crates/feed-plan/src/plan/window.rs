@@ -90,7 +90,13 @@ pub fn plan_through_window<R: Real, const D: usize, C: Differentiate<R, D>>(
             Err(error) => return Err(error),
         };
         let ends_here = is_new && view.source.is_over() && limit.length() >= view.scan.length();
-        rest = if ends_here { Vec::new() } else { split_rest(&mut stages, &limit, done.length, any_joint) };
+        rest = if ends_here {
+            Vec::new()
+        } else {
+            // Where nothing goes on from a joint, something may from the next.
+            let share = if any_joint && !is_new { LEAST_ADVANCE } else { -1 };
+            split_rest(&mut stages, &limit, done.length, share, any_joint)
+        };
         for stage in &stages {
             emit(stage);
             done.duration = done.duration + stage.duration;
@@ -104,7 +110,7 @@ pub fn plan_through_window<R: Real, const D: usize, C: Differentiate<R, D>>(
     if done.length > R::zero() { Ok(done) } else { Err(PlanError::PathEmpty) }
 }
 
-/// Splits off the stages of a window's plan that are not final. The final stages end at the middle of the window, if
+/// Splits off the stages of a window's plan that are not final. The final stages end at the middle of the window, which `share` says, if
 /// the feed is constant there. Otherwise they end at the last joint in the window's first half from which the next
 /// window can go on, or at the first such joint behind it.
 ///
@@ -115,10 +121,11 @@ fn split_rest<R: Real>(
     stages: &mut Vec<Stage<R>>,
     limit: &FeedLimit<R>,
     begin: R,
+    share: i32,
     any_joint: bool,
 ) -> Vec<Stage<R>> {
     let window = limit.length() - begin;
-    let (least, middle) = (begin + window.ldexp(LEAST_ADVANCE), begin + window.half());
+    let (least, middle) = (begin + window.ldexp(LEAST_ADVANCE), begin + window.ldexp(share));
     let at_middle = stages.partition_point(|stage| stage.start + stage.length <= middle);
     if let Some(stage) = stages.get_mut(at_middle).filter(|stage| stage.kind() == StageKind::Constant) {
         let (before, after) = cut(stage, middle, limit);

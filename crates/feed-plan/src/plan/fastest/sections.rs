@@ -13,8 +13,9 @@ use crate::{FeedLimit, KinematicLimits, Stage, StageShape};
 const MOST_STRETCHED: i32 = -6;
 /// One that has to be by more than 2⁻⁹ is compared with S-curves.
 const CLOSE: i32 = -9;
-/// What begins in motion is stretched by as much as what goes before it, whose arcs may need 2⁻¹³: so the states of both are the same.
-const IN_MOTION: i32 = -13;
+/// What begins in motion is stretched by as much as what goes before it, so the states of both are the same: by what all but the worst
+/// arcs need.
+const IN_MOTION: i32 = -11;
 
 /// Stages of a section, and whether they are hardly slower than what they were made of.
 pub(crate) struct Quick<R> {
