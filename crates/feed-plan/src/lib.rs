@@ -119,8 +119,10 @@ mod plan {
         pub(crate) mod fit;
         pub(crate) mod grid;
         pub(crate) mod motion;
+        pub(crate) mod profile;
         #[cfg(test)]
         pub(crate) mod published;
+        pub(crate) mod repair;
         pub(crate) mod sections;
         pub(crate) mod touches;
         pub(crate) mod valleys;

@@ -366,14 +366,14 @@ fn by_place<R: Real>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plan::fastest::published::{CASES, case};
+    use crate::plan::fastest::published::{case, cases};
     use crate::test_paths::{limit_through, paper_limits};
     use crate::{ProfileKind, jerk_free_duration, plan_with};
     use proptest::prelude::*;
 
     #[test]
     fn published_curves_are_bounded_within_half_a_percent_of_the_optimum() {
-        for row in CASES {
+        for row in cases() {
             let (limit, limits, _) = case(row);
             let (name, t, a, j, optimum) = row;
             let share = |bound: f64| 100.0 * (bound * t / optimum - 1.0);

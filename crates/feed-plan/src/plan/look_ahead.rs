@@ -20,6 +20,7 @@ use real::Real;
 
 use crate::limit::axis_budget::Allowance;
 use crate::limit::sample::LimitSample;
+use crate::plan::fastest::sections::quickly;
 use crate::plan::flank::{Arrival, Direction, Flank, LEVELS, LEVELS_BETWEEN_ENDS};
 use crate::plan::key_points::{Key, key_points};
 use crate::plan::ramp_shape::RampShape;
@@ -32,8 +33,7 @@ const CRUISE_HALVINGS: usize = 40;
 /// The cruising feed is within 2⁻¹⁴ of the highest possible.
 const CRUISE_REFINEMENTS: usize = 14;
 
-/// A schedule along the path of cubic transitions: [`plan_with`] [`ProfileKind::Cubic`]. The acceleration is zero at both
-/// ends of each stage.
+/// A schedule along the path by the profile for whoever names none: [`plan_with`] [`ProfileKind::default`].
 ///
 /// # Errors
 /// As [`plan_with`].
@@ -42,14 +42,14 @@ pub fn plan<R: Real>(
     limits: &KinematicLimits<R>,
     ends: EndFeeds<R>,
 ) -> Result<ScheduleBuf<R>, PlanError> {
-    plan_with(limit, limits, ends, ProfileKind::Cubic)
+    plan_with(limit, limits, ends, ProfileKind::default())
 }
 
-/// A schedule along the path: under the limit everywhere, within acceleration and jerk, as fast as a chain of
-/// transitions of the given kind between a few levels of feed is.
+/// A schedule along the path: under the limit everywhere, within acceleration and jerk. [`ProfileKind::Fastest`] is as fast as any
+/// motion within these limits may be, nearly; the other profiles as a chain of transitions between a few levels of feed.
 ///
 /// The feed is continuous and so is the acceleration. At both ends of a stage that is a whole transition or a cruise it is
-/// zero; an S-curve is up to three stages, and the acceleration is not zero between them. Each
+/// zero; between stages of constant jerk it is not. Each
 /// part between two stops is slowed down evenly to a whole number of interpolation periods, and where it bends by 2⁻¹³ at least: that
 /// is left to [`FeedLimit::in_chords`]. So no feed is quite the commanded one, and end feeds other than 0 come out slightly lower than
 /// asked for.
@@ -70,33 +70,92 @@ pub fn plan_with<R: Real>(
     ends: EndFeeds<R>,
     kind: ProfileKind,
 ) -> Result<ScheduleBuf<R>, PlanError> {
-    let mut stages = stages(limit, limits, ends, kind)?;
+    let mut stages = stages(limit, limits, ends, None, kind)?;
     let periods = stretch(&mut stages, limit, limits.interpolation_period)?;
     Ok(ScheduleBuf { stages, interpolation_period: limits.interpolation_period, periods })
 }
 
-/// The stages before they are stretched to whole periods.
+/// The stages before they are stretched to whole periods. With a `start`, the acceleration at the begin, other stages can go on from
+/// any joint of the fastest profile; the other profiles know none.
 pub(crate) fn stages<R: Real>(
     limit: &FeedLimit<R>,
     limits: &KinematicLimits<R>,
     ends: EndFeeds<R>,
+    start: Option<R>,
     kind: ProfileKind,
 ) -> Result<Vec<Stage<R>>, PlanError> {
     limits.validate()?;
     let shape = RampShape::new(kind, limits);
-    let keys = reachable(limit, &shape, &key_points(limit, ends)?)?;
+    let keys = key_points(limit, ends)?;
     let mut stages = Stages::new(limit);
-    for pair in keys.windows(2) {
-        if let [from, to] = pair {
-            between(limit, &shape.within(to.allowance), from, to, &mut stages)?;
-        }
+    if kind == ProfileKind::Fastest {
+        quick_sections(limit, limits, &shape, &keys, start, &mut stages)?;
+    } else {
+        ramps(limit, &shape, &keys, &mut stages)?;
     }
-    match kind {
-        ProfileKind::Flexible => stages.merge(limits),
-        ProfileKind::Fastest => stages.quicken(limits, ends),
-        ProfileKind::Cubic | ProfileKind::SCurve | ProfileKind::Trigonometric => {}
+    if kind == ProfileKind::Flexible {
+        stages.merge(limits);
     }
     Ok(stages.with_parameters())
+}
+
+/// Transitions from key to key.
+fn ramps<R: Real>(
+    limit: &FeedLimit<R>,
+    shape: &RampShape<R>,
+    keys: &[Key<R>],
+    stages: &mut Stages<'_, R>,
+) -> Result<(), PlanError> {
+    for pair in reachable(limit, shape, keys)?.windows(2) {
+        if let [from, to] = pair {
+            between(limit, &shape.within(to.allowance), from, to, stages)?;
+        }
+    }
+    Ok(())
+}
+
+/// From rest to rest the fastest profile; S-curves where none is found, or where they are faster than one that follows it badly.
+fn quick_sections<R: Real>(
+    limit: &FeedLimit<R>,
+    limits: &KinematicLimits<R>,
+    shape: &RampShape<R>,
+    keys: &[Key<R>],
+    mut start: Option<R>,
+    stages: &mut Stages<'_, R>,
+) -> Result<(), PlanError> {
+    let mut rest = keys;
+    while let [from, behind @ ..] = rest
+        && !behind.is_empty()
+    {
+        let last = behind.iter().position(|key| key.feed.is_zero()).unwrap_or(behind.len() - 1) + 1;
+        let (section, to) = (&rest[..=last], &rest[last]);
+        let quick = quickly(limit, limits, [from.point, to.point], [from.feed, to.feed], start);
+        stages.extend(&match quick {
+            Some(quick) if quick.is_close => quick.stages,
+            // The rest of the plan before is better than S-curves, which have no acceleration at their begin.
+            None if start.is_some() && from.feed > R::zero() => return Err(PlanError::StartFeedTooHigh),
+            _ => {
+                let mut slow = Stages::new(limit);
+                let found = ramps(limit, shape, section, &mut slow).map(|()| slow.bare());
+                faster(quick.map(|quick| quick.stages), found)?
+            }
+        });
+        start = start.map(|_| R::zero());
+        rest = &rest[last..];
+    }
+    Ok(())
+}
+
+fn faster<R: Real>(
+    quick: Option<Vec<Stage<R>>>,
+    slow: Result<Vec<Stage<R>>, PlanError>,
+) -> Result<Vec<Stage<R>>, PlanError> {
+    let duration = |stages: &[Stage<R>]| stages.iter().fold(R::zero(), |sum, stage| sum + stage.duration);
+    match (quick, slow) {
+        (Some(quick), Ok(slow)) if duration(&slow) < duration(&quick) => Ok(slow),
+        (Some(quick), _) => Ok(quick),
+        (None, slow) => slow,
+    }
 }
 
 /// The keys that can be reached from each other, in order.
@@ -467,7 +526,7 @@ mod tests {
         for (lines, limits) in [(straight, limits), (stairs.clone(), limits), (stairs, passed)] {
             let limit = limit_along(&lines, &limits);
             for kind in ProfileKind::ALL {
-                let fastest = stages(&limit, &limits, EndFeeds::default(), kind).unwrap();
+                let fastest = stages(&limit, &limits, EndFeeds::default(), None, kind).unwrap();
                 let plan = plan_with(&limit, &limits, EndFeeds::default(), kind).unwrap();
                 let durations = crate::sections(&fastest).map(|section| section.duration().ceil());
                 assert_eq!(f64::from(plan.as_schedule().periods()), durations.sum::<f64>(), "{kind:?}");
@@ -481,8 +540,9 @@ mod tests {
         let breaks = polyline(&[[0.0, 0.0], [8000.0, 0.0], [16_000.0, 1.0]]);
         let limits = paper_limits();
         for limit in [breaks, vec![circle(3000.0)]].map(|curves| limit_along(&curves, &limits)) {
-            let fastest = stages(&limit, &limits, EndFeeds::default(), ProfileKind::Cubic).unwrap();
-            let plan = plan(&limit, &limits, EndFeeds::default()).unwrap().as_schedule().duration();
+            let fastest = stages(&limit, &limits, EndFeeds::default(), None, ProfileKind::Cubic).unwrap();
+            let plan = plan_with(&limit, &limits, EndFeeds::default(), ProfileKind::Cubic).unwrap();
+            let plan = plan.as_schedule().duration();
             let fastest: f64 = fastest.iter().map(|stage| stage.duration).sum();
             assert!(plan >= fastest * (1.0 + 1.0 / 8192.0), "{plan} {fastest}");
         }

@@ -4,9 +4,8 @@ use alloc::vec::Vec;
 
 use real::Real;
 
-use crate::plan::fastest::sections::fastest;
 use crate::plan::flexible::merge;
-use crate::{EndFeeds, FeedLimit, FeedPiece, KinematicLimits, Stage, StageShape, Transition};
+use crate::{FeedLimit, FeedPiece, KinematicLimits, Stage, StageShape, Transition};
 
 /// Stages, each beginning where the one before ends.
 pub(crate) struct Stages<'l, R> {
@@ -53,9 +52,14 @@ impl<'l, R: Real> Stages<'l, R> {
         self.stages = merge(self.limit, limits, &self.stages);
     }
 
-    /// Puts the fastest profile in place of each section that it is faster than.
-    pub(crate) fn quicken(&mut self, limits: &KinematicLimits<R>, ends: EndFeeds<R>) {
-        self.stages = fastest(self.limit, limits, ends, &self.stages);
+    /// Adds finished stages.
+    pub(crate) fn extend(&mut self, stages: &[Stage<R>]) {
+        self.stages.extend_from_slice(stages);
+    }
+
+    /// The stages, which have no parameters yet.
+    pub(crate) fn bare(self) -> Vec<Stage<R>> {
+        self.stages
     }
 
     /// One piece.

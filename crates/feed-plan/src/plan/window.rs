@@ -3,7 +3,7 @@
 //! The planner looks at a *window* of so many millimetres of path at a time. It plans the window as if the path ended
 //! in rest at the window's end, which is always possible. Of that plan, the stages up to the middle of the window are
 //! final. The next window begins at a place where the acceleration is zero, at constant feed or at a joint of stages,
-//! with the feed that the plan has there. The path behind a window can only let the plan go faster, so every limit
+//! with the feed that the plan has there; along the fastest profile at any joint, with its acceleration too. The path behind a window can only let the plan go faster, so every limit
 //! holds. But where half the window is shorter than the distance that the machine needs to stop, the plan is slower
 //! than with the whole path in view.
 //!
@@ -75,25 +75,33 @@ pub fn plan_through_window<R: Real, const D: usize, C: Differentiate<R, D>>(
     }
     let mut view = View { source: Source::new(curves), scan: Scan::new(limits), limits, window };
     let mut done = WindowedPlan { length: R::zero(), duration: R::zero(), most_points: 0, windows: 0 };
-    let mut feed = R::zero();
+    let (mut feed, mut acceleration) = (R::zero(), R::zero());
+    let any_joint = kind == ProfileKind::Fastest;
     let mut rest: Vec<Stage<R>> = Vec::new();
     while view.advance(done.length)? {
         let limit = view.limit(done.length)?;
         done.most_points = done.most_points.max(view.scan.samples().len());
         done.windows += 1;
         let ends = EndFeeds { start: feed, end: R::zero() };
-        let (mut stages, is_new) = match look_ahead::stages(&limit, limits, ends, kind) {
+        let (mut stages, is_new) = match look_ahead::stages(&limit, limits, ends, Some(acceleration), kind) {
             Ok(stages) => (stages, true),
             // The rest of the plan before leads to rest at the end of the window before.
             Err(_) if !rest.is_empty() => (rest, false),
             Err(error) => return Err(error),
         };
         let ends_here = is_new && view.source.is_over() && limit.length() >= view.scan.length();
-        rest = if ends_here { Vec::new() } else { split_rest(&mut stages, &limit, done.length) };
+        rest = if ends_here {
+            Vec::new()
+        } else {
+            // Where nothing goes on from a joint, something may from the next.
+            let share = if any_joint && !is_new { LEAST_ADVANCE } else { -1 };
+            split_rest(&mut stages, &limit, done.length, share, any_joint)
+        };
         for stage in &stages {
             emit(stage);
             done.duration = done.duration + stage.duration;
             (done.length, feed) = (stage.start + stage.length, stage.end_feed);
+            acceleration = if any_joint { stage.acceleration_at(stage.duration) } else { R::zero() };
         }
         if ends_here {
             return Ok(done);
@@ -102,15 +110,22 @@ pub fn plan_through_window<R: Real, const D: usize, C: Differentiate<R, D>>(
     if done.length > R::zero() { Ok(done) } else { Err(PlanError::PathEmpty) }
 }
 
-/// Splits off the stages of a window's plan that are not final. The final stages end at the middle of the window, if
+/// Splits off the stages of a window's plan that are not final. The final stages end at the middle of the window, which `share` says, if
 /// the feed is constant there. Otherwise they end at the last joint in the window's first half from which the next
 /// window can go on, or at the first such joint behind it.
 ///
 /// At such a joint the acceleration is zero and the next stage does not fall. Where braking begins, the next plan would
 /// have to brake at that very point, and rounding may have moved the point too far along the path.
-fn split_rest<R: Real>(stages: &mut Vec<Stage<R>>, limit: &FeedLimit<R>, begin: R) -> Vec<Stage<R>> {
+/// The fastest profile goes on from any joint.
+fn split_rest<R: Real>(
+    stages: &mut Vec<Stage<R>>,
+    limit: &FeedLimit<R>,
+    begin: R,
+    share: i32,
+    any_joint: bool,
+) -> Vec<Stage<R>> {
     let window = limit.length() - begin;
-    let (least, middle) = (begin + window.ldexp(LEAST_ADVANCE), begin + window.half());
+    let (least, middle) = (begin + window.ldexp(LEAST_ADVANCE), begin + window.ldexp(share));
     let at_middle = stages.partition_point(|stage| stage.start + stage.length <= middle);
     if let Some(stage) = stages.get_mut(at_middle).filter(|stage| stage.kind() == StageKind::Constant) {
         let (before, after) = cut(stage, middle, limit);
@@ -123,7 +138,8 @@ fn split_rest<R: Real>(stages: &mut Vec<Stage<R>>, limit: &FeedLimit<R>, begin: 
         let [stage, next] = pair else { return None };
         let is_level = stage.acceleration_at(stage.duration).abs() <= R::resolution();
         let place = stage.start + stage.length;
-        (is_level && next.end_feed >= next.start_feed && place >= least).then_some((i + 1, place))
+        let goes_on = any_joint || (is_level && next.end_feed >= next.start_feed);
+        (goes_on && place >= least).then_some((i + 1, place))
     });
     let in_half = joints.clone().take_while(|(_, place)| *place <= middle).last();
     let count = in_half.or_else(|| joints.clone().next()).map_or(stages.len(), |(count, _)| count);
@@ -395,6 +411,20 @@ mod tests {
         }
     }
 
+    /// At 50 mm it took 7 % longer while a window could go on without acceleration alone.
+    #[test]
+    fn the_fastest_profile_goes_on_from_any_joint_and_loses_nothing() {
+        for curve in [seed_000(), seed_003()] {
+            let curve = [curve];
+            let whole = streamed(&curve, 1e4, ProfileKind::Fastest).1;
+            for window in [20.0, 50.0, 100.0, 400.0] {
+                let (_, done) = streamed(&curve, window, ProfileKind::Fastest);
+                let ratio = done.duration / whole.duration;
+                assert!((1.0 - 1e-4..1.001).contains(&ratio), "{window}: {ratio}");
+            }
+        }
+    }
+
     /// With a limit of the centripetal acceleration each arc has a feed of its own, so the limit is a staircase; a
     /// longer window sees longer staircases. With 16 levels for a staircase of any length, a window of 80 mm took 6 %
     /// longer than one of 20 mm here, and up to 14 % longer on other paths.
@@ -411,7 +441,7 @@ mod tests {
                 let limits = KinematicLimits { centripetal_acceleration: Some(300.0 * 9e-6), ..limits };
                 let limit = FeedLimit::along(&curves, &limits).unwrap();
                 for kind in ProfileKind::ALL {
-                    let whole = look_ahead::stages(&limit, &limits, EndFeeds::default(), kind).unwrap();
+                    let whole = look_ahead::stages(&limit, &limits, EndFeeds::default(), None, kind).unwrap();
                     let whole: f64 = whole.iter().map(|stage| stage.duration).sum();
                     let durations =
                         [least, 1.5 * least, 2.0 * least, 4.0 * least, 15.0 * least, 1e4].map(|window| {

@@ -11,13 +11,12 @@ use alloc::vec::Vec;
 
 use real::Real;
 
-use crate::plan::fastest::grid::Node;
 use crate::plan::fastest::motion::State;
 
 /// A stretch by 2⁻¹³ may be needed.
-const TOLERANCE: i32 = -13;
-/// An arc may be slower than the profile by 2⁻¹² of its time.
-const SLOWER: i32 = -12;
+pub(crate) const TOLERANCE: i32 = -13;
+/// An arc may be slower than the profile by 2⁻¹³ of its time.
+const SLOWER: i32 = -13;
 /// States that one arc passes, at most.
 const LONGEST: usize = 1 << 10;
 /// States further on, and arcs before, that are tried where none fits.
@@ -25,13 +24,15 @@ const FURTHER: usize = 12;
 const BEFORE: usize = 4;
 /// Newton's steps to the time at a node.
 const STEPS: usize = 4;
+/// The place is found to this share of the way between two limit points.
+const CLOSE: i32 = -16;
 
-/// A state that the motion may pass, its time from the section's begin, and the last node up to it.
+/// A state that the motion may pass, its time from the section's begin, and the last limit point up to it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Point<R> {
     pub(crate) state: State<R>,
     pub(crate) time: R,
-    pub(crate) node: usize,
+    pub(crate) cell: usize,
 }
 
 /// Constant jerk for a time.
@@ -90,51 +91,55 @@ fn arc<R: Real>(from: &State<R>, to: &State<R>) -> Option<[Piece<R>; 2]> {
 }
 
 /// The limits of a section.
-pub(crate) struct Bounds<'a, R> {
-    pub(crate) nodes: &'a [Node<R>],
+pub(crate) struct Bounds<R> {
+    /// Distance and square of the limit, which is linear between them.
+    pub(crate) squares: Vec<(R, R)>,
     pub(crate) acceleration: R,
     pub(crate) jerk: R,
     /// What a piece lasts at least.
     pub(crate) shortest: R,
 }
 
-impl<R: Real> Bounds<'_, R> {
-    /// By how much time would have to be stretched for a piece to keep the limits, as a share.
-    fn broken(&self, piece: &Piece<R>, node: &mut usize) -> R {
+impl<R: Real> Bounds<R> {
+    /// By how much time would have to be stretched for a piece to keep acceleration and jerk, as a share.
+    fn strained(&self, piece: &Piece<R>) -> R {
         let over = |used: R, limit: R| used.abs() / limit - R::one();
-        let jerk = piece.jerk();
         let acceleration = piece.from.a.abs().max(piece.to.a.abs());
         let by_acceleration = over(acceleration, self.acceleration).half();
-        let by_jerk = over(jerk, self.jerk) * R::from_ratio(1, 3);
-        let mut broken = by_acceleration.max(by_jerk).max(R::zero());
-        if broken > R::one().ldexp(-3) {
-            return broken; // The place at a time could be anywhere.
-        }
+        let by_jerk = over(piece.jerk(), self.jerk) * R::from_ratio(1, 3);
+        if there_is_motion(piece) { by_acceleration.max(by_jerk).max(R::zero()) } else { R::max_value() }
+    }
+
+    /// The same for the limit, or more than `enough` if it is that at some place.
+    fn broken(&self, piece: &Piece<R>, cell: &mut usize, enough: R) -> R {
+        let jerk = piece.jerk();
+        let mut broken = R::zero();
         let (mut time, mut here) = (R::zero(), piece.from);
-        while let Some([a, b]) = self.nodes.get(*node..*node + 2) {
-            let is_last = piece.to.s <= b.s || *node + 2 >= self.nodes.len();
-            let end = if is_last { piece.time } else { time_at(piece, jerk, b.s, (here, time)) };
+        while let Some(&[(a, b0), (b, b1)]) = self.squares.get(*cell..*cell + 2) {
+            let is_last = piece.to.s <= b || *cell + 2 >= self.squares.len();
+            let end = if is_last { piece.time } else { time_at(piece, jerk, b, (here, time)) };
             let there = if is_last { piece.to } else { piece.from.after(end, jerk) };
-            let (b0, b1) = (a.limit * a.limit, b.limit * b.limit);
-            let slope = (b1 - b0) / (b.s - a.s);
+            let slope = (b1 - b0) / (b - a);
             let above = |state: &State<R>| {
-                let limit = b0 + slope * (state.s - a.s);
+                let limit = b0 + slope * (state.s - a);
                 let excess = state.v * state.v - limit;
                 if excess > R::zero() { (excess / limit).half() } else { R::zero() }
             };
             broken = broken.max(above(&there)).max(above(&here));
             // v² is furthest above the line where the acceleration is that of the line.
-            let steepest = (slope.half() - here.a) / jerk;
-            if jerk < R::zero() && steepest > R::zero() && time + steepest < end {
-                broken = broken.max(above(&here.after(steepest, jerk)));
+            if jerk < R::zero() {
+                let steepest = (slope.half() - here.a) / jerk;
+                if steepest > R::zero() && time + steepest < end {
+                    broken = broken.max(above(&here.after(steepest, jerk)));
+                }
             }
-            if is_last {
+            if is_last || broken > enough {
                 break;
             }
             (time, here) = (end, there);
-            *node += 1;
+            *cell += 1;
         }
-        if !(there_is_motion(piece)) { R::max_value() } else { broken }
+        broken
     }
 
     /// Whether all parts of an arc last long enough.
@@ -146,10 +151,16 @@ impl<R: Real> Bounds<'_, R> {
         })
     }
 
-    fn broken_by(&self, pieces: &[Piece<R>; 2], node: usize) -> R {
-        let mut node = node;
-        let first = self.broken(&pieces[0], &mut node);
-        first.max(self.broken(&pieces[1], &mut node))
+    /// By how much time would have to be stretched for an arc to keep all limits, or more than `enough`.
+    fn broken_by(&self, pieces: &[Piece<R>; 2], mut cell: usize, enough: R) -> R {
+        let mut broken = self.strained(&pieces[0]).max(self.strained(&pieces[1]));
+        for piece in pieces {
+            if broken > enough {
+                break;
+            }
+            broken = broken.max(self.broken(piece, &mut cell, enough));
+        }
+        broken
     }
 }
 
@@ -165,24 +176,39 @@ fn there_is_motion<R: Real>(piece: &Piece<R>) -> bool {
     least >= R::zero()
 }
 
-/// When a piece is at a place, from an earlier state of it.
+/// When a piece is at a place, from an earlier state of it: first as if the acceleration stayed what it is there.
 fn time_at<R: Real>(piece: &Piece<R>, jerk: R, place: R, (here, time): (State<R>, R)) -> R {
-    let mut end = time;
-    let mut state = here;
+    let off = place - here.s;
+    let square = (here.v * here.v + (here.a * off).ldexp(1)).max(R::zero());
+    let mut end = (time + off.ldexp(1) / (here.v + square.sqrt())).min(piece.time);
     for _ in 0..STEPS {
-        let off = place - state.s;
-        if !(state.v > off.abs().ldexp(-20)) {
-            // From rest.
-            end = end + (piece.time - end).half();
-        } else {
-            end = (end + off / state.v).min(piece.time);
-            if off.abs() < (place - here.s).abs().ldexp(-20) {
-                break;
-            }
+        let state = piece.from.after(end, jerk);
+        let rest = place - state.s;
+        if rest.abs() <= off * R::one().ldexp(CLOSE) {
+            break;
         }
-        state = piece.from.after(end, jerk);
+        // From rest the feed says nothing.
+        let step = if state.v > rest.abs().ldexp(-20) { rest / state.v } else { (piece.time - end).half() };
+        end = (end + step).min(piece.time).max(time);
     }
     end
+}
+
+/// Two pieces from one point to another.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Arc<R> {
+    pub(crate) from: Point<R>,
+    pub(crate) to: Point<R>,
+    pub(crate) pieces: [Piece<R>; 2],
+    /// By how much time must be stretched for them to keep the limits, as a share.
+    pub(crate) broken: R,
+}
+
+impl<R: Real> Arc<R> {
+    /// Whether it breaks them by more than others.
+    pub(crate) fn is_hard(&self) -> bool {
+        self.broken > R::one().ldexp(TOLERANCE)
+    }
 }
 
 /// Pieces along points.
@@ -190,85 +216,102 @@ pub(crate) struct Fit<R> {
     pub(crate) pieces: Vec<Piece<R>>,
     /// By how much time must be stretched for them to keep the limits, as a share.
     pub(crate) stretch: R,
-    /// Nodes between which an arc breaks them by more than others, and by how much.
-    pub(crate) worst: Vec<([usize; 2], R)>,
 }
 
 impl<R: Real> Fit<R> {
-    /// Time over the section, stretched.
-    pub(crate) fn duration(&self) -> R {
-        let sum = self.pieces.iter().fold(R::zero(), |sum, piece| sum + piece.time);
-        sum + sum * self.stretch
+    /// The pieces of arcs: one, where that does.
+    pub(crate) fn of(arcs: &[Arc<R>]) -> Self {
+        let mut pieces = Vec::with_capacity(arcs.len() * 2);
+        for Arc { pieces: [first, second], .. } in arcs {
+            if (first.from.a + second.to.a).half() == first.to.a {
+                pieces.push(Piece { from: first.from, to: second.to, time: first.time + second.time });
+            } else {
+                pieces.extend([*first, *second]);
+            }
+        }
+        Self { pieces, stretch: worst(arcs) }
     }
 }
 
-/// The pieces along the points.
-pub(crate) fn fit<R: Real>(points: &[Point<R>], bounds: &Bounds<'_, R>) -> Option<Fit<R>> {
-    let tolerance = R::one().ldexp(TOLERANCE);
-    let judged = |from: usize, to: usize| -> Option<([Piece<R>; 2], R)> {
-        let (from, to) = (points.get(from)?, points.get(to)?);
-        let pieces = arc(&from.state, &to.state).filter(|pieces| bounds.lasts(pieces))?;
-        let wanted = to.time - from.time;
-        let late = (pieces[0].time.ldexp(1) - wanted) / wanted - R::one().ldexp(SLOWER);
-        let broken = bounds.broken_by(&pieces, from.node);
-        Some((pieces, broken.max(late.ldexp(-2))))
-    };
-    let fits = |from: usize, to: usize| judged(from, to).is_some_and(|(_, broken)| broken <= tolerance);
+/// By how much the worst of arcs breaks limits.
+pub(crate) fn worst<R: Real>(arcs: &[Arc<R>]) -> R {
+    arcs.iter().fold(R::zero(), |worst, arc| worst.max(arc.broken))
+}
+
+/// Few arcs along the points, from the first to the last.
+pub(crate) fn fit<R: Real>(points: &[Point<R>], bounds: &Bounds<R>) -> Option<Vec<Arc<R>>> {
+    let way = Way { points, bounds };
     let last = points.len().checked_sub(1)?;
     let mut joints = Vec::from([0]);
     while let Some(&here) = joints.last().filter(|here| **here < last) {
-        if fits(here, here + 1) {
-            joints.push(longest(here, last, &fits));
-            continue;
+        if way.fits(here, here + 1) {
+            joints.push(way.longest(here, last));
+        } else {
+            let (before, to) = way.least_broken(&joints, here, last)?;
+            joints.truncate(joints.len() - before);
+            joints.push(to);
         }
-        let mut best: Option<(usize, usize, R)> = None;
-        'all: for before in 0..BEFORE.min(joints.len()) {
-            let from = joints[joints.len() - 1 - before];
+    }
+    let arcs = joints.windows(2).map(|pair| {
+        let (from, to) = (points[pair[0]], points[pair[1]]);
+        let pieces = arc(&from.state, &to.state)?;
+        let broken = bounds.broken_by(&pieces, from.cell, R::max_value());
+        Some(Arc { from, to, pieces, broken })
+    });
+    arcs.collect()
+}
+
+struct Way<'a, R> {
+    points: &'a [Point<R>],
+    bounds: &'a Bounds<R>,
+}
+
+impl<R: Real> Way<'_, R> {
+    /// By how much an arc between two points breaks the limits, or more than `enough`. An arc that is slower than the profile breaks
+    /// one too.
+    fn broken(&self, from: usize, to: usize, enough: R) -> Option<R> {
+        let (from, to) = (self.points.get(from)?, self.points.get(to)?);
+        let pieces = arc(&from.state, &to.state).filter(|pieces| self.bounds.lasts(pieces))?;
+        let wanted = to.time - from.time;
+        let late = ((pieces[0].time.ldexp(1) - wanted) / wanted - R::one().ldexp(SLOWER)).ldexp(-2);
+        Some(if late > enough { late } else { late.max(self.bounds.broken_by(&pieces, from.cell, enough)) })
+    }
+
+    fn fits(&self, from: usize, to: usize) -> bool {
+        let tolerance = R::one().ldexp(TOLERANCE);
+        self.broken(from, to, tolerance).is_some_and(|broken| broken <= tolerance)
+    }
+
+    /// The furthest point that an arc leads to, by doubling and halving.
+    fn longest(&self, here: usize, last: usize) -> usize {
+        let (mut good, mut step) = (here + 1, 1);
+        while step < LONGEST && good + step <= last && self.fits(here, good + step) {
+            good += step;
+            step *= 2;
+        }
+        while step > 1 {
+            step /= 2;
+            if good + step <= last && self.fits(here, good + step) {
+                good += step;
+            }
+        }
+        good
+    }
+
+    /// Where none fits from the last joint: how many joints are left out for an arc to which point.
+    fn least_broken(&self, joints: &[usize], here: usize, last: usize) -> Option<(usize, usize)> {
+        let (mut least, mut best) = (R::max_value(), None);
+        for (before, from) in joints.iter().rev().take(BEFORE).enumerate() {
             for to in here + 1..=(here + FURTHER).min(last) {
-                let Some((_, broken)) = judged(from, to) else { continue };
-                if best.is_none_or(|(_, _, least)| broken < least) {
-                    best = Some((before, to, broken));
-                }
-                if broken <= tolerance {
-                    break 'all;
+                let Some(broken) = self.broken(*from, to, least).filter(|broken| *broken < least) else {
+                    continue;
+                };
+                (least, best) = (broken, Some((before, to)));
+                if broken <= R::one().ldexp(TOLERANCE) {
+                    return best;
                 }
             }
         }
-        let (before, to, _) = best?;
-        joints.truncate(joints.len() - before);
-        joints.push(to);
+        best
     }
-    let mut pieces = Vec::with_capacity(joints.len() * 2);
-    let (mut stretch, mut worst) = (R::zero(), Vec::new());
-    for pair in joints.windows(2) {
-        let ([first, second], _) = judged(pair[0], pair[1])?;
-        let mut node = points[pair[0]].node;
-        let broken = bounds.broken(&first, &mut node).max(bounds.broken(&second, &mut node));
-        stretch = stretch.max(broken);
-        if broken > tolerance {
-            worst.push(([points[pair[0]].node, points[pair[1]].node + 1], broken));
-        }
-        if (first.from.a + second.to.a).half() == first.to.a {
-            pieces.push(Piece { from: first.from, to: second.to, time: first.time + second.time });
-        } else {
-            pieces.extend([first, second]);
-        }
-    }
-    Some(Fit { pieces, stretch, worst })
-}
-
-/// The furthest point that an arc leads to, by doubling and halving.
-fn longest(here: usize, last: usize, fits: &impl Fn(usize, usize) -> bool) -> usize {
-    let (mut good, mut step) = (here + 1, 1);
-    while step < LONGEST && good + step <= last && fits(here, good + step) {
-        good += step;
-        step *= 2;
-    }
-    while step > 1 {
-        step /= 2;
-        if good + step <= last && fits(here, good + step) {
-            good += step;
-        }
-    }
-    good
 }

@@ -1,8 +1,9 @@
 //! The nodes at which a section is looked at, from one rest to the next.
 //!
 //! Between two limit points the square of the limit is linear in the distance, and so are the squares of the feeds that A lets be
-//! reached from one and braked for at the other. The least of the three lines is f², the *jerk-free* profile. Nodes lie at the
-//! corners of that and between them, no more than a share of the time A/J apart near the corners and further apart away from them.
+//! reached from one and braked for at the other. The least of the three lines is f², the *jerk-free* profile. Nodes lie at the limit
+//! points, at the corners of f² and, away from the limit, between them: no more than a share of the time A/J apart near the corners and
+//! further apart away from them. Along the limit more of them would follow the steps of its acceleration at the limit points.
 
 use alloc::vec::Vec;
 
@@ -24,22 +25,11 @@ pub(crate) struct Node<R> {
     pub(crate) free: R,
 }
 
-/// Distance and limit of the samples from `first` to `last`, at a jump the less of both sides; at both ends what holds inside. Where
-/// `begin` lies behind the first, the points begin there.
-pub(crate) fn limit_points<R: Real>(
-    limit: &FeedLimit<R>,
-    [first, last]: [usize; 2],
-    begin: R,
-) -> Vec<(R, R)> {
+/// Distance and limit of the samples from `first` to `last`, at a jump the less of both sides; at both ends what holds inside.
+pub(crate) fn limit_points<R: Real>(limit: &FeedLimit<R>, [first, last]: [usize; 2]) -> Vec<(R, R)> {
     let mut points: Vec<(R, R)> = Vec::with_capacity(last - first + 1);
     for (index, sample) in (first..).zip(limit.samples().get(first..=last).unwrap_or_default()) {
         let s = sample.point.distance;
-        if s < begin {
-            continue;
-        }
-        if points.is_empty() && s > begin {
-            points.push((begin, limit.minimum_over(begin, begin)));
-        }
         let v = if index == first {
             sample.lower_after
         } else if index == last {
@@ -141,7 +131,7 @@ fn divide<R: Real>(a: &Node<R>, b: &Node<R>, cell: (&Node<R>, &Node<R>), step: R
         nodes.push(*a);
     }
     let (length, sum) = (b.s - a.s, a.free + b.free);
-    if !(length > R::zero() && sum > R::zero()) {
+    if !(length > R::zero() && sum > R::zero()) || (a.free == a.limit && b.free == b.limit) {
         return;
     }
     let duration = length.ldexp(1) / sum;

@@ -7,125 +7,50 @@ use real::Real;
 use crate::plan::fastest::fastest::{Most, section};
 use crate::plan::fastest::fit::{Fit, Piece, rounding};
 use crate::plan::fastest::motion::State;
-use crate::{EndFeeds, FeedLimit, KinematicLimits, Stage, StageShape};
+use crate::{FeedLimit, KinematicLimits, Stage, StageShape};
 
 /// A section that would have to be stretched by more than 2⁻⁶ is one of S-curves.
 const MOST_STRETCHED: i32 = -6;
-/// A section that begins in motion is planned with a feed there that is lower by 2⁻¹⁰: the stretch lowers it further, and what goes
-/// before it does not change.
-const LOWER: i32 = -10;
+/// One that has to be by more than 2⁻⁹ is compared with S-curves.
+const CLOSE: i32 = -9;
+/// What begins in motion is stretched by as much as what goes before it, so the states of both are the same: by what all but the worst
+/// arcs need.
+const IN_MOTION: i32 = -11;
 
-/// The stages of each section from `s_curves` or, where that is found and faster, along the fastest profile.
-pub(crate) fn fastest<R: Real>(
-    limit: &FeedLimit<R>,
-    limits: &KinematicLimits<R>,
-    ends: EndFeeds<R>,
-    s_curves: &[Stage<R>],
-) -> Vec<Stage<R>> {
-    let samples = limit.samples();
-    let last = samples.len().saturating_sub(1);
-    let mut stages = Vec::with_capacity(s_curves.len());
-    let mut first = 0;
-    for section in crate::sections(s_curves) {
-        let these = section.stages();
-        let end = these.last().map_or(R::zero(), |stage| stage.start + stage.length);
-        let behind = next_rest(limit, first, end).unwrap_or(last);
-        let feeds = [
-            if first == 0 { ends.start } else { R::zero() },
-            if behind == last { ends.end } else { R::zero() },
-        ];
-        let found = of_section(limit, limits, [first, behind], feeds);
-        let faster = found.filter(|found| duration(found) <= duration(these));
-        match faster {
-            Some(found) => stages.extend(found),
-            None => stages.extend_from_slice(these),
-        }
-        first = behind;
-    }
-    stages
+/// Stages of a section, and whether they are hardly slower than what they were made of.
+pub(crate) struct Quick<R> {
+    pub(crate) stages: Vec<Stage<R>>,
+    pub(crate) is_close: bool,
 }
 
-fn duration<R: Real>(stages: &[Stage<R>]) -> R {
-    stages.iter().fold(R::zero(), |sum, stage| sum + stage.duration)
-}
-
-/// The first limit point behind `first` where the feed is zero, or the last one; `end` is where S-curves have it.
-fn next_rest<R: Real>(limit: &FeedLimit<R>, first: usize, end: R) -> Option<usize> {
-    let samples = limit.samples();
-    let behind = samples.get(first + 1..)?;
-    let rest = behind.iter().position(|sample| !(sample.lower > R::zero()))?;
-    let rest = first + 1 + rest;
-    let place = samples.get(rest)?.point.distance;
-    // Where both disagree, the section is not the one that was meant.
-    ((place - end).abs() <= limit.rounding()).then_some(rest)
-}
-
-fn of_section<R: Real>(
+/// The stages between two points of the limit, with these feeds there, along the fastest profile; `None` where none is found. With a
+/// `start`, which is the acceleration at the begin, another section can go on from any joint.
+pub(crate) fn quickly<R: Real>(
     limit: &FeedLimit<R>,
     limits: &KinematicLimits<R>,
     [first, last]: [usize; 2],
     feeds: [R; 2],
-) -> Option<Vec<Stage<R>>> {
+    start: Option<R>,
+) -> Option<Quick<R>> {
     let left = limit.allowance(first, last);
     let most = Most {
         acceleration: limits.acceleration.min(left.acceleration),
         jerk: limits.jerk.min(left.jerk),
         period: limits.interpolation_period,
     };
-    let begin = limit.samples().get(first)?.point.distance;
-    let lead = if feeds[0] > R::zero() { lead_in(feeds[0], &most) } else { R::zero() };
-    let planned = [feeds[0] - feeds[0].ldexp(LOWER), feeds[1]];
-    let Fit { pieces, stretch, .. } = section(limit, [first, last], begin + lead, planned, &most)?;
-    let slower = R::one() + stretch + rounding();
-    let mut stages = Vec::with_capacity(pieces.len() + 2);
-    if feeds[0] > R::zero() {
-        let to = pieces.first()?.from.v / slower;
-        // It was planned to be stretched by as much at most.
-        if !(to >= feeds[0] - feeds[0].ldexp(LOWER + 1)) {
-            return None;
-        }
-        stages.extend(leading(begin, lead, [feeds[0], to]));
-    } else if !(stretch <= R::one().ldexp(MOST_STRETCHED)) {
+    let in_motion = R::one() + R::one().ldexp(IN_MOTION) + rounding();
+    let start_feed = feeds[0] * in_motion;
+    let acceleration = start.unwrap_or(R::zero()) * in_motion * in_motion;
+    let Fit { pieces, stretch } = section(limit, [first, last], [start_feed, feeds[1]], acceleration, &most)?;
+    let stretched = R::one() + stretch + rounding();
+    let (begins_in_motion, is_window) = (feeds[0] > R::zero(), start.is_some());
+    if stretch > R::one().ldexp(MOST_STRETCHED) || (begins_in_motion && stretched > in_motion) {
         return None;
     }
-    for piece in &pieces {
-        for part in monotone(piece).into_iter().flatten() {
-            stages.push(stage(&part, slower));
-        }
-    }
-    Some(stages)
-}
-
-/// The way in which a feed falls by 2⁻⁹ of itself at most, within half of J: two pieces of the time τ with `ΔV = J τ²/2`.
-fn lead_in<R: Real>(feed: R, most: &Most<R>) -> R {
-    let fall = feed.ldexp(LOWER + 1);
-    let time = (fall.ldexp(1) / most.jerk).sqrt().max(fall.ldexp(1) / most.acceleration);
-    (feed * time).ldexp(1)
-}
-
-/// Two stages over a length, without acceleration at their ends.
-fn leading<R: Real>(begin: R, length: R, [from, to]: [R; 2]) -> [Stage<R>; 2] {
-    let duration = length / (from + to);
-    let middle = (from + to).half();
-    let sixth = (from - to) * duration * R::from_ratio(1, 6);
-    // Over the first half the feed is higher than its mean by a sixth of what it falls by.
-    let first = (from + middle).half() * duration + sixth.half();
-    let half = |start: R, length: R, start_feed: R, end_feed: R, shape| Stage {
-        start,
-        length,
-        start_feed,
-        end_feed,
-        duration,
-        shape,
-        curve_start: 0,
-        u_start: R::zero(),
-        curve_end: 0,
-        u_end: R::zero(),
-    };
-    [
-        half(begin, first, from, middle, StageShape::Onset),
-        half(begin + first, length - first, middle, to, StageShape::Easing),
-    ]
+    let slower = if begins_in_motion || is_window { stretched.max(in_motion) } else { stretched };
+    let parts = pieces.iter().flat_map(|piece| monotone(piece).into_iter().flatten());
+    let stages = parts.map(|part| stage(&part, slower)).collect();
+    Some(Quick { stages, is_close: stretch <= R::one().ldexp(CLOSE) })
 }
 
 /// A piece, or its parts before and behind the instant at which its acceleration is zero.

@@ -3,8 +3,8 @@
 //! A bend of the jerk-free profile is *sharp* where its acceleration rises faster than J. No motion follows it: the profile touches it
 //! at one node and leaves it on both sides along arcs of jerk J. Which acceleration θ it has there is the one freedom of a plan. The caps
 //! below the jerk-free profile arrive there with a⁻ and depart with a⁺; `θ = 0.3 (a⁻ + a⁺)` at a minimum of the feed and
-//! `0.4 (a⁻ + a⁺)` on a flank came closest to the optimum over many curves. It lies between the accelerations of the jerk-free profile on
-//! both sides, and `|θ| ≤ √(J v/2)`, so that no arc of jerk J comes to rest beside the touch.
+//! `0.45 (a⁻ + a⁺)` on a flank came closest to the optimum over the published curves. It lies between the accelerations of the jerk-free
+//! profile on both sides, and `|θ| ≤ 0.9 √(2 J v)`, so that no arc of jerk J comes to rest beside the touch.
 
 use alloc::vec::Vec;
 
@@ -112,7 +112,7 @@ pub(crate) fn bends<R: Real>(
 
 fn wanted<R: Real>(arrival: R, departure: R) -> R {
     let is_minimum = arrival < R::zero() && departure > R::zero();
-    (arrival + departure) * R::from_ratio(if is_minimum { 3 } else { 4 }, 10)
+    (arrival + departure) * R::from_ratio(if is_minimum { 6 } else { 9 }, 20)
 }
 
 /// The last node of the sharp bend that begins at a node. Nodes between limit points make gaps in it.

@@ -41,8 +41,8 @@ pub(crate) fn valleys<R: Real>(
     places: &[R],
     feeds: &[R],
     bends: &mut [Bend<R>],
-    acceleration: R,
-    jerk: R,
+    start: R,
+    [acceleration, jerk]: [R; 2],
 ) -> Vec<Carrier<R>> {
     let count = feeds.len();
     let at = |k: usize| (places[k], feeds[k]);
@@ -52,10 +52,11 @@ pub(crate) fn valleys<R: Real>(
     let backward_cells = Cells::new(count, |k| (reversed_places[k], reversed_feeds[k]));
     let (mut forward, mut backward) = (Vec::new(), Vec::new());
     for _ in 0..ROUNDS {
-        forward = climb(places, feeds, &cells, bends, (acceleration, jerk));
+        forward = climb(places, feeds, &cells, bends, start, [acceleration, jerk]);
         drop_passed(bends, feeds, &forward);
         let reversed: Vec<_> = bends.iter().rev().map(|bend| mirrored(*bend)).collect();
-        backward = climb(&reversed_places, &reversed_feeds, &backward_cells, &reversed, (acceleration, jerk));
+        let (rest, most) = (R::zero(), [acceleration, jerk]);
+        backward = climb(&reversed_places, &reversed_feeds, &backward_cells, &reversed, rest, most);
         backward.reverse();
         if !drop_passed(bends, feeds, &backward) {
             break;
@@ -70,9 +71,10 @@ pub(crate) fn valleys<R: Real>(
                     let both = Reached { v: feeds[k], a: theta, behind: f.behind, before: b.behind };
                     (both, true)
                 }
-                // The ends are passed without acceleration.
+                // The end is passed without acceleration.
                 _ if k == 0 || k + 1 == count => {
-                    (Reached { v: feeds[k], a: R::zero(), behind: f.behind, before: b.behind }, true)
+                    let a = if k == 0 { start } else { R::zero() };
+                    (Reached { v: feeds[k], a, behind: f.behind, before: b.behind }, true)
                 }
                 _ if f.v < b.v || (f.v == b.v && f.before.is_some() && b.behind.is_none()) => (f, false),
                 _ if b.v < f.v || b.behind.or(b.before).is_some() => (from_b, false),
@@ -108,17 +110,18 @@ fn drop_passed<R: Real>(bends: &mut [Bend<R>], feeds: &[R], reached: &[Reached<R
     is_changed
 }
 
-/// One pass: from rest or the start, whose acceleration is zero, and from each touch an arc until it meets the jerk-free profile.
+/// One pass: from the begin with the acceleration `start`, and from each touch an arc until it meets the jerk-free profile.
 fn climb<R: Real>(
     places: &[R],
     feeds: &[R],
     cells: &Cells<R>,
     bends: &[Bend<R>],
-    (acceleration, jerk): (R, R),
+    start: R,
+    [acceleration, jerk]: [R; 2],
 ) -> Vec<Reached<R>> {
     let mut reached = Vec::with_capacity(feeds.len());
     let Some(first) = feeds.first() else { return reached };
-    let mut here = Reached { v: *first, a: R::zero(), behind: Some(jerk), before: None };
+    let mut here = Reached { v: *first, a: start, behind: Some(jerk), before: None };
     for k in 0..feeds.len() {
         let is_free = here.v >= feeds[k];
         if k > 0 {
