@@ -98,7 +98,7 @@ mod compiled {
 #[cfg(feature = "alloc")]
 pub use compiled::compiled_path::{CompiledPath, CompiledPathError};
 #[cfg(feature = "std")]
-pub use compiled::constant::{Constant, number_function, number_type};
+pub use compiled::constant::{Constant, fixed_point_word, number_function, number_type};
 pub use compiled::position_checksum::PositionChecksum;
 pub use feed_override::feed_override::{FeedOverride, OverrideLimits, OverrideState, Rate};
 pub use feed_plan::StageShape;

@@ -1,0 +1,173 @@
+/* Pieces: the path as short polynomials, and their coefficients about the place where a step begins. */
+{%- if !floating %}
+
+/* 2^s, the step over the whole piece. */
+static number whole_of(const piece_row *row)
+{
+    return power_of_two(row->step_exponent);
+}
+{%- endif %}
+
+/* A step as a part of the piece, in units of 2^-64. */
+static uint64_t part_of(const piece_row *row, number step)
+{
+{%- if floating %}
+    (void)row;
+    return to_phase(step, 0);
+{%- else %}
+    return to_phase(step, -(int32_t)row->step_exponent);
+{%- endif %}
+}
+
+/* One sweep of Horner's scheme from the top coefficient down to number `low`: each entry becomes the sum so far. */
+static void divide_rows(number rows[DEGREE][AXES], uint32_t low, number t)
+{
+    for (uint32_t k = DEGREE - 1u; k > low; k--) {
+        for (uint32_t d = 0u; d < AXES; d++) {
+            rows[k - 1u][d] = mul_add(rows[k][d], t, rows[k - 1u][d]);
+        }
+    }
+}
+{%- if rational %}
+
+/* The same for weights. */
+static void divide_weights(number turns[DEGREE], uint32_t low, number t)
+{
+    for (uint32_t k = DEGREE - 1u; k > low; k--) {
+        turns[k - 1u] = mul_add(turns[k], t, turns[k - 1u]);
+    }
+}
+
+/* Turns N and its derivatives about t into P and the chord's numerator, c_k - P omega_k, all over W(t). `turns` becomes
+ * omega_k / W(t). */
+static void divide_by_weight(uint32_t piece, number t, number rows[DEGREE][AXES], number offset[AXES], number turns[DEGREE])
+{
+    for (uint32_t k = 0u; k < DEGREE; k++) {
+        turns[k] = weights[piece][k + 1u];
+    }
+    divide_weights(turns, 0u, t);
+    const number rise = mul(turns[0], t);
+    for (uint32_t low = 0u; low < DEGREE; low++) {
+        divide_weights(turns, low, t);
+    }
+    const number reciprocal = divide(ONE, add(weights[piece][0], rise));
+    for (uint32_t d = 0u; d < AXES; d++) {
+        offset[d] = mul(offset[d], reciprocal);
+    }
+    for (uint32_t k = 0u; k < DEGREE; k++) {
+        turns[k] = mul(turns[k], reciprocal);
+        for (uint32_t d = 0u; d < AXES; d++) {
+            rows[k][d] = rounded(plus(product(rows[k][d], reciprocal), product(negative(offset[d]), turns[k])));
+        }
+    }
+}
+{%- endif %}
+
+/* Writes the piece's polynomials about t into `at`: repeated synthetic division, p (p + 1) / 2 products a coordinate. Of
+ * the coefficients the first `count` are written. */
+static void shift_to(uint32_t piece, number t, uint32_t count, shifted *at)
+{
+    number rows[DEGREE][AXES];
+    for (uint32_t k = 0u; k < DEGREE; k++) {
+        for (uint32_t d = 0u; d < AXES; d++) {
+            rows[k][d] = numerators[piece][k][d];
+        }
+    }
+    divide_rows(rows, 0u, t);
+    for (uint32_t d = 0u; d < AXES; d++) {
+        at->offset[d] = mul(rows[0][d], t);
+    }
+    for (uint32_t low = 0u; low < DEGREE; low++) {
+        divide_rows(rows, low, t);
+    }
+{%- if rational %}
+    number turns[DEGREE];
+    divide_by_weight(piece, t, rows, at->offset, turns);
+{%- endif %}
+{%- if floating %}
+    for (uint32_t k = 0u; k < count; k++) {
+        for (uint32_t d = 0u; d < AXES; d++) {
+            at->chord[k][d] = rows[k][d];
+        }
+{%- if rational %}
+        at->weight[k] = turns[k];
+{%- endif %}
+    }
+{%- else %}
+    /* From h^k in units of 2^e mm to eta x^(k-1) in units of 2^-{{ chord_exponent }} mm: h^k = x^k 2^(k (r - s)). */
+    const piece_row *row = &pieces[piece];
+    const int32_t per_power = (int32_t)row->range_exponent - row->step_exponent;
+    int32_t exponent = (int32_t)row->coordinate_exponent - row->range_exponent + {{ upper }}_CHORD_EXPONENT;
+{%- if rational %}
+    int32_t weight_exponent = 0;
+{%- endif %}
+    for (uint32_t k = 0u; k < count; k++) {
+        exponent += per_power;
+        for (uint32_t d = 0u; d < AXES; d++) {
+            at->chord[k][d] = times_power_of_two(rows[k][d], exponent);
+        }
+{%- if rational %}
+        weight_exponent += per_power;
+        at->weight[k] = times_power_of_two(turns[k], weight_exponent);
+{%- endif %}
+    }
+{%- endif %}
+}
+
+/* The offset of a piece's point in the units of setpoints. */
+static void in_units_of_path(const piece_row *row, const number offset[AXES], number in_units[AXES])
+{
+{%- if floating %}
+    (void)row;
+    for (uint32_t d = 0u; d < AXES; d++) {
+        in_units[d] = offset[d];
+    }
+{%- else %}
+    const int32_t exponent = (int32_t)row->coordinate_exponent - {{ upper }}_COORDINATE_EXPONENT;
+    for (uint32_t d = 0u; d < AXES; d++) {
+        in_units[d] = times_power_of_two(offset[d], exponent);
+    }
+{%- endif %}
+}
+
+/* The phase at the end of a step on its piece; false past the end. */
+static bool after(uint64_t *phase, uint64_t step)
+{
+    if (step >= ~*phase) {
+        return false;
+    }
+    *phase += step;
+    return true;
+}
+
+/* The place on a piece at the end of a step, as phase and as number; false past the end. */
+static bool onward(const piece_row *row, uint64_t *phase, number *t, number step)
+{
+{%- if adds_places %}
+    (void)row;
+    const number reached = *t + step;
+    if (!place_to_phase(reached, phase)) {
+        return false;
+    }
+    *t = reached;
+    return true;
+{%- else %}
+    if (!after(phase, part_of(row, step))) {
+        return false;
+    }
+    *t = fraction(*phase);
+    return true;
+{%- endif %}
+}
+
+/* The step from a place to the end of its piece. */
+static number step_to_end(const {{ name }}_state *state, const piece_row *row)
+{
+    const uint64_t rest = 0u - state->phase; /* 2^64 - phase; 0 stands for a whole piece */
+{%- if floating %}
+    (void)row;
+    return (rest == 0u) ? ONE : from_phase(rest, 0);
+{%- else %}
+    return (rest == 0u) ? whole_of(row) : from_phase(rest, row->step_exponent);
+{%- endif %}
+}
