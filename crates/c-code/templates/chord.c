@@ -29,10 +29,12 @@ typedef struct {
 
 #define NOTHING_BEFORE ((const number *)0)
 
+{%- if !floating %}
 static bool is_within(number sigma, number least, number greatest)
 {
     return (least <= sigma) && (sigma <= greatest);
 }
+{%- endif %}
 
 /* `correction`, cut so that sigma stays in its range. */
 static number within(number correction, number sigma, number least, number greatest)
