@@ -25,8 +25,17 @@ pub struct CPart<'a, R, const D: usize> {
     pub period_s: f64,
     /// The run from begin to end.
     pub run: ExpectedRun,
-    /// How fast an override changes the rate, if the files shall have feed override.
-    pub feed_override: Option<FeedOverride>,
+    /// Feed override, if the files shall have it.
+    pub feed_override: Option<COverride>,
+}
+
+/// Feed override of a part.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct COverride {
+    /// How fast the rate may change.
+    pub feeds: FeedOverride,
+    /// The share of the plan's own speed at which the feed is the commanded one, 100 %.
+    pub commanded: f64,
 }
 
 /// What a self-test compares with.
@@ -79,8 +88,10 @@ impl<R: Backend, const D: usize> CPart<'_, R, D> {
     /// # Errors
     /// [`CError`] if C has no type for the format, or the path cannot be counted.
     pub fn files(&self) -> Result<CFiles, CError> {
-        let overridden =
-            self.feed_override.as_ref().map(|feeds| OverriddenRun::of(self.path, feeds, self.run.periods));
+        let overridden = self.feed_override.map(|COverride { feeds, commanded }| {
+            OverriddenRun::of(self.path, &feeds, commanded, self.run.periods).ok_or(CError::Unfinished)
+        });
+        let overridden = overridden.transpose()?;
         let values = Values::of(self, overridden)?;
         let text = |rendered: askama::Result<String>| rendered.map(with_end).unwrap_or_default();
         Ok(CFiles {

@@ -22,7 +22,7 @@ mod overridden_run;
 mod shapes;
 mod values;
 
-pub use c_part::{CFiles, CPart, ExpectedRun};
+pub use c_part::{CFiles, COverride, CPart, ExpectedRun};
 pub use literal::expect_type;
 pub use name::{CError, CName};
 pub use overridden_run::{OverriddenRun, RateCommand};

@@ -19,6 +19,8 @@ pub enum CError {
     Empty,
     /// The text is no identifier of C.
     Name(String),
+    /// The run with feed override comes to no end.
+    Unfinished,
     /// The path has more pieces or stages than an index of 32 bits can count.
     TooLong,
 }
@@ -38,6 +40,9 @@ impl fmt::Display for CError {
                 "{name:?} cannot begin names in C: expected letters of ASCII, digits and underscores, the first a letter, and no \
                  word of C"
             ),
+            Self::Unfinished => {
+                f.write_str("the run with feed override is not at the end of the path in time")
+            }
             Self::TooLong => f.write_str("the path has more than 2^32 pieces or stages"),
         }
     }

@@ -3,7 +3,7 @@
 use feed_plan::sinc_terms;
 use nurbs_core::{Joint, ORIGIN_EXPONENT, Piece, Pieces};
 use real::{Backend, FormatName, Real, Trigonometric, sine_terms};
-use secant_interp::{LengthStage, Section, StageShape};
+use secant_interp::{LANDING_REACH, LengthStage, Section, StageShape};
 
 use crate::c_part::CPart;
 use crate::comment::in_a_comment;
@@ -24,6 +24,10 @@ pub(crate) struct Values {
     pub(crate) checksum: u64,
     pub(crate) overrides: bool,
     pub(crate) overridden: Option<OverriddenRun>,
+    pub(crate) feeds: Feeds,
+    pub(crate) landing_jerk: String,
+    pub(crate) landing_reach: String,
+    pub(crate) origin_exponent: i32,
     pub(crate) table_bytes: usize,
     // The path.
     pub(crate) axes: usize,
@@ -83,6 +87,14 @@ pub(crate) struct Uses {
     pub(crate) cosine: bool,
     /// The constant 1/3.
     pub(crate) third: bool,
+}
+
+/// The bounds of a feed override, in units of 2⁻³².
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Feeds {
+    pub(crate) slope: u64,
+    pub(crate) bend: u64,
+    pub(crate) commanded: u64,
 }
 
 /// The words of a fixed-point format, and the layout of a float.
@@ -147,6 +159,8 @@ impl Values {
         let uses = Uses::of(&pieces, sections, &shapes);
         let ratio = |n, d| number(R::from_ratio(n, d));
         let (word_bits, fraction_bits) = (format.bits(), fraction_bits(format));
+        let landing_jerk =
+            part.feed_override.map_or_else(R::zero, |by| by.feeds.landing_jerk(run.landing_step));
         let exponent = pieces.coordinate_exponent.wrapping_sub(ORIGIN_EXPONENT + 64);
         let mut values = Self {
             name: part.name.as_str().to_owned(),
@@ -159,6 +173,14 @@ impl Values {
             checksum: part.run.checksum,
             overrides: overridden.is_some(),
             overridden,
+            feeds: part.feed_override.map_or_else(Feeds::default, |by| Feeds {
+                slope: by.feeds.slope(),
+                bend: by.feeds.bend(),
+                commanded: by.commanded.to_phase(-32),
+            }),
+            landing_jerk: number(landing_jerk),
+            landing_reach: number(landing_jerk.ldexp(LANDING_REACH)),
+            origin_exponent: pieces.chord_exponent.saturating_add(ORIGIN_EXPONENT + 64).clamp(-64, 64),
             table_bytes: 0,
             axes: D,
             degree: pieces.degree,

@@ -149,8 +149,9 @@ typedef struct {
     int32_t pause_left;
 } {{ name }}_rates;
 
-/** 100 % of the plan's speed, in the unit of {{ name }}_set_rate(). */
+/** The plan's own speed, which is that of the highest override, and the speed of the commanded feed, 100 %. */
 #define {{ upper }}_FULL_RATE UINT64_C(0x100000000)
+#define {{ upper }}_COMMANDED_RATE UINT64_C({{ feeds.commanded }})
 {%- endif %}
 
 /** What a self-test finds. */
@@ -172,7 +173,7 @@ void {{ name }}_start({{ name }}_state *state, uint32_t section);
 bool {{ name }}_step({{ name }}_state *state, {{ name }}_setpoint *setpoint);
 {%- if overrides %}
 
-/** Sets the rate to 100 % of the plan's speed. */
+/** Sets the rate to 100 %, the commanded feed. Call it once, before the first section. */
 void {{ name }}_start_rates({{ name }}_rates *rates);
 
 /** Asks for another rate, in units of 2^-32: 0 is hold, {{ upper }}_FULL_RATE and more are the plan's own speed. */

@@ -45,7 +45,7 @@ static bool contracts(void)
         return {{ upper }}_DIFFERS;
     }
 {%- if let Some(run) = overridden %}
-    /* The same at changing rates: {{ run.sentence }}. */
+    /* The same at changing rates: slower, held, and on again. */
     {{ name }}_rates rates;
     checksum = UINT64_C(0xcbf29ce484222325);
     periods = 0u;
@@ -58,7 +58,7 @@ static bool contracts(void)
             periods++;
 {%- for command in run.commands %}
             {% if !loop.first %}} else {% endif %}if (periods == {{ command.period }}u) {
-                {{ name }}_set_rate(&rates, UINT64_C({{ command.rate }}));
+                {{ name }}_set_rate(&rates, UINT64_C({{ command.rate() }}));
 {%- endfor %}
             } else {
                 /* The rate stays as it is. */

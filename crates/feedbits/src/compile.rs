@@ -35,6 +35,39 @@ pub(crate) struct Arguments {
     /// Bytes of flash for the tables: refuse a part that takes more.
     #[arg(long, value_name = "BYTES")]
     flash: Option<usize>,
+    /// In C: with feed override up to this percentage of the commanded feed, 100 to 200, and feed hold. Such a run goes from
+    /// rest to rest.
+    #[arg(
+        long,
+        allow_negative_numbers = true,
+        value_name = "PERCENT",
+        conflicts_with_all = ["start_feed", "end_feed"]
+    )]
+    feed_override: Option<f64>,
+    /// Share of acceleration and jerk that the plan leaves for changes of the override, in per cent.
+    #[arg(
+        long,
+        allow_negative_numbers = true,
+        value_name = "PERCENT",
+        default_value_t = 20.0,
+        requires = "feed_override"
+    )]
+    reserve: f64,
+}
+
+impl Arguments {
+    /// The overrides that the files shall allow.
+    fn overrides(&self) -> Result<Option<Overrides>> {
+        let Some(percent) = self.feed_override else { return Ok(None) };
+        if self.language == Language::Rust {
+            bail!("--feed-override goes with --language c: in Rust the firmware calls `step_overridden`");
+        }
+        if !(100.0..=200.0).contains(&percent) {
+            bail!("--feed-override {percent}: expected 100 to 200 % of the commanded feed");
+        }
+        let highest = OverrideTarget { time_s: 0.0, share: percent / 100.0 };
+        Ok(Some(Overrides::try_new(vec![highest], self.reserve / 100.0)?))
+    }
 }
 
 /// Languages, by their names on the command line.
@@ -46,9 +79,9 @@ enum Language {
     C,
 }
 
-/// A part that is planned, and judged in the format.
+/// A part that is planned, and judged in the format. With feed override, `problem` is that of the highest override.
 pub(crate) struct Judged<'a, const D: usize> {
-    pub(crate) problem: &'a Problem<D>,
+    pub(crate) problem: Problem<D>,
     pub(crate) plan: ExactPlan,
     pub(crate) options: Options,
     pub(crate) format: &'a dyn Format<D>,
@@ -92,16 +125,21 @@ where
     }
     let formats = selected::<D>(std::slice::from_ref(&arguments.format))?;
     let Some(format) = formats.first().map(AsRef::as_ref) else { bail!("no format") };
-    let plan = format_compare::plan_for(problem, format, &options)?;
+    let overrides = arguments.overrides()?;
+    let to_plan = overrides.as_ref().map_or_else(|| problem.clone(), |overrides| overrides.to_plan(problem));
     if place.is_some() {
         // What C cannot hold is refused before the long run of the judge.
         compile_to_c::expect_type(format)?;
     }
-    let mut comparison = format_compare::compare(problem, &formats, &[Engine::Pieces], &options)?;
+    let plan = format_compare::plan_for(&to_plan, format, &options)?;
+    let mut comparison = format_compare::compare(&to_plan, &formats, &[Engine::Pieces], &options)?;
     let Some(row) = comparison.formats.pop() else { bail!("no run") };
-    let machine = &comparison.machine;
-    let about = format!("{} at {} mm/s, in {}", comparison.part.name, machine.feedrate_mm_per_s, row.format);
-    let judged = Judged { problem, plan, options, format, about, fault: fault_of(row) };
+    let (name, feed) = (&comparison.part.name, problem.feedrate_mm_per_s());
+    let up_to = arguments.feed_override.map(|percent| format!(", with feed override up to {percent} %"));
+    let about = format!("{name} at {feed} mm/s, in {}{}", row.format, up_to.unwrap_or_default());
+    let commands = overrides.map(|overrides| overrides.commands(problem, &plan)).transpose()?;
+    let options = Options { overrides: commands, ..options };
+    let judged = Judged { problem: to_plan, plan, options, format, about, fault: fault_of(row) };
     match place {
         Some(place) => compile_to_c::write(&judged, place, arguments.flash, progress)?,
         None => write_constants(&judged, arguments, progress)?,

@@ -4,11 +4,11 @@ use std::fmt::Write;
 use std::path::Path;
 use std::process::Command;
 
-use c_code::{CFiles, CName, CPart, ExpectedRun};
+use c_code::{CFiles, CName, COverride, CPart, ExpectedRun};
 use feed_plan::Schedule;
 use nurbs_core::{PieceLimits, compile_with_stops};
 use real::{Backend, DoubleDouble};
-use secant_interp::{ChordTolerance, CompiledPath, FeedOverride, PositionChecksum};
+use secant_interp::{ChordTolerance, CompiledPath, FeedOverride, OverrideLimits, PositionChecksum};
 use stress::{PlannedPath, RandomPath};
 
 /// Whoever compiles these files takes no warning for an answer.
@@ -38,7 +38,7 @@ impl Parts {
         &mut self,
         path: &RandomPath<D>,
         most_periods: u32,
-        feed_override: Option<FeedOverride>,
+        has_override: bool,
     ) -> bool {
         let Some(planned) = PlannedPath::new(path, most_periods) else { return false };
         let curves: Vec<_> = path.curves.iter().map(nurbs_core::NurbsBuf::as_curve).collect();
@@ -54,10 +54,10 @@ impl Parts {
             return false;
         };
         let Some(run) = expected(&path, 4 * most_periods as usize) else { return false };
+        let feed_override = has_override.then(|| override_of(&planned));
         let name = self.name();
         let about = format!("{} in {}", name.as_str(), R::name());
-        let part =
-            CPart { name, about, fault: None, path: &path, period_s: 0.001, run, feed_override };
+        let part = CPart { name, about, fault: None, path: &path, period_s: 0.001, run, feed_override };
         let name = part.name.as_str().to_owned();
         self.files.push((name, part.files().expect("C has the format")));
         true
@@ -117,6 +117,19 @@ impl Parts {
         }
         program
     }
+}
+
+/// Feed override with a reserve of a fifth of the plan's own acceleration and jerk; 100 % is four fifths of its speed.
+fn override_of<const D: usize>(planned: &PlannedPath<'_, D>) -> COverride {
+    let limits = &planned.path.limits;
+    let feeds = FeedOverride::new(&OverrideLimits {
+        acceleration: 1.25 * limits.acceleration,
+        jerk: 1.25 * limits.jerk,
+        planned_acceleration: limits.acceleration,
+        planned_jerk: limits.jerk,
+        planned_feed: limits.feedrate,
+    });
+    COverride { feeds: feeds.expect("a reserve"), commanded: 0.8 }
 }
 
 /// The run in Rust; `None` if it is not over after so many periods.

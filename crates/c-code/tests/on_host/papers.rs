@@ -61,15 +61,15 @@ macro_rules! in_every_format {
             let mut parts = Parts::default();
             let path = $path;
             let added = [
-                parts.add::<I4F12, _>(&path, 9000, None),
-                parts.add::<I16F16, _>(&path, 9000, None),
-                parts.add::<I8F24, _>(&path, 9000, None),
-                parts.add::<I4F28, _>(&path, 9000, None),
-                parts.add::<I3F29, _>(&path, 9000, None),
-                parts.add::<I16F48, _>(&path, 9000, None),
-                parts.add::<I4F60, _>(&path, 9000, None),
-                parts.add::<f32, _>(&path, 9000, None),
-                parts.add::<f64, _>(&path, 9000, None),
+                parts.add::<I4F12, _>(&path, 9000, false),
+                parts.add::<I16F16, _>(&path, 9000, false),
+                parts.add::<I8F24, _>(&path, 9000, false),
+                parts.add::<I4F28, _>(&path, 9000, false),
+                parts.add::<I3F29, _>(&path, 9000, false),
+                parts.add::<I16F48, _>(&path, 9000, false),
+                parts.add::<I4F60, _>(&path, 9000, false),
+                parts.add::<f32, _>(&path, 9000, false),
+                parts.add::<f64, _>(&path, 9000, false),
             ];
             assert_eq!(added, [true; 9], "every format holds the path");
             parts.demand_the_same_runs();

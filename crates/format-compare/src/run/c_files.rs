@@ -1,6 +1,6 @@
 //! A part for a controller: path and plan in one format, as C99.
 
-use c_code::{CFiles, CName, CPart, ExpectedRun};
+use c_code::{CFiles, CName, COverride, CPart, ExpectedRun};
 use real::Backend;
 
 use crate::refusal::Refusal;
@@ -35,7 +35,11 @@ pub(crate) fn c_files<R: Backend, const D: usize>(
         path: &path,
         period_s: job.problem.period_s(),
         run: ExpectedRun { periods, checksum },
-        feed_override: job.options.overrides.as_ref().map(|commands| commands.feeds),
+        feed_override: job
+            .options
+            .overrides
+            .as_ref()
+            .map(|commands| COverride { feeds: commands.feeds, commanded: commands.commanded_share() }),
     };
     part.files().map_err(Refusal::C)
 }
