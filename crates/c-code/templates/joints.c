@@ -38,19 +38,18 @@ static void be_steady({{ name }}_state *state, number sigma)
     state->fall = {{ zero }};
 }
 
-static travelled_way travelled_up_to(const number before[AXES], number part)
+/* Sets what is travelled, a vector over L and a step over L, and with it what is left. */
+static void set_travelled(travelled_way *way, const number before[AXES], number part)
 {
-    travelled_way way;
     for (uint32_t d = 0u; d < AXES; d++) {
-        way.before[d] = before[d];
+        way->before[d] = before[d];
     }
-    way.part = part;
-    way.left = sub(ONE, norm(before));
-    return way;
+    way->part = part;
+    way->left = sub(ONE, norm(before));
 }
 
 /* The way up to the end of the present piece. */
-static travelled_way way_to_end(const {{ name }}_state *state, const piece_row *row, number length)
+static void way_to_end(const {{ name }}_state *state, const piece_row *row, number length, travelled_way *travelled)
 {
     const number step = step_to_end(state, row);
     const chord on = chord_on(row, &state->at, length);
@@ -59,7 +58,7 @@ static travelled_way way_to_end(const {{ name }}_state *state, const piece_row *
     for (uint32_t d = 0u; d < AXES; d++) {
         way[d] = divide(way[d], length);
     }
-    return travelled_up_to(way, divide(step, length));
+    set_travelled(travelled, way, divide(step, length));
 }
 {%- if has_joints %}
 
@@ -186,13 +185,12 @@ static number first_step_per_chord(const number speed_vector[AXES], const piece_
 {%- endif %}
 {%- endif %}
 
-/* Makes a step over one joint or more, `travelled` up to the first; returns the evaluations. */
-static uint32_t cross({{ name }}_state *state, const piece_row *from, const travelled_way *travelled, number whole_length)
+/* Makes a step over one joint or more, with the way up to the first, which it changes; returns the evaluations. */
+static uint32_t cross({{ name }}_state *state, const piece_row *from, travelled_way *way, number whole_length)
 {
 {%- if has_joints %}
     const uint32_t end = sections[state->section].end_piece;
     const piece_row *row = from;
-    travelled_way way = *travelled;
 {%- if uses.breaks %}
     number length = whole_length;
 {%- else %}
@@ -209,18 +207,18 @@ static uint32_t cross({{ name }}_state *state, const piece_row *from, const trav
         const bool is_corner = (row->joint == BREAKS);
         if (is_corner) {
             const number nothing[AXES] = { {{ zero }} };
-            length = mul(length, way.left);
-            way = travelled_up_to(nothing, {{ zero }});
+            length = mul(length, way->left);
+            set_travelled(way, nothing, {{ zero }});
         }
 {%- endif %}
-        const number part = part_into_next(row, next, minimum(way.part, row->greatest_step_per_chord));
-        if ((way.left <= {{ zero }}) || (length <= {{ zero }})) {
+        const number part = part_into_next(row, next, minimum(way->part, row->greatest_step_per_chord));
+        if ((way->left <= {{ zero }}) || (length <= {{ zero }})) {
             reach(state, piece, 0u, state->newest);
             limit_trend(state, next);
             return evaluations;
         }
         shifted at;
-        shift_to(piece, {{ zero }}, DEGREE, &at);
+        shift_to(piece, {{ zero }}, {% if !floating %}DEGREE, {% endif %}&at);
         chord on = chord_on(next, &at, length);
         number guess;
 {%- if uses.breaks %}
@@ -232,28 +230,28 @@ static uint32_t cross({{ name }}_state *state, const piece_row *from, const trav
 {%- else %}
         {
 {%- endif %}
-            on.before = way.before;
+            on.before = way->before;
             on.least = {{ zero }};
             /* What is left begins later than a whole chord and ends with it: sigma has gone on by half of that. */
-            const number earlier = half(mul(sub(state->newest, expected), sub(ONE, way.left)));
+            const number earlier = half(mul(sub(state->newest, expected), sub(ONE, way->left)));
             const number later = sub(expected, within(earlier, expected, next->least_step_per_chord, greatest));
-            guess = mul(later, way.left);
+            guess = mul(later, way->left);
         }
         number beyond[AXES];
         const bool is_long = mul(guess, length) >= on.whole;
-        bool is_past = is_long && past(&way, &on, length, beyond);
+        bool is_past = is_long && past(way, &on, length, beyond);
         if (!is_past) {
             number sigma = guess;
             evaluations += solve(&on, &sigma, MAX_EVALUATIONS);
             const number step = mul(sigma, length);
-            is_past = !((step < on.whole) || is_long) && past(&way, &on, length, beyond);
+            is_past = !((step < on.whole) || is_long) && past(way, &on, length, beyond);
             if (!is_past) {
                 reach(state, piece, part_of(next, step), maximum(next->least_step_per_chord, sum_within(part, sigma, greatest)));
                 limit_trend(state, next);
                 return evaluations;
             }
         }
-        way = travelled_up_to(beyond, sum_within(part, divide(on.whole, length), greatest));
+        set_travelled(way, beyond, sum_within(part, divide(on.whole, length), greatest));
         row = next;
     }
     reach(state, end, 0u, state->newest);
@@ -261,7 +259,7 @@ static uint32_t cross({{ name }}_state *state, const piece_row *from, const trav
 {%- else %}
     /* Every section is one piece: behind its end nothing follows. */
     (void)from;
-    (void)travelled;
+    (void)way;
     (void)whole_length;
     state->piece = sections[state->section].end_piece;
     state->phase = 0u;
@@ -280,6 +278,7 @@ static uint32_t pass_end({{ name }}_state *state, const piece_row *row, number l
     (void)step;
     (void)sigma;
 {%- endif %}
-    const travelled_way travelled = way_to_end(state, row, length);
-    return evaluations + cross(state, row, &travelled, length);
+    travelled_way way;
+    way_to_end(state, row, length, &way);
+    return evaluations + cross(state, row, &way, length);
 }

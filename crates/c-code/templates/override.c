@@ -161,7 +161,7 @@ static bool remaining_length(const {{ name }}_state *state, const piece_row *row
         between[d] = from_phase(is_ahead ? ahead : (0u - ahead), {{ origin_exponent }});
     }
     shifted at;
-    shift_to(end - 1u, {{ zero }}, DEGREE, &at);
+    shift_to(end - 1u, {{ zero }}, {% if !floating %}DEGREE, {% endif %}&at);
     number over_last = {{ zero }};
     if (!length_across(last, &at, {% if floating %}ONE{% else %}whole_of(last){% endif %}, &over_last)) {
         return false;

@@ -30,27 +30,21 @@ static void divide_rows(number rows[DEGREE][AXES], uint32_t low, number t)
 }
 {%- if rational %}
 
-/* The same for weights. */
-static void divide_weights(number turns[DEGREE], uint32_t low, number t)
-{
-    for (uint32_t k = DEGREE - 1u; k > low; k--) {
-        turns[k - 1u] = mul_add(turns[k], t, turns[k - 1u]);
-    }
-}
-
 /* Turns N and its derivatives about t into P and the chord's numerator, c_k - P omega_k, all over W(t). `turns` becomes
  * omega_k / W(t). */
 static void divide_by_weight(uint32_t piece, number t, number rows[DEGREE][AXES], number offset[AXES], number turns[DEGREE])
 {
-    for (uint32_t k = 0u; k < DEGREE; k++) {
-        turns[k] = weights[piece][k + 1u];
+    /* The same repeated division as of N. The first sweep takes the coefficients from the table. */
+    turns[DEGREE - 1u] = weights[piece][DEGREE];
+    for (uint32_t k = DEGREE - 1u; k > 0u; k--) {
+        turns[k - 1u] = mul_add(turns[k], t, weights[piece][k]);
     }
-    divide_weights(turns, 0u, t);
-    const number rise = mul(turns[0], t);
+    const number reciprocal = divide(ONE, add(weights[piece][0], mul(turns[0], t)));
     for (uint32_t low = 0u; low < DEGREE; low++) {
-        divide_weights(turns, low, t);
+        for (uint32_t k = DEGREE - 1u; k > low; k--) {
+            turns[k - 1u] = mul_add(turns[k], t, turns[k - 1u]);
+        }
     }
-    const number reciprocal = divide(ONE, add(weights[piece][0], rise));
     for (uint32_t d = 0u; d < AXES; d++) {
         offset[d] = mul(offset[d], reciprocal);
     }
@@ -63,37 +57,38 @@ static void divide_by_weight(uint32_t piece, number t, number rows[DEGREE][AXES]
 }
 {%- endif %}
 
-/* Writes the piece's polynomials about t into `at`: repeated synthetic division, p (p + 1) / 2 products a coordinate. Of
+/* Writes the piece's polynomials about t into `at`: repeated synthetic division, p (p + 1) / 2 products a coordinate.
+{%- if floating %} */
+{%- else %} Of
  * the coefficients the first `count` are written. */
-static void shift_to(uint32_t piece, number t, uint32_t count, shifted *at)
+{%- endif %}
+static void shift_to(uint32_t piece, number t, {% if !floating %}uint32_t count, {% endif %}shifted *at)
 {
+{%- if floating %}
+    number (*const rows)[AXES] = at->chord;
+{%- else %}
     number rows[DEGREE][AXES];
-    for (uint32_t k = 0u; k < DEGREE; k++) {
-        for (uint32_t d = 0u; d < AXES; d++) {
-            rows[k][d] = numerators[piece][k][d];
-        }
-    }
-    divide_rows(rows, 0u, t);
+{%- endif %}
     for (uint32_t d = 0u; d < AXES; d++) {
+        /* The first sweep takes the coefficients from the table. */
+        rows[DEGREE - 1u][d] = numerators[piece][DEGREE - 1u][d];
+{%- if degree > 1 %}
+        for (uint32_t k = DEGREE - 1u; k > 0u; k--) {
+            rows[k - 1u][d] = mul_add(rows[k][d], t, numerators[piece][k - 1u][d]);
+        }
+{%- endif %}
         at->offset[d] = mul(rows[0][d], t);
     }
     for (uint32_t low = 0u; low < DEGREE; low++) {
         divide_rows(rows, low, t);
     }
-{%- if rational %}
+{%- if rational && floating %}
+    divide_by_weight(piece, t, rows, at->offset, at->weight);
+{%- else if rational %}
     number turns[DEGREE];
     divide_by_weight(piece, t, rows, at->offset, turns);
 {%- endif %}
-{%- if floating %}
-    for (uint32_t k = 0u; k < count; k++) {
-        for (uint32_t d = 0u; d < AXES; d++) {
-            at->chord[k][d] = rows[k][d];
-        }
-{%- if rational %}
-        at->weight[k] = turns[k];
-{%- endif %}
-    }
-{%- else %}
+{%- if !floating %}
     /* From h^k in units of 2^e mm to eta x^(k-1) in units of 2^-{{ chord_exponent }} mm: h^k = x^k 2^(k (r - s)). */
     const piece_row *row = &pieces[piece];
     const int32_t per_power = (int32_t)row->range_exponent - row->step_exponent;

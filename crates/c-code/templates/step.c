@@ -93,7 +93,8 @@ static uint32_t search({{ name }}_state *state, const piece_row *row, number len
 {
     number sigma = expected_sigma(state, row);
     if (!is_on_piece(state, row, mul(sigma, length))) {
-        const travelled_way way = way_to_end(state, row, length);
+        travelled_way way;
+        way_to_end(state, row, length, &way);
         if (way.left > {{ zero }}) {
             return cross(state, row, &way, length);
         }
@@ -109,14 +110,14 @@ static uint32_t arrive({{ name }}_state *state)
     const uint32_t end = sections[state->section].end_piece;
     if (state->piece >= end) {
         state->t = END_OF_PIECE;
-        shift_to(end - 1u, END_OF_PIECE, DEGREE, &state->at);
+        shift_to(end - 1u, END_OF_PIECE, {% if !floating %}DEGREE, {% endif %}&state->at);
         return end - 1u;
     }
     state->t = fraction(state->phase);
 {%- if adds_places %}
     (void)place_to_phase(state->t, &state->phase); /* the phase has the digits of the number, and no more */
 {%- endif %}
-    shift_to(state->piece, state->t, DEGREE, &state->at);
+    shift_to(state->piece, state->t, {% if !floating %}DEGREE, {% endif %}&state->at);
     return state->piece;
 }
 
@@ -184,7 +185,7 @@ static void follow({{ name }}_state *state, number length, number reach_length, 
         return;
     }
     remember(state, sigma);
-    shift_to(state->piece, state->t, {% if rational %}DEGREE{% else %}DEGREE - 1u{% endif %}, &state->at);
+    shift_to(state->piece, state->t, {% if !floating %}{% if rational %}DEGREE{% else %}DEGREE - 1u{% endif %}, {% endif %}&state->at);
     setpoint->piece = state->piece;
     setpoint->phase = state->phase;
     setpoint->length = length;
@@ -206,7 +207,7 @@ void {{ name }}_start({{ name }}_state *state, uint32_t section)
 {%- if !floating %}
     state->whole = whole_of(row);
 {%- endif %}
-    shift_to(state->piece, {{ zero }}, DEGREE, &state->at);
+    shift_to(state->piece, {{ zero }}, {% if !floating %}DEGREE, {% endif %}&state->at);
     look_ahead(state);
     /* There is no history: sigma of the first chord is found from the middle of its range. */
     const chord on = chord_on(row, &state->at, state->is_ahead ? state->ahead : LANDING_STEP);

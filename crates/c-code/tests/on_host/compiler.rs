@@ -107,14 +107,13 @@ impl Parts {
             .arg(&program)
             .output()
             .expect("a compiler that runs");
-        if !output.status.success() {
-            if let Ok(kept) = std::env::var("FEEDBITS_KEEP_C") {
-                for source in &sources {
-                    let _ = std::fs::copy(source, Path::new(&kept).join(source.file_name().expect("a name")));
-                }
+        if let Ok(kept) = std::env::var("FEEDBITS_KEEP_C") {
+            for file in std::fs::read_dir(folder).expect("a folder").flatten() {
+                let _ = std::fs::copy(file.path(), Path::new(&kept).join(file.file_name()));
             }
-            panic!("{compiler}: {}", String::from_utf8_lossy(&output.stderr));
         }
+        let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.success(), "{compiler}: {errors}");
         program
     }
 }
