@@ -24,10 +24,11 @@ typedef struct {
     number length;         /* L */
     number least;          /* the range of sigma */
     number greatest;
-    const number *before;  /* what is travelled on pieces before, over L; NULL on one piece */
+{%- if has_joints %}
+    bool is_past_joint;    /* whether a part of the chord lies on pieces before: */
+    const number *before;  /* that part, over L */
+{%- endif %}
 } chord;
-
-#define NOTHING_BEFORE ((const number *)0)
 
 {%- if !floating %}
 static bool is_within(number sigma, number least, number greatest)
@@ -103,7 +104,7 @@ static number variable(const chord *on, number step)
 
 /* f/4 and an eighth of df/dsigma of f = |b + sigma v|^2 - 1, v = q/w: where b, a part of the chord, lies on pieces before.
  * All is halved, because |b + sigma v| may come near to 2. */
-static evaluation evaluate_past_joint(number sigma, const number before[AXES], const number q[AXES], const number turn[AXES]{% if rational %}, number weight, number weight_turn{% endif %})
+static void evaluate_past_joint(number sigma, const number before[AXES], const number q[AXES], const number turn[AXES]{% if rational %}, number weight, number weight_turn{% endif %}, evaluation *value)
 {
 {%- if rational %}
     const number reciprocal = divide(ONE, weight);
@@ -127,15 +128,13 @@ static evaluation evaluate_past_joint(number sigma, const number before[AXES], c
         growth = plus(growth, product(direction, pull));
 {%- endif %}
     }
-    evaluation value;
-    value.residual = rounded(plus(squares, product(negative(ONE_HALF), ONE_HALF)));
-    value.slope = rounded(growth);
-    return value;
+    value->residual = rounded(plus(squares, product(negative(ONE_HALF), ONE_HALF)));
+    value->slope = rounded(growth);
 }
 {%- endif %}
 
 /* f and g at sigma, whose step is given. */
-static evaluation evaluate(const chord *on, number sigma, number step)
+static void evaluate(const chord *on, number sigma, number step, evaluation *value)
 {
     number q[AXES];
     number turn[AXES];
@@ -148,8 +147,9 @@ static evaluation evaluate(const chord *on, number sigma, number step)
     const number weight_turn = mul(weight_slope, x);
 {%- endif %}
 {%- if has_joints %}
-    if (on->before != NOTHING_BEFORE) {
-        return evaluate_past_joint(sigma, on->before, q, turn{% if rational %}, weight, weight_turn{% endif %});
+    if (on->is_past_joint) {
+        evaluate_past_joint(sigma, on->before, q, turn{% if rational %}, weight, weight_turn{% endif %}, value);
+        return;
     }
 {%- endif %}
 {%- if rational %}
@@ -170,10 +170,8 @@ static evaluation evaluate(const chord *on, number sigma, number step)
         growth = plus(growth, more);
 {%- endif %}
     }
-    evaluation value;
-    value.residual = rounded(squares);
-    value.slope = rounded(growth);
-    return value;
+    value->residual = rounded(squares);
+    value->slope = rounded(growth);
 }
 
 /* sigma f/2 (1 - g + g^2 - 3/4 f), f within 1/2 and g within 3/8. */
@@ -226,45 +224,44 @@ static number joint_correction(const evaluation *value, number bound)
 }
 {%- endif %}
 
-/* Solves for sigma from an evaluation at a start value; returns the evaluations made, at most `most`. */
-static uint32_t refine_chord(const chord *on, number *sigma, evaluation value, uint32_t most)
+/* Solves for sigma from an evaluation at a start value, which it changes; returns the evaluations made, at most `most`. */
+static uint32_t refine_chord(const chord *on, number *sigma, evaluation *last, uint32_t most)
 {
 {%- if has_joints %}
-    const bool is_past_joint = (on->before != NOTHING_BEFORE);
-    const number threshold = is_past_joint ? times_power_of_two(RESIDUAL, -2) : RESIDUAL;
+    const number threshold = on->is_past_joint ? times_power_of_two(RESIDUAL, -2) : RESIDUAL;
 {%- else %}
     const number threshold = RESIDUAL;
 {%- endif %}
-    evaluation last = value;
     uint32_t evaluations = 1u;
     for (;;) {
         number by;
 {%- if has_joints %}
-        if (is_past_joint) {
-            by = joint_correction(&last, half(on->greatest));
+        if (on->is_past_joint) {
+            by = joint_correction(last, half(on->greatest));
         } else {
 {%- else %}
         {
 {%- endif %}
-            const number f = minimum(maximum(last.residual, negative(ONE_HALF)), ONE_HALF);
-            const number g = minimum(maximum(last.slope, negative(THREE_EIGHTHS)), THREE_EIGHTHS);
+            const number f = minimum(maximum(last->residual, negative(ONE_HALF)), ONE_HALF);
+            const number g = minimum(maximum(last->slope, negative(THREE_EIGHTHS)), THREE_EIGHTHS);
             by = correction(*sigma, f, g);
         }
         const number trial = *sigma;
         *sigma = sub(trial, within(by, trial, on->least, on->greatest));
-        if ((absolute(last.residual) <= threshold) || (*sigma == trial) || (evaluations >= most)) {
+        if ((absolute(last->residual) <= threshold) || (*sigma == trial) || (evaluations >= most)) {
             return evaluations;
         }
         evaluations++;
-        last = evaluate(on, *sigma, minimum(mul(*sigma, on->length), on->whole));
+        evaluate(on, *sigma, minimum(mul(*sigma, on->length), on->whole), last);
     }
 }
 
 /* The same from the start value alone. */
 static uint32_t solve(const chord *on, number *sigma, uint32_t most)
 {
-    const evaluation first = evaluate(on, *sigma, minimum(mul(*sigma, on->length), on->whole));
-    return refine_chord(on, sigma, first, most);
+    evaluation value;
+    evaluate(on, *sigma, minimum(mul(*sigma, on->length), on->whole), &value);
+    return refine_chord(on, sigma, &value, most);
 }
 
 /* The chord over a step. */
@@ -293,20 +290,19 @@ static void over(const chord *on, number step, number across[AXES])
     }
 }
 
-/* The chord on a piece, from the place about which `at` was shifted. */
-static chord chord_on(const piece_row *row, const shifted *at, number length)
+/* The chord on a piece, from the place about which `at` was shifted; `whole` is the step over the piece. */
+static void set_chord(chord *on, const piece_row *row, const shifted *at, number whole, number length)
 {
-    chord on;
-    on.at = at;
-{%- if floating %}
-    on.whole = ONE;
-{%- else %}
-    on.range_exponent = row->range_exponent;
-    on.whole = whole_of(row);
+    on->at = at;
+    on->whole = whole;
+    on->length = length;
+{%- if !floating %}
+    on->range_exponent = row->range_exponent;
 {%- endif %}
-    on.length = length;
-    on.least = row->least_step_per_chord;
-    on.greatest = row->greatest_step_per_chord;
-    on.before = NOTHING_BEFORE;
-    return on;
+    on->least = row->least_step_per_chord;
+    on->greatest = row->greatest_step_per_chord;
+{%- if has_joints %}
+    on->is_past_joint = false;
+    on->before = at->offset; /* not read */
+{%- endif %}
 }

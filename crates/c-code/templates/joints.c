@@ -41,9 +41,9 @@ static void be_steady({{ name }}_state *state, number sigma)
 /* Sets what is travelled, a vector over L and a step over L, and with it what is left. */
 static void set_travelled(travelled_way *way, const number before[AXES], number part)
 {
-    for (uint32_t d = 0u; d < AXES; d++) {
-        way->before[d] = before[d];
-    }
+{%- for d in 0..axes %}
+    way->before[{{ d }}] = before[{{ d }}];
+{%- endfor %}
     way->part = part;
     way->left = sub(ONE, norm(before));
 }
@@ -52,7 +52,8 @@ static void set_travelled(travelled_way *way, const number before[AXES], number 
 static void way_to_end(const {{ name }}_state *state, const piece_row *row, number length, travelled_way *travelled)
 {
     const number step = step_to_end(state, row);
-    const chord on = chord_on(row, &state->at, length);
+    chord on;
+    set_chord(&on, row, &state->at, {% if floating %}ONE{% else %}whole_of(row){% endif %}, length);
     number way[AXES];
     over(&on, step, way);
     for (uint32_t d = 0u; d < AXES; d++) {
@@ -132,18 +133,19 @@ static bool pass_joint({{ name }}_state *state, const piece_row *row, uint64_t s
 {%- else %}
     const int32_t exponent = (int32_t)row->joint_exponent - 1 + row->step_exponent - next->step_exponent;
 {%- endif %}
+    const uint32_t distance = (uint32_t)((exponent < 0) ? -exponent : exponent);
     uint64_t phase = 0u;
-    if (exponent <= 0) {
-        phase = (exponent > -64) ? (beyond >> -exponent) : 0u;
-    } else if (exponent < 64) {
-        phase = beyond << exponent;
-        if ((phase >> exponent) != beyond) {
+    if (distance >= 64u) {
+        if ((exponent > 0) && (beyond != 0u)) {
             return false;
         }
-    } else if (beyond != 0u) {
-        return false;
+    } else if (exponent <= 0) {
+        phase = beyond >> distance;
     } else {
-        phase = 0u;
+        phase = beyond << distance;
+        if ((phase >> distance) != beyond) {
+            return false;
+        }
     }
     trend_into_next(state, row, next);
     reach(state, state->piece + 1u, phase, into_next(row, next, sigma));
@@ -219,7 +221,8 @@ static uint32_t cross({{ name }}_state *state, const piece_row *from, travelled_
         }
         shifted at;
         shift_to(piece, {{ zero }}, {% if !floating %}DEGREE, {% endif %}&at);
-        chord on = chord_on(next, &at, length);
+        chord on;
+        set_chord(&on, next, &at, {% if floating %}ONE{% else %}whole_of(next){% endif %}, length);
         number guess;
 {%- if uses.breaks %}
         if (is_corner) {
@@ -230,6 +233,7 @@ static uint32_t cross({{ name }}_state *state, const piece_row *from, travelled_
 {%- else %}
         {
 {%- endif %}
+            on.is_past_joint = true;
             on.before = way->before;
             on.least = {{ zero }};
             /* What is left begins later than a whole chord and ends with it: sigma has gone on by half of that. */

@@ -16,7 +16,7 @@ static uint64_t fraction_of_stage(const stage_row *stage, uint64_t half_units)
     const uint64_t cross_two = (a_low * b_high) + (cross_one & UINT32_MAX);
     const uint64_t product_high = (a_high * b_high) + (cross_one >> 32) + (cross_two >> 32);
     const uint64_t product_low = (cross_two << 32) | (low & UINT32_MAX);
-    const uint32_t shift = (uint32_t)stage->reciprocal_exponent + 1u; /* 1 to 62 */
+    const uint64_t shift = (uint64_t)stage->reciprocal_exponent + 1u; /* 1 to 62 */
     return (product_low >> shift) | (product_high << (64u - shift));
 }
 {%- if uses.cosine %}

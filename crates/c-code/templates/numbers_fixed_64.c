@@ -12,8 +12,8 @@ typedef struct {
     uint64_t low;
 } wide;
 
-#define WORD_BITS 64
-#define FRACTION_BITS {{ fraction_bits }}
+#define WORD_BITS 64u
+#define FRACTION_BITS {{ fraction_bits }}u
 #define NUMBER_MAX INT64_MAX
 #define NUMBER_MIN (-NUMBER_MAX - 1)
 #define ONE {{ one }}
@@ -97,9 +97,9 @@ static number rounded(wide sum)
 {%- if fraction_bits == 0 %}
     return of_bits(sum.low);
 {%- else %}
-    const wide half_unit = { 0u, UINT64_C(1) << (FRACTION_BITS - 1) };
+    const wide half_unit = { 0u, UINT64_C(1) << (FRACTION_BITS - 1u) };
     const wide raised = plus(sum, half_unit);
-    return of_bits((raised.low >> FRACTION_BITS) | (raised.high << (64 - FRACTION_BITS)));
+    return of_bits((raised.low >> FRACTION_BITS) | (raised.high << (64u - FRACTION_BITS)));
 {%- endif %}
 }
 
@@ -114,23 +114,31 @@ static number mul_add(number a, number factor, number b)
     return rounded(plus(product(a, factor), product(b, ONE)));
 }
 
+/* a / 2^distance, cut toward minus infinity. */
+static number shifted_right(number a, uint32_t distance)
+{
+    /* cppcheck-suppress misra-c2012-10.1 ; a shift of a signed word, whose meaning is checked at the top of the file */
+    return (number)(a >> distance);
+}
+
 /* a 2^exponent: to the left the first bits are lost, to the right it rounds to nearest, ties up. */
 static number times_power_of_two(number a, int32_t exponent)
 {
-    if (exponent >= 0) {
-        return (exponent < WORD_BITS) ? of_bits((word)a << exponent) : 0;
+    const uint32_t distance = (uint32_t)((exponent < 0) ? -exponent : exponent);
+    if (distance >= WORD_BITS) {
+        return 0; /* to the right at most half a unit is left: ties up from -1/2 */
     }
-    if (exponent <= -WORD_BITS) {
-        return 0; /* at most half a unit is left: ties up from -1/2 */
+    if (exponent >= 0) {
+        return of_bits((word)((word)a << distance));
     }
     /* The last bit dropped says whether to round up. */
-    const number twice = a >> (-exponent - 1);
-    return (twice >> 1) + (twice & 1);
+    const number twice = shifted_right(a, distance - 1u);
+    return add(shifted_right(twice, 1u), of_bits((word)twice & 1u));
 }
 
 static number half(number a)
 {
-    return (a >> 1) + (a & 1);
+    return add(shifted_right(a, 1u), of_bits((word)a & 1u));
 }
 
 static word magnitude(number a)
@@ -160,7 +168,7 @@ static number divide(number a, number b)
 {%- if fraction_bits == 0 %}
     word rest = 0u;
 {%- else %}
-    word rest = n >> (64 - FRACTION_BITS);
+    word rest = n >> (64u - FRACTION_BITS);
 {%- endif %}
     word low = n << FRACTION_BITS;
     word quotient = 0u;
@@ -214,21 +222,28 @@ static number norm(const number vector[AXES])
 /* phase / 2^64, cut to the format's bits. */
 static number fraction(uint64_t phase)
 {
-    return (number)(phase >> (64 - FRACTION_BITS));
+{%- if fraction_bits == 0 %}
+    (void)phase;
+    return 0;
+{%- else %}
+    const uint64_t bits = phase >> (64u - FRACTION_BITS);
+    return (number)bits;
+{%- endif %}
 }
 
 /* phase 2^(exponent - 64), cut; saturates. */
 static number from_phase(uint64_t phase, int32_t exponent)
 {
-    const int32_t left = exponent + FRACTION_BITS - 64;
+    const int32_t left = exponent + (int32_t)FRACTION_BITS - 64;
+    const uint32_t distance = (uint32_t)((left < 0) ? -left : left);
     uint64_t bits = 0u;
-    if (left > 0) {
-        const bool fits = (left < 64) && (((phase << left) >> left) == phase);
-        bits = (phase == 0u) ? 0u : (fits ? (phase << left) : UINT64_MAX);
-    } else if (left > -64) {
-        bits = phase >> -left;
+    if (distance >= 64u) {
+        bits = ((left > 0) && (phase != 0u)) ? UINT64_MAX : 0u;
+    } else if (left > 0) {
+        const uint64_t raised = phase << distance;
+        bits = ((raised >> distance) == phase) ? raised : UINT64_MAX;
     } else {
-        bits = 0u;
+        bits = phase >> distance;
     }
     return (bits > (uint64_t)NUMBER_MAX) ? NUMBER_MAX : (number)bits;
 }
@@ -236,19 +251,20 @@ static number from_phase(uint64_t phase, int32_t exponent)
 /* a 2^(64 + exponent) as an integer, cut; 0 for a negative number; saturates. */
 static uint64_t to_phase(number a, int32_t exponent)
 {
-    const int32_t left = 64 - FRACTION_BITS + exponent;
+    const int32_t left = 64 - (int32_t)FRACTION_BITS + exponent;
+    const uint32_t distance = (uint32_t)((left < 0) ? -left : left);
     if (a <= 0) {
         return 0u;
     }
     const uint64_t bits = (uint64_t)a;
-    if (left >= 64) {
-        return UINT64_MAX;
+    if (distance >= 64u) {
+        return (left > 0) ? UINT64_MAX : 0u;
     }
-    if (left >= 0) {
-        const uint64_t shifted_bits = bits << left;
-        return ((shifted_bits >> left) == bits) ? shifted_bits : UINT64_MAX;
+    if (left < 0) {
+        return bits >> distance;
     }
-    return (left > -64) ? (bits >> -left) : 0u;
+    const uint64_t raised = bits << distance;
+    return ((raised >> distance) == bits) ? raised : UINT64_MAX;
 }
 
 /* 2^exponent, or the greatest number if that is less. */

@@ -242,7 +242,7 @@ static uint64_t to_phase(number a, int32_t exponent)
         return (scaled >= {{ words.two_to_64 }}) ? UINT64_MAX : (uint64_t)scaled;
     }
     const uint64_t significand = ((uint64_t)bits << (64u - DIGITS)) | (UINT64_C(1) << 63);
-    return significand >> distance;
+    return significand >> (uint32_t)distance;
 }
 {%- if adds_places %}
 

@@ -133,7 +133,8 @@ static bool length_across(const piece_row *row, const shifted *at, number step, 
     }
 {%- endif %}
     number way[AXES];
-    const chord on = chord_on(row, at, ONE);
+    chord on;
+    set_chord(&on, row, at, {% if floating %}ONE{% else %}whole_of(row){% endif %}, ONE);
     over(&on, step, way);
     *length = norm(way);
     return true;

@@ -52,7 +52,7 @@ extern "C" {
 #define {{ upper }}_FEEDBITS_VERSION "{{ version }}"
 
 /** T, the interpolation period, in nanoseconds, rounded. */
-#define {{ upper }}_PERIOD_NS UINT64_C({{ period_ns }})
+#define {{ upper }}_PERIOD_NS {{ period_ns }}ULL
 
 /** Sections from stop to stop. */
 #define {{ upper }}_SECTIONS {{ sections.len() }}u
@@ -61,12 +61,12 @@ extern "C" {
 #define {{ upper }}_PERIODS UINT32_C({{ periods }})
 
 /** The checksum of all setpoints' positions; {{ name }}_checksum() has the formula. */
-#define {{ upper }}_CHECKSUM UINT64_C({{ "{:#018x}"|format(checksum) }})
+#define {{ upper }}_CHECKSUM {{ "{:#018x}"|format(checksum) }}ULL
 {%- if let Some(run) = overridden %}
 
 /** Setpoints and checksum of the self-test's run with feed override. */
 #define {{ upper }}_PERIODS_OVERRIDDEN UINT32_C({{ run.periods }})
-#define {{ upper }}_CHECKSUM_OVERRIDDEN UINT64_C({{ "{:#018x}"|format(run.checksum) }})
+#define {{ upper }}_CHECKSUM_OVERRIDDEN {{ "{:#018x}"|format(run.checksum) }}ULL
 {%- endif %}
 
 /** Coordinates of a setpoint: x, y{% if axes == 3 %}, z{% endif %}. */
@@ -150,8 +150,8 @@ typedef struct {
 } {{ name }}_rates;
 
 /** The plan's own speed, which is that of the highest override, and the speed of the commanded feed, 100 %. */
-#define {{ upper }}_FULL_RATE UINT64_C(0x100000000)
-#define {{ upper }}_COMMANDED_RATE UINT64_C({{ feeds.commanded }})
+#define {{ upper }}_FULL_RATE 0x100000000ULL
+#define {{ upper }}_COMMANDED_RATE {{ feeds.commanded }}ULL
 {%- endif %}
 
 /** What a self-test finds. */

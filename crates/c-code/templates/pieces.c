@@ -69,9 +69,11 @@ static void shift_to(uint32_t piece, number t, {% if !floating %}uint32_t count,
 {%- else %}
     number rows[DEGREE][AXES];
 {%- endif %}
+    /* The first sweep takes the coefficients from the table. Without a loop, a copy becomes no call of memcpy. */
+{%- for d in 0..axes %}
+    rows[DEGREE - 1u][{{ d }}] = numerators[piece][DEGREE - 1u][{{ d }}];
+{%- endfor %}
     for (uint32_t d = 0u; d < AXES; d++) {
-        /* The first sweep takes the coefficients from the table. */
-        rows[DEGREE - 1u][d] = numerators[piece][DEGREE - 1u][d];
 {%- if degree > 1 %}
         for (uint32_t k = DEGREE - 1u; k > 0u; k--) {
             rows[k - 1u][d] = mul_add(rows[k][d], t, numerators[piece][k - 1u][d]);
@@ -114,9 +116,9 @@ static void in_units_of_path(const piece_row *row, const number offset[AXES], nu
 {
 {%- if floating %}
     (void)row;
-    for (uint32_t d = 0u; d < AXES; d++) {
-        in_units[d] = offset[d];
-    }
+{%- for d in 0..axes %}
+    in_units[{{ d }}] = offset[{{ d }}];
+{%- endfor %}
 {%- else %}
     const int32_t exponent = (int32_t)row->coordinate_exponent - {{ upper }}_COORDINATE_EXPONENT;
     for (uint32_t d = 0u; d < AXES; d++) {

@@ -4,7 +4,7 @@ uint64_t {{ name }}_checksum(uint64_t before, const int64_t position[AXES])
 {
     uint64_t sum = before;
     for (uint32_t d = 0u; d < AXES; d++) {
-        sum = (sum ^ (uint64_t)position[d]) * UINT64_C(0x100000001b3);
+        sum = (sum ^ (uint64_t)position[d]) * 0x100000001b3ULL;
         sum ^= sum >> 32;
     }
     return sum;
@@ -26,7 +26,7 @@ static bool contracts(void)
     {{ name }}_state state;
     {{ name }}_setpoint setpoint;
     int64_t position[AXES];
-    uint64_t checksum = UINT64_C(0xcbf29ce484222325);
+    uint64_t checksum = 0xcbf29ce484222325ULL;
     uint32_t periods = 0u;
 {%- if floating %}
     if (contracts()) {
@@ -47,7 +47,7 @@ static bool contracts(void)
 {%- if let Some(run) = overridden %}
     /* The same at changing rates: slower, held, and on again. */
     {{ name }}_rates rates;
-    checksum = UINT64_C(0xcbf29ce484222325);
+    checksum = 0xcbf29ce484222325ULL;
     periods = 0u;
     {{ name }}_start_rates(&rates);
     for (uint32_t section = 0u; section < {{ upper }}_SECTIONS; section++) {
@@ -58,7 +58,7 @@ static bool contracts(void)
             periods++;
 {%- for command in run.commands %}
             {% if !loop.first %}} else {% endif %}if (periods == {{ command.period }}u) {
-                {{ name }}_set_rate(&rates, UINT64_C({{ command.rate() }}));
+                {{ name }}_set_rate(&rates, {{ command.rate() }}ULL);
 {%- endfor %}
             } else {
                 /* The rate stays as it is. */

@@ -99,7 +99,8 @@ static uint32_t search({{ name }}_state *state, const piece_row *row, number len
             return cross(state, row, &way, length);
         }
     }
-    const chord on = chord_on(row, &state->at, length);
+    chord on;
+    set_chord(&on, row, &state->at, {% if floating %}ONE{% else %}whole_of(row){% endif %}, length);
     const uint32_t evaluations = solve(&on, &sigma, MAX_EVALUATIONS);
     return travel(state, row, length, sigma, evaluations);
 }
@@ -149,23 +150,14 @@ static void follow({{ name }}_state *state, number length, number reach_length, 
         return;
     }
     chord on;
-    on.at = &state->at;
-{%- if floating %}
-    on.whole = ONE;
-{%- else %}
-    on.range_exponent = row->range_exponent;
-    on.whole = state->whole;
-{%- endif %}
-    on.length = reach_length;
-    on.least = least;
-    on.greatest = greatest;
-    on.before = NOTHING_BEFORE;
-    const evaluation value = evaluate(&on, guess, step);
+    set_chord(&on, row, &state->at, {% if floating %}ONE{% else %}state->whole{% endif %}, reach_length);
+    evaluation value;
+    evaluate(&on, guess, step, &value);
     const bool is_small = (absolute(value.residual) <= minimum(RESIDUAL, ONE_HALF)) && (absolute(value.slope) <= THREE_EIGHTHS);
 {%- if floating %}
     if (!is_small) {
         number sigma = guess;
-        const uint32_t evaluations = refine_chord(&on, &sigma, value, MAX_EVALUATIONS);
+        const uint32_t evaluations = refine_chord(&on, &sigma, &value, MAX_EVALUATIONS);
         finish(state, length, travel(state, row, reach_length, sigma, evaluations), setpoint);
         return;
     }
@@ -174,7 +166,7 @@ static void follow({{ name }}_state *state, number length, number reach_length, 
     number sigma = guess;
     if (!is_small || !difference_within(guess, correction(guess, value.residual, value.slope), least, greatest, &sigma)) {
         sigma = guess;
-        const uint32_t evaluations = refine_chord(&on, &sigma, value, MAX_EVALUATIONS);
+        const uint32_t evaluations = refine_chord(&on, &sigma, &value, MAX_EVALUATIONS);
         finish(state, length, travel(state, row, reach_length, sigma, evaluations), setpoint);
         return;
     }
@@ -210,7 +202,8 @@ void {{ name }}_start({{ name }}_state *state, uint32_t section)
     shift_to(state->piece, {{ zero }}, {% if !floating %}DEGREE, {% endif %}&state->at);
     look_ahead(state);
     /* There is no history: sigma of the first chord is found from the middle of its range. */
-    const chord on = chord_on(row, &state->at, state->is_ahead ? state->ahead : LANDING_STEP);
+    chord on;
+    set_chord(&on, row, &state->at, {% if floating %}ONE{% else %}whole_of(row){% endif %}, state->is_ahead ? state->ahead : LANDING_STEP);
     number sigma = add(on.least, half(sub(on.greatest, on.least)));
     (void)solve(&on, &sigma, UINT8_MAX);
     be_steady(state, sigma);

@@ -64,7 +64,7 @@ typedef struct {
 
 static const stage_row stages[] = {
 {%- for row in stages %}
-    { UINT64_C({{ row.duration }}), UINT64_C({{ row.reciprocal }}), {{ row.numbers }}, {{ row.reciprocal_exponent }}u, {{ row.shape }} },
+    { {{ row.duration }}ULL, {{ row.reciprocal }}ULL, {{ row.numbers }}, {{ row.reciprocal_exponent }}u, {{ row.shape }} },
 {%- endfor %}
 };
 

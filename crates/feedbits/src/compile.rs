@@ -4,7 +4,8 @@ use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use clap_complete::ArgValueCandidates;
 use format_compare::{
-    Constants, Dimension, Engine, ExactPlan, Format, JudgedRun, Options, Problem, Space, Verdict,
+    Constants, Dimension, Engine, ExactPlan, Format, JudgedRun, Options, OverrideTarget, Overrides, Problem,
+    Space, Verdict,
 };
 
 use crate::compile_to_c::{self, CPlace};
@@ -134,7 +135,7 @@ where
     let plan = format_compare::plan_for(&to_plan, format, &options)?;
     let mut comparison = format_compare::compare(&to_plan, &formats, &[Engine::Pieces], &options)?;
     let Some(row) = comparison.formats.pop() else { bail!("no run") };
-    let (name, feed) = (&comparison.part.name, problem.feedrate_mm_per_s());
+    let (name, feed) = (&comparison.part.name, problem.machine.feedrate_mm_per_s);
     let up_to = arguments.feed_override.map(|percent| format!(", with feed override up to {percent} %"));
     let about = format!("{name} at {feed} mm/s, in {}{}", row.format, up_to.unwrap_or_default());
     let commands = overrides.map(|overrides| overrides.commands(problem, &plan)).transpose()?;
