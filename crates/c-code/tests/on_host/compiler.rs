@@ -65,6 +65,19 @@ impl Parts {
 
     /// Compiles all parts with every compiler that is there, and demands that all self-tests find the run of Rust.
     pub(crate) fn demand_the_same_runs(&self) {
+        self.demand_verdicts(&vec![0; self.files.len()]);
+    }
+
+    /// Changes the source of a part, as a bad copy would.
+    pub(crate) fn change(&mut self, part: usize, change: impl FnOnce(&str) -> String) {
+        let source = &mut self.files[part].1.source;
+        let changed = change(source);
+        assert_ne!(*source, changed, "the change meets nothing");
+        *source = changed;
+    }
+
+    /// Compiles all parts with every compiler that is there, and demands these verdicts of their self-tests.
+    pub(crate) fn demand_verdicts(&self, verdicts: &[i32]) {
         let mut compiled = 0;
         for (compiler, flags) in COMPILERS {
             if Command::new(compiler).arg("--version").output().is_err() {
@@ -78,8 +91,9 @@ impl Parts {
             let text = String::from_utf8_lossy(&output.stdout).into_owned();
             let errors = String::from_utf8_lossy(&output.stderr).into_owned();
             assert!(output.status.success(), "{compiler}: {text}{errors}");
-            let good: String = self.files.iter().map(|(name, _)| format!("{name} 0\n")).collect();
-            assert_eq!(text, good, "{compiler}: the verdicts");
+            let lines =
+                self.files.iter().zip(verdicts).map(|((name, _), verdict)| format!("{name} {verdict}\n"));
+            assert_eq!(text, lines.collect::<String>(), "{compiler}: the verdicts");
         }
         let must = std::env::var_os("FEEDBITS_C_COMPILER").is_some();
         assert!(compiled > 0 || !must, "no C compiler is found, and FEEDBITS_C_COMPILER asks for one");

@@ -84,3 +84,27 @@ in_every_format! {
     half_cosines_run_as_in_rust: RandomPath { profile: ProfileKind::Trigonometric, ..paper_a() };
     constant_jerk_runs_as_in_rust: paper_a().fastest();
 }
+
+/// The last place of one coefficient, one stage and one operation: each is enough.
+#[test]
+fn a_self_test_finds_the_slightest_change() {
+    let mut parts = Parts::default();
+    let path = paper_a();
+    for _ in 0..3 {
+        assert!(parts.add::<I4F28, _>(&path, 9000, false));
+    }
+    assert!(parts.add::<f32, _>(&path, 9000, true));
+    // The first coefficient of the table, which is the first word of its first row.
+    parts.change(0, |source| {
+        let (before, table) =
+            source.split_once("numerators[][DEGREE][AXES] = {\n    { { ").expect("the table");
+        let (first, after) = table.split_once(',').expect("a number");
+        let word: i32 = first.parse().expect("a word");
+        format!("{before}numerators[][DEGREE][AXES] = {{\n    {{ {{ {},{after}", word + 1)
+    });
+    // Products are cut instead of rounded.
+    parts.change(1, |source| source.replace("sum + ((wide)1 << (FRACTION_BITS - 1u))", "sum"));
+    // The rate may change faster: the run without override is the same.
+    parts.change(3, |source| source.replace("#define MAX_BEND INT64_C(", "#define MAX_BEND INT64_C(1"));
+    parts.demand_verdicts(&[2, 2, 0, 3]);
+}
