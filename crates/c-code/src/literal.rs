@@ -105,8 +105,8 @@ mod tests {
         let (digits, exponent) = rest.trim_end_matches('f').split_once('p').expect("an exponent");
         let (whole, behind) = digits.split_once('.').expect("a point");
         let scale = 2.0_f64.powi(exponent.parse::<i32>().expect("a number"));
-        let behind =
-            u64::from_str_radix(behind, 16).expect("digits") as f64 / 16_f64.powi(behind.len() as i32);
+        let unit = behind.bytes().fold(1.0, |unit, _| unit / 16.0);
+        let behind = u64::from_str_radix(behind, 16).expect("digits") as f64 * unit;
         sign * (whole.parse::<f64>().expect("a digit") * scale + behind * scale)
     }
 

@@ -85,6 +85,8 @@ pub(crate) struct Uses {
     pub(crate) many_shapes: bool,
     pub(crate) bent: bool,
     pub(crate) cosine: bool,
+    /// A number is shifted by the width of its word or more.
+    pub(crate) far_shifts: bool,
     /// The constant 1/3.
     pub(crate) third: bool,
 }
@@ -240,17 +242,19 @@ impl Values {
 }
 
 impl Uses {
-    fn of<R: Real, const D: usize>(
+    fn of<R: Backend, const D: usize>(
         pieces: &Pieces<'_, R, D>,
         sections: &[Section],
         shapes: &[Shape],
     ) -> Self {
+        let width = R::name().bits().cast_signed();
         let inner = || {
             let all_but_last = |section: &Section| section.pieces.start..section.pieces.end.saturating_sub(1);
             sections.iter().flat_map(all_but_last).filter_map(|piece| pieces.pieces.get(piece))
         };
         let has = |name| shapes.iter().any(|shape| shape.name == name);
         Self {
+            far_shifts: pieces.pieces.iter().any(|row| farthest_shift(pieces, row) >= width),
             continues: inner().any(|piece| piece.joint == Joint::Continues),
             breaks: inner().any(|piece| piece.joint == Joint::Breaks),
             shapes: !shapes.is_empty(),
@@ -260,6 +264,17 @@ impl Uses {
             third: has("BENT") || has("ONSET") || has("EASING"),
         }
     }
+}
+
+/// The largest exponent, in magnitude, by which a step shifts a number on a piece or at its end.
+fn farthest_shift<R: Real, const D: usize>(pieces: &Pieces<'_, R, D>, row: &Piece<R, D>) -> i32 {
+    let [coordinate, step, range, joint] =
+        [row.coordinate_exponent, row.step_exponent, row.range_exponent, row.joint_exponent].map(i32::from);
+    let (units, per_power) = (coordinate - range + pieces.chord_exponent, range - step);
+    let degree = i32::try_from(pieces.degree).unwrap_or(i32::MAX);
+    let ends = [1, degree].map(|k| [units + k * per_power, k * per_power]);
+    let others = [coordinate - pieces.coordinate_exponent, range, joint, 8];
+    ends.as_flattened().iter().chain(&others).map(|exponent| exponent.abs()).max().unwrap_or(0)
 }
 
 impl PieceRow {

@@ -108,10 +108,10 @@ static number mul(number a, number b)
     return rounded(product(a, b));
 }
 
-/* a factor + b, rounded once. */
+/* a factor + b, rounded once: b has no digits behind the last place. */
 static number mul_add(number a, number factor, number b)
 {
-    return rounded(plus(product(a, factor), product(b, ONE)));
+    return add(mul(a, factor), b);
 }
 
 /* a / 2^distance, cut toward minus infinity. */
@@ -121,19 +121,38 @@ static number shifted_right(number a, uint32_t distance)
     return (number)(a >> distance);
 }
 
-/* a 2^exponent: to the left the first bits are lost, to the right it rounds to nearest, ties up. */
-static number times_power_of_two(number a, int32_t exponent)
+/* a / 2^distance, to nearest, ties up. */
+static number divided_by_power_of_two(number a, uint32_t distance)
 {
-    const uint32_t distance = (uint32_t)((exponent < 0) ? -exponent : exponent);
+{%- if uses.far_shifts %}
     if (distance >= WORD_BITS) {
-        return 0; /* to the right at most half a unit is left: ties up from -1/2 */
+        return 0; /* at most half a unit is left: ties up from -1/2 */
     }
-    if (exponent >= 0) {
-        return of_bits((word)((word)a << distance));
+{%- endif %}
+    if (distance == 0u) {
+        return a;
     }
     /* The last bit dropped says whether to round up. */
     const number twice = shifted_right(a, distance - 1u);
     return add(shifted_right(twice, 1u), of_bits((word)twice & 1u));
+}
+
+/* a 2^exponent: to the left the first bits are lost, to the right it rounds to nearest, ties up.
+{%- if !uses.far_shifts %} No exponent of the
+ * tables has the width of a word. */
+{%- else %} */
+{%- endif %}
+static number times_power_of_two(number a, int32_t exponent)
+{
+    if (exponent < 0) {
+        return divided_by_power_of_two(a, (uint32_t)-exponent);
+    }
+{%- if uses.far_shifts %}
+    if (exponent >= (int32_t)WORD_BITS) {
+        return 0;
+    }
+{%- endif %}
+    return of_bits((word)((word)a << (uint32_t)exponent));
 }
 
 static number half(number a)

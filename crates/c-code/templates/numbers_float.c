@@ -114,9 +114,11 @@ static number times_power_of_two(number a, int32_t exponent)
 {
 {%- if word_bits == 32 %}
     const int32_t within = (exponent < -126) ? -126 : ((exponent > 127) ? 127 : exponent);
-    return a * of_bits((uint32_t)(within + BIAS) << (DIGITS - 1u));
+    const int32_t biased = within + BIAS;
+    return a * of_bits((uint32_t)biased << (DIGITS - 1u));
 {%- else %}
-    return a * of_bits((uint64_t)(uint32_t)(exponent + BIAS) << (DIGITS - 1u));
+    const int32_t biased = exponent + BIAS;
+    return a * of_bits((uint64_t)biased << (DIGITS - 1u));
 {%- endif %}
 }
 
@@ -139,7 +141,8 @@ static number square_root(number a)
     }
     const uint64_t bits = (uint64_t)bits_of(normal);
     const uint64_t leading_one = UINT64_C(1) << (DIGITS - 1u);
-    exponent += (int32_t)(bits >> (DIGITS - 1u)) - BIAS;
+    const uint64_t biased = bits >> (DIGITS - 1u);
+    exponent += (int32_t)biased - BIAS;
     uint64_t rest = (bits & (leading_one - 1u)) | leading_one;
     /* An even exponent, half of which is the root's. */
     if ((exponent % 2) != 0) {
@@ -159,8 +162,9 @@ static number square_root(number a)
     }
     /* With a rest the last bit tells to which side it rounds; it is no tie. */
     root = (root >> 1) + (((rest != 0u) && ((root & 1u) != 0u)) ? 1u : 0u);
-    const uint64_t place = (uint64_t)(uint32_t)((exponent / 2) + BIAS - 1) << (DIGITS - 1u);
-    return of_bits(({{ words.unsigned }})(place + root)); /* the leading one adds itself to the exponent */
+    const int32_t place = (exponent / 2) + BIAS - 1;
+    const uint64_t found = ((uint64_t)place << (DIGITS - 1u)) + root; /* the leading one adds itself to the exponent */
+    return of_bits(({{ words.unsigned }})found);
 }
 
 /* The sum of the squares of a vector times 2^exponent. */
@@ -192,19 +196,23 @@ static number norm(const number vector[AXES])
 static number fraction(uint64_t phase)
 {
 {%- if word_bits == 32 %}
-    return (number)(uint32_t)(phase >> 32) * {{ words.fraction_unit }};
+    const uint64_t leading = phase >> 32;
+    return (number)(uint32_t)leading * {{ words.fraction_unit }};
 {%- else %}
-    return (number)(int64_t)(phase >> 1) * {{ words.fraction_unit }};
+    const uint64_t leading = phase >> 1;
+    return (number)(int64_t)leading * {{ words.fraction_unit }};
 {%- endif %}
 }
 
 
+/* Zeros before the first one of a; 63 for 0. */
 static uint32_t leading_zeros(uint64_t a)
 {
-    uint32_t zeros = (a == 0u) ? 64u : 0u;
+    uint32_t zeros = 0u;
     uint64_t rest = a;
-    for (uint32_t step = 32u; (step != 0u) && (a != 0u); step >>= 1) {
-        if ((rest >> (64u - step)) == 0u) {
+    for (uint32_t step = 32u; step != 0u; step >>= 1) {
+        const uint64_t upper = rest >> (64u - (uint64_t)step);
+        if (upper == 0u) {
             rest <<= step;
             zeros += step;
         }
@@ -221,11 +229,15 @@ static number from_phase(uint64_t phase, int32_t exponent)
         /* Zero, or no normal number. */
         const uint32_t surplus = 64u - DIGITS;
         const uint32_t dropped = (zeros < surplus) ? (surplus - zeros) : 0u;
-        const number kept = (number)(int64_t)(phase >> dropped);
+        const uint64_t kept_bits = phase >> dropped;
+        const number kept = (number)kept_bits;
         return times_power_of_two(times_power_of_two(kept, (int32_t)dropped - 64), exponent);
     }
     const uint64_t significand = (phase << zeros) >> (64u - DIGITS);
-    return of_bits(({{ words.unsigned }})(((uint64_t)(uint32_t)(biased - 1) << (DIGITS - 1u)) + significand));
+    const int32_t before = biased - 1;
+    const uint64_t place = (uint64_t)before;
+    const uint64_t bits = (place << (DIGITS - 1u)) + significand; /* the leading one adds itself to the exponent */
+    return of_bits(({{ words.unsigned }})bits);
 }
 
 /* a 2^(64 + exponent) as an integer, cut; 0 for a negative number; saturates. */
@@ -233,7 +245,8 @@ static uint64_t to_phase(number a, int32_t exponent)
 {
     const {{ words.unsigned }} bits = bits_of(a);
     /* How far the exponent lies below that of 1/2; the sign counts as its first bit. */
-    const int32_t distance = BIAS - 1 - (int32_t)(bits >> (DIGITS - 1u)) - exponent;
+    const {{ words.unsigned }} biased = bits >> (DIGITS - 1u);
+    const int32_t distance = BIAS - 1 - (int32_t)biased - exponent;
     if ((distance < 0) || (distance >= {{ words.farthest }})) {
         const number scaled = times_power_of_two(times_power_of_two(a, 64), exponent);
         if (!(scaled > {{ zero }})) {

@@ -120,9 +120,10 @@ static void in_units_of_path(const piece_row *row, const number offset[AXES], nu
     in_units[{{ d }}] = offset[{{ d }}];
 {%- endfor %}
 {%- else %}
-    const int32_t exponent = (int32_t)row->coordinate_exponent - {{ upper }}_COORDINATE_EXPONENT;
+    /* The path's unit is that of the piece with the largest. */
+    const uint32_t distance = (uint32_t)({{ upper }}_COORDINATE_EXPONENT - (int32_t)row->coordinate_exponent);
     for (uint32_t d = 0u; d < AXES; d++) {
-        in_units[d] = times_power_of_two(offset[d], exponent);
+        in_units[d] = divided_by_power_of_two(offset[d], distance);
     }
 {%- endif %}
 }
