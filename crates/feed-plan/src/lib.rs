@@ -168,7 +168,7 @@ pub use schedule::schedule::{Cursor, Schedule};
 pub use schedule::section::{Section, sections};
 pub use schedule::stage::{Stage, StageKind};
 pub use transition::feed_piece::FeedPiece;
-pub use transition::stage_shape::StageShape;
+pub use transition::stage_shape::{StageShape, sinc_terms};
 #[cfg(feature = "alloc")]
 pub use {
     axes::within_axes::plan_within_axes,

@@ -5,6 +5,7 @@ mod candidates;
 mod check;
 mod compare;
 mod compile;
+mod compile_to_c;
 mod completions;
 mod convert;
 mod ending;

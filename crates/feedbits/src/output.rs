@@ -91,6 +91,35 @@ pub(crate) fn write(path: Option<&Path>, text: &str) -> Result<()> {
         let mut device = fs::OpenOptions::new().write(true).open(path).with_context(cannot)?;
         return device.write_all(text.as_bytes()).with_context(cannot);
     }
+    let (file, target) = unfinished(path, before, &text)?;
+    file.persist(&target).map_err(|failure| failure.error).with_context(cannot)?;
+    Ok(())
+}
+
+/// Writes several files that belong together: all of them appear, whole, or none.
+pub(crate) fn write_together(files: &[(&Path, &str)]) -> Result<()> {
+    let mut written = Vec::with_capacity(files.len());
+    for (path, text) in files {
+        let before = before(path)?;
+        if before.as_ref().is_some_and(|found| !found.is_file()) {
+            bail!("cannot write {}: it is no file", path.display());
+        }
+        written.push((*path, unfinished(path, before, text)?));
+    }
+    for (path, (file, target)) in written {
+        let persisted = file.persist(&target).map_err(|failure| failure.error);
+        persisted.with_context(|| format!("cannot write {}", path.display()))?;
+    }
+    Ok(())
+}
+
+/// The text in a file of another name beside its place, which is returned too. `before` is what is at the place now.
+fn unfinished(
+    path: &Path,
+    before: Option<fs::Metadata>,
+    text: &str,
+) -> Result<(tempfile::NamedTempFile, PathBuf)> {
+    let cannot = || format!("cannot write {}", path.display());
     let target = match before {
         Some(_) => fs::canonicalize(path).with_context(cannot)?,
         None => named_at_last(path),
@@ -108,8 +137,7 @@ pub(crate) fn write(path: Option<&Path>, text: &str) -> Result<()> {
     }
     file.write_all(text.as_bytes()).with_context(cannot)?;
     file.as_file().sync_all().with_context(cannot)?;
-    file.persist(&target).map_err(|failure| failure.error).with_context(cannot)?;
-    Ok(())
+    Ok((file, target))
 }
 
 /// The metadata of the file that is at `path` now; `None` if there is none. A folder there is an error.

@@ -560,6 +560,60 @@ fn quiet_runs_say_nothing_beside_the_result() {
     }
 }
 
+/// Only what concerns the command: that the files run as Rust does is tested where they are written.
+#[test]
+fn a_part_is_compiled_to_c() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("part");
+    let compile = |arguments: &[&str]| {
+        let out = ["compile", "--language", "c", "--out", out.to_str().expect("a name")];
+        feedbits(&[&out[..], arguments].concat())
+    };
+    let files = || {
+        let names = fs::read_dir(folder.path()).expect("a folder").flatten().map(|file| file.file_name());
+        let mut names: Vec<_> = names.map(|name| name.to_string_lossy().into_owned()).collect();
+        names.sort();
+        names
+    };
+    for (arguments, expected) in [
+        (vec!["--format", "I5F13"], "I5F13 is no type of C"),
+        (vec!["--format", "I4F28", "--flash", "7000"], "the tables take 7384 bytes, and --flash says 7000"),
+        (vec!["--format", "I4F28", "--feed-override", "90"], "--feed-override 90: expected 100 to 200 %"),
+        (vec!["--format", "I4F28", "--feed-override", "120", "--reserve", "0"], "reserve 0 %"),
+        (vec!["--format", "f32", "--evaluate", "de-boor"], "a controller runs compiled pieces"),
+    ] {
+        let output = compile(&arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert!(unfolded(&output.stderr).contains(expected), "{}", unfolded(&output.stderr));
+        assert_eq!(files(), [""; 0], "nothing is written");
+    }
+    let output = compile(&["--format", "I4F28", "--flash", "7384"]);
+    assert_eq!(output.status.code(), Some(0), "{}", unfolded(&output.stderr));
+    assert_eq!(files(), ["part.c", "part.h"]);
+    let header = fs::read_to_string(out.with_extension("h")).expect("a header");
+    let rust = text(&feedbits(&["compile", "--format", "I4F28", "--quiet"]).stdout);
+    let checksum = rust.split("CHECKSUM: u64 = ").nth(1).and_then(|rest| rest.get(..18)).expect("a checksum");
+    assert!(header.contains(&format!("#define PART_CHECKSUM {checksum}ULL")), "{checksum}");
+
+    let elsewhere = |name: &str| {
+        let out = folder.path().join(name);
+        feedbits(&["compile", "--format", "f32", "--language", "c", "--out", out.to_str().expect("a name")])
+    };
+    for (name, expected) in [
+        ("part.c", "expected a name without an ending, as `part`"),
+        ("2nd", "\"2nd\" cannot begin names in C"),
+        ("no/part", "cannot write"),
+    ] {
+        let output = elsewhere(name);
+        assert_eq!(output.status.code(), Some(2), "{name}");
+        assert!(unfolded(&output.stderr).contains(expected), "{}", unfolded(&output.stderr));
+    }
+    let nowhere = feedbits(&["compile", "--format", "f32", "--language", "c"]);
+    assert!(unfolded(&nowhere.stderr).contains("give --out PATH"), "{}", unfolded(&nowhere.stderr));
+    let rust = feedbits(&["compile", "--format", "f32", "--feed-override", "120"]);
+    assert!(unfolded(&rust.stderr).contains("goes with --language c"), "{}", unfolded(&rust.stderr));
+}
+
 #[test]
 fn a_part_is_compiled_for_a_controller() {
     let folder = tempfile::tempdir().expect("a folder");

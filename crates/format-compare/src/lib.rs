@@ -60,6 +60,7 @@ mod plan {
 
 mod run {
     mod by_engine;
+    pub(crate) mod c_files;
     pub(crate) mod constants;
     pub(crate) mod formats;
     pub(crate) mod job;
@@ -116,6 +117,7 @@ pub use plan::samples::FeedSample;
 pub use problem::least_periods::{LeastPeriods, MOST_PERIODS};
 pub use problem::problem::Problem;
 pub use refusal::Refusal;
+pub use run::c_files::CRequest;
 pub use run::constants::Constants;
 pub use run::formats::{Dimension, Format, Space, format_named, formats, plan_for, select};
 pub use run::options::{Engine, Options, PlanIn};

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use c_code::CError;
 use feed_plan::PlanError;
 use nurbs_core::{CompileError, CurveError};
 use real::FormatName;
@@ -40,6 +41,8 @@ pub enum Refusal {
     ManyCurves(usize),
     /// A controller has no type of this format.
     NoType(FormatName),
+    /// C cannot hold the part.
+    C(CError),
     /// The run was given up.
     Unfinished {
         /// The periods after which it was given up.
@@ -64,6 +67,7 @@ impl fmt::Display for Refusal {
             Self::NoType(format) => {
                 write!(f, "{format} is no type of a controller: expected a float, or 8, 16, 32 or 64 bits")
             }
+            Self::C(error) => error.fmt(f),
             Self::Unfinished { periods, format } => {
                 write!(f, "the run in {format} is not at the end of the path after {periods} periods")
             }

@@ -98,7 +98,7 @@ pub use record::{Graph, Node, NodeId, NodeKind, Recorded};
 pub use runtime_format::{RuntimeFixed, RuntimeFormat};
 #[cfg(feature = "std")]
 pub use shadow::Shadowed;
-pub use trigonometry::Trigonometric;
+pub use trigonometry::{Trigonometric, sine_terms};
 pub use word::Word;
 
 /// 4 integer and 4 fraction bits: small enough to test every operation on every pair.

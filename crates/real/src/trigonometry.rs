@@ -61,7 +61,7 @@ fn small_angle<R: Real>(u: R) -> (R, R) {
     let square = angle * angle;
     // `1 - sin z / z` and `1 - cos z`.
     let (mut sine_lacks, mut cosine_lacks) = (R::zero(), R::zero());
-    for k in (1..=terms::<R>()).rev() {
+    for k in (1..=sine_terms::<R>()).rev() {
         let even = 2 * k;
         cosine_lacks = square * ((R::one() - cosine_lacks) * R::from_ratio(1, even * (even - 1)));
         sine_lacks = square * ((R::one() - sine_lacks) * R::from_ratio(1, even * (even + 1)));
@@ -71,7 +71,8 @@ fn small_angle<R: Real>(u: R) -> (R, R) {
 
 /// The number of terms whose error is less than a third of a unit of the last place. The cosine's error after n terms
 /// is `z^(2n+2)/(2n+2)!`, and the sine's is less.
-fn terms<R: Real>() -> i32 {
+#[must_use]
+pub fn sine_terms<R: Real>() -> i32 {
     // (resolution, terms): the error is 2⁻¹⁸, 2⁻³³, 2⁻⁴¹, 2⁻⁵⁸, 2⁻⁶⁸, 2⁻¹¹⁸.
     const TABLE: [(i32, i32); 5] = [(-16, 3), (-25, 5), (-36, 6), (-54, 8), (-64, 9)];
     let enough = |(exponent, _): &&(i32, i32)| R::resolution() >= R::one().ldexp(*exponent);

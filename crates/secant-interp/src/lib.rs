@@ -98,9 +98,10 @@ mod compiled {
 #[cfg(feature = "alloc")]
 pub use compiled::compiled_path::{CompiledPath, CompiledPathError};
 #[cfg(feature = "std")]
-pub use compiled::constant::{Constant, number_function, number_type};
+pub use compiled::constant::{Constant, fixed_point_word, number_function, number_type};
 pub use compiled::position_checksum::PositionChecksum;
 pub use feed_override::feed_override::{FeedOverride, OverrideLimits, OverrideState, Rate};
+pub use feed_override::overridden_step::LANDING_REACH;
 pub use feed_plan::StageShape;
 pub use global_parameter::curve_part::CurvePart;
 pub use global_parameter::interpolator::{Interpolator, Method, Setpoint, State};

@@ -244,7 +244,8 @@ fn sinc_lacks<R: Real>(width: R) -> R {
 }
 
 /// How many terms leave less than a third of a unit of the last place: after n, at most `(π/2)^(2n + 2)/(2n + 3)!` is left.
-fn sinc_terms<R: Real>() -> i32 {
+#[must_use]
+pub fn sinc_terms<R: Real>() -> i32 {
     // (resolution, terms): what is left is 2⁻¹⁸, 2⁻³¹, 2⁻³⁷, 2⁻⁶⁰, 2⁻⁶⁸, 2⁻¹¹⁹.
     const TABLE: [(i32, i32); 5] = [(-16, 4), (-25, 6), (-36, 7), (-54, 10), (-64, 11)];
     let enough = |(exponent, _): &&(i32, i32)| R::resolution() >= R::one().ldexp(*exponent);

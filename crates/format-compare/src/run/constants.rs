@@ -95,7 +95,7 @@ use secant_interp::{ChordTolerance, LengthStage, PieceInterpolator, StageShape, 
 ";
 
 /// The number of setpoints of the runs from stop to stop, and the checksum of their positions.
-fn run<R: Backend, const D: usize>(
+pub(crate) fn run<R: Backend, const D: usize>(
     path: &PieceInterpolator<'_, R, D>,
     sections: &[Section],
     most: usize,

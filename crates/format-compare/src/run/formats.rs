@@ -2,12 +2,14 @@
 
 use std::marker::PhantomData;
 
+use c_code::CFiles;
 use real::{Audited, Backend, FormatName, RuntimeFixed, RuntimeFormat};
 
 use crate::plan::exact_plan::ExactPlan;
 use crate::problem::problem::Problem;
 use crate::refusal::Refusal;
 use crate::run::by_engine;
+use crate::run::c_files::{self, CRequest};
 use crate::run::constants::Constants;
 use crate::run::job::Job;
 use crate::run::options::{Options, PlanIn};
@@ -59,6 +61,18 @@ pub trait Format<const D: usize>: Send + Sync {
         plan: &ExactPlan,
         options: &Options,
     ) -> Result<Constants, Refusal>;
+
+    /// Writes path and plan, compiled for this format, as C for a controller.
+    ///
+    /// # Errors
+    /// [`Refusal`] as from [`run`](Self::run), and if C has no such type.
+    fn c_files(
+        &self,
+        problem: &Problem<D>,
+        plan: &ExactPlan,
+        options: &Options,
+        request: &CRequest,
+    ) -> Result<CFiles, Refusal>;
 }
 
 /// The format of the numbers `R`. If `R` is the run-time format, the first field says which format that is.
@@ -112,6 +126,16 @@ impl<R: Backend, const D: usize> Format<D> for Of<R> {
         options: &Options,
     ) -> Result<Constants, Refusal> {
         self.within(|| Constants::of::<R, D>(&Job { problem, plan, options }))
+    }
+
+    fn c_files(
+        &self,
+        problem: &Problem<D>,
+        plan: &ExactPlan,
+        options: &Options,
+        request: &CRequest,
+    ) -> Result<CFiles, Refusal> {
+        self.within(|| c_files::c_files::<R, D>(&Job { problem, plan, options }, request))
     }
 }
 

@@ -181,7 +181,7 @@ impl Overrides {
         let period_of = |target: &OverrideTarget| (target.time_s / problem.period_s()).round();
         let targets = self.targets.iter().map(|target| (period_of(target), rate(target.share))).collect();
         let (start, stages) = (rate(1.0), compiled(stages));
-        let mut commands = OverrideCommands { feeds, start, targets, stages, periods: 0 };
+        let mut commands = OverrideCommands { feeds, full: start, start, targets, stages, periods: 0 };
         // A rate that is commanded from the first period on holds before that period too.
         commands.start = commands.commanded(0).unwrap_or(start);
         commands.periods = commands.count().ok_or(OverrideError::TooLong)?;
@@ -194,6 +194,8 @@ impl Overrides {
 pub struct OverrideCommands {
     /// How fast the rate may change.
     pub(crate) feeds: FeedOverride,
+    /// The rate of the commanded feed, 100 %.
+    full: Rate,
     start: Rate,
     /// The commanded rates, each with the number of periods after which it holds.
     targets: Vec<(f64, Rate)>,
@@ -214,6 +216,11 @@ fn compiled(stages: &[Stage<DoubleDouble>]) -> Vec<LengthStage<DoubleDouble>> {
 }
 
 impl OverrideCommands {
+    /// The share of the plan's own speed at which the feed is the commanded one.
+    pub(crate) fn commanded_share(&self) -> f64 {
+        self.full.share()
+    }
+
     /// The rate before the first period.
     pub(crate) fn start(&self) -> OverrideState {
         OverrideState::at(self.start)

@@ -123,22 +123,26 @@ fn numbers<R: Backend, const N: usize>(numbers: &[R; N]) -> String {
 }
 
 /// A literal of the format: for a float, the digits that no other float has; for a fixed-point number, its bits.
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "a number of 32 bits is one, and words have 64 bits at most"
-)]
+#[allow(clippy::cast_possible_truncation, reason = "a number of 32 bits is one")]
 fn number<R: Backend>(x: R) -> String {
     match R::name() {
         FormatName::Float { bits: 32 } => format!("{:?}", x.to_f64() as f32),
-        name @ FormatName::Fixed { fraction_bits, .. } => {
-            let exponent = fraction_bits.cast_signed();
-            let (high, low) = x.to_f64_pair();
-            // The greatest words round up to 2⁶³ in `high`: the sum in 128 bits takes that back.
-            let bits = high.ldexp(exponent) as i128 + low.ldexp(exponent) as i128;
-            format!("{}({bits})", name.to_string().to_lowercase())
+        name @ FormatName::Fixed { .. } => {
+            format!("{}({})", name.to_string().to_lowercase(), fixed_point_word(x))
         }
         _ => format!("{:?}", x.to_f64()),
     }
+}
+
+/// The bits of a fixed-point number, as a signed word; 0 for a number of another kind.
+#[allow(clippy::cast_possible_truncation, reason = "words have 64 bits at most")]
+#[must_use]
+pub fn fixed_point_word<R: Backend>(x: R) -> i64 {
+    let FormatName::Fixed { fraction_bits, .. } = R::name() else { return 0 };
+    let exponent = fraction_bits.cast_signed();
+    let (high, low) = x.to_f64_pair();
+    // The greatest words round up to 2⁶³ in `high`: the sum in 128 bits takes that back.
+    (high.ldexp(exponent) as i128 + low.ldexp(exponent) as i128) as i64
 }
 
 #[cfg(test)]

@@ -166,8 +166,21 @@ impl FeedOverride {
         }
     }
 
+    /// ρ₁, by which the rate changes in a period at most, in units of 2⁻³².
+    #[must_use]
+    pub fn slope(&self) -> u64 {
+        self.slope
+    }
+
+    /// ρ₂, by which that change changes at most, in units of 2⁻³².
+    #[must_use]
+    pub fn bend(&self) -> u64 {
+        self.bend.get()
+    }
+
     /// J T³ in the unit of `landing_step`, which is A T². It is at most `landing_step` and at least the resolution.
-    pub(crate) fn landing_jerk<R: Real>(&self, landing_step: R) -> R {
+    #[must_use]
+    pub fn landing_jerk<R: Real>(&self, landing_step: R) -> R {
         (Rate(self.jerk_per_acceleration).share::<R>() * landing_step).max(R::resolution())
     }
 

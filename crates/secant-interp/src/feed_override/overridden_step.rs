@@ -12,7 +12,7 @@ use crate::pieces::state::{PieceSetpoint, PieceState};
 
 /// An overridden run this near to the end in the last period of its schedule lands at once: a step that is longer by
 /// 2⁻⁵ J T³ adds twice that to the jerk.
-const REACH: i32 = -5;
+pub const LANDING_REACH: i32 = -5;
 
 impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     /// [`step`](Self::step) with the plan's time stretched by [`FeedOverride::advance`]: feed override and feed hold.
@@ -41,7 +41,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
                 rates.landing = Landing::default();
                 let is_last = self.lengths.is_over(&state.cursor);
                 let more =
-                    if is_last { feeds.landing_jerk(self.landing_step).ldexp(REACH) } else { R::zero() };
+                    if is_last { feeds.landing_jerk(self.landing_step).ldexp(LANDING_REACH) } else { R::zero() };
                 Wanted::Chord { length, reach: sum_within(length, more, R::max_value()) }
             }
             None => {

@@ -1,0 +1,288 @@
+/* Steps over the joints of pieces. Where the polynomial continues, only the end of a step is converted to the next piece. At
+ * a knot another polynomial begins: the chord up to the knot is subtracted, and the rest is solved on the next piece. Behind
+ * a corner the rest is a chord of its own. */
+
+/* The part of a chord up to a joint: as a vector over L, the step over L, and the length that is left over L. */
+typedef struct {
+    number before[AXES];
+    number part;
+    number left;
+} travelled_way;
+
+/* sigma becomes the newest of the trend. */
+static void remember({{ name }}_state *state, number sigma)
+{
+    const number rise = sub(sigma, state->newest);
+    state->fall = sub(sub(state->rise, rise), rise);
+    state->rise = rise;
+    state->newest = sigma;
+}
+
+/* The trend's expected sigma, limited to the range of the piece. */
+static void limit_trend({{ name }}_state *state, const piece_row *row)
+{
+    state->fall = within(state->fall, state->newest, row->least_step_per_chord, row->greatest_step_per_chord);
+}
+
+/* The expected next sigma, limited to the range of the piece. */
+static number expected_sigma(const {{ name }}_state *state, const piece_row *row)
+{
+    return sub(state->newest, within(state->fall, state->newest, row->least_step_per_chord, row->greatest_step_per_chord));
+}
+
+/* The trend of a constant sigma. */
+static void be_steady({{ name }}_state *state, number sigma)
+{
+    state->newest = sigma;
+    state->rise = {{ zero }};
+    state->fall = {{ zero }};
+}
+
+/* Sets what is travelled, a vector over L and a step over L, and with it what is left. */
+static void set_travelled(travelled_way *way, const number before[AXES], number part)
+{
+{%- for d in 0..axes %}
+    way->before[{{ d }}] = before[{{ d }}];
+{%- endfor %}
+    way->part = part;
+    way->left = sub(ONE, norm(before));
+}
+
+/* The way up to the end of the present piece. */
+static void way_to_end(const {{ name }}_state *state, const piece_row *row, number length, travelled_way *travelled)
+{
+    const number step = step_to_end(state, row);
+    chord on;
+    set_chord(&on, row, &state->at, {% if floating %}ONE{% else %}whole_of(row){% endif %}, length);
+    number way[AXES];
+    over(&on, step, way);
+    for (uint32_t d = 0u; d < AXES; d++) {
+        way[d] = divide(way[d], length);
+    }
+    set_travelled(travelled, way, divide(step, length));
+}
+{%- if has_joints %}
+
+/* A part of a step per chord in the scale of the next piece, at most the greatest there. */
+static number part_into_next(const piece_row *row, const piece_row *next, number part)
+{
+    const number greatest = next->greatest_step_per_chord;
+    const int32_t exponent = row->joint_exponent;
+    number small = mul(part, fraction((uint64_t)row->joint_ratio << 48));
+{%- if !floating %}
+    /* Compared in the smaller scale: the number in the larger one might not fit. */
+    if (exponent > 0) {
+        small = minimum(small, times_power_of_two(greatest, -exponent));
+    }
+{%- endif %}
+    return minimum(times_power_of_two(small, exponent), greatest);
+}
+
+/* A step per chord in the scale of the next piece, in the range there. */
+static number into_next(const piece_row *row, const piece_row *next, number sigma)
+{
+    return maximum(next->least_step_per_chord, part_into_next(row, next, sigma));
+}
+
+/* part + more, at most `greatest`; `part` is not above that. */
+static number sum_within(number part, number more, number greatest)
+{
+    return add(part, minimum(more, sub(greatest, part)));
+}
+
+/* The trend in the scale of the next piece, each of its three sigma limited to the range there. */
+static void trend_into_next({{ name }}_state *state, const piece_row *row, const piece_row *next)
+{
+    const number middle = sub(state->newest, state->rise);
+    const number oldest = sub(middle, add(add(state->fall, state->rise), state->rise));
+    const number newest_there = into_next(row, next, state->newest);
+    const number middle_there = into_next(row, next, middle);
+    state->newest = middle_there;
+    state->rise = sub(middle_there, into_next(row, next, oldest));
+    state->fall = {{ zero }};
+    remember(state, newest_there);
+}
+
+/* Moves to a place on a piece, reached with sigma. */
+static void reach({{ name }}_state *state, uint32_t piece, uint64_t phase, number sigma)
+{
+    remember(state, sigma);
+    state->piece = piece;
+    state->phase = phase;
+{%- if !floating %}
+    state->whole = (piece < sections[state->section].end_piece) ? whole_of(&pieces[piece]) : ONE;
+{%- endif %}
+}
+{%- if uses.continues %}
+
+/* Passes a joint behind which the polynomial continues, by a step of `step` / 2^64 of the piece; false where another
+ * polynomial follows, or the step was not found on this piece. */
+static bool pass_joint({{ name }}_state *state, const piece_row *row, uint64_t step, number sigma)
+{
+    const bool is_last = (state->piece + 1u) >= sections[state->section].end_piece;
+    const bool is_found = (row->least_step_per_chord < sigma) && (sigma < row->greatest_step_per_chord) && (step < UINT64_MAX);
+    if (is_last || (row->joint != CONTINUES) || !is_found) {
+        return false;
+    }
+    const piece_row *next = &pieces[state->piece + 1u];
+    /* What exceeds the rest of the piece lies beyond its end; the next piece is wider by a power of two. */
+    const uint64_t rest = 0u - state->phase;
+    const uint64_t beyond = (step > rest) ? (step - rest) : 0u;
+{%- if floating %}
+    const int32_t exponent = (int32_t)row->joint_exponent - 1;
+{%- else %}
+    const int32_t exponent = (int32_t)row->joint_exponent - 1 + row->step_exponent - next->step_exponent;
+{%- endif %}
+    const uint32_t distance = (uint32_t)((exponent < 0) ? -exponent : exponent);
+    uint64_t phase = 0u;
+    if (distance >= 64u) {
+        if ((exponent > 0) && (beyond != 0u)) {
+            return false;
+        }
+    } else if (exponent <= 0) {
+        phase = beyond >> distance;
+    } else {
+        phase = beyond << distance;
+        if ((phase >> distance) != beyond) {
+            return false;
+        }
+    }
+    trend_into_next(state, row, next);
+    reach(state, state->piece + 1u, phase, into_next(row, next, sigma));
+    return true;
+}
+{%- endif %}
+
+/* The values at the end of a piece, if the whole length is not travelled there. */
+static bool past(const travelled_way *way, const chord *on, number length, number beyond[AXES])
+{
+    number across[AXES];
+    number in_halves[AXES];
+    over(on, on->whole, across);
+    for (uint32_t d = 0u; d < AXES; d++) {
+        const number more = divide(across[d], length);
+        /* In halves, because the sum may not fit before it is known to be short. */
+        in_halves[d] = add(half(way->before[d]), half(more));
+        across[d] = more;
+    }
+    if (!(norm(in_halves) < ONE_HALF)) {
+        return false;
+    }
+    for (uint32_t d = 0u; d < AXES; d++) {
+        beyond[d] = add(way->before[d], across[d]);
+    }
+    return true;
+}
+{%- if uses.breaks %}
+
+/* sigma of a short chord from the begin of a piece: 1/|C'|, in its range. */
+static number first_step_per_chord(const number speed_vector[AXES], const piece_row *row)
+{
+    const number speed = norm(speed_vector);
+    if (speed > {{ zero }}) {
+        return minimum(maximum(divide(ONE, speed), row->least_step_per_chord), row->greatest_step_per_chord);
+    }
+    return row->greatest_step_per_chord;
+}
+{%- endif %}
+{%- endif %}
+
+/* Makes a step over one joint or more, with the way up to the first, which it changes; returns the evaluations. */
+static uint32_t cross({{ name }}_state *state, const piece_row *from, travelled_way *way, number whole_length)
+{
+{%- if has_joints %}
+    const uint32_t end = sections[state->section].end_piece;
+    const piece_row *row = from;
+{%- if uses.breaks %}
+    number length = whole_length;
+{%- else %}
+    const number length = whole_length;
+{%- endif %}
+    number expected = expected_sigma(state, row);
+    uint32_t evaluations = 0u;
+    for (uint32_t piece = state->piece + 1u; piece < end; piece++) {
+        const piece_row *next = &pieces[piece];
+        const number greatest = next->greatest_step_per_chord;
+        trend_into_next(state, row, next);
+        expected = into_next(row, next, expected);
+{%- if uses.breaks %}
+        const bool is_corner = (row->joint == BREAKS);
+        if (is_corner) {
+            const number nothing[AXES] = { {{ zero }} };
+            length = mul(length, way->left);
+            set_travelled(way, nothing, {{ zero }});
+        }
+{%- endif %}
+        const number part = part_into_next(row, next, minimum(way->part, row->greatest_step_per_chord));
+        if ((way->left <= {{ zero }}) || (length <= {{ zero }})) {
+            reach(state, piece, 0u, state->newest);
+            limit_trend(state, next);
+            return evaluations;
+        }
+        shifted at;
+        shift_to(piece, {{ zero }}, {% if !floating %}DEGREE, {% endif %}&at);
+        chord on;
+        set_chord(&on, next, &at, {% if floating %}ONE{% else %}whole_of(next){% endif %}, length);
+        number guess;
+{%- if uses.breaks %}
+        if (is_corner) {
+            expected = first_step_per_chord(at.chord[0], next);
+            be_steady(state, expected);
+            guess = expected;
+        } else {
+{%- else %}
+        {
+{%- endif %}
+            on.is_past_joint = true;
+            on.before = way->before;
+            on.least = {{ zero }};
+            /* What is left begins later than a whole chord and ends with it: sigma has gone on by half of that. */
+            const number earlier = half(mul(sub(state->newest, expected), sub(ONE, way->left)));
+            const number later = sub(expected, within(earlier, expected, next->least_step_per_chord, greatest));
+            guess = mul(later, way->left);
+        }
+        number beyond[AXES];
+        const bool is_long = mul(guess, length) >= on.whole;
+        bool is_past = is_long && past(way, &on, length, beyond);
+        if (!is_past) {
+            number sigma = guess;
+            evaluations += solve(&on, &sigma, MAX_EVALUATIONS);
+            const number step = mul(sigma, length);
+            is_past = !((step < on.whole) || is_long) && past(way, &on, length, beyond);
+            if (!is_past) {
+                reach(state, piece, part_of(next, step), maximum(next->least_step_per_chord, sum_within(part, sigma, greatest)));
+                limit_trend(state, next);
+                return evaluations;
+            }
+        }
+        set_travelled(way, beyond, sum_within(part, divide(on.whole, length), greatest));
+        row = next;
+    }
+    reach(state, end, 0u, state->newest);
+    return evaluations;
+{%- else %}
+    /* Every section is one piece: behind its end nothing follows. */
+    (void)from;
+    (void)way;
+    (void)whole_length;
+    state->piece = sections[state->section].end_piece;
+    state->phase = 0u;
+    return 0u;
+{%- endif %}
+}
+
+/* Makes a step of `step` / 2^64 of the piece that leads past its end; returns all evaluations. */
+static uint32_t pass_end({{ name }}_state *state, const piece_row *row, number length, uint64_t step, number sigma, uint32_t evaluations)
+{
+{%- if has_joints && uses.continues %}
+    if (pass_joint(state, row, step, sigma)) {
+        return evaluations;
+    }
+{%- else %}
+    (void)step;
+    (void)sigma;
+{%- endif %}
+    travelled_way way;
+    way_to_end(state, row, length, &way);
+    return evaluations + cross(state, row, &way, length);
+}

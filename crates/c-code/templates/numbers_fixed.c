@@ -1,0 +1,241 @@
+/* Numbers: {{ format }}, a word of {{ word_bits }} bits that stands for word / 2^{{ fraction_bits }}.
+ *
+ * Sums are exact and wrap. Products and sums of products are formed in a word of twice the width, which wraps too, and
+ * rounded once, to nearest with ties up. Quotients and roots are rounded to nearest and saturate. The tables are compiled so
+ * that no sum or product of a run needs to wrap. */
+
+typedef {{ words.unsigned }} word;
+typedef {{ words.wide }} wide;
+
+#define WORD_BITS {{ word_bits }}u
+#define FRACTION_BITS {{ fraction_bits }}u
+#define NUMBER_MAX {{ max }}
+#define NUMBER_MIN (-NUMBER_MAX - 1)
+#define ONE {{ one }}
+#define RESOLUTION ((number)1)
+
+/* The number of these bits; their sign is the first. */
+static number of_bits(word bits)
+{
+    return (number)bits;
+}
+
+static number add(number a, number b)
+{
+    return of_bits((word)((word)a + (word)b));
+}
+
+static number sub(number a, number b)
+{
+    return of_bits((word)((word)a - (word)b));
+}
+
+static number negative(number a)
+{
+    return sub(0, a);
+}
+
+/* a b, exactly, in units of 2^-{{ 2 * fraction_bits }}. */
+static wide product(number a, number b)
+{
+    const {{ words.signed_wide }} exact = ({{ words.signed_wide }})a * ({{ words.signed_wide }})b;
+    return (wide)exact;
+}
+
+static wide plus(wide a, wide b)
+{
+    return a + b;
+}
+
+/* A sum of products as a number: to nearest, ties up. */
+static number rounded(wide sum)
+{
+{%- if fraction_bits == 0 %}
+    return of_bits((word)sum);
+{%- else %}
+    return of_bits((word)((sum + ((wide)1 << (FRACTION_BITS - 1u))) >> FRACTION_BITS));
+{%- endif %}
+}
+
+static number mul(number a, number b)
+{
+    return rounded(product(a, b));
+}
+
+/* a factor + b, rounded once: b has no digits behind the last place. */
+static number mul_add(number a, number factor, number b)
+{
+    return add(mul(a, factor), b);
+}
+
+/* |a|; of the least number itself. */
+static number absolute(number a)
+{
+    return (a < 0) ? negative(a) : a;
+}
+
+static number minimum(number a, number b)
+{
+    return (b < a) ? b : a;
+}
+
+static number maximum(number a, number b)
+{
+    return (b > a) ? b : a;
+}
+
+/* a / 2^distance, cut toward minus infinity. */
+static number shifted_right(number a, uint32_t distance)
+{
+    /* cppcheck-suppress misra-c2012-10.1 ; a shift of a signed word, whose meaning is checked at the top of the file */
+    return (number)(a >> distance);
+}
+
+/* a / 2^distance, to nearest, ties up. */
+static number divided_by_power_of_two(number a, uint32_t distance)
+{
+{%- if uses.far_shifts %}
+    if (distance >= WORD_BITS) {
+        return 0; /* at most half a unit is left: ties up from -1/2 */
+    }
+{%- endif %}
+    if (distance == 0u) {
+        return a;
+    }
+    /* The last bit dropped says whether to round up. */
+    const number twice = shifted_right(a, distance - 1u);
+    return add(shifted_right(twice, 1u), of_bits((word)twice & 1u));
+}
+
+/* a 2^exponent: to the left the first bits are lost, to the right it rounds to nearest, ties up.
+{%- if !uses.far_shifts %} No exponent of the
+ * tables has the width of a word. */
+{%- else %} */
+{%- endif %}
+static number times_power_of_two(number a, int32_t exponent)
+{
+    if (exponent < 0) {
+        return divided_by_power_of_two(a, (uint32_t)-exponent);
+    }
+{%- if uses.far_shifts %}
+    if (exponent >= (int32_t)WORD_BITS) {
+        return 0;
+    }
+{%- endif %}
+    return of_bits((word)((word)a << (uint32_t)exponent));
+}
+
+static number half(number a)
+{
+    return add(shifted_right(a, 1u), of_bits((word)a & 1u));
+}
+
+{% if word_bits < 64 -%}
+/* |a| as a word of twice the width. */
+static wide magnitude(number a)
+{
+    return (a < 0) ? (wide)(-({{ words.signed_wide }})a) : (wide)a;
+}
+
+/* The number of a magnitude and a sign; saturates. */
+static number with_sign(wide size, bool is_negative)
+{
+    if (is_negative) {
+        return (size > (wide)NUMBER_MAX) ? (number)NUMBER_MIN : negative((number)size);
+    }
+    return (size > (wide)NUMBER_MAX) ? (number)NUMBER_MAX : (number)size;
+}
+
+/* a / b, ties away from zero; over zero the extreme with the sign of a, and 0/0 is 0. */
+static number divide(number a, number b)
+{
+    const wide n = magnitude(a) << FRACTION_BITS;
+    const wide d = magnitude(b);
+    wide quotient;
+    if ((n >> WORD_BITS) < d) {
+        quotient = n / d;
+        const wide rest = n - (quotient * d);
+        if (rest >= (d - rest)) {
+            quotient++;
+        }
+    } else {
+        quotient = (n == 0u) ? 0u : {{ words.wide_max }};
+    }
+    return with_sign(quotient, (a < 0) != (b < 0));
+}
+
+/* The length of a vector, sqrt(sum(v^2)), to nearest; saturates. */
+static number norm(const number vector[AXES])
+{
+    wide rest = 0u;
+    for (uint32_t d = 0u; d < AXES; d++) {
+        rest += product(vector[d], vector[d]);
+    }
+    /* The root of the integer, bit by bit: `root` is twice the root so far, times the place of the bit. */
+    wide root = 0u;
+    for (wide bit = (wide)1 << {{ words.root_shift }}; bit != 0u; bit >>= 2) {
+        if (rest >= (root + bit)) {
+            rest -= root + bit;
+            root = (root >> 1) + bit;
+        } else {
+            root >>= 1;
+        }
+    }
+    /* (k + 1/2)^2 = k^2 + k + 1/4: from a rest above k on, k + 1 is nearer. */
+    return with_sign((rest > root) ? (root + 1u) : root, false);
+}
+{%- endif %}
+
+/* phase / 2^64, cut to the format's bits. */
+static number fraction(uint64_t phase)
+{
+{%- if fraction_bits == 0 %}
+    (void)phase;
+    return 0;
+{%- else %}
+    const uint64_t bits = phase >> (64u - FRACTION_BITS);
+    return (number)bits;
+{%- endif %}
+}
+
+/* phase 2^(exponent - 64), cut; saturates. */
+static number from_phase(uint64_t phase, int32_t exponent)
+{
+    const int32_t left = exponent + (int32_t)FRACTION_BITS - 64;
+    const uint32_t distance = (uint32_t)((left < 0) ? -left : left);
+    uint64_t bits = 0u;
+    if (distance >= 64u) {
+        bits = ((left > 0) && (phase != 0u)) ? UINT64_MAX : 0u;
+    } else if (left > 0) {
+        const uint64_t raised = phase << distance;
+        bits = ((raised >> distance) == phase) ? raised : UINT64_MAX;
+    } else {
+        bits = phase >> distance;
+    }
+    return (bits > (uint64_t)NUMBER_MAX) ? (number)NUMBER_MAX : (number)bits;
+}
+
+/* a 2^(64 + exponent) as an integer, cut; 0 for a negative number; saturates. */
+static uint64_t to_phase(number a, int32_t exponent)
+{
+    const int32_t left = 64 - (int32_t)FRACTION_BITS + exponent;
+    const uint32_t distance = (uint32_t)((left < 0) ? -left : left);
+    if (a <= 0) {
+        return 0u;
+    }
+    const uint64_t bits = (uint64_t)a;
+    if (distance >= 64u) {
+        return (left > 0) ? UINT64_MAX : 0u;
+    }
+    if (left < 0) {
+        return bits >> distance;
+    }
+    const uint64_t raised = bits << distance;
+    return ((raised >> distance) == bits) ? raised : UINT64_MAX;
+}
+
+/* 2^exponent, or the greatest number if that is less. */
+static number power_of_two(int32_t exponent)
+{
+    return from_phase(UINT64_C(1) << 63, exponent + 1);
+}

@@ -1,0 +1,102 @@
+/* The tables: what is constant. They are plain data and belong into flash. */
+
+/* How the path goes on at the end of a piece. */
+#define CONTINUES 0u /* a further part of the same polynomial */
+#define SMOOTH 1u    /* another polynomial in the same direction, or none */
+#define BREAKS 2u    /* the tangent breaks: what is left of a step goes on behind the corner as a chord of its own */
+
+/* A short part of the path: C(t) = origin + 2^e N(t){% if rational %}/W(t){% endif %}, t from 0 to 1, with N(t) = sum(n_k t^k), k = 1 to p{% if rational %}, and
+ * W(t) = sum(w_k t^k), k = 0 to p{% endif %}. */
+typedef struct {
+    int64_t origin[AXES];          /* in 2^-39 mm */
+    number least_step_per_chord;   /* the range of sigma, for which the ranges of all numbers are proven */
+    number greatest_step_per_chord;
+    uint16_t joint_ratio;          /* |C'| at the end over |C'| at the begin of the next piece: this / 2^16 ... */
+    int8_t joint_exponent;         /* ... times 2^this */
+{%- if !floating %}
+    int8_t coordinate_exponent;    /* e: its coefficients are in units of 2^e mm */
+    int8_t step_exponent;          /* s: the step over the piece is 2^s */
+    int8_t range_exponent;         /* r: its polynomials take x, the step over 2^r */
+{%- endif %}
+    uint8_t joint;
+} piece_row;
+
+static const piece_row pieces[] = {
+{%- for row in pieces %}
+    { { {{ row.origin }} }, {{ row.range }}, {{ row.joint_ratio }}u, {{ row.joint_exponent }}, {% if !floating %}{{ row.coordinate_exponent }}, {{ row.step_exponent }}, {{ row.range_exponent }}, {% endif %}{{ row.joint }} },
+{%- endfor %}
+};
+
+/* n_1 to n_p of each piece. */
+static const number numerators[][DEGREE][AXES] = {
+{%- for rows in numerators %}
+    { {{ rows }} },
+{%- endfor %}
+};
+{%- if rational %}
+
+/* w_0 to w_p of each piece. */
+static const number weights[][DEGREE + 1u] = {
+{%- for row in weights %}
+    { {{ row }} },
+{%- endfor %}
+};
+{%- endif %}
+
+/* How the feed goes from v to v + change over a stage: along a curve g(x) from (0, 0) to (1, 1). */
+{%- for shape in shapes %}
+#define {{ shape.name }} {{ shape.index }}u /* g = {{ shape.formula }} */
+{%- endfor %}
+
+/* A stage of the plan, with time in 2^-32 periods and distance in the unit of chords. */
+typedef struct {
+    uint64_t duration;
+    uint64_t reciprocal;           /* 2^(64 + reciprocal_exponent) / duration, rounded down: its first bit is set */
+    number period_share;           /* one period over the duration */
+    number feed;                   /* v, at the begin, a period */
+    number change;
+{%- if uses.bent %}
+    number bend;                   /* b, of the shape that has one */
+{%- endif %}
+    uint8_t reciprocal_exponent;
+    uint8_t shape;
+} stage_row;
+
+static const stage_row stages[] = {
+{%- for row in stages %}
+    { {{ row.duration }}ULL, {{ row.reciprocal }}ULL, {{ row.numbers }}, {{ row.reciprocal_exponent }}u, {{ row.shape }} },
+{%- endfor %}
+};
+
+/* The numbers of the first piece and stage of a section, and of those behind its last. */
+typedef struct {
+    uint32_t first_piece;
+    uint32_t end_piece;
+    uint32_t first_stage;
+    uint32_t end_stage;
+} section_row;
+
+static const section_row sections[] = {
+{%- for row in sections %}
+    { {{ row.pieces.start }}u, {{ row.pieces.end }}u, {{ row.stages.start }}u, {{ row.stages.end }}u },
+{%- endfor %}
+};
+
+/* The largest |f| after which one correction is enough, and how often a period evaluates the chord, at most. */
+#define RESIDUAL {{ residual }}
+#define MAX_EVALUATIONS {{ max_evaluations }}u
+
+/* A T^2, in the unit of chords: from so long a step the axes come to rest within a period. */
+#define LANDING_STEP {{ landing_step }}
+
+/* 1/2, 3/8{% if floating %}, 3/4{% else %}, 1/4{% endif %}{% if uses.third %}, 1/3{% endif %} in the format. */
+#define ONE_HALF {{ one_half }}
+#define THREE_EIGHTHS {{ three_eighths }}
+{%- if floating %}
+#define THREE_QUARTERS {{ three_quarters }}
+{%- else %}
+#define ONE_QUARTER {{ one_quarter }}
+{%- endif %}
+{%- if uses.third %}
+#define ONE_THIRD {{ one_third }}
+{%- endif %}

@@ -1,0 +1,69 @@
+//! `feedbits compile --language c`: a part as a header and a source in C99.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
+use c_code::CName;
+use format_compare::{CRequest, Dimension, Format, Space};
+
+use crate::compile::{Judged, expect_room};
+use crate::output;
+use crate::progress::Progress;
+
+/// The two files, and the begin of the public names in them.
+pub(crate) struct CPlace {
+    name: CName,
+    header: PathBuf,
+    source: PathBuf,
+}
+
+impl CPlace {
+    /// The files at `out`, which names them without an ending.
+    pub(crate) fn of(out: Option<&Path>) -> Result<Self> {
+        let Some(out) = out else {
+            bail!("--language c writes two files: give --out PATH, for PATH.h and PATH.c");
+        };
+        let name = out.file_name().unwrap_or_default().to_string_lossy();
+        if let Some(stem) = name.strip_suffix(".c").or_else(|| name.strip_suffix(".h")) {
+            bail!("--out {name}: expected a name without an ending, as `{stem}`, for {stem}.h and {stem}.c");
+        }
+        let name = CName::try_new(&name).context("--out")?;
+        let (header, source) = (out.with_extension("h"), out.with_extension("c"));
+        output::expect_place(Some(&header))?;
+        output::expect_place(Some(&source))?;
+        Ok(Self { name, header, source })
+    }
+}
+
+/// Refuses a format that C has no type for.
+pub(crate) fn expect_type<const D: usize>(format: &dyn Format<D>) -> Result<()> {
+    Ok(c_code::expect_type(format.name())?)
+}
+
+/// Writes the part.
+pub(crate) fn write<const D: usize>(
+    judged: &Judged<'_, D>,
+    place: &CPlace,
+    flash: Option<usize>,
+    progress: Progress,
+) -> Result<()>
+where
+    Space: Dimension<D>,
+{
+    let Judged { problem, plan, options, format, about, fault } = judged;
+    let CPlace { name, header, source } = place;
+    let request = CRequest { name: name.clone(), about: about.clone(), fault: fault.clone() };
+    let files = format.c_files(problem, plan, options, &request)?;
+    expect_room(files.table_bytes, flash)?;
+    progress.finish();
+    output::write_together(&[(header.as_path(), &files.header), (source.as_path(), &files.source)])?;
+    let (bytes, run) = (files.table_bytes, files.run);
+    output::note(&format!(
+        "{} and {}: {} periods; {bytes} bytes of tables; checksum {:#018x}",
+        header.display(),
+        source.display(),
+        run.periods,
+        run.checksum
+    ));
+    Ok(())
+}
