@@ -29,7 +29,7 @@ impl<R: Backend, const D: usize> Compiled<R, D> {
         PieceInterpolator {
             pieces: self.table.as_pieces(),
             lengths: StepLengths { stages: &self.stages },
-            tolerance: ChordTolerance::up_to_residual(R::from_f64(1e-3).unwrap_or_else(R::resolution), 5),
+            tolerance: ChordTolerance::for_fluctuation(Some(1e-6), 5),
             landing_step: R::zero(),
         }
     }

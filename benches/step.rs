@@ -16,7 +16,7 @@ fn on_pieces<R: Backend, const D: usize>(criterion: &mut Criterion, path: &Path<
     let interpolator = PieceInterpolator {
         pieces,
         lengths: StepLengths { stages: &stages },
-        tolerance: ChordTolerance::up_to_residual(R::from_f64(1e-3).unwrap_or_else(R::resolution), 5),
+        tolerance: ChordTolerance::for_fluctuation(Some(1e-6), 5),
         landing_step: R::zero(),
     };
     let run = || {

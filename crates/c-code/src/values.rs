@@ -47,6 +47,8 @@ pub(crate) struct Values {
     pub(crate) sections: Vec<Section>,
     pub(crate) max_evaluations: u32,
     pub(crate) residual: String,
+    pub(crate) growth: String,
+    pub(crate) fluctuation: String,
     pub(crate) landing_step: String,
     // The format.
     pub(crate) format: String,
@@ -201,6 +203,8 @@ impl Values {
             sections: sections.to_vec(),
             max_evaluations: run.tolerance.max_evaluations,
             residual: number(run.tolerance.residual),
+            growth: number(run.tolerance.growth),
+            fluctuation: number(run.tolerance.fluctuation),
             landing_step: number(run.landing_step),
             format: format.to_string(),
             format_words: format_words(format),

@@ -224,14 +224,28 @@ static number joint_correction(const evaluation *value, number bound)
 }
 {%- endif %}
 
+/* Whether one correction from an evaluation is enough. */
+static bool is_small(const evaluation *value)
+{
+    return (absolute(value->residual) <= RESIDUAL) && (absolute(value->slope) <= GROWTH);
+}
+
+/* The same for a chord on any number of pieces. */
+static bool is_enough(const chord *on, const evaluation *value)
+{
+{%- if has_joints %}
+    if (on->is_past_joint) {
+        return absolute(value->residual) <= times_power_of_two(FLUCTUATION, -2);
+    }
+{%- else %}
+    (void)on;
+{%- endif %}
+    return (absolute(value->residual) <= FLUCTUATION) || is_small(value);
+}
+
 /* Solves for sigma from an evaluation at a start value, which it changes; returns the evaluations made, at most `most`. */
 static uint32_t refine_chord(const chord *on, number *sigma, evaluation *last, uint32_t most)
 {
-{%- if has_joints %}
-    const number threshold = on->is_past_joint ? times_power_of_two(RESIDUAL, -2) : RESIDUAL;
-{%- else %}
-    const number threshold = RESIDUAL;
-{%- endif %}
     uint32_t evaluations = 1u;
     for (;;) {
         number by;
@@ -248,7 +262,7 @@ static uint32_t refine_chord(const chord *on, number *sigma, evaluation *last, u
         }
         const number trial = *sigma;
         *sigma = sub(trial, within(by, trial, on->least, on->greatest));
-        if ((absolute(last->residual) <= threshold) || (*sigma == trial) || (evaluations >= most)) {
+        if (is_enough(on, last) || (*sigma == trial) || (evaluations >= most)) {
             return evaluations;
         }
         evaluations++;

@@ -153,9 +153,8 @@ static void follow({{ name }}_state *state, number length, number reach_length, 
     set_chord(&on, row, &state->at, {% if floating %}ONE{% else %}state->whole{% endif %}, reach_length);
     evaluation value;
     evaluate(&on, guess, step, &value);
-    const bool is_small = (absolute(value.residual) <= minimum(RESIDUAL, ONE_HALF)) && (absolute(value.slope) <= THREE_EIGHTHS);
 {%- if floating %}
-    if (!is_small) {
+    if (!is_small(&value)) {
         number sigma = guess;
         const uint32_t evaluations = refine_chord(&on, &sigma, &value, MAX_EVALUATIONS);
         finish(state, length, travel(state, row, reach_length, sigma, evaluations), setpoint);
@@ -164,7 +163,7 @@ static void follow({{ name }}_state *state, number length, number reach_length, 
     const number sigma = sub(guess, correction(guess, value.residual, value.slope));
 {%- else %}
     number sigma = guess;
-    if (!is_small || !difference_within(guess, correction(guess, value.residual, value.slope), least, greatest, &sigma)) {
+    if (!is_small(&value) || !difference_within(guess, correction(guess, value.residual, value.slope), least, greatest, &sigma)) {
         sigma = guess;
         const uint32_t evaluations = refine_chord(&on, &sigma, &value, MAX_EVALUATIONS);
         finish(state, length, travel(state, row, reach_length, sigma, evaluations), setpoint);

@@ -82,8 +82,11 @@ static const section_row sections[] = {
 {%- endfor %}
 };
 
-/* The largest |f| after which one correction is enough, and how often a period evaluates the chord, at most. */
+/* One correction is enough after |f| <= RESIDUAL with |g| <= GROWTH, and after |f| <= FLUCTUATION; a period evaluates the chord
+ * MAX_EVALUATIONS times at most. */
 #define RESIDUAL {{ residual }}
+#define GROWTH {{ growth }}
+#define FLUCTUATION {{ fluctuation }}
 #define MAX_EVALUATIONS {{ max_evaluations }}u
 
 /* A T^2, in the unit of chords: from so long a step the axes come to rest within a period. */

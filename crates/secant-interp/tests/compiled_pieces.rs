@@ -87,15 +87,11 @@ fn thousand_points() -> Path<3> {
     Path { curves: vec![NurbsBuf::try_new_nonrational(3, points, knots).unwrap()], feed_mm: 0.2 }
 }
 
-/// Least residual that the format resolves: as precise as it can be.
+/// As precise as the format can be.
 const FINEST: f64 = 0.0;
-/// The residual for a fluctuation of 1e-6; it leaves 5e-8 at most.
-const FOR_1E_6: f64 = 1e-3;
-/// The residual for a fluctuation of 1e-9; it leaves 5e-10 at most.
-const FOR_1E_9: f64 = 3e-5;
 
-fn figures<R: Backend, const D: usize>(path: &Path<D>, piece_mm: f64, residual: f64) -> Figures {
-    let settings = Settings { piece_mm, residual, ..Settings::default() };
+fn figures<R: Backend, const D: usize>(path: &Path<D>, piece_mm: f64, fluctuation: f64) -> Figures {
+    let settings = Settings { piece_mm, fluctuation, ..Settings::default() };
     run::<R, D>(path, &settings).unwrap_or_else(|refusal| panic!("{}: {refusal}", R::name()))
 }
 
@@ -166,14 +162,14 @@ fn fluctuation_on_rational_curves() {
 }
 
 fn check_evaluations<const D: usize>(name: &str, path: &Path<D>, at_1e_6: f64) {
-    for (residual, fluctuation, bound) in [(FOR_1E_6, 1e-6, at_1e_6), (FOR_1E_9, 1e-9, 2.1)] {
-        let figures = figures::<f64, D>(path, 32.0, residual);
+    for (fluctuation, bound) in [(1e-6, at_1e_6), (1e-9, 2.1)] {
+        let figures = figures::<f64, D>(path, 32.0, fluctuation);
         println!(
             "{name:8} {fluctuation:.0e}: {:.1e}, {:.3} evaluations",
             figures.cruise, figures.evaluations
         );
-        assert!(figures.cruise <= fluctuation, "{name} {residual}: {} > {fluctuation}", figures.cruise);
-        assert!(figures.evaluations <= bound, "{name} {residual}: {} > {bound}", figures.evaluations);
+        assert!(figures.cruise <= fluctuation, "{name}: {} > {fluctuation}", figures.cruise);
+        assert!(figures.evaluations <= bound, "{name} {fluctuation}: {} > {bound}", figures.evaluations);
     }
 }
 
@@ -183,8 +179,8 @@ fn evaluations_for_a_wanted_fluctuation() {
     check_evaluations("B", &ten_points(), 1.25);
     check_evaluations("circle", &circle(), 1.25);
     check_evaluations("quintic", &quintic(), 1.25);
-    // A knot every twenty steps: with two evaluations at most of them it was 1.046.
-    check_evaluations("1000", &thousand_points(), 1.02);
+    // Across a knot, every twenty steps, a chord takes two evaluations.
+    check_evaluations("1000", &thousand_points(), 1.06);
     for seed in 1..=5 {
         check_evaluations("rational", &rational(seed), 1.25);
     }
@@ -204,14 +200,14 @@ fn inserted_knots_change_nothing() {
     check_every_format("knots", &path, &Bounds { fixed_64: 1e-12, ..PLAIN });
 }
 
-/// Which residual leaves which fluctuation at how many evaluations: `cargo test -- --ignored --nocapture`.
+/// What is left of the fluctuation asked for, at how many evaluations: `cargo test -- --ignored --nocapture`.
 #[test]
 #[ignore = "prints a table"]
-fn table_of_residuals() {
+fn table_of_fluctuations() {
     fn rows<const D: usize>(name: &str, path: &Path<D>) {
-        for residual in [4e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 3e-5, 1e-5, 3e-6, 1e-6, FINEST] {
-            let figures = figures::<f64, D>(path, 32.0, residual);
-            println!("{name:8} {residual:6.0e} {:8.1e} {:6.3}", figures.cruise, figures.evaluations);
+        for fluctuation in [1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, FINEST] {
+            let figures = figures::<f64, D>(path, 32.0, fluctuation);
+            println!("{name:8} {fluctuation:6.0e} {:8.1e} {:6.3}", figures.cruise, figures.evaluations);
         }
     }
     rows("A", &paper_a());
@@ -228,13 +224,13 @@ fn runs_are_the_same_bit_for_bit() {
     fn checksums<const D: usize>(path: &Path<D>) -> [u64; 7] {
         let of = |figures: Figures| figures.checksum;
         [
-            of(figures::<f64, D>(path, 32.0, FOR_1E_9)),
-            of(figures::<f32, D>(path, 32.0, FOR_1E_9)),
-            of(figures::<I3F29, D>(path, 32.0, FOR_1E_9)),
-            of(figures::<I4F28, D>(path, 32.0, FOR_1E_9)),
-            of(figures::<I8F24, D>(path, 32.0, FOR_1E_9)),
-            of(figures::<I16F48, D>(path, 32.0, FOR_1E_9)),
-            of(figures::<I4F60, D>(path, 32.0, FOR_1E_9)),
+            of(figures::<f64, D>(path, 32.0, 1e-9)),
+            of(figures::<f32, D>(path, 32.0, 1e-9)),
+            of(figures::<I3F29, D>(path, 32.0, 1e-9)),
+            of(figures::<I4F28, D>(path, 32.0, 1e-9)),
+            of(figures::<I8F24, D>(path, 32.0, 1e-9)),
+            of(figures::<I16F48, D>(path, 32.0, 1e-9)),
+            of(figures::<I4F60, D>(path, 32.0, 1e-9)),
         ]
     }
     let found = [checksums(&paper_a()), checksums(&ten_points()), checksums(&quintic())];
@@ -249,7 +245,7 @@ fn periods_by_the_plan_and_by_override_take_turns() {
         let table: PiecesBuf<R, 2> = compiled(&path, &Settings::default()).unwrap();
         let stages = swing::<R>(path.feed_mm.ldexp(table.as_pieces().chord_exponent));
         let interpolator =
-            interpolator(&path, &Settings { residual: 1e-3, ..Settings::default() }, &table, &stages);
+            interpolator(&path, &Settings { fluctuation: 1e-6, ..Settings::default() }, &table, &stages);
         let number = |x: f64| R::from_f64(x).unwrap();
         let limits = OverrideLimits {
             acceleration: number(0.5),
@@ -339,8 +335,8 @@ fn what_is_no_length_holds_the_setpoint() {
 #[test]
 fn every_form_of_the_step_makes_the_same_steps() {
     fn same<R: Backend, const D: usize>(path: &Path<D>) {
-        let own = figures::<R, D>(path, 32.0, FOR_1E_9).checksum;
-        assert_eq!(own, figures::<Counted<R>, D>(path, 32.0, FOR_1E_9).checksum, "{}", R::name());
+        let own = figures::<R, D>(path, 32.0, 1e-9).checksum;
+        assert_eq!(own, figures::<Counted<R>, D>(path, 32.0, 1e-9).checksum, "{}", R::name());
     }
     same::<f64, 2>(&paper_a());
     same::<f64, 2>(&ten_points());
@@ -352,30 +348,30 @@ fn every_form_of_the_step_makes_the_same_steps() {
 /// Rows: paper A, ten points, quintic; columns: f64, f32, I3F29, I4F28, I8F24, I16F48, I4F60.
 const CHECKSUMS: [[u64; 7]; 3] = [
     [
-        0x74ac_5ade_0789_6a38,
-        0xa14f_4d5a_6d3d_8eea,
-        0x4438_da95_eda2_3e59,
-        0xecfa_d93d_e62f_f6a5,
-        0xddcd_e421_60ef_208b,
-        0xa2bd_e4af_079b_0238,
-        0x2fe5_2bbe_aab2_0fd3,
+        0x1524_8485_551d_67e3,
+        0x75e5_92f4_1fc4_47a3,
+        0xf5bf_abc1_bb6b_2ab3,
+        0x1070_7a5c_9f7d_2e36,
+        0x7118_a7fb_6d19_dc26,
+        0x28e8_bb4c_0190_b6e3,
+        0xd8c5_9428_3787_4425,
     ],
     [
-        0x7cdf_0a22_1560_b1a9,
-        0xa56f_b6a2_4fd5_db29,
-        0x2807_8599_c4a0_01a9,
-        0x4133_5b6f_64a0_01a9,
-        0x79e9_f6fc_df1f_1ae5,
-        0xabf2_be70_9064_1ea9,
-        0x7822_0b8e_c55a_76fc,
+        0xae3e_2137_b373_2473,
+        0xe309_8bb3_1d72_02f9,
+        0x0f98_08b3_fb3b_ddae,
+        0x07ac_c735_a4bd_9aa6,
+        0x622d_c74e_a606_f9d3,
+        0x142a_f888_97df_1b73,
+        0x4cd5_82af_de38_1a40,
     ],
     [
-        0xa118_5a63_d4b3_5466,
-        0x9b33_0b66_87a1_1db6,
-        0x852c_a1a2_bf42_2466,
-        0x8b30_d235_1f42_2466,
-        0xe0bb_7953_f87f_045a,
-        0xdff1_99ca_ccde_3966,
-        0x1cc0_02d6_71d6_aefd,
+        0xe6db_3e9f_c9c0_9227,
+        0xc628_a914_8de2_f3e8,
+        0x9548_d0d3_6af5_bd57,
+        0x9157_37af_6421_4c4d,
+        0x04d8_3b9f_7de2_f3e8,
+        0xbeb1_048a_e203_9727,
+        0xabc8_d4ec_5ec5_8035,
     ],
 ];

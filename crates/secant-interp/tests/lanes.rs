@@ -21,7 +21,7 @@ struct Run<const D: usize> {
     stages: Vec<(f64, f64, usize)>,
     /// How many stages there are, those in turn: with few of them the schedule ends before the path.
     length: usize,
-    residual: f64,
+    fluctuation: f64,
     max_evaluations: u32,
 }
 
@@ -38,16 +38,16 @@ fn run<const D: usize>() -> impl Strategy<Value = Run<D>> {
         NurbsBuf::try_new_nonrational(3, points, knots).unwrap_or(curve)
     });
     let stage = (0.3..60.0_f64, 0.0..1.0_f64, prop_oneof![4 => Just(0_usize), 1 => 0..6_usize]);
-    let tolerance = (prop_oneof![Just(1e-3), Just(1e-9), Just(0.4)], 1..5_u32);
+    let tolerance = (prop_oneof![Just(1e-6), Just(1e-18), Just(0.16)], 1..5_u32);
     let stages = proptest::collection::vec(stage, 1..20);
     let length = prop_oneof![Just(400_usize), 1..40_usize];
     (curve, 0.05..8.0_f64, stages, length, tolerance).prop_map(
-        |(curve, feed_mm, stages, length, (residual, max_evaluations))| Run {
+        |(curve, feed_mm, stages, length, (fluctuation, max_evaluations))| Run {
             curve,
             feed_mm,
             stages,
             length,
-            residual,
+            fluctuation,
             max_evaluations,
         },
     )
@@ -80,7 +80,7 @@ fn compiled<R: Backend, const D: usize>(run: &Run<D>) -> Option<Compiled<R, D>> 
         );
         feed = next;
     }
-    let tolerance = ChordTolerance::up_to_residual(number(run.residual), run.max_evaluations);
+    let tolerance = ChordTolerance::for_fluctuation(Some(run.fluctuation), run.max_evaluations);
     Some((table, stages, tolerance))
 }
 

@@ -53,7 +53,7 @@ fn on_pieces<R: Backend>() {
     let interpolator = PieceInterpolator {
         pieces: table.as_pieces(),
         lengths: StepLengths { stages: &stages },
-        tolerance: ChordTolerance::up_to_residual(R::resolution().ldexp(2), 6),
+        tolerance: ChordTolerance::for_fluctuation(None, 6),
         landing_step: number(0.03),
     };
     let mut state = interpolator.start();

@@ -15,13 +15,13 @@ use secant_interp::{ChordTolerance, LengthStage, PieceInterpolator, StepLengths}
 /// | Horner's scheme for q, 2 products a coordinate, and q', 1; x q' | 6 | 2 | | | | | |
 /// | σq, σxq', the sign in f, f, g | | 2 + 2 | 2 of 3 and 2 terms | | 1 | | |
 /// | the correction: half of σ, f, the polynomial at once; in floats one by one | | 2 | 1 of 4 terms | 1 | 2 | | |
-/// | are f and g small, f by the less of two limits? | | | | | | 1 + 2 + 2 | |
+/// | are f and g small? | | | | | | 2 + 2 | |
 /// | in range? Subtracted as before; floats need not be | | | | | 2 + 1 | 2 or 0 | |
 /// | the next start value: a difference, and the extrapolation of it and the one before | | | | | 3 | | |
 /// | the phase of the step, and the place; in f64 the place is a sum, and the phase made of it | | 1 | | | | | 2 or 1 |
 /// | the point, with the shift to it, a coordinate: 2 + 2 + 1 products of synthetic division, value·t | 10 | 2 | | | | | |
 /// | rescale three coefficients a coordinate and the point, which floats need not | | | | 6 + 2 | | | |
-/// | **sum** | **16** | **12** | **3** | **10** | **12** | **11** | **2** |
+/// | **sum** | **16** | **12** | **3** | **10** | **12** | **10** | **2** |
 const BY_HAND: OperationCounts = OperationCounts {
     add: 0, // with `sub` and `neg`, in `sub`
     sub: 12,
@@ -35,7 +35,7 @@ const BY_HAND: OperationCounts = OperationCounts {
     norm: 0,
     norm_terms: 0,
     scale: 10,
-    compare: 11,
+    compare: 10,
     convert: 2,
 };
 
@@ -80,7 +80,7 @@ fn counts_of_common_steps<R: Backend>() -> Vec<OperationCounts> {
     let interpolator = PieceInterpolator {
         pieces,
         lengths: StepLengths { stages: &stages },
-        tolerance: ChordTolerance::up_to_residual(number(1e-3), 6),
+        tolerance: ChordTolerance::for_fluctuation(Some(1e-6), 6),
         landing_step: number(0.01 * unit),
     };
     let mut state = interpolator.start();

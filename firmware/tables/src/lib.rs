@@ -17,9 +17,6 @@ pub use paths::{Path, paths};
 
 /// A piece is no longer than this, which suits 32-bit formats.
 const PIECE_MM: f64 = 32.0;
-/// The largest residual whose one correction is enough, for a feedrate fluctuation of 1e-9; a coarse format takes
-/// four units of its resolution instead.
-const RESIDUAL: f64 = 3e-5;
 /// Evaluations of a chord on one piece, at most.
 const MAX_EVALUATIONS: u32 = 6;
 /// The part of the full step from which the axes come to rest in one period.
@@ -66,7 +63,7 @@ fn with_run<R: Backend, T>(
     Ok(show(&PieceInterpolator {
         pieces,
         lengths: StepLengths { stages: &path.stages::<R>(unit) },
-        tolerance: ChordTolerance::up_to_residual(number(RESIDUAL).max(R::resolution().ldexp(2)), MAX_EVALUATIONS),
+        tolerance: ChordTolerance::for_fluctuation(None, MAX_EVALUATIONS),
         landing_step: number(LANDING * path.feed_mm * unit),
     }))
 }

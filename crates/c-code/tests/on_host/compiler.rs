@@ -47,7 +47,8 @@ impl Parts {
         let Ok(table) = compile_with_stops::<DoubleDouble, R, D>(&curves, &limits, &planned.stops()) else {
             return false;
         };
-        let tolerance = ChordTolerance::for_fluctuation(None, path.max_evaluations);
+        let fluctuation = path.max_evaluations.is_multiple_of(2).then_some(1e-4);
+        let tolerance = ChordTolerance::for_fluctuation(fluctuation, path.max_evaluations);
         let stages = planned.stages();
         let plan = Schedule::new(&stages, 1.0, planned.periods());
         let Ok(path) = CompiledPath::new(table, &plan, tolerance, planned.landing_step()) else {

@@ -40,8 +40,11 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
             Some(length) => {
                 rates.landing = Landing::default();
                 let is_last = self.lengths.is_over(&state.cursor);
-                let more =
-                    if is_last { feeds.landing_jerk(self.landing_step).ldexp(LANDING_REACH) } else { R::zero() };
+                let more = if is_last {
+                    feeds.landing_jerk(self.landing_step).ldexp(LANDING_REACH)
+                } else {
+                    R::zero()
+                };
                 Wanted::Chord { length, reach: sum_within(length, more, R::max_value()) }
             }
             None => {

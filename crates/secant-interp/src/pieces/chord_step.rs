@@ -18,12 +18,12 @@
 //!
 //! of its length, where h is the second growth of the speed over the step, at most 1 on a piece. So a second evaluation
 //! is needed only if |f| or |g| is above a threshold; [`ChordTolerance::for_fluctuation`] derives both from the
-//! fluctuation that is allowed. Measured over ten curves of the tests, whose |g| is below a tenth:
+//! fluctuation that is allowed. Measured in f64 over ten curves of the tests, whose |g| is below a tenth:
 //!
-//! | threshold | 4e-3 | 1e-3 | 1e-4 | 3e-5 | 3e-6 |
-//! |---|---|---|---|---|---|
-//! | fluctuation | 2e-6 | 5e-8 | 1.2e-9 | 5e-10 | 2.3e-11 |
-//! | evaluations | 1.00–1.03 | 1.00–1.06 | 1.01–1.36 | 1.18–1.63 | 1.55–1.93 |
+//! | fluctuation allowed | 1e-5 | 1e-6 | 1e-7 | 1e-8 | 1e-9 | 1e-11 |
+//! |---|---|---|---|---|---|---|
+//! | found, at most | 2.5e-7 | 3.2e-8 | 2.5e-9 | 6.6e-10 | 3.0e-10 | 7.6e-13 |
+//! | evaluations | 1.00–1.03 | 1.00–1.06 | 1.00–1.12 | 1.01–1.36 | 1.17–1.62 | 1.55–2.13 |
 //!
 //! If a part b of the chord, in units of L, lies on pieces before this one, the correction is Newton's step on
 //! `|b + σ q/w|² - 1`. It takes a division, which costs little because joints are rare.
@@ -47,19 +47,16 @@ pub struct ChordTolerance<R> {
 
 impl<R: Backend> ChordTolerance<R> {
     /// The tolerance at which the last correction leaves at most this fluctuation ε, |1 - chord/L|, before roundings.
-    /// `None`, or a fluctuation below the format's resolution, gives two units of the resolution.
+    /// `None`, or a fluctuation below the format's resolution, gives the resolution: roundings leave more.
     ///
     /// A correction leaves `½ |f| (|g|³ + |f| (2|g| + h/8))`. With |f| ≤ √ε and |g|³ ≤ √ε, that is at most
-    /// `½ε (1 + 2|g| + h/8)`, below ε while |g| ≤ ⅜ and the second growth h is at most 1. A larger g asks for |f| ≤ ε.
+    /// `½ε (1 + 2|g| + h/8)`, below ε while |g| ≤ ⅜ and the second growth h is at most 1. A larger g asks for |f| ≤ ε, or
+    /// two units of the resolution, which roundings alone may keep f at.
     /// The greatest g is the greatest power of two among those allowed, which every format holds exactly.
     #[must_use]
     pub fn for_fluctuation(fluctuation: Option<f64>, max_evaluations: u32) -> Self {
-        let finest = R::resolution() + R::resolution();
-        let Some(wanted) =
-            fluctuation.filter(|wanted| R::from_f64(*wanted).is_some_and(|wanted| wanted > finest))
-        else {
-            return Self::up_to_residual(finest, max_evaluations);
-        };
+        let unit = R::resolution().to_f64();
+        let wanted = fluctuation.map_or(unit, |wanted| wanted.max(unit));
         let of = |value: f64| R::from_f64(value).unwrap_or_else(R::one);
         let (largest, largest_growth) = Evaluation::<R>::limits();
         let root = Real::sqrt(wanted);
@@ -68,19 +65,9 @@ impl<R: Backend> ChordTolerance<R> {
         Self {
             residual: of(root).min(largest),
             growth: R::one().ldexp(-halvings).min(largest_growth),
-            fluctuation: of(wanted).min(largest),
+            fluctuation: of(wanted.max(2.0 * unit)).min(largest),
             max_evaluations,
         }
-    }
-}
-
-impl<R: Real> ChordTolerance<R> {
-    /// One correction is enough after a residual |f| up to `residual`, cut to ½, whatever the growth.
-    #[must_use]
-    pub fn up_to_residual(residual: R, max_evaluations: u32) -> Self {
-        let (largest, growth) = Evaluation::<R>::limits();
-        let residual = residual.min(largest);
-        Self { residual, growth, fluctuation: residual, max_evaluations }
     }
 }
 

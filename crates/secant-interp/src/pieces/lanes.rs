@@ -397,7 +397,7 @@ mod tests {
         let run = PieceInterpolator {
             pieces: table.as_pieces(),
             lengths: StepLengths { stages: &stages },
-            tolerance: ChordTolerance::up_to_residual(R::from_f64(1e-3).unwrap(), 5),
+            tolerance: ChordTolerance::for_fluctuation(Some(1e-6), 5),
             landing_step: feed(0.01),
         };
         let mut lanes = LaneInterpolator::new([run; 4]);

@@ -15,14 +15,14 @@ pub(crate) struct Path<const D: usize> {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Settings {
     pub(crate) piece_mm: f64,
-    /// The largest |f| whose one correction is enough; but never less than four units of the format's resolution.
-    pub(crate) residual: f64,
+    /// The largest fluctuation that the solver may leave, but never less than the format's resolution.
+    pub(crate) fluctuation: f64,
     pub(crate) max_evaluations: u32,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { piece_mm: 32.0, residual: 0.0, max_evaluations: 6 }
+        Self { piece_mm: 32.0, fluctuation: 0.0, max_evaluations: 6 }
     }
 }
 
@@ -77,10 +77,7 @@ pub(crate) fn interpolator<'a, R: Backend, const D: usize>(
     PieceInterpolator {
         pieces,
         lengths: StepLengths { stages },
-        tolerance: ChordTolerance::up_to_residual(
-            R::from_f64(settings.residual).unwrap().max(R::resolution().ldexp(2)),
-            settings.max_evaluations,
-        ),
+        tolerance: ChordTolerance::for_fluctuation(Some(settings.fluctuation), settings.max_evaluations),
         landing_step: R::from_f64(landing_step).unwrap(),
     }
 }
