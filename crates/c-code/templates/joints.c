@@ -133,7 +133,8 @@ static bool pass_joint({{ name }}_state *state, const piece_row *row, uint64_t s
 {%- else %}
     const int32_t exponent = (int32_t)row->joint_exponent - 1 + row->step_exponent - next->step_exponent;
 {%- endif %}
-    const uint32_t distance = (uint32_t)((exponent < 0) ? -exponent : exponent);
+    const int32_t places = (exponent < 0) ? -exponent : exponent;
+    const uint32_t distance = (uint32_t)places;
     uint64_t phase = 0u;
     if (distance >= 64u) {
         if ((exponent > 0) && (beyond != 0u)) {

@@ -254,7 +254,8 @@ static number fraction(uint64_t phase)
 static number from_phase(uint64_t phase, int32_t exponent)
 {
     const int32_t left = exponent + (int32_t)FRACTION_BITS - 64;
-    const uint32_t distance = (uint32_t)((left < 0) ? -left : left);
+    const int32_t places = (left < 0) ? -left : left;
+    const uint32_t distance = (uint32_t)places;
     uint64_t bits = 0u;
     if (distance >= 64u) {
         bits = ((left > 0) && (phase != 0u)) ? UINT64_MAX : 0u;
@@ -271,7 +272,8 @@ static number from_phase(uint64_t phase, int32_t exponent)
 static uint64_t to_phase(number a, int32_t exponent)
 {
     const int32_t left = 64 - (int32_t)FRACTION_BITS + exponent;
-    const uint32_t distance = (uint32_t)((left < 0) ? -left : left);
+    const int32_t places = (left < 0) ? -left : left;
+    const uint32_t distance = (uint32_t)places;
     if (a <= 0) {
         return 0u;
     }

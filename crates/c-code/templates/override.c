@@ -37,7 +37,8 @@ static int64_t largest_that_stops(uint64_t distance)
 {
     const uint64_t terms = 1u + ((integer_root((8u * (distance / (uint64_t)MAX_BEND)) + 1u) - 1u) / 2u);
     const uint64_t shortfall = (uint64_t)MAX_BEND * (((terms - 1u) * terms) / 2u);
-    return (int64_t)((distance + shortfall) / terms);
+    const uint64_t largest = (distance + shortfall) / terms;
+    return (int64_t)largest;
 }
 
 /* One period toward the target. */

@@ -121,7 +121,8 @@ static void in_units_of_path(const piece_row *row, const number offset[AXES], nu
 {%- endfor %}
 {%- else %}
     /* The path's unit is that of the piece with the largest. */
-    const uint32_t distance = (uint32_t)({{ upper }}_COORDINATE_EXPONENT - (int32_t)row->coordinate_exponent);
+    const int32_t coarser = {{ upper }}_COORDINATE_EXPONENT - (int32_t)row->coordinate_exponent;
+    const uint32_t distance = (uint32_t)coarser;
     for (uint32_t d = 0u; d < AXES; d++) {
         in_units[d] = divided_by_power_of_two(offset[d], distance);
     }

@@ -243,6 +243,7 @@ void {{ name }}_position(const {{ name }}_setpoint *setpoint, int64_t position[A
         const uint64_t phase = to_phase(absolute(offset), {{ position_exponent }}){% if position_shift > 0 %} >> {{ position_shift }}{% endif %};
         const uint64_t units = (phase > (uint64_t)INT64_MAX) ? (uint64_t)INT64_MAX : phase;
         const uint64_t origin = (uint64_t)row->origin[d];
-        position[d] = (int64_t)((offset < {{ zero }}) ? (origin - units) : (origin + units));
+        const uint64_t sum = (offset < {{ zero }}) ? (origin - units) : (origin + units);
+        position[d] = (int64_t)sum;
     }
 }

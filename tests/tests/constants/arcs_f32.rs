@@ -14,7 +14,7 @@ pub const PERIODS: usize = 129;
 
 /// `secant_interp::PositionChecksum` of all of them.
 #[allow(dead_code, reason = "a program need not ask")]
-pub const CHECKSUM: u64 = 0x18b85da5440e4752;
+pub const CHECKSUM: u64 = 0x4719b18c4bf2c9b1;
 
 /// Path and plan.
 pub static PATH: PieceInterpolator<'static, Number, 3> = PieceInterpolator {
@@ -66,7 +66,12 @@ pub static PATH: PieceInterpolator<'static, Number, 3> = PieceInterpolator {
             LengthStage { duration: 14823531364, reciprocal: 10689512582227951980, reciprocal_exponent: 33, period_share: 0.28973982, feed: 0.25082973, change: -0.25082973, shape: StageShape::Easing },
         ],
     },
-    tolerance: ChordTolerance { residual: 2.3841858e-7, max_evaluations: 5 },
+    tolerance: ChordTolerance {
+        residual: 0.00034526698,
+        growth: 0.0625,
+        fluctuation: 2.3841858e-7,
+        max_evaluations: 5,
+    },
     landing_step: 0.18,
 };
 

@@ -59,14 +59,19 @@ pub static PATH: PieceInterpolator<'static, Number, 3> = PieceInterpolator {
             LengthStage { duration: 14823531365, reciprocal: 10689512581506834163, reciprocal_exponent: 33, period_share: i16f48(81554508831076), feed: i16f48(564818346157182), change: i16f48(-282409173078591), shape: StageShape::Onset },
             LengthStage { duration: 14823531364, reciprocal: 10689512582227951980, reciprocal_exponent: 33, period_share: i16f48(81554508836578), feed: i16f48(282409173078591), change: i16f48(-282409173078591), shape: StageShape::Easing },
             LengthStage { duration: 14823531364, reciprocal: 10689512582227951980, reciprocal_exponent: 33, period_share: i16f48(81554508836578), feed: i16f48(0), change: i16f48(282409173078591), shape: StageShape::Onset },
-            LengthStage { duration: 14823531365, reciprocal: 10689512581506834163, reciprocal_exponent: 33, period_share: i16f48(81554508831076), feed: i16f48(282409173078591), change: i16f48(282409173078592), shape: StageShape::Easing },
-            LengthStage { duration: 92759505207, reciprocal: 13665991397855876679, reciprocal_exponent: 36, period_share: i16f48(13032905004363), feed: i16f48(564818346157183), change: i16f48(0), shape: StageShape::Onset },
+            LengthStage { duration: 14823531365, reciprocal: 10689512581506834163, reciprocal_exponent: 33, period_share: i16f48(81554508831076), feed: i16f48(282409173078591), change: i16f48(282409173078591), shape: StageShape::Easing },
+            LengthStage { duration: 92759505207, reciprocal: 13665991397855876679, reciprocal_exponent: 36, period_share: i16f48(13032905004363), feed: i16f48(564818346157182), change: i16f48(1), shape: StageShape::Onset },
             LengthStage { duration: 92759505207, reciprocal: 13665991397855876679, reciprocal_exponent: 36, period_share: i16f48(13032905004363), feed: i16f48(564818346157183), change: i16f48(0), shape: StageShape::Easing },
             LengthStage { duration: 14823531365, reciprocal: 10689512581506834163, reciprocal_exponent: 33, period_share: i16f48(81554508831076), feed: i16f48(564818346157183), change: i16f48(-282409173078592), shape: StageShape::Onset },
             LengthStage { duration: 14823531364, reciprocal: 10689512582227951980, reciprocal_exponent: 33, period_share: i16f48(81554508836578), feed: i16f48(282409173078591), change: i16f48(-282409173078591), shape: StageShape::Easing },
         ],
     },
-    tolerance: ChordTolerance { residual: i16f48(2), max_evaluations: 5 },
+    tolerance: ChordTolerance {
+        residual: i16f48(16777216),
+        growth: i16f48(1099511627776),
+        fluctuation: i16f48(2),
+        max_evaluations: 5,
+    },
     landing_step: i16f48(202661983231672),
 };
 

@@ -14,7 +14,7 @@ pub const PERIODS: usize = 132;
 
 /// `secant_interp::PositionChecksum` of all of them.
 #[allow(dead_code, reason = "a program need not ask")]
-pub const CHECKSUM: u64 = 0xa8ab20e946d04ab5;
+pub const CHECKSUM: u64 = 0xbd6f0ee140174736;
 
 /// Path and plan.
 pub static PATH: PieceInterpolator<'static, Number, 3> = PieceInterpolator {
@@ -60,7 +60,12 @@ pub static PATH: PieceInterpolator<'static, Number, 3> = PieceInterpolator {
             LengthStage { duration: 33062672966, reciprocal: 9585209592187373250, reciprocal_exponent: 34, period_share: i5f27(17435394), feed: i5f27(268230335), change: i5f27(-268230335), shape: StageShape::Cosine },
         ],
     },
-    tolerance: ChordTolerance { residual: i5f27(2), max_evaluations: 5 },
+    tolerance: ChordTolerance {
+        residual: i5f27(11585),
+        growth: i5f27(4194304),
+        fluctuation: i5f27(2),
+        max_evaluations: 5,
+    },
     landing_step: i5f27(96636764),
 };
 

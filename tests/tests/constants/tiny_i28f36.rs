@@ -45,7 +45,12 @@ pub static PATH: PieceInterpolator<'static, Number, 2> = PieceInterpolator {
             LengthStage { duration: 1073741824, reciprocal: 18446744073709551615, reciprocal_exponent: 30, period_share: i28f36(68719476735), feed: i28f36(3298535), change: i28f36(-3298535), shape: StageShape::Easing },
         ],
     },
-    tolerance: ChordTolerance { residual: i28f36(2), max_evaluations: 5 },
+    tolerance: ChordTolerance {
+        residual: i28f36(262144),
+        growth: i28f36(1073741824),
+        fluctuation: i28f36(2),
+        max_evaluations: 5,
+    },
     landing_step: i28f36(49478023250),
 };
 
