@@ -33,13 +33,13 @@ const NODES: i32 = 16;
 /// Nodes in one stretch between limit points, at most, from each side.
 const MOST: usize = 100;
 /// Intervals of θ between the accelerations of P before and behind p.
-const INTERVALS: i32 = 24;
+const INTERVALS: i32 = 12;
 /// Windows are divided within caps over so many nodes at least.
 const CAP: usize = 2;
 /// Places of a window that are tried: each gives a bound, and the largest holds.
 const PLACES: usize = 3;
 /// Rounds in which neighbouring windows are joined.
-const MERGES: usize = 3;
+const MERGES: usize = 6;
 
 /// A lower bound of the duration of any motion under the limit with `|a| ≤ A` and `|j| ≤ J` that begins and ends at these feeds, or
 /// at the limit where that is lower, without acceleration where it rests.
@@ -144,11 +144,11 @@ fn of_section<R: Real>(nodes: &[Node<R>], most: &Most<R>) -> Option<R> {
     }
     let mut bounds = nodes.to_vec();
     if first.1.is_zero() {
-        let _ = lower_by_arc(&mut bounds, R::zero(), most);
+        lower_from_rest(&mut bounds, most);
     }
     let mut mirrored = mirror(&bounds);
     if last.1.is_zero() {
-        let _ = lower_by_arc(&mut mirrored, R::zero(), most);
+        lower_from_rest(&mut mirrored, most);
     }
     let bounds = mirror(&mirrored);
     let contacts = caps(bounds.len(), |k| bounds[k], most.jerk);
@@ -169,7 +169,7 @@ fn of_section<R: Real>(nodes: &[Node<R>], most: &Most<R>) -> Option<R> {
         }
         if to.node >= from.node + CAP && from.node >= begin && !places.is_empty() {
             let middle = from.node.midpoint(to.node);
-            windows.push(Window { nodes: [begin, middle], places: core::mem::take(&mut places), time: None });
+            windows.push(Window::new([begin, middle], core::mem::take(&mut places)));
             begin = middle;
         }
     }
@@ -177,11 +177,11 @@ fn of_section<R: Real>(nodes: &[Node<R>], most: &Most<R>) -> Option<R> {
     if let Some(place) = places.last().filter(|_| last.1.is_zero()).map(|place| place.node) {
         let highest =
             (place..end).fold(place, |best, k| if profile[k].1 > profile[best].1 { k } else { best });
-        windows.push(Window { nodes: [begin, highest], places: core::mem::take(&mut places), time: None });
+        windows.push(Window::new([begin, highest], core::mem::take(&mut places)));
         begin = highest;
     }
     places.extend(last.1.is_zero().then(|| at_rest(end)));
-    windows.push(Window { nodes: [begin, end], places, time: None });
+    windows.push(Window::new([begin, end], places));
     for _ in 0..MERGES {
         let count = windows.len();
         windows = merged(&profile, windows, most);
@@ -192,33 +192,49 @@ fn of_section<R: Real>(nodes: &[Node<R>], most: &Most<R>) -> Option<R> {
     Some(windows.iter_mut().fold(R::zero(), |sum, window| sum + window.bound(&profile, most)))
 }
 
-/// Nodes from one to another, the places there that are tried, and the bound of the time if it is known.
+/// Nodes from one to another, the places there that are tried, the bound of the time if it is known, and whether the window before is
+/// known to be better alone.
 struct Window<R> {
     nodes: [usize; 2],
     places: Vec<Place<R>>,
     time: Option<R>,
+    stays: bool,
 }
 
 impl<R: Real> Window<R> {
+    const fn new(nodes: [usize; 2], places: Vec<Place<R>>) -> Self {
+        Self { nodes, places, time: None, stays: false }
+    }
+
     fn bound(&mut self, profile: &[Node<R>], most: &Most<R>) -> R {
-        let Self { nodes, places, time } = self;
+        let Self { nodes, places, time, .. } = self;
         *time.get_or_insert_with(|| of_window(profile, *nodes, places, most))
     }
 }
 
-/// Neighbouring windows as one wherever that is the better bound: at a low jerk one place governs a long way.
+/// Neighbouring windows as one wherever that is the better bound: at a low jerk one place governs a long way. No window is joined
+/// twice in a round, and no two are tried twice, so that a node is looked at a number of times that does not grow with the path.
 fn merged<R: Real>(profile: &[Node<R>], windows: Vec<Window<R>>, most: &Most<R>) -> Vec<Window<R>> {
     let mut merged: Vec<Window<R>> = Vec::with_capacity(windows.len());
+    let mut is_joined = true;
     for mut window in windows {
-        let Some(before) = merged.last_mut() else {
+        let Some(before) = merged.last_mut().filter(|_| !is_joined && !window.stays) else {
+            window.stays &= !is_joined;
+            is_joined = false;
             merged.push(window);
             continue;
         };
         let mut places = before.places.clone();
         window.places.iter().for_each(|place| add(&mut places, *place));
-        let mut both = Window { nodes: [before.nodes[0], window.nodes[1]], places, time: None };
+        let mut both = Window::new([before.nodes[0], window.nodes[1]], places);
         let apart = before.bound(profile, most) + window.bound(profile, most);
-        if both.bound(profile, most) > apart { *before = both } else { merged.push(window) }
+        is_joined = both.bound(profile, most) > apart;
+        if is_joined {
+            *before = both;
+        } else {
+            window.stays = true;
+            merged.push(window);
+        }
     }
     merged
 }
@@ -269,19 +285,19 @@ fn follow<R: Real>(profile: &mut [Node<R>], [from, to]: [usize; 2], departure: R
     }
 }
 
-/// Lowers feeds to those of the motion from the first node with an acceleration θ at jerk J, no further than A. Between A's being
-/// reached and the node behind it, the motion is no faster than either alone. The times at the nodes, at most those of that motion;
-/// `None` where it comes to rest.
-fn lower_by_arc<R: Real>(nodes: &mut [Node<R>], theta: R, most: &Most<R>) -> Option<Vec<R>> {
+/// Feeds at nodes lowered to those of the motion from the first node with an acceleration θ at jerk J, no further than A, and times
+/// there that are at most those of that motion. Between A's being reached and the node behind it, the motion is no faster than either
+/// alone. They end where it lowers nothing more: it is above the feeds there, which rise by no more than A. `None` where it comes to
+/// rest.
+fn lowered_by_arc<R: Real>(nodes: &[Node<R>], theta: R, most: &Most<R>) -> Option<Vec<(R, R)>> {
     let &(mut s, mut v) = nodes.first()?;
-    let mut times = Vec::with_capacity(nodes.len());
     let mut now = R::zero();
-    times.push(now);
+    let mut lowered = Vec::from([(v, now)]);
     let mut a = theta.min(most.acceleration);
     if a < R::zero() && a * a >= (most.jerk * v).ldexp(1) {
         return None;
     }
-    for node in nodes.iter_mut().skip(1) {
+    for node in nodes.iter().skip(1) {
         let length = node.0 - s;
         let by_acceleration = (v * v + (most.acceleration * length).ldexp(1)).sqrt();
         if a < most.acceleration {
@@ -295,30 +311,66 @@ fn lower_by_arc<R: Real>(nodes: &mut [Node<R>], theta: R, most: &Most<R>) -> Opt
             now = now + (by_acceleration - v) / most.acceleration;
             v = by_acceleration;
         }
-        times.push(now);
+        lowered.push((node.1.min(v), now));
         s = node.0;
-        node.1 = node.1.min(v);
+        if a >= most.acceleration && v >= node.1 {
+            break;
+        }
     }
-    Some(times)
+    Some(lowered)
+}
+
+/// Lowers feeds to those of the motion from rest at the first node.
+fn lower_from_rest<R: Real>(nodes: &mut [Node<R>], most: &Most<R>) {
+    let lowered = lowered_by_arc(nodes, R::zero(), most).unwrap_or_default();
+    nodes.iter_mut().zip(lowered).for_each(|(node, (feed, _))| node.1 = feed);
+}
+
+/// Nodes on one side of a place, from there on, and the places where the arcs below them touch, with the times of the arcs behind.
+struct Side<'a, R> {
+    nodes: &'a [Node<R>],
+    touches: Vec<(usize, R)>,
+}
+
+impl<'a, R: Real> Side<'a, R> {
+    fn new(nodes: &'a [Node<R>], jerk: R) -> Self {
+        let (mut touches, mut behind) = (Vec::new(), R::zero());
+        for contact in caps(nodes.len(), |k| nodes[k], jerk).iter().rev() {
+            touches.push((contact.node, behind));
+            behind = behind + contact.time;
+        }
+        touches.reverse();
+        Self { nodes, touches }
+    }
+
+    /// The time of the arcs below all of them.
+    fn time(&self) -> R {
+        self.touches.first().map_or(R::zero(), |touch| touch.1)
+    }
+
+    /// The least time of motions along P with at most the acceleration θ at the first node: up to some node that of the motion at
+    /// jerk J, which leads any, and that of arcs behind it. From the first touch on that the motion does not lower, the arcs are those
+    /// of P.
+    fn time_from(&self, theta: R, most: &Most<R>) -> R {
+        let Some(lowered) = lowered_by_arc(self.nodes, theta, most) else { return R::max_value().half() };
+        let unchanged = self.touches.iter().find(|touch| touch.0 >= lowered.len());
+        let last = self.nodes.len().saturating_sub(1);
+        let (end, mut behind) = unchanged.copied().unwrap_or((last, R::zero()));
+        let at = |k: usize| (self.nodes[k].0, lowered.get(k).map_or(self.nodes[k].1, |lowered| lowered.0));
+        let mut least = R::zero();
+        for contact in caps(end + 1, at, most.jerk).iter().rev() {
+            if let Some((_, time)) = lowered.get(contact.node) {
+                least = least.max(*time + behind);
+            }
+            behind = behind + contact.time;
+        }
+        least
+    }
 }
 
 /// The time of the arcs below feeds.
 fn time_below<R: Real>(nodes: &[Node<R>], jerk: R) -> R {
-    caps(nodes.len(), |k| nodes[k], jerk).iter().fold(R::zero(), |sum, contact| sum + contact.time)
-}
-
-/// The least time of motions along P with at most the acceleration θ at the first node: up to some node that of the motion at jerk J,
-/// which leads any, and that of arcs behind it.
-fn time_from<R: Real>(nodes: &[Node<R>], theta: R, most: &Most<R>) -> R {
-    let mut nodes = nodes.to_vec();
-    let Some(times) = lower_by_arc(&mut nodes, theta, most) else { return R::max_value().half() };
-    let contacts = caps(nodes.len(), |k| nodes[k], most.jerk);
-    let (mut behind, mut least) = (R::zero(), R::zero());
-    for contact in contacts.iter().rev() {
-        least = least.max(times[contact.node] + behind);
-        behind = behind + contact.time;
-    }
-    least
+    Side::new(nodes, jerk).time()
 }
 
 /// The largest bound of a window that one of the places gives.
@@ -343,9 +395,10 @@ fn by_place<R: Real>(
     [arrival, departure]: [R; 2],
     most: &Most<R>,
 ) -> R {
-    let along = [before, behind].map(|nodes| {
-        let rests = nodes.first().is_some_and(|first| first.1.is_zero());
-        if rests { time_from(nodes, R::zero(), most) } else { time_below(nodes, most.jerk) }
+    let sides = [before, behind].map(|nodes| Side::new(nodes, most.jerk));
+    let along = [0, 1].map(|k: usize| {
+        let rests = sides[k].nodes.first().is_some_and(|first| first.1.is_zero());
+        if rests { sides[k].time_from(R::zero(), most) } else { sides[k].time() }
     });
     let whole = along[0] + along[1];
     if !(departure > arrival) || before.len() < 2 || behind.len() < 2 {
@@ -356,9 +409,9 @@ fn by_place<R: Real>(
     let mut least = R::max_value();
     let mut time_before = along[0];
     for k in 0..=INTERVALS {
-        let time_behind = time_from(behind, theta(k), most).max(along[1]);
+        let time_behind = sides[1].time_from(theta(k), most).max(along[1]);
         least = least.min(time_before + time_behind);
-        time_before = time_from(before, R::zero() - theta(k), most).max(along[0]);
+        time_before = sides[0].time_from(R::zero() - theta(k), most).max(along[0]);
     }
     least.min(time_before + along[1]).max(whole)
 }

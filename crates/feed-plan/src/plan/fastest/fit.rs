@@ -22,10 +22,12 @@ const LONGEST: usize = 1 << 10;
 /// States further on, and arcs before, that are tried where none fits.
 const FURTHER: usize = 12;
 const BEFORE: usize = 4;
-/// Newton's steps to the time at a node.
-const STEPS: usize = 4;
-/// The place is found to this share of the way between two limit points.
-const CLOSE: i32 = -16;
+/// Newton's steps to where a piece is highest above the limit.
+const HIGHEST: usize = 4;
+/// Steps to the time at a node, Newton's or halvings.
+const STEPS: usize = 40;
+/// The place is found to this share of the way between two limit points: the limit may have a narrow minimum just there.
+const CLOSE: i32 = -30;
 
 /// A state that the motion may pass, its time from the section's begin, and the last limit point up to it.
 #[derive(Clone, Copy, Debug)]
@@ -110,7 +112,9 @@ impl<R: Real> Bounds<R> {
         if there_is_motion(piece) { by_acceleration.max(by_jerk).max(R::zero()) } else { R::max_value() }
     }
 
-    /// The same for the limit, or more than `enough` if it is that at some place.
+    /// The same for the limit, or more than `enough` if it is that at some place. As a share v² is highest above the line L of the
+    /// limit where `2 a L = v² L'`. The difference changes by `2 j L` with time, so for j < 0 that is one place, and for j > 0 no
+    /// place between the ends is higher than they are.
     fn broken(&self, piece: &Piece<R>, cell: &mut usize, enough: R) -> R {
         let jerk = piece.jerk();
         let mut broken = R::zero();
@@ -126,11 +130,15 @@ impl<R: Real> Bounds<R> {
                 if excess > R::zero() { (excess / limit).half() } else { R::zero() }
             };
             broken = broken.max(above(&there)).max(above(&here));
-            // v² is furthest above the line where the acceleration is that of the line.
             if jerk < R::zero() {
-                let steepest = (slope.half() - here.a) / jerk;
-                if steepest > R::zero() && time + steepest < end {
-                    broken = broken.max(above(&here.after(steepest, jerk)));
+                let line = |at: R| b0 + slope * (at - a);
+                let mut highest = ((slope.half() - here.a) / jerk).max(R::zero()).min(end - time);
+                for _ in 0..HIGHEST {
+                    let state = here.after(highest, jerk);
+                    broken = broken.max(above(&state));
+                    let rise = (state.a * line(state.s)).ldexp(1) - state.v * state.v * slope;
+                    let fall = (jerk * line(state.s)).ldexp(1);
+                    highest = (highest - rise / fall).max(R::zero()).min(end - time);
                 }
             }
             if is_last || broken > enough {
@@ -181,15 +189,22 @@ fn time_at<R: Real>(piece: &Piece<R>, jerk: R, place: R, (here, time): (State<R>
     let off = place - here.s;
     let square = (here.v * here.v + (here.a * off).ldexp(1)).max(R::zero());
     let mut end = (time + off.ldexp(1) / (here.v + square.sqrt())).min(piece.time);
+    let (mut low, mut high) = (time, piece.time);
+    let enough = (off * R::one().ldexp(CLOSE)).max((place.abs() * R::resolution()).ldexp(1));
     for _ in 0..STEPS {
         let state = piece.from.after(end, jerk);
         let rest = place - state.s;
-        if rest.abs() <= off * R::one().ldexp(CLOSE) {
+        if rest.abs() <= enough {
             break;
         }
+        if rest > R::zero() {
+            low = end
+        } else {
+            high = end
+        }
+        let next = end + rest / state.v;
         // From rest the feed says nothing.
-        let step = if state.v > rest.abs().ldexp(-20) { rest / state.v } else { (piece.time - end).half() };
-        end = (end + step).min(piece.time).max(time);
+        end = if next > low && next < high { next } else { low + (high - low).half() };
     }
     end
 }

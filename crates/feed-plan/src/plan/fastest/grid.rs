@@ -2,8 +2,9 @@
 //!
 //! Between two limit points the square of the limit is linear in the distance, and so are the squares of the feeds that A lets be
 //! reached from one and braked for at the other. The least of the three lines is f², the *jerk-free* profile. Nodes lie at the limit
-//! points, at the corners of f² and, away from the limit, between them: no more than a share of the time A/J apart near the corners and
-//! further apart away from them. Along the limit more of them would follow the steps of its acceleration at the limit points.
+//! points, at the corners of f² and, away from the limit and beside such parts, between them: no more than a share of the time A/J apart near the corners and
+//! further apart away from them. Elsewhere along the limit more of them would follow the steps of its acceleration at the limit
+//! points.
 
 use alloc::vec::Vec;
 
@@ -77,18 +78,39 @@ pub(crate) fn nodes<R: Real>(points: &[(R, R)], beside: [R; 2], acceleration: R,
         };
         Node { s: points[k].0, limit, free: free[k] }
     };
+    let mut parts: Vec<Part<R>> = Vec::with_capacity(points.len());
     for k in 0..last {
         let (from, to) = (begin(k), begin(k + 1));
-        nodes.push(from);
-        let corners = corners(&from, &to, acceleration);
         let mut before = from;
-        for corner in corners.into_iter().flatten().chain([to]) {
-            divide(&before, &corner, (&from, &to), step, &mut nodes);
+        for corner in corners(&from, &to, acceleration).into_iter().flatten().chain([to]) {
+            parts.push(Part { a: before, b: corner, cell: (from, to) });
             before = corner;
+        }
+    }
+    for (k, part) in parts.iter().enumerate() {
+        let leaves = |other: Option<&Part<R>>| other.is_some_and(|other| !other.is_on_limit());
+        let is_beside = leaves(k.checked_sub(1).and_then(|k| parts.get(k))) || leaves(parts.get(k + 1));
+        if !part.is_on_limit() || is_beside {
+            divide(part, step, &mut nodes);
+        } else {
+            add(&mut nodes, part.a);
         }
     }
     nodes.extend(points.len().checked_sub(1).map(begin));
     nodes
+}
+
+/// The way between two corners of f, which lies between two limit points.
+struct Part<R> {
+    a: Node<R>,
+    b: Node<R>,
+    cell: (Node<R>, Node<R>),
+}
+
+impl<R: Real> Part<R> {
+    fn is_on_limit(&self) -> bool {
+        self.a.free == self.a.limit && self.b.free == self.b.limit
+    }
 }
 
 /// The limit between two limit points.
@@ -125,18 +147,16 @@ fn corners<R: Real>(from: &Node<R>, to: &Node<R>, acceleration: R) -> [Option<No
     }
 }
 
-/// Nodes between two corners, between which the acceleration is constant: so the feed is linear in time.
-fn divide<R: Real>(a: &Node<R>, b: &Node<R>, cell: (&Node<R>, &Node<R>), step: R, nodes: &mut Vec<Node<R>>) {
-    if nodes.last().is_none_or(|last| a.s > last.s) {
-        nodes.push(*a);
-    }
+/// Nodes within a part, in which the acceleration is constant: so the feed is linear in time.
+fn divide<R: Real>(Part { a, b, cell }: &Part<R>, step: R, nodes: &mut Vec<Node<R>>) {
+    add(nodes, *a);
     let (length, sum) = (b.s - a.s, a.free + b.free);
-    if !(length > R::zero() && sum > R::zero()) || (a.free == a.limit && b.free == b.limit) {
+    if !(length > R::zero() && sum > R::zero()) {
         return;
     }
     let duration = length.ldexp(1) / sum;
     let half = duration.half();
-    // Times from each end, with gaps that grow by a quarter; mirrored, so that the middle is the widest.
+    // Times from each end, with gaps that grow by an eighth; mirrored, so that the middle is the widest.
     let mut times = Vec::new();
     let (mut time, mut gap) = (step, step);
     while time < half - gap.half() && times.len() < MOST {
@@ -151,9 +171,16 @@ fn divide<R: Real>(a: &Node<R>, b: &Node<R>, cell: (&Node<R>, &Node<R>), step: R
         let x = time / duration;
         let free = a.free + (b.free - a.free) * x;
         let s = a.s + (a.free + free).half() * time;
-        if nodes.last().is_some_and(|last| s > last.s) && s < b.s {
-            let limit = limit_at(cell.0, cell.1, s);
-            nodes.push(Node { s, limit, free: free.min(limit) });
+        if s < b.s {
+            let limit = limit_at(&cell.0, &cell.1, s);
+            add(nodes, Node { s, limit, free: free.min(limit) });
         }
+    }
+}
+
+/// Puts a node behind the others, if it lies there.
+fn add<R: Real>(nodes: &mut Vec<Node<R>>, node: Node<R>) {
+    if nodes.last().is_none_or(|last| node.s > last.s) {
+        nodes.push(node);
     }
 }
