@@ -17,6 +17,8 @@ pub use paths::{Path, paths};
 
 /// A piece is no longer than this, which suits 32-bit formats.
 const PIECE_MM: f64 = 32.0;
+/// The fluctuation that the solver may leave; a coarse format leaves what it can show.
+const FLUCTUATION: Option<f64> = Some(1e-9);
 /// Evaluations of a chord on one piece, at most.
 const MAX_EVALUATIONS: u32 = 6;
 /// The part of the full step from which the axes come to rest in one period.
@@ -63,7 +65,7 @@ fn with_run<R: Backend, T>(
     Ok(show(&PieceInterpolator {
         pieces,
         lengths: StepLengths { stages: &path.stages::<R>(unit) },
-        tolerance: ChordTolerance::for_fluctuation(None, MAX_EVALUATIONS),
+        tolerance: ChordTolerance::for_fluctuation(FLUCTUATION, MAX_EVALUATIONS),
         landing_step: number(LANDING * path.feed_mm * unit),
     }))
 }
