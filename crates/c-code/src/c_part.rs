@@ -1,14 +1,8 @@
-//! The files of a part.
+//! What becomes C.
 
-use std::ops::Deref;
-
-use askama::Template;
-use real::Backend;
 use secant_interp::{CompiledPath, FeedOverride};
 
-use crate::name::{CError, CName};
-use crate::overridden_run::OverriddenRun;
-use crate::values::Values;
+use crate::name::CName;
 
 /// A path and its plan that become C.
 #[derive(Clone, Debug)]
@@ -45,65 +39,4 @@ pub struct ExpectedRun {
     pub periods: usize,
     /// Their [`PositionChecksum`](secant_interp::PositionChecksum).
     pub checksum: u64,
-}
-
-/// The two files of a part.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct CFiles {
-    /// `NAME.h`.
-    pub header: String,
-    /// `NAME.c`.
-    pub source: String,
-    /// Bytes of all tables.
-    pub table_bytes: usize,
-    /// The run that the self-test compares with.
-    pub run: ExpectedRun,
-}
-
-#[derive(Template)]
-#[template(path = "part.h", escape = "none")]
-struct Header<'a>(&'a Values);
-
-#[derive(Template)]
-#[template(path = "part.c", escape = "none")]
-struct Source<'a>(&'a Values);
-
-impl Deref for Header<'_> {
-    type Target = Values;
-    fn deref(&self) -> &Values {
-        self.0
-    }
-}
-
-impl Deref for Source<'_> {
-    type Target = Values;
-    fn deref(&self) -> &Values {
-        self.0
-    }
-}
-
-impl<R: Backend, const D: usize> CPart<'_, R, D> {
-    /// The text of both files.
-    ///
-    /// # Errors
-    /// [`CError`] if C has no type for the format, or the path cannot be counted.
-    pub fn files(&self) -> Result<CFiles, CError> {
-        let overridden = self.feed_override.map(|COverride { feeds, commanded }| {
-            OverriddenRun::of(self.path, &feeds, commanded, self.run.periods).ok_or(CError::Unfinished)
-        });
-        let overridden = overridden.transpose()?;
-        let values = Values::of(self, overridden)?;
-        let text = |rendered: askama::Result<String>| rendered.map(with_end).unwrap_or_default();
-        Ok(CFiles {
-            header: text(Header(&values).render()),
-            source: text(Source(&values).render()),
-            table_bytes: values.table_bytes,
-            run: self.run,
-        })
-    }
-}
-
-/// A text whose last line ends.
-fn with_end(text: String) -> String {
-    if text.ends_with('\n') { text } else { text + "\n" }
 }

@@ -16,13 +16,15 @@
 
 mod c_part;
 mod comment;
+mod files;
 mod literal;
 mod name;
 mod overridden_run;
 mod shapes;
 mod values;
 
-pub use c_part::{CFiles, COverride, CPart, ExpectedRun};
+pub use c_part::{COverride, CPart, ExpectedRun};
+pub use files::CFiles;
 pub use literal::expect_type;
 pub use name::{CError, CName};
 pub use overridden_run::{OverriddenRun, RateCommand};

@@ -1,14 +1,19 @@
 //! `feedbits compile`: a part for a controller, as constants that its firmware includes, or as C.
 
+mod c;
+mod judged;
+mod rust;
+
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use clap_complete::ArgValueCandidates;
 use format_compare::{
-    Constants, Dimension, Engine, ExactPlan, Format, JudgedRun, Options, OverrideTarget, Overrides, Problem,
-    Space, Verdict,
+    Dimension, Engine, JudgedRun, Options, OverrideTarget, Overrides, Problem, Space, Verdict,
 };
 
-use crate::compile_to_c::{self, CPlace};
+use c::CPlace;
+use judged::Judged;
+
 use crate::ending::Ending;
 use crate::formats::selected;
 use crate::input::{AnyProblem, Input};
@@ -80,18 +85,6 @@ enum Language {
     C,
 }
 
-/// A part that is planned, and judged in the format. With feed override, `problem` is that of the highest override.
-pub(crate) struct Judged<'a, const D: usize> {
-    pub(crate) problem: Problem<D>,
-    pub(crate) plan: ExactPlan,
-    pub(crate) options: Options,
-    pub(crate) format: &'a dyn Format<D>,
-    /// The part, its feed and the format, in a line.
-    pub(crate) about: String,
-    /// Why the run is not good enough; `None` if it is.
-    pub(crate) fault: Option<String>,
-}
-
 /// Compiles the part, judges the result as `compare` does, and writes it.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     let place = match arguments.language {
@@ -130,7 +123,7 @@ where
     let to_plan = overrides.as_ref().map_or_else(|| problem.clone(), |overrides| overrides.to_plan(problem));
     if place.is_some() {
         // What C cannot hold is refused before the long run of the judge.
-        compile_to_c::expect_type(format)?;
+        c::expect_type(format)?;
     }
     let plan = format_compare::plan_for(&to_plan, format, &options)?;
     let mut comparison = format_compare::compare(&to_plan, &formats, &[Engine::Pieces], &options)?;
@@ -142,8 +135,8 @@ where
     let options = Options { overrides: commands, ..options };
     let judged = Judged { problem: to_plan, plan, options, format, about, fault: fault_of(row) };
     match place {
-        Some(place) => compile_to_c::write(&judged, place, arguments.flash, progress)?,
-        None => write_constants(&judged, arguments, progress)?,
+        Some(place) => c::write(&judged, place, arguments.flash, progress)?,
+        None => rust::write(&judged, arguments.out.as_deref(), arguments.flash, progress)?,
     }
     Ok(judged.fault)
 }
@@ -156,68 +149,4 @@ fn fault_of(row: JudgedRun) -> Option<String> {
         Verdict::Refused(reason) => reason,
     };
     Some(format!("{} is not good enough: {why}", row.format))
-}
-
-/// Writes the constants of a Rust module.
-fn write_constants<const D: usize>(
-    judged: &Judged<'_, D>,
-    arguments: &Arguments,
-    progress: Progress,
-) -> Result<()> {
-    let Judged { problem, plan, options, format, about, fault } = judged;
-    let constants = format.constants(problem, plan, options)?;
-    expect_room(constants.bytes, arguments.flash)?;
-    progress.finish();
-    let text = header(about, fault.as_deref(), constants.bytes) + &constants.source;
-    output::write(arguments.out.as_deref(), &text)?;
-    let Constants { sections, pieces, stages, bytes, periods, checksum, .. } = constants;
-    let stops =
-        if sections == 1 { String::new() } else { format!(" in {sections} sections from stop to stop") };
-    output::note(&format!(
-        "{periods} periods{stops}; {pieces} pieces and {stages} stages in {bytes} bytes; checksum {checksum:#018x}"
-    ));
-    Ok(())
-}
-
-/// Refuses tables that take more flash than there is.
-pub(crate) fn expect_room(bytes: usize, flash: Option<usize>) -> Result<()> {
-    match flash {
-        Some(flash) if bytes > flash => {
-            bail!("the tables take {bytes} bytes, and --flash says {flash}: nothing is written")
-        }
-        _ => Ok(()),
-    }
-}
-
-/// The comment before the module's text. It is no inner documentation, so that the file may be a module or be included
-/// in one.
-fn header(about: &str, fault: Option<&str>, bytes: usize) -> String {
-    let fault = fault.map_or_else(String::new, |fault| format!("// {}\n//\n", in_a_comment(fault)));
-    format!(
-        "// {}: written by `feedbits compile`, edited by nobody.
-//
-{fault}// {bytes} bytes of tables, for the crates nurbs-core, real and secant-interp, without std. A setpoint a period:
-//
-//     for section in &SECTIONS {{
-//         let run = PATH.on(section);
-//         let mut state = run.start(); // at rest at run.pieces.pieces[0].origin, in 2^-39 mm
-//         while let Some(setpoint) = run.step(&mut state) {{
-//             let position = run.pieces.position(setpoint.piece, &setpoint.offset); // in 2^-39 mm
-//         }}
-//     }}
-//
-// Where a section begins elsewhere than the one before it ends, the part has a rapid move or a gap.
-
-",
-        in_a_comment(about)
-    )
-}
-
-/// Removes characters that would end a comment's line or change the order of its text on a screen.
-fn in_a_comment(text: &str) -> String {
-    let is_odd = |c: char| {
-        c.is_control()
-            || matches!(c, '\u{200e}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
-    };
-    text.replace(is_odd, "?")
 }

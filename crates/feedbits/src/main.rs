@@ -5,7 +5,6 @@ mod candidates;
 mod check;
 mod compare;
 mod compile;
-mod compile_to_c;
 mod completions;
 mod convert;
 mod ending;

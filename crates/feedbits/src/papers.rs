@@ -99,7 +99,7 @@ fn paper(rows: &[Row]) -> String {
 /// A number with five digits; a small or large one with three and a power of ten.
 fn figure(number: f64) -> String {
     let size = number.abs();
-    if size != 0.0 && (size < 1e-3 || size >= 1e6) { format!("{number:.2e}") } else { short(number) }
+    if size != 0.0 && !(1e-3..1e6).contains(&size) { format!("{number:.2e}") } else { short(number) }
 }
 
 fn labelled_quantity(row: &Row) -> String {

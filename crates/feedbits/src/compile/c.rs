@@ -1,4 +1,4 @@
-//! `feedbits compile --language c`: a part as a header and a source in C99.
+//! A part as a header and a source in C99.
 
 use std::path::{Path, PathBuf};
 
@@ -6,7 +6,7 @@ use anyhow::{Context, Result, bail};
 use c_code::CName;
 use format_compare::{CRequest, Dimension, Format, Space};
 
-use crate::compile::{Judged, expect_room};
+use super::judged::{Judged, expect_room};
 use crate::output;
 use crate::progress::Progress;
 

@@ -1,0 +1,65 @@
+//! A part as constants of a Rust module.
+
+use std::path::Path;
+
+use anyhow::Result;
+use format_compare::Constants;
+
+use super::judged::{Judged, expect_room};
+use crate::output;
+use crate::progress::Progress;
+
+/// Writes the constants of a Rust module.
+pub(crate) fn write<const D: usize>(
+    judged: &Judged<'_, D>,
+    out: Option<&Path>,
+    flash: Option<usize>,
+    progress: Progress,
+) -> Result<()> {
+    let Judged { problem, plan, options, format, about, fault } = judged;
+    let constants = format.constants(problem, plan, options)?;
+    expect_room(constants.bytes, flash)?;
+    progress.finish();
+    let text = header(about, fault.as_deref(), constants.bytes) + &constants.source;
+    output::write(out, &text)?;
+    let Constants { sections, pieces, stages, bytes, periods, checksum, .. } = constants;
+    let stops =
+        if sections == 1 { String::new() } else { format!(" in {sections} sections from stop to stop") };
+    output::note(&format!(
+        "{periods} periods{stops}; {pieces} pieces and {stages} stages in {bytes} bytes; checksum {checksum:#018x}"
+    ));
+    Ok(())
+}
+
+/// The comment before the module's text. It is no inner documentation, so that the file may be a module or be included
+/// in one.
+fn header(about: &str, fault: Option<&str>, bytes: usize) -> String {
+    let fault = fault.map_or_else(String::new, |fault| format!("// {}\n//\n", in_a_comment(fault)));
+    format!(
+        "// {}: written by `feedbits compile`, edited by nobody.
+//
+{fault}// {bytes} bytes of tables, for the crates nurbs-core, real and secant-interp, without std. A setpoint a period:
+//
+//     for section in &SECTIONS {{
+//         let run = PATH.on(section);
+//         let mut state = run.start(); // at rest at run.pieces.pieces[0].origin, in 2^-39 mm
+//         while let Some(setpoint) = run.step(&mut state) {{
+//             let position = run.pieces.position(setpoint.piece, &setpoint.offset); // in 2^-39 mm
+//         }}
+//     }}
+//
+// Where a section begins elsewhere than the one before it ends, the part has a rapid move or a gap.
+
+",
+        in_a_comment(about)
+    )
+}
+
+/// Removes characters that would end a comment's line or change the order of its text on a screen.
+fn in_a_comment(text: &str) -> String {
+    let is_odd = |c: char| {
+        c.is_control()
+            || matches!(c, '\u{200e}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+    };
+    text.replace(is_odd, "?")
+}
