@@ -157,6 +157,6 @@ fn an_override_behind_the_end_of_the_run_is_named() {
         unfolded(&output.stderr)
     };
     let late = said("1:50,20:100");
-    assert!(late.contains("the override at 20 s is never in force: the run ends at 8.685 s"), "{late}");
+    assert!(late.contains("the override at 20 s is never in force: the run ends at 8.691 s"), "{late}");
     assert!(!said("1:50,2:100").contains("never in force"));
 }

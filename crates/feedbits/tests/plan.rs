@@ -104,7 +104,9 @@ fn a_plan_along_several_curves_names_them() {
             .filter(|cell| !cell.is_empty())
             .collect::<Vec<_>>()
     };
-    let rows: Vec<_> = table.lines().skip_while(|line| !line.starts_with("stage ")).map(cells).collect();
+    let is_row = |line: &&str| !line.starts_with("and ");
+    let lines = table.lines().skip_while(|line| !line.starts_with("stage ")).take_while(is_row);
+    let rows: Vec<_> = lines.map(cells).collect();
     assert_eq!(rows[0][2], "curve", "{table}");
     let curves: Vec<_> = rows[2..].iter().map(|row| row[2].as_str()).collect();
     assert_eq!((curves.first(), curves.last()), (Some(&"0"), Some(&"2")), "{table}");

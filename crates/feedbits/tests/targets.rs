@@ -71,14 +71,13 @@ fn the_recommendation_is_the_cheapest_on_the_first_target() {
     let cost = &row["cycles"]["cortex-m4f"];
     assert_eq!(cost["level"], "scheduled_on_counted_costs");
     let (mean, max) = (cost["mean"].as_f64().unwrap(), cost["max"].as_f64().unwrap());
-    assert!(500.0 < mean && mean < max, "{cost}");
+    assert!(250.0 < mean && mean < max, "{cost}");
     assert!(cost["share_of_period"].as_f64().is_some_and(|share| share > 0.0 && share < 1.0), "{cost}");
     assert!(row["cycles"]["cortex-m7"]["microseconds_max"].is_null(), "no published timing, no time");
-    assert!(row["operations"]["mul_add"].as_f64().is_some_and(|count| count >= 20.0), "{row}");
+    assert!(row["operations"]["mul_add"].as_f64().is_some_and(|count| count >= 12.0), "{row}");
 }
 
-/// The worst step takes 99.96 % of this period with the typical costs of its operations, and 2.8 periods with the
-/// highest.
+/// The worst step takes 0.33 ms with the typical costs of its operations, and 0.94 ms with the highest.
 #[test]
 fn a_format_that_may_not_fit_the_period_is_named() {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -90,7 +89,7 @@ fn a_format_that_may_not_fit_the_period_is_named() {
         std::fs::write(&path, text).expect("the folder is writable");
         path.display().to_string()
     };
-    for (period, is_named) in [("0.25", true), ("3.0", false)] {
+    for (period, is_named) in [("0.4", true), ("3.0", false)] {
         let machine = path(period);
         let arguments =
             ["compare", "--machine", &machine, "--targets", "cortex-m0plus", "--formats", "I4F28"];

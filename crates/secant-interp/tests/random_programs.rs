@@ -81,7 +81,7 @@ fn sections<R: Backend>(
     let path = landing_run::compiled::<R>(&curves, plan, limits);
     let unit = 1.0_f64.ldexp(path.table().as_pieces().chord_exponent);
     let Junction::Deviation(deviation) = limits.junction else { unreachable!() };
-    let most = CUT * limits.chord_error.max(deviation);
+    let cut_most = CUT * limits.chord_error.max(deviation);
     let (name, resolution) = (R::name(), R::resolution().to_f64());
     let is_coarse = resolution > 1e-6;
     let mut found = Vec::new();
@@ -98,7 +98,7 @@ fn sections<R: Backend>(
                     let corner = point((passed + 1, 0));
                     let cut = distance_to_segment(&corner, &[from, to]);
                     assert!(
-                        cut <= most || is_coarse,
+                        cut <= cut_most || is_coarse,
                         "{name}: a corner of section {number} is cut by {cut} mm"
                     );
                     (begin, length) = (corner, length + (corner[0] - begin[0]).hypot(corner[1] - begin[1]));
@@ -117,7 +117,9 @@ fn sections<R: Backend>(
             points.len()
         );
         assert_eq!(piece, places.len(), "{name}: the end of section {number}");
-        assert!(off <= limits.acceleration, "{name}: section {number} ends {off} mm from where it should");
+        // A chord is a whole number of the format's units.
+        let most = limits.acceleration + resolution / unit;
+        assert!(off <= most, "{name}: section {number} ends {off} mm from where it should, at most {most}");
         found.push(points);
     }
     let periods: usize = found.iter().map(Vec::len).sum();
