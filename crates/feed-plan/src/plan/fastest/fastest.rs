@@ -16,6 +16,8 @@
 //! What the pieces are above a limit, at most 2⁻¹³ or so, an even stretch of time takes back. Where the search fails, the
 //! section is one of S-curves.
 
+use alloc::vec::Vec;
+
 use real::Real;
 
 use crate::plan::fastest::fit::{Bounds, Fit, TOLERANCE, fit, shortest};
