@@ -137,6 +137,7 @@ mod plan {
     pub(crate) mod stages;
     pub(crate) mod whole_periods;
     pub(crate) mod window;
+    pub(crate) mod without_look_ahead;
 }
 
 #[cfg(feature = "alloc")]

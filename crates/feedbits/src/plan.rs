@@ -113,7 +113,8 @@ fn json(value: &impl serde::Serialize) -> Result<String> {
 
 /// A table with a row for each kind of transitions, below a line about the fastest.
 fn side_by_side(summaries: &[PlanSummary], period_s: f64, wide: bool) -> String {
-    let fastest = summaries.iter().min_by(|a, b| a.time_s.total_cmp(&b.time_s));
+    let looking_ahead = || summaries.iter().filter(|summary| summary.looks_ahead());
+    let fastest = looking_ahead().min_by(|a, b| a.time_s.total_cmp(&b.time_s));
     let Some(fastest) = fastest else { return String::new() };
     let answer = format!(
         "`{}` takes the least time: {}, {} periods of {} ms.\n{} mm; no plan takes less than {}, nor without a jerk limit than {}. Limits {:.0} mm/s² and {} \
@@ -131,8 +132,24 @@ fn side_by_side(summaries: &[PlanSummary], period_s: f64, wide: bool) -> String 
     let most = |a: &&PlanSummary, b: &&PlanSummary| {
         a.total_acceleration_max_mm_per_s2.total_cmp(&b.total_acceleration_max_mm_per_s2)
     };
-    let turning = summaries.iter().max_by(most).map_or_else(String::new, turning);
-    screen::answer(&answer) + &turning + "\n" + &if wide { wide_rows(summaries) } else { rows(summaries) }
+    let turning = looking_ahead().max_by(most).map_or_else(String::new, turning);
+    let baseline: String =
+        summaries.iter().filter(|summary| !summary.looks_ahead()).map(without_look_ahead).collect();
+    screen::answer(&answer)
+        + &turning
+        + &baseline
+        + "\n"
+        + &if wide { wide_rows(summaries) } else { rows(summaries) }
+}
+
+/// What a plan without look-ahead breaks.
+fn without_look_ahead(summary: &PlanSummary) -> String {
+    screen::paragraph(&format!(
+        "Without look-ahead, profile `none`: {}, {:.1} times the acceleration and {:.0} times the jerk along the path.",
+        duration(summary.time_s),
+        summary.acceleration_max_mm_per_s2 / summary.acceleration_limit_mm_per_s2,
+        summary.jerk_max_mm_per_s3 / summary.jerk_limit_mm_per_s3,
+    ))
 }
 
 /// The first cells of a profile's row: its name, its time, and the share of the path at the commanded feed.
@@ -212,15 +229,21 @@ fn answer(summary: &PlanSummary, name: &str, period_s: f64) -> String {
         short(1000.0 * period_s),
     );
     let at_feed = format!(
-        "{:.0} % of the path at {}the commanded feed.\n\
-         No plan takes less than {}, {:.2} % less, nor without a jerk limit than {}, {:.2} % less.",
+        "{:.0} % of the path at {}the commanded feed.\n",
         100.0 * summary.share_at_commanded_feed,
         summary.feed_over_commanded.map_or_else(String::new, |run| format!("{:.3} % of ", 100.0 * run)),
-        duration(summary.least_time_s),
-        100.0 * (1.0 - summary.least_time_s / summary.time_s),
-        duration(summary.jerk_free_time_s),
-        100.0 * (1.0 - summary.jerk_free_time_s / summary.time_s),
     );
+    let bounds = if summary.looks_ahead() {
+        format!(
+            "No plan takes less than {}, {:.2} % less, nor without a jerk limit than {}, {:.2} % less.",
+            duration(summary.least_time_s),
+            100.0 * (1.0 - summary.least_time_s / summary.time_s),
+            duration(summary.jerk_free_time_s),
+            100.0 * (1.0 - summary.jerk_free_time_s / summary.time_s),
+        )
+    } else {
+        "Without look-ahead: neither acceleration nor jerk is limited where the path bends.".to_string()
+    };
     let along = format!(
         "Along the path: peak acceleration {:.0} of {:.0} mm/s², peak jerk {} of {} mm/s³.",
         summary.acceleration_max_mm_per_s2,
@@ -229,7 +252,7 @@ fn answer(summary: &PlanSummary, name: &str, period_s: f64) -> String {
         short(summary.jerk_limit_mm_per_s3),
     );
     screen::answer(&time)
-        + &screen::paragraph(&at_feed)
+        + &screen::paragraph(&(at_feed + &bounds))
         + &screen::paragraph(&along)
         + &turning(summary)
         + &screen::paragraph(axes(summary).trim_end())

@@ -88,6 +88,9 @@ enum ProfileName {
     Trigonometric,
     /// S-curves, and half-cosines over stretches whose limit changes again before a transition has ended.
     Flexible,
+    /// Without look-ahead, as a baseline: each period takes the feed that the path allows where the period begins. It keeps
+    /// neither acceleration nor jerk in bends.
+    None,
     /// All of them side by side; for `plan` only.
     All,
 }
@@ -95,14 +98,17 @@ enum ProfileName {
 impl PlanArguments {
     /// The kinds of transitions that the options name.
     pub(crate) fn profiles(&self) -> &'static [ProfileKind] {
-        use ProfileKind::{Cubic, Fastest, Flexible, SCurve, Trigonometric};
+        use ProfileKind::{Cubic, Fastest, Flexible, SCurve, Trigonometric, WithoutLookAhead};
         match self.profile {
             ProfileName::Cubic => &[Cubic],
             ProfileName::SCurve => &[SCurve],
             ProfileName::Trigonometric => &[Trigonometric],
             ProfileName::Flexible => &[Flexible],
             ProfileName::Fastest => &[Fastest],
-            ProfileName::All => &ProfileKind::ALL,
+            ProfileName::None => &[WithoutLookAhead],
+            ProfileName::All => {
+                const { &[Cubic, SCurve, Trigonometric, Flexible, Fastest, WithoutLookAhead] }
+            }
         }
     }
 

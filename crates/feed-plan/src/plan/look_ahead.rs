@@ -26,6 +26,7 @@ use crate::plan::key_points::{Key, key_points};
 use crate::plan::ramp_shape::RampShape;
 use crate::plan::stages::Stages;
 use crate::plan::whole_periods::stretch;
+use crate::plan::without_look_ahead::without_look_ahead;
 use crate::{EndFeeds, FeedLimit, KinematicLimits, PlanError, ProfileKind, ScheduleBuf, Stage};
 
 /// Halvings of the range of cruising feeds until one is found that can be reached, and then to refine it.
@@ -47,6 +48,7 @@ pub fn plan<R: Real>(
 
 /// A schedule along the path: under the limit everywhere, within acceleration and jerk. [`ProfileKind::Fastest`] is as fast as any
 /// motion within these limits may be, nearly; the other profiles as a chain of transitions between a few levels of feed.
+/// [`ProfileKind::WithoutLookAhead`] keeps neither acceleration nor jerk where the path bends.
 ///
 /// The feed is continuous and so is the acceleration. At both ends of a stage that is a whole transition or a cruise it is
 /// zero; between stages of constant jerk it is not. Each
@@ -88,13 +90,22 @@ pub(crate) fn stages<R: Real>(
     let shape = RampShape::new(kind, limits);
     let keys = key_points(limit, ends)?;
     let mut stages = Stages::new(limit);
-    if kind == ProfileKind::Fastest {
-        quick_sections(limit, limits, &shape, &keys, start, &mut stages)?;
-    } else {
-        ramps(limit, &shape, &keys, &mut stages)?;
-    }
-    if kind == ProfileKind::Flexible {
-        stages.merge(limits);
+    match kind {
+        ProfileKind::Fastest => quick_sections(limit, limits, &shape, &keys, start, &mut stages)?,
+        ProfileKind::WithoutLookAhead => {
+            for section in from_rest_to_rest(&keys) {
+                if let [from, .., to] = section {
+                    without_look_ahead(limit, limits, [from, to], &mut stages)?;
+                }
+            }
+        }
+        ProfileKind::Cubic | ProfileKind::SCurve | ProfileKind::Trigonometric => {
+            ramps(limit, &shape, &keys, &mut stages)?;
+        }
+        ProfileKind::Flexible => {
+            ramps(limit, &shape, &keys, &mut stages)?;
+            stages.merge(limits);
+        }
     }
     Ok(stages.with_parameters())
 }
@@ -114,7 +125,19 @@ fn ramps<R: Real>(
     Ok(())
 }
 
-/// From rest to rest the fastest profile; S-curves where none is found, or where they are faster than one that follows it badly.
+/// The limits along a section differ by no more than 2⁻¹³: the fastest plan is one S-curve up and one down.
+const LEVEL: i32 = -13;
+
+/// Whether the limit is the same all along a section, as on a straight move.
+fn is_level<R: Real>(limit: &FeedLimit<R>, [first, last]: [usize; 2]) -> bool {
+    let Some([begin, inner @ .., end]) = limit.samples().get(first..=last) else { return false };
+    let feeds = inner.iter().map(|sample| sample.lower).chain([end.lower_before]);
+    let (low, high) = feeds
+        .fold([begin.lower_after; 2].into(), |(low, high): (R, R), feed| (low.min(feed), high.max(feed)));
+    high - low <= low.ldexp(LEVEL)
+}
+
+/// From rest to rest the fastest profile; S-curves where the limit is level, where none is found, or where they are faster than one that follows it badly.
 fn quick_sections<R: Real>(
     limit: &FeedLimit<R>,
     limits: &KinematicLimits<R>,
@@ -123,13 +146,15 @@ fn quick_sections<R: Real>(
     mut start: Option<R>,
     stages: &mut Stages<'_, R>,
 ) -> Result<(), PlanError> {
-    let mut rest = keys;
-    while let [from, behind @ ..] = rest
-        && !behind.is_empty()
-    {
-        let last = behind.iter().position(|key| key.feed.is_zero()).unwrap_or(behind.len() - 1) + 1;
-        let (section, to) = (&rest[..=last], &rest[last]);
-        let quick = quickly(limit, limits, [from.point, to.point], [from.feed, to.feed], start);
+    for section in from_rest_to_rest(keys) {
+        let [from, .., to] = section else { break };
+        let points = [from.point, to.point];
+        if is_level(limit, points) && start.is_none_or(|acceleration| acceleration.is_zero()) {
+            ramps(limit, shape, section, stages)?;
+            start = start.map(|_| R::zero());
+            continue;
+        }
+        let quick = quickly(limit, limits, points, [from.feed, to.feed], start);
         stages.extend(&match quick {
             Some(quick) if quick.is_close => quick.stages,
             // The rest of the plan before is better than S-curves, which have no acceleration at their begin.
@@ -141,9 +166,20 @@ fn quick_sections<R: Real>(
             }
         });
         start = start.map(|_| R::zero());
-        rest = &rest[last..];
     }
     Ok(())
+}
+
+/// The keys of each section, with the rests or ends of the path on both sides.
+fn from_rest_to_rest<R: Real>(keys: &[Key<R>]) -> impl Iterator<Item = &[Key<R>]> {
+    let mut rest = keys;
+    core::iter::from_fn(move || {
+        let behind = rest.get(1..).filter(|behind| !behind.is_empty())?;
+        let last = behind.iter().position(|key| key.feed.is_zero()).unwrap_or(behind.len() - 1) + 1;
+        let section = rest.get(..=last)?;
+        rest = rest.get(last..)?;
+        Some(section)
+    })
 }
 
 fn faster<R: Real>(

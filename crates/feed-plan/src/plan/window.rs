@@ -76,7 +76,7 @@ pub fn plan_through_window<R: Real, const D: usize, C: Differentiate<R, D>>(
     let mut view = View { source: Source::new(curves), scan: Scan::new(limits), limits, window };
     let mut done = WindowedPlan { length: R::zero(), duration: R::zero(), most_points: 0, windows: 0 };
     let (mut feed, mut acceleration) = (R::zero(), R::zero());
-    let any_joint = kind == ProfileKind::Fastest;
+    let any_joint = matches!(kind, ProfileKind::Fastest | ProfileKind::WithoutLookAhead);
     let mut rest: Vec<Stage<R>> = Vec::new();
     while view.advance(done.length)? {
         let limit = view.limit(done.length)?;

@@ -83,10 +83,13 @@ pub enum ProfileKind {
     /// fastest plan.
     #[default]
     Fastest,
+    /// None: the feed that the path allows at each period's begin, without look-ahead. It breaks acceleration and jerk in bends,
+    /// and is the baseline that look-ahead is held against.
+    WithoutLookAhead,
 }
 
 impl ProfileKind {
-    /// Every kind.
+    /// Every kind that keeps acceleration and jerk.
     pub const ALL: [Self; 5] =
         [Self::Cubic, Self::SCurve, Self::Trigonometric, Self::Flexible, Self::Fastest];
 }
@@ -118,9 +121,10 @@ impl<R: Real> Transition<R> {
         let (course, duration) = match kind {
             ProfileKind::Cubic => cubic(feeds, acceleration, jerk),
             ProfileKind::Trigonometric => half_cosine(feeds, acceleration, jerk),
-            ProfileKind::SCurve | ProfileKind::Flexible | ProfileKind::Fastest => {
-                s_curve(feeds, acceleration, jerk)
-            }
+            ProfileKind::SCurve
+            | ProfileKind::Flexible
+            | ProfileKind::Fastest
+            | ProfileKind::WithoutLookAhead => s_curve(feeds, acceleration, jerk),
         };
         Self { start_feed, end_feed, duration, course }
     }

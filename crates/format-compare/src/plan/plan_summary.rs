@@ -44,7 +44,7 @@ pub struct StageRow {
 /// A plan in figures.
 #[derive(Clone, Debug, Serialize)]
 pub struct PlanSummary {
-    /// The transitions that the plan is made of: `cubic`, `s-curve`, `trigonometric`, `flexible` or `fastest`.
+    /// The transitions that the plan is made of: `cubic`, `s-curve`, `trigonometric`, `flexible`, `fastest` or `none`.
     pub profile: &'static str,
     /// Number of curves.
     pub curves: usize,
@@ -90,6 +90,12 @@ pub struct PlanSummary {
 }
 
 impl PlanSummary {
+    /// Whether the plan keeps acceleration and jerk, as all but the baseline without look-ahead do.
+    #[must_use]
+    pub fn looks_ahead(&self) -> bool {
+        self.profile != profile_name(ProfileKind::WithoutLookAhead)
+    }
+
     /// The figures of a plan of `problem`.
     ///
     /// # Errors
@@ -258,6 +264,7 @@ fn profile_name(kind: ProfileKind) -> &'static str {
         ProfileKind::Trigonometric => "trigonometric",
         ProfileKind::Flexible => "flexible",
         ProfileKind::Fastest => "fastest",
+        ProfileKind::WithoutLookAhead => "none",
     }
 }
 
