@@ -137,7 +137,7 @@ fn is_level<R: Real>(limit: &FeedLimit<R>, [first, last]: [usize; 2]) -> bool {
     high - low <= low.ldexp(LEVEL)
 }
 
-/// From rest to rest the fastest profile; S-curves where the limit is level, where none is found, or where they are faster than one that follows it badly.
+/// From rest to rest the fastest profile; S-curves where the limit is level or where they are faster.
 fn quick_sections<R: Real>(
     limit: &FeedLimit<R>,
     limits: &KinematicLimits<R>,
@@ -149,20 +149,20 @@ fn quick_sections<R: Real>(
     for section in from_rest_to_rest(keys) {
         let [from, .., to] = section else { break };
         let points = [from.point, to.point];
-        if is_level(limit, points) && start.is_none_or(|acceleration| acceleration.is_zero()) {
+        if is_level(limit, points) && start.is_none() {
             ramps(limit, shape, section, stages)?;
-            start = start.map(|_| R::zero());
             continue;
         }
         let quick = quickly(limit, limits, points, [from.feed, to.feed], start);
         stages.extend(&match quick {
-            Some(quick) if quick.is_close => quick.stages,
-            // The rest of the plan before is better than S-curves, which have no acceleration at their begin.
+            // A window's plan is left before its end, and S-curves can be left at few places.
+            Some(quick) if start.is_some() => quick,
+            // S-curves have no acceleration at their begin, as a window's plan may have.
             None if start.is_some() && from.feed > R::zero() => return Err(PlanError::StartFeedTooHigh),
             _ => {
                 let mut slow = Stages::new(limit);
                 let found = ramps(limit, shape, section, &mut slow).map(|()| slow.bare());
-                faster(quick.map(|quick| quick.stages), found)?
+                faster(quick, found)?
             }
         });
         start = start.map(|_| R::zero());

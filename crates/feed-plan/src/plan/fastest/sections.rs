@@ -11,17 +11,9 @@ use crate::{FeedLimit, KinematicLimits, Stage, StageShape};
 
 /// A section that would have to be stretched by more than 2⁻⁶ is one of S-curves.
 const MOST_STRETCHED: i32 = -6;
-/// One that has to be by more than 2⁻⁹ is compared with S-curves.
-const CLOSE: i32 = -9;
 /// What begins in motion is stretched by as much as what goes before it, so the states of both are the same: by what all but the worst
 /// arcs need.
 const IN_MOTION: i32 = -11;
-
-/// Stages of a section, and whether they are hardly slower than what they were made of.
-pub(crate) struct Quick<R> {
-    pub(crate) stages: Vec<Stage<R>>,
-    pub(crate) is_close: bool,
-}
 
 /// The stages between two points of the limit, with these feeds there, along the fastest profile; `None` where none is found. With a
 /// `start`, which is the acceleration at the begin, another section can go on from any joint.
@@ -31,7 +23,7 @@ pub(crate) fn quickly<R: Real>(
     [first, last]: [usize; 2],
     feeds: [R; 2],
     start: Option<R>,
-) -> Option<Quick<R>> {
+) -> Option<Vec<Stage<R>>> {
     let left = limit.allowance(first, last);
     let most = Most {
         acceleration: limits.acceleration.min(left.acceleration),
@@ -49,8 +41,7 @@ pub(crate) fn quickly<R: Real>(
     }
     let slower = if begins_in_motion || is_window { stretched.max(in_motion) } else { stretched };
     let parts = pieces.iter().flat_map(|piece| monotone(piece).into_iter().flatten());
-    let stages = parts.map(|part| stage(&part, slower)).collect();
-    Some(Quick { stages, is_close: stretch <= R::one().ldexp(CLOSE) })
+    Some(parts.map(|part| stage(&part, slower)).collect())
 }
 
 /// A piece, or its parts before and behind the instant at which its acceleration is zero.
