@@ -133,6 +133,7 @@ mod plan {
     pub(crate) mod least_duration;
     pub(crate) mod look_ahead;
     pub(crate) mod lower_bound;
+    pub(crate) mod merge_verdicts;
     pub(crate) mod ramp_shape;
     pub(crate) mod stages;
     pub(crate) mod whole_periods;
@@ -179,10 +180,12 @@ pub use {
     limit::{feed_limit::FeedLimit, sample::LimitPoint},
     limits::{AxisLimits, Junction, KinematicLimits},
     plan::{
+        flexible::{KeptApart, MergeVerdict},
         key_points::EndFeeds,
         least_duration::least_duration,
         look_ahead::{plan, plan_with},
         lower_bound::jerk_free_duration,
+        merge_verdicts::merge_verdicts,
         window::{CommandedCurve, WindowedPlan, plan_through_window},
     },
     schedule::schedule_buf::ScheduleBuf,

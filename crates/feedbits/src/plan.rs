@@ -4,7 +4,9 @@ use std::fmt::Write;
 
 use anyhow::{Result, bail};
 use clap::Args;
-use format_compare::{AxisPeak, Dimension, ExactPlan, FeedSample, PlanSummary, Problem, Space, StageRow};
+use format_compare::{
+    AxisPeak, Dimension, ExactPlan, FeedSample, MergeRow, PlanSummary, Problem, ProfileKind, Space, StageRow,
+};
 
 use crate::ending::Ending;
 use crate::formats::selected;
@@ -43,6 +45,10 @@ pub(crate) struct Arguments {
     /// Print every stage, with the parameters at its ends and the coefficients of its feed: about 130 columns.
     #[arg(long)]
     wide: bool,
+    /// Print what the profile flexible decides where accelerations and decelerations follow each other: merged into one
+    /// half-cosine, or kept apart, and why.
+    #[arg(long, conflicts_with_all = ["window", "plan_in"])]
+    explain: bool,
     #[command(flatten)]
     output: output::Output,
 }
@@ -63,6 +69,9 @@ fn plan<const D: usize>(problem: &Problem<D>, arguments: &Arguments) -> Result<E
 where
     Space: Dimension<D>,
 {
+    if arguments.explain {
+        return explain(problem, arguments);
+    }
     let formats = selected::<D>(&["f64".to_string()])?;
     let planned = |&profile| -> Result<(ExactPlan, PlanSummary)> {
         let options = arguments.plan.options(profile)?;
@@ -105,6 +114,62 @@ where
         }
     }
     Ok(Ending::Good)
+}
+
+/// Prints the decisions of the profile flexible.
+fn explain<const D: usize>(problem: &Problem<D>, arguments: &Arguments) -> Result<Ending>
+where
+    Space: Dimension<D>,
+{
+    if !arguments.plan.allows_flexible() {
+        bail!(
+            "--explain is about the profile flexible, which merges transitions: expected --profile flexible, or none"
+        );
+    }
+    let options = arguments.plan.options(ProfileKind::Flexible)?;
+    expect_an_end(problem, &options)?;
+    let formats = selected::<D>(&["f64".to_string()])?;
+    let progress = Progress::spinning("planning");
+    let plan = format_compare::plan_for(problem, formats[0].as_ref(), &options)?;
+    let rows = MergeRow::all(&plan, problem, options.end_feeds_mm_per_s)?;
+    progress.finish();
+    let text = if arguments.output.json { json(&rows)? } else { explained(&rows, problem, arguments.wide) };
+    output::write(arguments.output.out.as_deref(), &text)?;
+    Ok(Ending::Good)
+}
+
+/// A table with a row for each decision, below a line that counts them.
+fn explained<const D: usize>(rows: &[MergeRow], problem: &Problem<D>, wide: bool) -> String {
+    let merged = rows.iter().filter(|row| row.merged).count();
+    let answer = format!(
+        "{}: at {} places accelerations and decelerations follow each other. At {merged} one half-cosine replaces them.",
+        screen::file_name(&problem.name),
+        rows.len(),
+    );
+    let several = problem.curves.len() > 1;
+    let mut header =
+        vec!["from\nmm", "length\nmm", "v start\nmm/s", "v end\nmm/s", "how\nmany", "as one", "verdict"];
+    if several {
+        header.insert(0, "curve");
+    }
+    let row = |row: &MergeRow| {
+        let mut cells: Vec<_> = several.then(|| row.curve.to_string()).into_iter().collect();
+        cells.extend([row.start_mm, row.length_mm].map(|length| format!("{length:.3}")));
+        cells.extend([row.start_feed_mm_per_s, row.end_feed_mm_per_s].map(|feed| format!("{feed:.2}")));
+        cells.extend([row.transitions.to_string(), row.becomes.to_string()]);
+        cells.push(match (row.time_s, &row.why_not) {
+            (Some(time), _) => format!("merged, {time:.4} s"),
+            (None, why) => format!("kept: {}", why.as_deref().unwrap_or_default()),
+        });
+        cells
+    };
+    let most = if wide { rows.len() } else { MOST_STAGES };
+    let shown = rows.iter().take(most).map(row).collect();
+    let left = match rows.len().saturating_sub(most) {
+        0 => String::new(),
+        left => format!("and {left} more places, which --wide prints too."),
+    };
+    screen::answer(&answer) + "\n" + &screen::table(&header, shown) + &screen::paragraph(&left)
 }
 
 fn json(value: &impl serde::Serialize) -> Result<String> {

@@ -96,6 +96,11 @@ enum ProfileName {
 }
 
 impl PlanArguments {
+    /// Whether the options name this profile, or none and so the default.
+    pub(crate) fn allows_flexible(&self) -> bool {
+        matches!(self.profile, ProfileName::Flexible | ProfileName::Fastest)
+    }
+
     /// The kinds of transitions that the options name.
     pub(crate) fn profiles(&self) -> &'static [ProfileKind] {
         use ProfileKind::{Cubic, Fastest, Flexible, SCurve, Trigonometric, WithoutLookAhead};

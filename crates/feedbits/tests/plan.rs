@@ -21,14 +21,14 @@ fn stdout(output: &Output) -> String {
 #[test]
 fn profiles_stand_side_by_side() {
     let table = stdout(&feedbits(&["plan", "--profile", "all"]));
-    for name in ["cubic", "s-curve", "trigonometric", "flexible", "fastest"] {
+    for name in ["cubic", "s-curve", "trigonometric", "flexible", "fastest", "none"] {
         assert!(table.contains(name), "{table}");
     }
     let json = stdout(&feedbits(&["plan", "--profile", "all", "--json"]));
     let summaries: serde_json::Value = serde_json::from_str(&json).expect("JSON");
     let summaries = summaries.as_array().expect("an array");
-    assert_eq!(summaries.len(), 5);
-    for summary in summaries {
+    assert_eq!(summaries.len(), 6);
+    for summary in summaries.iter().filter(|summary| summary["profile"] != "none") {
         let figure = |key: &str| summary[key].as_f64().unwrap_or_else(|| panic!("{key} in {summary}"));
         assert!(figure("time_s") >= figure("jerk_free_time_s"));
         assert!(figure("over_jerk_free") < 0.02, "{summary}");
@@ -65,6 +65,59 @@ fn each_profile_runs_to_the_end_of_the_path() {
             }
         }
     }
+}
+
+/// Paper C's figures 8a to 10a: without look-ahead a sharp bend takes several times the acceleration.
+#[test]
+fn a_run_without_look_ahead_shows_what_look_ahead_buys() {
+    let (part, machine) = (data("seed-003.nc"), data("seed-000.toml"));
+    let found = |command: &[&str]| -> serde_json::Value {
+        let run = feedbits(&[command, &[&part, "--machine", &machine, "--json"]].concat());
+        serde_json::from_slice(&run.stdout).expect("JSON")
+    };
+    let plan = found(&["plan", "--profile", "none"]);
+    let over = |key: &str| {
+        plan[format!("{key}_max_mm_per_s{}", if key == "jerk" { 3 } else { 2 })].as_f64().unwrap()
+    };
+    assert!(over("acceleration") > 4.0 * 5000.0 && over("jerk") > 10.0 * 4e5, "{plan}");
+    let compared = found(&["compare", "--profile", "none", "--formats", "f64", "--evaluate", "pieces"]);
+    let times = &compared["part"]["without_look_ahead"];
+    assert!(
+        (times["acceleration"].as_f64().unwrap() / (over("acceleration") / 5000.0) - 1.0).abs() < 1e-12,
+        "{times}"
+    );
+    assert!((times["jerk"].as_f64().unwrap() / (over("jerk") / 4e5) - 1.0).abs() < 1e-12, "{times}");
+    let looking = found(&["compare", "--formats", "f64", "--evaluate", "pieces"]);
+    assert!(looking["part"].get("without_look_ahead").is_none());
+    let contour = |profile: &str| {
+        let run = found(&["servo", "--profile", profile, "--formats", "f64"]);
+        run["formats"][0]["contour_error_mm"]["max"].as_f64().unwrap_or_else(|| panic!("{run}"))
+    };
+    assert!(contour("none") > 1.5 * contour("fastest"), "{} {}", contour("none"), contour("fastest"));
+}
+
+#[test]
+fn what_is_merged_is_explained() {
+    let said = stdout(&feedbits(&["plan", "--explain", "--wide"]));
+    let rows: serde_json::Value =
+        serde_json::from_str(&stdout(&feedbits(&["plan", "--explain", "--json"]))).expect("JSON");
+    let rows = rows.as_array().expect("rows");
+    let merged = rows.iter().filter(|row| row["merged"] == true).count();
+    assert_eq!(said.matches("merged, ").count(), merged, "{said}");
+    assert_eq!(said.matches("kept: ").count(), rows.len() - merged, "{said}");
+    for row in rows {
+        assert_eq!(row["time_s"].is_null(), row["merged"] == false, "{row}");
+        assert_eq!(row["why_not"].is_null(), row["merged"] == true, "{row}");
+    }
+    let plan: serde_json::Value =
+        serde_json::from_str(&stdout(&feedbits(&["plan", "--profile", "flexible", "--json"]))).expect("JSON");
+    let cosines =
+        plan["stages"].as_array().expect("stages").iter().filter(|stage| stage["shape"] == "cosine");
+    let level = rows.iter().filter(|row| row["merged"] == true && row["becomes"] == "constant");
+    assert_eq!(cosines.count() + level.count(), merged);
+    let refused = feedbits(&["plan", "--explain", "--profile", "cubic"]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(unfolded(&refused.stderr).contains("expected --profile flexible, or none"));
 }
 
 #[test]

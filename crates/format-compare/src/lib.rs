@@ -54,6 +54,7 @@ mod plan {
     pub(crate) mod axis_peaks;
     pub(crate) mod exact_plan;
     pub(crate) mod in_format;
+    pub(crate) mod merge_rows;
     pub(crate) mod plan_summary;
     pub(crate) mod samples;
 }
@@ -112,7 +113,8 @@ pub use parallel::in_parallel;
 pub use part_program::Machine;
 pub use plan::axis_peaks::AxisPeak;
 pub use plan::exact_plan::ExactPlan;
-pub use plan::plan_summary::{PlanSummary, StageRow, largest_second_difference};
+pub use plan::merge_rows::MergeRow;
+pub use plan::plan_summary::{OverLimits, PlanSummary, StageRow, largest_second_difference};
 pub use plan::samples::FeedSample;
 pub use problem::least_periods::{LeastPeriods, MOST_PERIODS};
 pub use problem::problem::Problem;

@@ -33,16 +33,37 @@ const MOST_SEGMENTS: usize = 16;
 const TIME_ALLOWANCE: i32 = -6;
 
 /// Why a stretch keeps its S-curves.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Refusal {
-    /// The stretch has no length or no feed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum KeptApart<R> {
+    /// The stretch begins and ends at rest, or has no length.
     Rest,
-    Acceleration,
-    Jerk,
-    /// The half-cosine would pass a point of the path above its limit.
-    Limit,
-    /// The half-cosine would take longer than is allowed.
-    Time,
+    /// The half-cosine would take this many times the acceleration.
+    Acceleration(R),
+    /// The half-cosine would take this many times the jerk.
+    Jerk(R),
+    /// The half-cosine would pass a place above its limit.
+    Limit {
+        /// Distance from the path's start to that place, mm.
+        distance: R,
+        /// Feed of the half-cosine there.
+        feed: R,
+        /// The limit there.
+        limit: R,
+    },
+    /// The half-cosine would take this many times the time; 1 + 2⁻⁶ are allowed.
+    Time(R),
+}
+
+/// What the profile `Flexible` decides at a place where a transition begins and another follows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MergeVerdict<R> {
+    /// The stretch, its two feeds and its time with S-curves. The stage's shape has no meaning. If nothing is merged, it is the
+    /// shortest stretch that was tried.
+    pub stretch: Stage<R>,
+    /// How many transitions it holds, each an acceleration or a deceleration.
+    pub transitions: usize,
+    /// The time of the half-cosine that replaces them, or why there is none.
+    pub outcome: Result<R, KeptApart<R>>,
 }
 
 /// Stages from one point without acceleration to the next: a transition or a constant feed.
@@ -60,6 +81,7 @@ pub(crate) fn merge<R: Real>(
     limit: &FeedLimit<R>,
     limits: &KinematicLimits<R>,
     stages: &[Stage<R>],
+    mut tell: impl FnMut(MergeVerdict<R>),
 ) -> Vec<Stage<R>> {
     let segments = segments(stages);
     let to_rest = [limits.feedrate, R::zero()];
@@ -69,15 +91,21 @@ pub(crate) fn merge<R: Real>(
     let mut index = 0;
     while let Some(segment) = segments.get(index) {
         let ahead = read_ahead(segments.get(index..).unwrap_or_default(), stopping);
+        let mut shortest = None;
         let longest = (2..=ahead.len()).rev().find_map(|count| {
             let taken = ahead.get(..count)?;
-            let transitions = taken.iter().filter(|s| s.whole.start_feed != s.whole.end_feed).count();
-            let whole = joined(taken)?;
-            let piece = (transitions > 1).then(|| merged_piece(limit, limits, &whole).ok())??;
-            Some((count, whole, piece))
+            let transitions = taken.iter().filter(|segment| segment.is_transition()).count();
+            let stretch = joined(taken).filter(|_| transitions > 1)?;
+            let piece = merged_piece(limit, limits, &stretch);
+            let outcome = piece.map(|piece| piece.duration);
+            shortest = Some(MergeVerdict { stretch, transitions, outcome });
+            Some((count, stretch, piece.ok()?))
         });
-        if let Some((count, whole, FeedPiece { shape, duration, .. })) = longest {
-            merged.push(Stage { shape, duration, ..whole });
+        if let Some(verdict) = shortest.filter(|_| segment.is_transition() || longest.is_some()) {
+            tell(verdict);
+        }
+        if let Some((count, stretch, FeedPiece { shape, duration, .. })) = longest {
+            merged.push(Stage { shape, duration, ..stretch });
             index += count;
         } else {
             merged.extend_from_slice(stages.get(segment.first..segment.end).unwrap_or_default());
@@ -85,6 +113,12 @@ pub(crate) fn merge<R: Real>(
         }
     }
     merged
+}
+
+impl<R: Real> Segment<R> {
+    fn is_transition(&self) -> bool {
+        self.whole.start_feed != self.whole.end_feed
+    }
 }
 
 fn segments<R: Real>(stages: &[Stage<R>]) -> Vec<Segment<R>> {
@@ -139,22 +173,23 @@ pub(crate) fn merged_piece<R: Real>(
     limit: &FeedLimit<R>,
     limits: &KinematicLimits<R>,
     stretch: &Stage<R>,
-) -> Result<FeedPiece<R>, Refusal> {
+) -> Result<FeedPiece<R>, KeptApart<R>> {
     let (from, to) = (stretch.start_feed, stretch.end_feed);
-    let mut piece = half_cosine_over([from, to], stretch.length).ok_or(Refusal::Rest)?;
+    let mut piece = half_cosine_over([from, to], stretch.length).ok_or(KeptApart::Rest)?;
     if from == to {
         piece.shape = StageShape::Steady;
     }
     let end = stretch.start + stretch.length;
     let left = limit.allowance_over(stretch.start, end);
-    if !(piece.peak_acceleration() <= limits.acceleration.min(left.acceleration)) {
-        return Err(Refusal::Acceleration);
+    let (acceleration, jerk) = (limits.acceleration.min(left.acceleration), limits.jerk.min(left.jerk));
+    if !(piece.peak_acceleration() <= acceleration) {
+        return Err(KeptApart::Acceleration(piece.peak_acceleration() / acceleration));
     }
-    if !(piece.peak_jerk() <= limits.jerk.min(left.jerk)) {
-        return Err(Refusal::Jerk);
+    if !(piece.peak_jerk() <= jerk) {
+        return Err(KeptApart::Jerk(piece.peak_jerk() / jerk));
     }
     if !(piece.duration <= stretch.duration + stretch.duration.ldexp(TIME_ALLOWANCE)) {
-        return Err(Refusal::Time);
+        return Err(KeptApart::Time(piece.duration / stretch.duration));
     }
     let mut begin = (stretch.start, from);
     for part in 1..=PARTS {
@@ -162,8 +197,9 @@ pub(crate) fn merged_piece<R: Real>(
         let is_last = part == PARTS;
         let place = if is_last { end } else { (stretch.start + piece.distance(time)).min(end).max(begin.0) };
         let feed = if is_last { to } else { piece.feed(time) };
-        if !(limit.minimum_over(begin.0, place) >= feed.max(begin.1)) {
-            return Err(Refusal::Limit);
+        let (passed, allowed) = (feed.max(begin.1), limit.minimum_over(begin.0, place));
+        if !(allowed >= passed) {
+            return Err(KeptApart::Limit { distance: place, feed: passed, limit: allowed });
         }
         begin = (place, feed);
     }
@@ -213,7 +249,7 @@ mod tests {
         (limit, Stage { start: 0.0, length, start_feed, end_feed, duration, ..stages()[0] })
     }
 
-    fn outcome(feeds: &[f64]) -> Result<FeedPiece<f64>, Refusal> {
+    fn outcome(feeds: &[f64]) -> Result<FeedPiece<f64>, KeptApart<f64>> {
         let (limit, stretch) = through(feeds);
         merged_piece(&limit, &limits(), &stretch)
     }
@@ -222,15 +258,19 @@ mod tests {
     #[test]
     fn a_merge_that_breaks_a_limit_is_refused() {
         // 20-25-24-100 merged over its own length would need 1.139 A.
-        assert_eq!(outcome(&[20.0, 25.0, 24.0, 100.0]), Err(Refusal::Acceleration));
+        let Err(KeptApart::Acceleration(times)) = outcome(&[20.0, 25.0, 24.0, 100.0]) else { panic!() };
+        assert!((times - 1.139).abs() < 1e-3, "{times}");
         let (_, stretch) = through(&[20.0, 25.0, 24.0, 100.0]);
         let merged = half_cosine_over([20.0, 100.0], stretch.length).unwrap();
         assert!((merged.peak_acceleration() / 1000.0 - 1.139).abs() < 1e-3);
         // A single S-curve: 50-52 would need 1.234 J.
-        assert_eq!(outcome(&[50.0, 52.0]), Err(Refusal::Jerk));
+        let Err(KeptApart::Jerk(times)) = outcome(&[50.0, 52.0]) else { panic!() };
+        assert!((times - 1.234).abs() < 1e-3, "{times}");
         // 50-60-58-100 keeps A and J, but passes the inner minimum 58 at 69; 100-60-70 passes 60 at 77.
-        assert_eq!(outcome(&[50.0, 60.0, 58.0, 100.0]), Err(Refusal::Limit));
-        assert_eq!(outcome(&[100.0, 60.0, 70.0]), Err(Refusal::Limit));
+        for (feeds, least) in [(&[50.0, 60.0, 58.0, 100.0][..], 58.0), (&[100.0, 60.0, 70.0], 60.0)] {
+            let Err(KeptApart::Limit { feed, limit, .. }) = outcome(feeds) else { panic!("{feeds:?}") };
+            assert!(feed > limit && limit >= least, "{feeds:?}: {feed} {limit}");
+        }
         for (feeds, at, passed) in
             [(&[50.0, 60.0, 58.0, 100.0][..], 3, 69.0), (&[100.0, 60.0, 70.0], 2, 77.2)]
         {
@@ -271,9 +311,10 @@ mod tests {
         let of = |duration| merged_piece(&free, &limits(), &Stage { duration, ..stretch });
         let duration = 2.0 * stretch.length / 110.0;
         assert!(of(duration).is_ok());
-        assert_eq!(of(duration / 1.02), Err(Refusal::Time));
+        let Err(KeptApart::Time(times)) = of(duration / 1.02) else { panic!() };
+        assert!((times - 1.02).abs() < 1e-9, "{times}");
         let still = Stage { start_feed: 0.0, end_feed: 0.0, ..stretch };
-        assert_eq!(merged_piece(&free, &limits(), &still), Err(Refusal::Rest));
+        assert_eq!(merged_piece(&free, &limits(), &still), Err(KeptApart::Rest));
     }
 
     /// Shallow bends close to each other, then a sharp one.

@@ -49,7 +49,7 @@ impl<'l, R: Real> Stages<'l, R> {
 
     /// Replaces several transitions by one wherever all limits stay kept: [`merge`].
     pub(crate) fn merge(&mut self, limits: &KinematicLimits<R>) {
-        self.stages = merge(self.limit, limits, &self.stages);
+        self.stages = merge(self.limit, limits, &self.stages, |_| ());
     }
 
     /// Adds finished stages.

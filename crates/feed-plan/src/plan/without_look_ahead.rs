@@ -58,3 +58,62 @@ pub(crate) fn without_look_ahead<R: Real>(
 fn piece<R: Real>(start_feed: R, end_feed: R, duration: R) -> FeedPiece<R> {
     FeedPiece { shape: StageShape::Steady, start_feed, end_feed, duration }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::test_paths::{limit_through, paper_limits, seed_000, seed_003};
+    use crate::{EndFeeds, FeedLimit, ProfileKind, Stage, plan_with};
+
+    fn planned(limit: &FeedLimit<f64>) -> Vec<Stage<f64>> {
+        plan_with(limit, &paper_limits(), EndFeeds::default(), ProfileKind::WithoutLookAhead)
+            .unwrap()
+            .stages()
+            .to_vec()
+    }
+
+    /// On a straight line it is the trapezoid: the time is L/F + F/A.
+    #[test]
+    fn a_straight_line_is_a_trapezoid() {
+        let limits = paper_limits();
+        for length in [0.003, 1.7, 20.0, 333.3_f64] {
+            let limit = limit_through(&[(0.0, limits.feedrate), (length, limits.feedrate)]);
+            let stages = planned(&limit);
+            let feed = limits.feedrate.min((limits.acceleration * length).sqrt());
+            let wanted = length / feed + feed / limits.acceleration;
+            let taken: f64 = stages.iter().map(|stage| stage.duration).sum();
+            // Each ramp ends within a period, and the plan takes whole periods.
+            assert!(
+                taken >= wanted * (1.0 - 1e-12) && taken <= wanted + 3.0,
+                "{length}: {taken} for {wanted}"
+            );
+            let most = stages.iter().map(|stage| stage.piece().peak_acceleration()).fold(0.0, f64::max);
+            assert!(most <= limits.acceleration * (1.0 + 1e-9), "{length}: {most}");
+        }
+    }
+
+    /// The feed of each period is what the path allows where it begins, and each stage begins where the one before ends.
+    #[test]
+    fn each_period_takes_what_the_path_allows_where_it_begins() {
+        for curve in [seed_000(), seed_003()] {
+            let (limits, limit) =
+                (paper_limits(), FeedLimit::along(&[curve.as_curve()], &paper_limits()).unwrap());
+            let stages = planned(&limit);
+            let (mut at, mut feed, mut most) = (0.0, 0.0, 0.0_f64);
+            for stage in &stages {
+                assert!(
+                    (stage.start - at).abs() < 1e-9 && (stage.start_feed - feed).abs() < 1e-9,
+                    "{stage:?}"
+                );
+                (at, feed) = (stage.start + stage.length, stage.end_feed);
+                most = most.max(stage.piece().peak_acceleration());
+                // The feed was taken a period ahead, where the limit has changed by what one period changes.
+                let near =
+                    limit.at(stage.start - 0.1).max(limit.at(stage.start)).max(limit.at(stage.start + 0.1));
+                assert!(stage.start_feed <= near * 1.001, "{stage:?}: {near}");
+            }
+            assert!((at - limit.length()).abs() < 1e-9 && feed == 0.0);
+            // Paper A's curve is so gentle that A holds; paper D's has sharp bends.
+            assert_eq!(most > 2.0 * limits.acceleration, curve.control_points().len() == 10, "{most}");
+        }
+    }
+}

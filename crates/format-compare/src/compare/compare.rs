@@ -10,6 +10,7 @@ use crate::judge::metrics::JudgedStep;
 use crate::judge::not_of_format::NotOfFormat;
 use crate::judge::reference::Reference;
 use crate::parallel::in_parallel;
+use crate::plan::plan_summary::OverLimits;
 use crate::problem::problem::Problem;
 use crate::refusal::Refusal;
 use crate::run::formats::{Dimension, Format, Space, plan_for};
@@ -60,6 +61,9 @@ pub struct PartSummary {
     pub planned_time_s: Option<f64>,
     /// The lowest feedrate that a move commands, in mm/s; absent if all moves have the same one.
     pub lowest_feedrate_mm_per_s: Option<f64>,
+    /// How far a plan without look-ahead is above the limits, which no verdict judges; absent for other plans.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub without_look_ahead: Option<OverLimits>,
 }
 
 /// Runs `problem` in each format by each of `engines`, on as many threads as the machine has cores, and judges each
@@ -138,6 +142,7 @@ where
             curves: problem.curves.len(),
             rapids_left_out: problem.rapids_left_out,
             length_mm: reference.length_mm(),
+            without_look_ahead: common.as_ref().and_then(|plan| OverLimits::of(plan, problem)),
             planned_time_s: common.map(|plan| problem.period_s() * f64::from(plan.periods())),
             lowest_feedrate_mm_per_s: lowest.filter(|lowest| *lowest < feedrate_mm_per_s),
         },

@@ -128,13 +128,7 @@ impl PlanSummary {
                 }),
             })
             .collect();
-        let pieces = || plan.schedule().stages().iter().map(Stage::piece);
-        let (by_periods, jerk_by_periods) = differences_over_periods(plan);
-        let acceleration = pieces().map(|piece| piece.peak_acceleration().value()).fold(by_periods, f64::max);
-        // In a shorter stage, the rounding of its feeds would look like a large jerk, but it changes nothing in so
-        // short a time.
-        let lasting = pieces().filter(|piece| piece.duration.value() > SHORT);
-        let jerk = lasting.map(|piece| piece.peak_jerk().value()).fold(jerk_by_periods, f64::max);
+        let (acceleration, jerk) = peaks_along(plan);
         let time_s = f64::from(plan.periods()) * t;
         let [jerk_free_time_s, least_time_s] = bounds_s(plan, problem, feed_limit)?;
         let length_mm: f64 = stages.iter().map(|s| s.length_mm).sum();
@@ -211,6 +205,40 @@ pub fn largest_second_difference<const D: usize>(points: impl IntoIterator<Item 
         last = [last[1], Some(point)];
     }
     most
+}
+
+/// The largest acceleration and jerk along the path, in mm and periods.
+fn peaks_along(plan: &ExactPlan) -> (f64, f64) {
+    let pieces = || plan.schedule().stages().iter().map(Stage::piece);
+    let (by_periods, jerk_by_periods) = differences_over_periods(plan);
+    let acceleration = pieces().map(|piece| piece.peak_acceleration().value()).fold(by_periods, f64::max);
+    // In a shorter stage, the rounding of its feeds would look like a large jerk, but it changes nothing in so
+    // short a time.
+    let lasting = pieces().filter(|piece| piece.duration.value() > SHORT);
+    (acceleration, lasting.map(|piece| piece.peak_jerk().value()).fold(jerk_by_periods, f64::max))
+}
+
+/// How far a plan is above limits of the machine.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct OverLimits {
+    /// Largest acceleration along the path, over its limit.
+    pub acceleration: f64,
+    /// Largest jerk along the path, over its limit.
+    pub jerk: f64,
+}
+
+impl OverLimits {
+    /// The figures of a plan without look-ahead; `None` for all others, which keep both limits.
+    pub(crate) fn of<const D: usize>(plan: &ExactPlan, problem: &Problem<D>) -> Option<Self> {
+        if plan.profile() != ProfileKind::WithoutLookAhead {
+            return None;
+        }
+        let (t, machine, (acceleration, jerk)) = (problem.period_s(), &problem.machine, peaks_along(plan));
+        Some(Self {
+            acceleration: acceleration / t.powi(2) / machine.acceleration_mm_per_s2,
+            jerk: jerk / t.powi(3) / machine.jerk_mm_per_s3,
+        })
+    }
 }
 
 /// The largest acceleration and jerk, in mm and periods, as means over a period: the second and third differences of
