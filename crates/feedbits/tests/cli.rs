@@ -660,3 +660,51 @@ fn a_part_is_compiled_for_a_controller() {
         assert_eq!(fs::read_to_string(&file).expect("a file"), before, "what was there is kept");
     }
 }
+
+/// Paper B's line (8) and quarter of a circle (9) are exact, so every setpoint is as near to them as the polynomials of the curve file,
+/// 1e-6 mm, and the format's resolution allow.
+#[test]
+fn the_exact_line_and_arc_of_paper_b_are_run_in_every_format() {
+    let folder = folder();
+    let curve = |points: &str, lambda: f64| {
+        format!(
+            "[curve]\nshape = \"trigonometric\"\ncontrol_points_mm = {points}\nlambda = {lambda:?}\nk = -1.0\n\
+             ends = \"as-given\"\n"
+        )
+    };
+    let tangent = 10.0 * std::f64::consts::FRAC_PI_2;
+    let arc = curve(&format!("[[10, 0], [0, 10], [10, {tangent:?}], [{:?}, 10]]", -tangent), 2.0);
+    let line = curve("[[0, 0], [30, 10], [0, 0], [30, 10]]", 0.0);
+    let off_arc = |x: f64, y: f64| (x.hypot(y) - 10.0).abs();
+    let off_line = |x: f64, y: f64| (x - 3.0 * y).abs() / 10.0_f64.sqrt();
+    let shapes: [(&str, String, fn(f64, f64) -> f64); 2] =
+        [("arc.toml", arc, off_arc), ("line.toml", line, off_line)];
+    for (name, contents, off) in shapes {
+        let part = written(folder.path(), name, &contents);
+        for (format, resolution) in [
+            ("f64", 0.0),
+            ("f32", 4e-6),
+            ("I4F28", 1e-6),
+            ("I8F24", 4e-6),
+            ("I16F16", 1e-3),
+            ("I32F32", 1e-7),
+        ] {
+            let run = ["interpolate", &part, "--machine", "router", "--format", format];
+            let output = feedbits(&run);
+            assert_eq!(output.status.code(), Some(0), "{name} {format}: {}", unfolded(&output.stderr));
+            let table = text(&output.stdout);
+            let mut lines = table.lines();
+            let header: Vec<_> = lines.next().expect("a header").split(',').collect();
+            let column = |name: &str| header.iter().position(|one| *one == name).expect("a column");
+            let (x, y) = (column("x_mm"), column("y_mm"));
+            let mut periods = 0;
+            for line in lines {
+                let cells: Vec<&str> = line.split(',').collect();
+                let [x, y] = [x, y].map(|at| cells[at].parse::<f64>().expect("a number"));
+                assert!(off(x, y) < 1e-6 + resolution, "{name} {format}: {x} {y} is {} off", off(x, y));
+                periods += 1;
+            }
+            assert!(periods > 300, "{name} {format}: {periods}");
+        }
+    }
+}
