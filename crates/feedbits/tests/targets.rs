@@ -35,7 +35,7 @@ fn every_target_is_listed_and_every_number_has_a_source() {
     }
     let check = json(&["targets", "--check"]);
     assert!(
-        check.as_array().expect("rows").iter().all(|row| (row["ratio"].as_f64().unwrap() - 1.0).abs() < 0.17)
+        check.as_array().expect("rows").iter().all(|row| (row["ratio"].as_f64().unwrap() - 1.0).abs() < 0.18)
     );
     let unknown = feedbits(&["targets", "z80"]);
     assert_eq!(unknown.status.code(), Some(2));

@@ -17,9 +17,6 @@ pub use paths::{Path, paths};
 
 /// A piece is no longer than this, which suits 32-bit formats.
 const PIECE_MM: f64 = 32.0;
-/// The largest residual whose one correction is enough, for a feedrate fluctuation of 1e-9; a coarse format takes
-/// four units of its resolution instead. Turns are so slight on these paths that the growth needs no limit of its own.
-const RESIDUAL: f64 = 3e-5;
 /// Evaluations of a chord on one piece, at most.
 const MAX_EVALUATIONS: u32 = 6;
 /// The part of the full step from which the axes come to rest in one period.
@@ -63,16 +60,11 @@ fn with_run<R: Backend, T>(
     let pieces = table.as_pieces();
     let unit = 1.0_f64.ldexp(pieces.chord_exponent);
     let number = |value: f64| R::from_f64(value).unwrap_or_default();
-    let residual = number(RESIDUAL).max(R::resolution().ldexp(2));
     Ok(show(&PieceInterpolator {
         pieces,
         lengths: StepLengths { stages: &path.stages::<R>(unit) },
-        tolerance: ChordTolerance {
-            residual,
-            growth: number(0.375),
-            fluctuation: residual,
-            max_evaluations: MAX_EVALUATIONS,
-        },
+        // The tolerance of what `feedbits compile` writes.
+        tolerance: ChordTolerance::for_fluctuation(None, MAX_EVALUATIONS),
         landing_step: number(LANDING * path.feed_mm * unit),
     }))
 }
