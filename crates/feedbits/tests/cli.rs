@@ -153,7 +153,7 @@ fn what_is_no_question_of_the_format_is_told_with_its_place_and_what_helps() {
     };
     let words = [
         "It is not a question of the format: f64 pieces fails too.",
-        "corner error 3.49e-3 > 1.00e-3 mm of `chord_error_mm` in line 5, at X20.012 Y",
+        "corner error 3.59e-3 > 1.00e-3 mm of `chord_error_mm` in line 5, at X20.012 Y",
         "What helps: `junction = \"stop\"` in the machine file. The path then takes ",
     ];
     let formats = ["--formats", "I8F24"];
@@ -162,7 +162,7 @@ fn what_is_no_question_of_the_format_is_told_with_its_place_and_what_helps() {
         assert!(words.iter().all(|words| said.contains(words)), "{said}");
     }
     let page = fs::read_to_string(folder.path().join("r/index.html")).expect("a page");
-    assert!(page.contains(words[0]) && page.contains("corner error 3.49e-3"), "the page says why");
+    assert!(page.contains(words[0]) && page.contains("corner error 3.59e-3"), "the page says why");
     for found in [run(&[&["compare", "--json"][..], &formats].concat()), run(&["size", "--json"])] {
         let found: serde_json::Value = serde_json::from_str(&found).expect("JSON");
         let why = &found["not_a_question_of_format"];

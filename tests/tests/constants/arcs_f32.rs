@@ -14,7 +14,7 @@ pub const PERIODS: usize = 129;
 
 /// `secant_interp::PositionChecksum` of all of them.
 #[allow(dead_code, reason = "a program need not ask")]
-pub const CHECKSUM: u64 = 0x4719b18c4bf2c9b1;
+pub const CHECKSUM: u64 = 0x423a0c2feeb44efa;
 
 /// Path and plan.
 pub static PATH: PieceInterpolator<'static, Number, 3> = PieceInterpolator {
@@ -49,21 +49,21 @@ pub static PATH: PieceInterpolator<'static, Number, 3> = PieceInterpolator {
     },
     lengths: StepLengths {
         stages: &[
-            LengthStage { duration: 16106127360, reciprocal: 9838263505978427528, reciprocal_exponent: 33, period_share: 0.26666665, feed: 0.0, change: 0.26666668, shape: StageShape::Onset },
-            LengthStage { duration: 16106127360, reciprocal: 9838263505978427528, reciprocal_exponent: 33, period_share: 0.26666665, feed: 0.26666668, change: 0.26666668, shape: StageShape::Easing },
-            LengthStage { duration: 16106127360, reciprocal: 9838263505978427528, reciprocal_exponent: 33, period_share: 0.26666665, feed: 0.53333336, change: -0.26666668, shape: StageShape::Onset },
-            LengthStage { duration: 16106127360, reciprocal: 9838263505978427528, reciprocal_exponent: 33, period_share: 0.26666665, feed: 0.26666668, change: -0.26666668, shape: StageShape::Easing },
-            LengthStage { duration: 14823531364, reciprocal: 10689512582227951980, reciprocal_exponent: 33, period_share: 0.28973982, feed: 0.0, change: 0.25082973, shape: StageShape::Onset },
-            LengthStage { duration: 14823531365, reciprocal: 10689512581506834163, reciprocal_exponent: 33, period_share: 0.28973982, feed: 0.25082973, change: 0.25082973, shape: StageShape::Easing },
-            LengthStage { duration: 185519010414, reciprocal: 13665991397855876679, reciprocal_exponent: 37, period_share: 0.023151089, feed: 0.50165945, change: 0.0, shape: StageShape::Steady },
-            LengthStage { duration: 14823531365, reciprocal: 10689512581506834163, reciprocal_exponent: 33, period_share: 0.28973982, feed: 0.50165945, change: -0.25082973, shape: StageShape::Onset },
-            LengthStage { duration: 14823531364, reciprocal: 10689512582227951980, reciprocal_exponent: 33, period_share: 0.28973982, feed: 0.25082973, change: -0.25082973, shape: StageShape::Easing },
-            LengthStage { duration: 14823531364, reciprocal: 10689512582227951980, reciprocal_exponent: 33, period_share: 0.28973982, feed: 0.0, change: 0.25082973, shape: StageShape::Onset },
-            LengthStage { duration: 14823531365, reciprocal: 10689512581506834163, reciprocal_exponent: 33, period_share: 0.28973982, feed: 0.25082973, change: 0.25082973, shape: StageShape::Easing },
-            LengthStage { duration: 92759505207, reciprocal: 13665991397855876679, reciprocal_exponent: 36, period_share: 0.046302177, feed: 0.50165945, change: 0.0, shape: StageShape::Onset },
-            LengthStage { duration: 92759505207, reciprocal: 13665991397855876679, reciprocal_exponent: 36, period_share: 0.046302177, feed: 0.50165945, change: 0.0, shape: StageShape::Easing },
-            LengthStage { duration: 14823531365, reciprocal: 10689512581506834163, reciprocal_exponent: 33, period_share: 0.28973982, feed: 0.50165945, change: -0.25082973, shape: StageShape::Onset },
-            LengthStage { duration: 14823531364, reciprocal: 10689512582227951980, reciprocal_exponent: 33, period_share: 0.28973982, feed: 0.25082973, change: -0.25082973, shape: StageShape::Easing },
+            LengthStage { duration: 16106081065, reciprocal: 9838291784887938237, reciprocal_exponent: 33, period_share: 0.26666743, feed: 0.0, change: 0.2666659, shape: StageShape::Onset },
+            LengthStage { duration: 16106081066, reciprocal: 9838291784277094932, reciprocal_exponent: 33, period_share: 0.26666743, feed: 0.2666659, change: 0.2666659, shape: StageShape::Easing },
+            LengthStage { duration: 185178, reciprocal: 13056905459769834156, reciprocal_exponent: 17, period_share: 0.99999994, feed: 0.5333318, change: 0.0, shape: StageShape::Steady },
+            LengthStage { duration: 16106081066, reciprocal: 9838291784277094932, reciprocal_exponent: 33, period_share: 0.26666743, feed: 0.5333318, change: -0.2666659, shape: StageShape::Onset },
+            LengthStage { duration: 16106081065, reciprocal: 9838291784887938237, reciprocal_exponent: 33, period_share: 0.26666743, feed: 0.2666659, change: -0.2666659, shape: StageShape::Easing },
+            LengthStage { duration: 14822934973, reciprocal: 10689942667707652176, reciprocal_exponent: 33, period_share: 0.28975147, feed: 0.0, change: 0.25082836, shape: StageShape::Onset },
+            LengthStage { duration: 14822934973, reciprocal: 10689942667707652176, reciprocal_exponent: 33, period_share: 0.28975147, feed: 0.25082836, change: 0.25082836, shape: StageShape::Easing },
+            LengthStage { duration: 185521395980, reciprocal: 13665815670823084558, reciprocal_exponent: 37, period_share: 0.02315079, feed: 0.5016567, change: 0.0, shape: StageShape::Steady },
+            LengthStage { duration: 14822934973, reciprocal: 10689942667707652176, reciprocal_exponent: 33, period_share: 0.28975147, feed: 0.5016567, change: -0.25082836, shape: StageShape::Onset },
+            LengthStage { duration: 14822934973, reciprocal: 10689942667707652176, reciprocal_exponent: 33, period_share: 0.28975147, feed: 0.25082836, change: -0.25082836, shape: StageShape::Easing },
+            LengthStage { duration: 14822934973, reciprocal: 10689942667707652176, reciprocal_exponent: 33, period_share: 0.28975147, feed: 0.0, change: 0.25082836, shape: StageShape::Onset },
+            LengthStage { duration: 14822934973, reciprocal: 10689942667707652176, reciprocal_exponent: 33, period_share: 0.28975147, feed: 0.25082836, change: 0.25082836, shape: StageShape::Easing },
+            LengthStage { duration: 185521395980, reciprocal: 13665815670823084558, reciprocal_exponent: 37, period_share: 0.02315079, feed: 0.5016567, change: 0.0, shape: StageShape::Steady },
+            LengthStage { duration: 14822934973, reciprocal: 10689942667707652176, reciprocal_exponent: 33, period_share: 0.28975147, feed: 0.5016567, change: -0.25082836, shape: StageShape::Onset },
+            LengthStage { duration: 14822934973, reciprocal: 10689942667707652176, reciprocal_exponent: 33, period_share: 0.28975147, feed: 0.25082836, change: -0.25082836, shape: StageShape::Easing },
         ],
     },
     tolerance: ChordTolerance {
@@ -78,7 +78,7 @@ pub static PATH: PieceInterpolator<'static, Number, 3> = PieceInterpolator {
 /// From stop to stop.
 #[allow(dead_code, reason = "a program need not ask")]
 pub static SECTIONS: [Section; 3] = [
-    Section { pieces: 0..1, stages: 0..4 },
-    Section { pieces: 1..2, stages: 4..9 },
-    Section { pieces: 2..3, stages: 9..15 },
+    Section { pieces: 0..1, stages: 0..5 },
+    Section { pieces: 1..2, stages: 5..10 },
+    Section { pieces: 2..3, stages: 10..15 },
 ];

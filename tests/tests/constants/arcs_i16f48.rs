@@ -14,7 +14,7 @@ pub const PERIODS: usize = 129;
 
 /// `secant_interp::PositionChecksum` of all of them.
 #[allow(dead_code, reason = "a program need not ask")]
-pub const CHECKSUM: u64 = 0x2b3640a8f8bfffea;
+pub const CHECKSUM: u64 = 0xe380034b4fb140ff;
 
 /// Path and plan.
 pub static PATH: PieceInterpolator<'static, Number, 3> = PieceInterpolator {
@@ -49,21 +49,21 @@ pub static PATH: PieceInterpolator<'static, Number, 3> = PieceInterpolator {
     },
     lengths: StepLengths {
         stages: &[
-            LengthStage { duration: 16106127360, reciprocal: 9838263505978427528, reciprocal_exponent: 33, period_share: i16f48(75059993789508), feed: i16f48(0), change: i16f48(300239975158033), shape: StageShape::Onset },
-            LengthStage { duration: 16106127360, reciprocal: 9838263505978427528, reciprocal_exponent: 33, period_share: i16f48(75059993789508), feed: i16f48(300239975158033), change: i16f48(300239975158033), shape: StageShape::Easing },
-            LengthStage { duration: 16106127360, reciprocal: 9838263505978427528, reciprocal_exponent: 33, period_share: i16f48(75059993789508), feed: i16f48(600479950316066), change: i16f48(-300239975158033), shape: StageShape::Onset },
-            LengthStage { duration: 16106127360, reciprocal: 9838263505978427528, reciprocal_exponent: 33, period_share: i16f48(75059993789508), feed: i16f48(300239975158033), change: i16f48(-300239975158033), shape: StageShape::Easing },
-            LengthStage { duration: 14823531364, reciprocal: 10689512582227951980, reciprocal_exponent: 33, period_share: i16f48(81554508836578), feed: i16f48(0), change: i16f48(282409173078591), shape: StageShape::Onset },
-            LengthStage { duration: 14823531365, reciprocal: 10689512581506834163, reciprocal_exponent: 33, period_share: i16f48(81554508831076), feed: i16f48(282409173078591), change: i16f48(282409173078591), shape: StageShape::Easing },
-            LengthStage { duration: 185519010414, reciprocal: 13665991397855876679, reciprocal_exponent: 37, period_share: i16f48(6516452502181), feed: i16f48(564818346157182), change: i16f48(0), shape: StageShape::Steady },
-            LengthStage { duration: 14823531365, reciprocal: 10689512581506834163, reciprocal_exponent: 33, period_share: i16f48(81554508831076), feed: i16f48(564818346157182), change: i16f48(-282409173078591), shape: StageShape::Onset },
-            LengthStage { duration: 14823531364, reciprocal: 10689512582227951980, reciprocal_exponent: 33, period_share: i16f48(81554508836578), feed: i16f48(282409173078591), change: i16f48(-282409173078591), shape: StageShape::Easing },
-            LengthStage { duration: 14823531364, reciprocal: 10689512582227951980, reciprocal_exponent: 33, period_share: i16f48(81554508836578), feed: i16f48(0), change: i16f48(282409173078591), shape: StageShape::Onset },
-            LengthStage { duration: 14823531365, reciprocal: 10689512581506834163, reciprocal_exponent: 33, period_share: i16f48(81554508831076), feed: i16f48(282409173078591), change: i16f48(282409173078591), shape: StageShape::Easing },
-            LengthStage { duration: 92759505207, reciprocal: 13665991397855876679, reciprocal_exponent: 36, period_share: i16f48(13032905004363), feed: i16f48(564818346157182), change: i16f48(1), shape: StageShape::Onset },
-            LengthStage { duration: 92759505207, reciprocal: 13665991397855876679, reciprocal_exponent: 36, period_share: i16f48(13032905004363), feed: i16f48(564818346157183), change: i16f48(0), shape: StageShape::Easing },
-            LengthStage { duration: 14823531365, reciprocal: 10689512581506834163, reciprocal_exponent: 33, period_share: i16f48(81554508831076), feed: i16f48(564818346157183), change: i16f48(-282409173078592), shape: StageShape::Onset },
-            LengthStage { duration: 14823531364, reciprocal: 10689512582227951980, reciprocal_exponent: 33, period_share: i16f48(81554508836578), feed: i16f48(282409173078591), change: i16f48(-282409173078591), shape: StageShape::Easing },
+            LengthStage { duration: 16106081065, reciprocal: 9838291784887938237, reciprocal_exponent: 33, period_share: i16f48(75060209540465), feed: i16f48(0), change: i16f48(300239112166202), shape: StageShape::Onset },
+            LengthStage { duration: 16106081066, reciprocal: 9838291784277094932, reciprocal_exponent: 33, period_share: i16f48(75060209535805), feed: i16f48(300239112166202), change: i16f48(300239112166202), shape: StageShape::Easing },
+            LengthStage { duration: 185178, reciprocal: 13056905459769834156, reciprocal_exponent: 17, period_share: i16f48(281474976710655), feed: i16f48(600478224332404), change: i16f48(0), shape: StageShape::Steady },
+            LengthStage { duration: 16106081066, reciprocal: 9838291784277094932, reciprocal_exponent: 33, period_share: i16f48(75060209535805), feed: i16f48(600478224332404), change: i16f48(-300239112166202), shape: StageShape::Onset },
+            LengthStage { duration: 16106081065, reciprocal: 9838291784887938237, reciprocal_exponent: 33, period_share: i16f48(75060209540465), feed: i16f48(300239112166202), change: i16f48(-300239112166202), shape: StageShape::Easing },
+            LengthStage { duration: 14822934973, reciprocal: 10689942667707652176, reciprocal_exponent: 33, period_share: i16f48(81557790128384), feed: i16f48(0), change: i16f48(282407607636837), shape: StageShape::Onset },
+            LengthStage { duration: 14822934973, reciprocal: 10689942667707652176, reciprocal_exponent: 33, period_share: i16f48(81557790128384), feed: i16f48(282407607636837), change: i16f48(282407607636838), shape: StageShape::Easing },
+            LengthStage { duration: 185521395980, reciprocal: 13665815670823084558, reciprocal_exponent: 37, period_share: i16f48(6516368709003), feed: i16f48(564815215273675), change: i16f48(0), shape: StageShape::Steady },
+            LengthStage { duration: 14822934973, reciprocal: 10689942667707652176, reciprocal_exponent: 33, period_share: i16f48(81557790128384), feed: i16f48(564815215273675), change: i16f48(-282407607636838), shape: StageShape::Onset },
+            LengthStage { duration: 14822934973, reciprocal: 10689942667707652176, reciprocal_exponent: 33, period_share: i16f48(81557790128384), feed: i16f48(282407607636837), change: i16f48(-282407607636837), shape: StageShape::Easing },
+            LengthStage { duration: 14822934973, reciprocal: 10689942667707652176, reciprocal_exponent: 33, period_share: i16f48(81557790128384), feed: i16f48(0), change: i16f48(282407607636837), shape: StageShape::Onset },
+            LengthStage { duration: 14822934973, reciprocal: 10689942667707652176, reciprocal_exponent: 33, period_share: i16f48(81557790128384), feed: i16f48(282407607636837), change: i16f48(282407607636836), shape: StageShape::Easing },
+            LengthStage { duration: 185521395980, reciprocal: 13665815670823084558, reciprocal_exponent: 37, period_share: i16f48(6516368709003), feed: i16f48(564815215273673), change: i16f48(0), shape: StageShape::Steady },
+            LengthStage { duration: 14822934973, reciprocal: 10689942667707652176, reciprocal_exponent: 33, period_share: i16f48(81557790128384), feed: i16f48(564815215273673), change: i16f48(-282407607636836), shape: StageShape::Onset },
+            LengthStage { duration: 14822934973, reciprocal: 10689942667707652176, reciprocal_exponent: 33, period_share: i16f48(81557790128384), feed: i16f48(282407607636837), change: i16f48(-282407607636837), shape: StageShape::Easing },
         ],
     },
     tolerance: ChordTolerance {
@@ -78,9 +78,9 @@ pub static PATH: PieceInterpolator<'static, Number, 3> = PieceInterpolator {
 /// From stop to stop.
 #[allow(dead_code, reason = "a program need not ask")]
 pub static SECTIONS: [Section; 3] = [
-    Section { pieces: 0..1, stages: 0..4 },
-    Section { pieces: 1..2, stages: 4..9 },
-    Section { pieces: 2..3, stages: 9..15 },
+    Section { pieces: 0..1, stages: 0..5 },
+    Section { pieces: 1..2, stages: 5..10 },
+    Section { pieces: 2..3, stages: 10..15 },
 ];
 
 const fn i16f48(bits: i64) -> real::FixedPoint<real::fixed::types::I16F48> {

@@ -14,7 +14,7 @@ pub const PERIODS: usize = 105;
 
 /// `secant_interp::PositionChecksum` of all of them.
 #[allow(dead_code, reason = "a program need not ask")]
-pub const CHECKSUM: u64 = 0xb3807968c20741b7;
+pub const CHECKSUM: u64 = 0xded8fbcd876a6e5a;
 
 /// Path and plan.
 pub static PATH: PieceInterpolator<'static, Number, 3> = PieceInterpolator {
@@ -36,21 +36,21 @@ pub static PATH: PieceInterpolator<'static, Number, 3> = PieceInterpolator {
     },
     lengths: StepLengths {
         stages: &[
-            LengthStage { duration: 16419115229, reciprocal: 9650722515708868540, reciprocal_exponent: 33, period_share: 0.26158335793965815, feed: 0.0, change: 0.2924590850714226, shape: StageShape::Onset },
-            LengthStage { duration: 16419115229, reciprocal: 9650722515708868540, reciprocal_exponent: 33, period_share: 0.26158335793965815, feed: 0.2924590850714226, change: 0.2924590850714226, shape: StageShape::Easing },
-            LengthStage { duration: 84647394444, reciprocal: 14975660013573912924, reciprocal_exponent: 36, period_share: 0.050739509753503546, feed: 0.5849181701428452, change: 0.0, shape: StageShape::Steady },
-            LengthStage { duration: 16419115229, reciprocal: 9650722515708868540, reciprocal_exponent: 33, period_share: 0.26158335793965815, feed: 0.5849181701428452, change: -0.2924590850714226, shape: StageShape::Onset },
-            LengthStage { duration: 16419115229, reciprocal: 9650722515708868540, reciprocal_exponent: 33, period_share: 0.26158335793965815, feed: 0.2924590850714226, change: -0.2924590850714226, shape: StageShape::Easing },
-            LengthStage { duration: 16419115229, reciprocal: 9650722515708868540, reciprocal_exponent: 33, period_share: 0.26158335793965815, feed: 0.0, change: 0.29245908507142326, shape: StageShape::Onset },
-            LengthStage { duration: 16419115229, reciprocal: 9650722515708868540, reciprocal_exponent: 33, period_share: 0.26158335793965815, feed: 0.29245908507142326, change: 0.29245908507142326, shape: StageShape::Easing },
-            LengthStage { duration: 84647394444, reciprocal: 14975660013573912924, reciprocal_exponent: 36, period_share: 0.050739509753503546, feed: 0.5849181701428465, change: 0.0, shape: StageShape::Steady },
-            LengthStage { duration: 16419115229, reciprocal: 9650722515708868540, reciprocal_exponent: 33, period_share: 0.26158335793965815, feed: 0.5849181701428465, change: -0.29245908507142326, shape: StageShape::Onset },
-            LengthStage { duration: 16419115229, reciprocal: 9650722515708868540, reciprocal_exponent: 33, period_share: 0.26158335793965815, feed: 0.29245908507142326, change: -0.29245908507142326, shape: StageShape::Easing },
-            LengthStage { duration: 16419115229, reciprocal: 9650722515708868540, reciprocal_exponent: 33, period_share: 0.26158335793965815, feed: 0.0, change: 0.29245908507142243, shape: StageShape::Onset },
-            LengthStage { duration: 16419115229, reciprocal: 9650722515708868540, reciprocal_exponent: 33, period_share: 0.26158335793965815, feed: 0.29245908507142243, change: 0.29245908507142243, shape: StageShape::Easing },
-            LengthStage { duration: 84647394444, reciprocal: 14975660013573912924, reciprocal_exponent: 36, period_share: 0.050739509753503546, feed: 0.5849181701428449, change: 0.0, shape: StageShape::Steady },
-            LengthStage { duration: 16419115229, reciprocal: 9650722515708868540, reciprocal_exponent: 33, period_share: 0.26158335793965815, feed: 0.5849181701428449, change: -0.2924590850714224, shape: StageShape::Onset },
-            LengthStage { duration: 16419115229, reciprocal: 9650722515708868540, reciprocal_exponent: 33, period_share: 0.26158335793965815, feed: 0.2924590850714225, change: -0.2924590850714225, shape: StageShape::Easing },
+            LengthStage { duration: 16419115229, reciprocal: 9650722515708868540, reciprocal_exponent: 33, period_share: 0.26158335793965815, feed: 0.0, change: 0.29245908507142276, shape: StageShape::Onset },
+            LengthStage { duration: 16419115229, reciprocal: 9650722515708868540, reciprocal_exponent: 33, period_share: 0.26158335793965815, feed: 0.29245908507142276, change: 0.29245908507142276, shape: StageShape::Easing },
+            LengthStage { duration: 84647394444, reciprocal: 14975660013573912924, reciprocal_exponent: 36, period_share: 0.050739509753503546, feed: 0.5849181701428455, change: 0.0, shape: StageShape::Steady },
+            LengthStage { duration: 16419115229, reciprocal: 9650722515708868540, reciprocal_exponent: 33, period_share: 0.26158335793965815, feed: 0.5849181701428455, change: -0.29245908507142276, shape: StageShape::Onset },
+            LengthStage { duration: 16419115229, reciprocal: 9650722515708868540, reciprocal_exponent: 33, period_share: 0.26158335793965815, feed: 0.29245908507142276, change: -0.29245908507142276, shape: StageShape::Easing },
+            LengthStage { duration: 16419115229, reciprocal: 9650722515708868540, reciprocal_exponent: 33, period_share: 0.26158335793965815, feed: 0.0, change: 0.2924590850714234, shape: StageShape::Onset },
+            LengthStage { duration: 16419115229, reciprocal: 9650722515708868540, reciprocal_exponent: 33, period_share: 0.26158335793965815, feed: 0.2924590850714234, change: 0.2924590850714234, shape: StageShape::Easing },
+            LengthStage { duration: 84647394444, reciprocal: 14975660013573912924, reciprocal_exponent: 36, period_share: 0.050739509753503546, feed: 0.5849181701428467, change: 0.0, shape: StageShape::Steady },
+            LengthStage { duration: 16419115229, reciprocal: 9650722515708868540, reciprocal_exponent: 33, period_share: 0.26158335793965815, feed: 0.5849181701428467, change: -0.2924590850714234, shape: StageShape::Onset },
+            LengthStage { duration: 16419115229, reciprocal: 9650722515708868540, reciprocal_exponent: 33, period_share: 0.26158335793965815, feed: 0.2924590850714234, change: -0.2924590850714234, shape: StageShape::Easing },
+            LengthStage { duration: 16419115229, reciprocal: 9650722515708868540, reciprocal_exponent: 33, period_share: 0.26158335793965815, feed: 0.0, change: 0.2924590850714231, shape: StageShape::Onset },
+            LengthStage { duration: 16419115229, reciprocal: 9650722515708868540, reciprocal_exponent: 33, period_share: 0.26158335793965815, feed: 0.2924590850714231, change: 0.2924590850714231, shape: StageShape::Easing },
+            LengthStage { duration: 84647394444, reciprocal: 14975660013573912924, reciprocal_exponent: 36, period_share: 0.050739509753503546, feed: 0.5849181701428462, change: 0.0, shape: StageShape::Steady },
+            LengthStage { duration: 16419115229, reciprocal: 9650722515708868540, reciprocal_exponent: 33, period_share: 0.26158335793965815, feed: 0.5849181701428462, change: -0.29245908507142304, shape: StageShape::Onset },
+            LengthStage { duration: 16419115229, reciprocal: 9650722515708868540, reciprocal_exponent: 33, period_share: 0.26158335793965815, feed: 0.29245908507142315, change: -0.29245908507142315, shape: StageShape::Easing },
         ],
     },
     tolerance: ChordTolerance {

@@ -34,15 +34,16 @@ pub static PATH: PieceInterpolator<'static, Number, 2> = PieceInterpolator {
     },
     lengths: StepLengths {
         stages: &[
-            LengthStage { duration: 1073741824, reciprocal: 18446744073709551615, reciprocal_exponent: 30, period_share: i28f36(68719476735), feed: i28f36(0), change: i28f36(5497558), shape: StageShape::Onset },
-            LengthStage { duration: 1073741824, reciprocal: 18446744073709551615, reciprocal_exponent: 30, period_share: i28f36(68719476735), feed: i28f36(5497558), change: i28f36(5497558), shape: StageShape::Easing },
-            LengthStage { duration: 1073741824, reciprocal: 18446744073709551615, reciprocal_exponent: 30, period_share: i28f36(68719476735), feed: i28f36(10995116), change: i28f36(-5497558), shape: StageShape::Onset },
-            LengthStage { duration: 1073741824, reciprocal: 18446744073709551615, reciprocal_exponent: 30, period_share: i28f36(68719476735), feed: i28f36(5497558), change: i28f36(-5497558), shape: StageShape::Easing },
-            LengthStage { duration: 1073741824, reciprocal: 18446744073709551615, reciprocal_exponent: 30, period_share: i28f36(68719476735), feed: i28f36(0), change: i28f36(3298535), shape: StageShape::Onset },
-            LengthStage { duration: 1073741824, reciprocal: 18446744073709551615, reciprocal_exponent: 30, period_share: i28f36(68719476735), feed: i28f36(3298535), change: i28f36(3298535), shape: StageShape::Easing },
-            LengthStage { duration: 805306368, reciprocal: 12297829382473034410, reciprocal_exponent: 29, period_share: i28f36(68719476735), feed: i28f36(6597070), change: i28f36(-1855426), shape: StageShape::Onset },
-            LengthStage { duration: 268435456, reciprocal: 18446744073709551615, reciprocal_exponent: 28, period_share: i28f36(68719476735), feed: i28f36(4741644), change: i28f36(-1443109), shape: StageShape::Bent(i28f36(-9817068105)) },
-            LengthStage { duration: 1073741824, reciprocal: 18446744073709551615, reciprocal_exponent: 30, period_share: i28f36(68719476735), feed: i28f36(3298535), change: i28f36(-3298535), shape: StageShape::Easing },
+            LengthStage { duration: 1073735269, reciprocal: 9223428344219772666, reciprocal_exponent: 29, period_share: i28f36(68719476735), feed: i28f36(0), change: i28f36(5497525), shape: StageShape::Onset },
+            LengthStage { duration: 1073735270, reciprocal: 9223428335629733201, reciprocal_exponent: 29, period_share: i28f36(68719476735), feed: i28f36(5497525), change: i28f36(5497524), shape: StageShape::Easing },
+            LengthStage { duration: 26218, reciprocal: 11527631966727335940, reciprocal_exponent: 14, period_share: i28f36(68719476735), feed: i28f36(10995049), change: i28f36(0), shape: StageShape::Steady },
+            LengthStage { duration: 1073735270, reciprocal: 9223428335629733201, reciprocal_exponent: 29, period_share: i28f36(68719476735), feed: i28f36(10995049), change: i28f36(-5497524), shape: StageShape::Onset },
+            LengthStage { duration: 1073735269, reciprocal: 9223428344219772666, reciprocal_exponent: 29, period_share: i28f36(68719476735), feed: i28f36(5497525), change: i28f36(-5497525), shape: StageShape::Easing },
+            LengthStage { duration: 1073736905, reciprocal: 9223414290936607230, reciprocal_exponent: 29, period_share: i28f36(68719476735), feed: i28f36(0), change: i28f36(3298520), shape: StageShape::Onset },
+            LengthStage { duration: 1073736904, reciprocal: 9223414299526620535, reciprocal_exponent: 29, period_share: i28f36(68719476735), feed: i28f36(3298520), change: i28f36(3298520), shape: StageShape::Easing },
+            LengthStage { duration: 19678, reciprocal: 15358850233949450842, reciprocal_exponent: 14, period_share: i28f36(68719476735), feed: i28f36(6597040), change: i28f36(0), shape: StageShape::Steady },
+            LengthStage { duration: 1073736904, reciprocal: 9223414299526620535, reciprocal_exponent: 29, period_share: i28f36(68719476735), feed: i28f36(6597040), change: i28f36(-3298520), shape: StageShape::Onset },
+            LengthStage { duration: 1073736905, reciprocal: 9223414290936607230, reciprocal_exponent: 29, period_share: i28f36(68719476735), feed: i28f36(3298520), change: i28f36(-3298520), shape: StageShape::Easing },
         ],
     },
     tolerance: ChordTolerance {
@@ -57,8 +58,8 @@ pub static PATH: PieceInterpolator<'static, Number, 2> = PieceInterpolator {
 /// From stop to stop.
 #[allow(dead_code, reason = "a program need not ask")]
 pub static SECTIONS: [Section; 2] = [
-    Section { pieces: 0..1, stages: 0..4 },
-    Section { pieces: 1..2, stages: 4..9 },
+    Section { pieces: 0..1, stages: 0..5 },
+    Section { pieces: 1..2, stages: 5..10 },
 ];
 
 const fn i28f36(bits: i64) -> real::FixedPoint<real::fixed::types::I28F36> {
