@@ -135,6 +135,7 @@ mod plan {
     pub(crate) mod lower_bound;
     pub(crate) mod merge_verdicts;
     pub(crate) mod ramp_shape;
+    pub(crate) mod ramps;
     pub(crate) mod stages;
     pub(crate) mod whole_periods;
     pub(crate) mod window;
