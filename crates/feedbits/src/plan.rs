@@ -5,7 +5,8 @@ use std::fmt::Write;
 use anyhow::{Result, bail};
 use clap::Args;
 use format_compare::{
-    AxisPeak, Dimension, ExactPlan, FeedSample, MergeRow, PlanSummary, Problem, ProfileKind, Space, StageRow,
+    AxisPeak, Dimension, ExactPlan, FeedSample, MergeRow, OverLimits, PlanSummary, Problem, ProfileKind,
+    Space, StageRow,
 };
 
 use crate::ending::Ending;
@@ -53,8 +54,8 @@ pub(crate) struct Arguments {
     output: output::Output,
 }
 
-/// Most stages on the first screen.
-const MOST_STAGES: usize = 20;
+/// Most rows on the first screen.
+const MOST_ROWS: usize = 20;
 
 /// Plans and prints the table of stages; with --out, writes the sampled plan.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
@@ -117,21 +118,16 @@ where
 }
 
 /// Prints the decisions of the profile flexible.
-fn explain<const D: usize>(problem: &Problem<D>, arguments: &Arguments) -> Result<Ending>
-where
-    Space: Dimension<D>,
-{
+fn explain<const D: usize>(problem: &Problem<D>, arguments: &Arguments) -> Result<Ending> {
     if !arguments.plan.allows_flexible() {
         bail!(
-            "--explain is about the profile flexible, which merges transitions: expected --profile flexible, or none"
+            "--explain is about the profile flexible, which merges transitions: expected --profile flexible, or none at all"
         );
     }
     let options = arguments.plan.options(ProfileKind::Flexible)?;
     expect_an_end(problem, &options)?;
-    let formats = selected::<D>(&["f64".to_string()])?;
     let progress = Progress::spinning("planning");
-    let plan = format_compare::plan_for(problem, formats[0].as_ref(), &options)?;
-    let rows = MergeRow::all(&plan, problem, options.end_feeds_mm_per_s)?;
+    let rows = MergeRow::all(problem, options.end_feeds_mm_per_s)?;
     progress.finish();
     let text = if arguments.output.json { json(&rows)? } else { explained(&rows, problem, arguments.wide) };
     output::write(arguments.output.out.as_deref(), &text)?;
@@ -163,13 +159,12 @@ fn explained<const D: usize>(rows: &[MergeRow], problem: &Problem<D>, wide: bool
         });
         cells
     };
-    let most = if wide { rows.len() } else { MOST_STAGES };
+    let most = if wide { rows.len() } else { MOST_ROWS };
     let shown = rows.iter().take(most).map(row).collect();
-    let left = match rows.len().saturating_sub(most) {
-        0 => String::new(),
-        left => format!("and {left} more places, which --wide prints too."),
-    };
-    screen::answer(&answer) + "\n" + &screen::table(&header, shown) + &screen::paragraph(&left)
+    screen::answer(&answer)
+        + "\n"
+        + &screen::table(&header, shown)
+        + &left_out(rows.len().saturating_sub(most), "places")
 }
 
 fn json(value: &impl serde::Serialize) -> Result<String> {
@@ -178,7 +173,7 @@ fn json(value: &impl serde::Serialize) -> Result<String> {
 
 /// A table with a row for each kind of transitions, below a line about the fastest.
 fn side_by_side(summaries: &[PlanSummary], period_s: f64, wide: bool) -> String {
-    let looking_ahead = || summaries.iter().filter(|summary| summary.looks_ahead());
+    let looking_ahead = || summaries.iter().filter(|summary| summary.without_look_ahead.is_none());
     let fastest = looking_ahead().min_by(|a, b| a.time_s.total_cmp(&b.time_s));
     let Some(fastest) = fastest else { return String::new() };
     let answer = format!(
@@ -198,8 +193,7 @@ fn side_by_side(summaries: &[PlanSummary], period_s: f64, wide: bool) -> String 
         a.total_acceleration_max_mm_per_s2.total_cmp(&b.total_acceleration_max_mm_per_s2)
     };
     let turning = looking_ahead().max_by(most).map_or_else(String::new, turning);
-    let baseline: String =
-        summaries.iter().filter(|summary| !summary.looks_ahead()).map(without_look_ahead).collect();
+    let baseline: String = summaries.iter().filter_map(without_look_ahead).collect();
     screen::answer(&answer)
         + &turning
         + &baseline
@@ -207,14 +201,14 @@ fn side_by_side(summaries: &[PlanSummary], period_s: f64, wide: bool) -> String 
         + &if wide { wide_rows(summaries) } else { rows(summaries) }
 }
 
-/// What a plan without look-ahead breaks.
-fn without_look_ahead(summary: &PlanSummary) -> String {
-    screen::paragraph(&format!(
-        "Without look-ahead, profile `none`: {}, {:.1} times the acceleration and {:.0} times the jerk along the path.",
-        duration(summary.time_s),
-        summary.acceleration_max_mm_per_s2 / summary.acceleration_limit_mm_per_s2,
-        summary.jerk_max_mm_per_s3 / summary.jerk_limit_mm_per_s3,
-    ))
+/// What a plan without look-ahead breaks; `None` for all others.
+fn without_look_ahead(summary: &PlanSummary) -> Option<String> {
+    let OverLimits { acceleration, jerk } = summary.without_look_ahead?;
+    let time = duration(summary.time_s);
+    Some(screen::paragraph(&format!(
+        "Without look-ahead, profile `none`: {time}, {acceleration:.1} times the acceleration and {jerk:.0} times the jerk along the \
+         path.",
+    )))
 }
 
 /// The first cells of a profile's row: its name, its time, and the share of the path at the commanded feed.
@@ -298,7 +292,7 @@ fn answer(summary: &PlanSummary, name: &str, period_s: f64) -> String {
         100.0 * summary.share_at_commanded_feed,
         summary.feed_over_commanded.map_or_else(String::new, |run| format!("{:.3} % of ", 100.0 * run)),
     );
-    let bounds = if summary.looks_ahead() {
+    let bounds = if summary.without_look_ahead.is_none() {
         format!(
             "No plan takes less than {}, {:.2} % less, nor without a jerk limit than {}, {:.2} % less.",
             duration(summary.least_time_s),
@@ -340,12 +334,16 @@ fn stages(summary: &PlanSummary, wide: bool) -> String {
         cells.extend(feeds(stage));
         cells
     };
-    let shown = summary.stages.iter().take(MOST_STAGES).map(row).collect();
-    let left = match summary.stages.len().saturating_sub(MOST_STAGES) {
+    let shown = summary.stages.iter().take(MOST_ROWS).map(row).collect();
+    screen::table(&header, shown) + &left_out(summary.stages.len().saturating_sub(MOST_ROWS), "stages")
+}
+
+/// What the first screen leaves out.
+fn left_out(count: usize, what: &str) -> String {
+    match count {
         0 => String::new(),
-        left => format!("and {left} more stages, which --wide prints too."),
-    };
-    screen::table(&header, shown) + &screen::paragraph(&left)
+        count => screen::paragraph(&format!("and {count} more {what}, which --wide prints too.")),
+    }
 }
 
 fn wide_stages(summary: &PlanSummary) -> String {

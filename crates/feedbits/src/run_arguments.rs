@@ -96,7 +96,7 @@ enum ProfileName {
 }
 
 impl PlanArguments {
-    /// Whether the options name this profile, or none and so the default.
+    /// Whether the profile is `flexible`, or the default, which an option that is about `flexible` alone replaces.
     pub(crate) fn allows_flexible(&self) -> bool {
         matches!(self.profile, ProfileName::Flexible | ProfileName::Fastest)
     }
@@ -111,9 +111,7 @@ impl PlanArguments {
             ProfileName::Flexible => &[Flexible],
             ProfileName::Fastest => &[Fastest],
             ProfileName::None => &[WithoutLookAhead],
-            ProfileName::All => {
-                const { &[Cubic, SCurve, Trigonometric, Flexible, Fastest, WithoutLookAhead] }
-            }
+            ProfileName::All => &[Cubic, SCurve, Trigonometric, Flexible, Fastest, WithoutLookAhead],
         }
     }
 

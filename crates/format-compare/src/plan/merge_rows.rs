@@ -3,7 +3,6 @@
 use feed_plan::{EndFeeds, KeptApart, MergeVerdict, merge_verdicts};
 use serde::Serialize;
 
-use crate::plan::exact_plan::ExactPlan;
 use crate::problem::problem::Problem;
 use crate::refusal::Refusal;
 
@@ -40,13 +39,12 @@ impl MergeRow {
     /// # Errors
     /// [`Refusal::Plan`] where the path cannot be planned.
     pub fn all<const D: usize>(
-        plan: &ExactPlan,
         problem: &Problem<D>,
         end_feeds_mm_per_s: [f64; 2],
     ) -> Result<Vec<Self>, Refusal> {
-        let (limit, limits, t) = (plan.limit(problem)?, problem.limits_per_period()?, problem.period_s());
+        let (limit, limits, t) = (problem.feed_limit()?, problem.limits_per_period()?, problem.period_s());
         let [start, end] = end_feeds_mm_per_s.map(|feed| feed * t);
-        let verdicts = merge_verdicts(limit, &limits, EndFeeds { start, end })?;
+        let verdicts = merge_verdicts(&limit, &limits, EndFeeds { start, end })?;
         Ok(verdicts
             .iter()
             .map(|verdict| Self::of(verdict, t, limit.parameter_at(verdict.stretch.start)))

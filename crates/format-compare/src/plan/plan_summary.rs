@@ -83,6 +83,9 @@ pub struct PlanSummary {
     pub feed_over_commanded: Option<f64>,
     /// The velocity, acceleration and jerk that the plan asks of each axis.
     pub axes: Vec<AxisPeak>,
+    /// How far a plan without look-ahead is above the limits; `None` for all others, which keep them.
+    #[serde(skip)]
+    pub without_look_ahead: Option<OverLimits>,
     /// Number of stages.
     pub stage_count: usize,
     /// The stages.
@@ -90,12 +93,6 @@ pub struct PlanSummary {
 }
 
 impl PlanSummary {
-    /// Whether the plan keeps acceleration and jerk, as all but the baseline without look-ahead do.
-    #[must_use]
-    pub fn looks_ahead(&self) -> bool {
-        self.profile != profile_name(ProfileKind::WithoutLookAhead)
-    }
-
     /// The figures of a plan of `problem`.
     ///
     /// # Errors
@@ -129,6 +126,7 @@ impl PlanSummary {
             })
             .collect();
         let (acceleration, jerk) = peaks_along(plan);
+        let is_without = plan.profile() == ProfileKind::WithoutLookAhead;
         let time_s = f64::from(plan.periods()) * t;
         let [jerk_free_time_s, least_time_s] = bounds_s(plan, problem, feed_limit)?;
         let length_mm: f64 = stages.iter().map(|s| s.length_mm).sum();
@@ -160,6 +158,7 @@ impl PlanSummary {
             share_at_commanded_feed: full_mm / length_mm,
             feed_over_commanded: (full_mm > 0.0).then(|| full_mm / commanded_mm),
             axes: axis_peaks(plan, problem, feed_limit),
+            without_look_ahead: is_without.then(|| OverLimits::new((acceleration, jerk), problem)),
             stage_count: stages.len(),
             stages,
         })
@@ -230,14 +229,17 @@ pub struct OverLimits {
 impl OverLimits {
     /// The figures of a plan without look-ahead; `None` for all others, which keep both limits.
     pub(crate) fn of<const D: usize>(plan: &ExactPlan, problem: &Problem<D>) -> Option<Self> {
-        if plan.profile() != ProfileKind::WithoutLookAhead {
-            return None;
-        }
-        let (t, machine, (acceleration, jerk)) = (problem.period_s(), &problem.machine, peaks_along(plan));
-        Some(Self {
+        let is_without = plan.profile() == ProfileKind::WithoutLookAhead;
+        is_without.then(|| Self::new(peaks_along(plan), problem))
+    }
+
+    /// `peaks` are in mm and periods.
+    fn new<const D: usize>(peaks: (f64, f64), problem: &Problem<D>) -> Self {
+        let (t, machine, (acceleration, jerk)) = (problem.period_s(), &problem.machine, peaks);
+        Self {
             acceleration: acceleration / t.powi(2) / machine.acceleration_mm_per_s2,
             jerk: jerk / t.powi(3) / machine.jerk_mm_per_s3,
-        })
+        }
     }
 }
 
