@@ -63,6 +63,7 @@ mod run {
     mod by_engine;
     pub(crate) mod c_files;
     pub(crate) mod constants;
+    mod few_backends;
     pub(crate) mod formats;
     pub(crate) mod job;
     mod on_global_parameter;

@@ -1,21 +1,35 @@
 //! A run by the chosen engine: audited, or recorded.
 
-use real::{Audit, Backend, FormatName, RuntimeFixed, RuntimeFormat};
+use real::{Audit, Audited, Backend};
 
 use crate::refusal::Refusal;
+use crate::run::few_backends::{Work, in_format_named};
 use crate::run::job::Job;
 use crate::run::recorded_run::RecordedRun;
 use crate::run::run::{Run, own_step_mm};
 use crate::run::{on_global_parameter, on_pieces};
 
-/// Runs `problem` in the format `R`, and once more in the auditing form `A` of the same format.
-pub(crate) fn audited<R: Backend, A: Backend, const D: usize>(job: &Job<'_, D>) -> Result<Run, Refusal> {
+/// Runs `problem` in the format `R`, and once more in the auditing form of the same format.
+pub(crate) fn audited<R: Backend, const D: usize>(job: &Job<'_, D>) -> Result<Run, Refusal> {
     let mut run = once::<R, D>(job)?;
     run.filament_step_mm = job.problem.filament_mm.filter(|farthest| *farthest > 0.0).map(own_step_mm::<R>);
-    let (again, audit) = Audit::of(|| once::<A, D>(job));
+    let (again, audit) = in_format_named(R::name(), Auditing { job });
     debug_assert!(again.is_ok_and(|again| again.steps == run.steps), "an audit changes no value");
     run.audit = audit;
     Ok(run)
+}
+
+/// A run whose overflows and ranges are recorded.
+struct Auditing<'a, const D: usize> {
+    job: &'a Job<'a, D>,
+}
+
+impl<const D: usize> Work for Auditing<'_, D> {
+    type Output = (Result<Run, Refusal>, Audit);
+
+    fn in_backend<R: Backend>(self) -> Self::Output {
+        Audit::of(|| once::<Audited<R>, D>(self.job))
+    }
 }
 
 fn once<R: Backend, const D: usize>(job: &Job<'_, D>) -> Result<Run, Refusal> {
@@ -25,28 +39,19 @@ fn once<R: Backend, const D: usize>(job: &Job<'_, D>) -> Result<Run, Refusal> {
     }
 }
 
-/// Records the first `most` steps of a run in the format of this name. Fixed point of every kind is recorded in the
-/// run-time format, whose run equals the compared run bit for bit. So this code is compiled for f32, f64 and the
-/// run-time format only.
-pub(crate) fn recorded<const D: usize>(
-    format: FormatName,
-    job: &Job<'_, D>,
-    most: usize,
-) -> Result<RecordedRun, Refusal> {
-    let at_run_time = match format {
-        FormatName::Float { bits: 32 } => return in_backend::<f32, D>(job, most),
-        FormatName::Fixed { .. } => RuntimeFormat::named(&format.to_string()),
-        _ => None,
-    };
-    match at_run_time {
-        Some(format) => format.run::<1, _>(|| in_backend::<RuntimeFixed<1>, D>(job, most)),
-        None => in_backend::<f64, D>(job, most),
-    }
+/// The first `most` steps of a run, recorded.
+pub(crate) struct Recording<'a, const D: usize> {
+    pub(crate) job: Job<'a, D>,
+    pub(crate) most: usize,
 }
 
-fn in_backend<R: Backend, const D: usize>(job: &Job<'_, D>, most: usize) -> Result<RecordedRun, Refusal> {
-    match job.options.engine.method() {
-        Some(method) => on_global_parameter::record::<R, D>(job, method, most),
-        None => on_pieces::record::<R, D>(job, most),
+impl<const D: usize> Work for Recording<'_, D> {
+    type Output = Result<RecordedRun, Refusal>;
+
+    fn in_backend<R: Backend>(self) -> Self::Output {
+        match self.job.options.engine.method() {
+            Some(method) => on_global_parameter::record::<R, D>(&self.job, method, self.most),
+            None => on_pieces::record::<R, D>(&self.job, self.most),
+        }
     }
 }

@@ -3,14 +3,15 @@
 use std::marker::PhantomData;
 
 use c_code::CFiles;
-use real::{Audited, Backend, FormatName, RuntimeFixed, RuntimeFormat};
+use real::{Backend, FormatName, RuntimeFixed, RuntimeFormat};
 
 use crate::plan::exact_plan::ExactPlan;
 use crate::problem::problem::Problem;
 use crate::refusal::Refusal;
-use crate::run::by_engine;
+use crate::run::by_engine::{self, Recording};
 use crate::run::c_files::{self, CRequest};
 use crate::run::constants::Constants;
+use crate::run::few_backends::{Work, in_format_named};
 use crate::run::job::Job;
 use crate::run::options::{Options, PlanIn};
 use crate::run::recorded_run::RecordedRun;
@@ -101,12 +102,11 @@ impl<R: Backend, const D: usize> Format<D> for Of<R> {
     }
 
     fn plan(&self, problem: &Problem<D>, options: &Options) -> Result<ExactPlan, Refusal> {
-        let ends = options.end_feeds_mm_per_s;
-        self.within(|| ExactPlan::in_format_with::<R, D>(problem, ends, options.profile))
+        in_format_named(self.within(R::name), Planning { problem, options })
     }
 
     fn run(&self, problem: &Problem<D>, plan: &ExactPlan, options: &Options) -> Result<Run, Refusal> {
-        self.within(|| by_engine::audited::<R, Audited<R>, D>(&Job { problem, plan, options }))
+        self.within(|| by_engine::audited::<R, D>(&Job { problem, plan, options }))
     }
 
     fn record(
@@ -116,7 +116,7 @@ impl<R: Backend, const D: usize> Format<D> for Of<R> {
         options: &Options,
         most: usize,
     ) -> Result<RecordedRun, Refusal> {
-        by_engine::recorded(self.within(R::name), &Job { problem, plan, options }, most)
+        in_format_named(self.within(R::name), Recording { job: Job { problem, plan, options }, most })
     }
 
     fn constants(
@@ -125,7 +125,7 @@ impl<R: Backend, const D: usize> Format<D> for Of<R> {
         plan: &ExactPlan,
         options: &Options,
     ) -> Result<Constants, Refusal> {
-        self.within(|| Constants::of::<R, D>(&Job { problem, plan, options }))
+        in_format_named(self.within(R::name), Compiling { job: Job { problem, plan, options } })
     }
 
     fn c_files(
@@ -135,14 +135,56 @@ impl<R: Backend, const D: usize> Format<D> for Of<R> {
         options: &Options,
         request: &CRequest,
     ) -> Result<CFiles, Refusal> {
-        self.within(|| c_files::c_files::<R, D>(&Job { problem, plan, options }, request))
+        in_format_named(self.within(R::name), WritingC { job: Job { problem, plan, options }, request })
+    }
+}
+
+/// A plan to be made.
+struct Planning<'a, const D: usize> {
+    problem: &'a Problem<D>,
+    options: &'a Options,
+}
+
+impl<const D: usize> Work for Planning<'_, D> {
+    type Output = Result<ExactPlan, Refusal>;
+
+    fn in_backend<R: Backend>(self) -> Self::Output {
+        let Options { end_feeds_mm_per_s, profile, .. } = self.options;
+        ExactPlan::in_format_with::<R, D>(self.problem, *end_feeds_mm_per_s, *profile)
+    }
+}
+
+/// Constants to be written.
+struct Compiling<'a, const D: usize> {
+    job: Job<'a, D>,
+}
+
+impl<const D: usize> Work for Compiling<'_, D> {
+    type Output = Result<Constants, Refusal>;
+
+    fn in_backend<R: Backend>(self) -> Self::Output {
+        Constants::of::<R, D>(&self.job)
+    }
+}
+
+/// C files to be written.
+struct WritingC<'a, const D: usize> {
+    job: Job<'a, D>,
+    request: &'a CRequest,
+}
+
+impl<const D: usize> Work for WritingC<'_, D> {
+    type Output = Result<CFiles, Refusal>;
+
+    fn in_backend<R: Backend>(self) -> Self::Output {
+        c_files::c_files::<R, D>(&self.job, self.request)
     }
 }
 
 /// The spaces for which formats are compiled: the plane, `D = 2`, and space, `D = 3`.
 ///
-/// Both are compiled here, once, and not again in every crate that compares formats: for each format, that is the
-/// planner and two interpolators, plain and audited.
+/// Both are compiled here, once, and not again in every crate that compares formats: for each format, that is an
+/// interpolator, plain and audited.
 pub trait Dimension<const D: usize> {
     /// Every built-in format, narrow before wide, fixed point before float: the order of rising cost on an unknown
     /// target.
