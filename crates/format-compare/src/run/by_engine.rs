@@ -1,6 +1,7 @@
 //! A run by the chosen engine: audited, or recorded.
 
 use real::{Audit, Audited, Backend};
+use secant_interp::Method;
 
 use crate::refusal::Refusal;
 use crate::run::few_backends::{Work, in_format_named};
@@ -9,14 +10,32 @@ use crate::run::recorded_run::RecordedRun;
 use crate::run::run::{Run, own_step_mm};
 use crate::run::{on_global_parameter, on_pieces};
 
-/// Runs `problem` in the format `R`, and once more in the auditing form of the same format.
+/// Runs `problem` in the format `R`, and once more in the auditing form of the same format. Only the run on pieces is
+/// compiled for each format: it is what a controller runs, and most of the time that a comparison takes.
 pub(crate) fn audited<R: Backend, const D: usize>(job: &Job<'_, D>) -> Result<Run, Refusal> {
-    let mut run = once::<R, D>(job)?;
+    let mut run = match job.options.engine.method() {
+        Some(method) => in_format_named(R::name(), OnGlobalParameter { job, method }),
+        None => on_pieces::run::<R, D>(job),
+    }?;
     run.filament_step_mm = job.problem.filament_mm.filter(|farthest| *farthest > 0.0).map(own_step_mm::<R>);
     let (again, audit) = in_format_named(R::name(), Auditing { job });
     debug_assert!(again.is_ok_and(|again| again.steps == run.steps), "an audit changes no value");
     run.audit = audit;
     Ok(run)
+}
+
+/// A run on one curve's own parameter.
+struct OnGlobalParameter<'a, const D: usize> {
+    job: &'a Job<'a, D>,
+    method: Method,
+}
+
+impl<const D: usize> Work for OnGlobalParameter<'_, D> {
+    type Output = Result<Run, Refusal>;
+
+    fn in_backend<R: Backend>(self) -> Self::Output {
+        on_global_parameter::run::<R, D>(self.job, self.method)
+    }
 }
 
 /// A run whose overflows and ranges are recorded.
@@ -28,14 +47,10 @@ impl<const D: usize> Work for Auditing<'_, D> {
     type Output = (Result<Run, Refusal>, Audit);
 
     fn in_backend<R: Backend>(self) -> Self::Output {
-        Audit::of(|| once::<Audited<R>, D>(self.job))
-    }
-}
-
-fn once<R: Backend, const D: usize>(job: &Job<'_, D>) -> Result<Run, Refusal> {
-    match job.options.engine.method() {
-        Some(method) => on_global_parameter::run::<R, D>(job, method),
-        None => on_pieces::run::<R, D>(job),
+        Audit::of(|| match self.job.options.engine.method() {
+            Some(method) => on_global_parameter::run::<Audited<R>, D>(self.job, method),
+            None => on_pieces::run::<Audited<R>, D>(self.job),
+        })
     }
 }
 
