@@ -67,7 +67,6 @@ mod tests {
             ("feedbits compare --format f6", "f64"),
             ("feedbits sweep --formats I2", "I2F30"),
             ("feedbits servo --formats I2", "I2F30"),
-            ("feedbits soak --formats I2", "I2F30"),
             ("feedbits interpolate --format I1", "I16F16"),
             ("feedbits compile --format I1", "I16F16"),
             ("feedbits plan --plan-in sa", "same"),

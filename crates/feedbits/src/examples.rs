@@ -32,11 +32,6 @@ pub(crate) const PAPERS: &str = "Examples:
   feedbits papers --contour";
 pub(crate) const SMOOTH: &str = "Examples:
   feedbits smooth part.nc --machine mill.toml --tolerance 0.01 --out smooth.toml";
-pub(crate) const SOAK: &str = "Examples:
-  feedbits soak --periods 1M
-  feedbits soak --periods 100M --seed 7 --resume soak.json
-  feedbits soak --periods 5M --full-speed
-  feedbits soak --seed 7 --path 1234 --formats I4F28";
 pub(crate) const TARGETS: &str = "Examples:
   feedbits targets
   feedbits targets cortex-m4f

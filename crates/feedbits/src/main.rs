@@ -27,7 +27,6 @@ mod screen;
 mod servo;
 mod size;
 mod smooth;
-mod soak;
 mod sweep;
 mod sweep_file;
 mod targets;
@@ -89,9 +88,6 @@ enum Command {
     /// Smooth the corners of straight moves and arcs within a tolerance: corner by corner, and the time it saves.
     #[command(after_help = examples::SMOOTH)]
     Smooth(smooth::Arguments),
-    /// Run random paths in every format, and hold each step to its promises, until so many periods were made.
-    #[command(after_help = examples::SOAK)]
-    Soak(soak::Arguments),
     /// List the targets that a period is priced on, with every number's source.
     #[command(after_help = examples::TARGETS)]
     Targets(targets::Arguments),
@@ -136,7 +132,6 @@ fn main() -> ExitCode {
         Command::Servo(arguments) => servo::run(&arguments),
         Command::Papers(arguments) => papers::run(&arguments),
         Command::Smooth(arguments) => smooth::run(&arguments),
-        Command::Soak(arguments) => soak::run(&arguments),
         Command::Targets(arguments) => targets::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Convert(arguments) => convert::run(&arguments),

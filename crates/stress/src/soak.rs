@@ -55,8 +55,9 @@ impl SoakFormat {
     }
 }
 
-/// The formats that can be soaked: the built-in ones, and one that is chosen at run time.
-pub const SOAK_FORMATS: [SoakFormat; 11] = [
+/// The formats that can be soaked: the built-in ones, and one that is chosen at run time. They are a `static`, so that
+/// they are compiled here once, and not in every program that soaks.
+pub static SOAK_FORMATS: [SoakFormat; 11] = [
     SoakFormat::of::<f64>("f64"),
     SoakFormat::of::<f32>("f32"),
     SoakFormat::of::<I16F16>("I16F16"),

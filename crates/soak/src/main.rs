@@ -1,30 +1,29 @@
-//! `feedbits soak`: random paths in every format, until each format has made so many periods.
+//! `soak`: random paths in every format, until each format has made so many periods. Its status is 0 if every promise
+//! was kept, 1 if one was broken, and 2 if it could not run.
 
+use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail, ensure};
-use clap::Args;
-use clap_complete::ArgValueCandidates;
+use clap::Parser;
+use comfy_table::{CellAlignment, Table, presets};
 use format_compare::in_parallel;
+use indicatif::{ProgressBar, ProgressStyle};
 use serde::{Deserialize, Serialize};
 use stress::{SOAK_FORMATS, Soak, SoakFormat, SoakPaths, Soaked, soak_path};
 use time::OffsetDateTime;
 
-use crate::ending::Ending;
-use crate::formats::meant;
-use crate::progress::Progress;
-use crate::screen::{self, labelled};
-use crate::{candidates, files, output};
-
-/// Options of `soak`.
-#[derive(Args)]
-pub(crate) struct Arguments {
+/// Runs random paths in every format, and holds each step to its promises, until so many periods were made.
+#[derive(Parser)]
+#[command(version)]
+struct Arguments {
     /// Periods that each format is to make, as in 100M, 250k or 5000.
     #[arg(long, allow_negative_numbers = true, value_name = "N", default_value = "1M", value_parser = count)]
     periods: u64,
     /// The formats, comma-separated. Default: the ten built-in ones, and I5F21 as one chosen at run time.
-    #[arg(long, visible_alias = "format", value_delimiter = ',', value_parser = crate::formats::name, value_name = "F,F", add = ArgValueCandidates::new(candidates::formats))]
+    #[arg(long, visible_alias = "format", value_delimiter = ',', value_name = "F,F")]
     formats: Vec<String>,
     /// Which paths are drawn.
     #[arg(long, allow_negative_numbers = true, value_name = "N", default_value_t = 1)]
@@ -38,8 +37,9 @@ pub(crate) struct Arguments {
     /// Keep the state in this file, and go on from it if it is there.
     #[arg(long, value_name = "PATH")]
     resume: Option<PathBuf>,
-    #[command(flatten)]
-    output: output::Output,
+    /// JSON instead of a table.
+    #[arg(long)]
+    json: bool,
 }
 
 /// The state of a soak, with its date and duration.
@@ -62,8 +62,19 @@ const PATIENCE: u64 = 4096;
 /// Time between two states.
 const BETWEEN_STATES: Duration = Duration::from_secs(5);
 
-/// Runs until every format has made its periods.
-pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
+fn main() -> ExitCode {
+    match run(&Arguments::parse()) {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::from(1),
+        Err(error) => {
+            eprintln!("soak: {error:#}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// Runs until every format has made its periods. Returns whether every promise was kept.
+fn run(arguments: &Arguments) -> Result<bool> {
     let formats = selected(&arguments.formats)?;
     let paths = SoakPaths { seed: arguments.seed, full_speed: arguments.full_speed };
     let mut record = match &arguments.resume {
@@ -74,17 +85,19 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
         Some(path) => record.soak.add(soak_path(paths, path, &formats, |_| false)),
         None => soak(arguments, &formats, &mut record)?,
     }
-    let text = match arguments.output.json {
-        true => record.to_json()?,
-        false => record.to_text(arguments.path),
-    };
-    output::write(arguments.output.out.as_deref(), &text)?;
-    Ok(if record.soak.violations == 0 { Ending::Good } else { Ending::RequirementNotMet })
+    let text = if arguments.json { record.to_json()? } else { record.to_text(arguments.path) };
+    match std::io::stdout().lock().write_all(text.as_bytes()) {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
+            Err(error).context("cannot write to the terminal")
+        }
+        _ => Ok(record.soak.violations == 0),
+    }
 }
 
 fn soak(arguments: &Arguments, formats: &[SoakFormat], record: &mut Record) -> Result<()> {
-    let thousands = |periods: u64| usize::try_from(periods / 1000).unwrap_or(usize::MAX);
-    let progress = Progress::of("thousand periods in each format", thousands(arguments.periods));
+    let style = ProgressStyle::with_template("{bar:30} {pos}/{len} {msg}, {elapsed} (eta {eta})")?;
+    let progress =
+        ProgressBar::new(arguments.periods).with_style(style).with_message("periods in each format");
     let (started, before) = (Instant::now(), record.seconds);
     let mut written = started;
     while record.soak.least_periods() < arguments.periods {
@@ -100,15 +113,26 @@ fn soak(arguments: &Arguments, formats: &[SoakFormat], record: &mut Record) -> R
         if let Some(path) =
             arguments.resume.as_deref().filter(|_| is_over || written.elapsed() > BETWEEN_STATES)
         {
-            output::write(Some(path), &record.to_json()?)?;
+            write_whole(path, &record.to_json()?)
+                .with_context(|| format!("cannot write {}", path.display()))?;
             written = Instant::now();
         }
-        progress.start_at(thousands(record.soak.least_periods()));
+        progress.set_position(record.soak.least_periods());
         let hopeless = record.soak.formats.iter().find(|soaked| soaked.paths == 0);
         if let Some(soaked) = hopeless.filter(|_| record.soak.next_path >= PATIENCE) {
             bail!("{} has refused each of {} paths", soaked.format, record.soak.next_path);
         }
     }
+    progress.finish_and_clear();
+    Ok(())
+}
+
+/// Writes a file that appears whole, in place of what was there, or not at all.
+fn write_whole(path: &Path, text: &str) -> Result<()> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let mut file = tempfile::NamedTempFile::new_in(folder)?;
+    file.write_all(text.as_bytes())?;
+    file.persist(path)?;
     Ok(())
 }
 
@@ -118,8 +142,7 @@ fn selected(names: &[String]) -> Result<Vec<SoakFormat>> {
     }
     let mut selected: Vec<SoakFormat> = Vec::with_capacity(names.len());
     for name in names {
-        let name = &meant(name)?;
-        let found = SOAK_FORMATS.iter().find(|format| format.name() == name).copied();
+        let found = SOAK_FORMATS.iter().find(|format| format.name() == name.as_str()).copied();
         let format = found.with_context(|| {
             let known: Vec<_> = SOAK_FORMATS.iter().map(SoakFormat::name).collect();
             format!("{name:?} cannot be soaked; known are {}", known.join(", "))
@@ -134,8 +157,9 @@ fn selected(names: &[String]) -> Result<Vec<SoakFormat>> {
 /// The state that an earlier run has written.
 fn resumed(path: &Path, paths: SoakPaths, formats: &[SoakFormat]) -> Result<Record> {
     let name = path.display();
+    let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {name}"))?;
     let record: Record =
-        serde_json::from_str(&files::text(path)?).with_context(|| format!("{name} is no state of a soak"))?;
+        serde_json::from_str(&text).with_context(|| format!("{name} is no state of a soak"))?;
     let soak = &record.soak;
     let SoakPaths { seed, full_speed } = soak.paths;
     ensure!(seed == paths.seed, "{name} is the state of a soak with seed {seed}");
@@ -162,26 +186,22 @@ impl Record {
         let counted = &soak.counted;
         let paths = only.map_or_else(|| format!("{} paths", soak.next_path), |path| format!("path {path}"));
         let mut text = match soak.violations {
-            0 => screen::answer("Every promise of a step is kept."),
-            count => screen::answer(&format!("{count} times a step breaks a promise.")),
+            0 => "Every promise of a step is kept.\n\n".to_string(),
+            count => format!("{count} times a step breaks a promise.\n\n"),
         };
-        text += "\n";
         text += &self.table();
         if counted.operations > 0 {
-            text += &labelled(
-                "operations  ",
-                &format!(
-                    "{} at most in a step, {:.2} of the bound that the code's loops prove",
-                    counted.operations, counted.operations_share
-                ),
+            let share = counted.operations_share;
+            text += &format!(
+                "operations  {} at most in a step, {share:.2} of the bound that the code's loops prove\n",
+                counted.operations
             );
         }
         let speed = if soak.paths.full_speed { ", full speed" } else { "" };
         text += &format!("seed        {}{speed}, {paths}, {seconds:.0} s, {date}\n", soak.paths.seed);
         text += &format!("violations  {}\n", soak.violations);
         for violation in &soak.first_violations {
-            let path = format!("  path {}: ", only.unwrap_or(violation.path));
-            text += &labelled(&path, &violation.what.to_string());
+            text += &format!("  path {}: {}\n", only.unwrap_or(violation.path), violation.what);
         }
         text
     }
@@ -199,18 +219,22 @@ impl Record {
                 format!("{:.2}", worst.chord_error_share),
             ]
         };
-        screen::table(
-            &[
-                "format",
-                "periods",
-                "paths",
-                "refused",
-                "evaluations\nat most",
-                "chord off,\nof its bound",
-                "chord error,\nof its limit",
-            ],
-            self.soak.formats.iter().map(row).collect(),
-        )
+        let header = [
+            "format",
+            "periods",
+            "paths",
+            "refused",
+            "evaluations\nat most",
+            "chord off,\nof its bound",
+            "chord error,\nof its limit",
+        ];
+        let mut table = Table::new();
+        table.load_preset(presets::NOTHING).set_header(header);
+        table.add_rows(self.soak.formats.iter().map(row));
+        for column in table.column_iter_mut().skip(1) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+        table.trim_fmt() + "\n"
     }
 }
 
