@@ -1,5 +1,4 @@
 //! Runs side by side make the setpoints that they make one by one.
-#![cfg(feature = "lanes")]
 
 use nurbs_core::{NurbsBuf, PieceLimits, PiecesBuf, compile, generate};
 use proptest::prelude::*;

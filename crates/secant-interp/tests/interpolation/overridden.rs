@@ -1,7 +1,5 @@
 //! Runs with feed override land on the end of the path, and on every stop where sections are run one by one, within the jerk limit.
 
-mod landing_run;
-
 use feed_plan::{EndFeeds, FeedLimit, FeedPiece, KinematicLimits, ProfileKind, ScheduleBuf, plan_with};
 use nurbs_core::NurbsBuf;
 use proptest::prelude::*;
@@ -83,7 +81,7 @@ impl Job {
     /// are numbers of periods and rates, the last one for as long as it takes.
     fn jerk<R: Backend>(&self, targets: &[(usize, f64)]) -> (f64, String) {
         let curves: Vec<_> = self.curves.iter().map(NurbsBuf::as_curve).collect();
-        let path = landing_run::compiled::<R>(&curves, &self.plan, &self.machine);
+        let path = crate::landing_run::compiled::<R>(&curves, &self.plan, &self.machine);
         let mut rates = OverrideState::at(Rate::of(targets[0].1));
         let changes: Vec<usize> = targets
             .iter()
@@ -104,7 +102,7 @@ impl Job {
                 let Some(setpoint) = run.step_overridden(&mut state, &self.feeds, &mut rates) else { break };
                 let to = (setpoint.piece, setpoint.phase);
                 assert!(at <= to, "{} goes back from {at:?} to {to:?}", R::name());
-                let [a, b] = [at, to].map(|at| landing_run::point(&curves, places, at));
+                let [a, b] = [at, to].map(|at| crate::landing_run::point(&curves, places, at));
                 steps.push((b[0] - a[0]).hypot(b[1] - a[1]));
                 (at, period) = (to, period + 1);
                 assert!(steps.len() < 200_000, "{} does not end", R::name());

@@ -1,8 +1,6 @@
 //! A run over corners that are passed at a feed comes to rest at every stop by its plan: no step, and none of the seams at stops,
 //! takes more than the jerk limit.
 
-mod landing_run;
-
 use feed_plan::{EndFeeds, FeedLimit, Junction, KinematicLimits, ProfileKind, ScheduleBuf, plan_with};
 use nurbs_core::{Joint, NurbsBuf};
 use real::Real;
@@ -52,12 +50,12 @@ fn jerk(
     limits: &KinematicLimits<f64>,
 ) -> (f64, String) {
     let curves: Vec<_> = curves.iter().map(NurbsBuf::as_curve).collect();
-    let path = landing_run::compiled::<f64>(&curves, plan, limits);
+    let path = crate::landing_run::compiled::<f64>(&curves, plan, limits);
     let unit = 1.0_f64.ldexp(path.table().as_pieces().chord_exponent);
     let mut worst = (0.0_f64, String::new());
     for (number, (section, run)) in path.sections().iter().zip(path.runs()).enumerate() {
         let places = &path.table().places()[section.pieces.clone()];
-        let point = |at: (usize, u64)| landing_run::point(&curves, places, at);
+        let point = |at: (usize, u64)| crate::landing_run::point(&curves, places, at);
         let (mut state, mut piece, mut from, mut steps) = (run.start(), 0, point((0, 0)), vec![0.0, 0.0]);
         while let Some(setpoint) = run.step(&mut state) {
             let to = point((setpoint.piece, setpoint.phase));

@@ -1,9 +1,7 @@
 //! Paths at the edge of what a curve may be: each runs to its end in every format, or is refused with a reason.
 
-mod path_run;
-
+use crate::path_run::{Figures, Path, Settings, compiled, run};
 use nurbs_core::{CompileError, NurbsBuf};
-use path_run::{Figures, Path, Settings, compiled, run};
 use real::{Audit, Audited, Backend, I3F29, I4F28, I4F60, I8F24, I16F48};
 
 fn clamped(degree: usize, inner: &[f64]) -> Vec<f64> {

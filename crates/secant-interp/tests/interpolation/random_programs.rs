@@ -2,8 +2,6 @@
 //! its plan from stop to stop, lands on each stop within a landing step, cuts no corner by more than is allowed, and no period
 //! depends on what lies before its section. Formats of 16 bits are held to less.
 
-mod landing_run;
-
 use feed_plan::{EndFeeds, FeedLimit, Junction, KinematicLimits, ProfileKind, ScheduleBuf, plan_with};
 use nurbs_core::{Joint, NurbsBuf, distance_to_segment};
 use proptest::prelude::*;
@@ -78,7 +76,7 @@ fn sections<R: Backend>(
     limits: &KinematicLimits<f64>,
 ) -> Vec<Vec<[f64; 2]>> {
     let curves: Vec<_> = program.curves.iter().map(NurbsBuf::as_curve).collect();
-    let path = landing_run::compiled::<R>(&curves, plan, limits);
+    let path = crate::landing_run::compiled::<R>(&curves, plan, limits);
     let unit = 1.0_f64.ldexp(path.table().as_pieces().chord_exponent);
     let Junction::Deviation(deviation) = limits.junction else { unreachable!() };
     let cut_most = CUT * limits.chord_error.max(deviation);
@@ -87,7 +85,7 @@ fn sections<R: Backend>(
     let mut found = Vec::new();
     for (number, (section, run)) in path.sections().iter().zip(path.runs()).enumerate() {
         let places = &path.table().places()[section.pieces.clone()];
-        let point = |at: (usize, u64)| landing_run::point(&curves, places, at);
+        let point = |at: (usize, u64)| crate::landing_run::point(&curves, places, at);
         let (mut state, mut piece, mut from, mut points) = (run.start(), 0, point((0, 0)), Vec::new());
         let mut off = 0.0;
         while let Some(setpoint) = run.step(&mut state) {

@@ -1,9 +1,7 @@
 //! Random paths on compiled pieces, in every kind of format and under audit.
 
-mod path_run;
-
+use crate::path_run::{Path, Settings, run};
 use nurbs_core::{CompileError, NurbsBuf, generate};
-use path_run::{Path, Settings, run};
 use proptest::prelude::*;
 use real::{Audit, Audited, Backend, FormatName, I3F29, I4F28, I4F60, I8F24, I16F48, Real};
 

@@ -1,9 +1,7 @@
 //! What runs on compiled pieces reach, in every kind of format.
 
-mod path_run;
-
+use crate::path_run::{Figures, Path, Settings, compiled, interpolator, run, swing};
 use nurbs_core::{NurbsBuf, PiecesBuf, golden};
-use path_run::{Figures, Path, Settings, compiled, interpolator, run, swing};
 use real::{Backend, Counted, I3F29, I4F28, I4F60, I8F24, I16F48, Real};
 use secant_interp::{FeedOverride, OverrideLimits, OverrideState, PieceInterpolator, PieceSetpoint, Rate};
 
