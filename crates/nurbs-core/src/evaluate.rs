@@ -27,6 +27,13 @@ pub trait Differentiate<R: Real, const D: usize>: Evaluate<R, D> {
     /// Point and derivatives at `u` of the function that describes span `span`. At the span's own ends the derivatives
     /// are one-sided.
     fn derivatives_in(&self, span: usize, u: R) -> Derivatives<R, D>;
+
+    /// Whether span `span` is known to be a straight line with `C'` constant. Without knowledge of the curve's form:
+    /// `false`.
+    fn is_line(&self, span: usize) -> bool {
+        let _ = span;
+        false
+    }
 }
 
 /// `C(u)`, `C'(u)` and `C''(u)`.

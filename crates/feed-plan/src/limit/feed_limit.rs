@@ -100,11 +100,12 @@ impl<R: Real> FeedLimit<R> {
     }
 
     fn scanned<const D: usize, C: Differentiate<R, D>>(
-        mut scan: Scan<'_, R, D>,
+        scan: Scan<'_, R, D>,
         curves: &[C],
         limits: &KinematicLimits<R>,
         stops: &[usize],
     ) -> Result<Self, PlanError> {
+        let mut scan = scan.leaping_along_lines();
         for (index, curve) in curves.iter().enumerate() {
             scan.pass(index, curve, stops.binary_search(&index).is_ok())?;
         }

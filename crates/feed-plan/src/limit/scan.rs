@@ -49,6 +49,11 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
         Self { sampling: self.sampling.without_reserves(), ..self }
     }
 
+    /// This scan with few samples along long straight lines.
+    pub(crate) fn leaping_along_lines(self) -> Self {
+        Self { sampling: self.sampling.leaping_along_lines(), ..self }
+    }
+
     /// Samples one curve. It begins at rest if `from_rest`, whatever the directions.
     pub(crate) fn pass<C: Differentiate<R, D>>(
         &mut self,

@@ -21,6 +21,11 @@ const FINEST: [i32; 2] = [-20, -14];
 const FINE_TRIALS: usize = 1 << 12;
 /// Stretches tried in a span, including those refused. After so many, the rest of the span becomes one stretch.
 const TRIALS: usize = 1 << 16;
+/// A long straight line has stretches of one period at full feed for 2⁴ periods from each end, as far as a chord over a
+/// break, or a plan beside a stop, looks at its limit. What is between them is one stretch. A line is long if it has
+/// 2⁶ such stretches.
+const PERIODS_AT_ENDS: usize = 1 << 4;
+const LONG_LINE: i32 = 6;
 /// A stretch over which `V²` leaves the straight line by more than 2⁻⁸ of itself is halved.
 const STRAIGHTNESS: i32 = -8;
 /// Steps of a golden-section search: 0.618²⁴ = 10⁻⁵ of two stretches. A limit is flat at its minimum, so that
@@ -97,6 +102,8 @@ pub(crate) struct Sampling<'l, R> {
     longest: R,
     /// The radius below which the chord error limits the feed.
     chord_bound_radius: R,
+    /// Whether the middle of a long line is one stretch.
+    leaps_along_lines: bool,
 }
 
 impl<'l, R: Real> Sampling<'l, R> {
@@ -107,7 +114,13 @@ impl<'l, R: Real> Sampling<'l, R> {
             rule: GaussLegendre::new(),
             longest: limits.feedrate * limits.interpolation_period,
             chord_bound_radius: limits.chord_bound_radius(),
+            leaps_along_lines: false,
         }
+    }
+
+    /// With the middle of a long straight line as one stretch, for who sees the whole path at once.
+    pub(crate) fn leaping_along_lines(self) -> Self {
+        Self { leaps_along_lines: true, ..self }
     }
 
     /// Without what the accelerations and jerks of the axes ask for.
@@ -126,7 +139,7 @@ pub(crate) struct Span<'a, R, C, const D: usize> {
 impl<R: Real, C: Differentiate<R, D>, const D: usize> Span<'_, R, C, D> {
     /// Samples from one end of the span to the other, with the limit at each and on the stretch that leads to it.
     pub(crate) fn stations(&self) -> Vec<Station<R, D>> {
-        let mut stations = self.walk();
+        let mut stations = self.along_line().unwrap_or_else(|| self.walk());
         self.locate_extremes(&mut stations);
         self.rest_in_bends(&mut stations);
         // The geometry alone decides where a stop is. Where only an axis's jerk asks for a very low feed, the plan does
@@ -134,6 +147,33 @@ impl<R: Real, C: Differentiate<R, D>, const D: usize> Span<'_, R, C, D> {
         self.limit_by_jerk(&mut stations);
         self.keep_moving(&mut stations);
         stations
+    }
+
+    /// Samples near both ends of a span that is a long straight line, where the limit is the same all the way.
+    fn along_line(&self) -> Option<Vec<Station<R, D>>> {
+        if !(self.sampling.leaps_along_lines && self.shape.is_line(self.index)) {
+            return None;
+        }
+        let (begin, end) = self.shape.span_bounds(self.index);
+        let first = self.sample(begin);
+        let step = self.sampling.longest / first.speed;
+        let is_long = end - begin > step.ldexp(LONG_LINE) && step > R::resolution().ldexp(3);
+        if !is_long {
+            return None;
+        }
+        let mut places = [begin, end];
+        let mut stations = Vec::from([Station { at: first, stretch: None }]);
+        let mut from_end = Vec::from([self.sample(end)]);
+        for _ in 0..PERIODS_AT_ENDS {
+            places = [places[0] + step, places[1] - step];
+            stations.push(Station { at: self.sample(places[0]), stretch: None });
+            from_end.push(self.sample(places[1]));
+        }
+        stations.extend(from_end.into_iter().rev().map(|at| Station { at, stretch: None }));
+        for i in 1..stations.len() {
+            stations[i].stretch = Some(self.measure(&stations[i - 1].at, &stations[i].at));
+        }
+        Some(stations)
     }
 
     /// Samples from one end of the span to the other, close enough to each other.

@@ -39,6 +39,10 @@ impl<R: Real, const D: usize> Differentiate<R, D> for NurbsCurve<'_, R, D> {
     fn derivatives_in(&self, span: usize, u: R) -> Derivatives<R, D> {
         self.derivatives_at(self.knots.span_index(span), u)
     }
+
+    fn is_line(&self, _: usize) -> bool {
+        self.degree() == 1 && self.weights.is_none()
+    }
 }
 
 impl<R: Real, const D: usize> NurbsCurve<'_, R, D> {

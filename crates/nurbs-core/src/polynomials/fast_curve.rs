@@ -74,6 +74,10 @@ impl<const D: usize> Differentiate<f64, D> for FastCurve<'_, D> {
     fn derivatives_in(&self, span: usize, u: f64) -> Derivatives<f64, D> {
         on_form!(self, curve => curve.derivatives_in(span, u))
     }
+
+    fn is_line(&self, span: usize) -> bool {
+        on_form!(self, curve => curve.is_line(span))
+    }
 }
 
 #[cfg(test)]

@@ -361,6 +361,11 @@ impl<const D: usize> Differentiate<f64, D> for PowerCurve<D> {
     fn derivatives_in(&self, span: usize, u: f64) -> Derivatives<f64, D> {
         self.span(span.min(self.count - 1)).map_or_else(Derivatives::default, |span| span.derivatives(u))
     }
+
+    fn is_line(&self, _: usize) -> bool {
+        // Two rows and no weight.
+        self.degree == 1 && self.stride == 2 + 2 * D
+    }
 }
 
 /// Evaluates one curve at many parameters. It looks a span up only where neither the span before nor the next one holds

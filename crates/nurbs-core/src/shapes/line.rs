@@ -103,6 +103,10 @@ impl<R: Real, const D: usize> Differentiate<R, D> for Line<R, D> {
     fn derivatives_in(&self, _: usize, u: R) -> Derivatives<R, D> {
         self.derivatives(u)
     }
+
+    fn is_line(&self, _: usize) -> bool {
+        true
+    }
 }
 
 /// The u at which the straight line from A to B is nearest to P: `(P - A)·(B - A)/|B - A|²`, cut off to [0, 1]; 0 where

@@ -76,6 +76,10 @@ impl<R: Real, const D: usize> Differentiate<R, D> for PathCurve<R, D> {
     fn derivatives_in(&self, span: usize, u: R) -> Derivatives<R, D> {
         on_curve!(self, curve => curve.derivatives_in(span, u))
     }
+
+    fn is_line(&self, span: usize) -> bool {
+        on_curve!(self, curve => curve.is_line(span))
+    }
 }
 
 impl<R, const D: usize> From<NurbsBuf<R, D>> for PathCurve<R, D> {
