@@ -25,8 +25,6 @@ pub struct Audit {
     pub signals: BTreeMap<&'static str, SignalRange>,
     /// How large the values of each named signal were, by powers of two.
     pub histograms: BTreeMap<&'static str, Histogram>,
-    /// Overflows and underflows that have already been counted for a signal.
-    charged: (u64, u64),
 }
 
 /// The values that a named signal took.
@@ -79,7 +77,30 @@ impl Default for SignalRange {
 }
 
 thread_local! {
-    static AUDIT: RefCell<Audit> = RefCell::default();
+    static RECORD: RefCell<Record> = RefCell::default();
+}
+
+/// The audit of this thread while it is made.
+#[derive(Debug, Default)]
+struct Record {
+    overflows: u64,
+    underflows: u64,
+    divisions_by_zero: u64,
+    /// In the order in which they were first named. A step names the same signals in the same order again and again, so
+    /// that the next one is found behind the last one.
+    signals: Vec<Signal>,
+    /// Where the signal was that was named last.
+    last: usize,
+    /// Overflows and underflows that have already been counted for a signal.
+    charged: (u64, u64),
+}
+
+/// A named signal.
+#[derive(Debug)]
+struct Signal {
+    name: &'static str,
+    range: SignalRange,
+    histogram: Histogram,
 }
 
 impl Audit {
@@ -87,9 +108,9 @@ impl Audit {
     ///
     /// An inner call keeps a record of its own, which the outer call does not see.
     pub fn of<T>(work: impl FnOnce() -> T) -> (T, Audit) {
-        let outer = AUDIT.with(RefCell::take);
+        let outer = RECORD.with(RefCell::take);
         let result = work();
-        (result, AUDIT.with(|audit| audit.replace(outer)))
+        (result, RECORD.with(|record| record.replace(outer)).finished())
     }
 
     /// Integer bits, the sign included, that the signal with the largest values needs; 1 if no signal was recorded.
@@ -108,24 +129,54 @@ impl Audit {
 
     /// Notes the distance of a signal from its shadow.
     pub(crate) fn note_error(name: &'static str, error: f64) {
-        Self::note(|audit| {
-            let largest = &mut audit.signals.entry(name).or_default().max_error;
+        note(|record| {
+            let largest = &mut record.signal(name).range.max_error;
             *largest = Some(largest.map_or(error, |largest| largest.max(error)));
         });
     }
+}
 
-    fn note(change: impl FnOnce(&mut Audit)) {
-        AUDIT.with(|audit| change(&mut audit.borrow_mut()));
-    }
+fn note(change: impl FnOnce(&mut Record)) {
+    RECORD.with(|record| change(&mut record.borrow_mut()));
+}
 
+impl Record {
     fn include(&mut self, name: &'static str, (high, low): (f64, f64)) {
-        let range = self.signals.entry(name).or_default();
+        let (overflows, underflows) = (self.overflows - self.charged.0, self.underflows - self.charged.1);
+        self.charged = (self.overflows, self.underflows);
+        let Signal { range, histogram, .. } = self.signal(name);
         // Rounding to `high` went away from zero if `low` points back.
         range.include(if low != 0.0 && (low < 0.0) != (high < 0.0) { toward_zero(high) } else { high });
-        range.overflows += self.overflows - self.charged.0;
-        range.underflows += self.underflows - self.charged.1;
-        self.charged = (self.overflows, self.underflows);
-        self.histograms.entry(name).or_default().include((high, low));
+        range.overflows += overflows;
+        range.underflows += underflows;
+        histogram.include((high, low));
+    }
+
+    /// The signal of this name.
+    fn signal(&mut self, name: &'static str) -> &mut Signal {
+        let (before, behind) = self.signals.split_at(self.signals.len().min(self.last + 1));
+        let is_named = |signal: &Signal| signal.name == name;
+        let onward = behind.iter().position(is_named).map(|at| before.len() + at);
+        let index = onward.or_else(|| before.iter().position(is_named)).unwrap_or(self.signals.len());
+        if index == self.signals.len() {
+            let (range, histogram) = (SignalRange::default(), Histogram::default());
+            self.signals.push(Signal { name, range, histogram });
+        }
+        self.last = index;
+        &mut self.signals[index]
+    }
+
+    fn finished(self) -> Audit {
+        let Self { overflows, underflows, divisions_by_zero, signals, .. } = self;
+        let mut audit = Audit { overflows, underflows, divisions_by_zero, ..Audit::default() };
+        for Signal { name, range, histogram } in signals {
+            audit.signals.insert(name, range);
+            // A signal of which only errors were noted has no values.
+            if range.count > 0 {
+                audit.histograms.insert(name, histogram);
+            }
+        }
+        audit
     }
 }
 
@@ -225,8 +276,8 @@ impl Fate {
     fn note(self) {
         match self {
             Self::Rounded => {}
-            Self::Vanished => Audit::note(|audit| audit.underflows += 1),
-            Self::Overflowed => Audit::note(|audit| audit.overflows += 1),
+            Self::Vanished => note(|record| record.underflows += 1),
+            Self::Overflowed => note(|record| record.overflows += 1),
         }
     }
 }
@@ -241,15 +292,9 @@ fn fraction_bits<R: Backend>() -> Option<u32> {
     }
 }
 
-/// A number in units of `2^-fraction_bits`, of which it has at most 64 bits.
-#[allow(clippy::cast_possible_truncation, reason = "both parts are integers of 64 bits")]
-fn units<R: Backend>(number: R, fraction_bits: u32) -> i128 {
-    let (high, low) = number.to_f64_pair();
-    let units = |part: f64| part.ldexp(fraction_bits.cast_signed());
-    let (high, low) = (units(high), units(low) as i64);
-    // Of all words only the greatest ones round up to 2^63, where the cast saturates at 2^63 - 1.
-    let beyond = i128::from(high >= 9_223_372_036_854_775_808.0);
-    i128::from(high as i64) + beyond + i128::from(low)
+/// A number of a backend in fixed point, in units of its resolution.
+fn units<R: Backend>(number: R) -> i128 {
+    number.word().unwrap_or(0).into()
 }
 
 /// A backend under audit: computes exactly as `R` does, and counts in the [`Audit`] of its thread.
@@ -269,13 +314,13 @@ impl<R: Backend> Wrapper for Audited<R> {
 
     fn observe(operation: Operation, operands: &[Self], result: R) -> Self {
         if operation == Operation::Div && operands[1].0.is_zero() {
-            Audit::note(|audit| audit.divisions_by_zero += 1);
+            note(|record| record.divisions_by_zero += 1);
         } else if let Some(fraction_bits) = fraction_bits::<R>() {
             with_each(
                 operands,
-                |x| units(x.0, fraction_bits),
+                |x| units(x.0),
                 |x| {
-                    Fate::in_fixed_point(operation, x, units(result, fraction_bits), fraction_bits).note();
+                    Fate::in_fixed_point(operation, x, units(result), fraction_bits).note();
                 },
             );
         } else {
@@ -286,10 +331,10 @@ impl<R: Backend> Wrapper for Audited<R> {
 
     fn ratio(numerator: i32, denominator: i32, result: R) -> Self {
         if denominator == 0 {
-            Audit::note(|audit| audit.divisions_by_zero += 1);
+            note(|record| record.divisions_by_zero += 1);
         } else if let Some(fraction_bits) = fraction_bits::<R>() {
             let x = [numerator.into(), denominator.into()];
-            Fate::in_fixed_point(Operation::Div, &x, units(result, fraction_bits), fraction_bits).note();
+            Fate::in_fixed_point(Operation::Div, &x, units(result), fraction_bits).note();
         }
         Self(result)
     }
@@ -298,7 +343,7 @@ impl<R: Backend> Wrapper for Audited<R> {
         if let Some(fraction_bits) = fraction_bits::<R>() {
             // In units: phase · 2^(exponent - 64 + f), of which the integer part has 126 bits at most.
             let shift = exponent.clamp(-64, 64) - 64 + fraction_bits.cast_signed();
-            let (phase, result) = (i128::from(phase), units(result, fraction_bits));
+            let (phase, result) = (i128::from(phase), units(result));
             if shift < 0 {
                 Fate::of(result, phase, 1 << shift.unsigned_abs().min(100)).note();
             } else {
@@ -309,7 +354,7 @@ impl<R: Backend> Wrapper for Audited<R> {
     }
 
     fn named(self, name: &'static str) -> Self {
-        Audit::note(|audit| audit.include(name, self.0.to_f64_pair()));
+        note(|record| record.include(name, self.0.to_f64_pair()));
         Self(self.0.signal(name))
     }
 }

@@ -274,6 +274,11 @@ where
         let exponent = -F::FRAC_NBITS.cast_signed();
         (high.ldexp(exponent), low.ldexp(exponent))
     }
+
+    #[inline]
+    fn word(self) -> Option<i64> {
+        Some(self.0.to_bits().widened())
+    }
 }
 
 #[cfg(test)]

@@ -176,4 +176,9 @@ pub trait Backend: Real {
     fn to_f64(self) -> f64 {
         self.to_f64_pair().0
     }
+
+    /// In fixed point the integer that stands for this number, which is `word · 2^-fraction_bits`; `None` for a float.
+    fn word(self) -> Option<i64> {
+        None
+    }
 }

@@ -419,6 +419,10 @@ impl<const SLOT: usize> Backend for RuntimeFixed<SLOT> {
         let exponent = -Self::format().fraction_bits.cast_signed();
         (high.ldexp(exponent), low.ldexp(exponent))
     }
+
+    fn word(self) -> Option<i64> {
+        Some(self.0)
+    }
 }
 
 #[cfg(test)]

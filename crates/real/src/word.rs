@@ -28,6 +28,9 @@ pub trait Word:
     /// The exact value as a sum of two floats.
     fn split(self) -> (f64, f64);
 
+    /// The word as a wider integer.
+    fn widened(self) -> i64;
+
     /// The word nearest to `numerator · 2^fraction_bits / denominator`, ties away from zero; saturates. Over
     /// zero, the extreme with the sign of the numerator; `0/0` is 0.
     fn ratio(numerator: i32, denominator: i32, fraction_bits: u32) -> Self;
@@ -55,6 +58,11 @@ macro_rules! word {
         )]
         impl Word for $word {
             type Wide = $wide;
+
+            #[inline]
+            fn widened(self) -> i64 {
+                self as i64
+            }
 
             #[inline]
             fn quotient(self, divisor: $word, fraction_bits: u32) -> $word {
