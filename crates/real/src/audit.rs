@@ -155,7 +155,7 @@ impl Record {
     /// The signal of this name.
     fn signal(&mut self, name: &'static str) -> &mut Signal {
         let (before, behind) = self.signals.split_at(self.signals.len().min(self.last + 1));
-        let is_named = |signal: &Signal| signal.name == name;
+        let is_named = |signal: &Signal| std::ptr::eq(signal.name, name) || signal.name == name;
         let onward = behind.iter().position(is_named).map(|at| before.len() + at);
         let index = onward.or_else(|| before.iter().position(is_named)).unwrap_or(self.signals.len());
         if index == self.signals.len() {

@@ -1,14 +1,15 @@
 //! How large the values of a signal were, by powers of two: which bits of a format they use.
 
-use std::collections::BTreeMap;
-
 /// Counts of values by the position of their leading bit.
 ///
 /// Bin e counts the values with `2^e ≤ |v| < 2^(e+1)`. In a format of i integer and f fraction bits, bins from i - 1 on
 /// are beyond the range and bins below -f beneath the resolution. Zeros have no bin.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Histogram {
-    bins: BTreeMap<i32, u64>,
+    /// The exponent of the first count.
+    first: i32,
+    /// The counts of neighbouring bins; the first and the last are not zero.
+    counts: Vec<u64>,
 }
 
 impl Histogram {
@@ -18,19 +19,36 @@ impl Histogram {
             // Rounding to `high` may have gone up to a power of two that the value does not reach.
             let above =
                 low != 0.0 && (low < 0.0) != (high < 0.0) && high.abs().to_bits().trailing_zeros() >= 52;
-            *self.bins.entry(exponent(high) - i32::from(above)).or_default() += 1;
+            *self.bin(exponent(high) - i32::from(above)) += 1;
         }
+    }
+
+    /// The count of a bin that is about to be raised.
+    fn bin(&mut self, exponent: i32) -> &mut u64 {
+        if self.counts.is_empty() {
+            self.first = exponent;
+        }
+        if let Ok(below @ 1..) = usize::try_from(self.first - exponent) {
+            self.counts.splice(..0, std::iter::repeat_n(0, below));
+            self.first = exponent;
+        }
+        let index = usize::try_from(exponent - self.first).unwrap_or(0);
+        if index >= self.counts.len() {
+            self.counts.resize(index + 1, 0);
+        }
+        &mut self.counts[index]
     }
 
     /// How many values had the leading bit at `2^exponent`.
     #[must_use]
     pub fn count(&self, exponent: i32) -> u64 {
-        self.bins.get(&exponent).copied().unwrap_or(0)
+        let index = exponent.checked_sub(self.first).and_then(|index| usize::try_from(index).ok());
+        index.and_then(|index| self.counts.get(index)).copied().unwrap_or(0)
     }
 
     /// The bins that are not empty, `(exponent, count)`, from small to large.
-    pub fn bins(&self) -> impl DoubleEndedIterator<Item = (i32, u64)> {
-        self.bins.iter().map(|(exponent, count)| (*exponent, *count))
+    pub fn bins(&self) -> impl Iterator<Item = (i32, u64)> {
+        (self.first..).zip(self.counts.iter().copied()).filter(|(_, count)| *count > 0)
     }
 }
 
@@ -81,6 +99,19 @@ mod tests {
     }
 
     proptest! {
+        #[test]
+        fn values_in_any_order_are_counted(exponents in prop::collection::vec(-70..70_i32, 0..50)) {
+            let (mut histogram, mut expected) = (Histogram::default(), std::collections::BTreeMap::new());
+            for exponent in exponents {
+                histogram.include((-2.0_f64.powi(exponent), 0.0));
+                *expected.entry(exponent).or_insert(0) += 1;
+            }
+            for exponent in -71..71 {
+                prop_assert_eq!(histogram.count(exponent), expected.get(&exponent).copied().unwrap_or(0));
+            }
+            prop_assert!(histogram.bins().eq(expected));
+        }
+
         #[test]
         fn a_bin_holds_its_values(x in prop::num::f64::NORMAL) {
             let (e, _) = bin((x, 0.0))[0];
