@@ -18,9 +18,7 @@ pub(crate) fn audited<R: Backend, const D: usize>(job: &Job<'_, D>) -> Result<Ru
         None => on_pieces::run::<R, D>(job),
     }?;
     run.filament_step_mm = job.problem.filament_mm.filter(|farthest| *farthest > 0.0).map(own_step_mm::<R>);
-    let (again, audit) = in_format_named(R::name(), Auditing { job });
-    debug_assert!(again.is_ok_and(|again| again.steps == run.steps), "an audit changes no value");
-    run.audit = audit;
+    run.audit = in_format_named(R::name(), Auditing { job })?;
     Ok(run)
 }
 
@@ -38,19 +36,20 @@ impl<const D: usize> Work for OnGlobalParameter<'_, D> {
     }
 }
 
-/// A run whose overflows and ranges are recorded.
+/// A run whose overflows and ranges are recorded, and nothing else of it.
 struct Auditing<'a, const D: usize> {
     job: &'a Job<'a, D>,
 }
 
 impl<const D: usize> Work for Auditing<'_, D> {
-    type Output = (Result<Run, Refusal>, Audit);
+    type Output = Result<Audit, Refusal>;
 
     fn in_backend<R: Backend>(self) -> Self::Output {
-        Audit::of(|| match self.job.options.engine.method() {
-            Some(method) => on_global_parameter::run::<Audited<R>, D>(self.job, method),
-            None => on_pieces::run::<Audited<R>, D>(self.job),
-        })
+        let (run, audit) = Audit::of(|| match self.job.options.engine.method() {
+            Some(method) => on_global_parameter::run::<Audited<R>, D>(self.job, method).map(drop),
+            None => on_pieces::step_through::<Audited<R>, D>(self.job),
+        });
+        run.map(|()| audit)
     }
 }
 
@@ -67,6 +66,38 @@ impl<const D: usize> Work for Recording<'_, D> {
         match self.job.options.engine.method() {
             Some(method) => on_global_parameter::record::<R, D>(&self.job, method, self.most),
             None => on_pieces::record::<R, D>(&self.job, self.most),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::examples::{EXAMPLE, on_example_machine};
+    use crate::run::formats::formats;
+    use crate::run::options::Options;
+
+    /// The audit is of the run that is judged: audited numbers make the same steps, and the run-time format makes those
+    /// of the format that it stands for.
+    #[test]
+    fn an_audit_changes_no_step() {
+        struct Steps<'a>(&'a Job<'a, 2>);
+        impl Work for Steps<'_> {
+            type Output = Vec<crate::run::run::RunStep>;
+            fn in_backend<R: Backend>(self) -> Self::Output {
+                on_pieces::run::<Audited<R>, 2>(self.0).unwrap().steps
+            }
+        }
+        let problem = on_example_machine::<2>(EXAMPLE, "");
+        let options = Options::default();
+        for format in formats::<2>() {
+            let plan = format.plan(&problem, &options).unwrap();
+            let Ok(run) = format.run(&problem, &plan, &options) else { continue };
+            let again = in_format_named(
+                format.name(),
+                Steps(&Job { problem: &problem, plan: &plan, options: &options }),
+            );
+            assert!(run.steps == again && run.steps.len() > 100, "{}", format.name());
         }
     }
 }

@@ -23,18 +23,31 @@ const LANDING: usize = 256;
 /// Compiles path and plan for `R` and runs, landing on each stop on the way.
 pub(crate) fn run<R: Backend, const D: usize>(job: &Job<'_, D>) -> Result<Run, Refusal> {
     let path = compiled::<R, D>(job)?;
-    let mut drive = Drive::new(job.problem, path.table(), job.plan.periods());
+    Ok(driven(job, &path, true))
+}
+
+/// Makes the same steps as [`run`] and keeps none of them.
+pub(crate) fn step_through<R: Backend, const D: usize>(job: &Job<'_, D>) -> Result<(), Refusal> {
+    let path = compiled::<R, D>(job)?;
+    driven(job, &path, false);
+    Ok(())
+}
+
+/// Runs a compiled path. Unless `keeps_steps`, the result has no steps.
+fn driven<R: Backend, const D: usize>(job: &Job<'_, D>, path: &CompiledPath<R, D>, keeps_steps: bool) -> Run {
+    let mut drive = Drive::new(job.problem, path.table(), job.plan.periods(), keeps_steps);
     if let Some(commands) = &job.options.overrides {
-        run_overridden(&path, commands, &mut drive);
-        return Ok(drive.finish());
+        run_overridden(path, commands, &mut drive);
+        return drive.finish();
     }
     let mut lengths = job.plan.lengths();
     for (section, interpolator) in path.sections().iter().zip(path.runs()) {
         let mut state = interpolator.start();
-        let planned: Vec<_> = lengths.by_ref().take(interpolator.lengths.periods()).collect();
-        drive.run(section.pieces.clone(), planned, |_| interpolator.step(&mut state));
+        let mut planned = lengths.by_ref().take(interpolator.lengths.periods());
+        drive.run(section.pieces.clone(), &mut planned, |_| interpolator.step(&mut state));
+        planned.for_each(drop);
     }
-    Ok(drive.finish())
+    drive.finish()
 }
 
 /// Runs the path with the plan's time stretched by the overrides. The rate is carried over from section to section.
@@ -102,20 +115,29 @@ struct Drive<'a, R, const D: usize> {
     table: &'a PiecesBuf<R, D>,
     planned_periods: u32,
     most_periods: usize,
-    steps: Vec<RunStep>,
+    /// The periods so far.
+    periods: usize,
+    /// The steps of all of them; `None` if they are not kept.
+    steps: Option<Vec<RunStep>>,
     /// The largest coordinate of an offset, in the table's units.
     farthest: f64,
     finished: bool,
 }
 
 impl<'a, R: Backend, const D: usize> Drive<'a, R, D> {
-    fn new(problem: &'a Problem<D>, table: &'a PiecesBuf<R, D>, planned_periods: u32) -> Self {
+    fn new(
+        problem: &'a Problem<D>,
+        table: &'a PiecesBuf<R, D>,
+        planned_periods: u32,
+        keeps_steps: bool,
+    ) -> Self {
         Self {
             problem,
             table,
             planned_periods,
             most_periods: most_periods(planned_periods),
-            steps: Vec::with_capacity(planned_periods as usize + 1),
+            periods: 0,
+            steps: keeps_steps.then(|| Vec::with_capacity(planned_periods as usize + 1)),
             farthest: 0.0,
             finished: true,
         }
@@ -133,13 +155,15 @@ impl<'a, R: Backend, const D: usize> Drive<'a, R, D> {
         let places = self.table.places().get(pieces.clone()).unwrap_or_default();
         let pieces = self.table.as_pieces().part(pieces);
         while self.finished {
-            self.finished = self.steps.len() < self.most_periods;
-            let Some(setpoint) = step(self.steps.len()) else { break };
+            self.finished = self.periods < self.most_periods;
+            let Some(setpoint) = step(self.periods) else { break };
+            self.periods += 1;
+            let Some(steps) = &mut self.steps else { continue };
             let length = exact(setpoint.length).ldexp(-pieces.chord_exponent);
             let (wanted, feed) = planned.next().unwrap_or((length, length.value()));
             let (curve, u) = parameter(places, &setpoint);
             self.farthest = setpoint.offset.iter().fold(self.farthest, |most, x| most.max(x.to_f64().abs()));
-            self.steps.push(RunStep {
+            steps.push(RunStep {
                 curve,
                 u,
                 point_mm: point_mm(&pieces, &setpoint),
@@ -155,7 +179,7 @@ impl<'a, R: Backend, const D: usize> Drive<'a, R, D> {
         let unit = 1.0.ldexp(pieces.coordinate_exponent);
         let full_step = self.problem.full_step_mm() * 1.0.ldexp(pieces.chord_exponent);
         Run {
-            steps: self.steps,
+            steps: self.steps.unwrap_or_default(),
             finished: self.finished,
             planned_periods: self.planned_periods,
             resolution_mm: unit * resolution_at::<R>(self.farthest),
