@@ -6,7 +6,7 @@
 //! period counts as the drive gets it: by its mean over the period.
 
 use feed_plan::FeedLimit;
-use nurbs_core::Differentiate;
+use nurbs_core::{Differentiate, FastCurve};
 use part_program::AxisLimits;
 use real::Real;
 use serde::Serialize;
@@ -54,7 +54,8 @@ pub(crate) fn axis_peaks<const D: usize>(
         })
         .collect();
     let t = problem.period_s();
-    let mut at = instants(plan, PER_PERIOD.into()).map(|at| velocity(problem, limit, &at));
+    let curves = problem.fast_curves();
+    let mut at = instants(plan, PER_PERIOD.into()).map(|at| velocity(&curves, limit, &at));
     let mut end = at.next().unwrap_or([0.0; D]);
     let mut before = [end; 2];
     for _ in 0..plan.periods() + 2 {
@@ -77,9 +78,13 @@ pub(crate) fn axis_peaks<const D: usize>(
 }
 
 /// The velocities of the axes, in mm per period; 0 where the curve stands still.
-fn velocity<const D: usize>(problem: &Problem<D>, limit: &FeedLimit<f64>, at: &Instant<'_>) -> [f64; D] {
+fn velocity<const D: usize>(
+    curves: &[FastCurve<'_, D>],
+    limit: &FeedLimit<f64>,
+    at: &Instant<'_>,
+) -> [f64; D] {
     let (curve, u) = limit.parameter_at(at.distance());
-    let along = problem.curves.get(curve).map_or([0.0; D], |curve| curve.as_curve().derivatives(u).first);
+    let along = curves.get(curve).map_or([0.0; D], |curve| curve.derivatives(u).first);
     let speed = f64::norm(&along);
     let feed = at.feed();
     along.map(|x| if speed > 0.0 { x / speed * feed } else { 0.0 })
