@@ -1,13 +1,14 @@
 //! `feedbits interpolate`: the setpoints of one format.
 
 use std::fmt::Write;
+use std::path::{Path, PathBuf};
 
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use clap::Args;
 use clap_complete::ArgValueCandidates;
 use format_compare::{
     Dimension, Engine, Options, OverrideTarget, Overrides, Problem, Reference, Run, SetpointTable, Space,
-    jerk_of_chords,
+    Vectors, VectorsAbout, jerk_of_chords,
 };
 use real::FormatName;
 
@@ -48,12 +49,22 @@ pub(crate) struct Arguments {
         requires = "overrides"
     )]
     reserve: f64,
+    /// Write test vectors into this folder: what the step holds in each period, bit by bit, as CSV and as memory images.
+    #[arg(long, value_name = "FOLDER", conflicts_with_all = ["overrides", "out", "json"])]
+    vectors: Option<PathBuf>,
     #[command(flatten)]
     output: output::Output,
 }
 
 /// Interpolates and writes a line for each period.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
+    if let Some(folder) = &arguments.vectors {
+        let vectors = match arguments.run.problem(&arguments.input)? {
+            AnyProblem::Planar(problem) => vectors(&problem, arguments)?,
+            AnyProblem::Spatial(problem) => vectors(&problem, arguments)?,
+        };
+        return write_vectors(folder, &vectors);
+    }
     output::expect_place(arguments.output.out.as_deref())?;
     let progress = Progress::spinning("interpolating");
     let (table, stopped) = match arguments.run.problem(&arguments.input)? {
@@ -104,6 +115,41 @@ where
         ));
     }
     Ok((table, stopped(&run)))
+}
+
+/// The test vectors of the run.
+fn vectors<const D: usize>(problem: &Problem<D>, arguments: &Arguments) -> Result<Vectors>
+where
+    Space: Dimension<D>,
+{
+    let options = arguments.run.options_for(problem)?;
+    if options.engine != Engine::Pieces {
+        bail!("--vectors goes with pieces: give --evaluate pieces");
+    }
+    let formats = selected::<D>(std::slice::from_ref(&arguments.format))?;
+    let Some(format) = formats.first() else { bail!("no format") };
+    let plan = format_compare::plan_for(problem, format.as_ref(), &options)?;
+    Ok(format.vectors(problem, &plan, &options)?)
+}
+
+/// Writes the files of test vectors, all of them or none.
+fn write_vectors(folder: &Path, vectors: &Vectors) -> Result<Ending> {
+    std::fs::create_dir_all(folder)
+        .with_context(|| format!("cannot make the folder {}", folder.display()))?;
+    let about = serde_json::to_string_pretty(&vectors.about)? + "\n";
+    let files = [
+        ("about.json", about.as_str()),
+        ("periods.csv", &vectors.periods.csv),
+        ("periods.hex", &vectors.periods.image),
+        ("signals.csv", &vectors.signals.csv),
+        ("signals.hex", &vectors.signals.image),
+    ];
+    let paths = files.map(|(name, text)| (folder.join(name), text));
+    let files: Vec<_> = paths.iter().map(|(path, text)| (path.as_path(), *text)).collect();
+    output::write_together(&files)?;
+    let VectorsAbout { periods, format, .. } = &vectors.about;
+    output::note(&format!("{periods} periods in {format} are in {}", folder.display()));
+    Ok(Ending::Good)
 }
 
 /// A time and an override, as in `0.5:150`.

@@ -708,3 +708,39 @@ fn the_exact_line_and_arc_of_paper_b_are_run_in_every_format() {
         }
     }
 }
+
+/// Test vectors come as five files or not at all, and two runs of a part write the same bytes.
+#[test]
+fn test_vectors_are_written_whole_or_not_at_all() {
+    let folder = folder();
+    let part = data("seed-003.nc");
+    let run = |more: &[&str]| {
+        let output = Command::new(env!("CARGO_BIN_EXE_feedbits"))
+            .args(["interpolate", &part, "--machine", "router", "--format", "I4F28"])
+            .args(more)
+            .current_dir(folder.path())
+            .output();
+        output.expect("the program starts")
+    };
+    let files = |name: &str| {
+        let names = ["about.json", "periods.csv", "periods.hex", "signals.csv", "signals.hex"];
+        names.map(|file| fs::read_to_string(folder.path().join(name).join(file)).unwrap())
+    };
+    for name in ["once", "again"] {
+        let output = run(&["--vectors", name]);
+        assert_eq!(output.status.code(), Some(0), "{}", unfolded(&output.stderr));
+    }
+    assert_eq!(files("once"), files("again"));
+    let [about, periods, image, ..] = files("once");
+    assert!(about.contains("\"format\": \"I4F28\""), "{about}");
+    assert_eq!(periods.lines().count(), image.lines().count() + 1);
+
+    let refused = run(&["--vectors", "none", "--evaluate", "de-boor"]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(unfolded(&refused.stderr).contains("give --evaluate pieces"), "{}", unfolded(&refused.stderr));
+    assert!(!folder.path().join("none").exists(), "a refusal makes no folder");
+    fs::write(folder.path().join("taken"), "mine").unwrap();
+    let refused = run(&["--vectors", "taken"]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert_eq!(fs::read_to_string(folder.path().join("taken")).unwrap(), "mine");
+}

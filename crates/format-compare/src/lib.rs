@@ -72,6 +72,7 @@ mod run {
     pub(crate) mod overrides;
     pub(crate) mod recorded_run;
     pub(crate) mod run;
+    pub(crate) mod vectors;
 }
 
 mod cost {
@@ -127,5 +128,6 @@ pub use run::options::{Engine, Options, PlanIn};
 pub use run::overrides::{OverrideCommands, OverrideError, OverrideTarget, Overrides};
 pub use run::recorded_run::RecordedRun;
 pub use run::run::{Run, RunStep};
+pub use run::vectors::{VectorColumn, VectorTable, Vectors, VectorsAbout};
 pub use size::fewest_bits::{FewestBits, fewest_bits};
 pub use size::size::{FrontPoint, Mixed, Register, Sizing, size};

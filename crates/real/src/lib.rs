@@ -55,6 +55,8 @@ mod format_name;
 #[cfg(feature = "std")]
 mod histogram;
 mod lane;
+#[cfg(feature = "std")]
+mod named;
 mod operation;
 mod q_name;
 #[cfg(feature = "std")]
@@ -87,6 +89,8 @@ pub use format_name::FormatName;
 #[cfg(feature = "std")]
 pub use histogram::Histogram;
 pub use lane::Lane;
+#[cfg(feature = "std")]
+pub use named::{Named, named_words, word_of};
 pub use operation::Operation;
 pub use q_name::QName;
 #[cfg(feature = "std")]

@@ -74,7 +74,7 @@ impl<const D: usize> Work for Recording<'_, D> {
 mod tests {
     use super::*;
     use crate::examples::{EXAMPLE, on_example_machine};
-    use crate::run::formats::formats;
+    use crate::run::formats::{formats, plan_for};
     use crate::run::options::Options;
 
     /// The audit is of the run that is judged: audited numbers make the same steps, and the run-time format makes those
@@ -91,7 +91,7 @@ mod tests {
         let problem = on_example_machine::<2>(EXAMPLE, "");
         let options = Options::default();
         for format in formats::<2>() {
-            let plan = format.plan(&problem, &options).unwrap();
+            let plan = plan_for(&problem, format.as_ref(), &options).unwrap();
             let Ok(run) = format.run(&problem, &plan, &options) else { continue };
             let again = in_format_named(
                 format.name(),

@@ -16,6 +16,7 @@ use crate::run::job::Job;
 use crate::run::options::{Options, PlanIn};
 use crate::run::recorded_run::RecordedRun;
 use crate::run::run::Run;
+use crate::run::vectors::{Vectors, vectors};
 
 /// A number format that a part of dimension `D` can be run in.
 pub trait Format<const D: usize>: Send + Sync {
@@ -74,6 +75,12 @@ pub trait Format<const D: usize>: Send + Sync {
         options: &Options,
         request: &CRequest,
     ) -> Result<CFiles, Refusal>;
+
+    /// What the step on pieces holds in each period of that run, bit by bit.
+    ///
+    /// # Errors
+    /// [`Refusal`] as from [`run`](Self::run), and if the run does not end.
+    fn vectors(&self, problem: &Problem<D>, plan: &ExactPlan, options: &Options) -> Result<Vectors, Refusal>;
 }
 
 /// The format of the numbers `R`. If `R` is the run-time format, the first field says which format that is.
@@ -137,6 +144,10 @@ impl<R: Backend, const D: usize> Format<D> for Of<R> {
     ) -> Result<CFiles, Refusal> {
         in_format_named(self.within(R::name), WritingC { job: Job { problem, plan, options }, request })
     }
+
+    fn vectors(&self, problem: &Problem<D>, plan: &ExactPlan, options: &Options) -> Result<Vectors, Refusal> {
+        in_format_named(self.within(R::name), WritingVectors { job: Job { problem, plan, options } })
+    }
 }
 
 /// A plan to be made.
@@ -178,6 +189,19 @@ impl<const D: usize> Work for WritingC<'_, D> {
 
     fn in_backend<R: Backend>(self) -> Self::Output {
         c_files::c_files::<R, D>(&self.job, self.request)
+    }
+}
+
+/// Test vectors to be written.
+struct WritingVectors<'a, const D: usize> {
+    job: Job<'a, D>,
+}
+
+impl<const D: usize> Work for WritingVectors<'_, D> {
+    type Output = Result<Vectors, Refusal>;
+
+    fn in_backend<R: Backend>(self) -> Self::Output {
+        vectors::<R, D>(&self.job)
     }
 }
 

@@ -1,0 +1,275 @@
+//! Test vectors of a run: what a step holds in each period, bit by bit, for whoever builds another implementation.
+
+use std::fmt::Write;
+
+use nurbs_core::ORIGIN_EXPONENT;
+use real::{Backend, Named, Real, named_words, word_of};
+use secant_interp::{PieceInterpolator, Section};
+use serde::Serialize;
+
+use crate::refusal::Refusal;
+use crate::run::job::Job;
+use crate::run::on_pieces;
+
+/// The version of the tables' layout.
+const VERSION: u32 = 1;
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// The test vectors of a run on pieces.
+#[derive(Clone, Debug)]
+pub struct Vectors {
+    /// What the tables hold.
+    pub about: VectorsAbout,
+    /// A row for each period.
+    pub periods: VectorTable,
+    /// A row for each named value, in the order in which the steps compute them.
+    pub signals: VectorTable,
+}
+
+/// What the tables hold: format, units, columns, and names of signals.
+#[derive(Clone, Debug, Serialize)]
+pub struct VectorsAbout {
+    /// The version of the layout.
+    pub version: u32,
+    /// The number format.
+    pub format: String,
+    /// T, in s.
+    pub period_s: f64,
+    /// How many periods.
+    pub periods: usize,
+    /// An offset is a number of the format times 2 to this power, in mm.
+    pub coordinate_exponent: i32,
+    /// A length is a number of the format over 2 to this power, in mm.
+    pub chord_exponent: i32,
+    /// A position counts units of 2 to this power, in mm.
+    pub position_exponent: i32,
+    /// The columns of the periods.
+    pub period_columns: Vec<VectorColumn>,
+    /// The columns of the signals.
+    pub signal_columns: Vec<VectorColumn>,
+    /// The signals, in the order of their numbers from 0.
+    pub signals: Vec<&'static str>,
+}
+
+/// A column of a table.
+#[derive(Clone, Debug, Serialize)]
+pub struct VectorColumn {
+    /// Its name.
+    pub name: String,
+    /// Its width. In a memory image it is right-aligned in a whole number of hexadecimal digits.
+    pub bits: u32,
+    /// Whether it is a count, which is decimal in the CSV; everything else is hexadecimal.
+    pub is_count: bool,
+}
+
+/// A table as CSV and as memory image.
+#[derive(Clone, Debug)]
+pub struct VectorTable {
+    columns: Vec<VectorColumn>,
+    /// The table as CSV.
+    pub csv: String,
+    /// A line for each row: the hexadecimal digits of all columns, the first one first, as `$readmemh` reads them.
+    pub image: String,
+}
+
+impl VectorTable {
+    fn new(counts: &[(&str, u32)], words: impl IntoIterator<Item = (String, u32)>) -> Self {
+        let counts = counts.iter().map(|(name, bits)| (name.to_string(), *bits, true));
+        let words = words.into_iter().map(|(name, bits)| (name, bits, false));
+        let columns: Vec<_> =
+            counts.chain(words).map(|(name, bits, is_count)| VectorColumn { name, bits, is_count }).collect();
+        let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
+        Self { csv: names.join(",") + "\n", columns, image: String::new() }
+    }
+
+    fn push(&mut self, values: impl IntoIterator<Item = u64>) {
+        for (index, (column, value)) in self.columns.iter().zip(values).enumerate() {
+            let digits = column.bits.div_ceil(4) as usize;
+            let comma = if index == 0 { "" } else { "," };
+            // Writing to a text cannot fail.
+            let _ = match column.is_count {
+                true => write!(self.csv, "{comma}{value}"),
+                false => write!(self.csv, "{comma}{value:0digits$x}"),
+            };
+            let _ = write!(self.image, "{value:0digits$x}");
+        }
+        self.csv.push('\n');
+        self.image.push('\n');
+    }
+}
+
+/// Runs the part on pieces and writes every period down. The plan must rest at each gap of the part.
+pub(crate) fn vectors<R: Backend, const D: usize>(job: &Job<'_, D>) -> Result<Vectors, Refusal> {
+    let path = on_pieces::compiled::<Named<R>, D>(job)?;
+    let mut writer = Writer::new::<R, D>();
+    let whole = path.interpolator();
+    for section in path.sections() {
+        writer.run(&whole.on(section), section, job.most_periods())?;
+    }
+    let pieces = path.table().as_pieces();
+    let Writer { periods, signals, names, period, .. } = writer;
+    let about = VectorsAbout {
+        version: VERSION,
+        format: R::name().to_string(),
+        period_s: job.problem.period_s(),
+        periods: period,
+        coordinate_exponent: pieces.coordinate_exponent,
+        chord_exponent: pieces.chord_exponent,
+        position_exponent: ORIGIN_EXPONENT,
+        period_columns: periods.columns.clone(),
+        signal_columns: signals.columns.clone(),
+        signals: names,
+    };
+    Ok(Vectors { about, periods, signals })
+}
+
+/// The tables so far.
+struct Writer {
+    periods: VectorTable,
+    signals: VectorTable,
+    /// The signals that have been met.
+    names: Vec<&'static str>,
+    /// The number of the next period, and of the next section.
+    period: usize,
+    section: u64,
+}
+
+impl Writer {
+    fn new<R: Backend, const D: usize>() -> Self {
+        let word = R::name().bits();
+        let of_axes = |what: &str, bits: u32| {
+            AXES.iter().take(D).map(move |axis| (format!("{what}_{axis}"), bits)).collect::<Vec<_>>()
+        };
+        let places = [("phase".to_string(), 64), ("length".to_string(), word)];
+        let periods = VectorTable::new(
+            &[("period", 32), ("section", 32), ("piece", 32), ("evaluations", 8)],
+            places.into_iter().chain(of_axes("offset", word)).chain(of_axes("position", 64)),
+        );
+        let signals = VectorTable::new(&[("period", 32), ("signal", 8)], [("word".to_string(), word)]);
+        Self { periods, signals, names: Vec::new(), period: 0, section: 0 }
+    }
+
+    /// Runs from one rest to the next.
+    fn run<R: Backend, const D: usize>(
+        &mut self,
+        interpolator: &PieceInterpolator<'_, Named<R>, D>,
+        section: &Section,
+        most: usize,
+    ) -> Result<(), Refusal> {
+        let mut state = interpolator.start();
+        loop {
+            let (setpoint, named) = named_words(|| interpolator.step(&mut state));
+            let Some(setpoint) = setpoint else { break };
+            if self.period >= most {
+                return Err(Refusal::Unfinished { periods: self.period, format: R::name() });
+            }
+            let position = interpolator.pieces.position(setpoint.piece, &setpoint.offset);
+            let counts = [
+                self.period as u64,
+                self.section,
+                (section.pieces.start + setpoint.piece) as u64,
+                u64::from(setpoint.evaluations),
+            ];
+            let words = [setpoint.phase, word_of(setpoint.length.0)];
+            let offset = setpoint.offset.map(|x| word_of(x.0));
+            let position = position.map(i64::cast_unsigned);
+            self.periods.push(counts.into_iter().chain(words).chain(offset).chain(position));
+            for (name, word) in named {
+                let signal = self.number(name);
+                self.signals.push([self.period as u64, signal, word]);
+            }
+            self.period += 1;
+        }
+        self.section += 1;
+        Ok(())
+    }
+
+    /// The number of a signal.
+    fn number(&mut self, name: &'static str) -> u64 {
+        let number = self.names.iter().position(|one| *one == name).unwrap_or_else(|| {
+            self.names.push(name);
+            self.names.len() - 1
+        });
+        number as u64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::examples::{EXAMPLE, on_example_machine};
+    use crate::run::formats::{format_named, plan_for};
+    use crate::run::options::Options;
+
+    fn of(format: &str) -> Vectors {
+        let problem = on_example_machine::<2>(EXAMPLE, "");
+        let (format, options) = (format_named::<2>(format).unwrap(), Options::default());
+        let plan = plan_for(&problem, format.as_ref(), &options).unwrap();
+        let run = format.run(&problem, &plan, &options).unwrap();
+        let vectors = format.vectors(&problem, &plan, &options).unwrap();
+        assert_eq!(vectors.about.periods, run.steps.len());
+        for (row, step) in rows(&vectors.periods.csv).zip(&run.steps) {
+            let unit = 1.0.ldexp(ORIGIN_EXPONENT);
+            for (axis, column) in ["position_x", "position_y"].into_iter().enumerate() {
+                let mm = i64::from_str_radix(&row(column), 16)
+                    .unwrap_or_else(|_| u64::from_str_radix(&row(column), 16).unwrap().cast_signed());
+                assert!((mm as f64 * unit - step.point_mm[axis]).abs() <= unit, "{column}: {mm}");
+            }
+            assert_eq!(row("evaluations"), step.evaluations.to_string());
+        }
+        vectors
+    }
+
+    /// The rows of a CSV; each gives the text of a column.
+    fn rows(csv: &str) -> impl Iterator<Item = impl Fn(&str) -> String + '_> {
+        let header: Vec<&str> = csv.lines().next().unwrap().split(',').collect();
+        csv.lines().skip(1).map(move |line| {
+            let (header, cells): (_, Vec<&str>) = (header.clone(), line.split(',').collect());
+            move |column: &str| cells[header.iter().position(|name| *name == column).unwrap()].to_string()
+        })
+    }
+
+    #[test]
+    fn setpoints_are_those_of_the_run_in_every_kind_of_format() {
+        for format in ["I4F28", "I16F48", "I5F21", "f32", "f64"] {
+            of(format);
+        }
+    }
+
+    /// The memory image has the values of the CSV, and one width.
+    #[test]
+    fn the_image_reads_back_as_the_table() {
+        let Vectors { about, periods, signals } = of("I4F28");
+        for (table, columns) in [(&periods, &about.period_columns), (&signals, &about.signal_columns)] {
+            assert_eq!(table.image.lines().count(), table.csv.lines().count() - 1);
+            for (line, row) in table.image.lines().zip(rows(&table.csv)) {
+                let mut rest = line;
+                for column in columns {
+                    let (digits, behind) = rest.split_at(column.bits.div_ceil(4) as usize);
+                    let (found, text) = (u64::from_str_radix(digits, 16).unwrap(), row(&column.name));
+                    let radix = if column.is_count { 10 } else { 16 };
+                    assert_eq!(found, u64::from_str_radix(&text, radix).unwrap(), "{}", column.name);
+                    rest = behind;
+                }
+                assert!(rest.is_empty());
+            }
+        }
+    }
+
+    /// A reader finds t, the last parameter that a period names, in the phase: 28 of its 64 bits, rounded.
+    #[test]
+    fn a_signal_follows_from_another_column() {
+        let Vectors { about, periods, signals } = of("I4F28");
+        let mut parameters = vec![None; about.periods];
+        for row in rows(&signals.csv) {
+            let [period, signal] = ["period", "signal"].map(|column| row(column).parse::<usize>().unwrap());
+            if about.signals[signal] == "parameter" {
+                parameters[period] = Some(u64::from_str_radix(&row("word"), 16).unwrap());
+            }
+        }
+        for (parameter, row) in parameters.into_iter().zip(rows(&periods.csv)).take(about.periods - 1) {
+            let phase = u64::from_str_radix(&row("phase"), 16).unwrap();
+            assert!(parameter.unwrap().abs_diff(phase >> 36) <= 1, "period {}", row("period"));
+        }
+    }
+}
