@@ -201,6 +201,7 @@ pub use {
         ranges::SignalBound,
     },
     polynomials::{
+        bezier::bezier_points,
         fast_curve::FastCurve,
         power_curve::{PowerCursor, PowerCurve},
     },

@@ -1,14 +1,10 @@
 //! A curve as Bézier pieces, and a Bézier piece as chords.
 //!
-//! The piece of degree p over the knot span [a, b] has the polar forms of the curve as its points: point j is the polar
-//! form at p - j times a and j times b, p rounds of de Boor's scheme with one argument each (Ramshaw, "Blossoms are
-//! polar forms", Computer Aided Geometric Design 6, 1989).
-//!
 //! With positive weights a piece lies in the convex hull of its control points. If the corners of a hull are within a
 //! tolerance of a segment, the whole hull is. So a piece whose control points are all near its chord is near its chord
 //! everywhere.
 
-use nurbs_core::distance_to_segment;
+use nurbs_core::{bezier_points, distance_to_segment};
 
 use crate::curve::{Curve, MAX_COORDINATE_MM, MAX_WEIGHT};
 use crate::vector::{difference, length};
@@ -46,30 +42,13 @@ fn homogeneous(curve: &Curve, index: usize) -> [f64; 4] {
     [x * w, y * w, z * w, w]
 }
 
-/// The mean of `from` and `to` with the given shares, which sum to 1. The form `to - from` would have the rounding of
-/// the larger of the two: for weights 1e9 and 1e-9 nothing would be left of the smaller.
-fn mean(from: [f64; 4], to: [f64; 4], shares: [f64; 2]) -> [f64; 4] {
-    std::array::from_fn(|axis| from[axis] * shares[0] + to[axis] * shares[1])
-}
-
 impl Bezier {
     fn of_span(curve: &Curve, span: usize) -> Self {
-        let (degree, first) = (curve.degree, span - curve.degree);
+        let first = span - curve.degree;
         let (a, b) = (curve.knots[span], curve.knots[span + 1]);
         let knots = &curve.knots[first + 1..];
-        let blossom = |ends: usize| {
-            let mut points: Vec<_> = (first..=span).map(|index| homogeneous(curve, index)).collect();
-            for round in 0..degree {
-                let argument = if round < ends { b } else { a };
-                for k in 0..degree - round {
-                    let (low, high) = (knots[k + round], knots[k + degree]);
-                    let shares = [high - argument, argument - low].map(|part| part / (high - low));
-                    points[k] = mean(points[k], points[k + 1], shares);
-                }
-            }
-            points[0]
-        };
-        Self { points: (0..=degree).map(blossom).collect() }
+        let points: Vec<_> = (first..=span).map(|index| homogeneous(curve, index)).collect();
+        Self { points: bezier_points(&points, knots, [a, b]) }
     }
 
     /// The weights, limited to the bounds of a curve's weights, which rounding may exceed.
@@ -112,7 +91,7 @@ impl Bezier {
             left.push(row[0]);
             right.push(row[degree - round]);
             for k in 0..degree - round {
-                row[k] = mean(row[k], row[k + 1], [0.5, 0.5]);
+                row[k] = std::array::from_fn(|axis| 0.5 * row[k][axis] + 0.5 * row[k + 1][axis]);
             }
         }
         right.reverse();

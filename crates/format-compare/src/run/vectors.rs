@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use nurbs_core::ORIGIN_EXPONENT;
-use real::{Backend, Named, Real, named_words, word_of};
+use real::{Backend, Named, named_words, word_of};
 use secant_interp::{PieceInterpolator, Section};
 use serde::Serialize;
 
@@ -196,6 +196,8 @@ impl Writer {
 
 #[cfg(test)]
 mod tests {
+    use real::Real;
+
     use super::*;
     use crate::examples::{EXAMPLE, on_example_machine};
     use crate::run::formats::{format_named, plan_for};

@@ -1,15 +1,11 @@
 //! One Bezier segment of a curve, by blossoming.
-//!
-//! The Bezier point j of degree p on [a, b] is the curve's polar form at p-j times a and j times b: p rounds of de
-//! Boor's scheme, each with one of these arguments (Ramshaw, "Blossoms are polar forms", Computer Aided Geometric
-//! Design 6, 1989). No knot is inserted, and the interval may be any part of a span.
 
 use alloc::vec::Vec;
 
 use real::{Backend, Real};
 
 use crate::NurbsCurve;
-use crate::vector::{over, scaled, sub};
+use crate::vector::{add, over, scaled, sub};
 
 /// A homogeneous Bezier segment: points times weights, and weights.
 pub(crate) struct Bezier<H, const D: usize> {
@@ -24,6 +20,43 @@ pub(crate) fn computed<H: Backend>(x: f64) -> H {
     H::from_f64(x).unwrap_or_else(|| H::zero() / H::zero())
 }
 
+/// The Bezier points of one polynomial piece of a B-spline of degree p on a part of its span.
+///
+/// `points` are the p + 1 control points that act on the span, and `knots` the 2p knots around it, p on each side. The part
+/// [a, b] may be the whole span or any part of it. A rational curve gives points times weights, and weights. Every mean
+/// has positive shares inside the span, so that a small weight keeps its digits beside a large one.
+///
+/// # Source
+/// Point j is the polar form at p - j times a and j times b: p rounds of de Boor's scheme, each with one of these
+/// arguments. No knot is inserted. Ramshaw, "Blossoms are polar forms", Computer Aided Geometric Design 6 (1989).
+///
+/// ```
+/// // Degree 2, the knots 0, 0 before the span [0, 1] and 1, 2 behind it: the first half.
+/// let half = nurbs_core::bezier_points(&[[0.0], [2.0], [4.0]], &[0.0, 0.0, 1.0, 2.0], [0.0, 0.5]);
+/// assert_eq!(half, [[0.0], [1.0], [1.75]]);
+/// ```
+#[must_use]
+pub fn bezier_points<H: Backend, const N: usize>(
+    points: &[[H; N]],
+    knots: &[H],
+    [begin, end]: [H; 2],
+) -> Vec<[H; N]> {
+    let degree = points.len().saturating_sub(1);
+    let polar_form = |ends: usize| {
+        let mut row = points.to_vec();
+        for round in 0..degree {
+            let at = if round < ends { end } else { begin };
+            for k in 0..degree - round {
+                let (low, high) = (knots[k + round], knots[k + degree]);
+                let shares = [high - at, at - low].map(|share| share / (high - low));
+                row[k] = add(&scaled(&row[k], shares[0]), &scaled(&row[k + 1], shares[1]));
+            }
+        }
+        row
+    };
+    (0..=degree).filter_map(|ends| polar_form(ends).first().copied()).collect()
+}
+
 impl<H: Backend, const D: usize> Bezier<H, D> {
     /// The part [begin, end] of a span, by blossoming. If `H` cannot hold a number of the span, the results are NaN.
     pub(crate) fn of_span(curve: &NurbsCurve<'_, f64, D>, span: usize, begin: H, end: H) -> Self {
@@ -36,28 +69,13 @@ impl<H: Backend, const D: usize> Bezier<H, D> {
             points.map(|(i, w)| curve.control_points()[i].map(|x| computed::<H>(x) * *w)).collect();
         let knots: Vec<H> =
             (0..2 * degree).map(|k| computed(curve.knots().as_slice()[first + 1 + k])).collect();
-        let mut bezier = Self {
-            points: Vec::with_capacity(degree + 1),
-            weights: Vec::with_capacity(degree + 1),
+        let part = [begin, end];
+        let of_weights = bezier_points(&weights.iter().map(|w| [*w]).collect::<Vec<_>>(), &knots, part);
+        Self {
+            points: bezier_points(&points, &knots, part),
+            weights: of_weights.into_iter().map(|[w]| w).collect(),
             rational: curve.weights().is_some(),
-        };
-        for ends in 0..=degree {
-            let argument = |round: usize| if round < ends { end } else { begin };
-            let blossom = |values: &mut Vec<H>| {
-                for round in 0..degree {
-                    for k in 0..degree - round {
-                        let (low, high) = (knots[k + round], knots[k + degree]);
-                        let part = (argument(round) - low) / (high - low);
-                        values[k] = values[k] + (values[k + 1] - values[k]) * part;
-                    }
-                }
-                values[0]
-            };
-            let coordinate = |d: usize| blossom(&mut points.iter().map(|p| p[d]).collect());
-            bezier.points.push(core::array::from_fn(coordinate));
-            bezier.weights.push(blossom(&mut weights.clone()));
         }
-        bezier
     }
 
     /// Whether every point and weight is finite.
