@@ -17,7 +17,7 @@ use std::sync::Arc;
 use serde::Serialize;
 use unicode_width::UnicodeWidthStr;
 
-use crate::source::{Place, Source, Span};
+use crate::source::{Source, Span, TextPlace};
 
 /// Diagnostics kept for one text; further ones are only counted. This limits memory when a large file of another kind
 /// is read.
@@ -103,7 +103,7 @@ impl Diagnostic {
 }
 
 impl Excerpt {
-    fn new(place: &Place<'_>) -> Self {
+    fn new(place: &TextPlace<'_>) -> Self {
         let (before, rest) = place.line_text.split_at(place.offset);
         let skipped = before.chars().count().saturating_sub(EXCERPT / 2);
         let (skip_mark, before) = if skipped > 0 {

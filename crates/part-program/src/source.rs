@@ -35,7 +35,7 @@ pub(crate) struct Source<'t> {
 }
 
 /// A span as a reader of the text counts; line and column begin at 1, columns count characters.
-pub(crate) struct Place<'t> {
+pub(crate) struct TextPlace<'t> {
     pub(crate) line: usize,
     pub(crate) column: usize,
     /// Characters from `column` that belong to the span; at least 1, at most to the end of the line.
@@ -80,7 +80,7 @@ impl<'t> Source<'t> {
         Span::new(start, start + 1)
     }
 
-    pub(crate) fn place(&self, span: Span) -> Place<'t> {
+    pub(crate) fn place(&self, span: Span) -> TextPlace<'t> {
         let at = span.start.min(self.text.len());
         let line = self.line_number(at);
         let start = self.line_starts[line - 1];
@@ -89,7 +89,13 @@ impl<'t> Source<'t> {
         let offset = floor_char_boundary(line_text, at - start);
         let stop = floor_char_boundary(line_text, span.end.saturating_sub(start)).max(offset);
         let count = |range: Range<usize>| line_text.get(range).unwrap_or("").chars().count();
-        Place { line, column: count(0..offset) + 1, length: count(offset..stop).max(1), line_text, offset }
+        TextPlace {
+            line,
+            column: count(0..offset) + 1,
+            length: count(offset..stop).max(1),
+            line_text,
+            offset,
+        }
     }
 }
 

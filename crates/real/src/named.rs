@@ -83,9 +83,9 @@ mod tests {
     fn an_inner_list_is_its_own() {
         let one = Named(1.0_f64);
         let (inner, outer) = named_words(|| {
-            one.signal("a");
+            let _ = one.signal("a");
             let (_, inner) = named_words(|| one.signal("b"));
-            one.signal("c");
+            let _ = one.signal("c");
             inner
         });
         let names =

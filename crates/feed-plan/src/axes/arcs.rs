@@ -16,7 +16,7 @@ use real::Real;
 
 use crate::axes::geometry::Bend;
 use crate::axes::grid::Grid;
-use crate::axes::rows::Place;
+use crate::axes::rows::WayCell;
 use crate::axes::spline::{Cell, cells};
 use crate::axes::way::{Motion, Way};
 use crate::{FeedPiece, StageShape};
@@ -55,7 +55,7 @@ struct Part {
 pub(crate) fn pieces<C>(
     way: &Way<'_, C>,
     grid: &Grid,
-    places: &[Place],
+    places: &[WayCell],
     x: &[f64],
     unit: f64,
 ) -> Option<Vec<FeedPiece<f64>>> {
@@ -115,7 +115,7 @@ impl Node {
 struct Arcs<'a, 'w, C> {
     way: &'a Way<'w, C>,
     grid: &'a Grid,
-    places: &'a [Place],
+    places: &'a [WayCell],
     nodes: &'a [Node],
     cells: &'a [Cell],
     x: &'a [f64],

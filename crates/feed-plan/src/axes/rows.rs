@@ -31,7 +31,7 @@ use crate::limits::AXES;
 pub(crate) type Shares = [Strain];
 
 /// How the way turns in a cell, and the limit of the feed.
-pub(crate) struct Place {
+pub(crate) struct WayCell {
     pub(crate) bends: [Bend; 3],
     pub(crate) feeds: [f64; 5],
 }
@@ -50,8 +50,11 @@ pub(crate) fn all_of(grid: &Grid) -> Vec<Strain> {
 }
 
 /// The places of all cells.
-pub(crate) fn places<const D: usize, C: Differentiate<f64, D>>(way: &Way<'_, C>, grid: &Grid) -> Vec<Place> {
-    let mut places: Vec<Place> = Vec::with_capacity(grid.pieces.len());
+pub(crate) fn places<const D: usize, C: Differentiate<f64, D>>(
+    way: &Way<'_, C>,
+    grid: &Grid,
+) -> Vec<WayCell> {
+    let mut places: Vec<WayCell> = Vec::with_capacity(grid.pieces.len());
     let mut before = usize::MAX;
     for (pair, piece) in grid.nodes.windows(2).zip(&grid.pieces) {
         let width = pair[1] - pair[0];
@@ -64,7 +67,7 @@ pub(crate) fn places<const D: usize, C: Differentiate<f64, D>>(way: &Way<'_, C>,
             let distance = if share < 1.0 { pair[0] + share * width } else { pair[1] };
             way.feed(distance)
         });
-        places.push(Place { bends: [left, bend(0.5), bend(1.0)], feeds });
+        places.push(WayCell { bends: [left, bend(0.5), bend(1.0)], feeds });
         before = *piece;
     }
     places
@@ -74,7 +77,7 @@ pub(crate) fn places<const D: usize, C: Differentiate<f64, D>>(way: &Way<'_, C>,
 pub(crate) fn program<C>(
     way: &Way<'_, C>,
     grid: &Grid,
-    places: &[Place],
+    places: &[WayCell],
     shares: &Shares,
     feed: f64,
 ) -> Option<Program> {
@@ -116,7 +119,7 @@ impl<C> Rows<'_, '_, C> {
     }
 
     /// The rows of a cell; those of its right end only where the next cell has no such rows.
-    fn cell(&mut self, cell: &Cell, place: &Place, share: &Strain, goes_on: bool) {
+    fn cell(&mut self, cell: &Cell, place: &WayCell, share: &Strain, goes_on: bool) {
         let limits = self.way.limits;
         let unit = self.feed * self.feed;
         for (x, feed) in [0.0, 0.25, 0.5, 0.75].into_iter().zip(place.feeds) {
@@ -159,7 +162,7 @@ impl<C> Rows<'_, '_, C> {
     }
 
     /// The largest b at the end of a cell that touches a rest; `towards` is the direction away from the rest.
-    fn rest(&self, width: f64, place: &Place, share: &Strain, towards: f64) -> f64 {
+    fn rest(&self, width: f64, place: &WayCell, share: &Strain, towards: f64) -> f64 {
         let limits = self.way.limits;
         // (3/4)^(4/3), (1/2)^(4/3), (1/4)^(4/3), (1/2)^(1/3)
         const POWERS: [f64; 3] = [0.681_420_222_312_052_6, 0.396_850_262_992_049_9, 0.157_490_131_236_859_15];

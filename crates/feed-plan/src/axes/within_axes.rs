@@ -23,7 +23,7 @@ use crate::axes::check::{duration, strains, stretch};
 use crate::axes::geometry::Geometry;
 use crate::axes::grid::{Grid, Profile};
 use crate::axes::program::Stop;
-use crate::axes::rows::{Place, all_of, places, program};
+use crate::axes::rows::{WayCell, all_of, places, program};
 use crate::axes::spline::{Spline, near};
 use crate::axes::way::{Strain, Way};
 use crate::plan::stages::Stages;
@@ -192,7 +192,7 @@ struct Found {
 struct Solver<'a, 'w, C> {
     way: &'a Way<'w, C>,
     grid: Grid,
-    places: Vec<Place>,
+    places: Vec<WayCell>,
     shares: Vec<Strain>,
     x: Vec<f64>,
     time: f64,

@@ -9,9 +9,9 @@ pub(crate) const SLACK: i32 = -8;
 /// Secants in the search for the length at which h is the allowed distance.
 const SECANTS: usize = 6;
 
-/// A place of the path.
+/// A point of the path, and where it lies.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Place<R, const D: usize> {
+pub(crate) struct PathPoint<R, const D: usize> {
     pub(crate) distance: R,
     pub(crate) point: [R; D],
     pub(crate) tangent: [R; D],
@@ -44,7 +44,7 @@ pub(crate) fn crossing<R: Real, const D: usize>(
 
 /// A chord over a break, as far before it as behind it along the path.
 pub(crate) struct Chord<'a, R, const D: usize> {
-    places: &'a [Place<R, D>],
+    places: &'a [PathPoint<R, D>],
     at: R,
     centre: [R; D],
     pub(crate) half: R,
@@ -54,7 +54,7 @@ pub(crate) struct Chord<'a, R, const D: usize> {
 
 impl<'a, R: Real, const D: usize> Chord<'a, R, D> {
     /// A chord of no length over the break at a distance; `None` beyond the places.
-    pub(crate) fn new(places: &'a [Place<R, D>], at: R) -> Option<Self> {
+    pub(crate) fn new(places: &'a [PathPoint<R, D>], at: R) -> Option<Self> {
         let first = places.partition_point(|place| place.distance < at);
         let centre = places.get(first)?.point;
         let mut chord = Self { places, at, centre, half: R::zero(), within: (first, first) };
@@ -128,7 +128,7 @@ impl<'a, R: Real, const D: usize> Chord<'a, R, D> {
     }
 }
 
-impl<R: Real, const D: usize> Place<R, D> {
+impl<R: Real, const D: usize> PathPoint<R, D> {
     /// The point at a distance between this place and the next.
     fn on_the_way_to(&self, to: &Self, distance: R) -> [R; D] {
         let length = to.distance - self.distance;

@@ -44,7 +44,7 @@ use alloc::vec::Vec;
 use real::Real;
 
 use crate::limit::axis_budget::{AxisBudget, Turning};
-use crate::limit::broken_chord::{Chord, Place, SLACK, crossing};
+use crate::limit::broken_chord::{Chord, PathPoint, SLACK, crossing};
 use crate::limit::lowered_samples::{lower_acceleration_around, lower_around};
 use crate::limit::sample::LimitSample;
 use crate::limit::span_walk::tangent_rounding;
@@ -74,7 +74,7 @@ const FEW: usize = 64;
 #[derive(Debug)]
 pub(crate) struct FineMoves<R, const D: usize> {
     /// Places in order; where the tangent breaks, two of them have the same distance.
-    places: Vec<Place<R, D>>,
+    places: Vec<PathPoint<R, D>>,
     /// At this number of places some are forgotten.
     full: usize,
     /// The distances of breaks, in order, beyond which the path is not known far enough yet.
@@ -128,13 +128,13 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
 
     /// Adds a place from which the path goes on with this tangent.
     pub(crate) fn pass(&mut self, distance: R, point: [R; D], tangent: [R; D]) {
-        self.places.push(Place { distance, point, tangent });
+        self.places.push(PathPoint { distance, point, tangent });
     }
 
     /// From its known end the path goes on with another tangent; `turn` is the length of the tangents' difference.
     pub(crate) fn turn(&mut self, turn: R, tangent: [R; D]) {
         let Some(end) = self.places.last().copied().filter(|_| self.is_break(turn)) else { return };
-        self.places.push(Place { tangent, ..end });
+        self.places.push(PathPoint { tangent, ..end });
         if self.breaks.back().is_none_or(|last| *last < end.distance) {
             self.breaks.push_back(end.distance);
         }
@@ -170,7 +170,7 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
         };
         let known = self.places.len();
         for point in samples.iter().rev().map(|sample| sample.point).take_while(is_unknown) {
-            let is_another = |later: &Place<R, D>| point.distance < later.distance;
+            let is_another = |later: &PathPoint<R, D>| point.distance < later.distance;
             if self.places.get(known..).unwrap_or_default().last().is_none_or(is_another) {
                 let (at, tangent) = place_at(point.u);
                 self.pass(point.distance, at, tangent);

@@ -25,7 +25,7 @@ use real::Real;
 
 use crate::plan::fastest::caps::caps;
 use crate::plan::fastest::motion::time_over;
-use crate::plan::lower_bound::{Stretch, stretches};
+use crate::plan::lower_bound::{LimitInterval, intervals};
 use crate::{EndFeeds, FeedLimit, KinematicLimits};
 
 /// Nodes per time A/J.
@@ -51,7 +51,7 @@ const MERGES: usize = 6;
 #[must_use]
 pub fn least_duration<R: Real>(limit: &FeedLimit<R>, limits: &KinematicLimits<R>, ends: EndFeeds<R>) -> R {
     let most = Most { acceleration: limits.acceleration, jerk: limits.jerk };
-    let nodes = nodes(&stretches(limit), limits, ends);
+    let nodes = nodes(&intervals(limit), limits, ends);
     let mut duration = R::zero();
     let mut first = 0;
     while first + 1 < nodes.len() {
@@ -78,32 +78,36 @@ struct Most<R> {
 type Node<R> = (R, R);
 
 /// The jerk-free feeds at the limit points and between them.
-fn nodes<R: Real>(stretches: &[Stretch<R>], limits: &KinematicLimits<R>, ends: EndFeeds<R>) -> Vec<Node<R>> {
+fn nodes<R: Real>(
+    intervals: &[LimitInterval<R>],
+    limits: &KinematicLimits<R>,
+    ends: EndFeeds<R>,
+) -> Vec<Node<R>> {
     let acceleration = limits.acceleration;
     let at_end = |feed: R, inside: Option<R>| (feed * feed).min(inside.unwrap_or(R::zero()));
-    let first = at_end(ends.start, stretches.first().map(|first| first.inside[0]));
-    let last = at_end(ends.end, stretches.last().map(|last| last.inside[1]));
+    let first = at_end(ends.start, intervals.first().map(|first| first.inside[0]));
+    let last = at_end(ends.end, intervals.last().map(|last| last.inside[1]));
     let mut squares = Vec::from([first]);
-    squares.extend(stretches.iter().map(|stretch| stretch.allowed_end));
+    squares.extend(intervals.iter().map(|interval| interval.allowed_end));
     if let Some(end) = squares.last_mut() {
         *end = end.min(last);
     }
-    let rise = |k: usize| stretches[k].rise(limits);
-    for k in 0..stretches.len() {
+    let rise = |k: usize| intervals[k].rise(limits);
+    for k in 0..intervals.len() {
         squares[k + 1] = squares[k + 1].min(squares[k] + rise(k));
     }
-    for k in (0..stretches.len()).rev() {
+    for k in (0..intervals.len()).rev() {
         squares[k] = squares[k].min(squares[k + 1] + rise(k));
     }
     let step = acceleration / limits.jerk / R::from_ratio(NODES, 1);
     let step = step.max(limits.interpolation_period.ldexp(-2));
     let mut nodes = Vec::from([(R::zero(), squares[0].sqrt())]);
     let mut begin = R::zero();
-    for (stretch, ends) in stretches.iter().zip(squares.windows(2)) {
-        let length = stretch.length;
+    for (interval, ends) in intervals.iter().zip(squares.windows(2)) {
+        let length = interval.length;
         let [b0, b1] = [ends[0], ends[1]];
         let at = |x: R| {
-            let limit = stretch.inside[0] + (stretch.inside[1] - stretch.inside[0]) * (x / length);
+            let limit = interval.inside[0] + (interval.inside[1] - interval.inside[0]) * (x / length);
             let reach = |b: R, x: R| b + (acceleration * x).ldexp(1);
             limit.min(reach(b0, x)).min(reach(b1, length - x)).sqrt()
         };
@@ -155,7 +159,7 @@ fn of_section<R: Real>(nodes: &[Node<R>], most: &Most<R>) -> Option<R> {
     // The profile P at all nodes.
     let mut profile = bounds.clone();
     // A rest is a place of its own, whose θ is zero.
-    let at_rest = |node: usize| Place { node, ends: [R::zero(); 2], jump: R::max_value() };
+    let at_rest = |node: usize| Touch { node, ends: [R::zero(); 2], jump: R::max_value() };
     let end = profile.len() - 1;
     let (mut begin, mut places) = (0, Vec::new());
     places.extend(first.1.is_zero().then(|| at_rest(0)));
@@ -165,7 +169,7 @@ fn of_section<R: Real>(nodes: &[Node<R>], most: &Most<R>) -> Option<R> {
         follow(&mut profile, [from.node, to.node], from.departure, most.jerk);
         if from.node > 0 {
             let ends = [from.arrival, from.departure];
-            add(&mut places, Place { node: from.node, ends, jump: from.departure - from.arrival });
+            add(&mut places, Touch { node: from.node, ends, jump: from.departure - from.arrival });
         }
         if to.node >= from.node + CAP && from.node >= begin && !places.is_empty() {
             let middle = from.node.midpoint(to.node);
@@ -196,13 +200,13 @@ fn of_section<R: Real>(nodes: &[Node<R>], most: &Most<R>) -> Option<R> {
 /// known to be better alone.
 struct Window<R> {
     nodes: [usize; 2],
-    places: Vec<Place<R>>,
+    places: Vec<Touch<R>>,
     time: Option<R>,
     stays: bool,
 }
 
 impl<R: Real> Window<R> {
-    const fn new(nodes: [usize; 2], places: Vec<Place<R>>) -> Self {
+    const fn new(nodes: [usize; 2], places: Vec<Touch<R>>) -> Self {
         Self { nodes, places, time: None, stays: false }
     }
 
@@ -241,14 +245,14 @@ fn merged<R: Real>(profile: &[Node<R>], windows: Vec<Window<R>>, most: &Most<R>)
 
 /// A node where P touches its upper bounds, with its accelerations there.
 #[derive(Clone, Copy)]
-struct Place<R> {
+struct Touch<R> {
     node: usize,
     ends: [R; 2],
     jump: R,
 }
 
 /// Keeps the places where the acceleration of P jumps most.
-fn add<R: Real>(places: &mut Vec<Place<R>>, place: Place<R>) {
+fn add<R: Real>(places: &mut Vec<Touch<R>>, place: Touch<R>) {
     if places.len() < PLACES {
         places.push(place);
     } else if let Some(least) = (0..places.len())
@@ -377,11 +381,11 @@ fn time_below<R: Real>(nodes: &[Node<R>], jerk: R) -> R {
 fn of_window<R: Real>(
     profile: &[Node<R>],
     [begin, end]: [usize; 2],
-    places: &[Place<R>],
+    places: &[Touch<R>],
     most: &Most<R>,
 ) -> R {
     let whole = time_below(&profile[begin..=end], most.jerk);
-    let of = |place: &Place<R>| {
+    let of = |place: &Touch<R>| {
         let node = place.node.max(begin).min(end);
         by_place(&mirror(&profile[begin..=node]), &profile[node..=end], place.ends, most)
     };

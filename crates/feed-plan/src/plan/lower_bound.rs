@@ -16,28 +16,28 @@ use crate::{EndFeeds, FeedLimit, KinematicLimits};
 ///
 /// The limit points are taken as they are, without the margin that a plan keeps, and `V²` as linear between
 /// them: the value is a lower bound to within the sampling of the limit, about 10⁻⁴ of the duration. A limit
-/// that is zero over a stretch gives the greatest number of the format.
+/// that is zero over an interval gives the greatest number of the format.
 #[must_use]
 pub fn jerk_free_duration<R: Real>(
     limit: &FeedLimit<R>,
     limits: &KinematicLimits<R>,
     ends: EndFeeds<R>,
 ) -> R {
-    let stretches = stretches(limit);
+    let intervals = intervals(limit);
     let at_end = |feed: R, most: Option<R>| (feed * feed).min(most.unwrap_or(R::zero()));
     // V² at the points.
-    let mut squares = Vec::with_capacity(stretches.len() + 1);
-    let mut square = at_end(ends.start, stretches.first().map(|first| first.inside[0]));
+    let mut squares = Vec::with_capacity(intervals.len() + 1);
+    let mut square = at_end(ends.start, intervals.first().map(|first| first.inside[0]));
     squares.push(square);
-    for stretch in &stretches {
-        square = stretch.allowed_end.min(square + stretch.rise(limits));
+    for interval in &intervals {
+        square = interval.allowed_end.min(square + interval.rise(limits));
         squares.push(square);
     }
-    square = at_end(ends.end, stretches.last().map(|last| last.inside[1])).min(square);
+    square = at_end(ends.end, intervals.last().map(|last| last.inside[1])).min(square);
     let mut duration = R::zero();
-    for (stretch, begin) in stretches.iter().rev().zip(squares.iter().rev().skip(1)) {
-        let begin = begin.min(square + stretch.rise(limits));
-        match stretch.duration(begin, square, limits) {
+    for (interval, begin) in intervals.iter().rev().zip(squares.iter().rev().skip(1)) {
+        let begin = begin.min(square + interval.rise(limits));
+        match interval.duration(begin, square, limits) {
             Some(time) => duration = duration + time,
             None => return R::max_value(),
         }
@@ -47,7 +47,7 @@ pub fn jerk_free_duration<R: Real>(
 }
 
 /// The path between two limit points, with V² limited in between and at its end.
-pub(crate) struct Stretch<R> {
+pub(crate) struct LimitInterval<R> {
     pub(crate) length: R,
     /// The limit at its begin and end, seen from inside.
     pub(crate) inside: [R; 2],
@@ -55,23 +55,23 @@ pub(crate) struct Stretch<R> {
     pub(crate) allowed_end: R,
 }
 
-/// The stretches between the limit points.
-pub(crate) fn stretches<R: Real>(limit: &FeedLimit<R>) -> Vec<Stretch<R>> {
+/// The intervals between the limit points.
+pub(crate) fn intervals<R: Real>(limit: &FeedLimit<R>) -> Vec<LimitInterval<R>> {
     let samples = limit.samples();
     let square = |feed: R| feed * feed;
     // Without the margin; but next to a stop, where the limit is released, the lower value is the higher one.
     let feed = |i: usize, inside: R| {
         if samples[i].is_single { inside } else { samples[i].point.feedrate.max(inside) }
     };
-    let stretch = |i: usize| Stretch {
+    let interval = |i: usize| LimitInterval {
         length: samples[i + 1].point.distance - samples[i].point.distance,
         inside: [square(feed(i, samples[i].lower_after)), square(feed(i + 1, samples[i + 1].lower_before))],
         allowed_end: square(feed(i + 1, samples[i + 1].lower)),
     };
-    (0..samples.len().saturating_sub(1)).map(stretch).collect()
+    (0..samples.len().saturating_sub(1)).map(interval).collect()
 }
 
-impl<R: Real> Stretch<R> {
+impl<R: Real> LimitInterval<R> {
     /// The most that V² can change by, `2 A s`.
     pub(crate) fn rise(&self, limits: &KinematicLimits<R>) -> R {
         (limits.acceleration * self.length).ldexp(1)

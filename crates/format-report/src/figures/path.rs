@@ -12,8 +12,8 @@ use crate::palette::LEVEL_COUNT;
 use crate::runs::RunView;
 use crate::thinned::thinned;
 
-/// Most stretches that a path is cut into. Each has the colour of its worst period.
-const STRETCHES: usize = 400;
+/// Most parts that a path is cut into. Each has the colour of its worst period.
+const MOST_PARTS: usize = 400;
 
 /// Most points of all pictures of the path together: a page with so many is about a megabyte.
 const MOST_POINTS: usize = 60_000;
@@ -50,24 +50,24 @@ fn figure(
     let limit = material.comparison.machine.fluctuation_limit;
     let full_step = material.comparison.machine.feedrate_mm_per_s * material.period_s();
     let jumps = jumps(trace);
-    let mut stretches = stretches(trace, full_step, limit);
-    // Where the path crosses itself, the worst stretch must be on top.
-    stretches.sort_by_key(|stretch| std::cmp::Reverse(stretch.level));
-    let lines = stretches
+    let mut coloured_parts = coloured_parts(trace, full_step, limit);
+    // Where the path crosses itself, the worst part must be on top.
+    coloured_parts.sort_by_key(|part| std::cmp::Reverse(part.level));
+    let lines = coloured_parts
         .iter()
-        .map(|stretch| without_jumps(&points, &jumps, stretch.first..stretch.last + 1))
+        .map(|part| without_jumps(&points, &jumps, part.first..part.last + 1))
         .collect::<Vec<_>>();
     let lines = thinned(&lines, pixel, most_points);
     let drawn = draw(axes, &Layout { height, ..Layout::default() }, |plot| {
         // The worst is drawn last, on top.
-        for (stretch, lines) in stretches.iter().zip(&lines).rev().filter(|(_, lines)| !lines.is_empty()) {
+        for (part, lines) in coloured_parts.iter().zip(&lines).rev().filter(|(_, lines)| !lines.is_empty()) {
             let lines: Vec<_> = lines.iter().map(Vec::as_slice).collect();
-            let from = (stretch.first as f64 + 1.0) * material.period_s();
-            let to = (stretch.last as f64 + 1.0) * material.period_s();
+            let from = (part.first as f64 + 1.0) * material.period_s();
+            let to = (part.last as f64 + 1.0) * material.period_s();
             let times = format!("{} to {} s", number::short(from), number::short(to));
-            match stretch.level {
+            match part.level {
                 Some(level) => {
-                    let tip = format!("{times}: fluctuation up to {}", number::short(stretch.largest));
+                    let tip = format!("{times}: fluctuation up to {}", number::short(part.largest));
                     plot.trails(&format!("trail v{level}"), &lines, &tip);
                 }
                 None => {
@@ -77,7 +77,7 @@ fn figure(
         }
     });
     let caption = format!(
-        "Each stretch has the colour of its largest |δ|. The limit is {}; the thin grey ends are near rest, where it does \
+        "Each part has the colour of its largest |δ|. The limit is {}; the thin grey ends are near rest, where it does \
          not hold.",
         number::short(limit)
     );
@@ -144,7 +144,7 @@ fn without_jumps<'a>(
 
 /// A part of the path that has one colour.
 #[derive(Debug, PartialEq)]
-struct Stretch {
+struct ColouredPart {
     first: usize,
     last: usize,
     /// The level of the colour; `None` near rest.
@@ -152,10 +152,10 @@ struct Stretch {
     largest: f64,
 }
 
-/// The path in stretches of equal colour, each a whole number of groups of periods.
-fn stretches(trace: &Trace, full_step: f64, limit: f64) -> Vec<Stretch> {
-    let group = trace.periods().div_ceil(STRETCHES).max(1);
-    let mut stretches: Vec<Stretch> = Vec::new();
+/// The path in parts of equal colour, each a whole number of groups of periods.
+fn coloured_parts(trace: &Trace, full_step: f64, limit: f64) -> Vec<ColouredPart> {
+    let group = trace.periods().div_ceil(MOST_PARTS).max(1);
+    let mut coloured_parts: Vec<ColouredPart> = Vec::new();
     for first in (0..trace.periods()).step_by(group) {
         let last = (first + group).min(trace.periods() - 1);
         let periods = first..(first + group).min(trace.periods());
@@ -165,15 +165,15 @@ fn stretches(trace: &Trace, full_step: f64, limit: f64) -> Vec<Stretch> {
         });
         let largest = judged.map(|period| trace.fluctuation[period].abs()).fold(f64::NAN, f64::max);
         let level = (!largest.is_nan()).then(|| level(largest, limit));
-        match stretches.last_mut() {
+        match coloured_parts.last_mut() {
             Some(before) if before.level == level => {
                 before.last = last;
                 before.largest = before.largest.max(largest);
             }
-            _ => stretches.push(Stretch { first, last, level, largest }),
+            _ => coloured_parts.push(ColouredPart { first, last, level, largest }),
         }
     }
-    stretches
+    coloured_parts
 }
 
 /// The level of a fluctuation's colour: one level for each decade, the limit in the middle.
@@ -183,7 +183,7 @@ pub(crate) fn level(fluctuation: f64, limit: f64) -> usize {
     levels().find(|(_, upper)| beyond <= *upper).map_or(LEVEL_COUNT - 1, |(level, _)| level)
 }
 
-/// The meaning of the colours; grey is for stretches without a fluctuation.
+/// The meaning of the colours; grey is for parts without a fluctuation.
 pub(crate) fn legend(limit: f64, grey: &str) -> Vec<Entry> {
     let middle = LEVEL_COUNT / 2;
     let name = |level: usize| {
@@ -227,20 +227,20 @@ mod tests {
         assert_eq!(lines, [&[(1.0, 0.0), (1.5, 0.0)], &[(40.0, 0.0), (40.5, 0.0)]]);
     }
 
-    /// Stretches join without gaps, cover the path, and each has the colour of its worst period.
+    /// The parts join without gaps, cover the path, and each has the colour of its worst period.
     #[test]
-    fn stretches_cover_the_path() {
+    fn parts_cover_the_path() {
         let periods = 1000;
         let trace = Trace {
             wanted_mm: (0..periods).map(|i| if i < 10 { 0.01 } else { 0.6 }).collect(),
             fluctuation: (0..periods).map(|i| if i == 500 { 1e-4 } else { 1e-8 }).collect(),
             ..Trace::default()
         };
-        let found = stretches(&trace, 0.6, 1e-6);
+        let found = coloured_parts(&trace, 0.6, 1e-6);
         assert_eq!((found[0].level, found[0].first), (None, 0));
         assert!(found.windows(2).all(|pair| pair[0].last == pair[1].first));
-        assert_eq!(found.last().map(|stretch| stretch.last), Some(periods - 1));
-        let worst = found.iter().find(|s| s.first <= 500 && 500 < s.last).expect("a stretch");
+        assert_eq!(found.last().map(|part| part.last), Some(periods - 1));
+        let worst = found.iter().find(|s| s.first <= 500 && 500 < s.last).expect("a part");
         assert_eq!((worst.level, worst.largest), (Some(5), 1e-4));
     }
 }

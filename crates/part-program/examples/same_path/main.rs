@@ -149,7 +149,7 @@ fn place(run: &Run, segment: usize) -> String {
 }
 
 /// A stretch of one feedrate.
-struct Stretch {
+struct SameFeed {
     feed: Option<f64>,
     start: Point,
     length: f64,
@@ -159,7 +159,7 @@ struct Stretch {
 /// Says where feedrates first differ on a path that is the same.
 fn hold_feeds(program: &[Run], canon: &[Run], tolerance: f64) -> Result<(), Fault> {
     let [program, canon] = [program, canon].map(|runs| stretches(runs, tolerance));
-    let is_same = |one: &Stretch, other: &Stretch| {
+    let is_same = |one: &SameFeed, other: &SameFeed| {
         // Of moves with the spindle rs274 prints no feed.
         (other.feed.is_none() || is_same_feed(one.feed, other.feed))
             && distance(one.start, other.start) <= 2.0 * tolerance
@@ -170,7 +170,7 @@ fn hold_feeds(program: &[Run], canon: &[Run], tolerance: f64) -> Result<(), Faul
         None if program.len() == canon.len() || canon.iter().any(|one| one.feed.is_none()) => return Ok(()),
         None => {
             let shorter = program.len().min(canon.len());
-            let at = |list: &[Stretch]| list.get(shorter).map_or("end".into(), |one| one.place.clone());
+            let at = |list: &[SameFeed]| list.get(shorter).map_or("end".into(), |one| one.place.clone());
             let [one, other] = [at(&program), at(&canon)];
             return Err(Fault::Different(format!("different\tfeed\t{one}\t{other}\tfeeds end")));
         }
@@ -180,15 +180,15 @@ fn hold_feeds(program: &[Run], canon: &[Run], tolerance: f64) -> Result<(), Faul
 }
 
 /// Joins what follows at one feedrate; stretches within the tolerance are left out.
-fn stretches(runs: &[Run], tolerance: f64) -> Vec<Stretch> {
-    let mut stretches: Vec<Stretch> = Vec::new();
+fn stretches(runs: &[Run], tolerance: f64) -> Vec<SameFeed> {
+    let mut stretches: Vec<SameFeed> = Vec::new();
     for run in runs {
         for (segment, feed) in run.feeds.iter().enumerate() {
             let (start, length) =
                 (run.points[segment], distance(run.points[segment], run.points[segment + 1]));
             match stretches.last_mut() {
                 Some(last) if is_same_feed(last.feed, *feed) => last.length += length,
-                _ => stretches.push(Stretch { feed: *feed, start, length, place: place(run, segment) }),
+                _ => stretches.push(SameFeed { feed: *feed, start, length, place: place(run, segment) }),
             }
         }
     }
