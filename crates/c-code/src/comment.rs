@@ -1,8 +1,9 @@
-//! Text from outside, such as a part's name, in a comment of C.
+//! Text from outside, such as a part's name, in a comment of a file that is generated.
 
-/// Replaces what would end the comment or its line, what a compiler reads in comments too, and what would change the order
-/// of the text on a screen.
-pub(crate) fn in_a_comment(text: &str) -> String {
+/// Replaces what would end a comment or its line in C, Rust, VHDL or MATLAB, what a compiler reads in comments too, and
+/// what would change the order of the text on a screen.
+#[must_use]
+pub fn in_a_comment(text: &str) -> String {
     let is_odd = |c: char| {
         c.is_control()
             || matches!(c, '\u{200e}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')

@@ -24,6 +24,7 @@ mod shapes;
 mod values;
 
 pub use c_part::{COverride, CPart, ExpectedRun};
+pub use comment::in_a_comment;
 pub use files::CFiles;
 pub use literal::expect_type;
 pub use name::{CError, CName};

@@ -1,9 +1,12 @@
 //! `feedbits size`: the fewest bits that are enough.
 
+mod types;
+
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use format_compare::{Dimension, Engine, FrontPoint, Mixed, Problem, Register, Sizing, Space};
 use real::{Datapath, Overflow, Rounding};
+use types::{Language, Types};
 
 use crate::ending::Ending;
 use crate::formats::selected;
@@ -26,6 +29,9 @@ pub(crate) struct Arguments {
     /// What sums and products do that do not fit. Quotients and roots saturate in any case.
     #[arg(long, value_enum, default_value_t = OverflowName::Wrap)]
     overflow: OverflowName,
+    /// Write the registers of the signals as types of this language, in place of the report.
+    #[arg(long, value_enum, value_name = "LANGUAGE", conflicts_with = "json")]
+    types: Option<Language>,
     #[command(flatten)]
     output: output::Output,
 }
@@ -71,33 +77,50 @@ impl Arguments {
 /// Searches and prints the result.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     output::expect_place(arguments.output.out.as_deref())?;
-    let progress = Progress::spinning("running the path in formats of 12 to 48 bits");
-    let sizing = match arguments.run.problem(&arguments.input)? {
+    let (sizing, types) = match arguments.run.problem(&arguments.input)? {
         AnyProblem::Planar(problem) => size(&problem, arguments)?,
         AnyProblem::Spatial(problem) => size(&problem, arguments)?,
     };
-    progress.finish();
-    let text =
-        if arguments.output.json { serde_json::to_string_pretty(&sizing)? + "\n" } else { report(&sizing) };
+    let is_met = if arguments.types.is_some() { sizing.mixed.is_some() } else { sizing.uniform.is_some() };
+    let text = match (arguments.output.json, arguments.types, types) {
+        (true, ..) => serde_json::to_string_pretty(&sizing)? + "\n",
+        (false, None, _) => report(&sizing),
+        (false, Some(_), Some(types)) => types,
+        (false, Some(_), None) => {
+            output::say(&format!("feedbits: no types are written. {}", answer(&sizing)));
+            return Ok(Ending::RequirementNotMet);
+        }
+    };
     output::write(arguments.output.out.as_deref(), &text)?;
-    Ok(if sizing.uniform.is_some() { Ending::Good } else { Ending::RequirementNotMet })
+    Ok(if is_met { Ending::Good } else { Ending::RequirementNotMet })
 }
 
-fn size<const D: usize>(problem: &Problem<D>, arguments: &Arguments) -> Result<Sizing>
+/// The result of the search, and its registers in the language that is asked for, if there are any.
+fn size<const D: usize>(problem: &Problem<D>, arguments: &Arguments) -> Result<(Sizing, Option<String>)>
 where
     Space: Dimension<D>,
 {
+    let progress = Progress::spinning("running the path in formats of 12 to 48 bits");
     let options = arguments.run.options_for(problem)?;
     if options.engine != Engine::Pieces {
         bail!("registers are sized for compiled pieces: give --evaluate pieces, or nothing");
     }
     let formats = selected::<D>(&["f64".to_string()])?;
-    let plan = format_compare::plan_for(problem, formats[0].as_ref(), &options)?;
-    Ok(format_compare::size(problem, &plan, &options, arguments.datapath())?)
+    let (plan, datapath) =
+        (format_compare::plan_for(problem, formats[0].as_ref(), &options)?, arguments.datapath());
+    let sizing = format_compare::size(problem, &plan, &options, datapath)?;
+    progress.finish();
+    let (part, fluctuation_limit) = (problem.name.as_str(), problem.machine.fluctuation_limit);
+    let types =
+        sizing.mixed.as_ref().zip(arguments.types).map(|(mixed, language)| {
+            Types { mixed, datapath, part, fluctuation_limit }.in_language(language)
+        });
+    Ok((sizing, types))
 }
 
-fn report(sizing: &Sizing) -> String {
-    let answer = match (&sizing.uniform, sizing.uniform_margin) {
+/// The width that is enough, or why none is.
+fn answer(sizing: &Sizing) -> String {
+    match (&sizing.uniform, sizing.uniform_margin) {
         (Some(row), Some(margin)) => {
             format!("{} bits are enough: {}, {} better than asked.", row.bits, row.format, times(margin))
         }
@@ -108,7 +131,10 @@ fn report(sizing: &Sizing) -> String {
             let lines = ["No format of up to 48 bits meets the requirements.".to_string()].into_iter();
             lines.chain(widest).chain(why).collect::<Vec<_>>().join("\n")
         }
-    };
+    }
+}
+
+fn report(sizing: &Sizing) -> String {
     let point = |point: &FrontPoint| {
         let good = if point.good { "good enough" } else { "" };
         vec![
@@ -119,7 +145,7 @@ fn report(sizing: &Sizing) -> String {
         ]
     };
     let (mixed, registers) = sizing.mixed.as_ref().map(registers).unwrap_or_default();
-    screen::answer(&answer)
+    screen::answer(&answer(sizing))
         + &mixed
         + "\nBits against fluctuation, one format for all signals:\n"
         + &screen::table(&["format", "bits", "fluctuation", ""], sizing.front.iter().map(point).collect())

@@ -91,6 +91,7 @@ mod judge {
 
 mod size {
     pub(crate) mod fewest_bits;
+    mod signals;
     pub(crate) mod size;
     mod trial;
 }

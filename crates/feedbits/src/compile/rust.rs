@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use anyhow::Result;
+use c_code::in_a_comment;
 use format_compare::Constants;
 
 use super::judged::{Judged, expect_room};
@@ -53,13 +54,4 @@ fn header(about: &str, fault: Option<&str>, bytes: usize) -> String {
 ",
         in_a_comment(about)
     )
-}
-
-/// Removes characters that would end a comment's line or change the order of its text on a screen.
-fn in_a_comment(text: &str) -> String {
-    let is_odd = |c: char| {
-        c.is_control()
-            || matches!(c, '\u{200e}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
-    };
-    text.replace(is_odd, "?")
 }

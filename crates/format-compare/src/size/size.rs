@@ -21,6 +21,7 @@ use crate::run::formats::{Dimension, Space};
 use crate::run::job::Job;
 use crate::run::on_pieces;
 use crate::run::options::Options;
+use crate::size::signals::group_and_meaning;
 use crate::size::trial::{FEWEST_INTEGER_BITS, Trial, WIDTHS, search_options};
 
 /// The result of a search.
@@ -78,22 +79,14 @@ pub struct Register {
     pub signal: &'static str,
     /// The group of the signal: parameter, coordinates, step or weight.
     pub group: &'static str,
+    /// What the signal is, in the words of the glossary.
+    pub meaning: &'static str,
     /// The format's name.
     pub format: String,
     /// Its width.
     pub bits: u32,
     /// The proven bound, from which the integer bits follow.
     pub bound: f64,
-}
-
-/// The group of a signal.
-fn group(signal: &str) -> &'static str {
-    match signal {
-        "parameter" => "parameter",
-        "coefficient" | "shifted_coefficient" | "offset" | "chord_coefficient" => "coordinates",
-        "weight" | "weight_reciprocal" => "weight",
-        _ => "step",
-    }
 }
 
 /// Searches for the fewest bits with which `problem` keeps the machine's requirements, in formats with this datapath.
@@ -198,7 +191,7 @@ where
         }
         for name in ["coordinates", "step", "parameter", "weight"] {
             let members: Vec<usize> =
-                (0..bits.len()).filter(|&i| group(self.bounds[i].signal) == name).collect();
+                (0..bits.len()).filter(|&i| group_and_meaning(self.bounds[i].signal).0 == name).collect();
             self.lower(&mut bits, &members, runs);
         }
         for signal in 0..bits.len() {
@@ -242,9 +235,11 @@ fn register(bound: &SignalBound, fraction_bits: i32, datapath: Datapath) -> Regi
     // -2^(n-1) ≤ v < 2^(n-1) for n integer bits.
     let integer_bits = (1..64).find(|n| bound.bound < f64::powi(2.0, n - 1)).unwrap_or(64).unsigned_abs();
     let fraction_bits = fraction_bits.unsigned_abs();
+    let (group, meaning) = group_and_meaning(bound.signal);
     Register {
         signal: bound.signal,
-        group: group(bound.signal),
+        group,
+        meaning,
         format: FormatName::Fixed { integer_bits, fraction_bits, datapath }.to_string(),
         bits: integer_bits + fraction_bits,
         bound: bound.bound,

@@ -1,0 +1,252 @@
+//! The types hold what the formats of the search hold: VHDL in a simulation, C++ and C by a compiler, Rust in this test.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use expect_test::expect_file;
+
+use super::*;
+
+mod feed_signals;
+
+/// Three registers: a wide one, one without a bit for the integers, and the narrowest.
+fn registers(datapath: Datapath) -> Mixed {
+    let signal = |signal, integer_bits, fraction_bits, bound| Register {
+        signal,
+        group: "step",
+        meaning: "what it is",
+        format: FormatName::Fixed { integer_bits, fraction_bits, datapath }.to_string(),
+        bits: integer_bits + fraction_bits,
+        bound,
+    };
+    let signals = vec![
+        signal("parameter", 3, 23, 3.4567),
+        signal("chord_turn", 1, 4, 0.0335),
+        signal("joint_travelled", 2, 1, 1.00001),
+    ];
+    Mixed { signals, bits: 34, uniform_bits: 78, fluctuation: 7.6e-7, margin: 1.3 }
+}
+
+fn in_language(language: Language, datapath: Datapath) -> String {
+    let mixed = registers(datapath);
+    Types { mixed: &mixed, datapath, part: "a \"part\" -- */ of\nmine", fluctuation_limit: 1e-6 }
+        .in_language(language)
+}
+
+fn datapaths() -> impl Iterator<Item = Datapath> {
+    let roundings = [Rounding::Nearest, Rounding::NearestEven, Rounding::Floor, Rounding::TowardZero];
+    let both =
+        |rounding| [Overflow::Wrap, Overflow::Saturate].map(|overflow| Datapath { rounding, overflow });
+    roundings.into_iter().flat_map(both)
+}
+
+const NEAREST: Datapath = Datapath { rounding: Rounding::Nearest, overflow: Overflow::Wrap };
+
+/// Bits of a value below those of the register that it is put into.
+const FINER: u32 = 3;
+
+/// For each register values in units of 2^-(F + 3), and the word that each must become.
+fn expected(datapath: Datapath) -> Vec<(Register, Vec<(i64, i64)>)> {
+    let of = |register: Register| {
+        let reach = 3_i64 << (register.bits + FINER - 1);
+        let stride = (2 * reach / 50).max(1) | 1;
+        let units = (-reach..=reach).step_by(usize::try_from(stride).unwrap());
+        // Ties, of even and of odd words, and the extremes.
+        let half = 1 << (FINER - 1);
+        let ends = [-1, 1].map(|sign| sign << (register.bits + FINER - 1));
+        let more =
+            [-3 * half, -half, half, 3 * half].into_iter().chain(ends.into_iter().flat_map(|e| e - 9..e + 9));
+        let words = units.chain(more).map(|units| (units, word(units, register.bits, datapath))).collect();
+        (register, words)
+    };
+    registers(datapath).signals.into_iter().map(of).collect()
+}
+
+/// The closed form of rounding and overflow, in integers.
+fn word(units: i64, bits: u32, datapath: Datapath) -> i64 {
+    let (one, half) = (1_i64 << FINER, 1_i64 << (FINER - 1));
+    let down = units.div_euclid(one);
+    let rest = units.rem_euclid(one);
+    let up = match datapath.rounding {
+        Rounding::Nearest => rest >= half,
+        Rounding::NearestEven => rest > half || (rest == half && down % 2 != 0),
+        Rounding::Floor => false,
+        Rounding::TowardZero => rest > 0 && down < 0,
+    };
+    let (rounded, extreme) = (down + i64::from(up), 1_i64 << (bits - 1));
+    match datapath.overflow {
+        Overflow::Wrap => (rounded + extreme).rem_euclid(2 * extreme) - extreme,
+        Overflow::Saturate => rounded.clamp(-extreme, extreme - 1),
+    }
+}
+
+fn fraction_bits(register: &Register) -> u32 {
+    Row::of(register).unwrap().fraction_bits
+}
+
+/// Whether a tool is there. Without it the test is skipped, unless FEEDBITS_REGISTER_TYPES is set.
+fn is_there(tool: &str) -> bool {
+    let found = Command::new(tool).arg("--version").output().is_ok_and(|output| output.status.success());
+    assert!(
+        found || std::env::var_os("FEEDBITS_REGISTER_TYPES").is_none(),
+        "{tool} is not found, and FEEDBITS_REGISTER_TYPES asks for it"
+    );
+    found
+}
+
+fn run(command: &mut Command) {
+    let output = command.output().unwrap();
+    let text = [output.stdout, output.stderr].concat();
+    assert!(output.status.success(), "{command:?}: {}", String::from_utf8_lossy(&text));
+}
+
+/// The lowest `bits` bits of a number, highest first.
+fn binary(number: i64, bits: u32) -> String {
+    (0..bits).rev().map(|bit| if number >> bit & 1 == 1 { '1' } else { '0' }).collect()
+}
+
+/// A testbench that compares each word with that of the register.
+fn testbench(datapath: Datapath) -> String {
+    let mut text =
+        "library ieee;\nuse ieee.fixed_pkg.all;\nuse ieee.std_logic_1164.all;\nuse work.feed_signals.all;\n\
+                    entity bench is end entity;\narchitecture simulated of bench is\nbegin\n    process\n"
+            .to_string();
+    let mut checks = String::new();
+    for (register, words) in expected(datapath) {
+        let Register { signal, bits, .. } = &register;
+        let (low, width) = (fraction_bits(&register) + FINER, bits + FINER + 2);
+        let _ = writeln!(
+            text,
+            "        variable {signal}_register : {signal}_t;\n        variable {signal}_wide : sfixed({} downto -{low});",
+            i64::from(width) - i64::from(low) - 1
+        );
+        for (units, word) in words {
+            let _ = writeln!(
+                checks,
+                "        {signal}_wide := \"{}\";\n        {signal}_register := to_register({signal}_wide, {signal}_register);\n        \
+                 assert to_slv({signal}_register) = \"{}\" report \"{signal} of {units}\" severity failure;",
+                binary(units, width),
+                binary(word, *bits)
+            );
+        }
+    }
+    text + "    begin\n" + &checks + "        wait;\n    end process;\nend architecture;\n"
+}
+
+#[test]
+fn test_a_vhdl_register_holds_the_word_of_its_format() {
+    if !is_there("ghdl") {
+        return;
+    }
+    for datapath in datapaths() {
+        let folder = tempfile::tempdir().unwrap();
+        let ghdl = || {
+            let mut command = Command::new("ghdl");
+            command.current_dir(folder.path());
+            command
+        };
+        std::fs::write(folder.path().join("types.vhd"), in_language(Language::Vhdl, datapath)).unwrap();
+        std::fs::write(folder.path().join("bench.vhd"), testbench(datapath)).unwrap();
+        run(ghdl().args(["-a", "--std=08", "types.vhd", "bench.vhd"]));
+        run(ghdl().args(["-e", "--std=08", "bench"]));
+        run(ghdl().args(["-r", "--std=08", "bench", "--assert-level=error"]));
+    }
+}
+
+/// The folders of `ap_fixed.h` and `ac_fixed.h`, if FEEDBITS_REGISTER_TYPES names one that has them.
+fn hls_headers() -> Option<[PathBuf; 2]> {
+    let folder = PathBuf::from(std::env::var_os("FEEDBITS_REGISTER_TYPES")?);
+    Some(["ap_types", "ac_types"].map(|name| folder.join(name)))
+}
+
+fn program_of_hls(datapath: Datapath) -> String {
+    let mut text = "#include \"feed_signals.h\"\n#include <cmath>\n#include <cstdio>\nint main() {\n    int wrong = 0;\n".to_string();
+    for (register, words) in expected(datapath) {
+        let (signal, fraction_bits) = (register.signal, fraction_bits(&register));
+        for (units, word) in words {
+            let _ = writeln!(
+                text,
+                "    {{ feed_signals::{signal}_t x = std::ldexp({units}.0, -{});\n      \
+                 if (std::ldexp(x.to_double(), {fraction_bits}) != {word}.0) {{ std::puts(\"{signal} of {units}\"); wrong++; }} }}",
+                fraction_bits + FINER,
+            );
+        }
+    }
+    text + "    return wrong != 0;\n}\n"
+}
+
+#[test]
+fn test_a_register_of_high_level_synthesis_holds_the_word_of_its_format() {
+    let Some([ap, ac]) = hls_headers().filter(|_| is_there("g++")) else { return };
+    // Each way of rounding once, and half of them with each way of overflowing: the headers take long to compile.
+    let saturates = |rounding| matches!(rounding, Rounding::NearestEven | Rounding::TowardZero);
+    for datapath in datapaths().filter(|d| (d.overflow == Overflow::Saturate) == saturates(d.rounding)) {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("feed_signals.h"), in_language(Language::Hls, datapath)).unwrap();
+        std::fs::write(folder.path().join("main.cpp"), program_of_hls(datapath)).unwrap();
+        for (headers, define) in [(&ap, "-DFEED_AP"), (&ac, "-DFEED_AC")] {
+            let mut compiler = Command::new("g++");
+            compiler
+                .args(["-std=c++17", "-w", define, "-isystem"])
+                .arg(headers)
+                .args(["main.cpp", "-o", "main"]);
+            run(compiler.current_dir(folder.path()));
+            run(&mut Command::new(folder.path().join("main")));
+        }
+    }
+}
+
+#[test]
+fn test_the_c_header_compiles_and_its_words_are_wide_enough() {
+    if !is_there("cc") {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("feed_signals.h"), in_language(Language::C, NEAREST)).unwrap();
+    let mut text = "#include \"feed_signals.h\"\n#include \"feed_signals.h\"\n".to_string();
+    for register in registers(NEAREST).signals {
+        let (signal, name) = (register.signal, register.signal.to_uppercase());
+        let _ = writeln!(
+            text,
+            "typedef char {signal}_fits[8 * sizeof(feed_{signal}) >= FEED_{name}_BITS && FEED_{name}_BITS == {} \
+             && FEED_{name}_FRACTION_BITS == {} ? 1 : -1];",
+            register.bits,
+            fraction_bits(&register)
+        );
+    }
+    std::fs::write(folder.path().join("main.c"), text).unwrap();
+    let strict = ["-std=c99", "-Wall", "-Wextra", "-pedantic", "-Werror", "-fsyntax-only", "main.c"];
+    run(Command::new("cc").args(strict).current_dir(folder.path()));
+}
+
+#[test]
+fn test_the_rust_module_compiles_and_its_types_are_wide_enough() {
+    let text = in_language(Language::Rust, NEAREST);
+    expect_file![Path::new(env!("CARGO_MANIFEST_DIR")).join("src/size/types/tests/feed_signals.rs")]
+        .assert_eq(&text);
+    let widths = [
+        (feed_signals::Parameter::FRAC_NBITS, feed_signals::Parameter::INT_NBITS),
+        (feed_signals::ChordTurn::FRAC_NBITS, feed_signals::ChordTurn::INT_NBITS),
+        (feed_signals::JointTravelled::FRAC_NBITS, feed_signals::JointTravelled::INT_NBITS),
+    ];
+    for (register, (fraction, integer)) in registers(NEAREST).signals.iter().zip(widths) {
+        let row = Row::of(register).unwrap();
+        assert!(fraction == row.fraction_bits && integer >= row.integer_bits, "{}", row.signal);
+    }
+}
+
+#[test]
+fn test_matlab_has_a_line_for_each_register() {
+    let text =
+        in_language(Language::Matlab, Datapath { rounding: Rounding::Floor, overflow: Overflow::Saturate });
+    assert!(text.contains("fimath('RoundingMethod', 'Floor', 'OverflowAction', 'Saturate', ..."), "{text}");
+    assert!(text.contains("\ntypes.parameter = fi([], numerictype(1, 26, 23), math);\n"), "{text}");
+    assert_eq!(text.matches("numerictype").count(), 3);
+}
+
+#[test]
+fn test_a_bound_is_rounded_up() {
+    for language in [Language::Vhdl, Language::Hls, Language::Matlab, Language::Rust, Language::C] {
+        assert!(in_language(language, NEAREST).contains("at most 1.0001"), "{language:?}");
+    }
+}
