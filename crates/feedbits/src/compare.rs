@@ -9,6 +9,7 @@ use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
 use format_compare::{Comparison, Dimension, Engine, JudgedRun, JudgedStep, Problem, Run, Space, Trace};
 use target_cost::Target;
 
+use crate::baseline::{self, BaselineArguments};
 use crate::ending::Ending;
 use crate::formats::selected;
 use crate::input::{AnyProblem, Input};
@@ -37,6 +38,8 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
     #[command(flatten)]
+    baseline: BaselineArguments,
+    #[command(flatten)]
     output: output::Output,
 }
 
@@ -63,9 +66,13 @@ where
 {
     let formats = selected(&arguments.formats)?;
     let (shown, options) = (arguments.shown()?, arguments.run.options_for(problem)?);
-    let shows_all = arguments.wide || arguments.output.json || arguments.report.is_some();
+    let shows_all = arguments.wide
+        || arguments.output.json
+        || arguments.report.is_some()
+        || arguments.baseline.is_given();
     let engines = if shows_all { arguments.run.engines()? } else { shown.clone() };
     output::expect_place(arguments.output.out.as_deref())?;
+    let baseline = arguments.baseline.read("compare")?;
     report::make_folder(arguments.report.as_deref())?;
     let progress = Progress::of("runs", formats.len() * engines.len());
     let wanted = arguments.report.is_some();
@@ -93,7 +100,7 @@ where
         progress.finish();
     }
     let text = if arguments.output.json {
-        serde_json::to_string_pretty(&comparison)? + "\n"
+        baseline::json("compare", &comparison)?
     } else if arguments.wide {
         table(&comparison) + &period_costs::tables(&comparison, targets, None)
     } else {
@@ -105,7 +112,8 @@ where
         let page = report::write(folder, problem, &comparison, (&traces, targets), &options)?;
         output::note(&format!("report in {}", page.display()));
     }
-    Ok(if comparison.recommended.is_some() { Ending::Good } else { Ending::RequirementNotMet })
+    let ending = if comparison.recommended.is_some() { Ending::Good } else { Ending::RequirementNotMet };
+    baseline.map_or(Ok(ending), |baseline| baseline.judge(&comparison, ending))
 }
 
 /// Heading of the column for runs that pass a corner.

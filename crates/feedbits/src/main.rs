@@ -1,6 +1,7 @@
 //! `feedbits`: how many bits does your feed need?
 
 mod answer;
+mod baseline;
 mod candidates;
 mod check;
 mod compare;

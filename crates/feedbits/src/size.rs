@@ -4,10 +4,12 @@ mod types;
 
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
-use format_compare::{Dimension, Engine, FrontPoint, Mixed, Problem, Register, Sizing, Space};
+use format_compare::{Dimension, Engine, FrontPoint, Machine, Mixed, Problem, Register, Sizing, Space};
 use real::{Datapath, Overflow, Rounding};
+use serde::Serialize;
 use types::{Language, Types};
 
+use crate::baseline::{self, BaselineArguments};
 use crate::ending::Ending;
 use crate::formats::selected;
 use crate::input::{AnyProblem, Input};
@@ -32,6 +34,8 @@ pub(crate) struct Arguments {
     /// Write the registers of the signals as types of this language, in place of the report.
     #[arg(long, value_enum, value_name = "LANGUAGE", conflicts_with = "json")]
     types: Option<Language>,
+    #[command(flatten)]
+    baseline: BaselineArguments,
     #[command(flatten)]
     output: output::Output,
 }
@@ -77,26 +81,44 @@ impl Arguments {
 /// Searches and prints the result.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     output::expect_place(arguments.output.out.as_deref())?;
-    let (sizing, types) = match arguments.run.problem(&arguments.input)? {
+    let baseline = arguments.baseline.read("size")?;
+    let (found, types) = match arguments.run.problem(&arguments.input)? {
         AnyProblem::Planar(problem) => size(&problem, arguments)?,
         AnyProblem::Spatial(problem) => size(&problem, arguments)?,
     };
+    let sizing = &found.sizing;
     let is_met = if arguments.types.is_some() { sizing.mixed.is_some() } else { sizing.uniform.is_some() };
     let text = match (arguments.output.json, arguments.types, types) {
-        (true, ..) => serde_json::to_string_pretty(&sizing)? + "\n",
-        (false, None, _) => report(&sizing),
+        (true, ..) => baseline::json("size", &found)?,
+        (false, None, _) => report(sizing),
         (false, Some(_), Some(types)) => types,
         (false, Some(_), None) => {
-            output::say(&format!("feedbits: no types are written. {}", answer(&sizing)));
+            output::say(&format!("feedbits: no types are written. {}", answer(sizing)));
             return Ok(Ending::RequirementNotMet);
         }
     };
     output::write(arguments.output.out.as_deref(), &text)?;
-    Ok(if is_met { Ending::Good } else { Ending::RequirementNotMet })
+    let ending = if is_met { Ending::Good } else { Ending::RequirementNotMet };
+    baseline.map_or(Ok(ending), |baseline| baseline.judge(&found, ending))
+}
+
+/// The result of a search, and of what it is one.
+#[derive(Serialize)]
+struct Found {
+    part: PartName,
+    machine: Machine,
+    #[serde(flatten)]
+    sizing: Sizing,
+}
+
+/// The part, as `compare` names it too.
+#[derive(Serialize)]
+struct PartName {
+    name: String,
 }
 
 /// The result of the search, and its registers in the language that is asked for, if there are any.
-fn size<const D: usize>(problem: &Problem<D>, arguments: &Arguments) -> Result<(Sizing, Option<String>)>
+fn size<const D: usize>(problem: &Problem<D>, arguments: &Arguments) -> Result<(Found, Option<String>)>
 where
     Space: Dimension<D>,
 {
@@ -115,7 +137,8 @@ where
         sizing.mixed.as_ref().zip(arguments.types).map(|(mixed, language)| {
             Types { mixed, datapath, part, fluctuation_limit }.in_language(language)
         });
-    Ok((sizing, types))
+    let (part, machine) = (PartName { name: problem.name.clone() }, problem.machine.clone());
+    Ok((Found { part, machine, sizing }, types))
 }
 
 /// The width that is enough, or why none is.

@@ -7,6 +7,7 @@ use expect_test::expect_file;
 
 use super::*;
 
+#[expect(unreachable_pub, reason = "the types are for everybody in the crate that they are generated for")]
 mod feed_signals;
 
 /// Three registers: a wide one, one without a bit for the integers, and the narrowest.

@@ -1,0 +1,199 @@
+//! `--baseline`: the figures of a run beside those of an earlier one.
+//!
+//! The JSON of an earlier run is the baseline. Figures of which less is better are compared one by one, and a format
+//! that was good must still be.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
+use clap::Args;
+use serde::Serialize;
+use serde_json::Value;
+
+use crate::ending::Ending;
+use crate::output;
+
+/// The version of the JSON of `compare` and `size`. It grows when a key goes or changes its meaning.
+const SCHEMA: u64 = 1;
+
+/// What a limit is divided by: a figure below this share of its limit counts as this share of it.
+const NEGLIGIBLE: f64 = 1e-3;
+
+/// The JSON of a command's result, with the version of its keys.
+#[derive(Serialize)]
+struct Versioned<'a, T> {
+    schema: u64,
+    command: &'a str,
+    #[serde(flatten)]
+    result: &'a T,
+}
+
+/// The result of `command` as JSON.
+pub(crate) fn json<T: Serialize>(command: &str, result: &T) -> Result<String> {
+    Ok(serde_json::to_string_pretty(&Versioned { schema: SCHEMA, command, result })? + "\n")
+}
+
+/// Options of a command whose result can be compared with an earlier one.
+#[derive(Args)]
+pub(crate) struct BaselineArguments {
+    /// The JSON of an earlier run of this command: end with status 1 if a figure has got worse since.
+    #[arg(long, value_name = "FILE")]
+    baseline: Option<PathBuf>,
+    /// By how much a figure may grow over the baseline's, in per cent.
+    #[arg(long, value_name = "PERCENT", default_value_t = 1.0, requires = "baseline")]
+    worse_by: f64,
+}
+
+/// An earlier result.
+pub(crate) struct Baseline {
+    path: PathBuf,
+    result: Value,
+    /// By how much a figure may grow, as a share.
+    share: f64,
+}
+
+impl BaselineArguments {
+    /// Whether there is a baseline, which has every figure of JSON.
+    pub(crate) fn is_given(&self) -> bool {
+        self.baseline.is_some()
+    }
+
+    /// The baseline that is asked for, if it is one of `command`.
+    pub(crate) fn read(&self, command: &str) -> Result<Option<Baseline>> {
+        if !(0.0..=1000.0).contains(&self.worse_by) {
+            bail!("--worse-by {}: a figure may grow by 0 to 1000 per cent", self.worse_by);
+        }
+        let Some(path) = &self.baseline else { return Ok(None) };
+        let text =
+            std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+        let result: Value = serde_json::from_str(&text).with_context(|| path.display().to_string())?;
+        expect_result_of(command, &result, path)?;
+        Ok(Some(Baseline { path: path.clone(), result, share: self.worse_by / 100.0 }))
+    }
+}
+
+fn expect_result_of(command: &str, result: &Value, path: &Path) -> Result<()> {
+    let path = path.display();
+    let Some(schema) = result["schema"].as_u64() else {
+        bail!("{path}: no \"schema\": expected what `feedbits {command} --json` prints");
+    };
+    if schema != SCHEMA {
+        bail!("{path}: \"schema\" is {schema}, and this feedbits has {SCHEMA}: make the baseline again");
+    }
+    match result["command"].as_str() {
+        Some(found) if found == command => Ok(()),
+        found => bail!(
+            "{path}: \"command\" is \"{}\": expected what `feedbits {command} --json` prints",
+            found.unwrap_or_default()
+        ),
+    }
+}
+
+/// A figure of which less is better.
+#[derive(Clone, Copy)]
+struct Figure {
+    value: f64,
+    /// The largest value that is good, or 0 if there is none.
+    limit: f64,
+}
+
+/// The words for a verdict, from the best to the worst, as JSON has them.
+const VERDICTS: [&str; 3] = ["good", "bad", "refused"];
+
+/// The end of the name of a verdict's figure, which is the place in [`VERDICTS`].
+const VERDICT: &str = "verdict";
+
+impl Figure {
+    fn is_worse_than(self, before: Self, share: f64) -> bool {
+        self.value > before.value + share * before.value.max(NEGLIGIBLE * before.limit)
+    }
+
+    /// The figure for a person.
+    fn shown(self, name: &str) -> String {
+        let verdict = |at: f64| VERDICTS.iter().zip([0.0, 1.0, 2.0]).find(|(_, place)| *place == at);
+        match self.value {
+            place if name.ends_with(VERDICT) => {
+                verdict(place).map_or("unknown", |(word, _)| word).to_string()
+            }
+            0.0 => "0".to_string(),
+            value if (1e-3..1e6).contains(&value.abs()) => format!("{value}"),
+            value => format!("{value:.3e}"),
+        }
+    }
+}
+
+impl Baseline {
+    /// Says which figures of `result` are worse than those of the baseline. The ending is not good if one is.
+    pub(crate) fn judge<T: Serialize>(&self, result: &T, ending: Ending) -> Result<Ending> {
+        let now = serde_json::to_value(result)?;
+        self.expect_the_same_question(&now)?;
+        let (before, now) = (figures(&self.result), figures(&now));
+        let compared = |(name, old): (&String, &Figure)| match now.get(name) {
+            None => Some(format!("{name} was {}, and is missing", old.shown(name))),
+            Some(new) if new.is_worse_than(*old, self.share) => {
+                Some(format!("{name} was {}, and is {}", old.shown(name), new.shown(name)))
+            }
+            Some(_) => None,
+        };
+        let worse: Vec<String> = before.iter().filter_map(compared).collect();
+        let (path, per_cent) = (self.path.display(), 100.0 * self.share);
+        if worse.is_empty() {
+            output::note(&format!(
+                "{} are at most {per_cent} % worse than in {path}",
+                output::counted(before.len(), "figure", "figures")
+            ));
+            return Ok(ending);
+        }
+        output::say(&format!("feedbits: more than {per_cent} % worse than in {path}:"));
+        worse.iter().for_each(|line| output::say(&format!("  {line}")));
+        Ok(Ending::RequirementNotMet)
+    }
+
+    /// Refuses a baseline of another part or machine.
+    fn expect_the_same_question(&self, now: &Value) -> Result<()> {
+        let path = self.path.display();
+        let (old, new) = (&self.result["part"]["name"], &now["part"]["name"]);
+        if old != new {
+            bail!("{path} is of the part {old}, and this run is of {new}");
+        }
+        for (key, old) in self.result["machine"].as_object().into_iter().flatten() {
+            let new = &now["machine"][key];
+            if old != new {
+                bail!("{path} was made with {key} = {old} in the machine file, and this run with {new}");
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The figures of a result, by their names.
+fn figures(result: &Value) -> BTreeMap<String, Figure> {
+    let mut figures = BTreeMap::new();
+    let mut add = |name: String, value: &Value, limit: &Value| {
+        if let Some(value) = value.as_f64() {
+            figures.insert(name, Figure { value, limit: limit.as_f64().unwrap_or(0.0) });
+        }
+    };
+    let no_limit = &Value::Null;
+    add("planned time in s".into(), &result["part"]["planned_time_s"], no_limit);
+    add("fewest bits".into(), &result["fewest_bits"]["bits"], no_limit);
+    add("bits in one format".into(), &result["uniform"]["bits"], no_limit);
+    add("bits of all registers".into(), &result["mixed"]["bits"], no_limit);
+    for run in result["formats"].as_array().into_iter().flatten() {
+        let text = |key: &str| run[key].as_str().unwrap_or_default();
+        let of = |what: &str| format!("{} {}: {what}", text("format"), text("engine"));
+        let verdict = VERDICTS.iter().position(|word| run["verdict"]["result"] == **word);
+        add(of(VERDICT), &verdict.into(), no_limit);
+        add(of("evaluations of a step"), &run["evaluations"]["max"], no_limit);
+        add(of("periods"), &run["periods"], no_limit);
+        for requirement in run["requirements"].as_array().into_iter().flatten() {
+            let what = requirement["what"].as_str().unwrap_or_default();
+            add(of(what), &requirement["found"], &requirement["limit"]);
+        }
+        for (target, cost) in run["cycles"].as_object().into_iter().flatten() {
+            add(of(&format!("dearest period on {target}")), &cost["max"], no_limit);
+        }
+    }
+    figures
+}
