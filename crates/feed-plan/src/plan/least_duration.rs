@@ -23,7 +23,7 @@ use alloc::vec::Vec;
 
 use real::Real;
 
-use crate::plan::fastest::caps::caps;
+use crate::plan::fastest::caps::{Contact, caps};
 use crate::plan::fastest::motion::time_over;
 use crate::plan::lower_bound::{LimitInterval, intervals};
 use crate::{EndFeeds, FeedLimit, KinematicLimits};
@@ -55,7 +55,7 @@ pub fn least_duration<R: Real>(limit: &FeedLimit<R>, limits: &KinematicLimits<R>
     let mut duration = R::zero();
     let mut first = 0;
     while first + 1 < nodes.len() {
-        let is_rest = |node: &(R, R)| !(node.1 > R::zero());
+        let is_rest = |node: &Node<R>| !(node.v > R::zero());
         let behind = nodes.iter().skip(first + 1).position(is_rest);
         let last = behind.map_or(nodes.len() - 1, |behind| first + 1 + behind);
         let section = nodes.get(first..=last).unwrap_or_default();
@@ -74,8 +74,13 @@ struct Most<R> {
     jerk: R,
 }
 
-/// Distance and jerk-free feed.
-type Node<R> = (R, R);
+/// A place on the path, the most that the feed can be there, and the least time to it from the first node at the limit alone.
+#[derive(Clone, Copy)]
+struct Node<R> {
+    s: R,
+    v: R,
+    t: R,
+}
 
 /// The jerk-free feeds at the limit points and between them.
 fn nodes<R: Real>(
@@ -101,25 +106,32 @@ fn nodes<R: Real>(
     }
     let step = acceleration / limits.jerk / R::from_ratio(NODES, 1);
     let step = step.max(limits.interpolation_period.ldexp(-2));
-    let mut nodes = Vec::from([(R::zero(), squares[0].sqrt())]);
+    let mut nodes = Vec::from([Node { s: R::zero(), v: squares[0].sqrt(), t: R::zero() }]);
     let mut begin = R::zero();
     for (interval, ends) in intervals.iter().zip(squares.windows(2)) {
         let length = interval.length;
         let [b0, b1] = [ends[0], ends[1]];
+        let limit = |x: R| interval.inside[0] + (interval.inside[1] - interval.inside[0]) * (x / length);
         let at = |x: R| {
-            let limit = interval.inside[0] + (interval.inside[1] - interval.inside[0]) * (x / length);
             let reach = |b: R, x: R| b + (acceleration * x).ldexp(1);
-            limit.min(reach(b0, x)).min(reach(b1, length - x)).sqrt()
+            limit(x).min(reach(b0, x)).min(reach(b1, length - x)).sqrt()
         };
         let from = |feed: R| gaps(feed, acceleration, step, length.half());
         let (up, down) = (from(b0.sqrt()), from(b1.sqrt()));
         let inner = up.iter().copied().chain([length.half()]).chain(down.iter().rev().map(|x| length - *x));
+        // V² is linear, so the limit is highest at one end.
+        let highest = |x: [R; 2]| limit(x[0]).max(limit(x[1])).sqrt();
+        let (mut before, mut time) = (R::zero(), nodes.last().map_or(R::zero(), |last| last.t));
         for x in inner.chain([length]) {
-            let feed = if x == length { b1.sqrt() } else { at(x) };
-            let s = begin + x;
+            let v = if x == length { b1.sqrt() } else { at(x) };
+            let (s, most) = (begin + x, highest([before, x]));
+            if most > R::zero() {
+                time = time + (x - before) / most;
+            }
+            before = x;
             match nodes.last_mut() {
-                Some(last) if !(s > last.0) => last.1 = last.1.min(feed),
-                _ => nodes.push((s, feed)),
+                Some(last) if !(s > last.s) => last.v = last.v.min(v),
+                _ => nodes.push(Node { s, v, t: time }),
             }
         }
         begin = begin + length;
@@ -143,26 +155,26 @@ fn gaps<R: Real>(feed: R, acceleration: R, step: R, half: R) -> Vec<R> {
 /// The bound between two rests.
 fn of_section<R: Real>(nodes: &[Node<R>], most: &Most<R>) -> Option<R> {
     let (first, last) = (nodes.first()?, nodes.last()?);
-    if nodes.len() < 3 && !(first.1 + last.1 > R::zero()) {
+    if nodes.len() < 3 && !(first.v + last.v > R::zero()) {
         return None;
     }
     let mut bounds = nodes.to_vec();
-    if first.1.is_zero() {
+    if first.v.is_zero() {
         lower_from_rest(&mut bounds, most);
     }
     let mut mirrored = mirror(&bounds);
-    if last.1.is_zero() {
+    if last.v.is_zero() {
         lower_from_rest(&mut mirrored, most);
     }
     let bounds = mirror(&mirrored);
-    let contacts = caps(bounds.len(), |k| bounds[k], most.jerk);
+    let contacts = caps(bounds.len(), |k| (bounds[k].s, bounds[k].v), most.jerk);
     // The profile P at all nodes.
     let mut profile = bounds.clone();
     // A rest is a place of its own, whose θ is zero.
     let at_rest = |node: usize| Touch { node, ends: [R::zero(); 2], jump: R::max_value() };
     let end = profile.len() - 1;
     let (mut begin, mut places) = (0, Vec::new());
-    places.extend(first.1.is_zero().then(|| at_rest(0)));
+    places.extend(first.v.is_zero().then(|| at_rest(0)));
     let mut windows: Vec<Window<R>> = Vec::new();
     for pair in contacts.windows(2) {
         let (from, to) = (&pair[0], &pair[1]);
@@ -178,13 +190,13 @@ fn of_section<R: Real>(nodes: &[Node<R>], most: &Most<R>) -> Option<R> {
         }
     }
     // Between the last place and a rest at the end the window is divided where the feed is highest.
-    if let Some(place) = places.last().filter(|_| last.1.is_zero()).map(|place| place.node) {
+    if let Some(place) = places.last().filter(|_| last.v.is_zero()).map(|place| place.node) {
         let highest =
-            (place..end).fold(place, |best, k| if profile[k].1 > profile[best].1 { k } else { best });
+            (place..end).fold(place, |best, k| if profile[k].v > profile[best].v { k } else { best });
         windows.push(Window::new([begin, highest], core::mem::take(&mut places)));
         begin = highest;
     }
-    places.extend(last.1.is_zero().then(|| at_rest(end)));
+    places.extend(last.v.is_zero().then(|| at_rest(end)));
     windows.push(Window::new([begin, end], places));
     for _ in 0..MERGES {
         let count = windows.len();
@@ -264,15 +276,15 @@ fn add<R: Real>(places: &mut Vec<Touch<R>>, place: Touch<R>) {
 }
 
 fn mirror<R: Real>(nodes: &[Node<R>]) -> Vec<Node<R>> {
-    nodes.iter().rev().map(|(s, v)| (R::zero() - *s, *v)).collect()
+    nodes.iter().rev().map(|&Node { s, v, t }| Node { s: R::zero() - s, v, t: R::zero() - t }).collect()
 }
 
 /// Puts the feeds of an arc of jerk -J between two nodes; those at both are there.
 fn follow<R: Real>(profile: &mut [Node<R>], [from, to]: [usize; 2], departure: R, jerk: R) {
-    let (s0, v0) = profile[from];
+    let Node { s: s0, v: v0, .. } = profile[from];
     let mut time = R::zero();
     for node in profile.iter_mut().take(to).skip(from + 1) {
-        let (s, bound) = *node;
+        let Node { s, v: bound, .. } = *node;
         // Newton's method from the node before.
         let down = R::zero() - jerk;
         for _ in 0..6 {
@@ -285,7 +297,7 @@ fn follow<R: Real>(profile: &mut [Node<R>], [from, to]: [usize; 2], departure: R
             }
         }
         let v = v0 + time * (departure + (down * time).half());
-        node.1 = if v > R::zero() { v.min(bound) } else { bound };
+        node.v = if v > R::zero() { v.min(bound) } else { bound };
     }
 }
 
@@ -294,7 +306,7 @@ fn follow<R: Real>(profile: &mut [Node<R>], [from, to]: [usize; 2], departure: R
 /// alone. They end where it lowers nothing more: it is above the feeds there, which rise by no more than A. `None` where it comes to
 /// rest.
 fn lowered_by_arc<R: Real>(nodes: &[Node<R>], theta: R, most: &Most<R>) -> Option<Vec<(R, R)>> {
-    let &(mut s, mut v) = nodes.first()?;
+    let &Node { mut s, mut v, .. } = nodes.first()?;
     let mut now = R::zero();
     let mut lowered = Vec::from([(v, now)]);
     let mut a = theta.min(most.acceleration);
@@ -302,7 +314,7 @@ fn lowered_by_arc<R: Real>(nodes: &[Node<R>], theta: R, most: &Most<R>) -> Optio
         return None;
     }
     for node in nodes.iter().skip(1) {
-        let length = node.0 - s;
+        let length = node.s - s;
         let by_acceleration = (v * v + (most.acceleration * length).ldexp(1)).sqrt();
         if a < most.acceleration {
             let time = time_over(length, v, a, most.jerk);
@@ -315,9 +327,9 @@ fn lowered_by_arc<R: Real>(nodes: &[Node<R>], theta: R, most: &Most<R>) -> Optio
             now = now + (by_acceleration - v) / most.acceleration;
             v = by_acceleration;
         }
-        lowered.push((node.1.min(v), now));
-        s = node.0;
-        if a >= most.acceleration && v >= node.1 {
+        lowered.push((node.v.min(v), now));
+        s = node.s;
+        if a >= most.acceleration && v >= node.v {
             break;
         }
     }
@@ -327,7 +339,13 @@ fn lowered_by_arc<R: Real>(nodes: &[Node<R>], theta: R, most: &Most<R>) -> Optio
 /// Lowers feeds to those of the motion from rest at the first node.
 fn lower_from_rest<R: Real>(nodes: &mut [Node<R>], most: &Most<R>) {
     let lowered = lowered_by_arc(nodes, R::zero(), most).unwrap_or_default();
-    nodes.iter_mut().zip(lowered).for_each(|(node, (feed, _))| node.1 = feed);
+    nodes.iter_mut().zip(lowered).for_each(|(node, (feed, _))| node.v = feed);
+}
+
+/// The least time of the arc that ends at a contact: between far nodes it is above the limit, at which the motion takes longer.
+fn time_to<R: Real>(nodes: &[Node<R>], contacts: &[Contact<R>], k: usize) -> R {
+    let Some(before) = k.checked_sub(1).map(|before| contacts[before].node) else { return contacts[k].time };
+    contacts[k].time.max(nodes[contacts[k].node].t - nodes[before].t)
 }
 
 /// Nodes on one side of a place, from there on, and the places where the arcs below them touch, with the times of the arcs behind.
@@ -339,9 +357,10 @@ struct Side<'a, R> {
 impl<'a, R: Real> Side<'a, R> {
     fn new(nodes: &'a [Node<R>], jerk: R) -> Self {
         let (mut touches, mut behind) = (Vec::new(), R::zero());
-        for contact in caps(nodes.len(), |k| nodes[k], jerk).iter().rev() {
+        let contacts = caps(nodes.len(), |k| (nodes[k].s, nodes[k].v), jerk);
+        for (k, contact) in contacts.iter().enumerate().rev() {
             touches.push((contact.node, behind));
-            behind = behind + contact.time;
+            behind = behind + time_to(nodes, &contacts, k);
         }
         touches.reverse();
         Self { nodes, touches }
@@ -360,13 +379,14 @@ impl<'a, R: Real> Side<'a, R> {
         let unchanged = self.touches.iter().find(|touch| touch.0 >= lowered.len());
         let last = self.nodes.len().saturating_sub(1);
         let (end, mut behind) = unchanged.copied().unwrap_or((last, R::zero()));
-        let at = |k: usize| (self.nodes[k].0, lowered.get(k).map_or(self.nodes[k].1, |lowered| lowered.0));
+        let at = |k: usize| (self.nodes[k].s, lowered.get(k).map_or(self.nodes[k].v, |lowered| lowered.0));
         let mut least = R::zero();
-        for contact in caps(end + 1, at, most.jerk).iter().rev() {
+        let contacts = caps(end + 1, at, most.jerk);
+        for (k, contact) in contacts.iter().enumerate().rev() {
             if let Some((_, time)) = lowered.get(contact.node) {
                 least = least.max(*time + behind);
             }
-            behind = behind + contact.time;
+            behind = behind + time_to(self.nodes, &contacts, k);
         }
         least
     }
@@ -401,7 +421,7 @@ fn by_place<R: Real>(
 ) -> R {
     let sides = [before, behind].map(|nodes| Side::new(nodes, most.jerk));
     let along = [0, 1].map(|k: usize| {
-        let rests = sides[k].nodes.first().is_some_and(|first| first.1.is_zero());
+        let rests = sides[k].nodes.first().is_some_and(|first| first.v.is_zero());
         if rests { sides[k].time_from(R::zero(), most) } else { sides[k].time() }
     });
     let whole = along[0] + along[1];
@@ -450,6 +470,20 @@ mod tests {
         let exact = 4.0 * (0.05 / (2.0 * limits.jerk)).cbrt();
         let bound = least_duration(&limit, &limits, EndFeeds::default());
         assert!(bound <= exact * (1.0 + 1e-12) && bound > 0.99 * exact, "{bound} {exact}");
+    }
+
+    /// `t = L/V + 2√(V/J)` from rest to rest where A is not reached, whether the limit has a point each period or one at each end.
+    #[test]
+    fn a_long_line_is_bounded_by_its_own_time() {
+        let limits = KinematicLimits { jerk: 0.0005, ..paper_limits() };
+        let (feed, length) = (0.6, 400.0);
+        let exact = length / feed + 2.0 * (feed / limits.jerk).sqrt();
+        for points in [2, 3, 700] {
+            let at = |k: i32| (length * f64::from(k) / f64::from(points - 1), feed);
+            let limit = limit_through(&(0..points).map(at).collect::<Vec<_>>());
+            let bound = least_duration(&limit, &limits, EndFeeds::default());
+            assert!(bound <= exact && bound > 0.999 * exact, "{points}: {bound} {exact}");
+        }
     }
 
     proptest! {
