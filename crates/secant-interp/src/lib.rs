@@ -114,3 +114,22 @@ pub use pieces::piece_interpolator::PieceInterpolator;
 pub use pieces::section::Section;
 pub use pieces::state::{PieceSetpoint, PieceState};
 pub use step_lengths::{LengthCursor, LengthStage, StepLengths};
+
+/// The version of the kernels, major and minor. Constants that `feedbits compile` has written name theirs: with another version
+/// they do not compile, because fields and their meaning may differ.
+///
+/// ```compile_fail
+/// const _: () = assert!(matches!(secant_interp::VERSION, [99, 0]), "these constants are for secant-interp 99.0");
+/// ```
+pub const VERSION: [u16; 2] =
+    [number_in(env!("CARGO_PKG_VERSION_MAJOR")), number_in(env!("CARGO_PKG_VERSION_MINOR"))];
+
+/// The decimal number that a text is.
+const fn number_in(digits: &str) -> u16 {
+    let (digits, mut number, mut at) = (digits.as_bytes(), 0, 0);
+    while at < digits.len() {
+        number = 10 * number + (digits[at] - b'0') as u16;
+        at += 1;
+    }
+    number
+}

@@ -61,7 +61,13 @@ impl Constants {
         period_s: f64,
     ) -> String {
         let Self { periods, checksum, .. } = self;
+        let [major, minor] = secant_interp::VERSION;
         let mut text = String::from(USES);
+        let _ = write!(
+            text,
+            "const _: () = assert!(\n    matches!(secant_interp::VERSION, [{major}, {minor}]),\n    \
+             \"these constants are for secant-interp {major}.{minor}: take that version, or run `feedbits compile` again\"\n);\n\n"
+        );
         let _ = write!(
             text,
             "/// The number format.\npub type Number = {number};\n\n\
