@@ -1,6 +1,11 @@
 use nurbs_core::{Joint, Piece, Pieces};
 use secant_interp::{ChordTolerance, LengthStage, PieceInterpolator, StageShape, StepLengths, Section};
 
+const _: () = assert!(
+    matches!(secant_interp::VERSION, [0, 1]),
+    "these constants are for secant-interp 0.1: take that version, or run `feedbits compile` again"
+);
+
 /// The number format.
 pub type Number = real::FixedPoint<real::fixed::types::I4F28>;
 
