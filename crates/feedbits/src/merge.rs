@@ -19,6 +19,9 @@ pub(crate) struct Arguments {
     /// The file of all their cells.
     #[arg(long, value_name = "PATH")]
     out: PathBuf,
+    /// Write what there is, even if cells of the sweep are in none of the files.
+    #[arg(long)]
+    partial: bool,
     /// Write a report into this folder, with a heat map for each format.
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
@@ -48,6 +51,15 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
         }
     }
     let Some((plan, _)) = joined else { bail!("expected at least one file") };
+    let missing: Vec<usize> = (0..plan.len()).filter(|cell| !cells.contains_key(cell)).collect();
+    if let (false, [first, ..]) = (arguments.partial, &missing[..]) {
+        bail!(
+            "{} of {} cells are in none of the files, the first of them {first}: expected the files of all shards, run to \
+             their ends, or --partial",
+            missing.len(),
+            plan.len()
+        );
+    }
     let cells: Vec<SweepCell> = cells.into_values().map(|(cell, _)| cell).collect();
     let mut text = serde_json::to_string(&plan)? + "\n";
     for cell in &cells {
