@@ -144,6 +144,24 @@ fn what_does_not_belong_together_is_refused() {
     );
 }
 
+#[test]
+fn test_a_sweep_that_is_not_whole_is_joined_only_if_that_is_asked_for() {
+    let folder = folder();
+    for shard in ["1/3", "3/3"] {
+        sweep(folder.path(), &["--shard", shard, "--out", &format!("{}.jsonl", &shard[..1])]);
+    }
+    let two = ["merge", "1.jsonl", "3.jsonl", "--out", "joined.jsonl"];
+    let refused = feedbits(folder.path(), &two);
+    let said = unfolded(&refused.stderr);
+    assert!(
+        refused.status.code() == Some(2) && said.contains("4 of 12 cells are in none of the files"),
+        "{said}"
+    );
+    assert!(!folder.path().join("joined.jsonl").exists());
+    let partial = feedbits(folder.path(), &[&two[..], &["--partial"]].concat());
+    assert!(text(&partial.stdout).starts_with("8 of 12 cells"), "{}", unfolded(&partial.stderr));
+}
+
 /// With G61 the same moves stop.
 #[test]
 fn a_sweep_of_a_part_with_other_stops_is_another() {
