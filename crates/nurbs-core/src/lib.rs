@@ -14,6 +14,7 @@
 //! | | does its tangent break at a joint? | [`tangent_breaks`] |
 //! | | how long is a curve, and at which parameter has it reached a given length? The quadrature rule behind both | [`arc_length()`], [`parameter_at`], [`GaussLegendre`] |
 //! | `polynomials/` | how is a curve evaluated fastest in f64? One polynomial a span; basis functions where it would lose too many digits | [`PowerCurve`], [`FastCurve`] |
+//! | | which Bezier points has a span of it? | [`bezier_points`] |
 //! | `pieces/` | which polynomials does real time evaluate? | [`Pieces`], made of [`Piece`]s |
 //! | | how is a path cut into them, with proven ranges? | [`compile()`], [`PiecesBuf`] |
 //! | `shapes/` | straight moves and circular arcs | [`Line`], [`Arc`] |
