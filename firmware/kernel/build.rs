@@ -1,5 +1,6 @@
 //! Writes the compiled paths as constants, and hands the linker the memory map of the target.
 
+use std::fmt::Write;
 use std::path::PathBuf;
 use std::{env, fs};
 
@@ -7,6 +8,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("cargo:rerun-if-changed=memory");
     println!("cargo:rerun-if-changed=build.rs");
     fs::write(PathBuf::from(env::var("OUT_DIR")?).join("paths.rs"), tables::source()?)?;
+    if env::var_os("CARGO_FEATURE_PART").is_some() {
+        write_part()?;
+    }
     if env::var("CARGO_CFG_TARGET_OS")? == "none" {
         let map = match env::var("CARGO_CFG_TARGET_ARCH")?.as_str() {
             "arm" => "cortex-m.ld",
@@ -16,5 +20,21 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let path = PathBuf::from(env::var("CARGO_MANIFEST_DIR")?).join("memory").join(map);
         println!("cargo:rustc-link-arg-bins=-T{}", path.display());
     }
+    Ok(())
+}
+
+/// Copies the module that `feedbits compile` has written, and says how many coordinates its points have.
+fn write_part() -> Result<(), Box<dyn std::error::Error>> {
+    println!("cargo:rerun-if-env-changed=FEEDBITS_PART");
+    let path = env::var("FEEDBITS_PART").map_err(|_| "FEEDBITS_PART is to name the file of a part")?;
+    println!("cargo:rerun-if-changed={path}");
+    let mut text = fs::read_to_string(&path).map_err(|error| format!("{path}: {error}"))?;
+    let declared = text.split_once("pub static PATH: PieceInterpolator<'static, Number, ");
+    let dimension =
+        declared.and_then(|(_, rest)| rest.split_once('>')).map(|(dimension, _)| dimension.to_owned());
+    let dimension =
+        dimension.ok_or_else(|| format!("{path}: expected a module that `feedbits compile` has written"))?;
+    write!(text, "\n/// The number of coordinates.\npub const DIMENSION: usize = {dimension};\n")?;
+    fs::write(PathBuf::from(env::var("OUT_DIR")?).join("part.rs"), text)?;
     Ok(())
 }

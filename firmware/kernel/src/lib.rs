@@ -4,14 +4,18 @@
 //! |---|---|
 //! | each operation of [`real::Real`] on sixteen sets of operands | [`operations`] |
 //! | one period of a run along a compiled path, from its start to its end | [`path_run`] |
+//! | one period of a part of the user's own, with the feature `part` and nothing else | `own_part` |
 //!
 //! [`run_all`] makes all calls and reports a [`Record`] for each group of them. On a target the records are printed; a
 //! host makes the same calls and must come to the same checksums. Every called kernel is an exported symbol that is not
 //! inlined, so that a trace can tell where a call begins and ends.
 
 #![no_std]
+#![cfg_attr(feature = "part", allow(dead_code, reason = "an image of a part makes no other calls"))]
 
 pub mod operations;
+#[cfg(feature = "part")]
+mod own_part;
 pub mod path_run;
 
 mod checksum;
@@ -25,6 +29,8 @@ mod compiled {
     use secant_interp::{ChordTolerance, LengthStage, PieceInterpolator, StageShape, StepLengths};
     include!(concat!(env!("OUT_DIR"), "/paths.rs"));
 }
+
+use real::FormatName;
 
 /// A group of calls to one kernel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -83,7 +89,32 @@ macro_rules! fixed_bits {
 
 fixed_bits!(I16F16, I8F24, I4F28, I3F29, I2F30, I32F32, I16F48, I4F60);
 
+/// The user's own part, in place of all else.
+#[derive(Clone, Copy, Debug)]
+pub struct OwnPart {
+    /// The format of its numbers.
+    pub format: FormatName,
+    /// The checksum of the run that was judged.
+    pub judged: u64,
+}
+
+/// The part, with the feature `part`.
+#[must_use]
+pub fn own_part() -> Option<OwnPart> {
+    #[cfg(feature = "part")]
+    return Some(own_part::part());
+    #[cfg(not(feature = "part"))]
+    None
+}
+
+/// Makes the calls of the user's own part.
+#[cfg(feature = "part")]
+pub fn run_all(board: &mut impl Board) {
+    own_part::run_all(board);
+}
+
 /// Makes all calls, in an order that is the same everywhere.
+#[cfg(not(feature = "part"))]
 pub fn run_all(board: &mut impl Board) {
     operations::run_all(board);
     path_run::run_all(board);

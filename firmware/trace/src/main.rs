@@ -11,6 +11,7 @@
 //!
 //! `trace --image IMAGE [--image IMAGE] --target NAME --out FILE.toml` measures one target, whose formats may lie in several
 //! images, and fails when a checksum is not the host's;
+//! `trace` built with the feature `part` prints the counts of the user's own part beside those of paper A in FILE.toml;
 //! `trace --render FILE.toml DOCUMENT.md` writes the table of all targets in the file.
 
 mod calls;
@@ -106,6 +107,9 @@ fn measure(
     let start = Instant::now();
     for image in images {
         emulator = all.add(&target, image, &host.0, singly)?;
+    }
+    if let Some(part) = kernel::own_part() {
+        return report::own_part(name, &part, &all.records, (&all.counts, &all.stack), out);
     }
     if all.records.len() != host.0.len() {
         let (found, known) = (all.records.len(), host.0.len());

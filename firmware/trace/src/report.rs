@@ -5,7 +5,7 @@ use std::fmt::Write;
 use std::fs;
 use std::path::Path;
 
-use kernel::Record;
+use kernel::{OwnPart, Record};
 use serde::Deserialize;
 
 use crate::Failure;
@@ -176,6 +176,44 @@ pub(crate) fn check(host: &[Record], printed: &str) -> Result<Vec<usize>, Failur
 fn read(path: &Path) -> Result<Data, Failure> {
     let text = fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()))?;
     toml::from_str(&text).map_err(|e| format!("{}: {e}", path.display()).into())
+}
+
+/// Prints what the periods of the user's own part take on the target, beside those of paper A in the data file.
+pub(crate) fn own_part(
+    target: &str,
+    part: &OwnPart,
+    records: &[Record],
+    (counts, stack): (&[Counts], &[usize]),
+    data: &Path,
+) -> Result<(), Failure> {
+    let ([record], [counts], [stack]) = (records, counts, stack) else {
+        return Err("the image of a part makes one group of calls".into());
+    };
+    if record.checksum != part.judged {
+        let (found, judged) = (record.checksum, part.judged);
+        return Err(
+            format!("the run has the checksum {found:#018x}, and the judged one {judged:#018x}").into()
+        );
+    }
+    let format = part.format.to_string();
+    let Cost { mean, min, max, .. } = Cost::new(counts, None);
+    println!(
+        "{target}, {format}: {} periods as they were judged, {stack} bytes of stack",
+        counts.calls.len()
+    );
+    println!("    instructions of a period: mean {mean}, from {min} to {max}");
+    let known = read(data)?.target.into_iter().find(|known| known.name == target);
+    let formats = known.map(|known| known.format).unwrap_or_default();
+    let paper_a =
+        formats.iter().find(|known| known.name == format).and_then(|known| known.step.get("paper_a"));
+    match paper_a {
+        Some(step) => {
+            let Cost { mean, min, max, .. } = step.instructions;
+            println!("    the built-in example's:   mean {mean}, from {min} to {max}");
+        }
+        None => println!("    the built-in example was not counted in {format} on this target"),
+    }
+    Ok(())
 }
 
 /// Writes a target's measurement into the file, in place of an older one.
