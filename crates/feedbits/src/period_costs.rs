@@ -1,8 +1,8 @@
-//! What `compare --targets` prints: what a period costs on each target, in each format.
+//! What `compare --targets` and `size --targets` print: what a period costs on each target, in each format.
 
 use std::collections::BTreeMap;
 
-use format_compare::{Comparison, Cost, Engine, JudgedRun, PeriodCost, Verdict};
+use format_compare::{Comparison, Cost, Engine, JudgedRun, PeriodCost, Sizing, Verdict};
 use target_cost::{Kind, Measure, Target};
 
 use crate::screen::{self, labelled};
@@ -58,6 +58,34 @@ fn blocks_and_interval(cost: &PeriodCost) -> [String; 2] {
         cost.dsp_blocks.map_or_else(String::new, |blocks| blocks.to_string()),
         cost.initiation_interval_max.map_or_else(String::new, |i| format!("{i:.0}")),
     ]
+}
+
+/// The costs of a search that was priced: of the narrowest format, and of the registers.
+pub(crate) fn of_sizing(sizing: &Sizing, targets: &[Target]) -> String {
+    let uniform = sizing.uniform.as_ref().map(|row| (row.format.clone(), &row.cycles));
+    let mixed = sizing.mixed.as_ref().and_then(|mixed| Some((mixed.widest()?.to_string(), &mixed.cycles)));
+    let of = |target: &Target| {
+        let fpga = target.kind == Kind::Fpga;
+        let worst = format!("{} of the\nworst period", counted_in(target));
+        let mut header = vec!["datapath", "operators", &worst, "µs", "of the\nperiod"];
+        header.extend(fpga.then_some(["DSP\nblocks", "to the\nnext axis"]).into_iter().flatten());
+        let row = |(what, (format, costs)): (&str, &(String, &BTreeMap<String, Cost>))| {
+            let mut cells = vec![what.to_string(), format.clone()];
+            match costs.get(&target.name)? {
+                Cost::Known(cost) => {
+                    cells.push(range(cost.max, cost.max_range));
+                    cells.extend(time_and_share(cost));
+                    cells.extend(fpga.then(|| blocks_and_interval(cost)).into_iter().flatten());
+                }
+                Cost::Unknown { unknown } => cells.push(format!("unknown: nobody publishes its {unknown}")),
+            }
+            Some(cells)
+        };
+        let rows = [("one format", &uniform), ("registers", &mixed)];
+        let rows = rows.into_iter().filter_map(|(what, costs)| row((what, costs.as_ref()?))).collect();
+        format!("\n{}{}", screen::paragraph(&heading(target)), screen::table(&header, rows))
+    };
+    targets.iter().map(of).collect()
 }
 
 /// The longest period of each format, and below the table the costs that are unknown.

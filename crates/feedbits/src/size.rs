@@ -7,16 +7,18 @@ use clap::{Args, ValueEnum};
 use format_compare::{Dimension, Engine, FrontPoint, Machine, Mixed, Problem, Register, Sizing, Space};
 use real::{Datapath, Overflow, Rounding};
 use serde::Serialize;
+use target_cost::Target;
 use types::{Language, Types};
 
 use crate::baseline::{self, BaselineArguments};
 use crate::ending::Ending;
 use crate::formats::selected;
 use crate::input::{AnyProblem, Input};
-use crate::output;
 use crate::progress::Progress;
 use crate::run_arguments::RunArguments;
 use crate::screen::{self, times};
+use crate::targets::TargetArguments;
+use crate::{output, period_costs};
 
 /// Options of `size`.
 #[derive(Args)]
@@ -34,6 +36,8 @@ pub(crate) struct Arguments {
     /// Write the registers of the signals as types of this language, in place of the report.
     #[arg(long, value_enum, value_name = "LANGUAGE", conflicts_with = "json")]
     types: Option<Language>,
+    #[command(flatten)]
+    targets: TargetArguments,
     #[command(flatten)]
     baseline: BaselineArguments,
     #[command(flatten)]
@@ -82,15 +86,16 @@ impl Arguments {
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     output::expect_place(arguments.output.out.as_deref())?;
     let baseline = arguments.baseline.read("size")?;
+    let targets = arguments.targets.read()?;
     let (found, types) = match arguments.run.problem(&arguments.input)? {
-        AnyProblem::Planar(problem) => size(&problem, arguments)?,
-        AnyProblem::Spatial(problem) => size(&problem, arguments)?,
+        AnyProblem::Planar(problem) => size(&problem, arguments, &targets)?,
+        AnyProblem::Spatial(problem) => size(&problem, arguments, &targets)?,
     };
     let sizing = &found.sizing;
     let is_met = if arguments.types.is_some() { sizing.mixed.is_some() } else { sizing.uniform.is_some() };
     let text = match (arguments.output.json, arguments.types, types) {
         (true, ..) => baseline::json("size", &found)?,
-        (false, None, _) => report(sizing),
+        (false, None, _) => report(sizing) + &period_costs::of_sizing(sizing, &targets),
         (false, Some(_), Some(types)) => types,
         (false, Some(_), None) => {
             output::say(&format!("feedbits: no types are written. {}", answer(sizing)));
@@ -118,7 +123,11 @@ struct PartName {
 }
 
 /// The result of the search, and its registers in the language that is asked for, if there are any.
-fn size<const D: usize>(problem: &Problem<D>, arguments: &Arguments) -> Result<(Found, Option<String>)>
+fn size<const D: usize>(
+    problem: &Problem<D>,
+    arguments: &Arguments,
+    targets: &[Target],
+) -> Result<(Found, Option<String>)>
 where
     Space: Dimension<D>,
 {
@@ -130,7 +139,10 @@ where
     let formats = selected::<D>(&["f64".to_string()])?;
     let (plan, datapath) =
         (format_compare::plan_for(problem, formats[0].as_ref(), &options)?, arguments.datapath());
-    let sizing = format_compare::size(problem, &plan, &options, datapath)?;
+    let mut sizing = format_compare::size(problem, &plan, &options, datapath)?;
+    if !targets.is_empty() {
+        format_compare::price_sizing(&mut sizing, problem, &plan, &options, targets)?;
+    }
     progress.finish();
     let (part, fluctuation_limit) = (problem.name.as_str(), problem.machine.fluctuation_limit);
     let types =

@@ -1,6 +1,6 @@
 //! `feedbits sweep`: for which periods, feeds and part sizes does a format stay good?
 
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashSet};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -9,16 +9,20 @@ use std::sync::Mutex;
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use clap_complete::ArgValueCandidates;
-use format_compare::{Dimension, Engine, Format, JudgedRun, LeastPeriods, Options, Problem, Space, Verdict};
-use format_report::{Sweep, SweepCell, SweepResult};
+use format_compare::{
+    Cost, Dimension, Engine, Format, JudgedRun, LeastPeriods, Options, PeriodCost, Problem, Space, Verdict,
+};
+use format_report::{Sweep, SweepCell, SweepCost, SweepResult};
 use nurbs_core::NurbsBuf;
 use part_program::{Curve, Machine, Move, Part};
+use target_cost::Target;
 
 use crate::ending::Ending;
 use crate::formats::selected;
 use crate::input::Input;
 use crate::progress::Progress;
 use crate::run_arguments::RunArguments;
+use crate::targets::TargetArguments;
 use crate::{candidates, output, report, sweep_file};
 
 /// Options of `sweep`.
@@ -51,6 +55,8 @@ pub(crate) struct Arguments {
     /// read by the register that they fill: Q8.24 (Arm) and Q7.24 (TI) are I8F24.
     #[arg(long, visible_alias = "format", value_delimiter = ',', value_parser = crate::formats::name, value_name = "F,F", add = ArgValueCandidates::new(candidates::formats))]
     formats: Vec<String>,
+    #[command(flatten)]
+    targets: TargetArguments,
     /// The most periods of a run; a cell that needs more is left out, and says so.
     #[arg(long, allow_negative_numbers = true, value_name = "N", default_value_t = 100_000)]
     most_periods: u32,
@@ -171,6 +177,8 @@ struct Base {
     machine: Machine,
     /// Largest extent, in mm.
     extent_mm: f64,
+    /// What each run is priced on.
+    targets: Vec<Target>,
 }
 
 /// Sweeps, or continues where an earlier run ended.
@@ -190,7 +198,7 @@ where
 {
     let formats = selected::<D>(&arguments.formats)?;
     let (engines, options) = (arguments.run.engines()?, arguments.run.options()?);
-    let base = Base::new::<D>(part, machine)?;
+    let base = Base::new::<D>(part, machine, arguments.targets.read()?)?;
     let plan = base.sweep(arguments, &formats, &engines, &options)?;
     report::make_folder(arguments.report.as_deref())?;
     let out = arguments.out.clone().unwrap_or_else(|| arguments.shard.file());
@@ -231,6 +239,10 @@ pub(crate) fn conclude(
         let (good, all) = plan.good(cells, run);
         text += &format!("{name}: good in {good} of {all}\n");
     }
+    for (target, cheapest) in cheapest(cells) {
+        let counts: Vec<String> = cheapest.iter().map(|(run, cells)| format!("{run} in {cells}")).collect();
+        text += &format!("cheapest on {target}: {}\n", counts.join(", "));
+    }
     let skipped = cells.iter().filter(|cell| cell.skipped.is_some()).count();
     if skipped > 0 {
         text += &format!("{skipped} cells were not run; the file says why\n");
@@ -246,6 +258,15 @@ pub(crate) fn conclude(
     Ok(if is_whole && is_bad { Ending::RequirementNotMet } else { Ending::Good })
 }
 
+/// For each target the runs that are the cheapest good ones, with the number of cells in which each of them is.
+fn cheapest(cells: &[SweepCell]) -> BTreeMap<&str, BTreeMap<&str, usize>> {
+    let mut counts: BTreeMap<&str, BTreeMap<&str, usize>> = BTreeMap::new();
+    for (target, run) in cells.iter().flat_map(|cell| &cell.cheapest) {
+        *counts.entry(target).or_default().entry(run).or_default() += 1;
+    }
+    counts
+}
+
 /// A curve of a problem, with three coordinates.
 fn in_space<const D: usize>(nurbs: &NurbsBuf<f64, D>) -> Curve {
     let point = |point: &[f64; D]| std::array::from_fn(|axis| point.get(axis).copied().unwrap_or(0.0));
@@ -259,7 +280,7 @@ fn in_space<const D: usize>(nurbs: &NurbsBuf<f64, D>) -> Curve {
 }
 
 impl Base {
-    fn new<const D: usize>(part: Part, machine: Machine) -> Result<Self> {
+    fn new<const D: usize>(part: Part, machine: Machine, targets: Vec<Target>) -> Result<Self> {
         let problem = Problem::<D>::new(&part, &machine)?;
         // The curves of the problem. Its rapid moves are left out.
         let curves: Vec<_> = problem.curves.iter().map(in_space).collect();
@@ -269,7 +290,7 @@ impl Base {
         if extent_mm <= 0.0 || !extent_mm.is_finite() {
             bail!("{}: the part has no extent", part.name);
         }
-        Ok(Self { part, machine, extent_mm })
+        Ok(Self { part, machine, extent_mm, targets })
     }
 
     fn sweep<const D: usize>(
@@ -290,11 +311,13 @@ impl Base {
         let plan = Sweep {
             part: self.part.name.clone(),
             fingerprint: fingerprint(&format!(
-                "{:?}{moves:?}{}{options:?}{}{}",
+                "{:?}{moves:?}{}{options:?}{}{}{}",
                 self.part.curves,
                 serde_json::to_string(&self.machine)?,
                 arguments.most_periods,
                 env!("CARGO_PKG_VERSION"),
+                // Without targets the text is as it always was.
+                if self.targets.is_empty() { String::new() } else { format!("{:?}", self.targets) },
             )),
             fluctuation_limit: self.machine.fluctuation_limit,
             periods_ms: values(arguments.period, self.machine.interpolation_period_ms),
@@ -321,8 +344,7 @@ impl Base {
         let Some((period_ms, feed_mm_per_s, size_mm)) = plan.place(number) else {
             bail!("cell {number} of {}: there is none", plan.len());
         };
-        let mut cell =
-            SweepCell { cell: number, period_ms, feed_mm_per_s, size_mm, skipped: None, results: Vec::new() };
+        let mut cell = SweepCell { cell: number, period_ms, feed_mm_per_s, size_mm, ..SweepCell::default() };
         let scale = size_mm / self.extent_mm;
         let problem = self.scaled::<D>(scale, period_ms, feed_mm_per_s)?;
         let periods = LeastPeriods::of(&problem, options.end_feeds_mm_per_s).periods;
@@ -331,7 +353,14 @@ impl Base {
             return Ok(cell);
         }
         match format_compare::compare(&problem, formats, engines, options) {
-            Ok(comparison) => cell.results = comparison.formats.iter().map(result).collect(),
+            Ok(mut comparison) => {
+                if !self.targets.is_empty() {
+                    format_compare::price(&mut comparison, &problem, &self.targets, options, || ())?;
+                }
+                cell.results = comparison.formats.iter().map(result).collect();
+                let named = |(target, (format, engine))| (target, format!("{format} {engine}"));
+                cell.cheapest = comparison.recommended_on.into_iter().map(named).collect();
+            }
             Err(refusal) => cell.skipped = Some(refusal.to_string()),
         }
         Ok(cell)
@@ -357,7 +386,15 @@ fn result(row: &JudgedRun) -> SweepResult {
             Verdict::Bad(reasons) => reasons.join("; "),
             Verdict::Refused(reason) => format!("refused: {reason}"),
         },
+        cycles: row.cycles.iter().filter_map(|(target, cost)| Some((target.clone(), known(cost)?))).collect(),
     }
+}
+
+/// The cost of a period, if every operation has a price.
+fn known(cost: &Cost) -> Option<SweepCost> {
+    let Cost::Known(cost) = cost else { return None };
+    let PeriodCost { max, microseconds_max, share_of_period, dsp_blocks, .. } = *cost;
+    Some(SweepCost { max, microseconds_max, share_of_period, dsp_blocks })
 }
 
 /// A number of 64 bits that almost certainly differs for different texts: the hash of Fowler, Noll and Vo, version 1a,

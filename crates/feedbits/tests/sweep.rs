@@ -144,6 +144,31 @@ fn what_does_not_belong_together_is_refused() {
     );
 }
 
+/// With a target a cell has the cost of each run, and the cheapest good one is named.
+#[test]
+fn test_a_sweep_is_priced_on_targets() {
+    let folder = folder();
+    let output = sweep(folder.path(), &["--targets", "cortex-m4f,ecp5", "--out", "priced.jsonl"]);
+    let said = text(&output.stdout);
+    assert!(said.contains("cheapest on cortex-m4f: I4F28 pieces in 12"), "{said}");
+    for line in cells(&folder.path().join("priced.jsonl")) {
+        let cell: Value = serde_json::from_str(&line).expect("JSON");
+        assert_eq!(cell["cheapest"]["ecp5"], "I4F28 pieces", "{cell}");
+        for run in cell["results"].as_array().expect("results").iter().filter(|run| run["good"] == true) {
+            let (on_arm, on_fpga) = (&run["cycles"]["cortex-m4f"], &run["cycles"]["ecp5"]);
+            let (max, micros) =
+                (on_arm["max"].as_f64().unwrap(), on_arm["microseconds_max"].as_f64().unwrap());
+            assert!(
+                (max / micros - 168.0).abs() < 1e-9 && on_fpga["dsp_blocks"].as_u64() >= Some(1),
+                "{run}"
+            );
+        }
+    }
+    // Without a target, or with another, it is another sweep.
+    let other = feedbits(folder.path(), &[&GRID[..], &["--out", "priced.jsonl"]].concat());
+    assert!(unfolded(&other.stderr).contains("of another sweep"), "{}", unfolded(&other.stderr));
+}
+
 #[test]
 fn test_a_sweep_that_is_not_whole_is_joined_only_if_that_is_asked_for() {
     let folder = folder();

@@ -138,3 +138,25 @@ fn a_target_of_ones_own_is_read_and_a_format_that_does_not_fit_the_period_fails(
     let output = feedbits(&["compare", "--targets", "relay"]);
     assert!(unfolded(&output.stderr).contains("unknown target \"relay\""), "{}", unfolded(&output.stderr));
 }
+
+/// The narrowest format costs what `compare` says of it, and registers as much as a format of the widest one.
+#[test]
+fn test_a_search_is_priced_as_a_comparison_is() {
+    let targets = ["--targets", "cortex-m4f,dsp48"];
+    let sized = json(&[&["size"], &targets[..]].concat());
+    let format = sized["uniform"]["format"].as_str().expect("a format");
+    // A search has the solver stop at a quarter of the fluctuation that is allowed.
+    let tolerance = ["--evaluate", "pieces", "--solver-tolerance", "0.25e-6", "--formats", format];
+    let compared = json(&[&["compare"], &tolerance[..], &targets[..]].concat());
+    for target in ["cortex-m4f", "dsp48"] {
+        let of = |cycles: &Value| cycles[target]["max"].as_f64().expect("a cost");
+        assert_eq!(of(&sized["uniform"]["cycles"]), of(&compared["formats"][0]["cycles"]), "{target}");
+        assert_eq!(of(&sized["mixed"]["cycles"]), of(&sized["uniform"]["cycles"]), "{target}");
+    }
+    assert!(sized["mixed"]["cycles"]["dsp48"]["dsp_blocks"].as_u64() >= Some(1));
+    let shown = text(&feedbits(&[&["size"], &targets[..]].concat()).stdout);
+    assert!(
+        shown.contains("registers   I2F23") && shown.lines().all(|line| line.chars().count() <= 80),
+        "{shown}"
+    );
+}

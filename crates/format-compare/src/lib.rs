@@ -11,7 +11,7 @@
 //! | `judge/` | how good is a run, against double-double? | [`Reference::judge`] → [`JudgedStep`], [`Fluctuation`], [`Trace`] |
 //! | | does it keep what it must, and where does it not? | [`JudgedRun`], [`Requirement`], [`Verdict`] |
 //! | | why is no format good, if even `f64` is not? | [`not_of_format`] → [`NotOfFormat`] |
-//! | `size/` | how few bits are enough? | [`fewest_bits`] → [`FewestBits`], and for each signal [`size()`] → [`Sizing`] |
+//! | `size/` | how few bits are enough? | [`fewest_bits`] → [`FewestBits`], and for each signal [`size()`] → [`Sizing`]; [`price_sizing`] |
 //! | `compare/` | which format is good enough, and which is the cheapest? | [`compare()`], [`compare_with`] → [`Comparison`]; [`price`] |
 //!
 //! A folder uses only those above it in the table. [`Refusal`], the reason why a part is refused, is shared by all of
@@ -131,4 +131,4 @@ pub use run::recorded_run::RecordedRun;
 pub use run::run::{Run, RunStep};
 pub use run::vectors::{VectorColumn, VectorTable, Vectors, VectorsAbout};
 pub use size::fewest_bits::{FewestBits, fewest_bits};
-pub use size::size::{FrontPoint, Mixed, Register, Sizing, size};
+pub use size::size::{FrontPoint, Mixed, Register, Sizing, price_sizing, size};

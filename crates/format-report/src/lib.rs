@@ -35,5 +35,5 @@ pub use figure::Figure;
 pub use line_chart::LineChart;
 pub use material::{Material, Schedule, Solver};
 pub use report::{Report, listed};
-pub use sweep::{Sweep, SweepCell, SweepResult};
+pub use sweep::{Sweep, SweepCell, SweepCost, SweepResult};
 pub use table::{Cell, Column, Table};

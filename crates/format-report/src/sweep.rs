@@ -35,7 +35,7 @@ pub struct Sweep {
 }
 
 /// One period, feed and size with the result of each run: a line of a sweep's file.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SweepCell {
     /// Its number.
@@ -51,6 +51,24 @@ pub struct SweepCell {
     pub skipped: Option<String>,
     /// A result for each of the sweep's runs; empty if nothing was run.
     pub results: Vec<SweepResult>,
+    /// The cheapest good run on each target of the sweep; empty without targets.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub cheapest: BTreeMap<String, String>,
+}
+
+/// The cost of the dearest period of a run on a target.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SweepCost {
+    /// In the target's measure: cycles, or instructions.
+    pub max: f64,
+    /// In microseconds, if the clock is known.
+    pub microseconds_max: Option<f64>,
+    /// Over the interpolation period, if the clock is known.
+    pub share_of_period: Option<f64>,
+    /// DSP blocks, on an FPGA.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dsp_blocks: Option<u32>,
 }
 
 /// The result of a run.
@@ -63,6 +81,9 @@ pub struct SweepResult {
     pub fluctuation: Option<f64>,
     /// The requirements that are not met.
     pub reason: String,
+    /// The cost on each target of the sweep, where every operation has a price; empty without targets.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub cycles: BTreeMap<String, SweepCost>,
 }
 
 impl Sweep {
@@ -179,7 +200,7 @@ impl Sweep {
             number::short(cell.size_mm)
         );
         match (cell.results.get(run), &cell.skipped) {
-            (Some(SweepResult { good, fluctuation: Some(fluctuation), reason }), _) => {
+            (Some(SweepResult { good, fluctuation: Some(fluctuation), reason, .. }), _) => {
                 let verdict = if *good { "good" } else { reason };
                 let tip = format!("{place}: fluctuation {}, {verdict}", number::short(*fluctuation));
                 (
@@ -282,9 +303,14 @@ mod tests {
 
     fn cell(sweep: &Sweep, number: usize) -> SweepCell {
         let (period_ms, feed_mm_per_s, size_mm) = sweep.place(number).expect("a cell");
-        let result = |good, fluctuation| SweepResult { good, fluctuation, reason: String::new() };
+        let result = |good, fluctuation| SweepResult {
+            good,
+            fluctuation,
+            reason: String::new(),
+            cycles: BTreeMap::new(),
+        };
         let results = vec![result(true, Some(1e-8)), result(number.is_multiple_of(2), Some(1e-3))];
-        SweepCell { cell: number, period_ms, feed_mm_per_s, size_mm, skipped: None, results }
+        SweepCell { cell: number, period_ms, feed_mm_per_s, size_mm, results, ..SweepCell::default() }
     }
 
     #[test]

@@ -7,17 +7,21 @@
 //! bits start from those of the uniform result and are taken away as long as the requirements are met, first from whole
 //! groups of signals, then from single ones. Between registers the operators are exact to 53 bits.
 
+use std::collections::BTreeMap;
+
 use nurbs_core::SignalBound;
 use real::{Audit, Datapath, FormatName, Quantized};
 use serde::Serialize;
+use target_cost::Target;
 
+use crate::cost::period_cost::{Cost, cost, operations};
 use crate::judge::judged_run::JudgedRun;
 use crate::judge::not_of_format::{NotOfFormat, not_of_format};
 use crate::parallel::in_parallel;
 use crate::plan::exact_plan::ExactPlan;
 use crate::problem::problem::Problem;
 use crate::refusal::Refusal;
-use crate::run::formats::{Dimension, Space};
+use crate::run::formats::{Dimension, Space, format_named};
 use crate::run::job::Job;
 use crate::run::on_pieces;
 use crate::run::options::Options;
@@ -70,6 +74,26 @@ pub struct Mixed {
     pub fluctuation: f64,
     /// The requirement over the figure found.
     pub margin: f64,
+    /// The cost of a period on each target, if [`price_sizing`] was called. The operators of a target serve all signals in turn,
+    /// so they are as wide as the widest register.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub cycles: BTreeMap<String, Cost>,
+}
+
+impl Mixed {
+    /// The narrowest format that holds every register's width, with the most integer bits that one has.
+    #[must_use]
+    pub fn widest(&self) -> Option<FormatName> {
+        let formats = || self.signals.iter().filter_map(|signal| FormatName::named(&signal.format));
+        let FormatName::Fixed { datapath, .. } = formats().next()? else { return None };
+        let bits = formats().map(FormatName::bits).max()?;
+        let integer = |format| match format {
+            FormatName::Fixed { integer_bits, .. } => integer_bits,
+            _ => 0,
+        };
+        let integer_bits = formats().map(integer).max()?;
+        Some(FormatName::Fixed { integer_bits, fraction_bits: bits.checked_sub(integer_bits)?, datapath })
+    }
 }
 
 /// One signal and its format.
@@ -122,6 +146,36 @@ where
         tried,
         runs,
     })
+}
+
+/// Records the run in the narrowest format, and prices it and the registers on each of `targets`.
+///
+/// # Errors
+/// [`Refusal`] when the run cannot be made again.
+pub fn price_sizing<const D: usize>(
+    sizing: &mut Sizing,
+    problem: &Problem<D>,
+    plan: &ExactPlan,
+    options: &Options,
+    targets: &[Target],
+) -> Result<(), Refusal>
+where
+    Space: Dimension<D>,
+{
+    let Some(uniform) = &mut sizing.uniform else { return Ok(()) };
+    let Some(format) = format_named::<D>(&uniform.format) else { return Ok(()) };
+    let recorded = format.record(problem, plan, &search_options(problem, options), usize::MAX)?;
+    uniform.operations = Some(operations(&recorded));
+    for target in targets {
+        let priced = |format| cost(&recorded, target, format, problem.period_s());
+        uniform.cycles.insert(target.name.clone(), priced(format.name()));
+        if let Some((mixed, widest)) =
+            sizing.mixed.as_mut().and_then(|mixed| mixed.widest().map(|w| (mixed, w)))
+        {
+            mixed.cycles.insert(target.name.clone(), priced(widest));
+        }
+    }
+    Ok(())
 }
 
 /// The runs whose fluctuation is less than that of every narrower one.
@@ -227,6 +281,7 @@ where
             signals,
             fluctuation,
             margin: self.trial.job.problem.machine.fluctuation_limit / fluctuation,
+            cycles: BTreeMap::new(),
         })
     }
 }

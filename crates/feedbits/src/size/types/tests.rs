@@ -25,7 +25,14 @@ fn registers(datapath: Datapath) -> Mixed {
         signal("chord_turn", 1, 4, 0.0335),
         signal("joint_travelled", 2, 1, 1.00001),
     ];
-    Mixed { signals, bits: 34, uniform_bits: 78, fluctuation: 7.6e-7, margin: 1.3 }
+    Mixed {
+        signals,
+        bits: 34,
+        uniform_bits: 78,
+        fluctuation: 7.6e-7,
+        margin: 1.3,
+        cycles: Default::default(),
+    }
 }
 
 fn in_language(language: Language, datapath: Datapath) -> String {
