@@ -48,10 +48,10 @@ mod tests {
     use crate::run::on_pieces;
     use crate::run::options::Options;
 
-    /// Every signal of a piece with weights.
+    /// Every signal of two pieces with weights and a joint.
     fn bounded() -> Vec<&'static str> {
-        let part = "[curve]\ndegree = 2\ncontrol_points_mm = [[0, 0], [10, 0], [10, 10]]\n\
-                    weights = [1, 0.8, 1]\nknots = [0, 0, 0, 1, 1, 1]\n";
+        let part = "[curve]\ndegree = 2\ncontrol_points_mm = [[0, 0], [10, 0], [10, 10], [20, 10]]\n\
+                    weights = [1, 0.8, 0.8, 1]\nknots = [0, 0, 0, 0.5, 1, 1, 1]\n";
         let (problem, options) = (mill::<2>(part, ""), Options::default());
         let plan = plan_for(&problem, select(&["f64"]).unwrap()[0].as_ref(), &options).unwrap();
         let job = Job { problem: &problem, plan: &plan, options: &options };
