@@ -1,31 +1,19 @@
 //! `--baseline` of `compare` and `size`, and the JSON that it reads.
 
 mod message;
+mod small_part;
 
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
 
 use message::unfolded;
 use serde_json::{Value, json};
-
-const PART: &str = "[curve]\ndegree = 2\ncontrol_points_mm = [[0, 0], [10, 0], [10, 10]]\nweights = [1, 0.8, 1]\n\
-                    knots = [0, 0, 0, 1, 1, 1]\n\n[machine]\ninterpolation_period_ms = 2.0\nfeedrate_mm_per_s = 100.0\n\
-                    acceleration_mm_per_s2 = 5000.0\njerk_mm_per_s3 = 400000.0\nchord_error_mm = 0.0005\n\
-                    fluctuation_limit = 1e-6\nparameter_tolerance = 1e-6\nmax_iterations = 5\n";
+use small_part::{PART, feedbits};
 
 const COMPARE: [&str; 6] = ["compare", "p.toml", "--formats", "I16F16,I4F28", "--targets", "cortex-m4f"];
 
 const SIZE: [&str; 2] = ["size", "p.toml"];
-
-fn feedbits(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_feedbits"))
-        .args(arguments)
-        .current_dir(folder)
-        .output()
-        .expect("it starts")
-}
 
 /// A folder with the part, and the JSON of a command's run in `base.json`.
 fn with_baseline(command: &[&str]) -> (tempfile::TempDir, Value) {

@@ -1,19 +1,15 @@
 //! `feedbits sweep` and `feedbits merge`, as a person or a job array uses them.
 
 mod message;
+mod small_part;
 
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
 use message::unfolded;
 use serde_json::Value;
-
-/// A small part, so that many cells take little time.
-const PART: &str = "[curve]\ndegree = 2\ncontrol_points_mm = [[0, 0], [10, 0], [10, 10]]\nweights = [1, 0.8, 1]\n\
-                    knots = [0, 0, 0, 1, 1, 1]\n\n[machine]\ninterpolation_period_ms = 2.0\nfeedrate_mm_per_s = 100.0\n\
-                    acceleration_mm_per_s2 = 5000.0\njerk_mm_per_s3 = 400000.0\nchord_error_mm = 0.0005\n\
-                    fluctuation_limit = 1e-6\nparameter_tolerance = 1e-6\nmax_iterations = 5\n";
+use small_part::{PART, feedbits};
 
 const GRID: [&str; 10] = [
     "sweep",
@@ -32,14 +28,6 @@ fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a folder");
     fs::write(folder.path().join("p.toml"), PART).expect("a part");
     folder
-}
-
-fn feedbits(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_feedbits"))
-        .args(arguments)
-        .current_dir(folder)
-        .output()
-        .expect("it starts")
 }
 
 fn sweep(folder: &Path, more: &[&str]) -> Output {

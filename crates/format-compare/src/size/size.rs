@@ -166,12 +166,11 @@ where
     let Some(format) = format_named::<D>(&uniform.format) else { return Ok(()) };
     let recorded = format.record(problem, plan, &search_options(problem, options), usize::MAX)?;
     uniform.operations = Some(operations(&recorded));
+    let widest = sizing.mixed.as_ref().and_then(Mixed::widest);
     for target in targets {
         let priced = |format| cost(&recorded, target, format, problem.period_s());
         uniform.cycles.insert(target.name.clone(), priced(format.name()));
-        if let Some((mixed, widest)) =
-            sizing.mixed.as_mut().and_then(|mixed| mixed.widest().map(|w| (mixed, w)))
-        {
+        if let (Some(mixed), Some(widest)) = (&mut sizing.mixed, widest) {
             mixed.cycles.insert(target.name.clone(), priced(widest));
         }
     }
