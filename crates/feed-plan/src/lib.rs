@@ -119,6 +119,7 @@ mod plan {
         pub(crate) mod fit;
         pub(crate) mod grid;
         pub(crate) mod motion;
+        pub(crate) mod parts;
         pub(crate) mod profile;
         #[cfg(test)]
         pub(crate) mod published;

@@ -151,3 +151,8 @@ impl Differentiate<f64, 2> for Power {
         self.derivatives(u)
     }
 }
+
+/// Bits that look random.
+pub(crate) fn hashed(i: u64) -> u32 {
+    u32::try_from(i.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 32).unwrap()
+}

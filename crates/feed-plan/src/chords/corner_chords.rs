@@ -62,7 +62,8 @@ impl Corner {
 }
 
 /// With paper A's limits a right angle was once cut by up to 0.91 µm where 0.5 were allowed, 3.6 for 2 and 22.9 for 20.
-/// The cut must also be more than 0.69 of what is allowed: the feed is not lower than it must be.
+/// The cut must also be more than 0.69 of what is allowed: the feed is not lower than it must be. The fastest profile brakes later, and
+/// so passes a corner slower.
 #[test]
 fn a_right_angle_is_cut_by_no_more_than_its_deviation() {
     let corner = Corner { degrees: 90.0, before: 10.0, behind: 7.3 };
@@ -72,7 +73,8 @@ fn a_right_angle_is_cut_by_no_more_than_its_deviation() {
         for kind in ProfileKind::ALL {
             let [by_plan, by_run] = corner.cuts(&limits, kind);
             let cut = by_plan.max(by_run);
-            assert!(cut <= error && cut > 0.69 * error, "{kind:?}, {error}: {by_plan}, {by_run}");
+            let least = if kind == ProfileKind::Fastest { 0.5 } else { 0.69 };
+            assert!(cut <= error && cut > least * error, "{kind:?}, {error}: {by_plan}, {by_run}");
         }
     }
 }

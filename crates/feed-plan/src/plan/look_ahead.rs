@@ -10,7 +10,8 @@ use alloc::vec::Vec;
 
 use real::Real;
 
-use crate::plan::fastest::sections::quickly;
+use crate::plan::fastest::parts::in_parts;
+use crate::plan::fastest::sections::in_window;
 use crate::plan::key_points::{Key, key_points};
 use crate::plan::ramp_shape::RampShape;
 use crate::plan::ramps::ramps;
@@ -95,19 +96,7 @@ pub(crate) fn stages<R: Real>(
     Ok(stages.with_parameters())
 }
 
-/// The limits along a section differ by no more than 2⁻¹³: the fastest plan is one S-curve up and one down.
-const LEVEL: i32 = -13;
-
-/// Whether the limit is the same all along a section, as on a straight move.
-fn is_level<R: Real>(limit: &FeedLimit<R>, [first, last]: [usize; 2]) -> bool {
-    let Some([begin, inner @ .., end]) = limit.samples().get(first..=last) else { return false };
-    let ends = [begin.lower_after, end.lower_before];
-    let feeds = || inner.iter().map(|sample| sample.lower).chain(ends);
-    let (low, high) = (feeds().fold(ends[0], R::min), feeds().fold(ends[0], R::max));
-    high - low <= low.ldexp(LEVEL)
-}
-
-/// From rest to rest the fastest profile; S-curves where the limit is level or where they are faster.
+/// From rest to rest the fastest profile; the first section of a window's plan begins in motion, and can be left at any joint.
 fn quick_sections<R: Real>(
     limit: &FeedLimit<R>,
     limits: &KinematicLimits<R>,
@@ -118,24 +107,18 @@ fn quick_sections<R: Real>(
 ) -> Result<(), PlanError> {
     for section in from_rest_to_rest(keys) {
         let [from, .., to] = section else { break };
-        let points = [from.point, to.point];
-        if is_level(limit, points) && start.is_none() {
-            ramps(limit, shape, section, stages)?;
+        let Some(acceleration) = start else {
+            stages.extend(&in_parts(limit, limits, shape, section)?);
             continue;
-        }
-        let quick = quickly(limit, limits, points, [from.feed, to.feed], start);
-        stages.extend(&match quick {
-            // A window's plan is left before its end, and S-curves can be left at few places.
-            Some(quick) if start.is_some() => quick,
+        };
+        let quick = in_window(limit, limits, [from.point, to.point], [from.feed, to.feed], acceleration);
+        match quick {
+            Some(quick) => stages.extend(&quick),
             // S-curves have no acceleration at their begin, as a window's plan may have.
-            None if start.is_some() && from.feed > R::zero() => return Err(PlanError::StartFeedTooHigh),
-            _ => {
-                let mut slow = Stages::new(limit);
-                let found = ramps(limit, shape, section, &mut slow).map(|()| slow.bare());
-                faster(quick, found)?
-            }
-        });
-        start = start.map(|_| R::zero());
+            None if from.feed > R::zero() => return Err(PlanError::StartFeedTooHigh),
+            None => ramps(limit, shape, section, stages)?,
+        }
+        start = Some(R::zero());
     }
     Ok(())
 }
@@ -150,18 +133,6 @@ fn from_rest_to_rest<R: Real>(keys: &[Key<R>]) -> impl Iterator<Item = &[Key<R>]
         rest = rest.get(last..)?;
         Some(section)
     })
-}
-
-fn faster<R: Real>(
-    quick: Option<Vec<Stage<R>>>,
-    slow: Result<Vec<Stage<R>>, PlanError>,
-) -> Result<Vec<Stage<R>>, PlanError> {
-    let duration = |stages: &[Stage<R>]| stages.iter().fold(R::zero(), |sum, stage| sum + stage.duration);
-    match (quick, slow) {
-        (Some(quick), Ok(slow)) if duration(&slow) < duration(&quick) => Ok(slow),
-        (Some(quick), _) => Ok(quick),
-        (None, slow) => slow,
-    }
 }
 
 #[cfg(test)]

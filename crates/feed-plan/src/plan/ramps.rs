@@ -35,7 +35,17 @@ pub(crate) fn ramps<R: Real>(
     keys: &[Key<R>],
     stages: &mut Stages<'_, R>,
 ) -> Result<(), PlanError> {
-    for pair in reachable(limit, shape, keys)?.windows(2) {
+    chain(limit, shape, &reachable(limit, shape, keys)?, stages)
+}
+
+/// Transitions between keys that can be reached from each other.
+pub(crate) fn chain<R: Real>(
+    limit: &FeedLimit<R>,
+    shape: &RampShape<R>,
+    keys: &[Key<R>],
+    stages: &mut Stages<'_, R>,
+) -> Result<(), PlanError> {
+    for pair in keys.windows(2) {
         if let [from, to] = pair {
             between(limit, &shape.within(to.allowance), from, to, stages)?;
         }
@@ -44,7 +54,7 @@ pub(crate) fn ramps<R: Real>(
 }
 
 /// The keys that can be reached from each other, in order.
-fn reachable<R: Real>(
+pub(crate) fn reachable<R: Real>(
     limit: &FeedLimit<R>,
     shape: &RampShape<R>,
     keys: &[Key<R>],

@@ -265,7 +265,9 @@ impl<R: Real, const D: usize, C: Differentiate<R, D>, I: Iterator<Item = Command
 mod tests {
     use super::*;
     use crate::plan_with;
-    use crate::test_paths::{arcs, in_periods, limit_along, paper_limits, polyline, seed_000, seed_003};
+    use crate::test_paths::{
+        arcs, hashed, in_periods, limit_along, paper_limits, polyline, seed_000, seed_003,
+    };
     use nurbs_core::{NurbsBuf, NurbsCurve};
 
     /// A path of staircases of short lines, with the papers' curves between them, moved to the path's end.
@@ -276,11 +278,6 @@ mod tests {
             path.extend(polyline(&[[x, 0.0], [x + 4.0, 0.01], [x + 9.0, 0.015], [x + 10.0, 0.0]]));
         }
         path
-    }
-
-    /// Bits that look random.
-    fn hashed(i: u64) -> u32 {
-        u32::try_from(i.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 32).unwrap()
     }
 
     fn freely(
@@ -420,7 +417,7 @@ mod tests {
             for window in [20.0, 50.0, 100.0, 400.0] {
                 let (_, done) = streamed(&curve, window, ProfileKind::Fastest);
                 let ratio = done.duration / whole.duration;
-                assert!((1.0 - 1e-4..1.001).contains(&ratio), "{window}: {ratio}");
+                assert!((1.0 - 3e-4..1.001).contains(&ratio), "{window}: {ratio}");
             }
         }
     }

@@ -35,11 +35,11 @@ impl<R: Real> Profile<R> {
         State { s: self.places[node], v: self.carriers[node].v, a: self.carriers[node].a }
     }
 
-    /// The state of the motion through a node at a time from it, and its jerk there.
-    fn near(&self, node: usize, time: R) -> (State<R>, R) {
+    /// The state of the motion through a node, which is at the distance `s`, at a time from it, and its jerk there.
+    fn near(&self, node: usize, s: R, time: R) -> (State<R>, R) {
         let carrier = &self.carriers[node];
         let jerk = if time < R::zero() { carrier.jerk_before } else { carrier.jerk_behind };
-        (self.state(node).after(time, jerk), jerk)
+        (State { s, v: carrier.v, a: carrier.a }.after(time, jerk), jerk)
     }
 
     /// The cap near the arc from one node to another that takes this time; `None` if none is found.
@@ -48,8 +48,8 @@ impl<R: Real> Profile<R> {
         let mut guess = [R::zero(), time, R::zero()];
         for _ in 0..MOVES {
             let [t1, h, t2] = self.tangent([from, to], guess)?;
-            let (begin, _) = self.near(from, t1);
-            let (end, _) = self.near(to, t2);
+            let (begin, _) = self.near(from, self.places[from], t1);
+            let (end, _) = self.near(to, self.places[to], t2);
             // A motion through a node says little beyond the next one.
             let nearer = |node: usize, s: R| {
                 if node > 0 && s < self.places[node - 1] {
@@ -62,7 +62,9 @@ impl<R: Real> Profile<R> {
             };
             let (next_from, next_to) = (nearer(from, begin.s), nearer(to, end.s));
             if (next_from, next_to) == (from, to) || next_from >= next_to {
-                return Some(Cap { from: begin, time: h });
+                // At -J the feed is least at the ends.
+                let moves = begin.v > R::zero() && end.v > R::zero();
+                return moves.then_some(Cap { from: begin, time: h });
             }
             guess = [
                 if next_from == from { t1 } else { R::zero() },
@@ -77,10 +79,12 @@ impl<R: Real> Profile<R> {
     fn tangent(&self, [from, to]: [usize; 2], [mut t1, mut h, mut t2]: [R; 3]) -> Option<[R; 3]> {
         let down = R::zero() - self.jerk;
         let mut is_found = false;
+        let between = self.places[to] - self.places[from];
         for _ in 0..STEPS {
-            let (begin, j1) = self.near(from, t1);
+            // From the first node on: a distance from the path's begin would be too coarse.
+            let (begin, j1) = self.near(from, R::zero(), t1);
             let end = begin.after(h, down);
-            let (goal, j2) = self.near(to, t2);
+            let (goal, j2) = self.near(to, between, t2);
             let by_t1 = [begin.v + h * (begin.a + (j1 * h).half()), begin.a + j1 * h, j1];
             let by_h = [end.v, end.a, down];
             let by_t2 = [R::zero() - goal.v, R::zero() - goal.a, R::zero() - j2];

@@ -12,9 +12,9 @@
 //! | `profile` | all of these: the states that a motion along the largest profile passes |
 //! | `fit` | few pieces of constant jerk along it |
 //! | `repair` | the profile anew, a little lower, around arcs that break a limit |
+//! | `parts` | the way from rest to rest cut where one plan of it does not do, and S-curves where these are faster |
 //!
-//! What the pieces are above a limit, at most 2⁻¹³ or so, an even stretch of time takes back. Where the search fails, the
-//! section is one of S-curves.
+//! What the pieces are above a limit, at most 2⁻¹³ or so, an even stretch of time takes back.
 
 use alloc::vec::Vec;
 
@@ -36,16 +36,21 @@ pub(crate) struct Most<R> {
     pub(crate) period: R,
 }
 
-/// The pieces between two points of a limit, with these feeds at their ends, this acceleration at the begin and none at the end; `None`
-/// where none are found.
+/// Two points of a limit, the feeds there, and the acceleration at the begin; there is none at the end.
+pub(crate) struct Ends<R> {
+    pub(crate) points: [usize; 2],
+    pub(crate) feeds: [R; 2],
+    pub(crate) start: R,
+}
+
+/// The pieces between two points of a limit; `None` where none are found.
 pub(crate) fn section<R: Real>(
     limit: &crate::FeedLimit<R>,
-    ends: [usize; 2],
-    feeds: [R; 2],
-    start: R,
+    ends: &Ends<R>,
     most: &Most<R>,
 ) -> Option<Fit<R>> {
-    let mut points = limit_points(limit, ends);
+    let &Ends { points, feeds, start } = ends;
+    let mut points = limit_points(limit, points);
     let (first, last) = (*points.first()?, *points.last()?);
     let is_slow = feeds[0] <= first.1 + first.1.ldexp(TOLERANCE);
     if points.iter().any(|point| !(point.1 > R::zero())) || points.len() < 2 || !is_slow {
@@ -66,7 +71,7 @@ pub(crate) fn section<R: Real>(
     squares.first_mut()?.1 = first.1 * first.1;
     squares.last_mut()?.1 = last.1 * last.1;
     let bounds = Bounds { squares, acceleration: most.acceleration, jerk: most.jerk, shortest };
-    let states = states(&nodes, start, most.acceleration, most.jerk);
+    let states = states(&nodes, start, &bounds);
     let arcs = fit(&timed(states, 0, &bounds)?, &bounds)?;
     Some(Fit::of(&repair(arcs, &nodes, &bounds)))
 }

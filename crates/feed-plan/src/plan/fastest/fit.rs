@@ -103,6 +103,11 @@ pub(crate) struct Bounds<R> {
 }
 
 impl<R: Real> Bounds<R> {
+    /// The least time between two points: an arc has two pieces.
+    pub(crate) fn gap(&self) -> R {
+        self.shortest.ldexp(1)
+    }
+
     /// By how much time would have to be stretched for a piece to keep acceleration and jerk, as a share.
     fn strained(&self, piece: &Piece<R>) -> R {
         let over = |used: R, limit: R| used.abs() / limit - R::one();
@@ -231,9 +236,15 @@ pub(crate) struct Fit<R> {
     pub(crate) pieces: Vec<Piece<R>>,
     /// By how much time must be stretched for them to keep the limits, as a share.
     pub(crate) stretch: R,
+    /// From where to where arcs break a limit by more than others.
+    pub(crate) hard: Vec<[R; 2]>,
 }
 
 impl<R: Real> Fit<R> {
+    pub(crate) fn duration(&self) -> R {
+        self.pieces.iter().fold(R::zero(), |sum, piece| sum + piece.time)
+    }
+
     /// The pieces of arcs: one, where that does.
     pub(crate) fn of(arcs: &[Arc<R>]) -> Self {
         let mut pieces = Vec::with_capacity(arcs.len() * 2);
@@ -244,7 +255,8 @@ impl<R: Real> Fit<R> {
                 pieces.extend([*first, *second]);
             }
         }
-        Self { pieces, stretch: worst(arcs) }
+        let hard = arcs.iter().filter(|arc| arc.is_hard()).map(|arc| [arc.from.state.s, arc.to.state.s]);
+        Self { pieces, stretch: worst(arcs), hard: hard.collect() }
     }
 }
 

@@ -2,9 +2,9 @@
 //!
 //! Between two limit points the square of the limit is linear in the distance, and so are the squares of the feeds that A lets be
 //! reached from one and braked for at the other. The least of the three lines is f², the *jerk-free* profile. Nodes lie at the limit
-//! points, at the corners of f² and, away from the limit and beside such parts, between them: no more than a share of the time A/J apart near the corners and
-//! further apart away from them. Elsewhere along the limit more of them would follow the steps of its acceleration at the limit
-//! points.
+//! points, at the corners of f² and, away from the limit, beside such parts, and where the limit is level or bends, between them: no
+//! more than a share of the time A/J apart near the corners and further apart away from them. Elsewhere along the limit more of them
+//! would follow the steps of its acceleration at the limit points.
 
 use alloc::vec::Vec;
 
@@ -14,6 +14,12 @@ use crate::FeedLimit;
 
 /// Nodes in one stretch between corners of f, at most, from each side.
 const MOST: usize = 400;
+
+/// The limit is nearly the same at two points where it differs by no more than this share, as a power of two.
+const LEVEL: i32 = -10;
+
+/// The jerk-free profile bends where its acceleration changes by more than this share of A, as a power of two.
+const BEND: i32 = -3;
 
 /// A place of the section.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -88,9 +94,11 @@ pub(crate) fn nodes<R: Real>(points: &[(R, R)], beside: [R; 2], acceleration: R,
         }
     }
     for (k, part) in parts.iter().enumerate() {
-        let leaves = |other: Option<&Part<R>>| other.is_some_and(|other| !other.is_on_limit());
-        let is_beside = leaves(k.checked_sub(1).and_then(|k| parts.get(k))) || leaves(parts.get(k + 1));
-        if !part.is_on_limit() || is_beside {
+        let [before, behind] = [k.checked_sub(1).and_then(|k| parts.get(k)), parts.get(k + 1)];
+        let beside = || [before, behind].into_iter().flatten();
+        let is_beside = beside().any(|other| !other.is_on_limit());
+        let bends = || beside().any(|other| (other.slope() - part.slope()).abs() > acceleration.ldexp(BEND));
+        if !part.is_on_limit() || is_beside || part.is_long(step) && (part.is_level() || bends()) {
             divide(part, step, &mut nodes);
         } else {
             add(&mut nodes, part.a);
@@ -110,6 +118,23 @@ struct Part<R> {
 impl<R: Real> Part<R> {
     fn is_on_limit(&self) -> bool {
         self.a.free == self.a.limit && self.b.free == self.b.limit
+    }
+
+    /// Whether it lasts longer than nodes are apart.
+    fn is_long(&self, step: R) -> bool {
+        self.b.s - self.a.s > (self.a.free + self.b.free) * step
+    }
+
+    fn is_level(&self) -> bool {
+        let (from, to) = (self.cell.0.limit, self.cell.1.limit);
+        (from - to).abs() <= from.ldexp(LEVEL)
+    }
+
+    /// The acceleration of the jerk-free profile.
+    fn slope(&self) -> R {
+        let length = self.b.s - self.a.s;
+        let rise = self.b.free * self.b.free - self.a.free * self.a.free;
+        if length > R::zero() { rise.half() / length } else { R::zero() }
     }
 }
 

@@ -10,14 +10,15 @@ use crate::plan::fastest::fit::{Bounds, Point, time_between};
 use crate::plan::fastest::grid::Node;
 use crate::plan::fastest::motion::State;
 use crate::plan::fastest::touches::{Cells, bends};
-use crate::plan::fastest::valleys::valleys;
+use crate::plan::fastest::valleys::{Carrier, valleys};
 
 /// States on a cap that the motion may pass.
 const ON_CAP: i32 = 8;
 
 /// The states along the profile between the first and the last node, the first with the
 /// acceleration `start`, the last without.
-pub(crate) fn states<R: Real>(nodes: &[Node<R>], start: R, acceleration: R, jerk: R) -> Vec<State<R>> {
+pub(crate) fn states<R: Real>(nodes: &[Node<R>], start: R, bounds: &Bounds<R>) -> Vec<State<R>> {
+    let (acceleration, jerk, gap) = (bounds.acceleration, bounds.jerk, bounds.gap());
     let places: Vec<R> = nodes.iter().map(|node| node.s).collect();
     let feeds: Vec<R> = nodes.iter().map(|node| node.free).collect();
     let cells = Cells::new(nodes.len(), |k| (places[k], feeds[k]));
@@ -31,18 +32,17 @@ pub(crate) fn states<R: Real>(nodes: &[Node<R>], start: R, acceleration: R, jerk
     let mut fixed = 1;
     for pair in contacts.windows(2) {
         let (from, to) = (pair[0].node, pair[1].node);
-        let (a0, a1) = (profile.carriers[from].a, profile.carriers[to].a);
-        let falls = a1 - a0 < R::zero() - jerk * pair[1].time * R::from_ratio(7, 10);
-        let behind = |states: &[State<R>], s: R| states.last().is_none_or(|last| s > last.s);
+        let (here, there) = (&profile.carriers[from], &profile.carriers[to]);
+        let falls = there.a - here.a < R::zero() - jerk * pair[1].time * R::from_ratio(7, 10)
+            || falls_by(here, there, pair[1].time) > jerk + jerk.ldexp(-6);
         let cap = if to > from + 1 || falls { profile.cap([from, to], pair[1].time) } else { None };
-        match cap {
-            Some(cap) => add_cap(&mut states, &mut fixed, &cap, jerk),
-            None => {
-                let state = profile.state(to);
-                if behind(&states, state.s) {
-                    states.push(state);
-                }
-            }
+        if let Some(cap) = cap {
+            add_cap(&mut states, &mut fixed, &cap, bounds);
+        }
+        // A cap may end before the node.
+        let state = profile.state(to);
+        if states.last().is_none_or(|last| state.s > last.s + gap * last.v) {
+            states.push(state);
         }
     }
     let end = profile.state(profile.places.len() - 1);
@@ -53,10 +53,20 @@ pub(crate) fn states<R: Real>(nodes: &[Node<R>], start: R, acceleration: R, jerk
     states
 }
 
-/// Puts a cap behind the states that are before it. Where it begins before the cap in front of it has ended, there is no tangent
-/// between them, and the states nearest to both are left out.
-fn add_cap<R: Real>(states: &mut Vec<State<R>>, fixed: &mut usize, cap: &Cap<R>, jerk: R) {
-    while states.len() > *fixed && states.last().is_some_and(|last| last.s >= cap.from.s) {
+/// The most by which the acceleration falls in a unit of time between two nodes, if it changes evenly over each half of the way.
+fn falls_by<R: Real>(from: &Carrier<R>, to: &Carrier<R>, time: R) -> R {
+    if !(time > R::zero()) {
+        return R::zero();
+    }
+    let middle = ((to.v - from.v) / time).ldexp(1) - (from.a + to.a).half();
+    (from.a - middle).max(middle - to.a) / time.half()
+}
+
+/// Puts a cap behind the states that are before it, and not too near to its begin. Where it begins before the cap in front of it has
+/// ended, there is no tangent between them, and the states nearest to both are left out.
+fn add_cap<R: Real>(states: &mut Vec<State<R>>, fixed: &mut usize, cap: &Cap<R>, bounds: &Bounds<R>) {
+    let near = cap.from.s - bounds.gap() * cap.from.v;
+    while states.len() > *fixed && states.last().is_some_and(|last| last.s > near) {
         states.pop();
     }
     let overlaps = states.last().is_some_and(|last| last.s >= cap.from.s);
@@ -65,7 +75,7 @@ fn add_cap<R: Real>(states: &mut Vec<State<R>>, fixed: &mut usize, cap: &Cap<R>,
     }
     let part = cap.time * R::from_ratio(1, ON_CAP);
     for k in 0..=ON_CAP {
-        let state = cap.from.after(part * R::from_ratio(k, 1), R::zero() - jerk);
+        let state = cap.from.after(part * R::from_ratio(k, 1), R::zero() - bounds.jerk);
         if states.last().is_none_or(|last| state.s > last.s) {
             states.push(state);
         }
@@ -81,7 +91,7 @@ pub(crate) fn timed<R: Real>(
     bounds: &Bounds<R>,
 ) -> Option<Vec<Point<R>>> {
     let mut points: Vec<Point<R>> = Vec::with_capacity(states.len());
-    let (gap, level) = (bounds.shortest.ldexp(1), (bounds.shortest * bounds.jerk).ldexp(1));
+    let (gap, level) = (bounds.gap(), bounds.gap() * bounds.jerk);
     let squares = &bounds.squares;
     let last = states.len().checked_sub(1)?;
     for (k, state) in states.iter_mut().enumerate() {

@@ -18,9 +18,9 @@ const REACH: i32 = 3;
 /// Arcs on each side of it, at least.
 const LEAST: usize = 4;
 /// Profiles that are tried.
-const AGAIN: usize = 5;
+const AGAIN: usize = 8;
 /// Feeds are lowered by 2⁻⁹ at a time, at most.
-const MOST: i32 = -9;
+const MOST: i32 = -7;
 
 /// The arcs, the hard ones and their neighbours replaced where better ones are found.
 pub(crate) fn repair<R: Real>(arcs: Vec<Arc<R>>, nodes: &[Node<R>], bounds: &Bounds<R>) -> Vec<Arc<R>> {
@@ -73,7 +73,7 @@ fn better<R: Real>(arcs: Vec<Arc<R>>, nodes: &[Node<R>], bounds: &Bounds<R>, rea
         nodes.iter_mut().zip(jerk_free).for_each(|(node, free)| node.free = free);
         let inside = |state: &State<R>| state.s > from.state.s && state.s < to.state.s;
         let mut along = Vec::from([from.state]);
-        along.extend(states(&nodes, start, bounds.acceleration, bounds.jerk).into_iter().filter(inside));
+        along.extend(states(&nodes, start, bounds).into_iter().filter(inside));
         along.push(to.state);
         let Some(found) = timed(along, from.cell, bounds).and_then(|points| fit(&points, bounds)) else {
             break;

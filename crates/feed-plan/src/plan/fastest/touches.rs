@@ -12,16 +12,26 @@ use real::Real;
 
 use crate::plan::fastest::caps::Contact;
 
+/// A bend goes on if it does within this share of the time A/J, as a power of two.
+const REACH: i32 = -2;
+
 /// How a node takes part in a sharp bend.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Bend<R> {
     /// None there, or one that the profile reaches along an arc that comes from its touch.
     Mild,
-    /// The profile touches it there with this acceleration.
-    Touch(R),
-    /// Sharp, before or behind the touch of the bend.
-    Before,
-    Behind,
+    /// The profile touches it there.
+    Touch(Touch<R>),
+    /// Sharp, before or behind the touch of the bend, and the acceleration there.
+    Before(R),
+    Behind(R),
+}
+
+/// The acceleration at a touch, and those that the jerk-free profile has before and behind it, between which it lies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Touch<R> {
+    pub(crate) theta: R,
+    pub(crate) between: [R; 2],
 }
 
 /// Accelerations of the jerk-free profile, and times, from each node to the next.
@@ -75,13 +85,14 @@ pub(crate) fn bends<R: Real>(
 ) -> Vec<Bend<R>> {
     let mut bends: Vec<Bend<R>> = feeds.iter().map(|_| Bend::Mild).collect();
     let mut contacts = contacts.iter().peekable();
+    let reach = (acceleration / jerk).ldexp(REACH);
     let mut k = 0;
     while k < feeds.len() {
         if !cells.is_sharp(k, jerk) {
             k += 1;
             continue;
         }
-        let (first, last) = (k, end_of_run(cells, k, jerk));
+        let (first, last) = (k, end_of_run(cells, k, jerk, reach));
         while contacts.next_if(|contact| contact.node < first).is_some() {}
         let mut touched = None;
         while let Some(contact) = contacts.next_if(|contact| contact.node <= last) {
@@ -91,18 +102,20 @@ pub(crate) fn bends<R: Real>(
         let touch = touched.map(|(_, arrival, departure, _)| {
             let theta = wanted(arrival, departure);
             let place = (first..last).find(|k| cells.acceleration[*k] >= theta).unwrap_or(last);
-            let theta = theta.max(cells.acceleration[place - 1]).min(cells.acceleration[place]);
             let most = (jerk * feeds[place]).ldexp(1).sqrt() * R::from_ratio(9, 10);
             let most = most.min(acceleration);
-            (place, theta.min(most).max(R::zero() - most))
+            let most = |a: R| a.min(most).max(R::zero() - most);
+            let between = [cells.acceleration[place - 1], cells.acceleration[place]];
+            let theta = most(theta.max(between[0]).min(between[1]));
+            (place, Touch { theta, between: between.map(most) })
         });
         for (k, bend) in bends.iter_mut().enumerate().take(last + 1).skip(first) {
             *bend = match touch {
-                Some((place, theta)) if k == place => Bend::Touch(theta),
-                Some((place, _)) if k > place => Bend::Behind,
-                Some(_) => Bend::Before,
+                Some((place, touch)) if k == place => Bend::Touch(touch),
+                Some((place, touch)) if k > place => Bend::Behind(touch.theta),
+                Some((_, touch)) => Bend::Before(touch.theta),
                 // The caps pass below it, and mostly so does what comes of them.
-                None => Bend::Behind,
+                None => Bend::Behind(cells.acceleration[first - 1]),
             };
         }
         k = last + 1;
@@ -115,16 +128,17 @@ fn wanted<R: Real>(arrival: R, departure: R) -> R {
     (arrival + departure) * R::from_ratio(if is_minimum { 6 } else { 9 }, 20)
 }
 
-/// The last node of the sharp bend that begins at a node. Nodes between limit points make gaps in it.
-fn end_of_run<R: Real>(cells: &Cells<R>, first: usize, jerk: R) -> usize {
+/// The last node of the sharp bend that begins at a node: the last one up to which the acceleration has risen by more than J allows.
+/// Between limit points, and between two minima beside each other, it rises slower for a while, no longer than `reach`.
+fn end_of_run<R: Real>(cells: &Cells<R>, first: usize, jerk: R, reach: R) -> usize {
     let mut last = first;
     let mut gap = R::zero();
     for k in first + 1..cells.time.len() {
         gap = gap + cells.time[k - 1];
-        if cells.acceleration[k] < cells.acceleration[k - 1] {
+        if gap > reach {
             break;
         }
-        if cells.acceleration[k] - cells.acceleration[k - 1] > jerk * gap {
+        if cells.acceleration[k] - cells.acceleration[last] > jerk * gap {
             (last, gap) = (k, R::zero());
         }
     }

@@ -2,17 +2,20 @@
 //!
 //! What rises from a touch with the acceleration θ rises no faster than the arc of jerk J, on to the acceleration A; the same holds
 //! backwards in time. The least of several profiles with `j ≤ J` is such a profile. One pass forward and one backward carry feed and
-//! acceleration along such an arc until it meets the jerk-free profile. A touch that an arc passes below is none.
+//! acceleration along such an arc until it meets the jerk-free profile. A touch that an arc passes
+//! below is none, if no other acceleration of the touch that the arc comes from helps.
 
 use alloc::vec::Vec;
 
 use real::Real;
 
 use crate::plan::fastest::motion::time_over;
-use crate::plan::fastest::touches::{Bend, Cells};
+use crate::plan::fastest::touches::{Bend, Cells, Touch};
 
-/// Passes in which touches that are passed below are found.
-const ROUNDS: usize = 3;
+/// Passes forward and backward, at most.
+const ROUNDS: usize = 5;
+/// Of these, those after which a touch whose arc passes below another is given another acceleration.
+const TURNS: usize = 3;
 
 /// The profile at a node.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,6 +37,8 @@ struct Reached<R> {
     behind: Option<R>,
     /// The same for the arc that leads here.
     before: Option<R>,
+    /// The node from which the last arc began.
+    origin: usize,
 }
 
 /// The least of the jerk-free profile and the arcs through its touches.
@@ -51,30 +56,38 @@ pub(crate) fn valleys<R: Real>(
     let reversed_feeds: Vec<R> = feeds.iter().rev().copied().collect();
     let backward_cells = Cells::new(count, |k| (reversed_places[k], reversed_feeds[k]));
     let (mut forward, mut backward) = (Vec::new(), Vec::new());
-    for _ in 0..ROUNDS {
+    for round in 0..ROUNDS {
         forward = climb(places, feeds, &cells, bends, start, [acceleration, jerk]);
-        drop_passed(bends, feeds, &forward);
+        let is_turned = settle(bends, feeds, &forward, Side::Behind, round < TURNS);
         let reversed: Vec<_> = bends.iter().rev().map(|bend| mirrored(*bend)).collect();
         let (rest, most) = (R::zero(), [acceleration, jerk]);
         backward = climb(&reversed_places, &reversed_feeds, &backward_cells, &reversed, rest, most);
         backward.reverse();
-        if !drop_passed(bends, feeds, &backward) {
+        backward.iter_mut().for_each(|reached| reached.origin = count - 1 - reached.origin);
+        let is_changed = settle(bends, feeds, &backward, Side::Before, round < TURNS);
+        if !(is_turned || is_changed) {
             break;
         }
     }
     let mut carriers: Vec<_> = (0..count)
         .map(|k| {
             let (f, b) = (forward[k], backward[k]);
-            let from_b = Reached { v: b.v, a: R::zero() - b.a, behind: b.before, before: b.behind };
+            let from_b = Reached { a: R::zero() - b.a, behind: b.before, before: b.behind, ..b };
             let (one, is_touch) = match bends[k] {
-                Bend::Touch(theta) => {
-                    let both = Reached { v: feeds[k], a: theta, behind: f.behind, before: b.behind };
+                Bend::Touch(touch) => {
+                    let both = Reached {
+                        v: feeds[k],
+                        a: touch.theta,
+                        behind: f.behind,
+                        before: b.behind,
+                        origin: k,
+                    };
                     (both, true)
                 }
                 // The end is passed without acceleration.
                 _ if k == 0 || k + 1 == count => {
                     let a = if k == 0 { start } else { R::zero() };
-                    (Reached { v: feeds[k], a, behind: f.behind, before: b.behind }, true)
+                    (Reached { v: feeds[k], a, behind: f.behind, before: b.behind, origin: k }, true)
                 }
                 _ if f.v < b.v || (f.v == b.v && f.before.is_some() && b.behind.is_none()) => (f, false),
                 _ if b.v < f.v || b.behind.or(b.before).is_some() => (from_b, false),
@@ -91,23 +104,67 @@ pub(crate) fn valleys<R: Real>(
 
 fn mirrored<R: Real>(bend: Bend<R>) -> Bend<R> {
     match bend {
-        Bend::Touch(theta) => Bend::Touch(R::zero() - theta),
-        Bend::Before => Bend::Behind,
-        Bend::Behind => Bend::Before,
+        Bend::Touch(touch) => {
+            let [low, high] = touch.between.map(|a| R::zero() - a);
+            Bend::Touch(Touch { theta: R::zero() - touch.theta, between: [high, low] })
+        }
+        Bend::Before(theta) => Bend::Behind(R::zero() - theta),
+        Bend::Behind(theta) => Bend::Before(R::zero() - theta),
         Bend::Mild => Bend::Mild,
     }
 }
 
-/// Takes touches back that a pass is below.
-fn drop_passed<R: Real>(bends: &mut [Bend<R>], feeds: &[R], reached: &[Reached<R>]) -> bool {
+/// The side of a touch to which its arc leads.
+#[derive(Clone, Copy)]
+enum Side {
+    Before,
+    Behind,
+}
+
+/// Settles what becomes of touches that a pass is below: the touch from which the arc came gets an acceleration half way to what the
+/// jerk-free profile has beside it, so that the arc is higher; where `turns` is false, or the arc came from no touch, the one that it
+/// passes below is none. Whether anything is changed that this pass, or the other one, depends on.
+fn settle<R: Real>(
+    bends: &mut [Bend<R>],
+    feeds: &[R],
+    reached: &[Reached<R>],
+    side: Side,
+    turns: bool,
+) -> bool {
     let mut is_changed = false;
-    for ((bend, feed), reached) in bends.iter_mut().zip(feeds).zip(reached) {
-        if matches!(bend, Bend::Touch(_)) && reached.v < *feed - feed.ldexp(-30) {
-            *bend = Bend::Mild;
+    let mut last_turned = None;
+    for k in 0..bends.len() {
+        let (Bend::Touch(_), Some(here)) = (bends[k], reached.get(k)) else { continue };
+        if !(here.v < feeds[k] - feeds[k].ldexp(-30)) || last_turned == Some(here.origin) {
+            continue;
+        }
+        let turned = match bends.get_mut(here.origin) {
+            Some(Bend::Touch(touch)) if turns && here.origin != k => touch.turn(side),
+            _ => false,
+        };
+        if turned {
+            last_turned = Some(here.origin);
             is_changed = true;
+        } else {
+            bends[k] = Bend::Mild;
+            is_changed |= matches!(side, Side::Before);
         }
     }
     is_changed
+}
+
+impl<R: Real> Touch<R> {
+    /// Turns the acceleration towards that of the jerk-free profile on one side, unless it is there.
+    fn turn(&mut self, side: Side) -> bool {
+        let goal = match side {
+            Side::Before => self.between[0],
+            Side::Behind => self.between[1],
+        };
+        let turned = (self.theta + goal).half();
+        let is_turned = turned != self.theta;
+        self.theta = turned;
+        is_turned
+    }
 }
 
 /// One pass: from the begin with the acceleration `start`, and from each touch an arc until it meets the jerk-free profile.
@@ -121,18 +178,18 @@ fn climb<R: Real>(
 ) -> Vec<Reached<R>> {
     let mut reached = Vec::with_capacity(feeds.len());
     let Some(first) = feeds.first() else { return reached };
-    let mut here = Reached { v: *first, a: start, behind: Some(jerk), before: None };
+    let mut here = Reached { v: *first, a: start, behind: Some(jerk), before: None, origin: 0 };
     for k in 0..feeds.len() {
         let is_free = here.v >= feeds[k];
         if k > 0 {
             here.behind = match bends[k] {
                 _ if !is_free => Some(jerk),
-                Bend::Touch(theta) => {
-                    here.a = theta;
+                Bend::Touch(touch) => {
+                    (here.a, here.origin) = (touch.theta, k);
                     Some(jerk)
                 }
-                Bend::Behind => {
-                    here.a = cells.acceleration[k - 1];
+                Bend::Behind(theta) => {
+                    (here.a, here.origin) = (cells.acceleration[k - 1].max(theta), k);
                     Some(jerk)
                 }
                 _ => {
@@ -146,12 +203,13 @@ fn climb<R: Real>(
             break;
         };
         let length = places[k + 1] - places[k];
-        let mut next = Reached { v: *to, a: R::zero(), behind: None, before: None };
+        let origin = here.origin;
+        let mut next = Reached { v: *to, a: R::zero(), behind: None, before: None, origin };
         if here.behind.is_some() {
             let (v, a, used) = step(length, (here.v, here.a), acceleration, jerk);
             here.behind = Some(used);
             if v < *to {
-                next = Reached { v, a, behind: None, before: Some(used) };
+                next = Reached { v, a, behind: None, before: Some(used), origin };
             }
         }
         reached.push(here);
