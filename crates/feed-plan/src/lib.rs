@@ -111,6 +111,9 @@ mod limit {
 }
 
 #[cfg(feature = "alloc")]
+mod parallel;
+
+#[cfg(feature = "alloc")]
 mod plan {
     pub(crate) mod fastest {
         pub(crate) mod caps;
@@ -168,6 +171,8 @@ mod chords {
     pub(crate) mod shortfall;
 }
 
+#[cfg(feature = "std")]
+pub use parallel::in_parallel;
 pub use schedule::schedule::{Cursor, Schedule};
 pub use schedule::section::{Section, sections};
 pub use schedule::stage::{Stage, StageKind};

@@ -209,7 +209,7 @@ where
     let progress = Progress::of("cells", left.len() + done.len());
     progress.start_at(done.len());
     let file = Mutex::new(file);
-    let cells = format_compare::in_parallel(&left, |number| -> Result<SweepCell> {
+    let cells = feed_plan::in_parallel(&left, |number| -> Result<SweepCell> {
         let cell = base.cell(&plan, *number, arguments.most_periods, (&formats, &engines, &options))?;
         let line = serde_json::to_string(&cell)? + "\n";
         // A whole line is written at once, so an interrupted sweep tears only the last one.

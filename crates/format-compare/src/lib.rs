@@ -42,7 +42,6 @@
 
 #[cfg(test)]
 mod examples;
-mod parallel;
 mod refusal;
 
 mod problem {
@@ -112,7 +111,6 @@ pub use judge::reference::Reference;
 pub use judge::requirement::{PeriodEnd, Requirement};
 pub use judge::setpoints::{SetpointRow, SetpointTable};
 pub use judge::trace::Trace;
-pub use parallel::in_parallel;
 pub use part_program::Machine;
 pub use plan::axis_peaks::AxisPeak;
 pub use plan::exact_plan::ExactPlan;

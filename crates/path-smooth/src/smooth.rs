@@ -52,7 +52,7 @@ pub fn smooth(part: &Part, machine: &Machine, options: &Options) -> Result<Smoot
         return Err(SmoothError::Lambda(given));
     }
     let part = with_polygons_as_lines(part);
-    let followed = format_compare::in_parallel(&stretches(&part), |range| {
+    let followed = feed_plan::in_parallel(&stretches(&part), |range| {
         let first = part.moves[range.start];
         let outer = (first.kind == MoveKind::Feed).then_some(outer);
         Followed::new(&part, range.clone(), machine, options, outer)

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, Result, bail, ensure};
 use clap::Parser;
 use comfy_table::{CellAlignment, Table, presets};
-use format_compare::in_parallel;
+use feed_plan::in_parallel;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::{Deserialize, Serialize};
 use stress::{SOAK_FORMATS, Soak, SoakFormat, SoakPaths, Soaked, soak_path};

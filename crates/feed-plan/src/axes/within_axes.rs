@@ -26,6 +26,7 @@ use crate::axes::program::Stop;
 use crate::axes::rows::{WayCell, all_of, places, program};
 use crate::axes::spline::{Spline, near};
 use crate::axes::way::{Strain, Way};
+use crate::parallel::in_parallel;
 use crate::plan::stages::Stages;
 use crate::plan::whole_periods::{SLOWER, stretch_section};
 use crate::schedule::section::Section;
@@ -67,11 +68,11 @@ struct Effort {
 /// [`FeedLimit::along`] them. From a replaced way on, the plan keeps the feed limit, acceleration and jerk of the path, and of each
 /// axis velocity `e v`, acceleration `e a + k v²` and jerk `e j + 3 k v a + c v³`, seen at ten places a period, but for rounding.
 /// Not the least time: the program is not convex, and the arcs lose a little. Takes no more than 60 iterations for each of five
-/// solutions; time and memory are linear in the duration.
+/// solutions; time and memory are linear in the duration. With `std` all cores plan, each a section at a time.
 ///
 /// # Errors
 /// [`PlanError::DurationOverflows`] when the periods cannot be counted.
-pub fn plan_within_axes<const D: usize, C: Differentiate<f64, D>>(
+pub fn plan_within_axes<const D: usize, C: Differentiate<f64, D> + Sync>(
     curves: &[C],
     limits: &KinematicLimits<f64>,
     limit: &FeedLimit<f64>,
@@ -83,8 +84,10 @@ pub fn plan_within_axes<const D: usize, C: Differentiate<f64, D>>(
     };
     let mut stages = Vec::with_capacity(today.stages.len());
     let mut saved = 0_u32;
-    for section in today.as_schedule().sections() {
-        match faster(&geometry, limits, limit, &section) {
+    let sections: Vec<_> = today.as_schedule().sections().collect();
+    let found = in_parallel(&sections, |section| faster(&geometry, limits, limit, section));
+    for (section, found) in sections.iter().zip(found) {
+        match found {
             Some((other, periods)) => {
                 stages.extend(other);
                 saved = saved.saturating_add(periods);

@@ -68,7 +68,7 @@ impl Planned<f64> {
     ///
     /// # Errors
     /// As [`plan_within_axes`].
-    pub fn within_axes<const D: usize, C: Differentiate<f64, D>>(
+    pub fn within_axes<const D: usize, C: Differentiate<f64, D> + Sync>(
         self,
         limit: FeedLimit<f64>,
         curves: &[C],

@@ -9,7 +9,6 @@ use crate::judge::judged_run::JudgedRun;
 use crate::judge::metrics::JudgedStep;
 use crate::judge::not_of_format::NotOfFormat;
 use crate::judge::reference::Reference;
-use crate::parallel::in_parallel;
 use crate::plan::plan_summary::OverLimits;
 use crate::problem::problem::Problem;
 use crate::refusal::Refusal;
@@ -17,6 +16,7 @@ use crate::run::formats::{Dimension, Format, Space, plan_for};
 use crate::run::options::{Engine, Options, PlanIn};
 use crate::run::run::Run;
 use crate::size::fewest_bits::FewestBits;
+use feed_plan::in_parallel;
 
 /// The result of a comparison.
 #[derive(Clone, Debug, Serialize)]

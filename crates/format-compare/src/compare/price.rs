@@ -7,12 +7,12 @@ use crate::compare::compare::Comparison;
 use crate::cost::period_cost::{Cost, cost, operations};
 use crate::judge::judged_run::{JudgedRun, Verdict};
 use crate::judge::requirement::Requirement;
-use crate::parallel::in_parallel;
 use crate::problem::problem::Problem;
 use crate::refusal::Refusal;
 use crate::run::formats::{Dimension, Space, format_named, plan_for};
 use crate::run::options::Options;
 use crate::run::recorded_run::RecordedRun;
+use feed_plan::in_parallel;
 
 /// Records every run of `comparison` that was not refused, prices it on each of `targets`, and makes a new
 /// recommendation. It recommends the format that costs least on the first target, among those that are good and fit the

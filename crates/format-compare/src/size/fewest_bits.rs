@@ -16,7 +16,6 @@ use real::{Datapath, FormatName, Real};
 use serde::Serialize;
 
 use crate::judge::judged_run::JudgedRun;
-use crate::parallel::in_parallel;
 use crate::plan::exact_plan::ExactPlan;
 use crate::problem::problem::Problem;
 use crate::refusal::Refusal;
@@ -24,6 +23,7 @@ use crate::run::formats::{Dimension, Space};
 use crate::run::job::Job;
 use crate::run::options::{Engine, Options};
 use crate::size::trial::{FEWEST_INTEGER_BITS, Trial, WIDTHS, search_options};
+use feed_plan::in_parallel;
 
 /// Most periods, in total, of the parts on which widths are searched. Most searches run these parts three times, in
 /// seconds.

@@ -17,7 +17,6 @@ use target_cost::Target;
 use crate::cost::period_cost::{Cost, cost, operations};
 use crate::judge::judged_run::JudgedRun;
 use crate::judge::not_of_format::{NotOfFormat, not_of_format};
-use crate::parallel::in_parallel;
 use crate::plan::exact_plan::ExactPlan;
 use crate::problem::problem::Problem;
 use crate::refusal::Refusal;
@@ -27,6 +26,7 @@ use crate::run::on_pieces;
 use crate::run::options::Options;
 use crate::size::signals::group_and_meaning;
 use crate::size::trial::{FEWEST_INTEGER_BITS, Trial, WIDTHS, search_options};
+use feed_plan::in_parallel;
 
 /// The result of a search.
 #[derive(Clone, Debug, Serialize)]

@@ -1,6 +1,15 @@
-//! Work on all cores.
+//! Work on all cores, where there is `std`.
+
+use alloc::vec::Vec;
+
+/// Maps `work` over `items`, one after the other.
+#[cfg(not(feature = "std"))]
+pub(crate) fn in_parallel<T: Sync, U: Send>(items: &[T], work: impl Fn(&T) -> U + Sync) -> Vec<U> {
+    items.iter().map(work).collect()
+}
 
 /// Maps `work` over `items`, in order, on all cores.
+#[cfg(feature = "std")]
 pub fn in_parallel<T: Sync, U: Send>(items: &[T], work: impl Fn(&T) -> U + Sync) -> Vec<U> {
     let workers = std::thread::available_parallelism().map_or(1, usize::from).min(items.len().max(1));
     let next = std::sync::atomic::AtomicUsize::new(0);
