@@ -23,7 +23,7 @@ fn with_axes(axes: [AxisLimits<f64>; 3]) -> KinematicLimits<f64> {
 }
 
 /// The limit without reserves, the plan of S-curves under the one with them, and the faster plan.
-fn plans<C: Differentiate<f64, D>, const D: usize>(
+fn plans<C: Differentiate<f64, D> + Sync, const D: usize>(
     curves: &[C],
     limits: &KinematicLimits<f64>,
 ) -> (FeedLimit<f64>, ScheduleBuf<f64>, ScheduleBuf<f64>) {
@@ -41,7 +41,7 @@ const NEAR: f64 = 2e-7;
 /// In the ways that `today` has not: the largest share of what is allowed, of feed, acceleration and jerk of the path and
 /// of each axis, ten times a period. The slope of the curvature is a difference of fourth order; where a knot lies
 /// within it, there is none.
-fn worst<C: Differentiate<f64, D>, const D: usize>(
+fn worst<C: Differentiate<f64, D> + Sync, const D: usize>(
     curves: &[C],
     limits: &KinematicLimits<f64>,
     limit: &FeedLimit<f64>,
@@ -89,7 +89,10 @@ fn worst<C: Differentiate<f64, D>, const D: usize>(
 }
 
 /// What [`plan_within_axes`] promises.
-fn assert_kept<C: Differentiate<f64, D>, const D: usize>(curves: &[C], limits: &KinematicLimits<f64>) -> f64 {
+fn assert_kept<C: Differentiate<f64, D> + Sync, const D: usize>(
+    curves: &[C],
+    limits: &KinematicLimits<f64>,
+) -> f64 {
     let (limit, today, faster) = plans(curves, limits);
     let worst = worst(curves, limits, &limit, [&today, &faster]);
     assert!(worst.iter().all(|worst| *worst <= 1.0 + 1e-6), "{worst:?} {limits:?}");

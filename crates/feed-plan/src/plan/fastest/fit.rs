@@ -15,6 +15,8 @@ use crate::plan::fastest::motion::State;
 
 /// A stretch by 2⁻¹³ may be needed.
 pub(crate) const TOLERANCE: i32 = -13;
+/// An arc is hard where a stretch by 2⁻¹² would not do.
+pub(crate) const HARD: i32 = -12;
 /// An arc may be slower than the profile by 2⁻¹³ of its time.
 const SLOWER: i32 = -13;
 /// States that one arc passes, at most.
@@ -24,6 +26,8 @@ const FURTHER: usize = 12;
 const BEFORE: usize = 4;
 /// Newton's steps to where a piece is highest above the limit.
 const HIGHEST: usize = 4;
+/// They end where the next is nearer than this share of the time, as a power of two.
+const NEAR: i32 = -12;
 /// Steps to the time at a node, Newton's or halvings.
 const STEPS: usize = 40;
 /// The place is found to this share of the way between two limit points: the limit may have a narrow minimum just there.
@@ -135,15 +139,22 @@ impl<R: Real> Bounds<R> {
                 if excess > R::zero() { (excess / limit).half() } else { R::zero() }
             };
             broken = broken.max(above(&there)).max(above(&here));
-            if jerk < R::zero() {
-                let line = |at: R| b0 + slope * (at - a);
-                let mut highest = ((slope.half() - here.a) / jerk).max(R::zero()).min(end - time);
+            // At a jerk below zero the feed is at most that at the acceleration of the begin.
+            let span = end - time;
+            let top = here.v.max(there.v).max(here.v + here.a * span);
+            let line = |at: R| b0 + slope * (at - a);
+            if jerk < R::zero() && top * top > line(here.s).min(line(there.s)) {
+                let mut highest = ((slope.half() - here.a) / jerk).max(R::zero()).min(span);
                 for _ in 0..HIGHEST {
                     let state = here.after(highest, jerk);
                     broken = broken.max(above(&state));
                     let rise = (state.a * line(state.s)).ldexp(1) - state.v * state.v * slope;
                     let fall = (jerk * line(state.s)).ldexp(1);
-                    highest = (highest - rise / fall).max(R::zero()).min(end - time);
+                    let next = (highest - rise / fall).max(R::zero()).min(span);
+                    if (next - highest).abs() <= span.ldexp(NEAR) {
+                        break;
+                    }
+                    highest = next;
                 }
             }
             if is_last || broken > enough {
@@ -227,7 +238,7 @@ pub(crate) struct Arc<R> {
 impl<R: Real> Arc<R> {
     /// Whether it breaks them by more than others.
     pub(crate) fn is_hard(&self) -> bool {
-        self.broken > R::one().ldexp(TOLERANCE)
+        self.broken > R::one().ldexp(HARD)
     }
 }
 

@@ -15,7 +15,7 @@ use real::Real;
 
 use crate::limit::axis_budget::Allowance;
 use crate::plan::fastest::fastest::{Ends, Most, section};
-use crate::plan::fastest::fit::{Fit, rounding};
+use crate::plan::fastest::fit::{Fit, HARD, rounding};
 use crate::plan::fastest::sections::{monotone, slowed, stage};
 use crate::plan::key_points::Key;
 use crate::plan::ramp_shape::RampShape;
@@ -25,9 +25,8 @@ use crate::{FeedLimit, KinematicLimits, PlanError, Stage};
 
 /// The limits along a part differ by no more than 2⁻¹³: the fastest plan is one S-curve up and one down.
 const LEVEL: i32 = -13;
-/// A part is stretched by no more than 2⁻¹², since all others are stretched with it.
-const LITTLE: i32 = -12;
-/// The whole way, where it cannot be cut, is stretched by no more than 2⁻⁶.
+/// The whole way, where it cannot be cut, is stretched by no more than 2⁻⁶. A part of it is not hard, since all others are stretched
+/// with it.
 const MOST_STRETCHED: i32 = -6;
 /// Moves belong together where what they leave differs by no more than 2⁻⁵.
 const SAME: i32 = -5;
@@ -54,7 +53,7 @@ pub(crate) fn in_parts<R: Real>(
     let left = limit.allowance(first.point, last.point).min(all);
     if left == all && !is_level(limit, [first.point, last.point]) {
         let found = parts.fit([first, last], left);
-        if let Some(fit) = found.filter(|fit| fit.stretch <= R::one().ldexp(LITTLE)) {
+        if let Some(fit) = found.filter(|fit| fit.stretch <= R::one().ldexp(HARD)) {
             parts.take(&fit);
             return Ok(parts.finished());
         }
@@ -148,11 +147,11 @@ impl<R: Real> Parts<'_, R> {
         };
         let ways = found.as_ref().map_or_else(Vec::new, |fit| fit.hard.clone());
         let parts = around(keys, &ways);
-        let is_hard = |fit: &Fit<R>| fit.stretch > R::one().ldexp(LITTLE);
+        let is_hard = |fit: &Fit<R>| fit.stretch > R::one().ldexp(HARD);
         if cuts > 0 && parts.len() > 1 && found.as_ref().is_some_and(is_hard) {
             return parts.into_iter().try_for_each(|part| self.plan(part, all, cuts - 1));
         }
-        let most = if self.is_whole(first, last) { MOST_STRETCHED } else { LITTLE };
+        let most = if self.is_whole(first, last) { MOST_STRETCHED } else { HARD };
         let quick = found.filter(|fit| fit.stretch <= R::one().ldexp(most));
         let mut slow = Stages::new(self.limit);
         chain(self.limit, self.shape, keys, &mut slow)?;
