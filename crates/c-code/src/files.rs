@@ -6,6 +6,7 @@ use askama::Template;
 use real::Backend;
 
 use crate::c_part::{COverride, CPart, ExpectedRun};
+use crate::exponents::ToPhase;
 use crate::name::CError;
 use crate::overridden_run::OverriddenRun;
 use crate::values::Values;

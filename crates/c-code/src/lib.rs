@@ -7,6 +7,7 @@
 //! | file | has |
 //! |---|---|
 //! | `templates/part.h` | what a caller sees: units, formats, functions, the self-test |
+//! | `templates/products.c` | products of words, on cores with and without long ones |
 //! | `templates/numbers_*.c` | the format's sums, products, quotients and roots |
 //! | `templates/tables.c` | pieces, coefficients, stages and sections |
 //! | `templates/lengths.c`, `mean.c`, `cosine.c` | the distance of each period |
@@ -16,6 +17,7 @@
 
 mod c_part;
 mod comment;
+mod exponents;
 mod files;
 mod literal;
 mod name;

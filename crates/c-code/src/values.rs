@@ -7,6 +7,7 @@ use secant_interp::{LANDING_REACH, LengthStage, Section, StageShape};
 
 use crate::c_part::CPart;
 use crate::comment::in_a_comment;
+use crate::exponents::{Exponents, MOST_UNROLLED, all_below_two};
 use crate::literal::{number, number_type};
 use crate::name::CError;
 use crate::overridden_run::OverriddenRun;
@@ -50,6 +51,9 @@ pub(crate) struct Values {
     pub(crate) growth: String,
     pub(crate) fluctuation: String,
     pub(crate) landing_step: String,
+    pub(crate) exponents: Exponents,
+    /// How a product with sigma is written.
+    pub(crate) by_sigma: &'static str,
     // The format.
     pub(crate) format: String,
     pub(crate) format_words: String,
@@ -62,7 +66,6 @@ pub(crate) struct Values {
     pub(crate) zero: String,
     pub(crate) one: String,
     pub(crate) one_half: String,
-    pub(crate) one_quarter: String,
     pub(crate) one_third: String,
     pub(crate) three_eighths: String,
     pub(crate) three_quarters: String,
@@ -196,12 +199,14 @@ impl Values {
             has_joints: sections.iter().any(|section| section.pieces.len() > 1),
             uses,
             pieces: pieces.pieces.iter().map(PieceRow::of).collect(),
-            numerators: pieces.numerators.chunks(pieces.degree).map(rows).collect(),
+            numerators: pieces.numerators.chunks(pieces.degree).map(by_coordinate).collect(),
             weights: pieces.weights.chunks(pieces.degree + 1).map(numbers).collect(),
             stages: stages.iter().map(|stage| StageRow::of(stage, uses.bent, shapes.first())).collect(),
             shapes,
             sections: sections.to_vec(),
             max_evaluations: run.tolerance.max_evaluations,
+            exponents: Exponents::of(&pieces, uses.far_shifts),
+            by_sigma: if all_below_two(&pieces) { "mul_by" } else { "mul" },
             residual: number(run.tolerance.residual),
             growth: number(run.tolerance.growth),
             fluctuation: number(run.tolerance.fluctuation),
@@ -217,10 +222,9 @@ impl Values {
             zero: number(R::zero()),
             one: number(R::one()),
             one_half: ratio(1, 2),
-            one_quarter: ratio(1, 4),
             one_third: ratio(1, 3),
             three_eighths: ratio(3, 8),
-            three_quarters: ratio(3, 4),
+            three_quarters: number(R::from_ratio(1, 2) + R::from_ratio(1, 4)),
             half_pi: number(R::half_pi()),
             cosine_series: (1..=sine_terms::<R>()).map(|k| ratio(1, 2 * k * (2 * k - 1))).collect(),
             sine_series: (1..=sine_terms::<R>()).map(|k| ratio(1, 2 * k * (2 * k + 1))).collect(),
@@ -230,6 +234,16 @@ impl Values {
         };
         values.table_bytes = values.bytes_of_tables();
         Ok(values)
+    }
+
+    /// Whether sweeps over the coefficients are written out.
+    pub(crate) fn is_unrolled(&self) -> bool {
+        self.degree <= MOST_UNROLLED
+    }
+
+    /// Whether a factor of order one may be split at 14 bits, so that its products need no word of 64.
+    pub(crate) fn splits_factors(&self) -> bool {
+        self.word_bits == 32 && (17..=28).contains(&self.fraction_bits)
     }
 
     /// Bytes of the tables on a controller of 32 bits, each row filled up to whole words of its widest member.
@@ -380,6 +394,9 @@ fn numbers<R: Backend>(numbers: &[R]) -> String {
     numbers.iter().map(|x| number(*x)).collect::<Vec<_>>().join(", ")
 }
 
-fn rows<R: Backend, const D: usize>(rows: &[[R; D]]) -> String {
-    rows.iter().map(|row| format!("{{ {} }}", numbers(row))).collect::<Vec<_>>().join(", ")
+/// The coefficients of each coordinate.
+fn by_coordinate<R: Backend, const D: usize>(rows: &[[R; D]]) -> String {
+    let coordinate =
+        |d: usize| rows.iter().filter_map(|row| row.get(d)).map(|x| number(*x)).collect::<Vec<_>>();
+    (0..D).map(|d| format!("{{ {} }}", coordinate(d).join(", "))).collect::<Vec<_>>().join(", ")
 }

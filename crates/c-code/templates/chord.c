@@ -43,38 +43,39 @@ static number within(number correction, number sigma, number least, number great
     return maximum(minimum(sub(sigma, least), correction), sub(sigma, greatest));
 }
 
-/* q and x q' at x: one Horner chain for a value and its slope. */
-static void chord_per_step(const shifted *at, number x, number q[AXES], number turn[AXES])
+/* q and x q' of one coordinate at x: one Horner chain for a value and its slope. */
+IN_PLACE void chord_per_step(const number c[DEGREE], number x, number *q, number *turn)
 {
-    for (uint32_t d = 0u; d < AXES; d++) {
-{%- if degree == 1 %}
-        q[d] = at->chord[0][d];
-        turn[d] = {{ zero }};
-{%- else %}
-        number slope = at->chord[DEGREE - 1u][d];
-        number value = mul_add(slope, x, at->chord[DEGREE - 2u][d]);
-{%- if degree > 2 %}
-        for (uint32_t k = DEGREE - 2u; k > 0u; k--) {
-            slope = mul_add(slope, x, value);
-            value = mul_add(value, x, at->chord[k - 1u][d]);
-        }
-{%- endif %}
-        q[d] = value;
-        turn[d] = mul(slope, x);
-{%- endif %}
-    }
 {%- if degree == 1 %}
     (void)x;
+    *q = c[0];
+    *turn = {{ zero }};
+{%- else %}
+    number slope = c[DEGREE - 1u];
+    number value = mul_add(slope, x, c[DEGREE - 2u]);
+{%- if self.is_unrolled() %}
+{%- for k in (1..degree - 1).rev() %}
+    slope = mul_add(slope, x, value);
+    value = mul_add(value, x, c[{{ k - 1 }}]);
+{%- endfor %}
+{%- else %}
+    for (uint32_t k = DEGREE - 2u; k > 0u; k--) {
+        slope = mul_add(slope, x, value);
+        value = mul_add(value, x, c[k - 1u]);
+    }
+{%- endif %}
+    *q = value;
+    *turn = mul_by(slope, x);
 {%- endif %}
 }
 {%- if rational %}
 
 /* w = 1 + omega_1 x + omega_2 x^2 ... and w'. */
-static void weight_at(const shifted *at, number x, number *weight, number *weight_slope)
+IN_PLACE void weight_at(const shifted *at, number x, number *weight, number *weight_slope)
 {
 {%- if degree == 1 %}
     *weight = mul_add(at->weight[0], x, ONE);
-    *weight_slope = mul_add({{ zero }}, x, at->weight[0]);
+    *weight_slope = at->weight[0];
 {%- else %}
     number slope = at->weight[DEGREE - 1u];
     number value = mul_add(slope, x, at->weight[DEGREE - 2u]);
@@ -91,91 +92,98 @@ static void weight_at(const shifted *at, number x, number *weight, number *weigh
 {%- endif %}
 
 /* x, the step over 2^r. */
-static number variable(const chord *on, number step)
+IN_PLACE number variable(int32_t range_exponent, number step)
 {
 {%- if floating %}
-    (void)on;
+    (void)range_exponent;
     return step;
 {%- else %}
-    return times_power_of_two(step, -on->range_exponent);
+    return {{ exponents.to_variable }}(step, -range_exponent);
 {%- endif %}
 }
 {%- if has_joints %}
 
 /* f/4 and an eighth of df/dsigma of f = |b + sigma v|^2 - 1, v = q/w: where b, a part of the chord, lies on pieces before.
  * All is halved, because |b + sigma v| may come near to 2. */
-static void evaluate_past_joint(number sigma, const number before[AXES], const number q[AXES], const number turn[AXES]{% if rational %}, number weight, number weight_turn{% endif %}, evaluation *value)
+static void evaluate_past_joint(const shifted *at, number sigma, number x, const number before[AXES], evaluation *value)
 {
 {%- if rational %}
+    number weight = ONE;
+    number weight_slope = {{ zero }};
+    weight_at(at, x, &weight, &weight_slope);
+    const number weight_turn = mul(weight_slope, x);
     const number reciprocal = divide(ONE, weight);
 {%- endif %}
-    wide squares{% if !floating %} = product({{ zero }}, {{ zero }}){% endif %};
-    wide growth{% if !floating %} = product({{ zero }}, {{ zero }}){% endif %};
+    wide squares = {% if floating %}{{ zero }}{% else %}product(0, 0){% endif %};
+    wide growth = {% if floating %}{{ zero }}{% else %}product(0, 0){% endif %};
     for (uint32_t d = 0u; d < AXES; d++) {
+        number q = {{ zero }};
+        number turn = {{ zero }};
+        chord_per_step(at->chord[d], x, &q, &turn);
 {%- if rational %}
-        const number v = mul(q[d], reciprocal);
-        const number pull = half(add(v, mul(sub(turn[d], mul(v, weight_turn)), reciprocal)));
+        const number v = mul(q, reciprocal);
+        const number pull = half(add(v, mul(sub(turn, mul(v, weight_turn)), reciprocal)));
 {%- else %}
-        const number v = q[d];
-        const number pull = half(add(v, turn[d]));
+        const number v = q;
+        const number pull = half(add(v, turn));
 {%- endif %}
         const number direction = rounded(plus(product(half(sigma), v), product(ONE_HALF, before[d])));
-{%- if floating %}
-        squares = (d == 0u) ? product(direction, direction) : plus(squares, product(direction, direction));
-        growth = (d == 0u) ? product(direction, pull) : plus(growth, product(direction, pull));
-{%- else %}
         squares = plus(squares, product(direction, direction));
         growth = plus(growth, product(direction, pull));
-{%- endif %}
     }
     value->residual = rounded(plus(squares, product(negative(ONE_HALF), ONE_HALF)));
     value->slope = rounded(growth);
 }
 {%- endif %}
 
-/* f and g at sigma, whose step is given. */
-static void evaluate(const chord *on, number sigma, number step, evaluation *value)
+/* f and g at sigma, whose x is given. */
+IN_PLACE void evaluate_on_piece(const shifted *at, number sigma, number x, evaluation *value)
 {
-    number q[AXES];
-    number turn[AXES];
-    const number x = variable(on, step);
-    chord_per_step(on->at, x, q, turn);
+    number q = {{ zero }};
+    number turn = {{ zero }};
 {%- if rational %}
     number weight = ONE;
     number weight_slope = {{ zero }};
-    weight_at(on->at, x, &weight, &weight_slope);
+    weight_at(at, x, &weight, &weight_slope);
     const number weight_turn = mul(weight_slope, x);
-{%- endif %}
-{%- if has_joints %}
-    if (on->is_past_joint) {
-        evaluate_past_joint(sigma, on->before, q, turn{% if rational %}, weight, weight_turn{% endif %}, value);
-        return;
-    }
-{%- endif %}
-{%- if rational %}
     wide squares = product(negative(weight), weight);
     wide growth = plus(product(negative(weight), weight_turn), product(weight, weight));
     growth = plus(growth, product(negative(ONE), ONE));
+{%- else if floating %}
+    wide squares = negative(ONE);
+    wide growth = {{ zero }};
+{%- else if word_bits == 64 %}
+    wide squares = { 0u, 0u };
+    wide growth = { 0u, 0u };
 {%- else %}
-    wide squares = product(negative(ONE), ONE);
-    wide growth = product({{ zero }}, {{ zero }});
+    wide squares = 0u;
+    wide growth = 0u;
 {%- endif %}
-    for (uint32_t d = 0u; d < AXES; d++) {
-        const number along = mul(sigma, q[d]);
-        squares = plus(squares, product(along, along));
-        const wide more = product(along, mul(sigma, turn[d]));
-{%- if floating && !rational %}
-        growth = (d == 0u) ? more : plus(growth, more);
-{%- else %}
-        growth = plus(growth, more);
-{%- endif %}
-    }
-    value->residual = rounded(squares);
+{%- for d in 0..axes %}
+    chord_per_step(at->chord[{{ d }}], x, &q, &turn);
+    const number along_{{ d }} = {{ by_sigma }}(q, sigma);
+    squares = plus(squares, product(along_{{ d }}, along_{{ d }}));
+    growth = {% if floating && !rational && loop.first %}product(along_{{ d }}, {{ by_sigma }}(turn, sigma)){% else %}plus(growth, product(along_{{ d }}, {{ by_sigma }}(turn, sigma))){% endif %};
+{%- endfor %}
+    value->residual = {% if rational || floating %}rounded(squares){% else %}sub(rounded(squares), ONE){% endif %};
     value->slope = rounded(growth);
 }
 
+/* f and g at sigma, whose step is given, for a chord on any number of pieces. */
+static void evaluate(const chord *on, number sigma, number step, evaluation *value)
+{
+    const number x = variable({% if floating %}0{% else %}on->range_exponent{% endif %}, step);
+{%- if has_joints %}
+    if (on->is_past_joint) {
+        evaluate_past_joint(on->at, sigma, x, on->before, value);
+        return;
+    }
+{%- endif %}
+    evaluate_on_piece(on->at, sigma, x, value);
+}
+
 /* sigma f/2 (1 - g + g^2 - 3/4 f), f within 1/2 and g within 3/8. */
-static number correction(number sigma, number f, number g)
+IN_PLACE number correction(number sigma, number f, number g)
 {
 {%- if floating %}
     const number squared = g * g;
@@ -184,17 +192,14 @@ static number correction(number sigma, number f, number g)
     const number first = half(sigma) * f;
     return first * series;
 {%- else %}
-    /* The series is rounded once. */
-    wide series = product(sub(ONE, g), ONE);
-    series = plus(series, product(g, g));
-    series = plus(series, product(negative(f), ONE_HALF));
-    series = plus(series, product(negative(f), ONE_QUARTER));
-    return mul(mul(half(sigma), f), rounded(series));
+    /* The series is rounded once; 1 - g has no digits behind the last place. */
+    const wide small = plus(product(g, g), product(negative(f), THREE_QUARTERS));
+    return mul_by(mul(f, half(sigma)), add(sub(ONE, g), rounded(small)));
 {%- endif %}
 }
 
 /* sigma - part, if that is in the range{% if floating %}, which for a float are all positive numbers{% endif %}. */
-static bool difference_within(number sigma, number part, number least, number greatest, number *difference)
+IN_PLACE bool difference_within(number sigma, number part, number least, number greatest, number *difference)
 {
     *difference = sub(sigma, part);
 {%- if floating %}
@@ -225,9 +230,9 @@ static number joint_correction(const evaluation *value, number bound)
 {%- endif %}
 
 /* Whether one correction from an evaluation is enough. */
-static bool is_small(const evaluation *value)
+IN_PLACE bool is_small(const evaluation *value)
 {
-    return (absolute(value->residual) <= RESIDUAL) && (absolute(value->slope) <= GROWTH);
+    return is_at_most(value->residual, RESIDUAL) && is_at_most(value->slope, GROWTH);
 }
 
 /* The same for a chord on any number of pieces. */
@@ -243,25 +248,28 @@ static bool is_enough(const chord *on, const evaluation *value)
     return (absolute(value->residual) <= FLUCTUATION) || is_small(value);
 }
 
+/* The correction from any evaluation, whose values are cut to the range of the series. */
+static number correction_within(const chord *on, number sigma, const evaluation *value)
+{
+{%- if has_joints %}
+    if (on->is_past_joint) {
+        return joint_correction(value, half(on->greatest));
+    }
+{%- else %}
+    (void)on;
+{%- endif %}
+    const number f = minimum(maximum(value->residual, negative(ONE_HALF)), ONE_HALF);
+    const number g = minimum(maximum(value->slope, negative(THREE_EIGHTHS)), THREE_EIGHTHS);
+    return correction(sigma, f, g);
+}
+
 /* Solves for sigma from an evaluation at a start value, which it changes; returns the evaluations made, at most `most`. */
 static uint32_t refine_chord(const chord *on, number *sigma, evaluation *last, uint32_t most)
 {
     uint32_t evaluations = 1u;
     for (;;) {
-        number by;
-{%- if has_joints %}
-        if (on->is_past_joint) {
-            by = joint_correction(last, half(on->greatest));
-        } else {
-{%- else %}
-        {
-{%- endif %}
-            const number f = minimum(maximum(last->residual, negative(ONE_HALF)), ONE_HALF);
-            const number g = minimum(maximum(last->slope, negative(THREE_EIGHTHS)), THREE_EIGHTHS);
-            by = correction(*sigma, f, g);
-        }
         const number trial = *sigma;
-        *sigma = sub(trial, within(by, trial, on->least, on->greatest));
+        *sigma = sub(trial, within(correction_within(on, trial, last), trial, on->least, on->greatest));
         if (is_enough(on, last) || (*sigma == trial) || (evaluations >= most)) {
             return evaluations;
         }
@@ -281,17 +289,17 @@ static uint32_t solve(const chord *on, number *sigma, uint32_t most)
 /* The chord over a step. */
 static void over(const chord *on, number step, number across[AXES])
 {
-    const number x = variable(on, step);
+    const number x = variable({% if floating %}0{% else %}on->range_exponent{% endif %}, step);
 {%- if rational %}
     number weight = ONE;
     number weight_slope = {{ zero }};
     weight_at(on->at, x, &weight, &weight_slope);
 {%- endif %}
     for (uint32_t d = 0u; d < AXES; d++) {
-        number sum = on->at->chord[DEGREE - 1u][d];
+        number sum = on->at->chord[d][DEGREE - 1u];
 {%- if degree > 1 %}
         for (uint32_t k = DEGREE - 1u; k > 0u; k--) {
-            sum = mul_add(sum, x, on->at->chord[k - 1u][d]);
+            sum = mul_add(sum, x, on->at->chord[d][k - 1u]);
         }
 {%- else %}
         (void)x;

@@ -12,13 +12,13 @@ static const number sinc_series[SINC_TERMS] = { {{ sinc_series.join(", ") }} };
 /* Sine and cosine of u quarter turns, |u| <= 1/2: the Taylor series, nested. */
 static void small_angle(number u, number *sine, number *cosine)
 {
-    const number angle = mul(HALF_PI, u);
-    const number square = mul(angle, angle);
+    const number angle = mul_by(HALF_PI, u);
+    const number square = mul_by(angle, angle);
     number sine_lacks = {{ zero }};
     number cosine_lacks = {{ zero }};
     for (uint32_t k = SINE_TERMS; k > 0u; k--) {
-        cosine_lacks = mul(square, mul(sub(ONE, cosine_lacks), cosine_series[k - 1u]));
-        sine_lacks = mul(square, mul(sub(ONE, sine_lacks), sine_series[k - 1u]));
+        cosine_lacks = mul_by(square, mul_by(sub(ONE, cosine_lacks), cosine_series[k - 1u]));
+        sine_lacks = mul_by(square, mul_by(sub(ONE, sine_lacks), sine_series[k - 1u]));
     }
     *sine = mul_add(negative(angle), sine_lacks, angle);
     *cosine = sub(ONE, cosine_lacks);
@@ -37,11 +37,11 @@ static void sin_cos_quarter(number u, number *sine, number *cosine)
 /* 1 - sinc(pi w/2) for w from 0 to 1: with q = (pi w/4)^2, 4q/6 (1 - 4q/20 (1 - 4q/42 ...)). */
 static number sinc_lacks(number width)
 {
-    const number quarter = mul(half(HALF_PI), width);
-    const number square = mul(quarter, quarter);
+    const number quarter = mul_by(half(HALF_PI), width);
+    const number square = mul_by(quarter, quarter);
     number lacks = {{ zero }};
     for (uint32_t k = SINC_TERMS; k > 0u; k--) {
-        lacks = mul(square, mul(sub(ONE, lacks), sinc_series[k - 1u]));
+        lacks = mul_by(square, mul_by(sub(ONE, lacks), sinc_series[k - 1u]));
     }
     return lacks;
 }

@@ -10,7 +10,7 @@ typedef struct {
 } travelled_way;
 
 /* sigma becomes the newest of the trend. */
-static void remember({{ name }}_state *state, number sigma)
+IN_PLACE void remember({{ name }}_state *state, number sigma)
 {
     const number rise = sub(sigma, state->newest);
     state->fall = sub(sub(state->rise, rise), rise);
@@ -48,6 +48,18 @@ static void set_travelled(travelled_way *way, const number before[AXES], number 
     way->left = sub(ONE, norm(before));
 }
 
+{% if uses.breaks -%}
+/* Nothing is travelled. Without a loop, zeros become no call of memset. */
+static void begin_anew(travelled_way *way)
+{
+{%- for d in 0..axes %}
+    way->before[{{ d }}] = {{ zero }};
+{%- endfor %}
+    way->part = {{ zero }};
+    way->left = ONE;
+}
+
+{% endif -%}
 /* The way up to the end of the present piece. */
 static void way_to_end(const {{ name }}_state *state, const piece_row *row, number length, travelled_way *travelled)
 {
@@ -110,7 +122,7 @@ static void reach({{ name }}_state *state, uint32_t piece, uint64_t phase, numbe
     state->piece = piece;
     state->phase = phase;
 {%- if !floating %}
-    state->whole = (piece < sections[state->section].end_piece) ? whole_of(&pieces[piece]) : ONE;
+    state->whole = (piece < end_piece(state)) ? whole_of(&pieces[piece]) : ONE;
 {%- endif %}
 }
 {%- if uses.continues %}
@@ -119,7 +131,7 @@ static void reach({{ name }}_state *state, uint32_t piece, uint64_t phase, numbe
  * polynomial follows, or the step was not found on this piece. */
 static bool pass_joint({{ name }}_state *state, const piece_row *row, uint64_t step, number sigma)
 {
-    const bool is_last = (state->piece + 1u) >= sections[state->section].end_piece;
+    const bool is_last = (state->piece + 1u) >= end_piece(state);
     const bool is_found = (row->least_step_per_chord < sigma) && (sigma < row->greatest_step_per_chord) && (step < UINT64_MAX);
     if (is_last || (row->joint != CONTINUES) || !is_found) {
         return false;
@@ -177,8 +189,9 @@ static bool past(const travelled_way *way, const chord *on, number length, numbe
 {%- if uses.breaks %}
 
 /* sigma of a short chord from the begin of a piece: 1/|C'|, in its range. */
-static number first_step_per_chord(const number speed_vector[AXES], const piece_row *row)
+static number first_step_per_chord(const shifted *at, const piece_row *row)
 {
+    const number speed_vector[AXES] = { {% for d in 0..axes %}at->chord[{{ d }}][0]{% if !loop.last %}, {% endif %}{% endfor %} };
     const number speed = norm(speed_vector);
     if (speed > {{ zero }}) {
         return minimum(maximum(divide(ONE, speed), row->least_step_per_chord), row->greatest_step_per_chord);
@@ -192,7 +205,7 @@ static number first_step_per_chord(const number speed_vector[AXES], const piece_
 static uint32_t cross({{ name }}_state *state, const piece_row *from, travelled_way *way, number whole_length)
 {
 {%- if has_joints %}
-    const uint32_t end = sections[state->section].end_piece;
+    const uint32_t end = end_piece(state);
     const piece_row *row = from;
 {%- if uses.breaks %}
     number length = whole_length;
@@ -209,9 +222,8 @@ static uint32_t cross({{ name }}_state *state, const piece_row *from, travelled_
 {%- if uses.breaks %}
         const bool is_corner = (row->joint == BREAKS);
         if (is_corner) {
-            const number nothing[AXES] = { {{ zero }} };
             length = mul(length, way->left);
-            set_travelled(way, nothing, {{ zero }});
+            begin_anew(way);
         }
 {%- endif %}
         const number part = part_into_next(row, next, minimum(way->part, row->greatest_step_per_chord));
@@ -221,13 +233,13 @@ static uint32_t cross({{ name }}_state *state, const piece_row *from, travelled_
             return evaluations;
         }
         shifted at;
-        shift_to(piece, {{ zero }}, {% if !floating %}DEGREE, {% endif %}&at);
+        shift_to(piece, {{ zero }}, &at);
         chord on;
         set_chord(&on, next, &at, {% if floating %}ONE{% else %}whole_of(next){% endif %}, length);
         number guess;
 {%- if uses.breaks %}
         if (is_corner) {
-            expected = first_step_per_chord(at.chord[0], next);
+            expected = first_step_per_chord(&at, next);
             be_steady(state, expected);
             guess = expected;
         } else {
@@ -266,7 +278,7 @@ static uint32_t cross({{ name }}_state *state, const piece_row *from, travelled_
     (void)from;
     (void)way;
     (void)whole_length;
-    state->piece = sections[state->section].end_piece;
+    state->piece = end_piece(state);
     state->phase = 0u;
     return 0u;
 {%- endif %}

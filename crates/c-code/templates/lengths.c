@@ -6,18 +6,20 @@
  * interval is a whole number. */
 static uint64_t fraction_of_stage(const stage_row *stage, uint64_t half_units)
 {
-    /* half_units 2^64 / duration = half_units reciprocal / 2^exponent, from four products of 32 bits. */
-    const uint64_t a_low = half_units & UINT32_MAX;
-    const uint64_t a_high = half_units >> 32;
-    const uint64_t b_low = stage->reciprocal & UINT32_MAX;
-    const uint64_t b_high = stage->reciprocal >> 32;
-    const uint64_t low = a_low * b_low;
-    const uint64_t cross_one = (a_high * b_low) + (low >> 32);
-    const uint64_t cross_two = (a_low * b_high) + (cross_one & UINT32_MAX);
-    const uint64_t product_high = (a_high * b_high) + (cross_one >> 32) + (cross_two >> 32);
-    const uint64_t product_low = (cross_two << 32) | (low & UINT32_MAX);
+    /* half_units 2^64 / duration = half_units reciprocal / 2^exponent */
+    const two_words product = product_of_words(half_units, stage->reciprocal);
     const uint64_t shift = (uint64_t)stage->reciprocal_exponent + 1u; /* 1 to 62 */
-    return (product_low >> shift) | (product_high << (64u - shift));
+    return (product.low >> shift) | (product.high << (64u - shift));
+}
+
+/* The same as a number, cut. */
+static number share_of_stage(const stage_row *stage, uint64_t half_units)
+{
+{%- if floating %}
+    return from_phase(fraction_of_stage(stage, half_units), 0);
+{%- else %}
+    return fraction(fraction_of_stage(stage, half_units));
+{%- endif %}
 }
 {%- if uses.cosine %}
 
@@ -49,14 +51,11 @@ static number mean_of_shape(const stage_row *stage, number middle, number width)
 }
 {%- endif %}
 
-/* The mean feed over an interval of this share of the stage; `middle` is the interval's, in half units. */
-static number mean_feed(const stage_row *stage, uint64_t middle, number share)
+/* The mean feed over an interval of this share of the stage about `middle`, a share too. */
+static number mean_feed(const stage_row *stage, number middle, number share)
 {
 {%- if uses.shapes %}
-    if (stage->change == {{ zero }}) {
-        return stage->feed;
-    }
-    return mul_add(stage->change, mean_of_shape(stage, fraction(fraction_of_stage(stage, middle)), share), stage->feed);
+    return mul_add(stage->change, mean_of_shape(stage, middle, share), stage->feed);
 {%- else %}
     (void)middle;
     (void)share;
@@ -73,9 +72,9 @@ static bool advance_by(uint32_t end, uint32_t *at_stage, uint64_t *time, uint64_
         const stage_row *stage = &stages[*at_stage];
         const uint64_t rest = (stage->duration > *time) ? (stage->duration - *time) : 0u;
         const uint64_t interval = (left < rest) ? left : rest;
-        const number share = (interval == PERIOD) ? stage->period_share : {% if floating %}from_phase(fraction_of_stage(stage, 2u * interval), 0){% else %}fraction(fraction_of_stage(stage, 2u * interval)){% endif %};
-        const number mean = mean_feed(stage, (2u * *time) + interval, share);
-        length = (interval == PERIOD) ? mean : mul_add(mean, from_phase(interval, 32), length);
+        const number share = (interval == PERIOD) ? stage->period_share : share_of_stage(stage, 2u * interval);
+        const number mean = mean_feed(stage, fraction(fraction_of_stage(stage, (2u * *time) + interval)), share);
+        length = (interval == PERIOD) ? mean : mul_add(mean, fraction_of_period(interval), length);
         left -= interval;
         *time += interval;
         if (*time < stage->duration) {
@@ -91,19 +90,46 @@ static bool advance_by(uint32_t end, uint32_t *at_stage, uint64_t *time, uint64_
     return left < units;
 }
 
+{%- if uses.shapes %}
+
+/* fraction(fraction_of_stage()) in a stage that is longer than a period{% if word_bits < 64 %}: its first digits are those of the product{% endif %}. */
+IN_PLACE number place_in_stage(const stage_row *stage, uint64_t half_units)
+{
+{%- if word_bits == 64 %}
+    return fraction(fraction_of_stage(stage, half_units));
+{%- else %}
+    const two_words product = product_of_words(half_units, stage->reciprocal);
+{%- if floating %}
+    const uint64_t leading = product.high >> ((uint32_t)stage->reciprocal_exponent - 31u);
+    return (number)(uint32_t)leading * {{ words.fraction_unit }};
+{%- else %}
+    const uint64_t bits = product.high >> ((uint32_t)stage->reciprocal_exponent + 1u - FRACTION_BITS);
+    return (number)(word)bits;
+{%- endif %}
+{%- endif %}
+}
+{%- endif %}
+
 /* The distance of the next period; false when the schedule is over. */
-static bool advance(uint32_t end, uint32_t *at_stage, uint64_t *time, number *distance)
+IN_PLACE bool advance(uint32_t end, uint32_t *at_stage, uint64_t *time, number *distance)
 {
     if (*at_stage >= end) {
         return false;
     }
     const stage_row *stage = &stages[*at_stage];
-    const uint64_t next = *time + PERIOD;
-    if (next < stage->duration) {
-        /* Wholly inside one stage, as most periods are. */
-        *distance = mean_feed(stage, *time + next, stage->period_share);
-        *time = next;
+    const uint64_t begin = *time;
+    const uint64_t next = begin + PERIOD;
+    if (next >= stage->duration) {
+        return advance_by(end, at_stage, time, PERIOD, distance);
+    }
+    /* Wholly inside one stage, as most periods are. */
+    *time = next;
+{%- if uses.shapes %}
+    if (stage->change != {{ zero }}) {
+        *distance = mean_feed(stage, place_in_stage(stage, begin + next), stage->period_share);
         return true;
     }
-    return advance_by(end, at_stage, time, PERIOD, distance);
+{%- endif %}
+    *distance = stage->feed;
+    return true;
 }

@@ -35,11 +35,36 @@ static number negative(number a)
     return sub(0, a);
 }
 
+/* a / 2^distance, cut toward minus infinity. */
+static number shifted_right(number a, uint32_t distance)
+{
+    /* cppcheck-suppress misra-c2012-10.1 ; a shift of a signed word, whose meaning is checked at the top of the file */
+    return (number)(a >> distance);
+}
+
 /* a b, exactly, in units of 2^-{{ 2 * fraction_bits }}. */
 static wide product(number a, number b)
 {
+{%- if word_bits == 32 %}
+#if FEEDBITS_SHORT_PRODUCTS
+    /* The first half of a word has the sign. */
+    const number a_high = shifted_right(a, 16u);
+    const number b_high = shifted_right(b, 16u);
+    const word a_low = (word)a & UINT16_MAX;
+    const word b_low = (word)b & UINT16_MAX;
+    const word low = a_low * b_low;
+    const word middle = ((word)a_high * b_low) + (low >> 16);
+    const word other = (a_low * (word)b_high) + (middle & UINT16_MAX);
+    const number carried = shifted_right(of_bits(middle), 16u);
+    const word high = ((word)a_high * (word)b_high) + (word)carried + (word)shifted_right(of_bits(other), 16u);
+    return ((wide)high << 32) | ((other << 16) | (low & UINT16_MAX));
+#else
+{%- endif %}
     const {{ words.signed_wide }} exact = ({{ words.signed_wide }})a * ({{ words.signed_wide }})b;
     return (wide)exact;
+{%- if word_bits == 32 %}
+#endif
+{%- endif %}
 }
 
 static wide plus(wide a, wide b)
@@ -52,6 +77,11 @@ static number rounded(wide sum)
 {
 {%- if fraction_bits == 0 %}
     return of_bits((word)sum);
+{%- else if word_bits == 32 %}
+    /* The first bit behind the last place says whether to round up. */
+    const word high = (word)(sum >> 32);
+    const word low = (word)sum;
+    return of_bits((high << (32u - FRACTION_BITS)) + (low >> FRACTION_BITS) + ((low >> (FRACTION_BITS - 1u)) & 1u));
 {%- else %}
     return of_bits((word)((sum + ((wide)1 << (FRACTION_BITS - 1u))) >> FRACTION_BITS));
 {%- endif %}
@@ -62,16 +92,44 @@ static number mul(number a, number b)
     return rounded(product(a, b));
 }
 
-/* a factor + b, rounded once: b has no digits behind the last place. */
+/* The same for a factor between -2 and 2, as t, x and shares are. */
+static number mul_by(number a, number factor)
+{
+{%- if self.splits_factors() %}
+#if FEEDBITS_SHORT_PRODUCTS
+    /* (a_1 2^16 + a_0)(f_1 2^14 + f_0) = 2^16 (a_1 f_1 2^14 + a_1 f_0 + (a_0 f_1 + a_0 f_0 / 2^14) / 4): cut in this way, what is
+     * below 2^16 is not needed, and nothing passes 32 bits. */
+    const number a_high = shifted_right(a, 16u);
+    const word a_low = (word)a & UINT16_MAX;
+    const number high = shifted_right(factor, 14u);
+    const word low = (word)factor & 0x3fffu;
+    const word behind = (a_low * (word)high) + ((a_low * low) >> 14);
+    const word middle = ((word)a_high * low) + (word)shifted_right(of_bits(behind), 2u) + ((word)1 << (FRACTION_BITS - 17u));
+    return of_bits((((word)a_high * (word)high) << (30u - FRACTION_BITS)) + (word)shifted_right(of_bits(middle), FRACTION_BITS - 16u));
+#else
+    return mul(a, factor);
+#endif
+{%- else %}
+    return mul(a, factor);
+{%- endif %}
+}
+
+/* a factor + b, rounded once: b has no digits behind the last place. The factor is between -2 and 2. */
 static number mul_add(number a, number factor, number b)
 {
-    return add(mul(a, factor), b);
+    return add(mul_by(a, factor), b);
 }
 
 /* |a|; of the least number itself. */
 static number absolute(number a)
 {
     return (a < 0) ? negative(a) : a;
+}
+
+/* |a| <= limit, for any a but the least number. */
+static bool is_at_most(number a, number limit)
+{
+    return (word)((word)a + (word)limit) <= (word)((word)limit + (word)limit);
 }
 
 static number minimum(number a, number b)
@@ -82,13 +140,6 @@ static number minimum(number a, number b)
 static number maximum(number a, number b)
 {
     return (b > a) ? b : a;
-}
-
-/* a / 2^distance, cut toward minus infinity. */
-static number shifted_right(number a, uint32_t distance)
-{
-    /* cppcheck-suppress misra-c2012-10.1 ; a shift of a signed word, whose meaning is checked at the top of the file */
-    return (number)(a >> distance);
 }
 
 /* a / 2^distance, to nearest, ties up. */
@@ -125,6 +176,34 @@ static number times_power_of_two(number a, int32_t exponent)
     return of_bits((word)((word)a << (uint32_t)exponent));
 }
 
+{% if exponents.use_function("raised") -%}
+/* The same where the exponent is not negative. */
+static number raised(number a, int32_t exponent)
+{
+    return of_bits((word)((word)a << (uint32_t)exponent));
+}
+
+{% endif -%}
+{% if exponents.use_function("lowered") -%}
+/* The same where it is negative. */
+static number lowered(number a, int32_t exponent)
+{
+    const int32_t distance = -exponent;
+    const number twice = shifted_right(a, (uint32_t)distance - 1u);
+    return add(shifted_right(twice, 1u), of_bits((word)twice & 1u));
+}
+
+{% endif -%}
+{% if exponents.use_function("lowered_or_kept") -%}
+/* The same where it is not positive. */
+static number lowered_or_kept(number a, int32_t exponent)
+{
+    const uint32_t distance = (uint32_t)-exponent;
+    const word twice = (word)((word)a << 1);
+    return add(shifted_right(a, distance), of_bits((word)(twice >> distance) & 1u));
+}
+
+{% endif -%}
 static number half(number a)
 {
     return add(shifted_right(a, 1u), of_bits((word)a & 1u));
@@ -154,7 +233,7 @@ static number divide(number a, number b)
     wide quotient;
     if ((n >> WORD_BITS) < d) {
         quotient = n / d;
-        const wide rest = n - (quotient * d);
+        const word rest = (word)((word)n - (word)((word)quotient * (word)d));
         if (rest >= (d - rest)) {
             quotient++;
         }
@@ -164,6 +243,61 @@ static number divide(number a, number b)
     return with_sign(quotient, (a < 0) != (b < 0));
 }
 
+{% if word_bits == 32 -%}
+/* The root of an integer on the way: of the first pairs of its bits, and what is left of them. */
+typedef struct {
+    word root;
+    word rest;
+} partial_root;
+
+/* Goes on with the first `pairs` of these bits: a pair gives a bit of the root. */
+static void take_pairs(partial_root *so_far, word bits, uint32_t pairs)
+{
+    word root = so_far->root;
+    word rest = so_far->rest;
+    word left = bits;
+    for (uint32_t pair = 0u; pair < pairs; pair++) {
+        const word trial = (root << 2) | 1u;
+        rest = (rest << 2) | (left >> 30);
+        left <<= 2;
+        root <<= 1;
+        if (rest >= trial) {
+            rest -= trial;
+            root++;
+        }
+    }
+    so_far->root = root;
+    so_far->rest = rest;
+}
+
+/* The length of a vector, sqrt(sum(v^2)), to nearest; saturates. */
+static number norm(const number vector[AXES])
+{
+    wide sum = 0u;
+    for (uint32_t d = 0u; d < AXES; d++) {
+        sum += product(vector[d], vector[d]);
+    }
+    const word high = (word)(sum >> WORD_BITS);
+    const word low = (word)sum;
+    if (high >= ((word)1 << (WORD_BITS - 2u))) {
+        return NUMBER_MAX;
+    }
+    /* A root of 31 bits leaves a rest of 32. Only the last pair takes more. */
+    partial_root found;
+    found.root = 0u;
+    found.rest = 0u;
+    take_pairs(&found, high, 16u);
+    take_pairs(&found, low, 15u);
+    wide rest = ((wide)found.rest << 2) | (low & 3u);
+    wide root = (wide)found.root << 1;
+    if (rest > (2u * root)) {
+        rest -= (2u * root) + 1u;
+        root++;
+    }
+    /* (k + 1/2)^2 = k^2 + k + 1/4: from a rest above k on, k + 1 is nearer. */
+    return with_sign((rest > root) ? (root + 1u) : root, false);
+}
+{%- else -%}
 /* The length of a vector, sqrt(sum(v^2)), to nearest; saturates. */
 static number norm(const number vector[AXES])
 {
@@ -185,6 +319,7 @@ static number norm(const number vector[AXES])
     return with_sign((rest > root) ? (root + 1u) : root, false);
 }
 {%- endif %}
+{%- endif %}
 
 /* phase / 2^64, cut to the format's bits. */
 static number fraction(uint64_t phase)
@@ -196,6 +331,13 @@ static number fraction(uint64_t phase)
     const uint64_t bits = phase >> (64u - FRACTION_BITS);
     return (number)bits;
 {%- endif %}
+}
+
+/* units / 2^32, cut, for less than one. */
+static number fraction_of_period(uint64_t units)
+{
+    const uint64_t bits = units >> (32u - FRACTION_BITS);
+    return (number)bits;
 }
 
 /* phase 2^(exponent - 64), cut; saturates. */

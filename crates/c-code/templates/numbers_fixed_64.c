@@ -6,11 +6,7 @@
 
 typedef uint64_t word;
 
-/* 128 bits, two's complement. */
-typedef struct {
-    uint64_t high;
-    uint64_t low;
-} wide;
+typedef two_words wide;
 
 #define WORD_BITS 64u
 #define FRACTION_BITS {{ fraction_bits }}u
@@ -46,6 +42,12 @@ static number absolute(number a)
     return (a < 0) ? negative(a) : a;
 }
 
+/* |a| <= limit, for any a but the least number. */
+static bool is_at_most(number a, number limit)
+{
+    return (word)((word)a + (word)limit) <= (word)((word)limit + (word)limit);
+}
+
 static number minimum(number a, number b)
 {
     return (b < a) ? b : a;
@@ -72,19 +74,10 @@ static wide minus(wide a, wide b)
     return rest;
 }
 
-/* a b, exactly, in units of 2^-{{ 2 * fraction_bits }}: from four products of 32 bits. */
+/* a b, exactly, in units of 2^-{{ 2 * fraction_bits }}. */
 static wide product(number a, number b)
 {
-    const uint64_t a_low = (word)a & UINT32_MAX;
-    const uint64_t a_high = (word)a >> 32;
-    const uint64_t b_low = (word)b & UINT32_MAX;
-    const uint64_t b_high = (word)b >> 32;
-    const uint64_t low = a_low * b_low;
-    const uint64_t cross_one = (a_high * b_low) + (low >> 32);
-    const uint64_t cross_two = (a_low * b_high) + (cross_one & UINT32_MAX);
-    wide result;
-    result.low = (cross_two << 32) | (low & UINT32_MAX);
-    result.high = (a_high * b_high) + (cross_one >> 32) + (cross_two >> 32);
+    wide result = product_of_words((word)a, (word)b);
     /* That is the product of the words without sign. A negative word counts 2^64 too much. */
     result.high -= (a < 0) ? (word)b : 0u;
     result.high -= (b < 0) ? (word)a : 0u;
@@ -106,6 +99,12 @@ static number rounded(wide sum)
 static number mul(number a, number b)
 {
     return rounded(product(a, b));
+}
+
+/* The same for a factor between -2 and 2, as t, x and shares are. */
+static number mul_by(number a, number factor)
+{
+    return mul(a, factor);
 }
 
 /* a factor + b, rounded once: b has no digits behind the last place. */
@@ -155,6 +154,34 @@ static number times_power_of_two(number a, int32_t exponent)
     return of_bits((word)((word)a << (uint32_t)exponent));
 }
 
+{% if exponents.use_function("raised") -%}
+/* The same where the exponent is not negative. */
+static number raised(number a, int32_t exponent)
+{
+    return of_bits((word)((word)a << (uint32_t)exponent));
+}
+
+{% endif -%}
+{% if exponents.use_function("lowered") -%}
+/* The same where it is negative. */
+static number lowered(number a, int32_t exponent)
+{
+    const int32_t distance = -exponent;
+    const number twice = shifted_right(a, (uint32_t)distance - 1u);
+    return add(shifted_right(twice, 1u), of_bits((word)twice & 1u));
+}
+
+{% endif -%}
+{% if exponents.use_function("lowered_or_kept") -%}
+/* The same where it is not positive. */
+static number lowered_or_kept(number a, int32_t exponent)
+{
+    const uint32_t distance = (uint32_t)-exponent;
+    const word twice = (word)((word)a << 1);
+    return add(shifted_right(a, distance), of_bits((word)(twice >> distance) & 1u));
+}
+
+{% endif -%}
 static number half(number a)
 {
     return add(shifted_right(a, 1u), of_bits((word)a & 1u));
@@ -248,6 +275,17 @@ static number fraction(uint64_t phase)
     const uint64_t bits = phase >> (64u - FRACTION_BITS);
     return (number)bits;
 {%- endif %}
+}
+
+/* units / 2^32, cut, for less than one. */
+static number fraction_of_period(uint64_t units)
+{
+{%- if fraction_bits > 32 %}
+    const uint64_t bits = units << (FRACTION_BITS - 32u);
+{%- else %}
+    const uint64_t bits = units >> (32u - FRACTION_BITS);
+{%- endif %}
+    return (number)bits;
 }
 
 /* phase 2^(exponent - 64), cut; saturates. */

@@ -1,6 +1,4 @@
 /* Numbers: {{ format }}, with every operation rounded on its own, as IEEE 754 says. */
-#include <float.h>
-
 #if defined(__FAST_MATH__)
 #error "compile without -ffast-math: the run would not be the one that was judged"
 #endif
@@ -82,6 +80,12 @@ static number mul(number a, number b)
     return a * b;
 }
 
+/* The same for a factor of order one. */
+static number mul_by(number a, number factor)
+{
+    return a * factor;
+}
+
 /* a factor + b, rounded twice. */
 static number mul_add(number a, number factor, number b)
 {
@@ -92,6 +96,12 @@ static number mul_add(number a, number factor, number b)
 static number divide(number a, number b)
 {
     return a / b;
+}
+
+/* |a| <= limit, by the bits: those of positive floats are in the order of the floats. */
+static bool is_at_most(number a, number limit)
+{
+    return (bits_of(a) << 1) <= (bits_of(limit) << 1);
 }
 
 static number absolute(number a)
@@ -139,32 +149,30 @@ static number square_root(number a)
         normal = times_power_of_two(a, 2 * (int32_t)DIGITS);
         exponent = -2 * (int32_t)DIGITS;
     }
-    const uint64_t bits = (uint64_t)bits_of(normal);
-    const uint64_t leading_one = UINT64_C(1) << (DIGITS - 1u);
-    const uint64_t biased = bits >> (DIGITS - 1u);
+    const {{ words.unsigned }} bits = bits_of(normal);
+    const {{ words.unsigned }} leading_one = ({{ words.unsigned }})1 << (DIGITS - 1u);
+    const {{ words.unsigned }} biased = bits >> (DIGITS - 1u);
     exponent += (int32_t)biased - BIAS;
-    uint64_t rest = (bits & (leading_one - 1u)) | leading_one;
+    {{ words.unsigned }} rest = (bits & (leading_one - 1u)) | leading_one;
     /* An even exponent, half of which is the root's. */
     if ((exponent % 2) != 0) {
         rest <<= 1;
         exponent--;
     }
     rest <<= 1;
-    uint64_t root = 0u;  /* with one bit more than the format has */
-    uint64_t twice = 0u; /* 2 root, in the present unit */
-    for (uint64_t bit = UINT64_C(1) << DIGITS; bit != 0u; bit >>= 1) {
+    {{ words.unsigned }} twice = 0u; /* 2 root, with one bit more than the format has */
+    for ({{ words.unsigned }} bit = ({{ words.unsigned }})1 << DIGITS; bit != 0u; bit >>= 1) {
         if (rest >= (twice + bit)) {
             rest -= twice + bit;
             twice += 2u * bit;
-            root += bit;
         }
         rest <<= 1;
     }
     /* With a rest the last bit tells to which side it rounds; it is no tie. */
-    root = (root >> 1) + (((rest != 0u) && ((root & 1u) != 0u)) ? 1u : 0u);
+    const {{ words.unsigned }} root = (twice >> 2) + (((rest != 0u) && ((twice & 2u) != 0u)) ? 1u : 0u);
     const int32_t place = (exponent / 2) + BIAS - 1;
-    const uint64_t found = ((uint64_t)place << (DIGITS - 1u)) + root; /* the leading one adds itself to the exponent */
-    return of_bits(({{ words.unsigned }})found);
+    /* The leading one adds itself to the exponent. */
+    return of_bits((({{ words.unsigned }})place << (DIGITS - 1u)) + root);
 }
 
 /* The sum of the squares of a vector times 2^exponent. */
@@ -204,40 +212,52 @@ static number fraction(uint64_t phase)
 {%- endif %}
 }
 
-
-/* Zeros before the first one of a; 63 for 0. */
-static uint32_t leading_zeros(uint64_t a)
+/* Zeros before the first one of a, which is not 0: from the exponent of a float. */
+static uint32_t leading_zeros(uint32_t a)
 {
-    uint32_t zeros = 0u;
-    uint64_t rest = a;
-    for (uint32_t step = 32u; step != 0u; step >>= 1) {
-        const uint64_t upper = rest >> (64u - (uint64_t)step);
-        if (upper == 0u) {
-            rest <<= step;
-            zeros += step;
-        }
-    }
-    return zeros;
+    /* Without the bit behind the first one, it is not rounded up to the next power of two. */
+    const uint32_t sparse = a & ~(a >> 1);
+    const {{ words.unsigned }} place = bits_of((number)sparse) >> (DIGITS - 1u);
+    return (uint32_t)BIAS + 31u - (uint32_t)place;
 }
 
 /* phase 2^(exponent - 64), cut toward 0. */
 static number from_phase(uint64_t phase, int32_t exponent)
 {
-    const uint32_t zeros = leading_zeros(phase);
-    const int32_t biased = exponent + BIAS - 1 - (int32_t)zeros;
-    if ((phase == 0u) || (biased < 1) || (biased > (2 * BIAS))) {
-        /* Zero, or no normal number. */
+    const uint32_t high = (uint32_t)(phase >> 32);
+    const uint32_t low = (uint32_t)phase;
+    const uint32_t first = (high != 0u) ? high : low;
+    if (first == 0u) {
+        return {{ zero }};
+    }
+    const uint32_t zeros = leading_zeros(first);
+    const int32_t biased = exponent + BIAS - ((high != 0u) ? 1 : 33) - (int32_t)zeros;
+    if ((biased < 1) || (biased > (2 * BIAS))) {
+        /* No normal number. */
+        const uint32_t all_zeros = zeros + ((high != 0u) ? 0u : 32u);
         const uint32_t surplus = 64u - DIGITS;
-        const uint32_t dropped = (zeros < surplus) ? (surplus - zeros) : 0u;
+        const uint32_t dropped = (all_zeros < surplus) ? (surplus - all_zeros) : 0u;
         const uint64_t kept_bits = phase >> dropped;
         const number kept = (number)kept_bits;
         return times_power_of_two(times_power_of_two(kept, (int32_t)dropped - 64), exponent);
     }
-    const uint64_t significand = (phase << zeros) >> (64u - DIGITS);
+    const uint32_t second = (high != 0u) ? low : 0u;
+{%- if word_bits == 32 %}
+    const uint32_t leading = (first << zeros) | ((second >> 1) >> (31u - zeros));
+    const uint32_t significand = leading >> (32u - DIGITS);
+{%- else %}
+    const uint64_t leading = (((uint64_t)first << 32) | second) << zeros;
+    const uint64_t significand = leading >> (64u - DIGITS);
+{%- endif %}
     const int32_t before = biased - 1;
-    const uint64_t place = (uint64_t)before;
-    const uint64_t bits = (place << (DIGITS - 1u)) + significand; /* the leading one adds itself to the exponent */
-    return of_bits(({{ words.unsigned }})bits);
+    const {{ words.unsigned }} place = ({{ words.unsigned }})before;
+    return of_bits((place << (DIGITS - 1u)) + significand); /* the leading one adds itself to the exponent */
+}
+
+/* units / 2^32, cut, for less than one. */
+static number fraction_of_period(uint64_t units)
+{
+    return from_phase(units, 32);
 }
 
 /* a 2^(64 + exponent) as an integer, cut; 0 for a negative number; saturates. */

@@ -67,7 +67,7 @@ static number ratio(int32_t n, int32_t d)
     }
     /* Whole numbers of more than 24 bits are no floats. Their quotient in 32 bits or more is rounded once; a rest sets its
      * last bit, so that it looks like no tie. */
-    const uint32_t shift = leading_zeros((uint64_t)n);
+    const uint32_t shift = (n > 0) ? (32u + leading_zeros((uint32_t)n)) : 63u;
     const uint64_t wide_n = (uint64_t)n << shift;
     const uint64_t quotient = (wide_n / (uint64_t)d) | (((wide_n % (uint64_t)d) != 0u) ? 1u : 0u);
     return (number)quotient * times_power_of_two(ONE, -(int32_t)shift);
@@ -163,7 +163,7 @@ static bool remaining_length(const {{ name }}_state *state, const piece_row *row
         between[d] = from_phase(is_ahead ? ahead : (0u - ahead), {{ origin_exponent }});
     }
     shifted at;
-    shift_to(end - 1u, {{ zero }}, {% if !floating %}DEGREE, {% endif %}&at);
+    shift_to(end - 1u, {{ zero }}, &at);
     number over_last = {{ zero }};
     if (!length_across(last, &at, {% if floating %}ONE{% else %}whole_of(last){% endif %}, &over_last)) {
         return false;
@@ -238,7 +238,6 @@ bool {{ name }}_step_overridden({{ name }}_state *state, {{ name }}_rates *rates
     const section_row *run = &sections[state->section];
     const bool has_schedule = state->stage < run->end_stage;
     number length = {{ zero }};
-    state->is_ahead = false;
     approach(rates);
     if (has_schedule && (rates->rate > 0u)) {
         (void)advance_by(run->end_stage, &state->stage, &state->time, rates->rate, &length);

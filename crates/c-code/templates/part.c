@@ -5,6 +5,10 @@
  * Names and formulas are those of the Rust kernels: crates real, nurbs-core and secant-interp.
  */
 #include "{{ name }}.h"
+{%- if floating %}
+
+#include <float.h>
+{%- endif %}
 
 /* What this file takes for granted of a compiler beyond C99: two's complement, conversions to signed words that wrap, and
  * right shifts of signed words that keep the sign. All compilers for controllers do so; one that does not stops here. */
@@ -16,6 +20,8 @@ typedef char shifts_keep_the_sign[((-1 >> 1) == -1) ? 1 : -1];
 
 typedef {{ name }}_number number;
 typedef {{ name }}_shifted shifted;
+
+{% include "products.c" %}
 
 {% if floating -%}
 {% include "numbers_float.c" %}

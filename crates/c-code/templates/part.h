@@ -87,7 +87,7 @@ typedef {{ number_type }} {{ name }}_number;
 /** The polynomials of the present piece about the place t where the next step begins. */
 typedef struct {
     /** q_k for k = 1 to p: the chord over a step eta is `eta sum(q_k x^(k-1))`{% if rational %} over `1 + sum(weight_k x^k)`{% endif %}. */
-    {{ name }}_number chord[{{ upper }}_DEGREE][{{ upper }}_AXES];
+    {{ name }}_number chord[{{ upper }}_AXES][{{ upper }}_DEGREE];
 {%- if rational %}
     {{ name }}_number weight[{{ upper }}_DEGREE];
 {%- endif %}
@@ -97,14 +97,11 @@ typedef struct {
 
 /** All that changes from period to period. A caller reads and writes nothing of it. */
 typedef struct {
-    /** Time since the begin of the stage, in 2^-32 periods, now and after the period that was looked up. */
+    /** Time since the begin of the stage, in 2^-32 periods. */
     uint64_t time;
-    uint64_t next_time;
     /** Place on the piece, in units of 2^-64, and the same as a number. */
     uint64_t phase;
     {{ name }}_number t;
-    /** The distance of the next period, if `is_ahead`. */
-    {{ name }}_number ahead;
 {%- if !floating %}
     /** 2^s of the piece: the step over all of it. */
     {{ name }}_number whole;
@@ -115,10 +112,8 @@ typedef struct {
     {{ name }}_number fall;
     {{ name }}_shifted at;
     uint32_t stage;
-    uint32_t next_stage;
     uint32_t piece;
     uint32_t section;
-    bool is_ahead;
 } {{ name }}_state;
 
 /** One period. */

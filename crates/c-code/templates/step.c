@@ -1,35 +1,17 @@
 /* The period. From top to bottom, what is done is rarer:
  *
- *   step        is the distance of this period known? If not: look it up, and behind the plan's end creep to the stop.
- *   find_ahead  one evaluation at the expected sigma, and one correction, which is enough for most steps.
- *   refine      more evaluations.    search  where the expected sigma is out of range or leads past the piece.
- *   pass_end    the step ends on another piece (joints).
- *   arrive      the polynomials about the new place, after all rare ways. */
+ *   step      the distance of this period; behind the plan's end the run creeps to the stop.
+ *   follow    one evaluation at the expected sigma, and one correction, which is enough for most steps.
+ *   refine    more evaluations.    search  where the expected sigma is out of range or leads past the piece.
+ *   pass_end  the step ends on another piece (joints).
+ *   finish    the polynomials about the new place, after all rare ways. */
 
 #define END_OF_PIECE ONE
-
-/* Takes the next period's distance from the schedule. */
-static void look_ahead({{ name }}_state *state)
-{
-    state->next_stage = state->stage;
-    state->next_time = state->time;
-    state->is_ahead = advance(sections[state->section].end_stage, &state->next_stage, &state->next_time, &state->ahead);
-}
-
-/* Begins the period that was looked up, and looks up the one after it. Returns its distance. */
-static number take_ahead({{ name }}_state *state)
-{
-    const number length = state->ahead;
-    state->stage = state->next_stage;
-    state->time = state->next_time;
-    look_ahead(state);
-    return length;
-}
 
 /* The setpoint of the place where the run stands. */
 static void hold(const {{ name }}_state *state, number length, {{ name }}_setpoint *setpoint)
 {
-    const uint32_t last = sections[state->section].end_piece - 1u;
+    const uint32_t last = end_piece(state) - 1u;
     setpoint->piece = (state->piece > last) ? last : state->piece;
     setpoint->phase = state->phase;
     setpoint->length = length;
@@ -54,7 +36,7 @@ static number creep_length(const {{ name }}_state *state, const piece_row *row)
 
 /* Whether a step of `guessed` is worth an evaluation on the present piece: not if it reaches past a knot by more than the
  * usual error of a guess, 2^-8 of the way to the end, or past the whole piece. */
-static bool is_on_piece(const {{ name }}_state *state, const piece_row *row, number guessed)
+IN_PLACE bool is_on_piece(const {{ name }}_state *state, const piece_row *row, number guessed)
 {
 {%- if floating %}
     if (!(guessed <= ONE)) {
@@ -105,24 +87,37 @@ static uint32_t search({{ name }}_state *state, const piece_row *row, number len
     return travel(state, row, length, sigma, evaluations);
 }
 
+/* Makes a step on the present piece from an evaluation at `guess` that is not enough; returns all evaluations. */
+static uint32_t refine({{ name }}_state *state, const piece_row *row, number length, number guess, number residual, number slope)
+{
+    chord on;
+    evaluation value;
+    number sigma = guess;
+    value.residual = residual;
+    value.slope = slope;
+    set_chord(&on, row, &state->at, {% if floating %}ONE{% else %}state->whole{% endif %}, length);
+    const uint32_t evaluations = refine_chord(&on, &sigma, &value, MAX_EVALUATIONS);
+    return travel(state, row, length, sigma, evaluations);
+}
+
 /* Writes the polynomials about the place where a step arrived that was not a common one. Returns their piece. */
 static uint32_t arrive({{ name }}_state *state)
 {
-    const uint32_t end = sections[state->section].end_piece;
+    const uint32_t end = end_piece(state);
     if (state->piece >= end) {
         state->t = END_OF_PIECE;
-        shift_to(end - 1u, END_OF_PIECE, {% if !floating %}DEGREE, {% endif %}&state->at);
+        shift_to(end - 1u, END_OF_PIECE, &state->at);
         return end - 1u;
     }
     state->t = fraction(state->phase);
 {%- if adds_places %}
     (void)place_to_phase(state->t, &state->phase); /* the phase has the digits of the number, and no more */
 {%- endif %}
-    shift_to(state->piece, state->t, {% if !floating %}DEGREE, {% endif %}&state->at);
+    shift_to(state->piece, state->t, &state->at);
     return state->piece;
 }
 
-/* Finishes a step: the place it ends at, the polynomials there and the setpoint. */
+/* Finishes a step that was not a common one: the place it ends at, the polynomials there and the setpoint. */
 static void finish({{ name }}_state *state, number length, uint32_t evaluations, {{ name }}_setpoint *setpoint)
 {
     setpoint->piece = arrive(state);
@@ -132,7 +127,7 @@ static void finish({{ name }}_state *state, number length, uint32_t evaluations,
     in_units_of_path(&pieces[setpoint->piece], state->at.offset, setpoint->offset);
 }
 
-/* One period with a chord of this length. The step is solved for `reach`, and ends where the path does if the path ends
+/* One period with a chord of this length. The step is solved for `reach_length`, and ends where the path does if the path ends
  * within it. */
 static void follow({{ name }}_state *state, number length, number reach_length, {{ name }}_setpoint *setpoint)
 {
@@ -144,43 +139,39 @@ static void follow({{ name }}_state *state, number length, number reach_length, 
         finish(state, length, search(state, row, reach_length), setpoint);
         return;
     }
-    const number step = mul(guess, reach_length);
+    const number step = {{ by_sigma }}(reach_length, guess);
     if (!is_on_piece(state, row, step)) {
         finish(state, length, search(state, row, reach_length), setpoint);
         return;
     }
-    chord on;
-    set_chord(&on, row, &state->at, {% if floating %}ONE{% else %}state->whole{% endif %}, reach_length);
     evaluation value;
-    evaluate(&on, guess, step, &value);
+    evaluate_on_piece(&state->at, guess, variable({% if floating %}0{% else %}row->range_exponent{% endif %}, step), &value);
 {%- if floating %}
     if (!is_small(&value)) {
-        number sigma = guess;
-        const uint32_t evaluations = refine_chord(&on, &sigma, &value, MAX_EVALUATIONS);
-        finish(state, length, travel(state, row, reach_length, sigma, evaluations), setpoint);
+        finish(state, length, refine(state, row, reach_length, guess, value.residual, value.slope), setpoint);
         return;
     }
     const number sigma = sub(guess, correction(guess, value.residual, value.slope));
 {%- else %}
     number sigma = guess;
     if (!is_small(&value) || !difference_within(guess, correction(guess, value.residual, value.slope), least, greatest, &sigma)) {
-        sigma = guess;
-        const uint32_t evaluations = refine_chord(&on, &sigma, &value, MAX_EVALUATIONS);
-        finish(state, length, travel(state, row, reach_length, sigma, evaluations), setpoint);
+        finish(state, length, refine(state, row, reach_length, guess, value.residual, value.slope), setpoint);
         return;
     }
 {%- endif %}
-    const number found = mul(sigma, reach_length);
-    if (!onward(row, &state->phase, &state->t, found)) {
+    const number found = {{ by_sigma }}(reach_length, sigma);
+    number t = state->t;
+    if (!onward(row, &state->phase, &t, found)) {
         finish(state, length, pass_end(state, row, reach_length, part_of(row, found), sigma, 1u), setpoint);
         return;
     }
+    state->t = t;
     remember(state, sigma);
-    shift_to(state->piece, state->t, {% if !floating %}{% if rational %}DEGREE{% else %}DEGREE - 1u{% endif %}, {% endif %}&state->at);
     setpoint->piece = state->piece;
     setpoint->phase = state->phase;
     setpoint->length = length;
     setpoint->evaluations = 1u;
+    shift_along(state->piece, row, t, &state->at);
     in_units_of_path(row, state->at.offset, setpoint->offset);
 }
 
@@ -194,15 +185,17 @@ void {{ name }}_start({{ name }}_state *state, uint32_t section)
     state->piece = run->first_piece;
     state->phase = 0u;
     state->t = {{ zero }};
-    state->ahead = {{ zero }};
 {%- if !floating %}
     state->whole = whole_of(row);
 {%- endif %}
-    shift_to(state->piece, {{ zero }}, {% if !floating %}DEGREE, {% endif %}&state->at);
-    look_ahead(state);
+    shift_to(state->piece, {{ zero }}, &state->at);
     /* There is no history: sigma of the first chord is found from the middle of its range. */
+    uint32_t stage = state->stage;
+    uint64_t time = 0u;
+    number length = LANDING_STEP;
+    (void)advance(end_stage(state), &stage, &time, &length);
     chord on;
-    set_chord(&on, row, &state->at, {% if floating %}ONE{% else %}whole_of(row){% endif %}, state->is_ahead ? state->ahead : LANDING_STEP);
+    set_chord(&on, row, &state->at, {% if floating %}ONE{% else %}state->whole{% endif %}, length);
     number sigma = add(on.least, half(sub(on.greatest, on.least)));
     (void)solve(&on, &sigma, UINT8_MAX);
     be_steady(state, sigma);
@@ -210,27 +203,25 @@ void {{ name }}_start({{ name }}_state *state, uint32_t section)
 
 bool {{ name }}_step({{ name }}_state *state, {{ name }}_setpoint *setpoint)
 {
-    const section_row *run = &sections[state->section];
-    if (!state->is_ahead) {
-        look_ahead(state);
-    }
-    if (state->piece >= run->end_piece) {
+    const uint32_t end = end_stage(state);
+    number length = {{ zero }};
+    const bool is_planned = advance(end, &state->stage, &state->time, &length);
+    if (state->piece >= end_piece(state)) {
         /* At the end of the path the run stands until its schedule is over. */
-        if (!state->is_ahead) {
-            return false;
+        if (is_planned) {
+            hold(state, length, setpoint);
         }
-        hold(state, take_ahead(state), setpoint);
-        return true;
+        return is_planned;
     }
-    if (state->is_ahead) {
-        const number length = take_ahead(state);
+    if (!is_planned) {
+        length = creep_length(state, &pieces[state->piece]);
+    }
+    number reach_length = length;
+    if (is_planned && (state->stage >= end)) {
         /* In the schedule's last period the step reaches further, to include what rounding has left of the path. */
-        const number reach_length = state->is_ahead ? length : add(length, minimum(LANDING_STEP, sub(NUMBER_MAX, length)));
-        follow(state, length, reach_length, setpoint);
-    } else {
-        const number length = creep_length(state, &pieces[state->piece]);
-        follow(state, length, length, setpoint);
+        reach_length = add(length, minimum(LANDING_STEP, sub(NUMBER_MAX, length)));
     }
+    follow(state, length, reach_length, setpoint);
     return true;
 }
 

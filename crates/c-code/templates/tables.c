@@ -27,8 +27,8 @@ static const piece_row pieces[] = {
 {%- endfor %}
 };
 
-/* n_1 to n_p of each piece. */
-static const number numerators[][DEGREE][AXES] = {
+/* n_1 to n_p of each piece and coordinate. */
+static const number numerators[][AXES][DEGREE] = {
 {%- for rows in numerators %}
     { {{ rows }} },
 {%- endfor %}
@@ -82,6 +82,27 @@ static const section_row sections[] = {
 {%- endfor %}
 };
 
+/* The number behind the last piece, and the last stage, of the present section. */
+IN_PLACE uint32_t end_piece(const {{ name }}_state *state)
+{
+{%- if sections.len() == 1 %}
+    (void)state;
+    return {{ sections[0].pieces.end }}u;
+{%- else %}
+    return sections[state->section].end_piece;
+{%- endif %}
+}
+
+IN_PLACE uint32_t end_stage(const {{ name }}_state *state)
+{
+{%- if sections.len() == 1 %}
+    (void)state;
+    return {{ sections[0].stages.end }}u;
+{%- else %}
+    return sections[state->section].end_stage;
+{%- endif %}
+}
+
 /* One correction is enough after |f| <= RESIDUAL with |g| <= GROWTH, and after |f| <= FLUCTUATION; a period evaluates the chord
  * MAX_EVALUATIONS times at most. */
 #define RESIDUAL {{ residual }}
@@ -92,14 +113,10 @@ static const section_row sections[] = {
 /* A T^2, in the unit of chords: from so long a step the axes come to rest within a period. */
 #define LANDING_STEP {{ landing_step }}
 
-/* 1/2, 3/8{% if floating %}, 3/4{% else %}, 1/4{% endif %}{% if uses.third %}, 1/3{% endif %} in the format. */
+/* 1/2, 3/8, 3/4{% if uses.third %}, 1/3{% endif %} in the format. */
 #define ONE_HALF {{ one_half }}
 #define THREE_EIGHTHS {{ three_eighths }}
-{%- if floating %}
 #define THREE_QUARTERS {{ three_quarters }}
-{%- else %}
-#define ONE_QUARTER {{ one_quarter }}
-{%- endif %}
 {%- if uses.third %}
 #define ONE_THIRD {{ one_third }}
 {%- endif %}

@@ -15,9 +15,10 @@ use stress::{PlannedPath, RandomPath};
 const STRICT: [&str; 7] =
     ["-std=c99", "-Wall", "-Wextra", "-Wconversion", "-Wsign-conversion", "-pedantic", "-Werror"];
 
-/// Compilers of the host, and what they check while the program runs.
-const COMPILERS: [(&str, &[&str]); 2] = [
+/// Compilers of the host, and what they check while the program runs. The second forms products as cores without long ones.
+const COMPILERS: [(&str, &[&str]); 3] = [
     ("gcc", &["-O1", "-fsanitize=undefined,address", "-fno-sanitize-recover=all"]),
+    ("gcc", &["-Os", "-DFEEDBITS_SHORT_PRODUCTS=1", "-fsanitize=undefined", "-fno-sanitize-recover=all"]),
     ("clang", &["-O2", "-ffp-contract=fast"]),
 ];
 

@@ -97,13 +97,13 @@ fn a_self_test_finds_the_slightest_change() {
     // The first coefficient of the table, which is the first word of its first row.
     parts.change(0, |source| {
         let (before, table) =
-            source.split_once("numerators[][DEGREE][AXES] = {\n    { { ").expect("the table");
+            source.split_once("numerators[][AXES][DEGREE] = {\n    { { ").expect("the table");
         let (first, after) = table.split_once(',').expect("a number");
         let word: i32 = first.parse().expect("a word");
-        format!("{before}numerators[][DEGREE][AXES] = {{\n    {{ {{ {},{after}", word + 1)
+        format!("{before}numerators[][AXES][DEGREE] = {{\n    {{ {{ {},{after}", word + 1)
     });
     // Products are cut instead of rounded.
-    parts.change(1, |source| source.replace("sum + ((wide)1 << (FRACTION_BITS - 1u))", "sum"));
+    parts.change(1, |source| source.replace(" + ((low >> (FRACTION_BITS - 1u)) & 1u)", ""));
     // The rate may change faster: the run without override is the same.
     parts.change(3, |source| source.replace("#define MAX_BEND INT64_C(", "#define MAX_BEND INT64_C(1"));
     parts.demand_verdicts(&[2, 2, 0, 3]);
