@@ -88,8 +88,3 @@ impl ToPhase {
         }
     }
 }
-
-/// Whether σ is below 2 on all pieces.
-pub(crate) fn all_below_two<R: Backend, const D: usize>(pieces: &Pieces<'_, R, D>) -> bool {
-    pieces.pieces.iter().all(|row| row.step_per_chord[1].to_f64() < 2.0)
-}

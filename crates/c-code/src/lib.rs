@@ -18,6 +18,7 @@
 mod c_part;
 mod comment;
 mod exponents;
+mod factors;
 mod files;
 mod literal;
 mod name;

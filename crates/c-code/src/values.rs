@@ -7,7 +7,8 @@ use secant_interp::{LANDING_REACH, LengthStage, Section, StageShape};
 
 use crate::c_part::CPart;
 use crate::comment::in_a_comment;
-use crate::exponents::{Exponents, MOST_UNROLLED, all_below_two};
+use crate::exponents::{Exponents, MOST_UNROLLED};
+use crate::factors::Factors;
 use crate::literal::{number, number_type};
 use crate::name::CError;
 use crate::overridden_run::OverriddenRun;
@@ -52,8 +53,7 @@ pub(crate) struct Values {
     pub(crate) fluctuation: String,
     pub(crate) landing_step: String,
     pub(crate) exponents: Exponents,
-    /// How a product with sigma is written.
-    pub(crate) by_sigma: &'static str,
+    pub(crate) factors: Factors,
     // The format.
     pub(crate) format: String,
     pub(crate) format_words: String,
@@ -206,7 +206,7 @@ impl Values {
             sections: sections.to_vec(),
             max_evaluations: run.tolerance.max_evaluations,
             exponents: Exponents::of(&pieces, uses.far_shifts),
-            by_sigma: if all_below_two(&pieces) { "mul_by" } else { "mul" },
+            factors: Factors::of(&run),
             residual: number(run.tolerance.residual),
             growth: number(run.tolerance.growth),
             fluctuation: number(run.tolerance.fluctuation),

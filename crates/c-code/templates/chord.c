@@ -52,20 +52,20 @@ IN_PLACE void chord_per_step(const number c[DEGREE], number x, number *q, number
     *turn = {{ zero }};
 {%- else %}
     number slope = c[DEGREE - 1u];
-    number value = mul_add(slope, x, c[DEGREE - 2u]);
+    number value = add({{ factors.x }}(slope, x), c[DEGREE - 2u]);
 {%- if self.is_unrolled() %}
 {%- for k in (1..degree - 1).rev() %}
-    slope = mul_add(slope, x, value);
-    value = mul_add(value, x, c[{{ k - 1 }}]);
+    slope = add({{ factors.x }}(slope, x), value);
+    value = add({{ factors.x }}(value, x), c[{{ k - 1 }}]);
 {%- endfor %}
 {%- else %}
     for (uint32_t k = DEGREE - 2u; k > 0u; k--) {
-        slope = mul_add(slope, x, value);
-        value = mul_add(value, x, c[k - 1u]);
+        slope = add({{ factors.x }}(slope, x), value);
+        value = add({{ factors.x }}(value, x), c[k - 1u]);
     }
 {%- endif %}
     *q = value;
-    *turn = mul_by(slope, x);
+    *turn = {{ factors.x }}(slope, x);
 {%- endif %}
 }
 {%- if rational %}
@@ -74,19 +74,19 @@ IN_PLACE void chord_per_step(const number c[DEGREE], number x, number *q, number
 IN_PLACE void weight_at(const shifted *at, number x, number *weight, number *weight_slope)
 {
 {%- if degree == 1 %}
-    *weight = mul_add(at->weight[0], x, ONE);
+    *weight = add({{ factors.x }}(at->weight[0], x), ONE);
     *weight_slope = at->weight[0];
 {%- else %}
     number slope = at->weight[DEGREE - 1u];
-    number value = mul_add(slope, x, at->weight[DEGREE - 2u]);
+    number value = add({{ factors.x }}(slope, x), at->weight[DEGREE - 2u]);
 {%- if degree > 2 %}
     for (uint32_t k = DEGREE - 2u; k > 0u; k--) {
-        slope = mul_add(slope, x, value);
-        value = mul_add(value, x, at->weight[k - 1u]);
+        slope = add({{ factors.x }}(slope, x), value);
+        value = add({{ factors.x }}(value, x), at->weight[k - 1u]);
     }
 {%- endif %}
-    *weight = mul_add(value, x, ONE);
-    *weight_slope = mul_add(slope, x, value);
+    *weight = add({{ factors.x }}(value, x), ONE);
+    *weight_slope = add({{ factors.x }}(slope, x), value);
 {%- endif %}
 }
 {%- endif %}
@@ -161,9 +161,9 @@ IN_PLACE void evaluate_on_piece(const shifted *at, number sigma, number x, evalu
 {%- endif %}
 {%- for d in 0..axes %}
     chord_per_step(at->chord[{{ d }}], x, &q, &turn);
-    const number along_{{ d }} = {{ by_sigma }}(q, sigma);
+    const number along_{{ d }} = {{ factors.sigma }}(q, sigma);
     squares = plus(squares, product(along_{{ d }}, along_{{ d }}));
-    growth = {% if floating && !rational && loop.first %}product(along_{{ d }}, {{ by_sigma }}(turn, sigma)){% else %}plus(growth, product(along_{{ d }}, {{ by_sigma }}(turn, sigma))){% endif %};
+    growth = {% if floating && !rational && loop.first %}product(along_{{ d }}, {{ factors.sigma }}(turn, sigma)){% else %}plus(growth, product(along_{{ d }}, {{ factors.sigma }}(turn, sigma))){% endif %};
 {%- endfor %}
     value->residual = {% if rational || floating %}rounded(squares){% else %}sub(rounded(squares), ONE){% endif %};
     value->slope = rounded(growth);
@@ -299,7 +299,7 @@ static void over(const chord *on, number step, number across[AXES])
         number sum = on->at->chord[d][DEGREE - 1u];
 {%- if degree > 1 %}
         for (uint32_t k = DEGREE - 1u; k > 0u; k--) {
-            sum = mul_add(sum, x, on->at->chord[d][k - 1u]);
+            sum = add({{ factors.x }}(sum, x), on->at->chord[d][k - 1u]);
         }
 {%- else %}
         (void)x;

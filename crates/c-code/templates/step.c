@@ -139,7 +139,7 @@ static void follow({{ name }}_state *state, number length, number reach_length, 
         finish(state, length, search(state, row, reach_length), setpoint);
         return;
     }
-    const number step = {{ by_sigma }}(reach_length, guess);
+    const number step = {{ factors.sigma }}(reach_length, guess);
     if (!is_on_piece(state, row, step)) {
         finish(state, length, search(state, row, reach_length), setpoint);
         return;
@@ -159,7 +159,7 @@ static void follow({{ name }}_state *state, number length, number reach_length, 
         return;
     }
 {%- endif %}
-    const number found = {{ by_sigma }}(reach_length, sigma);
+    const number found = {{ factors.sigma }}(reach_length, sigma);
     number t = state->t;
     if (!onward(row, &state->phase, &t, found)) {
         finish(state, length, pass_end(state, row, reach_length, part_of(row, found), sigma, 1u), setpoint);

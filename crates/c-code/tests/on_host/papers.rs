@@ -83,6 +83,8 @@ in_every_format! {
     lines_from_stop_to_stop_run_as_in_rust: lines();
     half_cosines_run_as_in_rust: RandomPath { profile: ProfileKind::Trigonometric, ..paper_a() };
     constant_jerk_runs_as_in_rust: paper_a().fastest();
+    // In I4F28, x is above 2 here: no factor for the products of halves.
+    long_chords_run_as_in_rust: at(0.72, paper_a().curves);
 }
 
 /// The last place of one coefficient, one stage and one operation: each is enough.
