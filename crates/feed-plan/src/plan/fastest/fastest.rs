@@ -21,7 +21,7 @@ use alloc::vec::Vec;
 use real::Real;
 
 use crate::plan::fastest::fit::{Bounds, Fit, TOLERANCE, fit, shortest};
-use crate::plan::fastest::grid::{limit_points, nodes};
+use crate::plan::fastest::grid::{Node, limit_points, nodes};
 use crate::plan::fastest::profile::{states, timed};
 use crate::plan::fastest::repair::repair;
 
@@ -34,6 +34,14 @@ pub(crate) struct Most<R> {
     pub(crate) acceleration: R,
     pub(crate) jerk: R,
     pub(crate) period: R,
+}
+
+/// The time of the jerk-free profile, whose acceleration is constant between nodes.
+fn jerk_free_time<R: Real>(nodes: &[Node<R>]) -> R {
+    nodes.windows(2).fold(R::zero(), |time, pair| {
+        let sum = pair[0].free + pair[1].free;
+        if sum > R::zero() { time + (pair[1].s - pair[0].s).ldexp(1) / sum } else { time }
+    })
 }
 
 /// Two points of a limit, the feeds there, and the acceleration at the begin; there is none at the end.
@@ -73,5 +81,5 @@ pub(crate) fn section<R: Real>(
     let bounds = Bounds { squares, acceleration: most.acceleration, jerk: most.jerk, shortest };
     let states = states(&nodes, start, &bounds);
     let arcs = fit(&timed(states, 0, &bounds)?, &bounds)?;
-    Some(Fit::of(&repair(arcs, &nodes, &bounds)))
+    Some(Fit::of(&repair(arcs, &nodes, &bounds), jerk_free_time(&nodes)))
 }

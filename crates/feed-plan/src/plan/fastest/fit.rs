@@ -247,6 +247,8 @@ pub(crate) struct Fit<R> {
     pub(crate) pieces: Vec<Piece<R>>,
     /// By how much time must be stretched for them to keep the limits, as a share.
     pub(crate) stretch: R,
+    /// The time of the jerk-free profile.
+    pub(crate) free: R,
     /// From where to where arcs break a limit by more than others.
     pub(crate) hard: Vec<[R; 2]>,
 }
@@ -257,7 +259,7 @@ impl<R: Real> Fit<R> {
     }
 
     /// The pieces of arcs: one, where that does.
-    pub(crate) fn of(arcs: &[Arc<R>]) -> Self {
+    pub(crate) fn of(arcs: &[Arc<R>], free: R) -> Self {
         let mut pieces = Vec::with_capacity(arcs.len() * 2);
         for Arc { pieces: [first, second], .. } in arcs {
             if (first.from.a + second.to.a).half() == first.to.a {
@@ -267,7 +269,7 @@ impl<R: Real> Fit<R> {
             }
         }
         let hard = arcs.iter().filter(|arc| arc.is_hard()).map(|arc| [arc.from.state.s, arc.to.state.s]);
-        Self { pieces, stretch: worst(arcs), hard: hard.collect() }
+        Self { pieces, stretch: worst(arcs), free, hard: hard.collect() }
     }
 }
 

@@ -6,7 +6,7 @@
 //! - where an axis leaves the path more or less than before, as from moves in the plane to a plunge;
 //! - on both sides of an arc that breaks a limit, so that what is beside it is not stretched with it.
 //!
-//! A part of a way that is cut is one of S-curves where these are faster. All parts are stretched evenly at the end, so the feeds at the
+//! A part of a way that is cut is one of S-curves where these are faster, and so is a way on which the jerk costs much time. All parts are stretched evenly at the end, so the feeds at the
 //! cuts agree.
 
 use alloc::vec::Vec;
@@ -25,6 +25,9 @@ use crate::{FeedLimit, KinematicLimits, PlanError, Stage};
 
 /// The limits along a part differ by no more than 2⁻¹³: the fastest plan is one S-curve up and one down.
 const LEVEL: i32 = -13;
+/// A plan that takes longer than without a limit of the jerk by no more than 2⁻⁵ is compared with no other. Where it does, minima are so
+/// near to each other that the accelerations at them depend on each other, and S-curves may be faster.
+const BY_JERK: i32 = -5;
 /// The whole way, where it cannot be cut, is stretched by no more than 2⁻⁶. A part of it is not hard, since all others are stretched
 /// with it.
 const MOST_STRETCHED: i32 = -6;
@@ -53,7 +56,10 @@ pub(crate) fn in_parts<R: Real>(
     let left = limit.allowance(first.point, last.point).min(all);
     if left == all && !is_level(limit, [first.point, last.point]) {
         let found = parts.fit([first, last], left);
-        if let Some(fit) = found.filter(|fit| fit.stretch <= R::one().ldexp(HARD)) {
+        let is_sure = |fit: &Fit<R>| {
+            fit.stretch <= R::one().ldexp(HARD) && fit.duration() - fit.free <= fit.free.ldexp(BY_JERK)
+        };
+        if let Some(fit) = found.filter(is_sure) {
             parts.take(&fit);
             return Ok(parts.finished());
         }
