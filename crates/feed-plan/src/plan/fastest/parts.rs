@@ -6,8 +6,8 @@
 //! - where an axis leaves the path more or less than before, as from moves in the plane to a plunge;
 //! - on both sides of an arc that breaks a limit, so that what is beside it is not stretched with it.
 //!
-//! A part of a way that is cut is one of S-curves where these are faster, and so is a way on which the jerk costs much time. All parts are stretched evenly at the end, so the feeds at the
-//! cuts agree.
+//! A part of a way that is cut is one of S-curves where these are faster, and so is a way on which the jerk costs much time. All
+//! parts are stretched evenly at the end, so the feeds at the cuts agree.
 
 use alloc::vec::Vec;
 
