@@ -54,18 +54,18 @@ pub(crate) fn in_parts<R: Real>(
         stretch: R::zero(),
     };
     let left = limit.allowance(first.point, last.point).min(all);
-    if left == all && !is_level(limit, [first.point, last.point]) {
-        let found = parts.fit([first, last], left);
+    if left == all {
+        let found = parts.fit(keys, all);
         let is_sure = |fit: &Fit<R>| {
             fit.stretch <= R::one().ldexp(HARD) && fit.duration() - fit.free <= fit.free.ldexp(BY_JERK)
         };
-        if let Some(fit) = found.filter(is_sure) {
-            parts.take(&fit);
-            return Ok(parts.finished());
+        match found {
+            Some(fit) if is_sure(&fit) => parts.take(&fit),
+            found => parts.settle(&reachable(limit, shape, keys)?, all, found, CUTS)?,
         }
+        return Ok(parts.finished());
     }
-    let keys = reachable(limit, shape, keys)?;
-    for part in alike(&keys, all) {
+    for part in alike(&reachable(limit, shape, keys)?, all) {
         parts.plan(part, all, CUTS)?;
     }
     Ok(parts.finished())
@@ -145,12 +145,19 @@ struct Parts<'a, R> {
 impl<R: Real> Parts<'_, R> {
     /// Adds the way along these keys, which may be cut so many times.
     fn plan(&mut self, keys: &[Key<R>], all: Allowance<R>, cuts: usize) -> Result<(), PlanError> {
+        let found = self.fit(keys, least(keys, all));
+        self.settle(keys, all, found, cuts)
+    }
+
+    /// Adds what was found along these keys, or their parts, or S-curves.
+    fn settle(
+        &mut self,
+        keys: &[Key<R>],
+        all: Allowance<R>,
+        found: Option<Fit<R>>,
+        cuts: usize,
+    ) -> Result<(), PlanError> {
         let [first, .., last] = keys else { return Ok(()) };
-        let found = if is_level(self.limit, [first.point, last.point]) {
-            None
-        } else {
-            self.fit([first, last], least(keys, all))
-        };
         let ways = found.as_ref().map_or_else(Vec::new, |fit| fit.hard.clone());
         let parts = around(keys, &ways);
         let is_hard = |fit: &Fit<R>| fit.stretch > R::one().ldexp(HARD);
@@ -173,11 +180,15 @@ impl<R: Real> Parts<'_, R> {
         [first.point, last.point] == self.ends
     }
 
-    /// The pieces from one key to another, with what is left of acceleration and jerk.
-    fn fit(&self, [from, to]: [&Key<R>; 2], left: Allowance<R>) -> Option<Fit<R>> {
+    /// The pieces from the first key to the last, with what is left of acceleration and jerk; none where the limit is level.
+    fn fit(&self, keys: &[Key<R>], left: Allowance<R>) -> Option<Fit<R>> {
+        let [from, .., to] = keys else { return None };
+        let points = [from.point, to.point];
+        if is_level(self.limit, points) {
+            return None;
+        }
         let most = Most { acceleration: left.acceleration, jerk: left.jerk, period: self.period };
-        let ends = Ends { points: [from.point, to.point], feeds: [from.feed, to.feed], start: R::zero() };
-        section(self.limit, &ends, &most)
+        section(self.limit, &Ends { points, feeds: [from.feed, to.feed], start: R::zero() }, &most)
     }
 
     fn take(&mut self, fit: &Fit<R>) {
