@@ -46,9 +46,7 @@ pub(crate) fn stretch_section<R: Real>(
         .ok_or(PlanError::DurationOverflows)?;
     let factor = rounded * period / duration;
     for stage in stages {
-        stage.duration = stage.duration * factor;
-        stage.start_feed = stage.start_feed / factor;
-        stage.end_feed = stage.end_feed / factor;
+        *stage = stage.slowed(factor);
     }
     Ok(periods)
 }

@@ -70,6 +70,14 @@ impl<R: Real> Stage<R> {
         }
     }
 
+    /// The same way in a time that is longer by this factor.
+    #[cfg(feature = "alloc")]
+    pub(crate) fn slowed(&self, factor: R) -> Self {
+        let duration = self.duration * factor;
+        let (start_feed, end_feed) = (self.start_feed / factor, self.end_feed / factor);
+        Self { duration, start_feed, end_feed, ..*self }
+    }
+
     /// Whether nothing moves in it.
     #[must_use]
     pub fn is_pause(&self) -> bool {

@@ -16,7 +16,7 @@ use real::Real;
 use crate::limit::axis_budget::Allowance;
 use crate::plan::fastest::fastest::{Ends, Most, section};
 use crate::plan::fastest::fit::{Fit, HARD, rounding};
-use crate::plan::fastest::sections::{monotone, slowed, stage};
+use crate::plan::fastest::sections::{monotone, stage};
 use crate::plan::key_points::Key;
 use crate::plan::ramp_shape::RampShape;
 use crate::plan::ramps::{chain, reachable};
@@ -158,10 +158,9 @@ impl<R: Real> Parts<'_, R> {
         cuts: usize,
     ) -> Result<(), PlanError> {
         let [first, .., last] = keys else { return Ok(()) };
-        let ways = found.as_ref().map_or_else(Vec::new, |fit| fit.hard.clone());
-        let parts = around(keys, &ways);
-        let is_hard = |fit: &Fit<R>| fit.stretch > R::one().ldexp(HARD);
-        if cuts > 0 && parts.len() > 1 && found.as_ref().is_some_and(is_hard) {
+        // What is not hard has no hard arcs, and is one part.
+        let parts = found.as_ref().map_or_else(Vec::new, |fit| around(keys, &fit.hard));
+        if cuts > 0 && parts.len() > 1 {
             return parts.into_iter().try_for_each(|part| self.plan(part, all, cuts - 1));
         }
         let most = if self.is_whole(first, last) { MOST_STRETCHED } else { HARD };
@@ -199,7 +198,7 @@ impl<R: Real> Parts<'_, R> {
 
     fn finished(self) -> Vec<Stage<R>> {
         let slower = R::one() + self.stretch;
-        self.stages.iter().map(|stage| slowed(stage, slower)).collect()
+        self.stages.iter().map(|stage| stage.slowed(slower)).collect()
     }
 }
 

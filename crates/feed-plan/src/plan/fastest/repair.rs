@@ -19,7 +19,7 @@ const REACH: i32 = 3;
 const LEAST: usize = 4;
 /// Profiles that are tried.
 const AGAIN: usize = 8;
-/// Feeds are lowered by 2⁻⁹ at a time, at most.
+/// Feeds are lowered by 2⁻⁷ at a time, at most.
 const MOST: i32 = -7;
 
 /// The arcs, the hard ones and their neighbours replaced where better ones are found.

@@ -40,7 +40,7 @@ pub(crate) fn in_window<R: Real>(
     }
     let slower = stretched.max(in_motion);
     let parts = pieces.iter().flat_map(|piece| monotone(piece).into_iter().flatten());
-    Some(parts.map(|part| slowed(&stage(&part), slower)).collect())
+    Some(parts.map(|part| stage(&part).slowed(slower)).collect())
 }
 
 /// A piece, or its parts before and behind the instant at which its acceleration is zero.
@@ -49,13 +49,6 @@ pub(crate) fn monotone<R: Real>(piece: &Piece<R>) -> [Option<Piece<R>>; 2] {
     let middle = State { a: R::zero(), ..piece.from.after(time, piece.jerk()) };
     let before = Piece { from: piece.from, to: middle, time };
     [Some(before), Some(Piece { from: middle, to: piece.to, time: piece.time - time })]
-}
-
-/// A stage whose time is longer by this factor.
-pub(crate) fn slowed<R: Real>(stage: &Stage<R>, factor: R) -> Stage<R> {
-    let duration = stage.duration * factor;
-    let (start_feed, end_feed) = (stage.start_feed / factor, stage.end_feed / factor);
-    Stage { duration, start_feed, end_feed, ..*stage }
 }
 
 /// A piece as a stage.
