@@ -6,7 +6,7 @@ use anyhow::Result;
 use clap::Args;
 use clap_complete::ArgValueCandidates;
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
-use format_compare::{Comparison, Dimension, Engine, JudgedRun, JudgedStep, Problem, Run, Space, Trace};
+use format_compare::{Comparison, Dimension, Engine, JudgedRun, Problem, Space, Watch};
 use target_cost::Target;
 
 use crate::baseline::{self, BaselineArguments};
@@ -74,14 +74,11 @@ where
     output::expect_place(arguments.output.out.as_deref())?;
     let baseline = arguments.baseline.read("compare")?;
     report::make_folder(arguments.report.as_deref())?;
-    let progress = Progress::of("runs", formats.len() * engines.len());
-    let wanted = arguments.report.is_some();
-    let keep = |_: &JudgedRun, run: Option<(&Run, &[JudgedStep])>| {
-        let trace = run.filter(|_| wanted).map(|(run, steps)| Trace::of(run, steps));
-        progress.step();
-        trace
-    };
-    let (mut comparison, traces) = format_compare::compare_with(problem, &formats, &engines, &options, keep)?;
+    let progress = Progress::planning();
+    let watch =
+        Watch { traces: arguments.report.is_some(), progress: &|done, all| progress.periods(done, all) };
+    let (mut comparison, traces) =
+        format_compare::compare_with(problem, &formats, &engines, &options, &watch)?;
     progress.finish();
     if comparison.recommended.is_none() {
         let progress = Progress::spinning("looking for why no format is good");

@@ -1,16 +1,19 @@
 //! `feedbits interpolate`: the setpoints of one format.
 
-use std::fmt::Write;
+mod rows;
+
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use clap_complete::ArgValueCandidates;
 use format_compare::{
-    Dimension, Engine, Options, OverrideTarget, Overrides, Problem, Reference, Run, SetpointTable, Space,
-    Vectors, VectorsAbout, jerk_of_chords,
+    AboutRun, Dimension, Engine, Observer, Options, OverrideTarget, Overrides, Problem, Reference, Refusal,
+    Space, Vectors, VectorsAbout,
 };
 use real::FormatName;
+
+use rows::Rows;
 
 use crate::ending::Ending;
 use crate::formats::selected;
@@ -66,36 +69,29 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
         return write_vectors(folder, &vectors);
     }
     output::expect_place(arguments.output.out.as_deref())?;
-    let progress = Progress::spinning("interpolating");
-    let (table, stopped) = match arguments.run.problem(&arguments.input)? {
+    let stopped = match arguments.run.problem(&arguments.input)? {
         AnyProblem::Planar(problem) => setpoints(&problem, arguments)?,
         AnyProblem::Spatial(problem) => setpoints(&problem, arguments)?,
     };
-    progress.finish();
-    let text =
-        if arguments.output.json { serde_json::to_string_pretty(&table)? + "\n" } else { csv(&table)? };
-    output::write(arguments.output.out.as_deref(), &text)?;
     let Some(format) = stopped else { return Ok(Ending::Good) };
     output::say(&format!("feedbits: the run in {format} stops before the end of the path"));
     Ok(Ending::RequirementNotMet)
 }
 
-/// The setpoints, and the format's name if its run stops before the end of the path.
-fn setpoints<const D: usize>(
-    problem: &Problem<D>,
-    arguments: &Arguments,
-) -> Result<(SetpointTable, Option<FormatName>)>
+/// Writes the setpoints while they are made. Returns the format's name if its run stops before the end of the path.
+fn setpoints<const D: usize>(problem: &Problem<D>, arguments: &Arguments) -> Result<Option<FormatName>>
 where
     Space: Dimension<D>,
 {
     let options = arguments.run.options_for(problem)?;
     let formats = selected::<D>(std::slice::from_ref(&arguments.format))?;
     let Some(format) = formats.first() else { bail!("no format") };
-    let stopped = |run: &Run| (!run.finished).then(|| format.name());
+    let progress = Progress::planning();
     if arguments.overrides.is_empty() {
         let plan = format_compare::plan_for(problem, format.as_ref(), &options)?;
-        let run = format.run(problem, &plan, &options)?;
-        return Ok((Reference::new(problem)?.setpoints(problem, &run), stopped(&run)));
+        let run = |observer: &dyn Observer| format.run_before(problem, &plan, &options, observer);
+        let (about, _) = written(problem, run, plan.periods(), arguments, &progress)?;
+        return Ok((!about.finished).then(|| format.name()));
     }
     if options.engine != Engine::Pieces {
         bail!("--override goes with pieces: give --evaluate pieces");
@@ -103,18 +99,74 @@ where
     let overrides = Overrides::try_new(arguments.overrides.clone(), arguments.reserve / 100.0)?;
     let to_plan = overrides.to_plan(problem);
     let plan = format_compare::plan_for(&to_plan, format.as_ref(), &options)?;
-    let options = Options { overrides: Some(overrides.commands(problem, &plan)?), ..options };
-    let run = format.run(&to_plan, &plan, &options)?;
-    let table = Reference::new(problem)?.setpoints(problem, &run);
-    output::note(&kept(&table, problem));
-    let end = table.last().map_or(0.0, |row| row.time_s);
+    let commands = overrides.commands(problem, &plan)?;
+    let periods = commands.periods();
+    let options = Options { overrides: Some(commands), ..options };
+    let run = |observer: &dyn Observer| format.run_before(&to_plan, &plan, &options, observer);
+    let (about, summary) = written(problem, run, periods, arguments, &progress)?;
+    drop(progress);
+    output::note(&kept(&summary, problem));
+    let end = summary.end_s;
     for target in arguments.overrides.iter().filter(|target| target.time_s > end) {
         output::say(&format!(
             "feedbits: the override at {} s is never in force: the run ends at {end:.3} s",
             target.time_s
         ));
     }
-    Ok((table, stopped(&run)))
+    Ok((!about.finished).then(|| format.name()))
+}
+
+/// What is said of a run with overrides.
+#[derive(Default)]
+struct Summary {
+    periods: u64,
+    end_s: f64,
+    /// The last two chords, and the greatest first and second difference of chords, in mm.
+    chords: [f64; 2],
+    change: f64,
+    bend: f64,
+}
+
+impl Summary {
+    /// Adds the chord of a period. Before the first the machine is at rest.
+    fn add(&mut self, chord_mm: f64) {
+        let [before, last] = self.chords;
+        self.change = self.change.max((chord_mm - last).abs());
+        self.bend = self.bend.max((chord_mm - last - (last - before)).abs());
+        self.chords = [last, chord_mm];
+    }
+}
+
+/// Makes the run of `periods` periods and writes its setpoints.
+fn written<const D: usize>(
+    problem: &Problem<D>,
+    run: impl FnOnce(&dyn Observer) -> Result<AboutRun, Refusal>,
+    periods: u64,
+    arguments: &Arguments,
+    progress: &Progress,
+) -> Result<(AboutRun, Summary)> {
+    let reference = Reference::new(problem)?;
+    output::write_by(arguments.output.out.as_deref(), |file| {
+        let mut rows = Rows::new(file, arguments.output.json)?;
+        let (mut summary, mut failure) = (Summary::default(), None);
+        let about = reference.show_setpoints(problem, run, |row| {
+            summary.periods += 1;
+            summary.end_s = row.time_s;
+            summary.add(row.chord_mm);
+            if summary.periods % 4096 == 0 {
+                progress.periods(summary.periods, periods);
+            }
+            if failure.is_none() {
+                failure = rows.write(row).err();
+            }
+        })?;
+        // Behind the end the machine is at rest.
+        summary.add(0.0);
+        summary.add(0.0);
+        failure.map_or(Ok(()), Err)?;
+        rows.finish()?;
+        Ok((about, summary))
+    })
 }
 
 /// The test vectors of the run.
@@ -161,41 +213,12 @@ fn override_target(text: &str) -> Result<OverrideTarget, String> {
 }
 
 /// The largest acceleration and jerk of the setpoints, from rest to rest, from the chords of neighbouring periods.
-fn kept<const D: usize>(table: &SetpointTable, problem: &Problem<D>) -> String {
+fn kept<const D: usize>(summary: &Summary, problem: &Problem<D>) -> String {
     let t = problem.period_s();
-    let rest = || [0.0, 0.0].into_iter();
-    let chords: Vec<f64> = rest().chain(table.iter().map(|row| row.chord_mm)).chain(rest()).collect();
-    let changes = chords.windows(2).map(|pair| (pair[1] - pair[0]).abs());
-    let acceleration = changes.fold(0.0, f64::max) / t.powi(2);
-    let jerk = jerk_of_chords(&chords, t);
+    let (acceleration, jerk) = (summary.change / t.powi(2), summary.bend / t.powi(3));
     let machine = &problem.machine;
     format!(
         "{} periods: acceleration {acceleration:.1} of {} mm/s², jerk {jerk:.0} of {} mm/s³ at most",
-        table.len(),
-        machine.acceleration_mm_per_s2,
-        machine.jerk_mm_per_s3,
+        summary.periods, machine.acceleration_mm_per_s2, machine.jerk_mm_per_s3,
     )
-}
-
-/// The table as CSV. Each number is the shortest text that reads back as the same number.
-fn csv(table: &SetpointTable) -> Result<String> {
-    let mut text =
-        String::from("step,time_s,span,t,u,x_mm,y_mm,z_mm,feed_mm_per_s,chord_mm,fluctuation,evaluations\n");
-    for row in table {
-        let [x, y, z] = row.point_mm;
-        writeln!(
-            text,
-            "{},{},{},{},{},{x},{y},{z},{},{},{},{}",
-            row.step,
-            row.time_s,
-            row.span,
-            row.t,
-            row.u,
-            row.feed_mm_per_s,
-            row.chord_mm,
-            row.fluctuation,
-            row.evaluations
-        )?;
-    }
-    Ok(text)
 }

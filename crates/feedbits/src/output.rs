@@ -78,22 +78,58 @@ const UNFINISHED: [&str; 2] = [".feedbits-", ".part"];
 /// directly. Styles are shown on a terminal that has them, unless the environment says NO_COLOR, and are left out
 /// elsewhere.
 pub(crate) fn write(path: Option<&Path>, text: &str) -> Result<()> {
-    let Some(path) = path else {
+    if path.is_none() {
         return match anstream::stdout().lock().write_all(text.as_bytes()) {
             Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
             other => other.context("cannot write to the terminal"),
         };
+    }
+    let text = anstream::adapter::strip_str(text).to_string();
+    write_by(path, |file| Ok(file.write_all(text.as_bytes())?))
+}
+
+/// As [`write()`], for a text without styles that `by` writes bit by bit. If `by` fails, no file appears.
+pub(crate) fn write_by<T>(
+    path: Option<&Path>,
+    by: impl FnOnce(&mut (dyn Write + Send)) -> Result<T>,
+) -> Result<T> {
+    let Some(path) = path else {
+        let mut terminal = Terminal(io::BufWriter::new(io::stdout()));
+        let result = by(&mut terminal)?;
+        terminal.flush().context("cannot write to the terminal")?;
+        return Ok(result);
     };
     let cannot = || format!("cannot write {}", path.display());
-    let text = anstream::adapter::strip_str(text).to_string();
     let before = before(path)?;
     if before.as_ref().is_some_and(|found| !found.is_file()) {
-        let mut device = fs::OpenOptions::new().write(true).open(path).with_context(cannot)?;
-        return device.write_all(text.as_bytes()).with_context(cannot);
+        let device = fs::OpenOptions::new().write(true).open(path).with_context(cannot)?;
+        let mut device = io::BufWriter::new(device);
+        let result = by(&mut device).with_context(cannot)?;
+        device.flush().with_context(cannot)?;
+        return Ok(result);
     }
-    let (file, target) = unfinished(path, before, &text)?;
+    let (file, target, result) = unfinished(path, before, by)?;
     file.persist(&target).map_err(|failure| failure.error).with_context(cannot)?;
-    Ok(())
+    Ok(result)
+}
+
+/// The terminal, or a pipe: what a reader that has gone away does not take is lost.
+struct Terminal<W: Write>(io::BufWriter<W>);
+
+impl<W: Write> Write for Terminal<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match self.0.write(bytes) {
+            Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(bytes.len()),
+            other => other,
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        match self.0.flush() {
+            Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
+            other => other,
+        }
+    }
 }
 
 /// Writes several files that belong together: all of them appear, whole, or none.
@@ -104,21 +140,23 @@ pub(crate) fn write_together(files: &[(&Path, &str)]) -> Result<()> {
         if before.as_ref().is_some_and(|found| !found.is_file()) {
             bail!("cannot write {}: it is no file", path.display());
         }
-        written.push((*path, unfinished(path, before, text)?));
+        let write = |file: &mut (dyn Write + Send)| Ok(file.write_all(text.as_bytes())?);
+        written.push((*path, unfinished(path, before, write)?));
     }
-    for (path, (file, target)) in written {
+    for (path, (file, target, ())) in written {
         let persisted = file.persist(&target).map_err(|failure| failure.error);
         persisted.with_context(|| format!("cannot write {}", path.display()))?;
     }
     Ok(())
 }
 
-/// The text in a file of another name beside its place, which is returned too. `before` is what is at the place now.
-fn unfinished(
+/// What `by` writes in a file of another name beside its place, which is returned too. `before` is what is at the place
+/// now.
+fn unfinished<T>(
     path: &Path,
     before: Option<fs::Metadata>,
-    text: &str,
-) -> Result<(tempfile::NamedTempFile, PathBuf)> {
+    by: impl FnOnce(&mut (dyn Write + Send)) -> Result<T>,
+) -> Result<(tempfile::NamedTempFile, PathBuf, T)> {
     let cannot = || format!("cannot write {}", path.display());
     let target = match before {
         Some(_) => fs::canonicalize(path).with_context(cannot)?,
@@ -135,9 +173,12 @@ fn unfinished(
         // Before the text is in it: what was private is so all the while.
         file.as_file().set_permissions(found.permissions()).with_context(cannot)?;
     }
-    file.write_all(text.as_bytes()).with_context(cannot)?;
+    let mut buffer = io::BufWriter::new(&mut file);
+    let result = by(&mut buffer)?;
+    buffer.flush().with_context(cannot)?;
+    drop(buffer);
     file.as_file().sync_all().with_context(cannot)?;
-    Ok((file, target))
+    Ok((file, target, result))
 }
 
 /// The metadata of the file that is at `path` now; `None` if there is none. A folder there is an error.

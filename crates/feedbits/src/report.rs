@@ -5,8 +5,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use format_compare::{
-    Comparison, Dimension, Engine, FeedSample, JudgedStep, Options, PlanIn, Problem, Run, Space, Trace,
-    Verdict,
+    Comparison, Dimension, Engine, FeedSample, Options, PlanIn, Problem, Space, Trace, Verdict, Watch,
 };
 use format_report::{Material, Report, Schedule, Solver};
 use target_cost::{StepCost, Target, built_in};
@@ -118,10 +117,8 @@ where
 {
     let Some(format) = by_name("f64").filter(|_| problem.curves.len() == 1) else { return Ok(Vec::new()) };
     let engines = [Engine::DeBoorSecant, Engine::DeBoorTaylor1, Engine::DeBoorTaylor2];
-    let keep = |_: &format_compare::JudgedRun, run: Option<(&Run, &[JudgedStep])>| {
-        run.map(|(run, steps)| Trace::of(run, steps))
-    };
-    let (_, traces) = format_compare::compare_with(problem, &[format], &engines, options, keep)?;
+    let watch = Watch { traces: true, progress: &|_, _| () };
+    let (_, traces) = format_compare::compare_with(problem, &[format], &engines, options, &watch)?;
     let named = ["secant", "Taylor, first order", "Taylor, second order"].into_iter().zip(traces);
     Ok(named.filter_map(|(name, trace)| Some(Solver { name: name.to_string(), trace: trace? })).collect())
 }

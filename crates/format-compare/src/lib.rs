@@ -53,24 +53,29 @@ mod plan {
     pub(crate) mod axis_peaks;
     pub(crate) mod exact_plan;
     pub(crate) mod in_format;
+    pub(crate) mod lengths;
     pub(crate) mod merge_rows;
     pub(crate) mod plan_summary;
     pub(crate) mod samples;
 }
 
 mod run {
+    pub(crate) mod at_cruise;
     mod by_engine;
     pub(crate) mod c_files;
     pub(crate) mod constants;
     mod few_backends;
     pub(crate) mod formats;
+    pub(crate) mod in_order;
     pub(crate) mod job;
+    pub(crate) mod observer;
     mod on_global_parameter;
     pub(crate) mod on_pieces;
     pub(crate) mod options;
     pub(crate) mod overrides;
     pub(crate) mod recorded_run;
     pub(crate) mod run;
+    mod steps_on_pieces;
     pub(crate) mod vectors;
 }
 
@@ -80,11 +85,13 @@ mod cost {
 
 mod judge {
     pub(crate) mod judged_run;
+    pub(crate) mod judgement;
     pub(crate) mod metrics;
     pub(crate) mod not_of_format;
     pub(crate) mod reference;
     pub(crate) mod requirement;
     pub(crate) mod setpoints;
+    pub(crate) mod tally;
     pub(crate) mod trace;
 }
 
@@ -100,7 +107,7 @@ mod compare {
     pub(crate) mod price;
 }
 
-pub use compare::compare::{Comparison, PartSummary, compare, compare_with};
+pub use compare::compare::{Comparison, PartSummary, Watch, compare, compare_with};
 pub use compare::price::price;
 pub use cost::period_cost::{Cost, Level, PeriodCost};
 pub use feed_plan::ProfileKind;
@@ -109,8 +116,8 @@ pub use judge::metrics::{Fluctuation, JudgedStep, PerPeriod, jerk_of_chords};
 pub use judge::not_of_format::{NotOfFormat, Remedy, not_of_format};
 pub use judge::reference::Reference;
 pub use judge::requirement::{PeriodEnd, Requirement};
-pub use judge::setpoints::{SetpointRow, SetpointTable};
-pub use judge::trace::Trace;
+pub use judge::setpoints::SetpointRow;
+pub use judge::trace::{Coarseness, Trace};
 pub use part_program::Machine;
 pub use plan::axis_peaks::AxisPeak;
 pub use plan::exact_plan::ExactPlan;
@@ -123,10 +130,11 @@ pub use refusal::Refusal;
 pub use run::c_files::CRequest;
 pub use run::constants::Constants;
 pub use run::formats::{Dimension, Format, Space, format_named, formats, plan_for, select};
+pub use run::observer::Observer;
 pub use run::options::{Engine, Options, PlanIn};
 pub use run::overrides::{OverrideCommands, OverrideError, OverrideTarget, Overrides};
 pub use run::recorded_run::RecordedRun;
-pub use run::run::{Run, RunStep};
+pub use run::run::{AboutRun, Run, RunStep};
 pub use run::vectors::{VectorColumn, VectorTable, Vectors, VectorsAbout};
 pub use size::fewest_bits::{FewestBits, fewest_bits};
 pub use size::size::{FrontPoint, Mixed, Register, Sizing, price_sizing, size};

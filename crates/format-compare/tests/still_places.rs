@@ -69,7 +69,7 @@ fn each_is_good_in_32_bits_on_pieces_in_the_same_time() {
         for (i, row) in found.formats.iter().enumerate() {
             assert!(row.verdict.is_good(), "{name}, {}: {}", row.format, row.verdict);
             let periods = row.periods.unwrap();
-            assert!((f64::from(periods) - planned * 1e3).abs() < 1.5, "{name}: {periods} for {planned} s");
+            assert!((periods as f64 - planned * 1e3).abs() < 1.5, "{name}: {periods} for {planned} s");
             // The run rests and goes on as planned: the limit is 40,000 mm/s³.
             let jerk = row.jerk_max_mm_per_s3.unwrap();
             assert!(jerk < 4.4e4, "{name}, {}: {jerk} mm/s³", row.format);
@@ -89,7 +89,7 @@ fn each_is_good_on_the_global_parameter() {
         for row in &found.formats {
             assert!(row.verdict.is_good(), "{name}, {}: {}", row.format, row.verdict);
             let periods = row.periods.unwrap();
-            assert!((f64::from(periods) - planned * 1e3).abs() < 1.5, "{name}: {periods} for {planned} s");
+            assert!((periods as f64 - planned * 1e3).abs() < 1.5, "{name}: {periods} for {planned} s");
             let jerk = row.jerk_max_mm_per_s3.unwrap();
             assert!(jerk < 4.4e4, "{name}, {}: {jerk} mm/s³", row.format);
             // A chord over a cusp was once short by up to a step; a step of 0.1 mm may fluctuate by 1e-4 of it.
@@ -128,7 +128,7 @@ proptest! {
             prop_assert!(chord_error <= 1.005e-3, "{}: {chord_error} mm", row.format);
             prop_assert!(row.end_error_mm.unwrap() < 1e-6, "{}: {:?}", row.format, row.end_error_mm);
             prop_assert_eq!(row.saturations, Some(0));
-            let is_over = (f64::from(row.periods.unwrap()) - found.part.planned_time_s.unwrap() * 1e3).abs() < 16.0;
+            let is_over = (row.periods.unwrap() as f64 - found.part.planned_time_s.unwrap() * 1e3).abs() < 16.0;
             prop_assert!(is_over, "{}: {:?} periods for {:?} s", row.format, row.periods, found.part.planned_time_s);
         }
     }

@@ -265,7 +265,7 @@ impl Chapter {
 
 #[cfg(test)]
 mod tests {
-    use format_compare::{Engine, Options, Problem, Trace, compare_with, plan_for, select};
+    use format_compare::{Engine, Options, Problem, Watch, compare_with, plan_for, select};
     use part_program::{read_machine, read_part};
 
     use super::*;
@@ -279,13 +279,10 @@ mod tests {
         let names: Vec<String> = formats.iter().map(ToString::to_string).collect();
         let formats = select::<3>(&names).expect("formats");
         let options = Options::default();
-        let keep = |_: &format_compare::JudgedRun,
-                    run: Option<(&format_compare::Run, &[format_compare::JudgedStep])>| {
-            run.map(|(run, steps)| Trace::of(run, steps))
-        };
+        let watch = Watch { traces: true, progress: &|_, _| () };
         let engines = [Engine::DeBoorSecant, Engine::Pieces];
         let (comparison, traces) =
-            compare_with(&problem, &formats, &engines, &options, keep).expect("a comparison");
+            compare_with(&problem, &formats, &engines, &options, &watch).expect("a comparison");
         let plan = plan_for(&problem, formats[0].as_ref(), &options).expect("a plan");
         let material = Material {
             comparison: &comparison,

@@ -26,7 +26,7 @@ impl Judged {
         let format = format.ok_or("f64 is not built in").map_err(PaperError::of("the run"))?;
         let run = format.run(problem, &plan, options).map_err(PaperError::of("the run"))?;
         let reference = Reference::new(problem).map_err(PaperError::of("the reference"))?;
-        let steps = reference.judge(&run);
+        let steps = reference.judge(&run.steps);
         Ok(Self { plan, run, steps })
     }
 
@@ -43,7 +43,8 @@ impl Judged {
 
     /// All steps but the landing: the last of the plan, and those of a run that is late.
     pub(crate) fn without_landing(&self) -> &[JudgedStep] {
-        let planned = self.steps.len().min(self.run.planned_periods as usize);
+        let planned =
+            usize::try_from(self.run.about.planned_periods).unwrap_or(usize::MAX).min(self.steps.len());
         &self.steps[..planned.saturating_sub(1)]
     }
 

@@ -202,7 +202,7 @@ fn setpoints(smooth: &SmoothStretch, paths: &Paths<'_>, timed: &Timed) -> Result
     let nurbs = smooth.curves.iter().map(nurbs_of).collect::<Result<Vec<_>, _>>()?;
     let mut check = SetpointCheck {
         count: run.steps.len(),
-        finished: run.finished,
+        finished: run.about.finished,
         total_acceleration_max_mm_per_s2: timed.total_acceleration_mm_per_s2(&run),
         ..SetpointCheck::default()
     };

@@ -46,7 +46,7 @@ impl Timed {
 
     /// Time in s.
     pub(crate) fn time_s(&self) -> f64 {
-        f64::from(self.plan.periods()) * self.problem.period_s()
+        self.plan.periods() as f64 * self.problem.period_s()
     }
 
     /// Length in mm.

@@ -61,6 +61,23 @@ impl SignalRange {
     }
 }
 
+impl SignalRange {
+    /// Adds the values of another part of the same run.
+    fn join(&mut self, other: &Self) {
+        self.min = self.min.min(other.min);
+        self.max = self.max.max(other.max);
+        self.min_magnitude = self.min_magnitude.min(other.min_magnitude);
+        self.count += other.count;
+        self.zeros += other.zeros;
+        self.overflows += other.overflows;
+        self.underflows += other.underflows;
+        self.max_error = match (self.max_error, other.max_error) {
+            (Some(one), Some(other)) => Some(one.max(other)),
+            (one, other) => one.or(other),
+        };
+    }
+}
+
 impl Default for SignalRange {
     fn default() -> Self {
         Self {
@@ -111,6 +128,19 @@ impl Audit {
         let outer = RECORD.with(RefCell::take);
         let result = work();
         (result, RECORD.with(|record| record.replace(outer)).finished())
+    }
+
+    /// Adds what another part of the same run met.
+    pub fn join(&mut self, other: Self) {
+        self.overflows += other.overflows;
+        self.underflows += other.underflows;
+        self.divisions_by_zero += other.divisions_by_zero;
+        for (name, range) in other.signals {
+            self.signals.entry(name).or_default().join(&range);
+        }
+        for (name, histogram) in other.histograms {
+            self.histograms.entry(name).or_default().join(&histogram);
+        }
     }
 
     /// Integer bits, the sign included, that the signal with the largest values needs; 1 if no signal was recorded.

@@ -254,7 +254,7 @@ where
     }
 }
 
-impl<F: FixedSigned> Backend for FixedPoint<F>
+impl<F: FixedSigned + Send + Sync> Backend for FixedPoint<F>
 where
     F::Bits: Word,
 {

@@ -39,6 +39,13 @@ impl Histogram {
         &mut self.counts[index]
     }
 
+    /// Adds the counts of another histogram.
+    pub fn join(&mut self, other: &Self) {
+        for (exponent, count) in other.bins() {
+            *self.bin(exponent) += count;
+        }
+    }
+
     /// How many values had the leading bit at `2^exponent`.
     #[must_use]
     pub fn count(&self, exponent: i32) -> u64 {

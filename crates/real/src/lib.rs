@@ -99,7 +99,7 @@ pub use real::{Backend, Real};
 #[cfg(feature = "std")]
 pub use record::{Graph, Node, NodeId, NodeKind, Recorded};
 #[cfg(feature = "std")]
-pub use runtime_format::{RuntimeFixed, RuntimeFormat};
+pub use runtime_format::{RuntimeFixed, RuntimeFormat, RuntimeFormats};
 #[cfg(feature = "std")]
 pub use shadow::Shadowed;
 pub use trigonometry::{Trigonometric, sine_terms};

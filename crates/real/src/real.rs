@@ -156,7 +156,7 @@ pub trait Real:
 }
 
 /// A [`Real`] with a name and with conversions from and to the floats that files hold. Tools need them; kernels do not.
-pub trait Backend: Real {
+pub trait Backend: Real + Send + Sync {
     /// The format's name, as in `f32` or `I16F16`.
     fn name() -> crate::FormatName;
 

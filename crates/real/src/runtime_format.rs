@@ -196,6 +196,23 @@ impl RuntimeFormat {
 /// Number of formats that can be in force at once.
 const SLOTS: usize = 8;
 
+/// The formats that the slots of a thread have, to be taken along to another thread.
+#[derive(Clone, Copy, Debug)]
+pub struct RuntimeFormats([RuntimeFormat; SLOTS]);
+
+impl RuntimeFormats {
+    /// Those of this thread.
+    #[must_use]
+    pub fn of_this_thread() -> Self {
+        Self(FORMATS.with(|formats| core::array::from_fn(|slot| formats[slot].get())))
+    }
+
+    /// Gives the slots of this thread these formats.
+    pub fn set(&self) {
+        FORMATS.with(|formats| formats.iter().zip(&self.0).for_each(|(slot, format)| slot.set(*format)));
+    }
+}
+
 thread_local! {
     static FORMATS: [Cell<RuntimeFormat>; SLOTS] = const {
         [const {

@@ -83,14 +83,14 @@ pub fn plan_within_axes<const D: usize, C: Differentiate<f64, D> + Sync>(
         return Ok(today.clone());
     };
     let mut stages = Vec::with_capacity(today.stages.len());
-    let mut saved = 0_u32;
+    let mut saved = 0_u64;
     let sections: Vec<_> = today.as_schedule().sections().collect();
     let found = in_parallel(&sections, |section| faster(&geometry, limits, limit, section));
     for (section, found) in sections.iter().zip(found) {
         match found {
             Some((other, periods)) => {
                 stages.extend(other);
-                saved = saved.saturating_add(periods);
+                saved = saved.saturating_add(u64::from(periods));
             }
             None => stages.extend_from_slice(section.stages()),
         }

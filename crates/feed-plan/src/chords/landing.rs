@@ -137,7 +137,7 @@ mod tests {
         let sections = sections(arcs.stages()).zip(sections(chords.stages()));
         let beyond = sections.map(|(whole, chords)| {
             let stop = whole.stages().last().map_or(0.0, |last| last.start + last.length);
-            let chords = Schedule::new(chords.stages(), 1.0, u32::MAX);
+            let chords = Schedule::new(chords.stages(), 1.0, u64::MAX);
             path.beyond_stop(&chords, [core::mem::replace(&mut begin, stop), stop])
         });
         beyond.collect()

@@ -195,7 +195,7 @@ mod tests {
         assert!(worst.joint <= 1e-9 * limit.length(), "{worst:?}");
         let schedule = plan.as_schedule();
         assert!((schedule.length() - limit.length()).abs() <= 1e-12 * limit.length().max(1.0));
-        let periods = f64::from(schedule.periods());
+        let periods = (schedule.periods() as f64);
         assert!((schedule.duration() / limits.interpolation_period - periods).abs() <= 1e-12 * periods);
         assert!(plan.stages().iter().all(|stage| stage.duration > 0.0 && stage.length > 0.0));
         let (first, last) = (plan.stages().first().unwrap(), plan.stages().last().unwrap());

@@ -18,8 +18,8 @@ pub(crate) fn stretch<R: Real>(
     stages: &mut [Stage<R>],
     limit: &FeedLimit<R>,
     period: R,
-) -> Result<u32, PlanError> {
-    let mut periods = Some(0_u32);
+) -> Result<u64, PlanError> {
+    let mut periods = 0_u64;
     let mut rest = stages;
     while !rest.is_empty() {
         let (section, behind) = rest.split_at_mut(section::count(rest));
@@ -27,10 +27,10 @@ pub(crate) fn stretch<R: Real>(
         let bends = ends.is_some_and(|(first, last)| limit.bends_over(first.start, last.start + last.length));
         let slower = if bends { R::one().ldexp(SLOWER) } else { R::zero() };
         let taken = stretch_section(section, slower, period)?;
-        periods = periods.and_then(|sum| sum.checked_add(taken));
+        periods = periods.saturating_add(u64::from(taken));
         rest = behind;
     }
-    periods.filter(|sum| *sum > 0).ok_or(PlanError::DurationOverflows)
+    if periods > 0 { Ok(periods) } else { Err(PlanError::DurationOverflows) }
 }
 
 /// Slows one section down evenly to a whole number of periods, and by this share at least.

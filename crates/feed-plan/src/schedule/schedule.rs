@@ -12,7 +12,7 @@ use crate::{Section, Stage, sections};
 pub struct Schedule<'a, R> {
     stages: &'a [Stage<R>],
     interpolation_period: R,
-    periods: u32,
+    periods: u64,
 }
 
 /// The state of a run: a few words that change from period to period. All else is constant.
@@ -24,7 +24,7 @@ pub struct Cursor<R> {
     /// Periods since then, a whole number. The time is `offset + count T`: summed period by period, it would
     /// lose a unit of its last place each.
     count: R,
-    period: u32,
+    period: u64,
 }
 
 impl<R: Real> Cursor<R> {
@@ -36,7 +36,7 @@ impl<R: Real> Cursor<R> {
 
     /// Number of periods that have been given out.
     #[must_use]
-    pub fn period(&self) -> u32 {
+    pub fn period(&self) -> u64 {
         self.period
     }
 }
@@ -44,7 +44,7 @@ impl<R: Real> Cursor<R> {
 impl<'a, R: Real> Schedule<'a, R> {
     /// A schedule over stages made elsewhere, which together take `periods` interpolation periods.
     #[must_use]
-    pub const fn new(stages: &'a [Stage<R>], interpolation_period: R, periods: u32) -> Self {
+    pub const fn new(stages: &'a [Stage<R>], interpolation_period: R, periods: u64) -> Self {
         Self { stages, interpolation_period, periods }
     }
 
@@ -79,7 +79,7 @@ impl<'a, R: Real> Schedule<'a, R> {
 
     /// Duration in interpolation periods, a whole number.
     #[must_use]
-    pub fn periods(&self) -> u32 {
+    pub fn periods(&self) -> u64 {
         self.periods
     }
 

@@ -11,7 +11,7 @@ use crate::{Schedule, Stage, sections};
 pub struct ScheduleBuf<R> {
     pub(crate) stages: Vec<Stage<R>>,
     pub(crate) interpolation_period: R,
-    pub(crate) periods: u32,
+    pub(crate) periods: u64,
 }
 
 impl<R: Real> ScheduleBuf<R> {

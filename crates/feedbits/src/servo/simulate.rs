@@ -91,7 +91,7 @@ fn simulate<const D: usize>(
         setpoint_error_mm: contour_error(&curves, setpoints)?,
         following_error_mm: (0..D).map(of_axis).collect(),
         contour_error_mm: ErrorSize::joined(contour),
-        reached_the_end: run.finished,
+        reached_the_end: run.about.finished,
         arrival,
         does_not_follow: arrival.validate().err().map(|reason| reason.to_string()),
     })

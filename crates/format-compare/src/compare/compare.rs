@@ -1,20 +1,23 @@
 //! Many formats side by side, each with a verdict, and a recommendation.
 
 use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use part_program::Machine;
 use serde::Serialize;
 
 use crate::judge::judged_run::JudgedRun;
-use crate::judge::metrics::JudgedStep;
+use crate::judge::judgement::Judge;
 use crate::judge::not_of_format::NotOfFormat;
 use crate::judge::reference::Reference;
+use crate::judge::trace::{Coarseness, Trace};
+use crate::plan::exact_plan::ExactPlan;
 use crate::plan::plan_summary::OverLimits;
 use crate::problem::problem::Problem;
 use crate::refusal::Refusal;
 use crate::run::formats::{Dimension, Format, Space, plan_for};
+use crate::run::observer::Observer;
 use crate::run::options::{Engine, Options, PlanIn};
-use crate::run::run::Run;
 use crate::size::fewest_bits::FewestBits;
 use feed_plan::in_parallel;
 
@@ -82,22 +85,29 @@ pub fn compare<const D: usize>(
 where
     Space: Dimension<D>,
 {
-    compare_with(problem, formats, engines, options, |_, _| ()).map(|(comparison, _)| comparison)
+    let watch = Watch { traces: false, progress: &|_, _| () };
+    compare_with(problem, formats, engines, options, &watch).map(|(comparison, _)| comparison)
 }
 
-/// As [`compare`], and returns the value of `keep` for each run. `keep` is given the judged run, the run itself and its
-/// steps as the reference judged them; the last two are missing where the format was refused. It is called as soon as a
-/// run ends, on the thread that ran it, so that the memory of the run can be given back before the next.
+/// What is wanted beside a comparison.
+pub struct Watch<'a> {
+    /// Whether each run has a [`Trace`].
+    pub traces: bool,
+    /// Called with the periods of all runs that have been judged, and with those that there are, if the plan is common.
+    pub progress: &'a (dyn Fn(u64, u64) + Sync),
+}
+
+/// As [`compare`], and returns a trace of each run if `watch` asks for it; `None` where the format was refused.
 ///
 /// # Errors
 /// As [`compare`].
-pub fn compare_with<T: Send, const D: usize>(
+pub fn compare_with<const D: usize>(
     problem: &Problem<D>,
     formats: &[Box<dyn Format<D>>],
     engines: &[Engine],
     options: &Options,
-    keep: impl Fn(&JudgedRun, Option<(&Run, &[JudgedStep])>) -> T + Sync,
-) -> Result<(Comparison, Vec<T>), Refusal>
+    watch: &Watch<'_>,
+) -> Result<(Comparison, Vec<Option<Trace>>), Refusal>
 where
     Space: Dimension<D>,
 {
@@ -109,30 +119,32 @@ where
             None => None,
         },
     };
-    let judged = |(format, engine): (&dyn Format<D>, Engine)| -> (JudgedRun, T) {
-        let options = &Options { engine, ..options.clone() };
-        let run = match &common {
-            Some(plan) => format.run(problem, plan, options),
-            None => format.plan(problem, options).and_then(|plan| format.run(problem, &plan, options)),
-        };
-        let name = (format.name(), engine);
-        match run {
-            Ok(run) => {
-                let steps = reference.judge(&run);
-                let judged = JudgedRun::of(name, problem, &reference, (&run, &steps));
-                let kept = keep(&judged, Some((&run, &steps)));
-                (judged, kept)
-            }
-            Err(refusal) => {
-                let refused = JudgedRun::refused(name, &refusal);
-                let kept = keep(&refused, None);
-                (refused, kept)
-            }
-        }
-    };
     let runs: Vec<(&dyn Format<D>, Engine)> =
         formats.iter().flat_map(|format| engines.iter().map(|engine| (format.as_ref(), *engine))).collect();
-    let (runs, kept): (Vec<_>, Vec<T>) = in_parallel(&runs, |run| judged(*run)).into_iter().unzip();
+    let planned = common.as_ref().map_or(0, ExactPlan::periods);
+    let (all, done) = (planned * runs.len() as u64, AtomicU64::new(0));
+    let judge = Judge {
+        reference: &reference,
+        full_step_mm: problem.full_step_mm(),
+        traced: watch.traces.then(|| Coarseness::of(planned, reference.length_mm())),
+        progress: &|periods| (watch.progress)(done.fetch_add(periods, Ordering::Relaxed) + periods, all),
+    };
+    let judged = |(format, engine): (&dyn Format<D>, Engine)| {
+        let options = &Options { engine, ..options.clone() };
+        let run = |observer: &dyn Observer| match &common {
+            Some(plan) => format.run_before(problem, plan, options, observer),
+            None => {
+                let plan = format.plan(problem, options)?;
+                format.run_before(problem, &plan, options, observer)
+            }
+        };
+        let name = (format.name(), engine);
+        match judge.judge(run) {
+            Ok((run, judgement)) => (JudgedRun::of(name, problem, &run, &judgement), judgement.trace),
+            Err(refusal) => (JudgedRun::refused(name, &refusal), None),
+        }
+    };
+    let (runs, traces): (Vec<_>, Vec<_>) = in_parallel(&runs, |run| judged(*run)).into_iter().unzip();
     let recommended = runs.iter().find(|run| run.verdict.is_good());
     let feedrate_mm_per_s = problem.feedrate_mm_per_s();
     let lowest = problem.feeds_mm_per_s.iter().copied().reduce(f64::min);
@@ -143,7 +155,7 @@ where
             rapids_left_out: problem.rapids_left_out,
             length_mm: reference.length_mm(),
             without_look_ahead: common.as_ref().and_then(|plan| OverLimits::of(plan, problem)),
-            planned_time_s: common.map(|plan| problem.period_s() * f64::from(plan.periods())),
+            planned_time_s: common.map(|plan| problem.period_s() * plan.periods() as f64),
             lowest_feedrate_mm_per_s: lowest.filter(|lowest| *lowest < feedrate_mm_per_s),
         },
         machine: Machine { feedrate_mm_per_s, ..problem.machine.clone() },
@@ -155,5 +167,5 @@ where
         not_a_question_of_format: None,
         formats: runs,
     };
-    Ok((comparison, kept))
+    Ok((comparison, traces))
 }

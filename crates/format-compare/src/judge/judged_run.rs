@@ -7,13 +7,13 @@ use real::FormatName;
 use serde::Serialize;
 
 use crate::cost::period_cost::Cost;
-use crate::judge::metrics::{Fluctuation, JudgedStep, PerPeriod, jerk_max_mm_per_s3};
-use crate::judge::reference::Reference;
+use crate::judge::judgement::Judgement;
+use crate::judge::metrics::{Fluctuation, PerPeriod};
 use crate::judge::requirement::{Findings, Requirement, requirements};
 use crate::problem::problem::Problem;
 use crate::refusal::Refusal;
 use crate::run::options::Engine;
-use crate::run::run::Run;
+use crate::run::run::AboutRun;
 
 /// The run in one format by one engine, with its verdict and its figures. A refused run has no figures.
 #[derive(Clone, Debug, Serialize)]
@@ -41,7 +41,7 @@ pub struct JudgedRun {
     /// The step between two neighbouring commanded points, in mm: no position can be better than half of it.
     pub position_resolution_mm: Option<f64>,
     /// The fluctuation at cruise that comes from rounding the step per chord alone; see
-    /// [`Run::fluctuation_resolution`].
+    /// [`AboutRun::fluctuation_resolution`].
     pub fluctuation_resolution: Option<f64>,
     /// Distance of the last commanded point from the curve's end, in mm.
     pub end_error_mm: Option<f64>,
@@ -50,7 +50,7 @@ pub struct JudgedRun {
     /// corner has the jerk that the corner causes.
     pub jerk_max_mm_per_s3: Option<f64>,
     /// Periods run.
-    pub periods: Option<u32>,
+    pub periods: Option<u64>,
     /// Mean operations of a period, by kind; absent unless priced on targets.
     pub operations: Option<BTreeMap<&'static str, f64>>,
     /// The cost of a period on each target.
@@ -87,25 +87,33 @@ impl JudgedRun {
         }
     }
 
-    /// The figures of a run of `problem`, from the run and from its steps as the reference judged them.
+    /// The figures of a run of `problem` as it was judged.
     pub(crate) fn of<const D: usize>(
         (format, engine): (FormatName, Engine),
         problem: &Problem<D>,
-        reference: &Reference<D>,
-        (run, steps): (&Run, &[JudgedStep]),
+        run: &AboutRun,
+        judged: &Judgement<D>,
     ) -> Self {
-        let fluctuation = Fluctuation::of(steps, problem.full_step_mm());
-        let end_error = reference.end_error_mm(run);
+        let tally = &judged.tally;
+        let (fluctuation, worst_fluctuation) = tally.fluctuation();
         let saturations = run.audit.overflows + run.audit.divisions_by_zero;
-        let found = Findings::of(steps, &fluctuation, saturations, end_error);
+        let found = Findings {
+            fluctuation: worst_fluctuation,
+            saturations,
+            chord_error_mm: tally.chord_error_mm,
+            corner_error_mm: tally.corner_error_mm,
+            position_error_mm: tally.position_error_mm,
+            end_error_mm: judged.end_error_mm,
+            periods: tally.steps,
+            last: tally.last,
+        };
         let requirements = requirements(run, problem, &found);
-        let ends_at_rest = run.steps.last().is_some_and(|step| step.feed_mm_per_s == 0.0);
         Self {
             format: format.to_string(),
             bits: format.bits(),
             engine,
             fluctuation: Some(fluctuation),
-            evaluations: Some(PerPeriod::of(run.steps.iter().map(|step| step.evaluations))),
+            evaluations: Some(tally.evaluations.per_period()),
             saturations: Some(saturations),
             integer_bits_needed: Some(run.audit.integer_bits_needed()),
             chord_error_mm_max: Some(found.chord_error_mm.figure),
@@ -113,9 +121,9 @@ impl JudgedRun {
             position_error_mm_max: Some(found.position_error_mm.figure),
             position_resolution_mm: Some(run.resolution_mm),
             fluctuation_resolution: Some(run.fluctuation_resolution),
-            end_error_mm: Some(end_error),
-            jerk_max_mm_per_s3: Some(jerk_max_mm_per_s3(steps, problem.period_s(), ends_at_rest)),
-            periods: u32::try_from(run.steps.len()).ok(),
+            end_error_mm: Some(found.end_error_mm),
+            jerk_max_mm_per_s3: Some(tally.jerk_max_mm_per_s3(problem.period_s())),
+            periods: Some(tally.steps),
             operations: None,
             cycles: BTreeMap::new(),
             verdict: Verdict::of(&requirements),

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::run::run::cruise_mm;
+use crate::run::at_cruise::GreatestAtCruise;
 
 /// Feedrate fluctuation δ_i = 1 - |C(u_{i+1}) - C(u_i)|/(V_i T) over a run, a ratio. It is computed from the exact
 /// points at the parameters of the run.
@@ -68,29 +68,95 @@ impl Fluctuation {
     /// The figures of a run whose full step F·T is `full_step_mm`. For an empty run all figures are 0.
     #[must_use]
     pub fn of(steps: &[JudgedStep], full_step_mm: f64) -> Self {
-        let mut result = Self::default();
-        let wanted = steps.iter().take(steps.len().saturating_sub(1)).map(|step| step.wanted_mm);
-        let cruise = cruise_mm(wanted, full_step_mm);
-        for (index, step) in steps.iter().enumerate() {
-            let delta = step.fluctuation();
-            if index == 0 {
-                (result.max, result.min) = (delta, delta);
-            }
-            result.max = greater(result.max, delta);
-            result.min = result.min.min(delta);
-            result.mean_abs += delta.abs();
-            if index + 1 == steps.len() {
-                continue;
-            }
-            result.length_error_mm_max = greater(result.length_error_mm_max, step.shortfall_mm.abs());
-            if step.wanted_mm >= cruise || delta.is_nan() {
-                result.cruise_max_abs = greater(result.cruise_max_abs, delta.abs());
-                let commanded = step.commanded_fluctuation().abs();
-                result.commanded_cruise_max_abs = greater(result.commanded_cruise_max_abs, commanded);
-            }
+        let mut tally = FluctuationTally::new(full_step_mm);
+        steps.iter().for_each(|step| tally.add(step, ()));
+        tally.figures().0
+    }
+}
+
+/// The fluctuation of a run of which steps are added, or parts are joined. A step has a place, by which it is found
+/// again.
+#[derive(Clone, Debug)]
+pub(crate) struct FluctuationTally<P> {
+    count: u64,
+    /// Largest and smallest δ.
+    extremes: Option<[f64; 2]>,
+    sum_abs: f64,
+    length_error_mm_max: f64,
+    at_cruise: GreatestAtCruise<P>,
+    commanded_at_cruise: GreatestAtCruise<()>,
+    /// The last step: the last of a run lands, and is left out of some figures.
+    last: Option<(JudgedStep, P)>,
+}
+
+impl<P: Copy> FluctuationTally<P> {
+    pub(crate) fn new(full_step_mm: f64) -> Self {
+        Self {
+            count: 0,
+            extremes: None,
+            sum_abs: 0.0,
+            length_error_mm_max: 0.0,
+            at_cruise: GreatestAtCruise::new(full_step_mm),
+            commanded_at_cruise: GreatestAtCruise::new(full_step_mm),
+            last: None,
         }
-        result.mean_abs /= steps.len().max(1) as f64;
-        result
+    }
+
+    /// Adds the next step.
+    pub(crate) fn add(&mut self, step: &JudgedStep, place: P) {
+        self.add_last();
+        let delta = step.fluctuation();
+        self.count += 1;
+        self.sum_abs += delta.abs();
+        let [max, min] = self.extremes.unwrap_or([delta; 2]);
+        self.extremes = Some([greater(max, delta), min.min(delta)]);
+        self.last = Some((*step, place));
+    }
+
+    /// Adds the part of the run that follows, `place` being the place in the whole run of one in it.
+    pub(crate) fn join(&mut self, other: Self, place: impl Fn(P) -> P) {
+        if other.last.is_some() {
+            self.add_last();
+        }
+        self.count += other.count;
+        self.sum_abs += other.sum_abs;
+        self.extremes = match (self.extremes, other.extremes) {
+            (Some([max, min]), Some(other)) => Some([greater(max, other[0]), min.min(other[1])]),
+            (one, other) => one.or(other),
+        };
+        self.length_error_mm_max = greater(self.length_error_mm_max, other.length_error_mm_max);
+        self.at_cruise.join(other.at_cruise, &place);
+        self.commanded_at_cruise.join(other.commanded_at_cruise, |at| at);
+        self.last = other.last.map(|(step, at)| (step, place(at))).or(self.last);
+    }
+
+    /// Adds the step before the last to the figures in which the last does not count.
+    fn add_last(&mut self) {
+        let Some((step, place)) = self.last.take() else { return };
+        let (delta, commanded) = (step.fluctuation(), step.commanded_fluctuation().abs());
+        self.length_error_mm_max = greater(self.length_error_mm_max, step.shortfall_mm.abs());
+        if delta.is_nan() {
+            self.at_cruise.add_always(delta, place);
+            self.commanded_at_cruise.add_always(commanded, ());
+        } else {
+            self.at_cruise.add(step.wanted_mm, delta.abs(), place);
+            self.commanded_at_cruise.add(step.wanted_mm, commanded, ());
+        }
+    }
+
+    /// The figures, and the place of the first step with the largest fluctuation at cruise.
+    pub(crate) fn figures(&self) -> (Fluctuation, Option<P>) {
+        let [max, min] = self.extremes.unwrap_or_default();
+        let worst = self.at_cruise.greatest();
+        let figures = Fluctuation {
+            max,
+            min,
+            mean_abs: self.sum_abs / self.count.max(1) as f64,
+            cruise_max_abs: worst.map_or(0.0, |(figure, _)| figure),
+            commanded_cruise_max_abs: self.commanded_at_cruise.greatest().map_or(0.0, |(figure, ())| figure),
+            length_error_mm_max: self.length_error_mm_max,
+        };
+        (figures, worst.map(|(_, place)| place))
     }
 }
 
@@ -99,22 +165,57 @@ pub(crate) fn greater(one: f64, other: f64) -> f64 {
     if one.is_nan() || other <= one { one } else { other }
 }
 
-/// The largest change of acceleration along the path from one period to the next, over the period T, in mm/s³:
-/// `|c_{i+1} - 2 c_i + c_{i-1}|/T³` for the chords c between the exact points. It is taken from the second period on.
-/// If a run ends at rest, two periods of rest are appended, so the figure shows a format that ends short of the path's
-/// end.
-pub(crate) fn jerk_max_mm_per_s3(steps: &[JudgedStep], period_s: f64, ends_at_rest: bool) -> f64 {
-    let rest = [0.0; 2].into_iter().take(if ends_at_rest { 2 } else { 0 });
-    let chords: Vec<f64> = steps.iter().map(|step| step.chord_mm).chain(rest).collect();
-    jerk_of_chords(&chords, period_s)
-}
-
 /// The largest `|c_{i+1} - 2 c_i + c_{i-1}|/T³`, in mm/s³, for the chords c of successive periods T, in mm and s; 0 for
 /// fewer than three chords.
 #[must_use]
 pub fn jerk_of_chords(chords_mm: &[f64], period_s: f64) -> f64 {
-    let bends = chords_mm.windows(3).map(|three| (three[2] - three[1] - (three[1] - three[0])).abs());
-    bends.fold(0.0, greater) / period_s.powi(3)
+    let mut chords = ChordTally::default();
+    chords_mm.iter().for_each(|chord| chords.add(*chord));
+    chords.jerk_max_mm_per_s3(period_s)
+}
+
+/// The largest second difference of the chords of a run of which chords are added, or parts are joined.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct ChordTally {
+    count: u64,
+    /// The first two chords, as far as there are any.
+    first: [f64; 2],
+    /// The last two.
+    last: [f64; 2],
+    bend_max_mm: f64,
+}
+
+impl ChordTally {
+    /// Adds the next chord, in mm.
+    pub(crate) fn add(&mut self, chord_mm: f64) {
+        let [before, last] = self.last;
+        match self.count {
+            count @ 0..=1 => self.first[usize::from(count == 1)] = chord_mm,
+            _ => {
+                self.bend_max_mm = greater(self.bend_max_mm, (chord_mm - last - (last - before)).abs());
+            }
+        }
+        self.last = [last, chord_mm];
+        self.count += 1;
+    }
+
+    /// Adds the chords of the part of the run that follows.
+    pub(crate) fn join(&mut self, other: &Self) {
+        let bend = self.bend_max_mm;
+        for chord in other.first.iter().take(usize::try_from(other.count).unwrap_or(2)) {
+            self.add(*chord);
+        }
+        self.bend_max_mm = greater(greater(bend, self.bend_max_mm), other.bend_max_mm);
+        if other.count > 2 {
+            self.count += other.count - 2;
+            self.last = other.last;
+        }
+    }
+
+    /// The largest change of acceleration over the period T, in mm/s³.
+    pub(crate) fn jerk_max_mm_per_s3(&self, period_s: f64) -> f64 {
+        self.bend_max_mm / period_s.powi(3)
+    }
 }
 
 /// Mean and largest of a count per period.
@@ -126,22 +227,35 @@ pub struct PerPeriod {
     pub max: u32,
 }
 
-impl PerPeriod {
-    /// Mean and largest of `counts`.
-    #[must_use]
-    pub fn of(counts: impl IntoIterator<Item = u32>) -> Self {
-        let (mut sum, mut number, mut max) = (0.0, 0.0, 0);
-        for count in counts {
-            sum += f64::from(count);
-            number += 1.0;
-            max = max.max(count);
-        }
-        Self { mean: if number > 0.0 { sum / number } else { 0.0 }, max }
+/// A count per period of a run of which periods are added, or parts are joined.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct CountTally {
+    periods: u64,
+    sum: u64,
+    max: u32,
+}
+
+impl CountTally {
+    pub(crate) fn add(&mut self, count: u32) {
+        self.join(&Self { periods: 1, sum: count.into(), max: count });
+    }
+
+    pub(crate) fn join(&mut self, other: &Self) {
+        self.periods += other.periods;
+        self.sum += other.sum;
+        self.max = self.max.max(other.max);
+    }
+
+    pub(crate) fn per_period(&self) -> PerPeriod {
+        let mean = if self.periods > 0 { self.sum as f64 / self.periods as f64 } else { 0.0 };
+        PerPeriod { mean, max: self.max }
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
 
     fn step(wanted: f64, shortfall: f64) -> JudgedStep {
@@ -157,16 +271,43 @@ mod tests {
     }
 
     #[test]
-    fn the_jerk_of_a_run_has_its_last_step_in_it() {
-        let steps = [4.0, 4.0, 3.0, 1.0, 2.0].map(|chord| step(chord, 0.0));
-        // The accelerations are 0, -1, -2, 1, and behind the end -2, 0.
-        assert_eq!(jerk_max_mm_per_s3(&steps, 1.0, false), 3.0);
-        assert_eq!(jerk_max_mm_per_s3(&steps[..4], 1.0, true), 1.0);
-        assert_eq!(jerk_max_mm_per_s3(&steps, 0.5, true), 8.0 * 3.0);
-        assert_eq!(jerk_max_mm_per_s3(&steps[..1], 1.0, true), 4.0);
-        assert_eq!(jerk_max_mm_per_s3(&[], 1.0, true), 0.0);
-        let lost = JudgedStep { chord_mm: f64::NAN, ..steps[0] };
-        assert!(jerk_max_mm_per_s3(&[lost, steps[0], steps[0], steps[0]], 1.0, false).is_nan());
+    fn the_jerk_of_chords_is_that_of_their_second_differences() {
+        // The accelerations are 0, -1, -2, 1.
+        let chords = [4.0, 4.0, 3.0, 1.0, 2.0];
+        assert_eq!(jerk_of_chords(&chords, 1.0), 3.0);
+        assert_eq!(jerk_of_chords(&chords, 0.5), 8.0 * 3.0);
+        assert_eq!([jerk_of_chords(&chords[..2], 1.0), jerk_of_chords(&[], 1.0)], [0.0; 2]);
+        assert!(jerk_of_chords(&[f64::NAN, 4.0, 4.0, 4.0], 1.0).is_nan());
+    }
+
+    proptest! {
+        /// A run in two parts, wherever it is cut, has the figures of the whole.
+        #[test]
+        fn figures_do_not_depend_on_where_a_run_is_cut(
+            lengths in proptest::collection::vec((0.0_f64..1.0, -0.1_f64..0.1), 1..20),
+            cut in 0_usize..20,
+        ) {
+            let steps: Vec<_> = lengths.iter().map(|(wanted, shortfall)| step(*wanted, *shortfall)).collect();
+            let (first, second) = steps.split_at(cut.min(steps.len()));
+            let tally = |steps: &[JudgedStep]| {
+                let (mut figures, mut chords) = (FluctuationTally::new(0.8), ChordTally::default());
+                for (i, step) in steps.iter().enumerate() {
+                    figures.add(step, i);
+                    chords.add(step.chord_mm);
+                }
+                (figures, chords)
+            };
+            let (mut joined, mut chords) = tally(first);
+            let (others, other_chords) = tally(second);
+            joined.join(others, |place| place + first.len());
+            chords.join(&other_chords);
+            let ((mut found, at), (whole, expected_at)) = (joined.figures(), tally(&steps).0.figures());
+            prop_assert!((found.mean_abs - whole.mean_abs).abs() <= 1e-15);
+            found.mean_abs = whole.mean_abs;
+            prop_assert_eq!((found, at), (whole, expected_at));
+            let all: Vec<f64> = steps.iter().map(|step| step.chord_mm).collect();
+            prop_assert_eq!(chords.jerk_max_mm_per_s3(0.5), jerk_of_chords(&all, 0.5));
+        }
     }
 
     #[test]
@@ -209,7 +350,12 @@ mod tests {
 
     #[test]
     fn counts_have_mean_and_maximum() {
-        assert_eq!(PerPeriod::of([3, 4, 5]), PerPeriod { mean: 4.0, max: 5 });
-        assert_eq!(PerPeriod::of([]), PerPeriod { mean: 0.0, max: 0 });
+        let of = |counts: &[u32]| {
+            let mut tally = CountTally::default();
+            counts.iter().for_each(|count| tally.add(*count));
+            tally.per_period()
+        };
+        assert_eq!(of(&[3, 4, 5]), PerPeriod { mean: 4.0, max: 5 });
+        assert_eq!(of(&[]), PerPeriod { mean: 0.0, max: 0 });
     }
 }

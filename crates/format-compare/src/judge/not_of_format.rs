@@ -10,17 +10,19 @@ use real::Backend;
 use serde::Serialize;
 
 use crate::judge::judged_run::JudgedRun;
+use crate::judge::judgement::Judge;
 use crate::judge::reference::Reference;
 use crate::judge::requirement::Requirement;
 use crate::problem::problem::Problem;
 use crate::run::formats::{Dimension, Space, format_named, plan_for};
+use crate::run::observer::Observer;
 use crate::run::options::{Engine, Options, PlanIn};
 
 /// A figure of `f64` that is this many times what rounding alone may cause is not a matter of rounding.
 const BEYOND_ROUNDING: f64 = 1000.0;
 
-/// Periods up to which a change is tried: a run and its judged steps take 140 bytes a period.
-const MOST_TRIED: u32 = 1 << 22;
+/// Periods up to which a change is tried, so that the answer comes soon.
+const MOST_TRIED: u64 = 1 << 22;
 
 /// Why no format can be good: the requirements that `f64` does not keep, although its digits are enough.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -102,7 +104,7 @@ where
     if broken.is_empty() {
         return None;
     }
-    let time = |run: &JudgedRun| run.periods.map_or(0.0, |periods| problem.period_s() * f64::from(periods));
+    let time = |run: &JudgedRun| run.periods.map_or(0.0, |periods| problem.period_s() * periods as f64);
     let mut found = NotOfFormat {
         run: format!("{name} {}", own.engine),
         time_s: time(&own),
@@ -134,9 +136,10 @@ where
     if plan.periods() > MOST_TRIED {
         return None;
     }
-    let run = format.run(problem, &plan, options).ok()?;
-    let steps = reference.judge(&run);
-    Some(JudgedRun::of((f64::name(), options.engine), problem, reference, (&run, &steps)))
+    let judge = Judge { reference, full_step_mm: problem.full_step_mm(), traced: None, progress: &|_| () };
+    let run = |observer: &dyn Observer| format.run_before(problem, &plan, options, observer);
+    let (run, judgement) = judge.judge(run).ok()?;
+    Some(JudgedRun::of((f64::name(), options.engine), problem, &run, &judgement))
 }
 
 /// Whether a requirement concerns the path, and its figure is more than the digits of `run` can cause: rounding of its

@@ -10,10 +10,20 @@ use real::{DoubleDouble, Real};
 use crate::judge::metrics::{JudgedStep, greater};
 use crate::plan::in_format::of_pair;
 use crate::problem::problem::Problem;
-use crate::run::run::{Run, RunStep};
+use crate::run::run::RunStep;
 
 /// A curve and its parameter, as a sum of two floats.
 type OnPath = (usize, (f64, f64));
+
+/// A place that a run has reached.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Reached<const D: usize> {
+    at: OnPath,
+    /// The exact point there.
+    point: [DoubleDouble; D],
+    /// The point that the run commands there.
+    commanded: [DoubleDouble; D],
+}
 
 /// The path in about 106 bits.
 pub struct Reference<const D: usize> {
@@ -86,23 +96,37 @@ impl<const D: usize> Reference<D> {
 
     /// Measures each step of a run.
     #[must_use]
-    pub fn judge(&self, run: &Run) -> Vec<JudgedStep> {
-        let standing = |at: OnPath| {
-            let point = self.point(at);
-            (at, point, point.map(|x| DoubleDouble::from(x.value())))
-        };
-        let (mut from, mut from_point, mut commanded) = standing(self.begin(0));
-        let judged = run.steps.iter().map(|step| {
-            if let Some(begin) = self.next_section(from, step) {
-                (from, from_point, commanded) = standing(begin);
-            }
-            let to = (step.curve, step.u);
-            let (to_point, reached) = (self.point(to), commanded_point(step));
-            let judged = self.judge_step(from, [&from_point, &commanded], step, [&to_point, &reached]);
-            (from, from_point, commanded) = (to, to_point, reached);
-            judged
-        });
-        judged.collect()
+    pub fn judge(&self, steps: &[RunStep]) -> Vec<JudgedStep> {
+        let mut from = self.start();
+        steps.iter().map(|step| self.judge_next(&mut from, step)).collect()
+    }
+
+    /// The start of the path.
+    pub(crate) fn start(&self) -> Reached<D> {
+        self.standing(self.begin(0))
+    }
+
+    /// Measures the step from a place, and moves the place to its end.
+    pub(crate) fn judge_next(&self, from: &mut Reached<D>, step: &RunStep) -> JudgedStep {
+        if let Some(begin) = self.next_section(from.at, step) {
+            *from = self.standing(begin);
+        }
+        let to = self.reached_by(step);
+        let judged = self.judge_step(from, step, &to);
+        *from = to;
+        judged
+    }
+
+    /// The end of a step.
+    pub(crate) fn reached_by(&self, step: &RunStep) -> Reached<D> {
+        let at = (step.curve, step.u);
+        Reached { at, point: self.point(at), commanded: commanded_point(step) }
+    }
+
+    /// The machine at rest at a place of the path.
+    fn standing(&self, at: OnPath) -> Reached<D> {
+        let point = self.point(at);
+        Reached { at, point, commanded: point.map(|x| DoubleDouble::from(x.value())) }
     }
 
     /// The begin of the section in which a step lies, if the place before the step is the end of another section.
@@ -112,26 +136,20 @@ impl<const D: usize> Reference<D> {
     }
 
     /// Judges a step between two exact points, and between the points that the run commands there.
-    fn judge_step(
-        &self,
-        from: OnPath,
-        [from_point, commanded]: [&[DoubleDouble; D]; 2],
-        step: &RunStep,
-        [to_point, reached]: [&[DoubleDouble; D]; 2],
-    ) -> JudgedStep {
-        let corners = self.corners_between(from, (step.curve, step.u)).iter();
+    fn judge_step(&self, from: &Reached<D>, step: &RunStep, to: &Reached<D>) -> JudgedStep {
+        let corners = self.corners_between(from.at, to.at).iter();
         let corners: Vec<_> = corners.map(|(curve, u)| self.point((*curve, (*u, 0.0)))).collect();
-        let chord = legs(from_point, &corners, to_point);
+        let chord = legs(&from.point, &corners, &to.point);
         let wanted = of_pair(step.wanted_mm);
-        let commanded = legs(commanded, &corners, reached).value();
+        let commanded = legs(&from.commanded, &corners, &to.commanded).value();
         JudgedStep {
             wanted_mm: wanted.value(),
             chord_mm: chord.value(),
             shortfall_mm: (wanted - chord).value(),
             commanded_shortfall_mm: wanted.value() - commanded,
-            chord_error_mm: self.chord_error_mm(from, step, from_point, to_point),
+            chord_error_mm: self.chord_error_mm(from.at, step, &from.point, &to.point),
             passes_corner: !corners.is_empty(),
-            position_error_mm: distance(to_point, reached).value(),
+            position_error_mm: distance(&to.point, &to.commanded).value(),
         }
     }
 
@@ -159,12 +177,9 @@ impl<const D: usize> Reference<D> {
         (curve..=step.curve).map(on_curve).fold(0.0, greater)
     }
 
-    /// Distance of the last commanded point from the end of the path, in mm; from the path's start if the run has no
-    /// step.
-    #[must_use]
-    pub fn end_error_mm(&self, run: &Run) -> f64 {
-        let commanded = run.steps.last().map_or_else(|| self.point(self.begin(0)), commanded_point);
-        distance(&self.point(self.end(self.plain.len() - 1)), &commanded).value()
+    /// Distance of the commanded point at a place from the end of the path, in mm.
+    pub(crate) fn end_error_mm(&self, at: &Reached<D>) -> f64 {
+        distance(&self.point(self.end(self.plain.len() - 1)), &at.commanded).value()
     }
 }
 

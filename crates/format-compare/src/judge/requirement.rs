@@ -2,9 +2,9 @@
 
 use serde::Serialize;
 
-use crate::judge::metrics::{Fluctuation, JudgedStep};
+use crate::judge::tally::{StepPlace, Worst};
 use crate::problem::problem::Problem;
-use crate::run::run::Run;
+use crate::run::run::AboutRun;
 
 /// The chord-error limit takes the curve of a step as a circle of the radius at one point; where the radius changes
 /// within the step the true distance differs by a few parts in a thousand.
@@ -36,7 +36,7 @@ pub struct PeriodEnd {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub line: Option<usize>,
     /// Number of the period, from 1.
-    pub period: usize,
+    pub period: u64,
     /// Time at its end, in s.
     pub time_s: f64,
     /// The commanded point, in mm, in the part's coordinates.
@@ -44,14 +44,14 @@ pub struct PeriodEnd {
 }
 
 impl PeriodEnd {
-    fn of<const D: usize>(problem: &Problem<D>, run: &Run, index: usize) -> Option<Self> {
-        let step = run.steps.get(index)?;
-        Some(Self {
+    fn of<const D: usize>(problem: &Problem<D>, step: &StepPlace) -> Self {
+        let period = step.index + 1;
+        Self {
             line: problem.lines.get(step.curve).copied(),
-            period: index + 1,
-            time_s: (index + 1) as f64 * problem.period_s(),
+            period,
+            time_s: period as f64 * problem.period_s(),
             point_mm: step.point_mm,
-        })
+        }
     }
 }
 
@@ -69,23 +69,6 @@ impl Requirement {
     }
 }
 
-/// The greatest figure of a run, and the index of the step that has it.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Worst {
-    pub(crate) figure: f64,
-    pub(crate) step: Option<usize>,
-}
-
-impl Worst {
-    /// The greatest of these figures, with its step; 0 if there are none. NaN counts as greater than any number.
-    pub(crate) fn of(figures: impl Iterator<Item = (usize, f64)>) -> Self {
-        figures.fold(Self::default(), |worst, (step, figure)| {
-            let is_worse = worst.step.is_none() || !(worst.figure.is_nan() || figure <= worst.figure);
-            if is_worse { Self { figure, step: Some(step) } } else { worst }
-        })
-    }
-}
-
 /// The figures measured in a run.
 #[derive(Default)]
 pub(crate) struct Findings {
@@ -95,51 +78,27 @@ pub(crate) struct Findings {
     pub(crate) corner_error_mm: Worst,
     pub(crate) position_error_mm: Worst,
     pub(crate) end_error_mm: f64,
-}
-
-impl Findings {
-    /// The figures of a run's steps as the reference judged them.
-    pub(crate) fn of(
-        steps: &[JudgedStep],
-        fluctuation: &Fluctuation,
-        saturations: u64,
-        end_error_mm: f64,
-    ) -> Self {
-        let largest = |figure: fn(&JudgedStep) -> Option<f64>| {
-            Worst::of(steps.iter().enumerate().filter_map(|(index, step)| Some((index, figure(step)?))))
-        };
-        let figure = fluctuation.cruise_max_abs;
-        let is_figure = |step: &JudgedStep| {
-            let own = step.fluctuation().abs();
-            own == figure || own.is_nan() && figure.is_nan()
-        };
-        Self {
-            fluctuation: Worst { figure, step: steps.iter().position(is_figure) },
-            saturations,
-            chord_error_mm: largest(|step| (!step.passes_corner).then_some(step.chord_error_mm)),
-            corner_error_mm: largest(|step| step.passes_corner.then_some(step.chord_error_mm)),
-            position_error_mm: largest(|step| Some(step.position_error_mm)),
-            end_error_mm,
-        }
-    }
+    /// Number of steps, and the place of the last.
+    pub(crate) periods: u64,
+    pub(crate) last: Option<StepPlace>,
 }
 
 /// All requirements of a run. The one that tells most if it is broken comes first.
 pub(crate) fn requirements<const D: usize>(
-    run: &Run,
+    run: &AboutRun,
     problem: &Problem<D>,
     found: &Findings,
 ) -> Vec<Requirement> {
     let machine = &problem.machine;
-    let one = |what, (found, limit, unit): (f64, f64, _), step: Option<usize>, broken: String| {
-        let at = step.and_then(|index| PeriodEnd::of(problem, run, index));
+    let one = |what, (found, limit, unit): (f64, f64, _), step: Option<StepPlace>, broken: String| {
+        let at = step.map(|step| PeriodEnd::of(problem, &step));
         // A part with a single move needs no line.
         let line = at.and_then(|at| at.line).filter(|_| problem.curves.len() > 1);
         let broken = line.map_or_else(|| broken.clone(), |line| format!("{broken} in line {line}"));
         Requirement { what, found, limit, unit, at, broken }
     };
     let Findings { saturations, end_error_mm, .. } = *found;
-    let last = run.steps.len().checked_sub(1);
+    let last = found.last;
     let chord = machine.chord_error_mm;
     let (corner, corner_key) = machine.corner_error_mm();
     let off = chord.min(machine.position_increment_mm);
@@ -160,7 +119,7 @@ pub(crate) fn requirements<const D: usize>(
             "stops before the end of the path",
             (f64::from(u8::from(!run.finished)), 0.0, "count"),
             last.filter(|_| !run.finished),
-            format!("stops before the end of the path, after {} periods", run.steps.len()),
+            format!("stops before the end of the path, after {} periods", found.periods),
         ),
         one(
             "step of the format in a period's way",
@@ -175,25 +134,25 @@ pub(crate) fn requirements<const D: usize>(
         one(
             "feedrate fluctuation at cruise",
             (found.fluctuation.figure, machine.fluctuation_limit, "ratio"),
-            found.fluctuation.step,
+            found.fluctuation.at,
             format!("fluctuation {:.1e} > {:.1e}", found.fluctuation.figure, machine.fluctuation_limit),
         ),
         one(
             "chord error",
             (found.chord_error_mm.figure, chord * (1.0 + CHORD_ERROR_SLACK), "mm"),
-            found.chord_error_mm.step,
+            found.chord_error_mm.at,
             format!("chord error {:.2e} > {chord:.2e} mm", found.chord_error_mm.figure),
         ),
         one(
             "corner error",
             (found.corner_error_mm.figure, corner * (1.0 + CHORD_ERROR_SLACK), "mm"),
-            found.corner_error_mm.step,
+            found.corner_error_mm.at,
             format!("corner error {:.2e} > {corner:.2e} mm of `{corner_key}`", found.corner_error_mm.figure),
         ),
         one(
             "position error",
             (found.position_error_mm.figure, off, "mm"),
-            found.position_error_mm.step,
+            found.position_error_mm.at,
             format!("position error {:.1e} > {off:.1e} mm", found.position_error_mm.figure),
         ),
         one(
@@ -220,14 +179,18 @@ mod tests {
         let (chord, limit) = (machine.chord_error_mm, machine.fluctuation_limit);
         let increment = machine.position_increment_mm;
         let full_step = problem.full_step_mm();
-        let judged = |change: fn(&mut Run, &mut Findings, f64), figure: f64| {
-            let mut run =
-                Run { finished: true, resolution_mm: 1e-6, fluctuation_resolution: 1e-9, ..Run::default() };
+        let judged = |change: fn(&mut AboutRun, &mut Findings, f64), figure: f64| {
+            let mut run = AboutRun {
+                finished: true,
+                resolution_mm: 1e-6,
+                fluctuation_resolution: 1e-9,
+                ..AboutRun::default()
+            };
             let mut found = Findings::default();
             change(&mut run, &mut found, figure);
             Verdict::of(&requirements(&run, &problem, &found))
         };
-        type Change = fn(&mut Run, &mut Findings, f64);
+        type Change = fn(&mut AboutRun, &mut Findings, f64);
         // Each case: how a figure is set, the largest value allowed, and the message for a greater one.
         let cases: [(Change, f64, &str); 8] = [
             (|run, _, figure| run.finished = figure == 0.0, 0.0, "stops before the end of the path"),
@@ -267,17 +230,5 @@ mod tests {
         assert_eq!(step("f32"), (2.0_f64.powi(-8), false));
         assert_eq!(step("I4F28"), (2.0_f64.powi(13 - 28), true));
         assert!(step("f64").1);
-    }
-
-    #[test]
-    fn the_worst_step_is_found_whatever_its_figure() {
-        let worst = |figures: &[f64]| Worst::of(figures.iter().copied().enumerate());
-        assert_eq!((worst(&[1.0, 3.0, 2.0]).figure, worst(&[1.0, 3.0, 3.0]).step), (3.0, Some(1)));
-        assert_eq!((worst(&[0.0, 0.0]).step, worst(&[]).step, worst(&[]).figure), (Some(0), None, 0.0));
-        for at in 0..3 {
-            let mut figures = [1.0; 3];
-            figures[at] = f64::NAN;
-            assert!(worst(&figures).figure.is_nan() && worst(&figures).step == Some(at), "{at}");
-        }
     }
 }

@@ -1,11 +1,16 @@
 //! A run as a table, with a row for each period.
 
+use std::sync::{Mutex, PoisonError};
+
 use nurbs_core::Evaluate;
 use serde::Serialize;
 
-use crate::judge::reference::Reference;
+use crate::judge::metrics::JudgedStep;
+use crate::judge::reference::{Reached, Reference};
 use crate::problem::problem::Problem;
-use crate::run::run::Run;
+use crate::refusal::Refusal;
+use crate::run::observer::Observer;
+use crate::run::run::{AboutRun, RunStep};
 
 /// One setpoint with the figures that the reference finds for it.
 #[derive(Clone, Debug, Serialize)]
@@ -32,36 +37,75 @@ pub struct SetpointRow {
     pub evaluations: u32,
 }
 
-/// A run as rows.
-pub type SetpointTable = Vec<SetpointRow>;
+/// An observer that hands on a row for each period, in order, and keeps none.
+struct Rows<'a, const D: usize, S> {
+    reference: &'a Reference<D>,
+    problem: &'a Problem<D>,
+    spans_before: Vec<usize>,
+    state: Mutex<State<D, S>>,
+}
+
+struct State<const D: usize, S> {
+    at: Reached<D>,
+    steps: usize,
+    show: S,
+}
 
 impl<const D: usize> Reference<D> {
-    /// The table of a run.
-    #[must_use]
-    pub fn setpoints(&self, problem: &Problem<D>, run: &Run) -> SetpointTable {
+    /// Makes the run of `run` and hands `show` a row for each period, in order.
+    ///
+    /// # Errors
+    /// As `run`.
+    pub fn show_setpoints(
+        &self,
+        problem: &Problem<D>,
+        run: impl FnOnce(&dyn Observer) -> Result<AboutRun, Refusal>,
+        show: impl FnMut(&SetpointRow) + Send,
+    ) -> Result<AboutRun, Refusal> {
         let mut spans_before = vec![0];
         for curve in &problem.curves {
             spans_before.push(spans_before[spans_before.len() - 1] + curve.as_curve().span_count());
         }
-        let rows = run.steps.iter().zip(self.judge(run)).enumerate();
-        rows.map(|(index, (step, judged))| {
-            let curve = problem.curves[step.curve].as_curve();
-            let u = step.u.0;
-            let span = curve.knots().span_number(u);
-            let (begin, end) = curve.span_bounds(span);
-            SetpointRow {
-                step: index + 1,
-                time_s: (index + 1) as f64 * problem.period_s(),
-                span: spans_before[step.curve] + span,
-                t: (u - begin) / (end - begin),
-                u,
-                point_mm: step.point_mm,
-                feed_mm_per_s: step.feed_mm_per_s,
-                chord_mm: judged.chord_mm,
-                fluctuation: judged.fluctuation(),
-                evaluations: step.evaluations,
-            }
-        })
-        .collect()
+        let state = Mutex::new(State { at: self.start(), steps: 0, show });
+        run(&Rows { reference: self, problem, spans_before, state })
     }
+}
+
+impl<const D: usize, S: FnMut(&SetpointRow)> Rows<'_, D, S> {
+    fn row(&self, number: usize, step: &RunStep, judged: &JudgedStep) -> SetpointRow {
+        let curve = self.problem.curves[step.curve].as_curve();
+        let u = step.u.0;
+        let span = curve.knots().span_number(u);
+        let (begin, end) = curve.span_bounds(span);
+        SetpointRow {
+            step: number,
+            time_s: number as f64 * self.problem.period_s(),
+            span: self.spans_before[step.curve] + span,
+            t: (u - begin) / (end - begin),
+            u,
+            point_mm: step.point_mm,
+            feed_mm_per_s: step.feed_mm_per_s,
+            chord_mm: judged.chord_mm,
+            fluctuation: judged.fluctuation(),
+            evaluations: step.evaluations,
+        }
+    }
+}
+
+impl<const D: usize, S: FnMut(&SetpointRow) + Send> Observer for Rows<'_, D, S> {
+    fn goes_in_order(&self) -> bool {
+        true
+    }
+
+    fn look(&self, _: usize, steps: &mut dyn Iterator<Item = RunStep>) {
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        for step in steps {
+            let judged = self.reference.judge_next(&mut state.at, &step);
+            state.steps += 1;
+            let row = self.row(state.steps, &step, &judged);
+            (state.show)(&row);
+        }
+    }
+
+    fn take(&self, _: usize) {}
 }

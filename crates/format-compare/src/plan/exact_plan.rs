@@ -10,6 +10,7 @@ use nurbs_core::{Differentiate, NurbsBuf};
 use real::{Backend, DoubleDouble, Real};
 
 use crate::plan::in_format::{exact, in_format, limits_in_format, nearest};
+use crate::plan::lengths::{Lengths, SectionPeriods, section_periods};
 use crate::problem::problem::Problem;
 use crate::refusal::Refusal;
 
@@ -20,7 +21,9 @@ pub struct ExactPlan {
     arcs: Vec<Stage<DoubleDouble>>,
     /// The plan for setpoints: its distances are summed lengths of the chords between them.
     chords: Vec<Stage<DoubleDouble>>,
-    periods: u32,
+    periods: u64,
+    /// The sections of the plan for setpoints.
+    sections: Vec<SectionPeriods>,
     profile: ProfileKind,
     /// The result of [`limit`](Self::limit). A plan made in f64 has its own limit from the start; for any other, the
     /// limit is made at the first call.
@@ -101,7 +104,8 @@ impl ExactPlan {
         let [arcs, chords] = [&planned.arcs, &planned.chords]
             .map(|schedule| on_the_grid(schedule.stages().iter().map(|stage| stage.map(exact))));
         let periods = planned.chords.as_schedule().periods();
-        Self { arcs, chords, periods, profile, limit: OnceLock::new() }
+        let sections = section_periods(&chords);
+        Self { arcs, chords, periods, sections, profile, limit: OnceLock::new() }
     }
 
     /// Plans `problem` in f64 with no more than `window_mm` in view at a time, from rest to rest. At each stop the plan
@@ -115,7 +119,7 @@ impl ExactPlan {
         profile: ProfileKind,
     ) -> Result<Self, Refusal> {
         let limits = problem.limits_per_period()?;
-        let (mut stages, mut periods, mut time) = (Vec::new(), 0.0, 0.0_f64);
+        let (mut stages, mut time) = (Vec::new(), 0.0_f64);
         let feed_of = feeds_in_format(problem, limits.feedrate)?;
         let curves = problem.curves.iter().enumerate().map(|(index, curve)| CommandedCurve {
             curve: curve.as_curve(),
@@ -130,15 +134,13 @@ impl ExactPlan {
                 if wait > 0.0 {
                     stages.push(waiting(stage, wait));
                 }
-                periods += std::mem::take(&mut time).ceil();
+                time = 0.0;
             }
         })?;
-        if periods > f64::from(u32::MAX) {
-            return Err(Refusal::Plan(PlanError::DurationOverflows));
-        }
-        let periods = u32::try_from(periods.to_phase(-32) >> 32).unwrap_or(u32::MAX);
         let stages = on_the_grid(stages.iter().map(|stage| stage.map(DoubleDouble::from)));
-        Ok(Self { arcs: stages.clone(), chords: stages, periods, profile, limit: OnceLock::new() })
+        let sections = section_periods(&stages);
+        let periods = sections.iter().map(SectionPeriods::periods).sum();
+        Ok(Self { arcs: stages.clone(), chords: stages, periods, sections, profile, limit: OnceLock::new() })
     }
 
     /// The largest feed at each distance, in f64, in mm and periods, with the place on the path. `problem` must be the
@@ -185,7 +187,7 @@ impl ExactPlan {
 
     /// Whole number of interpolation periods that the plan takes.
     #[must_use]
-    pub fn periods(&self) -> u32 {
+    pub fn periods(&self) -> u64 {
         self.periods
     }
 
@@ -217,12 +219,12 @@ impl ExactPlan {
     /// The distance of each period, in mm, exact to the reference's precision, with the feed at the period's end, in mm
     /// per period.
     pub fn lengths(&self) -> impl Iterator<Item = (DoubleDouble, f64)> {
-        let schedule = self.schedule();
-        let mut cursor = schedule.start();
-        std::iter::from_fn(move || {
-            let length = schedule.advance(&mut cursor)?;
-            Some((length, schedule.feed(&cursor).value()))
-        })
+        self.lengths_from(0)
+    }
+
+    /// As [`lengths`](Self::lengths), from this period on.
+    pub(crate) fn lengths_from(&self, period: u64) -> Lengths<'_> {
+        Lengths::from(&self.chords, &self.sections, period)
     }
 }
 

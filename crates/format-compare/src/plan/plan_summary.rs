@@ -53,7 +53,7 @@ pub struct PlanSummary {
     /// Total time, in s.
     pub time_s: f64,
     /// Whole number of interpolation periods.
-    pub periods: u32,
+    pub periods: u64,
     /// The least time that a plan without a jerk limit needs, in s.
     pub jerk_free_time_s: f64,
     /// The additional time of the plan, as a share of that least time.
@@ -127,7 +127,7 @@ impl PlanSummary {
             .collect();
         let (acceleration, jerk) = peaks_along(plan);
         let is_without = plan.profile() == ProfileKind::WithoutLookAhead;
-        let time_s = f64::from(plan.periods()) * t;
+        let time_s = plan.periods() as f64 * t;
         let [jerk_free_time_s, least_time_s] = bounds_s(plan, problem, feed_limit)?;
         let length_mm: f64 = stages.iter().map(|s| s.length_mm).sum();
         let [mut full_mm, mut commanded_mm] = [0.0; 2];

@@ -55,8 +55,8 @@ pub(crate) fn instants(plan: &ExactPlan, per_period: u32) -> impl Iterator<Item 
     let stages = plan.arcs().stages();
     let step = 1.0 / f64::from(per_period);
     let (mut stage, mut before) = (0, 0.0);
-    (0..=plan.periods() * per_period).map(move |sample| {
-        let time = f64::from(sample) * step;
+    (0..=plan.periods() * u64::from(per_period)).map(move |sample| {
+        let time = sample as f64 * step;
         while stage + 1 < stages.len() && time >= before + stages[stage].duration.value() {
             before += stages[stage].duration.value();
             stage += 1;

@@ -18,8 +18,8 @@ use real::Real;
 
 use crate::problem::problem::Problem;
 
-/// Periods after which a run is given up.
-pub const MOST_PERIODS: usize = 1 << 24;
+/// Periods of a run, at most: a day of them at 0.1 µs.
+pub const MOST_PERIODS: u64 = 1 << 40;
 
 /// The limit by which a run takes longest, and the least number of periods under it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -140,7 +140,7 @@ mod tests {
             let problem = problem(change);
             for ends in [[0.0; 2], [1.0, 2.0]] {
                 let plan = ExactPlan::in_format::<f64, 2>(&problem, ends).expect("a plan");
-                let (planned, least) = (f64::from(plan.periods()), LeastPeriods::of(&problem, ends));
+                let (planned, least) = (plan.periods() as f64, LeastPeriods::of(&problem, ends));
                 assert!(least.periods <= planned, "{word}: {planned} {least}");
                 assert!(least.periods * most >= planned, "{word}: {planned} {least}");
                 assert!(least.to_string().contains(word) || word == "chord", "{word}: {least}");

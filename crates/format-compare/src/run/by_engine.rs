@@ -1,21 +1,25 @@
 //! A run by the chosen engine: audited, or recorded.
 
-use real::{Audit, Audited, Backend};
+use real::{Audit, Backend};
 use secant_interp::Method;
 
 use crate::refusal::Refusal;
 use crate::run::few_backends::{Work, in_format_named};
 use crate::run::job::Job;
+use crate::run::observer::{Observer, threads_for};
 use crate::run::recorded_run::RecordedRun;
-use crate::run::run::{Run, own_step_mm};
+use crate::run::run::{AboutRun, own_step_mm};
 use crate::run::{on_global_parameter, on_pieces};
 
 /// Runs `problem` in the format `R`, and once more in the auditing form of the same format. Only the run on pieces is
 /// compiled for each format: it is what a controller runs, and most of the time that a comparison takes.
-pub(crate) fn audited<R: Backend, const D: usize>(job: &Job<'_, D>) -> Result<Run, Refusal> {
+pub(crate) fn audited<R: Backend, const D: usize>(
+    job: &Job<'_, D>,
+    observer: &dyn Observer,
+) -> Result<AboutRun, Refusal> {
     let mut run = match job.options.engine.method() {
-        Some(method) => in_format_named(R::name(), OnGlobalParameter { job, method }),
-        None => on_pieces::run::<R, D>(job),
+        Some(method) => in_format_named(R::name(), OnGlobalParameter { job, method, observer }),
+        None => on_pieces::run::<R, D>(job, threads_for(observer), observer),
     }?;
     run.filament_step_mm = job.problem.filament_mm.filter(|farthest| *farthest > 0.0).map(own_step_mm::<R>);
     run.audit = in_format_named(R::name(), Auditing { job })?;
@@ -26,13 +30,14 @@ pub(crate) fn audited<R: Backend, const D: usize>(job: &Job<'_, D>) -> Result<Ru
 struct OnGlobalParameter<'a, const D: usize> {
     job: &'a Job<'a, D>,
     method: Method,
+    observer: &'a dyn Observer,
 }
 
 impl<const D: usize> Work for OnGlobalParameter<'_, D> {
-    type Output = Result<Run, Refusal>;
+    type Output = Result<AboutRun, Refusal>;
 
     fn in_backend<R: Backend>(self) -> Self::Output {
-        on_global_parameter::run::<R, D>(self.job, self.method)
+        on_global_parameter::run::<R, D>(self.job, self.method, self.observer)
     }
 }
 
@@ -45,11 +50,10 @@ impl<const D: usize> Work for Auditing<'_, D> {
     type Output = Result<Audit, Refusal>;
 
     fn in_backend<R: Backend>(self) -> Self::Output {
-        let (run, audit) = Audit::of(|| match self.job.options.engine.method() {
-            Some(method) => on_global_parameter::run::<Audited<R>, D>(self.job, method).map(drop),
-            None => on_pieces::step_through::<Audited<R>, D>(self.job),
-        });
-        run.map(|()| audit)
+        match self.job.options.engine.method() {
+            Some(method) => on_global_parameter::audit::<R, D>(self.job, method),
+            None => on_pieces::audit::<R, D>(self.job),
+        }
     }
 }
 
@@ -72,9 +76,13 @@ impl<const D: usize> Work for Recording<'_, D> {
 
 #[cfg(test)]
 mod tests {
+    use real::Audited;
+
     use super::*;
     use crate::examples::{EXAMPLE, on_example_machine};
     use crate::run::formats::{formats, plan_for};
+    use crate::run::in_order::Threads;
+    use crate::run::observer::with_steps;
     use crate::run::options::Options;
 
     /// The audit is of the run that is judged: audited numbers make the same steps, and the run-time format makes those
@@ -85,7 +93,9 @@ mod tests {
         impl Work for Steps<'_> {
             type Output = Vec<crate::run::run::RunStep>;
             fn in_backend<R: Backend>(self) -> Self::Output {
-                on_pieces::run::<Audited<R>, 2>(self.0).unwrap().steps
+                let run =
+                    |observer: &dyn Observer| on_pieces::run::<Audited<R>, 2>(self.0, Threads::All, observer);
+                with_steps(run).unwrap().steps
             }
         }
         let problem = on_example_machine::<2>(EXAMPLE, "");

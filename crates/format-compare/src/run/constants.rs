@@ -104,7 +104,7 @@ use secant_interp::{ChordTolerance, LengthStage, PieceInterpolator, StageShape, 
 pub(crate) fn run<R: Backend, const D: usize>(
     path: &PieceInterpolator<'_, R, D>,
     sections: &[Section],
-    most: usize,
+    most: u64,
 ) -> Result<(usize, u64), Refusal> {
     let mut checksum = PositionChecksum::default();
     let mut periods = 0;
@@ -113,7 +113,7 @@ pub(crate) fn run<R: Backend, const D: usize>(
         while let Some(setpoint) = run.step(&mut state) {
             checksum.add(run.pieces.position(setpoint.piece, &setpoint.offset));
             periods += 1;
-            if periods > most {
+            if periods as u64 > most {
                 return Err(Refusal::Unfinished { periods, format: R::name() });
             }
         }

@@ -13,9 +13,10 @@ use crate::run::c_files::{self, CRequest};
 use crate::run::constants::Constants;
 use crate::run::few_backends::{Work, in_format_named};
 use crate::run::job::Job;
+use crate::run::observer::{Observer, with_steps};
 use crate::run::options::{Options, PlanIn};
 use crate::run::recorded_run::RecordedRun;
-use crate::run::run::Run;
+use crate::run::run::{AboutRun, Run};
 use crate::run::vectors::{Vectors, vectors};
 
 /// A number format that a part of dimension `D` can be run in.
@@ -35,11 +36,26 @@ pub trait Format<const D: usize>: Send + Sync {
     /// [`Refusal`] when the part or a limit does not fit the format, or no plan exists.
     fn plan(&self, problem: &Problem<D>, options: &Options) -> Result<ExactPlan, Refusal>;
 
-    /// Interpolates in this format, following a plan made in any format.
+    /// Interpolates in this format, following a plan made in any format. `observer` looks at the steps while they are
+    /// made, on all cores; no step is kept.
     ///
     /// # Errors
     /// [`Refusal`] when the part, the plan or a limit does not fit the format.
-    fn run(&self, problem: &Problem<D>, plan: &ExactPlan, options: &Options) -> Result<Run, Refusal>;
+    fn run_before(
+        &self,
+        problem: &Problem<D>,
+        plan: &ExactPlan,
+        options: &Options,
+        observer: &dyn Observer,
+    ) -> Result<AboutRun, Refusal>;
+
+    /// The same run with all its steps, about a hundred bytes a period.
+    ///
+    /// # Errors
+    /// As [`run_before`](Self::run_before).
+    fn run(&self, problem: &Problem<D>, plan: &ExactPlan, options: &Options) -> Result<Run, Refusal> {
+        with_steps(|observer| self.run_before(problem, plan, options, observer))
+    }
 
     /// The operations of each of the first `most` steps of that run.
     ///
@@ -112,8 +128,14 @@ impl<R: Backend, const D: usize> Format<D> for Of<R> {
         in_format_named(self.within(R::name), Planning { problem, options })
     }
 
-    fn run(&self, problem: &Problem<D>, plan: &ExactPlan, options: &Options) -> Result<Run, Refusal> {
-        self.within(|| by_engine::audited::<R, D>(&Job { problem, plan, options }))
+    fn run_before(
+        &self,
+        problem: &Problem<D>,
+        plan: &ExactPlan,
+        options: &Options,
+        observer: &dyn Observer,
+    ) -> Result<AboutRun, Refusal> {
+        self.within(|| by_engine::audited::<R, D>(&Job { problem, plan, options }, observer))
     }
 
     fn record(

@@ -14,12 +14,20 @@ pub(crate) struct Job<'a, const D: usize> {
 
 impl<const D: usize> Job<'_, D> {
     /// Periods after which the run is given up: the format cannot run this plan.
-    pub(crate) fn most_periods(&self) -> usize {
+    pub(crate) fn most_periods(&self) -> u64 {
         most_periods(self.plan.periods())
     }
 }
 
 /// The periods after which a run is given up whose plan takes `planned` periods.
-pub(crate) fn most_periods(planned: u32) -> usize {
-    2 * planned as usize + 16
+pub(crate) fn most_periods(planned: u64) -> u64 {
+    planned.saturating_mul(2).saturating_add(16)
+}
+
+/// Additional periods that a section may take to land: most take a dozen.
+pub(crate) const MOST_LATE: u64 = 256;
+
+/// The periods after which a section is given up that takes `planned` periods.
+pub(crate) fn most_of_section(planned: u64) -> u64 {
+    most_periods(planned).saturating_add(MOST_LATE)
 }

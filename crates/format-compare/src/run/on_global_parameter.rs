@@ -1,23 +1,47 @@
 //! A run on one curve with a global parameter: the textbook's form, raw in every format.
 
+use std::ops::{ControlFlow, Range};
+
 use feed_plan::Schedule;
 use nurbs_core::{Evaluate, NurbsCurve};
-use real::{Backend, DoubleDouble, Recorded};
-use secant_interp::{CurvePart, Interpolator, Method, Tolerance};
+use real::{Audit, Audited, Backend, Recorded};
+use secant_interp::{CurvePart, Interpolator, Method, State, Tolerance};
 
 use crate::plan::in_format::{in_format, nearest};
+use crate::plan::lengths::Lengths;
 use crate::problem::problem::Problem;
 use crate::refusal::Refusal;
-use crate::run::job::Job;
+use crate::run::at_cruise::GreatestAtCruise;
+use crate::run::in_order::in_order;
+use crate::run::job::{Job, most_of_section};
+use crate::run::observer::{Observer, stretches, threads_for};
 use crate::run::recorded_run::RecordedRun;
-use crate::run::run::{Run, RunStep, cruise_mm, resolution_at, unit_in_last_place};
+use crate::run::run::{AboutRun, RunStep, resolution_at, unit_in_last_place};
 
 /// The interpolator from one rest to the next.
 type RestToRest<'a, R, const D: usize> = Interpolator<'a, R, CurvePart<R, NurbsCurve<'a, R, D>>>;
 
-/// Converts curve, plan and limits to `R` and runs.
-pub(crate) fn run<R: Backend, const D: usize>(job: &Job<'_, D>, method: Method) -> Result<Run, Refusal> {
-    prepared::<R, D, _>(job, method, |parts| drive(parts, job))
+/// Converts curve, plan and limits to `R` and runs; `observer` looks at the steps.
+pub(crate) fn run<R: Backend, const D: usize>(
+    job: &Job<'_, D>,
+    method: Method,
+    observer: &dyn Observer,
+) -> Result<AboutRun, Refusal> {
+    prepared::<R, D, _>(job, method, |parts| drive(parts, job, observer))
+}
+
+/// Makes the same steps as [`run`] and keeps what the arithmetic met.
+pub(crate) fn audit<R: Backend, const D: usize>(job: &Job<'_, D>, method: Method) -> Result<Audit, Refusal> {
+    let (run, audit) = Audit::of(|| {
+        prepared::<Audited<R>, D, _>(job, method, |parts| {
+            parts.iter().all(|part| {
+                let mut state = part.start();
+                let most = most_of_section(part.schedule.periods());
+                (0..most).any(|_| part.step(&mut state).is_none())
+            })
+        })
+    });
+    run.map(|_| audit)
 }
 
 /// The operations of each of the first `most` steps of the run that [`run`] makes.
@@ -28,7 +52,7 @@ pub(crate) fn record<R: Backend, const D: usize>(
 ) -> Result<RecordedRun, Refusal> {
     prepared::<Recorded<R>, D, _>(job, method, |parts| {
         let runs = parts.iter().map(|part| (part.start(), part));
-        RecordedRun::of(most.min(job.most_periods()), runs, |part, state| part.step(state).is_some())
+        RecordedRun::of((most as u64).min(job.most_periods()), runs, |part, state| part.step(state).is_some())
     })
 }
 
@@ -55,11 +79,11 @@ fn prepared<R: Backend, const D: usize, T>(
         max_iterations: machine.max_iterations,
     };
     let (mut begin, end) = curve.as_curve().domain();
-    let (mut parts, mut first, mut periods) = (Vec::new(), 0, 0_u32);
+    let (mut parts, mut first, mut periods) = (Vec::new(), 0, 0_u64);
     for section in plan.schedule().sections() {
         let behind = section.first() + section.stages().len();
         let units = section.durations().fold(0, u64::saturating_add);
-        periods = periods.saturating_add(u32::try_from(units.div_ceil(1 << 32)).unwrap_or(u32::MAX));
+        periods = periods.saturating_add(units.div_ceil(1 << 32));
         let rest = section.rest().and_then(|(_, u)| nearest::<R>(u));
         let rest = rest.filter(|rest| begin < *rest && *rest < end);
         let rest = if behind == stages.len() { Some(end) } else { rest };
@@ -72,69 +96,131 @@ fn prepared<R: Backend, const D: usize, T>(
     Ok(work(&parts))
 }
 
-fn drive<R: Backend, const D: usize>(parts: &[RestToRest<'_, R, D>], job: &Job<'_, D>) -> Run {
+fn drive<R: Backend, const D: usize>(
+    parts: &[RestToRest<'_, R, D>],
+    job: &Job<'_, D>,
+    observer: &dyn Observer,
+) -> AboutRun {
     let Job { problem, plan, .. } = job;
-    let mut planned = plan.lengths();
-    let mut steps = Vec::with_capacity(plan.periods() as usize + 1);
+    let stretches = stretches(parts.iter().map(|part| part.schedule.periods()));
+    let begins: Vec<u64> = parts
+        .iter()
+        .scan(0, |sum, part| Some(std::mem::replace(sum, *sum + part.schedule.periods())))
+        .collect();
     let mut finished = !parts.is_empty();
-    for part in parts {
-        let own: Vec<_> = planned.by_ref().take(part.schedule.periods() as usize).collect();
-        finished = finished && follow(part, own, job.most_periods(), 1.0 / problem.period_s(), &mut steps);
-    }
-    let start = problem.curves.first().map_or(0.0, |curve| curve.as_curve().domain().0);
+    let (mut periods, mut resolution) = (0, GreatestAtCruise::new(problem.full_step_mm()));
+    let work = |number: usize, stretch: &Range<usize>| {
+        let begin = begins.get(stretch.start).copied().unwrap_or_default();
+        let own = parts.get(stretch.clone()).unwrap_or_default();
+        let mut steps = Steps::new(own, plan.lengths_from(begin), problem);
+        observer.look(number, &mut steps);
+        steps.by_ref().for_each(drop);
+        steps
+    };
+    in_order(threads_for(observer), &stretches, work, |number, steps| {
+        observer.take(number);
+        periods += steps.periods;
+        resolution.join(steps.resolution, |place| place);
+        finished &= steps.finished && periods <= job.most_periods();
+        if finished { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+    });
     let points = problem.curves.iter().flat_map(|curve| curve.control_points().iter().flatten());
-    Run {
-        fluctuation_resolution: fluctuation_resolution::<R, D>(start, &steps, problem),
-        steps,
+    AboutRun {
+        fluctuation_resolution: resolution.greatest().map_or(0.0, |(share, ())| share),
         finished,
         planned_periods: plan.periods(),
         resolution_mm: resolution_at::<R>(points.fold(0.0, |largest: f64, x| largest.max(x.abs()))),
-        ..Run::default()
+        ..AboutRun::default()
     }
 }
 
-/// Makes steps to the next rest; `planned` has the wanted distance of each period and the feed at its end. Returns
-/// whether the run reaches the rest within its first `most` steps.
-fn follow<R: Backend, const D: usize>(
-    part: &RestToRest<'_, R, D>,
-    planned: Vec<(DoubleDouble, f64)>,
-    most: usize,
+/// The steps from rest to rest, one part after the other.
+struct Steps<'a, R, const D: usize> {
+    parts: std::slice::Iter<'a, RestToRest<'a, R, D>>,
+    lengths: Lengths<'a>,
+    current: Option<OnPart<'a, R, D>>,
     per_second: f64,
-    steps: &mut Vec<RunStep>,
-) -> bool {
-    let mut planned = planned.into_iter();
-    let mut state = part.start();
-    while steps.len() < most {
-        let Some(setpoint) = part.step(&mut state) else { break };
-        let (wanted_mm, feed) = match planned.next() {
-            Some((length, feed)) => (length.to_f64_pair(), feed),
-            None => (setpoint.length.to_f64_pair(), setpoint.length.to_f64()),
-        };
-        let mut point_mm = [0.0; 3];
-        for (slot, x) in point_mm.iter_mut().zip(setpoint.point) {
-            *slot = x.to_f64();
-        }
-        steps.push(RunStep {
-            curve: 0,
-            u: setpoint.u.to_f64_pair(),
-            point_mm,
-            wanted_mm,
-            feed_mm_per_s: feed * per_second,
-            evaluations: setpoint.evaluations,
-        });
-    }
-    state.is_finished()
+    periods: u64,
+    finished: bool,
+    /// `½ ulp(u)/(u_{i+1} - u_i)`, the largest over the steps at cruise, by which fluctuation is judged.
+    resolution: GreatestAtCruise<()>,
 }
 
-/// `½ ulp(u)/(u_{i+1} - u_i)`, the largest over the steps at cruise, by which fluctuation is judged.
-fn fluctuation_resolution<R: Backend, const D: usize>(
-    start: f64,
-    steps: &[RunStep],
-    problem: &Problem<D>,
-) -> f64 {
-    let cruise = cruise_mm(steps.iter().map(|step| step.wanted_mm.0), problem.full_step_mm());
-    let from = std::iter::once(start).chain(steps.iter().map(|step| step.u.0));
-    let at_cruise = from.zip(steps).filter(|(_, step)| step.wanted_mm.0 >= cruise);
-    let share = at_cruise.map(|(from, step)| 0.5 * unit_in_last_place::<R>(step.u.0) / (step.u.0 - from));
-    share.filter(|share| share.is_finite()).fold(0.0, f64::max)
+/// The run of one part.
+struct OnPart<'a, R, const D: usize> {
+    part: &'a RestToRest<'a, R, D>,
+    state: State<R, D>,
+    /// The parameter before the step.
+    from: f64,
+    /// Periods of its plan that are left, and those after which the run is given up.
+    planned: u64,
+    most: u64,
+}
+
+impl<'a, R: Backend, const D: usize> Steps<'a, R, D> {
+    fn new(parts: &'a [RestToRest<'a, R, D>], lengths: Lengths<'a>, problem: &Problem<D>) -> Self {
+        Self {
+            parts: parts.iter(),
+            lengths,
+            current: None,
+            per_second: 1.0 / problem.period_s(),
+            periods: 0,
+            finished: true,
+            resolution: GreatestAtCruise::new(problem.full_step_mm()),
+        }
+    }
+
+    fn begin(&mut self) -> Option<()> {
+        let part = self.parts.next()?;
+        let (from, planned) = (part.curve.domain().0.to_f64(), part.schedule.periods());
+        let most = most_of_section(planned);
+        self.current = Some(OnPart { part, state: part.start(), from, planned, most });
+        Some(())
+    }
+}
+
+impl<R: Backend, const D: usize> Iterator for Steps<'_, R, D> {
+    type Item = RunStep;
+
+    fn next(&mut self) -> Option<RunStep> {
+        while self.finished {
+            let Some(on) = &mut self.current else {
+                self.begin()?;
+                continue;
+            };
+            let setpoint = if on.most > 0 { on.part.step(&mut on.state) } else { None };
+            let Some(setpoint) = setpoint else {
+                self.finished = on.state.is_finished();
+                for _ in 0..on.planned {
+                    let _ = self.lengths.next();
+                }
+                self.current = None;
+                continue;
+            };
+            on.most -= 1;
+            let planned = if on.planned > 0 { self.lengths.next() } else { None };
+            on.planned = on.planned.saturating_sub(1);
+            let (wanted_mm, feed) = match planned {
+                Some((length, feed)) => (length.to_f64_pair(), feed),
+                None => (setpoint.length.to_f64_pair(), setpoint.length.to_f64()),
+            };
+            let mut point_mm = [0.0; 3];
+            for (slot, x) in point_mm.iter_mut().zip(setpoint.point) {
+                *slot = x.to_f64();
+            }
+            let u = setpoint.u.to_f64_pair();
+            let share = 0.5 * unit_in_last_place::<R>(u.0) / (u.0 - std::mem::replace(&mut on.from, u.0));
+            self.resolution.add(wanted_mm.0, if share.is_finite() { share } else { 0.0 }, ());
+            self.periods += 1;
+            return Some(RunStep {
+                curve: 0,
+                u,
+                point_mm,
+                wanted_mm,
+                feed_mm_per_s: feed * self.per_second,
+                evaluations: setpoint.evaluations,
+            });
+        }
+        None
+    }
 }

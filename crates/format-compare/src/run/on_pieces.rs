@@ -1,77 +1,95 @@
 //! A run on compiled pieces.
 
-use std::cell::Cell;
-use std::ops::Range;
+use std::ops::{ControlFlow, Range};
 
-use nurbs_core::{NurbsBuf, ORIGIN_EXPONENT, PieceLimits, Pieces, PiecesBuf, Place, compile_with_stops};
-use real::{Backend, DoubleDouble, Real, Recorded};
-use secant_interp::{
-    ChordTolerance, CompiledPath, CompiledPathError, LengthCursor, PieceSetpoint, StepLengths,
-};
+use nurbs_core::{NurbsBuf, PieceLimits, compile_with_stops};
+use real::{Audit, Audited, Backend, DoubleDouble, Real, Recorded};
+use secant_interp::{ChordTolerance, CompiledPath, CompiledPathError};
 
-use crate::plan::in_format::{exact, in_format, of_pair};
-use crate::problem::problem::Problem;
+use crate::plan::in_format::in_format;
 use crate::refusal::Refusal;
-use crate::run::job::{Job, most_periods};
-use crate::run::overrides::OverrideCommands;
+use crate::run::in_order::{Threads, in_order};
+use crate::run::job::{Job, most_of_section};
+use crate::run::observer::{Observer, stretches};
 use crate::run::recorded_run::RecordedRun;
-use crate::run::run::{Run, RunStep, resolution_at, unit_in_last_place};
+use crate::run::run::{AboutRun, resolution_at, unit_in_last_place};
+use crate::run::steps_on_pieces::{Outcome, OverriddenSteps, Steps};
 
-/// Additional periods that an overridden run may take at each stop: most stops take a dozen.
-const LANDING: usize = 256;
-
-/// Compiles path and plan for `R` and runs, landing on each stop on the way.
-pub(crate) fn run<R: Backend, const D: usize>(job: &Job<'_, D>) -> Result<Run, Refusal> {
+/// Compiles path and plan for `R` and runs, landing on each stop on the way. `observer` looks at the steps.
+pub(crate) fn run<R: Backend, const D: usize>(
+    job: &Job<'_, D>,
+    threads: Threads,
+    observer: &dyn Observer,
+) -> Result<AboutRun, Refusal> {
     let path = compiled::<R, D>(job)?;
-    Ok(driven(job, &path, true))
+    let outcome = match &job.options.overrides {
+        Some(commands) => {
+            let mut steps = OverriddenSteps::new(job, &path, commands);
+            observer.look(0, &mut steps);
+            steps.by_ref().for_each(drop);
+            observer.take(0);
+            steps.outcome
+        }
+        None => run_stretches(job, &path, threads, observer),
+    };
+    Ok(about(job, &path, &outcome))
 }
 
-/// Makes the same steps as [`run`] and keeps none of them.
-pub(crate) fn step_through<R: Backend, const D: usize>(job: &Job<'_, D>) -> Result<(), Refusal> {
-    let path = compiled::<R, D>(job)?;
-    driven(job, &path, false);
-    Ok(())
-}
-
-/// Runs a compiled path. Unless `keeps_steps`, the result has no steps.
-fn driven<R: Backend, const D: usize>(job: &Job<'_, D>, path: &CompiledPath<R, D>, keeps_steps: bool) -> Run {
-    let mut drive = Drive::new(job.problem, path.table(), job.plan.periods(), keeps_steps);
-    if let Some(commands) = &job.options.overrides {
-        run_overridden(path, commands, &mut drive);
-        return drive.finish();
-    }
-    let mut lengths = job.plan.lengths();
-    for (section, interpolator) in path.sections().iter().zip(path.runs()) {
-        let mut state = interpolator.start();
-        let mut planned = lengths.by_ref().take(interpolator.lengths.periods());
-        drive.run(section.pieces.clone(), &mut planned, |_| interpolator.step(&mut state));
-        planned.for_each(drop);
-    }
-    drive.finish()
-}
-
-/// Runs the path with the plan's time stretched by the overrides. The rate is carried over from section to section.
-fn run_overridden<R: Backend, const D: usize>(
+/// Runs the stretches of a path without overrides.
+fn run_stretches<R: Backend, const D: usize>(
+    job: &Job<'_, D>,
     path: &CompiledPath<R, D>,
-    commands: &OverrideCommands,
-    drive: &mut Drive<'_, R, D>,
-) {
-    // At most 2^24.
-    drive.planned_periods = u32::try_from(commands.periods).unwrap_or(u32::MAX);
-    drive.most_periods = most_periods(drive.planned_periods) + LANDING * path.sections().len();
-    let mut rates = commands.start();
-    for (section, interpolator) in path.sections().iter().zip(path.runs()) {
-        let stages = commands.stages.get(section.stages.clone()).unwrap_or_default();
-        let (own, mut cursor) = (StepLengths { stages }, LengthCursor::default());
-        let (mut state, wanted) = (interpolator.start(), Cell::new(None));
-        let lengths = std::iter::from_fn(|| wanted.take());
-        drive.run(section.pieces.clone(), lengths, |period| {
-            commands.command(period, &mut rates);
-            let length = commands.feeds.advance(&own, &mut cursor, &mut { rates });
-            wanted.set(length.map(|length| (length, length.value())));
-            interpolator.step_overridden(&mut state, &commands.feeds, &mut rates)
-        });
+    threads: Threads,
+    observer: &dyn Observer,
+) -> Outcome {
+    let periods: Vec<u64> = path.runs().map(|run| run.lengths.periods() as u64).collect();
+    let begins: Vec<u64> =
+        periods.iter().scan(0, |sum, periods| Some(std::mem::replace(sum, *sum + periods))).collect();
+    let stretches = stretches(periods.iter().copied());
+    let mut whole = Outcome::default();
+    let work = |number: usize, stretch: &Range<usize>| {
+        let begin = begins.get(stretch.start).copied().unwrap_or_default();
+        let mut steps = Steps::new(job, path, stretch.clone(), begin);
+        observer.look(number, &mut steps);
+        // An observer may have looked at the first steps only.
+        steps.by_ref().for_each(drop);
+        steps.outcome
+    };
+    in_order(threads, &stretches, work, |number, outcome| {
+        observer.take(number);
+        whole.join(outcome);
+        whole.finished &= whole.periods <= job.most_periods();
+        if whole.finished { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+    });
+    whole
+}
+
+/// Makes the same steps as [`run`] in the auditing form of `R`, and keeps what the arithmetic met.
+pub(crate) fn audit<R: Backend, const D: usize>(job: &Job<'_, D>) -> Result<Audit, Refusal> {
+    let (path, mut audit) = Audit::of(|| compiled::<Audited<R>, D>(job));
+    let path = path?;
+    if let Some(commands) = &job.options.overrides {
+        let ((), of_run) = Audit::of(|| OverriddenSteps::new(job, &path, commands).for_each(drop));
+        audit.join(of_run);
+        return Ok(audit);
     }
+    let stretches = stretches(path.runs().map(|run| run.lengths.periods() as u64));
+    let whole = path.interpolator();
+    let work = |_: usize, stretch: &Range<usize>| {
+        Audit::of(|| {
+            path.sections().get(stretch.clone()).unwrap_or_default().iter().all(|section| {
+                let run = whole.on(section);
+                let most = most_of_section(run.lengths.periods() as u64);
+                let mut state = run.start();
+                (0..most).any(|_| run.step(&mut state).is_none())
+            })
+        })
+    };
+    in_order(Threads::All, &stretches, work, |_, (finished, of_stretch)| {
+        audit.join(of_stretch);
+        if finished { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+    });
+    Ok(audit)
 }
 
 /// The operations of each of the first `most` steps of the run that [`run`] makes without overrides. The state at the
@@ -82,7 +100,8 @@ pub(crate) fn record<R: Backend, const D: usize>(
 ) -> Result<RecordedRun, Refusal> {
     let path = compiled::<Recorded<R>, D>(job)?;
     let runs = path.runs().map(|run| (run.start(), run));
-    Ok(RecordedRun::of(most.min(job.most_periods()), runs, |run, state| run.step(state).is_some()))
+    let most = (most as u64).min(job.most_periods());
+    Ok(RecordedRun::of(most, runs, |run, state| run.step(state).is_some()))
 }
 
 /// Path and plan in `R`, as they lie in a controller's flash.
@@ -109,121 +128,33 @@ pub(crate) fn compiled<R: Backend, const D: usize>(job: &Job<'_, D>) -> Result<C
     })
 }
 
-/// Collects the setpoints of a run as steps in mm.
-struct Drive<'a, R, const D: usize> {
-    problem: &'a Problem<D>,
-    table: &'a PiecesBuf<R, D>,
-    planned_periods: u32,
-    most_periods: usize,
-    /// The periods so far.
-    periods: usize,
-    /// The steps of all of them; `None` if they are not kept.
-    steps: Option<Vec<RunStep>>,
-    /// The largest coordinate of an offset, in the table's units.
-    farthest: f64,
-    finished: bool,
-}
-
-impl<'a, R: Backend, const D: usize> Drive<'a, R, D> {
-    fn new(
-        problem: &'a Problem<D>,
-        table: &'a PiecesBuf<R, D>,
-        planned_periods: u32,
-        keeps_steps: bool,
-    ) -> Self {
-        Self {
-            problem,
-            table,
-            planned_periods,
-            most_periods: most_periods(planned_periods),
-            periods: 0,
-            steps: keeps_steps.then(|| Vec::with_capacity(planned_periods as usize + 1)),
-            farthest: 0.0,
-            finished: true,
-        }
+/// The figures of a run beside its steps.
+fn about<R: Backend, const D: usize>(
+    job: &Job<'_, D>,
+    path: &CompiledPath<R, D>,
+    outcome: &Outcome,
+) -> AboutRun {
+    let pieces = path.table().as_pieces();
+    let unit = 1.0.ldexp(pieces.coordinate_exponent);
+    let full_step = job.problem.full_step_mm() * 1.0.ldexp(pieces.chord_exponent);
+    AboutRun {
+        finished: outcome.finished,
+        planned_periods: job
+            .options
+            .overrides
+            .as_ref()
+            .map_or(job.plan.periods(), |commands| commands.periods),
+        resolution_mm: unit * resolution_at::<R>(outcome.farthest),
+        fluctuation_resolution: 0.5 * unit_in_last_place::<R>(full_step) / full_step,
+        ..AboutRun::default()
     }
-
-    /// Makes steps on some pieces until `step` gives no more setpoints; `planned` has the wanted distance of each
-    /// period and the feed at its end.
-    fn run(
-        &mut self,
-        pieces: Range<usize>,
-        planned: impl IntoIterator<Item = (DoubleDouble, f64)>,
-        mut step: impl FnMut(usize) -> Option<PieceSetpoint<R, D>>,
-    ) {
-        let (mut planned, per_second) = (planned.into_iter(), 1.0 / self.problem.period_s());
-        let places = self.table.places().get(pieces.clone()).unwrap_or_default();
-        let pieces = self.table.as_pieces().part(pieces);
-        while self.finished {
-            self.finished = self.periods < self.most_periods;
-            let Some(setpoint) = step(self.periods) else { break };
-            self.periods += 1;
-            let Some(steps) = &mut self.steps else { continue };
-            let length = exact(setpoint.length).ldexp(-pieces.chord_exponent);
-            let (wanted, feed) = planned.next().unwrap_or((length, length.value()));
-            let (curve, u) = parameter(places, &setpoint);
-            self.farthest = setpoint.offset.iter().fold(self.farthest, |most, x| most.max(x.to_f64().abs()));
-            steps.push(RunStep {
-                curve,
-                u,
-                point_mm: point_mm(&pieces, &setpoint),
-                wanted_mm: wanted.to_f64_pair(),
-                feed_mm_per_s: feed * per_second,
-                evaluations: setpoint.evaluations,
-            });
-        }
-    }
-
-    fn finish(self) -> Run {
-        let pieces = self.table.as_pieces();
-        let unit = 1.0.ldexp(pieces.coordinate_exponent);
-        let full_step = self.problem.full_step_mm() * 1.0.ldexp(pieces.chord_exponent);
-        Run {
-            steps: self.steps.unwrap_or_default(),
-            finished: self.finished,
-            planned_periods: self.planned_periods,
-            resolution_mm: unit * resolution_at::<R>(self.farthest),
-            fluctuation_resolution: 0.5 * unit_in_last_place::<R>(full_step) / full_step,
-            ..Run::default()
-        }
-    }
-}
-
-/// The curve and its parameter at a setpoint, computed exactly from piece and phase.
-fn parameter<R: Backend, const D: usize>(
-    places: &[Place],
-    setpoint: &PieceSetpoint<R, D>,
-) -> (usize, (f64, f64)) {
-    let last = places.len() - 1;
-    let place = &places[setpoint.piece.min(last)];
-    if setpoint.piece > last {
-        return (place.curve, place.end);
-    }
-    let [begin, end] = [place.begin, place.end].map(of_pair);
-    let u = begin + (end - begin) * DoubleDouble::from_phase(setpoint.phase, 0);
-    (place.curve, u.to_f64_pair())
-}
-
-/// The sum of origin and offset, in mm.
-fn point_mm<R: Backend, const D: usize>(
-    pieces: &Pieces<'_, R, D>,
-    setpoint: &PieceSetpoint<R, D>,
-) -> [f64; 3] {
-    let origin = pieces.pieces[setpoint.piece.min(pieces.pieces.len() - 1)].origin;
-    let mut point = [0.0; 3];
-    for d in 0..D {
-        let (high, low) = (origin[d] >> 32, origin[d] & 0xffff_ffff);
-        let base =
-            DoubleDouble::new((high as f64).ldexp(32 + ORIGIN_EXPONENT), (low as f64).ldexp(ORIGIN_EXPONENT));
-        point[d] = (base + exact(setpoint.offset[d]).ldexp(pieces.coordinate_exponent)).value();
-    }
-    point
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::examples::on_example_machine;
+    use crate::run::observer::with_steps;
     use crate::{ExactPlan, Options};
     use real::I8F24;
 
@@ -234,7 +165,7 @@ mod tests {
         let problem = on_example_machine::<3>("G1 X16 F6000\nY16\nX32\nY32\nX48\nY48\n", "");
         let plan = ExactPlan::in_format::<f64, 3>(&problem, [0.0; 2]).unwrap();
         let job = Job { problem: &problem, plan: &plan, options: &Options::default() };
-        let run = run::<I8F24, 3>(&job).unwrap();
+        let run = with_steps(|observer| run::<I8F24, 3>(&job, Threads::All, observer)).unwrap();
         let recorded = record::<I8F24, 3>(&job, usize::MAX).unwrap();
         let counts: Vec<_> = recorded.steps.iter().map(|(_, count)| *count as usize).collect();
         assert_eq!(counts.iter().sum::<usize>(), run.steps.len());

@@ -202,7 +202,7 @@ pub struct OverrideCommands {
     /// The plan, in mm and 2⁻³² periods.
     pub(crate) stages: Vec<LengthStage<DoubleDouble>>,
     /// The number of periods that the plan takes at these rates, without the periods for landing on its stops.
-    pub(crate) periods: usize,
+    pub(crate) periods: u64,
 }
 
 /// The stages of a plan in the form of [`CompiledPath`](secant_interp::CompiledPath), exactly.
@@ -221,25 +221,31 @@ impl OverrideCommands {
         self.full.share()
     }
 
+    /// The number of periods that the plan takes at these rates, without the periods for landing on its stops.
+    #[must_use]
+    pub fn periods(&self) -> u64 {
+        self.periods
+    }
+
     /// The rate before the first period.
     pub(crate) fn start(&self) -> OverrideState {
         OverrideState::at(self.start)
     }
 
     /// The rate that is commanded in this period; `None` before the first command.
-    fn commanded(&self, period: usize) -> Option<Rate> {
+    fn commanded(&self, period: u64) -> Option<Rate> {
         self.targets.iter().take_while(|(from, _)| *from <= period as f64).last().map(|(_, rate)| *rate)
     }
 
     /// Sets `rates` to the rate that is commanded in this period.
-    pub(crate) fn command(&self, period: usize, rates: &mut OverrideState) {
+    pub(crate) fn command(&self, period: u64, rates: &mut OverrideState) {
         if let Some(rate) = self.commanded(period) {
             rates.set(rate);
         }
     }
 
     /// The number of periods of the run; `None` if the run is too long.
-    fn count(&self) -> Option<usize> {
+    fn count(&self) -> Option<u64> {
         let (own, mut cursor) = (StepLengths { stages: &self.stages }, LengthCursor::default());
         let mut rates = self.start();
         (0..MOST_PERIODS).find(|period| {

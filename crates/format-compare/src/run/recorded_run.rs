@@ -18,7 +18,7 @@ impl RecordedRun {
     /// there was another period. The first period of a run also holds the operations with which the run before found
     /// its end.
     pub(crate) fn of<S, L>(
-        most: usize,
+        most: u64,
         runs: impl IntoIterator<Item = (S, L)>,
         step: impl Fn(&L, &mut S) -> bool,
     ) -> Self {

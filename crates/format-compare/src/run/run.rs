@@ -19,15 +19,22 @@ pub struct RunStep {
     pub evaluations: u32,
 }
 
-/// A run from the start of a path to its end.
+/// A run from the start of a path to its end, with all its steps.
 #[derive(Clone, Debug, Default)]
 pub struct Run {
     /// The setpoints, one for each period.
     pub steps: Vec<RunStep>,
+    /// What is known of it beside its steps.
+    pub about: AboutRun,
+}
+
+/// A run without its steps.
+#[derive(Clone, Debug, Default)]
+pub struct AboutRun {
     /// Whether the last setpoint is the path's end.
     pub finished: bool,
     /// Periods that the plan takes; the run may take more or fewer when rounding delays or hastens it.
-    pub planned_periods: u32,
+    pub planned_periods: u64,
     /// The step between two neighbouring commanded points, in mm; for a float, at the largest coordinate.
     pub resolution_mm: f64,
     /// The step between two neighbouring positions of a printer's filament where it is furthest from 0, in mm. For a
@@ -68,12 +75,4 @@ pub(crate) fn unit_in_last_place<R: Backend>(value: f64) -> f64 {
         FormatName::Fixed { .. } => R::resolution().to_f64(),
         _ => R::resolution().to_f64() * value.abs().log2().floor().exp2(),
     }
-}
-
-/// A step of at least this share of a full step is at cruise.
-const AT_CRUISE: f64 = 0.25;
-
-/// The least length of a step at cruise: a quarter of F·T, or of the longest step wanted if the plan never reaches F.
-pub(crate) fn cruise_mm(wanted_mm: impl Iterator<Item = f64>, full_step_mm: f64) -> f64 {
-    AT_CRUISE * full_step_mm.min(wanted_mm.fold(0.0, f64::max))
 }

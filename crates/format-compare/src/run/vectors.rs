@@ -154,13 +154,13 @@ impl Writer {
         &mut self,
         interpolator: &PieceInterpolator<'_, Named<R>, D>,
         section: &Section,
-        most: usize,
+        most: u64,
     ) -> Result<(), Refusal> {
         let mut state = interpolator.start();
         loop {
             let (setpoint, named) = named_words(|| interpolator.step(&mut state));
             let Some(setpoint) = setpoint else { break };
-            if self.period >= most {
+            if self.period as u64 >= most {
                 return Err(Refusal::Unfinished { periods: self.period, format: R::name() });
             }
             let position = interpolator.pieces.position(setpoint.piece, &setpoint.offset);

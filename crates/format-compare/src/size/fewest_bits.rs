@@ -197,7 +197,7 @@ fn hardest_parts<const D: usize>(
     plan: &ExactPlan,
     runs: &[JudgedRun],
 ) -> Vec<(Range<usize>, f64)> {
-    let all = f64::from(plan.periods());
+    let all = plan.periods() as f64;
     if all <= MOST_SEARCHED {
         return vec![(0..problem.curves.len(), all)];
     }
@@ -277,7 +277,7 @@ mod tests {
         let problem: Problem<3> = mill(&program, "");
         let runs = judged(&problem, &["I16F16", "I8F24"]);
         let plan = ExactPlan::in_format::<f64, 3>(&problem, [0.0; 2]).unwrap();
-        assert!(f64::from(plan.periods()) > 1.5 * MOST_SEARCHED, "{}", plan.periods());
+        assert!(plan.periods() as f64 > 1.5 * MOST_SEARCHED, "{}", plan.periods());
         let parts = hardest_parts(&problem, &plan, &runs);
         assert!(parts.iter().map(|(_, periods)| periods).sum::<f64>() <= MOST_SEARCHED && !parts.is_empty());
         let FewestBits::Found { bits, margin, .. } =

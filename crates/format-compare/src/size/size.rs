@@ -10,7 +10,7 @@
 use std::collections::BTreeMap;
 
 use nurbs_core::SignalBound;
-use real::{Audit, Datapath, FormatName, Quantized};
+use real::{Datapath, FormatName, Quantized};
 use serde::Serialize;
 use target_cost::Target;
 
@@ -21,7 +21,9 @@ use crate::plan::exact_plan::ExactPlan;
 use crate::problem::problem::Problem;
 use crate::refusal::Refusal;
 use crate::run::formats::{Dimension, Space, format_named};
+use crate::run::in_order::Threads;
 use crate::run::job::Job;
+use crate::run::observer::Observer;
 use crate::run::on_pieces;
 use crate::run::options::Options;
 use crate::size::signals::group_and_meaning;
@@ -214,12 +216,13 @@ where
     fn run(&self, fraction_bits: &[i32]) -> Option<JudgedRun> {
         let registers: Vec<_> =
             self.bounds.iter().map(|b| b.signal).zip(fraction_bits.iter().copied()).collect();
-        let run = Quantized::run(self.trial.datapath.rounding, &registers, || {
-            on_pieces::run::<Quantized, D>(&self.trial.job)
-        });
-        let mut run = run.ok()?;
-        run.audit = Audit::default();
-        Some(self.trial.judged(FormatName::Float { bits: 64 }, &run))
+        // The registers are those of this thread.
+        let run = |observer: &dyn Observer| {
+            Quantized::run(self.trial.datapath.rounding, &registers, || {
+                on_pieces::run::<Quantized, D>(&self.trial.job, Threads::This, observer)
+            })
+        };
+        self.trial.judged(FormatName::Float { bits: 64 }, run).ok()
     }
 
     fn is_good(&self, fraction_bits: &[i32], runs: &mut usize) -> bool {

@@ -6,13 +6,15 @@ use nurbs_core::CompileError;
 use real::{Datapath, FormatName, RuntimeFormat};
 
 use crate::judge::judged_run::JudgedRun;
+use crate::judge::judgement::Judge;
 use crate::judge::reference::Reference;
 use crate::problem::problem::Problem;
 use crate::refusal::Refusal;
 use crate::run::formats::{Dimension, Space};
 use crate::run::job::Job;
+use crate::run::observer::Observer;
 use crate::run::options::{Engine, Options};
-use crate::run::run::Run;
+use crate::run::run::AboutRun;
 
 /// Widths that are tried, in bits.
 pub(crate) const WIDTHS: RangeInclusive<u32> = 12..=48;
@@ -47,10 +49,17 @@ where
         Ok(Self { job, datapath, reference: Reference::new(job.problem)? })
     }
 
-    /// Judges a run in this format by the reference.
-    pub(crate) fn judged(&self, format: FormatName, run: &Run) -> JudgedRun {
-        let steps = self.reference.judge(run);
-        JudgedRun::of((format, Engine::Pieces), self.job.problem, &self.reference, (run, &steps))
+    /// Judges the run in this format that `run` makes in front of an observer.
+    pub(crate) fn judged(
+        &self,
+        format: FormatName,
+        run: impl FnOnce(&dyn Observer) -> Result<AboutRun, Refusal>,
+    ) -> Result<JudgedRun, Refusal> {
+        let (problem, reference) = (self.job.problem, &self.reference);
+        let judge =
+            Judge { reference, full_step_mm: problem.full_step_mm(), traced: None, progress: &|_| () };
+        let (run, judgement) = judge.judge(run)?;
+        Ok(JudgedRun::of((format, Engine::Pieces), problem, &run, &judgement))
     }
 
     /// The run at this width with the fewest integer bits for which the path compiles, tried from `fewest` on.
@@ -66,8 +75,10 @@ where
                 let refusal = Refusal::Limit { what, value, format: name };
                 return JudgedRun::refused((name, Engine::Pieces), &refusal);
             };
-            match Space::at_run_time(format).run(problem, plan, options) {
-                Ok(run) => return self.judged(format.name(), &run),
+            let tried = Space::at_run_time(format);
+            let run = |observer: &dyn Observer| tried.run_before(problem, plan, options, observer);
+            match self.judged(format.name(), run) {
+                Ok(judged) => return judged,
                 Err(Refusal::Compile(CompileError::DoesNotFit { integer_bits: needed, .. }))
                     if needed > integer_bits =>
                 {

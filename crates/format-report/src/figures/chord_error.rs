@@ -31,7 +31,7 @@ pub(crate) fn figures(material: &Material<'_>, runs: &[RunView<'_>]) -> Vec<Figu
         for run in runs {
             let Some(trace) = run.trace else { continue };
             let micrometres: Vec<f64> = trace.chord_error_mm.iter().map(|mm| mm * 1000.0).collect();
-            plot.group(&run.class(), &run.name(), |plot| plot.line(&over_time(&micrometres, period)));
+            plot.group(&run.class(), &run.name(), |plot| plot.line(&over_time(trace, &micrometres, period)));
         }
     });
     let caption = "The largest distance of the exact curve from the chord of each period. Where it follows the limit, the \

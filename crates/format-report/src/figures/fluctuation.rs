@@ -21,7 +21,7 @@ pub(crate) fn figures(material: &Material<'_>, runs: &[RunView<'_>]) -> Vec<Figu
         .iter()
         .filter_map(|run| Some((run, run.trace?.fluctuation.iter().map(|x| x.abs()).collect())))
         .collect();
-    let longest = series.iter().map(|(_, values)| values.len()).max().unwrap_or(0);
+    let longest = runs.iter().filter_map(|run| Some(run.trace?.periods())).max().unwrap_or(0);
     if longest == 0 {
         return Vec::new();
     }
@@ -36,7 +36,8 @@ pub(crate) fn figures(material: &Material<'_>, runs: &[RunView<'_>]) -> Vec<Figu
         plot.limit(limit, "limit at cruise");
         for (run, values) in in_front(&series) {
             plot.group(&run.class(), &run.name(), |plot| {
-                plot.line(&over_time(values, period));
+                let trace = run.trace.map(|trace| over_time(trace, values, period));
+                plot.line(&trace.unwrap_or_default());
             });
             if let Some(bound) = run.row.fluctuation_resolution {
                 plot.group(&format!("{} bound", run.class()), "", |plot| {

@@ -43,7 +43,7 @@ fn figure(
     (across, up, view): (usize, usize, &str),
     most_points: usize,
 ) -> Option<Figure> {
-    let trace = run.trace.filter(|trace| trace.periods() > 1)?;
+    let trace = run.trace.filter(|trace| trace.entries() > 1)?;
     let points: Vec<(f64, f64)> = trace.point_mm.iter().map(|point| (point[across], point[up])).collect();
     let (axes, height, pixel) =
         equal_scales(&points, ["X [mm]", "Y [mm]", "Z [mm]"][across], ["X [mm]", "Y [mm]", "Z [mm]"][up]);
@@ -122,7 +122,8 @@ fn jumps(trace: &Trace) -> Vec<usize> {
     let distance = |pair: &[[f64; 3]]| pair[1].iter().zip(&pair[0]).fold(0.0_f64, |d, (a, b)| d.hypot(a - b));
     let is_jump = |(index, pair): (usize, &[[f64; 3]])| {
         // A chord has the wanted length, up to rounding.
-        let allowed = 2.0 * trace.wanted_mm[index + 1] + GAP_MM;
+        let periods = (trace.end[index + 1] - trace.end[index]) as f64;
+        let allowed = 2.0 * periods * trace.wanted_mm[index + 1] + GAP_MM;
         (distance(pair) > allowed).then_some(index + 1)
     };
     trace.point_mm.windows(2).enumerate().filter_map(is_jump).collect()
@@ -154,14 +155,14 @@ struct ColouredPart {
 
 /// The path in parts of equal colour, each a whole number of groups of periods.
 fn coloured_parts(trace: &Trace, full_step: f64, limit: f64) -> Vec<ColouredPart> {
-    let group = trace.periods().div_ceil(MOST_PARTS).max(1);
+    let group = trace.entries().div_ceil(MOST_PARTS).max(1);
     let mut coloured_parts: Vec<ColouredPart> = Vec::new();
-    for first in (0..trace.periods()).step_by(group) {
-        let last = (first + group).min(trace.periods() - 1);
-        let periods = first..(first + group).min(trace.periods());
+    for first in (0..trace.entries()).step_by(group) {
+        let last = (first + group).min(trace.entries() - 1);
+        let periods = first..(first + group).min(trace.entries());
         // The last period takes the rest of the path: it is not at cruise, as in the figures of a run.
         let judged = periods.filter(|period| {
-            period + 1 < trace.periods() && trace.wanted_mm[*period] >= AT_CRUISE * full_step
+            period + 1 < trace.entries() && trace.wanted_mm[*period] >= AT_CRUISE * full_step
         });
         let largest = judged.map(|period| trace.fluctuation[period].abs()).fold(f64::NAN, f64::max);
         let level = (!largest.is_nan()).then(|| level(largest, limit));
@@ -216,6 +217,7 @@ mod tests {
     fn a_rapid_move_that_was_left_out_is_a_gap() {
         let along = |x: f64| [x, 0.0, 0.0];
         let trace = Trace {
+            end: (1..=5).collect(),
             point_mm: [0.5, 1.0, 1.5, 40.0, 40.5].map(along).into(),
             wanted_mm: vec![0.5; 5],
             fluctuation: vec![0.0; 5],
@@ -232,6 +234,7 @@ mod tests {
     fn parts_cover_the_path() {
         let periods = 1000;
         let trace = Trace {
+            end: (1..=1000).collect(),
             wanted_mm: (0..periods).map(|i| if i < 10 { 0.01 } else { 0.6 }).collect(),
             fluctuation: (0..periods).map(|i| if i == 500 { 1e-4 } else { 1e-8 }).collect(),
             ..Trace::default()

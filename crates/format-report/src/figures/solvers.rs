@@ -20,7 +20,7 @@ pub(crate) fn figures(material: &Material<'_>) -> Vec<Figure> {
     let figure = draw((x, y), &Layout { height: 380, ..Layout::default() }, |plot| {
         for (place, solver) in material.solvers.iter().enumerate() {
             plot.group(&format!("c{place} d{}", place % DASH_COUNT), &solver.name, |plot| {
-                plot.line(&over_time(&size(&solver.trace), period));
+                plot.line(&over_time(&solver.trace, &size(&solver.trace), period));
             });
         }
     });

@@ -1,0 +1,56 @@
+//! Setpoints as CSV or JSON, written one by one.
+
+use std::io::Write;
+
+use anyhow::Result;
+use format_compare::SetpointRow;
+
+/// A table that is being written.
+pub(super) struct Rows<'a> {
+    file: &'a mut (dyn Write + Send),
+    is_json: bool,
+    is_empty: bool,
+}
+
+impl<'a> Rows<'a> {
+    /// Begins a table in this file.
+    pub(super) fn new(file: &'a mut (dyn Write + Send), is_json: bool) -> Result<Self> {
+        let head = "step,time_s,span,t,u,x_mm,y_mm,z_mm,feed_mm_per_s,chord_mm,fluctuation,evaluations\n";
+        file.write_all(if is_json { b"[" } else { head.as_bytes() })?;
+        Ok(Self { file, is_json, is_empty: true })
+    }
+
+    /// Writes a row. In CSV each number is the shortest text that reads back as the same number.
+    pub(super) fn write(&mut self, row: &SetpointRow) -> Result<()> {
+        if self.is_json {
+            let text = serde_json::to_string_pretty(row)?.replace('\n', "\n  ");
+            let comma = if self.is_empty { "" } else { "," };
+            write!(self.file, "{comma}\n  {text}")?;
+            self.is_empty = false;
+            return Ok(());
+        }
+        let [x, y, z] = row.point_mm;
+        writeln!(
+            self.file,
+            "{},{},{},{},{},{x},{y},{z},{},{},{},{}",
+            row.step,
+            row.time_s,
+            row.span,
+            row.t,
+            row.u,
+            row.feed_mm_per_s,
+            row.chord_mm,
+            row.fluctuation,
+            row.evaluations
+        )?;
+        Ok(())
+    }
+
+    /// Ends the table.
+    pub(super) fn finish(self) -> Result<()> {
+        if self.is_json {
+            self.file.write_all(if self.is_empty { b"]\n" } else { b"\n]\n" })?;
+        }
+        Ok(())
+    }
+}
