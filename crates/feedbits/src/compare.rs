@@ -6,7 +6,7 @@ use anyhow::Result;
 use clap::Args;
 use clap_complete::ArgValueCandidates;
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
-use format_compare::{Comparison, Dimension, Engine, JudgedRun, Problem, Space, Watch};
+use format_compare::{Comparison, Dimension, Engine, JudgedRun, PlanIn, Problem, Space, Watch};
 use target_cost::Target;
 
 use crate::baseline::{self, BaselineArguments};
@@ -77,9 +77,9 @@ where
     let progress = Progress::planning();
     let watch =
         Watch { traces: arguments.report.is_some(), progress: &|done, all| progress.periods(done, all) };
-    let (mut comparison, traces) =
-        format_compare::compare_with(problem, &formats, &engines, &options, &watch)?;
+    let mut compared = format_compare::compare_with(problem, &formats, &engines, &options, &watch)?;
     progress.finish();
+    let comparison = &mut compared.comparison;
     if comparison.recommended.is_none() {
         let progress = Progress::spinning("looking for why no format is good");
         comparison.not_a_question_of_format =
@@ -88,29 +88,32 @@ where
     }
     if !targets.is_empty() {
         let progress = Progress::of("runs recorded for the targets", comparison.formats.len());
-        format_compare::price(&mut comparison, problem, targets, &options, || progress.step())?;
+        format_compare::price(&mut compared, problem, targets, &options, || progress.step())?;
         progress.finish();
     }
     if shown.contains(&Engine::Pieces) {
         let progress = Progress::spinning("looking for the fewest bits");
-        comparison.fewest_bits = Some(format_compare::fewest_bits(problem, &comparison.formats, &options)?);
+        let plan = compared.plan.as_ref().filter(|_| options.plan_in == PlanIn::default());
+        let found = format_compare::fewest_bits(problem, plan, &compared.comparison.formats, &options)?;
+        compared.comparison.fewest_bits = Some(found);
         progress.finish();
     }
+    let comparison = &compared.comparison;
     let text = if arguments.output.json {
-        baseline::json("compare", &comparison)?
+        baseline::json("compare", comparison)?
     } else if arguments.wide {
-        table(&comparison) + &period_costs::tables(&comparison, targets, None)
+        table(comparison) + &period_costs::tables(comparison, targets, None)
     } else {
         let first = targets.first().map(|target| target.name.as_str());
-        answer::screen(&comparison, &shown, first) + &period_costs::tables(&comparison, targets, Some(&shown))
+        answer::screen(comparison, &shown, first) + &period_costs::tables(comparison, targets, Some(&shown))
     };
     output::write(arguments.output.out.as_deref(), &text)?;
     if let Some(folder) = &arguments.report {
-        let page = report::write(folder, problem, &comparison, (&traces, targets), &options)?;
+        let page = report::write(folder, problem, &compared, targets, &options)?;
         output::note(&format!("report in {}", page.display()));
     }
     let ending = if comparison.recommended.is_some() { Ending::Good } else { Ending::RequirementNotMet };
-    baseline.map_or(Ok(ending), |baseline| baseline.judge(&comparison, ending))
+    baseline.map_or(Ok(ending), |baseline| baseline.judge(comparison, ending))
 }
 
 /// Heading of the column for runs that pass a corner.

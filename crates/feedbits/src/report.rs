@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use format_compare::{
-    Comparison, Dimension, Engine, FeedSample, Options, PlanIn, Problem, Space, Trace, Verdict, Watch,
+    Compared, Comparison, Dimension, Engine, ExactPlan, Options, Problem, Space, Verdict, Watch,
 };
 use format_report::{Material, Report, Schedule, Solver};
 use target_cost::{StepCost, Target, built_in};
@@ -39,26 +39,27 @@ pub(crate) fn default_command() -> Vec<&'static str> {
 pub(crate) fn write<const D: usize>(
     folder: &Path,
     problem: &Problem<D>,
-    comparison: &Comparison,
-    (traces, targets): (&[Option<Trace>], &[Target]),
+    compared: &Compared,
+    targets: &[Target],
     options: &Options,
 ) -> Result<PathBuf>
 where
     Space: Dimension<D>,
 {
-    let plan = sampled_plan(problem, options)?;
+    let Compared { comparison, traces, plan } = compared;
+    let samples = plan.as_ref().map_or(Ok(Vec::new()), |plan| plan.sampled(problem, 1))?;
     let solvers = solvers(problem, options)?;
     let known: Vec<Target> = if targets.is_empty() {
         built_in()?.into_iter().filter(|target| SHOWN_TARGETS.contains(&target.name.as_str())).collect()
     } else {
         targets.to_vec()
     };
-    let schedules = schedules(problem, comparison, &known, options)?;
+    let schedules = schedules(problem, (comparison, plan.as_ref()), &known, options)?;
     let command = command();
     let report = Report::of(&Material {
         comparison,
         traces,
-        plan: &plan,
+        plan: &samples,
         solvers: &solvers,
         targets,
         schedules: &schedules,
@@ -100,16 +101,6 @@ pub(crate) fn make_folder(folder: Option<&Path>) -> Result<()> {
     fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))
 }
 
-/// The plan, with one sample a period; empty if each format plans for itself.
-fn sampled_plan<const D: usize>(problem: &Problem<D>, options: &Options) -> Result<Vec<FeedSample>>
-where
-    Space: Dimension<D>,
-{
-    let PlanIn::Format(name) = options.plan_in else { return Ok(Vec::new()) };
-    let Some(format) = by_name(&name.to_string()) else { return Ok(Vec::new()) };
-    Ok(format_compare::plan_for(problem, format.as_ref(), options)?.sampled(problem, 1)?)
-}
-
 /// Runs by the papers' solvers in f64 that follow the same plan; they run on a single curve only.
 fn solvers<const D: usize>(problem: &Problem<D>, options: &Options) -> Result<Vec<Solver>>
 where
@@ -117,8 +108,8 @@ where
 {
     let Some(format) = by_name("f64").filter(|_| problem.curves.len() == 1) else { return Ok(Vec::new()) };
     let engines = [Engine::DeBoorSecant, Engine::DeBoorTaylor1, Engine::DeBoorTaylor2];
-    let watch = Watch { traces: true, progress: &|_, _| () };
-    let (_, traces) = format_compare::compare_with(problem, &[format], &engines, options, &watch)?;
+    let watch = Watch { traces: true, ..Watch::default() };
+    let traces = format_compare::compare_with(problem, &[format], &engines, options, &watch)?.traces;
     let named = ["secant", "Taylor, first order", "Taylor, second order"].into_iter().zip(traces);
     Ok(named.filter_map(|(name, trace)| Some(Solver { name: name.to_string(), trace: trace? })).collect())
 }
@@ -127,7 +118,7 @@ where
 /// price it.
 fn schedules<'a, const D: usize>(
     problem: &Problem<D>,
-    comparison: &Comparison,
+    (comparison, plan): (&Comparison, Option<&ExactPlan>),
     targets: &'a [Target],
     options: &Options,
 ) -> Result<Vec<Schedule<'a>>>
@@ -144,8 +135,12 @@ where
     };
     let Some(format) = by_name::<D>(&row.format) else { return Ok(Vec::new()) };
     let options = Options { engine: row.engine, ..options.clone() };
-    let plan = format_compare::plan_for(problem, format.as_ref(), &options)?;
-    let recorded = format.record(problem, &plan, &options, RECORDED_PERIODS)?;
+    let own = match plan {
+        Some(_) => None,
+        None => Some(format_compare::plan_for(problem, format.as_ref(), &options)?),
+    };
+    let Some(plan) = plan.or(own.as_ref()) else { return Ok(Vec::new()) };
+    let recorded = format.record(problem, plan, &options, RECORDED_PERIODS)?;
     let Some((step, _)) = recorded.steps.iter().max_by_key(|(_, count)| *count) else {
         return Ok(Vec::new());
     };

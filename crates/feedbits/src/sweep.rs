@@ -11,6 +11,7 @@ use clap::Args;
 use clap_complete::ArgValueCandidates;
 use format_compare::{
     Cost, Dimension, Engine, Format, JudgedRun, LeastPeriods, Options, PeriodCost, Problem, Space, Verdict,
+    Watch,
 };
 use format_report::{Sweep, SweepCell, SweepCost, SweepResult};
 use nurbs_core::NurbsBuf;
@@ -352,11 +353,12 @@ impl Base {
             cell.skipped = Some(format!("takes {periods:.0} periods, more than {most_periods}"));
             return Ok(cell);
         }
-        match format_compare::compare(&problem, formats, engines, options) {
-            Ok(mut comparison) => {
+        match format_compare::compare_with(&problem, formats, engines, options, &Watch::default()) {
+            Ok(mut compared) => {
                 if !self.targets.is_empty() {
-                    format_compare::price(&mut comparison, &problem, &self.targets, options, || ())?;
+                    format_compare::price(&mut compared, &problem, &self.targets, options, || ())?;
                 }
+                let comparison = compared.comparison;
                 cell.results = comparison.formats.iter().map(result).collect();
                 let named = |(target, (format, engine))| (target, format!("{format} {engine}"));
                 cell.cheapest = comparison.recommended_on.into_iter().map(named).collect();

@@ -84,6 +84,7 @@ mod cost {
 }
 
 mod judge {
+    mod exact_curve;
     pub(crate) mod judged_run;
     pub(crate) mod judgement;
     pub(crate) mod metrics;
@@ -107,7 +108,7 @@ mod compare {
     pub(crate) mod price;
 }
 
-pub use compare::compare::{Comparison, PartSummary, Watch, compare, compare_with};
+pub use compare::compare::{Compared, Comparison, PartSummary, Watch, compare, compare_with};
 pub use compare::price::price;
 pub use cost::period_cost::{Cost, Level, PeriodCost};
 pub use feed_plan::ProfileKind;

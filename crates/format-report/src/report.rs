@@ -279,9 +279,9 @@ mod tests {
         let names: Vec<String> = formats.iter().map(ToString::to_string).collect();
         let formats = select::<3>(&names).expect("formats");
         let options = Options::default();
-        let watch = Watch { traces: true, progress: &|_, _| () };
+        let watch = Watch { traces: true, ..Watch::default() };
         let engines = [Engine::DeBoorSecant, Engine::Pieces];
-        let (comparison, traces) =
+        let format_compare::Compared { comparison, traces, .. } =
             compare_with(&problem, &formats, &engines, &options, &watch).expect("a comparison");
         let plan = plan_for(&problem, formats[0].as_ref(), &options).expect("a plan");
         let material = Material {

@@ -129,7 +129,7 @@ impl Real for DoubleDouble {
         let exponent = match largest {
             x if x > 1e100 => -600,
             x if x < 1e-100 => 600,
-            _ => 0,
+            _ => return Self::sqrt(Self::sum_of_products(vector.iter().map(|v| (*v, *v)))),
         };
         let scaled = vector.iter().map(|v| v.ldexp(exponent)).map(|v| (v, v));
         Self::sqrt(Self::sum_of_products(scaled)).ldexp(-exponent)

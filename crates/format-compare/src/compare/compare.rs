@@ -85,8 +85,17 @@ pub fn compare<const D: usize>(
 where
     Space: Dimension<D>,
 {
-    let watch = Watch { traces: false, progress: &|_, _| () };
-    compare_with(problem, formats, engines, options, &watch).map(|(comparison, _)| comparison)
+    compare_with(problem, formats, engines, options, &Watch::default()).map(|compared| compared.comparison)
+}
+
+/// A comparison, and what is made on the way to it.
+pub struct Compared {
+    /// The comparison.
+    pub comparison: Comparison,
+    /// The trace of each run, if they were asked for; `None` where the format was refused.
+    pub traces: Vec<Option<Trace>>,
+    /// The plan that all runs follow, unless each format plans for itself.
+    pub plan: Option<ExactPlan>,
 }
 
 /// What is wanted beside a comparison.
@@ -97,7 +106,13 @@ pub struct Watch<'a> {
     pub progress: &'a (dyn Fn(u64, u64) + Sync),
 }
 
-/// As [`compare`], and returns a trace of each run if `watch` asks for it; `None` where the format was refused.
+impl Default for Watch<'_> {
+    fn default() -> Self {
+        Self { traces: false, progress: &|_, _| () }
+    }
+}
+
+/// As [`compare`], and returns the common plan, and a trace of each run if `watch` asks for it.
 ///
 /// # Errors
 /// As [`compare`].
@@ -107,7 +122,7 @@ pub fn compare_with<const D: usize>(
     engines: &[Engine],
     options: &Options,
     watch: &Watch<'_>,
-) -> Result<(Comparison, Vec<Option<Trace>>), Refusal>
+) -> Result<Compared, Refusal>
 where
     Space: Dimension<D>,
 {
@@ -155,7 +170,7 @@ where
             rapids_left_out: problem.rapids_left_out,
             length_mm: reference.length_mm(),
             without_look_ahead: common.as_ref().and_then(|plan| OverLimits::of(plan, problem)),
-            planned_time_s: common.map(|plan| problem.period_s() * plan.periods() as f64),
+            planned_time_s: common.as_ref().map(|plan| problem.period_s() * plan.periods() as f64),
             lowest_feedrate_mm_per_s: lowest.filter(|lowest| *lowest < feedrate_mm_per_s),
         },
         machine: Machine { feedrate_mm_per_s, ..problem.machine.clone() },
@@ -167,5 +182,5 @@ where
         not_a_question_of_format: None,
         formats: runs,
     };
-    Ok((comparison, traces))
+    Ok(Compared { comparison, traces, plan: common })
 }

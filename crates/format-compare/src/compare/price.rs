@@ -3,10 +3,11 @@
 use real::FormatName;
 use target_cost::Target;
 
-use crate::compare::compare::Comparison;
+use crate::compare::compare::{Compared, Comparison};
 use crate::cost::period_cost::{Cost, cost, operations};
 use crate::judge::judged_run::{JudgedRun, Verdict};
 use crate::judge::requirement::Requirement;
+use crate::plan::exact_plan::ExactPlan;
 use crate::problem::problem::Problem;
 use crate::refusal::Refusal;
 use crate::run::formats::{Dimension, Space, format_named, plan_for};
@@ -22,7 +23,7 @@ use feed_plan::in_parallel;
 /// # Errors
 /// [`Refusal`] if no plan can be made, as in the comparison.
 pub fn price<const D: usize>(
-    comparison: &mut Comparison,
+    Compared { comparison, plan, .. }: &mut Compared,
     problem: &Problem<D>,
     targets: &[Target],
     options: &Options,
@@ -32,7 +33,7 @@ where
     Space: Dimension<D>,
 {
     let recorded = in_parallel(&comparison.formats, |run| {
-        let again = record(run, problem, options);
+        let again = record(run, problem, plan.as_ref(), options);
         recorded();
         again
     });
@@ -52,6 +53,7 @@ where
 fn record<const D: usize>(
     run: &JudgedRun,
     problem: &Problem<D>,
+    common: Option<&ExactPlan>,
     options: &Options,
 ) -> Result<Option<(FormatName, RecordedRun)>, Refusal>
 where
@@ -59,8 +61,9 @@ where
 {
     let Some(format) = format_named(&run.format).filter(|_| !run.is_refused()) else { return Ok(None) };
     let options = Options { engine: run.engine, ..options.clone() };
-    let plan = plan_for(problem, format.as_ref(), &options)?;
-    Ok(Some((format.name(), format.record(problem, &plan, &options, usize::MAX)?)))
+    let own = if common.is_some() { None } else { Some(plan_for(problem, format.as_ref(), &options)?) };
+    let Some(plan) = common.or(own.as_ref()) else { return Ok(None) };
+    Ok(Some((format.name(), format.record(problem, plan, &options, usize::MAX)?)))
 }
 
 /// Adds a requirement: the dearest period must fit the interpolation period on at least one of the targets. The target

@@ -20,7 +20,7 @@ pub(crate) struct Judgement<const D: usize> {
 
 /// How runs are judged.
 pub(crate) struct Judge<'a, const D: usize> {
-    pub(crate) reference: &'a Reference<D>,
+    pub(crate) reference: &'a Reference<'a, D>,
     pub(crate) full_step_mm: f64,
     /// How coarse the trace is; `None` if none is wanted.
     pub(crate) traced: Option<Coarseness>,

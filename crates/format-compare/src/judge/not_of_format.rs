@@ -127,7 +127,11 @@ where
 }
 
 /// The run in `f64`; `None` if it is refused or would take too long.
-fn run<const D: usize>(problem: &Problem<D>, reference: &Reference<D>, options: &Options) -> Option<JudgedRun>
+fn run<const D: usize>(
+    problem: &Problem<D>,
+    reference: &Reference<'_, D>,
+    options: &Options,
+) -> Option<JudgedRun>
 where
     Space: Dimension<D>,
 {

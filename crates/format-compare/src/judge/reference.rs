@@ -7,6 +7,7 @@ use nurbs_core::{
 };
 use real::{DoubleDouble, Real};
 
+use crate::judge::exact_curve::ExactCurve;
 use crate::judge::metrics::{JudgedStep, greater};
 use crate::plan::in_format::of_pair;
 use crate::problem::problem::Problem;
@@ -26,23 +27,23 @@ pub(crate) struct Reached<const D: usize> {
 }
 
 /// The path in about 106 bits.
-pub struct Reference<const D: usize> {
-    exact: Vec<NurbsBuf<DoubleDouble, D>>,
-    plain: Vec<NurbsBuf<f64, D>>,
+pub struct Reference<'a, const D: usize> {
+    exact: Vec<ExactCurve<D>>,
+    plain: &'a [NurbsBuf<f64, D>],
     /// Curve and parameter of each corner that a run may pass.
     corners: Vec<(usize, f64)>,
     /// Curves that begin at rest.
-    stops: Vec<usize>,
+    stops: &'a [usize],
     length_mm: f64,
 }
 
-impl<const D: usize> Reference<D> {
+impl<'a, const D: usize> Reference<'a, D> {
     /// The reference of a problem. The curves' numbers are taken without rounding: every f64 is a double-double.
     ///
     /// # Errors
     /// [`CurveError`] if a curve is not valid.
-    pub fn new(problem: &Problem<D>) -> Result<Self, CurveError> {
-        let exact = problem.curves.iter().map(NurbsBuf::convert).collect::<Result<_, _>>()?;
+    pub fn new(problem: &'a Problem<D>) -> Result<Self, CurveError> {
+        let exact = problem.curves.iter().map(ExactCurve::of).collect::<Result<_, _>>()?;
         let length = |curve: &NurbsBuf<f64, D>| {
             let curve = curve.as_curve();
             let (begin, end) = curve.domain();
@@ -51,9 +52,9 @@ impl<const D: usize> Reference<D> {
         let length_mm = problem.curves.iter().map(length).sum();
         Ok(Self {
             exact,
-            plain: problem.curves.clone(),
+            plain: &problem.curves,
             corners: corners(problem),
-            stops: problem.stops.clone(),
+            stops: &problem.stops,
             length_mm,
         })
     }
@@ -65,7 +66,7 @@ impl<const D: usize> Reference<D> {
     }
 
     fn point(&self, (curve, u): OnPath) -> [DoubleDouble; D] {
-        self.exact[curve].as_curve().point(of_pair(u))
+        self.exact[curve].point(u)
     }
 
     fn begin(&self, curve: usize) -> OnPath {
@@ -137,25 +138,35 @@ impl<const D: usize> Reference<D> {
 
     /// Judges a step between two exact points, and between the points that the run commands there.
     fn judge_step(&self, from: &Reached<D>, step: &RunStep, to: &Reached<D>) -> JudgedStep {
-        let corners = self.corners_between(from.at, to.at).iter();
-        let corners: Vec<_> = corners.map(|(curve, u)| self.point((*curve, (*u, 0.0)))).collect();
-        let chord = legs(&from.point, &corners, &to.point);
+        let within =
+            if from.at.0 == to.at.0 { self.exact[to.at.0].straight_chord(from.at.1, to.at.1) } else { None };
+        let (chord, commanded, chord_error_mm, passes_corner) = match within {
+            Some(chord) => (chord, distance(&from.commanded, &to.commanded), 0.0, false),
+            None => {
+                let corners = self.corners_between(from.at, to.at).iter();
+                let corners: Vec<_> = corners.map(|(curve, u)| self.point((*curve, (*u, 0.0)))).collect();
+                let error = self.chord_error_mm(from.at, step, &from.point, &to.point);
+                let [chord, commanded] = [[&from.point, &to.point], [&from.commanded, &to.commanded]]
+                    .map(|[from, to]| legs(from, &corners, to));
+                (chord, commanded, error, !corners.is_empty())
+            }
+        };
         let wanted = of_pair(step.wanted_mm);
-        let commanded = legs(&from.commanded, &corners, &to.commanded).value();
+        let off: [f64; D] = std::array::from_fn(|d| (to.commanded[d] - to.point[d]).value());
         JudgedStep {
             wanted_mm: wanted.value(),
             chord_mm: chord.value(),
             shortfall_mm: (wanted - chord).value(),
-            commanded_shortfall_mm: wanted.value() - commanded,
-            chord_error_mm: self.chord_error_mm(from.at, step, &from.point, &to.point),
-            passes_corner: !corners.is_empty(),
-            position_error_mm: distance(&to.point, &to.commanded).value(),
+            commanded_shortfall_mm: wanted.value() - commanded.value(),
+            chord_error_mm,
+            passes_corner,
+            position_error_mm: f64::norm(&off),
         }
     }
 
-    /// The largest distance between the path and the chord of two setpoints, over joints too. It is sampled at eight
-    /// points of each curve in f64: where the distance matters it is at least half a micrometre, and it is smooth in
-    /// between.
+    /// The largest distance between the path and the chord of two setpoints, over joints too. A curve is sampled at
+    /// eight points in f64: where the distance matters it is at least half a micrometre, and it is smooth in between.
+    /// That of a straight move is at an end.
     fn chord_error_mm(
         &self,
         (curve, from): OnPath,
@@ -172,6 +183,9 @@ impl<const D: usize> Reference<D> {
             let width = (end.0 - begin.0) + (end.1 - begin.1);
             let at = move |sample: i32| begin.0 + width * f64::from(sample) / f64::from(SAMPLES);
             let distance = |sample| distance_to_segment(&plain.point(at(sample)), &chord);
+            if self.exact[index].is_straight() {
+                return distance(SAMPLES);
+            }
             (1..=SAMPLES).map(distance).fold(0.0, greater)
         };
         (curve..=step.curve).map(on_curve).fold(0.0, greater)
@@ -275,7 +289,8 @@ mod tests {
     fn corners_are_where_the_tangent_breaks_within_a_chord() {
         let part =
             "G0 X0 Y0\nG1 X10 F3000\nG1 X20\nG1 X20 Y10\nG9 G1 X30\nG1 X30 Y20\nG2 X40 Y30 I10\nG1 X50 Y31\n";
-        let reference = Reference::new(&mill::<2>(part, DEVIATION)).unwrap();
+        let problem = mill::<2>(part, DEVIATION);
+        let reference = Reference::new(&problem).unwrap();
         assert_eq!(reference.corners, [(2, 0.0), (3, 0.0), (6, 0.0)]);
         let between = |from: (usize, f64), to: (usize, f64)| {
             reference.corners_between((from.0, (from.1, 0.0)), (to.0, (to.1, 0.0))).len()

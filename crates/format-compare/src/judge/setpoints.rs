@@ -39,7 +39,7 @@ pub struct SetpointRow {
 
 /// An observer that hands on a row for each period, in order, and keeps none.
 struct Rows<'a, const D: usize, S> {
-    reference: &'a Reference<D>,
+    reference: &'a Reference<'a, D>,
     problem: &'a Problem<D>,
     spans_before: Vec<usize>,
     state: Mutex<State<D, S>>,
@@ -51,7 +51,7 @@ struct State<const D: usize, S> {
     show: S,
 }
 
-impl<const D: usize> Reference<D> {
+impl<const D: usize> Reference<'_, D> {
     /// Makes the run of `run` and hands `show` a row for each period, in order.
     ///
     /// # Errors

@@ -169,9 +169,10 @@ mod tests {
         let problem = on_example_machine::<2>(EXAMPLE, "");
         let formats = select::<2>(&["I4F28", "f64"]).expect("formats");
         let engines = [Engine::DeBoorSecant, Engine::Pieces];
-        let watch = Watch { traces: true, progress: &|_, _| () };
-        let (comparison, traces) =
+        let watch = Watch { traces: true, ..Watch::default() };
+        let compared =
             compare_with(&problem, &formats, &engines, &Options::default(), &watch).expect("a comparison");
+        let (comparison, traces) = (compared.comparison, compared.traces);
         let plain = compare(&problem, &formats, &engines, &Options::default()).expect("a comparison");
         assert_eq!(traces.len(), 4);
         for ((row, again), trace) in comparison.formats.iter().zip(&plain.formats).zip(traces) {

@@ -11,6 +11,7 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Mutex, PoisonError};
 
+use feed_plan::PlanError;
 use nurbs_core::Evaluate;
 use real::{Datapath, FormatName, Real};
 use serde::Serialize;
@@ -65,12 +66,14 @@ pub enum FewestBits {
     },
 }
 
-/// Searches for the fewest bits with which `problem` keeps the machine's requirements. `runs` are its compared runs.
+/// Searches for the fewest bits with which `problem` keeps the machine's requirements. `runs` are its compared runs, and
+/// `plan` is the plan that they followed, if it was made in f64.
 ///
 /// # Errors
 /// [`Refusal`] when the part cannot be planned at all.
 pub fn fewest_bits<const D: usize>(
     problem: &Problem<D>,
+    plan: Option<&ExactPlan>,
     runs: &[JudgedRun],
     options: &Options,
 ) -> Result<FewestBits, Refusal>
@@ -80,13 +83,14 @@ where
     let options = search_options(problem, options);
     let planned =
         |problem: &Problem<D>, ends| ExactPlan::in_format_with::<f64, D>(problem, ends, options.profile);
-    let plan = planned(problem, options.end_feeds_mm_per_s)?;
-    let whole = Widths::of(Job { problem, plan: &plan, options: &options })?;
-    let parts = hardest_parts(problem, &plan, runs);
+    let own = if plan.is_some() { None } else { Some(planned(problem, options.end_feeds_mm_per_s)?) };
+    let Some(plan) = plan.or(own.as_ref()) else { return Err(Refusal::Plan(PlanError::PathEmpty)) };
+    let parts = hardest_parts(problem, plan, runs);
     let periods: f64 = parts.iter().map(|(_, periods)| periods).sum();
     if periods > MOST_SEARCHED {
         return Ok(FewestBits::LeftOut { periods: periods.to_phase(-32) >> 32 });
     }
+    let whole = Widths::of(Job { problem, plan, options: &options })?;
     let parts = parts.into_iter().filter(|(curves, _)| curves.len() < problem.curves.len());
     let parts = parts.map(|(curves, _)| {
         let part = problem.part(curves);
@@ -253,7 +257,7 @@ mod tests {
     fn it_is_what_every_width_run_one_by_one_says() {
         let problem: Problem<3> =
             mill("G0 X0 Y0\nG1 X10 F3000\nG2 X20 Y10 R10\nG1 X40 Y12\nG3 X30 Y30 R12\n", "");
-        let found = fewest_bits(&problem, &judged(&problem, &["I8F24"]), &Options::default()).unwrap();
+        let found = fewest_bits(&problem, None, &judged(&problem, &["I8F24"]), &Options::default()).unwrap();
         let plan = ExactPlan::in_format::<f64, 3>(&problem, [0.0; 2]).unwrap();
         let sizing = size(&problem, &plan, &Options::default(), Datapath::default()).unwrap();
         let (row, margin) = sizing.uniform.zip(sizing.uniform_margin).unwrap();
@@ -281,7 +285,7 @@ mod tests {
         let parts = hardest_parts(&problem, &plan, &runs);
         assert!(parts.iter().map(|(_, periods)| periods).sum::<f64>() <= MOST_SEARCHED && !parts.is_empty());
         let FewestBits::Found { bits, margin, .. } =
-            fewest_bits(&problem, &runs, &Options::default()).unwrap()
+            fewest_bits(&problem, None, &runs, &Options::default()).unwrap()
         else {
             panic!("found")
         };
@@ -301,7 +305,7 @@ mod tests {
     #[test]
     fn one_long_section_is_left_out() {
         let problem: Problem<3> = mill("G0 X0 Y0\nG1 X3000 F600\n", "");
-        let found = fewest_bits(&problem, &judged(&problem, &["I16F16"]), &Options::default()).unwrap();
+        let found = fewest_bits(&problem, None, &judged(&problem, &["I16F16"]), &Options::default()).unwrap();
         assert!(matches!(found, FewestBits::LeftOut { periods } if periods > 290_000), "{found:?}");
     }
 }

@@ -38,7 +38,7 @@ pub(crate) fn search_options<const D: usize>(problem: &Problem<D>, options: &Opt
 pub(crate) struct Trial<'a, const D: usize> {
     pub(crate) job: Job<'a, D>,
     pub(crate) datapath: Datapath,
-    reference: Reference<D>,
+    reference: Reference<'a, D>,
 }
 
 impl<'a, const D: usize> Trial<'a, D>

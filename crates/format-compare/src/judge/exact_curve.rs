@@ -1,0 +1,109 @@
+//! A curve in about 106 bits.
+
+use nurbs_core::{CurveError, Evaluate, NurbsBuf};
+use real::{DoubleDouble, Real};
+
+use crate::plan::in_format::of_pair;
+
+/// A curve in double-double. Most moves of most programs are straight, and have a form of their own: a point takes a
+/// product for each axis, and the chord between two of them one in all.
+pub(super) enum ExactCurve<const D: usize> {
+    Straight(Straight<D>),
+    Other(NurbsBuf<DoubleDouble, D>),
+}
+
+/// The line `A + (u - u₀) S`.
+pub(super) struct Straight<const D: usize> {
+    /// u₀.
+    first: DoubleDouble,
+    /// A.
+    begin: [DoubleDouble; D],
+    /// S, in mm.
+    slope: [DoubleDouble; D],
+    /// |S|.
+    speed: DoubleDouble,
+}
+
+impl<const D: usize> ExactCurve<D> {
+    /// A curve whose numbers are taken without rounding: every f64 is a double-double.
+    pub(super) fn of(curve: &NurbsBuf<f64, D>) -> Result<Self, CurveError> {
+        let plain = curve.as_curve();
+        let ([from, to], None) = (plain.control_points(), plain.weights()) else {
+            return Ok(Self::Other(curve.convert()?));
+        };
+        let (first, last) = plain.domain();
+        let of = DoubleDouble::from;
+        let width = of(last) - of(first);
+        let slope = std::array::from_fn(|d| (of(to[d]) - of(from[d])) / width);
+        Ok(Self::Straight(Straight {
+            first: of(first),
+            begin: from.map(of),
+            slope,
+            speed: DoubleDouble::norm(&slope),
+        }))
+    }
+
+    pub(super) fn is_straight(&self) -> bool {
+        matches!(self, Self::Straight(_))
+    }
+
+    /// The point at a parameter that is a sum of two floats.
+    pub(super) fn point(&self, u: (f64, f64)) -> [DoubleDouble; D] {
+        match self {
+            Self::Straight(Straight { first, begin, slope, .. }) => {
+                let along = of_pair(u) - *first;
+                std::array::from_fn(|d| match slope[d].value() {
+                    0.0 => begin[d],
+                    _ => begin[d] + slope[d] * along,
+                })
+            }
+            Self::Other(curve) => curve.as_curve().point(of_pair(u)),
+        }
+    }
+
+    /// The length of the chord between two parameters, in mm, if the curve is straight.
+    pub(super) fn straight_chord(&self, from: (f64, f64), to: (f64, f64)) -> Option<DoubleDouble> {
+        match self {
+            Self::Straight(line) => Some(line.speed * (of_pair(to) - of_pair(from))),
+            Self::Other(_) => None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The short form of a line is the curve itself, to some units of the 106 bits.
+    #[test]
+    fn a_straight_move_is_the_curve_that_it_stands_for() {
+        let points = vec![[1.0, -20.0, 7.0], [81.3, 0.1, 7.0]];
+        let curve = NurbsBuf::try_new(1, points, vec![], vec![0.25, 0.25, 1.75, 1.75]).unwrap();
+        let (short, exact) = (ExactCurve::of(&curve).unwrap(), curve.convert::<DoubleDouble>().unwrap());
+        assert!(short.is_straight());
+        let off = |a: DoubleDouble, b: DoubleDouble| (a - b).value().abs();
+        let at = |u: (f64, f64)| exact.as_curve().point(of_pair(u));
+        let mut before = (0.25, 0.0);
+        for u in [(0.25, 0.0), (0.3, 1e-18), (1.0, -3e-17), (1.75, 0.0)] {
+            let (found, expected) = (short.point(u), at(u));
+            assert!((0..3).all(|d| off(found[d], expected[d]) < 1e-28), "{found:?} {expected:?}");
+            let begin = at(before);
+            let chord = DoubleDouble::norm(&std::array::from_fn::<_, 3, _>(|d| expected[d] - begin[d]));
+            assert!(off(short.straight_chord(before, u).unwrap(), chord) < 1e-28);
+            before = u;
+        }
+    }
+
+    #[test]
+    fn a_curve_is_evaluated_as_it_is() {
+        let bent = NurbsBuf::try_new(
+            1,
+            vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]],
+            vec![],
+            vec![0.0, 0.0, 1.0, 2.0, 2.0],
+        );
+        let bent = ExactCurve::of(&bent.unwrap()).unwrap();
+        assert!(!bent.is_straight() && bent.straight_chord((0.0, 0.0), (2.0, 0.0)).is_none());
+        assert_eq!(bent.point((1.5, 0.0)).map(DoubleDouble::value), [1.0, 0.5]);
+    }
+}
