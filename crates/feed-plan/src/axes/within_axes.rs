@@ -11,7 +11,8 @@
 //!    again, three times at most; the rest is stretched in time evenly.
 //! 6. *Whole periods*, as for every plan.
 //!
-//! A way for which any of that fails keeps the plan that it had, and so does one that would not be faster.
+//! A way for which any of that fails keeps the plan that it had, and so does one that would not be faster. One that no motion
+//! passes in fewer periods, by [`least_duration`](crate::least_duration), is not tried.
 
 use alloc::vec::Vec;
 
@@ -27,8 +28,9 @@ use crate::axes::rows::{WayCell, all_of, places, program};
 use crate::axes::spline::{Spline, near};
 use crate::axes::way::{Strain, Way};
 use crate::parallel::in_parallel;
+use crate::plan::least_duration::least_duration_between;
 use crate::plan::stages::Stages;
-use crate::plan::whole_periods::{SLOWER, stretch_section};
+use crate::plan::whole_periods::{SLOWER, stretch_section, whole_periods};
 use crate::schedule::section::Section;
 use crate::{FeedLimit, FeedPiece, KinematicLimits, PlanError, ScheduleBuf, Stage};
 
@@ -112,6 +114,13 @@ fn faster<const D: usize, C: Differentiate<f64, D>>(
     if !rests || section.stages().iter().any(Stage::is_pause) || !limit.bends_over(begin, end) {
         return None;
     }
+    let (slower, period) = (1.0_f64.ldexp(SLOWER), limits.interpolation_period);
+    // It takes whole periods already, but for rounding.
+    let mut before = section.stages().to_vec();
+    let periods = stretch_section(&mut before, -1e-9, period).ok()?;
+    if !may_take_less(limit, limits, (begin, end), periods) {
+        return None;
+    }
     let way = Way::new(geometry, limits, (begin, end))?;
     let (pieces, _) = solve(&way, section.duration(), CELL)?;
     let mut stages = Stages::new(limit);
@@ -122,12 +131,21 @@ fn faster<const D: usize, C: Differentiate<f64, D>>(
         start += length;
     }
     let mut stages = stages.with_parameters();
-    let period = limits.interpolation_period;
-    let taken = stretch_section(&mut stages, 1.0_f64.ldexp(SLOWER), period).ok()?;
-    // It takes whole periods already, but for rounding.
-    let mut before = section.stages().to_vec();
-    let periods = stretch_section(&mut before, -1e-9, period).ok()?;
+    let taken = stretch_section(&mut stages, slower, period).ok()?;
     (taken < periods).then(|| (stages, periods - taken))
+}
+
+/// Whether a motion along the way between two rests may take fewer periods than these, as far as the limit and the path's
+/// acceleration and jerk say.
+fn may_take_less(
+    limit: &FeedLimit<f64>,
+    limits: &KinematicLimits<f64>,
+    ends: (f64, f64),
+    periods: u32,
+) -> bool {
+    let least = least_duration_between(limit, limits, ends);
+    let least = whole_periods(least, 1.0_f64.ldexp(SLOWER), limits.interpolation_period);
+    least.is_some_and(|(least, _)| least < periods)
 }
 
 /// The pieces of a way, which keep every limit, before they take whole periods.

@@ -266,6 +266,14 @@ impl<R: Real> FeedLimit<R> {
         self.allowance(before, after.min(self.samples.len().saturating_sub(1)))
     }
 
+    /// The samples between two distances, each of which rounding may have moved, and those at both.
+    pub(crate) fn samples_between(&self, from: R, to: R) -> &[LimitSample<R>] {
+        let rounding = self.rounding();
+        let first = self.count_before(from - rounding);
+        let behind = self.count_up_to(to + rounding);
+        self.samples.get(first..behind).unwrap_or_default()
+    }
+
     /// Whether the path bends between two distances, each of which rounding may have moved.
     pub(crate) fn bends_over(&self, from: R, to: R) -> bool {
         let rounding = self.rounding();

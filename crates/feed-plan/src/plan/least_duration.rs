@@ -52,8 +52,22 @@ const MERGES: usize = 6;
 /// number of the format. Time: in proportion to the limit points and to the duration in times A/J.
 #[must_use]
 pub fn least_duration<R: Real>(limit: &FeedLimit<R>, limits: &KinematicLimits<R>, ends: EndFeeds<R>) -> R {
+    along(&intervals(limit.samples()), limits, ends).max(crate::jerk_free_duration(limit, limits, ends))
+}
+
+/// That of the way between two distances, at both of which it rests; rounding may have moved them.
+pub(crate) fn least_duration_between<R: Real>(
+    limit: &FeedLimit<R>,
+    limits: &KinematicLimits<R>,
+    (begin, end): (R, R),
+) -> R {
+    along(&intervals(limit.samples_between(begin, end)), limits, EndFeeds::default())
+}
+
+/// The bound along intervals of a limit.
+fn along<R: Real>(intervals: &[LimitInterval<R>], limits: &KinematicLimits<R>, ends: EndFeeds<R>) -> R {
     let most = Most { acceleration: limits.acceleration, jerk: limits.jerk };
-    let nodes = nodes(&intervals(limit), limits, ends);
+    let nodes = nodes(intervals, limits, ends);
     let mut duration = R::zero();
     let mut first = 0;
     while first + 1 < nodes.len() {
@@ -67,7 +81,7 @@ pub fn least_duration<R: Real>(limit: &FeedLimit<R>, limits: &KinematicLimits<R>
         }
         first = last;
     }
-    duration.max(crate::jerk_free_duration(limit, limits, ends))
+    duration
 }
 
 #[derive(Clone, Copy)]

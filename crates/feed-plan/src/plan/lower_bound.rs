@@ -9,6 +9,7 @@ use alloc::vec::Vec;
 
 use real::Real;
 
+use crate::limit::sample::LimitSample;
 use crate::{EndFeeds, FeedLimit, KinematicLimits};
 
 /// Duration of the fastest motion under the limit and `|a| ≤ A` that begins and ends at these feeds, or at the limit where that is
@@ -23,7 +24,7 @@ pub fn jerk_free_duration<R: Real>(
     limits: &KinematicLimits<R>,
     ends: EndFeeds<R>,
 ) -> R {
-    let intervals = intervals(limit);
+    let intervals = intervals(limit.samples());
     let at_end = |feed: R, most: Option<R>| (feed * feed).min(most.unwrap_or(R::zero()));
     // V² at the points.
     let mut squares = Vec::with_capacity(intervals.len() + 1);
@@ -55,9 +56,8 @@ pub(crate) struct LimitInterval<R> {
     pub(crate) allowed_end: R,
 }
 
-/// The intervals between the limit points.
-pub(crate) fn intervals<R: Real>(limit: &FeedLimit<R>) -> Vec<LimitInterval<R>> {
-    let samples = limit.samples();
+/// The intervals between these limit points.
+pub(crate) fn intervals<R: Real>(samples: &[LimitSample<R>]) -> Vec<LimitInterval<R>> {
     let square = |feed: R| feed * feed;
     // Without the margin; but next to a stop, where the limit is released, the lower value is the higher one.
     let feed = |i: usize, inside: R| {

@@ -41,14 +41,18 @@ pub(crate) fn stretch_section<R: Real>(
 ) -> Result<u32, PlanError> {
     let duration = stages.iter().fold(R::zero(), |sum, stage| sum + stage.duration);
     let in_order = stages.iter().all(|stage| stage.duration > R::zero() && stage.duration <= duration);
-    let (periods, rounded) = round_up((duration + duration * slower) / period)
-        .filter(|_| in_order)
-        .ok_or(PlanError::DurationOverflows)?;
+    let (periods, rounded) =
+        whole_periods(duration, slower, period).filter(|_| in_order).ok_or(PlanError::DurationOverflows)?;
     let factor = rounded * period / duration;
     for stage in stages {
         *stage = stage.slowed(factor);
     }
     Ok(periods)
+}
+
+/// The periods that a time takes which is slowed down by this share at least, as an integer and in the format.
+pub(crate) fn whole_periods<R: Real>(duration: R, slower: R, period: R) -> Option<(u32, R)> {
+    round_up((duration + duration * slower) / period)
 }
 
 /// The least whole number not below `value`, as an integer and in the format; `None` if either cannot hold it.

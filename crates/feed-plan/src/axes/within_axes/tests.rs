@@ -233,6 +233,34 @@ fn what_does_not_bend_keeps_its_plan() {
     assert_eq!(today, faster);
 }
 
+/// A slow path is at its feed nearly everywhere: its plan cannot be beaten, and no program is solved for it. Where acceleration
+/// binds in the bends a plan can be, and is. The way between two rests is bounded as if it were alone.
+#[test]
+fn a_way_is_tried_only_where_fewer_periods_may_do() {
+    let strong = [axis(200.0, 5000.0, 4e5), axis(200.0, 5000.0, 4e5), AxisLimits::default()];
+    let slow = KinematicLimits { feedrate: 0.001, ..with_axes(strong) };
+    let bound = [axis(200.0, 1500.0, 4e5), axis(200.0, 1500.0, 4e5), AxisLimits::default()];
+    for (limits, expected) in [(slow, false), (with_axes(bound), true)] {
+        let curve = seed_003();
+        let (limit, today, faster) = plans(&[curve.as_curve()], &limits);
+        let periods = today.as_schedule().periods();
+        assert_eq!(may_take_less(&limit, &limits, (0.0, limit.length()), periods), expected, "{periods}");
+        assert_eq!(faster.as_schedule().periods() < periods, expected);
+    }
+    let lines = polyline(&[[0.0, 0.0], [30.0, 0.0], [30.0, 20.0]]);
+    let lines: Vec<_> = lines.iter().map(NurbsBuf::as_curve).collect();
+    let limits = paper_limits();
+    let limit = FeedLimit::along(&lines, &limits).unwrap();
+    let plan = plan_with(&limit, &limits, EndFeeds::default(), ProfileKind::Fastest).unwrap();
+    let schedule = plan.as_schedule();
+    let ends = [(0.0, 30.0), (30.0, 50.0)];
+    assert_eq!(schedule.sections().count(), ends.len());
+    for (section, ends) in schedule.sections().zip(ends) {
+        let (least, taken) = (least_duration_between(&limit, &limits, ends), section.duration());
+        assert!(least <= taken && least > taken - 1.0, "{least} {taken}");
+    }
+}
+
 fn limited() -> impl Strategy<Value = AxisLimits<f64>> {
     (0.0..1.0_f64, 0.0..2.0_f64, 0.0..2.0_f64).prop_map(|(v, a, j)| {
         let ten_to = |exponent: f64| 10.0_f64.powf(-exponent);
