@@ -154,6 +154,7 @@ mod axes {
     mod geometry;
     mod grid;
     mod pentadiagonal;
+    mod profile;
     mod program;
     mod rows;
     mod spline;

@@ -45,6 +45,8 @@ pub(crate) struct Piece {
     curve: usize,
     span: usize,
     parameters: (f64, f64),
+    /// Whether it is straight, so that only e is not 0, and the same everywhere.
+    pub(crate) is_line: bool,
 }
 
 /// Curves with the arc lengths of their spans.
@@ -67,7 +69,7 @@ impl<'a, C> Geometry<'a, C> {
                 let parameters = shape.span_bounds(span);
                 let begin = pieces.last().map_or(0.0, |last| last.end);
                 let end = points.find(|point| point.curve == curve && point.u >= parameters.1)?.distance;
-                pieces.push(Piece { begin, end, curve, span, parameters });
+                pieces.push(Piece { begin, end, curve, span, parameters, is_line: shape.is_line(span) });
             }
         }
         Some(Self { curves, limit, pieces })
@@ -90,6 +92,11 @@ impl<'a, C> Geometry<'a, C> {
         C: Differentiate<f64, D>,
     {
         let (low, high) = piece.parameters;
+        if piece.is_line {
+            let along = self.curves.get(piece.curve).map(|shape| shape.derivatives_in(piece.span, low));
+            let e = along.map_or([0.0; AXES], |along| axes_of(&Frenet::of(&along).tangent));
+            return Bend { e, ..Bend::default() };
+        }
         let (curve, u) = self.limit.parameter_at(distance);
         let u = match curve == piece.curve {
             true => u.clamp(low.min(high), high.max(low)),

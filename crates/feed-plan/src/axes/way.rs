@@ -103,6 +103,15 @@ impl<'a, C> Way<'a, C> {
         }
     }
 
+    /// Whether everything that limits the feed is the same between two distances: the way is straight and the limit of the feed
+    /// level.
+    pub(crate) fn is_even(&self, from: f64, to: f64) -> bool {
+        let is_line = |distance: f64| self.piece_at(distance).filter(|piece| piece.is_line);
+        let middle = 0.5 * (from + to);
+        is_line(middle).is_some_and(|piece| piece.begin <= from && to <= piece.end)
+            && self.geometry.limit().is_level_over(from, to)
+    }
+
     /// The path's jerk on a straight way in the direction of this bend.
     pub(crate) fn jerk_along(&self, bend: &Bend) -> f64 {
         let of_axes = (0..AXES).filter_map(|i| Some((bend.e[i].abs(), self.limits.axes[i].jerk?)));

@@ -4,15 +4,15 @@
 //! the feed. Here each way from rest to rest is one program, in which every axis has all of its limits, wherever it moves:
 //!
 //! 1. *Geometry*: tangent, curvature and its change, axis by axis, with both values at knots and joints.
-//! 2. *Grid*: nodes even in planned time, first of a rough profile, then of a solution on a third of the cells.
+//! 2. *Grid*: nodes even in planned time where something changes, first of a rough profile, then of a solution on a third of the cells.
 //! 3. *Program*: the least time, by an interior point.
 //! 4. *Arcs*: the longest of constant jerk that follow the solution.
-//! 5. *Check* at ten places a period at least. Where it finds more than is allowed, that cell's limits are lowered and the program is solved
+//! 5. *Check* at ten places a period at least, where something changes. Where it finds more than is allowed, that cell's limits are lowered and the program is solved
 //!    again, three times at most; the rest is stretched in time evenly.
 //! 6. *Whole periods*, as for every plan.
 //!
 //! A way for which any of that fails keeps the plan that it had, and so does one that would not be faster. One that no motion
-//! passes in fewer periods, by [`least_duration`](crate::least_duration), is not tried.
+//! passes in fewer periods, by a bound that takes one walk along the limit, is not tried.
 
 use alloc::vec::Vec;
 
@@ -22,13 +22,14 @@ use real::Real;
 use crate::axes::arcs;
 use crate::axes::check::{duration, strains, stretch};
 use crate::axes::geometry::Geometry;
-use crate::axes::grid::{Grid, Profile};
+use crate::axes::grid::Grid;
+use crate::axes::profile::Profile;
 use crate::axes::program::Stop;
 use crate::axes::rows::{WayCell, all_of, places, program};
 use crate::axes::spline::{Spline, near};
 use crate::axes::way::{Strain, Way};
 use crate::parallel::in_parallel;
-use crate::plan::least_duration::least_duration_between;
+use crate::plan::least_duration::rough_duration_between;
 use crate::plan::stages::Stages;
 use crate::plan::whole_periods::{SLOWER, stretch_section, whole_periods};
 use crate::schedule::section::Section;
@@ -36,7 +37,7 @@ use crate::{FeedLimit, FeedPiece, KinematicLimits, PlanError, ScheduleBuf, Stage
 
 /// Iterations of the program, at most.
 const ITERATIONS: u32 = 60;
-/// Share of a period that a cell takes, at most.
+/// Share of a period that a cell takes, at most, where something changes.
 const CELL: f64 = 1.0;
 /// Cells of a way, at least.
 const FEWEST: f64 = 400.0;
@@ -70,7 +71,7 @@ struct Effort {
 /// [`FeedLimit::along`] them. From a replaced way on, the plan keeps the feed limit, acceleration and jerk of the path, and of each
 /// axis velocity `e v`, acceleration `e a + k v²` and jerk `e j + 3 k v a + c v³`, seen at ten places a period, but for rounding.
 /// Not the least time: the program is not convex, and the arcs lose a little. Takes no more than 60 iterations for each of five
-/// solutions; time and memory are linear in the duration. With `std` all cores plan, each a section at a time.
+/// solutions; time and memory grow with the periods in which the feed, its limit or the direction changes, and with the moves. With `std` all cores plan, each a section at a time.
 ///
 /// # Errors
 /// [`PlanError::DurationOverflows`] when the periods cannot be counted.
@@ -143,7 +144,7 @@ fn may_take_less(
     ends: (f64, f64),
     periods: u32,
 ) -> bool {
-    let least = least_duration_between(limit, limits, ends);
+    let least = rough_duration_between(limit, limits, ends);
     let least = whole_periods(least, 1.0_f64.ldexp(SLOWER), limits.interpolation_period);
     least.is_some_and(|(least, _)| least < periods)
 }
@@ -162,7 +163,7 @@ fn solve<const D: usize, C: Differentiate<f64, D>>(
     let guess = near(&solver.grid.nodes, |distance| (0.5 * rough.square(distance) / square, 0.0));
     solver.run(guess, 1.0, GAPS[0])?;
     let mut effort = Effort { iterations: [solver.iterations, 0, 0], ..Effort::default() };
-    let profile = Profile::of(way, &solver.grid, &solver.x, square);
+    let profile = Profile::of(way, &solver.grid.nodes, &solver.x, square, cell_time);
     let fine = Grid::new(way, &profile, cell_time, 1.0)?;
     let spline = Spline::new(&solver.grid.nodes, &solver.x);
     let guess = near(&fine.nodes, |distance| spline.at(distance));

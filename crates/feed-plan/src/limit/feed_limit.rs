@@ -223,6 +223,20 @@ impl<R: Real> FeedLimit<R> {
         inside.min(at_from).min(at_to)
     }
 
+    /// Whether the lower bound is the same all over a stretch within the path.
+    pub(crate) fn is_level_over(&self, from: R, to: R) -> bool {
+        let first = self.count_up_to(from);
+        let behind = self.count_before(to).max(first);
+        let Some((_, (_, level))) = first.checked_sub(1).and_then(|cell| self.cell(cell)) else {
+            return false;
+        };
+        let is_level = |sample: &LimitSample<R>| sample.lower == level && sample.lower_before == level;
+        let inside = self.samples.get(first..behind).unwrap_or_default();
+        let begins_level =
+            |cell: usize| self.cell(cell).is_some_and(|((_, from), (_, to))| from == level && to == level);
+        inside.iter().all(is_level) && (first - 1..behind).all(begins_level)
+    }
+
     /// The lower value at `distance`, between points `cell` and `cell + 1`.
     fn in_cell(&self, cell: usize, distance: R) -> R {
         match self.cell(cell) {

@@ -52,30 +52,33 @@ const MERGES: usize = 6;
 /// number of the format. Time: in proportion to the limit points and to the duration in times A/J.
 #[must_use]
 pub fn least_duration<R: Real>(limit: &FeedLimit<R>, limits: &KinematicLimits<R>, ends: EndFeeds<R>) -> R {
-    along(&intervals(limit.samples()), limits, ends).max(crate::jerk_free_duration(limit, limits, ends))
+    let most = Most { acceleration: limits.acceleration, jerk: limits.jerk };
+    let nodes = nodes(&intervals(limit.samples()), limits, ends);
+    by_sections(&nodes, |section| of_section(section, &most))
+        .max(crate::jerk_free_duration(limit, limits, ends))
 }
 
-/// That of the way between two distances, at both of which it rests; rounding may have moved them.
-pub(crate) fn least_duration_between<R: Real>(
+/// The bound of 1 and 2 alone, of the way between two distances at both of which it rests; rounding may have moved them. It is the
+/// least time where the way from rest and to rest leads to a level limit, and takes one walk along the nodes.
+pub(crate) fn rough_duration_between<R: Real>(
     limit: &FeedLimit<R>,
     limits: &KinematicLimits<R>,
     (begin, end): (R, R),
 ) -> R {
-    along(&intervals(limit.samples_between(begin, end)), limits, EndFeeds::default())
+    let most = Most { acceleration: limits.acceleration, jerk: limits.jerk };
+    let nodes = nodes(&intervals(limit.samples_between(begin, end)), limits, EndFeeds::default());
+    by_sections(&nodes, |section| Some(time_below(&from_rest_to_rest(section, &most)?, most.jerk)))
 }
 
-/// The bound along intervals of a limit.
-fn along<R: Real>(intervals: &[LimitInterval<R>], limits: &KinematicLimits<R>, ends: EndFeeds<R>) -> R {
-    let most = Most { acceleration: limits.acceleration, jerk: limits.jerk };
-    let nodes = nodes(intervals, limits, ends);
+/// The sum of the bounds of the ways from rest to rest; the greatest number of the format if one has none.
+fn by_sections<R: Real>(nodes: &[Node<R>], bound: impl Fn(&[Node<R>]) -> Option<R>) -> R {
     let mut duration = R::zero();
     let mut first = 0;
     while first + 1 < nodes.len() {
         let is_rest = |node: &Node<R>| !(node.v > R::zero());
         let behind = nodes.iter().skip(first + 1).position(is_rest);
         let last = behind.map_or(nodes.len() - 1, |behind| first + 1 + behind);
-        let section = nodes.get(first..=last).unwrap_or_default();
-        match of_section(section, &most) {
+        match bound(nodes.get(first..=last).unwrap_or_default()) {
             Some(time) => duration = duration + time,
             None => return R::max_value(),
         }
@@ -168,8 +171,8 @@ fn gaps<R: Real>(feed: R, acceleration: R, step: R, half: R) -> Vec<R> {
     places
 }
 
-/// The bound between two rests.
-fn of_section<R: Real>(nodes: &[Node<R>], most: &Most<R>) -> Option<R> {
+/// The feeds between two rests, or ends in motion, lowered to what jerk and acceleration allow from a rest and to one.
+fn from_rest_to_rest<R: Real>(nodes: &[Node<R>], most: &Most<R>) -> Option<Vec<Node<R>>> {
     let (first, last) = (nodes.first()?, nodes.last()?);
     if nodes.len() < 3 && !(first.v + last.v > R::zero()) {
         return None;
@@ -182,7 +185,13 @@ fn of_section<R: Real>(nodes: &[Node<R>], most: &Most<R>) -> Option<R> {
     if last.v.is_zero() {
         lower_from_rest(&mut mirrored, most);
     }
-    let bounds = mirror(&mirrored);
+    Some(mirror(&mirrored))
+}
+
+/// The bound between two rests.
+fn of_section<R: Real>(nodes: &[Node<R>], most: &Most<R>) -> Option<R> {
+    let (first, last) = (nodes.first()?, nodes.last()?);
+    let bounds = from_rest_to_rest(nodes, most)?;
     let contacts = caps(bounds.len(), |k| (bounds[k].s, bounds[k].v), most.jerk);
     // The profile P at all nodes.
     let mut profile = bounds.clone();
