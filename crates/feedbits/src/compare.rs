@@ -6,7 +6,7 @@ use anyhow::Result;
 use clap::Args;
 use clap_complete::ArgValueCandidates;
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
-use format_compare::{Comparison, Dimension, Engine, JudgedRun, PlanIn, Problem, Space, Watch};
+use format_compare::{Comparison, Dimension, Engine, JudgedRun, Options, PlanIn, Problem, Space, Watch};
 use target_cost::Target;
 
 use crate::baseline::{self, BaselineArguments};
@@ -16,7 +16,7 @@ use crate::input::{AnyProblem, Input};
 use crate::progress::Progress;
 use crate::run_arguments::RunArguments;
 use crate::targets::TargetArguments;
-use crate::{answer, candidates, output, period_costs, report};
+use crate::{answer, candidates, interrupt, output, period_costs, report};
 
 /// Options of `compare`.
 #[derive(Args)]
@@ -66,6 +66,7 @@ where
 {
     let formats = selected(&arguments.formats)?;
     let (shown, options) = (arguments.shown()?, arguments.run.options_for(problem)?);
+    let options = Options { interrupt: Some(interrupt::flag()), ..options };
     let shows_all = arguments.wide
         || arguments.output.json
         || arguments.report.is_some()
@@ -80,6 +81,9 @@ where
     let mut compared = format_compare::compare_with(problem, &formats, &engines, &options, &watch)?;
     progress.finish();
     let comparison = &mut compared.comparison;
+    if comparison.interrupted_runs > 0 {
+        return interrupted(comparison, arguments);
+    }
     if comparison.recommended.is_none() {
         let progress = Progress::spinning("looking for why no format is good");
         comparison.not_a_question_of_format =
@@ -114,6 +118,18 @@ where
     }
     let ending = if comparison.recommended.is_some() { Ending::Good } else { Ending::RequirementNotMet };
     baseline.map_or(Ok(ending), |baseline| baseline.judge(comparison, ending))
+}
+
+/// Prints the runs that were finished.
+fn interrupted(comparison: &Comparison, arguments: &Arguments) -> Result<Ending> {
+    let text = if arguments.output.json { baseline::json("compare", comparison)? } else { table(comparison) };
+    output::write(arguments.output.out.as_deref(), &text)?;
+    let left_out = output::counted(comparison.interrupted_runs, "run", "runs");
+    output::say(&format!(
+        "feedbits: interrupted: {left_out} of {} left out",
+        comparison.interrupted_runs + comparison.formats.len()
+    ));
+    Ok(Ending::Interrupted)
 }
 
 /// Heading of the column for runs that pass a corner.

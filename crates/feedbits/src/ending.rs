@@ -7,4 +7,6 @@ pub(crate) enum Ending {
     Good,
     /// A stated requirement is not met.
     RequirementNotMet,
+    /// Ctrl-C has ended the work; what was finished is printed.
+    Interrupted,
 }

@@ -14,6 +14,7 @@ mod files;
 mod formats;
 mod input;
 mod interpolate;
+mod interrupt;
 mod machine;
 mod merge;
 mod output;
@@ -143,6 +144,7 @@ fn main() -> ExitCode {
     match ending {
         Ok(Ending::Good) => ExitCode::SUCCESS,
         Ok(Ending::RequirementNotMet) => ExitCode::from(1),
+        Ok(Ending::Interrupted) => ExitCode::from(interrupt::STATUS),
         Err(error) => {
             output::say(&format!("feedbits: {error:#}"));
             ExitCode::from(2)

@@ -32,6 +32,9 @@ pub struct Comparison {
     pub reference: &'static str,
     /// One run for each format and engine, in the order of rising cost.
     pub formats: Vec<JudgedRun>,
+    /// The number of runs that an interruption has left out.
+    #[serde(skip_serializing_if = "is_none")]
+    pub interrupted_runs: usize,
     /// The first format whose verdict is good. After pricing on targets, it is the cheapest good one on the first
     /// target.
     pub recommended: Option<String>,
@@ -47,6 +50,11 @@ pub struct Comparison {
     /// called.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub not_a_question_of_format: Option<NotOfFormat>,
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
+fn is_none(count: &usize) -> bool {
+    *count == 0
 }
 
 /// The part that was run, in figures.
@@ -159,7 +167,11 @@ where
             Err(refusal) => (JudgedRun::refused(name, &refusal), None),
         }
     };
-    let (runs, traces): (Vec<_>, Vec<_>) = in_parallel(&runs, |run| judged(*run)).into_iter().unzip();
+    // A run that was interrupted is left out. One that had ended before may be left out too.
+    let whole = |run| Some(judged(run)).filter(|_| !options.is_interrupted());
+    let judged = in_parallel(&runs, |run| whole(*run));
+    let left_out = judged.iter().filter(|run| run.is_none()).count();
+    let (runs, traces): (Vec<_>, Vec<_>) = judged.into_iter().flatten().unzip();
     let recommended = runs.iter().find(|run| run.verdict.is_good());
     let feedrate_mm_per_s = problem.feedrate_mm_per_s();
     let lowest = problem.feeds_mm_per_s.iter().copied().reduce(f64::min);
@@ -181,6 +193,37 @@ where
         fewest_bits: None,
         not_a_question_of_format: None,
         formats: runs,
+        interrupted_runs: left_out,
     };
     Ok(Compared { comparison, traces, plan: common })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::AtomicBool;
+
+    use super::*;
+    use crate::examples::{EXAMPLE, on_example_machine};
+    use crate::select;
+
+    /// Runs that were finished before an interruption stay, and are those of a comparison without one.
+    #[test]
+    fn an_interruption_leaves_out_what_is_not_finished() {
+        static INTERRUPT: AtomicBool = AtomicBool::new(false);
+        let problem = on_example_machine::<2>(EXAMPLE, "");
+        let formats = select::<2>(&["I8F24", "I4F28", "f32", "f64"]).unwrap();
+        let whole = compare(&problem, &formats, &[Engine::Pieces], &Options::default()).unwrap();
+        let progress = |done: u64, all: u64| INTERRUPT.store(done > all / 2, Ordering::Relaxed);
+        let options = Options { interrupt: Some(&INTERRUPT), ..Options::default() };
+        let watch = Watch { traces: true, progress: &progress };
+        let cut = compare_with(&problem, &formats, &[Engine::Pieces], &options, &watch).unwrap();
+        let (left, out) = (&cut.comparison.formats, cut.comparison.interrupted_runs);
+        assert!(left.len() + out == 4 && out > 0 && cut.traces.len() == left.len(), "{out} of 4 left out");
+        for run in left {
+            let same = whole.formats.iter().find(|one| one.format == run.format).unwrap();
+            assert_eq!((run.fluctuation, run.periods), (same.fluctuation, same.periods));
+        }
+        assert!(serde_json::to_string(&cut.comparison).unwrap().contains("interrupted_runs"));
+        assert!(!serde_json::to_string(&whole).unwrap().contains("interrupted_runs"));
+    }
 }

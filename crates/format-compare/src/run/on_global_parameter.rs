@@ -9,12 +9,12 @@ use secant_interp::{CurvePart, Interpolator, Method, State, Tolerance};
 
 use crate::plan::in_format::{in_format, nearest};
 use crate::plan::lengths::Lengths;
-use crate::problem::problem::Problem;
 use crate::refusal::Refusal;
 use crate::run::at_cruise::GreatestAtCruise;
 use crate::run::in_order::in_order;
 use crate::run::job::{Job, most_of_section};
 use crate::run::observer::{Observer, stretches, threads_for};
+use crate::run::options::Options;
 use crate::run::recorded_run::RecordedRun;
 use crate::run::run::{AboutRun, RunStep, resolution_at, unit_in_last_place};
 
@@ -37,7 +37,7 @@ pub(crate) fn audit<R: Backend, const D: usize>(job: &Job<'_, D>, method: Method
             parts.iter().all(|part| {
                 let mut state = part.start();
                 let most = most_of_section(part.schedule.periods());
-                (0..most).any(|_| part.step(&mut state).is_none())
+                (0..most).any(|_| part.step(&mut state).is_none() || job.options.is_interrupted())
             })
         })
     });
@@ -112,7 +112,7 @@ fn drive<R: Backend, const D: usize>(
     let work = |number: usize, stretch: &Range<usize>| {
         let begin = begins.get(stretch.start).copied().unwrap_or_default();
         let own = parts.get(stretch.clone()).unwrap_or_default();
-        let mut steps = Steps::new(own, plan.lengths_from(begin), problem);
+        let mut steps = Steps::new(own, plan.lengths_from(begin), job);
         observer.look(number, &mut steps);
         steps.by_ref().for_each(drop);
         steps
@@ -142,6 +142,7 @@ struct Steps<'a, R, const D: usize> {
     per_second: f64,
     periods: u64,
     finished: bool,
+    options: &'a Options,
     /// `½ ulp(u)/(u_{i+1} - u_i)`, the largest over the steps at cruise, by which fluctuation is judged.
     resolution: GreatestAtCruise<()>,
 }
@@ -158,15 +159,16 @@ struct OnPart<'a, R, const D: usize> {
 }
 
 impl<'a, R: Backend, const D: usize> Steps<'a, R, D> {
-    fn new(parts: &'a [RestToRest<'a, R, D>], lengths: Lengths<'a>, problem: &Problem<D>) -> Self {
+    fn new(parts: &'a [RestToRest<'a, R, D>], lengths: Lengths<'a>, job: &Job<'a, D>) -> Self {
         Self {
             parts: parts.iter(),
             lengths,
             current: None,
-            per_second: 1.0 / problem.period_s(),
+            per_second: 1.0 / job.problem.period_s(),
             periods: 0,
             finished: true,
-            resolution: GreatestAtCruise::new(problem.full_step_mm()),
+            options: job.options,
+            resolution: GreatestAtCruise::new(job.problem.full_step_mm()),
         }
     }
 
@@ -197,7 +199,7 @@ impl<R: Backend, const D: usize> Iterator for Steps<'_, R, D> {
                 self.current = None;
                 continue;
             };
-            on.most -= 1;
+            on.most = if self.options.is_interrupted() { 0 } else { on.most - 1 };
             let planned = if on.planned > 0 { self.lengths.next() } else { None };
             on.planned = on.planned.saturating_sub(1);
             let (wanted_mm, feed) = match planned {

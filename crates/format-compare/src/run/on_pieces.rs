@@ -81,7 +81,7 @@ pub(crate) fn audit<R: Backend, const D: usize>(job: &Job<'_, D>) -> Result<Audi
                 let run = whole.on(section);
                 let most = most_of_section(run.lengths.periods() as u64);
                 let mut state = run.start();
-                (0..most).any(|_| run.step(&mut state).is_none())
+                (0..most).any(|_| run.step(&mut state).is_none() || job.options.is_interrupted())
             })
         })
     };

@@ -1,6 +1,7 @@
 //! The options of a run.
 
 use std::fmt;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use feed_plan::ProfileKind;
 use real::{Backend, FormatName};
@@ -64,6 +65,15 @@ pub struct Options {
     pub fluctuation: Option<f64>,
     /// Changes of the feed while the plan runs; on pieces only.
     pub overrides: Option<OverrideCommands>,
+    /// Set from outside, it ends each run at its next period. A comparison leaves these runs out.
+    pub interrupt: Option<&'static AtomicBool>,
+}
+
+impl Options {
+    /// Whether runs are to end.
+    pub(crate) fn is_interrupted(&self) -> bool {
+        self.interrupt.is_some_and(|interrupt| interrupt.load(Ordering::Relaxed))
+    }
 }
 
 impl Default for Options {
@@ -76,6 +86,7 @@ impl Default for Options {
             end_feeds_mm_per_s: [0.0; 2],
             fluctuation: None,
             overrides: None,
+            interrupt: None,
         }
     }
 }

@@ -129,7 +129,7 @@ impl<R: Backend, const D: usize> Iterator for Steps<'_, R, D> {
                 continue;
             };
             if let Some(setpoint) = section.interpolator.step(&mut section.state) {
-                self.outcome.finished = left.most > 0;
+                self.outcome.finished = left.most > 0 && !self.job.options.is_interrupted();
                 left.most = left.most.saturating_sub(1);
                 let planned = if left.planned > 0 { self.lengths.next() } else { None };
                 left.planned = left.planned.saturating_sub(1);
@@ -193,7 +193,8 @@ impl<R: Backend, const D: usize> Iterator for OverriddenSteps<'_, R, D> {
             let wanted = feeds.advance(own, cursor, &mut { self.rates });
             let setpoint = section.interpolator.step_overridden(&mut section.state, feeds, &mut self.rates);
             if let Some(setpoint) = setpoint {
-                self.outcome.finished = self.outcome.periods < self.most;
+                self.outcome.finished =
+                    self.outcome.periods < self.most && !self.job.options.is_interrupted();
                 let planned = wanted.map(|length| (length, length.value()));
                 return Some(section.step(&setpoint, planned, &mut self.outcome));
             }
