@@ -35,7 +35,17 @@ pub struct LengthStage<R> {
     pub shape: StageShape<R>,
 }
 
+/// The longest stage of a compiled path, in 2⁻³² periods: 2²⁹ periods.
+pub(crate) const LONGEST_STAGE: u64 = 1 << 61;
+
 impl<R: Real> LengthStage<R> {
+    /// The durations of the stages that one of this duration becomes in a compiled path: of constant feed, one of more
+    /// than 2²⁹ periods becomes several.
+    pub fn parts(duration: u64, is_constant: bool) -> impl Iterator<Item = u64> {
+        let whole = if is_constant { duration.saturating_sub(1) / LONGEST_STAGE } else { 0 };
+        (0..whole).map(|_| LONGEST_STAGE).chain([duration - whole * LONGEST_STAGE])
+    }
+
     /// A stage of this duration whose feed is a cubic; `None` if the duration is zero, or 2⁶² or more.
     #[must_use]
     pub fn new(duration: u64, feed: R, change: R) -> Option<Self> {
@@ -213,6 +223,20 @@ mod tests {
     )]
     fn in_units(periods: f64) -> u64 {
         (periods * PERIOD as f64).round() as u64
+    }
+
+    /// A move that takes days is one stage of a plan, and more than a stage can count.
+    #[test]
+    fn a_long_stage_of_constant_feed_is_divided() {
+        let parts =
+            |duration, is_constant| LengthStage::<f64>::parts(duration, is_constant).collect::<Vec<_>>();
+        assert_eq!([parts(0, true), parts(LONGEST_STAGE, true)], [vec![0], vec![LONGEST_STAGE]]);
+        assert_eq!(parts(u64::MAX, true).len(), 8);
+        for duration in [1, LONGEST_STAGE + 1, 5 * LONGEST_STAGE, u64::MAX] {
+            assert_eq!(parts(duration, true).iter().sum::<u64>(), duration);
+            assert!(parts(duration, true).iter().all(|part| LengthStage::new(*part, 0.5, 0.0).is_some()));
+            assert_eq!(parts(duration, false), [duration]);
+        }
     }
 
     #[test]

@@ -3,11 +3,11 @@
 use std::path::Path;
 
 use anyhow::{Context, Result, bail};
-use format_compare::MOST_PERIODS;
 use servo_sim::{
     CircleTest, FEED_FORWARDS, ServoError, ServoParameters, VELOCITY_GAINS_PERCENT, roundness_plot,
 };
 
+use super::MOST_SIMULATED;
 use super::arguments::Arguments;
 use super::report::{CircleResult, LeftOut};
 use crate::output;
@@ -70,9 +70,9 @@ pub(super) fn circle_test(arguments: &Arguments, period: f64) -> Result<CircleTe
     // One turn to settle and one to measure, in the servo's own setting and in each setting of the tuning table.
     let runs = 1 + FEED_FORWARDS.len() * VELOCITY_GAINS_PERCENT.len();
     let periods = 2.0 * test.setpoints_per_turn() * runs as f64;
-    if test.feedrate > 0.0 && periods > MOST_PERIODS as f64 {
+    if test.feedrate > 0.0 && periods > MOST_SIMULATED as f64 {
         bail!(
-            "--circle {} at --feed {}: {periods:.3e} periods of {} ms in {runs} settings: expected at most {MOST_PERIODS}",
+            "--circle {} at --feed {}: {periods:.3e} periods of {} ms in {runs} settings: expected at most {MOST_SIMULATED}",
             arguments.circle,
             arguments.feed,
             period * 1000.0

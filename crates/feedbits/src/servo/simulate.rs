@@ -3,10 +3,11 @@
 use std::ops::Range;
 
 use anyhow::{Context, Result, bail};
-use format_compare::{Dimension, ExactPlan, Format, Options, Problem, RunStep, Space};
+use format_compare::{Dimension, ExactPlan, Format, LeastPeriods, Options, Problem, RunStep, Space};
 use nurbs_core::{Evaluate, NurbsBuf};
 use servo_sim::{Arrival, ErrorSize, Servo, ServoParameters, contour_error};
 
+use super::MOST_SIMULATED;
 use super::arguments::Arguments;
 use super::circle::circle_test;
 use super::ramp::ramped_setpoints;
@@ -27,6 +28,13 @@ where
     let engines = arguments.run.engines()?;
     let options = arguments.run.options_for(problem)?;
     expect_rest_at_the_ends(&options)?;
+    let least = LeastPeriods::of(problem, options.end_feeds_mm_per_s);
+    if least.periods > MOST_SIMULATED as f64 {
+        bail!(
+            "{}: {least}: expected at most {MOST_SIMULATED} in `servo`, which keeps every sample",
+            problem.name
+        );
+    }
     let mut rows = Vec::new();
     for format in selected::<D>(&arguments.formats)? {
         let plan = format_compare::plan_for(problem, format.as_ref(), &options);

@@ -78,7 +78,7 @@ mod tests {
     #[test]
     fn a_straight_move_is_the_curve_that_it_stands_for() {
         let points = vec![[1.0, -20.0, 7.0], [81.3, 0.1, 7.0]];
-        let curve = NurbsBuf::try_new(1, points, vec![], vec![0.25, 0.25, 1.75, 1.75]).unwrap();
+        let curve = NurbsBuf::try_new_nonrational(1, points, vec![0.25, 0.25, 1.75, 1.75]).unwrap();
         let (short, exact) = (ExactCurve::of(&curve).unwrap(), curve.convert::<DoubleDouble>().unwrap());
         assert!(short.is_straight());
         let off = |a: DoubleDouble, b: DoubleDouble| (a - b).value().abs();
@@ -96,12 +96,8 @@ mod tests {
 
     #[test]
     fn a_curve_is_evaluated_as_it_is() {
-        let bent = NurbsBuf::try_new(
-            1,
-            vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]],
-            vec![],
-            vec![0.0, 0.0, 1.0, 2.0, 2.0],
-        );
+        let points = vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]];
+        let bent = NurbsBuf::try_new_nonrational(1, points, vec![0.0, 0.0, 1.0, 2.0, 2.0]);
         let bent = ExactCurve::of(&bent.unwrap()).unwrap();
         assert!(!bent.is_straight() && bent.straight_chord((0.0, 0.0), (2.0, 0.0)).is_none());
         assert_eq!(bent.point((1.5, 0.0)).map(DoubleDouble::value), [1.0, 0.5]);

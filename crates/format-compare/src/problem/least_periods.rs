@@ -150,12 +150,12 @@ mod tests {
 
     /// Limits that no machine has are refused, each by its name.
     #[test]
-    fn what_would_take_hours_is_seen() {
+    fn what_would_take_days_is_seen() {
         let changes: [(Change, &str); 4] = [
-            (|m| m.interpolation_period_ms = 1e-5, "periods of 0.00001 ms"),
-            (|m| m.acceleration_mm_per_s2 = 1e-10, "an acceleration of 0.0000000001 mm/s²"),
-            (|m| m.jerk_mm_per_s3 = 1e-10, "a jerk of 0.0000000001 mm/s³"),
-            (|m| m.chord_error_mm = 1e-12, "a chord error of 0.000000000001 mm"),
+            (|m| m.interpolation_period_ms = 1e-9, "periods of 0.000000001 ms"),
+            (|m| m.acceleration_mm_per_s2 = 1e-17, "an acceleration of 0.00000000000000001 mm/s²"),
+            (|m| m.jerk_mm_per_s3 = 1e-26, "a jerk of 0.00000000000000000000000001 mm/s³"),
+            (|m| m.chord_error_mm = 1e-22, "a chord error of 0.0000000000000000000001 mm"),
         ];
         assert!(!LeastPeriods::of(&problem(|_| {}), [0.0; 2]).are_too_many());
         for (change, words) in changes {

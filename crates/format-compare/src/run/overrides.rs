@@ -208,9 +208,12 @@ pub struct OverrideCommands {
 /// The stages of a plan in the form of [`CompiledPath`](secant_interp::CompiledPath), exactly.
 fn compiled(stages: &[Stage<DoubleDouble>]) -> Vec<LengthStage<DoubleDouble>> {
     let durations = sections(stages).flat_map(|section| section.durations());
-    let compiled = stages.iter().zip(durations).filter_map(|(stage, duration)| {
+    let compiled = stages.iter().zip(durations).flat_map(|(stage, duration)| {
         let change = stage.end_feed - stage.start_feed;
-        Some(LengthStage::new(duration, stage.start_feed, change)?.shaped(stage.shape))
+        let parts = LengthStage::<DoubleDouble>::parts(duration, stage.start_feed == stage.end_feed);
+        parts
+            .filter_map(move |part| LengthStage::new(part, stage.start_feed, change))
+            .map(|compiled| compiled.shaped(stage.shape))
     });
     compiled.collect()
 }

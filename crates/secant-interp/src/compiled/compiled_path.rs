@@ -14,7 +14,7 @@ use real::{Backend, Real};
 use crate::pieces::chord_step::ChordTolerance;
 use crate::pieces::piece_interpolator::PieceInterpolator;
 use crate::pieces::section::{Section, sections};
-use crate::step_lengths::{LengthStage, StepLengths};
+use crate::step_lengths::{LONGEST_STAGE, LengthStage, StepLengths};
 
 /// Why a number format cannot hold a plan. Values are in mm and periods.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,6 +40,11 @@ pub enum CompiledPathError {
         step: f64,
         /// The longest step of the pieces, [`PieceLimits::step_mm`](nurbs_core::PieceLimits), in mm.
         longest: f64,
+    },
+    /// A stage in which the feed changes takes 2²⁹ periods or more.
+    StageTooLong {
+        /// The stage, from 0.
+        stage: usize,
     },
     /// The landing step is zero, negative or NaN: a remainder of the path behind the schedule's end would never be
     /// travelled.
@@ -73,6 +78,9 @@ impl fmt::Display for CompiledPathError {
                 "a period at the feed of stage {stage} and the landing step make {step:.6e} mm; the pieces were compiled for \
                  steps of {longest:.6e} mm"
             ),
+            Self::StageTooLong { stage } => {
+                write!(f, "the feed changes in stage {stage} for 2^29 periods or more")
+            }
             Self::LandingStepNotPositive { step } => {
                 write!(f, "the landing step, {step} mm, is not a positive number")
             }
@@ -179,12 +187,17 @@ impl<R: Backend, const D: usize> CompiledPath<R, D> {
                         .ok_or(CompiledPathError::FeedTooHigh { stage: index, feed: feed.to_f64() })
                 };
                 let (from, to) = (feed(stage.start_feed)?, feed(stage.end_feed)?);
-                let compiled = LengthStage::new(duration, from, to - from);
                 let shape = stage.shape.try_map(|by| {
                     nearest::<Q, R>(by, 0)
                         .ok_or(CompiledPathError::FeedTooHigh { stage: index, feed: stage.end_feed.to_f64() })
                 })?;
-                stages.extend(compiled.map(|compiled| compiled.shaped(shape)));
+                for part in LengthStage::<R>::parts(duration, stage.start_feed == stage.end_feed) {
+                    if part > LONGEST_STAGE {
+                        return Err(CompiledPathError::StageTooLong { stage: index });
+                    }
+                    let compiled = LengthStage::new(part, from, to - from);
+                    stages.extend(compiled.map(|compiled| compiled.shaped(shape)));
+                }
             }
             ends.push((stages.len(), section.rest().and_then(|(curve, u)| table.joint(curve, u.to_f64()))));
         }
