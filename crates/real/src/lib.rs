@@ -34,6 +34,8 @@
 //! | `Counted`, read by `OperationCounts::of` | how many operations of each kind are done |
 //! | `Recorded`, read by `Graph::of` | which operation takes its operands from which |
 //!
+//! [`FromWord`] makes a number of the bits that hold it, as a file has them.
+//!
 //! The integer algorithms beneath fixed point, with their derivations: division by Newton's reciprocal in `division.rs`,
 //! roots in `square_root.rs`, conversion and rounding of words in `word.rs`.
 //!
@@ -52,6 +54,7 @@ mod double_double;
 mod fixed_point;
 mod float;
 mod format_name;
+mod from_word;
 #[cfg(feature = "std")]
 mod histogram;
 mod lane;
@@ -86,6 +89,7 @@ pub use double_double::DoubleDouble;
 pub use fixed;
 pub use fixed_point::FixedPoint;
 pub use format_name::FormatName;
+pub use from_word::FromWord;
 #[cfg(feature = "std")]
 pub use histogram::Histogram;
 pub use lane::Lane;
