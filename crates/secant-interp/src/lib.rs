@@ -10,6 +10,7 @@
 //! | `global_parameter/` | where does a chord end on a curve with one parameter? Paper A's step | [`Interpolator`], [`secant`], [`predictor`], [`taylor`], [`CurvePart`] |
 //! | `feed_override/` | which chord, while an operator turns the feed down or holds it? | [`FeedOverride`], [`PieceInterpolator::step_overridden`] |
 //! | `compiled/` | how is a run stored for a controller, and does it make the same setpoints there? | `CompiledPath` (feature `alloc`; with an example from curve to setpoints), `Constant` (feature `std`), [`PositionChecksum`] |
+//! | `stream/` | how is a run read from a file, section by section, through a small buffer? | [`StreamReader`]; `PathStream` (feature `std`) writes the file |
 //!
 //! [`PieceInterpolator::step_by`] makes a chord of a length that the caller gives.
 //!
@@ -87,6 +88,21 @@ mod feed_override {
     pub(crate) mod overridden_step;
 }
 
+mod stream {
+    mod bytes;
+    mod crc32;
+    pub(crate) mod error;
+    pub(crate) mod header;
+    pub(crate) mod layout;
+    pub(crate) mod reader;
+    mod rows;
+    mod section_head;
+    pub(crate) mod storage;
+    pub(crate) mod stored_override;
+    #[cfg(feature = "std")]
+    pub(crate) mod writer;
+}
+
 mod compiled {
     #[cfg(feature = "alloc")]
     pub(crate) mod compiled_path;
@@ -114,6 +130,14 @@ pub use pieces::piece_interpolator::PieceInterpolator;
 pub use pieces::section::Section;
 pub use pieces::state::{PieceSetpoint, PieceState};
 pub use step_lengths::{LengthCursor, LengthStage, StepLengths};
+pub use stream::error::StreamError;
+pub use stream::header::StreamHeader;
+pub use stream::layout::SECTION_HEAD_BYTES;
+pub use stream::reader::StreamReader;
+pub use stream::storage::SectionStorage;
+pub use stream::stored_override::StreamOverride;
+#[cfg(feature = "std")]
+pub use stream::writer::{NoStream, PathStream, StreamedRun};
 
 /// The version of the kernels, major and minor. Constants that `feedbits compile` has written name theirs: with another version
 /// they do not compile, because fields and their meaning may differ.

@@ -35,11 +35,11 @@ use crate::feed_override::landing::Landing;
 use crate::step_lengths::{LengthCursor, StepLengths};
 
 /// The rate 1, in units of 2⁻³².
-const ONE: u64 = 1 << 32;
+pub(crate) const ONE: u64 = 1 << 32;
 
 /// A share of the plan's own speed, from 0 to 1, in units of 2⁻³²: the same in every format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Rate(u64);
+pub struct Rate(pub(crate) u64);
 
 impl Rate {
     /// Feed hold.
@@ -78,13 +78,13 @@ pub struct OverrideLimits<R> {
 /// How fast the rate may change: ρ₁ and ρ₂ in units of 2⁻³² per period and per period².
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FeedOverride {
-    slope: u64,
-    bend: NonZeroU64,
+    pub(crate) slope: u64,
+    pub(crate) bend: NonZeroU64,
     /// A and J in units of 2⁻⁴⁸, and J over A, at most 1, in units of 2⁻³². The landing behind the schedule's end needs
     /// them.
-    acceleration: u64,
-    jerk: u64,
-    jerk_per_acceleration: u64,
+    pub(crate) acceleration: u64,
+    pub(crate) jerk: u64,
+    pub(crate) jerk_per_acceleration: u64,
 }
 
 /// The present rate: all values that change from period to period.
@@ -218,7 +218,7 @@ impl FeedOverride {
 }
 
 /// J over A in units of 2⁻³², at most 1.
-fn quotient(jerk: u64, acceleration: u64) -> u64 {
+pub(crate) fn quotient(jerk: u64, acceleration: u64) -> u64 {
     let quotient = (u128::from(jerk) << 32).checked_div(u128::from(acceleration));
     quotient.and_then(|quotient| u64::try_from(quotient).ok()).map_or(ONE, |quotient| quotient.min(ONE))
 }
