@@ -1,8 +1,10 @@
-//! `feedbits compile`: a part for a controller, as constants that its firmware includes, or as C.
+//! `feedbits compile`: a part for a controller, as constants that its firmware includes, as C, or as a file that it reads
+//! section by section.
 
 mod c;
 mod judged;
 mod rust;
+mod stream;
 
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
@@ -13,6 +15,7 @@ use format_compare::{
 
 use c::CPlace;
 use judged::Judged;
+use stream::StreamPlace;
 
 use crate::ending::Ending;
 use crate::formats::selected;
@@ -34,6 +37,12 @@ pub(crate) struct Arguments {
     /// The language: constants for the Rust kernels, or C99 with the step in it.
     #[arg(long, value_enum, default_value_t = Language::Rust)]
     language: Language,
+    /// A file of sections from stop to stop, which a controller reads through a small buffer, instead of a language.
+    #[arg(long, requires = "out", conflicts_with_all = ["language", "flash"])]
+    stream: bool,
+    /// Bytes of that buffer: refuse a part with a section that takes more.
+    #[arg(long, value_name = "BYTES", requires = "stream")]
+    buffer: Option<usize>,
     /// Write to this file instead of the terminal. For C: to PATH.h and PATH.c, whose public names begin with PATH's last
     /// part.
     #[arg(long, value_name = "PATH")]
@@ -41,7 +50,7 @@ pub(crate) struct Arguments {
     /// Bytes of flash for the tables: refuse a part that takes more.
     #[arg(long, value_name = "BYTES")]
     flash: Option<usize>,
-    /// In C: with feed override up to this percentage of the commanded feed, 100 to 200, and feed hold. Such a run goes from
+    /// In C and in a stream: with feed override up to this percentage of the commanded feed, 100 to 200, and feed hold. Such a run goes from
     /// rest to rest.
     #[arg(
         long,
@@ -65,8 +74,10 @@ impl Arguments {
     /// The overrides that the files shall allow.
     fn overrides(&self) -> Result<Option<Overrides>> {
         let Some(percent) = self.feed_override else { return Ok(None) };
-        if self.language == Language::Rust {
-            bail!("--feed-override goes with --language c: in Rust the firmware calls `step_overridden`");
+        if self.language == Language::Rust && !self.stream {
+            bail!(
+                "--feed-override goes with --language c or --stream: in Rust the firmware calls `step_overridden`"
+            );
         }
         if !(100.0..=200.0).contains(&percent) {
             bail!("--feed-override {percent}: expected 100 to 200 % of the commanded feed");
@@ -85,18 +96,34 @@ enum Language {
     C,
 }
 
+/// Where a part goes.
+enum Place {
+    Rust,
+    C(CPlace),
+    Stream(StreamPlace),
+}
+
+impl Arguments {
+    /// The place, refused before long work if nothing can be written there.
+    fn place(&self) -> Result<Place> {
+        let out = self.out.as_deref();
+        Ok(match (out, self.language) {
+            (Some(out), _) if self.stream => Place::Stream(StreamPlace::of(out, self.buffer)?),
+            (_, Language::C) => Place::C(CPlace::of(out)?),
+            (_, Language::Rust) => {
+                output::expect_place(out)?;
+                Place::Rust
+            }
+        })
+    }
+}
+
 /// Compiles the part, judges the result as `compare` does, and writes it.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
-    let place = match arguments.language {
-        Language::Rust => {
-            output::expect_place(arguments.out.as_deref())?;
-            None
-        }
-        Language::C => Some(CPlace::of(arguments.out.as_deref())?),
-    };
+    let place = arguments.place()?;
     let fault = match arguments.run.problem(&arguments.input)? {
-        AnyProblem::Planar(problem) => compiled(&problem, arguments, place.as_ref())?,
-        AnyProblem::Spatial(problem) => compiled(&problem, arguments, place.as_ref())?,
+        AnyProblem::Planar(problem) => compiled(&problem, arguments, &place)?,
+        AnyProblem::Spatial(problem) => compiled(&problem, arguments, &place)?,
     };
     let Some(fault) = fault else { return Ok(Ending::Good) };
     output::say(&format!("feedbits: {fault}"));
@@ -107,7 +134,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
 fn compiled<const D: usize>(
     problem: &Problem<D>,
     arguments: &Arguments,
-    place: Option<&CPlace>,
+    place: &Place,
 ) -> Result<Option<String>>
 where
     Space: Dimension<D>,
@@ -121,7 +148,7 @@ where
     let Some(format) = formats.first().map(AsRef::as_ref) else { bail!("no format") };
     let overrides = arguments.overrides()?;
     let to_plan = overrides.as_ref().map_or_else(|| problem.clone(), |overrides| overrides.to_plan(problem));
-    if place.is_some() {
+    if let Place::C(_) = place {
         // What C cannot hold is refused before the long run of the judge.
         c::expect_type(format)?;
     }
@@ -135,8 +162,9 @@ where
     let options = Options { overrides: commands, ..options };
     let judged = Judged { problem: to_plan, plan, options, format, about, fault: fault_of(row) };
     match place {
-        Some(place) => c::write(&judged, place, arguments.flash, progress)?,
-        None => rust::write(&judged, arguments.out.as_deref(), arguments.flash, progress)?,
+        Place::C(place) => c::write(&judged, place, arguments.flash, progress)?,
+        Place::Stream(place) => stream::write(&judged, place, progress)?,
+        Place::Rust => rust::write(&judged, arguments.out.as_deref(), arguments.flash, progress)?,
     }
     Ok(judged.fault)
 }

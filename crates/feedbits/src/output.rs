@@ -69,6 +69,11 @@ pub(crate) fn usage(error: &clap::Error) -> ExitCode {
     ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2))
 }
 
+/// The begin of the message that a file cannot be written.
+fn cannot_write(path: &Path) -> String {
+    format!("cannot write {}", path.display())
+}
+
 /// The begin and end of a file's name until the file is whole; six random characters stand between.
 const UNFINISHED: [&str; 2] = [".feedbits-", ".part"];
 
@@ -99,18 +104,12 @@ pub(crate) fn write_by<T>(
         terminal.flush().context("cannot write to the terminal")?;
         return Ok(result);
     };
-    let cannot = || format!("cannot write {}", path.display());
-    let before = before(path)?;
-    if before.as_ref().is_some_and(|found| !found.is_file()) {
-        let device = fs::OpenOptions::new().write(true).open(path).with_context(cannot)?;
-        let mut device = io::BufWriter::new(device);
-        let result = by(&mut device).with_context(cannot)?;
-        device.flush().with_context(cannot)?;
-        return Ok(result);
-    }
-    let (file, target, result) = unfinished(path, before, by)?;
-    file.persist(&target).map_err(|failure| failure.error).with_context(cannot)?;
-    Ok(result)
+    write_file(path, |file| {
+        let mut buffer = io::BufWriter::new(file);
+        let result = by(&mut buffer)?;
+        buffer.flush().with_context(|| cannot_write(path))?;
+        Ok(result)
+    })
 }
 
 /// The terminal, or a pipe: what a reader that has gone away does not take is lost.
@@ -132,32 +131,45 @@ impl<W: Write> Write for Terminal<W> {
     }
 }
 
+/// Has `fill` write the file at `path`, which appears whole or not at all, as from [`write()`]. Bytes are written as they are, and the
+/// errors of `fill` are its own.
+pub(crate) fn write_file<T>(path: &Path, fill: impl FnOnce(&mut fs::File) -> Result<T>) -> Result<T> {
+    let before = before(path)?;
+    if before.as_ref().is_some_and(|found| !found.is_file()) {
+        let device = fs::OpenOptions::new().write(true).open(path);
+        return fill(&mut device.with_context(|| cannot_write(path))?);
+    }
+    let (file, target, filled) = unfinished(path, before, fill)?;
+    file.persist(&target).map_err(|failure| failure.error).with_context(|| cannot_write(path))?;
+    Ok(filled)
+}
+
 /// Writes several files that belong together: all of them appear, whole, or none.
 pub(crate) fn write_together(files: &[(&Path, &str)]) -> Result<()> {
     let mut written = Vec::with_capacity(files.len());
     for (path, text) in files {
         let before = before(path)?;
         if before.as_ref().is_some_and(|found| !found.is_file()) {
-            bail!("cannot write {}: it is no file", path.display());
+            bail!("{}: it is no file", cannot_write(path));
         }
-        let write = |file: &mut (dyn Write + Send)| Ok(file.write_all(text.as_bytes())?);
-        written.push((*path, unfinished(path, before, write)?));
+        let fill = |file: &mut fs::File| file.write_all(text.as_bytes()).with_context(|| cannot_write(path));
+        written.push((*path, unfinished(path, before, fill)?));
     }
     for (path, (file, target, ())) in written {
         let persisted = file.persist(&target).map_err(|failure| failure.error);
-        persisted.with_context(|| format!("cannot write {}", path.display()))?;
+        persisted.with_context(|| cannot_write(path))?;
     }
     Ok(())
 }
 
-/// What `by` writes in a file of another name beside its place, which is returned too. `before` is what is at the place
+/// What `fill` writes, in a file of another name beside its place, which is returned too. `before` is what is at the place
 /// now.
 fn unfinished<T>(
     path: &Path,
     before: Option<fs::Metadata>,
-    by: impl FnOnce(&mut (dyn Write + Send)) -> Result<T>,
+    fill: impl FnOnce(&mut fs::File) -> Result<T>,
 ) -> Result<(tempfile::NamedTempFile, PathBuf, T)> {
-    let cannot = || format!("cannot write {}", path.display());
+    let cannot = || cannot_write(path);
     let target = match before {
         Some(_) => fs::canonicalize(path).with_context(cannot)?,
         None => named_at_last(path),
@@ -173,17 +185,14 @@ fn unfinished<T>(
         // Before the text is in it: what was private is so all the while.
         file.as_file().set_permissions(found.permissions()).with_context(cannot)?;
     }
-    let mut buffer = io::BufWriter::new(&mut file);
-    let result = by(&mut buffer)?;
-    buffer.flush().with_context(cannot)?;
-    drop(buffer);
+    let filled = fill(file.as_file_mut())?;
     file.as_file().sync_all().with_context(cannot)?;
-    Ok((file, target, result))
+    Ok((file, target, filled))
 }
 
 /// The metadata of the file that is at `path` now; `None` if there is none. A folder there is an error.
 fn before(path: &Path) -> Result<Option<fs::Metadata>> {
-    let cannot = || format!("cannot write {}", path.display());
+    let cannot = || cannot_write(path);
     match fs::metadata(path) {
         Ok(found) if found.is_dir() => bail!("{}: it is a folder", cannot()),
         Ok(found) => Ok(Some(found)),
@@ -197,8 +206,7 @@ fn before(path: &Path) -> Result<Option<fs::Metadata>> {
 pub(crate) fn expect_place(path: Option<&Path>) -> Result<()> {
     let Some(path) = path else { return Ok(()) };
     if before(path)?.is_none() {
-        fs::metadata(folder_of(&named_at_last(path)))
-            .with_context(|| format!("cannot write {}", path.display()))?;
+        fs::metadata(folder_of(&named_at_last(path))).with_context(|| cannot_write(path))?;
     }
     Ok(())
 }

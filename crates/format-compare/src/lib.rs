@@ -6,7 +6,7 @@
 //! | `plan/` | what is the plan, exactly, and what does it ask of the machine? | [`ExactPlan`], [`PlanSummary`], [`FeedSample`], [`AxisPeak`] |
 //! | `run/` | which formats are there, and what does each make of a plan? | [`formats`], [`select`], [`plan_for`], [`Format::run`] → [`Run`] |
 //! | | how is it run? Engine, profile, feed overrides | [`Options`], [`Engine`], [`Overrides`] |
-//! | | which operations does a step take, and what does a controller get? | [`RecordedRun`], [`Constants`] |
+//! | | which operations does a step take, and what does a controller get? | [`RecordedRun`], [`Constants`], [`StreamRequest`] |
 //! | `cost/` | what does a period cost on a target? | [`Cost`] |
 //! | `judge/` | how good is a run, against double-double? | [`Reference::judge`] → [`JudgedStep`], [`Fluctuation`], [`Trace`] |
 //! | | does it keep what it must, and where does it not? | [`JudgedRun`], [`Requirement`], [`Verdict`] |
@@ -76,6 +76,7 @@ mod run {
     pub(crate) mod recorded_run;
     pub(crate) mod run;
     mod steps_on_pieces;
+    pub(crate) mod stream;
     pub(crate) mod vectors;
 }
 
@@ -136,6 +137,7 @@ pub use run::options::{Engine, Options, PlanIn};
 pub use run::overrides::{OverrideCommands, OverrideError, OverrideTarget, Overrides};
 pub use run::recorded_run::RecordedRun;
 pub use run::run::{AboutRun, Run, RunStep};
+pub use run::stream::{StreamFailure, StreamRequest};
 pub use run::vectors::{VectorColumn, VectorTable, Vectors, VectorsAbout};
 pub use size::fewest_bits::{FewestBits, fewest_bits};
 pub use size::size::{FrontPoint, Mixed, Register, Sizing, price_sizing, size};

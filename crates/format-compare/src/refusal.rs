@@ -6,6 +6,7 @@ use c_code::CError;
 use feed_plan::PlanError;
 use nurbs_core::{CompileError, CurveError};
 use real::FormatName;
+use secant_interp::NoStream;
 
 /// Why a part is not run in a format.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,6 +44,21 @@ pub enum Refusal {
     NoType(FormatName),
     /// C cannot hold the part.
     C(CError),
+    /// The part is too long for a stream.
+    Stream(NoStream),
+    /// A section is longer than the buffer through which it is to be read.
+    SectionTooLong {
+        /// Name of the part.
+        part: String,
+        /// The lines of its first and its last move, if they are known.
+        lines: Option<(usize, usize)>,
+        /// The section, from 0.
+        section: usize,
+        /// Its bytes.
+        bytes: u32,
+        /// Bytes of the buffer.
+        buffer: usize,
+    },
     /// The run was given up.
     Unfinished {
         /// The periods after which it was given up.
@@ -68,6 +84,16 @@ impl fmt::Display for Refusal {
                 write!(f, "{format} is no type of a controller: expected a float, or 8, 16, 32 or 64 bits")
             }
             Self::C(error) => error.fmt(f),
+            Self::Stream(error) => error.fmt(f),
+            Self::SectionTooLong { part, lines, section, bytes, buffer } => {
+                let too_long = format!("takes {bytes} bytes, and the buffer has {buffer}");
+                match lines {
+                    Some((from, to)) => {
+                        write!(f, "{part}:{from}: section {section}, up to line {to}, {too_long}")
+                    }
+                    None => write!(f, "{part}: section {section} {too_long}"),
+                }
+            }
             Self::Unfinished { periods, format } => {
                 write!(f, "the run in {format} is not at the end of the path after {periods} periods")
             }

@@ -134,6 +134,8 @@ pub use stream::error::StreamError;
 pub use stream::header::StreamHeader;
 pub use stream::layout::SECTION_HEAD_BYTES;
 pub use stream::reader::StreamReader;
+#[cfg(feature = "alloc")]
+pub use stream::storage::SectionBuf;
 pub use stream::storage::SectionStorage;
 pub use stream::stored_override::StreamOverride;
 #[cfg(feature = "std")]

@@ -4,6 +4,7 @@ use std::marker::PhantomData;
 
 use c_code::CFiles;
 use real::{Backend, FormatName, RuntimeFixed, RuntimeFormat};
+use secant_interp::StreamHeader;
 
 use crate::plan::exact_plan::ExactPlan;
 use crate::problem::problem::Problem;
@@ -17,6 +18,7 @@ use crate::run::observer::{Observer, with_steps};
 use crate::run::options::{Options, PlanIn};
 use crate::run::recorded_run::RecordedRun;
 use crate::run::run::{AboutRun, Run};
+use crate::run::stream::{StreamFailure, StreamRequest, stream};
 use crate::run::vectors::{Vectors, vectors};
 
 /// A number format that a part of dimension `D` can be run in.
@@ -91,6 +93,19 @@ pub trait Format<const D: usize>: Send + Sync {
         options: &Options,
         request: &CRequest,
     ) -> Result<CFiles, Refusal>;
+
+    /// Writes path and plan, compiled for this format, as a file of sections for a controller. Returns its header.
+    ///
+    /// # Errors
+    /// [`StreamFailure::Refused`] as from [`run`](Self::run), and if a controller has no such type or too small a buffer:
+    /// then nothing is written.
+    fn stream(
+        &self,
+        problem: &Problem<D>,
+        plan: &ExactPlan,
+        options: &Options,
+        request: &mut StreamRequest<'_>,
+    ) -> Result<StreamHeader, StreamFailure>;
 
     /// What the step on pieces holds in each period of that run, bit by bit.
     ///
@@ -167,6 +182,16 @@ impl<R: Backend, const D: usize> Format<D> for Of<R> {
         in_format_named(self.within(R::name), WritingC { job: Job { problem, plan, options }, request })
     }
 
+    fn stream(
+        &self,
+        problem: &Problem<D>,
+        plan: &ExactPlan,
+        options: &Options,
+        request: &mut StreamRequest<'_>,
+    ) -> Result<StreamHeader, StreamFailure> {
+        in_format_named(self.within(R::name), Streaming { job: Job { problem, plan, options }, request })
+    }
+
     fn vectors(&self, problem: &Problem<D>, plan: &ExactPlan, options: &Options) -> Result<Vectors, Refusal> {
         in_format_named(self.within(R::name), WritingVectors { job: Job { problem, plan, options } })
     }
@@ -211,6 +236,20 @@ impl<const D: usize> Work for WritingC<'_, D> {
 
     fn in_backend<R: Backend>(self) -> Self::Output {
         c_files::c_files::<R, D>(&self.job, self.request)
+    }
+}
+
+/// A stream to be written.
+struct Streaming<'a, 'w, const D: usize> {
+    job: Job<'a, D>,
+    request: &'a mut StreamRequest<'w>,
+}
+
+impl<const D: usize> Work for Streaming<'_, '_, D> {
+    type Output = Result<StreamHeader, StreamFailure>;
+
+    fn in_backend<R: Backend>(self) -> Self::Output {
+        stream::<R, D>(&self.job, self.request)
     }
 }
 

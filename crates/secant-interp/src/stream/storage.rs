@@ -1,11 +1,17 @@
 //! The place for the rows of a section.
 
-use nurbs_core::Piece;
+#[cfg(feature = "alloc")]
+use alloc::{vec, vec::Vec};
+
+use feed_plan::StageShape;
+use nurbs_core::{Joint, Piece};
 use real::FromWord;
 
 use crate::step_lengths::LengthStage;
 use crate::stream::bytes::Bytes;
 use crate::stream::error::StreamError;
+#[cfg(feature = "alloc")]
+use crate::stream::header::StreamHeader;
 use crate::stream::layout::RowShape;
 use crate::stream::rows;
 use crate::stream::section_head::SectionHead;
@@ -25,6 +31,35 @@ pub struct SectionStorage<'a, R, const D: usize> {
 }
 
 impl<R: FromWord, const D: usize> SectionStorage<'_, R, D> {
+    /// A row to make an array of pieces with. No section has it.
+    #[must_use]
+    pub fn no_piece() -> Piece<R, D> {
+        Piece {
+            origin: [0; D],
+            coordinate_exponent: 0,
+            step_exponent: 0,
+            range_exponent: 0,
+            joint_ratio: 0,
+            joint_exponent: 0,
+            joint: Joint::Smooth,
+            step_per_chord: [R::zero(); 2],
+        }
+    }
+
+    /// A row to make an array of stages with. No section has it.
+    #[must_use]
+    pub fn no_stage() -> LengthStage<R> {
+        LengthStage {
+            duration: 0,
+            reciprocal: 0,
+            reciprocal_exponent: 0,
+            period_share: R::zero(),
+            feed: R::zero(),
+            change: R::zero(),
+            shape: StageShape::Cubic,
+        }
+    }
+
     /// As many rows as the section has.
     pub(crate) fn rows_of(
         &mut self,
@@ -78,6 +113,38 @@ impl<R: FromWord, const D: usize> SectionStorage<'_, R, D> {
             }
         }
         Some(Ok(()))
+    }
+}
+
+/// Rows that a host allocates once, for the largest sections of a stream.
+#[cfg(feature = "alloc")]
+#[derive(Clone, Debug)]
+pub struct SectionBuf<R, const D: usize> {
+    pieces: Vec<Piece<R, D>>,
+    numerators: Vec<[R; D]>,
+    weights: Vec<R>,
+    stages: Vec<LengthStage<R>>,
+}
+
+#[cfg(feature = "alloc")]
+impl<R: FromWord, const D: usize> SectionBuf<R, D> {
+    /// Rows for every section of the stream with this header.
+    #[must_use]
+    pub fn for_stream(header: &StreamHeader) -> Self {
+        let rows = |count: u32| usize::try_from(count).unwrap_or(usize::MAX);
+        let (shape, pieces) = (header.row_shape(R::BYTES), rows(header.largest_pieces));
+        Self {
+            pieces: vec![SectionStorage::no_piece(); pieces],
+            numerators: vec![[R::zero(); D]; pieces.saturating_mul(shape.degree)],
+            weights: vec![R::zero(); pieces.saturating_mul(shape.weights())],
+            stages: vec![SectionStorage::<R, D>::no_stage(); rows(header.largest_stages)],
+        }
+    }
+
+    /// The rows, for a [`StreamReader`](crate::StreamReader).
+    pub fn storage(&mut self) -> SectionStorage<'_, R, D> {
+        let Self { pieces, numerators, weights, stages } = self;
+        SectionStorage { pieces, numerators, weights, stages }
     }
 }
 

@@ -14,3 +14,4 @@ mod passed_corners;
 mod path_run;
 mod random_paths;
 mod random_programs;
+mod stream;

@@ -1,0 +1,61 @@
+//! A part as a file of sections, which a controller reads through a small buffer.
+
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+use format_compare::{StreamFailure, StreamRequest};
+
+use super::judged::Judged;
+use crate::output;
+use crate::progress::Progress;
+
+/// The file, and the buffer of its reader.
+pub(crate) struct StreamPlace {
+    file: PathBuf,
+    /// Bytes of the buffer, if they are known.
+    buffer: Option<usize>,
+}
+
+impl StreamPlace {
+    /// The file at `out`.
+    pub(crate) fn of(out: &Path, buffer: Option<usize>) -> Result<Self> {
+        output::expect_place(Some(out))?;
+        Ok(Self { file: out.to_path_buf(), buffer })
+    }
+}
+
+/// Writes the part.
+pub(crate) fn write<const D: usize>(
+    judged: &Judged<'_, D>,
+    place: &StreamPlace,
+    progress: Progress,
+) -> Result<()> {
+    let Judged { problem, plan, options, format, .. } = judged;
+    let StreamPlace { file: path, buffer } = place;
+    let cannot = || format!("cannot write {}", path.display());
+    let header = output::write_file(path, |file| {
+        let mut to = BufWriter::new(file);
+        let mut request = StreamRequest { buffer: *buffer, to: &mut to };
+        let header = match format.stream(problem, plan, options, &mut request) {
+            Err(StreamFailure::Write(error)) => return Err(error).with_context(cannot),
+            other => other?,
+        };
+        to.flush().with_context(cannot)?;
+        Ok(header)
+    })?;
+    progress.finish();
+    let sections = output::counted(usize::try_from(header.sections)?, "section", "sections");
+    output::note(&format!(
+        "{}: {} periods in {sections}, {} bytes; the largest section takes a buffer of {} bytes, {} pieces and {} stages; \
+         checksum {:#018x}",
+        path.display(),
+        header.periods,
+        header.file_bytes,
+        header.largest_bytes,
+        header.largest_pieces,
+        header.largest_stages,
+        header.checksum
+    ));
+    Ok(())
+}
