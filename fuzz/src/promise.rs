@@ -3,12 +3,15 @@
 
 #![forbid(unsafe_code)]
 
+mod stream;
+
 use part_program::{
     Curve, Dialect, MoveKind, Part, ReadOptions, inspect, read_part, read_part_bytes, write_curves,
     write_g5_2, write_g06_2,
 };
 use real::Backend;
 use secant_interp::Method;
+pub use stream::{reads_stream, sealed};
 use stress::{OnCurve, OnPieces, PlannedPath, RandomPath, Violation};
 
 /// The longest plan that a fuzzer has time for.

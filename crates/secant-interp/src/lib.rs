@@ -90,7 +90,7 @@ mod feed_override {
 
 mod stream {
     mod bytes;
-    mod crc32;
+    pub(crate) mod crc32;
     pub(crate) mod error;
     pub(crate) mod header;
     pub(crate) mod layout;
@@ -130,6 +130,7 @@ pub use pieces::piece_interpolator::PieceInterpolator;
 pub use pieces::section::Section;
 pub use pieces::state::{PieceSetpoint, PieceState};
 pub use step_lengths::{LengthCursor, LengthStage, StepLengths};
+pub use stream::crc32::crc32;
 pub use stream::error::StreamError;
 pub use stream::header::StreamHeader;
 pub use stream::layout::SECTION_HEAD_BYTES;

@@ -73,13 +73,13 @@ pub(crate) fn stream<R: Backend, const D: usize>(
         NoStream::NoWord(format) => Refusal::NoType(format),
         other => Refusal::Stream(other),
     })?;
-    if let Some(buffer) = request.buffer {
-        let mut sections = stream.section_bytes().enumerate();
-        let too_long = sections.find(|(_, bytes)| usize::try_from(*bytes).is_ok_and(|bytes| bytes > buffer));
-        if let Some((section, bytes)) = too_long {
-            let (part, lines) = (job.problem.name.clone(), lines(job, &path, section));
-            return Err(Refusal::SectionTooLong { part, lines, section, bytes, buffer }.into());
-        }
+    let longest = stream.section_bytes().enumerate().max_by_key(|(_, bytes)| *bytes);
+    let buffer = request.buffer.unwrap_or(usize::MAX);
+    if let Some((section, bytes)) = longest
+        && usize::try_from(bytes).is_ok_and(|bytes| bytes > buffer)
+    {
+        let (part, lines) = (job.problem.name.clone(), lines(job, &path, section));
+        return Err(Refusal::SectionTooLong { part, lines, section, bytes, buffer }.into());
     }
     stream.write(request.to)?;
     Ok(*stream.header())

@@ -1,6 +1,6 @@
 //! The checksum that finds damaged bytes.
 
-/// CRC-32 of some bytes.
+/// CRC-32 of some bytes, as streams have it.
 ///
 /// It is the remainder of the bytes, as a polynomial over bits, by `x³² + x²⁶ + x²³ + x²² + x¹⁶ + x¹² + x¹¹ + x¹⁰ + x⁸ +
 /// x⁷ + x⁵ + x⁴ + x² + x + 1`; bits run from low to high, and all bits are turned before the first byte and behind the
@@ -8,7 +8,8 @@
 ///
 /// # Source
 /// IEEE 802.3, clause 3.2.9. Four bits are taken at a time: a table of 64 bytes serves a controller better than one of 1024.
-pub(crate) fn crc32(bytes: &[u8]) -> u32 {
+#[must_use]
+pub fn crc32(bytes: &[u8]) -> u32 {
     let mut crc = !0_u32;
     for byte in bytes {
         crc ^= u32::from(*byte);

@@ -169,6 +169,13 @@ impl StreamHeader {
         self.to_bytes().last_chunk().map_or(0, |crc| u32::from_le_bytes(*crc))
     }
 
+    /// The name of the number format; empty if it is no text.
+    #[must_use]
+    pub fn format_name(&self) -> &str {
+        let name = self.format.split(|byte| *byte == 0).next().unwrap_or_default();
+        core::str::from_utf8(name).unwrap_or_default()
+    }
+
     /// What the lengths of rows depend on, for numbers of so many bytes.
     pub(crate) fn row_shape(&self, number: usize) -> RowShape {
         let (dimension, degree) = (self.dimension.into(), self.degree.into());

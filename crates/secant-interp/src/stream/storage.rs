@@ -158,3 +158,17 @@ fn first<'r, T>(
     let room = storage.len();
     storage.get_mut(..needed).ok_or(StreamError::NoRoom { section, rows, needed, room })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use real::I4F28;
+
+    /// `docs/stream.md` says how many bytes rows take.
+    #[test]
+    fn rows_take_the_bytes_of_the_book() {
+        assert_eq!((size_of::<Piece<I4F28, 2>>(), size_of::<Piece<I4F28, 3>>()), (32, 40));
+        assert_eq!((size_of::<Piece<f64, 2>>(), size_of::<Piece<f64, 3>>()), (40, 48));
+        assert_eq!((size_of::<LengthStage<f32>>(), size_of::<LengthStage<f64>>()), (40, 64));
+    }
+}

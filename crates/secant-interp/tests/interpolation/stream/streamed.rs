@@ -7,7 +7,7 @@ use nurbs_core::{NurbsBuf, PieceLimits, compile_with_stops};
 use real::{Backend, DoubleDouble, FromWord};
 use secant_interp::{
     ChordTolerance, CompiledPath, FeedOverride, OverrideLimits, PathStream, PieceInterpolator,
-    SECTION_HEAD_BYTES, SectionBuf, StreamError, StreamHeader, StreamReader, StreamedRun,
+    SECTION_HEAD_BYTES, SectionBuf, StreamError, StreamHeader, StreamReader, StreamedRun, crc32,
 };
 
 /// Lines and arcs with corners that stop the plan. Coordinates beyond the plane rise with each curve.
@@ -114,18 +114,6 @@ pub(crate) fn read<R: FromWord, const D: usize>(
         Ok(())
     })();
     (done, result)
-}
-
-/// CRC-32, bit by bit.
-fn crc32(bytes: &[u8]) -> u32 {
-    let mut crc = !0_u32;
-    for byte in bytes {
-        crc ^= u32::from(*byte);
-        for _ in 0..8 {
-            crc = (crc >> 1) ^ (0xedb8_8320 * (crc & 1));
-        }
-    }
-    !crc
 }
 
 /// Writes the CRC of the bytes before the last four into these four.
