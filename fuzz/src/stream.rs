@@ -3,7 +3,7 @@
 use real::FromWord;
 use secant_interp::{
     OverrideState, PieceInterpolator, SECTION_HEAD_BYTES, SectionStorage, StreamError, StreamHeader,
-    StreamReader, crc32,
+    StreamReader, VERSION, crc32,
 };
 
 /// The rows of a small controller.
@@ -57,11 +57,14 @@ fn run<R: FromWord, const D: usize>(header: &StreamHeader, run: &PieceInterpolat
     }
 }
 
-/// The same bytes with every CRC as a reader expects it, so that what is behind the CRCs is read too.
+/// The same bytes with the version of the kernels and every CRC as a reader expects them, so that what is behind these is
+/// read too.
 #[must_use]
 pub fn sealed(bytes: &[u8]) -> Vec<u8> {
     let mut file = bytes.to_vec();
     let Some(header) = file.get_mut(..StreamHeader::BYTES) else { return file };
+    let [major, minor] = VERSION.map(u16::to_le_bytes);
+    header[10..14].copy_from_slice(&[major, minor].concat());
     let of_file = seal(header);
     let mut at = StreamHeader::BYTES;
     while let Some(head) = file.get_mut(at..at + SECTION_HEAD_BYTES) {

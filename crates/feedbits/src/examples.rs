@@ -10,7 +10,8 @@ pub(crate) const INTERPOLATE: &str = "Examples:
   feedbits interpolate part.nc --machine mill.toml --format I4F28 --out setpoints.csv
   feedbits interpolate --format f64 --solver taylor-2";
 pub(crate) const COMPILE: &str = "Examples:
-  feedbits compile part.nc --machine mill.toml --format I4F28 --out part.rs";
+  feedbits compile part.nc --machine mill.toml --format I4F28 --out part.rs
+  feedbits compile part.nc --machine mill.toml --format I4F28 --stream --buffer 16384 --out part.stream";
 pub(crate) const PLAN: &str = "Examples:
   feedbits plan part.nc --machine mill.toml
   feedbits plan --profile s-curve --out plan.csv";

@@ -45,7 +45,7 @@ fn a_part_becomes_a_file_of_sections_with_the_checksum_of_the_constants() {
         assert_eq!(file.len() as u64, number_before(&said, " bytes;"));
         assert!(file.starts_with(b"feedbits") && file[16..24].starts_with(format.as_bytes()));
         let largest = u32::from_le_bytes(*file[124..].first_chunk().expect("four bytes"));
-        assert_eq!(u64::from(largest), number_before(&said, " bytes, "));
+        assert_eq!(u64::from(largest), number_before(&said, " bytes and room"));
         let (_, constants) = compile(folder.path(), &["--format", format, "--out", "part.rs"]);
         let checksum = said.split("checksum ").nth(1).expect("a checksum");
         assert!(constants.ends_with(checksum), "{constants} and {said}");

@@ -16,7 +16,9 @@ const IN_SPACE: &str =
     "G0 X0 Y0 Z5\nG1 Z0 F3000\nX20\nG2 X30 Y10 Z-1 R10\nG1 Y30\nX10 Y35 Z2\nG0 Z5\nX0 Y0\nG1 Z0\nX5 Y5\n";
 
 fn machine() -> Machine {
-    read_machine("mill.toml", EXAMPLE.split("[[").next().unwrap()).unwrap()
+    let (_, behind) = EXAMPLE.split_once("[machine]").unwrap();
+    let (machine, _) = behind.split_once("[table").unwrap();
+    read_machine("mill.toml", &format!("[machine]{machine}")).unwrap()
 }
 
 fn problem<const D: usize>(name: &str, part: &str) -> Problem<D> {

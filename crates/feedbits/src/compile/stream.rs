@@ -45,16 +45,18 @@ pub(crate) fn write<const D: usize>(
         Ok(header)
     })?;
     progress.finish();
-    let sections = output::counted(usize::try_from(header.sections)?, "section", "sections");
+    let counted =
+        |count: u32, one, more| output::counted(usize::try_from(count).unwrap_or(usize::MAX), one, more);
+    let sections = counted(header.sections, "section", "sections");
+    let pieces = counted(header.largest_pieces, "piece", "pieces");
+    let stages = counted(header.largest_stages, "stage", "stages");
     output::note(&format!(
-        "{}: {} periods in {sections}, {} bytes; the largest section takes a buffer of {} bytes, {} pieces and {} stages; \
-         checksum {:#018x}",
+        "{}: {} periods in {sections}, {} bytes; it takes a buffer of {} bytes and room for {pieces} and {stages}; checksum \
+         {:#018x}",
         path.display(),
         header.periods,
         header.file_bytes,
         header.largest_bytes,
-        header.largest_pieces,
-        header.largest_stages,
         header.checksum
     ));
     Ok(())

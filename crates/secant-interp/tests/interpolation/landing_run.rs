@@ -1,9 +1,9 @@
 //! A plan over plane curves as real time has it, and the exact points of its setpoints.
 
-use feed_plan::{KinematicLimits, ScheduleBuf, Stage};
+use feed_plan::{FeedPiece, KinematicLimits, ScheduleBuf, Stage};
 use nurbs_core::{Evaluate, NurbsCurve, PieceLimits, Place, compile_with_stops};
 use real::{Backend, DoubleDouble, Real};
-use secant_interp::{ChordTolerance, CompiledPath};
+use secant_interp::{ChordTolerance, CompiledPath, FeedOverride, OverrideLimits};
 
 /// Path and plan in `R`, to land on each of its stops.
 pub(crate) fn compiled<R: Backend>(
@@ -16,6 +16,21 @@ pub(crate) fn compiled<R: Backend>(
     let table = compile_with_stops::<DoubleDouble, R, 2>(curves, &cut, &stops).unwrap();
     let tolerance = ChordTolerance::for_fluctuation(None, 5);
     CompiledPath::new(table, &plan.as_schedule(), tolerance, limits.acceleration).unwrap()
+}
+
+/// What an override may do with a plan on this machine: the plan is made for less than its limits.
+pub(crate) fn overrides(plan: &ScheduleBuf<f64>, machine: &KinematicLimits<f64>) -> FeedOverride {
+    let most = |of: fn(&FeedPiece<f64>) -> f64| {
+        plan.stages().iter().map(|stage| of(&stage.piece())).fold(0.0, f64::max)
+    };
+    let limits = OverrideLimits {
+        acceleration: machine.acceleration,
+        jerk: machine.jerk,
+        planned_acceleration: most(FeedPiece::peak_acceleration),
+        planned_jerk: most(FeedPiece::peak_jerk),
+        planned_feed: most(|piece| piece.start_feed.max(piece.end_feed)),
+    };
+    FeedOverride::new(&limits).unwrap()
 }
 
 /// Where a phase of one of these pieces is; past the last one, their end.

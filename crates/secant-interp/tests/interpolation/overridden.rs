@@ -1,10 +1,10 @@
 //! Runs with feed override land on the end of the path, and on every stop where sections are run one by one, within the jerk limit.
 
-use feed_plan::{EndFeeds, FeedLimit, FeedPiece, KinematicLimits, ProfileKind, ScheduleBuf, plan_with};
+use feed_plan::{EndFeeds, FeedLimit, KinematicLimits, ProfileKind, ScheduleBuf, plan_with};
 use nurbs_core::NurbsBuf;
 use proptest::prelude::*;
 use real::{Backend, I4F28, I4F60, I8F24, I16F48};
-use secant_interp::{FeedOverride, OverrideLimits, OverrideState, Rate};
+use secant_interp::{FeedOverride, OverrideState, Rate};
 
 /// Lines, and parabolas that turn by a right angle over `size` mm, with a stop behind each thirtieth curve, where the path turns
 /// back.
@@ -64,17 +64,8 @@ impl Job {
         let limit = FeedLimit::along_with_stops(&whole, &kept, &stops).unwrap();
         let arcs = plan_with(&limit, &kept, EndFeeds::default(), kind).unwrap();
         let plan = limit.in_chords(&whole, &arcs);
-        let most = |of: fn(&FeedPiece<f64>) -> f64| {
-            plan.stages().iter().map(|stage| of(&stage.piece())).fold(0.0, f64::max)
-        };
-        let feeds = FeedOverride::new(&OverrideLimits {
-            acceleration: machine.acceleration,
-            jerk: machine.jerk,
-            planned_acceleration: most(FeedPiece::peak_acceleration),
-            planned_jerk: most(FeedPiece::peak_jerk),
-            planned_feed: most(|piece| piece.start_feed.max(piece.end_feed)),
-        });
-        Self { curves, plan, machine, feeds: feeds.unwrap() }
+        let feeds = crate::landing_run::overrides(&plan, &machine);
+        Self { curves, plan, machine, feeds }
     }
 
     /// The largest third difference of the distance over J T³, over all sections together, with where that is. Targets

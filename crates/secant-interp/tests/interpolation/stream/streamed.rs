@@ -1,14 +1,14 @@
 //! A path with stops, as a stream, and a controller that reads it.
 
-use feed_plan::{
-    EndFeeds, FeedLimit, FeedPiece, KinematicLimits, ProfileKind, ScheduleBuf, Stage, plan_with,
-};
+use feed_plan::{EndFeeds, FeedLimit, KinematicLimits, ProfileKind, ScheduleBuf, Stage, plan_with};
 use nurbs_core::{NurbsBuf, PieceLimits, compile_with_stops};
 use real::{Backend, DoubleDouble, FromWord};
 use secant_interp::{
-    ChordTolerance, CompiledPath, FeedOverride, OverrideLimits, PathStream, PieceInterpolator,
-    SECTION_HEAD_BYTES, SectionBuf, StreamError, StreamHeader, StreamReader, StreamedRun, crc32,
+    ChordTolerance, CompiledPath, FeedOverride, PathStream, PieceInterpolator, SECTION_HEAD_BYTES,
+    SectionBuf, StreamError, StreamHeader, StreamReader, StreamedRun, crc32,
 };
+
+use crate::landing_run::overrides;
 
 /// Lines and arcs with corners that stop the plan. Coordinates beyond the plane rise with each curve.
 fn curves<const D: usize>(rational: bool) -> Vec<NurbsBuf<f64, D>> {
@@ -46,23 +46,14 @@ pub(crate) fn compiled<R: Backend, const D: usize>(rational: bool) -> (CompiledP
     let limit = FeedLimit::along(&whole, &kept).unwrap();
     let arcs = plan_with(&limit, &kept, EndFeeds::default(), ProfileKind::default()).unwrap();
     let plan: ScheduleBuf<f64> = limit.in_chords(&whole, &arcs);
-    let most = |of: fn(&FeedPiece<f64>) -> f64| {
-        plan.stages().iter().map(|stage| of(&stage.piece())).fold(0.0, f64::max)
-    };
-    let feeds = FeedOverride::new(&OverrideLimits {
-        acceleration: machine.acceleration,
-        jerk: machine.jerk,
-        planned_acceleration: most(FeedPiece::peak_acceleration),
-        planned_jerk: most(FeedPiece::peak_jerk),
-        planned_feed: most(|piece| piece.start_feed.max(piece.end_feed)),
-    });
+    let feeds = overrides(&plan, &machine);
     let stops: Vec<_> = plan.stages().iter().filter_map(Stage::rest).collect();
     let cut = PieceLimits { length_mm: 2.0, step_mm: machine.feedrate + machine.acceleration };
     let table = compile_with_stops::<DoubleDouble, R, D>(&whole, &cut, &stops).unwrap();
     let tolerance = ChordTolerance::for_fluctuation(None, 5);
     let path = CompiledPath::new(table, &plan.as_schedule(), tolerance, machine.acceleration).unwrap();
     assert!(path.sections().len() > 4, "{}: the path has stops", R::name());
-    (path, feeds.unwrap())
+    (path, feeds)
 }
 
 /// The file of a path. `periods` only tells files apart.
