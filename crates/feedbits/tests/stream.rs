@@ -1,13 +1,12 @@
 //! `compile --stream`: a part as a file of sections. That a reader makes the judged run of it is tested where it is written.
 
 mod message;
-mod small_part;
 
 use std::fs;
 use std::path::Path;
+use std::process::Command;
 
 use message::unfolded;
-use small_part::feedbits;
 
 /// Two sections: the second begins behind a rapid move.
 const PROGRAM: &str = "G0 X0 Y0\nG1 X10 F3000\nG3 X10 Y20 R10\nG0 X0\nG1 Y30\n";
@@ -21,7 +20,9 @@ fn names(folder: &Path) -> Vec<String> {
 }
 
 fn compile(folder: &Path, arguments: &[&str]) -> (Option<i32>, String) {
-    let output = feedbits(folder, &[&["compile", "part.nc", "--machine", "router"], arguments].concat());
+    let mut command = Command::new(env!("CARGO_BIN_EXE_feedbits"));
+    command.args(["compile", "part.nc", "--machine", "router"]).args(arguments).current_dir(folder);
+    let output = command.output().expect("it starts");
     assert!(output.stdout.is_empty());
     (output.status.code(), unfolded(&output.stderr))
 }
@@ -104,4 +105,23 @@ fn a_stream_for_overrides_says_so_in_its_header() {
     };
     assert_eq!(commanded(&["--feed-override", "125"]), (1_u64 << 32) * 4 / 5);
     assert_eq!(commanded(&[]), 0);
+}
+
+/// A write past so many blocks of 512 bytes fails, as on a full disk.
+#[test]
+#[cfg(unix)]
+fn a_write_that_fails_half_way_leaves_the_old_file() {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("part.stream"), "old").expect("a file");
+    let script = format!(
+        "trap '' XFSZ; ulimit -f 4; exec {} compile --format f64 --stream --out part.stream",
+        env!("CARGO_BIN_EXE_feedbits")
+    );
+    let output =
+        Command::new("sh").args(["-c", &script]).current_dir(folder.path()).output().expect("a shell");
+    let said = unfolded(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(said.contains("cannot write part.stream") && said.contains("File too large"), "{said}");
+    assert_eq!(fs::read(folder.path().join("part.stream")).expect("a file"), b"old");
+    assert_eq!(names(folder.path()), ["part.stream"]);
 }

@@ -88,6 +88,9 @@ impl fmt::Display for Refusal {
             Self::SectionTooLong { part, lines, section, bytes, buffer } => {
                 let too_long = format!("takes {bytes} bytes, and the buffer has {buffer}");
                 match lines {
+                    Some((line, last)) if line == last => {
+                        write!(f, "{part}:{line}: section {section} {too_long}")
+                    }
                     Some((from, to)) => {
                         write!(f, "{part}:{from}: section {section}, up to line {to}, {too_long}")
                     }
