@@ -163,7 +163,7 @@ fn written<const D: usize>(
         // Behind the end the machine is at rest.
         summary.add(0.0);
         summary.add(0.0);
-        failure.map_or(Ok(()), Err)?;
+        failure.map_or(Ok(()), Err).context("cannot write the setpoints")?;
         rows.finish()?;
         Ok((about, summary))
     })

@@ -83,14 +83,14 @@ const UNFINISHED: [&str; 2] = [".feedbits-", ".part"];
 /// directly. Styles are shown on a terminal that has them, unless the environment says NO_COLOR, and are left out
 /// elsewhere.
 pub(crate) fn write(path: Option<&Path>, text: &str) -> Result<()> {
-    if path.is_none() {
+    let Some(path) = path else {
         return match anstream::stdout().lock().write_all(text.as_bytes()) {
             Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
             other => other.context("cannot write to the terminal"),
         };
-    }
+    };
     let text = anstream::adapter::strip_str(text).to_string();
-    write_by(path, |file| Ok(file.write_all(text.as_bytes())?))
+    write_file(path, |file| file.write_all(text.as_bytes()).with_context(|| cannot_write(path)))
 }
 
 /// As [`write()`], for a text without styles that `by` writes bit by bit. If `by` fails, no file appears.
