@@ -7,11 +7,11 @@
 //! | `transition/` | how does the feed get from one value to another? | [`Transition`] of a [`ProfileKind`], made of [`FeedPiece`]s |
 //! | `schedule/` | what is a plan, and how far does it go in each period? | [`Stage`], [`Section`], [`Schedule`], [`Cursor`], [`ScheduleBuf`] |
 //! | `plan/` | which feed is reached where? Key points, passes, cruise, whole periods | [`plan()`], [`plan_with`] |
-//! | | the same through a window, for a path of any length | [`plan_through_window`] |
 //! | | what can no plan beat? | [`jerk_free_duration`], and with the jerk limited [`least_duration`] |
 //! | `axes/` | what is the fastest plan where single axes are limited? Interior point on a spline of v² | [`plan_within_axes`] |
 //! | `chords/` | which plan do setpoints keep whose chords, not arcs, have the planned lengths? | [`FeedLimit::in_chords`]; its parts [`FeedLimit::shortfalls`], [`ScheduleBuf::shortened`] |
 //! | | all of it in one call: the limit, the plan in arcs, the plan in chords | [`Planned`] |
+//! | `window/` | which plans are these of a path of any length, of which no more than a window is in view? | [`plan_through_window`] |
 //!
 //! A folder uses only those above it in the table.
 //!
@@ -142,7 +142,6 @@ mod plan {
     pub(crate) mod ramps;
     pub(crate) mod stages;
     pub(crate) mod whole_periods;
-    pub(crate) mod window;
     pub(crate) mod without_look_ahead;
 }
 
@@ -167,9 +166,16 @@ mod chords {
     #[cfg(test)]
     mod corner_chords;
     pub(crate) mod feeds;
-    mod landing;
+    pub(crate) mod landing;
     pub(crate) mod planned;
     pub(crate) mod shortfall;
+}
+
+#[cfg(feature = "alloc")]
+mod window {
+    pub(crate) mod chord_run;
+    pub(crate) mod view;
+    pub(crate) mod window;
 }
 
 #[cfg(feature = "std")]
@@ -194,8 +200,12 @@ pub use {
         look_ahead::{plan, plan_with},
         lower_bound::jerk_free_duration,
         merge_verdicts::merge_verdicts,
-        window::{CommandedCurve, WindowedPlan, plan_through_window},
     },
     schedule::schedule_buf::ScheduleBuf,
     transition::transition::{ProfileKind, Transition},
+    window::{
+        chord_run::FinalStages,
+        view::CommandedCurve,
+        window::{WindowedPlan, plan_through_window},
+    },
 };

@@ -33,6 +33,7 @@ fn about(comparison: &Comparison) -> String {
     let from =
         part.lowest_feedrate_mm_per_s.map_or_else(String::new, |lowest| format!("{} to ", short(lowest)));
     let time = part.planned_time_s.map_or_else(String::new, |time| format!(" in {}", duration(time)));
+    let view = part.window_mm.map_or_else(String::new, |view| format!(" with {} mm in view", short(view)));
     let over = part.without_look_ahead.map_or_else(String::new, |over| {
         format!(
             ". Without look-ahead the path takes {:.1} times the acceleration and {:.1} times the jerk that the machine has",
@@ -40,7 +41,7 @@ fn about(comparison: &Comparison) -> String {
         )
     });
     format!(
-        "{name}: {} mm at {from}{} mm/s{time}, a setpoint every {} ms, chord error {} mm, fluctuation {:.0e}{over}",
+        "{name}: {} mm at {from}{} mm/s{time}{view}, a setpoint every {} ms, chord error {} mm, fluctuation {:.0e}{over}",
         short(part.length_mm),
         short(machine.feedrate_mm_per_s),
         short(machine.interpolation_period_ms),

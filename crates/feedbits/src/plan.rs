@@ -32,15 +32,6 @@ pub(crate) struct Arguments {
         value_parser = clap::value_parser!(u32).range(1..=1000)
     )]
     oversample: u32,
-    /// Look ahead no further than this, in mm, as a controller does that streams a long program. Plans in f64, from rest
-    /// to rest.
-    #[arg(
-        long,
-        allow_negative_numbers = true,
-        value_name = "MM",
-        conflicts_with_all = ["plan_in", "start_feed", "end_feed"]
-    )]
-    window: Option<f64>,
     /// Print every stage, with the parameters at its ends and the coefficients of its feed: about 130 columns.
     #[arg(long)]
     wide: bool,
@@ -72,16 +63,11 @@ where
     let planned = |&profile| -> Result<(ExactPlan, PlanSummary)> {
         let options = arguments.plan.options(profile)?;
         expect_an_end(problem, &options)?;
-        let plan = match arguments.window {
-            Some(window) if window > 0.0 && window.is_finite() => {
-                ExactPlan::through_window(problem, window, profile)?
-            }
-            Some(window) => bail!("--window {window}: expected a positive length in mm"),
-            None => format_compare::plan_for(problem, formats[0].as_ref(), &options)?,
-        };
+        let plan = format_compare::plan_for(problem, formats[0].as_ref(), &options)?;
         let summary = PlanSummary::of(&plan, problem)?;
         Ok((plan, summary))
     };
+    arguments.plan.note_window();
     let progress = Progress::spinning("planning");
     let plans = arguments.plan.profiles().iter().map(planned).collect::<Result<Vec<_>>>()?;
     progress.finish();

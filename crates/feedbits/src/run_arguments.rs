@@ -9,6 +9,7 @@ use part_program::{Machine, Part};
 use crate::candidates;
 use crate::formats::named;
 use crate::input::{AnyProblem, Input};
+use crate::output;
 
 /// Options for planning and running a part.
 #[derive(Args)]
@@ -48,6 +49,15 @@ pub(crate) struct PlanArguments {
     /// Feed at the end of the path, in mm/s.
     #[arg(long, allow_negative_numbers = true, value_name = "MM_PER_S", default_value_t = 0.0)]
     end_feed: f64,
+    /// Look ahead no further than this, in mm, as a controller does that streams a long program: what a plan of so much of
+    /// the path says becomes setpoints while the next is made. Plans from rest to rest.
+    #[arg(
+        long,
+        allow_negative_numbers = true,
+        value_name = "MM",
+        conflicts_with_all = ["start_feed", "end_feed"]
+    )]
+    window: Option<f64>,
 }
 
 /// Forms of the path, by their names on the command line.
@@ -115,6 +125,13 @@ impl PlanArguments {
         }
     }
 
+    /// Says on the screen how much of the path a plan sees, if that is not all of it.
+    pub(crate) fn note_window(&self) {
+        if let Some(window) = self.window {
+            output::note(&format!("the plan is made with {window} mm of the path in view at a time"));
+        }
+    }
+
     /// The options of a plan of one kind of transitions.
     pub(crate) fn options(&self, profile: ProfileKind) -> Result<Options> {
         let plan_in = match self.plan_in.as_str() {
@@ -130,8 +147,11 @@ impl PlanArguments {
                 bail!("{option} {value}: expected a feed of at least 0 mm/s");
             }
         }
+        if let Some(window) = self.window.filter(|window| !(*window > 0.0 && window.is_finite())) {
+            bail!("--window {window}: expected a positive length in mm");
+        }
         let end_feeds_mm_per_s = [self.start_feed, self.end_feed];
-        Ok(Options { plan_in, profile, end_feeds_mm_per_s, ..Options::default() })
+        Ok(Options { plan_in, profile, end_feeds_mm_per_s, window_mm: self.window, ..Options::default() })
     }
 }
 
@@ -192,6 +212,7 @@ impl RunArguments {
     pub(crate) fn options_for<const D: usize>(&self, problem: &Problem<D>) -> Result<Options> {
         let options = self.options()?;
         expect_an_end(problem, &options)?;
+        self.plan.note_window();
         Ok(options)
     }
 }

@@ -61,30 +61,90 @@ impl<R: Real> ScheduleBuf<R> {
     #[must_use]
     pub fn shortened(self, limit: &FeedLimit<R>, shortfalls: &[R]) -> Self {
         let period = self.interpolation_period;
-        self.by_sections(shortfalls, |stages, these| shortened(limit, stages, (these, R::zero()), period))
+        self.by_sections(shortfalls, |stages, shortfalls| {
+            shortened(limit, &Stretch::of(stages, shortfalls), R::zero(), period)
+        })
     }
 }
 
-/// Shortens the stages from one stop to the next, each by its shortfall, and by `at_the_end` more where the last change
-/// of feed begins to brake to the stop. The starts of the stages are left as they are.
+/// The stages to the next stop, from a stop or from where the stages before them, which are final, end in motion.
+#[derive(Clone, Copy)]
+pub(crate) struct Stretch<'a, R> {
+    pub(crate) stages: &'a [Stage<R>],
+    /// By how much each stage falls short.
+    pub(crate) shortfalls: &'a [R],
+    /// How the stages before these end, if they end in motion.
+    pub(crate) begin: Option<Lowered<R>>,
+    /// How many stages are wanted. The others only show how the path goes on.
+    pub(crate) count: usize,
+}
+
+/// The end of lowered stages that other stages follow.
+#[derive(Clone, Copy)]
+pub(crate) struct Lowered<R> {
+    /// By how much the feed is lowered there.
+    correction: R,
+    /// By how much the run is ahead of its plan.
+    ahead: R,
+    /// The change of the correction for a change of the feed up to the end of the change that goes on there, if one does.
+    slope: Option<R>,
+}
+
+impl<R: Real> Lowered<R> {
+    /// The end of these stages, the same ones in arcs and in chords, which follow those that end `before`; `None` at a
+    /// stop.
+    pub(crate) fn behind(before: Option<Self>, arcs: &[Stage<R>], chords: &[Stage<R>]) -> Option<Self> {
+        let (last, short) = (arcs.last()?, chords.last()?);
+        if !(last.end_feed > R::zero()) {
+            return None;
+        }
+        let correction = last.end_feed - short.end_feed;
+        let count = arcs.iter().rev().take_while(|stage| is_under_way(stage)).count();
+        let before = before.and_then(|before| before.slope).filter(|_| count == arcs.len());
+        let begins = [arcs, chords].map(|stages| stages.iter().rev().nth(count.saturating_sub(1)));
+        let slope = before.or_else(|| {
+            let [whole, short] = [begins[0]?.start_feed, begins[1]?.start_feed];
+            let change = last.end_feed - whole;
+            Some(if change.is_zero() { change } else { (correction - (whole - short)) / change })
+        });
+        Some(Self { correction, ahead: R::zero(), slope: slope.filter(|_| count > 0) })
+    }
+
+    /// The same end where the run is ahead of its plan by so much more.
+    pub(crate) fn ahead_by(self, more: R) -> Self {
+        Self { ahead: self.ahead + more, ..self }
+    }
+}
+
+impl<'a, R> Stretch<'a, R> {
+    /// All stages from a stop to the next.
+    pub(crate) fn of(stages: &'a [Stage<R>], shortfalls: &'a [R]) -> Self {
+        Self { stages, shortfalls, begin: None, count: stages.len() }
+    }
+}
+
+/// Shortens the stages of a stretch, each by its shortfall, and by `at_the_end` more where the last change of feed
+/// begins to brake to the stop. The starts of the stages are left as they are.
 pub(crate) fn shortened<R: Real>(
     limit: &FeedLimit<R>,
-    stages: &[Stage<R>],
-    (shortfalls, at_the_end): (&[R], R),
+    stretch: &Stretch<'_, R>,
+    at_the_end: R,
     period: R,
 ) -> Vec<Stage<R>> {
-    let parts = parts(stages, shortfalls, period);
-    let mut joints = joints(&parts);
-    if let Some(last) = joints.iter_mut().rev().find(|joint| joint.most > R::zero() && joint.time > R::zero())
-    {
+    let &Stretch { stages, shortfalls, begin, count } = stretch;
+    let mut parts = parts(stages, shortfalls, period);
+    part_way(&mut parts, stages, shortfalls, count);
+    let mut joints = joints(&parts, begin);
+    if let Some(last) = joints.iter_mut().rev().find(|joint| joint.is_free() && joint.most > R::zero()) {
         last.correction = last.correction + at_the_end / last.time;
     }
     level(&mut joints, &parts);
     cut(&mut joints, &parts);
-    let mut short = Vec::with_capacity(stages.len());
-    for (part, ends) in parts.iter().zip(joints.windows(2)) {
-        let Some(whole) = stages.get(part.first..part.behind) else { continue };
+    let mut short = Vec::with_capacity(count);
+    for (part, ends) in parts.iter().zip(joints.windows(2)).take_while(|(part, _)| part.first < count) {
+        let Some(whole) = stages.get(part.first..part.behind.min(count)) else { continue };
         let ends = [ends[0].correction, ends[1].correction];
+        let ends = if part.is_cut_at(count) { part.wherever_it_ends(ends) } else { ends };
         match (part.is_constant(), whole) {
             (true, [stage]) => part.lower_constant(stage, ends, limit, &mut short),
             _ => short.extend(whole.iter().map(|stage| part.lowered(stage, ends))),
@@ -114,6 +174,22 @@ struct Part<R> {
 impl<R: Real> Part<R> {
     fn is_constant(&self) -> bool {
         self.feeds[0] == self.feeds[1]
+    }
+
+    /// Whether stages up to `count` end within it.
+    fn is_cut_at(&self, count: usize) -> bool {
+        self.first < count && count < self.behind
+    }
+
+    fn rises_from_motion(&self) -> bool {
+        R::zero() < self.feeds[0] && self.feeds[0] < self.feeds[1]
+    }
+
+    /// Corrections that do for a change of feed of which later stages may make a longer one. If the feed falls it may
+    /// fall to rest, so the correction is in proportion to it.
+    fn wherever_it_ends(&self, [begin, end]: [R; 2]) -> [R; 2] {
+        let [from, to] = self.feeds;
+        [begin, if to < from { begin * (to / from) } else { end }]
     }
 
     /// One stage of a change of feed, with its feeds lowered by corrections that go from `begin` to `end` over the
@@ -209,6 +285,18 @@ fn parts<R: Real>(stages: &[Stage<R>], shortfalls: &[R], period: R) -> Vec<Part<
     parts
 }
 
+/// Holds the correction back over a rise of feed of which later stages may make a longer one: it rises by no more than the
+/// mean share by which chords fall short. With twice that, runs were behind their plan at the stop, which cannot be made
+/// up for; with nothing at all, a run through windows of one rise each never corrected itself.
+fn part_way<R: Real>(parts: &mut [Part<R>], stages: &[Stage<R>], shortfalls: &[R], count: usize) {
+    let length = stages.iter().fold(R::zero(), |sum, stage| sum + stage.length);
+    let shortfall = shortfalls.iter().fold(R::zero(), |sum, part| sum + part.max(R::zero()));
+    for part in parts.iter_mut().filter(|part| part.is_cut_at(count) && part.rises_from_motion()) {
+        part.rise = part.rise * (shortfall / length).min(R::one().ldexp(ROOM));
+        part.fall = R::zero();
+    }
+}
+
 /// The mean of g over a change of feed. Over a chain of stages of constant jerk that need not be a half.
 fn late<R: Real>(stages: &[Stage<R>], duration: R, [from, to]: [R; 2]) -> R {
     let half = R::one().half();
@@ -246,14 +334,23 @@ struct Joint<R> {
     most: R,
     /// The share of the time of the parts beside it for which the correction counts: half of it where they are symmetric.
     time: R,
+    /// Whether the correction is that of final stages.
+    is_fixed: bool,
 }
 
-/// The joints, each with the length that its parts give it, divided by its time.
-fn joints<R: Real>(parts: &[Part<R>]) -> Vec<Joint<R>> {
+impl<R: Real> Joint<R> {
+    fn is_free(&self) -> bool {
+        !self.is_fixed && self.time > R::zero()
+    }
+}
+
+/// The joints, each with the length that its parts give it, divided by its time. Behind final stages the first joint is fixed, and
+/// so is the second if the feed is changing there.
+fn joints<R: Real>(parts: &[Part<R>], begin: Option<Lowered<R>>) -> Vec<Joint<R>> {
     let first = parts.first().map(|part| part.feeds[0]);
     let feeds = first.into_iter().chain(parts.iter().map(|part| part.feeds[1]));
     // `correction` holds a length until it is divided by the time.
-    let new = |feed: R| Joint { correction: R::zero(), most: feed.half(), time: R::zero() };
+    let new = |feed: R| Joint { correction: R::zero(), most: feed.half(), time: R::zero(), is_fixed: false };
     let mut joints: Vec<_> = feeds.map(new).collect();
     for (index, part) in parts.iter().enumerate() {
         let Some([a, b]) = joints.get_mut(index..index + 2) else { continue };
@@ -267,19 +364,38 @@ fn joints<R: Real>(parts: &[Part<R>]) -> Vec<Joint<R>> {
         (a.correction, a.time) = (a.correction + to_a, a.time + (part.duration - late));
         (b.correction, b.time) = (b.correction + to_b, b.time + late);
     }
+    if let Some((begin, first)) = begin.zip(parts.first()) {
+        fix(&mut joints, first, &begin);
+    }
     // All joints of a constant feed have the same correction.
     let mut rest = joints.as_mut_slice();
     let mut parts = parts.iter();
     while !rest.is_empty() {
         let count = 1 + parts.by_ref().take_while(|part| part.is_constant()).count();
         let (these, others) = rest.split_at_mut(count.min(rest.len()));
-        let sum = |of: fn(&Joint<R>) -> R| these.iter().fold(R::zero(), |sum, joint| sum + of(joint));
+        let free = || these.iter().filter(|joint| !joint.is_fixed);
+        let sum = |of: fn(&Joint<R>) -> R| free().fold(R::zero(), |sum, joint| sum + of(joint));
         let (given, time) = (sum(|joint| joint.correction), sum(|joint| joint.time));
         let correction = if time > R::zero() { given / time } else { R::zero() };
-        these.iter_mut().for_each(|joint| joint.correction = correction);
+        these.iter_mut().filter(|joint| !joint.is_fixed).for_each(|joint| joint.correction = correction);
         rest = others;
     }
     joints
+}
+
+/// Fixes the joints up to the end of a change of feed that final stages began, or the first one. What they were given is
+/// left to the first joint that is free, with the length by which the run is ahead of its plan.
+fn fix<R: Real>(joints: &mut [Joint<R>], first: &Part<R>, begin: &Lowered<R>) {
+    let change = first.feeds[1] - first.feeds[0];
+    let behind = begin.slope.map(|slope| begin.correction + slope * change);
+    let mut due = begin.ahead;
+    for (joint, correction) in joints.iter_mut().zip([Some(begin.correction), behind].into_iter().flatten()) {
+        due = due + joint.correction - correction * joint.time;
+        (joint.correction, joint.is_fixed) = (correction, true);
+    }
+    if let Some(next) = joints.iter_mut().find(|joint| joint.is_free()) {
+        next.correction = next.correction + due;
+    }
 }
 
 /// Where a correction changes by too much over a part, moves the excess to the other end of the part. Where a
@@ -291,14 +407,15 @@ fn level<R: Real>(joints: &mut [Joint<R>], parts: &[Part<R>]) {
             let Some([a, b]) = joints.get_mut(index..index + 2) else { return };
             let change = b.correction - a.correction;
             let excess = change - change.max(R::zero() - part.fall).min(part.rise);
-            if !excess.is_zero() {
+            if !excess.is_zero() && !b.is_fixed {
                 let time = a.time + b.time;
-                let to_a = if time > R::zero() { excess * (b.time / time) } else { excess.half() };
+                let share = if time > R::zero() { b.time / time } else { R::one().half() };
+                let to_a = if a.is_fixed { R::zero() } else { excess * share };
                 (a.correction, b.correction) = (a.correction + to_a, b.correction - (excess - to_a));
                 is_level = false;
             }
             let (from, to) = if is_forwards { (a, b) } else { (b, a) };
-            if from.correction > from.most && to.time > R::zero() {
+            if from.correction > from.most && !from.is_fixed && to.is_free() {
                 to.correction = to.correction + (from.correction - from.most) * (from.time / to.time);
                 from.correction = from.most;
                 is_level = false;
@@ -312,11 +429,32 @@ fn level<R: Real>(joints: &mut [Joint<R>], parts: &[Part<R>]) {
     }
 }
 
+/// The corrections, each twice: none below 0 or above its most, and behind a fixed one none that cannot be reached from
+/// it.
+fn allowed<R: Real>(joints: &[Joint<R>], parts: &[Part<R>]) -> Vec<[R; 2]> {
+    let mut within: Option<[R; 2]> = None;
+    let mut before = parts.iter();
+    let of_joint = |(index, joint): (usize, &Joint<R>)| {
+        let part = if index > 0 { before.next() } else { None };
+        within = within.zip(part).map(|([low, high], part)| [low - part.fall, high + part.rise]);
+        let mut correction = joint.correction;
+        if joint.is_fixed {
+            within = Some([correction; 2]);
+        } else {
+            if let Some([low, high]) = within {
+                correction = correction.max(low).min(high);
+            }
+            correction = correction.min(joint.most).max(R::zero());
+        }
+        [correction; 2]
+    };
+    joints.iter().enumerate().map(of_joint).collect()
+}
+
 /// Replaces the corrections by a mixture. Of all corrections that change by no more than they may, it mixes the largest
 /// one below the given ones with the least one above.
 fn cut<R: Real>(joints: &mut [Joint<R>], parts: &[Part<R>]) {
-    let allowed = |joint: &Joint<R>| joint.correction.min(joint.most).max(R::zero());
-    let mut bounds: Vec<[R; 2]> = joints.iter().map(|joint| [allowed(joint); 2]).collect();
+    let mut bounds = allowed(joints, parts);
     let mut narrow = |(index, part): (usize, &Part<R>)| {
         let Some([[low_a, high_a], [low_b, high_b]]) = bounds.get_mut(index..index + 2) else { return };
         (*low_a, *low_b) = ((*low_a).min(*low_b + part.fall), (*low_b).min(*low_a + part.rise));
@@ -338,7 +476,7 @@ fn cut<R: Real>(joints: &mut [Joint<R>], parts: &[Part<R>]) {
             most = most + (*high - *low) * joint.time;
         }
         let share = if most > R::zero() { (due / most).max(R::zero()).min(R::one()) } else { R::zero() };
-        for (joint, [low, high]) in these.iter_mut().zip(between) {
+        for (joint, [low, high]) in these.iter_mut().zip(between).filter(|(joint, _)| !joint.is_fixed) {
             joint.correction = *low + (*high - *low) * share;
         }
         due = due - most * share;
@@ -532,7 +670,7 @@ mod tests {
                 assert_smooth(&arcs, &arcs.clone().shortened(&limit, &shortfalls), &shortfalls)?;
                 let at_the_end = |stages: &[Stage<f64>]| stages[stages.len() - 1].length * end;
                 let short = arcs.clone().by_sections(&shortfalls, |stages, these| {
-                    super::shortened(&limit, stages, (these, at_the_end(stages)), 1.0)
+                    super::shortened(&limit, &super::Stretch::of(stages, these), at_the_end(stages), 1.0)
                 });
                 let mut behind = 0;
                 for section in arcs.stages.split_inclusive(|stage| stage.end_feed == 0.0) {

@@ -14,9 +14,9 @@ use alloc::vec::Vec;
 use nurbs_core::Differentiate;
 use real::Real;
 
-use crate::chords::feeds;
+use crate::chords::feeds::{self, Stretch};
 use crate::chords::shortfall::Path;
-use crate::{FeedLimit, Schedule, ScheduleBuf, Stage};
+use crate::{Cursor, FeedLimit, Schedule, ScheduleBuf, Stage};
 
 /// How often the run is followed to a stop, at most.
 const TRIALS: usize = 8;
@@ -39,37 +39,53 @@ impl<R: Real> FeedLimit<R> {
         let fastest = arcs.stages().iter().fold(R::zero(), |most, stage| most.max(stage.start_feed));
         let rounding = if R::IS_FLOATING { R::resolution() * self.length() } else { R::resolution() };
         let enough = (fastest * arcs.interpolation_period.ldexp(ON_STOP)).max(rounding);
-        arcs.clone()
-            .by_sections(&shortfalls, |stages, shortfalls| path.landed(arcs, (stages, shortfalls), enough))
+        arcs.clone().by_sections(&shortfalls, |stages, shortfalls| {
+            let begin = stages.first().map_or(R::zero(), |first| first.start);
+            let before = Before { stages: &[], cursor: arcs.as_schedule().start(), reached: begin };
+            path.landed(&before, &Stretch::of(stages, shortfalls), arcs.interpolation_period, enough)
+        })
     }
 }
 
+/// A run by chords up to the end of the last whole period before a stretch.
+#[derive(Clone, Copy)]
+pub(crate) struct Before<'a, R> {
+    /// The stages that this period ends in, and those from there to the stretch.
+    pub(crate) stages: &'a [Stage<R>],
+    /// The end of the period in these stages and those that follow.
+    pub(crate) cursor: Cursor<R>,
+    /// The distance that the chords have come to.
+    pub(crate) reached: R,
+}
+
 impl<R: Real, C: Differentiate<R, D>, const D: usize> Path<'_, R, C, D> {
-    /// Shortens the stages of a section of `arcs` by their shortfalls. Of at most [`TRIALS`] trials it returns the
-    /// first after which a run by the chords is off the stop by no more than `enough`, or else the best.
-    fn landed(
+    /// Shortens the stages to a stop by their shortfalls. Of at most [`TRIALS`] trials it returns the first after which a
+    /// run by the chords is off the stop by no more than `enough`, or else the best.
+    pub(crate) fn landed(
         &self,
-        arcs: &ScheduleBuf<R>,
-        (stages, shortfalls): (&[Stage<R>], &[R]),
+        before: &Before<'_, R>,
+        stretch: &Stretch<'_, R>,
+        period: R,
         enough: R,
     ) -> Vec<Stage<R>> {
         // Shortens all stages by a share of their shortfalls, and those that brake to the stop by `at_the_end` more.
         let shortened = |share: R, at_the_end: R| {
-            let parts: Vec<_> = shortfalls.iter().map(|shortfall| *shortfall * share).collect();
-            feeds::shortened(self.limit, stages, (&parts, at_the_end), arcs.interpolation_period)
+            let parts: Vec<_> = stretch.shortfalls.iter().map(|shortfall| *shortfall * share).collect();
+            feeds::shortened(self.limit, &Stretch { shortfalls: &parts, ..*stretch }, at_the_end, period)
         };
-        let shortfall = shortfalls.iter().fold(R::zero(), |sum, part| sum + part.max(R::zero()));
+        let shortfall = stretch.shortfalls.iter().fold(R::zero(), |sum, part| sum + part.max(R::zero()));
         let (mut lead, mut at_the_end) = (R::zero(), R::zero());
         let mut best = (shortened(R::one(), at_the_end), R::max_value());
-        let ends = stages.first().zip(stages.last().filter(|last| last.end_feed.is_zero()));
+        let rest = stretch.stages.last().filter(|last| last.end_feed.is_zero());
+        let is_off = shortfall > enough || stretch.begin.is_some();
         // A section that ends in motion has no stop to land on.
-        let Some((first, last)) = ends.filter(|_| shortfall > enough) else { return best.0 };
-        let ends = [first.start, last.start + last.length];
+        let Some(last) = rest.filter(|_| is_off) else { return best.0 };
+        let stop = last.start + last.length;
         for trial in 0..TRIALS {
-            let share = (R::one() - lead / shortfall).max(R::zero());
+            let share = if lead < shortfall { R::one() - lead / shortfall } else { R::zero() };
             let short = if trial > 0 { shortened(share, at_the_end) } else { best.0.clone() };
-            let chords = Schedule::new(&short, arcs.interpolation_period, arcs.periods);
-            let off = self.beyond_stop(&chords, ends);
+            let run = [before.stages, &short].concat();
+            let off = self.off_stop(&Schedule::new(&run, period, u32::MAX), before, stop);
             if off.abs() < best.1 {
                 best = (short, off.abs());
             }
@@ -84,9 +100,9 @@ impl<R: Real, C: Differentiate<R, D>, const D: usize> Path<'_, R, C, D> {
         best.0
     }
 
-    /// By how much a run by chords that starts at `begin` would pass `stop` if it did not land there.
-    fn beyond_stop(&self, chords: &Schedule<'_, R>, [begin, stop]: [R; 2]) -> R {
-        let (mut cursor, mut reached, mut beyond) = (chords.start(), begin, R::zero());
+    /// By how much a run by chords would pass `stop` if it did not land there.
+    pub(crate) fn off_stop(&self, chords: &Schedule<'_, R>, before: &Before<'_, R>, stop: R) -> R {
+        let (mut cursor, mut reached, mut beyond) = (before.cursor, before.reached, R::zero());
         while let Some(wanted) = chords.advance(&mut cursor) {
             let is_last = chords.is_over(&cursor) || cursor.stage() >= chords.stages().len();
             let is_near = stop - reached <= wanted + wanted;
@@ -138,7 +154,9 @@ mod tests {
         let beyond = sections.map(|(whole, chords)| {
             let stop = whole.stages().last().map_or(0.0, |last| last.start + last.length);
             let chords = Schedule::new(chords.stages(), 1.0, u64::MAX);
-            path.beyond_stop(&chords, [core::mem::replace(&mut begin, stop), stop])
+            let reached = core::mem::replace(&mut begin, stop);
+            let before = Before { stages: &[], cursor: chords.start(), reached };
+            path.off_stop(&chords, &before, stop)
         });
         beyond.collect()
     }

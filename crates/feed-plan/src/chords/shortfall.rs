@@ -103,7 +103,9 @@ struct End<R> {
 /// A path by its arc length.
 pub(crate) struct Path<'a, R, C, const D: usize> {
     pub(crate) limit: &'a FeedLimit<R>,
+    /// The curves from the one with the index `first` on.
     curves: &'a [C],
+    first: usize,
     rule: GaussLegendre<R>,
     /// Whether the parameter tells everywhere where the path is. Where it does not, a chord counts as long as its arc.
     is_resolved: bool,
@@ -111,7 +113,16 @@ pub(crate) struct Path<'a, R, C, const D: usize> {
 
 impl<'a, R: Real, C: Differentiate<R, D>, const D: usize> Path<'a, R, C, D> {
     pub(crate) fn new(limit: &'a FeedLimit<R>, curves: &'a [C]) -> Self {
-        Self { limit, curves, rule: GaussLegendre::new(), is_resolved: limit.is_resolved() }
+        Self::in_view(limit, 0, curves)
+    }
+
+    /// A part of a path, of the curves from the one with the index `first` on.
+    pub(crate) fn in_view(limit: &'a FeedLimit<R>, first: usize, curves: &'a [C]) -> Self {
+        Self { limit, curves, first, rule: GaussLegendre::new(), is_resolved: limit.is_resolved() }
+    }
+
+    fn curve(&self, index: usize) -> Option<&C> {
+        self.curves.get(index.checked_sub(self.first)?)
     }
 
     fn is_resolved_at(&self, distance: R) -> bool {
@@ -134,7 +145,7 @@ impl<'a, R: Real, C: Differentiate<R, D>, const D: usize> Path<'a, R, C, D> {
     /// the path before the rest ends.
     fn leaving(&self, distance: R) -> [R; D] {
         let place = match self.limit.begins_at_rest(distance) {
-            Some(curve) => (curve, self.curves.get(curve).map_or(R::zero(), |curve| curve.domain().0)),
+            Some(curve) => (curve, self.curve(curve).map_or(R::zero(), |curve| curve.domain().0)),
             None => self.limit.parameter_at(distance),
         };
         self.point(place)
@@ -144,14 +155,14 @@ impl<'a, R: Real, C: Differentiate<R, D>, const D: usize> Path<'a, R, C, D> {
     fn arriving(&self, from: R, to: R) -> [R; D] {
         let rest = self.limit.next_from_rest(from).filter(|(rest, _)| to >= *rest);
         let place = match rest.and_then(|(_, next)| next.checked_sub(1)) {
-            Some(curve) => (curve, self.curves.get(curve).map_or(R::zero(), |curve| curve.domain().1)),
+            Some(curve) => (curve, self.curve(curve).map_or(R::zero(), |curve| curve.domain().1)),
             None => self.limit.parameter_at(to),
         };
         self.point(place)
     }
 
     fn point(&self, (curve, u): (usize, R)) -> [R; D] {
-        self.curves.get(curve).map_or([R::zero(); D], |curve| curve.point(u))
+        self.curve(curve).map_or([R::zero(); D], |curve| curve.point(u))
     }
 
     /// Arc length up to the point that is found at a distance. The point is interpolated between limit points, and is a
@@ -161,7 +172,7 @@ impl<'a, R: Real, C: Differentiate<R, D>, const D: usize> Path<'a, R, C, D> {
         let (index, u) = self.limit.parameter_at(distance);
         let is_resolved = self.is_resolved_at(distance);
         let before = self.limit.point_before(distance).filter(|point| is_resolved && point.curve == index);
-        let (Some(begin), Some(curve)) = (before, self.curves.get(index)) else { return distance };
+        let (Some(begin), Some(curve)) = (before, self.curve(index)) else { return distance };
         let width = u - begin.u;
         let speed = |x: R| Frenet::of(&curve.derivatives(begin.u + width * x)).speed;
         begin.distance + width * self.rule.mean(&self.rule.points.map(speed))

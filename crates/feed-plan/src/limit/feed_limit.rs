@@ -111,7 +111,12 @@ impl<R: Real> FeedLimit<R> {
         }
         scan.finish();
         let limit = Self::assemble(scan.samples().to_vec(), scan.corners().to_vec(), limits.chord_error)?;
-        Ok(Self { from_rest: scan.curves_from_rest().to_vec(), ..limit })
+        Ok(limit.resting_before(scan.curves_from_rest()))
+    }
+
+    /// The limit where these curves begin at rest whatever their direction, given with the distances of their begins.
+    pub(crate) fn resting_before(self, curves: &[(R, usize)]) -> Self {
+        Self { from_rest: curves.to_vec(), ..self }
     }
 
     /// Caps the limit on each curve at the curve's own feed, given by its index: the F words of a program. A feed above

@@ -63,13 +63,21 @@ pub fn plan_with<R: Real>(
     Ok(ScheduleBuf { stages, interpolation_period: limits.interpolation_period, periods })
 }
 
-/// The stages before they are stretched to whole periods. With a `start`, the acceleration at the begin, other stages can go on from
-/// any joint of the fastest profile; the other profiles know none.
+/// How the plan of a window along the fastest profile begins and goes on; the other profiles know nothing of it.
+#[derive(Clone, Copy)]
+pub(crate) struct InWindow<R> {
+    /// The acceleration at the begin.
+    pub(crate) start: R,
+    /// Sections from rest to rest up to this distance are final. Other stages can go on from any joint behind it.
+    pub(crate) kept_to: R,
+}
+
+/// The stages before they are stretched to whole periods.
 pub(crate) fn stages<R: Real>(
     limit: &FeedLimit<R>,
     limits: &KinematicLimits<R>,
     ends: EndFeeds<R>,
-    start: Option<R>,
+    window: Option<InWindow<R>>,
     kind: ProfileKind,
 ) -> Result<Vec<Stage<R>>, PlanError> {
     limits.validate()?;
@@ -77,7 +85,7 @@ pub(crate) fn stages<R: Real>(
     let keys = key_points(limit, ends)?;
     let mut stages = Stages::new(limit);
     match kind {
-        ProfileKind::Fastest => quick_sections(limit, limits, &shape, &keys, start, &mut stages)?,
+        ProfileKind::Fastest => quick_sections(limit, limits, &shape, &keys, window, &mut stages)?,
         ProfileKind::WithoutLookAhead => {
             for section in from_rest_to_rest(&keys) {
                 if let [from, .., to] = section {
@@ -96,29 +104,32 @@ pub(crate) fn stages<R: Real>(
     Ok(stages.with_parameters())
 }
 
-/// From rest to rest the fastest profile; the first section of a window's plan begins in motion, and can be left at any joint.
+/// From rest to rest the fastest profile. A section of a window's plan that begins in motion, or that is not kept whole, can be left at
+/// any joint.
 fn quick_sections<R: Real>(
     limit: &FeedLimit<R>,
     limits: &KinematicLimits<R>,
     shape: &RampShape<R>,
     keys: &[Key<R>],
-    mut start: Option<R>,
+    window: Option<InWindow<R>>,
     stages: &mut Stages<'_, R>,
 ) -> Result<(), PlanError> {
+    let mut acceleration = window.map_or_else(R::zero, |window| window.start);
     for section in from_rest_to_rest(keys) {
         let [from, .., to] = section else { break };
-        let Some(acceleration) = start else {
+        let is_kept = |window: InWindow<R>| from.feed.is_zero() && to.distance <= window.kept_to;
+        if window.is_none_or(is_kept) {
             stages.extend(&in_parts(limit, limits, shape, section)?);
             continue;
-        };
+        }
         let quick = in_window(limit, limits, [from.point, to.point], [from.feed, to.feed], acceleration);
         match quick {
             Some(quick) => stages.extend(&quick),
             // S-curves have no acceleration at their begin, as a window's plan may have.
             None if from.feed > R::zero() => return Err(PlanError::StartFeedTooHigh),
-            None => ramps(limit, shape, section, stages)?,
+            None => stages.extend(&in_parts(limit, limits, shape, section)?),
         }
-        start = Some(R::zero());
+        acceleration = R::zero();
     }
     Ok(())
 }

@@ -56,7 +56,7 @@ pub(crate) fn whole_periods<R: Real>(duration: R, slower: R, period: R) -> Optio
 }
 
 /// The least whole number not below `value`, as an integer and in the format; `None` if either cannot hold it.
-fn round_up<R: Real>(value: R) -> Option<(u32, R)> {
+pub(crate) fn round_up<R: Real>(value: R) -> Option<(u32, R)> {
     if !(value > R::zero() && value < R::max_value().half()) {
         return None;
     }

@@ -34,6 +34,12 @@ impl<R: Real> Cursor<R> {
         self.stage
     }
 
+    /// The same cursor where the stages before its own are left out.
+    #[cfg(feature = "alloc")]
+    pub(crate) fn in_first_stage(self) -> Self {
+        Self { stage: 0, period: 0, ..self }
+    }
+
     /// Number of periods that have been given out.
     #[must_use]
     pub fn period(&self) -> u64 {

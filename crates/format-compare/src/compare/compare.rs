@@ -70,6 +70,9 @@ pub struct PartSummary {
     pub length_mm: f64,
     /// How long the plan takes that all formats run, in s; absent if each format plans for itself.
     pub planned_time_s: Option<f64>,
+    /// How much of the path the planner had in view at a time, in mm; absent if it was the whole path.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub window_mm: Option<f64>,
     /// The lowest feedrate that a move commands, in mm/s; absent if all moves have the same one.
     pub lowest_feedrate_mm_per_s: Option<f64>,
     /// How far a plan without look-ahead is above the limits, which no verdict judges; absent for other plans.
@@ -183,6 +186,7 @@ where
             length_mm: reference.length_mm(),
             without_look_ahead: common.as_ref().and_then(|plan| OverLimits::of(plan, problem)),
             planned_time_s: common.as_ref().map(|plan| problem.period_s() * plan.periods() as f64),
+            window_mm: options.window_mm,
             lowest_feedrate_mm_per_s: lowest.filter(|lowest| *lowest < feedrate_mm_per_s),
         },
         machine: Machine { feedrate_mm_per_s, ..problem.machine.clone() },

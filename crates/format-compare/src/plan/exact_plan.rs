@@ -4,7 +4,7 @@ use std::sync::OnceLock;
 
 use feed_plan::{
     CommandedCurve, EndFeeds, FeedLimit, KinematicLimits, PlanError, Planned, ProfileKind, Schedule, Stage,
-    StageShape, plan_through_window, sections,
+    plan_through_window, sections,
 };
 use nurbs_core::{Differentiate, NurbsBuf};
 use real::{Backend, DoubleDouble, Real};
@@ -102,45 +102,39 @@ impl ExactPlan {
     /// The numbers of a plan made in the format `R`, without its limit.
     fn of<R: Backend>(planned: &Planned<R>, profile: ProfileKind) -> Self {
         let [arcs, chords] = [&planned.arcs, &planned.chords]
-            .map(|schedule| on_the_grid(schedule.stages().iter().map(|stage| stage.map(exact))));
+            .map(|schedule| on_the_grid(schedule.stages().iter().map(|stage| stage.map(exact)).collect()));
         let periods = planned.chords.as_schedule().periods();
         let sections = section_periods(&chords);
         Self { arcs, chords, periods, sections, profile, limit: OnceLock::new() }
     }
 
-    /// Plans `problem` in f64 with no more than `window_mm` in view at a time, from rest to rest. At each stop the plan
-    /// waits for the end of the period.
+    /// Plans `problem` in the format `R` with no more than `window_mm` in view at a time, from rest to rest. At each stop
+    /// the plan waits for the end of the period.
     ///
     /// # Errors
     /// As [`in_format`](Self::in_format).
-    pub fn through_window<const D: usize>(
+    pub fn through_window<R: Backend, const D: usize>(
         problem: &Problem<D>,
         window_mm: f64,
         profile: ProfileKind,
     ) -> Result<Self, Refusal> {
-        let limits = problem.limits_per_period()?;
-        let (mut stages, mut time) = (Vec::new(), 0.0_f64);
+        let limits = limits_in_format::<R>(&problem.limits_per_period()?)?;
+        let window = in_format::<R>("window", window_mm)?;
+        let curves = problem.curves.iter().map(NurbsBuf::convert::<R>).collect::<Result<Vec<_>, _>>()?;
         let feed_of = feeds_in_format(problem, limits.feedrate)?;
-        let curves = problem.curves.iter().enumerate().map(|(index, curve)| CommandedCurve {
+        let curves = curves.iter().enumerate().map(|(index, curve)| CommandedCurve {
             curve: curve.as_curve(),
             feed: feed_of(index),
             from_rest: problem.rests_before(index),
         });
-        plan_through_window(curves, &limits, window_mm, profile, |stage| {
-            stages.push(*stage);
-            time += stage.duration;
-            if stage.end_feed == 0.0 {
-                let wait = time.ceil() - time;
-                if wait > 0.0 {
-                    stages.push(waiting(stage, wait));
-                }
-                time = 0.0;
-            }
+        let (mut arcs, mut chords) = (Vec::new(), Vec::new());
+        let done = plan_through_window(curves, &limits, window, profile, |stages| {
+            arcs.extend(stages.arcs.iter().map(|stage| stage.map(exact)));
+            chords.extend(stages.chords.iter().map(|stage| stage.map(exact)));
         })?;
-        let stages = on_the_grid(stages.iter().map(|stage| stage.map(DoubleDouble::from)));
-        let sections = section_periods(&stages);
-        let periods = sections.iter().map(SectionPeriods::periods).sum();
-        Ok(Self { arcs: stages.clone(), chords: stages, periods, sections, profile, limit: OnceLock::new() })
+        let [arcs, chords] = [arcs, chords].map(on_the_grid);
+        let sections = section_periods(&chords);
+        Ok(Self { arcs, chords, periods: done.periods, sections, profile, limit: OnceLock::new() })
     }
 
     /// The largest feed at each distance, in f64, in mm and periods, with the place on the path. `problem` must be the
@@ -230,28 +224,12 @@ impl ExactPlan {
 
 /// Moves the ends of stages to multiples of 2⁻³² periods on their section's clock, in which a controller counts time. A
 /// distance changes by at most 1e-10 of a step.
-fn on_the_grid(stages: impl Iterator<Item = Stage<DoubleDouble>>) -> Vec<Stage<DoubleDouble>> {
-    let mut stages: Vec<_> = stages.collect();
+fn on_the_grid(mut stages: Vec<Stage<DoubleDouble>>) -> Vec<Stage<DoubleDouble>> {
     let durations: Vec<_> = sections(&stages).flat_map(|section| section.durations()).collect();
     for (stage, duration) in stages.iter_mut().zip(durations) {
         stage.duration = DoubleDouble::from_phase(duration, 32);
     }
     stages
-}
-
-/// A pause after `stage`.
-fn waiting(stage: &Stage<f64>, duration: f64) -> Stage<f64> {
-    Stage {
-        start: stage.start + stage.length,
-        length: 0.0,
-        start_feed: 0.0,
-        end_feed: 0.0,
-        duration,
-        shape: StageShape::Steady,
-        curve_start: stage.curve_end,
-        u_start: stage.u_end,
-        ..*stage
-    }
 }
 
 #[cfg(test)]
@@ -266,7 +244,7 @@ mod tests {
         for plan in [
             ExactPlan::in_format::<f64, 2>(&problem, [0.0; 2]),
             ExactPlan::in_format::<f32, 2>(&problem, [0.0; 2]),
-            ExactPlan::through_window(&problem, 50.0, ProfileKind::Cubic),
+            ExactPlan::through_window::<f64, 2>(&problem, 50.0, ProfileKind::Cubic),
         ] {
             let plan = plan.unwrap();
             let limit = plan.limit(&problem).unwrap();

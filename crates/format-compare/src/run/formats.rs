@@ -207,8 +207,19 @@ impl<const D: usize> Work for Planning<'_, D> {
     type Output = Result<ExactPlan, Refusal>;
 
     fn in_backend<R: Backend>(self) -> Self::Output {
-        let Options { end_feeds_mm_per_s, profile, .. } = self.options;
-        ExactPlan::in_format_with::<R, D>(self.problem, *end_feeds_mm_per_s, *profile)
+        planned::<R, D>(self.problem, self.options)
+    }
+}
+
+/// The plan of `problem` in the format `R` under these options.
+pub(crate) fn planned<R: Backend, const D: usize>(
+    problem: &Problem<D>,
+    options: &Options,
+) -> Result<ExactPlan, Refusal> {
+    let &Options { end_feeds_mm_per_s, profile, window_mm, .. } = options;
+    match window_mm {
+        Some(window_mm) => ExactPlan::through_window::<R, D>(problem, window_mm, profile),
+        None => ExactPlan::in_format_with::<R, D>(problem, end_feeds_mm_per_s, profile),
     }
 }
 

@@ -60,6 +60,9 @@ pub struct Options {
     pub profile: ProfileKind,
     /// Feeds at the two ends of the path, in mm/s.
     pub end_feeds_mm_per_s: [f64; 2],
+    /// How much of the path the planner has in view at a time, in mm; the whole path if `None`. A plan through a window
+    /// goes from rest to rest, whatever the feeds at the ends.
+    pub window_mm: Option<f64>,
     /// The fluctuation at which the solver stops. By default it is the machine file's Δ on the global parameter, and
     /// the format's resolution on pieces.
     pub fluctuation: Option<f64>,
@@ -84,6 +87,7 @@ impl Default for Options {
             plan_in: PlanIn::default(),
             profile: ProfileKind::default(),
             end_feeds_mm_per_s: [0.0; 2],
+            window_mm: None,
             fluctuation: None,
             overrides: None,
             interrupt: None,

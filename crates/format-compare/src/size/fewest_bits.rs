@@ -20,7 +20,7 @@ use crate::judge::judged_run::JudgedRun;
 use crate::plan::exact_plan::ExactPlan;
 use crate::problem::problem::Problem;
 use crate::refusal::Refusal;
-use crate::run::formats::{Dimension, Space};
+use crate::run::formats::{Dimension, Space, planned};
 use crate::run::job::Job;
 use crate::run::options::{Engine, Options};
 use crate::size::trial::{FEWEST_INTEGER_BITS, Trial, WIDTHS, search_options};
@@ -81,9 +81,7 @@ where
     Space: Dimension<D>,
 {
     let options = search_options(problem, options);
-    let planned =
-        |problem: &Problem<D>, ends| ExactPlan::in_format_with::<f64, D>(problem, ends, options.profile);
-    let own = if plan.is_some() { None } else { Some(planned(problem, options.end_feeds_mm_per_s)?) };
+    let own = if plan.is_some() { None } else { Some(planned::<f64, D>(problem, &options)?) };
     let Some(plan) = plan.or(own.as_ref()) else { return Err(Refusal::Plan(PlanError::PathEmpty)) };
     let parts = hardest_parts(problem, plan, runs);
     let periods: f64 = parts.iter().map(|(_, periods)| periods).sum();
@@ -92,9 +90,10 @@ where
     }
     let whole = Widths::of(Job { problem, plan, options: &options })?;
     let parts = parts.into_iter().filter(|(curves, _)| curves.len() < problem.curves.len());
+    let from_rest = Options { end_feeds_mm_per_s: [0.0; 2], ..options.clone() };
     let parts = parts.map(|(curves, _)| {
         let part = problem.part(curves);
-        planned(&part, [0.0; 2]).map(|plan| (part, plan))
+        planned::<f64, D>(&part, &from_rest).map(|plan| (part, plan))
     });
     let parts = parts.collect::<Result<Vec<_>, _>>()?;
     let parts = parts.iter().map(|(part, plan)| Widths::of(Job { problem: part, plan, options: &options }));

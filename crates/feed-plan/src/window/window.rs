@@ -3,61 +3,58 @@
 //! The planner looks at a *window* of so many millimetres of path at a time. It plans the window as if the path ended
 //! in rest at the window's end, which is always possible. Of that plan, the stages up to the middle of the window are
 //! final. The next window begins at a place where the acceleration is zero, at constant feed or at a joint of stages,
-//! with the feed that the plan has there; along the fastest profile at any joint, with its acceleration too. The path behind a window can only let the plan go faster, so every limit
-//! holds. But where half the window is shorter than the distance that the machine needs to stop, the plan is slower
-//! than with the whole path in view.
+//! with the feed that the plan has there; along the fastest profile at any joint, with its acceleration too. The path
+//! behind a window can only let the plan go faster, so every limit holds. But where half the window is shorter than the
+//! distance that the machine needs to stop, the plan is slower than with the whole path in view.
 //!
 //! The planner may find no plan from that joint, where its search is coarser than in the window before. It then follows
 //! the rest of the window's plan before, to rest: so there is always a plan.
 //!
+//! Final stages are given out in arcs and in chords, and neither depends on the path behind the window. Plans use
+//! 2⁻¹² less than the acceleration and the jerk of the limits: what is left lets the corrections for chords change.
+//!
 //! Spans are sampled once, as the window reaches them, and their samples are forgotten behind it. So memory holds the
-//! samples of one window and one span, whatever the length of the path. Stages are not stretched to whole periods; at a
-//! stop, a caller can wait until the period is over.
+//! samples and curves of one window and one span, whatever the length of the path. Stages are not stretched to whole
+//! periods; at a stop, a pause lasts until the period is over.
 
-use alloc::collections::VecDeque;
 use alloc::vec::Vec;
 
 use nurbs_core::Differentiate;
 use real::Real;
 
-use crate::limit::sample::LimitSample;
-use crate::limit::scan::Scan;
-use crate::plan::look_ahead;
+use crate::plan::look_ahead::{self, InWindow};
+use crate::window::chord_run::{ChordRun, FinalStages};
+use crate::window::view::{CommandedCurve, View};
 use crate::{EndFeeds, FeedLimit, KinematicLimits, PlanError, ProfileKind, Stage, StageKind};
 
 /// A window's plan is followed over at least 2⁻⁶ of the window.
 const LEAST_ADVANCE: i32 = -6;
+/// Plans use this share less of acceleration and jerk.
+const ROOM: i32 = -12;
 
 /// The result of planning through a window.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WindowedPlan<R> {
     /// Arc length of the path, mm.
     pub length: R,
-    /// Duration, in the unit of the limits.
+    /// Duration without the pauses at stops, in the unit of the limits.
     pub duration: R,
+    /// Duration in interpolation periods, pauses and all.
+    pub periods: u32,
     /// Most limit points held at a time.
     pub most_points: usize,
     /// Windows planned.
     pub windows: usize,
 }
 
-/// A curve of a path as a program commands it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CommandedCurve<C, R> {
-    /// The curve, which starts where the one before ends.
-    pub curve: C,
-    /// The largest feed on the curve, above 0, as for [`FeedLimit::capped`].
-    pub feed: R,
-    /// Whether it begins at rest whatever the directions, as for [`FeedLimit::along_with_stops`].
-    pub from_rest: bool,
-}
-
 /// Plans curves that follow each other, from rest to rest, with `window` mm in view. `emit` is given the stages in
 /// order; they are final.
 ///
 /// Distances count from the path's start and curves from the first one. The feed is continuous over windows, and all
-/// limits of [`plan`](crate::plan()) hold. The cost of planning is proportional to the path: each span is sampled once,
-/// and the plan covers each sample about twice.
+/// limits of [`plan`](crate::plan()) hold. The plan in chords is that of [`FeedLimit::in_chords`], found window by window:
+/// a run by its chords keeps to the plan in arcs, and lands on each stop. What is emitted depends on no path behind the
+/// window. The cost of planning is proportional to the path: each span is sampled once, and the plan covers each sample
+/// about twice.
 ///
 /// # Errors
 /// As [`plan`](crate::plan()) and [`FeedLimit::capped`]; [`PlanError::NotPositive`] for a window that is not a positive
@@ -67,29 +64,39 @@ pub fn plan_through_window<R: Real, const D: usize, C: Differentiate<R, D>>(
     limits: &KinematicLimits<R>,
     window: R,
     kind: ProfileKind,
-    mut emit: impl FnMut(&Stage<R>),
+    mut emit: impl FnMut(&FinalStages<R>),
 ) -> Result<WindowedPlan<R>, PlanError> {
     limits.validate()?;
     if !(window > R::zero()) {
         return Err(PlanError::NotPositive { what: "window" });
     }
-    let mut view = View { source: Source::new(curves), scan: Scan::new(limits), limits, window };
-    let mut done = WindowedPlan { length: R::zero(), duration: R::zero(), most_points: 0, windows: 0 };
+    let less = R::one() - R::one().ldexp(ROOM);
+    let within =
+        KinematicLimits { acceleration: limits.acceleration * less, jerk: limits.jerk * less, ..*limits };
+    let mut view = View::new(curves, limits, window);
+    let mut run = ChordRun::new(limits.interpolation_period);
+    let (zero, periods) = (R::zero(), 0);
+    let mut done = WindowedPlan { length: zero, duration: zero, periods, most_points: 0, windows: 0 };
     let (mut feed, mut acceleration) = (R::zero(), R::zero());
     let any_joint = matches!(kind, ProfileKind::Fastest | ProfileKind::WithoutLookAhead);
     let mut rest: Vec<Stage<R>> = Vec::new();
     while view.advance(done.length)? {
-        let limit = view.limit(done.length)?;
-        done.most_points = done.most_points.max(view.scan.samples().len());
+        let whole = view.limit(done.length)?;
+        let limit = whole.clone().beginning_at(done.length);
+        done.most_points = done.most_points.max(view.points());
         done.windows += 1;
         let ends = EndFeeds { start: feed, end: R::zero() };
-        let (mut stages, is_new) = match look_ahead::stages(&limit, limits, ends, Some(acceleration), kind) {
+        let is_last = view.ends_with(&limit);
+        let middle = done.length + (limit.length() - done.length).half();
+        let kept_to = if is_last { limit.length() } else { middle };
+        let in_window = InWindow { start: acceleration, kept_to };
+        let (mut stages, is_new) = match look_ahead::stages(&limit, &within, ends, Some(in_window), kind) {
             Ok(stages) => (stages, true),
             // The rest of the plan before leads to rest at the end of the window before.
             Err(_) if !rest.is_empty() => (rest, false),
             Err(error) => return Err(error),
         };
-        let ends_here = is_new && view.source.is_over() && limit.length() >= view.scan.length();
+        let ends_here = is_new && is_last;
         rest = if ends_here {
             Vec::new()
         } else {
@@ -98,11 +105,14 @@ pub fn plan_through_window<R: Real, const D: usize, C: Differentiate<R, D>>(
             split_rest(&mut stages, &limit, done.length, share, any_joint)
         };
         for stage in &stages {
-            emit(stage);
             done.duration = done.duration + stage.duration;
             (done.length, feed) = (stage.start + stage.length, stage.end_feed);
             acceleration = if any_joint { stage.acceleration_at(stage.duration) } else { R::zero() };
         }
+        let count = stages.len();
+        stages.extend_from_slice(&rest);
+        emit(&run.take(&view.path(&whole), &stages, count)?);
+        done.periods = run.periods;
         if ends_here {
             return Ok(done);
         }
@@ -163,104 +173,6 @@ fn cut<R: Real>(stage: &Stage<R>, distance: R, limit: &FeedLimit<R>) -> (Stage<R
     (before, after)
 }
 
-/// The curves still to come, which are sampled span by span.
-struct Source<C, R, I> {
-    curves: I,
-    /// The current curve, its index, and its next span.
-    at: Option<(CommandedCurve<C, R>, usize, usize)>,
-    /// The feeds of the curves in view, each with the curve's index.
-    feeds: VecDeque<(usize, R)>,
-}
-
-impl<C, R: Real, I: Iterator<Item = CommandedCurve<C, R>>> Source<C, R, I> {
-    fn new(curves: impl IntoIterator<Item = CommandedCurve<C, R>, IntoIter = I>) -> Self {
-        let mut source = Self { curves: curves.into_iter(), at: None, feeds: VecDeque::new() };
-        source.open(0);
-        source
-    }
-
-    /// Takes the next curve, which has this index.
-    fn open(&mut self, index: usize) {
-        self.at = self.curves.next().map(|commanded| {
-            self.feeds.push_back((index, commanded.feed));
-            (commanded, index, 0)
-        });
-    }
-
-    /// The feed of a curve in view.
-    fn feed_of(&self, curve: usize) -> R {
-        let known = self.feeds.binary_search_by_key(&curve, |(index, _)| *index).ok();
-        known.and_then(|place| self.feeds.get(place)).map_or_else(R::max_value, |(_, feed)| *feed)
-    }
-
-    /// Drops the feeds of the curves before this one.
-    fn forget_before(&mut self, curve: usize) {
-        while self.feeds.front().is_some_and(|(index, _)| *index < curve) {
-            self.feeds.pop_front();
-        }
-    }
-
-    fn is_over(&self) -> bool {
-        self.at.is_none()
-    }
-
-    /// Samples the next span.
-    fn pass<const D: usize>(&mut self, scan: &mut Scan<'_, R, D>) -> Result<(), PlanError>
-    where
-        C: Differentiate<R, D>,
-    {
-        let Some((commanded, index, span)) = &mut self.at else { return Ok(()) };
-        let CommandedCurve { curve, from_rest, .. } = commanded;
-        if *span < curve.span_count() {
-            scan.pass_span(*index, curve, *span, *from_rest && *span == 0)?;
-            *span += 1;
-        }
-        if *span >= curve.span_count() {
-            let following = *index + 1;
-            self.open(following);
-        }
-        Ok(())
-    }
-}
-
-/// The samples in view, from the window's begin to its end.
-struct View<'l, R, const D: usize, C, I> {
-    source: Source<C, R, I>,
-    scan: Scan<'l, R, D>,
-    limits: &'l KinematicLimits<R>,
-    window: R,
-}
-
-impl<R: Real, const D: usize, C: Differentiate<R, D>, I: Iterator<Item = CommandedCurve<C, R>>>
-    View<'_, R, D, C, I>
-{
-    /// Moves the window's begin. Returns whether any path is left.
-    fn advance(&mut self, begin: R) -> Result<bool, PlanError> {
-        // A stop lets the limit jump within the chord error of it: samples that far back are still needed.
-        self.scan.forget_before(begin - self.limits.chord_error.ldexp(1));
-        if let Some(first) = self.scan.samples().first() {
-            self.source.forget_before(first.point.curve);
-        }
-        let is_in_view = |sample: &LimitSample<R>| sample.point.distance - begin >= self.window;
-        while !self.source.is_over() && !self.scan.settled().last().is_some_and(is_in_view) {
-            self.source.pass(&mut self.scan)?;
-            if self.source.is_over() {
-                self.scan.finish();
-            }
-        }
-        Ok(self.scan.length() > begin)
-    }
-
-    /// The limit from the window's begin to the first sample at or beyond its end.
-    fn limit(&self, begin: R) -> Result<FeedLimit<R>, PlanError> {
-        let samples = if self.source.is_over() { self.scan.samples() } else { self.scan.settled() };
-        let count = samples.partition_point(|sample| sample.point.distance - begin < self.window);
-        let samples = samples.get(..=count).unwrap_or(samples);
-        let limit = FeedLimit::assemble(samples.to_vec(), Vec::new(), self.limits.chord_error)?;
-        Ok(limit.capped(|curve| self.source.feed_of(curve))?.beginning_at(begin))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -297,8 +209,10 @@ mod tests {
     ) -> (Vec<Stage<f64>>, WindowedPlan<f64>) {
         let limits = paper_limits();
         let mut stages = Vec::new();
-        let done =
-            plan_through_window(freely(curves), &limits, window, kind, |stage| stages.push(*stage)).unwrap();
+        let done = plan_through_window(freely(curves), &limits, window, kind, |some| {
+            stages.extend_from_slice(&some.arcs)
+        })
+        .unwrap();
         (stages, done)
     }
 
@@ -358,7 +272,8 @@ mod tests {
                     let (stages, done) = streamed(curves, window, kind);
                     let limit = assert_kept(curves, &stages);
                     assert!((done.length - limit.length()).abs() < 1e-9 * limit.length());
-                    let sum: f64 = stages.iter().map(|stage| stage.duration).sum();
+                    let moves = stages.iter().filter(|stage| !stage.is_pause());
+                    let sum: f64 = moves.map(|stage| stage.duration).sum();
                     assert!((done.duration - sum).abs() < 1e-9 * sum);
                 }
             }
@@ -383,8 +298,9 @@ mod tests {
             let limit = assert_kept(&curves, &stages);
             assert!(limit.at(7.0) < 0.08 && limit.at(1.0) == 0.6, "{}", limit.at(7.0));
             assert!(done.duration >= whole.duration * (1.0 - 1e-3), "{window}: {}", done.duration);
-            // The samples of a window, of the stretch that a chord reaches beyond it, and of a span.
-            let most = 17.0 * (1000.0 + 500.0 * window);
+            // The samples of a window, of the two periods before it, of the stretch that a chord reaches beyond it, and of
+            // a span.
+            let most = 17.0 * (1600.0 + 500.0 * window);
             assert!((done.most_points as f64) < most, "{} of {most}", done.most_points);
         }
     }
@@ -509,8 +425,10 @@ mod tests {
             let mut stages = Vec::new();
             let capped =
                 freely(&curves).enumerate().map(|(i, one)| CommandedCurve { feed: feed_of(i), ..one });
-            let done =
-                plan_through_window(capped, &limits, 120.0, kind, |stage| stages.push(*stage)).unwrap();
+            let done = plan_through_window(capped, &limits, 120.0, kind, |some| {
+                stages.extend_from_slice(&some.arcs)
+            })
+            .unwrap();
             keeps(&stages);
             assert!(done.duration < 1.02 * bound, "{kind:?}: {} for {bound}", done.duration);
         }
@@ -534,10 +452,9 @@ mod tests {
             let mut rests = Vec::new();
             let commanded = freely(&curves).enumerate();
             let commanded = commanded.map(|(i, one)| CommandedCurve { from_rest: stops.contains(&i), ..one });
-            plan_through_window(commanded, &paper_limits(), 60.0, kind, |stage| {
-                if stage.end_feed == 0.0 {
-                    rests.push(stage.start + stage.length);
-                }
+            plan_through_window(commanded, &paper_limits(), 60.0, kind, |some| {
+                let stops = some.arcs.iter().filter(|stage| stage.end_feed == 0.0);
+                rests.extend(stops.map(|stage| stage.start + stage.length));
             })
             .unwrap();
             for begin in begins {
