@@ -7,7 +7,7 @@
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 
-use crate::wrapper::{Wrapper, with_each, wrapper};
+use crate::wrapper::{Wrapper, wrapper};
 use crate::{Backend, FormatName, Histogram, Operation, Real};
 
 /// The record that [`Audit::of`] makes of a run.
@@ -104,9 +104,9 @@ struct Record {
     underflows: u64,
     divisions_by_zero: u64,
     /// In the order in which they were first named. A step names the same signals in the same order again and again, so
-    /// that the next one is found behind the last one.
+    /// that each remembers the next one.
     signals: Vec<Signal>,
-    /// Where the signal was that was named last.
+    /// Where the signal is that was named last.
     last: usize,
     /// Overflows and underflows that have already been counted for a signal.
     charged: (u64, u64),
@@ -118,6 +118,8 @@ struct Signal {
     name: &'static str,
     range: SignalRange,
     histogram: Histogram,
+    /// Where the signal is that was named after it the last time.
+    next: usize,
 }
 
 impl Audit {
@@ -184,14 +186,18 @@ impl Record {
 
     /// The signal of this name.
     fn signal(&mut self, name: &'static str) -> &mut Signal {
-        let (before, behind) = self.signals.split_at(self.signals.len().min(self.last + 1));
-        let is_named = |signal: &Signal| std::ptr::eq(signal.name, name) || signal.name == name;
-        let onward = behind.iter().position(is_named).map(|at| before.len() + at);
-        let index = onward.or_else(|| before.iter().position(is_named)).unwrap_or(self.signals.len());
-        if index == self.signals.len() {
-            let (range, histogram) = (SignalRange::default(), Histogram::default());
-            self.signals.push(Signal { name, range, histogram });
+        let expected = self.signals.get(self.last).map_or(0, |last| last.next);
+        if self.signals.get(expected).is_some_and(|signal| std::ptr::eq(signal.name, name)) {
+            self.last = expected;
+            return &mut self.signals[expected];
         }
+        let known = self.signals.iter().position(|signal| signal.name == name);
+        let index = known.unwrap_or(self.signals.len());
+        if known.is_none() {
+            let (range, histogram) = (SignalRange::default(), Histogram::default());
+            self.signals.push(Signal { name, range, histogram, next: 0 });
+        }
+        self.signals[self.last].next = index;
         self.last = index;
         &mut self.signals[index]
     }
@@ -199,7 +205,7 @@ impl Record {
     fn finished(self) -> Audit {
         let Self { overflows, underflows, divisions_by_zero, signals, .. } = self;
         let mut audit = Audit { overflows, underflows, divisions_by_zero, ..Audit::default() };
-        for Signal { name, range, histogram } in signals {
+        for Signal { name, range, histogram, .. } in signals {
             audit.signals.insert(name, range);
             // A signal of which only errors were noted has no values.
             if range.count > 0 {
@@ -242,34 +248,40 @@ impl Fate {
     }
 
     /// A result in fixed point, all numbers in units of the resolution `2^-fraction_bits`. No division by zero.
-    fn in_fixed_point(operation: Operation, x: &[i128], result: i128, fraction_bits: u32) -> Self {
+    /// `x(i)` is operand number i of `count`.
+    fn in_fixed_point(
+        operation: Operation,
+        (x, count): (impl Fn(usize) -> i128, usize),
+        result: i128,
+        fraction_bits: u32,
+    ) -> Self {
         let one = 1_i128 << fraction_bits;
         match operation {
-            Operation::Add => Self::of(result, x[0] + x[1], 1),
-            Operation::Sub => Self::of(result, x[0] - x[1], 1),
-            Operation::Neg => Self::of(result, -x[0], 1),
-            Operation::Mul => Self::of(result, x[0] * x[1], one),
-            Operation::MulAdd => Self::of(result, x[0] * x[1] + x[2] * one, one),
+            Operation::Add => Self::of(result, x(0) + x(1), 1),
+            Operation::Sub => Self::of(result, x(0) - x(1), 1),
+            Operation::Neg => Self::of(result, -x(0), 1),
+            Operation::Mul => Self::of(result, x(0) * x(1), one),
+            Operation::MulAdd => Self::of(result, x(0) * x(1) + x(2) * one, one),
             Operation::SumOfProducts => {
                 // The sum may leave 128 bits and come back: every carry is counted.
-                let products = x.chunks_exact(2).map(|pair| pair[0] * pair[1]);
+                let products = (0..count / 2).map(|pair| x(2 * pair) * x(2 * pair + 1));
                 let (sum, carries) = products.fold((0_i128, 0_i64), |(sum, carries), product| {
                     let (sum, carry) = sum.overflowing_add(product);
                     (sum, carries + i64::from(carry) * if product < 0 { -1 } else { 1 })
                 });
                 if carries == 0 { Self::of(result, sum, one) } else { Self::Overflowed }
             }
-            Operation::Div => Self::of(result * x[1].signum(), x[0] * one, x[1].abs()),
-            Operation::Sqrt => Self::of_root(result, x[0].max(0).unsigned_abs() << fraction_bits),
+            Operation::Div => Self::of(result * x(1).signum(), x(0) * one, x(1).abs()),
+            Operation::Sqrt => Self::of_root(result, x(0).max(0).unsigned_abs() << fraction_bits),
             Operation::Norm => {
-                let squares = x.iter().map(|x| x.unsigned_abs().pow(2));
+                let squares = (0..count).map(|i| x(i).unsigned_abs().pow(2));
                 Self::of_root(result, squares.fold(0, u128::saturating_add))
             }
             Operation::Scale { exponent } => match exponent.unsigned_abs() {
-                shift if exponent < 0 => Self::of(result, x[0], 1 << shift.min(100)),
+                shift if exponent < 0 => Self::of(result, x(0), 1 << shift.min(100)),
                 // -1 by 2^63 is the least word.
-                shift if shift <= 63 => Self::of(result, x[0] << shift, 1),
-                _ => Self::of(i128::from(x[0] != 0), 0, 1), // nothing but zero fits
+                shift if shift <= 63 => Self::of(result, x(0) << shift, 1),
+                _ => Self::of(i128::from(x(0) != 0), 0, 1), // nothing but zero fits
             },
         }
     }
@@ -281,7 +293,7 @@ impl Fate {
     }
 
     /// A result in a float. No division by zero.
-    fn in_float<R: Real>(operation: Operation, x: &[R], result: R) -> Self {
+    fn in_float<R: Real>(operation: Operation, x: &[Audited<R>], result: R) -> Self {
         if !result.is_finite() {
             return Self::Overflowed;
         }
@@ -290,14 +302,14 @@ impl Fate {
         }
         let vanishes = |a: R, b: R| !a.is_zero() && !b.is_zero();
         let vanished = match operation {
-            Operation::Mul => vanishes(x[0], x[1]),
-            Operation::MulAdd => x[2].is_zero() && vanishes(x[0], x[1]),
+            Operation::Mul => vanishes(x[0].0, x[1].0),
+            Operation::MulAdd => x[2].0.is_zero() && vanishes(x[0].0, x[1].0),
             Operation::SumOfProducts => {
-                let mut products = x.chunks_exact(2).map(|pair| (pair[0], pair[1]));
+                let mut products = x.chunks_exact(2).map(|pair| (pair[0].0, pair[1].0));
                 products.clone().all(|(a, b)| (a * b).is_zero()) && products.any(|(a, b)| vanishes(a, b))
             }
-            Operation::Div => !x[0].is_zero() && x[1].is_finite(),
-            Operation::Scale { .. } => !x[0].is_zero(),
+            Operation::Div => !x[0].0.is_zero() && x[1].0.is_finite(),
+            Operation::Scale { .. } => !x[0].0.is_zero(),
             _ => false,
         };
         if vanished { Self::Vanished } else { Self::Rounded }
@@ -346,15 +358,10 @@ impl<R: Backend> Wrapper for Audited<R> {
         if operation == Operation::Div && operands[1].0.is_zero() {
             note(|record| record.divisions_by_zero += 1);
         } else if let Some(fraction_bits) = fraction_bits::<R>() {
-            with_each(
-                operands,
-                |x| units(x.0),
-                |x| {
-                    Fate::in_fixed_point(operation, x, units(result), fraction_bits).note();
-                },
-            );
+            let x = |i: usize| units(operands[i].0);
+            Fate::in_fixed_point(operation, (x, operands.len()), units(result), fraction_bits).note();
         } else {
-            with_each(operands, |x| x.0, |x| Fate::in_float(operation, x, result).note());
+            Fate::in_float(operation, operands, result).note();
         }
         Self(result)
     }
@@ -363,8 +370,8 @@ impl<R: Backend> Wrapper for Audited<R> {
         if denominator == 0 {
             note(|record| record.divisions_by_zero += 1);
         } else if let Some(fraction_bits) = fraction_bits::<R>() {
-            let x = [numerator.into(), denominator.into()];
-            Fate::in_fixed_point(Operation::Div, &x, units(result), fraction_bits).note();
+            let x = |i: usize| if i == 0 { numerator.into() } else { denominator.into() };
+            Fate::in_fixed_point(Operation::Div, (x, 2), units(result), fraction_bits).note();
         }
         Self(result)
     }

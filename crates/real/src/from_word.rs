@@ -34,7 +34,7 @@ impl FromWord for f32 {
     }
 }
 
-impl<F: FixedSigned> FromWord for FixedPoint<F>
+impl<F: FixedSigned + Send + Sync> FromWord for FixedPoint<F>
 where
     F::Bits: Word,
 {

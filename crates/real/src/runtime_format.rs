@@ -459,7 +459,7 @@ mod tests {
     }
 
     /// Every operation on words of random bits gives the same bits as the format's own type.
-    fn agrees<F: FixedSigned>(words: [i64; 3], exponent: i32, ratio: (i32, i32), phase: u64)
+    fn agrees<F: FixedSigned + Send + Sync>(words: [i64; 3], exponent: i32, ratio: (i32, i32), phase: u64)
     where
         F::Bits: Word + TryFrom<i64>,
     {

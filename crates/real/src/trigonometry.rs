@@ -116,7 +116,7 @@ mod tests {
             .map(|(found, exact)| (found.to_f64() - exact).abs() / unit(exact))
     }
 
-    fn worst_of_all<F: FixedSigned>() -> f64
+    fn worst_of_all<F: FixedSigned + Send + Sync>() -> f64
     where
         F::Bits: crate::Word,
     {

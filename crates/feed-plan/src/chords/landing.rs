@@ -85,7 +85,7 @@ impl<R: Real, C: Differentiate<R, D>, const D: usize> Path<'_, R, C, D> {
             let share = if lead < shortfall { R::one() - lead / shortfall } else { R::zero() };
             let short = if trial > 0 { shortened(share, at_the_end) } else { best.0.clone() };
             let run = [before.stages, &short].concat();
-            let off = self.off_stop(&Schedule::new(&run, period, u32::MAX), before, stop);
+            let off = self.off_stop(&Schedule::new(&run, period, u64::MAX), before, stop);
             if off.abs() < best.1 {
                 best = (short, off.abs());
             }

@@ -50,6 +50,9 @@ impl<R: Real> FeedPiece<R> {
     /// `S(from + width) - S(from)` without cancellation.
     #[must_use]
     pub fn distance_over(&self, from: R, width: R) -> R {
+        if self.change().is_zero() {
+            return width * self.start_feed;
+        }
         let mean = self.shape.mean(self.share(from + width.half()), self.share(width));
         width * (self.start_feed + self.change() * mean)
     }

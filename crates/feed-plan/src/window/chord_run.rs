@@ -52,12 +52,12 @@ pub(crate) struct ChordRun<R> {
     /// Sum of the lengths of all stages in chords.
     length: R,
     /// Periods up to the last stop.
-    pub(crate) periods: u32,
+    pub(crate) periods: u64,
 }
 
 impl<R: Real> ChordRun<R> {
     pub(crate) fn new(period: R) -> Self {
-        let start = Schedule::new(&[], period, u32::MAX).start();
+        let start = Schedule::new(&[], period, u64::MAX).start();
         Self {
             period,
             last: FinalStages { arcs: Vec::new(), chords: Vec::new() },
@@ -100,7 +100,7 @@ impl<R: Real> ChordRun<R> {
     ) -> (Vec<R>, R) {
         let before = self.last.arcs.len();
         let all = [&self.last.arcs, stages].concat();
-        let schedule = Schedule::new(&all, self.period, u32::MAX);
+        let schedule = Schedule::new(&all, self.period, u64::MAX);
         let mut shortfalls = vec![R::zero(); all.len()];
         let mut cursor = self.cursors[0];
         let mut from = schedule.distance(&cursor);
@@ -167,7 +167,7 @@ impl<R: Real> ChordRun<R> {
             return Ok(());
         }
         let (periods, whole) = round_up(self.time / self.period).ok_or(PlanError::DurationOverflows)?;
-        self.periods = self.periods.checked_add(periods).ok_or(PlanError::DurationOverflows)?;
+        self.periods = self.periods.checked_add(u64::from(periods)).ok_or(PlanError::DurationOverflows)?;
         let wait = whole * self.period - self.time;
         if wait > R::zero() {
             taken.arcs.push(pause(last, wait));
@@ -181,7 +181,7 @@ impl<R: Real> ChordRun<R> {
     /// Follows the run to the end of the last whole period. What lies before that is forgotten.
     fn follow<C: Differentiate<R, D>, const D: usize>(&mut self, path: &Path<'_, R, C, D>, feed: R) {
         let FinalStages { arcs, chords } = &mut self.last;
-        let [planned, run] = [&*arcs, &*chords].map(|stages| Schedule::new(stages, self.period, u32::MAX));
+        let [planned, run] = [&*arcs, &*chords].map(|stages| Schedule::new(stages, self.period, u64::MAX));
         let [mut by_arcs, mut by_chords] = self.cursors;
         while by_arcs.stage() < arcs.len() && by_chords.stage() < chords.len() {
             self.cursors = [by_arcs, by_chords];
@@ -230,7 +230,7 @@ mod tests {
         limits: &KinematicLimits<f64>,
         window: f64,
         kind: ProfileKind,
-    ) -> (FinalStages<f64>, u32) {
+    ) -> (FinalStages<f64>, u64) {
         let curves = curves.iter().map(|curve| CommandedCurve {
             curve: curve.as_curve(),
             feed: f64::MAX,
@@ -252,7 +252,7 @@ mod tests {
         let mut worst = [0.0_f64; 2];
         for (arcs, chords) in sections(&plan.arcs).zip(sections(&plan.chords)) {
             let begin = arcs.stages()[0].start;
-            let [arcs, chords] = [arcs, chords].map(|one| Schedule::new(one.stages(), 1.0, u32::MAX));
+            let [arcs, chords] = [arcs, chords].map(|one| Schedule::new(one.stages(), 1.0, u64::MAX));
             let last = arcs.stages().iter().rev().find(|stage| !stage.is_pause()).unwrap();
             let stop = last.start + last.length;
             let before = Before { stages: &[], cursor: chords.start(), reached: begin };
@@ -270,7 +270,7 @@ mod tests {
 
     /// Checks final stages: neighbours meet in feed and acceleration, both plans take the same time, which is whole
     /// periods from stop to stop, and nothing is above the limits, also over periods.
-    fn assert_kept(limits: &KinematicLimits<f64>, plan: &FinalStages<f64>, periods: u32, name: &str) {
+    fn assert_kept(limits: &KinematicLimits<f64>, plan: &FinalStages<f64>, periods: u64, name: &str) {
         let (mut feed, mut acceleration, mut start, mut before) = (0.0, 0.0, 0.0, 0.0_f64);
         for stage in &plan.chords {
             let piece = stage.piece();

@@ -40,7 +40,7 @@ pub struct WindowedPlan<R> {
     /// Duration without the pauses at stops, in the unit of the limits.
     pub duration: R,
     /// Duration in interpolation periods, pauses and all.
-    pub periods: u32,
+    pub periods: u64,
     /// Most limit points held at a time.
     pub most_points: usize,
     /// Windows planned.
