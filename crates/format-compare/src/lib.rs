@@ -51,6 +51,7 @@ mod problem {
 
 mod plan {
     pub(crate) mod axis_peaks;
+    mod calm;
     pub(crate) mod exact_plan;
     pub(crate) mod in_format;
     pub(crate) mod lengths;

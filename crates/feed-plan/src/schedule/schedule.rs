@@ -137,6 +137,21 @@ impl<'a, R: Real> Schedule<'a, R> {
         Some(distance)
     }
 
+    /// Passes over the whole periods that begin and end in the cursor's stage if its feed is constant, up to the last one, and
+    /// returns how many: each goes as far as the one before it, if that lies in the stage too.
+    pub fn pass_constant(&self, cursor: &mut Cursor<R>) -> u32 {
+        let constant = |stage: &&Stage<R>| stage.start_feed == stage.end_feed && stage.start_feed > R::zero();
+        let Some(stage) = self.stages.get(cursor.stage).filter(constant) else { return 0 };
+        let left = (stage.duration - self.time(cursor)) / self.interpolation_period - R::one();
+        let whole = if left > R::one() { (left.to_phase(-32) >> 32) - 1 } else { 0 };
+        let most = self.periods.saturating_sub(cursor.period.saturating_add(1));
+        let count = u32::try_from(whole).unwrap_or(u32::MAX).min(most);
+        let Ok(number) = i32::try_from(count) else { return 0 };
+        cursor.count = cursor.count + R::from_ratio(number, 1);
+        cursor.period += count;
+        count
+    }
+
     /// Time since the start of the cursor's stage.
     #[must_use]
     pub fn time(&self, cursor: &Cursor<R>) -> R {
@@ -185,6 +200,32 @@ mod tests {
         assert!((travelled - schedule.length()).abs() < 1e-15);
         assert_eq!(schedule.feed(&cursor), 0.5);
         assert_eq!(schedule.advance(&mut cursor), None);
+    }
+
+    /// Up to the end of a constant feed, and no further; the last period of a plan is given out in any case.
+    #[test]
+    fn passing_over_a_constant_feed_loses_no_period_and_no_way() {
+        let constant = |duration: f64| Stage { duration, length: duration, ..stages()[1] };
+        let [rise, _, fall] = stages();
+        for (middle, periods) in [(100.4, 104), (3.4, 7), (1.9, 6), (0.4, 4)] {
+            let plan = [rise, constant(middle), Stage { duration: periods as f64 - 2.5 - middle, ..fall }];
+            let schedule = Schedule::new(&plan, 1.0, periods);
+            let (mut cursor, mut steps) = (schedule.start(), Vec::new());
+            while let Some(step) = schedule.advance(&mut cursor) {
+                let passed = schedule.pass_constant(&mut cursor);
+                assert!(passed == 0 || cursor.stage() == 1, "{cursor:?}");
+                steps.push(step);
+                steps.extend((0..passed).map(|_| 1.0));
+            }
+            let mut cursor = schedule.start();
+            let expected: Vec<_> = core::iter::from_fn(|| schedule.advance(&mut cursor)).collect();
+            assert_eq!(steps, expected, "{middle}");
+        }
+        let alone = [constant(50.0)];
+        let schedule = Schedule::new(&alone, 1.0, 50);
+        let mut cursor = schedule.start();
+        assert_eq!((schedule.pass_constant(&mut cursor), cursor.period()), (48, 48));
+        assert_eq!(core::iter::from_fn(|| schedule.advance(&mut cursor)).sum::<f64>(), 2.0);
     }
 
     #[test]

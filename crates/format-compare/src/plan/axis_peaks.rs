@@ -3,7 +3,9 @@
 //! With the unit tangent e an axis has the velocity `e V`. Its mean over a period T is the step to the next setpoint
 //! over T. Its acceleration is the difference of two such means over T, and its jerk that of two accelerations over T.
 //! These figures include the demands of breaks of the tangent and of steps of the curvature. A peak shorter than a
-//! period counts as the drive gets it: by its mean over the period.
+//! period counts as the drive gets it: by its mean over the period. Where nothing changes no period is looked at.
+
+use std::ops::Range;
 
 use feed_plan::FeedLimit;
 use nurbs_core::{Differentiate, FastCurve};
@@ -11,12 +13,13 @@ use part_program::AxisLimits;
 use real::Real;
 use serde::Serialize;
 
+use crate::plan::calm::{on_ways, others};
 use crate::plan::exact_plan::ExactPlan;
-use crate::plan::samples::{Instant, instants};
+use crate::plan::samples::{Instant, Walk};
 use crate::problem::problem::Problem;
 
 /// Samples in each period. The trapezoidal rule then has an error of at most `1/(12·4²)` of a step of the jerk.
-const PER_PERIOD: u16 = 4;
+const PER_PERIOD: u32 = 4;
 
 /// The largest one-period means of one axis over a plan, with the machine's limits.
 #[derive(Clone, Copy, Debug, Serialize)]
@@ -33,12 +36,13 @@ pub struct AxisPeak {
     pub limits: AxisLimits,
 }
 
-/// The peaks of each axis of the path. Before the plan and behind it, each axis keeps the velocity that it has at that
+/// The peaks of each axis of the path, whose straight ways are `straight`. Before the plan and behind it, each axis keeps the velocity that it has at that
 /// end.
 pub(crate) fn axis_peaks<const D: usize>(
     plan: &ExactPlan,
     problem: &Problem<D>,
     limit: &FeedLimit<f64>,
+    straight: &[Range<f64>],
 ) -> Vec<AxisPeak> {
     let axes = &problem.machine.axes;
     let named = [('x', axes.x), ('y', axes.y), ('z', axes.z)];
@@ -55,13 +59,20 @@ pub(crate) fn axis_peaks<const D: usize>(
         .collect();
     let t = problem.period_s();
     let curves = problem.fast_curves();
-    let mut at = instants(plan, PER_PERIOD.into()).map(|at| velocity(&curves, limit, &at));
-    let mut end = at.next().unwrap_or([0.0; D]);
+    let (last, step) = (plan.periods() * PER_PERIOD, 1.0 / f64::from(PER_PERIOD));
+    let mut walk = Walk::new(plan);
+    let mut at = |sample: u32| velocity(&curves, limit, &walk.to(f64::from(sample.min(last)) * step));
+    let mut end = at(0);
     let mut before = [end; 2];
-    for _ in 0..plan.periods() + 2 {
+    let calm = on_ways(plan.arcs().stages(), straight);
+    for (period, is_behind_calm) in others(&calm, plan.periods() + 2) {
+        if is_behind_calm {
+            end = at(period * PER_PERIOD);
+            before = [end; 2];
+        }
         let mut sum = end.map(|x| x / 2.0);
-        for _ in 0..PER_PERIOD {
-            end = at.next().unwrap_or(end);
+        for sample in 1..=PER_PERIOD {
+            end = at(period * PER_PERIOD + sample);
             sum = std::array::from_fn(|d| sum[d] + end[d]);
         }
         let mean: [f64; D] = std::array::from_fn(|d| (sum[d] - end[d] / 2.0) / f64::from(PER_PERIOD));
@@ -94,6 +105,7 @@ fn velocity<const D: usize>(
 mod tests {
     use super::*;
     use crate::examples::on_example_machine;
+    use crate::plan::calm::straight_ways;
     use crate::{PlanSummary, ProfileKind};
 
     fn summary(part: &str, axes: &str) -> PlanSummary {
@@ -141,6 +153,32 @@ mod tests {
         for axis in &summary(spline, limits).axes[..2] {
             assert!(axis.jerk_max_mm_per_s3 <= 1e5 * 1.05, "{axis:?}");
         }
+    }
+
+    /// Slow moves, with corners that are passed and one that is not, and an arc: what is left out is most of the time.
+    #[test]
+    fn what_is_left_out_has_no_peak() {
+        let part = "G21 G90\nG0 X0 Y0\nG1 X10 F60\nG1 X20 Y0.2\nG2 X30 Y-9.8 I0 J-10\nG1 Y-20\nG1 X0\nG0 X5 Y5\nG1 X9 Y9\n";
+        let problem = on_example_machine::<3>(part, "");
+        let plan = ExactPlan::in_format::<f64, 3>(&problem, [0.0; 2]).unwrap();
+        let limit = plan.limit(&problem).unwrap();
+        let straight = straight_ways(&problem, limit);
+        let left_out: u32 =
+            on_ways(plan.arcs().stages(), &straight).iter().map(|calm| calm.end - calm.start).sum();
+        assert!(left_out > plan.periods() / 2, "{left_out} of {}", plan.periods());
+        let [all, these] = [&[][..], &straight].map(|straight| axis_peaks(&plan, &problem, limit, straight));
+        for (all, these) in all.iter().zip(&these) {
+            for (all, these) in [
+                (all.velocity_max_mm_per_s, these.velocity_max_mm_per_s),
+                (all.acceleration_max_mm_per_s2, these.acceleration_max_mm_per_s2),
+                (all.jerk_max_mm_per_s3, these.jerk_max_mm_per_s3),
+            ] {
+                assert!((all - these).abs() <= 1e-9 * all, "{all} {these}");
+            }
+        }
+        let [all, these] = [&[][..], &straight]
+            .map(|straight| crate::plan::plan_summary::total_acceleration(&plan, &problem, limit, straight));
+        assert!((all - these).abs() <= 1e-9 * all, "{all} {these}");
     }
 
     /// The jerk at the begin of a move was once counted for the axis of the move before.

@@ -1,5 +1,7 @@
 //! A plan for people to read: a summary, and the stages in mm and s.
 
+use std::ops::Range;
+
 use feed_plan::{
     EndFeeds, FeedLimit, ProfileKind, Stage, StageKind, StageShape, jerk_free_duration, least_duration,
 };
@@ -8,8 +10,9 @@ use real::{DoubleDouble, Real};
 use serde::Serialize;
 
 use crate::plan::axis_peaks::{AxisPeak, axis_peaks};
+use crate::plan::calm::{on_ways, others, straight_ways};
 use crate::plan::exact_plan::ExactPlan;
-use crate::plan::samples::instants;
+use crate::plan::samples::Walk;
 use crate::problem::problem::Problem;
 use crate::refusal::Refusal;
 
@@ -126,6 +129,7 @@ impl PlanSummary {
             })
             .collect();
         let (acceleration, jerk) = peaks_along(plan);
+        let straight = straight_ways(problem, feed_limit);
         let is_without = plan.profile() == ProfileKind::WithoutLookAhead;
         let time_s = plan.periods() as f64 * t;
         let [jerk_free_time_s, least_time_s] = bounds_s(plan, problem, feed_limit)?;
@@ -151,13 +155,14 @@ impl PlanSummary {
             over_least: time_s / least_time_s - 1.0,
             acceleration_max_mm_per_s2: acceleration / t.powi(2),
             acceleration_limit_mm_per_s2: problem.machine.acceleration_mm_per_s2,
-            total_acceleration_max_mm_per_s2: total_acceleration(plan, problem, feed_limit) / t.powi(2),
+            total_acceleration_max_mm_per_s2: total_acceleration(plan, problem, feed_limit, &straight)
+                / t.powi(2),
             is_free_across: problem.machine.centripetal_acceleration_mm_per_s2.is_none(),
             jerk_max_mm_per_s3: jerk / t.powi(3),
             jerk_limit_mm_per_s3: problem.machine.jerk_mm_per_s3,
             share_at_commanded_feed: full_mm / length_mm,
             feed_over_commanded: (full_mm > 0.0).then(|| full_mm / commanded_mm),
-            axes: axis_peaks(plan, problem, feed_limit),
+            axes: axis_peaks(plan, problem, feed_limit, &straight),
             without_look_ahead: is_without.then(|| OverLimits::new((acceleration, jerk), problem)),
             stage_count: stages.len(),
             stages,
@@ -167,7 +172,12 @@ impl PlanSummary {
 
 /// The largest second difference of the points at which periods end, in mm. The tool stands still before and behind the
 /// plan where that begins or ends at rest, and wherever the machine makes another move in between.
-fn total_acceleration<const D: usize>(plan: &ExactPlan, problem: &Problem<D>, limit: &FeedLimit<f64>) -> f64 {
+pub(crate) fn total_acceleration<const D: usize>(
+    plan: &ExactPlan,
+    problem: &Problem<D>,
+    limit: &FeedLimit<f64>,
+    straight: &[Range<f64>],
+) -> f64 {
     let on = |curve: usize, at: fn((f64, f64)) -> f64| {
         let curve = problem.curves.get(curve)?.as_curve();
         Some(curve.point(at(curve.domain())))
@@ -177,33 +187,67 @@ fn total_acceleration<const D: usize>(plan: &ExactPlan, problem: &Problem<D>, li
     let is_rest = |feed: Option<DoubleDouble>| feed.is_some_and(|feed| feed.value() == 0.0);
     let starts_at_rest = is_rest(stages.first().map(|stage| stage.start_feed));
     let ends_at_rest = is_rest(stages.last().map(|stage| stage.end_feed));
-    let mut places = instants(plan, 1).map(|at| limit.parameter_at(at.distance())).peekable();
+    let calm = on_ways(plan.arcs().stages(), straight);
+    let mut walk = Walk::new(plan);
+    let mut places = others(&calm, plan.periods() + 1)
+        .map(|(period, is_behind_calm)| {
+            (limit.parameter_at(walk.to(f64::from(period)).distance()), is_behind_calm)
+        })
+        .peekable();
     let ends = problem.breaks.iter().copied().chain([problem.curves.len()]);
-    let (mut begin, mut most) = (0, 0.0_f64);
+    let (mut begin, mut differences) = (0, SecondDifferences::default());
     for end in ends {
-        let own = std::iter::from_fn(|| places.next_if(|(curve, _)| *curve < end));
-        let own = own.filter_map(|(curve, u)| Some(problem.curves.get(curve)?.as_curve().point(u)));
         let before = on(begin, |domain| domain.0).filter(|_| begin > 0 || starts_at_rest);
         let behind = on(end - 1, |domain| domain.1).filter(|_| end < problem.curves.len() || ends_at_rest);
-        let points = standing(before).chain(own).chain(standing(behind));
-        most = most.max(largest_second_difference(points));
+        differences.begin();
+        standing(before).for_each(|point| differences.add(point));
+        while let Some(((curve, u), is_behind_calm)) = places.next_if(|((curve, _), _)| *curve < end) {
+            if is_behind_calm {
+                differences.begin();
+            }
+            if let Some(curve) = problem.curves.get(curve) {
+                differences.add(curve.as_curve().point(u));
+            }
+        }
+        standing(behind).for_each(|point| differences.add(point));
         begin = end;
     }
-    most
+    differences.most
+}
+
+/// The largest second difference of series of points.
+struct SecondDifferences<const D: usize> {
+    last: [Option<[f64; D]>; 2],
+    most: f64,
+}
+
+impl<const D: usize> Default for SecondDifferences<D> {
+    fn default() -> Self {
+        Self { last: [None; 2], most: 0.0 }
+    }
+}
+
+impl<const D: usize> SecondDifferences<D> {
+    /// Begins a series.
+    fn begin(&mut self) {
+        self.last = [None; 2];
+    }
+
+    fn add(&mut self, point: [f64; D]) {
+        if let [Some(a), Some(b)] = self.last {
+            let difference: [f64; D] = std::array::from_fn(|d| (point[d] - b[d]) - (b[d] - a[d]));
+            self.most = self.most.max(f64::norm(&difference));
+        }
+        self.last = [self.last[1], Some(point)];
+    }
 }
 
 /// The largest second difference of a series of points. For points a period T apart, it is T² times the largest
 /// acceleration in any direction.
 pub fn largest_second_difference<const D: usize>(points: impl IntoIterator<Item = [f64; D]>) -> f64 {
-    let (mut last, mut most) = ([None::<[f64; D]>; 2], 0.0_f64);
-    for point in points {
-        if let [Some(a), Some(b)] = last {
-            let difference: [f64; D] = std::array::from_fn(|d| (point[d] - b[d]) - (b[d] - a[d]));
-            most = most.max(f64::norm(&difference));
-        }
-        last = [last[1], Some(point)];
-    }
-    most
+    let mut differences = SecondDifferences::default();
+    points.into_iter().for_each(|point| differences.add(point));
+    differences.most
 }
 
 /// The largest acceleration and jerk along the path, in mm and periods.
@@ -247,16 +291,19 @@ impl OverLimits {
 /// the distance. Where the feed steps from one stage to the next, they exceed those of every stage.
 fn differences_over_periods(plan: &ExactPlan) -> (f64, f64) {
     let (mut acceleration, mut jerk) = (0.0_f64, 0.0_f64);
-    let mut before = [DoubleDouble::from(0.0); 2];
-    for (period, (length, _)) in plan.lengths().enumerate() {
-        let [second, first] = before;
-        if period > 0 {
+    let schedule = plan.schedule();
+    let mut cursor = schedule.start();
+    let mut before = [None; 2];
+    while let Some(length) = schedule.advance(&mut cursor) {
+        if let [_, Some(first)] = before {
             acceleration = acceleration.max((length - first).value().abs());
         }
-        if period > 1 {
+        if let [Some(second), Some(first)] = before {
             jerk = jerk.max((length - first - first + second).value().abs());
         }
-        before = [first, length];
+        // Behind three of them all periods of a constant feed are the same.
+        let is_calm = before == [Some(length); 2] && schedule.pass_constant(&mut cursor) > 0;
+        before = if is_calm { [Some(length); 2] } else { [before[1], Some(length)] };
     }
     (acceleration, jerk)
 }

@@ -51,19 +51,35 @@ impl Instant<'_> {
 }
 
 /// `per_period` instants of each period, and the end of the plan.
-pub(crate) fn instants(plan: &ExactPlan, per_period: u32) -> impl Iterator<Item = Instant<'_>> {
-    let stages = plan.arcs().stages();
+fn instants(plan: &ExactPlan, per_period: u32) -> impl Iterator<Item = Instant<'_>> {
     let step = 1.0 / f64::from(per_period);
-    let (mut stage, mut before) = (0, 0.0);
-    (0..=plan.periods() * u64::from(per_period)).map(move |sample| {
-        let time = sample as f64 * step;
-        while stage + 1 < stages.len() && time >= before + stages[stage].duration.value() {
-            before += stages[stage].duration.value();
-            stage += 1;
+    let mut walk = Walk::new(plan);
+    (0..=plan.periods() * u64::from(per_period)).map(move |sample| walk.to(sample as f64 * step))
+}
+
+/// A walk along a plan.
+pub(crate) struct Walk<'a> {
+    stages: &'a [Stage<DoubleDouble>],
+    stage: usize,
+    /// Periods before the stage.
+    before: f64,
+}
+
+impl<'a> Walk<'a> {
+    pub(crate) fn new(plan: &'a ExactPlan) -> Self {
+        Self { stages: plan.arcs().stages(), stage: 0, before: 0.0 }
+    }
+
+    /// Goes on to a time, in periods, which is no earlier than the one before.
+    pub(crate) fn to(&mut self, time: f64) -> Instant<'a> {
+        let Self { stages, stage, before } = self;
+        while *stage + 1 < stages.len() && time >= *before + stages[*stage].duration.value() {
+            *before += stages[*stage].duration.value();
+            *stage += 1;
         }
-        let stage = &stages[stage];
-        Instant { time, stage, since: DoubleDouble::from((time - before).min(stage.duration.value())) }
-    })
+        let stage = &stages[*stage];
+        Instant { time, stage, since: DoubleDouble::from((time - *before).min(stage.duration.value())) }
+    }
 }
 
 impl ExactPlan {
