@@ -44,6 +44,12 @@ pub struct AxisLimits<R> {
     pub jerk: Option<R>,
 }
 
+impl<R> AxisLimits<R> {
+    pub(crate) fn limits_acceleration(&self) -> bool {
+        self.acceleration.is_some() || self.jerk.is_some()
+    }
+}
+
 /// How the plan passes a break of the tangent, between two curves or inside one.
 ///
 /// With [`Stop`](Self::Stop), a turn by θ is a stop where θ is above `min(4E/(F T), A T/F)`. At full feed a smaller
@@ -65,10 +71,10 @@ pub enum Junction<R> {
 }
 
 impl<R: Real> KinematicLimits<R> {
-    /// Whether the acceleration or the jerk of a single axis is limited.
+    /// Whether the acceleration or the jerk of a single axis is limited, of the first axes, as many as the path has dimensions.
     #[must_use]
-    pub fn limit_accelerations_of_axes(&self) -> bool {
-        self.axes.iter().any(|axis| axis.acceleration.or(axis.jerk).is_some())
+    pub fn limit_accelerations_of_axes(&self, dimensions: usize) -> bool {
+        self.axes.iter().take(dimensions).any(AxisLimits::limits_acceleration)
     }
 
     /// Checks that each limit is a positive number.

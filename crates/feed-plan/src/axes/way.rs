@@ -112,6 +112,22 @@ impl<'a, C> Way<'a, C> {
             && self.geometry.limit().is_level_over(from, to)
     }
 
+    /// Whether an axis moves whose acceleration or jerk is limited, seen at both ends of each piece and in its middle.
+    pub(crate) fn moves_limited_axes<const D: usize>(&self) -> bool
+    where
+        C: Differentiate<f64, D>,
+    {
+        let moves = |bend: Bend| {
+            let limited = |i: &usize| self.limits.axes[*i].limits_acceleration();
+            (0..AXES).filter(limited).any(|i| [bend.e[i], bend.k[i], bend.c[i]] != [0.0; 3])
+        };
+        self.pieces.iter().any(|piece| {
+            let shares = if piece.is_line { &[0.5][..] } else { &[0.0, 0.5, 1.0] };
+            let at = |share: &f64| piece.begin + (piece.end - piece.begin) * share;
+            shares.iter().any(|share| moves(self.geometry.bend(piece, at(share))))
+        })
+    }
+
     /// The path's jerk on a straight way in the direction of this bend.
     pub(crate) fn jerk_along(&self, bend: &Bend) -> f64 {
         let of_axes = (0..AXES).filter_map(|i| Some((bend.e[i].abs(), self.limits.axes[i].jerk?)));

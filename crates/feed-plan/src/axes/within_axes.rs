@@ -11,8 +11,8 @@
 //!    again, three times at most; the rest is stretched in time evenly.
 //! 6. *Whole periods*, as for every plan.
 //!
-//! A way for which any of that fails keeps the plan that it had, and so does one that would not be faster. One that no motion
-//! passes in fewer periods, by a bound that takes one walk along the limit, is not tried.
+//! A way for which any of that fails keeps the plan that it had, and so does one that would not be faster. One along which no axis
+//! moves whose acceleration or jerk is limited is not tried, nor one that no motion passes in fewer periods, by a bound that takes one walk along the limit, is not tried.
 
 use alloc::vec::Vec;
 
@@ -81,7 +81,8 @@ pub fn plan_within_axes<const D: usize, C: Differentiate<f64, D> + Sync>(
     limit: &FeedLimit<f64>,
     today: &ScheduleBuf<f64>,
 ) -> Result<ScheduleBuf<f64>, PlanError> {
-    let Some(geometry) = limits.limit_accelerations_of_axes().then(|| Geometry::new(curves, limit)).flatten()
+    let Some(geometry) =
+        limits.limit_accelerations_of_axes(D).then(|| Geometry::new(curves, limit)).flatten()
     else {
         return Ok(today.clone());
     };
@@ -122,7 +123,7 @@ fn faster<const D: usize, C: Differentiate<f64, D>>(
     if !may_take_less(limit, limits, (begin, end), periods) {
         return None;
     }
-    let way = Way::new(geometry, limits, (begin, end))?;
+    let way = Way::new(geometry, limits, (begin, end)).filter(Way::moves_limited_axes)?;
     let (pieces, _) = solve(&way, section.duration(), CELL)?;
     let mut stages = Stages::new(limit);
     let mut start = begin;

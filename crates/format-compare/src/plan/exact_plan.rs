@@ -85,7 +85,7 @@ impl ExactPlan {
             let limits = limits_in_format::<f64>(&problem.limits_per_period()?)?;
             let curves = problem.fast_curves();
             let mut planned = planned(&curves, &limits, problem, end_feeds_mm_per_s, profile)?;
-            if profile == ProfileKind::Fastest && limits.limit_accelerations_of_axes() {
+            if profile == ProfileKind::Fastest && limits.limit_accelerations_of_axes(D) {
                 let limit = FeedLimit::without_reserves(&curves, &limits, &problem.stops)?
                     .capped(feeds_in_format(problem, limits.feedrate)?)?;
                 planned = planned.within_axes(limit, &curves, &limits)?;

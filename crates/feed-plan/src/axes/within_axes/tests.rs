@@ -261,6 +261,24 @@ fn a_way_is_tried_only_where_fewer_periods_may_do() {
     }
 }
 
+/// Where only Z is limited, a way in the plane has nothing to gain, and one that rises has.
+#[test]
+fn a_way_along_which_no_limited_axis_moves_keeps_its_plan() {
+    let none = AxisLimits::default();
+    let limits = with_axes([none, none, axis(20.0, 300.0, 5e3)]);
+    for (rise, expected) in [(0.0, false), (8.0, true)] {
+        let points = [[0.0, 0.0, 0.0], [10.0, 20.0, rise], [20.0, -10.0, 0.0], [30.0, 5.0, rise]];
+        let curve =
+            NurbsBuf::try_new(3, points.to_vec(), vec![1.0; 4], [[0.0; 4], [1.0; 4]].concat()).unwrap();
+        let curves = [curve.as_curve()];
+        let (limit, today, faster) = plans(&curves, &limits);
+        let geometry = Geometry::new(&curves, &limit).unwrap();
+        let way = Way::new(&geometry, &limits, (0.0, limit.length())).unwrap();
+        assert_eq!(way.moves_limited_axes(), expected);
+        assert_eq!(faster != today, expected);
+    }
+}
+
 /// Two lines of this length and a quarter of a circle between them.
 fn slot(length: f64) -> [NurbsBuf<f64, 2>; 3] {
     let line =
