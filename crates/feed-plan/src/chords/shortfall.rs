@@ -13,6 +13,7 @@
 //! period, its feed would fall many times too much.
 
 use alloc::vec::Vec;
+use core::cell::Cell;
 use core::ops::Range;
 
 use nurbs_core::{Differentiate, Frenet, GaussLegendre};
@@ -109,6 +110,8 @@ pub(crate) struct Path<'a, R, C, const D: usize> {
     rule: GaussLegendre<R>,
     /// Whether the parameter tells everywhere where the path is. Where it does not, a chord counts as long as its arc.
     is_resolved: bool,
+    /// The point of the limit and the corner at which the last searches ended: a run goes on from where it was.
+    last: [Cell<usize>; 2],
 }
 
 impl<'a, R: Real, C: Differentiate<R, D>, const D: usize> Path<'a, R, C, D> {
@@ -118,7 +121,14 @@ impl<'a, R: Real, C: Differentiate<R, D>, const D: usize> Path<'a, R, C, D> {
 
     /// A part of a path, of the curves from the one with the index `first` on.
     pub(crate) fn in_view(limit: &'a FeedLimit<R>, first: usize, curves: &'a [C]) -> Self {
-        Self { limit, curves, first, rule: GaussLegendre::new(), is_resolved: limit.is_resolved() }
+        Self {
+            limit,
+            curves,
+            first,
+            rule: GaussLegendre::new(),
+            is_resolved: limit.is_resolved(),
+            last: Default::default(),
+        }
     }
 
     fn curve(&self, index: usize) -> Option<&C> {
@@ -131,7 +141,7 @@ impl<'a, R: Real, C: Differentiate<R, D>, const D: usize> Path<'a, R, C, D> {
 
     /// The length of a step between two distances: the sum of its chords from corner to corner.
     pub(crate) fn step_between(&self, from: R, to: R) -> R {
-        let corners = self.limit.corners_from(from).iter().take_while(|corner| **corner < to);
+        let corners = self.limit.corners_near(from, &self.last[1]).iter().take_while(|corner| **corner < to);
         let ends = corners.copied().chain([to]);
         ends.fold((R::zero(), from), |(sum, from), to| (sum + self.leg(from, to), to)).0
     }
@@ -146,7 +156,7 @@ impl<'a, R: Real, C: Differentiate<R, D>, const D: usize> Path<'a, R, C, D> {
     fn leaving(&self, distance: R) -> [R; D] {
         let place = match self.limit.begins_at_rest(distance) {
             Some(curve) => (curve, self.curve(curve).map_or(R::zero(), |curve| curve.domain().0)),
-            None => self.limit.parameter_at(distance),
+            None => self.parameter_at(distance),
         };
         self.point(place)
     }
@@ -156,9 +166,13 @@ impl<'a, R: Real, C: Differentiate<R, D>, const D: usize> Path<'a, R, C, D> {
         let rest = self.limit.next_from_rest(from).filter(|(rest, _)| to >= *rest);
         let place = match rest.and_then(|(_, next)| next.checked_sub(1)) {
             Some(curve) => (curve, self.curve(curve).map_or(R::zero(), |curve| curve.domain().1)),
-            None => self.limit.parameter_at(to),
+            None => self.parameter_at(to),
         };
         self.point(place)
+    }
+
+    fn parameter_at(&self, distance: R) -> (usize, R) {
+        self.limit.parameter_near(distance, &self.last[0])
     }
 
     fn point(&self, (curve, u): (usize, R)) -> [R; D] {
@@ -169,7 +183,7 @@ impl<'a, R: Real, C: Differentiate<R, D>, const D: usize> Path<'a, R, C, D> {
     /// little off where the speed changes. At the end of a stage this error would be taken for a shortfall, and if it
     /// is negative, no later stage could make up for it.
     fn length_to(&self, distance: R) -> R {
-        let (index, u) = self.limit.parameter_at(distance);
+        let (index, u) = self.parameter_at(distance);
         let is_resolved = self.is_resolved_at(distance);
         let before = self.limit.point_before(distance).filter(|point| is_resolved && point.curve == index);
         let (Some(begin), Some(curve)) = (before, self.curve(index)) else { return distance };
@@ -259,7 +273,7 @@ impl<'a, R: Real, C: Differentiate<R, D>, const D: usize> Path<'a, R, C, D> {
             return wanted;
         }
         let (mut from, mut left) = (begin, wanted);
-        for &corner in self.limit.corners_from(begin) {
+        for &corner in self.limit.corners_near(begin, &self.last[1]) {
             let chord = if corner - from > left.ldexp(2) { left } else { self.leg(from, corner) };
             if chord >= left {
                 break;

@@ -5,6 +5,7 @@
 //! neighbouring sample, that neighbour's limit holds.
 
 use alloc::vec::Vec;
+use core::cell::Cell;
 
 use nurbs_core::Differentiate;
 use real::Real;
@@ -17,6 +18,9 @@ use crate::{KinematicLimits, LimitPoint, PlanError};
 
 /// Between points that are less than 2⁴ roundings apart the parameter does not tell where the path is.
 const RESOLVED: i32 = 4;
+
+/// Steps of a walk before a search is shorter.
+const STEPS: usize = 8;
 
 /// The largest feed that a path allows, as a function of the distance along it.
 #[derive(Clone, Debug, PartialEq)]
@@ -344,6 +348,13 @@ impl<R: Real> FeedLimit<R> {
         self.corners.get(passed..).unwrap_or_default()
     }
 
+    /// The same, sought from the corner at which the last search ended.
+    pub(crate) fn corners_near(&self, distance: R, last: &Cell<usize>) -> &[R] {
+        let passed = walk(&self.corners, last.get(), |corner| *corner <= distance);
+        last.set(passed);
+        self.corners.get(passed..).unwrap_or_default()
+    }
+
     /// The curve that begins at rest, whatever its direction, at `distance`, give or take rounding.
     pub(crate) fn begins_at_rest(&self, distance: R) -> Option<usize> {
         let rounding = self.rounding();
@@ -375,7 +386,18 @@ impl<R: Real> FeedLimit<R> {
     /// `du/ds = 1/|C'|` at both.
     #[must_use]
     pub fn parameter_at(&self, distance: R) -> (usize, R) {
-        let next = self.count_before(distance);
+        self.parameter_before(self.count_before(distance), distance)
+    }
+
+    /// The same, sought from the point at which the last search ended: for walks along the path.
+    pub(crate) fn parameter_near(&self, distance: R, last: &Cell<usize>) -> (usize, R) {
+        let next = walk(&self.samples, last.get(), |sample| sample.point.distance < distance);
+        last.set(next);
+        self.parameter_before(next, distance)
+    }
+
+    /// Curve and parameter at a distance before point `next` and not before the one before that.
+    fn parameter_before(&self, next: usize, distance: R) -> (usize, R) {
         let Some(to) = self.samples.get(next) else {
             return self.samples.last().map_or((0, R::zero()), |last| (last.point.curve, last.point.u));
         };
@@ -395,6 +417,21 @@ impl<R: Real> FeedLimit<R> {
         let bend = x * (R::one() - x) * ((R::one() - x) * rest_a - x * rest_b);
         (a.curve, a.u + x * width + bend)
     }
+}
+
+/// The number of items before the first that is not passed, sought from a number that is near it.
+fn walk<T>(items: &[T], from: usize, is_passed: impl Fn(&T) -> bool) -> usize {
+    let mut count = from.min(items.len());
+    for _ in 0..STEPS {
+        if count.checked_sub(1).is_some_and(|before| !is_passed(&items[before])) {
+            count -= 1;
+        } else if items.get(count).is_some_and(&is_passed) {
+            count += 1;
+        } else {
+            return count;
+        }
+    }
+    items.partition_point(is_passed)
 }
 
 /// Whether the parameter tells places between two neighbouring points apart, or the path has no length between them.
