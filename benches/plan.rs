@@ -28,6 +28,10 @@ fn planning(criterion: &mut Criterion) {
             let plan = || plan_with(&limit, &limits, EndFeeds::default(), kind);
             group.bench_function(BenchmarkId::new(name, &what), |b| b.iter(plan));
         }
+        let arcs = plan_with(&limit, &limits, EndFeeds::default(), ProfileKind::Fastest).expect("a plan");
+        group.bench_function(BenchmarkId::new("in chords", &what), |b| {
+            b.iter(|| limit.in_chords(&curves, &arcs))
+        });
     }
     group.finish();
 }
