@@ -50,8 +50,8 @@ pub(crate) struct Arguments {
     /// Bytes of flash for the tables: refuse a part that takes more.
     #[arg(long, value_name = "BYTES")]
     flash: Option<usize>,
-    /// In C and in a stream: with feed override up to this percentage of the commanded feed, 100 to 200, and feed hold. Such a run goes from
-    /// rest to rest.
+    /// In C and in a stream: with feed override up to this percentage of the commanded feed, 100 to 200, and feed hold. Such
+    /// a run goes from rest to rest.
     #[arg(
         long,
         allow_negative_numbers = true,

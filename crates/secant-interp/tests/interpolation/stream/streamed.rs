@@ -58,8 +58,12 @@ pub(crate) fn compiled<R: Backend, const D: usize>(rational: bool) -> (CompiledP
 
 /// The file of a path. `periods` only tells files apart.
 pub(crate) fn file_of<R: Backend, const D: usize>(path: &CompiledPath<R, D>, periods: u64) -> Vec<u8> {
-    let run = StreamedRun { period_s: 1e-3, periods, checksum: 7, feed_override: None };
-    let stream = PathStream::new(path, &run).unwrap();
+    file_with(path, &StreamedRun { period_s: 1e-3, periods, checksum: 7, feed_override: None })
+}
+
+/// The file of a path, and of what else it says.
+pub(crate) fn file_with<R: Backend, const D: usize>(path: &CompiledPath<R, D>, run: &StreamedRun) -> Vec<u8> {
+    let stream = PathStream::new(path, run).unwrap();
     let mut file = Vec::new();
     stream.write(&mut file).unwrap();
     let sections: u64 = stream.section_bytes().map(u64::from).sum();
