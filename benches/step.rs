@@ -46,7 +46,7 @@ fn on_global_parameter<R: Backend, const D: usize>(criterion: &mut Criterion, pa
         length: R::zero(),
         start_feed: number(path.feed_mm),
         end_feed: number(path.feed_mm),
-        duration: R::from_f64(f64::from(periods)).unwrap_or_else(R::max_value),
+        duration: R::from_f64(periods as f64).unwrap_or_else(R::max_value),
         shape: StageShape::Steady,
         curve_start: 0,
         u_start: R::zero(),

@@ -25,8 +25,8 @@ fn steps(options: &Options) -> (Vec<JudgedStep>, f64) {
     let plan = ExactPlan::in_format_with::<f64, 2>(&problem, options.end_feeds_mm_per_s, options.profile)
         .expect("the paper's curve can be planned");
     let run = f64_format.run(&problem, &plan, options).expect("f64 runs it");
-    assert!(run.finished);
-    let mut steps = Reference::new(&problem).expect("the curve is valid").judge(&run);
+    assert!(run.about.finished);
+    let mut steps = Reference::new(&problem).expect("the curve is valid").judge(&run.steps);
     let evaluations =
         run.steps.iter().map(|s| f64::from(s.evaluations)).sum::<f64>() / run.steps.len() as f64;
     // Table 1 leaves out the landing: its last step is whatever the curve has left.
@@ -168,6 +168,6 @@ fn planning_runs_in_the_format_under_test() {
         let run = format
             .run(&problem, &plan, &Options::default())
             .unwrap_or_else(|error| panic!("{name}: {error}"));
-        assert!(run.finished, "{name}");
+        assert!(run.about.finished, "{name}");
     }
 }

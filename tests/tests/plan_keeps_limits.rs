@@ -167,7 +167,7 @@ fn keeps<const D: usize>(name: &str, curves: &[NurbsBuf<f64, D>], limits: &Kinem
             assert!(all.iter().all(|ratio| *ratio <= 1.0 + SLACK), "{name}, {kind:?}: {used:?}");
             let schedule = plan.as_schedule();
             assert!((schedule.length() - path.length()).abs() < 1e-9 * path.length(), "{name}, {kind:?}");
-            let periods = f64::from(schedule.periods());
+            let periods = schedule.periods() as f64;
             assert!((schedule.duration() / limits.interpolation_period - periods).abs() < 1e-9 * periods);
             assert!(schedule.duration() >= bound * (1.0 - 1e-4), "{name}, {kind:?}: faster than the bound");
             schedule.duration() / bound
@@ -472,7 +472,7 @@ fn no_chord_cuts_a_corner() {
         let options = Options { profile: kind, ..Options::default() };
         let plan = format_compare::plan_for(&problem, formats[0].as_ref(), &options).expect("a plan");
         let run = formats[0].run(&problem, &plan, &options).expect("a run");
-        let judged = Reference::new(&problem).expect("a curve").judge(&run);
+        let judged = Reference::new(&problem).expect("a curve").judge(&run.steps);
         let worst = judged.iter().map(|step| step.chord_error_mm).fold(0.0, f64::max);
         assert!(worst <= 1.01 * problem.machine.chord_error_mm, "{kind:?}: {worst} mm");
     }
@@ -510,7 +510,7 @@ fn each_of_many_stops_is_landed_on() {
             });
             assert!(landed, "{name}: {stop:?}");
         }
-        let judged = Reference::new(&problem).expect("a path").judge(&run);
+        let judged = Reference::new(&problem).expect("a path").judge(&run.steps);
         let worst = judged.iter().map(|step| step.chord_error_mm).fold(0.0, f64::max);
         assert!(worst <= 1.01 * problem.machine.chord_error_mm, "{name}: {worst} mm");
         assert_eq!(run.steps.len(), plan.periods() as usize, "{name}");

@@ -290,7 +290,7 @@ impl<'a, R: Backend, const D: usize> Steps<'a, R, D> {
         let landing = self.run.interpolator().landing_step.to_f64().max(self.units.resolution);
         let lost = if self.units.is_fixed { ABSOLUTE * self.units.resolution / landing } else { 0.0 };
         let planned = self.run.planned;
-        (planned.most_periods() as f64).max(f64::from(planned.periods()) * (1.0 + lost))
+        (planned.most_periods() as f64).max(planned.periods() as f64 * (1.0 + lost))
     }
 
     /// Checks the length of a chord that does not land, and the chord error of any chord.

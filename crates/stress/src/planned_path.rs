@@ -31,7 +31,7 @@ impl<'a, const D: usize> PlannedPath<'a, D> {
         let curves: Vec<_> = path.curves.iter().map(|curve| FastCurve::of(curve.as_curve())).collect();
         let limit = FeedLimit::along(&curves, &path.limits).ok()?;
         let arcs = plan_with(&limit, &path.limits, EndFeeds { start: 0.0, end: 0.0 }, path.profile).ok()?;
-        if arcs.as_schedule().periods() > most_periods {
+        if arcs.as_schedule().periods() > u64::from(most_periods) {
             return None;
         }
         let chords = limit.in_chords(&curves, &arcs);
@@ -47,8 +47,8 @@ impl<'a, const D: usize> PlannedPath<'a, D> {
 
     /// Periods of a run.
     #[must_use]
-    pub fn periods(&self) -> u32 {
-        self.chords.as_schedule().periods().saturating_mul(self.slower)
+    pub fn periods(&self) -> u64 {
+        self.chords.as_schedule().periods().saturating_mul(u64::from(self.slower))
     }
 
     /// The longest step from which a run comes to rest: A T² over the square of the factor by which the run is slower.
@@ -146,7 +146,7 @@ impl<'a, const D: usize> PlannedPath<'a, D> {
             (distance - length).abs(),
             ROUNDING * (1.0 + length),
         )?;
-        let periods = f64::from(plan.periods());
+        let periods = plan.periods() as f64;
         demand(
             "the plan takes whole periods",
             "f64",

@@ -342,13 +342,8 @@ impl<R: Real> FeedLimit<R> {
         self.samples.get(before).map(|sample| &sample.point)
     }
 
-    /// The distances beyond `distance` at which the tangent breaks, in order.
-    pub(crate) fn corners_from(&self, distance: R) -> &[R] {
-        let passed = self.corners.partition_point(|corner| *corner <= distance);
-        self.corners.get(passed..).unwrap_or_default()
-    }
-
-    /// The same, sought from the corner at which the last search ended.
+    /// The distances beyond `distance` at which the tangent breaks, in order, sought from the corner at which the last
+    /// search ended.
     pub(crate) fn corners_near(&self, distance: R, last: &Cell<usize>) -> &[R] {
         let passed = walk(&self.corners, last.get(), |corner| *corner <= distance);
         last.set(passed);

@@ -206,7 +206,7 @@ mod tests {
         assert!(worst.joint <= 1e-9 * limit.length(), "{worst:?}");
         let schedule = plan.as_schedule();
         assert!((schedule.length() - limit.length()).abs() <= 1e-12 * limit.length().max(1.0));
-        let periods = (schedule.periods() as f64);
+        let periods = schedule.periods() as f64;
         assert!((schedule.duration() / limits.interpolation_period - periods).abs() <= 1e-12 * periods);
         assert!(plan.stages().iter().all(|stage| stage.duration > 0.0 && stage.length > 0.0));
         let (first, last) = (plan.stages().first().unwrap(), plan.stages().last().unwrap());
@@ -341,7 +341,7 @@ mod tests {
                 let fastest = stages(&limit, &limits, EndFeeds::default(), None, kind).unwrap();
                 let plan = plan_with(&limit, &limits, EndFeeds::default(), kind).unwrap();
                 let durations = crate::sections(&fastest).map(|section| section.duration().ceil());
-                assert_eq!(f64::from(plan.as_schedule().periods()), durations.sum::<f64>(), "{kind:?}");
+                assert_eq!(plan.as_schedule().periods() as f64, durations.sum::<f64>(), "{kind:?}");
             }
         }
     }
@@ -531,7 +531,7 @@ mod tests {
         curve: &NurbsBuf<f64, 2>,
         limits: &KinematicLimits<f64>,
         kind: ProfileKind,
-    ) -> (u32, f64, Worst) {
+    ) -> (u64, f64, Worst) {
         let curve = curve.convert::<Q>().unwrap();
         let limits = in_range::<Q>(limits);
         let limit = FeedLimit::along(&[curve.as_curve()], &limits).unwrap();
@@ -548,7 +548,7 @@ mod tests {
                 let (reference, _, _) = in_format::<f64>(&seed_003(), limits, kind);
                 let (found, found_length, worst) = in_format::<Q>(&seed_003(), limits, kind);
                 let name = Q::name();
-                let difference = f64::from(found) / f64::from(reference) - 1.0;
+                let difference = found as f64 / reference as f64 - 1.0;
                 assert!(difference.abs() <= periods, "{name}, {kind:?}: {found} for {reference}");
                 assert!((found_length - 134.006_017).abs() <= length, "{name}, {kind:?}: {found_length}");
                 assert!(worst.feed <= 1.0 + excess, "{name}, {kind:?}: {worst:?}");

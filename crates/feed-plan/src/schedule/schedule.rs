@@ -145,11 +145,10 @@ impl<'a, R: Real> Schedule<'a, R> {
         let left = (stage.duration - self.time(cursor)) / self.interpolation_period - R::one();
         let whole = if left > R::one() { (left.to_phase(-32) >> 32) - 1 } else { 0 };
         let most = self.periods.saturating_sub(cursor.period.saturating_add(1));
-        let count = u32::try_from(whole).unwrap_or(u32::MAX).min(most);
-        let Ok(number) = i32::try_from(count) else { return 0 };
-        cursor.count = cursor.count + R::from_ratio(number, 1);
-        cursor.period += count;
-        count
+        let count = i32::try_from(whole.min(most)).unwrap_or(i32::MAX);
+        cursor.count = cursor.count + R::from_ratio(count, 1);
+        cursor.period += u64::from(count.unsigned_abs());
+        count.unsigned_abs()
     }
 
     /// Time since the start of the cursor's stage.

@@ -309,7 +309,7 @@ mod tests {
             );
         }
         let counted = duration(&plan.chords).round();
-        assert!(counted == f64::from(periods), "{name}: {counted} of {periods} periods");
+        assert!(counted == periods as f64, "{name}: {counted} of {periods} periods");
         let found = jerk_over_periods(&Schedule::new(&plan.chords, 1.0, periods));
         assert!(found <= limits.jerk * (1.0 + 1e-9), "{name}: {found} of {}", limits.jerk);
     }
@@ -360,10 +360,10 @@ mod tests {
                 let whole = plan_with(&limit, &limits, EndFeeds::default(), kind).unwrap();
                 let (_, periods) = through(&curves, &limits, 1e4, kind);
                 let stops = whole.as_schedule().sections().count();
-                let whole = f64::from(whole.as_schedule().periods());
+                let whole = whole.as_schedule().periods() as f64;
                 let most = 1.001 * whole + stops as f64;
                 assert!(
-                    (0.999 * whole - 1.0..=most).contains(&f64::from(periods)),
+                    (0.999 * whole - 1.0..=most).contains(&(periods as f64)),
                     "{kind:?}: {periods} for {whole}"
                 );
             }

@@ -19,7 +19,7 @@ use crate::plan::samples::{Instant, Walk};
 use crate::problem::problem::Problem;
 
 /// Samples in each period. The trapezoidal rule then has an error of at most `1/(12·4²)` of a step of the jerk.
-const PER_PERIOD: u32 = 4;
+const PER_PERIOD: u64 = 4;
 
 /// The largest one-period means of one axis over a plan, with the machine's limits.
 #[derive(Clone, Copy, Debug, Serialize)]
@@ -59,9 +59,9 @@ pub(crate) fn axis_peaks<const D: usize>(
         .collect();
     let t = problem.period_s();
     let curves = problem.fast_curves();
-    let (last, step) = (plan.periods() * PER_PERIOD, 1.0 / f64::from(PER_PERIOD));
+    let (last, step) = (plan.periods() * PER_PERIOD, 1.0 / PER_PERIOD as f64);
     let mut walk = Walk::new(plan);
-    let mut at = |sample: u32| velocity(&curves, limit, &walk.to(f64::from(sample.min(last)) * step));
+    let mut at = |sample: u64| velocity(&curves, limit, &walk.to(sample.min(last) as f64 * step));
     let mut end = at(0);
     let mut before = [end; 2];
     let calm = on_ways(plan.arcs().stages(), straight);
@@ -75,7 +75,7 @@ pub(crate) fn axis_peaks<const D: usize>(
             end = at(period * PER_PERIOD + sample);
             sum = std::array::from_fn(|d| sum[d] + end[d]);
         }
-        let mean: [f64; D] = std::array::from_fn(|d| (sum[d] - end[d] / 2.0) / f64::from(PER_PERIOD));
+        let mean: [f64; D] = std::array::from_fn(|d| (sum[d] - end[d] / 2.0) / PER_PERIOD as f64);
         for (d, peak) in peaks.iter_mut().enumerate() {
             let most = |slot: &mut f64, value: f64| *slot = slot.max(value.abs());
             let [second, first] = before.map(|mean| mean[d]);
@@ -163,7 +163,7 @@ mod tests {
         let plan = ExactPlan::in_format::<f64, 3>(&problem, [0.0; 2]).unwrap();
         let limit = plan.limit(&problem).unwrap();
         let straight = straight_ways(&problem, limit);
-        let left_out: u32 =
+        let left_out: u64 =
             on_ways(plan.arcs().stages(), &straight).iter().map(|calm| calm.end - calm.start).sum();
         assert!(left_out > plan.periods() / 2, "{left_out} of {}", plan.periods());
         let [all, these] = [&[][..], &straight].map(|straight| axis_peaks(&plan, &problem, limit, straight));

@@ -33,7 +33,7 @@ pub(crate) fn straight_ways<const D: usize>(problem: &Problem<D>, limit: &FeedLi
 }
 
 /// The whole periods of constant feed along one of these ways, in order.
-pub(crate) fn on_ways(stages: &[Stage<DoubleDouble>], ways: &[Range<f64>]) -> Vec<Range<u32>> {
+pub(crate) fn on_ways(stages: &[Stage<DoubleDouble>], ways: &[Range<f64>]) -> Vec<Range<u64>> {
     let (mut time, mut next) = (0.0, 0);
     let mut calm = Vec::new();
     for stage in stages {
@@ -62,14 +62,14 @@ fn is_constant(stage: &Stage<DoubleDouble>) -> bool {
 }
 
 /// The whole periods between two times, in periods, without the margins.
-fn within(begin: f64, end: f64) -> Option<Range<u32>> {
+fn within(begin: f64, end: f64) -> Option<Range<u64>> {
     let periods = [(begin + MARGIN).ceil(), (end - MARGIN).floor().max(0.0)];
-    let [first, behind] = periods.map(|period| u32::try_from(period.to_phase(-32) >> 32).unwrap_or(u32::MAX));
+    let [first, behind] = periods.map(|period| period.to_phase(-64));
     (first < behind).then_some(first..behind)
 }
 
 /// The numbers below `count` that are in none of these ranges, each with whether those before it were left out.
-pub(crate) fn others(calm: &[Range<u32>], count: u32) -> impl Iterator<Item = (u32, bool)> {
+pub(crate) fn others(calm: &[Range<u64>], count: u64) -> impl Iterator<Item = (u64, bool)> {
     let mut next = 0;
     let mut ranges = calm.iter().peekable();
     std::iter::from_fn(move || {

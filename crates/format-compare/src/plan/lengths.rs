@@ -11,13 +11,6 @@ pub(crate) struct SectionPeriods {
     periods: u64,
 }
 
-impl SectionPeriods {
-    /// How many periods it takes.
-    pub(crate) fn periods(&self) -> u64 {
-        self.periods
-    }
-}
-
 /// The sections of these stages on the time grid.
 pub(crate) fn section_periods(stages: &[Stage<DoubleDouble>]) -> Vec<SectionPeriods> {
     let mut first_period = 0;

@@ -191,7 +191,7 @@ pub(crate) fn total_acceleration<const D: usize>(
     let mut walk = Walk::new(plan);
     let mut places = others(&calm, plan.periods() + 1)
         .map(|(period, is_behind_calm)| {
-            (limit.parameter_at(walk.to(f64::from(period)).distance()), is_behind_calm)
+            (limit.parameter_at(walk.to(period as f64).distance()), is_behind_calm)
         })
         .peekable();
     let ends = problem.breaks.iter().copied().chain([problem.curves.len()]);

@@ -96,7 +96,7 @@ fn a_landing_step_that_the_pieces_were_not_cut_for_ends() {
 }
 
 /// The parameters of a run with one global parameter.
-fn parameters((stages, periods): (&[Stage<f64>], u32), end: f64, landing_step: f64) -> Vec<f64> {
+fn parameters((stages, periods): (&[Stage<f64>], u64), end: f64, landing_step: f64) -> Vec<f64> {
     let curve =
         NurbsBuf::try_new_nonrational(1, vec![[0.0; 2], [10.0, 0.0]], vec![0.0, 0.0, end, end]).unwrap();
     let run = Interpolator {
