@@ -31,7 +31,7 @@ pub struct StreamHeader {
     pub chord_exponent: i32,
     /// The words of the landing step, and of the tolerance's residual, growth and fluctuation.
     pub(crate) numbers: [u64; 4],
-    /// K: evaluations in a period, at most.
+    /// K: evaluations in a period, at most; not above 1000.
     pub max_evaluations: u32,
     /// What the plan leaves for changes of the feed, if it was made for feed override.
     pub feed_override: Option<StreamOverride>,
@@ -50,6 +50,9 @@ pub struct StreamHeader {
     /// [`PositionChecksum`](crate::PositionChecksum) of all of them.
     pub checksum: u64,
 }
+
+/// The most evaluations that a period may be allowed: more would not end within a period on any controller.
+pub(crate) const MOST_EVALUATIONS: u32 = 1000;
 
 impl StreamHeader {
     /// Bytes of a header.
@@ -95,13 +98,17 @@ impl StreamHeader {
         if weights > 1 {
             return refused("sign of weights", weights.into());
         }
+        let max_evaluations = bytes.u32()?;
+        if max_evaluations > MOST_EVALUATIONS {
+            return refused("number of evaluations", max_evaluations.into());
+        }
         // Fields are taken in the order in which they stand here.
         Some(Ok(Self {
             format,
             dimension,
             degree,
             has_weights: weights == 1,
-            max_evaluations: bytes.u32()?,
+            max_evaluations,
             coordinate_exponent: bytes.i32()?,
             chord_exponent: bytes.i32()?,
             period_s: f64::from_bits(bytes.u64()?),

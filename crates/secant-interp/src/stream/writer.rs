@@ -13,7 +13,7 @@ use crate::pieces::piece_interpolator::PieceInterpolator;
 use crate::pieces::section::Section;
 use crate::step_lengths::LengthStage;
 use crate::stream::crc32::crc32;
-use crate::stream::header::{StreamHeader, name_in_header};
+use crate::stream::header::{MOST_EVALUATIONS, StreamHeader, name_in_header};
 use crate::stream::layout::RowShape;
 use crate::stream::rows::JOINTS;
 use crate::stream::section_head::SectionHead;
@@ -38,6 +38,11 @@ pub struct StreamedRun {
 pub enum NoStream {
     /// No machine word holds a number of this format.
     NoWord(FormatName),
+    /// The step may take more evaluations in a period than a reader allows.
+    TooManyEvaluations {
+        /// How many it may take.
+        evaluations: u32,
+    },
     /// This section, or the number of sections, is beyond what 32 bits count.
     TooLong {
         /// The section, from 0; the number of sections if they are too many.
@@ -49,6 +54,9 @@ impl fmt::Display for NoStream {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::NoWord(format) => write!(f, "no machine word holds a number of {format}"),
+            Self::TooManyEvaluations { evaluations } => {
+                write!(f, "{evaluations} evaluations in a period: expected at most {MOST_EVALUATIONS}")
+            }
             Self::TooLong { section } => write!(f, "section {section} is beyond what 32 bits count"),
         }
     }
@@ -69,11 +77,15 @@ impl<'a, R: Backend, const D: usize> PathStream<'a, R, D> {
     ///
     /// # Errors
     /// [`NoStream::NoWord`] unless the numbers are floats of 32 or 64 bits, or fixed point of 8, 16, 32 or 64 bits that
-    /// rounds to nearest and wraps. [`NoStream::TooLong`].
+    /// rounds to nearest and wraps. [`NoStream::TooManyEvaluations`] above 1000. [`NoStream::TooLong`].
     pub fn new(path: &'a CompiledPath<R, D>, run: &StreamedRun) -> Result<Self, NoStream> {
         let format = R::name();
         number_type(format).ok_or(NoStream::NoWord(format))?;
         let PieceInterpolator { pieces, tolerance, landing_step, .. } = path.interpolator();
+        let evaluations = tolerance.max_evaluations;
+        if evaluations > MOST_EVALUATIONS {
+            return Err(NoStream::TooManyEvaluations { evaluations });
+        }
         let numbers = [landing_step, tolerance.residual, tolerance.growth, tolerance.fluctuation];
         let too_many = NoStream::TooLong { section: path.sections().len() };
         let header = StreamHeader {
@@ -85,7 +97,7 @@ impl<'a, R: Backend, const D: usize> PathStream<'a, R, D> {
             coordinate_exponent: pieces.coordinate_exponent,
             chord_exponent: pieces.chord_exponent,
             numbers: numbers.map(word_of),
-            max_evaluations: tolerance.max_evaluations,
+            max_evaluations: evaluations,
             feed_override: run.feed_override,
             sections: u32::try_from(path.sections().len()).map_err(|_| too_many)?,
             largest_bytes: 0,

@@ -7,7 +7,7 @@ use secant_interp::{
     StreamedRun,
 };
 
-use super::streamed::{compiled, file_of, places, read, seal};
+use super::streamed::{compiled, compiled_for, file_of, places, read, seal};
 
 fn file() -> Vec<u8> {
     file_of(&compiled::<I4F28, 2>(true).0, 0)
@@ -126,6 +126,23 @@ fn another_version_format_or_dimension_is_named() {
     assert_eq!(as_other(other), "the file has numbers of I4F28, expected f32");
     let other = read::<I4F28, 3>(&file(), |_| {}).1.unwrap_err();
     assert_eq!(other, StreamError::OtherDimension { expected: 3, found: 2 });
+}
+
+/// A forged header asked for four thousand million evaluations, and a step took them.
+#[test]
+fn a_step_of_too_many_evaluations_is_neither_written_nor_read() {
+    let run = StreamedRun { period_s: 1e-3, periods: 0, checksum: 0, feed_override: None };
+    let written =
+        |evaluations| PathStream::new(&compiled_for::<I4F28, 2>(true, evaluations).0, &run).map(|_| ()).err();
+    assert_eq!(written(1000), None);
+    assert_eq!(written(1001), Some(NoStream::TooManyEvaluations { evaluations: 1001 }));
+    for evaluations in [1001, u32::MAX] {
+        let mut forged = file();
+        forged[28..32].copy_from_slice(&evaluations.to_le_bytes());
+        seal(&mut forged[..StreamHeader::BYTES]);
+        let field = StreamError::HeaderField { field: "number of evaluations", found: evaluations.into() };
+        assert_eq!(refusal(&forged), (0, field));
+    }
 }
 
 /// Values that no writer writes, under a CRC that fits.

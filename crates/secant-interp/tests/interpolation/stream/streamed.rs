@@ -41,6 +41,14 @@ fn limits(share: f64) -> KinematicLimits<f64> {
 
 /// Path and plan with a reserve, and what an override may do with it.
 pub(crate) fn compiled<R: Backend, const D: usize>(rational: bool) -> (CompiledPath<R, D>, FeedOverride) {
+    compiled_for(rational, 5)
+}
+
+/// The same for so many evaluations in a period.
+pub(crate) fn compiled_for<R: Backend, const D: usize>(
+    rational: bool,
+    evaluations: u32,
+) -> (CompiledPath<R, D>, FeedOverride) {
     let (curves, machine, kept) = (curves::<D>(rational), limits(1.0), limits(0.8));
     let whole: Vec<_> = curves.iter().map(NurbsBuf::as_curve).collect();
     let limit = FeedLimit::along(&whole, &kept).unwrap();
@@ -50,7 +58,7 @@ pub(crate) fn compiled<R: Backend, const D: usize>(rational: bool) -> (CompiledP
     let stops: Vec<_> = plan.stages().iter().filter_map(Stage::rest).collect();
     let cut = PieceLimits { length_mm: 2.0, step_mm: machine.feedrate + machine.acceleration };
     let table = compile_with_stops::<DoubleDouble, R, D>(&whole, &cut, &stops).unwrap();
-    let tolerance = ChordTolerance::for_fluctuation(None, 5);
+    let tolerance = ChordTolerance::for_fluctuation(None, evaluations);
     let path = CompiledPath::new(table, &plan.as_schedule(), tolerance, machine.acceleration).unwrap();
     assert!(path.sections().len() > 4, "{}: the path has stops", R::name());
     (path, feeds)
