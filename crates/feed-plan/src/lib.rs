@@ -169,6 +169,7 @@ mod chords {
     pub(crate) mod landing;
     pub(crate) mod planned;
     pub(crate) mod shortfall;
+    pub(crate) mod stretch;
 }
 
 #[cfg(feature = "alloc")]

@@ -14,8 +14,9 @@ use alloc::vec::Vec;
 use nurbs_core::Differentiate;
 use real::Real;
 
-use crate::chords::feeds::{self, Stretch};
+use crate::chords::feeds;
 use crate::chords::shortfall::Path;
+use crate::chords::stretch::Stretch;
 use crate::{Cursor, FeedLimit, Schedule, ScheduleBuf, Stage};
 
 /// How often the run is followed to a stop, at most.

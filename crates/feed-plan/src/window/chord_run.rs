@@ -15,9 +15,10 @@ use alloc::vec::Vec;
 use nurbs_core::Differentiate;
 use real::Real;
 
-use crate::chords::feeds::{self, Lowered, Stretch};
+use crate::chords::feeds;
 use crate::chords::landing::Before;
 use crate::chords::shortfall::Path;
+use crate::chords::stretch::{Lowered, Stretch};
 use crate::plan::whole_periods::round_up;
 use crate::{Cursor, PlanError, Schedule, Stage, StageShape, sections};
 
@@ -319,8 +320,7 @@ mod tests {
         polyline(&(0..corners).map(point).collect::<Vec<_>>())
     }
 
-    /// A run by arcs taken for chords came ahead of its plan by the sum of all shortfalls: by 0.1 mm at the last of these chord
-    /// errors.
+    /// A run by arcs taken for chords comes ahead of its plan by the sum of all shortfalls.
     #[test]
     fn a_run_keeps_to_its_plan_and_lands_on_every_stop() {
         let slow = in_periods(3e-3, 200.0, 1000.0, 2e4, 5e-4);
