@@ -66,7 +66,7 @@ enum Command {
     /// Interpolate in one format and write a setpoint a period.
     #[command(after_help = examples::INTERPOLATE)]
     Interpolate(interpolate::Arguments),
-    /// Compile part and plan in one format into constants that a controller's firmware includes.
+    /// Compile part and plan in one format for a controller: as constants that its firmware includes, or as a file that it reads.
     #[command(after_help = examples::COMPILE)]
     Compile(compile::Arguments),
     /// Plan the feed and print the stages, or write them sampled.
