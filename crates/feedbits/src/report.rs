@@ -47,7 +47,8 @@ where
     Space: Dimension<D>,
 {
     let Compared { comparison, traces, plan } = compared;
-    let samples = plan.as_ref().map_or(Ok(Vec::new()), |plan| plan.sampled(problem, 1))?;
+    let samples =
+        plan.as_ref().map_or(Ok(Vec::new()), |plan| plan.sampled_for_a_picture(problem, PICTURED))?;
     let solvers = solvers(problem, options)?;
     let known: Vec<Target> = if targets.is_empty() {
         built_in()?.into_iter().filter(|target| SHOWN_TARGETS.contains(&target.name.as_str())).collect()
@@ -67,6 +68,9 @@ where
     })?;
     into(folder, &report)
 }
+
+/// Samples of the plan in a picture, at most, beside those at the ends of stages.
+const PICTURED: u64 = 1 << 17;
 
 /// The command as it was given.
 pub(crate) fn command() -> String {

@@ -4,11 +4,11 @@
 //! |---|---|---|
 //! | `problem/` | what is run, within which limits, and how long does that take at the least? | [`Problem`], [`LeastPeriods`] |
 //! | `plan/` | what is the plan, exactly, and what does it ask of the machine? | [`ExactPlan`], [`PlanSummary`], [`FeedSample`], [`AxisPeak`] |
-//! | `run/` | which formats are there, and what does each make of a plan? | [`formats`], [`select`], [`plan_for`], [`Format::run`] → [`Run`] |
+//! | `run/` | which formats are there, and what does each make of a plan? | [`formats`], [`select`], [`plan_for`], [`Format::run`] → [`Run`]; [`Format::run_before`] an [`Observer`] |
 //! | | how is it run? Engine, profile, feed overrides | [`Options`], [`Engine`], [`Overrides`] |
 //! | | which operations does a step take, and what does a controller get? | [`RecordedRun`], [`Constants`], [`StreamRequest`] |
 //! | `cost/` | what does a period cost on a target? | [`Cost`] |
-//! | `judge/` | how good is a run, against double-double? | [`Reference::judge`] → [`JudgedStep`], [`Fluctuation`], [`Trace`] |
+//! | `judge/` | how good is a run, against double-double? | [`Reference::judge`] → [`JudgedStep`], [`Fluctuation`], [`Trace`]; [`Reference::show_setpoints`] |
 //! | | does it keep what it must, and where does it not? | [`JudgedRun`], [`Requirement`], [`Verdict`] |
 //! | | why is no format good, if even `f64` is not? | [`not_of_format`] → [`NotOfFormat`] |
 //! | `size/` | how few bits are enough? | [`fewest_bits`] → [`FewestBits`], and for each signal [`size()`] → [`Sizing`]; [`price_sizing`] |

@@ -78,3 +78,27 @@ impl Iterator for Lengths<'_> {
         None
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::ExactPlan;
+    use crate::examples::on_example_machine;
+
+    /// Stairs with a rest at each corner: the lengths from any period on are those of the whole plan, walked in one go.
+    #[test]
+    fn from_any_period_on_they_are_those_of_the_whole() {
+        let problem = on_example_machine::<3>("G1 X16 F6000\nY16\nX32.1\nG2 X42 Y26 I10\nG1 Y48\n", "");
+        let plan = ExactPlan::in_format::<f64, 3>(&problem, [0.0; 2]).unwrap();
+        let (schedule, mut cursor) = (plan.schedule(), plan.schedule().start());
+        let whole: Vec<_> = std::iter::from_fn(|| {
+            let length = schedule.advance(&mut cursor)?;
+            Some((length, schedule.feed(&cursor).value()))
+        })
+        .collect();
+        assert!(whole.len() as u64 == plan.periods() && schedule.sections().count() > 2);
+        for period in [0, 1, whole.len() / 2, whole.len() - 1, whole.len(), whole.len() + 1] {
+            let found: Vec<_> = plan.lengths_from(period as u64).collect();
+            assert_eq!(found, whole.get(period..).unwrap_or_default(), "{period}");
+        }
+    }
+}

@@ -1,7 +1,7 @@
 //! A plan sampled at instants.
 
 use feed_plan::Stage;
-use real::DoubleDouble;
+use real::{DoubleDouble, Real};
 use serde::Serialize;
 
 use crate::plan::exact_plan::ExactPlan;
@@ -50,11 +50,20 @@ impl Instant<'_> {
     }
 }
 
-/// `per_period` instants of each period, and the end of the plan.
-fn instants(plan: &ExactPlan, per_period: u32) -> impl Iterator<Item = Instant<'_>> {
-    let step = 1.0 / f64::from(per_period);
-    let mut walk = Walk::new(plan);
-    (0..=plan.periods() * u64::from(per_period)).map(move |sample| walk.to(sample as f64 * step))
+/// The numbers of the periods at which a plan is sampled for a picture: so many at most of even distance, and those
+/// before and behind the end of each stage.
+fn for_a_picture(plan: &ExactPlan, most: u64) -> Vec<u64> {
+    let distance = plan.periods().div_ceil(most).max(1);
+    let even = (0..=plan.periods() / distance).map(|number| number * distance);
+    let mut time = 0.0;
+    let ends = plan.arcs().stages().iter().flat_map(|stage| {
+        time += stage.duration.value();
+        [time.floor(), time.ceil()].map(|time| time.to_phase(-64).min(plan.periods()))
+    });
+    let mut periods: Vec<u64> = even.chain(ends).chain([plan.periods()]).collect();
+    periods.sort_unstable();
+    periods.dedup();
+    periods
 }
 
 /// A walk along a plan.
@@ -92,6 +101,31 @@ impl ExactPlan {
         problem: &Problem<D>,
         per_period: u32,
     ) -> Result<Vec<FeedSample>, Refusal> {
+        let step = 1.0 / f64::from(per_period);
+        let count = self.periods() * u64::from(per_period);
+        self.sampled_at(problem, (0..=count).map(|sample| sample as f64 * step))
+    }
+
+    /// The plan sampled once a period, or less often if it takes more than `most` periods: then at so many even
+    /// distances, and at both ends of each stage.
+    ///
+    /// # Errors
+    /// As [`sampled`](Self::sampled).
+    pub fn sampled_for_a_picture<const D: usize>(
+        &self,
+        problem: &Problem<D>,
+        most: u64,
+    ) -> Result<Vec<FeedSample>, Refusal> {
+        let periods = for_a_picture(self, most);
+        self.sampled_at(problem, periods.into_iter().map(|period| period as f64))
+    }
+
+    /// Samples at rising times, in periods.
+    fn sampled_at<const D: usize>(
+        &self,
+        problem: &Problem<D>,
+        times: impl Iterator<Item = f64>,
+    ) -> Result<Vec<FeedSample>, Refusal> {
         let t = problem.period_s();
         let feed_limit = self.limit(problem)?;
         let sample = |at: Instant<'_>| {
@@ -108,7 +142,8 @@ impl ExactPlan {
                 limit_mm_per_s: feed_limit.at(distance_mm) / t,
             }
         };
-        Ok(instants(self, per_period).map(sample).collect())
+        let mut walk = Walk::new(self);
+        Ok(times.map(|time| sample(walk.to(time))).collect())
     }
 }
 
@@ -118,6 +153,22 @@ mod tests {
 
     use super::*;
     use crate::examples::{EXAMPLE, on_example_machine};
+
+    /// A long plan has few samples for a picture, and none of its transitions is missed.
+    #[test]
+    fn a_picture_of_a_long_plan_has_both_ends_of_each_stage() {
+        let problem = on_example_machine::<2>(EXAMPLE, "");
+        let plan = ExactPlan::in_format::<f64, 2>(&problem, [0.0; 2]).unwrap();
+        let all = plan.sampled(&problem, 1).unwrap();
+        let few = plan.sampled_for_a_picture(&problem, 100).unwrap();
+        assert!(few.len() < all.len() / 3 && few.is_sorted_by(|a, b| a.time_s < b.time_s), "{}", few.len());
+        let most =
+            |of: &[FeedSample]| of.iter().fold(0.0, |most: f64, one| most.max(one.acceleration_mm_per_s2));
+        assert!(most(&few) > 0.95 * most(&all));
+        assert_eq!(few.last().map(|last| last.time_s), all.last().map(|last| last.time_s));
+        let same = plan.sampled_for_a_picture(&problem, 1 << 20).unwrap();
+        assert_eq!(same.len(), all.len());
+    }
 
     /// Sums of chords were once taken for arc lengths. The last row was short of the end, and feeds stood beside the
     /// limit of another place.
