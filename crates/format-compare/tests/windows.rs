@@ -29,7 +29,7 @@ fn steps(problem: &Problem<2>, window_mm: f64, profile: ProfileKind) -> Vec<RunS
     let formats = select::<2>(&["f64"]).expect("a format");
     let plan = plan_for(problem, formats[0].as_ref(), &options).expect("a plan");
     let run = formats[0].run(problem, &plan, &options).expect("a run");
-    assert!(run.finished, "{profile:?}");
+    assert!(run.about.finished, "{profile:?}");
     run.steps
 }
 
