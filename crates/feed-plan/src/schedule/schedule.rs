@@ -105,7 +105,7 @@ impl<'a, R: Real> Schedule<'a, R> {
     ///
     /// For a period that straddles joints of stages, it is the sum of the parts. The last period takes the whole
     /// distance that is left. A period that ends less than 2⁻¹⁰ of a period before a stop takes the rest of the way to
-    /// the stop, so that rounding of times loses no distance. The function takes as many steps as the period has
+    /// the stop, so that rounding of times loses no distance; unless a pause there lasts until the period is over. The function takes as many steps as the period has
     /// joints.
     pub fn advance(&self, cursor: &mut Cursor<R>) -> Option<R> {
         if self.is_over(cursor) {
@@ -118,8 +118,9 @@ impl<'a, R: Real> Schedule<'a, R> {
         let (begun_in, mut time) = (cursor.stage, self.time(cursor));
         for stage in self.stages.get(cursor.stage..)? {
             let until_joint = stage.duration - time;
-            let is_at_stop =
-                || stage.end_feed.is_zero() && until_joint - left < self.interpolation_period.ldexp(AT_REST);
+            let pauses = || self.stages.get(cursor.stage + 1).is_some_and(Stage::is_pause);
+            let is_near = || until_joint - left < self.interpolation_period.ldexp(AT_REST);
+            let is_at_stop = || stage.end_feed.is_zero() && is_near() && !pauses();
             if !takes_the_rest && left < until_joint && !is_at_stop() {
                 (cursor.offset, cursor.count) = if cursor.stage == begun_in {
                     (cursor.offset, cursor.count + R::one())
@@ -248,6 +249,25 @@ mod tests {
         let mut cursor = schedule.start();
         let _ = (schedule.advance(&mut cursor), schedule.advance(&mut cursor));
         assert_eq!(cursor.stage(), 0);
+    }
+
+    /// The way to the stop was taken early, and the section behind the pause began that much too early.
+    #[test]
+    fn a_stop_just_behind_a_period_does_not_shorten_the_pause_there() {
+        let early = 2.0_f64.powi(-11);
+        let [rise, ..] = stages();
+        let fall = Stage { start_feed: 1.0, end_feed: 0.0, duration: 1.5 + early, ..rise };
+        let rest = Stage { end_feed: 0.0, duration: 1.0 - early, shape: StageShape::Steady, ..rise };
+        let stages = [rise, fall, rest, rise, Stage { duration: 1.5, ..fall }];
+        let schedule = Schedule::new(&stages, 1.0, 9);
+        let alone = Schedule::new(&stages[3..], 1.0, 4);
+        let (mut whole, mut behind) = (schedule.start(), alone.start());
+        for _ in 0..5 {
+            let _ = schedule.advance(&mut whole);
+        }
+        for period in 5..9 {
+            assert_eq!(schedule.advance(&mut whole), alone.advance(&mut behind), "period {period}");
+        }
     }
 
     #[test]
