@@ -21,11 +21,12 @@ const FINEST: [i32; 2] = [-20, -14];
 const FINE_TRIALS: usize = 1 << 12;
 /// Stretches tried in a span, including those refused. After so many, the rest of the span becomes one stretch.
 const TRIALS: usize = 1 << 16;
-/// A long straight line has stretches of one period at full feed for 2⁴ periods from each end, as far as a chord over a
-/// break, or a plan beside a stop, looks at its limit. What is between them is one stretch. A line is long if it has
-/// 2⁶ such stretches.
-const PERIODS_AT_ENDS: usize = 1 << 4;
-const LONG_LINE: i32 = 6;
+/// A long straight line has two stretches of one period at full feed at each end: a chord over a break lowers the limit no farther than
+/// the first, up to the sample beyond. What is between them is one stretch. A line is long if it has 2³ such stretches. With 16
+/// stretches at each end, plans of other people's programs took between 0.003 % less and 0.007 % more periods, and the limit three times the
+/// memory.
+const PERIODS_AT_ENDS: usize = 1 << 1;
+const LONG_LINE: i32 = 3;
 /// A stretch over which `V²` leaves the straight line by more than 2⁻⁸ of itself is halved.
 const STRAIGHTNESS: i32 = -8;
 /// Steps of a golden-section search: 0.618²⁴ = 10⁻⁵ of two stretches. A limit is flat at its minimum, so that
