@@ -114,8 +114,8 @@ impl<R: Real> FeedLimit<R> {
             scan.pass(index, curve, stops.binary_search(&index).is_ok())?;
         }
         scan.finish();
-        let limit = Self::assemble(scan.samples().to_vec(), scan.corners().to_vec(), limits.chord_error)?;
-        Ok(limit.resting_before(scan.curves_from_rest()))
+        let (samples, corners, from_rest) = scan.into_parts();
+        Ok(Self { from_rest, ..Self::assemble(samples, corners, limits.chord_error)? })
     }
 
     /// The limit where these curves begin at rest whatever their direction, given with the distances of their begins.

@@ -87,6 +87,11 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
         self.fine_moves.end(&mut self.samples);
     }
 
+    /// The samples, the distances at which the tangent breaks, and the curves that begin at rest.
+    pub(crate) fn into_parts(self) -> (Vec<LimitSample<R>>, Vec<R>, Vec<(R, usize)>) {
+        (self.samples, self.corners, self.from_rest)
+    }
+
     /// The samples so far, without those forgotten.
     pub(crate) fn samples(&self) -> &[LimitSample<R>] {
         &self.samples
