@@ -513,6 +513,6 @@ fn each_of_many_stops_is_landed_on() {
         let judged = Reference::new(&problem).expect("a path").judge(&run.steps);
         let worst = judged.iter().map(|step| step.chord_error_mm).fold(0.0, f64::max);
         assert!(worst <= 1.01 * problem.machine.chord_error_mm, "{name}: {worst} mm");
-        assert_eq!(run.steps.len(), plan.periods() as usize, "{name}");
+        assert_eq!(run.steps.len() as u64, plan.periods(), "{name}");
     }
 }

@@ -26,9 +26,6 @@ use simulate::rows;
 /// The drive that is simulated if no servo file is given: fitted to paper D's circle test.
 const EXAMPLE: &str = include_str!("../../../data/servo.toml");
 
-/// Periods that are simulated, at most: every sample of the axes is kept.
-const MOST_SIMULATED: u64 = 1 << 24;
-
 /// Simulates and prints.
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     let servo = parameters(arguments.servo.as_ref())?;

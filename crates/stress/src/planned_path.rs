@@ -60,7 +60,7 @@ impl<'a, const D: usize> PlannedPath<'a, D> {
     /// Number of periods after which a run must be over.
     #[must_use]
     pub fn most_periods(&self) -> usize {
-        2 * self.periods() as usize + 16
+        usize::try_from(2 * self.periods() + 16).unwrap_or(usize::MAX)
     }
 
     /// Curve and parameter of each rest, in order.

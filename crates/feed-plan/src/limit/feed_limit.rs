@@ -12,7 +12,7 @@ use real::Real;
 
 use crate::limit::axis_budget::Allowance;
 use crate::limit::sample::{LimitSample, interpolate, lowered};
-use crate::limit::scan::Scan;
+use crate::limit::scan::{Scan, Scanned};
 use crate::limit::stops::release_stops;
 use crate::{KinematicLimits, LimitPoint, PlanError};
 
@@ -114,13 +114,13 @@ impl<R: Real> FeedLimit<R> {
             scan.pass(index, curve, stops.binary_search(&index).is_ok())?;
         }
         scan.finish();
-        let (samples, corners, from_rest) = scan.into_parts();
-        Ok(Self { from_rest, ..Self::assemble(samples, corners, limits.chord_error)? })
+        let Scanned { samples, corners, from_rest } = scan.into_scanned();
+        Ok(Self::assemble(samples, corners, limits.chord_error)?.resting_before(from_rest))
     }
 
     /// The limit where these curves begin at rest whatever their direction, given with the distances of their begins.
-    pub(crate) fn resting_before(self, curves: &[(R, usize)]) -> Self {
-        Self { from_rest: curves.to_vec(), ..self }
+    pub(crate) fn resting_before(self, curves: Vec<(R, usize)>) -> Self {
+        Self { from_rest: curves, ..self }
     }
 
     /// Caps the limit on each curve at the curve's own feed, given by its index: the F words of a program. A feed above

@@ -30,6 +30,15 @@ pub(crate) struct Scan<'l, R, const D: usize> {
     from_rest: Vec<(R, usize)>,
 }
 
+/// What a scan finds along a path.
+pub(crate) struct Scanned<R> {
+    pub(crate) samples: Vec<LimitSample<R>>,
+    /// Distances at which the tangent breaks.
+    pub(crate) corners: Vec<R>,
+    /// The curves that begin at rest, with their distances.
+    pub(crate) from_rest: Vec<(R, usize)>,
+}
+
 impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
     pub(crate) fn new(limits: &'l KinematicLimits<R>) -> Self {
         Self {
@@ -87,9 +96,9 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
         self.fine_moves.end(&mut self.samples);
     }
 
-    /// The samples, the distances at which the tangent breaks, and the curves that begin at rest.
-    pub(crate) fn into_parts(self) -> (Vec<LimitSample<R>>, Vec<R>, Vec<(R, usize)>) {
-        (self.samples, self.corners, self.from_rest)
+    /// What was found along the whole path.
+    pub(crate) fn into_scanned(self) -> Scanned<R> {
+        Scanned { samples: self.samples, corners: self.corners, from_rest: self.from_rest }
     }
 
     /// The samples so far, without those forgotten.

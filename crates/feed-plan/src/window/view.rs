@@ -133,7 +133,7 @@ impl<'l, R: Real, const D: usize, C: Differentiate<R, D>, I: Iterator<Item = Com
         let samples = samples.get(..=count).unwrap_or(samples).to_vec();
         let (corners, rests) = (self.scan.corners(), self.scan.curves_from_rest());
         let limit = FeedLimit::assemble(samples, corners.to_vec(), self.limits.chord_error)?;
-        limit.resting_before(rests).capped(|curve| self.source.feed_of(curve))
+        limit.resting_before(rests.to_vec()).capped(|curve| self.source.feed_of(curve))
     }
 
     /// The path under a limit in view.

@@ -9,6 +9,9 @@ use crate::input::Input;
 use crate::run_arguments::RunArguments;
 use crate::{candidates, output};
 
+/// Periods that are simulated, at most: every sample of the axes is kept.
+pub(super) const MOST_SIMULATED: u64 = 1 << 24;
+
 /// Options of `servo`.
 #[derive(Args)]
 pub(crate) struct Arguments {

@@ -7,8 +7,7 @@ use servo_sim::{
     CircleTest, FEED_FORWARDS, ServoError, ServoParameters, VELOCITY_GAINS_PERCENT, roundness_plot,
 };
 
-use super::MOST_SIMULATED;
-use super::arguments::Arguments;
+use super::arguments::{Arguments, MOST_SIMULATED};
 use super::report::{CircleResult, LeftOut};
 use crate::output;
 

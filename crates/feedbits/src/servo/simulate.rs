@@ -7,8 +7,7 @@ use format_compare::{Dimension, ExactPlan, Format, LeastPeriods, Options, Proble
 use nurbs_core::{Evaluate, NurbsBuf};
 use servo_sim::{Arrival, ErrorSize, Servo, ServoParameters, contour_error};
 
-use super::MOST_SIMULATED;
-use super::arguments::Arguments;
+use super::arguments::{Arguments, MOST_SIMULATED};
 use super::circle::circle_test;
 use super::ramp::ramped_setpoints;
 use super::report::{FormatRow, Outcome};

@@ -69,7 +69,8 @@ impl<P: Copy> GreatestAtCruise<P> {
     }
 
     fn keep(&mut self, new: Kept<P>) {
-        if !(new.wanted_mm >= self.least_mm()) {
+        let is_long = new.wanted_mm >= self.least_mm();
+        if !is_long {
             return;
         }
         let longer = self.kept.partition_point(|kept| kept.wanted_mm < new.wanted_mm);

@@ -126,7 +126,7 @@ mod tests {
             let (begun, mut taken) = (AtomicUsize::new(0), Vec::new());
             let work = |index: usize, item: &usize| {
                 begun.fetch_max(index, Ordering::Relaxed);
-                if index % 50 == 0 {
+                if index.is_multiple_of(50) {
                     thread::sleep(Duration::from_millis(2));
                 }
                 item * 2

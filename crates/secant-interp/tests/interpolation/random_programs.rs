@@ -121,7 +121,7 @@ fn sections<R: Backend>(
         found.push(points);
     }
     let periods: usize = found.iter().map(Vec::len).sum();
-    assert!(is_coarse || periods == plan.as_schedule().periods() as usize, "{name}");
+    assert!(is_coarse || periods as u64 == plan.as_schedule().periods(), "{name}");
     found
 }
 
