@@ -163,8 +163,9 @@ fn written<const D: usize>(
         // Behind the end the machine is at rest.
         summary.add(0.0);
         summary.add(0.0);
-        failure.map_or(Ok(()), Err).context("cannot write the setpoints")?;
-        rows.finish()?;
+        let cannot = || output::cannot_write_to(arguments.output.out.as_deref());
+        failure.map_or(Ok(()), Err).with_context(cannot)?;
+        rows.finish().with_context(cannot)?;
         Ok((about, summary))
     })
 }

@@ -74,6 +74,11 @@ fn cannot_write(path: &Path) -> String {
     format!("cannot write {}", path.display())
 }
 
+/// The same for a file, or for the terminal if there is no path.
+pub(crate) fn cannot_write_to(path: Option<&Path>) -> String {
+    path.map_or_else(|| "cannot write to the terminal".into(), cannot_write)
+}
+
 /// The begin and end of a file's name until the file is whole; six random characters stand between.
 const UNFINISHED: [&str; 2] = [".feedbits-", ".part"];
 

@@ -503,32 +503,38 @@ fn a_path_that_is_left_in_motion_has_a_good_format() {
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stdout));
 }
 
-/// Runs of hours are refused at once, and the message has the numbers that make them so long.
+/// Runs of more than 2^40 periods are refused at once, and the message has the numbers that make them so long.
 #[test]
 fn endless_runs_are_refused_before_they_begin() {
     let folder = folder();
     let good = fs::read_to_string(data("seed-000.toml")).expect("readable");
-    for (from, to, words) in [
-        ("interpolation_period_ms = 3.0", "interpolation_period_ms = 1e-5", "periods of 0.00001 ms"),
-        (
-            "acceleration_mm_per_s2 = 5000.0",
-            "acceleration_mm_per_s2 = 1e-10",
-            "an acceleration of 0.0000000001 mm/s²",
-        ),
-        ("jerk_mm_per_s3 = 400000.0", "jerk_mm_per_s3 = 1e-10", "a jerk of 0.0000000001 mm/s³"),
-        ("chord_error_mm = 0.0005", "chord_error_mm = 1e-12", "a chord error of 0.000000000001 mm"),
+    for (from, key, value, words) in [
+        ("3.0", "interpolation_period_ms", 1e-9, "periods of VALUE ms"),
+        ("5000.0", "acceleration_mm_per_s2", 1e-18, "an acceleration of VALUE mm/s²"),
+        ("400000.0", "jerk_mm_per_s3", 1e-28, "a jerk of VALUE mm/s³"),
+        ("0.0005", "chord_error_mm", 1e-24, "a chord error of VALUE mm"),
     ] {
-        let machine = written(folder.path(), "m.toml", &good.replace(from, to));
+        let changed = good.replace(&format!("{key} = {from}"), &format!("{key} = {value:e}"));
+        assert_ne!(changed, good, "{key}");
+        let machine = written(folder.path(), "m.toml", &changed);
+        let words = words.replace("VALUE", &value.to_string());
         for command in ["compare", "interpolate", "plan", "size", "servo"] {
             let output = feedbits(&[command, "--machine", &machine]);
             let message = unfolded(&output.stderr);
-            assert_eq!(output.status.code(), Some(2), "{command} {to}: {message}");
+            assert_eq!(output.status.code(), Some(2), "{command} {key}: {message}");
             assert!(
-                message.contains(words) && message.contains("at most 16777216"),
-                "{command} {to}: {message}"
+                message.contains(&words) && message.contains("at most 1099511627776"),
+                "{command} {key}: {message}"
             );
         }
     }
+    let slow = written(
+        folder.path(),
+        "m.toml",
+        &good.replace("interpolation_period_ms = 3.0", "interpolation_period_ms = 1e-5"),
+    );
+    let message = unfolded(&feedbits(&["servo", "--machine", &slow]).stderr);
+    assert!(message.contains("at most 16777216 in `servo`"), "{message}");
     for arguments in [["--circle", "1e5"], ["--circle", "1e308"], ["--feed", "1e-3"]] {
         let output = feedbits(&[&["servo"], &arguments[..]].concat());
         let message = unfolded(&output.stderr);

@@ -137,8 +137,12 @@ fn faster<const D: usize, C: Differentiate<f64, D>>(
     (taken < periods).then(|| (stages, periods - taken))
 }
 
-/// Whether a motion along the way between two rests may take fewer periods than these, as far as the limit and the path's
-/// acceleration and jerk say.
+/// Share of the periods of a way, as a power of two, that a program is to save at least: solving it for less takes longer
+/// than it is worth.
+const WORTH_SAVING: u32 = 10;
+
+/// Whether a motion along the way between two rests may take fewer periods than these, by a share that is worth it, as
+/// far as the limit and the path's acceleration and jerk say.
 fn may_take_less(
     limit: &FeedLimit<f64>,
     limits: &KinematicLimits<f64>,
@@ -147,7 +151,7 @@ fn may_take_less(
 ) -> bool {
     let least = rough_duration_between(limit, limits, ends);
     let least = whole_periods(least, 1.0_f64.ldexp(SLOWER), limits.interpolation_period);
-    least.is_some_and(|(least, _)| least < periods)
+    least.is_some_and(|(least, _)| least < periods - (periods >> WORTH_SAVING))
 }
 
 /// The pieces of a way, which keep every limit, before they take whole periods.

@@ -1,15 +1,21 @@
 //! A curve in about 106 bits.
 
-use nurbs_core::{CurveError, Evaluate, NurbsBuf};
+use nurbs_core::{CurveError, Evaluate, FastCurve, NurbsBuf};
 use real::{DoubleDouble, Real};
 
 use crate::plan::in_format::of_pair;
 
 /// A curve in double-double. Most moves of most programs are straight, and have a form of their own: a point takes a
 /// product for each axis, and the chord between two of them one in all.
-pub(super) enum ExactCurve<const D: usize> {
+pub(super) enum ExactCurve<'a, const D: usize> {
     Straight(Straight<D>),
-    Other(NurbsBuf<DoubleDouble, D>),
+    Other(Box<Other<'a, D>>),
+}
+
+/// Any other curve, exactly and in f64.
+pub(super) struct Other<'a, const D: usize> {
+    exact: NurbsBuf<DoubleDouble, D>,
+    plain: FastCurve<'a, D>,
 }
 
 /// The line `A + (u - u₀) S`.
@@ -24,12 +30,12 @@ pub(super) struct Straight<const D: usize> {
     speed: DoubleDouble,
 }
 
-impl<const D: usize> ExactCurve<D> {
+impl<'a, const D: usize> ExactCurve<'a, D> {
     /// A curve whose numbers are taken without rounding: every f64 is a double-double.
-    pub(super) fn of(curve: &NurbsBuf<f64, D>) -> Result<Self, CurveError> {
+    pub(super) fn of(curve: &'a NurbsBuf<f64, D>) -> Result<Self, CurveError> {
         let plain = curve.as_curve();
         let ([from, to], None) = (plain.control_points(), plain.weights()) else {
-            return Ok(Self::Other(curve.convert()?));
+            return Ok(Self::Other(Box::new(Other { exact: curve.convert()?, plain: FastCurve::of(plain) })));
         };
         let (first, last) = plain.domain();
         let of = DoubleDouble::from;
@@ -43,8 +49,12 @@ impl<const D: usize> ExactCurve<D> {
         }))
     }
 
-    pub(super) fn is_straight(&self) -> bool {
-        matches!(self, Self::Straight(_))
+    /// The curve in f64; `None` if it is straight.
+    pub(super) fn bent(&self) -> Option<&FastCurve<'a, D>> {
+        match self {
+            Self::Straight(_) => None,
+            Self::Other(curve) => Some(&curve.plain),
+        }
     }
 
     /// The point at a parameter that is a sum of two floats.
@@ -57,7 +67,7 @@ impl<const D: usize> ExactCurve<D> {
                     _ => begin[d] + slope[d] * along,
                 })
             }
-            Self::Other(curve) => curve.as_curve().point(of_pair(u)),
+            Self::Other(curve) => curve.exact.as_curve().point(of_pair(u)),
         }
     }
 
@@ -80,7 +90,7 @@ mod tests {
         let points = vec![[1.0, -20.0, 7.0], [81.3, 0.1, 7.0]];
         let curve = NurbsBuf::try_new_nonrational(1, points, vec![0.25, 0.25, 1.75, 1.75]).unwrap();
         let (short, exact) = (ExactCurve::of(&curve).unwrap(), curve.convert::<DoubleDouble>().unwrap());
-        assert!(short.is_straight());
+        assert!(short.bent().is_none());
         let off = |a: DoubleDouble, b: DoubleDouble| (a - b).value().abs();
         let at = |u: (f64, f64)| exact.as_curve().point(of_pair(u));
         let mut before = (0.25, 0.0);
@@ -98,8 +108,9 @@ mod tests {
     fn a_curve_is_evaluated_as_it_is() {
         let points = vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]];
         let bent = NurbsBuf::try_new_nonrational(1, points, vec![0.0, 0.0, 1.0, 2.0, 2.0]);
-        let bent = ExactCurve::of(&bent.unwrap()).unwrap();
-        assert!(!bent.is_straight() && bent.straight_chord((0.0, 0.0), (2.0, 0.0)).is_none());
+        let bent = bent.unwrap();
+        let bent = ExactCurve::of(&bent).unwrap();
+        assert!(bent.bent().is_some() && bent.straight_chord((0.0, 0.0), (2.0, 0.0)).is_none());
         assert_eq!(bent.point((1.5, 0.0)).map(DoubleDouble::value), [1.0, 0.5]);
     }
 }

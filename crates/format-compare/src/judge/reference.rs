@@ -28,7 +28,7 @@ pub(crate) struct Reached<const D: usize> {
 
 /// The path in about 106 bits.
 pub struct Reference<'a, const D: usize> {
-    exact: Vec<ExactCurve<D>>,
+    exact: Vec<ExactCurve<'a, D>>,
     plain: &'a [NurbsBuf<f64, D>],
     /// Curve and parameter of each corner that a run may pass.
     corners: Vec<(usize, f64)>,
@@ -177,15 +177,15 @@ impl<'a, const D: usize> Reference<'a, D> {
         const SAMPLES: i32 = 8;
         let chord = [from_point, to_point].map(|end| end.map(DoubleDouble::value));
         let on_curve = |index: usize| {
-            let plain = self.plain[index].as_curve();
             let begin = if index == curve { from } else { self.begin(index).1 };
             let end = if index == step.curve { step.u } else { self.end(index).1 };
+            let Some(plain) = self.exact[index].bent() else {
+                let end = self.point((index, end)).map(DoubleDouble::value);
+                return distance_to_segment(&end, &chord);
+            };
             let width = (end.0 - begin.0) + (end.1 - begin.1);
             let at = move |sample: i32| begin.0 + width * f64::from(sample) / f64::from(SAMPLES);
             let distance = |sample| distance_to_segment(&plain.point(at(sample)), &chord);
-            if self.exact[index].is_straight() {
-                return distance(SAMPLES);
-            }
             (1..=SAMPLES).map(distance).fold(0.0, greater)
         };
         (curve..=step.curve).map(on_curve).fold(0.0, greater)
