@@ -122,7 +122,11 @@ where
 
 /// Prints the runs that were finished.
 fn interrupted(comparison: &Comparison, arguments: &Arguments) -> Result<Ending> {
-    let text = if arguments.output.json { baseline::json("compare", comparison)? } else { table(comparison) };
+    let text = match arguments.output.json {
+        true => baseline::json("compare", comparison)?,
+        false if comparison.formats.is_empty() => String::new(),
+        false => rows(comparison),
+    };
     output::write(arguments.output.out.as_deref(), &text)?;
     let left_out = output::counted(comparison.interrupted_runs, "run", "runs");
     output::say(&format!(
@@ -136,6 +140,11 @@ fn interrupted(comparison: &Comparison, arguments: &Arguments) -> Result<Ending>
 const CORNER_ERROR: &str = "corner error\nmm";
 
 fn table(comparison: &Comparison) -> String {
+    format!("{}{}\n", rows(comparison), answer(comparison))
+}
+
+/// The part, and a row for each run.
+fn rows(comparison: &Comparison) -> String {
     let part = &comparison.part;
     let machine = &comparison.machine;
     let mut text = format!(
@@ -182,7 +191,7 @@ fn table(comparison: &Comparison) -> String {
     for column in table.column_iter_mut().skip(3).take(figures) {
         column.set_cell_alignment(CellAlignment::Right);
     }
-    format!("{text}\n{table}\n{}\n", answer(comparison))
+    format!("{text}\n{table}\n")
 }
 
 /// The recommendation, and the measure by which the format is the cheapest.

@@ -175,7 +175,8 @@ where
     let judged = in_parallel(&runs, |run| whole(*run));
     let left_out = judged.iter().filter(|run| run.is_none()).count();
     let (runs, traces): (Vec<_>, Vec<_>) = judged.into_iter().flatten().unzip();
-    let recommended = runs.iter().find(|run| run.verdict.is_good());
+    // Without all runs there is no recommendation.
+    let recommended = runs.iter().find(|run| run.verdict.is_good() && left_out == 0);
     let feedrate_mm_per_s = problem.feedrate_mm_per_s();
     let lowest = problem.feeds_mm_per_s.iter().copied().reduce(f64::min);
     let comparison = Comparison {
@@ -222,6 +223,7 @@ mod tests {
         let watch = Watch { traces: true, progress: &progress };
         let cut = compare_with(&problem, &formats, &[Engine::Pieces], &options, &watch).unwrap();
         let (left, out) = (&cut.comparison.formats, cut.comparison.interrupted_runs);
+        assert_eq!(cut.comparison.recommended, None);
         assert!(left.len() + out == 4 && out > 0 && cut.traces.len() == left.len(), "{out} of 4 left out");
         for run in left {
             let same = whole.formats.iter().find(|one| one.format == run.format).unwrap();
