@@ -8,8 +8,8 @@ use anyhow::{Context, Result, bail};
 use clap::Args;
 use clap_complete::ArgValueCandidates;
 use format_compare::{
-    AboutRun, Dimension, Engine, Observer, Options, OverrideTarget, Overrides, Problem, Reference, Refusal,
-    Space, Vectors, VectorsAbout,
+    AboutRun, ChordTally, Dimension, Engine, Observer, Options, OverrideTarget, Overrides, Problem,
+    Reference, Refusal, Space, Vectors, VectorsAbout,
 };
 use real::FormatName;
 
@@ -121,20 +121,14 @@ where
 struct Summary {
     periods: u64,
     end_s: f64,
-    /// The last two chords, and the greatest first and second difference of chords, in mm.
-    chords: [f64; 2],
-    change: f64,
-    bend: f64,
+    chords: ChordTally,
 }
 
-impl Summary {
-    /// Adds the chord of a period. Before the first the machine is at rest.
-    fn add(&mut self, chord_mm: f64) {
-        let [before, last] = self.chords;
-        self.change = self.change.max((chord_mm - last).abs());
-        self.bend = self.bend.max((chord_mm - last - (last - before)).abs());
-        self.chords = [last, chord_mm];
-    }
+/// These chords and two periods of rest, as before the first setpoint and behind the last.
+fn at_rest(mut chords: ChordTally) -> ChordTally {
+    chords.add(0.0);
+    chords.add(0.0);
+    chords
 }
 
 /// Makes the run of `periods` periods and writes its setpoints.
@@ -149,10 +143,11 @@ fn written<const D: usize>(
     output::write_by(arguments.output.out.as_deref(), |file| {
         let mut rows = Rows::new(file, arguments.output.json)?;
         let (mut summary, mut failure) = (Summary::default(), None);
+        summary.chords = at_rest(summary.chords);
         let about = reference.show_setpoints(problem, run, |row| {
             summary.periods += 1;
             summary.end_s = row.time_s;
-            summary.add(row.chord_mm);
+            summary.chords.add(row.chord_mm);
             if summary.periods % 4096 == 0 {
                 progress.periods(summary.periods, periods);
             }
@@ -160,9 +155,7 @@ fn written<const D: usize>(
                 failure = rows.write(row).err();
             }
         })?;
-        // Behind the end the machine is at rest.
-        summary.add(0.0);
-        summary.add(0.0);
+        summary.chords = at_rest(summary.chords);
         let cannot = || output::cannot_write_to(arguments.output.out.as_deref());
         failure.map_or(Ok(()), Err).with_context(cannot)?;
         rows.finish().with_context(cannot)?;
@@ -215,8 +208,8 @@ fn override_target(text: &str) -> Result<OverrideTarget, String> {
 
 /// The largest acceleration and jerk of the setpoints, from rest to rest, from the chords of neighbouring periods.
 fn kept<const D: usize>(summary: &Summary, problem: &Problem<D>) -> String {
-    let t = problem.period_s();
-    let (acceleration, jerk) = (summary.change / t.powi(2), summary.bend / t.powi(3));
+    let (chords, t) = (&summary.chords, problem.period_s());
+    let (acceleration, jerk) = (chords.acceleration_max_mm_per_s2(t), chords.jerk_max_mm_per_s3(t));
     let machine = &problem.machine;
     format!(
         "{} periods: acceleration {acceleration:.1} of {} mm/s², jerk {jerk:.0} of {} mm/s³ at most",

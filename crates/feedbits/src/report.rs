@@ -139,12 +139,8 @@ where
     };
     let Some(format) = by_name::<D>(&row.format) else { return Ok(Vec::new()) };
     let options = Options { engine: row.engine, ..options.clone() };
-    let own = match plan {
-        Some(_) => None,
-        None => Some(format_compare::plan_for(problem, format.as_ref(), &options)?),
-    };
-    let Some(plan) = plan.or(own.as_ref()) else { return Ok(Vec::new()) };
-    let recorded = format.record(problem, plan, &options, RECORDED_PERIODS)?;
+    let plan = format_compare::common_or_plan_for(plan, problem, format.as_ref(), &options)?;
+    let recorded = format.record(problem, &plan, &options, RECORDED_PERIODS)?;
     let Some((step, _)) = recorded.steps.iter().max_by_key(|(_, count)| *count) else {
         return Ok(Vec::new());
     };

@@ -115,7 +115,7 @@ pub use compare::price::price;
 pub use cost::period_cost::{Cost, Level, PeriodCost};
 pub use feed_plan::ProfileKind;
 pub use judge::judged_run::{JudgedRun, Verdict};
-pub use judge::metrics::{Fluctuation, JudgedStep, PerPeriod, jerk_of_chords};
+pub use judge::metrics::{ChordTally, Fluctuation, JudgedStep, PerPeriod};
 pub use judge::not_of_format::{NotOfFormat, Remedy, not_of_format};
 pub use judge::reference::Reference;
 pub use judge::requirement::{PeriodEnd, Requirement};
@@ -132,7 +132,9 @@ pub use problem::problem::Problem;
 pub use refusal::Refusal;
 pub use run::c_files::CRequest;
 pub use run::constants::Constants;
-pub use run::formats::{Dimension, Format, Space, format_named, formats, plan_for, select};
+pub use run::formats::{
+    Dimension, Format, Space, common_or_plan_for, format_named, formats, plan_for, select,
+};
 pub use run::observer::Observer;
 pub use run::options::{Engine, Options, PlanIn};
 pub use run::overrides::{OverrideCommands, OverrideError, OverrideTarget, Overrides};

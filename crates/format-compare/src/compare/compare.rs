@@ -15,7 +15,7 @@ use crate::plan::exact_plan::ExactPlan;
 use crate::plan::plan_summary::OverLimits;
 use crate::problem::problem::Problem;
 use crate::refusal::Refusal;
-use crate::run::formats::{Dimension, Format, Space, plan_for};
+use crate::run::formats::{Dimension, Format, Space, common_or_plan_for, plan_for};
 use crate::run::observer::Observer;
 use crate::run::options::{Engine, Options, PlanIn};
 use crate::size::fewest_bits::FewestBits;
@@ -157,12 +157,9 @@ where
     };
     let judged = |(format, engine): (&dyn Format<D>, Engine)| {
         let options = &Options { engine, ..options.clone() };
-        let run = |observer: &dyn Observer| match &common {
-            Some(plan) => format.run_before(problem, plan, options, observer),
-            None => {
-                let plan = format.plan(problem, options)?;
-                format.run_before(problem, &plan, options, observer)
-            }
+        let run = |observer: &dyn Observer| {
+            let plan = common_or_plan_for(common.as_ref(), problem, format, options)?;
+            format.run_before(problem, &plan, options, observer)
         };
         let name = (format.name(), engine);
         match judge.judge(run) {

@@ -10,7 +10,7 @@ use crate::judge::requirement::Requirement;
 use crate::plan::exact_plan::ExactPlan;
 use crate::problem::problem::Problem;
 use crate::refusal::Refusal;
-use crate::run::formats::{Dimension, Space, format_named, plan_for};
+use crate::run::formats::{Dimension, Space, common_or_plan_for, format_named};
 use crate::run::options::Options;
 use crate::run::recorded_run::RecordedRun;
 use feed_plan::in_parallel;
@@ -61,9 +61,8 @@ where
 {
     let Some(format) = format_named(&run.format).filter(|_| !run.is_refused()) else { return Ok(None) };
     let options = Options { engine: run.engine, ..options.clone() };
-    let own = if common.is_some() { None } else { Some(plan_for(problem, format.as_ref(), &options)?) };
-    let Some(plan) = common.or(own.as_ref()) else { return Ok(None) };
-    Ok(Some((format.name(), format.record(problem, plan, &options, usize::MAX)?)))
+    let plan = common_or_plan_for(common, problem, format.as_ref(), &options)?;
+    Ok(Some((format.name(), format.record(problem, &plan, &options, usize::MAX)?)))
 }
 
 /// Adds a requirement: the dearest period must fit the interpolation period on at least one of the targets. The target

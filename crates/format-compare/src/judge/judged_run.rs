@@ -7,11 +7,13 @@ use real::FormatName;
 use serde::Serialize;
 
 use crate::cost::period_cost::Cost;
-use crate::judge::judgement::Judgement;
+use crate::judge::judgement::{Judge, Judgement};
 use crate::judge::metrics::{Fluctuation, PerPeriod};
+use crate::judge::reference::Reference;
 use crate::judge::requirement::{Findings, Requirement, requirements};
 use crate::problem::problem::Problem;
 use crate::refusal::Refusal;
+use crate::run::observer::Observer;
 use crate::run::options::Engine;
 use crate::run::run::AboutRun;
 
@@ -85,6 +87,19 @@ impl JudgedRun {
             requirements: Vec::new(),
             verdict: Verdict::Refused(refusal.to_string()),
         }
+    }
+
+    /// Judges the run that `run` makes in front of an observer.
+    pub(crate) fn of_run<const D: usize>(
+        name: (FormatName, Engine),
+        problem: &Problem<D>,
+        reference: &Reference<'_, D>,
+        run: impl FnOnce(&dyn Observer) -> Result<AboutRun, Refusal>,
+    ) -> Result<Self, Refusal> {
+        let judge =
+            Judge { reference, full_step_mm: problem.full_step_mm(), traced: None, progress: &|_| () };
+        let (run, judgement) = judge.judge(run)?;
+        Ok(Self::of(name, problem, &run, &judgement))
     }
 
     /// The figures of a run of `problem` as it was judged.

@@ -165,30 +165,26 @@ pub(crate) fn greater(one: f64, other: f64) -> f64 {
     if one.is_nan() || other <= one { one } else { other }
 }
 
-/// The largest `|c_{i+1} - 2 c_i + c_{i-1}|/T³`, in mm/s³, for the chords c of successive periods T, in mm and s; 0 for
-/// fewer than three chords.
-#[must_use]
-pub fn jerk_of_chords(chords_mm: &[f64], period_s: f64) -> f64 {
-    let mut chords = ChordTally::default();
-    chords_mm.iter().for_each(|chord| chords.add(*chord));
-    chords.jerk_max_mm_per_s3(period_s)
-}
-
-/// The largest second difference of the chords of a run of which chords are added, or parts are joined.
+/// The largest differences of first and second order between the chords of successive periods, of a run of which chords
+/// are added, or parts are joined.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct ChordTally {
+pub struct ChordTally {
     count: u64,
     /// The first two chords, as far as there are any.
     first: [f64; 2],
     /// The last two.
     last: [f64; 2],
+    change_max_mm: f64,
     bend_max_mm: f64,
 }
 
 impl ChordTally {
     /// Adds the next chord, in mm.
-    pub(crate) fn add(&mut self, chord_mm: f64) {
+    pub fn add(&mut self, chord_mm: f64) {
         let [before, last] = self.last;
+        if self.count > 0 {
+            self.change_max_mm = self.change_max_mm.max((chord_mm - last).abs());
+        }
         match self.count {
             count @ 0..=1 => self.first[usize::from(count == 1)] = chord_mm,
             _ => {
@@ -205,6 +201,7 @@ impl ChordTally {
         for chord in other.first.iter().take(usize::try_from(other.count).unwrap_or(2)) {
             self.add(*chord);
         }
+        self.change_max_mm = self.change_max_mm.max(other.change_max_mm);
         self.bend_max_mm = greater(greater(bend, self.bend_max_mm), other.bend_max_mm);
         if other.count > 2 {
             self.count += other.count - 2;
@@ -212,8 +209,16 @@ impl ChordTally {
         }
     }
 
-    /// The largest change of acceleration over the period T, in mm/s³.
-    pub(crate) fn jerk_max_mm_per_s3(&self, period_s: f64) -> f64 {
+    /// The largest acceleration along the path, `|c_{i+1} - c_i|/T²`, in mm/s², for periods T in s.
+    #[must_use]
+    pub fn acceleration_max_mm_per_s2(&self, period_s: f64) -> f64 {
+        self.change_max_mm / period_s.powi(2)
+    }
+
+    /// The largest change of acceleration over the period T, `|c_{i+1} - 2 c_i + c_{i-1}|/T³`, in mm/s³; 0 for fewer
+    /// than three chords, and NaN if a chord is.
+    #[must_use]
+    pub fn jerk_max_mm_per_s3(&self, period_s: f64) -> f64 {
         self.bend_max_mm / period_s.powi(3)
     }
 }
@@ -270,6 +275,12 @@ mod tests {
         }
     }
 
+    fn jerk_of_chords(chords_mm: &[f64], period_s: f64) -> f64 {
+        let mut chords = ChordTally::default();
+        chords_mm.iter().for_each(|chord| chords.add(*chord));
+        chords.jerk_max_mm_per_s3(period_s)
+    }
+
     #[test]
     fn the_jerk_of_chords_is_that_of_their_second_differences() {
         // The accelerations are 0, -1, -2, 1.
@@ -307,6 +318,8 @@ mod tests {
             prop_assert_eq!((found, at), (whole, expected_at));
             let all: Vec<f64> = steps.iter().map(|step| step.chord_mm).collect();
             prop_assert_eq!(chords.jerk_max_mm_per_s3(0.5), jerk_of_chords(&all, 0.5));
+            let change = all.windows(2).fold(0.0, |most: f64, pair| most.max((pair[1] - pair[0]).abs()));
+            prop_assert_eq!(chords.acceleration_max_mm_per_s2(0.5), 4.0 * change);
         }
     }
 

@@ -10,7 +10,6 @@ use real::Backend;
 use serde::Serialize;
 
 use crate::judge::judged_run::JudgedRun;
-use crate::judge::judgement::Judge;
 use crate::judge::reference::Reference;
 use crate::judge::requirement::Requirement;
 use crate::problem::problem::Problem;
@@ -140,10 +139,8 @@ where
     if plan.periods() > MOST_TRIED {
         return None;
     }
-    let judge = Judge { reference, full_step_mm: problem.full_step_mm(), traced: None, progress: &|_| () };
     let run = |observer: &dyn Observer| format.run_before(problem, &plan, options, observer);
-    let (run, judgement) = judge.judge(run).ok()?;
-    Some(JudgedRun::of((f64::name(), options.engine), problem, &run, &judgement))
+    JudgedRun::of_run((f64::name(), options.engine), problem, reference, run).ok()
 }
 
 /// Whether a requirement concerns the path, and its figure is more than the digits of `run` can cause: rounding of its

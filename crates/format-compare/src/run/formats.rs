@@ -1,5 +1,6 @@
 //! The formats that can be compared, by name.
 
+use std::borrow::Cow;
 use std::marker::PhantomData;
 
 use c_code::CFiles;
@@ -369,6 +370,25 @@ where
     }
     selected.sort_by_key(|one| (one.name().bits(), matches!(one.name(), FormatName::Float { .. })));
     Ok(selected)
+}
+
+/// The plan that all formats have in common; if there is none, the one that `format` follows under these options.
+///
+/// # Errors
+/// As [`Format::plan`].
+pub fn common_or_plan_for<'a, const D: usize>(
+    common: Option<&'a ExactPlan>,
+    problem: &Problem<D>,
+    format: &dyn Format<D>,
+    options: &Options,
+) -> Result<Cow<'a, ExactPlan>, Refusal>
+where
+    Space: Dimension<D>,
+{
+    match common {
+        Some(plan) => Ok(Cow::Borrowed(plan)),
+        None => plan_for(problem, format, options).map(Cow::Owned),
+    }
 }
 
 /// The plan that `format` follows under these options.

@@ -5,11 +5,11 @@
 //! of it, and is then told the stretches in order.
 
 use std::collections::BTreeMap;
-use std::ops::Range;
+use std::ops::{ControlFlow, Range};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use crate::refusal::Refusal;
-use crate::run::in_order::Threads;
+use crate::run::in_order::{Threads, in_order};
 use crate::run::run::{AboutRun, Run, RunStep};
 
 /// Something that looks at the steps of a run.
@@ -86,22 +86,54 @@ pub(crate) fn with_steps(
     Ok(Run { steps: kept.sum(), about })
 }
 
+/// Makes the run of sections of so many periods in front of an observer. `steps` begins a stretch; `add` is given each,
+/// made to its end, in order, until it breaks off.
+pub(crate) fn in_stretches<I: Iterator<Item = RunStep> + Send>(
+    threads: Threads,
+    periods: impl Iterator<Item = u64>,
+    observer: &dyn Observer,
+    steps: impl Fn(&Stretch) -> I + Sync,
+    mut add: impl FnMut(I) -> ControlFlow<()> + Send,
+) {
+    let work = |number: usize, stretch: &Stretch| {
+        let mut steps = steps(stretch);
+        observer.look(number, &mut steps);
+        // An observer may have looked at the first steps only.
+        steps.by_ref().for_each(drop);
+        steps
+    };
+    in_order(threads, &stretches(periods), work, |number, steps| {
+        observer.take(number);
+        add(steps)
+    });
+}
+
+/// Sections that are run one after the other.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Stretch {
+    /// Their numbers.
+    pub(crate) sections: Range<usize>,
+    /// The period of the plan with which the first begins.
+    pub(crate) first_period: u64,
+}
+
 /// Periods of a stretch, at least, unless it is the last.
 const STRETCH: u64 = 1 << 16;
 
-/// Sections of so many periods in stretches, as ranges of their numbers.
-pub(crate) fn stretches(periods: impl Iterator<Item = u64>) -> Vec<Range<usize>> {
-    let (mut found, mut begin, mut sum, mut count) = (Vec::new(), 0, 0, 0);
+/// Sections of so many periods in stretches.
+pub(crate) fn stretches(periods: impl Iterator<Item = u64>) -> Vec<Stretch> {
+    let (mut found, mut next, mut time): (Vec<Stretch>, _, u64) = (Vec::new(), 0..0, 0);
+    let mut first_period = 0;
     for periods in periods {
-        count += 1;
-        sum += periods;
-        if sum >= STRETCH {
-            found.push(begin..count);
-            (begin, sum) = (count, 0);
+        next.end += 1;
+        time += periods;
+        if time - first_period >= STRETCH {
+            found.push(Stretch { sections: next.clone(), first_period });
+            (next, first_period) = (next.end..next.end, time);
         }
     }
-    if begin < count {
-        found.push(begin..count);
+    if !next.is_empty() {
+        found.push(Stretch { sections: next, first_period });
     }
     found
 }
@@ -112,8 +144,13 @@ mod tests {
 
     #[test]
     fn stretches_are_long_and_leave_nothing_out() {
-        assert_eq!(stretches([1, STRETCH, 3, STRETCH - 3, 1].into_iter()), [0..2, 2..4, 4..5]);
-        assert_eq!(stretches([5, 6, STRETCH, 1].into_iter()), [0..3, 3..4]);
-        assert_eq!(stretches(std::iter::empty()), []);
+        let of = |periods: &[u64]| {
+            let found = stretches(periods.iter().copied());
+            found.into_iter().map(|one| (one.sections, one.first_period)).collect::<Vec<_>>()
+        };
+        let cut = [(0..2, 0), (2..4, STRETCH + 1), (4..5, 2 * STRETCH + 1)];
+        assert_eq!(of(&[1, STRETCH, 3, STRETCH - 3, 1]), cut);
+        assert_eq!(of(&[5, 6, STRETCH, 1]), [(0..3, 0), (3..4, STRETCH + 11)]);
+        assert_eq!((of(&[5, 6]), of(&[])), (vec![(0..2, 0)], vec![]));
     }
 }

@@ -1,6 +1,7 @@
 //! A run on one curve with a global parameter: the textbook's form, raw in every format.
 
-use std::ops::{ControlFlow, Range};
+use std::iter::Take;
+use std::ops::ControlFlow;
 
 use feed_plan::Schedule;
 use nurbs_core::{Evaluate, NurbsCurve};
@@ -11,10 +12,8 @@ use crate::plan::in_format::{in_format, nearest};
 use crate::plan::lengths::Lengths;
 use crate::refusal::Refusal;
 use crate::run::at_cruise::GreatestAtCruise;
-use crate::run::in_order::in_order;
 use crate::run::job::{Job, most_of_section};
-use crate::run::observer::{Observer, stretches, threads_for};
-use crate::run::options::Options;
+use crate::run::observer::{Observer, Stretch, in_stretches, threads_for};
 use crate::run::recorded_run::RecordedRun;
 use crate::run::run::{AboutRun, RunStep, resolution_at, unit_in_last_place};
 
@@ -102,23 +101,11 @@ fn drive<R: Backend, const D: usize>(
     observer: &dyn Observer,
 ) -> AboutRun {
     let Job { problem, plan, .. } = job;
-    let stretches = stretches(parts.iter().map(|part| part.schedule.periods()));
-    let begins: Vec<u64> = parts
-        .iter()
-        .scan(0, |sum, part| Some(std::mem::replace(sum, *sum + part.schedule.periods())))
-        .collect();
     let mut finished = !parts.is_empty();
     let (mut periods, mut resolution) = (0, GreatestAtCruise::new(problem.full_step_mm()));
-    let work = |number: usize, stretch: &Range<usize>| {
-        let begin = begins.get(stretch.start).copied().unwrap_or_default();
-        let own = parts.get(stretch.clone()).unwrap_or_default();
-        let mut steps = Steps::new(own, plan.lengths_from(begin), job);
-        observer.look(number, &mut steps);
-        steps.by_ref().for_each(drop);
-        steps
-    };
-    in_order(threads_for(observer), &stretches, work, |number, steps| {
-        observer.take(number);
+    let planned = parts.iter().map(|part| part.schedule.periods());
+    let steps = |stretch: &Stretch| Steps::new(parts, stretch, job);
+    in_stretches(threads_for(observer), planned, observer, steps, |steps| {
         periods += steps.periods;
         resolution.join(steps.resolution, |place| place);
         finished &= steps.finished && periods <= job.most_periods();
@@ -136,13 +123,13 @@ fn drive<R: Backend, const D: usize>(
 
 /// The steps from rest to rest, one part after the other.
 struct Steps<'a, R, const D: usize> {
+    job: &'a Job<'a, D>,
+    /// The parts that are left, and the period of the plan with which the first of them begins.
     parts: std::slice::Iter<'a, RestToRest<'a, R, D>>,
-    lengths: Lengths<'a>,
+    period: u64,
     current: Option<OnPart<'a, R, D>>,
-    per_second: f64,
     periods: u64,
     finished: bool,
-    options: &'a Options,
     /// `½ ulp(u)/(u_{i+1} - u_i)`, the largest over the steps at cruise, by which fluctuation is judged.
     resolution: GreatestAtCruise<()>,
 }
@@ -153,30 +140,32 @@ struct OnPart<'a, R, const D: usize> {
     state: State<R, D>,
     /// The parameter before the step.
     from: f64,
-    /// Periods of its plan that are left, and those after which the run is given up.
-    planned: u64,
+    planned: Take<Lengths<'a>>,
+    /// Periods after which the run is given up.
     most: u64,
 }
 
 impl<'a, R: Backend, const D: usize> Steps<'a, R, D> {
-    fn new(parts: &'a [RestToRest<'a, R, D>], lengths: Lengths<'a>, job: &Job<'a, D>) -> Self {
+    fn new(parts: &'a [RestToRest<'a, R, D>], stretch: &Stretch, job: &'a Job<'a, D>) -> Self {
         Self {
-            parts: parts.iter(),
-            lengths,
+            job,
+            parts: parts.get(stretch.sections.clone()).unwrap_or_default().iter(),
+            period: stretch.first_period,
             current: None,
-            per_second: 1.0 / job.problem.period_s(),
             periods: 0,
             finished: true,
-            options: job.options,
             resolution: GreatestAtCruise::new(job.problem.full_step_mm()),
         }
     }
 
     fn begin(&mut self) -> Option<()> {
         let part = self.parts.next()?;
-        let (from, planned) = (part.curve.domain().0.to_f64(), part.schedule.periods());
-        let most = most_of_section(planned);
-        self.current = Some(OnPart { part, state: part.start(), from, planned, most });
+        let (from, periods) = (part.curve.domain().0.to_f64(), part.schedule.periods());
+        let planned = self.job.plan.lengths_from(self.period);
+        let planned = planned.take(usize::try_from(periods).unwrap_or(usize::MAX));
+        self.period += periods;
+        self.current =
+            Some(OnPart { part, state: part.start(), from, planned, most: most_of_section(periods) });
         Some(())
     }
 }
@@ -193,16 +182,11 @@ impl<R: Backend, const D: usize> Iterator for Steps<'_, R, D> {
             let setpoint = if on.most > 0 { on.part.step(&mut on.state) } else { None };
             let Some(setpoint) = setpoint else {
                 self.finished = on.state.is_finished();
-                for _ in 0..on.planned {
-                    let _ = self.lengths.next();
-                }
                 self.current = None;
                 continue;
             };
-            on.most = if self.options.is_interrupted() { 0 } else { on.most - 1 };
-            let planned = if on.planned > 0 { self.lengths.next() } else { None };
-            on.planned = on.planned.saturating_sub(1);
-            let (wanted_mm, feed) = match planned {
+            on.most = if self.job.options.is_interrupted() { 0 } else { on.most - 1 };
+            let (wanted_mm, feed) = match on.planned.next() {
                 Some((length, feed)) => (length.to_f64_pair(), feed),
                 None => (setpoint.length.to_f64_pair(), setpoint.length.to_f64()),
             };
@@ -219,7 +203,7 @@ impl<R: Backend, const D: usize> Iterator for Steps<'_, R, D> {
                 u,
                 point_mm,
                 wanted_mm,
-                feed_mm_per_s: feed * self.per_second,
+                feed_mm_per_s: feed * (1.0 / self.job.problem.period_s()),
                 evaluations: setpoint.evaluations,
             });
         }

@@ -1,6 +1,6 @@
 //! A run on compiled pieces.
 
-use std::ops::{ControlFlow, Range};
+use std::ops::ControlFlow;
 
 use nurbs_core::{NurbsBuf, PieceLimits, compile_with_stops};
 use real::{Audit, Audited, Backend, DoubleDouble, Real, Recorded};
@@ -10,7 +10,7 @@ use crate::plan::in_format::in_format;
 use crate::refusal::Refusal;
 use crate::run::in_order::{Threads, in_order};
 use crate::run::job::{Job, most_of_section};
-use crate::run::observer::{Observer, stretches};
+use crate::run::observer::{Observer, Stretch, in_stretches, stretches};
 use crate::run::recorded_run::RecordedRun;
 use crate::run::run::{AboutRun, resolution_at, unit_in_last_place};
 use crate::run::steps_on_pieces::{Outcome, OverriddenSteps, Steps};
@@ -42,26 +42,19 @@ fn run_stretches<R: Backend, const D: usize>(
     threads: Threads,
     observer: &dyn Observer,
 ) -> Outcome {
-    let periods: Vec<u64> = path.runs().map(|run| run.lengths.periods() as u64).collect();
-    let begins: Vec<u64> =
-        periods.iter().scan(0, |sum, periods| Some(std::mem::replace(sum, *sum + periods))).collect();
-    let stretches = stretches(periods.iter().copied());
     let mut whole = Outcome::default();
-    let work = |number: usize, stretch: &Range<usize>| {
-        let begin = begins.get(stretch.start).copied().unwrap_or_default();
-        let mut steps = Steps::new(job, path, stretch.clone(), begin);
-        observer.look(number, &mut steps);
-        // An observer may have looked at the first steps only.
-        steps.by_ref().for_each(drop);
-        steps.outcome
-    };
-    in_order(threads, &stretches, work, |number, outcome| {
-        observer.take(number);
-        whole.join(outcome);
+    let steps = |stretch: &Stretch| Steps::new(job, path, stretch);
+    in_stretches(threads, section_periods(path), observer, steps, |steps| {
+        whole.join(steps.outcome);
         whole.finished &= whole.periods <= job.most_periods();
         if whole.finished { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
     });
     whole
+}
+
+/// The periods that each section is planned to take.
+fn section_periods<R: Backend, const D: usize>(path: &CompiledPath<R, D>) -> impl Iterator<Item = u64> {
+    path.runs().map(|run| run.lengths.periods() as u64)
 }
 
 /// Makes the same steps as [`run`] in the auditing form of `R`, and keeps what the arithmetic met.
@@ -73,11 +66,10 @@ pub(crate) fn audit<R: Backend, const D: usize>(job: &Job<'_, D>) -> Result<Audi
         audit.join(of_run);
         return Ok(audit);
     }
-    let stretches = stretches(path.runs().map(|run| run.lengths.periods() as u64));
     let whole = path.interpolator();
-    let work = |_: usize, stretch: &Range<usize>| {
+    let work = |_: usize, stretch: &Stretch| {
         Audit::of(|| {
-            path.sections().get(stretch.clone()).unwrap_or_default().iter().all(|section| {
+            path.sections().get(stretch.sections.clone()).unwrap_or_default().iter().all(|section| {
                 let run = whole.on(section);
                 let most = most_of_section(run.lengths.periods() as u64);
                 let mut state = run.start();
@@ -85,7 +77,7 @@ pub(crate) fn audit<R: Backend, const D: usize>(job: &Job<'_, D>) -> Result<Audi
             })
         })
     };
-    in_order(Threads::All, &stretches, work, |_, (finished, of_stretch)| {
+    in_order(Threads::All, &stretches(section_periods(&path)), work, |_, (finished, of_stretch)| {
         audit.join(of_stretch);
         if finished { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
     });

@@ -1,5 +1,6 @@
 //! The steps of a run on pieces, in mm.
 
+use std::iter::Take;
 use std::ops::Range;
 
 use nurbs_core::{ORIGIN_EXPONENT, Pieces, Place};
@@ -11,6 +12,7 @@ use secant_interp::{
 use crate::plan::in_format::{exact, of_pair};
 use crate::plan::lengths::Lengths;
 use crate::run::job::{Job, MOST_LATE, most_of_section, most_periods};
+use crate::run::observer::Stretch;
 use crate::run::overrides::OverrideCommands;
 use crate::run::run::RunStep;
 
@@ -84,37 +86,34 @@ impl<'a, R: Backend, const D: usize> OnSection<'a, R, D> {
 pub(crate) struct Steps<'a, R, const D: usize> {
     job: &'a Job<'a, D>,
     path: &'a CompiledPath<R, D>,
+    /// The sections that are left, and the period of the plan with which the first of them begins.
     sections: Range<usize>,
-    lengths: Lengths<'a>,
-    current: Option<(OnSection<'a, R, D>, Left)>,
+    period: u64,
+    current: Option<Current<'a, R, D>>,
     pub(crate) outcome: Outcome,
 }
 
-/// The periods of a section that are left.
-struct Left {
-    /// Those that are planned.
-    planned: u64,
-    /// Those after which the run is given up.
+/// The section that is run.
+struct Current<'a, R, const D: usize> {
+    on: OnSection<'a, R, D>,
+    planned: Take<Lengths<'a>>,
+    /// Periods after which the run is given up.
     most: u64,
 }
 
 impl<'a, R: Backend, const D: usize> Steps<'a, R, D> {
-    /// The sections with these numbers; the first begins with this period of the plan.
-    pub(crate) fn new(
-        job: &'a Job<'a, D>,
-        path: &'a CompiledPath<R, D>,
-        sections: Range<usize>,
-        period: u64,
-    ) -> Self {
-        let lengths = job.plan.lengths_from(period);
-        Self { job, path, sections, lengths, current: None, outcome: Outcome::default() }
+    pub(crate) fn new(job: &'a Job<'a, D>, path: &'a CompiledPath<R, D>, stretch: &Stretch) -> Self {
+        let (sections, period) = (stretch.sections.clone(), stretch.first_period);
+        Self { job, path, sections, period, current: None, outcome: Outcome::default() }
     }
 
     /// Begins the next section; `None` if there is none.
     fn begin(&mut self) -> Option<()> {
-        let section = OnSection::new(self.job, self.path, self.sections.next()?)?;
-        let planned = section.interpolator.lengths.periods() as u64;
-        self.current = Some((section, Left { planned, most: most_of_section(planned) }));
+        let on = OnSection::new(self.job, self.path, self.sections.next()?)?;
+        let periods = on.interpolator.lengths.periods();
+        let planned = self.job.plan.lengths_from(self.period).take(periods);
+        self.period += periods as u64;
+        self.current = Some(Current { on, planned, most: most_of_section(periods as u64) });
         Some(())
     }
 }
@@ -124,19 +123,14 @@ impl<R: Backend, const D: usize> Iterator for Steps<'_, R, D> {
 
     fn next(&mut self) -> Option<RunStep> {
         while self.outcome.finished {
-            let Some((section, left)) = &mut self.current else {
+            let Some(Current { on, planned, most }) = &mut self.current else {
                 self.begin()?;
                 continue;
             };
-            if let Some(setpoint) = section.interpolator.step(&mut section.state) {
-                self.outcome.finished = left.most > 0 && !self.job.options.is_interrupted();
-                left.most = left.most.saturating_sub(1);
-                let planned = if left.planned > 0 { self.lengths.next() } else { None };
-                left.planned = left.planned.saturating_sub(1);
-                return Some(section.step(&setpoint, planned, &mut self.outcome));
-            }
-            for _ in 0..left.planned {
-                let _ = self.lengths.next();
+            if let Some(setpoint) = on.interpolator.step(&mut on.state) {
+                self.outcome.finished = *most > 0 && !self.job.options.is_interrupted();
+                *most = most.saturating_sub(1);
+                return Some(on.step(&setpoint, planned.next(), &mut self.outcome));
             }
             self.current = None;
         }

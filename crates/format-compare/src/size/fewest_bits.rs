@@ -6,12 +6,12 @@
 //! the whole path. If it is not good, wider ones follow until one is; if it is good, narrower ones follow as long as
 //! they are good.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-use feed_plan::PlanError;
 use nurbs_core::Evaluate;
 use real::{Datapath, FormatName, Real};
 use serde::Serialize;
@@ -81,14 +81,16 @@ where
     Space: Dimension<D>,
 {
     let options = search_options(problem, options);
-    let own = if plan.is_some() { None } else { Some(planned::<f64, D>(problem, &options)?) };
-    let Some(plan) = plan.or(own.as_ref()) else { return Err(Refusal::Plan(PlanError::PathEmpty)) };
-    let parts = hardest_parts(problem, plan, runs);
+    let plan = match plan {
+        Some(plan) => Cow::Borrowed(plan),
+        None => Cow::Owned(planned::<f64, D>(problem, &options)?),
+    };
+    let parts = hardest_parts(problem, &plan, runs);
     let periods: f64 = parts.iter().map(|(_, periods)| periods).sum();
     if periods > MOST_SEARCHED {
         return Ok(FewestBits::LeftOut { periods: periods.to_phase(-32) >> 32 });
     }
-    let whole = Widths::of(Job { problem, plan, options: &options })?;
+    let whole = Widths::of(Job { problem, plan: &plan, options: &options })?;
     let parts = parts.into_iter().filter(|(curves, _)| curves.len() < problem.curves.len());
     let from_rest = Options { end_feeds_mm_per_s: [0.0; 2], ..options.clone() };
     let parts = parts.map(|(curves, _)| {

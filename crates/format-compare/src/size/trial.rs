@@ -6,7 +6,6 @@ use nurbs_core::CompileError;
 use real::{Datapath, FormatName, RuntimeFormat};
 
 use crate::judge::judged_run::JudgedRun;
-use crate::judge::judgement::Judge;
 use crate::judge::reference::Reference;
 use crate::problem::problem::Problem;
 use crate::refusal::Refusal;
@@ -55,11 +54,7 @@ where
         format: FormatName,
         run: impl FnOnce(&dyn Observer) -> Result<AboutRun, Refusal>,
     ) -> Result<JudgedRun, Refusal> {
-        let (problem, reference) = (self.job.problem, &self.reference);
-        let judge =
-            Judge { reference, full_step_mm: problem.full_step_mm(), traced: None, progress: &|_| () };
-        let (run, judgement) = judge.judge(run)?;
-        Ok(JudgedRun::of((format, Engine::Pieces), problem, &run, &judgement))
+        JudgedRun::of_run((format, Engine::Pieces), self.job.problem, &self.reference, run)
     }
 
     /// The run at this width with the fewest integer bits for which the path compiles, tried from `fewest` on.
