@@ -6,7 +6,9 @@ use anyhow::Result;
 use clap::Args;
 use clap_complete::ArgValueCandidates;
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
-use format_compare::{Comparison, Dimension, Engine, JudgedRun, Options, PlanIn, Problem, Space, Watch};
+use format_compare::{
+    Compared, Comparison, Dimension, Engine, JudgedRun, Options, PlanIn, Problem, Space, Watch,
+};
 use target_cost::Target;
 
 use crate::baseline::{self, BaselineArguments};
@@ -66,7 +68,7 @@ where
 {
     let formats = selected(&arguments.formats)?;
     let (shown, options) = (arguments.shown()?, arguments.run.options_for(problem)?);
-    let options = Options { interrupt: Some(interrupt::flag()), ..options };
+    let interruptible = Options { interrupt: Some(interrupt::flag()), ..options.clone() };
     let shows_all = arguments.wide
         || arguments.output.json
         || arguments.report.is_some()
@@ -78,29 +80,13 @@ where
     let progress = Progress::planning();
     let watch =
         Watch { traces: arguments.report.is_some(), progress: &|done, all| progress.periods(done, all) };
-    let mut compared = format_compare::compare_with(problem, &formats, &engines, &options, &watch)?;
+    let mut compared = format_compare::compare_with(problem, &formats, &engines, &interruptible, &watch)?;
     progress.finish();
-    let comparison = &mut compared.comparison;
-    if comparison.interrupted_runs > 0 {
-        return interrupted(comparison, arguments);
+    if !interrupt::is_set() {
+        add_answers(problem, &mut compared, targets, shown.contains(&Engine::Pieces), &interruptible)?;
     }
-    if comparison.recommended.is_none() {
-        let progress = Progress::spinning("looking for why no format is good");
-        comparison.not_a_question_of_format =
-            format_compare::not_of_format(problem, &comparison.formats, &options);
-        progress.finish();
-    }
-    if !targets.is_empty() {
-        let progress = Progress::of("runs recorded for the targets", comparison.formats.len());
-        format_compare::price(&mut compared, problem, targets, &options, || progress.step())?;
-        progress.finish();
-    }
-    if shown.contains(&Engine::Pieces) {
-        let progress = Progress::spinning("looking for the fewest bits");
-        let plan = compared.plan.as_ref().filter(|_| options.plan_in == PlanIn::default());
-        let found = format_compare::fewest_bits(problem, plan, &compared.comparison.formats, &options)?;
-        compared.comparison.fewest_bits = Some(found);
-        progress.finish();
+    if interrupt::is_set() {
+        return interrupted(compared.comparison, arguments);
     }
     let comparison = &compared.comparison;
     let text = if arguments.output.json {
@@ -120,17 +106,52 @@ where
     baseline.map_or(Ok(ending), |baseline| baseline.judge(comparison, ending))
 }
 
-/// Prints the runs that were finished.
-fn interrupted(comparison: &Comparison, arguments: &Arguments) -> Result<Ending> {
+/// Adds to the runs why no format is good, what a period costs on the targets, and, if it is asked for, the fewest bits.
+fn add_answers<const D: usize>(
+    problem: &Problem<D>,
+    compared: &mut Compared,
+    targets: &[Target],
+    wants_fewest_bits: bool,
+    options: &Options,
+) -> Result<()>
+where
+    Space: Dimension<D>,
+{
+    let comparison = &mut compared.comparison;
+    if comparison.recommended.is_none() {
+        let progress = Progress::spinning("looking for why no format is good");
+        comparison.not_a_question_of_format =
+            format_compare::not_of_format(problem, &comparison.formats, options);
+        progress.finish();
+    }
+    if !targets.is_empty() {
+        let progress = Progress::of("runs recorded for the targets", comparison.formats.len());
+        format_compare::price(compared, problem, targets, options, || progress.step())?;
+        progress.finish();
+    }
+    if wants_fewest_bits {
+        let progress = Progress::spinning("looking for the fewest bits");
+        let plan = compared.plan.as_ref().filter(|_| options.plan_in == PlanIn::default());
+        let found = format_compare::fewest_bits(problem, plan, &compared.comparison.formats, options)?;
+        compared.comparison.fewest_bits = Some(found);
+        progress.finish();
+    }
+    Ok(())
+}
+
+/// Prints the runs that were finished. Answers that were sought meanwhile come from runs that were cut short: they are
+/// left out.
+fn interrupted(comparison: Comparison, arguments: &Arguments) -> Result<Ending> {
+    let comparison = Comparison { fewest_bits: None, not_a_question_of_format: None, ..comparison };
     let text = match arguments.output.json {
-        true => baseline::json("compare", comparison)?,
+        true => baseline::json("compare", &comparison)?,
         false if comparison.formats.is_empty() => String::new(),
-        false => rows(comparison),
+        false => rows(&comparison),
     };
     output::write(arguments.output.out.as_deref(), &text)?;
     let left_out = output::counted(comparison.interrupted_runs, "run", "runs");
     output::say(&format!(
-        "feedbits: interrupted: {left_out} of {} left out",
+        "feedbits: interrupted: {left_out} of {} left out, and what comes after the runs",
         comparison.interrupted_runs + comparison.formats.len()
     ));
     Ok(Ending::Interrupted)

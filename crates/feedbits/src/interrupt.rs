@@ -20,3 +20,8 @@ pub(crate) fn flag() -> &'static AtomicBool {
     });
     &INTERRUPTED
 }
+
+/// Whether Ctrl-C was pressed.
+pub(crate) fn is_set() -> bool {
+    INTERRUPTED.load(Ordering::Relaxed)
+}
