@@ -7,6 +7,7 @@
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 
+use crate::fate::Fate;
 use crate::wrapper::{Wrapper, wrapper};
 use crate::{Backend, FormatName, Histogram, Operation, Real};
 
@@ -221,106 +222,11 @@ fn toward_zero(x: f64) -> f64 {
     f64::from_bits(x.to_bits() - 1)
 }
 
-/// How a result differs from the exact one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Fate {
-    /// It is the exact one, rounded.
-    Rounded,
-    /// It is zero, and the exact one is not.
-    Vanished,
-    /// It is not the exact one.
-    Overflowed,
-}
-
-impl Fate {
-    /// `result·unit` against `exact`, on a common scale where `unit > 0`.
-    fn of(result: i128, exact: i128, unit: i128) -> Self {
-        match (result * unit).checked_sub(exact) {
-            Some(distance) if -unit < distance && distance < unit => {
-                if result == 0 && exact != 0 {
-                    Self::Vanished
-                } else {
-                    Self::Rounded
-                }
-            }
-            _ => Self::Overflowed,
-        }
-    }
-
-    /// A result in fixed point, all numbers in units of the resolution `2^-fraction_bits`. No division by zero.
-    /// `x(i)` is operand number i of `count`.
-    fn in_fixed_point(
-        operation: Operation,
-        (x, count): (impl Fn(usize) -> i128, usize),
-        result: i128,
-        fraction_bits: u32,
-    ) -> Self {
-        let one = 1_i128 << fraction_bits;
-        match operation {
-            Operation::Add => Self::of(result, x(0) + x(1), 1),
-            Operation::Sub => Self::of(result, x(0) - x(1), 1),
-            Operation::Neg => Self::of(result, -x(0), 1),
-            Operation::Mul => Self::of(result, x(0) * x(1), one),
-            Operation::MulAdd => Self::of(result, x(0) * x(1) + x(2) * one, one),
-            Operation::SumOfProducts => {
-                // The sum may leave 128 bits and come back: every carry is counted.
-                let products = (0..count / 2).map(|pair| x(2 * pair) * x(2 * pair + 1));
-                let (sum, carries) = products.fold((0_i128, 0_i64), |(sum, carries), product| {
-                    let (sum, carry) = sum.overflowing_add(product);
-                    (sum, carries + i64::from(carry) * if product < 0 { -1 } else { 1 })
-                });
-                if carries == 0 { Self::of(result, sum, one) } else { Self::Overflowed }
-            }
-            Operation::Div => Self::of(result * x(1).signum(), x(0) * one, x(1).abs()),
-            Operation::Sqrt => Self::of_root(result, x(0).max(0).unsigned_abs() << fraction_bits),
-            Operation::Norm => {
-                let squares = (0..count).map(|i| x(i).unsigned_abs().pow(2));
-                Self::of_root(result, squares.fold(0, u128::saturating_add))
-            }
-            Operation::Scale { exponent } => match exponent.unsigned_abs() {
-                shift if exponent < 0 => Self::of(result, x(0), 1 << shift.min(100)),
-                // -1 by 2^63 is the least word.
-                shift if shift <= 63 => Self::of(result, x(0) << shift, 1),
-                _ => Self::of(i128::from(x(0) != 0), 0, 1), // nothing but zero fits
-            },
-        }
-    }
-
-    /// `result` against `√square`: a root can only be too small.
-    fn of_root(result: i128, square: u128) -> Self {
-        let next = result.unsigned_abs() + 1;
-        if next * next <= square { Self::Overflowed } else { Self::Rounded }
-    }
-
-    /// A result in a float. No division by zero.
-    fn in_float<R: Real>(operation: Operation, x: &[Audited<R>], result: R) -> Self {
-        if !result.is_finite() {
-            return Self::Overflowed;
-        }
-        if !result.is_zero() {
-            return Self::Rounded;
-        }
-        let vanishes = |a: R, b: R| !a.is_zero() && !b.is_zero();
-        let vanished = match operation {
-            Operation::Mul => vanishes(x[0].0, x[1].0),
-            Operation::MulAdd => x[2].0.is_zero() && vanishes(x[0].0, x[1].0),
-            Operation::SumOfProducts => {
-                let mut products = x.chunks_exact(2).map(|pair| (pair[0].0, pair[1].0));
-                products.clone().all(|(a, b)| (a * b).is_zero()) && products.any(|(a, b)| vanishes(a, b))
-            }
-            Operation::Div => !x[0].0.is_zero() && x[1].0.is_finite(),
-            Operation::Scale { .. } => !x[0].0.is_zero(),
-            _ => false,
-        };
-        if vanished { Self::Vanished } else { Self::Rounded }
-    }
-
-    fn note(self) {
-        match self {
-            Self::Rounded => {}
-            Self::Vanished => note(|record| record.underflows += 1),
-            Self::Overflowed => note(|record| record.overflows += 1),
-        }
+fn note_fate(fate: Fate) {
+    match fate {
+        Fate::Rounded => {}
+        Fate::Vanished => note(|record| record.underflows += 1),
+        Fate::Overflowed => note(|record| record.overflows += 1),
     }
 }
 
@@ -359,9 +265,9 @@ impl<R: Backend> Wrapper for Audited<R> {
             note(|record| record.divisions_by_zero += 1);
         } else if let Some(fraction_bits) = fraction_bits::<R>() {
             let x = |i: usize| units(operands[i].0);
-            Fate::in_fixed_point(operation, (x, operands.len()), units(result), fraction_bits).note();
+            note_fate(Fate::in_fixed_point(operation, (x, operands.len()), units(result), fraction_bits));
         } else {
-            Fate::in_float(operation, operands, result).note();
+            note_fate(Fate::in_float(operation, (|i: usize| operands[i].0, operands.len()), result));
         }
         Self(result)
     }
@@ -371,7 +277,7 @@ impl<R: Backend> Wrapper for Audited<R> {
             note(|record| record.divisions_by_zero += 1);
         } else if let Some(fraction_bits) = fraction_bits::<R>() {
             let x = |i: usize| if i == 0 { numerator.into() } else { denominator.into() };
-            Fate::in_fixed_point(Operation::Div, (x, 2), units(result), fraction_bits).note();
+            note_fate(Fate::in_fixed_point(Operation::Div, (x, 2), units(result), fraction_bits));
         }
         Self(result)
     }
@@ -382,9 +288,9 @@ impl<R: Backend> Wrapper for Audited<R> {
             let shift = exponent.clamp(-64, 64) - 64 + fraction_bits.cast_signed();
             let (phase, result) = (i128::from(phase), units(result));
             if shift < 0 {
-                Fate::of(result, phase, 1 << shift.unsigned_abs().min(100)).note();
+                note_fate(Fate::of(result, phase, 1 << shift.unsigned_abs().min(100)));
             } else {
-                Fate::of(result, phase << shift, 1).note();
+                note_fate(Fate::of(result, phase << shift, 1));
             }
         }
         Self(result)

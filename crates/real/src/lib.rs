@@ -51,6 +51,8 @@ mod datapath;
 mod division;
 #[cfg(feature = "reference")]
 mod double_double;
+#[cfg(feature = "std")]
+mod fate;
 mod fixed_point;
 mod float;
 mod format_name;
