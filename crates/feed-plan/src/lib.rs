@@ -103,6 +103,7 @@ mod limit {
     pub(crate) mod fine_moves;
     pub(crate) mod junctions;
     pub(crate) mod lowered_samples;
+    mod places;
     pub(crate) mod sample;
     pub(crate) mod scan;
     pub(crate) mod span_walk;
