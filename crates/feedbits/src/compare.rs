@@ -149,11 +149,9 @@ fn interrupted(comparison: Comparison, arguments: &Arguments) -> Result<Ending> 
         false => rows(&comparison),
     };
     output::write(arguments.output.out.as_deref(), &text)?;
-    let left_out = output::counted(comparison.interrupted_runs, "run", "runs");
-    output::say(&format!(
-        "feedbits: interrupted: {left_out} of {} left out, and what comes after the runs",
-        comparison.interrupted_runs + comparison.formats.len()
-    ));
+    let finished = comparison.formats.len();
+    let all = output::counted(finished + comparison.interrupted_runs, "run", "runs");
+    output::say(&format!("feedbits: interrupted: {finished} of {all} finished, and nothing behind them"));
     Ok(Ending::Interrupted)
 }
 
