@@ -203,7 +203,7 @@ pub use {
     },
     polynomials::{
         bezier::bezier_points,
-        fast_curve::FastCurve,
+        fast_curve::{FastCurve, FastLine},
         power_curve::{PowerCursor, PowerCurve},
     },
     shapes::{path_curve::PathCurve, trig_polynomial::TrigPolynomials, trig_spline::TrigSplineBuf},

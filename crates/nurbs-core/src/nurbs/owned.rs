@@ -1,5 +1,6 @@
 //! Curves that own their numbers.
 
+use alloc::boxed::Box;
 use alloc::vec::Vec;
 
 use real::{Backend, Real};
@@ -8,7 +9,21 @@ use crate::{CurveError, KnotVector, NurbsCurve, Quantity};
 
 /// A NURBS curve that owns its numbers; [`as_curve`](Self::as_curve) lends them for evaluation.
 #[derive(Clone, Debug, PartialEq)]
-pub struct NurbsBuf<R, const D: usize> {
+pub struct NurbsBuf<R, const D: usize>(Numbers<R, D>);
+
+#[derive(Clone, Debug, PartialEq)]
+enum Numbers<R, const D: usize> {
+    /// Those of a straight move, of which a program has millions: they take no heap.
+    Line {
+        control_points: [[R; D]; 2],
+        weights: [R; 2],
+        knots: [R; 4],
+    },
+    Any(Box<AnyNumbers<R, D>>),
+}
+
+#[derive(Clone, Debug, PartialEq)]
+struct AnyNumbers<R, const D: usize> {
     degree: usize,
     control_points: Vec<[R; D]>,
     weights: Vec<R>,
@@ -33,7 +48,21 @@ impl<R: Real, const D: usize> NurbsBuf<R, D> {
         let curve = NurbsCurve::try_new(degree, &control_points, &weights, &knots)?;
         let (span_count, rational) = (curve.knots.span_count(), curve.weights.is_some());
         let spans = curve.knots.repeated_spans();
-        Ok(Self { degree, control_points, weights, knots, span_count, spans, rational })
+        let line = (control_points.as_array(), weights.as_array(), knots.as_array());
+        Ok(Self(match line {
+            (Some(points), Some(weights), Some(knots)) if degree == 1 && !rational => {
+                Numbers::Line { control_points: *points, weights: *weights, knots: *knots }
+            }
+            _ => Numbers::Any(Box::new(AnyNumbers {
+                degree,
+                control_points,
+                weights,
+                knots,
+                span_count,
+                spans,
+                rational,
+            })),
+        }))
     }
 
     /// The curve whose weights are all 1.
@@ -52,35 +81,51 @@ impl<R: Real, const D: usize> NurbsBuf<R, D> {
     /// The curve, borrowed; no check is repeated.
     #[must_use]
     pub fn as_curve(&self) -> NurbsCurve<'_, R, D> {
+        let (span_count, spans, rational) = match &self.0 {
+            Numbers::Line { .. } => (1, &[][..], false),
+            Numbers::Any(any) => (any.span_count, &*any.spans, any.rational),
+        };
         NurbsCurve {
-            knots: KnotVector::from_valid(self.degree, &self.knots, self.span_count, &self.spans),
-            control_points: &self.control_points,
-            weights: self.rational.then_some(&self.weights),
+            knots: KnotVector::from_valid(self.degree(), self.knots(), span_count, spans),
+            control_points: self.control_points(),
+            weights: rational.then_some(self.weights()),
         }
     }
 
     /// The degree p.
     #[must_use]
     pub fn degree(&self) -> usize {
-        self.degree
+        match &self.0 {
+            Numbers::Line { .. } => 1,
+            Numbers::Any(any) => any.degree,
+        }
     }
 
     /// The control points `P_0 … P_n`, not multiplied by their weights.
     #[must_use]
     pub fn control_points(&self) -> &[[R; D]] {
-        &self.control_points
+        match &self.0 {
+            Numbers::Line { control_points, .. } => control_points,
+            Numbers::Any(any) => &any.control_points,
+        }
     }
 
     /// The weights `w_0 … w_n`, also when they are all equal.
     #[must_use]
     pub fn weights(&self) -> &[R] {
-        &self.weights
+        match &self.0 {
+            Numbers::Line { weights, .. } => weights,
+            Numbers::Any(any) => &any.weights,
+        }
     }
 
     /// The knots `u_0 … u_{n+p+1}`.
     #[must_use]
     pub fn knots(&self) -> &[R] {
-        &self.knots
+        match &self.0 {
+            Numbers::Line { knots, .. } => knots,
+            Numbers::Any(any) => &any.knots,
+        }
     }
 }
 
@@ -100,10 +145,10 @@ impl<const D: usize> NurbsBuf<f64, D> {
                 |(index, x): (usize, &f64)| Q::from_f64(*x).ok_or(CurveError::OutOfRange { what, index });
             numbers.iter().enumerate().map(number).collect()
         };
-        let knots = scalars(Quantity::Knot, &self.knots)?;
-        let weights = scalars(Quantity::Weight, &self.weights)?;
-        let mut control_points = Vec::with_capacity(self.control_points.len());
-        for (index, point) in self.control_points.iter().enumerate() {
+        let knots = scalars(Quantity::Knot, self.knots())?;
+        let weights = scalars(Quantity::Weight, self.weights())?;
+        let mut control_points = Vec::with_capacity(self.control_points().len());
+        for (index, point) in self.control_points().iter().enumerate() {
             let mut rounded = [Q::zero(); D];
             for (to, from) in rounded.iter_mut().zip(point) {
                 *to = Q::from_f64(*from)
@@ -111,8 +156,8 @@ impl<const D: usize> NurbsBuf<f64, D> {
             }
             control_points.push(rounded);
         }
-        let merged = merged_knots(&knots, self.degree);
-        NurbsBuf::try_new(self.degree, control_points, weights, knots).map_err(|error| match error {
+        let merged = merged_knots(&knots, self.degree());
+        NurbsBuf::try_new(self.degree(), control_points, weights, knots).map_err(|error| match error {
             CurveError::WeightNotPositive { index } => {
                 CurveError::OutOfRange { what: Quantity::Weight, index }
             }

@@ -1,5 +1,8 @@
 //! A curve in the form that is evaluated fastest, where that form is accurate.
 
+use alloc::boxed::Box;
+
+use crate::vector::{add, scaled, sub};
 use crate::{Derivatives, Differentiate, Evaluate, NurbsCurve, PowerCurve};
 
 /// The most that polynomials may lose, in units of a coordinate's last place. Where they may lose more, basis functions
@@ -11,18 +14,73 @@ const MOST_LOSS: f64 = 32768.0;
 /// example where the weights of a cubic differ more than eightfold.
 #[derive(Clone, Debug)]
 pub enum FastCurve<'a, const D: usize> {
+    /// One polynomial of degree 1 in all. A program has millions of them, so it owns nothing on the heap.
+    Line(FastLine<D>),
     /// One polynomial a span.
-    Polynomials(PowerCurve<D>),
+    Polynomials(Box<PowerCurve<D>>),
     /// Basis functions.
     Basis(NurbsCurve<'a, f64, D>),
+}
+
+/// The straight line `A + t (B - A)`, `t = (u - u₀)/(u₁ - u₀)`: what [`PowerCurve`] makes of it, bit by bit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FastLine<const D: usize> {
+    domain: (f64, f64),
+    reciprocal: f64,
+    origin: [f64; D],
+    way: [f64; D],
+}
+
+impl<const D: usize> FastLine<D> {
+    /// The form of a curve that is one line; `None` for any other.
+    fn of(curve: &NurbsCurve<'_, f64, D>) -> Option<Self> {
+        let [origin, end] = *curve.control_points().as_array()?;
+        let domain = curve.domain();
+        let line = Self { domain, reciprocal: 1.0 / (domain.1 - domain.0), origin, way: sub(&end, &origin) };
+        (curve.degree() == 1 && curve.weights().is_none()).then_some(line)
+    }
+}
+
+impl<const D: usize> Evaluate<f64, D> for FastLine<D> {
+    fn domain(&self) -> (f64, f64) {
+        self.domain
+    }
+
+    fn point(&self, u: f64) -> [f64; D] {
+        add(&scaled(&self.way, (u - self.domain.0) * self.reciprocal), &self.origin)
+    }
+
+    fn span_count(&self) -> usize {
+        1
+    }
+
+    fn span_bounds(&self, _: usize) -> (f64, f64) {
+        self.domain
+    }
+}
+
+impl<const D: usize> Differentiate<f64, D> for FastLine<D> {
+    fn derivatives(&self, u: f64) -> Derivatives<f64, D> {
+        Derivatives { point: self.point(u), first: scaled(&self.way, self.reciprocal), second: [0.0; D] }
+    }
+
+    fn derivatives_in(&self, _: usize, u: f64) -> Derivatives<f64, D> {
+        self.derivatives(u)
+    }
+
+    fn is_line(&self, _: usize) -> bool {
+        true
+    }
 }
 
 impl<'a, const D: usize> FastCurve<'a, D> {
     /// The form for this curve.
     #[must_use]
     pub fn of(curve: NurbsCurve<'a, f64, D>) -> Self {
-        if loss(&curve) <= MOST_LOSS {
-            Self::Polynomials(PowerCurve::new::<f64>(&curve))
+        if let Some(line) = FastLine::of(&curve) {
+            Self::Line(line)
+        } else if loss(&curve) <= MOST_LOSS {
+            Self::Polynomials(Box::new(PowerCurve::new::<f64>(&curve)))
         } else {
             Self::Basis(curve)
         }
@@ -42,6 +100,7 @@ fn loss<const D: usize>(curve: &NurbsCurve<'_, f64, D>) -> f64 {
 macro_rules! on_form {
     ($self:expr, $curve:ident => $answer:expr) => {
         match $self {
+            FastCurve::Line($curve) => $answer,
             FastCurve::Polynomials($curve) => $answer,
             FastCurve::Basis($curve) => $answer,
         }
@@ -107,6 +166,22 @@ mod tests {
         };
         assert!(is_polynomial(&weighted(8.0)) && !is_polynomial(&weighted(9.0)));
         assert!(!is_polynomial(&weighted(1e-6)));
+    }
+
+    #[test]
+    fn a_line_is_what_polynomials_make_of_it() {
+        let ends = vec![[3.1, -7.3], [1234.567, 0.1]];
+        let line = NurbsBuf::try_new_nonrational(1, ends, vec![0.5, 0.5, 2.2, 2.2]).unwrap();
+        let (fast, power) = (FastCurve::of(line.as_curve()), PowerCurve::new::<f64>(&line.as_curve()));
+        assert!(matches!(fast, FastCurve::Line(_)) && fast.is_line(0));
+        assert_eq!((fast.domain(), fast.span_bounds(0)), (power.domain(), power.span_bounds(0)));
+        for u in (0..=100).map(|i| 0.5 + 1.7 * f64::from(i) / 100.0) {
+            assert_eq!(fast.derivatives(u), power.derivatives(u));
+            assert_eq!(
+                (fast.point(u), fast.derivatives_in(0, u)),
+                (power.point(u), power.derivatives_in(0, u))
+            );
+        }
     }
 
     proptest! {
