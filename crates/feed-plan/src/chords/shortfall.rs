@@ -171,6 +171,12 @@ impl<'a, R: Real, C: Differentiate<R, D>, const D: usize> Path<'a, R, C, D> {
         self.point(place)
     }
 
+    /// Whether the way between two distances is on one straight line, whose chords are as long as its arcs.
+    fn is_along_a_line(&self, from: R, to: R) -> bool {
+        let curve = self.limit.curve_over(from, to, &self.last[0]).and_then(|curve| self.curve(curve));
+        curve.is_some_and(|curve| curve.span_count() == 1 && curve.is_line(0))
+    }
+
     fn parameter_at(&self, distance: R) -> (usize, R) {
         self.limit.parameter_near(distance, &self.last[0])
     }
@@ -269,7 +275,8 @@ impl<'a, R: Real, C: Differentiate<R, D>, const D: usize> Path<'a, R, C, D> {
     /// The arc of a step that begins at `begin`. The step has a chord to each corner within it. Behind the last corner
     /// it ends with the first arc whose chord is as long as the length that is left.
     pub(crate) fn arc_of_step(&self, begin: R, wanted: R) -> R {
-        if !(self.is_resolved_at(begin) && self.is_resolved_at(begin + wanted)) {
+        let is_resolved = || self.is_resolved_at(begin) && self.is_resolved_at(begin + wanted);
+        if self.is_along_a_line(begin, begin + wanted) || !is_resolved() {
             return wanted;
         }
         let (mut from, mut left) = (begin, wanted);

@@ -73,10 +73,21 @@ impl<R: Real> FeedLimit<R> {
     }
 
     /// The same, sought from the point at which the last search ended: for walks along the path.
-    pub(crate) fn parameter_near(&self, distance: R, last: &Cell<usize>) -> (usize, R) {
+    #[must_use]
+    pub fn parameter_near(&self, distance: R, last: &Cell<usize>) -> (usize, R) {
         let next = walk(&self.samples, last.get(), |sample| sample.point.distance < distance);
         last.set(next);
         self.parameter_before(next, distance)
+    }
+
+    /// The curve that holds all of the way between two distances, if one does, sought from the point at which the last search ended.
+    pub(crate) fn curve_over(&self, from: R, to: R, last: &Cell<usize>) -> Option<usize> {
+        let next = walk(&self.samples, last.get(), |sample| sample.point.distance <= from);
+        last.set(next);
+        let begin = self.samples.get(next.checked_sub(1)?)?.point.curve;
+        let mut behind = self.samples.get(next..)?.iter().map(|sample| &sample.point);
+        let end = behind.find(|point| point.curve != begin || point.distance > to)?;
+        (end.curve == begin).then_some(begin)
     }
 
     /// Curve and parameter at a distance before point `next` and not before the one before that.

@@ -58,7 +58,7 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
         Self { sampling: self.sampling.without_reserves(), ..self }
     }
 
-    /// This scan with few samples along long straight lines.
+    /// This scan with no samples between the ends of straight lines.
     pub(crate) fn leaping_along_lines(self) -> Self {
         Self { sampling: self.sampling.leaping_along_lines(), ..self }
     }
@@ -174,8 +174,12 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
             Some(turn) if !self.fine_moves.is_empty() => self.fine_moves.turn(turn.size, first.tangent),
             _ => self.fine_moves.pass(self.distance, shape.derivatives(first.u).point, first.tangent),
         }
-        let is_continuation =
-            |end: &LimitSample<R>| end.point.curve == curve && end.point.feedrate == first.feedrate;
+        // A line has no samples inside that would tell its speed.
+        let is_line = shape.is_line(index);
+        let is_continuation = |end: &LimitSample<R>| {
+            let is_as_fast = !is_line || end.speed == first.speed;
+            end.point.curve == curve && end.point.feedrate == first.feedrate && is_as_fast
+        };
         if !self.samples.last().is_some_and(is_continuation) {
             self.samples.push(self.sample(curve, first, None));
         }

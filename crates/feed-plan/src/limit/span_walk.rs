@@ -21,12 +21,6 @@ const FINEST: [i32; 2] = [-20, -14];
 const FINE_TRIALS: usize = 1 << 12;
 /// Stretches tried in a span, including those refused. After so many, the rest of the span becomes one stretch.
 const TRIALS: usize = 1 << 16;
-/// A long straight line has two stretches of one period at full feed at each end: a chord over a break lowers the limit no farther than
-/// the first, up to the sample beyond. What is between them is one stretch. A line is long if it has 2³ such stretches. With 16
-/// stretches at each end, plans of other people's programs took between 0.003 % less and 0.007 % more periods, and the limit three times the
-/// memory.
-const PERIODS_AT_ENDS: usize = 1 << 1;
-const LONG_LINE: i32 = 3;
 /// A stretch over which `V²` leaves the straight line by more than 2⁻⁸ of itself is halved.
 const STRAIGHTNESS: i32 = -8;
 /// Steps of a golden-section search: 0.618²⁴ = 10⁻⁵ of two stretches. A limit is flat at its minimum, so that
@@ -103,7 +97,7 @@ pub(crate) struct Sampling<'l, R> {
     longest: R,
     /// The radius below which the chord error limits the feed.
     chord_bound_radius: R,
-    /// Whether the middle of a long line is one stretch.
+    /// Whether a straight line is one stretch.
     leaps_along_lines: bool,
 }
 
@@ -119,7 +113,7 @@ impl<'l, R: Real> Sampling<'l, R> {
         }
     }
 
-    /// With the middle of a long straight line as one stretch, for who sees the whole path at once.
+    /// With each straight line as one stretch, for who sees the whole path at once.
     pub(crate) fn leaping_along_lines(self) -> Self {
         Self { leaps_along_lines: true, ..self }
     }
@@ -140,41 +134,61 @@ pub(crate) struct Span<'a, R, C, const D: usize> {
 impl<R: Real, C: Differentiate<R, D>, const D: usize> Span<'_, R, C, D> {
     /// Samples from one end of the span to the other, with the limit at each and on the stretch that leads to it.
     pub(crate) fn stations(&self) -> Vec<Station<R, D>> {
-        let mut stations = self.along_line().unwrap_or_else(|| self.walk());
+        let mut stations = match self.line() {
+            Some(line) => self.along_line(&line),
+            None => self.along_curve(),
+        };
+        self.keep_moving(&mut stations);
+        stations
+    }
+
+    fn along_curve(&self) -> Vec<Station<R, D>> {
+        let mut stations = self.walk();
         self.locate_extremes(&mut stations);
         self.rest_in_bends(&mut stations);
         // The geometry alone decides where a stop is. Where only an axis's jerk asks for a very low feed, the plan does
         // not stop.
         self.limit_by_jerk(&mut stations);
-        self.keep_moving(&mut stations);
         stations
     }
 
-    /// Samples near both ends of a span that is a long straight line, where the limit is the same all the way.
-    fn along_line(&self) -> Option<Vec<Station<R, D>>> {
-        if !(self.sampling.leaps_along_lines && self.shape.is_line(self.index)) {
+    /// The ends of a span that is a straight line. All samples and stretches of the line are as these, but for their parameters and
+    /// lengths.
+    fn line(&self) -> Option<[Station<R, D>; 2]> {
+        if !self.shape.is_line(self.index) {
             return None;
         }
         let (begin, end) = self.shape.span_bounds(self.index);
         let first = self.sample(begin);
-        let step = self.sampling.longest / first.speed;
-        let is_long = end - begin > step.ldexp(LONG_LINE) && step > R::resolution().ldexp(3);
-        if !is_long {
+        // A line without a length has no direction.
+        if !(first.speed > R::zero() && cosine(&first, &first) >= R::one().half()) {
             return None;
         }
-        let mut places = [begin, end];
-        let mut stations = Vec::from([Station { at: first, stretch: None }]);
-        let mut from_end = Vec::from([self.sample(end)]);
-        for _ in 0..PERIODS_AT_ENDS {
-            places = [places[0] + step, places[1] - step];
-            stations.push(Station { at: self.sample(places[0]), stretch: None });
-            from_end.push(self.sample(places[1]));
+        let last = Sample { u: end, ..first };
+        let stretch = Some(self.measured(&first, &[first; 5], &last));
+        let mut ends = [Station { at: first, stretch: None }, Station { at: last, stretch }];
+        self.limit_by_jerk(&mut ends);
+        Some(ends)
+    }
+
+    /// Samples of a straight line: both ends alone, if it may be one stretch.
+    fn along_line(&self, [first, last]: &[Station<R, D>; 2]) -> Vec<Station<R, D>> {
+        let (begin, end, speed) = (first.at.u, last.at.u, first.at.speed);
+        let places = if self.sampling.leaps_along_lines {
+            Vec::from([end])
+        } else {
+            evenly((begin, end), self.sampling.longest / speed)
+        };
+        let mean = self.sampling.rule.mean(&[speed; 5]);
+        let mut stations = Vec::with_capacity(places.len() + 1);
+        stations.push(*first);
+        let mut before = begin;
+        for u in places {
+            let stretch = last.stretch.map(|whole| Stretch { length: (u - before) * mean, ..whole });
+            stations.push(Station { at: Sample { u, ..first.at }, stretch });
+            before = u;
         }
-        stations.extend(from_end.into_iter().rev().map(|at| Station { at, stretch: None }));
-        for i in 1..stations.len() {
-            stations[i].stretch = Some(self.measure(&stations[i - 1].at, &stations[i].at));
-        }
-        Some(stations)
+        stations
     }
 
     /// Samples from one end of the span to the other, close enough to each other.
@@ -334,9 +348,13 @@ impl<R: Real, C: Differentiate<R, D>, const D: usize> Span<'_, R, C, D> {
     /// Length of the path between two samples, and how far the limit dips in between.
     fn measure(&self, from: &Sample<R, D>, to: &Sample<R, D>) -> Stretch<R> {
         let width = to.u - from.u;
-        let inner: [Sample<R, D>; 5] =
-            core::array::from_fn(|i| self.sample(from.u + width * self.sampling.rule.points[i]));
-        let length = width * self.sampling.rule.mean(&inner.map(|sample| sample.speed));
+        let inner = core::array::from_fn(|i| self.sample(from.u + width * self.sampling.rule.points[i]));
+        self.measured(from, &inner, to)
+    }
+
+    /// The same by the samples at the places of the rule between them.
+    fn measured(&self, from: &Sample<R, D>, inner: &[Sample<R, D>; 5], to: &Sample<R, D>) -> Stretch<R> {
+        let length = (to.u - from.u) * self.sampling.rule.mean(&inner.map(|sample| sample.speed));
 
         let speeds = [from.speed, inner[2].speed, to.speed];
         let shares = core::array::from_fn(|i| arc_share(speeds, self.sampling.rule.points[i + 1]));
@@ -356,7 +374,7 @@ impl<R: Real, C: Differentiate<R, D>, const D: usize> Span<'_, R, C, D> {
             .fold((speeds[0], speeds[0]), |(least, most), speed| (least.min(*speed), most.max(*speed)));
         let is_even = fastest <= slowest + slowest;
         let is_fine = is_straight && is_short && is_turning_little && is_even;
-        let turning = self.turning(from, &inner, to);
+        let turning = self.turning(from, inner, to);
         let mut tangents = from.tangent.iter().zip(to.tangent);
         let bends = tangents.any(|(a, b)| (*a - b).abs() > tangent_rounding());
         let unlimited = Allowance::unlimited();
@@ -392,6 +410,18 @@ impl<R: Real, C: Differentiate<R, D>, const D: usize> Span<'_, R, C, D> {
         }
         turning
     }
+}
+
+/// Parameters of a straight line behind its begin, a step from each other, up to its end.
+fn evenly<R: Real>((begin, end): (R, R), step: R) -> Vec<R> {
+    let mut places = Vec::new();
+    let mut next = begin + step;
+    while next + step.ldexp(-3) < end && places.len() < TRIALS && next > begin {
+        places.push(next);
+        next = next + step;
+    }
+    places.push(end);
+    places
 }
 
 /// By how much `V²` may dip below the straight line between the feeds at both ends of a stretch, and whether it keeps

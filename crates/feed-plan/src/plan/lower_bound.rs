@@ -54,24 +54,44 @@ pub(crate) struct LimitInterval<R> {
     pub(crate) inside: [R; 2],
     /// The limit at the end point, where there may be a stop.
     pub(crate) allowed_end: R,
+    is_straight: bool,
 }
 
-/// The intervals between these limit points.
+/// The intervals between these limit points; a straight way with a level limit is one.
 pub(crate) fn intervals<R: Real>(samples: &[LimitSample<R>]) -> Vec<LimitInterval<R>> {
     let square = |feed: R| feed * feed;
     // Without the margin; but next to a stop, where the limit is released, the lower value is the higher one.
     let feed = |i: usize, inside: R| {
         if samples[i].is_single { inside } else { samples[i].point.feedrate.max(inside) }
     };
-    let interval = |i: usize| LimitInterval {
-        length: samples[i + 1].point.distance - samples[i].point.distance,
-        inside: [square(feed(i, samples[i].lower_after)), square(feed(i + 1, samples[i + 1].lower_before))],
-        allowed_end: square(feed(i + 1, samples[i + 1].lower)),
-    };
-    (0..samples.len().saturating_sub(1)).map(interval).collect()
+    let mut intervals: Vec<LimitInterval<R>> = Vec::new();
+    for i in 0..samples.len().saturating_sub(1) {
+        let length = samples[i + 1].point.distance - samples[i].point.distance;
+        let interval = LimitInterval {
+            length,
+            inside: [
+                square(feed(i, samples[i].lower_after)),
+                square(feed(i + 1, samples[i + 1].lower_before)),
+            ],
+            allowed_end: square(feed(i + 1, samples[i + 1].lower)),
+            is_straight: length.is_zero() || !samples[i + 1].bends,
+        };
+        match intervals.last_mut().filter(|last| last.goes_on_in(&interval)) {
+            Some(last) => last.length = last.length + length,
+            None => intervals.push(interval),
+        }
+    }
+    intervals
 }
 
 impl<R: Real> LimitInterval<R> {
+    /// Whether the next interval goes straight on at the same limit.
+    fn goes_on_in(&self, next: &Self) -> bool {
+        let level = self.inside[0];
+        let is_level = |interval: &Self| interval.inside == [level; 2] && interval.allowed_end == level;
+        self.is_straight && next.is_straight && is_level(self) && is_level(next)
+    }
+
     /// The most that V² can change by, `2 A s`.
     pub(crate) fn rise(&self, limits: &KinematicLimits<R>) -> R {
         (limits.acceleration * self.length).ldexp(1)

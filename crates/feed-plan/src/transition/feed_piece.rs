@@ -21,7 +21,7 @@ impl<R: Real> FeedPiece<R> {
     /// V(t).
     #[must_use]
     pub fn feed(&self, time: R) -> R {
-        self.start_feed + self.change() * self.shape.reached(self.share(time))
+        self.feed_at(self.share(time))
     }
 
     /// a(t).
@@ -43,8 +43,14 @@ impl<R: Real> FeedPiece<R> {
     /// S(t).
     #[must_use]
     pub fn distance(&self, time: R) -> R {
+        self.distance_at(self.share(time))
+    }
+
+    /// S(t) and V(t), with one quotient for both.
+    #[must_use]
+    pub fn distance_and_feed(&self, time: R) -> (R, R) {
         let x = self.share(time);
-        self.duration * (self.start_feed * x + self.change() * self.shape.travelled(x))
+        (self.distance_at(x), self.feed_at(x))
     }
 
     /// `S(from + width) - S(from)` without cancellation.
@@ -95,6 +101,16 @@ impl<R: Real> FeedPiece<R> {
             c2 * slope / self.duration,
             c3 * slope / self.duration / self.duration,
         ])
+    }
+
+    /// S at a share of the time.
+    fn distance_at(&self, x: R) -> R {
+        self.duration * (self.start_feed * x + self.change() * self.shape.travelled(x))
+    }
+
+    /// V at a share of the time.
+    fn feed_at(&self, x: R) -> R {
+        self.start_feed + self.change() * self.shape.reached(x)
     }
 
     fn change(&self) -> R {

@@ -58,7 +58,7 @@ pub(crate) fn section<R: Real>(
     most: &Most<R>,
 ) -> Option<Fit<R>> {
     let &Ends { points, feeds, start } = ends;
-    let mut points = limit_points(limit, points);
+    let mut points = limit_points(limit, points, most.period);
     let (first, last) = (*points.first()?, *points.last()?);
     let is_slow = feeds[0] <= first.1 + first.1.ldexp(TOLERANCE);
     if points.iter().any(|point| !(point.1 > R::zero())) || points.len() < 2 || !is_slow {

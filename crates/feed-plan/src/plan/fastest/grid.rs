@@ -11,6 +11,7 @@ use alloc::vec::Vec;
 use real::Real;
 
 use crate::FeedLimit;
+use crate::limit::sample::{LimitSample, interpolate};
 
 /// Nodes in one stretch between corners of f, at most, from each side.
 const MOST: usize = 400;
@@ -32,22 +33,79 @@ pub(crate) struct Node<R> {
     pub(crate) free: R,
 }
 
-/// Distance and limit of the samples from `first` to `last`, at a jump the less of both sides; at both ends what holds inside.
-pub(crate) fn limit_points<R: Real>(limit: &FeedLimit<R>, [first, last]: [usize; 2]) -> Vec<(R, R)> {
-    let mut points: Vec<(R, R)> = Vec::with_capacity(last - first + 1);
-    for (index, sample) in (first..).zip(limit.samples().get(first..=last).unwrap_or_default()) {
-        let s = sample.point.distance;
-        let v = if index == first {
-            sample.lower_after
-        } else if index == last {
-            sample.lower_before
-        } else {
-            sample.lower.min(sample.lower_before).min(sample.lower_after)
+/// The limit at a distance: what holds before and behind it, and the least of all there.
+#[derive(Clone, Copy)]
+struct Place<R> {
+    s: R,
+    before: R,
+    least: R,
+    behind: R,
+    /// Whether the way to it bends.
+    bends: bool,
+}
+
+impl<R: Real> Place<R> {
+    /// The place of a sample; at an end of the section only what holds inside counts.
+    fn of(sample: &LimitSample<R>, is_first: bool, is_last: bool) -> Self {
+        let (before, behind) = (sample.lower_before, sample.lower_after);
+        let least = match (is_first, is_last) {
+            (true, _) => behind,
+            (_, true) => before,
+            _ => sample.lower.min(before).min(behind),
         };
-        match points.last_mut().filter(|point| !(s > point.0)) {
-            Some(point) => point.1 = point.1.min(v),
+        Self { s: sample.point.distance, before, least, behind, bends: sample.bends }
+    }
+
+    /// The places at a jump as one.
+    fn and(self, behind: &Self) -> Self {
+        Self { least: self.least.min(behind.least), behind: behind.behind, ..self }
+    }
+
+    /// Points on the straight way to the next place: a period from a jump at either end.
+    fn beside_jumps(&self, next: &Self, period: R) -> [Option<(R, R)>; 2] {
+        let (from, to) = ((self.s, self.behind), (next.s, next.before));
+        let quarter = (next.s - self.s).ldexp(-2);
+        let at = |s: R| (s, interpolate(from, to, s));
+        let near = |v: R| (v * period).min(quarter);
+        [
+            (self.behind > self.least).then(|| at(self.s + near(self.behind))),
+            (next.before > next.least).then(|| at(next.s - near(next.before))),
+        ]
+    }
+}
+
+/// Distance and limit of the samples from `first` to `last`; at both ends what holds inside. At a jump it is the less of both sides,
+/// and on a straight way what holds beside the jump from a `period` away on. Where a straight way has a level limit, there are no points
+/// between its ends.
+pub(crate) fn limit_points<R: Real>(
+    limit: &FeedLimit<R>,
+    [first, last]: [usize; 2],
+    period: R,
+) -> Vec<(R, R)> {
+    let samples = limit.samples().get(first..=last).unwrap_or_default();
+    let places = (first..).zip(samples).map(|(k, sample)| Place::of(sample, k == first, k == last));
+    let mut places = places.peekable();
+    let mut points: Vec<(R, R)> = Vec::new();
+    let mut is_level = false;
+    let mut add = |s: R, v: R, bends: bool| {
+        let goes_on = !bends && points.last().is_some_and(|point| point.1 == v);
+        match points.last_mut().filter(|_| goes_on && is_level) {
+            Some(point) => point.0 = s,
             None => points.push((s, v)),
         }
+        is_level = goes_on;
+    };
+    let mut before: Option<Place<R>> = None;
+    while let Some(mut here) = places.next() {
+        while let Some(same) = places.next_if(|next| !(next.s > here.s)) {
+            here = here.and(&same);
+        }
+        if let Some(before) = before.filter(|_| !here.bends) {
+            let beside = before.beside_jumps(&here, period);
+            beside.into_iter().flatten().for_each(|(s, v)| add(s, v, false));
+        }
+        add(here.s, here.least, here.bends);
+        before = Some(here);
     }
     points
 }
@@ -140,7 +198,7 @@ impl<R: Real> Part<R> {
 
 /// The limit between two limit points.
 fn limit_at<R: Real>(from: &Node<R>, to: &Node<R>, s: R) -> R {
-    crate::limit::sample::interpolate((from.s, from.limit), (to.s, to.limit), s)
+    interpolate((from.s, from.limit), (to.s, to.limit), s)
 }
 
 /// Where the least of the three lines of f² changes between two limit points.
@@ -207,5 +265,24 @@ fn divide<R: Real>(Part { a, b, cell }: &Part<R>, step: R, nodes: &mut Vec<Node<
 fn add<R: Real>(nodes: &mut Vec<Node<R>>, node: Node<R>) {
     if nodes.last().is_none_or(|last| node.s > last.s) {
         nodes.push(node);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_paths::limit_through;
+
+    /// A corner that is passed slowly, at one point between two moves, once lowered the limit of both moves as far as their other ends.
+    #[test]
+    fn a_level_way_has_points_at_its_ends_and_a_period_from_a_jump() {
+        let feeds =
+            [(0.0, 0.6), (10.0, 0.6), (20.0, 0.6), (20.0, 0.1), (20.0, 0.6), (30.0, 0.6), (40.0, 0.6)];
+        let expected = [(0.0, 0.6), (19.4, 0.6), (20.0, 0.1), (20.6, 0.6), (40.0, 0.6)];
+        assert_eq!(limit_points(&limit_through(&feeds), [0, 6], 1.0), expected);
+        // On a move of two periods, a quarter of it.
+        let feeds = [(0.0, 0.6), (0.0, 0.1), (1.2, 0.1), (1.2, 0.6), (2.4, 0.6)];
+        let expected = [(0.0, 0.1), (1.2, 0.1), (1.5, 0.6), (2.4, 0.6)];
+        assert_eq!(limit_points(&limit_through(&feeds), [0, 4], 1.0), expected);
     }
 }
