@@ -5,6 +5,8 @@
 //! These figures include the demands of breaks of the tangent and of steps of the curvature. A peak shorter than a
 //! period counts as the drive gets it: by its mean over the period. Where nothing changes no period is looked at.
 
+use std::cell::Cell;
+use std::iter::Peekable;
 use std::ops::Range;
 
 use feed_plan::FeedLimit;
@@ -13,9 +15,9 @@ use part_program::AxisLimits;
 use real::Real;
 use serde::Serialize;
 
-use crate::plan::calm::{on_ways, others};
+use crate::plan::calm::{SURE, calm, on_ways, others};
 use crate::plan::exact_plan::ExactPlan;
-use crate::plan::samples::{Instant, Walk};
+use crate::plan::samples::Walk;
 use crate::problem::problem::Problem;
 
 /// Samples in each period. The trapezoidal rule then has an error of at most `1/(12·4²)` of a step of the jerk.
@@ -41,6 +43,7 @@ pub struct AxisPeak {
 pub(crate) fn axis_peaks<const D: usize>(
     plan: &ExactPlan,
     problem: &Problem<D>,
+    curves: &[FastCurve<'_, D>],
     limit: &FeedLimit<f64>,
     straight: &[Range<f64>],
 ) -> Vec<AxisPeak> {
@@ -58,14 +61,20 @@ pub(crate) fn axis_peaks<const D: usize>(
         })
         .collect();
     let t = problem.period_s();
-    let curves = problem.fast_curves();
     let (last, step) = (plan.periods() * PER_PERIOD, 1.0 / PER_PERIOD as f64);
-    let mut walk = Walk::new(plan);
-    let mut at = |sample: u64| velocity(&curves, limit, &walk.to(sample.min(last) as f64 * step));
+    let steady = || on_ways(plan.arcs().stages(), straight);
+    let mut velocities = Velocities {
+        curves,
+        limit,
+        walk: Walk::new(plan),
+        place: Cell::default(),
+        steady: steady().peekable(),
+        known: None,
+    };
+    let mut at = |sample: u64| velocities.at(sample.min(last) as f64 * step);
     let mut end = at(0);
     let mut before = [end; 2];
-    let calm = on_ways(plan.arcs().stages(), straight);
-    for (period, is_behind_calm) in others(&calm, plan.periods() + 2) {
+    for (period, is_behind_calm) in others(steady().filter_map(|way| calm(&way)), plan.periods() + 2) {
         if is_behind_calm {
             end = at(period * PER_PERIOD);
             before = [end; 2];
@@ -88,17 +97,36 @@ pub(crate) fn axis_peaks<const D: usize>(
     peaks
 }
 
-/// The velocities of the axes, in mm per period; 0 where the curve stands still.
-fn velocity<const D: usize>(
-    curves: &[FastCurve<'_, D>],
-    limit: &FeedLimit<f64>,
-    at: &Instant<'_>,
-) -> [f64; D] {
-    let (curve, u) = limit.parameter_at(at.distance());
-    let along = curves.get(curve).map_or([0.0; D], |curve| curve.derivatives(u).first);
-    let speed = f64::norm(&along);
-    let feed = at.feed();
-    along.map(|x| if speed > 0.0 { x / speed * feed } else { 0.0 })
+/// The velocities of the axes along a plan, in mm per period; 0 where a curve stands still.
+struct Velocities<'a, I: Iterator<Item = Range<f64>>, const D: usize> {
+    curves: &'a [FastCurve<'a, D>],
+    limit: &'a FeedLimit<f64>,
+    walk: Walk<'a>,
+    /// The point of the limit at which the last search ended.
+    place: Cell<usize>,
+    /// The times in which nothing changes, and the velocities in the first of them, once they are known.
+    steady: Peekable<I>,
+    known: Option<[f64; D]>,
+}
+
+impl<I: Iterator<Item = Range<f64>>, const D: usize> Velocities<'_, I, D> {
+    /// At a time, in periods, which is no earlier than the one before.
+    fn at(&mut self, time: f64) -> [f64; D] {
+        while self.steady.next_if(|steady| steady.end - SURE < time).is_some() {
+            self.known = None;
+        }
+        let is_steady = self.steady.peek().is_some_and(|steady| steady.start + SURE <= time);
+        if let Some(known) = self.known.filter(|_| is_steady) {
+            return known;
+        }
+        let (distance, feed) = self.walk.to(time).distance_and_feed();
+        let (curve, u) = self.limit.parameter_near(distance, &self.place);
+        let along = self.curves.get(curve).map_or([0.0; D], |curve| curve.derivatives(u).first);
+        let speed = f64::norm(&along);
+        let found = along.map(|x| if speed > 0.0 { x / speed * feed } else { 0.0 });
+        self.known = is_steady.then_some(found);
+        found
+    }
 }
 
 #[cfg(test)]
@@ -162,11 +190,13 @@ mod tests {
         let problem = on_example_machine::<3>(part, "");
         let plan = ExactPlan::in_format::<f64, 3>(&problem, [0.0; 2]).unwrap();
         let limit = plan.limit(&problem).unwrap();
-        let straight = straight_ways(&problem, limit);
-        let left_out: u64 =
-            on_ways(plan.arcs().stages(), &straight).iter().map(|calm| calm.end - calm.start).sum();
+        let curves = problem.fast_curves();
+        let straight = straight_ways(&curves, limit);
+        let calm = on_ways(plan.arcs().stages(), &straight).filter_map(|way| calm(&way));
+        let left_out: u64 = calm.map(|calm| calm.end - calm.start).sum();
         assert!(left_out > plan.periods() / 2, "{left_out} of {}", plan.periods());
-        let [all, these] = [&[][..], &straight].map(|straight| axis_peaks(&plan, &problem, limit, straight));
+        let [all, these] =
+            [&[][..], &straight].map(|straight| axis_peaks(&plan, &problem, &curves, limit, straight));
         for (all, these) in all.iter().zip(&these) {
             for (all, these) in [
                 (all.velocity_max_mm_per_s, these.velocity_max_mm_per_s),

@@ -1,16 +1,18 @@
 //! A plan for people to read: a summary, and the stages in mm and s.
 
+use std::cell::Cell;
 use std::ops::Range;
 
 use feed_plan::{
-    EndFeeds, FeedLimit, ProfileKind, Stage, StageKind, StageShape, jerk_free_duration, least_duration,
+    AxisLimits, EndFeeds, FeedLimit, KinematicLimits, ProfileKind, Stage, StageKind, StageShape,
+    jerk_free_duration, least_duration,
 };
-use nurbs_core::Evaluate;
+use nurbs_core::{Evaluate, FastCurve};
 use real::{DoubleDouble, Real};
 use serde::Serialize;
 
 use crate::plan::axis_peaks::{AxisPeak, axis_peaks};
-use crate::plan::calm::{on_ways, others, straight_ways};
+use crate::plan::calm::{calm, on_ways, others, straight_ways};
 use crate::plan::exact_plan::ExactPlan;
 use crate::plan::samples::Walk;
 use crate::problem::problem::Problem;
@@ -129,10 +131,11 @@ impl PlanSummary {
             })
             .collect();
         let (acceleration, jerk) = peaks_along(plan);
-        let straight = straight_ways(problem, feed_limit);
+        let curves = problem.fast_curves();
+        let straight = straight_ways(&curves, feed_limit);
         let is_without = plan.profile() == ProfileKind::WithoutLookAhead;
         let time_s = plan.periods() as f64 * t;
-        let [jerk_free_time_s, least_time_s] = bounds_s(plan, problem, feed_limit)?;
+        let [jerk_free_time_s, least_time_s] = bounds_s(plan, problem, &curves, feed_limit)?;
         let length_mm: f64 = stages.iter().map(|s| s.length_mm).sum();
         let [mut full_mm, mut commanded_mm] = [0.0; 2];
         for row in &stages {
@@ -162,7 +165,7 @@ impl PlanSummary {
             jerk_limit_mm_per_s3: problem.machine.jerk_mm_per_s3,
             share_at_commanded_feed: full_mm / length_mm,
             feed_over_commanded: (full_mm > 0.0).then(|| full_mm / commanded_mm),
-            axes: axis_peaks(plan, problem, feed_limit, &straight),
+            axes: axis_peaks(plan, problem, &curves, feed_limit, &straight),
             without_look_ahead: is_without.then(|| OverLimits::new((acceleration, jerk), problem)),
             stage_count: stages.len(),
             stages,
@@ -187,11 +190,12 @@ pub(crate) fn total_acceleration<const D: usize>(
     let is_rest = |feed: Option<DoubleDouble>| feed.is_some_and(|feed| feed.value() == 0.0);
     let starts_at_rest = is_rest(stages.first().map(|stage| stage.start_feed));
     let ends_at_rest = is_rest(stages.last().map(|stage| stage.end_feed));
-    let calm = on_ways(plan.arcs().stages(), straight);
+    let calm = on_ways(plan.arcs().stages(), straight).filter_map(|way| calm(&way));
     let mut walk = Walk::new(plan);
-    let mut places = others(&calm, plan.periods() + 1)
+    let last = Cell::default();
+    let mut places = others(calm, plan.periods() + 1)
         .map(|(period, is_behind_calm)| {
-            (limit.parameter_at(walk.to(period as f64).distance()), is_behind_calm)
+            (limit.parameter_near(walk.to(period as f64).distance_and_feed().0, &last), is_behind_calm)
         })
         .peekable();
     let ends = problem.breaks.iter().copied().chain([problem.curves.len()]);
@@ -313,6 +317,7 @@ fn differences_over_periods(plan: &ExactPlan) -> (f64, f64) {
 fn bounds_s<const D: usize>(
     plan: &ExactPlan,
     problem: &Problem<D>,
+    curves: &[FastCurve<'_, D>],
     feed_limit: &FeedLimit<f64>,
 ) -> Result<[f64; 2], Refusal> {
     let stages = plan.schedule().stages();
@@ -320,14 +325,14 @@ fn bounds_s<const D: usize>(
         start: stages.first().map_or(0.0, |stage| stage.start_feed.value()),
         end: stages.last().map_or(0.0, |stage| stage.end_feed.value()),
     };
-    let mut free = problem.clone();
-    let mut is_limited = false;
-    for axis in [&mut free.machine.axes.x, &mut free.machine.axes.y, &mut free.machine.axes.z] {
-        let limits = [axis.acceleration_mm_per_s2.take(), axis.jerk_mm_per_s3.take()];
-        is_limited |= limits.iter().any(Option::is_some);
-    }
     let limits = problem.limits_per_period()?;
-    let freed = if is_limited { Some(free.feed_limit()?) } else { None };
+    let freed = if limits.limit_accelerations_of_axes(D) {
+        let of_velocities = |axis: AxisLimits<f64>| AxisLimits { acceleration: None, jerk: None, ..axis };
+        let free = KinematicLimits { axes: limits.axes.map(of_velocities), ..limits };
+        Some(problem.feed_limit_under(curves, &free)?)
+    } else {
+        None
+    };
     let limit = freed.as_ref().unwrap_or(feed_limit);
     let bounds = [jerk_free_duration(limit, &limits, ends), least_duration(limit, &limits, ends)];
     Ok(bounds.map(|duration| duration * problem.period_s()))

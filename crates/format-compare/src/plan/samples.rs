@@ -1,6 +1,6 @@
 //! A plan sampled at instants.
 
-use feed_plan::Stage;
+use feed_plan::{Stage, StageKind};
 use real::{DoubleDouble, Real};
 use serde::Serialize;
 
@@ -39,14 +39,15 @@ pub(crate) struct Instant<'a> {
 }
 
 impl Instant<'_> {
-    /// Distance along the path, in mm.
-    pub(crate) fn distance(&self) -> f64 {
-        (self.stage.start + self.stage.distance_at(self.since)).value()
-    }
-
-    /// Feed, in mm per period.
-    pub(crate) fn feed(&self) -> f64 {
-        self.stage.feed_at(self.since).value()
+    /// Distance along the path, in mm, and feed, in mm per period.
+    pub(crate) fn distance_and_feed(&self) -> (f64, f64) {
+        let stage = self.stage;
+        let (travelled, feed) = match stage.kind() {
+            // Without a quotient: most of a plan is at a constant feed.
+            StageKind::Constant => (stage.start_feed * self.since, stage.start_feed),
+            _ => stage.piece().distance_and_feed(self.since),
+        };
+        ((stage.start + travelled).value(), feed.value())
     }
 }
 
@@ -129,14 +130,14 @@ impl ExactPlan {
         let t = problem.period_s();
         let feed_limit = self.limit(problem)?;
         let sample = |at: Instant<'_>| {
-            let distance_mm = at.distance();
+            let (distance_mm, feed) = at.distance_and_feed();
             let (curve, u) = feed_limit.parameter_at(distance_mm);
             FeedSample {
                 time_s: at.time * t,
                 distance_mm,
                 curve,
                 u,
-                feed_mm_per_s: at.feed() / t,
+                feed_mm_per_s: feed / t,
                 acceleration_mm_per_s2: at.stage.acceleration_at(at.since).value() / t.powi(2),
                 jerk_mm_per_s3: at.stage.jerk_at(at.since).value() / t.powi(3),
                 limit_mm_per_s: feed_limit.at(distance_mm) / t,

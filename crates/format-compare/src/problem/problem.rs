@@ -161,8 +161,16 @@ impl<const D: usize> Problem<D> {
     /// # Errors
     /// [`PlanError`] when a limit or the feed of a curve is not positive, or the path has no length.
     pub fn feed_limit(&self) -> Result<FeedLimit<f64>, PlanError> {
-        let limits = self.limits_per_period()?;
-        let limit = FeedLimit::along_with_stops(&self.fast_curves(), &limits, &self.stops)?;
+        self.feed_limit_under(&self.fast_curves(), &self.limits_per_period()?)
+    }
+
+    /// The same of these curves, which are those of the problem, under other limits.
+    pub(crate) fn feed_limit_under(
+        &self,
+        curves: &[FastCurve<'_, D>],
+        limits: &KinematicLimits<f64>,
+    ) -> Result<FeedLimit<f64>, PlanError> {
+        let limit = FeedLimit::along_with_stops(curves, limits, &self.stops)?;
         let ratio = self.feed_ratios();
         limit.capped(|curve| limits.feedrate * ratio(curve))
     }
