@@ -6,11 +6,14 @@ mod judged;
 mod rust;
 mod stream;
 
+use std::borrow::Cow;
+
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use clap_complete::ArgValueCandidates;
 use format_compare::{
-    Dimension, Engine, JudgedRun, Options, OverrideTarget, Overrides, Problem, Space, Verdict,
+    Compared, Dimension, Engine, JudgedRun, Options, OverrideTarget, Overrides, Problem, Space, Verdict,
+    Watch,
 };
 
 use c::CPlace;
@@ -147,13 +150,18 @@ where
     let formats = selected::<D>(std::slice::from_ref(&arguments.format))?;
     let Some(format) = formats.first().map(AsRef::as_ref) else { bail!("no format") };
     let overrides = arguments.overrides()?;
-    let to_plan = overrides.as_ref().map_or_else(|| problem.clone(), |overrides| overrides.to_plan(problem));
+    let to_plan =
+        overrides.as_ref().map_or(Cow::Borrowed(problem), |overrides| Cow::Owned(overrides.to_plan(problem)));
     if let Place::C(_) = place {
         // What C cannot hold is refused before the long run of the judge.
         c::expect_type(format)?;
     }
-    let plan = format_compare::plan_for(&to_plan, format, &options)?;
-    let mut comparison = format_compare::compare(&to_plan, &formats, &[Engine::Pieces], &options)?;
+    let Compared { mut comparison, plan, .. } =
+        format_compare::compare_with(&to_plan, &formats, &[Engine::Pieces], &options, &Watch::default())?;
+    let plan = match plan {
+        Some(plan) => plan,
+        None => format_compare::plan_for(&to_plan, format, &options)?,
+    };
     let Some(row) = comparison.formats.pop() else { bail!("no run") };
     let (name, feed) = (&comparison.part.name, problem.machine.feedrate_mm_per_s);
     let up_to = arguments.feed_override.map(|percent| format!(", with feed override up to {percent} %"));

@@ -1,11 +1,13 @@
 //! A part that is planned, and judged in its format.
 
+use std::borrow::Cow;
+
 use anyhow::{Result, bail};
 use format_compare::{ExactPlan, Format, Options, Problem};
 
 /// A part that is planned, and judged in the format. With feed override, `problem` is that of the highest override.
 pub(crate) struct Judged<'a, const D: usize> {
-    pub(crate) problem: Problem<D>,
+    pub(crate) problem: Cow<'a, Problem<D>>,
     pub(crate) plan: ExactPlan,
     pub(crate) options: Options,
     pub(crate) format: &'a dyn Format<D>,

@@ -145,6 +145,8 @@ where
             None => None,
         },
     };
+    // No run asks for the limit, only a page with traces does.
+    let common = common.map(|plan| if watch.traces { plan } else { plan.without_limit() });
     let runs: Vec<(&dyn Format<D>, Engine)> =
         formats.iter().flat_map(|format| engines.iter().map(|engine| (format.as_ref(), *engine))).collect();
     let planned = common.as_ref().map_or(0, ExactPlan::periods);

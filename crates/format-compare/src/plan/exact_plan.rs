@@ -90,6 +90,7 @@ impl ExactPlan {
                     .capped(feeds_in_format(problem, limits.feedrate)?)?;
                 planned = planned.within_axes(limit, &curves, &limits)?;
             }
+            drop(curves);
             let plan = Self::of(&planned, profile);
             return Ok(Self { limit: planned.limit.into(), ..plan });
         }
@@ -147,6 +148,11 @@ impl ExactPlan {
             Some(limit) => Ok(limit),
             None => problem.feed_limit().map(|limit| self.limit.get_or_init(|| limit)),
         }
+    }
+
+    /// The plan without its limit, which takes more memory than the path.
+    pub(crate) fn without_limit(self) -> Self {
+        Self { limit: OnceLock::new(), ..self }
     }
 
     /// The plan along the path, in arc length. It tells where on the path the tool is, and keeps the limit there.
