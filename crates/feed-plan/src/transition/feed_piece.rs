@@ -46,11 +46,10 @@ impl<R: Real> FeedPiece<R> {
         self.distance_at(self.share(time))
     }
 
-    /// S(t) and V(t), with one quotient for both.
+    /// S and V at a share t/t₂ of the time, for who asks at many times and would divide by the same t₂.
     #[must_use]
-    pub fn distance_and_feed(&self, time: R) -> (R, R) {
-        let x = self.share(time);
-        (self.distance_at(x), self.feed_at(x))
+    pub fn distance_and_feed_at(&self, share: R) -> (R, R) {
+        (self.distance_at(share), self.feed_at(share))
     }
 
     /// `S(from + width) - S(from)` without cancellation.

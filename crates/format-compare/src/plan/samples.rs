@@ -36,6 +36,8 @@ pub(crate) struct Instant<'a> {
     stage: &'a Stage<DoubleDouble>,
     /// Periods from the start of the stage.
     since: DoubleDouble,
+    /// The share of the stage's time.
+    share: DoubleDouble,
 }
 
 impl Instant<'_> {
@@ -43,9 +45,8 @@ impl Instant<'_> {
     pub(crate) fn distance_and_feed(&self) -> (f64, f64) {
         let stage = self.stage;
         let (travelled, feed) = match stage.kind() {
-            // Without a quotient: most of a plan is at a constant feed.
             StageKind::Constant => (stage.start_feed * self.since, stage.start_feed),
-            _ => stage.piece().distance_and_feed(self.since),
+            _ => stage.piece().distance_and_feed_at(self.share),
         };
         ((stage.start + travelled).value(), feed.value())
     }
@@ -67,28 +68,48 @@ fn for_a_picture(plan: &ExactPlan, most: u64) -> Vec<u64> {
     periods
 }
 
+/// One over a stage's duration; 0 if it has none.
+fn reciprocal(stage: &Stage<DoubleDouble>) -> DoubleDouble {
+    let [zero, one] = [0.0, 1.0].map(DoubleDouble::from);
+    if stage.duration > zero { one / stage.duration } else { zero }
+}
+
 /// A walk along a plan.
 pub(crate) struct Walk<'a> {
     stages: &'a [Stage<DoubleDouble>],
     stage: usize,
     /// Periods before the stage.
     before: f64,
+    /// The reciprocal of the stage's duration: a quotient of double-doubles takes longer than all else.
+    reciprocal: DoubleDouble,
 }
 
 impl<'a> Walk<'a> {
     pub(crate) fn new(plan: &'a ExactPlan) -> Self {
-        Self { stages: plan.arcs().stages(), stage: 0, before: 0.0 }
+        let stages = plan.arcs().stages();
+        Self {
+            stages,
+            stage: 0,
+            before: 0.0,
+            reciprocal: stages.first().map_or_else(|| DoubleDouble::from(0.0), reciprocal),
+        }
     }
 
     /// Goes on to a time, in periods, which is no earlier than the one before.
     pub(crate) fn to(&mut self, time: f64) -> Instant<'a> {
-        let Self { stages, stage, before } = self;
+        let Self { stages, stage, before, .. } = self;
+        let first = *stage;
         while *stage + 1 < stages.len() && time >= *before + stages[*stage].duration.value() {
             *before += stages[*stage].duration.value();
             *stage += 1;
         }
+        let is_another = *stage > first;
         let stage = &stages[*stage];
-        Instant { time, stage, since: DoubleDouble::from((time - *before).min(stage.duration.value())) }
+        if is_another {
+            self.reciprocal = reciprocal(stage);
+        }
+        let since = DoubleDouble::from((time - self.before).min(stage.duration.value()));
+        Instant { time, stage, since, share: since * self.reciprocal }
     }
 }
 

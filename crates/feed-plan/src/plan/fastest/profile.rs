@@ -21,10 +21,11 @@ pub(crate) fn states<R: Real>(nodes: &[Node<R>], start: R, bounds: &Bounds<R>) -
     let (acceleration, jerk, gap) = (bounds.acceleration, bounds.jerk, bounds.gap());
     let places: Vec<R> = nodes.iter().map(|node| node.s).collect();
     let feeds: Vec<R> = nodes.iter().map(|node| node.free).collect();
-    let cells = Cells::new(nodes.len(), |k| (places[k], feeds[k]));
-    let contacts = caps(nodes.len(), |k| (places[k], feeds[k]), jerk);
-    let mut bends = bends(&feeds, &cells, &contacts, acceleration, jerk);
-    let carriers = valleys(&places, &feeds, &mut bends, start, [acceleration, jerk]);
+    let at = |k: usize| (places[k], feeds[k]);
+    let cells = Cells::new(nodes.len(), at);
+    let bends = bends(&feeds, &cells, &caps(nodes.len(), at, jerk), acceleration, jerk);
+    let carriers = valleys(&places, &feeds, &cells, bends, start, [acceleration, jerk]);
+    drop((feeds, cells));
     let contacts = caps(nodes.len(), |k| (places[k], carriers[k].v), jerk);
     let profile = Profile { places, carriers, jerk };
     let mut states: Vec<State<R>> = Vec::with_capacity(nodes.len());

@@ -45,30 +45,30 @@ struct Reached<R> {
 pub(crate) fn valleys<R: Real>(
     places: &[R],
     feeds: &[R],
-    bends: &mut [Bend<R>],
+    cells: &Cells<R>,
+    mut bends: Vec<Bend<R>>,
     start: R,
     [acceleration, jerk]: [R; 2],
 ) -> Vec<Carrier<R>> {
     let count = feeds.len();
-    let at = |k: usize| (places[k], feeds[k]);
-    let cells = Cells::new(count, at);
     let reversed_places: Vec<R> = places.iter().rev().map(|s| R::zero() - *s).collect();
     let reversed_feeds: Vec<R> = feeds.iter().rev().copied().collect();
     let backward_cells = Cells::new(count, |k| (reversed_places[k], reversed_feeds[k]));
     let (mut forward, mut backward) = (Vec::new(), Vec::new());
     for round in 0..ROUNDS {
-        forward = climb(places, feeds, &cells, bends, start, [acceleration, jerk]);
-        let is_turned = settle(bends, feeds, &forward, Side::Behind, round < TURNS);
+        forward = climb(places, feeds, cells, &bends, start, [acceleration, jerk]);
+        let is_turned = settle(&mut bends, feeds, &forward, Side::Behind, round < TURNS);
         let reversed: Vec<_> = bends.iter().rev().map(|bend| mirrored(*bend)).collect();
         let (rest, most) = (R::zero(), [acceleration, jerk]);
         backward = climb(&reversed_places, &reversed_feeds, &backward_cells, &reversed, rest, most);
         backward.reverse();
         backward.iter_mut().for_each(|reached| reached.origin = count - 1 - reached.origin);
-        let is_changed = settle(bends, feeds, &backward, Side::Before, round < TURNS);
+        let is_changed = settle(&mut bends, feeds, &backward, Side::Before, round < TURNS);
         if !(is_turned || is_changed) {
             break;
         }
     }
+    drop((reversed_places, reversed_feeds, backward_cells));
     let mut carriers: Vec<_> = (0..count)
         .map(|k| {
             let (f, b) = (forward[k], backward[k]);
