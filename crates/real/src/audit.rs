@@ -5,11 +5,13 @@
 //! value stays as small as the backend's own and a kernel needs no extra argument.
 
 use std::cell::RefCell;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
+use std::hash::{BuildHasherDefault, Hasher};
 
 use crate::fate::Fate;
+use crate::word::Word;
 use crate::wrapper::{Wrapper, wrapper};
-use crate::{Backend, FormatName, Histogram, Operation, Real};
+use crate::{Backend, Histogram, Operation, Real};
 
 /// The record that [`Audit::of`] makes of a run.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -50,15 +52,16 @@ pub struct SignalRange {
 }
 
 impl SignalRange {
-    fn include(&mut self, value: f64) {
+    /// Includes a value that the signal took so many times.
+    fn include(&mut self, value: f64, times: u64) {
         self.min = self.min.min(value);
         self.max = self.max.max(value);
         if value == 0.0 {
-            self.zeros += 1;
+            self.zeros += times;
         } else {
             self.min_magnitude = self.min_magnitude.min(value.abs());
         }
-        self.count += 1;
+        self.count += times;
     }
 }
 
@@ -104,11 +107,12 @@ struct Record {
     overflows: u64,
     underflows: u64,
     divisions_by_zero: u64,
-    /// In the order in which they were first named. A step names the same signals in the same order again and again, so
-    /// that each remembers the next one.
+    /// In the order in which they were first named.
     signals: Vec<Signal>,
     /// Where the signal is that was named last.
     last: usize,
+    /// Where the signal of a name is, by the place and the length of the name's text.
+    places: HashMap<(usize, usize), usize, BuildHasherDefault<PlaceHasher>>,
     /// Overflows and underflows that have already been counted for a signal.
     charged: (u64, u64),
 }
@@ -119,8 +123,96 @@ struct Signal {
     name: &'static str,
     range: SignalRange,
     histogram: Histogram,
-    /// Where the signal is that was named after it the last time.
-    next: usize,
+    /// The newest value, and how often it came in succession: so often it is still to be included. On a straight move at
+    /// constant feed most signals keep their values.
+    newest: Value,
+    times: u64,
+    /// Where the last two other signals are that were named after it. A step names the same signals in the same order
+    /// again and again, and some of them in turn with two others.
+    next: [usize; 2],
+}
+
+/// A value as its format has it.
+#[derive(Clone, Copy, Debug)]
+enum Value {
+    Word { word: i64, fraction_bits: u32 },
+    Floats(f64, f64),
+}
+
+impl Value {
+    /// Whether both are the same number in the same form, bit for bit.
+    #[inline]
+    fn is(self, other: Self) -> bool {
+        match (self, other) {
+            (Self::Word { word, fraction_bits }, Self::Word { word: other, fraction_bits: bits }) => {
+                word == other && fraction_bits == bits
+            }
+            (Self::Floats(high, low), Self::Floats(other, other_low)) => {
+                high.to_bits() == other.to_bits() && low.to_bits() == other_low.to_bits()
+            }
+            _ => false,
+        }
+    }
+
+    fn pair(self) -> (f64, f64) {
+        match self {
+            Self::Word { word, fraction_bits } => {
+                let (high, low) = word.split();
+                let exponent = -fraction_bits.cast_signed();
+                (high.ldexp(exponent), low.ldexp(exponent))
+            }
+            Self::Floats(high, low) => (high, low),
+        }
+    }
+}
+
+impl Signal {
+    fn new(name: &'static str) -> Self {
+        let (range, histogram) = (SignalRange::default(), Histogram::default());
+        Self { name, range, histogram, newest: Value::Floats(0.0, 0.0), times: 0, next: [0; 2] }
+    }
+
+    #[inline]
+    fn add(&mut self, value: Value) {
+        if !self.newest.is(value) {
+            self.include_newest();
+            self.newest = value;
+        }
+        self.times += 1;
+    }
+
+    /// Includes the newest value as often as it came.
+    #[inline]
+    fn include_newest(&mut self) {
+        let times = std::mem::take(&mut self.times);
+        if times > 0 {
+            let (high, low) = self.newest.pair();
+            // Rounding to `high` went away from zero if `low` points back.
+            let value = if low != 0.0 && (low < 0.0) != (high < 0.0) { toward_zero(high) } else { high };
+            self.range.include(value, times);
+            self.histogram.include_times((high, low), times);
+        }
+    }
+}
+
+/// Makes a hash of the place and the length of a text. The greatest factor is odd, so that no two places of one length
+/// have the same hash.
+#[derive(Debug, Default)]
+struct PlaceHasher(u64);
+
+impl Hasher for PlaceHasher {
+    fn finish(&self) -> u64 {
+        self.0
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
+        bytes.iter().for_each(|byte| self.write_usize((*byte).into()));
+    }
+
+    #[inline]
+    fn write_usize(&mut self, number: usize) {
+        self.0 = (self.0.rotate_left(32) ^ number as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    }
 }
 
 impl Audit {
@@ -169,44 +261,87 @@ impl Audit {
     }
 }
 
+#[inline]
 fn note(change: impl FnOnce(&mut Record)) {
     RECORD.with(|record| change(&mut record.borrow_mut()));
 }
 
+/// Notes a value of a signal. It is compiled once and not for each format: thread-local storage is quick to reach only
+/// within the crate that has it.
+#[inline(never)]
+fn note_signal(name: &'static str, value: Value) {
+    note(|record| record.include(name, value));
+}
+
+#[cold]
+#[inline(never)]
+fn note_division_by_zero() {
+    note(|record| record.divisions_by_zero += 1);
+}
+
 impl Record {
-    fn include(&mut self, name: &'static str, (high, low): (f64, f64)) {
-        let (overflows, underflows) = (self.overflows - self.charged.0, self.underflows - self.charged.1);
-        self.charged = (self.overflows, self.underflows);
-        let Signal { range, histogram, .. } = self.signal(name);
-        // Rounding to `high` went away from zero if `low` points back.
-        range.include(if low != 0.0 && (low < 0.0) != (high < 0.0) { toward_zero(high) } else { high });
-        range.overflows += overflows;
-        range.underflows += underflows;
-        histogram.include((high, low));
+    #[inline]
+    fn include(&mut self, name: &'static str, value: Value) {
+        let lost = (self.overflows, self.underflows);
+        let signal = self.signal(name);
+        signal.add(value);
+        if lost != self.charged {
+            self.charge(lost);
+        }
+    }
+
+    /// Counts for the signal that was named last what was lost before it.
+    #[cold]
+    fn charge(&mut self, lost: (u64, u64)) {
+        let range = &mut self.signals[self.last].range;
+        range.overflows += lost.0 - self.charged.0;
+        range.underflows += lost.1 - self.charged.1;
+        self.charged = lost;
     }
 
     /// The signal of this name.
+    #[inline]
     fn signal(&mut self, name: &'static str) -> &mut Signal {
-        let expected = self.signals.get(self.last).map_or(0, |last| last.next);
-        if self.signals.get(expected).is_some_and(|signal| std::ptr::eq(signal.name, name)) {
-            self.last = expected;
-            return &mut self.signals[expected];
+        let has_name = |at: usize| self.signals.get(at).is_some_and(|signal| std::ptr::eq(signal.name, name));
+        if !has_name(self.last) {
+            let expected = self.signals.get(self.last).map_or([0; 2], |last| last.next);
+            let known = expected.into_iter().find(|at| has_name(*at));
+            self.last = known.unwrap_or_else(|| self.find(name));
         }
+        &mut self.signals[self.last]
+    }
+
+    /// Where the signal of this name is, which the one before it did not expect.
+    #[inline(never)]
+    fn find(&mut self, name: &'static str) -> usize {
+        let place = (name.as_ptr() as usize, name.len());
+        let index = match self.places.get(&place) {
+            Some(index) => *index,
+            None => self.find_text(name, place),
+        };
+        let next = &mut self.signals[self.last].next;
+        *next = [index, next[0]];
+        index
+    }
+
+    /// Where the signal is of a name whose text was not seen at this place before.
+    #[cold]
+    fn find_text(&mut self, name: &'static str, place: (usize, usize)) -> usize {
         let known = self.signals.iter().position(|signal| signal.name == name);
-        let index = known.unwrap_or(self.signals.len());
-        if known.is_none() {
-            let (range, histogram) = (SignalRange::default(), Histogram::default());
-            self.signals.push(Signal { name, range, histogram, next: 0 });
-        }
-        self.signals[self.last].next = index;
-        self.last = index;
-        &mut self.signals[index]
+        let index = known.unwrap_or_else(|| {
+            self.signals.push(Signal::new(name));
+            self.signals.len() - 1
+        });
+        self.places.insert(place, index);
+        index
     }
 
     fn finished(self) -> Audit {
         let Self { overflows, underflows, divisions_by_zero, signals, .. } = self;
         let mut audit = Audit { overflows, underflows, divisions_by_zero, ..Audit::default() };
-        for Signal { name, range, histogram, .. } in signals {
+        for mut signal in signals {
+            signal.include_newest();
+            let Signal { name, range, histogram, .. } = signal;
             audit.signals.insert(name, range);
             // A signal of which only errors were noted has no values.
             if range.count > 0 {
@@ -222,25 +357,21 @@ fn toward_zero(x: f64) -> f64 {
     f64::from_bits(x.to_bits() - 1)
 }
 
+#[inline]
 fn note_fate(fate: Fate) {
-    match fate {
-        Fate::Rounded => {}
-        Fate::Vanished => note(|record| record.underflows += 1),
-        Fate::Overflowed => note(|record| record.overflows += 1),
+    if fate != Fate::Rounded {
+        note_lost(fate == Fate::Overflowed);
     }
 }
 
-/// The fraction bits of a backend in fixed point.
-fn fraction_bits<R: Backend>() -> Option<u32> {
-    match R::name() {
-        FormatName::Fixed { fraction_bits, .. } | FormatName::Fraction { fraction_bits, .. } => {
-            Some(fraction_bits)
-        }
-        FormatName::Float { .. } | FormatName::DoubleDouble => None,
-    }
+#[cold]
+#[inline(never)]
+fn note_lost(overflowed: bool) {
+    note(|record| if overflowed { record.overflows += 1 } else { record.underflows += 1 });
 }
 
 /// A number of a backend in fixed point, in units of its resolution.
+#[inline]
 fn units<R: Backend>(number: R) -> i128 {
     number.word().unwrap_or(0).into()
 }
@@ -260,10 +391,11 @@ impl<R: Backend> Wrapper for Audited<R> {
         Self(value)
     }
 
+    #[inline(always)] // Into each operation, which is then known.
     fn observe(operation: Operation, operands: &[Self], result: R) -> Self {
         if operation == Operation::Div && operands[1].0.is_zero() {
-            note(|record| record.divisions_by_zero += 1);
-        } else if let Some(fraction_bits) = fraction_bits::<R>() {
+            note_division_by_zero();
+        } else if let Some(fraction_bits) = R::fraction_bits() {
             let x = |i: usize| units(operands[i].0);
             note_fate(Fate::in_fixed_point(operation, (x, operands.len()), units(result), fraction_bits));
         } else {
@@ -274,8 +406,8 @@ impl<R: Backend> Wrapper for Audited<R> {
 
     fn ratio(numerator: i32, denominator: i32, result: R) -> Self {
         if denominator == 0 {
-            note(|record| record.divisions_by_zero += 1);
-        } else if let Some(fraction_bits) = fraction_bits::<R>() {
+            note_division_by_zero();
+        } else if let Some(fraction_bits) = R::fraction_bits() {
             let x = |i: usize| if i == 0 { numerator.into() } else { denominator.into() };
             note_fate(Fate::in_fixed_point(Operation::Div, (x, 2), units(result), fraction_bits));
         }
@@ -283,7 +415,7 @@ impl<R: Backend> Wrapper for Audited<R> {
     }
 
     fn phase(phase: u64, exponent: i32, result: R) -> Self {
-        if let Some(fraction_bits) = fraction_bits::<R>() {
+        if let Some(fraction_bits) = R::fraction_bits() {
             // In units: phase · 2^(exponent - 64 + f), of which the integer part has 126 bits at most.
             let shift = exponent.clamp(-64, 64) - 64 + fraction_bits.cast_signed();
             let (phase, result) = (i128::from(phase), units(result));
@@ -296,8 +428,16 @@ impl<R: Backend> Wrapper for Audited<R> {
         Self(result)
     }
 
+    #[inline]
     fn named(self, name: &'static str) -> Self {
-        note(|record| record.include(name, self.0.to_f64_pair()));
+        let value = match (self.0.word(), R::fraction_bits()) {
+            (Some(word), Some(fraction_bits)) => Value::Word { word, fraction_bits },
+            _ => {
+                let (high, low) = self.0.to_f64_pair();
+                Value::Floats(high, low)
+            }
+        };
+        note_signal(name, value);
         Self(self.0.signal(name))
     }
 }
@@ -309,6 +449,7 @@ mod tests {
     use super::*;
     use crate::{I4F4, I4F60, I16F16};
     use num_traits::Bounded;
+    use proptest::prelude::*;
 
     fn audited(value: f64) -> Audited<I16F16> {
         Audited::from_f64(value).expect("the value fits")
@@ -341,6 +482,30 @@ mod tests {
         let x = audit.signals["x"];
         assert_eq!((x.min, x.max, x.min_magnitude, x.count), (-8.0, 7.5, 0.25, 4));
         assert_eq!(audit.integer_bits_needed(), 4); // -8 fits 4 bits with the sign, +8 would not
+    }
+
+    proptest! {
+        /// Values that come in succession are included together, and signals are found in whatever order they are named: the
+        /// record is that of one value after the other.
+        #[test]
+        fn values_in_succession_are_counted_one_by_one(
+            values in proptest::collection::vec((0..5_usize, prop::sample::select(vec![0.0, -0.0, 0.25, 3.0, -8.0]), 1..4_usize), 0..60),
+        ) {
+            const NAMES: [&str; 5] = ["a", "b", "c", "d", "e"];
+            let ((), found) = Audit::of(|| {
+                for (name, value, times) in &values {
+                    (0..*times).for_each(|_| drop(Audited(*value).signal(NAMES[*name])));
+                }
+            });
+            let mut expected = Audit::default();
+            for (name, value, times) in values {
+                for _ in 0..times {
+                    expected.signals.entry(NAMES[name]).or_default().include(value, 1);
+                    expected.histograms.entry(NAMES[name]).or_default().include((value, 0.0));
+                }
+            }
+            prop_assert_eq!(found, expected);
+        }
     }
 
     #[test]

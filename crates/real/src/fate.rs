@@ -15,8 +15,20 @@ pub(crate) enum Fate {
 
 impl Fate {
     /// `result·unit` against `exact`, on a common scale where `unit > 0`.
+    #[inline]
     pub(crate) fn of(result: i128, exact: i128, unit: i128) -> Self {
-        match (result * unit).checked_sub(exact) {
+        Self::of_scaled((result, result * unit), exact, unit)
+    }
+
+    /// [`of`](Self::of) for a unit of 2^fraction_bits, by a shift.
+    #[inline]
+    fn of_product(result: i128, exact: i128, fraction_bits: u32) -> Self {
+        Self::of_scaled((result, result << fraction_bits), exact, 1 << fraction_bits)
+    }
+
+    #[inline]
+    fn of_scaled((result, scaled): (i128, i128), exact: i128, unit: i128) -> Self {
+        match scaled.checked_sub(exact) {
             Some(distance) if -unit < distance && distance < unit => {
                 if result == 0 && exact != 0 {
                     Self::Vanished
@@ -30,19 +42,21 @@ impl Fate {
 
     /// A result in fixed point, all numbers in units of the resolution `2^-fraction_bits`. No division by zero.
     /// `x(i)` is operand number i of `count`.
+    #[inline(always)] // Into each operation, which is then known.
     pub(crate) fn in_fixed_point(
         operation: Operation,
         (x, count): (impl Fn(usize) -> i128, usize),
         result: i128,
         fraction_bits: u32,
     ) -> Self {
-        let one = 1_i128 << fraction_bits;
         match operation {
             Operation::Add => Self::of(result, x(0) + x(1), 1),
             Operation::Sub => Self::of(result, x(0) - x(1), 1),
             Operation::Neg => Self::of(result, -x(0), 1),
-            Operation::Mul => Self::of(result, x(0) * x(1), one),
-            Operation::MulAdd => Self::of(result, x(0) * x(1) + x(2) * one, one),
+            Operation::Mul => Self::of_product(result, x(0) * x(1), fraction_bits),
+            Operation::MulAdd => {
+                Self::of_product(result, x(0) * x(1) + (x(2) << fraction_bits), fraction_bits)
+            }
             Operation::SumOfProducts => {
                 // The sum may leave 128 bits and come back: every carry is counted.
                 let products = (0..count / 2).map(|pair| x(2 * pair) * x(2 * pair + 1));
@@ -50,9 +64,9 @@ impl Fate {
                     let (sum, carry) = sum.overflowing_add(product);
                     (sum, carries + i64::from(carry) * if product < 0 { -1 } else { 1 })
                 });
-                if carries == 0 { Self::of(result, sum, one) } else { Self::Overflowed }
+                if carries == 0 { Self::of_product(result, sum, fraction_bits) } else { Self::Overflowed }
             }
-            Operation::Div => Self::of(result * x(1).signum(), x(0) * one, x(1).abs()),
+            Operation::Div => Self::of(result * x(1).signum(), x(0) << fraction_bits, x(1).abs()),
             Operation::Sqrt => Self::of_root(result, x(0).max(0).unsigned_abs() << fraction_bits),
             Operation::Norm => {
                 let squares = (0..count).map(|i| x(i).unsigned_abs().pow(2));
@@ -74,6 +88,7 @@ impl Fate {
     }
 
     /// A result in a float; `x` as for fixed point. No division by zero.
+    #[inline(always)]
     pub(crate) fn in_float<R: Real>(
         operation: Operation,
         (x, count): (impl Fn(usize) -> R, usize),

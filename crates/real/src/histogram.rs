@@ -14,12 +14,17 @@ pub struct Histogram {
 
 impl Histogram {
     /// Counts the value `high + low`, unless it is zero, infinite or NaN.
-    pub fn include(&mut self, (high, low): (f64, f64)) {
+    pub fn include(&mut self, value: (f64, f64)) {
+        self.include_times(value, 1);
+    }
+
+    /// Counts a value so many times.
+    pub(crate) fn include_times(&mut self, (high, low): (f64, f64), times: u64) {
         if high != 0.0 && high.is_finite() {
             // Rounding to `high` may have gone up to a power of two that the value does not reach.
             let above =
                 low != 0.0 && (low < 0.0) != (high < 0.0) && high.abs().to_bits().trailing_zeros() >= 52;
-            *self.bin(exponent(high) - i32::from(above)) += 1;
+            *self.bin(exponent(high) - i32::from(above)) += times;
         }
     }
 

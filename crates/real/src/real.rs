@@ -5,6 +5,8 @@ use core::ops::{Div, Neg, Sub};
 
 use num_traits::{Bounded, One, Zero};
 
+use crate::FormatName;
+
 /// A number that a kernel can compute with: a float, a fixed-point number, or a wrapper around either.
 ///
 /// Addition, multiplication, the least and the greatest value come from num-traits (`Zero`, `One`,
@@ -158,7 +160,7 @@ pub trait Real:
 /// A [`Real`] with a name and with conversions from and to the floats that files hold. Tools need them; kernels do not.
 pub trait Backend: Real + Send + Sync {
     /// The format's name, as in `f32` or `I16F16`.
-    fn name() -> crate::FormatName;
+    fn name() -> FormatName;
 
     /// The number nearest to `high + low`, ties to even; `None` when it is out of range or not a number.
     /// Two floats carry the 64 bits of the widest formats; `low` is at most half a unit of `high`'s last place.
@@ -175,6 +177,16 @@ pub trait Backend: Real + Send + Sync {
     /// The float nearest to this number.
     fn to_f64(self) -> f64 {
         self.to_f64_pair().0
+    }
+
+    /// The bits after the point, in fixed point; `None` for a float.
+    fn fraction_bits() -> Option<u32> {
+        match Self::name() {
+            FormatName::Fixed { fraction_bits, .. } | FormatName::Fraction { fraction_bits, .. } => {
+                Some(fraction_bits)
+            }
+            FormatName::Float { .. } | FormatName::DoubleDouble => None,
+        }
     }
 
     /// In fixed point the integer that stands for this number, which is `word · 2^-fraction_bits`; `None` for a float.

@@ -106,7 +106,8 @@ impl RuntimeFormat {
                 FORMATS.with(|formats| formats[SLOT].set(self.0));
             }
         }
-        let _restore = Restore::<SLOT>(slot::<SLOT>(|format| format.replace(self)));
+        const { assert!(SLOT < SLOTS, "slots are numbered from 0 to 7") };
+        let _restore = Restore::<SLOT>(FORMATS.with(|formats| formats[SLOT].replace(self)));
         work()
     }
 
@@ -225,10 +226,11 @@ thread_local! {
     };
 }
 
-#[inline]
-fn slot<const SLOT: usize>(act: impl FnOnce(&Cell<RuntimeFormat>) -> RuntimeFormat) -> RuntimeFormat {
-    const { assert!(SLOT < SLOTS, "slots are numbered from 0 to 7") };
-    FORMATS.with(|formats| act(&formats[SLOT]))
+/// The format that a slot of this thread has. It is compiled once and not for each slot: thread-local storage is quick to
+/// reach only within the crate that has it.
+#[inline(never)]
+fn in_force(slot: usize) -> RuntimeFormat {
+    FORMATS.with(|formats| formats[slot].get())
 }
 
 /// A number in the format that [`RuntimeFormat::run`] has put in force for `SLOT`, 0 to 7; outside of such a call, in
@@ -242,7 +244,8 @@ pub struct RuntimeFixed<const SLOT: usize>(i64);
 impl<const SLOT: usize> RuntimeFixed<SLOT> {
     #[inline]
     fn format() -> RuntimeFormat {
-        slot::<SLOT>(Cell::get)
+        const { assert!(SLOT < SLOTS, "slots are numbered from 0 to 7") };
+        in_force(SLOT)
     }
 
     /// The number of `bits` units of the resolution. A number that does not fit the format wraps or saturates.
@@ -257,6 +260,7 @@ impl<const SLOT: usize> RuntimeFixed<SLOT> {
         self.0
     }
 
+    #[inline]
     fn wide(self) -> i128 {
         i128::from(self.0)
     }
@@ -264,6 +268,7 @@ impl<const SLOT: usize> RuntimeFixed<SLOT> {
 
 impl<const SLOT: usize> Add for RuntimeFixed<SLOT> {
     type Output = Self;
+    #[inline]
     fn add(self, other: Self) -> Self {
         Self(Self::format().fit(self.wide() + other.wide()))
     }
@@ -271,6 +276,7 @@ impl<const SLOT: usize> Add for RuntimeFixed<SLOT> {
 
 impl<const SLOT: usize> Sub for RuntimeFixed<SLOT> {
     type Output = Self;
+    #[inline]
     fn sub(self, other: Self) -> Self {
         Self(Self::format().fit(self.wide() - other.wide()))
     }
@@ -278,6 +284,7 @@ impl<const SLOT: usize> Sub for RuntimeFixed<SLOT> {
 
 impl<const SLOT: usize> Neg for RuntimeFixed<SLOT> {
     type Output = Self;
+    #[inline]
     fn neg(self) -> Self {
         Self(Self::format().fit(-self.wide()))
     }
@@ -285,6 +292,7 @@ impl<const SLOT: usize> Neg for RuntimeFixed<SLOT> {
 
 impl<const SLOT: usize> Mul for RuntimeFixed<SLOT> {
     type Output = Self;
+    #[inline]
     fn mul(self, other: Self) -> Self {
         let format = Self::format();
         Self(format.fit(format.shift_right(self.wide() * other.wide(), format.fraction_bits)))
@@ -293,6 +301,7 @@ impl<const SLOT: usize> Mul for RuntimeFixed<SLOT> {
 
 impl<const SLOT: usize> Div for RuntimeFixed<SLOT> {
     type Output = Self;
+    #[inline]
     fn div(self, other: Self) -> Self {
         let format = Self::format();
         let numerator = u128::from(self.0.unsigned_abs()) << format.fraction_bits;
@@ -301,15 +310,18 @@ impl<const SLOT: usize> Div for RuntimeFixed<SLOT> {
 }
 
 impl<const SLOT: usize> Zero for RuntimeFixed<SLOT> {
+    #[inline]
     fn zero() -> Self {
         Self(0)
     }
+    #[inline]
     fn is_zero(&self) -> bool {
         self.0 == 0
     }
 }
 
 impl<const SLOT: usize> One for RuntimeFixed<SLOT> {
+    #[inline]
     fn one() -> Self {
         let format = Self::format();
         Self(format.saturate(1 << format.fraction_bits))
@@ -317,15 +329,18 @@ impl<const SLOT: usize> One for RuntimeFixed<SLOT> {
 }
 
 impl<const SLOT: usize> Bounded for RuntimeFixed<SLOT> {
+    #[inline]
     fn min_value() -> Self {
         Self(Self::format().least())
     }
+    #[inline]
     fn max_value() -> Self {
         Self(Self::format().greatest())
     }
 }
 
 impl<const SLOT: usize> Real for RuntimeFixed<SLOT> {
+    #[inline]
     fn resolution() -> Self {
         Self(1)
     }
@@ -339,12 +354,14 @@ impl<const SLOT: usize> Real for RuntimeFixed<SLOT> {
         Self(nearest.quotient(magnitude, denominator.unsigned_abs().into(), negative))
     }
 
+    #[inline]
     fn mul_add(self, factor: Self, addend: Self) -> Self {
         let format = Self::format();
         let sum = self.wide() * factor.wide() + (addend.wide() << format.fraction_bits); // below 2^127
         Self(format.fit(format.shift_right(sum, format.fraction_bits)))
     }
 
+    #[inline]
     fn sum_of_products(pairs: impl IntoIterator<Item = (Self, Self)>) -> Self {
         let format = Self::format();
         let products = pairs.into_iter().map(|(a, b)| a.wide() * b.wide());
@@ -366,16 +383,19 @@ impl<const SLOT: usize> Real for RuntimeFixed<SLOT> {
         Self(format.fit(format.shift_right(sum, format.fraction_bits)))
     }
 
+    #[inline]
     fn norm<const N: usize>(vector: &[Self; N]) -> Self {
         let squares = vector.iter().map(|v| u128::from(v.0.unsigned_abs()).pow(2));
         Self(Self::format().root(squares.fold(0, u128::saturating_add)))
     }
 
+    #[inline]
     fn sqrt(self) -> Self {
         let format = Self::format();
         Self(format.root(u128::from(self.0.max(0).unsigned_abs()) << format.fraction_bits))
     }
 
+    #[inline]
     fn ldexp(self, exponent: i32) -> Self {
         let format = Self::format();
         let shift = exponent.unsigned_abs();
@@ -388,6 +408,7 @@ impl<const SLOT: usize> Real for RuntimeFixed<SLOT> {
         })
     }
 
+    #[inline]
     fn from_phase(phase: u64, exponent: i32) -> Self {
         let format = Self::format();
         let shift = 64 - exponent.clamp(-64, 64) - format.fraction_bits.cast_signed();
@@ -400,6 +421,7 @@ impl<const SLOT: usize> Real for RuntimeFixed<SLOT> {
         Self(format.saturate(i128::try_from(wide).unwrap_or(i128::MAX)))
     }
 
+    #[inline]
     fn to_phase(self, exponent: i32) -> u64 {
         let Ok(bits) = u128::try_from(self.0) else { return 0 };
         let shift = 64 + exponent.clamp(-64, 64) - Self::format().fraction_bits.cast_signed();
@@ -414,6 +436,7 @@ impl<const SLOT: usize> Real for RuntimeFixed<SLOT> {
         u64::try_from(wide).unwrap_or(u64::MAX)
     }
 
+    #[inline]
     fn is_finite(self) -> bool {
         true
     }
@@ -431,12 +454,19 @@ impl<const SLOT: usize> Backend for RuntimeFixed<SLOT> {
         (format.least()..=format.greatest()).contains(&bits).then_some(Self(bits))
     }
 
+    #[inline]
     fn to_f64_pair(self) -> (f64, f64) {
         let (high, low) = self.0.split();
         let exponent = -Self::format().fraction_bits.cast_signed();
         (high.ldexp(exponent), low.ldexp(exponent))
     }
 
+    #[inline]
+    fn fraction_bits() -> Option<u32> {
+        Some(Self::format().fraction_bits)
+    }
+
+    #[inline]
     fn word(self) -> Option<i64> {
         Some(self.0)
     }

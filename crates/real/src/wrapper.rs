@@ -55,21 +55,21 @@ pub(crate) fn with_operands<W: Wrapper, T>(
     pairs: impl IntoIterator<Item = (W, W)>,
     act: impl FnOnce(&[W]) -> T,
 ) -> T {
-    let mut few = [W::default(); 32];
+    let mut few = [[W::default(); 2]; 16];
     let mut many = Vec::new();
     let mut count = 0;
-    for operand in pairs.into_iter().flat_map(|(a, b)| [a, b]) {
+    for (a, b) in pairs {
         if let Some(place) = few.get_mut(count) {
-            *place = operand;
+            *place = [a, b];
         } else {
             if many.is_empty() {
                 many.extend_from_slice(&few);
             }
-            many.push(operand);
+            many.push([a, b]);
         }
         count += 1;
     }
-    act(if many.is_empty() { &few[..count] } else { &many })
+    act(if many.is_empty() { few[..count].as_flattened() } else { many.as_flattened() })
 }
 
 /// Applies `of` to each number and calls `act` with the results; up to eight need no heap.
@@ -93,6 +93,7 @@ macro_rules! wrapper {
     (impl[$($generics:tt)*] $wrapper:ty) => {
         impl<$($generics)*> core::ops::Add for $wrapper {
             type Output = Self;
+            #[inline]
             fn add(self, other: Self) -> Self {
                 Self::observe(Operation::Add, &[self, other], self.inner() + other.inner())
             }
@@ -100,6 +101,7 @@ macro_rules! wrapper {
 
         impl<$($generics)*> core::ops::Sub for $wrapper {
             type Output = Self;
+            #[inline]
             fn sub(self, other: Self) -> Self {
                 Self::observe(Operation::Sub, &[self, other], self.inner() - other.inner())
             }
@@ -107,6 +109,7 @@ macro_rules! wrapper {
 
         impl<$($generics)*> core::ops::Mul for $wrapper {
             type Output = Self;
+            #[inline]
             fn mul(self, other: Self) -> Self {
                 Self::observe(Operation::Mul, &[self, other], self.inner() * other.inner())
             }
@@ -114,6 +117,7 @@ macro_rules! wrapper {
 
         impl<$($generics)*> core::ops::Div for $wrapper {
             type Output = Self;
+            #[inline]
             fn div(self, other: Self) -> Self {
                 Self::observe(Operation::Div, &[self, other], self.inner() / other.inner())
             }
@@ -121,6 +125,7 @@ macro_rules! wrapper {
 
         impl<$($generics)*> core::ops::Neg for $wrapper {
             type Output = Self;
+            #[inline]
             fn neg(self) -> Self {
                 Self::observe(Operation::Neg, &[self], -self.inner())
             }
@@ -133,6 +138,7 @@ macro_rules! wrapper {
         }
 
         impl<$($generics)*> PartialOrd for $wrapper {
+            #[inline]
             fn partial_cmp(&self, other: &Self) -> Option<core::cmp::Ordering> {
                 let outcome = self.inner().partial_cmp(&other.inner());
                 Self::compared(*self, *other, outcome);
@@ -144,6 +150,7 @@ macro_rules! wrapper {
             fn zero() -> Self {
                 Self::constant(num_traits::Zero::zero())
             }
+            #[inline]
             fn is_zero(&self) -> bool {
                 *self == Self::zero()
             }
@@ -176,11 +183,13 @@ macro_rules! wrapper {
                 Self::ratio(numerator, denominator, <Self as Wrapper>::Inner::from_ratio(numerator, denominator))
             }
 
+            #[inline]
             fn mul_add(self, factor: Self, addend: Self) -> Self {
                 let result = self.inner().mul_add(factor.inner(), addend.inner());
                 Self::observe(Operation::MulAdd, &[self, factor, addend], result)
             }
 
+            #[inline]
             fn sum_of_products(pairs: impl IntoIterator<Item = (Self, Self)>) -> Self {
                 crate::wrapper::with_operands(pairs, |operands: &[Self]| {
                     let pairs = operands.chunks_exact(2).map(|pair| (pair[0].inner(), pair[1].inner()));
@@ -189,23 +198,28 @@ macro_rules! wrapper {
                 })
             }
 
+            #[inline]
             fn norm<const N: usize>(vector: &[Self; N]) -> Self {
                 let result = <Self as Wrapper>::Inner::norm(&vector.map(Self::inner));
                 Self::observe(Operation::Norm, vector, result)
             }
 
+            #[inline]
             fn sqrt(self) -> Self {
                 Self::observe(Operation::Sqrt, &[self], self.inner().sqrt())
             }
 
+            #[inline]
             fn ldexp(self, exponent: i32) -> Self {
                 Self::observe(Operation::Scale { exponent }, &[self], self.inner().ldexp(exponent))
             }
 
+            #[inline]
             fn from_phase(phase: u64, exponent: i32) -> Self {
                 Self::phase(phase, exponent, <Self as Wrapper>::Inner::from_phase(phase, exponent))
             }
 
+            #[inline]
             fn fraction(phase: u64) -> Self {
                 Self::phase(phase, 0, <Self as Wrapper>::Inner::fraction(phase))
             }
@@ -214,6 +228,7 @@ macro_rules! wrapper {
                 Self::constant(<Self as Wrapper>::Inner::power_of_two(exponent))
             }
 
+            #[inline]
             fn to_phase(self, exponent: i32) -> u64 {
                 let result = self.inner().to_phase(exponent);
                 <Self as Wrapper>::to_phase(self, exponent, result);
