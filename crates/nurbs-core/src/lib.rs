@@ -14,6 +14,7 @@
 //! | | does its tangent break at a joint? | [`tangent_breaks`] |
 //! | | how long is a curve, and at which parameter has it reached a given length? The quadrature rule behind both | [`arc_length()`], [`parameter_at`], [`GaussLegendre`] |
 //! | `polynomials/` | how is a curve evaluated fastest in f64? One polynomial a span; basis functions where it would lose too many digits | [`PowerCurve`], [`FastCurve`] |
+//! | | where is it in more digits than f64 has? One polynomial a span about its middle | [`CentredCurve`] |
 //! | | which Bezier points has a span of it? | [`bezier_points`] |
 //! | `pieces/` | which polynomials does real time evaluate? | [`Pieces`], made of [`Piece`]s |
 //! | | how is a path cut into them, with proven ranges? | [`compile()`], [`PiecesBuf`] |
@@ -94,6 +95,7 @@ mod measure {
 #[cfg(feature = "alloc")]
 mod polynomials {
     pub(crate) mod bezier;
+    pub(crate) mod centred_curve;
     pub(crate) mod fast_curve;
     pub(crate) mod polynomial;
     pub(crate) mod power_curve;
@@ -180,7 +182,7 @@ pub use pieces::{
 };
 pub use shapes::{
     arc::{Arc, Sense},
-    line::{Line, distance_to_segment, nearest_on_segment},
+    line::{Line, distance_to_segment, farthest_from_segment, nearest_on_segment},
     shape_error::ShapeError,
     trig_basis::{ShapeFactors, trig_basis, trig_basis_derivatives},
     trig_segment::TrigSegment,
@@ -203,6 +205,7 @@ pub use {
     },
     polynomials::{
         bezier::bezier_points,
+        centred_curve::CentredCurve,
         fast_curve::{FastCurve, FastLine},
         power_curve::{PowerCursor, PowerCurve},
     },

@@ -1,6 +1,6 @@
 //! A curve in about 106 bits.
 
-use nurbs_core::{CurveError, Evaluate, FastCurve, NurbsBuf};
+use nurbs_core::{CentredCurve, CurveError, Evaluate, FastCurve, NurbsBuf};
 use real::{DoubleDouble, Real};
 
 use crate::plan::in_format::of_pair;
@@ -15,7 +15,31 @@ pub(super) enum ExactCurve<'a, const D: usize> {
 /// Any other curve, exactly and in f64.
 pub(super) struct Other<'a, const D: usize> {
     exact: NurbsBuf<DoubleDouble, D>,
+    /// The curve's polynomials, unless they lose too much.
+    polynomials: Option<CentredCurve<DoubleDouble, D>>,
     plain: FastCurve<'a, D>,
+}
+
+/// The most that polynomials may lose, in units of the 106 bits. A curve whose polynomials may lose more is evaluated by
+/// its basis functions. It is far below what a judge sees: a billionth of a unit of f64.
+const MOST_LOSS: f64 = 1024.0;
+
+impl<'a, const D: usize> Other<'a, D> {
+    fn of(curve: &'a NurbsBuf<f64, D>) -> Result<Self, CurveError> {
+        let plain = curve.as_curve();
+        let is_even = CentredCurve::<DoubleDouble, D>::loss(&plain) <= MOST_LOSS;
+        let polynomials = is_even.then(|| CentredCurve::new(&plain));
+        Ok(Self { exact: curve.convert()?, polynomials, plain: FastCurve::of(plain) })
+    }
+
+    /// At its ends the curve is its control points, exactly.
+    fn point(&self, u: (f64, f64)) -> [DoubleDouble; D] {
+        let (first, last) = self.plain.domain();
+        match &self.polynomials {
+            Some(polynomials) if u != (first, 0.0) && u != (last, 0.0) => polynomials.point(of_pair(u)),
+            _ => self.exact.as_curve().point(of_pair(u)),
+        }
+    }
 }
 
 /// The line `A + (u - u₀) S`.
@@ -35,7 +59,7 @@ impl<'a, const D: usize> ExactCurve<'a, D> {
     pub(super) fn of(curve: &'a NurbsBuf<f64, D>) -> Result<Self, CurveError> {
         let plain = curve.as_curve();
         let ([from, to], None) = (plain.control_points(), plain.weights()) else {
-            return Ok(Self::Other(Box::new(Other { exact: curve.convert()?, plain: FastCurve::of(plain) })));
+            return Ok(Self::Other(Box::new(Other::of(curve)?)));
         };
         let (first, last) = plain.domain();
         let of = DoubleDouble::from;
@@ -67,7 +91,7 @@ impl<'a, const D: usize> ExactCurve<'a, D> {
                     _ => begin[d] + slope[d] * along,
                 })
             }
-            Self::Other(curve) => curve.exact.as_curve().point(of_pair(u)),
+            Self::Other(curve) => curve.point(u),
         }
     }
 
@@ -101,6 +125,31 @@ mod tests {
             let chord = DoubleDouble::norm(&std::array::from_fn::<_, 3, _>(|d| expected[d] - begin[d]));
             assert!(off(short.straight_chord(before, u).unwrap(), chord) < 1e-28);
             before = u;
+        }
+    }
+
+    /// A curve whose weights differ a hundredfold keeps its basis functions, and the ends of every curve are exact.
+    #[test]
+    fn polynomials_serve_where_they_lose_little() {
+        for (weight, is_even) in [(0.7, true), (0.01, false)] {
+            let points = vec![[0.1, 0.2], [1.1, 0.3], [1.3, 1.7]];
+            let knots = vec![0.0, 0.0, 0.0, 0.3, 0.3, 0.3];
+            let curve = NurbsBuf::try_new(2, points.clone(), vec![1.0, weight, 1.0], knots).unwrap();
+            let other = Other::of(&curve).unwrap();
+            assert_eq!(other.polynomials.is_some(), is_even);
+            let exact = curve.convert::<DoubleDouble>().unwrap();
+            for k in 0..=32 {
+                let u = 0.3 * f64::from(k) / 32.0;
+                let (found, expected) =
+                    (other.point((u, 1e-19)), exact.as_curve().point(of_pair((u, 1e-19))));
+                assert!(
+                    (0..2).all(|d| (found[d] - expected[d]).value().abs() < 1e-29),
+                    "{found:?} {expected:?}"
+                );
+            }
+            for (u, end) in [(0.0, points[0]), (0.3, points[2])] {
+                assert_eq!(other.point((u, 0.0)), end.map(DoubleDouble::from));
+            }
         }
     }
 

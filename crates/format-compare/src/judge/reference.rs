@@ -3,7 +3,8 @@
 use std::cmp::Ordering;
 
 use nurbs_core::{
-    CurveError, Differentiate, Evaluate, NurbsBuf, arc_length, distance_to_segment, tangent_breaks,
+    CurveError, Differentiate, Evaluate, NurbsBuf, arc_length, distance_to_segment, farthest_from_segment,
+    tangent_breaks,
 };
 use real::{DoubleDouble, Real};
 
@@ -89,6 +90,9 @@ impl<'a, const D: usize> Reference<'a, D> {
         let order = |one: &(usize, f64), other: OnPath| {
             one.0.cmp(&other.0).then((one.1, 0.0).partial_cmp(&other.1).unwrap_or(Ordering::Equal))
         };
+        if self.corners.is_empty() {
+            return &[];
+        }
         let from = self.begin_of_next(from).unwrap_or(from);
         let begin = self.corners.partition_point(|corner| order(corner, from).is_le());
         let end = self.corners.partition_point(|corner| order(corner, to).is_lt());
@@ -185,8 +189,7 @@ impl<'a, const D: usize> Reference<'a, D> {
             };
             let width = (end.0 - begin.0) + (end.1 - begin.1);
             let at = move |sample: i32| begin.0 + width * f64::from(sample) / f64::from(SAMPLES);
-            let distance = |sample| distance_to_segment(&plain.point(at(sample)), &chord);
-            (1..=SAMPLES).map(distance).fold(0.0, greater)
+            farthest_from_segment((1..=SAMPLES).map(|sample| plain.point(at(sample))), &chord)
         };
         (curve..=step.curve).map(on_curve).fold(0.0, greater)
     }

@@ -112,6 +112,7 @@ impl<const D: usize> Evaluate<f64, D> for FastCurve<'_, D> {
         on_form!(self, curve => curve.domain())
     }
 
+    #[inline]
     fn point(&self, u: f64) -> [f64; D] {
         on_form!(self, curve => curve.point(u))
     }

@@ -339,6 +339,7 @@ impl<const D: usize> Evaluate<f64, D> for PowerCurve<D> {
     /// Accuracy: the coefficients of a span whose control points have the extent E sum up to at most `3^p E`. The error
     /// is at most `4 ε` times this sum plus ε times the largest coordinate. With weights from v to W in the span the
     /// error is `16 (W/v)²` times as large.
+    #[inline]
     fn point(&self, u: f64) -> [f64; D] {
         self.span_of(u).map_or([0.0; D], |span| span.point(u))
     }

@@ -112,23 +112,75 @@ impl<R: Real, const D: usize> Differentiate<R, D> for Line<R, D> {
 /// The u at which the straight line from A to B is nearest to P: `(P - A)·(B - A)/|B - A|²`, cut off to [0, 1]; 0 where
 /// A is B.
 #[must_use]
-pub fn nearest_on_segment<const D: usize>(point: &[f64; D], [a, b]: &[[f64; D]; 2]) -> f64 {
-    let chord = sub(b, a);
-    let square = dot(&chord, &chord);
-    if square > 0.0 { (dot(&sub(point, a), &chord) / square).clamp(0.0, 1.0) } else { 0.0 }
+pub fn nearest_on_segment<const D: usize>(point: &[f64; D], ends: &[[f64; D]; 2]) -> f64 {
+    Segment::new(ends).nearest(point)
 }
 
 /// The distance of P from the straight line from A to B, including its ends.
 #[must_use]
 pub fn distance_to_segment<const D: usize>(point: &[f64; D], ends: &[[f64; D]; 2]) -> f64 {
-    let (u, [a, b]) = (nearest_on_segment(point, ends), ends);
-    f64::norm(&add(&sub(a, point), &scaled(&sub(b, a), u)))
+    f64::norm(&Segment::new(ends).way_from(point))
+}
+
+/// The largest distance of points from the straight line from A to B, including its ends; NaN if one is not a number, 0
+/// if there are none.
+///
+/// It is the largest of [`distance_to_segment`], bit for bit, and takes one root for all points together. Domain:
+/// distances of 0, or from 1e-140 to 1e150: their squares are normal numbers.
+#[must_use]
+#[inline]
+pub fn farthest_from_segment<const D: usize>(
+    points: impl Iterator<Item = [f64; D]>,
+    ends: &[[f64; D]; 2],
+) -> f64 {
+    let segment = Segment::new(ends);
+    let mut farthest = ([0.0; D], 0.0);
+    for point in points {
+        let way = segment.way_from(&point);
+        let square = way.iter().fold(0.0, |sum: f64, x| sum + x * x);
+        if square.is_nan() || square > farthest.1 {
+            farthest = (way, square);
+        }
+        if square.is_nan() {
+            break;
+        }
+    }
+    f64::norm(&farthest.0)
+}
+
+/// The straight line from A to B.
+struct Segment<'a, const D: usize> {
+    begin: &'a [f64; D],
+    /// B - A, and its square.
+    chord: [f64; D],
+    square: f64,
+}
+
+impl<'a, const D: usize> Segment<'a, D> {
+    #[inline]
+    fn new([begin, end]: &'a [[f64; D]; 2]) -> Self {
+        let chord = sub(end, begin);
+        Self { begin, chord, square: dot(&chord, &chord) }
+    }
+
+    #[inline]
+    fn nearest(&self, point: &[f64; D]) -> f64 {
+        let along = || dot(&sub(point, self.begin), &self.chord) / self.square;
+        if self.square > 0.0 { along().clamp(0.0, 1.0) } else { 0.0 }
+    }
+
+    /// From a point to the nearest one of the line.
+    #[inline]
+    fn way_from(&self, point: &[f64; D]) -> [f64; D] {
+        add(&sub(self.begin, point), &scaled(&self.chord, self.nearest(point)))
+    }
 }
 
 #[cfg(all(test, feature = "alloc"))]
 mod tests {
     use super::*;
     use crate::{curvature, radius};
+    use proptest::prelude::*;
     use real::{I8F24, I16F16, I16F48};
 
     /// A right triangle over the line's middle, points beyond both ends, and a line without length.
@@ -148,6 +200,26 @@ mod tests {
         }
         assert_eq!(distance_to_segment(&[4.0, 2.0, 4.0], &[ends[0]; 2]), 5.0);
         assert!(distance_to_segment(&[f64::NAN, 2.0, 4.0], &ends).is_nan());
+    }
+
+    proptest! {
+        #[test]
+        fn the_farthest_point_is_that_of_the_largest_distance(
+            points in proptest::collection::vec([-2.0_f64..2.0, -2.0..2.0, -1e-9..1e-9], 0..9),
+            ends in [[-1.0_f64..1.0, -1.0..1.0, -1.0..1.0], [-1.0..1.0, -1.0..1.0, -1.0..1.0]],
+        ) {
+            let expected = points.iter().map(|point| distance_to_segment(point, &ends)).fold(0.0, f64::max);
+            prop_assert_eq!(farthest_from_segment(points.into_iter(), &ends), expected);
+        }
+    }
+
+    #[test]
+    fn a_point_that_is_no_number_is_not_lost() {
+        for at in 0..3 {
+            let mut points = [[1.0, 2.0], [3.0, 4.0], [5.0, 6.0]];
+            points[at][1] = f64::NAN;
+            assert!(farthest_from_segment(points.into_iter(), &[[0.0, 0.0], [1.0, 0.0]]).is_nan());
+        }
     }
 
     #[test]
