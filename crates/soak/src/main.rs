@@ -1,5 +1,8 @@
 //! `soak`: random paths in every format, until each format has made so many periods. Its status is 0 if every promise
-//! was kept, 1 if one was broken, and 2 if it could not run.
+//! was kept, 1 if one was broken, and 2 if it could not run. With `--program` it runs that program in place of random
+//! paths, with feed overrides and holds.
+
+mod program;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -37,6 +40,12 @@ struct Arguments {
     /// Keep the state in this file, and go on from it if it is there.
     #[arg(long, value_name = "PATH")]
     resume: Option<PathBuf>,
+    /// Run this part program in every format instead, section by section, with feed overrides and holds that the seed draws.
+    #[arg(long, value_name = "FILE", requires = "machine", conflicts_with_all = ["periods", "full_speed", "path", "resume"])]
+    program: Option<PathBuf>,
+    /// The machine file that the program is run on, as those in data/machines.
+    #[arg(long, value_name = "FILE", requires = "program")]
+    machine: Option<PathBuf>,
     /// JSON instead of a table.
     #[arg(long)]
     json: bool,
@@ -76,6 +85,12 @@ fn main() -> ExitCode {
 /// Runs until every format has made its periods. Returns whether every promise was kept.
 fn run(arguments: &Arguments) -> Result<bool> {
     let formats = selected(&arguments.formats)?;
+    if let (Some(program), Some(machine)) = (&arguments.program, &arguments.machine) {
+        let names: Vec<_> = formats.iter().map(SoakFormat::name).collect();
+        let soak = program::soak(program, machine, &names, arguments.seed, today())?;
+        written(&if arguments.json { soak.to_json()? } else { soak.to_text() })?;
+        return Ok(soak.is_kept());
+    }
     let paths = SoakPaths { seed: arguments.seed, full_speed: arguments.full_speed };
     let mut record = match &arguments.resume {
         Some(path) if path.exists() => resumed(path, paths, &formats)?,
@@ -85,12 +100,16 @@ fn run(arguments: &Arguments) -> Result<bool> {
         Some(path) => record.soak.add(soak_path(paths, path, &formats, |_| false)),
         None => soak(arguments, &formats, &mut record)?,
     }
-    let text = if arguments.json { record.to_json()? } else { record.to_text(arguments.path) };
+    written(&if arguments.json { record.to_json()? } else { record.to_text(arguments.path) })?;
+    Ok(record.soak.violations == 0)
+}
+
+fn written(text: &str) -> Result<()> {
     match std::io::stdout().lock().write_all(text.as_bytes()) {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
             Err(error).context("cannot write to the terminal")
         }
-        _ => Ok(record.soak.violations == 0),
+        _ => Ok(()),
     }
 }
 

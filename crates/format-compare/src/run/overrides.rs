@@ -237,7 +237,8 @@ impl OverrideCommands {
 
     /// The rate that is commanded in this period; `None` before the first command.
     fn commanded(&self, period: u64) -> Option<Rate> {
-        self.targets.iter().take_while(|(from, _)| *from <= period as f64).last().map(|(_, rate)| *rate)
+        let in_force = self.targets.partition_point(|(from, _)| *from <= period as f64);
+        in_force.checked_sub(1).and_then(|last| self.targets.get(last)).map(|(_, rate)| *rate)
     }
 
     /// Sets `rates` to the rate that is commanded in this period.
