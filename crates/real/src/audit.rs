@@ -123,76 +123,138 @@ struct Signal {
     name: &'static str,
     range: SignalRange,
     histogram: Histogram,
-    /// The newest value, and how often it came in succession: so often it is still to be included. On a straight move at
-    /// constant feed most signals keep their values.
-    newest: Value,
+    /// Its values in fixed point, which are still to be included.
+    words: Words,
+    /// Its newest value in floats, and how often it came in succession: so often it is still to be included. On a straight
+    /// move at constant feed most signals keep their values.
+    newest: (f64, f64),
     times: u64,
     /// Where the last two other signals are that were named after it. A step names the same signals in the same order
     /// again and again, and some of them in turn with two others.
     next: [usize; 2],
 }
 
-/// A value as its format has it.
-#[derive(Clone, Copy, Debug)]
-enum Value {
-    Word { word: i64, fraction_bits: u32 },
-    Floats(f64, f64),
-}
-
-impl Value {
-    /// Whether both are the same number in the same form, bit for bit.
-    #[inline]
-    fn is(self, other: Self) -> bool {
-        match (self, other) {
-            (Self::Word { word, fraction_bits }, Self::Word { word: other, fraction_bits: bits }) => {
-                word == other && fraction_bits == bits
-            }
-            (Self::Floats(high, low), Self::Floats(other, other_low)) => {
-                high.to_bits() == other.to_bits() && low.to_bits() == other_low.to_bits()
-            }
-            _ => false,
-        }
-    }
-
-    fn pair(self) -> (f64, f64) {
-        match self {
-            Self::Word { word, fraction_bits } => {
-                let (high, low) = word.split();
-                let exponent = -fraction_bits.cast_signed();
-                (high.ldexp(exponent), low.ldexp(exponent))
-            }
-            Self::Floats(high, low) => (high, low),
-        }
-    }
-}
-
 impl Signal {
     fn new(name: &'static str) -> Self {
-        let (range, histogram) = (SignalRange::default(), Histogram::default());
-        Self { name, range, histogram, newest: Value::Floats(0.0, 0.0), times: 0, next: [0; 2] }
+        Self {
+            name,
+            range: SignalRange::default(),
+            histogram: Histogram::default(),
+            words: Words::of(0),
+            newest: (0.0, 0.0),
+            times: 0,
+            next: [0; 2],
+        }
     }
 
     #[inline]
     fn add(&mut self, value: Value) {
-        if !self.newest.is(value) {
-            self.include_newest();
-            self.newest = value;
+        match value {
+            Value::Word(word, fraction_bits) => {
+                if self.words.fraction_bits != fraction_bits {
+                    self.include_words();
+                    self.words = Words::of(fraction_bits);
+                }
+                self.words.add(word);
+            }
+            Value::Floats(high, low) => {
+                let same =
+                    high.to_bits() == self.newest.0.to_bits() && low.to_bits() == self.newest.1.to_bits();
+                if !same {
+                    self.include_newest();
+                    self.newest = (high, low);
+                }
+                self.times += 1;
+            }
         }
-        self.times += 1;
     }
 
-    /// Includes the newest value as often as it came.
+    /// Includes the newest value in floats as often as it came.
     #[inline]
     fn include_newest(&mut self) {
         let times = std::mem::take(&mut self.times);
         if times > 0 {
-            let (high, low) = self.newest.pair();
-            // Rounding to `high` went away from zero if `low` points back.
-            let value = if low != 0.0 && (low < 0.0) != (high < 0.0) { toward_zero(high) } else { high };
-            self.range.include(value, times);
-            self.histogram.include_times((high, low), times);
+            self.range.include(cut(self.newest), times);
+            self.histogram.include_times(self.newest, times);
         }
     }
+
+    /// Includes the values in fixed point.
+    #[cold]
+    fn include_words(&mut self) {
+        let Words { fraction_bits, least, greatest, nearest, zeros, by_length } = self.words;
+        let of = |word: i64| {
+            let ((high, low), exponent) = (word.split(), -fraction_bits.cast_signed());
+            cut((high.ldexp(exponent), low.ldexp(exponent)))
+        };
+        let others: u64 = by_length.iter().sum();
+        if zeros + others == 0 {
+            return;
+        }
+        let (range, magnitude) = (&mut self.range, i64::try_from(nearest).map_or(of(i64::MIN).abs(), of));
+        range.min = range.min.min(of(least));
+        range.max = range.max.max(of(greatest));
+        if others > 0 {
+            range.min_magnitude = range.min_magnitude.min(magnitude);
+        }
+        range.zeros += zeros;
+        range.count += zeros + others;
+        for (count, length) in by_length.into_iter().zip(0..) {
+            self.histogram.add(length - fraction_bits.cast_signed(), count);
+        }
+    }
+}
+
+/// The float of a pair, cut toward zero: rounding to the high float went away from zero if the low one points back.
+fn cut((high, low): (f64, f64)) -> f64 {
+    if low != 0.0 && (low < 0.0) != (high < 0.0) { toward_zero(high) } else { high }
+}
+
+/// Values in fixed point as integers: what is asked of them is monotone, so that only the results are converted.
+#[derive(Clone, Copy, Debug)]
+struct Words {
+    fraction_bits: u32,
+    least: i64,
+    greatest: i64,
+    /// The least magnitude that is not 0.
+    nearest: u64,
+    zeros: u64,
+    /// How many magnitudes have their leading bit at each place.
+    by_length: [u64; 64],
+}
+
+impl Words {
+    fn of(fraction_bits: u32) -> Self {
+        Self {
+            fraction_bits,
+            least: i64::MAX,
+            greatest: i64::MIN,
+            nearest: u64::MAX,
+            zeros: 0,
+            by_length: [0; 64],
+        }
+    }
+
+    #[inline]
+    fn add(&mut self, word: i64) {
+        self.least = self.least.min(word);
+        self.greatest = self.greatest.max(word);
+        let magnitude = word.unsigned_abs();
+        match magnitude.checked_ilog2() {
+            Some(length) => {
+                self.nearest = self.nearest.min(magnitude);
+                self.by_length[length as usize & 63] += 1;
+            }
+            None => self.zeros += 1,
+        }
+    }
+}
+
+/// A value as its format has it: a word and the bits after its point, or a sum of two floats.
+#[derive(Clone, Copy, Debug)]
+enum Value {
+    Word(i64, u32),
+    Floats(f64, f64),
 }
 
 /// Makes a hash of the place and the length of a text. The greatest factor is odd, so that no two places of one length
@@ -341,6 +403,7 @@ impl Record {
         let mut audit = Audit { overflows, underflows, divisions_by_zero, ..Audit::default() };
         for mut signal in signals {
             signal.include_newest();
+            signal.include_words();
             let Signal { name, range, histogram, .. } = signal;
             audit.signals.insert(name, range);
             // A signal of which only errors were noted has no values.
@@ -395,8 +458,8 @@ impl<R: Backend> Wrapper for Audited<R> {
     fn observe(operation: Operation, operands: &[Self], result: R) -> Self {
         if operation == Operation::Div && operands[1].0.is_zero() {
             note_division_by_zero();
-        } else if let Some(fraction_bits) = R::fraction_bits() {
-            let x = |i: usize| units(operands[i].0);
+        } else if !R::IS_FLOATING {
+            let (x, fraction_bits) = (|i: usize| units(operands[i].0), || R::fraction_bits().unwrap_or(0));
             note_fate(Fate::in_fixed_point(operation, (x, operands.len()), units(result), fraction_bits));
         } else {
             note_fate(Fate::in_float(operation, (|i: usize| operands[i].0, operands.len()), result));
@@ -409,7 +472,7 @@ impl<R: Backend> Wrapper for Audited<R> {
             note_division_by_zero();
         } else if let Some(fraction_bits) = R::fraction_bits() {
             let x = |i: usize| if i == 0 { numerator.into() } else { denominator.into() };
-            note_fate(Fate::in_fixed_point(Operation::Div, (x, 2), units(result), fraction_bits));
+            note_fate(Fate::in_fixed_point(Operation::Div, (x, 2), units(result), || fraction_bits));
         }
         Self(result)
     }
@@ -431,7 +494,7 @@ impl<R: Backend> Wrapper for Audited<R> {
     #[inline]
     fn named(self, name: &'static str) -> Self {
         let value = match (self.0.word(), R::fraction_bits()) {
-            (Some(word), Some(fraction_bits)) => Value::Word { word, fraction_bits },
+            (Some(word), Some(fraction_bits)) => Value::Word(word, fraction_bits),
             _ => {
                 let (high, low) = self.0.to_f64_pair();
                 Value::Floats(high, low)
@@ -497,6 +560,11 @@ mod tests {
                     (0..*times).for_each(|_| drop(Audited(*value).signal(NAMES[*name])));
                 }
             });
+            let ((), words) = Audit::of(|| {
+                for (name, value, times) in &values {
+                    (0..*times).for_each(|_| drop(audited(*value).signal(NAMES[*name])));
+                }
+            });
             let mut expected = Audit::default();
             for (name, value, times) in values {
                 for _ in 0..times {
@@ -504,8 +572,30 @@ mod tests {
                     expected.histograms.entry(NAMES[name]).or_default().include((value, 0.0));
                 }
             }
-            prop_assert_eq!(found, expected);
+            prop_assert_eq!(&found, &expected);
+            prop_assert_eq!(words, expected);
         }
+    }
+
+    /// The figures of words of 64 bits, cut toward zero, are those of their exact values.
+    #[test]
+    fn the_longest_words_keep_their_figures() {
+        let number = |word: i64| {
+            Audited(
+                I4F60::from_f64_pair(
+                    (word >> 11) as f64 * 2.0_f64.powi(-49),
+                    (word & 2047) as f64 * 2.0_f64.powi(-60),
+                )
+                .unwrap(),
+            )
+        };
+        let words = [i64::MIN, i64::MAX, (1 << 62) - 1, -(1 << 62) + 1, 3, 0];
+        let ((), found) = Audit::of(|| words.iter().for_each(|word| drop(number(*word).signal("x"))));
+        let (x, unit) = (found.signals["x"], 2.0_f64.powi(-60));
+        let below = |power: i32| 2.0_f64.powi(power).next_down();
+        assert_eq!((x.min, x.max, x.min_magnitude), (-8.0, below(3), 3.0 * unit));
+        assert_eq!((x.count, x.zeros), (6, 1));
+        assert_eq!(found.histograms["x"].bins().collect::<Vec<_>>(), [(-59, 1), (1, 2), (2, 1), (3, 1)]);
     }
 
     #[test]

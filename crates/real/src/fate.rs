@@ -47,14 +47,15 @@ impl Fate {
         operation: Operation,
         (x, count): (impl Fn(usize) -> i128, usize),
         result: i128,
-        fraction_bits: u32,
+        fraction_bits: impl Fn() -> u32,
     ) -> Self {
         match operation {
             Operation::Add => Self::of(result, x(0) + x(1), 1),
             Operation::Sub => Self::of(result, x(0) - x(1), 1),
             Operation::Neg => Self::of(result, -x(0), 1),
-            Operation::Mul => Self::of_product(result, x(0) * x(1), fraction_bits),
+            Operation::Mul => Self::of_product(result, x(0) * x(1), fraction_bits()),
             Operation::MulAdd => {
+                let fraction_bits = fraction_bits();
                 Self::of_product(result, x(0) * x(1) + (x(2) << fraction_bits), fraction_bits)
             }
             Operation::SumOfProducts => {
@@ -64,10 +65,10 @@ impl Fate {
                     let (sum, carry) = sum.overflowing_add(product);
                     (sum, carries + i64::from(carry) * if product < 0 { -1 } else { 1 })
                 });
-                if carries == 0 { Self::of_product(result, sum, fraction_bits) } else { Self::Overflowed }
+                if carries == 0 { Self::of_product(result, sum, fraction_bits()) } else { Self::Overflowed }
             }
-            Operation::Div => Self::of(result * x(1).signum(), x(0) << fraction_bits, x(1).abs()),
-            Operation::Sqrt => Self::of_root(result, x(0).max(0).unsigned_abs() << fraction_bits),
+            Operation::Div => Self::of(result * x(1).signum(), x(0) << fraction_bits(), x(1).abs()),
+            Operation::Sqrt => Self::of_root(result, x(0).max(0).unsigned_abs() << fraction_bits()),
             Operation::Norm => {
                 let squares = (0..count).map(|i| x(i).unsigned_abs().pow(2));
                 Self::of_root(result, squares.fold(0, u128::saturating_add))

@@ -28,6 +28,13 @@ impl Histogram {
         }
     }
 
+    /// Adds to the count of a bin.
+    pub(crate) fn add(&mut self, exponent: i32, count: u64) {
+        if count > 0 {
+            *self.bin(exponent) += count;
+        }
+    }
+
     /// The count of a bin that is about to be raised.
     fn bin(&mut self, exponent: i32) -> &mut u64 {
         if self.counts.is_empty() {
@@ -47,7 +54,7 @@ impl Histogram {
     /// Adds the counts of another histogram.
     pub fn join(&mut self, other: &Self) {
         for (exponent, count) in other.bins() {
-            *self.bin(exponent) += count;
+            self.add(exponent, count);
         }
     }
 
