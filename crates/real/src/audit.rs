@@ -557,12 +557,16 @@ mod tests {
             const NAMES: [&str; 5] = ["a", "b", "c", "d", "e"];
             let ((), found) = Audit::of(|| {
                 for (name, value, times) in &values {
-                    (0..*times).for_each(|_| drop(Audited(*value).signal(NAMES[*name])));
+                    for _ in 0..*times {
+                        let _ = Audited(*value).signal(NAMES[*name]);
+                    }
                 }
             });
             let ((), words) = Audit::of(|| {
                 for (name, value, times) in &values {
-                    (0..*times).for_each(|_| drop(audited(*value).signal(NAMES[*name])));
+                    for _ in 0..*times {
+                        let _ = audited(*value).signal(NAMES[*name]);
+                    }
                 }
             });
             let mut expected = Audit::default();
@@ -590,7 +594,7 @@ mod tests {
             )
         };
         let words = [i64::MIN, i64::MAX, (1 << 62) - 1, -(1 << 62) + 1, 3, 0];
-        let ((), found) = Audit::of(|| words.iter().for_each(|word| drop(number(*word).signal("x"))));
+        let (_, found) = Audit::of(|| words.map(|word| number(word).signal("x").0));
         let (x, unit) = (found.signals["x"], 2.0_f64.powi(-60));
         let below = |power: i32| 2.0_f64.powi(power).next_down();
         assert_eq!((x.min, x.max, x.min_magnitude), (-8.0, below(3), 3.0 * unit));
