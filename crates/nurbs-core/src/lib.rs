@@ -121,6 +121,7 @@ mod pieces {
     pub(crate) mod place;
     #[cfg(feature = "alloc")]
     pub(crate) mod ranges;
+    pub(crate) mod right_shifts;
     #[cfg(feature = "alloc")]
     mod scales;
     pub(crate) mod shift;
@@ -177,7 +178,8 @@ pub use nurbs::{
 };
 pub use pieces::{
     piece::{Joint, ORIGIN_EXPONENT, Piece},
-    pieces::Pieces,
+    pieces::{Coefficients, Pieces},
+    right_shifts::RightShifts,
     shift::{Shifted, shift},
 };
 pub use shapes::{

@@ -200,20 +200,27 @@ fn shifts_along_are_those_anew<R: Backend>(
     let Ok(table) = compile::<DoubleDouble, R, 2>(&[curve.as_curve()], &LIMITS) else { return Ok(()) };
     let pieces = table.as_pieces();
     let piece = piece.index(pieces.pieces.len());
-    let row = (piece, &pieces.pieces[piece]);
+    let row = &pieces.pieces[piece];
     let expected = pieces.shifted(piece, R::fraction(to));
+    let place = pieces.in_units_of_path(row, &expected.offset);
     let begin = pieces.shifted(piece, R::fraction(from));
-    let mut at = begin;
-    pieces.shift_along::<MAX_DEGREE, false>(row, R::fraction(to), &mut at);
-    prop_assert_eq!(at, expected, "{}", R::name());
-    if pieces.degree == 3 {
+    let rows = [(row, None), (row, pieces.right_shifts(row))];
+    for row in rows {
         let mut at = begin;
-        pieces.shift_along::<3, false>(row, R::fraction(to), &mut at);
-        prop_assert_eq!(at, expected, "cubics in {}", R::name());
-        if !pieces.is_rational() {
+        let any = pieces.coefficients::<MAX_DEGREE, false>(piece).unwrap();
+        prop_assert_eq!(pieces.shift_along::<MAX_DEGREE, false>(row, &any, R::fraction(to), &mut at), place);
+        prop_assert_eq!(at, expected, "{}", R::name());
+        if pieces.degree == 3 {
             let mut at = begin;
-            pieces.shift_along::<3, true>(row, R::fraction(to), &mut at);
-            prop_assert_eq!(at, expected, "plain cubics in {}", R::name());
+            let cubic = pieces.coefficients::<3, false>(piece).unwrap();
+            prop_assert_eq!(pieces.shift_along::<3, false>(row, &cubic, R::fraction(to), &mut at), place);
+            prop_assert_eq!(at, expected, "cubics in {}", R::name());
+            if !pieces.is_rational() {
+                let mut at = begin;
+                let plain = pieces.coefficients::<3, true>(piece).unwrap();
+                prop_assert_eq!(pieces.shift_along::<3, true>(row, &plain, R::fraction(to), &mut at), place);
+                prop_assert_eq!(at, expected, "plain cubics in {}", R::name());
+            }
         }
     }
     Ok(())

@@ -10,6 +10,7 @@ use core::ops::{Add, Div, Mul, Neg, Sub};
 use fixed::traits::{Fixed, FixedSigned};
 use num_traits::{AsPrimitive, Bounded, FromPrimitive, One, WrappingAdd, Zero};
 
+use crate::real::phase_of;
 use crate::{Backend, FormatName, Real, Word};
 
 /// A signed fixed-point number of the `fixed` crate, as a [`Real`].
@@ -36,6 +37,9 @@ where
     /// Whether the machine has registers of twice the width.
     const WIDE_IS_A_REGISTER: bool = 2 * Self::BITS <= usize::BITS as usize;
 
+    /// Whether a phase is best put together from words of the format's own width.
+    const IN_HALVES: bool = Self::BITS == 32 && usize::BITS == 32;
+
     /// The number `bits · 2⁻ᶠ`.
     #[inline]
     #[must_use]
@@ -59,6 +63,20 @@ where
     #[inline]
     fn wrap(wide: WideBits<F>) -> Self {
         Self(F::from_bits(wide.as_()))
+    }
+
+    /// A product or a sum of products as a number: to nearest, ties up.
+    #[inline]
+    fn rounded(sum: WideBits<F>) -> Self {
+        Self(F::from_bits(Bits::<F>::rounded(sum, F::FRAC_NBITS)))
+    }
+
+    /// Drops one bit more than `less_one`, to nearest and ties up.
+    #[inline(always)]
+    fn lowered_by(bits: F::Bits, less_one: u32) -> Self {
+        // The last bit dropped says whether to round up: half a unit added to the bits might not fit the word.
+        let twice = bits >> less_one as usize;
+        Self(F::from_bits((twice >> 1) + (twice & Bits::<F>::one())))
     }
 
     /// Drops `shift` bits, rounding to nearest and ties up. Adding half a unit may wrap the wide word; the caller keeps
@@ -103,7 +121,7 @@ where
     type Output = Self;
     #[inline]
     fn mul(self, other: Self) -> Self {
-        Self::wrap(Self::round(self.wide() * other.wide(), Self::FRACTION_BITS))
+        Self::rounded(self.wide() * other.wide())
     }
 }
 
@@ -155,6 +173,7 @@ where
     F::Bits: Word,
 {
     const IS_FOR_SPEED: bool = true;
+    const MOST_LOWERED: u32 = F::INT_NBITS + F::FRAC_NBITS - 1;
 
     #[inline]
     fn resolution() -> Self {
@@ -168,9 +187,8 @@ where
 
     #[inline]
     fn mul_add(self, factor: Self, addend: Self) -> Self {
-        let product = self.wide() * factor.wide();
-        let sum = product.wrapping_add(&(addend.wide() << Self::FRACTION_BITS));
-        Self::wrap(Self::round(sum, Self::FRACTION_BITS))
+        // The addend has no digits behind the last place, so that the sum is rounded where the product is.
+        self * factor + addend
     }
 
     #[inline]
@@ -178,7 +196,7 @@ where
         let sum = pairs
             .into_iter()
             .fold(WideBits::<F>::zero(), |sum, (a, b)| sum.wrapping_add(&(a.wide() * b.wide())));
-        Self::wrap(Self::round(sum, Self::FRACTION_BITS))
+        Self::rounded(sum)
     }
 
     #[inline]
@@ -212,9 +230,13 @@ where
         if right >= width {
             return Self(F::ZERO); // at most half a unit is left, ties up from -½
         }
-        // The last bit dropped says whether to round up: half a unit added to the bits might not fit the word.
-        let twice = bits >> (right - 1) as usize;
-        Self(F::from_bits((twice >> 1) + (twice & Bits::<F>::one())))
+        Self::lowered_by(bits, right - 1)
+    }
+
+    #[inline(always)] // A call would cost more than what it does.
+    fn lowered(self, places: u8) -> Self {
+        // The mask changes nothing in the domain, and spares a test for what a shift by more means.
+        Self::lowered_by(self.0.to_bits(), u32::from(places).wrapping_sub(1) & Self::MOST_LOWERED)
     }
 
     #[inline]
@@ -230,9 +252,20 @@ where
     }
 
     #[inline]
+    fn fraction_of(product: u128, shift: u32) -> Self {
+        if Self::IN_HALVES && shift >= F::FRAC_NBITS {
+            return Self(F::from_bits(Bits::<F>::of_last_bits(leading_bits(product, shift - F::FRAC_NBITS))));
+        }
+        Self::fraction(phase_of(product, shift))
+    }
+
+    #[inline]
     fn to_phase(self, exponent: i32) -> u64 {
         let bits: u64 = self.0.to_bits().as_(); // of a negative number the first bit is set
         let left = (64 - F::FRAC_NBITS.cast_signed()).wrapping_add(exponent);
+        if Self::IN_HALVES && (1..32).contains(&left) && self.0 >= F::ZERO {
+            return phase_by_halves(bits, left.cast_unsigned());
+        }
         // A positive number of W bits has W - 1 digits: a shift to the left by up to 65 - W bits loses none. For W = 64
         // that is a single shift, which is not worth the question.
         let few = 65_i32.wrapping_sub_unsigned(F::INT_NBITS + F::FRAC_NBITS);
@@ -252,6 +285,23 @@ where
     fn is_finite(self) -> bool {
         true
     }
+}
+
+/// `bits << left` of a number that is not negative, for 1 to 31 places: a shift of 64 bits by any number of places takes three times as
+/// many instructions on a machine of 32 bits.
+#[inline]
+#[allow(clippy::cast_possible_truncation, reason = "a word of 32 bits")]
+fn phase_by_halves(bits: u64, left: u32) -> u64 {
+    let low = bits as u32;
+    let (left, right) = (left & 31, left.wrapping_neg() & 31);
+    (u64::from(low >> right) << 32) | u64::from(low << left)
+}
+
+/// `product / 2^(64 + shift)`, for a quotient below 2⁶⁴: its second half says nothing about it.
+#[inline]
+#[allow(clippy::cast_possible_truncation, reason = "the first half")]
+fn leading_bits(product: u128, shift: u32) -> u64 {
+    ((product >> 64) as u64) >> (shift & 63)
 }
 
 impl<F: FixedSigned + Send + Sync> Backend for FixedPoint<F>

@@ -54,6 +54,9 @@ pub trait Real:
     /// phase from the sum, whose last digit is far below any that a setpoint shows. If false, it adds phases.
     const ADDS_PLACES: bool = false;
 
+    /// The most places of [`lowered`](Real::lowered) in fixed point; 0 where nothing is gained by it.
+    const MOST_LOWERED: u32 = 0;
+
     /// The step between 1 and the next larger number: 2⁻²³ in `f32`, 2⁻ᶠ with f fraction bits.
     fn resolution() -> Self;
 
@@ -97,6 +100,13 @@ pub trait Real:
         Self::from_phase(phase, 0)
     }
 
+    /// `fraction(product / 2^shift)`, for a quotient below 2⁶⁴ and a shift below 64: a format of few digits does not need all of the
+    /// quotient.
+    #[must_use]
+    fn fraction_of(product: u128, shift: u32) -> Self {
+        Self::fraction(phase_of(product, shift))
+    }
+
     /// The fraction `self · 2^exponent` as an integer: `⌊self · 2^(64 + exponent)⌋`, 0 for a negative number and
     /// 2⁶⁴ - 1 from 1 on. Domain: `|exponent| ≤ 64`.
     fn to_phase(self, exponent: i32) -> u64;
@@ -124,6 +134,13 @@ pub trait Real:
     #[must_use]
     fn rescaled(self, exponent: i32) -> Self {
         if Self::IS_FLOATING { self } else { self.ldexp(exponent) }
+    }
+
+    /// `rescaled(-places)`, to the right by a number of places that is known to be in range. Domain: from 1 to
+    /// [`MOST_LOWERED`](Real::MOST_LOWERED) places in fixed point.
+    #[must_use]
+    fn lowered(self, places: u8) -> Self {
+        self.rescaled(-i32::from(places))
     }
 
     /// Names this value for a wrapper that observes it. Every other backend returns it unchanged, at no cost.
@@ -155,6 +172,13 @@ pub trait Real:
     fn half(self) -> Self {
         self.ldexp(-1)
     }
+}
+
+/// `product / 2^shift`, for a quotient below 2⁶⁴ and a shift below 64: the compiler knows that it is, which saves half of the work.
+#[inline]
+#[allow(clippy::cast_possible_truncation, reason = "the quotient is below 2⁶⁴")]
+pub(crate) fn phase_of(product: u128, shift: u32) -> u64 {
+    (product >> (shift & 63)) as u64
 }
 
 /// A [`Real`] with a name and with conversions from and to the floats that files hold. Tools need them; kernels do not.

@@ -22,6 +22,9 @@ pub trait Word:
     /// `√(Σ vᵢ²)`, rounded to nearest; saturates.
     fn length(words: impl Iterator<Item = Self>) -> Self;
 
+    /// The low bits of `⌊sum · 2^-fraction_bits + ½⌋`, for fewer fraction bits than the word has; the sum may wrap.
+    fn rounded(sum: Self::Wide, fraction_bits: u32) -> Self;
+
     /// The word nearest to `high + low`, ties to even, for a sum of two floats; `None` when out of range.
     fn nearest(high: f64, low: f64) -> Option<Self>;
 
@@ -30,6 +33,9 @@ pub trait Word:
 
     /// The word as a wider integer.
     fn widened(self) -> i64;
+
+    /// The last bits of a wider word.
+    fn of_last_bits(bits: u64) -> Self;
 
     /// The word nearest to `numerator · 2^fraction_bits / denominator`, ties away from zero; saturates. Over
     /// zero, the extreme with the sign of the numerator; `0/0` is 0.
@@ -43,7 +49,7 @@ mod sealed {
 macro_rules! word {
     (
         $word:ident, $wide:ty, $unsigned_wide:ty,
-        divide: $divide:expr, root: $root:expr,
+        divide: $divide:expr, root: $root:expr, round: $round:expr,
         ratio: $ratio:ty, divide_ratio: $divide_ratio:expr
     ) => {
         impl sealed::Sealed for $word {}
@@ -62,6 +68,11 @@ macro_rules! word {
             #[inline]
             fn widened(self) -> i64 {
                 self as i64
+            }
+
+            #[inline]
+            fn of_last_bits(bits: u64) -> $word {
+                bits as $word
             }
 
             #[inline]
@@ -93,6 +104,11 @@ macro_rules! word {
                     .fold(0, |sum: $unsigned_wide, square| sum.saturating_add(square));
                 let root: $unsigned_wide = $root(sum);
                 root.min(<$word>::MAX as $unsigned_wide) as $word
+            }
+
+            #[inline]
+            fn rounded(sum: $wide, fraction_bits: u32) -> $word {
+                $round(sum, fraction_bits)
             }
 
             fn nearest(high: f64, low: f64) -> Option<$word> {
@@ -137,10 +153,44 @@ fn root_u32(square: u32) -> u32 {
     root + u32::from(square - root * root > root)
 }
 
-word!(i8, i16, u16, divide: |n, d| (n / d, n % d), root: root_u16, ratio: u64, divide_ratio: divide_u64);
-word!(i16, i32, u32, divide: |n, d| (n / d, n % d), root: root_u32, ratio: u64, divide_ratio: divide_u64);
-word!(i32, i64, u64, divide: divide_u64, root: square_root::u64::nearest, ratio: u64, divide_ratio: divide_u64);
-word!(i64, i128, u128, divide: divide_u128, root: square_root::u128::nearest, ratio: u128, divide_ratio: divide_u128);
+/// [`Word::rounded`] by a sum in the wide word.
+macro_rules! rounded_wide {
+    ($word:ident, $wide:ident) => {
+        |sum: $wide, fraction_bits: u32| match fraction_bits {
+            0 => sum as $word,
+            bits => (sum.wrapping_add(1 << (bits - 1)) >> bits) as $word,
+        }
+    };
+}
+
+/// [`Word::rounded`] of 32 bits, on a machine whose registers have 32 as well: each half of the sum gives its part of the word,
+/// and the first bit behind the last place says whether to round up. Compilers form a shift of 64 bits in other ways, which
+/// take more instructions and hide from the next product that the word is one of 32 bits.
+#[inline]
+#[allow(clippy::cast_possible_truncation, reason = "the halves of a word of 64 bits")]
+pub(crate) fn rounded_by_halves(sum: i64, fraction_bits: u32) -> i32 {
+    let (high, low) = ((sum >> 32) as u32, sum as u32);
+    if fraction_bits == 0 {
+        return low.cast_signed();
+    }
+    let up = (low >> (fraction_bits - 1)) & 1;
+    (high << (32 - fraction_bits)).wrapping_add(up).wrapping_add(low >> fraction_bits).cast_signed()
+}
+
+#[inline]
+#[allow(clippy::cast_possible_truncation, reason = "the low bits are meant")]
+fn round_i64(sum: i64, fraction_bits: u32) -> i32 {
+    if usize::BITS == 32 {
+        rounded_by_halves(sum, fraction_bits)
+    } else {
+        rounded_wide!(i32, i64)(sum, fraction_bits)
+    }
+}
+
+word!(i8, i16, u16, divide: |n, d| (n / d, n % d), root: root_u16, round: rounded_wide!(i8, i16), ratio: u64, divide_ratio: divide_u64);
+word!(i16, i32, u32, divide: |n, d| (n / d, n % d), root: root_u32, round: rounded_wide!(i16, i32), ratio: u64, divide_ratio: divide_u64);
+word!(i32, i64, u64, divide: divide_u64, root: square_root::u64::nearest, round: round_i64, ratio: u64, divide_ratio: divide_u64);
+word!(i64, i128, u128, divide: divide_u128, root: square_root::u128::nearest, round: rounded_wide!(i64, i128), ratio: u128, divide_ratio: divide_u128);
 
 /// Words from magnitude and sign: the magnitude is at most that of the least word, and the greatest word is one less.
 mod signed {
@@ -184,4 +234,20 @@ pub(crate) fn nearest(high: f64, low: f64) -> Option<i128> {
     let (whole, rest) = (sum >> 62, sum & (UNIT - 1));
     let up = rest > UNIT / 2 || (rest == UNIT / 2 && (lost || whole & 1 == 1));
     Some(whole + i128::from(up))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn halves_round_as_the_whole_does(sum: i64, fraction_bits in 0..32_u32) {
+            for sum in [sum, sum | 0xffff_ffff, sum >> 20, i64::MAX, i64::MIN, -1, 1 << 27] {
+                let whole = i32::rounded(sum, fraction_bits);
+                prop_assert_eq!(rounded_by_halves(sum, fraction_bits), whole, "{} {}", sum, fraction_bits);
+            }
+        }
+    }
 }

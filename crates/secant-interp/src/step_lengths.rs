@@ -109,7 +109,7 @@ impl<R: Real> LengthStage<R> {
         if self.change.is_zero() {
             return self.feed;
         }
-        let x = R::fraction(self.fraction(middle));
+        let x = R::fraction_of(self.product(middle), self.shift());
         self.change.mul_add(self.shape.mean(x, share), self.feed)
     }
 }

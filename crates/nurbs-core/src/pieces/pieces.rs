@@ -20,6 +20,7 @@ use core::ops::Range;
 
 use real::Real;
 
+use crate::pieces::right_shifts::{RightShifts, lowered_or_kept};
 use crate::pieces::shift::{divide_by_weight, horner};
 use crate::{MAX_DEGREE, ORIGIN_EXPONENT, Piece, Shifted, shift};
 
@@ -40,8 +41,14 @@ pub struct Pieces<'a, R, const D: usize> {
     pub chord_exponent: i32,
 }
 
-/// n_1 to n_p of one piece; and, if it is rational, w_0, and w_1 to w_p.
-type Coefficients<'a, R, const D: usize> = (&'a [[R; D]], Option<(R, &'a [R])>);
+/// The coefficients of one piece.
+#[derive(Clone, Copy, Debug)]
+pub struct Coefficients<'a, R, const D: usize> {
+    /// n_1 to n_p.
+    numerator: &'a [[R; D]],
+    /// If it is rational, w_0, and w_1 to w_p.
+    weights: Option<(R, &'a [R])>,
+}
 
 impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
     /// Whether a point takes a division by a weight.
@@ -120,6 +127,14 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
         core::array::from_fn(|d| offset[d].rescaled(units).signal("offset"))
     }
 
+    /// The scalings of a step on the piece of this row, if all of them go to the right.
+    #[must_use]
+    pub fn right_shifts(&self, row: &Piece<R, D>) -> Option<RightShifts> {
+        let [e, s, r] = [row.coordinate_exponent, row.step_exponent, row.range_exponent].map(i32::from);
+        let to_path = e.wrapping_sub(self.coordinate_exponent);
+        RightShifts::of::<R>([-r, e.wrapping_add(self.chord_exponent) - s, r - s, to_path], self.degree)
+    }
+
     /// A point in units of 2^[`ORIGIN_EXPONENT`] mm: the piece's origin plus an offset from it. The offset is in units
     /// of the path's `2^coordinate_exponent` mm, and is cut towards the origin to whole units. The sum is in integers
     /// of 64 bits, so that nothing is lost where the format itself cannot hold the path's extent.
@@ -161,15 +176,35 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
         self.shift_anew::<N, PLAIN>(piece, Some(t), at);
     }
 
-    /// [`shift_to`](Self::shift_to) where `at` holds the polynomials about another point of this piece, and the caller has its row.
+    /// The coefficients of a piece. N and PLAIN are those of [`shift_to`](Self::shift_to).
+    #[inline(always)]
+    #[must_use]
+    pub fn coefficients<const N: usize, const PLAIN: bool>(
+        &self,
+        piece: usize,
+    ) -> Option<Coefficients<'a, R, D>> {
+        let numerator = self.numerator::<N>(piece)?;
+        Some(Coefficients { numerator, weights: if PLAIN { None } else { self.weight::<N>(piece) } })
+    }
+
+    /// [`shift_to`](Self::shift_to) where `at` holds the polynomials about another point of this piece, and the caller has its row, its
+    /// coefficients and, unless N is [`MAX_DEGREE`], its scalings. Returns the point at t in the units of the path.
+    ///
+    /// The coefficients are looked up before `t` is known: a question between `t` and its products would keep compilers from
+    /// forming these as products of words.
     #[inline(always)] // Called, it would write its rows to memory in parts other than those in which they are read.
     pub fn shift_along<const N: usize, const PLAIN: bool>(
         &self,
-        (piece, row): (usize, &Piece<R, D>),
+        (row, shifts): (&Piece<R, D>, Option<RightShifts>),
+        coefficients: &Coefficients<'_, R, D>,
         t: R,
         at: &mut Shifted<R, D>,
-    ) {
-        self.shift_by::<N, PLAIN>((piece, row), Some(t), true, at);
+    ) -> [R; D] {
+        self.shift_by::<N>((row, shifts), coefficients, Some(t), PLAIN, at);
+        match shifts {
+            Some(shifts) if N < MAX_DEGREE => shifts.in_units_of_path(&at.offset),
+            _ => self.in_units_of_path(row, &at.offset),
+        }
     }
 
     /// Writes the polynomials about `t`, or about the begin if `t` is `None`, into `at`, whatever `at` holds.
@@ -180,31 +215,27 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
         t: Option<R>,
         at: &mut Shifted<R, D>,
     ) {
-        match self.pieces.get(piece) {
-            Some(row) => self.shift_by::<N, PLAIN>((piece, row), t, false, at),
-            None => *at = Shifted::default(),
+        match (self.pieces.get(piece), self.coefficients::<N, PLAIN>(piece)) {
+            (Some(row), Some(coefficients)) => self.shift_by::<N>((row, None), &coefficients, t, false, at),
+            _ => *at = Shifted::default(),
         }
     }
 
-    /// `shift_anew` for a caller that has the piece's row; `is_along` says that `at` holds polynomials of this piece.
-    /// The compiler knows `is_along`, and whether there is a `t`, as constants.
+    /// `shift_anew` for a caller that has the piece's row and coefficients; `keeps_top` says that `at` has the top coefficient, which
+    /// without weights is the same about all points of a piece. The compiler knows `keeps_top`, and whether there is a `t`, as constants.
     #[inline(always)]
-    fn shift_by<const N: usize, const PLAIN: bool>(
+    fn shift_by<const N: usize>(
         &self,
-        (piece, row): (usize, &Piece<R, D>),
+        (row, shifts): (&Piece<R, D>, Option<RightShifts>),
+        coefficients: &Coefficients<'_, R, D>,
         t: Option<R>,
-        is_along: bool,
+        keeps_top: bool,
         at: &mut Shifted<R, D>,
     ) {
-        let Some(numerator) = self.numerator::<N>(piece) else {
-            *at = Shifted::default();
-            return;
-        };
-        let weights = if PLAIN { None } else { self.weight::<N>(piece) };
         if N == MAX_DEGREE {
             // In place: on a controller, an array of its own would cost time for rows that the degree does not have.
-            let chord = at.chord.get_mut(..numerator.len()).unwrap_or_default();
-            self.form::<N>(row, (numerator, weights), t, &mut at.offset, chord, &mut at.weight);
+            let chord = at.chord.get_mut(..coefficients.numerator.len()).unwrap_or_default();
+            self.form::<N>((row, None), coefficients, t, &mut at.offset, chord, &mut at.weight);
             for (c, power) in chord.iter_mut().zip(self.chord_exponents(row)) {
                 for x in c {
                     *x = x.rescaled(power).signal("chord_coefficient");
@@ -214,13 +245,20 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
         }
         // A few rows fit registers, and are formed there.
         let mut rows = [[R::zero(); D]; N];
-        self.form::<N>(row, (numerator, weights), t, &mut at.offset, &mut rows, &mut at.weight);
-        // Without weights the top coefficient is the same at all points.
-        let changed =
-            if PLAIN && is_along { rows.split_last().map_or(&rows[..], |(_, rest)| rest) } else { &rows };
-        for ((slots, c), power) in at.chord.iter_mut().zip(changed).zip(self.chord_exponents(row)) {
-            for (slot, x) in slots.iter_mut().zip(c) {
-                *slot = x.rescaled(power).signal("chord_coefficient");
+        self.form::<N>((row, shifts), coefficients, t, &mut at.offset, &mut rows, &mut at.weight);
+        let changed = if keeps_top { rows.split_last().map_or(&rows[..], |(_, rest)| rest) } else { &rows };
+        let slots = at.chord.iter_mut().zip(changed);
+        if let Some(shifts) = shifts {
+            for ((slots, c), places) in slots.zip(shifts.of_chord()) {
+                for (slot, x) in slots.iter_mut().zip(c) {
+                    *slot = x.lowered(places).signal("chord_coefficient");
+                }
+            }
+        } else {
+            for ((slots, c), power) in slots.zip(self.chord_exponents(row)) {
+                for (slot, x) in slots.iter_mut().zip(c) {
+                    *slot = x.rescaled(power).signal("chord_coefficient");
+                }
             }
         }
     }
@@ -230,22 +268,30 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
     #[inline(always)] // Called, it would return its rows through memory: 13 % more instructions a step.
     fn form<const N: usize>(
         &self,
-        row: &Piece<R, D>,
-        (numerator, weights): Coefficients<'_, R, D>,
+        (row, shifts): (&Piece<R, D>, Option<RightShifts>),
+        coefficients: &Coefficients<'_, R, D>,
         t: Option<R>,
         offset: &mut [R; D],
         chord: &mut [[R; D]],
         weight: &mut [R; MAX_DEGREE],
     ) {
-        for (slot, x) in chord.as_flattened_mut().iter_mut().zip(numerator.as_flattened()) {
+        for (slot, x) in chord.as_flattened_mut().iter_mut().zip(coefficients.numerator.as_flattened()) {
             *slot = x.signal("coefficient");
         }
         let value = t.map_or([R::zero(); D], |t| shift(chord, t));
         for (slot, x) in offset.iter_mut().zip(value) {
             *slot = x.signal("offset");
         }
-        if let Some((constant, weights)) = weights {
+        if let Some((constant, weights)) = coefficients.weights {
             let turns = divide_by_weight::<_, D, N>(constant, weights, t, offset, chord);
+            if let Some(shifts) = shifts {
+                for ((slot, w), places) in
+                    weight.iter_mut().zip(turns).zip(shifts.of_weights()).take(chord.len())
+                {
+                    *slot = lowered_or_kept(w, places).signal("chord_weight");
+                }
+                return;
+            }
             let per_power = row.per_power();
             let mut power = 0;
             for (slot, w) in weight.iter_mut().zip(turns).take(chord.len()) {

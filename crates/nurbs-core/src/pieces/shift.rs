@@ -61,7 +61,7 @@ pub(crate) fn horner<R: Real, const D: usize>(rows: impl DoubleEndedIterator<Ite
 
 /// Shifts the polynomial `Σ_{k≥1} row_{k-1} x^k` to `t` in place, by repeated synthetic division; returns its value
 /// at t. Afterwards `row_{k-1}` is the k-th derivative at t over k!. For degree p it takes p(p+1)/2 multiplications.
-#[inline]
+#[inline(always)] // Called, it would take its rows through memory.
 pub fn shift<R: Real, const D: usize>(rows: &mut [[R; D]], t: R) -> [R; D] {
     // The first sweep divides the polynomial with the constant term 0, and that entry becomes the value. Each later
     // sweep divides the quotient before it and leaves one derivative.
@@ -79,7 +79,7 @@ pub fn shift<R: Real, const D: usize>(rows: &mut [[R; D]], t: R) -> [R; D] {
 }
 
 /// One sweep of Horner's scheme from the top coefficient down; each entry becomes the sum so far.
-#[inline]
+#[inline(always)]
 fn divide<R: Real, const D: usize>(rows: &mut [[R; D]], t: R) {
     let mut rows = rows.iter_mut().rev();
     let Some(mut above) = rows.next() else { return };

@@ -28,7 +28,6 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         feeds: &FeedOverride,
         rates: &mut OverrideState,
     ) -> Option<PieceSetpoint<R, D>> {
-        state.ahead = None;
         let Some(row) = self.pieces.pieces.get(state.piece) else {
             let is_early = feeds.advance(&self.lengths, &mut state.cursor, rates).is_some();
             if !is_early {
@@ -45,16 +44,14 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
                 } else {
                     R::zero()
                 };
-                Wanted::Chord { length, reach: sum_within(length, more, R::max_value()) }
+                Wanted { length, reach: sum_within(length, more, R::max_value()) }
             }
             None => {
                 feeds.approach(rates);
                 self.land(state, row, feeds, &mut rates.landing)
             }
         };
-        if let Wanted::Chord { reach, .. } = wanted
-            && reach <= R::zero()
-        {
+        if wanted.reach <= R::zero() {
             return Some(self.hold(state));
         }
         Some(self.follow_aside(state, row, wanted))
@@ -70,12 +67,12 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         feeds: &FeedOverride,
         landing: &mut Landing,
     ) -> Wanted<R> {
-        let Some(remaining) = self.remaining(state, row) else { return Wanted::Landing };
+        let Some(remaining) = self.remaining(state, row) else { return self.landing(state, row) };
         let longest = self.landing_step;
         match landing.advance(remaining, longest, feeds.landing_jerk(longest)) {
-            LandingStep::Part(part) => Wanted::Chord { length: part, reach: part },
-            LandingStep::Last => Wanted::Chord { length: remaining.min(longest), reach: longest },
-            LandingStep::Over => Wanted::Landing,
+            LandingStep::Part(part) => Wanted { length: part, reach: part },
+            LandingStep::Last => Wanted { length: remaining.min(longest), reach: longest },
+            LandingStep::Over => self.landing(state, row),
         }
     }
 

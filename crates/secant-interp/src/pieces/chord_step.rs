@@ -104,7 +104,7 @@ pub(crate) struct Evaluation<R> {
 
 impl<R: Real> Evaluation<R> {
     /// f and g on one piece, from q, x q' and w; `lightening` are the products of g that a weight adds.
-    #[inline]
+    #[inline(always)] // As the evaluation that it ends.
     pub(crate) fn new<const D: usize>(
         sigma: R,
         chord: &[R; D],
@@ -160,17 +160,12 @@ impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D,
         !PLAIN && self.rational
     }
 
-    /// σ and its step σL, which is no longer than the whole piece, if one evaluation at a start value in the range and
-    /// one correction are enough; otherwise the evaluation. f and g are so small in the first case that they need no
+    /// σ, if one evaluation at a start value in the range, whose step is x and no longer than the whole piece, and one
+    /// correction are enough; otherwise the evaluation. f and g are so small in the first case that they need no
     /// limits. The result is the same as that of [`refine`](Self::refine), and is found sooner.
     #[inline(always)]
-    pub(crate) fn correct(
-        &self,
-        sigma: R,
-        step: R,
-        tolerance: &ChordTolerance<R>,
-    ) -> Result<R, Evaluation<R>> {
-        let value = self.evaluate(sigma, step);
+    pub(crate) fn correct(&self, sigma: R, x: R, tolerance: &ChordTolerance<R>) -> Result<R, Evaluation<R>> {
+        let value = self.evaluate(sigma, x);
         if value.is_within(tolerance.residual, tolerance.growth) {
             let part = correction(sigma, &value);
             // In a float, a σ beyond the range fits too, and is as good a root.
@@ -234,12 +229,17 @@ impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D,
     /// The evaluation in the rare case that a second one is needed; compiled once.
     #[inline(never)]
     fn evaluate_aside(&self, sigma: R) -> Evaluation<R> {
-        self.evaluate(sigma, (sigma * self.length).signal("step").min(self.whole))
+        self.evaluate(sigma, self.variable((sigma * self.length).signal("step").min(self.whole)))
+    }
+
+    /// x, the step over 2^r.
+    #[inline]
+    pub(crate) fn variable(&self, step: R) -> R {
+        step.rescaled(-self.range_exponent).signal("chord_variable")
     }
 
     #[inline(always)] // Called by the common step, it would take what it needs through memory.
-    fn evaluate(&self, sigma: R, step: R) -> Evaluation<R> {
-        let x = step.rescaled(-self.range_exponent).signal("chord_variable");
+    fn evaluate(&self, sigma: R, x: R) -> Evaluation<R> {
         let (chord, turn) = self.chord_per_step(x);
         let (weight, weight_slope) = if self.is_rational() { self.weight(x) } else { (R::one(), R::zero()) };
         if let Some(before) = self.before {
@@ -298,7 +298,7 @@ impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D,
     /// The chord over the step η, in chord units.
     #[must_use]
     pub fn over(&self, step: R) -> [R; D] {
-        let x = step.rescaled(-self.range_exponent).signal("chord_variable");
+        let x = self.variable(step);
         let mut rows = self.at.chord.iter().take(self.count()).rev();
         let top = *rows.next().unwrap_or(&[R::zero(); D]);
         let add = |sum: [R; D], row: &[R; D]| {
@@ -344,16 +344,16 @@ pub(crate) fn value_and_slope<'a, R: Real + 'a, const M: usize>(
 }
 
 /// `σ f/2 (1 - g + g² - ¾f)`; f and g are limited already.
-#[inline]
+#[inline(always)]
 pub(crate) fn correction<R: Real>(sigma: R, value: &Evaluation<R>) -> R {
     let (f, g) = (value.residual, value.slope);
     let one = R::one();
+    let three_quarters = R::from_ratio(3, 4);
     let series = if R::IS_FLOATING {
-        one - g + g * g - R::from_ratio(3, 4) * f
+        one - g + g * g - three_quarters * f
     } else {
-        // Rounded once: a product by a power of two is a shift.
-        let (half, quarter, less) = (R::from_ratio(1, 2), R::from_ratio(1, 4), -f);
-        R::sum_of_products([(one - g, one), (g, g), (less, half), (less, quarter)])
+        // Both products are rounded once.
+        one - g + R::sum_of_products([(g, g), (-f, three_quarters)])
     };
     sigma.half() * f * series
 }

@@ -2,7 +2,7 @@
 
 use real::Real;
 
-use crate::pieces::piece_interpolator::CUBIC;
+use crate::pieces::state::CUBIC;
 use crate::pieces::trend::Trend;
 
 /// One number of each lane.

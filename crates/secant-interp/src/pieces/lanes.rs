@@ -21,8 +21,9 @@ use real::Lane;
 use crate::pieces::chord_step::{Evaluation, correction, is_within, value_and_slope};
 use crate::pieces::joint::Reached;
 use crate::pieces::lane_numbers::{NONE, Numbers, Row, Words, nowhere};
-use crate::pieces::piece_interpolator::{CUBIC, PieceInterpolator, Wanted};
+use crate::pieces::piece_interpolator::PieceInterpolator;
 use crate::pieces::place::{after, onward, place_of};
+use crate::pieces::state::CUBIC;
 use crate::pieces::state::{PieceSetpoint, PieceState};
 use crate::step_lengths::PERIOD;
 
@@ -151,8 +152,8 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
         }
         let (run, state) = (&self.runs[lane], &mut self.states[lane]);
         let Some(row) = run.pieces.pieces.get(state.piece) else {
-            state.ahead = None; // It was looked up before the lane moved the cursor.
-            self.alone[lane] = run.wait(state).map(|length| PieceSetpoint { length, ..run.hold(state) });
+            let length = run.lengths.advance(&mut state.cursor);
+            self.alone[lane] = length.map(|length| PieceSetpoint { length, ..run.hold(state) });
             self.ended |= Mask::from(self.alone[lane].is_none()) << lane;
             return;
         };
@@ -162,7 +163,7 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
             None => run.lengths.advance(&mut state.cursor),
         };
         let is_last = run.lengths.is_over(&state.cursor);
-        let wanted = planned.map_or(Wanted::Landing, |length| run.planned(length, is_last));
+        let wanted = planned.map_or_else(|| run.landing(state, row), |length| run.planned(length, is_last));
         self.alone[lane] = Some(run.follow_aside(state, row, wanted));
         if state.piece >= run.pieces.pieces.len() {
             // The end: the state's cursor takes back the periods that are left.

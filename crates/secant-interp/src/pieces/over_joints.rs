@@ -27,7 +27,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         step: &Reached<R>,
     ) -> u32 {
         if let Some(reached) = self.pass_joint(state.phase, &mut state.trend, row, step) {
-            return state.reach(&reached, self.pieces.pieces);
+            return state.reach(&reached, &self.pieces);
         }
         let travelled = self.way_to_end(state, row, length);
         step.evaluations + self.cross(state, row, travelled, length)
@@ -84,7 +84,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         length: R,
     ) -> u32 {
         let reached = self.find_across(state.piece, &mut state.trend, row, travelled, length);
-        let evaluations = state.reach(&reached, self.pieces.pieces);
+        let evaluations = state.reach(&reached, &self.pieces);
         if let Some(row) = self.pieces.pieces.get(state.piece) {
             state.trend = state.trend.within(&row.step_per_chord);
         }

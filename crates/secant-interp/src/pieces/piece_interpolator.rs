@@ -3,7 +3,7 @@
 //! The decisions of a period, from top to bottom. The further right, the rarer:
 //!
 //! ```text
-//! step ──────── is the distance of this period known? ─── no ──────────> step_anew: look it up; behind the plan's end, creep
+//! step ──────── has the plan a distance for this period? ─ no ──────────> landing: a landing step
 //!   │
 //! find_ahead ── is the guess in range and on this piece? ─ no ─────────> search ─┐   up to the end of the piece, or from a guess
 //!   │                                                                           │   that is held to the range
@@ -15,15 +15,15 @@
 //! shift_along: the polynomials about the new place        arrive: the same after all rare ways
 //! ```
 
-use nurbs_core::{MAX_DEGREE, Piece, Pieces, Shifted};
+use nurbs_core::{Coefficients, MAX_DEGREE, Piece, Pieces, RightShifts, Shifted};
 use real::Real;
 
 use crate::pieces::chord_step::{Chord, ChordTolerance, Evaluation, difference_within};
 use crate::pieces::joint::{Reached, sum_within};
 use crate::pieces::place::{after, is_on_piece, onward, place_of};
-use crate::pieces::state::{PieceSetpoint, PieceState};
+use crate::pieces::state::{CUBIC, Form, PieceSetpoint, PieceState};
 use crate::pieces::trend::Trend;
-use crate::step_lengths::{LengthCursor, StepLengths};
+use crate::step_lengths::{LengthCursor, PERIOD, StepLengths};
 
 /// Pieces, schedule and tolerances: all values that stay the same during a run.
 #[derive(Clone, Copy, Debug)]
@@ -40,10 +40,6 @@ pub struct PieceInterpolator<'a, R, const D: usize> {
     pub landing_step: R,
 }
 
-/// With the feature `cubic`, steps are also compiled for this degree alone: the compiler unrolls chains of three
-/// coefficients.
-pub(crate) const CUBIC: usize = 3;
-
 impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     /// Whether the end of the path has been commanded.
     #[must_use]
@@ -58,19 +54,16 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         self.pieces.shift_to_begin(0, &mut at);
         let first = self.pieces.pieces.first();
         let whole = first.map_or(R::one(), Piece::whole);
-        let cursor = LengthCursor::default();
         let mut state = PieceState {
-            cursor,
-            ahead: None,
-            next: cursor,
+            cursor: LengthCursor::default(),
             piece: 0,
             phase: 0,
             whole,
+            form: first.map_or(Form::Any, |row| Form::of(&self.pieces, row)),
             trend: Trend::steady(R::zero()),
             t: R::zero(),
             at,
         };
-        self.look_ahead(&mut state);
         if let Some(row) = first {
             state.trend = Trend::steady(self.first_step_per_chord(&state, row));
         }
@@ -81,7 +74,8 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     /// where evaluations do not count. Guesses from an arbitrary history would be off by most of the range.
     fn first_step_per_chord(&self, state: &PieceState<R, D>, row: &Piece<R, D>) -> R {
         let [low, high] = row.step_per_chord;
-        let length = state.ahead.unwrap_or(self.landing_step);
+        let length =
+            self.lengths.advance_by(&mut LengthCursor::default(), PERIOD).unwrap_or(self.landing_step);
         let tolerance = ChordTolerance { max_evaluations: u32::from(u8::MAX), ..self.tolerance };
         self.chord(row, &state.at, length).solve(low + (high - low).half(), &tolerance).0
     }
@@ -100,32 +94,24 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     /// steps per chord are limited to a sixteenth above that of the piece's slowest point, and such a chord has an arc
     /// that is longer by more.
     ///
-    /// The distance of the next period is computed a period early, so a state must keep to one schedule.
-    ///
     /// The function is compiled into its caller: where flash is short, call it from one place.
     #[inline(always)] // Called, it takes a tenth longer in fixed point: the state and the setpoint go through memory.
     pub fn step(&self, state: &mut PieceState<R, D>) -> Option<PieceSetpoint<R, D>> {
+        let Some(length) = self.lengths.advance(&mut state.cursor) else {
+            return self.step_behind_plan(state);
+        };
         let Some(row) = self.pieces.pieces.get(state.piece) else {
-            let length = self.wait(state)?;
             return Some(PieceSetpoint { length, ..self.hold(state) });
         };
-        if state.ahead.is_none() {
-            self.look_ahead(state);
-        }
-        let wanted = match state.ahead {
-            Some(length) => self.take_ahead(state, length),
-            None => Wanted::Landing,
-        };
-        Some(self.follow(state, row, wanted))
+        Some(self.follow(state, row, self.planned(length, self.lengths.is_over(&state.cursor))))
     }
 
-    /// The chord of the period that was looked up, of this length. The distance of the period after it is computed now,
-    /// so that the processor has it ready by the time this step is found.
-    #[inline(always)]
-    fn take_ahead(&self, state: &mut PieceState<R, D>, length: R) -> Wanted<R> {
-        state.cursor = state.next;
-        state.ahead = self.lengths.advance(&mut state.next);
-        self.planned(length, state.ahead.is_none())
+    /// A step when the schedule is over: a landing step, unless the path is at its end too.
+    #[cold]
+    #[inline(never)]
+    fn step_behind_plan(&self, state: &mut PieceState<R, D>) -> Option<PieceSetpoint<R, D>> {
+        let row = self.pieces.pieces.get(state.piece)?;
+        Some(self.follow_aside(state, row, self.landing(state, row)))
     }
 
     /// The next setpoint, at a chord of this length, whatever the schedule says; `None` once the end of the path has
@@ -143,7 +129,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     pub fn step_by(&self, state: &mut PieceState<R, D>, length: R) -> Option<PieceSetpoint<R, D>> {
         let row = self.pieces.pieces.get(state.piece)?;
         Some(if length > R::zero() {
-            self.follow(state, row, Wanted::Chord { length, reach: length })
+            self.follow(state, row, Wanted { length, reach: length })
         } else {
             self.hold(state)
         })
@@ -158,28 +144,6 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         PieceSetpoint { piece, phase, offset, length: R::zero(), evaluations: 0 }
     }
 
-    /// The distance that the schedule has for a period in which a run stands, because it came to the end of its path
-    /// before its schedule is over.
-    #[cold]
-    #[inline(never)]
-    pub(crate) fn wait(&self, state: &mut PieceState<R, D>) -> Option<R> {
-        if state.ahead.is_none() {
-            self.look_ahead(state);
-        }
-        let length = state.ahead?;
-        state.cursor = state.next;
-        state.ahead = self.lengths.advance(&mut state.next);
-        Some(length)
-    }
-
-    /// Takes the next period's distance from the schedule.
-    #[cold]
-    #[inline(never)]
-    fn look_ahead(&self, state: &mut PieceState<R, D>) {
-        state.next = state.cursor;
-        state.ahead = self.lengths.advance(&mut state.next);
-    }
-
     /// One period.
     #[inline(always)]
     fn follow(
@@ -188,14 +152,10 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         row: &Piece<R, D>,
         wanted: Wanted<R>,
     ) -> PieceSetpoint<R, D> {
-        if R::IS_FOR_SPEED && cfg!(feature = "cubic") && self.pieces.degree == CUBIC {
-            if self.pieces.is_rational() {
-                self.follow_on::<CUBIC, false>(state, row, wanted)
-            } else {
-                self.follow_on::<CUBIC, true>(state, row, wanted)
-            }
-        } else {
-            self.follow_on::<MAX_DEGREE, false>(state, row, wanted)
+        match state.form {
+            Form::Cubic(shifts) => self.follow_on::<CUBIC, true>(state, (row, Some(shifts)), wanted),
+            Form::RationalCubic(shifts) => self.follow_on::<CUBIC, false>(state, (row, Some(shifts)), wanted),
+            Form::Any => self.follow_on::<MAX_DEGREE, false>(state, (row, None), wanted),
         }
     }
 
@@ -216,7 +176,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     pub(crate) fn planned(&self, length: R, is_last: bool) -> Wanted<R> {
         let length = length.signal("chord_length");
         let reach = if is_last { sum_within(length, self.landing_step, R::max_value()) } else { length };
-        Wanted::Chord { length, reach }
+        Wanted { length, reach }
     }
 
     /// One period on pieces of degree N, or with [`MAX_DEGREE`] on pieces of any degree; if PLAIN, only on pieces
@@ -225,25 +185,18 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     fn follow_on<const N: usize, const PLAIN: bool>(
         &self,
         state: &mut PieceState<R, D>,
-        row: &Piece<R, D>,
-        wanted: Wanted<R>,
+        (row, shifts): (&Piece<R, D>, Option<RightShifts>),
+        Wanted { length, reach }: Wanted<R>,
     ) -> PieceSetpoint<R, D> {
-        let (length, reach) = match wanted {
-            Wanted::Chord { length, reach } => (length, reach),
-            Wanted::Landing => {
-                let length = self.creep_length(state, row).signal("chord_length");
-                (length, length)
-            }
-        };
-        let evaluations = match self.find_ahead::<N, PLAIN>(state, row, reach) {
-            Ok(sigma) => {
+        let evaluations = match self.find_ahead::<N, PLAIN>(state, (row, shifts), reach) {
+            Ok((sigma, coefficients)) => {
                 let step = sigma * reach;
-                if let Some(place) = onward(row, (state.phase, state.t), step) {
-                    (state.phase, state.t) = place;
+                if let Some((phase, t)) = onward(row, (state.phase, state.t), step) {
+                    (state.phase, state.t) = (phase, t);
                     state.trend = state.trend.and(sigma);
-                    let t = state.t.signal("parameter");
-                    self.pieces.shift_along::<N, PLAIN>((state.piece, row), t, &mut state.at);
-                    let offset = self.pieces.in_units_of_path(row, &state.at.offset);
+                    let t = t.signal("parameter");
+                    let offset =
+                        self.pieces.shift_along::<N, PLAIN>((row, shifts), &coefficients, t, &mut state.at);
                     return PieceSetpoint {
                         piece: state.piece,
                         phase: state.phase,
@@ -273,7 +226,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     /// step per chord, which is no less than the format's resolution.
     #[cold]
     #[inline(never)]
-    fn creep_length(&self, state: &PieceState<R, D>, row: &Piece<R, D>) -> R {
+    pub(crate) fn landing(&self, state: &PieceState<R, D>, row: &Piece<R, D>) -> Wanted<R> {
         let place = (state.phase, state.t);
         let moves = |length: R| onward(row, place, row.step_per_chord[0] * length) != Some(place);
         let mut length = self.landing_step.max(R::resolution());
@@ -283,18 +236,20 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
             }
             length = length + length;
         }
-        length
+        let length = length.signal("chord_length");
+        Wanted { length, reach: length }
     }
 
-    /// σ of a common step: on the present piece, if the guess and one correction are enough. If they are not, the
-    /// evaluation of the guess. If the guess is out of range or leads past the piece, `None` instead of an evaluation.
+    /// σ of a common step, with the coefficients of the piece: on the present piece, if the guess and one correction are enough. If
+    /// they are not, the evaluation of the guess. If the guess is out of range or leads past the piece, `None` instead of an evaluation.
     #[inline(always)]
     fn find_ahead<const N: usize, const PLAIN: bool>(
         &self,
         state: &PieceState<R, D>,
-        row: &Piece<R, D>,
+        (row, shifts): (&Piece<R, D>, Option<RightShifts>),
         length: R,
-    ) -> Result<R, Option<Evaluation<R>>> {
+    ) -> Result<(R, Coefficients<'_, R, D>), Option<Evaluation<R>>> {
+        let coefficients = self.pieces.coefficients::<N, PLAIN>(state.piece).ok_or(None)?;
         let Trend { newest, fall, .. } = state.trend;
         let guess = difference_within(newest, fall, &row.step_per_chord).ok_or(None)?;
         let step = guess * length;
@@ -303,7 +258,11 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         }
         let step = step.signal("step");
         let chord = self.chord_on::<N, PLAIN>(row, state.whole, &state.at, length);
-        chord.correct(guess, step, &self.tolerance).map_err(Some)
+        let x = match shifts {
+            Some(shifts) if N < MAX_DEGREE => step.lowered(shifts.variable).signal("chord_variable"),
+            _ => chord.variable(step),
+        };
+        chord.correct(guess, x, &self.tolerance).map(|sigma| (sigma, coefficients)).map_err(Some)
     }
 
     /// Shifts the polynomials to the place where a step arrived that was not a common one. Returns the index of their
@@ -403,11 +362,9 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     }
 }
 
-/// The chord of a period.
+/// The chord of a period. The step is solved for `reach`, and ends where the path does if the path ends within it.
 #[derive(Clone, Copy)]
-pub(crate) enum Wanted<R> {
-    /// A chord of this length. The step is solved for `reach`, and ends where the path does if the path ends within it.
-    Chord { length: R, reach: R },
-    /// A landing step on the part of the path behind the schedule's end.
-    Landing,
+pub(crate) struct Wanted<R> {
+    pub(crate) length: R,
+    pub(crate) reach: R,
 }

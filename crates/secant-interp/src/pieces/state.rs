@@ -1,6 +1,6 @@
 //! The state of a run on pieces, and the setpoint of a period.
 
-use nurbs_core::{Piece, Shifted};
+use nurbs_core::{Piece, Pieces, RightShifts, Shifted};
 use real::Real;
 
 use crate::pieces::joint::Reached;
@@ -27,20 +27,44 @@ pub struct PieceSetpoint<R, const D: usize> {
 #[derive(Clone, Copy, Debug)]
 pub struct PieceState<R, const D: usize> {
     pub(crate) cursor: LengthCursor,
-    /// The distance of the next period at the plan's own speed, and the cursor after that period. `None` behind the
-    /// schedule's end, and after the cursor was moved: the next step then looks ahead anew.
-    pub(crate) ahead: Option<R>,
-    pub(crate) next: LengthCursor,
     pub(crate) piece: usize,
     pub(crate) phase: u64,
     /// 2^s of `piece`. In fixed point, computing it anew would take a tenth of the time of a step.
     pub(crate) whole: R,
+    /// How a step on `piece` is computed.
+    pub(crate) form: Form,
     /// σ of the last steps, in the scale of `piece`.
     pub(crate) trend: Trend<R>,
     /// The piece's polynomials about t, the place of `phase`. They were computed for the setpoint there, and the next
     /// step begins with them.
     pub(crate) t: R,
     pub(crate) at: Shifted<R, D>,
+}
+
+/// The forms in which a step is compiled. All give the same setpoints.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Form {
+    /// For every piece.
+    Any,
+    /// On a cubic without weights whose scalings all go to the right.
+    Cubic(RightShifts),
+    /// The same with weights.
+    RationalCubic(RightShifts),
+}
+
+/// The degree that has forms of its own, with the feature `cubic`: the compiler unrolls chains of three coefficients.
+pub(crate) const CUBIC: usize = 3;
+
+impl Form {
+    /// The form for a piece of this row.
+    pub(crate) fn of<R: Real, const D: usize>(pieces: &Pieces<'_, R, D>, row: &Piece<R, D>) -> Self {
+        let has_own = R::IS_FOR_SPEED && cfg!(feature = "cubic") && pieces.degree == CUBIC;
+        match pieces.right_shifts(row).filter(|_| has_own) {
+            None => Self::Any,
+            Some(shifts) if pieces.is_rational() => Self::RationalCubic(shifts),
+            Some(shifts) => Self::Cubic(shifts),
+        }
+    }
 }
 
 impl<R: Real, const D: usize> PieceState<R, D> {
@@ -51,10 +75,12 @@ impl<R: Real, const D: usize> PieceState<R, D> {
     }
 
     /// Moves to the end of a step over a joint. Returns its evaluations.
-    pub(crate) fn reach(&mut self, reached: &Reached<R>, pieces: &[Piece<R, D>]) -> u32 {
+    pub(crate) fn reach(&mut self, reached: &Reached<R>, pieces: &Pieces<'_, R, D>) -> u32 {
         self.trend = self.trend.and(reached.sigma);
         (self.piece, self.phase) = (reached.piece, reached.phase);
-        self.whole = pieces.get(self.piece).map_or(R::one(), Piece::whole);
+        if let Some(row) = pieces.pieces.get(self.piece) {
+            (self.whole, self.form) = (row.whole(), Form::of(pieces, row));
+        }
         reached.evaluations
     }
 }
