@@ -28,7 +28,7 @@ impl<R: Backend, const D: usize> Compiled<R, D> {
     pub(crate) fn interpolator(&self) -> PieceInterpolator<'_, R, D> {
         PieceInterpolator {
             pieces: self.table.as_pieces(),
-            lengths: StepLengths { stages: &self.stages },
+            lengths: StepLengths { stages: &self.stages, crossings: &[] },
             tolerance: ChordTolerance::for_fluctuation(Some(1e-6), 5),
             landing_step: R::zero(),
         }

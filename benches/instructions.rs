@@ -41,7 +41,7 @@ fn interpolator<'a, R: Backend, const D: usize>(
 ) -> PieceInterpolator<'a, R, D> {
     PieceInterpolator {
         pieces: table.as_pieces(),
-        lengths: StepLengths { stages },
+        lengths: StepLengths { stages, crossings: &[] },
         tolerance: ChordTolerance::for_fluctuation(Some(1e-6), 5),
         landing_step: R::zero(),
     }
@@ -62,7 +62,7 @@ type Given<const D: usize> = (PiecesBuf<f64, D>, Vec<f64>, PieceState<f64, D>);
 fn given<const D: usize>(path: &Path<D>) -> Given<D> {
     let (table, stages, _) = compiled::<f64, D>(path);
     let mut cursor = LengthCursor::default();
-    let lengths = StepLengths { stages: &stages };
+    let lengths = StepLengths { stages: &stages, crossings: &[] };
     let chords = (0..CALLS).filter_map(|_| lengths.advance(&mut cursor)).collect();
     let start = interpolator(&table, &[]).start();
     (table, chords, start)

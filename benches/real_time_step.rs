@@ -16,7 +16,7 @@ use crate::textbook::Textbook;
 pub(crate) fn beside_textbook<const D: usize>(path: &Path<D>) {
     let ours = Compiled::<f64, D>::new(path);
     let unit_mm = 1.0_f64.ldexp(-ours.table.as_pieces().chord_exponent);
-    let textbook = Textbook::new(&path.curve, StepLengths { stages: &ours.stages }, unit_mm);
+    let textbook = Textbook::new(&path.curve, StepLengths { stages: &ours.stages, crossings: &[] }, unit_mm);
     let (steps, mean) = ours.follow();
     let mut state = textbook.start();
     let (mut theirs, mut sum) = (0_u64, 0.0);

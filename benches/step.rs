@@ -15,7 +15,7 @@ fn on_pieces<R: Backend, const D: usize>(criterion: &mut Criterion, path: &Path<
     let stages = path.stages::<R>(pieces.chord_exponent);
     let interpolator = PieceInterpolator {
         pieces,
-        lengths: StepLengths { stages: &stages },
+        lengths: StepLengths { stages: &stages, crossings: &[] },
         tolerance: ChordTolerance::for_fluctuation(Some(1e-6), 5),
         landing_step: R::zero(),
     };

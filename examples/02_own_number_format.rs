@@ -21,8 +21,12 @@ fn fluctuation<R: Backend>() -> Result<f64, Box<dyn Error>> {
     let pieces = table.as_pieces();
     let chord = R::from_f64(0.1.ldexp(pieces.chord_exponent)).ok_or("0.1 mm does not fit")?;
     let tolerance = ChordTolerance::for_fluctuation(Some(1e-9), 5);
-    let run =
-        PieceInterpolator { pieces, lengths: StepLengths { stages: &[] }, tolerance, landing_step: chord };
+    let run = PieceInterpolator {
+        pieces,
+        lengths: StepLengths { stages: &[], crossings: &[] },
+        tolerance,
+        landing_step: chord,
+    };
     let mut state = run.start();
     let (mut before, mut worst) = ([0.0; 2], 0.0_f64);
     let mut chords = Vec::new();

@@ -26,7 +26,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     let in_chord_units = |mm: f64| I4F28::from_f64(mm.ldexp(pieces.chord_exponent)).unwrap_or_default();
     let tolerance = ChordTolerance::for_fluctuation(Some(1e-6), 5);
     let landing_step = in_chord_units(0.001);
-    let run = PieceInterpolator { pieces, lengths: StepLengths { stages: &[] }, tolerance, landing_step };
+    let run = PieceInterpolator {
+        pieces,
+        lengths: StepLengths { stages: &[], crossings: &[] },
+        tolerance,
+        landing_step,
+    };
 
     let mut state = run.start();
     let mut before = [0.0; 2];

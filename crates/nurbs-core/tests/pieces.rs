@@ -186,7 +186,7 @@ fn begins_are_those_of_zero<R: Backend>(
     let pieces = table.as_pieces();
     let piece = piece.index(pieces.pieces.len());
     let mut at = pieces.shifted(piece, R::one().half());
-    pieces.shift_to_begin(piece, &mut at);
+    pieces.shift_to_begin::<MAX_DEGREE, false>(piece, &mut at);
     prop_assert_eq!(at, pieces.shifted(piece, R::zero()), "{}", R::name());
     Ok(())
 }

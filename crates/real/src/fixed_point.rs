@@ -59,6 +59,12 @@ where
         self.0.to_bits().as_()
     }
 
+    /// The exact product, in units of 2⁻²ᶠ.
+    #[inline]
+    fn product(self, factor: Self) -> WideBits<F> {
+        self.0.to_bits().product(factor.0.to_bits())
+    }
+
     /// Keeps the low bits: a result that does not fit wraps.
     #[inline]
     fn wrap(wide: WideBits<F>) -> Self {
@@ -121,7 +127,7 @@ where
     type Output = Self;
     #[inline]
     fn mul(self, other: Self) -> Self {
-        Self::rounded(self.wide() * other.wide())
+        Self::rounded(self.product(other))
     }
 }
 
@@ -193,9 +199,8 @@ where
 
     #[inline]
     fn sum_of_products(pairs: impl IntoIterator<Item = (Self, Self)>) -> Self {
-        let sum = pairs
-            .into_iter()
-            .fold(WideBits::<F>::zero(), |sum, (a, b)| sum.wrapping_add(&(a.wide() * b.wide())));
+        let sum =
+            pairs.into_iter().fold(WideBits::<F>::zero(), |sum, (a, b)| sum.wrapping_add(&a.product(b)));
         Self::rounded(sum)
     }
 

@@ -87,6 +87,11 @@ macro_rules! float_backend {
                 phase::$float::leading(phase)
             }
 
+            #[inline]
+            fn fraction_of(product: u128, shift: u32) -> Self {
+                phase::$float::leading_of(product, shift)
+            }
+
             /// The digits of `1 + self` behind the point.
             #[inline]
             fn place_to_phase(self) -> Option<u64> {
@@ -217,8 +222,26 @@ mod phase {
                     reason = "the spared bits leave room, and the conversion rounds as it should"
                 )]
                 pub(in super::super) fn leading(phase: u64) -> $float {
-                    (phase >> $spared) as $integer as $float
-                        * super::super::power_of_two::$float($spared - 64)
+                    converted((phase >> $spared) as $integer)
+                }
+
+                /// [`leading`] of `product / 2^shift`, for a quotient below 2⁶⁴: if the first bits of it are in the first
+                /// half of the product, no more of it is read.
+                #[inline]
+                #[allow(clippy::cast_possible_truncation, reason = "as many leading bits as are kept")]
+                pub(in super::super) fn leading_of(product: u128, shift: u32) -> $float {
+                    if shift + $spared >= 64 {
+                        return converted(
+                            (((product >> 64) as u64) >> ((shift + $spared - 64) & 63)) as $integer,
+                        );
+                    }
+                    leading(crate::real::phase_of(product, shift))
+                }
+
+                #[inline]
+                #[allow(clippy::cast_precision_loss, reason = "the conversion rounds as it should")]
+                fn converted(leading: $integer) -> $float {
+                    leading as $float * super::super::power_of_two::$float($spared - 64)
                 }
 
                 /// `phase · 2^(exponent - 64)` where the phase is 0 or the result is not a normal number.

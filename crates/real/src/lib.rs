@@ -109,7 +109,7 @@ pub use runtime_format::{RuntimeFixed, RuntimeFormat, RuntimeFormats};
 #[cfg(feature = "std")]
 pub use shadow::Shadowed;
 pub use trigonometry::{Trigonometric, sine_terms};
-pub use word::Word;
+pub use word::{Word, product_of_words};
 
 /// 4 integer and 4 fraction bits: small enough to test every operation on every pair.
 pub type I4F4 = FixedPoint<fixed::types::I4F4>;

@@ -12,6 +12,9 @@ pub trait Word:
     /// A word of twice the width; holds every product of two words.
     type Wide: PrimInt + WrappingAdd + AsPrimitive<Self> + AsPrimitive<f64> + 'static;
 
+    /// The exact product.
+    fn product(self, factor: Self) -> Self::Wide;
+
     /// `self · 2^fraction_bits / divisor`, rounded to nearest and ties away from zero; saturates. Over zero, the
     /// extreme with the sign of the numerator; `0/0` is 0.
     fn quotient(self, divisor: Self, fraction_bits: u32) -> Self;
@@ -49,7 +52,7 @@ mod sealed {
 macro_rules! word {
     (
         $word:ident, $wide:ty, $unsigned_wide:ty,
-        divide: $divide:expr, root: $root:expr, round: $round:expr,
+        multiply: $multiply:expr, divide: $divide:expr, root: $root:expr, round: $round:expr,
         ratio: $ratio:ty, divide_ratio: $divide_ratio:expr
     ) => {
         impl sealed::Sealed for $word {}
@@ -73,6 +76,11 @@ macro_rules! word {
             #[inline]
             fn of_last_bits(bits: u64) -> $word {
                 bits as $word
+            }
+
+            #[inline]
+            fn product(self, factor: $word) -> $wide {
+                $multiply(self, factor)
             }
 
             #[inline]
@@ -187,10 +195,68 @@ fn round_i64(sum: i64, fraction_bits: u32) -> i32 {
     }
 }
 
-word!(i8, i16, u16, divide: |n, d| (n / d, n % d), root: root_u16, round: rounded_wide!(i8, i16), ratio: u64, divide_ratio: divide_u64);
-word!(i16, i32, u32, divide: |n, d| (n / d, n % d), root: root_u32, round: rounded_wide!(i16, i32), ratio: u64, divide_ratio: divide_u64);
-word!(i32, i64, u64, divide: divide_u64, root: square_root::u64::nearest, round: round_i64, ratio: u64, divide_ratio: divide_u64);
-word!(i64, i128, u128, divide: divide_u128, root: square_root::u128::nearest, round: rounded_wide!(i64, i128), ratio: u128, divide_ratio: divide_u128);
+/// [`Word::product`] in the wide word.
+macro_rules! multiplied_wide {
+    ($word:ident, $wide:ident) => {
+        |a: $word, b: $word| $wide::from(a) * $wide::from(b)
+    };
+}
+
+/// [`Word::product`] of 32 bits, from halves of 16 bits.
+#[inline]
+#[allow(clippy::cast_possible_truncation, reason = "a word of 64 bits from two of 32")]
+pub(crate) fn product_of_halves(a: i32, b: i32) -> i64 {
+    let ([a_high, b_high], [a_low, b_low]) = ([a >> 16, b >> 16], [a & 0xffff, b & 0xffff]);
+    let low = a_low.wrapping_mul(b_low).cast_unsigned();
+    let middle = a_high.wrapping_mul(b_low).wrapping_add((low >> 16).cast_signed());
+    let other = a_low.wrapping_mul(b_high).wrapping_add(middle & 0xffff);
+    let high = a_high.wrapping_mul(b_high).wrapping_add(middle >> 16).wrapping_add(other >> 16);
+    (i64::from(high) << 32) | i64::from((other.cast_unsigned() << 16) | (low & 0xffff))
+}
+
+/// A product of two words of 32 bits, on a core that forms none of 64 bits from halves: its library would form all of 128 bits.
+#[inline]
+fn multiply_i32(a: i32, b: i32) -> i64 {
+    if cfg!(short_products) { product_of_halves(a, b) } else { i64::from(a) * i64::from(b) }
+}
+
+/// The exact product of two words of 64 bits, from four products of 32 where the core forms none.
+#[inline]
+#[must_use]
+pub fn product_of_words(a: u64, b: u64) -> u128 {
+    if cfg!(short_products) { product_of_four(a, b) } else { u128::from(a) * u128::from(b) }
+}
+
+#[inline]
+#[allow(clippy::cast_possible_truncation, reason = "halves of words")]
+fn product_of_four(a: u64, b: u64) -> u128 {
+    let ([a_high, b_high], [a_low, b_low]) = ([(a >> 32) as u32, (b >> 32) as u32], [a as u32, b as u32]);
+    let low = unsigned_product_of_halves(a_low, b_low);
+    let middle = unsigned_product_of_halves(a_high, b_low) + (low >> 32);
+    let other = unsigned_product_of_halves(a_low, b_high) + u64::from(middle as u32);
+    let high = unsigned_product_of_halves(a_high, b_high) + (middle >> 32) + (other >> 32);
+    (u128::from(high) << 64) | u128::from((other << 32) | u64::from(low as u32))
+}
+
+/// [`product_of_halves`] of words without a sign.
+#[inline]
+fn unsigned_product_of_halves(a: u32, b: u32) -> u64 {
+    let ([a_high, b_high], [a_low, b_low]) = ([a >> 16, b >> 16], [a & 0xffff, b & 0xffff]);
+    let low = a_low * b_low;
+    let middle = a_high * b_low + (low >> 16);
+    let other = a_low * b_high + (middle & 0xffff);
+    let high = a_high * b_high + (middle >> 16) + (other >> 16);
+    (u64::from(high) << 32) | u64::from((other << 16) | (low & 0xffff))
+}
+
+word!(i8, i16, u16, multiply: multiplied_wide!(i8, i16), divide: |n, d| (n / d, n % d), root: root_u16, round: rounded_wide!(i8, i16),
+    ratio: u64, divide_ratio: divide_u64);
+word!(i16, i32, u32, multiply: multiplied_wide!(i16, i32), divide: |n, d| (n / d, n % d), root: root_u32, round: rounded_wide!(i16, i32),
+    ratio: u64, divide_ratio: divide_u64);
+word!(i32, i64, u64, multiply: multiply_i32, divide: divide_u64, root: square_root::u64::nearest, round: round_i64,
+    ratio: u64, divide_ratio: divide_u64);
+word!(i64, i128, u128, multiply: multiplied_wide!(i64, i128), divide: divide_u128, root: square_root::u128::nearest,
+    round: rounded_wide!(i64, i128), ratio: u128, divide_ratio: divide_u128);
 
 /// Words from magnitude and sign: the magnitude is at most that of the least word, and the greatest word is one less.
 mod signed {
@@ -242,6 +308,22 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
+        #[test]
+        fn a_product_of_halves_is_the_product(a: i32, b: i32) {
+            for a in [a, i32::MIN, i32::MAX, -1, 0, 0xffff, -0x10000] {
+                for b in [b, i32::MIN, i32::MAX, -1, 0, 0xffff, -0x10000] {
+                    prop_assert_eq!(product_of_halves(a, b), i64::from(a) * i64::from(b), "{} {}", a, b);
+                }
+            }
+        }
+
+        #[test]
+        fn a_product_of_four_is_the_product(a: u64, b: u64) {
+            for a in [a, 0, u64::MAX, 1 << 63, 0xffff_ffff] {
+                prop_assert_eq!(product_of_four(a, b), u128::from(a) * u128::from(b), "{} {}", a, b);
+            }
+        }
+
         #[test]
         fn halves_round_as_the_whole_does(sum: i64, fraction_bits in 0..32_u32) {
             for sum in [sum, sum | 0xffff_ffff, sum >> 20, i64::MAX, i64::MIN, -1, 1 << 27] {

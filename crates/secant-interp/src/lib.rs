@@ -29,7 +29,7 @@
 //!
 //! // Somebody else decides on the feed, so there are no stages: 0.2 mm a period, up to the end.
 //! let tolerance = ChordTolerance::for_fluctuation(Some(1e-6), 5);
-//! let run = PieceInterpolator { pieces, lengths: StepLengths { stages: &[] }, tolerance, landing_step: chord };
+//! let run = PieceInterpolator { pieces, lengths: StepLengths { stages: &[], crossings: &[] }, tolerance, landing_step: chord };
 //! let mut state = run.start();
 //! let setpoints = std::iter::from_fn(|| run.step_by(&mut state, chord)).count();
 //! assert_eq!(setpoints, 393); // 25π mm / 0.2 mm = 392.7
@@ -129,7 +129,9 @@ pub use pieces::lanes::LaneInterpolator;
 pub use pieces::piece_interpolator::PieceInterpolator;
 pub use pieces::section::Section;
 pub use pieces::state::{PieceSetpoint, PieceState};
-pub use step_lengths::{LengthCursor, LengthStage, StepLengths};
+#[cfg(feature = "alloc")]
+pub use step_lengths::crossings;
+pub use step_lengths::{Crossing, LengthCursor, LengthStage, StepLengths};
 pub use stream::crc32::crc32;
 pub use stream::error::StreamError;
 pub use stream::header::StreamHeader;

@@ -10,8 +10,12 @@
 //! any length loses nothing. Sums of times and exponents wrap: a stage with invalid numbers gives a meaningless
 //! distance, but no panic, in any build.
 
+#[cfg(feature = "alloc")]
+use alloc::vec::Vec;
+use core::ops::Range;
+
 use feed_plan::StageShape;
-use real::Real;
+use real::{Real, product_of_words};
 
 /// One period, in units of time.
 pub(crate) const PERIOD: u64 = 1 << 32;
@@ -86,7 +90,7 @@ impl<R: Real> LengthStage<R> {
     /// time · 2^64 / duration = time · reciprocal / 2^exponent: this is the product, in two words.
     #[inline]
     pub(crate) fn product(&self, half_units: u64) -> u128 {
-        u128::from(half_units) * u128::from(self.reciprocal)
+        product_of_words(half_units, self.reciprocal)
     }
 
     /// The shift that turns the product into a phase. The compiler knows that it is below 64, which saves half of the
@@ -121,11 +125,28 @@ pub struct LengthCursor {
     pub(crate) time: u64,
 }
 
+/// The period in which a stage ends, of a run at the plan's own speed. Such a run comes to the end of each stage at a time that is
+/// known when the plan is compiled, and so is what the period takes of this stage and of all that it ends in or passes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Crossing<R> {
+    /// What is left of the stage where the period begins, less one unit of 2⁻³² periods.
+    pub rest: u32,
+    /// The time of the stage behind the period, in 2⁻³² periods.
+    pub time: u32,
+    /// By how many stages that lies further; 0 if no period at the plan's own speed begins in this stage.
+    pub stages: u32,
+    /// The distance of the period, in chord units.
+    pub distance: R,
+}
+
 /// A compiled schedule.
 #[derive(Clone, Copy, Debug)]
 pub struct StepLengths<'a, R> {
     /// The stages, in order.
     pub stages: &'a [LengthStage<R>],
+    /// For each stage the period in which it ends, or none at all: without them a run has the same distances, and takes several
+    /// times as long for such a period.
+    pub crossings: &'a [Crossing<R>],
 }
 
 impl<R: Real> StepLengths<'_, R> {
@@ -142,12 +163,26 @@ impl<R: Real> StepLengths<'_, R> {
             cursor.time = end;
             return Some(stage.mean_feed(middle, stage.period_share));
         }
-        self.advance_by(cursor, PERIOD)
+        self.cross(cursor, stage)
+    }
+
+    /// The distance of the period in which a stage ends.
+    #[inline(never)] // Within the above it would make every period save its registers.
+    fn cross(&self, cursor: &mut LengthCursor, stage: &LengthStage<R>) -> Option<R> {
+        let rest = stage.duration.wrapping_sub(cursor.time);
+        match self.crossings.get(cursor.stage) {
+            Some(crossing) if crossing.stages > 0 && rest == u64::from(crossing.rest) + 1 => {
+                cursor.stage = cursor.stage.wrapping_add(crossing.stages as usize);
+                cursor.time = u64::from(crossing.time);
+                Some(crossing.distance)
+            }
+            _ => self.advance_by(cursor, PERIOD),
+        }
     }
 
     /// The distance over `units` of 2⁻³² periods of the schedule's time, at most one period: the distance of a period at a
     /// lower feed. `None` if no time passes, because `units` is 0 or the schedule is over.
-    #[inline(never)] // Within the above it would make every period save its registers.
+    #[inline(never)] // As `cross` is.
     pub fn advance_by(&self, cursor: &mut LengthCursor, units: u64) -> Option<R> {
         let units = units.min(PERIOD);
         let mut left = units;
@@ -171,6 +206,15 @@ impl<R: Real> StepLengths<'_, R> {
         (left < units).then_some(length)
     }
 
+    /// The stages `range` alone, as a schedule of their own.
+    #[must_use]
+    pub fn part(&self, range: &Range<usize>) -> Self {
+        Self {
+            stages: self.stages.get(range.clone()).unwrap_or_default(),
+            crossings: self.crossings.get(range.clone()).unwrap_or_default(),
+        }
+    }
+
     /// Number of periods that the schedule takes, including a last one that may be shorter.
     #[must_use]
     pub fn periods(&self) -> usize {
@@ -183,6 +227,35 @@ impl<R: Real> StepLengths<'_, R> {
     pub fn is_over(&self, cursor: &LengthCursor) -> bool {
         cursor.stage >= self.stages.len()
     }
+}
+
+/// The crossings of a schedule from rest to rest, one for each of its stages. The period in which it ends has none: where another
+/// schedule follows, that may begin within this period.
+#[cfg(feature = "alloc")]
+#[must_use]
+pub fn crossings<R: Real>(stages: &[LengthStage<R>]) -> Vec<Crossing<R>> {
+    let lengths = StepLengths { stages, crossings: &[] };
+    let mut found: Vec<_> =
+        stages.iter().map(|_| Crossing { rest: 0, time: 0, stages: 0, distance: R::zero() }).collect();
+    let mut cursor = LengthCursor::default();
+    while let Some(stage) = stages.get(cursor.stage) {
+        let begin = cursor.stage;
+        // Whole periods within the stage go by.
+        let left = stage.duration.saturating_sub(cursor.time);
+        cursor.time += left.saturating_sub(1) / PERIOD * PERIOD;
+        let rest = stage.duration.saturating_sub(cursor.time).saturating_sub(1);
+        let Some(distance) = lengths.advance_by(&mut cursor, PERIOD).filter(|_| !lengths.is_over(&cursor))
+        else {
+            break;
+        };
+        let passed = u32::try_from(cursor.stage - begin);
+        if let (Some(slot), Ok(rest), Ok(time), Ok(stages)) =
+            (found.get_mut(begin), u32::try_from(rest), u32::try_from(cursor.time), passed)
+        {
+            *slot = Crossing { rest, time, stages, distance };
+        }
+    }
+    found
 }
 
 #[cfg(test)]
@@ -243,10 +316,30 @@ mod tests {
     fn a_cursor_of_another_schedule_goes_on_with_the_next_stage() {
         let stages =
             [(10, 0.5), (4, 0.25)].map(|(periods, feed)| LengthStage::new(periods << 32, feed, 0.0).unwrap());
-        let schedule = StepLengths { stages: &stages };
+        let schedule = StepLengths { stages: &stages, crossings: &[] };
         let mut cursor = LengthCursor { stage: 0, time: 50 * PERIOD };
         assert_eq!(schedule.advance(&mut cursor), Some(0.25));
         assert_eq!(cursor, LengthCursor { stage: 1, time: PERIOD });
+    }
+
+    /// Every second period is made in two halves: no period then begins where the plan's own do, or each where it would.
+    #[test]
+    fn a_run_beside_the_plans_periods_takes_no_crossing() {
+        let stages: Vec<_> = [(2.5, 0.25, 0.5), (0.25, 0.75, -0.25), (3.0, 0.5, 0.125)]
+            .map(|(periods, feed, change)| LengthStage::new(in_units(periods), feed, change).unwrap())
+            .to_vec();
+        let crossed = crossings(&stages);
+        let plain = StepLengths { stages: &stages, crossings: &[] };
+        let known = StepLengths { stages: &stages, crossings: &crossed };
+        assert_eq!(crossed.iter().map(|c| c.stages).collect::<Vec<_>>(), [2, 0, 0]);
+        for late in [0, 1, PERIOD / 3, PERIOD / 2, PERIOD - 1] {
+            let (mut first, mut second) = (LengthCursor::default(), LengthCursor::default());
+            assert_eq!(plain.advance_by(&mut first, late), known.advance_by(&mut second, late));
+            while let Some(length) = plain.advance(&mut first) {
+                assert_eq!((known.advance(&mut second), second), (Some(length), first), "{late}");
+            }
+            assert_eq!(known.advance(&mut second), None);
+        }
     }
 
     proptest! {
@@ -276,18 +369,25 @@ mod tests {
             };
             let total: u64 = durations.iter().sum();
             let (mut cursor, mut coarse) = (LengthCursor::default(), LengthCursor::default());
+            let (mut known, mut coarse_known) = (cursor, coarse);
+            let (crossed, fixed_crossed) = (crossings(&stages), crossings(&fixed));
+            let schedule = StepLengths { stages: &stages, crossings: &crossed };
+            let fixed_schedule = StepLengths { stages: &fixed, crossings: &fixed_crossed };
             let mut time = 0;
-            while let Some(length) = (StepLengths { stages: &stages }).advance(&mut cursor) {
+            while let Some(length) = (StepLengths { stages: &stages, crossings: &[] }).advance(&mut cursor) {
+                prop_assert_eq!(schedule.advance(&mut known), Some(length));
+                prop_assert_eq!(known, cursor);
                 let next = (time + PERIOD).min(total);
                 let expected = up_to(next) - up_to(time);
                 prop_assert!((length - expected).abs() < 1e-12, "{length} for {expected}");
-                let rounded = (StepLengths { stages: &fixed }).advance(&mut coarse).unwrap().to_f64();
+                let rounded = (StepLengths { stages: &fixed, crossings: &[] }).advance(&mut coarse).unwrap();
+                prop_assert_eq!(fixed_schedule.advance(&mut coarse_known), Some(rounded));
+                let rounded = rounded.to_f64();
                 // Eight roundings of half a unit, and the phases' one unit, at most twice a joint.
                 prop_assert!((rounded - expected).abs() < 48.0 * I4F28::resolution().to_f64(), "{rounded} {expected}");
                 time = next;
             }
             prop_assert_eq!(time, total);
-            let schedule = StepLengths { stages: &stages };
             prop_assert!(schedule.is_over(&cursor), "stage {} of {}", cursor.stage, stages.len());
         }
     }

@@ -52,7 +52,7 @@ fn on_pieces<R: Backend>() {
         .collect();
     let interpolator = PieceInterpolator {
         pieces: table.as_pieces(),
-        lengths: StepLengths { stages: &stages },
+        lengths: StepLengths { stages: &stages, crossings: &[] },
         tolerance: ChordTolerance::for_fluctuation(None, 6),
         landing_step: number(0.03),
     };

@@ -26,7 +26,7 @@ mod checksum;
 mod compiled {
     //! The compiled paths.
     use nurbs_core::{Joint, Piece, Pieces};
-    use secant_interp::{ChordTolerance, LengthStage, PieceInterpolator, StageShape, StepLengths};
+    use secant_interp::{ChordTolerance, Crossing, LengthStage, PieceInterpolator, StageShape, StepLengths};
     include!(concat!(env!("OUT_DIR"), "/paths.rs"));
 }
 

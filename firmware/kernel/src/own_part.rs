@@ -32,7 +32,7 @@ fn step(
     state: &mut PieceState<Number, DIMENSION>,
     setpoint: &mut PieceSetpoint<Number, DIMENSION>,
 ) -> bool {
-    run.step(state).map(|next| *setpoint = next).is_some()
+    run.step_into(state, setpoint)
 }
 
 /// All sections, one after the other.

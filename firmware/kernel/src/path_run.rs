@@ -76,7 +76,7 @@ macro_rules! formats {
             state: &mut PieceState<$format, 2>,
             setpoint: &mut PieceSetpoint<$format, 2>,
         ) -> bool {
-            interpolator.step(state).map(|next| *setpoint = next).is_some()
+            interpolator.step_into(state, setpoint)
         }
 
         #[unsafe(export_name = concat!("k_advance_", $name))]

@@ -10,7 +10,9 @@ use std::fmt::Write;
 
 use nurbs_core::{CompileError, NurbsBuf, PieceLimits, PiecesBuf, compile};
 use real::{Backend, DoubleDouble, I3F29, I4F28, I4F60, Real};
-use secant_interp::{ChordTolerance, Constant, PieceInterpolator, StepLengths, number_function, number_type};
+use secant_interp::{
+    ChordTolerance, Constant, PieceInterpolator, StepLengths, crossings, number_function, number_type,
+};
 
 pub use operations::{Operations, operations};
 pub use paths::{Path, paths};
@@ -60,9 +62,10 @@ fn with_run<R: Backend, T>(
     let pieces = table.as_pieces();
     let unit = 1.0_f64.ldexp(pieces.chord_exponent);
     let number = |value: f64| R::from_f64(value).unwrap_or_default();
+    let stages = path.stages::<R>(unit);
     Ok(show(&PieceInterpolator {
         pieces,
-        lengths: StepLengths { stages: &path.stages::<R>(unit) },
+        lengths: StepLengths { stages: &stages, crossings: &crossings(&stages) },
         // The tolerance of what `feedbits compile` writes.
         tolerance: ChordTolerance::for_fluctuation(None, MAX_EVALUATIONS),
         landing_step: number(LANDING * path.feed_mm * unit),

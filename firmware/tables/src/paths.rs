@@ -47,7 +47,7 @@ fn paper_a() -> Path {
     let points = [[150, 150], [0, 0], [0, 300], [150, 150], [300, 0], [300, 300], [150, 150]];
     let points = points.map(|p| p.map(f64::from)).to_vec();
     let curve = NurbsBuf::try_new_nonrational(3, points, clamped(&[0.25, 0.5, 0.75]));
-    Path { name: "paper_a", curves: curve.into_iter().collect(), feed_mm: 0.6, stages: 90 }
+    Path { name: "paper_a", curves: curve.into_iter().collect(), feed_mm: 0.6, stages: 140 }
 }
 
 /// The rational curve of ten points, 80 mm wide, at 50 mm/s and 3 ms.

@@ -218,7 +218,7 @@ impl<R: Real> StageShape<R> {
 }
 
 /// The mean of `x + b x(1 - x)`. Inlined, its products would cost the other shapes registers.
-#[inline(never)]
+#[inline]
 fn mean_of_bent<R: Real>(by: R, middle: R, width: R) -> R {
     let bow = (width * width).ldexp(-2) * R::from_ratio(1, 3);
     by.mul_add(middle * (R::one() - middle) - bow, middle)

@@ -5,8 +5,8 @@ use std::fmt::Write;
 use nurbs_core::Piece;
 use real::Backend;
 use secant_interp::{
-    CompiledPath, Constant, LengthStage, PieceInterpolator, PositionChecksum, Section, number_function,
-    number_type,
+    CompiledPath, Constant, Crossing, LengthStage, PieceInterpolator, PositionChecksum, Section,
+    number_function, number_type,
 };
 
 use crate::refusal::Refusal;
@@ -96,7 +96,7 @@ const UNASKED: &str = "#[allow(dead_code, reason = \"a program need not ask\")]\
 
 /// The imports for the names in the constants.
 const USES: &str = "use nurbs_core::{Joint, Piece, Pieces};
-use secant_interp::{ChordTolerance, LengthStage, PieceInterpolator, StageShape, StepLengths, Section};
+use secant_interp::{ChordTolerance, Crossing, LengthStage, PieceInterpolator, StageShape, StepLengths, Section};
 
 ";
 
@@ -124,8 +124,8 @@ pub(crate) fn run<R: Backend, const D: usize>(
 /// Bytes of the tables, with numbers in words of the format and addresses in words of 32 bits.
 fn bytes<R: Backend, const D: usize>(path: &CompiledPath<R, D>) -> usize {
     fn of<W, const D: usize>(rows: [usize; 4]) -> usize {
-        let sizes =
-            [size_of::<Piece<W, D>>(), size_of::<[W; D]>(), size_of::<W>(), size_of::<LengthStage<W>>()];
+        let stage = size_of::<LengthStage<W>>() + size_of::<Crossing<W>>();
+        let sizes = [size_of::<Piece<W, D>>(), size_of::<[W; D]>(), size_of::<W>(), stage];
         rows.iter().zip(sizes).map(|(count, size)| count * size).sum()
     }
     let pieces = path.table().as_pieces();

@@ -250,7 +250,8 @@ impl OverrideCommands {
 
     /// The number of periods of the run; `None` if the run is too long.
     fn count(&self) -> Option<u64> {
-        let (own, mut cursor) = (StepLengths { stages: &self.stages }, LengthCursor::default());
+        let (own, mut cursor) =
+            (StepLengths { stages: &self.stages, crossings: &[] }, LengthCursor::default());
         let mut rates = self.start();
         (0..MOST_PERIODS).find(|period| {
             self.command(*period, &mut rates);

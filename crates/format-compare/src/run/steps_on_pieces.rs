@@ -167,7 +167,7 @@ impl<'a, R: Backend, const D: usize> OverriddenSteps<'a, R, D> {
         let section = OnSection::new(self.job, self.path, self.section)?;
         let stages = self.path.sections().get(self.section)?.stages.clone();
         let stages = self.commands.stages.get(stages).unwrap_or_default();
-        self.current = Some((section, StepLengths { stages }, LengthCursor::default()));
+        self.current = Some((section, StepLengths { stages, crossings: &[] }, LengthCursor::default()));
         self.section += 1;
         Some(())
     }

@@ -80,7 +80,9 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
     #[inline]
     fn numerator<const N: usize>(&self, piece: usize) -> Option<&'a [[R; D]]> {
         if N < MAX_DEGREE {
-            return Some(self.numerators.as_chunks::<N>().0.get(piece)?);
+            // Not a chunk by its number: how many there are would take a division.
+            let begin = piece.wrapping_mul(N);
+            return Some(self.numerators.get(begin..begin.checked_add(N)?)?.first_chunk::<N>()?);
         }
         let count = self.count::<N>();
         let begin = piece.wrapping_mul(count);
@@ -162,10 +164,10 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
         at
     }
 
-    /// Writes the piece's polynomials about its begin into `at`. They are the coefficients of the table: no product is needed.
-    #[inline(never)] // Once in a program, for whatever crosses joints.
-    pub fn shift_to_begin(&self, piece: usize, at: &mut Shifted<R, D>) {
-        self.shift_anew::<MAX_DEGREE, false>(piece, None, at);
+    /// [`shift_to`](Self::shift_to) the piece's begin: its polynomials there are those of the table, and no product is needed.
+    #[inline(never)] // Once for each form of a step, for whatever crosses joints.
+    pub fn shift_to_begin<const N: usize, const PLAIN: bool>(&self, piece: usize, at: &mut Shifted<R, D>) {
+        self.shift_anew::<N, PLAIN>(piece, None, at);
     }
 
     /// Writes the piece's polynomials about `t` into `at`, over those of another point or piece of the same path.

@@ -8,7 +8,7 @@ use real::Real;
 #[repr(align(4))] // Read as one word.
 pub struct RightShifts {
     /// From a step to x: r.
-    pub variable: u8,
+    variable: u8,
     /// From n_1, in units of 2^e mm, to the first coefficient of the chord.
     first: u8,
     /// The same for each further coefficient, and for the weights, by so much more: s - r.
@@ -18,8 +18,8 @@ pub struct RightShifts {
 }
 
 impl RightShifts {
-    /// The shifts for these exponents of two, on a piece of degree p; `None` if one of them goes to the left, one that is not of
-    /// weights or of points by no place, or one by more than [`Real::MOST_LOWERED`] places.
+    /// The shifts for these exponents of two, on a piece of degree p; `None` if one of them goes to the left, that of the chord by no
+    /// place, or one by more than [`Real::MOST_LOWERED`] places.
     pub(crate) fn of<R: Real>(
         [variable, first, per_power, to_path]: [i32; 4],
         degree: usize,
@@ -30,9 +30,11 @@ impl RightShifts {
         let degree = i32::try_from(degree).ok()?;
         let last = first.saturating_add(per_power.saturating_mul(degree));
         let least = -i32::try_from(R::MOST_LOWERED).ok()?;
-        let is_right = |exponent: i32| (least..0).contains(&exponent);
-        let may_be = is_right(variable) && is_right(first) && per_power <= 0 && last >= least;
-        if !may_be || !(least..=0).contains(&to_path) {
+        let is_right = |exponent: i32| (least..=0).contains(&exponent);
+        if R::MOST_LOWERED == 0
+            || first == 0
+            || ![variable, first, per_power, last, to_path].into_iter().all(is_right)
+        {
             return None;
         }
         let places = |exponent: i32| u8::try_from(-exponent).ok();
@@ -42,6 +44,13 @@ impl RightShifts {
             per_power: places(per_power)?,
             to_path: places(to_path)?,
         })
+    }
+
+    /// x of a step.
+    #[inline(always)]
+    #[must_use]
+    pub fn to_variable<R: Real>(self, step: R) -> R {
+        lowered_or_kept(step, self.variable)
     }
 
     /// The places of the chord's coefficients, from the first on.
@@ -59,7 +68,7 @@ impl RightShifts {
     /// An offset in the units of the path.
     #[inline(always)]
     pub(crate) fn in_units_of_path<R: Real, const D: usize>(self, offset: &[R; D]) -> [R; D] {
-        if self.to_path == 0 {
+        if R::IS_FLOATING || self.to_path == 0 {
             return *offset;
         }
         core::array::from_fn(|d| offset[d].lowered(self.to_path))
@@ -69,5 +78,5 @@ impl RightShifts {
 /// `x` lowered by places that may be none.
 #[inline(always)]
 pub(crate) fn lowered_or_kept<R: Real>(x: R, places: u8) -> R {
-    if places == 0 { x } else { x.lowered(places) }
+    if R::IS_FLOATING || places == 0 { x } else { x.lowered(places) }
 }

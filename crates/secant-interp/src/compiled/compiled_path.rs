@@ -14,7 +14,7 @@ use real::{Backend, Real};
 use crate::pieces::chord_step::ChordTolerance;
 use crate::pieces::piece_interpolator::PieceInterpolator;
 use crate::pieces::section::{Section, sections};
-use crate::step_lengths::{LONGEST_STAGE, LengthStage, StepLengths};
+use crate::step_lengths::{Crossing, LONGEST_STAGE, LengthStage, StepLengths, crossings};
 
 /// Why a number format cannot hold a plan. Values are in mm and periods.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -139,6 +139,7 @@ impl core::error::Error for CompiledPathError {}
 pub struct CompiledPath<R, const D: usize> {
     table: PiecesBuf<R, D>,
     stages: Vec<LengthStage<R>>,
+    crossings: Vec<Crossing<R>>,
     sections: Vec<Section>,
     tolerance: ChordTolerance<R>,
     landing_step: R,
@@ -202,7 +203,9 @@ impl<R: Backend, const D: usize> CompiledPath<R, D> {
             ends.push((stages.len(), section.rest().and_then(|(curve, u)| table.joint(curve, u.to_f64()))));
         }
         let sections = sections(&ends, table.places().len());
-        Ok(Self { table, stages, sections, tolerance, landing_step })
+        let of_section = |section: &Section| stages.get(section.stages.clone()).map(crossings);
+        let crossings = sections.iter().filter_map(of_section).flatten().collect();
+        Ok(Self { table, stages, crossings, sections, tolerance, landing_step })
     }
 
     /// The pieces.
@@ -217,6 +220,12 @@ impl<R: Backend, const D: usize> CompiledPath<R, D> {
         &self.stages
     }
 
+    /// For each stage the period in which it ends, in a run of its section.
+    #[must_use]
+    pub fn crossings(&self) -> &[Crossing<R>] {
+        &self.crossings
+    }
+
     /// Path and plan between the stops, in order.
     #[must_use]
     pub fn sections(&self) -> &[Section] {
@@ -229,7 +238,7 @@ impl<R: Backend, const D: usize> CompiledPath<R, D> {
     pub fn interpolator(&self) -> PieceInterpolator<'_, R, D> {
         PieceInterpolator {
             pieces: self.table.as_pieces(),
-            lengths: StepLengths { stages: &self.stages },
+            lengths: StepLengths { stages: &self.stages, crossings: &self.crossings },
             tolerance: self.tolerance,
             landing_step: self.landing_step,
         }

@@ -5,7 +5,7 @@ use core::fmt;
 use nurbs_core::Piece;
 use real::{Backend, FormatName, Real};
 
-use crate::{LengthStage, PieceInterpolator, StageShape};
+use crate::{Crossing, LengthStage, PieceInterpolator, StageShape};
 
 /// Shows a run as a Rust expression of a constant, every number exactly.
 ///
@@ -28,6 +28,7 @@ impl<R: Backend, const D: usize> fmt::Display for Constant<'_, R, D> {
         writeln!(f, "    }},")?;
         writeln!(f, "    lengths: StepLengths {{")?;
         lines(f, "        stages", lengths.stages, stage)?;
+        lines(f, "        crossings", lengths.crossings, crossing)?;
         writeln!(f, "    }},")?;
         writeln!(f, "    tolerance: ChordTolerance {{")?;
         writeln!(f, "        residual: {},", number(tolerance.residual))?;
@@ -116,6 +117,11 @@ fn stage<R: Backend>(stage: &LengthStage<R>) -> String {
             other => format!("{other:?}"),
         }
     )
+}
+
+fn crossing<R: Backend>(crossing: &Crossing<R>) -> String {
+    let Crossing { rest, time, stages, distance } = crossing;
+    format!("Crossing {{ rest: {rest}, time: {time}, stages: {stages}, distance: {} }}", number(*distance))
 }
 
 fn numbers<R: Backend, const N: usize>(numbers: &[R; N]) -> String {

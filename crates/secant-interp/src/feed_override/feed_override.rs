@@ -283,7 +283,7 @@ mod tests {
 
     /// Runs with a target for some periods each, and then at the plan's own speed, to the end.
     fn run(stages: &[LengthStage<f64>], feeds: &FeedOverride, targets: &[(u32, f64)]) -> Vec<f64> {
-        let lengths = StepLengths { stages };
+        let lengths = StepLengths { stages, crossings: &[] };
         let (mut cursor, mut state) = (LengthCursor::default(), OverrideState::at(Rate::FULL));
         let mut steps = vec![0.0];
         let mut targets = targets.iter();
@@ -395,7 +395,7 @@ mod tests {
         assert!((steps.iter().sum::<f64>() - length).abs() < 1e-7);
         assert_kept(&steps[..steps.len() - 1]);
         // Without an override the plan itself.
-        let (plain, own) = (run(&stages, &feeds, &[]), StepLengths { stages: &stages });
+        let (plain, own) = (run(&stages, &feeds, &[]), StepLengths { stages: &stages, crossings: &[] });
         let mut cursor = LengthCursor::default();
         assert!(plain[1..].iter().all(|step| own.advance(&mut cursor) == Some(*step)));
         assert_eq!(own.advance(&mut cursor), None);
@@ -404,7 +404,7 @@ mod tests {
     #[test]
     fn a_rate_of_two_hundred_per_cent_is_a_plan_for_twice_the_feed_at_half_rate() {
         let (stages, feeds, length) = planned(0.7, ProfileKind::SCurve);
-        let lengths = StepLengths { stages: &stages };
+        let lengths = StepLengths { stages: &stages, crossings: &[] };
         let (mut cursor, mut state) = (LengthCursor::default(), OverrideState::at(Rate::of(0.5)));
         let mut steps = vec![0.0];
         while let Some(step) = feeds.advance(&lengths, &mut cursor, &mut state) {
@@ -455,7 +455,7 @@ mod tests {
                 Some(LengthStage::new(s.duration, of(s.feed), of(s.change))?.shaped(s.shape.map(of)))
             })
             .collect();
-        let lengths = StepLengths { stages: &coarse };
+        let lengths = StepLengths { stages: &coarse, crossings: &[] };
         let (mut cursor, mut state) = (LengthCursor::default(), OverrideState::at(Rate::FULL));
         let mut travelled = 0.0;
         for period in 0..steps.len() - 1 {

@@ -1,6 +1,6 @@
 //! A period of a run with feed override, and the way in which such a run comes to the end of its path.
 
-use nurbs_core::{ORIGIN_EXPONENT, Piece, Shifted};
+use nurbs_core::{MAX_DEGREE, ORIGIN_EXPONENT, Piece, Shifted};
 use real::Real;
 
 use crate::feed_override::feed_override::{FeedOverride, OverrideState};
@@ -91,7 +91,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
             if distance == 0 { R::zero() } else { R::from_phase(distance, exponent) }
         });
         let mut at = Shifted::default();
-        self.pieces.shift_to_begin(last, &mut at);
+        self.pieces.shift_to_begin::<MAX_DEGREE, false>(last, &mut at);
         let over_last = self.across(end, &at, end.whole())?;
         let sum = |a: R, b: R| (a <= R::max_value() - b).then(|| a + b);
         sum(sum(to_end, R::norm(&between))?, over_last)

@@ -276,7 +276,7 @@ impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D,
     }
 
     /// q and x q' at the trial step.
-    #[inline]
+    #[inline(always)] // As the evaluation that it is a part of.
     fn chord_per_step(&self, x: R) -> ([R; D], [R; D]) {
         let (chord, mut turn) =
             value_and_slope(self.at.chord.iter().take(self.count()), x, ["chord_per_step", "chord_turn"]);

@@ -60,9 +60,9 @@ impl<R: Real, const D: usize> Travelled<R, D> {
 }
 
 /// The values at the end of a piece; `None` if the whole length or more is travelled there.
-pub(crate) fn past<R: Real, const D: usize>(
+pub(crate) fn past<R: Real, const D: usize, const N: usize, const PLAIN: bool>(
     before: &[R; D],
-    chord: &Chord<'_, R, D>,
+    chord: &Chord<'_, R, D, N, PLAIN>,
     length: R,
 ) -> Option<[R; D]> {
     let across = chord.over(chord.whole).map(|x| x / length);

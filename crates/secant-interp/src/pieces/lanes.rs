@@ -397,7 +397,7 @@ mod tests {
         let stages: Vec<_> = (0..40).map(stage).collect();
         let run = PieceInterpolator {
             pieces: table.as_pieces(),
-            lengths: StepLengths { stages: &stages },
+            lengths: StepLengths { stages: &stages, crossings: &[] },
             tolerance: ChordTolerance::for_fluctuation(Some(1e-6), 5),
             landing_step: feed(0.01),
         };

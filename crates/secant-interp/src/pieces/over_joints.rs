@@ -19,7 +19,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     /// Makes a step of a given phase that leads past the end of the piece. Returns the evaluations.
     #[cold]
     #[inline(never)]
-    pub(crate) fn pass_end(
+    pub(crate) fn pass_end<const N: usize, const PLAIN: bool>(
         &self,
         state: &mut PieceState<R, D>,
         row: &Piece<R, D>,
@@ -29,20 +29,20 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         if let Some(reached) = self.pass_joint(state.phase, &mut state.trend, row, step) {
             return state.reach(&reached, &self.pieces);
         }
-        let travelled = self.way_to_end(state, row, length);
-        step.evaluations + self.cross(state, row, travelled, length)
+        let travelled = self.way_to_end::<N, PLAIN>(state, row, length);
+        step.evaluations + self.cross::<N, PLAIN>(state, row, travelled, length)
     }
 
     /// The part of a step up to the end of the present piece.
     #[inline]
-    pub(crate) fn way_to_end(
+    pub(crate) fn way_to_end<const N: usize, const PLAIN: bool>(
         &self,
         state: &PieceState<R, D>,
         row: &Piece<R, D>,
         length: R,
     ) -> Travelled<R, D> {
         let step = step_to_end(state, row);
-        let way = self.chord(row, &state.at, length).over(step);
+        let way = self.chord_on::<N, PLAIN>(row, row.whole(), &state.at, length).over(step);
         Travelled::new(way.map(|x| x / length), step / length)
     }
 
@@ -70,20 +70,19 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         Some(Reached { piece: step.piece + 1, phase, sigma: into_next(row, next, step.sigma), ..*step })
     }
 
-    /// Makes a step over one joint or more, with the length travelled up to the first. Returns the evaluations.
-    ///
-    /// It is rare, and one form of it serves all degrees: a second form would cost a controller more flash than it
-    /// saves time.
+    /// Makes a step over one joint or more, with the length travelled up to the first. Returns the evaluations. The polynomials in
+    /// `state` are then those of a piece that was passed.
     #[cold]
     #[inline(never)]
-    pub(crate) fn cross(
+    pub(crate) fn cross<const N: usize, const PLAIN: bool>(
         &self,
         state: &mut PieceState<R, D>,
         row: &Piece<R, D>,
         travelled: Travelled<R, D>,
         length: R,
     ) -> u32 {
-        let reached = self.find_across(state.piece, &mut state.trend, row, travelled, length);
+        let place = (state.piece, &mut state.at);
+        let reached = self.find_across::<N, PLAIN>(place, &mut state.trend, row, travelled, length);
         let evaluations = state.reach(&reached, &self.pieces);
         if let Some(row) = self.pieces.pieces.get(state.piece) {
             state.trend = state.trend.within(&row.step_per_chord);
@@ -95,9 +94,9 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     /// on the next. Behind a corner, where the tangent breaks, the remaining length is that of a chord that begins
     /// there.
     #[inline]
-    fn find_across(
+    fn find_across<const N: usize, const PLAIN: bool>(
         &self,
-        piece: usize,
+        (piece, at): (usize, &mut Shifted<R, D>),
         trend: &mut Trend<R>,
         row: &Piece<R, D>,
         mut travelled: Travelled<R, D>,
@@ -105,7 +104,6 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     ) -> Reached<R> {
         let mut row = row;
         let mut expected = trend.next(&row.step_per_chord);
-        let mut at = Shifted::default();
         let mut evaluations = 0;
         for (piece, next) in self.pieces.pieces.iter().enumerate().skip(piece + 1) {
             let greatest = next.step_per_chord[1];
@@ -120,8 +118,8 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
             if left <= R::zero() || length <= R::zero() {
                 return Reached { piece, phase: 0, sigma: trend.newest, evaluations };
             }
-            self.pieces.shift_to_begin(piece, &mut at);
-            let mut on_next = self.chord(next, &at, length);
+            self.pieces.shift_to_begin::<N, PLAIN>(piece, at);
+            let mut on_next = self.chord_on::<N, PLAIN>(next, next.whole(), at, length);
             let guess = if row.joint == Joint::Breaks {
                 expected = first_step_per_chord(&at.chord[0], &next.step_per_chord);
                 *trend = Trend::steady(expected);

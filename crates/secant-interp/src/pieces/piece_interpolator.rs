@@ -51,7 +51,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     #[must_use]
     pub fn start(&self) -> PieceState<R, D> {
         let mut at = Shifted::default();
-        self.pieces.shift_to_begin(0, &mut at);
+        self.pieces.shift_to_begin::<MAX_DEGREE, false>(0, &mut at);
         let first = self.pieces.pieces.first();
         let whole = first.map_or(R::one(), Piece::whole);
         let mut state = PieceState {
@@ -97,21 +97,36 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     /// The function is compiled into its caller: where flash is short, call it from one place.
     #[inline(always)] // Called, it takes a tenth longer in fixed point: the state and the setpoint go through memory.
     pub fn step(&self, state: &mut PieceState<R, D>) -> Option<PieceSetpoint<R, D>> {
+        let mut setpoint = PieceSetpoint::default();
+        self.step_into(state, &mut setpoint).then_some(setpoint)
+    }
+
+    /// [`step`](Self::step) that writes the setpoint where the caller has it; false, and nothing is written, where that gives
+    /// `None`. On a controller it saves a copy of the setpoint, a tenth of a step in floats.
+    #[inline(always)] // As `step` is.
+    pub fn step_into(&self, state: &mut PieceState<R, D>, setpoint: &mut PieceSetpoint<R, D>) -> bool {
         let Some(length) = self.lengths.advance(&mut state.cursor) else {
-            return self.step_behind_plan(state);
+            return self.step_behind_plan(state, setpoint);
         };
-        let Some(row) = self.pieces.pieces.get(state.piece) else {
-            return Some(PieceSetpoint { length, ..self.hold(state) });
-        };
-        Some(self.follow(state, row, self.planned(length, self.lengths.is_over(&state.cursor))))
+        match self.pieces.pieces.get(state.piece) {
+            Some(row) => {
+                let wanted = self.planned(length, self.lengths.is_over(&state.cursor));
+                self.follow(state, row, wanted, setpoint);
+            }
+            None => *setpoint = PieceSetpoint { length, ..self.hold(state) },
+        }
+        true
     }
 
     /// A step when the schedule is over: a landing step, unless the path is at its end too.
     #[cold]
     #[inline(never)]
-    fn step_behind_plan(&self, state: &mut PieceState<R, D>) -> Option<PieceSetpoint<R, D>> {
-        let row = self.pieces.pieces.get(state.piece)?;
-        Some(self.follow_aside(state, row, self.landing(state, row)))
+    fn step_behind_plan(&self, state: &mut PieceState<R, D>, setpoint: &mut PieceSetpoint<R, D>) -> bool {
+        let Some(row) = self.pieces.pieces.get(state.piece) else { return false };
+        // In the form for every piece, of which one is enough where speed does not count.
+        let wanted = self.landing(state, row);
+        self.follow_on::<MAX_DEGREE, false>(state, (row, None), wanted, setpoint);
+        true
     }
 
     /// The next setpoint, at a chord of this length, whatever the schedule says; `None` once the end of the path has
@@ -128,11 +143,12 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     #[inline(always)] // As `step` is.
     pub fn step_by(&self, state: &mut PieceState<R, D>, length: R) -> Option<PieceSetpoint<R, D>> {
         let row = self.pieces.pieces.get(state.piece)?;
-        Some(if length > R::zero() {
-            self.follow(state, row, Wanted { length, reach: length })
-        } else {
-            self.hold(state)
-        })
+        if length > R::zero() {
+            let mut setpoint = PieceSetpoint::default();
+            self.follow(state, row, Wanted { length, reach: length }, &mut setpoint);
+            return Some(setpoint);
+        }
+        Some(self.hold(state))
     }
 
     /// The setpoint of the period before, for one in which nothing moves.
@@ -151,11 +167,22 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         state: &mut PieceState<R, D>,
         row: &Piece<R, D>,
         wanted: Wanted<R>,
-    ) -> PieceSetpoint<R, D> {
+        setpoint: &mut PieceSetpoint<R, D>,
+    ) {
         match state.form {
-            Form::Cubic(shifts) => self.follow_on::<CUBIC, true>(state, (row, Some(shifts)), wanted),
-            Form::RationalCubic(shifts) => self.follow_on::<CUBIC, false>(state, (row, Some(shifts)), wanted),
-            Form::Any => self.follow_on::<MAX_DEGREE, false>(state, (row, None), wanted),
+            Form::LoweredCubic(shifts) => {
+                self.follow_on::<CUBIC, true>(state, (row, Some(shifts)), wanted, setpoint);
+            }
+            // In floats nothing is scaled, so that this form is none of its own.
+            Form::Cubic if !R::IS_FLOATING => {
+                self.follow_on::<CUBIC, true>(state, (row, None), wanted, setpoint);
+            }
+            Form::RationalCubic(shifts) => {
+                self.follow_on::<CUBIC, false>(state, (row, Some(shifts)), wanted, setpoint);
+            }
+            Form::Any | Form::Cubic => {
+                self.follow_on::<MAX_DEGREE, false>(state, (row, None), wanted, setpoint);
+            }
         }
     }
 
@@ -167,7 +194,9 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         row: &Piece<R, D>,
         wanted: Wanted<R>,
     ) -> PieceSetpoint<R, D> {
-        self.follow(state, row, wanted)
+        let mut setpoint = PieceSetpoint::default();
+        self.follow(state, row, wanted, &mut setpoint);
+        setpoint
     }
 
     /// A chord of the plan. In the schedule's last period the step reaches further by a landing step, so that it
@@ -187,7 +216,8 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         state: &mut PieceState<R, D>,
         (row, shifts): (&Piece<R, D>, Option<RightShifts>),
         Wanted { length, reach }: Wanted<R>,
-    ) -> PieceSetpoint<R, D> {
+        setpoint: &mut PieceSetpoint<R, D>,
+    ) {
         let evaluations = match self.find_ahead::<N, PLAIN>(state, (row, shifts), reach) {
             Ok((sigma, coefficients)) => {
                 let step = sigma * reach;
@@ -197,23 +227,18 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
                     let t = t.signal("parameter");
                     let offset =
                         self.pieces.shift_along::<N, PLAIN>((row, shifts), &coefficients, t, &mut state.at);
-                    return PieceSetpoint {
-                        piece: state.piece,
-                        phase: state.phase,
-                        offset,
-                        length,
-                        evaluations: 1,
-                    };
+                    let piece = state.piece;
+                    *setpoint = PieceSetpoint { piece, phase, offset, length, evaluations: 1 };
+                    return;
                 }
                 let step = Reached { piece: state.piece, phase: row.part(step), sigma, evaluations: 1 };
-                self.pass_end(state, row, reach, &step)
+                self.pass_end_on::<N, PLAIN>(state, row, reach, &step)
             }
             Err(Some(value)) => self.refine::<N, PLAIN>(state, row, reach, value),
-            Err(None) => self.search(state, row, reach),
+            Err(None) if PLAIN => self.search::<N, PLAIN>(state, row, reach),
+            Err(None) => self.search::<MAX_DEGREE, false>(state, row, reach),
         };
-        let of = self.arrive::<N, PLAIN>(state);
-        let offset = self.pieces.in_common_units(of, &state.at.offset);
-        PieceSetpoint { piece: state.piece, phase: state.phase, offset, length, evaluations }
+        self.arrive::<N, PLAIN>(state, (length, evaluations), setpoint);
     }
 
     /// The last piece and its last parameter.
@@ -259,17 +284,21 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         let step = step.signal("step");
         let chord = self.chord_on::<N, PLAIN>(row, state.whole, &state.at, length);
         let x = match shifts {
-            Some(shifts) if N < MAX_DEGREE => step.lowered(shifts.variable).signal("chord_variable"),
+            Some(shifts) if N < MAX_DEGREE => shifts.to_variable(step).signal("chord_variable"),
             _ => chord.variable(step),
         };
         chord.correct(guess, x, &self.tolerance).map(|sigma| (sigma, coefficients)).map_err(Some)
     }
 
-    /// Shifts the polynomials to the place where a step arrived that was not a common one. Returns the index of their
-    /// piece.
+    /// Finishes a step that was not a common one: the polynomials about the place where it arrived, and the setpoint.
     #[cold]
     #[inline(never)]
-    fn arrive<const N: usize, const PLAIN: bool>(&self, state: &mut PieceState<R, D>) -> usize {
+    fn arrive<const N: usize, const PLAIN: bool>(
+        &self,
+        state: &mut PieceState<R, D>,
+        (length, evaluations): (R, u32),
+        setpoint: &mut PieceSetpoint<R, D>,
+    ) {
         let is_end = state.piece >= self.pieces.pieces.len();
         let (of, t) = if is_end {
             self.end()
@@ -280,23 +309,30 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         };
         state.t = t;
         self.pieces.shift_to::<N, PLAIN>(of, t.signal("parameter"), &mut state.at);
-        of
+        let offset = self.pieces.in_common_units(of, &state.at.offset);
+        *setpoint = PieceSetpoint { piece: state.piece, phase: state.phase, offset, length, evaluations };
     }
 
     /// Makes a step whose guess is not in the range of its piece or leads past it. The guess may be wrong, so the step
     /// passes the piece's end only if the end is nearer than the length. Returns the evaluations.
     #[cold]
     #[inline(never)]
-    fn search(&self, state: &mut PieceState<R, D>, row: &Piece<R, D>, length: R) -> u32 {
+    fn search<const N: usize, const PLAIN: bool>(
+        &self,
+        state: &mut PieceState<R, D>,
+        row: &Piece<R, D>,
+        length: R,
+    ) -> u32 {
         let guess = state.trend.next(&row.step_per_chord);
         if !is_on_piece(state, row, guess * length) {
-            let travelled = self.way_to_end(state, row, length);
+            let travelled = self.way_to_end::<N, PLAIN>(state, row, length);
             if travelled.left > R::zero() {
-                return self.cross(state, row, travelled, length);
+                return self.cross::<N, PLAIN>(state, row, travelled, length);
             }
         }
-        let found = self.chord(row, &state.at, length).solve(guess, &self.tolerance);
-        self.travel(state, row, length, found)
+        let chord = self.chord_on::<N, PLAIN>(row, state.whole, &state.at, length);
+        let found = chord.solve(guess, &self.tolerance);
+        self.travel::<N, PLAIN>(state, row, length, found)
     }
 
     /// Makes a step on the present piece where the evaluation of the guess is not enough. Returns the evaluations.
@@ -312,12 +348,12 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         let guess = state.trend.newest - state.trend.fall;
         let chord = self.chord_on::<N, PLAIN>(row, state.whole, &state.at, length);
         let found = chord.refine(guess, value, &self.tolerance);
-        self.travel(state, row, length, found)
+        self.travel::<N, PLAIN>(state, row, length, found)
     }
 
     /// Makes a step of this σ from the present piece, which took `evaluations` evaluations to find. Returns all
     /// evaluations.
-    fn travel(
+    fn travel<const N: usize, const PLAIN: bool>(
         &self,
         state: &mut PieceState<R, D>,
         row: &Piece<R, D>,
@@ -331,7 +367,24 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
             return evaluations;
         }
         let step = Reached { piece: state.piece, phase: part, sigma, evaluations };
-        self.pass_end(state, row, length, &step)
+        self.pass_end_on::<N, PLAIN>(state, row, length, &step)
+    }
+
+    /// [`pass_end`](Self::pass_end) in the form of a step. The joints of cubics with weights are passed in the form for every
+    /// degree: a third form of what is so rare would take more flash than it is worth.
+    #[inline(always)]
+    fn pass_end_on<const N: usize, const PLAIN: bool>(
+        &self,
+        state: &mut PieceState<R, D>,
+        row: &Piece<R, D>,
+        length: R,
+        step: &Reached<R>,
+    ) -> u32 {
+        if PLAIN {
+            self.pass_end::<N, PLAIN>(state, row, length, step)
+        } else {
+            self.pass_end::<MAX_DEGREE, false>(state, row, length, step)
+        }
     }
 
     /// The chord on a piece, from the point about which it was shifted, in the form for every degree.
@@ -341,7 +394,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
 
     /// The chord in the form for degree N, or for paths without weights; `whole` is the step over the whole piece.
     #[inline]
-    fn chord_on<'b, const N: usize, const PLAIN: bool>(
+    pub(crate) fn chord_on<'b, const N: usize, const PLAIN: bool>(
         &self,
         row: &Piece<R, D>,
         whole: R,

@@ -10,7 +10,6 @@ use core::ops::Range;
 use real::Real;
 
 use crate::PieceInterpolator;
-use crate::step_lengths::StepLengths;
 
 /// Pieces and stages of a section.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -44,10 +43,9 @@ impl<'a, R: Real, const D: usize> PieceInterpolator<'a, R, D> {
     /// piece.
     #[must_use]
     pub fn on(&self, section: &Section) -> PieceInterpolator<'a, R, D> {
-        let stages = self.lengths.stages.get(section.stages.clone()).unwrap_or_default();
         PieceInterpolator {
             pieces: self.pieces.part(section.pieces.clone()),
-            lengths: StepLengths { stages },
+            lengths: self.lengths.part(&section.stages),
             ..*self
         }
     }

@@ -23,6 +23,14 @@ pub struct PieceSetpoint<R, const D: usize> {
     pub evaluations: u32,
 }
 
+impl<R: Real, const D: usize> Default for PieceSetpoint<R, D> {
+    /// The begin of a path, in no period.
+    fn default() -> Self {
+        let zero = R::zero();
+        Self { piece: 0, phase: 0, offset: [zero; D], length: zero, evaluations: 0 }
+    }
+}
+
 /// The values that change from period to period.
 #[derive(Clone, Copy, Debug)]
 pub struct PieceState<R, const D: usize> {
@@ -46,9 +54,11 @@ pub struct PieceState<R, const D: usize> {
 pub(crate) enum Form {
     /// For every piece.
     Any,
-    /// On a cubic without weights whose scalings all go to the right.
-    Cubic(RightShifts),
-    /// The same with weights.
+    /// On a cubic without weights.
+    Cubic,
+    /// The same if all its scalings go to the right.
+    LoweredCubic(RightShifts),
+    /// On a cubic with weights whose scalings all go to the right.
     RationalCubic(RightShifts),
 }
 
@@ -58,11 +68,14 @@ pub(crate) const CUBIC: usize = 3;
 impl Form {
     /// The form for a piece of this row.
     pub(crate) fn of<R: Real, const D: usize>(pieces: &Pieces<'_, R, D>, row: &Piece<R, D>) -> Self {
-        let has_own = R::IS_FOR_SPEED && cfg!(feature = "cubic") && pieces.degree == CUBIC;
-        match pieces.right_shifts(row).filter(|_| has_own) {
-            None => Self::Any,
-            Some(shifts) if pieces.is_rational() => Self::RationalCubic(shifts),
-            Some(shifts) => Self::Cubic(shifts),
+        if !R::IS_FOR_SPEED || !cfg!(feature = "cubic") || pieces.degree != CUBIC {
+            return Self::Any;
+        }
+        match (pieces.right_shifts(row), pieces.is_rational()) {
+            (Some(shifts), false) => Self::LoweredCubic(shifts),
+            (Some(shifts), true) => Self::RationalCubic(shifts),
+            (None, false) => Self::Cubic,
+            (None, true) => Self::Any,
         }
     }
 }

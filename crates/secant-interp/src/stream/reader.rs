@@ -134,7 +134,7 @@ impl<R: FromWord, const D: usize> StreamReader<R, D> {
                 coordinate_exponent: self.coordinate_exponent,
                 chord_exponent: self.chord_exponent,
             },
-            lengths: StepLengths { stages },
+            lengths: StepLengths { stages, crossings: &[] },
             tolerance: self.tolerance,
             landing_step: self.landing_step,
         })

@@ -86,7 +86,7 @@ fn a_landing_step_that_the_pieces_were_not_cut_for_ends() {
     let stages = [LengthStage::new(485 << 32, number(0.02), number(0.0)).unwrap()];
     let run = PieceInterpolator {
         pieces: table.as_pieces(),
-        lengths: StepLengths { stages: &stages },
+        lengths: StepLengths { stages: &stages, crossings: &[] },
         tolerance: ChordTolerance::for_fluctuation(None, 5),
         landing_step: number(0.04),
     };

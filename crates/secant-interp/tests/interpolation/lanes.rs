@@ -94,7 +94,7 @@ fn same_setpoints<R: Lane + Backend, const D: usize, const LANES: usize>(
     let mut runs: [PieceInterpolator<'_, R, D>; LANES] = std::array::from_fn(|lane| {
         let (table, stages, tolerance) = &compiled[lane % compiled.len()];
         let landing_step = stages.first().map_or_else(R::resolution, |stage| stage.change.half().half());
-        let lengths = StepLengths { stages };
+        let lengths = StepLengths { stages, crossings: &[] };
         PieceInterpolator { pieces: table.as_pieces(), lengths, tolerance: *tolerance, landing_step }
     });
     let mut states = runs.each_ref().map(PieceInterpolator::start);

@@ -18,7 +18,7 @@ fn steps<R: Backend>() {
     let run = |pieces: Pieces<'_, R, 2>, stage: LengthStage<R>| {
         let run = PieceInterpolator {
             pieces,
-            lengths: StepLengths { stages: &[stage, stage] },
+            lengths: StepLengths { stages: &[stage, stage], crossings: &[] },
             tolerance: ChordTolerance::for_fluctuation(Some(1e-6), 5),
             landing_step: R::resolution(),
         };

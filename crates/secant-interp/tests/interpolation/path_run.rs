@@ -76,7 +76,7 @@ pub(crate) fn interpolator<'a, R: Backend, const D: usize>(
     let landing_step = (0.05 * path.feed_mm).ldexp(pieces.chord_exponent);
     PieceInterpolator {
         pieces,
-        lengths: StepLengths { stages },
+        lengths: StepLengths { stages, crossings: &[] },
         tolerance: ChordTolerance::for_fluctuation(Some(settings.fluctuation), settings.max_evaluations),
         landing_step: R::from_f64(landing_step).unwrap(),
     }
