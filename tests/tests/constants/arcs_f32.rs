@@ -1,5 +1,5 @@
 use nurbs_core::{Joint, Piece, Pieces};
-use secant_interp::{ChordTolerance, LengthStage, PieceInterpolator, StageShape, StepLengths, Section};
+use secant_interp::{ChordTolerance, Crossing, LengthStage, PieceInterpolator, StageShape, StepLengths, Section};
 
 const _: () = assert!(
     matches!(secant_interp::VERSION, [0, 1]),
@@ -70,6 +70,7 @@ pub static PATH: PieceInterpolator<'static, Number, 3> = PieceInterpolator {
             LengthStage { duration: 14822934973, reciprocal: 10689942667707652176, reciprocal_exponent: 33, period_share: 0.28975147, feed: 0.5016567, change: -0.25082836, shape: StageShape::Onset },
             LengthStage { duration: 14822934973, reciprocal: 10689942667707652176, reciprocal_exponent: 33, period_share: 0.28975147, feed: 0.25082836, change: -0.25082836, shape: StageShape::Easing },
         ],
+        crossings: &[],
     },
     tolerance: ChordTolerance {
         residual: 0.00034526698,

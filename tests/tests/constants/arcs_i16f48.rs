@@ -1,5 +1,5 @@
 use nurbs_core::{Joint, Piece, Pieces};
-use secant_interp::{ChordTolerance, LengthStage, PieceInterpolator, StageShape, StepLengths, Section};
+use secant_interp::{ChordTolerance, Crossing, LengthStage, PieceInterpolator, StageShape, StepLengths, Section};
 
 const _: () = assert!(
     matches!(secant_interp::VERSION, [0, 1]),
@@ -70,6 +70,7 @@ pub static PATH: PieceInterpolator<'static, Number, 3> = PieceInterpolator {
             LengthStage { duration: 14822934973, reciprocal: 10689942667707652176, reciprocal_exponent: 33, period_share: i16f48(81557790128384), feed: i16f48(564815215273673), change: i16f48(-282407607636836), shape: StageShape::Onset },
             LengthStage { duration: 14822934973, reciprocal: 10689942667707652176, reciprocal_exponent: 33, period_share: i16f48(81557790128384), feed: i16f48(282407607636837), change: i16f48(-282407607636837), shape: StageShape::Easing },
         ],
+        crossings: &[],
     },
     tolerance: ChordTolerance {
         residual: i16f48(16777216),

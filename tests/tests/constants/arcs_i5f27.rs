@@ -1,5 +1,5 @@
 use nurbs_core::{Joint, Piece, Pieces};
-use secant_interp::{ChordTolerance, LengthStage, PieceInterpolator, StageShape, StepLengths, Section};
+use secant_interp::{ChordTolerance, Crossing, LengthStage, PieceInterpolator, StageShape, StepLengths, Section};
 
 const _: () = assert!(
     matches!(secant_interp::VERSION, [0, 1]),
@@ -64,6 +64,7 @@ pub static PATH: PieceInterpolator<'static, Number, 3> = PieceInterpolator {
             LengthStage { duration: 182982757236, reciprocal: 13855410415455604622, reciprocal_exponent: 37, period_share: i5f27(3150355), feed: i5f27(268230335), change: i5f27(0), shape: StageShape::Steady },
             LengthStage { duration: 33062672966, reciprocal: 9585209592187373250, reciprocal_exponent: 34, period_share: i5f27(17435394), feed: i5f27(268230335), change: i5f27(-268230335), shape: StageShape::Cosine },
         ],
+        crossings: &[],
     },
     tolerance: ChordTolerance {
         residual: i5f27(11585),

@@ -1,5 +1,5 @@
 use nurbs_core::{Joint, Piece, Pieces};
-use secant_interp::{ChordTolerance, LengthStage, PieceInterpolator, StageShape, StepLengths, Section};
+use secant_interp::{ChordTolerance, Crossing, LengthStage, PieceInterpolator, StageShape, StepLengths, Section};
 
 const _: () = assert!(
     matches!(secant_interp::VERSION, [0, 1]),
@@ -57,6 +57,7 @@ pub static PATH: PieceInterpolator<'static, Number, 3> = PieceInterpolator {
             LengthStage { duration: 16419115229, reciprocal: 9650722515708868540, reciprocal_exponent: 33, period_share: 0.26158335793965815, feed: 0.5849181701428456, change: -0.2924590850714228, shape: StageShape::Onset },
             LengthStage { duration: 16419115229, reciprocal: 9650722515708868540, reciprocal_exponent: 33, period_share: 0.26158335793965815, feed: 0.2924590850714228, change: -0.2924590850714228, shape: StageShape::Easing },
         ],
+        crossings: &[],
     },
     tolerance: ChordTolerance {
         residual: 1.4901161193847656e-8,

@@ -1,5 +1,5 @@
 use nurbs_core::{Joint, Piece, Pieces};
-use secant_interp::{ChordTolerance, LengthStage, PieceInterpolator, StageShape, StepLengths, Section};
+use secant_interp::{ChordTolerance, Crossing, LengthStage, PieceInterpolator, StageShape, StepLengths, Section};
 
 const _: () = assert!(
     matches!(secant_interp::VERSION, [0, 1]),
@@ -63,6 +63,7 @@ pub static PATH: PieceInterpolator<'static, Number, 2> = PieceInterpolator {
             LengthStage { duration: 10777343112, reciprocal: 14702726208289310255, reciprocal_exponent: 33, period_share: i4f28(106976412), feed: i4f28(441277702), change: i4f28(-240696928), shape: StageShape::Steady },
             LengthStage { duration: 17962238520, reciprocal: 17643271449947172306, reciprocal_exponent: 34, period_share: i4f28(64185847), feed: i4f28(200580774), change: i4f28(-200580774), shape: StageShape::Easing },
         ],
+        crossings: &[],
     },
     tolerance: ChordTolerance {
         residual: i4f28(16384),

@@ -1,5 +1,5 @@
 use nurbs_core::{Joint, Piece, Pieces};
-use secant_interp::{ChordTolerance, LengthStage, PieceInterpolator, StageShape, StepLengths, Section};
+use secant_interp::{ChordTolerance, Crossing, LengthStage, PieceInterpolator, StageShape, StepLengths, Section};
 
 const _: () = assert!(
     matches!(secant_interp::VERSION, [0, 1]),
@@ -50,6 +50,7 @@ pub static PATH: PieceInterpolator<'static, Number, 2> = PieceInterpolator {
             LengthStage { duration: 1073736904, reciprocal: 9223414299526620535, reciprocal_exponent: 29, period_share: i28f36(68719476735), feed: i28f36(6597040), change: i28f36(-3298520), shape: StageShape::Onset },
             LengthStage { duration: 1073736905, reciprocal: 9223414290936607230, reciprocal_exponent: 29, period_share: i28f36(68719476735), feed: i28f36(3298520), change: i28f36(-3298520), shape: StageShape::Easing },
         ],
+        crossings: &[],
     },
     tolerance: ChordTolerance {
         residual: i28f36(262144),

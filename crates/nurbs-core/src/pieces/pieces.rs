@@ -285,6 +285,9 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
             *slot = x.signal("offset");
         }
         if let Some((constant, weights)) = coefficients.weights {
+            // On the way here compilers forget that there are N, and would take them one by one.
+            let weights =
+                if N < MAX_DEGREE { weights.first_chunk::<N>().map_or(weights, |w| w) } else { weights };
             let turns = divide_by_weight::<_, D, N>(constant, weights, t, offset, chord);
             if let Some(shifts) = shifts {
                 for ((slot, w), places) in

@@ -169,20 +169,20 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         wanted: Wanted<R>,
         setpoint: &mut PieceSetpoint<R, D>,
     ) {
+        // Forms that this build does not have are told here too, so that the compiler leaves them out.
+        let has_forms = Form::are_compiled::<R>();
         match state.form {
-            Form::LoweredCubic(shifts) => {
+            Form::LoweredCubic(shifts) if has_forms => {
                 self.follow_on::<CUBIC, true>(state, (row, Some(shifts)), wanted, setpoint);
             }
             // In floats nothing is scaled, so that this form is none of its own.
-            Form::Cubic if !R::IS_FLOATING => {
+            Form::Cubic if has_forms && !R::IS_FLOATING => {
                 self.follow_on::<CUBIC, true>(state, (row, None), wanted, setpoint);
             }
-            Form::RationalCubic(shifts) => {
+            Form::RationalCubic(shifts) if has_forms => {
                 self.follow_on::<CUBIC, false>(state, (row, Some(shifts)), wanted, setpoint);
             }
-            Form::Any | Form::Cubic => {
-                self.follow_on::<MAX_DEGREE, false>(state, (row, None), wanted, setpoint);
-            }
+            _ => self.follow_on::<MAX_DEGREE, false>(state, (row, None), wanted, setpoint),
         }
     }
 

@@ -66,9 +66,15 @@ pub(crate) enum Form {
 pub(crate) const CUBIC: usize = 3;
 
 impl Form {
+    /// Whether this build has other forms than the one for every piece.
+    #[inline(always)]
+    pub(crate) const fn are_compiled<R: Real>() -> bool {
+        R::IS_FOR_SPEED && cfg!(feature = "cubic")
+    }
+
     /// The form for a piece of this row.
     pub(crate) fn of<R: Real, const D: usize>(pieces: &Pieces<'_, R, D>, row: &Piece<R, D>) -> Self {
-        if !R::IS_FOR_SPEED || !cfg!(feature = "cubic") || pieces.degree != CUBIC {
+        if !Self::are_compiled::<R>() || pieces.degree != CUBIC {
             return Self::Any;
         }
         match (pieces.right_shifts(row), pieces.is_rational()) {
