@@ -197,7 +197,7 @@ where
         self * factor + addend
     }
 
-    #[inline]
+    #[inline(always)] // Called, it would take the pairs through memory.
     fn sum_of_products(pairs: impl IntoIterator<Item = (Self, Self)>) -> Self {
         let sum =
             pairs.into_iter().fold(WideBits::<F>::zero(), |sum, (a, b)| sum.wrapping_add(&a.product(b)));

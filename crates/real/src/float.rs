@@ -27,7 +27,7 @@ macro_rules! float_backend {
                 self * factor + addend
             }
 
-            #[inline]
+            #[inline(always)] // Called, it would take the pairs through memory.
             fn sum_of_products(pairs: impl IntoIterator<Item = (Self, Self)>) -> Self {
                 pairs.into_iter().map(|(a, b)| a * b).reduce(|sum, product| sum + product).unwrap_or(0.0)
             }

@@ -118,10 +118,14 @@ impl<R: Real> Evaluation<R> {
         let squares = along.iter().map(|v| (*v, *v));
         let residual =
             R::sum_of_products([(-weight, weight)].into_iter().chain(squares)).signal("chord_residual");
-        let growth = (0..D).map(|d| (along[d], (sigma * turn[d]).signal("chord_turn")));
+        let growth = |d: usize| (along[d], (sigma * turn[d]).signal("chord_turn"));
         let slope = match lightening {
-            Some(products) => R::sum_of_products(products.into_iter().chain(growth)),
-            None => R::sum_of_products(growth),
+            // By number: compilers leave a chain of iterators as a loop.
+            Some(products) => R::sum_of_products(
+                (0..products.len() + D)
+                    .map(|i| products.get(i).copied().unwrap_or_else(|| growth(i - products.len()))),
+            ),
+            None => R::sum_of_products((0..D).map(growth)),
         };
         Self { residual, slope: slope.signal("chord_growth") }
     }
