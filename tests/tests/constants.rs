@@ -141,7 +141,8 @@ fn stretches_begin_and_end_where_the_part_does() {
 fn tables_take_the_bytes_that_are_said() {
     let stairs = problem::<2>("stairs.nc", STAIRS);
     let PieceInterpolator { pieces, lengths, .. } = stairs_i4f28::PATH;
-    let tables = size_of_val(pieces.pieces) + size_of_val(pieces.numerators) + size_of_val(lengths.stages);
+    let plan = size_of_val(lengths.stages) + size_of_val(lengths.crossings);
+    let tables = size_of_val(pieces.pieces) + size_of_val(pieces.numerators) + plan;
     let sections = stairs_i4f28::SECTIONS.len() * 4 * size_of::<u32>();
     let said = constants(&stairs, "I4F28").expect("it fits").bytes;
     assert_eq!(said, tables + sections);

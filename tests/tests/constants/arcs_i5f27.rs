@@ -64,7 +64,17 @@ pub static PATH: PieceInterpolator<'static, Number, 3> = PieceInterpolator {
             LengthStage { duration: 182982757236, reciprocal: 13855410415455604622, reciprocal_exponent: 37, period_share: i5f27(3150355), feed: i5f27(268230335), change: i5f27(0), shape: StageShape::Steady },
             LengthStage { duration: 33062672966, reciprocal: 9585209592187373250, reciprocal_exponent: 34, period_share: i5f27(17435394), feed: i5f27(268230335), change: i5f27(-268230335), shape: StageShape::Cosine },
         ],
-        crossings: &[],
+        crossings: &[
+            Crossing { rest: 4294582090, time: 385205, stages: 1, distance: i5f27(265010146) },
+            Crossing { rest: 385204, time: 4294582091, stages: 1, distance: i5f27(265010148) },
+            Crossing { rest: 0, time: 0, stages: 0, distance: i5f27(0) },
+            Crossing { rest: 2997901893, time: 1297065402, stages: 1, distance: i5f27(266969429) },
+            Crossing { rest: 1297065401, time: 2997901894, stages: 1, distance: i5f27(266969431) },
+            Crossing { rest: 0, time: 0, stages: 0, distance: i5f27(0) },
+            Crossing { rest: 2997901893, time: 1297065402, stages: 1, distance: i5f27(266969429) },
+            Crossing { rest: 1297065401, time: 2997901894, stages: 1, distance: i5f27(266969431) },
+            Crossing { rest: 0, time: 0, stages: 0, distance: i5f27(0) },
+        ],
     },
     tolerance: ChordTolerance {
         residual: i5f27(11585),

@@ -19,7 +19,7 @@ pub const PERIODS: usize = 105;
 
 /// `secant_interp::PositionChecksum` of all of them.
 #[allow(dead_code, reason = "a program need not ask")]
-pub const CHECKSUM: u64 = 0xded8fbcd876a6e5a;
+pub const CHECKSUM: u64 = 0xe1bd768de1e8a6bd;
 
 /// Path and plan.
 pub static PATH: PieceInterpolator<'static, Number, 3> = PieceInterpolator {
@@ -46,18 +46,34 @@ pub static PATH: PieceInterpolator<'static, Number, 3> = PieceInterpolator {
             LengthStage { duration: 84647394444, reciprocal: 14975660013573912924, reciprocal_exponent: 36, period_share: 0.050739509753503546, feed: 0.5849181701428455, change: 0.0, shape: StageShape::Steady },
             LengthStage { duration: 16419115229, reciprocal: 9650722515708868540, reciprocal_exponent: 33, period_share: 0.26158335793965815, feed: 0.5849181701428455, change: -0.29245908507142276, shape: StageShape::Onset },
             LengthStage { duration: 16419115229, reciprocal: 9650722515708868540, reciprocal_exponent: 33, period_share: 0.26158335793965815, feed: 0.29245908507142276, change: -0.29245908507142276, shape: StageShape::Easing },
-            LengthStage { duration: 16419115229, reciprocal: 9650722515708868540, reciprocal_exponent: 33, period_share: 0.26158335793965815, feed: 0.0, change: 0.2924590850714228, shape: StageShape::Onset },
-            LengthStage { duration: 16419115229, reciprocal: 9650722515708868540, reciprocal_exponent: 33, period_share: 0.26158335793965815, feed: 0.2924590850714228, change: 0.2924590850714228, shape: StageShape::Easing },
-            LengthStage { duration: 84647394444, reciprocal: 14975660013573912924, reciprocal_exponent: 36, period_share: 0.050739509753503546, feed: 0.5849181701428456, change: 0.0, shape: StageShape::Steady },
-            LengthStage { duration: 16419115229, reciprocal: 9650722515708868540, reciprocal_exponent: 33, period_share: 0.26158335793965815, feed: 0.5849181701428456, change: -0.2924590850714228, shape: StageShape::Onset },
-            LengthStage { duration: 16419115229, reciprocal: 9650722515708868540, reciprocal_exponent: 33, period_share: 0.26158335793965815, feed: 0.2924590850714228, change: -0.2924590850714228, shape: StageShape::Easing },
-            LengthStage { duration: 16419115229, reciprocal: 9650722515708868540, reciprocal_exponent: 33, period_share: 0.26158335793965815, feed: 0.0, change: 0.2924590850714228, shape: StageShape::Onset },
-            LengthStage { duration: 16419115229, reciprocal: 9650722515708868540, reciprocal_exponent: 33, period_share: 0.26158335793965815, feed: 0.2924590850714228, change: 0.2924590850714228, shape: StageShape::Easing },
-            LengthStage { duration: 84647394444, reciprocal: 14975660013573912924, reciprocal_exponent: 36, period_share: 0.050739509753503546, feed: 0.5849181701428456, change: 0.0, shape: StageShape::Steady },
-            LengthStage { duration: 16419115229, reciprocal: 9650722515708868540, reciprocal_exponent: 33, period_share: 0.26158335793965815, feed: 0.5849181701428456, change: -0.2924590850714228, shape: StageShape::Onset },
-            LengthStage { duration: 16419115229, reciprocal: 9650722515708868540, reciprocal_exponent: 33, period_share: 0.26158335793965815, feed: 0.2924590850714228, change: -0.2924590850714228, shape: StageShape::Easing },
+            LengthStage { duration: 16419115229, reciprocal: 9650722515708868540, reciprocal_exponent: 33, period_share: 0.26158335793965815, feed: 0.0, change: 0.29245908507142276, shape: StageShape::Onset },
+            LengthStage { duration: 16419115229, reciprocal: 9650722515708868540, reciprocal_exponent: 33, period_share: 0.26158335793965815, feed: 0.29245908507142276, change: 0.29245908507142276, shape: StageShape::Easing },
+            LengthStage { duration: 84647394444, reciprocal: 14975660013573912924, reciprocal_exponent: 36, period_share: 0.050739509753503546, feed: 0.5849181701428455, change: 0.0, shape: StageShape::Steady },
+            LengthStage { duration: 16419115229, reciprocal: 9650722515708868540, reciprocal_exponent: 33, period_share: 0.26158335793965815, feed: 0.5849181701428455, change: -0.29245908507142276, shape: StageShape::Onset },
+            LengthStage { duration: 16419115229, reciprocal: 9650722515708868540, reciprocal_exponent: 33, period_share: 0.26158335793965815, feed: 0.29245908507142276, change: -0.29245908507142276, shape: StageShape::Easing },
+            LengthStage { duration: 16419115229, reciprocal: 9650722515708868540, reciprocal_exponent: 33, period_share: 0.26158335793965815, feed: 0.0, change: 0.29245908507142276, shape: StageShape::Onset },
+            LengthStage { duration: 16419115229, reciprocal: 9650722515708868540, reciprocal_exponent: 33, period_share: 0.26158335793965815, feed: 0.29245908507142276, change: 0.29245908507142276, shape: StageShape::Easing },
+            LengthStage { duration: 84647394444, reciprocal: 14975660013573912924, reciprocal_exponent: 36, period_share: 0.050739509753503546, feed: 0.5849181701428455, change: 0.0, shape: StageShape::Steady },
+            LengthStage { duration: 16419115229, reciprocal: 9650722515708868540, reciprocal_exponent: 33, period_share: 0.26158335793965815, feed: 0.5849181701428455, change: -0.29245908507142276, shape: StageShape::Onset },
+            LengthStage { duration: 16419115229, reciprocal: 9650722515708868540, reciprocal_exponent: 33, period_share: 0.26158335793965815, feed: 0.29245908507142276, change: -0.29245908507142276, shape: StageShape::Easing },
         ],
-        crossings: &[],
+        crossings: &[
+            Crossing { rest: 3534213340, time: 760753955, stages: 1, distance: 0.24673759728944722 },
+            Crossing { rest: 2773459385, time: 1521507910, stages: 1, distance: 0.5831219898332685 },
+            Crossing { rest: 1521507909, time: 2773459386, stages: 1, distance: 0.5831219898332685 },
+            Crossing { rest: 760753954, time: 3534213341, stages: 1, distance: 0.24673759728944722 },
+            Crossing { rest: 0, time: 0, stages: 0, distance: 0.0 },
+            Crossing { rest: 3534213340, time: 760753955, stages: 1, distance: 0.24673759728944722 },
+            Crossing { rest: 2773459385, time: 1521507910, stages: 1, distance: 0.5831219898332685 },
+            Crossing { rest: 1521507909, time: 2773459386, stages: 1, distance: 0.5831219898332685 },
+            Crossing { rest: 760753954, time: 3534213341, stages: 1, distance: 0.24673759728944722 },
+            Crossing { rest: 0, time: 0, stages: 0, distance: 0.0 },
+            Crossing { rest: 3534213340, time: 760753955, stages: 1, distance: 0.24673759728944722 },
+            Crossing { rest: 2773459385, time: 1521507910, stages: 1, distance: 0.5831219898332685 },
+            Crossing { rest: 1521507909, time: 2773459386, stages: 1, distance: 0.5831219898332685 },
+            Crossing { rest: 760753954, time: 3534213341, stages: 1, distance: 0.24673759728944722 },
+            Crossing { rest: 0, time: 0, stages: 0, distance: 0.0 },
+        ],
     },
     tolerance: ChordTolerance {
         residual: 1.4901161193847656e-8,
