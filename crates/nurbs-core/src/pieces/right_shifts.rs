@@ -28,12 +28,13 @@ impl RightShifts {
             return Some(Self::default());
         }
         let degree = i32::try_from(degree).ok()?;
-        let last = first.saturating_add(per_power.saturating_mul(degree));
+        let weight = per_power.saturating_mul(degree);
+        let last = first.saturating_add(weight.saturating_sub(per_power));
         let least = -i32::try_from(R::MOST_LOWERED).ok()?;
         let is_right = |exponent: i32| (least..=0).contains(&exponent);
         if R::MOST_LOWERED == 0
             || first == 0
-            || ![variable, first, per_power, last, to_path].into_iter().all(is_right)
+            || ![variable, first, per_power, last, weight, to_path].into_iter().all(is_right)
         {
             return None;
         }

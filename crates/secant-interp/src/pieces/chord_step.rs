@@ -118,7 +118,10 @@ impl<R: Real> Evaluation<R> {
         let squares = along.iter().map(|v| (*v, *v));
         let residual =
             R::sum_of_products([(-weight, weight)].into_iter().chain(squares)).signal("chord_residual");
-        let growth = |d: usize| (along[d], (sigma * turn[d]).signal("chord_turn"));
+        let growth = |d: usize| match (along.get(d), turn.get(d)) {
+            (Some(along), Some(turn)) => (*along, (sigma * *turn).signal("chord_turn")),
+            _ => (R::zero(), R::zero()),
+        };
         let slope = match lightening {
             // By number: compilers leave a chain of iterators as a loop.
             Some(products) => R::sum_of_products(
