@@ -228,7 +228,11 @@ mod phase {
                 /// [`leading`] of `product / 2^shift`, for a quotient below 2⁶⁴: if the first bits of it are in the first
                 /// half of the product, no more of it is read.
                 #[inline]
-                #[allow(clippy::cast_possible_truncation, reason = "as many leading bits as are kept")]
+                #[allow(
+                    clippy::cast_possible_truncation,
+                    clippy::cast_possible_wrap,
+                    reason = "as many leading bits as are kept, and the spared bits leave room"
+                )]
                 pub(in super::super) fn leading_of(product: u128, shift: u32) -> $float {
                     if shift + $spared >= 64 {
                         return converted(

@@ -175,7 +175,7 @@ macro_rules! rounded_wide {
 /// and the first bit behind the last place says whether to round up. Compilers form a shift of 64 bits in other ways, which
 /// take more instructions and hide from the next product that the word is one of 32 bits.
 #[inline]
-#[allow(clippy::cast_possible_truncation, reason = "the halves of a word of 64 bits")]
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the halves of a word of 64 bits")]
 pub(crate) fn rounded_by_halves(sum: i64, fraction_bits: u32) -> i32 {
     let (high, low) = ((sum >> 32) as u32, sum as u32);
     if fraction_bits == 0 {
