@@ -10,7 +10,7 @@ use core::ops::{Add, Div, Mul, Neg, Sub};
 use fixed::traits::{Fixed, FixedSigned};
 use num_traits::{AsPrimitive, Bounded, FromPrimitive, One, WrappingAdd, Zero};
 
-use crate::real::phase_of;
+use crate::real::{leading_bits, phase_of};
 use crate::{Backend, FormatName, Real, Word};
 
 /// A signed fixed-point number of the `fixed` crate, as a [`Real`].
@@ -300,13 +300,6 @@ fn phase_by_halves(bits: u64, left: u32) -> u64 {
     let low = bits as u32;
     let (left, right) = (left & 31, left.wrapping_neg() & 31);
     (u64::from(low >> right) << 32) | u64::from(low << left)
-}
-
-/// `product / 2^(64 + shift)`, for a quotient below 2⁶⁴: its second half says nothing about it.
-#[inline]
-#[allow(clippy::cast_possible_truncation, reason = "the first half")]
-fn leading_bits(product: u128, shift: u32) -> u64 {
-    ((product >> 64) as u64) >> (shift & 63)
 }
 
 impl<F: FixedSigned + Send + Sync> Backend for FixedPoint<F>

@@ -236,7 +236,7 @@ mod phase {
                 pub(in super::super) fn leading_of(product: u128, shift: u32) -> $float {
                     if shift + $spared >= 64 {
                         return converted(
-                            (((product >> 64) as u64) >> ((shift + $spared - 64) & 63)) as $integer,
+                            crate::real::leading_bits(product, shift + $spared - 64) as $integer
                         );
                     }
                     leading(crate::real::phase_of(product, shift))

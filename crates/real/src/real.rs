@@ -181,6 +181,13 @@ pub(crate) fn phase_of(product: u128, shift: u32) -> u64 {
     (product >> (shift & 63)) as u64
 }
 
+/// `product / 2^(64 + shift)`, for a quotient below 2⁶⁴ and a shift below 64: its second half says nothing about it.
+#[inline]
+#[allow(clippy::cast_possible_truncation, reason = "the first half")]
+pub(crate) fn leading_bits(product: u128, shift: u32) -> u64 {
+    ((product >> 64) as u64) >> (shift & 63)
+}
+
 /// A [`Real`] with a name and with conversions from and to the floats that files hold. Tools need them; kernels do not.
 pub trait Backend: Real + Send + Sync {
     /// The format's name, as in `f32` or `I16F16`.

@@ -124,17 +124,23 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
     #[inline]
     #[must_use]
     pub fn in_units_of_path(&self, row: &Piece<R, D>, offset: &[R; D]) -> [R; D] {
-        let units = i32::from(row.coordinate_exponent).wrapping_sub(self.coordinate_exponent);
+        let units = self.exponent_to_path(row);
         // Not by `map`: it reads two numbers of 32 bits as one word, right after they were written one by one.
         core::array::from_fn(|d| offset[d].rescaled(units).signal("offset"))
+    }
+
+    /// The exponent that converts an offset in the units of a piece to those of the path.
+    #[inline]
+    fn exponent_to_path(&self, row: &Piece<R, D>) -> i32 {
+        i32::from(row.coordinate_exponent).wrapping_sub(self.coordinate_exponent)
     }
 
     /// The scalings of a step on the piece of this row, if all of them go to the right.
     #[must_use]
     pub fn right_shifts(&self, row: &Piece<R, D>) -> Option<RightShifts> {
-        let [e, s, r] = [row.coordinate_exponent, row.step_exponent, row.range_exponent].map(i32::from);
-        let to_path = e.wrapping_sub(self.coordinate_exponent);
-        RightShifts::of::<R>([-r, e.wrapping_add(self.chord_exponent) - s, r - s, to_path], self.degree)
+        let [variable, per_power] = [-i32::from(row.range_exponent), row.per_power()];
+        let first = self.chord_exponents(row).next()?;
+        RightShifts::of::<R>([variable, first, per_power, self.exponent_to_path(row)], self.degree)
     }
 
     /// A point in units of 2^[`ORIGIN_EXPONENT`] mm: the piece's origin plus an offset from it. The offset is in units
