@@ -217,7 +217,7 @@ impl<R: Real> StageShape<R> {
     }
 }
 
-/// The mean of `x + b x(1 - x)`. Inlined, its products would cost the other shapes registers.
+/// The mean of `x + b x(1 - x)`.
 #[inline]
 fn mean_of_bent<R: Real>(by: R, middle: R, width: R) -> R {
     let bow = (width * width).ldexp(-2) * R::from_ratio(1, 3);
