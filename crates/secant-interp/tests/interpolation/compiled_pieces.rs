@@ -235,7 +235,7 @@ fn runs_are_the_same_bit_for_bit() {
     assert_eq!(found, CHECKSUMS, "{found:#x?}");
 }
 
-/// The distance of a period is formed a period early. A period that goes by another rate does not take it, nor what it stands for.
+/// A period by the plan and one by override at full rate have the same distance, and leave the schedule at the same place.
 #[test]
 fn periods_by_the_plan_and_by_override_take_turns() {
     fn same<R: Backend>() {
