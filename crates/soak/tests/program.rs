@@ -7,7 +7,7 @@ use std::process::Command;
 fn a_program_is_run_in_every_format_with_overrides_and_holds() {
     let folder = tempfile::tempdir().expect("a folder");
     let machine = concat!(env!("CARGO_MANIFEST_DIR"), "/../../data/machines/router.toml");
-    let part = "G21 G90\nG0 X0 Y0\nG1 X200 F600\nG3 X200 Y60 I0 J30\nG1 X0\nG1 Y0\n";
+    let part = "G21 G90\nG0 X0 Y0\nG1 X200 F600\nG3 X200 Y60 I0 J30\nG1 X0\nG1 Y0\nG0 X50 Y10\nG1 X150\n";
     fs::write(folder.path().join("part.nc"), part).expect("a file");
     let run = |seed: &str| {
         let mut program = Command::new(env!("CARGO_BIN_EXE_soak"));
