@@ -125,11 +125,12 @@ static void begin_landing({{ name }}_rates *rates)
     rates->pause_left = 0;
 }
 
-/* The chord of a step on a piece; false for a step that is longer than the piece's polynomials are scaled for. */
+/* The chord of a step on a piece; false for a step that is longer than the piece's polynomials are scaled for: half of
+ * x's unit, or the whole piece if that is the unit. */
 static bool length_across(const piece_row *row, const shifted *at, number step, number *length)
 {
 {%- if !floating %}
-    if (step > power_of_two(row->range_exponent)) {
+    if ((row->range_exponent != row->step_exponent) && (step > power_of_two(row->range_exponent - 1))) {
         return false;
     }
 {%- endif %}

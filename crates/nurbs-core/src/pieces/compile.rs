@@ -146,11 +146,11 @@ fn scaled<H: Backend, R: Backend, const D: usize>(
         }
         let step = piece.speed.step_exponent(chord);
         let coordinate = (-exponent_below(range / piece.coordinate_bound_mm())).clamp(-120, 120);
-        let mut scales = Scales { coordinate, chord, step, range: exponent_below(chord_range) };
-        // The largest x. Its unit should be as fine as possible, but x must fit.
-        let eta = piece.step_per_chord(&scales)[1] * step_mm * power_of_two(chord);
-        scales.range += i32::from(eta * power_of_two(-scales.range) >= range);
-        Scales { range: scales.range.min(step), ..scales }
+        let scales = Scales { coordinate, chord, step, range: step };
+        let longest = piece.step_per_chord(&scales)[1] * step_mm * power_of_two(chord);
+        // The roundings of the higher coefficients reach the chord times x and x²: at most a half and a quarter of a unit.
+        let range = exponent_below(longest) + 2;
+        Scales { range: range.min(step), ..scales }
     };
     local
         .into_iter()

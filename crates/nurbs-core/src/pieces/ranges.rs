@@ -86,8 +86,7 @@ fn raise_chord_bounds<H: Backend, const D: usize>(
     let longest_chord = step_mm * power_of_two(scales.chord);
     let [least, sigma] = piece.step_per_chord(scales);
     let eta = sigma * longest_chord;
-    let unit = power_of_two(-scales.range);
-    let x = eta.min(power_of_two(scales.step)) * unit;
+    let x = scales.greatest_variable();
     bounds.raise("chord_length", longest_chord);
     bounds.raise("step_per_chord", sigma);
     bounds.raise("step_per_chord_fall", 3.0 * (sigma - least));

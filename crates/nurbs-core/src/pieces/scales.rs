@@ -11,8 +11,15 @@ pub(crate) struct Scales {
     pub(crate) chord: i32,
     /// 2^step is the step over the whole piece.
     pub(crate) step: i32,
-    /// The polynomials take the step over 2^range. `range` is at most `step`, so that it is no more than the piece.
+    /// The polynomials take x, the step over 2^range. `range` is at most `step`.
     pub(crate) range: i32,
+}
+
+impl Scales {
+    /// The x that no chord exceeds: ½ as the range is chosen, or the whole piece if that is not so long.
+    pub(crate) fn greatest_variable(&self) -> f64 {
+        if self.range == self.step { 1.0 } else { 0.5 }
+    }
 }
 
 pub(crate) fn power_of_two(exponent: i32) -> f64 {

@@ -97,9 +97,12 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         sum(sum(to_end, R::norm(&between))?, over_last)
     }
 
-    /// The chord of a step on a piece; `None` for a step that is longer than the piece's polynomials are scaled for.
+    /// The chord of a step on a piece; `None` for a step that is longer than the piece's polynomials are scaled for: half
+    /// of x's unit, or the whole piece if that is the unit.
     fn across(&self, row: &Piece<R, D>, at: &Shifted<R, D>, step: R) -> Option<R> {
-        let is_near = R::IS_FLOATING || step <= R::power_of_two(i32::from(row.range_exponent));
+        let range = i32::from(row.range_exponent);
+        let is_near =
+            R::IS_FLOATING || row.range_exponent == row.step_exponent || step <= R::power_of_two(range - 1);
         is_near.then(|| R::norm(&self.chord(row, at, R::one()).over(step)))
     }
 }
