@@ -201,8 +201,9 @@ static number first_step_per_chord(const shifted *at, const piece_row *row)
 {%- endif %}
 {%- endif %}
 
-/* Makes a step over one joint or more, with the way up to the first, which it changes; returns the evaluations. */
-static uint32_t cross({{ name }}_state *state, const piece_row *from, travelled_way *way, number whole_length)
+/* Makes a step over one joint or more, with the way up to the first, which it changes, after so many evaluations. Returns
+ * all evaluations: the pieces share MAX_EVALUATIONS, and once they are used up each further piece takes one. */
+static uint32_t cross({{ name }}_state *state, const piece_row *from, travelled_way *way, number whole_length, uint32_t before)
 {
 {%- if has_joints %}
     const uint32_t end = end_piece(state);
@@ -213,7 +214,7 @@ static uint32_t cross({{ name }}_state *state, const piece_row *from, travelled_
     const number length = whole_length;
 {%- endif %}
     number expected = expected_sigma(state, row);
-    uint32_t evaluations = 0u;
+    uint32_t evaluations = before;
     for (uint32_t piece = state->piece + 1u; piece < end; piece++) {
         const piece_row *next = &pieces[piece];
         const number greatest = next->greatest_step_per_chord;
@@ -259,7 +260,7 @@ static uint32_t cross({{ name }}_state *state, const piece_row *from, travelled_
         bool is_past = is_long && past(way, &on, length, beyond);
         if (!is_past) {
             number sigma = guess;
-            evaluations += solve(&on, &sigma, MAX_EVALUATIONS);
+            evaluations += solve(&on, &sigma, (evaluations < MAX_EVALUATIONS) ? (MAX_EVALUATIONS - evaluations) : 1u);
             const number step = mul(sigma, length);
             is_past = !((step < on.whole) || is_long) && past(way, &on, length, beyond);
             if (!is_past) {
@@ -280,7 +281,7 @@ static uint32_t cross({{ name }}_state *state, const piece_row *from, travelled_
     (void)whole_length;
     state->piece = end_piece(state);
     state->phase = 0u;
-    return 0u;
+    return before;
 {%- endif %}
 }
 
@@ -297,5 +298,5 @@ static uint32_t pass_end({{ name }}_state *state, const piece_row *row, number l
 {%- endif %}
     travelled_way way;
     way_to_end(state, row, length, &way);
-    return evaluations + cross(state, row, &way, length);
+    return cross(state, row, &way, length, evaluations);
 }

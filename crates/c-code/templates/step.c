@@ -78,7 +78,7 @@ static uint32_t search({{ name }}_state *state, const piece_row *row, number len
         travelled_way way;
         way_to_end(state, row, length, &way);
         if (way.left > {{ zero }}) {
-            return cross(state, row, &way, length);
+            return cross(state, row, &way, length, 0u);
         }
     }
     chord on;

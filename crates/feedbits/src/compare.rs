@@ -159,7 +159,28 @@ fn interrupted(comparison: Comparison, arguments: &Arguments) -> Result<Ending> 
 const CORNER_ERROR: &str = "corner error\nmm";
 
 fn table(comparison: &Comparison) -> String {
-    format!("{}{}\n", rows(comparison), answer(comparison))
+    format!("{}{}{}\n", rows(comparison), used_up(comparison), answer(comparison))
+}
+
+/// The runs on pieces that took all evaluations which a period may take, and how often.
+fn used_up(comparison: &Comparison) -> String {
+    let most = comparison.machine.max_iterations;
+    let of = |row: &JudgedRun| {
+        let found = row.evaluations.filter(|found| row.engine == Engine::Pieces && found.max >= most)?;
+        Some(format!(
+            "{} in {}",
+            row.format,
+            output::counted(found.periods_at_max.try_into().ok()?, "period", "periods")
+        ))
+    };
+    let runs: Vec<_> = comparison.formats.iter().filter_map(of).collect();
+    if runs.is_empty() {
+        return String::new();
+    }
+    format!(
+        "All evaluations of a period were used (`max_iterations`, {most}): {}. There a chord is as long as the last left it.\n",
+        runs.join(", ")
+    )
 }
 
 /// The part, and a row for each run.

@@ -249,7 +249,7 @@ impl<'a, R: Backend, const D: usize> Steps<'a, R, D> {
         let back = f64::from(u8::from(to < from));
         demand("the position goes back", &self.name, step, back, 0.0)?;
         let touched = to.0 - from.0 + 1;
-        let bound = u64::from(self.run.interpolator().tolerance.max_evaluations) * touched as u64;
+        let bound = u64::from(self.run.interpolator().tolerance.max_evaluations) + touched as u64 - 1;
         let evaluations = u64::from(setpoint.evaluations);
         let share = demand("evaluations", &self.name, step, evaluations as f64, bound as f64)?;
         let finite = setpoint.offset.iter().all(|x| x.is_finite()) && setpoint.length.is_finite();

@@ -18,7 +18,7 @@ pub struct StepShape {
     pub dimensions: usize,
     /// Whether a point takes a division.
     pub rational: bool,
-    /// K: the most evaluations on a piece.
+    /// K: the evaluations that the pieces share.
     pub max_evaluations: u32,
     /// Pieces that the step touches: those that it leaves, and the one that it ends on.
     pub pieces: usize,
@@ -35,7 +35,7 @@ impl StepBound {
     /// | what | operations | times |
     /// |---|---|---|
     /// | the mean feed over a part of a period (`step_lengths`); the most for a cosine, of 9 terms and 11 | 180 | stages |
-    /// | one evaluation and its correction (`chord_step`): two Horner chains a coordinate, two for the weight | 2pD + 2p + 9D + 48 | K a piece |
+    /// | one evaluation and its correction (`chord_step`): two Horner chains a coordinate, two for the weight | 2pD + 2p + 9D + 48 | K, and one for each piece behind the first |
     /// | re-expansion about the point (`Pieces::shifted`): p(p+1)/2 products a coordinate, as many for the weight; the division by the weight; scaling | (D + 1) (p(p+1)/2 + 6p + 4) | pieces |
     /// | to the end of a piece, and past a whole one (`over`, twice) | 2 (2pD + 2p + 5D + 8) | pieces |
     /// | start value, range, joint: the rest of `travel` and `cross` | 80 | pieces |
@@ -50,10 +50,12 @@ impl StepBound {
         let evaluation = 2 * p * d + 2 * p * weight + 9 * d + 48;
         let expansion = (d + weight) * (p * (p + 1) / 2 + 6 * p + 4);
         let over = 2 * p * d + 2 * p * weight + 5 * d + 8;
+        let evaluations = most + pieces.saturating_sub(1);
         Self {
-            evaluations: most * pieces,
+            evaluations,
             operations: stages * 180
-                + pieces * (most * evaluation + expansion + 2 * over + 80)
+                + evaluations * evaluation
+                + pieces * (expansion + 2 * over + 80)
                 + (p + 4) * (d + weight)
                 + 10,
         }

@@ -1,5 +1,7 @@
 //! Figures over a whole run.
 
+use std::cmp::Ordering;
+
 use serde::Serialize;
 
 use crate::run::at_cruise::GreatestAtCruise;
@@ -230,6 +232,8 @@ pub struct PerPeriod {
     pub mean: f64,
     /// Largest in a period.
     pub max: u32,
+    /// The number of periods with the largest.
+    pub periods_at_max: u64,
 }
 
 /// A count per period of a run of which periods are added, or parts are joined.
@@ -238,22 +242,27 @@ pub(crate) struct CountTally {
     periods: u64,
     sum: u64,
     max: u32,
+    at_max: u64,
 }
 
 impl CountTally {
     pub(crate) fn add(&mut self, count: u32) {
-        self.join(&Self { periods: 1, sum: count.into(), max: count });
+        self.join(&Self { periods: 1, sum: count.into(), max: count, at_max: 1 });
     }
 
     pub(crate) fn join(&mut self, other: &Self) {
         self.periods += other.periods;
         self.sum += other.sum;
-        self.max = self.max.max(other.max);
+        match self.max.cmp(&other.max) {
+            Ordering::Less => (self.max, self.at_max) = (other.max, other.at_max),
+            Ordering::Equal => self.at_max += other.at_max,
+            Ordering::Greater => (),
+        }
     }
 
     pub(crate) fn per_period(&self) -> PerPeriod {
         let mean = if self.periods > 0 { self.sum as f64 / self.periods as f64 } else { 0.0 };
-        PerPeriod { mean, max: self.max }
+        PerPeriod { mean, max: self.max, periods_at_max: self.at_max }
     }
 }
 
@@ -368,7 +377,8 @@ mod tests {
             counts.iter().for_each(|count| tally.add(*count));
             tally.per_period()
         };
-        assert_eq!(of(&[3, 4, 5]), PerPeriod { mean: 4.0, max: 5 });
-        assert_eq!(of(&[]), PerPeriod { mean: 0.0, max: 0 });
+        assert_eq!(of(&[3, 4, 5]), PerPeriod { mean: 4.0, max: 5, periods_at_max: 1 });
+        assert_eq!(of(&[2, 1, 2, 0, 2]), PerPeriod { mean: 1.4, max: 2, periods_at_max: 3 });
+        assert_eq!(of(&[]), PerPeriod { mean: 0.0, max: 0, periods_at_max: 0 });
     }
 }

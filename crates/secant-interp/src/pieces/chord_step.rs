@@ -41,7 +41,9 @@ pub struct ChordTolerance<R> {
     pub growth: R,
     /// The largest |f| after which one correction is enough whatever the growth.
     pub fluctuation: R,
-    /// K: evaluations of f in a period, at most.
+    /// K: evaluations of f in a period, at most. All pieces that the period touches share them. Once they are used up, each
+    /// piece on which the step is solved still takes one, so that a period takes at most K and one for each joint that it
+    /// crosses. The chord is then as long as the last correction leaves it.
     pub max_evaluations: u32,
 }
 
@@ -188,15 +190,21 @@ impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D,
     /// Solves for σ from the start value `sigma`, which lies in the range; returns it with the evaluations made.
     #[must_use]
     pub fn solve(&self, sigma: R, tolerance: &ChordTolerance<R>) -> (R, u32) {
-        self.refine(sigma, self.evaluate_aside(sigma), tolerance)
+        self.solve_within(sigma, tolerance, tolerance.max_evaluations)
     }
 
-    /// [`solve`](Self::solve) with a given evaluation of the chord at `sigma`.
+    /// [`solve`](Self::solve) by at most so many evaluations, and at least one.
+    pub(crate) fn solve_within(&self, sigma: R, tolerance: &ChordTolerance<R>, most: u32) -> (R, u32) {
+        self.refine(sigma, self.evaluate_aside(sigma), tolerance, most)
+    }
+
+    /// [`solve_within`](Self::solve_within) with a given evaluation of the chord at `sigma`.
     pub(crate) fn refine(
         &self,
         mut sigma: R,
         mut value: Evaluation<R>,
         tolerance: &ChordTolerance<R>,
+        most: u32,
     ) -> (R, u32) {
         let mut evaluations = 1;
         loop {
@@ -206,8 +214,7 @@ impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D,
             };
             let trial = sigma;
             sigma = self.next(trial, correction);
-            if self.is_enough(&value, tolerance) || sigma == trial || evaluations >= tolerance.max_evaluations
-            {
+            if self.is_enough(&value, tolerance) || sigma == trial || evaluations >= most {
                 return (sigma, evaluations);
             }
             evaluations += 1;

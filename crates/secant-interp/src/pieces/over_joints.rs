@@ -30,7 +30,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
             return state.reach(&reached, &self.pieces);
         }
         let travelled = self.way_to_end::<N, PLAIN>(state, row, length);
-        step.evaluations + self.cross::<N, PLAIN>(state, row, travelled, length)
+        self.cross::<N, PLAIN>(state, row, travelled, (length, step.evaluations))
     }
 
     /// The part of a step up to the end of the present piece.
@@ -70,8 +70,8 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         Some(Reached { piece: step.piece + 1, phase, sigma: into_next(row, next, step.sigma), ..*step })
     }
 
-    /// Makes a step over one joint or more, with the length travelled up to the first. Returns the evaluations. The polynomials in
-    /// `state` are then those of a piece that was passed.
+    /// Makes a step over one joint or more, with the length travelled up to the first, after so many evaluations. Returns all
+    /// evaluations. The polynomials in `state` are then those of a piece that was passed.
     #[cold]
     #[inline(never)]
     pub(crate) fn cross<const N: usize, const PLAIN: bool>(
@@ -79,7 +79,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         state: &mut PieceState<R, D>,
         row: &Piece<R, D>,
         travelled: Travelled<R, D>,
-        length: R,
+        length: (R, u32),
     ) -> u32 {
         let place = (state.piece, &mut state.at);
         let reached = self.find_across::<N, PLAIN>(place, &mut state.trend, row, travelled, length);
@@ -92,7 +92,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
 
     /// The end of a step over joints. A piece that ends within the length is passed, and the remaining length is solved
     /// on the next. Behind a corner, where the tangent breaks, the remaining length is that of a chord that begins
-    /// there.
+    /// there. `evaluations` were made before.
     #[inline]
     fn find_across<const N: usize, const PLAIN: bool>(
         &self,
@@ -100,11 +100,10 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         trend: &mut Trend<R>,
         row: &Piece<R, D>,
         mut travelled: Travelled<R, D>,
-        mut length: R,
+        (mut length, mut evaluations): (R, u32),
     ) -> Reached<R> {
         let mut row = row;
         let mut expected = trend.next(&row.step_per_chord);
-        let mut evaluations = 0;
         for (piece, next) in self.pieces.pieces.iter().enumerate().skip(piece + 1) {
             let greatest = next.step_per_chord[1];
             *trend = trend.into_next(row, next);
@@ -137,7 +136,8 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
                 (row, travelled) = (next, Travelled::new(beyond, whole()));
                 continue;
             }
-            let (sigma, count) = on_next.solve(guess, &self.tolerance);
+            let most = self.tolerance.max_evaluations.saturating_sub(evaluations);
+            let (sigma, count) = on_next.solve_within(guess, &self.tolerance, most);
             evaluations += count;
             let step = sigma * length;
             let beyond = if step < on_next.whole || is_long { None } else { past(&before, &on_next, length) };

@@ -327,7 +327,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         if !is_on_piece(state, row, guess * length) {
             let travelled = self.way_to_end::<N, PLAIN>(state, row, length);
             if travelled.left > R::zero() {
-                return self.cross::<N, PLAIN>(state, row, travelled, length);
+                return self.cross::<N, PLAIN>(state, row, travelled, (length, 0));
             }
         }
         let chord = self.chord_on::<N, PLAIN>(row, state.whole, &state.at, length);
@@ -347,7 +347,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     ) -> u32 {
         let guess = state.trend.newest - state.trend.fall;
         let chord = self.chord_on::<N, PLAIN>(row, state.whole, &state.at, length);
-        let found = chord.refine(guess, value, &self.tolerance);
+        let found = chord.refine(guess, value, &self.tolerance, self.tolerance.max_evaluations);
         self.travel::<N, PLAIN>(state, row, length, found)
     }
 
