@@ -235,15 +235,17 @@ IN_PLACE bool is_small(const evaluation *value)
     return is_at_most(value->residual, RESIDUAL) && is_at_most(value->slope, GROWTH);
 }
 
-/* The same for a chord on any number of pieces. */
-static bool is_enough(const chord *on, const evaluation *value)
+/* The same for this correction of a chord on any number of pieces. Over a joint, Newton's correction leaves half of its square,
+ * over that of sigma. */
+static bool is_enough(const chord *on, const evaluation *value, number by)
 {
 {%- if has_joints %}
     if (on->is_past_joint) {
-        return absolute(value->residual) <= times_power_of_two(FLUCTUATION, -2);
+        return absolute(by) <= mul(half(on->greatest), RESIDUAL);
     }
 {%- else %}
     (void)on;
+    (void)by;
 {%- endif %}
     return (absolute(value->residual) <= FLUCTUATION) || is_small(value);
 }
@@ -269,8 +271,9 @@ static uint32_t refine_chord(const chord *on, number *sigma, evaluation *last, u
     uint32_t evaluations = 1u;
     for (;;) {
         const number trial = *sigma;
-        *sigma = sub(trial, within(correction_within(on, trial, last), trial, on->least, on->greatest));
-        if (is_enough(on, last) || (*sigma == trial) || (evaluations >= most)) {
+        const number by = correction_within(on, trial, last);
+        *sigma = sub(trial, within(by, trial, on->least, on->greatest));
+        if (is_enough(on, last, by) || (*sigma == trial) || (evaluations >= most)) {
             return evaluations;
         }
         evaluations++;

@@ -214,7 +214,7 @@ impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D,
             };
             let trial = sigma;
             sigma = self.next(trial, correction);
-            if self.is_enough(&value, tolerance) || sigma == trial || evaluations >= most {
+            if self.is_enough(&value, correction, tolerance) || sigma == trial || evaluations >= most {
                 return (sigma, evaluations);
             }
             evaluations += 1;
@@ -222,15 +222,18 @@ impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D,
         }
     }
 
-    /// Whether one correction after this evaluation is enough.
+    /// Whether this correction after this evaluation is enough.
+    ///
+    /// Over a joint, Newton's correction c leaves a chord that is off by `½ |v|² c²` of its length where v goes straight on.
+    /// With |v| at most twice the least on the piece, 1/σ of the range's greatest, half of √ε of that σ leaves at most ½ε.
     #[inline]
-    fn is_enough(&self, value: &Evaluation<R>, tolerance: &ChordTolerance<R>) -> bool {
+    fn is_enough(&self, value: &Evaluation<R>, correction: R, tolerance: &ChordTolerance<R>) -> bool {
         match self.before {
             None => {
                 value.residual.abs() <= tolerance.fluctuation
                     || value.is_within(tolerance.residual, tolerance.growth)
             }
-            Some(_) => value.residual.abs() <= tolerance.fluctuation.ldexp(-2),
+            Some(_) => correction.abs() <= self.range[1].half() * tolerance.residual,
         }
     }
 
