@@ -19,6 +19,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         };
         let path = PathBuf::from(env::var("CARGO_MANIFEST_DIR")?).join("memory").join(map);
         println!("cargo:rustc-link-arg-bins=-T{}", path.display());
+        // The emulated board of the smallest Cortex-M has as much flash as its controller, those of the others 4 MiB.
+        let flash = if env::var("TARGET")?.starts_with("thumbv6m") { "256K" } else { "4M" };
+        println!("cargo:rustc-link-arg-bins=--defsym=flash_size={flash}");
     }
     Ok(())
 }

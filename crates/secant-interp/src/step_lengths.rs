@@ -125,6 +125,14 @@ pub struct LengthCursor {
     pub(crate) time: u64,
 }
 
+impl LengthCursor {
+    /// The number of the stage in which the next period begins; the number of all stages once the schedule is over.
+    #[must_use]
+    pub fn stage(&self) -> usize {
+        self.stage
+    }
+}
+
 /// The period in which a stage ends, of a run at the plan's own speed. Such a run comes to the end of each stage at a time that is
 /// known when the plan is compiled, and so is what the period takes of this stage and of all that it ends in or passes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

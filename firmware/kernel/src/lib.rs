@@ -4,7 +4,7 @@
 //! |---|---|
 //! | each operation of [`real::Real`] on sixteen sets of operands | [`operations`] |
 //! | one period of a run along a compiled path, from its start to its end | [`path_run`] |
-//! | one period of a part of the user's own, with the feature `part` and nothing else | `own_part` |
+//! | the starts and periods of a part of the user's own, with the feature `part` and nothing else | `own_part` |
 //!
 //! [`run_all`] makes all calls and reports a [`Record`] for each group of them. On a target the records are printed; a
 //! host makes the same calls and must come to the same checksums. Every called kernel is an exported symbol that is not
@@ -17,6 +17,7 @@ pub mod operations;
 #[cfg(feature = "part")]
 mod own_part;
 pub mod path_run;
+mod period_kind;
 
 mod checksum;
 #[cfg_attr(
@@ -30,6 +31,7 @@ mod compiled {
     include!(concat!(env!("OUT_DIR"), "/paths.rs"));
 }
 
+pub use period_kind::PeriodKind;
 use real::FormatName;
 
 /// A group of calls to one kernel.
@@ -57,6 +59,8 @@ pub trait Board {
     fn used_stack(&mut self) -> usize;
     /// Takes a group's result.
     fn record(&mut self, record: Record);
+    /// Takes the kind of each period of a part.
+    fn period(&mut self, _kind: PeriodKind) {}
 }
 
 /// The bits of a number, for checksums.

@@ -7,17 +7,20 @@
 //! | what kind of instruction each is | [`instruction`] |
 //! | which instructions belong to which call | [`calls`] |
 //! | cycles by a processor manual's table | [`cycles`] |
+//! | what a compiled part costs, by what its periods pass | [`part`] |
 //! | the data file and the table in the documentation | [`report`] |
 //!
 //! `trace --image IMAGE [--image IMAGE] --target NAME --out FILE.toml` measures one target, whose formats may lie in several
 //! images, and fails when a checksum is not the host's;
-//! `trace` built with the feature `part` prints the counts of the user's own part beside those of paper A in FILE.toml;
+//! `trace` built with the feature `part` prints the counts of the user's own part, and with `--program NAME` writes them into
+//! FILE.toml in place of the rest;
 //! `trace --render FILE.toml DOCUMENT.md` writes the table of all targets in the file.
 
 mod calls;
 mod cycles;
 mod emulator;
 mod instruction;
+mod part;
 mod report;
 mod symbols;
 mod target;
@@ -26,14 +29,18 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
-use kernel::{Board, Record};
+use kernel::{Board, PeriodKind, Record};
 
 /// An error that the user is to read.
 type Failure = Box<dyn std::error::Error>;
 
 /// The host's own run of the same calls.
 #[derive(Default)]
-struct Host(Vec<Record>);
+struct Host {
+    records: Vec<Record>,
+    /// What the periods of a part pass.
+    kinds: Vec<PeriodKind>,
+}
 
 impl Board for Host {
     fn paint_stack(&mut self) {}
@@ -41,11 +48,14 @@ impl Board for Host {
         0
     }
     fn record(&mut self, record: Record) {
-        self.0.push(record);
+        self.records.push(record);
+    }
+    fn period(&mut self, kind: PeriodKind) {
+        self.kinds.push(kind);
     }
 }
 
-const USAGE: &str = "usage: trace --image IMAGE... --target NAME --out FILE.toml [--toolchain KEY=VALUE]... [--one-at-a-time]\n       \
+const USAGE: &str = "usage: trace --image IMAGE... --target NAME --out FILE.toml [--program NAME] [--toolchain KEY=VALUE]... [--one-at-a-time]\n       \
                      trace --render FILE.toml DOCUMENT.md\n       \
                      trace --compare FILE.toml FILE.toml";
 
@@ -61,7 +71,7 @@ fn main() -> ExitCode {
 
 fn run() -> Result<(), Failure> {
     let mut arguments = std::env::args().skip(1);
-    let (mut images, mut target, mut out) = (Vec::new(), None, None);
+    let (mut images, mut target, mut out, mut program) = (Vec::new(), None, None, None);
     let mut toolchain = Vec::new();
     let mut singly = false;
     while let Some(name) = arguments.next() {
@@ -70,6 +80,7 @@ fn run() -> Result<(), Failure> {
             "--image" => images.push(PathBuf::from(value()?)),
             "--target" => target = Some(value()?),
             "--out" => out = Some(PathBuf::from(value()?)),
+            "--program" => program = Some(value()?),
             "--toolchain" => {
                 let pair = value()?;
                 let (key, value) = pair.split_once('=').ok_or(USAGE)?;
@@ -81,8 +92,18 @@ fn run() -> Result<(), Failure> {
             _ => return Err(USAGE.into()),
         }
     }
-    let (false, Some(target), Some(out)) = (images.is_empty(), target, out) else { return Err(USAGE.into()) };
-    measure(&images, &target, &out, toolchain, singly)
+    let (false, Some(target)) = (images.is_empty(), target) else { return Err(USAGE.into()) };
+    let (target, mut host) = (target::find(&target)?, Host::default());
+    kernel::run_all(&mut host);
+    match (kernel::own_part(), out) {
+        (Some(own), out) => {
+            let part = measure_part(&images, &target, (&host, &own), program.as_deref(), singly)?;
+            part.print();
+            program.zip(out).map_or(Ok(()), |(_, out)| report::merge_part(&out, part))
+        }
+        (None, Some(out)) => measure(&images, &target, &host, &out, toolchain, singly),
+        (None, None) => Err(USAGE.into()),
+    }
 }
 
 /// What the calls of images took.
@@ -95,34 +116,46 @@ struct Measured {
 
 fn measure(
     images: &[PathBuf],
-    name: &str,
+    target: &target::Target,
+    host: &Host,
     out: &Path,
     toolchain: Vec<(String, String)>,
     singly: bool,
 ) -> Result<(), Failure> {
-    let target = target::find(name)?;
-    let mut host = Host::default();
-    kernel::run_all(&mut host);
     let (mut all, mut emulator) = (Measured::default(), String::new());
     let start = Instant::now();
     for image in images {
-        emulator = all.add(&target, image, &host.0, singly)?;
+        emulator = all.add(target, image, &host.records, singly)?;
     }
-    if let Some(part) = kernel::own_part() {
-        return report::own_part(name, &part, &all.records, (&all.counts, &all.stack), out);
-    }
-    if all.records.len() != host.0.len() {
-        let (found, known) = (all.records.len(), host.0.len());
+    if all.records.len() != host.records.len() {
+        let (found, known) = (all.records.len(), host.records.len());
         return Err(format!("the images make {found} groups of calls, not the host's {known}").into());
     }
     let seconds = start.elapsed().as_secs_f64();
-    let measured = report::Target::new(&target, &all.records, &all.counts, &all.stack)?;
+    let measured = report::Target::new(target, &all.records, &all.counts, &all.stack)?;
     println!(
-        "{name}: {} groups of calls, every checksum as on the host; {:.1} million instructions in {seconds:.0} s",
+        "{}: {} groups of calls, every checksum as on the host; {:.1} million instructions in {seconds:.0} s",
+        target.name,
         all.records.len(),
         all.counts.iter().map(|c| c.total()).sum::<u64>() as f64 / 1e6,
     );
     report::merge(out, measured, toolchain, &emulator)
+}
+
+/// The costs of the user's own part.
+fn measure_part(
+    images: &[PathBuf],
+    target: &target::Target,
+    (host, own): (&Host, &kernel::OwnPart),
+    program: Option<&str>,
+    singly: bool,
+) -> Result<part::Part, Failure> {
+    let mut all = Measured::default();
+    for image in images {
+        all.add(target, image, &host.records, singly)?;
+    }
+    let names = (program.unwrap_or("the part"), target.name);
+    part::Part::new(names, own, &all.records, (&all.counts, &all.stack), &host.kinds)
 }
 
 impl Measured {

@@ -5,12 +5,13 @@ use std::fmt::Write;
 use std::fs;
 use std::path::Path;
 
-use kernel::{OwnPart, Record};
-use serde::Deserialize;
+use kernel::Record;
+use serde::{Deserialize, Serialize};
 
 use crate::Failure;
 use crate::calls::Counts;
 use crate::cycles::{Cycles, Table};
+use crate::part::{self, Part};
 use crate::target;
 
 /// The data file.
@@ -23,6 +24,14 @@ struct Data {
     operations: BTreeMap<String, BTreeMap<String, BTreeMap<String, f64>>>,
     #[serde(default)]
     target: Vec<Target>,
+    #[serde(default)]
+    part: Vec<Part>,
+}
+
+/// The parts of the file, as they are written.
+#[derive(Serialize)]
+struct Parts<'a> {
+    part: &'a [Part],
 }
 
 /// All that was measured on one target.
@@ -178,42 +187,14 @@ fn read(path: &Path) -> Result<Data, Failure> {
     toml::from_str(&text).map_err(|e| format!("{}: {e}", path.display()).into())
 }
 
-/// Prints what the periods of the user's own part take on the target, beside those of paper A in the data file.
-pub(crate) fn own_part(
-    target: &str,
-    part: &OwnPart,
-    records: &[Record],
-    (counts, stack): (&[Counts], &[usize]),
-    data: &Path,
-) -> Result<(), Failure> {
-    let ([record], [counts], [stack]) = (records, counts, stack) else {
-        return Err("the image of a part makes one group of calls".into());
-    };
-    if record.checksum != part.judged {
-        let (found, judged) = (record.checksum, part.judged);
-        return Err(
-            format!("the run has the checksum {found:#018x}, and the judged one {judged:#018x}").into()
-        );
+/// Writes a part's costs into the file, in place of older ones.
+pub(crate) fn merge_part(path: &Path, measured: Part) -> Result<(), Failure> {
+    let mut data = if path.exists() { read(path)? } else { Data::default() };
+    match data.part.iter_mut().find(|known| known.is_of_same(&measured)) {
+        Some(old) => *old = measured,
+        None => data.part.push(measured),
     }
-    let format = part.format.to_string();
-    let Cost { mean, min, max, .. } = Cost::new(counts, None);
-    println!(
-        "{target}, {format}: {} periods as they were judged, {stack} bytes of stack",
-        counts.calls.len()
-    );
-    println!("    instructions of a period: mean {mean}, from {min} to {max}");
-    let known = read(data)?.target.into_iter().find(|known| known.name == target);
-    let formats = known.map(|known| known.format).unwrap_or_default();
-    let paper_a =
-        formats.iter().find(|known| known.name == format).and_then(|known| known.step.get("paper_a"));
-    match paper_a {
-        Some(step) => {
-            let Cost { mean, min, max, .. } = step.instructions;
-            println!("    the built-in example's:   mean {mean}, from {min} to {max}");
-        }
-        None => println!("    the built-in example was not counted in {format} on this target"),
-    }
-    Ok(())
+    fs::write(path, text(&data)).map_err(|e| format!("{}: {e}", path.display()).into())
 }
 
 /// Writes a target's measurement into the file, in place of an older one.
@@ -295,6 +276,10 @@ fn text(data: &Data) -> String {
             }
         }
     }
+    if !data.part.is_empty() {
+        text.push_str("\n# Parts as `feedbits compile` ships them, by what a period passes.\n");
+        text.push_str(&toml::to_string(&Parts { part: &data.part }).unwrap_or_default());
+    }
     text
 }
 
@@ -328,6 +313,11 @@ pub(crate) fn compare(committed: &Path, new: &Path) -> Result<(), Failure> {
             }
         }
     }
+    for part in &new.part {
+        let Some(before) = old.part.iter().find(|known| known.is_of_same(part)) else { continue };
+        compared += 1;
+        faults.extend(part::differences(before, part, tolerance));
+    }
     if faults.is_empty() && compared > 0 {
         let kind = if same { "within 2 % of" } else { "within a quarter of" };
         println!("{compared} runs: counts {kind} the committed ones");
@@ -358,6 +348,12 @@ pub(crate) fn render(from: &Path, to: &Path) -> Result<(), Failure> {
     for (key, value) in &data.toolchain {
         let _ = writeln!(page, "| {} | {value} |", key.replace('_', " "));
     }
+    part::render(&mut page, &data.part, |target| {
+        data.target
+            .iter()
+            .find(|known| known.name == target)
+            .map_or_else(|| target.to_owned(), |t| t.title.clone())
+    });
     for (path, title) in PATHS {
         let _ = writeln!(page, "\n## Along {title}\n");
         step_table(&mut page, &data, "Instructions a step, mean (worst)", |f| {
