@@ -29,7 +29,9 @@ macro_rules! float_backend {
 
             #[inline(always)] // Called, it would take the pairs through memory.
             fn sum_of_products(pairs: impl IntoIterator<Item = (Self, Self)>) -> Self {
-                pairs.into_iter().map(|(a, b)| a * b).reduce(|sum, product| sum + product).unwrap_or(0.0)
+                let mut pairs = pairs.into_iter();
+                let Some((a, b)) = pairs.next() else { return 0.0 };
+                pairs.fold(a * b, |sum, (a, b)| sum + a * b)
             }
 
             /// The plain sum of squares serves unless it has left the range in which squares keep their

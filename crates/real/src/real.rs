@@ -95,6 +95,7 @@ pub trait Real:
     /// 2⁻⁶⁴ in `f64`, 2⁻³² in `f32`: a float near 0 could be more precise. Machines convert integers in this way, so
     /// that it takes a third of the instructions of [`from_phase`](Real::from_phase). In fixed point it is the same as
     /// `from_phase`.
+    #[inline]
     #[must_use]
     fn fraction(phase: u64) -> Self {
         Self::from_phase(phase, 0)
@@ -102,6 +103,7 @@ pub trait Real:
 
     /// `fraction(product / 2^shift)`, for a quotient below 2⁶⁴ and a shift below 64: a format of few digits does not need all of the
     /// quotient.
+    #[inline]
     #[must_use]
     fn fraction_of(product: u128, shift: u32) -> Self {
         Self::fraction(phase_of(product, shift))
@@ -114,6 +116,7 @@ pub trait Real:
     /// The place `self` on [0, 1) as a phase, off by up to half the resolution; `None` if the rounded place is 1 or
     /// more. It is the inverse of [`fraction`](Real::fraction). In floats it takes a third of the instructions of
     /// [`to_phase`](Real::to_phase); in fixed point it is the same as `to_phase`. Domain: `self ≥ 0`.
+    #[inline]
     #[must_use]
     fn place_to_phase(self) -> Option<u64> {
         Some(self.to_phase(0)).filter(|phase| *phase < u64::MAX)
@@ -124,6 +127,7 @@ pub trait Real:
 
     /// `2^exponent`, or the greatest number if that is less. The result is meant as a bound that no value reaches, so
     /// that no audit counts an overflow here. Domain: `-64 ≤ exponent ≤ 63`.
+    #[inline]
     #[must_use]
     fn power_of_two(exponent: i32) -> Self {
         Self::from_phase(1 << 63, exponent.saturating_add(1))
@@ -131,6 +135,7 @@ pub trait Real:
 
     /// `self · 2^exponent`: converts from a compiled table's unit of coordinates to its unit of chords. A float's table
     /// has one unit for both, so a float returns itself.
+    #[inline]
     #[must_use]
     fn rescaled(self, exponent: i32) -> Self {
         if Self::IS_FLOATING { self } else { self.ldexp(exponent) }
@@ -138,36 +143,42 @@ pub trait Real:
 
     /// `rescaled(-places)`, to the right by a number of places that is known to be in range. Domain: from 1 to
     /// [`MOST_LOWERED`](Real::MOST_LOWERED) places in fixed point.
+    #[inline]
     #[must_use]
     fn lowered(self, places: u8) -> Self {
         self.rescaled(-i32::from(places))
     }
 
     /// Names this value for a wrapper that observes it. Every other backend returns it unchanged, at no cost.
+    #[inline]
     #[must_use]
     fn signal(self, _name: &'static str) -> Self {
         self
     }
 
     /// The larger of two numbers.
+    #[inline]
     #[must_use]
     fn max(self, other: Self) -> Self {
         if other > self { other } else { self }
     }
 
     /// The smaller of two numbers.
+    #[inline]
     #[must_use]
     fn min(self, other: Self) -> Self {
         if other < self { other } else { self }
     }
 
     /// `|self|`. In fixed point the least number has no opposite and stays as it is.
+    #[inline]
     #[must_use]
     fn abs(self) -> Self {
         if self < Self::zero() { -self } else { self }
     }
 
     /// `self / 2`.
+    #[inline]
     #[must_use]
     fn half(self) -> Self {
         self.ldexp(-1)
@@ -198,6 +209,7 @@ pub trait Backend: Real + Send + Sync {
     fn from_f64_pair(high: f64, low: f64) -> Option<Self>;
 
     /// The number nearest to `value`, ties to even; `None` when it is out of range or not a number.
+    #[inline]
     fn from_f64(value: f64) -> Option<Self> {
         Self::from_f64_pair(value, 0.0)
     }
@@ -206,11 +218,13 @@ pub trait Backend: Real + Send + Sync {
     fn to_f64_pair(self) -> (f64, f64);
 
     /// The float nearest to this number.
+    #[inline]
     fn to_f64(self) -> f64 {
         self.to_f64_pair().0
     }
 
     /// The bits after the point, in fixed point; `None` for a float.
+    #[inline]
     fn fraction_bits() -> Option<u32> {
         match Self::name() {
             FormatName::Fixed { fraction_bits, .. } | FormatName::Fraction { fraction_bits, .. } => {
@@ -221,6 +235,7 @@ pub trait Backend: Real + Send + Sync {
     }
 
     /// In fixed point the integer that stands for this number, which is `word · 2^-fraction_bits`; `None` for a float.
+    #[inline]
     fn word(self) -> Option<i64> {
         None
     }

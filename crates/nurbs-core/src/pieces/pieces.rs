@@ -21,7 +21,7 @@ use core::ops::Range;
 use real::Real;
 
 use crate::pieces::right_shifts::{RightShifts, lowered_or_kept};
-use crate::pieces::shift::{divide_by_weight, horner};
+use crate::pieces::shift::{divide_by_weight, fill, horner};
 use crate::{MAX_DEGREE, ORIGIN_EXPONENT, Piece, Shifted, shift};
 
 /// A path of compiled pieces in the format `R`.
@@ -126,7 +126,9 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
     pub fn in_units_of_path(&self, row: &Piece<R, D>, offset: &[R; D]) -> [R; D] {
         let units = self.exponent_to_path(row);
         // Not by `map`: it reads two numbers of 32 bits as one word, right after they were written one by one.
-        core::array::from_fn(|d| offset[d].rescaled(units).signal("offset"))
+        let mut scaled = [R::zero(); D];
+        fill(&mut scaled, offset.iter().map(|x| x.rescaled(units).signal("offset")));
+        scaled
     }
 
     /// The exponent that converts an offset in the units of a piece to those of the path.
@@ -255,18 +257,18 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
         let mut rows = [[R::zero(); D]; N];
         self.form::<N>((row, shifts), coefficients, t, &mut at.offset, &mut rows, &mut at.weight);
         let changed = if keeps_top { rows.split_last().map_or(&rows[..], |(_, rest)| rest) } else { &rows };
-        let slots = at.chord.iter_mut().zip(changed);
+        let mut slots = at.chord.iter_mut();
         if let Some(shifts) = shifts {
-            for ((slots, c), places) in slots.zip(shifts.of_chord()) {
-                for (slot, x) in slots.iter_mut().zip(c) {
-                    *slot = x.lowered(places).signal("chord_coefficient");
-                }
+            let mut places = shifts.of_chord();
+            for c in changed {
+                let (Some(slots), Some(places)) = (slots.next(), places.next()) else { break };
+                fill(slots, c.iter().map(|x| x.lowered(places).signal("chord_coefficient")));
             }
         } else {
-            for ((slots, c), power) in slots.zip(self.chord_exponents(row)) {
-                for (slot, x) in slots.iter_mut().zip(c) {
-                    *slot = x.rescaled(power).signal("chord_coefficient");
-                }
+            let mut powers = self.chord_exponents(row);
+            for c in changed {
+                let (Some(slots), Some(power)) = (slots.next(), powers.next()) else { break };
+                fill(slots, c.iter().map(|x| x.rescaled(power).signal("chord_coefficient")));
             }
         }
     }
@@ -283,29 +285,34 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
         chord: &mut [[R; D]],
         weight: &mut [R; MAX_DEGREE],
     ) {
-        for (slot, x) in chord.as_flattened_mut().iter_mut().zip(coefficients.numerator.as_flattened()) {
-            *slot = x.signal("coefficient");
+        for (k, slots) in chord.iter_mut().enumerate() {
+            let Some(n) = coefficients.numerator.get(k) else { break };
+            for d in 0..D {
+                slots[d] = n[d].signal("coefficient");
+            }
         }
         let value = t.map_or([R::zero(); D], |t| shift(chord, t));
-        for (slot, x) in offset.iter_mut().zip(value) {
-            *slot = x.signal("offset");
+        for d in 0..D {
+            offset[d] = value[d].signal("offset");
         }
         if let Some((constant, weights)) = coefficients.weights {
             // On the way here compilers forget that there are N, and would take them one by one.
             let weights =
                 if N < MAX_DEGREE { weights.first_chunk::<N>().map_or(weights, |w| w) } else { weights };
             let turns = divide_by_weight::<_, D, N>(constant, weights, t, offset, chord);
+            let mut slots = weight.iter_mut().take(chord.len());
             if let Some(shifts) = shifts {
-                for ((slot, w), places) in
-                    weight.iter_mut().zip(turns).zip(shifts.of_weights()).take(chord.len())
-                {
+                let mut places = shifts.of_weights();
+                for [w] in turns {
+                    let (Some(slot), Some(places)) = (slots.next(), places.next()) else { break };
                     *slot = lowered_or_kept(w, places).signal("chord_weight");
                 }
                 return;
             }
             let per_power = row.per_power();
             let mut power = 0;
-            for (slot, w) in weight.iter_mut().zip(turns).take(chord.len()) {
+            for [w] in turns {
+                let Some(slot) = slots.next() else { break };
                 power += per_power;
                 *slot = w.rescaled(power).signal("chord_weight");
             }

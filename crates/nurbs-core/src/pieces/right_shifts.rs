@@ -2,6 +2,8 @@
 
 use real::Real;
 
+use crate::pieces::shift::fill;
+
 /// The powers of two by which a step on one piece scales its numbers, each as the number of places to the right. In fixed point this
 /// takes no question of its direction, which nearly every piece answers in the same way; in floats nothing is scaled.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -72,7 +74,9 @@ impl RightShifts {
         if R::IS_FLOATING || self.to_path == 0 {
             return *offset;
         }
-        core::array::from_fn(|d| offset[d].lowered(self.to_path))
+        let mut lowered = [R::zero(); D];
+        fill(&mut lowered, offset.iter().map(|x| x.lowered(self.to_path)));
+        lowered
     }
 }
 

@@ -25,7 +25,7 @@ impl<R: Real, const D: usize> Default for Shifted<R, D> {
 }
 
 /// Turns N and its derivatives into P and the chord's numerator: `c_k - P ω_k`, all over W(t). `weights` are those of
-/// the piece without the constant one; returns `ω_k/W(t)`.
+/// the piece without the constant one; returns `ω_k/W(t)`, each as a row of one.
 #[inline(always)] // Called, it takes a seventh longer in fixed point.
 pub(crate) fn divide_by_weight<R: Real, const D: usize, const N: usize>(
     constant: R,
@@ -33,22 +33,37 @@ pub(crate) fn divide_by_weight<R: Real, const D: usize, const N: usize>(
     t: Option<R>,
     offset: &mut [R; D],
     chord: &mut [[R; D]],
-) -> [R; N] {
+) -> [[R; 1]; N] {
     let mut turns = [[R::zero()]; N];
-    for (slot, w) in turns.iter_mut().zip(weights) {
-        *slot = [*w];
-    }
+    fill(&mut turns, weights.iter().map(|w| [*w]));
     let rows = turns.get_mut(..weights.len()).unwrap_or_default();
     let [rise] = t.map_or([R::zero()], |t| shift(rows, t));
     let reciprocal = (R::one() / (constant + rise).signal("weight")).signal("weight_reciprocal");
-    *offset = offset.map(|x| (x * reciprocal).signal("offset"));
-    for (c, [turn]) in chord.iter_mut().zip(&mut turns).take(weights.len()) {
+    for x in &mut *offset {
+        *x = (*x * reciprocal).signal("offset");
+    }
+    let mut rows = chord.iter_mut().take(weights.len());
+    for [turn] in &mut turns {
+        let Some(c) = rows.next() else { break };
         *turn = (*turn * reciprocal).signal("weight_coefficient");
-        for (x, p) in c.iter_mut().zip(&*offset) {
-            *x = R::sum_of_products([(*x, reciprocal), (-*p, *turn)]);
+        for (d, x) in c.iter_mut().enumerate() {
+            *x = R::sum_of_products([(*x, reciprocal), (-offset[d], *turn)]);
         }
     }
-    turns.map(|[turn]| turn)
+    turns
+}
+
+/// Puts values into slots, as many as there are of both.
+///
+/// For what a step does. `zip`, `array::map` and `array::from_fn` would be shorter, but parts of them are marked as
+/// functions to call: where a crate is compiled in several units, without optimisation over units, a step calls them
+/// number by number and passes its numbers through memory.
+#[inline(always)]
+pub(crate) fn fill<T>(slots: &mut [T], mut values: impl Iterator<Item = T>) {
+    for slot in slots {
+        let Some(value) = values.next() else { break };
+        *slot = value;
+    }
 }
 
 /// `Σ_{k≥0} row_k t^k` by Horner's scheme, without a product for the top row.
@@ -67,8 +82,10 @@ pub fn shift<R: Real, const D: usize>(rows: &mut [[R; D]], t: R) -> [R; D] {
     // sweep divides the quotient before it and leaves one derivative.
     let mut value = [R::zero(); D];
     divide(rows, t);
-    for (x, first) in value.iter_mut().zip(rows.first().into_iter().flatten()) {
-        *x = *first * t;
+    if let Some(first) = rows.first() {
+        for d in 0..D {
+            value[d] = first[d] * t;
+        }
     }
     let mut rest = rows;
     while !rest.is_empty() {
@@ -84,8 +101,8 @@ fn divide<R: Real, const D: usize>(rows: &mut [[R; D]], t: R) {
     let mut rows = rows.iter_mut().rev();
     let Some(mut above) = rows.next() else { return };
     for row in rows {
-        for (x, more) in row.iter_mut().zip(above.iter()) {
-            *x = more.mul_add(t, *x).signal("shifted_coefficient");
+        for (d, x) in row.iter_mut().enumerate() {
+            *x = above[d].mul_add(t, *x).signal("shifted_coefficient");
         }
         above = row;
     }
