@@ -108,6 +108,8 @@ mod compiled {
     pub(crate) mod compiled_path;
     #[cfg(feature = "std")]
     pub(crate) mod constant;
+    #[cfg(feature = "alloc")]
+    pub(crate) mod period_limits;
     pub(crate) mod position_checksum;
 }
 
@@ -115,6 +117,8 @@ mod compiled {
 pub use compiled::compiled_path::{CompiledPath, CompiledPathError};
 #[cfg(feature = "std")]
 pub use compiled::constant::{Constant, fixed_point_word, number_function, number_type};
+#[cfg(feature = "alloc")]
+pub use compiled::period_limits::PeriodLimits;
 pub use compiled::position_checksum::PositionChecksum;
 pub use feed_override::feed_override::{FeedOverride, OverrideLimits, OverrideState, Rate};
 pub use feed_override::overridden_step::LANDING_REACH;
