@@ -627,6 +627,12 @@ fn a_part_is_compiled_for_a_controller() {
     };
     let output = compile(&["--format", "I4F28"]);
     assert_eq!(output.status.code(), Some(0), "{}", unfolded(&output.stderr));
+    // The bound of a period, on the cores that have one for such a part.
+    let note = unfolded(&output.stderr);
+    for core in ["cortex-m0plus", "cortex-m3"] {
+        assert!(note.contains(&format!(" instructions a period on {core}, ")), "{note}");
+    }
+    assert_eq!(note.matches("(K = 5, J = 1, S = 1)").count(), 2, "{note}");
     let source = fs::read_to_string(&file).expect("a file");
     let setpoints = text(&feedbits(&["interpolate", "--format", "I4F28"]).stdout).lines().count() - 1;
     assert!(source.contains(&format!("pub const PERIODS: usize = {setpoints};")), "{setpoints}");
@@ -635,6 +641,7 @@ fn a_part_is_compiled_for_a_controller() {
 
     let coarse = compile(&["--format", "I4F12"]);
     assert_eq!(coarse.status.code(), Some(1));
+    assert!(!unfolded(&coarse.stderr).contains("at most"), "no bound is known in I4F12");
     assert!(
         unfolded(&coarse.stderr).contains("I4F12 is not good enough: fluctuation"),
         "{}",

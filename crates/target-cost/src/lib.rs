@@ -26,11 +26,13 @@
 //! | how much does one cost, and who says so? | [`Target`], [`Row`] |
 //! | which instructions were counted? | [`Calibration`] |
 //! | how long does the step take, and which limit decides that? | [`StepCost`] |
+//! | how many instructions does a period take at most? | [`period_bounds`] |
 
 mod built_in;
 mod calibration;
 mod cycles;
 mod error;
+mod period_bound;
 mod schedule;
 mod target;
 mod target_file;
@@ -40,6 +42,7 @@ pub use built_in::built_in;
 pub use calibration::{Calibration, Prediction};
 pub use cycles::{Cycles, Level};
 pub use error::TargetError;
+pub use period_bound::{Limits, Most, PeriodBound, period_bounds};
 pub use schedule::{NoPrice, Placed, StepCost};
 pub use target::{Clock, Confidence, Kind, Known, Measure, Price, Row, Target, Unit, Unknown};
 pub use task::{Priced, Step, Task};

@@ -5,6 +5,7 @@ use std::path::Path;
 use anyhow::Result;
 use c_code::in_a_comment;
 use format_compare::Constants;
+use target_cost::{Limits, PeriodBound, period_bounds};
 
 use super::judged::{Judged, expect_room};
 use crate::output;
@@ -23,13 +24,33 @@ pub(crate) fn write<const D: usize>(
     progress.finish();
     let text = header(about, fault.as_deref(), constants.bytes) + &constants.source;
     output::write(out, &text)?;
-    let Constants { sections, pieces, stages, bytes, periods, checksum, .. } = constants;
+    let Constants { sections, pieces, stages, bytes, periods, checksum, limits, is_plain, .. } = constants;
     let stops =
         if sections == 1 { String::new() } else { format!(" in {sections} sections from stop to stop") };
     output::note(&format!(
         "{periods} periods{stops}; {pieces} pieces and {stages} stages in {bytes} bytes; checksum {checksum:#018x}"
     ));
+    let count = |count| u64::try_from(count).unwrap_or(u64::MAX);
+    let limits = Limits {
+        evaluations: limits.evaluations.into(),
+        joints: count(limits.joints),
+        stages: count(limits.stages),
+    };
+    // Bounds are known for this kind of part.
+    let known = if is_plain { period_bounds(&format.name().to_string(), D, limits) } else { Vec::new() };
+    known.iter().for_each(|bound| output::note(&most(bound, limits)));
     Ok(())
+}
+
+/// The most that a period takes on a core.
+fn most(bound: &PeriodBound, limits: Limits) -> String {
+    let PeriodBound { target, instructions, cycles } = bound;
+    let Limits { evaluations, joints, stages } = limits;
+    format!(
+        "at most {} instructions a period on {target}, {} cycles (K = {evaluations}, J = {joints}, S = {stages}); a landing \
+         step at most {} and {}",
+        instructions.period, cycles.period, instructions.landing, cycles.landing
+    )
 }
 
 /// The comment before the module's text. It is no inner documentation, so that the file may be a module or be included

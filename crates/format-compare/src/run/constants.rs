@@ -2,11 +2,11 @@
 
 use std::fmt::Write;
 
-use nurbs_core::Piece;
+use nurbs_core::{Joint, Piece};
 use real::Backend;
 use secant_interp::{
-    CompiledPath, Constant, Crossing, LengthStage, PieceInterpolator, PositionChecksum, Section,
-    number_function, number_type,
+    CompiledPath, Constant, Crossing, LengthStage, PeriodLimits, PieceInterpolator, PositionChecksum,
+    Section, StageShape, number_function, number_type,
 };
 
 use crate::refusal::Refusal;
@@ -30,6 +30,11 @@ pub struct Constants {
     pub periods: usize,
     /// [`PositionChecksum`] of all setpoints.
     pub checksum: u64,
+    /// What a period may take.
+    pub limits: PeriodLimits,
+    /// Whether the pieces are cubics without weights and without corners within a section, and no stage is a cosine: the kind of
+    /// part that bounds of a period are known for.
+    pub is_plain: bool,
 }
 
 impl Constants {
@@ -47,6 +52,8 @@ impl Constants {
             bytes: bytes(&path),
             periods,
             checksum,
+            limits: path.period_limits(),
+            is_plain: is_plain(&path),
         };
         constants.source = constants.module(&number, &whole, path.sections(), job.problem.period_s());
         Ok(constants)
@@ -89,6 +96,18 @@ impl Constants {
         }
         text
     }
+}
+
+/// See [`Constants::is_plain`].
+fn is_plain<R: Backend, const D: usize>(path: &CompiledPath<R, D>) -> bool {
+    /// The degree that steps have a form for.
+    const CUBIC: usize = 3;
+    let pieces = path.interpolator().pieces;
+    let within = |section: &Section| section.pieces.start..section.pieces.end.saturating_sub(1);
+    let rows = path.sections().iter().filter_map(|section| pieces.pieces.get(within(section)));
+    let has_corners = rows.flatten().any(|row| row.joint == Joint::Breaks);
+    let has_cosines = path.stages().iter().any(|stage| stage.shape == StageShape::Cosine);
+    pieces.degree == CUBIC && !pieces.is_rational() && !has_corners && !has_cosines
 }
 
 /// The attribute before items that a program need not use.
