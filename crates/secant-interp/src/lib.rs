@@ -79,6 +79,7 @@ mod pieces {
     pub(crate) mod place;
     pub(crate) mod section;
     pub(crate) mod state;
+    pub(crate) mod terms;
     pub(crate) mod trend;
 }
 

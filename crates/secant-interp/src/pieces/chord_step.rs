@@ -31,6 +31,8 @@
 use nurbs_core::{MAX_DEGREE, Shifted};
 use real::{Backend, Real};
 
+use crate::pieces::terms::Terms;
+
 /// When the correction is repeated, and how often.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChordTolerance<R> {
@@ -114,23 +116,25 @@ impl<R: Real> Evaluation<R> {
         weight: R,
         lightening: Option<[(R, R); 3]>,
     ) -> Self {
-        let along = chord.map(|q| (sigma * q).signal("chord_direction"));
+        let mut along = *chord;
+        for q in &mut along {
+            *q = (sigma * *q).signal("chord_direction");
+        }
         // The weight comes first. At the end, compilers would pair it with the last coordinate, and read that
         // coordinate's coefficient together with the next one before both are written.
-        let squares = along.iter().map(|v| (*v, *v));
+        let square = |d: usize| along.get(d).map_or((R::zero(), R::zero()), |v| (*v, *v));
         let residual =
-            R::sum_of_products([(-weight, weight)].into_iter().chain(squares)).signal("chord_residual");
+            R::sum_of_products(Terms::of(D, square).behind((-weight, weight))).signal("chord_residual");
         let growth = |d: usize| match (along.get(d), turn.get(d)) {
             (Some(along), Some(turn)) => (*along, (sigma * *turn).signal("chord_turn")),
             _ => (R::zero(), R::zero()),
         };
         let slope = match lightening {
             // By number: compilers leave a chain of iterators as a loop.
-            Some(products) => R::sum_of_products(
-                (0..products.len() + D)
-                    .map(|i| products.get(i).copied().unwrap_or_else(|| growth(i - products.len()))),
-            ),
-            None => R::sum_of_products((0..D).map(growth)),
+            Some(products) => R::sum_of_products(Terms::of(products.len() + D, |i| {
+                products.get(i).copied().unwrap_or_else(|| growth(i - products.len()))
+            })),
+            None => R::sum_of_products(Terms::of(D, growth)),
         };
         Self { residual, slope: slope.signal("chord_growth") }
     }
@@ -342,19 +346,20 @@ pub(crate) fn value_and_slope<'a, R: Real + 'a, const M: usize>(
     let (mut values, mut slopes) = ([R::zero(); M], [R::zero(); M]);
     let Some(top) = rows.next() else { return (values, slopes) };
     let Some(next) = rows.next() else {
-        for (value, top) in values.iter_mut().zip(top) {
-            *value = top.signal(name);
+        for (d, value) in values.iter_mut().enumerate() {
+            *value = top[d].signal(name);
         }
         return (values, slopes);
     };
-    for (((value, slope), top), more) in values.iter_mut().zip(&mut slopes).zip(top).zip(next) {
-        *slope = top.signal(slope_name);
-        *value = top.mul_add(x, *more).signal(name);
+    // By number: a `zip` is a function to call where a crate is compiled in several units.
+    for d in 0..M {
+        slopes[d] = top[d].signal(slope_name);
+        values[d] = top[d].mul_add(x, next[d]).signal(name);
     }
     for row in rows {
-        for ((value, slope), more) in values.iter_mut().zip(&mut slopes).zip(row) {
-            *slope = slope.mul_add(x, *value).signal(slope_name);
-            *value = value.mul_add(x, *more).signal(name);
+        for d in 0..M {
+            slopes[d] = slopes[d].mul_add(x, values[d]).signal(slope_name);
+            values[d] = values[d].mul_add(x, row[d]).signal(name);
         }
     }
     (values, slopes)
