@@ -113,7 +113,7 @@ pub(crate) fn run<R: Backend, const D: usize>(
         assert!(at >= before, "{} goes back: {before:?} {at:?}", R::name());
         let touched = u32::try_from(at.0 - before.0 + 1).unwrap();
         assert!(
-            setpoint.evaluations <= settings.max_evaluations + touched - 1,
+            setpoint.evaluations < settings.max_evaluations + touched,
             "{}: {} evaluations on {touched} pieces",
             R::name(),
             setpoint.evaluations
