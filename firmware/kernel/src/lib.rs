@@ -11,7 +11,7 @@
 //! inlined, so that a trace can tell where a call begins and ends.
 
 #![no_std]
-#![cfg_attr(feature = "part", allow(dead_code, reason = "an image of a part makes no other calls"))]
+#![cfg_attr(feature = "part", allow(unused, reason = "an image of a part makes no other calls"))]
 
 pub mod operations;
 #[cfg(feature = "part")]

@@ -84,7 +84,8 @@ fn periods(board: &mut impl Board) {
         let run = part::PATH.on(section);
         let mut state = run.start();
         let mut piece = None;
-        while !run.is_at_end(&state) {
+        // Rounding may bring a run to the end of its path a period before the plan: then it holds there.
+        while !(run.is_at_end(&state) && run.lengths.is_over(state.cursor())) {
             let before = Before::new(&run, &state, piece);
             if !step(&run, &mut state, &mut setpoint) {
                 break;
