@@ -3,14 +3,14 @@
 import tomllib
 from pathlib import Path
 
-from . import facts
+from . import Refused, facts
 
 FILE = Path(__file__).parents[2] / "data/step-bounds.toml"
 UNITS = ("instructions", "cycles")
-PRODUCTS = {"base": (), "K": ("K",), "J": ("J",), "S": ("S",), "KJ": ("K", "J")}
+TERMS = ("base", "K", "J", "S")
 HEAD = """\
 # The most that a period of a compiled part takes, on the image of the built-in example as scripts/firmware links it: at most
-# base + K·K + J·J + S·S + KJ·K·J for parts of the same format, dimension and degree without weights, as docs/step-bound.md explains.
+# `base`, and for each of K, J and S so many times that number, for parts of the same format, dimension and degree without weights, as docs/step-bound.md explains.
 # Written by scripts/step-bound, except for `ratio`.
 compiler = "{compiler}"
 
@@ -20,15 +20,17 @@ compiler = "{compiler}"
 
 
 def coefficients(bound):
-    """The bound as a sum of products of K, J and S, each of which an expression has at most once."""
-    found = dict.fromkeys(PRODUCTS, 0)
+    """The bound as a sum of multiples of K, J and S."""
+    found = dict.fromkeys(TERMS, 0)
     found["base"] = bound.base
     for factor, of in bound.parts:
-        at = {names: facts.value(of, {name: int(name in names) for name in "KJS"}) for names in PRODUCTS.values()}
-        found["base"] += factor * at[()]
+        none = facts.value(of, dict.fromkeys("KJS", 0))
+        each = {name: facts.value(of, dict.fromkeys("KJS", 0) | {name: 1}) - none for name in "KJS"}
+        if facts.value(of, dict.fromkeys("KJS", 1)) != none + sum(each.values()):
+            raise Refused(f"{of}: a product of K, J and S has no place in the file")
+        found["base"] += factor * none
         for name in "KJS":
-            found[name] += factor * (at[name,] - at[()])
-        found["KJ"] += factor * (at["K", "J"] - at["K",] - at["J",] + at[()])
+            found[name] += factor * each[name]
     return {name: round(value) for name, value in found.items()}
 
 
@@ -45,7 +47,7 @@ def entry(name, part, found, shipped, hard):
 def value(terms, of):
     """The bound at the K, J and S of an entry."""
     k, j, s = of["K"], of["J"], of["S"]
-    return terms["base"] + terms["K"] * k + terms["J"] * j + terms["S"] * s + terms["KJ"] * k * j
+    return terms["base"] + terms["K"] * k + terms["J"] * j + terms["S"] * s
 
 
 def recorded():

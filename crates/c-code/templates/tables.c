@@ -104,7 +104,7 @@ IN_PLACE uint32_t end_stage(const {{ name }}_state *state)
 }
 
 /* One correction is enough after |f| <= RESIDUAL with |g| <= GROWTH, and after |f| <= FLUCTUATION; a period evaluates the chord
- * MAX_EVALUATIONS times at most, and then once for each further piece. */
+ * MAX_EVALUATIONS times at most, and then twice for each further piece. */
 #define RESIDUAL {{ residual }}
 #define GROWTH {{ growth }}
 #define FLUCTUATION {{ fluctuation }}

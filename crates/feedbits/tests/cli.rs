@@ -251,17 +251,23 @@ fn bits_are_sized_for_a_way_of_rounding() {
         (
             found["uniform"]["format"].as_str().expect("a format").to_string(),
             bits("uniform"),
+            found["mixed"]["uniform_bits"].as_u64().expect("bits"),
             bits("mixed"),
             register,
         )
     };
-    let (format, bits, all, _) = sized(&[]);
+    let (format, bits, most, all, _) = sized(&[]);
     assert!(!format.contains('-'), "{format}");
-    let (dropping, more, all_dropping, register) = sized(&["--rounding", "floor", "--overflow", "saturate"]);
+    let (dropping, more, most_dropping, all_dropping, register) =
+        sized(&["--rounding", "floor", "--overflow", "saturate"]);
     assert!(dropping.ends_with("-floor-sat") && register.ends_with("-floor-sat"), "{dropping}, {register}");
     // The error is up to a unit to one side, in place of half a unit to either side: about one or two bits more.
     assert!((bits..=bits + 2).contains(&more), "{more} bits for {bits}");
-    assert!(all_dropping > all, "{all_dropping} bits for {all}");
+    // Register by register a format of more bits may come out lower: each register is as short as the others leave it.
+    assert!(
+        all < most && all_dropping < most_dropping,
+        "{all} of {most} bits, {all_dropping} of {most_dropping}"
+    );
 }
 
 #[test]

@@ -128,7 +128,7 @@ pub use global_parameter::curve_part::CurvePart;
 pub use global_parameter::interpolator::{Interpolator, Method, Setpoint, State};
 pub use global_parameter::secant::{Outcome, Tolerance};
 pub use global_parameter::{predictor, secant, taylor};
-pub use pieces::chord_step::{Chord, ChordTolerance};
+pub use pieces::chord_step::{BEHIND_JOINT, Chord, ChordTolerance};
 #[cfg(feature = "lanes")]
 pub use pieces::lanes::LaneInterpolator;
 pub use pieces::piece_interpolator::PieceInterpolator;

@@ -3,7 +3,9 @@
 use feed_plan::{Junction, Schedule};
 use nurbs_core::ORIGIN_EXPONENT;
 use real::{Backend, Counted, FormatName, OperationCounts, Real};
-use secant_interp::{ChordTolerance, CompiledPath, LengthStage, PieceInterpolator, PieceSetpoint};
+use secant_interp::{
+    BEHIND_JOINT, ChordTolerance, CompiledPath, LengthStage, PieceInterpolator, PieceSetpoint,
+};
 
 use crate::PlannedPath;
 use crate::piece_points::{Judge, compiled};
@@ -249,7 +251,8 @@ impl<'a, R: Backend, const D: usize> Steps<'a, R, D> {
         let back = f64::from(u8::from(to < from));
         demand("the position goes back", &self.name, step, back, 0.0)?;
         let touched = to.0 - from.0 + 1;
-        let bound = u64::from(self.run.interpolator().tolerance.max_evaluations) + touched as u64 - 1;
+        let bound = u64::from(self.run.interpolator().tolerance.max_evaluations)
+            + u64::from(BEHIND_JOINT) * (touched as u64 - 1);
         let evaluations = u64::from(setpoint.evaluations);
         let share = demand("evaluations", &self.name, step, evaluations as f64, bound as f64)?;
         let finite = setpoint.offset.iter().all(|x| x.is_finite()) && setpoint.length.is_finite();

@@ -1,5 +1,7 @@
 //! The largest number of evaluations and operations of a step, from the loops of the code.
 
+use secant_interp::BEHIND_JOINT;
+
 /// The most that one step on compiled pieces may take.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StepBound {
@@ -35,7 +37,7 @@ impl StepBound {
     /// | what | operations | times |
     /// |---|---|---|
     /// | the mean feed over a part of a period (`step_lengths`); the most for a cosine, of 9 terms and 11 | 180 | stages |
-    /// | one evaluation and its correction (`chord_step`): two Horner chains a coordinate, two for the weight | 2pD + 2p + 9D + 48 | K, and one for each piece behind the first |
+    /// | one evaluation and its correction (`chord_step`): two Horner chains a coordinate, two for the weight | 2pD + 2p + 9D + 48 | K, and two for each piece behind the first |
     /// | re-expansion about the point (`Pieces::shifted`): p(p+1)/2 products a coordinate, as many for the weight; the division by the weight; scaling | (D + 1) (p(p+1)/2 + 6p + 4) | pieces |
     /// | to the end of a piece, and past a whole one (`over`, twice) | 2 (2pD + 2p + 5D + 8) | pieces |
     /// | start value, range, joint: the rest of `travel` and `cross` | 80 | pieces |
@@ -50,7 +52,7 @@ impl StepBound {
         let evaluation = 2 * p * d + 2 * p * weight + 9 * d + 48;
         let expansion = (d + weight) * (p * (p + 1) / 2 + 6 * p + 4);
         let over = 2 * p * d + 2 * p * weight + 5 * d + 8;
-        let evaluations = most + pieces.saturating_sub(1);
+        let evaluations = most + u64::from(BEHIND_JOINT) * pieces.saturating_sub(1);
         Self {
             evaluations,
             operations: stages * 180

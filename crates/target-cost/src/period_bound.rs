@@ -5,7 +5,7 @@ use serde::Deserialize;
 /// What a period may take.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
-    /// K: evaluations of a chord.
+    /// K: evaluations that its pieces share.
     pub evaluations: u64,
     /// J: joints of pieces, the end of the path among them.
     pub joints: u64,
@@ -73,7 +73,7 @@ struct Kind {
     cycles: Formula,
 }
 
-/// `base + K k + J j + S s + KJ k j`; the base of a bound that is steep may be below 0.
+/// `base + K k + J j + S s`; the base of a bound that is steep may be below 0.
 #[derive(Clone, Copy, Deserialize)]
 #[serde(rename_all = "UPPERCASE")]
 struct Formula {
@@ -82,7 +82,6 @@ struct Formula {
     k: i64,
     j: i64,
     s: i64,
-    kj: i64,
 }
 
 impl Row {
@@ -97,7 +96,7 @@ impl Formula {
     fn value(&self, limits: Limits) -> u64 {
         let of = |count| i64::try_from(count).unwrap_or(i64::MAX);
         let (k, j, s) = (of(limits.evaluations), of(limits.joints), of(limits.stages));
-        let terms = [(self.k, k), (self.j, j), (self.s, s), (self.kj, k.saturating_mul(j))];
+        let terms = [(self.k, k), (self.j, j), (self.s, s)];
         let sum = terms.iter().fold(self.base, |sum, (a, b)| sum.saturating_add(a.saturating_mul(*b)));
         u64::try_from(sum).unwrap_or(0)
     }
@@ -111,9 +110,9 @@ mod tests {
 
     #[test]
     fn a_formula_is_a_sum_of_products() {
-        let formula = Formula { base: -10, k: 7, j: 20, s: 3, kj: 2 };
+        let formula = Formula { base: -10, k: 7, j: 20, s: 3 };
         let limits = Limits { evaluations: 5, joints: 4, stages: 6 };
-        assert_eq!(formula.value(limits), 35 + 80 + 18 + 40 - 10);
+        assert_eq!(formula.value(limits), 35 + 80 + 18 - 10);
         assert_eq!(formula.value(Limits { joints: u64::MAX, ..limits }), i64::MAX.cast_unsigned());
     }
 

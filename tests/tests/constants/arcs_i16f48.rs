@@ -25,9 +25,9 @@ pub const CHECKSUM: u64 = 0xe380034b4fb140ff;
 pub static PATH: PieceInterpolator<'static, Number, 3> = PieceInterpolator {
     pieces: Pieces {
         pieces: &[
-            Piece { origin: [0, 0, 0], coordinate_exponent: -14, step_exponent: 4, range_exponent: 2, joint_ratio: 46341, joint_exponent: 1, joint: Joint::Breaks, step_per_chord: [i16f48(264917625139441), i16f48(299067162755072)] },
-            Piece { origin: [0, 0, 549755813888], coordinate_exponent: -11, step_exponent: 7, range_exponent: 2, joint_ratio: 65535, joint_exponent: 0, joint: Joint::Breaks, step_per_chord: [i16f48(319783861761655), i16f48(422944837628665)] },
-            Piece { origin: [2199023255552, 2199023255552, 549755813888], coordinate_exponent: -11, step_exponent: 7, range_exponent: 2, joint_ratio: 32768, joint_exponent: 1, joint: Joint::Smooth, step_per_chord: [i16f48(319783861761655), i16f48(422944837628665)] },
+            Piece { origin: [0, 0, 0], coordinate_exponent: -14, step_exponent: 4, range_exponent: 3, joint_ratio: 46341, joint_exponent: 1, joint: Joint::Breaks, step_per_chord: [i16f48(264917625139441), i16f48(299067162755072)] },
+            Piece { origin: [0, 0, 549755813888], coordinate_exponent: -11, step_exponent: 7, range_exponent: 4, joint_ratio: 65535, joint_exponent: 0, joint: Joint::Breaks, step_per_chord: [i16f48(319783861761655), i16f48(422944837628665)] },
+            Piece { origin: [2199023255552, 2199023255552, 549755813888], coordinate_exponent: -11, step_exponent: 7, range_exponent: 4, joint_ratio: 32768, joint_exponent: 1, joint: Joint::Smooth, step_per_chord: [i16f48(319783861761655), i16f48(422944837628665)] },
         ],
         numerators: &[
             [i16f48(0), i16f48(0), i16f48(4611686018427387904)],

@@ -19,15 +19,15 @@ pub const PERIODS: usize = 132;
 
 /// `secant_interp::PositionChecksum` of all of them.
 #[allow(dead_code, reason = "a program need not ask")]
-pub const CHECKSUM: u64 = 0xbd6f0ee140174736;
+pub const CHECKSUM: u64 = 0xe46b2e1514bb5dbe;
 
 /// Path and plan.
 pub static PATH: PieceInterpolator<'static, Number, 3> = PieceInterpolator {
     pieces: Pieces {
         pieces: &[
-            Piece { origin: [0, 0, 0], coordinate_exponent: -3, step_exponent: 4, range_exponent: 2, joint_ratio: 46341, joint_exponent: 1, joint: Joint::Breaks, step_per_chord: [i5f27(126322568), i5f27(142606336)] },
-            Piece { origin: [0, 0, 549755813888], coordinate_exponent: 0, step_exponent: 7, range_exponent: 2, joint_ratio: 65535, joint_exponent: 0, joint: Joint::Breaks, step_per_chord: [i5f27(152484828), i5f27(201675814)] },
-            Piece { origin: [2199023255552, 2199023255552, 549755813888], coordinate_exponent: 0, step_exponent: 7, range_exponent: 2, joint_ratio: 32768, joint_exponent: 1, joint: Joint::Smooth, step_per_chord: [i5f27(152484828), i5f27(201675814)] },
+            Piece { origin: [0, 0, 0], coordinate_exponent: -3, step_exponent: 4, range_exponent: 3, joint_ratio: 46341, joint_exponent: 1, joint: Joint::Breaks, step_per_chord: [i5f27(126322568), i5f27(142606336)] },
+            Piece { origin: [0, 0, 549755813888], coordinate_exponent: 0, step_exponent: 7, range_exponent: 4, joint_ratio: 65535, joint_exponent: 0, joint: Joint::Breaks, step_per_chord: [i5f27(152484828), i5f27(201675814)] },
+            Piece { origin: [2199023255552, 2199023255552, 549755813888], coordinate_exponent: 0, step_exponent: 7, range_exponent: 4, joint_ratio: 32768, joint_exponent: 1, joint: Joint::Smooth, step_per_chord: [i5f27(152484828), i5f27(201675814)] },
         ],
         numerators: &[
             [i5f27(0), i5f27(0), i5f27(1073741824)],

@@ -25,9 +25,9 @@ pub const CHECKSUM: u64 = 0x89c072f56bdc9a56;
 pub static PATH: PieceInterpolator<'static, Number, 2> = PieceInterpolator {
     pieces: Pieces {
         pieces: &[
-            Piece { origin: [0, 0], coordinate_exponent: 0, step_exponent: 6, range_exponent: 1, joint_ratio: 32768, joint_exponent: 1, joint: Joint::Breaks, step_per_chord: [i4f28(336860180), i4f28(380283563)] },
-            Piece { origin: [3298534883328, 0], coordinate_exponent: 0, step_exponent: 6, range_exponent: 1, joint_ratio: 54529, joint_exponent: 0, joint: Joint::Breaks, step_per_chord: [i4f28(336860180), i4f28(380283563)] },
-            Piece { origin: [3298534883328, 3298534883328], coordinate_exponent: 0, step_exponent: 6, range_exponent: 1, joint_ratio: 32768, joint_exponent: 1, joint: Joint::Smooth, step_per_chord: [i4f28(280284612), i4f28(316415050)] },
+            Piece { origin: [0, 0], coordinate_exponent: 0, step_exponent: 6, range_exponent: 3, joint_ratio: 32768, joint_exponent: 1, joint: Joint::Breaks, step_per_chord: [i4f28(336860180), i4f28(380283563)] },
+            Piece { origin: [3298534883328, 0], coordinate_exponent: 0, step_exponent: 6, range_exponent: 3, joint_ratio: 54529, joint_exponent: 0, joint: Joint::Breaks, step_per_chord: [i4f28(336860180), i4f28(380283563)] },
+            Piece { origin: [3298534883328, 3298534883328], coordinate_exponent: 0, step_exponent: 6, range_exponent: 3, joint_ratio: 32768, joint_exponent: 1, joint: Joint::Smooth, step_per_chord: [i4f28(280284612), i4f28(316415050)] },
         ],
         numerators: &[
             [i4f28(1610612736), i4f28(0)],

@@ -8,7 +8,7 @@ use crate::step_lengths::{LengthStage, PERIOD};
 /// The most that a period of a run at the plan's own speed may take.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PeriodLimits {
-    /// K: evaluations of a chord, [`max_evaluations`](crate::ChordTolerance::max_evaluations).
+    /// K: evaluations that its pieces share, [`max_evaluations`](crate::ChordTolerance::max_evaluations).
     pub evaluations: u32,
     /// J: joints of pieces, the end of the path among them.
     pub joints: usize,

@@ -33,6 +33,10 @@ use real::{Backend, Real};
 
 use crate::pieces::terms::Terms;
 
+/// The evaluations that each piece behind a joint may take whatever was used before: a step that looked for its end on the piece
+/// before the joint has used all, and the first correction behind it may leave 1e-5 of a chord.
+pub const BEHIND_JOINT: u32 = 2;
+
 /// When the correction is repeated, and how often.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChordTolerance<R> {
@@ -44,8 +48,8 @@ pub struct ChordTolerance<R> {
     /// The largest |f| after which one correction is enough whatever the growth.
     pub fluctuation: R,
     /// K: evaluations of f in a period, at most. All pieces that the period touches share them. Once they are used up, each
-    /// piece on which the step is solved still takes one, so that a period takes at most K and one for each joint that it
-    /// crosses. The chord is then as long as the last correction leaves it.
+    /// piece behind a joint still takes up to [`BEHIND_JOINT`], so that a period takes at most K and so many for each joint that
+    /// it crosses. The chord is then as long as the last correction leaves it.
     pub max_evaluations: u32,
 }
 

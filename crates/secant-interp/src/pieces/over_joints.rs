@@ -8,7 +8,7 @@
 use nurbs_core::{Joint, Piece, Shifted};
 use real::Real;
 
-use crate::pieces::chord_step::{Chord, within};
+use crate::pieces::chord_step::{BEHIND_JOINT, Chord, within};
 use crate::pieces::joint::{Reached, Travelled, into_next, part_into_next, part_of_next, past, sum_within};
 use crate::pieces::piece_interpolator::PieceInterpolator;
 use crate::pieces::place::step_to_end;
@@ -136,7 +136,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
                 (row, travelled) = (next, Travelled::new(beyond, whole()));
                 continue;
             }
-            let most = self.tolerance.max_evaluations.saturating_sub(evaluations);
+            let most = self.tolerance.max_evaluations.saturating_sub(evaluations).max(BEHIND_JOINT);
             let (sigma, count) = on_next.solve_within(guess, &self.tolerance, most);
             evaluations += count;
             let step = sigma * length;

@@ -86,8 +86,8 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     /// would reach the end lands on it. A run that rounding has brought there early stands on the end until its
     /// schedule is over. If rounding has left a part of the path behind the schedule's end, the run travels it in
     /// landing steps. In a format too coarse for the landing step, the step is doubled until it moves the position, so
-    /// that every run ends. On one piece a step takes one re-expansion and at most `max_evaluations` evaluations; each
-    /// further piece that it touches takes at most as many again.
+    /// that every run ends. A step takes one re-expansion and at most `max_evaluations` evaluations, which the pieces
+    /// share that it touches; each further piece takes up to two more once they are used up.
     ///
     /// A step over a corner, at which the tangent breaks, goes from corner to corner: the sum of these chords is the
     /// length. A chord may come out shorter than planned if the path turns over it by more than 60° without a corner:

@@ -113,7 +113,7 @@ pub(crate) fn run<R: Backend, const D: usize>(
         assert!(at >= before, "{} goes back: {before:?} {at:?}", R::name());
         let touched = u32::try_from(at.0 - before.0 + 1).unwrap();
         assert!(
-            setpoint.evaluations < settings.max_evaluations + touched,
+            setpoint.evaluations <= settings.max_evaluations + secant_interp::BEHIND_JOINT * (touched - 1),
             "{}: {} evaluations on {touched} pieces",
             R::name(),
             setpoint.evaluations
