@@ -10,7 +10,8 @@ UNITS = ("instructions", "cycles")
 TERMS = ("base", "K", "J", "S")
 HEAD = """\
 # The most that a period of a compiled part takes, on the image of the built-in example as scripts/firmware links it: at most
-# `base`, and for each of K, J and S so many times that number, for parts of the same format, dimension and degree without weights, as docs/step-bound.md explains.
+# `base`, and for each of K, J and S so many times that number. It holds for parts of the same format, dimension and degree without
+# weights, as docs/step-bound.md explains.
 # Written by scripts/step-bound, except for `ratio`.
 compiler = "{compiler}"
 
