@@ -61,7 +61,7 @@ mod tests {
     fn one_by_one_and_folded_they_are_the_same_terms() {
         let terms = || Terms::of(3, |number| 10 * number).behind(7);
         assert_eq!(terms().collect::<Vec<_>>(), [7, 0, 10, 20]);
-        assert_eq!(terms().fold(0, |sum, term| 2 * sum + term), 4 * (2 * 7 * 2 + 10) + 20 - 2 * 10);
+        assert_eq!(terms().fold(0, |sum, term| 2 * sum + term), 2 * (2 * (2 * 7) + 10) + 20);
         let mut begun = terms();
         assert_eq!([begun.next(), begun.next()], [Some(7), Some(0)]);
         assert_eq!(begun.fold(1, |sum, term| 100 * sum + term), 11_020);
