@@ -202,7 +202,8 @@ static number first_step_per_chord(const shifted *at, const piece_row *row)
 {%- endif %}
 
 /* Makes a step over one joint or more, with the way up to the first, which it changes, after so many evaluations. Returns
- * all evaluations: the pieces share MAX_EVALUATIONS, and once they are used up each further piece takes up to two. */
+ * all evaluations: the pieces share MAX_EVALUATIONS, and once they are used up each further piece takes up to
+ * BEHIND_JOINT. */
 static uint32_t cross({{ name }}_state *state, const piece_row *from, travelled_way *way, number whole_length, uint32_t before)
 {
 {%- if has_joints %}
@@ -261,7 +262,7 @@ static uint32_t cross({{ name }}_state *state, const piece_row *from, travelled_
         if (!is_past) {
             number sigma = guess;
             const uint32_t left = (evaluations < MAX_EVALUATIONS) ? (MAX_EVALUATIONS - evaluations) : 0u;
-            evaluations += solve(&on, &sigma, (left > 2u) ? left : 2u);
+            evaluations += solve(&on, &sigma, (left > BEHIND_JOINT) ? left : BEHIND_JOINT);
             const number step = mul(sigma, length);
             is_past = !((step < on.whole) || is_long) && past(way, &on, length, beyond);
             if (!is_past) {

@@ -104,11 +104,15 @@ IN_PLACE uint32_t end_stage(const {{ name }}_state *state)
 }
 
 /* One correction is enough after |f| <= RESIDUAL with |g| <= GROWTH, and after |f| <= FLUCTUATION; a period evaluates the chord
- * MAX_EVALUATIONS times at most, and then twice for each further piece. */
+ * MAX_EVALUATIONS times at most, and then a few times for each further piece. */
 #define RESIDUAL {{ residual }}
 #define GROWTH {{ growth }}
 #define FLUCTUATION {{ fluctuation }}
 #define MAX_EVALUATIONS {{ max_evaluations }}u
+{%- if has_joints %}
+/* So many may a further piece take, whatever was used before. */
+#define BEHIND_JOINT {{ behind_joint }}u
+{%- endif %}
 
 /* A T^2, in the unit of chords: from so long a step the axes come to rest within a period. */
 #define LANDING_STEP {{ landing_step }}
