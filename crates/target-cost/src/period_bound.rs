@@ -33,16 +33,19 @@ pub struct PeriodBound {
     pub cycles: Most,
 }
 
-/// The bounds that are known for cubic pieces without weights, in this format and dimension, and without corners within a section.
-/// None are known for others.
+/// The bounds that are known for pieces of this dimension and degree without weights, in this format, and without corners within a
+/// section. None are known for others.
 ///
 /// # Panics
 /// Never: a test reads the file that is built in.
 #[must_use]
-pub fn period_bounds(format: &str, dimension: usize, limits: Limits) -> Vec<PeriodBound> {
+pub fn period_bounds(format: &str, (dimension, degree): (usize, usize), limits: Limits) -> Vec<PeriodBound> {
     let file: File = toml::from_str(include_str!("../../../data/step-bounds.toml")).unwrap_or_default();
-    let known = file.target.into_iter().filter(|row| row.format == format && row.dimension == dimension);
-    known
+    let is_known =
+        |row: &Row| (row.format.as_str(), row.dimension, row.degree) == (format, dimension, degree);
+    file.target
+        .into_iter()
+        .filter(is_known)
         .map(|row| PeriodBound {
             instructions: row.most(limits, |kind| kind.instructions),
             cycles: row.most(limits, |kind| kind.cycles),
@@ -61,6 +64,7 @@ struct Row {
     name: String,
     format: String,
     dimension: usize,
+    degree: usize,
     plan: Kind,
     last: Kind,
     landing: Kind,
@@ -118,15 +122,19 @@ mod tests {
 
     #[test]
     fn the_file_has_the_cores_that_are_promised() {
-        let names = |format| period_bounds(format, 2, ONCE).into_iter().map(|b| b.target).collect::<Vec<_>>();
+        let names =
+            |format| period_bounds(format, (2, 3), ONCE).into_iter().map(|b| b.target).collect::<Vec<_>>();
         assert_eq!(names("I4F28"), ["cortex-m0plus", "cortex-m3"]);
         assert_eq!(names("f32"), ["cortex-m4f"]);
-        assert!(period_bounds("f64", 2, ONCE).is_empty() && period_bounds("f32", 3, ONCE).is_empty());
+        assert!(
+            period_bounds("f64", (2, 3), ONCE).is_empty() && period_bounds("f32", (3, 3), ONCE).is_empty()
+        );
+        assert!(period_bounds("f32", (2, 1), ONCE).is_empty());
     }
 
     #[test]
     fn a_bound_grows_with_what_a_period_may_take() {
-        let value = |limits| period_bounds("I4F28", 2, limits).remove(1);
+        let value = |limits| period_bounds("I4F28", (2, 3), limits).remove(1);
         let (least, more) = (value(ONCE), value(Limits { joints: 2, ..ONCE }));
         assert!(least.instructions.period < more.instructions.period);
         assert!(

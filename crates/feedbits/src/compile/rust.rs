@@ -24,7 +24,8 @@ pub(crate) fn write<const D: usize>(
     progress.finish();
     let text = header(about, fault.as_deref(), constants.bytes) + &constants.source;
     output::write(out, &text)?;
-    let Constants { sections, pieces, stages, bytes, periods, checksum, limits, is_plain, .. } = constants;
+    let Constants { sections, pieces, stages, bytes, periods, checksum, limits, degree, is_plain, .. } =
+        constants;
     let stops =
         if sections == 1 { String::new() } else { format!(" in {sections} sections from stop to stop") };
     output::note(&format!(
@@ -37,7 +38,8 @@ pub(crate) fn write<const D: usize>(
         stages: count(limits.stages),
     };
     // Bounds are known for this kind of part.
-    let known = if is_plain { period_bounds(&format.name().to_string(), D, limits) } else { Vec::new() };
+    let known =
+        if is_plain { period_bounds(&format.name().to_string(), (D, degree), limits) } else { Vec::new() };
     known.iter().for_each(|bound| output::note(&most(bound, limits)));
     Ok(())
 }

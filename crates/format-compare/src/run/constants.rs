@@ -32,8 +32,10 @@ pub struct Constants {
     pub checksum: u64,
     /// What a period may take.
     pub limits: PeriodLimits,
-    /// Whether the pieces are cubics without weights and without corners within a section, and no stage is a cosine: the kind of
-    /// part that bounds of a period are known for.
+    /// p of the pieces.
+    pub degree: usize,
+    /// Whether the pieces have no weights and no corners within a section, and no stage is a cosine: the kind of part that bounds
+    /// of a period are known for.
     pub is_plain: bool,
 }
 
@@ -53,6 +55,7 @@ impl Constants {
             periods,
             checksum,
             limits: path.period_limits(),
+            degree: path.interpolator().pieces.degree,
             is_plain: is_plain(&path),
         };
         constants.source = constants.module(&number, &whole, path.sections(), job.problem.period_s());
@@ -100,14 +103,12 @@ impl Constants {
 
 /// See [`Constants::is_plain`].
 fn is_plain<R: Backend, const D: usize>(path: &CompiledPath<R, D>) -> bool {
-    /// The degree that steps have a form for.
-    const CUBIC: usize = 3;
     let pieces = path.interpolator().pieces;
     let within = |section: &Section| section.pieces.start..section.pieces.end.saturating_sub(1);
     let rows = path.sections().iter().filter_map(|section| pieces.pieces.get(within(section)));
     let has_corners = rows.flatten().any(|row| row.joint == Joint::Breaks);
     let has_cosines = path.stages().iter().any(|stage| stage.shape == StageShape::Cosine);
-    pieces.degree == CUBIC && !pieces.is_rational() && !has_corners && !has_cosines
+    !pieces.is_rational() && !has_corners && !has_cosines
 }
 
 /// The attribute before items that a program need not use.
