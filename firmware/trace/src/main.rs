@@ -112,6 +112,8 @@ struct Measured {
     records: Vec<Record>,
     counts: Vec<calls::Counts>,
     stack: Vec<usize>,
+    /// The emulator's name.
+    emulator: String,
 }
 
 fn measure(
@@ -122,11 +124,8 @@ fn measure(
     toolchain: Vec<(String, String)>,
     singly: bool,
 ) -> Result<(), Failure> {
-    let (mut all, mut emulator) = (Measured::default(), String::new());
     let start = Instant::now();
-    for image in images {
-        emulator = all.add(target, image, &host.records, singly)?;
-    }
+    let all = Measured::of(images, target, host, singly)?;
     if all.records.len() != host.records.len() {
         let (found, known) = (all.records.len(), host.records.len());
         return Err(format!("the images make {found} groups of calls, not the host's {known}").into());
@@ -139,7 +138,7 @@ fn measure(
         all.records.len(),
         all.counts.iter().map(|c| c.total()).sum::<u64>() as f64 / 1e6,
     );
-    report::merge(out, measured, toolchain, &emulator)
+    report::merge(out, measured, toolchain, &all.emulator)
 }
 
 /// The costs of the user's own part.
@@ -150,23 +149,29 @@ fn measure_part(
     program: Option<&str>,
     singly: bool,
 ) -> Result<part::Part, Failure> {
-    let mut all = Measured::default();
-    for image in images {
-        all.add(target, image, &host.records, singly)?;
-    }
+    let all = Measured::of(images, target, host, singly)?;
     let names = (program.unwrap_or("the part"), target.name);
     part::Part::new(names, own, &all.records, (&all.counts, &all.stack), &host.kinds)
 }
 
 impl Measured {
-    /// Adds the calls that are in this image, of those that the host makes; returns the emulator's name.
+    /// The calls of all images.
+    fn of(images: &[PathBuf], target: &target::Target, host: &Host, singly: bool) -> Result<Self, Failure> {
+        let mut all = Self::default();
+        for image in images {
+            all.add(target, image, &host.records, singly)?;
+        }
+        Ok(all)
+    }
+
+    /// Adds the calls that are in this image, of those that the host makes.
     fn add(
         &mut self,
         target: &target::Target,
         image: &Path,
         host: &[Record],
         singly: bool,
-    ) -> Result<String, Failure> {
+    ) -> Result<(), Failure> {
         let symbols = symbols::read(image)?;
         let records: Vec<Record> =
             host.iter().filter(|call| symbols.contains_key(call.symbol)).copied().collect();
@@ -175,6 +180,7 @@ impl Measured {
         self.counts.extend(walk.finish()?);
         self.stack.extend(report::check(&records, &printed)?);
         self.records.extend(records);
-        Ok(emulator)
+        self.emulator = emulator;
+        Ok(())
     }
 }
