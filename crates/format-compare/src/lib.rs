@@ -62,6 +62,7 @@ mod plan {
 
 mod run {
     pub(crate) mod at_cruise;
+    pub(crate) mod auditor;
     mod by_engine;
     pub(crate) mod c_files;
     pub(crate) mod constants;

@@ -11,7 +11,7 @@ use std::hash::{BuildHasherDefault, Hasher};
 use crate::fate::Fate;
 use crate::word::Word;
 use crate::wrapper::{Wrapper, wrapper};
-use crate::{Backend, Histogram, Operation, Real};
+use crate::{Backend, Extremes, Histogram, Operation, Real};
 
 /// The record that [`Audit::of`] makes of a run.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -115,6 +115,52 @@ struct Record {
     places: HashMap<(usize, usize), usize, BuildHasherDefault<PlaceHasher>>,
     /// Overflows and underflows that have already been counted for a signal.
     charged: (u64, u64),
+    /// The range of all signals, where it alone is wanted: then no signal is kept by its name.
+    all: Option<All>,
+}
+
+/// The range of all signals together. Values in fixed point wait as words, of which only the extremes are converted.
+#[derive(Clone, Copy, Debug)]
+struct All {
+    range: Extremes,
+    fraction_bits: u32,
+    least: i64,
+    greatest: i64,
+}
+
+impl Default for All {
+    fn default() -> Self {
+        Self { range: Extremes::default(), fraction_bits: 0, least: i64::MAX, greatest: i64::MIN }
+    }
+}
+
+impl All {
+    #[inline]
+    fn add(&mut self, value: Value) {
+        match value {
+            Value::Word(word, fraction_bits) => {
+                if self.fraction_bits != fraction_bits {
+                    *self = Self { range: self.finished(), fraction_bits, ..Self::default() };
+                }
+                self.least = self.least.min(word);
+                self.greatest = self.greatest.max(word);
+            }
+            Value::Floats(high, low) => {
+                let value = cut((high, low));
+                self.range.include(value, value);
+            }
+        }
+    }
+
+    /// The range with the words in it.
+    fn finished(self) -> Extremes {
+        let mut range = self.range;
+        if self.least <= self.greatest {
+            let [min, max] = [self.least, self.greatest].map(|word| of_word(word, self.fraction_bits));
+            range.include(min, max);
+        }
+        range
+    }
 }
 
 /// A named signal.
@@ -183,10 +229,7 @@ impl Signal {
     #[cold]
     fn include_words(&mut self) {
         let Words { fraction_bits, least, greatest, nearest, zeros, by_length } = self.words;
-        let of = |word: i64| {
-            let ((high, low), exponent) = (word.split(), -fraction_bits.cast_signed());
-            cut((high.ldexp(exponent), low.ldexp(exponent)))
-        };
+        let of = |word: i64| of_word(word, fraction_bits);
         let others: u64 = by_length.iter().sum();
         if zeros + others == 0 {
             return;
@@ -203,6 +246,12 @@ impl Signal {
             self.histogram.add(length - fraction_bits.cast_signed(), count);
         }
     }
+}
+
+/// The float of a word with so many bits after its point, cut toward zero.
+fn of_word(word: i64, fraction_bits: u32) -> f64 {
+    let ((high, low), exponent) = (word.split(), -fraction_bits.cast_signed());
+    cut((high.ldexp(exponent), low.ldexp(exponent)))
 }
 
 /// The float of a pair, cut toward zero: rounding to the high float went away from zero if the low one points back.
@@ -303,15 +352,7 @@ impl Audit {
     /// Integer bits, the sign included, that the signal with the largest values needs; 1 if no signal was recorded.
     #[must_use]
     pub fn integer_bits_needed(&self) -> u32 {
-        let bits = |range: &SignalRange| {
-            // A value v fits n integer bits when -2^(n-1) <= v < 2^(n-1).
-            (1..=128).find(|n| {
-                let bound = 1.0_f64.ldexp(n - 1);
-                range.min >= -bound && range.max < bound
-            })
-        };
-        let widest = self.signals.values().map(|range| bits(range).unwrap_or(129)).max().unwrap_or(1);
-        widest.unsigned_abs()
+        Extremes::from(self).integer_bits_needed()
     }
 
     /// Notes the distance of a signal from its shadow.
@@ -320,6 +361,20 @@ impl Audit {
             let largest = &mut record.signal(name).range.max_error;
             *largest = Some(largest.map_or(error, |largest| largest.max(error)));
         });
+    }
+}
+
+impl Extremes {
+    /// Runs `work`. Returns its result, and what the [`Audited`] numbers of this thread met meanwhile.
+    ///
+    /// An inner call keeps a record of its own, as that of [`Audit::of`] does.
+    pub fn of<T>(work: impl FnOnce() -> T) -> (T, Extremes) {
+        let own = Record { all: Some(All::default()), ..Record::default() };
+        let outer = RECORD.with(|record| record.replace(own));
+        let result = work();
+        let Record { overflows, divisions_by_zero, all, .. } = RECORD.with(|record| record.replace(outer));
+        let range = all.unwrap_or_default().finished();
+        (result, Extremes { overflows, divisions_by_zero, ..range })
     }
 }
 
@@ -344,6 +399,10 @@ fn note_division_by_zero() {
 impl Record {
     #[inline]
     fn include(&mut self, name: &'static str, value: Value) {
+        if let Some(all) = &mut self.all {
+            all.add(value);
+            return;
+        }
         let lost = (self.overflows, self.underflows);
         let signal = self.signal(name);
         signal.add(value);
@@ -511,7 +570,7 @@ wrapper!(impl[R: Backend] Audited<R>);
 mod tests {
     use super::*;
     use crate::{I4F4, I4F60, I16F16};
-    use num_traits::Bounded;
+    use num_traits::{Bounded, Zero};
     use proptest::prelude::*;
 
     fn audited(value: f64) -> Audited<I16F16> {
@@ -606,6 +665,72 @@ mod tests {
     fn a_float_overflow_is_an_infinity() {
         let (_, audit) = Audit::of(|| Audited(1e30_f32) * Audited(1e30_f32));
         assert_eq!(audit.overflows, 1);
+    }
+
+    /// Signals, products that overflow or do not, and quotients, of numbers one after the other. What is not finite comes too.
+    fn met<R: Backend>(numbers: &[(usize, f64)]) {
+        let numbers = numbers.iter().filter_map(|(name, x)| Some((*name, Audited::<R>::from_f64(*x)?)));
+        let _ = numbers.fold(Audited::<R>::zero(), |last, (name, x)| {
+            let _ = (x * last).signal(["a", "b", "c"][name]);
+            (x / last).signal(["c", "d", "a"][name])
+        });
+    }
+
+    fn extremes_are_those_of_the_audit<R: Backend>(numbers: &[(usize, f64)]) -> Extremes {
+        let ((), audit) = Audit::of(|| met::<R>(numbers));
+        let ((), extremes) = Extremes::of(|| met::<R>(numbers));
+        assert_eq!(extremes, Extremes::from(&audit));
+        let widest = audit.signals.values().map(|range| {
+            let held = |n: &i32| range.min >= -(2.0_f64.powi(n - 1)) && range.max < 2.0_f64.powi(n - 1);
+            (1..=128).find(held).unwrap_or(129)
+        });
+        let expected = (audit.overflows, audit.divisions_by_zero, widest.max().unwrap_or(1).unsigned_abs());
+        assert_eq!(
+            (extremes.overflows, extremes.divisions_by_zero, extremes.integer_bits_needed()),
+            expected
+        );
+        let (first, second) = numbers.split_at(numbers.len() / 2);
+        let ((_, mut joined), (_, other)) =
+            (Extremes::of(|| met::<R>(first)), Extremes::of(|| met::<R>(second)));
+        let ((_, mut parts), (_, rest)) = (Audit::of(|| met::<R>(first)), Audit::of(|| met::<R>(second)));
+        joined.join(other);
+        parts.join(rest);
+        assert_eq!(joined, Extremes::from(&parts));
+        extremes
+    }
+
+    #[test]
+    fn extremes_of_nothing_are_those_of_an_empty_audit() {
+        assert_eq!(extremes_are_those_of_the_audit::<I16F16>(&[]), Extremes::default());
+        assert_eq!(Extremes::default().integer_bits_needed(), 1);
+    }
+
+    #[test]
+    fn extremes_count_what_overflows_and_what_does_not() {
+        let quiet = extremes_are_those_of_the_audit::<I16F16>(&[(0, 2.0), (1, -3.0)]);
+        assert_eq!((quiet.overflows, quiet.divisions_by_zero), (1, 1)); // 2/0 is an overflow too
+        let lost = extremes_are_those_of_the_audit::<I4F4>(&[(0, 7.0), (1, 0.25), (2, -6.0), (0, 7.5)]);
+        assert!(lost.overflows > 0);
+        assert!(extremes_are_those_of_the_audit::<f32>(&[(0, 1e30), (1, 1e-30), (2, 1e30)]).overflows > 0);
+    }
+
+    #[test]
+    fn a_record_within_extremes_is_kept_apart() {
+        let (inner, outer) = Extremes::of(|| Audit::of(|| audited(300.0) * audited(300.0)).1);
+        assert_eq!((inner.overflows, outer.overflows), (1, 0));
+    }
+
+    proptest! {
+        #[test]
+        fn extremes_are_those_of_any_audit(
+            numbers in proptest::collection::vec((0..3_usize, prop_oneof![Just(0.0), -8.0..8.0, -1e4..1e4, Just(1e30)]), 0..30),
+        ) {
+            extremes_are_those_of_the_audit::<I4F4>(&numbers);
+            extremes_are_those_of_the_audit::<I16F16>(&numbers);
+            extremes_are_those_of_the_audit::<I4F60>(&numbers);
+            extremes_are_those_of_the_audit::<f32>(&numbers);
+            extremes_are_those_of_the_audit::<f64>(&numbers);
+        }
     }
 
     #[test]

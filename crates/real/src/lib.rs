@@ -52,6 +52,8 @@ mod division;
 #[cfg(feature = "reference")]
 mod double_double;
 #[cfg(feature = "std")]
+mod extremes;
+#[cfg(feature = "std")]
 mod fate;
 mod fixed_point;
 mod float;
@@ -87,6 +89,8 @@ pub use count::{Counted, OperationCounts};
 pub use datapath::{Datapath, Overflow, Rounding};
 #[cfg(feature = "reference")]
 pub use double_double::DoubleDouble;
+#[cfg(feature = "std")]
+pub use extremes::Extremes;
 /// The crate whose types [`FixedPoint`] wraps.
 pub use fixed;
 pub use fixed_point::FixedPoint;

@@ -111,7 +111,7 @@ impl JudgedRun {
     ) -> Self {
         let tally = &judged.tally;
         let (fluctuation, worst_fluctuation) = tally.fluctuation();
-        let saturations = run.audit.overflows + run.audit.divisions_by_zero;
+        let saturations = run.extremes.overflows + run.extremes.divisions_by_zero;
         let found = Findings {
             fluctuation: worst_fluctuation,
             saturations,
@@ -130,7 +130,7 @@ impl JudgedRun {
             fluctuation: Some(fluctuation),
             evaluations: Some(tally.evaluations.per_period()),
             saturations: Some(saturations),
-            integer_bits_needed: Some(run.audit.integer_bits_needed()),
+            integer_bits_needed: Some(run.extremes.integer_bits_needed()),
             chord_error_mm_max: Some(found.chord_error_mm.figure),
             corner_error_mm_max: Some(found.corner_error_mm.figure),
             position_error_mm_max: Some(found.position_error_mm.figure),

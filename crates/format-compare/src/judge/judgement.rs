@@ -45,10 +45,11 @@ impl<const D: usize> Judge<'_, D> {
         let start =
             (Tally::new(self.full_step_mm), self.reference.start(), self.traced.map(TraceRecorder::new));
         let observer =
-            Collected::new(start, |steps| self.stretch(steps), |sum, stretch| self.add(sum, stretch));
+            Collected::new(start, |steps| self.stretch(steps), |sum, stretch| self.add(sum, stretch))
+                .with_signals(self.traced.is_some());
         let run = run(&observer)?;
         let (tally, end, trace) = observer.sum();
-        let trace = trace.map(|trace| trace.finished(&run.audit));
+        let trace = trace.map(|trace| trace.finished(run.audit.as_ref()));
         let end_error_mm = self.reference.end_error_mm(&end);
         Ok((run, Judgement { tally, end_error_mm, trace }))
     }

@@ -98,8 +98,9 @@ impl TraceRecorder {
     }
 
     /// The trace, with the signals of the run's audit.
-    pub(crate) fn finished(self, audit: &Audit) -> Trace {
-        Trace { signals: audit.signals.clone(), histograms: audit.histograms.clone(), ..self.trace }
+    pub(crate) fn finished(self, audit: Option<&Audit>) -> Trace {
+        let Audit { signals, histograms, .. } = audit.cloned().unwrap_or_default();
+        Trace { signals, histograms, ..self.trace }
     }
 
     /// Adds the part of the run that follows.

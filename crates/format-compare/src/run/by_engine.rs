@@ -1,9 +1,12 @@
 //! A run by the chosen engine: audited, or recorded.
 
-use real::{Audit, Backend};
+use std::marker::PhantomData;
+
+use real::{Audit, Backend, Extremes};
 use secant_interp::Method;
 
 use crate::refusal::Refusal;
+use crate::run::auditor::Auditor;
 use crate::run::few_backends::{Work, in_format_named};
 use crate::run::job::Job;
 use crate::run::observer::{Observer, threads_for};
@@ -22,7 +25,12 @@ pub(crate) fn audited<R: Backend, const D: usize>(
         None => on_pieces::run::<R, D>(job, threads_for(observer), observer),
     }?;
     run.filament_step_mm = job.problem.filament_mm.filter(|farthest| *farthest > 0.0).map(own_step_mm::<R>);
-    run.audit = in_format_named(R::name(), Auditing { job })?;
+    if observer.wants_signals() {
+        let audit = in_format_named(R::name(), Auditing::<Audit, D>::of(job))?;
+        (run.extremes, run.audit) = (Extremes::from(&audit), Some(audit));
+    } else {
+        run.extremes = in_format_named(R::name(), Auditing::<Extremes, D>::of(job))?;
+    }
     Ok(run)
 }
 
@@ -41,18 +49,25 @@ impl<const D: usize> Work for OnGlobalParameter<'_, D> {
     }
 }
 
-/// A run whose overflows and ranges are recorded, and nothing else of it.
-struct Auditing<'a, const D: usize> {
+/// A run whose overflows and ranges are kept in an `A`, and nothing else of it.
+struct Auditing<'a, A, const D: usize> {
     job: &'a Job<'a, D>,
+    into: PhantomData<fn() -> A>,
 }
 
-impl<const D: usize> Work for Auditing<'_, D> {
-    type Output = Result<Audit, Refusal>;
+impl<'a, A, const D: usize> Auditing<'a, A, D> {
+    fn of(job: &'a Job<'a, D>) -> Self {
+        Self { job, into: PhantomData }
+    }
+}
+
+impl<A: Auditor, const D: usize> Work for Auditing<'_, A, D> {
+    type Output = Result<A, Refusal>;
 
     fn in_backend<R: Backend>(self) -> Self::Output {
         match self.job.options.engine.method() {
-            Some(method) => on_global_parameter::audit::<R, D>(self.job, method),
-            None => on_pieces::audit::<R, D>(self.job),
+            Some(method) => on_global_parameter::audit::<R, A, D>(self.job, method),
+            None => on_pieces::audit::<R, A, D>(self.job),
         }
     }
 }

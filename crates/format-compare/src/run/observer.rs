@@ -19,6 +19,11 @@ pub trait Observer: Sync {
         false
     }
 
+    /// Whether each signal of the run is wanted by its name, which takes several times as long as the range of all.
+    fn wants_signals(&self) -> bool {
+        false
+    }
+
     /// Looks at the steps of a stretch. Stretches are numbered from 0; several threads may be here at a time.
     fn look(&self, stretch: usize, steps: &mut dyn Iterator<Item = RunStep>);
 
@@ -38,6 +43,7 @@ pub(crate) struct Collected<T, S, L, A> {
     waiting: Mutex<BTreeMap<usize, T>>,
     look: L,
     add: A,
+    wants_signals: bool,
 }
 
 impl<T, S, L, A> Collected<T, S, L, A>
@@ -46,7 +52,12 @@ where
     A: Fn(&mut S, T),
 {
     pub(crate) fn new(sum: S, look: L, add: A) -> Self {
-        Self { sum: Mutex::new(sum), waiting: Mutex::default(), look, add }
+        Self { sum: Mutex::new(sum), waiting: Mutex::default(), look, add, wants_signals: false }
+    }
+
+    /// The same, which wants the run's signals by name, or not.
+    pub(crate) fn with_signals(self, wants_signals: bool) -> Self {
+        Self { wants_signals, ..self }
     }
 
     pub(crate) fn sum(self) -> S {
@@ -65,6 +76,10 @@ where
     L: Fn(&mut dyn Iterator<Item = RunStep>) -> T + Sync,
     A: Fn(&mut S, T) + Sync,
 {
+    fn wants_signals(&self) -> bool {
+        self.wants_signals
+    }
+
     fn look(&self, stretch: usize, steps: &mut dyn Iterator<Item = RunStep>) {
         let seen = (self.look)(steps);
         self.waiting().insert(stretch, seen);

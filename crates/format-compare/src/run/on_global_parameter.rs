@@ -5,13 +5,14 @@ use std::ops::ControlFlow;
 
 use feed_plan::Schedule;
 use nurbs_core::{Evaluate, NurbsCurve};
-use real::{Audit, Audited, Backend, Recorded};
+use real::{Audited, Backend, Recorded};
 use secant_interp::{CurvePart, Interpolator, Method, State, Tolerance};
 
 use crate::plan::in_format::{in_format, nearest};
 use crate::plan::lengths::Lengths;
 use crate::refusal::Refusal;
 use crate::run::at_cruise::GreatestAtCruise;
+use crate::run::auditor::Auditor;
 use crate::run::job::{Job, most_of_section};
 use crate::run::observer::{Observer, Stretch, in_stretches, threads_for};
 use crate::run::recorded_run::RecordedRun;
@@ -30,17 +31,23 @@ pub(crate) fn run<R: Backend, const D: usize>(
 }
 
 /// Makes the same steps as [`run`] and keeps what the arithmetic met.
-pub(crate) fn audit<R: Backend, const D: usize>(job: &Job<'_, D>, method: Method) -> Result<Audit, Refusal> {
-    let (run, audit) = Audit::of(|| {
-        prepared::<Audited<R>, D, _>(job, method, |parts| {
-            parts.iter().all(|part| {
-                let mut state = part.start();
-                let most = most_of_section(part.schedule.periods());
-                (0..most).any(|_| part.step(&mut state).is_none() || job.options.is_interrupted())
-            })
-        })
-    });
-    run.map(|_| audit)
+pub(crate) fn audit<R: Backend, A: Auditor, const D: usize>(
+    job: &Job<'_, D>,
+    method: Method,
+) -> Result<A, Refusal> {
+    let (run, audit) = A::of(|| follow_audited::<R, D>(job, method));
+    run.map(|()| audit)
+}
+
+/// Makes the steps of [`run`] in audited numbers.
+fn follow_audited<R: Backend, const D: usize>(job: &Job<'_, D>, method: Method) -> Result<(), Refusal> {
+    prepared::<Audited<R>, D, _>(job, method, |parts| {
+        let _ = parts.iter().all(|part| {
+            let mut state = part.start();
+            let most = most_of_section(part.schedule.periods());
+            (0..most).any(|_| part.step(&mut state).is_none() || job.options.is_interrupted())
+        });
+    })
 }
 
 /// The operations of each of the first `most` steps of the run that [`run`] makes.

@@ -3,11 +3,12 @@
 use std::ops::ControlFlow;
 
 use nurbs_core::{NurbsBuf, PieceLimits, compile_with_stops};
-use real::{Audit, Audited, Backend, DoubleDouble, Real, Recorded};
+use real::{Audited, Backend, DoubleDouble, Real, Recorded};
 use secant_interp::{ChordTolerance, CompiledPath, CompiledPathError};
 
 use crate::plan::in_format::in_format;
 use crate::refusal::Refusal;
+use crate::run::auditor::Auditor;
 use crate::run::in_order::{Threads, in_order};
 use crate::run::job::{Job, most_of_section};
 use crate::run::observer::{Observer, Stretch, in_stretches, stretches};
@@ -58,17 +59,17 @@ fn section_periods<R: Backend, const D: usize>(path: &CompiledPath<R, D>) -> imp
 }
 
 /// Makes the same steps as [`run`] in the auditing form of `R`, and keeps what the arithmetic met.
-pub(crate) fn audit<R: Backend, const D: usize>(job: &Job<'_, D>) -> Result<Audit, Refusal> {
-    let (path, mut audit) = Audit::of(|| compiled::<Audited<R>, D>(job));
+pub(crate) fn audit<R: Backend, A: Auditor, const D: usize>(job: &Job<'_, D>) -> Result<A, Refusal> {
+    let (path, mut audit) = A::of(|| compiled::<Audited<R>, D>(job));
     let path = path?;
     if let Some(commands) = &job.options.overrides {
-        let ((), of_run) = Audit::of(|| OverriddenSteps::new(job, &path, commands).for_each(drop));
+        let ((), of_run) = A::of(|| OverriddenSteps::new(job, &path, commands).for_each(drop));
         audit.join(of_run);
         return Ok(audit);
     }
     let whole = path.interpolator();
     let work = |_: usize, stretch: &Stretch| {
-        Audit::of(|| {
+        A::of(|| {
             path.sections().get(stretch.sections.clone()).unwrap_or_default().iter().all(|section| {
                 let run = whole.on(section);
                 let most = most_of_section(run.lengths.periods() as u64);

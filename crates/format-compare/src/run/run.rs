@@ -1,6 +1,6 @@
 //! A run: its setpoints, and the resolution of the numbers in which it was made.
 
-use real::{Audit, Backend, FormatName};
+use real::{Audit, Backend, Extremes, FormatName};
 
 /// One setpoint, exactly as the format holds it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,8 +45,10 @@ pub struct AboutRun {
     /// `½ ulp(L)/L` for the full step `L = F·T`, since the parameter there is a 64-bit phase and the length is the
     /// coarser of the two. Other roundings of a step add to it.
     pub fluctuation_resolution: f64,
-    /// The overflows and ranges that the format's arithmetic met.
-    pub audit: Audit,
+    /// The numbers that the format's arithmetic lost, and the range of all its signals.
+    pub extremes: Extremes,
+    /// The signals by name, if they are wanted ([`Observer::wants_signals`](crate::Observer::wants_signals)).
+    pub audit: Option<Audit>,
 }
 
 /// The step between neighbouring numbers of `R` at the magnitude of `largest`.
