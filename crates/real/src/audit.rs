@@ -336,6 +336,16 @@ impl Audit {
         (result, RECORD.with(|record| record.replace(outer)).finished())
     }
 
+    /// Overflows and divisions by zero that the [`Audited`] numbers of this thread have met in the present call of
+    /// [`Audit::of`] or [`Extremes::of`].
+    #[must_use]
+    pub fn lost_so_far() -> u64 {
+        RECORD.with(|record| {
+            let record = record.borrow();
+            record.overflows + record.divisions_by_zero
+        })
+    }
+
     /// Adds what another part of the same run met.
     pub fn join(&mut self, other: Self) {
         self.overflows += other.overflows;

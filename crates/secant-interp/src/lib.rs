@@ -68,6 +68,7 @@ mod global_parameter {
 }
 
 mod pieces {
+    pub(crate) mod alike;
     pub(crate) mod chord_step;
     pub(crate) mod joint;
     #[cfg(feature = "lanes")]
@@ -128,6 +129,7 @@ pub use global_parameter::curve_part::CurvePart;
 pub use global_parameter::interpolator::{Interpolator, Method, Setpoint, State};
 pub use global_parameter::secant::{Outcome, Tolerance};
 pub use global_parameter::{predictor, secant, taylor};
+pub use pieces::alike::Course;
 pub use pieces::chord_step::{BEHIND_JOINT, Chord, ChordTolerance};
 #[cfg(feature = "lanes")]
 pub use pieces::lanes::LaneInterpolator;

@@ -4,6 +4,9 @@ use real::{Audit, Extremes};
 
 /// A record of what audited numbers meet.
 pub(crate) trait Auditor: Send + Sized {
+    /// Whether periods may be left out whose numbers all lie between those of two that are made, and lose nothing.
+    const LEAVES_OUT: bool;
+
     /// Runs `work`, and keeps what the numbers of this thread met meanwhile.
     fn of<T>(work: impl FnOnce() -> T) -> (T, Self);
 
@@ -12,6 +15,8 @@ pub(crate) trait Auditor: Send + Sized {
 }
 
 impl Auditor for Audit {
+    const LEAVES_OUT: bool = false;
+
     fn of<T>(work: impl FnOnce() -> T) -> (T, Self) {
         Audit::of(work)
     }
@@ -22,6 +27,8 @@ impl Auditor for Audit {
 }
 
 impl Auditor for Extremes {
+    const LEAVES_OUT: bool = true;
+
     fn of<T>(work: impl FnOnce() -> T) -> (T, Self) {
         Extremes::of(work)
     }

@@ -3,8 +3,8 @@
 use std::ops::ControlFlow;
 
 use nurbs_core::{NurbsBuf, PieceLimits, compile_with_stops};
-use real::{Audited, Backend, DoubleDouble, Real, Recorded};
-use secant_interp::{ChordTolerance, CompiledPath, CompiledPathError};
+use real::{Audit, Audited, Backend, DoubleDouble, Real, Recorded};
+use secant_interp::{ChordTolerance, CompiledPath, CompiledPathError, Section};
 
 use crate::plan::in_format::in_format;
 use crate::refusal::Refusal;
@@ -67,22 +67,42 @@ pub(crate) fn audit<R: Backend, A: Auditor, const D: usize>(job: &Job<'_, D>) ->
         audit.join(of_run);
         return Ok(audit);
     }
-    let whole = path.interpolator();
     let work = |_: usize, stretch: &Stretch| {
-        A::of(|| {
-            path.sections().get(stretch.sections.clone()).unwrap_or_default().iter().all(|section| {
-                let run = whole.on(section);
-                let most = most_of_section(run.lengths.periods() as u64);
-                let mut state = run.start();
-                (0..most).any(|_| run.step(&mut state).is_none() || job.options.is_interrupted())
-            })
-        })
+        let sections = path.sections().get(stretch.sections.clone()).unwrap_or_default();
+        A::of(|| sections.iter().all(|section| ends_audited(job, &path, section, A::LEAVES_OUT)))
     };
     in_order(Threads::All, &stretches(section_periods(&path)), work, |_, (finished, of_stretch)| {
         audit.join(of_stretch);
         if finished { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
     });
     Ok(audit)
+}
+
+/// Makes the steps of a section in audited numbers. With `leaves_out`, periods of a straight move are left out whose numbers are those
+/// of the step before them, which lost none, or lie between it and the next that is made. False if the section does not end within its
+/// periods.
+fn ends_audited<R: Backend, const D: usize>(
+    job: &Job<'_, D>,
+    path: &CompiledPath<Audited<R>, D>,
+    section: &Section,
+    leaves_out: bool,
+) -> bool {
+    let run = path.interpolator().on(section);
+    let mut left = most_of_section(run.lengths.periods() as u64);
+    let (mut state, mut lost) = (run.start(), Audit::lost_so_far());
+    while left > 0 {
+        let before = state.course();
+        let Some(setpoint) = run.step(&mut state) else { return true };
+        if job.options.is_interrupted() {
+            return true;
+        }
+        left -= 1;
+        let lost_before = std::mem::replace(&mut lost, if leaves_out { Audit::lost_so_far() } else { 0 });
+        if leaves_out && lost == lost_before {
+            left -= run.skip_alike(&mut state, &before, &setpoint, left);
+        }
+    }
+    false
 }
 
 /// The operations of each of the first `most` steps of the run that [`run`] makes without overrides. The state at the
@@ -149,7 +169,7 @@ mod tests {
     use crate::examples::on_example_machine;
     use crate::run::observer::with_steps;
     use crate::{ExactPlan, Options};
-    use real::I8F24;
+    use real::{Extremes, FixedPoint, I4F28, I4F60, I8F24, fixed::types::I4F12};
 
     /// On stairs of equal steps, every kind of period occurs more than once, including the one from rest and the one
     /// onto a stop.
@@ -163,5 +183,25 @@ mod tests {
         let counts: Vec<_> = recorded.steps.iter().map(|(_, count)| *count as usize).collect();
         assert_eq!(counts.iter().sum::<usize>(), run.steps.len());
         assert!(counts.iter().all(|count| *count > 1), "{counts:?}");
+    }
+
+    /// Long moves in many directions, slow and fast, and a bend.
+    #[test]
+    fn extremes_are_those_of_all_periods() {
+        fn are<R: Backend>(job: &Job<'_, 3>) {
+            let all = audit::<R, Audit, 3>(job).unwrap();
+            let extremes = audit::<R, Extremes, 3>(job).unwrap();
+            assert_eq!(extremes, Extremes::from(&all), "{}", R::name());
+        }
+        let text = "G1 X16 F600\nX-20 Y30 Z1\nG2 X0 Y0 R40\nG1 X7.3 Z-4\nX7.35\nX60 F90\n";
+        let problem = on_example_machine::<3>(text, "");
+        let plan = ExactPlan::in_format::<f64, 3>(&problem, [0.0; 2]).unwrap();
+        let job = Job { problem: &problem, plan: &plan, options: &Options::default() };
+        are::<f64>(&job);
+        are::<f32>(&job);
+        are::<I8F24>(&job);
+        are::<I4F28>(&job);
+        are::<I4F60>(&job);
+        are::<FixedPoint<I4F12>>(&job);
     }
 }

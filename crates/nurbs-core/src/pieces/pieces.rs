@@ -70,6 +70,18 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
         }
     }
 
+    /// Whether a piece is straight and passed at constant speed: `n_k = 0` from k = 2 on, and `W = 1`. False for a piece that does not
+    /// exist.
+    #[must_use]
+    pub fn is_straight(&self, piece: usize) -> bool {
+        let Some(Coefficients { numerator, weights }) = self.coefficients::<MAX_DEGREE, false>(piece) else {
+            return false;
+        };
+        let are_zero = |numbers: &[R]| numbers.iter().all(|x| x.is_zero());
+        numerator.get(1..).is_some_and(|rows| are_zero(rows.as_flattened()))
+            && weights.is_none_or(|(constant, rest)| constant == R::one() && are_zero(rest))
+    }
+
     /// p. If N is p, the compiler knows the length of loops; if N is [`MAX_DEGREE`], p may be any degree.
     #[inline]
     fn count<const N: usize>(&self) -> usize {

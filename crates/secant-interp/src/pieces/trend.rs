@@ -8,7 +8,7 @@ use crate::pieces::joint::into_next;
 
 /// σ of the last step, and its differences to those before, all in the scale of one piece. The differences are kept
 /// instead of the σ themselves, because a step then has fewer numbers to compute and to move.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Trend<R> {
     /// σ_i.
     pub(crate) newest: R,

@@ -1,5 +1,6 @@
 //! Runs of the interpolators, in one program: a kernel that several of these files run in a format is compiled once.
 
+mod alike;
 mod compiled_path;
 mod compiled_pieces;
 mod degenerate_paths;
