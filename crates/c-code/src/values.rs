@@ -3,7 +3,7 @@
 use feed_plan::sinc_terms;
 use nurbs_core::{Joint, ORIGIN_EXPONENT, Piece, Pieces};
 use real::{Backend, FormatName, Real, Trigonometric, sine_terms};
-use secant_interp::{LANDING_REACH, LengthStage, Section, StageShape};
+use secant_interp::{Crossing, LANDING_REACH, LengthStage, Section, StageShape};
 
 use crate::c_part::CPart;
 use crate::comment::in_a_comment;
@@ -46,6 +46,7 @@ pub(crate) struct Values {
     pub(crate) numerators: Vec<String>,
     pub(crate) weights: Vec<String>,
     pub(crate) stages: Vec<StageRow>,
+    pub(crate) crossings: Vec<CrossingRow>,
     pub(crate) sections: Vec<Section>,
     pub(crate) max_evaluations: u32,
     pub(crate) behind_joint: u32,
@@ -148,6 +149,14 @@ pub(crate) struct StageRow {
     pub(crate) shape: &'static str,
 }
 
+/// A row of the table of periods in which a stage ends.
+pub(crate) struct CrossingRow {
+    pub(crate) rest: u32,
+    pub(crate) time: u32,
+    pub(crate) stages: u32,
+    pub(crate) distance: String,
+}
+
 impl Values {
     pub(crate) fn of<R: Backend, const D: usize>(
         part: &CPart<'_, R, D>,
@@ -204,6 +213,7 @@ impl Values {
             weights: pieces.weights.chunks(pieces.degree + 1).map(numbers).collect(),
             stages: stages.iter().map(|stage| StageRow::of(stage, uses.bent, shapes.first())).collect(),
             shapes,
+            crossings: run.lengths.crossings.iter().map(CrossingRow::of).collect(),
             sections: sections.to_vec(),
             max_evaluations: run.tolerance.max_evaluations,
             behind_joint: secant_interp::BEHIND_JOINT,
@@ -255,7 +265,11 @@ impl Values {
         let small = if self.floating { 2 } else { 5 };
         let piece = filled((8 * self.axes + 2 * number).next_multiple_of(2) + 2 + small - 1);
         let stage = filled(16 + (3 + usize::from(self.uses.bent)) * number + 2);
-        let rows = self.pieces.len() * piece + self.stages.len() * stage + self.sections.len() * 16;
+        let crossing = (12 + number).next_multiple_of(number.max(4));
+        let rows = self.pieces.len() * piece
+            + self.stages.len() * stage
+            + self.crossings.len() * crossing
+            + self.sections.len() * 16;
         rows + number
             * (self.numerators.len() * self.degree * self.axes + self.weights.len() * (self.degree + 1))
     }
@@ -332,6 +346,13 @@ impl StageRow {
             reciprocal_exponent: stage.reciprocal_exponent,
             shape: if changes { Shape::of(&stage.shape).name } else { any.map_or("0u", |shape| shape.name) },
         }
+    }
+}
+
+impl CrossingRow {
+    fn of<R: Backend>(crossing: &Crossing<R>) -> Self {
+        let Crossing { rest, time, stages, distance } = *crossing;
+        Self { rest, time, stages, distance: number(distance) }
     }
 }
 

@@ -68,6 +68,24 @@ static const stage_row stages[] = {
 {%- endfor %}
 };
 
+{%- if !crossings.is_empty() %}
+
+/* The period in which a stage ends, of a run at the plan's own speed. Such a run comes to the end of each stage at a time that is
+ * known beforehand, and so is what the period takes of this stage and of all that it ends in or passes. */
+typedef struct {
+    uint32_t rest;                 /* what is left of the stage where the period begins, less one unit of 2^-32 periods */
+    uint32_t time;                 /* the time of the stage behind the period, in 2^-32 periods */
+    uint32_t stages;               /* by how many stages that lies further; 0 if no such period begins in this stage */
+    number distance;               /* of the period */
+} crossing_row;
+
+static const crossing_row crossings[] = {
+{%- for row in crossings %}
+    { {{ row.rest }}u, {{ row.time }}u, {{ row.stages }}u, {{ row.distance }} },
+{%- endfor %}
+};
+{%- endif %}
+
 /* The numbers of the first piece and stage of a section, and of those behind its last. */
 typedef struct {
     uint32_t first_piece;
