@@ -3,7 +3,7 @@
 use fixed::traits::FixedSigned;
 use num_traits::{FromPrimitive, Zero};
 
-use crate::{Backend, FixedPoint, Word};
+use crate::{Backend, FixedPoint, FormatName, Word};
 
 /// A backend that a machine has a word for: 8, 16, 32 or 64 bits.
 pub trait FromWord: Backend {
@@ -11,10 +11,22 @@ pub trait FromWord: Backend {
     const BYTES: usize;
 
     /// The number that these bits hold: in fixed point a word in two's complement, in a float those of IEEE 754. The
-    /// bits above the format's width do not count. It is the inverse of `word_of`, and every word is a number, be it
+    /// bits above the format's width do not count. It is the inverse of [`word_of`], and every word is a number, be it
     /// NaN.
     #[must_use]
     fn from_word(word: u64) -> Self;
+}
+
+/// The bits that hold a number: in fixed point its word in two's complement, in the format's width; of a float the
+/// bits of IEEE 754. Above them, zeros.
+#[must_use]
+pub fn word_of<R: Backend>(number: R) -> u64 {
+    match (number.word(), R::name()) {
+        (Some(word), name) => word.cast_unsigned() & (u64::MAX >> (64 - name.bits().clamp(1, 64))),
+        #[allow(clippy::cast_possible_truncation, reason = "the number is one of an f32")]
+        (None, FormatName::Float { bits: 32 }) => u64::from((number.to_f64() as f32).to_bits()),
+        (None, _) => number.to_f64().to_bits(),
+    }
 }
 
 impl FromWord for f64 {

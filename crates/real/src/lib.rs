@@ -95,12 +95,12 @@ pub use extremes::Extremes;
 pub use fixed;
 pub use fixed_point::FixedPoint;
 pub use format_name::FormatName;
-pub use from_word::FromWord;
+pub use from_word::{FromWord, word_of};
 #[cfg(feature = "std")]
 pub use histogram::Histogram;
 pub use lane::Lane;
 #[cfg(feature = "std")]
-pub use named::{Named, named_words, word_of};
+pub use named::{Named, named_words};
 pub use operation::Operation;
 pub use q_name::QName;
 #[cfg(feature = "std")]

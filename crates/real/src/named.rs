@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 
 use crate::wrapper::{Wrapper, wrapper};
-use crate::{Backend, FormatName, Operation};
+use crate::{Backend, Operation, word_of};
 
 thread_local! {
     static NAMED: RefCell<Vec<(&'static str, u64)>> = const { RefCell::new(Vec::new()) };
@@ -20,7 +20,7 @@ thread_local! {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Named<R>(pub R);
 
-/// Runs `work`. Returns its result, and the [bits](word_of) of each value that was named meanwhile on this thread, in
+/// Runs `work`. Returns its result, and the [bits](crate::word_of) of each value that was named meanwhile on this thread, in
 /// order.
 ///
 /// An inner call keeps a list of its own, which the outer call does not see.
@@ -28,17 +28,6 @@ pub fn named_words<T>(work: impl FnOnce() -> T) -> (T, Vec<(&'static str, u64)>)
     let outer = NAMED.take();
     let result = work();
     (result, NAMED.replace(outer))
-}
-
-/// The bits that hold a number: in fixed point its word in two's complement, in the format's width; of a float the
-/// bits of IEEE 754. Above them, zeros.
-pub fn word_of<R: Backend>(number: R) -> u64 {
-    match (number.word(), R::name()) {
-        (Some(word), name) => word.cast_unsigned() & (u64::MAX >> (64 - name.bits().clamp(1, 64))),
-        #[allow(clippy::cast_possible_truncation, reason = "the number is one of an f32")]
-        (None, FormatName::Float { bits: 32 }) => u64::from((number.to_f64() as f32).to_bits()),
-        (None, _) => number.to_f64().to_bits(),
-    }
 }
 
 impl<R: Backend> Wrapper for Named<R> {

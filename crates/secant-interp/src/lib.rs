@@ -101,6 +101,7 @@ mod stream {
     mod section_head;
     pub(crate) mod storage;
     pub(crate) mod stored_override;
+    mod straight;
     #[cfg(feature = "std")]
     pub(crate) mod writer;
 }

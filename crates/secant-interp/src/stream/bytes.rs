@@ -29,6 +29,10 @@ impl Bytes<'_> {
         self.next().map(u32::from_le_bytes)
     }
 
+    pub(crate) fn i16(&mut self) -> Option<i16> {
+        self.next().map(i16::from_le_bytes)
+    }
+
     pub(crate) fn i32(&mut self) -> Option<i32> {
         self.next().map(i32::from_le_bytes)
     }

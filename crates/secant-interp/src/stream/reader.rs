@@ -89,7 +89,7 @@ impl<R: FromWord, const D: usize> StreamReader<R, D> {
         let section = self.next_section().ok_or(none_left)?;
         let head = SectionHead::read(bytes, section, self.file)?;
         let other = |expected| StreamError::OtherLength { section, expected, found: head.bytes };
-        let length = self.shape.section_bytes(head.piece_count(), head.stage_count()).unwrap_or(usize::MAX);
+        let length = self.shape.section_bytes(&head.rows()).unwrap_or(usize::MAX);
         if u32::try_from(length) != Ok(head.bytes) {
             return Err(other(length));
         }
@@ -122,7 +122,7 @@ impl<R: FromWord, const D: usize> StreamReader<R, D> {
         }
         let mut rows = storage.rows_of(&head, &self.shape)?;
         let mut bytes = Bytes(fields.get(SECTION_HEAD_BYTES..).unwrap_or_default());
-        rows.fill(&mut bytes, &self.shape, section).unwrap_or(Err(short))?;
+        rows.fill(&mut bytes, &self.shape, &head).unwrap_or(Err(short))?;
         let SectionStorage { pieces, numerators, weights, stages } = rows;
         self.next += 1;
         Ok(PieceInterpolator {

@@ -3,7 +3,7 @@
 use crate::stream::bytes::Bytes;
 use crate::stream::crc32::crc32;
 use crate::stream::error::StreamError;
-use crate::stream::layout::{CRC_BYTES, SECTION_HEAD_BYTES};
+use crate::stream::layout::{CRC_BYTES, SECTION_HEAD_BYTES, SectionRows};
 
 /// The head of a section.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,6 +15,8 @@ pub(crate) struct SectionHead {
     /// Bytes from the head's first to the last of the section's CRC.
     pub(crate) bytes: u32,
     pub(crate) pieces: u32,
+    /// Pieces with the short row of a straight one.
+    pub(crate) straight: u32,
     pub(crate) stages: u32,
 }
 
@@ -29,30 +31,28 @@ impl SectionHead {
         if expected != found {
             return Err(StreamError::DamagedHead { section: next, expected, found });
         }
-        let [number, of_file, bytes, pieces, stages] = Bytes(fields).array(Bytes::u32).ok_or(short)?;
+        let [number, of_file, bytes, pieces, straight, stages] =
+            Bytes(fields).array(Bytes::u32).ok_or(short)?;
         if of_file != file {
             return Err(StreamError::OtherFile { section: next, expected: file, found: of_file });
         }
         if number != next {
             return Err(StreamError::OtherSection { expected: next, found: number });
         }
-        Ok(Self { number, file, bytes, pieces, stages })
+        Ok(Self { number, file, bytes, pieces, straight, stages })
     }
 
-    /// How many pieces there are.
-    pub(crate) fn piece_count(&self) -> usize {
-        usize::try_from(self.pieces).unwrap_or(usize::MAX)
-    }
-
-    /// How many stages there are.
-    pub(crate) fn stage_count(&self) -> usize {
-        usize::try_from(self.stages).unwrap_or(usize::MAX)
+    /// How many rows there are.
+    pub(crate) fn rows(&self) -> SectionRows {
+        let [pieces, straight, stages] = [self.pieces, self.straight, self.stages]
+            .map(|count| usize::try_from(count).unwrap_or(usize::MAX));
+        SectionRows { pieces, straight, stages }
     }
 
     /// The bytes of the head.
     #[cfg(feature = "std")]
     pub(crate) fn to_bytes(self) -> [u8; SECTION_HEAD_BYTES] {
-        let fields = [self.number, self.file, self.bytes, self.pieces, self.stages];
+        let fields = [self.number, self.file, self.bytes, self.pieces, self.straight, self.stages];
         let mut head = [0; SECTION_HEAD_BYTES];
         let bytes = fields.iter().flat_map(|field| field.to_le_bytes());
         head.iter_mut().zip(bytes).for_each(|(to, byte)| *to = byte);

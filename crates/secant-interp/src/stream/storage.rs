@@ -12,7 +12,7 @@ use crate::stream::bytes::Bytes;
 use crate::stream::error::StreamError;
 #[cfg(feature = "alloc")]
 use crate::stream::header::StreamHeader;
-use crate::stream::layout::RowShape;
+use crate::stream::layout::{RowShape, SectionRows};
 use crate::stream::rows;
 use crate::stream::section_head::SectionHead;
 
@@ -66,7 +66,7 @@ impl<R: FromWord, const D: usize> SectionStorage<'_, R, D> {
         head: &SectionHead,
         shape: &RowShape,
     ) -> Result<SectionStorage<'_, R, D>, StreamError> {
-        let (section, pieces) = (head.number, head.piece_count());
+        let (section, SectionRows { pieces, stages, .. }) = (head.number, head.rows());
         Ok(SectionStorage {
             pieces: first(self.pieces, section, "pieces", pieces)?,
             numerators: first(
@@ -81,29 +81,41 @@ impl<R: FromWord, const D: usize> SectionStorage<'_, R, D> {
                 "coefficients of weights",
                 pieces.saturating_mul(shape.weights()),
             )?,
-            stages: first(self.stages, section, "stages", head.stage_count())?,
+            stages: first(self.stages, section, "stages", stages)?,
         })
     }
 
-    /// Takes every row from the bytes of a section; `None` if there are too few of them.
+    /// Takes every row from the bytes of the section with this head; `None` if there are too few of them.
     pub(crate) fn fill(
         &mut self,
         bytes: &mut Bytes<'_>,
         shape: &RowShape,
-        section: u32,
+        head: &SectionHead,
     ) -> Option<Result<(), StreamError>> {
-        let none = |field, row| Some(Err(StreamError::SectionField { section, field, row }));
+        let none = |field, row| Some(Err(StreamError::SectionField { section: head.number, field, row }));
         let (mut numerators, mut weights) = (self.numerators.iter_mut(), self.weights.iter_mut());
+        let SectionRows { pieces, straight, .. } = head.rows();
+        let (mut curved, mut straight) = (pieces.saturating_sub(straight), straight);
         for (row, slot) in self.pieces.iter_mut().enumerate() {
-            match rows::piece(bytes)? {
-                Ok(piece) => *slot = piece,
+            let (piece, is_straight) = match rows::piece(bytes, shape)? {
+                Ok(found) => found,
                 Err(field) => return none(field, row),
+            };
+            *slot = piece;
+            // As many of either kind as the head says.
+            let left = if is_straight { &mut straight } else { &mut curved };
+            let Some(fewer) = left.checked_sub(1) else { return none("joint", row) };
+            *left = fewer;
+            let stored = if is_straight { 1 } else { shape.degree };
+            for (k, numerator) in numerators.by_ref().take(shape.degree).enumerate() {
+                *numerator = if k < stored { bytes.array(Bytes::number)? } else { [R::zero(); D] };
             }
-            for numerator in numerators.by_ref().take(shape.degree) {
-                *numerator = bytes.array(Bytes::number)?;
-            }
-            for weight in weights.by_ref().take(shape.weights()) {
-                *weight = bytes.number()?;
+            for (k, weight) in weights.by_ref().take(shape.weights()).enumerate() {
+                *weight = match (is_straight, k) {
+                    (false, _) => bytes.number()?,
+                    (true, 0) => R::one(),
+                    (true, _) => R::zero(),
+                };
             }
         }
         for (row, slot) in self.stages.iter_mut().enumerate() {

@@ -10,14 +10,14 @@ use real::{Backend, FormatName, word_of};
 use crate::compiled::compiled_path::CompiledPath;
 use crate::compiled::constant::number_type;
 use crate::pieces::piece_interpolator::PieceInterpolator;
-use crate::pieces::section::Section;
 use crate::step_lengths::LengthStage;
 use crate::stream::crc32::crc32;
 use crate::stream::header::{MOST_EVALUATIONS, StreamHeader, name_in_header};
-use crate::stream::layout::RowShape;
-use crate::stream::rows::JOINTS;
+use crate::stream::layout::{RowShape, SectionRows};
+use crate::stream::rows::{JOINTS, STRAIGHT};
 use crate::stream::section_head::SectionHead;
 use crate::stream::stored_override::StreamOverride;
+use crate::stream::straight::{is_straight, words_beside};
 
 /// What a stream says besides path and plan.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -134,14 +134,18 @@ impl<'a, R: Backend, const D: usize> PathStream<'a, R, D> {
 
     /// The head of a section, without the file's CRC; `None` if a number does not fit.
     fn head(&self, index: usize) -> Option<SectionHead> {
-        let Section { pieces, stages } = self.path.sections().get(index)?;
-        let bytes = self.shape.section_bytes(pieces.len(), stages.len())?;
+        let section = self.path.sections().get(index)?;
+        let run = self.path.interpolator().on(section);
+        let straight = self.pieces(&run).filter(|piece| self.words_beside(piece).is_some()).count();
+        let rows = SectionRows { pieces: section.pieces.len(), straight, stages: section.stages.len() };
+        let bytes = self.shape.section_bytes(&rows)?;
         Some(SectionHead {
             number: u32::try_from(index).ok()?,
             file: 0,
             bytes: u32::try_from(bytes).ok()?,
-            pieces: u32::try_from(pieces.len()).ok()?,
-            stages: u32::try_from(stages.len()).ok()?,
+            pieces: u32::try_from(rows.pieces).ok()?,
+            straight: u32::try_from(rows.straight).ok()?,
+            stages: u32::try_from(rows.stages).ok()?,
         })
     }
 
@@ -164,32 +168,51 @@ impl<'a, R: Backend, const D: usize> PathStream<'a, R, D> {
         Ok(())
     }
 
+    /// The pieces of a section, each with the coefficients of its numerator and of its weight.
+    fn pieces<'r>(&self, run: &PieceInterpolator<'r, R, D>) -> impl Iterator<Item = StoredPiece<'r, R, D>> {
+        let pieces = run.pieces;
+        let (degree, weights) = (self.shape.degree, self.shape.weights());
+        let part = |index: usize, count: usize| index * count..(index + 1) * count;
+        pieces.pieces.iter().enumerate().map(move |(index, row)| StoredPiece {
+            row,
+            numerators: pieces.numerators.get(part(index, degree)).unwrap_or_default(),
+            weights: pieces.weights.get(part(index, weights)).unwrap_or_default(),
+        })
+    }
+
+    /// For a piece that has the short row of a straight one: by how many words its greatest step per chord lies beside what the
+    /// least implies, in two's complement.
+    fn words_beside(&self, piece: &StoredPiece<'_, R, D>) -> Option<[u8; 2]> {
+        let beside = i16::try_from(words_beside(piece.row.step_per_chord)).ok()?;
+        let fits = self.shape.beside_bytes() == 2 || i8::try_from(beside).is_ok();
+        (fits && is_straight(piece.numerators, piece.weights)).then(|| beside.to_le_bytes())
+    }
+
     /// The rows of a section.
     fn rows(&self, run: &PieceInterpolator<'_, R, D>, bytes: &mut Vec<u8>) {
-        let (degree, weights) = (self.shape.degree, self.shape.weights());
-        for (index, row) in run.pieces.pieces.iter().enumerate() {
-            self.piece(row, bytes);
-            let numerators = run.pieces.numerators.iter().skip(index * degree).take(degree);
-            numerators.flatten().for_each(|x| self.number(*x, bytes));
-            run.pieces
-                .weights
-                .iter()
-                .skip(index * weights)
-                .take(weights)
-                .for_each(|x| self.number(*x, bytes));
-        }
+        self.pieces(run).for_each(|piece| self.piece(&piece, bytes));
         run.lengths.stages.iter().for_each(|stage| self.stage(stage, bytes));
     }
 
-    fn piece(&self, row: &Piece<R, D>, bytes: &mut Vec<u8>) {
+    fn piece(&self, piece: &StoredPiece<'_, R, D>, bytes: &mut Vec<u8>) {
+        let StoredPiece { row, numerators, weights } = *piece;
+        let beside = self.words_beside(piece);
         bytes.extend(row.origin.iter().flat_map(|x| x.to_le_bytes()));
         let exponents = [row.coordinate_exponent, row.step_exponent, row.range_exponent, row.joint_exponent];
         bytes.extend(exponents.map(i8::cast_unsigned));
         bytes.extend(row.joint_ratio.to_le_bytes());
-        bytes.extend(
-            (0..).zip(JOINTS).find(|(_, joint)| *joint == row.joint).map(|(number, _): (u8, _)| number),
-        );
-        row.step_per_chord.iter().for_each(|x| self.number(*x, bytes));
+        let kind = if beside.is_some() { STRAIGHT } else { 0 };
+        let joint = (0..).zip(JOINTS).find(|(_, joint)| *joint == row.joint);
+        bytes.extend(joint.map(|(number, _): (u8, _)| number | kind));
+        let [least, greatest] = row.step_per_chord;
+        self.number(least, bytes);
+        if let Some(beside) = beside {
+            bytes.extend(beside.iter().take(self.shape.beside_bytes()));
+            numerators.iter().take(1).flatten().for_each(|x| self.number(*x, bytes));
+            return;
+        }
+        self.number(greatest, bytes);
+        numerators.iter().flatten().chain(weights).for_each(|x| self.number(*x, bytes));
     }
 
     fn stage(&self, stage: &LengthStage<R>, bytes: &mut Vec<u8>) {
@@ -209,4 +232,12 @@ impl<'a, R: Backend, const D: usize> PathStream<'a, R, D> {
     fn number(&self, x: R, bytes: &mut Vec<u8>) {
         bytes.extend(word_of(x).to_le_bytes().iter().take(self.shape.number));
     }
+}
+
+/// A piece and its coefficients.
+#[derive(Clone, Copy)]
+struct StoredPiece<'r, R, const D: usize> {
+    row: &'r Piece<R, D>,
+    numerators: &'r [[R; D]],
+    weights: &'r [R],
 }

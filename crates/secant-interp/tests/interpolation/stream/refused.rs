@@ -111,7 +111,11 @@ fn another_version_format_or_dimension_is_named() {
         seal(&mut header[..StreamHeader::BYTES]);
         header
     };
-    assert_eq!(refusal(&changed(8, 2)), (0, StreamError::OtherLayout { found: 2 }));
+    for version in [1, 3] {
+        let (done, error) = refusal(&changed(8, version));
+        assert_eq!((done, error), (0, StreamError::OtherLayout { found: version.into() }));
+        assert_eq!(error.to_string(), format!("the layout has version {version}, expected 2"));
+    }
     let [major, minor] = secant_interp::VERSION;
     assert_eq!(refusal(&changed(10, 9)), (0, StreamError::OtherKernels { found: [9, minor] }));
     assert_eq!(refusal(&changed(12, 9)), (0, StreamError::OtherKernels { found: [major, 9] }));
@@ -158,12 +162,13 @@ fn a_row_that_no_file_has_is_named() {
     };
     let joint = place.start + SECTION_HEAD_BYTES + 2 * 8 + 6;
     let field = |field| StreamError::SectionField { section: 1, field, row: 0 };
-    assert_eq!(changed(joint, &[3]), (1, field("joint")));
-    let header = StreamHeader::read(&file).unwrap();
-    let degree = usize::from(header.degree);
-    let piece = 2 * 8 + 7 + 4 * (2 + degree * 2 + degree + 1);
-    let pieces = u32::from_le_bytes(*file[place.start + 12..].first_chunk().unwrap()) as usize;
-    let stage = place.start + SECTION_HEAD_BYTES + pieces * piece;
+    // Bits that no row of this layout has, and a long row where the head says that all are short.
+    for value in [3, 4 | 3, 8 | 4, 1 << 7, file[joint] & !4] {
+        assert_eq!(changed(joint, &[value]), (1, field("joint")), "{value}");
+    }
+    let count = |at: usize| u32::from_le_bytes(*file[place.start + at..].first_chunk().unwrap()) as usize;
+    assert_eq!(count(12), count(16), "the section is straight");
+    let stage = place.start + SECTION_HEAD_BYTES + count(12) * 36;
     assert_eq!(changed(stage, &[0; 8]), (1, field("duration")));
     assert_eq!(changed(stage, &u64::MAX.to_le_bytes()), (1, field("duration")));
     assert_eq!(changed(stage + 8, &[6]), (1, field("shape")));
@@ -174,7 +179,9 @@ fn a_row_that_no_file_has_is_named() {
 fn a_length_that_is_not_that_of_the_rows_is_named() {
     let file = file();
     let place = places(&file)[0].clone();
-    for (at, value) in [(8, u32::MAX), (8, 0), (12, u32::MAX), (16, u32::MAX), (12, 0), (16, 77)] {
+    for (at, value) in
+        [(8, u32::MAX), (8, 0), (12, u32::MAX), (16, u32::MAX), (20, u32::MAX), (12, 0), (16, 0), (20, 77)]
+    {
         let mut file = file.clone();
         file[place.start + at..place.start + at + 4].copy_from_slice(&value.to_le_bytes());
         seal(&mut file[place.start..place.start + SECTION_HEAD_BYTES]);
@@ -191,7 +198,7 @@ fn a_storage_that_is_too_small_is_named_and_may_be_replaced() {
     let mut reader = StreamReader::<I4F28, 2>::new(&header).unwrap();
     let section = &file[places(&file)[0].clone()];
     let count = |at: usize| u32::from_le_bytes(*section[at..].first_chunk().unwrap()) as usize;
-    let (pieces, stages, degree) = (count(12), count(16), usize::from(header.degree));
+    let (pieces, stages, degree) = (count(12), count(20), usize::from(header.degree));
     let needed = [pieces, pieces * degree, pieces * (degree + 1), stages];
     let names = ["pieces", "coefficients of numerators", "coefficients of weights", "stages"];
     for short in 0..5 {
