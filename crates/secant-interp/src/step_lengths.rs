@@ -35,7 +35,8 @@ pub struct LengthStage<R> {
     pub feed: R,
     /// Δv.
     pub change: R,
-    /// g.
+    /// g. A stage may begin and end with an acceleration: with [`StageShape::Bent`] by b it goes at constant jerk from `1 + b` to
+    /// `1 - b` times the mean acceleration Δv/t₂, b from -1 to 1. Constant jerk through an acceleration of 0 takes two stages.
     pub shape: StageShape<R>,
 }
 
@@ -320,6 +321,21 @@ mod tests {
         }
     }
 
+    /// Constant jerk from any feed and acceleration to any acceleration: `v + a t + ½ j t²`, cut where the acceleration is 0.
+    fn constant_jerk(feed: f64, from: f64, to: f64, periods: f64) -> Vec<(f64, f64, f64, StageShape<f64>)> {
+        let at = |t: f64| feed + t * from + t * t * (to - from) / (2.0 * periods);
+        let turn = if from * to < 0.0 { periods * from / (from - to) } else { periods };
+        let parts = [(0.0, turn, from, if turn < periods { 0.0 } else { to }), (turn, periods, 0.0, to)];
+        let parts = parts.into_iter().filter(|(begin, end, ..)| begin < end);
+        parts
+            .map(|(begin, end, a, b)| {
+                let bent =
+                    if a + b == 0.0 { StageShape::Steady } else { StageShape::Bent((a - b) / (a + b)) };
+                (end - begin, at(begin), at(end) - at(begin), bent)
+            })
+            .collect()
+    }
+
     #[test]
     fn a_cursor_of_another_schedule_goes_on_with_the_next_stage() {
         let stages =
@@ -351,6 +367,31 @@ mod tests {
     }
 
     proptest! {
+        /// A stage holds what a plan at constant jerk has, whatever its acceleration at both ends: two at most.
+        #[test]
+        fn a_stage_begins_and_ends_with_any_acceleration(
+            feed in 1.0_f64..2.0, from in -0.02_f64..0.02, to in -0.02_f64..0.02, periods in 20.0_f64..40.0,
+        ) {
+            let cut = constant_jerk(feed, from, to, periods);
+            prop_assert!(cut.len() <= 2);
+            let stages: Vec<_> = cut.iter().map(|(time, v, by, shape)| {
+                LengthStage::new(in_units(*time), *v, *by).unwrap().shaped(*shape)
+            }).collect();
+            let fixed: Vec<_> = cut.iter().map(|(time, v, by, shape)| {
+                let of = |x: f64| I4F28::from_f64(x).unwrap();
+                LengthStage::new(in_units(*time), of(*v), of(*by)).unwrap().shaped(shape.map(of))
+            }).collect();
+            let travelled = |t: f64| t * (feed + t * (from / 2.0 + t * (to - from) / (6.0 * periods)));
+            let (mut cursor, mut coarse) = (LengthCursor::default(), LengthCursor::default());
+            for period in 0..20_u8 {
+                let expected = travelled(f64::from(period) + 1.0) - travelled(f64::from(period));
+                let length = (StepLengths { stages: &stages, crossings: &[] }).advance(&mut cursor).unwrap();
+                prop_assert!((length - expected).abs() < 1e-8, "{length} for {expected}");
+                let rounded = (StepLengths { stages: &fixed, crossings: &[] }).advance(&mut coarse).unwrap();
+                prop_assert!((rounded.to_f64() - expected).abs() < 1e-7, "{rounded:?} for {expected}");
+            }
+        }
+
         /// Period by period, over stages that start and end inside periods.
         #[test]
         fn lengths_are_the_integrals_of_the_feed(
