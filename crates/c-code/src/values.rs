@@ -3,7 +3,7 @@
 use feed_plan::sinc_terms;
 use nurbs_core::{Joint, ORIGIN_EXPONENT, Piece, Pieces};
 use real::{Backend, FormatName, Real, Trigonometric, sine_terms};
-use secant_interp::{Crossing, LANDING_REACH, LengthStage, Section, StageShape};
+use secant_interp::{Crossing, LANDING_REACH, LengthStage, Section, StageShape, TABLE_LAYOUT};
 
 use crate::c_part::CPart;
 use crate::comment::in_a_comment;
@@ -21,6 +21,7 @@ pub(crate) struct Values {
     pub(crate) about: String,
     pub(crate) fault: Option<String>,
     pub(crate) version: &'static str,
+    pub(crate) layout: u16,
     pub(crate) period_ns: u64,
     pub(crate) periods: usize,
     pub(crate) checksum: u64,
@@ -185,6 +186,7 @@ impl Values {
             about: in_a_comment(&part.about),
             fault: part.fault.as_deref().map(in_a_comment),
             version: env!("CARGO_PKG_VERSION"),
+            layout: TABLE_LAYOUT,
             period_ns: (part.period_s * 1e9).to_phase(-64),
             periods: part.run.periods,
             checksum: part.run.checksum,

@@ -5,6 +5,13 @@
  * Names and formulas are those of the Rust kernels: crates real, nurbs-core and secant-interp.
  */
 #include "{{ name }}.h"
+
+#if {{ upper }}_LAYOUT != {{ layout }}
+#define TEXT(a) #a
+#define TEXT_OF(a) TEXT(a)
+#pragma message("{{ name }}.h is of layout " TEXT_OF({{ upper }}_LAYOUT) ", the tables of {{ name }}.c are of layout {{ layout }}")
+#error "{{ name }}.h and {{ name }}.c have other layouts: take both files of one run of feedbits compile"
+#endif
 {%- if floating %}
 
 #include <float.h>

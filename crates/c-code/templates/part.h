@@ -51,6 +51,9 @@ extern "C" {
 /** The version of feedbits that wrote these files. */
 #define {{ upper }}_FEEDBITS_VERSION "{{ version }}"
 
+/** The version of the tables' layout. {{ name }}.c is compiled only beside a header of the same. */
+#define {{ upper }}_LAYOUT {{ layout }}
+
 /** T, the interpolation period, in nanoseconds, rounded. */
 #define {{ upper }}_PERIOD_NS {{ period_ns }}ULL
 

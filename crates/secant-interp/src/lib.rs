@@ -114,6 +114,7 @@ mod compiled {
     #[cfg(feature = "alloc")]
     pub(crate) mod period_limits;
     pub(crate) mod position_checksum;
+    pub(crate) mod table_layout;
 }
 
 #[cfg(feature = "alloc")]
@@ -123,6 +124,7 @@ pub use compiled::constant::{Constant, fixed_point_word, number_function, number
 #[cfg(feature = "alloc")]
 pub use compiled::period_limits::PeriodLimits;
 pub use compiled::position_checksum::PositionChecksum;
+pub use compiled::table_layout::{TABLE_LAYOUT, TablesOf};
 pub use feed_override::feed_override::{FeedOverride, OverrideLimits, OverrideState, Rate};
 pub use feed_override::overridden_step::LANDING_REACH;
 pub use feed_plan::StageShape;

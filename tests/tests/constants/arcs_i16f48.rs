@@ -5,6 +5,7 @@ const _: () = assert!(
     matches!(secant_interp::VERSION, [0, 1]),
     "these constants are for secant-interp 0.1: take that version, or run `feedbits compile` again"
 );
+const _: () = secant_interp::TablesOf::<1>::ARE_READ;
 
 /// The number format.
 pub type Number = real::FixedPoint<real::fixed::types::I16F48>;

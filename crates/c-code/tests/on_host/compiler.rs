@@ -1,8 +1,8 @@
 //! The host's C compilers, and parts that they compile.
 
 use std::fmt::Write;
-use std::path::Path;
-use std::process::Command;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
 
 use c_code::{CFiles, CName, COverride, CPart, ExpectedRun};
 use feed_plan::Schedule;
@@ -78,6 +78,29 @@ impl Parts {
         *source = changed;
     }
 
+    /// Changes the header of a part, as one of another run of `feedbits compile` would be.
+    pub(crate) fn change_header(&mut self, part: usize, change: impl FnOnce(&str) -> String) {
+        let header = &mut self.files[part].1.header;
+        let changed = change(header);
+        assert_ne!(*header, changed, "the change meets nothing");
+        *header = changed;
+    }
+
+    /// Demands that every compiler that is there refuses the parts, and that what it says has each of these texts.
+    pub(crate) fn demand_refusal(&self, texts: &[&str]) {
+        for (compiler, flags) in COMPILERS {
+            if Command::new(compiler).arg("--version").output().is_err() {
+                println!("{compiler} is not found: its part of the test is skipped");
+                continue;
+            }
+            let folder = tempfile::tempdir().expect("a folder");
+            let (output, _) = self.compiled(compiler, flags, folder.path());
+            let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+            assert!(!output.status.success(), "{compiler} took the parts");
+            assert!(texts.iter().all(|text| errors.contains(text)), "{compiler}: {errors}");
+        }
+    }
+
     /// Compiles all parts with every compiler that is there, and demands these verdicts of their self-tests.
     pub(crate) fn demand_verdicts(&self, verdicts: &[i32]) {
         let mut compiled = 0;
@@ -102,7 +125,15 @@ impl Parts {
     }
 
     /// The program that prints the verdict of each part.
-    fn program(&self, compiler: &str, flags: &[&str], folder: &Path) -> std::path::PathBuf {
+    fn program(&self, compiler: &str, flags: &[&str], folder: &Path) -> PathBuf {
+        let (output, program) = self.compiled(compiler, flags, folder);
+        let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.success(), "{compiler}: {errors}");
+        program
+    }
+
+    /// What the compiler says of that program, and where it is if the compiler takes it.
+    fn compiled(&self, compiler: &str, flags: &[&str], folder: &Path) -> (Output, PathBuf) {
         let (mut includes, mut calls) = (String::from("#include <stdio.h>\n"), String::new());
         let mut sources = vec![folder.join("main.c")];
         for (name, files) in &self.files {
@@ -128,9 +159,7 @@ impl Parts {
                 let _ = std::fs::copy(file.path(), Path::new(&kept).join(file.file_name()));
             }
         }
-        let errors = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert!(output.status.success(), "{compiler}: {errors}");
-        program
+        (output, program)
     }
 }
 

@@ -3,6 +3,7 @@
 use feed_plan::{KinematicLimits, ProfileKind};
 use nurbs_core::NurbsBuf;
 use real::{I3F29, I4F28, I4F60, I8F24, I16F16, I16F48};
+use secant_interp::TABLE_LAYOUT;
 use stress::RandomPath;
 
 use crate::compiler::Parts;
@@ -109,4 +110,15 @@ fn a_self_test_finds_the_slightest_change() {
     // The rate may change faster: the run without override is the same.
     parts.change(3, |source| source.replace("#define MAX_BEND INT64_C(", "#define MAX_BEND INT64_C(1"));
     parts.demand_verdicts(&[2, 2, 0, 3]);
+}
+
+/// The two files are of one run, or the compiler says which layout each has.
+#[test]
+fn a_header_of_another_layout_is_refused_by_name() {
+    let mut parts = Parts::default();
+    assert!(parts.add::<I4F28, _>(&paper_a(), 9000, false));
+    let own = format!("#define PART0_LAYOUT {TABLE_LAYOUT}\n");
+    parts.change_header(0, |header| header.replace(&own, "#define PART0_LAYOUT 99\n"));
+    let tables = format!("the tables of part0.c are of layout {TABLE_LAYOUT}");
+    parts.demand_refusal(&["part0.h is of layout 99", &tables, "take both files"]);
 }

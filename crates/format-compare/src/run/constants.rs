@@ -6,7 +6,7 @@ use nurbs_core::{Joint, Piece};
 use real::Backend;
 use secant_interp::{
     CompiledPath, Constant, Crossing, LengthStage, PeriodLimits, PieceInterpolator, PositionChecksum,
-    Section, StageShape, number_function, number_type,
+    Section, StageShape, TABLE_LAYOUT, number_function, number_type,
 };
 
 use crate::refusal::Refusal;
@@ -76,7 +76,8 @@ impl Constants {
         let _ = write!(
             text,
             "const _: () = assert!(\n    matches!(secant_interp::VERSION, [{major}, {minor}]),\n    \
-             \"these constants are for secant-interp {major}.{minor}: take that version, or run `feedbits compile` again\"\n);\n\n"
+             \"these constants are for secant-interp {major}.{minor}: take that version, or run `feedbits compile` again\"\n);\n\
+             const _: () = secant_interp::TablesOf::<{TABLE_LAYOUT}>::ARE_READ;\n\n"
         );
         let _ = write!(
             text,
