@@ -77,6 +77,5 @@ mod tests {
         let expected =
             "the tables have layout 65535, and these kernels read layout 7: run `feedbits compile` again";
         assert_eq!(Refusal::of(u16::MAX, 7).text(), expected);
-        assert_eq!(Refusal::of(10, 0).text().replace("10", "0").matches("layout 0").count(), 2);
     }
 }
