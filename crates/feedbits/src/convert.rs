@@ -203,7 +203,7 @@ fn rounded(part: &Part, written: &Part, to: Target, digits: u8) -> Result<Rounde
 
 /// A bound of how far rounding moves the path, and the moves that it leaves out.
 fn rounding_notes(part: &Part, rounded: &Rounded, arguments: &Arguments, digits: u8) -> Vec<String> {
-    let has_curves = at_feed(part).iter().any(|curve| curve.control_points_mm.len() > 2);
+    let has_curves = at_feed(part).iter().any(|curve| curve.control_points_mm().len() > 2);
     let (off_mm, of_cutting) = match arguments.to() {
         Target::G1 if has_curves => (rounded.moved_mm + arguments.tolerance(), ""),
         Target::G5_2 if has_curves => {
@@ -258,7 +258,7 @@ fn notes(part: &Part, again: &Part, arguments: &Arguments) -> Vec<String> {
             after.len()
         ),
     }];
-    let order = after.iter().map(|curve| curve.degree + 1).max().unwrap_or(0);
+    let order = after.iter().map(|curve| curve.degree() + 1).max().unwrap_or(0);
     if to == Target::G06_2 && order > FANUC_ORDER {
         notes.push(format!("there are curves of P{order}: a FANUC control takes P2 to P{FANUC_ORDER}"));
     }

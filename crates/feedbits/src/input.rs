@@ -65,7 +65,7 @@ pub(crate) enum AnyProblem {
 impl AnyProblem {
     /// A problem in the plane if the whole part is in it, otherwise in space. Notes say what the run leaves out.
     pub(crate) fn new(part: &Part, machine: &Machine) -> Result<Self> {
-        Ok(if part.curves.iter().all(|curve| curve.dimension == 2) {
+        Ok(if part.curves.iter().all(|curve| curve.dimension() == 2) {
             Self::Planar(problem(part, machine)?)
         } else {
             Self::Spatial(problem(part, machine)?)

@@ -15,7 +15,7 @@ use format_compare::{
 };
 use format_report::{Sweep, SweepCell, SweepCost, SweepResult};
 use nurbs_core::NurbsBuf;
-use part_program::{Curve, Machine, Move, Part};
+use part_program::{Curve, Machine, Move, Nurbs, Part};
 use target_cost::Target;
 
 use crate::ending::Ending;
@@ -186,7 +186,7 @@ struct Base {
 pub(crate) fn run(arguments: &Arguments) -> Result<Ending> {
     expect_limits_of_a_machine(arguments)?;
     let (part, machine) = arguments.run.part_and_machine(&arguments.input)?;
-    if part.curves.iter().all(|curve| curve.dimension == 2) {
+    if part.curves.iter().all(|curve| curve.dimension() == 2) {
         sweep::<2>(part, machine, arguments)
     } else {
         sweep::<3>(part, machine, arguments)
@@ -271,13 +271,13 @@ fn cheapest(cells: &[SweepCell]) -> BTreeMap<&str, BTreeMap<&str, usize>> {
 /// A curve of a problem, with three coordinates.
 fn in_space<const D: usize>(nurbs: &NurbsBuf<f64, D>) -> Curve {
     let point = |point: &[f64; D]| std::array::from_fn(|axis| point.get(axis).copied().unwrap_or(0.0));
-    Curve {
+    Curve::from(Nurbs {
         degree: nurbs.degree(),
         control_points_mm: nurbs.control_points().iter().map(point).collect(),
         dimension: 3,
         weights: nurbs.weights().to_vec(),
         knots: nurbs.knots().to_vec(),
-    }
+    })
 }
 
 impl Base {
@@ -370,7 +370,7 @@ impl Base {
 
     fn scaled<const D: usize>(&self, scale: f64, period_ms: f64, feed_mm_per_s: f64) -> Result<Problem<D>> {
         let mut part = self.part.clone();
-        for point in part.curves.iter_mut().flat_map(|curve| &mut curve.control_points_mm) {
+        for point in part.curves.iter_mut().flat_map(Curve::control_points_mm_mut) {
             *point = point.map(|x| x * scale);
         }
         let mut machine = self.machine.clone();

@@ -3,7 +3,7 @@
 mod message;
 
 use message::unfolded;
-use nurbs_core::{Evaluate, NurbsBuf, distance_to_segment};
+use nurbs_core::{Evaluate, distance_to_segment};
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
@@ -303,11 +303,11 @@ fn points_at_feed(program: &str, count: u32) -> Vec<Vec<[f64; 3]>> {
     let feed =
         part.curves.iter().zip(&part.moves).filter(|(_, one)| one.kind == part_program::MoveKind::Feed);
     let sampled = |curve: &part_program::Curve| {
-        let parts = (curve.control_points_mm.clone(), curve.weights.clone(), curve.knots.clone());
-        let nurbs = NurbsBuf::<f64, 3>::try_new(curve.degree, parts.0, parts.1, parts.2).expect("a curve");
+        let nurbs = curve.for_evaluation().expect("a curve");
         let nurbs = nurbs.as_curve();
         let (begin, end) = nurbs.domain();
-        let all = if curve.degree == 1 { 1 } else { count * u32::try_from(nurbs.span_count()).expect("few") };
+        let all =
+            if curve.degree() == 1 { 1 } else { count * u32::try_from(nurbs.span_count()).expect("few") };
         (0..=all).map(|k| nurbs.point(begin + (end - begin) * f64::from(k) / f64::from(all))).collect()
     };
     feed.map(|(curve, _)| sampled(curve)).collect()

@@ -41,7 +41,7 @@ fn row(place: &'static str, quantity: &str, unit: &'static str, printed: Printed
 fn knot_rows() -> Result<Vec<Row>, PaperError> {
     let part = part("paper D", PAPER_D)?;
     let curve = part.curves.first().ok_or("no curve").map_err(PaperError::of("paper D's knots"))?;
-    let parameters = chord_length_parameters(&curve.control_points_mm);
+    let parameters = chord_length_parameters(curve.control_points_mm());
     // The formula's inner knots are the parameters of the inner points.
     let inner = &parameters[1..parameters.len() - 1];
     let setting = "(5) and (6) with the ten points of the program";
@@ -51,9 +51,9 @@ fn knot_rows() -> Result<Vec<Row>, PaperError> {
     let mut rows = vec![Row {
         setting,
         reason,
-        ..row("(6)", "knots", "", Printed::Number(curve.knots.len() as f64), count)
+        ..row("(6)", "knots", "", Printed::Number(curve.knots().len() as f64), count)
     }];
-    for (index, (printed, ours)) in curve.knots[4..10].iter().zip(inner).enumerate() {
+    for (index, (printed, ours)) in curve.knots()[4..10].iter().zip(inner).enumerate() {
         let quantity = format!("inner knot {}", index + 1);
         rows.push(Row { setting, reason, ..row("(6)", &quantity, "", Printed::Number(*printed), *ours) });
     }

@@ -24,7 +24,7 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use crate::curve::Curve;
+use crate::curve::{Curve, Nurbs};
 
 /// How far a point of a helix may be from its height, in mm: a tenth of the least length that drives resolve.
 pub const HELIX_TOLERANCE_MM: f64 = 1e-6;
@@ -162,10 +162,10 @@ impl ArcMove {
         #[allow(clippy::cast_precision_loss, reason = "at most MAX_SPANS")]
         knots.extend((0..=spans).flat_map(|i| std::iter::repeat_n(i as f64 / count, degree)));
         knots.push(1.0);
-        let dimension = Curve::dimension_of(&points);
-        let curve = Curve { degree, control_points_mm: points, dimension, weights, knots };
+        let dimension = Nurbs::dimension_of(&points);
+        let curve = Nurbs { degree, control_points_mm: points, dimension, weights, knots };
         let around = f64::midpoint(radii[0], radii[1]) * sweep;
-        Ok((curve, around.hypot(radii[1] - radii[0]).hypot(rise)))
+        Ok((curve.into(), around.hypot(radii[1] - radii[0]).hypot(rise)))
     }
 
     /// If they differ by more than controls accept: the radii at start and end; or the radius as written and half of
@@ -274,16 +274,14 @@ fn distance(p: [f64; 2], q: [f64; 2]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use nurbs_core::{Differentiate, Evaluate, NurbsBuf, curvature_vector};
+    use nurbs_core::{Differentiate, Evaluate, curvature_vector};
     use proptest::prelude::*;
 
     use super::*;
 
     /// Points of a curve, 100 a span, in the coordinates of a plane.
     fn seen(curve: Curve, plane: Plane) -> Vec<[f64; 2]> {
-        let nurbs =
-            NurbsBuf::<f64, 3>::try_new(curve.degree, curve.control_points_mm, curve.weights, curve.knots);
-        let (nurbs, [a, b, _]) = (nurbs.unwrap(), plane.axes());
+        let (nurbs, [a, b, _]) = (curve.for_evaluation().unwrap(), plane.axes());
         let nurbs = nurbs.as_curve();
         let spans = (0..nurbs.span_count()).flat_map(|span| (0..=100_u8).map(move |k| (span, k)));
         let points = spans.map(|(span, k)| {
@@ -330,8 +328,8 @@ mod tests {
             let (start, end) = (at(radius, first), at(radius + off, first + sweep));
             let circle = Circle::Centre(centre);
             let (curve, length) = ArcMove::new(plane, clockwise, [start, end], circle).curve().unwrap();
-            prop_assert_eq!(curve.control_points_mm.first(), Some(&start));
-            prop_assert_eq!(curve.control_points_mm.last(), Some(&end));
+            prop_assert_eq!(curve.control_points_mm().first(), Some(&start));
+            prop_assert_eq!(curve.control_points_mm().last(), Some(&end));
             let path = seen(curve, plane);
             for p in &path {
                 let distance = distance(*p, centre);
@@ -355,9 +353,7 @@ mod tests {
         let circle = Circle::Centre([0.0; 2]);
         let helix = ArcMove::new(Plane::Xy, false, [start, end], circle);
         let (curve, _) = helix.curve().unwrap();
-        let nurbs =
-            NurbsBuf::<f64, 3>::try_new(curve.degree, curve.control_points_mm, curve.weights, curve.knots);
-        let nurbs = nurbs.unwrap();
+        let nurbs = curve.for_evaluation().unwrap();
         let nurbs = nurbs.as_curve();
         assert!((10..=20).contains(&nurbs.span_count()), "{}", nurbs.span_count());
         for span in 1..nurbs.span_count() {

@@ -8,7 +8,7 @@
 //! Where the curve stands still for a moment it has no curvature. If it is a straight line there, it may turn back.
 //! That counts as a bend of radius 0.
 
-use nurbs_core::{Differentiate, Evaluate, NurbsBuf, arc_length, golden_section, radius};
+use nurbs_core::{Differentiate, Evaluate, arc_length, golden_section, radius};
 
 use crate::curve::Curve;
 use crate::moves::Shape;
@@ -50,13 +50,10 @@ pub(crate) struct SharpestBend {
 
 /// Measures a curve that obeys every rule.
 pub(crate) fn measure(curve: &Curve, shape: Shape) -> Measure {
-    if curve.degree == 1 {
+    if curve.degree() == 1 {
         return Measure { length_mm: curve.polygon_length_mm(), sharpest: None };
     }
-    let parts = (curve.control_points_mm.clone(), curve.weights.clone(), curve.knots.clone());
-    let Ok(nurbs) = NurbsBuf::<f64, 3>::try_new(curve.degree, parts.0, parts.1, parts.2) else {
-        return Measure::default();
-    };
+    let Ok(nurbs) = curve.for_evaluation() else { return Measure::default() };
     let nurbs = nurbs.as_curve();
     let (first, last) = nurbs.domain();
     let length_mm = arc_length(&nurbs, first, last, LENGTH_TOLERANCE_MM).length;
@@ -187,12 +184,13 @@ fn least(from: f64, to: f64, of: impl Fn(f64) -> f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::curve::Nurbs;
     use proptest::prelude::*;
 
     fn bezier(points: Vec<[f64; 3]>, weights: Vec<f64>) -> Curve {
         let degree = points.len() - 1;
         let knots = [vec![0.0; degree + 1], vec![1.0; degree + 1]].concat();
-        Curve { degree, dimension: 3, control_points_mm: points, weights, knots }
+        Nurbs { degree, dimension: 3, control_points_mm: points, weights, knots }.into()
     }
 
     #[test]
@@ -247,14 +245,14 @@ mod tests {
             assert!(place.is_some_and(|place| place.radius_mm == 0.0), "{what}: {place:?}");
         }
         // At a knot where two spans end.
-        let at_knot = Curve {
+        let at_knot = Nurbs {
             degree: 2,
             dimension: 2,
             control_points_mm: scaled(&[0.0, 1.0, 1.0, 0.0]),
             weights: vec![1.0; 4],
             knots: vec![0.0, 0.0, 0.0, 0.5, 1.0, 1.0, 1.0],
         };
-        assert_eq!(measure(&at_knot, Shape::Nurbs).sharpest.map(|place| place.radius_mm), Some(0.0));
+        assert_eq!(measure(&at_knot.into(), Shape::Nurbs).sharpest.map(|place| place.radius_mm), Some(0.0));
     }
 
     #[test]
@@ -295,8 +293,7 @@ mod tests {
             let weights = weights[..points.len()].to_vec();
             let curve = bezier(points, weights);
             let found = measure(&curve, Shape::Nurbs).sharpest.map_or(STRAIGHT_MM, |place| place.radius_mm);
-            let nurbs = NurbsBuf::<f64, 3>::try_new(curve.degree, curve.control_points_mm, curve.weights, curve.knots);
-            let nurbs = nurbs.unwrap();
+            let nurbs = curve.for_evaluation().unwrap();
             let seen = (0..=5000).map(|k| place(&nurbs.as_curve(), 0, f64::from(k) / 5000.0).radius_mm);
             let least = seen.fold(STRAIGHT_MM, f64::min);
             prop_assert!(found <= 1.01 * least, "{found} of {least}");

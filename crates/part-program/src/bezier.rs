@@ -18,10 +18,10 @@ pub(crate) struct Bezier {
 /// The pieces of a curve that obeys every rule, one for each knot span. Neighbours share their end points to the last
 /// bit, and the first and the last piece have the end points of the curve.
 pub(crate) fn pieces(curve: &Curve) -> Vec<Bezier> {
-    let degree = curve.degree;
+    let degree = curve.degree();
     let mut pieces: Vec<Bezier> = Vec::new();
-    for span in degree..curve.control_points_mm.len() {
-        if curve.knots[span] == curve.knots[span + 1] {
+    for span in degree..curve.control_points_mm().len() {
+        if curve.knots()[span] == curve.knots()[span + 1] {
             continue;
         }
         let mut piece = Bezier::of_span(curve, span);
@@ -32,21 +32,21 @@ pub(crate) fn pieces(curve: &Curve) -> Vec<Bezier> {
         pieces.push(piece);
     }
     if let Some(last) = pieces.last_mut() {
-        last.points[degree] = homogeneous(curve, curve.control_points_mm.len() - 1);
+        last.points[degree] = homogeneous(curve, curve.control_points_mm().len() - 1);
     }
     pieces
 }
 
 fn homogeneous(curve: &Curve, index: usize) -> [f64; 4] {
-    let ([x, y, z], w) = (curve.control_points_mm[index], curve.weights[index]);
+    let ([x, y, z], w) = (curve.control_points_mm()[index], curve.weights()[index]);
     [x * w, y * w, z * w, w]
 }
 
 impl Bezier {
     fn of_span(curve: &Curve, span: usize) -> Self {
-        let first = span - curve.degree;
-        let (a, b) = (curve.knots[span], curve.knots[span + 1]);
-        let knots = &curve.knots[first + 1..];
+        let first = span - curve.degree();
+        let (a, b) = (curve.knots()[span], curve.knots()[span + 1]);
+        let knots = &curve.knots()[first + 1..];
         let points: Vec<_> = (first..=span).map(|index| homogeneous(curve, index)).collect();
         Self { points: bezier_points(&points, knots, [a, b]) }
     }
@@ -116,10 +116,11 @@ impl Bezier {
 
 #[cfg(test)]
 mod tests {
-    use nurbs_core::{Evaluate, NurbsBuf};
+    use nurbs_core::Evaluate;
     use proptest::prelude::*;
 
     use super::*;
+    use crate::curve::Nurbs;
     use crate::read_part;
 
     fn paper_d() -> Curve {
@@ -133,7 +134,7 @@ mod tests {
         let pieces = pieces(&curve);
         assert_eq!(
             (pieces.len(), pieces[0].points_mm(), pieces[0].weights()),
-            (1, curve.control_points_mm, curve.weights)
+            (1, curve.control_points_mm().to_vec(), curve.weights().to_vec())
         );
     }
 
@@ -167,11 +168,11 @@ mod tests {
             let mut knots = vec![0.0; degree + 1];
             knots.extend(inner);
             knots.extend(vec![20_000.0; degree + 1]);
-            let nurbs = NurbsBuf::<f64, 3>::try_new(degree, control_points_mm.clone(), weights.clone(), knots.clone());
+            let curve = Curve::from(Nurbs { degree, dimension: 3, control_points_mm, weights, knots });
+            let nurbs = curve.for_evaluation();
             prop_assume!(nurbs.is_ok());
             let nurbs = nurbs.unwrap();
-            let curve = Curve { degree, dimension: 3, control_points_mm, weights, knots };
-            let spans = curve.knots.windows(2).filter(|span| span[0] < span[1]);
+            let spans = curve.knots().windows(2).filter(|span| span[0] < span[1]);
             for (piece, span) in pieces(&curve).iter().zip(spans) {
                 for quarters in 0..=4 {
                     let t = f64::from(quarters) / 4.0;
@@ -193,8 +194,8 @@ mod tests {
         for pair in pieces.windows(2) {
             assert_eq!(pair[0].points.last(), pair[1].points.first());
         }
-        assert_eq!(pieces[0].points_mm()[0], curve.control_points_mm[0]);
-        assert_eq!(pieces[6].points_mm().last(), curve.control_points_mm.last());
+        assert_eq!(pieces[0].points_mm()[0], curve.control_points_mm()[0]);
+        assert_eq!(pieces[6].points_mm().last(), curve.control_points_mm().last());
     }
 
     /// At 200 parameters a span, every point of the curve is within the tolerance of the chords. For a tenth of the

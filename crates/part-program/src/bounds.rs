@@ -21,18 +21,18 @@ pub fn bounding_box_mm<'c>(
     curves: impl IntoIterator<Item = &'c Curve, IntoIter: Clone>,
 ) -> Option<([f64; 3], [f64; 3])> {
     let curves = curves.into_iter();
-    let mut points = curves.clone().flat_map(|curve| &curve.control_points_mm);
+    let mut points = curves.clone().flat_map(|curve| curve.control_points_mm());
     let polygon = points.next().map(|first| points.fold(Bounds::of(*first), Bounds::with))?;
     let extent = (0..3).map(|axis| polygon.most[axis] - polygon.least[axis]).fold(0.0, f64::max);
     let mut ends = curves.clone().flat_map(|curve| {
-        let points = &curve.control_points_mm;
+        let points = curve.control_points_mm();
         points.first().into_iter().chain(points.last())
     });
     let mut seen = ends.next().map(|first| ends.fold(Bounds::of(*first), Bounds::with))?;
     for curve in curves {
-        if curve.degree == 1 {
-            seen = curve.control_points_mm.iter().fold(seen, Bounds::with);
-        } else if seen.is_left_by(&curve.control_points_mm, ACCURACY * extent) {
+        if curve.degree() == 1 {
+            seen = curve.control_points_mm().iter().fold(seen, Bounds::with);
+        } else if seen.is_left_by(curve.control_points_mm(), ACCURACY * extent) {
             for piece in bezier::pieces(curve) {
                 seen.widen(&piece, ACCURACY * extent, MAX_HALVINGS);
             }
@@ -84,10 +84,11 @@ impl Bounds {
 
 #[cfg(test)]
 mod tests {
-    use nurbs_core::{Differentiate, Evaluate, NurbsBuf};
+    use nurbs_core::{Differentiate, Evaluate};
     use proptest::prelude::*;
 
     use super::*;
+    use crate::curve::Nurbs;
     use crate::read_part;
 
     #[test]
@@ -131,10 +132,9 @@ mod tests {
             let spans = points.len() - degree;
             let knots = crate::spline_blocks::uniform_knots(points.len(), degree).collect::<Vec<_>>();
             let weights = weights[..points.len()].to_vec();
-            let curve = Curve { degree, control_points_mm: points, dimension: 3, weights, knots };
+            let curve = Curve::from(Nurbs { degree, control_points_mm: points, dimension: 3, weights, knots });
             let (least, most) = bounding_box_mm([&curve]).unwrap();
-            let parts = (curve.control_points_mm, curve.weights, curve.knots);
-            let nurbs = NurbsBuf::<f64, 3>::try_new(degree, parts.0, parts.1, parts.2).unwrap();
+            let nurbs = curve.for_evaluation().unwrap();
             let nurbs = nurbs.as_curve();
             let mut seen = ([f64::MAX; 3], [f64::MIN; 3]);
             for step in 0..=2000 {

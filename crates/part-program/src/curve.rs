@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use nurbs_core::{CurveError, NurbsBuf};
 pub use nurbs_core::{End, MAX_DEGREE};
 
 use crate::vector::{difference, length};
@@ -15,7 +16,23 @@ pub const MAX_KNOT: f64 = 1e12;
 
 /// A clamped NURBS curve in f64. One that a reader of this crate returns obeys every rule of [`CurveFault`].
 #[derive(Clone, Debug, PartialEq)]
-pub struct Curve {
+pub struct Curve(Form);
+
+#[derive(Clone, Debug, PartialEq)]
+enum Form {
+    /// A straight move as the reader of G1 makes it, of which a program has millions: it takes no heap.
+    Line { ends: [[f64; 3]; 2], is_planar: bool },
+    /// Any other curve.
+    Any(Box<Nurbs>),
+}
+
+/// Weights and knots of a straight move.
+const LINE_WEIGHTS: [f64; 2] = [1.0; 2];
+const LINE_KNOTS: [f64; 4] = [0.0, 0.0, 1.0, 1.0];
+
+/// The numbers of a NURBS curve, each in a list of its own. A [`Curve`] is made of them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Nurbs {
     /// Degree p; the order is p + 1.
     pub degree: usize,
     /// Control points P_0 … P_n, in mm. A planar curve has z = 0.
@@ -137,12 +154,154 @@ pub enum CurveFault {
     NoLength,
 }
 
+impl From<Nurbs> for Curve {
+    fn from(nurbs: Nurbs) -> Self {
+        let is_straight_move =
+            nurbs.degree == 1 && nurbs.weights == LINE_WEIGHTS && nurbs.knots == LINE_KNOTS;
+        Self(match (nurbs.control_points_mm.as_slice(), nurbs.dimension) {
+            (&[from, to], 2 | 3) if is_straight_move => {
+                Form::Line { ends: [from, to], is_planar: nurbs.dimension == 2 }
+            }
+            _ => Form::Any(Box::new(nurbs)),
+        })
+    }
+}
+
 impl Curve {
-    /// Whether it is a straight move in the form that the reader of G1 makes.
-    pub(crate) fn is_straight_move(&self) -> bool {
-        self.degree == 1 && self.weights == [1.0; 2] && self.knots == [0.0, 0.0, 1.0, 1.0]
+    /// A straight line, of degree 1.
+    pub(crate) fn line(from: [f64; 3], to: [f64; 3]) -> Self {
+        let ends = [from, to];
+        Self(Form::Line { ends, is_planar: Nurbs::dimension_of(&ends) == 2 })
     }
 
+    /// Degree p; the order is p + 1.
+    #[must_use]
+    pub fn degree(&self) -> usize {
+        match &self.0 {
+            Form::Line { .. } => 1,
+            Form::Any(nurbs) => nurbs.degree,
+        }
+    }
+
+    /// Control points P_0 … P_n, in mm. A planar curve has z = 0.
+    #[must_use]
+    pub fn control_points_mm(&self) -> &[[f64; 3]] {
+        match &self.0 {
+            Form::Line { ends, .. } => ends,
+            Form::Any(nurbs) => &nurbs.control_points_mm,
+        }
+    }
+
+    /// The control points, to be moved. The [`dimension`](Self::dimension) stays.
+    pub fn control_points_mm_mut(&mut self) -> &mut [[f64; 3]] {
+        match &mut self.0 {
+            Form::Line { ends, .. } => ends,
+            Form::Any(nurbs) => &mut nurbs.control_points_mm,
+        }
+    }
+
+    /// 2 for a curve in the plane z = 0, otherwise 3. It is also 3 if the file gives points of that plane a third
+    /// coordinate.
+    #[must_use]
+    pub fn dimension(&self) -> usize {
+        match &self.0 {
+            Form::Line { is_planar, .. } => 3 - usize::from(*is_planar),
+            Form::Any(nurbs) => nurbs.dimension,
+        }
+    }
+
+    /// Weights w_0 … w_n, positive.
+    #[must_use]
+    pub fn weights(&self) -> &[f64] {
+        match &self.0 {
+            Form::Line { .. } => &LINE_WEIGHTS,
+            Form::Any(nurbs) => &nurbs.weights,
+        }
+    }
+
+    /// Knots u_0 … u_{n+p+1}, non-decreasing, clamped.
+    #[must_use]
+    pub fn knots(&self) -> &[f64] {
+        match &self.0 {
+            Form::Line { .. } => &LINE_KNOTS,
+            Form::Any(nurbs) => &nurbs.knots,
+        }
+    }
+
+    /// The numbers in lists of their own.
+    #[must_use]
+    pub fn to_nurbs(&self) -> Nurbs {
+        Nurbs {
+            degree: self.degree(),
+            control_points_mm: self.control_points_mm().to_vec(),
+            dimension: self.dimension(),
+            weights: self.weights().to_vec(),
+            knots: self.knots().to_vec(),
+        }
+    }
+
+    /// The curve for evaluation.
+    ///
+    /// # Errors
+    /// Those of [`NurbsBuf::try_new`].
+    pub fn for_evaluation(&self) -> Result<NurbsBuf<f64, 3>, CurveError> {
+        let Nurbs { degree, control_points_mm, weights, knots, .. } = self.to_nurbs();
+        NurbsBuf::try_new(degree, control_points_mm, weights, knots)
+    }
+
+    /// Every rule that the curve breaks.
+    #[must_use]
+    pub fn faults(&self) -> Vec<CurveFault> {
+        let ends = match &self.0 {
+            Form::Any(nurbs) => return nurbs.faults(),
+            Form::Line { ends, .. } => ends,
+        };
+        let mut faults = coordinate_faults(ends);
+        if faults.is_empty() && ends[0] == ends[1] {
+            faults.push(CurveFault::NoLength);
+        }
+        faults
+    }
+
+    /// Whether it is a straight move in the form that the reader of G1 makes.
+    pub(crate) fn is_straight_move(&self) -> bool {
+        self.degree() == 1 && self.weights() == LINE_WEIGHTS && self.knots() == LINE_KNOTS
+    }
+
+    /// Moves each control point, and sets the dimension that the points then need.
+    pub(crate) fn move_points(&mut self, to: impl FnMut(&mut [f64; 3])) {
+        self.control_points_mm_mut().iter_mut().for_each(to);
+        let needed = Nurbs::dimension_of(self.control_points_mm());
+        match &mut self.0 {
+            Form::Line { is_planar, .. } => *is_planar = needed == 2,
+            Form::Any(nurbs) => nurbs.dimension = needed,
+        }
+    }
+
+    /// The length of the control polygon, in mm; no curve is longer.
+    #[must_use]
+    pub fn polygon_length_mm(&self) -> f64 {
+        let legs = self.control_points_mm().windows(2);
+        legs.map(|leg| length(difference(&leg[1], &leg[0]))).sum()
+    }
+
+    /// Whether degree, points, weights and knots are equal. The dimension may differ: a point of the plane z = 0 may be
+    /// given with or without a third coordinate.
+    #[must_use]
+    pub fn has_same_numbers(&self, other: &Self) -> bool {
+        self.degree() == other.degree()
+            && self.control_points_mm() == other.control_points_mm()
+            && self.weights() == other.weights()
+            && self.knots() == other.knots()
+    }
+
+    /// Whether a point lies beside the plane z = 0.
+    pub(crate) fn leaves_z_0(&self) -> bool {
+        Nurbs::dimension_of(self.control_points_mm()) == 3
+    }
+}
+
+impl Nurbs {
     /// Every rule that the curve breaks. Rules that only make sense once the counts fit are tried only then.
     #[must_use]
     pub fn faults(&self) -> Vec<CurveFault> {
@@ -232,44 +391,9 @@ impl Curve {
         faults
     }
 
-    /// A straight line, of degree 1.
-    pub(crate) fn line(from: [f64; 3], to: [f64; 3]) -> Self {
-        let control_points_mm = vec![from, to];
-        let dimension = Self::dimension_of(&control_points_mm);
-        Self {
-            degree: 1,
-            control_points_mm,
-            dimension,
-            weights: vec![1.0; 2],
-            knots: vec![0.0, 0.0, 1.0, 1.0],
-        }
-    }
-
-    /// The length of the control polygon, in mm; no curve is longer.
-    #[must_use]
-    pub fn polygon_length_mm(&self) -> f64 {
-        let legs = self.control_points_mm.windows(2);
-        legs.map(|leg| length(difference(&leg[1], &leg[0]))).sum()
-    }
-
-    /// Whether degree, points, weights and knots are equal. The dimension may differ: a point of the plane z = 0 may be
-    /// given with or without a third coordinate.
-    #[must_use]
-    pub fn has_same_numbers(&self, other: &Self) -> bool {
-        self.degree == other.degree
-            && self.control_points_mm == other.control_points_mm
-            && self.weights == other.weights
-            && self.knots == other.knots
-    }
-
     /// The number of coordinates that the points need: 2 if every z is zero.
     pub(crate) fn dimension_of(points: &[[f64; 3]]) -> usize {
         if points.iter().all(|point| point[2] == 0.0) { 2 } else { 3 }
-    }
-
-    /// Whether a point lies beside the plane z = 0.
-    pub(crate) fn leaves_z_0(&self) -> bool {
-        Self::dimension_of(&self.control_points_mm) == 3
     }
 }
 
@@ -356,8 +480,8 @@ impl std::error::Error for CurveFault {}
 mod tests {
     use super::*;
 
-    fn cubic() -> Curve {
-        Curve {
+    fn cubic() -> Nurbs {
+        Nurbs {
             degree: 3,
             control_points_mm: (0..5_u8).map(|i| [f64::from(i), f64::from(i * i), 0.0]).collect(),
             dimension: 2,
@@ -366,7 +490,7 @@ mod tests {
         }
     }
 
-    fn faults(change: impl FnOnce(&mut Curve)) -> Vec<String> {
+    fn faults(change: impl FnOnce(&mut Nurbs)) -> Vec<String> {
         let mut curve = cubic();
         change(&mut curve);
         curve.faults().iter().map(ToString::to_string).collect()
@@ -379,7 +503,7 @@ mod tests {
 
     #[test]
     fn every_rule_is_checked() {
-        type Change = fn(&mut Curve);
+        type Change = fn(&mut Nurbs);
         let cases: [(Change, &str); 14] = [
             (|c| c.degree = 0, "degree 0 is not supported"),
             (|c| c.degree = 10, "degree 10 is not supported"),

@@ -4,7 +4,7 @@
 
 use toml::de::{DeTable, DeValue};
 
-use crate::curve::Curve;
+use crate::curve::{Curve, Nurbs};
 use crate::curve_numbers::{Places, control_points, numbers, say};
 use crate::diagnostic::Report;
 use crate::machine::{self, Machine};
@@ -83,7 +83,7 @@ fn curve_from(report: &mut Report<'_>, header: Span, table: &DeTable<'_>) -> Opt
         nurbs_from_keys(keys, header)
     }?;
     let shape =
-        if curve.degree == 1 && curve.control_points_mm.len() == 2 { Shape::Line } else { Shape::Nurbs };
+        if curve.degree() == 1 && curve.control_points_mm().len() == 2 { Shape::Line } else { Shape::Nurbs };
     let line = report.source.line_number(header.start);
     Some((curve, Move { kind, shape, feedrate_mm_per_s, exact_stop, line, block: 0 }))
 }
@@ -120,9 +120,9 @@ fn nurbs_from_keys(mut keys: TableReader<'_, '_, '_>, header: Span) -> Option<Cu
     });
     let (control_points_mm, dimension) = points?;
     let degree = usize::try_from(degree?).ok()?;
-    let curve = Curve { degree, control_points_mm, dimension, weights: weights?, knots: knots? };
+    let curve = Nurbs { degree, control_points_mm, dimension, weights: weights?, knots: knots? };
     say(report, &places, &curve.faults());
-    Some(curve)
+    Some(curve.into())
 }
 
 /// `move = "feed"`, which is the default, or `"rapid"`.

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 
-use crate::curve::Curve;
+use crate::curve::{Curve, Nurbs};
 use crate::diagnostic::Report;
 use crate::moves::{Move, MoveKind, Shape as PartShape};
 use crate::part::Part;
@@ -138,9 +138,9 @@ fn curve_of(report: &mut Report<'_>, (index, span): (usize, Span), data: Data) -
     }
     let weights = data.control_points.weights.unwrap_or_else(|| vec![1.0; points.len()]);
     let degree = data.degree;
-    let curve = Curve { degree, control_points_mm: points, dimension, weights, knots: data.knotvector };
+    let curve = Nurbs { degree, control_points_mm: points, dimension, weights, knots: data.knotvector };
     for fault in curve.faults() {
         report.error(span, format!("curve {index}: {fault}")).expected(fault.expected());
     }
-    Some(curve)
+    Some(curve.into())
 }

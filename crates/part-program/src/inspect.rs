@@ -72,13 +72,13 @@ pub fn inspect(part: &Part) -> Inspection {
         part.moves.iter().filter(|one| one.kind == MoveKind::Feed && one.shape == wanted).count()
     };
     let feeds = || part.moves.iter().filter_map(|one| one.feedrate_mm_per_s);
-    let degrees = part.curves.iter().map(|curve| curve.degree);
+    let degrees = part.curves.iter().map(|curve| curve.degree());
     let mut seen = Inspection {
         rapids: part.moves.iter().filter(|one| one.kind == MoveKind::Rapid).count(),
         lines: count(Shape::Line),
         arcs: count(Shape::Arc),
         splines: count(Shape::Nurbs),
-        control_points: part.curves.iter().map(|curve| curve.control_points_mm.len()).sum(),
+        control_points: part.curves.iter().map(|curve| curve.control_points_mm().len()).sum(),
         degrees: degrees.clone().min().zip(degrees.max()),
         length_mm: 0.0,
         rapid_length_mm: 0.0,

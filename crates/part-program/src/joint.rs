@@ -59,20 +59,20 @@ const COLLINEAR_RAD: f64 = 1e-6;
 
 /// Whether the path breaks between two curves: by a change of direction, or by a gap.
 pub(crate) fn breaks(one: &Curve, next: &Curve) -> bool {
-    let ends = one.control_points_mm.last().zip(next.control_points_mm.first());
+    let ends = one.control_points_mm().last().zip(next.control_points_mm().first());
     let is_joined = ends.is_some_and(|(end, start)| is_joined(end, start));
-    let arriving = direction(one.control_points_mm.iter().rev());
-    let turn = arriving.zip(direction(next.control_points_mm.iter()));
+    let arriving = direction(one.control_points_mm().iter().rev());
+    let turn = arriving.zip(direction(next.control_points_mm().iter()));
     !is_joined || turn.is_none_or(|(back, leaving)| angle(back.map(|x| -x), leaving) > COLLINEAR_RAD)
 }
 
 fn between(one: &Curve, next: &Curve, is_cut: bool) -> Option<Joint> {
-    let (end, start) = (one.control_points_mm.last()?, next.control_points_mm.first()?);
+    let (end, start) = (one.control_points_mm().last()?, next.control_points_mm().first()?);
     let gap_mm = length(difference(start, end));
     let is_joined = is_joined(end, start);
     let tangent_break_rad = if is_cut && is_joined {
-        let arriving = direction(one.control_points_mm.iter().rev())?.map(|x| -x);
-        angle(arriving, direction(next.control_points_mm.iter())?)
+        let arriving = direction(one.control_points_mm().iter().rev())?.map(|x| -x);
+        angle(arriving, direction(next.control_points_mm().iter())?)
     } else {
         0.0
     };
@@ -83,13 +83,13 @@ fn between(one: &Curve, next: &Curve, is_cut: bool) -> Option<Joint> {
 /// The corners of one curve: at an inner knot of multiplicity degree the curve passes through a control point, from
 /// the one before it to the one after it.
 fn corners(curve: &Curve) -> impl Iterator<Item = Joint> + '_ {
-    let points = &curve.control_points_mm;
-    let inner = curve.knots.get(curve.degree + 1..points.len()).unwrap_or_default();
-    let mut at = curve.degree;
+    let points = curve.control_points_mm();
+    let inner = curve.knots().get(curve.degree() + 1..points.len()).unwrap_or_default();
+    let mut at = curve.degree();
     inner.chunk_by(|a, b| a == b).filter_map(move |equal| {
         let through = at;
         at += equal.len();
-        if equal.len() < curve.degree {
+        if equal.len() < curve.degree() {
             return None;
         }
         let arriving = direction(points.get(..=through)?.iter().rev())?.map(|x| -x);

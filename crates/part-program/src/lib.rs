@@ -20,7 +20,7 @@
 //!
 //! ```
 //! let part = part_program::read_part("seed.nc", "G06.2 P2 K0 X0 Y0\nK0 X10 Y5\nK1\nK1\n")?;
-//! assert_eq!((part.curves[0].degree, part.curves[0].knots.len()), (1, 4));
+//! assert_eq!((part.curves[0].degree(), part.curves[0].knots().len()), (1, 4));
 //!
 //! let fault = part_program::read_part("bad.nc", "G06.2 P2 K0 X0 Y0\nX10 Y5\n").unwrap_err();
 //! assert!(fault.to_string().contains("bad.nc:2:1"));
@@ -75,7 +75,9 @@ pub use approach::Approach;
 pub use arc::HELIX_TOLERANCE_MM;
 pub use auxiliary::Auxiliary;
 pub use bounds::bounding_box_mm;
-pub use curve::{Curve, CurveFault, Element, End, MAX_COORDINATE_MM, MAX_DEGREE, MAX_KNOT, MAX_WEIGHT};
+pub use curve::{
+    Curve, CurveFault, Element, End, MAX_COORDINATE_MM, MAX_DEGREE, MAX_KNOT, MAX_WEIGHT, Nurbs,
+};
 pub use diagnostic::{Diagnostic, Diagnostics, MAX_DIAGNOSTICS, Severity};
 pub use inspect::{Bend, Inspection, inspect};
 pub use joint::{GAP_MM, Joint, TANGENT_BREAK_RAD, is_joined};

@@ -85,7 +85,7 @@ impl Part {
 
     /// Whether the part gives the place of Z: in a word Z, or with a third coordinate.
     pub(crate) fn names_z(&self) -> bool {
-        let in_space = |curve: &Curve| curve.dimension == 3 || curve.leaves_z_0();
+        let in_space = |curve: &Curve| curve.dimension() == 3 || curve.leaves_z_0();
         self.approaches.iter().any(|approach| approach.axes[2]) || self.curves.iter().any(in_space)
     }
 
@@ -119,7 +119,7 @@ impl Part {
         }
         // The place in the plane, and a height above it, are reached before a word behind the first approach is
         // executed. The way down comes last.
-        let goes_up = self.curves[0].control_points_mm.first().is_some_and(|point| point[2] > 0.0);
+        let goes_up = self.curves[0].control_points_mm().first().is_some_and(|point| point[2] > 0.0);
         approaches[0].axes[0] |= missing[0];
         approaches[0].axes[1] |= missing[1];
         approaches[0].axes[2] |= missing[2] && goes_up;

@@ -11,7 +11,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use crate::bezier;
-use crate::curve::{Curve, Element};
+use crate::curve::{Curve, Element, Nurbs};
 use crate::part::Part;
 use crate::rounding::rounded;
 
@@ -111,15 +111,15 @@ impl RatioWords {
 
     /// The curve with its knots and weights fitted to words; control points stay as they are.
     fn fit_curve(&self, curve: &Curve) -> Result<Curve, Element> {
-        let origin = curve.knots.first().copied().unwrap_or(0.0);
-        let (knots, weights) = (self.fit(&curve.knots, origin), self.fit(&curve.weights, 0.0));
-        let meet = |i: &usize| knots[i - 1] == knots[*i] && curve.knots[i - 1] < curve.knots[*i];
+        let origin = curve.knots().first().copied().unwrap_or(0.0);
+        let (knots, weights) = (self.fit(curve.knots(), origin), self.fit(curve.weights(), 0.0));
+        let meet = |i: &usize| knots[i - 1] == knots[*i] && curve.knots()[i - 1] < curve.knots()[*i];
         if let Some(index) = (1..knots.len()).find(meet) {
             return Err(Element::Knot(index));
         }
         match weights.iter().position(|w| *w <= 0.0) {
             Some(index) => Err(Element::Weight(index)),
-            None => Ok(Curve { knots, weights, ..curve.clone() }),
+            None => Ok(Nurbs { knots, weights, ..curve.to_nurbs() }.into()),
         }
     }
 }

@@ -76,18 +76,18 @@ pub(crate) fn oddities(curve: &Curve, one: &Move, measure: &Measure) -> Vec<Oddi
     }
     odd.extend(
         curve
-            .control_points_mm
+            .control_points_mm()
             .windows(2)
             .position(|pair| pair[0] == pair[1])
             .map(Oddity::RepeatedControlPoint),
     );
-    let (least, most) = curve.weights.iter().fold((f64::MAX, 0.0_f64), |(a, b), w| (a.min(*w), b.max(*w)));
+    let (least, most) = curve.weights().iter().fold((f64::MAX, 0.0_f64), |(a, b), w| (a.min(*w), b.max(*w)));
     if most / least > WEIGHT_RATIO {
         odd.push(Oddity::WeightRatio(most / least));
     }
-    let domain = curve.knots.last().unwrap_or(&0.0) - curve.knots.first().unwrap_or(&0.0);
+    let domain = curve.knots().last().unwrap_or(&0.0) - curve.knots().first().unwrap_or(&0.0);
     let share = |pair: &[f64]| (pair[1] - pair[0]) / domain;
-    let short = curve.knots.windows(2).position(|pair| share(pair) > 0.0 && share(pair) < SHORT_SPAN);
-    odd.extend(short.map(|knot| Oddity::ShortKnotSpan(knot, share(&curve.knots[knot..knot + 2]))));
+    let short = curve.knots().windows(2).position(|pair| share(pair) > 0.0 && share(pair) < SHORT_SPAN);
+    odd.extend(short.map(|knot| Oddity::ShortKnotSpan(knot, share(&curve.knots()[knot..knot + 2]))));
     odd
 }

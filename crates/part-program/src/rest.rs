@@ -52,7 +52,7 @@ impl Part {
     /// Whether a curve begins elsewhere than the one before it ends.
     #[must_use]
     pub fn has_gap_before(&self, next: usize) -> bool {
-        let points = |index: usize| self.curves.get(index).map(|curve| curve.control_points_mm.as_slice());
+        let points = |index: usize| self.curves.get(index).map(|curve| curve.control_points_mm());
         match (next.checked_sub(1).and_then(points), points(next)) {
             (Some([.., end]), Some([start, ..])) => !is_joined(end, start),
             _ => false,

@@ -63,11 +63,11 @@ impl Part {
         let (mut moved_mm, mut turned_deg) = (0.0_f64, 0.0_f64);
         for (curve, one) in self.curves.iter().zip(&self.moves) {
             let rounded = curve.rounded(decimals);
-            for (from, to) in curve.control_points_mm.iter().zip(&rounded.control_points_mm) {
+            for (from, to) in curve.control_points_mm().iter().zip(rounded.control_points_mm()) {
                 moved_mm = moved_mm.max(length(difference(to, from)));
             }
-            if !are_one(&rounded.control_points_mm) {
-                if one.kind == MoveKind::Feed && curve.control_points_mm.len() == 2 {
+            if !are_one(rounded.control_points_mm()) {
+                if one.kind == MoveKind::Feed && curve.control_points_mm().len() == 2 {
                     let [before, after] = [curve, &rounded].map(Curve::chord);
                     turned_deg = turned_deg.max(angle(before, after).to_degrees());
                 }
@@ -89,10 +89,10 @@ impl Part {
     /// [`StandsStill`], for the first of them.
     pub fn keeps_moving_rounded(&self, decimals: usize) -> Result<(), StandsStill> {
         for (curve, one) in self.curves.iter().zip(&self.moves) {
-            let is_spline = one.kind == MoveKind::Feed && curve.control_points_mm.len() > 2;
+            let is_spline = one.kind == MoveKind::Feed && curve.control_points_mm().len() > 2;
             let still = is_spline.then(|| curve.stands_still_rounded(decimals)).flatten();
             if let Some(first) = still {
-                return Err(StandsStill { line: one.line, first, last: first + curve.degree, decimals });
+                return Err(StandsStill { line: one.line, first, last: first + curve.degree(), decimals });
             }
         }
         Ok(())
@@ -101,25 +101,25 @@ impl Part {
 
 impl Curve {
     fn rounded(&self, decimals: usize) -> Self {
-        let control_points_mm: Vec<_> =
-            self.control_points_mm.iter().map(|point| point.map(|x| rounded(x, decimals))).collect();
-        Self { dimension: Self::dimension_of(&control_points_mm), control_points_mm, ..self.clone() }
+        let mut curve = self.clone();
+        curve.move_points(|point| *point = point.map(|x| rounded(x, decimals)));
+        curve
     }
 
     /// From the first control point to the last.
     fn chord(&self) -> [f64; 3] {
-        let points = &self.control_points_mm;
+        let points = self.control_points_mm();
         difference(&points[points.len() - 1], &points[0])
     }
 
     /// The first control point of a knot span over which the curve moves now, but not after rounding.
     fn stands_still_rounded(&self, decimals: usize) -> Option<usize> {
         let rounded = self.rounded(decimals);
-        (self.degree..self.control_points_mm.len()).map(|span| span - self.degree).find(|&first| {
-            let (last, points) = (first + self.degree, first..=first + self.degree);
-            self.knots[last] < self.knots[last + 1]
-                && are_one(&rounded.control_points_mm[points.clone()])
-                && !are_one(&self.control_points_mm[points])
+        (self.degree()..self.control_points_mm().len()).map(|span| span - self.degree()).find(|&first| {
+            let (last, points) = (first + self.degree(), first..=first + self.degree());
+            self.knots()[last] < self.knots()[last + 1]
+                && are_one(&rounded.control_points_mm()[points.clone()])
+                && !are_one(&self.control_points_mm()[points])
         })
     }
 }
@@ -163,7 +163,7 @@ mod tests {
     fn what_moves_farthest_is_stated() {
         let rounded = part("G0 X0 Y0\nG1 X1.0003 Y2.0004 F60\nX5.0001\n").rounded(3);
         assert!((rounded.moved_mm - 5e-4).abs() < 1e-12, "{}", rounded.moved_mm);
-        assert_eq!(rounded.part.curves[0].control_points_mm[1], [1.0, 2.0, 0.0]);
+        assert_eq!(rounded.part.curves[0].control_points_mm()[1], [1.0, 2.0, 0.0]);
         assert_eq!(rounded.left_out, 0);
     }
 
@@ -183,7 +183,7 @@ mod tests {
         assert_eq!(rounded.left_out, 2);
         let kept: Vec<_> = rounded.part.moves.iter().map(|one| (one.line, one.exact_stop)).collect();
         assert_eq!(kept, [(2, true), (4, false)]);
-        assert_eq!(rounded.part.curves[1].control_points_mm, [[1.0, 0.0, 0.0], [2.0, 0.0, 0.0]]);
+        assert_eq!(rounded.part.curves[1].control_points_mm(), [[1.0, 0.0, 0.0], [2.0, 0.0, 0.0]]);
         assert_eq!(before.keeps_moving_rounded(3), Ok(()), "straight moves");
     }
 

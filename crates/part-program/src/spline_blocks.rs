@@ -1,6 +1,6 @@
 //! A spline that is being read block by block: its numbers, each with its place.
 
-use crate::curve::{Curve, CurveFault, Element};
+use crate::curve::{Curve, CurveFault, Element, Nurbs};
 use crate::diagnostic::Report;
 use crate::source::Span;
 
@@ -27,7 +27,7 @@ impl SplineBlocks {
         report: &mut Report<'_>,
         named: impl Fn(&CurveFault) -> Option<&'static str>,
     ) -> Option<Curve> {
-        self.finish_except(degree, report, named, |_| false)
+        self.finish_except(degree, report, named, |_| false).map(Curve::from)
     }
 
     /// As [`finish`](Self::finish), but a curve may break the rules that are `forgiven`.
@@ -37,12 +37,12 @@ impl SplineBlocks {
         report: &mut Report<'_>,
         named: impl Fn(&CurveFault) -> Option<&'static str>,
         forgiven: impl Fn(&CurveFault) -> bool,
-    ) -> Option<Curve> {
+    ) -> Option<Nurbs> {
         let (control_points_mm, point_spans): (Vec<_>, Vec<_>) = self.points.into_iter().unzip();
         let (weights, weight_spans): (Vec<_>, Vec<_>) = self.weights.into_iter().unzip();
         let (knots, knot_spans): (Vec<_>, Vec<_>) = self.knots.into_iter().unzip();
-        let dimension = Curve::dimension_of(&control_points_mm);
-        let curve = Curve { degree, control_points_mm, dimension, weights, knots };
+        let dimension = Nurbs::dimension_of(&control_points_mm);
+        let curve = Nurbs { degree, control_points_mm, dimension, weights, knots };
         let faults: Vec<_> = curve.faults().into_iter().filter(|fault| !forgiven(fault)).collect();
         for fault in &faults {
             let span = match fault.element() {

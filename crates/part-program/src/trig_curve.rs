@@ -18,7 +18,7 @@
 
 use nurbs_core::{Ends, NurbsBuf, ShapeError, ShapeFactors, TrigSplineBuf};
 
-use crate::curve::{Curve, coordinate_faults};
+use crate::curve::{Curve, Nurbs, coordinate_faults};
 use crate::curve_numbers::{Places, control_points, say};
 use crate::source::Span;
 use crate::toml_table::{Domain, TableReader};
@@ -62,10 +62,10 @@ pub(crate) fn from_keys(mut keys: TableReader<'_, '_, '_>, header: Span) -> Opti
     let spline = TrigSplineBuf::through(&points, shape, ends);
     match spline.and_then(|spline| spline.to_polynomials(tolerance_mm, DEGREE)) {
         Ok(polynomials) => {
-            let curve = curve(&polynomials.curve, dimension);
+            let curve = nurbs(&polynomials.curve, dimension);
             // The polynomials have points of their own.
             say(report, &Places::all_at(points_at), &curve.faults());
-            Some(curve)
+            Some(curve.into())
         }
         Err(error) => {
             let (place, expected) = match error {
@@ -81,8 +81,8 @@ pub(crate) fn from_keys(mut keys: TableReader<'_, '_, '_>, header: Span) -> Opti
     }
 }
 
-fn curve(polynomials: &NurbsBuf<f64, 3>, dimension: usize) -> Curve {
-    Curve {
+fn nurbs(polynomials: &NurbsBuf<f64, 3>, dimension: usize) -> Nurbs {
+    Nurbs {
         degree: polynomials.degree(),
         control_points_mm: polynomials.control_points().to_vec(),
         dimension,
@@ -110,9 +110,9 @@ mod tests {
         let points = format!("[[{a}, 0], [0, {a}], [{a}, {beyond}], [{}, {a}]]", -beyond);
         let part = read(&points, "ends = \"as-given\"\ntolerance_mm = 1e-9\n").unwrap();
         let curve = &part.curves[0];
-        assert_eq!((curve.degree, curve.dimension), (5, 2));
+        assert_eq!((curve.degree(), curve.dimension()), (5, 2));
         // Ends of the polynomials lie on the circle, and so do, within the tolerance, their middles.
-        for polynomial in curve.control_points_mm.windows(6).step_by(5) {
+        for polynomial in curve.control_points_mm().windows(6).step_by(5) {
             let blend = [1.0, 5.0, 10.0, 10.0, 5.0, 1.0].map(|weight| weight / 32.0);
             let middle = |d: usize| polynomial.iter().zip(blend).map(|(p, w)| p[d] * w).sum::<f64>();
             for [x, y] in [[polynomial[0][0], polynomial[0][1]], [middle(0), middle(1)]] {
@@ -127,9 +127,9 @@ mod tests {
         let passed = |ends: &str| {
             let part = read(points, ends).unwrap();
             let curve = &part.curves[0];
-            assert_eq!(curve.dimension, 3);
-            let knots = &curve.knots;
-            (knots[knots.len() - 1], *curve.control_points_mm.last().unwrap())
+            assert_eq!(curve.dimension(), 3);
+            let knots = &curve.knots();
+            (knots[knots.len() - 1], *curve.control_points_mm().last().unwrap())
         };
         assert_eq!(passed(""), (3.0, [50.0, 5.0, 4.0]));
         assert_eq!(passed("ends = \"continued\""), (3.0, [50.0, 5.0, 4.0]));

@@ -63,7 +63,7 @@ pub fn write_g1(part: &Part, tolerance_mm: f64, dialect: Option<Dialect>) -> Res
         for end in &mut ends {
             *end = end.map(|x| (x * unit).round() / unit);
         }
-        ends.extend(curve.control_points_mm.last());
+        ends.extend(curve.control_points_mm().last());
         program.lines_to_end(ends);
         Ok(())
     })?;
@@ -83,17 +83,17 @@ pub fn write_g06_2(part: &Part) -> Result<String, WriteError> {
     let text = write(part, around, EXACT_STOP, |program, _, curve| {
         program.path_mode(true);
         for (i, ((point, weight), knot)) in
-            curve.control_points_mm.iter().zip(&curve.weights).zip(&curve.knots).enumerate()
+            curve.control_points_mm().iter().zip(curve.weights()).zip(curve.knots()).enumerate()
         {
             if i == 0 {
-                program.word("G06.2 P", curve.degree + 1);
+                program.word("G06.2 P", curve.degree() + 1);
             }
             program.number("K", *knot);
             program.point(*point);
             program.number("R", *weight);
             program.end_block();
         }
-        for knot in curve.knots.iter().skip(curve.control_points_mm.len()) {
+        for knot in curve.knots().iter().skip(curve.control_points_mm().len()) {
             program.number("K", *knot);
             program.end_block();
         }
@@ -112,14 +112,14 @@ pub fn write_g06_2(part: &Part) -> Result<String, WriteError> {
 /// [`WriteError::NotPlanar`] when z changes along a curve, [`WriteError::CurvedRapid`], [`WriteError::TooLong`].
 pub fn write_g5_2(part: &Part) -> Result<String, WriteError> {
     let text = write(part, None, "G61.1", |program, index, curve| {
-        let height = curve.control_points_mm.first().map_or(0.0, |point| point[2]);
-        if curve.degree + 1 < LEAST_ORDER {
-            program.lines_to_end(curve.control_points_mm.get(1..).unwrap_or_default().to_vec());
-        } else if curve.control_points_mm.iter().any(|point| point[2] != height) {
+        let height = curve.control_points_mm().first().map_or(0.0, |point| point[2]);
+        if curve.degree() + 1 < LEAST_ORDER {
+            program.lines_to_end(curve.control_points_mm().get(1..).unwrap_or_default().to_vec());
+        } else if curve.control_points_mm().iter().any(|point| point[2] != height) {
             return Err(WriteError::NotPlanar { curve: index, line: line_of(part, index) });
         } else if has_uniform_knots(curve) {
             program.path_mode(true);
-            program.g5_2(curve.degree, &curve.control_points_mm, &curve.weights);
+            program.g5_2(curve.degree(), curve.control_points_mm(), curve.weights());
         } else {
             let mut pieces = bezier::pieces(curve);
             // The curve stands still over such a span, and G5.2 has no such curve.
@@ -128,11 +128,11 @@ pub fn write_g5_2(part: &Part) -> Result<String, WriteError> {
                 let mut points = piece.points_mm();
                 program.path_mode(number + 1 == pieces.len());
                 if let (true, Some(end), Some(last)) =
-                    (number + 1 == pieces.len(), points.last_mut(), curve.control_points_mm.last())
+                    (number + 1 == pieces.len(), points.last_mut(), curve.control_points_mm().last())
                 {
                     *end = *last;
                 }
-                program.g5_2(curve.degree, &points, &piece.weights());
+                program.g5_2(curve.degree(), &points, &piece.weights());
             }
         }
         Ok(())
@@ -188,8 +188,8 @@ fn write(
 
 /// Whether the knots are those of G5.2, up to origin and unit.
 fn has_uniform_knots(curve: &Curve) -> bool {
-    let uniform = || uniform_knots(curve.control_points_mm.len(), curve.degree);
-    let first = curve.knots.first().copied().unwrap_or(0.0);
-    let unit = curve.knots.iter().find(|knot| **knot > first).map_or(1.0, |knot| knot - first);
-    uniform().zip(&curve.knots).all(|(u, knot)| first + u * unit == *knot)
+    let uniform = || uniform_knots(curve.control_points_mm().len(), curve.degree());
+    let first = curve.knots().first().copied().unwrap_or(0.0);
+    let unit = curve.knots().iter().find(|knot| **knot > first).map_or(1.0, |knot| knot - first);
+    uniform().zip(curve.knots()).all(|(u, knot)| first + u * unit == *knot)
 }

@@ -76,10 +76,10 @@ impl Program {
         one: &Move,
         write_curve: &mut impl FnMut(&mut Self, usize, &Curve) -> Result<(), WriteError>,
     ) -> Result<(), WriteError> {
-        let Some((first, rest)) = curve.control_points_mm.split_first() else { return Ok(()) };
+        let Some((first, rest)) = curve.control_points_mm().split_first() else { return Ok(()) };
         if one.kind == MoveKind::Rapid {
             self.line_through("G0", &[*first]);
-            if curve.degree > 1 {
+            if curve.degree() > 1 {
                 return Err(WriteError::CurvedRapid { curve: index, line: one.line });
             }
             self.line_through("G0", rest);
@@ -179,7 +179,7 @@ impl Program {
     /// The place of the tool before is unknown. So Z moves apart from the other axes. It goes up before them, or it goes
     /// down after them, at the feed of the curve if that has one.
     pub(crate) fn approach(&mut self, approach: &Approach, curve: &Curve, one: &Move) {
-        let Some(&to) = curve.control_points_mm.first() else { return };
+        let Some(&to) = curve.control_points_mm().first() else { return };
         let [x, y, z] = approach.axes;
         if self.is_at(to, approach.axes) {
             return;

@@ -1,6 +1,6 @@
 //! Drawings and JSON.
 
-use part_program::{Curve, Part, Shape, inspect, read_part};
+use part_program::{Nurbs, Part, Shape, inspect, read_part};
 use proptest::prelude::*;
 
 fn part(text: &str) -> Part {
@@ -21,14 +21,14 @@ const SPLINE: &str = "0 SPLINE 8 0 70 12 71 2 72 7 73 4
 #[test]
 fn a_spline_keeps_its_numbers() {
     let part = part(&drawing(4, SPLINE));
-    let curve = Curve {
+    let curve = Nurbs {
         degree: 2,
         control_points_mm: vec![[0.0; 3], [1.5, 2.0, 0.0], [3.0, 1.0, 0.0], [4.0, 0.0, 0.0]],
         dimension: 2,
         weights: vec![1.0, 2.0, 0.5, 1.0],
         knots: vec![0.0, 0.0, 0.0, 0.25, 1.0, 1.0, 1.0],
     };
-    assert_eq!(part.curves, [curve]);
+    assert_eq!(part.curves, [curve.into()]);
 }
 
 #[test]
@@ -42,14 +42,14 @@ fn lines_arcs_circles_and_polylines() {
     let part = part(&text);
     let shapes: Vec<_> = part.moves.iter().map(|one| one.shape).collect();
     assert_eq!(shapes, [Shape::Line, Shape::Arc, Shape::Arc, Shape::Arc, Shape::Line, Shape::Line]);
-    assert_eq!(part.curves[0].control_points_mm[1], [25.4, 0.0, 0.0]);
-    let top = part.curves[1].control_points_mm[2];
+    assert_eq!(part.curves[0].control_points_mm()[1], [25.4, 0.0, 0.0]);
+    let top = part.curves[1].control_points_mm()[2];
     assert!((top[0]).abs() < 1e-14 && (top[1] - 25.4).abs() < 1e-14, "{top:?}");
-    assert_eq!(part.curves[2].control_points_mm.len(), 9);
+    assert_eq!(part.curves[2].control_points_mm().len(), 9);
     // A bulge of 1 is a half circle, counterclockwise: from (0, 0) to (2, 0) through (1, -1).
     let half = &part.curves[3];
-    assert_eq!(half.weights.len(), 5);
-    assert!((half.control_points_mm[2][1] + 25.4).abs() < 1e-13, "{half:?}");
+    assert_eq!(half.weights().len(), 5);
+    assert!((half.control_points_mm()[2][1] + 25.4).abs() < 1e-13, "{half:?}");
     assert_eq!(part.warnings.len(), 1);
     assert_eq!((part.warnings[0].message.as_str(), part.warnings[0].line), ("left out: 1 POINT", 86));
     // A circle of radius 2 inches, a quarter of 1, half of 1, a square corner of 2 + 2, and a leg of 1.
@@ -79,7 +79,7 @@ fn a_bulge_above_1_is_the_longer_arc() {
 fn a_plane_that_is_turned_over_is_turned_back() {
     let arc = |normal: &str| {
         let text = format!("0 ARC 10 3 20 5 30 0 40 1 50 0 51 90 {normal}");
-        part(&drawing(4, &text)).curves.remove(0).control_points_mm
+        part(&drawing(4, &text)).curves.remove(0).control_points_mm().to_vec()
     };
     let (up, down) = (arc(""), arc("210 0 220 0 230 -1"));
     assert_eq!((up[0], down[0]), ([4.0, 5.0, 0.0], [-4.0, 5.0, 0.0]));
@@ -213,10 +213,10 @@ fn a_periodic_spline_is_what_is_drawn_between_its_inner_knots() {
         let part = part(&text);
         near(inspect(&part).length_mm, 4.0 * parabola);
         let curve = &part.curves[0];
-        assert_eq!(curve.control_points_mm[0], [x + 1.0, y, 0.0]);
-        assert_eq!(curve.control_points_mm[5], [x + 1.0, y, 0.0]);
-        assert_eq!(curve.knots, [0.0, 0.0, 0.0, 1.0, 2.0, 3.0, 4.0, 4.0, 4.0]);
-        assert_eq!((curve.weights.as_slice(), part.warnings.len()), ([1.0; 6].as_slice(), 0));
+        assert_eq!(curve.control_points_mm()[0], [x + 1.0, y, 0.0]);
+        assert_eq!(curve.control_points_mm()[5], [x + 1.0, y, 0.0]);
+        assert_eq!(curve.knots(), [0.0, 0.0, 0.0, 1.0, 2.0, 3.0, 4.0, 4.0, 4.0]);
+        assert_eq!((curve.weights(), part.warnings.len()), ([1.0; 6].as_slice(), 0));
     }
 }
 
@@ -265,8 +265,8 @@ fn a_knot_more_than_degree_times_is_no_break_where_points_coincide() {
         [12.0, 0.0],
     ];
     let one = part(&pieces(&circle, ""));
-    assert_eq!((one.curves.len(), one.curves[0].control_points_mm.len()), (1, 13));
-    assert_eq!(one.curves[0].knots[4..13], [1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 3.0, 3.0, 3.0]);
+    assert_eq!((one.curves.len(), one.curves[0].control_points_mm().len()), (1, 13));
+    assert_eq!(one.curves[0].knots()[4..13], [1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 3.0, 3.0, 3.0]);
     assert!((inspect(&one).length_mm - 75.408_802).abs() < 1e-6, "{}", inspect(&one).length_mm);
     // The second half written with twice the weights is the same curve.
     let weights = "41 1 ".repeat(8) + &"41 2 ".repeat(8);
@@ -280,7 +280,7 @@ fn a_spline_that_breaks_is_two_curves() {
     let two = part(&pieces(&apart, ""));
     assert_eq!((two.curves.len(), two.moves.len()), (2, 2));
     assert_eq!(
-        (two.curves[0].control_points_mm[3], two.curves[1].control_points_mm[0]),
+        (two.curves[0].control_points_mm()[3], two.curves[1].control_points_mm()[0]),
         ([3.0, 0.0, 0.0], [3.0, 2.0, 0.0])
     );
     near(inspect(&two).joints[0].gap_mm, 2.0);
@@ -295,7 +295,7 @@ fn a_spline_by_points_passes_through_them() {
     let with = part(&drawing(4, &format!("0 SPLINE 70 8 71 3 72 0 73 0 74 5 {tangents} {FIT}")));
     assert!((inspect(&with).length_mm - 9.678_862).abs() < 1e-6, "{}", inspect(&with).length_mm);
     assert_eq!(
-        (with.curves[0].degree, with.curves[0].control_points_mm.len(), with.warnings.len()),
+        (with.curves[0].degree(), with.curves[0].control_points_mm().len(), with.warnings.len()),
         (3, 7, 0)
     );
     let longer =
@@ -317,9 +317,12 @@ fn a_closed_spline_by_points_goes_on_from_its_end() {
     let closed = part(&drawing(4, &format!("0 SPLINE 70 11 71 3 {square}")));
     let curve = &closed.curves[0];
     let third = 2.0_f64.sqrt() / 3.0;
-    all_near(curve.control_points_mm[1], [1.0, third * 0.75 * 2.0_f64.sqrt(), 0.0]);
-    all_near(curve.control_points_mm[5], [1.0, -third * 0.75 * 2.0_f64.sqrt(), 0.0]);
-    assert_eq!((curve.control_points_mm[0], curve.control_points_mm[6]), ([1.0, 0.0, 0.0], [1.0, 0.0, 0.0]));
+    all_near(curve.control_points_mm()[1], [1.0, third * 0.75 * 2.0_f64.sqrt(), 0.0]);
+    all_near(curve.control_points_mm()[5], [1.0, -third * 0.75 * 2.0_f64.sqrt(), 0.0]);
+    assert_eq!(
+        (curve.control_points_mm()[0], curve.control_points_mm()[6]),
+        ([1.0, 0.0, 0.0], [1.0, 0.0, 0.0])
+    );
     assert_eq!(closed.warnings, []);
 }
 
@@ -341,7 +344,7 @@ fn an_ellipse_is_exact() {
     // Counterclockwise from the major axis, which points up: through the left. Turned over, through the right.
     let half = format!("41 0 42 {}", std::f64::consts::PI);
     for (normal, middle) in [("", [0.0, 2.0, 0.0]), ("210 0 220 0 230 -1", [2.0, 2.0, 0.0])] {
-        let points = ellipse(&format!("{half} {normal}")).curves.remove(0).control_points_mm;
+        let points = ellipse(&format!("{half} {normal}")).curves.remove(0).control_points_mm().to_vec();
         all_near(points[0], [1.0, 4.0, 0.0]);
         all_near(points[2], middle);
         all_near(points[4], [1.0, 0.0, 0.0]);
@@ -358,10 +361,10 @@ fn an_inclined_plane_is_turned_into_space() {
         "0 CIRCLE 10 1 20 2 30 3 40 4 210 2 220 0 230 0 0 LWPOLYLINE 38 3 210 1 220 0 230 0 10 1 20 2 10 5 20 2",
     );
     let part = part(&text);
-    all_near(part.curves[0].control_points_mm[0], [3.0, 5.0, 2.0]);
-    all_near(part.curves[0].control_points_mm[2], [3.0, 1.0, 6.0]);
-    all_near(part.curves[1].control_points_mm[1], [3.0, 5.0, 2.0]);
-    assert_eq!((part.moves[0].shape, part.curves[0].dimension), (Shape::Arc, 3));
+    all_near(part.curves[0].control_points_mm()[0], [3.0, 5.0, 2.0]);
+    all_near(part.curves[0].control_points_mm()[2], [3.0, 1.0, 6.0]);
+    all_near(part.curves[1].control_points_mm()[1], [3.0, 5.0, 2.0]);
+    assert_eq!((part.moves[0].shape, part.curves[0].dimension()), (Shape::Arc, 3));
 }
 
 /// Angles that rounding takes beyond a full turn made arcs of nearly none.
@@ -392,13 +395,13 @@ fn a_polyline_with_its_vertices() {
     let closed = polyline("10 0 20 0 30 5 70 1");
     let shapes: Vec<_> = closed.moves.iter().map(|one| one.shape).collect();
     assert_eq!(shapes, [Shape::Arc, Shape::Line, Shape::Line, Shape::Line]);
-    assert_eq!(closed.curves[1].control_points_mm, [[2.0, 0.0, 5.0], [2.0, 2.0, 5.0]]);
+    assert_eq!(closed.curves[1].control_points_mm(), [[2.0, 0.0, 5.0], [2.0, 2.0, 5.0]]);
     near(inspect(&closed).length_mm, std::f64::consts::PI + 2.0 + 8.0_f64.sqrt() + 1.0);
     // In space there are no bulges, and heights are the vertices'.
     let in_space = polyline("10 0 20 0 30 0 70 8");
-    assert_eq!((in_space.curves.len(), in_space.curves[0].control_points_mm[1]), (3, [2.0, 0.0, 9.0]));
+    assert_eq!((in_space.curves.len(), in_space.curves[0].control_points_mm()[1]), (3, [2.0, 0.0, 9.0]));
     let turned_over = polyline("10 0 20 0 30 5 70 0 210 0 220 0 230 -1");
-    assert_eq!(turned_over.curves[1].control_points_mm, [[-2.0, 0.0, -5.0], [-2.0, 2.0, -5.0]]);
+    assert_eq!(turned_over.curves[1].control_points_mm(), [[-2.0, 0.0, -5.0], [-2.0, 2.0, -5.0]]);
     assert_eq!(polyline("70 64").warnings[0].message, "left out: 1 POLYLINE of a mesh");
 }
 
@@ -410,8 +413,8 @@ fn a_block_is_drawn_where_it_is_inserted() {
     let insert = |more: &str| part(&with_blocks(BLOCK, &format!("0 INSERT 2 HOLE 10 10 20 20 {more}")));
     // Scaled by 2, mirrored and turned by 90°: (p - base) (−2, 2) turned is (−2 y, −2 x).
     let turned = insert("41 -2 42 2 50 90");
-    all_near(turned.curves[0].control_points_mm[0], [10.0, 20.0 - 2.0 * 3.0, 0.0]);
-    assert_eq!(turned.curves[1].control_points_mm, [[10.0, 20.0, 0.0], [10.0, 18.0, 0.0]]);
+    all_near(turned.curves[0].control_points_mm()[0], [10.0, 20.0 - 2.0 * 3.0, 0.0]);
+    assert_eq!(turned.curves[1].control_points_mm(), [[10.0, 20.0, 0.0], [10.0, 18.0, 0.0]]);
     assert_eq!((turned.moves[0].shape, turned.moves[1].line), (Shape::Arc, 42));
     near(inspect(&turned).length_mm, 4.0 * std::f64::consts::PI + 2.0);
     // An uneven scale makes an ellipse, with the half axes 2 and 1.
@@ -420,11 +423,11 @@ fn a_block_is_drawn_where_it_is_inserted() {
     assert_eq!(uneven.moves[0].shape, Shape::Nurbs);
     // Turned over, x runs the other way.
     let over = insert("210 0 220 0 230 -1");
-    assert_eq!(over.curves[1].control_points_mm, [[-10.0, 20.0, 0.0], [-11.0, 20.0, 0.0]]);
+    assert_eq!(over.curves[1].control_points_mm(), [[-10.0, 20.0, 0.0], [-11.0, 20.0, 0.0]]);
     // Rows and columns turn with the block and are not scaled.
     let many = insert("41 2 42 2 50 90 70 3 71 2 44 10 45 100");
     assert_eq!(many.curves.len(), 12);
-    all_near(many.curves[11].control_points_mm[0], [10.0 - 100.0, 20.0 + 20.0, 0.0]);
+    all_near(many.curves[11].control_points_mm()[0], [10.0 - 100.0, 20.0 + 20.0, 0.0]);
 }
 
 #[test]
@@ -436,8 +439,8 @@ fn blocks_within_blocks() {
     let lines: Vec<_> = part
         .curves
         .iter()
-        .filter(|curve| curve.degree == 1)
-        .map(|curve| curve.control_points_mm[1])
+        .filter(|curve| curve.degree() == 1)
+        .map(|curve| curve.control_points_mm()[1])
         .collect();
     assert_eq!(lines, [[112.0, 0.0, 0.0], [98.0, 14.0, 0.0]]);
 }
@@ -565,10 +568,10 @@ const JSON: &str = r#"{"shape": {"type": "curve", "count": 1, "data": [{"type": 
 #[test]
 fn json_as_geomdl_exports_it() {
     let curve = part(JSON).curves.remove(0);
-    assert_eq!((curve.degree, curve.dimension), (2, 2));
-    assert_eq!(curve.control_points_mm[1], [1.0, 2.5, 0.0]);
-    assert_eq!(curve.weights, [1.0, 2.0, 0.5, 1.0]);
-    assert_eq!(curve.knots[3], 0.5);
+    assert_eq!((curve.degree(), curve.dimension()), (2, 2));
+    assert_eq!(curve.control_points_mm()[1], [1.0, 2.5, 0.0]);
+    assert_eq!(curve.weights(), [1.0, 2.0, 0.5, 1.0]);
+    assert_eq!(curve.knots()[3], 0.5);
     assert_eq!(part(JSON).warnings, []);
     let strange = part(&JSON.replace("\"delta\"", "\"trims\""));
     assert_eq!((strange.warnings[0].line, strange.warnings[0].column), (2, 15));

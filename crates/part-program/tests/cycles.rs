@@ -11,7 +11,7 @@ fn linuxcnc(text: &str) -> Part {
 fn moves(text: &str) -> Vec<String> {
     let part = linuxcnc(&format!("G21 G90 S500\nG0 X0 Y0 Z5\nF100\n{text}"));
     let lines = part.moves.iter().zip(&part.curves).map(|(one, curve)| {
-        let [x, y, z] = curve.control_points_mm[1];
+        let [x, y, z] = curve.control_points_mm()[1];
         let round = |x: f64| (x * 1e4).round() / 1e4 + 0.0;
         format!("{}{} {} {}", if one.kind == MoveKind::Feed { "F" } else { "" }, round(x), round(y), round(z))
     });
@@ -55,7 +55,7 @@ fn a_thread_moves_with_the_spindle() {
     let part = linuxcnc("G21 G0 X0 Y0 Z5\nS300 M3\nG33 Z-2 K1.5\nG33.1 Z-4 K1\nG1 X1 F60\n");
     let feeds: Vec<_> = part.moves.iter().map(|one| one.feedrate_mm_per_s).collect();
     assert_eq!(feeds, [7.5, 5.0, 5.0, 1.0].map(Some));
-    assert_eq!(part.curves[3].control_points_mm, [[0.0, 0.0, -2.0], [1.0, 0.0, -2.0]]);
+    assert_eq!(part.curves[3].control_points_mm(), [[0.0, 0.0, -2.0], [1.0, 0.0, -2.0]]);
 }
 
 /// A part is in the coordinates that held first; later shifts are made in them.
@@ -76,7 +76,7 @@ fn shifts_move_what_follows_them() {
             .curves
             .iter()
             .map(|curve| {
-                curve.control_points_mm[curve.control_points_mm.len() - 1]
+                curve.control_points_mm()[curve.control_points_mm().len() - 1]
                     .map(|x| (x * 1e9).round() / 1e9 + 0.0)
             })
             .map(|[x, y, z]| format!("F{x} {y} {z}"))
@@ -98,7 +98,8 @@ fn places_of_the_machine_are_not_known() {
 fn a_part_has_the_coordinates_of_its_first_move() {
     let ends = |text: &str| {
         let part = linuxcnc(&format!("G21 G90 F100\n{text}\n"));
-        let last = |curve: &part_program::Curve| curve.control_points_mm[curve.control_points_mm.len() - 1];
+        let last =
+            |curve: &part_program::Curve| curve.control_points_mm()[curve.control_points_mm().len() - 1];
         part.curves.iter().map(|curve| last(curve).map(|x| (x * 1e9).round() / 1e9 + 0.0)).collect::<Vec<_>>()
     };
     let square = "G0 X0 Y0 Z0\nG1 X4\nG3 X4 Y2 J1\n";

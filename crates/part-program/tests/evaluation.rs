@@ -14,7 +14,10 @@ fn of(dialect: Dialect, text: &str) -> Part {
 
 /// Where each curve ends on X.
 fn ends(part: &Part) -> Vec<f64> {
-    part.curves.iter().map(|curve| curve.control_points_mm[curve.control_points_mm.len() - 1][0]).collect()
+    part.curves
+        .iter()
+        .map(|curve| curve.control_points_mm()[curve.control_points_mm().len() - 1][0])
+        .collect()
 }
 
 /// The value of an expression, as the end of a move.
@@ -133,7 +136,7 @@ fn a_subroutine_calls_itself() {
     let text = "o9 sub\no1 if [#1 GT 0]\nG1 X#1\no9 call [#1-1]\nG1 Y#1\no1 endif\no9 endsub\nG0 X0 Y0\no9 call [3]\n";
     let part = part(text);
     let last: Vec<_> =
-        part.curves.iter().map(|curve| curve.control_points_mm[1]).map(|p| (p[0], p[1])).collect();
+        part.curves.iter().map(|curve| curve.control_points_mm()[1]).map(|p| (p[0], p[1])).collect();
     assert_eq!(last, [(3.0, 0.0), (2.0, 0.0), (1.0, 0.0), (1.0, 1.0), (1.0, 2.0), (1.0, 3.0)]);
 }
 
@@ -183,7 +186,7 @@ fn vacant_variables_of_fanuc() {
     let text = "G0 X0 Y0\n#2=0\nG1 X5 Y#1\nIF [#1 EQ #0] THEN #3=1\nIF [#2 EQ #0] THEN #3=2\nG1 X#3\n";
     assert_eq!(ends(&of(Dialect::Fanuc, text)), [5.0, 1.0]);
     let part = part("G0 X0 Y8\nG1 X5 Y#1\n");
-    assert_eq!(part.curves[0].control_points_mm[1], [5.0, 0.0, 0.0]);
+    assert_eq!(part.curves[0].control_points_mm()[1], [5.0, 0.0, 0.0]);
     assert!(part.warnings[0].message.contains("has no value is taken as 0"), "{:?}", part.warnings);
 }
 

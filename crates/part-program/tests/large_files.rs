@@ -42,7 +42,7 @@ fn a_spline_of_a_hundred_thousand_points_and_a_line_of_a_million_words() {
         let _ = writeln!(text, "K{} X{n} Y{}", n.saturating_sub(3), n % 7);
     }
     text.push_str("K99997\nK99997\nK99997\nK99997\n");
-    assert_eq!(read_part("spline.nc", &text).unwrap().curves[0].control_points_mm.len(), 100_000);
+    assert_eq!(read_part("spline.nc", &text).unwrap().curves[0].control_points_mm().len(), 100_000);
 
     let begin = Instant::now();
     let errors = read_part("line.nc", &"X1 ".repeat(1_000_000)).unwrap_err();

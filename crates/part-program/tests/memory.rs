@@ -34,6 +34,11 @@ fn moves(count: u32) -> String {
     })
 }
 
+/// Moves that take no heap of their own.
+fn straight(count: u32) -> String {
+    repeated("G90 G21 F6000\nG0 X0 Y0 Z0\n", "M30\n", count, |n| format!("G1 X{n}.1234 Y{}.5678", n % 1000))
+}
+
 fn spline(count: u32) -> String {
     repeated("G06.2 P4 K0 X0 Y0\n", "K1\nK1\nK1\nK1\n", count, |n| {
         format!("K{} X{n} Y{}", if n < 3 { 0.0 } else { f64::from(n) / f64::from(count + 1) }, n % 7)
@@ -73,8 +78,9 @@ const MOST_AT_ALL: usize = MAX_DIAGNOSTICS * 2048;
 #[test]
 fn memory_is_proportional_to_the_text() {
     type Make = fn(u32) -> String;
-    let kinds: [(&str, Make, usize); 6] = [
+    let kinds: [(&str, Make, usize); 7] = [
         ("moves", moves, 25),
+        ("straight moves", straight, 10),
         ("spline", spline, 10),
         ("curve file", curve_file, 80),
         ("drawing", drawing, 25),

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use part_program::{Curve, HELIX_TOLERANCE_MM, Move, MoveKind, Part, Shape, read_part};
+use part_program::{Curve, HELIX_TOLERANCE_MM, Move, MoveKind, Nurbs, Part, Shape, read_part};
 
 fn part(text: &str) -> Part {
     read_part("p.nc", text).unwrap_or_else(|errors| panic!("{errors}"))
@@ -10,12 +10,12 @@ fn part(text: &str) -> Part {
 
 /// The point of a curve at u, by de Boor's algorithm on homogeneous points.
 fn point(curve: &Curve, u: f64) -> [f64; 3] {
-    let (p, knots) = (curve.degree, &curve.knots);
-    let last = curve.control_points_mm.len() - 1;
+    let (p, knots) = (curve.degree(), &curve.knots());
+    let last = curve.control_points_mm().len() - 1;
     let span = (p..=last).rev().find(|i| knots[*i] <= u && knots[*i] < knots[i + 1]).unwrap_or(p);
     let mut work: Vec<[f64; 4]> = (span - p..=span)
         .map(|i| {
-            let ([x, y, z], w) = (curve.control_points_mm[i], curve.weights[i]);
+            let ([x, y, z], w) = (curve.control_points_mm()[i], curve.weights()[i]);
             [w * x, w * y, w * z, w]
         })
         .collect();
@@ -34,7 +34,7 @@ fn samples(curve: &Curve) -> impl Iterator<Item = [f64; 3]> {
 }
 
 fn ends(curve: &Curve) -> ([f64; 3], [f64; 3]) {
-    (curve.control_points_mm[0], *curve.control_points_mm.last().unwrap())
+    (curve.control_points_mm()[0], *curve.control_points_mm().last().unwrap())
 }
 
 #[test]
@@ -50,14 +50,14 @@ fn straight_moves_are_curves_of_degree_1() {
             (MoveKind::Rapid, Shape::Line, None, 6),
         ]
     );
-    let line = Curve {
+    let line = Nurbs {
         degree: 1,
         control_points_mm: vec![[1.0, 2.0, 0.0], [11.0, 2.0, 0.0]],
         dimension: 2,
         weights: vec![1.0; 2],
         knots: vec![0.0, 0.0, 1.0, 1.0],
     };
-    assert_eq!(part.curves[1], line);
+    assert_eq!(part.curves[1], line.into());
     assert_eq!(part.feedrate_mm_per_s, Some(20.0), "the highest");
     assert!(part.curves.windows(2).all(|pair| ends(&pair[0]).1 == ends(&pair[1]).0));
 }
@@ -98,7 +98,7 @@ fn arcs_lie_on_their_circle_and_end_where_they_are_sent() {
     for (text, end, turn, centre, radius) in cases {
         let part = part(&format!("G0 X10 Y0\n{text} F600\n"));
         let curve = &part.curves[0];
-        assert_eq!(curve.degree, 2);
+        assert_eq!(curve.degree(), 2);
         assert_eq!(part.moves[0].shape, Shape::Arc);
         assert_eq!(ends(curve), ([10.0, 0.0, 0.0], [end[0], end[1], 0.0]), "{text}");
         let mut angle = 0.0;
@@ -120,7 +120,7 @@ fn arcs_lie_on_their_circle_and_end_where_they_are_sent() {
 fn planes_turn_as_their_axes_do() {
     // Seen from the positive normal, G2 is clockwise: Z to X in G18, Y to Z in G19.
     let part = part("G0 X10 Y0 Z0\nG18 G2 X0 Z10 I-10 K0\nG0 X0 Y10 Z0\nG19 G3 Y0 Z10 J-10\n");
-    let arcs: Vec<_> = part.curves.iter().filter(|c| c.degree == 2).collect();
+    let arcs: Vec<_> = part.curves.iter().filter(|c| c.degree() == 2).collect();
     let middle = 10.0 / 2.0_f64.sqrt();
     for (arc, expected) in arcs.iter().zip([[middle, 0.0, middle], [0.0, middle, middle]]) {
         let p = point(arc, 0.5);
@@ -197,8 +197,8 @@ fn an_axis_begins_where_it_is_first_sent() {
     let part = part("G0 X0 Y0\nG1 X10\nG1 Z5\nG1 Z3\n");
     assert_eq!(ends(&part.curves[0]), ([0.0, 0.0, 5.0], [10.0, 0.0, 5.0]));
     assert_eq!(ends(&part.curves[1]), ([10.0, 0.0, 5.0], [10.0, 0.0, 3.0]));
-    assert_eq!((part.curves.len(), part.curves[0].dimension, part.standstills), (2, 3, vec![]));
-    assert_eq!(crate::part("G0 X7 Z5\nG1 X10\n").curves[0].control_points_mm[0], [7.0, 0.0, 5.0]);
+    assert_eq!((part.curves.len(), part.curves[0].dimension(), part.standstills), (2, 3, vec![]));
+    assert_eq!(crate::part("G0 X7 Z5\nG1 X10\n").curves[0].control_points_mm()[0], [7.0, 0.0, 5.0]);
 }
 
 /// Increments are known wherever they start; two sides of a square were lost, and a plunge.

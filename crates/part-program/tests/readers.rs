@@ -10,9 +10,9 @@ const PAPER_D: &str = include_str!("../../../data/seed-003.nc");
 fn paper_as_curve_and_machine() {
     let part = read_part("seed-000.toml", PAPER_A).unwrap();
     let curve = &part.curves[0];
-    assert_eq!((curve.degree, curve.dimension, curve.control_points_mm.len()), (3, 2, 7));
-    assert_eq!(curve.control_points_mm[4], [300.0, 0.0, 0.0]);
-    assert_eq!(curve.knots[4..7], [0.25, 0.5, 0.75]);
+    assert_eq!((curve.degree(), curve.dimension(), curve.control_points_mm().len()), (3, 2, 7));
+    assert_eq!(curve.control_points_mm()[4], [300.0, 0.0, 0.0]);
+    assert_eq!(curve.knots()[4..7], [0.25, 0.5, 0.75]);
     let machine = part.machine.unwrap();
     assert_eq!(
         (machine.interpolation_period_ms, machine.jerk_mm_per_s3, machine.max_iterations),
@@ -25,9 +25,9 @@ fn paper_as_curve_and_machine() {
 fn paper_ds_program() {
     let part = read_part("seed-003.nc", PAPER_D).unwrap();
     let curve = &part.curves[0];
-    assert_eq!((curve.degree, curve.dimension, curve.control_points_mm.len()), (3, 2, 10));
-    assert_eq!(curve.weights, [1.0, 2.0, 1.5, 1.0, 1.0, 2.0, 1.0, 1.0, 2.0, 1.0]);
-    assert_eq!(curve.knots[3..8], [0.0, 0.1836, 0.2781, 0.3837, 0.5474]);
+    assert_eq!((curve.degree(), curve.dimension(), curve.control_points_mm().len()), (3, 2, 10));
+    assert_eq!(curve.weights(), [1.0, 2.0, 1.5, 1.0, 1.0, 2.0, 1.0, 1.0, 2.0, 1.0]);
+    assert_eq!(curve.knots()[3..8], [0.0, 0.1836, 0.2781, 0.3837, 0.5474]);
     assert_eq!((part.feedrate_mm_per_s, part.machine), (None, None));
 }
 

@@ -2,13 +2,13 @@
 
 use nurbs_core::{Evaluate, NurbsBuf};
 use part_program::{
-    Curve, Move, MoveKind, Part, RatioWords, Rounded, Shape, read_part, write_g1, write_g5_2, write_g06_2,
+    Curve, Move, MoveKind, Nurbs, Part, RatioWords, Rounded, Shape, read_part, write_g1, write_g5_2,
+    write_g06_2,
 };
 use proptest::prelude::*;
 
 fn nurbs(curve: &Curve) -> NurbsBuf<f64, 3> {
-    let Curve { degree, control_points_mm, weights, knots, .. } = curve.clone();
-    NurbsBuf::try_new(degree, control_points_mm, weights, knots).unwrap()
+    curve.for_evaluation().unwrap()
 }
 
 fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
@@ -39,8 +39,8 @@ fn samples(curve: &Curve, count: u32) -> Vec<[f64; 3]> {
 
 /// The corners of a part of chords that join.
 fn corners(chords: &Part) -> Vec<[f64; 3]> {
-    let start = chords.curves[0].control_points_mm[0];
-    let ends = chords.curves.iter().map(|chord| chord.control_points_mm[1]);
+    let start = chords.curves[0].control_points_mm()[0];
+    let ends = chords.curves.iter().map(|chord| chord.control_points_mm()[1]);
     std::iter::once(start).chain(ends).collect()
 }
 
@@ -67,7 +67,7 @@ fn rounded(part: &Part, decimals: usize, write: impl Fn(&Part) -> String) -> (Ro
     let again = read(&text);
     assert_eq!(again.curves, rounded.part.curves, "{text}");
     for pair in again.curves.windows(2) {
-        assert_eq!(pair[0].control_points_mm.last(), pair[1].control_points_mm.first(), "{text}");
+        assert_eq!(pair[0].control_points_mm().last(), pair[1].control_points_mm().first(), "{text}");
     }
     for word in text.split_whitespace().filter(|word| word.starts_with(['X', 'Y', 'Z'])) {
         assert!(word.split('.').nth(1).is_some_and(|digits| digits.len() <= decimals), "{word}");
@@ -93,11 +93,11 @@ fn joined(size: f64) -> impl Strategy<Value = Part> {
                     knots.push(knots[knots.len() - 1] + step);
                 }
                 knots.extend(vec![knots[knots.len() - 1]; degree]);
-                Curve { degree, control_points_mm, dimension: 3, weights, knots }
+                Curve::from(Nurbs { degree, control_points_mm, dimension: 3, weights, knots })
             })
     });
     (curve.clone(), curve).prop_map(|(one, mut two)| {
-        two.control_points_mm[0] = one.control_points_mm[one.control_points_mm.len() - 1];
+        two.control_points_mm_mut()[0] = one.control_points_mm()[one.control_points_mm().len() - 1];
         at_feed(vec![one, two])
     })
 }
@@ -110,7 +110,7 @@ proptest! {
         // A polygon of one side may have become none.
         prop_assume!(rounded.left_out == 0);
         for (before, after) in part.curves.iter().zip(&again.curves) {
-            prop_assert_eq!((&before.knots, &before.weights), (&after.knots, &after.weights));
+            prop_assert_eq!((&before.knots(), &before.weights()), (&after.knots(), &after.weights()));
             for (a, b) in samples(before, 100).into_iter().zip(samples(after, 100)) {
                 let off = distance(a, b);
                 prop_assert!(off <= rounded.moved_mm + 1e-11, "{} > {}", off, rounded.moved_mm);
@@ -137,7 +137,7 @@ proptest! {
         }
         for (before, after) in part.curves.iter().zip(&fitted.curves) {
             let (from, to) = (nurbs(before), nurbs(after));
-            prop_assert_eq!(&before.control_points_mm, &after.control_points_mm);
+            prop_assert_eq!(&before.control_points_mm(), &after.control_points_mm());
             prop_assert_eq!(from.as_curve().span_count(), to.as_curve().span_count());
             for span in 0..from.as_curve().span_count() {
                 for k in 0..=16 {
@@ -184,7 +184,7 @@ fn the_written_path_is_as_near_to_the_part_as_the_part_to_it() {
 fn pieces_are_as_near_as_stated() {
     let part = read(include_str!("../../../data/seed-003.nc"));
     let curve = nurbs(&part.curves[0]);
-    let mut knots = part.curves[0].knots.clone();
+    let mut knots = part.curves[0].knots().to_vec();
     knots.dedup();
     for decimals in 0..=9 {
         let (rounded, again, _) = rounded(&part, decimals, |part| write_g5_2(part).unwrap());

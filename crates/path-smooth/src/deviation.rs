@@ -7,7 +7,7 @@
 use nurbs_core::{CurveError, Evaluate, NurbsBuf, distance_to_segment, golden_section};
 use part_program::Curve;
 
-use crate::stretch::{length, nurbs_of};
+use crate::stretch::length;
 
 /// Samples of a span that is not straight; the distance between two samples is refined.
 const SAMPLES: u32 = 64;
@@ -31,8 +31,8 @@ pub(crate) struct Track {
 
 impl Track {
     pub(crate) fn new(curve: &Curve) -> Result<Self, CurveError> {
-        let nurbs = nurbs_of(curve)?;
-        let is_straight = curve.degree == 1 && curve.control_points_mm.len() == 2;
+        let nurbs = curve.for_evaluation()?;
+        let is_straight = curve.degree() == 1 && curve.control_points_mm().len() == 2;
         let count = if is_straight { STRAIGHT_SAMPLES } else { SAMPLES };
         let evaluated = nurbs.as_curve();
         let mut samples = Vec::new();
@@ -45,7 +45,7 @@ impl Track {
             }
         }
         let over = |pick: fn(f64, f64) -> f64| {
-            let points = &curve.control_points_mm;
+            let points = curve.control_points_mm();
             std::array::from_fn(|d| points.iter().map(|p| p[d]).reduce(pick).unwrap_or(0.0))
         };
         let (low, high) = (over(f64::min), over(f64::max));
@@ -154,16 +154,13 @@ fn least_distance(tracks: &[Track], point: &[f64; 3]) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use part_program::Nurbs;
+
     use super::*;
 
     fn line(a: [f64; 3], b: [f64; 3]) -> Curve {
-        Curve {
-            degree: 1,
-            control_points_mm: vec![a, b],
-            dimension: 2,
-            weights: vec![1.0; 2],
-            knots: vec![0., 0., 1., 1.],
-        }
+        let (weights, knots) = (vec![1.0; 2], vec![0., 0., 1., 1.]);
+        Nurbs { degree: 1, control_points_mm: vec![a, b], dimension: 2, weights, knots }.into()
     }
 
     #[test]

@@ -14,7 +14,7 @@ use crate::error::SmoothError;
 use crate::options::Options;
 use crate::report::{CornerKind, CornerRow, Forms, PathSummary, SetpointCheck, WithLambda1};
 use crate::smooth_stretch::{LEAST_LOOPED_DEG, SmoothStretch};
-use crate::stretch::{Rest, length, nurbs_of, shape_of};
+use crate::stretch::{Rest, length, shape_of};
 use crate::timing::Timed;
 
 /// Parameters at which the two forms of a corner are compared, in addition to its begin.
@@ -199,7 +199,7 @@ fn reason_of(reason: Reason) -> String {
 /// Runs the smoothed stretch in f64, and measures each setpoint.
 fn setpoints(smooth: &SmoothStretch, paths: &Paths<'_>, timed: &Timed) -> Result<SetpointCheck, SmoothError> {
     let run = timed.setpoints()?;
-    let nurbs = smooth.curves.iter().map(nurbs_of).collect::<Result<Vec<_>, _>>()?;
+    let nurbs = smooth.curves.iter().map(Curve::for_evaluation).collect::<Result<Vec<_>, _>>()?;
     let mut check = SetpointCheck {
         count: run.steps.len(),
         finished: run.about.finished,
@@ -229,7 +229,7 @@ fn forms(smooth: &SmoothStretch) -> Result<Forms, SmoothError> {
     let mut forms = Forms { distance_bound_mm: smooth.polynomial_bound_mm, ..Forms::default() };
     for (curve, written) in smooth.path.curves.iter().zip(&smooth.curves) {
         let PathCurve::TrigSpline(spline) = curve else { continue };
-        let nurbs = nurbs_of(written)?;
+        let nurbs = written.for_evaluation()?;
         let (exact, polynomials) = (spline.as_spline(), nurbs.as_curve());
         forms.polynomials += polynomials.span_count();
         let (begin, end) = exact.domain();

@@ -36,8 +36,8 @@ fn rounded(smoothed: &Part, chord_error_mm: f64) -> Part {
     for curve in &mut part.curves {
         // Adding 0 avoids a negative zero.
         let round = |point: &mut [f64; 3]| *point = point.map(|x| (x * unit).round() / unit + 0.0);
-        curve.control_points_mm.first_mut().into_iter().for_each(round);
-        curve.control_points_mm.last_mut().into_iter().for_each(round);
+        curve.control_points_mm_mut().first_mut().into_iter().for_each(round);
+        curve.control_points_mm_mut().last_mut().into_iter().for_each(round);
     }
     close_gaps(&mut part);
     part
@@ -49,8 +49,8 @@ fn close_gaps(part: &mut Part) {
     for next in 1..part.curves.len() {
         let (before, after) = part.curves.split_at_mut(next);
         let is_cut = part.moves[next - 1..=next].iter().all(|one| one.kind == MoveKind::Feed);
-        let end = before.last().and_then(|curve| curve.control_points_mm.last());
-        let start = after.first_mut().and_then(|curve| curve.control_points_mm.first_mut());
+        let end = before.last().and_then(|curve| curve.control_points_mm().last());
+        let start = after.first_mut().and_then(|curve| curve.control_points_mm_mut().first_mut());
         if let (true, Some(end), Some(start)) = (is_cut, end, start)
             && is_joined(end, start)
         {
@@ -89,7 +89,7 @@ fn chords(written: &Part, again: &Part) -> Result<Vec<Range<usize>>, ProgramErro
     let mut chords = Vec::with_capacity(written.curves.len());
     let mut next = 0;
     for (curve, one) in written.curves.iter().zip(&written.moves) {
-        let Some(end) = curve.control_points_mm.last() else {
+        let Some(end) = curve.control_points_mm().last() else {
             return Err(ProgramError::AnotherPath { line: one.line });
         };
         if is_still(curve, end) {
@@ -103,7 +103,7 @@ fn chords(written: &Part, again: &Part) -> Result<Vec<Range<usize>>, ProgramErro
             next += 1;
         }
         let begin = next;
-        let ends_there = |chord: &Curve| chord.control_points_mm.last() == Some(end);
+        let ends_there = |chord: &Curve| chord.control_points_mm().last() == Some(end);
         match again.curves[begin..].iter().position(ends_there) {
             Some(count) => next += count + 1,
             None => return Err(ProgramError::AnotherPath { line: one.line }),
@@ -117,7 +117,7 @@ fn chords(written: &Part, again: &Part) -> Result<Vec<Range<usize>>, ProgramErro
 fn is_still(curve: &Curve, end: &[f64; 3]) -> bool {
     const NOTHING_MM: f64 = 1e-9;
     curve
-        .control_points_mm
+        .control_points_mm()
         .iter()
         .flat_map(|point| point.iter().zip(end))
         .all(|(a, b)| (a - b).abs() < NOTHING_MM)

@@ -56,7 +56,7 @@ impl SmoothStretch {
             outer => outer,
         };
         let path = smooth_corners(&moves, tolerance_mm * (1.0 - CHORD_SHARE) - polynomial_mm, lambda, style)?;
-        let dimension = curves.iter().map(|curve| curve.dimension).max().unwrap_or(3);
+        let dimension = curves.iter().map(|curve| curve.dimension()).max().unwrap_or(3);
         let (mut written, mut bound) = (Vec::with_capacity(path.curves.len()), 0.0_f64);
         for curve in &path.curves {
             let nurbs = match curve {

@@ -3,8 +3,8 @@
 use std::fmt;
 use std::ops::Range;
 
-use nurbs_core::{Arc, CurveError, Evaluate, Line, NurbsBuf, PathCurve, ShapeError};
-use part_program::{Curve, Move, Part, Shape};
+use nurbs_core::{Arc, Evaluate, Line, NurbsBuf, PathCurve, ShapeError};
+use part_program::{Curve, Move, Nurbs, Part, Shape};
 
 /// The reason why the tool rests between two moves, whatever their directions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,22 +28,21 @@ impl fmt::Display for Rest {
 pub(crate) fn with_polygons_as_lines(part: &Part) -> Part {
     let (mut curves, mut moves) = (Vec::new(), Vec::new());
     for (curve, one) in part.curves.iter().zip(&part.moves) {
-        if curve.degree != 1 {
+        if curve.degree() != 1 {
             curves.push(curve.clone());
             moves.push(*one);
             continue;
         }
         let first = moves.len();
-        for side in curve.control_points_mm.windows(2).filter(|side| side[0] != side[1]) {
-            let knots = vec![0.0, 0.0, 1.0, 1.0];
-            let control_points_mm = side.to_vec();
-            curves.push(Curve {
+        for side in curve.control_points_mm().windows(2).filter(|side| side[0] != side[1]) {
+            let side = Nurbs {
                 degree: 1,
-                control_points_mm,
-                dimension: curve.dimension,
+                control_points_mm: side.to_vec(),
+                dimension: curve.dimension(),
                 weights: vec![1.0; 2],
-                knots,
-            });
+                knots: vec![0.0, 0.0, 1.0, 1.0],
+            };
+            curves.push(side.into());
             moves.push(Move { shape: Shape::Line, exact_stop: false, ..*one });
         }
         // Only the last side ends where the polygon ends.
@@ -76,35 +75,25 @@ pub(crate) fn rest_before(part: &Part, next: usize) -> Option<Rest> {
 
 /// The shape of a move for smoothing: a line, an arc of a circle, or any other curve.
 pub(crate) fn shape_of(curve: &Curve) -> Result<PathCurve<f64, 3>, ShapeError> {
-    if let ([a, b], 1) = (curve.control_points_mm.as_slice(), curve.degree) {
+    if let ([a, b], 1) = (curve.control_points_mm(), curve.degree()) {
         return Ok(Line::try_new(*a, *b)?.into());
     }
-    let nurbs = nurbs_of(curve)?;
+    let nurbs = curve.for_evaluation()?;
     Ok(match circle_of(&nurbs) {
         Some(arc) => arc.into(),
         None => nurbs.into(),
     })
 }
 
-/// The curve for evaluation.
-pub(crate) fn nurbs_of(curve: &Curve) -> Result<NurbsBuf<f64, 3>, CurveError> {
-    NurbsBuf::try_new(
-        curve.degree,
-        curve.control_points_mm.clone(),
-        curve.weights.clone(),
-        curve.knots.clone(),
-    )
-}
-
 /// The curve in the form of a part program.
 pub(crate) fn curve_of(nurbs: &NurbsBuf<f64, 3>, dimension: usize) -> Curve {
-    Curve {
+    Curve::from(Nurbs {
         degree: nurbs.degree(),
         control_points_mm: nurbs.control_points().to_vec(),
         dimension,
         weights: nurbs.weights().to_vec(),
         knots: nurbs.knots().to_vec(),
-    }
+    })
 }
 
 /// A rational curve is taken for a circle if it is no farther from it than this, in mm.

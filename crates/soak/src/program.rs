@@ -56,7 +56,7 @@ pub(crate) fn soak(
     let text =
         String::from_utf8(read(machine)?).with_context(|| format!("{} is no text", machine.display()))?;
     let own = read_machine(&name(machine), &text)?;
-    let mut soak = if part.curves.iter().all(|curve| curve.dimension == 2) {
+    let mut soak = if part.curves.iter().all(|curve| curve.dimension() == 2) {
         of_part::<2>(&part, &own, names, seed)?
     } else {
         of_part::<3>(&part, &own, names, seed)?

@@ -74,8 +74,8 @@ impl<const D: usize> Problem<D> {
         }
         let curves = taken.iter().map(|curve| {
             let points =
-                curve.control_points_mm.iter().map(|point| core::array::from_fn(|d| point[d])).collect();
-            NurbsBuf::try_new(curve.degree, points, curve.weights.clone(), curve.knots.clone())
+                curve.control_points_mm().iter().map(|point| core::array::from_fn(|d| point[d])).collect();
+            NurbsBuf::try_new(curve.degree(), points, curve.weights().to_vec(), curve.knots().to_vec())
         });
         let curves = curves.collect::<Result<_, _>>()?;
         let (name, machine) = (part.name.clone(), machine.clone());

@@ -1,6 +1,6 @@
 //! The feed path of a part: polylines from where feed begins to where it ends.
 
-use nurbs_core::{Differentiate, Evaluate, NurbsBuf};
+use nurbs_core::{Differentiate, Evaluate};
 use part_program::{Curve, MoveKind, Part, Shape};
 
 use crate::point::{Point, distance};
@@ -70,13 +70,11 @@ pub(crate) fn runs(cuts: &[Cut], tolerance: f64) -> Vec<Run> {
 
 /// A curve as chords.
 fn flat(curve: &Curve) -> Vec<Point> {
-    let points = &curve.control_points_mm;
-    if curve.degree == 1 {
-        return points.clone();
+    let points = curve.control_points_mm();
+    if curve.degree() == 1 {
+        return points.to_vec();
     }
-    let nurbs =
-        NurbsBuf::<f64, 3>::try_new(curve.degree, points.clone(), curve.weights.clone(), curve.knots.clone());
-    let Ok(nurbs) = nurbs else { return points.clone() };
+    let Ok(nurbs) = curve.for_evaluation() else { return points.to_vec() };
     let nurbs = nurbs.as_curve();
     let mut chords = vec![points[0]];
     for span in 0..nurbs.span_count() {

@@ -206,7 +206,7 @@ impl Reader<'_, '_, '_> {
 
 /// A curve turned about Z like the coordinates.
 fn turned(mut curve: Curve, frame: Frame) -> Curve {
-    curve.control_points_mm.iter_mut().for_each(|point| *point = frame.turned(*point));
+    curve.control_points_mm_mut().iter_mut().for_each(|point| *point = frame.turned(*point));
     curve
 }
 

@@ -68,10 +68,7 @@ impl Affine {
 
     /// Maps a curve.
     pub(crate) fn curve(&self, mut curve: Curve) -> Curve {
-        for point in &mut curve.control_points_mm {
-            *point = self.point(*point);
-        }
-        curve.dimension = Curve::dimension_of(&curve.control_points_mm);
+        curve.move_points(|point| *point = self.point(*point));
         curve
     }
 }

@@ -14,7 +14,7 @@
 //! W. Boehm, "Inserting new knots into B-spline curves", Computer-Aided Design 12 (1980); Piegl and Tiller, The NURBS Book,
 //! equation 5.15.
 
-use crate::curve::Curve;
+use crate::curve::Nurbs;
 use crate::vector::{difference, length};
 
 /// A share of the parameter's range within which knots are equal, if the drawing does not give one.
@@ -43,7 +43,7 @@ pub(crate) fn merge_knots(knots: &mut [f64], tolerance: Option<f64>) {
 
 /// The curves that are drawn: several if the curve breaks at a knot. `None` if the range of the parameter is empty. The
 /// counts of points, weights and knots must fit, and knots must not decrease.
-pub(crate) fn clamped(mut curve: Curve) -> Option<Vec<Curve>> {
+pub(crate) fn clamped(mut curve: Nurbs) -> Option<Vec<Nurbs>> {
     if curve.knots[curve.degree] >= curve.knots[curve.control_points_mm.len()] {
         return None;
     }
@@ -55,7 +55,7 @@ pub(crate) fn clamped(mut curve: Curve) -> Option<Vec<Curve>> {
 }
 
 /// Gives the first knot the multiplicity degree + 1.
-fn clamp_start(curve: &mut Curve) {
+fn clamp_start(curve: &mut Nurbs) {
     let (degree, start) = (curve.degree, curve.knots[curve.degree]);
     let mut last = curve.knots.partition_point(|knot| *knot <= start) - 1;
     let found = curve.knots[..=last].iter().rev().take_while(|knot| **knot == start).count();
@@ -71,7 +71,7 @@ fn clamp_start(curve: &mut Curve) {
 }
 
 /// Inserts the knot with this index once more. It must be the last of its value, which has `multiplicity` knots.
-fn insert_knot(curve: &mut Curve, index: usize, multiplicity: usize) {
+fn insert_knot(curve: &mut Nurbs, index: usize, multiplicity: usize) {
     let (degree, knot) = (curve.degree, curve.knots[index]);
     let (first, last) = (index + 1 - degree, index - multiplicity);
     let (mut points, mut weights) = (Vec::new(), Vec::new());
@@ -89,7 +89,7 @@ fn insert_knot(curve: &mut Curve, index: usize, multiplicity: usize) {
 }
 
 /// The mean of points i - 1 and i with the given shares. Equal weights stay the same.
-fn mean(curve: &Curve, i: usize, [before, this]: [f64; 2]) -> ([f64; 3], f64) {
+fn mean(curve: &Nurbs, i: usize, [before, this]: [f64; 2]) -> ([f64; 3], f64) {
     let (p, q) = (curve.control_points_mm[i - 1], curve.control_points_mm[i]);
     let (v, w) = (curve.weights[i - 1], curve.weights[i]);
     if v == w {
@@ -100,7 +100,7 @@ fn mean(curve: &Curve, i: usize, [before, this]: [f64; 2]) -> ([f64; 3], f64) {
 }
 
 /// Reverses the curve.
-fn reverse(curve: &mut Curve) {
+fn reverse(curve: &mut Nurbs) {
     curve.control_points_mm.reverse();
     curve.weights.reverse();
     curve.knots.reverse();
@@ -110,7 +110,7 @@ fn reverse(curve: &mut Curve) {
 }
 
 /// Cuts the curve at inner knots of a multiplicity above the degree: the curve breaks there.
-fn pieces(curve: Curve) -> Vec<Curve> {
+fn pieces(curve: Nurbs) -> Vec<Nurbs> {
     let degree = curve.degree;
     let inner = degree + 1..curve.control_points_mm.len();
     let breaks: Vec<_> = curve.knots[inner]
@@ -136,8 +136,8 @@ fn pieces(curve: Curve) -> Vec<Curve> {
 }
 
 /// The curve with the points from `start` to before `end`.
-fn piece(curve: &Curve, start: usize, end: usize) -> Curve {
-    Curve {
+fn piece(curve: &Nurbs, start: usize, end: usize) -> Nurbs {
+    Nurbs {
         control_points_mm: curve.control_points_mm[start..end].to_vec(),
         weights: curve.weights[start..end].to_vec(),
         knots: curve.knots[start..=end + curve.degree].to_vec(),
@@ -146,8 +146,8 @@ fn piece(curve: &Curve, start: usize, end: usize) -> Curve {
 }
 
 /// Joins curves that meet. Of the two points there, one is dropped, and so is one of the degree + 1 knots.
-fn joined(pieces: Vec<Curve>) -> Vec<Curve> {
-    let mut joined: Vec<Curve> = Vec::with_capacity(pieces.len());
+fn joined(pieces: Vec<Nurbs>) -> Vec<Nurbs> {
+    let mut joined: Vec<Nurbs> = Vec::with_capacity(pieces.len());
     for piece in pieces {
         match joined.last_mut() {
             Some(before) if meets(before, &piece) => append(before, piece),
@@ -158,7 +158,7 @@ fn joined(pieces: Vec<Curve>) -> Vec<Curve> {
 }
 
 /// Whether one curve ends where the next begins, up to rounding.
-fn meets(one: &Curve, next: &Curve) -> bool {
+fn meets(one: &Nurbs, next: &Nurbs) -> bool {
     let (Some(end), Some(start)) = (one.control_points_mm.last(), next.control_points_mm.first()) else {
         return false;
     };
@@ -170,7 +170,7 @@ fn meets(one: &Curve, next: &Curve) -> bool {
 
 /// Appends a curve that meets this one. All weights of a curve may be multiplied by a factor: the appended curve then
 /// begins with the last weight of the first.
-fn append(one: &mut Curve, next: Curve) {
+fn append(one: &mut Nurbs, next: Nurbs) {
     let scale = one.weights.last().copied().unwrap_or(1.0) / next.weights[0];
     one.knots.pop();
     one.knots.extend(&next.knots[next.degree + 1..]);
@@ -180,10 +180,11 @@ fn append(one: &mut Curve, next: Curve) {
 
 #[cfg(test)]
 mod tests {
-    use nurbs_core::{Evaluate, NurbsBuf};
+    use nurbs_core::Evaluate;
     use proptest::prelude::*;
 
     use super::*;
+    use crate::curve::Curve;
 
     /// Evaluates by the recurrence of Cox and de Boor, with any knots.
     fn basis(knots: &[f64], degree: usize, i: usize, u: f64) -> f64 {
@@ -196,7 +197,7 @@ mod tests {
                 * basis(knots, degree - 1, i + 1, u)
     }
 
-    fn point(curve: &Curve, u: f64) -> [f64; 3] {
+    fn point(curve: &Nurbs, u: f64) -> [f64; 3] {
         let shares =
             (0..curve.weights.len()).map(|i| curve.weights[i] * basis(&curve.knots, curve.degree, i, u));
         let shares: Vec<_> = shares.collect();
@@ -219,14 +220,13 @@ mod tests {
             let count = control_points_mm.len();
             let mut knots: Vec<f64> = widths.iter().scan(-3.0, |knot, width| { *knot += width; Some(*knot) }).collect();
             knots.truncate(count + degree + 1);
-            let drawn = Curve { degree, dimension: 3, control_points_mm, weights, knots };
+            let drawn = Nurbs { degree, dimension: 3, control_points_mm, weights, knots };
             let Some(curves) = clamped(drawn.clone()) else { return Ok(()) };
             let (first, last) = (drawn.knots[degree], drawn.knots[count]);
             prop_assert_eq!((curves[0].knots[0], curves[curves.len() - 1].knots.last()), (first, Some(&last)));
             for curve in curves {
                 prop_assert_eq!(curve.faults(), []);
-                let parts = (curve.control_points_mm.clone(), curve.weights.clone(), curve.knots.clone());
-                let nurbs = NurbsBuf::<f64, 3>::try_new(degree, parts.0, parts.1, parts.2).unwrap();
+                let nurbs = Curve::from(curve).for_evaluation().unwrap();
                 let (from, to) = nurbs.as_curve().domain();
                 for k in 0..40_u8 {
                     let u = from + (to - from) * f64::from(k) / 40.0;

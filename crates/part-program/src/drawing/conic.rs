@@ -9,7 +9,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use super::affine::{Affine, sin_cos, unit};
 use super::groups::Entity;
 use super::item::Item;
-use crate::curve::Curve;
+use crate::curve::{Curve, Nurbs};
 use crate::diagnostic::Report;
 use crate::moves::Shape;
 use crate::vector::{cross, difference, length};
@@ -65,8 +65,8 @@ fn conic(points: Vec<[f64; 3]>, weights: Vec<f64>) -> Curve {
     let mut knots = vec![0.0];
     knots.extend((0..=spans).flat_map(|i| [f64::from(i) / f64::from(spans); 2]));
     knots.push(1.0);
-    let dimension = Curve::dimension_of(&points);
-    Curve { degree: 2, control_points_mm: points, dimension, weights, knots }
+    let dimension = Nurbs::dimension_of(&points);
+    Nurbs { degree: 2, control_points_mm: points, dimension, weights, knots }.into()
 }
 
 /// The arc of a polyline from one point to another in their plane. Its bulge b is the tangent of a quarter of the angle
@@ -89,15 +89,15 @@ pub(crate) fn bulged(from: [f64; 3], to: [f64; 3], bulge: f64) -> Curve {
     let [x, y, _] = difference(&from, &centre);
     let circle = Ellipse { centre, major: [x, y, 0.0], minor: [-y, x, 0.0] };
     let mut curve = circle.arc(0.0, 4.0 * bulge.atan());
-    let last = curve.control_points_mm.len() - 1;
-    (curve.control_points_mm[0], curve.control_points_mm[last]) = (from, to);
+    let points = curve.control_points_mm_mut();
+    let last = points.len() - 1;
+    (points[0], points[last]) = (from, to);
     curve
 }
 
 /// Whether a conic is an arc of a circle: the half chord of a span is the cosine of its half angle times each tangent.
 pub(crate) fn is_circular(curve: &Curve) -> bool {
-    let ([from, meet, to, ..], [_, cos, ..]) = (curve.control_points_mm.as_slice(), curve.weights.as_slice())
-    else {
+    let ([from, meet, to, ..], [_, cos, ..]) = (curve.control_points_mm(), curve.weights()) else {
         return false;
     };
     let (first, last) = (length(difference(meet, from)), length(difference(to, meet)));

@@ -16,7 +16,7 @@
 //! Piegl and Tiller, The NURBS Book, section 9.2.3, which has the same curve in another form. A drawing of known length
 //! shows that tangents have length 1 in this parameter: tests/cad.rs.
 
-use crate::curve::Curve;
+use crate::curve::{Curve, Nurbs};
 use crate::vector::{difference, length};
 
 /// Sweeps over the rows: 2⁻⁶⁰ is below the rounding of f64.
@@ -59,9 +59,9 @@ pub(crate) fn through(points: &[[f64; 3]], ends: Ends) -> Curve {
         Some(*sum)
     }));
     knots.extend([knots[knots.len() - 1]; 3]);
-    let dimension = Curve::dimension_of(&control);
+    let dimension = Nurbs::dimension_of(&control);
     let weights = vec![1.0; control.len()];
-    Curve { degree: 3, control_points_mm: control, dimension, weights, knots }
+    Nurbs { degree: 3, control_points_mm: control, dimension, weights, knots }.into()
 }
 
 /// The slopes at the points.

@@ -29,7 +29,7 @@ impl Item<'_> {
     /// The number of its control points.
     pub(crate) fn point_count(&self) -> usize {
         match self {
-            Self::Curve { curve, .. } => curve.control_points_mm.len(),
+            Self::Curve { curve, .. } => curve.control_points_mm().len(),
             Self::Standstill(_) | Self::Insert(_) => 0,
         }
     }

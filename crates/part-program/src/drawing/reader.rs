@@ -99,7 +99,7 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
         match item {
             Item::Curve { curve, shape, span } => {
                 let (curve, shape) = conic::mapped(map, curve, shape);
-                if curve.control_points_mm.windows(2).all(|pair| pair[0] == pair[1]) {
+                if curve.control_points_mm().windows(2).all(|pair| pair[0] == pair[1]) {
                     self.stand_still(span);
                 } else {
                     self.push(curve, shape, span);

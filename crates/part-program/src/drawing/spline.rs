@@ -5,7 +5,7 @@ use super::clamp::{clamped, merge_knots};
 use super::fit::{Ends, through};
 use super::groups::Entity;
 use super::item::Item;
-use crate::curve::{Curve, CurveFault};
+use crate::curve::{Curve, CurveFault, Nurbs};
 use crate::diagnostic::Report;
 use crate::moves::Shape;
 use crate::source::Span;
@@ -25,7 +25,7 @@ pub(crate) fn read<'t>(entity: &Entity<'t>, report: &mut Report<'_>, items: &mut
     }
     if let Some(curve) = by_control_points(entity, points, report) {
         match clamped(curve) {
-            Some(curves) => items.extend(curves.into_iter().map(|curve| drawn(curve, entity.span))),
+            Some(curves) => items.extend(curves.into_iter().map(|curve| drawn(curve.into(), entity.span))),
             None => {
                 report.error(entity.span, "the parameter of this SPLINE has no range").expected(
                     "the knot behind the last point to be greater than the one before the first span",
@@ -41,7 +41,7 @@ fn by_control_points(
     entity: &Entity<'_>,
     points: Vec<([f64; 3], Span)>,
     report: &mut Report<'_>,
-) -> Option<Curve> {
+) -> Option<Nurbs> {
     let weights = entity.numbers(report, 41);
     let mut knots = entity.numbers(report, 40);
     check_counts(entity, [(72, "knots", knots.len()), (73, "control points", points.len())], report);
@@ -90,7 +90,7 @@ fn check_counts(entity: &Entity<'_>, counts: [(i32, &str, usize); 2], report: &m
 }
 
 fn drawn<'t>(curve: Curve, span: Span) -> Item<'t> {
-    if curve.control_points_mm.windows(2).all(|pair| pair[0] == pair[1]) {
+    if curve.control_points_mm().windows(2).all(|pair| pair[0] == pair[1]) {
         Item::Standstill(span)
     } else {
         Item::Curve { curve, shape: Shape::Nurbs, span }

@@ -7,7 +7,7 @@
 //! FANUC Series 30i, B-63944EN/03, section 4.12 ("optional angle chamfering and corner rounding"); SINUMERIK 840D sl, Programming
 //! Manual Fundamentals, "Chamfer, rounding".
 
-use crate::curve::Curve;
+use crate::curve::{Curve, Nurbs};
 use crate::diagnostic::Report;
 use crate::gcode::block::Block;
 use crate::gcode::modal::Modal;
@@ -57,8 +57,8 @@ impl Corner {
         };
         let are_lines = last.shape == Shape::Line && next_shape == Shape::Line && last.kind == MoveKind::Feed;
         let (Some(&[from, at]), Some(&[start, to])) = (
-            before.control_points_mm.first_chunk::<2>().filter(|_| are_lines),
-            next.control_points_mm.first_chunk::<2>().filter(|_| are_lines),
+            before.control_points_mm().first_chunk::<2>().filter(|_| are_lines),
+            next.control_points_mm().first_chunk::<2>().filter(|_| are_lines),
         ) else {
             report
                 .error(self.span, "a corner between moves that are not both straight")
@@ -89,8 +89,8 @@ impl Corner {
             return None;
         }
         let [begin, end] = [back, on].map(|way| std::array::from_fn(|axis| at[axis] + reach * way[axis]));
-        before.control_points_mm[1] = begin;
-        next.control_points_mm[0] = end;
+        before.control_points_mm_mut()[1] = begin;
+        next.control_points_mm_mut()[0] = end;
         let (curve, shape) = if self.is_round {
             (arc([begin, at, end], turn.cos()), Shape::Arc)
         } else {
@@ -110,7 +110,7 @@ fn direction(from: [f64; 3], to: [f64; 3]) -> ([f64; 3], f64) {
 /// The arc that touches two lines at its ends, as its control points and the cosine of half its angle.
 fn arc(points: [[f64; 3]; 3], middle_weight: f64) -> Curve {
     let control_points_mm = points.to_vec();
-    let dimension = Curve::dimension_of(&control_points_mm);
+    let dimension = Nurbs::dimension_of(&control_points_mm);
     let knots = vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0];
-    Curve { degree: 2, control_points_mm, dimension, weights: vec![1.0, middle_weight, 1.0], knots }
+    Nurbs { degree: 2, control_points_mm, dimension, weights: vec![1.0, middle_weight, 1.0], knots }.into()
 }

@@ -131,8 +131,7 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
         for axis in 0..3 {
             let Some(begin) = self.modal.begun[axis].take() else { continue };
             for curve in &mut self.part.curves[self.unknown_from[axis]..] {
-                curve.control_points_mm.iter_mut().for_each(|point| point[axis] = begin);
-                curve.dimension = Curve::dimension_of(&curve.control_points_mm);
+                curve.move_points(|point| point[axis] = begin);
             }
         }
     }
@@ -165,7 +164,7 @@ impl<'r, 't, 'p> Reader<'r, 't, 'p> {
             self.part.curves.push(between);
             self.part.moves.push(one);
         }
-        self.points += curve.control_points_mm.len() + POINTS_OF_A_CURVE;
+        self.points += curve.control_points_mm().len() + POINTS_OF_A_CURVE;
         let one = Move { kind, shape, feedrate_mm_per_s: feedrate, exact_stop: false, line, block };
         self.stops.push(self.part, self.end, curve, one);
     }

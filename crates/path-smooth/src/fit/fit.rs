@@ -104,8 +104,8 @@ impl Fitted {
     ) -> Result<(), FitError> {
         self.report.straight_moves += moves.len();
         self.report.longest_run = self.report.longest_run.max(moves.len());
-        let first = part.curves[moves.start].control_points_mm[0];
-        let ends = part.curves[moves.clone()].iter().map(|curve| curve.control_points_mm[1]);
+        let first = part.curves[moves.start].control_points_mm()[0];
+        let ends = part.curves[moves.clone()].iter().map(|curve| curve.control_points_mm()[1]);
         let points: Vec<[f64; 3]> = std::iter::once(first).chain(ends).collect();
         let conditions = [
             direction_beside(part, moves.start, moves.start.checked_sub(1), options),
@@ -128,7 +128,7 @@ impl Fitted {
 
     fn add_curve(&mut self, part: &Part, run: usize, fitted: &FittedCurve) {
         let own = run + fitted.moves.start..run + fitted.moves.end;
-        let dimension = part.curves[own.clone()].iter().map(|curve| curve.dimension).max().unwrap_or(3);
+        let dimension = part.curves[own.clone()].iter().map(|curve| curve.dimension()).max().unwrap_or(3);
         let exact_stop = part.moves[own.end - 1].exact_stop;
         self.path.curves.push(curve_of(&fitted.curve, dimension));
         self.path.moves.push(Move { shape: Shape::Nurbs, exact_stop, ..part.moves[own.start] });
@@ -147,7 +147,7 @@ fn end_of_run(part: &Part, begin: usize, options: &FitOptions, report: &mut FitR
     }
     let mut next = begin + 1;
     while next < part.moves.len() && is_straight_feed(part, next) && !is_divided(part, next) {
-        let [before, after] = [next - 1, next].map(|index| &part.curves[index].control_points_mm);
+        let [before, after] = [next - 1, next].map(|index| part.curves[index].control_points_mm());
         if turn_deg(&between(&before[0], &before[1]), &between(&after[0], &after[1])) > options.corner_deg {
             report.corners += 1;
             break;
@@ -159,9 +159,9 @@ fn end_of_run(part: &Part, begin: usize, options: &FitOptions, report: &mut FitR
 
 /// Whether this is a straight move at feed that has a length.
 fn is_straight_feed(part: &Part, index: usize) -> bool {
-    let points = &part.curves[index].control_points_mm;
+    let points = part.curves[index].control_points_mm();
     part.moves[index].kind == MoveKind::Feed
-        && matches!((points.as_slice(), part.curves[index].degree), ([a, b], 1) if length(&between(a, b)) > LEAST_LENGTH_MM)
+        && matches!((points, part.curves[index].degree()), ([a, b], 1) if length(&between(a, b)) > LEAST_LENGTH_MM)
 }
 
 /// Whether a move does not continue the one before it as a curve would: at a rest, at another feed, at a word, or at other
@@ -171,7 +171,7 @@ fn is_divided(part: &Part, next: usize) -> bool {
     let first = part.auxiliary.partition_point(|word| word.block < before);
     let has_word = part.auxiliary.get(first).is_some_and(|word| word.block <= after);
     let ends = [&part.curves[next - 1], &part.curves[next]];
-    let meet = ends[0].control_points_mm.last() == ends[1].control_points_mm.first();
+    let meet = ends[0].control_points_mm().last() == ends[1].control_points_mm().first();
     rest_before(part, next).is_some() || has_word || !meet
 }
 
@@ -189,7 +189,7 @@ fn direction_beside(
     }
     let is_before = beside < joint;
     let own = if is_before { joint } else { joint - 1 };
-    let chord = &part.curves[own].control_points_mm;
+    let chord = part.curves[own].control_points_mm();
     let along = end_direction(&part.curves[beside], is_before);
     match along {
         Some(along) if turn_deg(&along, &between(&chord[0], &chord[1])) <= options.corner_deg => {
@@ -201,7 +201,7 @@ fn direction_beside(
 
 /// The direction in which a curve ends or begins.
 fn end_direction(curve: &Curve, is_end: bool) -> Option<[f64; 3]> {
-    let points = &curve.control_points_mm;
+    let points = curve.control_points_mm();
     let apart = |pair: &[[f64; 3]]| pair[0] != pair[1];
     let mut pairs = points.windows(2).filter(|pair| apart(pair));
     let pair = if is_end { pairs.next_back() } else { pairs.next() }?;
@@ -294,7 +294,7 @@ mod tests {
         let fitted = fit_curves(&part, &FitOptions::within(0.05)).unwrap();
         let [arc, curve] = [0, 1].map(|index| &fitted.path.curves[index]);
         let [a, b] = [end_direction(arc, true).unwrap(), end_direction(curve, false).unwrap()];
-        assert!(turn_deg(&a, &b) < 1e-6 && curve.degree == 3, "{a:?} {b:?}");
+        assert!(turn_deg(&a, &b) < 1e-6 && curve.degree() == 3, "{a:?} {b:?}");
     }
 
     #[test]
