@@ -10,7 +10,7 @@ use nurbs_core::Differentiate;
 use real::Real;
 
 use crate::limit::axis_budget::Allowance;
-use crate::limit::sample::{LimitSample, interpolate, lowered};
+use crate::limit::sample::{LimitSample, ScannedSample, interpolate, lowered};
 use crate::limit::scan::{Scan, Scanned};
 use crate::limit::stops::release_stops;
 use crate::{KinematicLimits, LimitPoint, PlanError};
@@ -161,13 +161,13 @@ impl<R: Real> FeedLimit<R> {
             }
             previous = point.distance;
         }
-        let samples = points.iter().copied().map(LimitSample::new).collect();
+        let samples = points.iter().copied().map(ScannedSample::new).collect();
         Self::assemble(samples, Vec::new(), R::zero())
     }
 
     /// The limit through complete samples. Within `chord_error` of a stop, the chord error does not limit the feed.
     pub(crate) fn assemble(
-        mut samples: Vec<LimitSample<R>>,
+        mut samples: Vec<ScannedSample<R>>,
         corners: Vec<R>,
         chord_error: R,
     ) -> Result<Self, PlanError> {
@@ -179,10 +179,10 @@ impl<R: Real> FeedLimit<R> {
             let margin = sample.margin.max(core::mem::replace(&mut margin_after, sample.margin));
             // No stretch over which the limit could dip begins or ends with a single point.
             let margin = if sample.is_single { R::zero() } else { margin };
-            *sample = sample.with_lower(lowered(sample.point.feedrate, margin));
+            sample.lower = lowered(sample.point.feedrate, margin);
         }
         release_stops(&mut samples, chord_error);
-        Ok(Self { samples, corners, from_rest: Vec::new() })
+        Ok(Self { samples: LimitSample::all(samples), corners, from_rest: Vec::new() })
     }
 
     /// The points, in order of distance. Two points of the same distance are the limits on both sides of a joint; at a
@@ -579,7 +579,7 @@ mod tests {
     fn a_stop_releases_the_limit_within_the_chord_error_only() {
         let points =
             [(0.0, 0.0), (0.0, 0.2), (30.0, 0.8), (60.0, 0.2), (60.0, 0.0), (60.0, 0.6), (90.0, 0.6)];
-        let samples = points.map(|(distance, feed)| LimitSample::new(limit_point(distance, feed)));
+        let samples = points.map(|(distance, feed)| ScannedSample::new(limit_point(distance, feed)));
         let limit = FeedLimit::assemble(samples.to_vec(), Vec::new(), 0.01).unwrap();
         // V² is linear: 0.04 to 0.64 over 30 mm.
         let wanted = |beyond: f64| Real::sqrt(0.04 + 0.6 * beyond / 30.0);

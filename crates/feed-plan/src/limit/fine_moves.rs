@@ -46,7 +46,7 @@ use real::Real;
 use crate::limit::axis_budget::{AxisBudget, Turning};
 use crate::limit::broken_chord::{Chord, PathPoint, SLACK, crossing};
 use crate::limit::lowered_samples::{lower_acceleration_around, lower_around};
-use crate::limit::sample::LimitSample;
+use crate::limit::sample::ScannedSample;
 use crate::limit::span_walk::tangent_rounding;
 use crate::limit::vector::{across, difference, sum, unit};
 use crate::{Junction, KinematicLimits, LimitPoint};
@@ -160,7 +160,7 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
     /// tangent at a parameter.
     pub(crate) fn recall(
         &mut self,
-        samples: &[LimitSample<R>],
+        samples: &[ScannedSample<R>],
         mut place_at: impl FnMut(R) -> ([R; D], [R; D]),
     ) {
         let Some(end) = samples.last().map(|sample| sample.point) else { return };
@@ -188,7 +188,7 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
     }
 
     /// Ends the path and every chord on it. The next place begins a new path.
-    pub(crate) fn end(&mut self, samples: &mut Vec<LimitSample<R>>) {
+    pub(crate) fn end(&mut self, samples: &mut Vec<ScannedSample<R>>) {
         while let Some(at) = self.breaks.pop_front() {
             self.limit_at(at, samples);
         }
@@ -197,7 +197,7 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
 
     /// Lowers the samples around each break beyond which the path is known far enough. Forgets places that no chord
     /// reaches any more.
-    pub(crate) fn settle(&mut self, samples: &mut Vec<LimitSample<R>>) {
+    pub(crate) fn settle(&mut self, samples: &mut Vec<ScannedSample<R>>) {
         let Some(end) = self.places.last().map(|place| place.distance) else { return };
         while let Some(at) = self.breaks.front().copied().filter(|at| end - *at >= self.reach) {
             self.breaks.pop_front();
@@ -217,14 +217,14 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
     }
 
     /// Limits the feed around the break at this distance.
-    fn limit_at(&mut self, at: R, samples: &mut Vec<LimitSample<R>>) {
+    fn limit_at(&mut self, at: R, samples: &mut Vec<ScannedSample<R>>) {
         if let Some(step) = self.step_over_corner(at) {
             lower_around(samples, at, step, step / self.period);
         }
         let first = samples.partition_point(|sample| sample.point.distance < at);
         let here = samples.iter().skip(first).take_while(|sample| sample.point.distance <= at);
         let half_at =
-            |most: R, sample: &LimitSample<R>| most.min((sample.point.feedrate * self.period).half());
+            |most: R, sample: &ScannedSample<R>| most.min((sample.point.feedrate * self.period).half());
         let half_there = here.clone().fold(self.half_step, half_at);
         // A limit at one point alone does not hold for the period over the point.
         let mut half = here.filter(|sample| !sample.is_single).fold(self.half_step, half_at);
@@ -255,7 +255,7 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
     /// Limits the feed by the accelerations that turning needs; `step` is the longest step that other limits leave.
     /// Where breaks turn the path noticeably, the path keeps to its reserve of acceleration, as in a bend. On straight
     /// moves it may use all that the axes have.
-    fn limit_turning(&self, at: R, step: R, samples: &mut Vec<LimitSample<R>>) {
+    fn limit_turning(&self, at: R, step: R, samples: &mut Vec<ScannedSample<R>>) {
         let alone = self
             .turn_at(at)
             .map_or_else(R::zero, |(along, turn)| self.strain(&along, &turn.map(|x| x * step)));

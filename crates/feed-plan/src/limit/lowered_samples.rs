@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 use real::Real;
 
 use crate::LimitPoint;
-use crate::limit::sample::{LimitSample, lowered};
+use crate::limit::sample::{ScannedSample, lowered};
 
 /// If two samples are farther apart than 2⁻³ of half a chord, a lower limit may not end at either of them: a sample is
 /// added.
@@ -16,7 +16,7 @@ const NEAR: i32 = -10;
 
 /// Adds samples where a way of half that length on both sides of a place is to be lowered: at its ends, and behind the last sample that
 /// is lowered another one so far away. Without them, the limit of a whole line would be lowered, or fall all along it.
-fn split_around<R: Real>(samples: &mut Vec<LimitSample<R>>, at: R, half: R) {
+fn split_around<R: Real>(samples: &mut Vec<ScannedSample<R>>, at: R, half: R) {
     let (begin, end) = (at - half, at + half);
     split(samples, begin, half.ldexp(FINE));
     let up_to = samples.partition_point(|sample| sample.point.distance <= begin);
@@ -30,7 +30,7 @@ fn split_around<R: Real>(samples: &mut Vec<LimitSample<R>>, at: R, half: R) {
 }
 
 /// Adds a sample at a place on a straight line where the limit is constant and samples are farther than `apart`.
-fn split<R: Real>(samples: &mut Vec<LimitSample<R>>, distance: R, apart: R) {
+fn split<R: Real>(samples: &mut Vec<ScannedSample<R>>, distance: R, apart: R) {
     let next = samples.partition_point(|sample| sample.point.distance < distance);
     let before = next.checked_sub(1).and_then(|before| samples.get(before));
     let (Some(from), Some(to)) = (before, samples.get(next)) else { return };
@@ -43,14 +43,14 @@ fn split<R: Real>(samples: &mut Vec<LimitSample<R>>, distance: R, apart: R) {
         return;
     }
     let u = a.u + (b.u - a.u) * ((distance - a.distance) / length);
-    let sample = LimitSample { point: LimitPoint { distance, u, ..a }, is_single: false, ..*to };
+    let sample = ScannedSample { point: LimitPoint { distance, u, ..a }, is_single: false, ..*to };
     samples.insert(next, sample);
 }
 
 /// Lowers samples to a feed, up to and including the first place that is beyond reach; a stop ends the walk too. Returns
 /// the number of samples lowered.
 pub(crate) fn lower<'a, R: Real + 'a>(
-    samples: impl Iterator<Item = &'a mut LimitSample<R>>,
+    samples: impl Iterator<Item = &'a mut ScannedSample<R>>,
     feed: R,
     is_beyond: impl Fn(R) -> bool,
 ) -> usize {
@@ -72,7 +72,7 @@ pub(crate) fn lower<'a, R: Real + 'a>(
 }
 
 /// Lowers the samples within `half` of a place to a feed.
-pub(crate) fn lower_around<R: Real>(samples: &mut Vec<LimitSample<R>>, at: R, half: R, feed: R) {
+pub(crate) fn lower_around<R: Real>(samples: &mut Vec<ScannedSample<R>>, at: R, half: R, feed: R) {
     let (begin, end) = (at - half, at + half);
     split_around(samples, at, half);
     let first = samples.partition_point(|sample| sample.point.distance < at);
@@ -85,7 +85,7 @@ pub(crate) fn lower_around<R: Real>(samples: &mut Vec<LimitSample<R>>, at: R, ha
 
 /// Lowers a limit that holds at one point alone to the limit that holds beside the point now. A higher limit would be a
 /// summit.
-pub(crate) fn lower_single<R: Real>(samples: &mut [LimitSample<R>], single: usize) {
+pub(crate) fn lower_single<R: Real>(samples: &mut [ScannedSample<R>], single: usize) {
     let beside = |place: Option<usize>| {
         let sample = place.and_then(|place| samples.get(place))?;
         let margin = place.and_then(|place| samples.get(place + 1)).map_or_else(R::zero, |next| next.margin);
@@ -100,7 +100,7 @@ pub(crate) fn lower_single<R: Real>(samples: &mut [LimitSample<R>], single: usiz
 
 /// Leaves at most this acceleration for the path within `reach` of a place.
 pub(crate) fn lower_acceleration_around<R: Real>(
-    samples: &mut Vec<LimitSample<R>>,
+    samples: &mut Vec<ScannedSample<R>>,
     at: R,
     reach: R,
     acceleration: R,

@@ -6,6 +6,8 @@
 //! well. Between samples `V²` is taken as linear in the distance: near a sharp bend the chord limit is
 //! `√(8Eρ)/T`, so its square is as smooth as the radius, and a constant acceleration is a straight line.
 
+use alloc::vec::Vec;
+
 use real::Real;
 
 use crate::limit::axis_budget::Allowance;
@@ -23,12 +25,13 @@ pub struct LimitPoint<R> {
     pub feedrate: R,
 }
 
-/// A point of the limit, with the properties of the point and of the stretch that leads to it from the sample before.
+/// A sample while the path is scanned: a point of the limit, with the properties of the point and of the stretch that leads to it from
+/// the sample before.
 ///
 /// Within E of a stop the chord error does not limit the feed, so the sample holds its values with and without the
-/// chord error.
+/// chord error. Once all samples are known, a [`LimitSample`] is made of each.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct LimitSample<R> {
+pub(crate) struct ScannedSample<R> {
     pub(crate) point: LimitPoint<R>,
     /// `|C'|`, mm; 0 if unknown.
     pub(crate) speed: R,
@@ -48,16 +51,11 @@ pub(crate) struct LimitSample<R> {
     /// The acceleration and jerk that the axes leave for the path on the stretch if it is passed at
     /// `feedrate_beside_stop`.
     pub(crate) allowance_beside_stop: Allowance<R>,
-    /// Lower value of the limit at the point: 0 at a stop, never more than its `feedrate` elsewhere, except
-    /// next to a stop. [`FeedLimit`](crate::FeedLimit) finds it when the samples are complete.
+    /// Lower value of the limit at the point: see [`LimitSample`].
     pub(crate) lower: R,
-    /// The lower value at the end of the stretch before the point; it differs from `lower` at a stop only.
-    pub(crate) lower_before: R,
-    /// The lower value at the begin of the stretch after the point.
-    pub(crate) lower_after: R,
 }
 
-impl<R: Real> LimitSample<R> {
+impl<R: Real> ScannedSample<R> {
     /// A sample at which only the feed is limited.
     pub(crate) fn new(point: LimitPoint<R>) -> Self {
         let feedrate = point.feedrate;
@@ -72,9 +70,62 @@ impl<R: Real> LimitSample<R> {
             margin_beside_stop: R::zero(),
             allowance_beside_stop: Allowance::unlimited(),
             lower: feedrate,
-            lower_before: feedrate,
-            lower_after: feedrate,
         }
+    }
+}
+
+/// A sample of the limit, once all are known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct LimitSample<R> {
+    pub(crate) point: LimitPoint<R>,
+    /// `|C'|`, mm; 0 if unknown.
+    pub(crate) speed: R,
+    /// Whether the limit holds at this point alone, not beside it.
+    pub(crate) is_single: bool,
+    /// Whether the direction changes over the stretch before the point, or at the point by less than at a corner.
+    pub(crate) bends: bool,
+    /// The acceleration and jerk that the axes leave for the path on the stretch before the point.
+    pub(crate) allowance: Allowance<R>,
+    /// Lower value of the limit at the point: 0 at a stop, never more than its `feedrate` elsewhere, except
+    /// next to a stop. [`FeedLimit`](crate::FeedLimit) finds it when the samples are complete.
+    pub(crate) lower: R,
+    /// The lower value at the end of the stretch before the point; it differs from `lower` at a stop only.
+    pub(crate) lower_before: R,
+    /// The lower value at the begin of the stretch after the point.
+    pub(crate) lower_after: R,
+}
+
+impl<R: Real> LimitSample<R> {
+    /// The samples in this form. They take the memory of those that were scanned, and what is left of it is given back.
+    pub(crate) fn all(scanned: Vec<ScannedSample<R>>) -> Vec<Self> {
+        let one =
+            |ScannedSample {
+                 point, speed, is_single, bends, allowance, lower, feedrate_beside_stop, ..
+             }| {
+                let beside = if is_single { feedrate_beside_stop } else { lower };
+                Self {
+                    point,
+                    speed,
+                    is_single,
+                    bends,
+                    allowance,
+                    lower,
+                    lower_before: beside,
+                    lower_after: beside,
+                }
+            };
+        let mut samples: Vec<_> = scanned.into_iter().map(one).collect();
+        samples.shrink_to_fit();
+        for i in 0..samples.len() {
+            let LimitSample { is_single: true, lower_after: beside, .. } = samples[i] else { continue };
+            let most = |neighbour: Option<usize>| {
+                let neighbour = neighbour.and_then(|neighbour| samples.get(neighbour));
+                neighbour.map_or_else(R::zero, |sample| sample.lower.min(beside))
+            };
+            (samples[i].lower_before, samples[i].lower_after) =
+                (most(i.checked_sub(1)), most(i.checked_add(1)));
+        }
+        samples
     }
 
     /// The sample with the same lower value at the point and on both sides of it.

@@ -10,7 +10,7 @@ use real::Real;
 
 use crate::limit::fine_moves::FineMoves;
 use crate::limit::junctions::{Junctions, Turn};
-use crate::limit::sample::{LimitSample, lowered};
+use crate::limit::sample::{ScannedSample, lowered};
 use crate::limit::span_walk::{Sample, Sampling, Span, Station, Stretch};
 use crate::{KinematicLimits, LimitPoint, PlanError};
 
@@ -21,7 +21,7 @@ pub(crate) struct Scan<'l, R, const D: usize> {
     distance: R,
     /// Tangent and curvature vector at the end of the path so far.
     end: Option<([R; D], [R; D])>,
-    samples: Vec<LimitSample<R>>,
+    samples: Vec<ScannedSample<R>>,
     /// The limit that several breaks of the tangent within one step make together.
     fine_moves: FineMoves<R, D>,
     /// Distances at which the tangent breaks.
@@ -32,7 +32,7 @@ pub(crate) struct Scan<'l, R, const D: usize> {
 
 /// What a scan finds along a path.
 pub(crate) struct Scanned<R> {
-    pub(crate) samples: Vec<LimitSample<R>>,
+    pub(crate) samples: Vec<ScannedSample<R>>,
     /// Distances at which the tangent breaks.
     pub(crate) corners: Vec<R>,
     /// The curves that begin at rest, with their distances.
@@ -102,13 +102,13 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
     }
 
     /// The samples so far, without those forgotten.
-    pub(crate) fn samples(&self) -> &[LimitSample<R>] {
+    pub(crate) fn samples(&self) -> &[ScannedSample<R>] {
         &self.samples
     }
 
     /// The samples so far that no later curve can change. A break still to come may lower the samples that a chord over
     /// it reaches, and the sample before those.
-    pub(crate) fn settled(&self) -> &[LimitSample<R>] {
+    pub(crate) fn settled(&self) -> &[ScannedSample<R>] {
         let begin = self.fine_moves.open_from(self.distance);
         let count = self.samples.partition_point(|sample| sample.point.distance <= begin);
         self.samples.get(..count.saturating_sub(1)).unwrap_or_default()
@@ -161,7 +161,7 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
         let feedrate = stop.or_else(|| self.junctions.feed(turn.as_ref()?).filter(is_lowest));
         if let Some(feedrate) = feedrate {
             let single = self.sample(curve, &Sample { feedrate, ..*first }, None);
-            self.samples.push(LimitSample { is_single: true, ..single });
+            self.samples.push(ScannedSample { is_single: true, ..single });
         }
         if index > 0 && turn.as_ref().is_some_and(|turn| self.fine_moves.is_break(turn.size)) {
             self.recall(shape, index - 1);
@@ -176,7 +176,7 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
         }
         // A line has no samples inside that would tell its speed.
         let is_line = shape.is_line(index);
-        let is_continuation = |end: &LimitSample<R>| {
+        let is_continuation = |end: &ScannedSample<R>| {
             let is_as_fast = !is_line || end.speed == first.speed;
             end.point.curve == curve && end.point.feedrate == first.feedrate && is_as_fast
         };
@@ -232,11 +232,11 @@ impl<'l, R: Real, const D: usize> Scan<'l, R, D> {
     }
 
     /// A sample of the limit at the end of the path, with the stretch that leads there.
-    fn sample(&self, curve: usize, at: &Sample<R, D>, before: Option<&Stretch<R>>) -> LimitSample<R> {
+    fn sample(&self, curve: usize, at: &Sample<R, D>, before: Option<&Stretch<R>>) -> ScannedSample<R> {
         let &Sample { u, speed, feedrate, beside_stop, .. } = at;
         let point = LimitPoint { distance: self.distance, curve, u, feedrate };
-        let sample = LimitSample { speed, feedrate_beside_stop: beside_stop, ..LimitSample::new(point) };
-        before.map_or(sample, |stretch| LimitSample {
+        let sample = ScannedSample { speed, feedrate_beside_stop: beside_stop, ..ScannedSample::new(point) };
+        before.map_or(sample, |stretch| ScannedSample {
             bends: stretch.bends,
             margin: stretch.course.margin,
             allowance: stretch.allowance,

@@ -9,7 +9,7 @@ use alloc::collections::VecDeque;
 
 use real::Real;
 
-use crate::limit::sample::{LimitSample, interpolate, lowered};
+use crate::limit::sample::{ScannedSample, interpolate, lowered};
 
 /// Lets the limit jump at stops: within `reach` of a stop, the limit at the distance `reach` from it holds. On the
 /// stretch that leads on from there, at a distance x of the stop, V² is above the limit's square by no more than
@@ -18,7 +18,7 @@ use crate::limit::sample::{LimitSample, interpolate, lowered};
 /// The time is linear in the number of points, however many stops are within reach of each other. The search for points
 /// within reach of a stop goes on where it ended for the stop before. A point is lifted once, when it is asked for, to
 /// the highest of the limits from the stops on either side.
-pub(crate) fn release_stops<R: Real>(samples: &mut [LimitSample<R>], reach: R) {
+pub(crate) fn release_stops<R: Real>(samples: &mut [ScannedSample<R>], reach: R) {
     let (mut behind, mut next) = (0, 0); // Points before `behind` are beyond reach, and so are those from `next` on.
     let (mut ahead, mut back) = (Lifts::default(), Lifts::default());
     for i in 0..samples.len() {
@@ -27,7 +27,7 @@ pub(crate) fn release_stops<R: Real>(samples: &mut [LimitSample<R>], reach: R) {
             continue;
         }
         let here = samples[i].point.distance;
-        let is_beyond = |sample: &LimitSample<R>| (sample.point.distance - here).abs() > reach;
+        let is_beyond = |sample: &ScannedSample<R>| (sample.point.distance - here).abs() > reach;
         next = next.max(i);
         while samples.get(next).is_some_and(|sample| !is_beyond(sample)) {
             next += 1;
@@ -43,14 +43,6 @@ pub(crate) fn release_stops<R: Real>(samples: &mut [LimitSample<R>], reach: R) {
     }
     for i in behind..samples.len() {
         lift(samples, i, back.at(i));
-    }
-    for i in 0..samples.len() {
-        let LimitSample { is_single: true, feedrate_beside_stop: beside, .. } = samples[i] else { continue };
-        let most = |neighbour: Option<usize>| {
-            let neighbour = neighbour.and_then(|neighbour| samples.get(neighbour));
-            neighbour.map_or_else(R::zero, |sample| sample.lower.min(beside))
-        };
-        (samples[i].lower_before, samples[i].lower_after) = (most(i.checked_sub(1)), most(i.checked_add(1)));
     }
 }
 
@@ -92,7 +84,7 @@ impl<R: Real> Lifts<R> {
 }
 
 /// The limit at a distance between point `next` and the one before it; 0 beyond the ends.
-fn limit_between<R: Real>(samples: &[LimitSample<R>], next: usize, distance: R) -> R {
+fn limit_between<R: Real>(samples: &[ScannedSample<R>], next: usize, distance: R) -> R {
     let at = |k: usize| samples.get(k).map(|sample| (sample.point.distance, sample.lower));
     match (next.checked_sub(1).and_then(at), at(next)) {
         (Some(before), Some(after)) => interpolate(before, after, distance),
@@ -101,7 +93,7 @@ fn limit_between<R: Real>(samples: &[LimitSample<R>], next: usize, distance: R) 
 }
 
 /// Lifts the limit at a point to `at_least`, but no higher than the limit beside a stop.
-fn lift<R: Real>(samples: &mut [LimitSample<R>], i: usize, at_least: R) {
+fn lift<R: Real>(samples: &mut [ScannedSample<R>], i: usize, at_least: R) {
     let Some((sample, behind)) = samples.get_mut(i..).and_then(<[_]>::split_first_mut) else { return };
     if !(at_least > R::zero()) || (sample.is_single && sample.lower > R::zero()) {
         return;
@@ -113,7 +105,7 @@ fn lift<R: Real>(samples: &mut [LimitSample<R>], i: usize, at_least: R) {
     if !(lifted > sample.lower) {
         return;
     }
-    *sample = LimitSample { is_single: false, ..sample.with_lower(lifted) };
+    (sample.is_single, sample.lower) = (false, lifted);
     for beside in core::iter::once(sample).chain(next) {
         beside.allowance = beside.allowance.min(beside.allowance_beside_stop);
     }
@@ -129,11 +121,14 @@ mod tests {
     use nurbs_core::{Differentiate, NurbsCurve, curvature_vector, radius};
     use proptest::prelude::*;
 
-    fn samples(steps: &[(f64, f64, f64)]) -> Vec<LimitSample<f64>> {
+    fn samples(steps: &[(f64, f64, f64)]) -> Vec<ScannedSample<f64>> {
         let mut distance = 0.0;
         let sample = |&(step, feedrate, beside): &(f64, f64, f64)| {
             distance += step;
-            LimitSample { feedrate_beside_stop: beside, ..LimitSample::new(limit_point(distance, feedrate)) }
+            ScannedSample {
+                feedrate_beside_stop: beside,
+                ..ScannedSample::new(limit_point(distance, feedrate))
+            }
         };
         steps.iter().map(sample).collect()
     }

@@ -6,7 +6,7 @@ use nurbs_core::Differentiate;
 use real::Real;
 
 use crate::chords::shortfall::Path;
-use crate::limit::sample::LimitSample;
+use crate::limit::sample::ScannedSample;
 use crate::limit::scan::Scan;
 use crate::{FeedLimit, KinematicLimits, PlanError};
 
@@ -116,7 +116,7 @@ impl<'l, R: Real, const D: usize, C: Differentiate<R, D>, I: Iterator<Item = Com
         if let Some(first) = self.scan.samples().first() {
             self.source.forget_before(first.point.curve);
         }
-        let is_in_view = |sample: &LimitSample<R>| sample.point.distance - begin >= self.window;
+        let is_in_view = |sample: &ScannedSample<R>| sample.point.distance - begin >= self.window;
         while self.source.at.is_some() && !self.scan.settled().last().is_some_and(is_in_view) {
             self.source.pass(&mut self.scan)?;
             if self.source.at.is_none() {

@@ -14,40 +14,46 @@ const MOST_LOSS: f64 = 32768.0;
 /// example where the weights of a cubic differ more than eightfold.
 #[derive(Clone, Debug)]
 pub enum FastCurve<'a, const D: usize> {
-    /// One polynomial of degree 1 in all. A program has millions of them, so it owns nothing on the heap.
-    Line(FastLine<D>),
+    /// One polynomial of degree 1 in all. A program has millions of them, so it owns nothing.
+    Line(FastLine<'a, D>),
     /// One polynomial a span.
     Polynomials(Box<PowerCurve<D>>),
     /// Basis functions.
-    Basis(NurbsCurve<'a, f64, D>),
+    Basis(Box<NurbsCurve<'a, f64, D>>),
 }
 
 /// The straight line `A + t (B - A)`, `t = (u - u₀)/(u₁ - u₀)`: what [`PowerCurve`] makes of it, bit by bit.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FastLine<const D: usize> {
-    domain: (f64, f64),
-    reciprocal: f64,
-    origin: [f64; D],
-    way: [f64; D],
+pub struct FastLine<'a, const D: usize> {
+    ends: &'a [[f64; D]; 2],
+    knots: &'a [f64; 4],
 }
 
-impl<const D: usize> FastLine<D> {
+impl<'a, const D: usize> FastLine<'a, D> {
     /// The form of a curve that is one line; `None` for any other.
-    fn of(curve: &NurbsCurve<'_, f64, D>) -> Option<Self> {
-        let [origin, end] = *curve.control_points().as_array()?;
-        let domain = curve.domain();
-        let line = Self { domain, reciprocal: 1.0 / (domain.1 - domain.0), origin, way: sub(&end, &origin) };
+    fn of(curve: &NurbsCurve<'a, f64, D>) -> Option<Self> {
+        let line =
+            Self { ends: curve.control_points().as_array()?, knots: curve.knots().as_slice().as_array()? };
         (curve.degree() == 1 && curve.weights().is_none()).then_some(line)
+    }
+
+    fn reciprocal(&self) -> f64 {
+        let (first, last) = self.domain();
+        1.0 / (last - first)
+    }
+
+    fn way(&self) -> [f64; D] {
+        sub(&self.ends[1], &self.ends[0])
     }
 }
 
-impl<const D: usize> Evaluate<f64, D> for FastLine<D> {
+impl<const D: usize> Evaluate<f64, D> for FastLine<'_, D> {
     fn domain(&self) -> (f64, f64) {
-        self.domain
+        (self.knots[0], self.knots[3])
     }
 
     fn point(&self, u: f64) -> [f64; D] {
-        add(&scaled(&self.way, (u - self.domain.0) * self.reciprocal), &self.origin)
+        add(&scaled(&self.way(), (u - self.knots[0]) * self.reciprocal()), &self.ends[0])
     }
 
     fn span_count(&self) -> usize {
@@ -55,13 +61,13 @@ impl<const D: usize> Evaluate<f64, D> for FastLine<D> {
     }
 
     fn span_bounds(&self, _: usize) -> (f64, f64) {
-        self.domain
+        self.domain()
     }
 }
 
-impl<const D: usize> Differentiate<f64, D> for FastLine<D> {
+impl<const D: usize> Differentiate<f64, D> for FastLine<'_, D> {
     fn derivatives(&self, u: f64) -> Derivatives<f64, D> {
-        Derivatives { point: self.point(u), first: scaled(&self.way, self.reciprocal), second: [0.0; D] }
+        Derivatives { point: self.point(u), first: scaled(&self.way(), self.reciprocal()), second: [0.0; D] }
     }
 
     fn derivatives_in(&self, _: usize, u: f64) -> Derivatives<f64, D> {
@@ -82,7 +88,7 @@ impl<'a, const D: usize> FastCurve<'a, D> {
         } else if loss(&curve) <= MOST_LOSS {
             Self::Polynomials(Box::new(PowerCurve::new::<f64>(&curve)))
         } else {
-            Self::Basis(curve)
+            Self::Basis(Box::new(curve))
         }
     }
 }

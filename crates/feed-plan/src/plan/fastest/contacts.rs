@@ -9,6 +9,7 @@ use alloc::vec::Vec;
 
 use real::Real;
 
+use crate::plan::fastest::grid::Node;
 use crate::plan::fastest::motion::State;
 use crate::plan::fastest::valleys::Carrier;
 
@@ -24,15 +25,15 @@ pub(crate) struct Cap<R> {
 }
 
 /// The profile by its nodes.
-pub(crate) struct Profile<R> {
-    pub(crate) places: Vec<R>,
+pub(crate) struct Profile<'a, R> {
+    pub(crate) nodes: &'a [Node<R>],
     pub(crate) carriers: Vec<Carrier<R>>,
     pub(crate) jerk: R,
 }
 
-impl<R: Real> Profile<R> {
+impl<R: Real> Profile<'_, R> {
     pub(crate) fn state(&self, node: usize) -> State<R> {
-        State { s: self.places[node], v: self.carriers[node].v, a: self.carriers[node].a }
+        State { s: self.nodes[node].s, v: self.carriers[node].v, a: self.carriers[node].a }
     }
 
     /// The state of the motion through a node, which is at the distance `s`, at a time from it, and its jerk there.
@@ -44,17 +45,17 @@ impl<R: Real> Profile<R> {
 
     /// The cap near the arc from one node to another that takes this time; `None` if none is found.
     pub(crate) fn cap(&self, [mut from, mut to]: [usize; 2], time: R) -> Option<Cap<R>> {
-        let last = self.places.len() - 1;
+        let last = self.nodes.len() - 1;
         let mut guess = [R::zero(), time, R::zero()];
         for _ in 0..MOVES {
             let [t1, h, t2] = self.tangent([from, to], guess)?;
-            let (begin, _) = self.near(from, self.places[from], t1);
-            let (end, _) = self.near(to, self.places[to], t2);
+            let (begin, _) = self.near(from, self.nodes[from].s, t1);
+            let (end, _) = self.near(to, self.nodes[to].s, t2);
             // A motion through a node says little beyond the next one.
             let nearer = |node: usize, s: R| {
-                if node > 0 && s < self.places[node - 1] {
+                if node > 0 && s < self.nodes[node - 1].s {
                     node - 1
-                } else if node < last && s > self.places[node + 1] {
+                } else if node < last && s > self.nodes[node + 1].s {
                     node + 1
                 } else {
                     node
@@ -79,7 +80,7 @@ impl<R: Real> Profile<R> {
     fn tangent(&self, [from, to]: [usize; 2], [mut t1, mut h, mut t2]: [R; 3]) -> Option<[R; 3]> {
         let down = R::zero() - self.jerk;
         let mut is_found = false;
-        let between = self.places[to] - self.places[from];
+        let between = self.nodes[to].s - self.nodes[from].s;
         for _ in 0..STEPS {
             // From the first node on: a distance from the path's begin would be too coarse.
             let (begin, j1) = self.near(from, R::zero(), t1);

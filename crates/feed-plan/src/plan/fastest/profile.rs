@@ -19,15 +19,13 @@ const ON_CAP: i32 = 8;
 /// acceleration `start`, the last without.
 pub(crate) fn states<R: Real>(nodes: &[Node<R>], start: R, bounds: &Bounds<R>) -> Vec<State<R>> {
     let (acceleration, jerk, gap) = (bounds.acceleration, bounds.jerk, bounds.gap());
-    let places: Vec<R> = nodes.iter().map(|node| node.s).collect();
-    let feeds: Vec<R> = nodes.iter().map(|node| node.free).collect();
-    let at = |k: usize| (places[k], feeds[k]);
-    let cells = Cells::new(nodes.len(), at);
-    let bends = bends(&feeds, &cells, &caps(nodes.len(), at, jerk), acceleration, jerk);
-    let carriers = valleys(&places, &feeds, &cells, bends, start, [acceleration, jerk]);
-    drop((feeds, cells));
-    let contacts = caps(nodes.len(), |k| (places[k], carriers[k].v), jerk);
-    let profile = Profile { places, carriers, jerk };
+    let cells = Cells::new(nodes);
+    let bends =
+        bends(nodes, &cells, &caps(nodes.len(), |k| (nodes[k].s, nodes[k].free), jerk), acceleration, jerk);
+    let carriers = valleys(nodes, &cells, bends, start, [acceleration, jerk]);
+    drop(cells);
+    let contacts = caps(nodes.len(), |k| (nodes[k].s, carriers[k].v), jerk);
+    let profile = Profile { nodes, carriers, jerk };
     let mut states: Vec<State<R>> = Vec::with_capacity(nodes.len());
     states.push(profile.state(0));
     let mut fixed = 1;
@@ -46,7 +44,7 @@ pub(crate) fn states<R: Real>(nodes: &[Node<R>], start: R, bounds: &Bounds<R>) -
             states.push(state);
         }
     }
-    let end = profile.state(profile.places.len() - 1);
+    let end = profile.state(nodes.len() - 1);
     while states.len() > 1 && states.last().is_some_and(|last| last.s >= end.s) {
         states.pop();
     }

@@ -11,6 +11,7 @@ use alloc::vec::Vec;
 use real::Real;
 
 use crate::plan::fastest::caps::Contact;
+use crate::plan::fastest::grid::Node;
 
 /// A bend goes on if it does within this share of the time A/J, as a power of two.
 const REACH: i32 = -2;
@@ -41,29 +42,18 @@ pub(crate) struct Cells<R> {
 }
 
 impl<R: Real> Cells<R> {
-    pub(crate) fn new(count: usize, at: impl Fn(usize) -> (R, R)) -> Self {
+    pub(crate) fn new(nodes: &[Node<R>]) -> Self {
+        let count = nodes.len();
         let mut cells = Self { acceleration: Vec::with_capacity(count), time: Vec::with_capacity(count) };
-        for k in 1..count {
-            let ((s0, v0), (s1, v1)) = (at(k - 1), at(k));
-            let sum = v0 + v1;
-            let time = if sum > R::zero() { (s1 - s0).ldexp(1) / sum } else { R::zero() };
-            cells.acceleration.push(if time > R::zero() { (v1 - v0) / time } else { R::zero() });
+        for pair in nodes.windows(2) {
+            let (from, to) = (&pair[0], &pair[1]);
+            let sum = from.free + to.free;
+            let time = if sum > R::zero() { (to.s - from.s).ldexp(1) / sum } else { R::zero() };
+            let rise = to.free - from.free;
+            cells.acceleration.push(if time > R::zero() { rise / time } else { R::zero() });
             cells.time.push(time);
         }
         cells
-    }
-
-    /// The acceleration at a node, exact where that changes linearly in time.
-    pub(crate) fn at_node(&self, k: usize) -> R {
-        let last = self.time.len();
-        if k == 0 || k >= last {
-            let cell = k.min(last.saturating_sub(1));
-            return self.acceleration.get(cell).copied().unwrap_or(R::zero());
-        }
-        let (before, behind) = (self.time[k - 1], self.time[k]);
-        let (a, b) = (self.acceleration[k - 1], self.acceleration[k]);
-        let sum = before + behind;
-        if sum > R::zero() { a + (b - a) * (before / sum) } else { a }
     }
 
     fn is_sharp(&self, k: usize, jerk: R) -> bool {
@@ -77,17 +67,17 @@ impl<R: Real> Cells<R> {
 
 /// The bend at each node.
 pub(crate) fn bends<R: Real>(
-    feeds: &[R],
+    nodes: &[Node<R>],
     cells: &Cells<R>,
     contacts: &[Contact<R>],
     acceleration: R,
     jerk: R,
 ) -> Vec<Bend<R>> {
-    let mut bends: Vec<Bend<R>> = feeds.iter().map(|_| Bend::Mild).collect();
+    let mut bends: Vec<Bend<R>> = nodes.iter().map(|_| Bend::Mild).collect();
     let mut contacts = contacts.iter().peekable();
     let reach = (acceleration / jerk).ldexp(REACH);
     let mut k = 0;
-    while k < feeds.len() {
+    while k < nodes.len() {
         if !cells.is_sharp(k, jerk) {
             k += 1;
             continue;
@@ -102,7 +92,7 @@ pub(crate) fn bends<R: Real>(
         let touch = touched.map(|(_, arrival, departure, _)| {
             let theta = wanted(arrival, departure);
             let place = (first..last).find(|k| cells.acceleration[*k] >= theta).unwrap_or(last);
-            let most = (jerk * feeds[place]).ldexp(1).sqrt() * R::from_ratio(9, 10);
+            let most = (jerk * nodes[place].free).ldexp(1).sqrt() * R::from_ratio(9, 10);
             let most = most.min(acceleration);
             let most = |a: R| a.min(most).max(R::zero() - most);
             let between = [cells.acceleration[place - 1], cells.acceleration[place]];

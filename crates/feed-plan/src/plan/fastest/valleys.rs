@@ -9,6 +9,7 @@ use alloc::vec::Vec;
 
 use real::Real;
 
+use crate::plan::fastest::grid::Node;
 use crate::plan::fastest::motion::time_over;
 use crate::plan::fastest::touches::{Bend, Cells, Touch};
 
@@ -33,72 +34,110 @@ pub(crate) struct Carrier<R> {
 struct Reached<R> {
     v: R,
     a: R,
-    /// Whether an arc leads on from here, and with which jerk.
-    behind: Option<R>,
+    /// The jerk of the arc that leads on from here; [`no_arc`] where none does.
+    behind: R,
     /// The same for the arc that leads here.
-    before: Option<R>,
+    before: R,
     /// The node from which the last arc began.
-    origin: usize,
+    origin: u32,
+}
+
+/// The jerk of no arc: that of the profile is unknown there.
+fn no_arc<R: Real>() -> R {
+    R::max_value()
+}
+
+/// The nodes of a section with the bends at them, forwards or backwards in time.
+struct Way<'a, R> {
+    nodes: &'a [Node<R>],
+    cells: &'a Cells<R>,
+    bends: &'a [Bend<R>],
+    is_backward: bool,
+}
+
+impl<R: Real> Way<'_, R> {
+    /// The number of the node that is passed as number `k`.
+    fn node(&self, k: usize) -> usize {
+        if self.is_backward { self.nodes.len() - 1 - k } else { k }
+    }
+
+    fn feed(&self, k: usize) -> R {
+        self.nodes[self.node(k)].free
+    }
+
+    fn length_behind(&self, k: usize) -> R {
+        (self.nodes[self.node(k + 1)].s - self.nodes[self.node(k)].s).abs()
+    }
+
+    fn bend(&self, k: usize) -> Bend<R> {
+        let bend = self.bends[self.node(k)];
+        if self.is_backward { mirrored(bend) } else { bend }
+    }
+
+    /// Acceleration of the jerk-free profile from a node to the next, and the time.
+    fn cell(&self, k: usize) -> (R, R) {
+        if !self.is_backward {
+            return (self.cells.acceleration[k], self.cells.time[k]);
+        }
+        let cell = self.node(k + 1);
+        (R::zero() - self.cells.acceleration[cell], self.cells.time[cell])
+    }
+
+    /// The acceleration at a node, exact where that changes linearly in time.
+    fn acceleration_at(&self, k: usize) -> R {
+        let last = self.cells.time.len();
+        if k == 0 || k >= last {
+            return last.checked_sub(1).map_or(R::zero(), |last| self.cell(k.min(last)).0);
+        }
+        let ((a, before), (b, behind)) = (self.cell(k - 1), self.cell(k));
+        let sum = before + behind;
+        if sum > R::zero() { a + (b - a) * (before / sum) } else { a }
+    }
 }
 
 /// The least of the jerk-free profile and the arcs through its touches.
 pub(crate) fn valleys<R: Real>(
-    places: &[R],
-    feeds: &[R],
+    nodes: &[Node<R>],
     cells: &Cells<R>,
     mut bends: Vec<Bend<R>>,
     start: R,
-    [acceleration, jerk]: [R; 2],
+    most: [R; 2],
 ) -> Vec<Carrier<R>> {
-    let count = feeds.len();
-    let reversed_places: Vec<R> = places.iter().rev().map(|s| R::zero() - *s).collect();
-    let reversed_feeds: Vec<R> = feeds.iter().rev().copied().collect();
-    let backward_cells = Cells::new(count, |k| (reversed_places[k], reversed_feeds[k]));
-    let (mut forward, mut backward) = (Vec::new(), Vec::new());
-    for round in 0..ROUNDS {
-        forward = climb(places, feeds, cells, &bends, start, [acceleration, jerk]);
-        let is_turned = settle(&mut bends, feeds, &forward, Side::Behind, round < TURNS);
-        let reversed: Vec<_> = bends.iter().rev().map(|bend| mirrored(*bend)).collect();
-        let (rest, most) = (R::zero(), [acceleration, jerk]);
-        backward = climb(&reversed_places, &reversed_feeds, &backward_cells, &reversed, rest, most);
+    let count = nodes.len();
+    let mut round = 0;
+    let (forward, backward) = loop {
+        let forward = climb(&Way { nodes, cells, bends: &bends, is_backward: false }, start, most);
+        let is_turned = settle(&mut bends, nodes, &forward, Side::Behind, round < TURNS);
+        let mut backward = climb(&Way { nodes, cells, bends: &bends, is_backward: true }, R::zero(), most);
         backward.reverse();
-        backward.iter_mut().for_each(|reached| reached.origin = count - 1 - reached.origin);
-        let is_changed = settle(&mut bends, feeds, &backward, Side::Before, round < TURNS);
-        if !(is_turned || is_changed) {
-            break;
+        let is_changed = settle(&mut bends, nodes, &backward, Side::Before, round < TURNS);
+        round += 1;
+        if round == ROUNDS || !(is_turned || is_changed) {
+            break (forward, backward);
         }
-    }
-    drop((reversed_places, reversed_feeds, backward_cells));
+    };
+    let way = Way { nodes, cells, bends: &bends, is_backward: false };
     let mut carriers: Vec<_> = (0..count)
         .map(|k| {
             let (f, b) = (forward[k], backward[k]);
             let from_b = Reached { a: R::zero() - b.a, behind: b.before, before: b.behind, ..b };
             let (one, is_touch) = match bends[k] {
                 Bend::Touch(touch) => {
-                    let both = Reached {
-                        v: feeds[k],
-                        a: touch.theta,
-                        behind: f.behind,
-                        before: b.behind,
-                        origin: k,
-                    };
-                    (both, true)
+                    (Reached { v: nodes[k].free, a: touch.theta, before: b.behind, ..f }, true)
                 }
                 // The end is passed without acceleration.
                 _ if k == 0 || k + 1 == count => {
                     let a = if k == 0 { start } else { R::zero() };
-                    (Reached { v: feeds[k], a, behind: f.behind, before: b.behind, origin: k }, true)
+                    (Reached { v: nodes[k].free, a, before: b.behind, ..f }, true)
                 }
-                _ if f.v < b.v || (f.v == b.v && f.before.is_some() && b.behind.is_none()) => (f, false),
-                _ if b.v < f.v || b.behind.or(b.before).is_some() => (from_b, false),
-                _ => (Reached { a: cells.at_node(k), ..f }, false),
+                _ if f.v < b.v || (f.v == b.v && f.before != no_arc() && b.behind == no_arc()) => (f, false),
+                _ if b.v < f.v || b.behind != no_arc() || b.before != no_arc() => (from_b, false),
+                _ => (Reached { a: way.acceleration_at(k), ..f }, false),
             };
-            let unknown = R::max_value();
-            let jerk_before = one.before.unwrap_or(unknown);
-            Carrier { v: one.v, a: one.a, jerk_before, jerk_behind: one.behind.unwrap_or(unknown), is_touch }
+            Carrier { v: one.v, a: one.a, jerk_before: one.before, jerk_behind: one.behind, is_touch }
         })
         .collect();
-    along_the_limit(&mut carriers, places, jerk);
+    along_the_limit(&mut carriers, nodes, most[1]);
     carriers
 }
 
@@ -126,7 +165,7 @@ enum Side {
 /// passes below is none. Whether anything is changed that this pass, or the other one, depends on.
 fn settle<R: Real>(
     bends: &mut [Bend<R>],
-    feeds: &[R],
+    nodes: &[Node<R>],
     reached: &[Reached<R>],
     side: Side,
     turns: bool,
@@ -135,15 +174,16 @@ fn settle<R: Real>(
     let mut last_turned = None;
     for k in 0..bends.len() {
         let (Bend::Touch(_), Some(here)) = (bends[k], reached.get(k)) else { continue };
-        if !(here.v < feeds[k] - feeds[k].ldexp(-30)) || last_turned == Some(here.origin) {
+        let (feed, origin) = (nodes[k].free, here.origin as usize);
+        if !(here.v < feed - feed.ldexp(-30)) || last_turned == Some(origin) {
             continue;
         }
-        let turned = match bends.get_mut(here.origin) {
-            Some(Bend::Touch(touch)) if turns && here.origin != k => touch.turn(side),
+        let turned = match bends.get_mut(origin) {
+            Some(Bend::Touch(touch)) if turns && origin != k => touch.turn(side),
             _ => false,
         };
         if turned {
-            last_turned = Some(here.origin);
+            last_turned = Some(origin);
             is_changed = true;
         } else {
             bends[k] = Bend::Mild;
@@ -168,48 +208,44 @@ impl<R: Real> Touch<R> {
 }
 
 /// One pass: from the begin with the acceleration `start`, and from each touch an arc until it meets the jerk-free profile.
-fn climb<R: Real>(
-    places: &[R],
-    feeds: &[R],
-    cells: &Cells<R>,
-    bends: &[Bend<R>],
-    start: R,
-    [acceleration, jerk]: [R; 2],
-) -> Vec<Reached<R>> {
-    let mut reached = Vec::with_capacity(feeds.len());
-    let Some(first) = feeds.first() else { return reached };
-    let mut here = Reached { v: *first, a: start, behind: Some(jerk), before: None, origin: 0 };
-    for k in 0..feeds.len() {
-        let is_free = here.v >= feeds[k];
+fn climb<R: Real>(way: &Way<'_, R>, start: R, [acceleration, jerk]: [R; 2]) -> Vec<Reached<R>> {
+    let count = way.nodes.len();
+    let mut reached = Vec::with_capacity(count);
+    if count == 0 {
+        return reached;
+    }
+    let origin_at = |k: usize| u32::try_from(way.node(k)).unwrap_or(u32::MAX);
+    let mut here = Reached { v: way.feed(0), a: start, behind: jerk, before: no_arc(), origin: origin_at(0) };
+    for k in 0..count {
+        let is_free = here.v >= way.feed(k);
         if k > 0 {
-            here.behind = match bends[k] {
-                _ if !is_free => Some(jerk),
+            here.behind = match way.bend(k) {
+                _ if !is_free => jerk,
                 Bend::Touch(touch) => {
-                    (here.a, here.origin) = (touch.theta, k);
-                    Some(jerk)
+                    (here.a, here.origin) = (touch.theta, origin_at(k));
+                    jerk
                 }
                 Bend::Behind(theta) => {
-                    (here.a, here.origin) = (cells.acceleration[k - 1].max(theta), k);
-                    Some(jerk)
+                    (here.a, here.origin) = (way.cell(k - 1).0.max(theta), origin_at(k));
+                    jerk
                 }
                 _ => {
-                    here.a = cells.at_node(k);
-                    None
+                    here.a = way.acceleration_at(k);
+                    no_arc()
                 }
             };
         }
-        let Some(to) = feeds.get(k + 1) else {
+        if k + 1 == count {
             reached.push(here);
             break;
-        };
-        let length = places[k + 1] - places[k];
-        let origin = here.origin;
-        let mut next = Reached { v: *to, a: R::zero(), behind: None, before: None, origin };
-        if here.behind.is_some() {
-            let (v, a, used) = step(length, (here.v, here.a), acceleration, jerk);
-            here.behind = Some(used);
-            if v < *to {
-                next = Reached { v, a, behind: None, before: Some(used), origin };
+        }
+        let (to, origin) = (way.feed(k + 1), here.origin);
+        let mut next = Reached { v: to, a: R::zero(), behind: no_arc(), before: no_arc(), origin };
+        if here.behind != no_arc() {
+            let (v, a, used) = step(way.length_behind(k), (here.v, here.a), acceleration, jerk);
+            here.behind = used;
+            if v < to {
+                next = Reached { v, a, before: used, ..next };
             }
         }
         reached.push(here);
@@ -238,8 +274,8 @@ fn step<R: Real>(length: R, (v, a): (R, R), acceleration: R, jerk: R) -> (R, R, 
 
 /// The jerk where the profile follows the limit: by the accelerations of neighbouring nodes that do so too, at most half of J either
 /// way, so that a cap can be told from it.
-fn along_the_limit<R: Real>(carriers: &mut [Carrier<R>], places: &[R], jerk: R) {
-    let unknown = R::max_value();
+fn along_the_limit<R: Real>(carriers: &mut [Carrier<R>], nodes: &[Node<R>], jerk: R) {
+    let unknown = no_arc();
     let most = jerk.half();
     let mut before: Option<R> = None;
     for k in 0..carriers.len() {
@@ -255,7 +291,7 @@ fn along_the_limit<R: Real>(carriers: &mut [Carrier<R>], places: &[R], jerk: R) 
         let Some(to) = carriers.get(k + 1).copied() else { break };
         let sum = from.v + to.v;
         if to.jerk_before == unknown && sum > R::zero() {
-            let time = (places[k + 1] - places[k]).ldexp(1) / sum;
+            let time = (nodes[k + 1].s - nodes[k].s).ldexp(1) / sum;
             let change = if time > R::zero() { (to.a - from.a) / time } else { R::zero() };
             let change = change.min(most).max(R::zero() - most);
             carriers[k].jerk_behind = change;
