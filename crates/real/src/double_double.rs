@@ -153,8 +153,11 @@ impl Real for DoubleDouble {
         Self::from(f64::EPSILON * f64::EPSILON)
     }
 
+    #[inline]
     fn from_ratio(numerator: i32, denominator: i32) -> Self {
-        Self::from(f64::from(numerator)) / Self::from(f64::from(denominator))
+        let numerator = Self::from(f64::from(numerator));
+        // Most ratios in the formulas of a plan are whole numbers, and a quotient is the dearest operation.
+        if denominator == 1 { numerator } else { numerator / Self::from(f64::from(denominator)) }
     }
 
     #[inline]

@@ -181,20 +181,20 @@ fn from_rest_to_rest<R: Real>(nodes: &[Node<R>], most: &Most<R>) -> Option<Vec<N
     if first.v.is_zero() {
         lower_from_rest(&mut bounds, most);
     }
-    let mut mirrored = mirror(&bounds);
     if last.v.is_zero() {
-        lower_from_rest(&mut mirrored, most);
+        mirror(&mut bounds);
+        lower_from_rest(&mut bounds, most);
+        mirror(&mut bounds);
     }
-    Some(mirror(&mirrored))
+    Some(bounds)
 }
 
 /// The bound between two rests.
 fn of_section<R: Real>(nodes: &[Node<R>], most: &Most<R>) -> Option<R> {
     let (first, last) = (nodes.first()?, nodes.last()?);
-    let bounds = from_rest_to_rest(nodes, most)?;
-    let contacts = caps(bounds.len(), |k| (bounds[k].s, bounds[k].v), most.jerk);
-    // The profile P at all nodes.
-    let mut profile = bounds.clone();
+    // The profile P at all nodes, once the caps are followed.
+    let mut profile = from_rest_to_rest(nodes, most)?;
+    let contacts = caps(profile.len(), |k| (profile[k].s, profile[k].v), most.jerk);
     // A rest is a place of its own, whose θ is zero.
     let at_rest = |node: usize| Touch { node, ends: [R::zero(); 2], jump: R::max_value() };
     let end = profile.len() - 1;
@@ -326,8 +326,12 @@ fn add<R: Real>(places: &mut Vec<Touch<R>>, place: Touch<R>) {
     }
 }
 
-fn mirror<R: Real>(nodes: &[Node<R>]) -> Vec<Node<R>> {
-    nodes.iter().rev().map(|&Node { s, v, t }| Node { s: R::zero() - s, v, t: R::zero() - t }).collect()
+/// Reverses the way.
+fn mirror<R: Real>(nodes: &mut [Node<R>]) {
+    nodes.reverse();
+    for node in nodes {
+        (node.s, node.t) = (R::zero() - node.s, R::zero() - node.t);
+    }
 }
 
 /// Puts the feeds of an arc of jerk -J between two nodes; those at both are there.
@@ -458,7 +462,9 @@ fn of_window<R: Real>(
     let whole = time_below(&profile[begin..=end], most.jerk);
     let of = |place: &Touch<R>| {
         let node = place.node.max(begin).min(end);
-        by_place(&mirror(&profile[begin..=node]), &profile[node..=end], place.ends, most)
+        let mut before = profile[begin..=node].to_vec();
+        mirror(&mut before);
+        by_place(&before, &profile[node..=end], place.ends, most)
     };
     places.iter().map(of).fold(whole, R::max)
 }

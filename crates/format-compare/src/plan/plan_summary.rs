@@ -105,6 +105,9 @@ impl PlanSummary {
     pub fn of<const D: usize>(plan: &ExactPlan, problem: &Problem<D>) -> Result<Self, Refusal> {
         let t = problem.period_s();
         let feed_limit = plan.limit(problem)?;
+        let curves = problem.fast_curves();
+        // Before the rows, since the bounds take much memory for a while.
+        let [jerk_free_time_s, least_time_s] = bounds_s(plan, problem, &curves, feed_limit)?;
         let stages: Vec<StageRow> = plan
             .arcs()
             .stages()
@@ -131,11 +134,9 @@ impl PlanSummary {
             })
             .collect();
         let (acceleration, jerk) = peaks_along(plan);
-        let curves = problem.fast_curves();
         let straight = straight_ways(&curves, feed_limit);
         let is_without = plan.profile() == ProfileKind::WithoutLookAhead;
         let time_s = plan.periods() as f64 * t;
-        let [jerk_free_time_s, least_time_s] = bounds_s(plan, problem, &curves, feed_limit)?;
         let length_mm: f64 = stages.iter().map(|s| s.length_mm).sum();
         let [mut full_mm, mut commanded_mm] = [0.0; 2];
         for row in &stages {
