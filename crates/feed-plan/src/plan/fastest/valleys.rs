@@ -48,17 +48,16 @@ fn no_arc<R: Real>() -> R {
 }
 
 /// The nodes of a section with the bends at them, forwards or backwards in time.
-struct Way<'a, R> {
+struct Way<'a, R, const BACKWARD: bool> {
     nodes: &'a [Node<R>],
     cells: &'a Cells<R>,
     bends: &'a [Bend<R>],
-    is_backward: bool,
 }
 
-impl<R: Real> Way<'_, R> {
+impl<R: Real, const BACKWARD: bool> Way<'_, R, BACKWARD> {
     /// The number of the node that is passed as number `k`.
     fn node(&self, k: usize) -> usize {
-        if self.is_backward { self.nodes.len() - 1 - k } else { k }
+        if BACKWARD { self.nodes.len() - 1 - k } else { k }
     }
 
     fn feed(&self, k: usize) -> R {
@@ -71,12 +70,12 @@ impl<R: Real> Way<'_, R> {
 
     fn bend(&self, k: usize) -> Bend<R> {
         let bend = self.bends[self.node(k)];
-        if self.is_backward { mirrored(bend) } else { bend }
+        if BACKWARD { mirrored(bend) } else { bend }
     }
 
     /// Acceleration of the jerk-free profile from a node to the next, and the time.
     fn cell(&self, k: usize) -> (R, R) {
-        if !self.is_backward {
+        if !BACKWARD {
             return (self.cells.acceleration[k], self.cells.time[k]);
         }
         let cell = self.node(k + 1);
@@ -106,9 +105,9 @@ pub(crate) fn valleys<R: Real>(
     let count = nodes.len();
     let mut round = 0;
     let (forward, backward) = loop {
-        let forward = climb(&Way { nodes, cells, bends: &bends, is_backward: false }, start, most);
+        let forward = climb(&Way::<_, false> { nodes, cells, bends: &bends }, start, most);
         let is_turned = settle(&mut bends, nodes, &forward, Side::Behind, round < TURNS);
-        let mut backward = climb(&Way { nodes, cells, bends: &bends, is_backward: true }, R::zero(), most);
+        let mut backward = climb(&Way::<_, true> { nodes, cells, bends: &bends }, R::zero(), most);
         backward.reverse();
         let is_changed = settle(&mut bends, nodes, &backward, Side::Before, round < TURNS);
         round += 1;
@@ -116,7 +115,7 @@ pub(crate) fn valleys<R: Real>(
             break (forward, backward);
         }
     };
-    let way = Way { nodes, cells, bends: &bends, is_backward: false };
+    let way = Way::<_, false> { nodes, cells, bends: &bends };
     let mut carriers: Vec<_> = (0..count)
         .map(|k| {
             let (f, b) = (forward[k], backward[k]);
@@ -208,7 +207,11 @@ impl<R: Real> Touch<R> {
 }
 
 /// One pass: from the begin with the acceleration `start`, and from each touch an arc until it meets the jerk-free profile.
-fn climb<R: Real>(way: &Way<'_, R>, start: R, [acceleration, jerk]: [R; 2]) -> Vec<Reached<R>> {
+fn climb<R: Real, const BACKWARD: bool>(
+    way: &Way<'_, R, BACKWARD>,
+    start: R,
+    [acceleration, jerk]: [R; 2],
+) -> Vec<Reached<R>> {
     let count = way.nodes.len();
     let mut reached = Vec::with_capacity(count);
     if count == 0 {
