@@ -57,13 +57,14 @@ fn run<R: FromWord, const D: usize>(header: &StreamHeader, run: &PieceInterpolat
     }
 }
 
-/// The same bytes with the version of the kernels and every CRC as a reader expects them, so that what is behind these is
-/// read too.
+/// The same bytes with the versions of the layout and of the kernels and every CRC as a reader expects them, so that what is behind
+/// these is read too.
 #[must_use]
 pub fn sealed(bytes: &[u8]) -> Vec<u8> {
     let mut file = bytes.to_vec();
     let Some(header) = file.get_mut(..StreamHeader::BYTES) else { return file };
     let [major, minor] = VERSION.map(u16::to_le_bytes);
+    header[8..10].copy_from_slice(&StreamHeader::LAYOUT.to_le_bytes());
     header[10..14].copy_from_slice(&[major, minor].concat());
     let of_file = seal(header);
     let mut at = StreamHeader::BYTES;

@@ -90,7 +90,6 @@ static bool advance_by(uint32_t end, uint32_t *at_stage, uint64_t *time, uint64_
     return left < units;
 }
 
-{%- if !crossings.is_empty() %}
 
 /* The distance of the period in which a stage ends. */
 static bool advance_over_end(uint32_t end, uint32_t *at_stage, uint64_t *time, number *distance)
@@ -105,7 +104,6 @@ static bool advance_over_end(uint32_t end, uint32_t *at_stage, uint64_t *time, n
     }
     return advance_by(end, at_stage, time, PERIOD, distance);
 }
-{%- endif %}
 {%- if uses.shapes %}
 
 /* fraction(fraction_of_stage()) in a stage that is longer than a period{% if word_bits < 64 %}: its first digits are those of the product{% endif %}. */
@@ -136,11 +134,7 @@ IN_PLACE bool advance(uint32_t end, uint32_t *at_stage, uint64_t *time, number *
     const uint64_t begin = *time;
     const uint64_t next = begin + PERIOD;
     if (next >= stage->duration) {
-{%- if crossings.is_empty() %}
-        return advance_by(end, at_stage, time, PERIOD, distance);
-{%- else %}
         return advance_over_end(end, at_stage, time, distance);
-{%- endif %}
     }
     /* Wholly inside one stage, as most periods are. */
     *time = next;

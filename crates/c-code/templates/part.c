@@ -10,7 +10,7 @@
 #define TEXT(a) #a
 #define TEXT_OF(a) TEXT(a)
 #pragma message("{{ name }}.h is of layout " TEXT_OF({{ upper }}_LAYOUT) ", the tables of {{ name }}.c are of layout {{ layout }}")
-#error "{{ name }}.h and {{ name }}.c have other layouts: take both files of one run of feedbits compile"
+#error "{{ name }}.h and {{ name }}.c are of different layouts: take both files of one run of feedbits compile"
 #endif
 {%- if floating %}
 

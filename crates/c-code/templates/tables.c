@@ -68,14 +68,13 @@ static const stage_row stages[] = {
 {%- endfor %}
 };
 
-{%- if !crossings.is_empty() %}
 
-/* The period in which a stage ends, of a run at the plan's own speed. Such a run comes to the end of each stage at a time that is
- * known beforehand, and so is what the period takes of this stage and of all that it ends in or passes. */
+/* For each stage the period in which it ends, in a run at the plan's own speed: when it begins, where it leads, and its distance. All
+ * are known when the plan is compiled. */
 typedef struct {
     uint32_t rest;                 /* what is left of the stage where the period begins, less one unit of 2^-32 periods */
-    uint32_t time;                 /* the time of the stage behind the period, in 2^-32 periods */
-    uint32_t stages;               /* by how many stages that lies further; 0 if no such period begins in this stage */
+    uint32_t time;                 /* time of the stage in which the period ends, at its end, in 2^-32 periods */
+    uint32_t stages;               /* rows from this stage to that one; 0: no such period begins here */
     number distance;               /* of the period */
 } crossing_row;
 
@@ -84,7 +83,6 @@ static const crossing_row crossings[] = {
     { {{ row.rest }}u, {{ row.time }}u, {{ row.stages }}u, {{ row.distance }} },
 {%- endfor %}
 };
-{%- endif %}
 
 /* The numbers of the first piece and stage of a section, and of those behind its last. */
 typedef struct {

@@ -30,7 +30,7 @@ enum Form {
 const LINE_WEIGHTS: [f64; 2] = [1.0; 2];
 const LINE_KNOTS: [f64; 4] = [0.0, 0.0, 1.0, 1.0];
 
-/// The numbers of a NURBS curve, each in a list of its own. A [`Curve`] is made of them.
+/// The numbers of a NURBS curve in lists, of which a [`Curve`] is made.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Nurbs {
     /// Degree p; the order is p + 1.
@@ -263,9 +263,9 @@ impl Curve {
         faults
     }
 
-    /// Whether it is a straight move in the form that the reader of G1 makes.
+    /// Whether it is a straight move as the reader of G1 makes it: degree 1, two points, weights 1, and the knots 0, 0, 1, 1.
     pub(crate) fn is_straight_move(&self) -> bool {
-        self.degree() == 1 && self.weights() == LINE_WEIGHTS && self.knots() == LINE_KNOTS
+        matches!(self.0, Form::Line { .. })
     }
 
     /// Moves each control point, and sets the dimension that the points then need.

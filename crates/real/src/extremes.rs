@@ -4,7 +4,7 @@ use crate::{Audit, Real};
 
 /// The numbers that a run lost, and the range of all its named signals together.
 ///
-/// It takes a fraction of the time of an [`Audit`], which keeps each signal by its name.
+/// It takes less time than an [`Audit`], which keeps each signal by its name.
 ///
 /// ```
 /// use real::{Audited, Backend, Extremes, I8F24, Real};

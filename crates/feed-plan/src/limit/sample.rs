@@ -96,12 +96,14 @@ pub(crate) struct LimitSample<R> {
 }
 
 impl<R: Real> LimitSample<R> {
-    /// The samples in this form. They take the memory of those that were scanned, and what is left of it is given back.
+    /// The samples in this form. `collect` puts them into the memory of `scanned`
+    /// where std does so; the rest is given back.
     pub(crate) fn all(scanned: Vec<ScannedSample<R>>) -> Vec<Self> {
         let one =
             |ScannedSample {
                  point, speed, is_single, bends, allowance, lower, feedrate_beside_stop, ..
              }| {
+                // At a single point, until the loop below: the feed beside a stop.
                 let beside = if is_single { feedrate_beside_stop } else { lower };
                 Self {
                     point,

@@ -19,7 +19,7 @@ pub trait Observer: Sync {
         false
     }
 
-    /// Whether each signal of the run is wanted by its name, which takes several times as long as the range of all.
+    /// Whether each signal of the run is wanted by its name, which takes longer than the range of all.
     fn wants_signals(&self) -> bool {
         false
     }

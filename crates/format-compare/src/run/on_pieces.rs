@@ -78,9 +78,9 @@ pub(crate) fn audit<R: Backend, A: Auditor, const D: usize>(job: &Job<'_, D>) ->
     Ok(audit)
 }
 
-/// Makes the steps of a section in audited numbers. With `leaves_out`, periods of a straight move are left out whose numbers are those
-/// of the step before them, which lost none, or lie between it and the next that is made. False if the section does not end within its
-/// periods.
+/// Makes the steps of a section in audited numbers; with `leaves_out`, without those that
+/// [`skip_alike`](secant_interp::PieceInterpolator::skip_alike) passes behind a step that lost nothing. False if the section does not end
+/// within its periods.
 fn ends_audited<R: Backend, const D: usize>(
     job: &Job<'_, D>,
     path: &CompiledPath<Audited<R>, D>,
@@ -97,9 +97,11 @@ fn ends_audited<R: Backend, const D: usize>(
             return true;
         }
         left -= 1;
-        let lost_before = std::mem::replace(&mut lost, if leaves_out { Audit::lost_so_far() } else { 0 });
-        if leaves_out && lost == lost_before {
-            left -= run.skip_alike(&mut state, &before, &setpoint, left);
+        if leaves_out {
+            let lost_before = std::mem::replace(&mut lost, Audit::lost_so_far());
+            if lost == lost_before {
+                left -= run.skip_alike(&mut state, &before, &setpoint, left);
+            }
         }
     }
     false

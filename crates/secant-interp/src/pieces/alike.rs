@@ -29,13 +29,13 @@ impl<R: Real, const D: usize> PieceState<R, D> {
 }
 
 impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
-    /// Passes periods that differ from the last one only in where they are, `most` at most, and returns how many. `before` is the course
-    /// of that step before it was made, `setpoint` where it ended, `state` the state after it.
+    /// Passes periods that differ from the last one only in where they are, `most` at most, and returns how many. `before` is
+    /// `state.course()` before the last [`step`](Self::step), `setpoint` what that step gave, and `state` the state behind it.
     ///
     /// Every number of a period that is passed either is that of the last one, or grows or falls from period to period up to the
-    /// next step, which is not passed. The state is the one that so many calls of [`step`](Self::step) leave, bit for bit. Nothing
-    /// is passed where the feed changes, on a bent piece, or near a piece's end. In floats whose places are sums, it takes an addition
-    /// for each period; otherwise it takes as long however many are passed.
+    /// next step, which is not passed; this holds where no number wraps, as compiling proves. The state is the one that so many
+    /// calls of [`step`](Self::step) leave, bit for bit. Nothing is passed where the feed changes, on a bent piece, or near a piece's
+    /// end. In floats whose places are sums, it takes an addition for each period; otherwise it takes as long however many are passed.
     pub fn skip_alike(
         &self,
         state: &mut PieceState<R, D>,

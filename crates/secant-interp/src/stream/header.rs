@@ -58,6 +58,9 @@ impl StreamHeader {
     /// Bytes of a header.
     pub const BYTES: usize = 164;
 
+    /// The version of the layout, of files that are read.
+    pub const LAYOUT: u16 = LAYOUT;
+
     /// The header at the begin of `bytes`.
     ///
     /// # Errors

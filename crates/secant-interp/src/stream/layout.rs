@@ -80,7 +80,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_straight_move_takes_48_bytes_at_most() {
+    fn a_straight_move_of_32_bits_takes_48_bytes_at_most() {
         for (dimension, bytes) in [(2, 36), (3, 48)] {
             for (degree, has_weights) in [(1, false), (2, true), (3, false), (9, true)] {
                 let shape = RowShape { dimension, degree, has_weights, number: 4 };

@@ -12,8 +12,8 @@ use crate::stream::straight;
 /// Joints, by their numbers in a file.
 pub(crate) const JOINTS: [Joint; 3] = [Joint::Continues, Joint::Smooth, Joint::Breaks];
 
-/// The bit of a joint's byte that says that the piece has the short row of a straight one. The bits above are 0: a later version of
-/// the layout may say by them what else a row has.
+/// The bit of a joint's byte that says that the piece has the short row of a straight one. The bits above are 0, and a
+/// reader refuses others.
 pub(crate) const STRAIGHT: u8 = 1 << 2;
 
 /// Takes the row of a piece, and whether it is the short row of a straight one; its coefficients follow. `Err` holds the field

@@ -24,7 +24,8 @@ pub(crate) fn range<R: FromWord>(least: R, beside: i64) -> [R; 2] {
     [least, R::from_word(word_of(greatest_of(least)).wrapping_add(beside.cast_unsigned()))]
 }
 
-/// Whether these are the coefficients of a straight piece: n_1 alone, and the weights 1, 0, 0 ... or none.
+/// Whether these are the coefficients of a straight piece: n_1 alone, and the weights 1, 0, 0 ... or none. A coefficient of -0 counts
+/// as not 0: a short row would give it back as 0. `Pieces::is_straight`, which asks for values and not for bits, takes it.
 #[cfg(feature = "std")]
 pub(crate) fn is_straight<R: Backend, const D: usize>(numerators: &[[R; D]], weights: &[R]) -> bool {
     let is_zero = |x: &R| word_of(*x) == 0;
@@ -51,7 +52,8 @@ mod tests {
     }
 
     proptest! {
-        /// Steps per chord are between 1/√2 and √2 in fixed point. In words of 64 bits, floats of 64 bits round before.
+        /// Steps per chord are between 1/√2 and √2 in fixed point. The range is computed in f64, so that
+        /// in I4F60 its greatest may be up to 2¹⁰ words off.
         #[test]
         fn a_range_comes_back_from_its_least_and_a_few_words(speed in 0.71_f64..1.41, scale in -60..60_i32) {
             comes_back::<I4F28>(speed, 2);

@@ -56,14 +56,14 @@ fn setpoints<R: Backend>(
 }
 
 /// Setpoints behind passed periods are those of a run that makes them all, and no number of it is beyond the extremes of the others.
-fn lead_where_single_steps_do<R: Backend>(path: &Path<2>, at_least: usize) {
+fn lead_where_single_steps_do<R: Backend>(path: &Path<2>, at_least: u64) {
     let table: PiecesBuf<R, 2> = compiled(path, &Settings::default()).unwrap();
     let stages = stages::<R>(path.feed_mm.ldexp(table.as_pieces().chord_exponent));
     let run = interpolator(path, &Settings::default(), &table, &stages);
     let ((all, none), of_all) = Extremes::of(|| setpoints(&run, false));
     let ((some, passed), of_some) = Extremes::of(|| setpoints(&run, true));
     assert_eq!((none, all.len()), (0, some.len()), "{}", R::name());
-    assert!(passed as usize >= at_least, "{}: {passed} of {}", R::name(), all.len());
+    assert!(passed >= at_least, "{}: {passed} of {}", R::name(), all.len());
     for (period, (all, some)) in all.iter().zip(&some).enumerate() {
         assert!(some.is_none() || all == some, "{} in period {period}: {all:?} {some:?}", R::name());
     }

@@ -278,22 +278,21 @@ fn step<R: Real>(length: R, (v, a): (R, R), acceleration: R, jerk: R) -> (R, R, 
 /// The jerk where the profile follows the limit: by the accelerations of neighbouring nodes that do so too, at most half of J either
 /// way, so that a cap can be told from it.
 fn along_the_limit<R: Real>(carriers: &mut [Carrier<R>], nodes: &[Node<R>], jerk: R) {
-    let unknown = no_arc();
     let most = jerk.half();
     let mut before: Option<R> = None;
     for k in 0..carriers.len() {
         let from = carriers[k];
-        if from.jerk_before == unknown {
+        if from.jerk_before == no_arc() {
             carriers[k].jerk_before = before.unwrap_or(R::zero());
         }
         before = None;
-        if from.jerk_behind != unknown {
+        if from.jerk_behind != no_arc() {
             continue;
         }
         carriers[k].jerk_behind = R::zero();
         let Some(to) = carriers.get(k + 1).copied() else { break };
         let sum = from.v + to.v;
-        if to.jerk_before == unknown && sum > R::zero() {
+        if to.jerk_before == no_arc() && sum > R::zero() {
             let time = (nodes[k + 1].s - nodes[k].s).ldexp(1) / sum;
             let change = if time > R::zero() { (to.a - from.a) / time } else { R::zero() };
             let change = change.min(most).max(R::zero() - most);
