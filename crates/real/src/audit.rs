@@ -388,6 +388,20 @@ impl Extremes {
     }
 }
 
+impl From<&Audit> for Extremes {
+    fn from(audit: &Audit) -> Self {
+        let lost = Self {
+            overflows: audit.overflows,
+            divisions_by_zero: audit.divisions_by_zero,
+            ..Self::default()
+        };
+        audit.signals.values().fold(lost, |mut all, signal| {
+            all.include(signal.min, signal.max);
+            all
+        })
+    }
+}
+
 #[inline]
 fn note(change: impl FnOnce(&mut Record)) {
     RECORD.with(|record| change(&mut record.borrow_mut()));

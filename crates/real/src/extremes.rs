@@ -1,10 +1,10 @@
 //! What an audit shows of a run as a whole: whether its numbers fit, and how many integer bits they need.
 
-use crate::{Audit, Real};
+use crate::Real;
 
 /// The numbers that a run lost, and the range of all its named signals together.
 ///
-/// It takes less time than an [`Audit`], which keeps each signal by its name.
+/// It takes less time than an [`Audit`](crate::Audit), which keeps each signal by its name.
 ///
 /// ```
 /// use real::{Audited, Backend, Extremes, I8F24, Real};
@@ -15,9 +15,9 @@ use crate::{Audit, Real};
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Extremes {
-    /// As [`Audit::overflows`].
+    /// As [`Audit::overflows`](crate::Audit::overflows).
     pub overflows: u64,
-    /// As [`Audit::divisions_by_zero`].
+    /// As [`Audit::divisions_by_zero`](crate::Audit::divisions_by_zero).
     pub divisions_by_zero: u64,
     /// Least value of any signal; cut toward zero if it has more bits than an f64, infinite if no signal was named.
     pub min: f64,
@@ -52,19 +52,5 @@ impl Extremes {
             self.min >= -bound && self.max < bound
         };
         (1..=128).find(fits).unwrap_or(129).unsigned_abs()
-    }
-}
-
-impl From<&Audit> for Extremes {
-    fn from(audit: &Audit) -> Self {
-        let lost = Self {
-            overflows: audit.overflows,
-            divisions_by_zero: audit.divisions_by_zero,
-            ..Self::default()
-        };
-        audit.signals.values().fold(lost, |mut all, signal| {
-            all.include(signal.min, signal.max);
-            all
-        })
     }
 }
