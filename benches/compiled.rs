@@ -5,7 +5,7 @@ use std::hint::black_box;
 use feedbits_benches::Path;
 use nurbs_core::{Pieces, PiecesBuf};
 use real::{Backend, Real};
-use secant_interp::{ChordTolerance, LengthStage, PieceInterpolator, StepLengths};
+use secant_interp::{ChordTolerance, LengthCursor, LengthStage, PieceInterpolator, StepLengths};
 
 /// Steps of a run at most: the stages last no longer on the longest curve.
 const MOST_STEPS: u64 = 400_000;
@@ -14,13 +14,19 @@ const MOST_STEPS: u64 = 400_000;
 pub(crate) struct Compiled<R, const D: usize> {
     pub(crate) table: PiecesBuf<R, D>,
     pub(crate) stages: Vec<LengthStage<R>>,
+    /// What the last step may reach further, so that it ends where the path does.
+    landing_step: R,
 }
 
 impl<R: Backend, const D: usize> Compiled<R, D> {
     pub(crate) fn new(path: &Path<D>) -> Self {
         let table = path.pieces::<R>();
         let stages = path.stages::<R>(table.as_pieces().chord_exponent);
-        let whole = Self { table, stages };
+        // The pieces are compiled for steps that are longer by a twentieth.
+        let landing_mm = path.feed_mm / 32.0;
+        let landing_step = landing_mm.ldexp(table.as_pieces().chord_exponent);
+        let landing_step = R::from_f64(landing_step).unwrap_or_else(R::zero);
+        let whole = Self { table, stages, landing_step };
         let steps = whole.follow().0;
         Self { stages: first_periods(&whole.stages, steps), ..whole }
     }
@@ -30,7 +36,7 @@ impl<R: Backend, const D: usize> Compiled<R, D> {
             pieces: self.table.as_pieces(),
             lengths: StepLengths { stages: &self.stages, crossings: &[] },
             tolerance: ChordTolerance::for_fluctuation(Some(1e-6), 5),
-            landing_step: R::zero(),
+            landing_step: self.landing_step,
         }
     }
 
@@ -68,15 +74,31 @@ impl<R: Backend, const D: usize> Compiled<R, D> {
     }
 }
 
-/// The stages up to so many periods: a run would stand on its end until its schedule is over.
+/// The stages up to so many periods: a run would stand on its end until its schedule is over. The last one is cut, and has the mean feed
+/// that it had so far.
 fn first_periods<R: Backend>(stages: &[LengthStage<R>], periods: u64) -> Vec<LengthStage<R>> {
-    let mut left = periods << 32;
+    let mut left = periods;
     let first = stages.iter().map_while(|stage| {
-        let duration = stage.duration.min(left);
-        left -= duration;
-        LengthStage::new(duration, stage.feed, stage.change).map(|first| first.shaped(stage.shape))
+        let taken = left.min(stage.duration >> 32);
+        left -= taken;
+        LengthStage::new(taken << 32, stage.feed, change_over(stage, taken))
+            .map(|first| first.shaped(stage.shape))
     });
     first.collect()
+}
+
+/// The change of the feed by which a stage of so many periods goes as far as this one does in them.
+fn change_over<R: Backend>(stage: &LengthStage<R>, periods: u64) -> R {
+    if periods << 32 == stage.duration {
+        return stage.change;
+    }
+    let alone = StepLengths { stages: std::slice::from_ref(stage), crossings: &[] };
+    let mut cursor = LengthCursor::default();
+    let distance: f64 =
+        (0..periods).filter_map(|_| alone.advance(&mut cursor)).map(|step| step.to_f64()).sum();
+    // The mean feed over a stage lies in the middle between those at its ends.
+    let change = 2.0 * (distance / periods as f64 - stage.feed.to_f64());
+    R::from_f64(change).unwrap_or_else(R::zero)
 }
 
 fn millimetres<R: Backend, const D: usize>(

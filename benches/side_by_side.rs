@@ -20,11 +20,12 @@ use nurbs_core::FastCurve;
 use race::{Runner, race, report};
 use serde_json::json;
 
-/// Limit and plan, for each point at which the limit is known.
+/// Limit, plan, and the plan by chords of the one by arcs, for each point at which the limit is known.
 fn planning(name: &str, path: &Path<2>) {
     let limits = path.limits();
     let curves = [FastCurve::of(path.curve.as_curve())];
     let limit = FeedLimit::along(&curves, &limits).expect("a limit");
+    let arcs = feed_plan::plan(&limit, &limits, EndFeeds::default()).expect("a plan");
     let points = limit.points().len() as u64;
     let mut runners = [
         Runner {
@@ -41,6 +42,11 @@ fn planning(name: &str, path: &Path<2>) {
                 feed_plan::plan(&limit, &limits, EndFeeds::default())
                     .map_or(0.0, |plan| plan.as_schedule().stages().len() as f64)
             }),
+        },
+        Runner {
+            name: "in chords".into(),
+            units: points,
+            run: Box::new(|| limit.in_chords(&curves, &arcs).as_schedule().stages().len() as f64),
         },
     ];
     report("planning", &json!({ "curve": name, "points": points }), &race(&mut runners));
