@@ -56,7 +56,9 @@ pub(crate) fn lanes<R: Lane + Backend, const D: usize, const W: usize>(path: &Pa
     let runs = || fleet.iter().cycle().take(LAPS * W);
     let one_by_one = || runs().map(Compiled::run).sum::<f64>();
     let units = runs().map(|run| run.follow().0).sum::<u64>();
-    assert_eq!(side_by_side::<R, D, W>(&fleet), units as f64, "{}: steps in lanes", path.name);
+    // A run whose last stage is cut may stand on its end for a period.
+    let held = side_by_side::<R, D, W>(&fleet) - units as f64;
+    assert!((0.0..=runs().count() as f64).contains(&held), "{}: {held} more steps in lanes", path.name);
     let mut runners = [
         Runner { name: "one by one".into(), units, run: Box::new(one_by_one) },
         Runner { name: "lanes".into(), units, run: Box::new(|| side_by_side::<R, D, W>(&fleet)) },
