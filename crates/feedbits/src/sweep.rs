@@ -14,7 +14,6 @@ use format_compare::{
     Watch,
 };
 use format_report::{Sweep, SweepCell, SweepCost, SweepResult};
-use nurbs_core::NurbsBuf;
 use part_program::{Curve, Machine, Move, Nurbs, Part};
 use target_cost::Target;
 
@@ -268,23 +267,11 @@ fn cheapest(cells: &[SweepCell]) -> BTreeMap<&str, BTreeMap<&str, usize>> {
     counts
 }
 
-/// A curve of a problem, with three coordinates.
-fn in_space<const D: usize>(nurbs: &NurbsBuf<f64, D>) -> Curve {
-    let point = |point: &[f64; D]| std::array::from_fn(|axis| point.get(axis).copied().unwrap_or(0.0));
-    Curve::from(Nurbs {
-        degree: nurbs.degree(),
-        control_points_mm: nurbs.control_points().iter().map(point).collect(),
-        dimension: 3,
-        weights: nurbs.weights().to_vec(),
-        knots: nurbs.knots().to_vec(),
-    })
-}
-
 impl Base {
     fn new<const D: usize>(part: Part, machine: Machine, targets: Vec<Target>) -> Result<Self> {
         let problem = Problem::<D>::new(&part, &machine)?;
         // The curves of the problem. Its rapid moves are left out.
-        let curves: Vec<_> = problem.curves.iter().map(in_space).collect();
+        let curves: Vec<_> = problem.curves.iter().map(|curve| Curve::from(Nurbs::of(curve, 3))).collect();
         let bounds = part_program::bounding_box_mm(&curves);
         let extent_mm =
             bounds.map_or(0.0, |(least, most)| (0..D).map(|d| most[d] - least[d]).fold(0.0, f64::max));

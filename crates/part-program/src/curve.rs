@@ -302,6 +302,19 @@ impl Curve {
 }
 
 impl Nurbs {
+    /// The numbers of a curve in the plane or in space; what it lacks of three coordinates is 0.
+    #[must_use]
+    pub fn of<const D: usize>(curve: &NurbsBuf<f64, D>, dimension: usize) -> Self {
+        let point = |point: &[f64; D]| std::array::from_fn(|axis| point.get(axis).copied().unwrap_or(0.0));
+        Self {
+            degree: curve.degree(),
+            control_points_mm: curve.control_points().iter().map(point).collect(),
+            dimension,
+            weights: curve.weights().to_vec(),
+            knots: curve.knots().to_vec(),
+        }
+    }
+
     /// Every rule that the curve breaks. Rules that only make sense once the counts fit are tried only then.
     #[must_use]
     pub fn faults(&self) -> Vec<CurveFault> {

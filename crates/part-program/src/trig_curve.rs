@@ -16,7 +16,7 @@
 //!
 //! **Source**: paper B (Tao Jianming et al.; see `docs/papers.md`), with its shape factors.
 
-use nurbs_core::{Ends, NurbsBuf, ShapeError, ShapeFactors, TrigSplineBuf};
+use nurbs_core::{Ends, ShapeError, ShapeFactors, TrigSplineBuf};
 
 use crate::curve::{Curve, Nurbs, coordinate_faults};
 use crate::curve_numbers::{Places, control_points, say};
@@ -62,7 +62,7 @@ pub(crate) fn from_keys(mut keys: TableReader<'_, '_, '_>, header: Span) -> Opti
     let spline = TrigSplineBuf::through(&points, shape, ends);
     match spline.and_then(|spline| spline.to_polynomials(tolerance_mm, DEGREE)) {
         Ok(polynomials) => {
-            let curve = nurbs(&polynomials.curve, dimension);
+            let curve = Nurbs::of(&polynomials.curve, dimension);
             // The polynomials have points of their own.
             say(report, &Places::all_at(points_at), &curve.faults());
             Some(curve.into())
@@ -78,16 +78,6 @@ pub(crate) fn from_keys(mut keys: TableReader<'_, '_, '_>, header: Span) -> Opti
             report.error(place, error.to_string()).expected(expected);
             None
         }
-    }
-}
-
-fn nurbs(polynomials: &NurbsBuf<f64, 3>, dimension: usize) -> Nurbs {
-    Nurbs {
-        degree: polynomials.degree(),
-        control_points_mm: polynomials.control_points().to_vec(),
-        dimension,
-        weights: polynomials.weights().to_vec(),
-        knots: polynomials.knots().to_vec(),
     }
 }
 

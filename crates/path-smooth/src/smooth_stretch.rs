@@ -7,9 +7,9 @@ use nurbs_core::{
     CornerLambda, CornerStyle, Differentiate, Evaluate, PathCurve, ShapeError, SmoothPath, Turn,
     smooth_corners,
 };
-use part_program::Curve;
+use part_program::{Curve, Nurbs};
 
-use crate::stretch::{curve_of, length, shape_of};
+use crate::stretch::{length, shape_of};
 
 /// Share of the tolerance that is left to the chords of fine straight moves.
 pub(crate) const CHORD_SHARE: f64 = 0.02;
@@ -67,7 +67,7 @@ impl SmoothStretch {
                 }
                 other => other.to_nurbs(polynomial_mm)?,
             };
-            written.push(curve_of(&nurbs, dimension));
+            written.push(Nurbs::of(&nurbs, dimension).into());
         }
         let looped = (outer == Some(CornerStyle::Loop)).then_some(sides);
         Ok(Self { moves, path, curves: written, polynomial_bound_mm: bound, looped })

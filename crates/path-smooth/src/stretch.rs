@@ -85,17 +85,6 @@ pub(crate) fn shape_of(curve: &Curve) -> Result<PathCurve<f64, 3>, ShapeError> {
     })
 }
 
-/// The curve in the form of a part program.
-pub(crate) fn curve_of(nurbs: &NurbsBuf<f64, 3>, dimension: usize) -> Curve {
-    Curve::from(Nurbs {
-        degree: nurbs.degree(),
-        control_points_mm: nurbs.control_points().to_vec(),
-        dimension,
-        weights: nurbs.weights().to_vec(),
-        knots: nurbs.knots().to_vec(),
-    })
-}
-
 /// A rational curve is taken for a circle if it is no farther from it than this, in mm.
 const CIRCLE_TOLERANCE_MM: f64 = 1e-7;
 

@@ -1,13 +1,13 @@
 //! A part whose runs of straight moves are curves.
 
 use nurbs_core::EndCondition;
-use part_program::{Curve, Move, MoveKind, Part, Shape};
+use part_program::{Curve, Move, MoveKind, Nurbs, Part, Shape};
 use serde::Serialize;
 
 use crate::fit::error::FitError;
 use crate::fit::options::FitOptions;
 use crate::fit::run::{FittedCurve, Piece, between, fit};
-use crate::stretch::{curve_of, length, rest_before, with_polygons_as_lines};
+use crate::stretch::{length, rest_before, with_polygons_as_lines};
 
 /// Largest change of direction, in degrees, that a corner may be asked to have.
 const MOST_CORNER_DEG: f64 = 90.0;
@@ -130,7 +130,7 @@ impl Fitted {
         let own = run + fitted.moves.start..run + fitted.moves.end;
         let dimension = part.curves[own.clone()].iter().map(|curve| curve.dimension()).max().unwrap_or(3);
         let exact_stop = part.moves[own.end - 1].exact_stop;
-        self.path.curves.push(curve_of(&fitted.curve, dimension));
+        self.path.curves.push(Nurbs::of(&fitted.curve, dimension).into());
         self.path.moves.push(Move { shape: Shape::Nurbs, exact_stop, ..part.moves[own.start] });
         let report = &mut self.report;
         report.curves += 1;
