@@ -90,7 +90,6 @@ static bool advance_by(uint32_t end, uint32_t *at_stage, uint64_t *time, uint64_
     return left < units;
 }
 
-
 /* The distance of the period in which a stage ends. */
 static bool advance_over_end(uint32_t end, uint32_t *at_stage, uint64_t *time, number *distance)
 {

@@ -68,7 +68,6 @@ static const stage_row stages[] = {
 {%- endfor %}
 };
 
-
 /* For each stage the period in which it ends, in a run at the plan's own speed: when it begins, where it leads, and its distance. All
  * are known when the plan is compiled. */
 typedef struct {

@@ -58,7 +58,7 @@ impl StreamHeader {
     /// Bytes of a header.
     pub const BYTES: usize = 164;
 
-    /// The version of the layout, of files that are read.
+    /// The version of the layout that is read and written.
     pub const LAYOUT: u16 = LAYOUT;
 
     /// The header at the begin of `bytes`.
