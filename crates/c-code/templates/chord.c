@@ -6,9 +6,16 @@
  *
  *     sigma <- sigma - sigma f/2 (1 - g + g^2 - 3/4 f)
  *
- * leaves an error of the order of |f| (|f| (|f| + |g|) + |g|^3).{% if !rational %} Here w = 1.{% endif %} */
+ * leaves an error of the order of |f| (|f| (|f| + |g|) + |g|^3).{% if !rational %} Here w = 1.{% endif %}
+{%- if has_joints %}
+ *
+ * If a part b of the chord, over L, lies on pieces before, l = 1 - |b| is left of its length. The unknown is then tau, the step over
+ * l L. With a = tau q/w the whole chord is e = b + l a, and
+ *
+ *     f(tau) = b a + e a - 1 - |b|,   g = e (x da/dx) + l/2 (|a|^2 - 1),   tau <- tau - tau f/2 (1 - g + g^2 - (1/2 - l/4) f).
+{%- endif %} */
 
-/* One evaluation: f and g; over a joint f/4 and an eighth of df/dsigma. */
+/* One evaluation: f and g. */
 typedef struct {
     number residual;
     number slope;
@@ -26,7 +33,8 @@ typedef struct {
     number greatest;
 {%- if has_joints %}
     bool is_past_joint;    /* whether a part of the chord lies on pieces before: */
-    const number *before;  /* that part, over L */
+    const number *before;  /* b, that part over L */
+    number left;           /* l = 1 - |b| */
 {%- endif %}
 } chord;
 
@@ -103,10 +111,11 @@ IN_PLACE number variable(int32_t range_exponent, number step)
 }
 {%- if has_joints %}
 
-/* f/4 and an eighth of df/dsigma of f = |b + sigma v|^2 - 1, v = q/w: where b, a part of the chord, lies on pieces before.
- * All is halved, because |b + sigma v| may come near to 2. */
-static void evaluate_past_joint(const shifted *at, number sigma, number x, const number before[AXES], evaluation *value)
+/* f and g at tau, whose x is given, of a chord of which a part lies on pieces before. */
+static void evaluate_past_joint(const chord *on, number tau, number x, evaluation *value)
 {
+    const shifted *at = on->at;
+    const number left = on->left;
 {%- if rational %}
     number weight = ONE;
     number weight_slope = {{ zero }};
@@ -114,25 +123,32 @@ static void evaluate_past_joint(const shifted *at, number sigma, number x, const
     const number weight_turn = mul(weight_slope, x);
     const number reciprocal = divide(ONE, weight);
 {%- endif %}
-    wide squares = {% if floating %}{{ zero }}{% else %}product(0, 0){% endif %};
+    wide with_before = {% if floating %}{{ zero }}{% else %}product(0, 0){% endif %};
+    wide with_whole = {% if floating %}{{ zero }}{% else %}product(0, 0){% endif %};
     wide growth = {% if floating %}{{ zero }}{% else %}product(0, 0){% endif %};
     for (uint32_t d = 0u; d < AXES; d++) {
         number q = {{ zero }};
         number turn = {{ zero }};
         chord_per_step(at->chord[d], x, &q, &turn);
 {%- if rational %}
-        const number v = mul(q, reciprocal);
-        const number pull = half(add(v, mul(sub(turn, mul(v, weight_turn)), reciprocal)));
-{%- else %}
-        const number v = q;
-        const number pull = half(add(v, turn));
+        q = mul(q, reciprocal);
+        turn = mul(sub(turn, mul(q, weight_turn)), reciprocal);
 {%- endif %}
-        const number direction = rounded(plus(product(half(sigma), v), product(ONE_HALF, before[d])));
-        squares = plus(squares, product(direction, direction));
-        growth = plus(growth, product(direction, pull));
+        /* a/2, so that sums with it are no larger than a. */
+        const number along = mul(half(tau), q);
+        const number whole = add(mul(left, add(along, along)), on->before[d]);
+        with_before = plus(with_before, product(on->before[d], along));
+        with_whole = plus(with_whole, product(whole, along));
+        growth = plus(growth, product(whole, mul(tau, turn)));
     }
-    value->residual = rounded(plus(squares, product(negative(ONE_HALF), ONE_HALF)));
-    value->slope = rounded(growth);
+    /* Where a points back against b, the chord is too short without b too. */
+    const number on_before = maximum(rounded(with_before), {{ zero }});
+    const number on_whole = rounded(with_whole);
+    const number half_left = half(left);
+    const number residual = add(add(sub(on_before, ONE), half_left), on_whole);
+    const number limited = minimum(maximum(residual, negative(ONE_HALF)), ONE_HALF);
+    value->residual = add(limited, limited);
+    value->slope = add(rounded(growth), sub(sub(on_whole, on_before), half_left));
 }
 {%- endif %}
 
@@ -175,25 +191,25 @@ static void evaluate(const chord *on, number sigma, number step, evaluation *val
     const number x = variable({% if floating %}0{% else %}on->range_exponent{% endif %}, step);
 {%- if has_joints %}
     if (on->is_past_joint) {
-        evaluate_past_joint(on->at, sigma, x, on->before, value);
+        evaluate_past_joint(on, sigma, x, value);
         return;
     }
 {%- endif %}
     evaluate_on_piece(on->at, sigma, x, value);
 }
 
-/* sigma f/2 (1 - g + g^2 - 3/4 f), f within 1/2 and g within 3/8. */
-IN_PLACE number correction(number sigma, number f, number g)
+/* sigma f/2 (1 - g + g^2 - c f), f within 1/2, g within 3/8, and c the curvature. */
+IN_PLACE number correction(number sigma, number f, number g, number curvature)
 {
 {%- if floating %}
     const number squared = g * g;
-    const number less = THREE_QUARTERS * f;
+    const number less = curvature * f;
     const number series = ((ONE - g) + squared) - less;
     const number first = half(sigma) * f;
     return first * series;
 {%- else %}
     /* The series is rounded once; 1 - g has no digits behind the last place. */
-    const wide small = plus(product(g, g), product(negative(f), THREE_QUARTERS));
+    const wide small = plus(product(g, g), product(negative(f), curvature));
     return mul_by(mul(f, half(sigma)), add(sub(ONE, g), rounded(small)));
 {%- endif %}
 }
@@ -210,24 +226,6 @@ IN_PLACE bool difference_within(number sigma, number part, number least, number 
     return is_within(*difference, least, greatest);
 {%- endif %}
 }
-{%- if has_joints %}
-
-/* f / (df/dsigma), at most `bound`. Where the chord shrinks along the step, as behind a sharp corner, the trial goes on. */
-static number joint_correction(const evaluation *value, number bound)
-{
-    const number f = value->residual;
-{%- if floating %}
-    const number least = {{ zero }};
-{%- else %}
-    /* A quotient of 2 or more is beyond the bound, and might not fit. */
-    const number least = times_power_of_two(absolute(f), -2);
-{%- endif %}
-    if (value->slope > least) {
-        return minimum(maximum(divide(half(f), value->slope), negative(bound)), bound);
-    }
-    return (f < {{ zero }}) ? negative(bound) : bound;
-}
-{%- endif %}
 
 /* Whether one correction from an evaluation is enough. */
 IN_PLACE bool is_small(const evaluation *value)
@@ -235,34 +233,35 @@ IN_PLACE bool is_small(const evaluation *value)
     return is_at_most(value->residual, RESIDUAL) && is_at_most(value->slope, GROWTH);
 }
 
-/* The same for this correction of a chord on any number of pieces. Over a joint, Newton's correction leaves half of its square,
- * over that of sigma. */
-static bool is_enough(const chord *on, const evaluation *value, number by)
-{
-{%- if has_joints %}
-    if (on->is_past_joint) {
-        return absolute(by) <= mul(half(on->greatest), RESIDUAL);
-    }
-{%- else %}
-    (void)on;
-    (void)by;
-{%- endif %}
-    return (absolute(value->residual) <= FLUCTUATION) || is_small(value);
-}
-
 /* The correction from any evaluation, whose values are cut to the range of the series. */
 static number correction_within(const chord *on, number sigma, const evaluation *value)
 {
-{%- if has_joints %}
-    if (on->is_past_joint) {
-        return joint_correction(value, half(on->greatest));
-    }
-{%- else %}
-    (void)on;
-{%- endif %}
     const number f = minimum(maximum(value->residual, negative(ONE_HALF)), ONE_HALF);
     const number g = minimum(maximum(value->slope, negative(THREE_EIGHTHS)), THREE_EIGHTHS);
-    return correction(sigma, f, g);
+{%- if has_joints %}
+    const number curvature = on->is_past_joint ? sub(ONE_HALF, half(half(on->left))) : THREE_QUARTERS;
+    return correction(sigma, f, g, curvature);
+{%- else %}
+    (void)on;
+    return correction(sigma, f, g, THREE_QUARTERS);
+{%- endif %}
+}
+
+/* sigma of the whole chord at a trial. */
+static number of_whole(const chord *on, number trial)
+{
+{%- if has_joints %}
+    return on->is_past_joint ? mul(trial, on->left) : trial;
+{%- else %}
+    (void)on;
+    return trial;
+{%- endif %}
+}
+
+/* The step of a trial: of the whole chord, or of what is left of it. */
+static number step_of(const chord *on, number trial)
+{
+    return mul(of_whole(on, trial), on->length);
 }
 
 /* Solves for sigma from an evaluation at a start value, which it changes; returns the evaluations made, at most `most`. */
@@ -273,11 +272,12 @@ static uint32_t refine_chord(const chord *on, number *sigma, evaluation *last, u
         const number trial = *sigma;
         const number by = correction_within(on, trial, last);
         *sigma = sub(trial, within(by, trial, on->least, on->greatest));
-        if (is_enough(on, last, by) || (*sigma == trial) || (evaluations >= most)) {
+        const bool is_enough = (absolute(last->residual) <= FLUCTUATION) || is_small(last);
+        if (is_enough || (*sigma == trial) || (evaluations >= most)) {
             return evaluations;
         }
         evaluations++;
-        evaluate(on, *sigma, minimum(mul(*sigma, on->length), on->whole), last);
+        evaluate(on, *sigma, minimum(step_of(on, *sigma), on->whole), last);
     }
 }
 
@@ -285,12 +285,12 @@ static uint32_t refine_chord(const chord *on, number *sigma, evaluation *last, u
 static uint32_t solve(const chord *on, number *sigma, uint32_t most)
 {
     evaluation value;
-    evaluate(on, *sigma, minimum(mul(*sigma, on->length), on->whole), &value);
+    evaluate(on, *sigma, minimum(step_of(on, *sigma), on->whole), &value);
     return refine_chord(on, sigma, &value, most);
 }
 
-/* The chord over a step. */
-static void over(const chord *on, number step, number across[AXES])
+/* The chord over a step, over a length: `part` is the step over that. */
+static void chord_over(const chord *on, number step, number part, number across[AXES])
 {
     const number x = variable({% if floating %}0{% else %}on->range_exponent{% endif %}, step);
 {%- if rational %}
@@ -308,9 +308,9 @@ static void over(const chord *on, number step, number across[AXES])
         (void)x;
 {%- endif %}
 {%- if rational %}
-        across[d] = divide(mul(sum, step), weight);
+        across[d] = divide(mul(sum, part), weight);
 {%- else %}
-        across[d] = mul(sum, step);
+        across[d] = mul(sum, part);
 {%- endif %}
     }
 }
@@ -329,5 +329,6 @@ static void set_chord(chord *on, const piece_row *row, const shifted *at, number
 {%- if has_joints %}
     on->is_past_joint = false;
     on->before = at->offset; /* not read */
+    on->left = ONE;
 {%- endif %}
 }

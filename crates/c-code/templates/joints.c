@@ -60,18 +60,15 @@ static void begin_anew(travelled_way *way)
 }
 
 {% endif -%}
-/* The way up to the end of the present piece. */
-static void way_to_end(const {{ name }}_state *state, const piece_row *row, number length, travelled_way *travelled)
+/* What of a length is travelled by `step`, which leads to the end of the present piece. */
+static void set_travelled_at(const {{ name }}_state *state, const piece_row *row, number step, number length, travelled_way *travelled)
 {
-    const number step = step_to_end(state, row);
+    const number part = minimum(divide(step, length), row->greatest_step_per_chord);
     chord on;
     set_chord(&on, row, &state->at, {% if floating %}ONE{% else %}whole_of(row){% endif %}, length);
     number way[AXES];
-    over(&on, step, way);
-    for (uint32_t d = 0u; d < AXES; d++) {
-        way[d] = divide(way[d], length);
-    }
-    set_travelled(travelled, way, divide(step, length));
+    chord_over(&on, step, part, way);
+    set_travelled(travelled, way, part);
 }
 {%- if has_joints %}
 
@@ -113,6 +110,17 @@ static void trend_into_next({{ name }}_state *state, const piece_row *row, const
     state->rise = sub(middle_there, into_next(row, next, oldest));
     state->fall = {{ zero }};
     remember(state, newest_there);
+}
+
+/* The expected sigma of the last part of the next step, over so much of its length. The part begins later than the step and ends
+ * with it: sigma has gone on by half of that. */
+static number expected_of_rest(const {{ name }}_state *state, const piece_row *row, number left)
+{
+    const number least = row->least_step_per_chord;
+    const number greatest = row->greatest_step_per_chord;
+    const number fall = within(state->fall, state->newest, least, greatest);
+    const number expected = sub(state->newest, fall);
+    return sub(expected, within(half(mul(fall, sub(ONE, left))), expected, least, greatest));
 }
 
 /* Moves to a place on a piece, reached with sigma. */
@@ -166,24 +174,26 @@ static bool pass_joint({{ name }}_state *state, const piece_row *row, uint64_t s
 }
 {%- endif %}
 
-/* The values at the end of a piece, if the whole length is not travelled there. */
-static bool past(const travelled_way *way, const chord *on, number length, number beyond[AXES])
+/* Adds the way over the whole piece, if the whole length is not travelled at its end; `part` is what was travelled before, as a step
+ * on it, over L. */
+static bool pass(travelled_way *way, const chord *on, number part)
 {
+    const number greatest = on->greatest;
+    const number whole = minimum(divide(on->whole, on->length), greatest);
     number across[AXES];
     number in_halves[AXES];
-    over(on, on->whole, across);
+    chord_over(on, on->whole, whole, across);
     for (uint32_t d = 0u; d < AXES; d++) {
-        const number more = divide(across[d], length);
         /* In halves, because the sum may not fit before it is known to be short. */
-        in_halves[d] = add(half(way->before[d]), half(more));
-        across[d] = more;
+        in_halves[d] = add(half(way->before[d]), half(across[d]));
     }
     if (!(norm(in_halves) < ONE_HALF)) {
         return false;
     }
     for (uint32_t d = 0u; d < AXES; d++) {
-        beyond[d] = add(way->before[d], across[d]);
+        across[d] = add(way->before[d], across[d]);
     }
+    set_travelled(way, across, sum_within(part, whole, greatest));
     return true;
 }
 {%- if uses.breaks %}
@@ -214,13 +224,10 @@ static uint32_t cross({{ name }}_state *state, const piece_row *from, travelled_
 {%- else %}
     const number length = whole_length;
 {%- endif %}
-    number expected = expected_sigma(state, row);
     uint32_t evaluations = before;
     for (uint32_t piece = state->piece + 1u; piece < end; piece++) {
         const piece_row *next = &pieces[piece];
-        const number greatest = next->greatest_step_per_chord;
         trend_into_next(state, row, next);
-        expected = into_next(row, next, expected);
 {%- if uses.breaks %}
         const bool is_corner = (row->joint == BREAKS);
         if (is_corner) {
@@ -228,7 +235,7 @@ static uint32_t cross({{ name }}_state *state, const piece_row *from, travelled_
             begin_anew(way);
         }
 {%- endif %}
-        const number part = part_into_next(row, next, minimum(way->part, row->greatest_step_per_chord));
+        const number part = part_into_next(row, next, way->part);
         if ((way->left <= {{ zero }}) || (length <= {{ zero }})) {
             reach(state, piece, 0u, state->newest);
             limit_trend(state, next);
@@ -238,40 +245,32 @@ static uint32_t cross({{ name }}_state *state, const piece_row *from, travelled_
         shift_to(piece, {{ zero }}, &at);
         chord on;
         set_chord(&on, next, &at, {% if floating %}ONE{% else %}whole_of(next){% endif %}, length);
-        number guess;
 {%- if uses.breaks %}
         if (is_corner) {
-            expected = first_step_per_chord(&at, next);
-            be_steady(state, expected);
-            guess = expected;
+            be_steady(state, first_step_per_chord(&at, next));
         } else {
 {%- else %}
         {
 {%- endif %}
             on.is_past_joint = true;
             on.before = way->before;
-            on.least = {{ zero }};
-            /* What is left begins later than a whole chord and ends with it: sigma has gone on by half of that. */
-            const number earlier = half(mul(sub(state->newest, expected), sub(ONE, way->left)));
-            const number later = sub(expected, within(earlier, expected, next->least_step_per_chord, greatest));
-            guess = mul(later, way->left);
+            on.left = way->left;
         }
-        number beyond[AXES];
-        const bool is_long = mul(guess, length) >= on.whole;
-        bool is_past = is_long && past(way, &on, length, beyond);
+        number sigma = expected_of_rest(state, next, way->left);
+        const bool is_long = step_of(&on, sigma) >= on.whole;
+        bool is_past = is_long && pass(way, &on, part);
         if (!is_past) {
-            number sigma = guess;
             const uint32_t left = (evaluations < MAX_EVALUATIONS) ? (MAX_EVALUATIONS - evaluations) : 0u;
             evaluations += solve(&on, &sigma, (left > BEHIND_JOINT) ? left : BEHIND_JOINT);
-            const number step = mul(sigma, length);
-            is_past = !((step < on.whole) || is_long) && past(way, &on, length, beyond);
+            const number step = step_of(&on, sigma);
+            is_past = !((step < on.whole) || is_long) && pass(way, &on, part);
             if (!is_past) {
-                reach(state, piece, part_of(next, step), maximum(next->least_step_per_chord, sum_within(part, sigma, greatest)));
+                const number whole = sum_within(part, of_whole(&on, sigma), next->greatest_step_per_chord);
+                reach(state, piece, part_of(next, step), maximum(next->least_step_per_chord, whole));
                 limit_trend(state, next);
                 return evaluations;
             }
         }
-        set_travelled(way, beyond, sum_within(part, divide(on.whole, length), greatest));
         row = next;
     }
     reach(state, end, 0u, state->newest);
@@ -299,6 +298,6 @@ static uint32_t pass_end({{ name }}_state *state, const piece_row *row, number l
     (void)sigma;
 {%- endif %}
     travelled_way way;
-    way_to_end(state, row, length, &way);
+    set_travelled_at(state, row, step_to_end(state, row), length, &way);
     return cross(state, row, &way, length, evaluations);
 }

@@ -137,7 +137,7 @@ static bool length_across(const piece_row *row, const shifted *at, number step, 
     number way[AXES];
     chord on;
     set_chord(&on, row, at, {% if floating %}ONE{% else %}whole_of(row){% endif %}, ONE);
-    over(&on, step, way);
+    chord_over(&on, step, step, way);
     *length = norm(way);
     return true;
 }

@@ -69,18 +69,19 @@ static uint32_t travel({{ name }}_state *state, const piece_row *row, number len
     return pass_end(state, row, length, step, sigma, evaluations);
 }
 
-/* Makes a step whose guess is not in its range or leads past the piece. The guess may be wrong, so the step passes the end
- * only if the end is nearer than the length. Returns the evaluations. */
+/* Makes a step whose guess is not in its range or leads past the piece. The guess may be wrong: the step passes the end if that
+ * is nearer than the length. It is not if the longest step does not reach it. Returns the evaluations. */
 static uint32_t search({{ name }}_state *state, const piece_row *row, number length)
 {
-    number sigma = expected_sigma(state, row);
-    if (!is_on_piece(state, row, mul(sigma, length))) {
+    const number step = step_to_end(state, row);
+    if (step <= mul(row->greatest_step_per_chord, length)) {
         travelled_way way;
-        way_to_end(state, row, length, &way);
+        set_travelled_at(state, row, step, length, &way);
         if (way.left > {{ zero }}) {
             return cross(state, row, &way, length, 0u);
         }
     }
+    number sigma = expected_sigma(state, row);
     chord on;
     set_chord(&on, row, &state->at, {% if floating %}ONE{% else %}whole_of(row){% endif %}, length);
     const uint32_t evaluations = solve(&on, &sigma, MAX_EVALUATIONS);
@@ -151,10 +152,10 @@ static void follow({{ name }}_state *state, number length, number reach_length, 
         finish(state, length, refine(state, row, reach_length, guess, value.residual, value.slope), setpoint);
         return;
     }
-    const number sigma = sub(guess, correction(guess, value.residual, value.slope));
+    const number sigma = sub(guess, correction(guess, value.residual, value.slope, THREE_QUARTERS));
 {%- else %}
     number sigma = guess;
-    if (!is_small(&value) || !difference_within(guess, correction(guess, value.residual, value.slope), least, greatest, &sigma)) {
+    if (!is_small(&value) || !difference_within(guess, correction(guess, value.residual, value.slope, THREE_QUARTERS), least, greatest, &sigma)) {
         finish(state, length, refine(state, row, reach_length, guess, value.residual, value.slope), setpoint);
         return;
     }

@@ -128,19 +128,22 @@ fn raise_chord_bounds<H: Backend, const D: usize>(
     bounds.raise("chord_residual", residual.max(heaviest * heaviest));
     let growth = direction * sigma * turn + heaviest * slope * x;
     bounds.raise("chord_growth", growth + (heaviest * heaviest - 1.0).max(1.0 - lightest * lightest));
-    // At a joint the direction has a further term b, no longer than 1; everything is halved, and W is divided out. The
-    // step begins at t = 0 and stays on the piece, on which W lies between its least and greatest Bernstein weight.
+    // Over a joint, W is divided out. The step begins at t = 0 and stays on the piece, on which W lies between its least and greatest
+    // Bernstein weight. With l = 1 - |b|, the whole chord b + l a is no longer than the longer one of a and 1; the product of b and a
+    // is not counted below 0.
     let lightest = piece.weight_range.0 / piece.weight_range.1;
-    let chord = chord / lightest;
-    let direction = 0.5 * (1.0 + sigma * chord);
-    let pull = chord + (turn + chord * slope * x) / lightest;
-    bounds.raise("joint_direction", direction);
-    bounds.raise("joint_residual", direction * direction);
-    bounds.raise("joint_pull", pull);
-    bounds.raise("joint_growth", 0.5 * direction * pull);
-    // A chord across the whole piece, alone and with the distance travelled before.
-    let across = eta.min(power_of_two(scales.step));
-    bounds.raise("chord_travelled", chord * across);
+    let across = chord / lightest;
+    let along = sigma * across;
+    let pull = (turn + across * slope * x) / lightest;
+    let whole = along.max(1.0);
+    bounds.raise("joint_pull", across.max(pull).max(sigma * pull));
+    bounds.raise("joint_direction", whole);
+    bounds.raise("joint_residual", (0.5 * along * whole).max(along).max(1.0 + 0.5 * along));
+    let lengthening = (0.5 * (along * along - 1.0)).max(0.5 * whole); // ½ l (|a|² - 1)
+    bounds.raise("joint_growth", whole * sigma * pull + lengthening);
+    // A chord across the whole piece in its units, and over the length of the chord that it is a part of.
+    let longest = eta.min(power_of_two(scales.step));
+    bounds.raise("chord_travelled", chord * longest.max(sigma));
     bounds.raise("joint_travelled", 1.0 + 2.0 * rounding); // no more is ever added up
 }
 

@@ -39,10 +39,11 @@ pub(crate) fn part_of_next<R: Real, const D: usize>(
 }
 
 /// The length that a step over a joint has travelled up to there.
+#[derive(Clone, Copy)]
 pub(crate) struct Travelled<R, const D: usize> {
     /// The chord up to there, over the length of the whole chord.
     pub(crate) before: [R; D],
-    /// The step up to there, over the length.
+    /// The step up to there, over the length, in the scale of one piece.
     pub(crate) part: R,
     /// The remaining length, over the length.
     pub(crate) left: R,
@@ -57,19 +58,21 @@ impl<R: Real, const D: usize> Travelled<R, D> {
     pub(crate) fn nothing() -> Self {
         Self { before: [R::zero(); D], part: R::zero(), left: R::one() }
     }
-}
 
-/// The values at the end of a piece; `None` if the whole length or more is travelled there.
-pub(crate) fn past<R: Real, const D: usize, const N: usize, const PLAIN: bool>(
-    before: &[R; D],
-    chord: &Chord<'_, R, D, N, PLAIN>,
-    length: R,
-) -> Option<[R; D]> {
-    let across = chord.over(chord.whole).map(|x| x / length);
-    // In halves, because the sum may not fit the format before it is known to be short.
-    let half: [R; D] = core::array::from_fn(|d| before[d].half() + across[d].half());
-    let sum = || core::array::from_fn(|d| (before[d] + across[d]).signal("joint_travelled"));
-    (R::norm(&half) < R::one().half()).then(sum)
+    /// The values at the end of the piece that the chord is on, in its scale; `None` if the whole length or more is travelled
+    /// there.
+    pub(crate) fn past<const N: usize, const PLAIN: bool>(
+        &self,
+        chord: &Chord<'_, R, D, N, PLAIN>,
+    ) -> Option<Self> {
+        let greatest = chord.range[1];
+        let whole = (chord.whole / chord.length).min(greatest);
+        let across = chord.over_length(chord.whole, whole);
+        // In halves, because the sum may not fit the format before it is known to be short.
+        let half: [R; D] = core::array::from_fn(|d| self.before[d].half() + across[d].half());
+        let sum = || core::array::from_fn(|d| (self.before[d] + across[d]).signal("joint_travelled"));
+        (R::norm(&half) < R::one().half()).then(|| Self::new(sum(), sum_within(self.part, whole, greatest)))
+    }
 }
 
 /// The position reached by a step, and σ there.

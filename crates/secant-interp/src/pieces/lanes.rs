@@ -316,7 +316,7 @@ fn solve<R: Lane, const D: usize, const W: usize>(numbers: &mut Numbers<R, D, W>
         let (pull, slope) = value_and_slope(chord.iter(), x, ["chord_per_step", "chord_turn"]);
         let turn = slope.map(|t| t * x);
         let value = Evaluation::new(guess, &pull, &turn, R::one(), None);
-        let sigma = guess - correction(guess, &value);
+        let sigma = guess - correction(guess, &value, R::from_ratio(3, 4));
 
         let is_found = (x + numbers.t[lane] < numbers.end[lane])
             & (x <= R::one())

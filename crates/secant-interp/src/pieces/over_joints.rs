@@ -8,8 +8,8 @@
 use nurbs_core::{Joint, Piece, Shifted};
 use real::Real;
 
-use crate::pieces::chord_step::{BEHIND_JOINT, Chord, within};
-use crate::pieces::joint::{Reached, Travelled, into_next, part_into_next, part_of_next, past, sum_within};
+use crate::pieces::chord_step::{BEHIND_JOINT, Before};
+use crate::pieces::joint::{Reached, Travelled, into_next, part_into_next, part_of_next, sum_within};
 use crate::pieces::piece_interpolator::PieceInterpolator;
 use crate::pieces::place::step_to_end;
 use crate::pieces::state::PieceState;
@@ -29,21 +29,22 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         if let Some(reached) = self.pass_joint(state.phase, &mut state.trend, row, step) {
             return state.reach(&reached, &self.pieces);
         }
-        let travelled = self.way_to_end::<N, PLAIN>(state, row, length);
+        let travelled = self.travelled_at::<N, PLAIN>(state, row, step_to_end(state, row), length);
         self.cross::<N, PLAIN>(state, row, travelled, (length, step.evaluations))
     }
 
-    /// The part of a step up to the end of the present piece.
+    /// What of a length is travelled by `step`, which leads to the end of the present piece.
     #[inline]
-    pub(crate) fn way_to_end<const N: usize, const PLAIN: bool>(
+    pub(crate) fn travelled_at<const N: usize, const PLAIN: bool>(
         &self,
         state: &PieceState<R, D>,
         row: &Piece<R, D>,
+        step: R,
         length: R,
     ) -> Travelled<R, D> {
-        let step = step_to_end(state, row);
-        let way = self.chord_on::<N, PLAIN>(row, row.whole(), &state.at, length).over(step);
-        Travelled::new(way.map(|x| x / length), step / length)
+        let part = (step / length).min(row.step_per_chord[1]);
+        let chord = self.chord_on::<N, PLAIN>(row, row.whole(), &state.at, length);
+        Travelled::new(chord.over_length(step, part), part)
     }
 
     /// The place where a step of a given phase ends behind the end of a piece whose polynomial continues; the trend is
@@ -103,50 +104,41 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         (mut length, mut evaluations): (R, u32),
     ) -> Reached<R> {
         let mut row = row;
-        let mut expected = trend.next(&row.step_per_chord);
         for (piece, next) in self.pieces.pieces.iter().enumerate().skip(piece + 1) {
-            let greatest = next.step_per_chord[1];
             *trend = trend.into_next(row, next);
-            expected = into_next(row, next, expected);
             if row.joint == Joint::Breaks {
                 length = length * travelled.left;
                 travelled = Travelled::nothing();
             }
-            let Travelled { before, part, left } = travelled;
-            let part = part_into_next(row, next, part.min(row.step_per_chord[1]));
+            travelled.part = part_into_next(row, next, travelled.part);
+            let left = travelled.left;
             if left <= R::zero() || length <= R::zero() {
                 return Reached { piece, phase: 0, sigma: trend.newest, evaluations };
             }
             self.pieces.shift_to_begin::<N, PLAIN>(piece, at);
             let mut on_next = self.chord_on::<N, PLAIN>(next, next.whole(), at, length);
-            let guess = if row.joint == Joint::Breaks {
-                expected = first_step_per_chord(&at.chord[0], &next.step_per_chord);
-                *trend = Trend::steady(expected);
-                expected
+            if row.joint == Joint::Breaks {
+                *trend = Trend::steady(first_step_per_chord(&at.chord[0], &next.step_per_chord));
             } else {
-                on_next = Chord { before: Some(before), range: [R::zero(), greatest], ..on_next };
-                // The remaining part begins later than a whole chord and ends with it: σ has gone on by half of that
-                // difference.
-                let earlier = ((trend.newest - expected) * (R::one() - left)).half();
-                (expected - within(earlier, expected, &next.step_per_chord)) * left
-            };
-            let is_long = guess * length >= on_next.whole;
-            let whole = || sum_within(part, on_next.whole / length, greatest);
-            if is_long && let Some(beyond) = past(&before, &on_next, length) {
-                (row, travelled) = (next, Travelled::new(beyond, whole()));
+                on_next.before = Some(Before { part: travelled.before, left });
+            }
+            let guess = trend.next_part(left, &next.step_per_chord);
+            let is_long = on_next.step(guess) >= on_next.whole;
+            if is_long && let Some(beyond) = travelled.past(&on_next) {
+                (row, travelled) = (next, beyond);
                 continue;
             }
             let most = self.tolerance.max_evaluations.saturating_sub(evaluations).max(BEHIND_JOINT);
             let (sigma, count) = on_next.solve_within(guess, &self.tolerance, most);
             evaluations += count;
-            let step = sigma * length;
-            let beyond = if step < on_next.whole || is_long { None } else { past(&before, &on_next, length) };
+            let step = on_next.step(sigma);
+            let beyond = if step < on_next.whole || is_long { None } else { travelled.past(&on_next) };
             let Some(beyond) = beyond else {
-                let phase = next.part(step);
-                let sigma = next.step_per_chord[0].max(sum_within(part, sigma, greatest));
-                return Reached { piece, phase, sigma, evaluations };
+                let whole = sum_within(travelled.part, on_next.of_whole(sigma), next.step_per_chord[1]);
+                let sigma = next.step_per_chord[0].max(whole);
+                return Reached { piece, phase: next.part(step), sigma, evaluations };
             };
-            (row, travelled) = (next, Travelled::new(beyond, whole()));
+            (row, travelled) = (next, beyond);
         }
         Reached { piece: self.pieces.pieces.len(), phase: 0, sigma: trend.newest, evaluations }
     }

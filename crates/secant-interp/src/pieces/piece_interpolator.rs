@@ -20,7 +20,7 @@ use real::Real;
 
 use crate::pieces::chord_step::{Chord, ChordTolerance, Evaluation, difference_within};
 use crate::pieces::joint::{Reached, sum_within};
-use crate::pieces::place::{after, is_on_piece, onward, place_of};
+use crate::pieces::place::{after, is_on_piece, onward, place_of, step_to_end};
 use crate::pieces::state::{CUBIC, Form, PieceSetpoint, PieceState};
 use crate::pieces::trend::Trend;
 use crate::step_lengths::{LengthCursor, PERIOD, StepLengths};
@@ -313,8 +313,9 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         *setpoint = PieceSetpoint { piece: state.piece, phase: state.phase, offset, length, evaluations };
     }
 
-    /// Makes a step whose guess is not in the range of its piece or leads past it. The guess may be wrong, so the step
-    /// passes the piece's end only if the end is nearer than the length. Returns the evaluations.
+    /// Makes a step whose guess is not in the range of its piece or leads past it. The guess may be wrong: the step passes
+    /// the piece's end if that is nearer than the length. It is not if the longest step does not reach it. Returns the
+    /// evaluations.
     #[cold]
     #[inline(never)]
     fn search<const N: usize, const PLAIN: bool>(
@@ -323,13 +324,14 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         row: &Piece<R, D>,
         length: R,
     ) -> u32 {
-        let guess = state.trend.next(&row.step_per_chord);
-        if !is_on_piece(state, row, guess * length) {
-            let travelled = self.way_to_end::<N, PLAIN>(state, row, length);
+        let step = step_to_end(state, row);
+        if step <= row.step_per_chord[1] * length {
+            let travelled = self.travelled_at::<N, PLAIN>(state, row, step, length);
             if travelled.left > R::zero() {
                 return self.cross::<N, PLAIN>(state, row, travelled, (length, 0));
             }
         }
+        let guess = state.trend.next(&row.step_per_chord);
         let chord = self.chord_on::<N, PLAIN>(row, state.whole, &state.at, length);
         let found = chord.solve(guess, &self.tolerance);
         self.travel::<N, PLAIN>(state, row, length, found)

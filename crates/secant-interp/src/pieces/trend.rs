@@ -47,6 +47,14 @@ impl<R: Real> Trend<R> {
         self.newest - self.within(range).fall
     }
 
+    /// The expected σ of the last part of the next step, over so much of its length, limited to the range. The part begins later
+    /// than the step and ends with it: σ has gone on by half of that difference.
+    pub(crate) fn next_part(&self, left: R, range: &[R; 2]) -> R {
+        let fall = self.within(range).fall;
+        let expected = self.newest - fall;
+        expected - within((fall * (R::one() - left)).half(), expected, range)
+    }
+
     /// The trend with its expected σ limited to the range. It is needed after a step that was not a common one and did
     /// not pass to a piece of the same polynomial: a break of the trend there would lead the next guess far off.
     pub(crate) fn within(&self, range: &[R; 2]) -> Self {
