@@ -109,13 +109,35 @@ IN_PLACE number variable(int32_t range_exponent, number step)
     return {{ exponents.to_variable }}(step, -range_exponent);
 {%- endif %}
 }
+
+/* sigma of the whole chord at a trial. */
+static number of_whole(const chord *on, number trial)
+{
 {%- if has_joints %}
+    return on->is_past_joint ? minimum(mul(trial, on->left), on->greatest) : trial;
+{%- else %}
+    (void)on;
+    return trial;
+{%- endif %}
+}
+
+/* The step of a trial: of the whole chord, or of what is left of it. */
+static number step_of(const chord *on, number trial)
+{
+    return mul(of_whole(on, trial), on->length);
+}
+{%- if has_joints %}
+
+/* The value limited to `most` in magnitude. */
+static number limited(number value, number most)
+{
+    return minimum(maximum(value, negative(most)), most);
+}
 
 /* f and g at tau, whose x is given, of a chord of which a part lies on pieces before. */
 static void evaluate_past_joint(const chord *on, number tau, number x, evaluation *value)
 {
     const shifted *at = on->at;
-    const number left = on->left;
 {%- if rational %}
     number weight = ONE;
     number weight_slope = {{ zero }};
@@ -123,6 +145,9 @@ static void evaluate_past_joint(const chord *on, number tau, number x, evaluatio
     const number weight_turn = mul(weight_slope, x);
     const number reciprocal = divide(ONE, weight);
 {%- endif %}
+    const number half_tau = half(tau);
+    const number quarter_tau = half(half_tau);
+    const number sigma = of_whole(on, tau);
     wide with_before = {% if floating %}{{ zero }}{% else %}product(0, 0){% endif %};
     wide with_whole = {% if floating %}{{ zero }}{% else %}product(0, 0){% endif %};
     wide growth = {% if floating %}{{ zero }}{% else %}product(0, 0){% endif %};
@@ -134,21 +159,21 @@ static void evaluate_past_joint(const chord *on, number tau, number x, evaluatio
         q = mul(q, reciprocal);
         turn = mul(sub(turn, mul(q, weight_turn)), reciprocal);
 {%- endif %}
-        /* a/2, so that sums with it are no larger than a. */
-        const number along = mul(half(tau), q);
-        const number whole = add(mul(left, add(along, along)), on->before[d]);
+        /* A quarter of a, half of f/2 and of g, so that no trial needs more integer bits than the chord does. */
+        const number along = mul(quarter_tau, q);
+        const number whole = add(mul(sigma, q), on->before[d]);
         with_before = plus(with_before, product(on->before[d], along));
         with_whole = plus(with_whole, product(whole, along));
-        growth = plus(growth, product(whole, mul(tau, turn)));
+        growth = plus(growth, product(whole, mul(half_tau, turn)));
     }
     /* Where a points back against b, the chord is too short without b too. */
     const number on_before = maximum(rounded(with_before), {{ zero }});
     const number on_whole = rounded(with_whole);
-    const number half_left = half(left);
-    const number residual = add(add(sub(on_before, ONE), half_left), on_whole);
-    const number limited = minimum(maximum(residual, negative(ONE_HALF)), ONE_HALF);
-    value->residual = add(limited, limited);
-    value->slope = add(rounded(growth), sub(sub(on_whole, on_before), half_left));
+    const number left = half(half(on->left));
+    const number residual = limited(add(add(sub(on_before, ONE_HALF), left), on_whole), half(ONE_HALF));
+    const number slope = limited(add(rounded(growth), sub(sub(on_whole, on_before), left)), ONE_HALF);
+    value->residual = times_power_of_two(residual, 2);
+    value->slope = times_power_of_two(slope, 1);
 }
 {%- endif %}
 
@@ -247,31 +272,29 @@ static number correction_within(const chord *on, number sigma, const evaluation 
 {%- endif %}
 }
 
-/* sigma of the whole chord at a trial. */
-static number of_whole(const chord *on, number trial)
+{% if has_joints -%}
+/* part + more, at most `greatest`; `part` is not above that. */
+static number sum_within(number part, number more, number greatest)
 {
-{%- if has_joints %}
-    return on->is_past_joint ? mul(trial, on->left) : trial;
-{%- else %}
-    (void)on;
-    return trial;
-{%- endif %}
+    return add(part, minimum(more, sub(greatest, part)));
 }
 
-/* The step of a trial: of the whole chord, or of what is left of it. */
-static number step_of(const chord *on, number trial)
-{
-    return mul(of_whole(on, trial), on->length);
-}
-
+{% endif -%}
 /* Solves for sigma from an evaluation at a start value, which it changes; returns the evaluations made, at most `most`. */
 static uint32_t refine_chord(const chord *on, number *sigma, evaluation *last, uint32_t most)
 {
+{%- if has_joints %}
+    /* Where the chord turns at the joint, its rest is longer than what the part before leaves of its length. */
+    const number quarter = half(half(on->greatest));
+    const number greatest = on->is_past_joint ? {% if floating %}add(on->greatest, quarter){% else %}sum_within(on->greatest, quarter, NUMBER_MAX){% endif %} : on->greatest;
+{%- else %}
+    const number greatest = on->greatest;
+{%- endif %}
     uint32_t evaluations = 1u;
     for (;;) {
         const number trial = *sigma;
         const number by = correction_within(on, trial, last);
-        *sigma = sub(trial, within(by, trial, on->least, on->greatest));
+        *sigma = sub(trial, within(by, trial, on->least, greatest));
         const bool is_enough = (absolute(last->residual) <= FLUCTUATION) || is_small(last);
         if (is_enough || (*sigma == trial) || (evaluations >= most)) {
             return evaluations;

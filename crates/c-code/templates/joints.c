@@ -93,12 +93,6 @@ static number into_next(const piece_row *row, const piece_row *next, number sigm
     return maximum(next->least_step_per_chord, part_into_next(row, next, sigma));
 }
 
-/* part + more, at most `greatest`; `part` is not above that. */
-static number sum_within(number part, number more, number greatest)
-{
-    return add(part, minimum(more, sub(greatest, part)));
-}
-
 /* The trend in the scale of the next piece, each of its three sigma limited to the range there. */
 static void trend_into_next({{ name }}_state *state, const piece_row *row, const piece_row *next)
 {

