@@ -4,6 +4,8 @@
 //! up to `degree` times. Coordinates within ±500 mm. Weights all equal in half of the curves, else 0.01 to 100. Every
 //! curve converts to `f32`. A fixed format may refuse a curve whose knots or weights it does not resolve.
 
+use core::ops::RangeInclusive;
+
 use proptest::collection::vec;
 use proptest::prelude::*;
 
@@ -53,7 +55,14 @@ fn weights(count: usize) -> impl Strategy<Value = Vec<f64>> {
 
 /// A random valid curve over [0, 1].
 pub fn curve<const D: usize>() -> impl Strategy<Value = NurbsBuf<f64, D>> {
-    (1_usize..=7, vec(gap(), 2..=20))
+    curve_of_degree(1..=7)
+}
+
+/// A random valid curve over [0, 1] of one of these degrees.
+pub fn curve_of_degree<const D: usize>(
+    degrees: RangeInclusive<usize>,
+) -> impl Strategy<Value = NurbsBuf<f64, D>> {
+    (degrees, vec(gap(), 2..=20))
         .prop_flat_map(|(degree, gaps)| {
             let knots = clamped_knots(degree, &gaps);
             let count = degree + 1 + gaps.len();

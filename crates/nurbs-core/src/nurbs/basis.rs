@@ -35,7 +35,12 @@ use crate::{KnotVector, MAX_DEGREE};
 /// is exactly 1; floating point, each function is within a relative `4p` units.
 #[must_use]
 pub fn basis_functions<R: Real>(knots: &KnotVector<'_, R>, span: usize, u: R) -> [R; MAX_DEGREE + 1] {
-    BasisRows::new(knots.around(span), u).degree_p
+    let knots = knots.around(span);
+    let mut functions = of_degree_0();
+    for degree in 1..=knots.degree() {
+        raise_degree(&mut functions, knots, degree, u, quotient);
+    }
+    functions
 }
 
 /// The basis functions that a curve's point and first two derivatives need.
@@ -49,29 +54,62 @@ pub(crate) struct BasisRows<R> {
 }
 
 impl<R: Real> BasisRows<R> {
+    /// Those in a span that is not empty.
+    #[inline(always)] // Rows that the caller does not read are then not copied.
     pub(crate) fn new(knots: LocalKnots<'_, R>, u: R) -> Self {
         let zeros = [R::zero(); SCRATCH];
-        let mut rows = Self { degree_p: zeros, one_lower: zeros, two_lower: zeros };
-        rows.degree_p[0] = R::one();
-        for degree in 1..=knots.degree() {
-            rows.two_lower = rows.one_lower;
-            rows.one_lower = rows.degree_p;
-            raise_degree(&mut rows.degree_p, knots, degree, u);
+        let mut rows = Self { degree_p: of_degree_0(), one_lower: zeros, two_lower: zeros };
+        let p = knots.degree();
+        for degree in 1..=p {
+            if degree + 1 == p {
+                rows.two_lower = rows.degree_p;
+            }
+            if degree == p {
+                rows.one_lower = rows.degree_p;
+            }
+            raise_degree(&mut rows.degree_p, knots, degree, u, R::div);
         }
         rows
     }
+
+    /// The same of a cubic, without a loop over the degrees: the compiler unrolls what is left.
+    #[inline(always)]
+    pub(crate) fn of_cubic(knots: LocalKnots<'_, R>, u: R) -> Self {
+        let mut degree_p = of_degree_0();
+        raise_degree(&mut degree_p, knots, 1, u, R::div);
+        let two_lower = degree_p;
+        raise_degree(&mut degree_p, knots, 2, u, R::div);
+        let one_lower = degree_p;
+        raise_degree(&mut degree_p, knots, 3, u, R::div);
+        Self { degree_p, one_lower, two_lower }
+    }
 }
 
-/// Turns the functions of degree `degree - 1` into those of `degree`.
-fn raise_degree<R: Real>(functions: &mut [R; SCRATCH], knots: LocalKnots<'_, R>, degree: usize, u: R) {
+/// `N_{i,0}` = 1.
+#[inline(always)]
+fn of_degree_0<R: Real>() -> [R; SCRATCH] {
+    let mut functions = [R::zero(); SCRATCH];
+    functions[0] = R::one();
+    functions
+}
+
+/// Turns the functions of degree `degree - 1` into those of `degree`; `over` divides.
+#[inline(always)] // The compiler then knows the degree where the caller does.
+fn raise_degree<R: Real>(
+    functions: &mut [R; SCRATCH],
+    knots: LocalKnots<'_, R>,
+    degree: usize,
+    u: R,
+    over: impl Fn(R, R) -> R,
+) {
     let mut from_left = R::zero();
     for (function, (left, right)) in functions.iter_mut().zip(knots.supports(degree)) {
         let (below, above, width) = (u - left, right - u, right - left);
         let (stays, moves) = if below < above {
-            let moves = *function * quotient(below, width);
+            let moves = *function * over(below, width);
             (*function - moves, moves)
         } else {
-            let stays = *function * quotient(above, width);
+            let stays = *function * over(above, width);
             (stays, *function - stays)
         };
         *function = from_left + stays;

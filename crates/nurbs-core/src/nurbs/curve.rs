@@ -3,8 +3,7 @@
 use real::Real;
 
 use crate::nurbs::basis::BasisRows;
-use crate::nurbs::degree::SCRATCH;
-use crate::vector::weighted_sum;
+use crate::nurbs::span_numbers::SpanNumbers;
 use crate::{CurveError, Evaluate, KnotVector, Quantity};
 
 /// A NURBS curve in `D` dimensions whose numbers are borrowed: from flash, or from a [`NurbsBuf`](crate::NurbsBuf).
@@ -83,33 +82,26 @@ impl<'a, R: Real, const D: usize> NurbsCurve<'a, R, D> {
         self.weights
     }
 
-    /// The control points that shape the span at knot index `span`: `P_{i-p} … P_i`.
-    pub(crate) fn active<T>(&self, of: &'a [T], span: usize) -> &'a [T] {
-        of.get(span.saturating_sub(self.degree())..=span).unwrap_or_default()
+    /// The numbers that shape the span at knot index `span`.
+    #[inline(always)]
+    pub(crate) fn numbers(&self, span: usize) -> SpanNumbers<'a, R, D> {
+        SpanNumbers::at(span, &self.knots, self.control_points, self.weights)
+    }
+
+    /// The same, known in number to the compiler, if this is a cubic and cubics are compiled apart.
+    #[inline(always)]
+    pub(crate) fn cubic_numbers(&self, span: usize) -> Option<SpanNumbers<'a, R, D>> {
+        if !R::IS_FOR_SPEED || !cfg!(feature = "cubic") {
+            return None;
+        }
+        SpanNumbers::at_cubic(span, &self.knots, self.control_points, self.weights)
     }
 
     /// The point at `u` of the span at knot index `span`.
-    fn point_in(&self, span: usize, u: R) -> [R; D] {
-        let mut basis = BasisRows::new(self.knots.around(span), u).degree_p;
-        self.make_rational(&mut basis, span);
-        weighted_sum(&basis, self.active(self.control_points, span))
-    }
-
-    /// Turns basis functions `N_i` into rational ones, `R_i = w_i N_i / Σ w_j N_j`, and returns the denominator.
-    ///
-    /// The weights multiply the functions, not the points. So every intermediate is no larger than the largest weight,
-    /// whatever the coordinates are, and the only nonzero function at a clamped end is exactly 1.
-    pub(crate) fn make_rational(&self, basis: &mut [R; SCRATCH], span: usize) -> R {
-        let Some(weights) = self.weights else { return R::one() };
-        let mut denominator = R::zero();
-        for (function, weight) in basis.iter_mut().zip(self.active(weights, span)) {
-            *function = *function * *weight;
-            denominator = denominator + *function;
-        }
-        for function in basis.iter_mut().take(self.degree() + 1) {
-            *function = *function / denominator;
-        }
-        denominator
+    #[inline(never)] // Within `point` it would make every cubic save its registers.
+    fn point_of_any_degree(&self, span: usize, u: R) -> [R; D] {
+        let numbers = self.numbers(span);
+        numbers.point(BasisRows::new(numbers.knots, u))
     }
 }
 
@@ -169,8 +161,13 @@ impl<R: Real, const D: usize> Evaluate<R, D> for NurbsCurve<'_, R, D> {
     ///
     /// # Source
     /// Piegl and Tiller, *The NURBS Book*, 2nd ed. (1997), algorithms A3.1 and A4.1.
+    #[inline(never)] // What it costs then does not hang on how often a program calls it.
     fn point(&self, u: R) -> [R; D] {
-        self.point_in(self.knots.find_span(u), u)
+        let span = self.knots.find_span(u);
+        match self.cubic_numbers(span) {
+            Some(cubic) => cubic.point(BasisRows::of_cubic(cubic.knots, u)),
+            None => self.point_of_any_degree(span, u),
+        }
     }
 
     fn span_count(&self) -> usize {

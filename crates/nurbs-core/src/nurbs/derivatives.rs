@@ -22,9 +22,10 @@
 
 use real::Real;
 
-use crate::nurbs::basis::{BasisRows, quotient};
+use crate::nurbs::basis::BasisRows;
 use crate::nurbs::degree::SCRATCH;
 use crate::nurbs::knots::LocalKnots;
+use crate::nurbs::span_numbers::SpanNumbers;
 use crate::vector::{over, sub, weighted_sum};
 use crate::{Derivatives, Differentiate, NurbsCurve};
 
@@ -32,6 +33,7 @@ impl<R: Real, const D: usize> Differentiate<R, D> for NurbsCurve<'_, R, D> {
     /// The point is that of [`point`](crate::Evaluate::point). The derivatives are within a few units of the largest
     /// derivative of their span: 1e-15 of it in `f64`, 5e-7 in `f32`, 3e-9 in `I32F32` on the curves of the papers.
     /// Beyond the ends the outer span is extrapolated.
+    #[inline(always)] // A search and a call.
     fn derivatives(&self, u: R) -> Derivatives<R, D> {
         self.derivatives_at(self.knots.find_span(u), u)
     }
@@ -47,21 +49,39 @@ impl<R: Real, const D: usize> Differentiate<R, D> for NurbsCurve<'_, R, D> {
 
 impl<R: Real, const D: usize> NurbsCurve<'_, R, D> {
     /// `C(u)`, `C'(u)` and `C''(u)` of the span at knot index `span`.
+    #[inline(never)] // As `point`.
     fn derivatives_at(&self, span: usize, u: R) -> Derivatives<R, D> {
-        let knots = self.knots.around(span);
-        let points = self.active(self.control_points, span);
-        let mut rows = BasisRows::new(knots, u);
-        let denominator = self.make_rational(&mut rows.degree_p, span);
-        let point = weighted_sum(&rows.degree_p, points);
+        match self.cubic_numbers(span) {
+            Some(cubic) => cubic.derivatives(BasisRows::of_cubic(cubic.knots, u)),
+            None => self.derivatives_of_any_degree(span, u),
+        }
+    }
 
+    #[inline(never)] // Within the above it would make every cubic save its registers.
+    fn derivatives_of_any_degree(&self, span: usize, u: R) -> Derivatives<R, D> {
+        let numbers = self.numbers(span);
+        numbers.derivatives(BasisRows::new(numbers.knots, u))
+    }
+}
+
+impl<R: Real, const D: usize> SpanNumbers<'_, R, D> {
+    /// The point and the derivatives that these basis functions give.
+    #[inline(always)]
+    fn derivatives(&self, mut rows: BasisRows<R>) -> Derivatives<R, D> {
+        let denominator = self.make_rational(&mut rows.degree_p);
+        let point = weighted_sum(&rows.degree_p, self.points);
+
+        let mut coefficients = scratch(self.points, [R::zero(); D]);
         let Some(weights) = self.weights else {
-            let (first, second) = spline_derivatives(&scratch(points.iter().copied()), knots, &rows);
+            let (first, second) = spline_derivatives(&coefficients, self.knots, &rows);
             return Derivatives { point, first, second };
         };
-        let weights = self.active(weights, span);
-        let seen_from_point = points.iter().zip(weights).map(|(p, w)| sub(p, &point).map(|x| *w * x));
-        let (first, second) = spline_derivatives(&scratch(seen_from_point), knots, &rows);
-        let ([weight_rate], _) = spline_derivatives(&scratch(weights.iter().map(|w| [*w])), knots, &rows);
+        for (coefficient, weight) in coefficients.iter_mut().zip(weights) {
+            *coefficient = sub(coefficient, &point).map(|x| *weight * x);
+        }
+        let (first, second) = spline_derivatives(&coefficients, self.knots, &rows);
+        let weights = scratch(weights.as_chunks::<1>().0, [R::zero()]);
+        let ([weight_rate], _) = spline_derivatives(&weights, self.knots, &rows);
 
         let first = over(&first, denominator);
         let twice_turned = first.map(|x| (weight_rate * x).ldexp(1));
@@ -71,35 +91,50 @@ impl<R: Real, const D: usize> NurbsCurve<'_, R, D> {
 }
 
 /// First and second derivative of `Σ coefficients_r N_r`.
+#[inline(always)]
 fn spline_derivatives<R: Real, const D: usize>(
     coefficients: &[[R; D]; SCRATCH],
     knots: LocalKnots<'_, R>,
     rows: &BasisRows<R>,
 ) -> ([R; D], [R; D]) {
     let p = knots.degree();
+    let one_lower = p.saturating_sub(1);
     let differences = divided_differences(coefficients, knots, p);
-    let second_differences = divided_differences(&differences, knots, p - 1);
+    let second_differences = divided_differences(&differences, knots, one_lower);
     let degree = |q: usize| R::from_ratio(i32::try_from(q).unwrap_or(i32::MAX), 1);
-    let first = weighted_sum(&rows.one_lower, &differences).map(|x| x * degree(p));
-    let second = weighted_sum(&rows.two_lower, &second_differences).map(|x| x * degree(p - 1) * degree(p));
-    (first, second)
+    let first = weighted_sum(front(&rows.one_lower, p), &differences).map(|x| x * degree(p));
+    let second = weighted_sum(front(&rows.two_lower, one_lower), &second_differences);
+    (first, second.map(|x| x * degree(one_lower) * degree(p)))
+}
+
+/// The first `count` functions and the 0 behind them: its product makes a sum of zeros +0, whatever their signs.
+#[inline(always)]
+fn front<R>(functions: &[R; SCRATCH], count: usize) -> &[R] {
+    functions.get(..count + 1).unwrap_or(functions)
 }
 
 /// `(B_{r+1} - B_r) / (right_r - left_r)` over the supports of the `q` basis functions of degree q - 1; the rest is 0.
+#[inline(always)]
 fn divided_differences<R: Real, const D: usize>(
     coefficients: &[[R; D]; SCRATCH],
     knots: LocalKnots<'_, R>,
     q: usize,
 ) -> [[R; D]; SCRATCH] {
-    let pairs = coefficients.windows(2).zip(knots.supports(q));
-    scratch(pairs.map(|(b, (left, right))| sub(&b[1], &b[0]).map(|x| quotient(x, right - left))))
+    let mut differences = [[R::zero(); D]; SCRATCH];
+    for ((difference, pair), (left, right)) in
+        differences.iter_mut().zip(coefficients.windows(2)).zip(knots.supports(q))
+    {
+        *difference = over(&sub(&pair[1], &pair[0]), right - left);
+    }
+    differences
 }
 
-/// An array of zeros with the items at its front.
-fn scratch<R: Real, const D: usize>(items: impl Iterator<Item = [R; D]>) -> [[R; D]; SCRATCH] {
-    let mut array = [[R::zero(); D]; SCRATCH];
-    for (place, item) in array.iter_mut().zip(items) {
-        *place = item;
+/// An array with these numbers at its front and zeros behind.
+#[inline(always)]
+fn scratch<T: Copy>(numbers: &[T], zero: T) -> [T; SCRATCH] {
+    let mut array = [zero; SCRATCH];
+    for (place, number) in array.iter_mut().zip(numbers) {
+        *place = *number;
     }
     array
 }
@@ -109,7 +144,7 @@ mod tests {
     use crate::oracle::{self, exactly};
     use crate::{Derivatives, Differentiate, Evaluate, NurbsBuf, generate, golden};
     use proptest::prelude::*;
-    use real::{Backend, DoubleDouble, I16F16, I32F32, Real};
+    use real::{Backend, DoubleDouble, I4F28, I16F16, I16F48, I32F32, Real};
 
     /// What rounding errors of the derivatives in a span are measured by: the extent times `p / span width` per
     /// differentiation, and the ratio of the weights likewise.
@@ -121,7 +156,35 @@ mod tests {
         [largest * growth, largest * growth * growth]
     }
 
+    /// Point and derivatives, to the last bit: `{:?}` shows the sign of a zero.
+    fn same_in<Q: Backend>(curve: &NurbsBuf<f64, 2>, u: f64) -> Result<(), TestCaseError> {
+        let (Ok(curve), Some(u)) = (curve.convert::<Q>(), Q::from_f64(u)) else { return Ok(()) };
+        let curve = curve.as_curve();
+        for u in curve.knots().as_slice().iter().copied().chain([u]) {
+            let span = curve.knots().find_span(u);
+            prop_assert_eq!(curve.cubic_numbers(span).is_some(), Q::IS_FOR_SPEED, "{}", Q::name());
+            let (apart, as_any) = (curve.derivatives(u), curve.derivatives_of_any_degree(span, u));
+            prop_assert_eq!(format!("{apart:?}"), format!("{as_any:?}"), "{} u={:?}", Q::name(), u);
+            prop_assert_eq!(format!("{:?}", curve.point(u)), format!("{:?}", as_any.point));
+        }
+        Ok(())
+    }
+
     proptest! {
+        /// Inside the domain, at its knots, and where the outer spans are extrapolated.
+        #[test]
+        fn a_cubic_has_the_bits_of_any_degree(
+            curve in generate::curve_of_degree::<2>(3..=3),
+            u in -0.25..1.25,
+        ) {
+            same_in::<f64>(&curve, u)?;
+            same_in::<f32>(&curve, u)?;
+            same_in::<I16F16>(&curve, u)?;
+            same_in::<I4F28>(&small(&curve), u)?;
+            same_in::<I16F48>(&curve, u)?;
+            same_in::<DoubleDouble>(&curve, u)?;
+        }
+
         #[test]
         fn derivatives_are_limits_of_differences(
             (curve, span, t) in generate::curve_span_and_fraction::<2>()
@@ -224,6 +287,19 @@ mod tests {
                 assert!(error <= bound, "u={u}: {error} > {bound}");
             }
         }
+    }
+
+    /// The curve over 125, with equal weights: a format of four integer bits holds it.
+    fn small(curve: &NurbsBuf<f64, 2>) -> NurbsBuf<f64, 2> {
+        let points = curve.control_points().iter().map(|point| point.map(|x| x / 125.0)).collect();
+        NurbsBuf::try_new_nonrational(curve.degree(), points, curve.knots().to_vec()).unwrap()
+    }
+
+    #[test]
+    fn a_derivative_of_zero_has_no_sign() {
+        let still = NurbsBuf::try_new_nonrational(1, vec![[0.0], [-0.0]], vec![0.0, 0.0, 1.0, 1.0]).unwrap();
+        let at = still.as_curve().derivatives(0.5_f64);
+        assert_eq!([at.first, at.second].map(|[x]| x.to_bits()), [0, 0]);
     }
 
     #[test]

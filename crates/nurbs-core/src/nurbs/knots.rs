@@ -6,12 +6,15 @@
 
 use real::Real;
 
+use crate::nurbs::degree::CUBIC;
 use crate::{CurveError, End, MAX_DEGREE, Quantity};
 
 /// A valid, clamped knot vector, borrowed.
 #[derive(Clone, Copy, Debug)]
 pub struct KnotVector<'a, R> {
     knots: &'a [R],
+    /// The knots that are at neither end, `u_{p+1} … u_n`.
+    inner: &'a [R],
     degree: usize,
     span_count: usize,
     /// The knot index of each span, if the owner of the knots has such a table.
@@ -65,22 +68,25 @@ impl<'a, R: Real> KnotVector<'a, R> {
                 return Err(CurveError::NotClamped { end, expected: order, multiplicity: count_of(u) });
             }
         }
+        let inner = &knots[order..point_count];
         let mut index = order;
-        for equal in knots[order..point_count].chunk_by(|a, b| a == b) {
+        for equal in inner.chunk_by(|a, b| a == b) {
             if equal.len() > degree {
                 return Err(CurveError::MultiplicityTooHigh { index, multiplicity: equal.len(), degree });
             }
             index += equal.len();
         }
         let span_count = knots.windows(2).filter(|pair| pair[0] < pair[1]).count();
-        Ok(Self { knots, degree, span_count, spans: &[] })
+        Ok(Self { knots, inner, degree, span_count, spans: &[] })
     }
 
     /// A knot vector that [`try_new`](Self::try_new) has found valid, with the number of its spans and their
     /// [`repeated_spans`](Self::repeated_spans).
     #[cfg(feature = "alloc")]
     pub(crate) fn from_valid(degree: usize, knots: &'a [R], span_count: usize, spans: &'a [usize]) -> Self {
-        Self { knots, degree, span_count, spans }
+        let order = degree + 1;
+        let inner = knots.get(order..knots.len().saturating_sub(order)).unwrap_or_default();
+        Self { knots, inner, degree, span_count, spans }
     }
 
     /// The knot index of each span, if an inner knot is repeated; otherwise [`span_index`](Self::span_index) needs no
@@ -137,8 +143,7 @@ impl<'a, R: Real> KnotVector<'a, R> {
     #[must_use]
     pub fn find_span(&self, u: R) -> usize {
         // Each inner knot that is not above u moves the span on by one.
-        let inner = self.knots.get(self.degree + 1..self.point_count()).unwrap_or_default();
-        self.degree + inner.partition_point(|knot| *knot <= u)
+        self.degree + self.inner.partition_point(|knot| *knot <= u)
     }
 
     /// The multiplicity of the knot `u`: 0 if u is not a knot.
@@ -189,34 +194,50 @@ impl<'a, R: Real> KnotVector<'a, R> {
         (self.knots[index], self.knots[index + 1])
     }
 
-    /// The knots that matter in the span at knot index `span`.
+    /// The knots that matter in the span at knot index `span`; an index below p counts as p, one above n as n.
+    #[inline(always)]
     pub(crate) fn around(&self, span: usize) -> LocalKnots<'a, R> {
         let span = span.min(self.point_count() - 1).max(self.degree);
-        // A vector that was found valid has both ranges.
-        let part = |from: usize| self.knots.get(from..from + self.degree).unwrap_or_default();
-        LocalKnots { left: part(span + 1 - self.degree), right: part(span + 1), degree: self.degree }
+        let first = span + 1 - self.degree;
+        // A vector that was found valid has this range.
+        LocalKnots(self.knots.get(first..first + 2 * self.degree).unwrap_or_default())
+    }
+
+    /// The same of a cubic, so that the compiler knows their number; `None` for an index below 3 or above n.
+    #[inline(always)]
+    pub(crate) fn around_cubic(&self, span: usize) -> Option<LocalKnots<'a, R>> {
+        window::<{ 2 * CUBIC }, _>(self.knots, (span + 1).checked_sub(CUBIC)?).map(LocalKnots)
     }
 }
 
-/// `u_{i-p+1} … u_i` and `u_{i+1} … u_{i+p}`, the 2p knots on which the basis functions in span i depend.
+/// `u_{i-p+1} … u_{i+p}`, the 2p knots on which the basis functions in span i depend.
 #[derive(Clone, Copy)]
-pub(crate) struct LocalKnots<'a, R> {
-    left: &'a [R],
-    right: &'a [R],
-    degree: usize,
-}
+pub(crate) struct LocalKnots<'a, R>(&'a [R]);
 
 impl<R: Real> LocalKnots<'_, R> {
     /// The degree p.
+    #[inline(always)]
     pub(crate) fn degree(&self) -> usize {
-        self.degree
+        self.0.len() / 2
     }
 
     /// The pairs `(u_{i-q+1+r}, u_{i+1+r})`, r = 0 … q-1: the supports, in span i, of the q basis functions of
     /// degree q - 1. No pair is empty when span i is not. `q ≤ p`.
+    #[inline(always)]
     pub(crate) fn supports(&self, q: usize) -> impl Iterator<Item = (R, R)> {
-        self.left.iter().skip(self.degree.saturating_sub(q)).copied().zip(self.right.iter().copied())
+        let p = self.degree();
+        let left = self.0.get(p.saturating_sub(q)..p).unwrap_or_default();
+        let right = self.0.get(p..).unwrap_or_default();
+        left.iter().copied().zip(right.iter().copied())
     }
+}
+
+/// The `N` items from `first` on, so that the compiler knows their number. Of a range that is given by its begin alone
+/// only the end is compared with the length of `items`.
+#[inline(always)]
+pub(crate) fn window<const N: usize, T>(items: &[T], first: usize) -> Option<&[T]> {
+    let window: &[T; N] = items.get(first..first + N)?.as_array()?;
+    Some(window)
 }
 
 /// How many of the sorted `knots` equal `u`.
