@@ -182,7 +182,7 @@ pub use pieces::{
     piece::{Joint, ORIGIN_EXPONENT, Piece},
     pieces::{Coefficients, Pieces},
     right_shifts::RightShifts,
-    shift::{Shifted, shift},
+    shift::{Shifted, divide_by_weight, shift},
 };
 pub use shapes::{
     arc::{Arc, Sense},

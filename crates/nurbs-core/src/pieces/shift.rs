@@ -27,7 +27,7 @@ impl<R: Real, const D: usize> Default for Shifted<R, D> {
 /// Turns N and its derivatives into P and the chord's numerator: `c_k - P ω_k`, all over W(t). `weights` are those of
 /// the piece without the constant one; returns `ω_k/W(t)`, each as a row of one.
 #[inline(always)] // Called, it takes a seventh longer in fixed point.
-pub(crate) fn divide_by_weight<R: Real, const D: usize, const N: usize>(
+pub fn divide_by_weight<R: Real, const D: usize, const N: usize>(
     constant: R,
     weights: &[R],
     t: Option<R>,

@@ -312,8 +312,8 @@ impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D,
         if let Some(before) = self.before {
             return self.evaluate_past_joint(sigma, &before, (&chord, &turn), (weight, weight_slope * x));
         }
-        let lightening = || [(-weight, weight_slope * x), (weight, weight), (-R::one(), R::one())];
-        Evaluation::new(sigma, &chord, &turn, weight, self.is_rational().then(lightening))
+        let products = self.is_rational().then(|| lightening(weight, weight_slope * x));
+        Evaluation::new(sigma, &chord, &turn, weight, products)
     }
 
     /// f and g where a part of the chord lies on pieces before, from q, x q', w and x w'. It takes a division if rational.
@@ -360,10 +360,7 @@ impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D,
     /// W and dW/dx at the trial step, over W at the present point.
     #[inline]
     fn weight(&self, x: R) -> (R, R) {
-        let weights = self.at.weight.as_chunks::<1>().0.iter().take(self.count());
-        let ([value], [turn]) = value_and_slope(weights, x, ["chord_weight"; 2]);
-        // value = ω̃_1 + ω̃_2 x + …, so W = 1 + x value and W' = value + x·(its derivative).
-        (value.mul_add(x, R::one()), turn.mul_add(x, value).signal("chord_weight"))
+        weight_and_slope(self.at.weight.as_chunks::<1>().0.iter().take(self.count()), x)
     }
 
     /// The chord over the step η, in chord units.
@@ -418,6 +415,23 @@ pub(crate) fn value_and_slope<'a, R: Real + 'a, const M: usize>(
         }
     }
     (values, slopes)
+}
+
+/// W and dW/dx over W at the present point, from rows of one number each: ω̃_1, ω̃_2, ….
+#[inline(always)] // As the evaluation that it is a part of.
+pub(crate) fn weight_and_slope<'a, R: Real + 'a>(
+    rows: impl DoubleEndedIterator<Item = &'a [R; 1]>,
+    x: R,
+) -> (R, R) {
+    let ([value], [turn]) = value_and_slope(rows, x, ["chord_weight"; 2]);
+    // value = ω̃_1 + ω̃_2 x + …, so W = 1 + x value and W' = value + x·(its derivative).
+    (value.mul_add(x, R::one()), turn.mul_add(x, value).signal("chord_weight"))
+}
+
+/// The products of g that a weight w adds, from w and x w'.
+#[inline(always)] // As the evaluation that it is a part of.
+pub(crate) fn lightening<R: Real>(weight: R, weight_turn: R) -> [(R, R); 3] {
+    [(-weight, weight_turn), (weight, weight), (-R::one(), R::one())]
 }
 
 /// `σ f/2 (1 - g + g² - c f)`, c being the curvature; f and g are limited already.

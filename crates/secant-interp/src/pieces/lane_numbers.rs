@@ -1,5 +1,6 @@
 //! The numbers of all lanes that a common step needs, side by side.
 
+use nurbs_core::Pieces;
 use real::Real;
 
 use crate::pieces::state::CUBIC;
@@ -7,6 +8,24 @@ use crate::pieces::trend::Trend;
 
 /// One number of each lane.
 pub(crate) type Row<T, const W: usize> = [T; W];
+
+/// The numbers of one lane.
+#[inline(always)]
+pub(crate) fn of_lane<T: Copy, const N: usize, const W: usize>(rows: &[Row<T, W>; N], lane: usize) -> [T; N] {
+    core::array::from_fn(|n| rows[n][lane])
+}
+
+/// Puts the numbers of one lane into their rows.
+#[inline(always)]
+pub(crate) fn put<T: Copy, const N: usize, const W: usize>(
+    rows: &mut [Row<T, W>; N],
+    lane: usize,
+    values: [T; N],
+) {
+    for (row, value) in rows.iter_mut().zip(values) {
+        row[lane] = value;
+    }
+}
 
 /// The integers of the lanes.
 #[derive(Clone, Debug)]
@@ -37,9 +56,12 @@ pub(crate) struct Numbers<R, const D: usize, const W: usize> {
     pub(crate) rise: Row<R, W>,
     pub(crate) fall: Row<R, W>,
     pub(crate) chord: [[Row<R, W>; D]; CUBIC],
+    /// ω̃_1 to ω̃_3; of no meaning while no lane has weights.
+    pub(crate) weight: [Row<R, W>; CUBIC],
     pub(crate) offset: [Row<R, W>; D],
-    /// n_1 to n_3 of the pieces, and the least and greatest step per chord.
+    /// n_1 to n_3 and w_0 to w_3 of the pieces, and the least and greatest step per chord. Without weights W is 1.
     pub(crate) numerator: [[Row<R, W>; D]; CUBIC],
+    pub(crate) weights: [Row<R, W>; CUBIC + 1],
     pub(crate) range: [Row<R, W>; 2],
     /// For the stages, the share of a period, the feed at the begin and its change.
     pub(crate) share: Row<R, W>,
@@ -66,6 +88,17 @@ pub(crate) fn nowhere<R: Real>() -> R {
     -R::max_value()
 }
 
+/// A coefficient of a power that a polynomial does not have. It is -0: added to any number, to 0 and -0 too, its
+/// products leave that number's bits as they are.
+fn no_term<R: Real>() -> R {
+    -R::zero()
+}
+
+/// w_0 to w_3 where there are no weights.
+pub(crate) fn no_weights<R: Real>() -> [R; CUBIC + 1] {
+    [R::one(), no_term(), no_term(), no_term()]
+}
+
 impl<const W: usize> Words<W> {
     pub(crate) fn new() -> Self {
         let none = [0; W];
@@ -81,8 +114,10 @@ impl<R: Real, const D: usize, const W: usize> Numbers<R, D, W> {
             rise: zero,
             fall: zero,
             chord: [[zero; D]; CUBIC],
+            weight: [zero; CUBIC],
             offset: [zero; D],
             numerator: [[zero; D]; CUBIC],
+            weights: no_weights().map(|w| [w; W]),
             range: [zero; 2],
             share: zero,
             feed: zero,
@@ -95,6 +130,24 @@ impl<R: Real, const D: usize, const W: usize> Numbers<R, D, W> {
             growth: zero,
             found: zero,
             step: zero,
+        }
+    }
+
+    /// Puts the coefficients of a piece of degree 3 at most into a lane. Weights only if the path has some: until then a lane has those
+    /// of [`no_weights`].
+    #[inline]
+    pub(crate) fn put_coefficients(&mut self, lane: usize, pieces: &Pieces<'_, R, D>, piece: usize) {
+        let degree = pieces.degree;
+        let numerator = pieces.numerators.get(degree * piece..).unwrap_or_default();
+        for (k, rows) in self.numerator.iter_mut().enumerate() {
+            let n = numerator.get(k).filter(|_| k < degree);
+            put(rows, lane, n.copied().unwrap_or([no_term(); D]));
+        }
+        if pieces.is_rational() {
+            let weights = pieces.weights.get((degree + 1) * piece..).unwrap_or_default();
+            for (k, row) in self.weights.iter_mut().enumerate() {
+                row[lane] = weights.get(k).filter(|_| k <= degree).copied().unwrap_or(no_term());
+            }
         }
     }
 

@@ -7,20 +7,23 @@
 //! that it runs on, chosen at run time. A loop with words of 64 bits has as many lanes at a time as a register has such
 //! words; work without such words has loops of its own, with more lanes at a time.
 //!
-//! A common step is a step on a cubic without weights that needs one evaluation and stays on its piece, or passes to a
-//! piece of the same polynomial. It has two parts: the departure, up to the place where the step ends, and the arrival,
+//! A common step is a step on a piece of degree 3 at most that needs one evaluation and stays on its piece, or passes to a
+//! piece of the same polynomial. While no lane has weights, the loops leave them out; else all lanes have some, which are 1 where
+//! the path has none. A common step has two parts: the departure, up to the place where the step ends, and the arrival,
 //! which computes the point there. Between them, lanes get the numbers of another piece or of another stage where they
 //! need them. In all other cases a lane steps alone, as [`PieceInterpolator::step`] does. So the setpoints are those of
 //! [`PieceInterpolator`] bit for bit: a common step is the same operations in the same order, and counts only if no
 //! other case occurs.
 
 use feed_plan::StageShape;
-use nurbs_core::{Joint, shift};
+use nurbs_core::{Joint, divide_by_weight, shift};
 use real::Lane;
 
-use crate::pieces::chord_step::{Evaluation, correction, is_within, value_and_slope};
+use crate::pieces::chord_step::{
+    Evaluation, correction, is_within, lightening, value_and_slope, weight_and_slope,
+};
 use crate::pieces::joint::Reached;
-use crate::pieces::lane_numbers::{NONE, Numbers, Row, Words, nowhere};
+use crate::pieces::lane_numbers::{NONE, Numbers, Words, no_weights, nowhere, of_lane, put};
 use crate::pieces::piece_interpolator::PieceInterpolator;
 use crate::pieces::place::{after, onward, place_of};
 use crate::pieces::state::CUBIC;
@@ -30,19 +33,6 @@ use crate::step_lengths::PERIOD;
 /// A bit for each lane.
 type Mask = u64;
 
-/// The numbers of one lane.
-#[inline(always)]
-fn of_lane<T: Copy, const N: usize, const W: usize>(rows: &[Row<T, W>; N], lane: usize) -> [T; N] {
-    core::array::from_fn(|n| rows[n][lane])
-}
-
-#[inline(always)]
-fn put<T: Copy, const N: usize, const W: usize>(rows: &mut [Row<T, W>; N], lane: usize, values: [T; N]) {
-    for (row, value) in rows.iter_mut().zip(values) {
-        row[lane] = value;
-    }
-}
-
 /// W interpolators side by side, 64 at most, in a format that has vector registers. W is best four times the lanes of a
 /// register, 32 or 64: each loop then has other work while results are awaited.
 #[derive(Clone, Debug)]
@@ -51,9 +41,11 @@ pub struct LaneInterpolator<'a, R, const D: usize, const W: usize> {
     states: [PieceState<R, D>; W],
     words: Words<W>,
     numbers: Numbers<R, D, W>,
-    /// Whether a run's place is in its lane. If not, it is in its state. While it is in the lane, the state's cursor
-    /// stands behind the periods that are left.
-    is_loaded: [bool; W],
+    /// The lanes in which the places of their runs are; other places are in the states. While it is in the lane, the
+    /// state's cursor stands behind the periods that are left.
+    loaded: Mask,
+    /// The lanes whose runs have weights and are, or have been, in their lanes.
+    weighted: Mask,
     /// The lanes whose runs have ended.
     ended: Mask,
     /// The setpoints of steps that were not common.
@@ -62,6 +54,9 @@ pub struct LaneInterpolator<'a, R, const D: usize, const W: usize> {
 }
 
 impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> {
+    /// A bit for each lane that there is.
+    const ALL: Mask = if W < Mask::BITS as usize { (1 << W) - 1 } else { Mask::MAX };
+
     /// All runs at their start.
     #[must_use]
     pub fn new(runs: [PieceInterpolator<'a, R, D>; W]) -> Self {
@@ -69,7 +64,7 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
         let states = runs.each_ref().map(PieceInterpolator::start);
         let (words, numbers) = (Words::new(), Numbers::new());
         let arch = pulp::Arch::new();
-        Self { runs, states, words, numbers, is_loaded: [false; W], ended: 0, alone: [None; W], arch }
+        Self { runs, states, words, numbers, loaded: 0, weighted: 0, ended: 0, alone: [None; W], arch }
     }
 
     /// Puts another run into a lane, at its start, for example when the lane's own run has ended. A lane that does not
@@ -77,22 +72,47 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
     pub fn restart(&mut self, lane: usize, run: PieceInterpolator<'a, R, D>) {
         let Some(place) = self.runs.get_mut(lane) else { return };
         (*place, self.states[lane], self.alone[lane]) = (run, run.start(), None);
-        (self.words.is_common[lane], self.is_loaded[lane]) = (false, false);
+        self.words.is_common[lane] = false;
         self.numbers.end[lane] = nowhere();
-        self.ended &= !(1 << lane);
+        put(&mut self.numbers.weights, lane, no_weights());
+        for lanes in [&mut self.loaded, &mut self.weighted, &mut self.ended] {
+            *lanes &= !(1 << lane);
+        }
     }
 
     /// Makes one period of every run. Returns how many runs have a setpoint: 0 once all ends have been commanded.
     ///
     /// Each run's period has the properties of [`PieceInterpolator::step`].
     pub fn step(&mut self) -> usize {
-        let mut due = self.arch.dispatch(Departure(&mut self.words, &mut self.numbers)) & !self.ended;
+        let mut due = match (self.loaded, self.weighted) {
+            (0, _) => Self::ALL,
+            (_, 0) => self.depart::<false>(),
+            _ => self.depart::<true>(),
+        };
+        due &= !self.ended;
         while due > 0 {
             self.attend(due.trailing_zeros() as usize);
             due &= due - 1;
         }
-        self.arch.dispatch(Arrival(&self.words, &mut self.numbers));
+        // Asked anew: a lane may have taken up a run, and one with weights.
+        match (self.loaded, self.weighted) {
+            (0, _) => {}
+            (_, 0) => self.arrive::<false>(),
+            _ => self.arrive::<true>(),
+        }
         W - self.ended.count_ones() as usize
+    }
+
+    /// The first part of a common step in all lanes; the lanes that need more. RATIONAL says that lanes have weights.
+    #[inline]
+    fn depart<const RATIONAL: bool>(&mut self) -> Mask {
+        self.arch.dispatch(Departure::<R, D, W, RATIONAL>(&mut self.words, &mut self.numbers))
+    }
+
+    /// The second part of a common step in all lanes.
+    #[inline]
+    fn arrive<const RATIONAL: bool>(&mut self) {
+        self.arch.dispatch(Arrival::<R, D, W, RATIONAL>(&self.words, &mut self.numbers));
     }
 
     /// The setpoint of a run in the last period. `None` before the first period, behind the run's end, and for a lane
@@ -112,19 +132,27 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
         })
     }
 
+    #[inline]
+    fn is_loaded(&self, lane: usize) -> bool {
+        self.loaded >> lane & 1 == 1
+    }
+
     /// Gives a lane the numbers that it needs between departure and arrival.
     #[inline]
     fn attend(&mut self, lane: usize) {
         if !self.words.is_common[lane] && !self.pass_joint(lane) {
             self.step_alone(lane);
         }
-        if self.is_loaded[lane] && self.words.left[lane] == 0 {
+        if self.is_loaded(lane) && self.words.left[lane] == 0 {
             self.load_lengths(lane);
         }
     }
 
-    /// Takes a common step on to the next piece; false if it is not a common step there.
+    /// Takes a common step on to the next piece; false if it is not a common step there, or the lane has none.
     fn pass_joint(&mut self, lane: usize) -> bool {
+        if !self.is_loaded(lane) {
+            return false;
+        }
         let (run, state, numbers) = (&self.runs[lane], &mut self.states[lane], &mut self.numbers);
         let (step, phase) = (numbers.step[lane], self.words.phase[lane]);
         let Some(row) = run.pieces.pieces.get(state.piece) else { return false };
@@ -146,7 +174,7 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
     /// Makes a lane's step alone, because it is not a common one.
     #[cold]
     fn step_alone(&mut self, lane: usize) {
-        let is_loaded = self.is_loaded[lane];
+        let is_loaded = self.is_loaded(lane);
         if is_loaded {
             self.unload(lane);
         }
@@ -178,11 +206,14 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
     /// Moves a run's place from its lane to its state.
     fn unload(&mut self, lane: usize) {
         let state = &mut self.states[lane];
-        self.is_loaded[lane] = false;
+        self.loaded &= !(1 << lane);
         (state.phase, state.t) = (self.words.phase[lane], self.numbers.t[lane]);
         state.trend = self.numbers.trend(lane);
         for (slot, rows) in state.at.chord.iter_mut().zip(&self.numbers.chord) {
             *slot = of_lane(rows, lane);
+        }
+        for (slot, row) in state.at.weight.iter_mut().zip(&self.numbers.weight) {
+            *slot = row[lane];
         }
     }
 
@@ -191,9 +222,9 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
         let (run, state, numbers) = (&self.runs[lane], &self.states[lane], &mut self.numbers);
         numbers.put_trend(lane, &state.trend);
         (numbers.residual[lane], numbers.growth[lane]) = (run.tolerance.residual, run.tolerance.growth);
-        let is_plain_cubic = run.pieces.degree == CUBIC && !run.pieces.is_rational();
-        self.is_loaded[lane] = is_plain_cubic && self.load_piece(lane);
-        if !self.is_loaded[lane] {
+        if run.pieces.degree <= CUBIC && self.load_piece(lane) {
+            self.loaded |= 1 << lane;
+        } else {
             self.numbers.end[lane] = nowhere();
         }
     }
@@ -202,10 +233,8 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
     fn load_piece(&mut self, lane: usize) -> bool {
         let (run, state, numbers) = (&self.runs[lane], &self.states[lane], &mut self.numbers);
         let Some(row) = run.pieces.pieces.get(state.piece) else { return false };
-        let numerator = run.pieces.numerators.iter().skip(CUBIC * state.piece);
-        for (rows, n) in numbers.numerator.iter_mut().zip(numerator) {
-            put(rows, lane, *n);
-        }
+        numbers.put_coefficients(lane, &run.pieces, state.piece);
+        self.weighted |= Mask::from(run.pieces.is_rational()) << lane;
         put(&mut numbers.range, lane, row.step_per_chord);
         self.words.phase[lane] = state.phase;
         numbers.t[lane] = state.t;
@@ -261,30 +290,40 @@ fn sum([high, low]: [u64; 2], [more, rest]: [u64; 2]) -> [u64; 2] {
 }
 
 /// The first part of a common step, up to the place where it ends. It is [`PieceInterpolator::step`] without its
-/// branches, compiled for each kind of vector registers.
-struct Departure<'a, R, const D: usize, const W: usize>(&'a mut Words<W>, &'a mut Numbers<R, D, W>);
+/// branches, compiled for each kind of vector registers. RATIONAL says that lanes have weights.
+struct Departure<'a, R, const D: usize, const W: usize, const RATIONAL: bool>(
+    &'a mut Words<W>,
+    &'a mut Numbers<R, D, W>,
+);
 
-impl<R: Lane, const D: usize, const W: usize> pulp::WithSimd for Departure<'_, R, D, W> {
+impl<R: Lane, const D: usize, const W: usize, const RATIONAL: bool> pulp::WithSimd
+    for Departure<'_, R, D, W, RATIONAL>
+{
     /// The lanes that need more than the common step.
     type Output = Mask;
 
     #[inline(always)] // A function that is called is not compiled for these registers.
     fn with_simd<S: pulp::Simd>(self, _: S) -> Mask {
-        solve(self.1);
+        solve::<_, D, W, RATIONAL>(self.1);
         advance(self.0, self.1); // It waits for nothing: there is time for it while steps are solved.
         travel(self.0, self.1)
     }
 }
 
 /// The second part of a common step: the point at its end, and the values with which the next step begins.
-struct Arrival<'a, R, const D: usize, const W: usize>(&'a Words<W>, &'a mut Numbers<R, D, W>);
+struct Arrival<'a, R, const D: usize, const W: usize, const RATIONAL: bool>(
+    &'a Words<W>,
+    &'a mut Numbers<R, D, W>,
+);
 
-impl<R: Lane, const D: usize, const W: usize> pulp::WithSimd for Arrival<'_, R, D, W> {
+impl<R: Lane, const D: usize, const W: usize, const RATIONAL: bool> pulp::WithSimd
+    for Arrival<'_, R, D, W, RATIONAL>
+{
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, _: S) {
-        arrive(self.0, self.1);
+        arrive::<_, D, W, RATIONAL>(self.0, self.1);
     }
 }
 
@@ -302,7 +341,7 @@ fn advance<R: Lane, const D: usize, const W: usize>(words: &mut Words<W>, number
 
 /// The distance of the period, and the step that makes its chord.
 #[inline(always)]
-fn solve<R: Lane, const D: usize, const W: usize>(numbers: &mut Numbers<R, D, W>) {
+fn solve<R: Lane, const D: usize, const W: usize, const RATIONAL: bool>(numbers: &mut Numbers<R, D, W>) {
     for lane in 0..W {
         let time = numbers.time[lane];
         let mean = StageShape::Cubic.mean(time, numbers.share[lane]);
@@ -315,7 +354,13 @@ fn solve<R: Lane, const D: usize, const W: usize>(numbers: &mut Numbers<R, D, W>
         let chord = numbers.chord.each_ref().map(|rows| of_lane(rows, lane));
         let (pull, slope) = value_and_slope(chord.iter(), x, ["chord_per_step", "chord_turn"]);
         let turn = slope.map(|t| t * x);
-        let value = Evaluation::new(guess, &pull, &turn, R::one(), None);
+        let value = if RATIONAL {
+            let weight = of_lane(&numbers.weight, lane).map(|w| [w]);
+            let (weight, slope) = weight_and_slope(weight.iter(), x);
+            Evaluation::new(guess, &pull, &turn, weight, Some(lightening(weight, slope * x)))
+        } else {
+            Evaluation::new(guess, &pull, &turn, R::one(), None)
+        };
         let sigma = guess - correction(guess, &value, R::from_ratio(3, 4));
 
         let is_found = (x + numbers.t[lane] < numbers.end[lane])
@@ -356,7 +401,10 @@ fn travel<R: Lane, const D: usize, const W: usize>(
 
 /// The point where the step ends, and the values with which the next step begins.
 #[inline(always)]
-fn arrive<R: Lane, const D: usize, const W: usize>(words: &Words<W>, numbers: &mut Numbers<R, D, W>) {
+fn arrive<R: Lane, const D: usize, const W: usize, const RATIONAL: bool>(
+    words: &Words<W>,
+    numbers: &mut Numbers<R, D, W>,
+) {
     for lane in 0..W {
         // A lane that stepped alone has its trend from that step.
         let (old, is_common) = (numbers.trend(lane), words.is_common[lane]);
@@ -365,7 +413,14 @@ fn arrive<R: Lane, const D: usize, const W: usize>(words: &Words<W>, numbers: &m
         numbers.rise[lane] = if is_common { new.rise } else { old.rise };
         numbers.fall[lane] = if is_common { new.fall } else { old.fall };
         let mut shifted = numbers.numerator.each_ref().map(|rows| of_lane(rows, lane));
-        put(&mut numbers.offset, lane, shift(&mut shifted, numbers.t[lane]));
+        let t = numbers.t[lane];
+        let mut offset = shift(&mut shifted, t);
+        if RATIONAL {
+            let [constant, rest @ ..] = of_lane(&numbers.weights, lane);
+            let weight = divide_by_weight::<_, D, CUBIC>(constant, &rest, Some(t), &mut offset, &mut shifted);
+            put(&mut numbers.weight, lane, weight.map(|[w]| w));
+        }
+        put(&mut numbers.offset, lane, offset);
         for (rows, chord) in numbers.chord.iter_mut().zip(shifted) {
             put(rows, lane, chord);
         }
@@ -381,11 +436,13 @@ mod tests {
     use nurbs_core::{NurbsBuf, PieceLimits, PiecesBuf, compile};
     use real::{Backend, DoubleDouble};
 
-    /// Two bends of a cubic at a feed that swings, so that setpoints that are right have mostly come from the common step.
-    fn share_of_common_steps<R: Lane + Backend>() -> f64 {
+    /// Two bends at a feed that swings, so that setpoints that are right have mostly come from the common step.
+    fn share_of_common_steps<R: Lane + Backend>(degree: usize, weights: [f64; 6]) -> f64 {
         let points = vec![[0.0, 0.0], [40.0, 0.0], [40.0, 40.0], [80.0, 40.0], [80.0, 0.0], [120.0, 0.0]];
-        let knots = vec![0.0, 0.0, 0.0, 0.0, 0.3, 0.6, 1.0, 1.0, 1.0, 1.0];
-        let curve = NurbsBuf::try_new_nonrational(3, points, knots).unwrap();
+        let inner = [0.2, 0.3, 0.5, 0.6].into_iter().skip(degree - 1);
+        let ends = |u: f64| core::iter::repeat_n(u, degree + 1);
+        let knots = ends(0.0).chain(inner).chain(ends(1.0)).collect();
+        let curve = NurbsBuf::try_new(degree, points, weights.to_vec(), knots).unwrap();
         let limits = PieceLimits { length_mm: 32.0, step_mm: 0.2 };
         let table: PiecesBuf<R, 2> = compile::<DoubleDouble, R, 2>(&[curve.as_curve()], &limits).unwrap();
         let unit = 1.0_f64.ldexp(table.as_pieces().chord_exponent);
@@ -414,8 +471,12 @@ mod tests {
 
     #[test]
     fn most_steps_are_common_ones() {
-        for share in [share_of_common_steps::<f64>(), share_of_common_steps::<f32>()] {
-            assert!((0.99..1.0).contains(&share), "{share}");
+        let weights = [[1.0; 6], [1.0, 0.8, 1.3, 1.1, 0.7, 1.0]];
+        for (degree, weights) in [(3, weights[0]), (3, weights[1]), (2, weights[0]), (2, weights[1])] {
+            let share_in_f32 = share_of_common_steps::<f32>(degree, weights);
+            for share in [share_of_common_steps::<f64>(degree, weights), share_in_f32] {
+                assert!((0.98..1.0).contains(&share), "degree {degree}, {weights:?}: {share}");
+            }
         }
     }
 }

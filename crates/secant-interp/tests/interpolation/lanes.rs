@@ -24,17 +24,21 @@ struct Run<const D: usize> {
     max_evaluations: u32,
 }
 
-/// Most of the runs are what lanes are made for: cubics without weights, in cubic stages.
+/// Most of the runs are what lanes are made for: degree 3 at most, with and without weights, in cubic stages.
 fn run<const D: usize>() -> impl Strategy<Value = Run<D>> {
-    let curve = (generate::curve::<D>(), any::<bool>()).prop_map(|(curve, is_other)| {
+    let degree = prop_oneof![4 => Just(3_usize), 1 => 1..3_usize];
+    let curve = (generate::curve::<D>(), any::<bool>(), degree, any::<bool>());
+    let curve = curve.prop_map(|(curve, is_other, degree, has_weights)| {
         let points = curve.control_points().to_vec();
-        if is_other || points.len() < 4 {
+        if is_other || points.len() <= degree {
             return curve;
         }
-        let spans = points.len() - 3;
+        let spans = points.len() - degree;
+        let weights = (0..points.len()).map(|i| 1.0 + f64::from(has_weights) * 0.4 * (1.3 * i as f64).sin());
         let inner = (1..spans).map(|i| (i as f64 + 0.3 * (i as f64).sin()) / spans as f64);
-        let knots = [0.0; 4].into_iter().chain(inner).chain([1.0; 4]).collect();
-        NurbsBuf::try_new_nonrational(3, points, knots).unwrap_or(curve)
+        let ends = |u: f64| std::iter::repeat_n(u, degree + 1);
+        let knots = ends(0.0).chain(inner).chain(ends(1.0)).collect();
+        NurbsBuf::try_new(degree, points, weights.collect(), knots).unwrap_or(curve)
     });
     let stage = (0.3..60.0_f64, 0.0..1.0_f64, prop_oneof![4 => Just(0_usize), 1 => 0..6_usize]);
     let tolerance = (prop_oneof![Just(1e-6), Just(1e-18), Just(0.16)], 1..5_u32);
