@@ -90,6 +90,8 @@ fn main() {
     if wanted("lanes") {
         lanes::lanes::<f64, 2, 32>(&a);
         lanes::lanes::<f32, 2, 64>(&a);
+        lanes::lanes::<f64, 2, 32>(&b);
+        lanes::lanes::<f32, 2, 64>(&b);
         lanes::lanes::<f64, 3, 32>(&c);
         lanes::lanes::<f32, 3, 64>(&c);
     }
