@@ -142,13 +142,26 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     /// As [`step`](Self::step), it is compiled into its caller.
     #[inline(always)] // As `step` is.
     pub fn step_by(&self, state: &mut PieceState<R, D>, length: R) -> Option<PieceSetpoint<R, D>> {
-        let row = self.pieces.pieces.get(state.piece)?;
+        let mut setpoint = PieceSetpoint::default();
+        self.step_by_into(state, length, &mut setpoint).then_some(setpoint)
+    }
+
+    /// [`step_by`](Self::step_by) that writes the setpoint where the caller has it; false, and nothing is written, where that
+    /// gives `None`. It saves the copies of the setpoint: on a PC a tenth of a step.
+    #[inline(always)] // As `step` is.
+    pub fn step_by_into(
+        &self,
+        state: &mut PieceState<R, D>,
+        length: R,
+        setpoint: &mut PieceSetpoint<R, D>,
+    ) -> bool {
+        let Some(row) = self.pieces.pieces.get(state.piece) else { return false };
         if length > R::zero() {
-            let mut setpoint = PieceSetpoint::default();
-            self.follow(state, row, Wanted { length, reach: length }, &mut setpoint);
-            return Some(setpoint);
+            self.follow(state, row, Wanted { length, reach: length }, setpoint);
+        } else {
+            *setpoint = self.hold(state);
         }
-        Some(self.hold(state))
+        true
     }
 
     /// The setpoint of the period before, for one in which nothing moves.

@@ -293,11 +293,21 @@ fn the_chords_of_a_plan_lead_where_the_plan_does() {
     fn same<R: Backend>(path: &Path<2>) {
         by_plan::<R>(path, |interpolator, planned| {
             let mut state = interpolator.start();
+            let (mut other, mut written) = (state, PieceSetpoint::default());
             for (period, setpoint) in planned.iter().enumerate() {
                 let given = interpolator.step_by(&mut state, setpoint.length);
                 assert_eq!(given, Some(*setpoint), "{} in period {period}", R::name());
+                assert!(interpolator.step_by_into(&mut other, setpoint.length, &mut written));
+                assert_eq!(written, *setpoint, "{} in period {period}", R::name());
             }
             assert_eq!(interpolator.step_by(&mut state, planned[0].length), None, "{}", R::name());
+            assert!(!interpolator.step_by_into(&mut other, planned[0].length, &mut written));
+            assert_eq!(
+                Some(written),
+                planned.last().copied(),
+                "{}: behind the end nothing is written",
+                R::name()
+            );
             assert_eq!(*state.cursor(), Default::default(), "the schedule stays where it is");
         });
     }
@@ -321,6 +331,9 @@ fn what_is_no_length_holds_the_setpoint() {
                     let held = interpolator.step_by(&mut state, *length).unwrap();
                     let expected = PieceSetpoint { length: R::zero(), evaluations: 0, ..pair[0] };
                     assert_eq!(held, expected, "{}", R::name());
+                    let mut written = PieceSetpoint::default();
+                    assert!(interpolator.step_by_into(&mut state, *length, &mut written));
+                    assert_eq!(written, expected, "{}", R::name());
                 }
             }
         });
