@@ -8,6 +8,7 @@ use real::{Backend, I2F30, I4F28, I4F60, I16F48, Real};
 use secant_interp::StepLengths;
 use serde_json::json;
 
+use crate::chords::{Chords, STEPS, look};
 use crate::compiled::Compiled;
 use crate::race::{Runner, race, report};
 use crate::textbook::Textbook;
@@ -45,6 +46,31 @@ pub(crate) fn beside_textbook<const D: usize>(path: &Path<D>) {
     ];
     let about = json!({ "curve": path.name, "steps": steps, "textbook_evaluations": evaluations });
     report("step", &about, &race(&mut runners));
+}
+
+/// The step in f64 by a given chord beside plain Newton iterations.
+///
+/// # Panics
+/// If a way makes other steps than the others, or a chord that is off by more than the fluctuation asked for.
+pub(crate) fn beside_newton<const D: usize>(path: &Path<D>) {
+    let chords = Chords::of(path);
+    let ways = [
+        ("pieces", chords.judged(|see| chords.on_pieces(|at| see(chords.in_mm(at), at.evaluations)))),
+        ("newton", chords.judged(|see| chords.by_newton::<false>(|at| see(at.point, at.evaluations)))),
+        ("trend", chords.judged(|see| chords.by_newton::<true>(|at| see(at.point, at.evaluations)))),
+    ];
+    let mut about = json!({ "curve": path.name });
+    for (name, (steps, evaluations, worst)) in ways {
+        assert!(steps == STEPS && worst <= 1e-6, "{name} on {}: {steps} steps, {worst}", path.name);
+        about[name] = json!({ "evaluations": f64::from(evaluations) / f64::from(steps), "worst": worst });
+    }
+    let units = u64::from(STEPS);
+    let mut runners = [
+        Runner { name: "pieces".into(), units, run: Box::new(|| chords.on_pieces(look)) },
+        Runner { name: "newton".into(), units, run: Box::new(|| chords.by_newton::<false>(look)) },
+        Runner { name: "trend".into(), units, run: Box::new(|| chords.by_newton::<true>(look)) },
+    ];
+    report("newton", &about, &race(&mut runners));
 }
 
 /// One format's runner, after a check that it goes where f64 goes.

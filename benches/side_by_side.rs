@@ -3,14 +3,15 @@
 //!
 //! Every race begins with a check that all contestants give the same values.
 
+mod chords;
 mod compiled;
 mod contestants;
 mod degrees;
 mod evaluation;
 mod lanes;
+mod newton;
 mod race;
 mod real_time_step;
-
 mod textbook;
 
 use contestants::Asked;
@@ -81,6 +82,11 @@ fn main() {
         real_time_step::beside_textbook(&a);
         real_time_step::beside_textbook(&b);
         real_time_step::beside_textbook(&c);
+    }
+    if wanted("newton") {
+        real_time_step::beside_newton(&a);
+        real_time_step::beside_newton(&b);
+        real_time_step::beside_newton(&c);
     }
     if wanted("formats") {
         real_time_step::formats(&a, false);
