@@ -146,8 +146,7 @@ static void evaluate_past_joint(const chord *on, number tau, number x, evaluatio
     const number reciprocal = divide(ONE, weight);
 {%- endif %}
     const number half_tau = half(tau);
-    const number quarter_tau = half(half_tau);
-    const number sigma = of_whole(on, tau);
+    const number half_sigma = half(of_whole(on, tau));
     wide with_before = {% if floating %}{{ zero }}{% else %}product(0, 0){% endif %};
     wide with_whole = {% if floating %}{{ zero }}{% else %}product(0, 0){% endif %};
     wide growth = {% if floating %}{{ zero }}{% else %}product(0, 0){% endif %};
@@ -158,22 +157,26 @@ static void evaluate_past_joint(const chord *on, number tau, number x, evaluatio
 {%- if rational %}
         q = mul(q, reciprocal);
         turn = mul(sub(turn, mul(q, weight_turn)), reciprocal);
+        /* Weights that fall can make any of it, and more is beyond the range of the series. */
+        const number half_turn = limited(mul(half_tau, turn), ONE_HALF);
+{%- else %}
+        const number half_turn = mul(half_tau, turn);
 {%- endif %}
-        /* A quarter of a, half of f/2 and of g, so that no trial needs more integer bits than the chord does. */
-        const number along = mul(quarter_tau, q);
-        const number whole = add(mul(sigma, q), on->before[d]);
+        /* Half of a and of e, a quarter of f and of g: so no trial needs more integer bits than the chord does. */
+        const number along = mul(half_tau, q);
+        const number whole = rounded(plus(product(half_sigma, q), product(ONE_HALF, on->before[d])));
         with_before = plus(with_before, product(on->before[d], along));
         with_whole = plus(with_whole, product(whole, along));
-        growth = plus(growth, product(whole, mul(half_tau, turn)));
+        growth = plus(growth, product(whole, half_turn));
     }
     /* Where a points back against b, the chord is too short without b too. */
-    const number on_before = maximum(rounded(with_before), {{ zero }});
+    const number on_before = half(maximum(rounded(with_before), {{ zero }}));
     const number on_whole = rounded(with_whole);
     const number left = half(half(on->left));
-    const number residual = limited(add(add(sub(on_before, ONE_HALF), left), on_whole), half(ONE_HALF));
-    const number slope = limited(add(rounded(growth), sub(sub(on_whole, on_before), left)), ONE_HALF);
-    value->residual = times_power_of_two(residual, 2);
-    value->slope = times_power_of_two(slope, 1);
+    const number residual = add(add(sub(on_before, ONE_HALF), left), on_whole);
+    const number slope = add(rounded(growth), half(sub(sub(on_whole, on_before), left)));
+    value->residual = times_power_of_two(limited(residual, half(ONE_HALF)), 2);
+    value->slope = times_power_of_two(limited(slope, half(ONE_HALF)), 2);
 }
 {%- endif %}
 
@@ -285,8 +288,7 @@ static uint32_t refine_chord(const chord *on, number *sigma, evaluation *last, u
 {
 {%- if has_joints %}
     /* Where the chord turns at the joint, its rest is longer than what the part before leaves of its length. */
-    const number quarter = half(half(on->greatest));
-    const number greatest = on->is_past_joint ? {% if floating %}add(on->greatest, quarter){% else %}sum_within(on->greatest, quarter, NUMBER_MAX){% endif %} : on->greatest;
+    const number greatest = on->is_past_joint ? {% if floating %}add(on->greatest, half(on->greatest)){% else %}sum_within(on->greatest, half(on->greatest), NUMBER_MAX){% endif %} : on->greatest;
 {%- else %}
     const number greatest = on->greatest;
 {%- endif %}

@@ -150,8 +150,11 @@ fn test_a_search_is_priced_as_a_comparison_is() {
     let compared = json(&[&["compare"], &tolerance[..], &targets[..]].concat());
     for target in ["cortex-m4f", "dsp48"] {
         let of = |cycles: &Value| cycles[target]["max"].as_f64().expect("a cost");
-        assert_eq!(of(&sized["uniform"]["cycles"]), of(&compared["formats"][0]["cycles"]), "{target}");
-        assert_eq!(of(&sized["mixed"]["cycles"]), of(&sized["uniform"]["cycles"]), "{target}");
+        let uniform = of(&sized["uniform"]["cycles"]);
+        assert_eq!(uniform, of(&compared["formats"][0]["cycles"]), "{target}");
+        // Which way the worst period takes depends on the last bits too.
+        let mixed = of(&sized["mixed"]["cycles"]);
+        assert!((mixed / uniform - 1.0).abs() < 0.02, "{target}: {mixed} for {uniform}");
     }
     assert!(sized["mixed"]["cycles"]["dsp48"]["dsp_blocks"].as_u64() >= Some(1));
     let shown = text(&feedbits(&[&["size"], &targets[..]].concat()).stdout);

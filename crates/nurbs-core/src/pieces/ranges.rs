@@ -7,7 +7,7 @@
 
 use alloc::vec::Vec;
 
-use real::Backend;
+use real::{Backend, Real};
 
 use crate::CompileError;
 use crate::pieces::local_piece::LocalPiece;
@@ -129,22 +129,22 @@ fn raise_chord_bounds<H: Backend, const D: usize>(
     let growth = direction * sigma * turn + heaviest * slope * x;
     bounds.raise("chord_growth", growth + (heaviest * heaviest - 1.0).max(1.0 - lightest * lightest));
     // Over a joint, W is divided out. The step begins at t = 0 and stays on the piece, on which W lies between its least and greatest
-    // Bernstein weight. A trial τ may exceed σ by a quarter, but the step over the whole length does not: with l = 1 - |b| the whole
-    // chord e is at most 1 - l + the shorter one of l a and σ q, which is greatest at l = 4/5. The product of b and a is not counted
-    // below 0.
+    // Bernstein weight. A trial τ may be 1½ σ, but the step over the whole length is not: with l = 1 - |b|, the whole chord e is at
+    // most 1 - l + the shorter one of l a and σ q, which is greatest at l = ⅔, and so is the sum of its product with a and that of b.
+    // The product of b and a is not counted below 0.
     let lightest = piece.weight_range.0 / piece.weight_range.1;
     let across = chord / lightest;
     let pull = (turn + across * slope * x) / lightest;
-    let trial = (1.25 * sigma).min(greatest);
-    let quarter = 0.25 * trial * across; // of a
-    let whole = (sigma * across + 0.2).max(1.0);
+    let trial = (1.5 * sigma).min(greatest);
+    let (along, half) = (sigma * across, 0.5 * trial * across); // σ q and ½a
+    let whole = 0.5 * (along + 1.0 / 3.0).max(1.0);
     bounds.raise("joint_step_per_chord", trial);
     bounds.raise("joint_pull", across.max(pull).max(0.5 * trial * pull));
-    bounds.raise("joint_direction", whole.max(quarter));
-    bounds.raise("joint_residual", (quarter * (whole + 0.2)).max(quarter * whole).max(0.5 + quarter));
-    // ¼ (l |a|² - l), or where the product of b and a is not counted, at most that and not below -a/4 or -¼
-    let lengthening = (4.0 * quarter * quarter - 0.25).max(quarter.max(0.25));
-    bounds.raise("joint_growth", 0.5 * whole * trial * pull + lengthening);
+    bounds.raise("joint_direction", whole.max(half));
+    bounds.raise("joint_residual", half.max(half * (0.5 * along + 1.0 / 3.0)).max(0.5 + 0.5 * half));
+    let turn = if rational { 0.5 * Real::sqrt(D as f64) } else { 0.5 * trial * pull }; // its coordinates are cut where W is not 1
+    let lengthening = (0.5 * along * half).max(0.5 * half + 0.25); // ¼ (l |a|² - l)
+    bounds.raise("joint_growth", lengthening.max(whole * turn + 0.5 * lengthening));
     // A chord across the whole piece in its units, and over the length of the chord that it is a part of.
     let longest = eta.min(power_of_two(scales.step));
     bounds.raise("chord_travelled", chord * longest.max(sigma));

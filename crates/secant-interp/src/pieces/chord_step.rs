@@ -275,14 +275,14 @@ impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D,
         }
     }
 
-    /// Least and greatest trial. Where the chord turns at the joint, its rest is longer than what b leaves of its length: by a
-    /// quarter at most where it turns by up to 36°.
+    /// Least and greatest trial. Where the chord turns at the joint, its rest is longer than what b leaves of its length: by half
+    /// of that at most where it turns by up to 48°.
     #[inline]
     fn trials(&self) -> [R; 2] {
         let [least, greatest] = self.range;
         match &self.before {
             None => [least, greatest],
-            Some(_) => [least, sum_within(greatest, greatest.half().half(), R::max_value())],
+            Some(_) => [least, sum_within(greatest, greatest.half(), R::max_value())],
         }
     }
 
@@ -309,8 +309,8 @@ impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D,
     fn evaluate(&self, sigma: R, x: R) -> Evaluation<R> {
         let (chord, turn) = self.chord_per_step(x);
         let (weight, weight_slope) = if self.is_rational() { self.weight(x) } else { (R::one(), R::zero()) };
-        if let Some(before) = self.before {
-            return self.evaluate_past_joint(sigma, &before, (&chord, &turn), (weight, weight_slope * x));
+        if let Some(before) = &self.before {
+            return self.evaluate_past_joint(sigma, before, (&chord, &turn), (weight, weight_slope * x));
         }
         let products = self.is_rational().then(|| lightening(weight, weight_slope * x));
         Evaluation::new(sigma, &chord, &turn, weight, products)
@@ -326,23 +326,29 @@ impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D,
     ) -> Evaluation<R> {
         let reciprocal = if self.is_rational() { R::one() / weight } else { weight };
         let chord = chord.map(|q| (q * reciprocal).signal("joint_pull"));
-        let half = sigma.half();
-        let turn = |d: usize| (half * ((turn[d] - chord[d] * weight_turn) * reciprocal)).signal("joint_pull");
-        // A quarter of a, half of f/2 and of g, so that no trial needs more integer bits than the chord does.
-        let along = chord.map(|q| (half.half() * q).signal("joint_direction"));
-        let of_whole = self.of_whole(sigma);
-        let whole: [R; D] =
-            core::array::from_fn(|d| of_whole.mul_add(chord[d], before.part[d]).signal("joint_direction"));
+        let (half_sigma, half) = (sigma.half(), R::one().half());
+        let turn = |d: usize| {
+            let turn = (half_sigma * ((turn[d] - chord[d] * weight_turn) * reciprocal)).signal("joint_pull");
+            // Weights that fall can make any of it, and more is beyond the range of the series.
+            if self.is_rational() { turn.max(-half).min(half) } else { turn }
+        };
+        // Half of a and of e, a quarter of f and of g: so that no trial needs more integer bits than the chord does.
+        let along = chord.map(|q| (half_sigma * q).signal("joint_direction"));
+        let whole = self.of_whole(sigma).half();
+        let whole: [R; D] = core::array::from_fn(|d| {
+            R::sum_of_products([(whole, chord[d]), (half, before.part[d])]).signal("joint_direction")
+        });
         // Where a points back against b, the chord is too short without b too.
-        let on_before = R::sum_of_products((0..D).map(|d| (before.part[d], along[d]))).max(R::zero());
+        let on_before = R::sum_of_products((0..D).map(|d| (before.part[d], along[d]))).max(R::zero()).half();
         let on_whole = R::sum_of_products((0..D).map(|d| (whole[d], along[d])));
         let growth = R::sum_of_products((0..D).map(|d| (whole[d], turn(d))));
         let left = before.left.half().half();
-        let residual = on_before - R::one().half() + left + on_whole;
-        let slope = growth + (on_whole - on_before - left);
+        let residual = on_before - half + left + on_whole;
+        let lengthening = (on_whole - on_before - left).signal("joint_growth");
+        let slope = growth + lengthening.half();
         Evaluation {
-            residual: limited(residual.signal("joint_residual"), 1).ldexp(2),
-            slope: limited(slope.signal("joint_growth"), 2).ldexp(1),
+            residual: in_quarters(residual.signal("joint_residual")),
+            slope: in_quarters(slope.signal("joint_growth")),
         }
     }
 
@@ -477,10 +483,10 @@ pub(crate) fn within<R: Real>(correction: R, sigma: R, range: &[R; 2]) -> R {
     (sigma - range[0]).min(correction).max(sigma - range[1])
 }
 
-/// The value limited to so many quarters.
-fn limited<R: Real>(value: R, quarters: i32) -> R {
-    let most = R::from_ratio(quarters, 4);
-    value.max(-most).min(most)
+/// Four times a value that is limited to ¼.
+fn in_quarters<R: Real>(value: R) -> R {
+    let most = R::from_ratio(1, 4);
+    value.max(-most).min(most).ldexp(2)
 }
 
 /// `part + more`, limited to `greatest`; `part` is not above that.
