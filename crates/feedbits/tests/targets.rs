@@ -159,7 +159,7 @@ fn test_a_search_is_priced_as_a_comparison_is() {
     assert!(sized["mixed"]["cycles"]["dsp48"]["dsp_blocks"].as_u64() >= Some(1));
     let shown = text(&feedbits(&[&["size"], &targets[..]].concat()).stdout);
     assert!(
-        shown.contains("registers   I2F23") && shown.lines().all(|line| line.chars().count() <= 80),
+        shown.contains("registers   I3F22") && shown.lines().all(|line| line.chars().count() <= 80),
         "{shown}"
     );
 }
