@@ -133,7 +133,7 @@ pub use global_parameter::interpolator::{Interpolator, Method, Setpoint, State};
 pub use global_parameter::secant::{Outcome, Tolerance};
 pub use global_parameter::{predictor, secant, taylor};
 pub use pieces::alike::Course;
-pub use pieces::chord_step::{BEHIND_JOINT, Chord, ChordTolerance};
+pub use pieces::chord_step::{BEHIND_JOINT, Chord, ChordBefore, ChordTolerance};
 #[cfg(feature = "lanes")]
 pub use pieces::lanes::LaneInterpolator;
 pub use pieces::piece_interpolator::PieceInterpolator;

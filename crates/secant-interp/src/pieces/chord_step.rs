@@ -107,18 +107,29 @@ pub struct Chord<'a, R, const D: usize, const N: usize = MAX_DEGREE, const PLAIN
     /// L, in chord units.
     pub length: R,
     /// The part of the chord on pieces before; `None` on the common path.
-    pub before: Option<Before<R, D>>,
+    pub before: Option<ChordBefore<R, D>>,
     /// Least and greatest σ.
     pub range: [R; 2],
 }
 
-/// The part of a chord that lies on pieces before.
+/// The part of a chord that lies on pieces before the present one.
 #[derive(Clone, Copy, Debug)]
-pub struct Before<R, const D: usize> {
+pub struct ChordBefore<R, const D: usize> {
     /// b: that part over L, no longer than 1.
     pub part: [R; D],
     /// l = 1 - |b|, the length that is left, over L.
     pub left: R,
+}
+
+impl<R: Real, const D: usize> ChordBefore<R, D> {
+    pub(crate) fn new(part: [R; D]) -> Self {
+        Self { part, left: R::one() - R::norm(&part) }
+    }
+
+    /// That of a chord which begins on the present piece.
+    pub(crate) fn nothing() -> Self {
+        Self { part: [R::zero(); D], left: R::one() }
+    }
 }
 
 /// The values of one evaluation: f and g.
@@ -320,7 +331,7 @@ impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D,
     fn evaluate_past_joint(
         &self,
         sigma: R,
-        before: &Before<R, D>,
+        before: &ChordBefore<R, D>,
         (chord, turn): (&[R; D], &[R; D]),
         (weight, weight_turn): (R, R),
     ) -> Evaluation<R> {

@@ -4,7 +4,7 @@
 use nurbs_core::Piece;
 use real::Real;
 
-use crate::pieces::chord_step::{Chord, sum_within};
+use crate::pieces::chord_step::{Chord, ChordBefore, sum_within};
 
 /// Converts a step per chord on one piece to the scale of the next, limited to the range of the next.
 pub(crate) fn into_next<R: Real, const D: usize>(row: &Piece<R, D>, next: &Piece<R, D>, sigma: R) -> R {
@@ -38,25 +38,19 @@ pub(crate) fn part_of_next<R: Real, const D: usize>(
     if phase.leading_zeros() < distance { None } else { Some(phase.checked_shl(distance).unwrap_or(0)) }
 }
 
-/// The length that a step over a joint has travelled up to there.
+/// What a step over a joint has travelled up to there.
 #[derive(Clone, Copy)]
 pub(crate) struct Travelled<R, const D: usize> {
-    /// The chord up to there, over the length of the whole chord.
-    pub(crate) before: [R; D],
-    /// The step up to there, over the length, in the scale of one piece.
+    /// The chord up to there.
+    pub(crate) before: ChordBefore<R, D>,
+    /// The step up to there, over the length of the whole chord, in the scale of one piece.
     pub(crate) part: R,
-    /// The remaining length, over the length.
-    pub(crate) left: R,
 }
 
 impl<R: Real, const D: usize> Travelled<R, D> {
-    pub(crate) fn new(before: [R; D], part: R) -> Self {
-        Self { before, part, left: R::one() - R::norm(&before) }
-    }
-
     /// The values at the begin of a chord.
     pub(crate) fn nothing() -> Self {
-        Self { before: [R::zero(); D], part: R::zero(), left: R::one() }
+        Self { before: ChordBefore::nothing(), part: R::zero() }
     }
 
     /// The values at the end of the piece that the chord is on, in its scale; `None` if the whole length or more is travelled
@@ -68,10 +62,12 @@ impl<R: Real, const D: usize> Travelled<R, D> {
         let greatest = chord.range[1];
         let whole = (chord.whole / chord.length).min(greatest);
         let across = chord.over_length(chord.whole, whole);
+        let before = &self.before.part;
         // In halves, because the sum may not fit the format before it is known to be short.
-        let half: [R; D] = core::array::from_fn(|d| self.before[d].half() + across[d].half());
-        let sum = || core::array::from_fn(|d| (self.before[d] + across[d]).signal("joint_travelled"));
-        (R::norm(&half) < R::one().half()).then(|| Self::new(sum(), sum_within(self.part, whole, greatest)))
+        let half: [R; D] = core::array::from_fn(|d| before[d].half() + across[d].half());
+        let sum = || core::array::from_fn(|d| (before[d] + across[d]).signal("joint_travelled"));
+        (R::norm(&half) < R::one().half())
+            .then(|| Self { before: ChordBefore::new(sum()), part: sum_within(self.part, whole, greatest) })
     }
 }
 

@@ -8,7 +8,7 @@
 use nurbs_core::{Joint, Piece, Shifted};
 use real::Real;
 
-use crate::pieces::chord_step::{BEHIND_JOINT, Before, sum_within};
+use crate::pieces::chord_step::{BEHIND_JOINT, ChordBefore, sum_within};
 use crate::pieces::joint::{Reached, Travelled, into_next, part_into_next, part_of_next};
 use crate::pieces::piece_interpolator::PieceInterpolator;
 use crate::pieces::place::step_to_end;
@@ -44,7 +44,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     ) -> Travelled<R, D> {
         let part = (step / length).min(row.step_per_chord[1]);
         let chord = self.chord_on::<N, PLAIN>(row, row.whole(), &state.at, length);
-        Travelled::new(chord.over_length(step, part), part)
+        Travelled { before: ChordBefore::new(chord.over_length(step, part)), part }
     }
 
     /// The place where a step of a given phase ends behind the end of a piece whose polynomial continues; the trend is
@@ -107,11 +107,11 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         for (piece, next) in self.pieces.pieces.iter().enumerate().skip(piece + 1) {
             *trend = trend.into_next(row, next);
             if row.joint == Joint::Breaks {
-                length = length * travelled.left;
+                length = length * travelled.before.left;
                 travelled = Travelled::nothing();
             }
             travelled.part = part_into_next(row, next, travelled.part);
-            let left = travelled.left;
+            let left = travelled.before.left;
             if left <= R::zero() || length <= R::zero() {
                 return Reached { piece, phase: 0, sigma: trend.newest, evaluations };
             }
@@ -120,7 +120,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
             if row.joint == Joint::Breaks {
                 *trend = Trend::steady(first_step_per_chord(&at.chord[0], &next.step_per_chord));
             } else {
-                on_next.before = Some(Before { part: travelled.before, left });
+                on_next.before = Some(travelled.before);
             }
             let guess = trend.next_part(left, &next.step_per_chord);
             let step = on_next.step(guess);

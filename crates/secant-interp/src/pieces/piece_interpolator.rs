@@ -340,7 +340,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         let step = step_to_end(state, row);
         if step <= row.step_per_chord[1] * length {
             let travelled = self.travelled_at::<N, PLAIN>(state, row, step, length);
-            if travelled.left > R::zero() {
+            if travelled.before.left > R::zero() {
                 return self.cross::<N, PLAIN>(state, row, travelled, (length, 0));
             }
         }
