@@ -60,7 +60,7 @@ impl<R: Real, const D: usize> Piece<R, D> {
     #[inline]
     #[must_use]
     pub fn ratio_at_joint(&self) -> R {
-        R::from_phase(u64::from(self.joint_ratio) << 48, 0)
+        R::fraction(u64::from(self.joint_ratio) << 48)
     }
 
     /// r - s: by how much the exponent of each power of h exceeds that of the power before.

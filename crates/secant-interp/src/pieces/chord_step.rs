@@ -41,7 +41,7 @@
 use nurbs_core::{MAX_DEGREE, Shifted};
 use real::{Backend, Real};
 
-use crate::pieces::terms::Terms;
+use crate::pieces::terms::{Terms, vector};
 
 /// The evaluations that each piece behind a joint may take whatever was used before: a step that looked for its end on the piece
 /// before the joint has used all, and the first correction behind it may leave 1e-5 of a chord.
@@ -336,7 +336,7 @@ impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D,
         (weight, weight_turn): (R, R),
     ) -> Evaluation<R> {
         let reciprocal = if self.is_rational() { R::one() / weight } else { weight };
-        let chord = chord.map(|q| (q * reciprocal).signal("joint_pull"));
+        let chord: [R; D] = vector(|d| (chord[d] * reciprocal).signal("joint_pull"));
         let (half_sigma, half) = (sigma.half(), R::one().half());
         let turn = |d: usize| {
             let turn = (half_sigma * ((turn[d] - chord[d] * weight_turn) * reciprocal)).signal("joint_pull");
@@ -344,15 +344,16 @@ impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D,
             if self.is_rational() { turn.max(-half).min(half) } else { turn }
         };
         // Half of a and of e, a quarter of f and of g: so that no trial needs more integer bits than the chord does.
-        let along = chord.map(|q| (half_sigma * q).signal("joint_direction"));
+        let along: [R; D] = vector(|d| (half_sigma * chord[d]).signal("joint_direction"));
         let whole = self.of_whole(sigma).half();
-        let whole: [R; D] = core::array::from_fn(|d| {
+        let whole: [R; D] = vector(|d| {
             R::sum_of_products([(whole, chord[d]), (half, before.part[d])]).signal("joint_direction")
         });
         // Where a points back against b, the chord is too short without b too.
-        let on_before = R::sum_of_products((0..D).map(|d| (before.part[d], along[d]))).max(R::zero()).half();
-        let on_whole = R::sum_of_products((0..D).map(|d| (whole[d], along[d])));
-        let growth = R::sum_of_products((0..D).map(|d| (whole[d], turn(d))));
+        let on_before =
+            R::sum_of_products(Terms::of(D, |d| (before.part[d], along[d]))).max(R::zero()).half();
+        let on_whole = R::sum_of_products(Terms::of(D, |d| (whole[d], along[d])));
+        let growth = R::sum_of_products(Terms::of(D, |d| (whole[d], turn(d))));
         let left = before.left.half().half();
         let residual = on_before - half + left + on_whole;
         let lengthening = (on_whole - on_before - left).signal("joint_growth");
@@ -390,16 +391,16 @@ impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D,
     pub(crate) fn over_length(&self, step: R, part: R) -> [R; D] {
         let x = self.variable(step);
         let mut rows = self.at.chord.iter().take(self.count()).rev();
-        let top = *rows.next().unwrap_or(&[R::zero(); D]);
-        let add = |sum: [R; D], row: &[R; D]| {
-            core::array::from_fn(|d| sum[d].mul_add(x, row[d]).signal("chord_per_step"))
-        };
-        let chord = rows.fold(top, add).map(|c| (c * part).signal("chord_travelled"));
+        let mut chord = *rows.next().unwrap_or(&[R::zero(); D]);
+        for row in rows {
+            chord = vector(|d| chord[d].mul_add(x, row[d]).signal("chord_per_step"));
+        }
+        let chord = vector(|d| (chord[d] * part).signal("chord_travelled"));
         if !self.is_rational() {
             return chord;
         }
         let (weight, _) = self.weight(x);
-        chord.map(|c| c / weight)
+        vector(|d| chord[d] / weight)
     }
 }
 

@@ -5,20 +5,48 @@ use nurbs_core::Piece;
 use real::Real;
 
 use crate::pieces::chord_step::{Chord, ChordBefore, sum_within};
+use crate::pieces::terms::vector;
 
-/// Converts a step per chord on one piece to the scale of the next, limited to the range of the next.
-pub(crate) fn into_next<R: Real, const D: usize>(row: &Piece<R, D>, next: &Piece<R, D>, sigma: R) -> R {
-    next.step_per_chord[0].max(part_into_next(row, next, sigma)).signal("step_per_chord")
+/// The factor that takes steps per chord on one piece to the scale of the next.
+#[derive(Clone, Copy)]
+pub(crate) struct JointScale<R> {
+    ratio: R,
+    /// The factor is ratio · 2^exponent.
+    exponent: i32,
 }
 
-/// Converts a part of a step per chord to the scale of the next piece, limited to the greatest step per chord there.
-pub(crate) fn part_into_next<R: Real, const D: usize>(row: &Piece<R, D>, next: &Piece<R, D>, part: R) -> R {
-    let greatest = next.step_per_chord[1];
-    let exponent = i32::from(row.joint_exponent);
-    let part = part * row.ratio_at_joint();
-    // Compared in the smaller scale, because the part in the larger scale might not fit a format without exponents.
-    let small = if !R::IS_FLOATING && exponent > 0 { part.min(greatest.ldexp(-exponent)) } else { part };
-    small.ldexp(exponent).min(greatest).signal("joint_step_per_chord")
+impl<R: Real> JointScale<R> {
+    /// That of the joint at the end of a piece.
+    #[inline]
+    pub(crate) fn behind<const D: usize>(row: &Piece<R, D>) -> Self {
+        let (ratio, exponent) = (row.ratio_at_joint(), row.joint_exponent.into());
+        if R::IS_FLOATING {
+            Self { ratio: ratio.ldexp(exponent), exponent: 0 }
+        } else {
+            Self { ratio, exponent }
+        }
+    }
+
+    /// Converts a step per chord, limited to the range of the next piece.
+    #[inline]
+    pub(crate) fn convert(&self, sigma: R, range: &[R; 2]) -> R {
+        range[0].max(self.convert_part(sigma, range)).signal("step_per_chord")
+    }
+
+    /// Converts a part of a step per chord, limited to the greatest step per chord of the next piece.
+    #[inline]
+    pub(crate) fn convert_part(&self, part: R, [_, greatest]: &[R; 2]) -> R {
+        let part = part * self.ratio;
+        let part = if R::IS_FLOATING {
+            part
+        } else {
+            // Compared in the smaller scale, because the part in the larger scale might not fit the format.
+            let is_larger = self.exponent > 0;
+            let small = if is_larger { part.min(greatest.ldexp(-self.exponent)) } else { part };
+            small.ldexp(self.exponent)
+        };
+        part.min(*greatest).signal("joint_step_per_chord")
+    }
 }
 
 /// Converts a part of one piece to a part of the next piece of the same span: the ratio of their widths is a power of
@@ -64,8 +92,8 @@ impl<R: Real, const D: usize> Travelled<R, D> {
         let across = chord.over_length(chord.whole, whole);
         let before = &self.before.part;
         // In halves, because the sum may not fit the format before it is known to be short.
-        let half: [R; D] = core::array::from_fn(|d| before[d].half() + across[d].half());
-        let sum = || core::array::from_fn(|d| (before[d] + across[d]).signal("joint_travelled"));
+        let half: [R; D] = vector(|d| before[d].half() + across[d].half());
+        let sum = || vector(|d| (before[d] + across[d]).signal("joint_travelled"));
         (R::norm(&half) < R::one().half())
             .then(|| Self { before: ChordBefore::new(sum()), part: sum_within(self.part, whole, greatest) })
     }

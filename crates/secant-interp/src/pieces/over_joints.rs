@@ -9,7 +9,7 @@ use nurbs_core::{Joint, Piece, Shifted};
 use real::Real;
 
 use crate::pieces::chord_step::{BEHIND_JOINT, ChordBefore, sum_within};
-use crate::pieces::joint::{Reached, Travelled, into_next, part_into_next, part_of_next};
+use crate::pieces::joint::{JointScale, Reached, Travelled, part_of_next};
 use crate::pieces::piece_interpolator::PieceInterpolator;
 use crate::pieces::place::step_to_end;
 use crate::pieces::state::PieceState;
@@ -67,8 +67,9 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         // does.
         let rest = phase.wrapping_neg(); // 2⁶⁴ - phase
         let phase = part_of_next(row, next, step.phase.saturating_sub(rest))?;
-        *trend = trend.into_next(row, next);
-        Some(Reached { piece: step.piece + 1, phase, sigma: into_next(row, next, step.sigma), ..*step })
+        let (scale, range) = (JointScale::behind(row), &next.step_per_chord);
+        *trend = trend.into_next(scale, range);
+        Some(Reached { piece: step.piece + 1, phase, sigma: scale.convert(step.sigma, range), ..*step })
     }
 
     /// Makes a step over one joint or more, with the length travelled up to the first, after so many evaluations. Returns all
@@ -105,12 +106,13 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     ) -> Reached<R> {
         let mut row = row;
         for (piece, next) in self.pieces.pieces.iter().enumerate().skip(piece + 1) {
-            *trend = trend.into_next(row, next);
+            let (scale, range) = (JointScale::behind(row), &next.step_per_chord);
+            *trend = trend.into_next(scale, range);
             if row.joint == Joint::Breaks {
                 length = length * travelled.before.left;
                 travelled = Travelled::nothing();
             }
-            travelled.part = part_into_next(row, next, travelled.part);
+            travelled.part = scale.convert_part(travelled.part, range);
             let left = travelled.before.left;
             if left <= R::zero() || length <= R::zero() {
                 return Reached { piece, phase: 0, sigma: trend.newest, evaluations };

@@ -1,4 +1,19 @@
-//! The terms of a sum of products, by number.
+//! The components of a vector and the terms of a sum of products, by number.
+
+use real::Real;
+
+/// A vector, component by component.
+///
+/// `array::from_fn` and `array::map` would give the same. But where a crate is compiled in several units without optimisation over
+/// units, parts of them are functions to call, number by number.
+#[inline(always)]
+pub(crate) fn vector<R: Real, const D: usize>(of: impl Fn(usize) -> R) -> [R; D] {
+    let mut components = [R::zero(); D];
+    for (d, component) in components.iter_mut().enumerate() {
+        *component = of(d);
+    }
+    components
+}
 
 /// Pairs of factors: one by itself if there is one, then those of numbers 0, 1, …
 ///

@@ -1,10 +1,9 @@
 //! The steps per chord of the last steps, and the value expected for the next.
 
-use nurbs_core::Piece;
 use real::Real;
 
 use crate::pieces::chord_step::within;
-use crate::pieces::joint::into_next;
+use crate::pieces::joint::JointScale;
 
 /// σ of the last step, and its differences to those before, all in the scale of one piece. The differences are kept
 /// instead of the σ themselves, because a step then has fewer numbers to compute and to move.
@@ -62,8 +61,10 @@ impl<R: Real> Trend<R> {
     }
 
     /// The trend in the scale of the next piece, each σ limited to its range.
-    pub(crate) fn into_next<const D: usize>(self, row: &Piece<R, D>, next: &Piece<R, D>) -> Self {
-        Self::of(self.sigmas().map(|sigma| into_next(row, next, sigma)))
+    #[inline(always)] // Called, it would take the scale through memory.
+    pub(crate) fn into_next(self, scale: JointScale<R>, range: &[R; 2]) -> Self {
+        let [newest, middle, oldest] = self.sigmas();
+        Self::of([scale.convert(newest, range), scale.convert(middle, range), scale.convert(oldest, range)])
     }
 }
 
