@@ -64,6 +64,7 @@ impl<R: Real, const D: usize> Piece<R, D> {
     }
 
     /// r - s: by how much the exponent of each power of h exceeds that of the power before.
+    #[inline]
     pub(crate) fn per_power(&self) -> i32 {
         i32::from(self.range_exponent) - i32::from(self.step_exponent)
     }

@@ -151,6 +151,7 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
 
     /// The scalings of a step on the piece of this row, if all of them go to the right.
     #[must_use]
+    #[inline]
     pub fn right_shifts(&self, row: &Piece<R, D>) -> Option<RightShifts> {
         let [variable, per_power] = [-i32::from(row.range_exponent), row.per_power()];
         let first = self.chord_exponents(row).next()?;

@@ -22,6 +22,7 @@ pub struct RightShifts {
 impl RightShifts {
     /// The shifts for these exponents of two, on a piece of degree p; `None` if one of them goes to the left, that of the chord by no
     /// place, or one by more than [`Real::MOST_LOWERED`] places.
+    #[inline]
     pub(crate) fn of<R: Real>(
         [variable, first, per_power, to_path]: [i32; 4],
         degree: usize,

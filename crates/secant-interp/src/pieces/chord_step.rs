@@ -127,6 +127,7 @@ impl<R: Real, const D: usize> ChordBefore<R, D> {
     }
 
     /// That of a chord which begins on the present piece.
+    #[inline]
     pub(crate) fn nothing() -> Self {
         Self { part: [R::zero(); D], left: R::one() }
     }
@@ -184,6 +185,7 @@ impl<R: Real> Evaluation<R> {
     }
 
     /// f and g limited to the range of the series, which keeps the factor below 2 and the correction below σ/2.
+    #[inline]
     fn limited(&self) -> Self {
         let (largest, largest_growth) = Self::limits();
         Self {
@@ -496,12 +498,14 @@ pub(crate) fn within<R: Real>(correction: R, sigma: R, range: &[R; 2]) -> R {
 }
 
 /// Four times a value that is limited to ¼.
+#[inline]
 fn in_quarters<R: Real>(value: R) -> R {
     let most = R::from_ratio(1, 4);
     value.max(-most).min(most).ldexp(2)
 }
 
 /// `part + more`, limited to `greatest`; `part` is not above that.
+#[inline]
 pub(crate) fn sum_within<R: Real>(part: R, more: R, greatest: R) -> R {
     part + more.min(greatest - part)
 }

@@ -51,14 +51,15 @@ impl<R: Real> JointScale<R> {
 
 /// Converts a part of one piece to a part of the next piece of the same span: the ratio of their widths is a power of
 /// two. `None` if the part is longer than the next piece.
+#[inline]
 pub(crate) fn part_of_next<R: Real, const D: usize>(
     row: &Piece<R, D>,
     next: &Piece<R, D>,
     phase: u64,
 ) -> Option<u64> {
     // joint_ratio is ½, so that 2^(joint_exponent - 1) takes steps η = h 2^s to steps.
-    let [joint, step, onward] = [row.joint_exponent, row.step_exponent, next.step_exponent].map(i32::from);
-    let exponent = joint - 1 + step - onward;
+    let exponent =
+        i32::from(row.joint_exponent) - 1 + i32::from(row.step_exponent) - i32::from(next.step_exponent);
     let distance = exponent.unsigned_abs();
     if exponent <= 0 {
         return Some(phase.checked_shr(distance).unwrap_or(0));
@@ -77,6 +78,7 @@ pub(crate) struct Travelled<R, const D: usize> {
 
 impl<R: Real, const D: usize> Travelled<R, D> {
     /// The values at the begin of a chord.
+    #[inline]
     pub(crate) fn nothing() -> Self {
         Self { before: ChordBefore::nothing(), part: R::zero() }
     }

@@ -148,6 +148,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
 }
 
 /// σ of a short chord from the begin of a piece, in its range: 1/|C'|, where the chord's first coefficient gives C'.
+#[inline]
 fn first_step_per_chord<R: Real, const D: usize>(chord: &[R; D], range: &[R; 2]) -> R {
     let speed = R::norm(chord);
     if speed > R::zero() { (R::one() / speed).max(range[0]).min(range[1]) } else { range[1] }
@@ -155,6 +156,7 @@ fn first_step_per_chord<R: Real, const D: usize>(chord: &[R; D], range: &[R; 2])
 
 /// Whether σ is a root and not the end of its range. The range is that of one piece; over a joint, the mean step per
 /// chord may lie beyond it.
+#[inline]
 fn is_inside<R: Real>(sigma: R, range: &[R; 2]) -> bool {
     range[0] < sigma && sigma < range[1]
 }

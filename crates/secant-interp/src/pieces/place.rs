@@ -21,6 +21,7 @@ pub(crate) fn after(phase: u64, step: u64) -> Option<u64> {
 
 /// The place of a phase, as phase and as number. Where numbers are added up, the phase has only the digits of the
 /// number: a phase with more digits could lie ahead of the place that a short step leads to.
+#[inline]
 pub(crate) fn place_of<R: Real>(phase: u64) -> (u64, R) {
     let t = R::fraction(phase);
     let digits = if R::ADDS_PLACES { t.place_to_phase() } else { None };

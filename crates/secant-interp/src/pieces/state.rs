@@ -73,6 +73,7 @@ impl Form {
     }
 
     /// The form for a piece of this row.
+    #[inline]
     pub(crate) fn of<R: Real, const D: usize>(pieces: &Pieces<'_, R, D>, row: &Piece<R, D>) -> Self {
         if !Self::are_compiled::<R>() || pieces.degree != CUBIC {
             return Self::Any;

@@ -19,16 +19,19 @@ pub(crate) struct Trend<R> {
 
 impl<R: Real> Trend<R> {
     /// The trend of a constant σ.
+    #[inline]
     pub(crate) fn steady(sigma: R) -> Self {
         Self { newest: sigma, rise: R::zero(), fall: R::zero() }
     }
 
     /// The trend of the last three σ, newest first.
+    #[inline]
     fn of([newest, middle, oldest]: [R; 3]) -> Self {
         Self { newest: middle, rise: middle - oldest, fall: R::zero() }.and(newest)
     }
 
     /// The last three σ, newest first: exact in fixed point, up to rounding in floats.
+    #[inline]
     fn sigmas(&self) -> [R; 3] {
         let middle = self.newest - self.rise;
         [self.newest, middle, middle - (self.fall + self.rise + self.rise)]
@@ -42,12 +45,14 @@ impl<R: Real> Trend<R> {
     }
 
     /// The expected next σ, limited to the range.
+    #[inline]
     pub(crate) fn next(&self, range: &[R; 2]) -> R {
         self.newest - self.within(range).fall
     }
 
     /// The expected σ of the last part of the next step, over so much of its length, limited to the range. The part begins later
     /// than the step and ends with it: σ has gone on by half of that difference.
+    #[inline]
     pub(crate) fn next_part(&self, left: R, range: &[R; 2]) -> R {
         let fall = self.within(range).fall;
         let expected = self.newest - fall;
@@ -56,6 +61,7 @@ impl<R: Real> Trend<R> {
 
     /// The trend with its expected σ limited to the range. It is needed after a step that was not a common one and did
     /// not pass to a piece of the same polynomial: a break of the trend there would lead the next guess far off.
+    #[inline]
     pub(crate) fn within(&self, range: &[R; 2]) -> Self {
         Self { fall: within(self.fall, self.newest, range), ..*self }
     }
