@@ -154,7 +154,7 @@ impl<R: Real> StageShape<R> {
     #[must_use]
     pub fn mean(self, middle: R, width: R) -> R {
         let (square, rest) = (middle * middle, R::one() - middle);
-        let bow = || (width * width).ldexp(-2);
+        let square_width = width * width;
         match self {
             Self::Cubic => {
                 let bend = rest - middle;
@@ -164,15 +164,15 @@ impl<R: Real> StageShape<R> {
                         (square, R::one()),
                         (square, rest),
                         (square, rest),
-                        (bow(), bend),
+                        (square_width.ldexp(-2), bend),
                     ]);
                 }
                 let twice = square * rest;
-                square + twice + twice + (width * width * bend).ldexp(-2)
+                square + twice + twice + (square_width * bend).ldexp(-2)
             }
-            Self::Onset => square + bow() * R::from_ratio(1, 3),
+            Self::Onset => square + twelfth(square_width),
             Self::Steady => middle,
-            Self::Easing => middle + middle * rest - bow() * R::from_ratio(1, 3),
+            Self::Easing => middle + middle * rest - twelfth(square_width),
             Self::Cosine => mean_of_cosine(middle, width),
             Self::Bent(by) => mean_of_bent(by, middle, width),
         }
@@ -220,8 +220,14 @@ impl<R: Real> StageShape<R> {
 /// The mean of `x + b x(1 - x)`.
 #[inline]
 fn mean_of_bent<R: Real>(by: R, middle: R, width: R) -> R {
-    let bow = (width * width).ldexp(-2) * R::from_ratio(1, 3);
-    by.mul_add(middle * (R::one() - middle) - bow, middle)
+    by.mul_add(middle * (R::one() - middle) - twelfth(width * width), middle)
+}
+
+/// x/12. In a float a quarter is exact, and goes into the constant.
+#[inline]
+fn twelfth<R: Real>(x: R) -> R {
+    let third = R::from_ratio(1, 3);
+    if R::IS_FLOATING { x * third.ldexp(-2) } else { x.ldexp(-2) * third }
 }
 
 /// The mean of `(1 - cos πx)/2`: sines are long, and would keep the polynomial shapes from being inlined.
