@@ -224,9 +224,32 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
         at: &mut Shifted<R, D>,
     ) -> [R; D] {
         self.shift_by::<N>((row, shifts), coefficients, Some(t), PLAIN, at);
+        self.offset_on_path::<N>((row, shifts), &at.offset)
+    }
+
+    /// [`shift_along`](Self::shift_along) where `at` may hold the polynomials of another piece.
+    #[inline(always)] // As `shift_along` is.
+    pub fn shift_onto<const N: usize>(
+        &self,
+        (row, shifts): (&Piece<R, D>, Option<RightShifts>),
+        coefficients: &Coefficients<'_, R, D>,
+        t: R,
+        at: &mut Shifted<R, D>,
+    ) -> [R; D] {
+        self.shift_by::<N>((row, shifts), coefficients, Some(t), false, at);
+        self.offset_on_path::<N>((row, shifts), &at.offset)
+    }
+
+    /// An offset in the units of the path, by the piece's scalings unless N is [`MAX_DEGREE`].
+    #[inline(always)]
+    fn offset_on_path<const N: usize>(
+        &self,
+        (row, shifts): (&Piece<R, D>, Option<RightShifts>),
+        offset: &[R; D],
+    ) -> [R; D] {
         match shifts {
-            Some(shifts) if N < MAX_DEGREE => shifts.in_units_of_path(&at.offset),
-            _ => self.in_units_of_path(row, &at.offset),
+            Some(shifts) if N < MAX_DEGREE => shifts.in_units_of_path(offset),
+            _ => self.in_units_of_path(row, offset),
         }
     }
 

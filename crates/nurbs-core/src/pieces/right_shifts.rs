@@ -31,8 +31,9 @@ impl RightShifts {
             return Some(Self::default());
         }
         let degree = i32::try_from(degree).ok()?;
-        let weight = per_power.saturating_mul(degree);
-        let last = first.saturating_add(weight.saturating_sub(per_power));
+        // Of numbers from 8 bits, and of the units of a path, which are no larger.
+        let weight = per_power.wrapping_mul(degree);
+        let last = first.wrapping_add(weight.wrapping_sub(per_power));
         let least = -i32::try_from(R::MOST_LOWERED).ok()?;
         let is_right = |exponent: i32| (least..=0).contains(&exponent);
         if R::MOST_LOWERED == 0

@@ -321,8 +321,14 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
             (state.piece, t)
         };
         state.t = t;
-        self.pieces.shift_to::<N, PLAIN>(of, t.signal("parameter"), &mut state.at);
-        let offset = self.pieces.in_common_units(of, &state.at.offset);
+        let t = t.signal("parameter");
+        let offset = match (self.pieces.pieces.get(of), self.pieces.coefficients::<N, PLAIN>(of)) {
+            (Some(row), Some(coefficients)) => {
+                let shifts = if is_end { None } else { state.form.right_shifts() };
+                self.pieces.shift_onto::<N>((row, shifts), &coefficients, t, &mut state.at)
+            }
+            _ => state.at.offset,
+        };
         *setpoint = PieceSetpoint { piece: state.piece, phase: state.phase, offset, length, evaluations };
     }
 

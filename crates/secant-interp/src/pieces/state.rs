@@ -72,6 +72,15 @@ impl Form {
         R::IS_FOR_SPEED && cfg!(feature = "cubic")
     }
 
+    /// The scalings of a step on the piece, where the form is made for them.
+    #[inline]
+    pub(crate) fn right_shifts(self) -> Option<RightShifts> {
+        match self {
+            Self::LoweredCubic(shifts) | Self::RationalCubic(shifts) => Some(shifts),
+            Self::Any | Self::Cubic => None,
+        }
+    }
+
     /// The form for a piece of this row.
     #[inline]
     pub(crate) fn of<R: Real, const D: usize>(pieces: &Pieces<'_, R, D>, row: &Piece<R, D>) -> Self {
