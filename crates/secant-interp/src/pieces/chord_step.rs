@@ -122,6 +122,7 @@ pub struct ChordBefore<R, const D: usize> {
 }
 
 impl<R: Real, const D: usize> ChordBefore<R, D> {
+    #[inline]
     pub(crate) fn new(part: [R; D]) -> Self {
         Self { part, left: R::one() - R::norm(&part) }
     }
@@ -390,6 +391,7 @@ impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D,
     }
 
     /// The chord over the step η, over a length. `part` is η over that length.
+    #[inline]
     pub(crate) fn over_length(&self, step: R, part: R) -> [R; D] {
         let x = self.variable(step);
         let mut rows = self.at.chord.iter().take(self.count()).rev();
@@ -550,7 +552,7 @@ mod tests {
                 range_exponent: 0,
                 whole: 4.0,
                 length: 1.0,
-                before: before.map(|part: [f64; 2]| Before { part, left: 1.0 - part[0].hypot(part[1]) }),
+                before: before.map(|part: [f64; 2]| ChordBefore { part, left: 1.0 - part[0].hypot(part[1]) }),
                 range: [0.1, 2.0],
             };
             for (allowed, guess) in

@@ -104,6 +104,7 @@ impl<R: Real, const D: usize> PieceState<R, D> {
     }
 
     /// Moves to the end of a step over a joint. Returns its evaluations.
+    #[inline]
     pub(crate) fn reach(&mut self, reached: &Reached<R>, pieces: &Pieces<'_, R, D>) -> u32 {
         self.trend = self.trend.and(reached.sigma);
         (self.piece, self.phase) = (reached.piece, reached.phase);
