@@ -31,7 +31,7 @@ impl RightShifts {
             return Some(Self::default());
         }
         let degree = i32::try_from(degree).ok()?;
-        // Of numbers from 8 bits, and of the units of a path, which are no larger.
+        // Neither wraps where the two that it is made of are right shifts themselves.
         let weight = per_power.wrapping_mul(degree);
         let last = first.wrapping_add(weight.wrapping_sub(per_power));
         let least = -i32::try_from(R::MOST_LOWERED).ok()?;
