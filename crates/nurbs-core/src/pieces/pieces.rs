@@ -210,46 +210,24 @@ impl<'a, R: Real, const D: usize> Pieces<'a, R, D> {
         Some(Coefficients { numerator, weights: if PLAIN { None } else { self.weight::<N>(piece) } })
     }
 
-    /// [`shift_to`](Self::shift_to) where `at` holds the polynomials about another point of this piece, and the caller has its row, its
-    /// coefficients and, unless N is [`MAX_DEGREE`], its scalings. Returns the point at t in the units of the path.
+    /// [`shift_to`](Self::shift_to) for a caller that has the piece's row, its coefficients and, unless N is [`MAX_DEGREE`], its
+    /// scalings. Returns the point at t in the units of the path. KEEPS_TOP promises that `at` holds the polynomials about another
+    /// point of this piece, and that it has no weights: its top coefficient stays.
     ///
     /// The coefficients are looked up before `t` is known: a question between `t` and its products would keep compilers from
     /// forming these as products of words.
     #[inline(always)] // Called, it would write its rows to memory in parts other than those in which they are read.
-    pub fn shift_along<const N: usize, const PLAIN: bool>(
+    pub fn shift_along<const N: usize, const KEEPS_TOP: bool>(
         &self,
         (row, shifts): (&Piece<R, D>, Option<RightShifts>),
         coefficients: &Coefficients<'_, R, D>,
         t: R,
         at: &mut Shifted<R, D>,
     ) -> [R; D] {
-        self.shift_by::<N>((row, shifts), coefficients, Some(t), PLAIN, at);
-        self.offset_on_path::<N>((row, shifts), &at.offset)
-    }
-
-    /// [`shift_along`](Self::shift_along) where `at` may hold the polynomials of another piece.
-    #[inline(always)] // As `shift_along` is.
-    pub fn shift_onto<const N: usize>(
-        &self,
-        (row, shifts): (&Piece<R, D>, Option<RightShifts>),
-        coefficients: &Coefficients<'_, R, D>,
-        t: R,
-        at: &mut Shifted<R, D>,
-    ) -> [R; D] {
-        self.shift_by::<N>((row, shifts), coefficients, Some(t), false, at);
-        self.offset_on_path::<N>((row, shifts), &at.offset)
-    }
-
-    /// An offset in the units of the path, by the piece's scalings unless N is [`MAX_DEGREE`].
-    #[inline(always)]
-    fn offset_on_path<const N: usize>(
-        &self,
-        (row, shifts): (&Piece<R, D>, Option<RightShifts>),
-        offset: &[R; D],
-    ) -> [R; D] {
+        self.shift_by::<N>((row, shifts), coefficients, Some(t), KEEPS_TOP, at);
         match shifts {
-            Some(shifts) if N < MAX_DEGREE => shifts.in_units_of_path(offset),
-            _ => self.in_units_of_path(row, offset),
+            Some(shifts) if N < MAX_DEGREE => shifts.in_units_of_path(&at.offset),
+            _ => self.in_units_of_path(row, &at.offset),
         }
     }
 

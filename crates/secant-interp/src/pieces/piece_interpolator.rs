@@ -325,7 +325,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         let offset = match (self.pieces.pieces.get(of), self.pieces.coefficients::<N, PLAIN>(of)) {
             (Some(row), Some(coefficients)) => {
                 let shifts = if is_end { None } else { state.form.right_shifts() };
-                self.pieces.shift_onto::<N>((row, shifts), &coefficients, t, &mut state.at)
+                self.pieces.shift_along::<N, false>((row, shifts), &coefficients, t, &mut state.at)
             }
             _ => state.at.offset,
         };
