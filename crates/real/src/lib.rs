@@ -44,7 +44,17 @@
 #![cfg_attr(not(feature = "std"), no_std)]
 
 #[cfg(feature = "std")]
-mod audit;
+#[allow(clippy::module_inception, reason = "a folder's main file has the folder's name")]
+mod audit {
+    mod all_signals;
+    pub(crate) mod audit;
+    pub(crate) mod audited;
+    mod signal;
+    pub(crate) mod signal_range;
+    mod thread_record;
+    mod value;
+    mod words;
+}
 #[cfg(feature = "std")]
 mod count;
 mod datapath;
@@ -83,7 +93,7 @@ mod word;
 mod wrapper;
 
 #[cfg(feature = "std")]
-pub use audit::{Audit, Audited, SignalRange};
+pub use audit::{audit::Audit, audited::Audited, signal_range::SignalRange};
 #[cfg(feature = "std")]
 pub use count::{Counted, OperationCounts};
 pub use datapath::{Datapath, Overflow, Rounding};

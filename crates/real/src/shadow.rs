@@ -3,9 +3,8 @@
 //! Comparisons compare the backend's values, so that the shadow takes the same branches. The distance between value and
 //! shadow is then the rounding of everything before it, not the difference between two runs.
 
-use crate::audit::Audit;
 use crate::wrapper::{Wrapper, with_each, wrapper};
-use crate::{Backend, Operation};
+use crate::{Audit, Backend, Operation};
 
 /// A number in `R` with its shadow in `S`. The shadow is the result of the same operations in `S`, on inputs and
 /// constants in `S`.
