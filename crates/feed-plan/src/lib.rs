@@ -167,7 +167,9 @@ mod chords {
     #[cfg(test)]
     mod corner_chords;
     pub(crate) mod feeds;
+    mod joints;
     pub(crate) mod landing;
+    mod parts;
     pub(crate) mod planned;
     pub(crate) mod shortfall;
     pub(crate) mod stretch;
