@@ -139,6 +139,8 @@ mod plan {
     pub(crate) mod look_ahead;
     pub(crate) mod lower_bound;
     pub(crate) mod merge_verdicts;
+    #[cfg(test)]
+    pub(crate) mod promises;
     pub(crate) mod ramp_shape;
     pub(crate) mod ramps;
     pub(crate) mod stages;

@@ -294,7 +294,8 @@ fn above<R: Real>(reserve: R, found: R) -> R {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_paths::paper_limits;
+    use crate::plan::promises::kept;
+    use crate::test_paths::{circle, in_periods, limit_along, paper_limits};
     use crate::{EndFeeds, FeedLimit, Junction, ProfileKind, plan_with};
     use proptest::prelude::*;
 
@@ -332,6 +333,31 @@ mod tests {
         assert!((reserve.jerk - 0.5e-4 / slope).abs() < 1e-12, "{reserve:?}");
         let circle = budget.reserve(&Turning::at(&[0.0, 1.0, 0.0], &[-0.05, 0.0, 0.0]).share);
         assert_eq!(circle, Allowance { acceleration: limits.acceleration, jerk: limits.jerk });
+    }
+
+    /// A circle of 10 mm radius, which an axis of 500 mm/s³ passes at 29 mm/s at most, in 2.2 s: without a limit of its acceleration
+    /// all of the path's was kept in reserve, and took the jerk from what turns.
+    #[test]
+    fn an_axis_with_a_limit_of_jerk_alone_is_not_slowed_down_by_the_paths_acceleration() {
+        let curve = circle(10.0);
+        let duration = |acceleration: f64, own: Option<f64>| {
+            let axis = AxisLimits { velocity: None, acceleration: own, jerk: Some(500e-9) };
+            let limits = KinematicLimits {
+                axes: [axis, AxisLimits::default(), AxisLimits::default()],
+                ..in_periods(1e-3, 100.0, acceleration, 5e4, 5e-4)
+            };
+            let limit = limit_along(core::slice::from_ref(&curve), &limits);
+            let plan = kept(&limit, &limits, ProfileKind::Cubic);
+            plan.as_schedule().duration() * 1e-3
+        };
+        let alone = duration(2000.0, None);
+        assert!((2.2..4.5).contains(&alone), "{alone} s");
+        for (acceleration, own) in
+            [(200.0, None), (20_000.0, None), (2000.0, Some(100.0)), (2000.0, Some(2000.0))]
+        {
+            let other = duration(acceleration, own);
+            assert!((other / alone - 1.0).abs() < 0.05, "{acceleration} {own:?}: {other} s for {alone} s");
+        }
     }
 
     proptest! {

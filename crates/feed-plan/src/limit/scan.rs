@@ -263,3 +263,51 @@ fn bends_at<R, const D: usize>(stations: &[Station<R, D>]) -> bool {
     let [_, here, behind, ..] = stations else { return true };
     [here, behind].iter().any(|station| station.stretch.as_ref().is_none_or(|stretch| stretch.bends))
 }
+
+#[cfg(test)]
+mod tests {
+    use nurbs_core::NurbsBuf;
+    use proptest::prelude::*;
+
+    use crate::plan::promises::{kept, planned};
+    use crate::test_paths::paper_limits;
+    use crate::{AxisLimits, FeedLimit, KinematicLimits, ProfileKind};
+
+    /// Path and axes at the same limits, T = 1.
+    fn axes_like_the_path(acceleration: f64, jerk: f64) -> KinematicLimits<f64> {
+        let axis = AxisLimits { velocity: None, acceleration: Some(acceleration), jerk: Some(jerk) };
+        let limits = KinematicLimits { feedrate: 0.8, acceleration, jerk, ..paper_limits() };
+        KinematicLimits { chord_error: 1e-3, axes: [axis; 3], ..limits }
+    }
+
+    /// At the knot the axes' jerk lowered the limit on both sides below what the step of curvature allows: its single point
+    /// stood above both, and was taken for a summit that no flank reached.
+    #[test]
+    fn a_step_of_curvature_within_a_slow_stretch_is_no_summit() {
+        let points = vec![[-2.9, 9.1], [-7.4, 6.9], [-0.1, -1.0], [13.2, 9.1]];
+        let curve = NurbsBuf::try_new_nonrational(2, points, vec![0., 0., 0., 1., 2., 2., 2.]).unwrap();
+        planned(&curve, &axes_like_the_path(0.02, 1e-4));
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(200))]
+
+        #[test]
+        fn a_curve_of_degree_two_is_planned_whatever_its_axes(
+            points in prop::collection::vec(prop::array::uniform2(-15.0..15.0_f64), 4..8),
+            acceleration in 5e-3..0.05_f64, jerk in 5e-5..1e-2_f64,
+        ) {
+            let inner = (1..points.len() - 2).map(|knot| knot as f64);
+            let knots = [0.0; 3].into_iter().chain(inner).chain([(points.len() - 2) as f64; 3]).collect();
+            let curve = NurbsBuf::try_new_nonrational(2, points, knots).unwrap();
+            let limits = axes_like_the_path(acceleration, jerk);
+            let limit = FeedLimit::along(&[curve.as_curve()], &limits).unwrap();
+            for pair in limit.samples().windows(3).filter(|samples| samples[1].is_single) {
+                prop_assert!(pair[1].lower <= pair[0].lower.min(pair[2].lower), "{pair:?}");
+            }
+            for kind in ProfileKind::ALL {
+                kept(&limit, &limits, kind);
+            }
+        }
+    }
+}

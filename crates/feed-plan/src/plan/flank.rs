@@ -399,3 +399,60 @@ impl<R: Real> Descent<R> {
         self.points.push(HullPoint { distance, feed, distance_per_square });
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use nurbs_core::NurbsBuf;
+
+    use crate::plan::promises::kept;
+    use crate::test_paths::{in_periods, limit_through, paper_limits};
+    use crate::{EndFeeds, FeedLimit, ProfileKind, jerk_free_duration, plan_with};
+
+    /// A path that begins in a tight bend: its limit is below 2⁻⁸ of the feedrate over more than the first ramp, and the plan crept
+    /// to the other end at that feed.
+    #[test]
+    fn a_path_that_begins_in_a_tight_bend_is_not_crept_along() {
+        for (y, feedrate) in
+            [(0.5, 10.0), (0.5, 100.0), (0.5, 1000.0), (2.236, 400.0), (2.236, 410.0), (0.05, 100.0)]
+        {
+            let forwards = vec![[0.0, 0.0], [0.0, y], [200.0, y]];
+            let backwards = forwards.iter().rev().copied().collect();
+            for points in [forwards, backwards] {
+                let knots = vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0];
+                let curve = NurbsBuf::try_new_nonrational(2, points, knots).unwrap();
+                let limits = in_periods(4e-3, feedrate, 5000.0, 4e5, 1e-4);
+                let limit = FeedLimit::along(&[curve.as_curve()], &limits).unwrap();
+                for kind in ProfileKind::ALL {
+                    let plan = plan_with(&limit, &limits, EndFeeds::default(), kind).unwrap();
+                    let (duration, bound) = (
+                        plan.as_schedule().duration(),
+                        jerk_free_duration(&limit, &limits, EndFeeds::default()),
+                    );
+                    assert!(
+                        duration < 1.25 * bound + 30.0,
+                        "{y} {feedrate} {kind:?}: {duration} for {bound}"
+                    );
+                }
+            }
+        }
+    }
+
+    /// The lowest level lay at 1/256 of the feed: up to where its ramp had room, the plan crept at the slow point's feed, and took
+    /// twenty times as long.
+    #[test]
+    fn a_very_slow_point_is_left_as_the_limit_rises() {
+        // V doubles where the distance does so 1.5 times, as beside a bend whose radius the axes' jerk limits.
+        let side = |i: i32| (10.0 * 2.0_f64.powf(-1.5 * f64::from(i)), 0.6 * 0.5_f64.powi(i));
+        let rising: Vec<_> = (0..20).map(side).collect();
+        let falling = rising.iter().map(|&(away, feedrate)| (10.0 - away, feedrate));
+        let points: Vec<_> =
+            falling.chain(rising.iter().rev().map(|(away, feed)| (10.0 + away, *feed))).collect();
+        let limit = limit_through(&points);
+        let bound = jerk_free_duration(&limit, &paper_limits(), EndFeeds::default());
+        for kind in ProfileKind::ALL {
+            let plan = kept(&limit, &paper_limits(), kind);
+            let over = plan.as_schedule().duration() / bound;
+            assert!(over < 1.3, "{kind:?}: {over}");
+        }
+    }
+}

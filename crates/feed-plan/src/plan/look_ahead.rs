@@ -149,103 +149,15 @@ fn from_rest_to_rest<R: Real>(keys: &[Key<R>]) -> impl Iterator<Item = &[Key<R>]
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plan::promises::{Worst, kept, planned, worst};
     use crate::test_paths::{
         circle, in_periods, in_range, limit_along, limit_through, paper_limits, polyline, seed_000, seed_003,
         triple_knot,
     };
-    use crate::{AxisLimits, Junction, LimitPoint, jerk_free_duration};
+    use crate::{AxisLimits, LimitPoint, jerk_free_duration};
     use nurbs_core::{Differentiate, NurbsBuf, radius};
     use proptest::prelude::*;
     use real::{Backend, DoubleDouble, I16F16, I32F32};
-
-    /// Worst of each promise over a plan, as ratios to what is allowed; the last is the jump of feed at
-    /// joints.
-    #[derive(Debug)]
-    struct Worst {
-        feed: f64,
-        acceleration: f64,
-        jerk: f64,
-        joint: f64,
-    }
-
-    fn worst<R: Backend>(limit: &FeedLimit<R>, limits: &KinematicLimits<R>, plan: &ScheduleBuf<R>) -> Worst {
-        let mut worst = Worst { feed: 0.0, acceleration: 0.0, jerk: 0.0, joint: 0.0 };
-        let mut end: Option<(R, R)> = None;
-        // The sampled distance may be off by rounding, over a stop or a jump of the limit.
-        let rounding = limit.length() * R::resolution() + R::resolution();
-        let allowed_near =
-            |place: R| limit.at(place).max(limit.at(place - rounding)).max(limit.at(place + rounding));
-        for stage in plan.stages() {
-            if let Some((distance, feed)) = end {
-                let jump =
-                    (stage.start - distance).to_f64().abs().max((stage.start_feed - feed).to_f64().abs());
-                worst.joint = worst.joint.max(jump);
-            }
-            end = Some((stage.start + stage.length, stage.end_feed));
-            for i in 0..=200 {
-                let time = stage.duration * R::from_ratio(i, 200);
-                let allowed = allowed_near(stage.start + stage.distance_at(time));
-                let (a, j) = (stage.acceleration_at(time).abs(), stage.jerk_at(time).abs());
-                let feed = stage.feed_at(time);
-                // At a stop both are zero.
-                if feed > R::zero() {
-                    worst.feed = worst.feed.max(feed.to_f64() / allowed.to_f64().max(1e-9));
-                }
-                worst.acceleration = worst.acceleration.max(a.to_f64() / limits.acceleration.to_f64());
-                worst.jerk = worst.jerk.max(j.to_f64() / limits.jerk.to_f64());
-            }
-        }
-        worst
-    }
-
-    /// Every promise of [`plan`], from rest to rest, to rounding of f64.
-    fn assert_kept(limit: &FeedLimit<f64>, limits: &KinematicLimits<f64>, plan: &ScheduleBuf<f64>) {
-        let worst = worst(limit, limits, plan);
-        assert!(worst.feed <= 1.0 + 1e-9, "{worst:?}");
-        assert!(worst.acceleration <= 1.0 + 1e-12 && worst.jerk <= 1.0 + 1e-12, "{worst:?}");
-        assert!(worst.joint <= 1e-9 * limit.length(), "{worst:?}");
-        let schedule = plan.as_schedule();
-        assert!((schedule.length() - limit.length()).abs() <= 1e-12 * limit.length().max(1.0));
-        let periods = schedule.periods() as f64;
-        assert!((schedule.duration() / limits.interpolation_period - periods).abs() <= 1e-12 * periods);
-        assert!(plan.stages().iter().all(|stage| stage.duration > 0.0 && stage.length > 0.0));
-        let (first, last) = (plan.stages().first().unwrap(), plan.stages().last().unwrap());
-        assert_eq!((first.start, first.start_feed, last.end_feed), (0.0, 0.0, 0.0));
-        let bound = jerk_free_duration(limit, limits, EndFeeds::default());
-        assert!(
-            schedule.duration() >= bound * (1.0 - 1e-3),
-            "{} is faster than {bound}",
-            schedule.duration()
-        );
-
-        // What the real-time loop sees.
-        let mut cursor = schedule.start();
-        let mut travelled = 0.0;
-        while let Some(step) = schedule.advance(&mut cursor) {
-            assert!(step > 0.0, "{step}");
-            travelled += step;
-        }
-        // The sum rounds too, once a period.
-        let tolerance = (1e-12 + periods * f64::EPSILON) * limit.length().max(1.0);
-        assert!((travelled - limit.length()).abs() <= tolerance, "{travelled} after {periods} periods");
-        assert_eq!(cursor.period(), schedule.periods());
-    }
-
-    /// The plan from rest to rest, which keeps every promise.
-    fn kept(limit: &FeedLimit<f64>, limits: &KinematicLimits<f64>, kind: ProfileKind) -> ScheduleBuf<f64> {
-        let plan = plan_with(limit, limits, EndFeeds::default(), kind).unwrap();
-        assert_kept(limit, limits, &plan);
-        plan
-    }
-
-    fn planned(
-        curve: &NurbsBuf<f64, 2>,
-        limits: &KinematicLimits<f64>,
-    ) -> (FeedLimit<f64>, ScheduleBuf<f64>) {
-        let limit = limit_along(core::slice::from_ref(curve), limits);
-        let plan = kept(&limit, limits, ProfileKind::Cubic);
-        (limit, plan)
-    }
 
     #[test]
     fn the_papers_curves_take_hardly_longer_than_without_a_jerk_limit() {
@@ -265,35 +177,6 @@ mod tests {
             assert!(plan.as_schedule().periods() <= periods, "{name}: {}", plan.as_schedule().periods());
             let jerk_free = jerk_free_duration(&limit, &limits, EndFeeds::default());
             assert!((jerk_free - bound).abs() < 0.5, "{name}: {jerk_free}");
-        }
-    }
-
-    /// A path that begins in a tight bend: its limit is below 2⁻⁸ of the feedrate over more than the first ramp, and the plan crept
-    /// to the other end at that feed.
-    #[test]
-    fn a_path_that_begins_in_a_tight_bend_is_not_crept_along() {
-        for (y, feedrate) in
-            [(0.5, 10.0), (0.5, 100.0), (0.5, 1000.0), (2.236, 400.0), (2.236, 410.0), (0.05, 100.0)]
-        {
-            let forwards = vec![[0.0, 0.0], [0.0, y], [200.0, y]];
-            let backwards = forwards.iter().rev().copied().collect();
-            for points in [forwards, backwards] {
-                let knots = vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0];
-                let curve = NurbsBuf::try_new_nonrational(2, points, knots).unwrap();
-                let limits = in_periods(4e-3, feedrate, 5000.0, 4e5, 1e-4);
-                let limit = FeedLimit::along(&[curve.as_curve()], &limits).unwrap();
-                for kind in ProfileKind::ALL {
-                    let plan = plan_with(&limit, &limits, EndFeeds::default(), kind).unwrap();
-                    let (duration, bound) = (
-                        plan.as_schedule().duration(),
-                        jerk_free_duration(&limit, &limits, EndFeeds::default()),
-                    );
-                    assert!(
-                        duration < 1.25 * bound + 30.0,
-                        "{y} {feedrate} {kind:?}: {duration} for {bound}"
-                    );
-                }
-            }
         }
     }
 
@@ -327,39 +210,6 @@ mod tests {
         assert!((0.1993..=limit.at(30.0)).contains(&top), "{top}");
     }
 
-    /// Every plan was slowed down by 2⁻¹³, even along a line: 6 s in 51,004. Whole periods from stop to stop are all that is due there, and
-    /// passed corners, whose steps go along the path, take no more.
-    #[test]
-    fn straight_lines_are_slowed_down_to_whole_periods_alone() {
-        let limits = paper_limits();
-        let passed = KinematicLimits { junction: Junction::Deviation(0.01), ..limits };
-        let straight = polyline(&[[0.0, 0.0], [16_000.0, 0.0]]);
-        let stairs = polyline(&[[0.0, 0.0], [9000.0, 0.0], [9000.0, 9000.0], [0.0, 9000.0]]);
-        for (lines, limits) in [(straight, limits), (stairs.clone(), limits), (stairs, passed)] {
-            let limit = limit_along(&lines, &limits);
-            for kind in ProfileKind::ALL {
-                let fastest = stages(&limit, &limits, EndFeeds::default(), None, kind).unwrap();
-                let plan = plan_with(&limit, &limits, EndFeeds::default(), kind).unwrap();
-                let durations = crate::sections(&fastest).map(|section| section.duration().ceil());
-                assert_eq!(plan.as_schedule().periods() as f64, durations.sum::<f64>(), "{kind:?}");
-            }
-        }
-    }
-
-    /// What bends keeps something back for chords, which fall short: an arc between two lines, and breaks too small for a corner.
-    #[test]
-    fn what_bends_is_slowed_down_further() {
-        let breaks = polyline(&[[0.0, 0.0], [8000.0, 0.0], [16_000.0, 1.0]]);
-        let limits = paper_limits();
-        for limit in [breaks, vec![circle(3000.0)]].map(|curves| limit_along(&curves, &limits)) {
-            let fastest = stages(&limit, &limits, EndFeeds::default(), None, ProfileKind::Cubic).unwrap();
-            let plan = plan_with(&limit, &limits, EndFeeds::default(), ProfileKind::Cubic).unwrap();
-            let plan = plan.as_schedule().duration();
-            let fastest: f64 = fastest.iter().map(|stage| stage.duration).sum();
-            assert!(plan >= fastest * (1.0 + 1.0 / 8192.0), "{plan} {fastest}");
-        }
-    }
-
     #[test]
     fn the_plan_stops_at_a_corner() {
         let curve = triple_knot();
@@ -377,31 +227,6 @@ mod tests {
             .map(|stage| stage.duration)
             .sum();
         assert!((before - before.round()).abs() < 1e-9 && before > 10.0, "{before}");
-    }
-
-    /// A circle of 10 mm radius, which an axis of 500 mm/s³ passes at 29 mm/s at most, in 2.2 s: without a limit of its acceleration
-    /// all of the path's was kept in reserve, and took the jerk from what turns.
-    #[test]
-    fn an_axis_with_a_limit_of_jerk_alone_is_not_slowed_down_by_the_paths_acceleration() {
-        let curve = circle(10.0);
-        let duration = |acceleration: f64, own: Option<f64>| {
-            let axis = AxisLimits { velocity: None, acceleration: own, jerk: Some(500e-9) };
-            let limits = KinematicLimits {
-                axes: [axis, AxisLimits::default(), AxisLimits::default()],
-                ..in_periods(1e-3, 100.0, acceleration, 5e4, 5e-4)
-            };
-            let limit = limit_along(core::slice::from_ref(&curve), &limits);
-            let plan = kept(&limit, &limits, ProfileKind::Cubic);
-            plan.as_schedule().duration() * 1e-3
-        };
-        let alone = duration(2000.0, None);
-        assert!((2.2..4.5).contains(&alone), "{alone} s");
-        for (acceleration, own) in
-            [(200.0, None), (20_000.0, None), (2000.0, Some(100.0)), (2000.0, Some(2000.0))]
-        {
-            let other = duration(acceleration, own);
-            assert!((other / alone - 1.0).abs() < 0.05, "{acceleration} {own:?}: {other} s for {alone} s");
-        }
     }
 
     #[test]
@@ -458,72 +283,12 @@ mod tests {
     }
 
     #[test]
-    fn many_minima_next_to_a_stop_are_passed_over_without_a_look_at_the_way() {
-        // Each is too near for its feed. With the hull of the way to each, this would take minutes.
-        let count = 200_000_u32;
-        let near = (0..count).map(|i| (f64::from(i) * 1e-7, if i % 2 == 0 { 0.5 } else { 0.4 }));
-        let far: Vec<_> = near.clone().map(|(distance, feed)| (100.0 - distance, feed)).collect();
-        let points: Vec<_> = near.chain(far.into_iter().rev()).collect();
-        kept(&limit_through(&points), &paper_limits(), ProfileKind::Cubic);
-    }
-
-    #[test]
     fn any_length_can_be_travelled() {
         let limits = paper_limits();
         for exponent in -9..=5 {
             let path = polyline(&[[0.0, 0.0], [10.0_f64.powi(exponent), 0.0]]);
             planned(&path[0], &limits);
         }
-    }
-
-    #[test]
-    fn chords_of_a_shortened_plan_sum_to_what_the_curve_takes() {
-        let limits = paper_limits();
-        let (limit, plan) = planned(&seed_000(), &limits);
-        let shortfalls = limit.shortfalls(&[seed_000().as_curve()], &plan.as_schedule());
-        let shortfall: f64 = shortfalls.iter().sum();
-        // Found independently, with chords solved to 50 digits: 1.37 µm.
-        assert!((shortfall - 1.37e-3).abs() < 1e-5, "{shortfall}");
-        let short = plan.shortened(&limit, &shortfalls);
-        assert!((short.as_schedule().length() - (limit.length() - shortfall)).abs() < 1e-11);
-    }
-
-    #[test]
-    fn chords_of_a_shortened_plan_stay_with_the_plan() {
-        // Straights and tight bends, most of the shortfall in the bends; the setpoints are solved for one by one.
-        let points: Vec<_> = (0..12_i32).map(|i| [f64::from(i) * 3.0, f64::from(i % 2) * 40.0]).collect();
-        let inner = (1..10).map(f64::from);
-        let knots = [0.0; 3].into_iter().chain(inner).chain([10.0; 3]).collect();
-        let curve = NurbsBuf::try_new(2, points, vec![1.0; 12], knots).unwrap();
-        let limits = KinematicLimits { chord_error: 0.02, ..paper_limits() };
-        let (limit, plan) = planned(&curve, &limits);
-        let curve = curve.as_curve();
-        let shortfalls = limit.shortfalls(&[curve], &plan.as_schedule());
-        assert!(shortfalls.iter().sum::<f64>() > 0.05, "{shortfalls:?}");
-        let short = plan.clone().shortened(&limit, &shortfalls);
-        let (arcs, chords) = (plan.as_schedule(), short.as_schedule());
-        let (mut along, mut by_chord) = (arcs.start(), chords.start());
-        let (mut travelled, mut u, mut arc, mut worst, mut at_the_end) = (0.0, 0.0, 0.0, 0.0_f64, 0.0);
-        while let (Some(step), Some(chord)) = (arcs.advance(&mut along), chords.advance(&mut by_chord)) {
-            travelled += step;
-            let from = nurbs_core::Evaluate::point(&curve, u);
-            let reach = |u: f64| {
-                let to = nurbs_core::Evaluate::point(&curve, u);
-                (to[0] - from[0]).hypot(to[1] - from[1])
-            };
-            let (mut low, mut high) = (u, (u + 0.1).min(10.0));
-            for _ in 0..60 {
-                let middle = f64::midpoint(low, high);
-                if reach(middle) < chord { low = middle } else { high = middle }
-            }
-            arc += nurbs_core::arc_length(&curve, u, low, 1e-12).length;
-            u = low;
-            worst = worst.max((arc - travelled).abs());
-            at_the_end = if travelled < limit.length() - 2.0 { (arc - travelled).abs() } else { at_the_end };
-        }
-        // In bends the run falls short, and what it falls short by is taken off beside them too. The last place is within the
-        // last stage.
-        assert!(worst < 1e-2 && at_the_end < 1e-3, "{worst} {at_the_end}");
     }
 
     /// The same curve planned in another format: periods, and the worst of each promise.
@@ -608,63 +373,6 @@ mod tests {
             }
             points
         })
-    }
-
-    /// The lowest level lay at 1/256 of the feed: up to where its ramp had room, the plan crept at the slow point's feed, and took
-    /// twenty times as long.
-    #[test]
-    fn a_very_slow_point_is_left_as_the_limit_rises() {
-        // V doubles where the distance does so 1.5 times, as beside a bend whose radius the axes' jerk limits.
-        let side = |i: i32| (10.0 * 2.0_f64.powf(-1.5 * f64::from(i)), 0.6 * 0.5_f64.powi(i));
-        let rising: Vec<_> = (0..20).map(side).collect();
-        let falling = rising.iter().map(|&(away, feedrate)| (10.0 - away, feedrate));
-        let points: Vec<_> =
-            falling.chain(rising.iter().rev().map(|(away, feed)| (10.0 + away, *feed))).collect();
-        let limit = limit_through(&points);
-        let bound = jerk_free_duration(&limit, &paper_limits(), EndFeeds::default());
-        for kind in ProfileKind::ALL {
-            let plan = kept(&limit, &paper_limits(), kind);
-            let over = plan.as_schedule().duration() / bound;
-            assert!(over < 1.3, "{kind:?}: {over}");
-        }
-    }
-
-    /// Path and axes at the same limits, T = 1.
-    fn axes_like_the_path(acceleration: f64, jerk: f64) -> KinematicLimits<f64> {
-        let axis = AxisLimits { velocity: None, acceleration: Some(acceleration), jerk: Some(jerk) };
-        let limits = KinematicLimits { feedrate: 0.8, acceleration, jerk, ..paper_limits() };
-        KinematicLimits { chord_error: 1e-3, axes: [axis; 3], ..limits }
-    }
-
-    /// At the knot the axes' jerk lowered the limit on both sides below what the step of curvature allows: its single point
-    /// stood above both, and was taken for a summit that no flank reached.
-    #[test]
-    fn a_step_of_curvature_within_a_slow_stretch_is_no_summit() {
-        let points = vec![[-2.9, 9.1], [-7.4, 6.9], [-0.1, -1.0], [13.2, 9.1]];
-        let curve = NurbsBuf::try_new_nonrational(2, points, vec![0., 0., 0., 1., 2., 2., 2.]).unwrap();
-        planned(&curve, &axes_like_the_path(0.02, 1e-4));
-    }
-
-    proptest! {
-        #![proptest_config(ProptestConfig::with_cases(200))]
-
-        #[test]
-        fn a_curve_of_degree_two_is_planned_whatever_its_axes(
-            points in prop::collection::vec(prop::array::uniform2(-15.0..15.0_f64), 4..8),
-            acceleration in 5e-3..0.05_f64, jerk in 5e-5..1e-2_f64,
-        ) {
-            let inner = (1..points.len() - 2).map(|knot| knot as f64);
-            let knots = [0.0; 3].into_iter().chain(inner).chain([(points.len() - 2) as f64; 3]).collect();
-            let curve = NurbsBuf::try_new_nonrational(2, points, knots).unwrap();
-            let limits = axes_like_the_path(acceleration, jerk);
-            let limit = FeedLimit::along(&[curve.as_curve()], &limits).unwrap();
-            for pair in limit.samples().windows(3).filter(|samples| samples[1].is_single) {
-                prop_assert!(pair[1].lower <= pair[0].lower.min(pair[2].lower), "{pair:?}");
-            }
-            for kind in ProfileKind::ALL {
-                kept(&limit, &limits, kind);
-            }
-        }
     }
 
     proptest! {

@@ -228,3 +228,20 @@ fn cruise<R: Real>(
     }
     best
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::ProfileKind;
+    use crate::plan::promises::kept;
+    use crate::test_paths::{limit_through, paper_limits};
+
+    #[test]
+    fn many_minima_next_to_a_stop_are_passed_over_without_a_look_at_the_way() {
+        // Each is too near for its feed. With the hull of the way to each, this would take minutes.
+        let count = 200_000_u32;
+        let near = (0..count).map(|i| (f64::from(i) * 1e-7, if i % 2 == 0 { 0.5 } else { 0.4 }));
+        let far: Vec<_> = near.clone().map(|(distance, feed)| (100.0 - distance, feed)).collect();
+        let points: Vec<_> = near.chain(far.into_iter().rev()).collect();
+        kept(&limit_through(&points), &paper_limits(), ProfileKind::Cubic);
+    }
+}

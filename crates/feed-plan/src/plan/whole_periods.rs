@@ -85,6 +85,9 @@ pub(crate) fn round_up<R: Real>(value: R) -> Option<(u32, R)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plan::look_ahead::stages;
+    use crate::test_paths::{circle, limit_along, paper_limits, polyline};
+    use crate::{EndFeeds, Junction, KinematicLimits, ProfileKind, plan_with};
     use real::I16F16;
 
     #[test]
@@ -101,5 +104,38 @@ mod tests {
             assert_eq!(round_up(none), None, "{none}");
         }
         assert_eq!(round_up(I16F16::from_ratio(20_000, 1)), None); // above half the format's range
+    }
+
+    /// Every plan was slowed down by 2⁻¹³, even along a line: 6 s in 51,004. Whole periods from stop to stop are all that is due there, and
+    /// passed corners, whose steps go along the path, take no more.
+    #[test]
+    fn straight_lines_are_slowed_down_to_whole_periods_alone() {
+        let limits = paper_limits();
+        let passed = KinematicLimits { junction: Junction::Deviation(0.01), ..limits };
+        let straight = polyline(&[[0.0, 0.0], [16_000.0, 0.0]]);
+        let stairs = polyline(&[[0.0, 0.0], [9000.0, 0.0], [9000.0, 9000.0], [0.0, 9000.0]]);
+        for (lines, limits) in [(straight, limits), (stairs.clone(), limits), (stairs, passed)] {
+            let limit = limit_along(&lines, &limits);
+            for kind in ProfileKind::ALL {
+                let fastest = stages(&limit, &limits, EndFeeds::default(), None, kind).unwrap();
+                let plan = plan_with(&limit, &limits, EndFeeds::default(), kind).unwrap();
+                let durations = crate::sections(&fastest).map(|section| section.duration().ceil());
+                assert_eq!(plan.as_schedule().periods() as f64, durations.sum::<f64>(), "{kind:?}");
+            }
+        }
+    }
+
+    /// What bends keeps something back for chords, which fall short: an arc between two lines, and breaks too small for a corner.
+    #[test]
+    fn what_bends_is_slowed_down_further() {
+        let breaks = polyline(&[[0.0, 0.0], [8000.0, 0.0], [16_000.0, 1.0]]);
+        let limits = paper_limits();
+        for limit in [breaks, vec![circle(3000.0)]].map(|curves| limit_along(&curves, &limits)) {
+            let fastest = stages(&limit, &limits, EndFeeds::default(), None, ProfileKind::Cubic).unwrap();
+            let plan = plan_with(&limit, &limits, EndFeeds::default(), ProfileKind::Cubic).unwrap();
+            let plan = plan.as_schedule().duration();
+            let fastest: f64 = fastest.iter().map(|stage| stage.duration).sum();
+            assert!(plan >= fastest * (1.0 + 1.0 / 8192.0), "{plan} {fastest}");
+        }
     }
 }
