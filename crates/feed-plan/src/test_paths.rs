@@ -77,6 +77,11 @@ pub(crate) fn limit_along(curves: &[NurbsBuf<f64, 2>], limits: &KinematicLimits<
     FeedLimit::along(&curves, limits).unwrap()
 }
 
+/// The limit along one curve, with the limits of paper A.
+pub(crate) fn paper_limit_along(curve: &NurbsBuf<f64, 2>) -> FeedLimit<f64> {
+    limit_along(core::slice::from_ref(curve), &paper_limits())
+}
+
 /// A point of a limit without a path.
 pub(crate) fn limit_point(distance: f64, feedrate: f64) -> LimitPoint<f64> {
     LimitPoint { distance, curve: 0, u: distance, feedrate }

@@ -323,31 +323,11 @@ impl<R: Real> FeedLimit<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Junction;
     use crate::test_paths::{
-        Power, circle, hairpin, limit_along, limit_point, paper_limits, polyline, seed_000, seed_003,
-        triple_knot,
+        circle, limit_point, paper_limit_along, paper_limits, polyline, seed_000, seed_003,
     };
     use nurbs_core::{Evaluate, NurbsBuf, arc_length, radius};
     use proptest::prelude::*;
-
-    fn along(curve: &NurbsBuf<f64, 2>) -> FeedLimit<f64> {
-        limit_along(core::slice::from_ref(curve), &paper_limits())
-    }
-
-    fn longest_step(limit: &FeedLimit<f64>) -> f64 {
-        let steps = limit.points().zip(limit.points().skip(1)).map(|(from, to)| to.distance - from.distance);
-        steps.fold(0.0, f64::max)
-    }
-
-    fn least_lower(limit: &FeedLimit<f64>) -> f64 {
-        limit.samples().iter().fold(f64::MAX, |least, sample| least.min(sample.lower))
-    }
-
-    /// The points at which the limit is 0.
-    fn rests(limit: &FeedLimit<f64>) -> Vec<LimitPoint<f64>> {
-        limit.samples().iter().filter(|sample| sample.lower == 0.0).map(|sample| sample.point).collect()
-    }
 
     #[test]
     fn lengths_agree_with_a_reference_of_fifty_digits() {
@@ -356,63 +336,15 @@ mod tests {
             (seed_003(), 134.006_017_053_295),
             (circle(10.0), 62.831_853_071_795_9),
         ] {
-            let found = along(&curve).length();
+            let found = paper_limit_along(&curve).length();
             assert!((found / length - 1.0).abs() < 2e-15 * 10.0, "{found} against {length}");
         }
     }
 
     #[test]
-    fn local_minima_are_points() {
-        let limit = along(&seed_000());
-        // V in mm/s found independently; u by solving for the extreme of the curvature with 40 digits.
-        for (u, feedrate) in [
-            (0.100_366_38, 111.4817),
-            (0.302_844_95, 104.8954),
-            (0.697_155_05, 104.8954),
-            (0.899_633_62, 111.4817),
-        ] {
-            let near = limit.points().filter(|p| (p.u - u).abs() < 1e-3);
-            let least = near.min_by(|a, b| a.feedrate.total_cmp(&b.feedrate)).unwrap();
-            assert!((least.feedrate / 3e-3 - feedrate).abs() < 1e-4, "u={u}: {}", least.feedrate / 3e-3);
-            assert!((least.u - u).abs() < 2e-8, "u={u}: {}", least.u);
-        }
-    }
-
-    #[test]
-    fn a_span_is_walked_to_its_end_in_small_steps() {
-        // In the fourth span the walk once refused a step of the finest width for ever: rounding had made the step
-        // slightly wider. The rest of the span became one stretch of 15 mm.
-        let points = [
-            [0., 0.],
-            [0., 0.],
-            [0., 0.],
-            [37.123, 2.211],
-            [2.295, 28.871],
-            [27.731, 9.455],
-            [33.568, 58.128],
-            [0., 0.],
-        ];
-        let knots = [0., 0., 0., 0., 0.2, 0.4, 0.6, 0.8, 1., 1., 1., 1.];
-        let curve = NurbsBuf::try_new(3, points.to_vec(), vec![1.0; 8], knots.to_vec()).unwrap();
-        let limit = along(&curve);
-        let longest = longest_step(&limit);
-        assert!(longest <= 1.2, "{longest}");
-        let reference = arc_length(&curve.as_curve(), 0.0, 1.0, 1e-13).length;
-        assert!((limit.length() / reference - 1.0).abs() < 1e-12, "{} {reference}", limit.length());
-    }
-
-    #[test]
-    fn points_are_about_a_period_apart() {
-        let limit = along(&seed_000());
-        let longest = longest_step(&limit);
-        assert!(longest <= 1.2, "{longest}"); // 2 F T
-        assert!(limit.points().len() < 2 * 834 * 10 / 6, "{}", limit.points().len());
-    }
-
-    #[test]
     fn the_lower_bound_is_close() {
         for curve in [seed_000(), seed_003()] {
-            let limit = along(&curve);
+            let limit = paper_limit_along(&curve);
             let shares = limit.samples().iter().map(|sample| sample.lower / sample.point.feedrate);
             let least = shares.clone().fold(1.0, f64::min);
             assert!(least > 1.0 - 0.004, "{least}"); // 2⁻⁸ of V², and a quarter more
@@ -423,7 +355,7 @@ mod tests {
 
     #[test]
     fn the_limit_of_a_circle_is_constant() {
-        let limit = along(&circle(10.0));
+        let limit = paper_limit_along(&circle(10.0));
         let expected = 2.0 * (0.0005 * (20.0 - 0.0005_f64)).sqrt();
         for i in 0..=1000 {
             let at = limit.at(limit.length() * f64::from(i) / 1000.0);
@@ -434,22 +366,10 @@ mod tests {
     #[test]
     fn a_line_is_limited_by_the_feedrate_alone() {
         let line = polyline(&[[0.0, 0.0], [30.0, 40.0]]);
-        let limit = along(&line[0]);
+        let limit = paper_limit_along(&line[0]);
         assert!((limit.length() - 50.0).abs() < 1e-13);
         assert!(limit.points().all(|p| p.feedrate == 0.6));
         assert_eq!((limit.at(-1.0), limit.at(25.0), limit.at(99.0)), (0.6, 0.6, 0.6));
-    }
-
-    #[test]
-    fn a_corner_is_a_stop_between_two_full_feeds() {
-        let limit = along(&triple_knot());
-        let points: Vec<_> = limit.points().collect();
-        let stop = points.iter().position(|p| p.feedrate == 0.0).unwrap();
-        let around = &points[stop - 1..=stop + 1];
-        assert!(around.iter().all(|p| p.distance == around[0].distance), "{around:?}");
-        assert!((around[0].feedrate, around[2].feedrate) == (0.6, 0.6), "{around:?}");
-        assert_eq!(limit.at(around[1].distance), 0.0);
-        assert_eq!(limit.at(around[1].distance + 1e-9), 0.6);
     }
 
     #[test]
@@ -466,190 +386,6 @@ mod tests {
         assert_eq!(stops(&[1]), [(1, 10.0)]);
         // The first curve begins at rest anyway.
         assert_eq!(stops(&[0, 1, 2]), [(1, 10.0), (2, 20.0)]);
-    }
-
-    #[test]
-    fn a_break_too_small_to_matter_is_no_stop() {
-        // θ may be 4E/(F T) = 1/300, so that the chord over it leaves the corner by no more than E.
-        let stops = |angle: f64| {
-            let path = polyline(&[[0.0, 0.0], [10.0, 0.0], [20.0, 10.0 * angle]]);
-            let limit = limit_along(&path, &paper_limits());
-            limit.points().filter(|p| p.feedrate == 0.0).count()
-        };
-        assert_eq!((stops(0.0033), stops(0.0034)), (0, 1));
-    }
-
-    /// A break too small for a stop was once passed at full feed whatever the junction allowed.
-    #[test]
-    fn a_small_break_keeps_the_limit_of_its_junction() {
-        let angle = 0.0033;
-        let path = polyline(&[[0.0, 0.0], [20.0, 0.0], [40.0, 20.0 * angle]]);
-        let at_break = |junction| {
-            let limits = KinematicLimits { junction, ..paper_limits() };
-            let limit = limit_along(&path, &limits);
-            assert!(crate::plan(&limit, &limits, crate::EndFeeds::default()).is_ok());
-            least_lower(&limit)
-        };
-        assert_eq!(at_break(Junction::Stop), 0.6);
-        // 1e-4 over the greater component of e₂ - e₁, which is sin θ.
-        let expected = 1e-4 / angle.atan().sin();
-        let found = at_break(Junction::VelocityJump([1e-4; 3]));
-        assert!((found / expected - 1.0).abs() < 1e-9, "{found} for {expected}");
-        assert_eq!(at_break(Junction::VelocityJump([2e-3; 3])), 0.6); // 0.6 · 0.0033 = 1.98e-3
-        // By the chord 2δ/tan(θ/2) = 0.0303; by the acceleration √(0.045 · 2.5e-5 · 7.3e5) = 0.91.
-        let expected = 2.0 * 2.5e-5 / (angle.atan() / 2.0).tan();
-        let found = at_break(Junction::Deviation(2.5e-5));
-        assert!((found / expected - 1.0).abs() < 1e-9, "{found} for {expected}");
-        assert_eq!(at_break(Junction::Deviation(1e-3)), 0.6);
-    }
-
-    /// A right angle within 0.1 mm: `V² = a δ/(√2 - 1)`.
-    #[test]
-    fn a_corner_is_rounded_with_no_more_than_the_centripetal_acceleration() {
-        let path = polyline(&[[0.0, 0.0], [20.0, 0.0], [20.0, 20.0]]);
-        for (centripetal, acceleration) in [(None, 0.045), (Some(0.01), 0.01), (Some(0.1), 0.045)] {
-            let limits = KinematicLimits {
-                junction: Junction::Deviation(0.1),
-                centripetal_acceleration: centripetal,
-                ..paper_limits()
-            };
-            let limit = limit_along(&path, &limits);
-            let found = least_lower(&limit);
-            let expected = (acceleration * 0.1 / (2.0_f64.sqrt() - 1.0)).sqrt();
-            assert!((found / expected - 1.0).abs() < 1e-9, "{centripetal:?}: {found} for {expected}");
-        }
-    }
-
-    #[test]
-    fn a_cusp_is_a_stop_wherever_its_parameter_lies() {
-        // Length of (10 t², 10 t³) from 0 to T: 10/27 ((4 + 9T²)^1.5 - 8).
-        let length = |t: f64| 10.0 / 27.0 * ((4.0 + 9.0 * t * t).powf(1.5) - 8.0);
-        for cusp in [0.5, 0.25, 0.31, 0.777_777, 1.0 / 3.0] {
-            let curve = Power { origin: cusp, exponents: [2, 3], scale: 10.0 };
-            let limit = FeedLimit::along(&[curve], &paper_limits()).unwrap();
-            assert!((limit.length() - length(cusp) - length(1.0 - cusp)).abs() < 1e-6, "{}", limit.length());
-            let stops = rests(&limit);
-            assert_eq!(stops.len(), 1, "cusp at {cusp}: {stops:?}");
-            assert!((stops[0].u - cusp).abs() < 1e-4 && (stops[0].distance - length(cusp)).abs() < 1e-6);
-            let plan = crate::plan(&limit, &paper_limits(), crate::EndFeeds::default()).unwrap();
-            assert!(
-                plan.stages().iter().any(|s| s.start_feed == 0.0 && (s.start - length(cusp)).abs() < 1e-6)
-            );
-        }
-    }
-
-    #[test]
-    fn a_bend_narrower_than_the_chord_error_is_a_stop() {
-        // E/2 = 2.5e-4 mm.
-        for (width, radius, expected) in [(0.04, 1.5e-5, 1), (0.16, 2.4e-4, 1), (0.168, 2.646e-4, 0)] {
-            let curve = hairpin(width);
-            assert!((nurbs_core::radius(&curve.as_curve().derivatives(0.5)) - radius).abs() < 1e-12);
-            let limit = along(&curve);
-            let rests: Vec<_> = rests(&limit).iter().map(|point| point.u).collect();
-            assert_eq!(rests.len(), expected, "{width}: {rests:?}");
-            assert!(rests.iter().all(|u| (u - 0.5).abs() < 1e-3), "{rests:?}");
-        }
-    }
-
-    /// F/4096 is 0.05 mm a period, a hundred times the chord error. Each place with a limit below that was once a stop,
-    /// and each stop released the places beside it. Of a bend of some tenths of a mm a single stop was left, and no
-    /// limit.
-    #[test]
-    fn beside_the_stop_in_a_bend_its_limit_holds() {
-        let limits = KinematicLimits { feedrate: 200.0, ..paper_limits() };
-        let curve = hairpin(1.0);
-        let limit = limit_along(core::slice::from_ref(&curve), &limits);
-        let stops: Vec<_> = limit.points().filter(|point| point.feedrate == 0.0).collect();
-        assert!(stops.len() == 1 && (stops[0].u - 0.5).abs() < 1e-3, "{stops:?}");
-        let mut slow = 0;
-        for point in limit.points() {
-            let allowed = limits.feedrate_at_radius(radius(&curve.as_curve().derivatives(point.u)));
-            let is_near_stop = (point.distance - stops[0].distance).abs() <= limits.chord_error;
-            slow += u32::from(allowed < limits.feedrate / 4096.0);
-            assert!(
-                is_near_stop || limit.at(point.distance) <= allowed * (1.0 + 1e-9),
-                "{point:?}: {allowed}"
-            );
-        }
-        assert!(slow > 20, "{slow}");
-    }
-
-    /// From the stop on, the limit of the next point was once held: that point was 30 mm away.
-    #[test]
-    fn a_stop_releases_the_limit_within_the_chord_error_only() {
-        let points =
-            [(0.0, 0.0), (0.0, 0.2), (30.0, 0.8), (60.0, 0.2), (60.0, 0.0), (60.0, 0.6), (90.0, 0.6)];
-        let samples = points.map(|(distance, feed)| ScannedSample::new(limit_point(distance, feed)));
-        let limit = FeedLimit::assemble(samples.to_vec(), Vec::new(), 0.01).unwrap();
-        // V² is linear: 0.04 to 0.64 over 30 mm.
-        let wanted = |beyond: f64| Real::sqrt(0.04 + 0.6 * beyond / 30.0);
-        for beyond in [0.005, 0.02, 0.1, 1.0, 7.0, 29.0] {
-            let (above, least) = (wanted(beyond).powi(2) * (1.0 + 0.01 / beyond), wanted(beyond));
-            for at in [beyond, 60.0 - beyond] {
-                let found = limit.at(at);
-                assert!(
-                    found >= least * (1.0 - 1e-12) && found.powi(2) <= above * (1.0 + 1e-12),
-                    "{at}: {found}"
-                );
-            }
-        }
-        assert_eq!(limit.at(61.0), 0.6);
-    }
-
-    #[test]
-    fn a_fast_start_of_the_parameter_is_no_cusp() {
-        // (t³, t⁶): C' = 0 at the start, then a parabola.
-        let curve = Power { origin: 0.0, exponents: [3, 6], scale: 10.0 };
-        let limit = FeedLimit::along(&[curve], &paper_limits()).unwrap();
-        assert!(crate::plan(&limit, &paper_limits(), crate::EndFeeds::default()).is_ok());
-        assert_eq!(rests(&limit).len(), 1);
-    }
-
-    /// Moves that turn by a little, along which nothing lowers the limit: before, a move had between 6 and 17 samples.
-    #[test]
-    fn a_straight_line_has_samples_at_its_ends_alone() {
-        let points: Vec<_> = (0..=100).map(|i| [5.0 * f64::from(i), 1e-4 * f64::from(i % 2)]).collect();
-        let limit = limit_along(&polyline(&points), &paper_limits());
-        assert_eq!(limit.points().len(), 200);
-        for (number, ends) in limit.samples().chunks(2).enumerate() {
-            assert!(ends.iter().all(|end| end.lower == 0.6 && (end.speed - 5.0).abs() < 1e-8), "{ends:?}");
-            let places = ends.iter().map(|end| (end.point.curve, end.point.u));
-            assert!(places.eq([(number, 0.0), (number, 1.0)]), "{ends:?}");
-        }
-        // Through a window, a line has a sample a period.
-        let limits = paper_limits();
-        let mut scan = Scan::new(&limits);
-        scan.pass(0, &polyline(&[[0.0, 0.0], [60.0, 0.0]])[0].as_curve(), false).unwrap();
-        assert_eq!(scan.samples().len(), 101);
-    }
-
-    #[test]
-    fn parameters_follow_the_arc_length() {
-        let curve = seed_003();
-        let limit = along(&curve);
-        for i in 0..=500 {
-            let u = f64::from(i) / 500.0;
-            let distance = arc_length(&curve.as_curve(), 0.0, u, 1e-12).length;
-            let (index, found) = limit.parameter_at(distance);
-            assert!(index == 0 && (found - u).abs() < 1e-6, "{u}: {found}");
-        }
-    }
-
-    /// Where the speed along a curve changes a thousandfold within a span, distances were once off by half of a
-    /// stretch, and so were the lengths by which stages were shortened.
-    #[test]
-    fn parameters_follow_the_arc_length_where_the_speed_changes_much() {
-        let points = vec![[0.0, 0.0], [40.0, 30.0], [80.0, 0.0]];
-        let knots = vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0];
-        let curve = NurbsBuf::try_new(2, points, vec![1e-3, 1.0, 1e3], knots).unwrap();
-        let limit = along(&curve);
-        for i in 1..=400 {
-            let u = (f64::from(i) / 400.0).powi(4);
-            let distance = arc_length(&curve.as_curve(), 0.0, u, 1e-12).length;
-            let (_, found) = limit.parameter_at(distance);
-            let off = arc_length(&curve.as_curve(), u.min(found), u.max(found), 1e-12).length;
-            assert!(off < 1e-3, "{u}: {off} mm at {distance} mm");
-        }
     }
 
     #[test]

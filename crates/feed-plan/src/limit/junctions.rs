@@ -110,3 +110,77 @@ impl<'l, R: Real> Junctions<'l, R> {
         (self.limits.acceleration_across() * ratio).sqrt().min(self.limits.feedrate)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::test_paths::{limit_along, paper_limit_along, paper_limits, polyline, triple_knot};
+    use crate::{FeedLimit, Junction, KinematicLimits};
+
+    fn least_lower(limit: &FeedLimit<f64>) -> f64 {
+        limit.samples().iter().fold(f64::MAX, |least, sample| least.min(sample.lower))
+    }
+
+    #[test]
+    fn a_corner_is_a_stop_between_two_full_feeds() {
+        let limit = paper_limit_along(&triple_knot());
+        let points: Vec<_> = limit.points().collect();
+        let stop = points.iter().position(|p| p.feedrate == 0.0).unwrap();
+        let around = &points[stop - 1..=stop + 1];
+        assert!(around.iter().all(|p| p.distance == around[0].distance), "{around:?}");
+        assert!((around[0].feedrate, around[2].feedrate) == (0.6, 0.6), "{around:?}");
+        assert_eq!(limit.at(around[1].distance), 0.0);
+        assert_eq!(limit.at(around[1].distance + 1e-9), 0.6);
+    }
+
+    #[test]
+    fn a_break_too_small_to_matter_is_no_stop() {
+        // θ may be 4E/(F T) = 1/300, so that the chord over it leaves the corner by no more than E.
+        let stops = |angle: f64| {
+            let path = polyline(&[[0.0, 0.0], [10.0, 0.0], [20.0, 10.0 * angle]]);
+            let limit = limit_along(&path, &paper_limits());
+            limit.points().filter(|p| p.feedrate == 0.0).count()
+        };
+        assert_eq!((stops(0.0033), stops(0.0034)), (0, 1));
+    }
+
+    /// A break too small for a stop was once passed at full feed whatever the junction allowed.
+    #[test]
+    fn a_small_break_keeps_the_limit_of_its_junction() {
+        let angle = 0.0033;
+        let path = polyline(&[[0.0, 0.0], [20.0, 0.0], [40.0, 20.0 * angle]]);
+        let at_break = |junction| {
+            let limits = KinematicLimits { junction, ..paper_limits() };
+            let limit = limit_along(&path, &limits);
+            assert!(crate::plan(&limit, &limits, crate::EndFeeds::default()).is_ok());
+            least_lower(&limit)
+        };
+        assert_eq!(at_break(Junction::Stop), 0.6);
+        // 1e-4 over the greater component of e₂ - e₁, which is sin θ.
+        let expected = 1e-4 / angle.atan().sin();
+        let found = at_break(Junction::VelocityJump([1e-4; 3]));
+        assert!((found / expected - 1.0).abs() < 1e-9, "{found} for {expected}");
+        assert_eq!(at_break(Junction::VelocityJump([2e-3; 3])), 0.6); // 0.6 · 0.0033 = 1.98e-3
+        // By the chord 2δ/tan(θ/2) = 0.0303; by the acceleration √(0.045 · 2.5e-5 · 7.3e5) = 0.91.
+        let expected = 2.0 * 2.5e-5 / (angle.atan() / 2.0).tan();
+        let found = at_break(Junction::Deviation(2.5e-5));
+        assert!((found / expected - 1.0).abs() < 1e-9, "{found} for {expected}");
+        assert_eq!(at_break(Junction::Deviation(1e-3)), 0.6);
+    }
+
+    /// A right angle within 0.1 mm: `V² = a δ/(√2 - 1)`.
+    #[test]
+    fn a_corner_is_rounded_with_no_more_than_the_centripetal_acceleration() {
+        let path = polyline(&[[0.0, 0.0], [20.0, 0.0], [20.0, 20.0]]);
+        for (centripetal, acceleration) in [(None, 0.045), (Some(0.01), 0.01), (Some(0.1), 0.045)] {
+            let limits = KinematicLimits {
+                junction: Junction::Deviation(0.1),
+                centripetal_acceleration: centripetal,
+                ..paper_limits()
+            };
+            let limit = limit_along(&path, &limits);
+            let found = least_lower(&limit);
+            let expected = (acceleration * 0.1 / (2.0_f64.sqrt() - 1.0)).sqrt();
+            assert!((found / expected - 1.0).abs() < 1e-9, "{centripetal:?}: {found} for {expected}");
+        }
+    }
+}

@@ -134,3 +134,39 @@ fn is_resolved<R: Real>(pair: &[LimitSample<R>]) -> bool {
     let rounding = R::resolution() * a.u.abs().max(b.u.abs());
     a.curve != b.curve || a.distance == b.distance || b.u - a.u > rounding.ldexp(RESOLVED)
 }
+
+#[cfg(test)]
+mod tests {
+    use nurbs_core::{NurbsBuf, arc_length};
+
+    use crate::test_paths::{paper_limit_along, seed_003};
+
+    #[test]
+    fn parameters_follow_the_arc_length() {
+        let curve = seed_003();
+        let limit = paper_limit_along(&curve);
+        for i in 0..=500 {
+            let u = f64::from(i) / 500.0;
+            let distance = arc_length(&curve.as_curve(), 0.0, u, 1e-12).length;
+            let (index, found) = limit.parameter_at(distance);
+            assert!(index == 0 && (found - u).abs() < 1e-6, "{u}: {found}");
+        }
+    }
+
+    /// Where the speed along a curve changes a thousandfold within a span, distances were once off by half of a
+    /// stretch, and so were the lengths by which stages were shortened.
+    #[test]
+    fn parameters_follow_the_arc_length_where_the_speed_changes_much() {
+        let points = vec![[0.0, 0.0], [40.0, 30.0], [80.0, 0.0]];
+        let knots = vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0];
+        let curve = NurbsBuf::try_new(2, points, vec![1e-3, 1.0, 1e3], knots).unwrap();
+        let limit = paper_limit_along(&curve);
+        for i in 1..=400 {
+            let u = (f64::from(i) / 400.0).powi(4);
+            let distance = arc_length(&curve.as_curve(), 0.0, u, 1e-12).length;
+            let (_, found) = limit.parameter_at(distance);
+            let off = arc_length(&curve.as_curve(), u.min(found), u.max(found), 1e-12).length;
+            assert!(off < 1e-3, "{u}: {off} mm at {distance} mm");
+        }
+    }
+}

@@ -269,9 +269,28 @@ mod tests {
     use nurbs_core::NurbsBuf;
     use proptest::prelude::*;
 
+    use super::Scan;
     use crate::plan::promises::{kept, planned};
-    use crate::test_paths::paper_limits;
+    use crate::test_paths::{limit_along, paper_limits, polyline};
     use crate::{AxisLimits, FeedLimit, KinematicLimits, ProfileKind};
+
+    /// Moves that turn by a little, along which nothing lowers the limit: before, a move had between 6 and 17 samples.
+    #[test]
+    fn a_straight_line_has_samples_at_its_ends_alone() {
+        let points: Vec<_> = (0..=100).map(|i| [5.0 * f64::from(i), 1e-4 * f64::from(i % 2)]).collect();
+        let limit = limit_along(&polyline(&points), &paper_limits());
+        assert_eq!(limit.points().len(), 200);
+        for (number, ends) in limit.samples().chunks(2).enumerate() {
+            assert!(ends.iter().all(|end| end.lower == 0.6 && (end.speed - 5.0).abs() < 1e-8), "{ends:?}");
+            let places = ends.iter().map(|end| (end.point.curve, end.point.u));
+            assert!(places.eq([(number, 0.0), (number, 1.0)]), "{ends:?}");
+        }
+        // Through a window, a line has a sample a period.
+        let limits = paper_limits();
+        let mut scan = Scan::new(&limits);
+        scan.pass(0, &polyline(&[[0.0, 0.0], [60.0, 0.0]])[0].as_curve(), false).unwrap();
+        assert_eq!(scan.samples().len(), 101);
+    }
 
     /// Path and axes at the same limits, T = 1.
     fn axes_like_the_path(acceleration: f64, jerk: f64) -> KinematicLimits<f64> {

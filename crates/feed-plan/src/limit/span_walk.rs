@@ -465,3 +465,109 @@ fn is_least<R: Real, const D: usize>([from, middle, to]: [&Sample<R, D>; 3]) -> 
 fn cosine<R: Real, const D: usize>(from: &Sample<R, D>, to: &Sample<R, D>) -> R {
     R::sum_of_products(from.tangent.into_iter().zip(to.tangent))
 }
+
+#[cfg(test)]
+mod tests {
+    use nurbs_core::{Differentiate, NurbsBuf, arc_length};
+
+    use crate::test_paths::{Power, hairpin, paper_limit_along, paper_limits, seed_000};
+    use crate::{FeedLimit, LimitPoint};
+
+    fn longest_step(limit: &FeedLimit<f64>) -> f64 {
+        let steps = limit.points().zip(limit.points().skip(1)).map(|(from, to)| to.distance - from.distance);
+        steps.fold(0.0, f64::max)
+    }
+
+    /// The points at which the limit is 0.
+    fn rests(limit: &FeedLimit<f64>) -> Vec<LimitPoint<f64>> {
+        limit.samples().iter().filter(|sample| sample.lower == 0.0).map(|sample| sample.point).collect()
+    }
+
+    #[test]
+    fn local_minima_are_points() {
+        let limit = paper_limit_along(&seed_000());
+        // V in mm/s found independently; u by solving for the extreme of the curvature with 40 digits.
+        for (u, feedrate) in [
+            (0.100_366_38, 111.4817),
+            (0.302_844_95, 104.8954),
+            (0.697_155_05, 104.8954),
+            (0.899_633_62, 111.4817),
+        ] {
+            let near = limit.points().filter(|p| (p.u - u).abs() < 1e-3);
+            let least = near.min_by(|a, b| a.feedrate.total_cmp(&b.feedrate)).unwrap();
+            assert!((least.feedrate / 3e-3 - feedrate).abs() < 1e-4, "u={u}: {}", least.feedrate / 3e-3);
+            assert!((least.u - u).abs() < 2e-8, "u={u}: {}", least.u);
+        }
+    }
+
+    #[test]
+    fn a_span_is_walked_to_its_end_in_small_steps() {
+        // In the fourth span the walk once refused a step of the finest width for ever: rounding had made the step
+        // slightly wider. The rest of the span became one stretch of 15 mm.
+        let points = [
+            [0., 0.],
+            [0., 0.],
+            [0., 0.],
+            [37.123, 2.211],
+            [2.295, 28.871],
+            [27.731, 9.455],
+            [33.568, 58.128],
+            [0., 0.],
+        ];
+        let knots = [0., 0., 0., 0., 0.2, 0.4, 0.6, 0.8, 1., 1., 1., 1.];
+        let curve = NurbsBuf::try_new(3, points.to_vec(), vec![1.0; 8], knots.to_vec()).unwrap();
+        let limit = paper_limit_along(&curve);
+        let longest = longest_step(&limit);
+        assert!(longest <= 1.2, "{longest}");
+        let reference = arc_length(&curve.as_curve(), 0.0, 1.0, 1e-13).length;
+        assert!((limit.length() / reference - 1.0).abs() < 1e-12, "{} {reference}", limit.length());
+    }
+
+    #[test]
+    fn points_are_about_a_period_apart() {
+        let limit = paper_limit_along(&seed_000());
+        let longest = longest_step(&limit);
+        assert!(longest <= 1.2, "{longest}"); // 2 F T
+        assert!(limit.points().len() < 2 * 834 * 10 / 6, "{}", limit.points().len());
+    }
+
+    #[test]
+    fn a_cusp_is_a_stop_wherever_its_parameter_lies() {
+        // Length of (10 t², 10 t³) from 0 to T: 10/27 ((4 + 9T²)^1.5 - 8).
+        let length = |t: f64| 10.0 / 27.0 * ((4.0 + 9.0 * t * t).powf(1.5) - 8.0);
+        for cusp in [0.5, 0.25, 0.31, 0.777_777, 1.0 / 3.0] {
+            let curve = Power { origin: cusp, exponents: [2, 3], scale: 10.0 };
+            let limit = FeedLimit::along(&[curve], &paper_limits()).unwrap();
+            assert!((limit.length() - length(cusp) - length(1.0 - cusp)).abs() < 1e-6, "{}", limit.length());
+            let stops = rests(&limit);
+            assert_eq!(stops.len(), 1, "cusp at {cusp}: {stops:?}");
+            assert!((stops[0].u - cusp).abs() < 1e-4 && (stops[0].distance - length(cusp)).abs() < 1e-6);
+            let plan = crate::plan(&limit, &paper_limits(), crate::EndFeeds::default()).unwrap();
+            assert!(
+                plan.stages().iter().any(|s| s.start_feed == 0.0 && (s.start - length(cusp)).abs() < 1e-6)
+            );
+        }
+    }
+
+    #[test]
+    fn a_bend_narrower_than_the_chord_error_is_a_stop() {
+        // E/2 = 2.5e-4 mm.
+        for (width, radius, expected) in [(0.04, 1.5e-5, 1), (0.16, 2.4e-4, 1), (0.168, 2.646e-4, 0)] {
+            let curve = hairpin(width);
+            assert!((nurbs_core::radius(&curve.as_curve().derivatives(0.5)) - radius).abs() < 1e-12);
+            let limit = paper_limit_along(&curve);
+            let rests: Vec<_> = rests(&limit).iter().map(|point| point.u).collect();
+            assert_eq!(rests.len(), expected, "{width}: {rests:?}");
+            assert!(rests.iter().all(|u| (u - 0.5).abs() < 1e-3), "{rests:?}");
+        }
+    }
+
+    #[test]
+    fn a_fast_start_of_the_parameter_is_no_cusp() {
+        // (t³, t⁶): C' = 0 at the start, then a parabola.
+        let curve = Power { origin: 0.0, exponents: [3, 6], scale: 10.0 };
+        let limit = FeedLimit::along(&[curve], &paper_limits()).unwrap();
+        assert!(crate::plan(&limit, &paper_limits(), crate::EndFeeds::default()).is_ok());
+        assert_eq!(rests(&limit).len(), 1);
+    }
+}

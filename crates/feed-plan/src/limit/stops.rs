@@ -116,7 +116,7 @@ mod tests {
     use core::ops::Range;
 
     use super::*;
-    use crate::test_paths::{hairpin, in_periods, limit_along, limit_point};
+    use crate::test_paths::{hairpin, in_periods, limit_along, limit_point, paper_limits};
     use crate::{AxisLimits, EndFeeds, FeedLimit, KinematicLimits, ProfileKind, plan_with};
     use nurbs_core::{Differentiate, NurbsCurve, curvature_vector, radius};
     use proptest::prelude::*;
@@ -206,6 +206,51 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// F/4096 is 0.05 mm a period, a hundred times the chord error. Each place with a limit below that was once a stop,
+    /// and each stop released the places beside it. Of a bend of some tenths of a mm a single stop was left, and no
+    /// limit.
+    #[test]
+    fn beside_the_stop_in_a_bend_its_limit_holds() {
+        let limits = KinematicLimits { feedrate: 200.0, ..paper_limits() };
+        let curve = hairpin(1.0);
+        let limit = limit_along(core::slice::from_ref(&curve), &limits);
+        let stops: Vec<_> = limit.points().filter(|point| point.feedrate == 0.0).collect();
+        assert!(stops.len() == 1 && (stops[0].u - 0.5).abs() < 1e-3, "{stops:?}");
+        let mut slow = 0;
+        for point in limit.points() {
+            let allowed = limits.feedrate_at_radius(radius(&curve.as_curve().derivatives(point.u)));
+            let is_near_stop = (point.distance - stops[0].distance).abs() <= limits.chord_error;
+            slow += u32::from(allowed < limits.feedrate / 4096.0);
+            assert!(
+                is_near_stop || limit.at(point.distance) <= allowed * (1.0 + 1e-9),
+                "{point:?}: {allowed}"
+            );
+        }
+        assert!(slow > 20, "{slow}");
+    }
+
+    /// From the stop on, the limit of the next point was once held: that point was 30 mm away.
+    #[test]
+    fn a_stop_releases_the_limit_within_the_chord_error_only() {
+        let points =
+            [(0.0, 0.0), (0.0, 0.2), (30.0, 0.8), (60.0, 0.2), (60.0, 0.0), (60.0, 0.6), (90.0, 0.6)];
+        let samples = points.map(|(distance, feed)| ScannedSample::new(limit_point(distance, feed)));
+        let limit = FeedLimit::assemble(samples.to_vec(), Vec::new(), 0.01).unwrap();
+        // V² is linear: 0.04 to 0.64 over 30 mm.
+        let wanted = |beyond: f64| Real::sqrt(0.04 + 0.6 * beyond / 30.0);
+        for beyond in [0.005, 0.02, 0.1, 1.0, 7.0, 29.0] {
+            let (above, least) = (wanted(beyond).powi(2) * (1.0 + 0.01 / beyond), wanted(beyond));
+            for at in [beyond, 60.0 - beyond] {
+                let found = limit.at(at);
+                assert!(
+                    found >= least * (1.0 - 1e-12) && found.powi(2) <= above * (1.0 + 1e-12),
+                    "{at}: {found}"
+                );
+            }
+        }
+        assert_eq!(limit.at(61.0), 0.6);
     }
 
     /// A bend so tight that the limit is zero at each of its points, which are within reach of each other. Each point
