@@ -108,6 +108,9 @@ mod limit {
     pub(crate) mod scan;
     pub(crate) mod span_walk;
     pub(crate) mod stops;
+    #[cfg(test)]
+    mod track;
+    mod turning_limits;
     pub(crate) mod vector;
 }
 

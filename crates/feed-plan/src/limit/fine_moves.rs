@@ -31,10 +31,7 @@
 //! both sides. So a period over the corner begins and ends within these steps, however fast the feed rises beyond them
 //! ([`FineMoves::step_over_corner`]).
 //!
-//! The difference A - B also gives the accelerations that turning needs. With p = q = V T, two steps over the place
-//! change the step by A - B in a period. So the part of A - B across the path stays within a_n T², and each of its
-//! components stays within the axis's limit less the path's reserve, for V T on both sides. If a break alone needs
-//! more, its own rule has allowed that, and it is passed.
+//! The difference A - B also gives the accelerations that turning needs: see [`TurningLimits`].
 //!
 //! A stop ends a chord. Beyond a stop, and beyond the path's ends, the path is taken to go straight on.
 
@@ -43,12 +40,12 @@ use alloc::vec::Vec;
 
 use real::Real;
 
-use crate::limit::axis_budget::{AxisBudget, Turning};
 use crate::limit::broken_chord::{Chord, PathPoint, SLACK, crossing};
 use crate::limit::lowered_samples::{lower_acceleration_around, lower_around};
 use crate::limit::sample::ScannedSample;
 use crate::limit::span_walk::tangent_rounding;
-use crate::limit::vector::{across, difference, sum, unit};
+use crate::limit::turning_limits::{TurningLimits, reserve_over};
+use crate::limit::vector::{across, difference, sum};
 use crate::{Junction, KinematicLimits, LimitPoint};
 
 /// Where breaks are denser than that, a chord is lengthened by at least 2⁻⁴ of itself.
@@ -89,9 +86,7 @@ pub(crate) struct FineMoves<R, const D: usize> {
     allowed: R,
     /// The distance by which a single corner may be cut, with [`Junction::Deviation`].
     deviation: Option<R>,
-    /// The limits for turning: `a_n T²` across the path, and the budget of the axes.
-    across: Option<R>,
-    budget: Option<AxisBudget<R>>,
+    turning: Option<TurningLimits<R>>,
     /// Half of the last chord that limited the feed.
     last_half: R,
 }
@@ -99,16 +94,14 @@ pub(crate) struct FineMoves<R, const D: usize> {
 impl<R: Real, const D: usize> FineMoves<R, D> {
     pub(crate) fn new(limits: &KinematicLimits<R>) -> Self {
         let period = limits.interpolation_period;
-        let across = limits.centripetal_acceleration.map(|acceleration| acceleration * period * period);
-        let budget = AxisBudget::new(limits).filter(AxisBudget::limits_acceleration);
-        let is_turning_limited = across.is_some() || budget.is_some();
+        let turning = TurningLimits::new(limits);
         let half_step = (limits.feedrate * period).half();
         let deviation = match limits.junction {
             Junction::Deviation(deviation) => Some(deviation),
             _ => None,
         };
         let allowed = deviation.map_or(limits.chord_error, |most| most.max(limits.chord_error));
-        let reaches_whole_step = is_turning_limited || deviation.is_some();
+        let reaches_whole_step = turning.is_some() || deviation.is_some();
         let alone = limits.chord_error.ldexp(1) / half_step;
         Self {
             places: Vec::new(),
@@ -120,8 +113,7 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
             period,
             allowed,
             deviation,
-            across,
-            budget,
+            turning,
             last_half: R::zero(),
         }
     }
@@ -233,8 +225,8 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
             lower_around(samples, at, least, (least + least) / self.period);
             half = least;
         }
-        if self.across.is_some() || self.budget.is_some() {
-            self.limit_turning(at, half.min(half_there).ldexp(1), samples);
+        if let Some(limits) = &self.turning {
+            self.limit_turning(limits, at, half.min(half_there).ldexp(1), samples);
         }
     }
 
@@ -255,22 +247,20 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
     /// Limits the feed by the accelerations that turning needs; `step` is the longest step that other limits leave.
     /// Where breaks turn the path noticeably, the path keeps to its reserve of acceleration, as in a bend. On straight
     /// moves it may use all that the axes have.
-    fn limit_turning(&self, at: R, step: R, samples: &mut Vec<ScannedSample<R>>) {
+    fn limit_turning(&self, limits: &TurningLimits<R>, at: R, step: R, samples: &mut Vec<ScannedSample<R>>) {
         let alone = self
             .turn_at(at)
-            .map_or_else(R::zero, |(along, turn)| self.strain(&along, &turn.map(|x| x * step)));
+            .map_or_else(R::zero, |(along, turn)| limits.strain(&along, &turn.map(|x| x * step)));
         let most = alone.max(R::one());
-        let found = self.first_too_long(at, step, most, |chord| self.strain_over(chord));
+        let found = self.first_too_long(at, step, most, |chord| limits.strain_over(chord));
         if let Some(step) = found {
             lower_around(samples, at, step, step / self.period);
         }
         let step = found.unwrap_or(step);
-        let (Some(budget), Some(mut chord)) = (&self.budget, Chord::new(&self.places, at)) else { return };
+        let (Some(budget), Some(mut chord)) = (&limits.budget, Chord::new(&self.places, at)) else { return };
         chord.lengthen_to(step);
-        if found.is_some() || self.strain_over(&chord) > alone + R::one().ldexp(NOTICEABLE) {
-            let (along, change) = Self::turn_over(&chord);
-            let reserve = budget.reserve(&Turning::at(&unit(&along), &change).share).acceleration;
-            lower_acceleration_around(samples, at, step, reserve);
+        if found.is_some() || limits.strain_over(&chord) > alone + R::one().ldexp(NOTICEABLE) {
+            lower_acceleration_around(samples, at, step, reserve_over(budget, &chord));
         }
     }
 
@@ -335,29 +325,6 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
         if length <= self.allowed { length } else { R::norm(&across(&offset, &sum(&before, &behind))) }
     }
 
-    /// The share of the accelerations for turning that the path uses if half of the chord is travelled in a period.
-    fn strain_over(&self, chord: &Chord<'_, R, D>) -> R {
-        let (along, change) = Self::turn_over(chord);
-        self.strain(&along, &change)
-    }
-
-    /// The vector of the whole chord, and the difference of its two halves across that vector.
-    fn turn_over(chord: &Chord<'_, R, D>) -> ([R; D], [R; D]) {
-        let [before, behind] = chord.sides(R::one().half());
-        let along = sum(&before, &behind);
-        (along, across(&difference(&behind, &before), &along))
-    }
-
-    /// The share of the accelerations for turning that a path in the direction `along` uses if its step changes by
-    /// `change` in a period.
-    fn strain(&self, along: &[R; D], change: &[R; D]) -> R {
-        let of_axes = self.budget.map_or_else(R::zero, |budget| {
-            let square = self.period * self.period;
-            budget.strain(&unit(along), &change.map(|x| x / square))
-        });
-        self.across.map_or(of_axes, |most| of_axes.max(R::norm(change) / most))
-    }
-
     /// The sum and the difference of the unit tangents behind and before the break at this distance.
     fn turn_at(&self, at: R) -> Option<([R; D], [R; D])> {
         let first = self.places.partition_point(|place| place.distance < at);
@@ -371,88 +338,12 @@ impl<R: Real, const D: usize> FineMoves<R, D> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_paths::{self, circle, in_range, paper_limits, place_at, polyline};
-    use crate::{AxisLimits, EndFeeds, FeedLimit, ProfileKind, chord_feedrate, plan_with};
+    use crate::limit::track::{Track, arc, limit_along, range, worst_chord};
+    use crate::test_paths::{self, in_range, paper_limits, polyline};
+    use crate::{EndFeeds, FeedLimit, ProfileKind, chord_feedrate, plan_with};
     use nurbs_core::NurbsBuf;
     use proptest::prelude::*;
     use real::{Backend, I32F32};
-
-    /// Points of a path by their distance.
-    struct Track {
-        points: Vec<[f64; 2]>,
-        distances: Vec<f64>,
-    }
-
-    impl Track {
-        fn of(points: &[[f64; 2]]) -> Self {
-            let mut distances = vec![0.0];
-            for pair in points.windows(2) {
-                let step = (pair[1][0] - pair[0][0]).hypot(pair[1][1] - pair[0][1]);
-                distances.push(distances.last().unwrap() + step);
-            }
-            Self { points: points.to_vec(), distances }
-        }
-
-        fn at(&self, distance: f64) -> [f64; 2] {
-            let next = self.distances.partition_point(|d| *d < distance).clamp(1, self.points.len() - 1);
-            let (a, b) = (self.points[next - 1], self.points[next]);
-            let (from, to) = (self.distances[next - 1], self.distances[next]);
-            let x = if to > from { ((distance - from) / (to - from)).clamp(0.0, 1.0) } else { 0.0 };
-            [a[0] + x * (b[0] - a[0]), a[1] + x * (b[1] - a[1])]
-        }
-
-        /// The largest distance of a point of the path from the chord between two distances.
-        fn chord_error(&self, from: f64, to: f64) -> f64 {
-            let (a, b) = (self.at(from), self.at(to));
-            let along = [b[0] - a[0], b[1] - a[1]];
-            let length = along[0].hypot(along[1]);
-            let first = self.distances.partition_point(|d| *d <= from);
-            let end = self.distances.partition_point(|d| *d < to).max(first);
-            let off = |p: &[f64; 2]| ((p[0] - a[0]) * along[1] - (p[1] - a[1]) * along[0]).abs() / length;
-            self.points[first..end].iter().map(off).fold(0.0, f64::max)
-        }
-    }
-
-    /// The distances along the plan, at eight times in each period.
-    fn places(limit: &FeedLimit<f64>, limits: &KinematicLimits<f64>, kind: ProfileKind) -> Vec<f64> {
-        let plan = plan_with(limit, limits, EndFeeds::default(), kind).unwrap();
-        let (place, schedule) = (place_at(plan.stages()), plan.as_schedule());
-        let times = (0..).map(|i| f64::from(i) / 8.0).take_while(|time| *time <= schedule.duration());
-        times.map(place).collect()
-    }
-
-    /// The largest error of a one-period chord along the plan that passes no stop, at eight phases.
-    fn worst_chord(
-        track: &Track,
-        limit: &FeedLimit<f64>,
-        limits: &KinematicLimits<f64>,
-        kind: ProfileKind,
-    ) -> f64 {
-        let places = places(limit, limits, kind);
-        let stops: Vec<_> = limit.points().filter(|p| p.feedrate == 0.0).map(|p| p.distance).collect();
-        let passes_stop = |from: f64, to: f64| stops.iter().any(|stop| from < *stop && *stop < to);
-        let chords = places.iter().zip(&places[8.min(places.len())..]);
-        let chords = chords.filter(|(from, to)| !passes_stop(**from, **to));
-        chords.map(|(from, to)| track.chord_error(*from, *to)).fold(0.0, f64::max)
-    }
-
-    fn limit_along(points: &[[f64; 2]], limits: &KinematicLimits<f64>) -> FeedLimit<f64> {
-        test_paths::limit_along(&polyline(points), limits)
-    }
-
-    /// Moves along an arc that begins at the origin in the direction of x.
-    fn arc(radius: f64, step: f64, angle: f64) -> Vec<[f64; 2]> {
-        let count = (0..).take_while(|i| f64::from(*i) * step < radius * angle).count();
-        let at = |i: usize| angle * i as f64 / count as f64;
-        (0..=count).map(|i| [radius * at(i).sin(), radius * (1.0 - at(i).cos())]).collect()
-    }
-
-    /// The least and the greatest limit, without a tenth of the path at each end.
-    fn range(limit: &FeedLimit<f64>) -> (f64, f64) {
-        (100..=900)
-            .map(|i| limit.at(limit.length() * f64::from(i) / 1000.0))
-            .fold((f64::MAX, 0.0), |range, at| (range.0.min(at), range.1.max(at)))
-    }
 
     /// E, mm.
     const ALLOWED: f64 = 5e-4;
@@ -526,48 +417,6 @@ mod tests {
             (direction(p[1], p[2]) - direction(p[0], p[1])).abs()
         });
         assert!(breaks.clone().filter(|turn| *turn > 5e-4).count() > 1000);
-    }
-
-    /// The largest change of the step in a period, for each axis and across the path, at eight phases of the plan.
-    fn most_change(track: &Track, limit: &FeedLimit<f64>, limits: &KinematicLimits<f64>) -> ([f64; 2], f64) {
-        let places = places(limit, limits, ProfileKind::SCurve);
-        let (mut of_axes, mut across) = ([0.0_f64; 2], 0.0_f64);
-        for place in places.windows(17) {
-            let [before, here, behind] = [0, 8, 16].map(|i| track.at(place[i]));
-            let change = [0, 1].map(|d| behind[d] - here[d] - (here[d] - before[d]));
-            let along = [behind[0] - before[0], behind[1] - before[1]];
-            let length = along[0].hypot(along[1]);
-            across = across.max((change[0] * along[1] - change[1] * along[0]).abs() / length);
-            of_axes = [0, 1].map(|d| of_axes[d].max(change[d].abs()));
-        }
-        (of_axes, across)
-    }
-
-    #[test]
-    fn turning_takes_no_more_than_it_may_of_accelerations() {
-        let points = arc(5.0, 5e-3, 6.0);
-        let track = Track::of(&points);
-        // By the centripetal acceleration the feed is √(a_n ρ) = 0.1; by the chord error it would be 0.141.
-        let limits = KinematicLimits { centripetal_acceleration: Some(2e-3), ..paper_limits() };
-        let limit = limit_along(&points, &limits);
-        let (least, most) = range(&limit);
-        assert!(least > 0.98 * 0.1 && most < 1.005 * 0.1, "{least} to {most}");
-        let (_, across) = most_change(&track, &limit, &limits);
-        assert!(across <= 2e-3 * 1.01, "{across}");
-
-        // With limits of the axes the feed is the same as along the circle itself.
-        let axis = AxisLimits { acceleration: Some(2e-3), ..AxisLimits::default() };
-        let limits = KinematicLimits { axes: [axis; 3], ..paper_limits() };
-        let limit = limit_along(&points, &limits);
-        let (of_axes, _) = most_change(&track, &limit, &limits);
-        assert!(of_axes.iter().all(|change| *change <= 2e-3 * 1.02), "{of_axes:?}");
-        let circle = circle(5.0);
-        let of_circle = test_paths::limit_along(&[circle], &limits);
-        let mean = |limit: &FeedLimit<f64>| {
-            (100..900).map(|i| limit.at(limit.length() * f64::from(i) / 1000.0)).sum::<f64>() / 800.0
-        };
-        let (found, expected) = (mean(&limit), mean(&of_circle));
-        assert!(found > 0.95 * expected, "{found} for {expected}");
     }
 
     /// A wave as long as the step at full feed: a chord from crest to crest does not leave it.
