@@ -4,6 +4,7 @@ A fact names its place by functions of the source, the outermost first, as the c
 "follow_on<9, false>"]`. Numbers in brackets are the last of the generic arguments.
 """
 
+import functools
 import re
 import tomllib
 from dataclasses import dataclass, replace
@@ -48,10 +49,16 @@ def value(expression, constants):
     return eval(expression, {"__builtins__": {}}, dict(constants))  # noqa: S307
 
 
+@functools.cache
+def parts_of(spec):
+    """The function that a fact names, and its generic arguments."""
+    name, _, numbers = spec.rstrip(">").partition("<")
+    return name, tuple(n.strip() for n in numbers.split(",")) if numbers else ()
+
+
 def is_frame(frame, spec):
     """Whether a frame is of the function that a fact names."""
-    name, _, numbers = spec.rstrip(">").partition("<")
-    wanted = tuple(n.strip() for n in numbers.split(",")) if numbers else ()
+    name, wanted = parts_of(spec)
     return name in ("*", frame.function) and (not wanted or frame.numbers[-len(wanted) :] == wanted)
 
 

@@ -115,7 +115,8 @@ class Image:
 
     def locate(self, addresses):
         """Reads the places of these addresses, of which `places` then tells."""
-        wanted = sorted(set(addresses) - self.frames.keys())
+        # One by one: the difference of a set and a dictionary's keys would look at every key.
+        wanted = sorted({address for address in addresses if address not in self.frames})
         if not wanted:
             return
         text = "".join(f"{address:#x}\n" for address in wanted)
@@ -162,6 +163,7 @@ def readable(symbol):
     return f"{function}<{', '.join(numbers)}>" if numbers else function
 
 
+@functools.cache
 def cut_name(name):
     """Function and numeric generic arguments of a demangled name: `<a::B<f32, 2>>::c::<3, true>` is c and 2, 3, true."""
     name = re.sub(r"\[[0-9a-f]{8,}\]", "", name)
