@@ -22,6 +22,14 @@ fn fleet<R: Backend, const D: usize>(path: &Path<D>) -> Vec<Compiled<R, D>> {
 /// How many runs a lane takes, one after the other.
 const LAPS: usize = 4;
 
+/// Helices that are followed beside the curves of every race: names, degrees, and whether they have weights.
+pub(crate) const HELICES: [(&str, u32, bool); 4] = [
+    ("degree 5", 5, false),
+    ("degree 5, rational", 5, true),
+    ("degree 7", 7, false),
+    ("degree 7, rational", 7, true),
+];
+
 /// All runs in lanes, of which each takes the next run where one has ended; the steps of all.
 fn side_by_side<R: Lane + Backend, const D: usize, const W: usize>(fleet: &[Compiled<R, D>]) -> f64 {
     let mut waiting = fleet.iter().cycle().take(LAPS * W).map(Compiled::interpolator).skip(W);

@@ -16,7 +16,7 @@ mod textbook;
 
 use contestants::Asked;
 use feed_plan::{EndFeeds, FeedLimit};
-use feedbits_benches::{Path, paper_a, ten_points, thousand_points, winding};
+use feedbits_benches::{Path, helix_of_degree, paper_a, ten_points, thousand_points, winding};
 use nurbs_core::FastCurve;
 use race::{Runner, race, report};
 use serde_json::json;
@@ -100,6 +100,11 @@ fn main() {
         lanes::lanes::<f32, 2, 64>(&b);
         lanes::lanes::<f64, 3, 32>(&c);
         lanes::lanes::<f32, 3, 64>(&c);
+        for (name, degree, rational) in lanes::HELICES {
+            let helix = helix_of_degree(name, degree, 100, rational);
+            lanes::lanes::<f64, 3, 32>(&helix);
+            lanes::lanes::<f32, 3, 64>(&helix);
+        }
     }
     if wanted("step-growth") {
         real_time_step::growth(&[100, 1000, 10_000, 100_000]);

@@ -1,9 +1,8 @@
 //! The numbers of all lanes that a common step needs, side by side.
 
-use nurbs_core::Pieces;
+use nurbs_core::{MAX_DEGREE, Pieces};
 use real::Real;
 
-use crate::pieces::state::CUBIC;
 use crate::pieces::trend::Trend;
 
 /// One number of each lane.
@@ -13,6 +12,15 @@ pub(crate) type Row<T, const W: usize> = [T; W];
 #[inline(always)]
 pub(crate) fn of_lane<T: Copy, const N: usize, const W: usize>(rows: &[Row<T, W>; N], lane: usize) -> [T; N] {
     core::array::from_fn(|n| rows[n][lane])
+}
+
+/// The first N rows of coefficients of one lane.
+#[inline(always)]
+pub(crate) fn first_of_lane<T: Copy, const N: usize, const D: usize, const W: usize>(
+    rows: &[[Row<T, W>; D]; MAX_DEGREE],
+    lane: usize,
+) -> [[T; D]; N] {
+    core::array::from_fn(|k| of_lane(&rows[k], lane))
 }
 
 /// Puts the numbers of one lane into their rows.
@@ -55,13 +63,15 @@ pub(crate) struct Numbers<R, const D: usize, const W: usize> {
     pub(crate) newest: Row<R, W>,
     pub(crate) rise: Row<R, W>,
     pub(crate) fall: Row<R, W>,
-    pub(crate) chord: [[Row<R, W>; D]; CUBIC],
-    /// ω̃_1 to ω̃_3; of no meaning while no lane has weights.
-    pub(crate) weight: [Row<R, W>; CUBIC],
+    /// q̃_k of the chord, as many as the loops take.
+    pub(crate) chord: [[Row<R, W>; D]; MAX_DEGREE],
+    /// ω̃_k; of no meaning while no lane has weights.
+    pub(crate) weight: [[Row<R, W>; 1]; MAX_DEGREE],
     pub(crate) offset: [Row<R, W>; D],
-    /// n_1 to n_3 and w_0 to w_3 of the pieces, and the least and greatest step per chord. Without weights W is 1.
-    pub(crate) numerator: [[Row<R, W>; D]; CUBIC],
-    pub(crate) weights: [Row<R, W>; CUBIC + 1],
+    /// n_k, w_0 and w_k of the pieces for k from 1 on, and the least and greatest step per chord. Without weights W is 1.
+    pub(crate) numerator: [[Row<R, W>; D]; MAX_DEGREE],
+    pub(crate) constant: Row<R, W>,
+    pub(crate) weights: [[Row<R, W>; 1]; MAX_DEGREE],
     pub(crate) range: [Row<R, W>; 2],
     /// For the stages, the share of a period, the feed at the begin and its change.
     pub(crate) share: Row<R, W>,
@@ -94,11 +104,6 @@ fn no_term<R: Real>() -> R {
     -R::zero()
 }
 
-/// w_0 to w_3 where there are no weights.
-pub(crate) fn no_weights<R: Real>() -> [R; CUBIC + 1] {
-    [R::one(), no_term(), no_term(), no_term()]
-}
-
 impl<const W: usize> Words<W> {
     pub(crate) fn new() -> Self {
         let none = [0; W];
@@ -108,16 +113,17 @@ impl<const W: usize> Words<W> {
 
 impl<R: Real, const D: usize, const W: usize> Numbers<R, D, W> {
     pub(crate) fn new() -> Self {
-        let zero = [R::zero(); W];
+        let (zero, none) = ([R::zero(); W], [no_term(); W]);
         Self {
             newest: zero,
             rise: zero,
             fall: zero,
-            chord: [[zero; D]; CUBIC],
-            weight: [zero; CUBIC],
+            chord: [[none; D]; MAX_DEGREE],
+            weight: [[none]; MAX_DEGREE],
             offset: [zero; D],
-            numerator: [[zero; D]; CUBIC],
-            weights: no_weights().map(|w| [w; W]),
+            numerator: [[none; D]; MAX_DEGREE],
+            constant: [R::one(); W],
+            weights: [[none]; MAX_DEGREE],
             range: [zero; 2],
             share: zero,
             feed: zero,
@@ -133,21 +139,35 @@ impl<R: Real, const D: usize, const W: usize> Numbers<R, D, W> {
         }
     }
 
-    /// Puts the coefficients of a piece of degree 3 at most into a lane. Weights only if the path has some: until then a lane has those
-    /// of [`no_weights`].
+    /// Puts the coefficients of a piece into a lane, of which the loops take so many. Weights only if the path has some: a lane without
+    /// has those of [`leave_weights`](Self::leave_weights).
     #[inline]
-    pub(crate) fn put_coefficients(&mut self, lane: usize, pieces: &Pieces<'_, R, D>, piece: usize) {
+    pub(crate) fn put_coefficients(
+        &mut self,
+        lane: usize,
+        pieces: &Pieces<'_, R, D>,
+        piece: usize,
+        count: usize,
+    ) {
         let degree = pieces.degree;
         let numerator = pieces.numerators.get(degree * piece..).unwrap_or_default();
-        for (k, rows) in self.numerator.iter_mut().enumerate() {
+        for (k, rows) in self.numerator.iter_mut().take(count).enumerate() {
             let n = numerator.get(k).filter(|_| k < degree);
             put(rows, lane, n.copied().unwrap_or([no_term(); D]));
         }
-        if pieces.is_rational() {
-            let weights = pieces.weights.get((degree + 1) * piece..).unwrap_or_default();
-            for (k, row) in self.weights.iter_mut().enumerate() {
-                row[lane] = weights.get(k).filter(|_| k <= degree).copied().unwrap_or(no_term());
+        if let Some([constant, weights @ ..]) = pieces.weights.get((degree + 1) * piece..) {
+            self.constant[lane] = *constant;
+            for (k, [row]) in self.weights.iter_mut().take(count).enumerate() {
+                row[lane] = weights.get(k).filter(|_| k < degree).copied().unwrap_or(no_term());
             }
+        }
+    }
+
+    /// Makes W of a lane 1.
+    pub(crate) fn leave_weights(&mut self, lane: usize) {
+        self.constant[lane] = R::one();
+        for [row] in &mut self.weights {
+            row[lane] = no_term();
         }
     }
 

@@ -7,23 +7,24 @@
 //! that it runs on, chosen at run time. A loop with words of 64 bits has as many lanes at a time as a register has such
 //! words; work without such words has loops of its own, with more lanes at a time.
 //!
-//! A common step is a step on a piece of degree 3 at most that needs one evaluation and stays on its piece, or passes to a
-//! piece of the same polynomial. While no lane has weights, the loops leave them out; else all lanes have some, which are 1 where
-//! the path has none. A common step has two parts: the departure, up to the place where the step ends, and the arrival,
-//! which computes the point there. Between them, lanes get the numbers of another piece or of another stage where they
-//! need them. In all other cases a lane steps alone, as [`PieceInterpolator::step`] does. So the setpoints are those of
+//! A common step is a step that needs one evaluation and stays on its piece, or passes to a piece of the same polynomial. All lanes
+//! have as many coefficients as the loops take: those for cubics, for quintics or for every degree, whatever the highest degree
+//! needs. While no lane has weights, the loops leave them out; else all lanes have some, which are 1 where the path has none.
+//!
+//! A common step has two parts: the departure, up to the place where the step ends, and the arrival, which computes the point
+//! there. Between them, lanes get the numbers of another piece or of another stage where they need them. In all other cases a lane steps alone, as [`PieceInterpolator::step`] does. So the setpoints are those of
 //! [`PieceInterpolator`] bit for bit: a common step is the same operations in the same order, and counts only if no
 //! other case occurs.
 
 use feed_plan::StageShape;
-use nurbs_core::{Joint, divide_by_weight, shift};
+use nurbs_core::{Joint, MAX_DEGREE, divide_by_weight, shift};
 use real::Lane;
 
 use crate::pieces::chord_step::{
     Evaluation, correction, is_within, lightening, value_and_slope, weight_and_slope,
 };
 use crate::pieces::joint::Reached;
-use crate::pieces::lane_numbers::{NONE, Numbers, Words, no_weights, nowhere, of_lane, put};
+use crate::pieces::lane_numbers::{NONE, Numbers, Words, first_of_lane, nowhere, of_lane, put};
 use crate::pieces::piece_interpolator::PieceInterpolator;
 use crate::pieces::place::{after, onward, place_of};
 use crate::pieces::state::CUBIC;
@@ -32,6 +33,9 @@ use crate::step_lengths::PERIOD;
 
 /// A bit for each lane.
 type Mask = u64;
+
+/// The degree above that of a cubic that has loops of its own; still higher ones take the loops for every degree.
+const QUINTIC: usize = 5;
 
 /// W interpolators side by side, 64 at most, in a format that has vector registers. W is best four times the lanes of a
 /// register, 32 or 64: each loop then has other work while results are awaited.
@@ -46,6 +50,8 @@ pub struct LaneInterpolator<'a, R, const D: usize, const W: usize> {
     loaded: Mask,
     /// The lanes whose runs have weights and are, or have been, in their lanes.
     weighted: Mask,
+    /// How many coefficients the loops take: enough for the highest degree that is, or has been, in the lanes.
+    coefficients: usize,
     /// The lanes whose runs have ended.
     ended: Mask,
     /// The setpoints of steps that were not common.
@@ -64,7 +70,8 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
         let states = runs.each_ref().map(PieceInterpolator::start);
         let (words, numbers) = (Words::new(), Numbers::new());
         let arch = pulp::Arch::new();
-        Self { runs, states, words, numbers, loaded: 0, weighted: 0, ended: 0, alone: [None; W], arch }
+        let (loaded, weighted, ended, coefficients) = (0, 0, 0, CUBIC);
+        Self { runs, states, words, numbers, loaded, weighted, coefficients, ended, alone: [None; W], arch }
     }
 
     /// Puts another run into a lane, at its start, for example when the lane's own run has ended. A lane that does not
@@ -74,7 +81,7 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
         (*place, self.states[lane], self.alone[lane]) = (run, run.start(), None);
         self.words.is_common[lane] = false;
         self.numbers.end[lane] = nowhere();
-        put(&mut self.numbers.weights, lane, no_weights());
+        self.numbers.leave_weights(lane);
         for lanes in [&mut self.loaded, &mut self.weighted, &mut self.ended] {
             *lanes &= !(1 << lane);
         }
@@ -84,35 +91,59 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
     ///
     /// Each run's period has the properties of [`PieceInterpolator::step`].
     pub fn step(&mut self) -> usize {
-        let mut due = match (self.loaded, self.weighted) {
-            (0, _) => Self::ALL,
-            (_, 0) => self.depart::<false>(),
-            _ => self.depart::<true>(),
-        };
+        let mut due = if self.loaded == 0 { Self::ALL } else { self.depart() };
         due &= !self.ended;
         while due > 0 {
             self.attend(due.trailing_zeros() as usize);
             due &= due - 1;
         }
-        // Asked anew: a lane may have taken up a run, and one with weights.
-        match (self.loaded, self.weighted) {
-            (0, _) => {}
-            (_, 0) => self.arrive::<false>(),
-            _ => self.arrive::<true>(),
+        if self.loaded > 0 {
+            self.arrive();
         }
         W - self.ended.count_ones() as usize
     }
 
-    /// The first part of a common step in all lanes; the lanes that need more. RATIONAL says that lanes have weights.
+    /// The first part of a common step in all lanes; the lanes that need more.
     #[inline]
-    fn depart<const RATIONAL: bool>(&mut self) -> Mask {
-        self.arch.dispatch(Departure::<R, D, W, RATIONAL>(&mut self.words, &mut self.numbers))
+    fn depart(&mut self) -> Mask {
+        match self.coefficients {
+            CUBIC => self.depart_on::<CUBIC>(),
+            QUINTIC => self.depart_on::<QUINTIC>(),
+            _ => self.depart_on::<MAX_DEGREE>(),
+        }
     }
 
-    /// The second part of a common step in all lanes.
+    /// [`depart`](Self::depart) by the loops for degree N.
     #[inline]
-    fn arrive<const RATIONAL: bool>(&mut self) {
-        self.arch.dispatch(Arrival::<R, D, W, RATIONAL>(&self.words, &mut self.numbers));
+    fn depart_on<const N: usize>(&mut self) -> Mask {
+        let (words, numbers) = (&mut self.words, &mut self.numbers);
+        if self.weighted == 0 {
+            self.arch.dispatch(Departure::<R, D, W, N, false>(words, numbers))
+        } else {
+            self.arch.dispatch(Departure::<R, D, W, N, true>(words, numbers))
+        }
+    }
+
+    /// The second part of a common step in all lanes. The loops may be others than those of the departure: between them a lane may
+    /// take up a run of a higher degree, or one with weights.
+    #[inline]
+    fn arrive(&mut self) {
+        match self.coefficients {
+            CUBIC => self.arrive_on::<CUBIC>(),
+            QUINTIC => self.arrive_on::<QUINTIC>(),
+            _ => self.arrive_on::<MAX_DEGREE>(),
+        }
+    }
+
+    /// [`arrive`](Self::arrive) by the loops for degree N.
+    #[inline]
+    fn arrive_on<const N: usize>(&mut self) {
+        let (words, numbers) = (&self.words, &mut self.numbers);
+        if self.weighted == 0 {
+            self.arch.dispatch(Arrival::<R, D, W, N, false>(words, numbers));
+        } else {
+            self.arch.dispatch(Arrival::<R, D, W, N, true>(words, numbers));
+        }
     }
 
     /// The setpoint of a run in the last period. `None` before the first period, behind the run's end, and for a lane
@@ -209,10 +240,10 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
         self.loaded &= !(1 << lane);
         (state.phase, state.t) = (self.words.phase[lane], self.numbers.t[lane]);
         state.trend = self.numbers.trend(lane);
-        for (slot, rows) in state.at.chord.iter_mut().zip(&self.numbers.chord) {
+        for (slot, rows) in state.at.chord.iter_mut().zip(&self.numbers.chord).take(self.coefficients) {
             *slot = of_lane(rows, lane);
         }
-        for (slot, row) in state.at.weight.iter_mut().zip(&self.numbers.weight) {
+        for (slot, [row]) in state.at.weight.iter_mut().zip(&self.numbers.weight).take(self.coefficients) {
             *slot = row[lane];
         }
     }
@@ -222,7 +253,7 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
         let (run, state, numbers) = (&self.runs[lane], &self.states[lane], &mut self.numbers);
         numbers.put_trend(lane, &state.trend);
         (numbers.residual[lane], numbers.growth[lane]) = (run.tolerance.residual, run.tolerance.growth);
-        if run.pieces.degree <= CUBIC && self.load_piece(lane) {
+        if self.load_piece(lane) {
             self.loaded |= 1 << lane;
         } else {
             self.numbers.end[lane] = nowhere();
@@ -233,7 +264,16 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
     fn load_piece(&mut self, lane: usize) -> bool {
         let (run, state, numbers) = (&self.runs[lane], &self.states[lane], &mut self.numbers);
         let Some(row) = run.pieces.pieces.get(state.piece) else { return false };
-        numbers.put_coefficients(lane, &run.pieces, state.piece);
+        let degree = run.pieces.degree;
+        let enough = if degree <= CUBIC {
+            CUBIC
+        } else if degree <= QUINTIC {
+            QUINTIC
+        } else {
+            MAX_DEGREE
+        };
+        self.coefficients = self.coefficients.max(enough);
+        numbers.put_coefficients(lane, &run.pieces, state.piece, self.coefficients);
         self.weighted |= Mask::from(run.pieces.is_rational()) << lane;
         put(&mut numbers.range, lane, row.step_per_chord);
         self.words.phase[lane] = state.phase;
@@ -290,40 +330,40 @@ fn sum([high, low]: [u64; 2], [more, rest]: [u64; 2]) -> [u64; 2] {
 }
 
 /// The first part of a common step, up to the place where it ends. It is [`PieceInterpolator::step`] without its
-/// branches, compiled for each kind of vector registers. RATIONAL says that lanes have weights.
-struct Departure<'a, R, const D: usize, const W: usize, const RATIONAL: bool>(
+/// branches, compiled for each kind of vector registers. N is the number of coefficients; RATIONAL says that lanes have weights.
+struct Departure<'a, R, const D: usize, const W: usize, const N: usize, const RATIONAL: bool>(
     &'a mut Words<W>,
     &'a mut Numbers<R, D, W>,
 );
 
-impl<R: Lane, const D: usize, const W: usize, const RATIONAL: bool> pulp::WithSimd
-    for Departure<'_, R, D, W, RATIONAL>
+impl<R: Lane, const D: usize, const W: usize, const N: usize, const RATIONAL: bool> pulp::WithSimd
+    for Departure<'_, R, D, W, N, RATIONAL>
 {
     /// The lanes that need more than the common step.
     type Output = Mask;
 
     #[inline(always)] // A function that is called is not compiled for these registers.
     fn with_simd<S: pulp::Simd>(self, _: S) -> Mask {
-        solve::<_, D, W, RATIONAL>(self.1);
+        solve::<_, D, W, N, RATIONAL>(self.1);
         advance(self.0, self.1); // It waits for nothing: there is time for it while steps are solved.
         travel(self.0, self.1)
     }
 }
 
 /// The second part of a common step: the point at its end, and the values with which the next step begins.
-struct Arrival<'a, R, const D: usize, const W: usize, const RATIONAL: bool>(
+struct Arrival<'a, R, const D: usize, const W: usize, const N: usize, const RATIONAL: bool>(
     &'a Words<W>,
     &'a mut Numbers<R, D, W>,
 );
 
-impl<R: Lane, const D: usize, const W: usize, const RATIONAL: bool> pulp::WithSimd
-    for Arrival<'_, R, D, W, RATIONAL>
+impl<R: Lane, const D: usize, const W: usize, const N: usize, const RATIONAL: bool> pulp::WithSimd
+    for Arrival<'_, R, D, W, N, RATIONAL>
 {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, _: S) {
-        arrive::<_, D, W, RATIONAL>(self.0, self.1);
+        arrive::<_, D, W, N, RATIONAL>(self.0, self.1);
     }
 }
 
@@ -341,7 +381,9 @@ fn advance<R: Lane, const D: usize, const W: usize>(words: &mut Words<W>, number
 
 /// The distance of the period, and the step that makes its chord.
 #[inline(always)]
-fn solve<R: Lane, const D: usize, const W: usize, const RATIONAL: bool>(numbers: &mut Numbers<R, D, W>) {
+fn solve<R: Lane, const D: usize, const W: usize, const N: usize, const RATIONAL: bool>(
+    numbers: &mut Numbers<R, D, W>,
+) {
     for lane in 0..W {
         let time = numbers.time[lane];
         let mean = StageShape::Cubic.mean(time, numbers.share[lane]);
@@ -351,11 +393,11 @@ fn solve<R: Lane, const D: usize, const W: usize, const RATIONAL: bool>(numbers:
         let range = of_lane(&numbers.range, lane);
         let guess = numbers.newest[lane] - numbers.fall[lane];
         let x = guess * length;
-        let chord = numbers.chord.each_ref().map(|rows| of_lane(rows, lane));
+        let chord: [[R; D]; N] = first_of_lane(&numbers.chord, lane);
         let (pull, slope) = value_and_slope(chord.iter(), x, ["chord_per_step", "chord_turn"]);
         let turn = slope.map(|t| t * x);
         let value = if RATIONAL {
-            let weight = of_lane(&numbers.weight, lane).map(|w| [w]);
+            let weight: [[R; 1]; N] = first_of_lane(&numbers.weight, lane);
             let (weight, slope) = weight_and_slope(weight.iter(), x);
             Evaluation::new(guess, &pull, &turn, weight, Some(lightening(weight, slope * x)))
         } else {
@@ -401,7 +443,7 @@ fn travel<R: Lane, const D: usize, const W: usize>(
 
 /// The point where the step ends, and the values with which the next step begins.
 #[inline(always)]
-fn arrive<R: Lane, const D: usize, const W: usize, const RATIONAL: bool>(
+fn arrive<R: Lane, const D: usize, const W: usize, const N: usize, const RATIONAL: bool>(
     words: &Words<W>,
     numbers: &mut Numbers<R, D, W>,
 ) {
@@ -412,13 +454,16 @@ fn arrive<R: Lane, const D: usize, const W: usize, const RATIONAL: bool>(
         numbers.newest[lane] = if is_common { new.newest } else { old.newest };
         numbers.rise[lane] = if is_common { new.rise } else { old.rise };
         numbers.fall[lane] = if is_common { new.fall } else { old.fall };
-        let mut shifted = numbers.numerator.each_ref().map(|rows| of_lane(rows, lane));
+        let mut shifted: [[R; D]; N] = first_of_lane(&numbers.numerator, lane);
         let t = numbers.t[lane];
         let mut offset = shift(&mut shifted, t);
         if RATIONAL {
-            let [constant, rest @ ..] = of_lane(&numbers.weights, lane);
-            let weight = divide_by_weight::<_, D, CUBIC>(constant, &rest, Some(t), &mut offset, &mut shifted);
-            put(&mut numbers.weight, lane, weight.map(|[w]| w));
+            let weights = first_of_lane::<_, N, 1, W>(&numbers.weights, lane).map(|[w]| w);
+            let constant = numbers.constant[lane];
+            let turns = divide_by_weight::<_, D, N>(constant, &weights, Some(t), &mut offset, &mut shifted);
+            for (rows, turn) in numbers.weight.iter_mut().zip(turns) {
+                put(rows, lane, turn);
+            }
         }
         put(&mut numbers.offset, lane, offset);
         for (rows, chord) in numbers.chord.iter_mut().zip(shifted) {
@@ -472,7 +517,7 @@ mod tests {
     #[test]
     fn most_steps_are_common_ones() {
         let weights = [[1.0; 6], [1.0, 0.8, 1.3, 1.1, 0.7, 1.0]];
-        for (degree, weights) in [(3, weights[0]), (3, weights[1]), (2, weights[0]), (2, weights[1])] {
+        for (degree, weights) in (2..=5).flat_map(|degree| weights.map(|weights| (degree, weights))) {
             let share_in_f32 = share_of_common_steps::<f32>(degree, weights);
             for share in [share_of_common_steps::<f64>(degree, weights), share_in_f32] {
                 assert!((0.98..1.0).contains(&share), "degree {degree}, {weights:?}: {share}");

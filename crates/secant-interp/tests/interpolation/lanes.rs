@@ -1,6 +1,6 @@
 //! Runs side by side make the setpoints that they make one by one.
 
-use nurbs_core::{NurbsBuf, PieceLimits, PiecesBuf, compile, generate};
+use nurbs_core::{MAX_DEGREE, NurbsBuf, PieceLimits, PiecesBuf, compile, generate};
 use proptest::prelude::*;
 use real::{Backend, DoubleDouble, Lane, Real};
 use secant_interp::{
@@ -24,9 +24,9 @@ struct Run<const D: usize> {
     max_evaluations: u32,
 }
 
-/// Most of the runs are what lanes are made for: degree 3 at most, with and without weights, in cubic stages.
+/// Runs of every degree, most of them cubics, with and without weights, in cubic stages.
 fn run<const D: usize>() -> impl Strategy<Value = Run<D>> {
-    let degree = prop_oneof![4 => Just(3_usize), 1 => 1..3_usize];
+    let degree = prop_oneof![4 => Just(3_usize), 2 => 1..=5_usize, 1 => 1..=MAX_DEGREE];
     let curve = (generate::curve::<D>(), any::<bool>(), degree, any::<bool>());
     let curve = curve.prop_map(|(curve, is_other, degree, has_weights)| {
         let points = curve.control_points().to_vec();
