@@ -128,10 +128,24 @@ static number step_of(const chord *on, number trial)
 }
 {%- if has_joints %}
 
+{%- if !floating || rational %}
 /* The value limited to `most` in magnitude. */
 static number limited(number value, number most)
 {
     return minimum(maximum(value, negative(most)), most);
+}
+
+{% endif -%}
+/* {% if floating %}The value: a float has the room that a half of fixed point needs{% else %}Half of a value, which then has the room that it needs{% endif %}. */
+static number with_room(number value)
+{
+    return {% if floating %}value{% else %}half(value){% endif %};
+}
+
+/* {% if floating %}The same back{% else %}Four times a value that was halved twice for room, limited to 1{% endif %}. */
+static number without_room(number value)
+{
+    return {% if floating %}value{% else %}times_power_of_two(limited(value, half(ONE_HALF)), 2){% endif %};
 }
 
 /* f and g at tau, whose x is given, of a chord of which a part lies on pieces before. */
@@ -145,8 +159,10 @@ static void evaluate_past_joint(const chord *on, number tau, number x, evaluatio
     const number weight_turn = mul(weight_slope, x);
     const number reciprocal = divide(ONE, weight);
 {%- endif %}
-    const number half_tau = half(tau);
-    const number half_sigma = half(of_whole(on, tau));
+    /* In fixed point half of a and of e, a quarter of f and of g: so no trial needs more integer bits than the chord does. */
+    const number unit = with_room(ONE);
+    const number tau_with_room = with_room(tau);
+    const number sigma = with_room(of_whole(on, tau));
     wide with_before = {% if floating %}{{ zero }}{% else %}product(0, 0){% endif %};
     wide with_whole = {% if floating %}{{ zero }}{% else %}product(0, 0){% endif %};
     wide growth = {% if floating %}{{ zero }}{% else %}product(0, 0){% endif %};
@@ -158,25 +174,24 @@ static void evaluate_past_joint(const chord *on, number tau, number x, evaluatio
         q = mul(q, reciprocal);
         turn = mul(sub(turn, mul(q, weight_turn)), reciprocal);
         /* Weights that fall can make any of it, and more is beyond the range of the series. */
-        const number half_turn = limited(mul(half_tau, turn), ONE_HALF);
+        const number pull = limited(mul(tau_with_room, turn), unit);
 {%- else %}
-        const number half_turn = mul(half_tau, turn);
+        const number pull = mul(tau_with_room, turn);
 {%- endif %}
-        /* Half of a and of e, a quarter of f and of g: so no trial needs more integer bits than the chord does. */
-        const number along = mul(half_tau, q);
-        const number whole = rounded(plus(product(half_sigma, q), product(ONE_HALF, on->before[d])));
+        const number along = mul(tau_with_room, q);
+        const number whole = rounded(plus(product(sigma, q), product(unit, on->before[d])));
         with_before = plus(with_before, product(on->before[d], along));
         with_whole = plus(with_whole, product(whole, along));
-        growth = plus(growth, product(whole, half_turn));
+        growth = plus(growth, product(whole, pull));
     }
     /* Where a points back against b, the chord is too short without b too. */
-    const number on_before = half(maximum(rounded(with_before), {{ zero }}));
+    const number on_before = with_room(maximum(rounded(with_before), {{ zero }}));
     const number on_whole = rounded(with_whole);
-    const number left = half(half(on->left));
-    const number residual = add(add(sub(on_before, ONE_HALF), left), on_whole);
+    const number left = with_room(with_room(on->left));
+    const number residual = add(add(sub(on_before, with_room(add(unit, unit))), left), on_whole);
     const number slope = add(rounded(growth), half(sub(sub(on_whole, on_before), left)));
-    value->residual = times_power_of_two(limited(residual, half(ONE_HALF)), 2);
-    value->slope = times_power_of_two(limited(slope, half(ONE_HALF)), 2);
+    value->residual = without_room(residual);
+    value->slope = without_room(slope);
 }
 {%- endif %}
 

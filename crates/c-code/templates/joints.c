@@ -72,36 +72,46 @@ static void set_travelled_at(const {{ name }}_state *state, const piece_row *row
 }
 {%- if has_joints %}
 
-/* A part of a step per chord in the scale of the next piece, at most the greatest there. */
-static number part_into_next(const piece_row *row, const piece_row *next, number part)
+/* The factor that takes steps per chord on a piece to the scale of the next one{% if !floating %}, but for a power of two{% endif %}. */
+static number joint_factor(const piece_row *row)
+{
+    const number ratio = fraction((uint64_t)row->joint_ratio << 48);
+    return {% if floating %}times_power_of_two(ratio, row->joint_exponent){% else %}ratio{% endif %};
+}
+
+/* A part of a step per chord, times the factor of the joint behind `row`, in the scale of the next piece: at most the greatest there. */
+static number part_into_next(const piece_row *row, number factor, const piece_row *next, number part)
 {
     const number greatest = next->greatest_step_per_chord;
+{%- if floating %}
+    (void)row;
+    return minimum(mul(part, factor), greatest);
+{%- else %}
     const int32_t exponent = row->joint_exponent;
-    number small = mul(part, fraction((uint64_t)row->joint_ratio << 48));
-{%- if !floating %}
+    number small = mul(part, factor);
     /* Compared in the smaller scale: the number in the larger one might not fit. */
     if (exponent > 0) {
         small = minimum(small, times_power_of_two(greatest, -exponent));
     }
-{%- endif %}
     return minimum(times_power_of_two(small, exponent), greatest);
+{%- endif %}
 }
 
 /* A step per chord in the scale of the next piece, in the range there. */
-static number into_next(const piece_row *row, const piece_row *next, number sigma)
+static number into_next(const piece_row *row, number factor, const piece_row *next, number sigma)
 {
-    return maximum(next->least_step_per_chord, part_into_next(row, next, sigma));
+    return maximum(next->least_step_per_chord, part_into_next(row, factor, next, sigma));
 }
 
 /* The trend in the scale of the next piece, each of its three sigma limited to the range there. */
-static void trend_into_next({{ name }}_state *state, const piece_row *row, const piece_row *next)
+static void trend_into_next({{ name }}_state *state, const piece_row *row, number factor, const piece_row *next)
 {
     const number middle = sub(state->newest, state->rise);
     const number oldest = sub(middle, add(add(state->fall, state->rise), state->rise));
-    const number newest_there = into_next(row, next, state->newest);
-    const number middle_there = into_next(row, next, middle);
+    const number newest_there = into_next(row, factor, next, state->newest);
+    const number middle_there = into_next(row, factor, next, middle);
     state->newest = middle_there;
-    state->rise = sub(middle_there, into_next(row, next, oldest));
+    state->rise = sub(middle_there, into_next(row, factor, next, oldest));
     state->fall = {{ zero }};
     remember(state, newest_there);
 }
@@ -162,8 +172,9 @@ static bool pass_joint({{ name }}_state *state, const piece_row *row, uint64_t s
             return false;
         }
     }
-    trend_into_next(state, row, next);
-    reach(state, state->piece + 1u, phase, into_next(row, next, sigma));
+    const number factor = joint_factor(row);
+    trend_into_next(state, row, factor, next);
+    reach(state, state->piece + 1u, phase, into_next(row, factor, next, sigma));
     return true;
 }
 {%- endif %}
@@ -221,7 +232,8 @@ static uint32_t cross({{ name }}_state *state, const piece_row *from, travelled_
     uint32_t evaluations = before;
     for (uint32_t piece = state->piece + 1u; piece < end; piece++) {
         const piece_row *next = &pieces[piece];
-        trend_into_next(state, row, next);
+        const number factor = joint_factor(row);
+        trend_into_next(state, row, factor, next);
 {%- if uses.breaks %}
         const bool is_corner = (row->joint == BREAKS);
         if (is_corner) {
@@ -229,7 +241,7 @@ static uint32_t cross({{ name }}_state *state, const piece_row *from, travelled_
             begin_anew(way);
         }
 {%- endif %}
-        const number part = part_into_next(row, next, way->part);
+        const number part = part_into_next(row, factor, next, way->part);
         if ((way->left <= {{ zero }}) || (length <= {{ zero }})) {
             reach(state, piece, 0u, state->newest);
             limit_trend(state, next);

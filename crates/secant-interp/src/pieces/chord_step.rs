@@ -338,32 +338,37 @@ impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D,
         (chord, turn): (&[R; D], &[R; D]),
         (weight, weight_turn): (R, R),
     ) -> Evaluation<R> {
-        let reciprocal = if self.is_rational() { R::one() / weight } else { weight };
-        let chord: [R; D] = vector(|d| (chord[d] * reciprocal).signal("joint_pull"));
-        let (half_sigma, half) = (sigma.half(), R::one().half());
+        let (mut chord, mut turn) = (*chord, *turn);
+        if self.is_rational() {
+            let reciprocal = R::one() / weight;
+            chord = vector(|d| chord[d] * reciprocal);
+            turn = vector(|d| (turn[d] - chord[d] * weight_turn) * reciprocal);
+        }
+        let chord: [R; D] = vector(|d| chord[d].signal("joint_pull"));
+        // In fixed point, half of a and of e, a quarter of f and of g: so that no trial needs more integer bits than the chord does.
+        let (unit, whole) = (with_room(R::one()), with_room(self.of_whole(sigma)));
+        let sigma = with_room(sigma);
         let turn = |d: usize| {
-            let turn = (half_sigma * ((turn[d] - chord[d] * weight_turn) * reciprocal)).signal("joint_pull");
+            let turn = (sigma * turn[d]).signal("joint_pull");
             // Weights that fall can make any of it, and more is beyond the range of the series.
-            if self.is_rational() { turn.max(-half).min(half) } else { turn }
+            if self.is_rational() { turn.max(-unit).min(unit) } else { turn }
         };
-        // Half of a and of e, a quarter of f and of g: so that no trial needs more integer bits than the chord does.
-        let along: [R; D] = vector(|d| (half_sigma * chord[d]).signal("joint_direction"));
-        let whole = self.of_whole(sigma).half();
+        let along: [R; D] = vector(|d| (sigma * chord[d]).signal("joint_direction"));
         let whole: [R; D] = vector(|d| {
-            R::sum_of_products([(whole, chord[d]), (half, before.part[d])]).signal("joint_direction")
+            R::sum_of_products([(whole, chord[d]), (unit, before.part[d])]).signal("joint_direction")
         });
         // Where a points back against b, the chord is too short without b too.
         let on_before =
-            R::sum_of_products(Terms::of(D, |d| (before.part[d], along[d]))).max(R::zero()).half();
+            with_room(R::sum_of_products(Terms::of(D, |d| (before.part[d], along[d]))).max(R::zero()));
         let on_whole = R::sum_of_products(Terms::of(D, |d| (whole[d], along[d])));
         let growth = R::sum_of_products(Terms::of(D, |d| (whole[d], turn(d))));
-        let left = before.left.half().half();
-        let residual = on_before - half + left + on_whole;
+        let left = with_room(with_room(before.left));
+        let residual = on_before - with_room(unit + unit) + left + on_whole;
         let lengthening = (on_whole - on_before - left).signal("joint_growth");
         let slope = growth + lengthening.half();
         Evaluation {
-            residual: in_quarters(residual.signal("joint_residual")),
-            slope: in_quarters(slope.signal("joint_growth")),
+            residual: without_room(residual.signal("joint_residual")),
+            slope: without_room(slope.signal("joint_growth")),
         }
     }
 
@@ -499,9 +504,18 @@ pub(crate) fn within<R: Real>(correction: R, sigma: R, range: &[R; 2]) -> R {
     (sigma - range[0]).min(correction).max(sigma - range[1])
 }
 
-/// Four times a value that is limited to ¼.
+/// Half of a number of fixed point, which needs the room. A float has it: its half would have the same digits.
 #[inline]
-fn in_quarters<R: Real>(value: R) -> R {
+fn with_room<R: Real>(value: R) -> R {
+    if R::IS_FLOATING { value } else { value.half() }
+}
+
+/// Four times a value that was halved twice [for room](with_room), limited to 1; a float was not halved.
+#[inline]
+fn without_room<R: Real>(value: R) -> R {
+    if R::IS_FLOATING {
+        return value;
+    }
     let most = R::from_ratio(1, 4);
     value.max(-most).min(most).ldexp(2)
 }
