@@ -101,6 +101,12 @@ macro_rules! float_backend {
                 if raised >= 2.0 { None } else { Some(u64::from(raised.to_bits()) << (65 - $digits)) }
             }
 
+            /// By the bits, which are in the order of positive floats; a sign makes them greater.
+            #[inline]
+            fn is_part(self) -> bool {
+                self.to_bits() <= const { $float::to_bits(1.0) }
+            }
+
             #[inline]
             fn is_finite(self) -> bool {
                 $float::is_finite(self)
@@ -424,6 +430,24 @@ mod tests {
         let (below, one) =
             (I4F60::from_f64(1.0).unwrap() - I4F60::resolution(), I4F60::from_f64(1.0).unwrap());
         assert_eq!((below.place_to_phase(), one.place_to_phase()), (Some(below.to_phase(0)), None));
+    }
+
+    #[test]
+    fn a_part_is_from_0_to_1() {
+        for x in [0.0, f64::from_bits(1), 0.5, 1.0] {
+            assert!(x.is_part(), "{x}");
+        }
+        for x in [0.0, f32::from_bits(1), 0.5, 1.0] {
+            assert!(x.is_part(), "{x}");
+        }
+        for x in [-0.0, 1.0 + f64::EPSILON, -f64::from_bits(1), -0.5, 2.0, -1e300, f64::INFINITY, f64::NAN] {
+            assert!(!x.is_part(), "{x}");
+        }
+        for x in [-0.0, 1.0 + f32::EPSILON, -0.5, f32::NEG_INFINITY, f32::NAN] {
+            assert!(!x.is_part(), "{x}");
+        }
+        let fixed = |x: f64| I4F60::from_f64(x).unwrap();
+        assert_eq!([-0.5, 0.0, 1.0, 1.5].map(|x| fixed(x).is_part()), [false, true, true, false]);
     }
 
     #[test]

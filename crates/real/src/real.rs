@@ -122,6 +122,13 @@ pub trait Real:
         Some(self.to_phase(0)).filter(|phase| *phase < u64::MAX)
     }
 
+    /// Whether this is from 0 to 1, both included: in floats one comparison, of which -0 and NaN fail too.
+    #[inline]
+    #[must_use]
+    fn is_part(self) -> bool {
+        Self::zero() <= self && self <= Self::one()
+    }
+
     /// Whether this is a number: false only for the infinities and NaN of floats.
     fn is_finite(self) -> bool;
 

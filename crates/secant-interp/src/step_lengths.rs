@@ -164,15 +164,21 @@ impl<R: Real> StepLengths<'_, R> {
     /// behind its stage's end, as a cursor of another schedule may, it goes on with the next stage.
     #[inline(always)] // Into the step, as that is into its caller: see there.
     pub fn advance(&self, cursor: &mut LengthCursor) -> Option<R> {
+        self.advance_or_end(cursor).map(|(length, _)| length)
+    }
+
+    /// [`advance`](Self::advance), and whether the schedule ends in the period. Most periods need not ask.
+    #[inline(always)] // As `advance` is.
+    pub(crate) fn advance_or_end(&self, cursor: &mut LengthCursor) -> Option<(R, bool)> {
         let stage = self.stages.get(cursor.stage)?;
         let end = cursor.time.wrapping_add(PERIOD);
         if end < stage.duration {
             // Wholly inside one stage, as most periods are.
             let middle = cursor.time.wrapping_add(end);
             cursor.time = end;
-            return Some(stage.mean_feed(middle, stage.period_share));
+            return Some((stage.mean_feed(middle, stage.period_share), false));
         }
-        self.cross(cursor, stage)
+        self.cross(cursor, stage).map(|length| (length, self.is_over(cursor)))
     }
 
     /// The distance of the period in which a stage ends.

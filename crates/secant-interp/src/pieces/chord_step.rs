@@ -135,6 +135,7 @@ impl<R: Real, const D: usize> ChordBefore<R, D> {
 }
 
 /// The values of one evaluation: f and g.
+#[derive(Clone, Copy)]
 pub(crate) struct Evaluation<R> {
     pub(crate) residual: R,
     pub(crate) slope: R,
@@ -252,11 +253,12 @@ impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D,
     ) -> (R, u32) {
         let mut evaluations = 1;
         loop {
-            let correction = correction(sigma, &value.limited(), self.curvature());
+            // What is within the tolerance is within the range of the series too.
+            let is_small = value.is_within(tolerance.residual, tolerance.growth);
+            let limited = if is_small { value } else { value.limited() };
             let trial = sigma;
-            sigma = self.next(trial, correction);
-            let is_enough = value.residual.abs() <= tolerance.fluctuation
-                || value.is_within(tolerance.residual, tolerance.growth);
+            sigma = self.next(trial, correction(trial, &limited, self.curvature()));
+            let is_enough = is_small || value.residual.abs() <= tolerance.fluctuation;
             if is_enough || sigma == trial || evaluations >= most {
                 return (sigma, evaluations);
             }
@@ -475,16 +477,12 @@ pub(crate) fn correction<R: Real>(sigma: R, value: &Evaluation<R>, curvature: R)
     sigma.half() * f * series
 }
 
-/// `sigma - part` if that lies in the range. In floats, which can hold σ beyond the range, the difference only has to
-/// be positive.
+/// `sigma - part` if that lies in the range, in fixed point.
 ///
-/// In fixed point σ is positive. A difference that does not fit wraps to a negative number, which is in no range.
+/// There σ is positive. A difference that does not fit wraps to a negative number, which is in no range.
 /// Wrappers that watch for overflow compare before they subtract, so that they do not report this wrap as a fault.
 #[inline]
 pub(crate) fn difference_within<R: Real>(sigma: R, part: R, range: &[R; 2]) -> Option<R> {
-    if R::IS_FLOATING {
-        return Some(sigma - part).filter(|rest| *rest > R::zero());
-    }
     if R::IS_FOR_SPEED {
         return Some(sigma - part).filter(|rest| is_within(*rest, range));
     }

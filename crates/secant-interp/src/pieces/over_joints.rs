@@ -108,18 +108,22 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
         for (piece, next) in self.pieces.pieces.iter().enumerate().skip(piece + 1) {
             let (scale, range) = (JointScale::behind(row), &next.step_per_chord);
             *trend = trend.into_next(scale, range);
-            if row.joint == Joint::Breaks {
+            let is_corner = row.joint == Joint::Breaks;
+            let is_reached = if is_corner {
                 length = length * travelled.before.left;
                 travelled = Travelled::nothing();
-            }
+                length <= R::zero()
+            } else {
+                travelled.before.left <= R::zero()
+            };
             travelled.part = scale.convert_part(travelled.part, range);
-            let left = travelled.before.left;
-            if left <= R::zero() || length <= R::zero() {
+            if is_reached {
                 return Reached { piece, phase: 0, sigma: trend.newest, evaluations };
             }
+            let left = travelled.before.left;
             self.pieces.shift_to_begin::<N, PLAIN>(piece, at);
             let mut on_next = self.chord_on::<N, PLAIN>(next, next.whole(), at, length);
-            if row.joint == Joint::Breaks {
+            if is_corner {
                 *trend = Trend::steady(first_step_per_chord(&at.chord[0], &next.step_per_chord));
             } else {
                 on_next.before = Some(travelled.before);

@@ -105,12 +105,12 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     /// `None`. On a controller it saves a copy of the setpoint, a tenth of a step in floats.
     #[inline(always)] // As `step` is.
     pub fn step_into(&self, state: &mut PieceState<R, D>, setpoint: &mut PieceSetpoint<R, D>) -> bool {
-        let Some(length) = self.lengths.advance(&mut state.cursor) else {
+        let Some((length, is_last)) = self.lengths.advance_or_end(&mut state.cursor) else {
             return self.step_behind_plan(state, setpoint);
         };
         match self.pieces.pieces.get(state.piece) {
             Some(row) => {
-                let wanted = self.planned(length, self.lengths.is_over(&state.cursor));
+                let wanted = self.planned(length, is_last);
                 self.follow(state, row, wanted, setpoint);
             }
             None => *setpoint = PieceSetpoint { length, ..self.hold(state) },
@@ -238,10 +238,11 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
                     (state.phase, state.t) = (phase, t);
                     state.trend = state.trend.and(sigma);
                     let t = t.signal("parameter");
-                    let offset =
+                    // What is known before the point is written before it: it would wait for the point in memory.
+                    (setpoint.piece, setpoint.phase, setpoint.length) = (state.piece, phase, length);
+                    setpoint.offset =
                         self.pieces.shift_along::<N, PLAIN>((row, shifts), &coefficients, t, &mut state.at);
-                    let piece = state.piece;
-                    *setpoint = PieceSetpoint { piece, phase, offset, length, evaluations: 1 };
+                    setpoint.evaluations = 1;
                     return;
                 }
                 let step = Reached { piece: state.piece, phase: row.part(step), sigma, evaluations: 1 };
@@ -289,7 +290,12 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     ) -> Result<(R, Coefficients<'_, R, D>), Option<Evaluation<R>>> {
         let coefficients = self.pieces.coefficients::<N, PLAIN>(state.piece).ok_or(None)?;
         let Trend { newest, fall, .. } = state.trend;
-        let guess = difference_within(newest, fall, &row.step_per_chord).ok_or(None)?;
+        // A float holds a guess beyond the range too, and one below 0 makes no step on the piece.
+        let guess = if R::IS_FLOATING {
+            newest - fall
+        } else {
+            difference_within(newest, fall, &row.step_per_chord).ok_or(None)?
+        };
         let step = guess * length;
         if !is_on_piece(state, row, step) {
             return Err(None);

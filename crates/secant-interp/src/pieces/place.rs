@@ -44,15 +44,15 @@ pub(crate) fn onward<R: Real, const D: usize>(
 }
 
 /// Whether a step of `guessed` is worth an evaluation on the present piece. It is not if it reaches past a knot by more
-/// than the usual error of a guess, or past the whole piece.
+/// than the usual error of a guess, past the whole piece, or back.
 #[inline]
 pub(crate) fn is_on_piece<R: Real, const D: usize>(
     state: &PieceState<R, D>,
     row: &Piece<R, D>,
     guessed: R,
 ) -> bool {
-    let whole = if R::IS_FLOATING { row.whole() } else { state.whole };
-    guessed <= whole && (row.joint == Joint::Continues || !leads_past_end(state, row, guessed))
+    let is_part = if R::IS_FLOATING { guessed.is_part() } else { guessed <= state.whole };
+    is_part && (row.joint == Joint::Continues || !leads_past_end(state, row, guessed))
 }
 
 /// Whether a step of `guessed` reaches past the end of the present piece by more than the usual error of a guess, 2⁻⁸
