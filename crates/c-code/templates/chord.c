@@ -136,14 +136,14 @@ static number limited(number value, number most)
 }
 
 {% endif -%}
-/* {% if floating %}The value: a float has the room that a half of fixed point needs{% else %}Half of a value, which then has the room that it needs{% endif %}. */
-static number with_room(number value)
+/* {% if floating %}The value: a float has the room that fixed point gets by halves{% else %}Half of a value, for room{% endif %}. */
+static number halved_for_room(number value)
 {
     return {% if floating %}value{% else %}half(value){% endif %};
 }
 
-/* {% if floating %}The same back{% else %}Four times a value that was halved twice for room, limited to 1{% endif %}. */
-static number without_room(number value)
+/* {% if floating %}The value, which was not halved{% else %}Four times a value that was halved twice for room, limited to 1{% endif %}. */
+static number from_quarters(number value)
 {
     return {% if floating %}value{% else %}times_power_of_two(limited(value, half(ONE_HALF)), 2){% endif %};
 }
@@ -160,9 +160,9 @@ static void evaluate_past_joint(const chord *on, number tau, number x, evaluatio
     const number reciprocal = divide(ONE, weight);
 {%- endif %}
     /* In fixed point half of a and of e, a quarter of f and of g: so no trial needs more integer bits than the chord does. */
-    const number unit = with_room(ONE);
-    const number tau_with_room = with_room(tau);
-    const number sigma = with_room(of_whole(on, tau));
+    const number unit = halved_for_room(ONE);
+    const number trial = halved_for_room(tau);
+    const number of_chord = halved_for_room(of_whole(on, tau));
     wide with_before = {% if floating %}{{ zero }}{% else %}product(0, 0){% endif %};
     wide with_whole = {% if floating %}{{ zero }}{% else %}product(0, 0){% endif %};
     wide growth = {% if floating %}{{ zero }}{% else %}product(0, 0){% endif %};
@@ -174,24 +174,25 @@ static void evaluate_past_joint(const chord *on, number tau, number x, evaluatio
         q = mul(q, reciprocal);
         turn = mul(sub(turn, mul(q, weight_turn)), reciprocal);
         /* Weights that fall can make any of it, and more is beyond the range of the series. */
-        const number pull = limited(mul(tau_with_room, turn), unit);
+        const number pull = limited(mul(trial, turn), unit);
 {%- else %}
-        const number pull = mul(tau_with_room, turn);
+        const number pull = mul(trial, turn);
 {%- endif %}
-        const number along = mul(tau_with_room, q);
-        const number whole = rounded(plus(product(sigma, q), product(unit, on->before[d])));
+        const number along = mul(trial, q);
+        const number whole = rounded(plus(product(of_chord, q), product(unit, on->before[d])));
         with_before = plus(with_before, product(on->before[d], along));
         with_whole = plus(with_whole, product(whole, along));
         growth = plus(growth, product(whole, pull));
     }
     /* Where a points back against b, the chord is too short without b too. */
-    const number on_before = with_room(maximum(rounded(with_before), {{ zero }}));
+    const number on_before = halved_for_room(maximum(rounded(with_before), {{ zero }}));
     const number on_whole = rounded(with_whole);
-    const number left = with_room(with_room(on->left));
-    const number residual = add(add(sub(on_before, with_room(add(unit, unit))), left), on_whole);
+    const number left = halved_for_room(halved_for_room(on->left));
+    const number two = halved_for_room(add(unit, unit));
+    const number residual = add(add(sub(on_before, two), left), on_whole);
     const number slope = add(rounded(growth), half(sub(sub(on_whole, on_before), left)));
-    value->residual = without_room(residual);
-    value->slope = without_room(slope);
+    value->residual = from_quarters(residual);
+    value->slope = from_quarters(slope);
 }
 {%- endif %}
 
@@ -257,19 +258,15 @@ IN_PLACE number correction(number sigma, number f, number g, number curvature)
 {%- endif %}
 }
 
-/* sigma - part, if that is in the range{% if floating %}, which for a float are all positive numbers{% endif %}. */
+{% if !floating -%}
+/* sigma - part, if that is in the range. */
 IN_PLACE bool difference_within(number sigma, number part, number least, number greatest, number *difference)
 {
     *difference = sub(sigma, part);
-{%- if floating %}
-    (void)least;
-    (void)greatest;
-    return *difference > {{ zero }};
-{%- else %}
     return is_within(*difference, least, greatest);
-{%- endif %}
 }
 
+{% endif -%}
 /* Whether one correction from an evaluation is enough. */
 IN_PLACE bool is_small(const evaluation *value)
 {

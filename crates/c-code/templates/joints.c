@@ -242,7 +242,7 @@ static uint32_t cross({{ name }}_state *state, const piece_row *from, travelled_
         }
 {%- endif %}
         const number part = part_into_next(row, factor, next, way->part);
-        if ((way->left <= {{ zero }}) || (length <= {{ zero }})) {
+        if ({% if uses.breaks %}(is_corner ? length : way->left){% else %}way->left{% endif %} <= {{ zero }}) {
             reach(state, piece, 0u, state->newest);
             limit_trend(state, next);
             return evaluations;

@@ -104,6 +104,12 @@ static bool is_at_most(number a, number limit)
     return (bits_of(a) << 1) <= (bits_of(limit) << 1);
 }
 
+/* Whether a is from 0 to 1, by the bits, as above: -0 and NaN are greater. */
+static bool is_part(number a)
+{
+    return bits_of(a) <= bits_of(ONE);
+}
+
 static number absolute(number a)
 {
     return (a < {{ zero }}) ? -a : a;

@@ -35,11 +35,11 @@ static number creep_length(const {{ name }}_state *state, const piece_row *row)
 }
 
 /* Whether a step of `guessed` is worth an evaluation on the present piece: not if it reaches past a knot by more than the
- * usual error of a guess, 2^-8 of the way to the end, or past the whole piece. */
+ * usual error of a guess, 2^-8 of the way to the end, or past the whole piece{% if floating %}, or goes back{% endif %}. */
 IN_PLACE bool is_on_piece(const {{ name }}_state *state, const piece_row *row, number guessed)
 {
 {%- if floating %}
-    if (!(guessed <= ONE)) {
+    if (!is_part(guessed)) {
         return false;
     }
     const number rest = ONE - state->t;
@@ -133,6 +133,9 @@ static void finish({{ name }}_state *state, number length, uint32_t evaluations,
 static void follow({{ name }}_state *state, number length, number reach_length, {{ name }}_setpoint *setpoint)
 {
     const piece_row *row = &pieces[state->piece];
+{%- if floating %}
+    const number guess = sub(state->newest, state->fall);
+{%- else %}
     const number least = row->least_step_per_chord;
     const number greatest = row->greatest_step_per_chord;
     number guess = {{ zero }};
@@ -140,6 +143,7 @@ static void follow({{ name }}_state *state, number length, number reach_length, 
         finish(state, length, search(state, row, reach_length), setpoint);
         return;
     }
+{%- endif %}
     const number step = {{ factors.sigma }}(reach_length, guess);
     if (!is_on_piece(state, row, step)) {
         finish(state, length, search(state, row, reach_length), setpoint);

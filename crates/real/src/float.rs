@@ -448,6 +448,10 @@ mod tests {
         }
         let fixed = |x: f64| I4F60::from_f64(x).unwrap();
         assert_eq!([-0.5, 0.0, 1.0, 1.5].map(|x| fixed(x).is_part()), [false, true, true, false]);
+        assert_eq!(
+            [-0.0, 0.0, 1.0, f64::NAN].map(|x| crate::Audited(x).is_part()),
+            [false, true, true, false]
+        );
     }
 
     #[test]

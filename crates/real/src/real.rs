@@ -122,7 +122,7 @@ pub trait Real:
         Some(self.to_phase(0)).filter(|phase| *phase < u64::MAX)
     }
 
-    /// Whether this is from 0 to 1, both included: in floats one comparison, of which -0 and NaN fail too.
+    /// Whether this is from 0 to 1, both included. In `f64` and `f32` it is one comparison, which -0 fails.
     #[inline]
     #[must_use]
     fn is_part(self) -> bool {

@@ -241,6 +241,11 @@ macro_rules! wrapper {
                 result
             }
 
+            #[inline]
+            fn is_part(self) -> bool {
+                self.inner().is_part()
+            }
+
             fn is_finite(self) -> bool {
                 self.inner().is_finite()
             }

@@ -209,18 +209,15 @@ impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D,
         !PLAIN && self.rational
     }
 
-    /// σ, if one evaluation at a start value in the range, whose step is x and no longer than the whole piece, and one
-    /// correction are enough; otherwise the evaluation. f and g are so small in the first case that they need no
+    /// σ, if one evaluation at a start value, whose step is x and no longer than the whole piece, and one correction are enough;
+    /// in fixed point the start value lies in the range, and so does σ; otherwise the evaluation. f and g are so small in the first case that they need no
     /// limits. The result is the same as that of [`refine`](Self::refine), and is found sooner.
     #[inline(always)]
     pub(crate) fn correct(&self, sigma: R, x: R, tolerance: &ChordTolerance<R>) -> Result<R, Evaluation<R>> {
         let value = self.evaluate(sigma, x);
         if value.is_within(tolerance.residual, tolerance.growth) {
             let part = correction(sigma, &value, R::from_ratio(3, 4));
-            // In a float, a σ beyond the range fits too, and is as good a root.
-            let found =
-                if R::IS_FLOATING { Some(sigma - part) } else { difference_within(sigma, part, &self.range) };
-            if let Some(found) = found {
+            if let Some(found) = difference_within(sigma, part, &self.range) {
                 return Ok(found.signal("step_per_chord"));
             }
         }
@@ -253,7 +250,7 @@ impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D,
     ) -> (R, u32) {
         let mut evaluations = 1;
         loop {
-            // What is within the tolerance is within the range of the series too.
+            // The tolerance allows no more than the range of the series: see its fields.
             let is_small = value.is_within(tolerance.residual, tolerance.growth);
             let limited = if is_small { value } else { value.limited() };
             let trial = sigma;
@@ -348,29 +345,30 @@ impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D,
         }
         let chord: [R; D] = vector(|d| chord[d].signal("joint_pull"));
         // In fixed point, half of a and of e, a quarter of f and of g: so that no trial needs more integer bits than the chord does.
-        let (unit, whole) = (with_room(R::one()), with_room(self.of_whole(sigma)));
-        let sigma = with_room(sigma);
-        let turn = |d: usize| {
-            let turn = (sigma * turn[d]).signal("joint_pull");
+        let unit = halved_for_room(R::one());
+        let (trial, of_chord) = (halved_for_room(sigma), halved_for_room(self.of_whole(sigma)));
+        let pull = |d: usize| {
+            let pull = (trial * turn[d]).signal("joint_pull");
             // Weights that fall can make any of it, and more is beyond the range of the series.
-            if self.is_rational() { turn.max(-unit).min(unit) } else { turn }
+            if self.is_rational() { pull.max(-unit).min(unit) } else { pull }
         };
-        let along: [R; D] = vector(|d| (sigma * chord[d]).signal("joint_direction"));
+        let along: [R; D] = vector(|d| (trial * chord[d]).signal("joint_direction"));
         let whole: [R; D] = vector(|d| {
-            R::sum_of_products([(whole, chord[d]), (unit, before.part[d])]).signal("joint_direction")
+            R::sum_of_products([(of_chord, chord[d]), (unit, before.part[d])]).signal("joint_direction")
         });
         // Where a points back against b, the chord is too short without b too.
         let on_before =
-            with_room(R::sum_of_products(Terms::of(D, |d| (before.part[d], along[d]))).max(R::zero()));
+            halved_for_room(R::sum_of_products(Terms::of(D, |d| (before.part[d], along[d]))).max(R::zero()));
         let on_whole = R::sum_of_products(Terms::of(D, |d| (whole[d], along[d])));
-        let growth = R::sum_of_products(Terms::of(D, |d| (whole[d], turn(d))));
-        let left = with_room(with_room(before.left));
-        let residual = on_before - with_room(unit + unit) + left + on_whole;
+        let growth = R::sum_of_products(Terms::of(D, |d| (whole[d], pull(d))));
+        let left = halved_for_room(halved_for_room(before.left));
+        let two = halved_for_room(unit + unit);
+        let residual = on_before - two + left + on_whole;
         let lengthening = (on_whole - on_before - left).signal("joint_growth");
         let slope = growth + lengthening.half();
         Evaluation {
-            residual: without_room(residual.signal("joint_residual")),
-            slope: without_room(slope.signal("joint_growth")),
+            residual: from_quarters(residual.signal("joint_residual")),
+            slope: from_quarters(slope.signal("joint_growth")),
         }
     }
 
@@ -477,12 +475,15 @@ pub(crate) fn correction<R: Real>(sigma: R, value: &Evaluation<R>, curvature: R)
     sigma.half() * f * series
 }
 
-/// `sigma - part` if that lies in the range, in fixed point.
+/// `sigma - part` if that lies in the range. In a float, which holds σ beyond the range too, it always counts as found.
 ///
-/// There σ is positive. A difference that does not fit wraps to a negative number, which is in no range.
+/// In fixed point σ is positive. A difference that does not fit wraps to a negative number, which is in no range.
 /// Wrappers that watch for overflow compare before they subtract, so that they do not report this wrap as a fault.
 #[inline]
 pub(crate) fn difference_within<R: Real>(sigma: R, part: R, range: &[R; 2]) -> Option<R> {
+    if R::IS_FLOATING {
+        return Some(sigma - part);
+    }
     if R::IS_FOR_SPEED {
         return Some(sigma - part).filter(|rest| is_within(*rest, range));
     }
@@ -502,15 +503,15 @@ pub(crate) fn within<R: Real>(correction: R, sigma: R, range: &[R; 2]) -> R {
     (sigma - range[0]).min(correction).max(sigma - range[1])
 }
 
-/// Half of a number of fixed point, which needs the room. A float has it: its half would have the same digits.
+/// Half of a number of fixed point, for room. A float has the room: its half would have the same digits.
 #[inline]
-fn with_room<R: Real>(value: R) -> R {
+fn halved_for_room<R: Real>(value: R) -> R {
     if R::IS_FLOATING { value } else { value.half() }
 }
 
-/// Four times a value that was halved twice [for room](with_room), limited to 1; a float was not halved.
+/// Four times a value that was [halved](halved_for_room) twice, limited to 1; a float was not halved.
 #[inline]
-fn without_room<R: Real>(value: R) -> R {
+fn from_quarters<R: Real>(value: R) -> R {
     if R::IS_FLOATING {
         return value;
     }

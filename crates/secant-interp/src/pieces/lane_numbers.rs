@@ -68,10 +68,13 @@ pub(crate) struct Numbers<R, const D: usize, const W: usize> {
     /// ω̃_k; of no meaning while no lane has weights.
     pub(crate) weight: [[Row<R, W>; 1]; MAX_DEGREE],
     pub(crate) offset: [Row<R, W>; D],
-    /// n_k, w_0 and w_k of the pieces for k from 1 on, and the least and greatest step per chord. Without weights W is 1.
+    /// n_1, n_2, … of the pieces.
     pub(crate) numerator: [[Row<R, W>; D]; MAX_DEGREE],
+    /// w_0 of the pieces; 1 without weights.
     pub(crate) constant: Row<R, W>,
+    /// w_1, w_2, …; without weights they add nothing.
     pub(crate) weights: [[Row<R, W>; 1]; MAX_DEGREE],
+    /// The least and greatest step per chord.
     pub(crate) range: [Row<R, W>; 2],
     /// For the stages, the share of a period, the feed at the begin and its change.
     pub(crate) share: Row<R, W>,

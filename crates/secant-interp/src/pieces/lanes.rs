@@ -27,8 +27,7 @@ use crate::pieces::joint::Reached;
 use crate::pieces::lane_numbers::{NONE, Numbers, Words, first_of_lane, nowhere, of_lane, put};
 use crate::pieces::piece_interpolator::PieceInterpolator;
 use crate::pieces::place::{after, onward, place_of};
-use crate::pieces::state::CUBIC;
-use crate::pieces::state::{PieceSetpoint, PieceState};
+use crate::pieces::state::{CUBIC, PieceSetpoint, PieceState};
 use crate::step_lengths::PERIOD;
 
 /// A bit for each lane.
@@ -37,8 +36,18 @@ type Mask = u64;
 /// The degree above that of a cubic that has loops of its own; still higher ones take the loops for every degree.
 const QUINTIC: usize = 5;
 
+/// How many coefficients the loops take that are for pieces of this degree.
+fn coefficients_for(degree: usize) -> usize {
+    match degree {
+        0..=CUBIC => CUBIC,
+        4..=QUINTIC => QUINTIC,
+        _ => MAX_DEGREE,
+    }
+}
+
 /// W interpolators side by side, 64 at most, in a format that has vector registers. W is best four times the lanes of a
-/// register, 32 or 64: each loop then has other work while results are awaited.
+/// register, 32 or 64: each loop then has other work while results are awaited. The highest degree that has been in a lane decides how
+/// many coefficients all lanes take from then on, so runs of high degree are best kept among themselves.
 #[derive(Clone, Debug)]
 pub struct LaneInterpolator<'a, R, const D: usize, const W: usize> {
     runs: [PieceInterpolator<'a, R, D>; W],
@@ -264,15 +273,7 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
     fn load_piece(&mut self, lane: usize) -> bool {
         let (run, state, numbers) = (&self.runs[lane], &self.states[lane], &mut self.numbers);
         let Some(row) = run.pieces.pieces.get(state.piece) else { return false };
-        let degree = run.pieces.degree;
-        let enough = if degree <= CUBIC {
-            CUBIC
-        } else if degree <= QUINTIC {
-            QUINTIC
-        } else {
-            MAX_DEGREE
-        };
-        self.coefficients = self.coefficients.max(enough);
+        self.coefficients = self.coefficients.max(coefficients_for(run.pieces.degree));
         numbers.put_coefficients(lane, &run.pieces, state.piece, self.coefficients);
         self.weighted |= Mask::from(run.pieces.is_rational()) << lane;
         put(&mut numbers.range, lane, row.step_per_chord);
@@ -481,13 +482,20 @@ mod tests {
     use nurbs_core::{NurbsBuf, PieceLimits, PiecesBuf, compile};
     use real::{Backend, DoubleDouble};
 
-    /// Two bends at a feed that swings, so that setpoints that are right have mostly come from the common step.
-    fn share_of_common_steps<R: Lane + Backend>(degree: usize, weights: [f64; 6]) -> f64 {
-        let points = vec![[0.0, 0.0], [40.0, 0.0], [40.0, 40.0], [80.0, 40.0], [80.0, 0.0], [120.0, 0.0]];
-        let inner = [0.2, 0.3, 0.5, 0.6].into_iter().skip(degree - 1);
+    const POINTS: usize = 12;
+
+    /// Bends at a feed that swings, so that setpoints that are right have mostly come from the common step.
+    fn share_of_common_steps<R: Lane + Backend>(degree: usize, has_weights: bool) -> f64 {
+        // A meander: two points up, two points down.
+        let points: Vec<_> = (0..POINTS)
+            .map(|i| [40.0 * (i / 2) as f64, if (i + 1) / 2 % 2 == 0 { 0.0 } else { 40.0 }])
+            .collect();
+        let spans = POINTS - degree;
+        let inner = (1..spans).map(|i| (i as f64 + 0.2 * (i as f64).sin()) / spans as f64);
         let ends = |u: f64| core::iter::repeat_n(u, degree + 1);
         let knots = ends(0.0).chain(inner).chain(ends(1.0)).collect();
-        let curve = NurbsBuf::try_new(degree, points, weights.to_vec(), knots).unwrap();
+        let weight = |i: usize| 1.0 + f64::from(has_weights) * 0.3 * (1.3 * i as f64).sin();
+        let curve = NurbsBuf::try_new(degree, points, (0..POINTS).map(weight).collect(), knots).unwrap();
         let limits = PieceLimits { length_mm: 32.0, step_mm: 0.2 };
         let table: PiecesBuf<R, 2> = compile::<DoubleDouble, R, 2>(&[curve.as_curve()], &limits).unwrap();
         let unit = 1.0_f64.ldexp(table.as_pieces().chord_exponent);
@@ -516,11 +524,10 @@ mod tests {
 
     #[test]
     fn most_steps_are_common_ones() {
-        let weights = [[1.0; 6], [1.0, 0.8, 1.3, 1.1, 0.7, 1.0]];
-        for (degree, weights) in (2..=5).flat_map(|degree| weights.map(|weights| (degree, weights))) {
-            let share_in_f32 = share_of_common_steps::<f32>(degree, weights);
-            for share in [share_of_common_steps::<f64>(degree, weights), share_in_f32] {
-                assert!((0.98..1.0).contains(&share), "degree {degree}, {weights:?}: {share}");
+        for (degree, has_weights) in (2..=MAX_DEGREE).flat_map(|degree| [(degree, false), (degree, true)]) {
+            let share_in_f32 = share_of_common_steps::<f32>(degree, has_weights);
+            for share in [share_of_common_steps::<f64>(degree, has_weights), share_in_f32] {
+                assert!((0.98..1.0).contains(&share), "degree {degree}, {has_weights}: {share}");
             }
         }
     }

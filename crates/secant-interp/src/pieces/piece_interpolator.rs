@@ -280,7 +280,8 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     }
 
     /// σ of a common step, with the coefficients of the piece: on the present piece, if the guess and one correction are enough. If
-    /// they are not, the evaluation of the guess. If the guess is out of range or leads past the piece, `None` instead of an evaluation.
+    /// they are not, the evaluation of the guess. If the guess leads past the piece or back, or is out of range in fixed point, `None`
+    /// instead of an evaluation.
     #[inline(always)]
     fn find_ahead<const N: usize, const PLAIN: bool>(
         &self,
@@ -290,12 +291,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
     ) -> Result<(R, Coefficients<'_, R, D>), Option<Evaluation<R>>> {
         let coefficients = self.pieces.coefficients::<N, PLAIN>(state.piece).ok_or(None)?;
         let Trend { newest, fall, .. } = state.trend;
-        // A float holds a guess beyond the range too, and one below 0 makes no step on the piece.
-        let guess = if R::IS_FLOATING {
-            newest - fall
-        } else {
-            difference_within(newest, fall, &row.step_per_chord).ok_or(None)?
-        };
+        let guess = difference_within(newest, fall, &row.step_per_chord).ok_or(None)?;
         let step = guess * length;
         if !is_on_piece(state, row, step) {
             return Err(None);

@@ -44,7 +44,7 @@ pub(crate) fn onward<R: Real, const D: usize>(
 }
 
 /// Whether a step of `guessed` is worth an evaluation on the present piece. It is not if it reaches past a knot by more
-/// than the usual error of a guess, past the whole piece, or back.
+/// than the usual error of a guess, or past the whole piece, or back, as only a float can.
 #[inline]
 pub(crate) fn is_on_piece<R: Real, const D: usize>(
     state: &PieceState<R, D>,

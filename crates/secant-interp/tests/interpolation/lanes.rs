@@ -87,20 +87,23 @@ fn compiled<R: Backend, const D: usize>(run: &Run<D>) -> Option<Compiled<R, D>> 
     Some((table, stages, tolerance))
 }
 
-/// Follows all runs side by side and one by one; how many of the setpoints were found in one evaluation.
+/// Follows the runs side by side and one by one; how many of the setpoints were found in one evaluation. Lanes begin with the first
+/// `begin` runs, and take up others when they are restarted.
 fn same_setpoints<R: Lane + Backend, const D: usize, const LANES: usize>(
     runs: &[Run<D>],
+    begin: usize,
 ) -> Result<usize, TestCaseError> {
     let compiled: Vec<Compiled<R, D>> = runs.iter().filter_map(compiled).collect();
     if compiled.is_empty() {
         return Ok(0);
     }
-    let mut runs: [PieceInterpolator<'_, R, D>; LANES] = std::array::from_fn(|lane| {
-        let (table, stages, tolerance) = &compiled[lane % compiled.len()];
+    let run = |number: usize| {
+        let (table, stages, tolerance) = &compiled[number % compiled.len()];
         let landing_step = stages.first().map_or_else(R::resolution, |stage| stage.change.half().half());
         let lengths = StepLengths { stages, crossings: &[] };
         PieceInterpolator { pieces: table.as_pieces(), lengths, tolerance: *tolerance, landing_step }
-    });
+    };
+    let mut runs: [PieceInterpolator<'_, R, D>; LANES] = std::array::from_fn(|lane| run(lane % begin));
     let mut states = runs.each_ref().map(PieceInterpolator::start);
     let mut lanes = LaneInterpolator::new(runs);
     prop_assert_eq!(lanes.setpoint(0), None);
@@ -118,11 +121,11 @@ fn same_setpoints<R: Lane + Backend, const D: usize, const LANES: usize>(
         if running == 0 {
             break;
         }
-        // Now and then a lane takes its run, or its neighbour's, from the start again.
+        // Now and then a lane takes up the next of all runs.
         if step % 97 == 96 {
-            let (lane, other) = (step % LANES, (step / 97) % LANES);
-            lanes.restart(lane, runs[other]);
-            (runs[lane], states[lane]) = (runs[other], runs[other].start());
+            let (lane, other) = (step % LANES, run(step / 97));
+            lanes.restart(lane, other);
+            (runs[lane], states[lane]) = (other, other.start());
             prop_assert_eq!(lanes.setpoint(lane), None);
         }
     }
@@ -136,14 +139,41 @@ proptest! {
 
     #[test]
     fn plane_runs_are_the_same_side_by_side(runs in proptest::collection::vec(run::<2>(), RUNS)) {
-        same_setpoints::<f64, 2, RUNS>(&runs)?;
-        same_setpoints::<f32, 2, RUNS>(&runs)?;
+        same_setpoints::<f64, 2, RUNS>(&runs, RUNS)?;
+        same_setpoints::<f32, 2, RUNS>(&runs, RUNS)?;
     }
 
     #[test]
     fn space_runs_are_the_same_side_by_side(runs in proptest::collection::vec(run::<3>(), RUNS)) {
-        same_setpoints::<f64, 3, RUNS>(&runs)?;
-        same_setpoints::<f32, 3, RUNS>(&runs)?;
+        same_setpoints::<f64, 3, RUNS>(&runs, RUNS)?;
+        same_setpoints::<f32, 3, RUNS>(&runs, RUNS)?;
+    }
+}
+
+/// Lanes that have had cubics without weights alone take up weights and higher degrees, and then a cubic again.
+#[test]
+fn lanes_take_up_what_they_have_not_had() {
+    let run = |degree: usize, has_weights: bool| {
+        let points: Vec<_> =
+            (0..14).map(|i| [10.0 * f64::from(i), 20.0 * (0.7 * f64::from(i)).sin()]).collect();
+        let weights = (0..14).map(|i| 1.0 + f64::from(has_weights) * 0.3 * (1.3 * f64::from(i)).sin());
+        let spans = 14 - degree;
+        let inner = (1..spans).map(|i| i as f64 / spans as f64);
+        let ends = |u: f64| std::iter::repeat_n(u, degree + 1);
+        let knots = ends(0.0).chain(inner).chain(ends(1.0)).collect();
+        Run {
+            curve: NurbsBuf::try_new(degree, points, weights.collect(), knots).unwrap(),
+            feed_mm: 0.02,
+            stages: vec![(50.0, 0.9, 0), (30.5, 0.4, 0), (40.0, 0.1, 0)],
+            length: 400,
+            fluctuation: 1e-6,
+            max_evaluations: 5,
+        }
+    };
+    let runs = [(3, false), (5, false), (3, true), (MAX_DEGREE, true), (3, false), (4, true)]
+        .map(|(degree, has)| run(degree, has));
+    for found in [same_setpoints::<f64, 2, 4>(&runs, 1), same_setpoints::<f32, 2, 5>(&runs, 1)] {
+        assert!(found.unwrap() > 10_000);
     }
 }
 
@@ -152,7 +182,7 @@ proptest! {
 
     #[test]
     fn as_many_runs_as_there_may_be_are_the_same(runs in proptest::collection::vec(run::<2>(), RUNS)) {
-        same_setpoints::<f64, 2, 64>(&runs)?;
-        same_setpoints::<f32, 2, 61>(&runs)?;
+        same_setpoints::<f64, 2, 64>(&runs, RUNS)?;
+        same_setpoints::<f32, 2, 61>(&runs, RUNS)?;
     }
 }
