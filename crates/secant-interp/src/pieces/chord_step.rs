@@ -210,8 +210,8 @@ impl<R: Real, const D: usize, const N: usize, const PLAIN: bool> Chord<'_, R, D,
     }
 
     /// σ, if one evaluation at a start value, whose step is x and no longer than the whole piece, and one correction are enough;
-    /// in fixed point the start value lies in the range, and so does σ; otherwise the evaluation. f and g are so small in the first case that they need no
-    /// limits. The result is the same as that of [`refine`](Self::refine), and is found sooner.
+    /// otherwise the evaluation. In fixed point the start value lies in the range, and so does σ. f and g are so small in the first
+    /// case that they need no limits. The result is the same as that of [`refine`](Self::refine), and is found sooner.
     #[inline(always)]
     pub(crate) fn correct(&self, sigma: R, x: R, tolerance: &ChordTolerance<R>) -> Result<R, Evaluation<R>> {
         let value = self.evaluate(sigma, x);

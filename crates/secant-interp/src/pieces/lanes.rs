@@ -12,9 +12,9 @@
 //! needs. While no lane has weights, the loops leave them out; else all lanes have some, which are 1 where the path has none.
 //!
 //! A common step has two parts: the departure, up to the place where the step ends, and the arrival, which computes the point
-//! there. Between them, lanes get the numbers of another piece or of another stage where they need them. In all other cases a lane steps alone, as [`PieceInterpolator::step`] does. So the setpoints are those of
-//! [`PieceInterpolator`] bit for bit: a common step is the same operations in the same order, and counts only if no
-//! other case occurs.
+//! there. Between them, lanes get the numbers of another piece or of another stage where they need them. In all other cases a lane
+//! steps alone, as [`PieceInterpolator::step`] does. So the setpoints are those of [`PieceInterpolator`] bit for bit: a common step
+//! is the same operations in the same order, and counts only if no other case occurs.
 
 use feed_plan::StageShape;
 use nurbs_core::{Joint, MAX_DEGREE, divide_by_weight, shift};

@@ -238,7 +238,7 @@ impl<R: Real, const D: usize> PieceInterpolator<'_, R, D> {
                     (state.phase, state.t) = (phase, t);
                     state.trend = state.trend.and(sigma);
                     let t = t.signal("parameter");
-                    // What is known before the point is written before it: it would wait for the point in memory.
+                    // Most fields are known before the point, and are written before it: they would wait for it in memory.
                     (setpoint.piece, setpoint.phase, setpoint.length) = (state.piece, phase, length);
                     setpoint.offset =
                         self.pieces.shift_along::<N, PLAIN>((row, shifts), &coefficients, t, &mut state.at);
