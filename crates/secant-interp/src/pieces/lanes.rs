@@ -488,7 +488,7 @@ mod tests {
     fn share_of_common_steps<R: Lane + Backend>(degree: usize, has_weights: bool) -> f64 {
         // A meander: two points up, two points down.
         let points: Vec<_> = (0..POINTS)
-            .map(|i| [40.0 * (i / 2) as f64, if (i + 1) / 2 % 2 == 0 { 0.0 } else { 40.0 }])
+            .map(|i| [40.0 * (i / 2) as f64, if matches!(i % 4, 1 | 2) { 40.0 } else { 0.0 }])
             .collect();
         let spans = POINTS - degree;
         let inner = (1..spans).map(|i| (i as f64 + 0.2 * (i as f64).sin()) / spans as f64);
