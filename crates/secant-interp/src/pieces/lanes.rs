@@ -308,7 +308,7 @@ impl<'a, R: Lane, const D: usize, const W: usize> LaneInterpolator<'a, R, D, W> 
             return;
         }
         let mut next = *cursor;
-        if let Some(length) = run.lengths.advance(&mut next).filter(|_| !run.lengths.is_over(&next)) {
+        if let Some((length, false)) = run.lengths.advance_or_end(&mut next) {
             (words.left[lane], *cursor) = (1, next);
             (numbers.feed[lane], numbers.change[lane]) = (length, R::zero());
         } else {
