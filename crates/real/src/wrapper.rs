@@ -241,8 +241,9 @@ macro_rules! wrapper {
                 result
             }
 
-            #[inline]
             fn is_part(self) -> bool {
+                let one = <Self as num_traits::One>::one();
+                Self::compared(self, one, self.inner().partial_cmp(&one.inner()));
                 self.inner().is_part()
             }
 
