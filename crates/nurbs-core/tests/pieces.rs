@@ -483,6 +483,25 @@ fn where_a_curve_stands_still_it_is_cut() {
     }
 }
 
+/// Between knots a rounding apart lie many joints, and their parameters differ only in the second of their two floats. The
+/// first of them was once taken for the joint at the stop.
+#[test]
+fn a_stop_between_knots_a_rounding_apart_becomes_its_own_joint() {
+    let knot = 0.507_274_961_421_666_2_f64;
+    let stops = [(0, knot), (0, knot.next_up())];
+    let points = vec![[0.0, 0.0], [10.0, 0.0], [20.0, 0.0], [40.0, 20.0], [60.0, 0.0], [70.0, 0.0]];
+    let knots = vec![0.0, 0.0, 0.0, knot, knot, knot.next_up(), 1.0, 1.0, 1.0];
+    let curve = NurbsBuf::try_new(2, points, vec![1.0; 6], knots).unwrap();
+    let cut = PieceLimits { length_mm: 4.0, step_mm: 1.0 };
+    let table =
+        nurbs_core::compile_with_stops::<DoubleDouble, f64, 2>(&[curve.as_curve()], &cut, &stops).unwrap();
+    let joints = stops.map(|(curve, u)| table.joint(curve, u).unwrap());
+    assert!(joints[0] + 4 < joints[1], "{joints:?}");
+    for (joint, (_, u)) in joints.iter().zip(stops) {
+        assert_eq!(table.places()[*joint].begin, (u, 0.0));
+    }
+}
+
 /// Between curves that move, one that is a point has no piece; a stop on it is the joint of the others. A path that is nothing else
 /// is refused.
 #[test]

@@ -55,20 +55,21 @@ impl<R: Real, const D: usize> PiecesBuf<R, D> {
     /// 2⁻²⁴ of a piece.
     #[must_use]
     pub fn joint(&self, curve: usize, u: f64) -> Option<usize> {
-        let rounding = |place: &Place| (place.end.0 - place.begin.0).ldexp(SLIVER + MAX_HALVINGS);
-        let is_near = |place: &Place, end: f64| place.curve == curve && (end - u).abs() <= rounding(place);
-        let next = self.places.partition_point(|place| (place.curve, place.end.0) < (curve, u));
+        let is_near = |place: &Place, end: (f64, f64)| {
+            place.curve == curve && beyond(end, u).abs() <= place.width().ldexp(SLIVER + MAX_HALVINGS)
+        };
+        let next = first_to_reach(&self.places, curve, u);
         let around = next.saturating_sub(1)..self.places.len().min(next + 2);
-        let ends = |piece: &usize| is_near(&self.places[*piece], self.places[*piece].end.0);
-        let begins = |piece: &usize| is_near(&self.places[*piece], self.places[*piece].begin.0);
+        let ends = |piece: &usize| is_near(&self.places[*piece], self.places[*piece].end);
+        let begins = |piece: &usize| is_near(&self.places[*piece], self.places[*piece].begin);
         let after = around.clone().find(ends).map(|piece| piece + 1);
         after.or_else(|| around.clone().find(begins)).or_else(|| self.is_still(curve, u).then_some(next))
     }
 
     /// Whether the path stands still at the parameter `u` of this curve.
     fn is_still(&self, curve: usize, u: f64) -> bool {
-        let next = self.still.partition_point(|place| (place.curve, place.end.0) < (curve, u));
-        self.still.get(next).is_some_and(|place| place.curve == curve && place.begin.0 <= u)
+        let part = self.still.get(first_to_reach(&self.still, curve, u));
+        part.is_some_and(|place| place.curve == curve && beyond(place.begin, u) <= 0.0)
     }
 
     /// The longest chord of a period for which the bounds are proven, in mm:
@@ -97,4 +98,15 @@ impl<R: Backend, const D: usize> PiecesBuf<R, D> {
         let units = if R::IS_FLOATING { (0..D).map(sum).fold(0.0, f64::max) } else { 1.0 };
         units.ldexp(row.coordinate_exponent.into())
     }
+}
+
+/// How far a parameter, a sum of two floats, lies beyond another.
+fn beyond((high, low): (f64, f64), u: f64) -> f64 {
+    (high - u) + low
+}
+
+/// The index of the first of these places that reaches `u` of this curve: it ends there or beyond.
+fn first_to_reach(places: &[Place], curve: usize, u: f64) -> usize {
+    places
+        .partition_point(|place| place.curve < curve || (place.curve == curve && beyond(place.end, u) < 0.0))
 }

@@ -10,3 +10,10 @@ pub struct Place {
     /// The parameter at which it ends.
     pub end: (f64, f64),
 }
+
+impl Place {
+    /// By how much the parameter grows over the piece.
+    pub(crate) fn width(&self) -> f64 {
+        (self.end.0 - self.begin.0) + (self.end.1 - self.begin.1)
+    }
+}
