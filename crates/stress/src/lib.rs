@@ -30,7 +30,7 @@ pub use on_curve::{CurveFigures, OnCurve};
 pub use on_pieces::{OnPieces, PieceFigures};
 pub use piece_points::check_pieces;
 pub use planned_path::PlannedPath;
-pub use side_by_side::check_against_float;
+pub use side_by_side::{SideBySide, check_against_float};
 pub use soak::{
     SOAK_FORMATS, Soak, SoakFormat, SoakPaths, SoakViolation, Soaked, SoakedPath, SoakedRun, soak_path,
 };

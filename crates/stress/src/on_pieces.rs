@@ -223,7 +223,7 @@ const SHORT_MM: f64 = 1e-4;
 /// wanted by more than this part.
 const TOO_LONG: f64 = 1.0 / 64.0;
 /// The judge's own rounding, relative to a piece.
-const JUDGE: f64 = 1e-13;
+pub(crate) const JUDGE: f64 = 1e-13;
 /// The part by which rounding may make a chord longer or shorter than that of its period's feed.
 const FEED_SLACK: f64 = 1e-6;
 

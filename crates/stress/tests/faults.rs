@@ -2,7 +2,7 @@
 //! drawn differently, the test would run, and pass on, a path that never had the fault.
 
 use feed_plan::ProfileKind;
-use real::{I8F24, I32F32, Overflow, Rounding, RuntimeFixed, RuntimeFormat};
+use real::{I8F24, I16F48, I32F32, Overflow, Rounding, RuntimeFixed, RuntimeFormat};
 use stress::{
     OnCurve, OnPieces, Outcome, PlannedPath, RandomPath, SOAK_FORMATS, SoakFormat, SoakPaths, SoakedRun,
     SplitMix64, check_against_float, soak_path,
@@ -275,7 +275,19 @@ fn few_evaluations_find_a_chord_in_floats_as_in_fixed_point() {
     for (seed, expected) in [(5, 0x7490_8388), (14, 0xa4ba_ac79), (29, 0x827b_af42)] {
         let path = drawn(&bytes(seed), expected);
         let planned = PlannedPath::new(&path, 2000).unwrap();
-        check_against_float::<I8F24, 2>(&planned).unwrap();
+        let Outcome::Ran(ran) = check_against_float::<I8F24, 2>(&planned).unwrap() else { panic!("{seed}") };
+        let [fixed, float] = ran.missed_part;
+        assert!(fixed > 0.0 && float <= 1.01 * fixed, "{seed}: {ran:?}");
+    }
+}
+
+/// A chord whose evaluations were used up was held to the bound of one that was found, and only a fuzzer compared I16F48 with f64.
+#[test]
+fn formats_may_differ_by_what_chords_are_off_whose_evaluations_were_used_up() {
+    for (seed, expected) in [(7, 0x9829_1bcf), (94, 0xc745_413d), (148, 0xb6b2_e296)] {
+        let path = drawn(&bytes(seed), expected);
+        let planned = PlannedPath::new(&path, 3000).unwrap();
+        check_against_float::<I16F48, 2>(&planned).unwrap();
     }
 }
 

@@ -50,6 +50,7 @@ fn keeps_every_promise<const D: usize>(bytes: &[u8]) -> Result<(), Violation> {
     on_curve::<I32F32, D>(&planned)?;
     check_against_float::<I8F24, D>(&planned)?;
     check_against_float::<f32, D>(&planned)?;
+    check_against_float::<I16F48, D>(&planned)?;
     if let Ok(counted) = OnPieces::<Counted<f64>, D>::new(&planned) {
         let counted: Outcome<_> = counted.count()?;
         assert!(matches!(counted, Outcome::Ran(_)));
