@@ -19,8 +19,8 @@ pub struct SideBySide {
 
 /// Runs `R` and f64 along the same pieces by the same plan and compares them. After n steps they may differ by n times
 /// the bound of a chord's error, and by half as much again for the path's bends. A chord whose evaluations were used up
-/// is off the wanted one by more, and then they may differ by twice what it is off. Behind a corner of a right angle or more
-/// they are not compared: a chord may be found on either side of it.
+/// is off the wanted one by more: then they may differ by what it is off, and a step that turns by φ may divide that by
+/// cos φ. Behind a corner of a right angle or more they are not compared: a chord may be found on either side of it.
 ///
 /// # Errors
 /// The first step at which they differ by more.
