@@ -1,21 +1,11 @@
 //! `feedbits smooth`, as a person or a script uses it.
 
-mod message;
-
 use std::fs;
-use std::path::Path;
-use std::process::{Command, Output};
 
-use message::unfolded;
 use serde_json::Value;
 
-fn feedbits(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_feedbits")).args(arguments).output().expect("the program starts")
-}
-
-fn data(name: &str) -> String {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data").join(name).display().to_string()
-}
+use crate::command::{data, feedbits};
+use crate::message::{text, unfolded};
 
 /// A folder with a program in it.
 struct Folder(tempfile::TempDir);
@@ -369,7 +359,7 @@ fn a_program_that_is_too_long_costs_the_file_and_not_the_report() {
                 said.contains(limit) && said.contains("a larger --tolerance") && said.contains(".toml"),
                 "{said}"
             );
-            let report = String::from_utf8_lossy(&output.stdout);
+            let report = text(&output.stdout);
             if options.is_empty() {
                 assert!(
                     report.contains("\ncorners     0 cut") && report.contains("\nsetpoints "),
@@ -393,6 +383,6 @@ fn a_path_that_smoothing_makes_slower_is_said_to_be() {
     assert!((0.5..0.99).contains(&speedup), "{speedup}");
     let (part, machine) = (folder.path("part.nc"), data("seed-000.toml"));
     let output = feedbits(&[&["smooth", &part, "--machine", &machine], &options[..]].concat());
-    let said = String::from_utf8_lossy(&output.stdout).into_owned();
+    let said = text(&output.stdout);
     assert!(said.contains(&format!(" at every corner: {speedup:.2} times as fast.\n")), "{said}");
 }

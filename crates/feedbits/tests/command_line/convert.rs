@@ -1,23 +1,16 @@
 //! `feedbits convert`: everything that it writes reads back.
 
-mod message;
-
-use message::unfolded;
-use nurbs_core::{Evaluate, distance_to_segment};
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
+
+use nurbs_core::{Evaluate, distance_to_segment};
+
+use crate::command::{data, feedbits};
+use crate::message::{text, unfolded};
 
 fn convert(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_feedbits")).arg("convert").args(arguments).output().expect("starts")
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
-}
-
-fn data(name: &str) -> String {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data").join(name).display().to_string()
+    feedbits(&[&["convert"], arguments].concat())
 }
 
 /// The words are not part of a curve file. If the path went straight on, the rest at a word was once lost with the
@@ -31,10 +24,7 @@ fn a_curve_file_is_planned_as_its_program_is() {
         .expect("the folder is writable");
     let machine = data("seed-000.toml");
     let plan = |part: &str| -> serde_json::Value {
-        let plan = Command::new(env!("CARGO_BIN_EXE_feedbits"))
-            .args(["plan", part, "--machine", &machine, "--json"])
-            .output()
-            .expect("starts");
+        let plan = feedbits(&["plan", part, "--machine", &machine, "--json"]);
         serde_json::from_slice(&plan.stdout).expect("JSON")
     };
     let rests = |plan: &serde_json::Value| {
@@ -48,10 +38,8 @@ fn a_curve_file_is_planned_as_its_program_is() {
     // The tool rests at M8, on both sides of the block with M9, at the corner and at the end; not at the corner once it
     // is smoothed.
     assert_eq!(rests(&of_program), 5);
-    let smooth = Command::new(env!("CARGO_BIN_EXE_feedbits"))
-        .args(["smooth", &program, "--machine", &machine, "--tolerance", "0.05", "--out", &smoothed])
-        .output()
-        .expect("starts");
+    let smoothing = ["smooth", &program, "--machine", &machine, "--tolerance", "0.05", "--out", &smoothed];
+    let smooth = feedbits(&smoothing);
     assert!(smooth.status.success(), "{}", unfolded(&smooth.stderr));
     assert_eq!(rests(&plan(&smoothed)), 4);
 }
@@ -348,7 +336,7 @@ fn an_engraving_of_fine_moves_becomes_curves() {
         let off = distance(point, &after);
         assert!(off <= bound + 0.001, "{point:?} is {off} mm from the curves");
     }
-    let check = Command::new(env!("CARGO_BIN_EXE_feedbits")).args(["check", &out]).output().expect("starts");
+    let check = feedbits(&["check", &out]);
     assert!(text(&check.stdout).contains("nothing is suspicious"), "{}", text(&check.stdout));
 }
 

@@ -1,13 +1,12 @@
 //! Feed override and feed hold while a plan runs.
 
-mod message;
+use std::process::Output;
 
-use message::unfolded;
-use std::process::{Command, Output};
+use crate::command::{data, feedbits};
+use crate::message::unfolded;
 
 fn interpolate(arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_feedbits"));
-    command.arg("interpolate").args(arguments).output().expect("it runs")
+    feedbits(&[&["interpolate"], arguments].concat())
 }
 
 /// Chords of each period in mm, and the time of the run in s.
@@ -114,7 +113,7 @@ fn what_each_axis_can_do_is_kept_while_the_rate_changes() {
 /// corner, and took the rest in the last period, with up to 32 times the jerk limit.
 #[test]
 fn a_slower_run_lands_on_every_stop() {
-    let part = concat!(env!("CARGO_MANIFEST_DIR"), "/../../data/engraving.nc");
+    let part = data("engraving.nc");
     for overrides in ["0:30", "0:50", "0:80", "0.5:120,9:60,15:0,16:90"] {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let machine = folder.path().join("machine.toml").display().to_string();
@@ -122,7 +121,7 @@ fn a_slower_run_lands_on_every_stop() {
             jerk_mm_per_s3 = 30000.0\nchord_error_mm = 0.002\nfluctuation_limit = 1e-6\nparameter_tolerance = 1e-6\n\
             max_iterations = 5\n";
         std::fs::write(&machine, text).expect("the folder is writable");
-        let (chords, _) = chords(&[part, "--machine", &machine, "--override", overrides]);
+        let (chords, _) = chords(&[&part, "--machine", &machine, "--override", overrides]);
         let steps = [&[0.0, 0.0], &chords[..], &[0.0, 0.0]].concat();
         let jerk = steps.windows(3).map(|w| (w[2] - 2.0 * w[1] + w[0]).abs()).fold(0.0, f64::max) / 3e-5;
         assert!(jerk <= 1.05, "{overrides}: {jerk} J");

@@ -1,40 +1,21 @@
 //! `feedbits compare --report`, as a folder on the disk.
 
-mod message;
-
-use message::unfolded;
 use std::fs;
-use std::path::Path;
-use std::process::{Command, Output};
 
-fn feedbits(folder: &Path, arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_feedbits"));
-    command.args(arguments).current_dir(folder).output().expect("the program starts")
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
-}
-
-fn files(folder: &Path) -> Vec<String> {
-    let entries = fs::read_dir(folder).expect("a folder");
-    let mut names: Vec<_> =
-        entries.map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned()).collect();
-    names.sort();
-    names
-}
+use crate::command::{feedbits_in, names};
+use crate::message::{text, unfolded};
 
 /// The command prints the same with a report and without.
 #[test]
 fn a_report_is_a_folder_and_changes_nothing_that_is_printed() {
     let folder = tempfile::tempdir().expect("a folder");
     let arguments = ["compare", "--formats", "I16F16,I8F24,I4F28,f32,f64"];
-    let plain = feedbits(folder.path(), &arguments);
-    let with = feedbits(folder.path(), &[&arguments[..], &["--report", "a/b"]].concat());
+    let plain = feedbits_in(folder.path(), &arguments);
+    let with = feedbits_in(folder.path(), &[&arguments[..], &["--report", "a/b"]].concat());
     assert_eq!(with.status.code(), Some(0), "{}", unfolded(&with.stderr));
     assert_eq!(text(&plain.stdout), text(&with.stdout));
     assert!(unfolded(&with.stderr).contains("report in a/b/index.html"), "{}", unfolded(&with.stderr));
-    let names = files(&folder.path().join("a/b"));
+    let names = names(&folder.path().join("a/b"));
     for name in [
         "index.html",
         "formats.csv",
@@ -60,7 +41,7 @@ fn a_report_is_a_folder_and_changes_nothing_that_is_printed() {
         .map(|name| fs::metadata(folder.path().join("a/b").join(name)).expect("a file").len())
         .sum();
     assert!(size < 3_000_000, "the whole folder: {size}");
-    let quiet = feedbits(folder.path(), &[&arguments[..], &["--report", "a/b", "--quiet"]].concat());
+    let quiet = feedbits_in(folder.path(), &[&arguments[..], &["--report", "a/b", "--quiet"]].concat());
     assert_eq!((unfolded(&quiet.stderr), quiet.status.code()), (String::new(), Some(0)));
 }
 
@@ -70,9 +51,9 @@ fn a_priced_report_has_costs() {
     let folder = tempfile::tempdir().expect("a folder");
     let arguments =
         ["compare", "--formats", "I4F28", "--evaluate", "pieces", "--targets", "cortex-m3", "--report", "r"];
-    let run = feedbits(folder.path(), &arguments);
+    let run = feedbits_in(folder.path(), &arguments);
     assert_eq!(run.status.code(), Some(0), "{}", unfolded(&run.stderr));
-    let names = files(&folder.path().join("r"));
+    let names = names(&folder.path().join("r"));
     for name in ["costs.csv", "costs.json", "cycles-cortex-m3.svg", "schedule-cortex-m3.svg"] {
         assert!(names.iter().any(|found| found == name), "{name} in {names:?}");
     }
@@ -85,7 +66,7 @@ fn a_report_replaces_the_one_before() {
     let folder = tempfile::tempdir().expect("a folder");
     let report = folder.path().join("r");
     let run = |formats: &str| {
-        let run = feedbits(
+        let run = feedbits_in(
             folder.path(),
             &["compare", "--formats", formats, "--evaluate", "pieces", "--report", "r"],
         );
@@ -98,12 +79,12 @@ fn a_report_replaces_the_one_before() {
     let at_work = fs::File::create(report.join(".feedbits-aB3dE7.part")).expect("a file");
     at_work.lock().expect("a lock");
     run("I4F28,f64");
-    let first = files(&report);
+    let first = names(&report);
     assert!(first.contains(&"path-f64_pieces.svg".to_string()), "{first:?}");
     run("I4F28");
     let mut expected: Vec<String> = first.into_iter().filter(|name| !name.contains("f64")).collect();
     expected.sort();
-    assert_eq!(files(&report), expected);
+    assert_eq!(names(&report), expected);
     for kept in [".feedbits-aB3dE7.part", ".feedbits-notes.part", ".tmpaB3dE6", "path-mine.svg"] {
         assert!(expected.iter().any(|name| name == kept), "{kept} in {expected:?}");
     }
@@ -112,14 +93,14 @@ fn a_report_replaces_the_one_before() {
     // The page of another program lists no file of a report.
     fs::write(report.join("index.html"), "<a href=\"path-mine.svg\" download>").expect("a file");
     run("I4F28");
-    assert_eq!(files(&report), expected);
+    assert_eq!(names(&report), expected);
 }
 
 #[test]
 fn a_folder_that_cannot_be_made_is_an_error() {
     let folder = tempfile::tempdir().expect("a folder");
     fs::write(folder.path().join("file"), "kept").expect("a file");
-    let run = feedbits(folder.path(), &["compare", "--formats", "f64", "--report", "file"]);
+    let run = feedbits_in(folder.path(), &["compare", "--formats", "f64", "--report", "file"]);
     assert_eq!(run.status.code(), Some(2));
     assert!(unfolded(&run.stderr).contains("cannot make the folder file"), "{}", unfolded(&run.stderr));
     assert_eq!(fs::read_to_string(folder.path().join("file")).expect("a file"), "kept");
@@ -129,7 +110,7 @@ fn a_folder_that_cannot_be_made_is_an_error() {
 #[test]
 fn the_default_run_leaves_a_report() {
     let folder = tempfile::tempdir().expect("a folder");
-    let run = feedbits(folder.path(), &[]);
+    let run = feedbits_in(folder.path(), &[]);
     assert_eq!(run.status.code(), Some(0), "{}", unfolded(&run.stderr));
     assert_eq!(
         unfolded(&run.stderr).lines().collect::<Vec<_>>(),
@@ -140,7 +121,7 @@ fn the_default_run_leaves_a_report() {
     // If no folder can be made, the answer is still printed.
     let taken = tempfile::tempdir().expect("a folder");
     fs::write(taken.path().join("feedbits-report"), "kept").expect("a file");
-    let without = feedbits(taken.path(), &[]);
+    let without = feedbits_in(taken.path(), &[]);
     assert_eq!((without.status.code(), text(&without.stdout)), (Some(0), text(&run.stdout)));
     assert!(
         unfolded(&without.stderr).contains("no report: cannot make the folder"),

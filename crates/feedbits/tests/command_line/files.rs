@@ -1,22 +1,17 @@
 //! Files may be full, locked, huge, binary, or not files at all. No file is written by halves, and each error names the
 //! fault and its place.
-#![cfg(unix)]
 
-mod message;
-
-use message::unfolded;
 use std::fs;
 use std::os::unix::fs::{FileTypeExt, PermissionsExt, symlink};
 use std::path::Path;
 use std::process::{Command, Output};
 
-fn feedbits(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_feedbits")).args(arguments).output().expect("the program starts")
-}
+use crate::command::{PROGRAM, feedbits, names};
+use crate::message::{text, unfolded};
 
 /// Runs the program in a shell after `setup`; the program replaces the shell.
 fn in_shell(setup: &str, arguments: &str, folder: &Path) -> Output {
-    let script = format!("{setup}; exec {} {arguments}", env!("CARGO_BIN_EXE_feedbits"));
+    let script = format!("{setup}; exec {PROGRAM} {arguments}");
     Command::new("sh").args(["-c", &script]).current_dir(folder).output().expect("a shell")
 }
 
@@ -27,19 +22,11 @@ fn said(output: &Output) -> String {
 fn is_refused(output: &Output, words: &[&str]) {
     let said = said(output);
     assert_eq!(output.status.code(), Some(2), "{said}");
-    assert!(output.stdout.is_empty(), "{}", String::from_utf8_lossy(&output.stdout));
+    assert!(output.stdout.is_empty(), "{}", text(&output.stdout));
     for word in words {
         assert!(said.contains(word), "{word:?} is missing in {said}");
     }
     assert!(!said.contains("panicked"), "{said}");
-}
-
-fn names(folder: &Path) -> Vec<String> {
-    let entries = fs::read_dir(folder).expect("a folder");
-    let mut names: Vec<String> =
-        entries.map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned()).collect();
-    names.sort();
-    names
 }
 
 #[test]
@@ -133,8 +120,7 @@ fn a_huge_file_is_refused_before_memory_is_taken_for_it() {
 #[test]
 fn binary_files_are_refused() {
     let folder = tempfile::tempdir().expect("a folder");
-    let program = env!("CARGO_BIN_EXE_feedbits");
-    let head = fs::read(program).expect("the program").into_iter().take(100_000).collect::<Vec<_>>();
+    let head = fs::read(PROGRAM).expect("the program").into_iter().take(100_000).collect::<Vec<_>>();
     fs::write(folder.path().join("elf"), head).expect("a file");
     let noise: Vec<u8> =
         (0..100_000_u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 23).to_le_bytes()[0]).collect();
@@ -156,12 +142,11 @@ fn binary_files_are_refused() {
 #[test]
 fn streams_that_are_closed_or_full_change_no_exit_status() {
     let folder = tempfile::tempdir().expect("a folder");
-    let machine = include_str!("../../../data/seed-000.toml");
+    let machine = include_str!("../../../../data/seed-000.toml");
     let part = "G1 X0 Y0 F6000\nG0 X5\nG1 X10 Q1\n";
     for (name, content) in [("bad.nc", "G1 X\n"), ("p.nc", part), ("m.toml", machine)] {
         fs::write(folder.path().join(name), content).expect("a file");
     }
-    let program = env!("CARGO_BIN_EXE_feedbits");
     for (arguments, status) in [
         ("check bad.nc", 2),
         ("check p.nc --lenient", 1),
@@ -176,7 +161,7 @@ fn streams_that_are_closed_or_full_change_no_exit_status() {
         assert_eq!(full.status.code(), Some(status), "{arguments}, full");
         // The reader has ended before the program starts.
         for stream in ["2>&1 >/dev/null", ">&1 2>/dev/null", "2>&1"] {
-            let script = format!("(sleep 0.2; {program} {arguments} {stream}; echo $? > status) | true");
+            let script = format!("(sleep 0.2; {PROGRAM} {arguments} {stream}; echo $? > status) | true");
             let ran = Command::new("sh").args(["-c", &script]).current_dir(folder.path()).status();
             assert!(ran.expect("a shell").success(), "{arguments}");
             let found = fs::read_to_string(folder.path().join("status")).expect("a status");
@@ -241,7 +226,7 @@ fn the_standard_input_is_a_part() {
     let named = in_shell(":", "check p.nc", folder.path());
     let piped = in_shell("exec < p.nc", "check -", folder.path());
     assert_eq!(piped.status.code(), named.status.code(), "{}", said(&piped));
-    let shown = |output: &Output| String::from_utf8_lossy(&output.stdout).into_owned();
+    let shown = |output: &Output| text(&output.stdout);
     assert_eq!(shown(&piped), shown(&named).replace("p.nc", "standard input"));
     is_refused(
         &in_shell("exec < /dev/zero", "check -", folder.path()),

@@ -1,13 +1,7 @@
 //! Runs of a plan that sees no more than a window of the path.
 
-mod message;
-
-use message::unfolded;
-use std::process::{Command, Output};
-
-fn feedbits(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_feedbits")).args(arguments).output().expect("it runs")
-}
+use crate::command::feedbits;
+use crate::message::unfolded;
 
 fn json(arguments: &[&str]) -> serde_json::Value {
     let output = feedbits(&[arguments, &["--json"]].concat());

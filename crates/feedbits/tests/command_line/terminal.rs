@@ -1,9 +1,10 @@
 //! Whole outputs on a terminal. Digits of measured figures are masked, since they may differ in the last place between
-//! machines. `UPDATE_EXPECT=1 cargo test -p feedbits --test terminal` writes the present outputs.
-
-use std::process::Command;
+//! machines. `UPDATE_EXPECT=1 cargo test -p feedbits --test command_line terminal` writes the present outputs.
 
 use expect_test::{ExpectFile, expect_file};
+
+use crate::command::{command, feedbits, feedbits_in};
+use crate::message::text;
 
 /// Figures like `2.5e-7` become `#.#e#`, padding included, so that a table stays as wide as it is.
 fn masked(text: &str) -> String {
@@ -61,14 +62,8 @@ fn printed(arguments: &[&str]) -> (String, Option<i32>) {
         };
         std::fs::write(folder.path().join(name), spoilt).expect("the folder is writable");
     }
-    let output = Command::new(env!("CARGO_BIN_EXE_feedbits"))
-        .args(arguments)
-        .current_dir(folder.path())
-        .output()
-        .expect("the program starts");
-    let text =
-        String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
-    (text, output.status.code())
+    let output = feedbits_in(folder.path(), arguments);
+    (text(&output.stdout) + &text(&output.stderr), output.status.code())
 }
 
 fn shows(arguments: &[&str], expected: &ExpectFile) {
@@ -203,7 +198,7 @@ fn errors() {
 /// A line of a file is shown unfolded and may be longer.
 #[test]
 fn no_line_is_longer_than_a_terminal_of_80_columns() {
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/terminal");
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/command_line/terminal");
     let mut snapshots = 0;
     for entry in std::fs::read_dir(folder).expect("the snapshots") {
         let path = entry.expect("an entry").path();
@@ -227,8 +222,7 @@ fn figures_are_masked_and_words_are_not() {
 #[test]
 fn every_shell_gets_its_script() {
     for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
-        let output = Command::new(env!("CARGO_BIN_EXE_feedbits")).args(["completions", shell]).output();
-        let script = String::from_utf8(output.expect("the program starts").stdout).expect("text");
+        let script = String::from_utf8(feedbits(&["completions", shell]).stdout).expect("text");
         assert!(script.contains("FEEDBITS_COMPLETE") && script.contains("feedbits"), "{shell}: {script}");
     }
 }
@@ -237,7 +231,7 @@ fn every_shell_gets_its_script() {
 #[test]
 fn no_colours_where_nobody_looks() {
     for (name, value) in [("NO_COLOR", "1"), ("CLICOLOR", "1")] {
-        let output = Command::new(env!("CARGO_BIN_EXE_feedbits")).args(["--help"]).env(name, value).output();
+        let output = command(&["--help"]).env(name, value).output();
         let output = output.expect("the program starts");
         assert!(![output.stdout, output.stderr].concat().contains(&0x1b), "{name}");
     }

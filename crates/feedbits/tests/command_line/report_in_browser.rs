@@ -8,6 +8,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use crate::command::feedbits_in;
+use crate::message::text;
+
 /// The additional script. Each line that it writes is a finding: a name, `=`, and the value found.
 const VISIT: &str = r#"
 <script>
@@ -100,7 +103,6 @@ fn visit(browser: &Path, folder: &Path, width: u32) -> (String, String) {
         .arg(format!("file://{}", folder.join("visited.html").display()))
         .output()
         .expect("the browser starts");
-    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
     (text(&output.stdout), text(&output.stderr))
 }
 
@@ -113,12 +115,9 @@ fn the_report_opens_without_an_error_and_its_switches_work() {
         return;
     };
     let folder = tempfile::tempdir().expect("a folder");
-    let run = Command::new(env!("CARGO_BIN_EXE_feedbits"))
-        .args(["compare", "--formats", "I16F16,I8F24,I4F28,f32,f64", "--report"])
-        .arg(folder.path())
-        .output()
-        .expect("the program starts");
-    assert_eq!(run.status.code(), Some(0), "{}", String::from_utf8_lossy(&run.stderr));
+    let arguments = ["compare", "--formats", "I16F16,I8F24,I4F28,f32,f64", "--report", "."];
+    let run = feedbits_in(folder.path(), &arguments);
+    assert_eq!(run.status.code(), Some(0), "{}", text(&run.stderr));
     for width in [1400, 900, 500] {
         let (page, log) = visit(&browser, folder.path(), width);
         let found = page.split("<pre id=\"found\">").nth(1).and_then(|rest| rest.split("</pre>").next());

@@ -1,23 +1,10 @@
 //! The command line, as a person or a script uses it.
 
-mod message;
-
-use message::unfolded;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
 
-fn feedbits(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_feedbits")).args(arguments).output().expect("the program starts")
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
-}
-
-fn data(name: &str) -> String {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data").join(name).display().to_string()
-}
+use crate::command::{data, feedbits, feedbits_in};
+use crate::message::{text, unfolded};
 
 /// A folder of this test alone, removed at the end.
 fn folder() -> tempfile::TempDir {
@@ -33,8 +20,7 @@ fn written(folder: &Path, name: &str, content: &str) -> String {
 #[test]
 fn without_arguments_the_built_in_example_is_compared() {
     let folder = folder();
-    let output = Command::new(env!("CARGO_BIN_EXE_feedbits")).current_dir(folder.path()).output();
-    let output = output.expect("the program starts");
+    let output = feedbits_in(folder.path(), &[]);
     let table = text(&output.stdout);
     assert_eq!(output.status.code(), Some(0), "{table}{}", unfolded(&output.stderr));
     for expected in [
@@ -731,12 +717,8 @@ fn test_vectors_are_written_whole_or_not_at_all() {
     let folder = folder();
     let part = data("seed-003.nc");
     let run = |more: &[&str]| {
-        let output = Command::new(env!("CARGO_BIN_EXE_feedbits"))
-            .args(["interpolate", &part, "--machine", "router", "--format", "I4F28"])
-            .args(more)
-            .current_dir(folder.path())
-            .output();
-        output.expect("the program starts")
+        let arguments = ["interpolate", &part, "--machine", "router", "--format", "I4F28"];
+        feedbits_in(folder.path(), &[&arguments[..], more].concat())
     };
     let files = |name: &str| {
         let names = ["about.json", "periods.csv", "periods.hex", "signals.csv", "signals.hex"];

@@ -1,15 +1,14 @@
 //! `--baseline` of `compare` and `size`, and the JSON that it reads.
 
-mod message;
-mod small_part;
-
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
-use message::unfolded;
 use serde_json::{Value, json};
-use small_part::{PART, feedbits};
+
+use crate::command::feedbits_in;
+use crate::message::unfolded;
+use crate::small_part::PART;
 
 const COMPARE: [&str; 6] = ["compare", "p.toml", "--formats", "I16F16,I4F28", "--targets", "cortex-m4f"];
 
@@ -19,7 +18,7 @@ const SIZE: [&str; 2] = ["size", "p.toml"];
 fn with_baseline(command: &[&str]) -> (tempfile::TempDir, Value) {
     let folder = tempfile::tempdir().expect("a folder");
     fs::write(folder.path().join("p.toml"), PART).expect("a part");
-    let output = feedbits(folder.path(), &[command, &["--json", "--out", "base.json"]].concat());
+    let output = feedbits_in(folder.path(), &[command, &["--json", "--out", "base.json"]].concat());
     assert_eq!(output.status.code(), Some(0), "{}", unfolded(&output.stderr));
     let text = fs::read_to_string(folder.path().join("base.json")).expect("a baseline");
     (folder, serde_json::from_str(&text).expect("JSON"))
@@ -28,7 +27,7 @@ fn with_baseline(command: &[&str]) -> (tempfile::TempDir, Value) {
 /// Status and message of a run beside this baseline.
 fn beside(folder: &Path, baseline: &Value, command: &[&str], more: &[&str]) -> (Option<i32>, String) {
     fs::write(folder.join("base.json"), baseline.to_string()).expect("a baseline");
-    let output = feedbits(folder, &[command, &["--baseline", "base.json"], more].concat());
+    let output = feedbits_in(folder, &[command, &["--baseline", "base.json"], more].concat());
     (output.status.code(), unfolded(&output.stderr))
 }
 
@@ -113,10 +112,10 @@ fn test_a_baseline_of_another_question_is_refused() {
     refused(&|base| base["machine"]["jerk_mm_per_s3"] = json!(1.0), "made with jerk_mm_per_s3 = 1.0");
 
     fs::write(folder.join("base.json"), "no JSON").unwrap();
-    let output = feedbits(folder, &[&COMPARE[..], &["--baseline", "base.json"]].concat());
+    let output = feedbits_in(folder, &[&COMPARE[..], &["--baseline", "base.json"]].concat());
     let said = unfolded(&output.stderr);
     assert!(output.status.code() == Some(2) && said.contains("base.json"), "{said}");
-    let output = feedbits(folder, &[&COMPARE[..], &["--baseline", "none.json"]].concat());
+    let output = feedbits_in(folder, &[&COMPARE[..], &["--baseline", "none.json"]].concat());
     let said = unfolded(&output.stderr);
     assert!(output.status.code() == Some(2) && said.contains("cannot read none.json"), "{said}");
 }
@@ -141,7 +140,7 @@ fn keys(value: &Value, into: &mut BTreeSet<String>) {
 
 #[test]
 fn test_the_page_on_json_has_every_key() {
-    let page = include_str!("../../../docs/json.md");
+    let page = include_str!("../../../../docs/json.md");
     let mut found = BTreeSet::new();
     for command in [&COMPARE[..], &SIZE[..]] {
         keys(&with_baseline(command).1, &mut found);

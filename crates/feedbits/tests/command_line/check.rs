@@ -1,22 +1,13 @@
 //! `feedbits check`: the contents of a part, and anything suspicious in it.
 
-mod message;
-
-use message::unfolded;
 use std::fs;
-use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
+
+use crate::command::{data, feedbits};
+use crate::message::{text, unfolded};
 
 fn check(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_feedbits")).arg("check").args(arguments).output().expect("starts")
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
-}
-
-fn data(name: &str) -> String {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data").join(name).display().to_string()
+    feedbits(&[&["check"], arguments].concat())
 }
 
 struct Folder(tempfile::TempDir);
@@ -159,7 +150,7 @@ fn dialect_and_lenience_are_options_of_every_command_that_reads_a_part() {
             if command == "compare" {
                 arguments.extend(["--formats", "f64"]);
             }
-            Command::new(env!("CARGO_BIN_EXE_feedbits")).args(arguments).output().expect("starts")
+            feedbits(&arguments)
         };
         assert_eq!(run(&[]).status.code(), Some(2), "{command}");
         let lenient = run(&["--lenient"]);
@@ -201,7 +192,7 @@ fn rapid_moves_are_left_out_of_a_comparison() {
     let run = |arguments: &[&str]| {
         let mut all = vec![arguments[0], &part, "--machine", &machine];
         all.extend(&arguments[1..]);
-        Command::new(env!("CARGO_BIN_EXE_feedbits")).args(all).output().expect("starts")
+        feedbits(&all)
     };
     let output = run(&["compare", "--formats", "f64,I4F28", "--evaluate", "pieces", "--json"]);
     assert_eq!(output.status.code(), Some(0), "{}{}", text(&output.stdout), unfolded(&output.stderr));

@@ -1,20 +1,11 @@
 //! `feedbits targets` and `compare --targets`, as a person or a script uses them.
 
-mod message;
-
 use std::fs;
-use std::process::{Command, Output};
 
-use message::unfolded;
 use serde_json::Value;
 
-fn feedbits(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_feedbits")).args(arguments).output().expect("the program starts")
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
-}
+use crate::command::feedbits;
+use crate::message::{text, unfolded};
 
 fn json(arguments: &[&str]) -> Value {
     let output = feedbits(&[arguments, &["--json"]].concat());
@@ -81,7 +72,7 @@ fn the_recommendation_is_the_cheapest_on_the_first_target() {
 #[test]
 fn a_format_that_may_not_fit_the_period_is_named() {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let example = include_str!("../../../data/seed-000.toml");
+    let example = include_str!("../../../../data/seed-000.toml");
     let path = |period: &str| {
         let path = folder.path().join(format!("{period}.toml"));
         let text =

@@ -1,15 +1,14 @@
 //! `feedbits sweep` and `feedbits merge`, as a person or a job array uses them.
 
-mod message;
-mod small_part;
-
 use std::fs;
 use std::path::Path;
 use std::process::Output;
 
-use message::unfolded;
 use serde_json::Value;
-use small_part::{PART, feedbits};
+
+use crate::command::{data, feedbits_in};
+use crate::message::{text, unfolded};
+use crate::small_part::PART;
 
 const GRID: [&str; 10] = [
     "sweep",
@@ -31,13 +30,9 @@ fn folder() -> tempfile::TempDir {
 }
 
 fn sweep(folder: &Path, more: &[&str]) -> Output {
-    let output = feedbits(folder, &[&GRID[..], more].concat());
+    let output = feedbits_in(folder, &[&GRID[..], more].concat());
     assert_eq!(output.status.code(), Some(0), "{}", unfolded(&output.stderr));
     output
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
 }
 
 /// The lines of a sweep's file without the first, in the order of the cells.
@@ -88,7 +83,7 @@ fn shards_together_are_the_whole() {
         sweep(folder.path(), &["--shard", shard, "--out", &format!("{}.jsonl", &shard[..1])]);
     }
     let arguments = ["merge", "3.jsonl", "1.jsonl", "2.jsonl", "--out", "joined.jsonl", "--report", "maps"];
-    let merged = feedbits(folder.path(), &arguments);
+    let merged = feedbits_in(folder.path(), &arguments);
     assert_eq!(merged.status.code(), Some(0), "{}", unfolded(&merged.stderr));
     assert_eq!(cells(&folder.path().join("joined.jsonl")), cells(&folder.path().join("whole.jsonl")));
     let page = fs::read_to_string(folder.path().join("maps/index.html")).expect("a page");
@@ -103,7 +98,7 @@ fn shards_together_are_the_whole() {
 fn what_does_not_belong_together_is_refused() {
     let folder = folder();
     sweep(folder.path(), &["--shard", "1/6", "--out", "a.jsonl"]);
-    let other = feedbits(
+    let other = feedbits_in(
         folder.path(),
         &[&GRID[..8], &["--formats", "f64", "--shard", "1/6", "--out", "a.jsonl"]].concat(),
     );
@@ -113,7 +108,7 @@ fn what_does_not_belong_together_is_refused() {
     let content = fs::read_to_string(folder.path().join("a.jsonl")).expect("a file");
     fs::write(folder.path().join("b.jsonl"), content.replacen("\"good\":true", "\"good\":false", 1))
         .expect("a file");
-    let merged = feedbits(folder.path(), &["merge", "a.jsonl", "b.jsonl", "--out", "c.jsonl"]);
+    let merged = feedbits_in(folder.path(), &["merge", "a.jsonl", "b.jsonl", "--out", "c.jsonl"]);
     assert_eq!(merged.status.code(), Some(2));
     assert!(
         unfolded(&merged.stderr).contains("contradict each other on cell"),
@@ -124,7 +119,7 @@ fn what_does_not_belong_together_is_refused() {
 
     fs::write(folder.path().join("d.jsonl"), content.replacen("\"cell\":0", "\"cell\":1", 1))
         .expect("a file");
-    let moved = feedbits(folder.path(), &["merge", "d.jsonl", "--out", "c.jsonl"]);
+    let moved = feedbits_in(folder.path(), &["merge", "d.jsonl", "--out", "c.jsonl"]);
     assert!(
         unfolded(&moved.stderr).contains("d.jsonl, line 2: cell 1 does not belong"),
         "{}",
@@ -153,7 +148,7 @@ fn test_a_sweep_is_priced_on_targets() {
         }
     }
     // Without a target, or with another, it is another sweep.
-    let other = feedbits(folder.path(), &[&GRID[..], &["--out", "priced.jsonl"]].concat());
+    let other = feedbits_in(folder.path(), &[&GRID[..], &["--out", "priced.jsonl"]].concat());
     assert!(unfolded(&other.stderr).contains("of another sweep"), "{}", unfolded(&other.stderr));
 }
 
@@ -164,14 +159,14 @@ fn test_a_sweep_that_is_not_whole_is_joined_only_if_that_is_asked_for() {
         sweep(folder.path(), &["--shard", shard, "--out", &format!("{}.jsonl", &shard[..1])]);
     }
     let two = ["merge", "1.jsonl", "3.jsonl", "--out", "joined.jsonl"];
-    let refused = feedbits(folder.path(), &two);
+    let refused = feedbits_in(folder.path(), &two);
     let said = unfolded(&refused.stderr);
     assert!(
         refused.status.code() == Some(2) && said.contains("4 of 12 cells are in none of the files"),
         "{said}"
     );
     assert!(!folder.path().join("joined.jsonl").exists());
-    let partial = feedbits(folder.path(), &[&two[..], &["--partial"]].concat());
+    let partial = feedbits_in(folder.path(), &[&two[..], &["--partial"]].concat());
     assert!(text(&partial.stdout).starts_with("8 of 12 cells"), "{}", unfolded(&partial.stderr));
 }
 
@@ -181,10 +176,17 @@ fn a_sweep_of_a_part_with_other_stops_is_another() {
     let folder = folder();
     let on = |program: &str| {
         fs::write(folder.path().join("p.nc"), program).expect("the folder is writable");
-        let machine = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/seed-000.toml");
-        let machine = machine.to_str().expect("a path");
-        let arguments = ["sweep", "p.nc", "--machine", machine, "--formats", "f64", "--evaluate", "pieces"];
-        feedbits(folder.path(), &[&arguments[..], &["--dialect", "linuxcnc", "--out", "s.jsonl"]].concat())
+        let arguments = [
+            "sweep",
+            "p.nc",
+            "--machine",
+            &data("seed-000.toml"),
+            "--formats",
+            "f64",
+            "--evaluate",
+            "pieces",
+        ];
+        feedbits_in(folder.path(), &[&arguments[..], &["--dialect", "linuxcnc", "--out", "s.jsonl"]].concat())
     };
     let first = on("G0 X0 Y0\nG1 X10 F600\nG1 X20\n");
     assert_eq!(first.status.code(), Some(0), "{}", unfolded(&first.stderr));
@@ -197,7 +199,8 @@ fn a_sweep_of_a_part_with_other_stops_is_another() {
 #[test]
 fn a_cell_of_too_many_periods_says_so() {
     let folder = folder();
-    let run = feedbits(folder.path(), &[&GRID[..], &["--most-periods", "20", "--out", "s.jsonl"]].concat());
+    let run =
+        feedbits_in(folder.path(), &[&GRID[..], &["--most-periods", "20", "--out", "s.jsonl"]].concat());
     // None is good in a cell that was run.
     assert_eq!(run.status.code(), Some(1), "{}", unfolded(&run.stderr));
     assert!(text(&run.stdout).contains("cells were not run; the file says why"), "{}", text(&run.stdout));
@@ -214,7 +217,7 @@ fn a_file_that_is_no_sweeps_is_left_as_it_is() {
     let into = ["sweep", "p.toml", "--formats", "f64", "--evaluate", "pieces", "--out", "notes.txt"];
     for content in ["important", "G1 X1 F600\nG1 X2", "{\"part\":1}\n", "\n", "{\"part\":\"other", "\u{e4}"] {
         fs::write(&path, content).expect("a file");
-        let refused = feedbits(folder.path(), &into);
+        let refused = feedbits_in(folder.path(), &into);
         assert_eq!(refused.status.code(), Some(2), "{content:?}: {}", unfolded(&refused.stderr));
         assert!(
             unfolded(&refused.stderr).contains("notes.txt"),
@@ -225,21 +228,21 @@ fn a_file_that_is_no_sweeps_is_left_as_it_is() {
     }
     let latin = b"caf\xe9\n";
     fs::write(&path, latin).expect("a file");
-    assert_eq!(feedbits(folder.path(), &into).status.code(), Some(2));
+    assert_eq!(feedbits_in(folder.path(), &into).status.code(), Some(2));
     assert_eq!(fs::read(&path).expect("a file"), latin);
 
     // The start of its own first line is what an interrupted sweep leaves.
     fs::write(&path, "").expect("a file");
-    assert_eq!(feedbits(folder.path(), &into).status.code(), Some(0));
+    assert_eq!(feedbits_in(folder.path(), &into).status.code(), Some(0));
     let whole = fs::read_to_string(&path).expect("a file");
     fs::write(&path, &whole[..20]).expect("a file");
-    assert_eq!(feedbits(folder.path(), &into).status.code(), Some(0));
+    assert_eq!(feedbits_in(folder.path(), &into).status.code(), Some(0));
     assert_eq!(fs::read_to_string(&path).expect("a file"), whole);
 
     // A torn line is not cut off another sweep's file either.
     let torn = &whole[..whole.len() - 3];
     fs::write(&path, torn).expect("a file");
-    let other = feedbits(folder.path(), &[&into[..], &["--feed", "3"]].concat());
+    let other = feedbits_in(folder.path(), &[&into[..], &["--feed", "3"]].concat());
     assert_eq!(other.status.code(), Some(2), "{}", unfolded(&other.stderr));
     assert_eq!(fs::read_to_string(&path).expect("a file"), torn);
 }
@@ -255,7 +258,7 @@ fn a_large_file_is_merged_and_resumed() {
     let content = fs::read_to_string(&path).expect("a file").replace('\n', &padding);
     assert!(content.len() > 64 << 20, "{}", content.len());
     fs::write(&path, content).expect("a file");
-    let merged = feedbits(folder.path(), &["merge", "s.jsonl", "--out", "joined.jsonl"]);
+    let merged = feedbits_in(folder.path(), &["merge", "s.jsonl", "--out", "joined.jsonl"]);
     assert_eq!(merged.status.code(), Some(0), "{}", unfolded(&merged.stderr));
     assert_eq!(cells(&folder.path().join("joined.jsonl")), before);
     let resumed = sweep(folder.path(), &["--out", "s.jsonl"]);
@@ -264,7 +267,7 @@ fn a_large_file_is_merged_and_resumed() {
     // A file without line ends is not read for ever.
     let endless = fs::File::create(folder.path().join("zeros")).expect("a file");
     endless.set_len(1 << 34).expect("room");
-    let refused = feedbits(folder.path(), &["merge", "zeros", "--out", "z.jsonl"]);
+    let refused = feedbits_in(folder.path(), &["merge", "zeros", "--out", "z.jsonl"]);
     assert_eq!(refused.status.code(), Some(2));
     assert!(
         unfolded(&refused.stderr).contains("zeros, line 1: longer than 64 MiB"),
@@ -283,7 +286,7 @@ fn two_sweeps_never_write_into_one_file() {
     let before = fs::read_to_string(&path).expect("a file");
     let other = fs::File::open(&path).expect("a file");
     other.lock().expect("a lock");
-    let refused = feedbits(folder.path(), &[&GRID[..], &["--out", "s.jsonl"]].concat());
+    let refused = feedbits_in(folder.path(), &[&GRID[..], &["--out", "s.jsonl"]].concat());
     assert_eq!(refused.status.code(), Some(2));
     assert!(
         unfolded(&refused.stderr).contains("another sweep writes s.jsonl"),
@@ -309,7 +312,7 @@ fn a_sweep_of_another_program_is_not_resumed() {
     let run = |program: &str| {
         fs::write(folder.path().join("p.nc"), program).expect("a part");
         let arguments = ["sweep", "p.nc", "--machine", "p.toml", "--formats", "f64", "--evaluate", "pieces"];
-        feedbits(folder.path(), &arguments)
+        feedbits_in(folder.path(), &arguments)
     };
     let first = run("G1 X0 Y0 F6000\nG1 X10\nG1 X20 Y5\n");
     assert_eq!(first.status.code(), Some(0), "{}", unfolded(&first.stderr));
@@ -332,7 +335,7 @@ fn spans_and_points_have_bounds() {
         (["--feed", "1e9"], "--feed up to 1000000000: expected at most 100000 mm/s"),
         (["--feed", "-1"], "expected a positive number"),
     ] {
-        let refused = feedbits(folder.path(), &[&["sweep", "p.toml"], &arguments[..]].concat());
+        let refused = feedbits_in(folder.path(), &[&["sweep", "p.toml"], &arguments[..]].concat());
         assert_eq!(refused.status.code(), Some(2), "{arguments:?}");
         assert!(unfolded(&refused.stderr).contains(words), "{arguments:?}: {}", unfolded(&refused.stderr));
     }
@@ -345,7 +348,7 @@ fn a_sweep_in_which_nothing_is_good_says_so_at_its_end() {
     let folder = folder();
     let arguments =
         ["sweep", "p.toml", "--formats", "I16F16", "--evaluate", "pieces", "--fluctuation", "1e-12"];
-    let with = |more: &[&str]| feedbits(folder.path(), &[&arguments[..], more].concat()).status.code();
+    let with = |more: &[&str]| feedbits_in(folder.path(), &[&arguments[..], more].concat()).status.code();
     assert_eq!(with(&["--period", "1..4/3"]), Some(1));
     // The results of the other shards are not known.
     assert_eq!(with(&["--period", "1..4/3", "--shard", "1/3"]), Some(0));

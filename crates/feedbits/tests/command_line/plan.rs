@@ -1,21 +1,13 @@
 //! `feedbits plan`, as a person runs it.
 
-mod message;
+use std::process::Output;
 
-use message::unfolded;
-use std::process::{Command, Output};
-
-fn feedbits(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_feedbits")).args(arguments).output().expect("feedbits runs")
-}
-
-fn data(name: &str) -> String {
-    format!("{}/../../data/{name}", env!("CARGO_MANIFEST_DIR"))
-}
+use crate::command::{data, feedbits};
+use crate::message::{text, unfolded};
 
 fn stdout(output: &Output) -> String {
     assert!(output.status.success(), "{}", unfolded(&output.stderr));
-    String::from_utf8_lossy(&output.stdout).into_owned()
+    text(&output.stdout)
 }
 
 #[test]

@@ -1,26 +1,16 @@
 //! Machines that have a name, machine files of few keys, and names of formats, as a person types them.
 
-mod message;
-
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
 
 use expect_test::{Expect, expect};
-use message::unfolded;
+
+use crate::command::{command, data, feedbits_in};
+use crate::message::{text, unfolded};
 
 const PRESETS: [&str; 7] = ["router-8bit", "router", "router-linuxcnc", "laser", "printer", "mill", "stage"];
 
 const PART: &str = "G21 G90 G17\nG0 X0 Y0\nG1 X20 F600\nG3 X30 Y10 R10\nG1 Y20\n";
-
-fn feedbits(folder: &Path, arguments: &[&str]) -> Output {
-    let command = Command::new(env!("CARGO_BIN_EXE_feedbits")).args(arguments).current_dir(folder).output();
-    command.expect("the program starts")
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
-}
 
 /// A folder with a part in it.
 fn folder() -> tempfile::TempDir {
@@ -32,13 +22,13 @@ fn folder() -> tempfile::TempDir {
 /// The JSON of a comparison of the part in f64 on a machine.
 fn judged(folder: &Path, machine: &str) -> serde_json::Value {
     let arguments = ["compare", "part.nc", "--machine", machine, "--formats", "f64", "--evaluate", "pieces"];
-    let output = feedbits(folder, &[&arguments[..], &["--json"]].concat());
+    let output = feedbits_in(folder, &[&arguments[..], &["--json"]].concat());
     assert_eq!(output.status.code(), Some(0), "{machine}: {}", text(&output.stderr));
     serde_json::from_slice(&output.stdout).expect("JSON")
 }
 
 fn fails(arguments: &[&str], expected: &Expect) {
-    let output = feedbits(folder().path(), arguments);
+    let output = feedbits_in(folder().path(), arguments);
     assert_eq!(output.status.code(), Some(2), "{arguments:?}: {}", text(&output.stdout));
     expected.assert_eq(&text(&output.stderr));
 }
@@ -57,14 +47,14 @@ fn every_preset_judges_a_program() {
 fn the_file_of_a_preset_is_the_machine_of_its_name() {
     let folder = folder();
     for preset in PRESETS {
-        let file = feedbits(folder.path(), &["machine", preset]);
+        let file = feedbits_in(folder.path(), &["machine", preset]);
         assert_eq!(file.status.code(), Some(0), "{}", text(&file.stderr));
-        let kept = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../../data/machines/{preset}.toml"));
+        let kept = data(&format!("machines/{preset}.toml"));
         assert_eq!(text(&file.stdout), fs::read_to_string(kept).expect("a file"));
         fs::write(folder.path().join("m.toml"), &file.stdout).expect("the folder is writable");
         assert_eq!(judged(folder.path(), "m.toml")["machine"], judged(folder.path(), preset)["machine"]);
     }
-    let listed = feedbits(folder.path(), &["machine", "--json"]);
+    let listed = feedbits_in(folder.path(), &["machine", "--json"]);
     let listed: serde_json::Value = serde_json::from_slice(&listed.stdout).expect("JSON");
     let names: Vec<_> =
         listed.as_array().expect("a list").iter().map(|one| one["name"].as_str().expect("a name")).collect();
@@ -87,7 +77,7 @@ fn a_file_that_is_named_as_a_preset_is_given_with_its_folder() {
         |machine: &str| judged(folder.path(), machine)["machine"]["interpolation_period_ms"].as_f64();
     assert_eq!(period("router"), Some(1.0));
     assert_eq!((period("./router"), period("mine")), (Some(2.0), Some(2.0)));
-    let plan = feedbits(folder.path(), &["plan", "part.nc", "--machine", "router"]);
+    let plan = feedbits_in(folder.path(), &["plan", "part.nc", "--machine", "router"]);
     let said = text(&plan.stderr);
     assert!(
         unfolded(said.as_bytes())
@@ -109,9 +99,9 @@ fn a_file_of_four_keys_judges_a_program() {
     let defaults = defaults.map(|key| found["machine"][key].as_f64().expect("a number"));
     assert_eq!(defaults, [1e-3, 1e-4, 1e-10, 8.0]);
     // The textbook's solver uses the last two values to stop.
-    let curve = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/seed-003.nc").display().to_string();
+    let curve = data("seed-003.nc");
     let arguments = ["compare", &curve, "--machine", "m.toml", "--formats", "f64", "--evaluate", "de-boor"];
-    let raw = feedbits(folder.path(), &arguments);
+    let raw = feedbits_in(folder.path(), &arguments);
     assert_eq!(raw.status.code(), Some(0), "{}{}", text(&raw.stdout), text(&raw.stderr));
 }
 
@@ -140,7 +130,7 @@ fn a_machine_that_is_none_is_told_with_what_was_meant() {
             take a preset such as --machine router; `feedbits machine` lists them
         "#]],
     );
-    let missing = feedbits(folder().path(), &["compare", "part.nc", "--machine", "router.toml"]);
+    let missing = feedbits_in(folder().path(), &["compare", "part.nc", "--machine", "router.toml"]);
     assert!(text(&missing.stderr).contains("cannot read router.toml"), "{}", text(&missing.stderr));
 }
 
@@ -150,7 +140,7 @@ fn a_mistyped_key_of_a_machine_is_told_with_what_was_meant() {
     let file = "[machine]\nfeed_rate = 50\nacceleration_mm_per_s2 = 1000\njerk = 40000\ninterpolation_period_ms = 1\n\
                 [machine.axes.x]\nvelocity_mm_per_sec = 50\n";
     fs::write(folder.path().join("m.toml"), file).expect("the folder is writable");
-    let said = text(&feedbits(folder.path(), &["check", "part.nc", "--machine", "m.toml"]).stderr);
+    let said = text(&feedbits_in(folder.path(), &["check", "part.nc", "--machine", "m.toml"]).stderr);
     for meant in ["feedrate_mm_per_s", "jerk_mm_per_s3", "velocity_mm_per_s"] {
         assert!(
             unfolded(said.as_bytes()).contains(&format!("did you mean `{meant}`?")),
@@ -170,7 +160,7 @@ fn names_in_q_notation_are_read_by_the_register_that_they_fill() {
         ("Q1.14", "I2F14", "as TI counts, the sign is beside m, and m + n + 1 are 16 bits"),
         ("Q8.24-floor", "I8F24-floor", "as Arm counts, the sign is within m, and m + n are 32 bits"),
     ] {
-        let output = feedbits(folder.path(), &[&arguments[..], &["--formats", name]].concat());
+        let output = feedbits_in(folder.path(), &[&arguments[..], &["--formats", name]].concat());
         let said = text(&output.stderr);
         assert!(
             unfolded(said.as_bytes()).contains(&format!("feedbits: {name} is read as {format}: {how}")),
@@ -179,14 +169,14 @@ fn names_in_q_notation_are_read_by_the_register_that_they_fill() {
         let found: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
         assert_eq!(found["formats"][0]["format"], format, "{name}");
     }
-    let twice = feedbits(folder.path(), &[&arguments[..], &["--formats", "Q8.24,I8F24,q7.24"]].concat());
+    let twice = feedbits_in(folder.path(), &[&arguments[..], &["--formats", "Q8.24,I8F24,q7.24"]].concat());
     let twice: serde_json::Value = serde_json::from_slice(&twice.stdout).expect("JSON");
     assert_eq!(twice["formats"].as_array().map(Vec::len), Some(1), "a format is run once");
-    let one = feedbits(folder.path(), &["interpolate", "--format", "Q8.24"]);
-    assert_eq!(one.stdout, feedbits(folder.path(), &["interpolate", "--format", "I8F24"]).stdout);
-    let planned = feedbits(folder.path(), &["plan", "--plan-in", "q32.32", "--json"]);
+    let one = feedbits_in(folder.path(), &["interpolate", "--format", "Q8.24"]);
+    assert_eq!(one.stdout, feedbits_in(folder.path(), &["interpolate", "--format", "I8F24"]).stdout);
+    let planned = feedbits_in(folder.path(), &["plan", "--plan-in", "q32.32", "--json"]);
     assert_eq!(planned.status.code(), Some(0), "{}", text(&planned.stderr));
-    let quiet = feedbits(folder.path(), &["formats", "--quiet"]);
+    let quiet = feedbits_in(folder.path(), &["formats", "--quiet"]);
     assert!(text(&quiet.stdout).contains("Q7.24       I8F24   as TI counts"), "{}", text(&quiet.stdout));
 }
 
@@ -263,7 +253,7 @@ fn a_format_that_is_none_is_told_with_what_was_meant() {
 fn a_shell_is_told_the_words_that_it_asks_for() {
     let folder = folder();
     let asked = |words: &[&str]| {
-        let output = Command::new(env!("CARGO_BIN_EXE_feedbits"))
+        let output = command(&[])
             .current_dir(folder.path())
             .env("FEEDBITS_COMPLETE", "bash")
             .env("_CLAP_IFS", "\n")
@@ -277,6 +267,6 @@ fn a_shell_is_told_the_words_that_it_asks_for() {
     assert_eq!(asked(&["feedbits", "compare", "part.nc", "--machine", "mi"]), "mill");
     assert_eq!(asked(&["feedbits", "compare", "--machine", "part"]), "part.nc");
     assert_eq!(asked(&["feedbits", "compare", "--formats", "f64,I8"]), "f64,I8F24");
-    let script = text(&feedbits(folder.path(), &["completions", "bash"]).stdout);
+    let script = text(&feedbits_in(folder.path(), &["completions", "bash"]).stdout);
     assert!(script.contains("FEEDBITS_COMPLETE=\"bash\""), "{script}");
 }

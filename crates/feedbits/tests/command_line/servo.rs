@@ -1,21 +1,16 @@
 //! `feedbits servo`, as a person or a script uses it.
 
-mod message;
-
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
-use message::unfolded;
 use serde_json::Value;
 
-fn servo(arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_feedbits"));
-    command.arg("servo").args(arguments).output().expect("the program starts")
-}
+use crate::command::feedbits;
+use crate::message::{text, unfolded};
 
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
+fn servo(arguments: &[&str]) -> Output {
+    feedbits(&[&["servo"], arguments].concat())
 }
 
 fn json(arguments: &[&str]) -> Value {

@@ -1,28 +1,18 @@
 //! `compile --stream`: a part as a file of sections. That a reader makes the judged run of it is tested where it is written.
 
-mod message;
-
 use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use message::unfolded;
+use crate::command::{PROGRAM, feedbits_in, names};
+use crate::message::unfolded;
 
 /// Two sections: the second begins behind a rapid move.
-const PROGRAM: &str = "G0 X0 Y0\nG1 X10 F3000\nG3 X10 Y20 R10\nG0 X0\nG1 Y30\n";
-
-fn names(folder: &Path) -> Vec<String> {
-    let entries = fs::read_dir(folder).expect("a folder").flatten();
-    let mut names: Vec<String> =
-        entries.map(|file| file.file_name().to_string_lossy().into_owned()).collect();
-    names.sort();
-    names
-}
+const PART: &str = "G0 X0 Y0\nG1 X10 F3000\nG3 X10 Y20 R10\nG0 X0\nG1 Y30\n";
 
 fn compile(folder: &Path, arguments: &[&str]) -> (Option<i32>, String) {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_feedbits"));
-    command.args(["compile", "part.nc", "--machine", "router"]).args(arguments).current_dir(folder);
-    let output = command.output().expect("it starts");
+    let part = ["compile", "part.nc", "--machine", "router"];
+    let output = feedbits_in(folder, &[&part[..], arguments].concat());
     assert!(output.stdout.is_empty());
     (output.status.code(), unfolded(&output.stderr))
 }
@@ -36,7 +26,7 @@ fn number_before(said: &str, words: &str) -> u64 {
 #[test]
 fn a_part_becomes_a_file_of_sections_with_the_checksum_of_the_constants() {
     let folder = tempfile::tempdir().expect("a folder");
-    fs::write(folder.path().join("part.nc"), PROGRAM).expect("a file");
+    fs::write(folder.path().join("part.nc"), PART).expect("a file");
     for format in ["I4F28", "f32", "f64", "I16F48"] {
         let (status, said) =
             compile(folder.path(), &["--format", format, "--stream", "--out", "part.stream"]);
@@ -57,7 +47,7 @@ fn a_part_becomes_a_file_of_sections_with_the_checksum_of_the_constants() {
 #[test]
 fn what_is_refused_changes_no_file() {
     let folder = tempfile::tempdir().expect("a folder");
-    fs::write(folder.path().join("part.nc"), PROGRAM).expect("a file");
+    fs::write(folder.path().join("part.nc"), PART).expect("a file");
     fs::write(folder.path().join("part.stream"), "old").expect("a file");
     let stream = ["--stream", "--out", "part.stream"];
     let (status, said) =
@@ -95,7 +85,7 @@ fn what_is_refused_changes_no_file() {
 #[test]
 fn a_stream_for_overrides_says_so_in_its_header() {
     let folder = tempfile::tempdir().expect("a folder");
-    fs::write(folder.path().join("part.nc"), PROGRAM).expect("a file");
+    fs::write(folder.path().join("part.nc"), PART).expect("a file");
     let stream = ["--format", "I8F24", "--stream", "--out", "part.stream"];
     let commanded = |arguments: &[&str]| {
         let (status, said) = compile(folder.path(), &[arguments, &stream].concat());
@@ -113,10 +103,8 @@ fn a_stream_for_overrides_says_so_in_its_header() {
 fn a_write_that_fails_half_way_leaves_the_old_file() {
     let folder = tempfile::tempdir().expect("a folder");
     fs::write(folder.path().join("part.stream"), "old").expect("a file");
-    let script = format!(
-        "trap '' XFSZ; ulimit -f 4; exec {} compile --format f64 --stream --out part.stream",
-        env!("CARGO_BIN_EXE_feedbits")
-    );
+    let script =
+        format!("trap '' XFSZ; ulimit -f 4; exec {PROGRAM} compile --format f64 --stream --out part.stream");
     let output =
         Command::new("sh").args(["-c", &script]).current_dir(folder.path()).output().expect("a shell");
     let said = unfolded(&output.stderr);

@@ -1,0 +1,24 @@
+//! The command line, as a person or a script uses it. One program, so that its tests run side by side.
+
+mod command;
+mod message;
+mod small_part;
+
+mod baseline;
+mod check;
+mod cli;
+mod convert;
+#[cfg(unix)]
+mod files;
+mod machines;
+mod overrides;
+mod plan;
+mod report;
+mod report_in_browser;
+mod servo;
+mod smooth;
+mod stream;
+mod sweep;
+mod targets;
+mod terminal;
+mod window;
