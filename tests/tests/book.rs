@@ -1,27 +1,10 @@
 //! The code of the book, docs/kernels.md, that no example of a library has. `scripts/docs` holds the book to it.
 
-use secant_interp::{LaneInterpolator, PieceInterpolator, PositionChecksum};
+use secant_interp::{LaneInterpolator, PieceInterpolator};
 
-#[allow(unreachable_pub, reason = "it is written for any program")]
-mod part {
-    include!("constants/stairs_i4f28.rs");
-}
 #[allow(unreachable_pub, reason = "it is written for any program")]
 mod holes {
     include!("constants/holes_f64.rs");
-}
-
-#[test]
-fn a_part_in_flash_makes_the_run_that_was_judged() {
-    let mut checksum = PositionChecksum::default();
-    for section in &part::SECTIONS {
-        let run = part::PATH.on(section);
-        let mut state = run.start();
-        while let Some(setpoint) = run.step(&mut state) {
-            checksum.add(run.pieces.position(setpoint.piece, &setpoint.offset)); // In units of 2⁻³⁹ mm, 64 bits a coordinate.
-        }
-    }
-    assert_eq!(checksum.value(), part::CHECKSUM); // Bit for bit the run that was judged.
 }
 
 #[test]

@@ -12,19 +12,21 @@ use secant_interp::PositionChecksum;
 
 #[entry]
 fn main() -> ! {
-    let (mut checksum, mut periods) = (PositionChecksum::default(), 0);
+    let mut periods = 0;
+    let mut checksum = PositionChecksum::default();
     for section in &part::SECTIONS {
         let run = part::PATH.on(section);
         let mut state = run.start();
         // Here an interrupt of a timer would make a step a period, and hand the position to the axes.
         while let Some(setpoint) = run.step(&mut state) {
-            checksum.add(run.pieces.position(setpoint.piece, &setpoint.offset));
+            checksum.add(run.pieces.position(setpoint.piece, &setpoint.offset)); // In units of 2⁻³⁹ mm, 64 bits a coordinate.
             periods += 1;
         }
     }
+    let is_good = checksum.value() == part::CHECKSUM; // Bit for bit the run that was judged.
     hprintln!("periods  {} of {}", periods, part::PERIODS);
     hprintln!("checksum {:#018x}, expected {:#018x}", checksum.value(), part::CHECKSUM);
-    end(checksum.value() == part::CHECKSUM)
+    end(is_good)
 }
 
 #[panic_handler]

@@ -8,13 +8,13 @@
 //! | which instructions belong to which call | [`calls`] |
 //! | cycles by a processor manual's table | [`cycles`] |
 //! | what a compiled part costs, by what its periods pass | [`part`] |
-//! | the data file and the table in the documentation | [`report`] |
+//! | the data file | [`report`] |
 //!
 //! `trace --image IMAGE [--image IMAGE] --target NAME --out FILE.toml` measures one target, whose formats may lie in several
 //! images, and fails when a checksum is not the host's;
 //! `trace` built with the feature `part` prints the counts of the user's own part, and with `--program NAME` writes them into
 //! FILE.toml in place of the rest;
-//! `trace --render FILE.toml DOCUMENT.md` writes the table of all targets in the file.
+//! `trace --compare FILE.toml FILE.toml` says what differs in the second.
 
 mod calls;
 mod cycles;
@@ -56,7 +56,6 @@ impl Board for Host {
 }
 
 const USAGE: &str = "usage: trace --image IMAGE... --target NAME --out FILE.toml [--program NAME] [--toolchain KEY=VALUE]... [--one-at-a-time]\n       \
-                     trace --render FILE.toml DOCUMENT.md\n       \
                      trace --compare FILE.toml FILE.toml";
 
 fn main() -> ExitCode {
@@ -87,7 +86,6 @@ fn run() -> Result<(), Failure> {
                 toolchain.push((key.to_owned(), value.to_owned()));
             }
             "--one-at-a-time" => singly = true,
-            "--render" => return report::render(value()?.as_ref(), value()?.as_ref()),
             "--compare" => return report::compare(value()?.as_ref(), value()?.as_ref()),
             _ => return Err(USAGE.into()),
         }

@@ -1,4 +1,4 @@
-//! The data file, and the tables of the documentation.
+//! The data file, of which `scripts/figures` makes the tables of the documentation.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -6,7 +6,7 @@ use std::fs;
 use std::path::Path;
 
 use kernel::Record;
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 
 use crate::Failure;
 use crate::calls::Counts;
@@ -26,12 +26,6 @@ struct Data {
     target: Vec<Target>,
     #[serde(default)]
     part: Vec<Part>,
-}
-
-/// The parts of the file, as they are written.
-#[derive(Serialize)]
-struct Parts<'a> {
-    part: &'a [Part],
 }
 
 /// All that was measured on one target.
@@ -62,8 +56,8 @@ struct Format {
 #[serde(deny_unknown_fields)]
 struct Cost {
     mean: f64,
-    min: u64,
-    max: u64,
+    /// Of the steps of a run.
+    max: Option<u64>,
     cycles: Price,
 }
 
@@ -84,14 +78,8 @@ enum Unknown {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Step {
-    steps: usize,
-    checksum: String,
     stack_bytes: usize,
     instructions: Cost,
-    /// Branches, calls and returns that left the straight line, per step.
-    taken_branches: f64,
-    /// Instructions of each class, per step.
-    classes: BTreeMap<String, f64>,
 }
 
 impl Cost {
@@ -99,14 +87,8 @@ impl Cost {
         let cycles =
             table.and_then(|t| t.price(counts)).map_or(Price::Unknown(Unknown::Unknown), Price::Known);
         let mean = counts.total() as f64 / counts.calls.len().max(1) as f64;
-        let min = counts.calls.iter().copied().min().unwrap_or(0);
-        let max = counts.calls.iter().copied().max().unwrap_or(0);
-        Self { mean: tenths(mean), min, max, cycles }
+        Self { mean: (mean * 10.0).round() / 10.0, max: None, cycles }
     }
-}
-
-fn tenths(x: f64) -> f64 {
-    (x * 10.0).round() / 10.0
 }
 
 impl Target {
@@ -127,7 +109,7 @@ impl Target {
             let Some(format) = formats.get_mut(index) else { continue };
             let item = record.item.to_owned();
             if record.symbol.starts_with("k_step_") {
-                format.step.insert(item, Step::new(record, counts, table.as_ref(), *stack));
+                format.step.insert(item, Step::new(counts, table.as_ref(), *stack));
             } else {
                 format.operation.insert(item, Cost::new(counts, table.as_ref()));
             }
@@ -143,21 +125,13 @@ impl Target {
 }
 
 impl Step {
-    fn new(record: &Record, counts: &Counts, table: Option<&Table>, stack_bytes: usize) -> Self {
+    fn new(counts: &Counts, table: Option<&Table>, stack_bytes: usize) -> Self {
         // The last call only finds that the path is over: no step.
         let mut steps = counts.clone();
         steps.calls.pop();
-        let per_step = |count: u64| tenths(count as f64 / counts.calls.len().max(1) as f64);
-        let mut instructions = Cost::new(&steps, None);
-        instructions.cycles = Cost::new(counts, table).cycles;
-        Self {
-            steps: steps.calls.len(),
-            checksum: format!("{:016x}", record.checksum),
-            stack_bytes,
-            instructions,
-            taken_branches: per_step(counts.classes.values().map(|t| t.taken).sum()),
-            classes: counts.classes.iter().map(|(class, t)| (class.to_string(), per_step(t.count))).collect(),
-        }
+        let max = steps.calls.iter().copied().max();
+        let cycles = Cost::new(counts, table).cycles;
+        Self { stack_bytes, instructions: Cost { max, cycles, ..Cost::new(&steps, None) } }
     }
 }
 
@@ -225,7 +199,8 @@ fn cost(cost: &Cost) -> String {
         }
         Price::Unknown(_) => "\"unknown\"".to_owned(),
     };
-    format!("{{ mean = {:.1}, min = {}, max = {}, cycles = {cycles} }}", cost.mean, cost.min, cost.max)
+    let max = cost.max.map_or_else(String::new, |max| format!(", max = {max}"));
+    format!("{{ mean = {:.1}{max}, cycles = {cycles} }}", cost.mean)
 }
 
 fn text(data: &Data) -> String {
@@ -255,19 +230,11 @@ fn text(data: &Data) -> String {
         );
         for format in &target.format {
             let _ = writeln!(text, "\n[[target.format]]\nname = {:?}", format.name);
-            for (path, step) in &format.step {
-                let classes: Vec<_> =
-                    step.classes.iter().map(|(class, n)| format!("{class} = {n:.1}")).collect();
+            for (path, Step { stack_bytes, instructions }) in &format.step {
+                let instructions = cost(instructions);
                 let _ = writeln!(
                     text,
-                    "[target.format.step.{path}]\nsteps = {}\nchecksum = {:?}\nstack_bytes = {}\n\
-                     instructions = {}\ntaken_branches = {:.1}\nclasses = {{ {} }}",
-                    step.steps,
-                    step.checksum,
-                    step.stack_bytes,
-                    cost(&step.instructions),
-                    step.taken_branches,
-                    classes.join(", ")
+                    "step.{path} = {{ stack_bytes = {stack_bytes}, instructions = {instructions} }}"
                 );
             }
             text.push_str("[target.format.operation]\n");
@@ -278,13 +245,13 @@ fn text(data: &Data) -> String {
     }
     if !data.part.is_empty() {
         text.push_str("\n# Parts as `feedbits compile` ships them, by what a period passes.\n");
-        text.push_str(&toml::to_string(&Parts { part: &data.part }).unwrap_or_default());
     }
-    text
+    let parts: Vec<_> = data.part.iter().map(Part::text).collect();
+    text + &parts.join("\n")
 }
 
-/// Compares a new measurement with the committed one: checksums must be the same, and counts but for one in fifty if the
-/// toolchain is; another compiler may change them, but not by more than a quarter.
+/// Compares a new measurement with the committed one: counts must be the same but for one in fifty if the toolchain is;
+/// another compiler may change them, but not by more than a quarter.
 pub(crate) fn compare(committed: &Path, new: &Path) -> Result<(), Failure> {
     const SAME_TOOLCHAIN: f64 = 0.02;
     const ANOTHER_TOOLCHAIN: f64 = 0.25;
@@ -303,10 +270,6 @@ pub(crate) fn compare(committed: &Path, new: &Path) -> Result<(), Failure> {
                 let (now, then) = (step.instructions.mean, before.instructions.mean);
                 compared += 1;
                 let place = format!("{} {} {path}", target.name, format.name);
-                if step.checksum != before.checksum {
-                    faults
-                        .push(format!("{place}: checksum {}, committed {}", step.checksum, before.checksum));
-                }
                 if (now / then - 1.0).abs() > tolerance {
                     faults.push(format!("{place}: {now:.1} instructions a step, committed {then:.1}"));
                 }
@@ -324,94 +287,6 @@ pub(crate) fn compare(committed: &Path, new: &Path) -> Result<(), Failure> {
         return Ok(());
     }
     Err(format!("{compared} runs compared with the committed file:\n  {}", faults.join("\n  ")).into())
-}
-
-/// Names of the paths for readers.
-const PATHS: [(&str, &str); 2] =
-    [("paper_a", "the seven-point cubic"), ("ten_points", "the ten-point rational cubic")];
-
-/// Writes the tables for readers.
-pub(crate) fn render(from: &Path, to: &Path) -> Result<(), Failure> {
-    let data = read(from)?;
-    let mut page = String::from(
-        "<!-- Written by scripts/firmware from data/target-costs.toml: do not edit. -->\n\
-         # Cost of a step on controllers\n\n\
-         The real-time kernels, unchanged, on the instruction sets of controllers: built for bare metal, run in an \
-         emulator, every executed instruction counted, with the feature `cubic` of `secant-interp`. Each run's setpoints are \
-         bit for bit those of the host, in every format on every target.\n\n\
-         Instructions are exact for the toolchain below. Cycles are estimates: instructions by class, times the manuals' \
-         cycles (`firmware/trace/cycles/`, where each row names its place), with memory that never waits; flash wait \
-         states come on top. Nothing here was measured on silicon. For Cortex-M7 no table is published, so its cycles are \
-         unknown.\n\n",
-    );
-    page.push_str("| toolchain | |\n|---|---|\n");
-    for (key, value) in &data.toolchain {
-        let _ = writeln!(page, "| {} | {value} |", key.replace('_', " "));
-    }
-    part::render(&mut page, &data.part, |target| {
-        data.target
-            .iter()
-            .find(|known| known.name == target)
-            .map_or_else(|| target.to_owned(), |t| t.title.clone())
-    });
-    for (path, title) in PATHS {
-        let _ = writeln!(page, "\n## Along {title}\n");
-        step_table(&mut page, &data, "Instructions a step, mean (worst)", |f| {
-            let step = f.step.get(path)?;
-            Some(format!("{:.0} ({})", step.instructions.mean, step.instructions.max))
-        });
-        step_table(&mut page, &data, "Cycles a step, typical (low–high), mean", |f| {
-            Some(match f.step.get(path)?.instructions.cycles {
-                Price::Known(c) => format!("{:.0} ({:.0}–{:.0})", c.typical, c.low, c.high),
-                Price::Unknown(_) => "unknown".to_owned(),
-            })
-        });
-        step_table(&mut page, &data, "Stack of a step, bytes", |f| {
-            Some(f.step.get(path)?.stack_bytes.to_string())
-        });
-    }
-    page.push_str(
-        "\n## Operations\n\nMean instructions, with call, loads and store; `copy` is these alone.\n",
-    );
-    let names: Vec<_> =
-        data.target.first().into_iter().flat_map(|t| &t.format).map(|f| f.name.clone()).collect();
-    for name in names {
-        operation_table(&mut page, &data, &name);
-    }
-    fs::write(to, page).map_err(|e| format!("{}: {e}", to.display()).into())
-}
-
-fn header(page: &mut String, data: &Data, corner: &str) {
-    let titles: Vec<_> = data.target.iter().map(|t| t.title.clone()).collect();
-    let _ = writeln!(page, "\n| {corner} | {} |\n|---|{}", titles.join(" | "), "---:|".repeat(titles.len()));
-}
-
-fn step_table(page: &mut String, data: &Data, corner: &str, cell: impl Fn(&Format) -> Option<String>) {
-    header(page, data, corner);
-    let Some(first) = data.target.first() else { return };
-    for name in first.format.iter().filter(|f| !f.step.is_empty()).map(|f| &f.name) {
-        let cells: Vec<_> = data
-            .target
-            .iter()
-            .map(|t| t.format.iter().find(|f| f.name == *name).and_then(&cell).unwrap_or_default())
-            .collect();
-        let _ = writeln!(page, "| {name} | {} |", cells.join(" | "));
-    }
-}
-
-fn operation_table(page: &mut String, data: &Data, format: &str) {
-    header(page, data, format);
-    let of = |target: &Target, operation: &str| {
-        let format = target.format.iter().find(|f| f.name == format)?;
-        format.operation.get(operation).map(|c| format!("{:.0}", c.mean))
-    };
-    let Some(first) = data.target.first().and_then(|t| t.format.iter().find(|f| f.name == format)) else {
-        return;
-    };
-    for operation in first.operation.keys() {
-        let cells: Vec<_> = data.target.iter().map(|t| of(t, operation).unwrap_or_default()).collect();
-        let _ = writeln!(page, "| {} | {} |", operation.replace('_', " "), cells.join(" | "));
-    }
 }
 
 #[cfg(test)]
@@ -433,8 +308,15 @@ mod tests {
             let again: Data = toml::from_str(&text(&data)).unwrap();
             assert_eq!(text(&again), text(&data));
             let step = &again.target[0].format[0].step["paper_a"];
-            assert_eq!((step.steps, step.instructions.mean, step.instructions.max), (2, 11.0, 12));
+            assert_eq!((step.instructions.mean, step.instructions.max), (11.0, Some(12)));
         }
+    }
+
+    /// A run of the script changes only what it counts.
+    #[test]
+    fn the_committed_file_is_as_it_is_written() {
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/target-costs.toml");
+        assert_eq!(text(&read(&file).unwrap()), fs::read_to_string(&file).unwrap());
     }
 
     #[test]

@@ -18,10 +18,6 @@ pub const PERIOD_S: f64 = 0.003;
 #[allow(dead_code, reason = "a program need not ask")]
 pub const PERIODS: usize = 105;
 
-/// `secant_interp::PositionChecksum` of all of them.
-#[allow(dead_code, reason = "a program need not ask")]
-pub const CHECKSUM: u64 = 0xe1bd768de1e8a6bd;
-
 /// Path and plan.
 pub static PATH: PieceInterpolator<'static, Number, 3> = PieceInterpolator {
     pieces: Pieces {

@@ -18,10 +18,6 @@ pub const PERIOD_S: f64 = 0.003;
 #[allow(dead_code, reason = "a program need not ask")]
 pub const PERIODS: usize = 97;
 
-/// `secant_interp::PositionChecksum` of all of them.
-#[allow(dead_code, reason = "a program need not ask")]
-pub const CHECKSUM: u64 = 0x89c072f56bdc9a56;
-
 /// Path and plan.
 pub static PATH: PieceInterpolator<'static, Number, 2> = PieceInterpolator {
     pieces: Pieces {

@@ -1,0 +1,1 @@
+"""How the committed figures are made anew: console blocks of pages, tables between markers, pictures. `scripts/figures` has the list."""
