@@ -15,6 +15,8 @@ from pathlib import Path
 from .aligned import GAP, Unaligned, aligned, line_cost, renewed_line
 
 FENCE = re.compile(r"^( *)```([^\n]*)\n(.*?)^\1```$", re.S | re.M)
+# How far a long command is, which hangs on the machine: `feedbits: after 10 seconds: planning`.
+TIME_SO_FAR = re.compile(r"^feedbits: after \d+ (?:second|minute|hour|day)s?: .*\n", re.M)
 OURS = re.compile(r"\$ (?:feedbits|cargo run --release(?: --)?)(?= |$)(.*)")
 
 
@@ -73,4 +75,4 @@ def shown_below(binary, arguments, folder, below):
 def run(binary, arguments, folder):
     done = subprocess.run([binary, *arguments], cwd=folder, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                           stderr=subprocess.STDOUT, text=True, encoding="utf-8", check=False)
-    return done.returncode, done.stdout
+    return done.returncode, TIME_SO_FAR.sub("", done.stdout)

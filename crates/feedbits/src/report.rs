@@ -11,7 +11,7 @@ use format_report::{Material, Report, Schedule, Solver};
 use target_cost::{StepCost, Target, built_in};
 
 use crate::formats::by_name;
-use crate::output;
+use crate::{output, progress};
 
 /// The folder of the report if no command is given.
 pub(crate) const FOLDER: &str = "feedbits-report";
@@ -23,8 +23,9 @@ const SHOWN_TARGETS: [&str; 2] = ["cortex-m4f", "dsp48"];
 const RECORDED_PERIODS: usize = 200;
 
 /// The command that runs if none is given: it compares the built-in example, and writes a report if it can make a
-/// folder.
+/// folder. What is begun is said at once, for a log shows nothing else until the answer is there.
 pub(crate) fn default_command() -> Vec<&'static str> {
+    progress::announce("comparing formats on the built-in example, which takes a few seconds");
     match fs::create_dir_all(FOLDER) {
         Ok(()) => vec!["feedbits", "compare", "--report", FOLDER],
         Err(error) => {
