@@ -20,7 +20,7 @@ def table(bounds, titles):
     lines.append(line(worst, lambda target: f"{target['worst_of_the_part']:,}"))
     lines.append(line("… that a search has found", lambda target: f"{target['worst_found']:,}"))
     ratio = lambda target: f"{bound(target, 'plan', 'instructions') / target['worst_found']:.2f}"
-    lines.append(line("the bound is so many times that", ratio))
+    lines.append(line("the bound, over the worst that was found", ratio))
     return marked.rows(header, lines, len(targets))
 
 

@@ -52,7 +52,7 @@
 //! | `std` (default) | square roots of floats through std; implies `alloc` and `cubic` |
 //! | `libm` | square roots of floats without std |
 //! | `alloc` | types that own their numbers: [`NurbsBuf`], `polynomials/`, [`compile()`], [`PathCurve`], `fitting/`, `smoothing/`; without it no allocator is linked |
-//! | `cubic` | points and derivatives of a cubic [`NurbsCurve`] at half of the instructions or less in floats, for more code |
+//! | `cubic` | points and derivatives of a cubic [`NurbsCurve`] in fewer instructions, for more code |
 //! | `generate` | curves for tests: proptest strategies in `generate`, the curves of the papers in `golden` |
 
 #![cfg_attr(not(any(test, feature = "std")), no_std)]

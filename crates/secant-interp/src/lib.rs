@@ -43,7 +43,7 @@
 //! | `std` (default) | square roots of floats through std; implies `alloc` and `cubic` |
 //! | `libm` | square roots of floats without std |
 //! | `alloc` | `CompiledPath`: path and plan are compiled on the machine that runs them; without it no allocator is linked |
-//! | `cubic` | a step on cubics that takes up to 40 % fewer instructions and more flash |
+//! | `cubic` | a step on cubics that takes fewer instructions and more flash |
 //! | `lanes` | simulations on a large machine |
 //!
 //! # Source

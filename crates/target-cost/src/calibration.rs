@@ -10,8 +10,8 @@
 //! where g and λ ≥ 0 are the same for all operations of a format. With g = 1, λ is chosen so that the costs of the
 //! operations of a step of each path, summed over both paths, equal the traced steps. If the sum exceeds the traced
 //! steps even with λ = 0, g < 1 is chosen instead. One number is fitted to two paths, one of which has half as many
-//! operations again as the other. Each step is predicted within 11 %; one of f32 on an FPU within 18 %, because little
-//! of it is arithmetic.
+//! operations again as the other. `feedbits targets --check` prints how well each step is predicted: least well one of
+//! f32 on an FPU, because little of it is arithmetic.
 
 use std::collections::BTreeMap;
 
