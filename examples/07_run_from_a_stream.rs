@@ -90,7 +90,7 @@ fn run<R: FromWord, const D: usize>(
 ) -> Result<(), Box<dyn Error>> {
     let mut reader = StreamReader::<R, D>::new(header)?;
     let mut buffer = vec![0; usize::try_from(header.largest_bytes)?];
-    let mut rows = SectionBuf::for_stream(header);
+    let mut rows = SectionBuf::for_stream(header, &buffer)?;
     let mut storage = rows.storage();
     let mut checksum = PositionChecksum::default();
     while reader.next_section().is_some() {

@@ -50,7 +50,7 @@ where
 fn run<R: FromWord, const D: usize>(file: &[u8]) -> (u64, u64) {
     let header = StreamHeader::read(file).unwrap();
     let mut reader = StreamReader::<R, D>::new(&header).unwrap();
-    let (mut rows, mut rest) = (SectionBuf::for_stream(&header), &file[StreamHeader::BYTES..]);
+    let (mut rows, mut rest) = (SectionBuf::for_stream(&header, file).unwrap(), &file[StreamHeader::BYTES..]);
     let (mut storage, mut periods, mut checksum) = (rows.storage(), 0, PositionChecksum::default());
     while reader.next_section().is_some() {
         let (section, behind) = rest.split_at(reader.section_bytes(&rest[..SECTION_HEAD_BYTES]).unwrap());
@@ -146,7 +146,7 @@ fn a_plan_for_overrides_says_how_fast_the_rate_may_change() {
     rates.set(found.commanded);
     let header = StreamHeader::read(&file).unwrap();
     let mut reader = StreamReader::<real::I8F24, 3>::new(&header).unwrap();
-    let mut rows = SectionBuf::for_stream(&header);
+    let mut rows = SectionBuf::for_stream(&header, &file).unwrap();
     let mut storage = rows.storage();
     let section = reader.section(&file[StreamHeader::BYTES..], &mut storage).unwrap();
     let (mut state, mut before) = (section.start(), 0.0);

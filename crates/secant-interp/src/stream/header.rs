@@ -106,7 +106,7 @@ impl StreamHeader {
             return refused("number of evaluations", max_evaluations.into());
         }
         // Fields are taken in the order in which they stand here.
-        Some(Ok(Self {
+        let header = Self {
             format,
             dimension,
             degree,
@@ -127,7 +127,12 @@ impl StreamHeader {
             file_bytes: bytes.u64()?,
             periods: bytes.u64()?,
             checksum: bytes.u64()?,
-        }))
+        };
+        // A reader that compares the length of its file takes no buffer that is longer.
+        if u64::from(header.largest_bytes) > header.file_bytes {
+            return refused("largest section", header.largest_bytes.into());
+        }
+        Some(Ok(header))
     }
 
     /// The bytes of the header.

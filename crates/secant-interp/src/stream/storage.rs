@@ -140,17 +140,31 @@ pub struct SectionBuf<R, const D: usize> {
 
 #[cfg(feature = "alloc")]
 impl<R: FromWord, const D: usize> SectionBuf<R, D> {
-    /// Rows for every section of the stream with this header.
-    #[must_use]
-    pub fn for_stream(header: &StreamHeader) -> Self {
+    /// Rows for every section of the stream with this header, of which `buffer` is the buffer for the largest section. So the
+    /// host has said how much memory a stream may take, and rows take no more than some times that: a header may ask for any.
+    ///
+    /// # Errors
+    /// [`StreamError::HeaderField`] for a section that is longer than the buffer, and for more rows than such a section holds.
+    pub fn for_stream(header: &StreamHeader, buffer: &[u8]) -> Result<Self, StreamError> {
         let rows = |count: u32| usize::try_from(count).unwrap_or(usize::MAX);
-        let (shape, pieces) = (header.row_shape(R::BYTES), rows(header.largest_pieces));
-        Self {
+        let shape = header.row_shape(R::BYTES);
+        let straight = shape.straight_bytes().min(shape.piece_bytes());
+        for (field, count, bytes) in [
+            ("largest section", header.largest_bytes, 1),
+            ("number of pieces", header.largest_pieces, straight),
+            ("number of stages", header.largest_stages, shape.stage_bytes()),
+        ] {
+            if rows(count).checked_mul(bytes).is_none_or(|bytes| bytes > buffer.len()) {
+                return Err(StreamError::HeaderField { field, found: count.into() });
+            }
+        }
+        let pieces = rows(header.largest_pieces);
+        Ok(Self {
             pieces: vec![SectionStorage::no_piece(); pieces],
             numerators: vec![[R::zero(); D]; pieces.saturating_mul(shape.degree)],
             weights: vec![R::zero(); pieces.saturating_mul(shape.weights())],
             stages: vec![SectionStorage::<R, D>::no_stage(); rows(header.largest_stages)],
-        }
+        })
     }
 
     /// The rows, for a [`StreamReader`](crate::StreamReader).

@@ -3,8 +3,8 @@
 use proptest::prelude::*;
 use real::{Backend, FromWord, I3F29, I4F28};
 use secant_interp::{
-    NoStream, PathStream, SECTION_HEAD_BYTES, SectionStorage, StreamError, StreamHeader, StreamReader,
-    StreamedRun,
+    NoStream, PathStream, SECTION_HEAD_BYTES, SectionBuf, SectionStorage, StreamError, StreamHeader,
+    StreamReader, StreamedRun,
 };
 
 use super::streamed::{compiled, compiled_for, file_of, places, read, seal};
@@ -77,6 +77,27 @@ fn a_file_that_is_cut_off_anywhere_is_named() {
         let (expected, found) = (file.len() as u64, length as u64);
         assert_eq!(header.expect_file_bytes(found), Err(StreamError::OtherFileLength { expected, found }));
     }
+}
+
+/// A header once took 68 GB, whatever the length of its file.
+#[test]
+fn a_header_takes_no_memory_for_rows_that_its_file_cannot_hold() {
+    let file = file();
+    let header = StreamHeader::read(&file).unwrap();
+    let buffer = vec![0; header.largest_bytes as usize];
+    assert!(SectionBuf::<I4F28, 2>::for_stream(&header, &buffer).is_ok());
+    let found = u32::MAX.into();
+    for (asks, field) in [
+        (StreamHeader { largest_pieces: u32::MAX, ..header }, "number of pieces"),
+        (StreamHeader { largest_stages: u32::MAX, ..header }, "number of stages"),
+        (StreamHeader { largest_bytes: u32::MAX, ..header }, "largest section"),
+    ] {
+        let refused = SectionBuf::<I4F28, 2>::for_stream(&asks, &buffer).unwrap_err();
+        assert_eq!(refused, StreamError::HeaderField { field, found });
+    }
+    let longer = StreamHeader { largest_bytes: u32::MAX, ..header };
+    let refused = StreamError::HeaderField { field: "largest section", found };
+    assert_eq!(StreamHeader::read(&longer.to_bytes()), Err(refused));
 }
 
 /// Each pair of sections.

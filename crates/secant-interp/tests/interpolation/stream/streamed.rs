@@ -104,7 +104,8 @@ pub(crate) fn read<R: FromWord, const D: usize>(
     let result = (|| {
         let header = StreamHeader::read(file)?;
         let mut reader = StreamReader::<R, D>::new(&header)?;
-        let mut rows = SectionBuf::<R, D>::for_stream(&header);
+        let buffer = vec![0; header.largest_bytes as usize];
+        let mut rows = SectionBuf::<R, D>::for_stream(&header, &buffer)?;
         let mut storage = rows.storage();
         let mut rest = &file[StreamHeader::BYTES..];
         while reader.next_section().is_some() {
